@@ -1,0 +1,33 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# Every package from outside, found once. The Debian names are in the list `packages` of the script ./nodmap.
+
+find_package(PkgConfig REQUIRED)
+find_package(Threads REQUIRED)
+find_package(Eigen3 3.4 REQUIRED NO_MODULE)
+find_package(CLI11 REQUIRED)
+find_package(spdlog REQUIRED)
+find_package(yaml-cpp REQUIRED)
+find_package(nlohmann_json REQUIRED)
+find_package(PNG REQUIRED)
+find_package(octomap 1.9 REQUIRED)
+find_package(Python3 REQUIRED COMPONENTS Interpreter)
+find_program(NODMAP_LCM_GEN lcm-gen REQUIRED)
+
+# LCM 1.4 and newer bring a CMake package, Debian's 1.3.1 only a pkg-config file.
+find_package(lcm CONFIG QUIET)
+if(NOT TARGET lcm)
+  pkg_check_modules(LCM REQUIRED IMPORTED_TARGET lcm)
+  add_library(lcm ALIAS PkgConfig::LCM)
+endif()
+
+# OctoMap's package sets variables only.
+add_library(nodmap_octomap INTERFACE)
+target_include_directories(nodmap_octomap SYSTEM INTERFACE ${OCTOMAP_INCLUDE_DIRS})
+target_link_libraries(nodmap_octomap INTERFACE ${OCTOMAP_LIBRARIES})
+
+if(NODMAP_TESTS)
+  find_package(GTest REQUIRED)
+endif()
+if(NODMAP_BENCH)
+  find_package(benchmark REQUIRED)
+endif()

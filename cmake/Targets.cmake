@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# The one warnings target, and the functions that make a library, a program, a test or a benchmark.
+
+add_library(nodmap_options INTERFACE)
+target_include_directories(nodmap_options INTERFACE ${PROJECT_SOURCE_DIR})
+target_compile_definitions(nodmap_options INTERFACE NODMAP_VERSION="${PROJECT_VERSION}")
+target_compile_options(nodmap_options INTERFACE
+  -Wall -Wextra -Wpedantic -Wconversion -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual
+  -Wold-style-cast -Wdouble-promotion
+  # The same log gives the same bytes on every machine: no fused operations chosen by the compiler.
+  -ffp-contract=off
+  $<$<BOOL:${NODMAP_WERROR}>:-Werror>)
+if(NODMAP_SANITIZE)
+  target_compile_options(nodmap_options INTERFACE
+    -fsanitize=${NODMAP_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  target_link_options(nodmap_options INTERFACE -fsanitize=${NODMAP_SANITIZE})
+endif()
+if(NODMAP_COVERAGE)
+  target_compile_options(nodmap_options INTERFACE --coverage)
+  target_link_options(nodmap_options INTERFACE --coverage)
+endif()
+
+# nodmap_add_library(NAME SOURCES a.cpp ... DEPENDS target ...): the library nodmap::NAME.
+function(nodmap_add_library name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS" ${ARGN})
+  add_library(nodmap_${name} STATIC ${ARG_SOURCES})
+  add_library(nodmap::${name} ALIAS nodmap_${name})
+  target_link_libraries(nodmap_${name} PUBLIC nodmap_options Eigen3::Eigen ${ARG_DEPENDS})
+endfunction()
+
+# nodmap_add_program(nodmap-NAME SOURCES main.cpp DEPENDS target ...): a program in bin/.
+function(nodmap_add_program name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS" ${ARGN})
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE nodmap_options ${ARG_DEPENDS})
+  install(TARGETS ${name} RUNTIME)
+endfunction()
+
+# nodmap_add_test(NAME SOURCES x_test.cpp ... DEPENDS target ... [DATA]): a test program.
+# DATA marks tests that read the recordings in NODMAP_DATA; they skip, and say so, where it is missing.
+function(nodmap_add_test name)
+  cmake_parse_arguments(ARG "DATA" "" "SOURCES;DEPENDS" ${ARGN})
+  if(NOT NODMAP_TESTS)
+    return()
+  endif()
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE nodmap_options ${ARG_DEPENDS} GTest::gmock GTest::gtest_main)
+  set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/tests)
+  set(label unit)
+  if(ARG_DATA)
+    set(label data)
+  endif()
+  # memq:// keeps every test off the network, whatever it forgets to say.
+  gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES
+    LABELS ${label} TIMEOUT 600 ENVIRONMENT "LCM_DEFAULT_URL=memq://")
+endfunction()
+
+# nodmap_add_benchmark(NAME SOURCES x_bench.cpp DEPENDS target ...): a Google Benchmark program.
+function(nodmap_add_benchmark name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS" ${ARGN})
+  if(NOT NODMAP_BENCH)
+    return()
+  endif()
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE nodmap_options ${ARG_DEPENDS} benchmark::benchmark_main)
+  set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bench)
+endfunction()

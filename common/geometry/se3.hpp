@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Geometry>
+
+#include "common/geometry/se2.hpp"
+
+namespace nodmap::geometry {
+
+/// A pose in space, or equally the transform it stands for: `T_a_b * p_b == p_a`. Metres;
+/// x forward, y left, z up.
+using SE3 = Eigen::Isometry3d;
+
+[[nodiscard]] SE3 make_se3(const Eigen::Vector3d& translation, const Eigen::Quaterniond& rotation);
+
+/// The planar pose lifted into space: height, roll and pitch are zero.
+[[nodiscard]] SE3 to_se3(const SE2& pose);
+
+/// The pose seen from above: x, y and the heading of the forward axis.
+[[nodiscard]] SE2 to_se2(const SE3& pose);
+
+/// Turns a vector about the y (left) axis so that positive angles look up, as the scanner's pitch
+/// does: the forward axis goes to (cos p, 0, sin p).
+[[nodiscard]] Eigen::Matrix3d pitch_rotation(double pitch_up_rad);
+
+/// The pose at `fraction` of the way from `from` (0) to `to` (1): straight line and SLERP. Values
+/// outside [0, 1] extrapolate at the same velocity.
+[[nodiscard]] SE3 interpolate(const SE3& from, const SE3& to, double fraction);
+
+/// The angle of the rotation part, in [0, pi].
+[[nodiscard]] double rotation_angle(const SE3& pose);
+
+}  // namespace nodmap::geometry

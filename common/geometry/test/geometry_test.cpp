@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "common/geometry/angle.hpp"
+#include "common/geometry/se2.hpp"
+#include "common/geometry/se3.hpp"
+
+namespace nodmap::geometry {
+namespace {
+
+// A few roundings of doubles of magnitude 10.
+constexpr double kRounding = 1e-12;
+
+TEST(Angle, NormalizesIntoHalfOpenInterval) {
+  EXPECT_DOUBLE_EQ(normalize_angle(0.0), 0.0);
+  EXPECT_DOUBLE_EQ(normalize_angle(kPi), kPi);
+  EXPECT_DOUBLE_EQ(normalize_angle(-kPi), kPi);
+  EXPECT_NEAR(normalize_angle(3 * kPi / 2), -kPi / 2, kRounding);
+  EXPECT_NEAR(normalize_angle(-7.0), -7.0 + 2 * kPi, kRounding);
+}
+
+TEST(Angle, DifferenceIsTheShortestTurn) {
+  EXPECT_NEAR(angle_difference(deg_to_rad(-179), deg_to_rad(179)), deg_to_rad(2), kRounding);
+  EXPECT_NEAR(angle_difference(deg_to_rad(179), deg_to_rad(-179)), deg_to_rad(-2), kRounding);
+}
+
+TEST(Se2, InverseUndoesAndChainsAssociate) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> value(-3.0, 3.0);
+  for (int i = 0; i < 1000; ++i) {
+    const SE2 a{value(random), value(random), value(random)};
+    const SE2 b{value(random), value(random), value(random)};
+    const Eigen::Vector2d p(value(random), value(random));
+    EXPECT_LT(((a.inverse() * a) * p - p).norm(), kRounding);
+    EXPECT_LT(((a * b) * p - a * (b * p)).norm(), kRounding);
+    EXPECT_LT((to_se3(a) * Eigen::Vector3d(p.x(), p.y(), 0) - Eigen::Vector3d((a * p).x(), (a * p).y(), 0)).norm(),
+              kRounding);
+  }
+}
+
+TEST(Se2, LeftTurnMovesWhatIsAheadToTheLeftInTheMap) {
+  const SE2 T_map_base{1.0, 2.0, kPi / 2};
+  const Eigen::Vector2d ahead(1.0, 0.0);
+  EXPECT_NEAR((T_map_base * ahead).x(), 1.0, kRounding);
+  EXPECT_NEAR((T_map_base * ahead).y(), 3.0, kRounding);
+}
+
+TEST(Se3, PositivePitchLooksUp) {
+  const Eigen::Vector3d forward = pitch_rotation(deg_to_rad(30)) * Eigen::Vector3d::UnitX();
+  EXPECT_NEAR(forward.x(), std::cos(deg_to_rad(30)), kRounding);
+  EXPECT_NEAR(forward.z(), 0.5, kRounding);
+  EXPECT_NEAR(pitch_rotation(1.0).determinant(), 1.0, kRounding);
+}
+
+TEST(Se3, InterpolatesEndsMiddleAndBeyond) {
+  const SE3 from = to_se3(SE2{1, 0, 0.2});
+  const SE3 to = to_se3(SE2{3, 2, 1.0});
+  EXPECT_TRUE(interpolate(from, to, 0.0).isApprox(from, kRounding));
+  EXPECT_TRUE(interpolate(from, to, 1.0).isApprox(to, kRounding));
+  const SE2 middle = to_se2(interpolate(from, to, 0.5));
+  EXPECT_NEAR(middle.x, 2.0, kRounding);
+  EXPECT_NEAR(middle.y, 1.0, kRounding);
+  EXPECT_NEAR(middle.yaw, 0.6, kRounding);
+  EXPECT_NEAR(to_se2(interpolate(from, to, 1.5)).yaw, 1.4, kRounding);
+}
+
+TEST(Se3, PlanarRoundTrip) {
+  const SE2 pose{1.5, -2.5, -3.0};
+  const SE2 back = to_se2(to_se3(pose));
+  EXPECT_NEAR(back.x, pose.x, kRounding);
+  EXPECT_NEAR(back.y, pose.y, kRounding);
+  EXPECT_NEAR(back.yaw, pose.yaw, kRounding);
+  EXPECT_NEAR(rotation_angle(to_se3(pose)), 3.0, kRounding);
+}
+
+}  // namespace
+}  // namespace nodmap::geometry
