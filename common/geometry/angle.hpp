@@ -8,8 +8,12 @@ namespace nodmap::geometry {
 
 inline constexpr double kPi = std::numbers::pi;
 
-[[nodiscard]] constexpr double deg_to_rad(double angle_deg) { return angle_deg * (kPi / 180.0); }
-[[nodiscard]] constexpr double rad_to_deg(double angle_rad) { return angle_rad * (180.0 / kPi); }
+[[nodiscard]] constexpr double deg_to_rad(double angle_deg) {
+  return angle_deg * (kPi / 180.0);
+}
+[[nodiscard]] constexpr double rad_to_deg(double angle_rad) {
+  return angle_rad * (180.0 / kPi);
+}
 
 /// The equal angle in (-pi, pi]. The only place in the project that wraps an angle.
 [[nodiscard]] inline double normalize_angle(double angle_rad) {

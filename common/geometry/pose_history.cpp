@@ -54,8 +54,8 @@ SE3 PoseHistory::extrapolate_beyond_newest(std::int64_t utime_us) const {
   if (spacing_us < 1'000 || spacing_us > 1'000'000) {
     return newest.T_odom_base;
   }
-  const double fraction = static_cast<double>(utime_us - before.utime_us) /
-                          static_cast<double>(spacing_us);
+  const double fraction =
+      static_cast<double>(utime_us - before.utime_us) / static_cast<double>(spacing_us);
   return interpolate(before.T_odom_base, newest.T_odom_base, fraction);
 }
 

@@ -36,6 +36,8 @@ SE3 interpolate(const SE3& from, const SE3& to, double fraction) {
   return between;
 }
 
-double rotation_angle(const SE3& pose) { return std::abs(Eigen::AngleAxisd(pose.linear()).angle()); }
+double rotation_angle(const SE3& pose) {
+  return std::abs(Eigen::AngleAxisd(pose.linear()).angle());
+}
 
 }  // namespace nodmap::geometry

@@ -30,7 +30,8 @@ struct Scan {
   double range_max_m = 0.0;  ///< how far the sensor reaches
 
   geometry::SE3 T_base_mount = geometry::SE3::Identity();
-  Eigen::Vector3d mirror_offset_m = Eigen::Vector3d::Zero();  ///< pitch axis to mirror, pitched frame
+  Eigen::Vector3d mirror_offset_m =
+      Eigen::Vector3d::Zero();  ///< pitch axis to mirror, pitched frame
 
   /// Metres along each beam. +infinity: nothing came back (free up to `range_max_m`); NaN or
   /// anything else outside [range_min_m, range_max_m]: no measurement.

@@ -35,7 +35,9 @@ TEST(Se2, InverseUndoesAndChainsAssociate) {
     const Eigen::Vector2d p(value(random), value(random));
     EXPECT_LT(((a.inverse() * a) * p - p).norm(), kRounding);
     EXPECT_LT(((a * b) * p - a * (b * p)).norm(), kRounding);
-    EXPECT_LT((to_se3(a) * Eigen::Vector3d(p.x(), p.y(), 0) - Eigen::Vector3d((a * p).x(), (a * p).y(), 0)).norm(),
+    EXPECT_LT((to_se3(a) * Eigen::Vector3d(p.x(), p.y(), 0) -
+               Eigen::Vector3d((a * p).x(), (a * p).y(), 0))
+                  .norm(),
               kRounding);
   }
 }

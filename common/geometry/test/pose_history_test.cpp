@@ -8,9 +8,13 @@
 namespace nodmap::geometry {
 namespace {
 
-SE3 at_x(double x) { return to_se3(SE2{x, 0, 0}); }
+SE3 at_x(double x) {
+  return to_se3(SE2{x, 0, 0});
+}
 
-TEST(PoseHistory, EmptyAnswersNothing) { EXPECT_FALSE(PoseHistory().at(0).has_value()); }
+TEST(PoseHistory, EmptyAnswersNothing) {
+  EXPECT_FALSE(PoseHistory().at(0).has_value());
+}
 
 TEST(PoseHistory, InterpolatesAndHitsSamplesExactly) {
   PoseHistory history;

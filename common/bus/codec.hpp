@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "common/bus/wire_layout.hpp"
+#include "nodmap/wire_layouts.hpp"
+
+namespace nodmap::bus {
+
+inline constexpr std::size_t kFingerprintBytes = 8;
+
+/// The fingerprint in front of a message, or 0 where there is none.
+[[nodiscard]] inline std::int64_t fingerprint_of(std::span<const std::byte> bytes) {
+  if (bytes.size() < kFingerprintBytes) {
+    return 0;
+  }
+  std::uint64_t value = 0;
+  for (const std::byte b : bytes.first(kFingerprintBytes)) {
+    value = (value << 8U) | static_cast<std::uint64_t>(b);
+  }
+  return static_cast<std::int64_t>(value);
+}
+
+/// Decodes what is exactly one valid message; false (and `message` untouched) for anything else:
+/// another fingerprint, too short, trailing bytes, counts or strings that do not add up. Never
+/// throws on data and never allocates more than the bytes at hand can fill.
+template <class Message>
+[[nodiscard]] bool decode_into(Message& message, std::span<const std::byte> bytes) {
+  if (bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max()) ||
+      fingerprint_of(bytes) != Message::getHash() ||
+      !fits_layout(WireLayout<Message>::kFields, bytes.subspan(kFingerprintBytes))) {
+    return false;
+  }
+  const int size = static_cast<int>(bytes.size());
+  return message.decode(bytes.data(), 0, size) == size;
+}
+
+/// Encodes into a buffer that keeps its capacity from call to call. The counts in the message must
+/// match its arrays, as lcm-gen asks.
+template <class Message>
+void encode_into(std::vector<std::byte>& buffer, const Message& message) {
+  buffer.resize(static_cast<std::size_t>(message.getEncodedSize()));
+  message.encode(buffer.data(), 0, static_cast<int>(buffer.size()));
+}
+
+}  // namespace nodmap::bus

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "common/bus/event_log.hpp"
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <stdexcept>
+#include <system_error>
+
+namespace nodmap::bus {
+namespace {
+
+constexpr std::uint32_t kSync = 0xEDA1DA01;
+constexpr std::size_t kHeaderBytes = 28;
+// LCM allows 63 characters on the network; logs made by other tools may hold longer names.
+constexpr std::uint32_t kMaxChannelBytes = 1000;
+// LCM's own limit for a message.
+constexpr std::uint32_t kMaxDataBytes = 1U << 28U;
+constexpr std::size_t kPendingLimit = 64 * 1024;
+
+template <class Unsigned>
+Unsigned read_big_endian(std::span<const std::byte> bytes) {
+  Unsigned value = 0;
+  for (std::size_t i = 0; i < sizeof(Unsigned); ++i) {
+    value = static_cast<Unsigned>((value << 8U) | static_cast<Unsigned>(bytes[i]));
+  }
+  return value;
+}
+
+template <class Unsigned>
+void append_big_endian(std::vector<std::byte>& bytes, Unsigned value) {
+  for (std::size_t i = sizeof(Unsigned); i > 0; --i) {
+    bytes.push_back(static_cast<std::byte>((value >> (8 * (i - 1))) & 0xFFU));
+  }
+}
+
+std::runtime_error file_error(const std::filesystem::path& path, const char* what) {
+  return std::runtime_error(path.string() + ": " + what + ": " +
+                            std::system_category().message(errno));
+}
+
+}  // namespace
+
+struct LogReader::Mapping {
+  void* address = MAP_FAILED;
+  std::size_t size = 0;
+
+  Mapping() = default;
+  Mapping(const Mapping&) = delete;
+  Mapping& operator=(const Mapping&) = delete;
+  Mapping(Mapping&&) = delete;
+  Mapping& operator=(Mapping&&) = delete;
+  ~Mapping() {
+    if (address != MAP_FAILED) {
+      ::munmap(address, size);
+    }
+  }
+};
+
+LogReader::LogReader(const std::filesystem::path& path) : mapping_(std::make_unique<Mapping>()) {
+  const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (fd < 0) {
+    throw file_error(path, "cannot open");
+  }
+  struct stat info {};
+  if (::fstat(fd, &info) == 0 && S_ISREG(info.st_mode) && info.st_size > 0) {
+    mapping_->size = static_cast<std::size_t>(info.st_size);
+    mapping_->address = ::mmap(nullptr, mapping_->size, PROT_READ, MAP_PRIVATE, fd, 0);
+  }
+  ::close(fd);
+  if (!S_ISREG(info.st_mode)) {
+    throw std::runtime_error(path.string() + ": not a regular file");
+  }
+  if (mapping_->size > 0 && mapping_->address == MAP_FAILED) {
+    throw file_error(path, "cannot read");
+  }
+  bytes_ = {static_cast<const std::byte*>(mapping_->size > 0 ? mapping_->address : nullptr),
+            mapping_->size};
+  size_bytes_ = static_cast<std::int64_t>(mapping_->size);
+}
+
+LogReader::~LogReader() = default;
+
+const LogEvent* LogReader::next() {
+  while (at_ + kHeaderBytes <= bytes_.size()) {
+    if (read_event_here()) {
+      return &event_;
+    }
+    ++at_;
+    ++skipped_bytes_;
+  }
+  skipped_bytes_ += static_cast<std::int64_t>(bytes_.size() - at_);
+  at_ = bytes_.size();
+  return nullptr;
+}
+
+bool LogReader::read_event_here() {
+  const auto header = bytes_.subspan(at_, kHeaderBytes);
+  if (read_big_endian<std::uint32_t>(header) != kSync) {
+    return false;
+  }
+  const auto channel_size = read_big_endian<std::uint32_t>(header.subspan(20));
+  const auto data_size = read_big_endian<std::uint32_t>(header.subspan(24));
+  if (channel_size == 0 || channel_size > kMaxChannelBytes || data_size > kMaxDataBytes ||
+      channel_size + std::uint64_t{data_size} > bytes_.size() - at_ - kHeaderBytes) {
+    return false;
+  }
+  event_.event_number =
+      static_cast<std::int64_t>(read_big_endian<std::uint64_t>(header.subspan(4)));
+  event_.log_utime_us =
+      static_cast<std::int64_t>(read_big_endian<std::uint64_t>(header.subspan(12)));
+  const auto body = bytes_.subspan(at_ + kHeaderBytes, channel_size + data_size);
+  event_.channel.assign(reinterpret_cast<const char*>(body.data()), channel_size);
+  event_.data = body.subspan(channel_size);
+  at_ += kHeaderBytes + body.size();
+  return true;
+}
+
+LogWriter::LogWriter(const std::filesystem::path& path)
+    : fd_(::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666)) {
+  if (fd_ < 0) {
+    throw file_error(path, "cannot create");
+  }
+  pending_.reserve(2 * kPendingLimit);
+}
+
+LogWriter::~LogWriter() {
+  // Nobody is left to be told of a failure here; who must know calls flush() before.
+  [[maybe_unused]] const bool flushed = drain();
+  ::close(fd_);
+}
+
+bool LogWriter::write(std::int64_t log_utime_us, const std::string& channel,
+                      std::span<const std::byte> data) {
+  if (failed_) {
+    return false;
+  }
+  append_big_endian(pending_, kSync);
+  append_big_endian(pending_, static_cast<std::uint64_t>(num_events_));
+  append_big_endian(pending_, static_cast<std::uint64_t>(log_utime_us));
+  append_big_endian(pending_, static_cast<std::uint32_t>(channel.size()));
+  append_big_endian(pending_, static_cast<std::uint32_t>(data.size()));
+  const auto name = std::as_bytes(std::span(channel));
+  pending_.insert(pending_.end(), name.begin(), name.end());
+  pending_.insert(pending_.end(), data.begin(), data.end());
+  ++num_events_;
+  size_bytes_ += static_cast<std::int64_t>(kHeaderBytes + channel.size() + data.size());
+  return pending_.size() < kPendingLimit || drain();
+}
+
+bool LogWriter::flush() {
+  return !failed_ && drain();
+}
+
+bool LogWriter::drain() {
+  std::size_t done = 0;
+  while (!failed_ && done < pending_.size()) {
+    const ssize_t written = ::write(fd_, pending_.data() + done, pending_.size() - done);
+    if (written > 0) {
+      done += static_cast<std::size_t>(written);
+    } else if (errno != EINTR) {
+      failed_ = true;
+    }
+  }
+  flushed_bytes_ += static_cast<std::int64_t>(done);
+  if (failed_) {
+    // A torn event at the end is harmless: every reader of the format skips it.
+    size_bytes_ = flushed_bytes_;
+  }
+  pending_.clear();
+  return !failed_;
+}
+
+}  // namespace nodmap::bus

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace nodmap::bus {
+
+/// One event of an LCM log. `data` is valid until the next one is read.
+struct LogEvent {
+  std::int64_t event_number = 0;
+  std::int64_t log_utime_us = 0;  ///< when it was logged, microseconds since the epoch
+  std::string channel;
+  std::span<const std::byte> data;
+};
+
+/// Reads the event log format of lcm-logger. LCM's own reader allocates whatever a damaged header
+/// claims and ends at the first damage; this one looks for the next event and counts what it
+/// skipped.
+class LogReader {
+ public:
+  /// Throws std::runtime_error naming the file when it cannot be opened.
+  explicit LogReader(const std::filesystem::path& path);
+  ~LogReader();
+  LogReader(const LogReader&) = delete;
+  LogReader& operator=(const LogReader&) = delete;
+  LogReader(LogReader&&) = delete;
+  LogReader& operator=(LogReader&&) = delete;
+
+  /// The next event, or nothing at the end. The event is valid until the next call.
+  [[nodiscard]] const LogEvent* next();
+
+  /// Bytes that belonged to no whole event: damage, or a cut-off end.
+  [[nodiscard]] std::int64_t skipped_bytes() const { return skipped_bytes_; }
+  [[nodiscard]] std::int64_t size_bytes() const { return size_bytes_; }
+  [[nodiscard]] std::int64_t position_bytes() const { return static_cast<std::int64_t>(at_); }
+
+ private:
+  struct Mapping;
+
+  [[nodiscard]] bool read_event_here();
+
+  std::unique_ptr<Mapping> mapping_;
+  std::span<const std::byte> bytes_;
+  std::size_t at_ = 0;
+  std::int64_t size_bytes_ = 0;
+  std::int64_t skipped_bytes_ = 0;
+  LogEvent event_;
+};
+
+/// Writes the event log format that lcm-logplayer plays.
+class LogWriter {
+ public:
+  /// Creates the file. Throws std::runtime_error when it exists or cannot be made.
+  explicit LogWriter(const std::filesystem::path& path);
+  ~LogWriter();
+  LogWriter(const LogWriter&) = delete;
+  LogWriter& operator=(const LogWriter&) = delete;
+  LogWriter(LogWriter&&) = delete;
+  LogWriter& operator=(LogWriter&&) = delete;
+
+  /// Appends one event. False when the disk takes no more; the file then ends with the last event
+  /// that was written whole.
+  [[nodiscard]] bool write(std::int64_t log_utime_us, const std::string& channel,
+                           std::span<const std::byte> data);
+
+  /// Hands everything to the operating system. False as for write().
+  [[nodiscard]] bool flush();
+
+  /// Bytes of whole events so far, flushed or not.
+  [[nodiscard]] std::int64_t size_bytes() const { return size_bytes_; }
+  [[nodiscard]] std::int64_t num_events() const { return num_events_; }
+
+ private:
+  [[nodiscard]] bool drain();
+
+  int fd_ = -1;
+  bool failed_ = false;
+  std::vector<std::byte> pending_;
+  std::int64_t size_bytes_ = 0;
+  std::int64_t flushed_bytes_ = 0;
+  std::int64_t num_events_ = 0;
+};
+
+}  // namespace nodmap::bus

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+
+namespace nodmap::bus {
+
+/// Durations in a histogram of fixed size: bins a sixteenth of an octave wide, so that a percentile
+/// is right to 5 %. Recording costs a few nanoseconds and never allocates.
+class LatencyMeter {
+ public:
+  struct Summary {
+    double p50_us = 0.0;
+    double p99_us = 0.0;
+    double max_us = 0.0;
+    std::int64_t count = 0;
+  };
+
+  /// Measures from its construction to its end.
+  class Scope {
+   public:
+    explicit Scope(LatencyMeter& meter) : meter_(meter), start_(std::chrono::steady_clock::now()) {}
+    Scope(const Scope&) = delete;
+    Scope& operator=(const Scope&) = delete;
+    Scope(Scope&&) = delete;
+    Scope& operator=(Scope&&) = delete;
+    ~Scope() { meter_.record(std::chrono::steady_clock::now() - start_); }
+
+   private:
+    LatencyMeter& meter_;
+    std::chrono::steady_clock::time_point start_;
+  };
+
+  void record(std::chrono::nanoseconds duration);
+
+  [[nodiscard]] Summary summary() const;
+
+  /// The summary since the last call, and a fresh start.
+  [[nodiscard]] Summary take();
+
+ private:
+  static constexpr std::size_t kBinsPerOctave = 16;
+  static constexpr std::size_t kBins = 40 * kBinsPerOctave;  // 1 ns to 2^40 ns, 18 minutes
+
+  [[nodiscard]] double percentile_us(double share) const;
+
+  std::array<std::uint32_t, kBins> bins_{};
+  std::int64_t count_ = 0;
+  std::int64_t max_ns_ = 0;
+};
+
+}  // namespace nodmap::bus

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "common/bus/bus.hpp"
+#include "common/bus/event_log.hpp"
+
+namespace nodmap::bus {
+
+/// The bus on a recording: no network, no clock. Events come in the order of the file, as fast as
+/// they are handled; what is published goes into another log, stamped with the log time of the
+/// event that caused it.
+class ReplayBus : public Bus {
+ public:
+  /// Throws std::runtime_error when the log cannot be read or the output not be made.
+  ReplayBus(const std::filesystem::path& log, const std::filesystem::path& out_log);
+
+  /// Handles the next event; false at the end of the log.
+  bool step();
+
+  /// Log time of the event being handled; 0 before the first.
+  [[nodiscard]] std::int64_t log_utime_us() const { return log_utime_us_; }
+  [[nodiscard]] std::int64_t events_read() const { return events_read_; }
+  [[nodiscard]] const LogReader& reader() const { return reader_; }
+  /// Whether everything published so far has reached the disk.
+  [[nodiscard]] bool flush() { return writer_.flush(); }
+
+ private:
+  bool send(const std::string& channel, std::span<const std::byte> bytes) override;
+  void listen(const std::string& channel, BytesHandler handler, int queue_capacity) override;
+
+  LogReader reader_;
+  LogWriter writer_;
+  std::map<std::string, std::vector<BytesHandler>, std::less<>> handlers_;
+  std::int64_t log_utime_us_ = 0;
+  std::int64_t events_read_ = 0;
+};
+
+}  // namespace nodmap::bus

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// LCM 1.3.1's traps, each with a test. memq:// stays within one object: no network.
+#include "common/bus/live_bus.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+#include <stdexcept>
+
+namespace nodmap::bus {
+namespace {
+
+using std::chrono::milliseconds;
+
+nodmap::odometry_t odometry_at(std::int64_t utime) {
+  nodmap::odometry_t message{};
+  message.utime = utime;
+  return message;
+}
+
+void handle_all(LiveBus& bus) {
+  while (bus.handle(milliseconds(0)) > 0) {
+  }
+}
+
+TEST(LiveBus, DeliversTypedMessages) {
+  LiveBus bus("memq://");
+  std::int64_t seen = 0;
+  bus.subscribe<nodmap::odometry_t>("ODOMETRY",
+                                    [&](const nodmap::odometry_t& m) { seen = m.utime; });
+  bus.publish("ODOMETRY", odometry_at(42));
+  handle_all(bus);
+  EXPECT_EQ(seen, 42);
+  EXPECT_EQ(bus.counts().received, 1);
+  EXPECT_EQ(bus.counts().published, 1);
+  EXPECT_EQ(bus.latency().summary().count, 1);
+}
+
+// Trap: the channel given to subscribe is a regular expression.
+TEST(LiveBus, ChannelNamesAreNoPatterns) {
+  LiveBus bus("memq://");
+  int seen = 0;
+  for (const char* channel : {"LASER.1", "A|B", "X*", "P[0]", "Q(1)", "R\\d", "S+", "T?", "^U$"}) {
+    bus.subscribe<nodmap::odometry_t>(channel, [&](const nodmap::odometry_t&) { ++seen; });
+  }
+  for (const char* channel : {"LASER_1", "A", "B", "X", "XX", "P0", "Q1", "R7", "SS", "S", "U"}) {
+    bus.publish(channel, odometry_at(1));
+  }
+  handle_all(bus);
+  EXPECT_EQ(seen, 0);
+  for (const char* channel : {"LASER.1", "A|B", "X*", "P[0]", "Q(1)", "R\\d", "S+", "T?", "^U$"}) {
+    bus.publish(channel, odometry_at(1));
+  }
+  handle_all(bus);
+  EXPECT_EQ(seen, 9);
+}
+
+// Trap: an exception that leaves a handler makes the next lcm_handle() abort the process.
+TEST(LiveBus, AnExceptionComesOutOfHandleAndTheBusLivesOn) {
+  LiveBus bus("memq://");
+  int seen = 0;
+  bus.subscribe<nodmap::odometry_t>("ODOMETRY", [&](const nodmap::odometry_t& message) {
+    ++seen;
+    if (message.utime == 1) {
+      throw std::runtime_error("broken");
+    }
+  });
+  bus.publish("ODOMETRY", odometry_at(1));
+  EXPECT_THROW(bus.handle(milliseconds(0)), std::runtime_error);
+  bus.publish("ODOMETRY", odometry_at(2));
+  handle_all(bus);
+  EXPECT_EQ(seen, 2);
+}
+
+// Trap: the generated decoders allocate what a count claims, or throw.
+TEST(LiveBus, CorruptMessagesAreCountedAndDropped) {
+  LiveBus bus("memq://");
+  int seen = 0;
+  bus.subscribe<nodmap::scan_t>("SCAN", [&](const nodmap::scan_t&) { ++seen; });
+  nodmap::scan_t scan{};
+  std::vector<std::byte> bytes;
+  encode_into(bytes, scan);
+  std::vector<std::byte> negative_count = bytes;
+  for (std::size_t i = 0; i < 4; ++i) {
+    negative_count[negative_count.size() - 8 + i] = std::byte{0xFF};  // num_ranges = -1
+  }
+  bus.publish_bytes("SCAN", negative_count);
+  bus.publish_bytes("SCAN", std::span(bytes).first(20));
+  bus.publish_bytes("SCAN", {});
+  bus.publish("SCAN", odometry_at(1));  // another type on this channel
+  bus.publish("SCAN", scan);
+  handle_all(bus);
+  EXPECT_EQ(seen, 1);
+  EXPECT_EQ(bus.counts().corrupt, 4);
+}
+
+TEST(LiveBus, AMillionRandomBytesOnScan) {
+  LiveBus bus("memq://");
+  int seen = 0;
+  bus.subscribe<nodmap::scan_t>("SCAN", [&](const nodmap::scan_t&) { ++seen; });
+  std::mt19937 random(11);
+  std::vector<std::byte> noise(1'000'000);
+  for (std::byte& b : noise) {
+    b = static_cast<std::byte>(random() & 0xFFU);
+  }
+  std::int64_t sent = 0;
+  for (std::size_t at = 0; at < noise.size();) {
+    const std::size_t size = std::min<std::size_t>(1 + random() % 4000, noise.size() - at);
+    bus.publish_bytes("SCAN", std::span(noise).subspan(at, size));
+    at += size;
+    ++sent;
+  }
+  handle_all(bus);
+  EXPECT_EQ(seen, 0);
+  EXPECT_EQ(bus.counts().corrupt, sent);
+}
+
+// Trap: a full queue drops the NEWEST message, so that a queue of 1 holds the oldest.
+TEST(LiveBus, LatestHoldsTheNewestOfABurst) {
+  LiveBus bus("memq://");
+  const Latest<nodmap::odometry_t> latest(bus, "ODOMETRY");
+  EXPECT_FALSE(latest.get().has_value());
+  for (int i = 1; i <= 50; ++i) {
+    bus.publish("ODOMETRY", odometry_at(i));
+  }
+  handle_all(bus);
+  ASSERT_TRUE(latest.get().has_value());
+  EXPECT_EQ(latest.get()->utime, 50);
+  EXPECT_EQ(latest.count(), 50);
+}
+
+TEST(LiveBus, AFloodDoesNotKeepTheCallerForEver) {
+  LiveBus bus("memq://");
+  bus.subscribe<nodmap::odometry_t>("ECHO", [&](const nodmap::odometry_t& message) {
+    bus.publish("ECHO", message);  // each message causes the next
+  });
+  bus.publish("ECHO", odometry_at(1));
+  EXPECT_EQ(bus.handle(milliseconds(0)), 1000);
+}
+
+TEST(LiveBus, AUrlThatCannotWorkIsAnError) {
+  EXPECT_THROW(LiveBus("nonsense://"), std::runtime_error);
+}
+
+TEST(LiveBus, UrlComesFromTheOptionThenTheEnvironment) {
+  EXPECT_EQ(resolve_url("memq://x"), "memq://x");
+  EXPECT_EQ(resolve_url(""), "memq://");  // CTest sets LCM_DEFAULT_URL
+}
+
+}  // namespace
+}  // namespace nodmap::bus

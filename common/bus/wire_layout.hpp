@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+namespace nodmap::bus {
+
+enum class WireForm : std::uint8_t { kPlain, kString, kStruct };
+
+/// How one member of a message lies on the wire.
+struct WireField {
+  WireForm form = WireForm::kPlain;
+  std::uint32_t size_bytes = 0;            ///< of one element, for kPlain
+  std::uint32_t fixed_count = 1;           ///< product of the literal dimensions
+  std::int32_t count_slots[2] = {-1, -1};  ///< counts that give the variable dimensions; -1: none
+  std::int32_t stores_count = -1;     ///< slot in which this integer is a count; -1: it is none
+  std::span<const WireField> nested;  ///< members, for kStruct
+};
+
+/// Specialised for every message type in the generated nodmap/wire_layouts.hpp.
+template <class Message>
+struct WireLayout;
+
+/// Whether `bytes` (without the fingerprint) hold exactly one message of this layout: no negative
+/// count, no array or string that reaches beyond the end, nothing left over.
+[[nodiscard]] bool fits_layout(std::span<const WireField> fields, std::span<const std::byte> bytes);
+
+}  // namespace nodmap::bus

@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+namespace nodmap::formats {
+
+struct ColouredPoint {
+  Eigen::Vector3f p_map = Eigen::Vector3f::Zero();  ///< metres
+  std::array<std::uint8_t, 3> rgb{};
+};
+
+/// Writes a binary little-endian PLY with x, y, z, red, green, blue. Throws std::runtime_error.
+void write_ply(const std::filesystem::path& file, const std::vector<ColouredPoint>& points);
+
+/// Reads the vertices of a PLY, binary little-endian or ASCII, with any properties beside x, y, z.
+/// Throws std::runtime_error naming the file and what is wrong.
+[[nodiscard]] std::vector<Eigen::Vector3f> read_ply(const std::filesystem::path& file);
+
+}  // namespace nodmap::formats

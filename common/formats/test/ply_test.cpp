@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "common/formats/ply.hpp"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "tests/support/data_dir.hpp"
+
+namespace nodmap::formats {
+namespace {
+
+TEST(Ply, RoundTrip) {
+  const test::TemporaryDir dir;
+  write_ply(dir.path() / "a.ply", {{{1.5F, -2, 3}, {255, 0, 10}}, {{4, 5, 6}, {1, 2, 3}}});
+  const auto points = read_ply(dir.path() / "a.ply");
+  ASSERT_EQ(points.size(), 2U);
+  EXPECT_EQ(points[0], Eigen::Vector3f(1.5F, -2, 3));
+  EXPECT_EQ(points[1], Eigen::Vector3f(4, 5, 6));
+}
+
+TEST(Ply, ReadsAsciiWithOtherPropertiesInBetween) {
+  const test::TemporaryDir dir;
+  std::ofstream(dir.path() / "a.ply")
+      << "ply\nformat ascii 1.0\ncomment made by hand\nelement vertex 1\nproperty float x\n"
+         "property float intensity\nproperty double y\nproperty float z\nelement face 0\n"
+         "property list uchar int vertex_indices\nend_header\n1 99 2 3\n";
+  const auto points = read_ply(dir.path() / "a.ply");
+  ASSERT_EQ(points.size(), 1U);
+  EXPECT_EQ(points[0], Eigen::Vector3f(1, 2, 3));
+}
+
+TEST(Ply, EmptyCutOffAndForeignFiles) {
+  const test::TemporaryDir dir;
+  write_ply(dir.path() / "empty.ply", {});
+  EXPECT_TRUE(read_ply(dir.path() / "empty.ply").empty());
+  std::ofstream(dir.path() / "cut.ply")
+      << "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nend_header\n1\n";
+  EXPECT_THROW((void)read_ply(dir.path() / "cut.ply"), std::runtime_error);
+  std::ofstream(dir.path() / "text.ply") << "hello\n";
+  EXPECT_THROW((void)read_ply(dir.path() / "text.ply"), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace nodmap::formats

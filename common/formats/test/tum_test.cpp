@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "common/formats/tum.hpp"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "tests/support/data_dir.hpp"
+
+namespace nodmap::formats {
+namespace {
+
+TEST(Tum, StampsSurviveToTheMicrosecond) {
+  const test::TemporaryDir dir;
+  Trajectory trajectory;
+  for (const std::int64_t stamp : {0LL, 1LL, 999'999LL, 976052857337284LL, 1071078718462310LL}) {
+    trajectory.push_back({stamp, geometry::to_se3({1.0 / 3.0, -2, 3.0})});
+  }
+  write_tum(dir.path() / "a.tum", trajectory);
+  const Trajectory back = read_tum(dir.path() / "a.tum");
+  ASSERT_EQ(back.size(), trajectory.size());
+  for (std::size_t i = 0; i < back.size(); ++i) {
+    EXPECT_EQ(back[i].utime_us, trajectory[i].utime_us);
+    EXPECT_TRUE(back[i].pose.isApprox(trajectory[i].pose, 1e-8));  // nine decimals are written
+  }
+}
+
+TEST(Tum, SkipsCommentsAndNamesTheLineOfAnError) {
+  const test::TemporaryDir dir;
+  std::ofstream(dir.path() / "a.tum")
+      << "# stamp x y z qx qy qz qw\n\n1.5 0 0 0 0 0 0 1\n1.6 0 0\n";
+  try {
+    (void)read_tum(dir.path() / "a.tum");
+    FAIL() << "a line of three numbers is no pose";
+  } catch (const std::runtime_error& error) {
+    EXPECT_NE(std::string(error.what()).find("a.tum:4"), std::string::npos) << error.what();
+  }
+  EXPECT_THROW((void)read_tum(dir.path() / "none"), std::runtime_error);
+}
+
+TEST(Tum, ReadsShortAndLongDecimals) {
+  const test::TemporaryDir dir;
+  std::ofstream(dir.path() / "a.tum")
+      << "1.5 0 0 0 0 0 0 1\n7 0 0 0 0 0 0 1\n1.1234567 0 0 0 0 0 0 1\n";
+  const Trajectory back = read_tum(dir.path() / "a.tum");
+  EXPECT_EQ(back.at(0).utime_us, 1'500'000);
+  EXPECT_EQ(back.at(1).utime_us, 7'000'000);
+  EXPECT_EQ(back.at(2).utime_us, 1'123'456);
+}
+
+}  // namespace
+}  // namespace nodmap::formats

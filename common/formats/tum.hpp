@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include "common/geometry/se3.hpp"
+
+namespace nodmap::formats {
+
+struct StampedPose {
+  std::int64_t utime_us = 0;
+  geometry::SE3 pose = geometry::SE3::Identity();
+};
+
+using Trajectory = std::vector<StampedPose>;
+
+/// Writes `timestamp x y z qx qy qz qw` lines: seconds with six decimals, metres. Throws
+/// std::runtime_error naming the file.
+void write_tum(const std::filesystem::path& file, const Trajectory& trajectory);
+
+/// Reads such lines; `#` comments and empty lines are skipped, stamps kept to the microsecond.
+/// Throws std::runtime_error naming file and line.
+[[nodiscard]] Trajectory read_tum(const std::filesystem::path& file);
+
+}  // namespace nodmap::formats

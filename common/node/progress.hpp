@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+
+namespace nodmap::node {
+
+/// A bar on stderr for work that takes a while; silent where stderr is no terminal.
+class Progress {
+ public:
+  Progress(std::string what, std::int64_t total);
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+  Progress(Progress&&) = delete;
+  Progress& operator=(Progress&&) = delete;
+  ~Progress();
+
+  /// Cheap enough to be called for every message.
+  void show(std::int64_t done);
+
+ private:
+  std::string what_;
+  std::int64_t total_;
+  bool on_terminal_;
+  std::uint32_t calls_ = 0;
+  std::chrono::steady_clock::time_point shown_;
+};
+
+}  // namespace nodmap::node

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "common/node/status.hpp"
+
+#include "nodmap/status_t.hpp"
+
+namespace nodmap::node {
+namespace {
+
+constexpr std::int64_t kPeriodUs = 1'000'000;
+
+std::int8_t to_message(HealthState state) {
+  switch (state) {
+    case HealthState::kOk:
+      return nodmap::status_t::OK;
+    case HealthState::kDegraded:
+      return nodmap::status_t::DEGRADED;
+    case HealthState::kFailed:
+      break;
+  }
+  return nodmap::status_t::FAILED;
+}
+
+}  // namespace
+
+StatusReporter::StatusReporter(std::string process_name, bus::Bus& bus, const Tally& tally,
+                               const time::Clock& clock)
+    : process_name_(std::move(process_name)),
+      bus_(bus),
+      tally_(tally),
+      clock_(clock),
+      last_utime_us_(clock.now_utime_us()) {}
+
+void StatusReporter::publish_if_due(const Node& node) {
+  const std::int64_t now_us = clock_.now_utime_us();
+  const std::int64_t elapsed_us = now_us - last_utime_us_;
+  // A clock set back must not silence the process until it has caught up.
+  if (elapsed_us >= 0 && elapsed_us < kPeriodUs) {
+    return;
+  }
+  const std::int64_t received = bus_.counts().received;
+  Health health = node.health();
+  if (health.state == HealthState::kOk && received == last_received_) {
+    health = {HealthState::kDegraded, "no input in the last second"};
+  }
+  const bus::LatencyMeter::Summary latency = bus_.latency().take();
+  nodmap::status_t message{};
+  message.utime = now_us;
+  message.process_name = process_name_;
+  message.health = to_message(health.state);
+  message.health_reason = health.reason;
+  message.handled_per_s = elapsed_us > 0 ? 1e6 * static_cast<double>(received - last_received_) /
+                                               static_cast<double>(elapsed_us)
+                                         : 0.0;
+  message.latency_p50_us = latency.p50_us;
+  message.latency_p99_us = latency.p99_us;
+  message.total_handled = received;
+  message.total_lost = tally_.lost();
+  message.total_corrupt = bus_.counts().corrupt;
+  message.total_rejected = tally_.total_rejected();
+  bus_.publish("STATUS", message);
+  last_utime_us_ = now_us;
+  last_received_ = received;
+}
+
+}  // namespace nodmap::node

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "common/bus/codec.hpp"
+#include "common/bus/event_log.hpp"
+#include "common/node/node.hpp"
+#include "tests/support/data_dir.hpp"
+
+namespace nodmap::node {
+namespace {
+
+struct EchoParams {
+  double gain = 1.0;
+  bool loud = false;
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.number("gain", gain, {0.0, 10.0}, "How strong.");
+    v.flag("loud", loud, "Whether loud.");
+  }
+};
+
+/// Answers each odometry message; the smallest thing that is a node.
+class EchoNode : public Node {
+ public:
+  using Params = EchoParams;
+  EchoNode(Context& context, const Params& params) : params_(params) {
+    context.bus.subscribe<nodmap::odometry_t>("ODOMETRY",
+                                              [this, &context](const nodmap::odometry_t& message) {
+                                                context.tally.use();
+                                                ++seen_;
+                                                context.bus.publish("ECHO", message);
+                                              });
+  }
+  void write_results(const std::filesystem::path& dir) override {
+    std::ofstream(dir / "echo.txt") << seen_;
+  }
+  [[nodiscard]] nlohmann::json figures() const override {
+    return {{"seen", seen_}, {"gain", params_.gain}, {"loud", params_.loud}};
+  }
+
+ private:
+  Params params_;
+  int seen_ = 0;
+};
+
+int run_echo(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), "nodmap-echo");
+  std::vector<char*> argv;
+  for (std::string& argument : arguments) {
+    argv.push_back(argument.data());
+  }
+  return run<EchoNode>(static_cast<int>(argv.size()), argv.data(), {"nodmap-echo", "Echoes."});
+}
+
+void write_log(const std::filesystem::path& file) {
+  bus::LogWriter writer(file);
+  std::vector<std::byte> bytes;
+  for (int i = 0; i < 10; ++i) {
+    nodmap::odometry_t message{};
+    message.utime = i;
+    bus::encode_into(bytes, message);
+    ASSERT_TRUE(writer.write(1'000'000 * i, "ODOMETRY", bytes));
+  }
+  ASSERT_TRUE(writer.write(9'000'001, "ODOMETRY", std::span(bytes).first(20)));
+}
+
+std::string slurp(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::ostringstream content;
+  content << in.rdbuf();
+  return content.str();
+}
+
+TEST(Run, ReplayWritesResultsAndTheSameBytesTwice) {
+  const test::TemporaryDir dir;
+  const std::string log = dir.path() / "in.lcmlog";
+  write_log(log);
+  ASSERT_EQ(run_echo({"--replay", log, "--out", dir.path() / "a", "--set", "gain=2", "--loud"}), 0);
+  ASSERT_EQ(run_echo({"--replay", log, "--out", dir.path() / "b"}), 0);
+  EXPECT_EQ(slurp(dir.path() / "a" / "echo.txt"), "10");
+  EXPECT_EQ(slurp(dir.path() / "a" / "out.lcmlog"), slurp(dir.path() / "b" / "out.lcmlog"));
+  const auto result = nlohmann::json::parse(slurp(dir.path() / "a" / "result.json"));
+  EXPECT_EQ(result["messages"]["read"], 10);
+  EXPECT_EQ(result["messages"]["used"], 10);
+  EXPECT_EQ(result["messages"]["corrupt"], 1);
+  EXPECT_EQ(result["messages"]["published"], 10);
+  EXPECT_EQ(result["figures"]["gain"], 2.0);
+  EXPECT_EQ(result["figures"]["loud"], true);
+  EXPECT_GT(result["realtime_factor"], 1.0);
+}
+
+TEST(Run, ExitCodesTellWhoIsWrong) {
+  const test::TemporaryDir dir;
+  const std::string log = dir.path() / "in.lcmlog";
+  write_log(log);
+  EXPECT_EQ(run_echo({"--help"}), 0);
+  EXPECT_EQ(run_echo({"--version"}), 0);
+  EXPECT_EQ(run_echo({"--dump-params"}), 0);
+  EXPECT_EQ(run_echo({"--no-such-option"}), 2);
+  EXPECT_EQ(run_echo({"--set", "gain=11"}), 2);
+  EXPECT_EQ(run_echo({"--set", "gian=1"}), 2);
+  EXPECT_EQ(run_echo({"--config", dir.path() / "none.yaml"}), 2);
+  EXPECT_EQ(run_echo({"--log-level", "chatty"}), 2);
+  EXPECT_EQ(run_echo({"--replay", log}), 2);  // where to?
+  EXPECT_EQ(run_echo({"--replay", dir.path() / "none", "--out", dir.path() / "c"}), 1);
+  std::ofstream(dir.path() / "precious") << "x";
+  EXPECT_EQ(run_echo({"--replay", log, "--out", dir.path()}), 1);  // not empty
+}
+
+}  // namespace
+}  // namespace nodmap::node

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "common/node/status.hpp"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "common/bus/live_bus.hpp"
+#include "nodmap/status_t.hpp"
+
+namespace nodmap::node {
+namespace {
+
+class FakeNode : public Node {
+ public:
+  void write_results(const std::filesystem::path&) override {}
+  [[nodiscard]] nlohmann::json figures() const override { return {}; }
+  [[nodiscard]] Health health() const override { return health_; }
+  Health health_;
+};
+
+class StatusTest : public ::testing::Test {
+ protected:
+  void handle_all() {
+    while (bus_.handle(std::chrono::milliseconds(0)) > 0) {
+    }
+  }
+
+  bus::LiveBus bus_{"memq://"};
+  Tally tally_;
+  time::ManualClock clock_{1'000'000};
+  FakeNode node_;
+  bus::Latest<nodmap::status_t> status_{bus_, "STATUS"};
+};
+
+TEST_F(StatusTest, ComesOnceASecondEvenWhenTheClockStepsBack) {
+  StatusReporter reporter("nodmap-test", bus_, tally_, clock_);
+  reporter.publish_if_due(node_);
+  clock_.advance(999'999);
+  reporter.publish_if_due(node_);
+  handle_all();
+  EXPECT_EQ(status_.count(), 0);
+  clock_.advance(1);
+  reporter.publish_if_due(node_);
+  clock_.set(500'000);
+  reporter.publish_if_due(node_);
+  handle_all();
+  EXPECT_EQ(status_.count(), 2);
+}
+
+TEST_F(StatusTest, SilenceOfTheInputIsDegraded) {
+  StatusReporter reporter("nodmap-test", bus_, tally_, clock_);
+  clock_.advance(1'000'000);
+  reporter.publish_if_due(node_);
+  handle_all();
+  ASSERT_TRUE(status_.get().has_value());
+  EXPECT_EQ(status_.get()->health, nodmap::status_t::DEGRADED);
+  EXPECT_EQ(status_.get()->process_name, "nodmap-test");
+}
+
+TEST_F(StatusTest, TheNodesOwnWordGoesThrough) {
+  StatusReporter reporter("nodmap-test", bus_, tally_, clock_);
+  node_.health_ = {HealthState::kFailed, "the disk is full"};
+  tally_.reject("x");
+  tally_.lose(2);
+  clock_.advance(2'000'000);
+  reporter.publish_if_due(node_);
+  handle_all();
+  EXPECT_EQ(status_.get()->health, nodmap::status_t::FAILED);
+  EXPECT_EQ(status_.get()->health_reason, "the disk is full");
+  EXPECT_EQ(status_.get()->total_rejected, 1);
+  EXPECT_EQ(status_.get()->total_lost, 2);
+}
+
+}  // namespace
+}  // namespace nodmap::node

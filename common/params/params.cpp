@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "common/params/params.hpp"
+
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <numbers>
+
+namespace nodmap::params {
+namespace {
+
+constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
+
+/// The shortest text that reads back as the same number.
+std::string format(double value) {
+  std::array<char, 32> buffer{};
+  const auto [end, error] = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value);
+  return {buffer.data(), end};
+}
+
+/// A number if the text is that and nothing else.
+template <class Number>
+std::optional<Number> parse(std::string_view text) {
+  Number value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) {
+    return std::nullopt;
+  }
+  return value;
+}
+
+/// A finite number within the range.
+std::optional<double> parse_within(std::string_view text, Range range) {
+  const std::optional<double> value = parse<double>(text);
+  if (!value || !(*value >= range.min && *value <= range.max)) {
+    return std::nullopt;
+  }
+  return value;
+}
+
+std::string interval(const char* kind, Range range) {
+  return std::string(kind) + " from " + format(range.min) + " to " + format(range.max);
+}
+
+}  // namespace
+
+void Table::number(std::string name, double& value, Range range, std::string help) {
+  entries_.push_back({std::move(name), std::move(help), interval("a number", range), false,
+                      [&value] { return format(value); },
+                      [&value, range](std::string_view text) {
+                        const auto given = parse_within(text, range);
+                        value = given.value_or(value);
+                        return given.has_value();
+                      }});
+}
+
+void Table::integer(std::string name, int& value, Range range, std::string help) {
+  entries_.push_back({std::move(name), std::move(help), interval("a whole number", range), false,
+                      [&value] { return std::to_string(value); },
+                      [&value, range](std::string_view text) {
+                        const auto given = parse<int>(text);
+                        if (!given || *given < range.min || *given > range.max) {
+                          return false;
+                        }
+                        value = *given;
+                        return true;
+                      }});
+}
+
+void Table::angle(std::string name_deg, double& value_rad, Range range_deg, std::string help) {
+  entries_.push_back(
+      {std::move(name_deg), std::move(help), interval("a number", range_deg), false,
+       // Rounded, so that a default given in degrees reads as it was written.
+       [&value_rad] { return format(std::round(value_rad * kDegreesPerRadian * 1e9) / 1e9); },
+       [&value_rad, range_deg](std::string_view text) {
+         const auto given = parse_within(text, range_deg);
+         value_rad = given ? *given / kDegreesPerRadian : value_rad;
+         return given.has_value();
+       }});
+}
+
+void Table::flag(std::string name, bool& value, std::string help) {
+  entries_.push_back({std::move(name), std::move(help), "true or false", true,
+                      [&value] { return std::string(value ? "true" : "false"); },
+                      [&value](std::string_view text) {
+                        if (text != "true" && text != "false") {
+                          return false;
+                        }
+                        value = text == "true";
+                        return true;
+                      }});
+}
+
+void Table::text(std::string name, std::string& value, std::string help) {
+  entries_.push_back({std::move(name), std::move(help), "any text", false,
+                      [&value] { return value; },
+                      [&value](std::string_view text) {
+                        value = text;
+                        return true;
+                      }});
+}
+
+void Table::set(std::string_view name, std::string_view value, const std::string& source) {
+  const auto entry = std::find_if(entries_.begin(), entries_.end(),
+                                  [&](const Entry& e) { return e.name == name; });
+  if (entry == entries_.end()) {
+    std::string known;
+    for (const Entry& e : entries_) {
+      known += (known.empty() ? "" : ", ") + e.name;
+    }
+    throw ParamError(source + ": unknown key '" + std::string(name) + "' with value '" +
+                     std::string(value) + "'; known are: " + (known.empty() ? "none" : known));
+  }
+  if (!entry->set(value)) {
+    throw ParamError(source + ": key '" + std::string(name) + "': '" + std::string(value) +
+                     "' is not allowed; it takes " + entry->allowed);
+  }
+}
+
+void Table::set_assignment(std::string_view assignment) {
+  const std::size_t equals = assignment.find('=');
+  if (equals == std::string_view::npos) {
+    throw ParamError("--set: '" + std::string(assignment) + "' is not of the form key=value");
+  }
+  set(assignment.substr(0, equals), assignment.substr(equals + 1), "--set");
+}
+
+void Table::load_yaml(const std::filesystem::path& file) {
+  YAML::Node root;
+  try {
+    root = YAML::LoadFile(file.string());
+  } catch (const YAML::Exception& error) {
+    throw ParamError(file.string() + ": " + error.what());
+  }
+  if (root.IsNull()) {
+    return;
+  }
+  if (!root.IsMap()) {
+    throw ParamError(file.string() + ": expected lines of the form 'key: value'");
+  }
+  for (const auto& item : root) {
+    const std::string where = file.string() + ":" + std::to_string(item.first.Mark().line + 1);
+    if (!item.first.IsScalar() || !item.second.IsScalar()) {
+      throw ParamError(where + ": expected 'key: value' with a single value");
+    }
+    set(item.first.Scalar(), item.second.Scalar(), where);
+  }
+}
+
+std::string Table::to_yaml() const {
+  std::string yaml;
+  for (const Entry& entry : entries_) {
+    const std::string_view unit = unit_of(entry.name);
+    yaml += "# " + entry.help + "\n# " + entry.allowed +
+            (unit.empty() ? "" : ", in " + std::string(unit)) + "\n" + entry.name + ": " +
+            entry.get() + "\n";
+  }
+  return yaml;
+}
+
+std::string Table::to_markdown() const {
+  std::string table = "| parameter | default | allowed | meaning |\n|---|---|---|---|\n";
+  for (const Entry& entry : entries_) {
+    table += "| `" + entry.name + "` | " + entry.get() + " | " + entry.allowed + " | " +
+             entry.help + " |\n";
+  }
+  return table;
+}
+
+std::string_view unit_of(std::string_view name) {
+  // Longer suffixes first: "_mps" is no "_s".
+  static constexpr std::array<std::pair<std::string_view, std::string_view>, 12> kUnits{{
+      {"_deg_per_s", "deg/s"},
+      {"_rad_per_s", "rad/s"},
+      {"_mps2", "m/s^2"},
+      {"_mps", "m/s"},
+      {"_deg", "degrees"},
+      {"_rad", "radians"},
+      {"_us", "microseconds"},
+      {"_ms", "milliseconds"},
+      {"_mb", "megabytes"},
+      {"_hz", "hertz"},
+      {"_m", "metres"},
+      {"_s", "seconds"},
+  }};
+  for (const auto& [suffix, unit] : kUnits) {
+    if (name.ends_with(suffix)) {
+      return unit;
+    }
+  }
+  return {};
+}
+
+}  // namespace nodmap::params

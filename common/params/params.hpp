@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <initializer_list>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace nodmap::params {
+
+/// A configuration that cannot be used; what() is one line naming source, key, value and what is
+/// allowed.
+class ParamError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// The closed interval of values a parameter may take.
+struct Range {
+  double min = 0.0;
+  double max = 0.0;
+};
+
+/// One described parameter, bound to the member of a struct that holds it.
+struct Entry {
+  std::string name;     ///< with its unit as suffix, as in the configuration file
+  std::string help;     ///< one sentence
+  std::string allowed;  ///< "a number from 0.01 to 5"
+  bool is_flag = false;
+  std::function<std::string()> get;
+  /// Takes the value; false, and nothing changed, when it is not allowed.
+  std::function<bool(std::string_view)> set;
+};
+
+/// The parameters of one struct. A struct describes itself once, and from that come loading,
+/// checking, --help, --dump-params and the table in the module's README:
+///
+///     struct MatcherParams {
+///       double max_range_m = 20.0;
+///       template <class Visitor> void describe(Visitor& v) {
+///         v.number("max_range_m", max_range_m, {1.0, 80.0}, "Readings beyond are not used.");
+///       }
+///     };
+class Table {
+ public:
+  /// Binds to `params`, which must outlive the table. Its present values are the defaults.
+  template <class Params>
+  explicit Table(Params& params) {
+    params.describe(*this);
+  }
+
+  void number(std::string name, double& value, Range range, std::string help);
+  void integer(std::string name, int& value, Range range, std::string help);
+  /// An angle: degrees in configuration, name and range, radians in the struct.
+  void angle(std::string name_deg, double& value_rad, Range range_deg, std::string help);
+  /// Also becomes the command-line flag --name-with-dashes.
+  void flag(std::string name, bool& value, std::string help);
+  void text(std::string name, std::string& value, std::string help);
+
+  template <class Enum>
+  void choice(std::string name, Enum& value,
+              std::initializer_list<std::pair<const char*, Enum>> options, std::string help) {
+    const std::vector<std::pair<std::string, Enum>> table(options.begin(), options.end());
+    std::string allowed = "one of";
+    for (const auto& [option, unused] : table) {
+      allowed += " " + option;
+    }
+    entries_.push_back({std::move(name), std::move(help), std::move(allowed), false,
+                        [&value, table] {
+                          for (const auto& [option, meaning] : table) {
+                            if (meaning == value) {
+                              return option;
+                            }
+                          }
+                          return std::string();
+                        },
+                        [&value, table](std::string_view given) {
+                          for (const auto& [option, meaning] : table) {
+                            if (option == given) {
+                              value = meaning;
+                              return true;
+                            }
+                          }
+                          return false;
+                        }});
+  }
+
+  [[nodiscard]] const std::vector<Entry>& entries() const { return entries_; }
+
+  /// Sets one parameter. `source` names where the value comes from. Throws ParamError.
+  void set(std::string_view name, std::string_view value, const std::string& source);
+
+  /// "key=value", as given to --set. Throws ParamError.
+  void set_assignment(std::string_view assignment);
+
+  /// A flat YAML map of parameters; keys that are missing keep their defaults. Throws ParamError.
+  void load_yaml(const std::filesystem::path& file);
+
+  /// The effective parameters as YAML, with sentence, unit and range as comments.
+  [[nodiscard]] std::string to_yaml() const;
+
+  /// The parameters as a Markdown table, for a README.
+  [[nodiscard]] std::string to_markdown() const;
+
+ private:
+  std::vector<Entry> entries_;
+};
+
+/// The unit a name's suffix stands for ("m", "deg", "m/s"), or empty.
+[[nodiscard]] std::string_view unit_of(std::string_view name);
+
+}  // namespace nodmap::params

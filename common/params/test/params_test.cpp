@@ -1,0 +1,125 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "common/params/params.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <numbers>
+
+#include "tests/support/data_dir.hpp"
+
+namespace nodmap::params {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+enum class Rule { kPaper, kConfirmed };
+
+struct SampleParams {
+  double range_m = 20.0;
+  int count = 3;
+  double pitch_rad = 0.5 * std::numbers::pi;
+  bool save = false;
+  Rule rule = Rule::kConfirmed;
+  std::string device = "/dev/ttyUSB0";
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.number("range_m", range_m, {1.0, 80.0}, "How far.");
+    v.integer("count", count, {1, 5}, "How many.");
+    v.angle("pitch_deg", pitch_rad, {-90.0, 90.0}, "How high.");
+    v.flag("save", save, "Whether.");
+    v.choice("rule", rule, {{"paper", Rule::kPaper}, {"confirmed", Rule::kConfirmed}}, "Which.");
+    v.text("device", device, "Where.");
+  }
+};
+
+class ParamsTest : public ::testing::Test {
+ protected:
+  std::string error_of_yaml(const std::string& yaml) {
+    const auto file = dir_.path() / "p.yaml";
+    std::ofstream(file) << yaml;
+    try {
+      table_.load_yaml(file);
+    } catch (const ParamError& error) {
+      return error.what();
+    }
+    return {};
+  }
+
+  test::TemporaryDir dir_;
+  SampleParams params_;
+  Table table_{params_};
+};
+
+TEST_F(ParamsTest, LoadsEveryKind) {
+  EXPECT_EQ(error_of_yaml("range_m: 4.5\ncount: 5\npitch_deg: -45\nsave: true\nrule: paper\n"
+                          "device: /dev/sick\n"),
+            "");
+  EXPECT_EQ(params_.range_m, 4.5);
+  EXPECT_EQ(params_.count, 5);
+  EXPECT_DOUBLE_EQ(params_.pitch_rad, -0.25 * std::numbers::pi);
+  EXPECT_TRUE(params_.save);
+  EXPECT_EQ(params_.rule, Rule::kPaper);
+  EXPECT_EQ(params_.device, "/dev/sick");
+}
+
+TEST_F(ParamsTest, MissingKeysKeepTheirDefaultsAndAnEmptyFileIsFine) {
+  EXPECT_EQ(error_of_yaml("count: 4\n"), "");
+  EXPECT_EQ(params_.range_m, 20.0);
+  EXPECT_EQ(error_of_yaml("# nothing\n"), "");
+}
+
+TEST_F(ParamsTest, ErrorsNameFileLineKeyValueAndWhatIsAllowed) {
+  EXPECT_THAT(error_of_yaml("count: 4\nrange_m: 100\n"),
+              AllOf(HasSubstr("p.yaml:2"), HasSubstr("range_m"), HasSubstr("100"),
+                    HasSubstr("from 1 to 80")));
+  EXPECT_THAT(error_of_yaml("rnge_m: 10\n"),
+              AllOf(HasSubstr("p.yaml:1"), HasSubstr("rnge_m"), HasSubstr("range_m")));
+  EXPECT_THAT(error_of_yaml("rule: best\n"), HasSubstr("one of paper confirmed"));
+  EXPECT_THAT(error_of_yaml("save: yes\n"), HasSubstr("true or false"));
+  EXPECT_THAT(error_of_yaml("count: 2.5\n"), HasSubstr("a whole number from 1 to 5"));
+  EXPECT_THAT(error_of_yaml("range_m: nan\n"), HasSubstr("range_m"));
+  EXPECT_THAT(error_of_yaml("range_m: 5 m\n"), HasSubstr("'5 m'"));
+  EXPECT_THAT(error_of_yaml("range_m: [1, 2]\n"), HasSubstr("single value"));
+  EXPECT_THAT(error_of_yaml("range_m: {\n"), HasSubstr("p.yaml"));
+  EXPECT_THAT(error_of_yaml("just words\n"), HasSubstr("key: value"));
+}
+
+TEST_F(ParamsTest, ARefusedValueChangesNothing) {
+  EXPECT_THROW(table_.set_assignment("count=6"), ParamError);
+  EXPECT_THROW(table_.set_assignment("pitch_deg=91"), ParamError);
+  EXPECT_THROW(table_.set_assignment("count"), ParamError);
+  EXPECT_EQ(params_.count, 3);
+  EXPECT_DOUBLE_EQ(params_.pitch_rad, 0.5 * std::numbers::pi);
+}
+
+TEST_F(ParamsTest, MissingFileIsAnError) {
+  EXPECT_THROW(table_.load_yaml(dir_.path() / "none.yaml"), ParamError);
+}
+
+TEST_F(ParamsTest, WhatIsDumpedLoadsAgain) {
+  table_.set_assignment("range_m=0.1e1");
+  table_.set_assignment("pitch_deg=33.3");
+  const auto file = dir_.path() / "dump.yaml";
+  std::ofstream(file) << table_.to_yaml();
+  SampleParams copy;
+  Table copy_table(copy);
+  copy_table.load_yaml(file);
+  EXPECT_EQ(copy_table.to_yaml(), table_.to_yaml());
+  EXPECT_THAT(table_.to_yaml(),
+              HasSubstr("# How far.\n# a number from 1 to 80, in metres\nrange_m: 1\n"));
+  EXPECT_THAT(table_.to_markdown(), HasSubstr("| `pitch_deg` | 33.3 |"));
+}
+
+TEST(Params, UnitsComeFromTheSuffix) {
+  EXPECT_EQ(unit_of("range_m"), "metres");
+  EXPECT_EQ(unit_of("speed_mps"), "m/s");
+  EXPECT_EQ(unit_of("period_us"), "microseconds");
+  EXPECT_EQ(unit_of("count"), "");
+}
+
+}  // namespace
+}  // namespace nodmap::params

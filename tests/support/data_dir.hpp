@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+namespace nodmap::test {
+
+/// The recordings for tests: $NODMAP_DATA, else ../shared/data beside the project; empty where
+/// there is neither. They have licences of their own and are not part of the project.
+[[nodiscard]] std::optional<std::filesystem::path> data_dir();
+
+/// An empty folder that is removed with everything in it at the end of its life.
+class TemporaryDir {
+ public:
+  TemporaryDir();
+  ~TemporaryDir();
+  TemporaryDir(const TemporaryDir&) = delete;
+  TemporaryDir& operator=(const TemporaryDir&) = delete;
+  TemporaryDir(TemporaryDir&&) = delete;
+  TemporaryDir& operator=(TemporaryDir&&) = delete;
+
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+}  // namespace nodmap::test
+
+/// Ends the test as skipped, in words the summary of ./nodmap test repeats, where data are missing.
+#define NODMAP_REQUIRE_DATA(variable, relative_path)                                      \
+  const auto variable##_root = ::nodmap::test::data_dir();                                \
+  if (!variable##_root || !std::filesystem::exists(*variable##_root / (relative_path))) { \
+    GTEST_SKIP() << "missing data: " << (relative_path) << " (set NODMAP_DATA)";          \
+  }                                                                                       \
+  const std::filesystem::path variable = *variable##_root / (relative_path)
