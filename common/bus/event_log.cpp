@@ -22,7 +22,7 @@ constexpr std::size_t kHeaderBytes = 28;
 constexpr std::uint32_t kMaxChannelBytes = 1000;
 // LCM's own limit for a message.
 constexpr std::uint32_t kMaxDataBytes = 1U << 28U;
-constexpr std::size_t kPendingLimit = 64 * 1024;
+constexpr std::size_t kPendingLimit = 65536;
 
 template <class Unsigned>
 Unsigned read_big_endian(std::span<const std::byte> bytes) {

@@ -52,6 +52,8 @@ struct LiveBus::Impl {
     AnyHandler handler;
 
     /// Called by LCM's C code: nothing may be thrown out of here, or the next handle() aborts.
+    // LCM takes pointers to non-const members only.
+    // NOLINTNEXTLINE(readability-make-member-function-const)
     void receive(const lcm::ReceiveBuffer* buffer, const std::string& channel) {
       try {
         handler(channel, bytes_of(*buffer));

@@ -8,7 +8,7 @@
 
 #include "common/params/params.hpp"
 
-namespace CLI {
+namespace CLI {  // NOLINT(readability-identifier-naming): not ours
 class App;
 }
 

@@ -58,7 +58,7 @@ std::span<const ScanProjector::Point> ScanProjector::hits(const Scan& scan) {
   const Eigen::Vector3d& offset = scan.mirror_offset_m;
   for (std::size_t i = 0; i < n; ++i) {
     if (scan.is_hit(i)) {
-      const double r = static_cast<double>(scan.ranges_m[i]);
+      const auto r = static_cast<double>(scan.ranges_m[i]);
       const double forward = r * fan_[i].x() + offset.x();
       const Eigen::Vector3d p_mount(c * forward - s * offset.z(), r * fan_[i].y() + offset.y(),
                                     s * forward + c * offset.z());

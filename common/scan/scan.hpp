@@ -57,7 +57,7 @@ struct Scan {
   [[nodiscard]] std::int64_t utime_last_us() const { return utime_us + duration_us; }
 
   [[nodiscard]] bool is_hit(std::size_t beam) const {
-    const double r = static_cast<double>(ranges_m[beam]);
+    const auto r = static_cast<double>(ranges_m[beam]);
     return r >= range_min_m && r <= range_max_m;  // false for NaN and infinity
   }
 };

@@ -56,7 +56,7 @@ TEST(PoseHistory, SteppingBackReplacesWhatItContradicts) {
 TEST(PoseHistory, ForgetsBeyondItsSpanAndRefusesNonsense) {
   PoseHistory history(1'000'000, 0);
   for (int i = 0; i <= 100; ++i) {
-    history.add(i * 100'000, at_x(i));
+    history.add(std::int64_t{100'000} * i, at_x(i));
   }
   EXPECT_FALSE(history.at(8'000'000).has_value());
   EXPECT_TRUE(history.at(9'000'000).has_value());

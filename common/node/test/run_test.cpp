@@ -50,6 +50,7 @@ class EchoNode : public Node {
 int run_echo(std::vector<std::string> arguments) {
   arguments.insert(arguments.begin(), "nodmap-echo");
   std::vector<char*> argv;
+  argv.reserve(arguments.size());
   for (std::string& argument : arguments) {
     argv.push_back(argument.data());
   }
@@ -63,7 +64,7 @@ void write_log(const std::filesystem::path& file) {
     nodmap::odometry_t message{};
     message.utime = i;
     bus::encode_into(bytes, message);
-    ASSERT_TRUE(writer.write(1'000'000 * i, "ODOMETRY", bytes));
+    ASSERT_TRUE(writer.write(std::int64_t{1'000'000} * i, "ODOMETRY", bytes));
   }
   ASSERT_TRUE(writer.write(9'000'001, "ODOMETRY", std::span(bytes).first(20)));
 }

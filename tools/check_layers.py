@@ -1,0 +1,83 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Checks the include rules of the house (ARCHITECTURE.md, "What is deliberately absent").
+
+1. An algorithm sees no LCM, generated type, clock, thread, file, environment or stdout.
+2. A module includes no other module.
+3. Only common/bus includes <lcm/...>; OctoMap, nanoflann and libserialport are included by one .cpp each.
+4. The simulator includes no driver.
+Besides: every source file names its licence, and a transform is called T_a_b, never a_to_b or a2b.
+"""
+import pathlib
+import re
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+INCLUDE = re.compile(r'^\s*#\s*include\s*[<"]([^>"]+)[>"]')
+# The shell of a module: the files that may meet the world.
+SHELL = re.compile(r"^(node|main|results|.*_file)\.(hpp|cpp)$")
+# Modules that are nothing but a shell: they move bytes or pictures, there is no algorithm to keep clean.
+SHELL_MODULES = {"logger", "viewer"}
+WORLD = re.compile(
+    r"^(lcm/|nodmap/|common/(bus|msg|node|log|time|picture|formats)/|spdlog/|fmt/|nlohmann/|yaml-cpp/|CLI/|png\.h"
+    r"|chrono$|ctime$|thread$|mutex$|atomic$|future$|condition_variable$|shared_mutex$"
+    r"|fstream$|filesystem$|cstdio$|iostream$|unistd\.h$|fcntl\.h$|sys/)")
+ONE_PLACE = {"octomap/": "OctoMap", "nanoflann.hpp": "nanoflann", "libserialport.h": "libserialport"}
+BAD_NAME = re.compile(r"\b(base|map|odom|laser|mount|body|sensor|world)(_to_|2)(base|map|odom|laser|mount|body|sensor|world)\b")
+
+
+def is_test(path):
+    return "test" in path.parts or path.parts[0] in ("tests", "bench") or path.name.endswith("_test.cpp")
+
+
+def sources():
+    for pattern in ("*.hpp", "*.cpp"):
+        for top in ("common", "modules", "drivers", "procman", "sim", "tools", "tests", "bench"):
+            for path in sorted((ROOT / top).rglob(pattern)):
+                yield path.relative_to(ROOT)
+
+
+def include_errors(path, include):
+    """What is wrong with this include in this file, if anything."""
+    top, module = path.parts[0], path.parts[1]
+    if include.startswith("lcm/") and path.parts[:2] != ("common", "bus"):
+        yield "only common/bus includes LCM"
+    if top == "modules":
+        if include.startswith("modules/") and include.split("/")[1] != module:
+            yield "a module never includes another module"
+        core = module not in SHELL_MODULES and not SHELL.match(path.name)
+        if core and WORLD.match(include):
+            yield "an algorithm sees no message, clock, thread, file or stream"
+    if top == "common" and include.startswith(("modules/", "drivers/", "sim/", "tools/", "procman/")):
+        yield "common knows nobody above it"
+    if top == "sim" and include.startswith("drivers/"):
+        yield "the simulator includes no driver: a parser's bug must show"
+
+
+def main():
+    errors, places = [], {}
+    for path in sources():
+        lines = (ROOT / path).read_text().splitlines()
+        if not lines or "SPDX-License-Identifier: BSD-3-Clause" not in lines[0]:
+            errors.append(f"{path}:1: the first line names the licence")
+        for number, line in enumerate(lines, 1):
+            if BAD_NAME.search(line):
+                errors.append(f"{path}:{number}: write T_a_b: {line.strip()}")
+            match = INCLUDE.match(line)
+            if not match:
+                continue
+            include = match.group(1)
+            for key, name in ONE_PLACE.items():
+                if include.startswith(key) and not is_test(path):
+                    places.setdefault(name, set()).add(str(path))
+            if not is_test(path):
+                errors += [f"{path}:{number}: {reason}: {line.strip()}" for reason in include_errors(path, include)]
+    for name, files in places.items():
+        if len(files) > 1 or any(not f.endswith(".cpp") for f in files):
+            errors.append(f"{name} is included by {', '.join(sorted(files))}: it stays behind one .cpp")
+    print("\n".join(errors) if errors else "include rules hold")
+    return 1 if errors else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,68 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Runs clang-tidy over every source that the build in the given folder compiles, two at a time; tests with tests/.clang-tidy.
+
+A file is checked again only when something that it is made of has changed: the key of its last good run, kept in the build
+folder, is a digest of its preprocessed text and of the rules.
+"""
+import concurrent.futures
+import hashlib
+import json
+import os
+import pathlib
+import shlex
+import subprocess
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+
+
+def is_test(path):
+    return "test" in path.parts or path.parts[0] in ("tests", "bench")
+
+
+def key_of(entry, config):
+    """A digest of all that clang-tidy would see, or None where the preprocessor fails."""
+    command = [w for w in shlex.split(entry["command"])]
+    if "ccache" in command[0]:
+        command = command[1:]
+    out = command.index("-o")
+    command = command[:out] + command[out + 2:]
+    run = subprocess.run(command + ["-E", "-P"], cwd=entry["directory"], capture_output=True)
+    # Comments hold the NOLINT marks and are gone after preprocessing: the file itself counts too.
+    source = pathlib.Path(entry["file"]).read_bytes()
+    return hashlib.sha256(run.stdout + source + config.read_bytes()).hexdigest() if run.returncode == 0 else None
+
+
+def check(build, entry):
+    path = pathlib.Path(entry["file"]).relative_to(ROOT)
+    config = ROOT / ("tests/.clang-tidy" if is_test(path) else ".clang-tidy")
+    stamp = build / "clang-tidy" / (str(path).replace("/", "_") + ".ok")
+    key = key_of(entry, config)
+    if key and stamp.exists() and stamp.read_text() == key:
+        return path, True, ""
+    run = subprocess.run(["clang-tidy", "-quiet", "-p", str(build), f"--config-file={config}", str(ROOT / path)],
+                         capture_output=True, text=True)
+    if run.returncode == 0 and key:
+        stamp.parent.mkdir(exist_ok=True)
+        stamp.write_text(key)
+    return path, run.returncode == 0, run.stdout
+
+
+def main():
+    build = pathlib.Path(sys.argv[1]).resolve()
+    entries = [e for e in json.loads((build / "compile_commands.json").read_text()) if str(build) not in e["file"]]
+    bad = 0
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        for done, (path, good, output) in enumerate(pool.map(lambda e: check(build, e), entries), 1):
+            if sys.stderr.isatty():
+                print(f"\r{done}/{len(entries)}", end="", file=sys.stderr)
+            if not good:
+                bad += 1
+                print(output or f"{path}: clang-tidy failed")
+    print(f"clang-tidy: {len(entries)} files, {bad} with findings")
+    return 1 if bad else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
