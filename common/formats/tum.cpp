@@ -9,29 +9,9 @@
 #include <stdexcept>
 #include <string>
 
+#include "common/formats/stamp.hpp"
+
 namespace nodmap::formats {
-namespace {
-
-/// Microseconds from "seconds.decimals", exactly: a double holds today's epoch only to 0.2 us.
-bool parse_stamp(const std::string& text, std::int64_t& utime_us) {
-  const std::size_t dot = text.find('.');
-  std::string decimals = dot == std::string::npos ? "" : text.substr(dot + 1);
-  if (text.find_first_not_of("0123456789.-") != std::string::npos || dot == 0 || text.empty()) {
-    // Scientific notation or worse: no stamp we or others write.
-    return false;
-  }
-  decimals.resize(6, '0');
-  try {
-    const std::int64_t seconds = std::stoll(text.substr(0, dot));
-    const std::int64_t fraction = std::stoll(decimals);
-    utime_us = seconds * 1'000'000 + (text[0] == '-' ? -fraction : fraction);
-  } catch (const std::exception&) {
-    return false;
-  }
-  return true;
-}
-
-}  // namespace
 
 void write_tum(const std::filesystem::path& file, const Trajectory& trajectory) {
   std::ofstream out(file);
@@ -71,14 +51,13 @@ Trajectory read_tum(const std::filesystem::path& file) {
     std::string stamp;
     Eigen::Vector3d p = Eigen::Vector3d::Zero();
     Eigen::Quaterniond q = Eigen::Quaterniond::Identity();
-    StampedPose stamped;
     fields >> stamp >> p.x() >> p.y() >> p.z() >> q.x() >> q.y() >> q.z() >> q.w();
-    if (!fields || !parse_stamp(stamp, stamped.utime_us) || std::abs(q.norm() - 1.0) > 0.01) {
+    const auto utime_us = parse_stamp_us(stamp);
+    if (!fields || !utime_us || std::abs(q.norm() - 1.0) > 0.01) {
       throw std::runtime_error(file.string() + ":" + std::to_string(number) +
                                ": expected 'timestamp x y z qx qy qz qw', found '" + line + "'");
     }
-    stamped.pose = geometry::make_se3(p, q.normalized());
-    trajectory.push_back(stamped);
+    trajectory.push_back({*utime_us, geometry::make_se3(p, q.normalized())});
   }
   return trajectory;
 }

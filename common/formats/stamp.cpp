@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "common/formats/stamp.hpp"
+
+#include <algorithm>
+#include <charconv>
+
+namespace nodmap::formats {
+namespace {
+
+constexpr std::size_t kMaxSecondsDigits = 12;  // times a million still fits 64 bits
+
+bool all_digits(std::string_view text) {
+  return std::all_of(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
+}
+
+}  // namespace
+
+std::optional<std::int64_t> parse_stamp_us(std::string_view text) {
+  const bool negative = text.starts_with('-');
+  if (negative) {
+    text.remove_prefix(1);
+  }
+  const std::size_t dot = std::min(text.find('.'), text.size());
+  const std::string_view seconds = text.substr(0, dot);
+  const std::string_view decimals = text.substr(std::min(dot + 1, text.size()));
+  if (seconds.empty() || seconds.size() > kMaxSecondsDigits || !all_digits(seconds) ||
+      !all_digits(decimals)) {
+    return std::nullopt;
+  }
+  std::int64_t stamp_us = 0;
+  std::from_chars(seconds.data(), seconds.data() + seconds.size(), stamp_us);
+  for (std::size_t i = 0; i < 6; ++i) {
+    stamp_us = 10 * stamp_us + (i < decimals.size() ? decimals[i] - '0' : 0);
+  }
+  return negative ? -stamp_us : stamp_us;
+}
+
+}  // namespace nodmap::formats

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/convert/carmen_import.hpp"
+
+#include <map>
+#include <string>
+#include <utility>
+
+#include "common/geometry/se3.hpp"
+#include "common/log/log.hpp"
+#include "common/msg/messages.hpp"
+#include "tools/convert/carmen.hpp"
+#include "tools/convert/carmen_mounts.hpp"
+#include "tools/convert/line_reader.hpp"
+#include "tools/convert/recording.hpp"
+
+namespace nodmap::convert {
+namespace {
+
+// CARMEN's world is flat and knows no heights; most of its robots carried the scanner about here.
+constexpr double kAssumedHeight_m = 0.3;
+// Readings below are no distances: a SICK sends small numbers for errors.
+constexpr double kRangeMin_m = 0.05;
+
+/// Handles the lines of a log one kind each.
+class CarmenImport {
+ public:
+  CarmenImport(const CarmenMounts& mounts, Recording& recording, LineReader& lines)
+      : mounts_(mounts), recording_(recording), lines_(lines) {}
+
+  void operator()(const CarmenOdometry& odometry) {
+    forward_mps_ = odometry.forward_mps;
+    yaw_rate_rad_s_ = odometry.yaw_rate_rad_s;
+    add_odometry(odometry.utime_us, odometry.T_odom_base);
+  }
+
+  void operator()(const CarmenScan& scan) {
+    add_odometry(scan.utime_us, scan.T_odom_base);
+    nodmap::scan_t message{};
+    message.utime = scan.utime_us;
+    message.angle_first_rad = scan.angle_first_rad;
+    message.angle_step_rad = scan.angle_step_rad;
+    message.pitch_is_measured = 1;  // the scanner is fixed
+    message.range_min_m = kRangeMin_m;
+    message.range_max_m = scan.range_max_m;
+    geometry::SE3 T_base_laser = geometry::to_se3(mounts_.mount(scan.side));
+    T_base_laser.translation().z() = kAssumedHeight_m;
+    msg::write_pose(T_base_laser, message.mount_position_m, message.mount_orientation);
+    message.num_ranges = static_cast<std::int32_t>(scan.ranges_m.size());
+    message.ranges_m = scan.ranges_m;
+    message.num_intensities = static_cast<std::int32_t>(scan.intensities.size());
+    message.intensities = scan.intensities;
+    recording_.add_scan(std::move(message));
+  }
+
+  void operator()(const CarmenParameter&) {}  // CarmenMounts has seen them all
+  void operator()(const CarmenUnreadable& line) { lines_.skip_line(line.why); }
+  void operator()(const CarmenOther& line) {
+    if (!line.name.empty()) {
+      ++not_converted_[line.name];
+    }
+  }
+
+  /// Messages of other kinds, by name.
+  [[nodiscard]] const std::map<std::string, int>& not_converted() const { return not_converted_; }
+
+ private:
+  void add_odometry(std::int64_t utime_us, const geometry::SE2& T_odom_base) {
+    nodmap::odometry_t message = msg::write_odometry(utime_us, geometry::to_se3(T_odom_base));
+    // A scan line has no speed: the last known one stands.
+    message.forward_mps = forward_mps_;
+    message.yaw_rate_rad_s = yaw_rate_rad_s_;
+    recording_.add_odometry(message);
+  }
+
+  const CarmenMounts& mounts_;
+  Recording& recording_;
+  LineReader& lines_;
+  double forward_mps_ = 0.0;
+  double yaw_rate_rad_s_ = 0.0;
+  std::map<std::string, int> not_converted_;
+};
+
+/// A first pass: only the whole log tells whether the poses in its scan lines agree.
+CarmenMounts find_mounts(const std::filesystem::path& in) {
+  CarmenMounts mounts;
+  LineReader lines(in);
+  while (lines.next()) {
+    const CarmenLine line = parse_carmen_line(lines.line());
+    if (const auto* scan = std::get_if<CarmenScan>(&line)) {
+      mounts.add(*scan);
+    } else if (const auto* parameter = std::get_if<CarmenParameter>(&line)) {
+      mounts.add(*parameter);
+    }
+  }
+  return mounts;
+}
+
+}  // namespace
+
+void import_carmen(const std::filesystem::path& in, const std::filesystem::path& out) {
+  Recording recording(out);
+  const CarmenMounts mounts = find_mounts(in);
+  LineReader lines(in);
+  CarmenImport import(mounts, recording, lines);
+  while (lines.next()) {
+    std::visit(import, parse_carmen_line(lines.line()));
+  }
+  recording.commit();
+
+  log::get().info("{} scans, {} odometry messages, {} lines skipped", recording.num_scans(),
+                  recording.num_odometry(), lines.num_skipped());
+  for (const auto& [name, count] : import.not_converted()) {
+    log::get().info("{} lines {} have no counterpart and were left out", count, name);
+  }
+}
+
+}  // namespace nodmap::convert

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/convert/fields.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <system_error>
+
+#include "common/formats/stamp.hpp"
+
+namespace nodmap::convert {
+namespace {
+
+constexpr std::string_view kBlanks = " \t\r";
+
+/// The whole word as a number, or nothing at all.
+template <class Number>
+bool parse(std::string_view word, Number& value) {
+  const char* end = word.data() + word.size();
+  const auto [stopped, error] = std::from_chars(word.data(), end, value);
+  return error == std::errc() && stopped == end;
+}
+
+}  // namespace
+
+std::string_view Fields::word() {
+  const std::size_t first = std::min(rest_.find_first_not_of(kBlanks), rest_.size());
+  const std::size_t last = std::min(rest_.find_first_of(kBlanks, first), rest_.size());
+  const std::string_view found = rest_.substr(first, last - first);
+  rest_.remove_prefix(last);
+  ok_ = ok_ && !found.empty();
+  return found;
+}
+
+double Fields::number() {
+  double value = 0.0;
+  ok_ = parse(word(), value) && ok_;
+  return ok_ ? value : 0.0;
+}
+
+double Fields::finite() {
+  const double value = number();
+  ok_ = ok_ && std::isfinite(value);
+  return ok_ ? value : 0.0;
+}
+
+std::size_t Fields::count() {
+  std::size_t value = 0;
+  ok_ = parse(word(), value) && ok_;
+  return ok_ ? value : 0;
+}
+
+std::int64_t Fields::stamp_us() {
+  const auto stamp = formats::parse_stamp_us(word());
+  ok_ = ok_ && stamp.has_value();
+  return ok_ ? *stamp : 0;
+}
+
+std::vector<float> Fields::numbers(std::size_t count) {
+  std::vector<float> values;
+  // A damaged count must not cost memory: each number takes at least two characters.
+  values.reserve(std::min(count, rest_.size() / 2 + 1));
+  for (std::size_t i = 0; i < count && ok_; ++i) {
+    float value = 0.0F;
+    ok_ = parse(word(), value) && ok_;
+    values.push_back(value);
+  }
+  return values;
+}
+
+bool Fields::at_end() const {
+  return rest_.find_first_not_of(kBlanks) == std::string_view::npos;
+}
+
+}  // namespace nodmap::convert

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/convert/line_reader.hpp"
+
+#include <stdexcept>
+#include <system_error>
+
+#include "common/log/log.hpp"
+#include "common/node/stop_signal.hpp"
+
+namespace nodmap::convert {
+namespace {
+
+constexpr std::int64_t kSkippedInFull = 20;
+
+std::int64_t size_bytes(const std::filesystem::path& path) {
+  std::error_code unknown;  // only the bar needs it
+  const auto size = std::filesystem::file_size(path, unknown);
+  return unknown ? 0 : static_cast<std::int64_t>(size);
+}
+
+}  // namespace
+
+LineReader::LineReader(const std::filesystem::path& path)
+    : path_(path), in_(path), progress_(path.filename().string(), size_bytes(path)) {
+  if (!in_ || std::filesystem::is_directory(path)) {
+    throw std::runtime_error(path.string() + ": cannot open");
+  }
+}
+
+bool LineReader::next() {
+  if (node::stop_requested()) {
+    throw std::runtime_error("stopped; nothing was written");
+  }
+  if (!std::getline(in_, line_)) {
+    if (in_.bad()) {
+      throw std::runtime_error(path_.string() + ": cannot read");
+    }
+    return false;
+  }
+  ++number_;
+  position_bytes_ += static_cast<std::int64_t>(line_.size()) + 1;
+  progress_.show(position_bytes_);
+  return true;
+}
+
+void LineReader::skip_line(std::string_view why) {
+  if (++num_skipped_ <= kSkippedInFull) {
+    log::get().warn("{}:{}: skipped: {}", path_.string(), number_, why);
+  }
+  if (num_skipped_ == kSkippedInFull) {
+    log::get().warn("{}: further lines are only counted", path_.string());
+  }
+}
+
+}  // namespace nodmap::convert

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <string_view>
+
+#include "common/node/progress.hpp"
+
+namespace nodmap::convert {
+
+/// A text file line by line, with a bar on the terminal and a place for complaints.
+class LineReader {
+ public:
+  /// Throws std::runtime_error naming the file when it cannot be opened.
+  explicit LineReader(const std::filesystem::path& path);
+
+  /// Goes to the next line; false at the end. Throws std::runtime_error when the user has asked to
+  /// stop, or the disk fails.
+  [[nodiscard]] bool next();
+  [[nodiscard]] std::string_view line() const { return line_; }
+
+  /// Says on stderr where and why this line is skipped. A file that is no recording at all would
+  /// flood the terminal: after the first few, lines are only counted.
+  void skip_line(std::string_view why);
+  [[nodiscard]] std::int64_t num_skipped() const { return num_skipped_; }
+
+ private:
+  std::filesystem::path path_;
+  std::ifstream in_;
+  node::Progress progress_;
+  std::string line_;
+  std::int64_t number_ = 0;
+  std::int64_t position_bytes_ = 0;
+  std::int64_t num_skipped_ = 0;
+};
+
+}  // namespace nodmap::convert

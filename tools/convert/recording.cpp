@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/convert/recording.hpp"
+
+#include <stdexcept>
+
+namespace nodmap::convert {
+
+Recording::Recording(const std::filesystem::path& path)
+    : file_(path), writer_(file_.partial_path()) {}
+
+void Recording::add_scan(nodmap::scan_t message) {
+  message.scan_seq = num_scans_++;
+  add("SCAN", message);
+}
+
+void Recording::add_odometry(nodmap::odometry_t message) {
+  message.odometry_seq = num_odometry_++;
+  add("ODOMETRY", message);
+}
+
+void Recording::commit() {
+  if (writer_.num_events() == 0) {
+    throw std::runtime_error("nothing in the input can be used: no log was made");
+  }
+  if (!writer_.flush()) {
+    throw std::runtime_error(file_.partial_path().string() + ": the disk takes no more");
+  }
+  file_.commit();
+}
+
+void Recording::write(const std::string& channel, std::int64_t utime_us) {
+  log_utime_us_ = std::max(log_utime_us_.value_or(utime_us), utime_us);
+  if (!writer_.write(*log_utime_us_, channel, buffer_)) {
+    throw std::runtime_error(file_.partial_path().string() + ": the disk takes no more");
+  }
+}
+
+}  // namespace nodmap::convert

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// 3DTK's uos format: scanNNN.3d (points) and scanNNN.pose. Its frame is left-handed, x right, y up,
+// z ahead, in centimetres; this is the one place where it becomes ours.
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+#include "common/geometry/se3.hpp"
+
+namespace nodmap::convert {
+
+/// What 3DTK's own files say where nothing came back.
+inline constexpr double kUosNoReturn_m = 32.76;
+
+/// A point or vector of the file (cm) in metres, x forward, y left, z up.
+[[nodiscard]] Eigen::Vector3d from_uos(const Eigen::Vector3d& p_uos_cm);
+
+/// A .pose file's position (cm) and Euler angles (degrees), converted as 3DTK does.
+[[nodiscard]] geometry::SE3 from_uos_pose(const Eigen::Vector3d& position_cm,
+                                          const Eigen::Vector3d& euler_deg);
+
+/// One turn of the mirror: a plane through the scanner's left-right axis.
+struct UosSlice {
+  double pitch_rad = 0.0;  ///< positive looks up
+  double angle_first_rad = 0.0;
+  double angle_step_rad = 0.0;
+  /// +infinity where nothing came back; NaN for beams the file leaves out.
+  std::vector<float> ranges_m;
+};
+
+/// Cuts the points of a scan, in the order of the file, into slices: a new one begins where the
+/// beam angle jumps back or the plane changes. All slices get the same fan, from the smallest to
+/// the largest angle seen. Empty when the points are no such scan.
+[[nodiscard]] std::vector<UosSlice> find_slices(std::span<const Eigen::Vector3d> points_m);
+
+}  // namespace nodmap::convert

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/convert/uos_import.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "common/log/log.hpp"
+#include "common/msg/messages.hpp"
+#include "tools/convert/fields.hpp"
+#include "tools/convert/line_reader.hpp"
+#include "tools/convert/recording.hpp"
+#include "tools/convert/uos.hpp"
+
+namespace nodmap::convert {
+namespace {
+
+// The files hold no time. 2009-01-01, the year after the paper: any constant does.
+constexpr std::int64_t kStart_us = 1'230'768'000'000'000;
+// A SICK at half-degree resolution turns its mirror twice at 75 Hz for one slice.
+constexpr std::int64_t kSlicePeriod_us = 26'640;
+constexpr std::int64_t kDrivePeriod_us = 10'000;
+constexpr double kDriveSpeed_mps = 0.5;
+constexpr double kDriveTurnRate_rad_s = 0.5;
+constexpr double kLeastDrive_s = 2.0;
+// Closer than this is the scanner's own housing.
+constexpr double kRangeMin_m = 0.05;
+
+std::vector<Eigen::Vector3d> read_points(LineReader& lines) {
+  std::vector<Eigen::Vector3d> points_m;
+  while (lines.next()) {
+    Fields fields(lines.line());
+    if (fields.at_end() || lines.line().front() == '#') {
+      continue;
+    }
+    const double x = fields.number();
+    const double y = fields.number();
+    const double z = fields.number();
+    if (fields.ok()) {  // a fourth word is a reflectance, and of no use here
+      points_m.push_back(from_uos({x, y, z}));
+    } else {
+      lines.skip_line("expected 'x y z'");
+    }
+  }
+  return points_m;
+}
+
+geometry::SE3 read_pose(const std::filesystem::path& file) {
+  LineReader lines(file);
+  std::string all;
+  while (lines.next()) {
+    all.append(lines.line()).append(" ");
+  }
+  Fields fields(all);
+  double values[6] = {};
+  for (double& value : values) {
+    value = fields.finite();
+  }
+  if (!fields.ok()) {
+    throw std::runtime_error(file.string() + ": expected position (cm) and Euler angles (degrees)");
+  }
+  return from_uos_pose({values[0], values[1], values[2]}, {values[3], values[4], values[5]});
+}
+
+/// The numbers NNN of the files scanNNN.3d, in order, with their paths.
+std::map<int, std::filesystem::path> find_scans(const std::filesystem::path& dir,
+                                                const UosRange& range) {
+  std::map<int, std::filesystem::path> scans;
+  for (const auto& entry : std::filesystem::directory_iterator(dir)) {
+    const std::string stem = entry.path().stem().string();
+    int number = -1;
+    if (entry.path().extension() == ".3d" && stem.starts_with("scan")) {
+      std::from_chars(stem.data() + 4, stem.data() + stem.size(), number);
+    }
+    if (number >= std::max(0, range.first) && number <= range.last) {
+      scans.emplace(number, entry.path());
+    }
+  }
+  return scans;
+}
+
+/// Plays robot and scanner: time goes on with what they do.
+class StopAndGo {
+ public:
+  explicit StopAndGo(Recording& recording) : recording_(recording) {}
+
+  void drive_to(const geometry::SE3& T_odom_base) {
+    if (T_odom_base_) {
+      drive(*T_odom_base_, T_odom_base);
+    }
+    T_odom_base_ = T_odom_base;
+  }
+
+  void scan(const UosSlice& slice) {
+    recording_.add_odometry(msg::write_odometry(utime_us_, *T_odom_base_));
+    scan::Scan scan;
+    scan.utime_us = utime_us_;
+    scan.angle_first_rad = slice.angle_first_rad;
+    scan.angle_step_rad = slice.angle_step_rad;
+    scan.pitch_first_rad = slice.pitch_rad;
+    scan.pitch_last_rad = slice.pitch_rad;
+    scan.range_min_m = kRangeMin_m;
+    scan.range_max_m = kUosNoReturn_m;
+    scan.ranges_m = slice.ranges_m;
+    recording_.add_scan(msg::write_scan(scan));
+    utime_us_ += kSlicePeriod_us;
+  }
+
+ private:
+  void drive(const geometry::SE3& from, const geometry::SE3& to) {
+    const geometry::SE3 T_from_to = from.inverse() * to;
+    const double distance_m = T_from_to.translation().norm();
+    const double duration_s =
+        std::max({kLeastDrive_s, distance_m / kDriveSpeed_mps,
+                  geometry::rotation_angle(T_from_to) / kDriveTurnRate_rad_s});
+    const auto num_steps = static_cast<std::int64_t>(std::ceil(duration_s * 1e6 / kDrivePeriod_us));
+    const double exact_s = 1e-6 * static_cast<double>(num_steps * kDrivePeriod_us);
+    for (std::int64_t step = 0; step <= num_steps; ++step) {
+      const double fraction = static_cast<double>(step) / static_cast<double>(num_steps);
+      nodmap::odometry_t message =
+          msg::write_odometry(utime_us_, geometry::interpolate(from, to, fraction));
+      message.forward_mps = std::copysign(distance_m, T_from_to.translation().x()) / exact_s;
+      message.yaw_rate_rad_s = geometry::to_se2(T_from_to).yaw / exact_s;
+      recording_.add_odometry(message);
+      utime_us_ += kDrivePeriod_us;
+    }
+  }
+
+  Recording& recording_;
+  std::int64_t utime_us_ = kStart_us;
+  std::optional<geometry::SE3> T_odom_base_;
+};
+
+}  // namespace
+
+void import_uos(const std::filesystem::path& dir, const std::filesystem::path& out,
+                const UosRange& range) {
+  Recording recording(out);
+  StopAndGo robot(recording);
+  std::int64_t num_skipped = 0;
+  int num_used = 0;
+  for (const auto& [number, file] : find_scans(dir, range)) {
+    LineReader lines(file);
+    const std::vector<UosSlice> slices = find_slices(read_points(lines));
+    num_skipped += lines.num_skipped();
+    if (slices.empty()) {
+      log::get().warn("{}: skipped: its points do not lie in slices", file.string());
+      continue;
+    }
+    robot.drive_to(read_pose(std::filesystem::path(file).replace_extension(".pose")));
+    for (const UosSlice& slice : slices) {
+      robot.scan(slice);
+    }
+    ++num_used;
+  }
+  recording.commit();
+  log::get().info("{} scans of {} slices in all, {} odometry messages, {} lines skipped", num_used,
+                  recording.num_scans(), recording.num_odometry(), num_skipped);
+}
+
+}  // namespace nodmap::convert

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <limits>
+
+namespace nodmap::convert {
+
+/// Which scans of a folder: numbers from `first` to `last`, both included.
+struct UosRange {
+  int first = 0;
+  int last = std::numeric_limits<int>::max();
+};
+
+/// Converts 3DTK's stop-and-go scans (scanNNN.3d, scanNNN.pose) to an LCM event log: each slice
+/// becomes a pitched SCAN after an ODOMETRY with the scan's pose, at the rate of the scanner;
+/// between two scans stands a drive with ODOMETRY at 100 Hz. The files hold no time: it starts at a
+/// fixed epoch. Throws std::runtime_error when nothing could be made.
+void import_uos(const std::filesystem::path& dir, const std::filesystem::path& out,
+                const UosRange& range);
+
+}  // namespace nodmap::convert

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The relations metric of Kuemmerle et al., "On measuring the accuracy of SLAM algorithms", 2009.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <vector>
+
+#include "common/formats/tum.hpp"
+#include "common/geometry/se3.hpp"
+
+namespace nodmap::evaluate {
+
+/// Where the robot really was at `to_us`, seen from where it was at `from_us`.
+struct Relation {
+  std::int64_t from_us = 0;
+  std::int64_t to_us = 0;
+  geometry::SE3 T_from_to = geometry::SE3::Identity();
+};
+
+/// Reads `t1 t2 x y z roll pitch yaw` lines (s, m, rad). Throws std::runtime_error naming file and
+/// line: an evaluation that leaves out a part of the truth would be worth nothing.
+[[nodiscard]] std::vector<Relation> read_relations(const std::filesystem::path& file);
+
+struct RelationErrors {
+  std::size_t n = 0;        ///< relations that were measured
+  std::size_t missing = 0;  ///< relations of which the trajectory lacks a stamp
+  double trans_mean_m = 0.0;
+  double trans_std_m = 0.0;  ///< of the population, as in the paper's tables
+  double trans_max_m = 0.0;
+  double rot_mean_rad = 0.0;
+  double rot_std_rad = 0.0;
+};
+
+/// The error of each relation is inverse(T_from_to) * (inverse(x_from) * x_to): its length, and its
+/// angle. Stamps are looked up exactly; where a trajectory has one more than once, its first pose
+/// counts. All errors are zero when n is.
+[[nodiscard]] RelationErrors measure_relations(const formats::Trajectory& trajectory,
+                                               std::span<const Relation> relations);
+
+}  // namespace nodmap::evaluate
