@@ -94,7 +94,12 @@ def main():
             lines += layout(struct, known) + ["  };", "};"]
             done.add(f"{struct.package}.{struct.name}")
             pending.remove(struct)
-    lines += ["", "}  // namespace nodmap::bus", ""]
+    lines += ["", "/// Every message type there is, for what looks into any log.", "[[nodiscard]] inline std::span<const MessageType> message_types() {",
+              "  static const MessageType kTypes[] = {"]
+    for struct in structs:
+        full = f"::{struct.package}::{struct.name}"
+        lines.append(f'      {{"{struct.package}.{struct.name}", {full}::getHash(), WireLayout<{full}>::kFields}},')
+    lines += ["  };", "  return kTypes;", "}", "", "}  // namespace nodmap::bus", ""]
     arguments.output.parent.mkdir(parents=True, exist_ok=True)
     arguments.output.write_text("\n".join(lines))
 

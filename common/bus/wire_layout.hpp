@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string_view>
 
 namespace nodmap::bus {
 
@@ -22,6 +23,13 @@ struct WireField {
 /// Specialised for every message type in the generated nodmap/wire_layouts.hpp.
 template <class Message>
 struct WireLayout;
+
+/// One message type, as data.
+struct MessageType {
+  std::string_view name;  ///< as in the .lcm file: nodmap.scan_t
+  std::int64_t fingerprint = 0;
+  std::span<const WireField> fields;
+};
 
 /// Whether `bytes` (without the fingerprint) hold exactly one message of this layout: no negative
 /// count, no array or string that reaches beyond the end, nothing left over.

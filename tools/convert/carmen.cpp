@@ -2,7 +2,9 @@
 #include "tools/convert/carmen.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <utility>
 
 #include "tools/convert/fields.hpp"
 
@@ -91,6 +93,9 @@ CarmenLine parse_described_scan(Fields fields) {
   scan.intensities = fields.numbers(fields.count());
   scan.T_odom_laser = read_pose(fields);
   scan.T_odom_base = read_pose(fields);
+  const double mount_yaw_rad =
+      geometry::angle_difference(scan.T_odom_laser.yaw, scan.T_odom_base.yaw);
+  scan.side = std::abs(mount_yaw_rad) > 0.5 * geometry::kPi ? LaserSide::kRear : LaserSide::kFront;
   for (int i = 0; i < 5; ++i) {
     fields.finite();
   }

@@ -12,14 +12,13 @@
 #include "tools/convert/carmen_mounts.hpp"
 #include "tools/convert/line_reader.hpp"
 #include "tools/convert/recording.hpp"
+#include "tools/convert/sick.hpp"
 
 namespace nodmap::convert {
 namespace {
 
 // CARMEN's world is flat and knows no heights; most of its robots carried the scanner about here.
 constexpr double kAssumedHeight_m = 0.3;
-// Readings below are no distances: a SICK sends small numbers for errors.
-constexpr double kRangeMin_m = 0.05;
 
 /// Handles the lines of a log one kind each.
 class CarmenImport {
@@ -40,7 +39,7 @@ class CarmenImport {
     message.angle_first_rad = scan.angle_first_rad;
     message.angle_step_rad = scan.angle_step_rad;
     message.pitch_is_measured = 1;  // the scanner is fixed
-    message.range_min_m = kRangeMin_m;
+    message.range_min_m = kSickRangeMin_m;
     message.range_max_m = scan.range_max_m;
     geometry::SE3 T_base_laser = geometry::to_se3(mounts_.mount(scan.side));
     T_base_laser.translation().z() = kAssumedHeight_m;

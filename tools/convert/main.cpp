@@ -1,38 +1,85 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <CLI/CLI.hpp>
 #include <exception>
+#include <filesystem>
+#include <iostream>
 
 #include "common/log/log.hpp"
 #include "common/node/command_line.hpp"
 #include "common/node/stop_signal.hpp"
+#include "tools/convert/carmen_export.hpp"
 #include "tools/convert/carmen_import.hpp"
+#include "tools/convert/log_summary.hpp"
+#include "tools/convert/nod_import.hpp"
+#include "tools/convert/table_export.hpp"
 #include "tools/convert/uos_import.hpp"
 
 namespace {
 
+namespace convert = nodmap::convert;
+
 struct Arguments {
   std::string in;
   std::string out;
-  nodmap::convert::UosRange range;
+  std::string channel;
+  convert::UosRange range;
 };
 
-CLI::App* add_import(CLI::App& app, Arguments& arguments, const char* name, const char* summary) {
+CLI::App* add_command(CLI::App& app, Arguments& arguments, const char* name, const char* summary) {
   CLI::App* command = app.add_subcommand(name, summary);
-  command->add_option("IN", arguments.in, "What to convert")->required();
+  command->add_option("IN", arguments.in, "What to read")->required();
+  return command;
+}
+
+CLI::App* add_import(CLI::App& app, Arguments& arguments, const char* name, const char* summary) {
+  CLI::App* command = add_command(app, arguments, name, summary);
   command->add_option("OUT", arguments.out, "LCM event log to make; never overwritten")->required();
   return command;
 }
 
-void add_commands(CLI::App& app, Arguments& arguments) {
-  namespace convert = nodmap::convert;
-  add_import(app, arguments, "carmen", "CARMEN log (.clf)")->callback([&arguments] {
-    convert::import_carmen(arguments.in, arguments.out);
-  });
-  CLI::App* uos = add_import(app, arguments, "uos", "Folder of 3DTK scans (scanNNN.3d, .pose)");
+void add_imports(CLI::App& app, Arguments& arguments) {
+  add_import(app, arguments, "carmen", "CARMEN log (.clf) to an LCM event log")
+      ->callback([&arguments] { convert::import_carmen(arguments.in, arguments.out); });
+  add_import(app, arguments, "nod", "Line-wise nodding recording (.nod) to an LCM event log")
+      ->callback([&arguments] { convert::import_nod(arguments.in, arguments.out); });
+  CLI::App* uos = add_import(app, arguments, "uos",
+                             "Folder of 3DTK scans (scanNNN.3d, .pose) to an LCM event log");
   uos->add_option("--start", arguments.range.first, "Number of the first scan");
   uos->add_option("--end", arguments.range.last, "Number of the last scan");
   uos->callback(
       [&arguments] { convert::import_uos(arguments.in, arguments.out, arguments.range); });
+}
+
+void export_log(const Arguments& arguments) {
+  const std::string ending = std::filesystem::path(arguments.out).extension();
+  const auto channel_or = [&arguments](const char* usual) {
+    return arguments.channel.empty() ? usual : arguments.channel;
+  };
+  if (ending == ".clf") {
+    convert::export_carmen(arguments.in, arguments.out);
+  } else if (ending == ".csv") {
+    convert::export_csv(arguments.in, arguments.out, channel_or("SCAN"));
+  } else {
+    convert::export_tum(arguments.in, arguments.out, channel_or("ODOMETRY"));
+  }
+}
+
+void add_exports(CLI::App& app, Arguments& arguments) {
+  add_command(app, arguments, "info", "What is in an LCM event log")->callback([&arguments] {
+    convert::print(std::cout, convert::summarize_log(arguments.in));
+  });
+  CLI::App* command =
+      add_command(app, arguments, "export", "LCM event log to CARMEN, CSV or a TUM trajectory");
+  command->add_option("OUT", arguments.out, "File to make, .clf, .csv or .tum; never overwritten")
+      ->required()
+      ->check([](const std::string& out) {
+        const std::string ending = std::filesystem::path(out).extension();
+        const bool known = ending == ".clf" || ending == ".csv" || ending == ".tum";
+        return known ? std::string() : "'" + out + "' does not end in .clf, .csv or .tum";
+      });
+  command->add_option("--channel", arguments.channel,
+                      "What to export: else SCAN to .csv, ODOMETRY to .tum; .clf takes both");
+  command->callback([&arguments] { export_log(arguments); });
 }
 
 }  // namespace
@@ -42,7 +89,8 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", NODMAP_VERSION);
   app.require_subcommand(1);
   Arguments arguments;
-  add_commands(app, arguments);
+  add_imports(app, arguments);
+  add_exports(app, arguments);
   nodmap::log::start("nodmap-convert", "info");
   nodmap::node::catch_stop_signals();
   try {

@@ -7,6 +7,8 @@
 #include <optional>
 #include <utility>
 
+#include "tools/convert/sick.hpp"
+
 namespace nodmap::convert {
 namespace {
 
@@ -106,7 +108,7 @@ class SliceBuilder {
     if (slice_.ranges_m.empty()) {
       slice_.ranges_m.assign(fan_.num_beams, std::numeric_limits<float>::quiet_NaN());
     }
-    const bool returned = beam.range_m < kUosNoReturn_m;
+    const bool returned = beam.range_m < kSickIndoorRangeMax_m;
     slice_.ranges_m[fan_.index(beam.angle_rad)] =
         returned ? static_cast<float>(beam.range_m) : std::numeric_limits<float>::infinity();
     last_angle_rad_ = beam.angle_rad;

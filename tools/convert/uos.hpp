@@ -11,9 +11,6 @@
 
 namespace nodmap::convert {
 
-/// What 3DTK's own files say where nothing came back.
-inline constexpr double kUosNoReturn_m = 32.76;
-
 /// A point or vector of the file (cm) in metres, x forward, y left, z up.
 [[nodiscard]] Eigen::Vector3d from_uos(const Eigen::Vector3d& p_uos_cm);
 

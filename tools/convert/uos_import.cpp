@@ -15,21 +15,16 @@
 #include "tools/convert/fields.hpp"
 #include "tools/convert/line_reader.hpp"
 #include "tools/convert/recording.hpp"
+#include "tools/convert/sick.hpp"
 #include "tools/convert/uos.hpp"
 
 namespace nodmap::convert {
 namespace {
 
-// The files hold no time. 2009-01-01, the year after the paper: any constant does.
-constexpr std::int64_t kStart_us = 1'230'768'000'000'000;
-// A SICK at half-degree resolution turns its mirror twice at 75 Hz for one slice.
-constexpr std::int64_t kSlicePeriod_us = 26'640;
 constexpr std::int64_t kDrivePeriod_us = 10'000;
 constexpr double kDriveSpeed_mps = 0.5;
 constexpr double kDriveTurnRate_rad_s = 0.5;
 constexpr double kLeastDrive_s = 2.0;
-// Closer than this is the scanner's own housing.
-constexpr double kRangeMin_m = 0.05;
 
 std::vector<Eigen::Vector3d> read_points(LineReader& lines) {
   std::vector<Eigen::Vector3d> points_m;
@@ -104,11 +99,11 @@ class StopAndGo {
     scan.angle_step_rad = slice.angle_step_rad;
     scan.pitch_first_rad = slice.pitch_rad;
     scan.pitch_last_rad = slice.pitch_rad;
-    scan.range_min_m = kRangeMin_m;
-    scan.range_max_m = kUosNoReturn_m;
+    scan.range_min_m = kSickRangeMin_m;
+    scan.range_max_m = kSickIndoorRangeMax_m;
     scan.ranges_m = slice.ranges_m;
     recording_.add_scan(msg::write_scan(scan));
-    utime_us_ += kSlicePeriod_us;
+    utime_us_ += kSickFinePeriod_us;
   }
 
  private:
@@ -132,7 +127,7 @@ class StopAndGo {
   }
 
   Recording& recording_;
-  std::int64_t utime_us_ = kStart_us;
+  std::int64_t utime_us_ = kUntimedStart_us;
   std::optional<geometry::SE3> T_odom_base_;
 };
 

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/convert/carmen_export.hpp"
+
+#include <cmath>
+#include <fstream>
+#include <optional>
+#include <stdexcept>
+
+#include "common/bus/codec.hpp"
+#include "common/geometry/pose_history.hpp"
+#include "common/log/log.hpp"
+#include "common/msg/messages.hpp"
+#include "tools/convert/carmen_writer.hpp"
+#include "tools/convert/log_events.hpp"
+#include "tools/convert/new_file.hpp"
+
+namespace nodmap::convert {
+namespace {
+
+// CARMEN's world is flat.
+const double kLevel_rad = geometry::deg_to_rad(0.5);
+
+class CarmenExport {
+ public:
+  explicit CarmenExport(std::ostream& out) : out_(out) {}
+
+  void handle(const bus::LogEvent& event) {
+    if (event.channel == "ODOMETRY" && bus::decode_into(odometry_message_, event.data)) {
+      handle(odometry_message_);
+    } else if (event.channel == "SCAN" && bus::decode_into(scan_message_, event.data)) {
+      handle(scan_message_);
+    }
+  }
+
+  /// Writes what is still held back.
+  void finish() { write_held(); }
+
+  [[nodiscard]] int num_lines() const { return num_lines_; }
+  [[nodiscard]] int num_left_out() const { return num_left_out_; }
+
+ private:
+  void handle(const nodmap::odometry_t& message) {
+    write_held();
+    const auto T_odom_base = msg::read_odometry(message);
+    if (!T_odom_base) {
+      ++num_left_out_;
+      return;
+    }
+    history_.add(message.utime, *T_odom_base);
+    newest_ = geometry::to_se2(*T_odom_base);
+    held_ = CarmenOdometry{message.utime, newest_, message.forward_mps, message.yaw_rate_rad_s};
+  }
+
+  void handle(const nodmap::scan_t& message) {
+    scan::Scan scan;
+    if (!msg::read_scan(message, scan) || std::abs(scan.pitch_mid_rad()) > kLevel_rad) {
+      ++num_left_out_;
+      return;
+    }
+    CarmenScan line;
+    line.utime_us = scan.utime_us;
+    const geometry::SE2 T_base_laser = geometry::to_se2(scan.T_base_mount);
+    line.side =
+        std::abs(T_base_laser.yaw) > 0.5 * geometry::kPi ? LaserSide::kRear : LaserSide::kFront;
+    line.T_odom_base = pose_of(scan.utime_us);
+    line.T_odom_laser = line.T_odom_base * T_base_laser;
+    line.angle_first_rad = scan.angle_first_rad;
+    line.angle_step_rad = scan.angle_step_rad;
+    line.range_max_m = scan.range_max_m;
+    line.ranges_m = std::move(scan.ranges_m);
+    line.intensities = message.intensities;
+    write(line);
+  }
+
+  /// A scan line holds the odometry of its time: an ODOMETRY right before the scan goes into it and
+  /// makes no line of its own.
+  geometry::SE2 pose_of(std::int64_t utime_us) {
+    if (held_ && held_->utime_us == utime_us) {
+      const geometry::SE2 pose = held_->T_odom_base;
+      held_.reset();
+      return pose;
+    }
+    write_held();
+    const auto T_odom_base = history_.at(utime_us);
+    return T_odom_base ? geometry::to_se2(*T_odom_base) : newest_;
+  }
+
+  void write_held() {
+    if (held_) {
+      write(*held_);
+      held_.reset();
+    }
+  }
+
+  template <class Value>
+  void write(const Value& value) {
+    start_us_ = start_us_.value_or(value.utime_us);
+    out_ << write_carmen_line(value, *start_us_) << "\n";
+    ++num_lines_;
+  }
+
+  std::ostream& out_;
+  nodmap::odometry_t odometry_message_{};
+  nodmap::scan_t scan_message_{};
+  geometry::PoseHistory history_;
+  geometry::SE2 newest_;
+  std::optional<CarmenOdometry> held_;
+  std::optional<std::int64_t> start_us_;
+  int num_lines_ = 0;
+  int num_left_out_ = 0;
+};
+
+}  // namespace
+
+void export_carmen(const std::filesystem::path& log, const std::filesystem::path& out) {
+  NewFile file(out);
+  std::ofstream stream(file.partial_path());
+  CarmenExport writer(stream);
+  for_each_event(log, [&writer](const bus::LogEvent& event) { writer.handle(event); });
+  writer.finish();
+  stream.close();
+  if (!stream) {
+    throw std::runtime_error(out.string() + ": cannot write");
+  }
+  if (writer.num_lines() == 0) {
+    throw std::runtime_error(log.string() + ": no ODOMETRY, and no SCAN without pitch");
+  }
+  file.commit();
+  log::get().info("{} lines; {} messages invalid, or scans with a pitch, left out",
+                  writer.num_lines(), writer.num_left_out());
+}
+
+}  // namespace nodmap::convert

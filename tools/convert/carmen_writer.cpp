@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/convert/carmen_writer.hpp"
+
+#include <charconv>
+#include <cinttypes>
+#include <cmath>
+#include <cstdio>
+#include <string_view>
+#include <utility>
+
+namespace nodmap::convert {
+namespace {
+
+// What SICK's own readings say in the public logs.
+constexpr float kNoReturnMarker_m = 81.91F;
+
+/// Words of a line, with a blank before each but the first.
+class LineWriter {
+ public:
+  explicit LineWriter(std::string name) : text_(std::move(name)) {}
+
+  /// As many digits as it takes to read the same number again.
+  template <class Number>
+  void exact(Number value) {
+    char digits[40];
+    const auto end = std::to_chars(digits, digits + sizeof digits, value).ptr;
+    text_.push_back(' ');
+    text_.append(std::string_view(digits, end));
+  }
+  /// Six decimals, as CARMEN writes.
+  void rounded(double value) {
+    char digits[400];  // the longest double has 309 digits before the point
+    const auto end =
+        std::to_chars(digits, digits + sizeof digits, value, std::chars_format::fixed, 6).ptr;
+    text_.push_back(' ');
+    text_.append(std::string_view(digits, end));
+  }
+  void pose(const geometry::SE2& pose) {
+    rounded(pose.x);
+    rounded(pose.y);
+    rounded(pose.yaw);
+  }
+  void ranges(const CarmenScan& scan, float no_return_m) {
+    exact(scan.ranges_m.size());
+    for (const float range_m : scan.ranges_m) {
+      exact(std::isinf(range_m) ? no_return_m : range_m);
+    }
+  }
+  /// `ipc_timestamp host logger_timestamp`
+  std::string finish(std::int64_t utime_us, std::int64_t start_us) && {
+    char trailer[64];
+    std::snprintf(trailer, sizeof trailer, " %" PRId64 ".%06d nodmap", utime_us / 1'000'000,
+                  static_cast<int>(utime_us % 1'000'000));
+    text_.append(trailer);
+    rounded(1e-6 * static_cast<double>(utime_us - start_us));
+    return std::move(text_);
+  }
+
+ private:
+  std::string text_;
+};
+
+bool fits_plain_line(const CarmenScan& scan) {
+  const CarmenFan fan = carmen_fan(scan.ranges_m.size());
+  constexpr double kSameAngle_rad = 1e-9;
+  return scan.ranges_m.size() >= 2 && scan.intensities.empty() &&
+         scan.range_max_m == kCarmenNoReturn_m &&
+         std::abs(scan.angle_first_rad - fan.angle_first_rad) < kSameAngle_rad &&
+         std::abs(scan.angle_step_rad - fan.angle_step_rad) < kSameAngle_rad;
+}
+
+}  // namespace
+
+std::string write_carmen_line(const CarmenOdometry& odometry, std::int64_t start_us) {
+  LineWriter line("ODOM");
+  line.pose(odometry.T_odom_base);
+  line.rounded(odometry.forward_mps);
+  line.rounded(odometry.yaw_rate_rad_s);
+  line.rounded(0.0);
+  return std::move(line).finish(odometry.utime_us, start_us);
+}
+
+std::string write_carmen_line(const CarmenScan& scan, std::int64_t start_us) {
+  if (fits_plain_line(scan)) {
+    LineWriter line(scan.side == LaserSide::kFront ? "FLASER" : "RLASER");
+    line.ranges(scan, kNoReturnMarker_m);
+    line.pose(scan.T_odom_laser);
+    line.pose(scan.T_odom_base);
+    return std::move(line).finish(scan.utime_us, start_us);
+  }
+  LineWriter line("ROBOTLASER1");
+  line.exact(0);
+  line.exact(scan.angle_first_rad);
+  line.exact(scan.angle_step_rad * static_cast<double>(scan.ranges_m.size() - 1));
+  line.exact(scan.angle_step_rad);
+  line.exact(scan.range_max_m);
+  line.exact(0);
+  line.exact(0);
+  line.ranges(scan, static_cast<float>(scan.range_max_m));
+  line.exact(scan.intensities.size());
+  for (const float intensity : scan.intensities) {
+    line.exact(intensity);
+  }
+  line.pose(scan.T_odom_laser);
+  line.pose(scan.T_odom_base);
+  for (int i = 0; i < 5; ++i) {
+    line.exact(0);
+  }
+  return std::move(line).finish(scan.utime_us, start_us);
+}
+
+}  // namespace nodmap::convert

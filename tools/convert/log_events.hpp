@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+
+#include "common/bus/event_log.hpp"
+
+namespace nodmap::convert {
+
+/// Calls `handle` for each event of a log, with a bar on the terminal; returns the bytes that
+/// belonged to no event. Throws std::runtime_error when the log cannot be read or the user has
+/// asked to stop.
+std::int64_t for_each_event(const std::filesystem::path& log,
+                            const std::function<void(const bus::LogEvent&)>& handle);
+
+}  // namespace nodmap::convert
