@@ -1,14 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <CLI/CLI.hpp>
+#include <cmath>
+#include <cstdint>
 #include <exception>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
+#include <string>
 
 #include "common/formats/tum.hpp"
 #include "common/log/log.hpp"
 #include "common/node/command_line.hpp"
 #include "tools/evaluate/relations.hpp"
+#include "tools/evaluate/trajectory_error.hpp"
 
 namespace {
 
@@ -18,6 +22,8 @@ using nodmap::geometry::rad_to_deg;
 struct Arguments {
   std::string trajectory;
   std::string truth;
+  bool align = false;
+  double tolerance_s = 0.05;
 };
 
 void print_relations(const Arguments& arguments) {
@@ -37,12 +43,49 @@ void print_relations(const Arguments& arguments) {
   std::cout << result.dump(2) << "\n";
 }
 
+void print_trajectory(const Arguments& arguments) {
+  const auto estimate = nodmap::formats::read_tum(arguments.trajectory);
+  const auto tolerance_us = static_cast<std::int64_t>(std::llround(arguments.tolerance_s * 1e6));
+  const auto pairs =
+      evaluate::associate(estimate, nodmap::formats::read_tum(arguments.truth), tolerance_us);
+  if (pairs.empty()) {
+    throw std::runtime_error(arguments.trajectory + ": none of its " +
+                             std::to_string(estimate.size()) + " poses has a true one at its time");
+  }
+  const auto errors =
+      evaluate::measure_trajectory(pairs, arguments.align ? evaluate::Alignment::kLeastSquares
+                                                          : evaluate::Alignment::kFirstPose);
+  nlohmann::ordered_json result = {{"n", errors.n},
+                                   {"missing", estimate.size() - errors.n},
+                                   {"ate_rmse_m", errors.ate_rmse_m},
+                                   {"ate_max_m", errors.ate_max_m},
+                                   {"rot_rmse_deg", rad_to_deg(errors.rot_rmse_rad)},
+                                   {"drift_percent", nullptr}};
+  if (errors.drift_percent) {
+    result["drift_percent"] = *errors.drift_percent;
+  }
+  std::cout << result.dump(2) << "\n";
+}
+
 void add_commands(CLI::App& app, Arguments& arguments) {
   CLI::App* relations =
       app.add_subcommand("relations", "Error of relative poses (Kuemmerle et al. 2009), as JSON");
   relations->add_option("TRAJECTORY", arguments.trajectory, "Estimate (.tum)")->required();
   relations->add_option("RELATIONS", arguments.truth, "Known relations (.relations)")->required();
   relations->callback([&arguments] { print_relations(arguments); });
+
+  CLI::App* trajectory =
+      app.add_subcommand("trajectory", "Error against a true trajectory, as JSON");
+  trajectory->add_option("ESTIMATE", arguments.trajectory, "Estimate (.tum)")->required();
+  trajectory->add_option("TRUTH", arguments.truth, "Truth (.tum)")->required();
+  trajectory->add_flag("--align", arguments.align,
+                       "Align all positions by least squares instead of the first pose");
+  trajectory
+      ->add_option("--tolerance-s", arguments.tolerance_s,
+                   "A pose counts when a true one is this close in time")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  trajectory->callback([&arguments] { print_trajectory(arguments); });
 }
 
 }  // namespace

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/evaluate/trajectory_error.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace nodmap::evaluate {
+namespace {
+
+using geometry::SE3;
+using geometry::to_se3;
+
+constexpr std::int64_t kSecond_us = 1'000'000;
+
+/// A drive along a circle, a pose each second.
+formats::Trajectory circle(int num_poses) {
+  formats::Trajectory trajectory;
+  for (int i = 0; i < num_poses; ++i) {
+    const double angle = 0.1 * i;
+    trajectory.push_back(
+        {i * kSecond_us, to_se3({5.0 * std::sin(angle), 5.0 - 5.0 * std::cos(angle), angle})});
+  }
+  return trajectory;
+}
+
+const SE3 kElsewhere = geometry::make_se3(
+    {7.0, -2.0, 1.0},
+    Eigen::Quaterniond(Eigen::AngleAxisd(2.0, Eigen::Vector3d(1, 1, 3).normalized())));
+
+formats::Trajectory moved(const SE3& T_a_b, formats::Trajectory trajectory) {
+  for (auto& stamped : trajectory) {
+    stamped.pose = T_a_b * stamped.pose;
+  }
+  return trajectory;
+}
+
+TEST(TrajectoryError, IsZeroForTheTruthInAnotherFrame) {
+  const auto pairs = associate(moved(kElsewhere, circle(40)), circle(40), 0);
+  ASSERT_EQ(pairs.size(), 40U);
+  for (const Alignment alignment : {Alignment::kFirstPose, Alignment::kLeastSquares}) {
+    const TrajectoryErrors errors = measure_trajectory(pairs, alignment);
+    EXPECT_LT(errors.ate_max_m, 1e-9);     // rounding of a singular value decomposition at 10 m
+    EXPECT_LT(errors.rot_rmse_rad, 1e-7);  // an angle near zero: square root of rounding
+    EXPECT_LT(*errors.drift_percent, 1e-9);
+  }
+}
+
+TEST(TrajectoryError, MeasuresByHand) {
+  // Three poses along x; the estimate is 0.3 m left at the second, 0.4 m at the third and turned.
+  const std::vector<PosePair> pairs = {{to_se3({0.0, 0.0, 0.0}), to_se3({0.0, 0.0, 0.0})},
+                                       {to_se3({5.0, 0.3, 0.0}), to_se3({5.0, 0.0, 0.0})},
+                                       {to_se3({10.0, 0.4, 0.3}), to_se3({10.0, 0.0, 0.0})}};
+  const TrajectoryErrors errors = measure_trajectory(pairs, Alignment::kFirstPose);
+  EXPECT_EQ(errors.n, 3U);
+  EXPECT_NEAR(errors.ate_rmse_m, 0.5 / std::sqrt(3.0), 1e-12);
+  EXPECT_NEAR(errors.ate_max_m, 0.4, 1e-12);
+  EXPECT_NEAR(errors.rot_rmse_rad, 0.3 / std::sqrt(3.0), 1e-12);
+  EXPECT_NEAR(*errors.drift_percent, 4.0, 1e-12);
+}
+
+TEST(TrajectoryError, LeastSquaresIsNeverWorseAndForgivesABadStart) {
+  formats::Trajectory estimate = circle(60);
+  std::mt19937 random(2);
+  std::normal_distribution<double> noise_m(0.0, 0.05);
+  for (auto& stamped : estimate) {
+    stamped.pose.translation() += Eigen::Vector3d(noise_m(random), noise_m(random), 0.0);
+  }
+  estimate.front().pose = estimate.front().pose * to_se3({0.0, 0.0, 0.2});
+  const auto pairs = associate(moved(kElsewhere, estimate), circle(60), 0);
+  const TrajectoryErrors first = measure_trajectory(pairs, Alignment::kFirstPose);
+  const TrajectoryErrors best = measure_trajectory(pairs, Alignment::kLeastSquares);
+  EXPECT_GT(first.ate_rmse_m, 0.5);  // 0.2 rad at up to 10 m
+  EXPECT_LT(best.ate_rmse_m, 0.1);   // two axes of 0.05 m
+  EXPECT_EQ(first.drift_percent, best.drift_percent);
+}
+
+TEST(TrajectoryError, InterpolatesTheTruth) {
+  const formats::Trajectory truth = {{0, to_se3({0.0, 0.0, 0.0})},
+                                     {100'000, to_se3({1.0, 0.0, 0.2})}};
+  const auto pairs = associate({{25'000, to_se3({})}}, truth, 50'000);
+  ASSERT_EQ(pairs.size(), 1U);
+  EXPECT_TRUE(pairs[0].T_truth_base.isApprox(to_se3({0.25, 0.0, 0.05}), 1e-12));
+}
+
+TEST(TrajectoryError, AssociatesWithinToleranceOnly) {
+  const formats::Trajectory truth = {{2 * kSecond_us, to_se3({2.0, 0.0, 0.0})},
+                                     {1 * kSecond_us, to_se3({1.0, 0.0, 0.0})},
+                                     {1 * kSecond_us, to_se3({9.0, 0.0, 0.0})}};
+  const auto partners = [&](std::int64_t utime_us) {
+    return associate({{utime_us, to_se3({})}}, truth, 50'000);
+  };
+  EXPECT_EQ(partners(949'999).size(), 0U);
+  EXPECT_EQ(partners(950'000).size(), 1U);  // before the first: the first
+  EXPECT_EQ(partners(1'500'000).size(), 0U);
+  EXPECT_EQ(partners(2'050'000).size(), 1U);
+  EXPECT_EQ(partners(2'050'001).size(), 0U);
+  EXPECT_EQ(partners(1'000'000)[0].T_truth_base.translation().x(), 1.0);  // the first of two
+}
+
+TEST(TrajectoryError, DegenerateInput) {
+  EXPECT_TRUE(associate({}, circle(3), 0).empty());
+  EXPECT_TRUE(associate(circle(3), {}, 0).empty());
+  EXPECT_EQ(measure_trajectory({}, Alignment::kLeastSquares).n, 0U);
+  for (const Alignment alignment : {Alignment::kFirstPose, Alignment::kLeastSquares}) {
+    const TrajectoryErrors one = measure_trajectory({{kElsewhere, to_se3({})}}, alignment);
+    EXPECT_LT(one.ate_max_m, 1e-9);
+    EXPECT_FALSE(one.drift_percent);  // no path, no percent of it
+  }
+}
+
+}  // namespace
+}  // namespace nodmap::evaluate

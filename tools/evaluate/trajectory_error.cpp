@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/evaluate/trajectory_error.hpp"
+
+#include <Eigen/Geometry>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+
+namespace nodmap::evaluate {
+namespace {
+
+using formats::StampedPose;
+
+bool is_earlier(const StampedPose& a, const StampedPose& b) {
+  return a.utime_us < b.utime_us;
+}
+
+/// The true pose at a time, if a sample is close enough.
+std::optional<geometry::SE3> pose_at(const formats::Trajectory& truth, std::int64_t utime_us,
+                                     std::int64_t tolerance_us) {
+  const auto after =
+      std::lower_bound(truth.begin(), truth.end(), StampedPose{utime_us, {}}, is_earlier);
+  const bool close_after = after != truth.end() && after->utime_us - utime_us <= tolerance_us;
+  if (close_after && after->utime_us == utime_us) {
+    return after->pose;
+  }
+  const bool close_before =
+      after != truth.begin() && utime_us - std::prev(after)->utime_us <= tolerance_us;
+  if (!close_after && !close_before) {
+    return std::nullopt;
+  }
+  if (after == truth.end()) {
+    return std::prev(after)->pose;
+  }
+  if (after == truth.begin()) {
+    return after->pose;
+  }
+  const StampedPose& before = *std::prev(after);
+  const double fraction = static_cast<double>(utime_us - before.utime_us) /
+                          static_cast<double>(after->utime_us - before.utime_us);
+  return geometry::interpolate(before.pose, after->pose, fraction);
+}
+
+geometry::SE3 align_first_pose(const std::vector<PosePair>& pairs) {
+  return pairs.front().T_truth_base * pairs.front().T_map_base.inverse();
+}
+
+geometry::SE3 align_least_squares(const std::vector<PosePair>& pairs) {
+  const auto n = static_cast<Eigen::Index>(pairs.size());
+  Eigen::Matrix3Xd p_map(3, n);
+  Eigen::Matrix3Xd p_truth(3, n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const PosePair& pair = pairs[static_cast<std::size_t>(i)];
+    p_map.col(i) = pair.T_map_base.translation();
+    p_truth.col(i) = pair.T_truth_base.translation();
+  }
+  return geometry::SE3(Eigen::umeyama(p_map, p_truth, false));
+}
+
+std::optional<double> drift_percent(const std::vector<PosePair>& pairs) {
+  double length_m = 0.0;
+  for (std::size_t i = 1; i < pairs.size(); ++i) {
+    length_m +=
+        (pairs[i].T_truth_base.translation() - pairs[i - 1].T_truth_base.translation()).norm();
+  }
+  if (length_m <= 0.0) {
+    return std::nullopt;
+  }
+  const Eigen::Vector3d end = align_first_pose(pairs) * pairs.back().T_map_base.translation();
+  return 100.0 * (end - pairs.back().T_truth_base.translation()).norm() / length_m;
+}
+
+}  // namespace
+
+std::vector<PosePair> associate(const formats::Trajectory& estimate, formats::Trajectory truth,
+                                std::int64_t tolerance_us) {
+  std::stable_sort(truth.begin(), truth.end(), is_earlier);
+  std::vector<PosePair> pairs;
+  for (const StampedPose& stamped : estimate) {
+    if (const auto true_pose = pose_at(truth, stamped.utime_us, tolerance_us)) {
+      pairs.push_back({stamped.pose, *true_pose});
+    }
+  }
+  return pairs;
+}
+
+TrajectoryErrors measure_trajectory(const std::vector<PosePair>& pairs, Alignment alignment) {
+  TrajectoryErrors errors;
+  errors.n = pairs.size();
+  if (pairs.empty()) {
+    return errors;
+  }
+  const geometry::SE3 T_truth_map =
+      alignment == Alignment::kFirstPose ? align_first_pose(pairs) : align_least_squares(pairs);
+  double sum_m2 = 0.0;
+  double sum_rad2 = 0.0;
+  for (const PosePair& pair : pairs) {
+    const geometry::SE3 aligned = T_truth_map * pair.T_map_base;
+    const double trans_m = (aligned.translation() - pair.T_truth_base.translation()).norm();
+    const double rot_rad = geometry::rotation_angle(pair.T_truth_base.inverse() * aligned);
+    sum_m2 += trans_m * trans_m;
+    sum_rad2 += rot_rad * rot_rad;
+    errors.ate_max_m = std::max(errors.ate_max_m, trans_m);
+  }
+  const auto n = static_cast<double>(pairs.size());
+  errors.ate_rmse_m = std::sqrt(sum_m2 / n);
+  errors.rot_rmse_rad = std::sqrt(sum_rad2 / n);
+  errors.drift_percent = drift_percent(pairs);
+  return errors;
+}
+
+}  // namespace nodmap::evaluate
