@@ -27,8 +27,9 @@ std::int64_t read_trailer_us(Fields& fields) {
 }
 
 void mark_no_returns(std::vector<float>& ranges_m, double no_return_m) {
+  const auto limit_m = static_cast<float>(no_return_m);  // as the same word reads in a reading
   for (float& range_m : ranges_m) {
-    if (static_cast<double>(range_m) >= no_return_m) {
+    if (range_m >= limit_m) {
       range_m = std::numeric_limits<float>::infinity();
     }
   }

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/convert/log_summary.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <sstream>
+
+#include "common/bus/codec.hpp"
+#include "nodmap/odometry_t.hpp"
+#include "nodmap/status_t.hpp"
+#include "tests/support/data_dir.hpp"
+
+namespace nodmap::convert {
+namespace {
+
+template <class Message>
+std::vector<std::byte> encoded(const Message& message) {
+  std::vector<std::byte> bytes;
+  bus::encode_into(bytes, message);
+  return bytes;
+}
+
+std::vector<std::byte> odometry_at(std::int64_t utime_us) {
+  nodmap::odometry_t message{};
+  message.utime = utime_us;
+  return encoded(message);
+}
+
+class LogSummaryTest : public testing::Test {
+ protected:
+  void write() {
+    bus::LogWriter writer(log_);
+    const auto put = [&](std::int64_t utime_us, const char* channel,
+                         const std::vector<std::byte>& bytes) {
+      ASSERT_TRUE(writer.write(utime_us, channel, bytes));
+    };
+    put(1'000'000, "ODOMETRY", odometry_at(5));
+    put(1'500'000, "ODOMETRY", odometry_at(7));
+    put(3'000'000, "ODOMETRY", odometry_at(6));
+    auto damaged = odometry_at(8);
+    damaged.pop_back();
+    put(3'000'000, "ODOMETRY", damaged);
+    put(3'000'000, "ODOMETRY", encoded(nodmap::status_t{}));
+    put(2'000'000, "FOREIGN", std::vector<std::byte>(12));
+    put(2'500'000, "SHORT", {});
+  }
+
+  test::TemporaryDir dir_;
+  std::filesystem::path log_ = dir_.path() / "a.lcmlog";
+};
+
+TEST_F(LogSummaryTest, CountsByChannel) {
+  write();
+  std::ofstream(log_, std::ios::app) << "damage";
+  const LogSummary summary = summarize_log(log_);
+  ASSERT_EQ(summary.channels.size(), 3U);
+  const ChannelSummary& odometry = summary.channels.at("ODOMETRY");
+  EXPECT_EQ(odometry.type, "nodmap.odometry_t");
+  EXPECT_EQ(odometry.count, 5);
+  EXPECT_EQ(odometry.corrupt, 2);  // one cut short, one of another type
+  EXPECT_EQ(odometry.steps_back, 1);
+  EXPECT_EQ(odometry.longest_gap_us, 1'500'000);
+  EXPECT_DOUBLE_EQ(odometry.rate_hz(), 2.0);
+  const ChannelSummary& foreign = summary.channels.at("FOREIGN");
+  EXPECT_EQ(foreign.type, "? 0000000000000000");
+  EXPECT_EQ(foreign.corrupt, 0);  // not ours to judge
+  EXPECT_EQ(foreign.rate_hz(), 0.0);
+  EXPECT_EQ(summary.skipped_bytes, 6);
+}
+
+TEST_F(LogSummaryTest, PrintsATable) {
+  write();
+  std::ostringstream text;
+  print(text, summarize_log(log_));
+  EXPECT_THAT(text.str(), testing::ContainsRegex("ODOMETRY +nodmap.odometry_t +5 +2.00 +1.500"));
+  EXPECT_THAT(text.str(), testing::HasSubstr("duration 2.000 s, 0 bytes skipped"));
+  std::ostringstream nothing;
+  print(nothing, LogSummary{});
+  EXPECT_THAT(nothing.str(), testing::HasSubstr("duration 0.000 s"));
+}
+
+TEST(LogSummary, MissingLogIsAnError) {
+  EXPECT_THROW((void)summarize_log("/no/such.lcmlog"), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace nodmap::convert
