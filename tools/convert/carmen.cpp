@@ -68,7 +68,7 @@ CarmenLine parse_plain_scan(Fields fields, LaserSide side) {
   scan.angle_first_rad = fan.angle_first_rad;
   scan.angle_step_rad = fan.angle_step_rad;
   scan.ranges_m = fields.numbers(num_beams);
-  mark_no_returns(scan.ranges_m, kCarmenNoReturn_m);
+  mark_no_returns(scan.ranges_m, kCarmenNoReturnM);
   scan.T_odom_laser = read_pose(fields);
   scan.T_odom_base = read_pose(fields);
   scan.utime_us = read_trailer_us(fields);
@@ -87,7 +87,7 @@ CarmenLine parse_described_scan(Fields fields) {
   fields.finite();
   fields.finite();
   if (max_range_m > 0.0) {
-    scan.range_max_m = std::min(max_range_m, kCarmenNoReturn_m);
+    scan.range_max_m = std::min(max_range_m, kCarmenNoReturnM);
   }
   scan.ranges_m = fields.numbers(fields.count());
   mark_no_returns(scan.ranges_m, scan.range_max_m);

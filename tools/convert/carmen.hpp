@@ -14,7 +14,7 @@ namespace nodmap::convert {
 
 /// CARMEN drives SICK scanners, whose readings from here on say that nothing came back (81.83 and
 /// 81.91 in the public logs).
-inline constexpr double kCarmenNoReturn_m = 80.0;
+inline constexpr double kCarmenNoReturnM = 80.0;
 
 enum class LaserSide : std::uint8_t { kFront, kRear };
 
@@ -33,7 +33,7 @@ struct CarmenScan {
   geometry::SE2 T_odom_base;
   double angle_first_rad = 0.0;  ///< 0 ahead, positive to the left
   double angle_step_rad = 0.0;
-  double range_max_m = kCarmenNoReturn_m;
+  double range_max_m = kCarmenNoReturnM;
   std::vector<float> ranges_m;  ///< +infinity where nothing came back
   std::vector<float> intensities;
 };

@@ -18,7 +18,7 @@ namespace nodmap::convert {
 namespace {
 
 // CARMEN's world is flat.
-const double kLevel_rad = geometry::deg_to_rad(0.5);
+constexpr double kLevelRad = geometry::deg_to_rad(0.5);
 
 class CarmenExport {
  public:
@@ -53,7 +53,7 @@ class CarmenExport {
 
   void handle(const nodmap::scan_t& message) {
     scan::Scan scan;
-    if (!msg::read_scan(message, scan) || std::abs(scan.pitch_mid_rad()) > kLevel_rad) {
+    if (!msg::read_scan(message, scan) || std::abs(scan.pitch_mid_rad()) > kLevelRad) {
       ++num_left_out_;
       return;
     }

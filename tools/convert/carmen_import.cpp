@@ -18,7 +18,7 @@ namespace nodmap::convert {
 namespace {
 
 // CARMEN's world is flat and knows no heights; most of its robots carried the scanner about here.
-constexpr double kAssumedHeight_m = 0.3;
+constexpr double kAssumedHeightM = 0.3;
 
 /// Handles the lines of a log one kind each.
 class CarmenImport {
@@ -39,10 +39,10 @@ class CarmenImport {
     message.angle_first_rad = scan.angle_first_rad;
     message.angle_step_rad = scan.angle_step_rad;
     message.pitch_is_measured = 1;  // the scanner is fixed
-    message.range_min_m = kSickRangeMin_m;
+    message.range_min_m = kSickRangeMinM;
     message.range_max_m = scan.range_max_m;
     geometry::SE3 T_base_laser = geometry::to_se3(mounts_.mount(scan.side));
-    T_base_laser.translation().z() = kAssumedHeight_m;
+    T_base_laser.translation().z() = kAssumedHeightM;
     msg::write_pose(T_base_laser, message.mount_position_m, message.mount_orientation);
     message.num_ranges = static_cast<std::int32_t>(scan.ranges_m.size());
     message.ranges_m = scan.ranges_m;

@@ -9,10 +9,10 @@ namespace nodmap::convert {
 namespace {
 
 // Logs with three decimals round both poses by half a millimetre in each axis.
-constexpr double kSameOffset_m = 0.002;
-constexpr double kSameOffset_rad = 0.002;
+constexpr double kSameOffsetM = 0.002;
+constexpr double kSameOffsetRad = 0.002;
 // A scanner farther from the centre than this is no offset but another frame.
-constexpr double kLargestOffset_m = 2.0;
+constexpr double kLargestOffsetM = 2.0;
 
 double rounded(double value) {
   return std::round(value * 1e4) / 1e4 + 0.0;  // + 0.0: no negative zero
@@ -20,13 +20,13 @@ double rounded(double value) {
 
 bool is_mount(const geometry::SE2& T_base_laser, LaserSide side) {
   const bool looks_back = std::abs(T_base_laser.yaw) > 0.5 * geometry::kPi;
-  return T_base_laser.translation().norm() < kLargestOffset_m &&
+  return T_base_laser.translation().norm() < kLargestOffsetM &&
          looks_back == (side == LaserSide::kRear);
 }
 
 bool same_offset(const geometry::SE2& a, const geometry::SE2& b) {
-  return (a.translation() - b.translation()).norm() < kSameOffset_m &&
-         std::abs(geometry::angle_difference(a.yaw, b.yaw)) < kSameOffset_rad;
+  return (a.translation() - b.translation()).norm() < kSameOffsetM &&
+         std::abs(geometry::angle_difference(a.yaw, b.yaw)) < kSameOffsetRad;
 }
 
 }  // namespace

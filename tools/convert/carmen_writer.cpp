@@ -12,7 +12,7 @@ namespace nodmap::convert {
 namespace {
 
 // What SICK's own readings say in the public logs.
-constexpr float kNoReturnMarker_m = 81.91F;
+constexpr float kNoReturnMarkerM = 81.91F;
 
 /// Words of a line, with a blank before each but the first.
 class LineWriter {
@@ -23,14 +23,14 @@ class LineWriter {
   template <class Number>
   void exact(Number value) {
     char digits[40];
-    const auto end = std::to_chars(digits, digits + sizeof digits, value).ptr;
+    const char* end = std::to_chars(digits, digits + sizeof digits, value).ptr;
     text_.push_back(' ');
     text_.append(std::string_view(digits, end));
   }
   /// Six decimals, as CARMEN writes.
   void rounded(double value) {
     char digits[400];  // the longest double has 309 digits before the point
-    const auto end =
+    const char* end =
         std::to_chars(digits, digits + sizeof digits, value, std::chars_format::fixed, 6).ptr;
     text_.push_back(' ');
     text_.append(std::string_view(digits, end));
@@ -62,11 +62,11 @@ class LineWriter {
 
 bool fits_plain_line(const CarmenScan& scan) {
   const CarmenFan fan = carmen_fan(scan.ranges_m.size());
-  constexpr double kSameAngle_rad = 1e-9;
+  constexpr double kSameAngleRad = 1e-9;
   return scan.ranges_m.size() >= 2 && scan.intensities.empty() &&
-         scan.range_max_m == kCarmenNoReturn_m &&
-         std::abs(scan.angle_first_rad - fan.angle_first_rad) < kSameAngle_rad &&
-         std::abs(scan.angle_step_rad - fan.angle_step_rad) < kSameAngle_rad;
+         scan.range_max_m == kCarmenNoReturnM &&
+         std::abs(scan.angle_first_rad - fan.angle_first_rad) < kSameAngleRad &&
+         std::abs(scan.angle_step_rad - fan.angle_step_rad) < kSameAngleRad;
 }
 
 }  // namespace
@@ -83,7 +83,7 @@ std::string write_carmen_line(const CarmenOdometry& odometry, std::int64_t start
 std::string write_carmen_line(const CarmenScan& scan, std::int64_t start_us) {
   if (fits_plain_line(scan)) {
     LineWriter line(scan.side == LaserSide::kFront ? "FLASER" : "RLASER");
-    line.ranges(scan, kNoReturnMarker_m);
+    line.ranges(scan, kNoReturnMarkerM);
     line.pose(scan.T_odom_laser);
     line.pose(scan.T_odom_base);
     return std::move(line).finish(scan.utime_us, start_us);

@@ -3,6 +3,8 @@
 #include <exception>
 #include <filesystem>
 #include <iostream>
+#include <stdexcept>
+#include <string>
 
 #include "common/log/log.hpp"
 #include "common/node/command_line.hpp"
@@ -50,6 +52,14 @@ void add_imports(CLI::App& app, Arguments& arguments) {
       [&arguments] { convert::import_uos(arguments.in, arguments.out, arguments.range); });
 }
 
+void print_info(const Arguments& arguments) {
+  const convert::LogSummary summary = convert::summarize_log(arguments.in);
+  if (summary.channels.empty()) {
+    throw std::runtime_error(arguments.in + ": holds no event of an LCM event log");
+  }
+  convert::print(std::cout, summary);
+}
+
 void export_log(const Arguments& arguments) {
   const std::string ending = std::filesystem::path(arguments.out).extension();
   const auto channel_or = [&arguments](const char* usual) {
@@ -66,7 +76,7 @@ void export_log(const Arguments& arguments) {
 
 void add_exports(CLI::App& app, Arguments& arguments) {
   add_command(app, arguments, "info", "What is in an LCM event log")->callback([&arguments] {
-    convert::print(std::cout, convert::summarize_log(arguments.in));
+    print_info(arguments);
   });
   CLI::App* command =
       add_command(app, arguments, "export", "LCM event log to CARMEN, CSV or a TUM trajectory");

@@ -14,8 +14,8 @@ using geometry::deg_to_rad;
 
 // The tilting device (its program: TILT_RADIUS), and the height of its axle: there the floor shows
 // in its recordings (1.00 m below it; its program says 1.11 m).
-constexpr double kMirrorAboveAxle_m = 0.08;
-constexpr double kAxleHeight_m = 1.0;
+constexpr double kMirrorAboveAxleM = 0.08;
+constexpr double kAxleHeightM = 1.0;
 
 template <class Form>
 NodLine checked(const Fields& fields, scan::Scan scan) {
@@ -41,8 +41,8 @@ NodLine parse_nod(Fields fields) {
   scan.angle_step_rad = fields.finite();
   scan.range_min_m = fields.finite();
   scan.range_max_m = fields.finite();
-  scan.T_base_mount.translation().z() = kAxleHeight_m;
-  scan.mirror_offset_m.z() = kMirrorAboveAxle_m;
+  scan.T_base_mount.translation().z() = kAxleHeightM;
+  scan.mirror_offset_m.z() = kMirrorAboveAxleM;
   scan.ranges_m = fields.numbers(num_beams);
   return checked<NodScan>(fields, std::move(scan));
 }
@@ -55,13 +55,13 @@ NodLine parse_slice(Fields fields) {
   const std::size_t num_beams = fields.count();
   scan.angle_first_rad = deg_to_rad(fields.finite() - 90.0);
   scan.angle_step_rad = deg_to_rad(fields.finite());
-  scan.range_min_m = kSickRangeMin_m;
-  scan.range_max_m = kSickIndoorRangeMax_m;
+  scan.range_min_m = kSickRangeMinM;
+  scan.range_max_m = kSickIndoorRangeMaxM;
   scan.ranges_m = fields.numbers(num_beams);
   for (float& range : scan.ranges_m) {
     const double range_m = 0.01 * static_cast<double>(range);
-    range = range_m < kSickIndoorRangeMax_m ? static_cast<float>(range_m)
-                                            : std::numeric_limits<float>::infinity();
+    range = range_m < kSickIndoorRangeMaxM ? static_cast<float>(range_m)
+                                           : std::numeric_limits<float>::infinity();
   }
   return checked<NodSlice>(fields, std::move(scan));
 }

@@ -17,7 +17,7 @@ class NodImport {
 
   void operator()(const NodScan& line) { add(line.scan); }
   void operator()(NodSlice& line) {
-    line.scan.utime_us = kUntimedStart_us + recording_.num_scans() * kSickFinePeriod_us;
+    line.scan.utime_us = kUntimedStartUs + recording_.num_scans() * kSickFinePeriodUs;
     add(line.scan);
   }
   void operator()(const NodUnreadable& line) { lines_.skip_line(line.why); }

@@ -7,15 +7,15 @@
 namespace nodmap::convert {
 
 /// Readings below are no distances: a SICK sends small numbers for errors.
-inline constexpr double kSickRangeMin_m = 0.05;
+inline constexpr double kSickRangeMinM = 0.05;
 
 /// From here on nothing came back, in the measuring mode of KURT3D.
-inline constexpr double kSickIndoorRangeMax_m = 32.76;
+inline constexpr double kSickIndoorRangeMaxM = 32.76;
 
 /// At half-degree resolution the mirror turns twice at 75 Hz for one scan.
-inline constexpr std::int64_t kSickFinePeriod_us = 26'640;
+inline constexpr std::int64_t kSickFinePeriodUs = 26'640;
 
 /// Recordings without time begin on 2009-01-01: any constant does.
-inline constexpr std::int64_t kUntimedStart_us = 1'230'768'000'000'000;
+inline constexpr std::int64_t kUntimedStartUs = 1'230'768'000'000'000;
 
 }  // namespace nodmap::convert

@@ -22,7 +22,7 @@ namespace {
 template <class Number>
 void put(std::ostream& out, Number value) {
   char digits[40];
-  const auto end = std::to_chars(digits, digits + sizeof digits, value).ptr;
+  const char* end = std::to_chars(digits, digits + sizeof digits, value).ptr;
   out << ',';
   out.write(digits, end - digits);
 }

@@ -15,11 +15,11 @@ namespace {
 using geometry::deg_to_rad;
 
 // A pitching SICK moves half a degree from slice to slice; the digits of a file are good for 0.01.
-const double kSamePlane_rad = deg_to_rad(0.2);
+constexpr double kSamePlaneRad = deg_to_rad(0.2);
 // Beams close to the axis of the pitch say little about it.
 constexpr double kLeastSineForPitch = 0.05;
 // The finest step of a SICK is a quarter of a degree; what is closer together is one beam.
-const double kLeastStep_rad = deg_to_rad(0.1);
+constexpr double kLeastStepRad = deg_to_rad(0.1);
 
 /// A point as the scanner measured it.
 struct Beam {
@@ -50,7 +50,7 @@ double median_step_rad(std::span<const Beam> beams) {
   std::vector<double> steps;
   for (std::size_t i = 1; i < beams.size(); ++i) {
     const double step_rad = beams[i].angle_rad - beams[i - 1].angle_rad;
-    if (std::abs(step_rad) > kLeastStep_rad) {
+    if (std::abs(step_rad) > kLeastStepRad) {
       steps.push_back(step_rad);
     }
   }
@@ -100,7 +100,7 @@ class SliceBuilder {
     const bool turns_on =
         !last_angle_rad_ || (beam.angle_rad - *last_angle_rad_) / fan_.step_rad > 0.5;
     const bool same_plane =
-        !pitch_rad_ || !beam.pitch_rad || std::abs(*beam.pitch_rad - *pitch_rad_) < kSamePlane_rad;
+        !pitch_rad_ || !beam.pitch_rad || std::abs(*beam.pitch_rad - *pitch_rad_) < kSamePlaneRad;
     return turns_on && same_plane;
   }
 
@@ -108,7 +108,7 @@ class SliceBuilder {
     if (slice_.ranges_m.empty()) {
       slice_.ranges_m.assign(fan_.num_beams, std::numeric_limits<float>::quiet_NaN());
     }
-    const bool returned = beam.range_m < kSickIndoorRangeMax_m;
+    const bool returned = beam.range_m < kSickIndoorRangeMaxM;
     slice_.ranges_m[fan_.index(beam.angle_rad)] =
         returned ? static_cast<float>(beam.range_m) : std::numeric_limits<float>::infinity();
     last_angle_rad_ = beam.angle_rad;

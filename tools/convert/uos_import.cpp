@@ -21,10 +21,10 @@
 namespace nodmap::convert {
 namespace {
 
-constexpr std::int64_t kDrivePeriod_us = 10'000;
-constexpr double kDriveSpeed_mps = 0.5;
-constexpr double kDriveTurnRate_rad_s = 0.5;
-constexpr double kLeastDrive_s = 2.0;
+constexpr std::int64_t kDrivePeriodUs = 10'000;
+constexpr double kDriveSpeedMps = 0.5;
+constexpr double kDriveTurnRateRadS = 0.5;
+constexpr double kLeastDriveS = 2.0;
 
 std::vector<Eigen::Vector3d> read_points(LineReader& lines) {
   std::vector<Eigen::Vector3d> points_m;
@@ -99,22 +99,21 @@ class StopAndGo {
     scan.angle_step_rad = slice.angle_step_rad;
     scan.pitch_first_rad = slice.pitch_rad;
     scan.pitch_last_rad = slice.pitch_rad;
-    scan.range_min_m = kSickRangeMin_m;
-    scan.range_max_m = kSickIndoorRangeMax_m;
+    scan.range_min_m = kSickRangeMinM;
+    scan.range_max_m = kSickIndoorRangeMaxM;
     scan.ranges_m = slice.ranges_m;
     recording_.add_scan(msg::write_scan(scan));
-    utime_us_ += kSickFinePeriod_us;
+    utime_us_ += kSickFinePeriodUs;
   }
 
  private:
   void drive(const geometry::SE3& from, const geometry::SE3& to) {
     const geometry::SE3 T_from_to = from.inverse() * to;
     const double distance_m = T_from_to.translation().norm();
-    const double duration_s =
-        std::max({kLeastDrive_s, distance_m / kDriveSpeed_mps,
-                  geometry::rotation_angle(T_from_to) / kDriveTurnRate_rad_s});
-    const auto num_steps = static_cast<std::int64_t>(std::ceil(duration_s * 1e6 / kDrivePeriod_us));
-    const double exact_s = 1e-6 * static_cast<double>(num_steps * kDrivePeriod_us);
+    const double duration_s = std::max({kLeastDriveS, distance_m / kDriveSpeedMps,
+                                        geometry::rotation_angle(T_from_to) / kDriveTurnRateRadS});
+    const auto num_steps = static_cast<std::int64_t>(std::ceil(duration_s * 1e6 / kDrivePeriodUs));
+    const double exact_s = 1e-6 * static_cast<double>(num_steps * kDrivePeriodUs);
     for (std::int64_t step = 0; step <= num_steps; ++step) {
       const double fraction = static_cast<double>(step) / static_cast<double>(num_steps);
       nodmap::odometry_t message =
@@ -122,12 +121,12 @@ class StopAndGo {
       message.forward_mps = std::copysign(distance_m, T_from_to.translation().x()) / exact_s;
       message.yaw_rate_rad_s = geometry::to_se2(T_from_to).yaw / exact_s;
       recording_.add_odometry(message);
-      utime_us_ += kDrivePeriod_us;
+      utime_us_ += kDrivePeriodUs;
     }
   }
 
   Recording& recording_;
-  std::int64_t utime_us_ = kUntimedStart_us;
+  std::int64_t utime_us_ = kUntimedStartUs;
   std::optional<geometry::SE3> T_odom_base_;
 };
 

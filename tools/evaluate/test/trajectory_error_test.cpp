@@ -11,7 +11,7 @@ namespace {
 using geometry::SE3;
 using geometry::to_se3;
 
-constexpr std::int64_t kSecond_us = 1'000'000;
+constexpr std::int64_t kSecondUs = 1'000'000;
 
 /// A drive along a circle, a pose each second.
 formats::Trajectory circle(int num_poses) {
@@ -19,7 +19,7 @@ formats::Trajectory circle(int num_poses) {
   for (int i = 0; i < num_poses; ++i) {
     const double angle = 0.1 * i;
     trajectory.push_back(
-        {i * kSecond_us, to_se3({5.0 * std::sin(angle), 5.0 - 5.0 * std::cos(angle), angle})});
+        {i * kSecondUs, to_se3({5.0 * std::sin(angle), 5.0 - 5.0 * std::cos(angle), angle})});
   }
   return trajectory;
 }
@@ -84,9 +84,9 @@ TEST(TrajectoryError, InterpolatesTheTruth) {
 }
 
 TEST(TrajectoryError, AssociatesWithinToleranceOnly) {
-  const formats::Trajectory truth = {{2 * kSecond_us, to_se3({2.0, 0.0, 0.0})},
-                                     {1 * kSecond_us, to_se3({1.0, 0.0, 0.0})},
-                                     {1 * kSecond_us, to_se3({9.0, 0.0, 0.0})}};
+  const formats::Trajectory truth = {{2 * kSecondUs, to_se3({2.0, 0.0, 0.0})},
+                                     {1 * kSecondUs, to_se3({1.0, 0.0, 0.0})},
+                                     {1 * kSecondUs, to_se3({9.0, 0.0, 0.0})}};
   const auto partners = [&](std::int64_t utime_us) {
     return associate({{utime_us, to_se3({})}}, truth, 50'000);
   };
