@@ -89,6 +89,7 @@ class Bus {
   /// Hands bytes to the transport; false when it refuses them.
   virtual bool send(const std::string& channel, std::span<const std::byte> bytes) = 0;
   virtual void listen(const std::string& channel, BytesHandler handler, int queue_capacity) = 0;
+  void count_received() { ++counts_.received; }
 
  private:
   void count_publish(bool sent) { ++(sent ? counts_.published : counts_.not_published); }

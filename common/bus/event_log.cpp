@@ -136,9 +136,13 @@ LogWriter::~LogWriter() {
   ::close(fd_);
 }
 
+std::int64_t LogWriter::event_bytes(const std::string& channel, std::span<const std::byte> data) {
+  return static_cast<std::int64_t>(kHeaderBytes + channel.size() + data.size());
+}
+
 bool LogWriter::write(std::int64_t log_utime_us, const std::string& channel,
                       std::span<const std::byte> data) {
-  if (failed_) {
+  if (failure_) {
     return false;
   }
   append_big_endian(pending_, kSync);
@@ -150,31 +154,31 @@ bool LogWriter::write(std::int64_t log_utime_us, const std::string& channel,
   pending_.insert(pending_.end(), name.begin(), name.end());
   pending_.insert(pending_.end(), data.begin(), data.end());
   ++num_events_;
-  size_bytes_ += static_cast<std::int64_t>(kHeaderBytes + channel.size() + data.size());
+  size_bytes_ += event_bytes(channel, data);
   return pending_.size() < kPendingLimit || drain();
 }
 
 bool LogWriter::flush() {
-  return !failed_ && drain();
+  return !failure_ && drain();
 }
 
 bool LogWriter::drain() {
   std::size_t done = 0;
-  while (!failed_ && done < pending_.size()) {
+  while (!failure_ && done < pending_.size()) {
     const ssize_t written = ::write(fd_, pending_.data() + done, pending_.size() - done);
     if (written > 0) {
       done += static_cast<std::size_t>(written);
     } else if (errno != EINTR) {
-      failed_ = true;
+      failure_.assign(errno, std::system_category());
     }
   }
   flushed_bytes_ += static_cast<std::int64_t>(done);
-  if (failed_) {
+  if (failure_) {
     // A torn event at the end is harmless: every reader of the format skips it.
     size_bytes_ = flushed_bytes_;
   }
   pending_.clear();
-  return !failed_;
+  return !failure_;
 }
 
 }  // namespace nodmap::bus

@@ -9,6 +9,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <system_error>
 #include <vector>
 
 namespace nodmap::bus {
@@ -74,7 +75,15 @@ class LogWriter {
   /// Hands everything to the operating system. False as for write().
   [[nodiscard]] bool flush();
 
-  /// Bytes of whole events so far, flushed or not.
+  /// What an event takes in a file.
+  [[nodiscard]] static std::int64_t event_bytes(const std::string& channel,
+                                                std::span<const std::byte> data);
+
+  /// Why the last write() or flush() was false.
+  [[nodiscard]] const std::error_code& failure() const { return failure_; }
+
+  /// Bytes of whole events so far, flushed or not; after a failure those that reached the file,
+  /// with a torn event at their end.
   [[nodiscard]] std::int64_t size_bytes() const { return size_bytes_; }
   [[nodiscard]] std::int64_t num_events() const { return num_events_; }
 
@@ -82,7 +91,7 @@ class LogWriter {
   [[nodiscard]] bool drain();
 
   int fd_ = -1;
-  bool failed_ = false;
+  std::error_code failure_;
   std::vector<std::byte> pending_;
   std::int64_t size_bytes_ = 0;
   std::int64_t flushed_bytes_ = 0;

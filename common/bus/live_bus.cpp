@@ -56,7 +56,7 @@ struct LiveBus::Impl {
     // NOLINTNEXTLINE(readability-make-member-function-const)
     void receive(const lcm::ReceiveBuffer* buffer, const std::string& channel) {
       try {
-        handler(channel, bytes_of(*buffer));
+        handler({channel, bytes_of(*buffer), buffer->recv_utime});
       } catch (...) {
         if (!owner->thrown) {
           owner->thrown = std::current_exception();
@@ -102,7 +102,14 @@ int LiveBus::handle(std::chrono::milliseconds timeout) {
 }
 
 void LiveBus::subscribe_all(AnyHandler handler, int queue_capacity) {
-  impl_->listen(".*", std::move(handler), queue_capacity);
+  impl_->listen(
+      ".*",
+      [this, handler = std::move(handler)](const RawMessage& message) {
+        count_received();
+        const LatencyMeter::Scope measured(latency());
+        handler(message);
+      },
+      queue_capacity);
 }
 
 bool LiveBus::send(const std::string& channel, std::span<const std::byte> bytes) {
@@ -112,9 +119,7 @@ bool LiveBus::send(const std::string& channel, std::span<const std::byte> bytes)
 void LiveBus::listen(const std::string& channel, BytesHandler handler, int queue_capacity) {
   impl_->listen(
       literal_channel(channel),
-      [handler = std::move(handler)](const std::string&, std::span<const std::byte> bytes) {
-        handler(bytes);
-      },
+      [handler = std::move(handler)](const RawMessage& message) { handler(message.data); },
       queue_capacity);
 }
 

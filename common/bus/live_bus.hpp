@@ -35,8 +35,15 @@ class LiveBus : public Bus {
   /// out here, after LCM has been left in order.
   int handle(std::chrono::milliseconds timeout);
 
+  /// A message of any channel, as it came.
+  struct RawMessage {
+    const std::string& channel;
+    std::span<const std::byte> data;  ///< valid during the call
+    std::int64_t receive_utime_us;    ///< when this host received it, before it was queued
+  };
+  using AnyHandler = std::function<void(const RawMessage&)>;
+
   /// Hears every channel, without decoding: for a logger.
-  using AnyHandler = std::function<void(const std::string& channel, std::span<const std::byte>)>;
   void subscribe_all(AnyHandler handler, int queue_capacity);
 
   [[nodiscard]] const std::string& url() const { return url_; }

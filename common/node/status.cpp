@@ -30,7 +30,7 @@ StatusReporter::StatusReporter(std::string process_name, bus::Bus& bus, const Ta
       clock_(clock),
       last_utime_us_(clock.now_utime_us()) {}
 
-void StatusReporter::publish_if_due(const Node& node) {
+void StatusReporter::publish_if_due(const Health& own_word) {
   const std::int64_t now_us = clock_.now_utime_us();
   const std::int64_t elapsed_us = now_us - last_utime_us_;
   // A clock set back must not silence the process until it has caught up.
@@ -38,7 +38,7 @@ void StatusReporter::publish_if_due(const Node& node) {
     return;
   }
   const std::int64_t received = bus_.counts().received;
-  Health health = node.health();
+  Health health = own_word;
   if (health.state == HealthState::kOk && received == last_received_) {
     health = {HealthState::kDegraded, "no input in the last second"};
   }

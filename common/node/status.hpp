@@ -16,7 +16,9 @@ class StatusReporter {
   StatusReporter(std::string process_name, bus::Bus& bus, const Tally& tally,
                  const time::Clock& clock);
 
-  void publish_if_due(const Node& node);
+  void publish_if_due(const Node& node) { publish_if_due(node.health()); }
+  /// For a process that is no Node.
+  void publish_if_due(const Health& health);
 
  private:
   std::string process_name_;
