@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <map>
+#include <optional>
+#include <regex>
+#include <string>
+
+namespace nodmap::logger {
+
+/// Which channels are recorded. Expressions (ECMAScript) must match the whole name, as in LCM.
+class ChannelFilter {
+ public:
+  /// An empty `exclude` excludes nothing. Throws std::invalid_argument naming an expression that
+  /// is none.
+  ChannelFilter(const std::string& include, const std::string& exclude);
+
+  [[nodiscard]] bool wants(const std::string& channel);
+
+ private:
+  [[nodiscard]] bool decide(const std::string& channel) const;
+
+  std::regex include_;
+  std::optional<std::regex> exclude_;
+  std::map<std::string, bool> decided_;  // matching costs microseconds, looking up does not
+};
+
+}  // namespace nodmap::logger

@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/logger/logger.hpp"
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <filesystem>
+#include <iostream>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "common/bus/live_bus.hpp"
+#include "common/log/log.hpp"
+#include "common/node/command_line.hpp"
+#include "common/node/status.hpp"
+#include "common/node/stop_signal.hpp"
+#include "common/params/params.hpp"
+#include "common/time/clock.hpp"
+#include "modules/logger/channel_filter.hpp"
+#include "modules/logger/loss_watch.hpp"
+#include "modules/logger/params.hpp"
+#include "modules/logger/receive_buffer.hpp"
+#include "modules/logger/recorder.hpp"
+
+namespace nodmap::logger {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr const char* kProgram = "nodmap-logger";
+// Bounds how long an event waits for its flush, together with Recorder::kFlushPeriodUs.
+constexpr milliseconds kWait(20);
+// LCM hands messages over from a thread of its own; when it has been silent for so long after the
+// signal, none is on the way any more.
+constexpr milliseconds kSilence(100);
+// Others may go on sending: this ends the work within the second that a process has.
+constexpr std::int64_t kDrainLimitUs = 600'000;
+// Messages of several fragments are stamped by their first: one received just before the signal
+// may be handed over after a later one.
+constexpr std::int64_t kFragmentsUs = 20'000;
+
+struct Options {
+  node::CommonOptions common;
+  std::string out;
+  std::string file;
+  std::string channel;
+  std::string exclude;
+};
+
+std::int64_t to_bytes(double megabytes) {
+  return std::llround(megabytes * 1e6);
+}
+
+void add_options(CLI::App& app, Options& options) {
+  app.add_option("--out", options.out, "Folder of the logs; made where it is missing");
+  app.add_option("--file", options.file,
+                 "Name of the log (then NAME.01, ...), else lcmlog-YYYY-MM-DD.NN of the UTC day");
+  app.add_option("--channel", options.channel, "Record only channels that match this expression");
+  app.add_option("--exclude", options.exclude, "Do not record channels that match this expression");
+}
+
+/// Options that stand for a parameter are assignments like --set, and come last.
+void assign_options(Options& options) {
+  const auto assign = [&options](const std::string& name, const std::string& value) {
+    if (!value.empty()) {
+      options.common.assignments.push_back(name + "=" + value);
+    }
+  };
+  assign("out_dir", options.out);
+  assign("channel_regex", options.channel);
+  assign("exclude_regex", options.exclude);
+}
+
+/// Throws std::invalid_argument where the parameters and --file do not go together.
+RecorderSettings recorder_settings(const LoggerParams& params, const std::string& file) {
+  RecorderSettings settings{.dir = params.out_dir,
+                            .split_bytes = to_bytes(params.split_mb),
+                            .quota_bytes = to_bytes(params.quota_mb)};
+  if (settings.quota_bytes > 0 && settings.split_bytes == 0) {
+    throw std::invalid_argument("quota_mb needs split_mb: only ended files can be deleted");
+  }
+  if (file.empty()) {
+    return settings;
+  }
+  if (std::filesystem::path(file).has_parent_path()) {
+    throw std::invalid_argument("--file '" + file + "' is to be a name; --out gives the folder");
+  }
+  settings.names = LogNames::fixed(file);
+  return settings;
+}
+
+/// With --file the first log bears that very name, or there is none.
+void refuse_to_mix(const RecorderSettings& settings, const std::string& file) {
+  if (file.empty() || !std::filesystem::is_directory(settings.dir)) {
+    return;
+  }
+  for (const auto& entry : std::filesystem::directory_iterator(settings.dir)) {
+    if (settings.names.order_of(entry.path().filename().string())) {
+      throw std::runtime_error(entry.path().string() +
+                               " exists, and logs are never overwritten; name another --file");
+    }
+  }
+}
+
+/// The bus joined to the recorder.
+class Logger {
+ public:
+  Logger(const std::string& url, int queue_messages, ChannelFilter filter,
+         const RecorderSettings& settings)
+      : filter_(std::move(filter)),
+        bus_(url),
+        recorder_(settings, clock_),
+        status_(kProgram, bus_, tally_, clock_) {
+    bus_.subscribe_all([this](const auto& message) { take(message); }, queue_messages);
+    log::get().info("listening on {}", bus_.url());
+  }
+
+  void run() {
+    while (!node::stop_requested()) {
+      work(kWait);
+    }
+    drain();
+    recorder_.close();
+  }
+
+  [[nodiscard]] const RecorderCounts& counts() const { return recorder_.counts(); }
+  [[nodiscard]] std::int64_t lost() const { return tally_.lost(); }
+
+ private:
+  int work(milliseconds wait) {
+    const int handled = bus_.handle(wait);
+    recorder_.tick();
+    status_.publish_if_due(recorder_.health());
+    return handled;
+  }
+
+  void take(const bus::LiveBus::RawMessage& message) {
+    newest_utime_us_ = message.receive_utime_us;
+    tally_.lose(losses_.lost_before(message.channel, message.data));
+    if (!filter_.wants(message.channel)) {
+      return;
+    }
+    const std::int64_t dropped_before = recorder_.counts().dropped;
+    recorder_.record(message.receive_utime_us, message.channel, message.data);
+    for (std::int64_t i = dropped_before; i < recorder_.counts().dropped; ++i) {
+      tally_.reject("no_room");
+    }
+  }
+
+  /// Takes everything this host received before the signal.
+  void drain() {
+    const std::int64_t stop_utime_us = clock_.now_utime_us();
+    const auto deadline =
+        std::chrono::steady_clock::now() + std::chrono::microseconds(kDrainLimitUs);
+    while (std::chrono::steady_clock::now() < deadline && work(kSilence) > 0 &&
+           newest_utime_us_ <= stop_utime_us + kFragmentsUs) {
+    }
+  }
+
+  time::SystemClock clock_;
+  node::Tally tally_;
+  ChannelFilter filter_;
+  LossWatch losses_;
+  bus::LiveBus bus_;
+  Recorder recorder_;
+  node::StatusReporter status_;
+  std::int64_t newest_utime_us_ = 0;
+};
+
+int record_until_stopped(const Options& options, const LoggerParams& params) {
+  ChannelFilter filter(params.channel_regex, params.exclude_regex);
+  const RecorderSettings settings = recorder_settings(params, options.file);
+  refuse_to_mix(settings, options.file);
+  const std::string url = with_receive_buffer(bus::resolve_url(options.common.lcm_url),
+                                              std::int64_t{1024} * params.receive_buffer_kb);
+  Logger logger(url, params.queue_messages, std::move(filter), settings);
+  logger.run();
+  const RecorderCounts& counts = logger.counts();
+  log::get().info("{} events in {} files; {} dropped for want of room, {} lost on the way",
+                  counts.written, counts.files, counts.dropped, logger.lost());
+  return counts.dropped == 0 ? 0 : 1;
+}
+
+}  // namespace
+
+int run(int argc, char** argv) {
+  Options options;
+  LoggerParams params;
+  params::Table table(params);
+  CLI::App app("Records every LCM channel into event logs that lcm-logplayer plays.", kProgram);
+  node::add_common_options(app, options.common, table);
+  add_options(app, options);
+  if (const auto code = node::parse_command_line(app, argc, argv)) {
+    return *code;
+  }
+  assign_options(options);
+  if (const auto code = node::apply_common_options(kProgram, options.common, table)) {
+    return *code;
+  }
+  node::catch_stop_signals();
+  // A limit on file sizes is a full disk like any other, not a reason to die.
+  std::signal(SIGXFSZ, SIG_IGN);
+  try {
+    return record_until_stopped(options, params);
+  } catch (const std::invalid_argument& error) {
+    std::cerr << kProgram << ": " << error.what() << "\n";
+    return 2;
+  } catch (const std::exception& error) {
+    log::get().error("{}", error.what());
+    return 1;
+  }
+}
+
+}  // namespace nodmap::logger

@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/logger/recorder.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+#include "common/log/log.hpp"
+
+namespace nodmap::logger {
+namespace {
+
+/// Whether a period has passed. A clock that was set back must not stop the work until it has
+/// caught up.
+bool has_passed(std::int64_t period_us, std::int64_t since_utime_us, std::int64_t now_utime_us) {
+  const std::int64_t elapsed_us = now_utime_us - since_utime_us;
+  return elapsed_us < 0 || elapsed_us >= period_us;
+}
+
+}  // namespace
+
+Recorder::Recorder(RecorderSettings settings, const time::Clock& clock)
+    : settings_(std::move(settings)), clock_(clock) {
+  begin_file();
+}
+
+void Recorder::record(std::int64_t utime_us, const std::string& channel,
+                      std::span<const std::byte> data) {
+  const std::int64_t event_bytes = bus::LogWriter::event_bytes(channel, data);
+  if (writer_ && must_split(writer_->size_bytes(), event_bytes, settings_.split_bytes)) {
+    if (flush()) {
+      try_again();
+    }
+  }
+  if (!writer_) {
+    ++counts_.dropped;
+    return;
+  }
+  ++counts_.written;
+  unflushed_ends_bytes_.push_back(writer_->size_bytes() + event_bytes);
+  if (!writer_->write(utime_us, channel, data)) {
+    fail(writer_->failure().message());
+  }
+}
+
+void Recorder::tick() {
+  const std::int64_t now_us = clock_.now_utime_us();
+  if (writer_ && has_passed(kFlushPeriodUs, flushed_utime_us_, now_us)) {
+    flush();
+  } else if (!writer_ && has_passed(back_off_us_, failed_utime_us_, now_us)) {
+    back_off_us_ = std::min(2 * back_off_us_, kMaxBackOffUs);
+    try_again();
+  }
+}
+
+void Recorder::close() {
+  if (writer_) {
+    flush();
+  }
+  writer_.reset();
+}
+
+node::Health Recorder::health() const {
+  if (failure_.empty()) {
+    return {};
+  }
+  return {node::HealthState::kFailed, failure_};
+}
+
+void Recorder::begin_file() {
+  std::filesystem::create_directories(settings_.dir);
+  std::vector<std::string> existing;
+  for (const auto& entry : std::filesystem::directory_iterator(settings_.dir)) {
+    existing.push_back(entry.path().filename().string());
+  }
+  const std::int64_t now_us = clock_.now_utime_us();
+  file_ = settings_.dir / settings_.names.next(now_us, existing);
+  writer_.reset();
+  writer_ = std::make_unique<bus::LogWriter>(file_);
+  unflushed_ends_bytes_.clear();
+  flushed_bytes_ = 0;
+  flushed_utime_us_ = now_us;
+  ++counts_.files;
+  keep_quota();
+  log::get().info("recording into {}", file_.string());
+}
+
+bool Recorder::flush() {
+  if (!writer_) {
+    return false;
+  }
+  flushed_utime_us_ = clock_.now_utime_us();
+  if (!writer_->flush()) {
+    fail(writer_->failure().message());
+    return false;
+  }
+  if (!unflushed_ends_bytes_.empty()) {
+    unflushed_ends_bytes_.clear();
+    flushed_bytes_ = writer_->size_bytes();
+    back_off_us_ = kFirstBackOffUs;
+    failure_.clear();
+  }
+  if (deletable_bytes_ > 0 && deletable_bytes_ + flushed_bytes_ > settings_.quota_bytes) {
+    keep_quota();
+  }
+  return true;
+}
+
+void Recorder::try_again() {
+  try {
+    begin_file();
+  } catch (const std::exception& error) {
+    fail(error.what());
+  }
+}
+
+void Recorder::fail(const std::string& cause) {
+  if (writer_) {
+    keep_what_is_whole();
+  }
+  failed_utime_us_ = clock_.now_utime_us();
+  failure_ = "cannot record into " + settings_.dir.string() + ": " + cause;
+  log::get().error("{}; {} events dropped so far, next try in {} s", failure_, counts_.dropped,
+                   back_off_us_ / 1'000'000);
+}
+
+/// Ends the file behind its last whole event, and takes the events that did not reach it for
+/// dropped. A file that holds none is removed: a disk that stays full must not fill with names.
+void Recorder::keep_what_is_whole() {
+  const auto first_lost = std::upper_bound(unflushed_ends_bytes_.begin(),
+                                           unflushed_ends_bytes_.end(), writer_->size_bytes());
+  if (first_lost != unflushed_ends_bytes_.begin()) {
+    flushed_bytes_ = *std::prev(first_lost);
+  }
+  const std::int64_t num_lost = unflushed_ends_bytes_.end() - first_lost;
+  counts_.written -= num_lost;
+  counts_.dropped += num_lost;
+  writer_.reset();
+  std::error_code ignored;  // what cannot be tidied up stays; readers skip a torn event
+  if (flushed_bytes_ == 0) {
+    std::filesystem::remove(file_, ignored);
+    --counts_.files;
+  } else {
+    std::filesystem::resize_file(file_, static_cast<std::uintmax_t>(flushed_bytes_), ignored);
+  }
+}
+
+void Recorder::keep_quota() {
+  deletable_bytes_ = 0;
+  if (settings_.quota_bytes == 0) {
+    return;
+  }
+  const std::string current = file_.filename().string();
+  for (const std::string& name :
+       files_over_quota(settings_.names, files_in_folder(), current, settings_.quota_bytes)) {
+    std::error_code error;
+    if (std::filesystem::remove(settings_.dir / name, error)) {
+      ++counts_.deleted_files;
+      log::get().info("deleted {} for the quota", name);
+    } else {
+      log::get().warn("cannot delete {} for the quota: {}", name, error.message());
+    }
+  }
+  for (const SizedFile& file : files_in_folder()) {
+    const bool is_ours = settings_.names.order_of(file.name).has_value() && file.name != current;
+    deletable_bytes_ += is_ours ? file.size_bytes : 0;
+  }
+}
+
+/// The regular files; links and folders are not ours, whatever their name.
+std::vector<SizedFile> Recorder::files_in_folder() const {
+  std::vector<SizedFile> files;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(settings_.dir, error)) {
+    if (entry.symlink_status(error).type() == std::filesystem::file_type::regular) {
+      const std::uintmax_t size_bytes = entry.file_size(error);
+      files.push_back(
+          {entry.path().filename().string(), error ? 0 : static_cast<std::int64_t>(size_bytes)});
+    }
+  }
+  return files;
+}
+
+}  // namespace nodmap::logger

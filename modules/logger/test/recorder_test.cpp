@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/logger/recorder.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <csignal>
+#include <fstream>
+
+#include "common/bus/event_log.hpp"
+#include "tests/support/data_dir.hpp"
+
+namespace nodmap::logger {
+namespace {
+
+using ::testing::ElementsAre;
+
+constexpr std::int64_t kStartUs = 1'795'262'400'000'000;  // 2026-11-21 12:00:00 UTC
+constexpr std::size_t kDataBytes = 968;                   // with header and "DATA": 1000 bytes
+
+/// A limit on the size of files stands in for a disk that is full: write() fails in the same way.
+class FileSizeLimit {
+ public:
+  explicit FileSizeLimit(std::uint64_t bytes) {
+    EXPECT_EQ(::getrlimit(RLIMIT_FSIZE, &before_), 0);
+    EXPECT_NE(std::signal(SIGXFSZ, SIG_IGN), SIG_ERR);
+    set(bytes);
+  }
+  ~FileSizeLimit() { ::setrlimit(RLIMIT_FSIZE, &before_); }
+  FileSizeLimit(const FileSizeLimit&) = delete;
+  FileSizeLimit& operator=(const FileSizeLimit&) = delete;
+  FileSizeLimit(FileSizeLimit&&) = delete;
+  FileSizeLimit& operator=(FileSizeLimit&&) = delete;
+
+  void set(std::uint64_t bytes) {
+    const struct rlimit limit { bytes, before_.rlim_max };
+    ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &limit), 0);
+  }
+  void lift() { ::setrlimit(RLIMIT_FSIZE, &before_); }
+
+ private:
+  struct rlimit before_ {};
+};
+
+class RecorderTest : public ::testing::Test {
+ protected:
+  /// An event of 1000 bytes; its stamp is its number.
+  void record(Recorder& recorder) { recorder.record(num_recorded_++, "DATA", data_); }
+
+  [[nodiscard]] std::vector<std::string> names() const {
+    std::vector<std::string> found;
+    for (const auto& entry : std::filesystem::directory_iterator(dir_.path())) {
+      found.push_back(entry.path().filename().string());
+    }
+    std::sort(found.begin(), found.end());
+    return found;
+  }
+
+  /// The stamps of the events in a file, which must hold nothing else.
+  [[nodiscard]] std::vector<std::int64_t> stamps(const std::string& name) const {
+    bus::LogReader reader(dir_.path() / name);
+    std::vector<std::int64_t> found;
+    while (const bus::LogEvent* event = reader.next()) {
+      EXPECT_EQ(event->channel, "DATA");
+      EXPECT_EQ(event->data.size(), kDataBytes);
+      found.push_back(event->log_utime_us);
+    }
+    EXPECT_EQ(reader.skipped_bytes(), 0);
+    return found;
+  }
+
+  test::TemporaryDir dir_;
+  time::ManualClock clock_{kStartUs};
+  std::vector<std::byte> data_{kDataBytes};
+  std::int64_t num_recorded_ = 0;
+};
+
+TEST_F(RecorderTest, AnEventIsInTheFileWithinTheFlushPeriod) {
+  Recorder recorder({.dir = dir_.path()}, clock_);
+  record(recorder);
+  recorder.tick();
+  EXPECT_THAT(stamps("lcmlog-2026-11-21.00"), ElementsAre());
+  clock_.advance(Recorder::kFlushPeriodUs);
+  recorder.tick();
+  EXPECT_THAT(stamps("lcmlog-2026-11-21.00"), ElementsAre(0));
+}
+
+TEST_F(RecorderTest, AClockSetBackDoesNotStopTheFlush) {
+  Recorder recorder({.dir = dir_.path()}, clock_);
+  record(recorder);
+  clock_.advance(-3'600'000'000);
+  recorder.tick();
+  EXPECT_THAT(stamps("lcmlog-2026-11-21.00"), ElementsAre(0));
+}
+
+TEST_F(RecorderTest, ClosingWritesTheRest) {
+  Recorder recorder({.dir = dir_.path() / "made" / "here"}, clock_);
+  record(recorder);
+  recorder.close();
+  EXPECT_THAT(stamps("made/here/lcmlog-2026-11-21.00"), ElementsAre(0));
+  EXPECT_EQ(recorder.health().state, node::HealthState::kOk);
+}
+
+TEST_F(RecorderTest, SplitsBySizeAndLosesNothingBetween) {
+  Recorder recorder({.dir = dir_.path(), .split_bytes = 3000}, clock_);
+  for (int i = 0; i < 8; ++i) {
+    record(recorder);
+  }
+  recorder.close();
+  EXPECT_THAT(names(),
+              ElementsAre("lcmlog-2026-11-21.00", "lcmlog-2026-11-21.01", "lcmlog-2026-11-21.02"));
+  EXPECT_THAT(stamps("lcmlog-2026-11-21.00"), ElementsAre(0, 1, 2));
+  EXPECT_THAT(stamps("lcmlog-2026-11-21.01"), ElementsAre(3, 4, 5));
+  EXPECT_THAT(stamps("lcmlog-2026-11-21.02"), ElementsAre(6, 7));
+  EXPECT_EQ(recorder.counts().written, 8);
+  EXPECT_EQ(recorder.counts().files, 3);
+}
+
+TEST_F(RecorderTest, NeverTouchesWhatIsThere) {
+  std::ofstream(dir_.path() / "lcmlog-2026-11-21.00") << "precious";
+  Recorder recorder({.dir = dir_.path()}, clock_);
+  EXPECT_EQ(recorder.current_file().filename(), "lcmlog-2026-11-21.01");
+  EXPECT_EQ(std::filesystem::file_size(dir_.path() / "lcmlog-2026-11-21.00"), 8U);
+}
+
+TEST_F(RecorderTest, TheQuotaHoldsAtEveryMoment) {
+  std::ofstream(dir_.path() / "notes.txt") << std::string(50'000, 'x');
+  std::filesystem::create_symlink("notes.txt", dir_.path() / "lcmlog-2020-01-01.00");
+  Recorder recorder({.dir = dir_.path(), .split_bytes = 3000, .quota_bytes = 9000}, clock_);
+  for (int i = 0; i < 100; ++i) {
+    record(recorder);
+    clock_.advance(Recorder::kFlushPeriodUs);
+    recorder.tick();
+    std::uintmax_t total_bytes = 0;
+    for (const std::string& name : names()) {
+      total_bytes +=
+          name.starts_with("lcmlog-2026") ? std::filesystem::file_size(dir_.path() / name) : 0;
+    }
+    ASSERT_LE(total_bytes, 9000U);
+  }
+  recorder.close();
+  EXPECT_EQ(recorder.counts().written, 100);
+  EXPECT_EQ(recorder.counts().deleted_files, recorder.counts().files - 3);
+  EXPECT_THAT(names(), ElementsAre("lcmlog-2020-01-01.00", "lcmlog-2026-11-21.31",
+                                   "lcmlog-2026-11-21.32", "lcmlog-2026-11-21.33", "notes.txt"));
+  EXPECT_THAT(stamps("lcmlog-2026-11-21.33"), ElementsAre(99));
+}
+
+TEST_F(RecorderTest, AFullDiskKeepsWhatIsWrittenAndIsReported) {
+  const FileSizeLimit full(2500);
+  Recorder recorder({.dir = dir_.path()}, clock_);
+  for (int i = 0; i < 4; ++i) {
+    record(recorder);
+  }
+  clock_.advance(Recorder::kFlushPeriodUs);
+  recorder.tick();
+  EXPECT_EQ(recorder.health().state, node::HealthState::kFailed);
+  EXPECT_THAT(recorder.health().reason, ::testing::HasSubstr("File too large"));
+  record(recorder);
+  EXPECT_EQ(recorder.counts().written, 2);
+  EXPECT_EQ(recorder.counts().dropped, 3);
+  EXPECT_THAT(stamps("lcmlog-2026-11-21.00"), ElementsAre(0, 1)) << "and no torn event";
+}
+
+TEST_F(RecorderTest, GoesOnInANewFileWhenThereIsRoomAgain) {
+  FileSizeLimit full(2500);
+  Recorder recorder({.dir = dir_.path()}, clock_);
+  for (int i = 0; i < 3; ++i) {
+    record(recorder);
+  }
+  clock_.advance(Recorder::kFlushPeriodUs);
+  recorder.tick();  // 0 and 1 are in the file, 2 is dropped
+  full.lift();
+  clock_.advance(Recorder::kFirstBackOffUs - 1);
+  recorder.tick();
+  record(recorder);  // 3: too early
+  clock_.advance(1);
+  recorder.tick();
+  record(recorder);  // 4
+  EXPECT_EQ(recorder.health().state, node::HealthState::kFailed) << "until it is in the file";
+  clock_.advance(Recorder::kFlushPeriodUs);
+  recorder.tick();
+  EXPECT_EQ(recorder.health().state, node::HealthState::kOk);
+  EXPECT_EQ(recorder.counts().dropped, 2);
+  EXPECT_EQ(recorder.counts().written, 3);
+  EXPECT_THAT(stamps("lcmlog-2026-11-21.00"), ElementsAre(0, 1));
+  EXPECT_THAT(stamps("lcmlog-2026-11-21.01"), ElementsAre(4));
+}
+
+// Every try while the disk stays full makes a file, finds no room and removes it.
+TEST_F(RecorderTest, BacksOffAndLeavesNoEmptyFilesWhileTheDiskStaysFull) {
+  FileSizeLimit full(0);
+  Recorder recorder({.dir = dir_.path()}, clock_);
+  int num_tries = 0;
+  std::filesystem::path last_file;
+  for (int tenths_s = 0; tenths_s < 1200; ++tenths_s) {
+    clock_.advance(100'000);
+    recorder.tick();
+    num_tries += std::filesystem::exists(recorder.current_file()) ? 1 : 0;
+    record(recorder);
+    clock_.advance(Recorder::kFlushPeriodUs);
+    recorder.tick();
+    EXPECT_THAT(names(), ElementsAre());
+  }
+  // 168 s: at the start, then after 1, 2, 4, 8, 16, 30, 30, 30, 30 s: the sum is 151 s.
+  EXPECT_EQ(num_tries, 10);
+  EXPECT_EQ(recorder.counts().dropped, 1200);
+  EXPECT_EQ(recorder.counts().written, 0);
+  EXPECT_EQ(recorder.counts().files, 0);
+}
+
+TEST_F(RecorderTest, AFailureInTheMiddleOfASplitIsNotForgotten) {
+  FileSizeLimit full(1500);
+  Recorder recorder({.dir = dir_.path(), .split_bytes = 2000}, clock_);
+  for (int i = 0; i < 3; ++i) {
+    record(recorder);  // the third splits, which flushes the second, for which there is no room
+  }
+  EXPECT_EQ(recorder.health().state, node::HealthState::kFailed);
+  EXPECT_EQ(recorder.counts().written, 1);
+  EXPECT_EQ(recorder.counts().dropped, 2);
+  EXPECT_THAT(names(), ElementsAre("lcmlog-2026-11-21.00"));
+}
+
+TEST_F(RecorderTest, AFolderThatCannotBeIsAnErrorAtTheStart) {
+  std::ofstream(dir_.path() / "file") << "x";
+  EXPECT_THROW(Recorder({.dir = dir_.path() / "file"}, clock_), std::exception);
+}
+
+TEST_F(RecorderTest, AFolderThatVanishedIsMadeAgain) {
+  const auto dir = dir_.path() / "logs";
+  Recorder recorder({.dir = dir, .split_bytes = 1000}, clock_);
+  record(recorder);
+  std::filesystem::remove_all(dir);
+  record(recorder);
+  recorder.close();
+  EXPECT_THAT(stamps("logs/lcmlog-2026-11-21.00"), ElementsAre(1));
+}
+
+}  // namespace
+}  // namespace nodmap::logger
