@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <sys/types.h>
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace nodmap::test {
+
+/// A program started by a test; killed at the end of its life if it still runs.
+class ChildProcess {
+ public:
+  struct Options {
+    std::optional<std::uint64_t> max_file_bytes = std::nullopt;  ///< RLIMIT_FSIZE
+  };
+
+  /// `command` is the program, looked up in PATH, and its arguments.
+  explicit ChildProcess(const std::vector<std::string>& command)
+      : ChildProcess(command, Options{}) {}
+  ChildProcess(const std::vector<std::string>& command, const Options& options);
+  ~ChildProcess();
+  ChildProcess(const ChildProcess&) = delete;
+  ChildProcess& operator=(const ChildProcess&) = delete;
+  ChildProcess(ChildProcess&&) = delete;
+  ChildProcess& operator=(ChildProcess&&) = delete;
+
+  /// Reads what it says on stderr until `text` is among it. False when it does not come in time.
+  [[nodiscard]] bool wait_for_stderr(const std::string& text, std::chrono::milliseconds timeout);
+
+  void send_signal(int signal) const;
+
+  /// Its exit code, or 128 and the signal that ended it; nothing when it does not end in time.
+  [[nodiscard]] std::optional<int> wait_for_end(std::chrono::milliseconds timeout);
+
+  [[nodiscard]] const std::string& said() const { return said_; }
+
+ private:
+  [[nodiscard]] bool read_some(std::chrono::milliseconds timeout);
+
+  pid_t pid_ = -1;
+  int stderr_fd_ = -1;
+  std::string said_;
+};
+
+}  // namespace nodmap::test
