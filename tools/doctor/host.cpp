@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/doctor/host.hpp"
+
+#include "tools/doctor/channel_loads.hpp"
+
+namespace nodmap::doctor {
+
+Finding check_present(const std::string& check, const std::string& what, bool is_present,
+                      const std::string& purpose, const std::string& command) {
+  if (is_present) {
+    return {check, Verdict::kOk, what + " is there.", ""};
+  }
+  return {check, Verdict::kWarn, what + " is missing; " + purpose + ".", command};
+}
+
+Finding check_spy_script(const std::optional<std::string>& script) {
+  if (!script) {
+    return {"lcm-spy", Verdict::kWarn, "lcm-spy is missing; it shows what goes over the channels.",
+            "sudo apt install liblcm-bin"};
+  }
+  if (script->find("-Xincgc") != std::string::npos) {
+    return {"lcm-spy", Verdict::kWarn,
+            "The packaged lcm-spy asks for -Xincgc, which Java has given up since version 9.",
+            "./nodmap spy"};
+  }
+  return {"lcm-spy", Verdict::kOk, "lcm-spy is there.", ""};
+}
+
+Finding check_disk(const std::string& dir, std::int64_t available_bytes) {
+  constexpr std::int64_t kMegabyte = 1'000'000;
+  constexpr std::int64_t kTooLittle = 200 * kMegabyte;
+  constexpr std::int64_t kLittle = 5000 * kMegabyte;
+  const std::int64_t minutes = available_bytes / steady_bytes_per_s() / 60;
+  const std::string sentence = dir + " has room for " +
+                               std::to_string(available_bytes / kMegabyte) + " MB, about " +
+                               std::to_string(minutes) + " min of all channels.";
+  const std::string command =
+      "du -sh " + dir + "/* | sort -h  # and: nodmap-logger --set quota_mb=N";
+  if (available_bytes < kTooLittle) {
+    return {"disk", Verdict::kFail, sentence, command};
+  }
+  if (available_bytes < kLittle) {
+    return {"disk", Verdict::kWarn, sentence, command};
+  }
+  return {"disk", Verdict::kOk, sentence, ""};
+}
+
+Finding check_clock(bool is_synchronized) {
+  if (is_synchronized) {
+    return {"clock", Verdict::kOk, "The clock follows a reference.", ""};
+  }
+  return {"clock", Verdict::kWarn,
+          "The clock follows no reference, which matters as soon as there is a second host.",
+          "sudo apt install systemd-timesyncd; sudo timedatectl set-ntp true"};
+}
+
+}  // namespace nodmap::doctor

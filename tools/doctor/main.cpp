@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// nodmap-doctor: what on this host would keep nodmap from working, and what mends it.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "common/bus/codec.hpp"
+#include "common/bus/live_bus.hpp"
+#include "common/node/command_line.hpp"
+#include "common/params/params.hpp"
+#include "tools/doctor/host.hpp"
+#include "tools/doctor/network.hpp"
+#include "tools/doctor/probe.hpp"
+#include "tools/doctor/self_test.hpp"
+
+namespace nodmap::doctor {
+namespace {
+
+constexpr const char* kProgram = "nodmap-doctor";
+
+/// The doctor has none, but the options every process has.
+struct DoctorParams {
+  template <class Visitor>
+  void describe(Visitor& /*v*/) {}
+};
+
+std::set<std::int64_t> our_fingerprints() {
+  std::set<std::int64_t> fingerprints;
+  for (const bus::MessageType& type : bus::message_types()) {
+    fingerprints.insert(type.fingerprint);
+  }
+  return fingerprints;
+}
+
+std::vector<Finding> examine_network(const std::string& url) {
+  std::vector<Finding> findings;
+  const std::optional<UdpmUrl> udpm = parse_udpm_url(url);
+  if (udpm) {
+    findings.push_back(
+        check_multicast_route(read_text("/proc/net/route").value_or(""), *udpm, interface_flags()));
+    findings.push_back(
+        check_rmem_default(read_text("/proc/sys/net/core/rmem_default").value_or("")));
+    findings.push_back(check_rmem_max(read_text("/proc/sys/net/core/rmem_max").value_or("")));
+    const auto sockets = parse_udp_sockets(read_text("/proc/net/udp").value_or(""));
+    const auto owners = socket_owners();
+    findings.push_back(check_port_users(sockets, owners, udpm->port));
+    findings.push_back(check_drops(sockets, owners, udpm->port));
+  }
+  const SelfTest test = run_self_test(url);
+  findings.push_back(check_self_test(test, url));
+  if (udpm && test.opened) {
+    findings.push_back(check_traffic(test.heard, our_fingerprints(), *udpm));
+  }
+  return findings;
+}
+
+std::vector<Finding> examine_host(const std::string& logs) {
+  const auto file_exists = [](const char* file) { return std::filesystem::exists(file); };
+  const auto spy = find_program("lcm-spy");
+  return {
+      check_disk(logs, available_bytes(logs)),
+      check_present("lcm-logplayer", "lcm-logplayer", find_program("lcm-logplayer").has_value(),
+                    "it plays recordings", "sudo apt install liblcm-bin"),
+      check_present("java", "java", find_program("java").has_value(), "lcm-spy runs on it",
+                    "sudo apt install default-jre"),
+      check_spy_script(spy ? read_text(*spy) : std::nullopt),
+      check_present("lcm.jar", "lcm.jar", file_exists("/usr/share/java/lcm.jar"),
+                    "lcm-spy consists of it", "sudo apt install liblcm-java"),
+      check_present("jchart2d.jar", "jchart2d.jar", file_exists("/usr/share/java/jchart2d.jar"),
+                    "lcm-spy draws with it", "sudo apt install libjchart2d-java"),
+      check_present("types jar", "build/java/lcmtypes_nodmap.jar",
+                    file_exists("build/java/lcmtypes_nodmap.jar"),
+                    "with it lcm-spy looks into our messages", "./nodmap spy"),
+      check_clock(clock_is_synchronized()),
+  };
+}
+
+std::string name_of(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kOk:
+      return "OK";
+    case Verdict::kWarn:
+      return "WARN";
+    case Verdict::kFail:
+      break;
+  }
+  return "FAIL";
+}
+
+void print_text(const std::vector<Finding>& findings) {
+  for (const Finding& finding : findings) {
+    std::string verdict = name_of(finding.verdict);
+    verdict.resize(5, ' ');
+    std::cout << verdict << finding.check << ": " << finding.sentence << "\n";
+    if (!finding.command.empty()) {
+      std::cout << "       " << finding.command << "\n";
+    }
+  }
+}
+
+void print_json(const std::vector<Finding>& findings) {
+  nlohmann::json rows = nlohmann::json::array();
+  for (const Finding& finding : findings) {
+    rows.push_back({{"check", finding.check},
+                    {"verdict", name_of(finding.verdict)},
+                    {"sentence", finding.sentence},
+                    {"command", finding.command}});
+  }
+  std::cout << rows.dump(2) << "\n";
+}
+
+int run(int argc, char** argv) {
+  DoctorParams params;
+  params::Table table(params);
+  node::CommonOptions options;
+  std::string logs = "logs";
+  bool json = false;
+  CLI::App app("Tells what would keep nodmap from working on this host, and what mends it.",
+               kProgram);
+  node::add_common_options(app, options, table);
+  app.add_option("--logs", logs, "Folder of the recordings")->capture_default_str();
+  app.add_flag("--json", json, "Print the findings as JSON");
+  if (const auto code = node::parse_command_line(app, argc, argv)) {
+    return *code;
+  }
+  if (const auto code = node::apply_common_options(kProgram, options, table)) {
+    return *code;
+  }
+  std::vector<Finding> findings = examine_network(bus::resolve_url(options.lcm_url));
+  std::ranges::move(examine_host(logs), std::back_inserter(findings));
+  json ? print_json(findings) : print_text(findings);
+  const bool is_ill = std::ranges::any_of(
+      findings, [](const Finding& finding) { return finding.verdict == Verdict::kFail; });
+  return is_ill ? 1 : 0;
+}
+
+}  // namespace
+}  // namespace nodmap::doctor
+
+int main(int argc, char** argv) {
+  try {
+    return nodmap::doctor::run(argc, argv);
+  } catch (const std::exception& error) {
+    std::cerr << "nodmap-doctor: " << error.what() << "\n";
+    return 1;
+  }
+}

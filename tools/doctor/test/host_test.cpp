@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/doctor/host.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace nodmap::doctor {
+namespace {
+
+TEST(Host, WhatIsMissingComesWithTheCommandThatGetsIt) {
+  EXPECT_EQ(check_present("java", "java", true, "x", "get").verdict, Verdict::kOk);
+  EXPECT_TRUE(check_present("java", "java", true, "x", "get").command.empty());
+  const Finding missing = check_present("java", "java", false, "lcm-spy runs on it", "get");
+  EXPECT_EQ(missing.verdict, Verdict::kWarn);
+  EXPECT_EQ(missing.command, "get");
+}
+
+TEST(Host, TheSpyScriptOfDebianDoesNotStart) {
+  // From liblcm-bin 1.3.1+repack1-3.
+  const char* debian =
+      "#!/bin/sh\nexec java -server -Djava.net.preferIPv4Stack=true -Xincgc -Xmx128m -Xms64m -ea "
+      "-cp /usr/share/java/lcm.jar:/usr/share/java/jchart2d.jar lcm.spy.Spy $*\n";
+  EXPECT_EQ(check_spy_script(debian).verdict, Verdict::kWarn);
+  EXPECT_EQ(check_spy_script(debian).command, "./nodmap spy");
+  EXPECT_EQ(check_spy_script("#!/bin/sh\nexec java -cp lcm.jar lcm.spy.Spy\n").verdict,
+            Verdict::kOk);
+  EXPECT_EQ(check_spy_script(std::nullopt).verdict, Verdict::kWarn);
+}
+
+TEST(Host, DiskIsJudgedByHowLongItLasts) {
+  EXPECT_EQ(check_disk("logs", 100'000'000'000).verdict, Verdict::kOk);
+  EXPECT_EQ(check_disk("logs", 1'000'000'000).verdict, Verdict::kWarn);
+  EXPECT_EQ(check_disk("logs", 0).verdict, Verdict::kFail);
+  EXPECT_THAT(check_disk("logs", 1'000'000'000).sentence, ::testing::HasSubstr("1000 MB"));
+}
+
+TEST(Host, AnUnsteeredClockIsNoFailure) {
+  EXPECT_EQ(check_clock(true).verdict, Verdict::kOk);
+  EXPECT_EQ(check_clock(false).verdict, Verdict::kWarn);
+}
+
+}  // namespace
+}  // namespace nodmap::doctor

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/doctor/self_test.hpp"
+
+#include <gtest/gtest.h>
+
+namespace nodmap::doctor {
+namespace {
+
+TEST(SelfTest, ComesBackWithoutANetwork) {
+  const SelfTest test = run_self_test("memq://");
+  EXPECT_TRUE(test.opened);
+  EXPECT_TRUE(test.latency_ms.has_value());
+  EXPECT_TRUE(test.heard.empty());
+}
+
+TEST(SelfTest, OfNoProviderIsNotOpened) {
+  EXPECT_FALSE(run_self_test("nonsense://x").opened);
+}
+
+}  // namespace
+}  // namespace nodmap::doctor
