@@ -18,7 +18,7 @@ class StatusReporter {
 
   void publish_if_due(const Node& node) { publish_if_due(node.health()); }
   /// For a process that is no Node.
-  void publish_if_due(const Health& health);
+  void publish_if_due(const Health& own_word);
 
  private:
   std::string process_name_;

@@ -14,6 +14,7 @@ namespace nodmap::logger {
 struct LogOrder {
   std::string date;  ///< YYYY-MM-DD, or empty where names bear none
   int number = 0;
+  // NOLINTNEXTLINE(modernize-use-nullptr): takes the 0 inside of <=> for a pointer
   auto operator<=>(const LogOrder&) const = default;
 };
 

@@ -137,8 +137,11 @@ TEST(SelfTestFinding, TellsTheThreeOutcomes) {
   EXPECT_EQ(check_self_test({}, url).verdict, Verdict::kFail);
   EXPECT_THAT(check_self_test({}, url).command, HasSubstr("ip route add"));
   EXPECT_THAT(check_self_test({}, "nonsense").command, HasSubstr("LCM_DEFAULT_URL"));
-  EXPECT_EQ(check_self_test({.opened = true}, url).verdict, Verdict::kFail);
-  EXPECT_EQ(check_self_test({.opened = true, .latency_ms = 0.4}, url).verdict, Verdict::kOk);
+  SelfTest test;
+  test.opened = true;
+  EXPECT_EQ(check_self_test(test, url).verdict, Verdict::kFail);
+  test.latency_ms = 0.4;
+  EXPECT_EQ(check_self_test(test, url).verdict, Verdict::kOk);
 }
 
 TEST(Traffic, OfOthersIsNamedAndAvoided) {
