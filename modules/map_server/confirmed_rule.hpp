@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "modules/map_server/update_rule.hpp"
+
+namespace nodmap::map_server {
+
+/// Steps 2 and 3 with what the paper leaves open closed: a point lives for as long as the scanner
+/// keeps finding it, goes when the scanner finds it gone, and stays when the scanner cannot tell.
+///
+/// Every stored point is compared with the scan line that crosses it:
+/// - confirmed: the line of sight ends within max(3 sigma, 5 cm) of it. It does not age (T5).
+/// - contradicted: the beams on both sides of it, at a height at which it was met, go on for more
+///   than 3 sigma + 5 cm. It goes when that happened in two sweeps without a confirmation between
+///   them, also while the robot stands (T3).
+/// - neither, for instance hidden: it ages, by message time, and goes after `expiry_s`.
+/// - out of view, because the fan does not reach its bearing or the nod not its heights: nothing
+///   happens to it (T4). A low box before the wheels is remembered for as long as it is there.
+class ConfirmedRule final : public UpdateRule {
+ public:
+  explicit ConfirmedRule(const MapServerParams& params);
+
+  [[nodiscard]] bool removes_while_standing() const override { return true; }
+  std::size_t remove_obsolete(ExtendedScan& map, const HeightGate& gate,
+                              const ScanView& view) override;
+  void replace(ExtendedScan& map, const HeightGate& gate, const ScanView& view) override;
+
+ private:
+  [[nodiscard]] bool is_obsolete(EgoPoint& point, const HeightGate& gate,
+                                 const ScanView& view) const;
+  [[nodiscard]] bool is_inside_robot(const EgoPoint& point) const;
+  [[nodiscard]] bool is_in_full_view(const EgoPoint& point, const ScanView& view) const;
+  [[nodiscard]] bool is_contradicted(const EgoPoint& point, const ScanView& view,
+                                     const ScanLine::Look& look) const;
+  void confirm(EgoPoint& point, double height_m, double clock_s) const;
+  void renew_distance(EgoPoint& point, const ScanView& view, const ScanLine::Look& look,
+                      double reached_m) const;
+
+  double expiry_s_;
+  double agreement_m_;         // readings this near are of the same surface
+  double passing_m_;           // beams that go this far beyond have passed
+  double height_tolerance_m_;  // heights this near are of the same part of an object
+  int misses_to_remove_;
+  double robot_half_length_m_;
+  double robot_half_width_m_;
+};
+
+}  // namespace nodmap::map_server

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/map_server/ego_map.hpp"
+
+namespace nodmap::map_server {
+namespace {
+
+EgoMap make_map(const MapServerParams& params, Relevance relevance, double ceiling_m) {
+  // Three sigma of the pitch: one floor reading in 700 is higher, at any distance.
+  const HeightGate gate{params.floor_tolerance_m, std::tan(3.0 * params.pitch_sigma_rad),
+                        ceiling_m};
+  return {ExtendedScan(AngleBins(params.aperture_rad, params.resolution_rad), relevance), gate,
+          make_update_rule(params)};
+}
+
+}  // namespace
+
+EgoMap make_obstacle_map(const MapServerParams& params) {
+  return make_map(params, Relevance::kNearest, params.robot_height_m + params.head_clearance_m);
+}
+
+EgoMap make_structure_map(const MapServerParams& params) {
+  return make_map(params, Relevance::kFarthest, std::numeric_limits<double>::infinity());
+}
+
+}  // namespace nodmap::map_server

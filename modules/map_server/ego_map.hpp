@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+
+#include "modules/map_server/extended_scan.hpp"
+#include "modules/map_server/update_rule.hpp"
+
+namespace nodmap::map_server {
+
+/// A 2D obstacle map or structure map (III A): an extended scan with the heights that matter to it
+/// and the rule by which it forgets.
+class EgoMap {
+ public:
+  EgoMap(ExtendedScan scan, const HeightGate& gate, std::unique_ptr<UpdateRule> rule)
+      : scan_(std::move(scan)), gate_(gate), rule_(std::move(rule)) {}
+
+  /// III B: the three steps, in the paper's order, for every scan. `T_now_last` is the pose shift
+  /// since the last update, empty when there was none: then steps 1 and 2 are skipped (R20), but for
+  /// a rule that has work to do while standing. Returns how many points step 2 removed.
+  std::size_t update(const std::optional<geometry::SE2>& T_now_last, const ScanView& view) {
+    std::size_t removed = 0;
+    if (T_now_last) {
+      scan_.transform(*T_now_last);  // 1) transformation
+    }
+    if (T_now_last || rule_->removes_while_standing()) {
+      removed = rule_->remove_obsolete(scan_, gate_, view);  // 2) removing obsolete points
+    }
+    rule_->replace(scan_, gate_, view);  // 3) point replacement
+    return removed;
+  }
+
+  void clear() { scan_.clear(); }
+
+  [[nodiscard]] const ExtendedScan& scan() const { return scan_; }
+  [[nodiscard]] const HeightGate& gate() const { return gate_; }
+
+ private:
+  ExtendedScan scan_;
+  HeightGate gate_;
+  std::unique_ptr<UpdateRule> rule_;
+};
+
+/// The nearest point of each direction within the virtual corridor's heights.
+[[nodiscard]] EgoMap make_obstacle_map(const MapServerParams& params);
+
+/// The farthest point of each direction above the floor.
+[[nodiscard]] EgoMap make_structure_map(const MapServerParams& params);
+
+}  // namespace nodmap::map_server

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "common/geometry/se2.hpp"
+#include "modules/map_server/angle_bins.hpp"
+
+namespace nodmap::map_server {
+
+/// Which of two points in one direction a map keeps.
+enum class Relevance { kNearest, kFarthest };
+
+/// A point of an egocentric map, cartesian and polar at once (III B), in the base frame.
+struct EgoPoint {
+  Eigen::Vector2d p_base = Eigen::Vector2d::Zero();
+  double bearing_rad = 0.0;  ///< atan2(y, x): as seen from the base, not the mirror's angle
+  double distance_m = 0.0;   ///< hypot(x, y)
+
+  double height_m = 0.0;  ///< above the ground, of the measurement the point stands for
+  double lowest_m = 0.0;  ///< heights at which something was met here
+  double highest_m = 0.0;
+
+  double confirmed_at_s = 0.0;    ///< when last measured, on the map's clock
+  double aged_s = 0.0;            ///< towards expiry, as the update rule counts
+  std::int64_t missed_pass = -1;  ///< the pass in which a beam last went through
+  int misses = 0;                 ///< passes in a row in which beams went through
+  bool valid = false;             ///< false: a dummy
+
+  [[nodiscard]] static EgoPoint at(const Eigen::Vector2d& p_base, double height_m) {
+    EgoPoint point;
+    point.move_to(p_base);
+    point.height_m = point.lowest_m = point.highest_m = height_m;
+    point.valid = true;
+    return point;
+  }
+
+  void move_to(const Eigen::Vector2d& p) {
+    p_base = p;
+    bearing_rad = std::atan2(p.y(), p.x());
+    distance_m = p.norm();
+  }
+
+  /// Moves the point along its bearing.
+  void set_distance(double new_distance_m) {
+    p_base *= new_distance_m / distance_m;
+    distance_m = new_distance_m;
+  }
+};
+
+/// The paper's extension of a laser scan (III B): a vector of points, indexed by the discretised
+/// angle at which the base sees them. A direction without a point holds a dummy, whose distance
+/// loses against any measurement: +infinity where the nearest counts, -infinity where the farthest.
+class ExtendedScan {
+ public:
+  ExtendedScan(const AngleBins& bins, Relevance relevance);
+
+  [[nodiscard]] const AngleBins& bins() const { return bins_; }
+  [[nodiscard]] Relevance relevance() const { return relevance_; }
+  [[nodiscard]] std::size_t size() const { return points_.size(); }
+  [[nodiscard]] std::span<const EgoPoint> points() const { return points_; }
+  [[nodiscard]] std::span<EgoPoint> points() { return points_; }
+  [[nodiscard]] const EgoPoint& operator[](std::size_t bin) const { return points_[bin]; }
+  [[nodiscard]] EgoPoint& operator[](std::size_t bin) { return points_[bin]; }
+  [[nodiscard]] const EgoPoint& dummy() const { return dummy_; }
+
+  /// R23: the replacement test, <= for the nearest and >= for the farthest.
+  [[nodiscard]] bool prefers(double distance_m, double stored_distance_m) const {
+    return relevance_ == Relevance::kNearest ? distance_m <= stored_distance_m
+                                             : distance_m >= stored_distance_m;
+  }
+
+  void clear() { points_.assign(points_.size(), dummy_); }
+
+  /// Step 1, Eq. 2: every point into the base frame of now. Of two points that meet in one bin the
+  /// more relevant stays; bins left empty get dummies; points outside the aperture are dropped.
+  ///
+  /// The paper's angles turn clockwise in a left-handed frame, so the matrix printed in Eq. 2 is the
+  /// inverse of the robot's own turn, and its (dx, dz) is the shift of the map, not of the robot.
+  /// Said without signs: p_now = T_now_last * p_last.
+  void transform(const geometry::SE2& T_now_last);
+
+ private:
+  AngleBins bins_;
+  Relevance relevance_;
+  EgoPoint dummy_;
+  std::vector<EgoPoint> points_;
+  std::vector<EgoPoint> moved_;  // the other half of a double buffer: no allocation per scan
+};
+
+}  // namespace nodmap::map_server

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/map_server/map_server.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace nodmap::map_server {
+
+MapServer::MapServer(const MapServerParams& params)
+    : obstacle_map_(make_obstacle_map(params)), structure_map_(make_structure_map(params)) {}
+
+Verdict MapServer::add_scan(const scan::Scan& scan, const geometry::SE3& T_odom_base) {
+  if (!scan::is_plausible(scan) || scan.ranges_m.empty()) {
+    return Verdict::kImplausibleScan;
+  }
+  if (!T_odom_base.matrix().allFinite()) {
+    return Verdict::kImplausiblePose;
+  }
+  const auto T_now_last = pose_shift(geometry::to_se2(T_odom_base));
+  const ScanView view = view_of(scan, advance_clock(scan.utime_mid_us()));
+  removed_ += obstacle_map_.update(T_now_last, view);
+  removed_ += structure_map_.update(T_now_last, view);
+  return Verdict::kUsed;
+}
+
+void MapServer::reset() {
+  obstacle_map_.clear();
+  structure_map_.clear();
+  T_odom_last_.reset();
+  last_utime_us_.reset();
+}
+
+// A shift too small to count is not lost: the last pose stays until the sum counts.
+std::optional<geometry::SE2> MapServer::pose_shift(const geometry::SE2& T_odom_base) {
+  constexpr double kStanding = 1e-6;  // metres, radians (R20)
+  if (!T_odom_last_) {
+    T_odom_last_ = T_odom_base;
+    return std::nullopt;
+  }
+  const geometry::SE2 T_now_last = T_odom_base.inverse() * *T_odom_last_;
+  if (T_now_last.translation().norm() < kStanding && std::abs(T_now_last.yaw) < kStanding) {
+    return std::nullopt;
+  }
+  T_odom_last_ = T_odom_base;
+  return T_now_last;
+}
+
+double MapServer::advance_clock(std::int64_t utime_us) {
+  const double elapsed_s =
+      last_utime_us_ ? 1e-6 * (static_cast<double>(utime_us) - static_cast<double>(*last_utime_us_))
+                     : 0.0;
+  last_utime_us_ = utime_us;
+  clock_s_ += std::max(0.0, elapsed_s);
+  return std::max(0.0, elapsed_s);
+}
+
+ScanView MapServer::view_of(const scan::Scan& scan, double elapsed_s) {
+  sweep_.add(scan.pitch_first_rad, scan.pitch_last_rad);
+  project(scan);
+  ScanView view{.hits = hits_,
+                .line = ScanLine(scan),
+                .pass = sweep_.pass(),
+                .lowest_plane = std::nullopt,
+                .highest_plane = std::nullopt,
+                .elapsed_s = elapsed_s,
+                .clock_s = clock_s_};
+  if (const auto wedge = sweep_.wedge()) {
+    view.lowest_plane = laser_plane(scan, wedge->low_rad);
+    view.highest_plane = laser_plane(scan, wedge->high_rad);
+  }
+  return view;
+}
+
+// Eq. 1 for the beams, then the angle and distance at which the BASE sees each point: at a pitch of
+// -60 degrees the mirror's own angle is up to 19 degrees off.
+void MapServer::project(const scan::Scan& scan) {
+  hits_.clear();
+  hits_.reserve(scan.ranges_m.size());
+  const AngleBins& bins = obstacle_map_.scan().bins();
+  for (const auto& [p_base, beam] : projector_.hits(scan)) {
+    Hit hit{EgoPoint::at(p_base.head<2>(), p_base.z()), 0};
+    hit.point.confirmed_at_s = clock_s_;
+    if (const auto bin = bins.index(hit.point.bearing_rad)) {
+      hit.bin = *bin;
+      hits_.push_back(hit);
+    }
+  }
+}
+
+}  // namespace nodmap::map_server

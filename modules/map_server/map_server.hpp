@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "common/geometry/se3.hpp"
+#include "common/scan/scan.hpp"
+#include "modules/map_server/ego_map.hpp"
+#include "modules/map_server/params.hpp"
+#include "modules/map_server/sweep_tracker.hpp"
+
+namespace nodmap::map_server {
+
+/// What became of a scan.
+enum class Verdict { kUsed, kImplausibleScan, kImplausiblePose };
+
+/// The egocentric maps of the paper, III A and B, kept up to date scan by scan. Does not allocate
+/// after the first scan of a scanner.
+class MapServer {
+ public:
+  explicit MapServer(const MapServerParams& params);
+
+  /// One update of both maps. `T_odom_base` is the pose at the middle of the scan; its planar part
+  /// moves the maps. A scan or a pose that cannot be true leaves the maps as they are.
+  Verdict add_scan(const scan::Scan& scan, const geometry::SE3& T_odom_base);
+
+  /// Forgets everything, for when the odometry has started anew and no shift can be known.
+  void reset();
+
+  [[nodiscard]] const EgoMap& obstacle_map() const { return obstacle_map_; }
+  [[nodiscard]] const EgoMap& structure_map() const { return structure_map_; }
+
+  /// Seconds since a point was last measured, by the stamps of the scans.
+  [[nodiscard]] double age_s(const EgoPoint& point) const {
+    return clock_s_ - point.confirmed_at_s;
+  }
+
+  /// Points that became obsolete (step 2) since the start, in both maps.
+  [[nodiscard]] std::size_t removed() const { return removed_; }
+
+ private:
+  [[nodiscard]] std::optional<geometry::SE2> pose_shift(const geometry::SE2& T_odom_base);
+  [[nodiscard]] double advance_clock(std::int64_t utime_us);
+  [[nodiscard]] ScanView view_of(const scan::Scan& scan, double elapsed_s);
+  void project(const scan::Scan& scan);
+
+  EgoMap obstacle_map_;
+  EgoMap structure_map_;
+  scan::ScanProjector projector_;
+  SweepTracker sweep_;
+  std::vector<Hit> hits_;
+  std::optional<geometry::SE2> T_odom_last_;
+  std::optional<std::int64_t> last_utime_us_;
+  double clock_s_ = 0.0;  // message time gone by; a stamp that steps back does not turn it back
+  std::size_t removed_ = 0;
+};
+
+}  // namespace nodmap::map_server

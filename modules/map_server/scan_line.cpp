@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/map_server/scan_line.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace nodmap::map_server {
+namespace {
+
+// Two neighbouring readings belong to one surface if it is seen at more than 5 degrees: beyond that
+// they are taken for the edge of one thing before another.
+const double kCotangentOfGrazing = 1.0 / std::tan(geometry::deg_to_rad(5.0));
+
+Eigen::Vector3d mirror_in_base(const scan::Scan& scan, double pitch_rad) {
+  return scan.T_base_mount * (geometry::pitch_rotation(pitch_rad) * scan.mirror_offset_m);
+}
+
+}  // namespace
+
+std::optional<SlantedPlane> laser_plane(const scan::Scan& scan, double pitch_rad) {
+  const Eigen::Vector3d normal =
+      scan.T_base_mount.linear() *
+      Eigen::Vector3d(-std::sin(pitch_rad), 0.0, std::cos(pitch_rad));
+  if (std::abs(normal.z()) < 0.05) {
+    return std::nullopt;
+  }
+  return SlantedPlane{normal.dot(mirror_in_base(scan, pitch_rad)) / normal.z(),
+                      -normal.head<2>() / normal.z()};
+}
+
+ScanLine::ScanLine(const scan::Scan& scan) : scan_(&scan) {
+  const double pitch = scan.pitch_mid_rad();
+  mirror_ = mirror_in_base(scan, pitch);
+  forward_ = scan.T_base_mount.linear() * Eigen::Vector3d(std::cos(pitch), 0.0, std::sin(pitch));
+  left_ = scan.T_base_mount.linear().col(1);
+  first_plane_ = laser_plane(scan, scan.pitch_first_rad);
+  last_plane_ = laser_plane(scan, scan.pitch_last_rad);
+}
+
+std::optional<ScanLine::Look> ScanLine::look_at(const Eigen::Vector2d& p_base) const {
+  const std::size_t n = scan_->ranges_m.size();
+  if (n < 2 || !first_plane_ || !last_plane_) {
+    return std::nullopt;
+  }
+  const double z_first = first_plane_->height_m(p_base);
+  const double z_last = last_plane_->height_m(p_base);
+  Eigen::Vector3d sight(p_base.x(), p_base.y(), 0.5 * (z_first + z_last));
+  sight -= mirror_;
+  const double angle = std::atan2(sight.dot(left_), sight.dot(forward_));
+  const double step = scan_->angle_step_rad;
+  double turn = step > 0.0 ? angle - scan_->angle_first_rad : scan_->angle_first_rad - angle;
+  turn -= 2.0 * geometry::kPi * std::floor(turn / (2.0 * geometry::kPi));
+  const double place = turn / std::abs(step);
+  const auto last = static_cast<double>(n - 1);
+  if (!(place <= last)) {
+    return std::nullopt;
+  }
+  Look look;
+  look.beam = std::min(static_cast<std::size_t>(place), n - 2);
+  look.between = place - static_cast<double>(look.beam);
+  look.height_m = z_first + place / last * (z_last - z_first);
+  sight.z() = look.height_m - mirror_.z();
+  look.range_m = sight.norm();
+  return look;
+}
+
+std::optional<double> ScanLine::reached_m(const Look& look) const {
+  const std::size_t nearer = look.between < 0.5 ? look.beam : look.beam + 1;
+  if (!scan_->is_hit(nearer)) {
+    return std::nullopt;
+  }
+  const auto r1 = static_cast<double>(scan_->ranges_m[look.beam]);
+  const auto r2 = static_cast<double>(scan_->ranges_m[look.beam + 1]);
+  const double widest = kCotangentOfGrazing * std::abs(scan_->angle_step_rad) * std::min(r1, r2);
+  const bool one_surface = scan_->is_hit(look.beam) && scan_->is_hit(look.beam + 1) &&
+                           std::abs(r1 - r2) <= widest;
+  if (!one_surface) {
+    return static_cast<double>(scan_->ranges_m[nearer]);
+  }
+  // The straight line through two points is harmonic in the range (for a small angle between them).
+  return r1 * r2 / (r1 * look.between + r2 * (1.0 - look.between));
+}
+
+Eigen::Vector2d ScanLine::along_sight(const Look& look, const Eigen::Vector2d& p_base,
+                                      double range_m) const {
+  return mirror_.head<2>() + (p_base - mirror_.head<2>()) * (range_m / look.range_m);
+}
+
+bool ScanLine::reaches_beyond(std::size_t beam, double range_m) const {
+  const auto r = static_cast<double>(scan_->ranges_m[beam]);
+  if (std::isinf(r)) {
+    return r > 0.0 && range_m < scan_->range_max_m;
+  }
+  return scan_->is_hit(beam) && r > range_m;
+}
+
+}  // namespace nodmap::map_server

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <optional>
+
+#include "common/scan/scan.hpp"
+
+namespace nodmap::map_server {
+
+/// A plane that is no wall: z as a function of the place on the ground.
+struct SlantedPlane {
+  double offset_m = 0.0;
+  Eigen::Vector2d slope = Eigen::Vector2d::Zero();
+
+  [[nodiscard]] double height_m(const Eigen::Vector2d& p) const { return offset_m + slope.dot(p); }
+};
+
+/// The plane the laser sweeps at a pitch, in the base frame; empty where it looks (nearly) straight
+/// up or down and has no height over the ground.
+[[nodiscard]] std::optional<SlantedPlane> laser_plane(const scan::Scan& scan, double pitch_rad);
+
+/// What one scan says about a place on the ground: at which height its beams cross that place, and
+/// whether they end there or go on.
+class ScanLine {
+ public:
+  /// The beams on either side of a place, and how they cross it.
+  struct Look {
+    std::size_t beam = 0;   ///< the place lies between this beam and the next
+    double between = 0.0;   ///< 0 on this beam, 1 on the next
+    double range_m = 0.0;   ///< from the mirror to the place, in the laser plane
+    double height_m = 0.0;  ///< of the laser plane over the place, base frame
+  };
+
+  /// Refers to the scan, which must outlive the line.
+  explicit ScanLine(const scan::Scan& scan);
+
+  /// Empty outside the fan.
+  [[nodiscard]] std::optional<Look> look_at(const Eigen::Vector2d& p_base) const;
+
+  /// How far the line of sight towards the place reached: interpolated where both beams met one
+  /// surface, else the nearer beam's reading; empty where that beam has none.
+  [[nodiscard]] std::optional<double> reached_m(const Look& look) const;
+
+  /// Whether the beams on BOTH sides went farther than `range_m`. One alone is no proof: it may
+  /// graze a wall that the place belongs to.
+  [[nodiscard]] bool both_reach_beyond(const Look& look, double range_m) const {
+    return reaches_beyond(look.beam, range_m) && reaches_beyond(look.beam + 1, range_m);
+  }
+
+  /// Where the line of sight is at another range than that of the place looked at.
+  [[nodiscard]] Eigen::Vector2d along_sight(const Look& look, const Eigen::Vector2d& p_base,
+                                            double range_m) const;
+
+ private:
+  [[nodiscard]] bool reaches_beyond(std::size_t beam, double range_m) const;
+
+  const scan::Scan* scan_;
+  Eigen::Vector3d mirror_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d forward_ = Eigen::Vector3d::UnitX();  // the laser frame's axes in base
+  Eigen::Vector3d left_ = Eigen::Vector3d::UnitY();
+  std::optional<SlantedPlane> first_plane_;  // the pitch moves during a scan
+  std::optional<SlantedPlane> last_plane_;
+};
+
+}  // namespace nodmap::map_server

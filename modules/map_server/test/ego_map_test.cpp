@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/map_server/ego_map.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+namespace nodmap::map_server {
+namespace {
+
+using geometry::SE2;
+using ::testing::ElementsAre;
+
+/// A view of given hits and no scan line: a rule can only look at the hits.
+class HitsOnly {
+ public:
+  HitsOnly(const EgoMap& map, const std::vector<EgoPoint>& points, double elapsed_s = 0.0) {
+    for (const EgoPoint& point : points) {
+      hits_.push_back({point, *map.scan().bins().index(point.bearing_rad)});
+    }
+    view_.hits = hits_;
+    view_.elapsed_s = elapsed_s;
+  }
+  [[nodiscard]] const ScanView& view() const { return view_; }
+
+ private:
+  scan::Scan no_scan_;
+  std::vector<Hit> hits_;
+  ScanView view_{.hits = {},
+                 .line = ScanLine(no_scan_),
+                 .pass = 0,
+                 .lowest_plane = std::nullopt,
+                 .highest_plane = std::nullopt,
+                 .elapsed_s = 0.0,
+                 .clock_s = 0.0};
+};
+
+MapServerParams with_rule(Rule rule) {
+  MapServerParams params;
+  params.update_rule = rule;
+  return params;
+}
+
+const EgoPoint* point_towards(const EgoMap& map, double bearing_rad) {
+  const EgoPoint& point = map.scan()[*map.scan().bins().index(bearing_rad)];
+  return point.valid ? &point : nullptr;
+}
+
+/// Notes what it finds at each step: the distance of the one point ahead.
+class NotingRule final : public UpdateRule {
+ public:
+  explicit NotingRule(std::vector<std::string>& notes) : notes_(&notes) {}
+  [[nodiscard]] bool removes_while_standing() const override { return false; }
+  std::size_t remove_obsolete(ExtendedScan& map, const HeightGate&, const ScanView&) override {
+    notes_->push_back("remove, finds " + point_ahead(map));
+    map[*map.bins().index(0.0)] = map.dummy();
+    return 1;
+  }
+  void replace(ExtendedScan& map, const HeightGate&, const ScanView& view) override {
+    notes_->push_back("replace, finds " + point_ahead(map));
+    map[view.hits[0].bin] = view.hits[0].point;
+  }
+
+ private:
+  static std::string point_ahead(const ExtendedScan& map) {
+    const EgoPoint& p = map[*map.bins().index(0.0)];
+    return p.valid ? std::to_string(std::lround(p.distance_m)) + " m" : "nothing";
+  }
+  std::vector<std::string>* notes_;
+};
+
+EgoMap noting_map(std::vector<std::string>& notes) {
+  return {ExtendedScan(AngleBins(2 * geometry::kPi, 0.1), Relevance::kNearest), HeightGate{},
+          std::make_unique<NotingRule>(notes)};
+}
+
+// Each step is told by what it finds: the point moved by step 1, its place emptied by step 2.
+TEST(EgoMap, R19_TransformRemoveReplaceInThisOrderForEveryScan) {
+  std::vector<std::string> notes;
+  EgoMap map = noting_map(notes);
+  const HitsOnly hits(map, {EgoPoint::at({5.0, 0.0}, 0.2)});
+  const SE2 one_metre_on{-1.0, 0.0, 0.0};
+  map.update(one_metre_on, hits.view());
+  map.update(one_metre_on, hits.view());
+  EXPECT_THAT(notes, ElementsAre("remove, finds nothing", "replace, finds nothing",
+                                 "remove, finds 4 m", "replace, finds nothing"));
+}
+
+TEST(EgoMap, R20_StandingSkipsTransformationAndRemoval) {
+  std::vector<std::string> notes;
+  EgoMap map = noting_map(notes);
+  const HitsOnly hits(map, {EgoPoint::at({5.0, 0.0}, 0.2)});
+  map.update(std::nullopt, hits.view());
+  map.update(std::nullopt, hits.view());
+  EXPECT_THAT(notes, ElementsAre("replace, finds nothing", "replace, finds 5 m"));
+}
+
+// Half a metre is more than any tolerance of agreement.
+TEST(ObstacleMap, R23_ReplacementTruthTable) {
+  for (const Rule rule : {Rule::kPaper, Rule::kConfirmed}) {
+    for (const auto& [hit_m, expected_m] : {std::pair{1.5, 1.5}, {2.0, 2.0}, {2.5, 2.0}}) {
+      EgoMap map = make_obstacle_map(with_rule(rule));
+      map.update(std::nullopt, HitsOnly(map, {EgoPoint::at({2.0, 0.0}, 0.1)}).view());
+      map.update(std::nullopt, HitsOnly(map, {EgoPoint::at({hit_m, 0.0}, 0.3)}).view());
+      EXPECT_EQ(point_towards(map, 0.0)->distance_m, expected_m);
+      // At an equal distance the new point replaces the old one, too.
+      EXPECT_EQ(point_towards(map, 0.0)->height_m, hit_m <= 2.0 ? 0.3 : 0.1);
+    }
+  }
+}
+
+TEST(StructureMap, R23_ReplacementTruthTable) {
+  for (const Rule rule : {Rule::kPaper, Rule::kConfirmed}) {
+    for (const auto& [hit_m, expected_m] : {std::pair{1.5, 2.0}, {2.0, 2.0}, {2.5, 2.5}}) {
+      EgoMap map = make_structure_map(with_rule(rule));
+      map.update(std::nullopt, HitsOnly(map, {EgoPoint::at({2.0, 0.0}, 0.1)}).view());
+      map.update(std::nullopt, HitsOnly(map, {EgoPoint::at({hit_m, 0.0}, 0.3)}).view());
+      EXPECT_EQ(point_towards(map, 0.0)->distance_m, expected_m);
+      EXPECT_EQ(point_towards(map, 0.0)->height_m, hit_m >= 2.0 ? 0.3 : 0.1);
+    }
+  }
+}
+
+TEST(ObstacleMap, R23_AnotherDirectionDoesNotReplace) {
+  EgoMap map = make_obstacle_map({});
+  map.update(std::nullopt, HitsOnly(map, {EgoPoint::at({2.0, 0.0}, 0.1)}).view());
+  map.update(std::nullopt, HitsOnly(map, {EgoPoint::at({1.0, 0.1}, 0.1)}).view());
+  EXPECT_EQ(point_towards(map, 0.0)->distance_m, 2.0);
+}
+
+// The corridor ends at 0.47 + 0.03 m and begins at 0.05 m, plus 0.3 degrees' rise over 1 m: 5 mm.
+TEST(ObstacleMap, R13_R8_OnlyHeightsInTheCorridorCount) {
+  for (const auto& [height_m, counts] : {std::pair{0.054, false},
+                                         {0.056, true},
+                                         {0.3, true},
+                                         {0.499, true},
+                                         {0.501, false},
+                                         {-0.2, false}}) {
+    EgoMap map = make_obstacle_map({});
+    map.update(std::nullopt, HitsOnly(map, {EgoPoint::at({1.0, 0.0}, height_m)}).view());
+    EXPECT_EQ(point_towards(map, 0.0) != nullptr, counts) << height_m;
+  }
+}
+
+TEST(StructureMap, DropsTheFloorButHasNoCeiling) {
+  for (const auto& [height_m, counts] : {std::pair{0.05, false}, {0.06, true}, {5.0, true}}) {
+    EgoMap map = make_structure_map({});
+    map.update(std::nullopt, HitsOnly(map, {EgoPoint::at({1.0, 0.0}, height_m)}).view());
+    EXPECT_EQ(point_towards(map, 0.0) != nullptr, counts) << height_m;
+  }
+}
+
+// T5: a re-measurement slightly farther than the stored point renews it, though it does not replace.
+TEST(ObstacleMap, T5_AgreementRenewsAge) {
+  const auto aged_after_agreement = [](Rule rule) {
+    EgoMap map = make_obstacle_map(with_rule(rule));
+    const SE2 a_millimetre_aside{0.0, 1e-3, 0.0};
+    map.update(std::nullopt, HitsOnly(map, {EgoPoint::at({2.0, 0.0}, 0.1)}).view());
+    for (int i = 0; i < 100; ++i) {
+      map.update(a_millimetre_aside, HitsOnly(map, {}, 0.01).view());
+    }
+    map.update(a_millimetre_aside, HitsOnly(map, {EgoPoint::at({2.02, 0.1}, 0.1)}, 0.01).view());
+    const EgoPoint* p = point_towards(map, 0.1 / 2.0);
+    return p == nullptr ? -1.0 : p->aged_s;
+  };
+  EXPECT_NEAR(aged_after_agreement(Rule::kPaper), 1.01, 1e-9);  // the naive reading goes on ageing
+  EXPECT_EQ(aged_after_agreement(Rule::kConfirmed), 0.0);
+}
+
+int updates_until_gone(Rule rule, double period_s) {
+  EgoMap map = make_obstacle_map(with_rule(rule));
+  map.update(std::nullopt, HitsOnly(map, {EgoPoint::at({2.0, 0.0}, 0.1)}).view());
+  const SE2 a_little_on{-1e-4, 0.0, 0.0};
+  for (int updates = 1; updates < 10'000; ++updates) {
+    map.update(a_little_on, HitsOnly(map, {}, period_s).view());
+    if (point_towards(map, 0.0) == nullptr) {
+      return updates;
+    }
+  }
+  return -1;
+}
+
+// T2, R24a: 5 s are 375 updates at 75 Hz and 500 at 100 Hz. The naive count of 500 would be 6.66 s.
+TEST(PaperRule, T2_R24a_ExpiresAfterFiveSecondsOfMotionAtEveryRate) {
+  EXPECT_NEAR(updates_until_gone(Rule::kPaper, 0.01332), 375, 1);
+  EXPECT_NEAR(updates_until_gone(Rule::kPaper, 0.01), 500, 1);
+  constexpr double kNaive_s = 500 * 0.01332;
+  EXPECT_GT(kNaive_s - 5.0, 2 * 0.01332);
+}
+
+TEST(PaperRule, R20_StandingDoesNotAge) {
+  EgoMap map = make_obstacle_map(with_rule(Rule::kPaper));
+  map.update(std::nullopt, HitsOnly(map, {EgoPoint::at({2.0, 0.0}, 0.1)}).view());
+  for (int i = 0; i < 10'000; ++i) {
+    map.update(std::nullopt, HitsOnly(map, {}, 0.01332).view());
+  }
+  ASSERT_NE(point_towards(map, 0.0), nullptr);
+  EXPECT_EQ(point_towards(map, 0.0)->aged_s, 0.0);
+}
+
+// T4: nothing was seen of the point, so nothing is known against it.
+TEST(ConfirmedRule, T4_WhatIsOutOfViewDoesNotAge) {
+  EXPECT_EQ(updates_until_gone(Rule::kConfirmed, 0.01332), -1);
+}
+
+// Where a point stands inside the body it is wrong; left there it would hide what is behind.
+TEST(ConfirmedRule, TheBodyOfTheRobotClearsWhereItStands) {
+  EgoMap map = make_obstacle_map({});
+  map.update(std::nullopt, HitsOnly(map, {EgoPoint::at({0.5, 0.0}, 0.1)}).view());
+  map.update(SE2{-0.3, 0.0, 0.0}, HitsOnly(map, {}).view());
+  EXPECT_NE(point_towards(map, 0.0), nullptr);  // 0.2 m ahead, within 5 cm of the bumper
+  map.update(SE2{-0.1, 0.0, 0.0}, HitsOnly(map, {}).view());
+  EXPECT_EQ(point_towards(map, 0.0), nullptr);
+}
+
+}  // namespace
+}  // namespace nodmap::map_server

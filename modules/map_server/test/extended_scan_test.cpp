@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/map_server/extended_scan.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace nodmap::map_server {
+namespace {
+
+using geometry::deg_to_rad;
+using geometry::SE2;
+
+void put(ExtendedScan& map, const EgoPoint& point) {
+  const auto bin = map.bins().index(point.bearing_rad);
+  ASSERT_TRUE(bin);
+  map[*bin] = point;
+}
+
+std::size_t count_valid(const ExtendedScan& map) {
+  return static_cast<std::size_t>(
+      std::ranges::count_if(map.points(), [](const EgoPoint& p) { return p.valid; }));
+}
+
+ExtendedScan circle_of_points(Relevance relevance, double resolution_deg) {
+  ExtendedScan map(AngleBins(deg_to_rad(360), deg_to_rad(resolution_deg)), relevance);
+  std::mt19937 random(17);
+  std::uniform_real_distribution<double> distance(0.5, 8.0);
+  for (std::size_t i = 0; i < map.size(); ++i) {
+    const double angle = map.bins().angle_rad(i);
+    map[i] = EgoPoint::at(distance(random) * Eigen::Vector2d(std::cos(angle), std::sin(angle)), 0.2);
+  }
+  return map;
+}
+
+// 1e-9 as the requirement says.
+TEST(ExtendedScan, R18_CartesianAndPolarAgreeAfterTenThousandUpdates) {
+  ExtendedScan map = circle_of_points(Relevance::kNearest, 0.5);
+  std::mt19937 random(18);
+  std::normal_distribution<double> step(0.0, 0.02);
+  for (int i = 0; i < 10'000; ++i) {
+    map.transform({step(random), step(random), step(random)});
+    if (i < 9'000) {  // collisions thin a map out: feed it, and let the rest grow old
+      put(map, EgoPoint::at({5.0 + 50.0 * step(random), 100.0 * step(random)}, 0.2));
+    }
+  }
+  std::size_t checked = 0;
+  for (std::size_t i = 0; i < map.size(); ++i) {
+    if (map[i].valid) {
+      const EgoPoint& p = map[i];
+      EXPECT_LT(std::abs(p.distance_m - std::hypot(p.p_base.x(), p.p_base.y())), 1e-9);
+      EXPECT_LT(std::abs(p.bearing_rad - std::atan2(p.p_base.y(), p.p_base.x())), 1e-9);
+      EXPECT_EQ(map.bins().index(p.bearing_rad), i);
+      ++checked;
+    }
+  }
+  EXPECT_GT(checked, 50U);
+}
+
+// The robot drives a 4 x 1 m rectangle, in steps, and turns left at its corners; poses are exact.
+std::vector<SE2> square_drive() {
+  std::vector<SE2> poses{{0, 0, 0}};
+  for (const double side : {4.0, 1.0, 4.0, 1.0}) {
+    for (int i = 0; i < 100; ++i) {
+      poses.push_back(poses.back() * SE2{side / 100, 0, 0});
+    }
+    for (int i = 0; i < 90; ++i) {
+      poses.push_back(poses.back() * SE2{0, 0, deg_to_rad(1)});
+    }
+  }
+  return poses;
+}
+
+TEST(ExtendedScan, R22_SquareDriveBringsPointsBack) {
+  ExtendedScan map(AngleBins(deg_to_rad(360), deg_to_rad(1)), Relevance::kNearest);
+  // On the outside of the drive, so far apart that no two meet in one bin on the way.
+  const std::vector<Eigen::Vector2d> walls = {{7, 0.5}, {2, 4}, {-3, 0.5}, {2, -3}};
+  for (const auto& p : walls) {
+    put(map, EgoPoint::at(p, 0.2));
+  }
+  const auto poses = square_drive();
+  Eigen::Vector2d naive = walls[0];
+  double naive_error = 0.0;
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    map.transform(poses[i].inverse() * poses[i - 1]);
+    naive = (poses[i - 1].inverse() * poses[i]) * naive;  // the sign bug
+    naive_error = std::max(naive_error, (naive - poses[i].inverse() * walls[0]).norm());
+  }
+  EXPECT_GT(naive_error, 1.0);
+  ASSERT_EQ(count_valid(map), walls.size());
+  for (const auto& p : walls) {
+    const EgoPoint expected = EgoPoint::at(p, 0.2);
+    const auto found = std::ranges::min_element(map.points(), {}, [&](const EgoPoint& q) {
+      return q.valid ? (q.p_base - p).norm() : 1e9;
+    });
+    // One millimetre and one bin, as the requirement says.
+    EXPECT_LT((found->p_base - p).norm(), 1e-3);
+    EXPECT_NEAR(found->bearing_rad, expected.bearing_rad, deg_to_rad(1));
+  }
+}
+
+// T1: whoever reads Eq. 2 with the robot's own turn and displacement moves the map the wrong way.
+TEST(ExtendedScan, T1_NaiveSignOfEquation2IsMetresOff) {
+  ExtendedScan map(AngleBins(deg_to_rad(360), deg_to_rad(1)), Relevance::kNearest);
+  ExtendedScan naive = map;
+  const SE2 T_odom_start{0, 0, 0};
+  const SE2 T_odom_end = T_odom_start * SE2{1.0, 0, 0} * SE2{0, 0, deg_to_rad(-10)};
+  const Eigen::Vector2d wall(4.0, 0.0);
+  put(map, EgoPoint::at(wall, 0.2));
+  put(naive, EgoPoint::at(wall, 0.2));
+  map.transform(T_odom_end.inverse() * T_odom_start);
+  naive.transform(T_odom_start.inverse() * T_odom_end);  // Eq. 2 with the robot's displacement
+  const auto only_point = [](const ExtendedScan& m) {
+    return std::ranges::find_if(m.points(), [](const EgoPoint& p) { return p.valid; })->p_base;
+  };
+  const Eigen::Vector2d truth = T_odom_end.inverse() * wall;
+  EXPECT_LT((only_point(map) - truth).norm(), 1e-9);
+  // R5: a turn to the right moves a point ahead to the left.
+  EXPECT_GT(only_point(map).y(), 0.1);
+  // Off by twice the way driven, and by twice the turn.
+  EXPECT_GT((only_point(naive) - truth).norm(), 1.0);
+}
+
+// The oracle moves the points one by one and picks the winner of each bin from the whole list.
+void expect_merge_as_oracle(Relevance relevance) {
+  ExtendedScan map = circle_of_points(relevance, 2.0);
+  const ExtendedScan before = map;
+  const SE2 shift{-1.3, 0.4, deg_to_rad(25)};
+  map.transform(shift);
+  for (std::size_t bin = 0; bin < map.size(); ++bin) {
+    std::vector<double> candidates;
+    for (const EgoPoint& p : before.points()) {
+      const Eigen::Vector2d q = shift * p.p_base;
+      if (map.bins().index(std::atan2(q.y(), q.x())) == bin) {
+        candidates.push_back(q.norm());
+      }
+    }
+    ASSERT_EQ(map[bin].valid, !candidates.empty()) << "bin " << bin;
+    if (!candidates.empty()) {
+      const auto [low, high] = std::ranges::minmax(candidates);
+      EXPECT_NEAR(map[bin].distance_m, relevance == Relevance::kNearest ? low : high, 1e-12);
+    } else {
+      EXPECT_EQ(map[bin].distance_m, map.dummy().distance_m);
+    }
+  }
+  EXPECT_LT(count_valid(map), map.size());  // there were collisions, and holes
+}
+
+TEST(ExtendedScan, R25_CollisionsKeepTheNearestHolesGetDummies) {
+  expect_merge_as_oracle(Relevance::kNearest);
+}
+
+TEST(ExtendedScan, R25_CollisionsKeepTheFarthestHolesGetDummies) {
+  expect_merge_as_oracle(Relevance::kFarthest);
+}
+
+TEST(ExtendedScan, PointsThatLeaveTheApertureAreDropped) {
+  ExtendedScan map(AngleBins(deg_to_rad(180), deg_to_rad(1)), Relevance::kNearest);
+  put(map, EgoPoint::at({1.0, 0.5}, 0.2));
+  put(map, EgoPoint::at({3.0, 0.5}, 0.2));
+  map.transform({-2.0, 0.0, 0.0});  // the first is now behind
+  EXPECT_EQ(count_valid(map), 1U);
+}
+
+TEST(ExtendedScan, ANonFiniteShiftLeavesNoPointsBehind) {
+  ExtendedScan map = circle_of_points(Relevance::kNearest, 2.0);
+  map.transform({std::numeric_limits<double>::quiet_NaN(), 0.0, 0.0});
+  EXPECT_EQ(count_valid(map), 0U);
+}
+
+}  // namespace
+}  // namespace nodmap::map_server

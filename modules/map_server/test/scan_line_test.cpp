@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/map_server/scan_line.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <random>
+
+namespace nodmap::map_server {
+namespace {
+
+using geometry::deg_to_rad;
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+scan::Scan fan(double pitch_first_deg, double pitch_last_deg, double range_m) {
+  scan::Scan scan;
+  scan.angle_first_rad = deg_to_rad(-90);
+  scan.angle_step_rad = deg_to_rad(1);
+  scan.pitch_first_rad = deg_to_rad(pitch_first_deg);
+  scan.pitch_last_rad = deg_to_rad(pitch_last_deg);
+  scan.range_min_m = 0.05;
+  scan.range_max_m = 32.0;
+  scan.T_base_mount.translation() = Eigen::Vector3d(0.1, 0.02, 0.38);
+  scan.mirror_offset_m = Eigen::Vector3d(0.03, 0.0, 0.05);
+  scan.ranges_m.assign(181, static_cast<float>(range_m));
+  return scan;
+}
+
+// The oracle is Eq. 1 itself: a place under a known point of a known beam is found there again.
+TEST(ScanLine, FindsTheBeamOverAPlace) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> pitch(-50.0, 50.0);
+  std::uniform_real_distribution<double> range(0.3, 20.0);
+  std::uniform_int_distribution<std::size_t> beam(1, 179);
+  for (int i = 0; i < 1000; ++i) {
+    scan::Scan scan = fan(0, 0, 5.0);
+    scan.pitch_first_rad = scan.pitch_last_rad = deg_to_rad(pitch(random));
+    scan.T_base_mount.linear() =
+        Eigen::AngleAxisd(0.05, Eigen::Vector3d(1, 1, 1).normalized()).toRotationMatrix();
+    const std::size_t b = beam(random);
+    const double r = range(random);
+    const Eigen::Vector3d p = scan::point_in_base(scan, b, r);
+    const auto look = ScanLine(scan).look_at(p.head<2>());
+    ASSERT_TRUE(look);
+    // Planes and angles are exact at a constant pitch; 1e-9 is rounding.
+    EXPECT_NEAR(static_cast<double>(look->beam) + look->between, static_cast<double>(b), 1e-9);
+    EXPECT_NEAR(look->range_m, r, 1e-9);
+    EXPECT_NEAR(look->height_m, p.z(), 1e-9);
+  }
+}
+
+// Nodding, the pitch differs from beam to beam.
+TEST(ScanLine, FollowsThePitchThroughTheScan) {
+  const scan::Scan scan = fan(-11, -10, 5.0);
+  for (std::size_t beam = 1; beam < 180; ++beam) {
+    const Eigen::Vector3d p = scan::point_in_base(scan, beam, 5.0);
+    const auto look = ScanLine(scan).look_at(p.head<2>());
+    ASSERT_TRUE(look);
+    // A wrong pitch by one degree would be 8.7 cm; left is the curvature of tan, and the shift
+    // of the mirror, over half a degree.
+    EXPECT_NEAR(look->height_m, p.z(), 5e-3) << "beam " << beam;
+  }
+}
+
+TEST(ScanLine, OutsideTheFanIsNotSeen) {
+  const scan::Scan scan = fan(0, 0, 5.0);
+  EXPECT_FALSE(ScanLine(scan).look_at({-1.0, 0.5}));
+  EXPECT_FALSE(ScanLine(scan).look_at({-1.0, -0.5}));
+  EXPECT_TRUE(ScanLine(scan).look_at({1.0, 0.5}));
+}
+
+TEST(ScanLine, FansThatCountToTheRightOrAllAround) {
+  scan::Scan scan = fan(0, 0, 5.0);
+  scan.angle_first_rad = deg_to_rad(90);
+  scan.angle_step_rad = deg_to_rad(-1);
+  const Eigen::Vector3d p = scan::point_in_base(scan, 30, 2.0);
+  EXPECT_NEAR(static_cast<double>(ScanLine(scan).look_at(p.head<2>())->beam), 30, 1);
+  scan.angle_first_rad = 0.0;
+  scan.angle_step_rad = deg_to_rad(1);
+  scan.ranges_m.assign(360, 5.0F);
+  const Eigen::Vector3d q = scan::point_in_base(scan, 270, 2.0);
+  const auto look = ScanLine(scan).look_at(q.head<2>());
+  ASSERT_TRUE(look);
+  EXPECT_NEAR(static_cast<double>(look->beam) + look->between, 270, 1e-9);
+}
+
+TEST(ScanLine, ReachesAsFarAsTheWallBetweenTwoBeams) {
+  // A wall at x = 3 m before a scanner on the base: every place on it is on the sight line's end.
+  scan::Scan scan = fan(0, 0, 0);
+  scan.T_base_mount.translation().setZero();
+  scan.mirror_offset_m.setZero();
+  for (std::size_t i = 0; i < 181; ++i) {
+    const double c = std::cos(scan.angle_rad(i));
+    scan.ranges_m[i] = c > 0.1 ? static_cast<float>(3.0 / c) : kInfinity;
+  }
+  for (double y = -15.0; y < 15.0; y += 0.07) {
+    const auto look = ScanLine(scan).look_at({3.0, y});
+    ASSERT_TRUE(look);
+    const auto reached = ScanLine(scan).reached_m(*look);
+    ASSERT_TRUE(reached);
+    // The straight line between two points, but for sin x = x over one degree.
+    EXPECT_NEAR(*reached, look->range_m, 1e-3) << "y " << y;
+    EXPECT_FALSE(ScanLine(scan).both_reach_beyond(*look, look->range_m + 0.01));
+  }
+}
+
+TEST(ScanLine, BothBeamsMustGoOn) {
+  scan::Scan scan = fan(0, 0, 5.0);
+  scan.ranges_m[90] = 1.0F;
+  const auto beyond = [&](std::size_t beam) {
+    return ScanLine(scan).both_reach_beyond({beam, 0.5, 2.0, 0.3}, 2.1);
+  };
+  EXPECT_FALSE(beyond(89));
+  EXPECT_FALSE(beyond(90));
+  EXPECT_TRUE(beyond(91));
+  scan.ranges_m[90] = std::numeric_limits<float>::quiet_NaN();  // no measurement proves nothing
+  EXPECT_FALSE(beyond(89));
+  scan.ranges_m[90] = 81.83F;  // CARMEN's mark beyond range_max_m
+  EXPECT_FALSE(beyond(89));
+  scan.ranges_m[90] = kInfinity;  // nothing came back: free up to range_max_m
+  EXPECT_TRUE(beyond(89));
+}
+
+TEST(ScanLine, DegenerateScansSeeNothing) {
+  scan::Scan scan = fan(90, 90, 5.0);  // straight up: no height over the ground
+  EXPECT_FALSE(laser_plane(scan, scan.pitch_first_rad));
+  EXPECT_FALSE(ScanLine(scan).look_at({1, 0}));
+  scan = fan(0, 0, 5.0);
+  scan.ranges_m.resize(1);  // no beams on both sides of anything
+  EXPECT_FALSE(ScanLine(scan).look_at({1, 0}));
+  scan.ranges_m.clear();
+  EXPECT_FALSE(ScanLine(scan).look_at({1, 0}));
+  EXPECT_FALSE(ScanLine(fan(0, 0, 5)).look_at({std::nan(""), 0}));
+}
+
+}  // namespace
+}  // namespace nodmap::map_server

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/map_server/sweep_tracker.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "common/geometry/angle.hpp"
+
+namespace nodmap::map_server {
+namespace {
+
+using geometry::deg_to_rad;
+
+// A turning scan counts for the new sweep from its middle on: half a step of one degree.
+const double kHalfStep = deg_to_rad(0.5 + 1e-9);
+
+/// Nods between the bounds, a number of sweeps from turning point to turning point.
+void nod(SweepTracker& tracker, double low_deg, double high_deg, int sweeps, double step_deg = 1) {
+  for (int sweep = 0; sweep < sweeps; ++sweep) {
+    for (double p = low_deg; p < high_deg - 1e-9; p += step_deg) {
+      const double from = sweep % 2 == 0 ? p : high_deg + low_deg - p;
+      const double to = sweep % 2 == 0 ? p + step_deg : high_deg + low_deg - p - step_deg;
+      tracker.add(deg_to_rad(from), deg_to_rad(to));
+    }
+  }
+}
+
+TEST(SweepTracker, CountsTurningPoints) {
+  for (const double step_deg : {0.25, 1.0, 5.0}) {
+    SweepTracker tracker;
+    nod(tracker, -20, 10, 7, step_deg);
+    EXPECT_EQ(tracker.pass(), 6) << "step " << step_deg;  // the seventh is still under way
+  }
+}
+
+TEST(SweepTracker, KnowsTheWedgeAfterTwoSweeps) {
+  SweepTracker tracker;
+  nod(tracker, -20, 10, 2);
+  EXPECT_FALSE(tracker.wedge());
+  nod(tracker, -20, 10, 2);
+  ASSERT_TRUE(tracker.wedge());
+  EXPECT_NEAR(tracker.wedge()->low_rad, deg_to_rad(-20), kHalfStep);
+  EXPECT_NEAR(tracker.wedge()->high_rad, deg_to_rad(10), kHalfStep);
+}
+
+TEST(SweepTracker, TakesTheNarrowerOfTwoSweeps) {
+  SweepTracker tracker;
+  nod(tracker, -20, 10, 4);
+  nod(tracker, -10, 10, 2);  // starts with a jump up, which is a part of the last sweep
+  nod(tracker, -10, 10, 2);
+  ASSERT_TRUE(tracker.wedge());
+  EXPECT_NEAR(tracker.wedge()->low_rad, deg_to_rad(-10), kHalfStep);
+  nod(tracker, -20, 10, 1);
+  EXPECT_NEAR(tracker.wedge()->low_rad, deg_to_rad(-10), kHalfStep) << "one wide sweep is not two";
+}
+
+TEST(SweepTracker, NoiseOfThePitchIsNoTurningPoint) {
+  SweepTracker tracker;
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> noise(-0.08, 0.08);
+  for (int i = 0; i < 400; ++i) {
+    const double p = deg_to_rad(-20 + 0.05 * i + noise(random));
+    tracker.add(p, p);
+  }
+  EXPECT_EQ(tracker.pass(), 0);
+}
+
+TEST(SweepTracker, AScannerThatHoldsStillMakesEveryScanASweep) {
+  SweepTracker tracker;
+  for (int i = 0; i < 100; ++i) {
+    tracker.add(0.0, 0.0);
+  }
+  EXPECT_GT(tracker.pass(), 80);
+  ASSERT_TRUE(tracker.wedge());
+  EXPECT_EQ(tracker.wedge()->low_rad, 0.0);
+  EXPECT_EQ(tracker.wedge()->high_rad, 0.0);
+}
+
+}  // namespace
+}  // namespace nodmap::map_server
