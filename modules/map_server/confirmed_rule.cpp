@@ -9,7 +9,8 @@ namespace {
 
 // After a gap in the scans a point has not been looked for in vain for all of the gap.
 constexpr double kLongestLook_s = 0.5;
-// A point is inside the robot only when odometry's error of the last metres cannot have put it there.
+// A point is inside the robot only when odometry's error of the last metres cannot have put it
+// there.
 constexpr double kSkin_m = 0.05;
 
 }  // namespace
@@ -27,7 +28,7 @@ std::size_t ConfirmedRule::remove_obsolete(ExtendedScan& map, const HeightGate& 
                                            const ScanView& view) {
   std::size_t removed = 0;
   for (EgoPoint& point : map.points()) {
-    if (point.valid && is_obsolete(point, gate, view)) {
+    if (point.valid && is_obsolete(point, map, gate, view)) {
       point = map.dummy();
       ++removed;
     }
@@ -35,7 +36,7 @@ std::size_t ConfirmedRule::remove_obsolete(ExtendedScan& map, const HeightGate& 
   return removed;
 }
 
-bool ConfirmedRule::is_obsolete(EgoPoint& point, const HeightGate& gate,
+bool ConfirmedRule::is_obsolete(EgoPoint& point, const ExtendedScan& map, const HeightGate& gate,
                                 const ScanView& view) const {
   // Left alone it would hide what is behind it. The body itself is the proof that it is wrong.
   if (is_inside_robot(point)) {
@@ -49,18 +50,17 @@ bool ConfirmedRule::is_obsolete(EgoPoint& point, const HeightGate& gate,
   if (reached && std::abs(*reached - look->range_m) <= agreement_m_ &&
       gate.admits(look->height_m, point.distance_m)) {
     confirm(point, look->height_m, view.clock_s);
-    renew_distance(point, view, *look, *reached);
     return false;
   }
-  if (!is_in_full_view(point, view)) {
+  if (!is_in_view(point, map.relevance(), view)) {
     return false;
   }
-  if (point.missed_pass != view.pass && is_contradicted(point, view, *look)) {
-    point.missed_pass = view.pass;
-    ++point.misses;
-  }
+  note_passing_beams(point, view, *look);
   point.aged_s += std::min(view.elapsed_s, kLongestLook_s);
-  return point.misses >= misses_to_remove_ || point.aged_s > expiry_s_;
+  if (is_at_its_heights(point, *look) && view.line.ends_on_either_side(*look)) {
+    point.aged_s = 0.0;  // an edge or a corner between two beams: they cannot tell
+  }
+  return is_gone(point) || point.aged_s > expiry_s_;
 }
 
 bool ConfirmedRule::is_inside_robot(const EgoPoint& point) const {
@@ -68,32 +68,61 @@ bool ConfirmedRule::is_inside_robot(const EgoPoint& point) const {
          std::abs(point.p_base.y()) < robot_half_width_m_ - kSkin_m;
 }
 
-// Safe because of what it refuses: a point may only be missed in sweeps that would have found it, had
-// it still been there. So all heights at which it was met must lie within the nod, but for the
-// tolerance at either end. Before the wheels the laser passes over a low box, and before the scanner
-// under a table top: neither is a sign that they are gone.
-bool ConfirmedRule::is_in_full_view(const EgoPoint& point, const ScanView& view) const {
+// Safe because of what it refuses: nothing may be held against a point that the sweeps would not
+// have found, were it still there. So all heights at which an obstacle was met must lie within the
+// nod. Before the wheels the laser passes over a low box, and before the scanner under a table top:
+// neither is a sign that they are gone. The structure map steers no wheels: there one height will
+// do.
+bool ConfirmedRule::is_in_view(const EgoPoint& point, Relevance relevance,
+                               const ScanView& view) const {
   if (!view.lowest_plane || !view.highest_plane) {
     return false;
   }
   const auto [low, high] = std::minmax(
       {view.lowest_plane->height_m(point.p_base), view.highest_plane->height_m(point.p_base)});
-  const double middle = 0.5 * (point.lowest_m + point.highest_m);
-  // A scanner that holds still sees one line; a millimetre lets rounding pass.
-  constexpr double kRounding_m = 1e-3;
-  return low <= std::min(point.lowest_m + height_tolerance_m_, middle) + kRounding_m &&
-         high >= std::max(point.highest_m - height_tolerance_m_, middle) - kRounding_m;
+  if (relevance == Relevance::kFarthest) {
+    return low <= point.highest_m && high >= point.lowest_m;
+  }
+  return spans(point, low, high);
 }
 
-// Safe because both neighbouring beams must pass, so a wall seen at a grazing angle and the corner of
-// a cupboard are no contradictions; because one sweep counts once, so that the gap between a table
-// top and a box below it cannot outvote them: either is met again in the same sweep; and because a
-// beam without a reading (dirt, sun) says nothing.
-bool ConfirmedRule::is_contradicted(const EgoPoint& point, const ScanView& view,
-                                    const ScanLine::Look& look) const {
+/// Whether an interval of heights holds all those at which a point was met, but for the tolerance
+/// at either end.
+bool ConfirmedRule::spans(const EgoPoint& point, double lowest_m, double highest_m) const {
+  // A scanner that holds still looks at one height only; a millimetre lets rounding pass.
+  constexpr double kRounding_m = 1e-3;
+  const double middle = 0.5 * (point.lowest_m + point.highest_m);
+  return lowest_m <= std::min(point.lowest_m + height_tolerance_m_, middle) + kRounding_m &&
+         highest_m >= std::max(point.highest_m - height_tolerance_m_, middle) - kRounding_m;
+}
+
+bool ConfirmedRule::is_at_its_heights(const EgoPoint& point, const ScanLine::Look& look) const {
   return look.height_m >= point.lowest_m - height_tolerance_m_ &&
-         look.height_m <= point.highest_m + height_tolerance_m_ &&
-         view.line.both_reach_beyond(look, look.range_m + passing_m_);
+         look.height_m <= point.highest_m + height_tolerance_m_;
+}
+
+// Safe because both neighbouring beams must pass: a wall seen at a grazing angle or the corner of a
+// cupboard is no contradiction; and because a beam without a reading (dirt, sun) says nothing.
+void ConfirmedRule::note_passing_beams(EgoPoint& point, const ScanView& view,
+                                       const ScanLine::Look& look) const {
+  if (!view.line.both_reach_beyond(look, look.range_m + passing_m_)) {
+    return;
+  }
+  Search& search = point.search;
+  search.lowest_m = std::min(search.lowest_m, look.height_m);
+  search.highest_m = std::max(search.highest_m, look.height_m);
+  if (is_at_its_heights(point, look) && search.last_missed_pass != view.pass) {
+    search.last_missed_pass = view.pass;
+    ++search.missed_passes;
+  }
+}
+
+// Safe because beams must have passed at ALL of its heights since it was last measured: those that
+// pass through the gap under a table top, or just over a box, cannot outvote those that meet it.
+// And because one sweep counts once: a reading lost to chance is made up for by the next sweep.
+bool ConfirmedRule::is_gone(const EgoPoint& point) const {
+  return point.search.missed_passes >= misses_to_remove_ &&
+         spans(point, point.search.lowest_m, point.search.highest_m);
 }
 
 void ConfirmedRule::confirm(EgoPoint& point, double height_m, double clock_s) const {
@@ -101,23 +130,13 @@ void ConfirmedRule::confirm(EgoPoint& point, double height_m, double clock_s) co
   point.highest_m = std::max(point.highest_m, height_m);
   point.confirmed_at_s = clock_s;
   point.aged_s = 0.0;
-  point.misses = 0;
+  point.search = {};
 }
 
-// The replacement of step 3 keeps the extreme of many readings, which noise pulls nearer by some two
-// sigma. Measuring the same part of the object again undoes that, once a sweep. Other parts must
-// not: a sweep up a slanted front would carry the point away from the robot step by step.
-void ConfirmedRule::renew_distance(EgoPoint& point, const ScanView& view,
-                                   const ScanLine::Look& look, double reached_m) const {
-  if (std::abs(look.height_m - point.height_m) > height_tolerance_m_ ||
-      point.distance_m < agreement_m_) {
-    return;
-  }
-  const Eigen::Vector2d measured = view.line.along_sight(look, point.p_base, reached_m);
-  point.set_distance(measured.dot(point.p_base) / point.distance_m);
-}
-
-// What is nearer counts at once: caution needs no second opinion.
+// What is nearer counts at once: caution needs no second opinion. The distance stays the extreme of
+// many readings, as in the paper: noise keeps it some two sigma on the safe side. Following the
+// readings back would not be safe: the lowest beam slides along the top of a box as the robot
+// approaches, and would carry the point away with it.
 void ConfirmedRule::replace(ExtendedScan& map, const HeightGate& gate, const ScanView& view) {
   for (const Hit& hit : view.hits) {
     if (!gate.admits(hit.point.height_m, hit.point.distance_m)) {

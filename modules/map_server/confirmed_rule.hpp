@@ -9,10 +9,10 @@ namespace nodmap::map_server {
 /// keeps finding it, goes when the scanner finds it gone, and stays when the scanner cannot tell.
 ///
 /// Every stored point is compared with the scan line that crosses it:
-/// - confirmed: the line of sight ends within max(3 sigma, 5 cm) of it. It does not age (T5).
+/// - confirmed: the line of sight ends within max(3 sigma, 5 cm) of it. Its age starts anew (T5).
 /// - contradicted: the beams on both sides of it, at a height at which it was met, go on for more
-///   than 3 sigma + 5 cm. It goes when that happened in two sweeps without a confirmation between
-///   them, also while the robot stands (T3).
+///   than 3 sigma + 5 cm. It goes when that happened in two sweeps, and at all of its heights,
+///   without a confirmation in between; also while the robot stands (T3).
 /// - neither, for instance hidden: it ages, by message time, and goes after `expiry_s`.
 /// - out of view, because the fan does not reach its bearing or the nod not its heights: nothing
 ///   happens to it (T4). A low box before the wheels is remembered for as long as it is there.
@@ -26,15 +26,16 @@ class ConfirmedRule final : public UpdateRule {
   void replace(ExtendedScan& map, const HeightGate& gate, const ScanView& view) override;
 
  private:
-  [[nodiscard]] bool is_obsolete(EgoPoint& point, const HeightGate& gate,
+  [[nodiscard]] bool is_obsolete(EgoPoint& point, const ExtendedScan& map, const HeightGate& gate,
                                  const ScanView& view) const;
   [[nodiscard]] bool is_inside_robot(const EgoPoint& point) const;
-  [[nodiscard]] bool is_in_full_view(const EgoPoint& point, const ScanView& view) const;
-  [[nodiscard]] bool is_contradicted(const EgoPoint& point, const ScanView& view,
-                                     const ScanLine::Look& look) const;
+  [[nodiscard]] bool is_in_view(const EgoPoint& point, Relevance relevance,
+                                const ScanView& view) const;
+  [[nodiscard]] bool spans(const EgoPoint& point, double lowest_m, double highest_m) const;
+  [[nodiscard]] bool is_at_its_heights(const EgoPoint& point, const ScanLine::Look& look) const;
+  void note_passing_beams(EgoPoint& point, const ScanView& view, const ScanLine::Look& look) const;
+  [[nodiscard]] bool is_gone(const EgoPoint& point) const;
   void confirm(EgoPoint& point, double height_m, double clock_s) const;
-  void renew_distance(EgoPoint& point, const ScanView& view, const ScanLine::Look& look,
-                      double reached_m) const;
 
   double expiry_s_;
   double agreement_m_;         // readings this near are of the same surface

@@ -18,29 +18,30 @@ class EgoMap {
       : scan_(std::move(scan)), gate_(gate), rule_(std::move(rule)) {}
 
   /// III B: the three steps, in the paper's order, for every scan. `T_now_last` is the pose shift
-  /// since the last update, empty when there was none: then steps 1 and 2 are skipped (R20), but for
-  /// a rule that has work to do while standing. Returns how many points step 2 removed.
-  std::size_t update(const std::optional<geometry::SE2>& T_now_last, const ScanView& view) {
-    std::size_t removed = 0;
+  /// since the last update, empty when there was none: then steps 1 and 2 are skipped (R20), but
+  /// for a rule that has work to do while standing.
+  void update(const std::optional<geometry::SE2>& T_now_last, const ScanView& view) {
     if (T_now_last) {
       scan_.transform(*T_now_last);  // 1) transformation
     }
     if (T_now_last || rule_->removes_while_standing()) {
-      removed = rule_->remove_obsolete(scan_, gate_, view);  // 2) removing obsolete points
+      removed_ += rule_->remove_obsolete(scan_, gate_, view);  // 2) removing obsolete points
     }
     rule_->replace(scan_, gate_, view);  // 3) point replacement
-    return removed;
   }
 
   void clear() { scan_.clear(); }
 
   [[nodiscard]] const ExtendedScan& scan() const { return scan_; }
-  [[nodiscard]] const HeightGate& gate() const { return gate_; }
+
+  /// Points that became obsolete (step 2) since the start.
+  [[nodiscard]] std::size_t removed() const { return removed_; }
 
  private:
   ExtendedScan scan_;
   HeightGate gate_;
   std::unique_ptr<UpdateRule> rule_;
+  std::size_t removed_ = 0;
 };
 
 /// The nearest point of each direction within the virtual corridor's heights.

@@ -23,7 +23,8 @@ void ExtendedScan::transform(const geometry::SE2& T_now_last) {
     }
     point.move_to(R * point.p_base + t);
     const auto bin = bins_.index(point.bearing_rad);
-    if (bin && prefers(point.distance_m, moved_[*bin].distance_m)) {
+    if (bin && std::isfinite(point.distance_m) &&
+        prefers(point.distance_m, moved_[*bin].distance_m)) {
       moved_[*bin] = point;
     }
   }

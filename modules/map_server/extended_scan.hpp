@@ -16,6 +16,14 @@ namespace nodmap::map_server {
 /// Which of two points in one direction a map keeps.
 enum class Relevance { kNearest, kFarthest };
 
+/// What has been looked for in vain at a point since it was last measured.
+struct Search {
+  double lowest_m = std::numeric_limits<double>::infinity();  ///< heights at which beams passed it
+  double highest_m = -std::numeric_limits<double>::infinity();
+  std::int64_t last_missed_pass = -1;
+  int missed_passes = 0;
+};
+
 /// A point of an egocentric map, cartesian and polar at once (III B), in the base frame.
 struct EgoPoint {
   Eigen::Vector2d p_base = Eigen::Vector2d::Zero();
@@ -26,11 +34,10 @@ struct EgoPoint {
   double lowest_m = 0.0;  ///< heights at which something was met here
   double highest_m = 0.0;
 
-  double confirmed_at_s = 0.0;    ///< when last measured, on the map's clock
-  double aged_s = 0.0;            ///< towards expiry, as the update rule counts
-  std::int64_t missed_pass = -1;  ///< the pass in which a beam last went through
-  int misses = 0;                 ///< passes in a row in which beams went through
-  bool valid = false;             ///< false: a dummy
+  double confirmed_at_s = 0.0;  ///< when last measured, on the map's clock
+  double aged_s = 0.0;          ///< towards expiry, as the update rule counts
+  Search search;                ///< only kept by the confirmed rule
+  bool valid = false;           ///< false: a dummy
 
   [[nodiscard]] static EgoPoint at(const Eigen::Vector2d& p_base, double height_m) {
     EgoPoint point;
@@ -44,12 +51,6 @@ struct EgoPoint {
     p_base = p;
     bearing_rad = std::atan2(p.y(), p.x());
     distance_m = p.norm();
-  }
-
-  /// Moves the point along its bearing.
-  void set_distance(double new_distance_m) {
-    p_base *= new_distance_m / distance_m;
-    distance_m = new_distance_m;
   }
 };
 
@@ -80,9 +81,9 @@ class ExtendedScan {
   /// Step 1, Eq. 2: every point into the base frame of now. Of two points that meet in one bin the
   /// more relevant stays; bins left empty get dummies; points outside the aperture are dropped.
   ///
-  /// The paper's angles turn clockwise in a left-handed frame, so the matrix printed in Eq. 2 is the
-  /// inverse of the robot's own turn, and its (dx, dz) is the shift of the map, not of the robot.
-  /// Said without signs: p_now = T_now_last * p_last.
+  /// The paper's angles turn clockwise in a left-handed frame, so the matrix printed in Eq. 2 is
+  /// the inverse of the robot's own turn, and its (dx, dz) is the shift of the map, not of the
+  /// robot. Said without signs: p_now = T_now_last * p_last.
   void transform(const geometry::SE2& T_now_last);
 
  private:

@@ -18,8 +18,8 @@ Verdict MapServer::add_scan(const scan::Scan& scan, const geometry::SE3& T_odom_
   }
   const auto T_now_last = pose_shift(geometry::to_se2(T_odom_base));
   const ScanView view = view_of(scan, advance_clock(scan.utime_mid_us()));
-  removed_ += obstacle_map_.update(T_now_last, view);
-  removed_ += structure_map_.update(T_now_last, view);
+  obstacle_map_.update(T_now_last, view);
+  structure_map_.update(T_now_last, view);
   return Verdict::kUsed;
 }
 

@@ -38,9 +38,6 @@ class MapServer {
     return clock_s_ - point.confirmed_at_s;
   }
 
-  /// Points that became obsolete (step 2) since the start, in both maps.
-  [[nodiscard]] std::size_t removed() const { return removed_; }
-
  private:
   [[nodiscard]] std::optional<geometry::SE2> pose_shift(const geometry::SE2& T_odom_base);
   [[nodiscard]] double advance_clock(std::int64_t utime_us);
@@ -55,7 +52,6 @@ class MapServer {
   std::optional<geometry::SE2> T_odom_last_;
   std::optional<std::int64_t> last_utime_us_;
   double clock_s_ = 0.0;  // message time gone by; a stamp that steps back does not turn it back
-  std::size_t removed_ = 0;
 };
 
 }  // namespace nodmap::map_server

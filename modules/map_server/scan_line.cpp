@@ -7,9 +7,9 @@
 namespace nodmap::map_server {
 namespace {
 
-// Two neighbouring readings belong to one surface if it is seen at more than 5 degrees: beyond that
+// Two neighbouring readings belong to one surface if it is seen at more than 3 degrees: below that
 // they are taken for the edge of one thing before another.
-const double kCotangentOfGrazing = 1.0 / std::tan(geometry::deg_to_rad(5.0));
+const double kCotangentOfGrazing = 1.0 / std::tan(geometry::deg_to_rad(3.0));
 
 Eigen::Vector3d mirror_in_base(const scan::Scan& scan, double pitch_rad) {
   return scan.T_base_mount * (geometry::pitch_rotation(pitch_rad) * scan.mirror_offset_m);
@@ -19,8 +19,7 @@ Eigen::Vector3d mirror_in_base(const scan::Scan& scan, double pitch_rad) {
 
 std::optional<SlantedPlane> laser_plane(const scan::Scan& scan, double pitch_rad) {
   const Eigen::Vector3d normal =
-      scan.T_base_mount.linear() *
-      Eigen::Vector3d(-std::sin(pitch_rad), 0.0, std::cos(pitch_rad));
+      scan.T_base_mount.linear() * Eigen::Vector3d(-std::sin(pitch_rad), 0.0, std::cos(pitch_rad));
   if (std::abs(normal.z()) < 0.05) {
     return std::nullopt;
   }
@@ -72,18 +71,13 @@ std::optional<double> ScanLine::reached_m(const Look& look) const {
   const auto r1 = static_cast<double>(scan_->ranges_m[look.beam]);
   const auto r2 = static_cast<double>(scan_->ranges_m[look.beam + 1]);
   const double widest = kCotangentOfGrazing * std::abs(scan_->angle_step_rad) * std::min(r1, r2);
-  const bool one_surface = scan_->is_hit(look.beam) && scan_->is_hit(look.beam + 1) &&
-                           std::abs(r1 - r2) <= widest;
+  const bool one_surface =
+      scan_->is_hit(look.beam) && scan_->is_hit(look.beam + 1) && std::abs(r1 - r2) <= widest;
   if (!one_surface) {
     return static_cast<double>(scan_->ranges_m[nearer]);
   }
   // The straight line through two points is harmonic in the range (for a small angle between them).
   return r1 * r2 / (r1 * look.between + r2 * (1.0 - look.between));
-}
-
-Eigen::Vector2d ScanLine::along_sight(const Look& look, const Eigen::Vector2d& p_base,
-                                      double range_m) const {
-  return mirror_.head<2>() + (p_base - mirror_.head<2>()) * (range_m / look.range_m);
 }
 
 bool ScanLine::reaches_beyond(std::size_t beam, double range_m) const {

@@ -49,9 +49,11 @@ class ScanLine {
     return reaches_beyond(look.beam, range_m) && reaches_beyond(look.beam + 1, range_m);
   }
 
-  /// Where the line of sight is at another range than that of the place looked at.
-  [[nodiscard]] Eigen::Vector2d along_sight(const Look& look, const Eigen::Vector2d& p_base,
-                                            double range_m) const;
+  /// Whether of the two beams one ended before the place and one went beyond.
+  [[nodiscard]] bool ends_on_either_side(const Look& look) const {
+    return scan_->is_hit(look.beam) && scan_->is_hit(look.beam + 1) &&
+           reaches_beyond(look.beam, look.range_m) != reaches_beyond(look.beam + 1, look.range_m);
+  }
 
  private:
   [[nodiscard]] bool reaches_beyond(std::size_t beam, double range_m) const;

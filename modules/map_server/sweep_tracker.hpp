@@ -12,9 +12,9 @@ struct PitchInterval {
   double high_rad = 0.0;
 };
 
-/// Learns from the scans alone how the scanner nods: counts its passes from turning point to turning
-/// point, and knows the wedge of pitches it looks through. A scanner that holds still makes every
-/// scan a pass.
+/// Learns from the scans alone how the scanner nods: counts its passes from turning point to
+/// turning point, and knows the wedge of pitches it looks through. A scanner that holds still makes
+/// every scan a pass.
 class SweepTracker {
  public:
   void add(double pitch_first_rad, double pitch_last_rad);
@@ -32,9 +32,9 @@ class SweepTracker {
 
   std::int64_t pass_ = 0;
   int scans_ = 0;
-  int still_scans_ = 0;      // how long the pitch has not left its surroundings
-  double still_rad_ = 0.0;   // and where that is
-  double direction_ = 0.0;   // +1 up, -1 down, 0 not known yet
+  int still_scans_ = 0;        // how long the pitch has not left its surroundings
+  double still_rad_ = 0.0;     // and where that is
+  double direction_ = 0.0;     // +1 up, -1 down, 0 not known yet
   double farthest_rad_ = 0.0;  // in this direction
   PitchInterval current_;
   std::optional<PitchInterval> last_;

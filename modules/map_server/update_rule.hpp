@@ -14,9 +14,9 @@
 
 namespace nodmap::map_server {
 
-/// The heights that matter to a map (III A), in metres above flat ground (R14). The floor rises with
-/// distance by what the pitch may be wrong, so that far floor stays floor; where an obstacle comes
-/// near, only the fixed part is left.
+/// The heights that matter to a map (III A), in metres above flat ground (R14). The floor rises
+/// with distance by what the pitch may be wrong, so that far floor stays floor; where an obstacle
+/// comes near, only the fixed part is left.
 struct HeightGate {
   double floor_m = 0.0;
   double floor_rise = 0.0;
@@ -46,8 +46,8 @@ struct ScanView {
   double clock_s = 0.0;    ///< the sum of these
 };
 
-/// Steps 2 and 3 of the map update (III B); step 1 is the same for every rule. Both keep the size of
-/// the map and leave every point in the bin of its bearing.
+/// Steps 2 and 3 of the map update (III B); step 1 is the same for every rule. Both keep the size
+/// of the map and leave every point in the bin of its bearing.
 class UpdateRule {
  public:
   UpdateRule() = default;

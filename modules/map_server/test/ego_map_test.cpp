@@ -152,7 +152,8 @@ TEST(StructureMap, DropsTheFloorButHasNoCeiling) {
   }
 }
 
-// T5: a re-measurement slightly farther than the stored point renews it, though it does not replace.
+// T5: a re-measurement slightly farther than the stored point renews it, though it does not
+// replace.
 TEST(ObstacleMap, T5_AgreementRenewsAge) {
   const auto aged_after_agreement = [](Rule rule) {
     EgoMap map = make_obstacle_map(with_rule(rule));

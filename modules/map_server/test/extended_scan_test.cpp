@@ -28,7 +28,8 @@ ExtendedScan circle_of_points(Relevance relevance, double resolution_deg) {
   std::uniform_real_distribution<double> distance(0.5, 8.0);
   for (std::size_t i = 0; i < map.size(); ++i) {
     const double angle = map.bins().angle_rad(i);
-    map[i] = EgoPoint::at(distance(random) * Eigen::Vector2d(std::cos(angle), std::sin(angle)), 0.2);
+    map[i] =
+        EgoPoint::at(distance(random) * Eigen::Vector2d(std::cos(angle), std::sin(angle)), 0.2);
   }
   return map;
 }
@@ -90,9 +91,8 @@ TEST(ExtendedScan, R22_SquareDriveBringsPointsBack) {
   ASSERT_EQ(count_valid(map), walls.size());
   for (const auto& p : walls) {
     const EgoPoint expected = EgoPoint::at(p, 0.2);
-    const auto found = std::ranges::min_element(map.points(), {}, [&](const EgoPoint& q) {
-      return q.valid ? (q.p_base - p).norm() : 1e9;
-    });
+    const auto found = std::ranges::min_element(
+        map.points(), {}, [&](const EgoPoint& q) { return q.valid ? (q.p_base - p).norm() : 1e9; });
     // One millimetre and one bin, as the requirement says.
     EXPECT_LT((found->p_base - p).norm(), 1e-3);
     EXPECT_NEAR(found->bearing_rad, expected.bearing_rad, deg_to_rad(1));

@@ -10,8 +10,8 @@
 #include "common/geometry/se3.hpp"
 #include "common/scan/scan.hpp"
 
-/// A world of boxes, cylinders and a floor with exact ray casting, and a nodding scanner in it: what
-/// the scene tests of the maps look at.
+/// A world of boxes, cylinders and a floor with exact ray casting, and a nodding scanner in it:
+/// what the scene tests of the maps look at.
 namespace nodmap::map_server::test {
 
 using geometry::deg_to_rad;
@@ -85,7 +85,8 @@ inline World room(double x0, double x1, double y0, double y1, double height_m = 
   return world;
 }
 
-/// The paper's scanner (II): 181 beams over 180 degrees at 75 Hz, nodding evenly between two bounds.
+/// The paper's scanner (II): 181 beams over 180 degrees at 75 Hz, nodding evenly between two
+/// bounds.
 class NoddingScanner {
  public:
   double low_rad = deg_to_rad(-20.8);  // sees all of the corridor from 1 m on
@@ -150,9 +151,8 @@ class NoddingScanner {
       const Eigen::Vector3d ray =
           T.linear() * scan::beam_direction(truth.angle_rad(i), truth.pitch_rad(i));
       const double range = world.cast(origin, ray);
-      scan.ranges_m.push_back(static_cast<float>(range <= scan.range_max_m
-                                                     ? range + range_sigma_m * noise(random)
-                                                     : kInfinity));
+      scan.ranges_m.push_back(static_cast<float>(
+          range <= scan.range_max_m ? range + range_sigma_m * noise(random) : kInfinity));
     }
   }
 
