@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/map_server/map_picture.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace nodmap::map_server {
+namespace {
+
+constexpr int kSize_px = 1000;
+constexpr picture::Rgb kRing{225, 225, 225};
+constexpr picture::Rgb kFifthRing{185, 185, 185};
+constexpr picture::Rgb kStructure{35, 95, 190};
+constexpr picture::Rgb kObstacle{215, 40, 35};
+constexpr picture::Rgb kRobot{60, 60, 60};
+
+/// Whole metres from the middle to the border: as far as points go, within reason.
+double reach_m(const ExtendedScan& obstacles, const ExtendedScan& structure) {
+  double farthest = 2.0;
+  for (const ExtendedScan* map : {&obstacles, &structure}) {
+    for (const EgoPoint& point : map->points()) {
+      farthest = point.valid ? std::max(farthest, point.distance_m) : farthest;
+    }
+  }
+  return std::ceil(std::min(farthest, 20.0) + 0.2);
+}
+
+class Canvas {
+ public:
+  explicit Canvas(double reach_m)
+      : image_(kSize_px, kSize_px), px_per_m_(0.5 * kSize_px / reach_m) {
+    for (int ring_m = 1; ring_m <= static_cast<int>(reach_m); ++ring_m) {
+      image_.draw_circle(kMiddle, kMiddle, ring_m * px_per_m_,
+                         ring_m % 5 == 0 ? kFifthRing : kRing);
+    }
+  }
+
+  void draw_points(const ExtendedScan& map, double radius_px, picture::Rgb colour) {
+    for (const EgoPoint& point : map.points()) {
+      if (point.valid) {
+        image_.fill_disc(u(point.p_base), v(point.p_base), radius_px, colour);
+      }
+    }
+  }
+
+  void draw_robot(const Footprint& robot) {
+    const Eigen::Vector2d front_left(0.5 * robot.length_m, 0.5 * robot.width_m);
+    image_.fill_rectangle(static_cast<int>(u(front_left)), static_cast<int>(v(front_left)),
+                          static_cast<int>(std::lround(robot.width_m * px_per_m_)),
+                          static_cast<int>(std::lround(robot.length_m * px_per_m_)), kRobot);
+    const Eigen::Vector2d nose(robot.length_m, 0.0);
+    image_.draw_line(kMiddle, kMiddle, u(nose), v(nose), kRobot, 2.0);
+  }
+
+  [[nodiscard]] picture::Image take() && { return std::move(image_); }
+
+ private:
+  static constexpr double kMiddle = 0.5 * kSize_px;
+
+  // Ahead is up, so left is left.
+  [[nodiscard]] double u(const Eigen::Vector2d& p) const { return kMiddle - p.y() * px_per_m_; }
+  [[nodiscard]] double v(const Eigen::Vector2d& p) const { return kMiddle - p.x() * px_per_m_; }
+
+  picture::Image image_;
+  double px_per_m_;
+};
+
+}  // namespace
+
+picture::Image draw_maps(const ExtendedScan& obstacles, const ExtendedScan& structure,
+                         const Footprint& robot) {
+  Canvas canvas(reach_m(obstacles, structure));
+  canvas.draw_robot(robot);
+  canvas.draw_points(structure, 4.0, kStructure);
+  canvas.draw_points(obstacles, 2.5, kObstacle);
+  return std::move(canvas).take();
+}
+
+}  // namespace nodmap::map_server

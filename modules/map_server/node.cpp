@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/map_server/node.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "common/msg/messages.hpp"
+#include "modules/map_server/map_picture.hpp"
+
+namespace nodmap::map_server {
+namespace {
+
+nlohmann::json figures_of(const EgoMap& map) {
+  std::size_t points = 0;
+  double nearest_m = std::numeric_limits<double>::infinity();
+  double farthest_m = 0.0;
+  for (const EgoPoint& point : map.scan().points()) {
+    if (point.valid) {
+      ++points;
+      nearest_m = std::min(nearest_m, point.distance_m);
+      farthest_m = std::max(farthest_m, point.distance_m);
+    }
+  }
+  nlohmann::json figures{
+      {"bins", map.scan().size()}, {"points", points}, {"points_removed", map.removed()}};
+  if (points > 0) {
+    figures["nearest_m"] = nearest_m;
+    figures["farthest_m"] = farthest_m;
+  }
+  return figures;
+}
+
+}  // namespace
+
+MapServerNode::MapServerNode(node::Context& context, const Params& params)
+    : context_(context), params_(params), server_(params) {
+  context.bus.subscribe<nodmap::scan_t>(
+      "SCAN", [this](const nodmap::scan_t& message) { on_scan(message); });
+  context.bus.subscribe<nodmap::odometry_t>(
+      "ODOMETRY", [this](const nodmap::odometry_t& message) { on_odometry(message); });
+}
+
+void MapServerNode::on_odometry(const nodmap::odometry_t& message) {
+  const auto T_odom_base = msg::read_odometry(message);
+  if (!T_odom_base || !odometry_.add(message.utime, *T_odom_base)) {
+    context_.tally.reject("implausible_odometry");
+    return;
+  }
+  // The publisher counts anew, so its odom frame began anew: no shift leads from the old to the
+  // new.
+  if (last_odometry_seq_ && message.odometry_seq < *last_odometry_seq_) {
+    server_.reset();
+    odometry_ = geometry::PoseHistory();
+    odometry_.add(message.utime, *T_odom_base);
+  }
+  last_odometry_seq_ = message.odometry_seq;
+  context_.tally.use();
+}
+
+void MapServerNode::on_scan(const nodmap::scan_t& message) {
+  context_.tally.lose(scans_watched_.lost_before(message.scan_seq));
+  if (!msg::read_scan(message, scan_)) {
+    context_.tally.reject("implausible_scan");
+    return;
+  }
+  const auto T_odom_base = pose_at(scan_.utime_mid_us());
+  last_scan_had_odometry_ = T_odom_base.has_value();
+  if (!T_odom_base) {
+    context_.tally.reject("no_odometry");
+    return;
+  }
+  // From here on the base is on the ground, and heights in it are heights above the ground.
+  scan_.T_base_mount.translation().z() += params_.base_height_m;
+  switch (server_.add_scan(scan_, *T_odom_base)) {
+    case Verdict::kImplausibleScan:
+      context_.tally.reject("implausible_scan");
+      return;
+    case Verdict::kImplausiblePose:
+      context_.tally.reject("implausible_pose");
+      return;
+    case Verdict::kUsed:
+      break;
+  }
+  context_.tally.use();
+  ++scans_used_;
+  publish_maps(*T_odom_base);
+}
+
+std::optional<geometry::SE3> MapServerNode::pose_at(std::int64_t utime_us) const {
+  if (params_.assume_standing) {
+    return geometry::SE3::Identity();
+  }
+  return odometry_.at(utime_us);
+}
+
+void MapServerNode::publish_maps(const geometry::SE3& T_odom_base) {
+  fill_message(server_.obstacle_map(), T_odom_base);
+  context_.bus.publish("OBSTACLE_MAP", message_);
+  fill_message(server_.structure_map(), T_odom_base);
+  context_.bus.publish("STRUCTURE_MAP", message_);
+}
+
+void MapServerNode::fill_message(const EgoMap& map, const geometry::SE3& T_odom_base) {
+  constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+  const ExtendedScan& scan = map.scan();
+  const std::size_t n = scan.size();
+  message_.utime = scan_.utime_mid_us();
+  message_.scan_seq = scan_.seq;
+  message_.bin_first_rad = scan.bins().first_rad();
+  message_.bin_step_rad = scan.bins().step_rad();
+  msg::write_pose(T_odom_base, message_.position_m, message_.orientation);
+  message_.num_bins = static_cast<std::int32_t>(n);
+  message_.distance_m.assign(n, std::numeric_limits<float>::infinity());
+  for (auto* field :
+       {&message_.point_x_m, &message_.point_y_m, &message_.point_z_m, &message_.age_s}) {
+    field->assign(n, kNone);
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    const EgoPoint& point = scan[i];
+    if (point.valid) {
+      message_.distance_m[i] = static_cast<float>(point.distance_m);
+      message_.point_x_m[i] = static_cast<float>(point.p_base.x());
+      message_.point_y_m[i] = static_cast<float>(point.p_base.y());
+      message_.point_z_m[i] = static_cast<float>(point.height_m);
+      message_.age_s[i] = static_cast<float>(server_.age_s(point));
+    }
+  }
+}
+
+void MapServerNode::write_results(const std::filesystem::path& dir) {
+  draw_maps(server_.obstacle_map().scan(), server_.structure_map().scan(),
+            {params_.robot_length_m, params_.robot_width_m})
+      .write_png(dir / "map.png");
+}
+
+nlohmann::json MapServerNode::figures() const {
+  return {{"scans_used", scans_used_},
+          {"obstacle_map", figures_of(server_.obstacle_map())},
+          {"structure_map", figures_of(server_.structure_map())}};
+}
+
+node::Health MapServerNode::health() const {
+  if (!last_scan_had_odometry_) {
+    return {node::HealthState::kDegraded, "No odometry for the scans: the maps stand still."};
+  }
+  return {};
+}
+
+}  // namespace nodmap::map_server

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+
+#include "common/geometry/pose_history.hpp"
+#include "common/node/node.hpp"
+#include "common/scan/scan.hpp"
+#include "modules/map_server/map_server.hpp"
+#include "nodmap/egomap_t.hpp"
+#include "nodmap/odometry_t.hpp"
+#include "nodmap/scan_t.hpp"
+
+namespace nodmap::map_server {
+
+/// SCAN and ODOMETRY in, OBSTACLE_MAP and STRUCTURE_MAP out, both after every scan that was used. A
+/// scan that could not be used publishes nothing: a map never carries a newer stamp than what is in
+/// it.
+class MapServerNode final : public node::Node {
+ public:
+  using Params = MapServerParams;
+
+  MapServerNode(node::Context& context, const Params& params);
+
+  void write_results(const std::filesystem::path& dir) override;
+  [[nodiscard]] nlohmann::json figures() const override;
+  [[nodiscard]] node::Health health() const override;
+
+ private:
+  void on_scan(const nodmap::scan_t& message);
+  void on_odometry(const nodmap::odometry_t& message);
+  [[nodiscard]] std::optional<geometry::SE3> pose_at(std::int64_t utime_us) const;
+  void publish_maps(const geometry::SE3& T_odom_base);
+  void fill_message(const EgoMap& map, const geometry::SE3& T_odom_base);
+
+  node::Context& context_;
+  Params params_;
+  MapServer server_;
+  geometry::PoseHistory odometry_;
+  std::optional<std::int64_t> last_odometry_seq_;
+  node::SequenceWatch scans_watched_;
+  scan::Scan scan_;             // reused from message to message, as is
+  nodmap::egomap_t message_{};  // this one
+  std::int64_t scans_used_ = 0;
+  bool last_scan_had_odometry_ = true;
+};
+
+}  // namespace nodmap::map_server

@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/map_server/node.hpp"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "common/msg/messages.hpp"
+#include "modules/map_server/test/world.hpp"
+#include "tests/support/data_dir.hpp"
+
+namespace nodmap::map_server {
+namespace {
+
+/// Hands over what a test says and keeps what the node answers.
+class TestBus final : public bus::Bus {
+ public:
+  template <class Message>
+  void deliver(const std::string& channel, const Message& message) {
+    std::vector<std::byte> bytes;
+    bus::encode_into(bytes, message);
+    handlers_.at(channel)(bytes);
+  }
+
+  void deliver_bytes(const std::string& channel, const std::vector<std::byte>& bytes) {
+    handlers_.at(channel)(bytes);
+  }
+
+  [[nodiscard]] std::vector<nodmap::egomap_t> maps(const std::string& channel) const {
+    std::vector<nodmap::egomap_t> maps;
+    for (const auto& bytes : sent_.contains(channel) ? sent_.at(channel) : Messages{}) {
+      EXPECT_TRUE(bus::decode_into(maps.emplace_back(), bytes));
+    }
+    return maps;
+  }
+
+ private:
+  using Messages = std::vector<std::vector<std::byte>>;
+
+  bool send(const std::string& channel, std::span<const std::byte> bytes) override {
+    sent_[channel].emplace_back(bytes.begin(), bytes.end());
+    return true;
+  }
+  void listen(const std::string& channel, BytesHandler handler, int) override {
+    handlers_[channel] = std::move(handler);
+  }
+
+  std::map<std::string, BytesHandler> handlers_;
+  std::map<std::string, Messages> sent_;
+};
+
+class MapServerNodeTest : public ::testing::Test {
+ protected:
+  explicit MapServerNodeTest(const MapServerParams& params = {}) : node_(context_, params) {}
+
+  nodmap::scan_t next_scan() { return msg::write_scan(scanner_.scan(world_, {})); }
+
+  void give_odometry(std::int64_t utime_us, std::int64_t seq, double x = 0.0) {
+    auto message = msg::write_odometry(utime_us, geometry::to_se3({x, 0, 0}));
+    message.odometry_seq = seq;
+    bus_.deliver("ODOMETRY", message);
+  }
+
+  std::int64_t rejected(const std::string& cause) {
+    const auto found = tally_.rejected().find(cause);
+    return found == tally_.rejected().end() ? 0 : found->second;
+  }
+
+  TestBus bus_;
+  node::Tally tally_;
+  node::Context context_{bus_, tally_, {}};
+  MapServerNode node_;
+  test::NoddingScanner scanner_;
+  test::World world_ = test::room(-2, 5, -3, 3);
+};
+
+TEST_F(MapServerNodeTest, PublishesBothMapsAfterEveryScan) {
+  give_odometry(1'000'000, 0);
+  const nodmap::scan_t scan = next_scan();
+  bus_.deliver("SCAN", scan);
+  const auto maps = bus_.maps("OBSTACLE_MAP");
+  ASSERT_EQ(maps.size(), 1U);
+  ASSERT_EQ(bus_.maps("STRUCTURE_MAP").size(), 1U);
+  EXPECT_EQ(maps[0].utime, scan.utime + scan.beam_duration_us / 2);
+  EXPECT_EQ(maps[0].num_bins, 360);
+  EXPECT_EQ(maps[0].orientation[0], 1.0);
+  // The lowest line of the nod meets the floor: no obstacle ahead, but walls to the sides.
+  EXPECT_EQ(maps[0].distance_m[180], std::numeric_limits<float>::infinity());
+  EXPECT_TRUE(std::isnan(maps[0].point_x_m[180]));
+  EXPECT_TRUE(std::isnan(maps[0].age_s[180]));
+  EXPECT_NEAR(maps[0].distance_m[270], 3.0, 0.01);
+  EXPECT_NEAR(maps[0].point_y_m[270], 3.0, 0.01);
+  EXPECT_EQ(maps[0].age_s[270], 0.0F);
+  EXPECT_EQ(tally_.total_rejected(), 0);
+}
+
+TEST_F(MapServerNodeTest, WithoutOdometryNothingIsPublished) {
+  bus_.deliver("SCAN", next_scan());
+  EXPECT_TRUE(bus_.maps("OBSTACLE_MAP").empty());
+  EXPECT_EQ(rejected("no_odometry"), 1);
+  EXPECT_EQ(node_.health().state, node::HealthState::kDegraded);
+}
+
+TEST_F(MapServerNodeTest, OdometryThatEndedIsNoOdometry) {
+  give_odometry(1'000'000, 0);
+  for (int i = 0; i < 20; ++i) {
+    bus_.deliver("SCAN", next_scan());
+  }
+  // 50 ms are four scans of 13.32 ms, counted to the middle of each.
+  EXPECT_EQ(bus_.maps("OBSTACLE_MAP").size(), 4U);
+  EXPECT_EQ(rejected("no_odometry"), 16);
+}
+
+class StandingNodeTest : public MapServerNodeTest {
+ protected:
+  StandingNodeTest()
+      : MapServerNodeTest([] {
+          MapServerParams params;
+          params.assume_standing = true;
+          return params;
+        }()) {}
+};
+
+TEST_F(StandingNodeTest, RecordingsWithoutOdometry) {
+  bus_.deliver("SCAN", next_scan());
+  EXPECT_EQ(bus_.maps("OBSTACLE_MAP").size(), 1U);
+}
+
+class ScannerAsBaseNodeTest : public MapServerNodeTest {
+ protected:
+  ScannerAsBaseNodeTest()
+      : MapServerNodeTest([] {
+          MapServerParams params;
+          params.base_height_m = 0.38;
+          return params;
+        }()) {}
+};
+
+TEST_F(ScannerAsBaseNodeTest, HeightsAreAboveTheGround) {
+  give_odometry(1'000'000, 0);
+  nodmap::scan_t scan = next_scan();
+  scan.mount_position_m[2] = 0.0;
+  bus_.deliver("SCAN", scan);
+  const auto maps = bus_.maps("OBSTACLE_MAP");
+  ASSERT_EQ(maps.size(), 1U);
+  EXPECT_NEAR(maps[0].point_z_m[270], 0.38, 0.01);
+}
+
+TEST_F(MapServerNodeTest, OdometryThatBeganAnewStartsTheMapsAnew) {
+  give_odometry(1'000'000, 50, 7.0);
+  bus_.deliver("SCAN", next_scan());
+  give_odometry(1'015'000, 0, 0.0);  // restarted: the same place has another name
+  nodmap::scan_t blind = next_scan();
+  blind.ranges_m.assign(blind.ranges_m.size(), std::numeric_limits<float>::quiet_NaN());
+  bus_.deliver("SCAN", blind);
+  const auto maps = bus_.maps("STRUCTURE_MAP");
+  ASSERT_EQ(maps.size(), 2U);
+  EXPECT_TRUE(std::ranges::any_of(maps[0].distance_m, [](float d) { return std::isfinite(d); }));
+  EXPECT_TRUE(std::ranges::none_of(maps[1].distance_m, [](float d) { return std::isfinite(d); }));
+}
+
+TEST_F(MapServerNodeTest, BadScansAreCountedAndNothingElse) {
+  give_odometry(1'000'000, 0);
+  nodmap::scan_t empty = next_scan();
+  empty.num_ranges = 0;
+  empty.ranges_m.clear();
+  bus_.deliver("SCAN", empty);
+  nodmap::scan_t twisted = next_scan();
+  twisted.mount_orientation[0] = 0.0;
+  bus_.deliver("SCAN", twisted);
+  nodmap::scan_t infinite = next_scan();
+  infinite.pitch_first_rad = std::numeric_limits<double>::infinity();
+  bus_.deliver("SCAN", infinite);
+  EXPECT_EQ(rejected("implausible_scan"), 3);
+  EXPECT_TRUE(bus_.maps("OBSTACLE_MAP").empty());
+  nodmap::odometry_t nowhere = msg::write_odometry(1'010'000, geometry::SE3::Identity());
+  nowhere.position_m[0] = std::numeric_limits<double>::quiet_NaN();
+  bus_.deliver("ODOMETRY", nowhere);
+  EXPECT_EQ(rejected("implausible_odometry"), 1);
+}
+
+TEST_F(MapServerNodeTest, RandomBytesAreCountedAsCorrupt) {
+  std::mt19937 random(8);
+  std::uniform_int_distribution<int> byte(0, 255);
+  for (int i = 0; i < 1000; ++i) {  // 10^6 bytes
+    std::vector<std::byte> bytes(1000);
+    for (std::byte& b : bytes) {
+      b = static_cast<std::byte>(byte(random));
+    }
+    bus_.deliver_bytes("SCAN", bytes);
+  }
+  EXPECT_EQ(bus_.counts().corrupt, 1000);
+  EXPECT_TRUE(bus_.maps("OBSTACLE_MAP").empty());
+}
+
+TEST_F(MapServerNodeTest, LostScansAreNoticed) {
+  give_odometry(1'000'000, 0);
+  bus_.deliver("SCAN", next_scan());
+  static_cast<void>(next_scan());
+  static_cast<void>(next_scan());
+  bus_.deliver("SCAN", next_scan());
+  EXPECT_EQ(tally_.lost(), 2);
+}
+
+TEST_F(MapServerNodeTest, WritesAPictureAndFigures) {
+  give_odometry(1'000'000, 0);
+  bus_.deliver("SCAN", next_scan());
+  const nodmap::test::TemporaryDir dir;
+  node_.write_results(dir.path());
+  EXPECT_GT(std::filesystem::file_size(dir.path() / "map.png"), 1000U);
+  EXPECT_EQ(node_.figures()["scans_used"], 1);
+  EXPECT_EQ(node_.figures()["obstacle_map"]["bins"], 360);
+}
+
+}  // namespace
+}  // namespace nodmap::map_server
