@@ -46,9 +46,7 @@ bool ConfirmedRule::is_obsolete(EgoPoint& point, const ExtendedScan& map, const 
   if (!look) {
     return false;
   }
-  const auto reached = view.line.reached_m(*look);
-  if (reached && std::abs(*reached - look->range_m) <= agreement_m_ &&
-      gate.admits(look->height_m, point.distance_m)) {
+  if (gate.admits(look->height_m, point.distance_m) && is_met(view, *look)) {
     confirm(point, look->height_m, view.clock_s);
     return false;
   }
@@ -61,6 +59,11 @@ bool ConfirmedRule::is_obsolete(EgoPoint& point, const ExtendedScan& map, const 
     point.aged_s = 0.0;  // an edge or a corner between two beams: they cannot tell
   }
   return is_gone(point) || point.aged_s > expiry_s_;
+}
+
+bool ConfirmedRule::is_met(const ScanView& view, const ScanLine::Look& look) const {
+  const auto reached = view.line.reached_m(look);
+  return reached && std::abs(*reached - look.range_m) <= agreement_m_;
 }
 
 bool ConfirmedRule::is_inside_robot(const EgoPoint& point) const {

@@ -28,6 +28,7 @@ class ConfirmedRule final : public UpdateRule {
  private:
   [[nodiscard]] bool is_obsolete(EgoPoint& point, const ExtendedScan& map, const HeightGate& gate,
                                  const ScanView& view) const;
+  [[nodiscard]] bool is_met(const ScanView& view, const ScanLine::Look& look) const;
   [[nodiscard]] bool is_inside_robot(const EgoPoint& point) const;
   [[nodiscard]] bool is_in_view(const EgoPoint& point, Relevance relevance,
                                 const ScanView& view) const;

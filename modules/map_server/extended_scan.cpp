@@ -4,6 +4,43 @@
 #include <utility>
 
 namespace nodmap::map_server {
+namespace {
+
+/// Eq. 2 for one point, cartesian and polar.
+class Motion {
+ public:
+  explicit Motion(const geometry::SE2& T_now_last)
+      : R_(T_now_last.rotation()), t_(T_now_last.translation()), yaw_rad_(T_now_last.yaw) {}
+
+  void apply(EgoPoint& point) const {
+    const Eigen::Vector2d turned = R_ * point.p_base;
+    const Eigen::Vector2d p = turned + t_;
+    // The bearing changes by the turn and by the small angle between `turned` and `p`: its series
+    // costs a fifth of an atan2, which would be half the time of a map update.
+    const double along = turned.dot(p);
+    const double ratio = (turned.x() * t_.y() - turned.y() * t_.x()) / along;
+    if (along > 0.0 && std::abs(ratio) < kSmall) {
+      const double square = ratio * ratio;
+      const double bearing =
+          point.bearing_rad + yaw_rad_ + ratio * (1.0 - square * (1.0 / 3.0 - square / 5.0));
+      point.bearing_rad =
+          std::abs(bearing) <= geometry::kPi ? bearing : geometry::normalize_angle(bearing);
+      point.p_base = p;
+      point.distance_m = p.norm();
+    } else {
+      point.move_to(p);
+    }
+  }
+
+ private:
+  static constexpr double kSmall = 0.02;  // the series is then exact to kSmall^7 / 7: 2e-13
+
+  Eigen::Matrix2d R_;
+  Eigen::Vector2d t_;
+  double yaw_rad_;
+};
+
+}  // namespace
 
 ExtendedScan::ExtendedScan(const AngleBins& bins, Relevance relevance)
     : bins_(bins), relevance_(relevance) {
@@ -14,14 +51,13 @@ ExtendedScan::ExtendedScan(const AngleBins& bins, Relevance relevance)
 }
 
 void ExtendedScan::transform(const geometry::SE2& T_now_last) {
-  const Eigen::Matrix2d R = T_now_last.rotation();
-  const Eigen::Vector2d t = T_now_last.translation();
+  const Motion motion(T_now_last);
   moved_.assign(moved_.size(), dummy_);
   for (EgoPoint& point : points_) {
     if (!point.valid) {
       continue;
     }
-    point.move_to(R * point.p_base + t);
+    motion.apply(point);
     const auto bin = bins_.index(point.bearing_rad);
     if (bin && std::isfinite(point.distance_m) &&
         prefers(point.distance_m, moved_[*bin].distance_m)) {

@@ -11,6 +11,21 @@ namespace {
 // they are taken for the edge of one thing before another.
 const double kCotangentOfGrazing = 1.0 / std::tan(geometry::deg_to_rad(3.0));
 
+/// atan2 to 2e-6 rad, the ten-thousandth part of a beam. The library's is a quarter of the time of a
+/// map update (bench/map_server_bench).
+double quick_atan2(double y, double x) {
+  const double ax = std::abs(x);
+  const double ay = std::abs(y);
+  const double t = std::min(ax, ay) / std::max(ax, ay);
+  const double s = t * t;
+  const double octant =
+      t * (0.99997726 +
+           s * (-0.33262347 +
+                s * (0.19354346 + s * (-0.11643287 + s * (0.05265332 - s * 0.01172120)))));
+  const double quadrant = ay > ax ? 0.5 * geometry::kPi - octant : octant;
+  return std::copysign(x < 0.0 ? geometry::kPi - quadrant : quadrant, y);
+}
+
 Eigen::Vector3d mirror_in_base(const scan::Scan& scan, double pitch_rad) {
   return scan.T_base_mount * (geometry::pitch_rotation(pitch_rad) * scan.mirror_offset_m);
 }
@@ -34,30 +49,32 @@ ScanLine::ScanLine(const scan::Scan& scan) : scan_(&scan) {
   left_ = scan.T_base_mount.linear().col(1);
   first_plane_ = laser_plane(scan, scan.pitch_first_rad);
   last_plane_ = laser_plane(scan, scan.pitch_last_rad);
+  beams_per_rad_ = 1.0 / std::abs(scan.angle_step_rad);
+  last_beam_ = static_cast<double>(scan.ranges_m.size()) - 1.0;
 }
 
 std::optional<ScanLine::Look> ScanLine::look_at(const Eigen::Vector2d& p_base) const {
-  const std::size_t n = scan_->ranges_m.size();
-  if (n < 2 || !first_plane_ || !last_plane_) {
+  if (last_beam_ < 1.0 || !first_plane_ || !last_plane_) {
     return std::nullopt;
   }
   const double z_first = first_plane_->height_m(p_base);
   const double z_last = last_plane_->height_m(p_base);
   Eigen::Vector3d sight(p_base.x(), p_base.y(), 0.5 * (z_first + z_last));
   sight -= mirror_;
-  const double angle = std::atan2(sight.dot(left_), sight.dot(forward_));
-  const double step = scan_->angle_step_rad;
-  double turn = step > 0.0 ? angle - scan_->angle_first_rad : scan_->angle_first_rad - angle;
-  turn -= 2.0 * geometry::kPi * std::floor(turn / (2.0 * geometry::kPi));
-  const double place = turn / std::abs(step);
-  const auto last = static_cast<double>(n - 1);
-  if (!(place <= last)) {
+  const double angle = quick_atan2(sight.dot(left_), sight.dot(forward_));
+  const double first = scan_->angle_first_rad;
+  double turn = scan_->angle_step_rad > 0.0 ? angle - first : first - angle;
+  while (turn < 0.0) {  // twice at most: the first beam is within a full turn of 0
+    turn += 2.0 * geometry::kPi;
+  }
+  const double place = turn * beams_per_rad_;
+  if (!(place <= last_beam_)) {
     return std::nullopt;
   }
   Look look;
-  look.beam = std::min(static_cast<std::size_t>(place), n - 2);
+  look.beam = std::min(static_cast<std::size_t>(place), scan_->ranges_m.size() - 2);
   look.between = place - static_cast<double>(look.beam);
-  look.height_m = z_first + place / last * (z_last - z_first);
+  look.height_m = z_first + place / last_beam_ * (z_last - z_first);
   sight.z() = look.height_m - mirror_.z();
   look.range_m = sight.norm();
   return look;

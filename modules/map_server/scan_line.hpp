@@ -64,6 +64,8 @@ class ScanLine {
   Eigen::Vector3d left_ = Eigen::Vector3d::UnitY();
   std::optional<SlantedPlane> first_plane_;  // the pitch moves during a scan
   std::optional<SlantedPlane> last_plane_;
+  double beams_per_rad_ = 0.0;
+  double last_beam_ = 0.0;
 };
 
 }  // namespace nodmap::map_server
