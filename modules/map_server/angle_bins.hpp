@@ -21,6 +21,7 @@ class AngleBins {
         static_cast<std::size_t>(std::max(1L, std::lround(aperture / resolution_rad)));
     size_ = closed_ ? steps : steps + 1;
     step_rad_ = aperture / static_cast<double>(steps);
+    bins_per_rad_ = 1.0 / step_rad_;
     first_rad_ = -0.5 * aperture;
   }
 
@@ -35,12 +36,12 @@ class AngleBins {
 
   /// The bin of a bearing in [-pi, pi]; empty outside the aperture and for NaN.
   [[nodiscard]] std::optional<std::size_t> index(double bearing_rad) const {
-    // Rounding down after half a step: a bearing on a border belongs to the bin to its left.
-    const double place = std::floor((bearing_rad - first_rad_) / step_rad_ + 0.5);
-    if (!(place >= 0.0 && place <= static_cast<double>(size_))) {
+    // Cut off after half a step: a bearing on a border belongs to the bin to its left.
+    const double place = (bearing_rad - first_rad_) * bins_per_rad_ + 0.5;
+    if (!(place >= 0.0 && place < static_cast<double>(size_ + 1))) {
       return std::nullopt;
     }
-    const auto bin = static_cast<std::size_t>(place);
+    const auto bin = static_cast<std::size_t>(static_cast<int>(place));
     if (bin < size_) {
       return bin;
     }
@@ -50,6 +51,7 @@ class AngleBins {
  private:
   double first_rad_ = 0.0;
   double step_rad_ = 0.0;
+  double bins_per_rad_ = 0.0;
   std::size_t size_ = 0;
   bool closed_ = false;  // a full circle: the last bin's neighbour is the first
 };

@@ -11,17 +11,17 @@ namespace {
 // they are taken for the edge of one thing before another.
 const double kCotangentOfGrazing = 1.0 / std::tan(geometry::deg_to_rad(3.0));
 
-/// atan2 to 2e-6 rad, the ten-thousandth part of a beam. The library's is a quarter of the time of a
-/// map update (bench/map_server_bench).
+/// atan2 to 2e-6 rad, the ten-thousandth part of a beam. The library's is a quarter of the time of
+/// a map update (bench/map_server_bench).
 double quick_atan2(double y, double x) {
   const double ax = std::abs(x);
   const double ay = std::abs(y);
   const double t = std::min(ax, ay) / std::max(ax, ay);
   const double s = t * t;
   const double octant =
-      t * (0.99997726 +
-           s * (-0.33262347 +
-                s * (0.19354346 + s * (-0.11643287 + s * (0.05265332 - s * 0.01172120)))));
+      t *
+      (0.99997726 + s * (-0.33262347 +
+                         s * (0.19354346 + s * (-0.11643287 + s * (0.05265332 - s * 0.01172120)))));
   const double quadrant = ay > ax ? 0.5 * geometry::kPi - octant : octant;
   return std::copysign(x < 0.0 ? geometry::kPi - quadrant : quadrant, y);
 }
@@ -72,7 +72,8 @@ std::optional<ScanLine::Look> ScanLine::look_at(const Eigen::Vector2d& p_base) c
     return std::nullopt;
   }
   Look look;
-  look.beam = std::min(static_cast<std::size_t>(place), scan_->ranges_m.size() - 2);
+  look.beam =
+      std::min(static_cast<std::size_t>(static_cast<int>(place)), scan_->ranges_m.size() - 2);
   look.between = place - static_cast<double>(look.beam);
   look.height_m = z_first + place / last_beam_ * (z_last - z_first);
   sight.z() = look.height_m - mirror_.z();

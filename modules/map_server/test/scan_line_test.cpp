@@ -44,7 +44,8 @@ TEST(ScanLine, FindsTheBeamOverAPlace) {
     const auto look = ScanLine(scan).look_at(p.head<2>());
     ASSERT_TRUE(look);
     // Planes are exact at a constant pitch, 1e-9 is rounding; angles are to 2e-6 rad.
-    EXPECT_NEAR(static_cast<double>(look->beam) + look->between, static_cast<double>(b), 2e-6 / deg_to_rad(1));
+    EXPECT_NEAR(static_cast<double>(look->beam) + look->between, static_cast<double>(b),
+                2e-6 / deg_to_rad(1));
     EXPECT_NEAR(look->range_m, r, 1e-9);
     EXPECT_NEAR(look->height_m, p.z(), 1e-9);
   }
