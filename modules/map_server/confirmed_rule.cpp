@@ -21,8 +21,7 @@ ConfirmedRule::ConfirmedRule(const MapServerParams& params)
       passing_m_(3.0 * params.range_sigma_m + 0.05),
       height_tolerance_m_(params.height_tolerance_m),
       misses_to_remove_(params.misses_to_remove),
-      robot_half_length_m_(0.5 * params.robot_length_m),
-      robot_half_width_m_(0.5 * params.robot_width_m) {}
+      robot_{params.robot_length_m, params.robot_width_m} {}
 
 std::size_t ConfirmedRule::remove_obsolete(ExtendedScan& map, const HeightGate& gate,
                                            const ScanView& view) {
@@ -39,7 +38,7 @@ std::size_t ConfirmedRule::remove_obsolete(ExtendedScan& map, const HeightGate& 
 bool ConfirmedRule::is_obsolete(EgoPoint& point, const ExtendedScan& map, const HeightGate& gate,
                                 const ScanView& view) const {
   // Left alone it would hide what is behind it. The body itself is the proof that it is wrong.
-  if (is_inside_robot(point)) {
+  if (robot_.contains(point.p_base, kSkin_m)) {
     return true;
   }
   const auto look = view.line.look_at(point.p_base);
@@ -64,11 +63,6 @@ bool ConfirmedRule::is_obsolete(EgoPoint& point, const ExtendedScan& map, const 
 bool ConfirmedRule::is_met(const ScanView& view, const ScanLine::Look& look) const {
   const auto reached = view.line.reached_m(look);
   return reached && std::abs(*reached - look.range_m) <= agreement_m_;
-}
-
-bool ConfirmedRule::is_inside_robot(const EgoPoint& point) const {
-  return std::abs(point.p_base.x()) < robot_half_length_m_ - kSkin_m &&
-         std::abs(point.p_base.y()) < robot_half_width_m_ - kSkin_m;
 }
 
 // Safe because of what it refuses: nothing may be held against a point that the sweeps would not

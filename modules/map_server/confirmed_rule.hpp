@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "modules/map_server/footprint.hpp"
 #include "modules/map_server/update_rule.hpp"
 
 namespace nodmap::map_server {
@@ -29,7 +30,6 @@ class ConfirmedRule final : public UpdateRule {
   [[nodiscard]] bool is_obsolete(EgoPoint& point, const ExtendedScan& map, const HeightGate& gate,
                                  const ScanView& view) const;
   [[nodiscard]] bool is_met(const ScanView& view, const ScanLine::Look& look) const;
-  [[nodiscard]] bool is_inside_robot(const EgoPoint& point) const;
   [[nodiscard]] bool is_in_view(const EgoPoint& point, Relevance relevance,
                                 const ScanView& view) const;
   [[nodiscard]] bool spans(const EgoPoint& point, double lowest_m, double highest_m) const;
@@ -43,8 +43,7 @@ class ConfirmedRule final : public UpdateRule {
   double passing_m_;           // beams that go this far beyond have passed
   double height_tolerance_m_;  // heights this near are of the same part of an object
   int misses_to_remove_;
-  double robot_half_length_m_;
-  double robot_half_width_m_;
+  Footprint robot_;
 };
 
 }  // namespace nodmap::map_server

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+#include <vector>
 
 namespace nodmap::map_server {
 namespace {
@@ -14,15 +16,19 @@ constexpr picture::Rgb kStructure{35, 95, 190};
 constexpr picture::Rgb kObstacle{215, 40, 35};
 constexpr picture::Rgb kRobot{60, 60, 60};
 
-/// Whole metres from the middle to the border: as far as points go, within reason.
+/// Whole metres from the middle to the border: room for nine points in ten. The last are far down a
+/// corridor, and would make all that matters small.
 double reach_m(const ExtendedScan& obstacles, const ExtendedScan& structure) {
-  double farthest = 2.0;
+  std::vector<double> distances;
   for (const ExtendedScan* map : {&obstacles, &structure}) {
     for (const EgoPoint& point : map->points()) {
-      farthest = point.valid ? std::max(farthest, point.distance_m) : farthest;
+      if (point.valid) {
+        distances.push_back(point.distance_m);
+      }
     }
   }
-  return std::ceil(std::min(farthest, 20.0) + 0.2);
+  std::ranges::sort(distances);
+  return distances.empty() ? 2.0 : std::ceil(distances[(distances.size() * 9) / 10] + 0.2);
 }
 
 class Canvas {

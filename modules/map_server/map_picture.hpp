@@ -3,13 +3,9 @@
 
 #include "common/picture/image.hpp"
 #include "modules/map_server/extended_scan.hpp"
+#include "modules/map_server/footprint.hpp"
 
 namespace nodmap::map_server {
-
-struct Footprint {
-  double length_m = 0.0;
-  double width_m = 0.0;
-};
 
 /// Both maps as the robot has them, ahead being up: structure blue, obstacles red on top, the
 /// robot's body in the middle, a ring for each metre (a darker one for each fifth).

@@ -7,7 +7,9 @@
 namespace nodmap::map_server {
 
 MapServer::MapServer(const MapServerParams& params)
-    : obstacle_map_(make_obstacle_map(params)), structure_map_(make_structure_map(params)) {}
+    : robot_{params.robot_length_m, params.robot_width_m},
+      obstacle_map_(make_obstacle_map(params)),
+      structure_map_(make_structure_map(params)) {}
 
 Verdict MapServer::add_scan(const scan::Scan& scan, const geometry::SE3& T_odom_base) {
   if (!scan::is_plausible(scan) || scan.ranges_m.empty()) {
@@ -72,7 +74,8 @@ ScanView MapServer::view_of(const scan::Scan& scan, double elapsed_s) {
 }
 
 // Eq. 1 for the beams, then the angle and distance at which the BASE sees each point: at a pitch of
-// -60 degrees the mirror's own angle is up to 19 degrees off.
+// -60 degrees the mirror's own angle is up to 19 degrees off. What is met inside the robot's body
+// is the body: looking far down, the scanner sees its own mount.
 void MapServer::project(const scan::Scan& scan) {
   hits_.clear();
   hits_.reserve(scan.ranges_m.size());
@@ -80,7 +83,8 @@ void MapServer::project(const scan::Scan& scan) {
   for (const auto& [p_base, beam] : projector_.hits(scan)) {
     Hit hit{EgoPoint::at(p_base.head<2>(), p_base.z()), 0};
     hit.point.confirmed_at_s = clock_s_;
-    if (const auto bin = bins.index(hit.point.bearing_rad)) {
+    const auto bin = bins.index(hit.point.bearing_rad);
+    if (bin && !robot_.contains(hit.point.p_base, 0.0)) {
       hit.bin = *bin;
       hits_.push_back(hit);
     }

@@ -9,6 +9,7 @@
 #include "common/geometry/se3.hpp"
 #include "common/scan/scan.hpp"
 #include "modules/map_server/ego_map.hpp"
+#include "modules/map_server/footprint.hpp"
 #include "modules/map_server/params.hpp"
 #include "modules/map_server/sweep_tracker.hpp"
 
@@ -44,6 +45,7 @@ class MapServer {
   [[nodiscard]] ScanView view_of(const scan::Scan& scan, double elapsed_s);
   void project(const scan::Scan& scan);
 
+  Footprint robot_;
   EgoMap obstacle_map_;
   EgoMap structure_map_;
   scan::ScanProjector projector_;

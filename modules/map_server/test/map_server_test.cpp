@@ -55,7 +55,8 @@ TEST(MapServer, R13_NearestAndFarthestPointsOfARandomCloud) {
     double farthest = -test::kInfinity;
     for (const Eigen::Vector3d& p : cloud) {
       const double d = std::hypot(p.x(), p.y());
-      if (bins.index(std::atan2(p.y(), p.x())) == bin && p.z() >= 0.05 + rise * d) {
+      const bool is_robot = std::abs(p.x()) < 0.225 && std::abs(p.y()) < 0.165;
+      if (!is_robot && bins.index(std::atan2(p.y(), p.x())) == bin && p.z() >= 0.05 + rise * d) {
         farthest = std::max(farthest, d);
         nearest = p.z() <= 0.5 ? std::min(nearest, d) : nearest;
       }
@@ -107,6 +108,20 @@ TEST(MapServer, StructureMapRejectsBeamsThatDidNotReturn) {
   for (const EgoPoint& p : server.structure_map().scan().points()) {
     EXPECT_FALSE(p.valid);
   }
+}
+
+TEST(MapServer, TheRobotsOwnBodyIsNoObstacle) {
+  MapServer server({});
+  NoddingScanner scanner;
+  scan::Scan scan = scanner.scan({}, {});
+  scan.pitch_first_rad = scan.pitch_last_rad = deg_to_rad(-40);
+  std::ranges::fill(scan.ranges_m, std::numeric_limits<float>::infinity());
+  scan.ranges_m[0] = 0.10F;
+  scan.ranges_m[180] = 0.17F;  // half a centimetre outside
+  server.add_scan(scan, SE3::Identity());
+  const ExtendedScan& map = server.obstacle_map().scan();
+  EXPECT_FALSE(map[*map.bins().index(deg_to_rad(-90))].valid);
+  EXPECT_TRUE(map[*map.bins().index(deg_to_rad(90))].valid);
 }
 
 // R20: below a micrometre the robot stands, but many such steps are not lost.
