@@ -17,9 +17,9 @@ namespace nodmap::bench {
 /// and marks the one it ends in when the height is the robot's.
 class CostmapBaseline {
  public:
-  static constexpr double kCell_m = 0.05;
+  static constexpr double kCellM = 0.05;
   static constexpr int kCells = 320;  // 16 m
-  static constexpr double kReach_m = 8.0;
+  static constexpr double kReachM = 8.0;
 
   void add_scan(const scan::Scan& scan, const geometry::SE3& T_odom_base) {
     roll_to(T_odom_base.translation().head<2>());
@@ -44,8 +44,8 @@ class CostmapBaseline {
   };
 
   [[nodiscard]] static Cell cell_of(const Eigen::Vector2d& p) {
-    return {static_cast<int>(std::floor(p.x() / kCell_m)),
-            static_cast<int>(std::floor(p.y() / kCell_m))};
+    return {static_cast<int>(std::floor(p.x() / kCellM)),
+            static_cast<int>(std::floor(p.y() / kCellM))};
   }
 
   [[nodiscard]] std::uint8_t* find(Cell c) {
@@ -79,8 +79,8 @@ class CostmapBaseline {
   void clear_and_mark(const Eigen::Vector2d& from, const Eigen::Vector2d& hit, double height_m) {
     const Eigen::Vector2d way = hit - from;
     const double length = way.norm();
-    const bool in_reach = length < kReach_m;
-    const Cell end = cell_of(in_reach ? hit : from + way * (kReach_m / length));
+    const bool in_reach = length < kReachM;
+    const Cell end = cell_of(in_reach ? hit : from + way * (kReachM / length));
     Cell at = cell_of(from);
     const int dx = std::abs(end.x - at.x);
     const int dy = std::abs(end.y - at.y);

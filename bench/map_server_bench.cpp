@@ -32,7 +32,7 @@ const std::vector<Step>& drive() {
     scanner.range_sigma_m = 0.01;
     std::vector<Step> made;
     for (int i = 0; i < 1500; ++i) {
-      const double t = i * test::NoddingScanner::kPeriod_s;
+      const double t = i * test::NoddingScanner::kPeriodS;
       const geometry::SE2 pose{0.3 * t, 0.05 * t, 0.1 * std::sin(t)};
       made.push_back({scanner.scan(world, pose), geometry::to_se3(pose)});
     }

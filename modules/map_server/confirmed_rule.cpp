@@ -8,10 +8,10 @@ namespace nodmap::map_server {
 namespace {
 
 // After a gap in the scans a point has not been looked for in vain for all of the gap.
-constexpr double kLongestLook_s = 0.5;
+constexpr double kLongestLookS = 0.5;
 // A point is inside the robot only when odometry's error of the last metres cannot have put it
 // there.
-constexpr double kSkin_m = 0.05;
+constexpr double kSkinM = 0.05;
 
 }  // namespace
 
@@ -38,7 +38,7 @@ std::size_t ConfirmedRule::remove_obsolete(ExtendedScan& map, const HeightGate& 
 bool ConfirmedRule::is_obsolete(EgoPoint& point, const ExtendedScan& map, const HeightGate& gate,
                                 const ScanView& view) const {
   // Left alone it would hide what is behind it. The body itself is the proof that it is wrong.
-  if (robot_.contains(point.p_base, kSkin_m)) {
+  if (robot_.contains(point.p_base, kSkinM)) {
     return true;
   }
   const auto look = view.line.look_at(point.p_base);
@@ -53,7 +53,7 @@ bool ConfirmedRule::is_obsolete(EgoPoint& point, const ExtendedScan& map, const 
     return false;
   }
   note_passing_beams(point, view, *look);
-  point.aged_s += std::min(view.elapsed_s, kLongestLook_s);
+  point.aged_s += std::min(view.elapsed_s, kLongestLookS);
   if (is_at_its_heights(point, *look) && view.line.ends_on_either_side(*look)) {
     point.aged_s = 0.0;  // an edge or a corner between two beams: they cannot tell
   }
@@ -87,10 +87,10 @@ bool ConfirmedRule::is_in_view(const EgoPoint& point, Relevance relevance,
 /// at either end.
 bool ConfirmedRule::spans(const EgoPoint& point, double lowest_m, double highest_m) const {
   // A scanner that holds still looks at one height only; a millimetre lets rounding pass.
-  constexpr double kRounding_m = 1e-3;
+  constexpr double kRoundingM = 1e-3;
   const double middle = 0.5 * (point.lowest_m + point.highest_m);
-  return lowest_m <= std::min(point.lowest_m + height_tolerance_m_, middle) + kRounding_m &&
-         highest_m >= std::max(point.highest_m - height_tolerance_m_, middle) - kRounding_m;
+  return lowest_m <= std::min(point.lowest_m + height_tolerance_m_, middle) + kRoundingM &&
+         highest_m >= std::max(point.highest_m - height_tolerance_m_, middle) - kRoundingM;
 }
 
 bool ConfirmedRule::is_at_its_heights(const EgoPoint& point, const ScanLine::Look& look) const {
@@ -122,7 +122,7 @@ bool ConfirmedRule::is_gone(const EgoPoint& point) const {
          spans(point, point.search.lowest_m, point.search.highest_m);
 }
 
-void ConfirmedRule::confirm(EgoPoint& point, double height_m, double clock_s) const {
+void ConfirmedRule::confirm(EgoPoint& point, double height_m, double clock_s) {
   point.lowest_m = std::min(point.lowest_m, height_m);
   point.highest_m = std::max(point.highest_m, height_m);
   point.confirmed_at_s = clock_s;

@@ -36,7 +36,7 @@ class ConfirmedRule final : public UpdateRule {
   [[nodiscard]] bool is_at_its_heights(const EgoPoint& point, const ScanLine::Look& look) const;
   void note_passing_beams(EgoPoint& point, const ScanView& view, const ScanLine::Look& look) const;
   [[nodiscard]] bool is_gone(const EgoPoint& point) const;
-  void confirm(EgoPoint& point, double height_m, double clock_s) const;
+  static void confirm(EgoPoint& point, double height_m, double clock_s);
 
   double expiry_s_;
   double agreement_m_;         // readings this near are of the same surface

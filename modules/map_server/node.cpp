@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "common/msg/messages.hpp"
-#include "modules/map_server/map_picture.hpp"
+#include "modules/map_server/results.hpp"
 
 namespace nodmap::map_server {
 namespace {

@@ -187,8 +187,8 @@ int updates_until_gone(Rule rule, double period_s) {
 TEST(PaperRule, T2_R24a_ExpiresAfterFiveSecondsOfMotionAtEveryRate) {
   EXPECT_NEAR(updates_until_gone(Rule::kPaper, 0.01332), 375, 1);
   EXPECT_NEAR(updates_until_gone(Rule::kPaper, 0.01), 500, 1);
-  constexpr double kNaive_s = 500 * 0.01332;
-  EXPECT_GT(kNaive_s - 5.0, 2 * 0.01332);
+  constexpr double kNaiveS = 500 * 0.01332;
+  EXPECT_GT(kNaiveS - 5.0, 2 * 0.01332);
 }
 
 TEST(PaperRule, R20_StandingDoesNotAge) {

@@ -38,7 +38,7 @@ void stand(MapServer& server, NoddingScanner& scanner, const World& world, int s
 // Drives ahead at a speed, with exact odometry, and calls back after each scan.
 void drive(MapServer& server, NoddingScanner& scanner, const World& world, double speed_mps,
            double duration_s, const std::function<void(const SE2&)>& after_each) {
-  for (double t = 0.0; t < duration_s; t += NoddingScanner::kPeriod_s) {
+  for (double t = 0.0; t < duration_s; t += NoddingScanner::kPeriodS) {
     const SE2 pose{speed_mps * t, 0.0, 0.0};
     server.add_scan(scanner.scan(world, pose), geometry::to_se3(pose));
     after_each(pose);
@@ -73,7 +73,7 @@ TEST(Scene, R14_FlatFloorIsNoObstacle) {
   scanner.range_sigma_m = 0.01;
   scanner.pitch_sigma_rad = deg_to_rad(0.1);
   std::size_t floor_points = 0;
-  for (double t = 0.0; t < 60.0; t += NoddingScanner::kPeriod_s) {
+  for (double t = 0.0; t < 60.0; t += NoddingScanner::kPeriodS) {
     stand(server, scanner, World{}, 1);
     floor_points += static_cast<std::size_t>(std::ranges::count_if(
         server.obstacle_map().scan().points(), [](const EgoPoint& p) { return p.valid; }));
@@ -132,7 +132,7 @@ TEST(Scene, R16_WalkingPersonDoesNotHideTheWall) {
   long bins = 0;
   long on_wall = 0;
   long raw_on_wall = 0;
-  for (double t = 0.0; t < 40.0; t += NoddingScanner::kPeriod_s) {
+  for (double t = 0.0; t < 40.0; t += NoddingScanner::kPeriodS) {
     World world = empty;
     const double way = std::fmod(t, 8.0);  // there and back at 1.25 m/s
     world.cylinders.push_back({{3.0, way < 4.0 ? -2.5 + 1.25 * way : 7.5 - 1.25 * way}, 0.25, 1.7});
@@ -263,7 +263,7 @@ TEST(Scene, R26_WallsDoubledByASlipBecomeOneAgain) {
       });
     };
     SE2 pose;
-    for (double t = 0.0; t < 9.0; t += NoddingScanner::kPeriod_s) {
+    for (double t = 0.0; t < 9.0; t += NoddingScanner::kPeriodS) {
       pose = {0.1 * t, 0, 0};
       const bool slipped = t > 3.0;
       const SE2 odometry = slipped ? pose * SE2{0, 0, deg_to_rad(5)} : pose;
@@ -271,7 +271,7 @@ TEST(Scene, R26_WallsDoubledByASlipBecomeOneAgain) {
       if (t > 3.0 && t < 3.02) {
         EXPECT_GT(off_wall(pose), 20);
       }
-      if (t > 8.0 + 3 * NoddingScanner::kPeriod_s) {
+      if (t > 8.0 + 3 * NoddingScanner::kPeriodS) {
         ASSERT_EQ(off_wall(pose), 0) << "at " << t;
       }
     }
@@ -287,7 +287,7 @@ TEST(Scene, R24a_RemovedObjectGoesWithinTwoSweepsWhileDriving) {
   NoddingScanner scanner;
   scanner.range_sigma_m = 0.01;
   for (int i = 0; i < 200; ++i) {
-    const SE2 pose{0.3 * NoddingScanner::kPeriod_s * i, 0, 0};
+    const SE2 pose{0.3 * NoddingScanner::kPeriodS * i, 0, 0};
     const bool vanished = i >= 140;
     server.add_scan(scanner.scan(vanished ? empty : occupied, pose), geometry::to_se3(pose));
     const Eigen::Vector2d front(3.5 - pose.x, 0.0);

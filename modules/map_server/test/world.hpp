@@ -98,7 +98,7 @@ class NoddingScanner {
   double pitch_sigma_rad = 0.0;
   std::int64_t period_us = 13'320;
 
-  static constexpr double kPeriod_s = 0.01332;
+  static constexpr double kPeriodS = 0.01332;
 
   /// The next scan, taken from one pose.
   scan::Scan scan(const World& world, const SE2& T_world_base) {

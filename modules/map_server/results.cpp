@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "modules/map_server/map_picture.hpp"
+#include "modules/map_server/results.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 namespace nodmap::map_server {
 namespace {
 
-constexpr int kSize_px = 1000;
+constexpr int kSizePx = 1000;
 constexpr picture::Rgb kRing{225, 225, 225};
 constexpr picture::Rgb kFifthRing{185, 185, 185};
 constexpr picture::Rgb kStructure{35, 95, 190};
@@ -33,8 +33,7 @@ double reach_m(const ExtendedScan& obstacles, const ExtendedScan& structure) {
 
 class Canvas {
  public:
-  explicit Canvas(double reach_m)
-      : image_(kSize_px, kSize_px), px_per_m_(0.5 * kSize_px / reach_m) {
+  explicit Canvas(double reach_m) : image_(kSizePx, kSizePx), px_per_m_(0.5 * kSizePx / reach_m) {
     for (int ring_m = 1; ring_m <= static_cast<int>(reach_m); ++ring_m) {
       image_.draw_circle(kMiddle, kMiddle, ring_m * px_per_m_,
                          ring_m % 5 == 0 ? kFifthRing : kRing);
@@ -61,7 +60,7 @@ class Canvas {
   [[nodiscard]] picture::Image take() && { return std::move(image_); }
 
  private:
-  static constexpr double kMiddle = 0.5 * kSize_px;
+  static constexpr double kMiddle = 0.5 * kSizePx;
 
   // Ahead is up, so left is left.
   [[nodiscard]] double u(const Eigen::Vector2d& p) const { return kMiddle - p.y() * px_per_m_; }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "modules/map_server/map_picture.hpp"
+#include "modules/map_server/results.hpp"
 
 #include <gtest/gtest.h>
 
@@ -24,7 +24,7 @@ bool is_bluish(picture::Rgb c) {
 
 // Points at 4.5 m give a picture of 5 m to each side: 100 pixels a metre. Ahead is up, left is
 // left.
-TEST(MapPicture, AheadIsUpAndLeftIsLeft) {
+TEST(Results, AheadIsUpAndLeftIsLeft) {
   const picture::Image image = draw_maps(map_with(Relevance::kNearest, {2.0, 0.0}),
                                          map_with(Relevance::kFarthest, {0.0, 4.5}), {0.45, 0.33});
   EXPECT_TRUE(is_reddish(image.at(500, 300)));
@@ -34,7 +34,7 @@ TEST(MapPicture, AheadIsUpAndLeftIsLeft) {
   EXPECT_EQ(image.at(900, 640), picture::kWhite);
 }
 
-TEST(MapPicture, EmptyMapsAreDrawnToo) {
+TEST(Results, EmptyMapsAreDrawnToo) {
   const ExtendedScan none(AngleBins(1.0, 0.1), Relevance::kNearest);
   EXPECT_GT(draw_maps(none, none, {}).width(), 0);
 }
