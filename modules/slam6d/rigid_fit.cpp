@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/slam6d/rigid_fit.hpp"
+
+#include <Eigen/SVD>
+
+namespace nodmap::slam6d {
+namespace {
+
+// Below this ratio of the second to the first singular value the points are on a line as far as
+// doubles can tell.
+constexpr double kLineRatio = 1e-10;
+
+}  // namespace
+
+RigidFit fit_rigid(std::span<const PointPair> pairs) {
+  if (pairs.size() < 3) {
+    return {};
+  }
+  // The translation drops out when both sets are taken from their centroids.
+  Eigen::Vector3d c_model = Eigen::Vector3d::Zero();
+  Eigen::Vector3d c_data = Eigen::Vector3d::Zero();
+  for (const PointPair& pair : pairs) {
+    c_model += pair.p_model;
+    c_data += pair.p_data;
+  }
+  c_model /= static_cast<double>(pairs.size());
+  c_data /= static_cast<double>(pairs.size());
+
+  // E is smallest where trace(R H) is largest: H = U S V^T gives R = V U^T.
+  Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
+  for (const PointPair& pair : pairs) {
+    H += (pair.p_data - c_data) * (pair.p_model - c_model).transpose();
+  }
+  RigidFit fit{.status = FitStatus::kDegenerate};
+  if (!H.allFinite()) {
+    return fit;
+  }
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(H, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Eigen::Vector3d& s = svd.singularValues();
+  if (!(s[1] > kLineRatio * s[0])) {
+    return fit;
+  }
+  // Points in a plane, or noise, let the best orthogonal matrix be a mirror: turn its least axis.
+  const Eigen::Matrix3d VU = svd.matrixV() * svd.matrixU().transpose();
+  const Eigen::Vector3d no_mirror(1.0, 1.0, VU.determinant() < 0.0 ? -1.0 : 1.0);
+  fit.status = FitStatus::kOk;
+  fit.T_model_data.linear() = svd.matrixV() * no_mirror.asDiagonal() * svd.matrixU().transpose();
+  fit.T_model_data.translation() = c_model - fit.T_model_data.linear() * c_data;
+  return fit;
+}
+
+}  // namespace nodmap::slam6d

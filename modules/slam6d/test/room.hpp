@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <random>
+#include <vector>
+
+#include "common/scan/scan.hpp"
+
+namespace nodmap::slam6d::test {
+
+/// A world of walls for the tests: planes, met by a beam at the nearest in its way.
+struct Room {
+  struct Wall {
+    Eigen::Vector3d normal;
+    double offset_m;  ///< normal . p of its points
+  };
+
+  std::vector<Wall> walls;
+
+  [[nodiscard]] double range_m(const Eigen::Vector3d& p, const Eigen::Vector3d& direction) const {
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const Wall& wall : walls) {
+      const double r = (wall.offset_m - wall.normal.dot(p)) / wall.normal.dot(direction);
+      if (r > 0.0 && r < nearest) {
+        nearest = r;
+      }
+    }
+    return nearest;
+  }
+
+  /// Floor, ceiling and two side walls along x: nothing tells where along the corridor one is.
+  [[nodiscard]] static Room corridor() {
+    return {{{{0, 0, 1}, 0.0}, {{0, 0, 1}, 2.5}, {{0, 1, 0}, 1.1}, {{0, 1, 0}, -0.9}}};
+  }
+
+  /// The corridor with both ends closed and one of them slanting.
+  [[nodiscard]] static Room hall() {
+    Room room = corridor();
+    room.walls.push_back({Eigen::Vector3d(1.0, 0.3, 0.0).normalized(), 6.0});
+    room.walls.push_back({{1, 0, 0}, -4.0});
+    return room;
+  }
+};
+
+using Motion = std::function<geometry::SE3(std::int64_t utime_us)>;
+
+/// A SICK that nods between two pitches: 181 beams in half a mirror turn, 75 scans a second.
+struct NoddingScanner {
+  double lowest_rad = geometry::deg_to_rad(-40.0);
+  double highest_rad = geometry::deg_to_rad(40.0);
+  double step_rad = geometry::deg_to_rad(1.0);  ///< pitch from scan to scan
+  double noise_m = 0.0;
+
+  static constexpr std::int64_t kPeriodUs = 13'320;
+
+  /// Triangle wave that starts at the lowest pitch.
+  [[nodiscard]] double pitch_rad(std::int64_t utime_us) const {
+    const double way = step_rad * static_cast<double>(utime_us) / static_cast<double>(kPeriodUs);
+    const double span = highest_rad - lowest_rad;
+    const double phase = std::fmod(way, 2.0 * span);
+    return phase < span ? lowest_rad + phase : highest_rad - (phase - span);
+  }
+
+  [[nodiscard]] scan::Scan scan(std::int64_t index, const Room& room, const Motion& T_world_base,
+                                std::mt19937& random) const {
+    scan::Scan scan;
+    scan.utime_us = index * kPeriodUs;
+    scan.duration_us = kPeriodUs / 2;
+    scan.seq = index;
+    scan.angle_first_rad = geometry::deg_to_rad(-90.0);
+    scan.angle_step_rad = geometry::deg_to_rad(1.0);
+    scan.pitch_first_rad = pitch_rad(scan.utime_us);
+    scan.pitch_last_rad = pitch_rad(scan.utime_last_us());
+    scan.range_min_m = 0.05;
+    scan.range_max_m = 80.0;
+    scan.T_base_mount.translation() = Eigen::Vector3d(0.1, 0.0, 0.4);
+    scan.ranges_m.assign(181, 0.0F);
+    std::normal_distribution<double> noise(0.0, 1.0);
+    for (std::size_t beam = 0; beam < scan.ranges_m.size(); ++beam) {
+      const std::int64_t beam_us =
+          scan.utime_us +
+          static_cast<std::int64_t>(scan.fraction(beam) * static_cast<double>(scan.duration_us));
+      const geometry::SE3 T_world_mount = T_world_base(beam_us) * scan.T_base_mount;
+      const Eigen::Vector3d direction =
+          T_world_mount.linear() * scan::beam_direction(scan.angle_rad(beam), scan.pitch_rad(beam));
+      scan.ranges_m[beam] = static_cast<float>(
+          room.range_m(T_world_mount.translation(), direction) + noise_m * noise(random));
+    }
+    return scan;
+  }
+};
+
+inline geometry::SE3 drive_ahead(double speed_mps, std::int64_t utime_us) {
+  geometry::SE3 T_world_base = geometry::SE3::Identity();
+  T_world_base.translation().x() = speed_mps * static_cast<double>(utime_us) * 1e-6;
+  return T_world_base;
+}
+
+}  // namespace nodmap::slam6d::test

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/slam6d/sweep_cloud.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <limits>
+#include <vector>
+
+#include "modules/slam6d/test/room.hpp"
+
+namespace nodmap::slam6d {
+namespace {
+
+using geometry::SE3;
+using test::NoddingScanner;
+using test::Room;
+
+constexpr RangeLimits kAnyRange{.min_m = 0.0, .max_m = 1000.0};
+
+std::vector<scan::Scan> record(const NoddingScanner& scanner, const Room& room,
+                               const test::Motion& motion, int num_scans) {
+  std::mt19937 random(5);
+  std::vector<scan::Scan> scans;
+  for (int i = 0; i < num_scans; ++i) {
+    scans.push_back(scanner.scan(i, room, motion, random));
+  }
+  return scans;
+}
+
+// RMS distance of the points from a plane through them (least squares).
+double plane_rms_m(const std::vector<Eigen::Vector3f>& points) {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3f& p : points) {
+    mean += p.cast<double>() / static_cast<double>(points.size());
+  }
+  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
+  for (const Eigen::Vector3f& p : points) {
+    const Eigen::Vector3d d = p.cast<double>() - mean;
+    scatter += d * d.transpose() / static_cast<double>(points.size());
+  }
+  return std::sqrt(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter).eigenvalues()[0]);
+}
+
+// A wall across the way, seen with 1 cm noise while driving towards it at 1.5 m/s (50 scans, 1 m:
+// the paper's Fig. 8). R41 asks for 1.5 times the RMS of standing; interpolation leaves nothing, so
+// that 1.05 (noise of 9000 points) is held. Not stripped, the metre driven is in the cloud.
+TEST(SweepCloud, R41_MotionIsStrippedFromAWall) {
+  const Room wall{{{Eigen::Vector3d(1.0, 0.2, 0.1).normalized(), 6.0}}};
+  const NoddingScanner scanner{.noise_m = 0.01};
+  const auto drive = [](std::int64_t t) {
+    SE3 T = test::drive_ahead(1.5, t);
+    T.linear() = Eigen::AngleAxisd(0.3e-6 * static_cast<double>(t), Eigen::Vector3d::UnitZ())
+                     .toRotationMatrix();
+    return T;
+  };
+  const auto stand = [](std::int64_t) { return SE3::Identity(); };
+  const RangeLimits limits{.min_m = 0.0, .max_m = 12.0};
+  const auto moving_scans = record(scanner, wall, drive, 50);
+
+  const auto standing = strip_motion(record(scanner, wall, stand, 50), stand, limits);
+  const auto moving = strip_motion(moving_scans, drive, limits);
+  const auto not_stripped = strip_motion(moving_scans, stand, limits);
+  ASSERT_TRUE(standing && moving && not_stripped);
+  EXPECT_EQ(moving->scans_used, 50U);
+  EXPECT_LT(plane_rms_m(moving->points), 1.05 * plane_rms_m(standing->points));
+  EXPECT_GT(plane_rms_m(not_stripped->points), 5.0 * plane_rms_m(standing->points));
+}
+
+// Every point back in the world is on the wall that was seen, beam by beam (float points: 1e-5).
+TEST(SweepCloud, R41_PointsAreInTheFrameOfThePoseAtMidTime) {
+  const Room room = Room::hall();
+  const auto drive = [](std::int64_t t) { return test::drive_ahead(1.5, t); };
+  const auto cloud = strip_motion(record({}, room, drive, 50), drive, kAnyRange);
+  ASSERT_TRUE(cloud);
+  const std::int64_t end_us = 49 * NoddingScanner::kPeriodUs + NoddingScanner::kPeriodUs / 2;
+  EXPECT_EQ(cloud->utime_us, end_us / 2);
+  EXPECT_DOUBLE_EQ(cloud->T_odom_base.translation().x(), 1.5e-6 * static_cast<double>(end_us / 2));
+  ASSERT_EQ(cloud->points.size(), 50U * 181U);
+  for (const Eigen::Vector3f& p : cloud->points) {
+    const Eigen::Vector3d p_world = cloud->T_odom_base * p.cast<double>();
+    double distance = 1.0;
+    for (const Room::Wall& wall : room.walls) {
+      distance = std::min(distance, std::abs(wall.normal.dot(p_world) - wall.offset_m));
+    }
+    ASSERT_LT(distance, 1e-5);
+  }
+}
+
+TEST(SweepCloud, LinesTellWhereTheMirrorWas) {
+  const auto drive = [](std::int64_t t) { return test::drive_ahead(1.5, t); };
+  const auto cloud = strip_motion(record({}, Room::hall(), drive, 50), drive, kAnyRange);
+  ASSERT_TRUE(cloud);
+  ASSERT_EQ(cloud->lines.size(), 50U);
+  EXPECT_EQ(cloud->lines.front().end, 181U);
+  EXPECT_EQ(cloud->lines.back().end, cloud->points.size());
+  // 49 periods at 1.5 m/s between the first and the last mirror place.
+  EXPECT_NEAR(cloud->lines.back().p_base_mirror.x() - cloud->lines.front().p_base_mirror.x(),
+              49 * 1.5 * 0.01332, 1e-5);
+  EXPECT_NEAR(cloud->lines.front().p_base_mirror.z(), 0.4, 1e-6);
+}
+
+TEST(SweepCloud, ScansWithoutAPoseAreCountedAndLeftOut) {
+  const auto stand = [](std::int64_t) { return SE3::Identity(); };
+  const auto scans = record({}, Room::hall(), stand, 20);
+  const auto until = [](std::int64_t t) -> std::optional<SE3> {
+    return t < 10 * NoddingScanner::kPeriodUs ? std::optional(SE3::Identity()) : std::nullopt;
+  };
+  const auto cloud = strip_motion(scans, until, kAnyRange);
+  ASSERT_TRUE(cloud);
+  EXPECT_EQ(cloud->scans_used, 10U);
+  EXPECT_EQ(cloud->scans_without_pose, 10U);
+  const auto never = [](std::int64_t) -> std::optional<SE3> { return std::nullopt; };
+  EXPECT_FALSE(strip_motion(scans, never, kAnyRange));
+  EXPECT_FALSE(strip_motion({}, stand, kAnyRange));
+}
+
+TEST(SweepCloud, BeamsWithoutAMeasurementGiveNoPoint) {
+  const auto stand = [](std::int64_t) { return SE3::Identity(); };
+  auto scans = record({}, Room::hall(), stand, 3);
+  scans[0].ranges_m.assign(181, std::numeric_limits<float>::quiet_NaN());
+  scans[1].ranges_m.assign(181, std::numeric_limits<float>::infinity());
+  scans[2].ranges_m.clear();
+  auto cloud = strip_motion(scans, stand, kAnyRange);
+  ASSERT_TRUE(cloud);
+  EXPECT_TRUE(cloud->points.empty());
+  EXPECT_EQ(cloud->lines.size(), 3U);
+
+  scans[2].ranges_m = {0.3F, 2.0F, 40.0F};
+  cloud = strip_motion(scans, stand, {.min_m = 0.5, .max_m = 30.0});
+  ASSERT_TRUE(cloud);
+  EXPECT_EQ(cloud->points.size(), 1U);
+}
+
+}  // namespace
+}  // namespace nodmap::slam6d
