@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <sstream>
+#include <string>
 #include <unordered_set>
 #include <utility>
 #include <vector>
@@ -50,6 +51,30 @@ octomap::point3d to_octomap(const Eigen::Vector3d& p) {
   return {static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z())};
 }
 
+// OctoMap's own write() and writeBinary() print to stderr; the format is the same.
+class Octree : public octomap::OcTree {
+ public:
+  using octomap::OcTree::OcTree;
+
+  void write_bt(std::ostream& out) const {
+    write_header(out, binaryFileHeader);
+    writeBinaryData(out);
+  }
+
+  void write_ot(std::ostream& out) const {
+    write_header(out, fileHeader);
+    writeData(out);
+  }
+
+ private:
+  void write_header(std::ostream& out, const std::string& first_line) const {
+    out << first_line
+        << "\n# (feel free to add / change comments, but leave the first line as it is!)\n#\n"
+        << "id " << getTreeType() << "\nsize " << size() << "\nres " << getResolution()
+        << "\ndata\n";
+  }
+};
+
 }  // namespace
 
 struct OccupancyMap::Tree {
@@ -64,7 +89,7 @@ struct OccupancyMap::Tree {
   [[nodiscard]] Voxels trace(const SweepCloud& cloud, const geometry::SE3& T_map_base);
 
   Options options;
-  octomap::OcTree octree;
+  Octree octree;
   octomap::KeyRay ray;                    // kept for its memory
   std::unordered_set<MortonCode> traced;  // ends of this cloud's beams; asked, never walked through
 };
@@ -111,7 +136,7 @@ OccupancyMap& OccupancyMap::operator=(OccupancyMap&&) noexcept = default;
 
 void OccupancyMap::insert(const SweepCloud& cloud, const geometry::SE3& T_map_base) {
   const Tree::Voxels voxels = tree_->trace(cloud, T_map_base);
-  octomap::OcTree& octree = tree_->octree;
+  Octree& octree = tree_->octree;
   auto occupied = voxels.occupied.begin();
   for (const MortonCode code : voxels.free) {
     for (; occupied != voxels.occupied.end() && *occupied < code; ++occupied) {
@@ -128,12 +153,12 @@ void OccupancyMap::insert(const SweepCloud& cloud, const geometry::SE3& T_map_ba
 
 std::optional<std::string> OccupancyMap::encode(Format format) const {
   std::ostringstream bytes;
-  const bool is_written =
-      format == Format::kBt ? tree_->octree.writeBinaryConst(bytes) : tree_->octree.write(bytes);
-  if (!is_written || !bytes) {
-    return std::nullopt;
+  if (format == Format::kBt) {
+    tree_->octree.write_bt(bytes);
+  } else {
+    tree_->octree.write_ot(bytes);
   }
-  return std::move(bytes).str();
+  return bytes ? std::optional(std::move(bytes).str()) : std::nullopt;
 }
 
 std::size_t OccupancyMap::num_nodes() const {

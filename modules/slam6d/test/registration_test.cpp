@@ -12,14 +12,13 @@ namespace {
 
 using geometry::deg_to_rad;
 using geometry::SE3;
-using test::Room;
 
 const Eigen::Vector3d kMirror(0.1, 0.0, 0.4);
 
 // What a scanner standing at a pose sees, in base.
 Surface see(const Room& room, const SE3& T_world_base, unsigned seed) {
   std::mt19937 random(seed);
-  const test::NoddingScanner scanner{.noise_m = 0.01};
+  const NoddingScanner scanner{.noise_m = 0.01};
   const auto stand = [&](std::int64_t) { return T_world_base; };
   std::vector<Eigen::Vector3d> points;
   for (int i = 0; i < 80; ++i) {

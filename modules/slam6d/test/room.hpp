@@ -10,7 +10,7 @@
 
 #include "common/scan/scan.hpp"
 
-namespace nodmap::slam6d::test {
+namespace nodmap::slam6d {
 
 /// A world of walls for the tests: planes, met by a beam at the nearest in its way.
 struct Room {
@@ -100,4 +100,4 @@ inline geometry::SE3 drive_ahead(double speed_mps, std::int64_t utime_us) {
   return T_world_base;
 }
 
-}  // namespace nodmap::slam6d::test
+}  // namespace nodmap::slam6d

@@ -15,15 +15,13 @@ namespace {
 
 using geometry::deg_to_rad;
 using geometry::SE3;
-using test::NoddingScanner;
-using test::Room;
 
 // Drives `num_scans` scans long through a room; odometry at each scan (it is exact but for
 // `scale`).
 struct Drive {
   Room room = Room::hall();
   NoddingScanner scanner{.noise_m = 0.01};
-  test::Motion motion = [](std::int64_t t) { return test::drive_ahead(0.5, t); };
+  Motion motion = [](std::int64_t t) { return drive_ahead(0.5, t); };
   double odometry_scale = 1.0;
 
   std::size_t run(Slam6d& slam, std::int64_t num_scans) const {

@@ -13,13 +13,11 @@ namespace nodmap::slam6d {
 namespace {
 
 using geometry::SE3;
-using test::NoddingScanner;
-using test::Room;
 
 constexpr RangeLimits kAnyRange{.min_m = 0.0, .max_m = 1000.0};
 
 std::vector<scan::Scan> record(const NoddingScanner& scanner, const Room& room,
-                               const test::Motion& motion, int num_scans) {
+                               const Motion& motion, int num_scans) {
   std::mt19937 random(5);
   std::vector<scan::Scan> scans;
   for (int i = 0; i < num_scans; ++i) {
@@ -49,7 +47,7 @@ TEST(SweepCloud, R41_MotionIsStrippedFromAWall) {
   const Room wall{{{Eigen::Vector3d(1.0, 0.2, 0.1).normalized(), 6.0}}};
   const NoddingScanner scanner{.noise_m = 0.01};
   const auto drive = [](std::int64_t t) {
-    SE3 T = test::drive_ahead(1.5, t);
+    SE3 T = drive_ahead(1.5, t);
     T.linear() = Eigen::AngleAxisd(0.3e-6 * static_cast<double>(t), Eigen::Vector3d::UnitZ())
                      .toRotationMatrix();
     return T;
@@ -70,7 +68,7 @@ TEST(SweepCloud, R41_MotionIsStrippedFromAWall) {
 // Every point back in the world is on the wall that was seen, beam by beam (float points: 1e-5).
 TEST(SweepCloud, R41_PointsAreInTheFrameOfThePoseAtMidTime) {
   const Room room = Room::hall();
-  const auto drive = [](std::int64_t t) { return test::drive_ahead(1.5, t); };
+  const auto drive = [](std::int64_t t) { return drive_ahead(1.5, t); };
   const auto cloud = strip_motion(record({}, room, drive, 50), drive, kAnyRange);
   ASSERT_TRUE(cloud);
   const std::int64_t end_us = 49 * NoddingScanner::kPeriodUs + NoddingScanner::kPeriodUs / 2;
@@ -88,7 +86,7 @@ TEST(SweepCloud, R41_PointsAreInTheFrameOfThePoseAtMidTime) {
 }
 
 TEST(SweepCloud, LinesTellWhereTheMirrorWas) {
-  const auto drive = [](std::int64_t t) { return test::drive_ahead(1.5, t); };
+  const auto drive = [](std::int64_t t) { return drive_ahead(1.5, t); };
   const auto cloud = strip_motion(record({}, Room::hall(), drive, 50), drive, kAnyRange);
   ASSERT_TRUE(cloud);
   ASSERT_EQ(cloud->lines.size(), 50U);

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/slam6d/atomic_file.hpp"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <utility>
+
+namespace nodmap::slam6d {
+namespace {
+
+std::error_code last_error() {
+  return {errno, std::generic_category()};
+}
+
+class File {
+ public:
+  File(const std::filesystem::path& path, int flags) : fd_(::open(path.c_str(), flags, 0644)) {}
+  File(const File&) = delete;
+  File& operator=(const File&) = delete;
+  File(File&&) = delete;
+  File& operator=(File&&) = delete;
+  ~File() { static_cast<void>(close()); }
+
+  [[nodiscard]] std::error_code write(std::string_view bytes) const {
+    while (!bytes.empty()) {
+      const ssize_t written = ::write(fd_, bytes.data(), bytes.size());
+      if (written < 0 && errno != EINTR) {
+        return last_error();
+      }
+      bytes.remove_prefix(written > 0 ? static_cast<std::size_t>(written) : 0);
+    }
+    return {};
+  }
+
+  [[nodiscard]] std::error_code sync() const {
+    return ::fsync(fd_) == 0 ? std::error_code() : last_error();
+  }
+
+  // Some file systems tell only now that the disk is full.
+  [[nodiscard]] std::error_code close() {
+    const int fd = std::exchange(fd_, -1);
+    return fd < 0 || ::close(fd) == 0 ? std::error_code() : last_error();
+  }
+
+  [[nodiscard]] bool is_open() const { return fd_ >= 0; }
+
+ private:
+  int fd_;
+};
+
+std::error_code write_new(const std::filesystem::path& path, std::string_view bytes) {
+  File file(path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC);
+  if (!file.is_open()) {
+    return last_error();
+  }
+  if (const auto error = file.write(bytes)) {
+    return error;
+  }
+  if (const auto error = file.sync()) {
+    return error;
+  }
+  return file.close();
+}
+
+}  // namespace
+
+std::error_code replace_file(const std::filesystem::path& file, std::string_view bytes) {
+  std::filesystem::path temporary = file;
+  temporary += ".part";
+  std::error_code error = write_new(temporary, bytes);
+  if (!error) {
+    std::filesystem::rename(temporary, file, error);
+  }
+  if (error) {
+    std::error_code ignored;
+    std::filesystem::remove(temporary, ignored);
+    return error;
+  }
+  // The name is in the folder, which has to reach the disk, too.
+  const File folder(file.has_parent_path() ? file.parent_path() : ".",
+                    O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  return folder.is_open() ? folder.sync() : last_error();
+}
+
+}  // namespace nodmap::slam6d

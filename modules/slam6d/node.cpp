@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/slam6d/node.hpp"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "common/log/log.hpp"
+#include "common/msg/messages.hpp"
+#include "modules/slam6d/atomic_file.hpp"
+#include "modules/slam6d/results.hpp"
+#include "nodmap/cloud_chunk_t.hpp"
+#include "nodmap/pose_t.hpp"
+
+namespace nodmap::slam6d {
+namespace {
+
+// 60 kB: with its head a part stays below 64 KiB.
+constexpr std::size_t kPointsPerChunk = 5000;
+
+// A scan's stamps beyond this are no time (a microsecond clock reaches it in the year 38000), and a
+// mirror that takes longer for a turn is none.
+constexpr std::int64_t kLatestUs = std::int64_t{1} << 60;
+constexpr std::int64_t kLongestScanUs = 60'000'000;
+
+bool is_time(std::int64_t utime_us) {
+  return utime_us >= 0 && utime_us < kLatestUs;
+}
+
+std::int8_t pose_quality(const SweepRecord& sweep) {
+  if (!sweep.keyframe) {
+    return nodmap::pose_t::ODOMETRY;
+  }
+  if (!sweep.registration) {
+    return nodmap::pose_t::TRACKED;  // the first: it is the map
+  }
+  if (!sweep.registration->is_usable()) {
+    return nodmap::pose_t::LOST;
+  }
+  return sweep.registration->free_directions > 0 ? nodmap::pose_t::PARTLY : nodmap::pose_t::TRACKED;
+}
+
+OccupancyMap::Options map_options(const Slam6dParams& params) {
+  return {.resolution_m = params.map_resolution_m, .max_range_m = params.map_max_range_m};
+}
+
+}  // namespace
+
+Slam6dNode::Slam6dNode(node::Context& context, const Params& params)
+    : context_(context), params_(params), slam_(params), occupancy_(map_options(params)) {
+  // While a keyframe is registered a second may pass: 75 scans and 100 odometry messages.
+  constexpr int kQueue = 256;
+  context.bus.subscribe<nodmap::odometry_t>(
+      "ODOMETRY", [this](const nodmap::odometry_t& message) { on_odometry(message); }, kQueue);
+  context.bus.subscribe<nodmap::scan_t>(
+      "SCAN", [this](const nodmap::scan_t& message) { on_scan(message); }, kQueue);
+  context.bus.subscribe<nodmap::save_request_t>(
+      "SAVE_REQUEST", [this](const nodmap::save_request_t& message) { on_save_request(message); });
+}
+
+void Slam6dNode::on_odometry(const nodmap::odometry_t& message) {
+  context_.tally.lose(odometry_sequence_.lost_before(message.odometry_seq));
+  const auto T_odom_base = msg::read_odometry(message);
+  if (!T_odom_base || !is_time(message.utime) || !slam_.add_odometry(message.utime, *T_odom_base)) {
+    context_.tally.reject("implausible_odometry");
+    return;
+  }
+  context_.tally.use();
+}
+
+void Slam6dNode::on_scan(const nodmap::scan_t& message) {
+  context_.tally.lose(scan_sequence_.lost_before(message.scan_seq));
+  scan::Scan scan;
+  if (!msg::read_scan(message, scan) || !is_time(scan.utime_us) ||
+      scan.duration_us > kLongestScanUs) {
+    context_.tally.reject("implausible_scan");
+    return;
+  }
+  const auto sweep = slam_.add_scan(std::move(scan));
+  count_scans();
+  if (sweep) {
+    answer(*sweep);
+  }
+}
+
+void Slam6dNode::finish() {
+  const auto sweep = slam_.flush();
+  count_scans();
+  if (sweep) {
+    answer(*sweep);
+  }
+}
+
+// What becomes of a scan is known when its sweep is complete.
+void Slam6dNode::count_scans() {
+  const std::size_t without_pose = slam_.scans_without_pose() - counted_without_pose_;
+  const std::size_t used = slam_.scans_in_sweeps() - counted_scans_ - without_pose;
+  for (std::size_t i = 0; i < used; ++i) {
+    context_.tally.use();
+  }
+  for (std::size_t i = 0; i < without_pose; ++i) {
+    context_.tally.reject("scan_without_odometry");
+  }
+  counted_scans_ = slam_.scans_in_sweeps();
+  counted_without_pose_ = slam_.scans_without_pose();
+}
+
+void Slam6dNode::answer(const SweepRecord& sweep) {
+  nodmap::pose_t message = msg::write_corrected_pose(
+      sweep.utime_us, sweep.T_map_base, sweep.T_map_base * sweep.T_odom_base.inverse());
+  if (sweep.registration) {
+    message.match_share = sweep.registration->match_share;
+    message.match_rms_m = sweep.registration->match_rms_m;
+  }
+  message.pose_quality = pose_quality(sweep);
+  context_.bus.publish("POSE_6D", message);
+  if (sweep.keyframe) {
+    answer_keyframe(slam_.keyframes().back());
+  }
+}
+
+void Slam6dNode::answer_keyframe(const Keyframe& keyframe) {
+  publish_cloud(keyframe);
+  occupancy_.insert(keyframe.cloud, keyframe.T_map_base);
+  const auto every = static_cast<std::size_t>(params_.save_every_keyframes);
+  if (every > 0 && slam_.keyframes().size() % every == 0 && !context_.out_dir.empty()) {
+    save_map_while_running();
+  }
+}
+
+void Slam6dNode::publish_cloud(const Keyframe& keyframe) {
+  const std::vector<Eigen::Vector3d>& points = keyframe.surface.points;
+  nodmap::cloud_chunk_t message{};
+  message.utime = keyframe.cloud.utime_us;
+  message.keyframe_id = static_cast<std::int64_t>(slam_.keyframes().size()) - 1;
+  message.num_chunks =
+      static_cast<std::int32_t>((points.size() + kPointsPerChunk - 1) / kPointsPerChunk);
+  msg::write_pose(keyframe.T_map_base, message.position_m, message.orientation);
+  for (; message.chunk_index < message.num_chunks; ++message.chunk_index) {
+    const std::size_t first = static_cast<std::size_t>(message.chunk_index) * kPointsPerChunk;
+    const std::size_t end = std::min(first + kPointsPerChunk, points.size());
+    message.num_points = static_cast<std::int32_t>(end - first);
+    message.points_m.clear();
+    for (std::size_t i = first; i < end; ++i) {
+      const Eigen::Vector3f p = points[i].cast<float>();
+      message.points_m.push_back({p.x(), p.y(), p.z()});
+    }
+    context_.bus.publish("CLOUD", message);
+  }
+}
+
+void Slam6dNode::on_save_request(const nodmap::save_request_t& message) {
+  if (context_.out_dir.empty()) {
+    context_.tally.reject("save_request_without_out_dir");
+    return;
+  }
+  context_.tally.use();
+  log::get().info("map asked for by {}", message.requested_by);
+  save_map_while_running();
+}
+
+// A full disk does not end the mapping: the last map that was whole stays, and STATUS says so.
+void Slam6dNode::save_map_while_running() {
+  save_error_ = save_map(context_.out_dir);
+  if (save_error_) {
+    log::get().warn("{}: map not saved: {}", context_.out_dir.string(), save_error_.message());
+  }
+}
+
+std::error_code Slam6dNode::save_map(const std::filesystem::path& dir) {
+  using Format = OccupancyMap::Format;
+  std::vector<std::pair<Format, const char*>> files{{Format::kBt, "map.bt"}};
+  if (params_.save_ot) {
+    files.emplace_back(Format::kOt, "map.ot");
+  }
+  for (const auto& [format, name] : files) {
+    const auto bytes = occupancy_.encode(format);
+    if (!bytes) {
+      return std::make_error_code(std::errc::io_error);
+    }
+    if (const auto error = replace_file(dir / name, *bytes)) {
+      return error;
+    }
+  }
+  ++maps_saved_;
+  return {};
+}
+
+void Slam6dNode::write_results(const std::filesystem::path& dir) {
+  if (const auto error = save_map(dir)) {
+    throw std::runtime_error((dir / "map.bt").string() + ": " + error.message());
+  }
+  write_trajectories(slam_, dir);
+  write_cloud(slam_, dir);
+}
+
+nlohmann::json Slam6dNode::figures() const {
+  nlohmann::json figures = slam_figures(slam_);
+  figures["occupancy_map"] = {{"nodes", occupancy_.num_nodes()},
+                              {"memory_bytes", occupancy_.memory_bytes()},
+                              {"times_saved", maps_saved_}};
+  return figures;
+}
+
+node::Health Slam6dNode::health() const {
+  using node::HealthState;
+  if (save_error_) {
+    return {HealthState::kDegraded, "The map cannot be saved: " + save_error_.message() + "."};
+  }
+  if (slam_.scans_in_sweeps() > 0 && slam_.sweeps().empty()) {
+    return {HealthState::kDegraded, "There are scans, but no odometry for them."};
+  }
+  if (!slam_.keyframes().empty()) {
+    const auto& registration = slam_.sweeps()[slam_.keyframes().back().sweep].registration;
+    if (registration && !registration->is_usable()) {
+      return {HealthState::kDegraded, "The last keyframe did not fit the map."};
+    }
+  }
+  return {};
+}
+
+}  // namespace nodmap::slam6d

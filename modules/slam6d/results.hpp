@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+
+#include "modules/slam6d/slam6d.hpp"
+
+namespace nodmap::slam6d {
+
+/// trajectory.tum (with all that is known at the end) and online.tum (as known at the time). Throws
+/// std::runtime_error.
+void write_trajectories(const Slam6d& slam, const std::filesystem::path& dir);
+
+/// cloud.ply, map.png and path.png. Throws std::runtime_error.
+void write_cloud(const Slam6d& slam, const std::filesystem::path& dir);
+
+/// Sweeps, scans and keyframes with why and how well they were registered.
+[[nodiscard]] nlohmann::json slam_figures(const Slam6d& slam);
+
+}  // namespace nodmap::slam6d

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/slam6d/cloud_picture.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <vector>
+
+namespace nodmap::slam6d {
+namespace {
+
+using picture::Image;
+
+// A floor of 8 x 3 m seen from above, and a ceiling over it that faces down.
+std::vector<RegisteredPoint> floor_and_ceiling() {
+  std::vector<RegisteredPoint> points;
+  for (int i = 0; i < 160; ++i) {
+    for (int j = 0; j < 60; ++j) {
+      const float x = 0.05F * static_cast<float>(i);
+      const float y = 0.05F * static_cast<float>(j);
+      points.push_back({{x, y, 0.0F}, {0.0F, 0.0F, 1.0F}});
+      points.push_back({{x, y, 2.5F}, {0.0F, 0.0F, -1.0F}});
+    }
+  }
+  return points;
+}
+
+double share_painted(const Image& image) {
+  const picture::Rgb background = image.at(0, 0);
+  double painted = 0.0;
+  for (int y = 0; y < image.height(); ++y) {
+    for (int x = 0; x < image.width(); ++x) {
+      painted += image.at(x, y) == background ? 0.0 : 1.0;
+    }
+  }
+  return painted / (static_cast<double>(image.width()) * image.height());
+}
+
+// The floor is seen through the ceiling: what is painted has the colours of the low half of the
+// scale (blue above green is only there), and much of the picture is painted.
+TEST(CloudPicture, MapOpensTheCeiling) {
+  const std::vector<Eigen::Vector3d> way{{1, 1, 0}, {3, 1, 0}};
+  const Image image = draw_map(floor_and_ceiling(), {way, way, way});
+  EXPECT_GT(share_painted(image), 0.3);
+  const picture::Rgb middle_of_top = image.at(image.width() / 2, image.height() - 200);
+  EXPECT_GT(middle_of_top[2], middle_of_top[1]);
+}
+
+TEST(CloudPicture, SameCloudSamePicture) {
+  const Image first = draw_path(floor_and_ceiling(), {});
+  const Image second = draw_path(floor_and_ceiling(), {});
+  ASSERT_EQ(first.height(), second.height());
+  for (int y = 0; y < first.height(); y += 7) {
+    for (int x = 0; x < first.width(); x += 7) {
+      ASSERT_EQ(first.at(x, y), second.at(x, y));
+    }
+  }
+}
+
+TEST(CloudPicture, NothingAndOnePoint) {
+  EXPECT_GT(draw_map({}, {}).width(), 0);
+  EXPECT_GT(draw_path({}, {}).width(), 0);
+  const std::vector<RegisteredPoint> one{{{1, 2, 3}, {0, 0, 0}}};
+  EXPECT_GT(draw_map(one, {}).width(), 0);
+  EXPECT_GT(draw_path(one, {}).width(), 0);
+}
+
+}  // namespace
+}  // namespace nodmap::slam6d

@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/slam6d/node.hpp"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "common/bus/codec.hpp"
+#include "common/bus/event_log.hpp"
+#include "common/bus/replay_bus.hpp"
+#include "common/formats/ply.hpp"
+#include "common/formats/tum.hpp"
+#include "common/msg/messages.hpp"
+#include "modules/slam6d/test/room.hpp"
+#include "nodmap/cloud_chunk_t.hpp"
+#include "nodmap/pose_t.hpp"
+#include "tests/support/data_dir.hpp"
+
+namespace nodmap::slam6d {
+namespace {
+
+namespace fs = std::filesystem;
+
+class LogFile {
+ public:
+  explicit LogFile(const fs::path& file) : writer_(file) {}
+
+  template <class Message>
+  void add(std::int64_t utime_us, const std::string& channel, const Message& message) {
+    std::vector<std::byte> bytes;
+    bus::encode_into(bytes, message);
+    ASSERT_TRUE(writer_.write(utime_us, channel, bytes));
+  }
+
+  // 320 scans (4 sweeps) of a drive through a hall at 1 m/s: 4.3 m, so that two sweeps are
+  // registered.
+  void add_drive(bool with_odometry) {
+    std::mt19937 random(9);
+    const NoddingScanner scanner{.noise_m = 0.01};
+    const auto motion = [](std::int64_t t) { return drive_ahead(1.0, t); };
+    for (std::int64_t i = 0; i < 320; ++i) {
+      const std::int64_t utime_us = i * NoddingScanner::kPeriodUs;
+      if (with_odometry) {
+        auto odometry = msg::write_odometry(utime_us, motion(utime_us));
+        odometry.odometry_seq = i;
+        add(utime_us, "ODOMETRY", odometry);
+      }
+      add(utime_us, "SCAN", msg::write_scan(scanner.scan(i, Room::hall(), motion, random)));
+    }
+  }
+
+  void close() { ASSERT_TRUE(writer_.flush()); }
+
+ private:
+  bus::LogWriter writer_;
+};
+
+// What a node made of a log.
+struct Outcome {
+  node::Tally tally;
+  nlohmann::json figures;
+  node::Health health;
+  std::map<std::string, std::vector<std::vector<std::byte>>> published;
+};
+
+Outcome replay(const fs::path& dir, const std::string& name, const Slam6dParams& params) {
+  Outcome outcome;
+  const fs::path out = dir / ("out_" + name);
+  fs::create_directories(out);
+  {
+    bus::ReplayBus bus(dir / (name + ".lcmlog"), out / "out.lcmlog");
+    node::Context context{bus, outcome.tally, out};
+    Slam6dNode slam(context, params);
+    while (bus.step()) {
+    }
+    slam.finish();
+    slam.write_results(out);
+    outcome.figures = slam.figures();
+    outcome.health = slam.health();
+    EXPECT_TRUE(bus.flush());
+  }
+  bus::LogReader reader(out / "out.lcmlog");
+  while (const bus::LogEvent* event = reader.next()) {
+    outcome.published[event->channel].emplace_back(event->data.begin(), event->data.end());
+  }
+  return outcome;
+}
+
+std::string read(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+TEST(Slam6dNode, ReplayWritesEverythingTheSameEachTime) {
+  const test::TemporaryDir dir;
+  for (const char* name : {"a", "b"}) {
+    LogFile log(dir.path() / (std::string(name) + ".lcmlog"));
+    log.add_drive(true);
+    log.close();
+  }
+  const Outcome outcome = replay(dir.path(), "a", {.save_ot = true});
+  EXPECT_EQ(outcome.tally.used(), 640);
+  EXPECT_EQ(outcome.tally.total_rejected(), 0);
+  EXPECT_EQ(outcome.figures["sweeps"], 4);
+  EXPECT_EQ(outcome.figures["keyframes"].size(), 2U);
+  EXPECT_EQ(outcome.figures["keyframes"][1]["reason"], "distance");
+  EXPECT_EQ(outcome.health.state, node::HealthState::kOk);
+
+  const fs::path out = dir.path() / "out_a";
+  EXPECT_EQ(formats::read_tum(out / "trajectory.tum").size(), 4U);
+  EXPECT_EQ(formats::read_tum(out / "online.tum").size(), 4U);
+  EXPECT_EQ(formats::read_ply(out / "cloud.ply").size(),
+            outcome.figures["keyframes"][0]["points"].get<std::size_t>() +
+                outcome.figures["keyframes"][1]["points"].get<std::size_t>());
+  replay(dir.path(), "b", {.save_ot = true});
+  for (const char* file : {"trajectory.tum", "online.tum", "cloud.ply", "map.bt", "map.ot",
+                           "map.png", "path.png", "out.lcmlog"}) {
+    EXPECT_TRUE(fs::file_size(out / file) > 0) << file;
+    EXPECT_TRUE(read(out / file) == read(dir.path() / "out_b" / file)) << file;
+  }
+}
+
+TEST(Slam6dNode, PublishesAPosePerSweepAndACloudPerKeyframe) {
+  const test::TemporaryDir dir;
+  LogFile log(dir.path() / "drive.lcmlog");
+  log.add_drive(true);
+  log.close();
+  Outcome outcome = replay(dir.path(), "drive", {});
+  ASSERT_EQ(outcome.published["POSE_6D"].size(), 4U);
+  nodmap::pose_t pose{};
+  ASSERT_TRUE(bus::decode_into(pose, outcome.published["POSE_6D"][0]));
+  EXPECT_EQ(pose.pose_quality, nodmap::pose_t::TRACKED);
+  ASSERT_TRUE(bus::decode_into(pose, outcome.published["POSE_6D"][1]));
+  EXPECT_EQ(pose.pose_quality, nodmap::pose_t::ODOMETRY);
+  EXPECT_EQ(pose.utime % 1'000'000'000, pose.utime);
+
+  std::size_t num_points = 0;
+  std::size_t num_first_parts = 0;
+  for (const auto& bytes : outcome.published["CLOUD"]) {
+    EXPECT_LT(bytes.size(), 65536U);
+    nodmap::cloud_chunk_t part{};
+    ASSERT_TRUE(bus::decode_into(part, bytes));
+    EXPECT_LT(part.chunk_index, part.num_chunks);
+    num_first_parts += part.chunk_index == 0 ? 1U : 0U;
+    num_points += static_cast<std::size_t>(part.num_points);
+  }
+  EXPECT_EQ(num_first_parts, 2U);
+  EXPECT_GT(num_points, 1000U);
+}
+
+TEST(Slam6dNode, BadMessagesAreCountedByCause) {
+  const test::TemporaryDir dir;
+  LogFile log(dir.path() / "bad.lcmlog");
+  log.add_drive(true);
+  nodmap::scan_t scan{};  // no orientation, no step: nothing is filled in
+  log.add(5'000'000, "SCAN", scan);
+  std::mt19937 random(10);
+  scan = msg::write_scan(NoddingScanner{}.scan(
+      320, Room::hall(), [](std::int64_t) { return geometry::SE3::Identity(); }, random));
+  scan.utime = -1;
+  log.add(5'000'000, "SCAN", scan);
+  scan.utime = std::numeric_limits<std::int64_t>::max();
+  log.add(5'000'000, "SCAN", scan);
+  log.add(5'000'000, "ODOMETRY", nodmap::odometry_t{});
+  log.close();
+  const Outcome outcome = replay(dir.path(), "bad", {});
+  EXPECT_EQ(outcome.tally.rejected().at("implausible_scan"), 3);
+  EXPECT_EQ(outcome.tally.rejected().at("implausible_odometry"), 1);
+  EXPECT_EQ(outcome.tally.used(), 640);
+}
+
+TEST(Slam6dNode, WithoutOdometryScansAreRejectedOrStandingIsAssumed) {
+  const test::TemporaryDir dir;
+  LogFile log(dir.path() / "still.lcmlog");
+  log.add_drive(false);
+  log.close();
+  const Outcome rejected = replay(dir.path(), "still", {});
+  EXPECT_EQ(rejected.tally.rejected().at("scan_without_odometry"), 320);
+  EXPECT_EQ(rejected.health.state, node::HealthState::kDegraded);
+  fs::remove_all(dir.path() / "out_still");
+  const Outcome standing = replay(dir.path(), "still", {.assume_standing = true});
+  EXPECT_EQ(standing.tally.used(), 320);
+  EXPECT_EQ(standing.figures["keyframes"].size(), 1U);
+}
+
+TEST(Slam6dNode, SavesOnRequestAndEveryFewKeyframes) {
+  const test::TemporaryDir dir;
+  LogFile log(dir.path() / "save.lcmlog");
+  log.add_drive(true);
+  nodmap::save_request_t request{};
+  request.requested_by = "test";
+  log.add(6'000'000, "SAVE_REQUEST", request);
+  log.close();
+  const Outcome outcome = replay(dir.path(), "save", {.save_every_keyframes = 1});
+  // The second sweep beyond 2 m is complete before the end; on request; at the end.
+  EXPECT_EQ(outcome.figures["occupancy_map"]["times_saved"], 4);
+}
+
+}  // namespace
+}  // namespace nodmap::slam6d

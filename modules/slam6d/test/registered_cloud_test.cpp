@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/slam6d/registered_cloud.hpp"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+namespace nodmap::slam6d {
+namespace {
+
+TEST(RegisteredCloud, PointsAndNormalsAreInMap) {
+  Keyframe keyframe;
+  keyframe.T_map_base.translation() = Eigen::Vector3d(10, 0, 0);
+  keyframe.T_map_base.linear() =
+      Eigen::AngleAxisd(geometry::kPi / 2, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  keyframe.cloud.points = {{1.0F, 0.0F, 0.0F}, {5.0F, 0.0F, 0.0F}};
+  keyframe.surface.points = {{1.05, 0.0, 0.0}};
+  keyframe.surface.normals = {{-1.0, 0.0, 0.0}};
+  const auto points = registered_cloud(std::vector<Keyframe>{keyframe});
+  ASSERT_EQ(points.size(), 2U);
+  EXPECT_LT((points[0].p_map - Eigen::Vector3f(10, 1, 0)).norm(), 1e-6F);
+  EXPECT_LT((points[0].normal_map - Eigen::Vector3f(0, -1, 0)).norm(), 1e-6F);
+  EXPECT_TRUE(points[1].normal_map.isZero());  // no surface point stands for it
+  EXPECT_TRUE(registered_cloud({}).empty());
+}
+
+TEST(RegisteredCloud, QuantilesAndHeights) {
+  EXPECT_EQ(quantile({}, 0.5), 0.0F);
+  EXPECT_EQ(quantile({3.0F, 1.0F, 2.0F}, 0.0), 1.0F);
+  EXPECT_EQ(quantile({3.0F, 1.0F, 2.0F}, 0.5), 2.0F);
+  EXPECT_EQ(quantile({3.0F, 1.0F, 2.0F}, 1.0), 3.0F);
+  std::vector<RegisteredPoint> points(1001);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    points[i].p_map = Eigen::Vector3f(0, 0, 0.01F * static_cast<float>(i));
+  }
+  points[0].p_map.z() = -1000.0F;  // one stray point does not use up the scale
+  const HeightRange range = height_range(points);
+  EXPECT_NEAR(range.place(range.low_m), 0.0, 1e-6);
+  EXPECT_NEAR(range.place(range.high_m), 1.0, 1e-6);
+  EXPECT_GT(range.low_m, 0.0F);
+}
+
+}  // namespace
+}  // namespace nodmap::slam6d
