@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/slam6d/depth_canvas.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace nodmap::slam6d {
+namespace {
+
+using picture::Image;
+using picture::Rgb;
+
+constexpr float kNothing = std::numeric_limits<float>::infinity();
+
+// Pixels whose depth says whether one lies in a hollow.
+constexpr std::array<std::pair<int, int>, 8> kSurroundings{
+    {{-2, 0}, {2, 0}, {0, -2}, {0, 2}, {-3, -3}, {3, -3}, {-3, 3}, {3, 3}}};
+
+std::uint8_t shade(std::uint8_t value, double light) {
+  return static_cast<std::uint8_t>(std::lround(light * static_cast<double>(value)));
+}
+
+}  // namespace
+
+DepthCanvas::DepthCanvas(const PictureSize& size, Rgb background)
+    : size_(size),
+      colours_(static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height),
+               background),
+      depths_(colours_.size(), kNothing) {}
+
+void DepthCanvas::splat(const Pixel& pixel, int radius_px, Rgb colour) {
+  // What lies outside must not become an integer that no int holds.
+  if (!(std::abs(pixel.x) < 1e6 && std::abs(pixel.y) < 1e6)) {
+    return;
+  }
+  const int x0 = static_cast<int>(std::lround(pixel.x));
+  const int y0 = static_cast<int>(std::lround(pixel.y));
+  const auto depth = static_cast<float>(pixel.depth);
+  const int bottom = std::min(size_.height - 1, y0 + radius_px);
+  const int right = std::min(size_.width - 1, x0 + radius_px);
+  for (int y = std::max(0, y0 - radius_px); y <= bottom; ++y) {
+    for (int x = std::max(0, x0 - radius_px); x <= right; ++x) {
+      if (depth < depths_[index(x, y)]) {
+        depths_[index(x, y)] = depth;
+        colours_[index(x, y)] = colour;
+      }
+    }
+  }
+}
+
+void DepthCanvas::paint(Image& image, int top, double shade_per_m) const {
+  for (int y = 0; y < size_.height; ++y) {
+    for (int x = 0; x < size_.width; ++x) {
+      const Rgb& colour = colours_[index(x, y)];
+      const double light = std::exp(-shade_per_m * obscurance_m(x, y));
+      image.set(x, top + y,
+                {shade(colour[0], light), shade(colour[1], light), shade(colour[2], light)});
+    }
+  }
+}
+
+std::size_t DepthCanvas::index(int x, int y) const {
+  return static_cast<std::size_t>(y) * static_cast<std::size_t>(size_.width) +
+         static_cast<std::size_t>(x);
+}
+
+// How much nearer the surroundings are, metres, averaged; one far-off edge counts 1 m at most.
+double DepthCanvas::obscurance_m(int x, int y) const {
+  const float depth = depths_[index(x, y)];
+  if (depth == kNothing) {
+    return 0.0;
+  }
+  double sum_m = 0.0;
+  for (const auto& [dx, dy] : kSurroundings) {
+    const int u = x + dx;
+    const int v = y + dy;
+    if (u < 0 || v < 0 || u >= size_.width || v >= size_.height) {
+      continue;
+    }
+    const float nearer_m = depth - depths_[index(u, v)];
+    sum_m += static_cast<double>(std::clamp(nearer_m, 0.0F, 1.0F)) / kSurroundings.size();
+  }
+  return sum_m;
+}
+
+}  // namespace nodmap::slam6d

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <span>
+
+#include "modules/slam6d/registered_cloud.hpp"
+
+namespace nodmap::slam6d {
+
+/// A place in a picture; its depth (m) orders what covers what.
+struct Pixel {
+  double x = 0.0;
+  double y = 0.0;
+  double depth = 0.0;
+};
+
+/// Turns places in map into places in a picture.
+struct Camera {
+  Eigen::Vector3d p_map_eye = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d R_camera_map = Eigen::Matrix3d::Identity();  ///< rows: right, down, ahead
+  double focal_px = 1.0;  ///< perspective; orthographic: pixels per metre
+  bool is_perspective = true;
+  double centre_x = 0.0;
+  double centre_y = 0.0;
+
+  /// Empty for what lies behind the eye.
+  [[nodiscard]] std::optional<Pixel> project(const Eigen::Vector3d& p_map) const;
+
+  [[nodiscard]] double pixels_per_m(double depth) const {
+    return is_perspective ? focal_px / depth : focal_px;
+  }
+
+  /// Whether the front of the point's surface is seen; true for points without a surface.
+  [[nodiscard]] bool faces(const RegisteredPoint& point) const;
+};
+
+struct PictureSize {
+  int width = 0;
+  int height = 0;
+};
+
+/// From obliquely above, across the building, so that nearly all points fill the picture.
+[[nodiscard]] Camera oblique_camera(std::span<const RegisteredPoint> points,
+                                    const PictureSize& size);
+
+/// From straight above, the building's long axis to the right.
+[[nodiscard]] Camera top_camera(std::span<const RegisteredPoint> points, const PictureSize& size);
+
+}  // namespace nodmap::slam6d
