@@ -54,6 +54,14 @@ void draw_points(DepthCanvas& canvas, const Camera& camera,
   }
 }
 
+void paint(const DepthCanvas& canvas, Image& image, int top, double shade_per_m) {
+  for (int y = 0; y < canvas.size().height; ++y) {
+    for (int x = 0; x < canvas.size().width; ++x) {
+      image.set(x, top + y, canvas.shaded(x, y, shade_per_m));
+    }
+  }
+}
+
 void draw_way(Image& image, const Camera& camera, int top, std::span<const Eigen::Vector3d> way,
               Rgb colour) {
   for (std::size_t i = 1; i < way.size(); ++i) {
@@ -89,14 +97,14 @@ Image draw_map(std::span<const RegisteredPoint> points, const PicturePath& path)
   const Camera oblique = oblique_camera(points, kObliqueSize);
   DepthCanvas upper(kObliqueSize, kBackground);
   draw_points(upper, oblique, points);
-  upper.paint(image, 0, 2.0);
+  paint(upper, image, 0, 2.0);
   draw_way(image, oblique, 0, path.corrected, kPathColour);
   draw_keyframes(image, oblique, 0, path.keyframes);
 
   const Camera top = top_camera(points, kTopSize);
   DepthCanvas lower(kTopSize, kBackground);
   draw_points(lower, top, points);
-  lower.paint(image, kObliqueSize.height, 1.0);
+  paint(lower, image, kObliqueSize.height, 1.0);
   draw_way(image, top, kObliqueSize.height, path.corrected, kPathColour);
   draw_keyframes(image, top, kObliqueSize.height, path.keyframes);
   draw_scale(image, top, height, picture::kWhite);

@@ -10,18 +10,11 @@
 namespace nodmap::slam6d {
 namespace {
 
-using picture::Image;
-using picture::Rgb;
-
 constexpr float kNothing = std::numeric_limits<float>::infinity();
 
 // Pixels whose depth says whether one lies in a hollow.
 constexpr std::array<std::pair<int, int>, 8> kSurroundings{
     {{-2, 0}, {2, 0}, {0, -2}, {0, 2}, {-3, -3}, {3, -3}, {-3, 3}, {3, 3}}};
-
-std::uint8_t shade(std::uint8_t value, double light) {
-  return static_cast<std::uint8_t>(std::lround(light * static_cast<double>(value)));
-}
 
 }  // namespace
 
@@ -51,15 +44,13 @@ void DepthCanvas::splat(const Pixel& pixel, int radius_px, Rgb colour) {
   }
 }
 
-void DepthCanvas::paint(Image& image, int top, double shade_per_m) const {
-  for (int y = 0; y < size_.height; ++y) {
-    for (int x = 0; x < size_.width; ++x) {
-      const Rgb& colour = colours_[index(x, y)];
-      const double light = std::exp(-shade_per_m * obscurance_m(x, y));
-      image.set(x, top + y,
-                {shade(colour[0], light), shade(colour[1], light), shade(colour[2], light)});
-    }
+DepthCanvas::Rgb DepthCanvas::shaded(int x, int y, double shade_per_m) const {
+  const double light = std::exp(-shade_per_m * obscurance_m(x, y));
+  Rgb colour = colours_[index(x, y)];
+  for (std::uint8_t& value : colour) {
+    value = static_cast<std::uint8_t>(std::lround(light * static_cast<double>(value)));
   }
+  return colour;
 }
 
 std::size_t DepthCanvas::index(int x, int y) const {
