@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+
+#include "common/geometry/angle.hpp"
+
+namespace nodmap::slam2d {
+
+/// Which distances of Eq. 3 the last iterations count.
+enum class Metric : std::uint8_t {
+  kPoints,  ///< point to point, to the letter of the paper
+  kLines,   ///< only across the line the map's points form
+};
+
+struct Slam2dParams {
+  double max_level_pitch_rad = geometry::deg_to_rad(1.0);
+
+  Metric metric = Metric::kLines;
+  double max_correspondence_m = 0.7;
+  double final_correspondence_m = 0.25;
+  int iterations = 30;
+  double weak_direction_share = 0.02;
+
+  double new_point_distance_m = 0.05;
+  double line_radius_m = 0.25;
+  double keyframe_distance_m = 0.3;
+  double keyframe_rotation_rad = geometry::deg_to_rad(15.0);
+
+  double search_below_agreement = 0.7;
+  double search_distance_m = 0.75;
+  double search_rotation_rad = geometry::deg_to_rad(90.0);
+  double lost_below_agreement = 0.2;
+  double lost_distance_m = 1.0;
+
+  double cell_size_m = 0.05;
+  double map_period_s = 20.0;
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.angle("max_level_pitch_deg", max_level_pitch_rad, {0.05, 5.0},
+            "Of each half sweep the scan nearest to pitch 0 is used if it is at least this level.");
+    v.choice("metric", metric, {{"lines", Metric::kLines}, {"points", Metric::kPoints}},
+             "Distances that Eq. 3 counts at the end: points to the lines of the map, or points to "
+             "points as in the paper.");
+    v.number("max_correspondence_m", max_correspondence_m, {0.05, 5.0},
+             "d_max of the first iterations: pairs farther apart are no correspondence.");
+    v.number("final_correspondence_m", final_correspondence_m, {0.02, 5.0},
+             "d_max of the last iterations.");
+    v.integer("iterations", iterations, {1, 200}, "Iterations of ICP at most.");
+    v.number("weak_direction_share", weak_direction_share, {0.0, 0.5},
+             "A direction on which the pairs hold less than this share of the information they "
+             "could hold is left to odometry.");
+    v.number("new_point_distance_m", new_point_distance_m, {0.005, 1.0},
+             "d_new: a scan point is added when no point of the map is this near.");
+    v.number("line_radius_m", line_radius_m, {0.02, 2.0},
+             "Neighbours up to here form the line through a point of the map.");
+    v.number("keyframe_distance_m", keyframe_distance_m, {0.0, 10.0},
+             "Points are added to the map after this way since the last time.");
+    v.angle("keyframe_rotation_deg", keyframe_rotation_rad, {0.0, 180.0},
+            "Points are added to the map after this turn since the last time.");
+    v.number("search_below_agreement", search_below_agreement, {0.0, 1.0},
+             "Below this agreement of scan and map other start poses are tried.");
+    v.number("search_distance_m", search_distance_m, {0.0, 5.0},
+             "How far from odometry start poses are tried.");
+    v.angle("search_rotation_deg", search_rotation_rad, {0.0, 180.0},
+            "How far turned from odometry start poses are tried.");
+    v.number("lost_below_agreement", lost_below_agreement, {0.0, 1.0},
+             "Below this agreement the match is not believed.");
+    v.number("lost_distance_m", lost_distance_m, {0.0, 100.0},
+             "After this way without a match the map is continued from odometry.");
+    v.number("cell_size_m", cell_size_m, {0.01, 1.0}, "Edge of a cell of the occupancy grid.");
+    v.number("map_period_s", map_period_s, {0.1, 3600.0},
+             "MAP_2D is sent after this time if the map has changed.");
+  }
+};
+
+}  // namespace nodmap::slam2d

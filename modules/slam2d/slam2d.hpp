@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "modules/slam2d/params.hpp"
+#include "modules/slam2d/point_map.hpp"
+#include "modules/slam2d/pose_search.hpp"
+#include "modules/slam2d/scan_matcher.hpp"
+#include "modules/slam2d/scan_surface.hpp"
+
+namespace nodmap::slam2d {
+
+/// How a pose was found; the values of nodmap.pose_t.
+enum class PoseQuality : std::uint8_t { kTracked = 0, kPartly = 1, kOdometry = 2, kLost = 3 };
+
+struct Slam2dResult {
+  std::int64_t utime_us = 0;
+  geometry::SE2 T_map_base;
+  geometry::SE2 T_map_odom;  ///< carries the whole correction: odom itself never jumps
+  double match_share = 0.0;
+  double match_agreement = 0.0;
+  double match_rms_m = 0.0;
+  PoseQuality quality = PoseQuality::kOdometry;
+  bool map_changed = false;
+};
+
+/// A scan whose new points went into the map, kept so that poses can be corrected later and grids
+/// be drawn from them.
+struct Keyframe {
+  std::int64_t utime_us = 0;
+  geometry::SE2 T_odom_base;
+  geometry::SE2 T_map_base;
+  Eigen::Vector2d eye_base = Eigen::Vector2d::Zero();  ///< where the rays come from
+  std::vector<Eigen::Vector2f> points_base;
+};
+
+/// A used scan, placed relative to its keyframe: it moves along when that is corrected.
+struct TrackedScan {
+  std::int64_t utime_us = 0;
+  std::size_t keyframe = 0;
+  geometry::SE2 T_keyframe_base;
+  geometry::SE2 T_map_base_online;  ///< as it was known then
+};
+
+struct Slam2dFigures {
+  std::int64_t scans = 0;
+  std::int64_t tracked = 0;
+  std::int64_t partly = 0;
+  std::int64_t odometry_only = 0;
+  std::int64_t lost = 0;
+  std::int64_t searches = 0;
+  std::int64_t searches_helped = 0;
+  double share_sum = 0.0;
+  double agreement_sum = 0.0;
+};
+
+/// 3DOF SLAM (section IV A): level scans are matched against an incrementally built point map; what
+/// is new in them is added.
+class Slam2d {
+ public:
+  explicit Slam2d(const Slam2dParams& params);
+
+  /// Takes a level scan and where the robot was then by odometry. Empty when the scan is no
+  /// plausible one or the pose is not finite, and when the first scan shows nothing to begin with.
+  std::optional<Slam2dResult> add_scan(const scan::Scan& scan, const geometry::SE2& T_odom_base);
+
+  [[nodiscard]] const PointMap& map() const { return map_; }
+  [[nodiscard]] const std::vector<Keyframe>& keyframes() const { return keyframes_; }
+  [[nodiscard]] const std::vector<TrackedScan>& tracked_scans() const { return tracked_scans_; }
+  [[nodiscard]] const Slam2dFigures& figures() const { return figures_; }
+
+  /// The pose of a used scan with all that is known now.
+  [[nodiscard]] geometry::SE2 corrected_pose(const TrackedScan& scan) const;
+
+ private:
+  [[nodiscard]] Match match_or_search(std::span<const SurfacePoint> points,
+                                      const geometry::SE2& T_map_base_guess,
+                                      const geometry::SE2& T_odom_base);
+  [[nodiscard]] PoseQuality judge(const Match& match, std::size_t num_points) const;
+  [[nodiscard]] bool is_due_for_map(const geometry::SE2& T_odom_base, PoseQuality quality) const;
+  void add_new_points(std::span<const SurfacePoint> points, const Slam2dResult& result,
+                      const geometry::SE2& T_odom_base, const Eigen::Vector2d& eye_base);
+  void record(const Slam2dResult& result);
+
+  Slam2dParams params_;
+  ScanSurface surface_;
+  ScanMatcher matcher_;
+  PoseSearch search_;
+  PointMap map_;
+  geometry::SE2 T_map_odom_;
+  std::optional<geometry::SE2> T_odom_failed_search_;
+  std::vector<Keyframe> keyframes_;
+  std::vector<TrackedScan> tracked_scans_;
+  Slam2dFigures figures_;
+};
+
+}  // namespace nodmap::slam2d

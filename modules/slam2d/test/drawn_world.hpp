@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A floor plan of straight walls, and what a level SICK on the robot sees of it.
+#pragma once
+
+#include <cmath>
+#include <limits>
+#include <random>
+#include <vector>
+
+#include "common/geometry/se2.hpp"
+#include "common/scan/scan.hpp"
+
+namespace nodmap::slam2d::test {
+
+struct Wall {
+  Eigen::Vector2d from = Eigen::Vector2d::Zero();
+  Eigen::Vector2d to = Eigen::Vector2d::Zero();
+};
+using FloorPlan = std::vector<Wall>;
+
+/// An 8 m x 6 m room with a pillar and a niche: no two corners alike.
+inline FloorPlan room() {
+  return {{{-3, -2}, {5, -2}},      {{5, -2}, {5, 4}},        {{5, 4}, {1, 4}},
+          {{1, 4}, {1, 3}},         {{1, 3}, {-3, 3}},        {{-3, 3}, {-3, -2}},
+          {{2.0, 1.0}, {2.6, 1.2}}, {{2.6, 1.2}, {2.4, 1.8}}, {{2.4, 1.8}, {2.0, 1.0}}};
+}
+
+/// Two parallel walls 2 m apart, too long for their ends to be seen.
+inline FloorPlan corridor() {
+  return {{{-200, -1}, {200, -1}}, {{-200, 1}, {200, 1}}};
+}
+
+inline double range_to(const Wall& wall, const Eigen::Vector2d& eye, const Eigen::Vector2d& ray) {
+  const Eigen::Vector2d along = wall.to - wall.from;
+  const double det = ray.x() * along.y() - ray.y() * along.x();
+  const Eigen::Vector2d d = wall.from - eye;
+  const double range = (d.x() * along.y() - d.y() * along.x()) / det;
+  const double place = (d.x() * ray.y() - d.y() * ray.x()) / det;
+  return range > 0.0 && place >= 0.0 && place <= 1.0 ? range
+                                                     : std::numeric_limits<double>::infinity();
+}
+
+/// 181 beams over 180 degrees as in the paper, with the range noise of a SICK.
+class Scanner {
+ public:
+  explicit Scanner(double noise_m = 0.01) : noise_(0.0, noise_m) {}
+
+  scan::Scan scan(const FloorPlan& plan, const geometry::SE2& T_world_base,
+                  std::int64_t utime_us = 0) {
+    scan::Scan scan;
+    scan.utime_us = utime_us;
+    scan.angle_first_rad = -geometry::kPi / 2;
+    scan.angle_step_rad = geometry::deg_to_rad(1.0);
+    scan.range_min_m = 0.05;
+    scan.range_max_m = 30.0;
+    for (std::size_t beam = 0; beam < 181; ++beam) {
+      const double angle = T_world_base.yaw + scan.angle_rad(beam);
+      double range = std::numeric_limits<double>::infinity();
+      for (const Wall& wall : plan) {
+        range = std::min(
+            range, range_to(wall, T_world_base.translation(), {std::cos(angle), std::sin(angle)}));
+      }
+      range = range > scan.range_max_m ? std::numeric_limits<double>::infinity() : range + noise();
+      scan.ranges_m.push_back(static_cast<float>(range));
+    }
+    return scan;
+  }
+
+ private:
+  double noise() { return noise_.stddev() > 0.0 ? noise_(random_) : 0.0; }
+
+  std::normal_distribution<double> noise_;
+  std::mt19937 random_{20081};
+};
+
+}  // namespace nodmap::slam2d::test

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/slam2d/scan_surface.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "modules/slam2d/test/drawn_world.hpp"
+
+namespace nodmap::slam2d {
+namespace {
+
+TEST(ScanSurface, NormalsOfAWallLookAtTheScanner) {
+  ScanSurface surface;
+  test::Scanner scanner(0.0);
+  const auto points = surface.points(scanner.scan({{{2, -1}, {2, 1}}}, {}));
+  ASSERT_GT(points.size(), 40U);
+  for (const SurfacePoint& point : points) {
+    ASSERT_TRUE(point.has_normal());
+    EXPECT_NEAR(point.p.x(), 2.0, 1e-6);  // ranges are single precision
+    EXPECT_NEAR(point.normal.x(), -1.0, 1e-6);
+  }
+}
+
+TEST(ScanSurface, TheMountMovesThePoints) {
+  ScanSurface surface;
+  test::Scanner scanner(0.0);
+  scan::Scan scan = scanner.scan({{{2, -1}, {2, 1}}}, {});
+  scan.T_base_mount.translation().x() = -0.04;
+  for (const SurfacePoint& point : surface.points(scan)) {
+    EXPECT_NEAR(point.p.x(), 1.96, 1e-6);
+  }
+}
+
+TEST(ScanSurface, APointBetweenJumpsStandsAlone) {
+  const std::vector<Eigen::Vector2d> points{{5, -0.1}, {2, 0}, {5, 0.1}, {5, 0.2}, {5, 0.3}};
+  EXPECT_TRUE(normal_at(points, 1, {0, 0}).isZero(0.0));
+  EXPECT_TRUE(normal_at(points, 0, {0, 0}).isZero(0.0));
+  EXPECT_NEAR(normal_at(points, 3, {0, 0}).x(), -1.0, 1e-12);
+}
+
+TEST(ScanSurface, NothingSeenIsNoPoint) {
+  ScanSurface surface;
+  test::Scanner scanner;
+  scan::Scan scan = scanner.scan({}, {});
+  EXPECT_TRUE(surface.points(scan).empty());
+  scan.ranges_m.assign(181, std::numeric_limits<float>::quiet_NaN());
+  EXPECT_TRUE(surface.points(scan).empty());
+  scan.ranges_m.clear();
+  EXPECT_TRUE(surface.points(scan).empty());
+}
+
+}  // namespace
+}  // namespace nodmap::slam2d
