@@ -24,6 +24,13 @@ double distance(const geometry::SE2& a, const geometry::SE2& b) {
 
 }  // namespace
 
+void draw(const Keyframe& keyframe, OccupancyGrid& grid) {
+  const Eigen::Vector2d eye = keyframe.T_map_base * keyframe.eye_base;
+  for (const Eigen::Vector2f& point : keyframe.points_base) {
+    grid.add_ray(eye, keyframe.T_map_base * Eigen::Vector2d(point.cast<double>()));
+  }
+}
+
 Slam2d::Slam2d(const Slam2dParams& params)
     : params_(params), matcher_(params), search_(params), map_(params.line_radius_m) {}
 

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "modules/slam2d/occupancy_grid.hpp"
 #include "modules/slam2d/params.hpp"
 #include "modules/slam2d/point_map.hpp"
 #include "modules/slam2d/pose_search.hpp"
@@ -36,6 +37,9 @@ struct Keyframe {
   Eigen::Vector2d eye_base = Eigen::Vector2d::Zero();  ///< where the rays come from
   std::vector<Eigen::Vector2f> points_base;
 };
+
+/// Draws the rays of a keyframe, at its pose in the map.
+void draw(const Keyframe& keyframe, OccupancyGrid& grid);
 
 /// A used scan, placed relative to its keyframe: it moves along when that is corrected.
 struct TrackedScan {

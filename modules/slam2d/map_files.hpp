@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The map and the path as files: for ROS map_server, and as pictures for people.
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+
+#include "common/geometry/se2.hpp"
+#include "common/picture/image.hpp"
+#include "modules/slam2d/occupancy_grid.hpp"
+
+namespace nodmap::slam2d {
+
+/// map.pgm and map.yaml in the convention of ROS map_server. Throws std::runtime_error naming the
+/// file.
+void write_ros_map(const std::filesystem::path& dir, const OccupancyGrid& grid);
+
+/// The map with the path on it.
+[[nodiscard]] picture::Image draw_map(const OccupancyGrid& grid,
+                                      std::span<const geometry::SE2> path);
+
+/// The corrected path, and the one by odometry in grey.
+[[nodiscard]] picture::Image draw_paths(std::span<const geometry::SE2> path,
+                                        std::span<const geometry::SE2> odometry);
+
+}  // namespace nodmap::slam2d

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/slam2d/node.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "common/formats/tum.hpp"
+#include "common/msg/messages.hpp"
+#include "modules/slam2d/grid_tiles.hpp"
+#include "modules/slam2d/map_files.hpp"
+
+namespace nodmap::slam2d {
+
+static_assert(static_cast<int>(PoseQuality::kTracked) == nodmap::pose_t::TRACKED);
+static_assert(static_cast<int>(PoseQuality::kPartly) == nodmap::pose_t::PARTLY);
+static_assert(static_cast<int>(PoseQuality::kOdometry) == nodmap::pose_t::ODOMETRY);
+static_assert(static_cast<int>(PoseQuality::kLost) == nodmap::pose_t::LOST);
+
+Slam2dNode::Slam2dNode(node::Context& context, const Params& params)
+    : context_(context),
+      params_(params),
+      selector_(params.max_level_pitch_rad),
+      slam_(params),
+      grid_(params.cell_size_m) {
+  context_.bus.subscribe<nodmap::odometry_t>(
+      "ODOMETRY", [this](const nodmap::odometry_t& message) { on_odometry(message); });
+  context_.bus.subscribe<nodmap::scan_t>(
+      "SCAN", [this](const nodmap::scan_t& message) { on_scan(message); });
+}
+
+void Slam2dNode::on_odometry(const nodmap::odometry_t& message) {
+  const auto T_odom_base = msg::read_odometry(message);
+  if (T_odom_base && odometry_.add(message.utime, *T_odom_base)) {
+    context_.tally.use();
+  } else {
+    context_.tally.reject("implausible_odometry");
+  }
+}
+
+void Slam2dNode::on_scan(const nodmap::scan_t& message) {
+  if (!msg::read_scan(message, scan_)) {
+    context_.tally.reject("implausible_scan");
+    return;
+  }
+  context_.tally.lose(scan_seq_.lost_before(message.scan_seq));
+  if (const scan::Scan* level = selector_.add(scan_)) {
+    track(*level);
+  } else {
+    ++not_level_;
+  }
+}
+
+void Slam2dNode::track(const scan::Scan& scan) {
+  const auto T_odom_base = odometry_.at(scan.utime_us);
+  if (!T_odom_base) {
+    context_.tally.reject("no_odometry");
+    return;
+  }
+  const auto result = slam_.add_scan(scan, geometry::to_se2(*T_odom_base));
+  if (!result) {
+    context_.tally.reject("nothing_seen");
+    return;
+  }
+  context_.tally.use();
+  last_quality_ = result->quality;
+  last_utime_us_ = result->utime_us;
+  publish_pose(*result);
+  draw_new_keyframes();
+  // Distance, not difference: a stamp that steps far back must not silence the map.
+  if (!last_map_utime_us_ || std::abs(static_cast<double>(scan.utime_us - *last_map_utime_us_)) >=
+                                 1e6 * params_.map_period_s) {
+    publish_map(scan.utime_us);
+  }
+}
+
+void Slam2dNode::finish() {
+  publish_map(last_utime_us_);
+}
+
+void Slam2dNode::publish_pose(const Slam2dResult& result) {
+  nodmap::pose_t message = msg::write_corrected_pose(
+      result.utime_us, geometry::to_se3(result.T_map_base), geometry::to_se3(result.T_map_odom));
+  message.match_share = result.match_share;
+  message.match_rms_m = result.match_rms_m;
+  message.pose_quality = static_cast<std::int8_t>(result.quality);
+  context_.bus.publish("POSE_2D", message);
+}
+
+void Slam2dNode::draw_new_keyframes() {
+  for (; keyframes_drawn_ < slam_.keyframes().size(); ++keyframes_drawn_) {
+    draw(slam_.keyframes()[keyframes_drawn_], grid_);
+  }
+}
+
+void Slam2dNode::publish_map(std::int64_t utime_us) {
+  if (keyframes_published_ == keyframes_drawn_) {
+    return;
+  }
+  for (const nodmap::grid_chunk_t& tile : cut_into_tiles(grid_, utime_us, maps_published_)) {
+    context_.bus.publish("MAP_2D", tile);
+  }
+  ++maps_published_;
+  keyframes_published_ = keyframes_drawn_;
+  last_map_utime_us_ = utime_us;
+}
+
+void Slam2dNode::write_results(const std::filesystem::path& dir) {
+  formats::Trajectory corrected;
+  formats::Trajectory online;
+  std::vector<geometry::SE2> path;
+  for (const TrackedScan& scan : slam_.tracked_scans()) {
+    path.push_back(slam_.corrected_pose(scan));
+    corrected.push_back({scan.utime_us, geometry::to_se3(path.back())});
+    online.push_back({scan.utime_us, geometry::to_se3(scan.T_map_base_online)});
+  }
+  std::vector<geometry::SE2> odometry;
+  for (const Keyframe& keyframe : slam_.keyframes()) {
+    odometry.push_back(keyframe.T_odom_base);
+  }
+  formats::write_tum(dir / "trajectory.tum", corrected);
+  formats::write_tum(dir / "online.tum", online);
+  write_ros_map(dir, grid_);
+  draw_map(grid_, path).write_png(dir / "map.png");
+  draw_paths(path, odometry).write_png(dir / "path.png");
+}
+
+nlohmann::json Slam2dNode::figures() const {
+  const Slam2dFigures& figures = slam_.figures();
+  const double scans = static_cast<double>(std::max<std::int64_t>(1, figures.scans));
+  return {{"scans_used", figures.scans},
+          {"scans_not_level", not_level_},
+          {"map_points", slam_.map().landmarks().size()},
+          {"keyframes", slam_.keyframes().size()},
+          {"tracked", figures.tracked},
+          {"partly", figures.partly},
+          {"odometry_only", figures.odometry_only},
+          {"lost", figures.lost},
+          {"searches", figures.searches},
+          {"searches_helped", figures.searches_helped},
+          {"mean_match_share", figures.share_sum / scans},
+          {"mean_match_agreement", figures.agreement_sum / scans},
+          {"maps_published", maps_published_}};
+}
+
+node::Health Slam2dNode::health() const {
+  if (last_quality_ == PoseQuality::kLost) {
+    return {node::HealthState::kDegraded, "lost: the scan does not fit the map"};
+  }
+  if (last_quality_ == PoseQuality::kOdometry) {
+    return {node::HealthState::kDegraded, "odometry only: the scanner sees too little"};
+  }
+  return {};
+}
+
+}  // namespace nodmap::slam2d

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/slam2d/occupancy_grid.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+
+namespace nodmap::slam2d {
+namespace {
+
+constexpr int kMarginCells = 100;               // grown by more than is needed now
+constexpr std::int64_t kMaxCells = 64'000'000;  // 400 m x 400 m at 5 cm
+constexpr double kMaxCoordinateCells = 1'000'000'000.0;
+
+bool is_drawable(const Eigen::Vector2d& cells) {
+  return cells.allFinite() && cells.cwiseAbs().maxCoeff() < kMaxCoordinateCells;
+}
+
+/// How a ray walks along one axis (Amanatides and Woo 1987); parameters run from 0 to 1.
+struct Axis {
+  int direction = 0;
+  double next = std::numeric_limits<double>::infinity();  // where it enters the next cell
+  double step = std::numeric_limits<double>::infinity();  // from cell to cell
+
+  Axis(double from, double to) {
+    if (from == to) {
+      return;
+    }
+    direction = to > from ? 1 : -1;
+    const double border = std::floor(from) + (direction > 0 ? 1.0 : 0.0);
+    next = (border - from) / (to - from);
+    step = 1.0 / std::abs(to - from);
+  }
+};
+
+}  // namespace
+
+OccupancyGrid::Cell& OccupancyGrid::at(const Eigen::Vector2i& cell) {
+  const Eigen::Vector2i place = cell - first_cell_;
+  return cells_[static_cast<std::size_t>(place.y()) * static_cast<std::size_t>(width_) +
+                static_cast<std::size_t>(place.x())];
+}
+
+bool OccupancyGrid::add_ray(const Eigen::Vector2d& eye, const Eigen::Vector2d& end) {
+  const Eigen::Vector2d from = eye / cell_size_m_;
+  const Eigen::Vector2d to = end / cell_size_m_;
+  if (!is_drawable(from) || !is_drawable(to)) {
+    return false;
+  }
+  Eigen::Vector2i cell = from.array().floor().cast<int>();
+  const Eigen::Vector2i last = to.array().floor().cast<int>();
+  if (!make_room(cell.cwiseMin(last), cell.cwiseMax(last))) {
+    return false;
+  }
+  Axis x(from.x(), to.x());
+  Axis y(from.y(), to.y());
+  // As many steps as borders lie between, so that rounding cannot lead past the end.
+  for (int steps = (last - cell).cwiseAbs().sum(); steps > 0; --steps) {
+    ++at(cell).passed;
+    const bool along_x = cell.y() == last.y() || (cell.x() != last.x() && x.next < y.next);
+    Axis& axis = along_x ? x : y;
+    (along_x ? cell.x() : cell.y()) += axis.direction;
+    axis.next += axis.step;
+  }
+  ++at(last).ended;
+  return true;
+}
+
+bool OccupancyGrid::make_room(const Eigen::Vector2i& low, const Eigen::Vector2i& high) {
+  const Eigen::Vector2i end(first_cell_.x() + width_, first_cell_.y() + height_);
+  const bool is_empty = cells_.empty();
+  if (!is_empty && (low.array() >= first_cell_.array()).all() &&
+      (high.array() < end.array()).all()) {
+    return true;
+  }
+  const Eigen::Vector2i margin = Eigen::Vector2i::Constant(kMarginCells);
+  const Eigen::Vector2i new_low =
+      is_empty
+          ? Eigen::Vector2i(low - margin)
+          : Eigen::Vector2i((low.array() < first_cell_.array()).select(low - margin, first_cell_));
+  const Eigen::Vector2i new_end =
+      is_empty ? Eigen::Vector2i(high + margin)
+               : Eigen::Vector2i((high.array() >= end.array()).select(high + margin, end));
+  const Eigen::Vector2i size = new_end - new_low;
+  if (static_cast<std::int64_t>(size.x()) * size.y() > kMaxCells) {
+    return false;
+  }
+  std::vector<Cell> grown(static_cast<std::size_t>(size.x()) * static_cast<std::size_t>(size.y()));
+  const Eigen::Vector2i shift = first_cell_ - new_low;
+  for (std::ptrdiff_t row = 0; row < height_; ++row) {
+    std::copy_n(cells_.begin() + row * width_, width_,
+                grown.begin() + (row + shift.y()) * size.x() + shift.x());
+  }
+  cells_ = std::move(grown);
+  first_cell_ = new_low;
+  width_ = size.x();
+  height_ = size.y();
+  return true;
+}
+
+std::int8_t OccupancyGrid::occupancy(int x, int y) const {
+  const Cell& cell = cells_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
+                            static_cast<std::size_t>(x)];
+  const std::uint64_t rays = std::uint64_t{cell.ended} + cell.passed;
+  return rays == 0
+             ? kUnknown
+             : static_cast<std::int8_t>((std::uint64_t{200} * cell.ended + rays) / (2 * rays));
+}
+
+}  // namespace nodmap::slam2d

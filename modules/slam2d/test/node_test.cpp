@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/slam2d/node.hpp"
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "common/formats/tum.hpp"
+#include "common/msg/messages.hpp"
+#include "modules/slam2d/test/drawn_world.hpp"
+#include "nodmap/grid_chunk_t.hpp"
+#include "tests/support/data_dir.hpp"
+
+namespace nodmap::slam2d {
+namespace {
+
+/// A bus in memory: what is put in goes to the handlers, what is published is kept.
+class MemoryBus : public bus::Bus {
+ public:
+  template <class Message>
+  void put(const std::string& channel, const Message& message) {
+    std::vector<std::byte> bytes;
+    bus::encode_into(bytes, message);
+    handlers_.at(channel)(bytes);
+  }
+
+  template <class Message>
+  [[nodiscard]] std::vector<Message> sent(const std::string& channel) const {
+    std::vector<Message> messages;
+    for (const auto& [name, bytes] : sent_) {
+      if (name == channel) {
+        EXPECT_TRUE(bus::decode_into(messages.emplace_back(), bytes));
+      }
+    }
+    return messages;
+  }
+
+ private:
+  bool send(const std::string& channel, std::span<const std::byte> bytes) override {
+    sent_.emplace_back(channel, std::vector<std::byte>(bytes.begin(), bytes.end()));
+    return true;
+  }
+  void listen(const std::string& channel, BytesHandler handler, int) override {
+    handlers_[channel] = std::move(handler);
+  }
+
+  std::map<std::string, BytesHandler> handlers_;
+  std::vector<std::pair<std::string, std::vector<std::byte>>> sent_;
+};
+
+class Slam2dNodeTest : public testing::Test {
+ protected:
+  void put_scan(std::int64_t utime_us, const geometry::SE2& truth) {
+    scan::Scan scan = scanner_.scan(test::room(), truth, utime_us);
+    scan.seq = seq_++;
+    bus_.put("SCAN", msg::write_scan(scan));
+  }
+  void put_odometry(std::int64_t utime_us, const geometry::SE2& pose) {
+    bus_.put("ODOMETRY", msg::write_odometry(utime_us, geometry::to_se3(pose)));
+  }
+
+  MemoryBus bus_;
+  node::Tally tally_;
+  node::Context context_{bus_, tally_, {}};
+  Slam2dNode node_{context_, Slam2dParams{}};
+  test::Scanner scanner_;
+  std::int64_t seq_ = 0;
+};
+
+TEST_F(Slam2dNodeTest, PublishesAPoseForEachLevelScanAndTheMap) {
+  geometry::SE2 truth;
+  for (std::int64_t i = 0; i < 30; ++i) {
+    const std::int64_t utime_us = 200'000 * i;
+    const geometry::SE2 odom{1.05 * truth.x, truth.y, truth.yaw};
+    put_odometry(utime_us, odom);
+    put_scan(utime_us, truth);
+    const auto poses = bus_.sent<nodmap::pose_t>("POSE_2D");
+    ASSERT_EQ(poses.size(), static_cast<std::size_t>(i + 1));
+    EXPECT_EQ(poses.back().utime, utime_us);
+    EXPECT_NEAR(poses.back().position_m[0], truth.x, 0.03);  // scan noise 1 cm
+    EXPECT_EQ(poses.back().pose_quality, nodmap::pose_t::TRACKED);
+    truth = truth * geometry::SE2{0.03, 0.0, 0.04};
+  }
+  node_.finish();
+  const auto tiles = bus_.sent<nodmap::grid_chunk_t>("MAP_2D");
+  ASSERT_FALSE(tiles.empty());
+  EXPECT_EQ(tiles.front().map_revision, 0);
+  EXPECT_EQ(tiles.back().map_revision, 1);  // one at the start, one at the end
+  EXPECT_EQ(tiles.back().chunk_index, tiles.back().num_chunks - 1);
+  EXPECT_EQ(tally_.used(), 60);
+  EXPECT_EQ(node_.figures()["scans_used"], 30);
+  EXPECT_EQ(node_.health().state, node::HealthState::kOk);
+}
+
+TEST_F(Slam2dNodeTest, WritesALineForEachUsedScanWithItsOwnStamp) {
+  // Stamps step back as in one of the recordings: file order counts, each keeps its stamp.
+  const std::vector<std::int64_t> stamps{1'000'001, 1'200'000, 900'003, 1'400'000};
+  for (const std::int64_t utime_us : stamps) {
+    put_odometry(utime_us, {});
+    put_scan(utime_us, {});
+  }
+  node_.finish();
+  const nodmap::test::TemporaryDir dir;
+  node_.write_results(dir.path());
+  for (const char* name : {"trajectory.tum", "online.tum"}) {
+    const formats::Trajectory trajectory = formats::read_tum(dir.path() / name);
+    ASSERT_EQ(trajectory.size(), stamps.size());
+    for (std::size_t i = 0; i < stamps.size(); ++i) {
+      EXPECT_EQ(trajectory[i].utime_us, stamps[i]);
+    }
+  }
+  for (const char* name : {"map.pgm", "map.yaml", "map.png", "path.png"}) {
+    EXPECT_TRUE(std::filesystem::exists(dir.path() / name)) << name;
+  }
+}
+
+TEST_F(Slam2dNodeTest, CountsWhatItCannotUse) {
+  put_scan(0, {});  // before any odometry
+  nodmap::scan_t broken = msg::write_scan(scanner_.scan(test::room(), {}));
+  broken.angle_step_rad = 0.0;
+  bus_.put("SCAN", broken);
+  put_odometry(0, {});
+  nodmap::odometry_t no_pose{};
+  bus_.put("ODOMETRY", no_pose);
+  scan::Scan blind = scanner_.scan({}, {});
+  blind.seq = 1;
+  bus_.put("SCAN", msg::write_scan(blind));
+  scan::Scan tilted = scanner_.scan(test::room(), {});
+  tilted.seq = 5;  // three were lost
+  tilted.pitch_first_rad = tilted.pitch_last_rad = -0.3;
+  bus_.put("SCAN", msg::write_scan(tilted));
+
+  EXPECT_EQ(tally_.rejected().at("no_odometry"), 1);
+  EXPECT_EQ(tally_.rejected().at("implausible_scan"), 1);
+  EXPECT_EQ(tally_.rejected().at("implausible_odometry"), 1);
+  EXPECT_EQ(tally_.rejected().at("nothing_seen"), 1);
+  EXPECT_EQ(tally_.lost(), 3);
+  EXPECT_EQ(node_.figures()["scans_not_level"], 1);
+  EXPECT_TRUE(bus_.sent<nodmap::pose_t>("POSE_2D").empty());
+}
+
+TEST_F(Slam2dNodeTest, ResultsOfNothingAreWrittenToo) {
+  node_.finish();
+  const nodmap::test::TemporaryDir dir;
+  node_.write_results(dir.path());
+  EXPECT_TRUE(formats::read_tum(dir.path() / "trajectory.tum").empty());
+  EXPECT_EQ(node_.figures()["scans_used"], 0);
+}
+
+TEST_F(Slam2dNodeTest, SaysWhenItIsLost) {
+  put_odometry(0, {});
+  put_scan(0, {});
+  put_odometry(1, {500.0, 0.0, 0.0});
+  put_scan(1, {});
+  EXPECT_EQ(node_.health().state, node::HealthState::kDegraded);
+}
+
+}  // namespace
+}  // namespace nodmap::slam2d
