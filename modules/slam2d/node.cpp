@@ -9,7 +9,9 @@
 #include "common/formats/tum.hpp"
 #include "common/msg/messages.hpp"
 #include "modules/slam2d/grid_tiles.hpp"
-#include "modules/slam2d/map_files.hpp"
+#include "modules/slam2d/map_file.hpp"
+#include "nodmap/grid_chunk_t.hpp"
+#include "nodmap/pose_t.hpp"
 
 namespace nodmap::slam2d {
 
@@ -17,6 +19,24 @@ static_assert(static_cast<int>(PoseQuality::kTracked) == nodmap::pose_t::TRACKED
 static_assert(static_cast<int>(PoseQuality::kPartly) == nodmap::pose_t::PARTLY);
 static_assert(static_cast<int>(PoseQuality::kOdometry) == nodmap::pose_t::ODOMETRY);
 static_assert(static_cast<int>(PoseQuality::kLost) == nodmap::pose_t::LOST);
+
+namespace {
+
+void write_tile(const OccupancyGrid& grid, const GridTile& tile, nodmap::grid_chunk_t& message) {
+  message.cell_size_m = grid.cell_size_m();
+  message.origin_x_m = grid.origin().x();
+  message.origin_y_m = grid.origin().y();
+  message.grid_width = grid.width();
+  message.grid_height = grid.height();
+  message.tile_x = tile.x;
+  message.tile_y = tile.y;
+  message.tile_width = tile.width;
+  message.tile_height = tile.height;
+  message.num_cells = static_cast<std::int32_t>(tile.cells.size());
+  message.cells = tile.cells;
+}
+
+}  // namespace
 
 Slam2dNode::Slam2dNode(node::Context& context, const Params& params)
     : context_(context),
@@ -98,8 +118,15 @@ void Slam2dNode::publish_map(std::int64_t utime_us) {
   if (keyframes_published_ == keyframes_drawn_) {
     return;
   }
-  for (const nodmap::grid_chunk_t& tile : cut_into_tiles(grid_, utime_us, maps_published_)) {
-    context_.bus.publish("MAP_2D", tile);
+  const std::vector<GridTile> tiles = cut_into_tiles(grid_);
+  nodmap::grid_chunk_t message{};
+  message.utime = utime_us;
+  message.map_revision = maps_published_;
+  message.num_chunks = static_cast<std::int32_t>(tiles.size());
+  for (const GridTile& tile : tiles) {
+    write_tile(grid_, tile, message);
+    context_.bus.publish("MAP_2D", message);
+    ++message.chunk_index;
   }
   ++maps_published_;
   keyframes_published_ = keyframes_drawn_;

@@ -137,35 +137,36 @@ void PointMap::refit(std::uint32_t index) {
   }
 }
 
+void PointMap::search_cell(CellIndex index, const SurfacePoint& point, Nearest& nearest) const {
+  const Cell* cell = find_cell(index);
+  if (cell == nullptr) {
+    return;
+  }
+  for (const Entry& entry : *cell) {
+    const double squared = (entry.p - point.p).squaredNorm();
+    if (squared <= nearest.squared_m2 && look_the_same_way(point.normal, entry.normal)) {
+      nearest = {squared, &entry};
+    }
+  }
+}
+
 const PointMap::Landmark* PointMap::nearest(const SurfacePoint& point,
                                             double max_distance_m) const {
-  double best = max_distance_m * max_distance_m;
-  const Entry* found = nullptr;
-  const auto search = [&](CellIndex index) {
-    if (const Cell* cell = find_cell(index)) {
-      for (const Entry& entry : *cell) {
-        const double squared = (entry.p - point.p).squaredNorm();
-        if (squared <= best && look_the_same_way(point.normal, entry.normal)) {
-          best = squared;
-          found = &entry;
-        }
-      }
-    }
-  };
+  Nearest nearest{max_distance_m * max_distance_m, nullptr};
   // The point's own cell first: what is found there mostly makes the others needless.
   const CellIndex home = index_of(point.p);
-  search(home);
-  const double reach = std::sqrt(best);
+  search_cell(home, point, nearest);
+  const double reach = std::sqrt(nearest.squared_m2);
   const CellIndex low = index_of(point.p.array() - reach);
   const CellIndex high = index_of(point.p.array() + reach);
   for (std::int32_t y = low.y; y <= high.y; ++y) {
     for (std::int32_t x = low.x; x <= high.x; ++x) {
       if (const CellIndex index{x, y}; index != home) {
-        search(index);
+        search_cell(index, point, nearest);
       }
     }
   }
-  return found == nullptr ? nullptr : &landmarks_[found->landmark];
+  return nearest.entry == nullptr ? nullptr : &landmarks_[nearest.entry->landmark];
 }
 
 }  // namespace nodmap::slam2d

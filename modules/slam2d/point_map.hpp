@@ -66,6 +66,13 @@ class PointMap {
     bool operator==(const CellIndex&) const = default;
   };
 
+  /// The nearest found so far in a search.
+  struct Nearest {
+    double squared_m2 = 0.0;
+    const Entry* entry = nullptr;
+  };
+
+  void search_cell(CellIndex index, const SurfacePoint& point, Nearest& nearest) const;
   [[nodiscard]] static CellIndex index_of(const Eigen::Vector2d& p);
   /// Where the cell is in the table, or the free slot where it would go.
   [[nodiscard]] std::size_t slot_of(CellIndex index) const;
@@ -73,7 +80,7 @@ class PointMap {
   Cell& make_cell(CellIndex index);
   void grow_table();
   void join_neighbours(std::uint32_t added, const Cell& cell);
-  void refit(std::uint32_t landmark);
+  void refit(std::uint32_t index);
 
   double neighbour_radius_m_;
   std::vector<Landmark> landmarks_;

@@ -10,7 +10,7 @@ namespace {
 constexpr double kStepM = 0.25;  // ICP comes in from half of it
 constexpr double kStepRad = geometry::deg_to_rad(4.0);
 constexpr double kReachM = 0.25;     // a point this far from the map counts 0
-constexpr std::size_t kPoints = 90;  // enough to rank poses
+constexpr std::size_t kPoints = 45;  // enough to rank poses
 constexpr std::size_t kMaxCandidates = 10;
 constexpr double kDistinctM = 0.4;
 constexpr double kDistinctRad = 0.1;
@@ -58,7 +58,6 @@ std::vector<geometry::SE2> PoseSearch::candidates(const PointMap& map,
   const int steps = static_cast<int>(params_.search_distance_m / kStepM);
   const int turns = static_cast<int>(params_.search_rotation_rad / kStepRad);
   std::vector<Candidate> tried;
-  tried.reserve(static_cast<std::size_t>((2 * steps + 1) * (2 * steps + 1) * (2 * turns + 1)));
   for (int turn = -turns; turn <= turns; ++turn) {
     for (int ix = -steps; ix <= steps; ++ix) {
       for (int iy = -steps; iy <= steps; ++iy) {

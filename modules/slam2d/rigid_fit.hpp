@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <utility>
 
 #include "common/geometry/se2.hpp"
 
@@ -27,8 +28,8 @@ class RigidFit {
 
   /// `reference`: a point near the data, to which the sums are taken; keeps their precision far
   /// from the origin.
-  explicit RigidFit(const Eigen::Vector2d& reference = Eigen::Vector2d::Zero())
-      : reference_(reference) {}
+  explicit RigidFit(Eigen::Vector2d reference = Eigen::Vector2d::Zero())
+      : reference_(std::move(reference)) {}
 
   /// Pairs that are not finite or whose weight is not positive are left out.
   void add(const Eigen::Vector2d& model, const Eigen::Vector2d& data, double weight = 1.0);

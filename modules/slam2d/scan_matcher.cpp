@@ -47,8 +47,7 @@ struct ScanMatcher::Evidence {
 
 ScanMatcher::Evidence ScanMatcher::find_pairs(const PointMap& map,
                                               std::span<const SurfacePoint> scan,
-                                              const geometry::SE2& T_map_base,
-                                              double gate_m) const {
+                                              const geometry::SE2& T_map_base, double gate_m) {
   const double scale = kKernelShare * gate_m;
   const Eigen::Matrix2d R = T_map_base.rotation();
   const Eigen::Vector2d t = T_map_base.translation();

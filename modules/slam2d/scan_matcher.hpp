@@ -34,8 +34,8 @@ class ScanMatcher {
 
  private:
   struct Evidence;
-  [[nodiscard]] Evidence find_pairs(const PointMap& map, std::span<const SurfacePoint> scan,
-                                    const geometry::SE2& T_map_base, double gate_m) const;
+  [[nodiscard]] static Evidence find_pairs(const PointMap& map, std::span<const SurfacePoint> scan,
+                                           const geometry::SE2& T_map_base, double gate_m);
   [[nodiscard]] Eigen::Vector3d step(const Evidence& evidence, const geometry::SE2& T_map_base,
                                      double gate_m) const;
 

@@ -32,7 +32,7 @@ struct Spread {
 
 Eigen::Vector2d normal_at(std::span<const Eigen::Vector2d> points, std::size_t index,
                           const Eigen::Vector2d& eye) {
-  const Eigen::Vector2d middle = points[index];
+  const Eigen::Vector2d& middle = points[index];
   Spread spread;
   const std::size_t end = std::min(points.size(), index + 1 + kMaxNeighbours);
   for (std::size_t i = index + 1; i < end && spread.add(points[i] - middle); ++i) {

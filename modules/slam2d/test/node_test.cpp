@@ -90,6 +90,11 @@ TEST_F(Slam2dNodeTest, PublishesAPoseForEachLevelScanAndTheMap) {
   EXPECT_EQ(tiles.front().map_revision, 0);
   EXPECT_EQ(tiles.back().map_revision, 1);  // one at the start, one at the end
   EXPECT_EQ(tiles.back().chunk_index, tiles.back().num_chunks - 1);
+  for (const nodmap::grid_chunk_t& tile : tiles) {
+    EXPECT_LT(tile.getEncodedSize(), 65'536);
+    EXPECT_EQ(tile.num_cells, tile.tile_width * tile.tile_height);
+    EXPECT_EQ(tile.utime, tile.map_revision == 0 ? 0 : 29 * 200'000);
+  }
   EXPECT_EQ(tally_.used(), 60);
   EXPECT_EQ(node_.figures()["scans_used"], 30);
   EXPECT_EQ(node_.health().state, node::HealthState::kOk);

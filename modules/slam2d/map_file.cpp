@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "modules/slam2d/map_files.hpp"
+#include "modules/slam2d/map_file.hpp"
 
 #include <algorithm>
 #include <fstream>

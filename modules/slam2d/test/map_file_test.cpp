@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "modules/slam2d/map_files.hpp"
+#include "modules/slam2d/map_file.hpp"
 
 #include <gtest/gtest.h>
 
@@ -21,7 +21,7 @@ std::string slurp(const std::filesystem::path& file) {
   return content.str();
 }
 
-TEST(MapFiles, RosMapHasTheRobotsLeftAtTheTop) {
+TEST(MapFile, RosMapHasTheRobotsLeftAtTheTop) {
   const test::TemporaryDir dir;
   OccupancyGrid grid(0.5);
   ASSERT_TRUE(grid.add_ray({0.25, 0.25}, {0.25, 1.25}));  // a wall to the left: y is up
@@ -48,7 +48,7 @@ TEST(MapFiles, RosMapHasTheRobotsLeftAtTheTop) {
   EXPECT_NE(yaml.find("origin: [-50, -50, 0]\n"), std::string::npos);
 }
 
-TEST(MapFiles, AFolderThatIsMissingIsNamed) {
+TEST(MapFile, AFolderThatIsMissingIsNamed) {
   try {
     write_ros_map("/nonexistent/folder", OccupancyGrid(0.05));
     FAIL();
@@ -57,7 +57,7 @@ TEST(MapFiles, AFolderThatIsMissingIsNamed) {
   }
 }
 
-TEST(MapFiles, PicturesOfNothingAndOfAPath) {
+TEST(MapFile, PicturesOfNothingAndOfAPath) {
   EXPECT_GT(draw_paths({}, {}).width(), 0);
   EXPECT_EQ(draw_map(OccupancyGrid(0.05), {}).width(), 1);
   const std::vector<geometry::SE2> path{{0, 0, 0}, {10, 0, 0}};
