@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <CLI/CLI.hpp>
+#include <cstdio>
 #include <exception>
 #include <filesystem>
 #include <iostream>
@@ -92,9 +93,7 @@ void add_exports(CLI::App& app, Arguments& arguments) {
   command->callback([&arguments] { export_log(arguments); });
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int run(int argc, char** argv) {
   CLI::App app("Converts recordings to and from LCM event logs.", "nodmap-convert");
   app.set_version_flag("--version", NODMAP_VERSION);
   app.require_subcommand(1);
@@ -103,10 +102,16 @@ int main(int argc, char** argv) {
   add_exports(app, arguments);
   nodmap::log::start("nodmap-convert", "info");
   nodmap::node::catch_stop_signals();
+  return nodmap::node::parse_command_line(app, argc, argv).value_or(0);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
   try {
-    return nodmap::node::parse_command_line(app, argc, argv).value_or(0);
+    return run(argc, argv);
   } catch (const std::exception& error) {
-    nodmap::log::get().error("{}", error.what());
+    std::fprintf(stderr, "nodmap-convert: %s\n", error.what());
     return 1;
   }
 }

@@ -2,6 +2,7 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdint>
+#include <cstdio>
 #include <exception>
 #include <iostream>
 #include <nlohmann/json.hpp>
@@ -88,19 +89,23 @@ void add_commands(CLI::App& app, Arguments& arguments) {
   trajectory->callback([&arguments] { print_trajectory(arguments); });
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int run(int argc, char** argv) {
   CLI::App app("Measures results against the truth.", "nodmap-evaluate");
   app.set_version_flag("--version", NODMAP_VERSION);
   app.require_subcommand(1);
   Arguments arguments;
   add_commands(app, arguments);
   nodmap::log::start("nodmap-evaluate", "info");
+  return nodmap::node::parse_command_line(app, argc, argv).value_or(0);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
   try {
-    return nodmap::node::parse_command_line(app, argc, argv).value_or(0);
+    return run(argc, argv);
   } catch (const std::exception& error) {
-    nodmap::log::get().error("{}", error.what());
+    std::fprintf(stderr, "nodmap-evaluate: %s\n", error.what());
     return 1;
   }
 }
