@@ -112,6 +112,8 @@ int main(int argc, char** argv) {
     return run(argc, argv);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "nodmap-convert: %s\n", error.what());
-    return 1;
+  } catch (...) {
+    std::fputs("nodmap-convert: failed for an unknown reason\n", stderr);
   }
+  return 1;
 }

@@ -106,6 +106,8 @@ int main(int argc, char** argv) {
     return run(argc, argv);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "nodmap-evaluate: %s\n", error.what());
-    return 1;
+  } catch (...) {
+    std::fputs("nodmap-evaluate: failed for an unknown reason\n", stderr);
   }
+  return 1;
 }
