@@ -95,7 +95,8 @@ TEST(ScanLine, ReachesAsFarAsTheWallBetweenTwoBeams) {
     const double c = std::cos(scan.angle_rad(i));
     scan.ranges_m[i] = c > 0.1 ? static_cast<float>(3.0 / c) : kInfinity;
   }
-  for (double y = -15.0; y < 15.0; y += 0.07) {
+  for (int i = -214; i < 214; ++i) {
+    const double y = 0.07 * i;
     const auto look = ScanLine(scan).look_at({3.0, y});
     ASSERT_TRUE(look);
     const auto reached = ScanLine(scan).reached_m(*look);

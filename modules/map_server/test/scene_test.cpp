@@ -11,7 +11,6 @@ namespace nodmap::map_server {
 namespace {
 
 using test::Box;
-using test::Cylinder;
 using test::deg_to_rad;
 using test::NoddingScanner;
 using test::SE2;
@@ -38,7 +37,8 @@ void stand(MapServer& server, NoddingScanner& scanner, const World& world, int s
 // Drives ahead at a speed, with exact odometry, and calls back after each scan.
 void drive(MapServer& server, NoddingScanner& scanner, const World& world, double speed_mps,
            double duration_s, const std::function<void(const SE2&)>& after_each) {
-  for (double t = 0.0; t < duration_s; t += NoddingScanner::kPeriodS) {
+  for (int i = 0; i * NoddingScanner::kPeriodS < duration_s; ++i) {
+    const double t = i * NoddingScanner::kPeriodS;
     const SE2 pose{speed_mps * t, 0.0, 0.0};
     server.add_scan(scanner.scan(world, pose), geometry::to_se3(pose));
     after_each(pose);
@@ -73,7 +73,7 @@ TEST(Scene, R14_FlatFloorIsNoObstacle) {
   scanner.range_sigma_m = 0.01;
   scanner.pitch_sigma_rad = deg_to_rad(0.1);
   std::size_t floor_points = 0;
-  for (double t = 0.0; t < 60.0; t += NoddingScanner::kPeriodS) {
+  for (int i = 0; i * NoddingScanner::kPeriodS < 60.0; ++i) {
     stand(server, scanner, World{}, 1);
     floor_points += static_cast<std::size_t>(std::ranges::count_if(
         server.obstacle_map().scan().points(), [](const EgoPoint& p) { return p.valid; }));
@@ -132,7 +132,8 @@ TEST(Scene, R16_WalkingPersonDoesNotHideTheWall) {
   long bins = 0;
   long on_wall = 0;
   long raw_on_wall = 0;
-  for (double t = 0.0; t < 40.0; t += NoddingScanner::kPeriodS) {
+  for (int i = 0; i * NoddingScanner::kPeriodS < 40.0; ++i) {
+    const double t = i * NoddingScanner::kPeriodS;
     World world = empty;
     const double way = std::fmod(t, 8.0);  // there and back at 1.25 m/s
     world.cylinders.push_back({{3.0, way < 4.0 ? -2.5 + 1.25 * way : 7.5 - 1.25 * way}, 0.25, 1.7});
@@ -263,7 +264,8 @@ TEST(Scene, R26_WallsDoubledByASlipBecomeOneAgain) {
       });
     };
     SE2 pose;
-    for (double t = 0.0; t < 9.0; t += NoddingScanner::kPeriodS) {
+    for (int i = 0; i * NoddingScanner::kPeriodS < 9.0; ++i) {
+      const double t = i * NoddingScanner::kPeriodS;
       pose = {0.1 * t, 0, 0};
       const bool slipped = t > 3.0;
       const SE2 odometry = slipped ? pose * SE2{0, 0, deg_to_rad(5)} : pose;

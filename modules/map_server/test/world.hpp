@@ -34,7 +34,10 @@ struct Box {
       enter = std::max(enter, std::min(a, b));
       leave = std::min(leave, std::max(a, b));
     }
-    return enter <= leave && enter > 0.0 ? enter : kInfinity;
+    if (enter > leave || enter <= 0.0) {
+      return kInfinity;
+    }
+    return enter;
   }
 };
 
@@ -54,7 +57,10 @@ struct Cylinder {
       return kInfinity;
     }
     const double r = (-b - std::sqrt(root)) / a;
-    return r > 0.0 && origin.z() + r * ray.z() <= height_m ? r : kInfinity;
+    if (r <= 0.0 || origin.z() + r * ray.z() > height_m) {
+      return kInfinity;
+    }
+    return r;
   }
 };
 
