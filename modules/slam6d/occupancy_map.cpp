@@ -18,6 +18,9 @@ namespace {
 // of the octree's leaves, and neighbours in the list are neighbours in memory.
 using MortonCode = std::uint64_t;
 
+// Beyond this, where no octree reaches, OctoMap's integers would overflow.
+constexpr double kFarthestM = 1e6;
+
 MortonCode spread_bits(std::uint16_t key) {
   MortonCode spread = key;
   spread = (spread | spread << 16U) & 0x0000FF0000FFULL;
@@ -87,6 +90,8 @@ struct OccupancyMap::Tree {
   };
 
   [[nodiscard]] Voxels trace(const SweepCloud& cloud, const geometry::SE3& T_map_base);
+  void trace_beam(const Eigen::Vector3d& p_map_mirror, const Eigen::Vector3d& p_map,
+                  Voxels& voxels);
 
   Options options;
   Octree octree;
@@ -102,31 +107,38 @@ OccupancyMap::Tree::Voxels OccupancyMap::Tree::trace(const SweepCloud& cloud,
   for (const SweepCloud::Line& line : cloud.lines) {
     const Eigen::Vector3d p_map_mirror = T_map_base * line.p_base_mirror.cast<double>();
     for (; i < line.end; ++i) {
-      const Eigen::Vector3d beam = T_map_base * cloud.points[i].cast<double>() - p_map_mirror;
-      const double range_m = beam.norm();
-      const bool ends_inside = range_m <= options.max_range_m;
-      const Eigen::Vector3d p_map_end =
-          ends_inside ? Eigen::Vector3d(p_map_mirror + beam)
-                      : Eigen::Vector3d(p_map_mirror + beam * (options.max_range_m / range_m));
-      octomap::OcTreeKey end;
-      // A second beam into the same voxel says nothing new.
-      if (!octree.coordToKeyChecked(to_octomap(p_map_end), end) ||
-          !traced.insert(morton(end)).second) {
-        continue;
-      }
-      if (ends_inside) {
-        voxels.occupied.push_back(morton(end));
-      }
-      if (octree.computeRayKeys(to_octomap(p_map_mirror), to_octomap(p_map_end), ray)) {
-        for (const octomap::OcTreeKey& key : ray) {
-          voxels.free.push_back(morton(key));
-        }
-      }
+      trace_beam(p_map_mirror, T_map_base * cloud.points[i].cast<double>(), voxels);
     }
   }
   sort_unique(voxels.occupied);
   sort_unique(voxels.free);
   return voxels;
+}
+
+void OccupancyMap::Tree::trace_beam(const Eigen::Vector3d& p_map_mirror,
+                                    const Eigen::Vector3d& p_map, Voxels& voxels) {
+  const Eigen::Vector3d beam = p_map - p_map_mirror;
+  const double range_m = beam.norm();
+  const bool ends_inside = range_m <= options.max_range_m;
+  const Eigen::Vector3d p_map_end =
+      ends_inside ? p_map : Eigen::Vector3d(p_map_mirror + beam * (options.max_range_m / range_m));
+  octomap::OcTreeKey end;
+  if (!(p_map_end.cwiseAbs().maxCoeff() < kFarthestM) ||
+      !octree.coordToKeyChecked(to_octomap(p_map_end), end)) {
+    return;
+  }
+  // A second beam of its kind into the same voxel says nothing new.
+  if (!traced.insert(morton(end) << 1U | MortonCode{ends_inside}).second) {
+    return;
+  }
+  if (ends_inside) {
+    voxels.occupied.push_back(morton(end));
+  }
+  if (octree.computeRayKeys(to_octomap(p_map_mirror), to_octomap(p_map_end), ray)) {
+    for (const octomap::OcTreeKey& key : ray) {
+      voxels.free.push_back(morton(key));
+    }
+  }
 }
 
 OccupancyMap::OccupancyMap(const Options& options) : tree_(std::make_unique<Tree>(options)) {}

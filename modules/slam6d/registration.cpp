@@ -152,7 +152,7 @@ bool is_settled(const SE3& before, const SE3& after) {
 Registration register_surface(const Surface& surface_base, const Model& model,
                               const SE3& T_map_base_guess, const RegistrationOptions& options) {
   Registration result{.T_map_base = T_map_base_guess};
-  const double num_points = static_cast<double>(surface_base.points.size());
+  const auto num_points = static_cast<double>(surface_base.points.size());
   const auto give_up = [&](RegistrationStatus why) {
     result.status = why;
     result.T_map_base = T_map_base_guess;

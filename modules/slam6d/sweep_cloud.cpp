@@ -35,7 +35,7 @@ void append_scan(const PlacedScan& placed, const SE3& T_base_odom, const RangeLi
   const SE3 T_base_last = T_base_odom * placed.T_odom_last;
   const bool is_standing = T_base_first.isApprox(T_base_last, 1e-12);
   for (const auto& hit : projector.hits(scan)) {
-    const double range_m = static_cast<double>(scan.ranges_m[hit.beam]);
+    const auto range_m = static_cast<double>(scan.ranges_m[hit.beam]);
     if (range_m < range.min_m || range_m > range.max_m) {
       continue;
     }

@@ -115,6 +115,19 @@ TEST(OccupancyMap, R46_EqualsStockInsertionFromOnePlace) {
   EXPECT_GT(stock.size(), 100'000U);
 }
 
+// A beam that is cut off at the range ends in the voxel in which another one hits, whichever was
+// first.
+TEST(OccupancyMap, AHitCountsWhereAnotherBeamIsCutOff) {
+  SweepCloud cloud;
+  cloud.points = {{3.0F, 0.0F, 0.02F}, {1.99F, 0.0F, 0.02F}, {3.0F, 0.0F, 0.02F}};
+  cloud.lines.push_back({Eigen::Vector3f(0.0F, 0.0F, 0.02F), 3});
+  OccupancyMap map({.max_range_m = 1.995});
+  map.insert(cloud, SE3::Identity());
+  const auto tree = read_bt(map);
+  ASSERT_NE(tree->search(1.99, 0.0, 0.02), nullptr);
+  EXPECT_TRUE(tree->isNodeOccupied(tree->search(1.99, 0.0, 0.02)));
+}
+
 TEST(OccupancyMap, BeamsBeyondTheRangeOnlyFree) {
   OccupancyMap map({.max_range_m = 2.0});
   map.insert(wall_cloud(0.0), SE3::Identity());
@@ -146,6 +159,8 @@ TEST(OccupancyMap, EmptyAndFarAway) {
   EXPECT_TRUE(map.encode(OccupancyMap::Format::kBt).has_value());
   SE3 beyond = SE3::Identity();
   beyond.translation().x() = 1e7;  // OctoMap ends at 1638 m for 5 cm
+  map.insert(wall_cloud(0.0), beyond);
+  beyond.translation().x() = 1e300;
   map.insert(wall_cloud(0.0), beyond);
   EXPECT_EQ(map.num_nodes(), 0U);
 }

@@ -47,7 +47,7 @@ double distance(const SE3& a, const SE3& b) {
 TEST(RigidFit, R33_FindsTheMotionOfRandomClouds) {
   RandomScene scene(33);
   for (int run = 0; run < 1000; ++run) {
-    std::vector<Eigen::Vector3d> data(3 + run % 50);
+    std::vector<Eigen::Vector3d> data(static_cast<std::size_t>(3 + run % 50));
     for (Eigen::Vector3d& p : data) {
       p = scene.point(10.0);
     }
