@@ -128,7 +128,7 @@ void OccupancyMap::Tree::trace_beam(const Eigen::Vector3d& p_map_mirror,
     return;
   }
   // A second beam of its kind into the same voxel says nothing new.
-  if (!traced.insert(morton(end) << 1U | MortonCode{ends_inside}).second) {
+  if (!traced.insert(morton(end) << 1U | (ends_inside ? 1U : 0U)).second) {
     return;
   }
   if (ends_inside) {
