@@ -10,7 +10,7 @@ namespace {
 constexpr double kStepM = 0.25;  // ICP comes in from half of it
 constexpr double kStepRad = geometry::deg_to_rad(4.0);
 constexpr double kReachM = 0.25;     // a point this far from the map counts 0
-constexpr std::size_t kPoints = 45;  // enough to rank poses
+constexpr std::size_t kPoints = 90;  // enough to rank poses; 45 misplace one turn of csail
 constexpr std::size_t kMaxCandidates = 10;
 constexpr double kDistinctM = 0.4;
 constexpr double kDistinctRad = 0.1;
