@@ -74,6 +74,20 @@ def layout(struct, known):
     return rows
 
 
+def clearing(struct):
+    """The C++ statements that empty a message's arrays: lcm-gen's decoders leave an array as it was when its count is 0."""
+    lines = []
+    for kind, name, dimensions in struct.fields:
+        full = kind if "." in kind else f"{struct.package}.{kind}"
+        if any(not d.isdigit() for d in dimensions):
+            lines.append(f"    message.{name}.clear();")
+        elif kind not in SIZES and kind != "string" and not dimensions:
+            lines.append(f"    WireLayout<::{full.replace('.', '::')}>::clear(message.{name});")
+        elif kind not in SIZES and kind != "string":
+            raise ValueError(f"{struct.name}.{name}: arrays of structs of fixed size are not supported")
+    return lines
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--output", required=True, type=pathlib.Path)
@@ -91,7 +105,8 @@ def main():
             raise ValueError("types hold each other or are missing: " + ", ".join(s.name for s in pending))
         for struct in ready:
             lines += ["", "template <>", f"struct WireLayout<::{struct.package}::{struct.name}> {{", "  static constexpr WireField kFields[] = {"]
-            lines += layout(struct, known) + ["  };", "};"]
+            lines += layout(struct, known) + ["  };", ""]
+            lines += [f"  static void clear([[maybe_unused]] ::{struct.package}::{struct.name}& message) {{"] + clearing(struct) + ["  }", "};"]
             done.add(f"{struct.package}.{struct.name}")
             pending.remove(struct)
     lines += ["", "/// Every message type there is, for what looks into any log.", "[[nodiscard]] inline std::span<const MessageType> message_types() {",

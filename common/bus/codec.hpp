@@ -36,6 +36,7 @@ template <class Message>
       !fits_layout(WireLayout<Message>::kFields, bytes.subspan(kFingerprintBytes))) {
     return false;
   }
+  WireLayout<Message>::clear(message);
   const int size = static_cast<int>(bytes.size());
   return message.decode(bytes.data(), 0, size) == size;
 }

@@ -37,7 +37,7 @@ class LiveBus : public Bus {
 
   /// A message of any channel, as it came.
   struct RawMessage {
-    const std::string& channel;
+    std::string channel;
     std::span<const std::byte> data;  ///< valid during the call
     std::int64_t receive_utime_us;    ///< when this host received it, before it was queued
   };

@@ -67,6 +67,15 @@ TEST(Codec, RoundTripsStringsAndTwoDimensions) {
   EXPECT_EQ(cloud_back.points_m, cloud.points_m);
 }
 
+// lcm-gen's decoder leaves an array as it was when the count is 0.
+TEST(Codec, AMessageUsedAgainKeepsNothingOfTheLast) {
+  nodmap::scan_t scan{};
+  ASSERT_TRUE(decode_into(scan, encoded(sample_scan())));
+  ASSERT_TRUE(decode_into(scan, encoded(nodmap::scan_t{})));
+  EXPECT_TRUE(scan.ranges_m.empty());
+  EXPECT_TRUE(scan.intensities.empty());
+}
+
 TEST(Codec, RefusesAnotherTypesFingerprint) {
   nodmap::odometry_t other{};
   EXPECT_FALSE(decode_into(other, encoded(sample_scan())));
