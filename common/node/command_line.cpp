@@ -35,7 +35,7 @@ void add_common_options(CLI::App& app, CommonOptions& options, const params::Tab
   app.add_flag("--params-markdown", options.params_markdown,
                "Print the parameters as a Markdown table, and end");
   for (const params::Entry& entry : table.entries()) {
-    if (entry.is_flag) {
+    if (entry.kind == params::Kind::kFlag) {
       app.add_flag_callback(
           flag_name(entry.name),
           [&options, name = entry.name] { options.flags_given.push_back(name); }, entry.help);

@@ -41,6 +41,13 @@ std::optional<double> parse_within(std::string_view text, Range range) {
   return value;
 }
 
+/// A text as YAML's double-quoted scalar.
+std::string quoted(const std::string& text) {
+  YAML::Emitter emitter;
+  emitter << YAML::DoubleQuoted << text;
+  return emitter.c_str();
+}
+
 std::string interval(const char* kind, Range range) {
   return std::string(kind) + " from " + format(range.min) + " to " + format(range.max);
 }
@@ -48,7 +55,7 @@ std::string interval(const char* kind, Range range) {
 }  // namespace
 
 void Table::number(std::string name, double& value, Range range, std::string help) {
-  entries_.push_back({std::move(name), std::move(help), interval("a number", range), false,
+  entries_.push_back({std::move(name), std::move(help), interval("a number", range), Kind::kValue,
                       [&value] { return format(value); },
                       [&value, range](std::string_view text) {
                         const auto given = parse_within(text, range);
@@ -58,8 +65,8 @@ void Table::number(std::string name, double& value, Range range, std::string hel
 }
 
 void Table::integer(std::string name, int& value, Range range, std::string help) {
-  entries_.push_back({std::move(name), std::move(help), interval("a whole number", range), false,
-                      [&value] { return std::to_string(value); },
+  entries_.push_back({std::move(name), std::move(help), interval("a whole number", range),
+                      Kind::kValue, [&value] { return std::to_string(value); },
                       [&value, range](std::string_view text) {
                         const auto given = parse<int>(text);
                         if (!given || *given < range.min || *given > range.max) {
@@ -72,7 +79,7 @@ void Table::integer(std::string name, int& value, Range range, std::string help)
 
 void Table::angle(std::string name_deg, double& value_rad, Range range_deg, std::string help) {
   entries_.push_back(
-      {std::move(name_deg), std::move(help), interval("a number", range_deg), false,
+      {std::move(name_deg), std::move(help), interval("a number", range_deg), Kind::kValue,
        // Rounded, so that a default given in degrees reads as it was written.
        [&value_rad] { return format(std::round(value_rad * kDegreesPerRadian * 1e9) / 1e9); },
        [&value_rad, range_deg](std::string_view text) {
@@ -83,7 +90,7 @@ void Table::angle(std::string name_deg, double& value_rad, Range range_deg, std:
 }
 
 void Table::flag(std::string name, bool& value, std::string help) {
-  entries_.push_back({std::move(name), std::move(help), "true or false", true,
+  entries_.push_back({std::move(name), std::move(help), "true or false", Kind::kFlag,
                       [&value] { return std::string(value ? "true" : "false"); },
                       [&value](std::string_view text) {
                         if (text != "true" && text != "false") {
@@ -95,7 +102,7 @@ void Table::flag(std::string name, bool& value, std::string help) {
 }
 
 void Table::text(std::string name, std::string& value, std::string help) {
-  entries_.push_back({std::move(name), std::move(help), "any text", false,
+  entries_.push_back({std::move(name), std::move(help), "any text", Kind::kText,
                       [&value] { return value; },
                       [&value](std::string_view text) {
                         value = text;
@@ -156,7 +163,7 @@ std::string Table::to_yaml() const {
     const std::string_view unit = unit_of(entry.name);
     yaml += "# " + entry.help + "\n# " + entry.allowed +
             (unit.empty() ? "" : ", in " + std::string(unit)) + "\n" + entry.name + ": " +
-            entry.get() + "\n";
+            (entry.kind == Kind::kText ? quoted(entry.get()) : entry.get()) + "\n";
   }
   return yaml;
 }

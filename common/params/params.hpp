@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <initializer_list>
@@ -26,12 +27,14 @@ struct Range {
   double max = 0.0;
 };
 
+enum class Kind : std::uint8_t { kValue, kFlag, kText };
+
 /// One described parameter, bound to the member of a struct that holds it.
 struct Entry {
   std::string name;     ///< with its unit as suffix, as in the configuration file
   std::string help;     ///< one sentence
   std::string allowed;  ///< "a number from 0.01 to 5"
-  bool is_flag = false;
+  Kind kind = Kind::kValue;
   std::function<std::string()> get;
   /// Takes the value; false, and nothing changed, when it is not allowed.
   std::function<bool(std::string_view)> set;
@@ -70,7 +73,7 @@ class Table {
     for (const auto& [option, unused] : table) {
       allowed += " " + option;
     }
-    entries_.push_back({std::move(name), std::move(help), std::move(allowed), false,
+    entries_.push_back({std::move(name), std::move(help), std::move(allowed), Kind::kValue,
                         [&value, table] {
                           for (const auto& [option, meaning] : table) {
                             if (meaning == value) {

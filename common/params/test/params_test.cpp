@@ -103,6 +103,7 @@ TEST_F(ParamsTest, MissingFileIsAnError) {
 TEST_F(ParamsTest, WhatIsDumpedLoadsAgain) {
   table_.set_assignment("range_m=0.1e1");
   table_.set_assignment("pitch_deg=33.3");
+  table_.set_assignment("device=");
   const auto file = dir_.path() / "dump.yaml";
   std::ofstream(file) << table_.to_yaml();
   SampleParams copy;
