@@ -34,7 +34,7 @@ nlohmann::json figures_of(const EgoMap& map) {
 }  // namespace
 
 MapServerNode::MapServerNode(node::Context& context, const Params& params)
-    : context_(context), params_(params), server_(params) {
+    : context_(context), params_(params), input_(context.tally), server_(params) {
   context.bus.subscribe<nodmap::scan_t>(
       "SCAN", [this](const nodmap::scan_t& message) { on_scan(message); });
   context.bus.subscribe<nodmap::odometry_t>(
@@ -42,11 +42,11 @@ MapServerNode::MapServerNode(node::Context& context, const Params& params)
 }
 
 void MapServerNode::on_odometry(const nodmap::odometry_t& message) {
-  const auto T_odom_base = msg::read_odometry(message);
-  if (!T_odom_base || !odometry_.add(message.utime, *T_odom_base)) {
-    context_.tally.reject("implausible_odometry");
+  const auto T_odom_base = input_.read(message);
+  if (!T_odom_base) {
     return;
   }
+  odometry_.add(message.utime, *T_odom_base);
   // The publisher counts anew, so its odom frame began anew: no shift leads from the old to the
   // new.
   if (last_odometry_seq_ && message.odometry_seq < *last_odometry_seq_) {
@@ -59,9 +59,7 @@ void MapServerNode::on_odometry(const nodmap::odometry_t& message) {
 }
 
 void MapServerNode::on_scan(const nodmap::scan_t& message) {
-  context_.tally.lose(scans_watched_.lost_before(message.scan_seq));
-  if (!msg::read_scan(message, scan_)) {
-    context_.tally.reject("implausible_scan");
+  if (!input_.read(message, scan_)) {
     return;
   }
   const auto T_odom_base = pose_at(scan_.utime_mid_us());

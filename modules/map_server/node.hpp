@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "common/geometry/pose_history.hpp"
+#include "common/input/sensor_input.hpp"
 #include "common/node/node.hpp"
 #include "common/scan/scan.hpp"
 #include "modules/map_server/map_server.hpp"
@@ -38,10 +39,10 @@ class MapServerNode final : public node::Node {
 
   node::Context& context_;
   Params params_;
+  input::SensorInput input_;
   MapServer server_;
   geometry::PoseHistory odometry_;
   std::optional<std::int64_t> last_odometry_seq_;
-  node::SequenceWatch scans_watched_;
   scan::Scan scan_;             // reused from message to message, as is
   nodmap::egomap_t message_{};  // this one
   std::int64_t scans_used_ = 0;

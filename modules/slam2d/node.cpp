@@ -41,6 +41,7 @@ void write_tile(const OccupancyGrid& grid, const GridTile& tile, nodmap::grid_ch
 Slam2dNode::Slam2dNode(node::Context& context, const Params& params)
     : context_(context),
       params_(params),
+      input_(context.tally),
       selector_(params.max_level_pitch_rad),
       slam_(params),
       grid_(params.cell_size_m) {
@@ -51,20 +52,16 @@ Slam2dNode::Slam2dNode(node::Context& context, const Params& params)
 }
 
 void Slam2dNode::on_odometry(const nodmap::odometry_t& message) {
-  const auto T_odom_base = msg::read_odometry(message);
-  if (T_odom_base && odometry_.add(message.utime, *T_odom_base)) {
+  if (const auto T_odom_base = input_.read(message)) {
+    odometry_.add(message.utime, *T_odom_base);
     context_.tally.use();
-  } else {
-    context_.tally.reject("implausible_odometry");
   }
 }
 
 void Slam2dNode::on_scan(const nodmap::scan_t& message) {
-  if (!msg::read_scan(message, scan_)) {
-    context_.tally.reject("implausible_scan");
+  if (!input_.read(message, scan_)) {
     return;
   }
-  context_.tally.lose(scan_seq_.lost_before(message.scan_seq));
   if (const scan::Scan* level = selector_.add(scan_)) {
     track(*level);
   } else {

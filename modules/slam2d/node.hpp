@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "common/geometry/pose_history.hpp"
+#include "common/input/sensor_input.hpp"
 #include "common/node/node.hpp"
 #include "modules/slam2d/level_scan_selector.hpp"
 #include "modules/slam2d/occupancy_grid.hpp"
@@ -37,7 +38,7 @@ class Slam2dNode : public node::Node {
 
   node::Context& context_;
   Params params_;
-  node::SequenceWatch scan_seq_;
+  input::SensorInput input_;
   geometry::PoseHistory odometry_;
   LevelScanSelector selector_;
   Slam2d slam_;

@@ -20,15 +20,6 @@ namespace {
 // 60 kB: with its head a part stays below 64 KiB.
 constexpr std::size_t kPointsPerChunk = 5000;
 
-// A scan's stamps beyond this are no time (a microsecond clock reaches it in the year 38000), and a
-// mirror that takes longer for a turn is none.
-constexpr std::int64_t kLatestUs = std::int64_t{1} << 60;
-constexpr std::int64_t kLongestScanUs = 60'000'000;
-
-bool is_time(std::int64_t utime_us) {
-  return utime_us >= 0 && utime_us < kLatestUs;
-}
-
 std::int8_t pose_quality(const SweepRecord& sweep) {
   if (!sweep.keyframe) {
     return nodmap::pose_t::ODOMETRY;
@@ -49,7 +40,11 @@ OccupancyMap::Options map_options(const Slam6dParams& params) {
 }  // namespace
 
 Slam6dNode::Slam6dNode(node::Context& context, const Params& params)
-    : context_(context), params_(params), slam_(params), occupancy_(map_options(params)) {
+    : context_(context),
+      params_(params),
+      input_(context.tally),
+      slam_(params),
+      occupancy_(map_options(params)) {
   // While a keyframe is registered a second may pass: 75 scans and 100 odometry messages.
   constexpr int kQueue = 256;
   context.bus.subscribe<nodmap::odometry_t>(
@@ -61,21 +56,15 @@ Slam6dNode::Slam6dNode(node::Context& context, const Params& params)
 }
 
 void Slam6dNode::on_odometry(const nodmap::odometry_t& message) {
-  context_.tally.lose(odometry_sequence_.lost_before(message.odometry_seq));
-  const auto T_odom_base = msg::read_odometry(message);
-  if (!T_odom_base || !is_time(message.utime) || !slam_.add_odometry(message.utime, *T_odom_base)) {
-    context_.tally.reject("implausible_odometry");
-    return;
+  if (const auto T_odom_base = input_.read(message)) {
+    slam_.add_odometry(message.utime, *T_odom_base);
+    context_.tally.use();
   }
-  context_.tally.use();
 }
 
 void Slam6dNode::on_scan(const nodmap::scan_t& message) {
-  context_.tally.lose(scan_sequence_.lost_before(message.scan_seq));
   scan::Scan scan;
-  if (!msg::read_scan(message, scan) || !is_time(scan.utime_us) ||
-      scan.duration_us > kLongestScanUs) {
-    context_.tally.reject("implausible_scan");
+  if (!input_.read(message, scan)) {
     return;
   }
   const auto sweep = slam_.add_scan(std::move(scan));
@@ -101,7 +90,7 @@ void Slam6dNode::count_scans() {
     context_.tally.use();
   }
   for (std::size_t i = 0; i < without_pose; ++i) {
-    context_.tally.reject("scan_without_odometry");
+    context_.tally.reject("no_odometry");
   }
   counted_scans_ = slam_.scans_in_sweeps();
   counted_without_pose_ = slam_.scans_without_pose();

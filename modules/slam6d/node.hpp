@@ -7,6 +7,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <system_error>
 
+#include "common/input/sensor_input.hpp"
 #include "common/node/node.hpp"
 #include "common/node/tally.hpp"
 #include "modules/slam6d/occupancy_map.hpp"
@@ -45,10 +46,9 @@ class Slam6dNode : public node::Node {
 
   node::Context& context_;
   Params params_;
+  input::SensorInput input_;
   Slam6d slam_;
   OccupancyMap occupancy_;
-  node::SequenceWatch scan_sequence_;
-  node::SequenceWatch odometry_sequence_;
   std::size_t counted_scans_ = 0;
   std::size_t counted_without_pose_ = 0;
   std::int64_t maps_saved_ = 0;

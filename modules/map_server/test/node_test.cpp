@@ -176,7 +176,8 @@ TEST_F(MapServerNodeTest, BadScansAreCountedAndNothingElse) {
   nodmap::scan_t infinite = next_scan();
   infinite.pitch_first_rad = std::numeric_limits<double>::infinity();
   bus_.deliver("SCAN", infinite);
-  EXPECT_EQ(rejected("implausible_scan"), 3);
+  EXPECT_EQ(rejected("implausible_scan"), 2);
+  EXPECT_EQ(rejected("empty_scan"), 1);
   EXPECT_TRUE(bus_.maps("OBSTACLE_MAP").empty());
   nodmap::odometry_t nowhere = msg::write_odometry(1'010'000, geometry::SE3::Identity());
   nowhere.position_m[0] = std::numeric_limits<double>::quiet_NaN();

@@ -181,7 +181,7 @@ TEST(Slam6dNode, WithoutOdometryScansAreRejectedOrStandingIsAssumed) {
   log.add_drive(false);
   log.close();
   const Outcome rejected = replay(dir.path(), "still", {});
-  EXPECT_EQ(rejected.tally.rejected().at("scan_without_odometry"), 320);
+  EXPECT_EQ(rejected.tally.rejected().at("no_odometry"), 320);
   EXPECT_EQ(rejected.health.state, node::HealthState::kDegraded);
   fs::remove_all(dir.path() / "out_still");
   const Outcome standing = replay(dir.path(), "still", {.assume_standing = true});
