@@ -34,6 +34,7 @@ function(nodmap_add_program name)
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE nodmap_options ${ARG_DEPENDS})
   install(TARGETS ${name} RUNTIME)
+  set_property(GLOBAL APPEND PROPERTY NODMAP_PROGRAMS ${name})
 endfunction()
 
 # nodmap_add_test(NAME SOURCES x_test.cpp ... DEPENDS target ... [DATA]): a test program.

@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Recordings as they come off a bad day. Whatever is in them, every module ends with 0 and counts
+// in result.json what it could not use.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <functional>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <random>
+
+#include "common/bus/codec.hpp"
+#include "common/bus/event_log.hpp"
+#include "common/geometry/angle.hpp"
+#include "common/msg/messages.hpp"
+#include "tests/support/data_dir.hpp"
+#include "tests/support/program.hpp"
+
+namespace nodmap {
+namespace {
+
+constexpr std::int64_t kScanPeriodUs = 13'320;
+constexpr int kNumScans = 300;
+
+/// A nodding scanner that drives at 0.5 m/s through a square room of 8 m.
+class Recording {
+ public:
+  explicit Recording(const std::filesystem::path& file) : writer_(file) {}
+
+  void odometry(std::int64_t utime_us, double x_m) {
+    put(utime_us, "ODOMETRY", msg::write_odometry(utime_us, geometry::to_se3({x_m, 0, 0})));
+  }
+
+  void scan(const scan::Scan& scan) { put(scan.utime_us, "SCAN", msg::write_scan(scan)); }
+
+  void bytes(std::int64_t utime_us, const std::string& channel, std::span<const std::byte> data) {
+    EXPECT_TRUE(writer_.write(utime_us, channel, data));
+  }
+
+ private:
+  template <class Message>
+  void put(std::int64_t utime_us, const std::string& channel, const Message& message) {
+    bus::encode_into(buffer_, message);
+    bytes(utime_us, channel, buffer_);
+  }
+
+  bus::LogWriter writer_;
+  std::vector<std::byte> buffer_;
+};
+
+scan::Scan scan_number(int i) {
+  scan::Scan scan;
+  scan.utime_us = 1'000'000'000 + i * kScanPeriodUs;
+  scan.duration_us = 6'660;
+  scan.seq = i;
+  scan.angle_first_rad = geometry::deg_to_rad(-90);
+  scan.angle_step_rad = geometry::deg_to_rad(1);
+  const auto pitch_deg = [](int n) {
+    const int phase = n % 100;
+    return phase < 50 ? -20.0 + 0.6 * phase : 10.0 - 0.6 * (phase - 50);
+  };
+  scan.pitch_first_rad = geometry::deg_to_rad(pitch_deg(i));
+  scan.pitch_last_rad = geometry::deg_to_rad(pitch_deg(i + 1));
+  scan.range_min_m = 0.05;
+  scan.range_max_m = 32.0;
+  scan.T_base_mount.translation() = Eigen::Vector3d(0.1, 0, 0.38);
+  for (int beam = 0; beam <= 180; ++beam) {
+    const double angle = geometry::deg_to_rad(beam - 90);
+    scan.ranges_m.push_back(static_cast<float>(
+        4.0 / std::max({std::abs(std::cos(angle)), std::abs(std::sin(angle)), 0.1})));
+  }
+  return scan;
+}
+
+/// The recording with `damage` done to each scan before it is written.
+void record(const std::filesystem::path& file,
+            const std::function<void(int, scan::Scan&)>& damage) {
+  Recording recording(file);
+  for (int i = 0; i < kNumScans; ++i) {
+    scan::Scan scan = scan_number(i);
+    recording.odometry(scan.utime_us, 0.5 * 1e-6 * static_cast<double>(i * kScanPeriodUs));
+    damage(i, scan);
+    recording.scan(scan);
+  }
+}
+
+class DamagedRecording : public ::testing::TestWithParam<const char*> {
+ protected:
+  [[nodiscard]] std::filesystem::path log() const { return dir_.path() / "in.lcmlog"; }
+
+  nlohmann::json replay() {
+    const auto out = dir_.path() / "out";
+    const auto run = test::run_program(GetParam(), {"--replay", log(), "--out", out});
+    EXPECT_EQ(run.exit_code, 0) << run.err;
+    return nlohmann::json::parse(test::slurp(out / "result.json"));
+  }
+
+  test::TemporaryDir dir_;
+};
+
+TEST_P(DamagedRecording, CutOffLastEvent) {
+  record(log(), [](int, scan::Scan&) {});
+  std::filesystem::resize_file(log(), std::filesystem::file_size(log()) - 100);
+  const auto result = replay();
+  EXPECT_EQ(result["log"]["events"], 2 * kNumScans - 1);
+  EXPECT_GT(result["log"]["skipped_bytes"], 0);
+  EXPECT_EQ(result["messages"]["corrupt"], 0);
+}
+
+TEST_P(DamagedRecording, NanRanges) {
+  record(log(), [](int i, scan::Scan& scan) {
+    for (std::size_t beam = 0; beam < scan.ranges_m.size(); ++beam) {
+      if (i % 7 == 0 || beam % 3 == 0) {
+        scan.ranges_m[beam] = std::numeric_limits<float>::quiet_NaN();
+      }
+    }
+  });
+  EXPECT_GT(replay()["messages"]["used"], 0);
+}
+
+TEST_P(DamagedRecording, ScansOfNoBeams) {
+  record(log(), [](int i, scan::Scan& scan) {
+    if (i % 2 == 0) {
+      scan.ranges_m.clear();
+    }
+  });
+  const auto result = replay();
+  EXPECT_EQ(result["messages"]["corrupt"], 0);
+  EXPECT_EQ(result["messages"]["rejected"]["empty_scan"], kNumScans / 2);
+}
+
+TEST_P(DamagedRecording, StampsThatStepBack) {
+  record(log(), [](int i, scan::Scan& scan) {
+    if (i % 50 == 49) {
+      scan.utime_us -= 900'000;
+    }
+  });
+  const auto result = replay();
+  EXPECT_GT(result["messages"]["used"], 0);
+  EXPECT_EQ(result["messages"]["read"], 2 * kNumScans);
+}
+
+TEST_P(DamagedRecording, NonsenseGeometry) {
+  record(log(), [](int i, scan::Scan& scan) {
+    if (i % 10 == 0) {
+      scan.pitch_first_rad = std::numeric_limits<double>::quiet_NaN();
+    } else if (i % 10 == 1) {
+      scan.range_max_m = -1.0;
+    }
+  });
+  EXPECT_EQ(replay()["messages"]["rejected"]["implausible_scan"], kNumScans / 5);
+}
+
+TEST_P(DamagedRecording, NoOdometryAtAll) {
+  {
+    Recording recording(log());
+    for (int i = 0; i < kNumScans; ++i) {
+      recording.scan(scan_number(i));
+    }
+  }
+  const auto result = replay();
+  EXPECT_EQ(result["messages"]["read"], kNumScans);
+  EXPECT_EQ(result["messages"]["used"], 0);
+}
+
+TEST_P(DamagedRecording, AMillionRandomBytesOnScan) {
+  {
+    Recording recording(log());
+    std::mt19937 random(5);
+    for (int i = 0; i < 1000; ++i) {
+      std::vector<std::byte> noise(1000);
+      for (std::byte& b : noise) {
+        b = static_cast<std::byte>(random() & 0xFFU);
+      }
+      recording.bytes(i, "SCAN", noise);
+    }
+  }
+  const auto result = replay();
+  EXPECT_EQ(result["messages"]["corrupt"], 1000);
+  EXPECT_EQ(result["messages"]["read"], 0);
+}
+
+TEST_P(DamagedRecording, AnEmptyLog) {
+  { const bus::LogWriter empty(log()); }
+  EXPECT_EQ(replay()["log"]["events"], 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(EveryModule, DamagedRecording,
+                         ::testing::Values("nodmap-map-server", "nodmap-slam2d", "nodmap-slam6d"));
+
+}  // namespace
+}  // namespace nodmap

@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The modules on real recordings: how right they are, and that they are so twice with the same
+// bytes.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+
+#include "common/formats/tum.hpp"
+#include "common/geometry/angle.hpp"
+#include "tests/support/data_dir.hpp"
+#include "tests/support/program.hpp"
+
+namespace nodmap {
+namespace {
+
+namespace fs = std::filesystem;
+using test::run_program;
+using test::slurp;
+
+void expect_ok(const test::ProgramResult& result) {
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+}
+
+void replay(const std::string& program, const fs::path& log, const fs::path& out) {
+  expect_ok(run_program(program, {"--replay", log, "--out", out}));
+}
+
+void expect_same_bytes(const fs::path& a, const fs::path& b, const std::string& file) {
+  EXPECT_FALSE(slurp(a / file).empty()) << file;
+  EXPECT_TRUE(slurp(a / file) == slurp(b / file)) << file << " differs between two runs";
+}
+
+struct Log2d {
+  const char* name;
+  double bound_m;  // mean translation error that must hold
+};
+
+class Slam2dOnRecording : public ::testing::TestWithParam<Log2d> {};
+
+// The bounds are our promise (ARCHITECTURE.md); plain scan matching reached 0.22, 0.26 and 0.11 m
+// in Kuemmerle et al. 2009.
+TEST_P(Slam2dOnRecording, RelationsWithinBound) {
+  const std::string name = GetParam().name;
+  NODMAP_REQUIRE_DATA(clf, "slam2d/" + name + ".clf");
+  const test::TemporaryDir dir;
+  const fs::path log = dir.path() / "in.lcmlog";
+  expect_ok(run_program("nodmap-convert", {"carmen", clf, log}));
+  replay("nodmap-slam2d", log, dir.path() / "out");
+  const auto evaluation =
+      run_program("nodmap-evaluate", {"relations", dir.path() / "out" / "trajectory.tum",
+                                      clf.parent_path() / (name + ".relations")});
+  expect_ok(evaluation);
+  const auto error = nlohmann::json::parse(evaluation.out);
+  EXPECT_EQ(error["missing"], 0);
+  EXPECT_LE(error["trans_mean_m"], GetParam().bound_m);
+  RecordProperty("trans_mean_m", error["trans_mean_m"].dump());
+}
+
+INSTANTIATE_TEST_SUITE_P(Logs, Slam2dOnRecording,
+                         ::testing::Values(Log2d{"intel", 0.15}, Log2d{"fr079", 0.10},
+                                           Log2d{"mit-csail", 0.20}),
+                         [](const auto& log) {
+                           std::string name = log.param.name;
+                           std::erase(name, '-');
+                           return name;
+                         });
+
+TEST(ReplayTwice, Slam2dAndMapServerGiveTheSameBytes) {
+  NODMAP_REQUIRE_DATA(clf, "slam2d/mit-csail.clf");
+  const test::TemporaryDir dir;
+  const fs::path log = dir.path() / "in.lcmlog";
+  expect_ok(run_program("nodmap-convert", {"carmen", clf, log}));
+  for (const std::string program : {"nodmap-slam2d", "nodmap-map-server"}) {
+    const fs::path a = dir.path() / (program + "-a");
+    const fs::path b = dir.path() / (program + "-b");
+    replay(program, log, a);
+    replay(program, log, b);
+    expect_same_bytes(a, b, "out.lcmlog");
+    if (program == "nodmap-slam2d") {
+      expect_same_bytes(a, b, "trajectory.tum");
+      expect_same_bytes(a, b, "online.tum");
+      expect_same_bytes(a, b, "map.pgm");
+    }
+  }
+}
+
+class Slam6dOnKurt3d : public ::testing::Test {
+ protected:
+  void convert_and_replay(const fs::path& scans) {
+    expect_ok(run_program("nodmap-convert", {"uos", scans, log_}));
+    replay("nodmap-slam6d", log_, out_);
+  }
+
+  test::TemporaryDir dir_;
+  fs::path log_ = dir_.path() / "in.lcmlog";
+  fs::path out_ = dir_.path() / "out";
+};
+
+TEST_F(Slam6dOnKurt3d, ThreeKeyframesAndTheSameBytesTwice) {
+  NODMAP_REQUIRE_DATA(scans, "kurt3d");
+  convert_and_replay(scans);
+  const auto result = nlohmann::json::parse(slurp(out_ / "result.json"));
+  EXPECT_EQ(result["figures"]["keyframes"].size(), 3U);
+  EXPECT_EQ(formats::read_tum(out_ / "trajectory.tum").size(), 3U);
+  replay("nodmap-slam6d", log_, dir_.path() / "again");
+  for (const char* file : {"out.lcmlog", "trajectory.tum", "online.tum", "cloud.ply", "map.bt"}) {
+    expect_same_bytes(out_, dir_.path() / "again", file);
+  }
+}
+
+/// The third number behind each "planes hit" and "median" of plane_residual's two lines.
+struct Residual {
+  double planes_hit = 0.0;
+  double median_cm = 0.0;
+};
+
+std::vector<Residual> parse_residuals(const std::string& text) {
+  std::vector<Residual> residuals;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    Residual residual;
+    int scan = 0;
+    int model = 0;
+    if (std::sscanf(line.c_str(), "scan %d on %d: planes hit %lf, residual median %lf", &scan,
+                    &model, &residual.planes_hit, &residual.median_cm) == 4) {
+      residuals.push_back(residual);
+    }
+  }
+  return residuals;
+}
+
+// The judge is independent of our code: it is compiled from beside the data.
+TEST_F(Slam6dOnKurt3d, ScansAgreeAtLeastAsWellAs3dtksOf2009) {
+  NODMAP_REQUIRE_DATA(scans, "kurt3d");
+  NODMAP_REQUIRE_DATA(judge, "../tools/plane_residual.cpp");
+  convert_and_replay(scans);
+  const std::string program = dir_.path() / "plane_residual";
+  expect_ok(
+      run_program("g++", {"-O2", "-std=c++17", "-I/usr/include/eigen3", judge, "-o", program}));
+  const auto run = run_program(program, {scans, out_ / "trajectory.tum"});
+  expect_ok(run);
+  const auto residuals = parse_residuals(run.out);
+  ASSERT_EQ(residuals.size(), 2U) << run.out;
+  EXPECT_LE(residuals[0].median_cm, 2.10);
+  EXPECT_LE(residuals[1].median_cm, 2.10);
+  EXPECT_GE(residuals[0].planes_hit, 0.35);
+  EXPECT_GE(residuals[1].planes_hit, 0.46);
+}
+
+/// A pose of 3DTK's frames file: its last line, 16 numbers column by column, left-handed,
+/// centimetres.
+geometry::SE3 read_frames(const fs::path& file) {
+  std::istringstream lines(slurp(file));
+  std::string last;
+  for (std::string line; std::getline(lines, line);) {
+    last = line.size() > 10 ? line : last;
+  }
+  std::istringstream numbers(last);
+  Eigen::Matrix4d m;
+  for (int i = 0; i < 16; ++i) {
+    numbers >> m(i % 4, i / 4);
+  }
+  Eigen::Matrix3d axes;  // x right, y up, z ahead to x forward, y left, z up
+  axes << 0, 0, 1, -1, 0, 0, 0, 1, 0;
+  geometry::SE3 pose = geometry::SE3::Identity();
+  pose.linear() = axes * m.topLeftCorner<3, 3>() * axes.transpose();
+  pose.translation() = axes * m.topRightCorner<3, 1>() / 100.0;
+  return pose;
+}
+
+TEST_F(Slam6dOnKurt3d, PosesAreNear3dtks) {
+  NODMAP_REQUIRE_DATA(scans, "kurt3d");
+  convert_and_replay(scans);
+  const auto trajectory = formats::read_tum(out_ / "trajectory.tum");
+  ASSERT_EQ(trajectory.size(), 3U);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const geometry::SE3 theirs =
+        read_frames(scans / ("scan00" + std::to_string(i) + ".frames.4cc29d4c"));
+    const geometry::SE3 difference = theirs.inverse() * trajectory[i].pose;
+    // 15 cm and 1.5 degrees: theirs is a reference of 2009, not the truth.
+    EXPECT_LE(difference.translation().norm(), 0.15) << "scan " << i;
+    EXPECT_LE(geometry::rad_to_deg(geometry::rotation_angle(difference)), 1.5) << "scan " << i;
+  }
+}
+
+}  // namespace
+}  // namespace nodmap

@@ -1,0 +1,99 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# The system on a recording: every process by itself, the recording played over LCM. Called by ./nodmap demo.
+#   tools/demo.sh RECORDING [--speed FACTOR] [--out DIR]
+set -euo pipefail
+cd "$(dirname "$(readlink -f "$0")")/.."
+bin=$PWD/build/release/bin
+
+say() { printf '\033[1m==> %s\033[0m\n' "$*"; }
+die() { printf 'nodmap demo: %s\n' "$*" >&2; exit 1; }
+
+recording=$1
+shift
+speed=1
+out=logs/demo-$(date +%Y%m%d-%H%M%S)
+while [[ $# -gt 0 ]]; do
+  case "$1" in
+    --speed) speed=$2; shift 2 ;;
+    --out) out=$2; shift 2 ;;
+    *) die "unknown option $1" ;;
+  esac
+done
+[[ -e "$recording" ]] || die "$recording: no such recording"
+[[ ! -e "$out" ]] || die "$out exists; results are never overwritten"
+
+# A machine without a multicast route (a container, say) cannot carry LCM. A network namespace of our own can.
+export LCM_DEFAULT_URL=${LCM_DEFAULT_URL:-udpm://239.255.76.67:7667?ttl=0}
+if [[ "${NODMAP_PRIVATE_NET:-}" != 1 ]] && ! ip route get 239.255.76.67 >/dev/null 2>&1; then
+  unshare -rn true 2>/dev/null || die "there is no multicast route for LCM; nodmap-doctor says how to add one"
+  say "no multicast route here: running in a network namespace of our own"
+  exec env NODMAP_PRIVATE_NET=1 unshare -rn sh -c 'ip link set lo up && ip route add 224.0.0.0/4 dev lo && exec "$@"' sh "$0" "$recording" --speed "$speed" --out "$out"
+fi
+
+mkdir -p "$out"
+log=$out/recording.lcmlog
+say "converting $recording"
+case "$recording" in
+  *.clf) "$bin/nodmap-convert" carmen "$recording" "$log" ;;
+  *.nod) "$bin/nodmap-convert" nod "$recording" "$log" ;;
+  *) if [[ -d "$recording" ]]; then "$bin/nodmap-convert" uos "$recording" "$log"; else cp "$recording" "$log"; fi ;;
+esac
+"$bin/nodmap-convert" info "$log"
+
+names=() pids=() player=
+stop_all() {
+  trap - EXIT INT TERM
+  [[ -z "$player" ]] || kill "$player" 2>/dev/null || true
+  local i
+  for i in "${!pids[@]}"; do kill -INT "${pids[$i]}" 2>/dev/null || true; done
+  # A process that has not ended by itself after 10 s is a fault; it is killed and said to have failed.
+  local deadline=$((SECONDS + 10)) failed=0 code
+  for i in "${!pids[@]}"; do
+    while kill -0 "${pids[$i]}" 2>/dev/null && [[ $SECONDS -lt $deadline ]]; do sleep 0.05; done
+    kill -KILL "${pids[$i]}" 2>/dev/null && { echo "${names[$i]} did not end by itself and was killed"; failed=1; }
+    code=0; wait "${pids[$i]}" 2>/dev/null || code=$?
+    [[ $code -eq 0 ]] || { echo "${names[$i]} ended with code $code; see $out/${names[$i]}.log"; failed=1; }
+  done
+  return $failed
+}
+trap 'stop_all || true; exit 130' INT TERM
+trap 'stop_all || true' EXIT
+
+start() {
+  local name=$1
+  shift
+  "$@" >"$out/$name.log" 2>&1 &
+  pids+=($!) names+=("$name")
+}
+
+say "starting the processes (LCM: $LCM_DEFAULT_URL)"
+start map-server "$bin/nodmap-map-server" --out "$out/map-server"
+start slam2d "$bin/nodmap-slam2d" --out "$out/slam2d"
+start slam6d "$bin/nodmap-slam6d" --out "$out/slam6d"
+start logger "$bin/nodmap-logger" --out "$out/logger"
+for i in "${!pids[@]}"; do
+  for _ in $(seq 200); do
+    grep -q "listening on" "$out/${names[$i]}.log" && break
+    kill -0 "${pids[$i]}" 2>/dev/null || { cat "$out/${names[$i]}.log"; die "${names[$i]} did not start"; }
+    sleep 0.05
+  done
+  echo "  ${names[$i]} (pid ${pids[$i]})"
+done
+
+say "playing the recording at $speed x over LCM"
+lcm-logplayer -s "$speed" "$log" >"$out/logplayer.log" 2>&1 &
+player=$!
+duration=$("$bin/nodmap-convert" info "$log" | awk '/^duration/ {print int($2) + 1; exit}')
+began=$SECONDS
+while kill -0 "$player" 2>/dev/null; do
+  [[ -t 1 ]] && printf '\r  %3d of about %d s' $((SECONDS - began)) "$(awk "BEGIN {print int($duration / $speed) + 1}")"
+  sleep 0.2
+done
+[[ -t 1 ]] && printf '\r%30s\r' ''
+wait "$player" || die "lcm-logplayer failed: $(cat "$out/logplayer.log")"
+player=
+
+say "stopping the processes"
+stop_all || die "not every process ended cleanly"
+python3 tools/demo_summary.py "$out"
