@@ -46,7 +46,7 @@ bool ConfirmedRule::is_obsolete(EgoPoint& point, const ExtendedScan& map, const 
     return false;
   }
   if (gate.admits(look->height_m, point.distance_m) && is_met(view, *look)) {
-    confirm(point, look->height_m, view.clock_s);
+    confirm(point, look->height_m, view);
     return false;
   }
   if (!is_in_view(point, map.relevance(), view)) {
@@ -57,7 +57,7 @@ bool ConfirmedRule::is_obsolete(EgoPoint& point, const ExtendedScan& map, const 
   if (is_at_its_heights(point, *look) && view.line.ends_on_either_side(*look)) {
     point.aged_s = 0.0;  // an edge or a corner between two beams: they cannot tell
   }
-  return is_gone(point) || point.aged_s > expiry_s_;
+  return is_gone(point) || has_expired(point, view);
 }
 
 bool ConfirmedRule::is_met(const ScanView& view, const ScanLine::Look& look) const {
@@ -122,10 +122,16 @@ bool ConfirmedRule::is_gone(const EgoPoint& point) const {
          spans(point, point.search.lowest_m, point.search.highest_m);
 }
 
-void ConfirmedRule::confirm(EgoPoint& point, double height_m, double clock_s) {
+bool ConfirmedRule::has_expired(const EgoPoint& point, const ScanView& view) const {
+  // The passes in which it was measured and in which it expires are not whole.
+  return point.aged_s > expiry_s_ && view.pass - point.confirmed_pass > 2;
+}
+
+void ConfirmedRule::confirm(EgoPoint& point, double height_m, const ScanView& view) {
   point.lowest_m = std::min(point.lowest_m, height_m);
   point.highest_m = std::max(point.highest_m, height_m);
-  point.confirmed_at_s = clock_s;
+  point.confirmed_at_s = view.clock_s;
+  point.confirmed_pass = view.pass;
   point.aged_s = 0.0;
   point.search = {};
 }
@@ -144,12 +150,13 @@ void ConfirmedRule::replace(ExtendedScan& map, const HeightGate& gate, const Sca
     if (map.prefers(hit.point.distance_m, stored.distance_m)) {
       const EgoPoint before = stored;
       stored = hit.point;
+      stored.confirmed_pass = view.pass;
       if (agrees) {  // another reading of the same object: it keeps the heights it was met at
         stored.lowest_m = std::min(stored.lowest_m, before.lowest_m);
         stored.highest_m = std::max(stored.highest_m, before.highest_m);
       }
     } else if (agrees) {
-      confirm(stored, hit.point.height_m, view.clock_s);
+      confirm(stored, hit.point.height_m, view);
     }
   }
 }

@@ -14,7 +14,9 @@ namespace nodmap::map_server {
 /// - contradicted: the beams on both sides of it, at a height at which it was met, go on for more
 ///   than 3 sigma + 5 cm. It goes when that happened in two sweeps, and at all of its heights,
 ///   without a confirmation in between; also while the robot stands (T3).
-/// - neither, for instance hidden: it ages, by message time, and goes after `expiry_s`.
+/// - neither, for instance hidden: it ages, by message time, and goes after `expiry_s`, but not
+///   before the scanner has looked for it in two whole passes: a nod through all of its 120 degrees
+///   takes longer than that (R12), and meets a point once.
 /// - out of view, because the fan does not reach its bearing or the nod not its heights: nothing
 ///   happens to it (T4). A low box before the wheels is remembered for as long as it is there.
 class ConfirmedRule final : public UpdateRule {
@@ -36,7 +38,8 @@ class ConfirmedRule final : public UpdateRule {
   [[nodiscard]] bool is_at_its_heights(const EgoPoint& point, const ScanLine::Look& look) const;
   void note_passing_beams(EgoPoint& point, const ScanView& view, const ScanLine::Look& look) const;
   [[nodiscard]] bool is_gone(const EgoPoint& point) const;
-  static void confirm(EgoPoint& point, double height_m, double clock_s);
+  [[nodiscard]] bool has_expired(const EgoPoint& point, const ScanView& view) const;
+  static void confirm(EgoPoint& point, double height_m, const ScanView& view);
 
   double expiry_s_;
   double agreement_m_;         // readings this near are of the same surface

@@ -34,10 +34,11 @@ struct EgoPoint {
   double lowest_m = 0.0;  ///< heights at which something was met here
   double highest_m = 0.0;
 
-  double confirmed_at_s = 0.0;  ///< when last measured, on the map's clock
-  double aged_s = 0.0;          ///< towards expiry, as the update rule counts
-  Search search;                ///< only kept by the confirmed rule
-  bool valid = false;           ///< false: a dummy
+  double confirmed_at_s = 0.0;      ///< when last measured, on the map's clock
+  double aged_s = 0.0;              ///< towards expiry, as the update rule counts
+  std::int64_t confirmed_pass = 0;  ///< the scanner's pass in which it was last measured
+  Search search;                    ///< only kept by the confirmed rule
+  bool valid = false;               ///< false: a dummy
 
   [[nodiscard]] static EgoPoint at(const Eigen::Vector2d& p_base, double height_m) {
     EgoPoint point;

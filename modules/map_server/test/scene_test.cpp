@@ -251,6 +251,22 @@ TEST(Scene, T5_R23b_StaticWallNeverGoes) {
   EXPECT_LE(server.structure_map().removed(), 1U);
 }
 
+// R12, R23b: all of 120 degrees at 0.25 degrees a scan takes 6.4 s, longer than an unconfirmed
+// point lives. The robot stands; nothing may go between two looks.
+TEST(Scene, T5_R23b_StaticWallOutlivesASlowNod) {
+  const World world = test::room(-2, 6, -2, 2);
+  MapServer server(with_rule(Rule::kConfirmed));
+  NoddingScanner scanner;
+  scanner.low_rad = deg_to_rad(-60);
+  scanner.high_rad = deg_to_rad(60);
+  scanner.step_rad = deg_to_rad(0.25);
+  for (int i = 0; i < 5 * 480; ++i) {
+    server.add_scan(scanner.scan(world, SE2{}), geometry::SE3::Identity());
+  }
+  EXPECT_EQ(server.obstacle_map().removed(), 0U);
+  EXPECT_EQ(server.structure_map().removed(), 0U);
+}
+
 // R26: the wheels slip by 5 degrees of yaw. The walls stand double, for at most five seconds.
 TEST(Scene, R26_WallsDoubledByASlipBecomeOneAgain) {
   for (const Rule rule : {Rule::kPaper, Rule::kConfirmed}) {
