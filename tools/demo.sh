@@ -33,11 +33,19 @@ fi
 
 mkdir -p "$out"
 log=$out/recording.lcmlog
+map_config=()
 say "converting $recording"
 case "$recording" in
   *.clf) "$bin/nodmap-convert" carmen "$recording" "$log" ;;
   *.nod) "$bin/nodmap-convert" nod "$recording" "$log" ;;
-  *) if [[ -d "$recording" ]]; then "$bin/nodmap-convert" uos "$recording" "$log"; else cp "$recording" "$log"; fi ;;
+  *)
+    if [[ -d "$recording" ]]; then
+      "$bin/nodmap-convert" uos "$recording" "$log"
+      map_config=(--config config/uos/map_server.yaml)
+    else
+      cp "$recording" "$log"
+    fi
+    ;;
 esac
 "$bin/nodmap-convert" info "$log"
 
@@ -68,7 +76,7 @@ start() {
 }
 
 say "starting the processes (LCM: $LCM_DEFAULT_URL)"
-start map-server "$bin/nodmap-map-server" --out "$out/map-server"
+start map-server "$bin/nodmap-map-server" "${map_config[@]}" --out "$out/map-server"
 start slam2d "$bin/nodmap-slam2d" --out "$out/slam2d"
 start slam6d "$bin/nodmap-slam6d" --out "$out/slam6d"
 start logger "$bin/nodmap-logger" --out "$out/logger"

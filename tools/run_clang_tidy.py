@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Runs clang-tidy over every source that the build in the given folder compiles, two at a time; tests with tests/.clang-tidy.
+"""Runs clang-tidy over the sources that the build in the given folder compiles, as many at a time as there are processors.
+
+usage: run_clang_tidy.py BUILD_DIR [--all]     --all: the tests and benchmarks too, by tests/.clang-tidy
 
 A file is checked again only when something that it is made of has changed: the key of its last good run, kept in the build
 folder, is a digest of its preprocessed text and of the rules.
@@ -52,6 +54,8 @@ def check(build, entry):
 def main():
     build = pathlib.Path(sys.argv[1]).resolve()
     entries = [e for e in json.loads((build / "compile_commands.json").read_text()) if str(build) not in e["file"]]
+    if "--all" not in sys.argv[2:]:
+        entries = [e for e in entries if not is_test(pathlib.Path(e["file"]).relative_to(ROOT))]
     bad = 0
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         for done, (path, good, output) in enumerate(pool.map(lambda e: check(build, e), entries), 1):
