@@ -11,6 +11,7 @@ find_package(nlohmann_json REQUIRED)
 find_package(PNG REQUIRED)
 find_package(octomap 1.9 REQUIRED)
 find_package(Python3 REQUIRED COMPONENTS Interpreter)
+pkg_check_modules(LIBSERIALPORT REQUIRED IMPORTED_TARGET libserialport)
 find_program(NODMAP_LCM_GEN lcm-gen REQUIRED)
 
 # LCM 1.4 and newer bring a CMake package, Debian's 1.3.1 only a pkg-config file.

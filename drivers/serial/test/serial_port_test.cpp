@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a port must do, over a pseudo-terminal. Built twice: as it is, where the terminal is opened
+// plainly, and with the shim, where libserialport opens it.
+#include "drivers/serial/serial_port.hpp"
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <numeric>
+#include <thread>
+#include <vector>
+
+#include "tests/support/data_dir.hpp"
+#include "tests/support/pty_pair.hpp"
+
+namespace nodmap::serial {
+namespace {
+
+using std::chrono::microseconds;
+using std::chrono::steady_clock;
+
+constexpr microseconds kLong{5'000'000};  // never reached unless something is broken
+constexpr microseconds kNoWait{0};
+
+std::vector<std::uint8_t> all_bytes() {
+  std::vector<std::uint8_t> bytes(256);
+  std::iota(bytes.begin(), bytes.end(), std::uint8_t{0});
+  return bytes;
+}
+
+/// Reads until `count` bytes are there.
+std::vector<std::uint8_t> read_exactly(ByteStream& stream, std::size_t count) {
+  std::vector<std::uint8_t> received;
+  std::array<std::uint8_t, 64> buffer{};
+  while (received.size() < count) {
+    const ReadResult result = stream.read(buffer, kLong);
+    if (result.status != IoStatus::kOk) {
+      break;
+    }
+    received.insert(received.end(), buffer.begin(), buffer.begin() + result.count);
+  }
+  return received;
+}
+
+TEST(SerialPort, BytesPassUnchangedBothWays) {
+  const test::PtyPair pty;
+  const OpenResult port = open_serial_port({pty.name()});
+  ASSERT_NE(port.stream, nullptr) << port.error;
+  EXPECT_TRUE(port.stream->connected());
+  EXPECT_EQ(port.stream->write(all_bytes(), kLong), IoStatus::kOk);
+  EXPECT_EQ(pty.receive(256), all_bytes());
+  pty.send(all_bytes());
+  EXPECT_EQ(read_exactly(*port.stream, 256), all_bytes());
+}
+
+TEST(SerialPort, TimeOutsAreBounded) {
+  const test::PtyPair pty;
+  const OpenResult port = open_serial_port({pty.name()});
+  ASSERT_NE(port.stream, nullptr) << port.error;
+  std::array<std::uint8_t, 8> buffer{};
+  const auto start = steady_clock::now();
+  EXPECT_EQ(port.stream->read(buffer, kNoWait).status, IoStatus::kTimeout);
+  EXPECT_EQ(port.stream->read(buffer, microseconds(20'000)).status, IoStatus::kTimeout);
+  // Not before the time; how much after is the machine's affair.
+  EXPECT_GE(steady_clock::now() - start, microseconds(20'000));
+}
+
+TEST(SerialPort, AFullLineEndsTheWriteInTime) {
+  const test::PtyPair pty;
+  const OpenResult port = open_serial_port({pty.name()});
+  ASSERT_NE(port.stream, nullptr) << port.error;
+  const std::vector<std::uint8_t> more_than_fits(1'000'000, 'x');
+  EXPECT_EQ(port.stream->write(more_than_fits, microseconds(20'000)), IoStatus::kTimeout);
+  EXPECT_TRUE(port.stream->connected());
+}
+
+TEST(SerialPort, ARaisedStopEndsTheReadButNotTheWrite) {
+  const test::PtyPair pty;
+  const StopEvent stop;
+  const OpenResult port = open_serial_port({pty.name(), 115200, &stop});
+  ASSERT_NE(port.stream, nullptr) << port.error;
+  std::array<std::uint8_t, 8> buffer{};
+  std::thread raiser([&stop] { stop.raise(); });
+  EXPECT_EQ(port.stream->read(buffer, kLong).status, IoStatus::kStopped);
+  raiser.join();
+  EXPECT_EQ(port.stream->write(all_bytes(), kLong), IoStatus::kOk);
+  EXPECT_EQ(pty.receive(256), all_bytes());
+}
+
+TEST(SerialPort, APulledPlugIsSeenByTheReadAtOnce) {
+  test::PtyPair pty;
+  const OpenResult port = open_serial_port({pty.name()});
+  ASSERT_NE(port.stream, nullptr) << port.error;
+  std::array<std::uint8_t, 8> buffer{};
+  std::thread puller([&pty] { pty.unplug(); });
+  EXPECT_EQ(port.stream->read(buffer, kLong).status, IoStatus::kDisconnected);
+  puller.join();
+  EXPECT_FALSE(port.stream->connected());
+  EXPECT_EQ(port.stream->read(buffer, kLong).status, IoStatus::kDisconnected);
+  EXPECT_EQ(port.stream->write(all_bytes(), kLong), IoStatus::kDisconnected);
+}
+
+TEST(SerialPort, APulledPlugIsSeenByTheWrite) {
+  test::PtyPair pty;
+  const OpenResult port = open_serial_port({pty.name()});
+  ASSERT_NE(port.stream, nullptr) << port.error;
+  pty.unplug();
+  EXPECT_EQ(port.stream->write(all_bytes(), kLong), IoStatus::kDisconnected);
+  EXPECT_FALSE(port.stream->connected());
+}
+
+TEST(SerialPort, OneProcessOnly) {
+  const test::PtyPair pty;
+  {
+    const OpenResult first = open_serial_port({pty.name()});
+    ASSERT_NE(first.stream, nullptr) << first.error;
+    const OpenResult second = open_serial_port({pty.name()});
+    EXPECT_EQ(second.stream, nullptr);
+    EXPECT_NE(second.error.find("in use"), std::string::npos) << second.error;
+  }
+  EXPECT_NE(open_serial_port({pty.name()}).stream, nullptr);  // and free again
+}
+
+TEST(SerialPort, ChildProcessesDoNotInheritIt) {
+  const test::PtyPair pty;
+  const OpenResult port = open_serial_port({pty.name()});
+  ASSERT_NE(port.stream, nullptr) << port.error;
+  const std::string probe = "/proc/self/fd/" + std::to_string(port.stream->poll_handle());
+  const pid_t child = ::fork();
+  if (child == 0) {
+    ::execl("/usr/bin/test", "test", "!", "-e", probe.c_str(), nullptr);
+    ::_exit(99);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  EXPECT_EQ(WEXITSTATUS(status), 0);
+}
+
+TEST(SerialPort, LinksAreFollowed) {
+  const test::PtyPair pty;
+  const test::TemporaryDir dir;
+  const std::filesystem::path link = dir.path() / "scanner";
+  std::filesystem::create_symlink(pty.name(), link);
+  const OpenResult port = open_serial_port({link.string()});
+  ASSERT_NE(port.stream, nullptr) << port.error;
+  pty.send("x");
+  EXPECT_EQ(read_exactly(*port.stream, 1).size(), 1U);
+}
+
+TEST(SerialPort, SetsTheRateOfTheLine) {
+  const test::PtyPair pty;
+  const OpenResult port = open_serial_port({pty.name(), 9600});
+  ASSERT_NE(port.stream, nullptr) << port.error;
+  EXPECT_EQ(pty.baud(), 9600);
+  for (const int baud : {38400, 115200, 500000, 1000000}) {
+    EXPECT_TRUE(port.stream->set_baud(baud));
+    EXPECT_EQ(pty.baud(), baud);
+  }
+}
+
+TEST(SerialPort, DiscardsInput) {
+  const test::PtyPair pty;
+  const OpenResult port = open_serial_port({pty.name()});
+  ASSERT_NE(port.stream, nullptr) << port.error;
+  pty.send("old");
+  port.stream->discard_input();
+  pty.send("new");
+  EXPECT_EQ(read_exactly(*port.stream, 3), (std::vector<std::uint8_t>{'n', 'e', 'w'}));
+}
+
+TEST(SerialPort, WhatIsNoPortIsRefusedInWords) {
+  const OpenResult missing = open_serial_port({"/dev/serial/by-id/no-such-device"});
+  EXPECT_EQ(missing.stream, nullptr);
+  EXPECT_NE(missing.error.find("/dev/serial/by-id/no-such-device"), std::string::npos);
+  const OpenResult file = open_serial_port({"/dev/null"});
+  EXPECT_EQ(file.stream, nullptr);
+  EXPECT_NE(file.error, "");
+  EXPECT_EQ(open_serial_port({""}).stream, nullptr);
+}
+
+}  // namespace
+}  // namespace nodmap::serial
