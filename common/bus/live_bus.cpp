@@ -104,6 +104,10 @@ int LiveBus::handle(std::chrono::milliseconds timeout) {
   return handled;
 }
 
+int LiveBus::poll_handle() {
+  return ::lcm_get_fileno(impl_->lcm.get());
+}
+
 void LiveBus::subscribe_all(AnyHandler handler, int queue_capacity) {
   impl_->listen(
       ".*",

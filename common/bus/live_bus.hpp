@@ -35,6 +35,10 @@ class LiveBus : public Bus {
   /// out here, after LCM has been left in order.
   int handle(std::chrono::milliseconds timeout);
 
+  /// Readable when a message waits, for a loop that also watches other descriptors; then call
+  /// handle(0).
+  [[nodiscard]] int poll_handle();
+
   /// A message of any channel, as it came.
   struct RawMessage {
     std::string channel;

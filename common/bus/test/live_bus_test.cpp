@@ -3,6 +3,7 @@
 #include "common/bus/live_bus.hpp"
 
 #include <gtest/gtest.h>
+#include <poll.h>
 
 #include <random>
 #include <stdexcept>
@@ -136,6 +137,17 @@ TEST(LiveBus, AFloodDoesNotKeepTheCallerForEver) {
   });
   bus.publish("ECHO", odometry_at(1));
   EXPECT_EQ(bus.handle(milliseconds(0)), 1000);
+}
+
+TEST(LiveBus, ThePollHandleTellsOfAWaitingMessage) {
+  LiveBus bus("memq://");
+  bus.subscribe<nodmap::odometry_t>("ODOMETRY", [](const nodmap::odometry_t&) {});
+  pollfd entry{bus.poll_handle(), POLLIN, 0};
+  EXPECT_EQ(::poll(&entry, 1, 0), 0);
+  bus.publish("ODOMETRY", odometry_at(1));
+  EXPECT_EQ(::poll(&entry, 1, 0), 1);
+  handle_all(bus);
+  EXPECT_EQ(::poll(&entry, 1, 0), 0);
 }
 
 TEST(LiveBus, AUrlThatCannotWorkIsAnError) {

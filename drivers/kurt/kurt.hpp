@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "drivers/kurt/drive_watchdog.hpp"
+#include "drivers/kurt/encoder_clock.hpp"
+#include "drivers/kurt/kurt_frames.hpp"
+#include "drivers/kurt/odometry.hpp"
+#include "drivers/kurt/params.hpp"
+#include "drivers/kurt/slcan.hpp"
+#include "drivers/kurt/slcan_session.hpp"
+#include "drivers/kurt/speed_limiter.hpp"
+
+namespace nodmap::kurt {
+
+/// One moment on two clocks: stamps are of the wall clock, intervals of the monotonic one.
+struct Moment {
+  std::int64_t utime_us = 0;   ///< since the epoch
+  std::int64_t steady_us = 0;  ///< never set back
+};
+
+struct OdometrySample {
+  std::int64_t utime_us = 0;
+  OdometryState state;
+};
+
+/// The last value of a kind, and when it came (monotonic clock).
+template <class Value>
+struct Received {
+  Value value{};
+  std::int64_t at_us = 0;
+};
+
+/// What the base's other sensors said last.
+struct BaseSensors {
+  std::array<std::optional<Received<int>>, kInfraredCount> infrared_raw;
+  std::optional<Received<int>> sonar_raw;
+  std::optional<Received<Tilt>> tilt;
+  std::optional<Received<Gyro>> gyro;
+  std::optional<Received<MotorCurrents>> motor_currents;
+};
+
+struct KurtCounts {
+  std::int64_t encoder_frames = 0;
+  std::int64_t encoder_lost = 0;
+  std::int64_t encoder_implausible = 0;
+  std::int64_t encoder_gaps = 0;
+};
+
+/// Whether the robot can be driven, and what is in the way.
+enum class KurtState : std::uint8_t {
+  kNoLine,   ///< the serial line is not open
+  kNoBus,    ///< the adapter has not opened the CAN bus
+  kNoBase,   ///< no encoder frames: the base is switched off, say
+  kNoDrive,  ///< nobody tells the robot to move: it stands
+  kDriving,
+};
+
+/// The KURT2 base as bytes and values: what it says goes in, what to tell it comes out. No clock,
+/// no port, no message; driver, simulation and test differ in who carries the bytes.
+class Kurt {
+ public:
+  explicit Kurt(const KurtParams& params);
+
+  void connected(const Moment& now);
+  void disconnected();
+
+  /// Bytes from the adapter, as one read gave them. Valid until the next call.
+  std::span<const OdometrySample> receive(std::span<const std::uint8_t> bytes, const Moment& now);
+
+  /// Somebody wants the robot to move.
+  DriveVerdict drive(const DriveRequest& request, const Moment& now);
+
+  /// What to send to the adapter now. To be called every 10 ms: there is a command in it each time.
+  [[nodiscard]] std::string control(const Moment& now);
+
+  /// The last thing to send: motors off and braked.
+  [[nodiscard]] static std::string farewell() { return to_line(hard_stop()); }
+
+  /// The port is of no use as it is and should be opened anew.
+  [[nodiscard]] bool wants_new_port() const { return session_.gave_up(); }
+
+  [[nodiscard]] KurtState state(std::int64_t steady_us) const;
+  [[nodiscard]] const BaseSensors& sensors() const { return sensors_; }
+  [[nodiscard]] const KurtCounts& counts() const { return counts_; }
+  [[nodiscard]] const SlcanCounts& slcan_counts() const { return parser_.counts(); }
+  [[nodiscard]] const SlcanSession& session() const { return session_; }
+
+ private:
+  void take_encoder(const EncoderTicks& ticks, std::int64_t arrival_us, const Moment& now);
+  void take_sensor(const Report& report, std::int64_t now_us);
+
+  KurtParams params_;
+  SlcanParser parser_;
+  SlcanSession session_;
+  EncoderClock encoder_clock_;
+  Odometry odometry_;
+  SpeedLimiter limiter_;
+  DriveWatchdog watchdog_;
+  BaseSensors sensors_;
+  KurtCounts counts_;
+  std::optional<std::int64_t> last_encoder_us_;
+  bool line_open_ = false;
+  std::vector<EncoderTicks> ticks_;
+  std::vector<OdometrySample> samples_;
+};
+
+}  // namespace nodmap::kurt

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "drivers/kurt/kurt_frames.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "common/geometry/angle.hpp"
+
+namespace nodmap::kurt {
+namespace {
+
+constexpr std::uint32_t kControlId = 0x001;
+constexpr std::uint32_t kAdc0To3Id = 0x005;
+constexpr std::uint32_t kAdc4To7Id = 0x006;
+constexpr std::uint32_t kAdc8To11Id = 0x007;
+constexpr std::uint32_t kAdc12To15Id = 0x008;
+constexpr std::uint32_t kEncoderId = 0x009;
+constexpr std::uint32_t kTiltId = 0x00D;
+constexpr std::uint32_t kGyroId = 0x00E;
+
+constexpr std::uint8_t kModeRaw = 0;
+constexpr std::uint8_t kModeSpeedCm = 2;
+/// Without this bit the base's controller fails on a step from zero to full speed.
+constexpr std::uint8_t kAntiWindup = 1;
+
+std::uint16_t u16(const CanFrame& frame, std::size_t at) {
+  return static_cast<std::uint16_t>((frame.data[at] << 8U) | frame.data[at + 1]);
+}
+
+int i16(const CanFrame& frame, std::size_t at) {
+  return static_cast<std::int16_t>(u16(frame, at));
+}
+
+std::int32_t i32(const CanFrame& frame, std::size_t at) {
+  const std::uint32_t high = u16(frame, at);
+  return static_cast<std::int32_t>((high << 16U) | u16(frame, at + 2));
+}
+
+/// cm/s; what is no number is no speed.
+std::int16_t to_cm_per_s(double speed_mps) {
+  if (!std::isfinite(speed_mps)) {
+    return 0;
+  }
+  constexpr double kLargest = std::numeric_limits<std::int16_t>::max();
+  return static_cast<std::int16_t>(std::clamp(std::round(100.0 * speed_mps), -kLargest, kLargest));
+}
+
+std::optional<int>& of(RangeReadings& readings, Infrared sensor) {
+  return readings.infrared_raw[static_cast<std::size_t>(sensor)];
+}
+
+RangeReadings decode_adc0_to_3(const CanFrame& frame) {
+  RangeReadings readings;
+  of(readings, Infrared::kBack) = u16(frame, 0);
+  of(readings, Infrared::kRightBack) = u16(frame, 2);
+  of(readings, Infrared::kRight) = u16(frame, 4);
+  return readings;
+}
+
+RangeReadings decode_adc4_to_7(const CanFrame& frame) {
+  RangeReadings readings;
+  of(readings, Infrared::kRightFront) = u16(frame, 0);
+  readings.sonar_raw = u16(frame, 2);
+  of(readings, Infrared::kLeftFront) = u16(frame, 4);
+  of(readings, Infrared::kLeft) = u16(frame, 6);
+  return readings;
+}
+
+RangeReadings decode_adc8_to_11(const CanFrame& frame) {
+  RangeReadings readings;
+  of(readings, Infrared::kLeftBack) = u16(frame, 2);
+  return readings;
+}
+
+/// The angle whose sine the sensor measures as acceleration. Shaking gives more than 1 g.
+double tilt_rad(std::uint16_t raw) {
+  return std::asin(std::clamp((raw - 32768.0) / 3932.0, -1.0, 1.0));
+}
+
+Gyro decode_gyro(const CanFrame& frame) {
+  const double to_rad = geometry::deg_to_rad(1.0);
+  return {i32(frame, 0) / 4992511.0 * to_rad, i32(frame, 4) / 10000.0 * to_rad * to_rad};
+}
+
+Report decode_full(const CanFrame& frame) {
+  switch (frame.id) {
+    case kAdc0To3Id:
+      return decode_adc0_to_3(frame);
+    case kAdc4To7Id:
+      return decode_adc4_to_7(frame);
+    case kAdc8To11Id:
+      return decode_adc8_to_11(frame);
+    case kAdc12To15Id:
+      return MotorCurrents{1e-3 * u16(frame, 2), 1e-3 * u16(frame, 0)};  // right comes first, in mA
+    case kEncoderId:
+      return EncoderTicks{i16(frame, 0), i16(frame, 2)};
+    case kTiltId:
+      return Tilt{tilt_rad(u16(frame, 0)), tilt_rad(u16(frame, 2))};
+    case kGyroId:
+      return decode_gyro(frame);
+    default:
+      return std::monostate{};
+  }
+}
+
+}  // namespace
+
+CanFrame speed_command(const WheelSpeeds& speeds) {
+  const auto left = static_cast<std::uint16_t>(to_cm_per_s(speeds.left_mps));
+  const auto right = static_cast<std::uint16_t>(to_cm_per_s(speeds.right_mps));
+  CanFrame frame;
+  frame.id = kControlId;
+  frame.length = 8;
+  // The last two bytes hold the turn rate for the base's own gyro control, which we leave at zero.
+  frame.data = {0,
+                kModeSpeedCm,
+                static_cast<std::uint8_t>(left >> 8U),
+                static_cast<std::uint8_t>(left & 0xFFU),
+                static_cast<std::uint8_t>(right >> 8U),
+                static_cast<std::uint8_t>(right & 0xFFU),
+                0,
+                kAntiWindup};
+  return frame;
+}
+
+CanFrame hard_stop() {
+  // Per wheel: direction and brake bits, then the duty cycle, inverted: 1023 is none.
+  constexpr std::uint8_t kForwardBraked = 1;
+  CanFrame frame;
+  frame.id = kControlId;
+  frame.length = 8;
+  frame.data = {0, kModeRaw, kForwardBraked, 0x03, 0xFF, kForwardBraked, 0x03, 0xFF};
+  return frame;
+}
+
+Report decode(const CanFrame& frame) {
+  // The encoder's two numbers fill half of its frame; every other kind needs all of it.
+  const std::size_t needed = frame.id == kEncoderId ? 4 : 8;
+  if (frame.extended || frame.remote || frame.length < needed) {
+    return std::monostate{};
+  }
+  return decode_full(frame);
+}
+
+std::optional<double> infrared_range_m(int raw) {
+  if (raw < 100 || raw > 800) {
+    return std::nullopt;
+  }
+  return 0.01 * (std::pow(30000.0 / (raw - 10.0), 1.0 / 1.4) - 10.0);
+}
+
+std::optional<double> sonar_range_m(int raw) {
+  if (raw < 100 || raw > 1000) {
+    return std::nullopt;
+  }
+  return 0.01 * (0.110652 * raw + 11.9231);
+}
+
+}  // namespace nodmap::kurt

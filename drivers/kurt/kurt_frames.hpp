@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The CAN frames of a KURT2 base. All numbers in them are big-endian.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <variant>
+
+#include "drivers/kurt/slcan.hpp"
+
+namespace nodmap::kurt {
+
+/// Speeds of the wheels over ground, positive forward.
+struct WheelSpeeds {
+  double left_mps = 0.0;
+  double right_mps = 0.0;
+};
+
+/// Speed control in the base's own controller, in steps of 1 cm/s. The base stops by itself when it
+/// hears nothing for 100 ms, so this is sent every 10 ms.
+[[nodiscard]] CanFrame speed_command(const WheelSpeeds& speeds);
+
+/// Both motors off and braked.
+[[nodiscard]] CanFrame hard_stop();
+
+/// Turns of the encoders in the last 10 ms, positive forward.
+struct EncoderTicks {
+  int left = 0;
+  int right = 0;
+};
+
+/// The infrared range finders, in the order of base_sensors_t, counter-clockwise from the front.
+enum class Infrared : std::uint8_t {
+  kLeftFront,
+  kLeft,
+  kLeftBack,
+  kBack,
+  kRightBack,
+  kRight,
+  kRightFront,
+};
+inline constexpr std::size_t kInfraredCount = 7;
+
+/// Part of the range finders, as one frame brings it: raw readings, empty where not in this frame.
+struct RangeReadings {
+  std::array<std::optional<int>, kInfraredCount> infrared_raw;
+  std::optional<int> sonar_raw;
+};
+
+struct Tilt {
+  double roll_rad = 0.0;
+  double pitch_rad = 0.0;
+};
+
+struct Gyro {
+  double yaw_rad = 0.0;
+  double variance_rad2 = 0.0;
+};
+
+struct MotorCurrents {
+  double left_a = 0.0;
+  double right_a = 0.0;
+};
+
+using Report = std::variant<std::monostate, EncoderTicks, RangeReadings, Tilt, Gyro, MotorCurrents>;
+
+/// What a frame from the base says; std::monostate for those that say nothing of use to us, and
+/// for those shorter than their kind.
+[[nodiscard]] Report decode(const CanFrame& frame);
+
+/// Range of a Sharp GP2D12, metres; empty for readings outside of what it can measure (100 to 800).
+[[nodiscard]] std::optional<double> infrared_range_m(int raw);
+
+/// Range of the Baumer UNDK30, metres; empty for readings outside 100 to 1000.
+[[nodiscard]] std::optional<double> sonar_range_m(int raw);
+
+}  // namespace nodmap::kurt

@@ -1,0 +1,264 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "drivers/kurt/node.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "common/geometry/se3.hpp"
+#include "common/log/log.hpp"
+#include "common/msg/messages.hpp"
+#include "nodmap/base_sensors_t.hpp"
+
+namespace nodmap::kurt {
+namespace {
+
+using serial::IoStatus;
+using std::chrono::microseconds;
+
+constexpr std::int64_t kControlPeriodUs = 10'000;
+constexpr std::int64_t kSensorsPeriodUs = 50'000;
+constexpr std::int64_t kSensorLifeUs = 500'000;
+/// A command is 22 bytes: a line that does not take them in this time is stuck.
+constexpr microseconds kWriteTimeout{5'000};
+constexpr microseconds kFarewellTimeout{50'000};
+/// Variance of what the wheels know nothing of: height (m^2), roll and pitch (rad^2).
+constexpr double kUnknownVariance = 1e6;
+
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+
+std::span<const std::uint8_t> bytes_of(const std::string& text) {
+  // NOLINTNEXTLINE(cppcoreguidelines-pro-type-reinterpret-cast): characters are bytes
+  return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
+}
+
+/// The value, unless it is too old.
+template <class Value>
+const Value* fresh(const std::optional<Received<Value>>& received, std::int64_t steady_us) {
+  return received && steady_us - received->at_us <= kSensorLifeUs ? &received->value : nullptr;
+}
+
+float range_or_nan(std::optional<double> range_m) {
+  return range_m ? static_cast<float>(*range_m) : kNan;
+}
+
+/// Covariance of x, y, yaw into that of x, y, z, roll, pitch, yaw.
+void write_covariance(const Eigen::Matrix3d& covariance, double (&out)[6][6]) {
+  constexpr std::array<int, 3> kAt{0, 1, 5};
+  for (const int unknown : {2, 3, 4}) {
+    out[unknown][unknown] = kUnknownVariance;
+  }
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) {
+      out[kAt[row]][kAt[column]] = covariance(row, column);
+    }
+  }
+}
+
+nodmap::base_sensors_t to_message(const BaseSensors& sensors, const Moment& now) {
+  nodmap::base_sensors_t message{};
+  message.utime = now.utime_us;
+  for (std::size_t i = 0; i < kInfraredCount; ++i) {
+    const int* raw = fresh(sensors.infrared_raw[i], now.steady_us);
+    message.infrared_raw[i] = raw != nullptr ? *raw : -1;
+    message.infrared_m[i] = raw != nullptr ? range_or_nan(infrared_range_m(*raw)) : kNan;
+  }
+  const int* sonar_raw = fresh(sensors.sonar_raw, now.steady_us);
+  message.sonar_raw = sonar_raw != nullptr ? *sonar_raw : -1;
+  message.sonar_m = sonar_raw != nullptr ? range_or_nan(sonar_range_m(*sonar_raw)) : kNan;
+  const Tilt* tilt = fresh(sensors.tilt, now.steady_us);
+  message.roll_rad = tilt != nullptr ? static_cast<float>(tilt->roll_rad) : kNan;
+  message.pitch_rad = tilt != nullptr ? static_cast<float>(tilt->pitch_rad) : kNan;
+  const Gyro* gyro = fresh(sensors.gyro, now.steady_us);
+  message.gyro_yaw_rad = gyro != nullptr ? static_cast<float>(gyro->yaw_rad) : kNan;
+  message.gyro_variance_rad2 = gyro != nullptr ? static_cast<float>(gyro->variance_rad2) : kNan;
+  const MotorCurrents* currents = fresh(sensors.motor_currents, now.steady_us);
+  message.motor_current_left_a = currents != nullptr ? static_cast<float>(currents->left_a) : kNan;
+  message.motor_current_right_a =
+      currents != nullptr ? static_cast<float>(currents->right_a) : kNan;
+  return message;
+}
+
+const char* describe(KurtState state) {
+  switch (state) {
+    case KurtState::kNoLine:
+      return "the serial line is not open";
+    case KurtState::kNoBus:
+      return "the CAN adapter does not answer";
+    case KurtState::kNoBase:
+      return "no encoder frames: is the base switched on?";
+    case KurtState::kNoDrive:
+      return "no DRIVE: the robot stands";
+    case KurtState::kDriving:
+      break;
+  }
+  return "";
+}
+
+}  // namespace
+
+KurtNode::KurtNode(node::Context& context, const KurtParams& params,
+                   serial::ReconnectingPort::Opener open, std::function<Moment()> clock)
+    : context_(context), kurt_(params), port_(std::move(open)), clock_(std::move(clock)) {
+  context_.bus.subscribe<nodmap::drive_t>(
+      "DRIVE", [this](const nodmap::drive_t& message) { on_drive(message); });
+}
+
+KurtNode::~KurtNode() {
+  KurtNode::finish();
+}
+
+void KurtNode::finish() {
+  if (std::exchange(finished_, true) || !port_.is_open()) {
+    return;
+  }
+  const Moment now = clock_();
+  // Whether it arrives is not in our hands: the base stops by itself when it hears nothing.
+  (void)port_.stream(now.steady_us)->write(bytes_of(Kurt::farewell()), kFarewellTimeout);
+  lose_port(now, "ended");
+}
+
+void KurtNode::turn() {
+  const Moment now = clock_();
+  if (serial::ByteStream* stream = connect(now)) {
+    receive(*stream, now);
+  }
+  if (now.steady_us >= next_control_us_) {
+    // In step with its own clock, unless it has fallen behind it.
+    next_control_us_ =
+        std::max(next_control_us_, now.steady_us - kControlPeriodUs) + kControlPeriodUs;
+    if (serial::ByteStream* stream = connect(now)) {
+      send(*stream, now);
+    }
+  }
+  if (now.steady_us >= next_sensors_us_) {
+    next_sensors_us_ = now.steady_us + kSensorsPeriodUs;
+    publish_sensors(now);
+  }
+  tell_change(kurt_.state(now.steady_us));
+}
+
+serial::ByteStream* KurtNode::connect(const Moment& now) {
+  serial::ByteStream* stream = finished_ ? nullptr : port_.stream(now.steady_us);
+  if (stream != nullptr && !std::exchange(connected_, true)) {
+    kurt_.connected(now);
+  }
+  return stream;
+}
+
+void KurtNode::lose_port(const Moment& now, const std::string& reason) {
+  port_.give_up(now.steady_us, reason);
+  kurt_.disconnected();
+  connected_ = false;
+}
+
+void KurtNode::receive(serial::ByteStream& stream, const Moment& now) {
+  std::array<std::uint8_t, 4096> buffer{};
+  const serial::ReadResult result = stream.read(buffer, microseconds(0));
+  if (result.status == IoStatus::kDisconnected) {
+    lose_port(now, "disconnected");
+    return;
+  }
+  for (const OdometrySample& sample : kurt_.receive(std::span(buffer).first(result.count), now)) {
+    publish_odometry(sample);
+  }
+}
+
+void KurtNode::send(serial::ByteStream& stream, const Moment& now) {
+  const std::string text = kurt_.control(now);
+  const IoStatus status =
+      text.empty() ? IoStatus::kOk : stream.write(bytes_of(text), kWriteTimeout);
+  if (status != IoStatus::kOk) {
+    lose_port(now, status == IoStatus::kTimeout ? "the line takes no bytes" : "disconnected");
+  } else if (kurt_.wants_new_port()) {
+    lose_port(now, describe(KurtState::kNoBus));
+  }
+}
+
+int KurtNode::poll_handle() {
+  serial::ByteStream* stream = port_.is_open() ? port_.stream(0) : nullptr;
+  return stream != nullptr ? stream->poll_handle() : -1;
+}
+
+std::int64_t KurtNode::wait_us() const {
+  return std::max<std::int64_t>(0, next_control_us_ - clock_().steady_us);
+}
+
+void KurtNode::on_drive(const nodmap::drive_t& message) {
+  const DriveRequest request{
+      {message.forward_mps, message.yaw_rate_rad_s}, message.utime, message.valid_us};
+  const DriveVerdict verdict = kurt_.drive(request, clock_());
+  if (verdict == DriveVerdict::kObeyed) {
+    context_.tally.use();
+  } else {
+    context_.tally.reject(name_of(verdict));
+  }
+}
+
+void KurtNode::publish_odometry(const OdometrySample& sample) {
+  const OdometryState& state = sample.state;
+  nodmap::odometry_t message =
+      msg::write_odometry(sample.utime_us, geometry::to_se3(state.T_odom_base));
+  message.odometry_seq = odometry_seq_++;
+  message.forward_mps = state.forward_mps;
+  message.yaw_rate_rad_s = state.yaw_rate_rad_s;
+  write_covariance(state.covariance, message.pose_covariance);
+  context_.bus.publish("ODOMETRY", message);
+}
+
+void KurtNode::publish_sensors(const Moment& now) {
+  const KurtState state = kurt_.state(now.steady_us);
+  if (state == KurtState::kDriving || state == KurtState::kNoDrive) {
+    nodmap::base_sensors_t message = to_message(kurt_.sensors(), now);
+    message.sensors_seq = sensors_seq_++;
+    context_.bus.publish("BASE_SENSORS", message);
+  }
+}
+
+void KurtNode::tell_change(KurtState state) {
+  if (std::exchange(told_state_, state) == state) {
+    return;
+  }
+  if (state == KurtState::kDriving) {
+    log::get().info("obeying DRIVE");
+  } else {
+    log::get().warn("{}{}{}", describe(state), port_.error().empty() ? "" : ": ", port_.error());
+  }
+}
+
+nlohmann::json KurtNode::figures() const {
+  const KurtCounts& base = kurt_.counts();
+  const SlcanCounts& lines = kurt_.slcan_counts();
+  return {{"encoder_frames", base.encoder_frames},
+          {"encoder_lost", base.encoder_lost},
+          {"encoder_implausible", base.encoder_implausible},
+          {"encoder_gaps", base.encoder_gaps},
+          {"can_frames", lines.frames},
+          {"lines_malformed", lines.malformed},
+          {"lines_too_long", lines.too_long},
+          {"commands_refused", lines.refused},
+          {"bus_restarts", kurt_.session().restarts()},
+          {"reconnects", port_.reconnects()}};
+}
+
+node::Health KurtNode::health() const {
+  const KurtState state = kurt_.state(clock_().steady_us);
+  switch (state) {
+    case KurtState::kNoLine:
+      return {node::HealthState::kFailed, port_.error()};
+    case KurtState::kNoBus:
+    case KurtState::kNoBase:
+      return {node::HealthState::kFailed, describe(state)};
+    case KurtState::kNoDrive:
+      return {node::HealthState::kDegraded, describe(state)};
+    case KurtState::kDriving:
+      break;
+  }
+  if ((kurt_.session().flags() & (kErrorPassive | kBusError)) != 0) {
+    return {node::HealthState::kDegraded, "errors on the CAN bus: cable, termination?"};
+  }
+  return {};
+}
+
+}  // namespace nodmap::kurt

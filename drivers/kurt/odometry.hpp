@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+
+#include "common/geometry/se2.hpp"
+#include "drivers/kurt/kurt_frames.hpp"
+#include "drivers/kurt/params.hpp"
+
+namespace nodmap::kurt {
+
+/// Where the robot is by its wheels, and how sure that is.
+struct OdometryState {
+  geometry::SE2 T_odom_base;
+  double forward_mps = 0.0;
+  double yaw_rate_rad_s = 0.0;  ///< positive turns left
+  /// Of x (m), y (m), yaw (rad) in odom. Grows from zero.
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+};
+
+/// Odometry of a skid-steered robot: three wheels a side turn together, so that in a turn they slip
+/// sideways and the robot turns less than the wheels' difference says; by how much is calibrated
+/// (turning_adaptation). Formulas of uos/kurt_driver, in a right-handed frame.
+class Odometry {
+ public:
+  explicit Odometry(const KurtParams& params) : params_(params) {}
+
+  /// The wheels' turns of one encoder period. False, and the period bridged as if lost, when no
+  /// wheel can turn so fast.
+  bool add(const EncoderTicks& ticks);
+
+  /// Encoder frames got lost: the robot drove on as it did, more or less.
+  void bridge(int lost_frames);
+
+  /// For `gap_s` nothing is known. The pose stays and becomes uncertain by the way that the robot
+  /// may have rolled until the base stopped it.
+  void bridge_gap(double gap_s);
+
+  [[nodiscard]] const OdometryState& state() const { return state_; }
+
+ private:
+  /// Drives an arc. `sigma_share` is the share of distance and turn that is uncertain besides the
+  /// wheels' own noise.
+  void move(double distance_m, double turn_rad, double sigma_share);
+
+  KurtParams params_;
+  OdometryState state_;
+};
+
+}  // namespace nodmap::kurt

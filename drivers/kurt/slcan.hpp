@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// SLCAN: CAN frames as lines of text, as the Lawicel CANUSB and its clones speak it on a serial
+// line. A command ends with CR; the adapter answers CR (done) or BEL (refused).
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace nodmap::kurt {
+
+struct CanFrame {
+  std::uint32_t id = 0;
+  bool extended = false;  ///< 29-bit id instead of 11-bit
+  bool remote = false;    ///< a request for data: has a length, but no data
+  std::uint8_t length = 0;
+  std::array<std::uint8_t, 8> data{};
+  std::optional<std::uint16_t> stamp_ms;  ///< the adapter's clock, 0 to 59999, if it sends it
+
+  [[nodiscard]] bool operator==(const CanFrame&) const = default;
+};
+
+/// The line that sends this frame, with its CR.
+[[nodiscard]] std::string to_line(const CanFrame& frame);
+
+/// The frame in a line (without its end); empty when it is no complete, valid frame.
+[[nodiscard]] std::optional<CanFrame> parse_frame(std::string_view line);
+
+/// What an adapter says in one line.
+struct SlcanLine {
+  enum class Kind : std::uint8_t {
+    kFrame,    ///< a frame from the bus
+    kDone,     ///< a command was obeyed
+    kRefused,  ///< a command was refused
+    kFlags,    ///< the answer to `F`
+  };
+  Kind kind = Kind::kDone;
+  CanFrame frame;          ///< of kFrame
+  std::uint8_t flags = 0;  ///< of kFlags, see SlcanFlag
+};
+
+/// Bits of the adapter's error flags.
+enum SlcanFlag : std::uint8_t {
+  kReceiveQueueFull = 1U << 0U,
+  kTransmitQueueFull = 1U << 1U,
+  kErrorWarning = 1U << 2U,
+  kOverrun = 1U << 3U,
+  kErrorPassive = 1U << 5U,
+  kArbitrationLost = 1U << 6U,
+  kBusError = 1U << 7U,
+};
+
+struct SlcanCounts {
+  std::int64_t frames = 0;
+  std::int64_t done = 0;
+  std::int64_t refused = 0;
+  std::int64_t malformed = 0;  ///< looked like a frame, but too short, dlc > 8, not hexadecimal
+  std::int64_t too_long = 0;   ///< longer than any line can be: an end got lost
+  std::int64_t unknown = 0;    ///< other letters: states, errors and versions of some adapters
+};
+
+/// Bytes to lines. Takes any bytes in any pieces; what makes no sense is counted and dropped up to
+/// the next line end.
+class SlcanParser {
+ public:
+  /// Calls `sink(const SlcanLine&)` for each line that these bytes complete.
+  template <class Sink>
+  void push(std::span<const std::uint8_t> bytes, Sink&& sink) {
+    for (const std::uint8_t byte : bytes) {
+      if (const std::optional<SlcanLine> line = take(byte)) {
+        sink(*line);
+      }
+    }
+  }
+
+  /// The line that this byte completes, if it completes one that says something.
+  std::optional<SlcanLine> take(std::uint8_t byte);
+
+  /// Forgets a line begun: another connection starts.
+  void restart();
+
+  [[nodiscard]] const SlcanCounts& counts() const { return counts_; }
+
+ private:
+  // T, 8 digits of id, length, 16 of data, 4 of stamp.
+  static constexpr std::size_t kLongestLine = 30;
+
+  [[nodiscard]] std::optional<SlcanLine> classify(std::string_view text, std::uint8_t end);
+
+  std::array<char, kLongestLine> line_{};
+  std::size_t size_ = 0;
+  bool overflow_ = false;
+  SlcanCounts counts_;
+};
+
+}  // namespace nodmap::kurt

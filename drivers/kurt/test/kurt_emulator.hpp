@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace nodmap::test {
+
+/// A KURT2 behind an SLCAN adapter, as text in and text out. It shares no code with the driver: a
+/// mistake in the one does not hide in the other. Wheels reach a commanded speed within one period.
+class KurtEmulator {
+ public:
+  /// What the driver sends. Returns what the adapter answers.
+  std::string take(const std::string& text);
+
+  /// 10 ms pass in the base. Returns the frames it sends.
+  std::string tick();
+
+  // Faults.
+  bool mute_adapter = false;  ///< answers nothing
+  bool base_off = false;      ///< sends no frames
+  int drop_encoders = 0;      ///< so many encoder frames get lost
+
+  [[nodiscard]] bool channel_open() const { return open_; }
+  /// Adapter reset: the channel is closed.
+  void reset_adapter() { open_ = false; }
+
+  [[nodiscard]] int left_cm_s() const { return left_cm_s_; }
+  [[nodiscard]] int right_cm_s() const { return right_cm_s_; }
+  [[nodiscard]] bool braked() const { return braked_; }
+  /// CONTROL frames seen.
+  [[nodiscard]] int commands() const { return commands_; }
+  /// Lines that were none.
+  [[nodiscard]] int nonsense() const { return nonsense_; }
+
+ private:
+  std::string obey(const std::string& line);
+  std::string obey_frame(const std::string& line);
+
+  std::string pending_;
+  bool open_ = false;
+  bool rate_set_ = false;
+  bool braked_ = true;
+  int left_cm_s_ = 0;
+  int right_cm_s_ = 0;
+  double left_rest_ = 0.0;
+  double right_rest_ = 0.0;
+  int silent_periods_ = 0;
+  int commands_ = 0;
+  int nonsense_ = 0;
+};
+
+}  // namespace nodmap::test

@@ -1,0 +1,235 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The driver's core against the emulated base, on simulated time: no port, no message, no waiting.
+#include "drivers/kurt/kurt.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "drivers/kurt/test/kurt_emulator.hpp"
+
+namespace nodmap::kurt {
+namespace {
+
+constexpr std::int64_t kStartUtimeUs = 1'700'000'000'000'000;
+
+class Robot {
+ public:
+  Robot() { kurt.connected(now()); }
+
+  [[nodiscard]] Moment now() const { return {kStartUtimeUs + now_us, now_us}; }
+
+  /// One control period: the base sends, the driver takes it in and answers.
+  void step() {
+    now_us += 10'000;
+    to_driver += base.tick();
+    if (held_up_periods > 0) {
+      --held_up_periods;
+    } else {
+      const std::vector<std::uint8_t> bytes(to_driver.begin(), to_driver.end());
+      to_driver.clear();
+      for (const OdometrySample& sample : kurt.receive(bytes, now())) {
+        samples.push_back(sample);
+      }
+    }
+    to_driver += base.take(kurt.control(now()));
+  }
+
+  void run_us(std::int64_t duration_us) {
+    for (const std::int64_t end_us = now_us + duration_us; now_us < end_us;) {
+      step();
+    }
+  }
+
+  DriveVerdict drive(double forward_mps, double yaw_rate_rad_s) {
+    return kurt.drive({{forward_mps, yaw_rate_rad_s}, now().utime_us, 1'000'000}, now());
+  }
+
+  /// Drives as a navigator does, with a DRIVE every 10 ms.
+  void drive_us(double forward_mps, double yaw_rate_rad_s, std::int64_t duration_us) {
+    for (const std::int64_t end_us = now_us + duration_us; now_us < end_us;) {
+      ASSERT_EQ(drive(forward_mps, yaw_rate_rad_s), DriveVerdict::kObeyed);
+      step();
+    }
+  }
+
+  Kurt kurt{KurtParams{}};
+  test::KurtEmulator base;
+  std::int64_t now_us = 0;
+  int held_up_periods = 0;
+  std::string to_driver;
+  std::vector<OdometrySample> samples;
+};
+
+TEST(Kurt, OpensTheBusAndStandsUntilDriven) {
+  Robot robot;
+  EXPECT_EQ(robot.kurt.state(robot.now_us), KurtState::kNoBus);
+  robot.run_us(500'000);
+  EXPECT_TRUE(robot.base.channel_open());
+  EXPECT_EQ(robot.kurt.state(robot.now_us), KurtState::kNoDrive);
+  EXPECT_GT(robot.base.commands(), 20);
+  EXPECT_FALSE(robot.base.braked());
+  EXPECT_EQ(robot.base.left_cm_s(), 0);
+  EXPECT_EQ(robot.base.nonsense(), 0);
+}
+
+TEST(Kurt, DrivesAndMeasuresWhatItDrives) {
+  Robot robot;
+  robot.run_us(500'000);
+  robot.drive_us(1.0, 0.5, 4'000'000);
+  EXPECT_EQ(robot.kurt.state(robot.now_us), KurtState::kDriving);
+  const OdometryState& state = robot.samples.back().state;
+  // Commands have steps of 1 cm/s: 0.005 m/s per wheel, and 0.005 / 0.2 rad/s.
+  EXPECT_NEAR(state.forward_mps, 1.0, 0.006);
+  EXPECT_NEAR(state.yaw_rate_rad_s, 0.5, 0.03);
+  EXPECT_GT(state.T_odom_base.y, 0.0);
+  EXPECT_EQ(robot.kurt.counts().encoder_lost, 0);
+}
+
+TEST(Kurt, OdometryIsStampedWithTheWallClockEveryTenMilliseconds) {
+  Robot robot;
+  robot.run_us(2'000'000);
+  ASSERT_GT(robot.samples.size(), 100U);
+  for (std::size_t i = 1; i < robot.samples.size(); ++i) {
+    EXPECT_EQ(robot.samples[i].utime_us - robot.samples[i - 1].utime_us, 10'000);
+  }
+  EXPECT_EQ(robot.samples.back().utime_us, kStartUtimeUs + robot.now_us);
+}
+
+TEST(Kurt, WithoutDriveTheWheelsStopWithinTheTimeoutAndOneFrame) {
+  Robot robot;
+  robot.run_us(500'000);
+  robot.drive_us(1.0, 0.0, 2'000'000);
+  ASSERT_EQ(robot.base.left_cm_s(), 100);
+  const std::int64_t silent_since_us = robot.now_us - 10'000;  // the last DRIVE
+  while (robot.base.left_cm_s() != 0 && robot.now_us < silent_since_us + 1'000'000) {
+    robot.step();
+  }
+  EXPECT_LE(robot.now_us - silent_since_us, 210'000);
+  EXPECT_EQ(robot.base.right_cm_s(), 0);
+  EXPECT_EQ(robot.kurt.state(robot.now_us), KurtState::kNoDrive);
+  // And on again with the next one, from standstill within the limits.
+  robot.drive_us(1.0, 0.0, 10'000);
+  EXPECT_GT(robot.base.left_cm_s(), 0);
+  EXPECT_LE(robot.base.left_cm_s(), 2);
+}
+
+TEST(Kurt, NonsenseStopsAtTheNextFrame) {
+  Robot robot;
+  robot.run_us(500'000);
+  robot.drive_us(1.0, 0.0, 1'000'000);
+  ASSERT_EQ(robot.base.left_cm_s(), 100);
+  EXPECT_EQ(robot.drive(std::numeric_limits<double>::quiet_NaN(), 0.0), DriveVerdict::kNotFinite);
+  robot.step();
+  EXPECT_EQ(robot.base.left_cm_s(), 0);
+}
+
+TEST(Kurt, ABaseThatFallsSilentIsToldToStop) {
+  Robot robot;
+  robot.run_us(500'000);
+  robot.drive_us(1.0, 0.0, 1'000'000);
+  robot.base.base_off = true;
+  robot.drive_us(1.0, 0.0, 210'000);
+  EXPECT_EQ(robot.kurt.state(robot.now_us), KurtState::kNoBase);
+  EXPECT_EQ(robot.base.left_cm_s(), 0);
+  robot.base.base_off = false;
+  robot.drive_us(1.0, 0.0, 2'000'000);
+  EXPECT_EQ(robot.kurt.state(robot.now_us), KurtState::kDriving);
+  EXPECT_EQ(robot.base.left_cm_s(), 100);
+  EXPECT_EQ(robot.kurt.counts().encoder_gaps, 1);
+}
+
+TEST(Kurt, AnAdapterThatResetsIsOpenedAgain) {
+  Robot robot;
+  robot.run_us(500'000);
+  robot.drive_us(1.0, 0.0, 1'000'000);
+  robot.base.reset_adapter();
+  robot.drive_us(1.0, 0.0, 1'500'000);
+  EXPECT_TRUE(robot.base.channel_open());
+  EXPECT_EQ(robot.base.left_cm_s(), 100);
+  EXPECT_EQ(robot.kurt.session().restarts(), 1);
+}
+
+TEST(Kurt, AMuteAdapterAsksForAnotherPort) {
+  Robot robot;
+  robot.run_us(500'000);
+  robot.base.mute_adapter = true;
+  robot.run_us(3'000'000);
+  EXPECT_TRUE(robot.kurt.wants_new_port());
+  robot.kurt.disconnected();
+  EXPECT_EQ(robot.kurt.state(robot.now_us), KurtState::kNoLine);
+  EXPECT_EQ(robot.kurt.control(robot.now()), "");
+  robot.base.mute_adapter = false;
+  robot.kurt.connected(robot.now());
+  robot.run_us(500'000);
+  EXPECT_EQ(robot.kurt.state(robot.now_us), KurtState::kNoDrive);
+}
+
+// What was wanted before the line was lost is not done after it is back.
+TEST(Kurt, AfterALossTheRobotWaitsForANewDrive) {
+  Robot robot;
+  robot.run_us(500'000);
+  robot.drive_us(1.0, 0.0, 1'000'000);
+  robot.kurt.disconnected();
+  EXPECT_FALSE(robot.kurt.control(robot.now()).size() > 0);
+  robot.kurt.connected(robot.now());
+  EXPECT_NE(robot.kurt.state(robot.now_us), KurtState::kDriving);
+  robot.run_us(1'000'000);
+  EXPECT_EQ(robot.base.left_cm_s(), 0);
+}
+
+// Three encoder frames lost at 1 m/s are 3 cm that odometry must not lose.
+TEST(Kurt, LostEncoderFramesAreNoticedAndFilled) {
+  Robot robot;
+  robot.run_us(500'000);
+  robot.drive_us(1.0, 0.0, 2'000'000);
+  const double before_m = robot.samples.back().state.T_odom_base.x;
+  robot.base.drop_encoders = 3;
+  robot.drive_us(1.0, 0.0, 2'000'000);
+  EXPECT_EQ(robot.kurt.counts().encoder_lost, 3);
+  EXPECT_NEAR(robot.samples.back().state.T_odom_base.x - before_m, 2.0, 0.002);
+}
+
+// The process was not scheduled for 80 ms: nothing is lost, and no stamp steps back.
+TEST(Kurt, AHeldUpProcessLosesNothing) {
+  Robot robot;
+  robot.run_us(500'000);
+  robot.drive_us(1.0, 0.0, 2'000'000);
+  const double before_m = robot.samples.back().state.T_odom_base.x;
+  for (int i = 0; i < 5; ++i) {
+    robot.held_up_periods = 8;
+    robot.drive_us(1.0, 0.0, 400'000);
+  }
+  EXPECT_EQ(robot.kurt.counts().encoder_lost, 0);
+  EXPECT_EQ(robot.kurt.counts().encoder_gaps, 0);
+  EXPECT_NEAR(robot.samples.back().state.T_odom_base.x - before_m, 2.0, 0.002);
+  for (std::size_t i = 1; i < robot.samples.size(); ++i) {
+    EXPECT_GT(robot.samples[i].utime_us, robot.samples[i - 1].utime_us);
+  }
+}
+
+TEST(Kurt, OtherSensorsAreKeptWithTheirTime) {
+  Robot robot;
+  robot.run_us(500'000);
+  const BaseSensors& sensors = robot.kurt.sensors();
+  ASSERT_TRUE(sensors.sonar_raw.has_value());
+  EXPECT_EQ(sensors.sonar_raw->value, 500);
+  EXPECT_EQ(sensors.sonar_raw->at_us, robot.now_us);
+  EXPECT_EQ(sensors.infrared_raw[static_cast<int>(Infrared::kRightFront)]->value, 300);
+  EXPECT_FALSE(sensors.infrared_raw[static_cast<int>(Infrared::kBack)].has_value());
+  EXPECT_FALSE(sensors.tilt.has_value());
+}
+
+TEST(Kurt, FarewellIsTheHardStop) {
+  EXPECT_EQ(Kurt::farewell(), "t001800000103FF0103FF\r");
+}
+
+TEST(Kurt, R6_TheDefaultsAreTheRobots) {
+  EXPECT_EQ(kTopSpeedMps, 5.2);
+  EXPECT_EQ(KurtParams{}.max_speed_mps, 5.2);
+}
+
+}  // namespace
+}  // namespace nodmap::kurt

@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "drivers/kurt/odometry.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+#include <random>
+#include <vector>
+
+namespace nodmap::kurt {
+namespace {
+
+constexpr double kPeriodS = 0.01;
+
+/// A robot whose ticks are whole millimetres: 1 tick = 1 mm.
+KurtParams millimetre_params() {
+  KurtParams params;
+  params.wheel_perimeter_m = 1.0;
+  params.ticks_per_turn = 1000;
+  params.axis_m = 0.3;
+  params.turning_adaptation = 0.6;
+  return params;
+}
+
+TEST(Odometry, StraightOn) {
+  Odometry odometry(millimetre_params());
+  for (int i = 0; i < 100; ++i) {
+    ASSERT_TRUE(odometry.add({10, 10}));
+  }
+  const OdometryState& state = odometry.state();
+  EXPECT_NEAR(state.T_odom_base.x, 1.0, 1e-12);
+  EXPECT_EQ(state.T_odom_base.y, 0.0);
+  EXPECT_EQ(state.T_odom_base.yaw, 0.0);
+  EXPECT_NEAR(state.forward_mps, 1.0, 1e-12);
+  EXPECT_EQ(state.yaw_rate_rad_s, 0.0);
+}
+
+// perimeter * ticks / ticks_per_turn; omega = (vR - vL) / axis * turning_adaptation, of
+// kurt_driver.
+TEST(Odometry, SpeedsAreThoseOfKurtDriver) {
+  const KurtParams indoor;
+  Odometry odometry(indoor);
+  ASSERT_TRUE(odometry.add({200, 300}));
+  const double left_mps = 0.379 * 200 / 21950 / kPeriodS;
+  const double right_mps = 0.379 * 300 / 21950 / kPeriodS;
+  EXPECT_DOUBLE_EQ(odometry.state().forward_mps, 0.5 * (left_mps + right_mps));
+  EXPECT_NEAR(odometry.state().yaw_rate_rad_s, (right_mps - left_mps) / 0.28 * 0.69, 1e-12);
+}
+
+TEST(Odometry, AFasterLeftWheelTurnsRight) {
+  Odometry odometry(millimetre_params());
+  for (int i = 0; i < 10; ++i) {
+    ASSERT_TRUE(odometry.add({11, 10}));
+  }
+  EXPECT_LT(odometry.state().T_odom_base.yaw, 0.0);
+  EXPECT_LT(odometry.state().T_odom_base.y, 0.0);  // right is negative y
+  EXPECT_LT(odometry.state().yaw_rate_rad_s, 0.0);
+  EXPECT_GT(odometry.state().T_odom_base.x, 0.0);
+}
+
+TEST(Odometry, TurningOnTheSpotStaysThere) {
+  Odometry odometry(millimetre_params());
+  for (int i = 0; i < 10; ++i) {
+    ASSERT_TRUE(odometry.add({-5, 5}));
+  }
+  EXPECT_NEAR(odometry.state().T_odom_base.yaw, 10 * 0.010 / 0.3 * 0.6, 1e-12);
+  EXPECT_EQ(odometry.state().T_odom_base.x, 0.0);
+  EXPECT_EQ(odometry.state().T_odom_base.y, 0.0);
+}
+
+// Each step is an exact arc: after any number of steps the pose lies on the circle.
+TEST(Odometry, ACircleIsACircle) {
+  const KurtParams params = millimetre_params();
+  Odometry odometry(params);
+  const double turn_rad = 0.010 / params.axis_m * params.turning_adaptation;  // per step
+  const double radius_m = 0.015 / turn_rad;
+  for (int i = 1; i <= 1000; ++i) {
+    ASSERT_TRUE(odometry.add({10, 20}));
+    const geometry::SE2& pose = odometry.state().T_odom_base;
+    // 1000 additions of rounding
+    EXPECT_NEAR(pose.x, radius_m * std::sin(turn_rad * i), 1e-10);
+    EXPECT_NEAR(pose.y, radius_m * (1.0 - std::cos(turn_rad * i)), 1e-10);
+    EXPECT_NEAR(pose.yaw, geometry::normalize_angle(turn_rad * i), 1e-10);
+  }
+}
+
+TEST(Odometry, BackingUpUndoesTheWay) {
+  Odometry odometry(millimetre_params());
+  for (int i = 0; i < 50; ++i) {
+    ASSERT_TRUE(odometry.add({12, 7}));
+  }
+  for (int i = 0; i < 50; ++i) {
+    ASSERT_TRUE(odometry.add({-12, -7}));
+  }
+  EXPECT_NEAR(odometry.state().T_odom_base.x, 0.0, 1e-12);
+  EXPECT_NEAR(odometry.state().T_odom_base.y, 0.0, 1e-12);
+  EXPECT_NEAR(odometry.state().T_odom_base.yaw, 0.0, 1e-12);
+}
+
+TEST(Odometry, LostFramesAreDrivenOnAndMakeItLessSure) {
+  Odometry whole(millimetre_params());
+  Odometry bridged(millimetre_params());
+  for (int i = 0; i < 100; ++i) {
+    ASSERT_TRUE(whole.add({10, 14}));
+    if (i < 50 || i >= 53) {
+      ASSERT_TRUE(bridged.add({10, 14}));
+    } else if (i == 50) {
+      bridged.bridge(3);
+    }
+  }
+  EXPECT_NEAR(bridged.state().T_odom_base.x, whole.state().T_odom_base.x, 1e-12);
+  EXPECT_NEAR(bridged.state().T_odom_base.yaw, whole.state().T_odom_base.yaw, 1e-12);
+  EXPECT_GT(bridged.state().covariance(0, 0), whole.state().covariance(0, 0));
+  EXPECT_GT(bridged.state().covariance(2, 2), whole.state().covariance(2, 2));
+}
+
+TEST(Odometry, AGapKeepsThePoseAndIsUncertain) {
+  Odometry odometry(millimetre_params());
+  ASSERT_TRUE(odometry.add({10, 10}));  // 1 m/s
+  const double x_m = odometry.state().T_odom_base.x;
+  const double before = odometry.state().covariance(0, 0);
+  odometry.bridge_gap(60.0);
+  EXPECT_EQ(odometry.state().T_odom_base.x, x_m);
+  // Half a second of rolling on at 1 m/s, not a minute.
+  EXPECT_NEAR(odometry.state().covariance(0, 0) - before, 0.25, 1e-12);
+  EXPECT_EQ(odometry.state().forward_mps, 0.0);
+}
+
+TEST(Odometry, TicksNoWheelCanMakeAreRefused) {
+  Odometry odometry(millimetre_params());
+  ASSERT_TRUE(odometry.add({10, 10}));
+  EXPECT_FALSE(odometry.add({10, 32767}));
+  EXPECT_FALSE(odometry.add({-32768, 10}));
+  // The two periods are driven on at 1 m/s.
+  EXPECT_NEAR(odometry.state().T_odom_base.x, 0.03, 1e-12);
+  EXPECT_EQ(odometry.state().T_odom_base.yaw, 0.0);
+}
+
+TEST(Odometry, StandingStaysSure) {
+  Odometry odometry(millimetre_params());
+  for (int i = 0; i < 1000; ++i) {
+    ASSERT_TRUE(odometry.add({0, 0}));
+  }
+  EXPECT_EQ(odometry.state().covariance, Eigen::Matrix3d::Zero());
+}
+
+TEST(Odometry, UncertaintyAfterOneMetreIsAsConfigured) {
+  const KurtParams params = millimetre_params();
+  Odometry odometry(params);
+  for (int i = 0; i < 100; ++i) {
+    ASSERT_TRUE(odometry.add({10, 10}));
+  }
+  EXPECT_NEAR(std::sqrt(odometry.state().covariance(0, 0)), params.distance_sigma_m, 1e-12);
+  EXPECT_NEAR(std::sqrt(odometry.state().covariance(2, 2)), params.heading_sigma_rad, 1e-12);
+}
+
+// Against a thousand robots whose wheels slip at random: the covariance is that of their poses.
+TEST(Odometry, CovarianceIsThatOfRobotsThatSlip) {
+  const KurtParams params = millimetre_params();
+  constexpr int kRobots = 4000;
+  constexpr int kSteps = 100;
+  constexpr double kDistance = 0.012;
+  const double turn_rad = 0.004 / params.axis_m * params.turning_adaptation;
+  const double sigma_distance = params.distance_sigma_m * std::sqrt(kDistance);
+  const double sigma_turn =
+      std::sqrt(params.heading_sigma_rad * params.heading_sigma_rad * kDistance +
+                params.turn_sigma_rad * params.turn_sigma_rad * turn_rad);
+  std::mt19937 random(17);
+  std::normal_distribution<double> noise;
+  std::vector<Eigen::Vector3d> poses;
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (int robot = 0; robot < kRobots; ++robot) {
+    Eigen::Vector3d pose = Eigen::Vector3d::Zero();
+    for (int step = 0; step < kSteps; ++step) {
+      const double d = kDistance + sigma_distance * noise(random);
+      const double t = turn_rad + sigma_turn * noise(random);
+      pose +=
+          Eigen::Vector3d(d * std::cos(pose.z() + 0.5 * t), d * std::sin(pose.z() + 0.5 * t), t);
+    }
+    poses.push_back(pose);
+    mean += pose / kRobots;
+  }
+  Eigen::Matrix3d sampled = Eigen::Matrix3d::Zero();
+  for (const Eigen::Vector3d& pose : poses) {
+    sampled += (pose - mean) * (pose - mean).transpose() / kRobots;
+  }
+  Odometry odometry(params);
+  for (int step = 0; step < kSteps; ++step) {
+    ASSERT_TRUE(odometry.add({10, 14}));
+  }
+  const Eigen::Matrix3d& covariance = odometry.state().covariance;
+  // 4000 samples give a variance to 2.2 % (one sigma); second order terms add a few per cent.
+  EXPECT_LT((covariance - sampled).norm(), 0.1 * sampled.norm()) << covariance << "\n" << sampled;
+  EXPECT_TRUE(covariance.isApprox(covariance.transpose(), 1e-12));
+  EXPECT_GT(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvalues().minCoeff(),
+            0.0);
+}
+
+}  // namespace
+}  // namespace nodmap::kurt

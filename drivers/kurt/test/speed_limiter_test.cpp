@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "drivers/kurt/speed_limiter.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "drivers/kurt/odometry.hpp"
+
+namespace nodmap::kurt {
+namespace {
+
+constexpr double kPeriodS = 0.01;
+
+/// Steps until the wheels do what they should, or a minute has passed.
+WheelSpeeds settle(SpeedLimiter& limiter, const DriveCommand& command) {
+  for (int i = 0; i < 6000; ++i) {
+    limiter.step(command, kPeriodS);
+  }
+  return limiter.current();
+}
+
+TEST(WheelSpeeds, KurtDriversFormula) {
+  KurtParams params;
+  params.steering = Steering::kKurtDriver;
+  const WheelSpeeds wheels = wheel_speeds({0.5, 1.0}, params);
+  EXPECT_DOUBLE_EQ(wheels.left_mps, 0.5 - 0.28);
+  EXPECT_DOUBLE_EQ(wheels.right_mps, 0.5 + 0.28);
+}
+
+TEST(WheelSpeeds, APositiveTurnRateTurnsLeft) {
+  const WheelSpeeds wheels = wheel_speeds({0.0, 1.0}, KurtParams{});
+  EXPECT_LT(wheels.left_mps, 0.0);
+  EXPECT_GT(wheels.right_mps, 0.0);
+}
+
+// The default: what odometry measures on the wheels is what DRIVE asked for.
+TEST(WheelSpeeds, OdometryMeasuresWhatWasAskedFor) {
+  const KurtParams params;
+  const DriveCommand command{0.8, -0.6};
+  const WheelSpeeds wheels = wheel_speeds(command, params);
+  const double ticks_per_mps = kPeriodS * params.ticks_per_turn / params.wheel_perimeter_m;
+  Odometry odometry(params);
+  ASSERT_TRUE(odometry.add({static_cast<int>(std::lround(wheels.left_mps * ticks_per_mps)),
+                            static_cast<int>(std::lround(wheels.right_mps * ticks_per_mps))}));
+  // Half a tick of rounding is 0.9 mm/s.
+  EXPECT_NEAR(odometry.state().forward_mps, command.forward_mps, 0.001);
+  EXPECT_NEAR(odometry.state().yaw_rate_rad_s, command.yaw_rate_rad_s, 0.005);
+}
+
+TEST(SpeedLimiter, R6_NoWheelIsEverFasterThanTheRobot) {
+  std::mt19937 random(2);
+  std::uniform_real_distribution<double> speed(-20.0, 20.0);
+  SpeedLimiter limiter{KurtParams{}};
+  for (int i = 0; i < 100'000; ++i) {
+    const WheelSpeeds wheels = limiter.step({speed(random), speed(random)}, kPeriodS);
+    ASSERT_LE(std::abs(wheels.left_mps), kTopSpeedMps);
+    ASSERT_LE(std::abs(wheels.right_mps), kTopSpeedMps);
+  }
+  const WheelSpeeds fastest = settle(limiter, {100.0, 0.0});
+  EXPECT_DOUBLE_EQ(fastest.left_mps, kTopSpeedMps);
+  EXPECT_DOUBLE_EQ(fastest.right_mps, kTopSpeedMps);
+}
+
+TEST(SpeedLimiter, SaturationKeepsTheCurvature) {
+  const WheelSpeeds wheels = saturate({4.0, 8.0}, 5.2);
+  EXPECT_DOUBLE_EQ(wheels.right_mps, 5.2);
+  EXPECT_DOUBLE_EQ(wheels.left_mps, 2.6);
+  const WheelSpeeds slow = saturate({-1.0, 2.0}, 5.2);
+  EXPECT_EQ(slow.left_mps, -1.0);
+  EXPECT_EQ(slow.right_mps, 2.0);
+}
+
+TEST(SpeedLimiter, AccelerationIsLimitedAndTheCurveKept) {
+  const KurtParams params;
+  SpeedLimiter limiter(params);
+  const DriveCommand command{1.0, 0.5};
+  const WheelSpeeds goal = wheel_speeds(command, params);
+  WheelSpeeds before;
+  for (int i = 0; i < 200; ++i) {
+    const WheelSpeeds wheels = limiter.step(command, kPeriodS);
+    EXPECT_LE(wheels.right_mps - before.right_mps, params.max_acceleration_mps2 * kPeriodS + 1e-12);
+    EXPECT_NEAR(wheels.left_mps * goal.right_mps, wheels.right_mps * goal.left_mps, 1e-12);
+    before = wheels;
+  }
+  EXPECT_DOUBLE_EQ(before.left_mps, goal.left_mps);
+  EXPECT_DOUBLE_EQ(before.right_mps, goal.right_mps);
+  // 1.1 m/s at 1.5 m/s^2
+  limiter.stop();
+  int steps = 0;
+  while (limiter.step(command, kPeriodS).right_mps < goal.right_mps) {
+    ++steps;
+  }
+  EXPECT_EQ(steps, static_cast<int>(goal.right_mps / params.max_acceleration_mps2 / kPeriodS));
+}
+
+TEST(SpeedLimiter, BrakingOnCommandHasItsOwnLimit) {
+  const KurtParams params;
+  SpeedLimiter limiter(params);
+  settle(limiter, {1.5, 0.0});
+  double before_mps = 1.5;
+  int steps = 0;
+  while (limiter.current().left_mps > 0.0) {
+    const double now_mps = limiter.step({0.0, 0.0}, kPeriodS).left_mps;
+    EXPECT_LE(before_mps - now_mps, params.max_deceleration_mps2 * kPeriodS + 1e-12);
+    before_mps = now_mps;
+    ++steps;
+  }
+  EXPECT_EQ(steps, 50);  // 1.5 m/s at 3 m/s^2
+}
+
+TEST(SpeedLimiter, AStopForSafetyIsAtOnce) {
+  SpeedLimiter limiter{KurtParams{}};
+  settle(limiter, {1.5, 0.3});
+  limiter.stop();
+  EXPECT_EQ(limiter.current().left_mps, 0.0);
+  EXPECT_EQ(limiter.current().right_mps, 0.0);
+}
+
+}  // namespace
+}  // namespace nodmap::kurt
