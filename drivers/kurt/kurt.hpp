@@ -52,7 +52,7 @@ struct KurtCounts {
   std::int64_t encoder_gaps = 0;
 };
 
-/// Whether the robot can be driven, and what is in the way.
+/// Whether the robot can be driven, and what is in the way; in the order of getting there.
 enum class KurtState : std::uint8_t {
   kNoLine,   ///< the serial line is not open
   kNoBus,    ///< the adapter has not opened the CAN bus

@@ -85,7 +85,7 @@ const char* describe(KurtState state) {
     case KurtState::kNoLine:
       return "the serial line is not open";
     case KurtState::kNoBus:
-      return "the CAN adapter does not answer";
+      return "the CAN bus is not open: the adapter does not answer, or not yet";
     case KurtState::kNoBase:
       return "no encoder frames: is the base switched on?";
     case KurtState::kNoDrive:
@@ -217,13 +217,13 @@ void KurtNode::publish_sensors(const Moment& now) {
 }
 
 void KurtNode::tell_change(KurtState state) {
-  if (std::exchange(told_state_, state) == state) {
-    return;
-  }
-  if (state == KurtState::kDriving) {
-    log::get().info("obeying DRIVE");
-  } else {
-    log::get().warn("{}{}{}", describe(state), port_.error().empty() ? "" : ": ", port_.error());
+  const KurtState before = std::exchange(told_state_, state);
+  if (state > before) {  // one step nearer to driving
+    log::get().info("{}", state == KurtState::kDriving ? "obeying DRIVE" : describe(state));
+  } else if (state == KurtState::kNoLine && state < before) {
+    log::get().warn("{}: {}", describe(state), port_.error());
+  } else if (state < before) {
+    log::get().warn("{}", describe(state));
   }
 }
 

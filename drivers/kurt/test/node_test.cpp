@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The whole driver in one process: messages over memq://, bytes over a pseudo-terminal, the
+// emulated base behind it. Its time is the test's; only bytes on their way through the terminal are
+// waited for.
+#include "drivers/kurt/node.hpp"
+
+#include <gtest/gtest.h>
+#include <poll.h>
+#include <sys/ioctl.h>
+
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "common/bus/live_bus.hpp"
+#include "common/node/status.hpp"
+#include "drivers/kurt/test/kurt_emulator.hpp"
+#include "nodmap/base_sensors_t.hpp"
+#include "nodmap/odometry_t.hpp"
+#include "nodmap/status_t.hpp"
+#include "tests/support/pty_pair.hpp"
+
+namespace nodmap::kurt {
+namespace {
+
+constexpr std::int64_t kStartUtimeUs = 1'700'000'000'000'000;
+constexpr std::size_t kCommandBytes = 22;
+
+/// Waits until `count` bytes have made it through the terminal.
+void await_input(int fd, std::size_t count) {
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(5);
+  int waiting = 0;
+  while (::ioctl(fd, FIONREAD, &waiting) == 0 && static_cast<std::size_t>(waiting) < count &&
+         std::chrono::steady_clock::now() < deadline) {
+    pollfd entry{fd, POLLIN, 0};
+    ::poll(&entry, 1, 1);
+  }
+}
+
+class Bench {
+ public:
+  Bench() : odometry(bus, "ODOMETRY"), sensors(bus, "BASE_SENSORS"), status(bus, "STATUS") {}
+
+  void step() {
+    now_us += 10'000;
+    clock.advance(10'000);
+    const std::string to_driver = answer_ + (pty ? base.tick() : "");
+    answer_.clear();
+    if (pty && node->poll_handle() >= 0 && !to_driver.empty()) {
+      pty->send(to_driver);
+      await_input(node->poll_handle(), to_driver.size());
+    }
+    bus.handle(std::chrono::milliseconds(0));
+    node->turn();
+    reporter.publish_if_due(*node);
+    bus.handle(std::chrono::milliseconds(0));
+    if (pty) {
+      // Once the bus is open there is a command in every period.
+      const bool command_comes = base.channel_open() && node->poll_handle() >= 0;
+      answer_ = base.take(pty->receive_text(command_comes ? kCommandBytes : 0,
+                                            std::chrono::milliseconds(command_comes ? 100 : 1)));
+    }
+  }
+
+  template <class Condition>
+  bool step_until(Condition condition, std::int64_t at_most_us) {
+    for (const std::int64_t end_us = now_us + at_most_us; now_us < end_us && !condition();) {
+      step();
+    }
+    return condition();
+  }
+
+  void publish_drive(double forward_mps, double yaw_rate_rad_s) {
+    nodmap::drive_t message{};
+    message.utime = clock.now_utime_us();
+    message.forward_mps = forward_mps;
+    message.yaw_rate_rad_s = yaw_rate_rad_s;
+    message.valid_us = 1'000'000;
+    bus.publish("DRIVE", message);
+  }
+
+  void drive_us(double forward_mps, double yaw_rate_rad_s, std::int64_t duration_us) {
+    for (const std::int64_t end_us = now_us + duration_us; now_us < end_us;) {
+      publish_drive(forward_mps, yaw_rate_rad_s);
+      step();
+    }
+  }
+
+  bool stands_ready() {
+    return step_until([this] { return node->health().state == node::HealthState::kDegraded; },
+                      1'000'000);
+  }
+
+  std::int64_t now_us = 0;
+  time::ManualClock clock{kStartUtimeUs};
+  std::optional<test::PtyPair> pty{std::in_place};
+  test::KurtEmulator base;
+  bus::LiveBus bus{"memq://"};
+  bus::Latest<nodmap::odometry_t> odometry;
+  bus::Latest<nodmap::base_sensors_t> sensors;
+  bus::Latest<nodmap::status_t> status;
+  node::Tally tally;
+  node::Context context{bus, tally, {}};
+  std::optional<KurtNode> node{std::in_place, context, KurtParams{},
+                               [this]() -> serial::OpenResult {
+                                 if (!pty) {
+                                   return {nullptr, "/dev/kurt: No such file or directory"};
+                                 }
+                                 return serial::open_serial_port({pty->name()});
+                               },
+                               [this] {
+                                 return Moment{clock.now_utime_us(), now_us};
+                               }};
+  node::StatusReporter reporter{"nodmap-kurt", bus, tally, clock};
+
+ private:
+  std::string answer_;
+};
+
+TEST(KurtNode, DriveMovesTheBaseAndOdometryComesBack) {
+  Bench bench;
+  ASSERT_TRUE(bench.stands_ready());
+  bench.drive_us(0.5, 0.4, 2'000'000);
+  EXPECT_EQ(bench.node->health().state, node::HealthState::kOk);
+  EXPECT_EQ(bench.base.nonsense(), 0);
+  EXPECT_GT(bench.base.right_cm_s(), bench.base.left_cm_s());
+  ASSERT_TRUE(bench.odometry.get().has_value());
+  const nodmap::odometry_t& odometry = *bench.odometry.get();
+  EXPECT_NEAR(odometry.forward_mps, 0.5, 0.006);  // 1 cm/s is the step of a command
+  EXPECT_NEAR(odometry.yaw_rate_rad_s, 0.4, 0.03);
+  EXPECT_GT(odometry.orientation[3], 0.0);  // to the left
+  EXPECT_GT(odometry.pose_covariance[0][0], 0.0);
+  EXPECT_GT(odometry.pose_covariance[5][5], 0.0);
+  EXPECT_EQ(odometry.pose_covariance[0][5], odometry.pose_covariance[5][0]);
+  EXPECT_EQ(odometry.utime, bench.clock.now_utime_us());
+  EXPECT_EQ(odometry.odometry_seq, bench.odometry.count() - 1);
+}
+
+TEST(KurtNode, OtherSensorsArePublished) {
+  Bench bench;
+  ASSERT_TRUE(bench.stands_ready());
+  ASSERT_TRUE(bench.step_until([&] { return bench.sensors.count() >= 2; }, 200'000));
+  const nodmap::base_sensors_t& message = *bench.sensors.get();
+  EXPECT_EQ(message.sonar_raw, 500);
+  EXPECT_NEAR(message.sonar_m, 0.672491F, 1e-6F);
+  EXPECT_EQ(message.infrared_raw[static_cast<int>(Infrared::kRightFront)], 300);
+  EXPECT_EQ(message.infrared_raw[static_cast<int>(Infrared::kBack)], -1);
+  EXPECT_TRUE(std::isnan(message.infrared_m[static_cast<int>(Infrared::kBack)]));
+  EXPECT_TRUE(std::isnan(message.roll_rad));
+}
+
+TEST(KurtNode, WithoutDriveTheBaseIsTold_ZeroWithinTheTimeoutAndOneFrame) {
+  Bench bench;
+  ASSERT_TRUE(bench.stands_ready());
+  bench.drive_us(1.0, 0.0, 1'500'000);
+  ASSERT_EQ(bench.base.left_cm_s(), 100);
+  const std::int64_t last_drive_us = bench.now_us - 10'000;
+  ASSERT_TRUE(bench.step_until([&] { return bench.base.left_cm_s() == 0; }, 1'000'000));
+  EXPECT_LE(bench.now_us - last_drive_us, 210'000 + 10'000);  // and a step for the terminal
+  EXPECT_EQ(bench.node->health().state, node::HealthState::kDegraded);
+}
+
+TEST(KurtNode, WhatIsNotObeyedIsCountedByCause) {
+  Bench bench;
+  ASSERT_TRUE(bench.stands_ready());
+  bench.publish_drive(std::numeric_limits<double>::quiet_NaN(), 0.0);
+  bench.publish_drive(1000.0, 0.0);
+  nodmap::drive_t stale{};
+  stale.utime = bench.clock.now_utime_us() - 300'000;
+  stale.valid_us = 1'000'000;
+  bench.bus.publish("DRIVE", stale);
+  bench.publish_drive(0.1, 0.0);
+  bench.step();
+  EXPECT_EQ(bench.tally.used(), 1);
+  EXPECT_EQ(bench.tally.rejected().at("drive_not_finite"), 1);
+  EXPECT_EQ(bench.tally.rejected().at("drive_implausible"), 1);
+  EXPECT_EQ(bench.tally.rejected().at("drive_stale"), 1);
+}
+
+TEST(KurtNode, TheEndIsAHardStop) {
+  Bench bench;
+  ASSERT_TRUE(bench.stands_ready());
+  bench.drive_us(0.5, 0.0, 1'000'000);
+  ASSERT_FALSE(bench.base.braked());
+  bench.node->finish();
+  bench.base.take(bench.pty->receive_text(kCommandBytes));
+  EXPECT_TRUE(bench.base.braked());
+  EXPECT_EQ(bench.node->poll_handle(), -1);
+  bench.node->turn();  // does not open it again
+  EXPECT_EQ(bench.node->poll_handle(), -1);
+}
+
+// As when an exception takes the process down.
+TEST(KurtNode, AnyWayOutIsAHardStop) {
+  Bench bench;
+  ASSERT_TRUE(bench.stands_ready());
+  bench.drive_us(0.5, 0.0, 1'000'000);
+  ASSERT_FALSE(bench.base.braked());
+  bench.node.reset();
+  bench.base.take(bench.pty->receive_text(kCommandBytes));
+  EXPECT_TRUE(bench.base.braked());
+}
+
+TEST(KurtNode, APulledPlugIsToldAndHealed) {
+  Bench bench;
+  ASSERT_TRUE(bench.stands_ready());
+  bench.drive_us(0.5, 0.0, 1'000'000);
+  bench.pty.reset();
+  bench.drive_us(0.5, 0.0, 20'000);
+  EXPECT_EQ(bench.node->health().state, node::HealthState::kFailed);
+  EXPECT_EQ(bench.node->health().reason, "disconnected");
+  bench.drive_us(0.5, 0.0, 1'000'000);
+  EXPECT_EQ(bench.node->health().reason, "/dev/kurt: No such file or directory");
+  EXPECT_EQ(bench.status.get()->health, nodmap::status_t::FAILED);
+  EXPECT_EQ(bench.status.get()->process_name, "nodmap-kurt");
+
+  bench.base = {};
+  bench.pty.emplace();
+  // The pause between attempts is at most 1.6 s after 1 s, the opening takes 0.2 s.
+  ASSERT_TRUE(bench.step_until(
+      [&] { return bench.node->health().state == node::HealthState::kDegraded; }, 2'000'000));
+  EXPECT_EQ(bench.base.left_cm_s(), 0);  // waits for a new DRIVE
+  bench.drive_us(0.5, 0.0, 1'000'000);
+  EXPECT_EQ(bench.base.left_cm_s(), 50);
+  EXPECT_EQ(bench.node->figures()["reconnects"], 1);
+}
+
+TEST(KurtNode, AMuteAdapterIsFailedAndThePortIsOpenedAgain) {
+  Bench bench;
+  ASSERT_TRUE(bench.stands_ready());
+  bench.base.mute_adapter = true;
+  ASSERT_TRUE(bench.step_until(
+      [&] { return bench.node->health().state == node::HealthState::kFailed; }, 500'000));
+  ASSERT_TRUE(
+      bench.step_until([&] { return bench.node->figures()["reconnects"] >= 1; }, 4'000'000));
+  bench.base.mute_adapter = false;
+  EXPECT_TRUE(bench.step_until(
+      [&] { return bench.node->health().state == node::HealthState::kDegraded; }, 10'000'000));
+}
+
+TEST(KurtNode, ALineThatTakesNoBytesIsGivenUp) {
+  Bench bench;
+  ASSERT_TRUE(bench.stands_ready());
+  // Nobody reads on the device's side: the terminal fills up.
+  for (int i = 0; i < 5000 && bench.node->poll_handle() >= 0; ++i) {
+    bench.now_us += 10'000;
+    bench.clock.advance(10'000);
+    bench.pty->send(bench.base.tick());
+    await_input(bench.node->poll_handle(), 1);
+    bench.node->turn();
+  }
+  EXPECT_EQ(bench.node->health().state, node::HealthState::kFailed);
+  EXPECT_EQ(bench.node->health().reason, "the line takes no bytes");
+}
+
+}  // namespace
+}  // namespace nodmap::kurt

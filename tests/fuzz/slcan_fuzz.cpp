@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Any bytes on the line: the parser never fails, loses no line without counting it, and what it
+// takes for a frame is one: written again and read again it is the same.
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <span>
+#include <variant>
+
+#include "drivers/kurt/kurt_frames.hpp"
+#include "drivers/kurt/slcan.hpp"
+
+namespace {
+
+using nodmap::kurt::CanFrame;
+using nodmap::kurt::SlcanLine;
+
+void require(bool holds) {
+  if (!holds) {
+    std::abort();
+  }
+}
+
+void check_frame(const CanFrame& frame) {
+  std::string line = nodmap::kurt::to_line(frame);
+  line.pop_back();  // its CR
+  const auto again = nodmap::kurt::parse_frame(line);
+  CanFrame without_stamp = frame;
+  without_stamp.stamp_ms.reset();
+  require(again == without_stamp);
+  const nodmap::kurt::Report report = nodmap::kurt::decode(frame);
+  if (const auto* tilt = std::get_if<nodmap::kurt::Tilt>(&report)) {
+    require(std::isfinite(tilt->roll_rad) && std::isfinite(tilt->pitch_rad));
+  }
+  if (const auto* ranges = std::get_if<nodmap::kurt::RangeReadings>(&report)) {
+    for (const auto& raw : ranges->infrared_raw) {
+      const auto range_m = nodmap::kurt::infrared_range_m(raw.value_or(-1));
+      require(!range_m || (*range_m > 0.0 && *range_m < 1.0));
+    }
+  }
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  nodmap::kurt::SlcanParser parser;
+  std::int64_t ends = 0;
+  std::int64_t flags = 0;
+  for (const std::uint8_t byte : std::span(data, size)) {
+    ends += byte == '\r' || byte == '\a' ? 1 : 0;
+  }
+  parser.push({data, size}, [&flags](const SlcanLine& line) {
+    flags += line.kind == SlcanLine::Kind::kFlags ? 1 : 0;
+    if (line.kind == SlcanLine::Kind::kFrame) {
+      check_frame(line.frame);
+    }
+  });
+  const nodmap::kurt::SlcanCounts& c = parser.counts();
+  require(c.frames + c.done + c.refused + c.malformed + c.too_long + c.unknown + flags == ends);
+  return 0;
+}
