@@ -14,10 +14,7 @@ constexpr std::int64_t kBlindUs = 200'000;
 }  // namespace
 
 Kurt::Kurt(const KurtParams& params)
-    : params_(params),
-      odometry_(params),
-      limiter_(params),
-      watchdog_(std::llround(1e6 * params.drive_timeout_s)) {}
+    : odometry_(params), limiter_(params), watchdog_(std::llround(1e6 * params.drive_timeout_s)) {}
 
 void Kurt::connected(const Moment& now) {
   line_open_ = true;

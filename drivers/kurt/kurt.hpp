@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -95,7 +96,6 @@ class Kurt {
   void take_encoder(const EncoderTicks& ticks, std::int64_t arrival_us, const Moment& now);
   void take_sensor(const Report& report, std::int64_t now_us);
 
-  KurtParams params_;
   SlcanParser parser_;
   SlcanSession session_;
   EncoderClock encoder_clock_;

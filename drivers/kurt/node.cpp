@@ -2,6 +2,7 @@
 #include "drivers/kurt/node.hpp"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -45,7 +46,7 @@ float range_or_nan(std::optional<double> range_m) {
 
 /// Covariance of x, y, yaw into that of x, y, z, roll, pitch, yaw.
 void write_covariance(const Eigen::Matrix3d& covariance, double (&out)[6][6]) {
-  constexpr std::array<int, 3> kAt{0, 1, 5};
+  constexpr int kAt[3] = {0, 1, 5};
   for (const int unknown : {2, 3, 4}) {
     out[unknown][unknown] = kUnknownVariance;
   }

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <optional>
+#include <utility>
 
 #include "common/geometry/se2.hpp"
 #include "drivers/kurt/kurt_frames.hpp"
@@ -24,7 +24,7 @@ struct OdometryState {
 /// (turning_adaptation). Formulas of uos/kurt_driver, in a right-handed frame.
 class Odometry {
  public:
-  explicit Odometry(const KurtParams& params) : params_(params) {}
+  explicit Odometry(KurtParams params) : params_(std::move(params)) {}
 
   /// The wheels' turns of one encoder period. False, and the period bridged as if lost, when no
   /// wheel can turn so fast.

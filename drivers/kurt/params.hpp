@@ -28,7 +28,7 @@ struct KurtParams {
   Steering steering = Steering::kCalibrated;
 
   double distance_sigma_m = 0.02;
-  double heading_sigma_rad = 0.017;
+  double heading_sigma_rad = geometry::deg_to_rad(1.0);
   double turn_sigma_rad = geometry::deg_to_rad(5.0);
 
   double max_speed_mps = kTopSpeedMps;

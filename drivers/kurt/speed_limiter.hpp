@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <utility>
+
 #include "drivers/kurt/kurt_frames.hpp"
 #include "drivers/kurt/params.hpp"
 
@@ -20,7 +22,7 @@ struct DriveCommand {
 /// Leads the wheels from what they do to what they should do, within the robot's limits.
 class SpeedLimiter {
  public:
-  explicit SpeedLimiter(const KurtParams& params) : params_(params) {}
+  explicit SpeedLimiter(KurtParams params) : params_(std::move(params)) {}
 
   /// The wheel speeds for the next `period_s`.
   WheelSpeeds step(const DriveCommand& target, double period_s);

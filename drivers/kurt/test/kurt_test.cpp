@@ -173,7 +173,7 @@ TEST(Kurt, AfterALossTheRobotWaitsForANewDrive) {
   robot.run_us(500'000);
   robot.drive_us(1.0, 0.0, 1'000'000);
   robot.kurt.disconnected();
-  EXPECT_FALSE(robot.kurt.control(robot.now()).size() > 0);
+  EXPECT_TRUE(robot.kurt.control(robot.now()).empty());
   robot.kurt.connected(robot.now());
   EXPECT_NE(robot.kurt.state(robot.now_us), KurtState::kDriving);
   robot.run_us(1'000'000);
