@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "drivers/laser3d/sick_command.hpp"
+#include "drivers/serial/back_off.hpp"
+
+namespace nodmap::laser3d {
+
+struct SickSettings {
+  int baud = 500000;  ///< to stream at: 9600, 19200, 38400 or 500000
+  SickVariant variant = SickVariant::k180x100;
+  /// Each turn of the mirror at once, in the sensor's own 32 m mode; always over 180 degrees.
+  bool interlaced = false;
+  SickUnit unit = SickUnit::kMillimetre;
+  SickMeasuringMode measuring_mode;
+  int frozen_scans = 10;  ///< so many equal scans in a row are no measurement any more
+};
+
+/// What a session wants done, in this order, and what it has to give.
+struct SickOutput {
+  std::optional<int> baud;  ///< change the rate of the host's line
+  Bytes send;
+  std::optional<SickScan> scan;
+};
+
+/// The conversation with the sensor: from a line in an unknown state to a stream of scans, and back
+/// there whenever the stream ends. A pure state machine; all times are microseconds of one clock
+/// that never steps.
+///
+/// Finds the rate the sensor listens at (it may be streaming already), changes it, writes the
+/// configuration only if it differs (its memory wears), sets the variant, starts the stream.
+class SickSession {
+ public:
+  enum class State : std::uint8_t { kClosed, kConnecting, kStreaming, kWaiting };
+
+  struct Counts {
+    std::int64_t scans = 0;
+    std::int64_t connections = 0;
+    std::int64_t config_writes = 0;
+    std::int64_t retries = 0;
+    std::int64_t unexpected_scans = 0;  ///< of another variant, or while they should not come
+    std::int64_t stream_stops = 0;
+    std::int64_t freezes = 0;
+    std::int64_t power_ons = 0;  ///< the sensor said it has just been switched on
+  };
+
+  explicit SickSession(const SickSettings& settings);
+
+  /// The line has been opened.
+  [[nodiscard]] SickOutput open(std::int64_t now_us);
+  /// The line is gone.
+  void close();
+  /// Ends the stream and takes the sensor back to 9600, where the next start finds it at once.
+  [[nodiscard]] SickOutput shut_down(std::int64_t now_us);
+
+  /// To be called at least every few milliseconds: retries, time-outs, back-off.
+  [[nodiscard]] SickOutput poll(std::int64_t now_us);
+  [[nodiscard]] SickOutput take(const SickTelegram& telegram, std::int64_t now_us);
+  /// The sensor did not understand: ask again soon.
+  void take_nak(std::int64_t now_us);
+
+  [[nodiscard]] State state() const;
+  /// Why the last attempt or stream ended; empty while scans come.
+  [[nodiscard]] const std::string& trouble() const { return trouble_; }
+  [[nodiscard]] const Counts& counts() const { return counts_; }
+  /// How long a healthy stream pauses at most.
+  [[nodiscard]] std::int64_t stream_timeout_us() const;
+
+ private:
+  enum class Step : std::uint8_t {
+    kClosed,
+    kSearch,       // stop whatever it does, at each rate in turn
+    kSetBaud,      // answered at the old rate
+    kSettle,       // both ends change their rate
+    kConfirmBaud,  // heard at the new rate?
+    kReadConfig,
+    kInstall,
+    kWriteConfig,
+    kLeaveInstall,
+    kSetVariant,
+    kStartStream,
+    kStream,
+    kWait,  // back-off
+    kStop,  // shutting down
+    kSlowDown,
+  };
+  enum class Answer : std::uint8_t { kDone, kRefused, kOther };
+
+  [[nodiscard]] Bytes request() const;
+  [[nodiscard]] Answer judge(const SickTelegram& telegram) const;
+  [[nodiscard]] std::int64_t timeout_us() const;
+  [[nodiscard]] const char* what() const;
+  [[nodiscard]] SickConfig wanted_config() const;
+
+  [[nodiscard]] SickOutput enter(Step step, std::int64_t now_us);
+  [[nodiscard]] SickOutput ask(std::int64_t now_us);
+  [[nodiscard]] SickOutput retry(std::int64_t now_us);
+  [[nodiscard]] SickOutput search_from(std::size_t candidate, std::int64_t now_us);
+  [[nodiscard]] SickOutput advance(const SickTelegram& telegram, std::int64_t now_us);
+  [[nodiscard]] SickOutput after_config(const SickTelegram& telegram, std::int64_t now_us);
+  [[nodiscard]] SickOutput take_values(const SickTelegram& telegram, std::int64_t now_us);
+  [[nodiscard]] SickOutput fail(std::string reason, std::int64_t now_us);
+  [[nodiscard]] bool is_expected_count(std::size_t count) const;
+  [[nodiscard]] bool is_frozen(const SickTelegram& telegram, const SickScan& scan);
+
+  SickSettings settings_;
+  std::vector<int> candidates_;  // rates, the likeliest first
+  std::size_t candidate_ = 0;
+  int baud_ = 9600;
+  Step step_ = Step::kClosed;
+  int attempts_ = 0;
+  bool refused_ = false;
+  bool heard_ = false;  // something whole at this rate
+  std::int64_t deadline_us_ = 0;
+  std::optional<SickConfig> config_;
+  serial::BackOff back_off_;
+  Bytes last_values_;
+  int equal_scans_ = 0;
+  std::string trouble_ = "not connected";
+  Counts counts_;
+};
+
+}  // namespace nodmap::laser3d

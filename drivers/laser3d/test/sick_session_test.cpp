@@ -1,0 +1,341 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "drivers/laser3d/sick_session.hpp"
+
+#include <gtest/gtest.h>
+
+#include "drivers/laser3d/test/golden.hpp"
+
+namespace nodmap::laser3d {
+namespace {
+
+using test::hex;
+using test::operator+;
+using State = SickSession::State;
+
+/// Just enough of a sensor to talk to, written against the manual: requests are recognised as
+/// bytes, nothing of the driver's encoders is used.
+class FakeSensor {
+ public:
+  int baud = 9600;
+  bool powered = true;
+  bool streaming = false;
+  bool frozen = false;
+  bool deaf_to_variant = false;
+  int ignore_next = 0;  // requests to swallow
+  Bytes config = hex("00 00 70 00 02 06 01 00 00 02 02 00x21 02 00");
+  int config_writes = 0;
+  bool installing = false;
+  std::size_t values = 181;
+
+  Bytes answer(const Bytes& request, int line_baud) {
+    if (!powered || line_baud != baud || request.size() < 7 || request[0] != 0x02) {
+      return {};
+    }
+    if (ignore_next > 0) {
+      --ignore_next;
+      return {};
+    }
+    const Bytes body(request.begin() + 4, request.end() - 2);
+    return hex("06") + reply_to(body);
+  }
+
+  Bytes next_scan() {
+    ++scans_;
+    const int first = frozen ? 1000 : 1000 + scans_ % 50;
+    Bytes data = {0xB0};
+    append_u16(data, static_cast<std::uint16_t>(0x4000U | values));
+    data = data + test::ramp(static_cast<int>(values), first);
+    return test::sick_frame(data);
+  }
+
+ private:
+  Bytes reply_to(const Bytes& body) {
+    switch (body[0]) {
+      case 0x20:
+        return mode_reply(body);
+      case 0x3B:
+        if (deaf_to_variant) {
+          return test::kVariantRefused;
+        }
+        values = body[1] * 100U / body[3] + 1;
+        return test::sick_frame(hex("BB 01") + Bytes(body.begin() + 1, body.end()));
+      case 0x74:
+        return test::sick_frame(hex("F4") + config);
+      case 0x77:
+        if (!installing) {
+          return test::kNotAccepted;
+        }
+        ++config_writes;
+        config.assign(body.begin() + 1, body.end());
+        return test::sick_frame(hex("F7 01") + config);
+      default:
+        return test::kNotAccepted;
+    }
+  }
+
+  Bytes mode_reply(const Bytes& body) {
+    switch (body[1]) {
+      case 0x00:
+        installing = true;
+        break;
+      case 0x25:
+        streaming = installing = false;
+        break;
+      case 0x24:
+      case 0x2A:
+        streaming = true;
+        break;
+      case 0x48:
+        baud = 500000;
+        break;
+      case 0x42:
+        baud = 9600;
+        break;
+      default:
+        return test::kNotAccepted;
+    }
+    return test::kModeOk;
+  }
+
+  int scans_ = 0;
+};
+
+/// The session and the sensor on one line, on simulated time in steps of a millisecond.
+class Rig {
+ public:
+  explicit Rig(const SickSettings& settings = {}) : dut(settings) {}
+
+  void open() { handle(dut.open(now_us)); }
+
+  void run(double seconds) {
+    const std::int64_t end_us = now_us + static_cast<std::int64_t>(1e6 * seconds);
+    for (; now_us < end_us; now_us += 1000) {
+      if (sensor.powered && sensor.streaming && now_us % 13'000 == 0 && sensor.baud == line_baud) {
+        receive(sensor.next_scan());
+      }
+      handle(dut.poll(now_us));
+      const Bytes arrived = std::exchange(on_the_line_, {});
+      receive(arrived);
+    }
+  }
+
+  void receive(const Bytes& bytes) {
+    parser_.feed(bytes, now_us);
+    while (auto event = parser_.next()) {
+      if (const auto* telegram = std::get_if<SickTelegram>(&*event)) {
+        handle(dut.take(*telegram, now_us));
+      }
+    }
+  }
+
+  void handle(SickOutput output) {
+    if (output.baud) {
+      line_baud = *output.baud;
+      parser_.reset(line_baud);
+      on_the_line_.clear();
+    }
+    if (!output.send.empty()) {
+      sent.push_back(output.send);
+      // The answer to a change of the rate still comes at the old one.
+      on_the_line_ = on_the_line_ + sensor.answer(output.send, line_baud);
+    }
+    if (output.scan) {
+      ++scans;
+      last_scan = std::move(output.scan);
+    }
+  }
+
+  SickSession dut;
+  FakeSensor sensor;
+  std::int64_t now_us = 0;
+  int line_baud = 0;
+  int scans = 0;
+  std::optional<SickScan> last_scan;
+  std::vector<Bytes> sent;
+
+ private:
+  SickParser parser_;
+  Bytes on_the_line_;
+};
+
+TEST(SickSession, StreamsFromASensorJustSwitchedOn) {
+  Rig rig;
+  rig.open();
+  rig.run(4.0);
+  EXPECT_EQ(rig.dut.state(), State::kStreaming);
+  EXPECT_EQ(rig.dut.trouble(), "");
+  EXPECT_EQ(rig.sensor.baud, 500000);
+  EXPECT_GT(rig.scans, 50);
+  EXPECT_EQ(rig.last_scan->ranges_m.size(), 181U);
+}
+
+TEST(SickSession, TakesOverASensorThatStreamsAlready) {
+  Rig rig;
+  rig.sensor.baud = 500000;
+  rig.sensor.streaming = true;
+  rig.open();
+  rig.run(1.0);
+  EXPECT_EQ(rig.dut.state(), State::kStreaming);
+  EXPECT_GT(rig.scans, 50);
+}
+
+TEST(SickSession, WritesTheConfigurationOnlyIfItDiffers) {
+  Rig same;
+  same.open();
+  same.run(4.0);
+  EXPECT_EQ(same.sensor.config_writes, 0);
+
+  Rig other;
+  other.sensor.config[5] = 0x00;
+  other.sensor.config[4] = 0x00;
+  other.open();
+  other.run(4.0);
+  EXPECT_EQ(other.sensor.config_writes, 1);
+  EXPECT_EQ(other.sensor.config, same.sensor.config);
+  EXPECT_FALSE(other.sensor.installing);
+  EXPECT_EQ(other.dut.state(), State::kStreaming);
+}
+
+TEST(SickSession, AsksAgainWhatWasNotHeard) {
+  Rig rig;
+  rig.sensor.baud = 500000;
+  rig.sensor.ignore_next = 2;
+  rig.open();
+  rig.run(3.0);
+  EXPECT_EQ(rig.dut.state(), State::kStreaming);
+  EXPECT_EQ(rig.dut.counts().retries, 2);
+}
+
+TEST(SickSession, ANakShortensTheWait) {
+  Rig rig;
+  rig.sensor.baud = 500000;
+  rig.sensor.ignore_next = 1;
+  rig.open();
+  rig.dut.take_nak(rig.now_us);
+  rig.run(0.1);
+  EXPECT_EQ(rig.dut.state(), State::kStreaming);
+}
+
+TEST(SickSession, ARefusalIsToldAndTriedAgainLater) {
+  Rig rig;
+  rig.sensor.deaf_to_variant = true;
+  rig.open();
+  rig.run(6.0);
+  EXPECT_NE(rig.dut.state(), State::kStreaming);
+  EXPECT_NE(rig.dut.trouble().find("refused to take the angle"), std::string::npos)
+      << rig.dut.trouble();
+  rig.sensor.deaf_to_variant = false;
+  rig.run(10.0);
+  EXPECT_EQ(rig.dut.state(), State::kStreaming);
+}
+
+TEST(SickSession, ComesBackAfterAPowerLoss) {
+  Rig rig;
+  rig.open();
+  rig.run(4.0);
+  rig.sensor.powered = false;
+  const int scans = rig.scans;
+  rig.run(0.25);
+  EXPECT_EQ(rig.dut.state(), State::kWaiting);  // noticed within 200 ms and one step of the mirror
+  EXPECT_EQ(rig.dut.trouble(), "the stream of scans stopped");
+  rig.run(60.0);
+  EXPECT_EQ(rig.scans, scans);
+  rig.sensor = FakeSensor();
+  rig.run(20.0);
+  EXPECT_EQ(rig.dut.state(), State::kStreaming);
+  EXPECT_EQ(rig.dut.counts().connections, 2);
+}
+
+TEST(SickSession, ThePowerOnTelegramStartsAgainAtOnce) {
+  SickSettings settings;
+  settings.baud = 9600;
+  Rig rig(settings);
+  rig.open();
+  rig.run(1.0);
+  ASSERT_EQ(rig.dut.state(), State::kStreaming);
+  rig.sensor = FakeSensor();
+  rig.receive(test::kPowerOn);
+  EXPECT_EQ(rig.dut.state(), State::kConnecting);
+  rig.run(0.2);
+  EXPECT_EQ(rig.dut.state(), State::kStreaming);
+  EXPECT_EQ(rig.dut.counts().power_ons, 1);
+}
+
+TEST(SickSession, FrozenMeasurementsAreRefusedUntilTheyMoveAgain) {
+  Rig rig;
+  rig.open();
+  rig.run(4.0);
+  const int before = rig.scans;
+  rig.sensor.frozen = true;
+  rig.run(0.3);
+  EXPECT_LE(rig.scans - before, 11);
+  EXPECT_EQ(rig.dut.trouble(), "the measurement is frozen");
+  const int frozen = rig.scans;
+  rig.run(10.0);
+  EXPECT_EQ(rig.scans, frozen) << "a restart does not make the same values new";
+  rig.sensor.frozen = false;
+  rig.run(10.0);
+  EXPECT_GT(rig.scans, frozen);
+}
+
+TEST(SickSession, R1_EveryVariantStreamsItsNumberOfValues) {
+  for (const SickVariant variant :
+       {SickVariant::k180x100, SickVariant::k180x050, SickVariant::k100x100, SickVariant::k100x050,
+        SickVariant::k100x025}) {
+    SickSettings settings;
+    settings.variant = variant;
+    Rig rig(settings);
+    rig.sensor.baud = 500000;
+    rig.open();
+    rig.run(1.0);
+    ASSERT_TRUE(rig.last_scan);
+    EXPECT_EQ(static_cast<int>(rig.last_scan->ranges_m.size()), geometry_of(variant).num_values());
+  }
+}
+
+TEST(SickSession, ScansOfAnotherVariantAreNoStream) {
+  Rig rig;
+  rig.sensor.baud = 500000;
+  rig.open();
+  rig.run(0.5);
+  rig.sensor.values = 361;
+  const int scans = rig.scans;
+  rig.run(0.3);
+  EXPECT_EQ(rig.scans, scans);
+  rig.run(2.0);  // the variant is set again
+  EXPECT_GT(rig.scans, scans);
+}
+
+TEST(SickSession, LeavesTheSensorAt9600) {
+  Rig rig;
+  rig.open();
+  rig.run(4.0);
+  rig.handle(rig.dut.shut_down(rig.now_us));
+  rig.run(0.1);
+  EXPECT_EQ(rig.dut.state(), State::kClosed);
+  EXPECT_FALSE(rig.sensor.streaming);
+  EXPECT_EQ(rig.sensor.baud, 9600);
+}
+
+TEST(SickSession, NothingIsSentWhileClosed) {
+  Rig rig;
+  rig.open();
+  rig.dut.close();
+  rig.sent.clear();
+  rig.run(5.0);
+  EXPECT_TRUE(rig.sent.empty());
+  EXPECT_EQ(rig.dut.trouble(), "not connected");
+}
+
+TEST(SickSession, SlowLinesAreGivenTheirTime) {
+  SickSettings settings;
+  settings.baud = 9600;
+  const SickSession slow(settings);
+  Rig rig(settings);
+  rig.open();
+  rig.run(1.0);
+  EXPECT_GT(rig.dut.stream_timeout_us(), 2 * 387'500);  // one telegram of 372 bytes: 387.5 ms
+}
+
+}  // namespace
+}  // namespace nodmap::laser3d
