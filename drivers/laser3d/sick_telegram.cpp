@@ -48,38 +48,16 @@ bool is_values_header(std::uint16_t word, std::size_t length) {
 }  // namespace
 
 void SickParser::reset(int baud) {
-  constexpr double kBitsPerByte = 10.0;  // start, eight, stop
-  byte_us_ = 1e6 * kBitsPerByte / baud;
-  buffer_.clear();
-  marks_.clear();
-  head_ = 0;
-  position_ = 0;
-  stale_end_ = 0;
+  buffer_.reset(baud);
   in_step_ = true;
 }
 
-void SickParser::feed(ByteView bytes, std::int64_t now_us) {
-  if (bytes.empty()) {
-    return;
-  }
-  expire(now_us);
-  compact();
-  buffer_.insert(buffer_.end(), bytes.begin(), bytes.end());
-  marks_.push_back({position_ + static_cast<std::int64_t>(buffer_.size()), now_us});
-}
-
-void SickParser::expire(std::int64_t now_us) {
-  if (!marks_.empty() && now_us - marks_.back().time_us > kExpiryUs) {
-    stale_end_ = position_ + static_cast<std::int64_t>(buffer_.size());
-  }
-}
-
 std::optional<SickEvent> SickParser::next() {
-  while (!unread().empty()) {
-    const std::uint8_t byte = unread().front();
+  while (!buffer_.unread().empty()) {
+    const std::uint8_t byte = buffer_.unread().front();
     if (byte != kStx) {
       if (in_step_ && (byte == kAck || byte == kNak)) {
-        ++head_;
+        buffer_.skip(1);
         if (byte == kAck) {
           return SickAck{};
         }
@@ -88,13 +66,12 @@ std::optional<SickEvent> SickParser::next() {
       skip_byte();
       continue;
     }
-    switch (judge(unread())) {
+    switch (judge(buffer_.unread())) {
       case Verdict::kWhole:
         return take_telegram();
       case Verdict::kIncomplete:
-        if (position_ + static_cast<std::int64_t>(head_) >= stale_end_) {
-          return std::nullopt;
-        }
+        return std::nullopt;
+      case Verdict::kExpired:
         ++counts_.expired;
         break;
       case Verdict::kImplausible:
@@ -109,12 +86,16 @@ std::optional<SickEvent> SickParser::next() {
   return std::nullopt;
 }
 
+SickParser::Verdict SickParser::unfinished(std::size_t size) const {
+  return buffer_.may_reach(size) ? Verdict::kIncomplete : Verdict::kExpired;
+}
+
 SickParser::Verdict SickParser::judge(ByteView bytes) const {
   if (bytes.size() > 1 && (bytes[1] & 0x80) == 0) {
     return Verdict::kImplausible;
   }
   if (bytes.size() < kHeaderBytes) {
-    return Verdict::kIncomplete;
+    return unfinished(kHeaderBytes);
   }
   const std::size_t length = read_u16(bytes, 2);
   if (length < 2 || length > kMaxLength) {
@@ -129,59 +110,33 @@ SickParser::Verdict SickParser::judge(ByteView bytes) const {
     return Verdict::kImplausible;
   }
   const std::size_t body = kHeaderBytes + length;
-  // Bytes from before a long silence cannot belong to the same frame as bytes from after it.
-  const std::int64_t begin = position_ + static_cast<std::int64_t>(head_);
-  const auto end = begin + static_cast<std::int64_t>(body + kCrcBytes);
-  if (bytes.size() < body + kCrcBytes || (begin < stale_end_ && end > stale_end_)) {
-    return Verdict::kIncomplete;
+  if (bytes.size() < body + kCrcBytes || !buffer_.may_reach(body + kCrcBytes)) {
+    return unfinished(body + kCrcBytes);
   }
   return sick_crc(bytes.first(body)) == read_u16(bytes, body) ? Verdict::kWhole
                                                               : Verdict::kBadChecksum;
 }
 
 SickTelegram SickParser::take_telegram() {
-  const ByteView bytes = unread();
+  const ByteView bytes = buffer_.unread();
   const std::size_t length = read_u16(bytes, 2);
   const ByteView content = bytes.subspan(kHeaderBytes, length);
   SickTelegram telegram;
-  telegram.first_byte_us = arrival_us(position_ + static_cast<std::int64_t>(head_));
+  telegram.first_byte_us = buffer_.front_arrival_us();
   telegram.address = bytes[1];
   telegram.reply = static_cast<SickReply>(content.front());
   telegram.data.assign(content.begin() + 1, content.end() - 1);
   telegram.status = {content.back()};
-  head_ += kHeaderBytes + length + kCrcBytes;
+  buffer_.skip(kHeaderBytes + length + kCrcBytes);
   in_step_ = true;
   ++counts_.telegrams;
   return telegram;
 }
 
-std::int64_t SickParser::arrival_us(std::int64_t position) const {
-  for (const Mark& mark : marks_) {
-    if (position < mark.end) {
-      const auto bytes_after = static_cast<double>(mark.end - 1 - position);
-      return mark.time_us - static_cast<std::int64_t>(bytes_after * byte_us_);
-    }
-  }
-  return 0;
-}
-
-ByteView SickParser::unread() const {
-  return ByteView(buffer_).subspan(head_);
-}
-
 void SickParser::skip_byte() {
-  ++head_;
+  buffer_.skip(1);
   ++counts_.skipped_bytes;
   in_step_ = false;
-}
-
-void SickParser::compact() {
-  buffer_.erase(buffer_.begin(), buffer_.begin() + static_cast<std::ptrdiff_t>(head_));
-  position_ += static_cast<std::int64_t>(head_);
-  head_ = 0;
-  while (!marks_.empty() && marks_.front().end <= position_) {
-    marks_.pop_front();
-  }
 }
 
 }  // namespace nodmap::laser3d

@@ -2,11 +2,10 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <optional>
 #include <variant>
 
-#include "drivers/laser3d/bytes.hpp"
+#include "drivers/laser3d/frame_buffer.hpp"
 
 namespace nodmap::laser3d {
 
@@ -65,20 +64,16 @@ class SickParser {
   };
 
   static constexpr std::size_t kMaxTelegramBytes = 814;
-  /// A pause within a telegram is at most 14 ms; after this long the rest will not come.
-  static constexpr std::int64_t kExpiryUs = 250'000;
-
-  explicit SickParser(int baud = 9600) { reset(baud); }
+  explicit SickParser(int baud = 9600) { buffer_.reset(baud); }
 
   /// Forgets what was received: the line's rate has changed.
   void reset(int baud);
 
-  /// Takes bytes of which the last was read at `now_us`. A byte further ahead is dated back by the
-  /// time the line needs for those between: never later than it was seen.
-  void feed(ByteView bytes, std::int64_t now_us);
+  /// Takes bytes of which the last was read at `now_us`.
+  void feed(ByteView bytes, std::int64_t now_us) { buffer_.feed(bytes, now_us); }
 
-  /// Gives up a frame begun when nothing has come for kExpiryUs.
-  void expire(std::int64_t now_us);
+  /// Gives up a frame begun when nothing has come for long (FrameBuffer::kExpiryUs).
+  void expire(std::int64_t now_us) { buffer_.expire(now_us); }
 
   /// The next event in what was fed, or nothing. An ACK or NAK is one bare byte, believed only
   /// where no damage was seen since the last telegram; nobody should wait for one.
@@ -87,25 +82,14 @@ class SickParser {
   [[nodiscard]] const Counts& counts() const { return counts_; }
 
  private:
-  enum class Verdict : std::uint8_t { kWhole, kIncomplete, kImplausible, kBadChecksum };
-  struct Mark {
-    std::int64_t end = 0;  // position behind the last byte of a feed
-    std::int64_t time_us = 0;
-  };
+  enum class Verdict : std::uint8_t { kWhole, kIncomplete, kExpired, kImplausible, kBadChecksum };
 
-  [[nodiscard]] ByteView unread() const;
   [[nodiscard]] Verdict judge(ByteView bytes) const;
-  [[nodiscard]] std::int64_t arrival_us(std::int64_t position) const;
+  [[nodiscard]] Verdict unfinished(std::size_t size) const;
   [[nodiscard]] SickTelegram take_telegram();
   void skip_byte();
-  void compact();
 
-  double byte_us_ = 0.0;
-  Bytes buffer_;
-  std::size_t head_ = 0;        // of the unread bytes in the buffer
-  std::int64_t position_ = 0;   // of buffer_[0] in the stream
-  std::int64_t stale_end_ = 0;  // a frame begun before this must also end before it
-  std::deque<Mark> marks_;
+  FrameBuffer buffer_;
   bool in_step_ = true;
   Counts counts_;
 };

@@ -126,7 +126,7 @@ TEST(SickParser, ARequestCutsATelegramAndItsAnswerIsStillFound) {
   SickParser dut;
   dut.feed(cut + hex("06") + test::kModeOk, 0);
   EXPECT_TRUE(drain(dut).empty());  // still taken for the rest of the scan
-  dut.expire(SickParser::kExpiryUs + 1);
+  dut.expire(FrameBuffer::kExpiryUs + 1);
   EXPECT_EQ(replies(drain(dut)), std::vector{SickReply::kMode});
   EXPECT_EQ(dut.counts().expired, 1);
 }
@@ -135,7 +135,7 @@ TEST(SickParser, BytesFromBeforeASilenceDoNotJoinThoseFromAfter) {
   SickParser dut;
   dut.feed(ByteView(test::kModeOk).first(5), 0);
   EXPECT_TRUE(drain(dut).empty());
-  dut.feed(test::kModeOk, SickParser::kExpiryUs + 1);
+  dut.feed(test::kModeOk, FrameBuffer::kExpiryUs + 1);
   EXPECT_EQ(replies(drain(dut)), std::vector{SickReply::kMode});
 }
 
