@@ -3,102 +3,14 @@
 
 #include <gtest/gtest.h>
 
-#include "drivers/laser3d/test/golden.hpp"
+#include "drivers/laser3d/test/fake_sensor.hpp"
 
 namespace nodmap::laser3d {
 namespace {
 
-using test::hex;
+using test::FakeSensor;
 using test::operator+;
 using State = SickSession::State;
-
-/// Just enough of a sensor to talk to, written against the manual: requests are recognised as
-/// bytes, nothing of the driver's encoders is used.
-class FakeSensor {
- public:
-  int baud = 9600;
-  bool powered = true;
-  bool streaming = false;
-  bool frozen = false;
-  bool deaf_to_variant = false;
-  int ignore_next = 0;  // requests to swallow
-  Bytes config = hex("00 00 70 00 02 06 01 00 00 02 02 00x21 02 00");
-  int config_writes = 0;
-  bool installing = false;
-  std::size_t values = 181;
-
-  Bytes answer(const Bytes& request, int line_baud) {
-    if (!powered || line_baud != baud || request.size() < 7 || request[0] != 0x02) {
-      return {};
-    }
-    if (ignore_next > 0) {
-      --ignore_next;
-      return {};
-    }
-    const Bytes body(request.begin() + 4, request.end() - 2);
-    return hex("06") + reply_to(body);
-  }
-
-  Bytes next_scan() {
-    ++scans_;
-    const int first = frozen ? 1000 : 1000 + scans_ % 50;
-    Bytes data = {0xB0};
-    append_u16(data, static_cast<std::uint16_t>(0x4000U | values));
-    data = data + test::ramp(static_cast<int>(values), first);
-    return test::sick_frame(data);
-  }
-
- private:
-  Bytes reply_to(const Bytes& body) {
-    switch (body[0]) {
-      case 0x20:
-        return mode_reply(body);
-      case 0x3B:
-        if (deaf_to_variant) {
-          return test::kVariantRefused;
-        }
-        values = body[1] * 100U / body[3] + 1;
-        return test::sick_frame(hex("BB 01") + Bytes(body.begin() + 1, body.end()));
-      case 0x74:
-        return test::sick_frame(hex("F4") + config);
-      case 0x77:
-        if (!installing) {
-          return test::kNotAccepted;
-        }
-        ++config_writes;
-        config.assign(body.begin() + 1, body.end());
-        return test::sick_frame(hex("F7 01") + config);
-      default:
-        return test::kNotAccepted;
-    }
-  }
-
-  Bytes mode_reply(const Bytes& body) {
-    switch (body[1]) {
-      case 0x00:
-        installing = true;
-        break;
-      case 0x25:
-        streaming = installing = false;
-        break;
-      case 0x24:
-      case 0x2A:
-        streaming = true;
-        break;
-      case 0x48:
-        baud = 500000;
-        break;
-      case 0x42:
-        baud = 9600;
-        break;
-      default:
-        return test::kNotAccepted;
-    }
-    return test::kModeOk;
-  }
-
-  int scans_ = 0;
-};
 
 /// The session and the sensor on one line, on simulated time in steps of a millisecond.
 class Rig {

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/scan/scan.hpp"
+#include "drivers/laser3d/nod.hpp"
+#include "drivers/laser3d/params.hpp"
+#include "drivers/laser3d/passive_sync.hpp"
+#include "drivers/laser3d/scan_joiner.hpp"
+#include "drivers/laser3d/sick_session.hpp"
+
+namespace nodmap::laser3d {
+
+/// To be done on a line, in this order.
+struct LineAction {
+  std::optional<int> baud;
+  Bytes send;
+};
+
+/// Where the head is and what it is up to, at each reading of the servo.
+struct PitchState {
+  PitchSample sample;
+  Nod::Aim aim;
+  std::int64_t sweep = 0;
+  bool measured = false;
+  bool stalled = false;
+};
+
+struct Laser3dOutput {
+  std::vector<LineAction> laser;
+  std::vector<LineAction> servo;
+  std::vector<scan::Scan> scans;
+  std::vector<PitchState> pitch;
+};
+
+enum class Condition : std::uint8_t { kOk, kDegraded, kFailed };
+
+struct Judgement {
+  Condition condition = Condition::kOk;
+  std::string reason;  ///< one sentence; empty when OK
+};
+
+/// The nodding 3D scanner: laser and servo, each in its own conversation, joined into scans with
+/// pitch. Bytes and times in; bytes, scans and pitch states out. All times, those of the scans
+/// included, are microseconds of the one clock of the caller, which never steps.
+class Laser3d {
+ public:
+  struct Counts {
+    std::int64_t scans = 0;
+    std::int64_t scans_without_pitch = 0;
+    std::int64_t telegrams_missed = 0;  ///< by the sensor's own count
+    std::int64_t dazzled_beams = 0;
+    std::int64_t bad_commands = 0;
+  };
+
+  explicit Laser3d(const Laser3dParams& params);
+
+  [[nodiscard]] Laser3dOutput laser_opened(std::int64_t now_us);
+  [[nodiscard]] Laser3dOutput servo_opened(std::int64_t now_us);
+  void laser_lost();
+  void servo_lost();
+
+  [[nodiscard]] Laser3dOutput receive_laser(ByteView bytes, std::int64_t now_us);
+  [[nodiscard]] Laser3dOutput receive_servo(ByteView bytes, std::int64_t now_us);
+  /// To be called at least every few milliseconds.
+  [[nodiscard]] Laser3dOutput poll(std::int64_t now_us);
+
+  /// Where to nod from now on.
+  void command(const AreaOfInterest& area, std::int64_t now_us);
+
+  /// Ends the stream; to be polled on until laser_at_rest().
+  [[nodiscard]] Laser3dOutput shut_down(std::int64_t now_us);
+  [[nodiscard]] bool laser_at_rest() const { return sick_.state() == SickSession::State::kClosed; }
+
+  [[nodiscard]] Judgement judge(std::int64_t now_us) const;
+  [[nodiscard]] const Counts& counts() const { return counts_; }
+  [[nodiscard]] const SickSession::Counts& laser_counts() const { return sick_.counts(); }
+  [[nodiscard]] const SickParser::Counts& laser_line() const { return parser_.counts(); }
+
+ private:
+  void take(SickOutput output, Laser3dOutput& result);
+  void take(ServoOutput output, std::int64_t now_us, Laser3dOutput& result);
+  void take_scan(const SickScan& scan);
+  [[nodiscard]] std::int64_t sent_us(const SickScan& scan);
+  void join(std::int64_t now_us, Laser3dOutput& result);
+  [[nodiscard]] scan::Scan to_scan(PitchedTurn pitched);
+
+  Laser3dParams params_;
+  SickSession sick_;
+  SickParser parser_;
+  PassiveSync mirror_sync_;
+  std::optional<std::uint8_t> last_telegram_index_;
+  std::int64_t connections_ = 0;  // of the sensor, when that was
+  std::unique_ptr<ServoSession> servo_;
+  Nod nod_;
+  ScanJoiner joiner_;
+  geometry::SE3 T_base_mount_;
+  std::int64_t scan_seq_ = 0;
+  std::int64_t last_scan_us_ = 0;
+  SickStatusByte status_;
+  double dazzled_share_ = 0.0;
+  Counts counts_;
+};
+
+}  // namespace nodmap::laser3d

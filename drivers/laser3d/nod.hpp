@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "drivers/laser3d/servo_session.hpp"
+
+namespace nodmap::laser3d {
+
+/// Between which pitches the laser is to nod, and how long from one to the other.
+struct AreaOfInterest {
+  double min_rad = 0.0;  ///< positive looks up
+  double max_rad = 0.0;  ///< equal to min_rad: the laser is held there
+  double sweep_s = 1.0;
+};
+
+struct NodSettings {
+  AreaOfInterest fallback;  ///< when nobody commands, or the command is old
+  double min_rad = 0.0;     ///< the mechanics
+  double max_rad = 0.0;
+  double max_speed_rad_s = 1.0;
+  double acceleration_rad_s2 = 1.0;
+  std::int64_t command_timeout_us = 1'000'000;
+};
+
+/// The movement of the head: to and fro between two pitches at constant speed, without a stop at
+/// the ends. It turns where the laser is measured to have arrived, not where it should be by now.
+class Nod {
+ public:
+  struct Aim {
+    double goal_rad = 0.0;
+    double speed_rad_s = 0.0;
+  };
+
+  explicit Nod(const NodSettings& settings) : settings_(settings) {}
+
+  /// A command holds from now until another comes or it is too old. What the mechanics cannot do is
+  /// cut off. False, and nothing changes, when it is no area: not finite, or min above max.
+  bool command(const AreaOfInterest& area, std::int64_t now_us);
+
+  /// Where to go, given where the laser is.
+  [[nodiscard]] Aim step(const PitchSample& where, std::int64_t now_us);
+
+  /// Whether it was told to move and does not; known within 300 ms.
+  [[nodiscard]] bool stalled() const { return stalled_; }
+  /// Counts the turns at the ends: sweep n runs the other way than sweep n + 1.
+  [[nodiscard]] std::int64_t sweep() const { return sweep_; }
+  [[nodiscard]] const Aim& aim() const { return aim_; }
+
+ private:
+  [[nodiscard]] AreaOfInterest area(std::int64_t now_us) const;
+  [[nodiscard]] AreaOfInterest within_limits(AreaOfInterest area) const;
+  [[nodiscard]] double speed_for(const AreaOfInterest& area) const;
+  [[nodiscard]] bool has_arrived(const PitchSample& where, const AreaOfInterest& area) const;
+  void watch_for_stall(const PitchSample& where);
+  void turn(std::int64_t time_us);
+
+  NodSettings settings_;
+  std::optional<AreaOfInterest> commanded_;
+  std::int64_t commanded_us_ = 0;
+  bool upwards_ = true;
+  Aim aim_;
+  std::int64_t sweep_ = 0;
+  std::int64_t turned_us_ = 0;
+  std::optional<PitchSample> watch_start_;
+  bool stalled_ = false;
+};
+
+}  // namespace nodmap::laser3d

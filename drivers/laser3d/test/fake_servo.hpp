@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "drivers/laser3d/dynamixel.hpp"
+#include "drivers/laser3d/test/golden.hpp"
+
+namespace nodmap::laser3d::test {
+
+/// A servo with its registers, moving at the profile velocity; answers are built here, not with
+/// the driver's encoders.
+class FakeServo {
+ public:
+  std::array<std::uint8_t, 150> registers{};
+  bool powered = true;
+  bool alert = false;
+  bool jammed = false;
+  int booted_ms = 0;
+  int mode_writes = 0;
+  int reboots = 0;
+  double position = 2048.0;
+
+  void step_ms(int now_ms) {
+    const double goal = read_i32(registers, 116);
+    const double speed = jammed ? 0.0 : read_u32(registers, 112) * 0.229 / 60.0 * 4.096;
+    const double moved = std::clamp(goal - position, -speed, speed);  // in this millisecond
+    position += moved;
+    const auto velocity = static_cast<std::int32_t>(std::lround(moved * 60.0 / 4.096 / 0.229));
+    put(128, static_cast<std::uint32_t>(velocity), 4);
+    put(120, static_cast<std::uint32_t>((now_ms - booted_ms) % 32'768), 2);
+    put(132, static_cast<std::uint32_t>(std::lround(position)), 4);
+  }
+
+  Bytes answer(const Bytes& request) {
+    if (!powered) {
+      return {};
+    }
+    const std::uint8_t instruction = request[7];
+    const std::size_t address = request.size() > 10 ? read_u16(request, 8) : 0;
+    switch (instruction) {
+      case 0x01:
+        return status(hex("FC 03 26"));
+      case 0x02: {
+        const std::size_t count = read_u16(request, 10);
+        return status(Bytes(registers.begin() + static_cast<std::ptrdiff_t>(address),
+                            registers.begin() + static_cast<std::ptrdiff_t>(address + count)));
+      }
+      case 0x03:
+        mode_writes += address == 11 ? 1 : 0;
+        std::copy(request.begin() + 10, request.end() - 2,
+                  registers.begin() + static_cast<std::ptrdiff_t>(address));
+        return status({});
+      case 0x08:
+        ++reboots;
+        alert = false;
+        return status({});
+      default:
+        return {};
+    }
+  }
+
+ private:
+  Bytes status(const Bytes& parameters) const {
+    Bytes bytes = hex("FF FF FD 00 01");
+    append_u16(bytes, static_cast<std::uint16_t>(parameters.size() + 4));
+    bytes.push_back(0x55);
+    bytes.push_back(alert ? 0x80 : 0x00);
+    bytes = bytes + parameters;
+    append_u16(bytes, dynamixel_crc(bytes));
+    return bytes;
+  }
+
+  void put(std::size_t at, std::uint32_t value, std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) {
+      registers[at + i] = static_cast<std::uint8_t>(value >> (8 * i));
+    }
+  }
+};
+
+}  // namespace nodmap::laser3d::test

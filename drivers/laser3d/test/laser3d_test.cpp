@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "drivers/laser3d/laser3d.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "drivers/laser3d/test/fake_sensor.hpp"
+#include "drivers/laser3d/test/fake_servo.hpp"
+
+namespace nodmap::laser3d {
+namespace {
+
+using test::FakeSensor;
+using test::FakeServo;
+using test::operator+;
+
+/// Both devices on their lines, on simulated time in steps of a millisecond.
+class Rig {
+ public:
+  explicit Rig(const Laser3dParams& params = {}) : dut(params) {
+    servo.registers[11] = 3;
+    servo.registers[117] = 2048 >> 8;
+  }
+
+  void open() {
+    handle(dut.laser_opened(now_us));
+    handle(dut.servo_opened(now_us));
+  }
+
+  void run(double seconds) {
+    const std::int64_t end_us = now_us + static_cast<std::int64_t>(1e6 * seconds);
+    for (; now_us < end_us; now_us += 1000) {
+      servo.step_ms(static_cast<int>(now_us / 1000));
+      // A telegram takes 7 ms from the end of the half turn to its last byte.
+      if (sensor.streaming && now_us - last_turn_us_ >= 13'320) {
+        last_turn_us_ += 13'320 * ((now_us - last_turn_us_) / 13'320);
+        if (sensor.powered && sensor.baud == laser_baud) {
+          on_the_laser_line = on_the_laser_line + sensor.next_scan();
+        }
+      }
+      const Bytes from_laser = std::exchange(on_the_laser_line, {});
+      const Bytes from_servo = std::exchange(on_the_servo_line, {});
+      handle(dut.receive_laser(from_laser, now_us));
+      handle(dut.receive_servo(from_servo, now_us));
+      handle(dut.poll(now_us));
+    }
+  }
+
+  void handle(const Laser3dOutput& output) {
+    for (const LineAction& action : output.laser) {
+      laser_baud = action.baud.value_or(laser_baud);
+      if (!action.send.empty()) {
+        on_the_laser_line = on_the_laser_line + sensor.answer(action.send, laser_baud);
+      }
+    }
+    for (const LineAction& action : output.servo) {
+      on_the_servo_line = on_the_servo_line + servo.answer(action.send);
+    }
+    scans.insert(scans.end(), output.scans.begin(), output.scans.end());
+    pitch.insert(pitch.end(), output.pitch.begin(), output.pitch.end());
+  }
+
+  [[nodiscard]] Judgement judge() const { return dut.judge(now_us); }
+
+  Laser3d dut;
+  FakeSensor sensor;
+  FakeServo servo;
+  std::int64_t now_us = 1'000'000;
+  int laser_baud = 0;
+  Bytes on_the_laser_line;
+  Bytes on_the_servo_line;
+  std::vector<scan::Scan> scans;
+  std::vector<PitchState> pitch;
+
+ private:
+  std::int64_t last_turn_us_ = 1'000'000;
+};
+
+TEST(Laser3d, R1_PublishesPitchedScansAt75Hz) {
+  Rig rig;
+  rig.open();
+  rig.run(4.0);
+  const std::size_t before = rig.scans.size();
+  rig.run(10.0);
+  EXPECT_NEAR(static_cast<double>(rig.scans.size() - before), 750.0, 3.0);
+  EXPECT_EQ(rig.judge().condition, Condition::kOk) << rig.judge().reason;
+  EXPECT_EQ(rig.dut.counts().scans_without_pitch, 0);
+  for (std::size_t i = before; i < rig.scans.size(); ++i) {
+    const scan::Scan& scan = rig.scans[i];
+    EXPECT_TRUE(scan::is_plausible(scan));
+    EXPECT_EQ(scan.ranges_m.size(), 181U);
+    EXPECT_EQ(scan.duration_us, 6660);
+    EXPECT_EQ(scan.seq, static_cast<std::int64_t>(i));
+    EXPECT_GT(scan.utime_us, rig.scans[i - 1].utime_us);
+    EXPECT_TRUE(scan.pitch_measured);
+  }
+}
+
+TEST(Laser3d, R2_PitchIsThatOfTheBeamsTime) {
+  Rig rig;
+  rig.open();
+  rig.run(4.0);
+  // The head moves steadily in mid-sweep: a scan's pitches lie on the line of the servo's own.
+  int compared = 0;
+  for (const scan::Scan& scan : rig.scans) {
+    const auto after = std::find_if(
+        rig.pitch.begin(), rig.pitch.end(),
+        [&](const PitchState& state) { return state.sample.time_us >= scan.utime_last_us(); });
+    if (after == rig.pitch.end() || std::abs(scan.pitch_mid_rad()) > 0.2) {
+      continue;
+    }
+    ++compared;
+    const double rate = (scan.pitch_last_rad - scan.pitch_first_rad) / 0.00666;
+    const double expected =
+        scan.pitch_last_rad +
+        rate * 1e-6 * static_cast<double>(after->sample.time_us - scan.utime_last_us());
+    // One position step of the servo is 1.5 mrad.
+    EXPECT_NEAR(after->sample.pitch_rad, expected, 0.005);
+  }
+  EXPECT_GT(compared, 30);
+}
+
+TEST(Laser3d, NodsBetweenTheCommandedBounds) {
+  Rig rig;
+  rig.open();
+  rig.run(3.0);
+  rig.pitch.clear();
+  for (int i = 0; i < 20; ++i) {
+    rig.dut.command({-0.3, 0.1, 0.5}, rig.now_us);
+    rig.run(0.5);
+    if (i == 1) {
+      rig.pitch.clear();
+    }
+  }
+  const auto by_pitch = [](const PitchState& a, const PitchState& b) {
+    return a.sample.pitch_rad < b.sample.pitch_rad;
+  };
+  const auto [low, high] = std::minmax_element(rig.pitch.begin(), rig.pitch.end(), by_pitch);
+  EXPECT_NEAR(low->sample.pitch_rad, -0.3, 0.005);
+  EXPECT_NEAR(high->sample.pitch_rad, 0.1, 0.005);
+  EXPECT_NEAR(static_cast<double>(rig.pitch.back().sweep - rig.pitch.front().sweep), 18.0, 2.0);
+}
+
+TEST(Laser3d, WithoutTheServoThereIsNoScan) {
+  Rig rig;
+  rig.open();
+  rig.run(4.0);
+  rig.servo.powered = false;
+  rig.run(0.3);
+  const std::size_t scans = rig.scans.size();
+  rig.run(5.0);
+  EXPECT_EQ(rig.scans.size(), scans);
+  EXPECT_EQ(rig.judge().condition, Condition::kFailed);
+  EXPECT_EQ(rig.judge().reason, "servo: the servo does not answer");
+  rig.servo.powered = true;
+  rig.run(6.0);
+  EXPECT_GT(rig.scans.size(), scans);
+  EXPECT_EQ(rig.judge().condition, Condition::kOk) << rig.judge().reason;
+}
+
+TEST(Laser3d, WithoutTheLaserThereIsNoScan) {
+  Rig rig;
+  rig.open();
+  rig.run(4.0);
+  rig.dut.laser_lost();
+  const std::size_t scans = rig.scans.size();
+  rig.run(1.0);
+  EXPECT_LE(rig.scans.size(), scans + 2);  // what was whole already
+  EXPECT_EQ(rig.judge().condition, Condition::kFailed);
+  EXPECT_EQ(rig.judge().reason, "laser: not connected");
+  const std::size_t after = rig.scans.size();
+  rig.handle(rig.dut.laser_opened(rig.now_us));
+  rig.run(3.0);
+  EXPECT_GT(rig.scans.size(), after + 50);
+}
+
+TEST(Laser3d, AFrozenLaserAndAStalledServoAreFailures) {
+  Rig rig;
+  rig.open();
+  rig.run(4.0);
+  rig.servo.jammed = true;
+  rig.run(0.35);
+  EXPECT_EQ(rig.judge().reason, "servo: it is told to move and does not");
+  EXPECT_TRUE(rig.pitch.back().stalled);
+  rig.servo.jammed = false;
+  rig.run(1.0);
+  EXPECT_EQ(rig.judge().condition, Condition::kOk) << rig.judge().reason;
+  rig.sensor.frozen = true;
+  rig.run(0.3);
+  EXPECT_EQ(rig.judge().reason, "laser: the measurement is frozen");
+  rig.sensor.frozen = false;
+  rig.run(8.0);
+  EXPECT_EQ(rig.judge().condition, Condition::kOk) << rig.judge().reason;
+}
+
+TEST(Laser3d, PollutionDegrades) {
+  Rig rig;
+  rig.open();
+  rig.sensor.status = 0x90;
+  rig.run(4.0);
+  EXPECT_EQ(rig.judge().condition, Condition::kDegraded);
+  EXPECT_EQ(rig.judge().reason, "laser: the front window is dirty");
+}
+
+TEST(Laser3d, HalfADegreeComesAsTwoScansATurn) {
+  Laser3dParams params;
+  params.variant = SickVariant::k180x050;
+  Rig rig(params);
+  rig.open();
+  rig.run(4.0);
+  ASSERT_GT(rig.scans.size(), 20U);
+  for (std::size_t i = 10; i < rig.scans.size(); ++i) {
+    EXPECT_EQ(rig.scans[i].ranges_m.size(), i % 2 == 0 ? 181U : 180U);
+  }
+}
+
+TEST(Laser3d, UpsideDownTurnsLeftAndRightRound) {
+  Laser3dParams params;
+  params.upside_down = true;
+  Rig rig(params);
+  rig.open();
+  rig.run(4.0);
+  ASSERT_FALSE(rig.scans.empty());
+  EXPECT_DOUBLE_EQ(rig.scans.back().angle_first_rad, geometry::deg_to_rad(90.0));
+  EXPECT_DOUBLE_EQ(rig.scans.back().angle_step_rad, geometry::deg_to_rad(-1.0));
+}
+
+TEST(Laser3d, LeavesTheLaserAtRest) {
+  Rig rig;
+  rig.open();
+  rig.run(4.0);
+  rig.handle(rig.dut.shut_down(rig.now_us));
+  rig.run(0.1);
+  EXPECT_TRUE(rig.dut.laser_at_rest());
+  EXPECT_FALSE(rig.sensor.streaming);
+}
+
+}  // namespace
+}  // namespace nodmap::laser3d
