@@ -26,6 +26,8 @@ enum class HealthState : std::uint8_t { kOk, kDegraded, kFailed };
 struct Health {
   HealthState state = HealthState::kOk;
   std::string reason;  ///< one sentence; empty when OK
+  /// Whether a second without a message is a fault. Not for a driver: its input is a device.
+  bool needs_messages = true;
 };
 
 /// The shell around an algorithm: messages in, messages out, nothing else. The same object runs

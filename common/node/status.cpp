@@ -39,7 +39,7 @@ void StatusReporter::publish_if_due(const Health& own_word) {
   }
   const std::int64_t received = bus_.counts().received;
   Health health = own_word;
-  if (health.state == HealthState::kOk && received == last_received_) {
+  if (health.state == HealthState::kOk && health.needs_messages && received == last_received_) {
     health = {HealthState::kDegraded, "no input in the last second"};
   }
   const bus::LatencyMeter::Summary latency = bus_.latency().take();

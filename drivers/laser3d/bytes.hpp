@@ -34,4 +34,10 @@ constexpr void append_u32(Bytes& bytes, std::uint32_t value) {
   append_u16(bytes, static_cast<std::uint16_t>(value >> 16));
 }
 
+constexpr void append(Bytes& bytes, ByteView more) {
+  for (const std::uint8_t byte : more) {
+    bytes.push_back(byte);
+  }
+}
+
 }  // namespace nodmap::laser3d

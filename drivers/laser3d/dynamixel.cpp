@@ -54,7 +54,7 @@ Bytes packet(std::uint8_t id, std::uint8_t instruction, ByteView parameters) {
   bytes.push_back(id);
   append_u16(bytes, static_cast<std::uint16_t>(1 + content.size() + kCrcBytes));
   bytes.push_back(instruction);
-  bytes.insert(bytes.end(), content.begin(), content.end());
+  append(bytes, content);
   append_u16(bytes, dynamixel_crc(bytes));
   return bytes;
 }
@@ -88,7 +88,7 @@ Bytes read(std::uint8_t id, std::uint16_t address, std::uint16_t count) {
 Bytes write(std::uint8_t id, std::uint16_t address, ByteView values) {
   Bytes parameters;
   append_u16(parameters, address);
-  parameters.insert(parameters.end(), values.begin(), values.end());
+  append(parameters, values);
   return packet(id, kWrite, parameters);
 }
 

@@ -138,10 +138,8 @@ Laser3dOutput Laser3d::poll(std::int64_t now_us) {
   return result;
 }
 
-void Laser3d::command(const AreaOfInterest& area, std::int64_t now_us) {
-  if (!nod_.command(area, now_us)) {
-    ++counts_.bad_commands;
-  }
+bool Laser3d::command(const AreaOfInterest& area, std::int64_t now_us) {
+  return nod_.command(area, now_us);
 }
 
 Laser3dOutput Laser3d::shut_down(std::int64_t now_us) {

@@ -53,7 +53,6 @@ class Laser3d {
     std::int64_t scans_without_pitch = 0;
     std::int64_t telegrams_missed = 0;  ///< by the sensor's own count
     std::int64_t dazzled_beams = 0;
-    std::int64_t bad_commands = 0;
   };
 
   explicit Laser3d(const Laser3dParams& params);
@@ -68,8 +67,8 @@ class Laser3d {
   /// To be called at least every few milliseconds.
   [[nodiscard]] Laser3dOutput poll(std::int64_t now_us);
 
-  /// Where to nod from now on.
-  void command(const AreaOfInterest& area, std::int64_t now_us);
+  /// Where to nod from now on; false when it is no area (Nod::command).
+  bool command(const AreaOfInterest& area, std::int64_t now_us);
 
   /// Ends the stream; to be polled on until laser_at_rest().
   [[nodiscard]] Laser3dOutput shut_down(std::int64_t now_us);

@@ -63,10 +63,10 @@ ServoOutput MaestroSession::poll(std::int64_t now_us) {
     const double speed_us_s = std::abs(settings_.pulse_us_per_rad) * speed_rad_s_;
     output.send = maestro::set_speed(settings_.channel, speed_us_s);
     const Bytes target = maestro::set_target(settings_.channel, pulse_us);
-    output.send.insert(output.send.end(), target.begin(), target.end());
+    append(output.send, target);
   }
   const Bytes question = maestro::get_position(settings_.channel);
-  output.send.insert(output.send.end(), question.begin(), question.end());
+  append(output.send, question);
   waiting_ = true;
   asked_us_ = now_us;
   answer_.clear();
@@ -77,7 +77,7 @@ ServoOutput MaestroSession::receive(ByteView bytes, std::int64_t now_us) {
   if (!waiting_) {
     return {};
   }
-  answer_.insert(answer_.end(), bytes.begin(), bytes.end());
+  append(answer_, bytes);
   if (answer_.size() < kAnswerBytes) {
     return {};
   }

@@ -44,7 +44,7 @@ Bytes frame(ByteView command_and_parameters) {
   constexpr std::uint8_t kBroadcast = 0x00;
   Bytes bytes = {kStx, kBroadcast};
   append_u16(bytes, static_cast<std::uint16_t>(command_and_parameters.size()));
-  bytes.insert(bytes.end(), command_and_parameters.begin(), command_and_parameters.end());
+  append(bytes, command_and_parameters);
   append_u16(bytes, sick_crc(bytes));
   return bytes;
 }
@@ -115,7 +115,7 @@ Bytes reset() {
 
 Bytes write_config(const SickConfig& config) {
   Bytes command = {0x77};
-  command.insert(command.end(), config.bytes.begin(), config.bytes.end());
+  append(command, config.bytes);
   return frame(command);
 }
 

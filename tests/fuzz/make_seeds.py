@@ -7,6 +7,8 @@ import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 SLCAN_LINE = re.compile(r'"([tTrR][0-9A-F]{4,30})"')
+TESTS = ROOT / "drivers" / "laser3d" / "test"
+LITERAL = re.compile(r'hex\(\s*((?:"[0-9A-Fx ]+"\s*)+)\)')
 
 
 def slcan_lines():
@@ -18,15 +20,41 @@ def slcan_lines():
     return lines + [b"\r\az\rZ\rF85\rV1013\r"]
 
 
+def frames(source):
+    """The bytes of each hex("...") literal in a test file."""
+    for match in LITERAL.finditer(source.read_text()):
+        data = bytearray()
+        for word in "".join(re.findall(r'"([^"]*)"', match.group(1))).split():
+            data += bytes([int(word[:2], 16)]) * (int(word[3:]) if len(word) > 3 else 1)
+        yield bytes(data)
+
+
 def write_seeds(directory, seeds):
     directory.mkdir(parents=True, exist_ok=True)
     for number, seed in enumerate(seeds):
         (directory / f"seed_{number:03d}").write_bytes(seed)
 
 
+def sick_scan(count, first, step):
+    """A telegram of measured values as the sensor sends it, built apart from the driver."""
+    body = bytes([0xB0]) + (0x4000 | count).to_bytes(2, "little")
+    body += b"".join((first + i * step).to_bytes(2, "little") for i in range(count)) + b"\x10"
+    frame = b"\x02\x80" + len(body).to_bytes(2, "little") + body
+    crc = previous = 0
+    for byte in frame:
+        crc = (((crc & 0x7FFF) << 1) ^ 0x8005) if crc & 0x8000 else crc << 1
+        crc ^= (previous << 8) | byte
+        previous = byte
+    return frame + crc.to_bytes(2, "little")
+
+
 def main():
     out = pathlib.Path(sys.argv[1])
     write_seeds(out / "slcan", slcan_lines())
+    sick = [f for name in ("golden.hpp", "sick_telegram_test.cpp", "sick_command_test.cpp") for f in frames(TESTS / name)]
+    sick += [sick_scan(181, 1000, 1), sick_scan(361, 1000, 0), sick_scan(401, 8000, 1)]
+    write_seeds(out / "sick", sick)
+    write_seeds(out / "dynamixel", [f for f in frames(TESTS / "dynamixel_test.cpp")])
 
 
 if __name__ == "__main__":

@@ -58,6 +58,16 @@ TEST_F(StatusTest, SilenceOfTheInputIsDegraded) {
   EXPECT_EQ(status_.get()->process_name, "nodmap-test");
 }
 
+TEST_F(StatusTest, ADriverNeedsNoMessages) {
+  StatusReporter reporter("nodmap-test", bus_, tally_, clock_);
+  node_.health_.needs_messages = false;
+  clock_.advance(1'000'000);
+  reporter.publish_if_due(node_);
+  handle_all();
+  ASSERT_TRUE(status_.get().has_value());
+  EXPECT_EQ(status_.get()->health, nodmap::status_t::OK);
+}
+
 TEST_F(StatusTest, TheNodesOwnWordGoesThrough) {
   StatusReporter reporter("nodmap-test", bus_, tally_, clock_);
   node_.health_ = {HealthState::kFailed, "the disk is full"};

@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "drivers/laser3d/node.hpp"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "common/bus/bus.hpp"
+#include "common/bus/live_bus.hpp"
+#include "drivers/laser3d/test/fake_sensor.hpp"
+#include "drivers/laser3d/test/fake_servo.hpp"
+#include "nodmap/pitch_state_t.hpp"
+#include "nodmap/scan_t.hpp"
+
+namespace nodmap::laser3d {
+namespace {
+
+using test::operator+;
+using serial::IoStatus;
+
+/// A line in memory: what it shares with the device behind it.
+struct Wire {
+  std::function<Bytes(const Bytes& request, int baud)> answer;
+  Bytes to_host;
+  Bytes request;
+  int baud = 0;
+  bool plugged = true;
+};
+
+class WireStream : public serial::ByteStream {
+ public:
+  explicit WireStream(Wire& wire) : wire_(wire) {}
+
+  serial::ReadResult read(std::span<std::uint8_t> buffer, std::chrono::microseconds) override {
+    if (!wire_.plugged) {
+      return {IoStatus::kDisconnected, 0};
+    }
+    const std::size_t count = std::min(buffer.size(), wire_.to_host.size());
+    std::copy_n(wire_.to_host.begin(), count, buffer.begin());
+    wire_.to_host.erase(wire_.to_host.begin(),
+                        wire_.to_host.begin() + static_cast<std::ptrdiff_t>(count));
+    return {count > 0 ? IoStatus::kOk : IoStatus::kTimeout, count};
+  }
+  IoStatus write(std::span<const std::uint8_t> bytes, std::chrono::microseconds) override {
+    if (!wire_.plugged) {
+      return IoStatus::kDisconnected;
+    }
+    wire_.request.insert(wire_.request.end(), bytes.begin(), bytes.end());
+    const Bytes answer = wire_.answer(wire_.request, wire_.baud);
+    wire_.to_host = wire_.to_host + answer;
+    return IoStatus::kOk;
+  }
+  bool set_baud(int baud) override {
+    wire_.baud = baud;
+    return true;
+  }
+  void discard_input() override { wire_.to_host.clear(); }
+  [[nodiscard]] bool connected() const override { return wire_.plugged; }
+  [[nodiscard]] int poll_handle() const override { return -1; }
+
+ private:
+  Wire& wire_;
+};
+
+serial::ReconnectingPort::Opener opener(Wire& wire) {
+  return [&wire]() -> serial::OpenResult {
+    if (!wire.plugged) {
+      return {nullptr, "no such device"};
+    }
+    return {std::make_unique<WireStream>(wire), ""};
+  };
+}
+
+/// The process without its loop, on simulated time in steps of a millisecond.
+class Rig {
+ public:
+  Rig()
+      : bus("memq://"),
+        context{bus, tally, {}},
+        scans(bus, "SCAN"),
+        pitch(bus, "PITCH_STATE"),
+        node(context, Laser3dParams(), {opener(laser), opener(servo)}, [this] { return now; }) {
+    laser.answer = [this](Bytes request, int baud) -> Bytes {
+      // Requests come byte by byte at 500000.
+      if (request.size() < 6 || request.size() < 6U + read_u16(request, 2)) {
+        return {};
+      }
+      laser.request.clear();
+      return sensor.answer(request, baud);
+    };
+    servo.answer = [this](Bytes request, int) {
+      servo.request.clear();
+      return head.answer(request);
+    };
+    head.registers[11] = 3;
+    head.registers[117] = 2048 >> 8;
+  }
+
+  void run(double seconds) {
+    const std::int64_t end_us = now.steady_us + static_cast<std::int64_t>(1e6 * seconds);
+    for (; now.steady_us < end_us; now.steady_us += 1000, now.utime_us += 1000) {
+      head.step_ms(static_cast<int>(now.steady_us / 1000));
+      if (sensor.streaming && sensor.baud == laser.baud && now.steady_us % 13'000 == 0) {
+        laser.to_host = laser.to_host + sensor.next_scan();
+      }
+      node.turn();
+      while (bus.handle(std::chrono::milliseconds(0)) > 0) {
+      }
+    }
+  }
+
+  Wire laser;
+  Wire servo;
+  test::FakeSensor sensor;
+  test::FakeServo head;
+  Moment now{1'700'000'000'000'000, 1'000'000};
+  bus::LiveBus bus;
+  node::Tally tally;
+  node::Context context;
+  bus::Latest<nodmap::scan_t> scans;
+  bus::Latest<nodmap::pitch_state_t> pitch;
+  Laser3dNode node;
+};
+
+TEST(Laser3dNode, PublishesScansAndPitchStampedWithTheWallClock) {
+  Rig rig;
+  rig.run(4.0);
+  EXPECT_GT(rig.scans.count(), 50);
+  EXPECT_GT(rig.pitch.count(), 500);
+  EXPECT_EQ(rig.node.health().state, node::HealthState::kOk) << rig.node.health().reason;
+  const nodmap::scan_t& scan = *rig.scans.get();
+  EXPECT_LE(rig.now.utime_us - scan.utime, 60'000);
+  EXPECT_GT(rig.now.utime_us - scan.utime, 6660);
+  EXPECT_EQ(scan.num_ranges, 181);
+  EXPECT_EQ(scan.pitch_is_measured, 1);
+  EXPECT_LE(rig.now.utime_us - rig.pitch.get()->utime, 10'000);
+  EXPECT_EQ(rig.node.figures()["scans"], rig.scans.get()->scan_seq + 1);
+}
+
+TEST(Laser3dNode, ObeysPitchCommandsAndRefusesOldAndBadOnes) {
+  Rig rig;
+  rig.run(3.0);
+  nodmap::pitch_command_t command{};
+  command.pitch_min_rad = -0.2;
+  command.pitch_max_rad = 0.05;
+  command.sweep_s = 0.5;
+  for (int i = 0; i < 10; ++i) {
+    command.utime = rig.now.utime_us;
+    rig.bus.publish("PITCH_COMMAND", command);
+    rig.run(0.3);
+  }
+  EXPECT_NEAR(std::abs(rig.pitch.get()->goal_pitch_rad + 0.075), 0.125, 1e-9);
+  EXPECT_EQ(rig.tally.used(), 10);
+  command.utime = rig.now.utime_us - 5'000'000;
+  rig.bus.publish("PITCH_COMMAND", command);
+  command.utime = rig.now.utime_us;
+  command.sweep_s = -1.0;
+  rig.bus.publish("PITCH_COMMAND", command);
+  rig.run(0.1);
+  EXPECT_EQ(rig.tally.rejected().at("stale"), 1);
+  EXPECT_EQ(rig.tally.rejected().at("no_area"), 1);
+}
+
+TEST(Laser3dNode, AnUnpluggedLaserEndsTheScansAndPluggedInTheyGoOn) {
+  Rig rig;
+  rig.run(4.0);
+  rig.laser.plugged = false;
+  rig.run(0.05);
+  EXPECT_EQ(rig.node.health().state, node::HealthState::kFailed);
+  EXPECT_EQ(rig.node.health().reason.find("laser: "), 0U) << rig.node.health().reason;
+  const std::int64_t scans = rig.scans.count();
+  rig.run(2.0);
+  EXPECT_EQ(rig.scans.count(), scans);
+  rig.laser.plugged = true;
+  rig.run(8.0);
+  EXPECT_GT(rig.scans.count(), scans + 50);
+  EXPECT_EQ(rig.node.health().state, node::HealthState::kOk) << rig.node.health().reason;
+}
+
+TEST(Laser3dNode, AnUnpluggedServoEndsTheScansAndPluggedInTheyGoOn) {
+  Rig rig;
+  rig.run(4.0);
+  rig.servo.plugged = false;
+  rig.run(0.05);
+  EXPECT_EQ(rig.node.health().reason.find("servo: "), 0U) << rig.node.health().reason;
+  const std::int64_t scans = rig.scans.count();
+  rig.run(2.0);
+  EXPECT_EQ(rig.scans.count(), scans);
+  rig.servo.plugged = true;
+  rig.run(8.0);
+  EXPECT_GT(rig.scans.count(), scans + 50);
+}
+
+TEST(Laser3dNode, EndsWithTheLaserAtRest) {
+  Rig rig;
+  rig.run(4.0);
+  rig.node.shut_down();
+  rig.run(0.2);
+  EXPECT_TRUE(rig.node.at_rest());
+  EXPECT_FALSE(rig.sensor.streaming);
+}
+
+}  // namespace
+}  // namespace nodmap::laser3d

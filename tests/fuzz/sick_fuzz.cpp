@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Any bytes, in any pieces, with any pauses, through the laser's parser and the decoders behind it.
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+
+#include "drivers/laser3d/mirror.hpp"
+#include "drivers/laser3d/sick_session.hpp"
+
+namespace {
+
+using namespace nodmap::laser3d;  // NOLINT(google-build-using-namespace): a program of one page
+
+void require(bool condition) {
+  if (!condition) {
+    std::abort();
+  }
+}
+
+void check(const SickTelegram& telegram) {
+  require(telegram.data.size() <= SickParser::kMaxTelegramBytes);
+  for (const std::uint8_t mode : {0x00, 0x03, 0x06, 0x0F, 0x3F}) {
+    if (const auto scan = read_scan(telegram, {mode})) {
+      require(scan->ranges_m.size() <= 401);
+      for (const float range_m : scan->ranges_m) {
+        require(!(range_m < 0.0F));
+        require(!std::isfinite(range_m) || range_m <= 330.0F);
+      }
+      static_cast<void>(mirror_turns(*scan, SickVariant::k100x025, telegram.first_byte_us));
+      static_cast<void>(interlaced_turn(*scan, telegram.first_byte_us));
+    }
+  }
+  if (const auto config = read_config(telegram)) {
+    static_cast<void>(with_measuring(*config, SickUnit::kMillimetre, {0x06}));
+  }
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  SickParser parser(500000);
+  SickSession session({});
+  std::int64_t now_us = 0;
+  static_cast<void>(session.open(now_us));
+  std::size_t at = 0;
+  while (at < size) {
+    // One byte steers: how much comes at once, and after how long.
+    const std::size_t count = std::min<std::size_t>(size - at, 1U + (data[at] & 0x3FU) * 16U);
+    now_us += (data[at] & 0x40U) != 0 ? 300'000 : 1'000;
+    parser.feed(ByteView(data + at, count), now_us);
+    at += count;
+    while (const auto event = parser.next()) {
+      if (const auto* telegram = std::get_if<SickTelegram>(&*event)) {
+        check(*telegram);
+        const SickOutput output = session.take(*telegram, now_us);
+        require(output.send.size() <= 64);
+      } else if (std::holds_alternative<SickNak>(*event)) {
+        session.take_nak(now_us);
+      }
+    }
+    static_cast<void>(session.poll(now_us));
+  }
+  require(static_cast<std::size_t>(parser.counts().skipped_bytes) <= size);
+  return 0;
+}
