@@ -43,6 +43,7 @@ DynamixelSession::DynamixelSession(const DynamixelSettings& settings)
       sync_({.tick_us = 1000.0, .wrap_ticks = dynamixel_x::kTickWrap, .max_drift = 0.001}) {}
 
 ServoOutput DynamixelSession::open(std::int64_t now_us) {
+  trouble_ = "being started";
   parser_.reset(settings_.baud);
   back_off_.succeeded();
   return enter(Step::kPing, now_us);

@@ -7,10 +7,8 @@
 #include "common/geometry/angle.hpp"
 #include "drivers/laser3d/dynamixel.hpp"
 
-namespace nodmap::laser3d {
-
 /// The control table of the X series (and MX with protocol 2.0), as far as it is used.
-namespace dynamixel_x {
+namespace nodmap::laser3d::dynamixel_x {
 
 inline constexpr std::uint16_t kOperatingMode = 11;  // permanent: written only if different
 inline constexpr std::uint16_t kTorqueEnable = 64;
@@ -45,5 +43,4 @@ struct State {
 /// 0 would be "without limit": at least 1 is sent.
 [[nodiscard]] Bytes set_acceleration(std::uint8_t id, double acceleration_rad_s2);
 
-}  // namespace dynamixel_x
-}  // namespace nodmap::laser3d
+}  // namespace nodmap::laser3d::dynamixel_x

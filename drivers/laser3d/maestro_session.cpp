@@ -17,6 +17,7 @@ constexpr std::size_t kAnswerBytes = 2;
 
 ServoOutput MaestroSession::open(std::int64_t now_us) {
   open_ = true;
+  trouble_ = "being started";
   waiting_ = false;
   misses_ = 0;
   last_.reset();

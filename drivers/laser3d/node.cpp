@@ -53,6 +53,9 @@ void Laser3dNode::turn() {
   attend(laser_, now);
   attend(servo_, now);
   carry_out(driver_.poll(now.steady_us), now);
+  const std::int64_t lost =
+      driver_.counts().telegrams_missed + driver_.counts().scans_without_pitch;
+  context_.tally.lose(lost - std::exchange(told_lost_, lost));
   tell_change(now);
 }
 

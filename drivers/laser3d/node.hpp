@@ -74,6 +74,7 @@ class Laser3dNode : public node::Node {
   Line servo_;
   std::function<Moment()> clock_;
   std::string told_;
+  std::int64_t told_lost_ = 0;
   std::int64_t state_seq_ = 0;
 };
 

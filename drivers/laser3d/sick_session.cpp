@@ -51,6 +51,7 @@ SickSession::State SickSession::state() const {
 }
 
 SickOutput SickSession::open(std::int64_t now_us) {
+  trouble_ = "being started";
   back_off_.succeeded();
   return search_from(0, now_us);
 }

@@ -20,8 +20,8 @@ void require(bool condition) {
 
 void check(const SickTelegram& telegram) {
   require(telegram.data.size() <= SickParser::kMaxTelegramBytes);
-  for (const std::uint8_t mode : {0x00, 0x03, 0x06, 0x0F, 0x3F}) {
-    if (const auto scan = read_scan(telegram, {mode})) {
+  for (const unsigned mode : {0x00U, 0x03U, 0x06U, 0x0FU, 0x3FU}) {
+    if (const auto scan = read_scan(telegram, {static_cast<std::uint8_t>(mode)})) {
       require(scan->ranges_m.size() <= 401);
       for (const float range_m : scan->ranges_m) {
         require(!(range_m < 0.0F));
