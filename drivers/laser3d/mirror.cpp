@@ -17,7 +17,7 @@ MirrorTurn turn_of(const SickScan& scan, std::size_t first, std::size_t stride,
     turn.ranges_m.push_back(scan.ranges_m[i]);
   }
   const double begin_us = half_turn_end_us - (180.0 - from_right_deg) * kMirrorDegreeUs;
-  const double beams = static_cast<double>(turn.ranges_m.size());
+  const auto beams = static_cast<double>(turn.ranges_m.size());
   turn.first_beam_us = std::llround(begin_us);
   turn.last_beam_us = std::llround(begin_us + (beams - 1.0) * kMirrorDegreeUs);
   turn.angle_first_rad = geometry::deg_to_rad(from_right_deg - 90.0);

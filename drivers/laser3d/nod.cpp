@@ -20,6 +20,7 @@ constexpr double kFixedRad = geometry::deg_to_rad(0.5);
 
 constexpr std::int64_t kStartingUs = 100'000;
 constexpr std::int64_t kStallWindowUs = 150'000;
+constexpr std::int64_t kSilenceUs = 2 * kStallWindowUs;
 constexpr double kStallShare = 0.2;
 
 double seconds(std::int64_t duration_us) {
@@ -93,6 +94,10 @@ void Nod::watch_for_stall(const PitchSample& where) {
   }
   const std::int64_t elapsed_us = where.time_us - watch_start_->time_us;
   if (elapsed_us < kStallWindowUs) {
+    return;
+  }
+  if (elapsed_us > kSilenceUs) {
+    watch_start_ = where;  // nobody has seen what it did meanwhile
     return;
   }
   const double moved = std::abs(where.pitch_rad - watch_start_->pitch_rad);

@@ -170,6 +170,16 @@ TEST(Nod, AJammedHeadIsNoticedWithin300msAndComesBack) {
   EXPECT_GE(run(dut, head, 5.0, now_us).sweeps_s.size(), 5U);
 }
 
+TEST(Nod, AGapInTheReadingsIsNoStall) {
+  Nod dut(settings());
+  Head head;
+  std::int64_t now_us = 0;
+  run(dut, head, 2.2, now_us);
+  now_us += 10'000'000;  // the servo was gone and is back where it was
+  static_cast<void>(dut.step({now_us, head.pitch_rad, 0.0}, now_us));
+  EXPECT_FALSE(dut.stalled());
+}
+
 TEST(Nod, AServoThatStopsShortOfItsGoalStillTurns) {
   Nod dut(settings());
   std::int64_t now_us = 0;
