@@ -95,14 +95,14 @@ SickOutput SickSession::take(const SickTelegram& telegram, std::int64_t now_us) 
   if (telegram.reply == SickReply::kMeasuredValues) {
     return take_values(telegram, now_us);
   }
-  switch (judge(telegram)) {
-    case Answer::kDone:
+  switch (judge_answer(step_, telegram)) {
+    case SickAnswer::kDone:
       return advance(telegram, now_us);
-    case Answer::kRefused:
+    case SickAnswer::kRefused:
       refused_ = true;
       deadline_us_ = std::min(deadline_us_, now_us + kNakPauseUs);
       return {};
-    case Answer::kOther:
+    case SickAnswer::kOther:
       break;
   }
   return {};
@@ -111,79 +111,6 @@ SickOutput SickSession::take(const SickTelegram& telegram, std::int64_t now_us) 
 void SickSession::take_nak(std::int64_t now_us) {
   if (state() == State::kConnecting && step_ != Step::kSettle) {
     deadline_us_ = std::min(deadline_us_, now_us + kNakPauseUs);
-  }
-}
-
-Bytes SickSession::request() const {
-  switch (step_) {
-    case Step::kSearch:
-    case Step::kConfirmBaud:
-    case Step::kLeaveInstall:
-    case Step::kStop:
-      return sick_command::set_mode(SickMode::kOnRequest);
-    case Step::kSetBaud:
-      return sick_command::set_baud(settings_.baud);
-    case Step::kReadConfig:
-      return sick_command::request_config();
-    case Step::kInstall:
-      return sick_command::set_mode(SickMode::kInstallation);
-    case Step::kWriteConfig:
-      return sick_command::write_config(wanted_config());
-    case Step::kSetVariant:
-      return sick_command::set_variant(settings_.variant);
-    case Step::kStartStream:
-      return sick_command::set_mode(settings_.interlaced ? SickMode::kStreamInterlaced
-                                                         : SickMode::kStreamAll);
-    case Step::kSlowDown:
-      return sick_command::set_baud(9600);
-    default:
-      return {};
-  }
-}
-
-const char* SickSession::what() const {
-  switch (step_) {
-    case Step::kSearch:
-      return "answer at any rate";
-    case Step::kSetBaud:
-    case Step::kConfirmBaud:
-      return "change the baud rate";
-    case Step::kReadConfig:
-      return "tell its configuration";
-    case Step::kInstall:
-    case Step::kWriteConfig:
-    case Step::kLeaveInstall:
-      return "take a new configuration";
-    case Step::kSetVariant:
-      return "take the angle and resolution";
-    case Step::kStartStream:
-      return "stream";
-    default:
-      return "stop";
-  }
-}
-
-SickSession::Answer SickSession::judge(const SickTelegram& telegram) const {
-  const auto accepted = [&telegram](std::uint8_t good) {
-    return !telegram.data.empty() && telegram.data.front() == good ? Answer::kDone
-                                                                   : Answer::kRefused;
-  };
-  if (telegram.reply == SickReply::kNotAccepted) {
-    return Answer::kRefused;
-  }
-  switch (step_) {
-    case Step::kReadConfig:
-      return telegram.reply == SickReply::kConfig ? Answer::kDone : Answer::kOther;
-    case Step::kWriteConfig:
-      return telegram.reply == SickReply::kConfigWritten ? accepted(1) : Answer::kOther;
-    case Step::kSetVariant:
-      return telegram.reply == SickReply::kVariant ? accepted(1) : Answer::kOther;
-    case Step::kStream:
-    case Step::kSettle:
-    case Step::kWait:
-      return Answer::kOther;
-    default:
-      return telegram.reply == SickReply::kMode ? accepted(0) : Answer::kOther;
   }
 }
 
@@ -213,10 +140,6 @@ std::int64_t SickSession::stream_timeout_us() const {
   return std::max(kShortestUs, static_cast<std::int64_t>(4.0 * period_us));
 }
 
-SickConfig SickSession::wanted_config() const {
-  return with_measuring(*config_, settings_.unit, settings_.measuring_mode);
-}
-
 SickOutput SickSession::enter(Step step, std::int64_t now_us) {
   step_ = step;
   attempts_ = 0;
@@ -227,7 +150,8 @@ SickOutput SickSession::enter(Step step, std::int64_t now_us) {
 SickOutput SickSession::ask(std::int64_t now_us) {
   ++attempts_;
   deadline_us_ = now_us + timeout_us();
-  return {.baud = std::nullopt, .send = request(), .scan = std::nullopt};
+  return {
+      .baud = std::nullopt, .send = request_of(step_, settings_, config_), .scan = std::nullopt};
 }
 
 SickOutput SickSession::retry(std::int64_t now_us) {
@@ -247,7 +171,8 @@ SickOutput SickSession::retry(std::int64_t now_us) {
     default:
       break;
   }
-  return fail((refused_ ? "the sensor refused to " : "the sensor did not ") + std::string(what()),
+  return fail((refused_ ? "the sensor refused to " : "the sensor did not ") +
+                  std::string(purpose_of(step_)),
               now_us);
 }
 
@@ -296,12 +221,14 @@ SickOutput SickSession::after_config(const SickTelegram& telegram, std::int64_t 
       if (!config_) {
         return fail("the configuration cannot be read", now_us);
       }
-      return enter(*config_ == wanted_config() ? Step::kSetVariant : Step::kInstall, now_us);
+      return enter(
+          *config_ == wanted_config(*config_, settings_) ? Step::kSetVariant : Step::kInstall,
+          now_us);
     case Step::kInstall:
       ++counts_.config_writes;
       return enter(Step::kWriteConfig, now_us);
     case Step::kWriteConfig:
-      if (read_config(telegram) != wanted_config()) {
+      if (read_config(telegram) != wanted_config(*config_, settings_)) {
         return fail("the configuration was not taken as sent", now_us);
       }
       return enter(Step::kLeaveInstall, now_us);

@@ -6,20 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "drivers/laser3d/sick_command.hpp"
+#include "drivers/laser3d/sick_step.hpp"
 #include "drivers/serial/back_off.hpp"
 
 namespace nodmap::laser3d {
-
-struct SickSettings {
-  int baud = 500000;  ///< to stream at: 9600, 19200, 38400 or 500000
-  SickVariant variant = SickVariant::k180x100;
-  /// Each turn of the mirror at once, in the sensor's own 32 m mode; always over 180 degrees.
-  bool interlaced = false;
-  SickUnit unit = SickUnit::kMillimetre;
-  SickMeasuringMode measuring_mode;
-  int frozen_scans = 10;  ///< so many equal scans in a row are no measurement any more
-};
 
 /// What a session wants done, in this order, and what it has to give.
 struct SickOutput {
@@ -72,30 +62,9 @@ class SickSession {
   [[nodiscard]] std::int64_t stream_timeout_us() const;
 
  private:
-  enum class Step : std::uint8_t {
-    kClosed,
-    kSearch,       // stop whatever it does, at each rate in turn
-    kSetBaud,      // answered at the old rate
-    kSettle,       // both ends change their rate
-    kConfirmBaud,  // heard at the new rate?
-    kReadConfig,
-    kInstall,
-    kWriteConfig,
-    kLeaveInstall,
-    kSetVariant,
-    kStartStream,
-    kStream,
-    kWait,  // back-off
-    kStop,  // shutting down
-    kSlowDown,
-  };
-  enum class Answer : std::uint8_t { kDone, kRefused, kOther };
+  using Step = SickStep;
 
-  [[nodiscard]] Bytes request() const;
-  [[nodiscard]] Answer judge(const SickTelegram& telegram) const;
   [[nodiscard]] std::int64_t timeout_us() const;
-  [[nodiscard]] const char* what() const;
-  [[nodiscard]] SickConfig wanted_config() const;
 
   [[nodiscard]] SickOutput enter(Step step, std::int64_t now_us);
   [[nodiscard]] SickOutput ask(std::int64_t now_us);

@@ -15,7 +15,6 @@
 namespace nodmap::laser3d {
 namespace {
 
-using test::operator+;
 using serial::IoStatus;
 
 /// A line in memory: what it shares with the device behind it.
@@ -47,7 +46,7 @@ class WireStream : public serial::ByteStream {
     }
     wire_.request.insert(wire_.request.end(), bytes.begin(), bytes.end());
     const Bytes answer = wire_.answer(wire_.request, wire_.baud);
-    wire_.to_host = wire_.to_host + answer;
+    append(wire_.to_host, answer);
     return IoStatus::kOk;
   }
   bool set_baud(int baud) override {
@@ -80,17 +79,19 @@ class Rig {
         scans(bus, "SCAN"),
         pitch(bus, "PITCH_STATE"),
         node(context, Laser3dParams(), {opener(laser), opener(servo)}, [this] { return now; }) {
-    laser.answer = [this](Bytes request, int baud) -> Bytes {
+    laser.answer = [this](const Bytes& request, int baud) -> Bytes {
       // Requests come byte by byte at 500000.
       if (request.size() < 6 || request.size() < 6U + read_u16(request, 2)) {
         return {};
       }
+      Bytes answer = sensor.answer(request, baud);
       laser.request.clear();
-      return sensor.answer(request, baud);
+      return answer;
     };
-    servo.answer = [this](Bytes request, int) {
+    servo.answer = [this](const Bytes& request, int) {
+      Bytes answer = head.answer(request);
       servo.request.clear();
-      return head.answer(request);
+      return answer;
     };
     head.registers[11] = 3;
     head.registers[117] = 2048 >> 8;
@@ -101,7 +102,7 @@ class Rig {
     for (; now.steady_us < end_us; now.steady_us += 1000, now.utime_us += 1000) {
       head.step_ms(static_cast<int>(now.steady_us / 1000));
       if (sensor.streaming && sensor.baud == laser.baud && now.steady_us % 13'000 == 0) {
-        laser.to_host = laser.to_host + sensor.next_scan();
+        append(laser.to_host, sensor.next_scan());
       }
       node.turn();
       while (bus.handle(std::chrono::milliseconds(0)) > 0) {
