@@ -9,7 +9,7 @@ namespace nodmap::laser3d {
 namespace {
 
 using test::FakeServo;
-using test::operator+;
+using test::operator+;  // NOLINT(misc-unused-using-decls): an operator is used
 
 class Rig {
  public:

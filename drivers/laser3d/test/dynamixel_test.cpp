@@ -12,7 +12,7 @@ namespace nodmap::laser3d {
 namespace {
 
 using test::hex;
-using test::operator+;
+using test::operator+;  // NOLINT(misc-unused-using-decls): an operator is used
 
 const Bytes kWriteOk = hex("FF FF FD 00 01 04 00 55 00 A1 0C");
 const Bytes kPingReply = hex("FF FF FD 00 01 07 00 55 00 FC 03 26 2E C3");

@@ -13,7 +13,7 @@ namespace {
 
 using test::FakeSensor;
 using test::FakeServo;
-using test::operator+;
+using test::operator+;  // NOLINT(misc-unused-using-decls): an operator is used
 
 /// Both devices on their lines, on simulated time in steps of a millisecond.
 class Rig {

@@ -9,7 +9,7 @@ namespace nodmap::laser3d {
 namespace {
 
 using test::hex;
-using test::operator+;
+using test::operator+;  // NOLINT(misc-unused-using-decls): an operator is used
 
 SickTelegram telegram_of(const Bytes& bytes) {
   SickParser parser;

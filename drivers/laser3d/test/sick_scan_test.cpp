@@ -11,7 +11,7 @@ namespace nodmap::laser3d {
 namespace {
 
 using test::hex;
-using test::operator+;
+using test::operator+;  // NOLINT(misc-unused-using-decls): an operator is used
 
 constexpr SickMeasuringMode k8m{0x00};
 constexpr SickMeasuringMode k32m{0x06};

@@ -9,7 +9,7 @@ namespace nodmap::laser3d {
 namespace {
 
 using test::FakeSensor;
-using test::operator+;
+using test::operator+;  // NOLINT(misc-unused-using-decls): an operator is used
 using State = SickSession::State;
 
 /// The session and the sensor on one line, on simulated time in steps of a millisecond.

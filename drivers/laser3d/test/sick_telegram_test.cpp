@@ -11,7 +11,7 @@ namespace nodmap::laser3d {
 namespace {
 
 using test::hex;
-using test::operator+;
+using test::operator+;  // NOLINT(misc-unused-using-decls): an operator is used
 
 std::vector<SickEvent> drain(SickParser& dut) {
   std::vector<SickEvent> events;
