@@ -13,14 +13,11 @@ namespace nodmap {
 namespace {
 
 std::map<std::string, std::int64_t> fingerprints() {
-  return {{cloud_chunk_t::getTypeName(), cloud_chunk_t::getHash()},
-          {egomap_t::getTypeName(), egomap_t::getHash()},
-          {grid_chunk_t::getTypeName(), grid_chunk_t::getHash()},
-          {odometry_t::getTypeName(), odometry_t::getHash()},
-          {pose_t::getTypeName(), pose_t::getHash()},
-          {save_request_t::getTypeName(), save_request_t::getHash()},
-          {scan_t::getTypeName(), scan_t::getHash()},
-          {status_t::getTypeName(), status_t::getHash()}};
+  std::map<std::string, std::int64_t> all;
+  for (const bus::MessageType& type : bus::message_types()) {
+    all.emplace(type.name, type.fingerprint);
+  }
+  return all;
 }
 
 TEST(Fingerprints, AreThoseThatWereReleased) {

@@ -35,7 +35,8 @@ TEST_P(EveryProgram, RefusesAnUnknownOptionInOneLine) {
 INSTANTIATE_TEST_SUITE_P(All, EveryProgram,
                          ::testing::Values("nodmap-map-server", "nodmap-slam2d", "nodmap-slam6d",
                                            "nodmap-logger", "nodmap-convert", "nodmap-evaluate",
-                                           "nodmap-doctor", "nodmap-save"));
+                                           "nodmap-doctor", "nodmap-save", "nodmap-kurt",
+                                           "nodmap-laser3d"));
 
 class EveryProcess : public ::testing::TestWithParam<const char*> {};
 
@@ -62,7 +63,7 @@ TEST_P(EveryProcess, DumpsParametersThatItLoadsAgain) {
 
 INSTANTIATE_TEST_SUITE_P(All, EveryProcess,
                          ::testing::Values("nodmap-map-server", "nodmap-slam2d", "nodmap-slam6d",
-                                           "nodmap-logger"));
+                                           "nodmap-logger", "nodmap-kurt", "nodmap-laser3d"));
 
 class EveryModule : public ::testing::TestWithParam<const char*> {};
 
