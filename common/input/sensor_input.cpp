@@ -34,7 +34,7 @@ bool SensorInput::read(const nodmap::scan_t& message, scan::Scan& scan) {
 
 std::optional<geometry::SE3> SensorInput::read(const nodmap::odometry_t& message) {
   tally_.lose(odometry_.lost_before(message.odometry_seq));
-  const auto T_odom_base = msg::read_odometry(message);
+  auto T_odom_base = msg::read_odometry(message);
   if (!T_odom_base || !is_time(message.utime)) {
     tally_.reject("implausible_odometry");
     return std::nullopt;

@@ -16,11 +16,11 @@ constexpr std::size_t kMaxChannels = 100;
 std::optional<std::int64_t> sequence_number(std::span<const std::byte> data) {
   const std::int64_t fingerprint = bus::fingerprint_of(data);
   if (fingerprint == nodmap::scan_t::getHash()) {
-    nodmap::scan_t scan;
+    nodmap::scan_t scan{};
     return bus::decode_into(scan, data) ? std::optional(scan.scan_seq) : std::nullopt;
   }
   if (fingerprint == nodmap::odometry_t::getHash()) {
-    nodmap::odometry_t odometry;
+    nodmap::odometry_t odometry{};
     return bus::decode_into(odometry, data) ? std::optional(odometry.odometry_seq) : std::nullopt;
   }
   return std::nullopt;
