@@ -9,10 +9,9 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
-#include "common/bus/codec.hpp"
 #include "common/bus/event_log.hpp"
 #include "common/geometry/angle.hpp"
-#include "common/msg/messages.hpp"
+#include "tests/replay/recording.hpp"
 #include "tests/support/data_dir.hpp"
 #include "tests/support/program.hpp"
 
@@ -22,32 +21,7 @@ namespace {
 constexpr std::int64_t kScanPeriodUs = 13'320;
 constexpr int kNumScans = 300;
 
-/// A nodding scanner that drives at 0.5 m/s through a square room of 8 m.
-class Recording {
- public:
-  explicit Recording(const std::filesystem::path& file) : writer_(file) {}
-
-  void odometry(std::int64_t utime_us, double x_m) {
-    put(utime_us, "ODOMETRY", msg::write_odometry(utime_us, geometry::to_se3({x_m, 0, 0})));
-  }
-
-  void scan(const scan::Scan& scan) { put(scan.utime_us, "SCAN", msg::write_scan(scan)); }
-
-  void bytes(std::int64_t utime_us, const std::string& channel, std::span<const std::byte> data) {
-    EXPECT_TRUE(writer_.write(utime_us, channel, data));
-  }
-
- private:
-  template <class Message>
-  void put(std::int64_t utime_us, const std::string& channel, const Message& message) {
-    bus::encode_into(buffer_, message);
-    bytes(utime_us, channel, buffer_);
-  }
-
-  bus::LogWriter writer_;
-  std::vector<std::byte> buffer_;
-};
-
+/// The scans of a nodding scanner in a square room of 8 m.
 scan::Scan scan_number(int i) {
   scan::Scan scan;
   scan.utime_us = 1'000'000'000 + i * kScanPeriodUs;
@@ -75,10 +49,11 @@ scan::Scan scan_number(int i) {
 /// The recording with `damage` done to each scan before it is written.
 void record(const std::filesystem::path& file,
             const std::function<void(int, scan::Scan&)>& damage) {
-  Recording recording(file);
+  test::Recording recording(file);
   for (int i = 0; i < kNumScans; ++i) {
     scan::Scan scan = scan_number(i);
-    recording.odometry(scan.utime_us, 0.5 * 1e-6 * static_cast<double>(i * kScanPeriodUs));
+    const double x_m = 0.5 * 1e-6 * static_cast<double>(i * kScanPeriodUs);  // 0.5 m/s
+    recording.odometry(scan.utime_us, geometry::to_se3({x_m, 0, 0}));
     damage(i, scan);
     recording.scan(scan);
   }
@@ -153,7 +128,7 @@ TEST_P(DamagedRecording, NonsenseGeometry) {
 
 TEST_P(DamagedRecording, NoOdometryAtAll) {
   {
-    Recording recording(log());
+    test::Recording recording(log());
     for (int i = 0; i < kNumScans; ++i) {
       recording.scan(scan_number(i));
     }
@@ -165,7 +140,7 @@ TEST_P(DamagedRecording, NoOdometryAtAll) {
 
 TEST_P(DamagedRecording, AMillionRandomBytesOnScan) {
   {
-    Recording recording(log());
+    test::Recording recording(log());
     std::mt19937 random(5);
     for (int i = 0; i < 1000; ++i) {
       std::vector<std::byte> noise(1000);
