@@ -30,7 +30,8 @@ Finding check_disk(const std::string& dir, std::int64_t available_bytes) {
   constexpr std::int64_t kMegabyte = 1'000'000;
   constexpr std::int64_t kTooLittle = 200 * kMegabyte;
   constexpr std::int64_t kLittle = 5000 * kMegabyte;
-  const std::int64_t minutes = available_bytes / steady_bytes_per_s() / 60;
+  const std::int64_t minutes =
+      available_bytes / std::max(std::int64_t{1}, steady_bytes_per_s()) / 60;
   const std::string sentence = dir + " has room for " +
                                std::to_string(available_bytes / kMegabyte) + " MB, about " +
                                std::to_string(minutes) + " min of all channels.";
