@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/doctor/host.hpp"
 
+#include <algorithm>
+
 #include "tools/doctor/channel_loads.hpp"
 
 namespace nodmap::doctor {
