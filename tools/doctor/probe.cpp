@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/doctor/probe.hpp"
 
+#include <ifaddrs.h>
 #include <sys/timex.h>
 #include <unistd.h>
 
@@ -50,11 +51,12 @@ std::optional<std::string> read_text(const fs::path& file) {
 
 std::map<std::string, unsigned int> interface_flags() {
   std::map<std::string, unsigned int> flags;
-  std::error_code error;
-  for (const auto& entry : fs::directory_iterator("/sys/class/net", error)) {
-    const std::string text = first_line(entry.path() / "flags");
-    flags[entry.path().filename()] =
-        static_cast<unsigned int>(std::strtoul(text.c_str(), nullptr, 16));
+  ifaddrs* interfaces = nullptr;
+  if (::getifaddrs(&interfaces) == 0) {
+    for (const ifaddrs* each = interfaces; each != nullptr; each = each->ifa_next) {
+      flags[each->ifa_name] = each->ifa_flags;
+    }
+    ::freeifaddrs(interfaces);
   }
   return flags;
 }
