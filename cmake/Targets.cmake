@@ -46,15 +46,16 @@ function(nodmap_add_program name)
   set_property(GLOBAL APPEND PROPERTY NODMAP_PROGRAMS ${name})
 endfunction()
 
-# nodmap_add_test(NAME SOURCES x_test.cpp ... DEPENDS target ... [DATA]): a test program.
+# nodmap_add_test(NAME SOURCES x_test.cpp ... DEPENDS target ... [DEFINES NAME="value" ...] [DATA]): a test program.
 # DATA marks tests that read the recordings in NODMAP_DATA; they skip, and say so, where it is missing.
 function(nodmap_add_test name)
-  cmake_parse_arguments(ARG "DATA" "" "SOURCES;DEPENDS" ${ARGN})
+  cmake_parse_arguments(ARG "DATA" "" "SOURCES;DEPENDS;DEFINES" ${ARGN})
   if(NOT NODMAP_TESTS)
     return()
   endif()
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE nodmap_options ${ARG_DEPENDS} GTest::gmock GTest::gtest_main)
+  target_compile_definitions(${name} PRIVATE ${ARG_DEFINES})
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/tests)
   set(label unit)
   if(ARG_DATA)

@@ -42,6 +42,10 @@ std::optional<SE3> PoseHistory::at(std::int64_t utime_us) const {
   return interpolate(before->T_odom_base, after->T_odom_base, fraction);
 }
 
+std::optional<SE3> PoseHistory::newest() const {
+  return samples_.empty() ? std::nullopt : std::optional(samples_.back().T_odom_base);
+}
+
 SE3 PoseHistory::extrapolate_beyond_newest(std::int64_t utime_us) const {
   const Sample& newest = samples_.back();
   if (samples_.size() < 2) {

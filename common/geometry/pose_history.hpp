@@ -28,6 +28,12 @@ class PoseHistory {
   /// for at most `max_extrapolation_us`, otherwise empty.
   [[nodiscard]] std::optional<SE3> at(std::int64_t utime_us) const;
 
+  /// The sample with the latest stamp.
+  [[nodiscard]] std::optional<SE3> newest() const;
+
+  /// Forgets all: what comes is in another frame, and nothing is interpolated between the two.
+  void clear() { samples_.clear(); }
+
   [[nodiscard]] bool empty() const { return samples_.empty(); }
 
  private:

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "common/input/sensor_input.hpp"
 
+#include <utility>
+
 #include "common/msg/messages.hpp"
 
 namespace nodmap::input {
@@ -33,12 +35,14 @@ bool SensorInput::read(const nodmap::scan_t& message, scan::Scan& scan) {
 }
 
 std::optional<geometry::SE3> SensorInput::read(const nodmap::odometry_t& message) {
+  fell_back_ = fell_back_ || odometry_.falls_back(message.odometry_seq);
   tally_.lose(odometry_.lost_before(message.odometry_seq));
   auto T_odom_base = msg::read_odometry(message);
   if (!T_odom_base || !is_time(message.utime)) {
     tally_.reject("implausible_odometry");
     return std::nullopt;
   }
+  odometry_began_anew_ = std::exchange(fell_back_, false);
   return T_odom_base;
 }
 

@@ -26,10 +26,17 @@ class SensorInput {
   /// T_odom_base at the message's utime; empty when the message was refused.
   [[nodiscard]] std::optional<geometry::SE3> read(const nodmap::odometry_t& message);
 
+  /// Whether the odometry last accepted is the first of a new odom frame: its publisher counts
+  /// anew, so it was started again and its pose began anew. Nothing but the robot's own pose leads
+  /// from the old frame to the new, and none may be interpolated between them.
+  [[nodiscard]] bool odometry_began_anew() const { return odometry_began_anew_; }
+
  private:
   node::Tally& tally_;
   node::SequenceWatch scans_;
   node::SequenceWatch odometry_;
+  bool fell_back_ = false;  // since the last accepted odometry
+  bool odometry_began_anew_ = false;
 };
 
 }  // namespace nodmap::input

@@ -4,6 +4,8 @@
 #include <chrono>
 #include <cstdint>
 
+#include "common/time/moment.hpp"
+
 namespace nodmap::time {
 
 /// The clock of a shell: for stamping status messages and log events and for pacing, never to know
@@ -29,6 +31,13 @@ class SystemClock : public Clock {
         .count();
   }
 };
+
+/// For a shell whose devices' time must not step with the wall clock.
+inline Moment now_on_both_clocks() {
+  return {SystemClock().now_utime_us(), std::chrono::duration_cast<std::chrono::microseconds>(
+                                            std::chrono::steady_clock::now().time_since_epoch())
+                                            .count()};
+}
 
 /// Stands where a test puts it.
 class ManualClock : public Clock {

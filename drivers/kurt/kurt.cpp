@@ -16,7 +16,7 @@ constexpr std::int64_t kBlindUs = 200'000;
 Kurt::Kurt(const KurtParams& params)
     : odometry_(params), limiter_(params), watchdog_(std::llround(1e6 * params.drive_timeout_s)) {}
 
-void Kurt::connected(const Moment& now) {
+void Kurt::connected(const time::Moment& now) {
   line_open_ = true;
   parser_.restart();
   session_.start(now.steady_us);
@@ -33,7 +33,7 @@ void Kurt::disconnected() {
 }
 
 std::span<const OdometrySample> Kurt::receive(std::span<const std::uint8_t> bytes,
-                                              const Moment& now) {
+                                              const time::Moment& now) {
   ticks_.clear();
   samples_.clear();
   parser_.push(bytes, [this, &now](const SlcanLine& line) {
@@ -56,7 +56,8 @@ std::span<const OdometrySample> Kurt::receive(std::span<const std::uint8_t> byte
   return samples_;
 }
 
-void Kurt::take_encoder(const EncoderTicks& ticks, std::int64_t arrival_us, const Moment& now) {
+void Kurt::take_encoder(const EncoderTicks& ticks, std::int64_t arrival_us,
+                        const time::Moment& now) {
   last_encoder_us_ = now.steady_us;
   ++counts_.encoder_frames;
   const EncoderClock::Reading reading = encoder_clock_.take(arrival_us);
@@ -98,7 +99,7 @@ void Kurt::take_sensor(const Report& report, std::int64_t now_us) {
       report);
 }
 
-DriveVerdict Kurt::drive(const DriveRequest& request, const Moment& now) {
+DriveVerdict Kurt::drive(const DriveRequest& request, const time::Moment& now) {
   return watchdog_.offer(request, now.utime_us, now.steady_us);
 }
 
@@ -115,7 +116,7 @@ KurtState Kurt::state(std::int64_t steady_us) const {
   return watchdog_.command(steady_us) ? KurtState::kDriving : KurtState::kNoDrive;
 }
 
-std::string Kurt::control(const Moment& now) {
+std::string Kurt::control(const time::Moment& now) {
   std::string text = session_.poll(now.steady_us);
   const KurtState state_now = state(now.steady_us);
   if (state_now == KurtState::kDriving) {

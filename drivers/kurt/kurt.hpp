@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "common/time/moment.hpp"
 #include "drivers/kurt/drive_watchdog.hpp"
 #include "drivers/kurt/encoder_clock.hpp"
 #include "drivers/kurt/kurt_frames.hpp"
@@ -18,12 +19,6 @@
 #include "drivers/kurt/speed_limiter.hpp"
 
 namespace nodmap::kurt {
-
-/// One moment on two clocks: stamps are of the wall clock, intervals of the monotonic one.
-struct Moment {
-  std::int64_t utime_us = 0;   ///< since the epoch
-  std::int64_t steady_us = 0;  ///< never set back
-};
 
 struct OdometrySample {
   std::int64_t utime_us = 0;
@@ -68,17 +63,18 @@ class Kurt {
  public:
   explicit Kurt(const KurtParams& params);
 
-  void connected(const Moment& now);
+  void connected(const time::Moment& now);
   void disconnected();
 
   /// Bytes from the adapter, as one read gave them. Valid until the next call.
-  std::span<const OdometrySample> receive(std::span<const std::uint8_t> bytes, const Moment& now);
+  std::span<const OdometrySample> receive(std::span<const std::uint8_t> bytes,
+                                          const time::Moment& now);
 
   /// Somebody wants the robot to move.
-  DriveVerdict drive(const DriveRequest& request, const Moment& now);
+  DriveVerdict drive(const DriveRequest& request, const time::Moment& now);
 
   /// What to send to the adapter now. To be called every 10 ms: there is a command in it each time.
-  [[nodiscard]] std::string control(const Moment& now);
+  [[nodiscard]] std::string control(const time::Moment& now);
 
   /// The last thing to send: motors off and braked.
   [[nodiscard]] static std::string farewell() { return to_line(hard_stop()); }
@@ -93,7 +89,7 @@ class Kurt {
   [[nodiscard]] const SlcanSession& session() const { return session_; }
 
  private:
-  void take_encoder(const EncoderTicks& ticks, std::int64_t arrival_us, const Moment& now);
+  void take_encoder(const EncoderTicks& ticks, std::int64_t arrival_us, const time::Moment& now);
   void take_sensor(const Report& report, std::int64_t now_us);
 
   SlcanParser parser_;

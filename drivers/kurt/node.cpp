@@ -57,7 +57,7 @@ void write_covariance(const Eigen::Matrix3d& covariance, double (&out)[6][6]) {
   }
 }
 
-nodmap::base_sensors_t to_message(const BaseSensors& sensors, const Moment& now) {
+nodmap::base_sensors_t to_message(const BaseSensors& sensors, const time::Moment& now) {
   nodmap::base_sensors_t message{};
   message.utime = now.utime_us;
   for (std::size_t i = 0; i < kInfraredCount; ++i) {
@@ -100,7 +100,7 @@ const char* describe(KurtState state) {
 }  // namespace
 
 KurtNode::KurtNode(node::Context& context, const KurtParams& params,
-                   serial::ReconnectingPort::Opener open, std::function<Moment()> clock)
+                   serial::ReconnectingPort::Opener open, std::function<time::Moment()> clock)
     : context_(context), kurt_(params), port_(std::move(open)), clock_(std::move(clock)) {
   context_.bus.subscribe<nodmap::drive_t>(
       "DRIVE", [this](const nodmap::drive_t& message) { on_drive(message); });
@@ -114,14 +114,14 @@ void KurtNode::finish() {
   if (std::exchange(finished_, true) || !port_.is_open()) {
     return;
   }
-  const Moment now = clock_();
+  const time::Moment now = clock_();
   // Whether it arrives is not in our hands: the base stops by itself when it hears nothing.
   (void)port_.stream(now.steady_us)->write(bytes_of(Kurt::farewell()), kFarewellTimeout);
   lose_port(now, "ended");
 }
 
 void KurtNode::turn() {
-  const Moment now = clock_();
+  const time::Moment now = clock_();
   if (serial::ByteStream* stream = connect(now)) {
     receive(*stream, now);
   }
@@ -140,7 +140,7 @@ void KurtNode::turn() {
   tell_change(kurt_.state(now.steady_us));
 }
 
-serial::ByteStream* KurtNode::connect(const Moment& now) {
+serial::ByteStream* KurtNode::connect(const time::Moment& now) {
   serial::ByteStream* stream = finished_ ? nullptr : port_.stream(now.steady_us);
   if (stream != nullptr && !std::exchange(connected_, true)) {
     kurt_.connected(now);
@@ -148,13 +148,13 @@ serial::ByteStream* KurtNode::connect(const Moment& now) {
   return stream;
 }
 
-void KurtNode::lose_port(const Moment& now, const std::string& reason) {
+void KurtNode::lose_port(const time::Moment& now, const std::string& reason) {
   port_.give_up(now.steady_us, reason);
   kurt_.disconnected();
   connected_ = false;
 }
 
-void KurtNode::receive(serial::ByteStream& stream, const Moment& now) {
+void KurtNode::receive(serial::ByteStream& stream, const time::Moment& now) {
   std::array<std::uint8_t, 4096> buffer{};
   const serial::ReadResult result = stream.read(buffer, microseconds(0));
   if (result.status == IoStatus::kDisconnected) {
@@ -166,7 +166,7 @@ void KurtNode::receive(serial::ByteStream& stream, const Moment& now) {
   }
 }
 
-void KurtNode::send(serial::ByteStream& stream, const Moment& now) {
+void KurtNode::send(serial::ByteStream& stream, const time::Moment& now) {
   const std::string text = kurt_.control(now);
   const IoStatus status =
       text.empty() ? IoStatus::kOk : stream.write(bytes_of(text), kWriteTimeout);
@@ -177,9 +177,9 @@ void KurtNode::send(serial::ByteStream& stream, const Moment& now) {
   }
 }
 
-int KurtNode::poll_handle() {
+std::array<int, 2> KurtNode::poll_handles() {
   serial::ByteStream* stream = port_.is_open() ? port_.stream(0) : nullptr;
-  return stream != nullptr ? stream->poll_handle() : -1;
+  return {stream != nullptr ? stream->poll_handle() : -1, -1};
 }
 
 std::int64_t KurtNode::wait_us() const {
@@ -208,7 +208,7 @@ void KurtNode::publish_odometry(const OdometrySample& sample) {
   context_.bus.publish("ODOMETRY", message);
 }
 
-void KurtNode::publish_sensors(const Moment& now) {
+void KurtNode::publish_sensors(const time::Moment& now) {
   const KurtState state = kurt_.state(now.steady_us);
   if (state == KurtState::kDriving || state == KurtState::kNoDrive) {
     nodmap::base_sensors_t message = to_message(kurt_.sensors(), now);

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <nlohmann/json_fwd.hpp>
 
-#include "common/node/node.hpp"
+#include "common/node/device_process.hpp"
+#include "common/time/moment.hpp"
 #include "drivers/kurt/kurt.hpp"
 #include "drivers/kurt/params.hpp"
 #include "drivers/serial/reconnecting_port.hpp"
@@ -14,13 +16,13 @@
 namespace nodmap::kurt {
 
 /// The shell of the KURT2 driver: carries bytes between port and Kurt, and messages between Kurt
-/// and bus. Its loop is outside: turn() whenever poll_handle() is readable or wait_us() has passed.
-class KurtNode : public node::Node {
+/// and bus.
+class KurtNode final : public node::DeviceNode {
  public:
   using Params = KurtParams;
 
   KurtNode(node::Context& context, const KurtParams& params, serial::ReconnectingPort::Opener open,
-           std::function<Moment()> clock);
+           std::function<time::Moment()> clock);
   /// Stops the robot, whatever the way out.
   ~KurtNode() override;
   KurtNode(const KurtNode&) = delete;
@@ -30,35 +32,31 @@ class KurtNode : public node::Node {
 
   /// Takes in what has arrived and, when it is time, tells the base what to do. Waits for nothing
   /// but a port that does not take its bytes, and for that 5 ms.
-  void turn();
+  void turn() override;
 
-  /// The port's descriptor, or -1 while there is none.
-  [[nodiscard]] int poll_handle();
-
-  /// Time until turn() has something to do by itself, microseconds.
-  [[nodiscard]] std::int64_t wait_us() const;
+  [[nodiscard]] std::array<int, 2> poll_handles() override;
+  [[nodiscard]] std::int64_t wait_us() const override;
 
   /// Motors off, port closed.
   void finish() override;
 
-  void write_results(const std::filesystem::path& /*dir*/) override {}  // a driver leaves no files
   [[nodiscard]] nlohmann::json figures() const override;
   [[nodiscard]] node::Health health() const override;
 
  private:
-  serial::ByteStream* connect(const Moment& now);
-  void lose_port(const Moment& now, const std::string& reason);
-  void receive(serial::ByteStream& stream, const Moment& now);
-  void send(serial::ByteStream& stream, const Moment& now);
+  serial::ByteStream* connect(const time::Moment& now);
+  void lose_port(const time::Moment& now, const std::string& reason);
+  void receive(serial::ByteStream& stream, const time::Moment& now);
+  void send(serial::ByteStream& stream, const time::Moment& now);
   void on_drive(const nodmap::drive_t& message);
   void publish_odometry(const OdometrySample& sample);
-  void publish_sensors(const Moment& now);
+  void publish_sensors(const time::Moment& now);
   void tell_change(KurtState state);
 
   node::Context& context_;
   Kurt kurt_;
   serial::ReconnectingPort port_;
-  std::function<Moment()> clock_;
+  std::function<time::Moment()> clock_;
   bool connected_ = false;
   bool finished_ = false;
   KurtState told_state_ = KurtState::kNoLine;

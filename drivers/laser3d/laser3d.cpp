@@ -207,7 +207,10 @@ void Laser3d::join(std::int64_t now_us, Laser3dOutput& result) {
     ++counts_.scans;
     result.scans.push_back(to_scan(std::move(*pitched)));
   }
-  counts_.scans_without_pitch = joiner_.dropped();
+  if (counts_.scans == 0) {
+    dropped_at_start_ = joiner_.dropped();  // the laser was there before the servo
+  }
+  counts_.scans_without_pitch = joiner_.dropped() - dropped_at_start_;
 }
 
 scan::Scan Laser3d::to_scan(PitchedTurn pitched) {

@@ -50,8 +50,8 @@ class Laser3d {
  public:
   struct Counts {
     std::int64_t scans = 0;
-    std::int64_t scans_without_pitch = 0;
-    std::int64_t telegrams_missed = 0;  ///< by the sensor's own count
+    std::int64_t scans_without_pitch = 0;  ///< since the first one with
+    std::int64_t telegrams_missed = 0;     ///< by the sensor's own count
     std::int64_t dazzled_beams = 0;
   };
 
@@ -98,6 +98,7 @@ class Laser3d {
   ScanJoiner joiner_;
   geometry::SE3 T_base_mount_;
   std::int64_t scan_seq_ = 0;
+  std::int64_t dropped_at_start_ = 0;
   std::int64_t last_scan_us_ = 0;
   SickStatusByte status_;
   double dazzled_share_ = 0.0;

@@ -19,13 +19,13 @@ constexpr double kStandingShare = 0.1;  // of the speed asked for
 constexpr double kFixedRad = geometry::deg_to_rad(0.5);
 
 constexpr std::int64_t kStartingUs = 100'000;
-constexpr std::int64_t kStallWindowUs = 150'000;
-constexpr std::int64_t kSilenceUs = 2 * kStallWindowUs;
-constexpr double kStallShare = 0.2;
-
-double seconds(std::int64_t duration_us) {
-  return 1e-6 * static_cast<double>(duration_us);
-}
+// So much is movement: six steps of the servo's encoder, more than it trembles by.
+constexpr double kMovedRad = geometry::deg_to_rad(0.5);
+// Eight readings on a line with 200 of them a second. The robot drives blind meanwhile.
+constexpr std::int64_t kPatienceUs = 40'000;
+constexpr std::int64_t kSilenceUs = 300'000;
+constexpr double kSlowestRadS = 0.05;
+constexpr double kTurnedS = 0.020;  // until the command to turn has reached the servo
 
 }  // namespace
 
@@ -43,7 +43,8 @@ bool Nod::command(const AreaOfInterest& area, std::int64_t now_us) {
 Nod::Aim Nod::step(const PitchSample& where, std::int64_t now_us) {
   const AreaOfInterest now = area(now_us);
   watch_for_stall(where);
-  if (now.max_rad - now.min_rad < kFixedRad) {
+  nods_ = now.max_rad - now.min_rad >= kFixedRad;
+  if (!nods_) {
     aim_ = {0.5 * (now.min_rad + now.max_rad), 0.5 * settings_.max_speed_rad_s};
     return aim_;
   }
@@ -86,32 +87,36 @@ bool Nod::has_arrived(const PitchSample& where, const AreaOfInterest& area) cons
 }
 
 void Nod::watch_for_stall(const PitchSample& where) {
-  const bool near = std::abs(aim_.goal_rad - where.pitch_rad) <= kNearRad;
-  if (!watch_start_ || near) {
-    watch_start_ = where;
-    stalled_ = stalled_ && !near;
-    return;
+  const bool holds = !nods_ && std::abs(aim_.goal_rad - where.pitch_rad) <= kNearRad;
+  const bool moves = moved_ && std::abs(where.pitch_rad - moved_->pitch_rad) >= kMovedRad;
+  if (holds || moves) {
+    stalled_ = false;
   }
-  const std::int64_t elapsed_us = where.time_us - watch_start_->time_us;
-  if (elapsed_us < kStallWindowUs) {
-    return;
+  // After a silence nobody has seen what it did meanwhile.
+  if (!moved_ || holds || moves || where.time_us - last_us_ > kSilenceUs) {
+    moved_ = where;
   }
-  if (elapsed_us > kSilenceUs) {
-    watch_start_ = where;  // nobody has seen what it did meanwhile
-    return;
-  }
-  const double moved = std::abs(where.pitch_rad - watch_start_->pitch_rad);
-  stalled_ = moved < kStallShare * aim_.speed_rad_s * seconds(elapsed_us);
-  watch_start_ = where;
-  if (stalled_) {
+  last_us_ = where.time_us;
+  if (where.time_us - moved_->time_us > patience_us(where)) {
+    stalled_ = true;
+    moved_ = where;
     turn(where.time_us);  // the way back may be free
   }
+}
+
+std::int64_t Nod::patience_us(const PitchSample& where) const {
+  const double speed = std::max(aim_.speed_rad_s, kSlowestRadS);
+  const double moving_s = 2.0 * kMovedRad / speed;
+  const double braking_rad = speed * speed / (2.0 * settings_.acceleration_rad_s2);
+  const bool turns = moved_->time_us <= turned_us_ ||
+                     std::abs(aim_.goal_rad - where.pitch_rad) <= braking_rad + kMovedRad;
+  const double turning_s = turns ? 2.0 * speed / settings_.acceleration_rad_s2 + kTurnedS : 0.0;
+  return kPatienceUs + static_cast<std::int64_t>(1e6 * (moving_s + turning_s));
 }
 
 void Nod::turn(std::int64_t time_us) {
   upwards_ = !upwards_;
   turned_us_ = time_us;
-  watch_start_.reset();
 }
 
 }  // namespace nodmap::laser3d

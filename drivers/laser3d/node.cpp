@@ -37,7 +37,7 @@ IoStatus write_paced(serial::ByteStream& stream, ByteView bytes) {
 }  // namespace
 
 Laser3dNode::Laser3dNode(node::Context& context, const Laser3dParams& params, Openers open,
-                         std::function<Moment()> clock)
+                         std::function<time::Moment()> clock)
     : context_(context),
       params_(params),
       driver_(params),
@@ -49,7 +49,7 @@ Laser3dNode::Laser3dNode(node::Context& context, const Laser3dParams& params, Op
 }
 
 void Laser3dNode::turn() {
-  const Moment now = clock_();
+  const time::Moment now = clock_();
   attend(laser_, now);
   attend(servo_, now);
   carry_out(driver_.poll(now.steady_us), now);
@@ -68,11 +68,11 @@ std::array<int, 2> Laser3dNode::poll_handles() {
 }
 
 void Laser3dNode::shut_down() {
-  const Moment now = clock_();
+  const time::Moment now = clock_();
   carry_out(driver_.shut_down(now.steady_us), now);
 }
 
-void Laser3dNode::attend(Line& line, const Moment& now) {
+void Laser3dNode::attend(Line& line, const time::Moment& now) {
   const bool is_laser = &line == &laser_;
   serial::ByteStream* stream = line.port.stream(now.steady_us);
   if (stream == nullptr) {
@@ -95,7 +95,7 @@ void Laser3dNode::attend(Line& line, const Moment& now) {
             now);
 }
 
-void Laser3dNode::lose(Line& line, const Moment& now, const std::string& reason) {
+void Laser3dNode::lose(Line& line, const time::Moment& now, const std::string& reason) {
   line.port.give_up(now.steady_us, reason);
   line.connected = false;
   if (&line == &laser_) {
@@ -105,7 +105,7 @@ void Laser3dNode::lose(Line& line, const Moment& now, const std::string& reason)
   }
 }
 
-void Laser3dNode::carry_out(Laser3dOutput output, const Moment& now) {
+void Laser3dNode::carry_out(Laser3dOutput output, const time::Moment& now) {
   for (const PitchState& state : output.pitch) {
     publish(state, now);
   }
@@ -120,7 +120,7 @@ void Laser3dNode::carry_out(Laser3dOutput output, const Moment& now) {
   }
 }
 
-void Laser3dNode::perform(Line& line, const LineAction& action, const Moment& now) {
+void Laser3dNode::perform(Line& line, const LineAction& action, const time::Moment& now) {
   serial::ByteStream* stream = line.port.is_open() ? line.port.stream(now.steady_us) : nullptr;
   if (stream == nullptr) {
     return;
@@ -143,7 +143,7 @@ void Laser3dNode::perform(Line& line, const LineAction& action, const Moment& no
 }
 
 void Laser3dNode::on_command(const nodmap::pitch_command_t& message) {
-  const Moment now = clock_();
+  const time::Moment now = clock_();
   const std::int64_t age_us = now.utime_us - message.utime;
   if (std::abs(1e-6 * static_cast<double>(age_us)) > params_.command_timeout_s) {
     context_.tally.reject("stale");
@@ -157,7 +157,7 @@ void Laser3dNode::on_command(const nodmap::pitch_command_t& message) {
   }
 }
 
-void Laser3dNode::publish(const PitchState& state, const Moment& now) {
+void Laser3dNode::publish(const PitchState& state, const time::Moment& now) {
   nodmap::pitch_state_t message{};
   message.utime = state.sample.time_us + (now.utime_us - now.steady_us);
   message.state_seq = state_seq_++;
@@ -171,12 +171,12 @@ void Laser3dNode::publish(const PitchState& state, const Moment& now) {
   context_.bus.publish("PITCH_STATE", message);
 }
 
-void Laser3dNode::publish(scan::Scan scan, const Moment& now) {
+void Laser3dNode::publish(scan::Scan scan, const time::Moment& now) {
   scan.utime_us += now.utime_us - now.steady_us;
   context_.bus.publish("SCAN", msg::write_scan(scan));
 }
 
-void Laser3dNode::tell_change(const Moment& now) {
+void Laser3dNode::tell_change(const time::Moment& now) {
   const Judgement judgement = driver_.judge(now.steady_us);
   if (judgement.reason == told_) {
     return;

@@ -15,7 +15,7 @@ struct SickSettings {
   bool interlaced = false;
   SickUnit unit = SickUnit::kMillimetre;
   SickMeasuringMode measuring_mode;
-  int frozen_scans = 10;  ///< so many equal scans in a row are no measurement any more
+  int frozen_scans = 3;  ///< so many equal scans in a row are no measurement any more
 };
 
 /// What the conversation is at: most steps are a request that waits for its answer.

@@ -46,15 +46,12 @@ void MapServerNode::on_odometry(const nodmap::odometry_t& message) {
   if (!T_odom_base) {
     return;
   }
-  odometry_.add(message.utime, *T_odom_base);
-  // The publisher counts anew, so its odom frame began anew: no shift leads from the old to the
-  // new.
-  if (last_odometry_seq_ && message.odometry_seq < *last_odometry_seq_) {
+  // No shift leads from the old odom frame to the new.
+  if (input_.odometry_began_anew()) {
     server_.reset();
-    odometry_ = geometry::PoseHistory();
-    odometry_.add(message.utime, *T_odom_base);
+    odometry_.clear();
   }
-  last_odometry_seq_ = message.odometry_seq;
+  odometry_.add(message.utime, *T_odom_base);
   context_.tally.use();
 }
 

@@ -42,7 +42,6 @@ class MapServerNode final : public node::Node {
   input::SensorInput input_;
   MapServer server_;
   geometry::PoseHistory odometry_;
-  std::optional<std::int64_t> last_odometry_seq_;
   scan::Scan scan_;             // reused from message to message, as is
   nodmap::egomap_t message_{};  // this one
   std::int64_t scans_used_ = 0;

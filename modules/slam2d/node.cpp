@@ -52,10 +52,22 @@ Slam2dNode::Slam2dNode(node::Context& context, const Params& params)
 }
 
 void Slam2dNode::on_odometry(const nodmap::odometry_t& message) {
-  if (const auto T_odom_base = input_.read(message)) {
-    odometry_.add(message.utime, *T_odom_base);
-    context_.tally.use();
+  const auto T_odom_base = input_.read(message);
+  if (!T_odom_base) {
+    return;
   }
+  if (input_.odometry_began_anew()) {
+    begin_odometry_frame(*T_odom_base);
+  }
+  odometry_.add(message.utime, *T_odom_base);
+  context_.tally.use();
+}
+
+void Slam2dNode::begin_odometry_frame(const geometry::SE3& T_odom_base) {
+  if (const auto T_old_odom_base = odometry_.newest()) {
+    slam_.change_odometry_frame(geometry::to_se2(*T_old_odom_base), geometry::to_se2(T_odom_base));
+  }
+  odometry_.clear();
 }
 
 void Slam2dNode::on_scan(const nodmap::scan_t& message) {

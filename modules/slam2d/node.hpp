@@ -31,6 +31,7 @@ class Slam2dNode : public node::Node {
  private:
   void on_odometry(const nodmap::odometry_t& message);
   void on_scan(const nodmap::scan_t& message);
+  void begin_odometry_frame(const geometry::SE3& T_odom_base);
   void track(const scan::Scan& scan);
   void publish_pose(const Slam2dResult& result);
   void draw_new_keyframes();

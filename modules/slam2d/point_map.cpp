@@ -21,7 +21,8 @@ bool look_the_same_way(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
 std::size_t hash(std::int32_t x, std::int32_t y) {
   const std::uint64_t key = (static_cast<std::uint64_t>(static_cast<std::uint32_t>(x)) << 32U) |
                             static_cast<std::uint32_t>(y);
-  return static_cast<std::size_t>((key * 0x9E3779B97F4A7C15ULL) >> 20U);
+  // A bit of the product knows the bits of the key below it only: x begins at bit 32.
+  return static_cast<std::size_t>((key * 0x9E3779B97F4A7C15ULL) >> 32U);
 }
 
 }  // namespace

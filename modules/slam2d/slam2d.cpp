@@ -72,6 +72,14 @@ std::optional<Slam2dResult> Slam2d::add_scan(const scan::Scan& scan,
   return result;
 }
 
+void Slam2d::change_odometry_frame(const geometry::SE2& T_old_odom_base,
+                                   const geometry::SE2& T_new_odom_base) {
+  const geometry::SE2 T_old_new = T_old_odom_base * T_new_odom_base.inverse();
+  T_map_odom_ = T_map_odom_ * T_old_new;
+  T_odom_keyframe_ = T_old_new.inverse() * T_odom_keyframe_;
+  T_odom_failed_search_.reset();  // the robot may have been moved: it is worth a search
+}
+
 Match Slam2d::match_or_search(std::span<const SurfacePoint> points,
                               const geometry::SE2& T_map_base_guess,
                               const geometry::SE2& T_odom_base) {
@@ -121,14 +129,13 @@ bool Slam2d::is_due_for_map(const geometry::SE2& T_odom_base, PoseQuality qualit
   if (keyframes_.empty()) {
     return true;
   }
-  const geometry::SE2& T_odom_last = keyframes_.back().T_odom_base;
-  const double way = distance(T_odom_last, T_odom_base);
+  const double way = distance(T_odom_keyframe_, T_odom_base);
   if (quality == PoseQuality::kLost) {
     // Nothing here is on the map: the map goes on from odometry, once that has led far enough away.
     return way > params_.lost_distance_m;
   }
   return way > params_.keyframe_distance_m ||
-         std::abs(geometry::angle_difference(T_odom_last.yaw, T_odom_base.yaw)) >
+         std::abs(geometry::angle_difference(T_odom_keyframe_.yaw, T_odom_base.yaw)) >
              params_.keyframe_rotation_rad;
 }
 
@@ -150,6 +157,7 @@ void Slam2d::add_new_points(std::span<const SurfacePoint> points, const Slam2dRe
     }
   }
   keyframes_.push_back(std::move(keyframe));
+  T_odom_keyframe_ = T_odom_base;
 }
 
 void Slam2d::record(const Slam2dResult& result) {

@@ -71,6 +71,12 @@ class Slam2d {
   /// plausible one or the pose is not finite, and when the first scan shows nothing to begin with.
   std::optional<Slam2dResult> add_scan(const scan::Scan& scan, const geometry::SE2& T_odom_base);
 
+  /// Odometry goes on in another frame: the same place, as far as anybody knows, is
+  /// `T_old_odom_base` in the present frame and `T_new_odom_base` in the new one. The robot stays
+  /// where it was in the map.
+  void change_odometry_frame(const geometry::SE2& T_old_odom_base,
+                             const geometry::SE2& T_new_odom_base);
+
   [[nodiscard]] const PointMap& map() const { return map_; }
   [[nodiscard]] const std::vector<Keyframe>& keyframes() const { return keyframes_; }
   [[nodiscard]] const std::vector<TrackedScan>& tracked_scans() const { return tracked_scans_; }
@@ -95,6 +101,7 @@ class Slam2d {
   PoseSearch search_;
   PointMap map_;
   geometry::SE2 T_map_odom_;
+  geometry::SE2 T_odom_keyframe_;  // the last one, in the present odom frame
   std::optional<geometry::SE2> T_odom_failed_search_;
   std::vector<Keyframe> keyframes_;
   std::vector<TrackedScan> tracked_scans_;

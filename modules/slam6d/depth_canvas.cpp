@@ -45,8 +45,12 @@ void DepthCanvas::splat(const Pixel& pixel, int radius_px, Rgb colour) {
 }
 
 DepthCanvas::Rgb DepthCanvas::shaded(int x, int y, double shade_per_m) const {
-  const double light = std::exp(-shade_per_m * obscurance_m(x, y));
   Rgb colour = colours_[index(x, y)];
+  const double hidden_m = obscurance_m(x, y);
+  if (hidden_m == 0.0) {
+    return colour;
+  }
+  const double light = std::exp(-shade_per_m * hidden_m);
   for (std::uint8_t& value : colour) {
     value = static_cast<std::uint8_t>(std::lround(light * static_cast<double>(value)));
   }

@@ -56,10 +56,15 @@ Slam6dNode::Slam6dNode(node::Context& context, const Params& params)
 }
 
 void Slam6dNode::on_odometry(const nodmap::odometry_t& message) {
-  if (const auto T_odom_base = input_.read(message)) {
-    slam_.add_odometry(message.utime, *T_odom_base);
-    context_.tally.use();
+  const auto T_odom_base = input_.read(message);
+  if (!T_odom_base) {
+    return;
   }
+  if (input_.odometry_began_anew()) {
+    answer(slam_.change_odometry_frame(*T_odom_base));
+  }
+  slam_.add_odometry(message.utime, *T_odom_base);
+  context_.tally.use();
 }
 
 void Slam6dNode::on_scan(const nodmap::scan_t& message) {
@@ -67,19 +72,11 @@ void Slam6dNode::on_scan(const nodmap::scan_t& message) {
   if (!input_.read(message, scan)) {
     return;
   }
-  const auto sweep = slam_.add_scan(std::move(scan));
-  count_scans();
-  if (sweep) {
-    answer(*sweep);
-  }
+  answer(slam_.add_scan(std::move(scan)));
 }
 
 void Slam6dNode::finish() {
-  const auto sweep = slam_.flush();
-  count_scans();
-  if (sweep) {
-    answer(*sweep);
-  }
+  answer(slam_.flush());
 }
 
 // What becomes of a scan is known when its sweep is complete.
@@ -96,7 +93,14 @@ void Slam6dNode::count_scans() {
   counted_without_pose_ = slam_.scans_without_pose();
 }
 
-void Slam6dNode::answer(const SweepRecord& sweep) {
+void Slam6dNode::answer(const std::optional<SweepRecord>& sweep) {
+  count_scans();
+  if (sweep) {
+    publish(*sweep);
+  }
+}
+
+void Slam6dNode::publish(const SweepRecord& sweep) {
   nodmap::pose_t message = msg::write_corrected_pose(
       sweep.utime_us, sweep.T_map_base, sweep.T_map_base * sweep.T_odom_base.inverse());
   if (sweep.registration) {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <system_error>
 
 #include "common/input/sensor_input.hpp"
@@ -37,7 +38,8 @@ class Slam6dNode : public node::Node {
   void on_scan(const nodmap::scan_t& message);
   void on_save_request(const nodmap::save_request_t& message);
 
-  void answer(const SweepRecord& sweep);
+  void answer(const std::optional<SweepRecord>& sweep);
+  void publish(const SweepRecord& sweep);
   void answer_keyframe(const Keyframe& keyframe);
   void publish_cloud(const Keyframe& keyframe);
   void count_scans();

@@ -4,61 +4,51 @@
 #include <octomap/octomap.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
+#include <span>
 #include <sstream>
 #include <string>
-#include <unordered_set>
 #include <utility>
-#include <vector>
+
+#include "modules/slam6d/voxel_blocks.hpp"
 
 namespace nodmap::slam6d {
 namespace {
 
-// A voxel's key with the bits of its three axes interleaved: sorted by it, voxels come in the order
-// of the octree's leaves, and neighbours in the list are neighbours in memory.
-using MortonCode = std::uint64_t;
+using Node = octomap::OcTreeNode;
+using Block = VoxelBlocks::Block;
+using octomap::OcTreeKey;
+using octomap::point3d;
 
 // Beyond this, where no octree reaches, OctoMap's integers would overflow.
-constexpr double kFarthestM = 1e6;
+constexpr float kFarthestM = 1e6F;
 
-MortonCode spread_bits(std::uint16_t key) {
-  MortonCode spread = key;
-  spread = (spread | spread << 16U) & 0x0000FF0000FFULL;
-  spread = (spread | spread << 8U) & 0x00F00F00F00FULL;
-  spread = (spread | spread << 4U) & 0x0C30C30C30C3ULL;
-  return (spread | spread << 2U) & 0x249249249249ULL;
-}
-
-std::uint16_t collect_bits(MortonCode code) {
-  code &= 0x249249249249ULL;
-  code = (code | code >> 2U) & 0x0C30C30C30C3ULL;
-  code = (code | code >> 4U) & 0x00F00F00F00FULL;
-  code = (code | code >> 8U) & 0x0000FF0000FFULL;
-  return static_cast<std::uint16_t>((code | code >> 16U) & 0xFFFFU);
-}
-
-MortonCode morton(const octomap::OcTreeKey& key) {
-  return spread_bits(key[0]) | spread_bits(key[1]) << 1U | spread_bits(key[2]) << 2U;
-}
-
-octomap::OcTreeKey key_of(MortonCode code) {
-  return {collect_bits(code), collect_bits(code >> 1U), collect_bits(code >> 2U)};
-}
-
-void sort_unique(std::vector<MortonCode>& codes) {
-  std::sort(codes.begin(), codes.end());
-  codes.erase(std::unique(codes.begin(), codes.end()), codes.end());
-}
-
-octomap::point3d to_octomap(const Eigen::Vector3d& p) {
+point3d to_octomap(const Eigen::Vector3d& p) {
   return {static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z())};
 }
 
-// OctoMap's own write() and writeBinary() print to stderr; the format is the same.
+bool is_near(const point3d& p) {
+  return std::abs(p.x()) < kFarthestM && std::abs(p.y()) < kFarthestM &&
+         std::abs(p.z()) < kFarthestM;
+}
+
+constexpr std::uint64_t low_bits(unsigned count) {
+  return count < 64U ? (std::uint64_t{1} << count) - 1U : ~std::uint64_t{0};
+}
+
+/// OctoMap's tree, updated for a whole cloud in one walk. updateNode() walks down from the root and
+/// prunes back up to it for each voxel. Here each inner node is pruned once, after its children,
+/// and voxels that are all alike are one leaf from the start. A leaf's value depends on its own
+/// hits and misses only and the pruned tree on the leaves only: the result is the same, bit by bit.
 class Octree : public octomap::OcTree {
  public:
   using octomap::OcTree::OcTree;
 
+  /// `blocks` in Morton order, each not more than once.
+  void update(std::span<const Block> blocks);
+
+  // OctoMap's own write() and writeBinary() print to stderr; the format is the same.
   void write_bt(std::ostream& out) const {
     write_header(out, binaryFileHeader);
     writeBinaryData(out);
@@ -70,6 +60,26 @@ class Octree : public octomap::OcTree {
   }
 
  private:
+  static constexpr unsigned kBlockDepth = 16 - VoxelBlocks::kLevels;
+
+  /// What a cloud says about the voxels of a cube, a bit for each.
+  struct Marks {
+    std::uint64_t free = 0;
+    std::uint64_t occupied = 0;
+    [[nodiscard]] bool any() const { return (free | occupied) != 0U; }
+  };
+  struct Child {
+    Node* node = nullptr;
+    bool is_new = false;
+  };
+
+  void update(Child at, unsigned depth, std::span<const Block> blocks);
+  void update(Child at, const Block& block);
+  void update(Child at, Marks marks, unsigned voxels);
+  [[nodiscard]] Child child_of(Child parent, unsigned index);
+  [[nodiscard]] bool changes_nothing(const Node& leaf, Marks marks) const;
+  void settle(Node& parent);
+
   void write_header(std::ostream& out, const std::string& first_line) const {
     out << first_line
         << "\n# (feel free to add / change comments, but leave the first line as it is!)\n#\n"
@@ -78,66 +88,145 @@ class Octree : public octomap::OcTree {
   }
 };
 
+void Octree::update(std::span<const Block> blocks) {
+  if (blocks.empty()) {
+    return;
+  }
+  const bool is_new = root == nullptr;
+  if (is_new) {
+    root = new Node();  // OctoMap owns and deletes it
+    ++tree_size;
+  }
+  update({root, is_new}, 0, blocks);
+}
+
+// Above the blocks: the blocks of each child follow one another.
+void Octree::update(Child at, unsigned depth, std::span<const Block> blocks) {
+  if (depth == kBlockDepth) {
+    update(at, blocks.front());
+    return;
+  }
+  const unsigned shift = 3U * (kBlockDepth - 1U - depth);
+  while (!blocks.empty()) {
+    const std::uint64_t code = blocks.front().code >> shift;
+    const auto others = std::ranges::find_if(
+        blocks, [&](const Block& block) { return block.code >> shift != code; });
+    const auto count = static_cast<std::size_t>(others - blocks.begin());
+    update(child_of(at, static_cast<unsigned>(code & 7U)), depth + 1, blocks.first(count));
+    blocks = blocks.subspan(count);
+  }
+  settle(*at.node);
+}
+
+void Octree::update(Child at, const Block& block) {
+  for (unsigned i = 0; i < 8; ++i) {
+    if (const Marks marks{block.free[i], block.occupied[i]}; marks.any()) {
+      update(child_of(at, i), marks, 64);
+    }
+  }
+  settle(*at.node);
+}
+
+// The cube has 64, 8 or 1 voxels, the lowest bits of the marks.
+void Octree::update(Child at, Marks marks, unsigned voxels) {
+  if (!nodeHasChildren(at.node)) {
+    const std::uint64_t all = low_bits(voxels);
+    if (marks.free == all || marks.occupied == all) {
+      updateNodeLogOdds(at.node, marks.free == all ? prob_miss_log : prob_hit_log);
+      return;
+    }
+    if (!at.is_new && changes_nothing(*at.node, marks)) {
+      return;
+    }
+  }
+  const unsigned part = voxels / 8U;
+  const std::uint64_t part_of_all = low_bits(part);
+  for (unsigned i = 0; i < 8; ++i) {
+    const Marks child{marks.free >> i * part & part_of_all,
+                      marks.occupied >> i * part & part_of_all};
+    if (child.any()) {
+      update(child_of(at, i), child, part);
+    }
+  }
+  settle(*at.node);
+}
+
+// As in OctoMap's updateNodeRecurs().
+Octree::Child Octree::child_of(Child parent, unsigned index) {
+  if (!nodeChildExists(parent.node, index)) {
+    if (parent.is_new || nodeHasChildren(parent.node)) {
+      return {createNodeChild(parent.node, index), true};
+    }
+    expandNode(parent.node);  // it was pruned
+  }
+  return {getNodeChild(parent.node, index), false};
+}
+
+bool Octree::changes_nothing(const Node& leaf, Marks marks) const {
+  return (marks.occupied == 0U && leaf.getLogOdds() <= clamping_thres_min) ||
+         (marks.free == 0U && leaf.getLogOdds() >= clamping_thres_max);
+}
+
+void Octree::settle(Node& parent) {
+  if (!pruneNode(&parent)) {
+    parent.updateOccupancyChildren();
+  }
+}
+
 }  // namespace
 
 struct OccupancyMap::Tree {
   explicit Tree(const Options& settings) : options(settings), octree(settings.resolution_m) {}
 
-  // The voxels that one cloud says something about, each once.
-  struct Voxels {
-    std::vector<MortonCode> occupied;
-    std::vector<MortonCode> free;  // may hold occupied ones, too
-  };
-
-  [[nodiscard]] Voxels trace(const SweepCloud& cloud, const geometry::SE3& T_map_base);
-  void trace_beam(const Eigen::Vector3d& p_map_mirror, const Eigen::Vector3d& p_map,
-                  Voxels& voxels);
+  void trace(const SweepCloud& cloud, const geometry::SE3& T_map_base);
+  void trace_beam(const point3d& p_map_mirror, const point3d& p_map);
 
   Options options;
   Octree octree;
-  octomap::KeyRay ray;                    // kept for its memory
-  std::unordered_set<MortonCode> traced;  // ends of this cloud's beams; asked, never walked through
+  VoxelBlocks voxels;  // kept for their memory, these three
+  VoxelBlocks ends;    // of this cloud's beams
+  octomap::KeyRay ray;
 };
 
-OccupancyMap::Tree::Voxels OccupancyMap::Tree::trace(const SweepCloud& cloud,
-                                                     const geometry::SE3& T_map_base) {
-  Voxels voxels;
-  traced.clear();
+void OccupancyMap::Tree::trace(const SweepCloud& cloud, const geometry::SE3& T_map_base) {
+  voxels.clear();
+  ends.clear();
   std::size_t i = 0;
   for (const SweepCloud::Line& line : cloud.lines) {
-    const Eigen::Vector3d p_map_mirror = T_map_base * line.p_base_mirror.cast<double>();
+    const point3d p_map_mirror = to_octomap(T_map_base * line.p_base_mirror.cast<double>());
     for (; i < line.end; ++i) {
-      trace_beam(p_map_mirror, T_map_base * cloud.points[i].cast<double>(), voxels);
+      const point3d p_map = to_octomap(T_map_base * cloud.points[i].cast<double>());
+      if (!is_near(p_map_mirror) || !is_near(p_map)) {
+        continue;
+      }
+      if (!options.discretize) {
+        trace_beam(p_map_mirror, p_map);
+      } else if (const OcTreeKey end = octree.coordToKey(p_map);
+                 ends.add_occupied({end[0], end[1], end[2]})) {
+        trace_beam(p_map_mirror, octree.keyToCoord(end));
+      }
     }
   }
-  sort_unique(voxels.occupied);
-  sort_unique(voxels.free);
-  return voxels;
 }
 
-void OccupancyMap::Tree::trace_beam(const Eigen::Vector3d& p_map_mirror,
-                                    const Eigen::Vector3d& p_map, Voxels& voxels) {
-  const Eigen::Vector3d beam = p_map - p_map_mirror;
-  const double range_m = beam.norm();
-  const bool ends_inside = range_m <= options.max_range_m;
-  const Eigen::Vector3d p_map_end =
-      ends_inside ? p_map : Eigen::Vector3d(p_map_mirror + beam * (options.max_range_m / range_m));
-  octomap::OcTreeKey end;
-  if (!(p_map_end.cwiseAbs().maxCoeff() < kFarthestM) ||
-      !octree.coordToKeyChecked(to_octomap(p_map_end), end)) {
+// As in OctoMap's computeUpdate().
+void OccupancyMap::Tree::trace_beam(const point3d& p_map_mirror, const point3d& p_map) {
+  const point3d beam = p_map - p_map_mirror;
+  const bool ends_inside = beam.norm() <= options.max_range_m;
+  const point3d p_map_end =
+      ends_inside ? p_map
+                  : p_map_mirror + beam.normalized() * static_cast<float>(options.max_range_m);
+  OcTreeKey start;
+  OcTreeKey end;
+  if (!octree.coordToKeyChecked(p_map_mirror, start) || !octree.coordToKeyChecked(p_map_end, end)) {
     return;
   }
-  // A second beam of its kind into the same voxel says nothing new.
-  if (!traced.insert(morton(end) << 1U | (ends_inside ? 1U : 0U)).second) {
-    return;
+  octree.computeRayKeys(p_map_mirror, p_map_end, ray);
+  for (const OcTreeKey& key : ray) {
+    voxels.add_free({key[0], key[1], key[2]});
   }
   if (ends_inside) {
-    voxels.occupied.push_back(morton(end));
-  }
-  if (octree.computeRayKeys(to_octomap(p_map_mirror), to_octomap(p_map_end), ray)) {
-    for (const octomap::OcTreeKey& key : ray) {
-      voxels.free.push_back(morton(key));
-    }
+    voxels.add_occupied({end[0], end[1], end[2]});
   }
 }
 
@@ -147,20 +236,8 @@ OccupancyMap::OccupancyMap(OccupancyMap&&) noexcept = default;
 OccupancyMap& OccupancyMap::operator=(OccupancyMap&&) noexcept = default;
 
 void OccupancyMap::insert(const SweepCloud& cloud, const geometry::SE3& T_map_base) {
-  const Tree::Voxels voxels = tree_->trace(cloud, T_map_base);
-  Octree& octree = tree_->octree;
-  auto occupied = voxels.occupied.begin();
-  for (const MortonCode code : voxels.free) {
-    for (; occupied != voxels.occupied.end() && *occupied < code; ++occupied) {
-      octree.updateNode(key_of(*occupied), true);
-    }
-    if (occupied == voxels.occupied.end() || *occupied != code) {
-      octree.updateNode(key_of(code), false);
-    }
-  }
-  for (; occupied != voxels.occupied.end(); ++occupied) {
-    octree.updateNode(key_of(*occupied), true);
-  }
+  tree_->trace(cloud, T_map_base);
+  tree_->octree.update(tree_->voxels.sorted());
 }
 
 std::optional<std::string> OccupancyMap::encode(Format format) const {

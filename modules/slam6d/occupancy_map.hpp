@@ -18,6 +18,9 @@ class OccupancyMap {
   struct Options {
     double resolution_m = 0.05;  ///< edge of a voxel
     double max_range_m = 10.0;  ///< beams enter up to this length; longer ones are free up to there
+    /// Of the beams into one voxel only the first is traced, and to its middle: what OctoMap calls
+    /// discretizing. Faster for dense clouds, and less exact.
+    bool discretize = false;
   };
 
   enum class Format {
@@ -33,7 +36,9 @@ class OccupancyMap {
   OccupancyMap& operator=(const OccupancyMap&) = delete;
 
   /// Every voxel is touched once for a cloud: occupied where a beam ends in it, else free where one
-  /// goes through, each beam from where the mirror was when it was measured.
+  /// goes through, each beam from where the mirror was when it was measured. Beams that leave the
+  /// octree (65536 voxels wide) are left out. The tree is the one that OctoMap's insertPointCloud()
+  /// makes, bit by bit.
   void insert(const SweepCloud& cloud, const geometry::SE3& T_map_base);
 
   /// The bytes of a map file; empty when OctoMap cannot write them.

@@ -22,6 +22,7 @@ struct Slam6dParams {
   // Which sweeps are registered (IV B).
   double keyframe_distance_m = 2.0;
   double keyframe_rotation_rad = geometry::deg_to_rad(45.0);
+  bool standing_only = false;
   // Surfaces.
   double point_spacing_m = 0.1;
   int plane_neighbours = 16;
@@ -34,6 +35,7 @@ struct Slam6dParams {
   double min_constraint = 0.003;
   double min_match_share = 0.15;
   int iterations = 60;
+  double floor_weight = 0.0;
   // Occupancy map.
   double map_resolution_m = 0.05;
   double map_max_range_m = 10.0;
@@ -70,6 +72,8 @@ struct Slam6dParams {
              "A sweep is registered when its base pose is farther than this from the last one's.");
     v.angle("keyframe_rotation_deg", keyframe_rotation_rad, {0.0, 180.0},
             "A sweep is registered when its base pose is turned by more than this.");
+    v.flag("standing_only", standing_only,
+           "Registers only sweeps during which the robot stood: stop, scan and go.");
   }
 
   template <class Visitor>
@@ -93,6 +97,9 @@ struct Slam6dParams {
     v.number("min_match_share", min_match_share, {0.0, 1.0},
              "With a smaller share of points that found a partner the sweep keeps the odometry.");
     v.integer("iterations", iterations, {1, 1000}, "Most iterations of one registration.");
+    v.number("floor_weight", floor_weight, {0.0, 100.0},
+             "What it counts, beside all pairs, that height, roll and pitch stay as odometry has "
+             "them: indoors, on a flat floor; 0: six free degrees.");
   }
 
   template <class Visitor>

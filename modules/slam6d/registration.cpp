@@ -29,6 +29,21 @@ struct Pair {
   Eigen::Vector3d normal;  // of the model, in map
 };
 
+// Where the robot stands on its floor: pairs like any other, at corners as wide apart as the base.
+std::vector<Pair> floor_pairs(const FlatFloor& floor, const SE3& T_map_base) {
+  constexpr double kReachM = 1.0;
+  std::vector<Pair> pairs;
+  for (const double x : {-kReachM, kReachM}) {
+    for (const double y : {-kReachM, kReachM}) {
+      const Eigen::Vector3d p_base(x, y, 0.0);
+      const Eigen::Vector3d p_map = T_map_base * p_base;
+      const double height_m = (floor.T_odom_base * p_base).z();
+      pairs.push_back({{p_map.x(), p_map.y(), height_m}, p_map, Eigen::Vector3d::UnitZ()});
+    }
+  }
+  return pairs;
+}
+
 struct Step {
   SE3 T = SE3::Identity();  // in map, to be put before the present pose
   double sq_sum = 0.0;      // of the weighted distances before the step
@@ -89,6 +104,13 @@ struct PlaneSystem {
   double radius_m = 0.0;
   double sq_sum = 0.0;
   double weight = 0.0;
+
+  void add(const Pair& pair, double pair_weight) {
+    Vector6d J;
+    J << pair.normal, (pair.p_data - centre).cross(pair.normal) / radius_m;
+    H += pair_weight * J * J.transpose();
+    b += pair_weight * pair.normal.dot(pair.p_model - pair.p_data) * J;
+  }
 };
 
 PlaneSystem plane_system(const std::vector<Pair>& pairs, double residual_scale_m) {
@@ -105,18 +127,23 @@ PlaneSystem plane_system(const std::vector<Pair>& pairs, double residual_scale_m
     const double residual = pair.normal.dot(pair.p_model - pair.p_data);
     const double relative = residual / residual_scale_m;
     const double weight = 1.0 / (1.0 + relative * relative);  // Cauchy
-    Vector6d J;
-    J << pair.normal, (pair.p_data - system.centre).cross(pair.normal) / system.radius_m;
-    system.H += weight * J * J.transpose();
-    system.b += weight * residual * J;
+    system.add(pair, weight);
     system.sq_sum += weight * residual * residual;
     system.weight += weight;
   }
   return system;
 }
 
-std::optional<Step> plane_step(const std::vector<Pair>& pairs, const RegistrationOptions& options) {
-  const PlaneSystem system = plane_system(pairs, options.residual_scale_m);
+std::optional<Step> plane_step(const std::vector<Pair>& pairs, const SE3& T_map_base,
+                               const RegistrationOptions& options) {
+  PlaneSystem system = plane_system(pairs, options.residual_scale_m);
+  if (options.floor) {
+    const std::vector<Pair> floor = floor_pairs(*options.floor, T_map_base);
+    for (const Pair& pair : floor) {
+      const double share = options.floor->weight / static_cast<double>(floor.size());
+      system.add(pair, share * system.weight);
+    }
+  }
   const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(system.H);
   Step step{.sq_sum = system.sq_sum, .weight = system.weight};
   step.weakest_constraint = std::max(0.0, eigen.eigenvalues()[0] / system.weight);
@@ -167,8 +194,9 @@ Registration register_surface(const Surface& surface_base, const Model& model,
     if (pairs.size() < kMinPairs || result.match_share < options.min_match_share) {
       return give_up(RegistrationStatus::kTooFewPairs);
     }
-    const std::optional<Step> step =
-        options.metric == Metric::kPaper ? paper_step(pairs) : plane_step(pairs, options);
+    const std::optional<Step> step = options.metric == Metric::kPaper
+                                         ? paper_step(pairs)
+                                         : plane_step(pairs, result.T_map_base, options);
     if (!step) {
       return give_up(RegistrationStatus::kDegenerate);
     }

@@ -16,6 +16,11 @@ std::int64_t history_span_us(const Slam6dParams& params) {
 
 constexpr std::int64_t kMaxExtrapolationUs = 50'000;
 
+// Within a sweep. A tenth of the scanner's noise, near as well as at 10 m; more than wheels that
+// are held report.
+constexpr double kStandingM = 1e-3;
+constexpr double kStandingRad = 1e-4;
+
 SweepSegmenter::Options segmenter_options(const Slam6dParams& params) {
   return {.reversal_hysteresis_rad = params.reversal_hysteresis_rad,
           .jump_back_rad = params.jump_back_rad,
@@ -29,14 +34,18 @@ SurfaceOptions surface_options(const Slam6dParams& params) {
           .plane_radius_m = params.plane_radius_m};
 }
 
-RegistrationOptions registration_options(const Slam6dParams& params) {
+RegistrationOptions registration_options(const Slam6dParams& params, const SE3& T_odom_base) {
+  const auto floor = params.floor_weight > 0.0
+                         ? std::optional(FlatFloor{T_odom_base, params.floor_weight})
+                         : std::nullopt;
   return {.metric = params.metric,
           .max_correspondence_m = params.max_correspondence_m,
           .min_correspondence_m = params.min_correspondence_m,
           .residual_scale_m = params.residual_scale_m,
           .min_constraint = params.min_constraint,
           .min_match_share = params.min_match_share,
-          .iterations = params.iterations};
+          .iterations = params.iterations,
+          .floor = floor};
 }
 
 Surface extract_surface(const SweepCloud& cloud, const Slam6dParams& params) {
@@ -63,6 +72,18 @@ Slam6d::Slam6d(const Slam6dParams& params)
 
 bool Slam6d::add_odometry(std::int64_t utime_us, const SE3& T_odom_base) {
   return odometry_.add(utime_us, T_odom_base);
+}
+
+std::optional<SweepRecord> Slam6d::change_odometry_frame(const SE3& T_new_odom_base) {
+  auto record = flush();
+  if (const auto T_old_odom_base = odometry_.newest()) {
+    const SE3 T_old_new = *T_old_odom_base * T_new_odom_base.inverse();
+    T_map_odom_ = T_map_odom_ * T_old_new;
+    T_first_odom_ = T_first_odom_ * T_old_new;
+    interrupted_ = true;
+  }
+  odometry_.clear();
+  return record;
 }
 
 // IV B: "segment the continuous data flow to reflect one complete pitch movement per point cloud".
@@ -98,9 +119,11 @@ std::optional<SweepRecord> Slam6d::process(const Sweep& sweep) {
 SweepRecord Slam6d::add_cloud(SweepCloud cloud) {
   SweepRecord record{.utime_us = cloud.utime_us,
                      .T_odom_base = cloud.T_odom_base,
+                     .T_first_odom = T_first_odom_,
                      .scans_used = cloud.scans_used,
                      .scans_without_pose = cloud.scans_without_pose,
-                     .num_points = cloud.points.size()};
+                     .num_points = cloud.points.size(),
+                     .stood = cloud.moved_m < kStandingM && cloud.turned_rad < kStandingRad};
   // Reference [5]: odometry's motion since the last registered pose, in that pose's frame:
   // P_n+1 = P_n (odo_n^-1 odo_n+1).
   record.T_map_base = T_map_odom_ * record.T_odom_base;
@@ -123,6 +146,9 @@ std::optional<KeyframeReason> Slam6d::keyframe_reason(const SweepRecord& record)
   if (record.num_points == 0 || record.scans_used < static_cast<std::size_t>(params_.min_scans)) {
     return std::nullopt;
   }
+  if (params_.standing_only && !record.stood) {
+    return std::nullopt;
+  }
   if (keyframes_.empty()) {
     return KeyframeReason::kFirst;
   }
@@ -143,8 +169,8 @@ std::optional<KeyframeReason> Slam6d::keyframe_reason(const SweepRecord& record)
 void Slam6d::make_keyframe(SweepRecord& record, SweepCloud cloud) {
   Surface surface = extract_surface(cloud, params_);
   if (!keyframes_.empty()) {
-    record.registration =
-        register_surface(surface, model_, record.T_map_base, registration_options(params_));
+    record.registration = register_surface(surface, model_, record.T_map_base,
+                                           registration_options(params_, record.T_odom_base));
     record.T_map_base = record.registration->T_map_base;
     T_map_odom_ = record.T_map_base * record.T_odom_base.inverse();
   }
@@ -154,6 +180,9 @@ void Slam6d::make_keyframe(SweepRecord& record, SweepCloud cloud) {
 }
 
 std::vector<SE3> Slam6d::trajectory() const {
+  const auto first_base = [this](std::size_t i) -> SE3 {
+    return sweeps_[i].T_first_odom * sweeps_[i].T_odom_base;
+  };
   std::vector<SE3> poses;
   poses.reserve(sweeps_.size());
   for (const SweepRecord& sweep : sweeps_) {
@@ -163,12 +192,11 @@ std::vector<SE3> Slam6d::trajectory() const {
     const std::size_t first = keyframes_[k - 1].sweep;
     const std::size_t last = keyframes_[k].sweep;
     // What the registration of the later keyframe put right, in its base frame.
-    const SE3 T_map_odom = keyframes_[k - 1].T_map_base * sweeps_[first].T_odom_base.inverse();
-    const SE3 correction =
-        (T_map_odom * sweeps_[last].T_odom_base).inverse() * keyframes_[k].T_map_base;
+    const SE3 T_map_first = keyframes_[k - 1].T_map_base * first_base(first).inverse();
+    const SE3 correction = (T_map_first * first_base(last)).inverse() * keyframes_[k].T_map_base;
     for (std::size_t i = first; i <= last; ++i) {
       const double fraction = static_cast<double>(i - first) / static_cast<double>(last - first);
-      poses[i] = T_map_odom * sweeps_[i].T_odom_base *
+      poses[i] = T_map_first * first_base(i) *
                  geometry::interpolate(SE3::Identity(), correction, fraction);
     }
   }

@@ -25,10 +25,13 @@ enum class KeyframeReason { kFirst, kInterruption, kDistance, kRotation };
 struct SweepRecord {
   std::int64_t utime_us = 0;  ///< of its base pose
   geometry::SE3 T_odom_base = geometry::SE3::Identity();
+  /// The odom frame of `T_odom_base` in the first one: identity until odometry begins anew.
+  geometry::SE3 T_first_odom = geometry::SE3::Identity();
   geometry::SE3 T_map_base = geometry::SE3::Identity();  ///< as known when the sweep was complete
   std::size_t scans_used = 0;
   std::size_t scans_without_pose = 0;
   std::size_t num_points = 0;
+  bool stood = false;  ///< the robot, during the whole sweep
   /// How far the extrapolated base pose was from the last keyframe's (0 for the first).
   double moved_m = 0.0;
   double turned_rad = 0.0;
@@ -53,6 +56,13 @@ class Slam6d {
 
   /// The robot's pose by odometry; returns whether it was taken (finite).
   bool add_odometry(std::int64_t utime_us, const geometry::SE3& T_odom_base);
+
+  /// Odometry goes on in another frame: its newest pose and `T_new_odom_base` are one place, as far
+  /// as anybody knows, and the robot stays where it was in the map. The running sweep ends, and its
+  /// record is returned; odometry is forgotten, so that no beam is placed between the frames; the
+  /// next sweep is registered as after an interruption.
+  [[nodiscard]] std::optional<SweepRecord> change_odometry_frame(
+      const geometry::SE3& T_new_odom_base);
 
   /// The next scan of the stream. Returns the record of the sweep it completes, if it does, and if
   /// there was odometry for it. The scan must be plausible (scan::is_plausible).
@@ -86,6 +96,8 @@ class Slam6d {
   Model model_;
   /// P_n * odo_n^-1 of the last keyframe: the correction, map from odom.
   geometry::SE3 T_map_odom_ = geometry::SE3::Identity();
+  /// The present odom frame in the first one.
+  geometry::SE3 T_first_odom_ = geometry::SE3::Identity();
   bool interrupted_ = false;  // since the last keyframe
   std::vector<SweepRecord> sweeps_;
   std::vector<Keyframe> keyframes_;

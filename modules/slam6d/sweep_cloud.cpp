@@ -69,6 +69,9 @@ std::optional<SweepCloud> strip_motion(std::span<const scan::Scan> scans, const 
   cloud.scans_used = placed.size();
   cloud.scans_without_pose = scans.size() - placed.size();
   const SE3 T_base_odom = cloud.T_odom_base.inverse();
+  const SE3 moved = placed.front().T_odom_first.inverse() * placed.back().T_odom_last;
+  cloud.moved_m = moved.translation().norm();
+  cloud.turned_rad = geometry::rotation_angle(moved);
   scan::ScanProjector projector;
   for (const PlacedScan& scan : placed) {
     append_scan(scan, T_base_odom, range, projector, cloud);

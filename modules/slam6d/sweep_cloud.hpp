@@ -29,6 +29,9 @@ struct SweepCloud {
   std::vector<Line> lines;
   std::size_t scans_used = 0;
   std::size_t scans_without_pose = 0;
+  /// How far the robot was from its first to its last beam: what had to be stripped.
+  double moved_m = 0.0;
+  double turned_rad = 0.0;
 };
 
 /// Answers with T_odom_base at a time (us), empty where it is not known.

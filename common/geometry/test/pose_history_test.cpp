@@ -65,5 +65,16 @@ TEST(PoseHistory, ForgetsBeyondItsSpanAndRefusesNonsense) {
   EXPECT_FALSE(history.add(20'000'000, broken));
 }
 
+TEST(PoseHistory, KnowsItsNewestAndForgets) {
+  PoseHistory history;
+  EXPECT_FALSE(history.newest().has_value());
+  history.add(1'000'000, at_x(1));
+  history.add(2'000'000, at_x(3));
+  EXPECT_EQ(history.newest()->translation().x(), 3.0);
+  history.clear();
+  EXPECT_FALSE(history.newest().has_value());
+  EXPECT_FALSE(history.at(2'000'000).has_value());
+}
+
 }  // namespace
 }  // namespace nodmap::geometry

@@ -66,5 +66,27 @@ TEST_F(SensorInputTest, GapsInEitherStreamAreLosses) {
   EXPECT_EQ(tally_.lost(), 3);
 }
 
+TEST_F(SensorInputTest, OdometryThatFallsBackBeganAnew) {
+  const auto began_anew = [this](std::int64_t seq) {
+    nodmap::odometry_t odometry = msg::write_odometry(1, geometry::SE3::Identity());
+    odometry.odometry_seq = seq;
+    EXPECT_TRUE(input_.read(odometry).has_value());
+    return input_.odometry_began_anew();
+  };
+  EXPECT_FALSE(began_anew(7));  // the first there is
+  EXPECT_FALSE(began_anew(8));
+  EXPECT_FALSE(began_anew(8));   // a publisher that does not count
+  EXPECT_FALSE(began_anew(12));  // a loss is no new beginning
+  EXPECT_TRUE(began_anew(0));
+  EXPECT_FALSE(began_anew(1));
+
+  // The first of the new frame cannot be used: the next one is still the first that can.
+  nodmap::odometry_t no_pose{};
+  no_pose.odometry_seq = 0;
+  EXPECT_FALSE(input_.read(no_pose).has_value());
+  EXPECT_TRUE(began_anew(1));
+  EXPECT_EQ(tally_.lost(), 3);
+}
+
 }  // namespace
 }  // namespace nodmap::input

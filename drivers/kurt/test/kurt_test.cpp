@@ -19,7 +19,7 @@ class Robot {
  public:
   Robot() { kurt.connected(now()); }
 
-  [[nodiscard]] Moment now() const { return {kStartUtimeUs + now_us, now_us}; }
+  [[nodiscard]] time::Moment now() const { return {kStartUtimeUs + now_us, now_us}; }
 
   /// One control period: the base sends, the driver takes it in and answers.
   void step() {

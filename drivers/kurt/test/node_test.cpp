@@ -49,9 +49,9 @@ class Bench {
     clock.advance(10'000);
     const std::string to_driver = answer_ + (pty ? base.tick() : "");
     answer_.clear();
-    if (pty && node->poll_handle() >= 0 && !to_driver.empty()) {
+    if (pty && node->poll_handles()[0] >= 0 && !to_driver.empty()) {
       pty->send(to_driver);
-      await_input(node->poll_handle(), to_driver.size());
+      await_input(node->poll_handles()[0], to_driver.size());
     }
     bus.handle(std::chrono::milliseconds(0));
     node->turn();
@@ -59,7 +59,7 @@ class Bench {
     bus.handle(std::chrono::milliseconds(0));
     if (pty) {
       // Once the bus is open there is a command in every period.
-      const bool command_comes = base.channel_open() && node->poll_handle() >= 0;
+      const bool command_comes = base.channel_open() && node->poll_handles()[0] >= 0;
       answer_ = base.take(pty->receive_text(command_comes ? kCommandBytes : 0,
                                             std::chrono::milliseconds(command_comes ? 100 : 1)));
     }
@@ -112,7 +112,7 @@ class Bench {
                                  return serial::open_serial_port({pty->name()});
                                },
                                [this] {
-                                 return Moment{clock.now_utime_us(), now_us};
+                                 return time::Moment{clock.now_utime_us(), now_us};
                                }};
   node::StatusReporter reporter{"nodmap-kurt", bus, tally, clock};
 
@@ -188,9 +188,9 @@ TEST(KurtNode, TheEndIsAHardStop) {
   bench.node->finish();
   bench.base.take(bench.pty->receive_text(kCommandBytes));
   EXPECT_TRUE(bench.base.braked());
-  EXPECT_EQ(bench.node->poll_handle(), -1);
+  EXPECT_EQ(bench.node->poll_handles()[0], -1);
   bench.node->turn();  // does not open it again
-  EXPECT_EQ(bench.node->poll_handle(), -1);
+  EXPECT_EQ(bench.node->poll_handles()[0], -1);
 }
 
 // As when an exception takes the process down.
@@ -245,11 +245,11 @@ TEST(KurtNode, ALineThatTakesNoBytesIsGivenUp) {
   Bench bench;
   ASSERT_TRUE(bench.stands_ready());
   // Nobody reads on the device's side: the terminal fills up.
-  for (int i = 0; i < 5000 && bench.node->poll_handle() >= 0; ++i) {
+  for (int i = 0; i < 5000 && bench.node->poll_handles()[0] >= 0; ++i) {
     bench.now_us += 10'000;
     bench.clock.advance(10'000);
     bench.pty->send(bench.base.tick());
-    await_input(bench.node->poll_handle(), 1);
+    await_input(bench.node->poll_handles()[0], 1);
     bench.node->turn();
   }
   EXPECT_EQ(bench.node->health().state, node::HealthState::kFailed);

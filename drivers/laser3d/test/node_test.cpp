@@ -114,7 +114,7 @@ class Rig {
   Wire servo;
   test::FakeSensor sensor;
   test::FakeServo head;
-  Moment now{1'700'000'000'000'000, 1'000'000};
+  time::Moment now{1'700'000'000'000'000, 1'000'000};
   bus::LiveBus bus;
   node::Tally tally;
   node::Context context;

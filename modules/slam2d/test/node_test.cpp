@@ -59,7 +59,9 @@ class Slam2dNodeTest : public testing::Test {
     bus_.put("SCAN", msg::write_scan(scan));
   }
   void put_odometry(std::int64_t utime_us, const geometry::SE2& pose) {
-    bus_.put("ODOMETRY", msg::write_odometry(utime_us, geometry::to_se3(pose)));
+    auto message = msg::write_odometry(utime_us, geometry::to_se3(pose));
+    message.odometry_seq = odometry_seq_++;
+    bus_.put("ODOMETRY", message);
   }
 
   MemoryBus bus_;
@@ -68,6 +70,7 @@ class Slam2dNodeTest : public testing::Test {
   Slam2dNode node_{context_, Slam2dParams{}};
   test::Scanner scanner_;
   std::int64_t seq_ = 0;
+  std::int64_t odometry_seq_ = 0;
 };
 
 TEST_F(Slam2dNodeTest, PublishesAPoseForEachLevelScanAndTheMap) {
@@ -161,6 +164,44 @@ TEST_F(Slam2dNodeTest, SaysWhenItIsLost) {
   put_odometry(1, {500.0, 0.0, 0.0});
   put_scan(1, {});
   EXPECT_EQ(node_.health().state, node::HealthState::kDegraded);
+}
+
+// The base driver is killed and started anew: odometry counts and measures from zero again.
+TEST_F(Slam2dNodeTest, GoesOnWhereItWasWhenOdometryBeginsAnew) {
+  const geometry::SE2 step{0.04, 0.0, 0.04};
+  geometry::SE2 truth;
+  geometry::SE2 odom;
+  for (std::int64_t i = 0; i < 30; ++i) {
+    const std::int64_t utime_us = 200'000 * i;
+    if (i == 15) {
+      odometry_seq_ = 0;
+      odom = {};
+    }
+    put_odometry(utime_us, odom);
+    put_scan(utime_us, truth);
+    const nodmap::pose_t pose = bus_.sent<nodmap::pose_t>("POSE_2D").back();
+    EXPECT_EQ(pose.pose_quality, nodmap::pose_t::TRACKED) << i;
+    // Scan noise is 1 cm; at the restart the guess is a step behind.
+    EXPECT_NEAR(pose.position_m[0], truth.x, 0.03) << i;
+    EXPECT_NEAR(pose.position_m[1], truth.y, 0.03) << i;
+    truth = truth * step;
+    odom = odom * step;
+  }
+  EXPECT_GT(truth.translation().norm(), 0.5);  // far from where odometry began anew
+  EXPECT_EQ(node_.figures()["searches"], 0);
+}
+
+// A scan between the last odometry of the old frame and the first of the new has no pose: one
+// interpolated would lie anywhere between the two.
+TEST_F(Slam2dNodeTest, PlacesNoScanBetweenTwoOdometryFrames) {
+  put_odometry(0, {3.0, 0.0, 0.0});
+  put_odometry(10'000, {3.0, 0.0, 0.0});
+  put_scan(0, {});
+  odometry_seq_ = 0;
+  put_odometry(400'000, {});
+  put_scan(200'000, {});
+  EXPECT_EQ(tally_.rejected().at("no_odometry"), 1);
+  EXPECT_EQ(bus_.sent<nodmap::pose_t>("POSE_2D").size(), 1U);
 }
 
 }  // namespace

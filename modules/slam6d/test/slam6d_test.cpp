@@ -105,6 +105,27 @@ TEST(Slam6d, R43_ExactlyTwoMetresAreNotFurther) {
   EXPECT_EQ(slam.add_cloud(cloud).keyframe, KeyframeReason::kDistance);
 }
 
+// R45: stop, scan and go, as before there was scanning on the move. Stands 3 s, drives 3 m in 6 s.
+TEST(Slam6d, R45_StandingOnlyPassesOverSweepsOnTheMove) {
+  Slam6d slam({.standing_only = true});
+  const auto stop_and_go = [](std::int64_t t) {
+    const double time_s = 1e-6 * static_cast<double>(t);
+    const double round = std::floor(time_s / 9.0);
+    SE3 T = SE3::Identity();
+    T.translation().x() = 3.0 * round + 0.5 * std::max(0.0, time_s - 9.0 * round - 3.0);
+    return T;
+  };
+  Drive{.motion = stop_and_go}.run(slam, 1'550);  // 20.6 s: stands at 0, 3 and 6 m
+  ASSERT_EQ(slam.keyframes().size(), 3U);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Keyframe& keyframe = slam.keyframes()[i];
+    EXPECT_TRUE(slam.sweeps()[keyframe.sweep].stood);
+    EXPECT_EQ(slam.sweeps()[keyframe.sweep].T_odom_base.translation().x(),
+              3.0 * static_cast<double>(i));
+  }
+  EXPECT_FALSE(slam.sweeps()[4].stood);  // from 4.3 s to 5.3 s
+}
+
 // Odometry tells 10 % too much: 50 cm after 5 m. Registered every 2 m it is put right each time;
 // what is left at the end is the way since the last keyframe (up to 2.5 m: 25 cm), at the keyframes
 // 2 cm. The 5 cm that odometry makes up within one sweep (1.07 s) shear its cloud: over 4 m that is
