@@ -1,0 +1,10 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/pitch_controller/node.hpp"
+
+int main(int argc, char** argv) {
+  return nodmap::node::run<nodmap::pitch_controller::PitchControllerNode>(
+      argc, argv,
+      {"nodmap-pitch-controller",
+       "Nods the laser as the speed demands, and says how fast the robot may go for what it sees "
+       "(Holz et al. 2008, II)."});
+}

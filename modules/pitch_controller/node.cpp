@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/pitch_controller/node.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "nodmap/pitch_command_t.hpp"
+
+namespace nodmap::pitch_controller {
+namespace {
+
+// As for the other inputs: sums and differences of stamps never overflow.
+constexpr std::int64_t kLatestUtimeUs = std::int64_t{1} << 60;
+
+bool is_plausible(const nodmap::pitch_state_t& message) {
+  return message.utime >= 0 && message.utime < kLatestUtimeUs && message.sweep_count >= 0 &&
+         std::abs(message.pitch_rad) <= geometry::kPi && std::isfinite(message.pitch_rate_rad_s);
+}
+
+const char* sentence(Hindrance hindrance) {
+  switch (hindrance) {
+    case Hindrance::kNone:
+      return "";
+    case Hindrance::kNoOdometry:
+      return "No fresh ODOMETRY: nobody may drive.";
+    case Hindrance::kNoPitch:
+      return "No fresh PITCH_STATE: nobody may drive.";
+    case Hindrance::kStalled:
+      return "The pitch servo is stalled: nobody may drive.";
+    case Hindrance::kNotNodding:
+      return "The laser has not nodded for two whole sweeps: nobody may drive.";
+    case Hindrance::kNotLevel:
+      return "The laser is not level yet: nobody may drive.";
+  }
+  return "";
+}
+
+}  // namespace
+
+PitchControllerNode::PitchControllerNode(node::Context& context, const Params& params)
+    : context_(context), params_(params), input_(context.tally), controller_(params) {
+  context.bus.subscribe<nodmap::odometry_t>(
+      "ODOMETRY", [this](const nodmap::odometry_t& message) { on_odometry(message); });
+  context.bus.subscribe<nodmap::pitch_state_t>(
+      "PITCH_STATE", [this](const nodmap::pitch_state_t& message) { on_pitch_state(message); });
+}
+
+void PitchControllerNode::on_odometry(const nodmap::odometry_t& message) {
+  if (!input_.read(message)) {
+    return;
+  }
+  if (!std::isfinite(message.forward_mps)) {
+    context_.tally.reject("implausible_odometry");
+    return;
+  }
+  context_.tally.use();
+  controller_.add_speed(message.utime, message.forward_mps);
+  decide(message.utime);
+}
+
+void PitchControllerNode::on_pitch_state(const nodmap::pitch_state_t& message) {
+  context_.tally.lose(pitch_states_.lost_before(message.state_seq));
+  if (!is_plausible(message)) {
+    context_.tally.reject("implausible_pitch_state");
+    return;
+  }
+  context_.tally.use();
+  pitch_is_measured_ = message.pitch_is_measured != 0;
+  controller_.add_pitch({message.utime, message.pitch_rad, message.pitch_rate_rad_s,
+                         message.sweep_count, message.is_stalled != 0});
+  decide(message.utime);
+}
+
+void PitchControllerNode::decide(std::int64_t now_us) {
+  const auto decision = controller_.decide(now_us);
+  if (!decision) {
+    return;
+  }
+  hindrance_ = decision->hindrance;
+  nodmap::pitch_command_t message{};
+  message.utime = decision->time_us;
+  message.command_seq = commands_++;
+  message.pitch_min_rad = decision->sweep.min_rad;
+  message.pitch_max_rad = decision->sweep.max_rad;
+  message.sweep_s = decision->sweep_s;
+  message.max_forward_mps = decision->max_forward_mps;
+  context_.bus.publish("PITCH_COMMAND", message);
+  commands_to_stand_ += decision->max_forward_mps > 0.0 ? 0 : 1;
+  fastest_allowed_mps_ = std::max(fastest_allowed_mps_, decision->max_forward_mps);
+}
+
+nlohmann::json PitchControllerNode::figures() const {
+  return {{"commands", commands_},
+          {"commands_to_stand", commands_to_stand_},
+          {"fastest_allowed_mps", fastest_allowed_mps_}};
+}
+
+node::Health PitchControllerNode::health() const {
+  using node::HealthState;
+  if (hindrance_ != Hindrance::kNone) {
+    return {HealthState::kDegraded, sentence(hindrance_)};
+  }
+  if (params_.mode == Mode::kFixed) {
+    return {HealthState::kDegraded,
+            "The laser is held level: what is above or below its plane is not seen."};
+  }
+  if (!pitch_is_measured_) {
+    return {HealthState::kDegraded,
+            "The pitch is not measured: a servo that stalls would not be noticed."};
+  }
+  return {};
+}
+
+}  // namespace nodmap::pitch_controller

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+
+#include "common/input/sensor_input.hpp"
+#include "common/node/node.hpp"
+#include "modules/pitch_controller/pitch_controller.hpp"
+#include "nodmap/odometry_t.hpp"
+#include "nodmap/pitch_state_t.hpp"
+
+namespace nodmap::pitch_controller {
+
+/// ODOMETRY and PITCH_STATE in, PITCH_COMMAND out. Either input clocks it: when one ends, the other
+/// still carries the word that nobody may drive; when both end, PITCH_COMMAND ends, too, and who
+/// drives stops by its age.
+class PitchControllerNode final : public node::Node {
+ public:
+  using Params = PitchControllerParams;
+
+  PitchControllerNode(node::Context& context, const Params& params);
+
+  void write_results(const std::filesystem::path& /*dir*/) override {}  // the commands say it all
+  [[nodiscard]] nlohmann::json figures() const override;
+  [[nodiscard]] node::Health health() const override;
+
+ private:
+  void on_odometry(const nodmap::odometry_t& message);
+  void on_pitch_state(const nodmap::pitch_state_t& message);
+  void decide(std::int64_t now_us);
+
+  node::Context& context_;
+  Params params_;
+  input::SensorInput input_;
+  node::SequenceWatch pitch_states_;
+  PitchController controller_;
+  Hindrance hindrance_ = Hindrance::kNone;
+  bool pitch_is_measured_ = true;
+  std::int64_t commands_ = 0;
+  std::int64_t commands_to_stand_ = 0;
+  double fastest_allowed_mps_ = 0.0;
+};
+
+}  // namespace nodmap::pitch_controller

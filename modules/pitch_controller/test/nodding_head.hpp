@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "drivers/laser3d/nod.hpp"
+#include "modules/pitch_controller/pitch_controller.hpp"
+
+namespace nodmap::pitch_controller::test {
+
+/// A head on a servo with a trapezoidal profile, nodded by the laser driver's own code.
+class NoddingHead {
+ public:
+  double speed_gain = 1.0;  ///< a fault: the servo turns at this share of the speed it is told
+  bool jammed = false;
+
+  /// Goes on to `time_us`, in steps of a millisecond; a reading as the driver gives it.
+  PitchReading advance_to(std::int64_t time_us) {
+    for (; time_us_ < time_us; time_us_ += 1000) {
+      step(1e-3);
+    }
+    aim_ = nod_.step({time_us_, pitch_rad_, rate_rad_s_}, time_us_);
+    return {time_us_, pitch_rad_, rate_rad_s_, nod_.sweep(), nod_.stalled()};
+  }
+
+  void obey(const PitchDecision& decision) {
+    nod_.command({decision.sweep.min_rad, decision.sweep.max_rad, decision.sweep_s}, time_us_);
+  }
+
+  [[nodiscard]] double goal_speed_rad_s() const { return aim_.speed_rad_s; }
+
+ private:
+  static constexpr double kAccelerationRadS2 = 40.0;
+
+  static laser3d::NodSettings settings() {
+    laser3d::NodSettings settings;
+    settings.fallback = {-0.7, 0.26, 0.8};
+    settings.min_rad = geometry::deg_to_rad(-60.0);
+    settings.max_rad = geometry::deg_to_rad(60.0);
+    settings.max_speed_rad_s = 3.0;
+    settings.acceleration_rad_s2 = kAccelerationRadS2;
+    return settings;
+  }
+
+  void step(double dt_s) {
+    if (jammed) {
+      rate_rad_s_ = 0.0;
+      return;
+    }
+    const double left = aim_.goal_rad - pitch_rad_;
+    const double allowed = std::min(speed_gain * aim_.speed_rad_s,
+                                    std::sqrt(2.0 * kAccelerationRadS2 * std::abs(left)));
+    const double change = std::copysign(allowed, left) - rate_rad_s_;
+    rate_rad_s_ += std::clamp(change, -kAccelerationRadS2 * dt_s, kAccelerationRadS2 * dt_s);
+    pitch_rad_ += rate_rad_s_ * dt_s;
+  }
+
+  laser3d::Nod nod_{settings()};
+  laser3d::Nod::Aim aim_;
+  std::int64_t time_us_ = 0;
+  double pitch_rad_ = 0.0;
+  double rate_rad_s_ = 0.0;
+};
+
+}  // namespace nodmap::pitch_controller::test

@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/pitch_controller/node.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "common/msg/messages.hpp"
+#include "nodmap/pitch_command_t.hpp"
+
+namespace nodmap::pitch_controller {
+namespace {
+
+/// Hands over what a test says and keeps what the node answers.
+class TestBus final : public bus::Bus {
+ public:
+  template <class Message>
+  void deliver(const std::string& channel, const Message& message) {
+    std::vector<std::byte> bytes;
+    bus::encode_into(bytes, message);
+    handlers_.at(channel)(bytes);
+  }
+
+  std::vector<nodmap::pitch_command_t> commands;
+
+ private:
+  bool send(const std::string& channel, std::span<const std::byte> bytes) override {
+    EXPECT_EQ(channel, "PITCH_COMMAND");
+    EXPECT_TRUE(bus::decode_into(commands.emplace_back(), bytes));
+    return true;
+  }
+  void listen(const std::string& channel, BytesHandler handler, int) override {
+    handlers_[channel] = std::move(handler);
+  }
+
+  std::map<std::string, BytesHandler> handlers_;
+};
+
+class PitchControllerNodeTest : public ::testing::Test {
+ protected:
+  explicit PitchControllerNodeTest(const PitchControllerParams& params = {})
+      : node_(context_, params) {}
+
+  void give_odometry(double forward_mps) {
+    auto message = msg::write_odometry(now_us_, geometry::SE3::Identity());
+    message.odometry_seq = odometry_seq_++;
+    message.forward_mps = forward_mps;
+    bus_.deliver("ODOMETRY", message);
+  }
+
+  nodmap::pitch_state_t next_state() {
+    // To and fro between -60 and 60 degrees in a second each.
+    const double phase = 1e-6 * static_cast<double>(now_us_);
+    const auto sweep = static_cast<std::int64_t>(phase);
+    const double share = phase - static_cast<double>(sweep);
+    nodmap::pitch_state_t message{};
+    message.utime = now_us_;
+    message.state_seq = state_seq_++;
+    message.pitch_rad = geometry::kPi / 3.0 * (sweep % 2 == 0 ? 2 * share - 1 : 1 - 2 * share);
+    message.pitch_rate_rad_s = 2.0 * geometry::kPi / 3.0;
+    message.pitch_is_measured = 1;
+    message.sweep_count = sweep;
+    return message;
+  }
+
+  void run(double seconds, double forward_mps) {
+    for (int i = 0; i < static_cast<int>(std::lround(200 * seconds)); ++i) {
+      now_us_ += 5000;
+      if (i % 2 == 0) {
+        give_odometry(forward_mps);
+      }
+      bus_.deliver("PITCH_STATE", next_state());
+    }
+  }
+
+  std::int64_t rejected(const std::string& cause) {
+    const auto found = tally_.rejected().find(cause);
+    return found == tally_.rejected().end() ? 0 : found->second;
+  }
+
+  TestBus bus_;
+  node::Tally tally_;
+  node::Context context_{bus_, tally_, {}};
+  PitchControllerNode node_;
+  std::int64_t now_us_ = 0;
+  std::int64_t odometry_seq_ = 0;
+  std::int64_t state_seq_ = 0;
+};
+
+TEST_F(PitchControllerNodeTest, CommandsTheNodAndTheSpeed) {
+  run(5.0, 0.0);
+  ASSERT_FALSE(bus_.commands.empty());
+  const nodmap::pitch_command_t& last = bus_.commands.back();
+  EXPECT_NEAR(last.pitch_min_rad, -geometry::kPi / 3.0, 1e-9);
+  EXPECT_NEAR(last.pitch_max_rad, geometry::kPi / 3.0, 1e-9);
+  EXPECT_GT(last.sweep_s, 0.5);
+  EXPECT_GT(last.max_forward_mps, 0.15);
+  EXPECT_LE(std::abs(last.utime - now_us_), 20'000);
+  for (std::size_t i = 0; i < bus_.commands.size(); ++i) {
+    EXPECT_EQ(bus_.commands[i].command_seq, static_cast<std::int64_t>(i));
+  }
+  EXPECT_EQ(node_.health().state, node::HealthState::kOk);
+  EXPECT_EQ(tally_.total_rejected(), 0);
+  EXPECT_EQ(node_.figures()["commands"], bus_.commands.size());
+}
+
+TEST_F(PitchControllerNodeTest, WithoutOneInputTheOtherSaysStop) {
+  give_odometry(0.0);
+  ASSERT_EQ(bus_.commands.size(), 1U);
+  EXPECT_EQ(bus_.commands.back().max_forward_mps, 0.0);
+  EXPECT_NE(node_.health().reason.find("PITCH_STATE"), std::string::npos);
+  run(5.0, 0.0);
+  now_us_ += 250'000;
+  bus_.deliver("PITCH_STATE", next_state());
+  EXPECT_EQ(bus_.commands.back().max_forward_mps, 0.0);
+  EXPECT_NE(node_.health().reason.find("ODOMETRY"), std::string::npos);
+}
+
+TEST_F(PitchControllerNodeTest, WithoutAnyInputNothingIsSaid) {
+  EXPECT_TRUE(bus_.commands.empty());
+}
+
+TEST_F(PitchControllerNodeTest, BadMessagesAreCountedAndChangeNothing) {
+  run(5.0, 0.0);
+  const std::size_t before = bus_.commands.size();
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  now_us_ += 30'000;
+  give_odometry(nan);
+  nodmap::pitch_state_t state = next_state();
+  state.pitch_rad = nan;
+  bus_.deliver("PITCH_STATE", state);
+  state = next_state();
+  state.pitch_rate_rad_s = std::numeric_limits<double>::infinity();
+  bus_.deliver("PITCH_STATE", state);
+  state = next_state();
+  state.utime = std::numeric_limits<std::int64_t>::min();
+  bus_.deliver("PITCH_STATE", state);
+  EXPECT_EQ(bus_.commands.size(), before);
+  EXPECT_EQ(rejected("implausible_odometry"), 1);
+  EXPECT_EQ(rejected("implausible_pitch_state"), 3);
+}
+
+TEST_F(PitchControllerNodeTest, SaysWhenTheServoStallsOrIsNotMeasured) {
+  run(5.0, 0.0);
+  now_us_ += 20'000;
+  nodmap::pitch_state_t state = next_state();
+  state.is_stalled = 1;
+  bus_.deliver("PITCH_STATE", state);
+  EXPECT_EQ(bus_.commands.back().max_forward_mps, 0.0);
+  EXPECT_NE(node_.health().reason.find("stalled"), std::string::npos);
+  now_us_ += 20'000;
+  state = next_state();
+  state.pitch_is_measured = 0;
+  bus_.deliver("PITCH_STATE", state);
+  EXPECT_GT(bus_.commands.back().max_forward_mps, 0.0);
+  EXPECT_EQ(node_.health().state, node::HealthState::kDegraded);
+}
+
+TEST_F(PitchControllerNodeTest, GapsAreLosses) {
+  run(1.0, 0.0);
+  state_seq_ += 3;
+  bus_.deliver("PITCH_STATE", next_state());
+  EXPECT_EQ(tally_.lost(), 3);
+}
+
+class FixedNodeTest : public PitchControllerNodeTest {
+ protected:
+  FixedNodeTest()
+      : PitchControllerNodeTest([] {
+          PitchControllerParams params;
+          params.mode = Mode::kFixed;
+          return params;
+        }()) {}
+};
+
+TEST_F(FixedNodeTest, SaysThatItIsBlind) {
+  nodmap::pitch_state_t state = next_state();
+  state.pitch_rad = 0.0;
+  bus_.deliver("PITCH_STATE", state);
+  give_odometry(0.0);
+  now_us_ += 20'000;
+  give_odometry(0.0);
+  EXPECT_EQ(bus_.commands.back().pitch_min_rad, 0.0);
+  EXPECT_EQ(bus_.commands.back().pitch_max_rad, 0.0);
+  EXPECT_GT(bus_.commands.back().max_forward_mps, 0.0);
+  EXPECT_EQ(node_.health().state, node::HealthState::kDegraded);
+}
+
+}  // namespace
+}  // namespace nodmap::pitch_controller

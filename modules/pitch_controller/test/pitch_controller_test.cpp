@@ -1,0 +1,309 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/pitch_controller/pitch_controller.hpp"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <vector>
+
+#include "modules/pitch_controller/test/nodding_head.hpp"
+
+namespace nodmap::pitch_controller {
+namespace {
+
+using geometry::rad_to_deg;
+
+/// The controller, the laser driver's nod and a servo, in a loop: pitch every 5 ms, speed every 10.
+class Loop {
+ public:
+  explicit Loop(const PitchControllerParams& params = {}) : dut(params) {}
+
+  /// Goes on for `seconds`; the speed is asked for before each odometry.
+  void run(double seconds, const std::function<double()>& speed_mps) {
+    const std::int64_t end_us = now_us + std::llround(1e6 * seconds);
+    while (now_us < end_us) {
+      now_us += 5000;
+      if (give_speed && now_us % 10'000 == 0) {
+        speed = speed_mps();
+        dut.add_speed(now_us, speed);
+        take(dut.decide(now_us));
+      }
+      if (give_pitch) {
+        const PitchReading reading = head.advance_to(now_us);
+        watch(reading);
+        dut.add_pitch(reading);
+        take(dut.decide(now_us));
+      }
+    }
+  }
+  void run(double seconds, double speed_mps) {
+    run(seconds, [speed_mps] { return speed_mps; });
+  }
+
+  struct Sweep {
+    double wished_s;
+    double measured_s;
+  };
+
+  PitchController dut;
+  test::NoddingHead head;
+  std::int64_t now_us = 0;
+  double speed = 0.0;
+  bool give_speed = true;
+  bool give_pitch = true;
+  PitchDecision decision;
+  std::vector<PitchDecision> decisions;
+  std::vector<Sweep> sweeps;
+  int readings = 0;
+  int slow_readings = 0;
+
+ private:
+  void take(const std::optional<PitchDecision>& taken) {
+    if (taken) {
+      decision = *taken;
+      decisions.push_back(*taken);
+      head.obey(*taken);
+    }
+  }
+  void watch(const PitchReading& reading) {
+    ++readings;
+    slow_readings += std::abs(reading.rate_rad_s) < 0.1 * head.goal_speed_rad_s() ? 1 : 0;
+    if (reading.sweep != sweep_) {
+      sweeps.push_back({dut.plan().sweep_s, 1e-6 * static_cast<double>(now_us - turned_us_)});
+      sweep_ = reading.sweep;
+      turned_us_ = now_us;
+    }
+  }
+  std::int64_t sweep_ = 0;
+  std::int64_t turned_us_ = 0;
+};
+
+double mean_error(const std::vector<Loop::Sweep>& sweeps, std::size_t last) {
+  double sum = 0.0;
+  for (std::size_t i = sweeps.size() - last; i < sweeps.size(); ++i) {
+    sum += sweeps[i].measured_s / sweeps[i].wished_s - 1.0;
+  }
+  return sum / static_cast<double>(last);
+}
+
+TEST(PitchController, R7_R12_NeverStopsNodding) {
+  for (const double v : {0.0, 0.3, 0.7, 1.0, 1.5, 2.0}) {
+    Loop loop;
+    loop.run(5.0, v);
+    loop.readings = loop.slow_readings = 0;
+    loop.sweeps.clear();
+    loop.run(20.0, v);
+    EXPECT_LE(loop.slow_readings, 0.1 * loop.readings) << v;
+    ASSERT_GT(loop.sweeps.size(), 10U);
+    for (const Loop::Sweep& sweep : loop.sweeps) {
+      EXPECT_GE(sweep.measured_s, 15 * 0.01332 - 0.005) << v;  // a reading's period
+      EXPECT_LE(sweep.measured_s, 500 * 0.01332) << v;
+    }
+  }
+}
+
+TEST(PitchController, R11_AStepOfTheSpeedIsFollowedInTwoSweeps) {
+  Loop loop;
+  loop.run(10.0, 0.0);
+  loop.sweeps.clear();
+  loop.run(4.0, 1.5);
+  const double wished_s = loop.dut.plan().sweep_s;
+  // The first one ends the sweep that the step met; two later it is there. Turns are seen every
+  // 5 ms: half of that besides the 5 %.
+  ASSERT_GT(loop.sweeps.size(), 8U);
+  for (std::size_t i = 2; i < loop.sweeps.size(); ++i) {
+    EXPECT_NEAR(loop.sweeps[i].measured_s, wished_s, 0.05 * wished_s + 0.0025) << i;
+    EXPECT_LT(loop.sweeps[i].measured_s, 1.1 * wished_s) << i;
+    EXPECT_GT(loop.sweeps[i].measured_s, 0.9 * wished_s) << i;
+  }
+}
+
+TEST(PitchController, R11_AFaultOfTheServoLeavesNoError) {
+  for (const double gain : {0.8, 1.2}) {
+    Loop loop;
+    loop.head.speed_gain = gain;
+    loop.run(20.0, 1.0);
+    // The mean of 20 sweeps of 0.3 s, each seen to 5 ms at both ends: 0.2 %; the loop keeps
+    // correcting that noise.
+    EXPECT_NEAR(mean_error(loop.sweeps, 20), 0.0, 0.01) << gain;
+
+    PitchControllerParams off;
+    off.regulator_p = off.regulator_i = 0.0;
+    Loop open(off);
+    open.head.speed_gain = gain;
+    open.run(20.0, 1.0);
+    // Turning takes its part of the time whatever the gain: less than 20 % remain.
+    EXPECT_GT(std::abs(mean_error(open.sweeps, 20)), 0.08) << gain;
+  }
+}
+
+TEST(PitchController, R10_TheAreaClosesAsTheRobotSpeedsUp) {
+  Loop loop;
+  loop.run(5.0, 0.0);
+  EXPECT_NEAR(rad_to_deg(loop.decision.sweep.range_rad()), 120.0, 0.25);
+  loop.decisions.clear();
+  double v = 0.0;
+  loop.run(4.0, [&v] { return v = std::min(v + 0.005, 1.8); });
+  for (std::size_t i = 1; i < loop.decisions.size(); ++i) {
+    EXPECT_GE(loop.decisions[i].sweep.min_rad, loop.decisions[i - 1].sweep.min_rad - 1e-9);
+    EXPECT_LE(loop.decisions[i].sweep.max_rad, loop.decisions[i - 1].sweep.max_rad + 1e-9);
+  }
+  EXPECT_LT(rad_to_deg(loop.decision.sweep.range_rad()), 25.0);
+}
+
+TEST(PitchController, StandingMayStartAndGetToItsTopSpeed) {
+  Loop loop;
+  loop.run(5.0, 0.0);
+  EXPECT_GT(loop.decision.max_forward_mps, 0.15);
+  // A driver that goes as fast as allowed, at the base's 1.5 m/s2.
+  double v = 0.0;
+  double most_above_mps = 0.0;
+  loop.run(8.0, [&] {
+    most_above_mps = std::max(most_above_mps, v - loop.decision.max_forward_mps);
+    return v = std::clamp(loop.decision.max_forward_mps, v - 0.03, v + 0.015);
+  });
+  EXPECT_GT(v, 1.45);  // the navigator's 1.5 m/s
+  // The bound falls a little as the plan runs ahead of the nod: never by more than two steps of the
+  // robot in the 20 ms between decisions, 3 m/s2 up and down.
+  EXPECT_LT(most_above_mps, 0.1);
+}
+
+TEST(PitchController, AfterBrakingTheRobotMayGoOn) {
+  for (const double end_mps : {0.0, 0.3, 0.8, 1.5}) {
+    Loop loop;
+    loop.run(5.0, 0.0);
+    loop.run(5.0, 2.0);
+    double v = 2.0;
+    loop.run(0.6, [&] { return v = std::max(v - 0.03, end_mps); });  // 3 m/s2
+    // The nod has to show its new ends first; then the robot may go faster again.
+    loop.run(4.0, end_mps);
+    EXPECT_GT(loop.decision.max_forward_mps, end_mps + 0.1) << end_mps;
+  }
+}
+
+// What appeared at the end of the stopping way of a slow robot must not be outrun by a fast one
+// before the laser has looked there.
+TEST(PitchController, TheBoundRisesNoFasterThanTheNodCanFollow) {
+  const PitchControllerParams params;
+  Loop loop;
+  loop.run(5.0, 0.0);
+  double before_mps = loop.decision.max_forward_mps;
+  double v = 0.0;
+  loop.run(3.0, [&] {
+    EXPECT_LE(loop.decision.max_forward_mps,
+              before_mps + 0.01 * 2.0 * params.acceleration_mps2 + 1e-9);
+    before_mps = std::max(loop.decision.max_forward_mps, v);
+    return v = std::clamp(loop.decision.max_forward_mps, v - 0.03, v + 0.015);
+  });
+  // Three seconds of 0.5 m/s2 would be 1.5; half of that is left for looking around first.
+  EXPECT_GT(v, 0.75);
+}
+
+TEST(PitchController, TheBoundIsOfTheNodAsItIsNotAsItIsWished) {
+  // A weak servo, not regulated: the plan is the same, the bound is not.
+  PitchControllerParams off;
+  off.regulator_p = off.regulator_i = 0.0;
+  off.top_mps = 5.0;
+  Loop good(off);
+  good.run(10.0, 1.5);
+  Loop weak(off);
+  weak.head.speed_gain = 0.25;
+  weak.run(10.0, 1.5);
+  EXPECT_EQ(weak.dut.plan().sweep_s, good.dut.plan().sweep_s);
+  EXPECT_LT(weak.decision.max_forward_mps, good.decision.max_forward_mps - 0.2);
+}
+
+TEST(PitchController, NobodyDrivesBeforeTwoWholeSweeps) {
+  Loop loop;
+  loop.run(0.5, 0.0);
+  EXPECT_EQ(loop.decision.hindrance, Hindrance::kNotNodding);
+  EXPECT_EQ(loop.decision.max_forward_mps, 0.0);
+  loop.run(4.5, 0.0);
+  EXPECT_EQ(loop.decision.hindrance, Hindrance::kNone);
+}
+
+TEST(PitchController, OldOdometryStops) {
+  Loop loop;
+  loop.run(5.0, 0.5);
+  loop.give_speed = false;
+  loop.run(0.205, 0.5);
+  EXPECT_EQ(loop.decision.hindrance, Hindrance::kNone);
+  loop.run(0.03, 0.5);
+  EXPECT_EQ(loop.decision.hindrance, Hindrance::kNoOdometry);
+  EXPECT_EQ(loop.decision.max_forward_mps, 0.0);
+}
+
+TEST(PitchController, OldPitchStops) {
+  Loop loop;
+  loop.run(5.0, 0.5);
+  loop.give_pitch = false;
+  loop.run(0.18, 0.5);
+  EXPECT_EQ(loop.decision.hindrance, Hindrance::kNone);
+  loop.run(0.05, 0.5);
+  EXPECT_EQ(loop.decision.hindrance, Hindrance::kNoPitch);
+  EXPECT_EQ(loop.decision.max_forward_mps, 0.0);
+}
+
+TEST(PitchController, AStampFromTheFutureIsNoFreshOne) {
+  Loop loop;
+  loop.run(5.0, 0.5);
+  loop.give_speed = false;
+  loop.dut.add_speed(loop.now_us + 60'000'000, 0.5);
+  loop.run(0.1, 0.5);
+  EXPECT_EQ(loop.decision.hindrance, Hindrance::kNoOdometry);
+}
+
+TEST(PitchController, AStalledServoStops) {
+  Loop loop;
+  loop.run(5.0, 0.5);
+  loop.head.jammed = true;
+  loop.run(0.5, 0.5);
+  EXPECT_EQ(loop.decision.max_forward_mps, 0.0);
+}
+
+TEST(PitchController, AHeadThatMovesButNeverTurnsIsNoNod) {
+  Loop loop;
+  loop.run(5.0, 1.0);
+  ASSERT_GT(loop.decision.max_forward_mps, 0.0);
+  loop.give_pitch = false;  // from here on by hand, without is_stalled
+  const PitchReading reading = loop.head.advance_to(loop.now_us);
+  for (int i = 1; i <= 200; ++i) {
+    const std::int64_t now_us = loop.now_us + i * 5000;
+    loop.dut.add_speed(now_us, 1.0);
+    loop.dut.add_pitch({now_us, 0.0, 0.1, reading.sweep, false});
+    if (const auto decision = loop.dut.decide(now_us)) {
+      loop.decision = *decision;
+    }
+  }
+  EXPECT_EQ(loop.decision.hindrance, Hindrance::kNotNodding);
+  EXPECT_EQ(loop.decision.max_forward_mps, 0.0);
+}
+
+TEST(PitchController, DecidesAtFiftyHertzAndAtEachTurn) {
+  Loop loop;
+  loop.run(2.0, 1.0);
+  loop.decisions.clear();
+  loop.sweeps.clear();
+  loop.run(10.0, 1.0);
+  // A turn puts a decision in, and the grid begins anew there.
+  EXPECT_GE(loop.decisions.size(), 500U - loop.sweeps.size());
+  EXPECT_LE(loop.decisions.size(), 500U + loop.sweeps.size());
+}
+
+TEST(PitchController, FixedHoldsTheLaserLevel) {
+  PitchControllerParams params;
+  params.mode = Mode::kFixed;
+  params.top_mps = 5.0;
+  Loop loop(params);
+  loop.run(3.0, 0.5);
+  EXPECT_EQ(loop.decision.sweep.min_rad, 0.0);
+  EXPECT_EQ(loop.decision.sweep.max_rad, 0.0);
+  EXPECT_GT(loop.decision.sweep_s, 0.0);
+  EXPECT_EQ(loop.decision.hindrance, Hindrance::kNone);
+  EXPECT_NEAR(loop.decision.max_forward_mps, 3.30, 0.01);  // the reference's table, 4 m
+  loop.dut.add_pitch({loop.now_us + 5000, 0.1, 0.0, 0, false});
+  EXPECT_EQ(loop.dut.decide(loop.now_us + 30'000)->hindrance, Hindrance::kNotLevel);
+}
+
+}  // namespace
+}  // namespace nodmap::pitch_controller

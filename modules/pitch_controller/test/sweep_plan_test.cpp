@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/pitch_controller/sweep_plan.hpp"
+
+#include <gtest/gtest.h>
+
+#include "modules/pitch_controller/speed_bound.hpp"
+
+namespace nodmap::pitch_controller {
+namespace {
+
+using geometry::deg_to_rad;
+using geometry::rad_to_deg;
+
+constexpr double kStepMps = 0.01;
+constexpr double kScanS = 0.01332;
+const PitchControllerParams kParams;
+
+TEST(SweepPlan, SpacingOfTheReference) {
+  // 0.10 m at 1 m from 0.38 m: 2.5 degrees (rounded).
+  EXPECT_NEAR(rad_to_deg(spacing_for(0.10, 2, 1.0, 0.38)), 2.5, 0.05);
+}
+
+TEST(SweepPlan, SpacingPutsTheLinesOnTheObstacle) {
+  // Brute force: whatever the phase of the lines, at least two meet an obstacle above the floor.
+  const double dp = spacing_for(0.05, 2, 1.2, 0.38);
+  for (double phase = 0.0; phase < 1.0; phase += 0.01) {
+    int lines = 0;
+    for (int i = -1; (i + phase) * dp > -1.5; --i) {
+      const double height = 0.38 + 1.2 * std::tan((i + phase) * dp);
+      lines += height >= 0.05 && height <= 0.10 ? 1 : 0;
+    }
+    EXPECT_GE(lines, 2) << phase;
+  }
+}
+
+TEST(SweepPlan, R10_TheWholeRangeStandingTheCorridorDrivingFast) {
+  const SweepPlanner planner(kParams);
+  const SweepPlan standing = planner.plan(0.0);
+  // 0.25 degrees are R10's.
+  EXPECT_NEAR(rad_to_deg(standing.area.range_rad()), 120.0, 0.25);
+  EXPECT_NEAR(rad_to_deg(standing.sweep.range_rad()), 120.0, 0.25);
+  const VirtualCorridor corridor = VirtualCorridor::of(kParams);
+  for (const double v : {1.0, 1.5, 2.0}) {
+    const SweepPlan fast = planner.plan(v);
+    const PitchInterval least = corridor.area_from(fast.d_min_m);
+    EXPECT_NEAR(fast.area.min_rad, least.min_rad, 1e-9);
+    EXPECT_NEAR(fast.area.max_rad, least.max_rad, 1e-9);
+  }
+}
+
+TEST(SweepPlan, R10_MonotoneInTheSpeed) {
+  const SweepPlanner planner(kParams);
+  SweepPlan before = planner.plan(0.0);
+  for (double v = kStepMps; v < 4.0; v += kStepMps) {
+    const SweepPlan now = planner.plan(v);
+    EXPECT_GE(now.area.min_rad, before.area.min_rad) << v;
+    EXPECT_LE(now.area.max_rad, before.area.max_rad) << v;
+    EXPECT_GE(now.d_min_m, before.d_min_m) << v;
+    before = now;
+  }
+}
+
+// R29: what appears at the end of the stopping way just after the laser has passed is looked at
+// again at d_min or farther.
+TEST(SweepPlan, WhatAppearsBeyondTheStoppingWayIsLookedAtBeforeDMin) {
+  const SweepPlanner planner(kParams);
+  const Stopping stopping = Stopping::of(kParams);
+  for (double v = 0.0; v < 4.0; v += kStepMps) {
+    const SweepPlan plan = planner.plan(v);
+    const double appears_m = stopping.way_m(v, stopping.reaction_s(plan.sweep_s));
+    EXPECT_LE(plan.d_min_m, appears_m - 2.0 * v * plan.sweep_s + 1e-9) << v;
+  }
+}
+
+TEST(SweepPlan, OverscansByALineWithinTheMechanics) {
+  const SweepPlanner planner(kParams);
+  for (double v = 0.0; v < 4.0; v += kStepMps) {
+    const SweepPlan plan = planner.plan(v);
+    EXPECT_GE(plan.sweep.min_rad, kParams.pitch_min_rad);
+    EXPECT_LE(plan.sweep.max_rad, kParams.pitch_max_rad);
+    if (plan.sweep.min_rad > kParams.pitch_min_rad) {
+      EXPECT_NEAR(plan.area.min_rad - plan.sweep.min_rad, plan.line_spacing_rad, 1e-12);
+    }
+    if (plan.sweep.max_rad < kParams.pitch_max_rad) {
+      EXPECT_NEAR(plan.sweep.max_rad - plan.area.max_rad, plan.line_spacing_rad, 1e-12);
+    }
+  }
+}
+
+TEST(SweepPlan, R12_ScansPerSweepAndWhatTheServoCan) {
+  const SweepPlanner planner(kParams);
+  for (double v = 0.0; v < 4.0; v += kStepMps) {
+    const SweepPlan plan = planner.plan(v);
+    EXPECT_GE(plan.sweep_s, 15.0 * kScanS - 1e-12);
+    EXPECT_LE(plan.sweep_s, 500.0 * kScanS + 1e-12);
+    EXPECT_LE(plan.fastest_s, plan.sweep_s + 1e-12);
+    EXPECT_GE(plan.slowest_s, plan.fastest_s);
+    EXPECT_LE(plan.line_spacing_rad, kParams.max_speed_rad_s * kScanS + 1e-12);
+  }
+}
+
+TEST(SweepPlan, NoShorterSweepKeepsTheLinesAndTheServo) {
+  const SweepPlanner planner(kParams);
+  for (double v = 0.0; v < 2.0; v += 0.1) {
+    const SweepPlan plan = planner.plan(v);
+    // Brute force over all speeds of the servo that keep the spacing.
+    double shortest_s = 1e9;
+    for (double w = 0.01; w <= kParams.max_speed_rad_s; w += 0.001) {
+      if (w * kScanS <= plan.line_spacing_rad) {
+        shortest_s = std::min(shortest_s,
+                              plan.sweep.range_rad() / w + w / kParams.servo_acceleration_rad_s2);
+      }
+    }
+    shortest_s = std::max(shortest_s, 15.0 * kScanS);
+    // The search is 0.001 rad/s coarse: of 1 rad/s, 0.1 %.
+    EXPECT_NEAR(plan.sweep_s, shortest_s, 2e-3 * shortest_s) << v;
+  }
+}
+
+TEST(SweepPlan, ANodForASpeedAllowsAGreaterOne) {
+  // No deadlock on the way up to the top speed, and no hunting at it.
+  const SweepPlanner planner(kParams);
+  const VirtualCorridor corridor = VirtualCorridor::of(kParams);
+  const Stopping stopping = Stopping::of(kParams);
+  for (double v = 0.0; v <= kParams.top_mps; v += kStepMps) {
+    const SweepPlan plan = planner.plan(v);
+    const ClearView view = clear_view(corridor, plan.sweep, plan.line_spacing_rad,
+                                      kParams.visible_obstacle_m, kParams.look_ahead_m);
+    EXPECT_GT(speed_bound(view, plan.sweep_s, stopping), v + 0.1) << v;
+    EXPECT_LE(view.near_m, plan.d_min_m + 0.05) << v;
+  }
+}
+
+}  // namespace
+}  // namespace nodmap::pitch_controller
