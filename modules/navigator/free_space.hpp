@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "modules/navigator/corridor.hpp"
+
+namespace nodmap::navigator {
+
+/// How far the robot could drive straight in each direction of the half plane ahead, one for each
+/// degree from -90 to 90.
+struct FreeSpace {
+  static constexpr int kHalf = 90;
+
+  /// Free way from the robot's front, metres; +infinity: nothing there. Entry kHalf is ahead.
+  std::array<double, 2 * kHalf + 1> way_m{};
+
+  /// The direction of an entry: -90..90 to radians, positive left.
+  [[nodiscard]] static double angle_rad(int degree);
+  [[nodiscard]] static int degree_of(double angle_rad);
+  [[nodiscard]] static std::size_t index(int degree) {
+    const int entry = degree + kHalf;
+    return static_cast<std::size_t>(entry);
+  }
+  [[nodiscard]] double at(int degree) const { return way_m[index(degree)]; }
+  [[nodiscard]] double& at(int degree) { return way_m[index(degree)]; }
+};
+
+/// The free way in each direction in a corridor as wide as the body and a margin on both sides: a
+/// gap narrower than the robot is no way.
+[[nodiscard]] FreeSpace measure_free_space(const Points& points_base, const Footprint& body,
+                                           double side_margin_m);
+
+/// Steer: the orientation of free space (Lingemann et al. 2005, used by the paper, III C),
+///
+///     alpha = atan2(sum sin(phi) f(phi) g(d), sum cos(phi) f(phi) g(d))
+///
+/// f(phi) = cos(1.2 (phi - wanted)), 0 where negative, prefers the wanted direction (ahead, or that
+/// of the goal); g(d) = 1 / (1 + exp(-(d - open_space) / 0.25 m)) is a soft threshold. Empty where
+/// there is no free space at all. Mirrored input gives exactly mirrored output: the terms of +phi
+/// and -phi are added together.
+[[nodiscard]] std::optional<double> free_space_orientation(const FreeSpace& space,
+                                                           double wanted_rad, double open_space_m);
+
+/// The directions nearest to alpha, to its left and right (alpha itself: both), in which the way is
+/// free for `needed_m`. The orientation is a mean: between two doors it points at the wall.
+struct FreeNeighbours {
+  std::optional<double> left_rad;
+  std::optional<double> right_rad;
+};
+[[nodiscard]] FreeNeighbours free_neighbours(const FreeSpace& space, double alpha_rad,
+                                             double needed_m);
+
+/// +1 where there is more room on the left, -1 on the right, 0 as much on both sides. Ways count up
+/// to 3 m: what is farther makes no side better.
+[[nodiscard]] double side_with_more_room(const FreeSpace& space);
+
+}  // namespace nodmap::navigator

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+
+#include "modules/navigator/free_space.hpp"
+
+namespace nodmap::navigator {
+
+/// Where the robot is to go, as it sees it.
+struct GoalInBase {
+  double bearing_rad = 0.0;  ///< positive left
+  double distance_m = 0.0;
+  double tolerance_m = 0.0;
+};
+
+[[nodiscard]] GoalInBase goal_in_base(const Eigen::Vector2d& p_goal_base, double tolerance_m);
+
+/// Has the robot arrived? It has left again only a hand's breadth farther, so that it does not
+/// shuffle at the border.
+[[nodiscard]] bool has_arrived(const GoalInBase& goal, bool had_arrived);
+
+/// The way around what stands between robot and goal (after Bug2, Lumelsky and Stepanov 1987): it
+/// keeps to the side it chose, along the wall, until the way to the goal is free AND shorter than
+/// where the detour began. Without that memory a robot leaves a dead end and drives in again.
+class Detour {
+ public:
+  /// The direction to steer to, in base; empty where nothing ahead is free for `needed_m`.
+  [[nodiscard]] std::optional<double> direction(const FreeSpace& space, const Points& points_base,
+                                                const GoalInBase& goal, double needed_m);
+
+  /// The side of the detour: +1 left, -1 right, 0 none.
+  [[nodiscard]] double side() const { return side_; }
+  /// The robot had to turn away from what blocks it, to this side.
+  void begin(double side, const GoalInBase& goal);
+  void end() { side_ = 0.0; }
+
+ private:
+  [[nodiscard]] std::optional<double> round_obstacle(const FreeSpace& space, const GoalInBase& goal,
+                                                     double straight_rad, double needed_m);
+
+  double side_ = 0.0;
+  double began_at_m_ = 0.0;  // distance to the goal
+};
+
+}  // namespace nodmap::navigator

@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/navigator/node.hpp"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "common/msg/messages.hpp"
+
+namespace nodmap::navigator {
+namespace {
+
+// A microsecond clock gets there in the year 38000; differences of stamps below never overflow.
+constexpr std::int64_t kLatestUtimeUs = std::int64_t{1} << 60;
+/// Both ends of the nod nearer than this: the laser is held.
+constexpr double kHeldRad = geometry::deg_to_rad(0.1);
+/// The base cannot go faster; a map farther off than that is of another odometry.
+constexpr double kTopSpeedMps = 5.2;
+
+bool is_time(std::int64_t utime_us) {
+  return utime_us >= 0 && utime_us < kLatestUtimeUs;
+}
+
+std::int8_t code_of(Behaviour behaviour) {
+  switch (behaviour) {
+    case Behaviour::kSteer:
+      return nodmap::navigation_t::STEER;
+    case Behaviour::kBrake:
+      return nodmap::navigation_t::BRAKE;
+    case Behaviour::kTurn:
+      return nodmap::navigation_t::TURN;
+    case Behaviour::kArrived:
+      return nodmap::navigation_t::ARRIVED;
+    case Behaviour::kHalt:
+      break;
+  }
+  return nodmap::navigation_t::HALT;
+}
+
+}  // namespace
+
+NavigatorNode::NavigatorNode(node::Context& context, const Params& params)
+    : context_(context), params_(params), input_(context.tally), navigator_(params) {
+  bus::Bus& bus = context.bus;
+  bus.subscribe<nodmap::egomap_t>("OBSTACLE_MAP", [this](const auto& m) { on_map(m); });
+  bus.subscribe<nodmap::odometry_t>("ODOMETRY", [this](const auto& m) { on_odometry(m); });
+  bus.subscribe<nodmap::pitch_command_t>("PITCH_COMMAND",
+                                         [this](const auto& m) { on_pitch_command(m); });
+  bus.subscribe<nodmap::pitch_state_t>("PITCH_STATE", [this](const auto& m) { on_pitch_state(m); });
+  bus.subscribe<nodmap::goal_t>("GOAL", [this](const auto& m) { on_goal(m); });
+  bus.subscribe<nodmap::pose_t>("POSE_2D", [this](const auto& m) { on_pose(m); });
+}
+
+void NavigatorNode::on_map(const nodmap::egomap_t& message) {
+  const auto T_odom_map = msg::read_pose(message.position_m, message.orientation);
+  auto points_map = read_points(message.distance_m, message.point_x_m, message.point_y_m);
+  if (!T_odom_map || !points_map || !is_time(message.utime)) {
+    context_.tally.reject("implausible_obstacle_map");
+    return;
+  }
+  if (message.utime < odometry_frame_began_us_) {
+    context_.tally.reject("map_of_former_odometry");
+    return;
+  }
+  context_.tally.use();
+  map_ = {geometry::to_se2(*T_odom_map), std::move(*points_map)};
+  stamps_.map_us = message.utime;
+  auto reason = reason_not_to_drive();
+  publish(reason ? navigator_.halt(std::move(*reason)) : navigator_.decide(situation()));
+}
+
+void NavigatorNode::on_odometry(const nodmap::odometry_t& message) {
+  const auto T_odom_base = input_.read(message);
+  if (!T_odom_base) {
+    return;
+  }
+  if (!std::isfinite(message.forward_mps) || !std::isfinite(message.yaw_rate_rad_s)) {
+    context_.tally.reject("implausible_odometry");
+    return;
+  }
+  if (odometry_ && message.odometry_seq < odometry_->seq) {
+    begin_odometry_frame(message.utime);
+  }
+  context_.tally.use();
+  odometry_ = {message.odometry_seq, geometry::to_se2(*T_odom_base), message.forward_mps,
+               message.yaw_rate_rad_s};
+  stamps_.odometry_us = message.utime;
+  if (auto reason = reason_not_to_drive()) {
+    publish(navigator_.halt(std::move(*reason)));
+  }
+}
+
+/// The publisher counts anew, so its odom frame began anew: neither the map nor what the navigator
+/// remembers can be placed in it, nor the correction that leads from it to the map frame.
+void NavigatorNode::begin_odometry_frame(std::int64_t utime_us) {
+  odometry_frame_began_us_ = utime_us;
+  map_.reset();
+  stamps_.map_us.reset();
+  navigator_.reset();
+}
+
+void NavigatorNode::on_pitch_command(const nodmap::pitch_command_t& message) {
+  context_.tally.lose(pitch_commands_watch_.lost_before(message.command_seq));
+  if (!is_time(message.utime) || !std::isfinite(message.max_forward_mps) ||
+      message.max_forward_mps < 0.0) {
+    context_.tally.reject("implausible_pitch_command");
+    return;
+  }
+  context_.tally.use();
+  pitch_command_ = message;
+  stamps_.pitch_command_us = message.utime;
+}
+
+void NavigatorNode::on_pitch_state(const nodmap::pitch_state_t& message) {
+  context_.tally.lose(pitch_states_watch_.lost_before(message.state_seq));
+  if (!is_time(message.utime)) {
+    context_.tally.reject("implausible_pitch_state");
+    return;
+  }
+  context_.tally.use();
+  pitch_state_ = message;
+  stamps_.pitch_state_us = message.utime;
+}
+
+void NavigatorNode::on_goal(const nodmap::goal_t& message) {
+  const Eigen::Vector2d p_map(message.position_m[0], message.position_m[1]);
+  if (message.is_active != 0 &&
+      (!p_map.allFinite() || !(message.tolerance_m > 0.0) || !std::isfinite(message.tolerance_m))) {
+    context_.tally.reject("implausible_goal");
+    return;
+  }
+  context_.tally.use();
+  goal_.reset();
+  if (message.is_active != 0) {
+    goal_ = {p_map, message.tolerance_m};
+  }
+}
+
+/// Moves the goal in odom, and nothing else: old or missing, it leads the robot elsewhere, but into
+/// nothing. So it is no reason to halt.
+void NavigatorNode::on_pose(const nodmap::pose_t& message) {
+  const auto T_map_odom = msg::read_pose(message.odom_position_m, message.odom_orientation);
+  if (!T_map_odom || message.pose_quality == nodmap::pose_t::LOST) {
+    context_.tally.reject(T_map_odom ? "lost_pose" : "implausible_pose");
+    return;
+  }
+  context_.tally.use();
+  T_map_odom_ = geometry::to_se2(*T_map_odom);
+}
+
+std::optional<std::string> NavigatorNode::reason_not_to_drive() const {
+  if (auto stale = reason_to_halt(stamps_, params_)) {
+    return stale;
+  }
+  if (pitch_state_.is_stalled != 0) {
+    return "The pitch servo is stalled.";
+  }
+  const double age_s = 1e-6 * std::abs(static_cast<double>(*stamps_.odometry_us - *stamps_.map_us));
+  const double shift_m =
+      (odometry_->T_odom_base.translation() - map_->T_odom_map.translation()).norm();
+  // A hand's breadth for the map's pose being interpolated.
+  if (shift_m > kTopSpeedMps * age_s + 0.1) {
+    return "Obstacle map and odometry do not fit together.";
+  }
+  return std::nullopt;
+}
+
+Situation NavigatorNode::situation() const {
+  Situation now;
+  now.utime_us = *stamps_.odometry_us;
+  now.T_odom_base = odometry_->T_odom_base;
+  now.points_base = move_to_base(map_->points_map, map_->T_odom_map, odometry_->T_odom_base);
+  now.forward_mps = odometry_->forward_mps;
+  now.yaw_rate_rad_s = odometry_->yaw_rate_rad_s;
+  now.max_forward_mps = pitch_command_.max_forward_mps;
+  now.sweep_count = pitch_state_.sweep_count;
+  now.laser_is_held = pitch_command_.pitch_max_rad - pitch_command_.pitch_min_rad < kHeldRad;
+  if (goal_) {
+    const geometry::SE2 T_base_map = (T_map_odom_ * odometry_->T_odom_base).inverse();
+    now.goal = goal_in_base(T_base_map * goal_->p_map, goal_->tolerance_m);
+  }
+  return now;
+}
+
+void NavigatorNode::publish(const Decision& decision) {
+  // Odometry comes from the host of the base driver: its stamps are the driver's own clock.
+  drive_.utime = stamps_.odometry_us ? *stamps_.odometry_us : stamps_.map_us.value_or(0);
+  drive_.drive_seq = next_drive_seq_++;
+  drive_.forward_mps = decision.forward_mps;
+  drive_.yaw_rate_rad_s = decision.yaw_rate_rad_s;
+  drive_.valid_us = std::llround(1e6 * params_.drive_valid_s);
+  context_.bus.publish("DRIVE", drive_);
+
+  navigation_.utime = drive_.utime;
+  navigation_.drive_seq = drive_.drive_seq;
+  navigation_.behaviour = code_of(decision.behaviour);
+  navigation_.reason = decision.reason;
+  navigation_.steering_angle_rad = decision.steering_angle_rad;
+  const double v = decision.max_forward_mps;
+  navigation_.corridor_length_m =
+      v * params_.reaction_s + v * v / (2.0 * params_.deceleration_mps2) + params_.stop_margin_m;
+  navigation_.corridor_width_m = params_.robot_width_m + 2.0 * params_.side_margin_m;
+  navigation_.free_way_m = decision.free_way_m;
+  navigation_.max_forward_mps = decision.max_forward_mps;
+  context_.bus.publish("NAVIGATION", navigation_);
+
+  ++decisions_[static_cast<std::size_t>(decision.behaviour)];
+  halted_because_ = decision.behaviour == Behaviour::kHalt ? decision.reason : "";
+}
+
+nlohmann::json NavigatorNode::figures() const {
+  return {{"decisions",
+           {{"steer", decisions_[nodmap::navigation_t::STEER]},
+            {"brake", decisions_[nodmap::navigation_t::BRAKE]},
+            {"turn", decisions_[nodmap::navigation_t::TURN]},
+            {"arrived", decisions_[nodmap::navigation_t::ARRIVED]},
+            {"halt", decisions_[nodmap::navigation_t::HALT]}}}};
+}
+
+node::Health NavigatorNode::health() const {
+  if (!halted_because_.empty()) {
+    return {node::HealthState::kDegraded, "The robot halts: " + halted_because_};
+  }
+  return {};
+}
+
+}  // namespace nodmap::navigator

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+
+#include "common/input/sensor_input.hpp"
+#include "common/node/node.hpp"
+#include "modules/navigator/navigator.hpp"
+#include "modules/navigator/staleness.hpp"
+#include "nodmap/drive_t.hpp"
+#include "nodmap/egomap_t.hpp"
+#include "nodmap/goal_t.hpp"
+#include "nodmap/navigation_t.hpp"
+#include "nodmap/odometry_t.hpp"
+#include "nodmap/pitch_command_t.hpp"
+#include "nodmap/pitch_state_t.hpp"
+#include "nodmap/pose_t.hpp"
+
+namespace nodmap::navigator {
+
+/// OBSTACLE_MAP, ODOMETRY and the scanner's state in, DRIVE and NAVIGATION out, one for each map.
+/// When the inputs say that it must not drive, also one for each odometry message: then that is the
+/// clock.
+class NavigatorNode final : public node::Node {
+ public:
+  using Params = NavigatorParams;
+
+  NavigatorNode(node::Context& context, const Params& params);
+
+  void write_results(const std::filesystem::path& /*dir*/) override {}
+  [[nodiscard]] nlohmann::json figures() const override;
+  [[nodiscard]] node::Health health() const override;
+
+ private:
+  struct Odometry {
+    std::int64_t seq = 0;
+    geometry::SE2 T_odom_base;
+    double forward_mps = 0.0;
+    double yaw_rate_rad_s = 0.0;
+  };
+  struct ObstacleMap {
+    geometry::SE2 T_odom_map;  // base at its stamp
+    Points points_map;
+  };
+  struct Goal {
+    Eigen::Vector2d p_map;
+    double tolerance_m = 0.0;
+  };
+
+  void on_map(const nodmap::egomap_t& message);
+  void on_odometry(const nodmap::odometry_t& message);
+  void on_pitch_command(const nodmap::pitch_command_t& message);
+  void on_pitch_state(const nodmap::pitch_state_t& message);
+  void on_goal(const nodmap::goal_t& message);
+  void on_pose(const nodmap::pose_t& message);
+
+  void begin_odometry_frame(std::int64_t utime_us);
+  [[nodiscard]] std::optional<std::string> reason_not_to_drive() const;
+  [[nodiscard]] Situation situation() const;
+  void publish(const Decision& decision);
+
+  node::Context& context_;
+  Params params_;
+  input::SensorInput input_;
+  Navigator navigator_;
+
+  node::SequenceWatch pitch_commands_watch_;
+  node::SequenceWatch pitch_states_watch_;
+  InputStamps stamps_;
+  std::int64_t odometry_frame_began_us_ = 0;
+  std::optional<ObstacleMap> map_;
+  std::optional<Odometry> odometry_;
+  nodmap::pitch_command_t pitch_command_{};
+  nodmap::pitch_state_t pitch_state_{};
+  std::optional<Goal> goal_;
+  geometry::SE2 T_map_odom_;
+
+  nodmap::drive_t drive_{};
+  nodmap::navigation_t navigation_{};
+  std::int64_t next_drive_seq_ = 0;
+  std::array<std::int64_t, 5> decisions_{};  // by behaviour
+  std::string halted_because_ = "There is no odometry.";
+};
+
+}  // namespace nodmap::navigator

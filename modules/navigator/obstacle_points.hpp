@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "common/geometry/se2.hpp"
+
+namespace nodmap::navigator {
+
+/// Obstacles as points on the ground plane, metres, in the frame the name of the variable says.
+using Points = std::vector<Eigen::Vector2d>;
+
+/// The points of an egocentric map, bin by bin: its distance and x and y, as in nodmap.egomap_t.
+/// A distance of +infinity is a direction without a point. Empty when the map contradicts itself
+/// anywhere: a map of which one part is wrong is not driven on.
+[[nodiscard]] std::optional<Points> read_points(std::span<const float> distance_m,
+                                                std::span<const float> x_m,
+                                                std::span<const float> y_m);
+
+/// The points of a map made at T_odom_map as the robot at T_odom_base sees them. The map is a scan
+/// and its way here old; at 1.5 m/s and 60 degrees/s that is 3 cm and, at 2 m, 4 cm.
+[[nodiscard]] Points move_to_base(const Points& points_map, const geometry::SE2& T_odom_map,
+                                  const geometry::SE2& T_odom_base);
+
+}  // namespace nodmap::navigator

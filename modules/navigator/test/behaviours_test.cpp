@@ -1,0 +1,353 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The smaller pieces: brake, view, trail, turn, goal, staleness, points of the map.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "modules/navigator/approach.hpp"
+#include "modules/navigator/brake.hpp"
+#include "modules/navigator/goal.hpp"
+#include "modules/navigator/obstacle_points.hpp"
+#include "modules/navigator/staleness.hpp"
+#include "modules/navigator/trail.hpp"
+#include "modules/navigator/turn.hpp"
+#include "modules/navigator/view.hpp"
+
+namespace nodmap::navigator {
+namespace {
+
+using geometry::deg_to_rad;
+
+constexpr double kInf = std::numeric_limits<double>::infinity();
+
+TEST(Brake, ReactionAndBrakingTakeExactlyTheWay) {
+  for (const double way_m : {0.01, 0.1, 0.5, 2.0, 10.0}) {
+    const double v = stoppable_speed(way_m, 1.5, 0.1);
+    EXPECT_NEAR(v * 0.1 + v * v / 3.0, way_m, 1e-12);  // rounding of a square root
+  }
+  // Table 6.3 of the method: D = 1 m, T = 0.45 s (15 scans), 0.15 m to spare: 1.06 m/s.
+  EXPECT_NEAR(stoppable_speed(0.85, 1.5, 0.45), 1.06, 0.005);
+}
+
+TEST(Brake, NoWayNoSpeed) {
+  EXPECT_EQ(stoppable_speed(0.0, 1.5, 0.1), 0.0);
+  EXPECT_EQ(stoppable_speed(-1.0, 1.5, 0.1), 0.0);
+  EXPECT_EQ(stoppable_speed(std::nan(""), 1.5, 0.1), 0.0);
+  EXPECT_EQ(stoppable_speed(kInf, 1.5, 0.1), kInf);
+}
+
+TEST(Brake, ArcsAreBoundByTurnRateAndLateralAcceleration) {
+  const SpeedLimits limits{1.5, 1.4, 0.8};
+  EXPECT_EQ(speed_on_arc(0.0, limits), 1.5);
+  EXPECT_NEAR(speed_on_arc(0.5, limits), std::sqrt(1.6), 1e-12);
+  EXPECT_NEAR(speed_on_arc(-7.0, limits), 0.2, 1e-12);
+  EXPECT_EQ(speed_on_arc(0.0, {-0.5, 1.4, 0.8}), 0.0);
+}
+
+TEST(View, ADirectionIsTrustedAfterTwoTurnsOfTheNod) {
+  View view(deg_to_rad(70));
+  view.look(0.0, 10);
+  EXPECT_FALSE(view.trusts(0.0, 2));
+  view.look(0.0, 11);
+  EXPECT_FALSE(view.trusts(0.0, 2));
+  view.look(0.0, 12);
+  EXPECT_TRUE(view.trusts(0.0, 2));
+  EXPECT_TRUE(view.trusts(deg_to_rad(-69), 2));
+  EXPECT_FALSE(view.trusts(deg_to_rad(80), 2));
+}
+
+TEST(View, TurningBringsNewDirectionsAndForgetsOldOnes) {
+  View view(deg_to_rad(70));
+  view.look(0.0, 0);
+  view.look(0.0, 2);
+  view.look(deg_to_rad(100), 2);
+  EXPECT_FALSE(view.trusts(0.0, 2));             // compass 100: new
+  EXPECT_TRUE(view.trusts(deg_to_rad(-60), 2));  // compass 40: seen all along
+  view.look(0.0, 2);
+  EXPECT_FALSE(view.trusts(deg_to_rad(-60), 2));  // was out of view in between
+  view.look(0.0, 0);                              // the servo's driver started again
+  EXPECT_FALSE(view.trusts(deg_to_rad(40), 2));
+}
+
+/// A view that trusts all that is up to 70 degrees from ahead.
+View seen_ahead() {
+  View view(deg_to_rad(70));
+  view.look(0.0, 0);
+  view.look(0.0, 2);
+  return view;
+}
+
+TEST(Approach, NoticesWhatComesNearAndOnlyFromThenOn) {
+  Approach approach(0.9, 2);
+  const View view = seen_ahead();
+  std::int64_t utime_us = 0;
+  for (double x_m = 2.0; x_m > 0.3; x_m -= 0.01, utime_us += 10'000) {  // 1 m/s
+    approach.look(utime_us, 0.0, {{x_m, 0.1}, {0.0, 0.4}}, view);
+    // 6 cm nearer than it was; the nearest it may be overlooked at is so far within the reach.
+    if (x_m > 0.91) {
+      EXPECT_FALSE(approach.is_close(utime_us)) << x_m;
+    } else if (x_m < 0.83) {
+      EXPECT_TRUE(approach.is_close(utime_us)) << x_m;
+    }
+  }
+  for (int i = 0; i < 101; ++i, utime_us += 10'000) {
+    approach.look(utime_us, 0.0, {{0.3, 0.1}, {0.0, 0.4}}, view);
+  }
+  EXPECT_FALSE(approach.is_close(utime_us));  // it stays
+}
+
+TEST(Approach, TurningBringsNothingNearer) {
+  // A wall and a pole at half a metre, seen from headings a degree apart, with 2 cm of noise.
+  Approach approach(0.9, 2);
+  View view(deg_to_rad(70));
+  for (int i = 0; i < 400; ++i) {
+    const double heading_rad = deg_to_rad(i);
+    view.look(geometry::normalize_angle(heading_rad), i / 20);
+    Points points_base;
+    const double noise_m = 0.02 * ((i * 7) % 5 - 2) / 2.0;
+    for (double y = -2.0; y < 2.0; y += 0.02) {
+      points_base.emplace_back(0.5 + noise_m, y);
+    }
+    points_base.emplace_back(-0.5 + noise_m, 0.0);
+    for (Eigen::Vector2d& p : points_base) {
+      p = geometry::SE2{0.0, 0.0, -heading_rad}.rotation() * p;
+    }
+    approach.look(i * 10'000, heading_rad, points_base, view);
+    EXPECT_FALSE(approach.is_close(i * 10'000)) << i;
+  }
+}
+
+TEST(Approach, WhatOnlyComesIntoViewDoesNotCome) {
+  Approach approach(0.9, 2);
+  const View view = seen_ahead();
+  approach.look(0, 0.0, {}, view);
+  approach.look(10'000, 0.0, {{-0.1, 0.5}}, view);  // beside it, where the laser had not looked
+  EXPECT_FALSE(approach.is_close(10'000));
+  approach.look(20'000, 0.0, {{-0.1, 0.5}, {0.5, 0.0}}, view);  // ahead, where it had
+  EXPECT_TRUE(approach.is_close(20'000));
+}
+
+TEST(Approach, DrivingIsNotAnApproach) {
+  Approach approach(0.9, 2);
+  const View view = seen_ahead();
+  approach.look(0, 0.0, {{0.8, 0.0}}, view);
+  approach.forget();
+  approach.look(10'000, 0.0, {{0.4, 0.0}}, view);
+  EXPECT_FALSE(approach.is_close(10'000));
+}
+
+TEST(Trail, LeadsBackTheWayTheRobotCame) {
+  Trail trail;
+  EXPECT_FALSE(trail.way_back({}));
+  geometry::SE2 pose;
+  for (int i = 0; i < 50; ++i) {  // half a metre on an arc of 1 m to the left
+    trail.record(pose);
+    pose = pose * geometry::SE2{0.01, 0, 0.01};
+  }
+  const auto back = trail.way_back(pose);
+  ASSERT_TRUE(back);
+  EXPECT_EQ(back->turn_rad, 0.0);
+  EXPECT_NEAR(back->curvature, 1.0, 0.02);  // chord for arc
+}
+
+TEST(Trail, FirstTurnsToTheHeadingAtWhichItCame) {
+  Trail trail;
+  for (int i = 0; i <= 10; ++i) {
+    trail.record({0.05 * i, 0, 0});
+  }
+  const auto back = trail.way_back({0.5, 0, deg_to_rad(60)});
+  ASSERT_TRUE(back);
+  EXPECT_NEAR(back->turn_rad, deg_to_rad(-60), 1e-9);
+}
+
+TEST(Trail, EndsAndJumpsAreNoWay) {
+  Trail trail;
+  trail.record({0, 0, 0});
+  EXPECT_FALSE(trail.way_back({0.02, 0, 0}));
+  EXPECT_FALSE(trail.way_back({1.0, 0, 0}));
+  trail.record({0.1, 0, 0});
+  trail.retreat({0.05, 0, 0});
+  EXPECT_FALSE(trail.way_back({0.05, 0, 0}));
+}
+
+TurnView free_to_turn(double heading_rad) {
+  TurnView view;
+  view.heading_rad = heading_rad;
+  view.left = view.right = {kInf, kInf};
+  return view;
+}
+
+TEST(Turn, KeepsTheSideItChose) {
+  Turn turn{{}};
+  TurnView view = free_to_turn(0.0);
+  view.free_direction_rad = deg_to_rad(-40);
+  EXPECT_LT(turn.step(view, 0.0).yaw_rate_rad_s, 0.0);
+  view.free_direction_rad = deg_to_rad(10);
+  view.more_room_side = 1.0;
+  EXPECT_LT(turn.step(view, 1.0).yaw_rate_rad_s, 0.0);
+}
+
+TEST(Turn, ChoosesTheFreeDirectionThenTheRoomThenLeft) {
+  const auto first_side = [](double free_deg, double room, double preferred) {
+    Turn turn{{}};
+    TurnView view = free_to_turn(0.0);
+    if (free_deg != 0.0) {
+      view.free_direction_rad = deg_to_rad(free_deg);
+    }
+    view.more_room_side = room;
+    return turn.step(view, preferred).yaw_rate_rad_s > 0.0 ? 1 : -1;
+  };
+  EXPECT_EQ(first_side(-40, 1, 0), -1);
+  EXPECT_EQ(first_side(0, -1, 0), -1);
+  EXPECT_EQ(first_side(0, 0, 0), 1);
+  EXPECT_EQ(first_side(-40, -1, 1), 1);
+}
+
+TEST(Turn, EndsOnlyWhenAheadWasSeenAndItStands) {
+  using Kind = TurnCommand::Kind;
+  Turn turn{{}};
+  TurnView view = free_to_turn(0.0);
+  EXPECT_EQ(turn.step(view, 0.0).kind, Kind::kTurn);
+  view.ahead_is_free = true;
+  EXPECT_EQ(turn.step(view, 0.0).kind, Kind::kLook);
+  view.ahead_was_seen = true;
+  view.yaw_rate_rad_s = 0.5;
+  EXPECT_EQ(turn.step(view, 0.0).kind, Kind::kLook);
+  view.yaw_rate_rad_s = 0.0;
+  EXPECT_EQ(turn.step(view, 0.0).kind, Kind::kFinished);
+}
+
+TEST(Turn, AfterAWholeTurnItWaitsAndTriesAgain) {
+  using Kind = TurnCommand::Kind;
+  Turn turn{{}};
+  TurnView view = free_to_turn(0.0);
+  int steps = 0;
+  while (turn.step(view, 0.0).kind == Kind::kTurn && steps < 1000) {
+    view.heading_rad = geometry::normalize_angle(view.heading_rad + deg_to_rad(1));
+    ++steps;
+  }
+  EXPECT_NEAR(steps, 360, 1);
+  view.utime_us = 4'900'000;
+  EXPECT_EQ(turn.step(view, 0.0).kind, Kind::kWait);
+  view.utime_us = 5'100'000;
+  EXPECT_EQ(turn.step(view, 0.0).kind, Kind::kTurn);
+}
+
+TEST(Turn, BlockedOnOneSideItTriesTheOtherOnceThenGoesBack) {
+  using Kind = TurnCommand::Kind;
+  Turn turn{{}};
+  TurnView view = free_to_turn(0.0);
+  EXPECT_GT(turn.step(view, 1.0).yaw_rate_rad_s, 0.0);
+  view.left.free_turn_rad = 0.01;
+  view.right.free_turn_rad = 1.0;
+  EXPECT_LT(turn.step(view, 1.0).yaw_rate_rad_s, 0.0);
+  view.left.free_turn_rad = 1.0;
+  view.right.free_turn_rad = 0.01;
+  EXPECT_EQ(turn.step(view, 1.0).kind, Kind::kBackUp);
+  view.right.free_turn_rad = 1.0;  // no better than what was tried
+  EXPECT_EQ(turn.step(view, 1.0).kind, Kind::kBackUp);
+  view.right.free_turn_rad = kInf;
+  EXPECT_EQ(turn.step(view, 1.0).kind, Kind::kTurn);
+}
+
+TEST(Turn, GoesBackFirstWhereNeitherSideLeadsOut) {
+  using Kind = TurnCommand::Kind;
+  TurnView view = free_to_turn(0.0);
+  view.left.free_turn_rad = deg_to_rad(31);
+  view.right.free_turn_rad = deg_to_rad(80);
+  view.knows_way_back = true;
+  EXPECT_EQ(Turn{{}}.step(view, 1.0).kind, Kind::kBackUp);
+  // Half a turn, or as far as a free direction, is room enough.
+  TurnView reachable = view;
+  reachable.right.until_free_rad = deg_to_rad(60);
+  EXPECT_LT(Turn{{}}.step(reachable, 1.0).yaw_rate_rad_s, 0.0);
+  // No way back: what there is must do.
+  view.knows_way_back = false;
+  EXPECT_GT(Turn{{}}.step(view, 1.0).yaw_rate_rad_s, 0.0);
+}
+
+TEST(Goal, ArrivesWithinToleranceAndDoesNotShuffle) {
+  const auto at = [](double distance_m) { return goal_in_base({distance_m, 0}, 0.2); };
+  EXPECT_FALSE(has_arrived(at(0.21), false));
+  EXPECT_TRUE(has_arrived(at(0.2), false));
+  EXPECT_TRUE(has_arrived(at(0.25), true));
+  EXPECT_FALSE(has_arrived(at(0.31), true));
+}
+
+TEST(Detour, BeginsAtAnObstacleAndEndsNearerToTheGoal) {
+  FreeSpace space;
+  space.way_m.fill(5.0);
+  Detour detour;
+  EXPECT_EQ(detour.direction(space, {}, goal_in_base({3, 0}, 0.2), 1.0), 0.0);
+  for (int degree = -40; degree <= 30; ++degree) {
+    space.at(degree) = 0.6;
+  }
+  EXPECT_EQ(detour.direction(space, {}, goal_in_base({3, 0}, 0.2), 1.0), deg_to_rad(31));
+  EXPECT_EQ(detour.side(), 1.0);
+  // Free again, but no nearer: along the wall on the right.
+  space.way_m.fill(5.0);
+  const Points wall{{0.3, -0.5}};
+  const auto along = detour.direction(space, wall, goal_in_base({3.5, 0}, 0.2), 1.0);
+  ASSERT_TRUE(along);
+  EXPECT_LT(*along, 0.0);
+  EXPECT_EQ(detour.side(), 1.0);
+  EXPECT_EQ(detour.direction(space, wall, goal_in_base({2.5, 0}, 0.2), 1.0), 0.0);
+  EXPECT_EQ(detour.side(), 0.0);
+}
+
+TEST(Detour, NothingBeyondTheGoalIsInTheWay) {
+  FreeSpace space;
+  space.way_m.fill(0.6);
+  Detour detour;
+  EXPECT_EQ(detour.direction(space, {}, goal_in_base({0.5, 0}, 0.1), 1.0), 0.0);
+}
+
+TEST(Staleness, EachInputHasItsLimit) {
+  const NavigatorParams params;
+  const InputStamps fresh{1'000'000, 990'000, 990'000, 990'000};
+  EXPECT_FALSE(reason_to_halt(fresh, params));
+  const auto with = [&](auto member, std::optional<std::int64_t> utime_us) {
+    InputStamps stamps = fresh;
+    stamps.*member = utime_us;
+    return reason_to_halt(stamps, params).has_value();
+  };
+  EXPECT_FALSE(with(&InputStamps::map_us, 900'000));
+  EXPECT_TRUE(with(&InputStamps::map_us, 899'999));
+  EXPECT_TRUE(with(&InputStamps::pitch_command_us, 849'999));
+  EXPECT_TRUE(with(&InputStamps::pitch_state_us, 849'999));
+  // Odometry that stays behind, or an input from the future.
+  EXPECT_TRUE(with(&InputStamps::odometry_us, 880'000));
+  EXPECT_TRUE(with(&InputStamps::map_us, 1'100'001));
+  for (const auto member : {&InputStamps::odometry_us, &InputStamps::map_us,
+                            &InputStamps::pitch_command_us, &InputStamps::pitch_state_us}) {
+    EXPECT_TRUE(with(member, std::nullopt));
+  }
+}
+
+TEST(ObstaclePoints, AMapThatContradictsItselfIsNone) {
+  constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
+  constexpr auto kFar = std::numeric_limits<float>::infinity();
+  using Bins = std::vector<float>;
+  const auto points = read_points(Bins{kFar, 5.0F}, Bins{kNone, 3.0F}, Bins{kNone, 4.0F});
+  ASSERT_TRUE(points);
+  EXPECT_EQ(*points, (Points{{3.0, 4.0}}));
+  EXPECT_FALSE(read_points(Bins{kNone}, Bins{1.0F}, Bins{0.0F}));
+  EXPECT_FALSE(read_points(Bins{1.0F}, Bins{kNone}, Bins{0.0F}));
+  EXPECT_FALSE(read_points(Bins{-1.0F}, Bins{1.0F}, Bins{0.0F}));
+  EXPECT_FALSE(read_points(Bins{-kFar}, Bins{kNone}, Bins{kNone}));
+  EXPECT_FALSE(read_points(Bins{2.0F}, Bins{1.0F}, Bins{0.0F}));
+  EXPECT_FALSE(read_points(Bins{1.0F, 1.0F}, Bins{1.0F}, Bins{0.0F}));
+  EXPECT_FALSE(read_points({}, {}, {}));
+}
+
+TEST(ObstaclePoints, ARobotThatTurnedRightSeesThePointOnItsLeft) {
+  const auto points = move_to_base({{2.0, 0.0}}, {1, 1, 0}, {1, 1, deg_to_rad(-30)});
+  EXPECT_NEAR(points[0].x(), 2.0 * std::cos(deg_to_rad(30)), 1e-12);
+  EXPECT_NEAR(points[0].y(), 1.0, 1e-12);
+  EXPECT_NEAR(move_to_base({{2.0, 0.0}}, {1, 1, 0}, {1.5, 1, 0})[0].x(), 1.5, 1e-12);
+}
+
+}  // namespace
+}  // namespace nodmap::navigator

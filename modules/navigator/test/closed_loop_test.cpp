@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Steer, Brake and Turn together, driving a simple robot through a world of points.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "modules/navigator/test/point_world.hpp"
+
+namespace nodmap::navigator {
+namespace {
+
+using geometry::rad_to_deg;
+using test::ClosedLoop;
+using test::World;
+
+/// How often the turn on the spot changes its side.
+struct TurnWatch {
+  void watch(const ClosedLoop& loop) {
+    const double rate = loop.decision.yaw_rate_rad_s;
+    if (loop.decision.behaviour != Behaviour::kTurn || rate == 0.0) {
+      return;
+    }
+    reversals += side * rate < 0.0 ? 1 : 0;
+    side = std::copysign(1.0, rate);
+  }
+  double side = 0.0;
+  int reversals = 0;
+};
+
+TEST(ClosedLoop, NothingIsDrivenToBeforeItWasSeen) {
+  ClosedLoop loop({}, {});
+  loop.run(0.6);  // the nod has turned round once, at 0.35 s
+  EXPECT_EQ(loop.way_m, 0.0);
+  loop.run(1.0);
+  EXPECT_GT(loop.way_m, 0.3);
+}
+
+TEST(ClosedLoop, StandsBeforeAWallAtTheStopMargin) {
+  World world;
+  world.add_wall({2, -3}, {2, 3});
+  NavigatorParams params;
+  params.view_half_rad = geometry::deg_to_rad(10.0);  // nowhere else to steer to
+  ClosedLoop loop(world, {}, params);
+  while (loop.decision.behaviour != Behaviour::kTurn || loop.way_m == 0.0) {
+    loop.cycle();
+    ASSERT_LT(loop.time_s, 20.0);
+  }
+  // It sets out no more below 6 cm/s: within the last 1.5 cm.
+  EXPECT_NEAR(loop.min_clearance_m, 0.15, 0.015);
+}
+
+// R29: obstacles that appear beyond v^2 / 2a + v T are never hit, whatever the robot is doing.
+TEST(ClosedLoop, AnObstacleThatAppearsBeyondTheBrakingWayIsNotHit) {
+  std::mt19937 random(29);
+  std::uniform_real_distribution<double> aside(-0.25, 0.25);
+  std::uniform_real_distribution<double> when(1.5, 4.0);
+  const NavigatorParams params;
+  double least_m = 1.0;
+  for (int run = 0; run < 150; ++run) {
+    World world;
+    world.add_wall({-2, 1.5}, {9, 1.5});
+    world.add_wall({-2, -1.5}, {9, -1.5});
+    ClosedLoop loop(world, {});
+    loop.max_forward_mps = 1.5;
+    loop.run(when(random));
+    const double v = loop.robot.forward_mps;
+    const double braking_m = v * v / (2.0 * params.deceleration_mps2) + v * params.reaction_s;
+    const Eigen::Vector2d ahead(0.5 * params.robot_length_m + braking_m + 0.03, aside(random));
+    loop.world.points_odom.emplace_back(loop.robot.T_odom_base * ahead);
+    loop.run(3.0);
+    EXPECT_FALSE(loop.collided) << "run " << run << " at " << v << " m/s";
+    least_m = std::min(least_m, loop.min_clearance_m);
+  }
+  EXPECT_GT(least_m, 0.0);
+}
+
+// R32: the first decision after the map shows it.
+TEST(ClosedLoop, AnObstacleThatAppearsIsAnsweredWithTheNextMap) {
+  ClosedLoop loop({}, {});
+  loop.run(3.0);
+  ASSERT_EQ(loop.decision.behaviour, Behaviour::kSteer);
+  ASSERT_GT(loop.decision.forward_mps, 1.0);
+  loop.world.points_odom.emplace_back(loop.robot.T_odom_base * Eigen::Vector2d(0.6, 0.0));
+  loop.cycle();
+  EXPECT_EQ(loop.decision.behaviour, Behaviour::kBrake);
+  EXPECT_EQ(loop.decision.forward_mps, 0.0);
+}
+
+// R30
+TEST(ClosedLoop, ADeadEndIsLeftWithinOneTurnWithoutChatter) {
+  for (const double half_width_m : {0.36, 0.4, 0.6, 1.0}) {
+    World world;
+    world.add_wall({-1, half_width_m}, {2, half_width_m});
+    world.add_wall({-1, -half_width_m}, {2, -half_width_m});
+    world.add_wall({2, -half_width_m}, {2, half_width_m});
+    ClosedLoop loop(world, {});
+    TurnWatch turn;
+    double turned_rad = 0.0;
+    loop.on_decision = [&] {
+      turn.watch(loop);
+      turned_rad += loop.decision.behaviour == Behaviour::kTurn
+                        ? std::abs(loop.robot.yaw_rate_rad_s) * 0.015
+                        : 0.0;
+    };
+    while (loop.robot.T_odom_base.x > -1.0) {
+      loop.cycle();
+      ASSERT_LT(loop.time_s, 30.0) << half_width_m;
+    }
+    EXPECT_FALSE(loop.collided);
+    EXPECT_LE(rad_to_deg(turned_rad), 360.0);
+    EXPECT_LE(turn.reversals, 2);
+  }
+}
+
+TEST(ClosedLoop, WhereItCannotTurnItGoesBackTheWayItCame) {
+  World world;
+  for (const double side : {1.0, -1.0}) {
+    world.add_wall({-1, side * 0.4}, {1, side * 0.4});
+    world.add_wall({1, side * 0.4}, {1, side * 0.26});
+    world.add_wall({1, side * 0.26}, {3, side * 0.26});  // narrower than the body's diagonal
+  }
+  world.add_wall({3, -0.26}, {3, 0.26});
+  ClosedLoop loop(world, {});
+  double farthest_m = 0.0;
+  while (loop.robot.T_odom_base.x > -1.0) {
+    loop.cycle();
+    farthest_m = std::max(farthest_m, loop.robot.T_odom_base.x);
+    ASSERT_LT(loop.time_s, 60.0);
+  }
+  EXPECT_GT(farthest_m, 2.0);
+  EXPECT_FALSE(loop.collided);
+}
+
+TEST(ClosedLoop, TurningItStandsWhileSomebodyWalksUpToIt) {
+  World world;
+  world.add_wall({-2, 0.6}, {0.42, 0.6});
+  world.add_wall({-2, -0.6}, {0.42, -0.6});
+  world.add_wall({0.42, -0.6}, {0.42, 0.6});
+  ClosedLoop loop(world, {});
+  loop.run(1.0);
+  while (loop.decision.behaviour != Behaviour::kTurn || loop.robot.yaw_rate_rad_s < 0.9) {
+    loop.cycle();
+    ASSERT_LT(loop.time_s, 5.0);
+  }
+  // From the left ahead, 1 m/s, up to the turning circle and its margin.
+  const std::size_t walls = loop.world.points_odom.size();
+  const Eigen::Vector2d start = loop.robot.T_odom_base * Eigen::Vector2d(0.45, 0.78);
+  const Eigen::Vector2d way = loop.robot.T_odom_base.translation() - start;
+  for (double gone_m = 0.0; gone_m < way.norm() - 0.34; gone_m += 1.0 * 0.015) {
+    loop.world.points_odom.resize(walls);
+    loop.world.points_odom.emplace_back(start + gone_m * way.normalized());
+    loop.cycle();
+  }
+  // The corner moves slower than what counts as standing, 5 cm/s.
+  EXPECT_LT(std::abs(loop.robot.yaw_rate_rad_s), 0.05 / 0.28);
+  EXPECT_FALSE(loop.collided);
+}
+
+TEST(ClosedLoop, GoingBackItStandsWhileSomebodyWalksUpToIt) {
+  World world;
+  world.add_wall({-1, 0.26}, {2, 0.26});  // narrower than the body's diagonal
+  world.add_wall({-1, -0.26}, {2, -0.26});
+  world.add_wall({2, -0.26}, {2, 0.26});
+  ClosedLoop loop(world, {});
+  // Far enough from the end for the view ahead to be clear.
+  while (loop.robot.forward_mps > -0.09 || loop.robot.T_odom_base.x > 1.0) {
+    loop.cycle();
+    ASSERT_LT(loop.time_s, 30.0);
+  }
+  const std::size_t walls = loop.world.points_odom.size();
+  const geometry::SE2 T_odom_before = loop.robot.T_odom_base;
+  for (double x_m = 0.9; x_m > 0.25; x_m -= 1.0 * 0.015) {  // from ahead, 1 m/s
+    loop.world.points_odom.resize(walls);
+    loop.world.points_odom.emplace_back(T_odom_before * Eigen::Vector2d(x_m, 0.0));
+    loop.cycle();
+  }
+  EXPECT_LT(std::abs(loop.robot.forward_mps), 0.05);  // counts as standing
+  EXPECT_FALSE(loop.collided);
+}
+
+// Somebody has touched it while it turned: what was seen of him is left at its border.
+TEST(ClosedLoop, TouchedInATurnItGoesStraightBackAndOn) {
+  World world;
+  world.add_wall({-3, 1.0}, {1, 1.0});
+  world.add_wall({-3, -1.0}, {1, -1.0});
+  world.add_wall({1, -1.0}, {1, 1.0});
+  ClosedLoop loop(world, {});
+  while (loop.decision.behaviour != Behaviour::kTurn || loop.way_m == 0.0 ||
+         loop.robot.yaw_rate_rad_s < 0.9) {
+    loop.cycle();
+    ASSERT_LT(loop.time_s, 10.0);
+  }
+  loop.run(0.3);
+  const geometry::SE2 T_odom_touched = loop.robot.T_odom_base;
+  for (const double y_m : {-0.03, -0.01, 0.01, 0.03}) {
+    loop.world.points_odom.emplace_back(T_odom_touched * Eigen::Vector2d(0.229, y_m));
+  }
+  while ((loop.robot.T_odom_base.translation() - T_odom_touched.translation()).norm() < 0.3) {
+    loop.cycle();
+    ASSERT_LT(loop.time_s, 30.0);
+  }
+}
+
+TEST(ClosedLoop, BoxedInItStandsAndSaysSoAndGoesOnWhenThereIsRoom) {
+  World world;
+  world.add_room(-0.5, 0.5, -0.5, 0.5);
+  ClosedLoop loop(world, {});
+  loop.run(15.0);
+  EXPECT_FALSE(loop.collided);
+  EXPECT_EQ(loop.decision.behaviour, Behaviour::kTurn);
+  EXPECT_FALSE(loop.decision.reason.empty());
+  loop.world.points_odom.clear();
+  loop.run(8.0);
+  EXPECT_GT(loop.way_m, 1.0);
+}
+
+TEST(ClosedLoop, LeavesAPocketThatOpensAwayFromTheGoal) {
+  World world;
+  world.add_room(-3, 8, -4, 4);
+  world.add_wall({3, -1.5}, {3, 1.5});
+  world.add_wall({1.5, 1.5}, {3, 1.5});
+  world.add_wall({1.5, -1.5}, {3, -1.5});
+  ClosedLoop loop(world, {});
+  loop.goal_odom = Eigen::Vector2d(6.0, 0.3);
+  while (loop.decision.behaviour != Behaviour::kArrived) {
+    loop.cycle();
+    ASSERT_LT(loop.time_s, 60.0);
+  }
+  loop.run(1.0);
+  EXPECT_LT((loop.robot.T_odom_base.translation() - *loop.goal_odom).norm(), 0.3);
+  EXPECT_LT(std::abs(loop.robot.forward_mps), 0.01);
+  EXPECT_FALSE(loop.collided);
+}
+
+TEST(ClosedLoop, RoamsThroughClutterWithoutACollision) {
+  double way_m = 0.0;
+  for (unsigned seed = 1; seed <= 8; ++seed) {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> x(0.7, 8.5);
+    std::uniform_real_distribution<double> y(-3.5, 3.5);
+    std::uniform_real_distribution<double> radius(0.015, 0.3);
+    World world;
+    world.add_room(-1, 9, -4, 4);
+    for (int i = 0; i < 25; ++i) {
+      const Eigen::Vector2d center(x(random), y(random));
+      world.add_pillar(center, radius(random));
+    }
+    ClosedLoop loop(world, {});
+    loop.run(30.0);
+    EXPECT_FALSE(loop.collided) << "seed " << seed;
+    EXPECT_GT(loop.way_m, 10.0) << "seed " << seed;
+    way_m += loop.way_m;
+  }
+  EXPECT_GT(way_m / (8 * 30.0), 0.5);  // m/s in the mean
+}
+
+TEST(ClosedLoop, NoSpeedFromThePitchControllerNoSpeed) {
+  ClosedLoop loop({}, {});
+  loop.run(2.0);
+  loop.max_forward_mps = 0.0;
+  loop.run(1.0);
+  EXPECT_EQ(loop.robot.forward_mps, 0.0);
+  EXPECT_EQ(loop.decision.behaviour, Behaviour::kBrake);
+}
+
+}  // namespace
+}  // namespace nodmap::navigator

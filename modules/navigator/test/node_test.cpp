@@ -1,0 +1,285 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/navigator/node.hpp"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <limits>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "common/msg/messages.hpp"
+
+namespace nodmap::navigator {
+namespace {
+
+/// Hands over what a test says and keeps what the node answers.
+class TestBus final : public bus::Bus {
+ public:
+  template <class Message>
+  void deliver(const std::string& channel, const Message& message) {
+    std::vector<std::byte> bytes;
+    bus::encode_into(bytes, message);
+    handlers_.at(channel)(bytes);
+  }
+
+  template <class Message>
+  [[nodiscard]] Message last(const std::string& channel) const {
+    Message message{};
+    EXPECT_TRUE(bus::decode_into(message, sent_.at(channel).back()));
+    return message;
+  }
+
+  [[nodiscard]] std::size_t count(const std::string& channel) const {
+    return sent_.contains(channel) ? sent_.at(channel).size() : 0;
+  }
+
+ private:
+  bool send(const std::string& channel, std::span<const std::byte> bytes) override {
+    sent_[channel].emplace_back(bytes.begin(), bytes.end());
+    return true;
+  }
+  void listen(const std::string& channel, BytesHandler handler, int) override {
+    handlers_[channel] = std::move(handler);
+  }
+
+  std::map<std::string, BytesHandler> handlers_;
+  std::map<std::string, std::vector<std::vector<std::byte>>> sent_;
+};
+
+enum Input { kOdometry, kMap, kCommand, kState };
+
+class NavigatorNodeTest : public ::testing::Test {
+ protected:
+  void give_odometry(std::int64_t utime_us) {
+    auto message = msg::write_odometry(utime_us, geometry::to_se3({x_, 0, 0}));
+    message.odometry_seq = odometry_seq_++;
+    bus_.deliver("ODOMETRY", message);
+  }
+
+  static nodmap::egomap_t empty_map(std::int64_t utime_us) {
+    nodmap::egomap_t map{};
+    map.utime = utime_us;
+    map.bin_first_rad = -geometry::kPi;
+    map.bin_step_rad = geometry::deg_to_rad(1);
+    map.orientation[0] = 1.0;
+    map.num_bins = 360;
+    map.distance_m.assign(360, std::numeric_limits<float>::infinity());
+    const std::vector<float> none(360, std::numeric_limits<float>::quiet_NaN());
+    map.point_x_m = map.point_y_m = map.point_z_m = map.age_s = none;
+    return map;
+  }
+
+  void give_command(std::int64_t utime_us, double max_forward_mps = 1.0) {
+    nodmap::pitch_command_t message{};
+    message.utime = utime_us;
+    message.pitch_min_rad = -0.4;
+    message.pitch_max_rad = 0.1;
+    message.sweep_s = 0.3;
+    message.max_forward_mps = max_forward_mps;
+    bus_.deliver("PITCH_COMMAND", message);
+  }
+
+  void give_state(std::int64_t utime_us, bool stalled = false) {
+    nodmap::pitch_state_t message{};
+    message.utime = utime_us;
+    message.sweep_count = utime_us / 350'000;
+    message.is_stalled = stalled;
+    bus_.deliver("PITCH_STATE", message);
+  }
+
+  /// Ten milliseconds of life, without the inputs that are lost.
+  void tick(int lost = -1) {
+    now_us_ += 10'000;
+    if (lost != kCommand) {
+      give_command(now_us_);
+    }
+    if (lost != kState) {
+      give_state(now_us_);
+    }
+    if (lost != kOdometry) {
+      give_odometry(now_us_);
+    }
+    if (lost != kMap) {
+      auto map = empty_map(now_us_);
+      map.position_m[0] = x_;
+      bus_.deliver("OBSTACLE_MAP", map);
+    }
+  }
+
+  void run(double duration_s, int lost = -1) {
+    for (double t = 0.0; t < duration_s - 0.005; t += 0.01) {
+      tick(lost);
+    }
+  }
+
+  [[nodiscard]] nodmap::drive_t drive() const { return bus_.last<nodmap::drive_t>("DRIVE"); }
+  [[nodiscard]] nodmap::navigation_t navigation() const {
+    return bus_.last<nodmap::navigation_t>("NAVIGATION");
+  }
+  [[nodiscard]] bool halts() const {
+    return navigation().behaviour == nodmap::navigation_t::HALT && drive().forward_mps == 0.0 &&
+           drive().yaw_rate_rad_s == 0.0 && !navigation().reason.empty();
+  }
+  [[nodiscard]] bool drives() const { return drive().forward_mps > 0.5; }
+
+  std::int64_t rejected(const std::string& cause) {
+    const auto found = tally_.rejected().find(cause);
+    return found == tally_.rejected().end() ? 0 : found->second;
+  }
+
+  TestBus bus_;
+  node::Tally tally_;
+  node::Context context_{bus_, tally_, {}};
+  NavigatorNode node_{context_, {}};
+  std::int64_t now_us_ = 1'000'000'000;
+  std::int64_t odometry_seq_ = 0;
+  double x_ = 0.0;
+};
+
+TEST_F(NavigatorNodeTest, DrivesWhenAllIsThereOnceForEachMap) {
+  run(1.5);
+  ASSERT_TRUE(drives());
+  const auto count = bus_.count("DRIVE");
+  tick();
+  EXPECT_EQ(bus_.count("DRIVE"), count + 1);
+  EXPECT_EQ(drive().utime, now_us_);
+  EXPECT_EQ(drive().valid_us, 150'000);
+  EXPECT_EQ(navigation().drive_seq, drive().drive_seq);
+  EXPECT_EQ(navigation().behaviour, nodmap::navigation_t::STEER);
+  EXPECT_EQ(node_.health().state, node::HealthState::kOk);
+  EXPECT_NEAR(navigation().corridor_width_m, 0.45, 1e-9);
+}
+
+TEST_F(NavigatorNodeTest, EachInputThatIsLostHaltsTheRobotAndItGoesOnAfterwards) {
+  // The limit and one odometry period; odometry is noticed by the maps.
+  const std::map<int, double> limit_s{
+      {kOdometry, 0.1}, {kMap, 0.1}, {kCommand, 0.15}, {kState, 0.15}};
+  for (const auto& [lost, seconds] : limit_s) {
+    run(2.0);
+    ASSERT_TRUE(drives()) << lost;
+    run(seconds, lost);
+    EXPECT_FALSE(halts()) << lost;
+    tick(lost);
+    EXPECT_TRUE(halts()) << lost;
+    EXPECT_EQ(node_.health().state, node::HealthState::kDegraded);
+    run(2.0);
+    EXPECT_TRUE(drives()) << lost;
+  }
+}
+
+TEST_F(NavigatorNodeTest, WithoutAnyMapItSaysWhy) {
+  give_odometry(now_us_);
+  EXPECT_TRUE(halts());
+  EXPECT_EQ(navigation().reason, "There is no obstacle map.");
+}
+
+TEST_F(NavigatorNodeTest, AStalledServoHaltsWithTheNextOdometry) {
+  run(1.5);
+  give_state(now_us_, true);
+  give_odometry(now_us_ + 10'000);
+  EXPECT_TRUE(halts());
+}
+
+TEST_F(NavigatorNodeTest, ACorruptMapIsNotDrivenOn) {
+  run(1.5);
+  const auto count = bus_.count("DRIVE");
+  auto map = empty_map(now_us_);
+  map.distance_m[180] = 1.0F;  // its point is NaN
+  bus_.deliver("OBSTACLE_MAP", map);
+  map = empty_map(now_us_);
+  map.orientation[0] = std::numeric_limits<double>::quiet_NaN();
+  bus_.deliver("OBSTACLE_MAP", map);
+  map = empty_map(std::numeric_limits<std::int64_t>::min());
+  bus_.deliver("OBSTACLE_MAP", map);
+  EXPECT_EQ(rejected("implausible_obstacle_map"), 3);
+  EXPECT_EQ(bus_.count("DRIVE"), count);
+  run(0.11, kMap);
+  EXPECT_TRUE(halts());
+}
+
+TEST_F(NavigatorNodeTest, MapsFromTheFutureOrLongPastHaltOnlyAsLongAsTheyCome) {
+  run(1.5);
+  bus_.deliver("OBSTACLE_MAP", empty_map(now_us_ + 3'600'000'000));
+  EXPECT_TRUE(halts());
+  bus_.deliver("OBSTACLE_MAP", empty_map(now_us_ - 3'600'000'000));
+  EXPECT_TRUE(halts());
+  run(1.5);
+  EXPECT_TRUE(drives());
+}
+
+TEST_F(NavigatorNodeTest, ClocksThatStepBackAllTogetherAreFollowed) {
+  run(1.5);
+  now_us_ -= 60'000'000;
+  tick();
+  EXPECT_TRUE(halts() || drive().forward_mps == 0.0);
+  run(2.0);
+  EXPECT_TRUE(drives());
+}
+
+TEST_F(NavigatorNodeTest, NonsenseFromThePitchControllerIsNoBound) {
+  run(1.5);
+  give_command(now_us_, std::numeric_limits<double>::quiet_NaN());
+  give_command(now_us_, -1.0);
+  EXPECT_EQ(rejected("implausible_pitch_command"), 2);
+  tick();
+  EXPECT_LE(drive().forward_mps, 1.0);
+}
+
+TEST_F(NavigatorNodeTest, ObeysThePitchControllersBound) {
+  run(1.5);
+  EXPECT_EQ(drive().forward_mps, 1.0);
+  give_command(now_us_, 0.3);
+  bus_.deliver("OBSTACLE_MAP", empty_map(now_us_));
+  EXPECT_EQ(drive().forward_mps, 0.3);
+}
+
+TEST_F(NavigatorNodeTest, OdometryThatBeganAnewNeedsANewMap) {
+  run(1.5);
+  odometry_seq_ = 0;
+  x_ = 100.0;
+  give_odometry(now_us_ + 10'000);
+  EXPECT_TRUE(halts());
+  bus_.deliver("OBSTACLE_MAP", empty_map(now_us_));  // made in the former frame
+  EXPECT_EQ(rejected("map_of_former_odometry"), 1);
+  run(1.5);
+  EXPECT_TRUE(drives());
+}
+
+TEST_F(NavigatorNodeTest, AMapThatCannotBeThatFarAwayIsNotTrusted) {
+  run(1.5);
+  x_ = 50.0;
+  give_odometry(now_us_ + 10'000);
+  EXPECT_TRUE(halts());
+}
+
+TEST_F(NavigatorNodeTest, GoesToAGoalInTheCorrectedMap) {
+  run(1.5);
+  nodmap::goal_t goal{};
+  goal.is_active = true;
+  goal.tolerance_m = 0.2;
+  goal.position_m[0] = 3.0;
+  goal.position_m[1] = 1.0;
+  bus_.deliver("GOAL", goal);
+  // The map is 1 m to the left of odom: in odom the goal is straight ahead.
+  bus_.deliver("POSE_2D", msg::write_corrected_pose(now_us_, geometry::to_se3({0, 1, 0}),
+                                                    geometry::to_se3({0, 1, 0})));
+  tick();
+  EXPECT_NEAR(navigation().steering_angle_rad, 0.0, 1e-9);
+  x_ = 2.9;
+  odometry_seq_ = 0;  // set down there: odometry begins anew
+  run(1.5);
+  EXPECT_EQ(navigation().behaviour, nodmap::navigation_t::ARRIVED);
+  EXPECT_EQ(drive().forward_mps, 0.0);
+  goal.tolerance_m = 0.0;
+  bus_.deliver("GOAL", goal);
+  EXPECT_EQ(rejected("implausible_goal"), 1);
+  goal.is_active = false;
+  bus_.deliver("GOAL", goal);
+  run(0.1);
+  EXPECT_TRUE(drives());
+}
+
+}  // namespace
+}  // namespace nodmap::navigator

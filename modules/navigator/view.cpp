@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/navigator/view.hpp"
+
+#include <cmath>
+
+#include "common/geometry/angle.hpp"
+
+namespace nodmap::navigator {
+namespace {
+
+std::size_t bin_of(double compass_rad, int bins) {
+  const auto degree =
+      static_cast<int>(std::lround(geometry::rad_to_deg(geometry::normalize_angle(compass_rad))));
+  return static_cast<std::size_t>((degree + bins) % bins);
+}
+
+}  // namespace
+
+void View::look(double heading_rad, std::int64_t sweep_count) {
+  // The servo's driver started again and counts anew: what it saw before is not known to fit.
+  if (sweep_count < sweep_count_) {
+    forget();
+  }
+  heading_rad_ = heading_rad;
+  sweep_count_ = sweep_count;
+  for (int bin = 0; bin < kBins; ++bin) {
+    auto& since = in_view_since_[static_cast<std::size_t>(bin)];
+    const double direction_rad = geometry::angle_difference(geometry::deg_to_rad(bin), heading_rad);
+    // Half a degree more, so that the rounding to bins does not make the borders flicker.
+    if (std::abs(direction_rad) > half_rad_ + geometry::deg_to_rad(0.5)) {
+      since.reset();
+    } else if (!since) {
+      since = sweep_count;
+    }
+  }
+}
+
+bool View::trusts(double direction_rad, int half_sweeps) const {
+  if (std::abs(direction_rad) > half_rad_) {
+    return false;
+  }
+  const auto& since = in_view_since_[bin_of(heading_rad_ + direction_rad, kBins)];
+  return since && sweep_count_ - *since >= half_sweeps;
+}
+
+}  // namespace nodmap::navigator
