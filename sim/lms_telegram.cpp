@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/lms_telegram.hpp"
+
+#include <algorithm>
+
+namespace nodmap::sim {
+namespace {
+
+constexpr std::uint8_t kStx = 0x02;
+constexpr std::size_t kHeaderBytes = 4;
+constexpr std::size_t kChecksumBytes = 2;
+constexpr std::size_t kLongestRequest = 64;  // the configuration has 35 bytes
+/// A longer pause within a request, and the sensor drops it (3.2.2).
+constexpr std::int64_t kLongestPauseUs = 6000;
+
+}  // namespace
+
+std::uint16_t lms_checksum(ByteView bytes) {
+  std::uint16_t sum = 0;
+  std::uint8_t before = 0;
+  for (const std::uint8_t byte : bytes) {
+    const bool carry = (sum & 0x8000U) != 0;
+    sum = static_cast<std::uint16_t>((sum & 0x7FFFU) << 1U);
+    if (carry) {
+      sum ^= 0x8005U;
+    }
+    sum = static_cast<std::uint16_t>(sum ^ (before << 8U | byte));
+    before = byte;
+  }
+  return sum;
+}
+
+Bytes lms_telegram(std::uint8_t address, ByteView body, std::uint8_t status) {
+  Bytes bytes = {kStx, static_cast<std::uint8_t>(0x80U | address)};
+  append_little_endian(bytes, static_cast<std::uint32_t>(body.size() + 1), 2);
+  append(bytes, body);
+  bytes.push_back(status);
+  append_little_endian(bytes, lms_checksum(bytes), 2);
+  return bytes;
+}
+
+void LmsRequestReader::feed(ByteView bytes, std::int64_t now_us) {
+  if (now_us - last_us_ > kLongestPauseUs) {
+    buffer_.clear();
+  }
+  last_us_ = now_us;
+  append(buffer_, bytes);
+}
+
+std::optional<std::variant<LmsRequest, LmsDamaged>> LmsRequestReader::next() {
+  while (true) {
+    buffer_.erase(buffer_.begin(), std::find(buffer_.begin(), buffer_.end(), kStx));
+    if (buffer_.size() < kHeaderBytes) {
+      return std::nullopt;
+    }
+    const std::size_t length = little_endian(ByteView(buffer_).subspan(2, 2));
+    if (length == 0 || length > kLongestRequest) {
+      buffer_.erase(buffer_.begin());
+      continue;
+    }
+    const std::size_t size = kHeaderBytes + length + kChecksumBytes;
+    if (buffer_.size() < size) {
+      return std::nullopt;
+    }
+    const ByteView frame = ByteView(buffer_).first(size);
+    const std::uint32_t sum = little_endian(frame.last(kChecksumBytes));
+    const bool whole = lms_checksum(frame.first(size - kChecksumBytes)) == sum;
+    const ByteView body = frame.subspan(kHeaderBytes, length);
+    LmsRequest request{frame[1], Bytes(body.begin(), body.end())};
+    buffer_.erase(buffer_.begin(), buffer_.begin() + static_cast<std::ptrdiff_t>(size));
+    if (!whole) {
+      return LmsDamaged{};
+    }
+    return request;
+  }
+}
+
+}  // namespace nodmap::sim

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/program.hpp"
+
+#include <poll.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <fstream>
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "common/bus/live_bus.hpp"
+#include "common/log/log.hpp"
+#include "common/node/command_line.hpp"
+#include "common/node/status.hpp"
+#include "common/node/stop_signal.hpp"
+#include "common/params/params.hpp"
+#include "common/time/clock.hpp"
+#include "sim/sim_params.hpp"
+#include "sim/simulator.hpp"
+#include "sim/world_file.hpp"
+
+namespace nodmap::sim {
+namespace {
+
+constexpr const char* kName = "nodmap-sim";
+constexpr std::int64_t kLongestSleepUs = 2000;
+
+struct Options {
+  node::CommonOptions common;
+  std::string world;
+  std::uint64_t seed = 1;
+  std::string links;
+  std::vector<std::string> faults;
+  double duration_s = 0.0;  // 0: until it is told to end
+  std::string out;
+};
+
+std::int64_t steady_us() {
+  using std::chrono::duration_cast;
+  using std::chrono::microseconds;
+  return duration_cast<microseconds>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+void add_options(CLI::App& app, Options& options) {
+  app.add_option("--world", options.world, "The world: WORLD.yaml");
+  app.add_option("--seed", options.seed, "Of all that is random; the same again for the same")
+      ->capture_default_str();
+  app.add_option("--links", options.links,
+                 "Folder for the links laser, servo and base; default nodmap-sim-PID in "
+                 "$XDG_RUNTIME_DIR or /tmp");
+  app.add_option("--fault", options.faults,
+                 "What is to break: PART:KIND@FROM+DURATION[=AMOUNT]; repeatable");
+  app.add_option("--duration", options.duration_s, "Seconds to run; without it until a signal")
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--out", options.out, "Folder for result.json; must be empty or not exist");
+}
+
+std::filesystem::path link_dir(const Options& options) {
+  if (!options.links.empty()) {
+    return options.links;
+  }
+  const char* runtime = std::getenv("XDG_RUNTIME_DIR");  // NOLINT(concurrency-mt-unsafe)
+  return std::filesystem::path(runtime == nullptr ? "/tmp" : runtime) /
+         (std::string(kName) + "-" + std::to_string(::getpid()));
+}
+
+/// Until the host has said something, or a device has something to say.
+void wait_for_work(const Simulator& simulator, std::int64_t now_us) {
+  const std::int64_t wait_us =
+      std::clamp<std::int64_t>(simulator.next_us() - now_us, 0, kLongestSleepUs);
+  const timespec wait{0, 1000 * wait_us};
+  std::array<pollfd, 3> entries{};
+  const std::array<int, 3> handles = simulator.poll_handles();
+  std::transform(handles.begin(), handles.end(), entries.begin(), [](int handle) {
+    return pollfd{handle, POLLIN, 0};
+  });
+  ::ppoll(entries.data(), entries.size(), &wait, nullptr);
+}
+
+void write_result(const std::filesystem::path& dir, const nlohmann::json& figures) {
+  std::ofstream file(dir / "result.json");
+  file << figures.dump(2) << "\n";
+  if (!file.flush()) {
+    throw std::runtime_error((dir / "result.json").string() + ": cannot write");
+  }
+}
+
+nlohmann::json run_loop(const Options& options, Robot& robot) {
+  bus::LiveBus bus(options.common.lcm_url);
+  const node::Tally tally;
+  const time::SystemClock clock;
+  node::StatusReporter status(kName, bus, tally, clock);
+  const LinkDir dir(link_dir(options));
+  const std::int64_t start_us = steady_us();
+  Simulator simulator(robot, dir, bus, clock.now_utime_us());
+  log::get().info("on {}, devices in {}", bus.url(), dir.path().string());
+  const auto end_us = options.duration_s > 0.0 ? std::llround(1e6 * options.duration_s) : kNever;
+  std::int64_t second = 0;
+  for (std::int64_t now_us = 0; !node::stop_requested() && now_us < end_us;
+       now_us = steady_us() - start_us) {
+    simulator.turn(now_us);
+    status.publish_if_due(simulator.health());
+    if (now_us / 1'000'000 != std::exchange(second, now_us / 1'000'000)) {
+      simulator.begin_second();
+    }
+    wait_for_work(simulator, steady_us() - start_us);
+  }
+  return simulator.figures();
+}
+
+int run(const Options& options, const SimParams& params) {
+  const World world = load_world(options.world);
+  std::vector<Fault> faults;
+  std::transform(options.faults.begin(), options.faults.end(), std::back_inserter(faults),
+                 [](const std::string& text) { return parse_fault(text); });
+  Robot robot(world, params.plant, params.robot, faults, options.seed);
+  if (!options.out.empty()) {
+    node::make_result_dir(options.out);
+  }
+  node::catch_stop_signals();
+  const nlohmann::json figures = run_loop(options, robot);
+  if (!options.out.empty()) {
+    write_result(options.out, figures);
+  }
+  log::get().info("ended after {:.1f} s: {} collisions, {} bumps, {:.2f} m driven",
+                  figures["duration_s"].get<double>(), figures["collisions"].get<std::int64_t>(),
+                  figures["bumps"].get<std::int64_t>(), figures["distance_m"].get<double>());
+  return 0;
+}
+
+}  // namespace
+
+int run_sim(int argc, char** argv) {
+  Options options;
+  SimParams params;
+  params::Table table(params);
+  CLI::App app("The KURT3D in a simulated world, its devices on pseudo-terminals.", kName);
+  node::add_common_options(app, options.common, table);
+  add_options(app, options);
+  if (const auto code = node::parse_command_line(app, argc, argv)) {
+    return *code;
+  }
+  if (const auto code = node::apply_common_options(kName, options.common, table)) {
+    return *code;
+  }
+  if (options.world.empty()) {
+    std::cerr << kName << ": --world: is missing; name a WORLD.yaml\n";
+    return 2;
+  }
+  try {
+    return run(options, params);
+  } catch (const WorldFileError& error) {
+    std::cerr << kName << ": " << error.what() << "\n";
+    return 2;
+  } catch (const FaultError& error) {
+    std::cerr << kName << ": " << error.what() << "\n";
+    return 2;
+  } catch (const std::exception& error) {
+    log::get().error("{}", error.what());
+    return 1;
+  }
+}
+
+}  // namespace nodmap::sim

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <functional>
+#include <sstream>
+#include <string>
+#include <utility>
+
+#include "sim/bytes.hpp"
+#include "sim/device.hpp"
+
+namespace nodmap::sim::test {
+
+/// Bytes written as in the manuals: "02 80 03", and "00x21" for twenty-one of one byte.
+inline Bytes hex(const std::string& text) {
+  Bytes bytes;
+  std::istringstream words(text);
+  for (std::string word; words >> word;) {
+    const auto value = static_cast<std::uint8_t>(std::stoi(word.substr(0, 2), nullptr, 16));
+    const std::size_t count = word.size() > 3 ? std::stoul(word.substr(3)) : 1;
+    bytes.insert(bytes.end(), count, value);
+  }
+  return bytes;
+}
+
+inline Bytes operator+(Bytes first, const Bytes& second) {
+  first.insert(first.end(), second.begin(), second.end());
+  return first;
+}
+
+inline Bytes text_bytes(const std::string& text) {
+  return {text.begin(), text.end()};
+}
+
+/// A burst of bytes that left a device, and when transmit() gave it.
+struct Portion {
+  std::int64_t time_us = 0;
+  Bytes bytes;
+};
+
+/// The host's end of a device's line, on simulated time: transmit() whenever the device asks for
+/// it, and never else.
+class Host {
+ public:
+  Host(Device& device, int baud) : device_(device), baud_(baud) {}
+
+  int baud() const { return baud_; }
+  void set_baud(int baud) { baud_ = baud; }
+  std::int64_t now_us() const { return now_us_; }
+
+  void send(ByteView bytes) { device_.receive(bytes, baud_, now_us_); }
+
+  /// What comes up to a time, in portions.
+  std::vector<Portion> portions_until(std::int64_t end_us) {
+    std::vector<Portion> portions;
+    while (true) {
+      const std::int64_t next_us = std::max(now_us_, device_.next_us());
+      now_us_ = std::min(next_us, end_us);
+      if (before_) {
+        before_(now_us_);
+      }
+      Portion portion{now_us_, {}};
+      device_.transmit(now_us_, baud_, portion.bytes);
+      if (!portion.bytes.empty()) {
+        portions.push_back(portion);
+      }
+      if (next_us >= end_us) {
+        return portions;
+      }
+    }
+  }
+
+  Bytes bytes_for(std::int64_t duration_us) {
+    Bytes all;
+    for (const Portion& portion : portions_until(now_us_ + duration_us)) {
+      append(all, portion.bytes);
+    }
+    return all;
+  }
+
+  /// What comes within a time after these bytes.
+  Bytes ask(ByteView bytes, std::int64_t duration_us = 1'500'000) {
+    send(bytes);
+    return bytes_for(duration_us);
+  }
+
+  /// Called before each transmit(), as a simulation moves its world on.
+  void before_each(std::function<void(std::int64_t)> before) { before_ = std::move(before); }
+
+ private:
+  Device& device_;
+  int baud_;
+  std::int64_t now_us_ = 0;
+  std::function<void(std::int64_t)> before_;
+};
+
+}  // namespace nodmap::sim::test

@@ -1,0 +1,247 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+
+#include "sim/slcan_kurt_emulator.hpp"
+#include "sim/test/host.hpp"
+
+namespace nodmap::sim {
+namespace {
+
+using test::Host;
+using test::text_bytes;
+
+constexpr const char* kHardStop = "t001800000103FF0103FF\r";
+constexpr const char* kHalfMps = "t00180002003200320001\r";
+constexpr const char* kTurn = "t00180002FFEC00140001\r";
+constexpr const char* kZero = "t00180002000000000001\r";
+constexpr const char* kReset = "t0018FFFF000000000000\r";
+constexpr double kMPerTick = 0.379 / 21'950.0;
+
+/// The answers to lines said one after the other.
+std::string answers(SlcanAdapter& adapter, const std::string& said) {
+  std::string answer;
+  for (const char c : said) {
+    answer += adapter.take(c);
+  }
+  return answer;
+}
+
+TEST(SlcanAdapter, AnswersAsTheManualSays) {
+  int frames = 0;
+  SlcanAdapter adapter([&frames](const CanFrame& /*frame*/) { ++frames; });
+  EXPECT_EQ(answers(adapter, "\r\r\rC\r"), "\r\r\r\a") << "closed already";
+  EXPECT_EQ(answers(adapter, "V\rN\r"), "V1013\rN4242\r");
+  EXPECT_EQ(answers(adapter, "O\r"), "\a") << "no rate";
+  EXPECT_EQ(answers(adapter, "S9\rS8\rZ0\r"), "\a\r\r");
+  EXPECT_EQ(answers(adapter, kZero), "\a") << "closed";
+  EXPECT_EQ(answers(adapter, "O\rS8\rF\r"), "\r\aF00\r");
+  EXPECT_EQ(answers(adapter, kZero), "z\r");
+  EXPECT_EQ(frames, 1);
+  EXPECT_EQ(answers(adapter, "T12ABCDEF2AA55\rr1230\rt1230\rt4563112233\r"), "Z\rz\rz\rz\r");
+  EXPECT_EQ(frames, 3) << "the base hears data frames with short identifiers only";
+  EXPECT_EQ(answers(adapter, "C\rX0\rO\rt1230\r"), "\r\r\r\r") << "without auto poll";
+}
+
+TEST(SlcanAdapter, RefusesBrokenLines) {
+  SlcanAdapter adapter([](const CanFrame& /*frame*/) { ADD_FAILURE(); });
+  answers(adapter, "S8\rO\r");
+  for (const char* line : {"t\r", "t12\r", "t1239\r", "t1232AA\r", "t1231GG\r", "t12311122\r",
+                           "q\r", "t00180002000000000001t00180002000000000001\r", "F0\r"}) {
+    EXPECT_EQ(answers(adapter, line), "\a") << line;
+  }
+}
+
+TEST(SlcanAdapter, AListenerSendsNothing) {
+  SlcanAdapter adapter([](const CanFrame& /*frame*/) { ADD_FAILURE(); });
+  EXPECT_EQ(answers(adapter, "S8\rL\rt1230\r"), "\r\r\a");
+  EXPECT_EQ(adapter.from_bus({0x009, 0, {}}, 0), "t0090\r");
+}
+
+TEST(SlcanAdapter, AtAnotherRateTheBusIsMute) {
+  SlcanAdapter adapter([](const CanFrame& /*frame*/) { ADD_FAILURE(); });
+  EXPECT_EQ(answers(adapter, std::string("S6\rO\r") + kZero + "F\r"), "\r\rz\rF80\r");
+  EXPECT_EQ(adapter.from_bus({}, 0), "");
+}
+
+TEST(SlcanAdapter, TellsFramesAsPrinted) {
+  SlcanAdapter adapter([](const CanFrame& /*frame*/) {});
+  const CanFrame encoders{0x009, 8, {0x00, 0x64, 0xFF, 0x9C, 0, 0, 0, 0}};
+  EXPECT_EQ(adapter.from_bus(encoders, 0), "") << "closed";
+  answers(adapter, "S8\rO\r");
+  EXPECT_EQ(adapter.from_bus(encoders, 1'234'000), "t00980064FF9C00000000\r");
+  answers(adapter, "C\rZ1\rO\r");
+  EXPECT_EQ(adapter.from_bus(encoders, 1'234'000), "t00980064FF9C0000000004D2\r");
+  EXPECT_EQ(adapter.from_bus({0x009, 0, {}}, 60'001'000), "t00900001\r") << "wraps at a minute";
+}
+
+class KurtTest : public ::testing::Test {
+ protected:
+  KurtTest() {
+    host_.before_each([this](std::int64_t now_us) { plant_.advance_to(now_us); });
+    say("S8\rO\r");
+  }
+
+  void say(const std::string& text) { host_.send(text_bytes(text)); }
+
+  /// Says a line every 10 ms, as the driver does.
+  void drive(const std::string& line, std::int64_t duration_us) {
+    for (std::int64_t i = 0; i < duration_us / 10'000; ++i) {
+      say(line);
+      listen(10'000);
+    }
+  }
+
+  void listen(std::int64_t duration_us) {
+    const Bytes bytes = host_.bytes_for(duration_us);
+    heard_.append(bytes.begin(), bytes.end());
+  }
+
+  /// The data of frames of a kind heard so far, as two-byte words.
+  std::vector<std::array<int, 4>> frames(const std::string& id) const {
+    std::vector<std::array<int, 4>> found;
+    const std::string start = "t" + id + "8";
+    for (std::size_t at = heard_.find(start); at != std::string::npos;
+         at = heard_.find(start, at + 1)) {
+      if (heard_.find('\r', at) != at + 21) {
+        continue;
+      }
+      std::array<int, 4> words{};
+      for (std::size_t i = 0; i < 4; ++i) {
+        words[i] = std::stoi(heard_.substr(at + 5 + 4 * i, 4), nullptr, 16);
+      }
+      found.push_back(words);
+    }
+    return found;
+  }
+
+  static int i16(int word) { return word >= 0x8000 ? word - 0x10000 : word; }
+
+  Plant plant_{World{}, PlantParams{}, 1};
+  SlcanKurtEmulator kurt_{{}, plant_};
+  Host host_{kurt_, 1'000'000};
+  std::string heard_;
+};
+
+TEST_F(KurtTest, SendsItsEncodersEveryTenMilliseconds) {
+  drive(kZero, 10'000'000);
+  EXPECT_EQ(frames("009").size(), 999U) << "a clock 20 ppm slow misses the end by 0.2 ms";
+  for (const char* id : {"005", "006", "007", "008", "00C", "00D", "00E"}) {
+    EXPECT_NEAR(static_cast<double>(frames(id).size()), 1000.0 / 7.0, 1.0) << id;
+  }
+}
+
+// No tick is lost, none invented: the sum of what was told is the way the wheels went.
+TEST_F(KurtTest, EncodersCarryTheRemainder) {
+  drive("t00180002000700030001\r", 5'000'000);  // 7 and 3 cm/s: parts of a tick in each period
+  std::int64_t left = 0;
+  std::int64_t right = 0;
+  std::set<int> deltas;
+  for (const auto& words : frames("009")) {
+    left += i16(words[0]);
+    right += i16(words[1]);
+    deltas.insert(i16(words[1]));
+  }
+  // The last period (at most 7 cm/s * 10 ms = 41 ticks) is not told yet.
+  EXPECT_NEAR(static_cast<double>(left), plant_.wheel_travel().left_m / kMPerTick, 42.0);
+  EXPECT_NEAR(static_cast<double>(right), plant_.wheel_travel().right_m / kMPerTick, 42.0);
+  EXPECT_GT(left, 10'000);
+  EXPECT_GT(deltas.size(), 1U) << "17.4 ticks are sometimes 17, sometimes 18";
+}
+
+TEST_F(KurtTest, GoesAsFastAsItIsTold) {
+  drive(kHalfMps, 3'000'000);
+  EXPECT_NEAR(plant_.wheel_speeds().left_mps, 0.5, 0.01);
+  EXPECT_NEAR(plant_.wheel_speeds().right_mps, 0.5, 0.01);
+  drive(kTurn, 3'000'000);
+  EXPECT_NEAR(plant_.wheel_speeds().left_mps, -0.2, 0.01);
+  EXPECT_NEAR(plant_.wheel_speeds().right_mps, 0.2, 0.01);
+  drive("t00180001001D001D0000\r", 3'000'000);  // 29 ticks in a period
+  EXPECT_NEAR(plant_.wheel_speeds().left_mps, 29 * kMPerTick / 0.01, 0.01);
+  // Duty 103 of 1023 backward on the left, forward on the right: a tenth of 5.2 m/s.
+  drive("t00180000020398000398\r", 3'000'000);
+  EXPECT_NEAR(plant_.wheel_speeds().left_mps, -0.52, 0.02);
+  EXPECT_NEAR(plant_.wheel_speeds().right_mps, 0.52, 0.02);
+}
+
+TEST_F(KurtTest, BrakesOnTheHardStop) {
+  drive(kHalfMps, 2'000'000);
+  drive(kHardStop, 1'000'000);
+  EXPECT_NEAR(plant_.wheel_speeds().left_mps, 0.0, 1e-3);
+}
+
+TEST_F(KurtTest, DropsOutWhenNobodySteersIt) {
+  drive(kHalfMps, 2'000'000);
+  listen(80'000);  // 90 ms since the last word
+  EXPECT_NEAR(plant_.wheel_speeds().left_mps, 0.5, 0.01);
+  listen(1'500'000);
+  EXPECT_NEAR(plant_.wheel_speeds().left_mps, 0.0, 1e-3);
+}
+
+TEST_F(KurtTest, AResetStopsTheMotorsAndSilencesTheBaseForAWhile) {
+  drive(kHalfMps, 1'000'000);
+  heard_.clear();
+  say(kReset);
+  listen(200'000);
+  EXPECT_TRUE(frames("009").empty());
+  listen(800'000);
+  EXPECT_EQ(frames("009").size(), 79U);
+  EXPECT_NEAR(plant_.wheel_speeds().left_mps, 0.0, 1e-3);
+}
+
+TEST_F(KurtTest, ReadingsOfAQuietRobot) {
+  drive(kZero, 1'000'000);
+  for (const auto& tilt : frames("00D")) {
+    EXPECT_EQ(tilt[0], 32'768);
+    EXPECT_EQ(tilt[1], 32'768);
+  }
+  for (const auto& ranges : frames("006")) {
+    EXPECT_LT(ranges[0], 100) << "below 100: nothing in sight";
+    EXPECT_GT(ranges[1], 1000);
+  }
+}
+
+TEST_F(KurtTest, TheGyroTurnsWithTheRobot) {
+  drive(kTurn, 1'000'000);
+  const auto angle = frames("00E").back();
+  const auto raw = static_cast<std::int32_t>(static_cast<std::uint32_t>(angle[0]) << 16U |
+                                             static_cast<std::uint32_t>(angle[1]));
+  const Eigen::Matrix3d rotation = plant_.truth().T_world_base.linear();
+  const double yaw_deg = std::atan2(rotation(1, 0), rotation(0, 0)) * 180.0 / M_PI;
+  // The frame is up to 70 ms old.
+  EXPECT_NEAR(raw / 4'992'511.0, yaw_deg, 0.08 * 90.0);
+  EXPECT_GT(yaw_deg, 5.0);
+}
+
+TEST_F(KurtTest, AnotherRateIsNoise) {
+  host_.set_baud(115'200);
+  heard_.clear();
+  listen(100'000);
+  EXPECT_TRUE(frames("009").empty());
+  say("C\r");
+  host_.set_baud(1'000'000);
+  heard_.clear();
+  listen(100'000);
+  EXPECT_EQ(frames("009").size(), 10U) << "the channel is still open";
+}
+
+TEST(Kurt, TheSameSaidTwiceGivesTheSameTwice) {
+  const auto run = [] {
+    Plant plant(World{}, PlantParams{}, 7);
+    SlcanKurtEmulator kurt({}, plant);
+    Host host(kurt, 1'000'000);
+    host.before_each([&plant](std::int64_t now_us) { plant.advance_to(now_us); });
+    Bytes all = host.ask(text_bytes("S8\rO\r"), 10'000);
+    for (int i = 0; i < 200; ++i) {
+      append(all, host.ask(text_bytes(kTurn), 10'000));
+    }
+    return all;
+  };
+  EXPECT_EQ(run(), run());
+}
+
+}  // namespace
+}  // namespace nodmap::sim

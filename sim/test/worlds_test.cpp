@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The worlds that come with the simulator, and those of chance: the robot has room in them.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <deque>
+#include <filesystem>
+#include <set>
+
+#include "sim/collision.hpp"
+#include "sim/plant.hpp"
+#include "sim/random_world.hpp"
+#include "sim/world_file.hpp"
+
+namespace nodmap::sim {
+namespace {
+
+constexpr double kCellM = 0.1;
+
+/// The places that the robot reaches from its start on flat ground while it could turn everywhere.
+class Reached {
+ public:
+  explicit Reached(const World& world) : collision_(world, needle()), start_(world.T_world_start) {
+    std::deque<Cell> open{{0, 0}};
+    cells_.insert({0, 0});
+    while (!open.empty()) {
+      const auto [x, y] = open.front();
+      open.pop_front();
+      for (const Cell& next : {Cell{x + 1, y}, Cell{x - 1, y}, Cell{x, y + 1}, Cell{x, y - 1}}) {
+        if (cells_.size() < 100'000 && !cells_.contains(next) && has_room(next)) {
+          cells_.insert(next);
+          open.push_back(next);
+        }
+      }
+    }
+  }
+
+  [[nodiscard]] double area_m2() const {
+    return static_cast<double>(cells_.size()) * kCellM * kCellM;
+  }
+  [[nodiscard]] bool holds(const Eigen::Vector2d& p) const {
+    const Eigen::Vector2d v = (p - start_.translation()) / kCellM;
+    return cells_.contains(
+        {static_cast<int>(std::lround(v.x())), static_cast<int>(std::lround(v.y()))});
+  }
+
+ private:
+  using Cell = std::pair<int, int>;
+
+  static PlantParams needle() {
+    PlantParams params;
+    params.body_length_m = params.body_width_m = 1e-6;
+    return params;
+  }
+  [[nodiscard]] bool has_room(const Cell& cell) const {
+    const BodyPlace body{{start_.x + kCellM * cell.first, start_.y + kCellM * cell.second, 0.0}};
+    return collision_.clearance_m(body) > 0.5 * std::hypot(0.45, 0.33);
+  }
+
+  Collision collision_;
+  geometry::SE2 start_;
+  std::set<Cell> cells_;
+};
+
+std::string file_of(const std::string& name) {
+  return NODMAP_SOURCE_DIR "/sim/worlds/" + name + ".yaml";
+}
+
+TEST(Worlds, AllLoadAndLeaveTheStartFree) {
+  int count = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(NODMAP_SOURCE_DIR "/sim/worlds")) {
+    if (entry.path().extension() != ".yaml") {
+      continue;
+    }
+    ++count;
+    const World world = load_world(entry.path());
+    EXPECT_EQ(world.name, entry.path().stem());
+    Plant plant(world, {}, 1);
+    plant.advance_to(1000);
+    EXPECT_GT(plant.truth().clearance_m, 0.2) << world.name;
+    const Reached reached(world);
+    EXPECT_GT(reached.area_m2(), 5.0) << world.name;
+    EXPECT_LT(reached.area_m2(), 300.0) << world.name << " has a hole in its walls";
+    EXPECT_TRUE(!world.goal || reached.holds(*world.goal)) << world.name;
+  }
+  EXPECT_GE(count, 7);
+}
+
+TEST(Worlds, CellarIsARing) {
+  const Reached reached(load_world(file_of("cellar")));
+  for (const Eigen::Vector2d& p :
+       {Eigen::Vector2d(4.0, 0.0), {0.0, 2.4}, Eigen::Vector2d(-4.0, 0.0)}) {
+    EXPECT_TRUE(reached.holds(p)) << p.transpose();
+  }
+}
+
+TEST(Worlds, RoomsOfTheOfficeAreOpen) {
+  const Reached reached(load_world(file_of("office")));
+  for (int room = 0; room < 5; ++room) {
+    for (const double side : {-1.0, 1.0}) {
+      EXPECT_TRUE(reached.holds({1.0 + 4.0 * room, side * 2.2})) << room << ' ' << side;
+    }
+  }
+}
+
+TEST(Worlds, RampOfTheStairsLeadsToThePlatform) {
+  World world = load_world(file_of("stairs"));
+  world.T_world_start = {2.0, -2.8, 0.0};
+  Plant plant(world, {}, 1);
+  plant.set_wheel_speeds({0.5, 0.5});
+  plant.advance_to(11'000'000);
+  EXPECT_EQ(plant.truth().collisions, 0);
+  EXPECT_NEAR(plant.truth().T_world_base.translation().z(), 0.4, 1e-9);
+}
+
+TEST(Worlds, LevelLaserOfFig5SeesNoneOfItsTraps) {
+  const World world = load_world(file_of("fig5"));
+  const PlantParams params;
+  for (const Object& object : world.objects) {
+    const auto* box = std::get_if<Box>(&object.shape);
+    if (box == nullptr) {
+      continue;
+    }
+    const double bottom_m = box->center.z() - 0.5 * box->size.z();
+    const double top_m = box->center.z() + 0.5 * box->size.z();
+    const bool room = box->size.z() > 2.0 || bottom_m > 2.0;
+    EXPECT_TRUE(room || top_m < params.mount_z_m - 0.05 || bottom_m > params.mount_z_m + 0.01);
+    EXPECT_TRUE(room || bottom_m < params.body_height_m);
+  }
+}
+
+int obstacles_of(const World& world) {
+  int boxes = 0;
+  int cylinders = 0;
+  int plates = 0;
+  for (const Object& object : world.objects) {
+    const auto* box = std::get_if<Box>(&object.shape);
+    boxes += box != nullptr ? 1 : 0;
+    cylinders += box == nullptr ? 1 : 0;
+    plates += box != nullptr && box->center.z() - 0.5 * box->size.z() > 0.01 ? 1 : 0;
+  }
+  return boxes - 4 + cylinders - 4 * plates;  // without walls; a plate has four legs
+}
+
+TEST(RandomWorld, HasItsNumberOfObstaclesAndRoomBetweenThem) {
+  for (std::uint64_t seed = 0; seed < 100; ++seed) {
+    const World world = random_clutter(seed);
+    EXPECT_GE(obstacles_of(world), 25) << seed;
+    EXPECT_LE(obstacles_of(world), 40) << seed;
+    Plant plant(world, {}, 1);
+    plant.advance_to(1000);
+    EXPECT_GT(plant.truth().clearance_m, 0.6 - 0.28) << seed;
+    if (seed < 10) {
+      // Of 100 m^2, the obstacles and a rim of the robot's half width about each are gone.
+      EXPECT_GT(Reached(world).area_m2(), 30.0) << seed;
+    }
+  }
+}
+
+TEST(RandomWorld, SameSeedSameWorld) {
+  const auto numbers = [](std::uint64_t seed) {
+    std::vector<double> all;
+    for (const Object& object : random_clutter(seed).objects) {
+      if (const auto* box = std::get_if<Box>(&object.shape)) {
+        all.insert(all.end(), {box->center.x(), box->center.y(), box->size.z(), box->yaw_rad});
+      }
+    }
+    return all;
+  };
+  EXPECT_EQ(numbers(4), numbers(4));
+  EXPECT_NE(numbers(4), numbers(5));
+}
+
+}  // namespace
+}  // namespace nodmap::sim
