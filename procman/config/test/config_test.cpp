@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "procman/config/config.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "procman/config/parser.hpp"
+
+namespace nodmap::procman {
+namespace {
+
+std::vector<std::string> ids(const std::vector<const Command*>& commands) {
+  std::vector<std::string> all;
+  for (const Command* command : commands) {
+    all.push_back(command->id);
+  }
+  return all;
+}
+
+TEST(Config, AGroupMeansItsSubgroupsButNotItsNamesakes) {
+  const auto parsed = parse_config(R"(
+      cmd "top" { exec = "t"; }
+      group "a" { cmd "x" { exec = "x"; } group "b" { cmd "y" { exec = "y"; } } }
+      group "ab" { cmd "z" { exec = "z"; } })");
+  ASSERT_TRUE(parsed.errors.empty());
+  const Config& config = parsed.config;
+  using ::testing::ElementsAre;
+  EXPECT_THAT(ids(config.commands_of({TargetKind::kGroup, "a"})), ElementsAre("x", "y"));
+  EXPECT_THAT(ids(config.commands_of({TargetKind::kGroup, "/a//b/"})), ElementsAre("y"));
+  EXPECT_THAT(ids(config.commands_of({TargetKind::kCommand, "top"})), ElementsAre("top"));
+  EXPECT_THAT(ids(config.commands_of({})), ElementsAre("top", "x", "y", "z"));
+  EXPECT_TRUE(config.commands_of({TargetKind::kGroup, "c"}).empty());
+}
+
+TEST(Config, NormalizesGroupPaths) {
+  EXPECT_EQ(normalized_group("//a///b/"), "a/b");
+  EXPECT_EQ(normalized_group("/"), "");
+  EXPECT_EQ(normalized_group(""), "");
+}
+
+}  // namespace
+}  // namespace nodmap::procman

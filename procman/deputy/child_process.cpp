@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "procman/deputy/child_process.hpp"
+
+#include <fcntl.h>
+#include <sys/ioctl.h>
+#include <sys/prctl.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <climits>
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+#include <system_error>
+#include <utility>
+
+namespace nodmap::procman {
+namespace {
+
+constexpr int kCannotRun = 127;
+
+[[noreturn]] void fail(const char* what) {
+  throw std::system_error(errno, std::system_category(), what);
+}
+
+/// Pointers as execve() takes them; into `words`, which must live on.
+std::vector<char*> pointers(std::vector<std::string>& words) {
+  std::vector<char*> all;
+  all.reserve(words.size() + 1);
+  for (std::string& word : words) {
+    all.push_back(word.data());
+  }
+  all.push_back(nullptr);
+  return all;
+}
+
+/// Where a program lies. Looked up before the fork: nothing of that may be done after it.
+std::string find_program(const std::string& name, const std::string& search_path) {
+  if (name.find('/') != std::string::npos) {
+    return name;
+  }
+  std::size_t begin = 0;
+  while (begin <= search_path.size()) {
+    const std::size_t end = std::min(search_path.find(':', begin), search_path.size());
+    const std::string folder = search_path.substr(begin, end - begin);
+    std::string candidate = (folder.empty() ? "." : folder) + "/" + name;
+    if (::access(candidate.c_str(), X_OK) == 0) {
+      return candidate;
+    }
+    begin = end + 1;
+  }
+  return name;  // execve() will say that there is no such file
+}
+
+struct Terminal {
+  Descriptor ours;
+  std::array<char, 128> name{};
+};
+
+Terminal open_terminal() {
+  Terminal terminal;
+  terminal.ours = Descriptor(::posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC));
+  const int fd = terminal.ours.get();
+  if (fd < 0 || ::grantpt(fd) != 0 || ::unlockpt(fd) != 0 ||
+      ::ptsname_r(fd, terminal.name.data(), terminal.name.size()) != 0 ||
+      ::fcntl(fd, F_SETFL, O_NONBLOCK) != 0) {
+    fail("a pseudo-terminal");
+  }
+  return terminal;
+}
+
+/// All that the child needs, made before the fork.
+struct Launch {
+  const char* terminal_name;
+  const char* program;
+  char* const* arguments;
+  char* const* environment;
+  pid_t parent;
+};
+
+void say(const char* text) noexcept {
+  if (::write(STDERR_FILENO, text, std::strlen(text)) < 0) {
+    ::_exit(kCannotRun);  // nobody to say it to
+  }
+}
+
+/// In the child. From here to execve() only calls that are safe after a fork of a process with
+/// threads: no allocation, no lock, no stdio.
+[[noreturn]] void become(const Launch& launch) noexcept {
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  if (::getppid() != launch.parent) {
+    ::_exit(kCannotRun);  // the deputy died before we asked for that
+  }
+  ::setsid();
+  const int fd = ::open(launch.terminal_name, O_RDWR);
+  if (fd < 0) {
+    ::_exit(kCannotRun);
+  }
+  ::ioctl(fd, TIOCSCTTY, 0);
+  ::dup2(fd, STDIN_FILENO);
+  ::dup2(fd, STDOUT_FILENO);
+  ::dup2(fd, STDERR_FILENO);
+  // LCM opens its sockets without CLOEXEC.
+  ::close_range(STDERR_FILENO + 1, UINT_MAX, 0);
+  struct sigaction standard {};
+  standard.sa_handler = SIG_DFL;
+  for (int signal = 1; signal < NSIG; ++signal) {
+    ::sigaction(signal, &standard, nullptr);  // fails for SIGKILL and SIGSTOP, rightly
+  }
+  sigset_t none;
+  ::sigemptyset(&none);
+  // Last: what was sent meanwhile waits, and now does what it does to any program.
+  ::sigprocmask(SIG_SETMASK, &none, nullptr);
+  ::execve(launch.program, launch.arguments, launch.environment);
+  const char* reason = ::strerrordesc_np(errno);
+  say("nodmap-deputy: cannot run ");
+  say(launch.program);
+  say(": ");
+  say(reason != nullptr ? reason : "unknown error");
+  say("\n");
+  ::_exit(kCannotRun);
+}
+
+}  // namespace
+
+Descriptor::~Descriptor() {
+  if (fd_ >= 0) {
+    ::close(fd_);
+  }
+}
+
+Descriptor& Descriptor::operator=(Descriptor&& other) noexcept {
+  std::swap(fd_, other.fd_);
+  return *this;
+}
+
+int Descriptor::release() {
+  return std::exchange(fd_, -1);
+}
+
+Child start_child(const Program& program) {
+  std::vector<std::string> words = program.arguments;
+  std::vector<std::string> variables = program.environment;
+  const std::vector<char*> arguments = pointers(words);
+  const std::vector<char*> environment = pointers(variables);
+  const std::string file = find_program(words.at(0), program.search_path);
+  Terminal terminal = open_terminal();
+  const Launch launch{terminal.name.data(), file.c_str(), arguments.data(), environment.data(),
+                      ::getpid()};
+  // No signal may reach the child while it still has the deputy's ways to handle it.
+  sigset_t all;
+  sigset_t before;
+  ::sigfillset(&all);
+  ::pthread_sigmask(SIG_SETMASK, &all, &before);
+  const pid_t pid = ::fork();
+  if (pid == 0) {
+    become(launch);
+  }
+  const int error = errno;
+  ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
+  if (pid < 0) {
+    errno = error;
+    fail("fork");
+  }
+  return {pid, std::move(terminal.ours)};
+}
+
+}  // namespace nodmap::procman

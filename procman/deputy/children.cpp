@@ -1,0 +1,309 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "procman/deputy/children.hpp"
+
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstdlib>
+#include <ctime>
+#include <set>
+#include <stdexcept>
+#include <utility>
+
+#include "procman/deputy/exec_line.hpp"
+
+namespace nodmap::procman {
+namespace {
+
+constexpr const char* kMarkVariable = "NODMAP_DEPUTY_CHILD";
+// A tree that forks while it is killed is looked at again, so often.
+constexpr int kMaxRounds = 10;
+constexpr int kMaxEndRounds = 400;  // of 5 ms
+
+std::optional<std::string> own_variable(const std::string& name) {
+  const char* value = std::getenv(name.c_str());  // NOLINT(concurrency-mt-unsafe): nobody sets any
+  return value == nullptr ? std::nullopt : std::optional<std::string>(value);
+}
+
+/// The environment of a command: the deputy's, then the words of its exec line, then the mark.
+std::vector<std::string> environment_of(const ExecLine& exec, const std::string& search_path,
+                                        const std::string& mark) {
+  std::map<std::string, std::string> variables;
+  for (char** at = ::environ; *at != nullptr; ++at) {
+    const std::string_view text(*at);
+    const std::size_t assign = text.find('=');
+    if (assign != std::string_view::npos) {
+      variables[std::string(text.substr(0, assign))] = text.substr(assign + 1);
+    }
+  }
+  variables["PATH"] = search_path;
+  for (const auto& [name, value] : exec.environment) {
+    variables[name] = value;
+  }
+  variables[kMarkVariable] = mark;
+  std::vector<std::string> all;
+  all.reserve(variables.size());
+  for (const auto& [name, value] : variables) {
+    all.push_back(name);
+    all.back().append("=").append(value);
+  }
+  return all;
+}
+
+std::string path_of(const ExecLine& exec, const std::string& otherwise) {
+  std::string path = otherwise;
+  for (const auto& [name, value] : exec.environment) {
+    path = name == "PATH" ? value : path;
+  }
+  return path;
+}
+
+std::string mark_of_process(const std::string& prefix, pid_t pid, std::uint64_t start_ticks) {
+  return prefix + std::to_string(pid) + ":" + std::to_string(start_ticks) + ":";
+}
+
+}  // namespace
+
+Children::Children(const std::string& deputy_id, const std::string& own_folder)
+    : mark_prefix_(deputy_id + ":"),
+      search_path_(own_folder + ":" + own_variable("PATH").value_or("/usr/bin:/bin")) {
+  const std::optional<ProcessRow> self = read_process(::getpid());
+  own_mark_ = mark_of_process(mark_prefix_, ::getpid(), self ? self->start_ticks : 0);
+  if (::prctl(PR_SET_CHILD_SUBREAPER, 1) != 0) {
+    throw std::runtime_error("this system gives no orphans to us (PR_SET_CHILD_SUBREAPER)");
+  }
+}
+
+pid_t Children::start(const std::string& id, const std::string& exec_line) {
+  const ExecLine exec = parse_exec_line(exec_line, own_variable);
+  if (exec.arguments.empty()) {
+    throw std::runtime_error("the exec names no program: " + exec_line);
+  }
+  Run run;
+  run.mark = own_mark_ + std::to_string(++num_started_);
+  Child child = start_child(
+      {exec.arguments, environment_of(exec, search_path_, run.mark), path_of(exec, search_path_)});
+  run.pid = child.pid;
+  run.terminal = std::move(child.terminal);
+  runs_.insert_or_assign(id, std::move(run));
+  return runs_.at(id).pid;
+}
+
+bool Children::is_first_process(pid_t pid) const {
+  return std::any_of(runs_.begin(), runs_.end(),
+                     [pid](const auto& item) { return item.second.pid == pid; });
+}
+
+bool Children::is_orphan(const ProcessRow& row) const {
+  return row.parent == ::getpid() && !is_first_process(row.pid) && !row.is_dead();
+}
+
+std::vector<pid_t> Children::tree(const Run& run, std::span<const ProcessRow> table) const {
+  return tree_of(table, [&](const ProcessRow& row) {
+    if (row.pid == run.pid || row.session == run.pid) {
+      return true;
+    }
+    // An orphan that has left its session still has the environment it was born with.
+    return is_orphan(row) && variable_of(row.pid, kMarkVariable) == run.mark;
+  });
+}
+
+void Children::signal(const std::string& id, int signal) {
+  const auto found = runs_.find(id);
+  if (found == runs_.end()) {
+    return;
+  }
+  if (signal == SIGKILL) {
+    kill_tree(found->second);
+    return;
+  }
+  // The process itself needs no table to be found; no pid is reused before we have waited for it.
+  const std::vector<ProcessRow> table = read_processes();
+  if (!found->second.wait_status) {
+    ::kill(found->second.pid, signal);
+  }
+  for (const pid_t pid : tree(found->second, table)) {
+    if (pid != found->second.pid) {
+      ::kill(pid, signal);
+    }
+  }
+}
+
+void Children::kill_tree(const Run& run) const {
+  std::set<pid_t> struck;
+  bool is_new = true;
+  for (int round = 0; is_new && round < kMaxRounds; ++round) {
+    is_new = false;
+    for (const pid_t pid : tree(run, read_processes())) {
+      is_new |= struck.insert(pid).second;
+      ::kill(pid, SIGKILL);
+    }
+  }
+}
+
+void Children::collect_exits(std::int64_t now_us) {
+  int status = 0;
+  pid_t pid = 0;
+  while ((pid = ::waitpid(-1, &status, WNOHANG)) > 0) {
+    for (auto& [id, run] : runs_) {
+      if (run.pid == pid && !run.wait_status) {
+        run.wait_status = status;
+        run.ended_us = now_us;
+      }
+    }
+  }
+}
+
+/// Whether nothing of a tree is left. The process table is not read in one moment, so that what
+/// forks and goes meanwhile can be missed once; and what is just being replaced by exec has no
+/// environment for a moment, so that it is not known whose it is.
+bool Children::is_gone(Run& run) const {
+  if (!tree(run, read_processes()).empty()) {
+    return false;
+  }
+  const std::vector<ProcessRow> table = read_processes();
+  const bool is_unclear = std::any_of(table.begin(), table.end(), [this](const ProcessRow& row) {
+    return is_orphan(row) && !has_environment(row.pid);
+  });
+  const bool was_looked_at = std::exchange(run.looked_at, true);
+  return tree(run, table).empty() && (!is_unclear || was_looked_at);
+}
+
+std::vector<Children::Ended> Children::reap(std::int64_t now_us) {
+  collect_exits(now_us);
+  std::vector<Ended> ended;
+  for (auto at = runs_.begin(); at != runs_.end();) {
+    Run& run = at->second;
+    if (!run.wait_status) {
+      ++at;
+      continue;
+    }
+    if (now_us < run.sweep_us) {
+      ++at;
+      continue;
+    }
+    if (!is_gone(run) && now_us - run.ended_us < kMaxSweepUs) {
+      kill_tree(run);
+      run.sweep_us = now_us + kSweepPeriodUs;
+      ++at;
+      continue;
+    }
+    if (last_words_) {
+      read_some(at->first, run, last_words_);
+    }
+    ended.push_back({at->first, *run.wait_status});
+    at = runs_.erase(at);
+  }
+  return ended;
+}
+
+/// Reads up to the limit. Whether there may be more.
+bool Children::read_some(const std::string& id, Run& run, const OutputHandler& handler) {
+  std::array<char, 4096> buffer{};
+  std::size_t total = 0;
+  while (total < kMaxReadBytes) {
+    const ssize_t size = ::read(run.terminal.get(), buffer.data(), buffer.size());
+    if (size > 0) {
+      handler(id, {buffer.data(), static_cast<std::size_t>(size)});
+      total += static_cast<std::size_t>(size);
+    } else if (size < 0 && errno == EINTR) {
+      continue;
+    } else {
+      run.hung_up = size == 0 || errno != EAGAIN;  // EIO: nobody has the terminal open any more
+      return false;
+    }
+  }
+  return true;
+}
+
+void Children::read_output(const OutputHandler& handler, std::int64_t now_us) {
+  last_words_ = handler;
+  for (auto& [id, run] : runs_) {
+    if (!run.hung_up && now_us >= run.next_read_us && read_some(id, run, handler)) {
+      run.next_read_us = now_us + kReadPeriodUs;
+    }
+  }
+}
+
+void Children::add_to_poll(std::vector<pollfd>& waiting, std::int64_t now_us) const {
+  for (const auto& [id, run] : runs_) {
+    if (!run.hung_up && now_us >= run.next_read_us) {
+      waiting.push_back({run.terminal.get(), POLLIN, 0});
+    }
+  }
+}
+
+std::optional<std::int64_t> Children::due_us(std::int64_t now_us) const {
+  std::optional<std::int64_t> due;
+  const auto take = [&due](std::int64_t time_us) {
+    due = std::min(due.value_or(time_us), time_us);
+  };
+  for (const auto& [id, run] : runs_) {
+    if (!run.hung_up && run.next_read_us > now_us) {  // later it is waited for by poll()
+      take(run.next_read_us);
+    }
+    if (run.wait_status) {
+      take(run.sweep_us);
+    }
+  }
+  return due;
+}
+
+void Children::kill_everything() {
+  const timespec pause{0, 5'000'000};
+  for (int round = 0; round < kMaxEndRounds; ++round) {
+    while (::waitpid(-1, nullptr, WNOHANG) > 0) {
+    }
+    const std::vector<ProcessRow> table = read_processes();
+    const std::vector<pid_t> below =
+        tree_of(table, [](const ProcessRow& row) { return row.parent == ::getpid(); });
+    if (below.empty()) {
+      return;
+    }
+    for (const pid_t pid : below) {
+      ::kill(pid, SIGKILL);
+    }
+    ::nanosleep(&pause, nullptr);
+  }
+}
+
+void Children::kill_strays() const {
+  for (const ProcessRow& row : read_processes()) {
+    const std::string mark =
+        is_orphan(row) ? variable_of(row.pid, kMarkVariable).value_or("") : std::string();
+    const bool is_of_a_run = std::any_of(
+        runs_.begin(), runs_.end(), [&mark](const auto& item) { return item.second.mark == mark; });
+    if (mark.starts_with(own_mark_) && !is_of_a_run) {
+      ::kill(row.pid, SIGKILL);
+    }
+  }
+}
+
+int Children::kill_leftovers() {
+  const std::vector<ProcessRow> table = read_processes();
+  std::set<std::string> living;  // marks of deputies that are there
+  for (const ProcessRow& row : table) {
+    living.insert(mark_of_process(mark_prefix_, row.pid, row.start_ticks));
+  }
+  int count = 0;
+  for (const ProcessRow& row : table) {
+    const std::string mark = variable_of(row.pid, kMarkVariable).value_or("");
+    const std::string of_deputy = mark.substr(0, mark.rfind(':') + 1);
+    if (mark.starts_with(mark_prefix_) && !living.contains(of_deputy) && !row.is_dead()) {
+      count += ::kill(row.pid, SIGKILL) == 0 ? 1 : 0;
+    }
+  }
+  return count;
+}
+
+std::optional<pid_t> Children::pid_of(const std::string& id) const {
+  const auto found = runs_.find(id);
+  return found == runs_.end() ? std::nullopt : std::optional<pid_t>(found->second.pid);
+}
+
+}  // namespace nodmap::procman

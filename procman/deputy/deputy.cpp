@@ -1,0 +1,297 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "procman/deputy/deputy.hpp"
+
+#include <poll.h>
+#include <sys/signalfd.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "common/bus/live_bus.hpp"
+#include "common/log/log.hpp"
+#include "common/node/status.hpp"
+#include "common/time/clock.hpp"
+#include "procman/deputy/children.hpp"
+#include "procman/deputy/output_collector.hpp"
+#include "procman/deputy/supervisor.hpp"
+#include "procman/deputy/system_load.hpp"
+#include "procman/protocol/messages.hpp"
+
+namespace nodmap::procman {
+namespace {
+
+constexpr std::int64_t kDiscoveryUs = 500'000;
+constexpr std::int64_t kDiscoverPeriodUs = 200'000;
+constexpr std::int64_t kInfoPeriodUs = 1'000'000;
+constexpr std::int64_t kLongestWaitUs = 200'000;
+
+// Time for periods and delays: goes on when the wall clock is set.
+std::int64_t steady_us() {
+  return std::chrono::duration_cast<std::chrono::microseconds>(
+             std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+/// Signals as readable events: no handler, hence nothing that a child could inherit between fork
+/// and exec. To be made before any thread.
+Descriptor catch_signals() {
+  sigset_t signals;
+  ::sigemptyset(&signals);
+  for (const int signal : {SIGCHLD, SIGINT, SIGTERM, SIGHUP, SIGQUIT}) {
+    ::sigaddset(&signals, signal);
+  }
+  ::pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  std::signal(SIGPIPE, SIG_IGN);  // a log that nobody reads any more is no reason to die
+  const int fd = ::signalfd(-1, &signals, SFD_CLOEXEC | SFD_NONBLOCK);
+  if (fd < 0) {
+    throw std::system_error(errno, std::system_category(), "signalfd");
+  }
+  return Descriptor(fd);
+}
+
+std::string own_folder() {
+  std::error_code error;
+  return std::filesystem::read_symlink("/proc/self/exe", error).parent_path().string();
+}
+
+class Deputy {
+ public:
+  explicit Deputy(const DeputySettings& settings)
+      : settings_(settings),
+        signals_(catch_signals()),
+        bus_(settings.lcm_url),
+        children_(settings.id, own_folder()),
+        supervisor_(settings.id),
+        status_("nodmap-deputy", bus_, tally_, clock_),
+        nonce_((clock_.now_utime_us() << 22U) + ::getpid()),
+        started_us_(steady_us()) {}
+
+  int run() {
+    subscribe();
+    log::get().info("deputy {} on {}", settings_.id, bus_.url());
+    while (!exit_code_) {
+      wait();
+      handle_signals();
+      bus_.handle(std::chrono::milliseconds(0));  // bounded: a flood of orders keeps nobody waiting
+      work();
+    }
+    Children::kill_everything();  // before the last words, so that they are true
+    publish_output(steady_us() + OutputCollector::kPeriodUs);  // the last words, due or not
+    return *exit_code_;
+  }
+
+ private:
+  void subscribe();
+  void wait();
+  void handle_signals();
+  void work();
+  void work_discovery(std::int64_t now_us);
+  void begin_service(std::int64_t now_us);
+  void meet(const Discovery& discovery);
+  void carry_out(const Deeds& deeds);
+  void start(const StartCommand& deed);
+  void publish_output(std::int64_t now_us);
+  void publish_info();
+  [[nodiscard]] std::vector<pid_t> pids() const;
+
+  DeputySettings settings_;
+  Descriptor signals_;
+  time::SystemClock clock_;
+  node::Tally tally_;
+  bus::LiveBus bus_;
+  Children children_;
+  Supervisor supervisor_;
+  OutputCollector output_;
+  SystemLoad load_;
+  node::StatusReporter status_;
+  std::int64_t nonce_;
+  std::int64_t started_us_;
+  std::int64_t discover_due_us_ = 0;
+  std::int64_t info_due_us_ = 0;
+  bool serving_ = false;
+  bool info_changed_ = false;
+  std::optional<int> exit_code_;
+};
+
+void Deputy::subscribe() {
+  bus_.subscribe<procman_lcm::discovery_t>(
+      kDiscoverChannel, [this](const auto& message) { meet(from_message(message)); });
+  bus_.subscribe<procman_lcm::deputy_info_t>(kInfoChannel, [this](const auto& message) {
+    if (!serving_ && message.deputy_id == settings_.id) {
+      log::get().error("there is a deputy {} already", settings_.id);
+      exit_code_ = 2;
+    }
+  });
+  bus_.subscribe<procman_lcm::orders_t>(kOrdersChannel, [this](const auto& message) {
+    if (serving_) {
+      tally_.use();
+      const std::int64_t age_us = clock_.now_utime_us() - message.utime;
+      carry_out(supervisor_.take_orders(from_message(message), age_us, steady_us()));
+    }
+  });
+}
+
+void Deputy::meet(const Discovery& discovery) {
+  if (discovery.transmitter_id == settings_.id && discovery.nonce == nonce_) {
+    return;  // our own
+  }
+  if (serving_) {
+    info_changed_ = true;
+  } else if (discovery.transmitter_id == settings_.id) {
+    log::get().error("another deputy {} is being started", settings_.id);
+    exit_code_ = 1;
+  }
+}
+
+void Deputy::wait() {
+  const std::int64_t now_us = steady_us();
+  std::vector<pollfd> waiting{{signals_.get(), POLLIN, 0}, {bus_.poll_handle(), POLLIN, 0}};
+  children_.add_to_poll(waiting, now_us);
+  std::int64_t due_us = now_us + kLongestWaitUs;
+  for (const auto& due : {supervisor_.next_due_us(), output_.due_us(), children_.due_us(now_us)}) {
+    due_us = std::min(due_us, due.value_or(due_us));
+  }
+  due_us = std::min(due_us, serving_ ? info_due_us_ : discover_due_us_);
+  const std::int64_t wait_us = std::max<std::int64_t>(0, due_us - now_us);
+  ::poll(waiting.data(), waiting.size(), static_cast<int>((wait_us + 999) / 1000));
+}
+
+void Deputy::handle_signals() {
+  signalfd_siginfo info{};
+  while (::read(signals_.get(), &info, sizeof(info)) == sizeof(info)) {
+    if (info.ssi_signo == SIGCHLD) {
+      continue;  // work() collects in any case
+    }
+    log::get().info("signal {}: stopping everything{}", info.ssi_signo,
+                    supervisor_.is_shutting_down() ? ", at once" : "");
+    carry_out(supervisor_.shut_down(steady_us()));
+  }
+}
+
+void Deputy::work() {
+  const std::int64_t now_us = steady_us();
+  children_.read_output(
+      [this](const std::string& id, std::string_view text) { output_.add(id, text, steady_us()); },
+      now_us);
+  for (const Children::Ended& end : children_.reap(now_us)) {
+    log::get().info("{} ended (wait status {})", end.id, end.wait_status);
+    carry_out(supervisor_.ended(end.id, end.wait_status, now_us));
+  }
+  carry_out(supervisor_.poll(now_us));
+  if (!serving_) {
+    work_discovery(now_us);
+  } else if (info_changed_ || now_us >= info_due_us_) {
+    if (now_us >= info_due_us_) {
+      load_.sample(pids());
+      children_.kill_strays();
+      info_due_us_ = std::max(info_due_us_ + kInfoPeriodUs, now_us);
+    }
+    publish_info();
+  }
+  publish_output(now_us);
+  node::Health health;
+  health.needs_messages = false;  // a deputy without a sheriff is well
+  status_.publish_if_due(health);
+  if (supervisor_.is_shutting_down() && supervisor_.is_idle()) {
+    exit_code_ = exit_code_.value_or(0);
+  }
+}
+
+void Deputy::work_discovery(std::int64_t now_us) {
+  if (now_us >= started_us_ + kDiscoveryUs && discover_due_us_ != 0) {
+    begin_service(now_us);
+  } else if (now_us >= discover_due_us_) {
+    discover_due_us_ = now_us + kDiscoverPeriodUs;
+    bus_.publish(kDiscoverChannel,
+                 to_message(Discovery{clock_.now_utime_us(), settings_.id, nonce_}));
+  }
+}
+
+void Deputy::begin_service(std::int64_t now_us) {
+  const int leftovers = children_.kill_leftovers();
+  if (leftovers > 0) {
+    log::get().warn("killed {} processes that a killed deputy had left behind", leftovers);
+  }
+  serving_ = true;
+  info_due_us_ = now_us;
+  log::get().info("serving");
+}
+
+void Deputy::carry_out(const Deeds& deeds) {
+  for (const Deed& deed : deeds) {
+    if (const auto* say = std::get_if<Say>(&deed)) {
+      output_.add(say->id, say->text, steady_us());
+    } else if (const auto* signal = std::get_if<SignalCommand>(&deed)) {
+      log::get().info("{}: signal {}", signal->id, signal->signal);
+      children_.signal(signal->id, signal->signal);
+    } else if (const auto* begin = std::get_if<StartCommand>(&deed)) {
+      start(*begin);
+    } else {
+      info_changed_ = true;
+    }
+  }
+}
+
+void Deputy::start(const StartCommand& deed) {
+  const std::int64_t now_us = steady_us();
+  if (!settings_.may_run(deed.exec)) {
+    log::get().warn("{}: refused: {}", deed.id, deed.exec);
+    tally_.reject("not_allowed");
+    carry_out(supervisor_.not_started(deed.id, settings_.refusal, now_us));
+    return;
+  }
+  try {
+    const pid_t pid = children_.start(deed.id, deed.exec);
+    supervisor_.started(deed.id, pid, now_us);
+    log::get().info("{} started (pid {})", deed.id, pid);
+    info_changed_ = true;
+  } catch (const std::exception& error) {
+    log::get().error("{}: {}", deed.id, error.what());
+    carry_out(supervisor_.not_started(deed.id, error.what(), now_us));
+  }
+}
+
+void Deputy::publish_output(std::int64_t now_us) {
+  Output output{clock_.now_utime_us(), settings_.id, output_.take(now_us)};
+  if (!output.said.empty()) {
+    bus_.publish(kOutputChannel, to_message(output));
+  }
+}
+
+void Deputy::publish_info() {
+  info_changed_ = false;
+  DeputyInfo info;
+  info.utime_us = clock_.now_utime_us();
+  info.deputy_id = settings_.id;
+  load_.describe_host(info);
+  info.commands = supervisor_.statuses();
+  for (CommandStatus& status : info.commands) {
+    load_.describe_process(status);
+  }
+  bus_.publish(kInfoChannel, to_message(info));
+}
+
+std::vector<pid_t> Deputy::pids() const {
+  std::vector<pid_t> all;
+  for (const CommandStatus& status : supervisor_.statuses()) {
+    if (status.pid != 0) {
+      all.push_back(status.pid);
+    }
+  }
+  return all;
+}
+
+}  // namespace
+
+int run_deputy(const DeputySettings& settings) {
+  return Deputy(settings).run();
+}
+
+}  // namespace nodmap::procman

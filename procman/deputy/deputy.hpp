@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <string>
+
+namespace nodmap::procman {
+
+struct DeputySettings {
+  std::string id;
+  std::string lcm_url;
+  /// Which exec lines may be run; LCM tells nobody apart, so orders alone do not decide it.
+  std::function<bool(const std::string& exec)> may_run;
+  std::string refusal;  ///< why not, for who ordered it
+};
+
+/// Serves until SIGINT, SIGTERM, SIGHUP or SIGQUIT. Returns the exit code: 0 after a clean end, 1
+/// when another deputy of this name is being started, 2 when there is one. Throws
+/// std::runtime_error.
+int run_deputy(const DeputySettings& settings);
+
+/// main() of nodmap-deputy.
+int run_deputy_program(int argc, char** argv);
+
+}  // namespace nodmap::procman

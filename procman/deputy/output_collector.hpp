@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "procman/protocol/values.hpp"
+
+namespace nodmap::procman {
+
+/// Bytes that flow at a rate, after a burst at first.
+class TokenBucket {
+ public:
+  TokenBucket(double bytes_per_s, double burst_bytes)
+      : bytes_per_s_(bytes_per_s), burst_bytes_(burst_bytes), tokens_(burst_bytes) {}
+
+  /// How many of `wanted` may pass now.
+  [[nodiscard]] std::size_t take(std::size_t wanted, std::int64_t now_us);
+  /// Gives back what was taken and not used.
+  void give_back(std::size_t bytes) { tokens_ += static_cast<double>(bytes); }
+
+ private:
+  double bytes_per_s_;
+  double burst_bytes_;
+  double tokens_;
+  std::optional<std::int64_t> filled_us_;
+};
+
+/// Gathers what commands write into messages: one at most each 10 ms unless more than 4 KiB wait,
+/// as the existing deputy does; and, as it does not, no more than the bus should carry. What is
+/// over the limit is dropped, counted, and said in the command's own output.
+class OutputCollector {
+ public:
+  static constexpr std::int64_t kPeriodUs = 10'000;
+  static constexpr std::size_t kPromptBytes = 4096;
+  // Far more than anyone can read, far less than would hurt: SCAN and the maps take about 10 MB/s.
+  static constexpr double kCommandBytesPerS = 64.0 * 1024.0;
+  static constexpr double kCommandBurstBytes = 128.0 * 1024.0;
+  static constexpr double kTotalBytesPerS = 512.0 * 1024.0;
+  static constexpr double kTotalBurstBytes = 1024.0 * 1024.0;
+  /// How often a command's losses are said.
+  static constexpr std::int64_t kComplaintPeriodUs = 1'000'000;
+
+  /// What a command wrote; with the empty id what the deputy says.
+  void add(const std::string& id, std::string_view text, std::int64_t now_us);
+
+  /// What is to be published now, if anything.
+  [[nodiscard]] std::vector<Said> take(std::int64_t now_us);
+
+  /// When take() will next have something.
+  [[nodiscard]] std::optional<std::int64_t> due_us() const;
+
+  /// Bytes dropped so far, of all commands.
+  [[nodiscard]] std::int64_t dropped_bytes() const { return dropped_bytes_; }
+
+  void forget(const std::string& id) { streams_.erase(id); }
+
+ private:
+  struct Stream {
+    TokenBucket bucket{kCommandBytesPerS, kCommandBurstBytes};
+    std::int64_t unsaid_bytes = 0;  // dropped, and not yet told
+    std::int64_t complained_us = 0;
+  };
+
+  void append(const std::string& id, std::string_view text);
+  void complain(std::int64_t now_us);
+
+  std::map<std::string, Stream> streams_;
+  TokenBucket total_{kTotalBytesPerS, kTotalBurstBytes};
+  std::vector<Said> pending_;
+  std::size_t pending_bytes_ = 0;
+  std::int64_t dropped_bytes_ = 0;
+  std::int64_t published_us_ = 0;
+};
+
+}  // namespace nodmap::procman

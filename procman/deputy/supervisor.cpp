@@ -1,0 +1,239 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "procman/deputy/supervisor.hpp"
+
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstring>
+#include <utility>
+
+namespace nodmap::procman {
+namespace {
+
+constexpr int kCannotRun = 127 << 8;  // as a shell says it: exit code 127
+constexpr double kMaxGraceS = 24.0 * 3600.0;
+
+/// What arrives over the network, made safe: no signal that is none, no grace time that is none.
+CommandSpec sane(CommandSpec spec) {
+  if (spec.stop_signal < 1 || spec.stop_signal > SIGRTMAX) {
+    spec.stop_signal = SIGINT;
+  }
+  if (!(spec.stop_time_allowed_s >= 0.0)) {  // also for what is not a number
+    spec.stop_time_allowed_s = 0.0;
+  }
+  spec.stop_time_allowed_s = std::min(spec.stop_time_allowed_s, kMaxGraceS);
+  return spec;
+}
+
+}  // namespace
+
+Deeds Supervisor::take_orders(const Orders& orders, std::int64_t age_us, std::int64_t now_us) {
+  Deeds deeds;
+  if (shutting_down_ || orders.deputy_id != deputy_id_) {
+    return deeds;
+  }
+  if (age_us > kMaxOrdersAgeUs) {
+    for (const CommandOrder& order : orders.commands) {
+      deeds.emplace_back(Say{order.spec.id, "ignoring stale orders (utime " +
+                                                std::to_string(age_us / 1'000'000) +
+                                                " seconds ago). You may want to check the system "
+                                                "clocks!\n"});
+    }
+    return deeds;
+  }
+  for (const CommandOrder& order : orders.commands) {
+    carry_out(order, now_us, deeds);
+  }
+  remove_missing(orders, now_us, deeds);
+  if (!deeds.empty()) {
+    deeds.emplace_back(TellInfo{});
+  }
+  return deeds;
+}
+
+void Supervisor::carry_out(const CommandOrder& order, std::int64_t now_us, Deeds& deeds) {
+  const auto [found, is_new] = commands_.try_emplace(order.spec.id);
+  Entry& entry = found->second;
+  if (update_spec(entry, order.spec) || is_new) {
+    deeds.emplace_back(TellInfo{});
+  }
+  entry.removed = false;
+  entry.wanted = !order.force_quit;
+  if (!entry.wanted) {
+    entry.respawn_us.reset();
+  }
+  const bool runs = entry.pid != 0;
+  if (!runs && entry.wanted && entry.actual_run != order.desired_run) {
+    start(entry, order.desired_run, now_us, deeds);
+  } else if (runs &&
+             (!entry.wanted || (order.desired_run != entry.actual_run && order.desired_run != 0))) {
+    stop(entry, now_us, deeds);
+  } else if (order.desired_run != 0) {
+    entry.actual_run = order.desired_run;
+  }
+}
+
+/// Takes the new description over; a process that runs goes on as it was started. Whether anything
+/// that is shown has changed.
+bool Supervisor::update_spec(Entry& entry, const CommandSpec& spec) {
+  CommandSpec wanted = sane(spec);
+  if (entry.spec == wanted) {
+    return false;
+  }
+  entry.spec = std::move(wanted);
+  return true;
+}
+
+void Supervisor::remove_missing(const Orders& orders, std::int64_t now_us, Deeds& deeds) {
+  for (auto at = commands_.begin(); at != commands_.end();) {
+    const bool is_ordered =
+        std::any_of(orders.commands.begin(), orders.commands.end(),
+                    [&](const CommandOrder& order) { return order.spec.id == at->first; });
+    Entry& entry = at->second;
+    if (is_ordered) {
+      ++at;
+    } else if (entry.pid != 0) {
+      entry.removed = true;
+      entry.wanted = false;
+      stop(entry, now_us, deeds);
+      ++at;
+    } else {
+      deeds.emplace_back(ForgetCommand{at->first});
+      at = commands_.erase(at);
+    }
+  }
+}
+
+void Supervisor::start(Entry& entry, std::int32_t run, std::int64_t now_us, Deeds& deeds) {
+  entry.respawn_us.reset();
+  entry.started_us = now_us;
+  entry.actual_run = run;
+  entry.wait_status = 0;
+  entry.kill_us.reset();
+  deeds.emplace_back(StartCommand{entry.spec.id, entry.spec.exec});
+}
+
+void Supervisor::stop(Entry& entry, std::int64_t now_us, Deeds& deeds) {
+  entry.wanted = false;  // until an order says otherwise: what is being stopped does not respawn
+  entry.respawn_us.reset();
+  if (entry.kill_us) {
+    return;  // it stops already, and poll() sees to its end
+  }
+  entry.kill_us = now_us + static_cast<std::int64_t>(entry.spec.stop_time_allowed_s * 1e6);
+  deeds.emplace_back(SignalCommand{entry.spec.id, entry.spec.stop_signal});
+}
+
+void Supervisor::started(const std::string& id, std::int32_t pid, std::int64_t now_us) {
+  Entry& entry = commands_.at(id);
+  entry.pid = pid;
+  entry.started_us = now_us;
+}
+
+Deeds Supervisor::not_started(const std::string& id, const std::string& reason,
+                              std::int64_t now_us) {
+  Deeds deeds{Say{id, reason + "\n"}};
+  Deeds end = ended(id, kCannotRun, now_us);
+  deeds.insert(deeds.end(), end.begin(), end.end());
+  return deeds;
+}
+
+Deeds Supervisor::ended(const std::string& id, int wait_status, std::int64_t now_us) {
+  Deeds deeds;
+  Entry& entry = commands_.at(id);
+  entry.pid = 0;
+  entry.wait_status = wait_status;
+  entry.kill_us.reset();
+  if (WIFSIGNALED(wait_status)) {
+    const char* name = ::sigdescr_np(WTERMSIG(wait_status));
+    const std::string unknown = "Signal " + std::to_string(WTERMSIG(wait_status));
+    deeds.emplace_back(Say{id, (name != nullptr ? std::string(name) : unknown) + "\n"});
+    if (WCOREDUMP(wait_status)) {
+      deeds.emplace_back(Say{id, "Core dumped.\n"});
+    }
+  }
+  if (entry.removed) {
+    deeds.emplace_back(ForgetCommand{id});
+    commands_.erase(id);
+  } else if (entry.spec.auto_respawn && entry.wanted && !shutting_down_) {
+    schedule_respawn(entry, now_us);
+  }
+  deeds.emplace_back(TellInfo{});
+  return deeds;
+}
+
+/// What lives shorter than a second comes back ever later; each second of life forgives.
+void Supervisor::schedule_respawn(Entry& entry, std::int64_t now_us) {
+  const std::int64_t lived_us = now_us - entry.started_us;
+  const auto halvings = std::clamp<std::int64_t>(lived_us / kMaxRespawnDelayUs, 0, 30);
+  entry.respawn_delay_us = std::max(kMinRespawnDelayUs, entry.respawn_delay_us >> halvings);
+  entry.respawn_us = now_us + entry.respawn_delay_us;
+  if (halvings == 0) {
+    entry.respawn_delay_us = std::min(kMaxRespawnDelayUs, 2 * entry.respawn_delay_us);
+  }
+}
+
+Deeds Supervisor::poll(std::int64_t now_us) {
+  Deeds deeds;
+  for (auto& [id, entry] : commands_) {
+    if (entry.kill_us && *entry.kill_us <= now_us) {
+      entry.kill_us = now_us + kKillPeriodUs;
+      deeds.emplace_back(SignalCommand{id, SIGKILL});
+    }
+    if (entry.respawn_us && *entry.respawn_us <= now_us) {
+      start(entry, entry.actual_run, now_us, deeds);
+      deeds.emplace_back(TellInfo{});
+    }
+  }
+  return deeds;
+}
+
+std::optional<std::int64_t> Supervisor::next_due_us() const {
+  std::optional<std::int64_t> next;
+  for (const auto& [id, entry] : commands_) {
+    for (const std::optional<std::int64_t>& due : {entry.kill_us, entry.respawn_us}) {
+      if (due && (!next || *due < *next)) {
+        next = due;
+      }
+    }
+  }
+  return next;
+}
+
+Deeds Supervisor::shut_down(std::int64_t now_us) {
+  Deeds deeds;
+  for (auto& [id, entry] : commands_) {
+    entry.wanted = false;
+    entry.respawn_us.reset();
+    if (entry.pid == 0) {
+      continue;
+    }
+    stop(entry, now_us, deeds);
+    if (shutting_down_) {
+      entry.kill_us = now_us;
+    }
+  }
+  shutting_down_ = true;
+  return deeds;
+}
+
+bool Supervisor::is_idle() const {
+  return std::all_of(commands_.begin(), commands_.end(),
+                     [](const auto& item) { return item.second.pid == 0; });
+}
+
+std::vector<CommandStatus> Supervisor::statuses() const {
+  std::vector<CommandStatus> all;
+  all.reserve(commands_.size());
+  for (const auto& [id, entry] : commands_) {
+    CommandStatus status;
+    status.spec = entry.spec;
+    status.pid = entry.pid;
+    status.actual_run = entry.actual_run;
+    status.wait_status = entry.wait_status;
+    all.push_back(std::move(status));
+  }
+  return all;
+}
+
+}  // namespace nodmap::procman

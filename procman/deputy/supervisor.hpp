@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "procman/protocol/values.hpp"
+
+namespace nodmap::procman {
+
+/// What the supervisor asks of its shell.
+struct StartCommand {
+  std::string id;
+  std::string exec;
+};
+struct SignalCommand {
+  std::string id;
+  int signal = 0;  ///< for the process and all that descends from it
+};
+struct Say {
+  std::string id;  ///< of the command; empty: the deputy itself
+  std::string text;
+};
+struct ForgetCommand {
+  std::string id;  ///< does not run, and is not wanted any more
+};
+struct TellInfo {};
+
+using Deed = std::variant<StartCommand, SignalCommand, Say, ForgetCommand, TellInfo>;
+using Deeds = std::vector<Deed>;
+
+/// What a deputy does, as a pure machine: orders, ends of processes and time in, deeds out. The
+/// shell carries deeds out in their order, and answers each StartCommand by started() or
+/// not_started(). Times are of a steady clock, in microseconds.
+class Supervisor {
+ public:
+  static constexpr std::int64_t kMaxOrdersAgeUs = 60'000'000;
+  static constexpr std::int64_t kMinRespawnDelayUs = 10'000;
+  static constexpr std::int64_t kMaxRespawnDelayUs = 1'000'000;
+  /// A tree that SIGKILL did not empty is struck again so often; only what sleeps in the kernel
+  /// takes longer.
+  static constexpr std::int64_t kKillPeriodUs = 100'000;
+
+  explicit Supervisor(std::string deputy_id) : deputy_id_(std::move(deputy_id)) {}
+
+  /// `age_us` is how long ago the orders were sent, by the wall clocks.
+  [[nodiscard]] Deeds take_orders(const Orders& orders, std::int64_t age_us, std::int64_t now_us);
+
+  void started(const std::string& id, std::int32_t pid, std::int64_t now_us);
+  /// The process could not even be made; counts as an end with code 127.
+  [[nodiscard]] Deeds not_started(const std::string& id, const std::string& reason,
+                                  std::int64_t now_us);
+
+  /// The process of a command has ended, and nothing that descends from it is left to wait for.
+  [[nodiscard]] Deeds ended(const std::string& id, int wait_status, std::int64_t now_us);
+
+  /// What is due: SIGKILL after a grace time, respawns.
+  [[nodiscard]] Deeds poll(std::int64_t now_us);
+
+  /// When poll() is next worth calling.
+  [[nodiscard]] std::optional<std::int64_t> next_due_us() const;
+
+  /// Stops everything, each with its signal and grace time; from now on no orders are taken. A
+  /// second call kills at once.
+  [[nodiscard]] Deeds shut_down(std::int64_t now_us);
+
+  [[nodiscard]] bool is_idle() const;  ///< no process runs
+  [[nodiscard]] bool is_shutting_down() const { return shutting_down_; }
+
+  /// Every command, by its id: those never started, too. Without what only the system knows.
+  [[nodiscard]] std::vector<CommandStatus> statuses() const;
+
+ private:
+  struct Entry {
+    CommandSpec spec;
+    std::int32_t pid = 0;
+    std::int32_t actual_run = 0;
+    int wait_status = 0;
+    bool wanted = false;   // should run, hence respawns
+    bool removed = false;  // to be forgotten when it has ended
+    std::int64_t started_us = 0;
+    std::int64_t respawn_delay_us = kMinRespawnDelayUs;
+    std::optional<std::int64_t> respawn_us;
+    std::optional<std::int64_t> kill_us;  // while it stops: when SIGKILL is due
+  };
+
+  void carry_out(const CommandOrder& order, std::int64_t now_us, Deeds& deeds);
+  static bool update_spec(Entry& entry, const CommandSpec& spec);
+  void remove_missing(const Orders& orders, std::int64_t now_us, Deeds& deeds);
+  static void start(Entry& entry, std::int32_t run, std::int64_t now_us, Deeds& deeds);
+  static void schedule_respawn(Entry& entry, std::int64_t now_us);
+  static void stop(Entry& entry, std::int64_t now_us, Deeds& deeds);
+
+  std::string deputy_id_;
+  std::map<std::string, Entry> commands_;
+  bool shutting_down_ = false;
+};
+
+}  // namespace nodmap::procman

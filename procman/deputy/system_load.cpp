@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "procman/deputy/system_load.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <utility>
+
+namespace nodmap::procman {
+namespace {
+
+std::string read_text(const char* file) {
+  std::ifstream in(file);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// The number at the beginning of `text` (behind blanks), which moves behind it.
+std::optional<std::uint64_t> take_number(std::string_view& text) {
+  text.remove_prefix(std::min(text.find_first_not_of(" \t"), text.size()));
+  std::uint64_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc()) {
+    return std::nullopt;
+  }
+  text.remove_prefix(static_cast<std::size_t>(end - text.data()));
+  return value;
+}
+
+}  // namespace
+
+std::optional<CpuTicks> parse_cpu_ticks(std::string_view proc_stat) {
+  if (!proc_stat.starts_with("cpu ")) {
+    return std::nullopt;
+  }
+  proc_stat.remove_prefix(4);
+  std::array<std::uint64_t, 4> ticks{};  // user, nice, system, idle
+  for (std::uint64_t& value : ticks) {
+    const std::optional<std::uint64_t> number = take_number(proc_stat);
+    if (!number) {
+      return std::nullopt;
+    }
+    value = *number;
+  }
+  const std::uint64_t busy = ticks[0] + ticks[1] + ticks[2];
+  return CpuTicks{busy, busy + ticks[3]};
+}
+
+std::int64_t parse_memory_bytes(std::string_view meminfo, std::string_view name) {
+  std::size_t at = 0;
+  while (at < meminfo.size()) {
+    std::string_view line = meminfo.substr(at, meminfo.find('\n', at) - at);
+    at += line.size() + 1;
+    if (line.starts_with(name) && line.size() > name.size() && line[name.size()] == ':') {
+      line.remove_prefix(name.size() + 1);
+      return static_cast<std::int64_t>(take_number(line).value_or(0)) * 1024;
+    }
+  }
+  return 0;
+}
+
+float share_of(std::uint64_t part, std::uint64_t total) {
+  return total == 0 || part > total
+             ? 0.0F
+             : static_cast<float>(static_cast<double>(part) / static_cast<double>(total));
+}
+
+void SystemLoad::sample(const std::vector<pid_t>& pids) {
+  const std::string meminfo = read_text("/proc/meminfo");
+  memory_.memory_total_bytes = parse_memory_bytes(meminfo, "MemTotal");
+  memory_.memory_free_bytes = parse_memory_bytes(meminfo, "MemFree");
+  memory_.swap_total_bytes = parse_memory_bytes(meminfo, "SwapTotal");
+  memory_.swap_free_bytes = parse_memory_bytes(meminfo, "SwapFree");
+  const std::optional<CpuTicks> now = parse_cpu_ticks(read_text("/proc/stat"));
+  std::uint64_t elapsed = 0;
+  if (now && cpu_ && now->total >= cpu_->total && now->busy >= cpu_->busy) {
+    elapsed = now->total - cpu_->total;
+    load_ = share_of(now->busy - cpu_->busy, elapsed);
+  }
+  cpu_ = now;
+  std::vector<Usage> usages;
+  const std::int64_t page_bytes = ::sysconf(_SC_PAGESIZE);
+  for (const pid_t pid : pids) {
+    const std::optional<ProcessRow> row = read_process(pid);
+    if (!row) {
+      continue;
+    }
+    Usage usage{pid,  row->start_ticks, row->cpu_ticks,
+                0.0F, row->vsize_bytes, row->rss_pages * page_bytes};
+    const Usage* before = find(pid);
+    if (before != nullptr && before->start_ticks == row->start_ticks) {
+      usage.share = share_of(row->cpu_ticks - before->cpu_ticks, elapsed);
+    }
+    usages.push_back(usage);
+  }
+  usages_ = std::move(usages);
+}
+
+const SystemLoad::Usage* SystemLoad::find(pid_t pid) const {
+  const auto found = std::find_if(usages_.begin(), usages_.end(),
+                                  [pid](const Usage& usage) { return usage.pid == pid; });
+  return found == usages_.end() ? nullptr : &*found;
+}
+
+void SystemLoad::describe_host(DeputyInfo& info) const {
+  info.cpu_load = load_;
+  info.memory_total_bytes = memory_.memory_total_bytes;
+  info.memory_free_bytes = memory_.memory_free_bytes;
+  info.swap_total_bytes = memory_.swap_total_bytes;
+  info.swap_free_bytes = memory_.swap_free_bytes;
+}
+
+void SystemLoad::describe_process(CommandStatus& status) const {
+  const Usage* usage = status.pid != 0 ? find(status.pid) : nullptr;
+  if (usage != nullptr) {
+    status.cpu_share = usage->share;
+    status.vsize_bytes = usage->vsize_bytes;
+    status.rss_bytes = usage->rss_bytes;
+  }
+}
+
+}  // namespace nodmap::procman

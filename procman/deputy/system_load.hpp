@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "procman/deputy/process_table.hpp"
+#include "procman/protocol/values.hpp"
+
+namespace nodmap::procman {
+
+/// The processors' time so far (/proc/stat), in ticks.
+struct CpuTicks {
+  std::uint64_t busy = 0;
+  std::uint64_t total = 0;
+};
+[[nodiscard]] std::optional<CpuTicks> parse_cpu_ticks(std::string_view proc_stat);
+
+/// The value of a line of /proc/meminfo in bytes; 0 where it is missing.
+[[nodiscard]] std::int64_t parse_memory_bytes(std::string_view meminfo, std::string_view name);
+
+/// The share of `total` that `part` is, 0 where that makes no sense.
+[[nodiscard]] float share_of(std::uint64_t part, std::uint64_t total);
+
+/// What the system and the processes use, measured from one sample to the next.
+class SystemLoad {
+ public:
+  /// Takes a sample; to be called once a second. `pids` are the processes to look at.
+  void sample(const std::vector<pid_t>& pids);
+
+  /// Fills in the host's figures.
+  void describe_host(DeputyInfo& info) const;
+  /// Fills in a process's figures; zeros where it is not known (yet).
+  void describe_process(CommandStatus& status) const;
+
+ private:
+  struct Usage {
+    pid_t pid = 0;
+    std::uint64_t start_ticks = 0;
+    std::uint64_t cpu_ticks = 0;
+    float share = 0.0F;
+    std::int64_t vsize_bytes = 0;
+    std::int64_t rss_bytes = 0;
+  };
+  [[nodiscard]] const Usage* find(pid_t pid) const;
+
+  std::optional<CpuTicks> cpu_;
+  float load_ = -1.0F;
+  DeputyInfo memory_;
+  std::vector<Usage> usages_;
+};
+
+}  // namespace nodmap::procman

@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "procman/deputy/supervisor.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <limits>
+
+namespace nodmap::procman {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+constexpr std::int64_t kSecond = 1'000'000;
+constexpr int kExit3 = 3 << 8;
+
+/// The deeds as words, without TellInfo.
+std::vector<std::string> words(const Deeds& deeds) {
+  std::vector<std::string> all;
+  for (const Deed& deed : deeds) {
+    if (const auto* start = std::get_if<StartCommand>(&deed)) {
+      all.push_back("start " + start->id + ": " + start->exec);
+    } else if (const auto* signal = std::get_if<SignalCommand>(&deed)) {
+      all.push_back("signal " + signal->id + " " + std::to_string(signal->signal));
+    } else if (const auto* say = std::get_if<Say>(&deed)) {
+      all.push_back("say " + say->id + ": " + say->text);
+    } else if (const auto* forget = std::get_if<ForgetCommand>(&deed)) {
+      all.push_back("forget " + forget->id);
+    }
+  }
+  return all;
+}
+
+bool tells(const Deeds& deeds) {
+  return std::any_of(deeds.begin(), deeds.end(),
+                     [](const Deed& deed) { return std::holds_alternative<TellInfo>(deed); });
+}
+
+CommandOrder order(int run, bool force_quit = false, const std::string& id = "a") {
+  CommandOrder made;
+  made.spec.id = id;
+  made.spec.exec = "prog";
+  made.desired_run = run;
+  made.force_quit = force_quit;
+  return made;
+}
+
+class SupervisorTest : public ::testing::Test {
+ protected:
+  Deeds take(std::vector<CommandOrder> commands, std::int64_t age_us = 0) {
+    return supervisor_.take_orders({0, "rover", "sheriff", std::move(commands)}, age_us, now_us_);
+  }
+  void start_a(CommandOrder wanted = order(1)) {
+    ASSERT_THAT(words(take({std::move(wanted)})), ElementsAre("start a: prog"));
+    supervisor_.started("a", 100, now_us_);
+  }
+  [[nodiscard]] CommandStatus status() const { return supervisor_.statuses().at(0); }
+
+  Supervisor supervisor_{"rover"};
+  std::int64_t now_us_ = 1000 * kSecond;
+};
+
+TEST_F(SupervisorTest, StartsWhatIsWantedOnce) {
+  start_a();
+  EXPECT_EQ(status().pid, 100);
+  EXPECT_EQ(status().actual_run, 1);
+  EXPECT_THAT(words(take({order(1)})), IsEmpty());
+}
+
+TEST_F(SupervisorTest, LeavesAloneWhatWasNeverWanted) {
+  const Deeds deeds = take({order(0)});
+  EXPECT_THAT(words(deeds), IsEmpty());
+  EXPECT_TRUE(tells(deeds)) << "that it is known";
+  EXPECT_THAT(words(take({order(1, true)})), IsEmpty());
+  EXPECT_EQ(status().actual_run, 1) << "as the existing deputy has it";
+}
+
+TEST_F(SupervisorTest, StopsAndKillsByItsOwnTimer) {
+  CommandOrder wanted = order(1);
+  wanted.spec.stop_signal = SIGTERM;
+  wanted.spec.stop_time_allowed_s = 3.0;
+  start_a(wanted);
+  wanted.force_quit = true;
+  EXPECT_THAT(words(take({wanted})), ElementsAre("signal a 15"));
+  EXPECT_THAT(words(take({wanted})), IsEmpty()) << "once";
+  EXPECT_EQ(supervisor_.next_due_us(), now_us_ + 3 * kSecond);
+  EXPECT_THAT(words(supervisor_.poll(now_us_ + 3 * kSecond - 1)), IsEmpty());
+  EXPECT_THAT(words(supervisor_.poll(now_us_ + 3 * kSecond)), ElementsAre("signal a 9"));
+  EXPECT_THAT(words(supervisor_.poll(now_us_ + 3 * kSecond + Supervisor::kKillPeriodUs)),
+              ElementsAre("signal a 9"))
+      << "again, while it lives";
+  EXPECT_THAT(words(supervisor_.ended("a", SIGKILL, now_us_)), ElementsAre("say a: Killed\n"));
+  EXPECT_EQ(status().wait_status, SIGKILL);
+  EXPECT_EQ(status().pid, 0);
+  EXPECT_FALSE(supervisor_.next_due_us().has_value());
+}
+
+TEST_F(SupervisorTest, RestartStopsNowAndStartsByALaterOrder) {
+  CommandOrder wanted = order(1);
+  wanted.spec.auto_respawn = true;
+  start_a(wanted);
+  wanted.desired_run = 2;
+  EXPECT_THAT(words(take({wanted})), ElementsAre("signal a 2"));
+  EXPECT_THAT(words(supervisor_.ended("a", SIGINT, now_us_)), ElementsAre("say a: Interrupt\n"));
+  EXPECT_EQ(status().actual_run, 1);
+  EXPECT_THAT(words(supervisor_.poll(now_us_ + 10 * kSecond)), IsEmpty()) << "no respawn of run 1";
+  EXPECT_THAT(words(take({wanted})), ElementsAre("start a: prog"));
+  EXPECT_EQ(status().actual_run, 2);
+}
+
+TEST_F(SupervisorTest, KeepsAnEndThatNobodyOrdered) {
+  start_a();
+  EXPECT_THAT(words(supervisor_.ended("a", kExit3, now_us_)), IsEmpty());
+  EXPECT_EQ(status().wait_status, 768);
+  EXPECT_THAT(words(take({order(1)})), IsEmpty()) << "this run has been";
+}
+
+TEST_F(SupervisorTest, RespawnsEverSlower) {
+  CommandOrder wanted = order(1);
+  wanted.spec.auto_respawn = true;
+  start_a(wanted);
+  std::vector<std::int64_t> delays_ms;
+  for (int i = 0; i < 10; ++i) {
+    static_cast<void>(supervisor_.ended("a", kExit3, now_us_));
+    const std::int64_t due_us = supervisor_.next_due_us().value();
+    delays_ms.push_back((due_us - now_us_) / 1000);
+    EXPECT_THAT(words(supervisor_.poll(due_us - 1)), IsEmpty());
+    now_us_ = due_us;
+    EXPECT_THAT(words(supervisor_.poll(now_us_)), ElementsAre("start a: prog"));
+    supervisor_.started("a", 101 + i, now_us_);
+  }
+  EXPECT_THAT(delays_ms, ElementsAre(10, 20, 40, 80, 160, 320, 640, 1000, 1000, 1000));
+  EXPECT_EQ(status().actual_run, 1);
+  now_us_ += 3 * kSecond;  // three seconds of life forgive three doublings
+  static_cast<void>(supervisor_.ended("a", kExit3, now_us_));
+  EXPECT_EQ(supervisor_.next_due_us().value() - now_us_, 1'000'000 / 8);
+}
+
+TEST_F(SupervisorTest, WhatIsStoppedDoesNotRespawn) {
+  CommandOrder wanted = order(1);
+  wanted.spec.auto_respawn = true;
+  start_a(wanted);
+  static_cast<void>(supervisor_.ended("a", kExit3, now_us_));
+  wanted.force_quit = true;
+  static_cast<void>(take({wanted}));
+  EXPECT_FALSE(supervisor_.next_due_us().has_value());
+}
+
+TEST_F(SupervisorTest, ForgetsWhatIsNotInTheOrders) {
+  start_a();
+  EXPECT_THAT(words(take({})), ElementsAre("signal a 2"));
+  EXPECT_THAT(words(supervisor_.ended("a", 0, now_us_)), ElementsAre("forget a"));
+  EXPECT_THAT(supervisor_.statuses(), IsEmpty());
+  static_cast<void>(take({order(0)}));
+  EXPECT_THAT(words(take({})), ElementsAre("forget a")) << "at once, where nothing runs";
+}
+
+TEST_F(SupervisorTest, AChangedExecWaitsForTheNextStart) {
+  start_a();
+  CommandOrder changed = order(1);
+  changed.spec.exec = "other";
+  const Deeds deeds = take({changed});
+  EXPECT_THAT(words(deeds), IsEmpty());
+  EXPECT_TRUE(tells(deeds));
+  EXPECT_EQ(status().spec.exec, "other");
+  static_cast<void>(supervisor_.ended("a", 0, now_us_));
+  changed.desired_run = 2;
+  EXPECT_THAT(words(take({changed})), ElementsAre("start a: other"));
+}
+
+TEST_F(SupervisorTest, IgnoresOrdersForOthersAndOldOnes) {
+  EXPECT_THAT(words(supervisor_.take_orders({0, "other", "s", {order(1)}}, 0, now_us_)), IsEmpty());
+  const Deeds deeds = take({order(1)}, Supervisor::kMaxOrdersAgeUs + 1);
+  EXPECT_THAT(words(deeds),
+              ElementsAre("say a: ignoring stale orders (utime 60 seconds ago). You may want to "
+                          "check the system clocks!\n"));
+  EXPECT_THAT(supervisor_.statuses(), IsEmpty());
+  EXPECT_THAT(words(take({order(1)}, Supervisor::kMaxOrdersAgeUs)), ElementsAre("start a: prog"));
+}
+
+TEST_F(SupervisorTest, MakesWildNumbersHarmless) {
+  CommandOrder wild = order(1);
+  wild.spec.stop_signal = -5;
+  wild.spec.stop_time_allowed_s = std::numeric_limits<double>::quiet_NaN();
+  start_a(wild);
+  wild.force_quit = true;
+  EXPECT_THAT(words(take({wild})), ElementsAre("signal a 2"));
+  EXPECT_EQ(supervisor_.next_due_us(), now_us_) << "no grace time is none";
+}
+
+TEST_F(SupervisorTest, WhatCannotBeStartedHasEndedWith127) {
+  ASSERT_THAT(words(take({order(1)})), ElementsAre("start a: prog"));
+  EXPECT_THAT(words(supervisor_.not_started("a", "no such file", now_us_)),
+              ElementsAre("say a: no such file\n"));
+  EXPECT_EQ(status().wait_status, 127 << 8);
+  EXPECT_EQ(status().actual_run, 1);
+  EXPECT_THAT(words(take({order(1)})), IsEmpty());
+}
+
+TEST_F(SupervisorTest, ShutsDownEachByItsGraceTimeAndTakesNoMoreOrders) {
+  start_a();
+  EXPECT_THAT(words(supervisor_.shut_down(now_us_)), ElementsAre("signal a 2"));
+  EXPECT_THAT(words(take({order(2)})), IsEmpty());
+  EXPECT_FALSE(supervisor_.is_idle());
+  EXPECT_THAT(words(supervisor_.poll(now_us_ + 7 * kSecond)), ElementsAre("signal a 9"));
+  static_cast<void>(supervisor_.ended("a", SIGKILL, now_us_));
+  EXPECT_TRUE(supervisor_.is_idle());
+}
+
+TEST_F(SupervisorTest, ASecondShutDownKillsAtOnce) {
+  start_a();
+  static_cast<void>(supervisor_.shut_down(now_us_));
+  static_cast<void>(supervisor_.shut_down(now_us_));
+  EXPECT_THAT(words(supervisor_.poll(now_us_)), ElementsAre("signal a 9"));
+}
+
+}  // namespace
+}  // namespace nodmap::procman

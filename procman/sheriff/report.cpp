@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "procman/sheriff/report.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <string_view>
+
+namespace nodmap::procman {
+namespace {
+
+std::string fixed(double value, int digits) {
+  std::array<char, 64> text{};
+  std::snprintf(text.data(), text.size(), "%.*f", digits, value);
+  return text.data();
+}
+
+std::string duration(double seconds) {
+  const auto total = static_cast<std::int64_t>(seconds);
+  if (total < 60) {
+    return std::to_string(total) + "s";
+  }
+  if (total < 3600) {
+    return std::to_string(total / 60) + "m" + std::to_string(total % 60) + "s";
+  }
+  return std::to_string(total / 3600) + "h" + std::to_string(total % 3600 / 60) + "m";
+}
+
+std::string health_text(const ProcessHealth& health) {
+  std::string text = name_of(health.state);
+  if (!health.reason.empty()) {
+    text += ": " + health.reason;
+  }
+  return text + " (" + fixed(health.handled_per_s, 0) + "/s, p50 " +
+         fixed(health.latency_p50_us, 0) + " us, p99 " + fixed(health.latency_p99_us, 0) +
+         " us, lost " + std::to_string(health.lost) + ", rejected " +
+         std::to_string(health.rejected) + ")";
+}
+
+/// How many bytes the UTF-8 sequence takes that begins with this one; 0: none does.
+std::size_t sequence_length(unsigned char first) {
+  if (first < 0x80) {
+    return 1;
+  }
+  return first >> 5U == 6 ? 2 : first >> 4U == 14 ? 3 : first >> 3U == 30 ? 4 : 0;
+}
+
+/// How many bytes the character takes that `text` begins with; 0: it is none that a terminal may be
+/// given.
+std::size_t good_character(std::string_view text) {
+  const auto byte = [text](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  const std::size_t length = sequence_length(byte(0));
+  if (length > text.size() || byte(0) < 0x20 || byte(0) == 0x7F) {
+    return 0;
+  }
+  for (std::size_t i = 1; i < length; ++i) {
+    if ((byte(i) & 0xC0U) != 0x80U) {
+      return 0;
+    }
+  }
+  // U+0080 to U+009F steer terminals, too.
+  return length == 2 && byte(0) == 0xC2 && byte(1) < 0xA0 ? 0 : length;
+}
+
+constexpr std::size_t kColumns = 10;
+using Line = std::array<std::string, kColumns>;
+
+Line cells(const ReportRow& row) {
+  const bool runs = row.pid != 0;
+  std::string state = name_of(row.state);
+  if (!row.end.empty()) {
+    state += ", " + row.end;
+  }
+  return {row.group.empty() ? row.id : row.group + "/" + row.id,
+          row.deputy,
+          std::move(state),
+          runs ? std::to_string(row.pid) : "",
+          runs ? fixed(row.cpu_percent, 1) : "",
+          runs ? fixed(row.memory_mb, 1) : "",
+          runs && row.uptime_s > 0.0 ? duration(row.uptime_s) : "",
+          row.restarts > 0 ? std::to_string(row.restarts) : "",
+          runs ? row.health : "",
+          row.last_output};
+}
+
+}  // namespace
+
+std::string printable(const std::string& text) {
+  std::string clean;
+  std::size_t at = 0;
+  while (at < text.size()) {
+    const std::size_t length = good_character(std::string_view(text).substr(at));
+    clean += length != 0 ? text.substr(at, length) : "?";
+    at += std::max<std::size_t>(1, length);
+  }
+  return clean;
+}
+
+std::vector<ReportRow> report(const Fleet& fleet, const HealthWatch& health,
+                              const std::map<std::string, std::string>& last_lines,
+                              std::int64_t now_us) {
+  std::vector<ReportRow> rows;
+  for (const Fleet::Item& item : fleet.items()) {
+    ReportRow row;
+    row.id = item.spec.id;
+    row.group = item.spec.group;
+    row.deputy = item.deputy;
+    row.state = fleet.state_of(row.id, now_us);
+    row.restarts = item.num_restarts;
+    if (item.status && row.state != CommandState::kUnknown) {
+      row.pid = item.status->pid;
+      row.end = row.pid == 0 ? describe_end(item.status->wait_status) : "";
+      row.cpu_percent = 100.0 * static_cast<double>(item.status->cpu_share);
+      row.memory_mb = static_cast<double>(item.status->rss_bytes) * 1e-6;
+      row.uptime_s = row.pid != 0 ? static_cast<double>(now_us - item.running_since_us) * 1e-6 : 0;
+    }
+    const std::optional<ProcessHealth> said = health.health_of(row.id);
+    row.health = said ? printable(health_text(*said)) : "";
+    const auto line = last_lines.find(row.id);
+    row.last_output = line == last_lines.end() ? "" : printable(line->second);
+    rows.push_back(std::move(row));
+  }
+  std::stable_sort(rows.begin(), rows.end(),
+                   [](const ReportRow& a, const ReportRow& b) { return a.group < b.group; });
+  return rows;
+}
+
+std::vector<std::string> to_table(const std::vector<ReportRow>& rows) {
+  std::vector<Line> lines{{"COMMAND", "HOST", "STATE", "PID", "CPU %", "MEM MB", "UP", "RESTARTS",
+                           "HEALTH", "LAST OUTPUT"}};
+  std::transform(rows.begin(), rows.end(), std::back_inserter(lines), cells);
+  std::array<std::size_t, kColumns> widths{};
+  for (const Line& line : lines) {
+    for (std::size_t i = 0; i < kColumns; ++i) {
+      widths.at(i) = std::max(widths.at(i), line.at(i).size());
+    }
+  }
+  std::vector<std::string> table;
+  for (const Line& line : lines) {
+    std::string text;
+    for (std::size_t i = 0; i < kColumns; ++i) {
+      text += line.at(i) + std::string(widths.at(i) - line.at(i).size() + 2, ' ');
+    }
+    text.erase(text.find_last_not_of(' ') + 1);
+    table.push_back(std::move(text));
+  }
+  return table;
+}
+
+nlohmann::json to_json(const std::vector<ReportRow>& rows, const Fleet& fleet,
+                       std::int64_t now_us) {
+  nlohmann::json commands = nlohmann::json::array();
+  for (const ReportRow& row : rows) {
+    commands.push_back({{"command", printable(row.id)},
+                        {"group", printable(row.group)},
+                        {"host", printable(row.deputy)},
+                        {"state", name_of(row.state)},
+                        {"end", row.end},
+                        {"pid", row.pid},
+                        {"cpu_percent", row.cpu_percent},
+                        {"memory_mb", row.memory_mb},
+                        {"health", row.health}});
+  }
+  nlohmann::json hosts = nlohmann::json::array();
+  for (const auto& [id, deputy] : fleet.deputies()) {
+    nlohmann::json host{{"host", printable(id)}, {"heard", fleet.is_heard(id, now_us)}};
+    if (deputy) {
+      host["cpu_load"] = deputy->info.cpu_load;
+      host["memory_total_mb"] = static_cast<double>(deputy->info.memory_total_bytes) * 1e-6;
+      host["memory_free_mb"] = static_cast<double>(deputy->info.memory_free_bytes) * 1e-6;
+    }
+    hosts.push_back(std::move(host));
+  }
+  return {{"commands", std::move(commands)},
+          {"hosts", std::move(hosts)},
+          {"other_sheriff", printable(fleet.other_sheriff(now_us).value_or(""))}};
+}
+
+std::vector<std::string> to_view(const std::vector<ReportRow>& rows, const ViewState& state,
+                                 std::size_t width, std::size_t height) {
+  const std::vector<std::string> table = to_table(rows);
+  std::vector<std::string> lines{state.title, "  " + table.front()};
+  // The part of the table that holds the selected line.
+  const std::size_t room = height > 4 ? height - 4 : 1;
+  const std::size_t first = state.selected < room ? 0 : state.selected - room + 1;
+  for (std::size_t i = first; i < std::min(rows.size(), first + room); ++i) {
+    lines.push_back((i == state.selected ? "> " : "  ") + table[i + 1]);
+  }
+  lines.push_back(state.message);
+  lines.emplace_back(
+      "up/down select   s start   t stop   r restart   q quit (all goes on running)");
+  for (std::string& line : lines) {
+    line = line.substr(0, width);
+  }
+  lines.resize(std::min(lines.size(), height));
+  return lines;
+}
+
+}  // namespace nodmap::procman

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "procman/sheriff/fleet.hpp"
+#include "procman/sheriff/health_watch.hpp"
+
+namespace nodmap::procman {
+
+/// One command as a line of a table.
+struct ReportRow {
+  std::string id;
+  std::string group;
+  std::string deputy;
+  CommandState state = CommandState::kUnknown;
+  std::string end;  ///< how it ended, when it does not run
+  std::int32_t pid = 0;
+  double cpu_percent = 0.0;  ///< of the whole host
+  double memory_mb = 0.0;
+  double uptime_s = 0.0;  ///< as long as this sheriff has seen it
+  std::int64_t restarts = 0;
+  std::string health;  ///< of STATUS; empty where none came
+  std::string last_output;
+};
+
+/// What is known now. `last_lines` are the commands' last lines of output.
+[[nodiscard]] std::vector<ReportRow> report(const Fleet& fleet, const HealthWatch& health,
+                                            const std::map<std::string, std::string>& last_lines,
+                                            std::int64_t now_us);
+
+/// As a table for people, a line for each command.
+[[nodiscard]] std::vector<std::string> to_table(const std::vector<ReportRow>& rows);
+
+/// For programs.
+[[nodiscard]] nlohmann::json to_json(const std::vector<ReportRow>& rows, const Fleet& fleet,
+                                     std::int64_t now_us);
+
+/// Text that a terminal may be given: control characters and what is not UTF-8 become '?'.
+[[nodiscard]] std::string printable(const std::string& text);
+
+/// The live view: the table, the selected command marked, and a line on top and at the bottom; at
+/// most `height` lines of `width` characters.
+struct ViewState {
+  std::size_t selected = 0;
+  std::string title;
+  std::string message;
+};
+[[nodiscard]] std::vector<std::string> to_view(const std::vector<ReportRow>& rows,
+                                               const ViewState& state, std::size_t width,
+                                               std::size_t height);
+
+}  // namespace nodmap::procman

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "procman/sheriff/sheriff.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "nodmap/status_t.hpp"
+#include "procman/protocol/messages.hpp"
+
+namespace nodmap::procman {
+namespace {
+
+constexpr std::int64_t kOrdersPeriodUs = 1'000'000;
+constexpr std::size_t kMaxLineBytes = 400;  // of what a command wrote last, for a line of a table
+
+/// As the existing sheriff names itself: host, process, time.
+std::string sheriff_id(std::int64_t utime_us) {
+  std::array<char, 256> host{};
+  ::gethostname(host.data(), host.size() - 1);
+  return std::string(host.data()) + ":" + std::to_string(::getpid()) + ":" +
+         std::to_string(utime_us);
+}
+
+ProcessHealth health_of(const nodmap::status_t& message) {
+  ProcessHealth health;
+  health.state = message.health == nodmap::status_t::OK         ? ProcessHealth::State::kOk
+                 : message.health == nodmap::status_t::DEGRADED ? ProcessHealth::State::kDegraded
+                                                                : ProcessHealth::State::kFailed;
+  health.reason = message.health_reason;
+  health.handled_per_s = message.handled_per_s;
+  health.latency_p50_us = message.latency_p50_us;
+  health.latency_p99_us = message.latency_p99_us;
+  health.lost = message.total_lost;
+  health.rejected = message.total_rejected;
+  return health;
+}
+
+}  // namespace
+
+Sheriff::Sheriff(const Config& config, const std::string& lcm_url)
+    : config_(config),
+      bus_(lcm_url),
+      fleet_(config, sheriff_id(clock_.now_utime_us())),
+      health_(config) {
+  subscribe();
+  discover();
+}
+
+std::int64_t Sheriff::now_us() {
+  return std::chrono::duration_cast<std::chrono::microseconds>(
+             std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+void Sheriff::subscribe() {
+  bus_.subscribe<procman_lcm::deputy_info_t>(kInfoChannel, [this](const auto& message) {
+    orders_wanted_ |= fleet_.take_info(from_message(message), now_us());
+  });
+  bus_.subscribe<procman_lcm::orders_t>(kOrdersChannel, [this](const auto& message) {
+    fleet_.take_orders(from_message(message), now_us());
+  });
+  bus_.subscribe<procman_lcm::output_t>(
+      kOutputChannel, [this](const auto& message) { take_output(from_message(message)); });
+  bus_.subscribe<nodmap::status_t>("STATUS", [this](const auto& message) {
+    health_.take_status(message.process_name, health_of(message), now_us());
+  });
+}
+
+void Sheriff::discover() {
+  bus_.publish(kDiscoverChannel,
+               to_message(Discovery{clock_.now_utime_us(), fleet_.sheriff_id(), 0}));
+}
+
+void Sheriff::take_output(const Output& output) {
+  for (const Said& said : output.said) {
+    if (output_handler_) {
+      output_handler_(said.command_id, said.text);
+    }
+    // The last line that holds anything.
+    const std::size_t end = said.text.find_last_not_of("\r\n") + 1;
+    if (end > 0) {
+      const std::size_t newline = said.text.find_last_of('\n', end - 1);
+      const std::size_t begin = newline == std::string::npos ? 0 : newline + 1;
+      last_lines_[said.command_id] = said.text.substr(begin, std::min(end - begin, kMaxLineBytes));
+    }
+  }
+}
+
+void Sheriff::work(std::chrono::milliseconds wait) {
+  bus_.handle(wait);
+  if (orders_wanted_ || now_us() >= orders_due_us_) {
+    give_orders();
+  }
+}
+
+void Sheriff::give_orders() {
+  orders_wanted_ = false;
+  orders_due_us_ = now_us() + kOrdersPeriodUs;
+  if (is_observer_) {
+    return;
+  }
+  for (const auto& [id, deputy] : fleet_.deputies()) {
+    if (const auto orders = fleet_.orders_for(id, clock_.now_utime_us())) {
+      bus_.publish(kOrdersChannel, to_message(*orders));
+    }
+  }
+}
+
+std::vector<HealthWatch::Verdict> Sheriff::apply_health_rules() {
+  if (is_observer_) {
+    return {};
+  }
+  std::vector<HealthWatch::Verdict> verdicts = health_.verdicts(fleet_, now_us());
+  for (const HealthWatch::Verdict& verdict : verdicts) {
+    fleet_.restart(verdict.command_id);
+  }
+  if (!verdicts.empty()) {
+    give_orders();
+  }
+  return verdicts;
+}
+
+std::vector<ReportRow> Sheriff::report() const {
+  return procman::report(fleet_, health_, last_lines_, now_us());
+}
+
+}  // namespace nodmap::procman

@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "procman/sheriff/tasks.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "common/log/log.hpp"
+#include "common/node/stop_signal.hpp"
+#include "procman/sheriff/script_runner.hpp"
+
+namespace nodmap::procman {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr milliseconds kWait(50);
+constexpr double kStartTimeS = 10.0;
+// What ends sooner was not really started.
+constexpr milliseconds kSettleTime(500);
+
+std::int64_t in_us(milliseconds duration) {
+  return std::chrono::microseconds(duration).count();
+}
+
+/// Listens until all of the deputies have been heard. Those that were not in time.
+std::vector<std::string> missing_deputies(Sheriff& sheriff, const std::set<std::string>& wanted) {
+  const std::int64_t deadline_us = Sheriff::now_us() + in_us(kAnswerTime);
+  std::vector<std::string> missing;
+  do {
+    sheriff.work(kWait);
+    missing.clear();
+    for (const std::string& id : wanted) {
+      if (!sheriff.fleet().is_heard(id, Sheriff::now_us())) {
+        missing.push_back(id);
+      }
+    }
+  } while (!missing.empty() && Sheriff::now_us() < deadline_us && !node::stop_requested());
+  for (const std::string& id : missing) {
+    std::cerr << "nodmap-sheriff: the deputy " << printable(id) << " does not answer\n";
+  }
+  return missing;
+}
+
+std::set<std::string> deputies_of(const std::vector<const Command*>& commands) {
+  std::set<std::string> all;
+  for (const Command* command : commands) {
+    all.insert(command->deputy);
+  }
+  return all;
+}
+
+/// Two sheriffs would pull the commands to and fro: whoever comes second leaves.
+bool is_alone(Sheriff& sheriff) {
+  const std::int64_t deadline_us = Sheriff::now_us() + in_us(kSheriffTime);
+  while (Sheriff::now_us() < deadline_us && !node::stop_requested()) {
+    sheriff.work(kWait);
+    if (const auto other = sheriff.fleet().other_sheriff(Sheriff::now_us())) {
+      std::cerr << "nodmap-sheriff: the sheriff " << printable(*other)
+                << " gives orders here already (use that one, or --observe)\n";
+      return false;
+    }
+  }
+  return true;
+}
+
+/// How long a change may take: a start some seconds, a stop its grace time, too.
+std::int64_t patience_us(Verb verb, const std::vector<const Command*>& commands) {
+  double seconds = kStartTimeS;
+  if (verb != Verb::kStart) {
+    for (const Command* command : commands) {
+      seconds = std::max(seconds, kStartTimeS + command->stop_time_allowed_s);
+    }
+  }
+  return static_cast<std::int64_t>(seconds * 1e6);
+}
+
+/// Whether a command is where the verb sends it. One that has been started and ended well is, too.
+bool is_settled(const Fleet& fleet, const Command& command, Verb verb) {
+  const std::int64_t now_us = Sheriff::now_us();
+  const CommandState state = fleet.state_of(command.id, now_us);
+  if (verb == Verb::kStop) {
+    return fleet.has_reached(command.id, Wanted::kStopped, now_us);
+  }
+  const bool has_lasted = now_us - fleet.find(command.id)->running_since_us >= in_us(kSettleTime);
+  return (state == CommandState::kRunning && has_lasted) || state == CommandState::kStoppedOk ||
+         state == CommandState::kStoppedError;
+}
+
+bool is_as_wanted(const Fleet& fleet, const Command& command, Verb verb) {
+  const CommandState state = fleet.state_of(command.id, Sheriff::now_us());
+  return verb == Verb::kStop ? is_settled(fleet, command, verb)
+                             : state == CommandState::kRunning || state == CommandState::kStoppedOk;
+}
+
+}  // namespace
+
+int print_config(const std::string& file, const Config& config) {
+  std::printf("%s: %zu commands, %zu groups, %zu scripts\n", file.c_str(), config.commands.size(),
+              config.groups.size(), config.scripts.size());
+  for (const Command& command : config.commands) {
+    std::printf("command %s%s%s on %s: %s\n", command.group.c_str(),
+                command.group.empty() ? "" : "/", command.id.c_str(), command.deputy.c_str(),
+                command.exec.c_str());
+  }
+  for (const std::string& group : config.groups) {
+    std::printf("group %s: %zu commands\n", group.c_str(),
+                config.commands_of({TargetKind::kGroup, group}).size());
+  }
+  for (const Script& script : config.scripts) {
+    std::printf("script %s: %zu actions\n", script.name.c_str(), script.actions.size());
+  }
+  return kDone;
+}
+
+int print_status(Sheriff& sheriff, bool as_json) {
+  const auto missing = missing_deputies(sheriff, deputies_of(sheriff.config().commands_of({})));
+  // Health comes once a second, and another sheriff's orders too.
+  const std::int64_t deadline_us = Sheriff::now_us() + in_us(kSheriffTime);
+  while (Sheriff::now_us() < deadline_us && !node::stop_requested()) {
+    sheriff.work(kWait);
+  }
+  std::vector<ReportRow> rows = sheriff.report();
+  if (as_json) {
+    std::cout << to_json(rows, sheriff.fleet(), Sheriff::now_us()).dump(2) << "\n";
+  } else {
+    for (ReportRow& row : rows) {
+      row.uptime_s = 0.0;  // not known from one look
+    }
+    for (const std::string& line : to_table(rows)) {
+      std::cout << line << "\n";
+    }
+  }
+  return missing.empty() ? kDone : kFailed;
+}
+
+int change(Sheriff& sheriff, Verb verb, const std::string& name) {
+  const Config& config = sheriff.config();
+  const bool is_command = config.find_command(name) != nullptr;
+  if (!is_command && !config.has_group(name)) {
+    std::cerr << "nodmap-sheriff: there is no command and no group \"" << name << "\"\n";
+    return kWrong;
+  }
+  const Target target{is_command ? TargetKind::kCommand : TargetKind::kGroup, name};
+  const auto commands = config.commands_of(target);
+  if (!is_alone(sheriff)) {
+    return kOtherSheriff;
+  }
+  if (!missing_deputies(sheriff, deputies_of(commands)).empty()) {
+    return kFailed;
+  }
+  sheriff.command();
+  give_order(sheriff.fleet(), config, verb, target);
+  sheriff.give_orders();
+  const std::int64_t deadline_us = Sheriff::now_us() + patience_us(verb, commands);
+  const auto all_settled = [&] {
+    return std::all_of(commands.begin(), commands.end(), [&](const Command* command) {
+      return is_settled(sheriff.fleet(), *command, verb);
+    });
+  };
+  while (!all_settled() && Sheriff::now_us() < deadline_us && !node::stop_requested()) {
+    sheriff.work(kWait);
+  }
+  int code = kDone;
+  for (const Command* command : commands) {
+    const bool is_good = is_as_wanted(sheriff.fleet(), *command, verb);
+    code = is_good ? code : kFailed;
+    std::cout << command->id << ": "
+              << name_of(sheriff.fleet().state_of(command->id, Sheriff::now_us())) << "\n";
+  }
+  return code;
+}
+
+int follow_output(Sheriff& sheriff, const std::string& command) {
+  if (sheriff.config().find_command(command) == nullptr) {
+    std::cerr << "nodmap-sheriff: there is no command \"" << command << "\"\n";
+    return kWrong;
+  }
+  sheriff.on_output([&command](const std::string& id, const std::string& text) {
+    if (id == command) {
+      std::cout << text << std::flush;
+    }
+  });
+  while (!node::stop_requested() && std::cout) {
+    sheriff.work(kWait);
+  }
+  return kDone;
+}
+
+}  // namespace nodmap::procman

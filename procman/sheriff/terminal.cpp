@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "procman/sheriff/terminal.hpp"
+
+#include <poll.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+namespace nodmap::procman {
+namespace {
+
+void put(std::string_view text) {
+  while (!text.empty()) {
+    const ssize_t size = ::write(STDOUT_FILENO, text.data(), text.size());
+    if (size <= 0) {
+      return;  // the next picture comes soon
+    }
+    text.remove_prefix(static_cast<std::size_t>(size));
+  }
+}
+
+struct Binding {
+  std::string_view typed;
+  Key key;
+};
+constexpr std::array<Binding, 11> kBindings{{{"\x1B[A", Key::kUp},
+                                             {"\x1BOA", Key::kUp},
+                                             {"k", Key::kUp},
+                                             {"\x1B[B", Key::kDown},
+                                             {"\x1BOB", Key::kDown},
+                                             {"j", Key::kDown},
+                                             {"s", Key::kStart},
+                                             {"t", Key::kStop},
+                                             {"r", Key::kRestart},
+                                             {"q", Key::kQuit},
+                                             {"\x03", Key::kQuit}}};
+
+}  // namespace
+
+std::optional<Key> take_key(std::string& typed) {
+  while (!typed.empty()) {
+    for (const Binding& binding : kBindings) {
+      if (typed.starts_with(binding.typed)) {
+        typed.erase(0, binding.typed.size());
+        return binding.key;
+      }
+    }
+    typed.erase(0, 1);
+  }
+  return std::nullopt;
+}
+
+Terminal::Terminal() {
+  ::tcgetattr(STDIN_FILENO, &before_);
+  termios raw = before_;
+  raw.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);
+  raw.c_cc[VMIN] = 0;
+  raw.c_cc[VTIME] = 0;
+  ::tcsetattr(STDIN_FILENO, TCSANOW, &raw);
+  put("\x1B[?1049h\x1B[?25l");  // another screen, no cursor
+}
+
+Terminal::~Terminal() {
+  put("\x1B[?25h\x1B[?1049l");
+  ::tcsetattr(STDIN_FILENO, TCSANOW, &before_);
+}
+
+bool Terminal::is_there() {
+  return ::isatty(STDIN_FILENO) != 0 && ::isatty(STDOUT_FILENO) != 0;
+}
+
+Terminal::Size Terminal::size() {
+  winsize window{};
+  if (::ioctl(STDOUT_FILENO, TIOCGWINSZ, &window) != 0 || window.ws_col == 0 ||
+      window.ws_row == 0) {
+    return {};
+  }
+  return {window.ws_col, window.ws_row};
+}
+
+void Terminal::draw(const std::vector<std::string>& lines) {
+  std::string picture = "\x1B[H";
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    picture += (i == 0 ? "" : "\r\n") + lines[i] + "\x1B[K";
+  }
+  put(picture + "\x1B[J");
+}
+
+std::optional<Key> Terminal::key() {
+  pollfd waiting{STDIN_FILENO, POLLIN, 0};
+  std::array<char, 64> buffer{};
+  if (::poll(&waiting, 1, 0) > 0) {
+    const ssize_t size = ::read(STDIN_FILENO, buffer.data(), buffer.size());
+    pressed_.append(buffer.data(), static_cast<std::size_t>(std::max<ssize_t>(0, size)));
+  }
+  return take_key(pressed_);
+}
+
+}  // namespace nodmap::procman

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "procman/sheriff/health_watch.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "procman/config/parser.hpp"
+
+namespace nodmap::procman {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+constexpr std::int64_t kSecond = 1'000'000;
+
+class HealthWatchTest : public ::testing::Test {
+ protected:
+  Config config_ = parse_config(R"(cmd "a" {
+      exec = "X=1 /opt/bin/nodmap-a --flag"; host = "h";
+      #nodmap: restart_silent_s = 5; restart_failed_s = 10;
+    })")
+                       .config;
+  Fleet fleet_{config_, "me:1:1"};
+  HealthWatch watch_{config_};
+  std::int64_t now_us_ = 1000 * kSecond;
+
+  void hear_deputy(int pid = 7) {
+    DeputyInfo info;
+    info.deputy_id = "h";
+    CommandStatus status;
+    status.spec.id = "a";
+    status.pid = pid;
+    status.actual_run = 1;
+    info.commands = {status};
+    fleet_.take_info(info, now_us_);
+  }
+  void speak(ProcessHealth::State state) {
+    ProcessHealth health;
+    health.state = state;
+    health.reason = "no scans";
+    watch_.take_status("nodmap-a", health, now_us_);
+  }
+  /// Seconds up to the verdict, of at most `limit`; 0 when there is none.
+  template <class Each>
+  int seconds_to_verdict(int limit, Each each) {
+    for (int second = 1; second <= limit; ++second) {
+      now_us_ += kSecond;
+      each();
+      hear_deputy();
+      const auto verdicts = watch_.verdicts(fleet_, now_us_);
+      if (!verdicts.empty()) {
+        reason_ = verdicts[0].reason;
+        return second;
+      }
+    }
+    return 0;
+  }
+  std::string reason_;
+};
+
+TEST_F(HealthWatchTest, KnowsACommandByItsProgram) {
+  EXPECT_EQ(status_name(config_.commands[0]), "nodmap-a");
+  Command named = config_.commands[0];
+  named.health.status_name = "other";
+  EXPECT_EQ(status_name(named), "other");
+  Command empty;
+  empty.exec = "A=1 ";
+  EXPECT_EQ(status_name(empty), "");
+  EXPECT_FALSE(watch_.health_of("a").has_value());
+  speak(ProcessHealth::State::kDegraded);
+  EXPECT_EQ(watch_.health_of("a")->state, ProcessHealth::State::kDegraded);
+}
+
+TEST_F(HealthWatchTest, RestartsWhatFallsSilent) {
+  hear_deputy();
+  EXPECT_EQ(seconds_to_verdict(60, [this] { speak(ProcessHealth::State::kOk); }), 0);
+  EXPECT_EQ(seconds_to_verdict(60, [] {}), 6) << "more than five";
+  EXPECT_THAT(reason_, HasSubstr("no STATUS for 6 s"));
+}
+
+TEST_F(HealthWatchTest, RestartsWhatNeverSpeaks) {
+  hear_deputy();
+  EXPECT_EQ(seconds_to_verdict(60, [] {}), 6);
+}
+
+TEST_F(HealthWatchTest, RestartsWhatHasFailedForLong) {
+  hear_deputy();
+  EXPECT_EQ(seconds_to_verdict(60, [this] { speak(ProcessHealth::State::kFailed); }), 12)
+      << "more than ten after the first";
+  EXPECT_THAT(reason_, HasSubstr("FAILED for 11 s: no scans"));
+}
+
+TEST_F(HealthWatchTest, AFailureThatPassesIsForgiven) {
+  hear_deputy();
+  int second = 0;
+  EXPECT_EQ(seconds_to_verdict(60,
+                               [&] {
+                                 speak(++second % 10 == 0 ? ProcessHealth::State::kOk
+                                                          : ProcessHealth::State::kFailed);
+                               }),
+            0);
+}
+
+TEST_F(HealthWatchTest, HasMorePatienceEachTimeUpToALimit) {
+  hear_deputy();
+  std::vector<int> seconds;
+  for (int i = 0; i < 8; ++i) {
+    seconds.push_back(seconds_to_verdict(1000, [] {}));
+  }
+  EXPECT_THAT(seconds, ::testing::ElementsAre(6, 11, 21, 41, 81, 161, 161, 161));
+  EXPECT_EQ(seconds_to_verdict(62, [this] { speak(ProcessHealth::State::kOk); }), 0);
+  EXPECT_EQ(seconds_to_verdict(60, [] {}), 6) << "as at first after a good minute";
+}
+
+// The link to the host, not the process, is what was silent.
+TEST_F(HealthWatchTest, ABrokenLinkIsNoFaultOfTheProcess) {
+  hear_deputy();
+  EXPECT_EQ(seconds_to_verdict(10, [this] { speak(ProcessHealth::State::kOk); }), 0);
+  for (int second = 0; second < 10; ++second) {
+    now_us_ += kSecond;
+    EXPECT_THAT(watch_.verdicts(fleet_, now_us_), IsEmpty());
+  }
+  hear_deputy();
+  EXPECT_THAT(watch_.verdicts(fleet_, now_us_), IsEmpty()) << "INFO came before STATUS";
+  EXPECT_EQ(seconds_to_verdict(10, [this] { speak(ProcessHealth::State::kOk); }), 0);
+}
+
+TEST_F(HealthWatchTest, LeavesAloneWhatDoesNotRun) {
+  hear_deputy(0);
+  now_us_ += 100 * kSecond;
+  hear_deputy(0);
+  EXPECT_THAT(watch_.verdicts(fleet_, now_us_), IsEmpty());
+}
+
+}  // namespace
+}  // namespace nodmap::procman

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "procman/sheriff/report.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "procman/config/parser.hpp"
+#include "procman/sheriff/terminal.hpp"
+
+namespace nodmap::procman {
+namespace {
+
+using ::testing::HasSubstr;
+
+class ReportTest : public ::testing::Test {
+ protected:
+  ReportTest() {
+    DeputyInfo info;
+    info.deputy_id = "h";
+    info.cpu_load = 0.25F;
+    CommandStatus status;
+    status.spec.id = "a";
+    status.pid = 4242;
+    status.actual_run = 1;
+    status.cpu_share = 0.125F;
+    status.rss_bytes = 3'000'000;
+    CommandStatus ended;
+    ended.spec.id = "b";
+    ended.actual_run = 1;
+    ended.wait_status = 3 << 8;
+    info.commands = {status, ended};
+    fleet_.take_info(info, 0);
+    ProcessHealth health;
+    health.state = ProcessHealth::State::kFailed;
+    health.reason = "no\x1B[2J scans";
+    health_.take_status("prog", health, 0);
+  }
+  [[nodiscard]] std::vector<ReportRow> rows(std::int64_t now_us) const {
+    return report(fleet_, health_, {{"a", "last\tline"}}, now_us);
+  }
+
+  Config config_ = parse_config(R"(
+      group "z" { cmd "a" { exec = "prog"; host = "h"; } }
+      cmd "b" { exec = "q"; host = "h"; } cmd "c" { exec = "q"; host = "far"; })")
+                       .config;
+  Fleet fleet_{config_, "me:1:1"};
+  HealthWatch health_{config_};
+};
+
+TEST_F(ReportTest, ShowsWhatIsKnown) {
+  const auto table = to_table(rows(3'725'000'000 / 1000));
+  ASSERT_EQ(table.size(), 4U);
+  EXPECT_THAT(table[1], HasSubstr("Stopped (Error), exit 3"));
+  EXPECT_THAT(table[2], ::testing::AllOf(HasSubstr("far"), HasSubstr("Unknown")));
+  for (const char* part :
+       {"z/a", "Running", "4242", "12.5", "3.0", "3s", "FAILED: no?[2J scans", "last?line"}) {
+    EXPECT_THAT(table[3], HasSubstr(part));
+  }
+}
+
+TEST_F(ReportTest, IsJsonForPrograms) {
+  const nlohmann::json json = to_json(rows(0), fleet_, 0);
+  EXPECT_EQ(json["commands"].size(), 3U);
+  EXPECT_EQ(json["commands"][2]["command"], "a");
+  EXPECT_EQ(json["commands"][2]["state"], "Running");
+  EXPECT_EQ(json["commands"][0]["end"], "exit 3");
+  EXPECT_EQ(json["hosts"][0]["host"], "far");
+  EXPECT_EQ(json["hosts"][0]["heard"], false);
+  EXPECT_EQ(json["hosts"][1]["cpu_load"], 0.25);
+  EXPECT_NO_THROW(static_cast<void>(json.dump()));
+}
+
+TEST_F(ReportTest, TheViewFitsAndFollowsTheSelection) {
+  for (std::size_t height = 1; height < 10; ++height) {
+    for (std::size_t selected = 0; selected < 3; ++selected) {
+      const auto lines = to_view(rows(0), {selected, "title", "message"}, 20, height);
+      EXPECT_LE(lines.size(), height);
+      for (const std::string& line : lines) {
+        EXPECT_LE(line.size(), 20U);
+      }
+      if (height >= 5) {
+        EXPECT_EQ(std::count_if(lines.begin(), lines.end(),
+                                [](const std::string& line) { return line.starts_with("> "); }),
+                  1);
+      }
+    }
+  }
+}
+
+TEST(Printable, LeavesNothingThatSteersATerminal) {
+  EXPECT_EQ(printable("a\x1B[31m\r\n\x7F"), "a?[31m???");
+  EXPECT_EQ(printable("gr\xC3\xBC\xC3\x9F \xE2\x82\xAC"), "gr\xC3\xBC\xC3\x9F \xE2\x82\xAC");
+  EXPECT_EQ(printable("\xC3"), "?");
+  EXPECT_EQ(printable("\xFF\xC2\x9B!"), std::string(3, '?') + "!");
+}
+
+TEST(Keys, AreTakenOneByOne) {
+  std::string typed = "x\x1B[A\x1B[Bsqr";
+  EXPECT_EQ(take_key(typed), Key::kUp);
+  EXPECT_EQ(take_key(typed), Key::kDown);
+  EXPECT_EQ(take_key(typed), Key::kStart);
+  EXPECT_EQ(take_key(typed), Key::kQuit);
+  EXPECT_EQ(take_key(typed), Key::kRestart);
+  EXPECT_FALSE(take_key(typed).has_value());
+}
+
+}  // namespace
+}  // namespace nodmap::procman

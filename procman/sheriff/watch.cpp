@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <iostream>
+#include <memory>
+
+#include "common/log/log.hpp"
+#include "common/node/stop_signal.hpp"
+#include "procman/sheriff/script_runner.hpp"
+#include "procman/sheriff/tasks.hpp"
+#include "procman/sheriff/terminal.hpp"
+
+namespace nodmap::procman {
+namespace {
+
+constexpr std::chrono::milliseconds kWait(50);
+constexpr std::int64_t kReminderUs = 5'000'000;
+
+/// The sheriff that stays: script, health rules, the other sheriff; on a terminal or line by line.
+class Watch {
+ public:
+  Watch(Sheriff& sheriff, const WatchOptions& options) : sheriff_(sheriff), options_(options) {
+    if (options.script != nullptr) {
+      runner_.emplace(sheriff.config(), *options.script);
+    }
+    if (Terminal::is_there()) {
+      terminal_ = std::make_unique<Terminal>();
+    }
+    begun_us_ = reminded_us_ = Sheriff::now_us();
+    if (!options.observe) {
+      command_due_us_ = begun_us_ + std::chrono::microseconds(kSheriffTime).count();
+    }
+  }
+
+  int run() {
+    while (!exit_code_ && !node::stop_requested()) {
+      sheriff_.work(kWait);
+      look_for_other_sheriff();
+      step_script();
+      for (const HealthWatch::Verdict& verdict : sheriff_.apply_health_rules()) {
+        say("restarting " + verdict.command_id + ": " + verdict.reason);
+      }
+      terminal_ ? show() : tell_changes();
+    }
+    const bool is_cut_short = runner_ && !runner_->done();
+    return exit_code_.value_or(is_cut_short ? kFailed : kDone);
+  }
+
+ private:
+  void step_script();
+  void end_script();
+  void look_for_other_sheriff();
+  void say(const std::string& text);
+  void show();
+  void press(Key key, const std::vector<ReportRow>& rows);
+  void tell_changes();
+
+  Sheriff& sheriff_;
+  WatchOptions options_;
+  std::optional<ScriptRunner> runner_;
+  std::unique_ptr<Terminal> terminal_;
+  ViewState view_;
+  std::map<std::string, std::string> told_;
+  std::optional<int> exit_code_;
+  std::optional<std::int64_t> command_due_us_;  // until then it listens for other sheriffs
+  std::int64_t begun_us_ = 0;
+  std::int64_t reminded_us_ = 0;
+};
+
+void Watch::say(const std::string& text) {
+  if (terminal_) {
+    view_.message = printable(text);
+  } else {
+    std::cout << printable(text) << std::endl;  // NOLINT(performance-avoid-endl): read as it comes
+  }
+}
+
+void Watch::step_script() {
+  const std::int64_t now_us = Sheriff::now_us();
+  if (!runner_ || runner_->done() || sheriff_.is_observer()) {
+    return;
+  }
+  const std::string waited_for = runner_->waiting_for();
+  runner_->step(sheriff_.fleet(), now_us);
+  if (runner_->done()) {
+    sheriff_.give_orders();
+    end_script();
+    return;
+  }
+  if (runner_->waiting_for() != waited_for) {
+    sheriff_.give_orders();
+    reminded_us_ = now_us;
+  } else if (now_us - reminded_us_ > kReminderUs) {
+    reminded_us_ = now_us;
+    say("waiting for " + runner_->waiting_for());
+  }
+  if (options_.timeout_s && static_cast<double>(now_us - begun_us_) > *options_.timeout_s * 1e6) {
+    say("the script has not ended in time: waiting for " + runner_->waiting_for());
+    exit_code_ = kFailed;
+  }
+}
+
+void Watch::end_script() {
+  say("script " + options_.script->name + " is done");
+  if (options_.after_script == AfterScript::kExit) {
+    exit_code_ = kDone;
+  } else if (options_.after_script == AfterScript::kObserve) {
+    sheriff_.observe();
+  }
+}
+
+/// One of two must give way, or they pull the commands to and fro.
+void Watch::look_for_other_sheriff() {
+  const std::int64_t now_us = Sheriff::now_us();
+  const auto other = sheriff_.fleet().other_sheriff(now_us);
+  const bool is_new_here = command_due_us_.has_value();
+  if (other && (is_new_here || (!sheriff_.is_observer() && sheriff_.fleet().must_yield(now_us)))) {
+    command_due_us_.reset();
+    sheriff_.observe();
+    say("the sheriff " + *other + " gives orders here: observing only");
+    if (runner_ && !runner_->done()) {
+      exit_code_ = kOtherSheriff;
+    }
+  } else if (is_new_here && now_us >= *command_due_us_) {
+    command_due_us_.reset();
+    sheriff_.command();
+  }
+}
+
+void Watch::show() {
+  const std::vector<ReportRow> rows = sheriff_.report();
+  view_.selected = std::min(view_.selected, rows.empty() ? 0 : rows.size() - 1);
+  while (const std::optional<Key> key = terminal_->key()) {
+    press(*key, rows);
+  }
+  view_.title = std::string("nodmap-sheriff") + (sheriff_.is_observer() ? " (observing)" : "");
+  if (runner_ && !runner_->done()) {
+    view_.title += "   script " + options_.script->name + ": waiting for " + runner_->waiting_for();
+  }
+  const Terminal::Size size = Terminal::size();
+  Terminal::draw(to_view(rows, view_, size.width, size.height));
+}
+
+void Watch::press(Key key, const std::vector<ReportRow>& rows) {
+  const std::string id = rows.empty() ? "" : rows[view_.selected].id;
+  switch (key) {
+    case Key::kUp:
+      view_.selected -= view_.selected > 0 ? 1 : 0;
+      return;
+    case Key::kDown:
+      view_.selected += view_.selected + 1 < rows.size() ? 1 : 0;
+      return;
+    case Key::kQuit:
+      exit_code_ = kDone;
+      return;
+    case Key::kStart:
+      sheriff_.fleet().start(id);
+      break;
+    case Key::kStop:
+      sheriff_.fleet().stop(id);
+      break;
+    case Key::kRestart:
+      sheriff_.fleet().restart(id);
+      break;
+  }
+  sheriff_.give_orders();
+}
+
+void Watch::tell_changes() {
+  for (const ReportRow& row : sheriff_.report()) {
+    std::string state = name_of(row.state);
+    if (!row.end.empty()) {
+      state += ", " + row.end;
+    }
+    std::string& told = told_[row.id];
+    if (told != state) {
+      told = state;
+      say(row.id + ": " + state);
+    }
+  }
+}
+
+}  // namespace
+
+int watch(Sheriff& sheriff, const WatchOptions& options) {
+  return Watch(sheriff, options).run();
+}
+
+}  // namespace nodmap::procman
