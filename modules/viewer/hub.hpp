@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What all connections of a server share.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/log/log.hpp"
+#include "common/node/tally.hpp"
+#include "modules/viewer/access.hpp"
+#include "modules/viewer/board.hpp"
+#include "modules/viewer/session.hpp"
+#include "modules/viewer/site.hpp"
+
+namespace nodmap::viewer {
+
+class WebSocketClient;
+
+struct Hub {
+  const Site& site;
+  const Board& board;
+  const Services& services;
+  AccessPolicy policy;
+  int max_connections = 0;
+  int idle_timeout_s = 0;
+  node::Tally tally{};
+  log::Throttle throttle{};
+  int connections = 0;
+  std::vector<std::weak_ptr<WebSocketClient>> clients{};
+
+  /// Counts what was refused, and says so once in a while. `cause` is a snake_case word.
+  void refuse(const std::string& cause) {
+    tally.reject(cause);
+    if (throttle.ready()) {
+      log::get().warn("refused a client: {} ({} refusals so far)", cause, tally.total_rejected());
+    }
+  }
+};
+
+/// Counts a connection as long as it lives.
+class Ticket {
+ public:
+  explicit Ticket(Hub& hub) : hub_(hub) { ++hub_.connections; }
+  ~Ticket() { --hub_.connections; }
+  Ticket(const Ticket&) = delete;
+  Ticket& operator=(const Ticket&) = delete;
+  Ticket(Ticket&&) = delete;
+  Ticket& operator=(Ticket&&) = delete;
+
+ private:
+  Hub& hub_;
+};
+
+}  // namespace nodmap::viewer

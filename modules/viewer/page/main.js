@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The page: messages in, pictures and words out.
+import {Connection} from "./connection.js";
+import {Control} from "./control.js";
+import {pointsOf} from "./decode.js";
+import {makeLayers} from "./layers.js";
+import {makeLayerList, showProcesses, State} from "./panels.js";
+import {Playback} from "./playback.js";
+import {Plots} from "./plots.js";
+import {View} from "./scene.js";
+
+const byId = (id) => document.getElementById(id);
+
+const view = new View(byId("canvas"));
+const layers = makeLayers(view.frames);
+const plots = new Plots(byId("plots"));
+const state = new State({banner: byId("banner"), summary: byId("summary"), facts: byId("facts")});
+const playback = new Playback(byId("playback"), () => connection);
+const control = new Control(byId("control"), view, () => connection);
+const pending = new Map();  // the newest message of each topic since the last picture
+const keyframes = [];       // each counts
+let connected = false;
+let received = 0;
+
+makeLayerList(byId("layers"), layers);
+
+function forgetAll() {
+  pending.clear();
+  keyframes.length = 0;
+  layers.forEach(({layer}) => layer.clear());
+  view.frames.clear();
+  plots.clear();
+  state.clear();
+}
+
+/** The distance of the nearest point of an obstacle map from the robot; undefined without points. */
+function nearestOf(map) {
+  const points = pointsOf(map);
+  let nearest = Infinity;
+  for (let i = 0; i < points.length; i += 3) {
+    nearest = Math.min(nearest, Math.hypot(points[i], points[i + 1]));
+  }
+  return nearest;
+}
+
+function take(topic, message, timeS) {
+  ++received;
+  state.note(topic, message);
+  if (topic === "CLOUD") {
+    keyframes.push(message);
+  } else {
+    pending.set(topic, {message, timeS});
+  }
+}
+
+/** Draws what has come since the last picture: what was replaced meanwhile costs nothing. */
+function show(topic, {message, timeS}) {
+  if (topic.startsWith("tf/")) {
+    view.frames.set(message);
+  } else if (topic === "STATUS") {
+    showProcesses(byId("processes").tBodies[0], message.processes);
+  }
+  layers.get(topic)?.layer.show(message);
+  plots.add(topic, message, timeS, topic === "OBSTACLE_MAP" ? nearestOf(message) : undefined);
+}
+
+const connection = new Connection({
+  open(info) {
+    connected = true;
+    forgetAll();
+    byId("summary").textContent = `Connected to ${info.name}.`;
+    connection.send({op: "subscribeParameterUpdates", parameterNames: []});
+    connection.send({op: "getParameters", parameterNames: [], id: "page"});
+    control.open(connection, info.capabilities);
+  },
+  close() {
+    connected = false;
+    byId("summary").textContent = "Not connected.";
+  },
+  message: take,
+  time(timeS) {
+    if (playback.onTime(timeS)) {
+      forgetAll();
+    }
+  },
+  status: (reason) => control.refused(reason),
+  parameters: (values) => playback.set(values),
+});
+
+document.querySelectorAll("[data-camera]").forEach((button) => button.addEventListener("click", () => {
+  view.setMode(button.dataset.camera);
+  document.querySelectorAll("[data-camera]").forEach((other) => other.setAttribute("aria-pressed", other === button));
+}));
+
+const cloud = layers.get("CLOUD").layer.cloud;
+
+function onFrame(nowMs) {
+  requestAnimationFrame(onFrame);
+  pending.forEach((value, topic) => show(topic, value));
+  pending.clear();
+  if (keyframes.length > 0) {
+    layers.get("CLOUD").layer.show(keyframes.shift());  // one a picture: a long history does not stop the view
+  }
+  view.render(nowMs);
+  cloud.onFrame(view.frameMs);
+}
+requestAnimationFrame(onFrame);
+
+setInterval(() => {
+  state.showBanner(connected, playback.isRunning);
+  state.showFacts([["points", `${cloud.drawn} of ${cloud.total}`], ["pictures", `${(1000 / view.frameMs).toFixed(0)} per s`]]);
+  plots.draw();
+}, 250);
+
+// For tests and for pictures of the documentation: what is on the page, as numbers.
+window.nodmap = {view, layers, cloud, received: () => received};

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/viewer/server.hpp"
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <stdexcept>
+#include <utility>
+
+#include "modules/viewer/http_connection.hpp"
+#include "modules/viewer/websocket_client.hpp"
+
+namespace nodmap::viewer {
+namespace {
+
+namespace asio = boost::asio;
+using asio::ip::tcp;
+using ErrorCode = boost::system::error_code;
+
+/// Little waits in the kernel for a slow client, so that what it gets is not old.
+constexpr int kSendBufferBytes = 1 << 17;
+/// Out of descriptors: others have to close first.
+constexpr std::chrono::milliseconds kPause(100);
+
+asio::ip::address parse_address(const std::string& text) {
+  ErrorCode error;
+  asio::ip::address address =
+      asio::ip::make_address(text == "localhost" ? "127.0.0.1" : text, error);
+  if (error) {
+    throw std::invalid_argument("--bind '" + text + "' is no address to listen on");
+  }
+  return address;
+}
+
+}  // namespace
+
+bool is_loopback(const std::string& address) {
+  return parse_address(address).is_loopback();
+}
+
+struct Server::Impl {
+  Impl(Hub& the_hub, const tcp::endpoint& endpoint)
+      : hub(the_hub), acceptor(context), pause(context) {
+    acceptor.open(endpoint.protocol());
+    acceptor.set_option(asio::socket_base::reuse_address(true));
+    acceptor.bind(endpoint);
+    acceptor.listen();
+    accept();
+  }
+
+  void accept() {
+    acceptor.async_accept(
+        [this](ErrorCode error, tcp::socket socket) { on_accept(error, std::move(socket)); });
+  }
+
+  void on_accept(ErrorCode error, tcp::socket socket) {
+    if (error) {
+      pause.expires_after(kPause);
+      pause.async_wait([this](ErrorCode) { accept(); });
+      return;
+    }
+    if (hub.connections >= hub.max_connections) {
+      hub.refuse("too_many_connections");
+    } else {
+      ErrorCode ignored;
+      socket.set_option(tcp::no_delay(true), ignored);
+      socket.set_option(asio::socket_base::send_buffer_size(kSendBufferBytes), ignored);
+      std::make_shared<HttpConnection>(boost::beast::tcp_stream(std::move(socket)), hub)->start();
+    }
+    accept();
+  }
+
+  template <class Do>
+  void for_each_client(Do act) {
+    std::erase_if(hub.clients, [](const auto& client) { return client.expired(); });
+    for (const auto& weak : hub.clients) {
+      if (const auto client = weak.lock()) {
+        act(*client);
+      }
+    }
+  }
+
+  Hub& hub;
+  asio::io_context context{1};
+  tcp::acceptor acceptor;
+  asio::steady_timer pause;
+};
+
+Server::Server(Hub& hub, const std::string& address, std::uint16_t port) {
+  try {
+    impl_ = std::make_unique<Impl>(hub, tcp::endpoint(parse_address(address), port));
+  } catch (const boost::system::system_error& error) {
+    throw std::runtime_error("cannot listen on " + address + ":" + std::to_string(port) + ": " +
+                             error.code().message());
+  }
+}
+
+Server::~Server() = default;
+
+void Server::run_for(std::chrono::milliseconds duration) {
+  impl_->context.run_for(duration);
+}
+
+void Server::turn() {
+  impl_->for_each_client([](WebSocketClient& client) { client.turn(); });
+}
+
+void Server::tell_time(std::int64_t utime_us) {
+  impl_->for_each_client(
+      [utime_us](WebSocketClient& client) { client.session().tell_time(utime_us); });
+}
+
+void Server::tell_parameters() {
+  impl_->for_each_client([](WebSocketClient& client) { client.session().tell_parameters(); });
+}
+
+std::uint16_t Server::port() const {
+  return impl_->acceptor.local_endpoint().port();
+}
+
+}  // namespace nodmap::viewer

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "modules/viewer/hub.hpp"
+
+namespace nodmap::viewer {
+
+/// HTTP and WebSocket on one port, in the thread of its caller.
+class Server {
+ public:
+  /// Port 0 takes a free one. Throws std::runtime_error naming address and port when it cannot
+  /// listen there. The hub must outlive this object.
+  Server(Hub& hub, const std::string& address, std::uint16_t port);
+  ~Server();
+  Server(const Server&) = delete;
+  Server& operator=(const Server&) = delete;
+  Server(Server&&) = delete;
+  Server& operator=(Server&&) = delete;
+
+  /// Serves for so long.
+  void run_for(std::chrono::milliseconds duration);
+
+  /// Sends every client what is new on the board.
+  void turn();
+  void tell_time(std::int64_t utime_us);
+  void tell_parameters();
+
+  [[nodiscard]] std::uint16_t port() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// Whether an address is that of this host alone. Throws std::invalid_argument for what is no
+/// address.
+[[nodiscard]] bool is_loopback(const std::string& address);
+
+}  // namespace nodmap::viewer

@@ -1,0 +1,287 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/viewer/session.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "modules/viewer/schemas.hpp"
+
+namespace nodmap::viewer {
+namespace {
+
+// First bytes of binary frames.
+constexpr char kMessageData = 1;
+constexpr char kTime = 2;
+constexpr std::byte kClientMessageData{1};
+constexpr std::size_t kClientHeadBytes = 5;
+constexpr int kStatusError = 2;
+
+template <class Unsigned>
+void append_little_endian(std::string& bytes, Unsigned value) {
+  for (std::size_t i = 0; i < sizeof(Unsigned); ++i) {
+    bytes.push_back(static_cast<char>((value >> (8 * i)) & 0xFFU));
+  }
+}
+
+std::uint64_t nanoseconds(std::int64_t utime_us) {
+  return 1000U * static_cast<std::uint64_t>(std::max<std::int64_t>(utime_us, 0));
+}
+
+/// A member that is a number of 32 bits without sign.
+std::optional<std::uint32_t> id_in(const Json& object, const char* name) {
+  const auto found = object.find(name);
+  if (found == object.end() || !found->is_number_unsigned() ||
+      found->get<std::uint64_t>() > std::numeric_limits<std::uint32_t>::max()) {
+    return std::nullopt;
+  }
+  return found->get<std::uint32_t>();
+}
+
+std::string text_in(const Json& object, const char* name) {
+  const auto found = object.find(name);
+  return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
+}
+
+/// The objects in the list of this name; nothing where there is no such list.
+std::vector<Json> objects_in(const Json& message, const char* name) {
+  std::vector<Json> objects;
+  const auto found = message.find(name);
+  if (found != message.end() && found->is_array()) {
+    std::copy_if(found->begin(), found->end(), std::back_inserter(objects),
+                 [](const Json& item) { return item.is_object(); });
+  }
+  return objects;
+}
+
+/// The numbers in the list of this name.
+std::vector<std::uint32_t> ids_in(const Json& message, const char* name) {
+  std::vector<std::uint32_t> ids;
+  const auto found = message.find(name);
+  if (found != message.end() && found->is_array()) {
+    for (const Json& item : *found) {
+      if (const auto id = id_in({{"id", item}}, "id")) {
+        ids.push_back(*id);
+      }
+    }
+  }
+  return ids;
+}
+
+Json channel_json(std::size_t topic, const Topic& what) {
+  return {{"id", topic + 1},
+          {"topic", what.name},
+          {"encoding", "json"},
+          {"schemaName", what.schema_name},
+          {"schema", schema_text(what.schema_name)},
+          {"schemaEncoding", "jsonschema"}};
+}
+
+}  // namespace
+
+Session::Session(const Board& board, const Services& services, Rights rights)
+    : board_(board), services_(services), rights_(rights) {
+  greet();
+}
+
+void Session::greet() {
+  Json capabilities = Json::array();
+  if (services_.sends_time) {
+    capabilities.push_back("time");
+  }
+  if (services_.parameters) {
+    capabilities.push_back("parameters");
+    capabilities.push_back("parametersSubscribe");
+  }
+  if (rights_.control) {
+    capabilities.push_back("clientPublish");
+  }
+  send({{"op", "serverInfo"},
+        {"name", services_.name},
+        {"capabilities", std::move(capabilities)},
+        {"supportedEncodings", Json::array({"json"})},
+        {"metadata", Json::object()},
+        {"sessionId", services_.session_id}});
+  Json channels = Json::array();
+  for (std::size_t topic = 0; topic < board_.topics().size(); ++topic) {
+    channels.push_back(channel_json(topic, board_.topics()[topic]));
+  }
+  send({{"op", "advertise"}, {"channels", std::move(channels)}});
+}
+
+void Session::send(const Json& message) {
+  if (waiting_.size() < kMaxWaiting) {
+    waiting_.push_back(to_text(message));
+  }
+}
+
+void Session::refuse(const std::string& reason) {
+  ++refused_;
+  send({{"op", "status"}, {"level", kStatusError}, {"message", reason}});
+}
+
+void Session::receive_text(std::string_view text) {
+  const Json message = Json::parse(text, nullptr, false);
+  if (!message.is_object()) {
+    refuse("not a JSON object");
+    return;
+  }
+  handle(message);
+}
+
+void Session::handle(const Json& message) {
+  using Handler = void (Session::*)(const Json&);
+  static constexpr std::pair<std::string_view, Handler> kHandlers[] = {
+      {"subscribe", &Session::subscribe},           {"unsubscribe", &Session::unsubscribe},
+      {"advertise", &Session::advertise},           {"unadvertise", &Session::unadvertise},
+      {"getParameters", &Session::send_parameters}, {"setParameters", &Session::set_parameters}};
+  const std::string op = text_in(message, "op");
+  for (const auto& [name, handler] : kHandlers) {
+    if (op == name) {
+      (this->*handler)(message);
+      return;
+    }
+  }
+  if (op == "subscribeParameterUpdates" || op == "unsubscribeParameterUpdates") {
+    wants_parameters_ = op == "subscribeParameterUpdates";
+    return;
+  }
+  refuse("unknown op");
+}
+
+void Session::subscribe(const Json& message) {
+  for (const Json& wish : objects_in(message, "subscriptions")) {
+    const auto id = id_in(wish, "id");
+    const auto channel = id_in(wish, "channelId");
+    if (!id || !channel || *channel == 0 || *channel > board_.topics().size()) {
+      refuse("subscription to an unknown channel");
+    } else if (std::any_of(subscriptions_.begin(), subscriptions_.end(),
+                           [&](const Subscription& s) { return s.id == *id; })) {
+      refuse("subscription id is in use");
+    } else if (subscriptions_.size() >= kMaxSubscriptions) {
+      refuse("too many subscriptions");
+    } else {
+      subscriptions_.push_back({*id, *channel - 1, 0});
+    }
+  }
+}
+
+void Session::unsubscribe(const Json& message) {
+  for (const std::uint32_t id : ids_in(message, "subscriptionIds")) {
+    std::erase_if(subscriptions_, [id](const Subscription& s) { return s.id == id; });
+  }
+}
+
+void Session::advertise(const Json& message) {
+  for (const Json& channel : objects_in(message, "channels")) {
+    const auto id = id_in(channel, "id");
+    if (!rights_.control) {
+      refuse("this connection may only read");
+    } else if (!id || text_in(channel, "encoding") != "json") {
+      refuse("a channel needs an id and encoding json");
+    } else if (publications_.size() >= kMaxPublications) {
+      refuse("too many channels");
+    } else {
+      publications_.push_back({*id, text_in(channel, "topic")});
+    }
+  }
+}
+
+void Session::unadvertise(const Json& message) {
+  for (const std::uint32_t id : ids_in(message, "channelIds")) {
+    std::erase_if(publications_, [id](const Publication& p) { return p.channel_id == id; });
+  }
+}
+
+void Session::receive_binary(std::span<const std::byte> bytes) {
+  if (bytes.size() < kClientHeadBytes || bytes[0] != kClientMessageData) {
+    refuse("unknown binary op");
+    return;
+  }
+  std::uint32_t channel_id = 0;
+  for (std::size_t i = 0; i < sizeof(channel_id); ++i) {
+    channel_id |= static_cast<std::uint32_t>(bytes[1 + i]) << (8U * i);
+  }
+  const auto payload = bytes.subspan(kClientHeadBytes);
+  publish(channel_id, {reinterpret_cast<const char*>(payload.data()), payload.size()});
+}
+
+void Session::publish(std::uint32_t channel_id, std::string_view payload) {
+  const auto found =
+      std::find_if(publications_.begin(), publications_.end(),
+                   [channel_id](const Publication& p) { return p.channel_id == channel_id; });
+  if (!rights_.control || !services_.publish || found == publications_.end()) {
+    refuse(rights_.control ? "message on an unknown channel" : "this connection may only read");
+    return;
+  }
+  const Json message = Json::parse(payload, nullptr, false);
+  const std::string reason = message.is_object() ? services_.publish(found->topic, message)
+                                                 : std::string("not a JSON object");
+  if (!reason.empty()) {
+    refuse(reason);
+  }
+}
+
+void Session::send_parameters(const Json& message) {
+  Json answer = {{"op", "parameterValues"},
+                 {"parameters", services_.parameters ? services_.parameters() : Json::array()}};
+  if (const std::string id = text_in(message, "id"); !id.empty()) {
+    answer["id"] = id;
+  }
+  send(answer);
+}
+
+void Session::set_parameters(const Json& message) {
+  for (const Json& parameter : objects_in(message, "parameters")) {
+    if (!rights_.play || !services_.set_parameter) {
+      refuse("this connection may not set parameters");
+      continue;
+    }
+    const auto value = parameter.find("value");
+    const std::string reason = services_.set_parameter(text_in(parameter, "name"),
+                                                       value == parameter.end() ? Json() : *value);
+    if (!reason.empty()) {
+      refuse(reason);
+    }
+  }
+  if (!text_in(message, "id").empty()) {
+    send_parameters(message);
+  }
+}
+
+void Session::tell_time(std::int64_t utime_us) {
+  time_us_ = utime_us;
+}
+
+void Session::tell_parameters() {
+  if (wants_parameters_) {
+    send_parameters(Json::object());
+  }
+}
+
+std::optional<Frame> Session::next() {
+  if (!waiting_.empty()) {
+    Frame frame{.is_binary = false, .head = std::move(waiting_.front()), .post = nullptr};
+    waiting_.pop_front();
+    return frame;
+  }
+  if (time_us_) {
+    Frame frame{.is_binary = true, .head = {kTime}, .post = nullptr};
+    append_little_endian(frame.head, nanoseconds(*time_us_));
+    time_us_.reset();
+    return frame;
+  }
+  for (std::size_t i = 0; i < subscriptions_.size(); ++i) {
+    turn_ = (turn_ + 1) % subscriptions_.size();
+    Subscription& subscription = subscriptions_[turn_];
+    if (auto post = board_.next(subscription.topic, subscription.cursor)) {
+      Frame frame{.is_binary = true, .head = {kMessageData}, .post = std::move(post)};
+      append_little_endian(frame.head, subscription.id);
+      append_little_endian(frame.head, nanoseconds(frame.post->utime_us()));
+      return frame;
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace nodmap::viewer

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <set>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "modules/viewer/board.hpp"
+#include "modules/viewer/foxglove.hpp"
+
+namespace nodmap::viewer {
+
+/// What the clients of a viewer may do besides reading, and what it tells them of itself.
+struct Services {
+  std::string name;
+  std::string session_id;  ///< the same for all sessions of one process
+  /// Whether the viewer is the source of time (it plays a recording).
+  bool sends_time = false;
+  /// The state of the playback: a list of {name, value}; empty where nothing is played.
+  std::function<Json()> parameters;
+  /// Sets one; returns why not, or nothing.
+  std::function<std::string(const std::string& name, const Json& value)> set_parameter;
+  /// A message from a client with control, as JSON on a topic; returns why it was refused, or
+  /// nothing.
+  std::function<std::string(const std::string& topic, const Json& message)> publish;
+};
+
+/// What one client may do.
+struct Rights {
+  bool play = false;     ///< steer the playback
+  bool control = false;  ///< publish
+};
+
+/// One frame for the socket. `head` goes before the payload, which is shared with other sessions.
+struct Frame {
+  bool is_binary = false;
+  std::string head;
+  std::shared_ptr<Post> post;  ///< its text follows the head; may be null
+};
+
+/// One client of Foxglove's WebSocket protocol (`foxglove.websocket.v1`), without its socket: what
+/// the client sends goes in, frames to send come out. Nothing a client sends makes it throw or grow
+/// without bound.
+/// Source: https://github.com/foxglove/ws-protocol/blob/main/docs/spec.md
+class Session {
+ public:
+  static constexpr std::size_t kMaxSubscriptions = 256;
+  static constexpr std::size_t kMaxPublications = 16;
+  /// Answers that wait for a client that does not read; more are dropped.
+  static constexpr std::size_t kMaxWaiting = 64;
+
+  /// Both must outlive this object.
+  Session(const Board& board, const Services& services, Rights rights);
+
+  void receive_text(std::string_view text);
+  void receive_binary(std::span<const std::byte> bytes);
+
+  /// The next frame to send, if any. Topics take turns.
+  [[nodiscard]] std::optional<Frame> next();
+
+  /// Tells the client the time of the recording, with the next frames.
+  void tell_time(std::int64_t utime_us);
+  /// Tells a client that asked for it that parameters have changed.
+  void tell_parameters();
+
+  /// What the client sent that was refused, by the last word of the reason.
+  [[nodiscard]] std::int64_t refused() const { return refused_; }
+
+ private:
+  struct Subscription {
+    std::uint32_t id = 0;
+    std::size_t topic = 0;
+    std::uint64_t cursor = 0;
+  };
+  struct Publication {
+    std::uint32_t channel_id = 0;
+    std::string topic;
+  };
+
+  void send(const Json& message);
+  void refuse(const std::string& reason);
+  void greet();
+  void handle(const Json& message);
+  void subscribe(const Json& message);
+  void unsubscribe(const Json& message);
+  void advertise(const Json& message);
+  void unadvertise(const Json& message);
+  void send_parameters(const Json& message);
+  void set_parameters(const Json& message);
+  void publish(std::uint32_t channel_id, std::string_view payload);
+
+  const Board& board_;
+  const Services& services_;
+  Rights rights_;
+  std::deque<std::string> waiting_;
+  std::vector<Subscription> subscriptions_;
+  std::vector<Publication> publications_;
+  bool wants_parameters_ = false;
+  std::size_t turn_ = 0;
+  std::optional<std::int64_t> time_us_;
+  std::int64_t refused_ = 0;
+};
+
+}  // namespace nodmap::viewer

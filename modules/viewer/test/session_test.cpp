@@ -1,0 +1,265 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/viewer/session.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace nodmap::viewer {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+class SessionTest : public ::testing::Test {
+ protected:
+  SessionTest() {
+    scan_ = board_.add({"SCAN", "foxglove.LaserScan"});
+    cloud_ = board_.add({"CLOUD", "foxglove.PointCloud", Keep::kAll, 10});
+    services_.name = "viewer";
+    services_.session_id = "42";
+  }
+
+  Session greeted(Rights rights = {}) {
+    Session session(board_, services_, rights);
+    (void)session.next();
+    (void)session.next();
+    return session;
+  }
+
+  void post(std::size_t topic, std::int64_t utime_us, const std::string& text) {
+    board_.post(topic, utime_us, [text] { return text; });
+  }
+
+  static Json text_frame(Session& session) {
+    const auto frame = session.next();
+    return frame && !frame->is_binary ? Json::parse(frame->head) : Json();
+  }
+
+  static std::string bytes(const std::string& text, std::uint8_t channel = 1) {
+    return std::string{1, static_cast<char>(channel), 0, 0, 0} + text;
+  }
+
+  static void receive(Session& session, const std::string& message) {
+    session.receive_binary(std::as_bytes(std::span(message)));
+  }
+
+  Board board_;
+  Services services_;
+  std::size_t scan_ = 0;
+  std::size_t cloud_ = 0;
+};
+
+TEST_F(SessionTest, GreetsWithItselfAndItsChannels) {
+  Session session(board_, services_, {});
+  const Json info = text_frame(session);
+  EXPECT_EQ(info["op"], "serverInfo");
+  EXPECT_EQ(info["capabilities"], Json::array());
+  EXPECT_EQ(info["sessionId"], "42");
+  const Json channels = text_frame(session)["channels"];
+  ASSERT_EQ(channels.size(), 2U);
+  EXPECT_EQ(channels[0]["topic"], "SCAN");
+  EXPECT_EQ(channels[0]["encoding"], "json");
+  EXPECT_EQ(channels[0]["schemaEncoding"], "jsonschema");
+  EXPECT_EQ(Json::parse(channels[0]["schema"].get<std::string>())["type"], "object");
+  EXPECT_FALSE(session.next());
+}
+
+// The layout of the specification: op, subscription, nanoseconds, payload, little-endian.
+TEST_F(SessionTest, SendsWhatWasSubscribed) {
+  Session session = greeted();
+  post(scan_, 0x0102, "{}");
+  EXPECT_FALSE(session.next());
+  session.receive_text(R"({"op":"subscribe","subscriptions":[{"id":513,"channelId":1}]})");
+  const auto frame = session.next();
+  ASSERT_TRUE(frame);
+  EXPECT_TRUE(frame->is_binary);
+  // 0x0102 us are 258000 ns: 0x03EFD0.
+  EXPECT_EQ(frame->head, std::string("\x01\x01\x02\x00\x00\xD0\xEF\x03\x00\x00\x00\x00\x00", 13));
+  EXPECT_EQ(frame->post->text(), "{}");
+  EXPECT_FALSE(session.next());
+}
+
+TEST_F(SessionTest, ASlowClientMissesWhatWasReplacedButNoKeyframe) {
+  Session session = greeted();
+  session.receive_text(
+      R"({"op":"subscribe","subscriptions":[{"id":0,"channelId":1},{"id":1,"channelId":2}]})");
+  for (int i = 0; i < 3; ++i) {
+    post(scan_, i, "scan" + std::to_string(i));
+    post(cloud_, i, "cloud" + std::to_string(i));
+  }
+  std::vector<std::string> sent;
+  while (const auto frame = session.next()) {
+    sent.push_back(frame->post->text());
+  }
+  EXPECT_THAT(sent, ::testing::UnorderedElementsAre("scan2", "cloud0", "cloud1", "cloud2"));
+}
+
+TEST_F(SessionTest, TopicsTakeTurns) {
+  Session session = greeted();
+  session.receive_text(
+      R"({"op":"subscribe","subscriptions":[{"id":0,"channelId":1},{"id":1,"channelId":2}]})");
+  for (int i = 0; i < 5; ++i) {
+    post(cloud_, i, "cloud");
+  }
+  post(scan_, 0, "scan");
+  const std::string first = session.next()->post->text();
+  const std::string second = session.next()->post->text();
+  // A long history does not keep the others waiting.
+  EXPECT_NE(first, second);
+}
+
+TEST_F(SessionTest, UnsubscribedIsSilent) {
+  Session session = greeted();
+  session.receive_text(R"({"op":"subscribe","subscriptions":[{"id":7,"channelId":1}]})");
+  session.receive_text(R"({"op":"unsubscribe","subscriptionIds":[7]})");
+  post(scan_, 1, "{}");
+  EXPECT_FALSE(session.next());
+  EXPECT_EQ(session.refused(), 0);
+}
+
+class Nonsense : public SessionTest, public ::testing::WithParamInterface<const char*> {};
+
+TEST_P(Nonsense, IsAnsweredWithAStatusAndCounted) {
+  Session session = greeted({.play = true, .control = true});
+  session.receive_text(GetParam());
+  const Json answer = text_frame(session);
+  EXPECT_EQ(answer["op"], "status");
+  EXPECT_EQ(answer["level"], 2);
+  EXPECT_EQ(session.refused(), 1);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, Nonsense,
+    ::testing::Values(
+        "", "nonsense", "[1]", "\"op\"", "{}", R"({"op":1})", R"({"op":"explode"})",
+        R"({"op":"subscribe","subscriptions":[{"id":0}]})",
+        R"({"op":"subscribe","subscriptions":[{"id":0,"channelId":0}]})",
+        R"({"op":"subscribe","subscriptions":[{"id":0,"channelId":3}]})",
+        R"({"op":"subscribe","subscriptions":[{"id":-1,"channelId":1}]})",
+        R"({"op":"subscribe","subscriptions":[{"id":4294967296,"channelId":1}]})",
+        R"({"op":"subscribe","subscriptions":[{"id":"a","channelId":1}]})",
+        R"({"op":"advertise","channels":[{"id":1,"encoding":"ros1","topic":"GOAL"}]})",
+        R"({"op":"setParameters","parameters":[{"name":"x","value":1}]})",
+        "{\"op\":\"subscribe\xFF\"}"));
+
+TEST_F(SessionTest, DeepNestingIsNoTrouble) {
+  Session session = greeted();
+  session.receive_text(std::string(60'000, '['));
+  EXPECT_EQ(session.refused(), 1);
+}
+
+TEST_F(SessionTest, SubscriptionsHaveALimit) {
+  Session session = greeted();
+  for (std::size_t i = 0; i <= Session::kMaxSubscriptions; ++i) {
+    session.receive_text(R"({"op":"subscribe","subscriptions":[{"id":)" + std::to_string(i) +
+                         R"(,"channelId":1}]})");
+  }
+  EXPECT_EQ(session.refused(), 1);
+}
+
+TEST_F(SessionTest, AnswersNobodyReadsDoNotPileUp) {
+  Session session = greeted();
+  for (int i = 0; i < 1000; ++i) {
+    session.receive_text("nonsense");
+  }
+  std::size_t waiting = 0;
+  while (session.next()) {
+    ++waiting;
+  }
+  EXPECT_EQ(waiting, Session::kMaxWaiting);
+  EXPECT_EQ(session.refused(), 1000);
+}
+
+TEST_F(SessionTest, WithoutControlNothingIsPublished) {
+  int published = 0;
+  services_.publish = [&published](const std::string&, const Json&) {
+    ++published;
+    return std::string();
+  };
+  Session session = greeted({.play = true, .control = false});
+  session.receive_text(
+      R"({"op":"advertise","channels":[{"id":1,"topic":"GOAL","encoding":"json"}]})");
+  receive(session, bytes("{}"));
+  EXPECT_EQ(published, 0);
+  EXPECT_EQ(session.refused(), 2);
+  EXPECT_THAT(text_frame(session)["message"].get<std::string>(), HasSubstr("only read"));
+}
+
+TEST_F(SessionTest, WithControlMessagesReachTheService) {
+  std::vector<std::pair<std::string, Json>> published;
+  services_.publish = [&published](const std::string& topic, const Json& message) {
+    published.emplace_back(topic, message);
+    return std::string();
+  };
+  Session session = greeted({.play = true, .control = true});
+  session.receive_text(
+      R"({"op":"advertise","channels":[{"id":5,"topic":"GOAL","encoding":"json"}]})");
+  receive(session, bytes(R"({"x_m":1})", 5));
+  EXPECT_THAT(published, ElementsAre(std::pair<std::string, Json>("GOAL", {{"x_m", 1}})));
+  receive(session, bytes("{}", 6));  // a channel that was never advertised
+  receive(session, bytes("no JSON", 5));
+  receive(session, std::string("\x01\x05", 2));
+  receive(session, std::string("\x09\x05\x00\x00\x00{}", 7));
+  receive(session, "");
+  EXPECT_EQ(session.refused(), 5);
+  EXPECT_EQ(published.size(), 1U);
+  session.receive_text(R"({"op":"unadvertise","channelIds":[5]})");
+  receive(session, bytes("{}", 5));
+  EXPECT_EQ(published.size(), 1U);
+}
+
+TEST_F(SessionTest, ParametersAreReadByAllAndSetByThoseWhoMay) {
+  double speed = 1.0;
+  services_.parameters = [&speed] {
+    return Json::array({{{"name", "playback.speed"}, {"value", speed}}});
+  };
+  services_.set_parameter = [&speed](const std::string&, const Json& value) {
+    speed = value.get<double>();
+    return std::string();
+  };
+  const std::string set =
+      R"({"op":"setParameters","parameters":[{"name":"playback.speed","value":2}]})";
+  Session reader = greeted();
+  reader.receive_text(R"({"op":"getParameters","parameterNames":[],"id":"x"})");
+  const Json answer = text_frame(reader);
+  EXPECT_EQ(answer["id"], "x");
+  EXPECT_EQ(answer["parameters"][0]["value"], 1.0);
+  reader.receive_text(set);
+  EXPECT_EQ(speed, 1.0);
+  EXPECT_EQ(reader.refused(), 1);
+  Session player = greeted({.play = true, .control = false});
+  player.receive_text(set);
+  EXPECT_EQ(speed, 2.0);
+  EXPECT_EQ(player.refused(), 0);
+}
+
+TEST_F(SessionTest, ChangedParametersAreToldToThoseWhoAsked) {
+  services_.parameters = [] { return Json::array(); };
+  Session session = greeted();
+  session.tell_parameters();
+  EXPECT_FALSE(session.next());
+  session.receive_text(R"({"op":"subscribeParameterUpdates","parameterNames":[]})");
+  session.tell_parameters();
+  EXPECT_EQ(text_frame(session)["op"], "parameterValues");
+  session.receive_text(R"({"op":"unsubscribeParameterUpdates","parameterNames":[]})");
+  session.tell_parameters();
+  EXPECT_FALSE(session.next());
+}
+
+TEST_F(SessionTest, TellsTheNewestTimeOnce) {
+  Session session = greeted();
+  session.tell_time(1);
+  session.tell_time(2);
+  const auto frame = session.next();
+  ASSERT_TRUE(frame && frame->is_binary);
+  EXPECT_EQ(frame->head, std::string("\x02\xD0\x07\x00\x00\x00\x00\x00\x00", 9));
+  EXPECT_FALSE(session.next());
+}
+
+}  // namespace
+}  // namespace nodmap::viewer

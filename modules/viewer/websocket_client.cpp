@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/viewer/websocket_client.hpp"
+
+#include <array>
+#include <boost/beast/websocket/rfc6455.hpp>
+#include <chrono>
+#include <utility>
+
+namespace nodmap::viewer {
+namespace {
+
+namespace beast = boost::beast;
+namespace websocket = beast::websocket;
+
+/// A client sends subscriptions, parameters and goals: far less than this.
+constexpr std::size_t kMaxMessageBytes = 65536;
+/// Messages taken from one client in one turn, so that a flood does not keep the others waiting.
+constexpr int kReadsPerTurn = 50;
+constexpr std::chrono::seconds kHandshakeTimeout(5);
+
+}  // namespace
+
+WebSocketClient::WebSocketClient(beast::tcp_stream stream, Hub& hub, std::unique_ptr<Ticket> ticket,
+                                 const Access& access)
+    : socket_(std::move(stream)),
+      hub_(hub),
+      ticket_(std::move(ticket)),
+      session_(hub.board, hub.services, access.rights) {
+  set_options(access.protocol);
+}
+
+void WebSocketClient::set_options(const std::string& protocol) {
+  socket_.set_option(websocket::stream_base::timeout{
+      kHandshakeTimeout, std::chrono::seconds(hub_.idle_timeout_s), true});
+  socket_.set_option(
+      websocket::stream_base::decorator([protocol](websocket::response_type& response) {
+        response.set(beast::http::field::sec_websocket_protocol, protocol);
+      }));
+  socket_.read_message_max(kMaxMessageBytes);
+  socket_.auto_fragment(false);
+}
+
+void WebSocketClient::start(const HttpRequest& request) {
+  // The stream has its own time limits from here on.
+  beast::get_lowest_layer(socket_).expires_never();
+  socket_.async_accept(request, [self = shared_from_this()](ErrorCode e) { self->on_accept(e); });
+}
+
+void WebSocketClient::on_accept(ErrorCode error) {
+  if (error) {
+    hub_.refuse("bad_handshake");
+    return;
+  }
+  is_open_ = true;
+  hub_.clients.push_back(weak_from_this());
+  turn();
+}
+
+void WebSocketClient::turn() {
+  reads_left_ = kReadsPerTurn;
+  read();
+  write();
+}
+
+void WebSocketClient::read() {
+  if (!is_open_ || is_reading_ || reads_left_ <= 0) {
+    return;
+  }
+  is_reading_ = true;
+  --reads_left_;
+  socket_.async_read(input_,
+                     [self = shared_from_this()](ErrorCode e, std::size_t) { self->on_read(e); });
+}
+
+void WebSocketClient::on_read(ErrorCode error) {
+  is_reading_ = false;
+  if (error) {
+    is_open_ = false;
+    if (error == websocket::error::message_too_big) {
+      hub_.refuse("message_too_big");
+    } else if (error.category() == beast::error_code(websocket::error::bad_opcode).category() &&
+               error != websocket::error::closed) {
+      hub_.refuse("malformed_frame");
+    }
+    return;
+  }
+  const auto data = input_.data();
+  if (socket_.got_text()) {
+    session_.receive_text({static_cast<const char*>(data.data()), data.size()});
+  } else {
+    session_.receive_binary({static_cast<const std::byte*>(data.data()), data.size()});
+  }
+  input_.consume(input_.size());
+  count_refusals();
+  write();
+  read();
+}
+
+void WebSocketClient::count_refusals() {
+  for (; refusals_counted_ < session_.refused(); ++refusals_counted_) {
+    hub_.refuse("request_not_allowed");
+  }
+}
+
+void WebSocketClient::write() {
+  if (!is_open_ || frame_) {
+    return;
+  }
+  frame_ = session_.next();
+  if (!frame_) {
+    return;
+  }
+  using boost::asio::buffer;
+  const std::array<boost::asio::const_buffer, 2> parts{
+      buffer(frame_->head),
+      frame_->post ? buffer(frame_->post->text()) : boost::asio::const_buffer()};
+  socket_.binary(frame_->is_binary);
+  socket_.async_write(parts,
+                      [self = shared_from_this()](ErrorCode e, std::size_t) { self->on_write(e); });
+}
+
+void WebSocketClient::on_write(ErrorCode error) {
+  frame_.reset();
+  if (error) {
+    is_open_ = false;
+    return;
+  }
+  write();
+}
+
+}  // namespace nodmap::viewer

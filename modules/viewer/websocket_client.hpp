@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <boost/beast/core/flat_buffer.hpp>
+#include <boost/beast/core/tcp_stream.hpp>
+#include <boost/beast/http/empty_body.hpp>
+#include <boost/beast/http/message.hpp>
+#include <boost/beast/websocket/stream.hpp>
+#include <memory>
+#include <optional>
+
+#include "modules/viewer/hub.hpp"
+
+namespace nodmap::viewer {
+
+/// The socket of a Session. At most one frame is under way; while it is, nothing is queued: what
+/// comes next is asked of the session when the socket has taken the last one.
+class WebSocketClient : public std::enable_shared_from_this<WebSocketClient> {
+ public:
+  using HttpRequest = boost::beast::http::request<boost::beast::http::empty_body>;
+
+  WebSocketClient(boost::beast::tcp_stream stream, Hub& hub, std::unique_ptr<Ticket> ticket,
+                  const Access& access);
+
+  /// Answers the handshake and begins.
+  void start(const HttpRequest& request);
+
+  /// Sends what is new. Called once in each turn of the server.
+  void turn();
+
+  [[nodiscard]] Session& session() { return session_; }
+
+ private:
+  using ErrorCode = boost::beast::error_code;
+
+  void set_options(const std::string& protocol);
+  void on_accept(ErrorCode error);
+  void read();
+  void on_read(ErrorCode error);
+  void write();
+  void on_write(ErrorCode error);
+  void count_refusals();
+
+  boost::beast::websocket::stream<boost::beast::tcp_stream> socket_;
+  Hub& hub_;
+  std::unique_ptr<Ticket> ticket_;
+  Session session_;
+  boost::beast::flat_buffer input_;
+  std::optional<Frame> frame_;  // under way
+  bool is_open_ = false;
+  bool is_reading_ = false;
+  int reads_left_ = 0;
+  std::int64_t refusals_counted_ = 0;
+};
+
+}  // namespace nodmap::viewer
