@@ -12,7 +12,9 @@
 #include "common/node/stop_signal.hpp"
 #include "tools/convert/carmen_export.hpp"
 #include "tools/convert/carmen_import.hpp"
+#include "tools/convert/cloud_export.hpp"
 #include "tools/convert/log_summary.hpp"
+#include "tools/convert/mcap_export.hpp"
 #include "tools/convert/nod_import.hpp"
 #include "tools/convert/table_export.hpp"
 #include "tools/convert/uos_import.hpp"
@@ -26,6 +28,7 @@ struct Arguments {
   std::string out;
   std::string channel;
   convert::UosRange range;
+  convert::CloudWindow window;
 };
 
 CLI::App* add_command(CLI::App& app, Arguments& arguments, const char* name, const char* summary) {
@@ -70,6 +73,8 @@ void export_log(const Arguments& arguments) {
     convert::export_carmen(arguments.in, arguments.out);
   } else if (ending == ".csv") {
     convert::export_csv(arguments.in, arguments.out, channel_or("SCAN"));
+  } else if (ending == ".ply") {
+    convert::export_cloud(arguments.in, arguments.out, arguments.window);
   } else {
     convert::export_tum(arguments.in, arguments.out, channel_or("ODOMETRY"));
   }
@@ -79,17 +84,33 @@ void add_exports(CLI::App& app, Arguments& arguments) {
   add_command(app, arguments, "info", "What is in an LCM event log")->callback([&arguments] {
     print_info(arguments);
   });
-  CLI::App* command =
-      add_command(app, arguments, "export", "LCM event log to CARMEN, CSV or a TUM trajectory");
-  command->add_option("OUT", arguments.out, "File to make, .clf, .csv or .tum; never overwritten")
+  CLI::App* mcap = add_command(app, arguments, "mcap",
+                               "LCM event log to MCAP, with the schemas of nodmap-viewer");
+  mcap->add_option("OUT", arguments.out, "File to make; never overwritten")->required();
+  mcap->callback([&arguments] { convert::export_mcap(arguments.in, arguments.out); });
+  CLI::App* command = add_command(app, arguments, "export",
+                                  "LCM event log to CARMEN, CSV, a TUM trajectory or a PLY cloud");
+  command
+      ->add_option("OUT", arguments.out,
+                   "File to make, .clf, .csv, .tum or .ply; never overwritten")
       ->required()
       ->check([](const std::string& out) {
         const std::string ending = std::filesystem::path(out).extension();
-        const bool known = ending == ".clf" || ending == ".csv" || ending == ".tum";
-        return known ? std::string() : "'" + out + "' does not end in .clf, .csv or .tum";
+        const bool known =
+            ending == ".clf" || ending == ".csv" || ending == ".tum" || ending == ".ply";
+        return known ? std::string() : "'" + out + "' does not end in .clf, .csv, .tum or .ply";
       });
-  command->add_option("--channel", arguments.channel,
-                      "What to export: else SCAN to .csv, ODOMETRY to .tum; .clf takes both");
+  command->add_option(
+      "--channel", arguments.channel,
+      "What to export: else SCAN to .csv, ODOMETRY to .tum; .clf and .ply take both");
+  command
+      ->add_option("--start-s", arguments.window.start_s,
+                   ".ply: seconds from the log's first scan to the cloud's")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  command->add_option("--scans", arguments.window.num_scans, ".ply: consecutive scans in the cloud")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
   command->callback([&arguments] { export_log(arguments); });
 }
 

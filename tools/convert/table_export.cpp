@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/convert/table_export.hpp"
 
-#include <charconv>
 #include <fstream>
-#include <initializer_list>
 #include <optional>
 #include <ostream>
 #include <stdexcept>
+#include <tuple>
 
 #include "common/bus/codec.hpp"
 #include "common/formats/tum.hpp"
@@ -14,28 +13,10 @@
 #include "common/msg/messages.hpp"
 #include "tools/convert/log_events.hpp"
 #include "tools/convert/new_file.hpp"
+#include "tools/convert/table_rows.hpp"
 
 namespace nodmap::convert {
 namespace {
-
-/// As many digits as it takes to read the same number again, after a comma.
-template <class Number>
-void put(std::ostream& out, Number value) {
-  char digits[40];
-  const char* end = std::to_chars(digits, digits + sizeof digits, value).ptr;
-  out << ',';
-  out.write(digits, end - digits);
-}
-
-template <class Message>
-void put_pose(std::ostream& out, const Message& message) {
-  for (const double value : message.position_m) {
-    put(out, value);
-  }
-  for (const double value : message.orientation) {
-    put(out, value);
-  }
-}
 
 /// Rows of one channel, with a header from its first message.
 class CsvWriter {
@@ -44,48 +25,30 @@ class CsvWriter {
 
   /// False when the message is of no type that makes a row.
   [[nodiscard]] bool add(std::span<const std::byte> bytes) {
-    if (bus::decode_into(scan_, bytes)) {
-      begin("utime_us,pitch_first_rad,pitch_last_rad,angle_first_rad,angle_step_rad,ranges_m",
-            scan_.utime);
-      for (const double value : {scan_.pitch_first_rad, scan_.pitch_last_rad, scan_.angle_first_rad,
-                                 scan_.angle_step_rad}) {
-        put(out_, value);
-      }
-      for (const float range_m : scan_.ranges_m) {
-        put(out_, range_m);
-      }
-    } else if (bus::decode_into(odometry_, bytes)) {
-      begin("utime_us,x_m,y_m,z_m,qw,qx,qy,qz,forward_mps,yaw_rate_rad_s", odometry_.utime);
-      put_pose(out_, odometry_);
-      put(out_, odometry_.forward_mps);
-      put(out_, odometry_.yaw_rate_rad_s);
-    } else if (bus::decode_into(pose_, bytes)) {
-      begin("utime_us,x_m,y_m,z_m,qw,qx,qy,qz,match_share,match_rms_m,pose_quality", pose_.utime);
-      put_pose(out_, pose_);
-      put(out_, pose_.match_share);
-      put(out_, pose_.match_rms_m);
-      put(out_, static_cast<int>(pose_.pose_quality));
-    } else {
-      return false;
-    }
-    out_ << '\n';
-    return true;
+    return std::apply([&](auto&... message) { return (add_as(message, bytes) || ...); }, messages_);
   }
 
   [[nodiscard]] std::int64_t num_rows() const { return num_rows_; }
 
  private:
-  void begin(const char* header, std::int64_t utime_us) {
-    if (num_rows_++ == 0) {
-      out_ << header << '\n';
+  template <class Message>
+  bool add_as(Message& message, std::span<const std::byte> bytes) {
+    if (!bus::decode_into(message, bytes)) {
+      return false;
     }
-    out_ << utime_us;
+    if (num_rows_++ == 0) {
+      out_ << "utime_us" << row_header(message) << '\n';
+    }
+    out_ << message.utime;
+    put_row(out_, message);
+    out_ << '\n';
+    return true;
   }
 
   std::ostream& out_;
-  nodmap::scan_t scan_{};
-  nodmap::odometry_t odometry_{};
-  nodmap::pose_t pose_{};
+  std::tuple<nodmap::scan_t, nodmap::odometry_t, nodmap::pose_t, nodmap::truth_t, nodmap::egomap_t,
+             nodmap::pitch_state_t, nodmap::pitch_command_t, nodmap::navigation_t>
+      messages_;
   std::int64_t num_rows_ = 0;
 };
 

@@ -11,9 +11,9 @@ namespace nodmap::convert {
 void export_tum(const std::filesystem::path& log, const std::filesystem::path& out,
                 const std::string& channel);
 
-/// Writes one channel of scan_t, odometry_t or pose_t as CSV, a row for each message. A scan's row
-/// ends with its ranges (m), of which there may be more in one row than in another. Throws
-/// std::runtime_error when the channel holds none.
+/// Writes one channel as CSV, a row for each message (table_rows.hpp names the types). A row may
+/// end with a list, of which there may be more in one row than in another: a scan's ranges, a map's
+/// points. Throws std::runtime_error when the channel holds nothing that makes a row.
 void export_csv(const std::filesystem::path& log, const std::filesystem::path& out,
                 const std::string& channel);
 

@@ -8,10 +8,15 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
+#include "common/formats/ply.hpp"
 #include "common/formats/tum.hpp"
 #include "common/log/log.hpp"
 #include "common/node/command_line.hpp"
+#include "sim/world_file.hpp"
+#include "tools/evaluate/cloud_error.hpp"
+#include "tools/evaluate/corridor_error.hpp"
 #include "tools/evaluate/relations.hpp"
 #include "tools/evaluate/trajectory_error.hpp"
 
@@ -25,6 +30,9 @@ struct Arguments {
   std::string truth;
   bool align = false;
   double tolerance_s = 0.05;
+  std::string cloud;
+  std::string world;
+  std::vector<double> start;
 };
 
 void print_relations(const Arguments& arguments) {
@@ -44,28 +52,85 @@ void print_relations(const Arguments& arguments) {
   std::cout << result.dump(2) << "\n";
 }
 
-void print_trajectory(const Arguments& arguments) {
+std::vector<evaluate::PosePair> read_pairs(const Arguments& arguments) {
   const auto estimate = nodmap::formats::read_tum(arguments.trajectory);
   const auto tolerance_us = static_cast<std::int64_t>(std::llround(arguments.tolerance_s * 1e6));
-  const auto pairs =
+  auto pairs =
       evaluate::associate(estimate, nodmap::formats::read_tum(arguments.truth), tolerance_us);
   if (pairs.empty()) {
     throw std::runtime_error(arguments.trajectory + ": none of its " +
                              std::to_string(estimate.size()) + " poses has a true one at its time");
   }
+  return pairs;
+}
+
+void print_corridor(const Arguments& arguments) {
+  const auto pairs = read_pairs(arguments);
+  const auto errors = evaluate::measure_corridor(pairs);
+  if (!errors) {
+    throw std::runtime_error(arguments.truth + ": leads nowhere, so that there is no corridor");
+  }
+  const nlohmann::ordered_json result = {
+      {"n", pairs.size()},
+      {"length_m", errors->length_m},
+      {"length_error_m", errors->length_error_m},
+      {"length_error_percent", 100.0 * errors->length_error_m / errors->length_m},
+      {"bow_m", errors->bow_m},
+      {"heading_error_deg", rad_to_deg(errors->heading_error_rad)}};
+  std::cout << result.dump(2) << "\n";
+}
+
+void print_trajectory(const Arguments& arguments) {
+  const std::size_t num_poses = nodmap::formats::read_tum(arguments.trajectory).size();
+  const auto pairs = read_pairs(arguments);
   const auto errors =
       evaluate::measure_trajectory(pairs, arguments.align ? evaluate::Alignment::kLeastSquares
                                                           : evaluate::Alignment::kFirstPose);
   nlohmann::ordered_json result = {{"n", errors.n},
-                                   {"missing", estimate.size() - errors.n},
+                                   {"missing", num_poses - errors.n},
                                    {"ate_rmse_m", errors.ate_rmse_m},
                                    {"ate_max_m", errors.ate_max_m},
                                    {"rot_rmse_deg", rad_to_deg(errors.rot_rmse_rad)},
+                                   {"end_error_m", errors.end_error_m},
+                                   {"end_error_deg", rad_to_deg(errors.end_rot_rad)},
                                    {"drift_percent", nullptr}};
   if (errors.drift_percent) {
     result["drift_percent"] = *errors.drift_percent;
   }
   std::cout << result.dump(2) << "\n";
+}
+
+void print_cloud(const Arguments& arguments) {
+  const nodmap::sim::World world = nodmap::sim::load_world(arguments.world);
+  nodmap::geometry::SE2 T_world_map = world.T_world_start;
+  if (!arguments.start.empty()) {
+    T_world_map = {arguments.start[0], arguments.start[1],
+                   nodmap::geometry::deg_to_rad(arguments.start[2])};
+  }
+  const auto errors = evaluate::measure_cloud(nodmap::formats::read_ply(arguments.cloud),
+                                              nodmap::geometry::to_se3(T_world_map), world);
+  if (errors.n == 0) {
+    throw std::runtime_error(arguments.cloud + ": holds no point");
+  }
+  const nlohmann::ordered_json result = {{"n", errors.n},
+                                         {"rms_m", errors.rms_m},
+                                         {"p95_m", errors.p95_m},
+                                         {"outlier_share", errors.outlier_share},
+                                         {"completeness", errors.completeness}};
+  std::cout << result.dump(2) << "\n";
+}
+
+CLI::App* add_against_truth(CLI::App& app, Arguments& arguments, const char* name,
+                            const char* summary) {
+  CLI::App* command = app.add_subcommand(name, summary);
+  command->add_option("ESTIMATE", arguments.trajectory, "Estimate (.tum)")->required();
+  command->add_option("TRUTH", arguments.truth, "Truth (.tum)")->required();
+  command
+      ->add_option("--tolerance-s", arguments.tolerance_s,
+                   "A pose counts when a true one is this close in time")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  return command;
 }
 
 void add_commands(CLI::App& app, Arguments& arguments) {
@@ -76,17 +141,25 @@ void add_commands(CLI::App& app, Arguments& arguments) {
   relations->callback([&arguments] { print_relations(arguments); });
 
   CLI::App* trajectory =
-      app.add_subcommand("trajectory", "Error against a true trajectory, as JSON");
-  trajectory->add_option("ESTIMATE", arguments.trajectory, "Estimate (.tum)")->required();
-  trajectory->add_option("TRUTH", arguments.truth, "Truth (.tum)")->required();
+      add_against_truth(app, arguments, "trajectory", "Error against a true trajectory, as JSON");
   trajectory->add_flag("--align", arguments.align,
                        "Align all positions by least squares instead of the first pose");
-  trajectory
-      ->add_option("--tolerance-s", arguments.tolerance_s,
-                   "A pose counts when a true one is this close in time")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str();
   trajectory->callback([&arguments] { print_trajectory(arguments); });
+
+  CLI::App* corridor = add_against_truth(
+      app, arguments, "corridor",
+      "Length, bow and heading of a corridor's map, from the way driven, as JSON");
+  corridor->callback([&arguments] { print_corridor(arguments); });
+
+  CLI::App* cloud =
+      app.add_subcommand("cloud", "Distance of a map's points from a simulated world, as JSON");
+  cloud->add_option("CLOUD", arguments.cloud, "Registered points (.ply)")->required();
+  cloud->add_option("WORLD", arguments.world, "The world (.yaml)")->required();
+  cloud
+      ->add_option("--start", arguments.start,
+                   "X Y YAW_DEG: where the map begins in the world; default the robot's start")
+      ->expected(3);
+  cloud->callback([&arguments] { print_cloud(arguments); });
 }
 
 int run(int argc, char** argv) {

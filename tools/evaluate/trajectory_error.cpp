@@ -57,17 +57,13 @@ geometry::SE3 align_least_squares(const std::vector<PosePair>& pairs) {
   return geometry::SE3(Eigen::umeyama(p_map, p_truth, false));
 }
 
-std::optional<double> drift_percent(const std::vector<PosePair>& pairs) {
+double true_length_m(const std::vector<PosePair>& pairs) {
   double length_m = 0.0;
   for (std::size_t i = 1; i < pairs.size(); ++i) {
     length_m +=
         (pairs[i].T_truth_base.translation() - pairs[i - 1].T_truth_base.translation()).norm();
   }
-  if (length_m <= 0.0) {
-    return std::nullopt;
-  }
-  const Eigen::Vector3d end = align_first_pose(pairs) * pairs.back().T_map_base.translation();
-  return 100.0 * (end - pairs.back().T_truth_base.translation()).norm() / length_m;
+  return length_m;
 }
 
 }  // namespace
@@ -105,7 +101,13 @@ TrajectoryErrors measure_trajectory(const std::vector<PosePair>& pairs, Alignmen
   const auto n = static_cast<double>(pairs.size());
   errors.ate_rmse_m = std::sqrt(sum_m2 / n);
   errors.rot_rmse_rad = std::sqrt(sum_rad2 / n);
-  errors.drift_percent = drift_percent(pairs);
+  const geometry::SE3 end_error =
+      pairs.back().T_truth_base.inverse() * align_first_pose(pairs) * pairs.back().T_map_base;
+  errors.end_error_m = end_error.translation().norm();
+  errors.end_rot_rad = geometry::rotation_angle(end_error);
+  if (const double length_m = true_length_m(pairs); length_m > 0.0) {
+    errors.drift_percent = 100.0 * errors.end_error_m / length_m;
+  }
   return errors;
 }
 

@@ -34,8 +34,10 @@ struct TrajectoryErrors {
   double ate_rmse_m = 0.0;
   double ate_max_m = 0.0;
   double rot_rmse_rad = 0.0;
-  /// Error of the last position after alignment by the first pose, in percent of the true path's
-  /// length, whatever the alignment of the rest. Empty for a path without length.
+  /// Error of the last pose after alignment by the first, whatever the alignment of the rest.
+  double end_error_m = 0.0;
+  double end_rot_rad = 0.0;
+  /// end_error_m in percent of the true path's length. Empty for a path without length.
   std::optional<double> drift_percent;
 };
 

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/convert/cloud_export.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <stdexcept>
+#include <vector>
+
+#include "common/bus/codec.hpp"
+#include "common/formats/ply.hpp"
+#include "common/formats/tum.hpp"
+#include "common/geometry/pose_history.hpp"
+#include "common/log/log.hpp"
+#include "common/msg/messages.hpp"
+#include "common/picture/image.hpp"
+#include "common/scan/scan.hpp"
+#include "tools/convert/log_events.hpp"
+#include "tools/convert/new_file.hpp"
+
+namespace nodmap::convert {
+namespace {
+
+struct SensorLog {
+  std::vector<scan::Scan> scans;
+  /// Everything is kept: a window may lie anywhere.
+  geometry::PoseHistory odometry{std::numeric_limits<std::int64_t>::max() / 2};
+};
+
+SensorLog read_sensors(const std::filesystem::path& log) {
+  SensorLog recording;
+  nodmap::scan_t scan_message{};
+  nodmap::odometry_t odometry_message{};
+  for_each_event(log, [&](const bus::LogEvent& event) {
+    scan::Scan scan;
+    if (event.channel == "SCAN" && bus::decode_into(scan_message, event.data) &&
+        msg::read_scan(scan_message, scan)) {
+      recording.scans.push_back(std::move(scan));
+    } else if (event.channel == "ODOMETRY" && bus::decode_into(odometry_message, event.data)) {
+      if (const auto T_odom_base = msg::read_odometry(odometry_message)) {
+        recording.odometry.add(odometry_message.utime, *T_odom_base);
+      }
+    }
+  });
+  return recording;
+}
+
+std::span<const scan::Scan> choose(const std::vector<scan::Scan>& scans, const CloudWindow& window,
+                                   const std::filesystem::path& log) {
+  if (scans.empty()) {
+    throw std::runtime_error(log.string() + ": holds no scan");
+  }
+  const std::int64_t start_us = scans.front().utime_us + std::llround(1e6 * window.start_s);
+  const auto first = std::find_if(scans.begin(), scans.end(), [start_us](const scan::Scan& scan) {
+    return scan.utime_us >= start_us;
+  });
+  if (static_cast<std::size_t>(scans.end() - first) < window.num_scans) {
+    throw std::runtime_error(log.string() + ": has only " + std::to_string(scans.end() - first) +
+                             " scans after the start that was asked for");
+  }
+  return {first, window.num_scans};
+}
+
+/// Each beam placed with the robot's pose at its own time, as seen from the base in the middle.
+std::vector<Eigen::Vector3f> strip_motion(std::span<const scan::Scan> scans,
+                                          const geometry::PoseHistory& odometry,
+                                          const geometry::SE3& T_base_odom) {
+  constexpr double kRobotItselfM = 0.5;
+  std::vector<Eigen::Vector3f> points;
+  scan::ScanProjector projector;
+  for (const scan::Scan& scan : scans) {
+    const auto T_odom_first = odometry.at(scan.utime_us);
+    const auto T_odom_last = odometry.at(scan.utime_last_us());
+    if (!T_odom_first || !T_odom_last) {
+      continue;
+    }
+    for (const auto& hit : projector.hits(scan)) {
+      if (static_cast<double>(scan.ranges_m[hit.beam]) >= kRobotItselfM) {
+        const geometry::SE3 T_odom_beam =
+            geometry::interpolate(*T_odom_first, *T_odom_last, scan.fraction(hit.beam));
+        points.emplace_back((T_base_odom * T_odom_beam * hit.p_base).cast<float>());
+      }
+    }
+  }
+  return points;
+}
+
+std::vector<formats::ColouredPoint> colour_by_height(const std::vector<Eigen::Vector3f>& points) {
+  float low = std::numeric_limits<float>::infinity();
+  float high = -low;
+  for (const Eigen::Vector3f& p : points) {
+    low = std::min(low, p.z());
+    high = std::max(high, p.z());
+  }
+  std::vector<formats::ColouredPoint> coloured;
+  coloured.reserve(points.size());
+  for (const Eigen::Vector3f& p : points) {
+    const float place = high > low ? (p.z() - low) / (high - low) : 0.5F;
+    coloured.push_back({p, picture::colour_scale(static_cast<double>(place))});
+  }
+  return coloured;
+}
+
+}  // namespace
+
+void export_cloud(const std::filesystem::path& log, const std::filesystem::path& out,
+                  const CloudWindow& window) {
+  NewFile cloud_file(out);
+  NewFile pose_file(std::filesystem::path(out).replace_extension(".tum"));
+  const SensorLog recording = read_sensors(log);
+  const std::span<const scan::Scan> scans = choose(recording.scans, window, log);
+  const std::int64_t begin_us = scans.front().utime_us;
+  const std::int64_t middle_us = begin_us + (scans.back().utime_last_us() - begin_us) / 2;
+  const auto T_odom_base = recording.odometry.at(middle_us);
+  if (!T_odom_base) {
+    throw std::runtime_error(log.string() + ": no odometry where the scans are");
+  }
+  const auto points = strip_motion(scans, recording.odometry, T_odom_base->inverse());
+  if (points.empty()) {
+    throw std::runtime_error(log.string() + ": no point where the scans are");
+  }
+  formats::write_ply(cloud_file.partial_path(), colour_by_height(points));
+  formats::write_tum(pose_file.partial_path(), {{middle_us, *T_odom_base}});
+  cloud_file.commit();
+  pose_file.commit();
+  log::get().info("{} points of {} scans", points.size(), scans.size());
+}
+
+}  // namespace nodmap::convert

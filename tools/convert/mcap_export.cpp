@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/convert/mcap_export.hpp"
+
+#include <limits>
+#include <stdexcept>
+
+#include "common/log/log.hpp"
+#include "modules/viewer/board.hpp"
+#include "modules/viewer/feed.hpp"
+#include "modules/viewer/log_player.hpp"
+#include "modules/viewer/schemas.hpp"
+#include "tools/convert/mcap_writer.hpp"
+#include "tools/convert/new_file.hpp"
+
+namespace nodmap::convert {
+namespace {
+
+/// Each message of a trail holds all of it: coarser than on the screen, or they were most of the
+/// file.
+constexpr double kTrailSpacingM = 1.0;
+
+std::uint64_t nanoseconds(std::int64_t utime_us) {
+  return utime_us > 0 ? 1000U * static_cast<std::uint64_t>(utime_us) : 0U;
+}
+
+}  // namespace
+
+void export_mcap(const std::filesystem::path& log, const std::filesystem::path& out) {
+  viewer::LogPlayer player({log});
+  NewFile file(out);
+  McapWriter writer(file.partial_path());
+  viewer::Board board;
+  node::Tally tally;
+  viewer::ViewerParams params;
+  params.trail_spacing_m = kTrailSpacingM;
+  const viewer::Feed feed(player, board, tally, params);
+  for (const viewer::Topic& topic : board.topics()) {
+    writer.add_channel({topic.name, topic.schema_name, viewer::schema_text(topic.schema_name)});
+  }
+  board.listen([&](std::size_t topic, viewer::Post& post) {
+    writer.write(static_cast<std::uint16_t>(topic), nanoseconds(player.event_utime_us()),
+                 nanoseconds(post.utime_us()), post.text());
+  });
+  (void)player.seek(player.duration_us());
+  (void)player.catch_up(std::numeric_limits<std::int64_t>::max());
+  if (writer.num_messages() == 0) {
+    throw std::runtime_error(log.string() + ": holds no message of ours");
+  }
+  writer.finish();
+  file.commit();
+  nodmap::log::get().info("{} messages on {} topics", writer.num_messages(), board.topics().size());
+}
+
+}  // namespace nodmap::convert

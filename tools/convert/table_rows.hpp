@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What of each message goes into a row of a table. Columns after the stamp; each begins with a
+// comma.
+#pragma once
+
+#include <ostream>
+
+#include "nodmap/egomap_t.hpp"
+#include "nodmap/navigation_t.hpp"
+#include "nodmap/odometry_t.hpp"
+#include "nodmap/pitch_command_t.hpp"
+#include "nodmap/pitch_state_t.hpp"
+#include "nodmap/pose_t.hpp"
+#include "nodmap/scan_t.hpp"
+#include "nodmap/truth_t.hpp"
+
+namespace nodmap::convert {
+
+[[nodiscard]] const char* row_header(const nodmap::scan_t& message);
+[[nodiscard]] const char* row_header(const nodmap::odometry_t& message);
+[[nodiscard]] const char* row_header(const nodmap::pose_t& message);
+[[nodiscard]] const char* row_header(const nodmap::truth_t& message);
+[[nodiscard]] const char* row_header(const nodmap::egomap_t& message);
+[[nodiscard]] const char* row_header(const nodmap::pitch_state_t& message);
+[[nodiscard]] const char* row_header(const nodmap::pitch_command_t& message);
+[[nodiscard]] const char* row_header(const nodmap::navigation_t& message);
+
+/// Numbers are written with as many digits as it takes to read the same number again.
+void put_row(std::ostream& out, const nodmap::scan_t& message);  ///< ends with all ranges
+void put_row(std::ostream& out, const nodmap::odometry_t& message);
+void put_row(std::ostream& out, const nodmap::pose_t& message);
+void put_row(std::ostream& out, const nodmap::truth_t& message);  ///< ends with x, y of all actors
+void put_row(std::ostream& out,
+             const nodmap::egomap_t& message);  ///< ends with all points, in base
+void put_row(std::ostream& out, const nodmap::pitch_state_t& message);
+void put_row(std::ostream& out, const nodmap::pitch_command_t& message);
+void put_row(std::ostream& out, const nodmap::navigation_t& message);
+
+}  // namespace nodmap::convert

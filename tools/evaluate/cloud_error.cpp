@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/evaluate/cloud_error.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+#include "tools/evaluate/world_surfaces.hpp"
+
+namespace nodmap::evaluate {
+namespace {
+
+constexpr double kSampleSpacingM = 0.05;
+
+/// Points in cells of kOutlierM: what is nearer than that is in the same or a neighbouring cell.
+class Cells {
+ public:
+  void add(const Eigen::Vector3d& p) { cells_[cell_of(p)].push_back(p); }
+
+  [[nodiscard]] bool has_near(const Eigen::Vector3d& p) const {
+    const Cell middle = cell_of(p);
+    for (int i = 0; i < 27; ++i) {
+      const auto found =
+          cells_.find({middle[0] + i % 3 - 1, middle[1] + i / 3 % 3 - 1, middle[2] + i / 9 - 1});
+      if (found != cells_.end() &&
+          std::any_of(found->second.begin(), found->second.end(), [&p](const auto& q) {
+            return (p - q).squaredNorm() <= kOutlierM * kOutlierM;
+          })) {
+        return true;
+      }
+    }
+    return false;
+  }
+
+ private:
+  using Cell = std::array<int, 3>;
+  static Cell cell_of(const Eigen::Vector3d& p) {
+    const Eigen::Vector3i cell = (p / kOutlierM).array().floor().cast<int>();
+    return {cell.x(), cell.y(), cell.z()};
+  }
+
+  std::map<Cell, std::vector<Eigen::Vector3d>> cells_;
+};
+
+}  // namespace
+
+CloudErrors measure_cloud(const std::vector<Eigen::Vector3f>& cloud_map,
+                          const geometry::SE3& T_world_map, const sim::World& world) {
+  CloudErrors errors;
+  errors.n = cloud_map.size();
+  if (cloud_map.empty()) {
+    return errors;
+  }
+  const WorldSurfaces surfaces(world);
+  Cells cells;
+  std::vector<double> distances;
+  double sum_m2 = 0.0;
+  for (const Eigen::Vector3f& p_map : cloud_map) {
+    const Eigen::Vector3d p_world = T_world_map * p_map.cast<double>();
+    cells.add(p_world);
+    distances.push_back(surfaces.distance_m(p_world));
+    sum_m2 += distances.back() * distances.back();
+  }
+  const auto n = static_cast<double>(errors.n);
+  errors.rms_m = std::sqrt(sum_m2 / n);
+  errors.outlier_share =
+      static_cast<double>(std::count_if(distances.begin(), distances.end(),
+                                        [](double d) { return d > kOutlierM; })) /
+      n;
+  const auto p95 = distances.begin() + static_cast<std::ptrdiff_t>(0.95 * (n - 1.0));
+  std::nth_element(distances.begin(), p95, distances.end());
+  errors.p95_m = *p95;
+  const auto samples = surfaces.samples(kSampleSpacingM);
+  const auto seen = std::count_if(samples.begin(), samples.end(),
+                                  [&cells](const auto& p) { return cells.has_near(p); });
+  errors.completeness =
+      samples.empty() ? 0.0 : static_cast<double>(seen) / static_cast<double>(samples.size());
+  return errors;
+}
+
+}  // namespace nodmap::evaluate

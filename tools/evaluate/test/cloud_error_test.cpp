@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/evaluate/cloud_error.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "common/geometry/angle.hpp"
+#include "tools/evaluate/world_surfaces.hpp"
+
+namespace nodmap::evaluate {
+namespace {
+
+using Eigen::Vector3d;
+
+sim::World world_of(std::variant<sim::Box, sim::Cylinder, sim::Ramp, sim::Mesh> shape) {
+  sim::World world;
+  world.objects.push_back({std::move(shape)});
+  return world;
+}
+
+sim::Box box_above_the_floor() {
+  return {
+      .center = {1.0, 2.0, 5.0}, .size = {2.0, 4.0, 6.0}, .yaw_rad = geometry::deg_to_rad(90.0)};
+}
+
+// By hand: turned by 90 degrees the box spans x -1..3, y 1..3, z 2..8.
+TEST(WorldSurfaces, DistanceFromABoxOutsideInsideAndAtAnEdge) {
+  const WorldSurfaces surfaces(world_of(box_above_the_floor()));
+  EXPECT_NEAR(surfaces.distance_m({3.5, 2.0, 5.0}), 0.5, 1e-12);
+  EXPECT_NEAR(surfaces.distance_m({2.8, 2.0, 5.0}), 0.2, 1e-12);
+  EXPECT_NEAR(surfaces.distance_m({3.3, 3.4, 5.0}), 0.5, 1e-12);
+  EXPECT_NEAR(surfaces.distance_m({0.0, 0.0, 0.25}), 0.25, 1e-12);  // the floor is nearer
+}
+
+TEST(WorldSurfaces, DistanceFromACylinder) {
+  const WorldSurfaces surfaces(world_of(sim::Cylinder{{0.0, 0.0, 5.0}, 0.5, 2.0}));
+  EXPECT_NEAR(surfaces.distance_m({1.5, 0.0, 5.0}), 1.0, 1e-12);
+  EXPECT_NEAR(surfaces.distance_m({0.0, 0.4, 5.0}), 0.1, 1e-12);
+  EXPECT_NEAR(surfaces.distance_m({0.8, 0.0, 6.4}), 0.5, 1e-12);  // 0.3 out, 0.4 up
+}
+
+TEST(WorldSurfaces, AboveAPitTheNearestFloorIsItsEdge) {
+  sim::World world;
+  world.pits.push_back({{0.0, 0.0}, {2.0, 2.0}, 1.0});
+  const WorldSurfaces surfaces(world);
+  EXPECT_NEAR(surfaces.distance_m({0.3, 1.0, 0.4}), 0.5, 1e-12);
+  EXPECT_NEAR(surfaces.distance_m({1.0, 1.0, -0.9}), 0.1, 1e-12);  // its bottom
+  EXPECT_NEAR(surfaces.distance_m({1.9, 1.0, -0.5}), 0.1, 1e-12);  // its wall
+  EXPECT_NEAR(surfaces.distance_m({-1.0, 1.0, 0.4}), 0.4, 1e-12);  // beside it
+}
+
+// Oracle: the nearest of many samples is never nearer than the distance, and at most about a
+// diagonal of the sampling, 0.7 * 0.02 m, farther.
+TEST(WorldSurfaces, DistanceAgreesWithTheNearestSample) {
+  sim::World world = world_of(box_above_the_floor());
+  world.objects.push_back({sim::Cylinder{{-4.0, 0.0, 4.0}, 0.5, 2.0}});
+  world.objects.push_back({sim::Ramp{{3.0, -4.0, 3.0}, {6.0, -3.0, 5.0}, 1.0}});
+  const WorldSurfaces surfaces(world);
+  const auto samples = surfaces.samples(0.02);
+  std::mt19937 engine(1);
+  std::uniform_real_distribution<double> place(-6.0, 6.0);
+  for (int i = 0; i < 30; ++i) {
+    // High above the floor, which is not sampled, and not above the lids of the cylinder.
+    const Vector3d p(place(engine), place(engine), 4.0);
+    double nearest = 1e9;
+    for (const Vector3d& q : samples) {
+      nearest = std::min(nearest, (p - q).norm());
+    }
+    const double exact = std::min(surfaces.distance_m(p), 4.0);
+    if (exact < 4.0) {
+      EXPECT_GE(nearest, exact - 1e-9);
+      EXPECT_LE(nearest, exact + 0.02);
+    }
+  }
+}
+
+TEST(CloudError, OfAFloorThatIsTiltedAndAnOutlier) {
+  sim::World world;
+  std::vector<Eigen::Vector3f> cloud;
+  for (int i = 0; i < 99; ++i) {
+    cloud.emplace_back(static_cast<float>(i), 0.0F, i % 2 == 0 ? 0.02F : -0.02F);
+  }
+  cloud.emplace_back(0.0F, 0.0F, 1.0F);
+  const CloudErrors errors = measure_cloud(cloud, geometry::SE3::Identity(), world);
+  EXPECT_EQ(errors.n, 100U);
+  EXPECT_NEAR(errors.p95_m, 0.02, 1e-6);  // floats
+  EXPECT_NEAR(errors.outlier_share, 0.01, 1e-12);
+  EXPECT_NEAR(errors.rms_m, std::sqrt((99.0 * 0.0004 + 1.0) / 100.0), 1e-6);
+}
+
+// The map begins where the robot starts: what is 1 m ahead of it there is not 1 m along x here.
+TEST(CloudError, IsMeasuredInTheWorld) {
+  const sim::World world = world_of(sim::Cylinder{{5.0, 6.0, 1.0}, 0.5, 2.0});
+  const geometry::SE3 T_world_map = geometry::to_se3({5.0, 5.0, geometry::deg_to_rad(90.0)});
+  const std::vector<Eigen::Vector3f> cloud{{0.5F, 0.0F, 1.0F}};
+  EXPECT_NEAR(measure_cloud(cloud, T_world_map, world).rms_m, 0.0, 1e-6);
+}
+
+TEST(CloudError, CompletenessIsTheShareThatWasSeen) {
+  const sim::World world = world_of(sim::Box{{0.0, 0.0, 5.0}, {1.0, 1.0, 1.0}, 0.0});
+  std::vector<Eigen::Vector3f> face;  // one of six
+  for (int i = 0; i < 20; ++i) {
+    for (int j = 0; j < 20; ++j) {
+      face.emplace_back(0.5F, -0.475F + 0.05F * static_cast<float>(i),
+                        4.525F + 0.05F * static_cast<float>(j));
+    }
+  }
+  // The rows of the four faces beside it that are nearer than 0.1 m count, too: 2 of 20.
+  const CloudErrors errors = measure_cloud(face, geometry::SE3::Identity(), world);
+  EXPECT_NEAR(errors.completeness, (1.0 + 4.0 * 2.0 / 20.0) / 6.0, 1e-9);
+}
+
+}  // namespace
+}  // namespace nodmap::evaluate

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "nodmap/drive_t.hpp"
+#include "nodmap/egomap_t.hpp"
+#include "nodmap/odometry_t.hpp"
+#include "nodmap/scan_t.hpp"
+
+namespace nodmap::latency {
+
+/// A waiting time that was seen, and when in the run.
+struct Sample {
+  std::int64_t at_us = 0;
+  std::int64_t wait_us = 0;
+};
+
+/// Percentiles of waiting times, microseconds, by nearest rank.
+struct Summary {
+  std::size_t n = 0;
+  std::int64_t p50_us = 0;
+  std::int64_t p99_us = 0;
+  std::int64_t max_us = 0;
+};
+
+[[nodiscard]] Summary summarize(std::span<const Sample> samples);
+
+/// The 99th percentile in each of `parts` equal parts of the time from the first sample to the
+/// last. A queue that grows shows as a row that climbs. A part without a sample is 0.
+[[nodiscard]] std::vector<std::int64_t> p99_over_time(std::span<const Sample> samples,
+                                                      std::size_t parts);
+
+/// How long the robot takes from a scan on the bus to the map with it and to the command that
+/// follows, from the times at which a bystander received the messages. Both ends are received by
+/// the same bystander, so that its own place on the bus cancels out.
+///
+/// A DRIVE answers the oldest unanswered map that came before it and whose measurement is not newer
+/// than the command.
+class Reaction {
+ public:
+  /// One message as it came. Channels and types that play no part are ignored.
+  void hear(std::string_view channel, std::span<const std::byte> data, std::int64_t received_us);
+
+  [[nodiscard]] const std::vector<Sample>& scan_to_map() const { return scan_to_map_; }
+  [[nodiscard]] const std::vector<Sample>& scan_to_drive() const { return scan_to_drive_; }
+
+  /// Messages that are missing by their sequence numbers, by channel.
+  [[nodiscard]] const std::map<std::string, std::int64_t>& lost() const { return lost_; }
+  [[nodiscard]] std::int64_t scans() const { return scans_; }
+  [[nodiscard]] std::int64_t corrupt() const { return corrupt_; }
+
+ private:
+  struct Map {
+    std::int64_t utime_us = 0;
+    std::int64_t scan_received_us = 0;
+  };
+
+  void hear_scan(std::span<const std::byte> data, std::int64_t received_us);
+  void hear_map(std::span<const std::byte> data, std::int64_t received_us);
+  void hear_drive(std::span<const std::byte> data, std::int64_t received_us);
+  void hear_odometry(std::span<const std::byte> data);
+  void count_gap(const std::string& channel, std::int64_t seq);
+
+  nodmap::scan_t scan_{};
+  nodmap::egomap_t map_{};
+  nodmap::drive_t drive_{};
+  nodmap::odometry_t odometry_{};
+  // A map refers to the scan by its number. Older ones than these are never answered any more.
+  std::deque<std::pair<std::int64_t, std::int64_t>> open_scans_;  // scan_seq, received
+  std::deque<Map> open_maps_;
+  std::map<std::string, std::int64_t> last_seq_;
+  std::map<std::string, std::int64_t> lost_;
+  std::vector<Sample> scan_to_map_;
+  std::vector<Sample> scan_to_drive_;
+  std::int64_t scans_ = 0;
+  std::int64_t corrupt_ = 0;
+};
+
+}  // namespace nodmap::latency

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/latency/reaction.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "common/bus/codec.hpp"
+
+namespace nodmap::latency {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+class ReactionTest : public ::testing::Test {
+ protected:
+  template <class Message>
+  void hear(const char* channel, const Message& message, std::int64_t received_us) {
+    std::vector<std::byte> bytes;
+    bus::encode_into(bytes, message);
+    reaction_.hear(channel, bytes, received_us);
+  }
+
+  void hear_scan(std::int64_t seq, std::int64_t received_us) {
+    scan_t scan{};
+    scan.scan_seq = seq;
+    hear("SCAN", scan, received_us);
+  }
+  void hear_map(std::int64_t seq, std::int64_t utime_us, std::int64_t received_us) {
+    egomap_t map{};
+    map.scan_seq = seq;
+    map.utime = utime_us;
+    hear("OBSTACLE_MAP", map, received_us);
+  }
+  void hear_drive(std::int64_t seq, std::int64_t utime_us, std::int64_t received_us) {
+    drive_t drive{};
+    drive.drive_seq = seq;
+    drive.utime = utime_us;
+    hear("DRIVE", drive, received_us);
+  }
+
+  static std::vector<std::int64_t> waits(const std::vector<Sample>& samples) {
+    std::vector<std::int64_t> result;
+    for (const Sample& sample : samples) {
+      result.push_back(sample.wait_us);
+    }
+    return result;
+  }
+
+  Reaction reaction_;
+};
+
+TEST_F(ReactionTest, IsFromTheScanToItsMapAndToTheCommandAfterIt) {
+  hear_scan(7, 1000);
+  hear_map(7, 900, 1300);
+  hear_drive(0, 900, 1500);
+  hear_scan(8, 14000);
+  hear_map(8, 13900, 14100);
+  hear_drive(1, 13900, 14900);
+  EXPECT_THAT(waits(reaction_.scan_to_map()), ElementsAre(300, 100));
+  EXPECT_THAT(waits(reaction_.scan_to_drive()), ElementsAre(500, 900));
+}
+
+TEST_F(ReactionTest, ACommandOnOlderDataIsNoAnswer) {
+  hear_scan(7, 1000);
+  hear_map(7, 900, 1300);
+  hear_drive(0, 850, 1400);
+  EXPECT_THAT(reaction_.scan_to_drive(), IsEmpty());
+  hear_drive(1, 900, 2400);
+  EXPECT_THAT(waits(reaction_.scan_to_drive()), ElementsAre(1400));
+}
+
+// A navigator that takes two maps at once has let the first one wait.
+TEST_F(ReactionTest, OneCommandAnswersAllMapsBeforeIt) {
+  hear_scan(1, 0);
+  hear_map(1, 10, 100);
+  hear_scan(2, 13000);
+  hear_map(2, 13010, 13100);
+  hear_drive(0, 13010, 13500);
+  EXPECT_THAT(waits(reaction_.scan_to_drive()), ElementsAre(13500, 500));
+}
+
+TEST_F(ReactionTest, AScanWithoutAMapIsLeftOut) {
+  hear_scan(1, 0);
+  hear_scan(2, 13000);
+  hear_map(2, 13010, 13100);
+  hear_map(1, 10, 14000);
+  EXPECT_THAT(waits(reaction_.scan_to_map()), ElementsAre(100));
+}
+
+TEST_F(ReactionTest, CountsWhatIsMissingAndWhatIsBroken) {
+  hear_scan(1, 0);
+  hear_scan(4, 1);
+  hear_scan(0, 2);  // started anew: nothing was lost
+  hear_drive(3, 0, 3);
+  hear_drive(5, 0, 4);
+  reaction_.hear("SCAN", {}, 5);
+  EXPECT_EQ(reaction_.lost().at("SCAN"), 2);
+  EXPECT_EQ(reaction_.lost().at("DRIVE"), 1);
+  EXPECT_EQ(reaction_.corrupt(), 1);
+  EXPECT_EQ(reaction_.scans(), 3);
+}
+
+TEST(Summary, IsByNearestRank) {
+  std::vector<Sample> samples;
+  for (std::int64_t i = 200; i >= 1; --i) {
+    samples.push_back({0, i});
+  }
+  const Summary summary = summarize(samples);
+  EXPECT_EQ(summary.n, 200U);
+  EXPECT_EQ(summary.p50_us, 100);
+  EXPECT_EQ(summary.p99_us, 198);
+  EXPECT_EQ(summary.max_us, 200);
+  EXPECT_EQ(summarize({}).n, 0U);
+}
+
+TEST(P99OverTime, ShowsAQueueThatGrows) {
+  std::vector<Sample> samples;
+  for (std::int64_t i = 0; i < 100; ++i) {
+    samples.push_back({1000 * i, i});
+  }
+  EXPECT_THAT(p99_over_time(samples, 4), ElementsAre(24, 49, 74, 99));
+  EXPECT_THAT(p99_over_time({}, 2), ElementsAre(0, 0));
+  const std::vector<Sample> one = {{5, 6}};
+  EXPECT_THAT(p99_over_time(one, 2), ElementsAre(6, 0));
+}
+
+}  // namespace
+}  // namespace nodmap::latency

@@ -1,0 +1,6 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/trial/program.hpp"
+
+int main(int argc, char** argv) {
+  return nodmap::trial::run_program(argc, argv);
+}

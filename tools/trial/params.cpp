@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/trial/params.hpp"
+
+#include "common/params/params.hpp"
+
+namespace nodmap::trial {
+namespace {
+
+/// Calls `visit(name, struct)` for each part.
+template <class Visit>
+void for_each_part(AllParams& all, const Visit& visit) {
+  visit("loop", all.loop);
+  visit("sim", all.sim);
+  visit("kurt", all.kurt);
+  visit("laser3d", all.laser3d);
+  visit("pitch_controller", all.pitch_controller);
+  visit("map_server", all.map_server);
+  visit("navigator", all.navigator);
+  visit("slam2d", all.slam2d);
+  visit("slam6d", all.slam6d);
+}
+
+}  // namespace
+
+void AllParams::set_assignment(std::string_view assignment) {
+  const std::size_t dot = assignment.substr(0, assignment.find('=')).find('.');
+  const std::string_view process = assignment.substr(0, dot);
+  bool found = false;
+  std::string names;
+  for_each_part(*this, [&](const char* name, auto& part) {
+    names += names.empty() ? name : std::string(", ") + name;
+    if (dot != std::string_view::npos && process == name) {
+      params::Table(part).set_assignment(assignment.substr(dot + 1));
+      found = true;
+    }
+  });
+  if (!found) {
+    throw params::ParamError("--set " + std::string(assignment) +
+                             ": begins with a process and a dot; the processes are " + names);
+  }
+}
+
+std::string AllParams::to_yaml() {
+  std::string text;
+  for_each_part(*this, [&text](const char* name, auto& part) {
+    text += std::string("# --set ") + name + ".KEY=VALUE\n" + params::Table(part).to_yaml() + "\n";
+  });
+  return text;
+}
+
+}  // namespace nodmap::trial

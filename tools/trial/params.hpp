@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "drivers/kurt/node.hpp"
+#include "drivers/laser3d/node.hpp"
+#include "modules/map_server/node.hpp"
+#include "modules/navigator/node.hpp"
+#include "modules/pitch_controller/node.hpp"
+#include "modules/slam2d/node.hpp"
+#include "modules/slam6d/node.hpp"
+#include "sim/sim_params.hpp"
+
+namespace nodmap::trial {
+
+/// What belongs to the loop itself, not to any of its parts.
+struct LoopParams {
+  /// Live on two cores a message takes less (bench/REPORT.md): the loop is to be no faster than the
+  /// robot.
+  double message_delay_s = 0.002;
+  double goal_tolerance_m = 0.3;
+  double deceleration_mps2 = 1.5;
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.number("message_delay_s", message_delay_s, {0.0, 0.5},
+             "From the publishing of a message until its readers handle it.");
+    v.number("goal_tolerance_m", goal_tolerance_m, {0.05, 5.0},
+             "So near to the world's goal the robot is told to stand.");
+    v.number("deceleration_mps2", deceleration_mps2, {0.1, 10.0},
+             "Deceleration with which a braking way is measured.");
+  }
+};
+
+/// The parameters of everything that takes part.
+struct AllParams {
+  LoopParams loop;
+  sim::SimParams sim;
+  kurt::KurtNode::Params kurt;
+  laser3d::Laser3dNode::Params laser3d;
+  pitch_controller::PitchControllerNode::Params pitch_controller;
+  map_server::MapServerNode::Params map_server;
+  navigator::NavigatorNode::Params navigator;
+  slam2d::Slam2dNode::Params slam2d;
+  slam6d::Slam6dNode::Params slam6d;
+
+  /// "process.key=value", as given to --set. Throws params::ParamError.
+  void set_assignment(std::string_view assignment);
+
+  /// Everything as YAML, part by part.
+  [[nodiscard]] std::string to_yaml();
+};
+
+}  // namespace nodmap::trial

@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/trial/results.hpp"
+
+#include <array>
+#include <cmath>
+#include <optional>
+#include <string>
+
+#include "common/geometry/angle.hpp"
+#include "tools/evaluate/trajectory_error.hpp"
+#include "tools/trial/measures.hpp"
+#include "tools/trial/path_picture.hpp"
+
+namespace nodmap::trial {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Twice the time between two samples of the truth.
+constexpr std::int64_t kToleranceUs = 20'000;
+
+Json number_or_null(std::optional<double> value) {
+  return value && std::isfinite(*value) ? Json(*value) : Json(nullptr);
+}
+
+Json write(const Quantiles& quantiles) {
+  if (quantiles.n == 0) {
+    return {{"p50", nullptr}, {"p99", nullptr}, {"max", nullptr}, {"n", 0}};
+  }
+  return {
+      {"p50", quantiles.p50}, {"p99", quantiles.p99}, {"max", quantiles.max}, {"n", quantiles.n}};
+}
+
+Json trajectory_errors(const formats::Trajectory& estimate, const TrialRecord& record,
+                       bool planar) {
+  const auto pairs = evaluate::associate(estimate, true_trajectory(record, planar), kToleranceUs);
+  if (pairs.empty()) {
+    return {{"n", 0}};
+  }
+  const auto errors = evaluate::measure_trajectory(pairs, evaluate::Alignment::kFirstPose);
+  return {{"n", errors.n},
+          {"ate_rmse_m", errors.ate_rmse_m},
+          {"ate_max_m", errors.ate_max_m},
+          {"rot_rmse_deg", geometry::rad_to_deg(errors.rot_rmse_rad)},
+          {"end_error_m", errors.end_error_m},
+          {"end_error_deg", geometry::rad_to_deg(errors.end_rot_rad)}};
+}
+
+std::optional<formats::Trajectory> read_if_there(const std::filesystem::path& file) {
+  return std::filesystem::exists(file) ? std::optional(formats::read_tum(file)) : std::nullopt;
+}
+
+Json slam_errors(const std::filesystem::path& dir, const TrialRecord& record, bool planar) {
+  const auto corrected = read_if_there(dir / "trajectory.tum");
+  const auto online = read_if_there(dir / "online.tum");
+  if (!corrected || !online) {
+    return nullptr;
+  }
+  Json errors = trajectory_errors(*corrected, record, planar);
+  errors["online"] = trajectory_errors(*online, record, planar);
+  return errors;
+}
+
+/// R32: two sweeps, a scan, and 20 ms.
+double latency_limit_ms(const BrakeEvent& event) {
+  constexpr double kScanMs = 13.32;
+  constexpr double kProcessingMs = 20.0;
+  return 2000.0 * event.sweep_s + kScanMs + kProcessingMs;
+}
+
+Json brake_latency(const TrialOutcome& outcome) {
+  std::vector<double> latencies_ms;
+  std::size_t too_late = 0;
+  for (const BrakeEvent& event : outcome.brake_events) {
+    if (event.answered_us) {
+      latencies_ms.push_back(1e-3 * static_cast<double>(*event.answered_us - event.began_us));
+      too_late += latencies_ms.back() > latency_limit_ms(event) ? 1 : 0;
+    }
+  }
+  Json result = write(quantiles(latencies_ms));
+  result["too_late"] = too_late;
+  result["unanswered"] = outcome.brake_events.size() - latencies_ms.size();
+  result["evaded"] = outcome.evaded;
+  return result;
+}
+
+Json write(const Disturbance& disturbance, const Stop& stop, double deceleration_mps2) {
+  Json json = {{"what", disturbance.what},
+               {"at_s", 1e-6 * static_cast<double>(disturbance.began_us)},
+               {"speed_mps", stop.speed_mps},
+               {"stood_after_s", number_or_null(stop.stood_after_s)},
+               {"reaction_s", nullptr},
+               {"way_m", stop.way_m},
+               {"braking_way_m", stop.braking_way_m},
+               {"resumed_after_s", number_or_null(stop.resumed_after_s)}};
+  if (stop.stood_after_s) {
+    json["reaction_s"] = *stop.stood_after_s - std::abs(stop.speed_mps) / deceleration_mps2;
+  }
+  return json;
+}
+
+std::string describe(const sim::Fault& fault) {
+  constexpr std::array kParts{"laser", "servo", "base"};
+  constexpr std::array kKinds{"drop", "corrupt", "delay", "unplug", "silent", "freeze", "stall"};
+  return std::string(kParts.at(static_cast<std::size_t>(fault.part))) + " " +
+         kKinds.at(static_cast<std::size_t>(fault.kind));
+}
+
+std::vector<Disturbance> disturbances(const TrialSetup& setup) {
+  std::vector<Disturbance> all;
+  for (const Kill& kill : setup.kills) {
+    all.push_back({"kill " + kill.process, kill.at_us, kill.at_us + kill.for_us});
+  }
+  for (const sim::Fault& fault : setup.faults) {
+    all.push_back({describe(fault), fault.begin_us(), fault.end_us()});
+  }
+  return all;
+}
+
+Json stops(const TrialSetup& setup, const TrialRecord& record) {
+  Json all = Json::array();
+  // As hard as the base can brake: what comes on top is reaction.
+  const double deceleration_mps2 = setup.params.kurt.max_deceleration_mps2;
+  for (const Disturbance& disturbance : disturbances(setup)) {
+    all.push_back(write(disturbance, measure_stop(record, disturbance, deceleration_mps2),
+                        deceleration_mps2));
+  }
+  return all;
+}
+
+bool goal_reached(const TrialSetup& setup, const TrialRecord& record) {
+  if (!setup.world.goal || !record.arrived_us) {
+    return false;
+  }
+  const Eigen::Vector2d end = record.truth.back().T_world_base.translation().head<2>();
+  return (end - *setup.world.goal).norm() <= 2.0 * setup.params.loop.goal_tolerance_m;
+}
+
+}  // namespace
+
+Json summarise(const TrialSetup& setup, const TrialOutcome& outcome,
+               const std::filesystem::path& dir) {
+  const TrialRecord& record = outcome.record;
+  const DriveMeasures drive = measure_drive(record);
+  const bool arrived = goal_reached(setup, record);
+  const std::int64_t began_us = record.began_us.value_or(0);
+  Json result = {
+      {"world", setup.world.name},
+      {"seed", setup.seed},
+      {"collisions", drive.collisions},
+      {"first_collision_s", number_or_null(drive.first_collision_s)},
+      {"bumped", drive.bumped},
+      {"distance_m", drive.distance_m},
+      {"duration_s", drive.duration_s},
+      {"first_scan_s", 1e-6 * static_cast<double>(began_us)},
+      {"mean_speed_mps", drive.mean_speed_mps},
+      {"max_speed_mps", drive.max_speed_mps},
+      {"min_clearance_m", number_or_null(drive.min_clearance_m)},
+      {"goal_reached", arrived},
+      {"goal_time_s",
+       arrived ? Json(1e-6 * static_cast<double>(*record.arrived_us - began_us)) : Json(nullptr)},
+      {"brake_latency_ms", brake_latency(outcome)},
+      {"sweep_s", write(quantiles(sweep_times_s(record)))},
+      {"slam2d", slam_errors(dir / "slam2d", record, true)},
+      {"slam6d", slam_errors(dir / "slam6d", record, false)},
+      {"odometry", trajectory_errors(record.odometry, record, true)},
+      {"stops", stops(setup, record)},
+      {"processes", outcome.processes}};
+  return result;
+}
+
+void write_picture(const TrialSetup& setup, const TrialOutcome& outcome,
+                   const std::filesystem::path& dir) {
+  std::vector<EstimatedPath> estimates{{outcome.record.odometry, {255, 140, 0}}};
+  if (auto poses = read_if_there(dir / "slam2d" / "trajectory.tum")) {
+    estimates.push_back({std::move(*poses), {0, 0, 0}});
+  }
+  if (auto poses = read_if_there(dir / "slam6d" / "trajectory.tum")) {
+    estimates.push_back({std::move(*poses), {200, 0, 120}});
+  }
+  draw_paths(setup.world, outcome.record, estimates).write_png(dir / "path.png");
+}
+
+}  // namespace nodmap::trial

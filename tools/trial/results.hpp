@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "tools/trial/trial.hpp"
+
+namespace nodmap::trial {
+
+/// What result.json says, but for what the wall clock adds. Reads the trajectories that SLAM has
+/// written into `dir`.
+[[nodiscard]] nlohmann::ordered_json summarise(const TrialSetup& setup, const TrialOutcome& outcome,
+                                               const std::filesystem::path& dir);
+
+/// Writes path.png. Throws std::runtime_error.
+void write_picture(const TrialSetup& setup, const TrialOutcome& outcome,
+                   const std::filesystem::path& dir);
+
+}  // namespace nodmap::trial

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "drivers/serial/serial_port.hpp"
+#include "sim/device.hpp"
+
+namespace nodmap::trial {
+
+/// A serial line between a driver and an emulated device, on simulated time: what /dev/ttyUSB0 is
+/// to the robot. Like a USB adapter it hands bytes over once in a while, whenever move_bytes() is
+/// called, and its port disappears with an unplugged device. Outlives the streams it opens.
+class SimulatedLine {
+ public:
+  explicit SimulatedLine(sim::Device& device) : device_(device) {}
+
+  /// Carries what the device has sent up to now.
+  void move_bytes(std::int64_t now_us);
+
+  /// Opens the port for the driver; refused while the device is unplugged or the port is open.
+  [[nodiscard]] serial::OpenResult open(int baud);
+
+  /// The process that holds the port is gone: nothing it still writes arrives.
+  void cut();
+
+ private:
+  class Stream;
+
+  sim::Device& device_;
+  std::int64_t now_us_ = 0;
+  int baud_ = 9600;
+  std::vector<std::uint8_t> inbox_;
+  Stream* stream_ = nullptr;  // of the driver, while it is connected
+};
+
+}  // namespace nodmap::trial

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/trial/command.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace nodmap::trial {
+namespace {
+
+using ::testing::HasSubstr;
+
+template <class Call>
+std::string error_of(const Call& call) {
+  try {
+    call();
+  } catch (const std::exception& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Command, ReadsAKill) {
+  const Kill kill = parse_kill("pitch_controller@10.5+2");
+  EXPECT_EQ(kill.process, "pitch_controller");
+  EXPECT_EQ(kill.at_us, 10'500'000);
+  EXPECT_EQ(kill.for_us, 2'000'000);
+}
+
+TEST(Command, RefusesWhatIsNoKill) {
+  for (const char* text :
+       {"", "navigator", "navigator@1", "navigator@+1", "navigator@1+", "navigator@1+0",
+        "navigator@-1+1", "navigator@1+nan", "nobody@1+1", "navigator@1+1s", "@1+1"}) {
+    EXPECT_THAT(error_of([text] { (void)parse_kill(text); }), HasSubstr("--kill")) << text;
+  }
+}
+
+TEST(Command, ARandomWorldNeedsANumber) {
+  EXPECT_FALSE(load_world_or_random("random:3").objects.empty());
+  EXPECT_THAT(error_of([] { (void)load_world_or_random("random:x"); }), HasSubstr("random:SEED"));
+}
+
+TEST(AllParams, SetsAParameterOfAProcess) {
+  AllParams params;
+  params.set_assignment("slam2d.map_period_s=7");
+  EXPECT_EQ(params.slam2d.map_period_s, 7.0);
+  params.set_assignment("sim.odometry_scale_bias=0.03");
+  EXPECT_EQ(params.sim.plant.odometry_scale_bias, 0.03);
+}
+
+TEST(AllParams, NamesWhatIsWrong) {
+  AllParams params;
+  EXPECT_THAT(error_of([&] { params.set_assignment("slam2d.no_such=1"); }), HasSubstr("no_such"));
+  EXPECT_THAT(error_of([&] { params.set_assignment("nobody.key=1"); }), HasSubstr("navigator"));
+  EXPECT_THAT(error_of([&] { params.set_assignment("key=1.5"); }), HasSubstr("process"));
+}
+
+}  // namespace
+}  // namespace nodmap::trial

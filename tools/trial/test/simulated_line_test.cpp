@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/trial/simulated_line.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+
+namespace nodmap::trial {
+namespace {
+
+using serial::IoStatus;
+using std::chrono::microseconds;
+
+constexpr std::array<std::uint8_t, 2> kWord{7, 8};
+
+/// Sends one byte each millisecond: the time.
+class Ticker : public sim::Device {
+ public:
+  void receive(std::span<const std::uint8_t> bytes, int baud, std::int64_t now_us) override {
+    heard.insert(heard.end(), bytes.begin(), bytes.end());
+    heard_baud = baud;
+    heard_us = now_us;
+  }
+  void transmit(std::int64_t now_us, int /*baud*/, std::vector<std::uint8_t>& line) override {
+    for (; next <= now_us; next += 1000) {
+      line.push_back(static_cast<std::uint8_t>(next / 1000));
+    }
+  }
+  [[nodiscard]] std::int64_t next_us() const override { return next; }
+  [[nodiscard]] bool plugged_in(std::int64_t /*now_us*/) const override { return plugged; }
+
+  std::vector<std::uint8_t> heard;
+  int heard_baud = 0;
+  std::int64_t heard_us = 0;
+  std::int64_t next = 1000;
+  bool plugged = true;
+};
+
+class SimulatedLineTest : public ::testing::Test {
+ protected:
+  Ticker device_;
+  SimulatedLine line_{device_};
+  std::array<std::uint8_t, 16> buffer_{};
+
+  serial::ReadResult read(serial::ByteStream& stream) {
+    return stream.read(buffer_, microseconds(0));
+  }
+};
+
+TEST_F(SimulatedLineTest, CarriesBytesBothWaysAtTheHostsRate) {
+  const auto stream = line_.open(38400).stream;
+  line_.move_bytes(2000);
+  ASSERT_TRUE(stream->set_baud(500000));
+  EXPECT_EQ(stream->write(kWord, microseconds(0)), IoStatus::kOk);
+  EXPECT_EQ(device_.heard, (std::vector<std::uint8_t>{7, 8}));
+  EXPECT_EQ(device_.heard_baud, 500000);
+  EXPECT_EQ(device_.heard_us, 2000);
+  EXPECT_EQ(read(*stream).count, 2U);
+  EXPECT_EQ(buffer_[1], 2);
+  EXPECT_EQ(read(*stream).status, IoStatus::kTimeout);
+}
+
+TEST_F(SimulatedLineTest, WhatNobodyListensToIsLost) {
+  line_.move_bytes(5000);
+  const auto stream = line_.open(9600).stream;
+  line_.move_bytes(6000);
+  EXPECT_EQ(read(*stream).count, 1U);
+  EXPECT_EQ(buffer_[0], 6);
+}
+
+TEST_F(SimulatedLineTest, AnUnpluggedDeviceDisconnectsForGood) {
+  const auto stream = line_.open(9600).stream;
+  device_.plugged = false;
+  line_.move_bytes(1000);
+  EXPECT_EQ(line_.open(9600).stream, nullptr);
+  device_.plugged = true;  // back before the driver has looked
+  line_.move_bytes(2000);
+  EXPECT_EQ(read(*stream).status, IoStatus::kDisconnected);
+  EXPECT_FALSE(stream->connected());
+  EXPECT_NE(line_.open(9600).stream, nullptr);
+}
+
+TEST_F(SimulatedLineTest, HasOneHostAtATime) {
+  auto first = line_.open(9600).stream;
+  EXPECT_EQ(line_.open(9600).stream, nullptr);
+  first.reset();
+  EXPECT_NE(line_.open(9600).stream, nullptr);
+}
+
+// The last thing a driver does is to write "stop"; one that is killed does not.
+TEST_F(SimulatedLineTest, NothingComesThroughACutLine) {
+  const auto stream = line_.open(9600).stream;
+  line_.cut();
+  EXPECT_EQ(stream->write(kWord, microseconds(0)), IoStatus::kDisconnected);
+  EXPECT_TRUE(device_.heard.empty());
+}
+
+}  // namespace
+}  // namespace nodmap::trial

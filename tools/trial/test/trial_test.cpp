@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Short forms of what bench/trials.py shows at length: the whole robot in a closed loop.
+#include "tools/trial/trial.hpp"
+
+#include <gtest/gtest.h>
+
+#include "sim/world_file.hpp"
+#include "tests/support/data_dir.hpp"
+#include "tests/support/program.hpp"
+#include "tools/trial/appearance.hpp"
+#include "tools/trial/command.hpp"
+#include "tools/trial/measures.hpp"
+#include "tools/trial/results.hpp"
+
+namespace nodmap::trial {
+namespace {
+
+class TrialTest : public ::testing::Test {
+ protected:
+  test::TemporaryDir dir_;
+
+  /// Without 6D SLAM, which no other part listens to.
+  static TrialSetup setup(const std::string& world, std::uint64_t seed, double duration_s) {
+    TrialSetup setup;
+    setup.world = world.starts_with("random:")
+                      ? load_world_or_random(world)
+                      : sim::load_world(std::string(NODMAP_WORLDS) + "/" + world + ".yaml");
+    setup.seed = seed;
+    setup.duration_us = static_cast<std::int64_t>(1e6 * duration_s);
+    setup.without = {"slam6d"};
+    return setup;
+  }
+
+  TrialOutcome run(const TrialSetup& setup) { return run(setup, dir_.path()); }
+  static TrialOutcome run(const TrialSetup& setup, const std::filesystem::path& dir) {
+    Trial trial(setup, dir);
+    while (trial.step()) {
+    }
+    return trial.finish();
+  }
+};
+
+TEST_F(TrialTest, TheSameSetupGivesTheSameBytes) {
+  TrialSetup twice = setup("fig5", 1, 6.0);
+  twice.without.clear();
+  std::vector<std::string> logs;
+  std::vector<std::string> results;
+  for (const char* name : {"first", "second"}) {
+    const std::filesystem::path dir = dir_.path() / name;
+    std::filesystem::create_directory(dir);
+    const TrialOutcome outcome = run(twice, dir);
+    write_picture(twice, outcome, dir);
+    logs.push_back(test::slurp(dir / "trial.lcmlog"));
+    results.push_back(summarise(twice, outcome, dir).dump() + test::slurp(dir / "path.png") +
+                      test::slurp(dir / "slam6d" / "map.bt"));
+  }
+  EXPECT_GT(logs[0].size(), 1'000'000U);
+  EXPECT_TRUE(logs[0] == logs[1]);
+  EXPECT_TRUE(results[0] == results[1]);
+}
+
+// R31, Fig. 5: the laser held level does not see the box that nodding sees.
+TEST_F(TrialTest, Fig5FixedCollides) {
+  TrialSetup fixed = setup("fig5", 1, 8.0);
+  fixed.params.set_assignment("pitch_controller.mode=fixed");
+  EXPECT_GT(measure_drive(run(fixed).record).collisions, 0);
+}
+
+TEST_F(TrialTest, Fig5NoddingDoesNot) {
+  const DriveMeasures drive = measure_drive(run(setup("fig5", 1, 20.0)).record);
+  EXPECT_EQ(drive.collisions, 0);
+  EXPECT_GT(drive.distance_m, 3.0);  // it did drive: the box is 2 m ahead
+}
+
+class RandomClutter : public TrialTest, public ::testing::WithParamInterface<std::uint64_t> {};
+
+TEST_P(RandomClutter, IsDrivenThroughWithoutACollision) {
+  const auto drive =
+      measure_drive(run(setup("random:" + std::to_string(GetParam()), GetParam(), 20.0)).record);
+  EXPECT_EQ(drive.collisions, 0);
+  EXPECT_GT(drive.mean_speed_mps, 0.2);  // the first seconds are for looking around
+}
+
+INSTANTIATE_TEST_SUITE_P(Worlds, RandomClutter, ::testing::Values(1, 2));
+
+// R29. 42 and 72 are boxes of 10 cm that were hit while the robot gained speed towards them between
+// two looks at the floor (README, "Collisions found on the way").
+class Appearing : public TrialTest, public ::testing::WithParamInterface<std::uint64_t> {};
+
+TEST_P(Appearing, ObstacleBeyondTheStoppingWayIsNotHit) {
+  TrialSetup trial = setup("random:" + std::to_string(GetParam()), GetParam(), 12.0);
+  trial.world.actors.push_back(
+      place_in_the_way(trial, 6.0 + static_cast<double>(GetParam() % 5), dir_.path()));
+  EXPECT_EQ(measure_drive(run(trial).record).collisions, 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, Appearing, ::testing::Values(42, 72, 100, 101));
+
+struct Loss {
+  const char* fault;
+  const char* process;
+};
+
+// Each device and each process that driving depends on, lost at speed.
+class Losing : public TrialTest, public ::testing::WithParamInterface<Loss> {};
+
+TEST_P(Losing, APartStopsTheRobotAndItGoesOnAfterwards) {
+  TrialSetup trial = setup("corridor30", 3, 20.0);
+  const Disturbance loss{"", 10'000'000, 12'000'000};
+  if (GetParam().fault != nullptr) {
+    trial.faults.push_back(sim::parse_fault(std::string(GetParam().fault) + "@10+2"));
+  } else {
+    trial.kills.push_back({GetParam().process, loss.began_us, loss.ended_us - loss.began_us});
+  }
+  const TrialOutcome outcome = run(trial);
+  const double deceleration_mps2 = trial.params.kurt.max_deceleration_mps2;
+  const Stop stop = measure_stop(outcome.record, loss, deceleration_mps2);
+  ASSERT_GT(stop.speed_mps, 0.8);
+  ASSERT_TRUE(stop.stood_after_s);
+  // The whole robot's limits: 300 ms and 0.3 m beyond braking.
+  EXPECT_LE(*stop.stood_after_s - stop.speed_mps / deceleration_mps2, 0.3);
+  EXPECT_LE(stop.way_m - stop.braking_way_m, 0.3);
+  EXPECT_TRUE(stop.resumed_after_s);
+  EXPECT_EQ(measure_drive(outcome.record).collisions, 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Parts, Losing,
+    ::testing::Values(Loss{"laser:unplug", nullptr}, Loss{"laser:freeze", nullptr},
+                      Loss{"laser:silent", nullptr}, Loss{"servo:unplug", nullptr},
+                      Loss{"servo:stall", nullptr}, Loss{"base:unplug", nullptr},
+                      Loss{"base:silent", nullptr}, Loss{nullptr, "kurt"}, Loss{nullptr, "laser3d"},
+                      Loss{nullptr, "pitch_controller"}, Loss{nullptr, "map_server"},
+                      Loss{nullptr, "navigator"}));
+
+// Odometry that begins anew at zero does not take the SLAMs with it.
+TEST_F(TrialTest, SlamsKeepTheirPlaceWhenTheBaseDriverIsStartedAnew) {
+  TrialSetup trial = setup("corridor30", 1, 16.0);
+  trial.without.clear();
+  trial.kills.push_back({"kurt", 8'000'000, 2'000'000});
+  const auto result = summarise(trial, run(trial), dir_.path());
+  // Odometry does not know of the way before; the way on which the robot brakes without it is
+  // unknown to all, and along a corridor nothing tells of it.
+  EXPECT_GT(result["odometry"]["end_error_m"], 2.0);
+  EXPECT_LE(result["slam2d"]["end_error_m"], 0.5);
+  EXPECT_LE(result["slam6d"]["end_error_m"], 0.5);
+}
+
+// R37, Fig. 6: 27 m with wheels that count 3 % too much.
+TEST_F(TrialTest, CorridorIsAsLongAsItIs) {
+  TrialSetup trial = setup("corridor30", 1, 50.0);
+  trial.params.set_assignment("sim.odometry_scale_bias=0.03");
+  const auto result = summarise(trial, run(trial), dir_.path());
+  EXPECT_TRUE(result["goal_reached"]);
+  EXPECT_LE(result["slam2d"]["end_error_m"], 0.3);  // 1 % of 30 m
+  EXPECT_LE(result["slam2d"]["end_error_deg"], 0.5);
+  EXPECT_GT(result["odometry"]["end_error_m"], 0.6);  // it is not odometry that was so good
+}
+
+}  // namespace
+}  // namespace nodmap::trial

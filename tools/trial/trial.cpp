@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/trial/trial.hpp"
+
+#include <cmath>
+#include <stdexcept>
+
+#include "nodmap/goal_t.hpp"
+#include "tools/trial/robot.hpp"
+#include "tools/trial/witness.hpp"
+
+namespace nodmap::trial {
+namespace {
+
+/// Laser and servo are asked at several rates, and the laser takes a while to boot.
+constexpr std::int64_t kLongestStartUs = 60'000'000;
+constexpr std::int64_t kGoalPeriodUs = 1'000'000;
+constexpr std::int64_t kAfterArrivalUs = 1'000'000;
+
+std::int64_t microseconds(double duration_s) {
+  return std::llround(1e6 * duration_s);
+}
+
+/// Repeats where the robot is to go: a process that starts anew has to hear it, too.
+class GoalGiver {
+ public:
+  GoalGiver(const sim::World& world, const LoopParams& params, bus::LoopNetwork& network)
+      : bus_(network) {
+    if (world.goal) {
+      // The map begins where the robot starts.
+      const Eigen::Vector2d p_map = world.T_world_start.inverse() * *world.goal;
+      message_.is_active = 1;
+      message_.position_m[0] = p_map.x();
+      message_.position_m[1] = p_map.y();
+      message_.tolerance_m = params.goal_tolerance_m;
+    }
+  }
+
+  void tell(std::int64_t now_us) {
+    if (message_.is_active != 0 && now_us % kGoalPeriodUs == 0) {
+      message_.utime = kEpochUs + now_us;
+      bus_.publish("GOAL", message_);
+      ++message_.goal_seq;
+    }
+  }
+
+ private:
+  bus::LoopBus bus_;
+  nodmap::goal_t message_{};
+};
+
+}  // namespace
+
+struct Trial::Parts {
+  Parts(const TrialSetup& setup, const std::filesystem::path& log)
+      : hardware(setup.world, setup.params.sim.plant, setup.params.sim.robot, setup.faults,
+                 setup.seed),
+        network(log, microseconds(setup.params.loop.message_delay_s)),
+        witness(setup.world, hardware.plant(), network, stopping_way(setup)),
+        goal(setup.world, setup.params.loop, network),
+        robot(hardware, network, setup.params, setup.without) {}
+
+  sim::Robot hardware;
+  bus::LoopNetwork network;
+  Witness witness;
+  GoalGiver goal;
+  Robot robot;
+};
+
+Trial::Trial(const TrialSetup& setup, const std::filesystem::path& dir)
+    : setup_(setup), dir_(dir), parts_(std::make_unique<Parts>(setup, dir / "trial.lcmlog")) {}
+
+Trial::~Trial() = default;
+
+bool Trial::step() {
+  parts_->hardware.advance_to(now_us_);
+  parts_->network.set_time(kEpochUs + now_us_);
+  do_kills();
+  parts_->robot.step();
+  parts_->witness.look();
+  parts_->goal.tell(now_us_);
+  parts_->network.deliver();
+  now_us_ += kStepUs;
+  return !is_over();
+}
+
+const TrialRecord& Trial::record() const {
+  return parts_->witness.record();
+}
+
+bool Trial::is_over() const {
+  if (!record().began_us) {
+    if (now_us_ >= kLongestStartUs) {
+      throw std::runtime_error("the scanner gave no scan within a minute");
+    }
+    return false;
+  }
+  return now_us_ > *record().began_us + setup_.duration_us ||
+         (record().arrived_us && now_us_ > *record().arrived_us + kAfterArrivalUs);
+}
+
+void Trial::do_kills() {
+  for (const Kill& kill : setup_.kills) {
+    if (now_us_ == kill.at_us) {
+      parts_->robot.kill(kill.process);
+    } else if (now_us_ == kill.at_us + kill.for_us) {
+      parts_->robot.start(kill.process);
+    }
+  }
+}
+
+TrialOutcome Trial::finish() {
+  parts_->robot.finish();
+  parts_->robot.write_results(dir_);
+  if (!parts_->network.flush()) {
+    throw std::runtime_error((dir_ / "trial.lcmlog").string() + ": the disk takes no more");
+  }
+  return {record(), parts_->witness.brake().events(), parts_->witness.brake().evaded(),
+          parts_->robot.report()};
+}
+
+StoppingWay stopping_way(const TrialSetup& setup) {
+  return {.body_length_m = setup.params.sim.plant.body_length_m,
+          .body_width_m = setup.params.sim.plant.body_width_m,
+          .deceleration_mps2 = setup.params.loop.deceleration_mps2};
+}
+
+}  // namespace nodmap::trial

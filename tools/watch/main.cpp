@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// nodmap-watch: the robot at a glance, on one line; at the end what was seen, as JSON.
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <fstream>
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "common/bus/live_bus.hpp"
+#include "common/node/command_line.hpp"
+#include "common/node/stop_signal.hpp"
+#include "common/params/params.hpp"
+#include "common/time/clock.hpp"
+#include "tools/watch/overview.hpp"
+
+namespace nodmap::watch {
+namespace {
+
+constexpr const char* kProgram = "nodmap-watch";
+constexpr std::int64_t kTerminalPeriodUs = 100'000;
+constexpr std::int64_t kFilePeriodUs = 5'000'000;
+
+/// This program has none, but the options every process has.
+struct WatchParams {
+  template <class Visitor>
+  void describe(Visitor& /*v*/) {}
+};
+
+struct Arguments {
+  node::CommonOptions common;
+  double duration_s = 0.0;
+  double patience_s = 30.0;
+  std::string out;
+};
+
+template <class Message>
+void listen(bus::Bus& bus, const char* channel, Overview& overview) {
+  bus.subscribe<Message>(channel, [&overview](const Message& message) {
+    overview.hear(message, time::now_on_both_clocks().steady_us);
+  });
+}
+
+void listen_to_all(bus::Bus& bus, Overview& overview) {
+  listen<nodmap::scan_t>(bus, "SCAN", overview);
+  listen<nodmap::odometry_t>(bus, "ODOMETRY", overview);
+  listen<nodmap::pitch_state_t>(bus, "PITCH_STATE", overview);
+  listen<nodmap::egomap_t>(bus, "OBSTACLE_MAP", overview);
+  listen<nodmap::navigation_t>(bus, "NAVIGATION", overview);
+  listen<nodmap::cloud_chunk_t>(bus, "CLOUD", overview);
+  listen<nodmap::status_t>(bus, "STATUS", overview);
+  listen<nodmap::truth_t>(bus, "TRUTH", overview);
+}
+
+/// Redraws one line on a terminal; elsewhere writes a line now and then.
+class Display {
+ public:
+  void show(const Overview& overview, std::int64_t now_us) {
+    if (now_us < next_us_) {
+      return;
+    }
+    next_us_ = now_us + (is_terminal_ ? kTerminalPeriodUs : kFilePeriodUs);
+    std::cout << (is_terminal_ ? "\r\033[K" : "") << status_line(overview, now_us)
+              << (is_terminal_ ? "" : "\n") << std::flush;
+  }
+  void end() const {
+    if (is_terminal_) {
+      std::cout << "\n";
+    }
+  }
+
+ private:
+  bool is_terminal_ = ::isatty(STDOUT_FILENO) == 1;
+  std::int64_t next_us_ = 0;
+};
+
+/// True when it has watched for as long as it should; false when no scan came, or it was stopped
+/// before.
+bool watch(const Arguments& arguments, Overview& overview) {
+  bus::LiveBus bus(arguments.common.lcm_url);
+  listen_to_all(bus, overview);
+  Display display;
+  const auto in_us = [](double seconds) { return static_cast<std::int64_t>(1e6 * seconds); };
+  std::int64_t end_us = time::now_on_both_clocks().steady_us + in_us(arguments.patience_s);
+  bool scans_came = false;
+  bool in_time = true;
+  while (in_time && !node::stop_requested()) {
+    bus.handle(std::chrono::milliseconds(20));
+    const std::int64_t now_us = time::now_on_both_clocks().steady_us;
+    if (!scans_came && overview.scans().total() > 0) {
+      scans_came = true;
+      end_us = now_us + in_us(arguments.duration_s);
+    }
+    display.show(overview, now_us);
+    in_time = now_us < end_us || (scans_came && arguments.duration_s == 0.0);
+  }
+  display.end();
+  return scans_came && !in_time;
+}
+
+nlohmann::ordered_json summary(const Overview& overview) {
+  nlohmann::ordered_json processes;
+  for (const auto& [name, process] : overview.processes()) {
+    processes[name] = {{"health", process.health},         {"reason", process.reason},
+                       {"handled", process.total_handled}, {"lost", process.lost},
+                       {"corrupt", process.corrupt},       {"rejected", process.rejected},
+                       {"latency_p99_us", process.p99_us}};
+  }
+  return {{"distance_m", overview.distance_m()},
+          {"max_forward_mps", overview.max_forward_mps()},
+          {"scans", overview.scans().total()},
+          {"odometry", overview.odometry().total()},
+          {"keyframes", overview.keyframes()},
+          {"lost", overview.lost()},
+          {"collisions", overview.collisions()},
+          {"bumps", overview.bumps()},
+          {"processes", processes}};
+}
+
+int run(int argc, char** argv) {
+  WatchParams params;
+  params::Table table(params);
+  Arguments arguments;
+  CLI::App app("Shows the robot at work on one line.", kProgram);
+  node::add_common_options(app, arguments.common, table);
+  app.add_option("--duration", arguments.duration_s,
+                 "Seconds from the first scan on; 0: until stopped")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  app.add_option("--patience", arguments.patience_s, "Seconds to wait for the first scan")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--json", arguments.out, "Write what was seen into this file");
+  if (const auto code = node::parse_command_line(app, argc, argv)) {
+    return *code;
+  }
+  if (const auto code = node::apply_common_options(kProgram, arguments.common, table)) {
+    return *code;
+  }
+  node::catch_stop_signals();
+  Overview overview;
+  const bool done = watch(arguments, overview);
+  if (overview.scans().total() == 0) {
+    std::cerr << kProgram << ": no SCAN came\n";
+  }
+  if (!arguments.out.empty()) {
+    std::ofstream file(arguments.out);
+    file << summary(overview).dump(2) << "\n";
+    if (!file.flush()) {
+      std::cerr << kProgram << ": " << arguments.out << ": cannot write\n";
+      return 1;
+    }
+  }
+  return done || (arguments.duration_s == 0.0 && overview.scans().total() > 0) ? 0 : 1;
+}
+
+}  // namespace
+}  // namespace nodmap::watch
+
+int main(int argc, char** argv) {
+  try {
+    return nodmap::watch::run(argc, argv);
+  } catch (const std::exception& error) {
+    std::cerr << "nodmap-watch: " << error.what() << "\n";
+    return 1;
+  }
+}

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/watch/overview.hpp"
+
+#include <spdlog/fmt/fmt.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "common/geometry/angle.hpp"
+
+namespace nodmap::watch {
+namespace {
+
+constexpr std::int64_t kSecondUs = 1'000'000;
+constexpr double kJumpM = 1.0;  // odometry that began anew is no way driven
+constexpr std::size_t kLineLength = 120;
+
+}  // namespace
+
+void Rate::add(std::int64_t now_us) {
+  ++total_;
+  times_us_.push_back(now_us);
+  while (times_us_.front() <= now_us - kSecondUs) {
+    times_us_.pop_front();
+  }
+}
+
+double Rate::per_second(std::int64_t now_us) const {
+  return static_cast<double>(std::ranges::count_if(
+      times_us_, [now_us](std::int64_t time_us) { return time_us > now_us - kSecondUs; }));
+}
+
+void Overview::hear(const nodmap::scan_t& /*message*/, std::int64_t now_us) {
+  scans_.add(now_us);
+}
+
+void Overview::hear(const nodmap::odometry_t& message, std::int64_t now_us) {
+  odometry_.add(now_us);
+  forward_mps_ = message.forward_mps;
+  max_forward_mps_ = std::max(max_forward_mps_, std::abs(message.forward_mps));
+  const double step_m =
+      std::hypot(message.position_m[0] - last_x_m_, message.position_m[1] - last_y_m_);
+  if (has_position_ && step_m < kJumpM) {
+    distance_m_ += step_m;
+  }
+  has_position_ = true;
+  last_x_m_ = message.position_m[0];
+  last_y_m_ = message.position_m[1];
+}
+
+void Overview::hear(const nodmap::pitch_state_t& message, std::int64_t /*now_us*/) {
+  pitch_rad_ = message.pitch_rad;
+}
+
+void Overview::hear(const nodmap::egomap_t& obstacle_map, std::int64_t /*now_us*/) {
+  nearest_m_ = std::numeric_limits<double>::infinity();
+  for (const float distance_m : obstacle_map.distance_m) {
+    nearest_m_ = std::min(nearest_m_, static_cast<double>(distance_m));
+  }
+}
+
+void Overview::hear(const nodmap::navigation_t& message, std::int64_t /*now_us*/) {
+  behaviour_ = message.behaviour;
+  reason_ = message.reason;
+}
+
+void Overview::hear(const nodmap::cloud_chunk_t& message, std::int64_t /*now_us*/) {
+  keyframes_ = std::max(keyframes_, message.keyframe_id + 1);
+}
+
+void Overview::hear(const nodmap::status_t& message, std::int64_t now_us) {
+  processes_[message.process_name] = {
+      message.health,        message.health_reason,  message.total_handled,  message.total_lost,
+      message.total_corrupt, message.total_rejected, message.latency_p99_us, now_us};
+}
+
+void Overview::hear(const nodmap::truth_t& message, std::int64_t /*now_us*/) {
+  collisions_ = message.collisions;
+  bumps_ = message.bumps;
+}
+
+std::int64_t Overview::lost() const {
+  std::int64_t sum = 0;
+  for (const auto& [name, process] : processes_) {
+    sum += process.lost + process.corrupt;
+  }
+  return sum;
+}
+
+std::string behaviour_name(std::int8_t behaviour) {
+  static constexpr std::array<const char*, 5> kNames = {"STEER", "BRAKE", "TURN", "ARRIVED",
+                                                        "HALT"};
+  const auto index = static_cast<std::uint8_t>(behaviour);  // a negative one becomes a large one
+  return index < kNames.size() ? kNames.at(index) : "?";
+}
+
+std::string status_line(const Overview& overview, std::int64_t now_us) {
+  std::string line = fmt::format(
+      "{:<7} {:5.2f} m/s  pitch {:+5.1f} deg  nearest {:5.2f} m  keyframes {:<3} scans {:3.0f}/s  "
+      "odometry {:3.0f}/s  lost {}",
+      behaviour_name(overview.behaviour()), overview.forward_mps(),
+      geometry::rad_to_deg(overview.pitch_rad()), overview.nearest_m(), overview.keyframes(),
+      overview.scans().per_second(now_us), overview.odometry().per_second(now_us), overview.lost());
+  if (overview.collisions() >= 0) {
+    line += fmt::format("  collisions {}", overview.collisions());
+  }
+  return line.substr(0, kLineLength);
+}
+
+}  // namespace nodmap::watch

@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <limits>
+#include <map>
+#include <string>
+
+#include "nodmap/cloud_chunk_t.hpp"
+#include "nodmap/egomap_t.hpp"
+#include "nodmap/navigation_t.hpp"
+#include "nodmap/odometry_t.hpp"
+#include "nodmap/pitch_state_t.hpp"
+#include "nodmap/scan_t.hpp"
+#include "nodmap/status_t.hpp"
+#include "nodmap/truth_t.hpp"
+
+namespace nodmap::watch {
+
+/// Counts events and how many of them came in the last second.
+class Rate {
+ public:
+  void add(std::int64_t now_us);
+  [[nodiscard]] double per_second(std::int64_t now_us) const;
+  [[nodiscard]] std::int64_t total() const { return total_; }
+
+ private:
+  std::deque<std::int64_t> times_us_;
+  std::int64_t total_ = 0;
+};
+
+/// What a process last said of itself.
+struct ProcessView {
+  std::int8_t health = 0;
+  std::string reason;
+  std::int64_t total_handled = 0;
+  std::int64_t lost = 0;
+  std::int64_t corrupt = 0;
+  std::int64_t rejected = 0;
+  double p99_us = 0.0;
+  std::int64_t heard_us = 0;
+};
+
+/// The robot at a glance, from its messages. Times are those at which they were received.
+class Overview {
+ public:
+  void hear(const nodmap::scan_t& message, std::int64_t now_us);
+  void hear(const nodmap::odometry_t& message, std::int64_t now_us);
+  void hear(const nodmap::pitch_state_t& message, std::int64_t now_us);
+  void hear(const nodmap::egomap_t& obstacle_map, std::int64_t now_us);
+  void hear(const nodmap::navigation_t& message, std::int64_t now_us);
+  void hear(const nodmap::cloud_chunk_t& message, std::int64_t now_us);
+  void hear(const nodmap::status_t& message, std::int64_t now_us);
+  void hear(const nodmap::truth_t& message, std::int64_t now_us);
+
+  [[nodiscard]] double forward_mps() const { return forward_mps_; }
+  [[nodiscard]] double pitch_rad() const { return pitch_rad_; }
+  /// Way driven by odometry, metres.
+  [[nodiscard]] double distance_m() const { return distance_m_; }
+  [[nodiscard]] double max_forward_mps() const { return max_forward_mps_; }
+  /// From the base's origin to the nearest point of the obstacle map; +infinity without any.
+  [[nodiscard]] double nearest_m() const { return nearest_m_; }
+  [[nodiscard]] std::int8_t behaviour() const { return behaviour_; }
+  [[nodiscard]] const std::string& reason() const { return reason_; }
+  [[nodiscard]] std::int64_t keyframes() const { return keyframes_; }
+  [[nodiscard]] const Rate& scans() const { return scans_; }
+  [[nodiscard]] const Rate& odometry() const { return odometry_; }
+  [[nodiscard]] const std::map<std::string, ProcessView>& processes() const { return processes_; }
+  /// Messages that the processes missed, as they say themselves.
+  [[nodiscard]] std::int64_t lost() const;
+  /// In simulation: how often the robot has hit something; -1 where nobody knows.
+  [[nodiscard]] std::int64_t collisions() const { return collisions_; }
+  [[nodiscard]] std::int64_t bumps() const { return bumps_; }
+
+ private:
+  Rate scans_;
+  Rate odometry_;
+  double forward_mps_ = 0.0;
+  double max_forward_mps_ = 0.0;
+  double pitch_rad_ = 0.0;
+  double distance_m_ = 0.0;
+  double nearest_m_ = std::numeric_limits<double>::infinity();
+  bool has_position_ = false;
+  double last_x_m_ = 0.0;
+  double last_y_m_ = 0.0;
+  std::int8_t behaviour_ = nodmap::navigation_t::HALT;
+  std::string reason_;
+  std::int64_t keyframes_ = 0;
+  std::int64_t collisions_ = -1;
+  std::int64_t bumps_ = 0;
+  std::map<std::string, ProcessView> processes_;
+};
+
+/// One line for people, at most 120 characters.
+[[nodiscard]] std::string status_line(const Overview& overview, std::int64_t now_us);
+
+/// STEER, BRAKE, TURN, ARRIVED, HALT; "?" for what is none of them.
+[[nodiscard]] std::string behaviour_name(std::int8_t behaviour);
+
+}  // namespace nodmap::watch

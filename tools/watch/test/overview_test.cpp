@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/watch/overview.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace nodmap::watch {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+odometry_t odometry_at(double x_m, double y_m, double forward_mps) {
+  odometry_t message{};
+  message.position_m[0] = x_m;
+  message.position_m[1] = y_m;
+  message.forward_mps = forward_mps;
+  return message;
+}
+
+TEST(Rate, CountsTheLastSecond) {
+  Rate rate;
+  for (std::int64_t i = 0; i < 300; ++i) {
+    rate.add(10'000 * i);  // 100 per second
+  }
+  EXPECT_EQ(rate.total(), 300);
+  EXPECT_DOUBLE_EQ(rate.per_second(2'990'000), 100.0);
+  EXPECT_DOUBLE_EQ(rate.per_second(3'490'000), 50.0);
+  EXPECT_DOUBLE_EQ(rate.per_second(9'000'000), 0.0);
+}
+
+TEST(Overview, AddsUpTheWayButNoJump) {
+  Overview overview;
+  overview.hear(odometry_at(5.0, 5.0, 0.0), 0);  // where it starts is no way
+  overview.hear(odometry_at(5.3, 5.4, -1.5), 1);
+  overview.hear(odometry_at(0.0, 0.0, 0.0), 2);  // the driver was started anew
+  overview.hear(odometry_at(0.0, 0.1, 0.5), 3);
+  EXPECT_NEAR(overview.distance_m(), 0.6, 1e-12);
+  EXPECT_DOUBLE_EQ(overview.forward_mps(), 0.5);
+  EXPECT_DOUBLE_EQ(overview.max_forward_mps(), 1.5);
+}
+
+TEST(Overview, NearestIsOfTheNewestMap) {
+  Overview overview;
+  EXPECT_TRUE(std::isinf(overview.nearest_m()));
+  egomap_t map{};
+  map.distance_m = {INFINITY, 0.5F, 2.0F};
+  overview.hear(map, 0);
+  EXPECT_DOUBLE_EQ(overview.nearest_m(), 0.5);
+  map.distance_m = {INFINITY, INFINITY, 2.0F};
+  overview.hear(map, 1);
+  EXPECT_DOUBLE_EQ(overview.nearest_m(), 2.0);
+}
+
+TEST(Overview, SumsWhatTheProcessesLostByTheirNewestWord) {
+  Overview overview;
+  status_t status{};
+  status.process_name = std::string("nodmap-a");
+  status.total_lost = 3;
+  overview.hear(status, 0);
+  status.total_lost = 5;
+  overview.hear(status, 1);
+  status.process_name = std::string("nodmap-b");
+  status.total_corrupt = 1;
+  overview.hear(status, 2);
+  EXPECT_EQ(overview.lost(), 11);
+}
+
+TEST(Overview, CountsKeyframesNotTheirParts) {
+  Overview overview;
+  cloud_chunk_t chunk{};
+  for (const std::int64_t id : {0, 0, 1, 1, 1}) {
+    chunk.keyframe_id = id;
+    overview.hear(chunk, 0);
+  }
+  EXPECT_EQ(overview.keyframes(), 2);
+}
+
+TEST(StatusLine, SaysWhatTheRobotDoes) {
+  Overview overview;
+  navigation_t navigation{};
+  navigation.behaviour = navigation_t::TURN;
+  overview.hear(navigation, 0);
+  pitch_state_t pitch{};
+  pitch.pitch_rad = -0.5;
+  overview.hear(pitch, 0);
+  overview.hear(odometry_at(0, 0, 1.25), 0);
+  EXPECT_THAT(status_line(overview, 0), HasSubstr("TURN"));
+  EXPECT_THAT(status_line(overview, 0), HasSubstr("1.25 m/s"));
+  EXPECT_THAT(status_line(overview, 0), HasSubstr("-28.6 deg"));
+  EXPECT_THAT(status_line(overview, 0), Not(HasSubstr("collisions")));
+  truth_t truth{};
+  truth.collisions = 2;
+  overview.hear(truth, 0);
+  EXPECT_THAT(status_line(overview, 0), HasSubstr("collisions 2"));
+  EXPECT_LE(status_line(overview, 0).size(), 120U);
+}
+
+TEST(BehaviourName, OfWhatIsNone) {
+  EXPECT_EQ(behaviour_name(navigation_t::HALT), "HALT");
+  EXPECT_EQ(behaviour_name(-1), "?");
+  EXPECT_EQ(behaviour_name(17), "?");
+}
+
+}  // namespace
+}  // namespace nodmap::watch
