@@ -23,13 +23,8 @@ done
 [[ -e "$recording" ]] || die "$recording: no such recording"
 [[ ! -e "$out" ]] || die "$out exists; results are never overwritten"
 
-# A machine without a multicast route (a container, say) cannot carry LCM. A network namespace of our own can.
-export LCM_DEFAULT_URL=${LCM_DEFAULT_URL:-udpm://239.255.76.67:7667?ttl=0}
-if [[ "${NODMAP_PRIVATE_NET:-}" != 1 ]] && ! ip route get 239.255.76.67 >/dev/null 2>&1; then
-  unshare -rn true 2>/dev/null || die "there is no multicast route for LCM; nodmap-doctor says how to add one"
-  say "no multicast route here: running in a network namespace of our own"
-  exec env NODMAP_PRIVATE_NET=1 unshare -rn sh -c 'ip link set lo up && ip route add 224.0.0.0/4 dev lo && exec "$@"' sh "$0" "$recording" --speed "$speed" --out "$out"
-fi
+source tools/private_net.sh
+need_multicast "$0" "$recording" --speed "$speed" --out "$out"
 
 mkdir -p "$out"
 log=$out/recording.lcmlog
@@ -105,3 +100,4 @@ player=
 say "stopping the processes"
 stop_all || die "not every process ended cleanly"
 python3 tools/demo_summary.py "$out"
+say "to see it again: $bin/nodmap-viewer --replay $(find "$out/logger" -type f | sort | tail -n 1), and a browser on http://127.0.0.1:8765/"

@@ -15,6 +15,52 @@ using test::run_program;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
+// clang-format off
+// Everything that is installed,
+constexpr const char* kPrograms[] = {
+    "nodmap-convert",
+    "nodmap-deputy",
+    "nodmap-doctor",
+    "nodmap-evaluate",
+    "nodmap-kurt",
+    "nodmap-laser3d",
+    "nodmap-latency",
+    "nodmap-logger",
+    "nodmap-map-server",
+    "nodmap-navigator",
+    "nodmap-pitch-controller",
+    "nodmap-save",
+    "nodmap-sheriff",
+    "nodmap-sim",
+    "nodmap-slam2d",
+    "nodmap-slam6d",
+    "nodmap-trial",
+    "nodmap-viewer",
+    "nodmap-watch",
+};
+// of that, what runs on the robot, with parameters,
+constexpr const char* kProcesses[] = {
+    "nodmap-kurt",
+    "nodmap-laser3d",
+    "nodmap-logger",
+    "nodmap-map-server",
+    "nodmap-navigator",
+    "nodmap-pitch-controller",
+    "nodmap-sim",
+    "nodmap-slam2d",
+    "nodmap-slam6d",
+    "nodmap-viewer",
+};
+// and of that, what works on a recording, too.
+constexpr const char* kModules[] = {
+    "nodmap-map-server",
+    "nodmap-navigator",
+    "nodmap-pitch-controller",
+    "nodmap-slam2d",
+    "nodmap-slam6d",
+};
+// clang-format on
+
 class EveryProgram : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(EveryProgram, SaysWhatItIsAndWhichVersion) {
@@ -32,11 +78,7 @@ TEST_P(EveryProgram, RefusesAnUnknownOptionInOneLine) {
   EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
 }
 
-INSTANTIATE_TEST_SUITE_P(All, EveryProgram,
-                         ::testing::Values("nodmap-map-server", "nodmap-slam2d", "nodmap-slam6d",
-                                           "nodmap-logger", "nodmap-convert", "nodmap-evaluate",
-                                           "nodmap-doctor", "nodmap-save", "nodmap-kurt",
-                                           "nodmap-laser3d"));
+INSTANTIATE_TEST_SUITE_P(All, EveryProgram, ::testing::ValuesIn(kPrograms));
 
 class EveryProcess : public ::testing::TestWithParam<const char*> {};
 
@@ -61,9 +103,7 @@ TEST_P(EveryProcess, DumpsParametersThatItLoadsAgain) {
   EXPECT_EQ(again.out, dump.out);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, EveryProcess,
-                         ::testing::Values("nodmap-map-server", "nodmap-slam2d", "nodmap-slam6d",
-                                           "nodmap-logger", "nodmap-kurt", "nodmap-laser3d"));
+INSTANTIATE_TEST_SUITE_P(All, EveryProcess, ::testing::ValuesIn(kProcesses));
 
 class EveryModule : public ::testing::TestWithParam<const char*> {};
 
@@ -84,8 +124,7 @@ TEST_P(EveryModule, AMissingRecordingIsAnError) {
   EXPECT_THAT(result.err, HasSubstr("none.lcmlog"));
 }
 
-INSTANTIATE_TEST_SUITE_P(All, EveryModule,
-                         ::testing::Values("nodmap-map-server", "nodmap-slam2d", "nodmap-slam6d"));
+INSTANTIATE_TEST_SUITE_P(All, EveryModule, ::testing::ValuesIn(kModules));
 
 }  // namespace
 }  // namespace nodmap

@@ -10,6 +10,10 @@ SLCAN_LINE = re.compile(r'"([tTrR][0-9A-F]{4,30})"')
 TESTS = ROOT / "drivers" / "laser3d" / "test"
 LITERAL = re.compile(r'hex\(\s*((?:"[0-9A-Fx ]+"\s*)+)\)')
 
+# What no configuration of ours uses.
+PMD = [b'cmd { exec = "A=1 x"; deputy = "d"; group = "a/b"; }', b'group "a" { group "b" { cmd "x" { exec = "\\n\\""; } } }',
+       b'script "s" { restart everything wait "stopped"; wait cmd "x" status "running"; run_script "s"; }']
+
 
 def slcan_lines():
     """The golden lines of the SLCAN test, each with its end, and what an adapter answers."""
@@ -54,6 +58,7 @@ def main():
     sick = [f for name in ("golden.hpp", "sick_telegram_test.cpp", "sick_command_test.cpp") for f in frames(TESTS / name)]
     sick += [sick_scan(181, 1000, 1), sick_scan(361, 1000, 0), sick_scan(401, 8000, 1)]
     write_seeds(out / "sick", sick)
+    write_seeds(out / "pmd", [file.read_bytes() for file in sorted((ROOT / "procman").glob("*.pmd"))] + PMD)
     write_seeds(out / "dynamixel", [f for f in frames(TESTS / "dynamixel_test.cpp")])
 
 

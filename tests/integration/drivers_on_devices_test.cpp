@@ -1,0 +1,250 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The drivers' cores against the simulator's devices, which share no code with them: every byte
+// between them, on simulated time. What the drivers say is compared with what really was.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "drivers/kurt/kurt.hpp"
+#include "drivers/laser3d/laser3d.hpp"
+#include "sim/dynamixel_emulator.hpp"
+#include "sim/lms200.hpp"
+#include "sim/slcan_kurt_emulator.hpp"
+
+namespace nodmap {
+namespace {
+
+constexpr std::int64_t kPollUs = 2000;  // how often a driver's process looks after its time-outs
+
+/// Four walls, so that every level beam has something to hit, at ranges that vary.
+sim::World room() {
+  sim::World world;
+  for (const double side : {-1.0, 1.0}) {
+    world.objects.push_back({sim::Box{{4.0 * side, 0.0, 1.5}, {0.2, 8.0, 3.0}, 0.0}});
+    world.objects.push_back({sim::Box{{0.0, 3.0 * side, 1.5}, {8.0, 0.2, 3.0}, 0.0}});
+  }
+  return world;
+}
+
+/// A driver's line, as the adapter's driver gives it: at `baud`, bytes as soon as they have left.
+struct Cable {
+  sim::Device& device;
+  int baud;
+
+  sim::Bytes read(std::int64_t now_us) {
+    sim::Bytes bytes;
+    device.transmit(now_us, baud, bytes);
+    return bytes;
+  }
+};
+
+/// The scanner's driver on its two devices.
+class ScannerRun {
+ public:
+  ScannerRun(const laser3d::Laser3dParams& params, const sim::Lms200Settings& laser)
+      : driver_(params), lms_(laser, [this](double angle_rad, std::int64_t time_us) {
+          return fire(angle_rad, time_us);
+        }) {
+    carry_out(driver_.laser_opened(0));
+    carry_out(driver_.servo_opened(0));
+  }
+
+  void run_until(std::int64_t end_us) {
+    while (now_us_ < end_us) {
+      now_us_ = std::min({lms_.next_us(), dynamixel_.next_us(), next_poll_us_, end_us});
+      plant_.advance_to(now_us_);
+      true_pitch_rad_[now_us_] = plant_.pitch_rad();
+      if (const sim::Bytes bytes = laser_.read(now_us_); !bytes.empty()) {
+        carry_out(driver_.receive_laser(bytes, now_us_));
+      }
+      if (const sim::Bytes bytes = servo_.read(now_us_); !bytes.empty()) {
+        carry_out(driver_.receive_servo(bytes, now_us_));
+      }
+      if (now_us_ >= next_poll_us_) {
+        next_poll_us_ = now_us_ + kPollUs;
+        carry_out(driver_.poll(now_us_));
+      }
+    }
+  }
+
+  /// How far the stamp of a scan is from the time its first beam was fired.
+  [[nodiscard]] std::int64_t stamp_error_us(const scan::Scan& scan) const {
+    const std::vector<std::int64_t>& fired = fired_us_.at(std::lround(1e4 * scan.angle_first_rad));
+    const auto after = std::lower_bound(fired.begin(), fired.end(), scan.utime_us);
+    std::int64_t error = after == fired.end() ? INT64_MAX : *after - scan.utime_us;
+    if (after != fired.begin()) {
+      error = std::min(error, scan.utime_us - *(after - 1));
+    }
+    return error;
+  }
+
+  [[nodiscard]] double true_pitch_rad(std::int64_t time_us) const {
+    const auto after = true_pitch_rad_.lower_bound(time_us);
+    const auto before = std::prev(after);
+    const double share = static_cast<double>(time_us - before->first) /
+                         static_cast<double>(after->first - before->first);
+    return before->second + share * (after->second - before->second);
+  }
+
+  std::vector<scan::Scan> scans;
+  const laser3d::Laser3d& driver() const { return driver_; }
+
+ private:
+  sim::Echo fire(double angle_rad, std::int64_t time_us) {
+    fired_us_[std::lround(1e4 * angle_rad)].push_back(time_us);
+    return plant_.measure(angle_rad, time_us);
+  }
+
+  void carry_out(laser3d::Laser3dOutput output) {
+    for (scan::Scan& scan : output.scans) {
+      scans.push_back(std::move(scan));
+    }
+    for (const auto& [actions, cable] :
+         {std::pair{&output.laser, &laser_}, {&output.servo, &servo_}}) {
+      for (const laser3d::LineAction& action : *actions) {
+        cable->baud = action.baud.value_or(cable->baud);
+        if (!action.send.empty()) {
+          cable->device.receive(action.send, cable->baud, now_us_);
+        }
+      }
+    }
+  }
+
+  std::int64_t now_us_ = 0;
+  std::int64_t next_poll_us_ = 0;
+  std::map<std::int64_t, std::vector<std::int64_t>> fired_us_;  // by angle in 1e-4 rad
+  std::map<std::int64_t, double> true_pitch_rad_;
+  sim::Plant plant_{room(), sim::PlantParams{}, 1};
+  laser3d::Laser3d driver_;
+  sim::Lms200 lms_;
+  sim::DynamixelEmulator dynamixel_{{}, plant_};
+  Cable laser_{lms_, 500'000};
+  Cable servo_{dynamixel_, 1'000'000};
+};
+
+struct Case {
+  const char* name;
+  laser3d::Laser3dParams params;
+  double scans_per_s;
+};
+
+laser3d::Laser3dParams with(laser3d::SickVariant variant, bool interlaced, laser3d::SickUnit unit) {
+  laser3d::Laser3dParams params;
+  params.variant = variant;
+  params.interlaced = interlaced;
+  params.unit = unit;
+  return params;
+}
+
+class DriversOnDevices : public ::testing::TestWithParam<Case> {};
+
+// R1, and the passive synchronisation: the mirror is 50 ppm slow, the servo's clock 30 ppm fast.
+TEST_P(DriversOnDevices, ScansTellWhenAndWhereTheyWereMeasured) {
+  ScannerRun run(GetParam().params, sim::Lms200Settings{});
+  constexpr std::int64_t kStartedUs = 15'000'000;
+  constexpr std::int64_t kEndUs = 45'000'000;
+  run.run_until(kStartedUs);
+  ASSERT_EQ(run.driver().judge(kStartedUs).reason, "");
+  run.scans.clear();
+  run.run_until(kEndUs);
+  const double rate = static_cast<double>(run.scans.size()) * 1e6 / (kEndUs - kStartedUs);
+  EXPECT_NEAR(rate, GetParam().scans_per_s, 0.1) << "a scan or two at the ends";
+  std::int64_t worst_us = 0;
+  double worst_pitch_rad = 0.0;
+  for (const scan::Scan& scan : run.scans) {
+    worst_us = std::max(worst_us, run.stamp_error_us(scan));
+    worst_pitch_rad = std::max(worst_pitch_rad,
+                               std::abs(scan.pitch_first_rad - run.true_pitch_rad(scan.utime_us)));
+  }
+  EXPECT_LT(worst_us, 1000);
+  // Half a step of the servo is 0.04 degrees; at 70 degrees/s a millisecond is 0.07 more.
+  EXPECT_LT(geometry::rad_to_deg(worst_pitch_rad), 0.25);
+  EXPECT_EQ(run.driver().counts().telegrams_missed, 0);
+  RecordProperty("worst_stamp_error_us", std::to_string(worst_us));
+  RecordProperty("worst_pitch_error_deg", std::to_string(geometry::rad_to_deg(worst_pitch_rad)));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Variants, DriversOnDevices,
+    ::testing::Values(
+        Case{"OneDegree",
+             with(laser3d::SickVariant::k180x100, false, laser3d::SickUnit::kMillimetre),
+             1e6 / 13'320.0},
+        Case{"HalfDegree",
+             with(laser3d::SickVariant::k180x050, false, laser3d::SickUnit::kMillimetre),
+             1e6 / 13'320.0},
+        Case{"Interlaced",
+             with(laser3d::SickVariant::k180x050, true, laser3d::SickUnit::kCentimetre),
+             1e6 / 13'320.0},
+        Case{"Narrow", with(laser3d::SickVariant::k100x025, false, laser3d::SickUnit::kMillimetre),
+             1e6 / 13'320.0}),
+    [](const auto& tested) { return std::string(tested.param.name); });
+
+TEST(LaserOnDevice, AFactoryNewSensorAt9600IsConfiguredOnce) {
+  sim::Lms200Settings factory;
+  factory.config = {0, 0, 0x46, 0, 0, 0, 1, 0, 0, 2, 2, 0, 0, 0, 0, 0, 0,
+                    0, 0, 0,    0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 2, 0};
+  ScannerRun run(laser3d::Laser3dParams{}, factory);
+  run.run_until(20'000'000);
+  EXPECT_EQ(run.driver().judge(20'000'000).reason, "");
+  EXPECT_EQ(run.driver().laser_counts().config_writes, 1);
+  EXPECT_GT(run.scans.size(), 100U);
+}
+
+/// The base's driver on its device, driven at constant speed.
+class BaseRun {
+ public:
+  static constexpr std::int64_t kValidUs = 100'000;
+
+  BaseRun() { driver_.connected({0, 0}); }
+
+  void run_until(std::int64_t end_us, double forward_mps) {
+    while (now_us_ < end_us) {
+      now_us_ = std::min({device_.next_us(), next_control_us_, end_us});
+      plant_.advance_to(now_us_);
+      if (const sim::Bytes bytes = cable_.read(now_us_); !bytes.empty()) {
+        for (const kurt::OdometrySample& sample : driver_.receive(bytes, moment())) {
+          samples.push_back(sample);
+        }
+      }
+      if (now_us_ >= next_control_us_) {
+        next_control_us_ += 10'000;
+        driver_.drive({{forward_mps, 0.0}, now_us_, kValidUs}, moment());
+        const std::string line = driver_.control(moment());
+        device_.receive(sim::Bytes(line.begin(), line.end()), cable_.baud, now_us_);
+      }
+    }
+  }
+
+  std::vector<kurt::OdometrySample> samples;
+  const kurt::Kurt& driver() const { return driver_; }
+  const sim::Plant& plant() const { return plant_; }
+
+ private:
+  [[nodiscard]] time::Moment moment() const { return {now_us_, now_us_}; }
+
+  std::int64_t now_us_ = 0;
+  std::int64_t next_control_us_ = 0;
+  sim::Plant plant_{sim::World{}, sim::PlantParams{}, 1};
+  kurt::Kurt driver_{kurt::KurtParams{}};
+  sim::SlcanKurtEmulator device_{{}, plant_};
+  Cable cable_{device_, 1'000'000};
+};
+
+TEST(BaseOnDevice, OdometryComesEveryTenMillisecondsAndMeasuresTheWay) {
+  BaseRun run;
+  run.run_until(10'000'000, 0.5);
+  EXPECT_NEAR(static_cast<double>(run.samples.size()), 990.0, 15.0) << "after the adapter's start";
+  EXPECT_NEAR(run.samples.back().state.forward_mps, 0.5, 0.02);
+  const double way_m =
+      0.5 * (run.plant().wheel_travel().left_m + run.plant().wheel_travel().right_m);
+  // What was rolled before the driver listened, and the last period.
+  EXPECT_NEAR(run.samples.back().state.T_odom_base.translation().norm(), way_m, 0.02);
+  EXPECT_EQ(run.driver().counts().encoder_lost, 0);
+  EXPECT_EQ(run.driver().slcan_counts().malformed, 0);
+}
+
+}  // namespace
+}  // namespace nodmap

@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// nodmap-sim and the drivers as processes: pseudo-terminals between them, a real network around.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <cstdlib>
+#include <fstream>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "common/bus/live_bus.hpp"
+#include "nodmap/odometry_t.hpp"
+#include "nodmap/pitch_state_t.hpp"
+#include "nodmap/scan_t.hpp"
+#include "nodmap/status_t.hpp"
+#include "nodmap/truth_t.hpp"
+#include "tests/integration/child_process.hpp"
+#include "tests/support/data_dir.hpp"
+
+namespace nodmap {
+namespace {
+
+using std::chrono::milliseconds;
+using SteadyClock = std::chrono::steady_clock;
+using test::ChildProcess;
+using ::testing::HasSubstr;
+
+constexpr const char* kUrl = "udpm://239.255.76.67:7693?ttl=0&recv_buf_size=4000000";
+constexpr milliseconds kPatience(30'000);  // for what takes seconds, on a machine in use
+constexpr milliseconds kMaxEnd(1000);      // interfaces: SIGINT and SIGTERM end it within a second
+
+constexpr const char* kRoom = R"(name: room
+objects:
+  - wall: {from: [-4, -3], to: [4, -3], z: [0, 2.5], thickness: 0.1}
+  - wall: {from: [-4, 3], to: [4, 3], z: [0, 2.5], thickness: 0.1}
+  - wall: {from: [-4, -3], to: [-4, 3], z: [0, 2.5], thickness: 0.1}
+  - wall: {from: [4, -3], to: [4, 3], z: [0, 2.5], thickness: 0.1}
+robot: {start: [0, 0, 0]}
+)";
+
+/// The stamps of a stream of messages.
+struct Stamps {
+  std::vector<std::int64_t> utimes;
+
+  void clear() { utimes.clear(); }
+  [[nodiscard]] double rate_hz() const {
+    return 1e6 * static_cast<double>(utimes.size() - 1) /
+           static_cast<double>(utimes.back() - utimes.front());
+  }
+};
+
+class SimProcess : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    for (const char* program : {"NODMAP_SIM", "NODMAP_LASER3D", "NODMAP_KURT"}) {
+      ASSERT_NE(std::getenv(program), nullptr) << program << " is set by ctest";
+    }
+    std::ofstream(world_) << kRoom;
+    stamp<nodmap::scan_t>("SCAN", scans_);
+    stamp<nodmap::pitch_state_t>("PITCH_STATE", pitches_);
+    stamp<nodmap::odometry_t>("ODOMETRY", odometry_);
+    stamp<nodmap::truth_t>("TRUTH", truths_);
+  }
+
+  template <class Message>
+  void stamp(const std::string& channel, Stamps& stamps) {
+    bus_.subscribe<Message>(
+        channel, [&stamps](const Message& message) { stamps.utimes.push_back(message.utime); });
+  }
+
+  [[nodiscard]] std::vector<std::string> sim_command(std::vector<std::string> more = {}) const {
+    std::vector<std::string> words{
+        std::getenv("NODMAP_SIM"), "--lcm-url", kUrl,           "--world",
+        world_.string(),           "--links",   links_.string()};
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  }
+
+  void start_drivers() {
+    laser_.emplace(std::vector<std::string>{std::getenv("NODMAP_LASER3D"), "--lcm-url", kUrl,
+                                            "--set", "laser_device=" + (links_ / "laser").string(),
+                                            "--set",
+                                            "servo_device=" + (links_ / "servo").string()});
+    base_.emplace(std::vector<std::string>{std::getenv("NODMAP_KURT"), "--lcm-url", kUrl, "--set",
+                                           "device=" + (links_ / "base").string()});
+  }
+
+  bool listen_until(const std::function<bool()>& done) {
+    const auto deadline = SteadyClock::now() + kPatience;
+    while (!done() && SteadyClock::now() < deadline) {
+      bus_.handle(milliseconds(20));
+    }
+    return done();
+  }
+
+  void listen_for(milliseconds duration) {
+    const auto end = SteadyClock::now() + duration;
+    listen_until([end] { return SteadyClock::now() >= end; });
+  }
+
+  void forget() {
+    for (Stamps* stamps : {&scans_, &pitches_, &odometry_, &truths_}) {
+      stamps->clear();
+    }
+  }
+
+  test::TemporaryDir dir_;
+  std::filesystem::path world_ = dir_.path() / "room.yaml";
+  std::filesystem::path links_ = dir_.path() / "links";
+  bus::LiveBus bus_{kUrl};
+  Stamps scans_;
+  Stamps pitches_;
+  Stamps odometry_;
+  Stamps truths_;
+  std::optional<ChildProcess> laser_;
+  std::optional<ChildProcess> base_;
+};
+
+TEST_F(SimProcess, TheDriversFindTheirDevicesAndTheirRates) {
+  const auto out = dir_.path() / "out";
+  ChildProcess sim(sim_command({"--out", out.string()}));
+  ASSERT_TRUE(sim.wait_for_stderr("devices in", kPatience)) << sim.said();
+  start_drivers();
+  ASSERT_TRUE(
+      listen_until([this] { return scans_.utimes.size() > 10 && !odometry_.utimes.empty(); }));
+  forget();
+  listen_for(milliseconds(5000));
+  // A scan or two at the ends of 5 s, and the clocks of mirror and base are slow on purpose.
+  EXPECT_NEAR(scans_.rate_hz(), 1e6 / 13'320.0, 0.5);
+  EXPECT_NEAR(odometry_.rate_hz(), 100.0, 1.0);
+  EXPECT_NEAR(truths_.rate_hz(), 50.0, 0.5);
+  // Each reading is one request: a machine in use stretches some.
+  EXPECT_GT(pitches_.rate_hz(), 100.0);
+  EXPECT_GT(scans_.utimes.size(), 350U);
+  sim.send_signal(SIGINT);
+  EXPECT_EQ(sim.wait_for_end(kMaxEnd), 0);
+  EXPECT_THAT(sim.said(), HasSubstr("0 collisions"));
+  EXPECT_FALSE(std::filesystem::exists(links_)) << "links and folder are gone";
+  nlohmann::json result;
+  std::ifstream(out / "result.json") >> result;
+  EXPECT_EQ(result["collisions"], 0);
+  EXPECT_GT(result["duration_s"], 5.0);
+  EXPECT_NEAR(result["min_clearance_m"], 3.0 - 0.05 - 0.165, 1e-3);
+}
+
+TEST_F(SimProcess, TheDriversRecoverWhenTheirPortsComeBack) {
+  ChildProcess sim(sim_command({"--fault", "laser:unplug@6+2", "--fault", "base:unplug@6+2",
+                                "--fault", "servo:unplug@6+2"}));
+  ASSERT_TRUE(sim.wait_for_stderr("devices in", kPatience)) << sim.said();
+  start_drivers();
+  ASSERT_TRUE(listen_until([this] { return !scans_.utimes.empty() && !odometry_.utimes.empty(); }));
+  ASSERT_TRUE(listen_until([this] { return !std::filesystem::exists(links_ / "laser"); }))
+      << "unplugged, its link is gone";
+  listen_for(milliseconds(500));
+  forget();
+  listen_for(milliseconds(500));
+  EXPECT_TRUE(scans_.utimes.empty());
+  EXPECT_TRUE(odometry_.utimes.empty());
+  EXPECT_TRUE(
+      listen_until([this] { return scans_.utimes.size() > 100 && odometry_.utimes.size() > 100; }));
+  sim.send_signal(SIGTERM);
+  EXPECT_EQ(sim.wait_for_end(kMaxEnd), 0);
+}
+
+TEST_F(SimProcess, SaysHowItIs) {
+  bus::Latest<nodmap::status_t> status(bus_, "STATUS");
+  ChildProcess sim(sim_command({"--duration", "3"}));
+  ASSERT_TRUE(listen_until([&status] { return status.get().has_value(); }));
+  EXPECT_EQ(status.get()->process_name, "nodmap-sim");
+  EXPECT_EQ(sim.wait_for_end(kPatience), 0) << "its time is over";
+}
+
+TEST_F(SimProcess, TouchesNothingThatIsNotItsOwn) {
+  std::filesystem::create_directory(links_);
+  std::ofstream(links_ / "servo") << "precious";
+  ChildProcess sim(sim_command());
+  EXPECT_EQ(sim.wait_for_end(kPatience), 1);
+  EXPECT_THAT(sim.said(), HasSubstr("servo: exists and is no link of the simulator"));
+  EXPECT_EQ(std::filesystem::file_size(links_ / "servo"), 8U);
+  std::filesystem::remove(links_ / "servo");
+  // What a killed simulator leaves is taken over, what a living one has is not.
+  std::filesystem::create_symlink("/dev/pts/1000000", links_ / "laser");
+  ChildProcess first(sim_command());
+  ASSERT_TRUE(first.wait_for_stderr("devices in", kPatience)) << first.said();
+  ChildProcess second(sim_command());
+  EXPECT_EQ(second.wait_for_end(kPatience), 1);
+  EXPECT_THAT(second.said(), HasSubstr("in use by another simulator"));
+  EXPECT_TRUE(std::filesystem::is_symlink(links_ / "laser"));
+}
+
+TEST_F(SimProcess, RefusesWhatItDoesNotUnderstand) {
+  ChildProcess fault(sim_command({"--fault", "laser:melt@1+1"}));
+  EXPECT_EQ(fault.wait_for_end(kPatience), 2);
+  EXPECT_THAT(fault.said(), HasSubstr("'melt' is none of drop"));
+  std::ofstream(world_) << "objects: 5\n";
+  ChildProcess world(sim_command());
+  EXPECT_EQ(world.wait_for_end(kPatience), 2);
+}
+
+}  // namespace
+}  // namespace nodmap

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tests/procman/deputy_client.hpp"
+
+#include <fstream>
+#include <iterator>
+
+#include "procman/deputy/process_table.hpp"
+#include "procman/protocol/messages.hpp"
+
+namespace nodmap::test {
+
+using std::chrono::milliseconds;
+using SteadyClock = std::chrono::steady_clock;
+
+DeputyClient::DeputyClient(std::string deputy_id) : deputy_id_(std::move(deputy_id)) {
+  bus_.subscribe<procman_lcm::deputy_info_t>(procman::kInfoChannel, [this](const auto& message) {
+    if (message.deputy_id == deputy_id_) {
+      infos_.push_back(procman::from_message(message));
+    }
+  });
+  bus_.subscribe<procman_lcm::output_t>(procman::kOutputChannel, [this](const auto& message) {
+    for (const procman::Said& said : procman::from_message(message).said) {
+      outputs_[said.command_id] += said.text;
+    }
+  });
+}
+
+void DeputyClient::order(std::vector<procman::CommandOrder> commands) {
+  bus_.publish(procman::kOrdersChannel,
+               procman::to_message(procman::Orders{clock_.now_utime_us(), deputy_id_, "test",
+                                                   std::move(commands)}));
+}
+
+bool DeputyClient::wait_until(const std::function<bool()>& condition, milliseconds timeout) {
+  const auto deadline = SteadyClock::now() + timeout;
+  while (!condition()) {
+    if (SteadyClock::now() >= deadline) {
+      return false;
+    }
+    bus_.handle(milliseconds(20));
+  }
+  return true;
+}
+
+void DeputyClient::listen_for(milliseconds duration) {
+  static_cast<void>(wait_until([] { return false; }, duration));
+}
+
+procman::CommandStatus DeputyClient::status(const std::string& id) const {
+  if (!infos_.empty()) {
+    for (const procman::CommandStatus& status : infos_.back().commands) {
+      if (status.spec.id == id) {
+        return status;
+      }
+    }
+  }
+  return {};
+}
+
+procman::CommandOrder wanted(const std::string& id, const std::string& exec, int run,
+                             bool force_quit) {
+  procman::CommandOrder order;
+  order.spec.id = id;
+  order.spec.exec = exec;
+  order.desired_run = run;
+  order.force_quit = force_quit;
+  return order;
+}
+
+std::vector<pid_t> processes_marked(const std::string& mark) {
+  std::vector<pid_t> marked;
+  for (const procman::ProcessRow& row : procman::read_processes()) {
+    if (!row.is_dead() && procman::variable_of(row.pid, "NODMAP_TEST") == mark) {
+      marked.push_back(row.pid);
+    }
+  }
+  return marked;
+}
+
+bool is_running(const std::vector<std::string>& words) {
+  std::string line;
+  for (const std::string& word : words) {
+    line += word + '\0';
+  }
+  for (const procman::ProcessRow& row : procman::read_processes()) {
+    std::ifstream in("/proc/" + std::to_string(row.pid) + "/cmdline", std::ios::binary);
+    if (!row.is_dead() && std::string{std::istreambuf_iterator<char>(in), {}} == line) {
+      return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace nodmap::test

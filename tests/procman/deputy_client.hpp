@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "common/bus/live_bus.hpp"
+#include "common/time/clock.hpp"
+#include "procman/protocol/values.hpp"
+#include "tests/integration/child_process.hpp"
+
+namespace nodmap::test {
+
+inline constexpr const char* kProcmanUrl = "udpm://239.255.76.67:7692?ttl=0&recv_buf_size=2000000";
+/// For what takes milliseconds, on a machine in use.
+inline constexpr std::chrono::milliseconds kPatience{15'000};
+
+/// A sheriff by hand: sends orders to one deputy, and keeps what comes back.
+class DeputyClient {
+ public:
+  explicit DeputyClient(std::string deputy_id);
+
+  void order(std::vector<procman::CommandOrder> commands);
+
+  /// Listens until the condition holds. False when it does not in time.
+  bool wait_until(const std::function<bool()>& condition,
+                  std::chrono::milliseconds timeout = kPatience);
+  void listen_for(std::chrono::milliseconds duration);
+
+  /// How a command is by the newest INFO; a default one where it is unknown.
+  [[nodiscard]] procman::CommandStatus status(const std::string& id) const;
+  [[nodiscard]] bool runs(const std::string& id) const { return status(id).pid != 0; }
+  [[nodiscard]] const std::vector<procman::DeputyInfo>& infos() const { return infos_; }
+  /// All that a command wrote.
+  [[nodiscard]] const std::string& output(const std::string& id) { return outputs_[id]; }
+  [[nodiscard]] bus::LiveBus& bus() { return bus_; }
+
+ private:
+  std::string deputy_id_;
+  time::SystemClock clock_;
+  bus::LiveBus bus_{kProcmanUrl};
+  std::vector<procman::DeputyInfo> infos_;
+  std::map<std::string, std::string> outputs_;
+};
+
+/// A command for an order.
+[[nodiscard]] procman::CommandOrder wanted(const std::string& id, const std::string& exec, int run,
+                                           bool force_quit = false);
+
+/// The living processes whose environment holds NODMAP_TEST=`mark`.
+[[nodiscard]] std::vector<pid_t> processes_marked(const std::string& mark);
+
+/// Whether a process with exactly these words lives.
+[[nodiscard]] bool is_running(const std::vector<std::string>& words);
+
+}  // namespace nodmap::test

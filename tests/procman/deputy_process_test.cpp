@@ -1,0 +1,315 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// nodmap-deputy as a process: what it must never leave behind, and what must never stop it.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <fstream>
+
+#include "procman/deputy/process_table.hpp"
+#include "tests/procman/deputy_client.hpp"
+#include "tests/support/data_dir.hpp"
+
+namespace nodmap {
+namespace {
+
+using procman::CommandOrder;
+using std::chrono::milliseconds;
+using SteadyClock = std::chrono::steady_clock;
+using test::ChildProcess;
+using test::kPatience;
+using test::kProcmanUrl;
+using test::processes_marked;
+using test::wanted;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+constexpr const char* kDeputy = NODMAP_BIN "/nodmap-deputy";
+
+class DeputyProcess : public ::testing::Test {
+ protected:
+  void TearDown() override {
+    deputy_.reset();
+    for (const pid_t pid : processes_marked(mark_)) {
+      ADD_FAILURE() << "left behind: process " << pid;
+      ::kill(pid, SIGKILL);
+    }
+  }
+
+  void begin(std::vector<std::string> more = {"--trust-network"}) {
+    deputy_ = launch(std::move(more));
+    ASSERT_TRUE(deputy_->wait_for_stderr("serving", kPatience)) << deputy_->said();
+    ASSERT_TRUE(client_.wait_until([this] { return !client_.infos().empty(); }));
+  }
+
+  static std::unique_ptr<ChildProcess> launch(std::vector<std::string> more) {
+    std::vector<std::string> command{kDeputy, "--lcm-url", kProcmanUrl, "--id", "rover"};
+    command.insert(command.end(), more.begin(), more.end());
+    return std::make_unique<ChildProcess>(command);
+  }
+
+  /// An exec line whose processes are found again.
+  [[nodiscard]] std::string marked(const std::string& exec) const {
+    return "NODMAP_TEST=" + mark_ + " " + exec;
+  }
+
+  [[nodiscard]] bool comes_to_run(const CommandOrder& order) {
+    client_.order({order});
+    return client_.wait_until([&] { return client_.runs(order.spec.id); });
+  }
+
+  [[nodiscard]] bool is_gone(milliseconds timeout = kPatience) {
+    return client_.wait_until([this] { return processes_marked(mark_).empty(); }, timeout);
+  }
+
+  void end_cleanly() {
+    deputy_->send_signal(SIGTERM);
+    EXPECT_EQ(deputy_->wait_for_end(kPatience), 0) << deputy_->said();
+  }
+
+  std::string mark_ = std::to_string(::getpid()) + "-" +
+                      ::testing::UnitTest::GetInstance()->current_test_info()->name();
+  test::DeputyClient client_{"rover"};
+  std::unique_ptr<ChildProcess> deputy_;
+};
+
+// The existing deputies die in this, or leave a child alive.
+TEST_F(DeputyProcess, StartAndStopWithinFourMilliseconds200Times) {
+  begin();
+  const std::string exec = marked("sleep 1000");
+  for (int run = 1; run <= 200; ++run) {
+    client_.order({wanted("a", exec, run)});
+    ::usleep(static_cast<useconds_t>(run % 5) * 1000);
+    client_.order({wanted("a", exec, run, true)});
+    ASSERT_TRUE(client_.wait_until([&] {
+      const auto status = client_.status("a");
+      return status.actual_run == run && status.pid == 0 && status.wait_status != 0;
+    })) << "run "
+        << run << deputy_->said();
+    EXPECT_EQ(client_.status("a").wait_status, SIGINT) << "run " << run;
+    ASSERT_THAT(processes_marked(mark_), IsEmpty()) << "run " << run;
+  }
+  end_cleanly();
+}
+
+TEST_F(DeputyProcess, RestartWithinFourMilliseconds200Times) {
+  begin();
+  const std::string exec = marked("sleep 1000");
+  ASSERT_TRUE(comes_to_run(wanted("a", exec, 1)));
+  for (int run = 2; run <= 201; ++run) {
+    client_.order({wanted("a", exec, run)});
+    ::usleep(static_cast<useconds_t>(run % 5) * 1000);
+    // A sheriff repeats its orders; the one after the end of the old run starts the new.
+    ASSERT_TRUE(client_.wait_until([&] {
+      const auto status = client_.status("a");
+      if (status.pid == 0) {
+        client_.order({wanted("a", exec, run)});
+      }
+      return status.actual_run == run && status.pid != 0;
+    })) << "run "
+        << run;
+    ASSERT_LE(processes_marked(mark_).size(), 1U) << "run " << run;
+  }
+  end_cleanly();
+}
+
+TEST_F(DeputyProcess, AStubbornTreeIsGoneAfterItsGraceTime) {
+  begin();
+  // Ignores the signal, and has grandchildren: one in its session, one that left it, one whose
+  // parent has gone.
+  const std::string script =
+      "bash -c 'trap \"\" INT TERM HUP; sleep 1001 & setsid sleep 1002 & "
+      "(setsid bash -c \"sleep 1003 & sleep 1004\" &) ; while true; do sleep 0.1; done'";
+  CommandOrder order = wanted("tree", marked(script), 1);
+  order.spec.stop_time_allowed_s = 1.0;
+  ASSERT_TRUE(comes_to_run(order));
+  ASSERT_TRUE(client_.wait_until([this] { return processes_marked(mark_).size() >= 5; }));
+  order.force_quit = true;
+  const auto stopped = SteadyClock::now();
+  client_.order({order});  // once: the deputy needs no reminder
+  ASSERT_TRUE(client_.wait_until([this] { return client_.status("tree").wait_status != 0; }));
+  EXPECT_THAT(processes_marked(mark_), IsEmpty()) << "reported when nothing is left";
+  EXPECT_EQ(client_.status("tree").wait_status, SIGKILL);
+  EXPECT_GE(SteadyClock::now() - stopped, milliseconds(1000)) << "not before its grace time";
+  end_cleanly();
+}
+
+// Many times: what is left behind may be between fork, setsid and exec when its parent ends.
+TEST_F(DeputyProcess, WhatACommandLeavesBehindEndsWithIt) {
+  begin();
+  for (int run = 1; run <= 100; ++run) {
+    client_.order({wanted("a", marked("bash -c 'setsid sleep 1000 & exit 3'"), run)});
+    ASSERT_TRUE(client_.wait_until([&] {
+      return client_.status("a").actual_run == run && client_.status("a").wait_status == 3 << 8;
+    }));
+    ASSERT_THAT(processes_marked(mark_), IsEmpty()) << "run " << run;
+  }
+  end_cleanly();
+}
+
+TEST_F(DeputyProcess, AFloodIsLimitedCountedAndBlocksNobody) {
+  begin();
+  client_.order(
+      {wanted("flood", marked("yes 0123456789012345678901234567890123456789"), 1),
+       wanted("tick", marked("bash -c 'while true; do echo tick; sleep 0.05; done'"), 1)});
+  ASSERT_TRUE(client_.wait_until([this] { return client_.runs("tick") && client_.runs("flood"); }));
+  const std::size_t infos_before = client_.infos().size();
+  client_.listen_for(milliseconds(3000));
+  EXPECT_GE(client_.infos().size(), infos_before + 2) << "still speaks each second";
+  // 128 KiB at first, then 64 KiB/s, for the three seconds and the moment before them.
+  EXPECT_LT(client_.output("flood").size(), (128U + 5U * 64U) * 1024U);
+  EXPECT_GT(client_.output("flood").size(), 128U * 1024U);
+  EXPECT_THAT(client_.output("flood"), HasSubstr("bytes of output dropped"));
+  EXPECT_GT(client_.output("tick").size(), 20U * 6U) << "the quiet one is heard";
+  EXPECT_THAT(client_.output("tick"), ::testing::Not(HasSubstr("dropped")));
+  client_.order({wanted("flood", "x", 1, true), wanted("tick", "x", 1, true)});
+  EXPECT_TRUE(is_gone());
+  end_cleanly();
+}
+
+TEST_F(DeputyProcess, AKilledChildIsReportedAndRespawned) {
+  begin();
+  CommandOrder order = wanted("a", marked("sleep 1000"), 1);
+  order.spec.auto_respawn = true;
+  ASSERT_TRUE(comes_to_run(order));
+  const pid_t first = client_.status("a").pid;
+  ::kill(first, SIGKILL);
+  ASSERT_TRUE(client_.wait_until(
+      [&] { return client_.status("a").pid != 0 && client_.status("a").pid != first; }));
+  EXPECT_EQ(client_.status("a").actual_run, 1);
+  EXPECT_TRUE(std::any_of(client_.infos().begin(), client_.infos().end(), [](const auto& info) {
+    return !info.commands.empty() && info.commands[0].wait_status == SIGKILL;
+  }));
+  EXPECT_TRUE(client_.wait_until([this] { return client_.output("a") == "Killed\n"; }));
+  end_cleanly();
+}
+
+TEST_F(DeputyProcess, ItsCleanEndLeavesNothing) {
+  begin();
+  // One of them hides all that it could be known by: parent, session and environment.
+  const std::string hidden = std::to_string(100'000 + ::getpid());
+  ASSERT_TRUE(comes_to_run(wanted("a",
+                                  marked("bash -c '(setsid sleep 1000 &); (env -i setsid sleep " +
+                                         hidden + " &) ; sleep 1000; true'"),
+                                  1)));
+  ASSERT_TRUE(client_.wait_until([&] {
+    return processes_marked(mark_).size() >= 3 && test::is_running({"sleep", hidden});
+  }));
+  end_cleanly();
+  EXPECT_THAT(processes_marked(mark_), IsEmpty());
+  EXPECT_FALSE(test::is_running({"sleep", hidden}));
+}
+
+TEST_F(DeputyProcess, ASecondSignalDoesNotWaitForGraceTimes) {
+  begin();
+  CommandOrder order = wanted("a", marked("bash -c 'trap \"\" INT; sleep 1000; sleep 1000'"), 1);
+  order.spec.stop_time_allowed_s = 3600.0;
+  ASSERT_TRUE(comes_to_run(order));
+  ::usleep(200'000);
+  deputy_->send_signal(SIGINT);
+  EXPECT_FALSE(deputy_->wait_for_end(milliseconds(500)).has_value());
+  deputy_->send_signal(SIGINT);
+  EXPECT_EQ(deputy_->wait_for_end(kPatience), 0);
+}
+
+// What SIGKILL leaves: the commands die with their deputy, at once; what they had started is hung
+// up, and what survives that goes when the deputy is started again.
+TEST_F(DeputyProcess, ItsViolentEndIsSeenToByTheNextOne) {
+  begin();
+  ASSERT_TRUE(comes_to_run(
+      wanted("a", marked("bash -c 'trap \"\" HUP; setsid sleep 1000 & sleep 1000; true'"), 1)));
+  ASSERT_TRUE(client_.wait_until([this] { return processes_marked(mark_).size() >= 3; }));
+  const pid_t first = client_.status("a").pid;
+  deputy_->send_signal(SIGKILL);
+  ASSERT_EQ(deputy_->wait_for_end(kPatience), 128 + SIGKILL);
+  EXPECT_TRUE(client_.wait_until([first] {
+    const auto row = procman::read_process(first);
+    return !row || row->is_dead();
+  })) << "PR_SET_PDEATHSIG";
+  begin();
+  EXPECT_TRUE(is_gone());
+  end_cleanly();
+}
+
+TEST_F(DeputyProcess, RunsOnlyWhatItsConfigurationNames) {
+  const test::TemporaryDir dir;
+  const std::string file = dir.path() / "robot.pmd";
+  const std::string good = marked("sleep 1000");
+  std::ofstream(file) << "cmd \"good\" { exec = \"" << good << "\"; host = \"rover\"; }\n"
+                      << "cmd \"far\" { exec = \"" << good << " 1\"; host = \"other\"; }\n";
+  begin({"--config", file});
+  client_.order(
+      {wanted("good", good, 1), wanted("bad", good + " ; rm", 1), wanted("far", good + " 1", 1)});
+  ASSERT_TRUE(client_.wait_until([this] {
+    return client_.runs("good") && client_.status("bad").wait_status != 0 &&
+           client_.output("far") != "";
+  }));
+  EXPECT_EQ(client_.status("bad").wait_status, 127 << 8);
+  EXPECT_THAT(client_.output("bad"), HasSubstr("refused"));
+  EXPECT_THAT(client_.output("far"), HasSubstr("refused"));
+  EXPECT_TRUE(client_.wait_until([this] { return processes_marked(mark_).size() == 1; }));
+  end_cleanly();
+}
+
+TEST_F(DeputyProcess, RefusesToServeNobodyOrTwice) {
+  EXPECT_EQ(launch({})->wait_for_end(kPatience), 2) << "neither --config nor --trust-network";
+  begin();
+  const auto second = launch({"--trust-network"});
+  EXPECT_EQ(second->wait_for_end(kPatience), 2) << second->said();
+  EXPECT_THAT(second->said(), HasSubstr("there is a deputy rover already"));
+  end_cleanly();
+}
+
+TEST_F(DeputyProcess, SaysWhatCannotBeRun) {
+  begin();
+  client_.order({wanted("none", "/no/such/program", 1), wanted("empty", "A=1", 1)});
+  ASSERT_TRUE(client_.wait_until([this] {
+    return client_.status("none").wait_status != 0 && client_.status("empty").wait_status != 0;
+  }));
+  EXPECT_EQ(client_.status("none").wait_status, 127 << 8);
+  EXPECT_EQ(client_.status("empty").wait_status, 127 << 8);
+  EXPECT_TRUE(client_.wait_until(
+      [this] { return client_.output("none").find("No such file") != std::string::npos; }));
+  end_cleanly();
+}
+
+TEST_F(DeputyProcess, AHundredProcessesCostLittle) {
+  begin();
+  std::vector<CommandOrder> orders;
+  for (int i = 0; i < 100; ++i) {
+    orders.push_back(wanted("command-" + std::to_string(i), marked("sleep 1000"), 1));
+  }
+  client_.order(orders);
+  ASSERT_TRUE(client_.wait_until([this] { return processes_marked(mark_).size() == 100; }));
+  client_.listen_for(milliseconds(1500));  // the work of starting them is done
+  pid_t deputy = 0;
+  for (const auto& row : procman::read_processes()) {
+    if (row.pid == client_.status("command-0").pid) {
+      deputy = row.parent;
+    }
+  }
+  const auto before = procman::read_process(deputy);
+  const auto begun = SteadyClock::now();
+  for (int i = 0; i < 10; ++i) {
+    client_.order(orders);
+    client_.listen_for(milliseconds(1000));
+  }
+  const auto after = procman::read_process(deputy);
+  ASSERT_TRUE(before && after);
+  const double busy_s = static_cast<double>(after->cpu_ticks - before->cpu_ticks) /
+                        static_cast<double>(::sysconf(_SC_CLK_TCK));
+  const double share = busy_s / std::chrono::duration<double>(SteadyClock::now() - begun).count();
+  std::printf("deputy with 100 processes: %.2f %% of a core\n", 100.0 * share);
+  EXPECT_LE(share, 0.02);
+  EXPECT_EQ(client_.infos().back().commands.size(), 100U);
+  for (CommandOrder& order : orders) {
+    order.force_quit = true;
+  }
+  client_.order(orders);
+  EXPECT_TRUE(is_gone());
+  end_cleanly();
+}
+
+}  // namespace
+}  // namespace nodmap

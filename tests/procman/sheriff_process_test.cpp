@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// nodmap-sheriff and nodmap-deputy together, as people and scripts use them.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "nodmap/status_t.hpp"
+#include "procman/protocol/messages.hpp"
+#include "tests/procman/deputy_client.hpp"
+#include "tests/support/data_dir.hpp"
+#include "tests/support/program.hpp"
+
+namespace nodmap {
+namespace {
+
+using std::chrono::milliseconds;
+using test::ChildProcess;
+using test::kPatience;
+using test::kProcmanUrl;
+using test::run_program;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+
+class SheriffProcess : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    std::ofstream(file_) << R"(
+      group "g" {
+        cmd "sleeper" { exec = ")"
+                         << marked("sleep 1000") << R"("; host = "rover"; auto_respawn = "true";
+                        #nodmap: status_name = "sleeper"; restart_failed_s = 1;
+                      }
+        cmd "talker" { exec = ")"
+                         << marked("bash -c 'while true; do echo word; sleep 0.1; done'")
+                         << R"("; host = "rover"; }
+      }
+      cmd "wrong" { exec = ")"
+                         << marked("bash -c 'exit 3'") << R"("; host = "rover"; }
+      cmd "far" { exec = "x"; host = "absent"; }
+      script "up" { start group "g" wait "running"; }
+      script "down" { stop group "g" wait "stopped"; }
+      script "never" { start cmd "far" wait "running"; }
+    )";
+  }
+  void TearDown() override {
+    sheriff_.reset();
+    if (deputy_) {
+      deputy_->send_signal(SIGTERM);
+      EXPECT_EQ(deputy_->wait_for_end(kPatience), 0) << deputy_->said();
+    }
+    EXPECT_THAT(test::processes_marked(mark_), IsEmpty());
+  }
+
+  [[nodiscard]] std::string marked(const std::string& exec) const {
+    return "NODMAP_TEST=" + mark_ + " " + exec;
+  }
+  void begin_deputy() {
+    deputy_ = std::make_unique<ChildProcess>(std::vector<std::string>{
+        NODMAP_BIN "/nodmap-deputy", "--lcm-url", kProcmanUrl, "--config", file_, "--id", "rover"});
+    ASSERT_TRUE(deputy_->wait_for_stderr("serving", kPatience)) << deputy_->said();
+    ASSERT_TRUE(client_.wait_until([this] { return !client_.infos().empty(); }));
+  }
+  [[nodiscard]] test::ProgramResult sheriff(std::vector<std::string> arguments) const {
+    arguments.insert(arguments.begin(), {file_, "--lcm-url", kProcmanUrl});
+    return run_program("nodmap-sheriff", arguments);
+  }
+  void begin_sheriff(std::vector<std::string> more) {
+    std::vector<std::string> command{NODMAP_BIN "/nodmap-sheriff", file_, "--lcm-url", kProcmanUrl};
+    command.insert(command.end(), more.begin(), more.end());
+    sheriff_ = std::make_unique<ChildProcess>(command);
+  }
+
+  std::string mark_ = std::to_string(::getpid()) + "-" +
+                      ::testing::UnitTest::GetInstance()->current_test_info()->name();
+  test::TemporaryDir dir_;
+  std::string file_ = dir_.path() / "robot.pmd";
+  test::DeputyClient client_{"rover"};
+  std::unique_ptr<ChildProcess> deputy_;
+  std::unique_ptr<ChildProcess> sheriff_;
+};
+
+TEST_F(SheriffProcess, RunsScriptsAndGoesWhileTheRobotStays) {
+  begin_deputy();
+  const auto up = sheriff({"--script", "up", "--timeout", "10"});
+  EXPECT_EQ(up.exit_code, 0) << up.out << up.err;
+  EXPECT_THAT(up.out, HasSubstr("script up is done"));
+  EXPECT_TRUE(client_.wait_until(
+      [this] { return client_.runs("sleeper") && client_.runs("talker"); }, milliseconds(1500)));
+  const auto down = sheriff({"--script", "down", "--timeout", "10"});
+  EXPECT_EQ(down.exit_code, 0) << down.out << down.err;
+  EXPECT_THAT(test::processes_marked(mark_), IsEmpty());
+}
+
+TEST_F(SheriffProcess, AScriptThatCannotEndFailsInTime) {
+  begin_deputy();
+  const auto never = sheriff({"--script", "never", "--timeout", "3"});
+  EXPECT_EQ(never.exit_code, 1);
+  EXPECT_THAT(never.out, HasSubstr("cmd \"far\" to be running"));
+  EXPECT_EQ(sheriff({"--script", "none"}).exit_code, 2);
+}
+
+TEST_F(SheriffProcess, StartsStopsAndRestartsByName) {
+  begin_deputy();
+  const auto start = sheriff({"--start", "g"});
+  EXPECT_EQ(start.exit_code, 0) << start.out << start.err;
+  ASSERT_TRUE(client_.wait_until([this] { return client_.runs("sleeper"); }));
+  const int pid = client_.status("sleeper").pid;
+  const auto restart = sheriff({"--restart", "sleeper"});
+  EXPECT_EQ(restart.exit_code, 0) << restart.out << restart.err;
+  ASSERT_TRUE(client_.wait_until(
+      [&] { return client_.runs("sleeper") && client_.status("sleeper").pid != pid; }));
+  EXPECT_TRUE(client_.runs("talker")) << "left as it was";
+  const auto stop = sheriff({"--stop", "talker"});
+  EXPECT_EQ(stop.exit_code, 0) << stop.out << stop.err;
+  EXPECT_TRUE(client_.wait_until([this] { return !client_.runs("talker"); }));
+  client_.listen_for(milliseconds(1200));
+  EXPECT_FALSE(client_.runs("talker")) << "stays stopped";
+  EXPECT_TRUE(client_.runs("sleeper"));
+  const auto wrong = sheriff({"--start", "wrong"});
+  EXPECT_EQ(wrong.exit_code, 1);
+  EXPECT_THAT(wrong.out, HasSubstr("wrong: Stopped (Error)"));
+  EXPECT_EQ(sheriff({"--start", "nobody"}).exit_code, 2);
+  const auto far = sheriff({"--start", "far"});
+  EXPECT_EQ(far.exit_code, 1);
+  EXPECT_THAT(far.err, HasSubstr("absent does not answer"));
+}
+
+TEST_F(SheriffProcess, TellsTheStatusToPeopleAndPrograms) {
+  begin_deputy();
+  ASSERT_EQ(sheriff({"--start", "talker"}).exit_code, 0);
+  const auto table = sheriff({"--status"});
+  EXPECT_EQ(table.exit_code, 1) << "a host is missing";
+  EXPECT_THAT(table.out, HasSubstr("g/talker"));
+  EXPECT_THAT(table.out, HasSubstr("Running"));
+  const auto json = nlohmann::json::parse(sheriff({"--status", "--json"}).out);
+  EXPECT_EQ(json["commands"].size(), 4U);
+  for (const auto& command : json["commands"]) {
+    if (command["command"] == "talker") {
+      EXPECT_EQ(command["state"], "Running");
+      EXPECT_GT(command["pid"], 0);
+    }
+  }
+}
+
+TEST_F(SheriffProcess, FollowsOutput) {
+  begin_deputy();
+  ASSERT_EQ(sheriff({"--start", "talker"}).exit_code, 0);
+  const std::string out = dir_.path() / "out";
+  ChildProcess follower({"sh", "-c",
+                         "exec " NODMAP_BIN "/nodmap-sheriff " + file_ + " --lcm-url '" +
+                             kProcmanUrl + "' --output talker >" + out});
+  EXPECT_TRUE(client_.wait_until([&] {
+    std::ifstream in(out);
+    const std::string text{std::istreambuf_iterator<char>(in), {}};
+    return text.find("word\r\nword\r\n") != std::string::npos;
+  }));
+  follower.send_signal(SIGINT);
+  EXPECT_EQ(follower.wait_for_end(kPatience), 0);
+}
+
+TEST_F(SheriffProcess, TheSecondSheriffGivesWay) {
+  begin_deputy();
+  begin_sheriff({"--script", "up", "--on-script-complete", "stay"});
+  ASSERT_TRUE(
+      client_.wait_until([this] { return client_.runs("sleeper") && client_.runs("talker"); }));
+  const auto second = sheriff({"--stop", "g"});
+  EXPECT_EQ(second.exit_code, 3);
+  EXPECT_THAT(second.err, HasSubstr("gives orders here already"));
+  EXPECT_EQ(sheriff({"--script", "down"}).exit_code, 3);
+  EXPECT_TRUE(client_.runs("sleeper"));
+  sheriff_->send_signal(SIGTERM);
+  EXPECT_EQ(sheriff_->wait_for_end(kPatience), 0);
+}
+
+// The robot goes on; whoever comes next finds it as it is.
+TEST_F(SheriffProcess, ItsViolentEndStopsNothing) {
+  begin_deputy();
+  begin_sheriff({"--script", "up", "--on-script-complete", "stay"});
+  ASSERT_TRUE(
+      client_.wait_until([this] { return client_.runs("sleeper") && client_.runs("talker"); }));
+  const int pid = client_.status("sleeper").pid;
+  sheriff_->send_signal(SIGKILL);
+  ASSERT_EQ(sheriff_->wait_for_end(kPatience), 128 + SIGKILL);
+  client_.listen_for(milliseconds(3500));
+  EXPECT_EQ(client_.status("sleeper").pid, pid);
+  const auto up = sheriff({"--script", "up", "--timeout", "10"});
+  EXPECT_EQ(up.exit_code, 0);
+  EXPECT_EQ(client_.status("sleeper").pid, pid) << "adopted, not started anew";
+}
+
+TEST_F(SheriffProcess, RestartsWhatSaysThatItHasFailed) {
+  begin_deputy();
+  begin_sheriff({"--script", "up", "--on-script-complete", "stay"});
+  ASSERT_TRUE(client_.wait_until([this] { return client_.runs("sleeper"); }));
+  const int pid = client_.status("sleeper").pid;
+  nodmap::status_t status{};
+  status.process_name = "sleeper";
+  status.health = nodmap::status_t::FAILED;
+  status.health_reason = "asleep";
+  EXPECT_TRUE(client_.wait_until([&] {
+    client_.bus().publish("STATUS", status);
+    ::usleep(100'000);
+    return client_.runs("sleeper") && client_.status("sleeper").pid != pid;
+  }));
+  sheriff_->send_signal(SIGTERM);
+  EXPECT_EQ(sheriff_->wait_for_end(kPatience), 0);
+}
+
+TEST(SheriffCheck, PrintsWhatThereIsOrWhatIsWrong) {
+  const test::TemporaryDir dir;
+  const std::string file = dir.path() / "x.pmd";
+  std::ofstream(file) << "group \"g\" { cmd \"a\" { exec = \"x\"; } }\nscript \"s\" { }\n";
+  const auto good = run_program("nodmap-sheriff", {file, "--check"});
+  EXPECT_EQ(good.exit_code, 0);
+  EXPECT_THAT(good.out, HasSubstr("1 commands, 1 groups, 1 scripts"));
+  std::ofstream(file) << "cmd \"a\" {\n  exe = \"x\";\n}";
+  const auto bad = run_program("nodmap-sheriff", {file, "--check"});
+  EXPECT_EQ(bad.exit_code, 2);
+  EXPECT_EQ(bad.err, file + ":2:3: unrecognized attribute exe\n");
+}
+
+}  // namespace
+}  // namespace nodmap

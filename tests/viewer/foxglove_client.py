@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A client of foxglove.websocket.v1, written from the specification alone; it shares no code with the server or the page."""
+import json
+import struct
+import time
+
+from websocket import BINARY, TEXT, WebSocket
+
+
+class Client:
+    def __init__(self, port, **options):
+        self.socket = WebSocket(port, **options)
+        self.info = self._text()
+        self.channels = {c["topic"]: c for c in self._text()["channels"]}
+        self.topics = {}
+        self.time_ns = None
+        self.others = []  # text messages that receive() met
+
+    def _text(self):
+        kind, payload = self.socket.receive()
+        assert kind == TEXT, "expected a text frame"
+        return json.loads(payload)
+
+    def send(self, **message):
+        self.socket.send(json.dumps(message))
+
+    def subscribe(self, *topics):
+        first = len(self.topics)
+        wishes = [{"id": first + i, "channelId": self.channels[t]["id"]} for i, t in enumerate(topics)]
+        self.topics.update({first + i: t for i, t in enumerate(topics)})
+        self.send(op="subscribe", subscriptions=wishes)
+
+    def receive(self):
+        """The next data message: (topic, nanoseconds, decoded payload)."""
+        while True:
+            kind, payload = self.socket.receive()
+            if kind == TEXT:
+                self.others.append(json.loads(payload))
+            elif payload[0] == 1:
+                subscription, nanoseconds = struct.unpack_from("<IQ", payload, 1)
+                return self.topics[subscription], nanoseconds, json.loads(payload[13:])
+            elif payload[0] == 2:
+                self.time_ns, = struct.unpack_from("<Q", payload, 1)
+
+    def collect(self, wanted, timeout_s=20):
+        """Messages by topic until wanted(messages) is true."""
+        messages, end = {}, time.monotonic() + timeout_s
+        while not wanted(messages):
+            assert time.monotonic() < end, f"only {({t: len(m) for t, m in messages.items()})} after {timeout_s} s"
+            topic, nanoseconds, message = self.receive()
+            messages.setdefault(topic, []).append((nanoseconds, message))
+        return messages
+
+    def answer(self, wanted, timeout_s=10):
+        """The next text message for which wanted(message) is true."""
+        end = time.monotonic() + timeout_s
+        while time.monotonic() < end:
+            for message in self.others:
+                if wanted(message):
+                    self.others.remove(message)
+                    return message
+            kind, payload = self.socket.receive()
+            if kind == TEXT:
+                self.others.append(json.loads(payload))
+        raise AssertionError("no such answer")
+
+    def status(self):
+        """The next status message."""
+        return self.answer(lambda m: m["op"] == "status")
+
+    def publish(self, channel_id, message):
+        self.socket.send(struct.pack("<BI", 1, channel_id) + json.dumps(message).encode(), BINARY)
+
+    def close(self):
+        self.socket.close()

@@ -1,0 +1,157 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""The page in a real browser: headless Chromium with software rendering, on a recording.
+
+Environment: NODMAP_VIEWER, NODMAP_MAKE_ROBOT_LOG (programs); NODMAP_SCREENSHOTS (a folder, if pictures are wanted).
+"""
+import os
+import sys
+import tempfile
+import unittest
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+import webdriver  # noqa: E402
+from protocol_test import make_log  # noqa: E402
+from viewer_process import Viewer  # noqa: E402
+
+# How many pixels of the canvas differ from an empty scene with the same camera: everything is hidden for one picture.
+COUNT_DRAWN = """
+  const {view, layers} = window.nodmap;
+  const pixels = () => {
+    view.renderer.render(view.scene, view.camera);
+    const gl = view.renderer.getContext();
+    const bytes = new Uint8Array(4 * gl.drawingBufferWidth * gl.drawingBufferHeight);
+    gl.readPixels(0, 0, gl.drawingBufferWidth, gl.drawingBufferHeight, gl.RGBA, gl.UNSIGNED_BYTE, bytes);
+    return new Uint32Array(bytes.buffer);
+  };
+  const full = pixels();
+  const shown = [...layers.values()].map(({layer}) => layer.group.visible);
+  layers.forEach(({layer}) => { layer.group.visible = false; });
+  const bare = pixels();
+  [...layers.values()].forEach(({layer}, i) => { layer.group.visible = shown[i]; });
+  return full.reduce((count, pixel, i) => count + (pixel !== bare[i]), 0);
+"""
+# Everything comes from this host: no picture, script or style is fetched from elsewhere.
+HOSTS = "return [...new Set(performance.getEntriesByType('resource').map((e) => new URL(e.name).host))]"
+
+
+class Page(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+
+    def play(self, *arguments, duration_s=20, points=12000):
+        viewer = Viewer("--replay", make_log(self.folder.name, duration_s, points), *arguments)
+        self.addCleanup(viewer.stop)
+        return viewer
+
+    def browse(self, viewer, width=1280, height=800):
+        browser = webdriver.Browser(width, height)
+        self.addCleanup(browser.__exit__)
+        browser.open(f"http://127.0.0.1:{viewer.port}/")
+        self.assertIsNotNone(browser.wait_for("window.nodmap && nodmap.cloud.total > 30000 && nodmap.received() > 100"))
+        return browser
+
+    def assert_quiet(self, browser):
+        errors = [line for line in browser.console() if line["level"] == "SEVERE"]
+        self.assertEqual(errors, [])
+
+    def picture(self, browser, name):
+        folder = os.environ.get("NODMAP_SCREENSHOTS")
+        if folder:
+            with open(os.path.join(folder, name), "wb") as out:
+                out.write(browser.screenshot())
+
+    def test_it_shows_the_robot_and_its_maps(self):
+        viewer = self.play()
+        browser = self.browse(viewer)
+        # The cloud alone covers some thousand pixels of this window; an empty scene has none.
+        self.assertGreater(browser.run(COUNT_DRAWN), 5000)
+        for topic in ("scene/robot", "SCAN", "CLOUD", "MAP_2D", "OBSTACLE_MAP", "STRUCTURE_MAP", "scene/corridor", "scene/area_of_interest",
+                      "trail/odometry", "trail/2d", "trail/6d", "keyframes", "scene/goal", "scene/people"):
+            self.assertIsNotNone(browser.wait_for(f"nodmap.layers.get('{topic}').layer.group.children.length > 0", 10), topic)
+        self.assertIn("nodmap-slam2d", browser.run("return document.getElementById('processes').innerText"))
+        self.assertIn("0.50 m/s", browser.run("return document.getElementById('facts').innerText"))
+        self.assertTrue(browser.run("return document.getElementById('banner').hidden"))
+        self.assertTrue(browser.run("return document.getElementById('control').hidden"))
+        self.assertEqual(browser.run(HOSTS), [f"127.0.0.1:{viewer.port}"])
+        self.picture(browser, "page.png")
+        self.assert_quiet(browser)
+
+    def test_layers_go_off_and_on(self):
+        browser = self.browse(self.play())
+        browser.run("document.getElementById('pause').click()")
+        self.assertIsNotNone(browser.wait_for("document.getElementById('pause').textContent === 'Play'"))
+        boxes = "[...document.querySelectorAll('#layers input')]"
+        with_all = browser.run(COUNT_DRAWN)
+        browser.run(f"{boxes}.find((b) => b.dataset.topic === 'CLOUD').click()")
+        without_cloud = browser.run(COUNT_DRAWN)
+        self.assertLess(without_cloud, with_all)
+        browser.run(f"{boxes}.filter((b) => b.checked).forEach((b) => b.click())")
+        self.assertEqual(browser.run(COUNT_DRAWN), 0)
+        browser.run(f"{boxes}.forEach((b) => b.click())")
+        self.assertGreater(browser.run(COUNT_DRAWN), without_cloud)
+        self.assert_quiet(browser)
+
+    def test_cameras(self):
+        browser = self.browse(self.play())
+        for mode in ("top", "free", "follow"):
+            browser.run(f"document.querySelector('[data-camera={mode}]').click()")
+            self.assertEqual(browser.run("return nodmap.view.mode"), mode)
+            self.assertEqual(browser.run("return [...document.querySelectorAll('[aria-pressed=true]')].map((b) => b.dataset.camera)"), [mode])
+        browser.run("document.querySelector('[data-camera=top]').click()")
+        self.assertGreater(browser.run("const v = nodmap.view; return v.camera.position.z - v.robot.z"), 10)
+        self.picture(browser, "top.png")
+
+    def test_the_time_line(self):
+        browser = self.browse(self.play())
+        browser.run("document.getElementById('pause').click()")
+        self.assertIsNotNone(browser.wait_for("document.getElementById('pause').textContent === 'Play'"))
+        move = "const p = document.getElementById('position'); p.value = arguments[0]; p.dispatchEvent(new Event('change'))"
+        browser.run(move, 18)
+        self.assertIsNotNone(browser.wait_for("nodmap.cloud.keyframes.size === 19"))
+        browser.run(move, 2)
+        # Back: what had not happened yet is gone.
+        self.assertIsNotNone(browser.wait_for("nodmap.cloud.keyframes.size === 3"))
+        # A pause is no loss of data.
+        self.assertIsNone(browser.wait_for("!document.getElementById('banner').hidden", 4))
+        self.assert_quiet(browser)
+
+    def test_the_banner_tells_when_nothing_comes(self):
+        viewer = self.play()
+        browser = self.browse(viewer)
+        self.assertTrue(browser.run("return document.getElementById('banner').hidden"))
+        viewer.stop()
+        self.assertIsNotNone(browser.wait_for("document.getElementById('banner').textContent.includes('No connection')"))
+        self.assertFalse(browser.run("return document.getElementById('banner').hidden"))
+
+    def test_on_a_phone(self):
+        browser = self.browse(self.play(), 400, 800)
+        # Nothing is wider than the screen.
+        self.assertLessEqual(browser.run("return document.documentElement.scrollWidth - document.documentElement.clientWidth"), 0)
+        self.picture(browser, "phone.png")
+
+    def test_what_can_be_pressed_has_a_name(self):
+        browser = self.browse(self.play())
+        nameless = browser.run("""return [...document.querySelectorAll('button, input, select, #canvas, [role=img]')]
+            .filter((e) => !e.closest('.plot') || e.matches('.plot'))  // what dygraphs makes inside is hidden
+            .filter((e) => !(e.textContent.trim() || e.getAttribute('aria-label') || e.labels?.[0]?.textContent.trim()))
+            .map((e) => e.outerHTML)""")
+        self.assertEqual(nameless, [])
+
+
+class LiveWithoutData(unittest.TestCase):
+    def test_the_banner_says_so(self):
+        with Viewer() as viewer, webdriver.Browser() as browser:
+            browser.open(f"http://127.0.0.1:{viewer.port}/")
+            self.assertIsNotNone(browser.wait_for("document.getElementById('banner').textContent.startsWith('No data')"))
+            # The viewer's own STATUS is no sign of a robot.
+            self.assertIsNotNone(browser.wait_for("document.getElementById('processes').innerText.includes('nodmap-viewer')"))
+            self.assertIsNone(browser.wait_for("document.getElementById('banner').hidden", 2))
+
+
+if __name__ == "__main__":
+    if not webdriver.is_installed():
+        print("skipped: chromium and chromium-driver are not installed")
+        sys.exit(77)
+    unittest.main(verbosity=2, warnings="ignore")

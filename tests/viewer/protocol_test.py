@@ -1,0 +1,268 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""The whole process against an independent client: the numbers of the LCM messages come out, and hostile clients do no harm.
+
+Environment: NODMAP_VIEWER, NODMAP_MAKE_ROBOT_LOG (programs).
+"""
+import base64
+import http.client
+import json
+import os
+import socket
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+import lcm_log  # noqa: E402
+from foxglove_client import Client  # noqa: E402
+from viewer_process import Viewer  # noqa: E402
+from websocket import Refused, WebSocket  # noqa: E402
+
+
+def make_log(folder, duration_s=4, points=12000):
+    path = os.path.join(folder, f"robot-{duration_s}-{points}.lcmlog")
+    subprocess.run([os.environ["NODMAP_MAKE_ROBOT_LOG"], path, str(duration_s), str(points)], check=True)
+    return path
+
+
+def get(port, target, method="GET", host=None):
+    connection = http.client.HTTPConnection("127.0.0.1", port, timeout=10)
+    connection.putrequest(method, target, skip_host=host is not None)
+    if host is not None:
+        connection.putheader("Host", host)
+    connection.endheaders()
+    answer = connection.getresponse()
+    return answer.status, answer.read()
+
+
+class WithLog(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.log = make_log(cls.folder.name)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+
+class TheNumbersComeOut(WithLog):
+    def test_clouds_and_maps(self):
+        chunks, tiles = {}, {}
+        for _, channel, data in lcm_log.events(self.log):
+            if channel == "CLOUD":
+                chunk = lcm_log.cloud_chunk(data)
+                chunks.setdefault(chunk["utime"], []).append(chunk)
+            elif channel == "MAP_2D":
+                tile = lcm_log.grid_chunk(data)
+                tiles.setdefault(tile["utime"], []).append(tile)
+        self.assertEqual(len(chunks), 4)
+        with Viewer("--replay", self.log) as viewer:
+            client = Client(viewer.port)
+            self.assertEqual(client.info["op"], "serverInfo")
+            client.subscribe("CLOUD", "MAP_2D")
+            messages = client.collect(lambda m: len(m.get("CLOUD", [])) == 4 and m.get("MAP_2D", [[0]])[-1][0] // 1000 == max(tiles))
+            for nanoseconds, cloud in messages["CLOUD"]:
+                parts = chunks[nanoseconds // 1000]
+                packed = base64.b64decode(cloud["data"])
+                expected = [value for part in parts for value in part["points"]]
+                self.assertEqual(list(struct.unpack(f"<{len(packed) // 4}f", packed)), expected)
+                self.assertEqual([f["name"] for f in cloud["fields"]], ["x", "y", "z"])
+                self.assertEqual({f["type"] for f in cloud["fields"]}, {7})
+                self.assertEqual(cloud["pose"]["position"]["x"], parts[0]["position"][0])
+            for nanoseconds, grid in messages["MAP_2D"]:
+                cells = base64.b64decode(grid["data"])
+                for tile in tiles[nanoseconds // 1000]:
+                    x, y, width, height = tile["tile"]
+                    for row in range(height):
+                        begin = (y + row) * grid["row_stride"] + x * grid["cell_stride"]
+                        self.assertEqual(struct.unpack(f"<{width}b", cells[begin:begin + width]), tile["cells"][row * width:(row + 1) * width])
+                    self.assertEqual((grid["pose"]["position"]["x"], grid["pose"]["position"]["y"]), tile["origin"])
+                    self.assertEqual(grid["cell_size"]["x"], tile["cell_size"])
+
+    def test_every_channel_is_described_and_speaks(self):
+        with Viewer("--replay", self.log) as viewer:
+            client = Client(viewer.port, protocols="foxglove.sdk.v1")
+            self.assertIn("Sec-WebSocket-Protocol: foxglove.sdk.v1", client.socket.head)
+            for channel in client.channels.values():
+                self.assertEqual(channel["encoding"], "json")
+                self.assertEqual(json.loads(channel["schema"])["type"], "object")
+            client.subscribe(*client.channels)
+            client.collect(lambda m: set(m) == set(client.channels))
+            self.assertIsNotNone(client.time_ns)
+
+    def test_a_late_client_gets_the_whole_cloud(self):
+        with Viewer("--replay", self.log) as viewer:
+            first = Client(viewer.port)
+            first.subscribe("CLOUD")
+            first.collect(lambda m: len(m.get("CLOUD", [])) == 4)
+            late = Client(viewer.port)
+            late.subscribe("CLOUD", "scene/robot", "GOAL")
+            messages = late.collect(lambda m: len(m.get("CLOUD", [])) == 4 and "scene/robot" in m and "GOAL" in m)
+            self.assertEqual(len({n for n, _ in messages["CLOUD"]}), 4)
+
+    def test_playback(self):
+        with Viewer("--replay", self.log) as viewer:
+            client = Client(viewer.port)
+            self.assertIn("parameters", client.info["capabilities"])
+            client.subscribe("ODOMETRY")
+            client.send(op="setParameters", parameters=[{"name": "playback.paused", "value": True}])
+            client.send(op="setParameters", parameters=[{"name": "playback.position_s", "value": 3.0}], id="now")
+            answer = client.answer(lambda m: m.get("id") == "now")
+            values = {p["name"]: p["value"] for p in answer["parameters"]}
+            self.assertTrue(values["playback.paused"])
+            self.assertAlmostEqual(values["playback.position_s"], 3.0)
+            messages = client.collect(lambda m: m and max(n for n, _ in m["ODOMETRY"]) % 10**10 // 10**9 >= 3)
+            self.assertTrue(messages)
+            # Back: the same odometry is told once more.
+            client.send(op="setParameters", parameters=[{"name": "playback.position_s", "value": 1.0}])
+            begin = messages["ODOMETRY"][-1][0]
+            client.collect(lambda m: m and m["ODOMETRY"][-1][0] < begin - 10**9)
+
+    def test_who_comes_from_another_origin_reads_but_does_not_steer(self):
+        with Viewer("--replay", self.log) as viewer:
+            client = Client(viewer.port, headers={"Origin": "https://app.foxglove.dev"})
+            client.send(op="setParameters", parameters=[{"name": "playback.paused", "value": True}])
+            self.assertIn("may not", client.status()["message"])
+
+
+class HostileClients(WithLog):
+    def setUp(self):
+        self.viewer = Viewer("--replay", self.log, "--set", "max_clients=40")
+        self.addCleanup(self.viewer.stop)
+
+    def refusals(self):
+        """Ends the viewer; what it refused, by cause."""
+        self.assertEqual(self.viewer.stop(), 0)
+        lines = [line.split("refused to clients: ")[1].split() for line in self.viewer.said().splitlines() if "refused to clients" in line]
+        return {cause: int(count) for count, cause in lines}
+
+    def still_serves(self):
+        client = Client(self.viewer.port)
+        client.subscribe("scene/robot", "CLOUD")
+        client.collect(lambda m: "scene/robot" in m)
+        client.close()
+
+    def test_paths_lead_nowhere(self):
+        for target in ("/../../../etc/passwd", "/%2e%2e/%2e%2e/etc/passwd", "/three/../../etc/passwd", "//etc/passwd", "/three/", "/.git/config"):
+            self.assertEqual(get(self.viewer.port, target)[0], 404, target)
+        self.assertEqual(get(self.viewer.port, "/")[0], 200)
+        self.assertEqual(get(self.viewer.port, "/", "DELETE")[0], 405)
+        self.assertEqual(get(self.viewer.port, "/", host="evil.example")[0], 403)
+        causes = self.refusals()
+        self.assertEqual((causes["no_such_file"], causes["method_not_allowed"], causes["foreign_host"]), (6, 1, 1))
+
+    def test_handshakes(self):
+        for options, status in (({"protocols": None}, 400), ({"protocols": "chat"}, 400), ({"host": "evil.example"}, 403),
+                                ({"target": "/?token=guess"}, 403)):
+            with self.assertRaises(Refused) as refused:
+                WebSocket(self.viewer.port, **options)
+            self.assertEqual(refused.exception.args[0], status, options)
+        self.still_serves()
+        causes = self.refusals()
+        self.assertEqual((causes["unknown_subprotocol"], causes["foreign_host"], causes["wrong_token"]), (2, 1, 1))
+
+    def test_a_huge_message_ends_its_connection_only(self):
+        memory_kb = self.viewer.memory_kb()
+        client = WebSocket(self.viewer.port)
+        # 100 MB are announced, and sent as long as they are taken.
+        client.socket.sendall(struct.pack(">BBQ", 0x82, 0x80 | 127, 100_000_000) + b"mask")
+        with self.assertRaises(OSError):
+            for _ in range(1000):
+                client.socket.sendall(bytes(100_000))
+        self.still_serves()
+        # Generous: the frame must not have been stored, the rest is the log's own traffic.
+        self.assertLess(self.viewer.memory_kb() - memory_kb, 30_000)
+        self.assertEqual(self.refusals()["message_too_big"], 1)
+
+    def test_malformed_frames(self):
+        for frame in (b"\x83\x80mask", b"\xF1\x80mask", b"\x81\x05hello", b"\x89\xFE\x01\x00mask" + bytes(256), b"\x80\x80mask"):
+            client = WebSocket(self.viewer.port)
+            client.socket.sendall(frame)
+            with self.assertRaises(ConnectionError):
+                while True:
+                    client.receive()
+            client.close()  # only then has the server done with it
+        self.still_serves()
+        self.assertEqual(self.refusals()["malformed_frame"], 5)
+
+    def test_nonsense_in_good_frames(self):
+        client = Client(self.viewer.port)
+        for text in ("nonsense", "[]", '{"op":"explode"}', '{"op":"subscribe","subscriptions":[{"id":1,"channelId":9999}]}', "[" * 60000):
+            client.socket.send(text)
+            self.assertEqual(client.status()["level"], 2)
+        client.publish(1, {"x_m": 1, "y_m": 1})
+        self.assertIn("only read", client.status()["message"])
+        self.still_serves()
+        self.assertEqual(self.refusals()["request_not_allowed"], 6)
+
+    def test_no_http_at_all(self):
+        for noise in (b"\x00\xFF" * 100 + b"\r\n\r\n", b"GET / HTTP/1.1\r\n" + b"X: " + b"y" * 20000 + b"\r\n\r\n"):
+            with socket.create_connection(("127.0.0.1", self.viewer.port), timeout=10) as raw:
+                raw.sendall(noise)
+                self.assertTrue(raw.recv(4096).startswith(b"HTTP/1.1 400"))
+        self.still_serves()
+        self.assertEqual(self.refusals()["bad_request"], 2)
+
+    def test_too_many_connections(self):
+        held = []
+        for _ in range(10_000):
+            raw = socket.create_connection(("127.0.0.1", self.viewer.port), timeout=10)
+            held.append(raw)
+            if len(held) > 400:  # descriptors of this test are limited, too
+                held.pop(0).close()
+        for raw in held:
+            raw.close()
+        end = time.monotonic() + 10
+        while time.monotonic() < end:
+            try:
+                self.still_serves()
+                break
+            except (OSError, Refused):
+                time.sleep(0.1)
+        self.still_serves()
+        self.assertGreater(self.refusals()["too_many_connections"], 100)
+
+    def test_a_client_that_does_not_read_delays_nobody(self):
+        stuck = [Client(self.viewer.port, receive_buffer=4096) for _ in range(5)]
+        for client in stuck:
+            client.subscribe(*client.channels)
+        memory_kb = self.viewer.memory_kb()
+        quick = Client(self.viewer.port)
+        quick.subscribe("PITCH_STATE", "CLOUD")
+        messages = quick.collect(lambda m: len(m.get("PITCH_STATE", [])) >= 50 and len(m.get("CLOUD", [])) == 4)
+        self.assertTrue(messages)
+        self.assertLess(self.viewer.memory_kb() - memory_kb, 20_000)
+        self.assertEqual(self.viewer.stop(), 0)
+
+
+class Control(unittest.TestCase):
+    """Live, on LCM, in a network of its own."""
+
+    def test_goals_go_out_with_the_token_only(self):
+        with Viewer("--control") as viewer:
+            reader = Client(viewer.port)
+            reader.subscribe("GOAL")
+            reader.send(op="advertise", channels=[{"id": 1, "topic": "GOAL", "encoding": "json", "schemaName": "GOAL"}])
+            self.assertIn("only read", reader.status()["message"])
+            with self.assertRaises(Refused):
+                WebSocket(viewer.port, target="/?token=0123456789abcdef0123456789abcdef")
+            with self.assertRaises(Refused):
+                WebSocket(viewer.port, target=f"/?token={viewer.token}", headers={"Origin": "http://evil.example"})
+            driver = Client(viewer.port, target=f"/?token={viewer.token}")
+            self.assertIn("clientPublish", driver.info["capabilities"])
+            driver.send(op="advertise", channels=[{"id": 1, "topic": "GOAL", "encoding": "json", "schemaName": "GOAL"}])
+            driver.publish(1, {"x_m": 2.5, "y_m": -1.0})
+            # The viewer hears its own goal on LCM, as the navigator would.
+            goal = reader.collect(lambda m: "GOAL" in m)["GOAL"][0][1]
+            self.assertEqual((goal["position_m"], goal["is_active"]), ([2.5, -1.0], True))
+            driver.publish(1, {"x_m": "far"})
+            self.assertIn("a goal needs", driver.status()["message"])
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2, warnings="ignore")

@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Headless Chromium by the WebDriver protocol of chromedriver, with the standard library alone.
+
+Source: https://www.w3.org/TR/webdriver2/
+"""
+import base64
+import json
+import re
+import shutil
+import subprocess
+import tempfile
+import time
+import urllib.request
+
+# A browser without a graphics card, a sandbox or anything to say to the world outside.
+FLAGS = ["--headless", "--no-sandbox", "--disable-gpu", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-quic",
+         "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync", "--disable-dev-shm-usage"]
+
+
+def is_installed():
+    return bool(shutil.which("chromium") and shutil.which("chromedriver"))
+
+
+class Browser:
+    """One window of one browser; a context manager."""
+
+    def __init__(self, width=1280, height=720):
+        self.profile = tempfile.TemporaryDirectory(prefix="nodmap-chromium-")
+        self.driver = subprocess.Popen(["chromedriver", "--port=0"], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+        self.base = f"http://127.0.0.1:{self._port()}"
+        self.session = ""
+        flags = [*FLAGS, f"--window-size={width},{height}", f"--user-data-dir={self.profile.name}"]
+        answer = self._call("POST", "", {"capabilities": {"alwaysMatch": {
+            "browserName": "chrome", "goog:loggingPrefs": {"browser": "ALL"},
+            "goog:chromeOptions": {"binary": shutil.which("chromium"), "args": flags}}}})
+        self.session = "/" + answer["sessionId"]
+
+    def _port(self):
+        for line in self.driver.stdout:
+            found = re.search(r"started successfully on port (\d+)", line)
+            if found:
+                return int(found.group(1))
+        raise RuntimeError("chromedriver did not start")
+
+    def _call(self, method, path, body=None):
+        data = None if body is None else json.dumps(body).encode()
+        request = urllib.request.Request(f"{self.base}/session{self.session}{path}", data, {"Content-Type": "application/json"}, method=method)
+        with urllib.request.urlopen(request, timeout=60) as answer:
+            return json.load(answer)["value"]
+
+    def open(self, url):
+        self._call("POST", "/url", {"url": url})
+
+    def resize(self, width, height):
+        self._call("POST", "/window/rect", {"width": width, "height": height})
+
+    def run(self, script, *args):
+        """The value of a JavaScript function body."""
+        return self._call("POST", "/execute/sync", {"script": script, "args": list(args)})
+
+    def wait_for(self, condition, timeout_s=20):
+        """Until a JavaScript expression is true; returns the seconds it took, or None."""
+        begin = time.monotonic()
+        while time.monotonic() - begin < timeout_s:
+            if self.run(f"return Boolean({condition})"):
+                return time.monotonic() - begin
+            time.sleep(0.05)
+        return None
+
+    def screenshot(self):
+        """PNG bytes of the window."""
+        return base64.b64decode(self._call("GET", "/screenshot"))
+
+    def console(self):
+        """What the page has written to the console since the last call: a list of {level, message}."""
+        return self._call("POST", "/se/log", {"type": "browser"})
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        try:
+            self._call("DELETE", "")
+        finally:
+            self.driver.terminate()
+            self.driver.wait()
+            shutil.rmtree(self.profile.name, ignore_errors=True)

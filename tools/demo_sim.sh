@@ -1,0 +1,67 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# The whole robot in a simulated building, every process by the process manager. Called by ./nodmap demo.
+#   tools/demo_sim.sh [--world WORLD.yaml] [--duration SECONDS] [--out DIR]
+set -euo pipefail
+cd "$(dirname "$(readlink -f "$0")")/.."
+bin=$PWD/build/release/bin
+config=procman/sim.pmd
+
+say() { printf '\033[1m==> %s\033[0m\n' "$*"; }
+die() { printf 'nodmap demo: %s\n' "$*" >&2; exit 1; }
+
+arguments=("$@")
+world=sim/worlds/cellar.yaml
+duration=60
+out=logs/demo-$(date +%Y%m%d-%H%M%S)
+while [[ $# -gt 0 ]]; do
+  [[ $# -ge 2 ]] || die "$1 needs a value"
+  case "$1" in
+    --world) world=$2 ;;
+    --duration) duration=$2 ;;
+    --out) out=$2 ;;
+    *) die "unknown option $1" ;;
+  esac
+  shift 2
+done
+[[ -f "$world" ]] || die "$world: no such world"
+[[ ! -e "$out" ]] || die "$out exists; results are never overwritten"
+source tools/private_net.sh
+need_multicast "$0" "${arguments[@]}"
+
+mkdir -p "$out"
+out=$(readlink -f "$out")
+# sim.pmd names these two; the deputy puts them in.
+export NODMAP_WORLD=$world NODMAP_RUN=$out
+
+deputy=
+end_deputy() {
+  [[ -n "$deputy" ]] || return 0
+  local code=0
+  kill -TERM "$deputy" 2>/dev/null || true
+  wait "$deputy" || code=$?
+  deputy=
+  return $code
+}
+# However this ends, the deputy ends, and with it whatever it has started.
+trap 'trap - EXIT INT TERM; end_deputy; exit 130' INT TERM
+trap 'trap - EXIT INT TERM; end_deputy' EXIT
+
+# Waited for in the background: a trap runs at once then, and not after the command.
+run() { "$@" & wait $!; }
+
+say "starting the processes (LCM: $LCM_DEFAULT_URL)"
+"$bin/nodmap-deputy" --config "$config" >"$out/deputy.log" 2>&1 &
+deputy=$!
+run "$bin/nodmap-sheriff" "$config" --script demo --on-script-complete exit --timeout 30 >"$out/sheriff.log" || die "not every process started; see $out/sheriff.log"
+
+say "driving for $duration s in $world"
+watched=0
+run "$bin/nodmap-watch" --duration "$duration" --json "$out/watch.json" || watched=$?
+
+say "stopping the processes"
+run "$bin/nodmap-sheriff" "$config" --script stop_all --on-script-complete exit --timeout 30 >>"$out/sheriff.log" || die "not every process stopped; see $out/sheriff.log"
+"$bin/nodmap-sheriff" "$config" --status --json >"$out/status.json" || true
+end_deputy || die "the deputy did not end cleanly; see $out/deputy.log"
+[[ $watched -eq 0 ]] || die "no scan came"
+python3 tools/demo_sim_summary.py "$out"

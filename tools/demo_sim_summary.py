@@ -1,0 +1,68 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Says how a demo in the simulator went: what was driven, heard and lost, and the files. Exits 1 when something is not as it should be."""
+import json
+import pathlib
+import sys
+
+FILES = [
+    ("map-server/map.png", "obstacle and structure map at the end"),
+    ("slam2d/map.png", "2D map of what was driven through"),
+    ("slam2d/map.yaml", "the same for ROS's map_server"),
+    ("slam2d/path.png", "the way driven, corrected"),
+    ("slam6d/map.png", "3D cloud, a picture"),
+    ("slam6d/cloud.ply", "3D cloud"),
+    ("slam6d/map.bt", "OctoMap (octovis map.bt)"),
+]
+ENDED_WELL = "Stopped (OK)"
+
+
+def read(path):
+    return json.loads(path.read_text()) if path.exists() else None
+
+
+def main():
+    out, wrong = pathlib.Path(sys.argv[1]), []
+
+    watch, truth, status = read(out / "watch.json"), read(out / "sim/result.json"), read(out / "status.json")
+    if not (watch and truth and status):
+        print(f"{out}: not every process has left its result")
+        return 1
+
+    print(f"\n{'process':<26} {'handled':>8} {'lost':>5} {'corrupt':>8} {'rejected':>9} {'p99':>9}")
+    for name, p in sorted(watch["processes"].items()):
+        print(f"{name:<26} {p['handled']:>8} {p['lost']:>5} {p['corrupt']:>8} {p['rejected']:>9} {p['latency_p99_us'] / 1e3:>6.2f} ms")
+        if p["health"] == 2:
+            wrong.append(f"{name} failed: {p['reason']}")
+
+    print(f"\n{truth['distance_m']:.1f} m driven, {watch['max_forward_mps']:.2f} m/s at most, never nearer than "
+          f"{100 * truth['min_clearance_m']:.0f} cm to anything; {truth['collisions']} collisions, "
+          f"{truth['bumps']} bumps, {watch['keyframes']} keyframes, {watch['lost']} messages lost")
+    if truth["collisions"]:
+        wrong.append(f"the robot has hit something {truth['collisions']} times")
+    if watch["lost"]:
+        wrong.append(f"{watch['lost']} messages were lost")
+    if truth["distance_m"] < 1.0:
+        wrong.append("the robot hardly moved")
+    wrong += [f"{c['command']}: {c['state']} {c['end']}" for c in status["commands"] if c["state"] != ENDED_WELL]
+
+    print()
+    for file, what in FILES:
+        path = out / file
+        here = path.exists() and path.stat().st_size > 0
+        print(f"  {path}{'' if here else '  MISSING'}  {what}")
+        if not here:
+            wrong.append(f"{file} is missing")
+    logs = sorted((out / "logger").glob("lcmlog-*"))
+    for log in logs:
+        print(f"  {log}  everything that went over LCM")
+    if not logs:
+        wrong.append("there is no log of the run")
+
+    for sentence in wrong:
+        print(f"nodmap demo: {sentence}", file=sys.stderr)
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

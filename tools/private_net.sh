@@ -1,0 +1,12 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# Sourced. A machine without a multicast route (a container, say) cannot carry LCM; a network namespace of our own can.
+#   need_multicast SCRIPT [ARGUMENT ...]   returns where there is a route, else runs the script anew in such a namespace
+export LCM_DEFAULT_URL=${LCM_DEFAULT_URL:-udpm://239.255.76.67:7667?ttl=0}
+need_multicast() {
+  if [[ "${NODMAP_PRIVATE_NET:-}" == 1 ]] || ip route get 239.255.76.67 >/dev/null 2>&1; then
+    return
+  fi
+  unshare -rn true 2>/dev/null || die "there is no multicast route for LCM; nodmap-doctor says how to add one"
+  say "no multicast route here: running in a network namespace of our own"
+  exec env NODMAP_PRIVATE_NET=1 unshare -rn sh -c 'ip link set lo up && ip route add 224.0.0.0/4 dev lo && exec "$@"' sh "$@"
+}
