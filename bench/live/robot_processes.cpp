@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "bench/live/robot_processes.hpp"
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <chrono>
+#include <csignal>
+#include <stdexcept>
+#include <thread>
+
+namespace nodmap::bench {
+namespace {
+
+using std::chrono::milliseconds;
+constexpr milliseconds kPause(20);
+constexpr int kStartPauses = 500;  // ten seconds
+constexpr int kEndPauses = 500;
+constexpr std::array<const char*, 8> kRobot = {
+    "laser3d", "kurt", "map-server", "pitch-controller", "navigator", "slam2d", "slam6d", "logger"};
+
+}  // namespace
+
+RobotProcesses::RobotProcesses(Options options) : options_(std::move(options)) {
+  std::filesystem::create_directories(options_.out);
+  start("sim");
+  const auto links = options_.out / "links";
+  for (int i = 0; i < kStartPauses && !std::filesystem::exists(links / "base"); ++i) {
+    std::this_thread::sleep_for(kPause);
+  }
+  for (const char* name : kRobot) {
+    start(name);
+  }
+}
+
+RobotProcesses::~RobotProcesses() {
+  for (const auto& [name, pid] : pids_) {
+    ::kill(pid, SIGKILL);
+    ::waitpid(pid, nullptr, 0);
+  }
+}
+
+std::vector<std::string> RobotProcesses::command(const std::string& name) const {
+  const std::string links = options_.out / "links";
+  std::vector<std::string> words{options_.bin / ("nodmap-" + name)};
+  if (name == "sim") {
+    words.insert(words.end(), {"--world", options_.world, "--links", links});
+    for (const std::string& fault : options_.faults) {
+      words.insert(words.end(), {"--fault", fault});
+    }
+  } else if (name == "laser3d") {
+    words.insert(words.end(), {"--set", "laser_device=" + links + "/laser", "--set",
+                               "servo_device=" + links + "/servo"});
+  } else if (name == "kurt") {
+    words.insert(words.end(), {"--set", "device=" + links + "/base"});
+  } else if (name == "logger") {
+    words.insert(words.end(), {"--out", options_.out / "recording"});
+  }
+  return words;
+}
+
+void RobotProcesses::start(const std::string& name) {
+  const std::vector<std::string> words = command(name);
+  std::vector<char*> argv;
+  for (const std::string& word : words) {
+    argv.push_back(const_cast<char*>(word.c_str()));  // NOLINT: as posix_spawn wants it
+  }
+  argv.push_back(nullptr);
+  posix_spawn_file_actions_t actions{};
+  ::posix_spawn_file_actions_init(&actions);
+  const std::string log = options_.out / (name + ".log");
+  ::posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, log.c_str(),
+                                     O_WRONLY | O_CREAT | O_APPEND, 0644);
+  ::posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
+  pid_t pid = -1;
+  const int error = ::posix_spawn(&pid, argv[0], &actions, nullptr, argv.data(), environ);
+  ::posix_spawn_file_actions_destroy(&actions);
+  if (error != 0) {
+    throw std::runtime_error(words[0] + ": cannot be started");
+  }
+  pids_[name] = pid;
+}
+
+void RobotProcesses::kill(const std::string& name) {
+  ::kill(pids_.at(name), SIGKILL);
+  ::waitpid(pids_.at(name), nullptr, 0);
+  pids_.erase(name);
+}
+
+bool RobotProcesses::ends_well(const std::string& name) {
+  const pid_t pid = pids_.at(name);
+  int status = 0;
+  for (int i = 0; i < kEndPauses; ++i) {
+    if (::waitpid(pid, &status, WNOHANG) == pid) {
+      pids_.erase(name);
+      return WIFEXITED(status) && WEXITSTATUS(status) == 0;
+    }
+    std::this_thread::sleep_for(kPause);
+  }
+  kill(name);
+  return false;
+}
+
+std::vector<std::string> RobotProcesses::stop() {
+  std::vector<std::string> names;
+  for (const auto& [name, pid] : pids_) {
+    names.push_back(name);
+    if (name != "sim") {
+      ::kill(pid, SIGINT);
+    }
+  }
+  std::vector<std::string> bad;
+  const auto await = [&](const std::string& name) {
+    if (!ends_well(name)) {
+      bad.push_back(name);
+    }
+  };
+  for (const std::string& name : names) {
+    if (name != "sim") {
+      await(name);
+    }
+  }
+  if (pids_.contains("sim")) {
+    ::kill(pids_.at("sim"), SIGINT);
+    await("sim");
+  }
+  return bad;
+}
+
+}  // namespace nodmap::bench

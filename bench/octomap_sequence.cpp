@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// nodmap-bench-octomap DIR: inserts a sequence of clouds with stock OctoMap and with ours, in one
+// run, and compares time, memory and bytes. DIR holds NNN.bin (uint64 count, then float32 x y z in
+// the sensor's frame, m) and NNN_gt.txt (4x4 T_world_sensor).
+#include <octomap/octomap.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+#include <ctime>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "common/geometry/se3.hpp"
+#include "modules/slam6d/occupancy_map.hpp"
+
+namespace {
+
+namespace fs = std::filesystem;
+namespace geometry = nodmap::geometry;
+using nodmap::slam6d::OccupancyMap;
+using nodmap::slam6d::SweepCloud;
+
+struct PlacedCloud {
+  SweepCloud cloud;
+  geometry::SE3 T_world_sensor = geometry::SE3::Identity();
+};
+
+geometry::SE3 read_pose(const fs::path& file) {
+  std::ifstream in(file);
+  geometry::SE3 pose = geometry::SE3::Identity();
+  for (int row = 0; row < 4; ++row) {
+    for (int column = 0; column < 4; ++column) {
+      in >> pose.matrix()(row, column);
+    }
+  }
+  if (!in) {
+    throw std::runtime_error(file.string() + ": is no 4x4 matrix");
+  }
+  return pose;
+}
+
+SweepCloud read_cloud(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::uint64_t count = 0;
+  std::array<char, sizeof count> head{};
+  in.read(head.data(), head.size());
+  std::memcpy(&count, head.data(), sizeof count);
+  SweepCloud cloud;
+  for (std::array<char, 12> bytes{}; in.read(bytes.data(), bytes.size());) {
+    Eigen::Vector3f p;
+    std::memcpy(p.data(), bytes.data(), bytes.size());
+    cloud.points.push_back(p);
+  }
+  if (cloud.points.size() != count) {
+    throw std::runtime_error(file.string() + ": holds " + std::to_string(cloud.points.size()) +
+                             " points, not the " + std::to_string(count) + " it announces");
+  }
+  cloud.lines.push_back({Eigen::Vector3f::Zero(), cloud.points.size()});
+  return cloud;
+}
+
+std::vector<PlacedCloud> read_sequence(const fs::path& dir) {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(dir)) {
+    if (entry.path().extension() == ".bin") {
+      files.push_back(entry.path());
+    }
+  }
+  if (files.empty()) {
+    throw std::runtime_error(dir.string() + ": holds no .bin file");
+  }
+  std::ranges::sort(files);
+  std::vector<PlacedCloud> clouds;
+  clouds.reserve(files.size());
+  for (const fs::path& file : files) {
+    clouds.push_back({read_cloud(file), read_pose(dir / (file.stem().string() + "_gt.txt"))});
+  }
+  return clouds;
+}
+
+void insert_stock(octomap::OcTree& tree, const PlacedCloud& placed,
+                  const OccupancyMap::Options& options) {
+  const auto to_octomap = [](const Eigen::Vector3d& p) {
+    return octomap::point3d(static_cast<float>(p.x()), static_cast<float>(p.y()),
+                            static_cast<float>(p.z()));
+  };
+  octomap::Pointcloud points;
+  for (const Eigen::Vector3f& p : placed.cloud.points) {
+    points.push_back(to_octomap(placed.T_world_sensor * p.cast<double>()));
+  }
+  tree.insertPointCloud(points, to_octomap(placed.T_world_sensor.translation()),
+                        options.max_range_m, false, options.discretize);
+}
+
+/// Time of this process alone: others that share the machine do not count.
+double cpu_ms() {
+  return 1e3 * static_cast<double>(std::clock()) / static_cast<double>(CLOCKS_PER_SEC);
+}
+
+nlohmann::ordered_json compare(const std::vector<PlacedCloud>& clouds,
+                               const OccupancyMap::Options& options) {
+  octomap::OcTree stock(options.resolution_m);
+  OccupancyMap ours(options);
+  double stock_ms = 0.0;
+  double ours_ms = 0.0;
+  // In turn, so that a change of the machine's pace meets both.
+  for (const PlacedCloud& placed : clouds) {
+    const double start = cpu_ms();
+    insert_stock(stock, placed, options);
+    const double middle = cpu_ms();
+    ours.insert(placed.cloud, placed.T_world_sensor);
+    stock_ms += middle - start;
+    ours_ms += cpu_ms() - middle;
+  }
+  std::ostringstream bt;
+  std::ostringstream ot;
+  stock.writeBinaryConst(bt);
+  stock.write(ot);
+  const auto scans = static_cast<double>(clouds.size());
+  return {{"stock_ms_per_scan", stock_ms / scans},
+          {"ours_ms_per_scan", ours_ms / scans},
+          {"ratio", ours_ms / stock_ms},
+          {"stock_mem_mb", 1e-6 * static_cast<double>(stock.memoryUsage())},
+          {"ours_mem_mb", 1e-6 * static_cast<double>(ours.memory_bytes())},
+          {"bt_identical", ours.encode(OccupancyMap::Format::kBt) == bt.str()},
+          {"ot_identical", ours.encode(OccupancyMap::Format::kOt) == ot.str()}};
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    CLI::App app("Compares our insertion into an OctoMap with OctoMap's own.");
+    std::string dir;
+    OccupancyMap::Options options;
+    app.add_option("DIR", dir, "clouds NNN.bin with their true poses NNN_gt.txt")
+        ->required()
+        ->check(CLI::ExistingDirectory);
+    app.add_option("--resolution", options.resolution_m, "edge of a voxel (m)")
+        ->check(CLI::Range(0.01, 1.0))
+        ->capture_default_str();
+    app.add_option("--max-range", options.max_range_m, "beams enter up to this length (m)")
+        ->check(CLI::Range(0.5, 100.0))
+        ->capture_default_str();
+    app.add_flag("--discretize", options.discretize, "one beam for each voxel that is hit");
+    CLI11_PARSE(app, argc, argv);
+    std::cout << compare(read_sequence(dir), options).dump(2) << "\n";
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "nodmap-bench-octomap: %s\n", error.what());
+    return 1;
+  }
+  return 0;
+}

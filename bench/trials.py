@@ -1,0 +1,266 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Runs the closed-loop trials that show what must hold, and prints one table with the targets.
+
+    bench/trials.py [--jobs N] [--quick] [--only GROUP ...] [--out DIR] [--bin DIR]
+
+Each group is a function that names its trials and judges their results. Every trial is deterministic; the table is the same on
+every machine but for the last column's times. Exit code 1 when a target is missed.
+"""
+import argparse
+import concurrent.futures
+import json
+import math
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+WORLDS = ROOT / "sim" / "worlds"
+# 300 ms and 0.3 m: what any loss may cost beyond braking (the whole robot's limits).
+REACTION_S, REACTION_M = 0.3, 0.3
+FAULTS = ["laser:unplug", "laser:silent", "laser:freeze", "servo:unplug", "servo:silent", "servo:stall", "base:unplug",
+          "base:silent"]
+PROCESSES = ["kurt", "laser3d", "pitch_controller", "map_server", "navigator"]
+
+
+class Trial:
+    """One run of nodmap-trial, and what came of it."""
+
+    def __init__(self, name, world, seed, duration_s, *options):
+        self.name, self.world, self.seed, self.duration_s, self.options = name, world, seed, duration_s, options
+        self.result, self.dir, self.error = None, None, ""
+
+    def run(self, programs, out):
+        self.dir = out / self.name
+        world = self.world if self.world.startswith("random:") else str(WORLDS / f"{self.world}.yaml")
+        command = [programs / "nodmap-trial", "--world", world, "--seed", str(self.seed), "--duration", str(self.duration_s),
+                   "--out", self.dir, *self.options]
+        done = subprocess.run([str(word) for word in command], capture_output=True, text=True)
+        if done.returncode != 0:
+            self.error = done.stderr.strip()
+            return self
+        self.result = json.loads((self.dir / "result.json").read_text())
+        (self.dir / "trial.lcmlog").unlink()  # 20 MB a minute, and made again by the same command
+        return self
+
+
+class Table:
+    """Rows of what was measured beside what is asked for."""
+
+    def __init__(self):
+        self.rows = []
+
+    def add(self, what, measured, target, holds):
+        self.rows.append((what, measured, target, holds))
+
+    def show(self):
+        widths = [max(len(str(row[i])) for row in [("what", "measured", "target"), *self.rows]) for i in range(3)]
+        line = "{:<%d} | {:<%d} | {:<%d} | {}" % tuple(widths)
+        print(line.format("what", "measured", "target", ""))
+        for what, measured, target, holds in self.rows:
+            print(line.format(what, measured, target, "ok" if holds else "MISSED"))
+
+    def all_hold(self):
+        return all(row[3] for row in self.rows)
+
+
+def results_of(trials):
+    return [trial.result for trial in trials if trial.result]
+
+
+def judge_failures(trials, table):
+    failed = [trial for trial in trials if trial.result is None]
+    for trial in failed:
+        table.add(trial.name, trial.error[-60:], "runs", False)
+
+
+def collided(results):
+    return sum(result["collisions"] > 0 for result in results)
+
+
+# The groups: (trials, judge).
+
+def random_clutter(quick):
+    trials = [Trial(f"random-{s}", f"random:{s}", s, 20 if quick else 60, "--no-slam6d") for s in range(2 if quick else 100)]
+
+    def judge(table, _):
+        results = results_of(trials)
+        speeds = [result["mean_speed_mps"] for result in results]
+        table.add(f"random clutter, {len(results)} worlds: collisions", sum(r["collisions"] for r in results), "0",
+                  collided(results) == 0)
+        table.add("random clutter: mean speed, m/s (least of all worlds)",
+                  f"{sum(speeds) / len(speeds):.2f} ({min(speeds):.2f})", ">= 0.5", sum(speeds) / len(speeds) >= 0.5)
+        table.add("random clutter: least clearance, m", f"{min(r['min_clearance_m'] for r in results):.3f}", "> 0",
+                  min(r["min_clearance_m"] for r in results) > 0)
+    return trials, judge
+
+
+def fig5(quick):
+    n = 2 if quick else 20
+    nodding = [Trial(f"fig5-nodding-{s}", "fig5", s, 60, "--no-slam6d", "--pitch", "nodding") for s in range(n)]
+    fixed = [Trial(f"fig5-fixed-{s}", "fig5", s, 60, "--no-slam6d", "--pitch", "fixed") for s in range(n)]
+
+    def judge(table, _):
+        table.add(f"Fig. 5, nodding: runs of {n} with a collision", collided(results_of(nodding)), "0",
+                  collided(results_of(nodding)) == 0)
+        table.add(f"Fig. 5, fixed: runs of {n} with a collision", collided(results_of(fixed)), "most",
+                  collided(results_of(fixed)) > n / 2)
+    return nodding + fixed, judge
+
+
+def appearing(quick):
+    n = 3 if quick else 120
+    trials = [Trial(f"appear-{s}", f"random:{s}", s, 20, "--no-slam6d", "--appear", 6 + s % 5) for s in range(n)]
+
+    def judge(table, _):
+        results = results_of(trials)
+        latencies = [r["brake_latency_ms"] for r in results]
+        values = sorted(l["max"] for l in latencies if l["n"])
+        late = sum(l["too_late"] + l["unanswered"] for l in latencies)
+        table.add(f"appearing obstacle, {len(results)} trials: collisions", sum(r["collisions"] for r in results), "0",
+                  collided(results) == 0)
+        table.add(f"appearing: braked for {len(values)}, steered past {sum(l['evaded'] for l in latencies)}; too late",
+                  late, "0", late == 0)
+        if values:
+            table.add("appearing: brake latency p50/p99/max, ms",
+                      f"{values[len(values) // 2]:.0f}/{values[math.ceil(0.99 * len(values)) - 1]:.0f}/{values[-1]:.0f}",
+                      "2 sweeps + 1 scan + 20 ms", late == 0)
+    return trials, judge
+
+
+def stops(quick):
+    things = [("fault", fault) for fault in FAULTS] + [("kill", process) for process in PROCESSES]
+    things = things[::4] if quick else things
+    trials = [Trial(f"stop-{what.replace(':', '-')}", "corridor30", 3, 20, "--no-slam6d", f"--{kind}", f"{what}@10+2")
+              for kind, what in things]
+
+    def judge(table, _):
+        for trial in trials:
+            if not trial.result:
+                continue
+            stop = trial.result["stops"][0]
+            beyond_m = stop["way_m"] - stop["braking_way_m"]
+            stood = stop["stood_after_s"] is not None
+            resumed = stop["resumed_after_s"]
+            holds = (stood and stop["reaction_s"] <= REACTION_S and beyond_m <= REACTION_M and resumed is not None
+                     and trial.result["collisions"] == 0)
+            table.add(f"{stop['what']} at {stop['speed_mps']:.1f} m/s: beyond braking; goes on after",
+                      (f"{1000 * stop['reaction_s']:.0f} ms, {beyond_m:.2f} m" if stood else "does not stand") +
+                      (f"; {resumed:.1f} s" if resumed is not None else "; never"), "300 ms, 0.30 m", holds)
+    return trials, judge
+
+
+def read_tum(path):
+    rows = [[float(word) for word in line.split()] for line in path.read_text().splitlines() if not line.startswith("#")]
+    return [(row[0], row[1], row[2], 2.0 * math.atan2(row[6], row[7])) for row in rows]
+
+
+def corridor(quick):
+    trial = Trial("corridor30", "corridor30", 1, 20 if quick else 60, "--set", "sim.odometry_scale_bias=0.03")
+
+    def judge(table, _):
+        slam, odometry = trial.result["slam2d"], trial.result["odometry"]
+        poses = read_tum(trial.dir / "slam2d" / "trajectory.tum")
+        truth = {round(row[0], 2): row for row in read_tum(trial.dir / "truth.tum")}
+        pairs = [(pose, truth[round(pose[0], 2)]) for pose in poses if round(pose[0], 2) in truth]
+        length_m = pairs[-1][1][1] - pairs[0][1][1]
+        error_m = abs((pairs[-1][0][1] - pairs[0][0][1]) - length_m)
+        bow_m = max(abs((p[2] - pairs[0][0][2]) - (t[2] - pairs[0][1][2])) for p, t in pairs)
+        heading = max(abs(math.remainder(p[3] - t[3], 2 * math.pi)) for p, t in pairs)
+        table.add(f"Fig. 6, {length_m:.1f} m, 3 % odometry bias: length error", f"{100 * error_m / length_m:.2f} %", "<= 1 %",
+                  error_m <= 0.01 * length_m)
+        table.add("Fig. 6: bow (odometry's end error)", f"{bow_m:.3f} m ({odometry['end_error_m']:.2f} m)", "<= 0.10 m",
+                  bow_m <= 0.10)
+        table.add("Fig. 6: heading", f"{math.degrees(heading):.2f} deg", "<= 0.5 deg", math.degrees(heading) <= 0.5)
+        del slam
+    return [trial], judge
+
+
+def cellar(quick):
+    trial = Trial("cellar", "cellar", 1, 30 if quick else 120, "--set", "sim.odometry_scale_bias=0.03")
+
+    def judge(table, _):
+        slam, odometry = trial.result["slam2d"], trial.result["odometry"]
+        table.add(f"Fig. 7, {trial.result['distance_m']:.0f} m in the cellar, 3 % bias and slip: end pose",
+                  f"{slam['end_error_m']:.3f} m, {slam['end_error_deg']:.2f} deg", "<= 0.10 m, 1 deg",
+                  slam["end_error_m"] <= 0.10 and slam["end_error_deg"] <= 1.0)
+        table.add("Fig. 7: odometry's end pose, for comparison",
+                  f"{odometry['end_error_m']:.2f} m, {odometry['end_error_deg']:.1f} deg", "", True)
+        table.add("cellar: collisions", trial.result["collisions"], "0", trial.result["collisions"] == 0)
+    return [trial], judge
+
+
+def cloud_error(trial, programs):
+    done = subprocess.run([str(programs / "nodmap-evaluate"), "cloud", str(trial.dir / "slam6d" / "cloud.ply"),
+                           str(WORLDS / f"{trial.world}.yaml")], capture_output=True, text=True)
+    if done.returncode != 0:
+        raise RuntimeError(done.stderr)
+    return json.loads(done.stdout)
+
+
+def clouds(quick):
+    moving = Trial("fig8-moving", "corridor30", 2, 12 if quick else 25)
+    standing = Trial("fig9-standing", "cellar", 2, 12, "--without", "navigator")
+    cellar_moving = Trial("fig9-moving", "cellar", 2, 20 if quick else 40)
+
+    def judge(table, programs):
+        fig8 = cloud_error(moving, programs)
+        table.add(f"Fig. 8, up to {moving.result['max_speed_mps']:.1f} m/s: residual to the true surfaces",
+                  f"{1000 * fig8['rms_m']:.1f} mm rms", "<= 30 mm", fig8["rms_m"] <= 0.03)
+        still, moved = cloud_error(standing, programs), cloud_error(cellar_moving, programs)
+        ratio = moved["rms_m"] / still["rms_m"]
+        table.add("Fig. 9: moving / standing", f"{ratio:.2f} ({1000 * moved['rms_m']:.1f} / {1000 * still['rms_m']:.1f} mm)",
+                  "<= 1.5", ratio <= 1.5)
+    return [moving, standing, cellar_moving], judge
+
+
+GROUPS = {"random": random_clutter, "fig5": fig5, "appearing": appearing, "stops": stops, "corridor": corridor,
+          "cellar": cellar, "clouds": clouds}
+
+
+def run_all(trials, programs, out, jobs):
+    show = sys.stderr.isatty()
+    with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
+        futures = [pool.submit(trial.run, programs, out) for trial in trials]
+        for done, future in enumerate(concurrent.futures.as_completed(futures), 1):
+            future.result()
+            if show:
+                print(f"\r{done} of {len(trials)} trials", end="", file=sys.stderr, flush=True)
+    if show:
+        print(file=sys.stderr)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--jobs", type=int, default=os.cpu_count())
+    parser.add_argument("--quick", action="store_true", help="a few short trials of each group")
+    parser.add_argument("--only", nargs="+", choices=GROUPS, default=list(GROUPS))
+    parser.add_argument("--out", type=pathlib.Path, help="keep the results here; default a folder that is removed")
+    parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build" / "release" / "bin")
+    arguments = parser.parse_args()
+    out = arguments.out or pathlib.Path(tempfile.mkdtemp(prefix="nodmap-trials-"))
+    out.mkdir(parents=True, exist_ok=True)
+    groups = [GROUPS[name](arguments.quick) for name in arguments.only]
+    trials = [trial for group, _ in groups for trial in group]
+    table = Table()
+    try:
+        run_all(trials, arguments.bin, out, arguments.jobs)
+        judge_failures(trials, table)
+        for group, judge in groups:
+            if all(trial.result for trial in group):
+                judge(table, arguments.bin)
+        factors = [result["realtime_factor"] for result in results_of(trials)]
+        table.show()
+        print(f"{len(factors)} trials; faster than real time by {min(factors):.0f} to {max(factors):.0f}")
+    finally:
+        if not arguments.out:
+            shutil.rmtree(out)
+    return 0 if table.all_hold() else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

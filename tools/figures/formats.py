@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Reads what the programs write: trajectories, tables, clouds and maps, as numpy arrays."""
+import csv
+import re
+
+import numpy as np
+
+
+def read_tum(path):
+    """Stamps (s), positions (n x 3, m) and headings (rad) of a trajectory."""
+    rows = np.loadtxt(path, ndmin=2)
+    x, y, z, w = rows[:, 4:8].T
+    yaw = np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+    return rows[:, 0], rows[:, 1:4], yaw
+
+
+def read_table(path):
+    """Columns of a CSV by name; time_s counts from the first row. A list at the end is left out."""
+    with open(path, newline="") as file:
+        rows = csv.reader(file)
+        names = next(rows)
+        values = np.array([[float(word) for word in row[:len(names)]] for row in rows if len(row) >= len(names) - 1])
+    table = {name: values[:, i] for i, name in enumerate(names[:values.shape[1]])}
+    table["time_s"] = 1e-6 * (table["utime_us"] - table["utime_us"][0])
+    return table
+
+
+def read_last_map(path):
+    """The points of the last message of an egocentric map: n x 3, m, in base."""
+    with open(path) as file:
+        names = next(file).strip().split(",")
+        for line in file:
+            last = line
+    values = np.array([float(word) for word in last.split(",")[len(names) - 1:]])
+    points = values.reshape(-1, 3)
+    return points[np.isfinite(points).all(axis=1)]
+
+
+def read_ply(path):
+    """Points of a binary PLY with x, y, z, red, green, blue: n x 3, m."""
+    data = path.read_bytes()
+    head, body = data.split(b"end_header\n", 1)
+    count = int(next(line for line in head.splitlines() if line.startswith(b"element vertex")).split()[2])
+    vertex = np.dtype([("p", "<f4", 3), ("rgb", "u1", 3)])
+    return np.frombuffer(body, vertex, count)["p"].astype(float)
+
+
+def read_grid(yaml_path):
+    """A ROS map: picture (rows from the top, 0 occupied .. 255 free) and its extent (left, right, bottom, top) in m."""
+    fields = dict(line.split(":", 1) for line in yaml_path.read_text().splitlines() if ":" in line)
+    resolution_m = float(fields["resolution"])
+    left, bottom = [float(word) for word in fields["origin"].strip(" []").split(",")[:2]]
+    data = (yaml_path.parent / fields["image"].strip()).read_bytes()
+    width, height = (int(word) for word in re.match(rb"P5\s+(\d+)\s+(\d+)\s+255\s", data).groups())
+    grid = np.frombuffer(data[-width * height:], np.uint8).reshape(height, width)
+    return grid, (left, left + width * resolution_m, bottom, bottom + height * resolution_m)
+
+
+def to_start(positions, yaw):
+    """A trajectory as seen from its first pose, in the plane: n x 2, m; headings in rad."""
+    c, s = np.cos(yaw[0]), np.sin(yaw[0])
+    moved = positions[:, :2] - positions[0, :2]
+    return moved @ np.array([[c, -s], [s, c]]), np.angle(np.exp(1j * (yaw - yaw[0])))

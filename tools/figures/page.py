@@ -1,0 +1,49 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""docs/paper.md: a section for each figure, and a table of what must hold."""
+import re
+
+from trials import ROOT
+
+PAGE = ROOT / "docs" / "paper.md"
+HEAD = """# The paper's figures, reproduced
+
+Figures of *Continuous 3D Sensing for Navigation and SLAM in Cluttered and Dynamic Environments* (Holz, Lörken, Surmann 2008), each from a
+run of the whole robot in a simulated world: device emulators, drivers, pitch controller, maps, navigator and SLAM in one closed loop on
+simulated time (`nodmap-trial`). There is no photograph: the scenes are pictures of the simulated worlds.
+
+    ./nodmap figures          all of them, and this page
+    ./nodmap figures 5 8      these only
+
+The runs are deterministic: the same program makes the same pictures and numbers. The paths below are relative to `build/release/bin/` for
+programs; results go to `logs/figures/`.
+"""
+
+
+def section(number, made):
+    """One figure's part of the page, between marks by which it is found again."""
+    commands = "\n".join(f"    {command}" for command in made["commands"])
+    holds = "".join(f"<!-- row {number} | {what} | {measured} | {target} | {'yes' if ok else '**no**'} -->\n"
+                    for what, measured, target, ok in made.get("holds", []))
+    note = f"\n{made['note']}\n" if made.get("note") else ""
+    return (f"<!-- figure {number} -->\n## Fig. {number}: {made['title']}\n\n![{made['alt']}](pictures/paper/fig{number}.png)\n\n"
+            f"*The paper:* {made['paper']}\n\n*Here:* {made['measured']}\n{note}\n{commands}\n\n{holds}<!-- end {number} -->\n")
+
+
+def read_sections():
+    text = PAGE.read_text() if PAGE.exists() else ""
+    return {int(number): whole for whole, number in re.findall(r"(<!-- figure (\d+) -->.*?<!-- end \2 -->\n)", text, re.S)}
+
+
+def write(made):
+    """Puts the new sections in their places; those of other figures stay."""
+    sections = read_sections()
+    sections.update({number: section(number, each) for number, each in made.items()})
+    rows = "".join(f"| [{number}](#fig-{number}-{anchor(sections[number])}) | {row} |\n" for number in sorted(sections)
+                   for row in re.findall(r"<!-- row \d+ \| (.*?) -->", sections[number]))
+    table = f"\n| figure | what | measured | target | holds |\n|---|---|---|---|---|\n{rows}\n"
+    PAGE.write_text(HEAD + table + "\n".join(sections[number] for number in sorted(sections)))
+
+
+def anchor(text):
+    title = re.search(r"## Fig\. \d+: (.*)", text).group(1).lower()
+    return re.sub(r"[^\w -]", "", title).replace(" ", "-")

@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Runs nodmap-trial, and gets at what it leaves."""
+import json
+import pathlib
+import shutil
+import subprocess
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+BIN = ROOT / "build" / "release" / "bin"
+OUT = ROOT / "logs" / "figures"
+
+
+def call(program, *arguments):
+    """What the program prints; its error is ours."""
+    words = [str(BIN / program), *(str(argument) for argument in arguments)]
+    done = subprocess.run(words, capture_output=True, text=True)
+    if done.returncode != 0:
+        raise RuntimeError(f"{' '.join(words)}\n{done.stderr.strip()}")
+    return done.stdout
+
+
+def evaluate(*arguments):
+    return json.loads(call("nodmap-evaluate", *arguments))
+
+
+class Trial:
+    """One run in a world of sim/worlds; the same arguments give the same result."""
+
+    def __init__(self, name, world, seed, duration_s, *options, keep_log=True):
+        self.name, self.seed, self.keep_log = name, seed, keep_log
+        self.world = ROOT / "sim" / "worlds" / f"{world}.yaml"
+        self.dir = OUT / name
+        self.arguments = ["--seed", seed, "--duration", duration_s, *options]
+
+    def command(self):
+        """As a person would type it in the project's folder."""
+        words = ["nodmap-trial", "--world", self.world.relative_to(ROOT), *self.arguments, "--out", self.dir.relative_to(ROOT)]
+        return " ".join(str(word) for word in words)
+
+    def run(self):
+        shutil.rmtree(self.dir, ignore_errors=True)
+        self.dir.parent.mkdir(parents=True, exist_ok=True)
+        call("nodmap-trial", "--world", self.world, *self.arguments, "--out", self.dir)
+        if not self.keep_log:
+            (self.dir / "trial.lcmlog").unlink()  # 70 MB a minute, and made again by the same command
+
+    @property
+    def result(self):
+        return json.loads((self.dir / "result.json").read_text())
+
+    def table(self, channel):
+        """The path of a channel's CSV."""
+        path = self.dir / f"{channel}.csv"
+        if not path.exists():
+            call("nodmap-convert", "export", self.dir / "trial.lcmlog", path, "--channel", channel)
+        return path
