@@ -6,14 +6,10 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <array>
-#include <cstdint>
 #include <cstdio>
-#include <cstring>
 #include <ctime>
 #include <exception>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -23,6 +19,7 @@
 
 #include "common/geometry/se3.hpp"
 #include "modules/slam6d/occupancy_map.hpp"
+#include "tests/support/cloud_file.hpp"
 
 namespace {
 
@@ -36,36 +33,9 @@ struct PlacedCloud {
   geometry::SE3 T_world_sensor = geometry::SE3::Identity();
 };
 
-geometry::SE3 read_pose(const fs::path& file) {
-  std::ifstream in(file);
-  geometry::SE3 pose = geometry::SE3::Identity();
-  for (int row = 0; row < 4; ++row) {
-    for (int column = 0; column < 4; ++column) {
-      in >> pose.matrix()(row, column);
-    }
-  }
-  if (!in) {
-    throw std::runtime_error(file.string() + ": is no 4x4 matrix");
-  }
-  return pose;
-}
-
 SweepCloud read_cloud(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::uint64_t count = 0;
-  std::array<char, sizeof count> head{};
-  in.read(head.data(), head.size());
-  std::memcpy(&count, head.data(), sizeof count);
   SweepCloud cloud;
-  for (std::array<char, 12> bytes{}; in.read(bytes.data(), bytes.size());) {
-    Eigen::Vector3f p;
-    std::memcpy(p.data(), bytes.data(), bytes.size());
-    cloud.points.push_back(p);
-  }
-  if (cloud.points.size() != count) {
-    throw std::runtime_error(file.string() + ": holds " + std::to_string(cloud.points.size()) +
-                             " points, not the " + std::to_string(count) + " it announces");
-  }
+  cloud.points = nodmap::test::read_cloud_file(file);
   cloud.lines.push_back({Eigen::Vector3f::Zero(), cloud.points.size()});
   return cloud;
 }
@@ -84,7 +54,8 @@ std::vector<PlacedCloud> read_sequence(const fs::path& dir) {
   std::vector<PlacedCloud> clouds;
   clouds.reserve(files.size());
   for (const fs::path& file : files) {
-    clouds.push_back({read_cloud(file), read_pose(dir / (file.stem().string() + "_gt.txt"))});
+    clouds.push_back({read_cloud(file),
+                      nodmap::test::read_matrix_file(dir / (file.stem().string() + "_gt.txt"))});
   }
   return clouds;
 }

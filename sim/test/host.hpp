@@ -3,31 +3,17 @@
 
 #include <algorithm>
 #include <functional>
-#include <sstream>
 #include <string>
 #include <utility>
 
 #include "sim/bytes.hpp"
 #include "sim/device.hpp"
+#include "tests/support/hex.hpp"
 
 namespace nodmap::sim::test {
 
-/// Bytes written as in the manuals: "02 80 03", and "00x21" for twenty-one of one byte.
-inline Bytes hex(const std::string& text) {
-  Bytes bytes;
-  std::istringstream words(text);
-  for (std::string word; words >> word;) {
-    const auto value = static_cast<std::uint8_t>(std::stoi(word.substr(0, 2), nullptr, 16));
-    const std::size_t count = word.size() > 3 ? std::stoul(word.substr(3)) : 1;
-    bytes.insert(bytes.end(), count, value);
-  }
-  return bytes;
-}
-
-inline Bytes operator+(Bytes first, const Bytes& second) {
-  first.insert(first.end(), second.begin(), second.end());
-  return first;
-}
+using nodmap::test::hex;
+using nodmap::test::operator+;
 
 inline Bytes text_bytes(const std::string& text) {
   return {text.begin(), text.end()};

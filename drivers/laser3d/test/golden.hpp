@@ -2,29 +2,15 @@
 #pragma once
 
 #include <cstddef>
-#include <sstream>
 #include <string>
 
 #include "drivers/laser3d/sick_crc.hpp"
+#include "tests/support/hex.hpp"
 
 namespace nodmap::laser3d::test {
 
-/// Bytes written as in the manuals: "02 80 03", and "00x21" for twenty-one of one byte.
-inline Bytes hex(const std::string& text) {
-  Bytes bytes;
-  std::istringstream words(text);
-  for (std::string word; words >> word;) {
-    const auto value = static_cast<std::uint8_t>(std::stoi(word.substr(0, 2), nullptr, 16));
-    const std::size_t count = word.size() > 3 ? std::stoul(word.substr(3)) : 1;
-    bytes.insert(bytes.end(), count, value);
-  }
-  return bytes;
-}
-
-inline Bytes operator+(Bytes a, const Bytes& b) {
-  a.insert(a.end(), b.begin(), b.end());
-  return a;
-}
+using nodmap::test::hex;
+using nodmap::test::operator+;
 
 /// A telegram of the sensor around a reply code and data: written here on its own, so that the
 /// parser is not tested by its own sister.

@@ -3,8 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <functional>
-#include <map>
 #include <nlohmann/json.hpp>
 #include <random>
 #include <string>
@@ -13,46 +11,10 @@
 #include "common/msg/messages.hpp"
 #include "modules/map_server/test/world.hpp"
 #include "tests/support/data_dir.hpp"
+#include "tests/support/memory_bus.hpp"
 
 namespace nodmap::map_server {
 namespace {
-
-/// Hands over what a test says and keeps what the node answers.
-class TestBus final : public bus::Bus {
- public:
-  template <class Message>
-  void deliver(const std::string& channel, const Message& message) {
-    std::vector<std::byte> bytes;
-    bus::encode_into(bytes, message);
-    handlers_.at(channel)(bytes);
-  }
-
-  void deliver_bytes(const std::string& channel, const std::vector<std::byte>& bytes) {
-    handlers_.at(channel)(bytes);
-  }
-
-  [[nodiscard]] std::vector<nodmap::egomap_t> maps(const std::string& channel) const {
-    std::vector<nodmap::egomap_t> maps;
-    for (const auto& bytes : sent_.contains(channel) ? sent_.at(channel) : Messages{}) {
-      EXPECT_TRUE(bus::decode_into(maps.emplace_back(), bytes));
-    }
-    return maps;
-  }
-
- private:
-  using Messages = std::vector<std::vector<std::byte>>;
-
-  bool send(const std::string& channel, std::span<const std::byte> bytes) override {
-    sent_[channel].emplace_back(bytes.begin(), bytes.end());
-    return true;
-  }
-  void listen(const std::string& channel, BytesHandler handler, int) override {
-    handlers_[channel] = std::move(handler);
-  }
-
-  std::map<std::string, BytesHandler> handlers_;
-  std::map<std::string, Messages> sent_;
-};
 
 class MapServerNodeTest : public ::testing::Test {
  protected:
@@ -71,7 +33,11 @@ class MapServerNodeTest : public ::testing::Test {
     return found == tally_.rejected().end() ? 0 : found->second;
   }
 
-  TestBus bus_;
+  [[nodiscard]] std::vector<nodmap::egomap_t> maps_on(const std::string& channel) const {
+    return bus_.sent<nodmap::egomap_t>(channel);
+  }
+
+  nodmap::test::MemoryBus bus_;
   node::Tally tally_;
   node::Context context_{bus_, tally_, {}};
   MapServerNode node_;
@@ -83,9 +49,9 @@ TEST_F(MapServerNodeTest, PublishesBothMapsAfterEveryScan) {
   give_odometry(1'000'000, 0);
   const nodmap::scan_t scan = next_scan();
   bus_.deliver("SCAN", scan);
-  const auto maps = bus_.maps("OBSTACLE_MAP");
+  const auto maps = maps_on("OBSTACLE_MAP");
   ASSERT_EQ(maps.size(), 1U);
-  ASSERT_EQ(bus_.maps("STRUCTURE_MAP").size(), 1U);
+  ASSERT_EQ(maps_on("STRUCTURE_MAP").size(), 1U);
   EXPECT_EQ(maps[0].utime, scan.utime + scan.beam_duration_us / 2);
   EXPECT_EQ(maps[0].num_bins, 360);
   EXPECT_EQ(maps[0].orientation[0], 1.0);
@@ -101,7 +67,7 @@ TEST_F(MapServerNodeTest, PublishesBothMapsAfterEveryScan) {
 
 TEST_F(MapServerNodeTest, WithoutOdometryNothingIsPublished) {
   bus_.deliver("SCAN", next_scan());
-  EXPECT_TRUE(bus_.maps("OBSTACLE_MAP").empty());
+  EXPECT_TRUE(maps_on("OBSTACLE_MAP").empty());
   EXPECT_EQ(rejected("no_odometry"), 1);
   EXPECT_EQ(node_.health().state, node::HealthState::kDegraded);
 }
@@ -112,7 +78,7 @@ TEST_F(MapServerNodeTest, OdometryThatEndedIsNoOdometry) {
     bus_.deliver("SCAN", next_scan());
   }
   // 50 ms are four scans of 13.32 ms, counted to the middle of each.
-  EXPECT_EQ(bus_.maps("OBSTACLE_MAP").size(), 4U);
+  EXPECT_EQ(maps_on("OBSTACLE_MAP").size(), 4U);
   EXPECT_EQ(rejected("no_odometry"), 16);
 }
 
@@ -128,7 +94,7 @@ class StandingNodeTest : public MapServerNodeTest {
 
 TEST_F(StandingNodeTest, RecordingsWithoutOdometry) {
   bus_.deliver("SCAN", next_scan());
-  EXPECT_EQ(bus_.maps("OBSTACLE_MAP").size(), 1U);
+  EXPECT_EQ(maps_on("OBSTACLE_MAP").size(), 1U);
 }
 
 class ScannerAsBaseNodeTest : public MapServerNodeTest {
@@ -146,7 +112,7 @@ TEST_F(ScannerAsBaseNodeTest, HeightsAreAboveTheGround) {
   nodmap::scan_t scan = next_scan();
   scan.mount_position_m[2] = 0.0;
   bus_.deliver("SCAN", scan);
-  const auto maps = bus_.maps("OBSTACLE_MAP");
+  const auto maps = maps_on("OBSTACLE_MAP");
   ASSERT_EQ(maps.size(), 1U);
   EXPECT_NEAR(maps[0].point_z_m[270], 0.38, 0.01);
 }
@@ -158,7 +124,7 @@ TEST_F(MapServerNodeTest, OdometryThatBeganAnewStartsTheMapsAnew) {
   nodmap::scan_t blind = next_scan();
   blind.ranges_m.assign(blind.ranges_m.size(), std::numeric_limits<float>::quiet_NaN());
   bus_.deliver("SCAN", blind);
-  const auto maps = bus_.maps("STRUCTURE_MAP");
+  const auto maps = maps_on("STRUCTURE_MAP");
   ASSERT_EQ(maps.size(), 2U);
   EXPECT_TRUE(std::ranges::any_of(maps[0].distance_m, [](float d) { return std::isfinite(d); }));
   EXPECT_TRUE(std::ranges::none_of(maps[1].distance_m, [](float d) { return std::isfinite(d); }));
@@ -178,7 +144,7 @@ TEST_F(MapServerNodeTest, BadScansAreCountedAndNothingElse) {
   bus_.deliver("SCAN", infinite);
   EXPECT_EQ(rejected("implausible_scan"), 2);
   EXPECT_EQ(rejected("empty_scan"), 1);
-  EXPECT_TRUE(bus_.maps("OBSTACLE_MAP").empty());
+  EXPECT_TRUE(maps_on("OBSTACLE_MAP").empty());
   nodmap::odometry_t nowhere = msg::write_odometry(1'010'000, geometry::SE3::Identity());
   nowhere.position_m[0] = std::numeric_limits<double>::quiet_NaN();
   bus_.deliver("ODOMETRY", nowhere);
@@ -196,7 +162,7 @@ TEST_F(MapServerNodeTest, RandomBytesAreCountedAsCorrupt) {
     bus_.deliver_bytes("SCAN", bytes);
   }
   EXPECT_EQ(bus_.counts().corrupt, 1000);
-  EXPECT_TRUE(bus_.maps("OBSTACLE_MAP").empty());
+  EXPECT_TRUE(maps_on("OBSTACLE_MAP").empty());
 }
 
 TEST_F(MapServerNodeTest, LostScansAreNoticed) {

@@ -3,50 +3,16 @@
 
 #include <gtest/gtest.h>
 
-#include <functional>
 #include <limits>
 #include <map>
 #include <string>
 #include <vector>
 
 #include "common/msg/messages.hpp"
+#include "tests/support/memory_bus.hpp"
 
 namespace nodmap::navigator {
 namespace {
-
-/// Hands over what a test says and keeps what the node answers.
-class TestBus final : public bus::Bus {
- public:
-  template <class Message>
-  void deliver(const std::string& channel, const Message& message) {
-    std::vector<std::byte> bytes;
-    bus::encode_into(bytes, message);
-    handlers_.at(channel)(bytes);
-  }
-
-  template <class Message>
-  [[nodiscard]] Message last(const std::string& channel) const {
-    Message message{};
-    EXPECT_TRUE(bus::decode_into(message, sent_.at(channel).back()));
-    return message;
-  }
-
-  [[nodiscard]] std::size_t count(const std::string& channel) const {
-    return sent_.contains(channel) ? sent_.at(channel).size() : 0;
-  }
-
- private:
-  bool send(const std::string& channel, std::span<const std::byte> bytes) override {
-    sent_[channel].emplace_back(bytes.begin(), bytes.end());
-    return true;
-  }
-  void listen(const std::string& channel, BytesHandler handler, int) override {
-    handlers_[channel] = std::move(handler);
-  }
-
-  std::map<std::string, BytesHandler> handlers_;
-  std::map<std::string, std::vector<std::vector<std::byte>>> sent_;
-};
 
 enum Input { kOdometry, kMap, kCommand, kState };
 
@@ -129,7 +95,7 @@ class NavigatorNodeTest : public ::testing::Test {
     return found == tally_.rejected().end() ? 0 : found->second;
   }
 
-  TestBus bus_;
+  test::MemoryBus bus_;
   node::Tally tally_;
   node::Context context_{bus_, tally_, {}};
   NavigatorNode node_{context_, {}};

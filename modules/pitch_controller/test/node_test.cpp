@@ -5,41 +5,16 @@
 
 #include <cmath>
 #include <limits>
-#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "common/msg/messages.hpp"
 #include "nodmap/pitch_command_t.hpp"
+#include "tests/support/memory_bus.hpp"
 
 namespace nodmap::pitch_controller {
 namespace {
-
-/// Hands over what a test says and keeps what the node answers.
-class TestBus final : public bus::Bus {
- public:
-  template <class Message>
-  void deliver(const std::string& channel, const Message& message) {
-    std::vector<std::byte> bytes;
-    bus::encode_into(bytes, message);
-    handlers_.at(channel)(bytes);
-  }
-
-  std::vector<nodmap::pitch_command_t> commands;
-
- private:
-  bool send(const std::string& channel, std::span<const std::byte> bytes) override {
-    EXPECT_EQ(channel, "PITCH_COMMAND");
-    EXPECT_TRUE(bus::decode_into(commands.emplace_back(), bytes));
-    return true;
-  }
-  void listen(const std::string& channel, BytesHandler handler, int) override {
-    handlers_[channel] = std::move(handler);
-  }
-
-  std::map<std::string, BytesHandler> handlers_;
-};
 
 class PitchControllerNodeTest : public ::testing::Test {
  protected:
@@ -83,7 +58,11 @@ class PitchControllerNodeTest : public ::testing::Test {
     return found == tally_.rejected().end() ? 0 : found->second;
   }
 
-  TestBus bus_;
+  [[nodiscard]] std::vector<nodmap::pitch_command_t> commands() const {
+    return bus_.sent<nodmap::pitch_command_t>("PITCH_COMMAND");
+  }
+
+  test::MemoryBus bus_;
   node::Tally tally_;
   node::Context context_{bus_, tally_, {}};
   PitchControllerNode node_;
@@ -94,40 +73,41 @@ class PitchControllerNodeTest : public ::testing::Test {
 
 TEST_F(PitchControllerNodeTest, CommandsTheNodAndTheSpeed) {
   run(5.0, 0.0);
-  ASSERT_FALSE(bus_.commands.empty());
-  const nodmap::pitch_command_t& last = bus_.commands.back();
+  ASSERT_FALSE(commands().empty());
+  const nodmap::pitch_command_t last = commands().back();
   EXPECT_NEAR(last.pitch_min_rad, -geometry::kPi / 3.0, 1e-9);
   EXPECT_NEAR(last.pitch_max_rad, geometry::kPi / 3.0, 1e-9);
   EXPECT_GT(last.sweep_s, 0.5);
   EXPECT_GT(last.max_forward_mps, 0.15);
   EXPECT_LE(std::abs(last.utime - now_us_), 20'000);
-  for (std::size_t i = 0; i < bus_.commands.size(); ++i) {
-    EXPECT_EQ(bus_.commands[i].command_seq, static_cast<std::int64_t>(i));
+  const auto all = commands();
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    EXPECT_EQ(all[i].command_seq, static_cast<std::int64_t>(i));
   }
   EXPECT_EQ(node_.health().state, node::HealthState::kOk);
   EXPECT_EQ(tally_.total_rejected(), 0);
-  EXPECT_EQ(node_.figures()["commands"], bus_.commands.size());
+  EXPECT_EQ(node_.figures()["commands"], commands().size());
 }
 
 TEST_F(PitchControllerNodeTest, WithoutOneInputTheOtherSaysStop) {
   give_odometry(0.0);
-  ASSERT_EQ(bus_.commands.size(), 1U);
-  EXPECT_EQ(bus_.commands.back().max_forward_mps, 0.0);
+  ASSERT_EQ(commands().size(), 1U);
+  EXPECT_EQ(commands().back().max_forward_mps, 0.0);
   EXPECT_NE(node_.health().reason.find("PITCH_STATE"), std::string::npos);
   run(5.0, 0.0);
   now_us_ += 250'000;
   bus_.deliver("PITCH_STATE", next_state());
-  EXPECT_EQ(bus_.commands.back().max_forward_mps, 0.0);
+  EXPECT_EQ(commands().back().max_forward_mps, 0.0);
   EXPECT_NE(node_.health().reason.find("ODOMETRY"), std::string::npos);
 }
 
 TEST_F(PitchControllerNodeTest, WithoutAnyInputNothingIsSaid) {
-  EXPECT_TRUE(bus_.commands.empty());
+  EXPECT_TRUE(commands().empty());
 }
 
 TEST_F(PitchControllerNodeTest, BadMessagesAreCountedAndChangeNothing) {
   run(5.0, 0.0);
-  const std::size_t before = bus_.commands.size();
+  const std::size_t before = commands().size();
   const double nan = std::numeric_limits<double>::quiet_NaN();
   now_us_ += 30'000;
   give_odometry(nan);
@@ -140,7 +120,7 @@ TEST_F(PitchControllerNodeTest, BadMessagesAreCountedAndChangeNothing) {
   state = next_state();
   state.utime = std::numeric_limits<std::int64_t>::min();
   bus_.deliver("PITCH_STATE", state);
-  EXPECT_EQ(bus_.commands.size(), before);
+  EXPECT_EQ(commands().size(), before);
   EXPECT_EQ(rejected("implausible_odometry"), 1);
   EXPECT_EQ(rejected("implausible_pitch_state"), 3);
 }
@@ -151,13 +131,13 @@ TEST_F(PitchControllerNodeTest, SaysWhenTheServoStallsOrIsNotMeasured) {
   nodmap::pitch_state_t state = next_state();
   state.is_stalled = 1;
   bus_.deliver("PITCH_STATE", state);
-  EXPECT_EQ(bus_.commands.back().max_forward_mps, 0.0);
+  EXPECT_EQ(commands().back().max_forward_mps, 0.0);
   EXPECT_NE(node_.health().reason.find("stalled"), std::string::npos);
   now_us_ += 20'000;
   state = next_state();
   state.pitch_is_measured = 0;
   bus_.deliver("PITCH_STATE", state);
-  EXPECT_GT(bus_.commands.back().max_forward_mps, 0.0);
+  EXPECT_GT(commands().back().max_forward_mps, 0.0);
   EXPECT_EQ(node_.health().state, node::HealthState::kDegraded);
 }
 
@@ -185,9 +165,9 @@ TEST_F(FixedNodeTest, SaysThatItIsBlind) {
   give_odometry(0.0);
   now_us_ += 20'000;
   give_odometry(0.0);
-  EXPECT_EQ(bus_.commands.back().pitch_min_rad, 0.0);
-  EXPECT_EQ(bus_.commands.back().pitch_max_rad, 0.0);
-  EXPECT_GT(bus_.commands.back().max_forward_mps, 0.0);
+  EXPECT_EQ(commands().back().pitch_min_rad, 0.0);
+  EXPECT_EQ(commands().back().pitch_max_rad, 0.0);
+  EXPECT_GT(commands().back().max_forward_mps, 0.0);
   EXPECT_EQ(node_.health().state, node::HealthState::kDegraded);
 }
 

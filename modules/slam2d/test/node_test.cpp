@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -13,58 +12,25 @@
 #include "modules/slam2d/test/drawn_world.hpp"
 #include "nodmap/grid_chunk_t.hpp"
 #include "tests/support/data_dir.hpp"
+#include "tests/support/memory_bus.hpp"
 
 namespace nodmap::slam2d {
 namespace {
-
-/// A bus in memory: what is put in goes to the handlers, what is published is kept.
-class MemoryBus : public bus::Bus {
- public:
-  template <class Message>
-  void put(const std::string& channel, const Message& message) {
-    std::vector<std::byte> bytes;
-    bus::encode_into(bytes, message);
-    handlers_.at(channel)(bytes);
-  }
-
-  template <class Message>
-  [[nodiscard]] std::vector<Message> sent(const std::string& channel) const {
-    std::vector<Message> messages;
-    for (const auto& [name, bytes] : sent_) {
-      if (name == channel) {
-        EXPECT_TRUE(bus::decode_into(messages.emplace_back(), bytes));
-      }
-    }
-    return messages;
-  }
-
- private:
-  bool send(const std::string& channel, std::span<const std::byte> bytes) override {
-    sent_.emplace_back(channel, std::vector<std::byte>(bytes.begin(), bytes.end()));
-    return true;
-  }
-  void listen(const std::string& channel, BytesHandler handler, int) override {
-    handlers_[channel] = std::move(handler);
-  }
-
-  std::map<std::string, BytesHandler> handlers_;
-  std::vector<std::pair<std::string, std::vector<std::byte>>> sent_;
-};
 
 class Slam2dNodeTest : public testing::Test {
  protected:
   void put_scan(std::int64_t utime_us, const geometry::SE2& truth) {
     scan::Scan scan = scanner_.scan(test::room(), truth, utime_us);
     scan.seq = seq_++;
-    bus_.put("SCAN", msg::write_scan(scan));
+    bus_.deliver("SCAN", msg::write_scan(scan));
   }
   void put_odometry(std::int64_t utime_us, const geometry::SE2& pose) {
     auto message = msg::write_odometry(utime_us, geometry::to_se3(pose));
     message.odometry_seq = odometry_seq_++;
-    bus_.put("ODOMETRY", message);
+    bus_.deliver("ODOMETRY", message);
   }
 
-  MemoryBus bus_;
+  nodmap::test::MemoryBus bus_;
   node::Tally tally_;
   node::Context context_{bus_, tally_, {}};
   Slam2dNode node_{context_, Slam2dParams{}};
@@ -129,17 +95,17 @@ TEST_F(Slam2dNodeTest, CountsWhatItCannotUse) {
   put_scan(0, {});  // before any odometry
   nodmap::scan_t broken = msg::write_scan(scanner_.scan(test::room(), {}));
   broken.angle_step_rad = 0.0;
-  bus_.put("SCAN", broken);
+  bus_.deliver("SCAN", broken);
   put_odometry(0, {});
   nodmap::odometry_t no_pose{};
-  bus_.put("ODOMETRY", no_pose);
+  bus_.deliver("ODOMETRY", no_pose);
   scan::Scan blind = scanner_.scan({}, {});
   blind.seq = 1;
-  bus_.put("SCAN", msg::write_scan(blind));
+  bus_.deliver("SCAN", msg::write_scan(blind));
   scan::Scan tilted = scanner_.scan(test::room(), {});
   tilted.seq = 5;  // three were lost
   tilted.pitch_first_rad = tilted.pitch_last_rad = -0.3;
-  bus_.put("SCAN", msg::write_scan(tilted));
+  bus_.deliver("SCAN", msg::write_scan(tilted));
 
   EXPECT_EQ(tally_.rejected().at("no_odometry"), 1);
   EXPECT_EQ(tally_.rejected().at("implausible_scan"), 1);

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstring>
 #include <fstream>
 #include <limits>
 #include <sstream>
@@ -11,6 +10,7 @@
 #include <vector>
 
 #include "modules/slam6d/slam6d.hpp"
+#include "tests/support/cloud_file.hpp"
 #include "tests/support/data_dir.hpp"
 
 namespace nodmap::slam6d {
@@ -116,30 +116,9 @@ TEST(Recordings, R44_Kurt3dEqualsThe3dtkResult) {
   }
 }
 
-SE3 read_matrix(const fs::path& file) {
-  std::ifstream in(file);
-  SE3 pose = SE3::Identity();
-  for (int row = 0; row < 4; ++row) {
-    for (int column = 0; column < 4; ++column) {
-      in >> pose.matrix()(row, column);
-    }
-  }
-  return pose;
-}
-
 SweepCloud read_cloud(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::uint64_t count = 0;
-  std::array<char, sizeof count> head{};
-  in.read(head.data(), head.size());
-  std::memcpy(&count, head.data(), sizeof count);
   SweepCloud cloud;
-  for (std::array<char, 12> bytes{}; in.read(bytes.data(), bytes.size());) {
-    Eigen::Vector3f p;
-    std::memcpy(p.data(), bytes.data(), bytes.size());
-    cloud.points.push_back(p);
-  }
-  EXPECT_EQ(cloud.points.size(), count);
+  cloud.points = nodmap::test::read_cloud_file(file);
   cloud.lines.push_back({Eigen::Vector3f::Zero(), cloud.points.size()});
   cloud.scans_used = 120;
   return cloud;
@@ -156,8 +135,8 @@ SequenceError run_sequence(const fs::path& dir, const Slam6dParams& params) {
   for (int k = 0; k < 60; ++k) {
     const std::string name = (k < 10 ? "00" : "0") + std::to_string(k);
     SweepCloud cloud = read_cloud(dir / (name + ".bin"));
-    cloud.T_odom_base = read_matrix(dir / (name + "_odo.txt"));
-    truth.push_back(read_matrix(dir / (name + "_gt.txt")));
+    cloud.T_odom_base = nodmap::test::read_matrix_file(dir / (name + "_odo.txt"));
+    truth.push_back(nodmap::test::read_matrix_file(dir / (name + "_gt.txt")));
     slam.add_cloud(std::move(cloud));
   }
   const auto poses = slam.trajectory();

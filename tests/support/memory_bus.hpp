@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cstddef>
+#include <map>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/bus/bus.hpp"
+#include "common/bus/codec.hpp"
+
+namespace nodmap::test {
+
+/// A bus in memory, for one node: what a test delivers goes to the node's handlers at once, what
+/// the node publishes is kept.
+class MemoryBus final : public bus::Bus {
+ public:
+  /// std::out_of_range when nobody has subscribed to the channel.
+  template <class Message>
+  void deliver(const std::string& channel, const Message& message) {
+    std::vector<std::byte> bytes;
+    bus::encode_into(bytes, message);
+    deliver_bytes(channel, bytes);
+  }
+  void deliver_bytes(const std::string& channel, std::span<const std::byte> bytes) {
+    handlers_.at(channel)(bytes);
+  }
+
+  /// How many messages the node has published on this channel.
+  [[nodiscard]] std::size_t count(const std::string& channel) const {
+    const auto sent = sent_.find(channel);
+    return sent == sent_.end() ? 0 : sent->second.size();
+  }
+  /// All of them, oldest first.
+  template <class Message>
+  [[nodiscard]] std::vector<Message> sent(const std::string& channel) const {
+    std::vector<Message> messages;
+    for (std::size_t i = 0; i < count(channel); ++i) {
+      EXPECT_TRUE(bus::decode_into(messages.emplace_back(), sent_.at(channel)[i]));
+    }
+    return messages;
+  }
+  /// The newest; std::out_of_range when there is none.
+  template <class Message>
+  [[nodiscard]] Message last(const std::string& channel) const {
+    Message message{};
+    EXPECT_TRUE(bus::decode_into(message, sent_.at(channel).back()));
+    return message;
+  }
+
+ private:
+  bool send(const std::string& channel, std::span<const std::byte> bytes) override {
+    sent_[channel].emplace_back(bytes.begin(), bytes.end());
+    return true;
+  }
+  void listen(const std::string& channel, BytesHandler handler, int /*queue_capacity*/) override {
+    handlers_[channel] = std::move(handler);
+  }
+
+  std::map<std::string, BytesHandler> handlers_;
+  std::map<std::string, std::vector<std::vector<std::byte>>> sent_;
+};
+
+}  // namespace nodmap::test
