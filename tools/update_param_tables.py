@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Writes the parameter table of each module's README between its markers, as the program prints it. With --check only compares.
+"""Writes the parameter table of the README of each module, driver and the simulator between its markers, as the program prints it. With --check only compares.
 
 usage: update_param_tables.py BIN_DIR [--check]
 """
@@ -16,7 +16,7 @@ BLOCK = re.compile(r"<!-- parameters -->\n.*?<!-- /parameters -->", re.S)
 def main():
     bin_dir, check = pathlib.Path(sys.argv[1]), "--check" in sys.argv[2:]
     stale = []
-    for readme in sorted(ROOT.glob("modules/*/README.md")):
+    for readme in sorted(readme for where in ("modules/*", "drivers/*", "sim") for readme in ROOT.glob(f"{where}/README.md")):
         program = bin_dir / ("nodmap-" + readme.parent.name.replace("_", "-"))
         text = readme.read_text()
         if not BLOCK.search(text):

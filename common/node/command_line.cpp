@@ -23,8 +23,10 @@ void add_common_options(CLI::App& app, CommonOptions& options, const params::Tab
   app.set_version_flag("--version", NODMAP_VERSION);
   app.add_option("--lcm-url", options.lcm_url,
                  "LCM provider; else $LCM_DEFAULT_URL, else udpm://239.255.76.67:7667?ttl=0");
-  app.add_option("--config", options.config,
-                 "YAML file with parameters that differ from the defaults");
+  app.add_option("--config", options.configs,
+                 "YAML file with parameters that differ from the defaults; may be repeated")
+      ->allow_extra_args(false)
+      ->take_all();
   app.add_option("--set", options.assignments, "key=value: one parameter; may be repeated")
       ->allow_extra_args(false)
       ->take_all();
@@ -58,8 +60,8 @@ std::optional<int> parse_command_line(CLI::App& app, int argc, char** argv) {
 std::optional<int> apply_common_options(const std::string& program, const CommonOptions& options,
                                         params::Table& table) {
   try {
-    if (!options.config.empty()) {
-      table.load_yaml(options.config);
+    for (const std::string& config : options.configs) {
+      table.load_yaml(config);
     }
     for (const std::string& assignment : options.assignments) {
       table.set_assignment(assignment);

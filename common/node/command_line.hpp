@@ -17,7 +17,7 @@ namespace nodmap::node {
 /// The options every process has (interfaces: "Every process").
 struct CommonOptions {
   std::string lcm_url;
-  std::string config;
+  std::vector<std::string> configs;
   std::vector<std::string> assignments;
   std::string log_level = "info";
   bool dump_params = false;

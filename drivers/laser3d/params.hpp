@@ -4,6 +4,7 @@
 #include <string>
 
 #include "common/geometry/angle.hpp"
+#include "common/params/robot_params.hpp"
 #include "drivers/laser3d/sick_command.hpp"
 
 namespace nodmap::laser3d {
@@ -33,21 +34,15 @@ struct Laser3dParams {
   int servo_level_position = 2048;
   bool servo_inverted = false;
   double servo_poll_hz = 200.0;
-  double servo_acceleration_rad_s2 = 40.0;
   double maestro_level_us = 1545.0;
   double maestro_us_per_deg = -9.09;
 
-  double pitch_min_rad = geometry::deg_to_rad(-60.0);
-  double pitch_max_rad = geometry::deg_to_rad(60.0);
-  double max_speed_rad_s = 3.0;
+  params::RobotParams robot;
   double default_min_rad = geometry::deg_to_rad(-40.0);
   double default_max_rad = geometry::deg_to_rad(15.0);
   double default_sweep_s = 0.8;
   double command_timeout_s = 1.0;
 
-  double mount_x_m = 0.15;
-  double mount_y_m = 0.0;
-  double mount_z_m = 0.38;
   double mirror_forward_m = 0.0;
   double mirror_up_m = 0.0;
   double max_extrapolation_s = 0.010;
@@ -57,7 +52,7 @@ struct Laser3dParams {
     describe_laser(v);
     describe_servo(v);
     describe_movement(v);
-    describe_mount(v);
+    describe_mirror(v);
   }
 
  private:
@@ -106,8 +101,6 @@ struct Laser3dParams {
               "Dynamixel position at which the laser looks straight ahead.");
     v.flag("servo_inverted", servo_inverted, "Larger Dynamixel positions look down.");
     v.number("servo_poll_hz", servo_poll_hz, {20.0, 500.0}, "How often the pitch is read.");
-    v.number("servo_acceleration_rad_s2", servo_acceleration_rad_s2, {0.4, 1000.0},
-             "Of the head at the ends of a sweep.");
     v.number("maestro_level_us", maestro_level_us, {500.0, 2500.0},
              "Pulse at which the laser looks straight ahead.");
     v.number("maestro_us_per_deg", maestro_us_per_deg, {-50.0, 50.0},
@@ -116,9 +109,7 @@ struct Laser3dParams {
 
   template <class Visitor>
   void describe_movement(Visitor& v) {
-    v.angle("pitch_min_deg", pitch_min_rad, {-90.0, 0.0}, "Lowest pitch the mechanics allow.");
-    v.angle("pitch_max_deg", pitch_max_rad, {0.0, 90.0}, "Highest pitch the mechanics allow.");
-    v.number("max_speed_rad_s", max_speed_rad_s, {0.05, 10.0}, "Fastest pitch rate of the servo.");
+    robot.describe(v);
     v.angle("default_min_deg", default_min_rad, {-90.0, 90.0},
             "Lower end of the sweep while nobody commands.");
     v.angle("default_max_deg", default_max_rad, {-90.0, 90.0},
@@ -130,10 +121,7 @@ struct Laser3dParams {
   }
 
   template <class Visitor>
-  void describe_mount(Visitor& v) {
-    v.number("mount_x_m", mount_x_m, {-2.0, 2.0}, "Pitch axis on the base, forward.");
-    v.number("mount_y_m", mount_y_m, {-2.0, 2.0}, "Pitch axis on the base, to the left.");
-    v.number("mount_z_m", mount_z_m, {0.0, 3.0}, "Pitch axis above the floor.");
+  void describe_mirror(Visitor& v) {
     v.number("mirror_forward_m", mirror_forward_m, {-0.5, 0.5},
              "Mirror's centre ahead of the pitch axis, at pitch 0.");
     v.number("mirror_up_m", mirror_up_m, {-0.5, 0.5},

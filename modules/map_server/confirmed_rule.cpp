@@ -21,7 +21,7 @@ ConfirmedRule::ConfirmedRule(const MapServerParams& params)
       passing_m_(3.0 * params.range_sigma_m + 0.05),
       height_tolerance_m_(params.height_tolerance_m),
       misses_to_remove_(params.misses_to_remove),
-      robot_{params.robot_length_m, params.robot_width_m} {}
+      robot_{params.robot.length_m, params.robot.width_m} {}
 
 std::size_t ConfirmedRule::remove_obsolete(ExtendedScan& map, const HeightGate& gate,
                                            const ScanView& view) {

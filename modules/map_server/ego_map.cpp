@@ -15,7 +15,7 @@ EgoMap make_map(const MapServerParams& params, Relevance relevance, double ceili
 }  // namespace
 
 EgoMap make_obstacle_map(const MapServerParams& params) {
-  return make_map(params, Relevance::kNearest, params.robot_height_m + params.head_clearance_m);
+  return make_map(params, Relevance::kNearest, params.robot.height_m + params.head_clearance_m);
 }
 
 EgoMap make_structure_map(const MapServerParams& params) {

@@ -7,7 +7,7 @@
 namespace nodmap::map_server {
 
 MapServer::MapServer(const MapServerParams& params)
-    : robot_{params.robot_length_m, params.robot_width_m},
+    : robot_{params.robot.length_m, params.robot.width_m},
       obstacle_map_(make_obstacle_map(params)),
       structure_map_(make_structure_map(params)) {}
 

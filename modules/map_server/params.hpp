@@ -2,6 +2,7 @@
 #pragma once
 
 #include "common/geometry/angle.hpp"
+#include "common/params/robot_params.hpp"
 
 namespace nodmap::map_server {
 
@@ -12,9 +13,7 @@ struct MapServerParams {
   double aperture_rad = geometry::deg_to_rad(360.0);
   double resolution_rad = geometry::deg_to_rad(1.0);
 
-  double robot_length_m = 0.45;
-  double robot_width_m = 0.33;
-  double robot_height_m = 0.47;  // KURT3D with its scanner (paper, II)
+  params::RobotParams robot;
   double head_clearance_m = 0.03;
   double floor_tolerance_m = 0.05;
   double base_height_m = 0.0;
@@ -34,10 +33,7 @@ struct MapServerParams {
     v.angle("aperture_deg", aperture_rad, {1.0, 360.0},
             "Apex angle of both maps, centred ahead (paper, III B).");
     v.angle("resolution_deg", resolution_rad, {0.1, 10.0}, "Angle from bin to bin.");
-    v.number("robot_length_m", robot_length_m, {0.05, 5.0}, "Length of the robot's body.");
-    v.number("robot_width_m", robot_width_m, {0.05, 5.0}, "Width of the robot's body.");
-    v.number("robot_height_m", robot_height_m, {0.05, 5.0},
-             "Height of the robot with its scanner: the top of the virtual corridor.");
+    robot.describe(v);
     v.number("head_clearance_m", head_clearance_m, {0.0, 1.0},
              "Room to be kept above the robot; raises the top of the virtual corridor.");
     v.number("floor_tolerance_m", floor_tolerance_m, {0.0, 1.0},

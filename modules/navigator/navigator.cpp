@@ -46,7 +46,7 @@ double widest_way(const FreeSpace& space) {
 
 Navigator::Navigator(const NavigatorParams& params)
     : params_(params),
-      body_{0.5 * params.robot_length_m, 0.5 * params.robot_width_m},
+      body_{0.5 * params.robot.length_m, 0.5 * params.robot.width_m},
       view_(params.view_half_rad),
       approach_(std::hypot(body_.half_length_m, body_.half_width_m) + kGiveWayM,
                 params.half_sweeps_to_trust),

@@ -199,7 +199,7 @@ void NavigatorNode::publish(const Decision& decision) {
   const double v = decision.max_forward_mps;
   navigation_.corridor_length_m =
       v * params_.reaction_s + v * v / (2.0 * params_.deceleration_mps2) + params_.stop_margin_m;
-  navigation_.corridor_width_m = params_.robot_width_m + 2.0 * params_.side_margin_m;
+  navigation_.corridor_width_m = params_.robot.width_m + 2.0 * params_.side_margin_m;
   navigation_.free_way_m = decision.free_way_m;
   navigation_.max_forward_mps = decision.max_forward_mps;
   context_.bus.publish("NAVIGATION", navigation_);

@@ -2,12 +2,12 @@
 #pragma once
 
 #include "common/geometry/angle.hpp"
+#include "common/params/robot_params.hpp"
 
 namespace nodmap::navigator {
 
 struct NavigatorParams {
-  double robot_length_m = 0.45;
-  double robot_width_m = 0.33;
+  params::RobotParams robot;
   double side_margin_m = 0.06;
   double turn_margin_m = 0.04;
   double stop_margin_m = 0.15;
@@ -38,8 +38,7 @@ struct NavigatorParams {
 
   template <class Visitor>
   void describe(Visitor& v) {
-    v.number("robot_length_m", robot_length_m, {0.05, 5.0}, "Length of the robot's body.");
-    v.number("robot_width_m", robot_width_m, {0.05, 5.0}, "Width of the robot's body.");
+    robot.describe(v);
     v.number("side_margin_m", side_margin_m, {0.0, 0.5},
              "Room to be kept on each side: with the body's width, the virtual corridor.");
     v.number("turn_margin_m", turn_margin_m, {0.0, 0.5},

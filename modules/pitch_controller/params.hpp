@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "common/geometry/angle.hpp"
+#include "common/params/robot_params.hpp"
 
 namespace nodmap::pitch_controller {
 
@@ -14,18 +14,11 @@ enum class Mode : std::uint8_t { kNodding, kFixed };
 struct PitchControllerParams {
   Mode mode = Mode::kNodding;
 
-  double robot_length_m = 0.45;
-  double robot_height_m = 0.47;  // KURT3D with its scanner (paper, II)
+  params::RobotParams robot;
   double head_clearance_m = 0.03;
   double floor_tolerance_m = 0.05;
   double visible_obstacle_m = 0.05;
-  double mount_x_m = 0.15;
-  double mount_z_m = 0.38;
 
-  double pitch_min_rad = geometry::deg_to_rad(-60.0);
-  double pitch_max_rad = geometry::deg_to_rad(60.0);
-  double max_speed_rad_s = 3.0;
-  double servo_acceleration_rad_s2 = 40.0;
   double scan_period_s = 0.01332;
 
   double acceleration_mps2 = 0.5;
@@ -44,8 +37,8 @@ struct PitchControllerParams {
   void describe(Visitor& v) {
     v.choice("mode", mode, {{"nodding", Mode::kNodding}, {"fixed", Mode::kFixed}},
              "Nod, or hold the laser level: UNSAFE, sees one plane only, for comparisons.");
-    describe_robot(v);
-    describe_scanner(v);
+    robot.describe(v);
+    describe_corridor(v);
     describe_driving(v);
     v.number("regulator_p", regulator_p, {0.0, 0.5},
              "Share of a sweep's error in time that the next one makes up for.");
@@ -57,27 +50,13 @@ struct PitchControllerParams {
 
  private:
   template <class Visitor>
-  void describe_robot(Visitor& v) {
-    v.number("robot_length_m", robot_length_m, {0.05, 5.0}, "Length of the robot's body.");
-    v.number("robot_height_m", robot_height_m, {0.25, 5.0},
-             "Height of the robot with its scanner: the top of the virtual corridor.");
+  void describe_corridor(Visitor& v) {
     v.number("head_clearance_m", head_clearance_m, {0.0, 1.0},
              "Room to be kept above the robot; raises the top of the virtual corridor.");
     v.number("floor_tolerance_m", floor_tolerance_m, {0.0, 0.2},
              "What is lower is floor, or can be driven over: the bottom of the virtual corridor.");
     v.number("visible_obstacle_m", visible_obstacle_m, {0.01, 1.0},
              "How far the lowest obstacle that has to be found rises above floor_tolerance_m.");
-    v.number("mount_x_m", mount_x_m, {-2.0, 2.0}, "Pitch axis on the base, forward.");
-    v.number("mount_z_m", mount_z_m, {0.1, 3.0}, "Pitch axis above the floor.");
-  }
-
-  template <class Visitor>
-  void describe_scanner(Visitor& v) {
-    v.angle("pitch_min_deg", pitch_min_rad, {-85.0, -5.0}, "Lowest pitch the mechanics allow.");
-    v.angle("pitch_max_deg", pitch_max_rad, {5.0, 85.0}, "Highest pitch the mechanics allow.");
-    v.number("max_speed_rad_s", max_speed_rad_s, {0.05, 10.0}, "Fastest pitch rate of the servo.");
-    v.number("servo_acceleration_rad_s2", servo_acceleration_rad_s2, {0.4, 1000.0},
-             "Of the head at the ends of a sweep.");
     v.number("scan_period_s", scan_period_s, {0.002, 0.2}, "From one scan to the next.");
   }
 

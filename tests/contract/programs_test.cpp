@@ -105,6 +105,21 @@ TEST_P(EveryProcess, DumpsParametersThatItLoadsAgain) {
 
 INSTANTIATE_TEST_SUITE_P(All, EveryProcess, ::testing::ValuesIn(kProcesses));
 
+class EveryProcessThatKnowsTheRobot : public ::testing::TestWithParam<const char*> {};
+
+// The file says KURT3D, and so do the defaults: what it changes would be a mistake in one of them.
+TEST_P(EveryProcessThatKnowsTheRobot, TakesTheFileOfTheRobot) {
+  const auto defaults = run_program(GetParam(), {"--dump-params"});
+  const auto told =
+      run_program(GetParam(), {"--config", NODMAP_KURT3D "/robot.yaml", "--dump-params"});
+  ASSERT_EQ(told.exit_code, 0) << told.err;
+  EXPECT_EQ(told.out, defaults.out);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, EveryProcessThatKnowsTheRobot,
+                         ::testing::Values("nodmap-laser3d", "nodmap-map-server",
+                                           "nodmap-navigator", "nodmap-pitch-controller"));
+
 class EveryModule : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(EveryModule, NeverOverwritesResults) {

@@ -94,6 +94,26 @@ TEST(Run, ReplayWritesResultsAndTheSameBytesTwice) {
   EXPECT_GT(result["realtime_factor"], 1.0);
 }
 
+TEST(Run, LaterConfigurationsCountAndAssignmentsMost) {
+  const test::TemporaryDir dir;
+  const std::string log = dir.path() / "in.lcmlog";
+  write_log(log);
+  std::ofstream(dir.path() / "robot.yaml") << "gain: 3\nloud: true\n";
+  std::ofstream(dir.path() / "mine.yaml") << "gain: 4\n";
+  const auto figures = [&](const std::string& out, std::vector<std::string> more) {
+    std::vector<std::string> args = {"--replay", log, "--out", dir.path() / out};
+    args.insert(args.end(), more.begin(), more.end());
+    EXPECT_EQ(run_echo(args), 0);
+    return nlohmann::json::parse(slurp(dir.path() / out / "result.json"))["figures"];
+  };
+  const std::vector<std::string> both = {"--config", dir.path() / "robot.yaml", "--config",
+                                         dir.path() / "mine.yaml"};
+  EXPECT_EQ(figures("a", both)["gain"], 4.0);
+  EXPECT_EQ(figures("b", both)["loud"], true);
+  EXPECT_EQ(figures("c", {both[2], both[3], both[0], both[1]})["gain"], 3.0);
+  EXPECT_EQ(figures("d", {"--set", "gain=5", both[0], both[1]})["gain"], 5.0);
+}
+
 TEST(Run, ExitCodesTellWhoIsWrong) {
   const test::TemporaryDir dir;
   const std::string log = dir.path() / "in.lcmlog";

@@ -66,7 +66,7 @@ TEST(ClosedLoop, AnObstacleThatAppearsBeyondTheBrakingWayIsNotHit) {
     loop.run(when(random));
     const double v = loop.robot.forward_mps;
     const double braking_m = v * v / (2.0 * params.deceleration_mps2) + v * params.reaction_s;
-    const Eigen::Vector2d ahead(0.5 * params.robot_length_m + braking_m + 0.03, aside(random));
+    const Eigen::Vector2d ahead(0.5 * params.robot.length_m + braking_m + 0.03, aside(random));
     loop.world.points_odom.emplace_back(loop.robot.T_odom_base * ahead);
     loop.run(3.0);
     EXPECT_FALSE(loop.collided) << "run " << run << " at " << v << " m/s";
