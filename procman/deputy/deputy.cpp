@@ -83,7 +83,9 @@ class Deputy {
       work();
     }
     Children::kill_everything();  // before the last words, so that they are true
-    publish_output(steady_us() + OutputCollector::kPeriodUs);  // the last words, due or not
+    while (const auto due_us = output_.due_us()) {
+      publish_output(*due_us);  // the last words, due or not
+    }
     return *exit_code_;
   }
 
@@ -233,6 +235,9 @@ void Deputy::carry_out(const Deeds& deeds) {
       children_.signal(signal->id, signal->signal);
     } else if (const auto* begin = std::get_if<StartCommand>(&deed)) {
       start(*begin);
+    } else if (const auto* forget = std::get_if<ForgetCommand>(&deed)) {
+      output_.forget(forget->id);
+      info_changed_ = true;
     } else {
       info_changed_ = true;
     }

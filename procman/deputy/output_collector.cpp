@@ -2,6 +2,7 @@
 #include "procman/deputy/output_collector.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 namespace nodmap::procman {
@@ -35,12 +36,11 @@ void OutputCollector::append(const std::string& id, std::string_view text) {
   if (found == pending_.end()) {
     found = pending_.insert(pending_.end(), {id, {}});
   }
-  for (const char c : text) {
-    if (c != '\0') {  // would end the text for whoever receives it
-      found->text += c;
-    }
-  }
-  pending_bytes_ += text.size();
+  const std::size_t before = found->text.size();
+  // A zero byte would end the text for whoever receives it.
+  std::copy_if(text.begin(), text.end(), std::back_inserter(found->text),
+               [](char c) { return c != '\0'; });
+  pending_bytes_ += found->text.size() - before;
 }
 
 void OutputCollector::complain(std::int64_t now_us) {
@@ -56,13 +56,35 @@ void OutputCollector::complain(std::int64_t now_us) {
 
 std::vector<Said> OutputCollector::take(std::int64_t now_us) {
   complain(now_us);
-  const bool is_due = now_us - published_us_ >= kPeriodUs || pending_bytes_ > kPromptBytes;
-  if (pending_.empty() || !is_due) {
+  const bool is_prompt = pending_bytes_ > kPromptBytes && !is_rest_;
+  if (pending_.empty() || (now_us - published_us_ < kPeriodUs && !is_prompt)) {
     return {};
   }
   published_us_ = now_us;
-  pending_bytes_ = 0;
-  return std::exchange(pending_, {});
+  std::vector<Said> message = take_front(kMaxMessageBytes);
+  is_rest_ = !pending_.empty();
+  return message;
+}
+
+/// `room` bytes of what is pending, the short texts first: a flood makes nobody else wait.
+std::vector<Said> OutputCollector::take_front(std::size_t room) {
+  if (pending_bytes_ > room) {
+    std::stable_sort(pending_.begin(), pending_.end(),
+                     [](const Said& a, const Said& b) { return a.text.size() < b.text.size(); });
+  }
+  std::vector<Said> front;
+  while (!pending_.empty() && room > 0) {
+    Said& said = pending_.front();
+    const std::size_t size = std::min(room, said.text.size());
+    front.push_back({said.command_id, said.text.substr(0, size)});
+    said.text.erase(0, size);
+    room -= size;
+    pending_bytes_ -= size;
+    if (said.text.empty()) {
+      pending_.erase(pending_.begin());
+    }
+  }
+  return front;
 }
 
 std::optional<std::int64_t> OutputCollector::due_us() const {

@@ -37,6 +37,8 @@ class OutputCollector {
  public:
   static constexpr std::int64_t kPeriodUs = 10'000;
   static constexpr std::size_t kPromptBytes = 4096;
+  /// A message stays below LCM's 64 KiB for one datagram; the rest of a burst follows it each 10 ms.
+  static constexpr std::size_t kMaxMessageBytes = std::size_t{32} * 1024;
   // Far more than anyone can read, far less than would hurt: SCAN and the maps take about 10 MB/s.
   static constexpr double kCommandBytesPerS = 64.0 * 1024.0;
   static constexpr double kCommandBurstBytes = 128.0 * 1024.0;
@@ -57,6 +59,7 @@ class OutputCollector {
   /// Bytes dropped so far, of all commands.
   [[nodiscard]] std::int64_t dropped_bytes() const { return dropped_bytes_; }
 
+  /// For a command that is not wanted any more.
   void forget(const std::string& id) { streams_.erase(id); }
 
  private:
@@ -67,12 +70,14 @@ class OutputCollector {
   };
 
   void append(const std::string& id, std::string_view text);
+  [[nodiscard]] std::vector<Said> take_front(std::size_t room);
   void complain(std::int64_t now_us);
 
   std::map<std::string, Stream> streams_;
   TokenBucket total_{kTotalBytesPerS, kTotalBurstBytes};
   std::vector<Said> pending_;
   std::size_t pending_bytes_ = 0;
+  bool is_rest_ = false;  // what is pending did not fit into the message before
   std::int64_t dropped_bytes_ = 0;
   std::int64_t published_us_ = 0;
 };

@@ -88,6 +88,43 @@ TEST(OutputCollector, AllTogetherHaveALimitToo) {
       OutputCollector::kTotalBurstBytes + 10 * OutputCollector::kTotalBytesPerS + 50 * 11 * 80);
 }
 
+TEST(OutputCollector, ABurstGoesInMessagesOfOneDatagramEach) {
+  OutputCollector output;
+  std::string burst;
+  for (int i = 0; i < 20'000; ++i) {
+    burst += std::to_string(i % 10);
+  }
+  output.add("a", burst + burst + burst + burst, 1'000'000);
+  output.add("b", "short", 1'000'000);
+  std::string got;
+  int messages = 0;
+  std::int64_t now_us = 1'000'000;
+  while (const auto due_us = output.due_us()) {
+    now_us = std::max(now_us, *due_us);
+    std::size_t size = 0;
+    for (const Said& said : output.take(now_us)) {
+      EXPECT_TRUE(said.command_id == "a" || messages == 0) << "the short text goes first";
+      got += said.command_id == "a" ? said.text : "";
+      size += said.text.size();
+    }
+    EXPECT_LE(size, OutputCollector::kMaxMessageBytes);
+    ++messages;
+  }
+  EXPECT_EQ(messages, 3) << "80 kB in pieces of 32";
+  EXPECT_EQ(now_us, 1'000'000 + 2 * OutputCollector::kPeriodUs);
+  EXPECT_EQ(got, burst + burst + burst + burst) << "whole, in order";
+}
+
+TEST(OutputCollector, AForgottenCommandBeginsAnew) {
+  OutputCollector output;
+  const auto limit = static_cast<std::size_t>(OutputCollector::kCommandBurstBytes);
+  output.add("a", std::string(limit + 1, 'x'), 1'000'000);
+  EXPECT_EQ(output.dropped_bytes(), 1);
+  output.forget("a");
+  output.add("a", std::string(limit, 'x'), 1'000'000);
+  EXPECT_EQ(output.dropped_bytes(), 1);
+}
+
 TEST(OutputCollector, DropsZeroBytesWhichWouldEndTheText) {
   OutputCollector output;
   output.add("a", std::string_view("a\0b", 3), 1'000'000);
