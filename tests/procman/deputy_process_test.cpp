@@ -4,11 +4,12 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
 #include <fstream>
 
 #include "procman/deputy/process_table.hpp"
-#include "tests/procman/deputy_client.hpp"
+#include "tests/procman/deputy_fixture.hpp"
 #include "tests/support/data_dir.hpp"
 
 namespace nodmap {
@@ -17,62 +18,13 @@ namespace {
 using procman::CommandOrder;
 using std::chrono::milliseconds;
 using SteadyClock = std::chrono::steady_clock;
-using test::ChildProcess;
 using test::kPatience;
-using test::kProcmanUrl;
 using test::processes_marked;
 using test::wanted;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-constexpr const char* kDeputy = NODMAP_BIN "/nodmap-deputy";
-
-class DeputyProcess : public ::testing::Test {
- protected:
-  void TearDown() override {
-    deputy_.reset();
-    for (const pid_t pid : processes_marked(mark_)) {
-      ADD_FAILURE() << "left behind: process " << pid;
-      ::kill(pid, SIGKILL);
-    }
-  }
-
-  void begin(std::vector<std::string> more = {"--trust-network"}) {
-    deputy_ = launch(std::move(more));
-    ASSERT_TRUE(deputy_->wait_for_stderr("serving", kPatience)) << deputy_->said();
-    ASSERT_TRUE(client_.wait_until([this] { return !client_.infos().empty(); }));
-  }
-
-  static std::unique_ptr<ChildProcess> launch(std::vector<std::string> more) {
-    std::vector<std::string> command{kDeputy, "--lcm-url", kProcmanUrl, "--id", "rover"};
-    command.insert(command.end(), more.begin(), more.end());
-    return std::make_unique<ChildProcess>(command);
-  }
-
-  /// An exec line whose processes are found again.
-  [[nodiscard]] std::string marked(const std::string& exec) const {
-    return "NODMAP_TEST=" + mark_ + " " + exec;
-  }
-
-  [[nodiscard]] bool comes_to_run(const CommandOrder& order) {
-    client_.order({order});
-    return client_.wait_until([&] { return client_.runs(order.spec.id); });
-  }
-
-  [[nodiscard]] bool is_gone(milliseconds timeout = kPatience) {
-    return client_.wait_until([this] { return processes_marked(mark_).empty(); }, timeout);
-  }
-
-  void end_cleanly() {
-    deputy_->send_signal(SIGTERM);
-    EXPECT_EQ(deputy_->wait_for_end(kPatience), 0) << deputy_->said();
-  }
-
-  std::string mark_ = std::to_string(::getpid()) + "-" +
-                      ::testing::UnitTest::GetInstance()->current_test_info()->name();
-  test::DeputyClient client_{"rover"};
-  std::unique_ptr<ChildProcess> deputy_;
-};
+using DeputyProcess = test::DeputyFixture;
 
 // The existing deputies die in this, or leave a child alive.
 TEST_F(DeputyProcess, StartAndStopWithinFourMilliseconds200Times) {
@@ -145,26 +97,6 @@ TEST_F(DeputyProcess, WhatACommandLeavesBehindEndsWithIt) {
     }));
     ASSERT_THAT(processes_marked(mark_), IsEmpty()) << "run " << run;
   }
-  end_cleanly();
-}
-
-TEST_F(DeputyProcess, AFloodIsLimitedCountedAndBlocksNobody) {
-  begin();
-  client_.order(
-      {wanted("flood", marked("yes 0123456789012345678901234567890123456789"), 1),
-       wanted("tick", marked("bash -c 'while true; do echo tick; sleep 0.05; done'"), 1)});
-  ASSERT_TRUE(client_.wait_until([this] { return client_.runs("tick") && client_.runs("flood"); }));
-  const std::size_t infos_before = client_.infos().size();
-  client_.listen_for(milliseconds(3000));
-  EXPECT_GE(client_.infos().size(), infos_before + 2) << "still speaks each second";
-  // 128 KiB at first, then 64 KiB/s, for the three seconds and the moment before them.
-  EXPECT_LT(client_.output("flood").size(), (128U + 5U * 64U) * 1024U);
-  EXPECT_GT(client_.output("flood").size(), 128U * 1024U);
-  EXPECT_THAT(client_.output("flood"), HasSubstr("bytes of output dropped"));
-  EXPECT_GT(client_.output("tick").size(), 20U * 6U) << "the quiet one is heard";
-  EXPECT_THAT(client_.output("tick"), ::testing::Not(HasSubstr("dropped")));
-  client_.order({wanted("flood", "x", 1, true), wanted("tick", "x", 1, true)});
-  EXPECT_TRUE(is_gone());
   end_cleanly();
 }
 
@@ -271,43 +203,6 @@ TEST_F(DeputyProcess, SaysWhatCannotBeRun) {
   EXPECT_EQ(client_.status("empty").wait_status, 127 << 8);
   EXPECT_TRUE(client_.wait_until(
       [this] { return client_.output("none").find("No such file") != std::string::npos; }));
-  end_cleanly();
-}
-
-TEST_F(DeputyProcess, AHundredProcessesCostLittle) {
-  begin();
-  std::vector<CommandOrder> orders;
-  for (int i = 0; i < 100; ++i) {
-    orders.push_back(wanted("command-" + std::to_string(i), marked("sleep 1000"), 1));
-  }
-  client_.order(orders);
-  ASSERT_TRUE(client_.wait_until([this] { return processes_marked(mark_).size() == 100; }));
-  client_.listen_for(milliseconds(1500));  // the work of starting them is done
-  pid_t deputy = 0;
-  for (const auto& row : procman::read_processes()) {
-    if (row.pid == client_.status("command-0").pid) {
-      deputy = row.parent;
-    }
-  }
-  const auto before = procman::read_process(deputy);
-  const auto begun = SteadyClock::now();
-  for (int i = 0; i < 10; ++i) {
-    client_.order(orders);
-    client_.listen_for(milliseconds(1000));
-  }
-  const auto after = procman::read_process(deputy);
-  ASSERT_TRUE(before && after);
-  const double busy_s = static_cast<double>(after->cpu_ticks - before->cpu_ticks) /
-                        static_cast<double>(::sysconf(_SC_CLK_TCK));
-  const double share = busy_s / std::chrono::duration<double>(SteadyClock::now() - begun).count();
-  std::printf("deputy with 100 processes: %.2f %% of a core\n", 100.0 * share);
-  EXPECT_LE(share, 0.02);
-  EXPECT_EQ(client_.infos().back().commands.size(), 100U);
-  for (CommandOrder& order : orders) {
-    order.force_quit = true;
-  }
-  client_.order(orders);
-  EXPECT_TRUE(is_gone());
   end_cleanly();
 }
 
