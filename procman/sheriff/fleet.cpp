@@ -171,7 +171,9 @@ void Fleet::adopt(Item& item, const CommandStatus& status) {
   const bool is_down = status.pid == 0;
   item.desired_run = status.actual_run + (start_wished && is_down ? 1 : 0);
   item.force_quit |= !start_wished && is_down;
-  item.stop_ordered |= is_down;  // who stopped it is not known; a stop signal is no fault then
+  // Who stopped it is not known. A stop signal is no fault then; SIGKILL is: it did not end by its
+  // stop signal, or the system killed it.
+  item.stop_ordered |= is_down && status.wait_status != SIGKILL;
   item.adopted = true;
 }
 

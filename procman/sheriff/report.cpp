@@ -10,23 +10,6 @@
 namespace nodmap::procman {
 namespace {
 
-std::string fixed(double value, int digits) {
-  std::array<char, 64> text{};
-  std::snprintf(text.data(), text.size(), "%.*f", digits, value);
-  return text.data();
-}
-
-std::string duration(double seconds) {
-  const auto total = static_cast<std::int64_t>(seconds);
-  if (total < 60) {
-    return std::to_string(total) + "s";
-  }
-  if (total < 3600) {
-    return std::to_string(total / 60) + "m" + std::to_string(total % 60) + "s";
-  }
-  return std::to_string(total / 3600) + "h" + std::to_string(total % 3600 / 60) + "m";
-}
-
 std::string health_text(const ProcessHealth& health) {
   std::string text = name_of(health.state);
   if (!health.reason.empty()) {
@@ -72,8 +55,8 @@ Line cells(const ReportRow& row) {
   if (!row.end.empty()) {
     state += ", " + row.end;
   }
-  return {row.group.empty() ? row.id : row.group + "/" + row.id,
-          row.deputy,
+  return {printable(row.group.empty() ? row.id : row.group + "/" + row.id),
+          printable(row.deputy),
           std::move(state),
           runs ? std::to_string(row.pid) : "",
           runs ? fixed(row.cpu_percent, 1) : "",
@@ -85,6 +68,23 @@ Line cells(const ReportRow& row) {
 }
 
 }  // namespace
+
+std::string fixed(double value, int digits) {
+  std::array<char, 64> text{};
+  std::snprintf(text.data(), text.size(), "%.*f", digits, value);
+  return text.data();
+}
+
+std::string duration(double seconds) {
+  const auto total = static_cast<std::int64_t>(seconds);
+  if (total < 60) {
+    return std::to_string(total) + "s";
+  }
+  if (total < 3600) {
+    return std::to_string(total / 60) + "m" + std::to_string(total % 60) + "s";
+  }
+  return std::to_string(total / 3600) + "h" + std::to_string(total % 3600 / 60) + "m";
+}
 
 std::string printable(const std::string& text) {
   std::string clean;
@@ -98,8 +98,7 @@ std::string printable(const std::string& text) {
 }
 
 std::vector<ReportRow> report(const Fleet& fleet, const HealthWatch& health,
-                              const std::map<std::string, std::string>& last_lines,
-                              std::int64_t now_us) {
+                              const std::map<std::string, Console>& consoles, std::int64_t now_us) {
   std::vector<ReportRow> rows;
   for (const Fleet::Item& item : fleet.items()) {
     ReportRow row;
@@ -117,8 +116,8 @@ std::vector<ReportRow> report(const Fleet& fleet, const HealthWatch& health,
     }
     const std::optional<ProcessHealth> said = health.health_of(row.id);
     row.health = said ? printable(health_text(*said)) : "";
-    const auto line = last_lines.find(row.id);
-    row.last_output = line == last_lines.end() ? "" : printable(line->second);
+    const auto console = consoles.find(row.id);
+    row.last_output = console == consoles.end() ? "" : printable(console->second.last());
     rows.push_back(std::move(row));
   }
   std::stable_sort(rows.begin(), rows.end(),
@@ -175,26 +174,6 @@ nlohmann::json to_json(const std::vector<ReportRow>& rows, const Fleet& fleet,
   return {{"commands", std::move(commands)},
           {"hosts", std::move(hosts)},
           {"other_sheriff", printable(fleet.other_sheriff(now_us).value_or(""))}};
-}
-
-std::vector<std::string> to_view(const std::vector<ReportRow>& rows, const ViewState& state,
-                                 std::size_t width, std::size_t height) {
-  const std::vector<std::string> table = to_table(rows);
-  std::vector<std::string> lines{state.title, "  " + table.front()};
-  // The part of the table that holds the selected line.
-  const std::size_t room = height > 4 ? height - 4 : 1;
-  const std::size_t first = state.selected < room ? 0 : state.selected - room + 1;
-  for (std::size_t i = first; i < std::min(rows.size(), first + room); ++i) {
-    lines.push_back((i == state.selected ? "> " : "  ") + table[i + 1]);
-  }
-  lines.push_back(state.message);
-  lines.emplace_back(
-      "up/down select   s start   t stop   r restart   q quit (all goes on running)");
-  for (std::string& line : lines) {
-    line = line.substr(0, width);
-  }
-  lines.resize(std::min(lines.size(), height));
-  return lines;
 }
 
 }  // namespace nodmap::procman

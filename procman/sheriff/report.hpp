@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
+#include "procman/sheriff/console.hpp"
 #include "procman/sheriff/fleet.hpp"
 #include "procman/sheriff/health_watch.hpp"
 
@@ -29,9 +29,9 @@ struct ReportRow {
   std::string last_output;
 };
 
-/// What is known now. `last_lines` are the commands' last lines of output.
+/// What is known now. `consoles` hold what the commands wrote.
 [[nodiscard]] std::vector<ReportRow> report(const Fleet& fleet, const HealthWatch& health,
-                                            const std::map<std::string, std::string>& last_lines,
+                                            const std::map<std::string, Console>& consoles,
                                             std::int64_t now_us);
 
 /// As a table for people, a line for each command.
@@ -44,15 +44,10 @@ struct ReportRow {
 /// Text that a terminal may be given: control characters and what is not UTF-8 become '?'.
 [[nodiscard]] std::string printable(const std::string& text);
 
-/// The live view: the table, the selected command marked, and a line on top and at the bottom; at
-/// most `height` lines of `width` characters.
-struct ViewState {
-  std::size_t selected = 0;
-  std::string title;
-  std::string message;
-};
-[[nodiscard]] std::vector<std::string> to_view(const std::vector<ReportRow>& rows,
-                                               const ViewState& state, std::size_t width,
-                                               std::size_t height);
+/// A number with so many digits after the point.
+[[nodiscard]] std::string fixed(double value, int digits);
+
+/// A time as people say it: 5s, 2m3s, 1h4m.
+[[nodiscard]] std::string duration(double seconds);
 
 }  // namespace nodmap::procman

@@ -23,19 +23,23 @@ const char* name_of(Wanted wanted) {
 
 }  // namespace
 
+void give_order(Fleet& fleet, Verb verb, const std::string& id) {
+  switch (verb) {
+    case Verb::kStart:
+      fleet.start(id);
+      break;
+    case Verb::kStop:
+      fleet.stop(id);
+      break;
+    case Verb::kRestart:
+      fleet.restart(id);
+      break;
+  }
+}
+
 void give_order(Fleet& fleet, const Config& config, Verb verb, const Target& target) {
   for (const Command* command : config.commands_of(target)) {
-    switch (verb) {
-      case Verb::kStart:
-        fleet.start(command->id);
-        break;
-      case Verb::kStop:
-        fleet.stop(command->id);
-        break;
-      case Verb::kRestart:
-        fleet.restart(command->id);
-        break;
-    }
+    give_order(fleet, verb, command->id);
   }
 }
 

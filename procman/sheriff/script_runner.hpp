@@ -11,6 +11,9 @@
 
 namespace nodmap::procman {
 
+/// Starts, stops or restarts one command.
+void give_order(Fleet& fleet, Verb verb, const std::string& id);
+
 /// Carries a target's order out on a fleet.
 void give_order(Fleet& fleet, const Config& config, Verb verb, const Target& target);
 

@@ -14,7 +14,6 @@ namespace nodmap::procman {
 namespace {
 
 constexpr std::int64_t kOrdersPeriodUs = 1'000'000;
-constexpr std::size_t kMaxLineBytes = 400;  // of what a command wrote last, for a line of a table
 
 /// As the existing sheriff names itself: host, process, time.
 std::string sheriff_id(std::int64_t utime_us) {
@@ -79,12 +78,8 @@ void Sheriff::take_output(const Output& output) {
     if (output_handler_) {
       output_handler_(said.command_id, said.text);
     }
-    // The last line that holds anything.
-    const std::size_t end = said.text.find_last_not_of("\r\n") + 1;
-    if (end > 0) {
-      const std::size_t newline = said.text.find_last_of('\n', end - 1);
-      const std::size_t begin = newline == std::string::npos ? 0 : newline + 1;
-      last_lines_[said.command_id] = said.text.substr(begin, std::min(end - begin, kMaxLineBytes));
+    if (fleet_.find(said.command_id) != nullptr) {  // anyone may say anything of any name
+      consoles_[said.command_id].take(said.text);
     }
   }
 }
@@ -123,8 +118,13 @@ std::vector<HealthWatch::Verdict> Sheriff::apply_health_rules() {
   return verdicts;
 }
 
+const Console* Sheriff::console(const std::string& command) const {
+  const auto found = consoles_.find(command);
+  return found == consoles_.end() ? nullptr : &found->second;
+}
+
 std::vector<ReportRow> Sheriff::report() const {
-  return procman::report(fleet_, health_, last_lines_, now_us());
+  return procman::report(fleet_, health_, consoles_, now_us());
 }
 
 }  // namespace nodmap::procman

@@ -10,6 +10,7 @@
 #include "common/bus/live_bus.hpp"
 #include "common/time/clock.hpp"
 #include "procman/config/config.hpp"
+#include "procman/sheriff/console.hpp"
 #include "procman/sheriff/fleet.hpp"
 #include "procman/sheriff/health_watch.hpp"
 #include "procman/sheriff/report.hpp"
@@ -43,6 +44,8 @@ class Sheriff {
   [[nodiscard]] Fleet& fleet() { return fleet_; }
   [[nodiscard]] const Config& config() const { return config_; }
   [[nodiscard]] std::vector<ReportRow> report() const;
+  /// What a command wrote since this sheriff listens; null where that is nothing.
+  [[nodiscard]] const Console* console(const std::string& command) const;
   /// Time as the fleet counts it, microseconds.
   [[nodiscard]] static std::int64_t now_us();
 
@@ -56,7 +59,7 @@ class Sheriff {
   bus::LiveBus bus_;
   Fleet fleet_;
   HealthWatch health_;
-  std::map<std::string, std::string> last_lines_;
+  std::map<std::string, Console> consoles_;
   OutputHandler output_handler_;
   bool is_observer_ = true;
   bool orders_wanted_ = false;

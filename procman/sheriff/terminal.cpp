@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <string_view>
+#include <utility>
 
 namespace nodmap::procman {
 namespace {
@@ -22,11 +23,26 @@ void put(std::string_view text) {
   }
 }
 
+std::string style_of(Tone tone) {
+  switch (tone) {
+    case Tone::kStrong:
+      return "\x1B[1m";
+    case Tone::kSelected:
+      return "\x1B[7m";
+    case Tone::kWarning:
+      return "\x1B[33m";
+    case Tone::kAlarm:
+      return "\x1B[31m";
+    default:
+      return {};
+  }
+}
+
 struct Binding {
   std::string_view typed;
   Key key;
 };
-constexpr std::array<Binding, 11> kBindings{{{"\x1B[A", Key::kUp},
+constexpr std::array<Binding, 14> kBindings{{{"\x1B[A", Key::kUp},
                                              {"\x1BOA", Key::kUp},
                                              {"k", Key::kUp},
                                              {"\x1B[B", Key::kDown},
@@ -35,6 +51,9 @@ constexpr std::array<Binding, 11> kBindings{{{"\x1B[A", Key::kUp},
                                              {"s", Key::kStart},
                                              {"t", Key::kStop},
                                              {"r", Key::kRestart},
+                                             {"S", Key::kStartGroup},
+                                             {"T", Key::kStopGroup},
+                                             {"R", Key::kRestartGroup},
                                              {"q", Key::kQuit},
                                              {"\x03", Key::kQuit}}};
 
@@ -59,6 +78,8 @@ Terminal::Terminal() {
   raw.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);
   raw.c_cc[VMIN] = 0;
   raw.c_cc[VTIME] = 0;
+  raw.c_cc[VSUSP] =
+      _POSIX_VDISABLE;  // who comes back would find another screen, and keys that need Enter
   ::tcsetattr(STDIN_FILENO, TCSANOW, &raw);
   put("\x1B[?1049h\x1B[?25l");  // another screen, no cursor
 }
@@ -81,12 +102,18 @@ Terminal::Size Terminal::size() {
   return {window.ws_col, window.ws_row};
 }
 
-void Terminal::draw(const std::vector<std::string>& lines) {
+void Terminal::draw(const std::vector<ViewLine>& lines, Size size) {
   std::string picture = "\x1B[H";
   for (std::size_t i = 0; i < lines.size(); ++i) {
-    picture += (i == 0 ? "" : "\r\n") + lines[i] + "\x1B[K";
+    picture += (i == 0 ? "" : "\r\n");
+    picture += style_of(lines[i].tone) + lines[i].text + "\x1B[m\x1B[K";
   }
-  put(picture + "\x1B[J");
+  picture += "\x1B[J";
+  if (picture != drawn_ || !(size == drawn_size_)) {
+    put(picture);
+    drawn_ = std::move(picture);
+    drawn_size_ = size;
+  }
 }
 
 std::optional<Key> Terminal::key() {

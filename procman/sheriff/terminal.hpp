@@ -9,9 +9,21 @@
 #include <string>
 #include <vector>
 
+#include "procman/sheriff/view.hpp"
+
 namespace nodmap::procman {
 
-enum class Key : std::uint8_t { kUp, kDown, kStart, kStop, kRestart, kQuit };
+enum class Key : std::uint8_t {
+  kUp,
+  kDown,
+  kStart,
+  kStop,
+  kRestart,
+  kStartGroup,
+  kStopGroup,
+  kRestartGroup,
+  kQuit
+};
 
 /// The terminal as a full screen, given back as it was at the end.
 class Terminal {
@@ -29,15 +41,19 @@ class Terminal {
   struct Size {
     std::size_t width = 80;
     std::size_t height = 24;
+    bool operator==(const Size&) const = default;
   };
   [[nodiscard]] static Size size();
-  static void draw(const std::vector<std::string>& lines);
+  /// Shows the lines; writes nothing when they are there already.
+  void draw(const std::vector<ViewLine>& lines, Size size);
   /// The next key that means something, if one was pressed. Does not wait.
   [[nodiscard]] std::optional<Key> key();
 
  private:
   termios before_{};
   std::string pressed_;
+  std::string drawn_;
+  Size drawn_size_;
 };
 
 /// Takes the first key from what was typed; what means nothing is skipped.

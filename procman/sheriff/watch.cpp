@@ -52,6 +52,8 @@ class Watch {
   void say(const std::string& text);
   void show();
   void press(Key key, const std::vector<ReportRow>& rows);
+  void order(Key key, const std::vector<ReportRow>& rows);
+  [[nodiscard]] std::string title() const;
   void tell_changes();
 
   Sheriff& sheriff_;
@@ -126,43 +128,61 @@ void Watch::look_for_other_sheriff() {
   }
 }
 
+std::string Watch::title() const {
+  std::string title = "nodmap-sheriff";
+  if (command_due_us_) {
+    title += ": looking for other sheriffs";
+  } else if (sheriff_.is_observer()) {
+    title += ": observing only";
+  }
+  if (runner_ && !runner_->done()) {
+    title += "; script " + options_.script->name + ": waiting for " + runner_->waiting_for();
+  }
+  return printable(title);
+}
+
 void Watch::show() {
   const std::vector<ReportRow> rows = sheriff_.report();
   view_.selected = std::min(view_.selected, rows.empty() ? 0 : rows.size() - 1);
   while (const std::optional<Key> key = terminal_->key()) {
     press(*key, rows);
   }
-  view_.title = std::string("nodmap-sheriff") + (sheriff_.is_observer() ? " (observing)" : "");
-  if (runner_ && !runner_->done()) {
-    view_.title += "   script " + options_.script->name + ": waiting for " + runner_->waiting_for();
-  }
+  view_.title = title();
+  const Console* console = rows.empty() ? nullptr : sheriff_.console(rows[view_.selected].id);
   const Terminal::Size size = Terminal::size();
-  Terminal::draw(to_view(rows, view_, size.width, size.height));
+  terminal_->draw(to_view(rows, console, view_, size.width, size.height), size);
 }
 
 void Watch::press(Key key, const std::vector<ReportRow>& rows) {
-  const std::string id = rows.empty() ? "" : rows[view_.selected].id;
-  switch (key) {
-    case Key::kUp:
-      view_.selected -= view_.selected > 0 ? 1 : 0;
-      return;
-    case Key::kDown:
-      view_.selected += view_.selected + 1 < rows.size() ? 1 : 0;
-      return;
-    case Key::kQuit:
-      exit_code_ = kDone;
-      return;
-    case Key::kStart:
-      sheriff_.fleet().start(id);
-      break;
-    case Key::kStop:
-      sheriff_.fleet().stop(id);
-      break;
-    case Key::kRestart:
-      sheriff_.fleet().restart(id);
-      break;
+  if (key == Key::kUp) {
+    view_.selected -= view_.selected > 0 ? 1 : 0;
+  } else if (key == Key::kDown) {
+    view_.selected += view_.selected + 1 < rows.size() ? 1 : 0;
+  } else if (key == Key::kQuit) {
+    exit_code_ = kDone;
+  } else if (sheriff_.is_observer()) {
+    say(command_due_us_ ? "not yet: looking for other sheriffs" : "observing only: no orders");
+  } else if (!rows.empty()) {
+    order(key, rows);
+  }
+}
+
+void Watch::order(Key key, const std::vector<ReportRow>& rows) {
+  const bool starts = key == Key::kStart || key == Key::kStartGroup;
+  const bool stops = key == Key::kStop || key == Key::kStopGroup;
+  const Verb verb = starts ? Verb::kStart : stops ? Verb::kStop : Verb::kRestart;
+  const ReportRow& selected = rows[view_.selected];
+  const bool is_for_group =
+      (key == Key::kStartGroup || key == Key::kStopGroup || key == Key::kRestartGroup) &&
+      !selected.group.empty();
+  for (const ReportRow& row : rows) {
+    if (is_for_group ? is_in_group(row.group, selected.group) : row.id == selected.id) {
+      give_order(sheriff_.fleet(), verb, row.id);
+    }
   }
   sheriff_.give_orders();
+  const char* word = starts ? "start " : stops ? "stop " : "restart ";
+  say(word + (is_for_group ? selected.group : selected.id));
 }
 
 void Watch::tell_changes() {

@@ -7,7 +7,6 @@
 #include <nlohmann/json.hpp>
 
 #include "procman/config/parser.hpp"
-#include "procman/sheriff/terminal.hpp"
 
 namespace nodmap::procman {
 namespace {
@@ -38,7 +37,9 @@ class ReportTest : public ::testing::Test {
     health_.take_status("prog", health, 0);
   }
   [[nodiscard]] std::vector<ReportRow> rows(std::int64_t now_us) const {
-    return report(fleet_, health_, {{"a", "last\tline"}}, now_us);
+    Console console;
+    console.take("last\tline\r\n");
+    return report(fleet_, health_, {{"a", console}}, now_us);
   }
 
   Config config_ = parse_config(R"(
@@ -72,38 +73,11 @@ TEST_F(ReportTest, IsJsonForPrograms) {
   EXPECT_NO_THROW(static_cast<void>(json.dump()));
 }
 
-TEST_F(ReportTest, TheViewFitsAndFollowsTheSelection) {
-  for (std::size_t height = 1; height < 10; ++height) {
-    for (std::size_t selected = 0; selected < 3; ++selected) {
-      const auto lines = to_view(rows(0), {selected, "title", "message"}, 20, height);
-      EXPECT_LE(lines.size(), height);
-      for (const std::string& line : lines) {
-        EXPECT_LE(line.size(), 20U);
-      }
-      if (height >= 5) {
-        EXPECT_EQ(std::count_if(lines.begin(), lines.end(),
-                                [](const std::string& line) { return line.starts_with("> "); }),
-                  1);
-      }
-    }
-  }
-}
-
 TEST(Printable, LeavesNothingThatSteersATerminal) {
   EXPECT_EQ(printable("a\x1B[31m\r\n\x7F"), "a?[31m???");
   EXPECT_EQ(printable("gr\xC3\xBC\xC3\x9F \xE2\x82\xAC"), "gr\xC3\xBC\xC3\x9F \xE2\x82\xAC");
   EXPECT_EQ(printable("\xC3"), "?");
   EXPECT_EQ(printable("\xFF\xC2\x9B!"), std::string(3, '?') + "!");
-}
-
-TEST(Keys, AreTakenOneByOne) {
-  std::string typed = "x\x1B[A\x1B[Bsqr";
-  EXPECT_EQ(take_key(typed), Key::kUp);
-  EXPECT_EQ(take_key(typed), Key::kDown);
-  EXPECT_EQ(take_key(typed), Key::kStart);
-  EXPECT_EQ(take_key(typed), Key::kQuit);
-  EXPECT_EQ(take_key(typed), Key::kRestart);
-  EXPECT_FALSE(take_key(typed).has_value());
 }
 
 }  // namespace

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <deque>
+#include <string>
+#include <string_view>
+
+namespace nodmap::procman {
+
+/// The last lines of what a command wrote. It comes in pieces that end anywhere.
+class Console {
+ public:
+  static constexpr std::size_t kMaxLines = 200;
+  static constexpr std::size_t kMaxLineBytes = 400;  ///< of each line; the rest is left out
+
+  void take(std::string_view text);
+
+  /// The oldest first; the last one may still be written on.
+  [[nodiscard]] const std::deque<std::string>& lines() const { return lines_; }
+  /// The newest line that holds anything; empty where there is none.
+  [[nodiscard]] std::string last() const;
+
+ private:
+  std::deque<std::string> lines_;
+  bool line_ended_ = true;
+  bool line_returned_ = false;
+};
+
+}  // namespace nodmap::procman

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "procman/sheriff/console.hpp"
+#include "procman/sheriff/report.hpp"
+
+namespace nodmap::procman {
+
+enum class Tone : std::uint8_t { kPlain, kStrong, kSelected, kWarning, kAlarm };
+
+/// One line of the live view.
+struct ViewLine {
+  std::string text;
+  Tone tone = Tone::kPlain;
+};
+
+struct ViewState {
+  std::size_t selected = 0;
+  std::string title;
+  std::string message;
+};
+
+/// The live view, at most `height` lines of fewer than `width` characters: a title, the commands by
+/// their groups, what is known of the selected one with the end of its output, a message, the keys.
+/// `console` is the selected command's, or null.
+[[nodiscard]] std::vector<ViewLine> to_view(const std::vector<ReportRow>& rows,
+                                            const Console* console, const ViewState& state,
+                                            std::size_t width, std::size_t height);
+
+}  // namespace nodmap::procman
