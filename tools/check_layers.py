@@ -51,9 +51,7 @@ def include_errors(path, include):
             yield "an algorithm sees no message, clock, thread, file or stream"
     if top == "common" and include.startswith(("modules/", "drivers/", "sim/", "tools/", "procman/")):
         yield "common knows nobody above it"
-    # nodmap-convert mcap writes what the viewer shows, by the viewer's own conversions.
-    shows = path.name == "mcap_export.cpp" and include.startswith("modules/viewer/")
-    if top == "tools" and module != "trial" and not shows and include.startswith(("modules/", "drivers/")):
+    if top == "tools" and module != "trial" and include.startswith(("modules/", "drivers/")):
         yield "of the tools only the closed loop joins modules and drivers"
     if top == "sim" and include.startswith("drivers/"):
         yield "the simulator includes no driver: a parser's bug must show"

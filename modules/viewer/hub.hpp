@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "common/foxglove/board.hpp"
 #include "common/log/log.hpp"
 #include "common/node/tally.hpp"
 #include "modules/viewer/access.hpp"
-#include "modules/viewer/board.hpp"
 #include "modules/viewer/session.hpp"
 #include "modules/viewer/site.hpp"
 
@@ -19,7 +19,7 @@ class WebSocketClient;
 
 struct Hub {
   const Site& site;
-  const Board& board;
+  const foxglove::Board& board;
   const Services& services;
   AccessPolicy policy;
   int max_connections = 0;

@@ -11,7 +11,7 @@ constexpr double kMaxPositionS = 1e9;
 
 }  // namespace
 
-Json playback_parameters(const LogPlayer& player) {
+Json playback_parameters(const bus::LogPlayer& player) {
   const auto parameter = [](const char* name, Json value) -> Json {
     return {{"name", name}, {"value", std::move(value)}};
   };
@@ -21,7 +21,7 @@ Json playback_parameters(const LogPlayer& player) {
        parameter("playback.speed", player.speed()), parameter("playback.paused", player.paused())});
 }
 
-PlaybackChange set_playback_parameter(LogPlayer& player, const std::string& name,
+PlaybackChange set_playback_parameter(bus::LogPlayer& player, const std::string& name,
                                       const Json& value) {
   if (name == "playback.paused" && value.is_boolean()) {
     player.set_paused(value.get<bool>());

@@ -6,11 +6,13 @@
 #include <string>
 
 #include "common/bus/bus.hpp"
+#include "common/foxglove/foxglove.hpp"
 #include "common/geometry/se3.hpp"
 #include "common/time/clock.hpp"
-#include "modules/viewer/foxglove.hpp"
 
 namespace nodmap::viewer {
+
+using foxglove::Json;
 
 /// What a client with control may ask for, by topic:
 ///   GOAL  {"x_m", "y_m", "tolerance_m"?}   drive there (map); {"clear": true}: no goal any more

@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-#include "modules/viewer/schemas.hpp"
+#include "common/foxglove/schemas.hpp"
 
 namespace nodmap::viewer {
 namespace {
@@ -68,18 +68,18 @@ std::vector<std::uint32_t> ids_in(const Json& message, const char* name) {
   return ids;
 }
 
-Json channel_json(std::size_t topic, const Topic& what) {
+Json channel_json(std::size_t topic, const foxglove::Topic& what) {
   return {{"id", topic + 1},
           {"topic", what.name},
           {"encoding", "json"},
           {"schemaName", what.schema_name},
-          {"schema", schema_text(what.schema_name)},
+          {"schema", foxglove::schema_text(what.schema_name)},
           {"schemaEncoding", "jsonschema"}};
 }
 
 }  // namespace
 
-Session::Session(const Board& board, const Services& services, Rights rights)
+Session::Session(const foxglove::Board& board, const Services& services, Rights rights)
     : board_(board), services_(services), rights_(rights) {
   greet();
 }
@@ -111,7 +111,7 @@ void Session::greet() {
 
 void Session::send(const Json& message) {
   if (waiting_.size() < kMaxWaiting) {
-    waiting_.push_back(to_text(message));
+    waiting_.push_back(foxglove::to_text(message));
   }
 }
 

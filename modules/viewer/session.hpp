@@ -13,10 +13,12 @@
 #include <string_view>
 #include <vector>
 
-#include "modules/viewer/board.hpp"
-#include "modules/viewer/foxglove.hpp"
+#include "common/foxglove/board.hpp"
+#include "common/foxglove/foxglove.hpp"
 
 namespace nodmap::viewer {
+
+using foxglove::Json;
 
 /// What the clients of a viewer may do besides reading, and what it tells them of itself.
 struct Services {
@@ -43,7 +45,7 @@ struct Rights {
 struct Frame {
   bool is_binary = false;
   std::string head;
-  std::shared_ptr<Post> post;  ///< its text follows the head; may be null
+  std::shared_ptr<foxglove::Post> post;  ///< its text follows the head; may be null
 };
 
 /// One client of Foxglove's WebSocket protocol (`foxglove.websocket.v1`), without its socket: what
@@ -58,7 +60,7 @@ class Session {
   static constexpr std::size_t kMaxWaiting = 64;
 
   /// Both must outlive this object.
-  Session(const Board& board, const Services& services, Rights rights);
+  Session(const foxglove::Board& board, const Services& services, Rights rights);
 
   void receive_text(std::string_view text);
   void receive_binary(std::span<const std::byte> bytes);
@@ -97,7 +99,7 @@ class Session {
   void set_parameters(const Json& message);
   void publish(std::uint32_t channel_id, std::string_view payload);
 
-  const Board& board_;
+  const foxglove::Board& board_;
   const Services& services_;
   Rights rights_;
   std::deque<std::string> waiting_;

@@ -12,14 +12,14 @@
 #include <vector>
 
 #include "common/bus/live_bus.hpp"
+#include "common/bus/log_player.hpp"
+#include "common/foxglove/feed.hpp"
 #include "common/log/log.hpp"
 #include "common/node/command_line.hpp"
 #include "common/node/status.hpp"
 #include "common/node/stop_signal.hpp"
 #include "common/params/params.hpp"
 #include "common/time/clock.hpp"
-#include "modules/viewer/feed.hpp"
-#include "modules/viewer/log_player.hpp"
 #include "modules/viewer/params.hpp"
 #include "modules/viewer/playback.hpp"
 #include "modules/viewer/remote_control.hpp"
@@ -52,6 +52,11 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--replay", options.replay,
                  "Play this LCM event log instead of listening to LCM; several are merged by time")
       ->excludes(control);
+}
+
+foxglove::FeedOptions feed_options(const ViewerParams& params) {
+  return {.max_cloud_points = static_cast<std::size_t>(params.max_cloud_points),
+          .trail_spacing_m = params.trail_spacing_m};
 }
 
 /// Everything but the source of messages.
@@ -88,7 +93,7 @@ struct Viewer {
   Viewer& operator=(Viewer&&) = delete;
 
   Site site;
-  Board board;
+  foxglove::Board board;
   Services services;
   Hub hub;
   std::optional<Server> server;
@@ -109,7 +114,7 @@ void run_live(const Options& options, const ViewerParams& params) {
                  .publish = [&](const std::string& topic, const Json& message) {
                    return control.publish(topic, message, feed_for_control->pose_2d());
                  }});
-  Feed feed(bus, viewer.board, tally, params);
+  foxglove::Feed feed(bus, viewer.board, tally, feed_options(params));
   feed_for_control = &feed;
   node::StatusReporter status(kProgram, bus, tally, clock);
   viewer.open(options);
@@ -124,7 +129,7 @@ void run_live(const Options& options, const ViewerParams& params) {
 }
 
 void run_replay(const Options& options, const ViewerParams& params) {
-  LogPlayer player(options.replay);
+  bus::LogPlayer player(options.replay);
   node::Tally tally;
   bool changed = false;
   bool went_back = false;
@@ -141,7 +146,7 @@ void run_replay(const Options& options, const ViewerParams& params) {
                        return change.refusal;
                      },
                  .publish = {}});
-  Feed feed(player, viewer.board, tally, params);
+  foxglove::Feed feed(player, viewer.board, tally, feed_options(params));
   viewer.open(options);
   auto last = std::chrono::steady_clock::now();
   while (!node::stop_requested()) {

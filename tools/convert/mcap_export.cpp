@@ -4,11 +4,11 @@
 #include <limits>
 #include <stdexcept>
 
+#include "common/bus/log_player.hpp"
+#include "common/foxglove/board.hpp"
+#include "common/foxglove/feed.hpp"
+#include "common/foxglove/schemas.hpp"
 #include "common/log/log.hpp"
-#include "modules/viewer/board.hpp"
-#include "modules/viewer/feed.hpp"
-#include "modules/viewer/log_player.hpp"
-#include "modules/viewer/schemas.hpp"
 #include "tools/convert/mcap_writer.hpp"
 #include "tools/convert/new_file.hpp"
 
@@ -26,18 +26,16 @@ std::uint64_t nanoseconds(std::int64_t utime_us) {
 }  // namespace
 
 void export_mcap(const std::filesystem::path& log, const std::filesystem::path& out) {
-  viewer::LogPlayer player({log});
+  bus::LogPlayer player({log});
   NewFile file(out);
   McapWriter writer(file.partial_path());
-  viewer::Board board;
+  foxglove::Board board;
   node::Tally tally;
-  viewer::ViewerParams params;
-  params.trail_spacing_m = kTrailSpacingM;
-  const viewer::Feed feed(player, board, tally, params);
-  for (const viewer::Topic& topic : board.topics()) {
-    writer.add_channel({topic.name, topic.schema_name, viewer::schema_text(topic.schema_name)});
+  const foxglove::Feed feed(player, board, tally, {.trail_spacing_m = kTrailSpacingM});
+  for (const foxglove::Topic& topic : board.topics()) {
+    writer.add_channel({topic.name, topic.schema_name, foxglove::schema_text(topic.schema_name)});
   }
-  board.listen([&](std::size_t topic, viewer::Post& post) {
+  board.listen([&](std::size_t topic, foxglove::Post& post) {
     writer.write(static_cast<std::uint16_t>(topic), nanoseconds(player.event_utime_us()),
                  nanoseconds(post.utime_us()), post.text());
   });

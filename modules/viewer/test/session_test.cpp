@@ -19,7 +19,7 @@ class SessionTest : public ::testing::Test {
  protected:
   SessionTest() {
     scan_ = board_.add({"SCAN", "foxglove.LaserScan"});
-    cloud_ = board_.add({"CLOUD", "foxglove.PointCloud", Keep::kAll, 10});
+    cloud_ = board_.add({"CLOUD", "foxglove.PointCloud", foxglove::Keep::kAll, 10});
     services_.name = "viewer";
     services_.session_id = "42";
   }
@@ -48,7 +48,7 @@ class SessionTest : public ::testing::Test {
     session.receive_binary(std::as_bytes(std::span(message)));
   }
 
-  Board board_;
+  foxglove::Board board_;
   Services services_;
   std::size_t scan_ = 0;
   std::size_t cloud_ = 0;

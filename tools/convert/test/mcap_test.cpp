@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "modules/viewer/test/robot_log.hpp"
+#include "common/foxglove/test/robot_log.hpp"
 #include "tests/support/data_dir.hpp"
 #include "tools/convert/mcap_export.hpp"
 #include "tools/convert/mcap_writer.hpp"
@@ -117,20 +117,21 @@ TEST(McapWriter, WritesWhatAReaderFinds) {
 
 TEST(McapExport, HoldsEveryMessageOfTheLog) {
   const nodmap::test::TemporaryDir dir;
-  viewer::test::write_robot_log(dir.path() / "robot.lcmlog", {.duration_s = 2.0});
+  foxglove::test::write_robot_log(dir.path() / "robot.lcmlog", {.duration_s = 2.0});
   export_mcap(dir.path() / "robot.lcmlog", dir.path() / "robot.mcap");
   const File file = read(dir.path() / "robot.mcap");
   EXPECT_EQ(file.messages.at("PITCH_STATE").size(), 400U);
   EXPECT_EQ(file.messages.at("SCAN").size(), 150U);
   EXPECT_EQ(file.messages.at("CLOUD").size(), 2U);
   EXPECT_EQ(file.messages.at("MAP_2D").size(), 2U);
-  EXPECT_EQ(file.messages.at("ODOMETRY")[100].first, 1000U * (viewer::test::kBeginUs + 1'000'000));
+  EXPECT_EQ(file.messages.at("ODOMETRY")[100].first,
+            1000U * (foxglove::test::kBeginUs + 1'000'000));
   EXPECT_EQ(file.messages.at("ODOMETRY")[100].second["position_m"][0], 0.5);
 }
 
 TEST(McapExport, NeverOverwrites) {
   const nodmap::test::TemporaryDir dir;
-  viewer::test::write_robot_log(dir.path() / "robot.lcmlog", {.duration_s = 0.1});
+  foxglove::test::write_robot_log(dir.path() / "robot.lcmlog", {.duration_s = 0.1});
   export_mcap(dir.path() / "robot.lcmlog", dir.path() / "robot.mcap");
   EXPECT_THROW(export_mcap(dir.path() / "robot.lcmlog", dir.path() / "robot.mcap"),
                std::runtime_error);

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/bus/bus.hpp"
+#include "common/bus/event_log.hpp"
+
+namespace nodmap::bus {
+
+/// Plays event logs as a bus: several at once, merged by log time. Time is what the caller says
+/// has passed; nothing is published.
+class LogPlayer : public Bus {
+ public:
+  static constexpr double kMinSpeed = 0.01;
+  static constexpr double kMaxSpeed = 100.0;
+
+  /// Reads each log once, for its first and last time. Throws std::runtime_error when one cannot be
+  /// read or none holds an event.
+  explicit LogPlayer(std::vector<std::filesystem::path> logs);
+
+  /// Lets `elapsed_us` pass at the present speed, and hands over what was logged meanwhile.
+  void advance(std::int64_t elapsed_us);
+
+  /// Hands over events up to the present position, at most `max_events`. Whether all are handed
+  /// over: after a seek much can be waiting.
+  bool catch_up(std::int64_t max_events);
+
+  void set_paused(bool paused) { paused_ = paused; }
+  /// Clamped to [kMinSpeed, kMaxSpeed].
+  void set_speed(double speed);
+  /// Goes to this time of the log, microseconds from its begin, clamped to its length. True when
+  /// that is back: everything is handed over anew, and who keeps state must forget it.
+  [[nodiscard]] bool seek(std::int64_t position_us);
+
+  [[nodiscard]] bool paused() const { return paused_; }
+  [[nodiscard]] double speed() const { return speed_; }
+  [[nodiscard]] std::int64_t position_us() const { return position_us_; }
+  [[nodiscard]] std::int64_t duration_us() const { return last_utime_us_ - first_utime_us_; }
+  /// Log time at the present position.
+  [[nodiscard]] std::int64_t utime_us() const { return first_utime_us_ + position_us_; }
+  /// Log time of the event being handed over; 0 before the first.
+  [[nodiscard]] std::int64_t event_utime_us() const { return event_utime_us_; }
+  [[nodiscard]] bool at_end() const { return position_us_ >= duration_us(); }
+
+ private:
+  struct Source {
+    std::unique_ptr<LogReader> reader;
+    const LogEvent* event = nullptr;  // the next one; null at the end
+  };
+
+  void rewind();
+  [[nodiscard]] Source* earliest();
+  void hand_over(const LogEvent& event);
+  bool send(const std::string& channel, std::span<const std::byte> bytes) override;
+  void listen(const std::string& channel, BytesHandler handler, int queue_capacity) override;
+
+  std::vector<std::filesystem::path> logs_;
+  std::vector<Source> sources_;
+  std::map<std::string, std::vector<BytesHandler>, std::less<>> handlers_;
+  std::int64_t first_utime_us_ = 0;
+  std::int64_t last_utime_us_ = 0;
+  std::int64_t position_us_ = 0;
+  std::int64_t event_utime_us_ = 0;
+  double speed_ = 1.0;
+  bool paused_ = false;
+};
+
+}  // namespace nodmap::bus

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "common/bus/log_player.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "nodmap/drive_t.hpp"
+#include "tests/support/data_dir.hpp"
+
+namespace nodmap::bus {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+constexpr std::int64_t kMany = 1'000'000;
+
+class LogPlayerTest : public ::testing::Test {
+ protected:
+  /// A log of one-byte messages on channel A at these times after the common begin.
+  std::filesystem::path log(const std::string& name, const std::vector<std::int64_t>& times_us,
+                            char first) {
+    const std::filesystem::path path = dir_.path() / name;
+    LogWriter writer(path);
+    for (const std::int64_t time_us : times_us) {
+      const std::string text(1, first++);
+      EXPECT_TRUE(writer.write(1'000'000 + time_us, "A", std::as_bytes(std::span(text))));
+    }
+    return path;
+  }
+
+  void hear(LogPlayer& player) {
+    player.subscribe_bytes("A", [this](std::span<const std::byte> bytes) {
+      heard_.push_back(static_cast<char>(bytes[0]));
+    });
+  }
+
+  nodmap::test::TemporaryDir dir_;
+  std::string heard_;
+};
+
+TEST_F(LogPlayerTest, HandsOverWhatHasBeenReached) {
+  LogPlayer player({log("a", {0, 100, 200}, 'a')});
+  hear(player);
+  EXPECT_TRUE(player.catch_up(kMany));
+  EXPECT_EQ(heard_, "a");
+  player.advance(99);
+  player.catch_up(kMany);
+  EXPECT_EQ(heard_, "a");
+  player.advance(1);
+  player.catch_up(kMany);
+  EXPECT_EQ(heard_, "ab");
+  player.advance(10'000);
+  player.catch_up(kMany);
+  EXPECT_EQ(heard_, "abc");
+  EXPECT_TRUE(player.at_end());
+  EXPECT_EQ(player.utime_us(), 1'000'200);
+}
+
+TEST_F(LogPlayerTest, MergesLogsByTime) {
+  LogPlayer player({log("a", {0, 100, 200}, 'a'), log("b", {50, 100, 150}, 'x')});
+  hear(player);
+  player.advance(200);
+  player.catch_up(kMany);
+  EXPECT_EQ(heard_, "axbyzc");
+}
+
+TEST_F(LogPlayerTest, SpeedAndPause) {
+  LogPlayer player({log("a", {0, 1000}, 'a')});
+  player.set_speed(2.0);
+  player.advance(100);
+  EXPECT_EQ(player.position_us(), 200);
+  player.set_paused(true);
+  player.advance(100);
+  EXPECT_EQ(player.position_us(), 200);
+  player.set_speed(1e9);
+  EXPECT_EQ(player.speed(), LogPlayer::kMaxSpeed);
+  player.set_speed(-1.0);
+  EXPECT_EQ(player.speed(), LogPlayer::kMinSpeed);
+}
+
+TEST_F(LogPlayerTest, SeekingBackBeginsAnew) {
+  LogPlayer player({log("a", {0, 100, 200}, 'a')});
+  hear(player);
+  EXPECT_FALSE(player.seek(200));
+  player.catch_up(kMany);
+  EXPECT_EQ(heard_, "abc");
+  EXPECT_TRUE(player.seek(100));
+  player.catch_up(kMany);
+  EXPECT_EQ(heard_, "abcab");
+  EXPECT_FALSE(player.seek(5000));
+  EXPECT_EQ(player.position_us(), 200);
+}
+
+TEST_F(LogPlayerTest, MuchIsHandedOverInParts) {
+  LogPlayer player({log("a", {0, 1, 2, 3}, 'a')});
+  hear(player);
+  player.advance(10);
+  EXPECT_FALSE(player.catch_up(3));
+  EXPECT_EQ(heard_, "abc");
+  EXPECT_TRUE(player.catch_up(3));
+  EXPECT_EQ(heard_, "abcd");
+}
+
+TEST_F(LogPlayerTest, SendsNothingAnywhere) {
+  LogPlayer player({log("a", {0}, 'a')});
+  player.publish("DRIVE", nodmap::drive_t{});
+  EXPECT_EQ(player.counts().published, 0);
+}
+
+TEST_F(LogPlayerTest, AnEmptyLogIsAnError) {
+  EXPECT_THROW(LogPlayer({log("a", {}, 'a')}), std::runtime_error);
+  EXPECT_THROW(LogPlayer({dir_.path() / "missing"}), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace nodmap::bus

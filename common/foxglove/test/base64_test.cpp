@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "common/foxglove/base64.hpp"
+
+#include <gtest/gtest.h>
+
+#include <string_view>
+
+namespace nodmap::foxglove {
+namespace {
+
+std::string encoded(std::string_view text) {
+  return base64(std::as_bytes(std::span(text)));
+}
+
+// RFC 4648, section 10.
+TEST(Base64, AgreesWithTheVectorsOfTheRfc) {
+  EXPECT_EQ(encoded(""), "");
+  EXPECT_EQ(encoded("f"), "Zg==");
+  EXPECT_EQ(encoded("fo"), "Zm8=");
+  EXPECT_EQ(encoded("foo"), "Zm9v");
+  EXPECT_EQ(encoded("foob"), "Zm9vYg==");
+  EXPECT_EQ(encoded("fooba"), "Zm9vYmE=");
+  EXPECT_EQ(encoded("foobar"), "Zm9vYmFy");
+}
+
+TEST(Base64, TakesEveryByte) {
+  EXPECT_EQ(encoded("\xFF\xEF\xBE"), "/+++");
+  EXPECT_EQ(encoded(std::string_view("\0\0\0", 3)), "AAAA");
+}
+
+}  // namespace
+}  // namespace nodmap::foxglove
