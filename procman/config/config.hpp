@@ -22,6 +22,7 @@ struct HealthRule {
   std::string status_name;              ///< process_name in STATUS; empty: the exec's program
   std::optional<int> restart_silent_s;  ///< after so long without a STATUS
   std::optional<int> restart_failed_s;  ///< after being FAILED for so long
+  std::optional<int> restart_mute_s;    ///< after writing nothing (stdout, stderr) for so long
 };
 
 /// One command of the configuration.

@@ -184,9 +184,12 @@ void Parser::parse_rule(Command& command) {
     command.health.restart_silent_s = reader_.expect_integer(2, kMaxSeconds);
   } else if (name == "restart_failed_s") {
     command.health.restart_failed_s = reader_.expect_integer(1, kMaxSeconds);
+  } else if (name == "restart_mute_s") {
+    command.health.restart_mute_s = reader_.expect_integer(2, kMaxSeconds);
   } else {
-    throw SyntaxError(
-        place, "unrecognized rule " + name + " (status_name, restart_silent_s, restart_failed_s)");
+    throw SyntaxError(place, "unrecognized rule " + name +
+                                 " (status_name, restart_silent_s, "
+                                 "restart_failed_s, restart_mute_s)");
   }
   reader_.expect(TokenKind::kSemicolon, "';'");
   reader_.expect_extension(false);

@@ -37,7 +37,8 @@ class OutputCollector {
  public:
   static constexpr std::int64_t kPeriodUs = 10'000;
   static constexpr std::size_t kPromptBytes = 4096;
-  /// A message stays below LCM's 64 KiB for one datagram; the rest of a burst follows it each 10 ms.
+  /// A message stays below LCM's 64 KiB for one datagram; the rest of a burst follows it each 10
+  /// ms.
   static constexpr std::size_t kMaxMessageBytes = std::size_t{32} * 1024;
   // Far more than anyone can read, far less than would hurt: SCAN and the maps take about 10 MB/s.
   static constexpr double kCommandBytesPerS = 64.0 * 1024.0;

@@ -7,23 +7,43 @@ namespace nodmap::procman {
 
 void Console::take(std::string_view text) {
   for (const char c : text) {
-    if (c == '\r') {
-      line_returned_ = true;
-      continue;
+    if (!is_in_sequence(c)) {
+      put(c);
     }
-    if (line_ended_) {
-      lines_.emplace_back();
-    } else if (line_returned_ && c != '\n') {
-      lines_.back().clear();  // a progress bar writes its line anew
-    }
-    line_returned_ = false;
-    line_ended_ = c == '\n';
-    if (!line_ended_ && lines_.back().size() < kMaxLineBytes) {
-      lines_.back() += c;
-    }
-    if (lines_.size() > kMaxLines) {
-      lines_.pop_front();
-    }
+  }
+}
+
+bool Console::is_in_sequence(char c) {
+  constexpr char kEscape = '\x1B';
+  if (c == kEscape) {
+    sequence_ = Sequence::kBegun;
+    return true;
+  }
+  if (sequence_ == Sequence::kNone) {
+    return false;
+  }
+  const bool is_parameter = (c >= '0' && c <= '?') || (sequence_ == Sequence::kBegun && c == '[');
+  sequence_ = is_parameter ? Sequence::kInside : Sequence::kNone;
+  return c >= ' ';  // a sequence that is broken off takes no line end with it
+}
+
+void Console::put(char c) {
+  if (c == '\r') {
+    line_returned_ = true;
+    return;
+  }
+  if (line_ended_) {
+    lines_.emplace_back();
+  } else if (line_returned_ && c != '\n') {
+    lines_.back().clear();  // a progress bar writes its line anew
+  }
+  line_returned_ = false;
+  line_ended_ = c == '\n';
+  if (!line_ended_ && lines_.back().size() < kMaxLineBytes) {
+    lines_.back() += c;
+  }
+  if (lines_.size() > kMaxLines) {
+    lines_.pop_front();
   }
 }
 

@@ -2,13 +2,15 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <deque>
 #include <string>
 #include <string_view>
 
 namespace nodmap::procman {
 
-/// The last lines of what a command wrote. It comes in pieces that end anywhere.
+/// The last lines of what a command wrote, without the colours. It comes in pieces that end
+/// anywhere.
 class Console {
  public:
   static constexpr std::size_t kMaxLines = 200;
@@ -22,6 +24,12 @@ class Console {
   [[nodiscard]] std::string last() const;
 
  private:
+  /// Where in a control sequence (ESC [ ... letter) the text is.
+  enum class Sequence : std::uint8_t { kNone, kBegun, kInside };
+  [[nodiscard]] bool is_in_sequence(char c);
+  void put(char c);
+
+  Sequence sequence_ = Sequence::kNone;
   std::deque<std::string> lines_;
   bool line_ended_ = true;
   bool line_returned_ = false;

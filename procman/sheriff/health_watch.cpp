@@ -42,8 +42,7 @@ std::string status_name(const Command& command) {
 void HealthWatch::take_status(const std::string& process_name, const ProcessHealth& health,
                               std::int64_t now_us) {
   Voice& voice = voices_[process_name];
-  voice.health = health;
-  voice.heard_us = now_us;
+  voice.last = {health, now_us};
   if (health.state != ProcessHealth::State::kFailed) {
     voice.failed_since_us.reset();
   } else if (!voice.failed_since_us) {
@@ -51,32 +50,47 @@ void HealthWatch::take_status(const std::string& process_name, const ProcessHeal
   }
 }
 
-std::optional<ProcessHealth> HealthWatch::health_of(const std::string& command_id) const {
+void HealthWatch::take_output(const std::string& command_id, std::int64_t now_us) {
+  if (config_.find_command(command_id) != nullptr) {
+    written_us_[command_id] = now_us;
+  }
+}
+
+std::optional<HealthWatch::Said> HealthWatch::said_by(const std::string& command_id) const {
   const Command* command = config_.find_command(command_id);
   const auto found = command == nullptr ? voices_.end() : voices_.find(status_name(*command));
-  return found == voices_.end() ? std::nullopt : std::optional(found->second.health);
+  return found == voices_.end() ? std::nullopt : std::optional(found->second.last);
 }
 
 /// Why a command is to be restarted; empty where it is not.
 std::string HealthWatch::complaint(const Command& command, Span heard, int factor) const {
   const HealthRule& rule = command.health;
+  const auto too_long = [factor](std::int64_t duration_us, std::optional<int> limit_s) {
+    return limit_s && duration_us > kSecondUs * *limit_s * factor;
+  };
+  const auto written = written_us_.find(command.id);
+  const std::int64_t mute_us =
+      heard.until_us - std::max(heard.since_us, written == written_us_.end() ? 0 : written->second);
+  if (too_long(mute_us, rule.restart_mute_s)) {
+    return "no output for " + std::to_string(mute_us / kSecondUs) + " s";
+  }
   const auto found = voices_.find(status_name(command));
-  const bool has_spoken = found != voices_.end() && found->second.heard_us >= heard.since_us;
+  const bool has_spoken = found != voices_.end() && found->second.last.heard_us >= heard.since_us;
   const std::int64_t silent_us =
-      heard.until_us - (has_spoken ? found->second.heard_us : heard.since_us);
-  if (rule.restart_silent_s && silent_us > kSecondUs * *rule.restart_silent_s * factor) {
+      heard.until_us - (has_spoken ? found->second.last.heard_us : heard.since_us);
+  if (too_long(silent_us, rule.restart_silent_s)) {
     return "no STATUS for " + std::to_string(silent_us / kSecondUs) + " s";
   }
-  if (!rule.restart_failed_s || !has_spoken || !found->second.failed_since_us) {
+  if (!has_spoken || !found->second.failed_since_us) {
     return {};
   }
+  const Voice& voice = found->second;
   const std::int64_t failed_us =
-      found->second.heard_us - std::max(heard.since_us, *found->second.failed_since_us);
-  if (failed_us <= kSecondUs * *rule.restart_failed_s * factor) {
+      voice.last.heard_us - std::max(heard.since_us, *voice.failed_since_us);
+  if (!too_long(failed_us, rule.restart_failed_s)) {
     return {};
   }
-  return "FAILED for " + std::to_string(failed_us / kSecondUs) +
-         " s: " + found->second.health.reason;
+  return "FAILED for " + std::to_string(failed_us / kSecondUs) + " s: " + voice.last.health.reason;
 }
 
 std::vector<HealthWatch::Verdict> HealthWatch::verdicts(const Fleet& fleet, std::int64_t now_us) {

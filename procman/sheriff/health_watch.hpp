@@ -42,9 +42,15 @@ class HealthWatch {
 
   void take_status(const std::string& process_name, const ProcessHealth& health,
                    std::int64_t now_us);
+  /// A command has written something.
+  void take_output(const std::string& command_id, std::int64_t now_us);
 
-  /// What a command said last; nothing when it never did.
-  [[nodiscard]] std::optional<ProcessHealth> health_of(const std::string& command_id) const;
+  struct Said {
+    ProcessHealth health;
+    std::int64_t heard_us = 0;
+  };
+  /// What a command said last in STATUS; nothing when it never did.
+  [[nodiscard]] std::optional<Said> said_by(const std::string& command_id) const;
 
   struct Verdict {
     std::string command_id;
@@ -55,8 +61,7 @@ class HealthWatch {
 
  private:
   struct Voice {
-    ProcessHealth health;
-    std::int64_t heard_us = 0;
+    Said last;
     std::optional<std::int64_t> failed_since_us;
   };
   struct Patience {
@@ -72,7 +77,8 @@ class HealthWatch {
   [[nodiscard]] std::string complaint(const Command& command, Span heard, int factor) const;
 
   const Config& config_;
-  std::map<std::string, Voice> voices_;  // by process name
+  std::map<std::string, Voice> voices_;             // by process name
+  std::map<std::string, std::int64_t> written_us_;  // by command: when it last wrote something
   std::map<std::string, Patience> patience_;
 };
 

@@ -10,6 +10,8 @@
 namespace nodmap::procman {
 namespace {
 
+constexpr std::int64_t kSilentUs = 3'500'000;  // three STATUS have not come
+
 std::string health_text(const ProcessHealth& health) {
   std::string text = name_of(health.state);
   if (!health.reason.empty()) {
@@ -19,6 +21,18 @@ std::string health_text(const ProcessHealth& health) {
          fixed(health.latency_p50_us, 0) + " us, p99 " + fixed(health.latency_p99_us, 0) +
          " us, lost " + std::to_string(health.lost) + ", rejected " +
          std::to_string(health.rejected) + ")";
+}
+
+/// What a process that runs says; what its predecessor said does not count.
+std::string health_of(const std::optional<HealthWatch::Said>& said, const Fleet::Item& item,
+                      std::int64_t now_us) {
+  if (!said || said->heard_us < item.running_since_us) {
+    return {};
+  }
+  const std::int64_t silent_us = now_us - said->heard_us;
+  return silent_us > kSilentUs
+             ? "SILENT: no STATUS for " + std::to_string(silent_us / 1'000'000) + " s"
+             : printable(health_text(said->health));
 }
 
 /// How many bytes the UTF-8 sequence takes that begins with this one; 0: none does.
@@ -114,8 +128,7 @@ std::vector<ReportRow> report(const Fleet& fleet, const HealthWatch& health,
       row.memory_mb = static_cast<double>(item.status->rss_bytes) * 1e-6;
       row.uptime_s = row.pid != 0 ? static_cast<double>(now_us - item.running_since_us) * 1e-6 : 0;
     }
-    const std::optional<ProcessHealth> said = health.health_of(row.id);
-    row.health = said ? printable(health_text(*said)) : "";
+    row.health = row.pid != 0 ? health_of(health.said_by(row.id), item, now_us) : "";
     const auto console = consoles.find(row.id);
     row.last_output = console == consoles.end() ? "" : printable(console->second.last());
     rows.push_back(std::move(row));

@@ -80,6 +80,7 @@ void Sheriff::take_output(const Output& output) {
     }
     if (fleet_.find(said.command_id) != nullptr) {  // anyone may say anything of any name
       consoles_[said.command_id].take(said.text);
+      health_.take_output(said.command_id, now_us());
     }
   }
 }

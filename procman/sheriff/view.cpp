@@ -89,7 +89,8 @@ Tone tone_of(const ReportRow& row) {
     return Tone::kAlarm;
   }
   const bool is_well = row.state == CommandState::kRunning || row.state == CommandState::kStoppedOk;
-  return is_well && !(runs && row.health.starts_with("DEGRADED")) ? Tone::kPlain : Tone::kWarning;
+  const bool says_well = !runs || row.health.empty() || row.health.starts_with("OK");
+  return is_well && says_well ? Tone::kPlain : Tone::kWarning;
 }
 
 /// The commands below the names of their groups. `selected_line` is where the selected one went.

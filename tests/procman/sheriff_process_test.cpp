@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // nodmap-sheriff and nodmap-deputy together, as people and scripts use them.
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <pty.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <csignal>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -208,6 +213,95 @@ TEST_F(SheriffProcess, RestartsWhatSaysThatItHasFailed) {
   }));
   sheriff_->send_signal(SIGTERM);
   EXPECT_EQ(sheriff_->wait_for_end(kPatience), 0);
+}
+
+/// A program on a terminal of its own of 80 x 24; what it draws is collected.
+class OnATerminal {
+ public:
+  explicit OnATerminal(std::vector<std::string> command) {
+    winsize size{};
+    size.ws_row = 24;
+    size.ws_col = 80;
+    pid_ = ::forkpty(&fd_, nullptr, nullptr, &size);
+    if (pid_ == 0) {
+      std::vector<char*> words;
+      for (std::string& word : command) {
+        words.push_back(word.data());
+      }
+      words.push_back(nullptr);
+      ::execv(words[0], words.data());
+      ::_exit(127);
+    }
+    ::fcntl(fd_, F_SETFL, O_NONBLOCK);
+  }
+  ~OnATerminal() {
+    if (pid_ > 0) {
+      ::kill(pid_, SIGKILL);
+      ::waitpid(pid_, nullptr, 0);
+    }
+    ::close(fd_);
+  }
+  OnATerminal(const OnATerminal&) = delete;
+  OnATerminal& operator=(const OnATerminal&) = delete;
+  OnATerminal(OnATerminal&&) = delete;
+  OnATerminal& operator=(OnATerminal&&) = delete;
+
+  void type(const std::string& keys) {
+    EXPECT_EQ(::write(fd_, keys.data(), keys.size()), static_cast<ssize_t>(keys.size()));
+  }
+  /// All that was drawn so far.
+  const std::string& drawn() {
+    std::array<char, 4096> buffer{};
+    for (ssize_t size = 1; size > 0;) {
+      size = ::read(fd_, buffer.data(), buffer.size());
+      drawn_.append(buffer.data(), static_cast<std::size_t>(std::max<ssize_t>(0, size)));
+    }
+    return drawn_;
+  }
+  [[nodiscard]] bool has_ended_with(int code) {
+    int status = 0;
+    if (::waitpid(pid_, &status, WNOHANG) != pid_) {
+      return false;
+    }
+    pid_ = -1;
+    return WIFEXITED(status) && WEXITSTATUS(status) == code;
+  }
+
+ private:
+  pid_t pid_ = -1;
+  int fd_ = -1;
+  std::string drawn_;
+};
+
+TEST_F(SheriffProcess, TheLiveViewTakesKeysAndGivesTheTerminalBack) {
+  begin_deputy();
+  OnATerminal view({NODMAP_BIN "/nodmap-sheriff", file_, "--lcm-url", kProcmanUrl});
+  const auto shows = [&](const std::string& text) {
+    return client_.wait_until([&] { return view.drawn().find(text) != std::string::npos; });
+  };
+  ASSERT_TRUE(shows("looking for other sheriffs"));
+  view.type("jjs");  // down to the group's first, in a moment in which no orders are given
+  ASSERT_TRUE(shows("not yet"));
+  EXPECT_TRUE(client_.wait_until([&] {
+    view.type("S");
+    client_.listen_for(milliseconds(200));
+    return client_.runs("sleeper") && client_.runs("talker");
+  })) << "the whole group of the selected command";
+  EXPECT_TRUE(shows("--- sleeper: Running"));
+  view.type("j");
+  EXPECT_TRUE(shows("--- talker: Running"));
+  EXPECT_TRUE(shows("word")) << "its output";
+  const int pid = client_.status("talker").pid;
+  view.type("r");
+  EXPECT_TRUE(client_.wait_until(
+      [&] { return client_.runs("talker") && client_.status("talker").pid != pid; }));
+  view.type("t");
+  EXPECT_TRUE(client_.wait_until([&] { return !client_.runs("talker"); }));
+  EXPECT_TRUE(client_.runs("sleeper"));
+  view.type("q");
+  EXPECT_TRUE(client_.wait_until([&] { return view.has_ended_with(0); }));
+  EXPECT_THAT(view.drawn(), ::testing::EndsWith("\x1B[?25h\x1B[?1049l"));
+  EXPECT_TRUE(client_.runs("sleeper")) << "all goes on";
 }
 
 TEST(SheriffCheck, PrintsWhatThereIsOrWhatIsWrong) {

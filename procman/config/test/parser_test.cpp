@@ -128,13 +128,14 @@ TEST(Parser, ReadsHealthRulesFromComments) {
   const Config config = parsed(R"(cmd "a" {
       exec = "x";
       #nodmap: status_name = "nodmap-x"; restart_silent_s = 5;
-      #nodmap: restart_failed_s = 10;  # why
+      #nodmap: restart_failed_s = 10; restart_mute_s = 20;  # why
       host = "h";
     })");
   const HealthRule& rule = config.commands.at(0).health;
   EXPECT_EQ(rule.status_name, "nodmap-x");
   EXPECT_EQ(rule.restart_silent_s, 5);
   EXPECT_EQ(rule.restart_failed_s, 10);
+  EXPECT_EQ(rule.restart_mute_s, 20);
   EXPECT_EQ(config.commands[0].deputy, "h");
 }
 

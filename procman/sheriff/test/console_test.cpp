@@ -37,6 +37,15 @@ TEST(Console, AProgressBarIsOneLine) {
   EXPECT_THAT(console.lines(), ElementsAre("100 %", "done"));
 }
 
+TEST(Console, LeavesColoursOut) {
+  const std::string text = "a \x1B[32minfo\x1B[m: b\n\x1B[1;31mred\x1B[0m\x1B(\x1B[3\nnext";
+  Console console;
+  for (const char c : text) {
+    console.take(std::string(1, c));
+  }
+  EXPECT_THAT(console.lines(), ElementsAre("a info: b", "red", "next"));
+}
+
 TEST(Console, KeepsNoMoreThanItMay) {
   Console console;
   EXPECT_THAT(console.lines(), IsEmpty());

@@ -66,9 +66,10 @@ TEST_F(HealthWatchTest, KnowsACommandByItsProgram) {
   Command empty;
   empty.exec = "A=1 ";
   EXPECT_EQ(status_name(empty), "");
-  EXPECT_FALSE(watch_.health_of("a").has_value());
+  EXPECT_FALSE(watch_.said_by("a").has_value());
   speak(ProcessHealth::State::kDegraded);
-  EXPECT_EQ(watch_.health_of("a")->state, ProcessHealth::State::kDegraded);
+  EXPECT_EQ(watch_.said_by("a")->health.state, ProcessHealth::State::kDegraded);
+  EXPECT_EQ(watch_.said_by("a")->heard_us, now_us_);
 }
 
 TEST_F(HealthWatchTest, RestartsWhatFallsSilent) {
@@ -81,6 +82,36 @@ TEST_F(HealthWatchTest, RestartsWhatFallsSilent) {
 TEST_F(HealthWatchTest, RestartsWhatNeverSpeaks) {
   hear_deputy();
   EXPECT_EQ(seconds_to_verdict(60, [] {}), 6);
+}
+
+TEST(HealthWatchMute, RestartsWhatWritesNothing) {
+  const Config config = parse_config(R"(cmd "a" { exec = "x"; host = "h";
+      #nodmap: restart_mute_s = 5;
+    })")
+                            .config;
+  Fleet fleet(config, "me:1:1");
+  HealthWatch watch(config);
+  const auto verdicts_at = [&](int second) {
+    DeputyInfo info;
+    info.deputy_id = "h";
+    info.commands.resize(1);
+    info.commands[0].spec.id = "a";
+    info.commands[0].pid = 7;
+    info.commands[0].actual_run = 1;
+    fleet.take_info(info, second * kSecond);
+    return watch.verdicts(fleet, second * kSecond);
+  };
+  for (int second = 1; second <= 20; ++second) {
+    watch.take_output("a", second * kSecond);
+    EXPECT_THAT(verdicts_at(second), IsEmpty());
+  }
+  for (int second = 21; second <= 25; ++second) {
+    watch.take_output("b", second * kSecond);  // of another, and of nobody we know
+    EXPECT_THAT(verdicts_at(second), IsEmpty());
+  }
+  const auto verdicts = verdicts_at(26);
+  ASSERT_EQ(verdicts.size(), 1U);
+  EXPECT_EQ(verdicts[0].reason, "no output for 6 s");
 }
 
 TEST_F(HealthWatchTest, RestartsWhatHasFailedForLong) {

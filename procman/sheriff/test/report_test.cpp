@@ -34,7 +34,7 @@ class ReportTest : public ::testing::Test {
     ProcessHealth health;
     health.state = ProcessHealth::State::kFailed;
     health.reason = "no\x1B[2J scans";
-    health_.take_status("prog", health, 0);
+    health_.take_status("prog", health, 1'000'000);
   }
   [[nodiscard]] std::vector<ReportRow> rows(std::int64_t now_us) const {
     Console console;
@@ -59,6 +59,11 @@ TEST_F(ReportTest, ShowsWhatIsKnown) {
        {"z/a", "Running", "4242", "12.5", "3.0", "3s", "FAILED: no?[2J scans", "last?line"}) {
     EXPECT_THAT(table[3], HasSubstr(part));
   }
+}
+
+TEST_F(ReportTest, WhatWasSaidLongAgoIsNoHealth) {
+  EXPECT_THAT(rows(4'400'000).back().health, HasSubstr("FAILED"));
+  EXPECT_EQ(rows(4'600'000).back().health, "SILENT: no STATUS for 3 s");
 }
 
 TEST_F(ReportTest, IsJsonForPrograms) {
