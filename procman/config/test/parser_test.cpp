@@ -124,6 +124,42 @@ TEST(Parser, ReadsEveryAction) {
   EXPECT_EQ(actions[4].place.line, 9);
 }
 
+TEST(Parser, ReadsEveryVerbTargetAndWait) {
+  const std::string head =
+      "group \"g\" { group \"h\" { cmd \"a\" { exec = \"x\"; } } } script \"s\" { ";
+  const std::vector<std::pair<std::string, Verb>> verbs{
+      {"start", Verb::kStart}, {"stop", Verb::kStop}, {"restart", Verb::kRestart}};
+  const std::vector<std::pair<std::string, TargetKind>> targets{
+      {"everything", TargetKind::kEverything},
+      {"cmd \"a\"", TargetKind::kCommand},
+      {"group \"g/h\"", TargetKind::kGroup}};
+  const std::vector<std::pair<std::string, std::optional<Wanted>>> waits{
+      {"", std::nullopt},
+      {" wait \"running\"", Wanted::kRunning},
+      {" wait \"stopped\"", Wanted::kStopped}};
+  for (const auto& [verb_text, verb] : verbs) {
+    for (const auto& [target_text, target] : targets) {
+      for (const auto& [wait_text, wait] : waits) {
+        const std::string text = head + verb_text + " " + target_text + wait_text + "; }";
+        const auto order = std::get<Order>(parsed(text).scripts.at(0).actions.at(0).what);
+        EXPECT_EQ(order.verb, verb) << text;
+        EXPECT_EQ(order.target.kind, target) << text;
+        EXPECT_EQ(order.wait, wait) << text;
+      }
+    }
+  }
+  for (std::size_t target = 1; target < targets.size(); ++target) {
+    for (const Wanted wanted : {Wanted::kRunning, Wanted::kStopped}) {
+      const std::string word = wanted == Wanted::kRunning ? "running" : "stopped";
+      const std::string text =
+          head + "wait " + targets[target].first + " status \"" + word + "\"; }";
+      const auto wait = std::get<WaitStatus>(parsed(text).scripts.at(0).actions.at(0).what);
+      EXPECT_EQ(wait.target.kind, targets[target].second) << text;
+      EXPECT_EQ(wait.status, wanted) << text;
+    }
+  }
+}
+
 TEST(Parser, ReadsHealthRulesFromComments) {
   const Config config = parsed(R"(cmd "a" {
       exec = "x";
@@ -159,6 +195,8 @@ TEST(Parser, NamesPlaceAndCauseOfAnError) {
   EXPECT_EQ(error_of("cmd \"a\" { exec = 5; }"), "f:1:18: expected a text in quotes, found '5'");
   EXPECT_EQ(error_of("cmd \"a\" { exec = \"x\"; stop_signal = 0; }"),
             "f:1:37: 0 is not within 1 to 64");
+  EXPECT_EQ(error_of("cmd \"a\" { exec = \"x\"; stop_time_allowed = 0; }"),
+            "f:1:43: 0 is not within 1 to 86400");
   EXPECT_THAT(error_of("cmd \"a\" { exec = \"x\"; stop_time_allowed = 99999999999999999999; }"),
               HasSubstr("is not within"));
   EXPECT_EQ(error_of("cmd \"a\" { exec = \"x\"; }\ncmd \"a\" { exec = \"x\"; }"),
