@@ -24,6 +24,10 @@ bool is_whole(const nodmap::grid_chunk_t& tile) {
          std::isfinite(tile.origin_x_m) && std::isfinite(tile.origin_y_m);
 }
 
+bool is_part(std::int32_t index, std::int32_t count, std::int32_t max_count) {
+  return count > 0 && count <= max_count && index >= 0 && index < count;
+}
+
 }  // namespace
 
 void GridAssembler::begin(const nodmap::grid_chunk_t& tile) {
@@ -72,24 +76,42 @@ Assembled<GridView> GridAssembler::add(const nodmap::grid_chunk_t& tile) {
   return result;
 }
 
+PartsInOrder::Place PartsInOrder::add(std::int64_t whole, std::int32_t index, std::int32_t count) {
+  Place place;
+  const bool continues = next_ > 0 && whole == whole_ && index == next_ && count == count_;
+  if (!continues) {
+    place.lost = next_ > 0 || index > 0;
+    next_ = 0;
+    if (index > 0) {
+      return place;
+    }
+    whole_ = whole;
+    count_ = count;
+  }
+  place.taken = true;
+  place.is_first = next_ == 0;
+  ++next_;
+  place.is_last = next_ == count_;
+  if (place.is_last) {
+    next_ = 0;
+  }
+  return place;
+}
+
 Assembled<CloudView> CloudAssembler::add(const nodmap::cloud_chunk_t& chunk) {
   Assembled<CloudView> result;
   const auto pose = msg::read_pose(chunk.position_m, chunk.orientation);
-  if (!pose || chunk.num_chunks <= 0 || chunk.num_chunks > kMaxChunks || chunk.chunk_index < 0 ||
-      chunk.chunk_index >= chunk.num_chunks) {
+  if (!pose || !is_part(chunk.chunk_index, chunk.num_chunks, kMaxChunks)) {
     result.refused = true;
     return result;
   }
-  const bool continues = next_chunk_ > 0 && chunk.keyframe_id == keyframe_id_ &&
-                         chunk.chunk_index == next_chunk_ && chunk.num_chunks == num_chunks_;
-  if (!continues) {
-    result.lost = next_chunk_ > 0 || chunk.chunk_index > 0;
-    next_chunk_ = 0;
-    if (chunk.chunk_index > 0) {
-      return result;
-    }
-    keyframe_id_ = chunk.keyframe_id;
-    num_chunks_ = chunk.num_chunks;
+  const PartsInOrder::Place place =
+      parts_.add(chunk.keyframe_id, chunk.chunk_index, chunk.num_chunks);
+  result.lost = place.lost;
+  if (!place.taken) {
+    return result;
+  }
+  if (place.is_first) {
     cloud_ = {chunk.utime, frames::kMap6d, *pose, {}};
   }
   for (const std::vector<float>& p : chunk.points_m) {
@@ -97,10 +119,34 @@ Assembled<CloudView> CloudAssembler::add(const nodmap::cloud_chunk_t& chunk) {
       cloud_.xyz_m.insert(cloud_.xyz_m.end(), p.begin(), p.end());
     }
   }
-  ++next_chunk_;
-  if (next_chunk_ == num_chunks_) {
-    next_chunk_ = 0;
+  if (place.is_last) {
     result.whole = std::move(cloud_);
+  }
+  return result;
+}
+
+Assembled<OctomapView> OctomapAssembler::add(const nodmap::octomap_chunk_t& chunk) {
+  Assembled<OctomapView> result;
+  if (!is_part(chunk.chunk_index, chunk.num_chunks, kMaxChunks)) {
+    result.refused = true;
+    return result;
+  }
+  const PartsInOrder::Place place =
+      parts_.add(chunk.map_revision, chunk.chunk_index, chunk.num_chunks);
+  result.lost = place.lost;
+  if (!place.taken) {
+    return result;
+  }
+  if (place.is_first) {
+    file_.clear();
+  }
+  file_.append(chunk.bytes.begin(), chunk.bytes.end());
+  if (place.is_last) {
+    auto space = formats::read_octomap(std::exchange(file_, {}));
+    result.refused = !space;
+    if (space) {
+      result.whole = OctomapView{chunk.utime, std::move(*space)};
+    }
   }
   return result;
 }

@@ -4,11 +4,14 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
+#include "common/formats/octomap_file.hpp"
 #include "common/foxglove/sensor_views.hpp"
 #include "nodmap/cloud_chunk_t.hpp"
 #include "nodmap/grid_chunk_t.hpp"
+#include "nodmap/octomap_chunk_t.hpp"
 
 namespace nodmap::foxglove {
 
@@ -38,6 +41,25 @@ class GridAssembler {
   GridView grid_;
 };
 
+/// Follows parts that come in order, each whole under a number of its own.
+class PartsInOrder {
+ public:
+  struct Place {
+    bool taken = false;  ///< the part is the next one
+    bool lost = false;   ///< a whole was given up before it, or its own beginning has not come
+    bool is_first = false;
+    bool is_last = false;
+  };
+
+  /// The numbers must be plausible: 0 <= index < count.
+  [[nodiscard]] Place add(std::int64_t whole, std::int32_t index, std::int32_t count);
+
+ private:
+  std::int64_t whole_ = 0;
+  std::int32_t next_ = 0;  // 0: none begun
+  std::int32_t count_ = 0;
+};
+
 /// Puts a keyframe of CLOUD together. Parts come in order; when one is lost the rest is of use, but
 /// a picture with holes that nobody announces is not: the keyframe is given up, and counted.
 class CloudAssembler {
@@ -48,10 +70,27 @@ class CloudAssembler {
   [[nodiscard]] Assembled<CloudView> add(const nodmap::cloud_chunk_t& chunk);
 
  private:
-  std::int64_t keyframe_id_ = 0;
-  std::int32_t next_chunk_ = 0;  // 0: none begun
-  std::int32_t num_chunks_ = 0;
+  PartsInOrder parts_;
   CloudView cloud_;
+};
+
+/// An OctoMap as it came.
+struct OctomapView {
+  std::int64_t utime_us = 0;
+  formats::OccupiedSpace space;  ///< in frame map_6d
+};
+
+/// Puts a revision of OCTOMAP together and reads it.
+class OctomapAssembler {
+ public:
+  /// 64 KiB each: 4 MB, some hundred million voxels of a building.
+  static constexpr std::int32_t kMaxChunks = 64;
+
+  [[nodiscard]] Assembled<OctomapView> add(const nodmap::octomap_chunk_t& chunk);
+
+ private:
+  PartsInOrder parts_;
+  std::string file_;
 };
 
 }  // namespace nodmap::foxglove

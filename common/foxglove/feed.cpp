@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "common/foxglove/voxel_grid.hpp"
 #include "common/msg/messages.hpp"
 
 namespace nodmap::foxglove {
@@ -32,12 +33,16 @@ Feed::Topics::Topics(Board& board, const FeedOptions& options)
       pose_2d(board.add({"POSE_2D", "nodmap.pose_t"})),
       pose_6d(board.add({"POSE_6D", "nodmap.pose_t"})),
       goal(board.add({"GOAL", "nodmap.goal_t"})),
+      stop(board.add({"STOP", "nodmap.stop_t"})),
+      base_sensors(board.add({"BASE_SENSORS", "nodmap.base_sensors_t"})),
       truth(board.add({"TRUTH", "nodmap.truth_t"})),
       status(board.add({"STATUS", "nodmap.processes"})),
+      pm_info(board.add({"PM_INFO", "nodmap.commands"})),
       obstacle_map(board.add({"OBSTACLE_MAP", "foxglove.PointCloud"})),
       structure_map(board.add({"STRUCTURE_MAP", "foxglove.PointCloud"})),
       map_2d(board.add({"MAP_2D", "foxglove.Grid"})),
       cloud(board.add({"CLOUD", "foxglove.PointCloud", Keep::kAll, options.max_cloud_points})),
+      octomap(board.add({"OCTOMAP", "foxglove.VoxelGrid"})),
       tf_base(board.add({"tf/base", "foxglove.FrameTransform"})),
       tf_map(board.add({"tf/map", "foxglove.FrameTransform"})),
       tf_map_6d(board.add({"tf/map_6d", "foxglove.FrameTransform"})),
@@ -75,6 +80,8 @@ void Feed::reset() {
   processes_.clear();
   body_posted_ = false;
   T_map_base_.reset();
+  octomap_ = {};
+  commands_.clear();
 }
 
 template <class Message, class Handler>
@@ -99,6 +106,11 @@ void Feed::hear_sensors(bus::Bus& bus) {
     post_fields(topics_.pitch_state, message);
   });
   hear<nodmap::odometry_t>(bus, "ODOMETRY", [this](const auto& message) { on_odometry(message); });
+  hear<nodmap::base_sensors_t>(bus, "BASE_SENSORS", [this](const auto& message) {
+    post_fields(topics_.base_sensors, message);
+  });
+  hear<procman_lcm::deputy_info_t>(bus, "PM_INFO",
+                                   [this](const auto& message) { on_deputy_info(message); });
   hear<nodmap::status_t>(bus, "STATUS", [this](const auto& message) { on_status(message); });
   hear<nodmap::truth_t>(bus, "TRUTH", [this](const auto& message) { on_truth(message); });
 }
@@ -117,6 +129,8 @@ void Feed::hear_decisions(bus::Bus& bus) {
       return area_of_interest_scene(message, p, body);
     });
   });
+  hear<nodmap::stop_t>(bus, "STOP",
+                       [this](const auto& message) { post_fields(topics_.stop, message); });
   hear<nodmap::goal_t>(bus, "GOAL", [this](const auto& message) {
     post_fields(topics_.goal, message);
     post(topics_.goal_mark, message.utime, [message] { return goal_scene(message); });
@@ -133,6 +147,8 @@ void Feed::hear_maps(bus::Bus& bus) {
   hear<nodmap::pose_t>(bus, "POSE_6D", [this](const auto& message) { on_pose_6d(message); });
   hear<nodmap::grid_chunk_t>(bus, "MAP_2D", [this](const auto& message) { on_grid(message); });
   hear<nodmap::cloud_chunk_t>(bus, "CLOUD", [this](const auto& message) { on_cloud(message); });
+  hear<nodmap::octomap_chunk_t>(bus, "OCTOMAP",
+                                [this](const auto& message) { on_octomap(message); });
 }
 
 void Feed::on_scan(const nodmap::scan_t& message) {
@@ -244,6 +260,35 @@ void Feed::on_cloud(const nodmap::cloud_chunk_t& message) {
   board_.post(
       topics_.cloud, message.utime,
       [view = std::move(*result.whole)] { return to_text(point_cloud(view)); }, points);
+}
+
+void Feed::on_octomap(const nodmap::octomap_chunk_t& message) {
+  Assembled<OctomapView> result = octomap_.add(message);
+  if (result.refused) {
+    tally_.reject("octomap_part_not_valid");
+    return;
+  }
+  tally_.use();
+  tally_.lose(result.lost ? 1 : 0);
+  if (result.whole) {
+    post(topics_.octomap, message.utime, [view = std::move(*result.whole)] {
+      return voxel_grid(view.utime_us, to_voxel_grid(view.space));
+    });
+  }
+}
+
+void Feed::on_deputy_info(const procman_lcm::deputy_info_t& message) {
+  if (!commands_.update(message)) {
+    tally_.reject("too_many_commands");
+    return;
+  }
+  tally_.use();
+  post(topics_.pm_info, message.utime, [this] { return commands_.commands(); });
+}
+
+void Feed::know_commands(std::vector<CommandTable::Known> commands) {
+  commands_.know(std::move(commands));
+  post(topics_.pm_info, 0, [this] { return commands_.commands(); });
 }
 
 void Feed::on_status(const nodmap::status_t& message) {

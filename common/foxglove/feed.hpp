@@ -5,10 +5,12 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "common/bus/bus.hpp"
 #include "common/foxglove/assemblers.hpp"
 #include "common/foxglove/board.hpp"
+#include "common/foxglove/command_table.hpp"
 #include "common/foxglove/message_views.hpp"
 #include "common/foxglove/pose_views.hpp"
 #include "common/foxglove/scene_views.hpp"
@@ -36,11 +38,15 @@ class Feed {
   /// Where the robot is in map by the newest POSE_2D, if any.
   [[nodiscard]] const std::optional<geometry::SE3>& pose_2d() const { return T_map_base_; }
 
+  /// What the process manager's configuration has, for the table of commands.
+  void know_commands(std::vector<CommandTable::Known> commands);
+
  private:
   struct Topics {
     explicit Topics(Board& board, const FeedOptions& options);
     std::size_t scan, pitch_state, pitch_command, odometry, drive, navigation, pose_2d, pose_6d,
-        goal, truth, status, obstacle_map, structure_map, map_2d, cloud;
+        goal, stop, base_sensors, truth, status, pm_info, obstacle_map, structure_map, map_2d,
+        cloud, octomap;
     std::size_t tf_base, tf_map, tf_map_6d, tf_world;
     std::size_t trail_odometry, trail_2d, trail_6d, keyframes;
     std::size_t body, corridor, area_of_interest, goal_mark, people, log;
@@ -62,6 +68,8 @@ class Feed {
   void on_egomap(std::size_t topic, const nodmap::egomap_t& message);
   void on_grid(const nodmap::grid_chunk_t& message);
   void on_cloud(const nodmap::cloud_chunk_t& message);
+  void on_octomap(const nodmap::octomap_chunk_t& message);
+  void on_deputy_info(const procman_lcm::deputy_info_t& message);
   void on_status(const nodmap::status_t& message);
   void on_truth(const nodmap::truth_t& message);
   void hear_sensors(bus::Bus& bus);
@@ -78,7 +86,9 @@ class Feed {
   Trail keyframes_;
   GridAssembler grid_;
   CloudAssembler cloud_;
+  OctomapAssembler octomap_;
   ProcessTable processes_;
+  CommandTable commands_;
   bool body_posted_ = false;
   Eigen::Vector3d p_base_mount_{0.0, 0.0, 0.4};  // until the first scan tells
   std::optional<geometry::SE3> T_map_base_;

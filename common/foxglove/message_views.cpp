@@ -15,6 +15,18 @@ constexpr int kError = 4;
 
 }  // namespace
 
+Json fields_of(const nodmap::base_sensors_t& message) {
+  return {{"utime", message.utime},
+          {"sensors_seq", message.sensors_seq},
+          {"infrared_m", message.infrared_m},
+          {"sonar_m", message.sonar_m},
+          {"roll_rad", message.roll_rad},
+          {"pitch_rad", message.pitch_rad},
+          {"gyro_yaw_rad", message.gyro_yaw_rad},
+          {"motor_current_left_a", message.motor_current_left_a},
+          {"motor_current_right_a", message.motor_current_right_a}};
+}
+
 Json fields_of(const nodmap::drive_t& message) {
   return {{"utime", message.utime},
           {"drive_seq", message.drive_seq},
@@ -97,6 +109,13 @@ Json fields_of(const nodmap::status_t& message) {
           {"total_lost", message.total_lost},
           {"total_corrupt", message.total_corrupt},
           {"total_rejected", message.total_rejected}};
+}
+
+Json fields_of(const nodmap::stop_t& message) {
+  return {{"utime", message.utime},
+          {"stop_seq", message.stop_seq},
+          {"is_stopped", message.is_stopped != 0},
+          {"requested_by", message.requested_by}};
 }
 
 Json fields_of(const nodmap::truth_t& message) {

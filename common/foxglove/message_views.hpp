@@ -8,6 +8,7 @@
 #include <string>
 
 #include "common/foxglove/foxglove.hpp"
+#include "nodmap/base_sensors_t.hpp"
 #include "nodmap/drive_t.hpp"
 #include "nodmap/goal_t.hpp"
 #include "nodmap/navigation_t.hpp"
@@ -16,10 +17,13 @@
 #include "nodmap/pitch_state_t.hpp"
 #include "nodmap/pose_t.hpp"
 #include "nodmap/status_t.hpp"
+#include "nodmap/stop_t.hpp"
 #include "nodmap/truth_t.hpp"
 
 namespace nodmap::foxglove {
 
+/// Without the raw readings.
+[[nodiscard]] Json fields_of(const nodmap::base_sensors_t& message);
 [[nodiscard]] Json fields_of(const nodmap::drive_t& message);
 [[nodiscard]] Json fields_of(const nodmap::goal_t& message);
 /// Besides: `behaviour_name`.
@@ -30,6 +34,7 @@ namespace nodmap::foxglove {
 [[nodiscard]] Json fields_of(const nodmap::pitch_state_t& message);
 [[nodiscard]] Json fields_of(const nodmap::pose_t& message);
 [[nodiscard]] Json fields_of(const nodmap::status_t& message);
+[[nodiscard]] Json fields_of(const nodmap::stop_t& message);
 /// Without the actors.
 [[nodiscard]] Json fields_of(const nodmap::truth_t& message);
 

@@ -98,5 +98,43 @@ TEST(CloudAssembler, RefusesAPoseThatIsNone) {
   EXPECT_TRUE(assembler.add(chunk).refused);
 }
 
+TEST(OctomapAssembler, JoinsThePartsAndReadsThem) {
+  OctomapAssembler assembler;
+  const auto chunks = test::octomap_at(2.0, 5);
+  ASSERT_GT(chunks.size(), 3U);
+  Assembled<OctomapView> result;
+  for (const auto& chunk : chunks) {
+    EXPECT_FALSE(result.whole);
+    result = assembler.add(chunk);
+  }
+  ASSERT_TRUE(result.whole);
+  EXPECT_EQ(result.whole->space.cubes.size(), 2U * 60U * 20U);
+  EXPECT_EQ(result.whole->utime_us, test::kBeginUs + 2'000'000);
+}
+
+TEST(OctomapAssembler, GivesUpWhatLostAPart) {
+  OctomapAssembler assembler;
+  const auto first = test::octomap_at(0.0, 0);
+  (void)assembler.add(first[0]);
+  EXPECT_TRUE(assembler.add(first[2]).lost);
+  Assembled<OctomapView> result;
+  for (const auto& chunk : test::octomap_at(1.0, 1)) {
+    result = assembler.add(chunk);
+    EXPECT_FALSE(result.lost);
+  }
+  EXPECT_TRUE(result.whole);
+}
+
+TEST(OctomapAssembler, RefusesWhatIsNoMap) {
+  OctomapAssembler assembler;
+  auto chunk = test::octomap_at(0.0, 0)[0];
+  chunk.num_chunks = 1;  // cut off
+  EXPECT_TRUE(assembler.add(chunk).refused);
+  chunk.num_chunks = OctomapAssembler::kMaxChunks + 1;
+  EXPECT_TRUE(assembler.add(chunk).refused);
+  chunk.chunk_index = -1;
+  EXPECT_TRUE(assembler.add(chunk).refused);
+}
+
 }  // namespace
 }  // namespace nodmap::foxglove

@@ -83,7 +83,12 @@ TEST_F(FeedTest, MapsAndClouds) {
   for (const auto& chunk : robot::keyframe_at(0.0, 0, 12'000)) {
     send("CLOUD", chunk);
   }
+  for (const auto& chunk : robot::octomap_at(0.0, 0)) {
+    send("OCTOMAP", chunk);
+  }
   send("OBSTACLE_MAP", robot::egomap_at(0.0));
+  EXPECT_EQ(newest("OCTOMAP")["column_count"], 60);
+  EXPECT_EQ(newest("OCTOMAP")["row_count"], 42);
   EXPECT_EQ(newest("MAP_2D")["column_count"], 120);
   EXPECT_EQ(newest("CLOUD")["frame_id"], "map_6d");
   EXPECT_EQ(newest("keyframes")["poses"].size(), 1U);
@@ -100,6 +105,9 @@ TEST_F(FeedTest, TheRestOfTheChannels) {
   send("GOAL", robot::goal());
   send("TRUTH", robot::truth_at(0.0));
   send("STATUS", robot::status_at(0.0));
+  send("STOP", robot::stop());
+  send("BASE_SENSORS", robot::base_sensors_at(0.0));
+  send("PM_INFO", robot::deputy_info_at(0.0));
   EXPECT_EQ(newest("SCAN")["ranges"].size(), 361U);
   EXPECT_DOUBLE_EQ(newest("PITCH_STATE")["pitch_rad"], 0.4);
   EXPECT_DOUBLE_EQ(newest("PITCH_COMMAND")["sweep_s"], 0.6);
@@ -111,6 +119,9 @@ TEST_F(FeedTest, TheRestOfTheChannels) {
   EXPECT_EQ(newest("scene/people")["entities"][0]["cylinders"].size(), 1U);
   EXPECT_DOUBLE_EQ(newest("tf/world")["translation"]["x"], -3.0);
   EXPECT_EQ(newest("STATUS")["processes"].size(), 1U);
+  EXPECT_EQ(newest("STOP")["is_stopped"], false);
+  EXPECT_TRUE(newest("BASE_SENSORS")["sonar_m"].is_null());
+  EXPECT_EQ(newest("PM_INFO")["commands"][0]["process_name"], "nodmap-slam2d");
   EXPECT_EQ(newest("log")["name"], "nodmap-slam2d");
   EXPECT_EQ(tally_.total_rejected(), 0);
 }

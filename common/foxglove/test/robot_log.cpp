@@ -2,6 +2,7 @@
 #include "common/foxglove/test/robot_log.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -9,6 +10,7 @@
 
 #include "common/bus/codec.hpp"
 #include "common/bus/event_log.hpp"
+#include "common/foxglove/test/octomap_bytes.hpp"
 
 namespace nodmap::foxglove::test {
 namespace {
@@ -78,11 +80,19 @@ void note_scan_channels(std::vector<Event>& events, double duration_s) {
 
 void note_slow_channels(std::vector<Event>& events, const RobotLog& settings) {
   note(events, "GOAL", goal());
+  note(events, "STOP", stop());
+  for (int i = 0; i < static_cast<int>(20.0 * settings.duration_s); ++i) {
+    note(events, "BASE_SENSORS", base_sensors_at(i / 20.0));
+  }
   for (int i = 0; i < static_cast<int>(5.0 * settings.duration_s); ++i) {
     note(events, "POSE_2D", pose_at(i / 5.0));
   }
   for (int i = 0; i < static_cast<int>(settings.duration_s); ++i) {
     note(events, "STATUS", status_at(i));
+    note(events, "PM_INFO", deputy_info_at(i));
+    for (const auto& chunk : octomap_at(i, i)) {
+      note(events, "OCTOMAP", chunk);
+    }
     for (const auto& tile : map_at(i, i)) {
       note(events, "MAP_2D", tile);
     }
@@ -221,6 +231,21 @@ nodmap::goal_t goal() {
   return message;
 }
 
+nodmap::stop_t stop() {
+  nodmap::stop_t message{};
+  message.utime = kBeginUs;
+  message.requested_by = "nodmap-viewer";
+  return message;
+}
+
+nodmap::base_sensors_t base_sensors_at(double time_s) {
+  nodmap::base_sensors_t message{};
+  message.utime = utime(time_s);
+  message.sonar_m = kNan;
+  message.roll_rad = 0.01F;
+  return message;
+}
+
 nodmap::status_t status_at(double time_s) {
   nodmap::status_t message{};
   message.utime = utime(time_s);
@@ -231,6 +256,45 @@ nodmap::status_t status_at(double time_s) {
   message.latency_p99_us = 900.0;
   message.total_handled = std::llround(175.0 * time_s);
   return message;
+}
+
+procman_lcm::deputy_info_t deputy_info_at(double time_s) {
+  procman_lcm::deputy_info_t message{};
+  message.utime = utime(time_s);
+  message.deputy_id = "robot";
+  message.cpu_load = 0.25F;
+  message.ncmds = 1;
+  message.cmds.resize(1);
+  message.cmds[0].cmd.command_id = "slam2d";
+  message.cmds[0].cmd.exec_str = "nodmap-slam2d";
+  message.cmds[0].cmd.group = "30.slam";
+  message.cmds[0].pid = 4711;
+  return message;
+}
+
+std::vector<nodmap::octomap_chunk_t> octomap_at(double time_s, std::int64_t revision) {
+  constexpr int kBytesPerChunk = 200;
+  std::vector<std::array<int, 3>> walls;
+  for (int x = -10; x < 50; ++x) {
+    for (int z = 0; z < 20; ++z) {
+      walls.push_back({x, 20, z});
+      walls.push_back({x, -21, z});
+    }
+  }
+  const std::string file = octomap_bytes(0.1, walls);
+  const int size = static_cast<int>(file.size());
+  std::vector<nodmap::octomap_chunk_t> chunks;
+  for (int first = 0; first < size; first += kBytesPerChunk) {
+    nodmap::octomap_chunk_t chunk{};
+    chunk.utime = utime(time_s);
+    chunk.map_revision = revision;
+    chunk.chunk_index = first / kBytesPerChunk;
+    chunk.num_chunks = (size + kBytesPerChunk - 1) / kBytesPerChunk;
+    chunk.num_bytes = std::min(kBytesPerChunk, size - first);
+    chunk.bytes.assign(file.begin() + first, file.begin() + first + chunk.num_bytes);
+    chunks.push_back(std::move(chunk));
+  }
+  return chunks;
 }
 
 std::vector<nodmap::cloud_chunk_t> keyframe_at(double time_s, std::int64_t id, int num_points) {

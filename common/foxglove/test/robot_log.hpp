@@ -5,19 +5,23 @@
 #include <filesystem>
 #include <vector>
 
+#include "nodmap/base_sensors_t.hpp"
 #include "nodmap/cloud_chunk_t.hpp"
 #include "nodmap/drive_t.hpp"
 #include "nodmap/egomap_t.hpp"
 #include "nodmap/goal_t.hpp"
 #include "nodmap/grid_chunk_t.hpp"
 #include "nodmap/navigation_t.hpp"
+#include "nodmap/octomap_chunk_t.hpp"
 #include "nodmap/odometry_t.hpp"
 #include "nodmap/pitch_command_t.hpp"
 #include "nodmap/pitch_state_t.hpp"
 #include "nodmap/pose_t.hpp"
 #include "nodmap/scan_t.hpp"
 #include "nodmap/status_t.hpp"
+#include "nodmap/stop_t.hpp"
 #include "nodmap/truth_t.hpp"
+#include "procman_lcm/deputy_info_t.hpp"
 
 namespace nodmap::foxglove::test {
 
@@ -35,12 +39,17 @@ inline constexpr std::int64_t kBeginUs = 1'700'000'000'000'000;
 [[nodiscard]] nodmap::pose_t pose_at(double time_s);
 [[nodiscard]] nodmap::truth_t truth_at(double time_s);
 [[nodiscard]] nodmap::goal_t goal();
+[[nodiscard]] nodmap::stop_t stop();
+[[nodiscard]] nodmap::base_sensors_t base_sensors_at(double time_s);
 [[nodiscard]] nodmap::status_t status_at(double time_s);
+[[nodiscard]] procman_lcm::deputy_info_t deputy_info_at(double time_s);
 /// A keyframe of `num_points` points on the walls, in parts.
 [[nodiscard]] std::vector<nodmap::cloud_chunk_t> keyframe_at(double time_s, std::int64_t id,
                                                              int num_points);
 /// A grid of 120 x 80 cells in two tiles.
 [[nodiscard]] std::vector<nodmap::grid_chunk_t> map_at(double time_s, std::int64_t revision);
+/// The walls from -1 to 5 m and up to 2 m in voxels of 10 cm, in parts of 200 bytes.
+[[nodiscard]] std::vector<nodmap::octomap_chunk_t> octomap_at(double time_s, std::int64_t revision);
 
 struct RobotLog {
   double duration_s = 10.0;
