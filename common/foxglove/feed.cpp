@@ -79,7 +79,6 @@ void Feed::reset() {
   cloud_ = {};
   processes_.clear();
   body_posted_ = false;
-  T_map_base_.reset();
   octomap_ = {};
   commands_.clear();
 }
@@ -196,7 +195,6 @@ void Feed::on_pose_2d(const nodmap::pose_t& message) {
     tally_.reject("pose_not_valid");
     return;
   }
-  T_map_base_ = T_map_base;
   post_fields(topics_.pose_2d, message);
   post(topics_.tf_map, message.utime, [utime = message.utime, pose = *T_map_odom] {
     return frame_transform(utime, frames::kMap, frames::kOdom, pose);

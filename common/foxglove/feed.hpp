@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -34,9 +33,6 @@ class Feed {
 
   /// Forgets what was put together so far, as when a recording begins anew.
   void reset();
-
-  /// Where the robot is in map by the newest POSE_2D, if any.
-  [[nodiscard]] const std::optional<geometry::SE3>& pose_2d() const { return T_map_base_; }
 
   /// What the process manager's configuration has, for the table of commands.
   void know_commands(std::vector<CommandTable::Known> commands);
@@ -91,7 +87,6 @@ class Feed {
   CommandTable commands_;
   bool body_posted_ = false;
   Eigen::Vector3d p_base_mount_{0.0, 0.0, 0.4};  // until the first scan tells
-  std::optional<geometry::SE3> T_map_base_;
 };
 
 }  // namespace nodmap::foxglove

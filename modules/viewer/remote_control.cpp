@@ -2,6 +2,8 @@
 #include "modules/viewer/remote_control.hpp"
 
 #include <cmath>
+#include <cstdio>
+#include <optional>
 
 #include "nodmap/goal_t.hpp"
 #include "nodmap/save_request_t.hpp"
@@ -9,67 +11,119 @@
 namespace nodmap::viewer {
 namespace {
 
+constexpr const char* kName = "nodmap-viewer";
 constexpr double kToleranceM = 0.3;
-/// A robot that stands within this of the goal has arrived, and stands: wide enough that it is
-/// there at once, whatever the brakes need (it drives below 2 m/s).
-constexpr double kStopToleranceM = 2.0;
 /// Farther than any map: a slip, or worse.
 constexpr double kMaxCoordinateM = 1e4;
 
-std::optional<double> number_in(const Json& request, const char* name) {
+/// A member that is a number; `fallback` where there is none, nothing where it is something else.
+std::optional<double> number_in(const Json& request, const char* name,
+                                std::optional<double> fallback = {}) {
   const auto found = request.find(name);
-  if (found == request.end() || !found->is_number()) {
-    return std::nullopt;
+  if (found == request.end()) {
+    return fallback;
   }
-  return found->get<double>();
+  return found->is_number() ? std::optional(found->get<double>()) : std::nullopt;
+}
+
+std::string text_in(const Json& request, const char* name) {
+  const auto found = request.find(name);
+  return found != request.end() && found->is_string() ? found->get<std::string>() : std::string();
+}
+
+std::string goal_text(double x_m, double y_m) {
+  char text[64];
+  (void)std::snprintf(text, sizeof(text), "Goal: x %.2f m, y %.2f m.", x_m, y_m);
+  return text;
 }
 
 }  // namespace
 
-std::string RemoteControl::publish(const std::string& topic, const Json& request,
-                                   const std::optional<geometry::SE3>& T_map_base) {
-  if (topic == "GOAL") {
-    return publish_goal(request);
-  }
-  if (topic == "STOP") {
-    return publish_stop(T_map_base);
-  }
-  if (topic == "SAVE_REQUEST") {
-    return publish_save_request();
-  }
-  return "nothing is taken on this topic";
+RemoteControl::RemoteControl(bus::Bus& bus, const time::Clock& clock, ProcessControl* processes)
+    : bus_(bus), clock_(clock), processes_(processes) {
+  stop_.stop_seq = -1;
+  stop_.requested_by = kName;
+  bus.subscribe<nodmap::stop_t>("STOP", [this](const auto& message) { on_stop(message); });
 }
 
-std::string RemoteControl::publish_goal(const Json& request) {
-  if (request.contains("clear") && request["clear"] == true) {
-    send_goal(false, 0.0, 0.0, kToleranceM);
-    return {};
+Answer RemoteControl::answer(const Json& request) {
+  const std::string what = text_in(request, "do");
+  if (what == "goal") {
+    return do_goal(request);
   }
+  if (what == "roam") {
+    send_goal(false, 0.0, 0.0, kToleranceM);
+    return {.ok = true, .text = "No goal any more: the robot roams."};
+  }
+  if (what == "stop" || what == "go") {
+    return do_stop(what == "stop");
+  }
+  if (what == "save_maps") {
+    return do_save_maps();
+  }
+  return do_process(what, request);
+}
+
+Answer RemoteControl::do_goal(const Json& request) {
   const auto x_m = number_in(request, "x_m");
   const auto y_m = number_in(request, "y_m");
-  const double tolerance_m = number_in(request, "tolerance_m").value_or(kToleranceM);
-  if (!x_m || !y_m || std::abs(*x_m) > kMaxCoordinateM || std::abs(*y_m) > kMaxCoordinateM ||
-      tolerance_m <= 0.0 || tolerance_m > kMaxCoordinateM) {
-    return "a goal needs x_m and y_m, and a tolerance_m > 0 if any";
+  const auto tolerance_m = number_in(request, "tolerance_m", kToleranceM);
+  if (!x_m || !y_m || !tolerance_m || std::abs(*x_m) > kMaxCoordinateM ||
+      std::abs(*y_m) > kMaxCoordinateM || *tolerance_m <= 0.0 || *tolerance_m > kMaxCoordinateM) {
+    return {.ok = false, .text = "A goal needs x_m and y_m, and a tolerance_m > 0 if any."};
   }
-  send_goal(true, *x_m, *y_m, tolerance_m);
-  return {};
+  send_goal(true, *x_m, *y_m, *tolerance_m);
+  return {.ok = true, .text = goal_text(*x_m, *y_m)};
 }
 
-std::string RemoteControl::publish_stop(const std::optional<geometry::SE3>& T_map_base) {
-  if (!T_map_base) {
-    return "no POSE_2D yet: where the robot is, is not known";
-  }
-  send_goal(true, T_map_base->translation().x(), T_map_base->translation().y(), kStopToleranceM);
-  return {};
+Answer RemoteControl::do_stop(bool is_stopped) {
+  stop_.is_stopped = static_cast<std::int8_t>(is_stopped);
+  send_stop();
+  return {.ok = true, .text = is_stopped ? "Stopped until you say go." : "The robot may drive."};
 }
 
-std::string RemoteControl::publish_save_request() {
+Answer RemoteControl::do_save_maps() {
   nodmap::save_request_t message{};
   message.utime = clock_.now_utime_us();
-  message.requested_by = "nodmap-viewer";
+  message.requested_by = kName;
   bus_.publish("SAVE_REQUEST", message);
-  return {};
+  return {.ok = true, .text = "Maps are to be saved."};
+}
+
+Answer RemoteControl::do_process(const std::string& what, const Json& request) {
+  using procman::Verb;
+  const std::string command = text_in(request, "command");
+  if (what == "start_process" || what == "start_recording" || what == "stop_process" ||
+      what == "stop_recording" || what == "restart_process") {
+    if (processes_ == nullptr) {
+      return {.ok = false, .text = "No control over processes: start the viewer with --procman."};
+    }
+    const Verb verb = what.starts_with("start")  ? Verb::kStart
+                      : what.starts_with("stop") ? Verb::kStop
+                                                 : Verb::kRestart;
+    return what.ends_with("recording") ? processes_->change_recording(verb)
+                                       : processes_->change(verb, command);
+  }
+  return {.ok = false, .text = "Nobody here does \"" + what + "\"."};
+}
+
+/// Whoever lets the robot go ends our stop, too; else two viewers would contradict each other.
+void RemoteControl::on_stop(const nodmap::stop_t& message) {
+  if (message.is_stopped == 0 && message.utime > stop_.utime) {
+    stop_.is_stopped = 0;
+  }
+}
+
+void RemoteControl::turn() {
+  if (stop_.is_stopped != 0 && std::abs(clock_.now_utime_us() - stop_.utime) >= kRepeatUs) {
+    send_stop();
+  }
+}
+
+void RemoteControl::send_stop() {
+  stop_.utime = clock_.now_utime_us();
+  ++stop_.stop_seq;
+  bus_.publish("STOP", stop_);
 }
 
 void RemoteControl::send_goal(bool is_active, double x_m, double y_m, double tolerance_m) {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "common/foxglove/schemas.hpp"
+#include "modules/viewer/little_endian.hpp"
 
 namespace nodmap::viewer {
 namespace {
@@ -13,16 +14,7 @@ namespace {
 // First bytes of binary frames.
 constexpr char kMessageData = 1;
 constexpr char kTime = 2;
-constexpr std::byte kClientMessageData{1};
-constexpr std::size_t kClientHeadBytes = 5;
 constexpr int kStatusError = 2;
-
-template <class Unsigned>
-void append_little_endian(std::string& bytes, Unsigned value) {
-  for (std::size_t i = 0; i < sizeof(Unsigned); ++i) {
-    bytes.push_back(static_cast<char>((value >> (8 * i)) & 0xFFU));
-  }
-}
 
 std::uint64_t nanoseconds(std::int64_t utime_us) {
   return 1000U * static_cast<std::uint64_t>(std::max<std::int64_t>(utime_us, 0));
@@ -94,24 +86,35 @@ void Session::greet() {
     capabilities.push_back("parametersSubscribe");
   }
   if (rights_.control) {
-    capabilities.push_back("clientPublish");
+    capabilities.push_back("services");
+  }
+  Json metadata = Json::object();
+  if (rights_.control && services_.controls_processes) {
+    metadata["process_control"] = "true";
   }
   send({{"op", "serverInfo"},
         {"name", services_.name},
         {"capabilities", std::move(capabilities)},
         {"supportedEncodings", Json::array({"json"})},
-        {"metadata", Json::object()},
+        {"metadata", std::move(metadata)},
         {"sessionId", services_.session_id}});
   Json channels = Json::array();
   for (std::size_t topic = 0; topic < board_.topics().size(); ++topic) {
     channels.push_back(channel_json(topic, board_.topics()[topic]));
   }
   send({{"op", "advertise"}, {"channels", std::move(channels)}});
+  if (rights_.control) {
+    send({{"op", "advertiseServices"}, {"services", Json::array({control_service()})}});
+  }
 }
 
 void Session::send(const Json& message) {
+  send(Frame{.is_binary = false, .head = foxglove::to_text(message), .post = nullptr});
+}
+
+void Session::send(Frame frame) {
   if (waiting_.size() < kMaxWaiting) {
-    waiting_.push_back(foxglove::to_text(message));
+    waiting_.push_back(std::move(frame));
   }
 }
 
@@ -132,9 +135,10 @@ void Session::receive_text(std::string_view text) {
 void Session::handle(const Json& message) {
   using Handler = void (Session::*)(const Json&);
   static constexpr std::pair<std::string_view, Handler> kHandlers[] = {
-      {"subscribe", &Session::subscribe},           {"unsubscribe", &Session::unsubscribe},
-      {"advertise", &Session::advertise},           {"unadvertise", &Session::unadvertise},
-      {"getParameters", &Session::send_parameters}, {"setParameters", &Session::set_parameters}};
+      {"subscribe", &Session::subscribe},
+      {"unsubscribe", &Session::unsubscribe},
+      {"getParameters", &Session::send_parameters},
+      {"setParameters", &Session::set_parameters}};
   const std::string op = text_in(message, "op");
   for (const auto& [name, handler] : kHandlers) {
     if (op == name) {
@@ -172,54 +176,35 @@ void Session::unsubscribe(const Json& message) {
   }
 }
 
-void Session::advertise(const Json& message) {
-  for (const Json& channel : objects_in(message, "channels")) {
-    const auto id = id_in(channel, "id");
-    if (!rights_.control) {
-      refuse("this connection may only read");
-    } else if (!id || text_in(channel, "encoding") != "json") {
-      refuse("a channel needs an id and encoding json");
-    } else if (publications_.size() >= kMaxPublications) {
-      refuse("too many channels");
-    } else {
-      publications_.push_back({*id, text_in(channel, "topic")});
-    }
-  }
-}
-
-void Session::unadvertise(const Json& message) {
-  for (const std::uint32_t id : ids_in(message, "channelIds")) {
-    std::erase_if(publications_, [id](const Publication& p) { return p.channel_id == id; });
-  }
-}
-
 void Session::receive_binary(std::span<const std::byte> bytes) {
-  if (bytes.size() < kClientHeadBytes || bytes[0] != kClientMessageData) {
+  if (const auto call = read_service_call(bytes)) {
+    answer(*call);
+  } else {
     refuse("unknown binary op");
-    return;
   }
-  std::uint32_t channel_id = 0;
-  for (std::size_t i = 0; i < sizeof(channel_id); ++i) {
-    channel_id |= static_cast<std::uint32_t>(bytes[1 + i]) << (8U * i);
-  }
-  const auto payload = bytes.subspan(kClientHeadBytes);
-  publish(channel_id, {reinterpret_cast<const char*>(payload.data()), payload.size()});
 }
 
-void Session::publish(std::uint32_t channel_id, std::string_view payload) {
-  const auto found =
-      std::find_if(publications_.begin(), publications_.end(),
-                   [channel_id](const Publication& p) { return p.channel_id == channel_id; });
-  if (!rights_.control || !services_.publish || found == publications_.end()) {
-    refuse(rights_.control ? "message on an unknown channel" : "this connection may only read");
+void Session::answer(const ServiceCall& call) {
+  if (!rights_.control || !services_.control) {
+    fail(call, "this connection may only read");
     return;
   }
-  const Json message = Json::parse(payload, nullptr, false);
-  const std::string reason = message.is_object() ? services_.publish(found->topic, message)
-                                                 : std::string("not a JSON object");
-  if (!reason.empty()) {
-    refuse(reason);
+  if (call.service_id != kControlService || call.encoding != "json") {
+    fail(call, "no such service, or not in JSON");
+    return;
   }
+  const Json request = Json::parse(call.payload, nullptr, false);
+  const Answer answer = request.is_object() ? services_.control(request)
+                                            : Answer{.ok = false, .text = "Not a JSON object."};
+  refused_ += answer.ok ? 0 : 1;
+  send(Frame{.is_binary = true,
+             .head = service_answer(call, {{"ok", answer.ok}, {"text", answer.text}}),
+             .post = nullptr});
+}
+
+void Session::fail(const ServiceCall& call, const std::string& reason) {
+  ++refused_;
+  send(service_failure(call, reason));
 }
 
 void Session::send_parameters(const Json& message) {
@@ -261,7 +246,7 @@ void Session::tell_parameters() {
 
 std::optional<Frame> Session::next() {
   if (!waiting_.empty()) {
-    Frame frame{.is_binary = false, .head = std::move(waiting_.front()), .post = nullptr};
+    Frame frame = std::move(waiting_.front());
     waiting_.pop_front();
     return frame;
   }

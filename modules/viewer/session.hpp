@@ -15,10 +15,15 @@
 
 #include "common/foxglove/board.hpp"
 #include "common/foxglove/foxglove.hpp"
+#include "modules/viewer/service_call.hpp"
 
 namespace nodmap::viewer {
 
-using foxglove::Json;
+/// What became of a request, in words for people.
+struct Answer {
+  bool ok = false;
+  std::string text;
+};
 
 /// What the clients of a viewer may do besides reading, and what it tells them of itself.
 struct Services {
@@ -30,15 +35,16 @@ struct Services {
   std::function<Json()> parameters;
   /// Sets one; returns why not, or nothing.
   std::function<std::string(const std::string& name, const Json& value)> set_parameter;
-  /// A message from a client with control, as JSON on a topic; returns why it was refused, or
-  /// nothing.
-  std::function<std::string(const std::string& topic, const Json& message)> publish;
+  /// Does what a client with control asks for, and answers.
+  std::function<Answer(const Json& request)> control;
+  /// Whether that goes for processes and recordings, too.
+  bool controls_processes = false;
 };
 
 /// What one client may do.
 struct Rights {
   bool play = false;     ///< steer the playback
-  bool control = false;  ///< publish
+  bool control = false;  ///< ask for what the robot is to do
 };
 
 /// One frame for the socket. `head` goes before the payload, which is shared with other sessions.
@@ -55,7 +61,6 @@ struct Frame {
 class Session {
  public:
   static constexpr std::size_t kMaxSubscriptions = 256;
-  static constexpr std::size_t kMaxPublications = 16;
   /// Answers that wait for a client that does not read; more are dropped.
   static constexpr std::size_t kMaxWaiting = 64;
 
@@ -82,29 +87,24 @@ class Session {
     std::size_t topic = 0;
     std::uint64_t cursor = 0;
   };
-  struct Publication {
-    std::uint32_t channel_id = 0;
-    std::string topic;
-  };
 
   void send(const Json& message);
+  void send(Frame frame);
   void refuse(const std::string& reason);
   void greet();
   void handle(const Json& message);
   void subscribe(const Json& message);
   void unsubscribe(const Json& message);
-  void advertise(const Json& message);
-  void unadvertise(const Json& message);
   void send_parameters(const Json& message);
   void set_parameters(const Json& message);
-  void publish(std::uint32_t channel_id, std::string_view payload);
+  void answer(const ServiceCall& call);
+  void fail(const ServiceCall& call, const std::string& reason);
 
   const foxglove::Board& board_;
   const Services& services_;
   Rights rights_;
-  std::deque<std::string> waiting_;
+  std::deque<Frame> waiting_;
   std::vector<Subscription> subscriptions_;
-  std::vector<Publication> publications_;
   bool wants_parameters_ = false;
   std::size_t turn_ = 0;
   std::optional<std::int64_t> time_us_;

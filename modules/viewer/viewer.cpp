@@ -22,8 +22,10 @@
 #include "common/time/clock.hpp"
 #include "modules/viewer/params.hpp"
 #include "modules/viewer/playback.hpp"
+#include "modules/viewer/process_control.hpp"
 #include "modules/viewer/remote_control.hpp"
 #include "modules/viewer/server.hpp"
+#include "procman/config/parser.hpp"
 
 namespace nodmap::viewer {
 namespace {
@@ -39,6 +41,7 @@ struct Options {
   std::string bind = "127.0.0.1";
   std::uint16_t port = 8765;
   bool control = false;
+  std::filesystem::path procman;
   std::vector<std::filesystem::path> replay;
 };
 
@@ -49,6 +52,9 @@ void add_options(CLI::App& app, Options& options) {
       ->capture_default_str();
   auto* control = app.add_flag("--control", options.control,
                                "Who has the printed token may set goals, stop and save maps");
+  app.add_option("--procman", options.procman,
+                 "Who has it may also start and stop the processes of this configuration (.pmd)")
+      ->needs(control);
   app.add_option("--replay", options.replay,
                  "Play this LCM event log instead of listening to LCM; several are merged by time")
       ->excludes(control);
@@ -99,29 +105,63 @@ struct Viewer {
   std::optional<Server> server;
 };
 
+/// The configuration of the processes that may be controlled, if any. Throws std::invalid_argument.
+std::optional<procman::Config> load_procman(const std::filesystem::path& file) {
+  if (file.empty()) {
+    return std::nullopt;
+  }
+  try {
+    return procman::load_config(file);
+  } catch (const std::runtime_error& error) {
+    throw std::invalid_argument(error.what());
+  }
+}
+
+std::vector<foxglove::CommandTable::Known> known_commands(const procman::Config& config) {
+  std::vector<foxglove::CommandTable::Known> known;
+  for (const procman::Command& command : config.commands) {
+    known.push_back({command.id, command.group, command.deputy, command.exec});
+  }
+  return known;
+}
+
 void run_live(const Options& options, const ViewerParams& params) {
+  const auto config = load_procman(options.procman);
   bus::LiveBus bus(options.common.lcm_url);
   const time::SystemClock clock;
   node::Tally tally;
-  RemoteControl control(bus, clock);
-  const Feed* feed_for_control = nullptr;
+  std::optional<ProcessControl> processes;
+  if (config) {
+    processes.emplace(bus, *config, time::now_on_both_clocks);
+  }
+  RemoteControl control(bus, clock, processes ? &*processes : nullptr);
   Viewer viewer(options, params,
                 {.name = kProgram,
                  .session_id = make_token(),
                  .sends_time = false,
                  .parameters = {},
                  .set_parameter = {},
-                 .publish = [&](const std::string& topic, const Json& message) {
-                   return control.publish(topic, message, feed_for_control->pose_2d());
-                 }});
+                 .control =
+                     [&control](const Json& request) {
+                       Answer answer = control.answer(request);
+                       log::get().info("asked for {}: {}", foxglove::to_text(request), answer.text);
+                       return answer;
+                     },
+                 .controls_processes = processes.has_value()});
   foxglove::Feed feed(bus, viewer.board, tally, feed_options(params));
-  feed_for_control = &feed;
+  if (config) {
+    feed.know_commands(known_commands(*config));
+  }
   node::StatusReporter status(kProgram, bus, tally, clock);
   viewer.open(options);
   log::get().info("listening on {}", bus.url());
   while (!node::stop_requested()) {
     viewer.server->run_for(milliseconds(params.update_ms));
     bus.handle(milliseconds(0));
+    control.turn();
+    if (processes) {
+      processes->turn();
+    }
     viewer.server->turn();
     status.publish_if_due(node::Health{});
   }
@@ -145,7 +185,8 @@ void run_replay(const Options& options, const ViewerParams& params) {
                        went_back = went_back || change.went_back;
                        return change.refusal;
                      },
-                 .publish = {}});
+                 .control = {},
+                 .controls_processes = false});
   foxglove::Feed feed(player, viewer.board, tally, feed_options(params));
   viewer.open(options);
   auto last = std::chrono::steady_clock::now();

@@ -15,14 +15,6 @@ namespace {
 
 constexpr std::int64_t kOrdersPeriodUs = 1'000'000;
 
-/// As the existing sheriff names itself: host, process, time.
-std::string sheriff_id(std::int64_t utime_us) {
-  std::array<char, 256> host{};
-  ::gethostname(host.data(), host.size() - 1);
-  return std::string(host.data()) + ":" + std::to_string(::getpid()) + ":" +
-         std::to_string(utime_us);
-}
-
 ProcessHealth health_of(const nodmap::status_t& message) {
   ProcessHealth health;
   health.state = message.health == nodmap::status_t::OK         ? ProcessHealth::State::kOk
@@ -39,10 +31,17 @@ ProcessHealth health_of(const nodmap::status_t& message) {
 
 }  // namespace
 
+// As the existing sheriff names itself: host, process, time.
+std::string sheriff_id_prefix() {
+  std::array<char, 256> host{};
+  ::gethostname(host.data(), host.size() - 1);
+  return std::string(host.data()) + ":" + std::to_string(::getpid()) + ":";
+}
+
 Sheriff::Sheriff(const Config& config, const std::string& lcm_url)
     : config_(config),
       bus_(lcm_url),
-      fleet_(config, sheriff_id(clock_.now_utime_us())),
+      fleet_(config, sheriff_id_prefix() + std::to_string(clock_.now_utime_us())),
       health_(config) {
   subscribe();
   discover();

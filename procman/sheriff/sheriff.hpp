@@ -17,6 +17,9 @@
 
 namespace nodmap::procman {
 
+/// How a sheriff of this process names itself, up to the time at which it began: host:process:
+[[nodiscard]] std::string sheriff_id_prefix();
+
 /// A fleet on the network: hears deputies, and gives them orders once a second and when something
 /// changes; an observer gives none.
 class Sheriff {

@@ -14,6 +14,14 @@ LITERAL = re.compile(r'hex\(\s*((?:"[0-9A-Fx ]+"\s*)+)\)')
 PMD = [b'cmd { exec = "A=1 x"; deputy = "d"; group = "a/b"; }', b'group "a" { group "b" { cmd "x" { exec = "\\n\\""; } } }',
        b'script "s" { restart everything wait "stopped"; wait cmd "x" status "running"; run_script "s"; }']
 
+OCTOMAP_HEAD = b"# Octomap OcTree binary file\nid OcTree\nsize 17\nres 0.05\ndata\n"
+# A branch to one voxel, one that ends in large leaves, and an empty tree.
+OCTOMAP = [OCTOMAP_HEAD + b"\x03\x00" * 15 + b"\x02\x00", OCTOMAP_HEAD + b"\x0F\xA6" + b"\xAA\x56" * 2, OCTOMAP_HEAD]
+CALL = b"\x02\x01\0\0\0\x07\0\0\0\x04\0\0\0json"
+VIEWER_SESSION = [b'T{"op":"subscribe","subscriptions":[{"id":0,"channelId":1}]}\nT{"op":"unsubscribe","subscriptionIds":[0]}',
+                  b'T{"op":"getParameters","parameterNames":[],"id":"x"}\nT{"op":"subscribeParameterUpdates","parameterNames":[]}',
+                  b'T{"op":"setParameters","parameters":[{"name":"playback.speed","value":2}],"id":"y"}', CALL + b'{"do":"stop"}', CALL + b"[]"]
+
 
 def slcan_lines():
     """The golden lines of the SLCAN test, each with its end, and what an adapter answers."""
@@ -59,6 +67,8 @@ def main():
     sick += [sick_scan(181, 1000, 1), sick_scan(361, 1000, 0), sick_scan(401, 8000, 1)]
     write_seeds(out / "sick", sick)
     write_seeds(out / "pmd", [file.read_bytes() for file in sorted((ROOT / "procman").glob("*.pmd"))] + PMD)
+    write_seeds(out / "octomap", OCTOMAP)
+    write_seeds(out / "viewer_session", VIEWER_SESSION)
     write_seeds(out / "dynamixel", [f for f in frames(TESTS / "dynamixel_test.cpp")])
 
 

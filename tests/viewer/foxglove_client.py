@@ -14,6 +14,7 @@ class Client:
         self.channels = {c["topic"]: c for c in self._text()["channels"]}
         self.topics = {}
         self.time_ns = None
+        self.calls = 0
         self.others = []  # text messages that receive() met
 
     def _text(self):
@@ -68,8 +69,22 @@ class Client:
         """The next status message."""
         return self.answer(lambda m: m["op"] == "status")
 
-    def publish(self, channel_id, message):
-        self.socket.send(struct.pack("<BI", 1, channel_id) + json.dumps(message).encode(), BINARY)
+    def call(self, request, service=1, encoding=b"json"):
+        """Calls a service; its answer, or the message that there is none."""
+        self.calls += 1
+        self.socket.send(struct.pack("<BIII", 2, service, self.calls, len(encoding)) + encoding + json.dumps(request).encode(), BINARY)
+        while True:
+            kind, payload = self.socket.receive()
+            if kind == TEXT:
+                message = json.loads(payload)
+                if message["op"] == "serviceCallFailure":
+                    assert message["callId"] == self.calls
+                    return message
+                self.others.append(message)
+            elif payload[0] == 3:
+                _, call, size = struct.unpack_from("<III", payload, 1)
+                assert call == self.calls and payload[13:13 + size] == b"json"
+                return json.loads(payload[13 + size:])
 
     def close(self):
         self.socket.close()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""LCM event logs and the two messages the test compares, read byte by byte from the format's description."""
+"""LCM event logs and the messages the test compares, read byte by byte from the format's description."""
 import struct
 
 SYNC = 0xEDA1DA01
@@ -31,3 +31,32 @@ def grid_chunk(data):
     cells = struct.unpack_from(f">{count}b", data, 84)
     return {"utime": utime, "revision": revision, "chunks": chunks, "cell_size": cell_size, "origin": (origin_x, origin_y),
             "size": (width, height), "tile": (x, y, tile_width, tile_height), "cells": cells}
+
+
+def octomap_chunk(data):
+    """A nodmap.octomap_chunk_t as a dict."""
+    utime, revision, index, chunks, size = struct.unpack_from(">qqiii", data, 8)
+    return {"utime": utime, "revision": revision, "index": index, "chunks": chunks, "bytes": data[36:36 + size]}
+
+
+def octomap_voxels(file):
+    """The edge of a voxel and the occupied voxels, as places from the origin, of an OctoMap file whose leaves are all single voxels."""
+    head, nodes = file.split(b"\ndata\n", 1)
+    edge = next(float(line.split()[1]) for line in head.split(b"\n") if line.startswith(b"res "))
+    voxels, at = set(), 0
+
+    def walk(corner, size):
+        nonlocal at
+        states, = struct.unpack_from("<H", nodes, at)
+        at += 2
+        children = [(states >> 2 * i & 3, tuple(c + (size // 2) * (i >> axis & 1) for axis, c in enumerate(corner))) for i in range(8)]
+        for state, child in children:
+            if state == 2:
+                assert size == 2, "a leaf of more than one voxel"
+                voxels.add(child)
+        for state, child in children:
+            if state == 3:
+                walk(child, size // 2)
+
+    walk((-32768, -32768, -32768), 65536)
+    return edge, voxels

@@ -7,55 +7,130 @@
 #include <string>
 
 #include "common/bus/live_bus.hpp"
+#include "nodmap/goal_t.hpp"
+#include "nodmap/save_request_t.hpp"
+#include "procman/config/parser.hpp"
 
 namespace nodmap::viewer {
 namespace {
 
 class RemoteControlTest : public ::testing::Test {
  protected:
-  std::string ask(const std::string& topic, const Json& request,
-                  const std::optional<geometry::SE3>& pose = std::nullopt) {
-    const std::string refusal = control_.publish(topic, request, pose);
+  void handle() {
     while (bus_.handle(std::chrono::milliseconds(0)) > 0) {
     }
-    return refusal;
+  }
+
+  bool ask(const Json& request) {
+    const Answer answer = control_.answer(request);
+    EXPECT_FALSE(answer.text.empty());
+    handle();
+    return answer.ok;
+  }
+
+  void pass(std::int64_t duration_us) {
+    clock_.advance(duration_us);
+    control_.turn();
+    handle();
   }
 
   bus::LiveBus bus_{"memq://"};
   bus::Latest<nodmap::goal_t> goal_{bus_, "GOAL"};
+  bus::Latest<nodmap::stop_t> stop_{bus_, "STOP"};
+  bus::Latest<nodmap::save_request_t> save_{bus_, "SAVE_REQUEST"};
   time::ManualClock clock_{77};
-  RemoteControl control_{bus_, clock_};
+  RemoteControl control_{bus_, clock_, nullptr};
 };
 
 TEST_F(RemoteControlTest, AGoalGoesOut) {
-  EXPECT_EQ(ask("GOAL", {{"x_m", 1.5}, {"y_m", -2.0}}), "");
+  EXPECT_TRUE(ask({{"do", "goal"}, {"x_m", 1.5}, {"y_m", -2.0}}));
   ASSERT_TRUE(goal_.get());
   EXPECT_TRUE(goal_.get()->is_active);
   EXPECT_DOUBLE_EQ(goal_.get()->position_m[0], 1.5);
   EXPECT_DOUBLE_EQ(goal_.get()->position_m[1], -2.0);
+  EXPECT_DOUBLE_EQ(goal_.get()->tolerance_m, 0.3);
   EXPECT_EQ(goal_.get()->utime, 77);
-  EXPECT_EQ(ask("GOAL", {{"clear", true}}), "");
+  EXPECT_TRUE(ask({{"do", "roam"}}));
   EXPECT_FALSE(goal_.get()->is_active);
   EXPECT_EQ(goal_.get()->goal_seq, 1);
 }
 
-TEST_F(RemoteControlTest, AStopIsAGoalWhereTheRobotIs) {
-  geometry::SE3 pose = geometry::SE3::Identity();
-  pose.translation() = Eigen::Vector3d(4.0, 5.0, 0.0);
-  EXPECT_NE(ask("STOP", Json::object()), "");
-  EXPECT_EQ(goal_.count(), 0);
-  EXPECT_EQ(ask("STOP", Json::object(), pose), "");
-  EXPECT_DOUBLE_EQ(goal_.get()->position_m[1], 5.0);
+TEST_F(RemoteControlTest, AStopIsSaidAgainUntilGo) {
+  pass(1'000'000);
+  EXPECT_EQ(stop_.count(), 0);  // nobody has asked
+  EXPECT_TRUE(ask({{"do", "stop"}}));
+  ASSERT_TRUE(stop_.get());
+  EXPECT_TRUE(stop_.get()->is_stopped);
+  EXPECT_EQ(stop_.get()->requested_by, "nodmap-viewer");
+  pass(RemoteControl::kRepeatUs - 1);
+  EXPECT_EQ(stop_.count(), 1);
+  pass(1);
+  EXPECT_EQ(stop_.count(), 2);
+  EXPECT_EQ(stop_.get()->stop_seq, 1);
+  EXPECT_TRUE(ask({{"do", "goal"}, {"x_m", 1}, {"y_m", 1}}));  // does not let it go
+  pass(RemoteControl::kRepeatUs);
+  EXPECT_TRUE(stop_.get()->is_stopped);
+  EXPECT_TRUE(ask({{"do", "go"}}));
+  EXPECT_FALSE(stop_.get()->is_stopped);
+  const std::int64_t count = stop_.count();
+  pass(10 * RemoteControl::kRepeatUs);
+  EXPECT_EQ(stop_.count(), count);
+}
+
+TEST_F(RemoteControlTest, WhenAnotherLetsTheRobotGoItIsNotContradicted) {
+  EXPECT_TRUE(ask({{"do", "stop"}}));
+  nodmap::stop_t other{};
+  other.utime = 76;  // from before our stop: late on its way
+  bus_.publish("STOP", other);
+  handle();
+  pass(RemoteControl::kRepeatUs);
+  EXPECT_TRUE(stop_.get()->is_stopped);
+  other.utime = clock_.now_utime_us() + 1;
+  bus_.publish("STOP", other);
+  handle();
+  pass(10 * RemoteControl::kRepeatUs);
+  EXPECT_FALSE(stop_.get()->is_stopped);
+}
+
+TEST_F(RemoteControlTest, MapsAreSaved) {
+  EXPECT_TRUE(ask({{"do", "save_maps"}}));
+  ASSERT_TRUE(save_.get());
+  EXPECT_EQ(save_.get()->requested_by, "nodmap-viewer");
 }
 
 TEST_F(RemoteControlTest, NonsenseIsRefused) {
   for (const Json& request :
-       {Json::object(), Json({{"x_m", 1}}), Json({{"x_m", "1"}, {"y_m", 1}}),
-        Json({{"x_m", 1e9}, {"y_m", 1}}), Json({{"x_m", 1}, {"y_m", 1}, {"tolerance_m", 0}})}) {
-    EXPECT_NE(ask("GOAL", request), "") << request;
+       {Json({{"do", "goal"}}), Json({{"do", "goal"}, {"x_m", 1}}),
+        Json({{"do", "goal"}, {"x_m", "1"}, {"y_m", 1}}),
+        Json({{"do", "goal"}, {"x_m", 1e9}, {"y_m", 1}}),
+        Json({{"do", "goal"}, {"x_m", 1}, {"y_m", 1}, {"tolerance_m", 0}}),
+        Json({{"do", "goal"}, {"x_m", 1}, {"y_m", 1}, {"tolerance_m", "1"}}), Json::object(),
+        Json({{"do", 1}}), Json({{"do", "fly"}}), Json({{"do", "DRIVE"}, {"forward_mps", 1}})}) {
+    EXPECT_FALSE(ask(request)) << request;
   }
-  EXPECT_NE(ask("DRIVE", {{"forward_mps", 1}}), "");
-  EXPECT_EQ(goal_.count(), 0);
+  EXPECT_EQ(goal_.count() + stop_.count() + save_.count(), 0);
+}
+
+TEST_F(RemoteControlTest, WithoutAConfigurationThereIsNoControlOverProcesses) {
+  for (const char* what :
+       {"start_process", "stop_process", "restart_process", "start_recording", "stop_recording"}) {
+    EXPECT_FALSE(ask({{"do", what}, {"command", "slam2d"}})) << what;
+  }
+}
+
+TEST_F(RemoteControlTest, ProcessesAreAskedFor) {
+  ProcessControl processes(
+      bus_,
+      procman::parse_config(R"(cmd "slam2d" { exec = "nodmap-slam2d"; host = "robot"; })").config,
+      [] { return time::Moment{}; });
+  RemoteControl control(bus_, clock_, &processes);
+  // How it goes on is ProcessControl's test.
+  EXPECT_EQ(control.answer({{"do", "restart_process"}, {"command", "slam2d"}}).text,
+            "The deputy robot does not answer.");
+  EXPECT_EQ(control.answer({{"do", "start_process"}, {"command", "nobody"}}).text,
+            "There is no command \"nobody\".");
+  EXPECT_EQ(control.answer({{"do", "start_recording"}}).text,
+            "The process configuration has no nodmap-logger.");
 }
 
 }  // namespace

@@ -40,8 +40,12 @@ class SessionTest : public ::testing::Test {
     return frame && !frame->is_binary ? Json::parse(frame->head) : Json();
   }
 
-  static std::string bytes(const std::string& text, std::uint8_t channel = 1) {
-    return std::string{1, static_cast<char>(channel), 0, 0, 0} + text;
+  /// Call 7 of a service.
+  static std::string call(const std::string& payload, char service = 1,
+                          const std::string& encoding = "json") {
+    return std::string{2, service, 0, 0, 0, 7, 0, 0, 0, static_cast<char>(encoding.size()),
+                       0, 0,       0} +
+           encoding + payload;
   }
 
   static void receive(Session& session, const std::string& message) {
@@ -125,7 +129,7 @@ TEST_F(SessionTest, UnsubscribedIsSilent) {
 class Nonsense : public SessionTest, public ::testing::WithParamInterface<const char*> {};
 
 TEST_P(Nonsense, IsAnsweredWithAStatusAndCounted) {
-  Session session = greeted({.play = true, .control = true});
+  Session session = greeted({.play = true, .control = false});
   session.receive_text(GetParam());
   const Json answer = text_frame(session);
   EXPECT_EQ(answer["op"], "status");
@@ -143,7 +147,7 @@ INSTANTIATE_TEST_SUITE_P(
         R"({"op":"subscribe","subscriptions":[{"id":-1,"channelId":1}]})",
         R"({"op":"subscribe","subscriptions":[{"id":4294967296,"channelId":1}]})",
         R"({"op":"subscribe","subscriptions":[{"id":"a","channelId":1}]})",
-        R"({"op":"advertise","channels":[{"id":1,"encoding":"ros1","topic":"GOAL"}]})",
+        R"({"op":"advertise","channels":[{"id":1,"encoding":"json","topic":"DRIVE"}]})",
         R"({"op":"setParameters","parameters":[{"name":"x","value":1}]})",
         "{\"op\":\"subscribe\xFF\"}"));
 
@@ -175,42 +179,66 @@ TEST_F(SessionTest, AnswersNobodyReadsDoNotPileUp) {
   EXPECT_EQ(session.refused(), 1000);
 }
 
-TEST_F(SessionTest, WithoutControlNothingIsPublished) {
-  int published = 0;
-  services_.publish = [&published](const std::string&, const Json&) {
-    ++published;
-    return std::string();
+TEST_F(SessionTest, WithoutControlNothingIsDone) {
+  int asked = 0;
+  services_.control = [&asked](const Json&) {
+    ++asked;
+    return Answer{.ok = true, .text = ""};
   };
   Session session = greeted({.play = true, .control = false});
-  session.receive_text(
-      R"({"op":"advertise","channels":[{"id":1,"topic":"GOAL","encoding":"json"}]})");
-  receive(session, bytes("{}"));
-  EXPECT_EQ(published, 0);
-  EXPECT_EQ(session.refused(), 2);
-  EXPECT_THAT(text_frame(session)["message"].get<std::string>(), HasSubstr("only read"));
+  receive(session, call(R"({"do":"stop"})"));
+  EXPECT_EQ(asked, 0);
+  EXPECT_EQ(session.refused(), 1);
+  const Json failure = text_frame(session);
+  EXPECT_EQ(failure["op"], "serviceCallFailure");
+  EXPECT_EQ(failure["callId"], 7);
+  EXPECT_THAT(failure["message"].get<std::string>(), HasSubstr("only read"));
 }
 
-TEST_F(SessionTest, WithControlMessagesReachTheService) {
-  std::vector<std::pair<std::string, Json>> published;
-  services_.publish = [&published](const std::string& topic, const Json& message) {
-    published.emplace_back(topic, message);
-    return std::string();
+TEST_F(SessionTest, WithControlCallsAreAnswered) {
+  services_.control = [](const Json& request) {
+    return Answer{.ok = request["do"] == "stop", .text = "Said."};
+  };
+  services_.controls_processes = true;
+  Session session(board_, services_, {.play = true, .control = true});
+  const Json info = text_frame(session);
+  EXPECT_EQ(info["capabilities"], Json::array({"services"}));
+  EXPECT_EQ(info["metadata"]["process_control"], "true");
+  (void)session.next();
+  EXPECT_EQ(text_frame(session)["services"][0]["name"], "control");
+  receive(session, call(R"({"do":"stop"})"));
+  const auto frame = session.next();
+  ASSERT_TRUE(frame && frame->is_binary);
+  const std::string head("\x03\x01\0\0\0\x07\0\0\0\x04\0\0\0json", 17);
+  EXPECT_EQ(frame->head, head + R"({"ok":true,"text":"Said."})");
+  EXPECT_EQ(session.refused(), 0);
+  receive(session, call(R"({"do":"fly"})"));
+  EXPECT_EQ(session.next()->head, head + R"({"ok":false,"text":"Said."})");
+  EXPECT_EQ(session.refused(), 1);
+}
+
+TEST_F(SessionTest, CallsThatAreNoneAreCountedAndAnswered) {
+  int asked = 0;
+  services_.control = [&asked](const Json&) {
+    ++asked;
+    return Answer{.ok = true, .text = ""};
   };
   Session session = greeted({.play = true, .control = true});
-  session.receive_text(
-      R"({"op":"advertise","channels":[{"id":5,"topic":"GOAL","encoding":"json"}]})");
-  receive(session, bytes(R"({"x_m":1})", 5));
-  EXPECT_THAT(published, ElementsAre(std::pair<std::string, Json>("GOAL", {{"x_m", 1}})));
-  receive(session, bytes("{}", 6));  // a channel that was never advertised
-  receive(session, bytes("no JSON", 5));
-  receive(session, std::string("\x01\x05", 2));
-  receive(session, std::string("\x09\x05\x00\x00\x00{}", 7));
-  receive(session, "");
-  EXPECT_EQ(session.refused(), 5);
-  EXPECT_EQ(published.size(), 1U);
-  session.receive_text(R"({"op":"unadvertise","channelIds":[5]})");
-  receive(session, bytes("{}", 5));
-  EXPECT_EQ(published.size(), 1U);
+  (void)session.next();
+  receive(session, call("[1]"));
+  receive(session, call("no JSON"));
+  receive(session, call("{}", 2));  // another service
+  receive(session, call("{}", 1, "cdr"));
+  const std::string good = call("{}");
+  for (std::size_t size = 0; size < 17; ++size) {  // cut off before the payload
+    receive(session, good.substr(0, size));
+  }
+  receive(session, "\x01" + good.substr(1));
+  std::string too_long = good;
+  too_long[12] = '\x7F';  // of the encoding
+  receive(session, too_long);
+  EXPECT_EQ(asked, 0);
+  EXPECT_EQ(session.refused(), 4 + 17 + 2);
 }
 
 TEST_F(SessionTest, ParametersAreReadByAllAndSetByThoseWhoMay) {

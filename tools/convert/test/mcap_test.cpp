@@ -124,6 +124,7 @@ TEST(McapExport, HoldsEveryMessageOfTheLog) {
   EXPECT_EQ(file.messages.at("SCAN").size(), 150U);
   EXPECT_EQ(file.messages.at("CLOUD").size(), 2U);
   EXPECT_EQ(file.messages.at("MAP_2D").size(), 2U);
+  EXPECT_EQ(file.messages.at("OCTOMAP").size(), 2U);
   EXPECT_EQ(file.messages.at("ODOMETRY")[100].first,
             1000U * (foxglove::test::kBeginUs + 1'000'000));
   EXPECT_EQ(file.messages.at("ODOMETRY")[100].second["position_m"][0], 0.5);

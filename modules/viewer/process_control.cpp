@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/viewer/process_control.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "common/foxglove/command_table.hpp"
+#include "procman/protocol/messages.hpp"
+#include "procman/sheriff/sheriff.hpp"
+
+namespace nodmap::viewer {
+namespace {
+
+using procman::Fleet;
+using procman::Verb;
+using procman::Wanted;
+
+/// More deputies than any robot of ours has: made-up names take no memory.
+constexpr std::size_t kMaxDeputies = 16;
+
+const char* name_of(Verb verb) {
+  return verb == Verb::kStart ? "start" : verb == Verb::kStop ? "stop" : "restart";
+}
+
+}  // namespace
+
+ProcessControl::ProcessControl(bus::Bus& bus, procman::Config config, Clock clock)
+    : bus_(bus),
+      config_(std::move(config)),
+      clock_(std::move(clock)),
+      id_(procman::sheriff_id_prefix()) {
+  bus.subscribe<procman_lcm::deputy_info_t>(procman::kInfoChannel, [this](const auto& message) {
+    on_info(procman::from_message(message));
+  });
+  bus.subscribe<procman_lcm::orders_t>(procman::kOrdersChannel, [this](const auto& message) {
+    on_orders(procman::from_message(message));
+  });
+}
+
+void ProcessControl::on_info(const procman::DeputyInfo& info) {
+  const bool is_ours =
+      std::any_of(config_.commands.begin(), config_.commands.end(),
+                  [&](const auto& command) { return command.deputy == info.deputy_id; });
+  if (!is_ours || (!heard_.contains(info.deputy_id) && heard_.size() >= kMaxDeputies)) {
+    return;
+  }
+  const time::Moment now = clock_();
+  heard_[info.deputy_id] = {info, now.steady_us};
+  if (fleet_ && fleet_->take_info(info, now.steady_us)) {
+    give_orders(now);
+  }
+}
+
+void ProcessControl::on_orders(const procman::Orders& orders) {
+  if (orders.sheriff_id.starts_with(id_) || !heard_.contains(orders.deputy_id)) {
+    return;
+  }
+  other_sheriff_ = orders.sheriff_id;
+  other_heard_us_ = clock_().steady_us;
+  fleet_.reset();  // whoever comes while we are at it knows nothing of us, and stays longer
+}
+
+bool ProcessControl::is_heard(const std::string& deputy, std::int64_t steady_us) const {
+  const auto found = heard_.find(deputy);
+  return found != heard_.end() && steady_us - found->second.steady_us <= Fleet::kMaxInfoAgeUs;
+}
+
+void ProcessControl::begin(const time::Moment& now) {
+  fleet_.emplace(config_, id_ + std::to_string(now.utime_us));
+  open_.clear();
+  for (const auto& [deputy, heard] : heard_) {
+    if (is_heard(deputy, now.steady_us)) {
+      (void)fleet_->take_info(heard.info, heard.steady_us);
+    }
+  }
+}
+
+Answer ProcessControl::change(Verb verb, const std::string& command) {
+  const procman::Command* found = config_.find_command(command);
+  if (found == nullptr) {
+    return {.ok = false, .text = "There is no command \"" + command + "\"."};
+  }
+  const time::Moment now = clock_();
+  if (!other_sheriff_.empty() && now.steady_us - other_heard_us_ <= Fleet::kOtherSheriffUs) {
+    return {.ok = false, .text = "The sheriff " + other_sheriff_ + " is at work: use that one."};
+  }
+  if (!is_heard(found->deputy, now.steady_us)) {
+    return {.ok = false, .text = "The deputy " + found->deputy + " does not answer."};
+  }
+  if (!fleet_) {
+    begin(now);
+  }
+  if (verb == Verb::kStop) {
+    fleet_->stop(command);
+  } else if (verb == Verb::kStart) {
+    fleet_->start(command);
+  } else {
+    fleet_->restart(command);
+  }
+  open_[command] = verb == Verb::kStop ? Wanted::kStopped : Wanted::kRunning;
+  leave_us_ = std::max(leave_us_, now.steady_us + kPatienceUs +
+                                      std::int64_t{1'000'000} * found->stop_time_allowed_s);
+  give_orders(now);
+  return {.ok = true, .text = command + ": " + name_of(verb) + " asked."};
+}
+
+Answer ProcessControl::change_recording(Verb verb) {
+  for (const procman::Command& command : config_.commands) {
+    if (foxglove::program_of(command.exec) == "nodmap-logger") {
+      return change(verb, command.id);
+    }
+  }
+  return {.ok = false, .text = "The process configuration has no nodmap-logger."};
+}
+
+void ProcessControl::turn() {
+  if (!fleet_) {
+    return;
+  }
+  const time::Moment now = clock_();
+  std::erase_if(open_, [&](const auto& wish) {
+    return fleet_->has_reached(wish.first, wish.second, now.steady_us);
+  });
+  if (open_.empty() || now.steady_us >= leave_us_) {
+    fleet_.reset();
+    leave_us_ = 0;
+  } else if (now.steady_us >= orders_due_us_) {
+    give_orders(now);
+  }
+}
+
+void ProcessControl::give_orders(const time::Moment& now) {
+  orders_due_us_ = now.steady_us + kOrdersPeriodUs;
+  for (const auto& [deputy, heard] : fleet_->deputies()) {
+    if (const auto orders = fleet_->orders_for(deputy, now.utime_us)) {
+      bus_.publish(procman::kOrdersChannel, procman::to_message(*orders));
+    }
+  }
+}
+
+}  // namespace nodmap::viewer

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Service calls of Foxglove's WebSocket protocol: their bytes, and the one service there is.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "common/foxglove/foxglove.hpp"
+
+namespace nodmap::viewer {
+
+using foxglove::Json;
+
+/// The number of the service `control`.
+inline constexpr std::uint32_t kControlService = 1;
+
+/// How a server describes `control`: JSON in, {"ok", "text"} out.
+[[nodiscard]] Json control_service();
+
+/// A call, or its answer: both have the same form, but for the first byte.
+struct ServiceCall {
+  std::uint32_t service_id = 0;
+  std::uint32_t call_id = 0;
+  std::string_view encoding;
+  std::string_view payload;
+};
+
+/// Reads what a client sent, if it is a call; the texts are parts of `bytes`.
+[[nodiscard]] std::optional<ServiceCall> read_service_call(std::span<const std::byte> bytes);
+
+/// The frame that answers a call with JSON.
+[[nodiscard]] std::string service_answer(const ServiceCall& call, const Json& payload);
+
+/// The text message for a call that cannot be answered at all.
+[[nodiscard]] Json service_failure(const ServiceCall& call, const std::string& reason);
+
+}  // namespace nodmap::viewer

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Against a made-up deputy on a bus in memory.
+#include "modules/viewer/process_control.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+
+#include "common/bus/live_bus.hpp"
+#include "procman/config/parser.hpp"
+#include "procman/protocol/messages.hpp"
+
+namespace nodmap::viewer {
+namespace {
+
+using procman::DeputyInfo;
+using procman::Orders;
+using procman::Verb;
+
+constexpr std::int64_t kSecondUs = 1'000'000;
+
+procman::Config config() {
+  return procman::parse_config(R"(
+    cmd "slam" { exec = "nodmap-slam2d"; host = "robot"; stop_time_allowed = 2; }
+    cmd "log" { exec = "A=1 nodmap-logger --out x"; host = "robot"; })")
+      .config;
+}
+
+class ProcessControlTest : public ::testing::Test {
+ protected:
+  ProcessControlTest() {
+    bus_.subscribe<procman_lcm::orders_t>(procman::kOrdersChannel, [this](const auto& message) {
+      orders_.push_back(procman::from_message(message));
+    });
+  }
+
+  void handle() {
+    while (bus_.handle(std::chrono::milliseconds(0)) > 0) {
+    }
+  }
+
+  /// The deputy says that "slam" is in this run, and "other", which no configuration has, in its
+  /// third.
+  void tell(std::int32_t slam_run, bool slam_runs = true) {
+    DeputyInfo info;
+    info.deputy_id = "robot";
+    info.commands.resize(2);
+    info.commands[0].spec.id = "slam";
+    info.commands[0].spec.exec = "nodmap-slam2d";
+    info.commands[0].pid = slam_runs ? 100 + slam_run : 0;
+    info.commands[0].actual_run = slam_run;
+    info.commands[1].spec.id = "other";
+    info.commands[1].pid = 7;
+    info.commands[1].actual_run = 3;
+    bus_.publish(procman::kInfoChannel, procman::to_message(info));
+    handle();
+  }
+
+  void other_sheriff_orders() {
+    bus_.publish(procman::kOrdersChannel, procman::to_message(Orders{0, "robot", "far:1:1", {}}));
+    handle();
+    orders_.clear();
+  }
+
+  void pass(std::int64_t duration_us) {
+    now_.utime_us += duration_us;
+    now_.steady_us += duration_us;
+    control_.turn();
+    handle();
+  }
+
+  /// What is ordered of a command, by the newest orders.
+  procman::CommandOrder ordered(const std::string& id) const {
+    const auto& commands = orders_.back().commands;
+    const auto found = std::find_if(commands.begin(), commands.end(),
+                                    [&id](const auto& order) { return order.spec.id == id; });
+    return found == commands.end() ? procman::CommandOrder{} : *found;
+  }
+
+  bus::LiveBus bus_{"memq://"};
+  time::Moment now_{5'000 * kSecondUs, 100 * kSecondUs};
+  std::vector<Orders> orders_;
+  ProcessControl control_{bus_, config(), [this] { return now_; }};
+};
+
+TEST_F(ProcessControlTest, ARestartIsOrderedUntilItHasHappenedAndTheRestGoesOn) {
+  tell(4);
+  EXPECT_TRUE(control_.change(Verb::kRestart, "slam").ok);
+  handle();
+  ASSERT_EQ(orders_.size(), 1U);
+  EXPECT_EQ(orders_[0].deputy_id, "robot");
+  EXPECT_EQ(ordered("slam").desired_run, 5);
+  EXPECT_FALSE(ordered("slam").force_quit);
+  // A command that is not in the orders would be stopped.
+  EXPECT_EQ(ordered("other").desired_run, 3);
+  EXPECT_FALSE(ordered("other").force_quit);
+  pass(kSecondUs);
+  EXPECT_EQ(orders_.size(), 2U);
+  tell(4, false);  // stopped: the deputy starts it with the next orders, which do not wait
+  EXPECT_EQ(orders_.size(), 3U);
+  tell(5);
+  pass(1);
+  EXPECT_FALSE(control_.is_sheriff());
+  pass(5 * kSecondUs);
+  EXPECT_EQ(orders_.size(), 3U);
+}
+
+TEST_F(ProcessControlTest, StopsAndStarts) {
+  tell(4);
+  EXPECT_TRUE(control_.change(Verb::kStop, "slam").ok);
+  handle();
+  EXPECT_TRUE(ordered("slam").force_quit);
+  tell(4, false);
+  pass(1);
+  EXPECT_FALSE(control_.is_sheriff());
+  EXPECT_TRUE(control_.change(Verb::kStart, "slam").ok);
+  handle();
+  EXPECT_EQ(ordered("slam").desired_run, 5);
+  EXPECT_FALSE(ordered("slam").force_quit);
+}
+
+// What other sheriffs did meanwhile is what counts: orders of long ago would start old runs again.
+TEST_F(ProcessControlTest, BeginsFromWhatTheDeputySays) {
+  tell(4);
+  EXPECT_TRUE(control_.change(Verb::kRestart, "slam").ok);
+  tell(5);
+  pass(1);
+  other_sheriff_orders();
+  tell(8);
+  pass(4 * kSecondUs);
+  tell(8);
+  EXPECT_TRUE(control_.change_recording(Verb::kStart).ok);
+  handle();
+  EXPECT_EQ(ordered("slam").desired_run, 8);
+  EXPECT_EQ(ordered("log").desired_run, 1);
+}
+
+TEST_F(ProcessControlTest, GivesWayToAnotherSheriff) {
+  tell(4);
+  other_sheriff_orders();
+  EXPECT_FALSE(control_.change(Verb::kStop, "slam").ok);
+  pass(procman::Fleet::kOtherSheriffUs + 1);
+  EXPECT_TRUE(control_.change(Verb::kStop, "slam").ok);
+  EXPECT_TRUE(control_.is_sheriff());
+  other_sheriff_orders();
+  EXPECT_FALSE(control_.is_sheriff());
+}
+
+TEST_F(ProcessControlTest, LeavesInTimeWhenNothingHappens) {
+  tell(4);
+  EXPECT_TRUE(control_.change(Verb::kStop, "slam").ok);
+  for (int i = 0; i < 11; ++i) {
+    pass(kSecondUs);
+    tell(4);
+    EXPECT_TRUE(control_.is_sheriff());
+  }
+  pass(kSecondUs);  // ten seconds and the grace time
+  EXPECT_FALSE(control_.is_sheriff());
+}
+
+TEST_F(ProcessControlTest, RefusesWhatItCannotDo) {
+  EXPECT_FALSE(control_.change(Verb::kStart, "slam").ok);  // its deputy was never heard
+  tell(4);
+  EXPECT_FALSE(control_.change(Verb::kStart, "slam6d").ok);
+  EXPECT_FALSE(control_.change(Verb::kStart, "").ok);
+  EXPECT_FALSE(control_.change(Verb::kStart, "other").ok);  // not in the configuration
+  pass(procman::Fleet::kMaxInfoAgeUs + 1);
+  EXPECT_FALSE(control_.change(Verb::kStart, "slam").ok);
+  EXPECT_TRUE(orders_.empty());
+}
+
+}  // namespace
+}  // namespace nodmap::viewer

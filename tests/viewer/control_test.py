@@ -1,0 +1,165 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Control over a live viewer, on LCM in a network of its own: with the token only, each request answered, processes by a real deputy.
+
+Environment: NODMAP_VIEWER, NODMAP_DEPUTY, NODMAP_SHERIFF (programs).
+"""
+import os
+import subprocess
+import sys
+import tempfile
+import unittest
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from foxglove_client import Client  # noqa: E402
+from viewer_process import Viewer  # noqa: E402
+from websocket import Refused, WebSocket  # noqa: E402
+
+CONFIG = """
+cmd "sleeper" { exec = "sleep 1000"; host = "here"; stop_signal = 15; stop_time_allowed = 2; }
+cmd "other" { exec = "sleep 1001"; host = "here"; stop_signal = 15; stop_time_allowed = 2; }
+cmd "logger" { exec = "nodmap-logger --out OUT"; host = "here"; stop_signal = 15; stop_time_allowed = 2; }
+script "begin" { start cmd "sleeper"; }
+"""
+REQUESTS = [{"do": "goal", "x_m": 1, "y_m": 1}, {"do": "roam"}, {"do": "stop"}, {"do": "go"}, {"do": "save_maps"},
+            {"do": "start_process", "command": "sleeper"}, {"do": "stop_process", "command": "sleeper"},
+            {"do": "restart_process", "command": "sleeper"}, {"do": "start_recording"}, {"do": "stop_recording"}]
+
+
+def master(viewer):
+    """A client with the token."""
+    return Client(viewer.port, target=f"/?token={viewer.token}")
+
+
+class TheToken(unittest.TestCase):
+    def test_a_wrong_one_is_refused_counted_and_logged(self):
+        with Viewer("--control") as viewer:
+            for options in ({"target": "/?token=0123456789abcdef0123456789abcdef"}, {"target": f"/?token={viewer.token[:-1]}"},
+                            {"target": f"/?token={viewer.token}", "headers": {"Origin": "http://evil.example"}}):
+                with self.assertRaises(Refused) as refused:
+                    WebSocket(viewer.port, **options)
+                self.assertEqual(refused.exception.args[0], 403)
+            viewer.stop()
+            self.assertIn("refused a client: wrong_token", viewer.said())
+            self.assertIn("refused to clients: 3 wrong_token", viewer.said())
+
+    def test_without_it_nothing_is_done(self):
+        with Viewer("--control") as viewer:
+            reader, watcher = Client(viewer.port), Client(viewer.port)
+            self.assertNotIn("services", reader.info["capabilities"])
+            watcher.subscribe("GOAL", "STOP")
+            for request in REQUESTS:
+                self.assertEqual(reader.call(request)["message"], "this connection may only read", request)
+            # What the token's owner asks for afterwards is the first that anyone hears.
+            driver = master(viewer)
+            self.assertTrue(driver.call({"do": "goal", "x_m": 2.5, "y_m": -1.0})["ok"])
+            messages = watcher.collect(lambda m: "GOAL" in m)
+            self.assertEqual(set(messages), {"GOAL"})
+            self.assertEqual((messages["GOAL"][0][1]["goal_seq"], messages["GOAL"][0][1]["position_m"]), (0, [2.5, -1.0]))
+            viewer.stop()
+            self.assertIn(f"refused to clients: {len(REQUESTS)} request_not_allowed", viewer.said())
+
+    def test_without_control_there_is_none(self):
+        with Viewer() as viewer, self.assertRaises(Refused):
+            WebSocket(viewer.port, target="/?token=0123456789abcdef0123456789abcdef")
+
+
+class Requests(unittest.TestCase):
+    def test_stop_is_said_until_go(self):
+        with Viewer("--control") as viewer:
+            driver = master(viewer)
+            self.assertIn("services", driver.info["capabilities"])
+            driver.subscribe("STOP")
+            self.assertEqual(driver.call({"do": "stop"}), {"ok": True, "text": "Stopped until you say go."})
+            # Four are three repetitions: no later than the timeout of collect().
+            stops = driver.collect(lambda m: len(m.get("STOP", [])) >= 4)["STOP"]
+            self.assertTrue(all(stop["is_stopped"] for _, stop in stops))
+            self.assertTrue(driver.call({"do": "go"})["ok"])
+            driver.collect(lambda m: m and not m["STOP"][-1][1]["is_stopped"])
+
+    def test_what_cannot_be_done_is_said(self):
+        with Viewer("--control") as viewer:
+            driver = master(viewer)
+            for request in ({"do": "goal", "x_m": "far"}, {"do": "fly"}, {}, {"do": "start_process", "command": "slam2d"}):
+                answer = driver.call(request)
+                self.assertFalse(answer["ok"], request)
+                self.assertTrue(answer["text"])
+            self.assertIn("no such service", driver.call({"do": "stop"}, service=2)["message"])
+            self.assertIn("JSON", driver.call({"do": "stop"}, encoding=b"cdr")["message"])
+            viewer.stop()
+            self.assertIn("refused to clients: 6 request_not_allowed", viewer.said())
+
+
+class Processes(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+        self.config = os.path.join(self.folder.name, "test.pmd")
+        self.logs = os.path.join(self.folder.name, "logs")
+        with open(self.config, "w", encoding="ascii") as out:
+            out.write(CONFIG.replace("OUT", self.logs))
+        path = os.pathsep.join([os.path.dirname(os.environ["NODMAP_DEPUTY"]), os.environ["PATH"]])
+        self.deputy = subprocess.Popen([os.environ["NODMAP_DEPUTY"], "--config", self.config, "--id", "here"], stdout=subprocess.DEVNULL,
+                                       stderr=subprocess.DEVNULL, env={**os.environ, "PATH": path})
+        self.addCleanup(self.end_deputy)
+        self.viewer = Viewer("--control", "--procman", self.config)
+        self.addCleanup(self.viewer.stop)
+        self.driver = master(self.viewer)
+        self.assertEqual(self.driver.info["metadata"]["process_control"], "true")
+        self.driver.subscribe("PM_INFO")
+        # The deputy is heard: until then nothing can be asked of it.
+        self.driver.collect(lambda m: m and m["PM_INFO"][-1][1]["hosts"])
+
+    def end_deputy(self):
+        self.deputy.terminate()
+        self.deputy.wait(timeout=20)
+
+    def ask(self, **request):
+        answer = self.driver.call(request)
+        self.assertTrue(answer["ok"], answer["text"])
+
+    def await_command(self, name, wanted):
+        """What is told of a command, once it is as wanted."""
+        def command(messages):
+            rows = messages["PM_INFO"][-1][1]["commands"] if messages else []
+            return next((row for row in rows if row["command"] == name), None)
+
+        found = self.driver.collect(lambda m: command(m) is not None and wanted(command(m)))
+        return command(found)
+
+    def test_start_restart_stop(self):
+        self.await_command("sleeper", lambda row: row["state"] == "stopped")
+        self.ask(do="start_process", command="sleeper")
+        first = self.await_command("sleeper", lambda row: row["state"] == "running")
+        self.assertEqual(first["process_name"], "sleep")
+        self.ask(do="start_process", command="other")
+        other = self.await_command("other", lambda row: row["state"] == "running")
+        self.ask(do="restart_process", command="sleeper")
+        self.await_command("sleeper", lambda row: row["pid"] not in (0, first["pid"]))
+        self.ask(do="stop_process", command="sleeper")
+        self.await_command("sleeper", lambda row: row["state"] == "stopped" and row["pid"] == 0)
+        # Nothing of this touched the other one, nor does the viewer's end.
+        self.viewer.stop()
+        os.kill(other["pid"], 0)
+
+    def test_recording(self):
+        self.ask(do="start_recording")
+        self.await_command("logger", lambda row: row["state"] == "running")
+        self.ask(do="save_maps")
+        self.ask(do="stop_recording")
+        self.await_command("logger", lambda row: row["state"] == "stopped" and row["pid"] == 0)
+        self.assertTrue(os.listdir(self.logs))
+
+    def test_another_sheriff_has_precedence(self):
+        sheriff = subprocess.Popen([os.environ["NODMAP_SHERIFF"], self.config, "--script", "begin", "--on-script-complete", "stay"],
+                                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        self.addCleanup(sheriff.wait, 20)
+        self.addCleanup(sheriff.terminate)
+        self.await_command("sleeper", lambda row: row["state"] == "running")  # so it gives orders
+        answer = self.driver.call({"do": "stop_process", "command": "sleeper"})
+        self.assertFalse(answer["ok"])
+        self.assertIn("is at work", answer["text"])
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2, warnings="ignore")
