@@ -27,6 +27,7 @@ source tools/private_net.sh
 need_multicast "$0" "$recording" --speed "$speed" --out "$out"
 
 mkdir -p "$out"
+name_page
 log=$out/recording.lcmlog
 map_config=()
 say "converting $recording"
@@ -75,6 +76,7 @@ start map-server "$bin/nodmap-map-server" "${map_config[@]}" --out "$out/map-ser
 start slam2d "$bin/nodmap-slam2d" --out "$out/slam2d"
 start slam6d "$bin/nodmap-slam6d" --out "$out/slam6d"
 start logger "$bin/nodmap-logger" --out "$out/logger"
+start viewer "$bin/nodmap-viewer" --port "$NODMAP_PORT"
 for i in "${!pids[@]}"; do
   for _ in $(seq 200); do
     grep -q "listening on" "$out/${names[$i]}.log" && break
@@ -84,6 +86,7 @@ for i in "${!pids[@]}"; do
   echo "  ${names[$i]} (pid ${pids[$i]})"
 done
 
+open_page
 say "playing the recording at $speed x over LCM"
 lcm-logplayer -s "$speed" "$log" >"$out/logplayer.log" 2>&1 &
 player=$!

@@ -31,7 +31,8 @@ need_multicast "$0" "${arguments[@]}"
 
 mkdir -p "$out"
 out=$(readlink -f "$out")
-# sim.pmd names these two; the deputy puts them in.
+name_page
+# sim.pmd names these and NODMAP_PORT; the deputy puts them in.
 export NODMAP_WORLD=$world NODMAP_RUN=$out
 
 deputy=
@@ -55,6 +56,7 @@ say "starting the processes (LCM: $LCM_DEFAULT_URL)"
 deputy=$!
 run "$bin/nodmap-sheriff" "$config" --script demo --on-script-complete exit --timeout 30 >"$out/sheriff.log" || die "not every process started; see $out/sheriff.log"
 
+open_page
 say "driving for $duration s in $world"
 watched=0
 run "$bin/nodmap-watch" --duration "$duration" --json "$out/watch.json" || watched=$?

@@ -6,62 +6,18 @@ Environment: NODMAP_VIEWER, NODMAP_MAKE_ROBOT_LOG (programs); NODMAP_SCREENSHOTS
 """
 import os
 import sys
-import tempfile
 import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import webdriver  # noqa: E402
-from protocol_test import make_log  # noqa: E402
+from page_case import COUNT_DRAWN, PageCase, main  # noqa: E402
 from viewer_process import Viewer  # noqa: E402
 
-# How many pixels of the canvas differ from an empty scene with the same camera: everything is hidden for one picture.
-COUNT_DRAWN = """
-  const {view, layers} = window.nodmap;
-  const pixels = () => {
-    view.renderer.render(view.scene, view.camera);
-    const gl = view.renderer.getContext();
-    const bytes = new Uint8Array(4 * gl.drawingBufferWidth * gl.drawingBufferHeight);
-    gl.readPixels(0, 0, gl.drawingBufferWidth, gl.drawingBufferHeight, gl.RGBA, gl.UNSIGNED_BYTE, bytes);
-    return new Uint32Array(bytes.buffer);
-  };
-  const full = pixels();
-  const shown = [...layers.values()].map(({layer}) => layer.group.visible);
-  layers.forEach(({layer}) => { layer.group.visible = false; });
-  const bare = pixels();
-  [...layers.values()].forEach(({layer}, i) => { layer.group.visible = shown[i]; });
-  return full.reduce((count, pixel, i) => count + (pixel !== bare[i]), 0);
-"""
 # Everything comes from this host: no picture, script or style is fetched from elsewhere.
 HOSTS = "return [...new Set(performance.getEntriesByType('resource').map((e) => new URL(e.name).host))]"
 
 
-class Page(unittest.TestCase):
-    def setUp(self):
-        self.folder = tempfile.TemporaryDirectory()
-        self.addCleanup(self.folder.cleanup)
-
-    def play(self, *arguments, duration_s=20, points=12000):
-        viewer = Viewer("--replay", make_log(self.folder.name, duration_s, points), *arguments)
-        self.addCleanup(viewer.stop)
-        return viewer
-
-    def browse(self, viewer, width=1280, height=800):
-        browser = webdriver.Browser(width, height)
-        self.addCleanup(browser.__exit__)
-        browser.open(f"http://127.0.0.1:{viewer.port}/")
-        self.assertIsNotNone(browser.wait_for("window.nodmap && nodmap.cloud.total > 30000 && nodmap.received() > 100"))
-        return browser
-
-    def assert_quiet(self, browser):
-        errors = [line for line in browser.console() if line["level"] == "SEVERE"]
-        self.assertEqual(errors, [])
-
-    def picture(self, browser, name):
-        folder = os.environ.get("NODMAP_SCREENSHOTS")
-        if folder:
-            with open(os.path.join(folder, name), "wb") as out:
-                out.write(browser.screenshot())
-
+class Page(PageCase):
     def test_it_shows_the_robot_and_its_maps(self):
         viewer = self.play()
         browser = self.browse(viewer)
@@ -70,7 +26,7 @@ class Page(unittest.TestCase):
         for topic in ("scene/robot", "SCAN", "CLOUD", "MAP_2D", "OBSTACLE_MAP", "STRUCTURE_MAP", "scene/corridor", "scene/area_of_interest",
                       "trail/odometry", "trail/2d", "trail/6d", "keyframes", "scene/goal", "scene/people"):
             self.assertIsNotNone(browser.wait_for(f"nodmap.layers.get('{topic}').layer.group.children.length > 0", 10), topic)
-        self.assertIn("nodmap-slam2d", browser.run("return document.getElementById('processes').innerText"))
+        self.assertIn("slam2d", browser.run("return document.getElementById('processes').innerText"))
         self.assertIn("0.50 m/s", browser.run("return document.getElementById('facts').innerText"))
         self.assertTrue(browser.run("return document.getElementById('banner').hidden"))
         self.assertTrue(browser.run("return document.getElementById('control').hidden"))
@@ -80,8 +36,7 @@ class Page(unittest.TestCase):
 
     def test_layers_go_off_and_on(self):
         browser = self.browse(self.play())
-        browser.run("document.getElementById('pause').click()")
-        self.assertIsNotNone(browser.wait_for("document.getElementById('pause').textContent === 'Play'"))
+        self.pause(browser)
         boxes = "[...document.querySelectorAll('#layers input')]"
         with_all = browser.run(COUNT_DRAWN)
         browser.run(f"{boxes}.find((b) => b.dataset.topic === 'CLOUD').click()")
@@ -105,8 +60,7 @@ class Page(unittest.TestCase):
 
     def test_the_time_line(self):
         browser = self.browse(self.play())
-        browser.run("document.getElementById('pause').click()")
-        self.assertIsNotNone(browser.wait_for("document.getElementById('pause').textContent === 'Play'"))
+        self.pause(browser)
         move = "const p = document.getElementById('position'); p.value = arguments[0]; p.dispatchEvent(new Event('change'))"
         browser.run(move, 18)
         self.assertIsNotNone(browser.wait_for("nodmap.cloud.keyframes.size === 19"))
@@ -146,12 +100,9 @@ class LiveWithoutData(unittest.TestCase):
             browser.open(f"http://127.0.0.1:{viewer.port}/")
             self.assertIsNotNone(browser.wait_for("document.getElementById('banner').textContent.startsWith('No data')"))
             # The viewer's own STATUS is no sign of a robot.
-            self.assertIsNotNone(browser.wait_for("document.getElementById('processes').innerText.includes('nodmap-viewer')"))
+            self.assertIsNotNone(browser.wait_for("document.getElementById('processes').innerText.includes('viewer')"))
             self.assertIsNone(browser.wait_for("document.getElementById('banner').hidden", 2))
 
 
 if __name__ == "__main__":
-    if not webdriver.is_installed():
-        print("skipped: chromium and chromium-driver are not installed")
-        sys.exit(77)
-    unittest.main(verbosity=2, warnings="ignore")
+    main()

@@ -29,11 +29,12 @@ class Browser:
         self.driver = subprocess.Popen(["chromedriver", "--port=0"], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
         self.base = f"http://127.0.0.1:{self._port()}"
         self.session = ""
-        flags = [*FLAGS, f"--window-size={width},{height}", f"--user-data-dir={self.profile.name}"]
+        flags = [*FLAGS, f"--user-data-dir={self.profile.name}"]
         answer = self._call("POST", "", {"capabilities": {"alwaysMatch": {
             "browserName": "chrome", "goog:loggingPrefs": {"browser": "ALL"},
             "goog:chromeOptions": {"binary": shutil.which("chromium"), "args": flags}}}})
         self.session = "/" + answer["sessionId"]
+        self.resize(width, height)
 
     def _port(self):
         for line in self.driver.stdout:
@@ -52,7 +53,9 @@ class Browser:
         self._call("POST", "/url", {"url": url})
 
     def resize(self, width, height):
-        self._call("POST", "/window/rect", {"width": width, "height": height})
+        """The size of the page itself, without the window around it, which has a least size besides."""
+        self._call("POST", "/goog/cdp/execute", {"cmd": "Emulation.setDeviceMetricsOverride", "params": {
+            "width": width, "height": height, "deviceScaleFactor": 1, "mobile": False}})
 
     def run(self, script, *args):
         """The value of a JavaScript function body."""

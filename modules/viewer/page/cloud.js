@@ -1,37 +1,35 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The registered cloud, keyframe by keyframe, with a level of detail that keeps the picture moving.
-import {BufferAttribute, BufferGeometry, Group, Points, PointsMaterial} from "./three/build/three.module.js";
+// The registered cloud, keyframe by keyframe.
+import {BufferAttribute, BufferGeometry, Group, Points, ShaderMaterial} from "./three/build/three.module.js";
+import {CUT_GLSL, RAMP_GLSL, shared} from "./colors.js";
 import {pointsOf} from "./decode.js";
 import {setPose} from "./frames.js";
+import {SplatQuad} from "./splat.js";
 
-const MIN_BUDGET = 50000;
 // As many as the server keeps by default: the oldest keyframes go first.
 const MAX_POINTS = 2e6;
-const TARGET_FRAME_MS = 40;
-// The mean of frame times follows slowly: a change is judged when it has taken effect.
-const FRAMES_PER_CHANGE = 15;
-const HEIGHT_MIN_M = 0;
-const HEIGHT_MAX_M = 2;
 
-/** The colour of a height: blue below, over green, to red above (0..1 each). */
-export function heightColor(height) {
-  const h = Math.min(Math.max((height - HEIGHT_MIN_M) / (HEIGHT_MAX_M - HEIGHT_MIN_M), 0), 1);
-  const ramp = (centre) => Math.min(Math.max(1.5 - Math.abs(4 * h - centre), 0), 1);
-  return [ramp(3), ramp(2), ramp(1)];
-}
+// So wide is a point: those nearby close to surfaces, those far away stay points.
+const POINT_M = 0.03;
 
-/** Colours for points whose height is the row (a, b, c, d) of their transform. */
-export function colorsByHeight(points, elements) {
-  const colors = new Uint8Array(points.length);
-  for (let i = 0; i < points.length; i += 3) {
-    const height = elements[2] * points[i] + elements[6] * points[i + 1] + elements[10] * points[i + 2] + elements[14];
-    const [r, g, b] = heightColor(height);
-    colors[i] = 255 * r;
-    colors[i + 1] = 255 * g;
-    colors[i + 2] = 255 * b;
-  }
-  return colors;
-}
+const VERTEX = `${RAMP_GLSL}
+uniform float ceilingM;
+uniform bool byAge;
+uniform float focalPx;
+uniform float newness;
+varying vec3 color;
+void main() {
+  vec4 world = modelMatrix * vec4(position, 1.0);
+  color = byAge ? ramp(newness) : heightColor(world.z);
+  gl_Position = projectionMatrix * viewMatrix * world;
+  gl_PointSize = clamp(${POINT_M} * focalPx / gl_Position.w, 1.5, 5.0);
+  ${CUT_GLSL}
+}`;
+const FRAGMENT = `
+varying vec3 color;
+void main() {
+  gl_FragColor = vec4(color, 1.0);
+}`;
 
 /** Puts points into an order in which any first part of them is a fair sample of all. */
 function shuffle(points) {
@@ -47,15 +45,20 @@ function shuffle(points) {
   }
 }
 
-/** All keyframes received. Draws as many of their points as `budget` allows, each keyframe its share. */
+/**
+ * All keyframes received. Draws as many of their points as `budget` allows, each keyframe its share; by the processor where there
+ * is no graphics card (`software`).
+ */
 export class Cloud {
-  constructor() {
+  constructor(software) {
     this.group = new Group();
+    this.software = software;
+    if (software) {
+      this.group.add(new SplatQuad(() => this.keyframes.values()));
+    }
     this.keyframes = new Map();  // by time: a keyframe sent again replaces itself
     this.total = 0;
-    this.budget = 1e6;
-    this.frames = 0;
-    this.material = new PointsMaterial({size: 2, sizeAttenuation: false, vertexColors: true});
+    this.budget = Infinity;
   }
 
   add(message) {
@@ -63,11 +66,13 @@ export class Cloud {
     this.remove(key);
     const points = pointsOf(message);
     shuffle(points);
-    const object = new Points(new BufferGeometry(), this.material);
+    const geometry = new BufferGeometry();
+    geometry.setAttribute("position", new BufferAttribute(points, 3));
+    const object = new Points(geometry, new ShaderMaterial({
+      uniforms: {...shared, newness: {value: 1}}, vertexShader: VERTEX, fragmentShader: FRAGMENT}));
+    object.timeS = message.timestamp.sec + 1e-9 * message.timestamp.nsec;
+    object.visible = !this.software;
     setPose(object, message.pose);
-    object.updateMatrix();
-    object.geometry.setAttribute("position", new BufferAttribute(points, 3));
-    object.geometry.setAttribute("color", new BufferAttribute(colorsByHeight(points, object.matrix.elements), 3, true));
     this.keyframes.set(key, object);
     this.group.add(object);
     this.total += points.length / 3;
@@ -77,7 +82,8 @@ export class Cloud {
       }
       this.remove(oldest);
     }
-    this.share();
+    this.grade();
+    this.share(this.budget);
   }
 
   remove(key) {
@@ -86,6 +92,7 @@ export class Cloud {
       this.total -= object.geometry.attributes.position.count;
       this.group.remove(object);
       object.geometry.dispose();
+      object.material.dispose();
       this.keyframes.delete(key);
     }
   }
@@ -94,22 +101,19 @@ export class Cloud {
     [...this.keyframes.keys()].forEach((key) => this.remove(key));
   }
 
-  /** Tells how long a frame takes now, so that the budget follows what this machine can draw. */
-  onFrame(frameMs) {
-    this.frames = (this.frames + 1) % FRAMES_PER_CHANGE;
-    if (this.frames > 0) {
-      return;
-    }
-    if (frameMs > 1.1 * TARGET_FRAME_MS && this.budget > MIN_BUDGET) {
-      this.budget = Math.max(MIN_BUDGET, 0.7 * Math.min(this.budget, this.total));
-    } else if (frameMs < 0.9 * TARGET_FRAME_MS && this.budget < this.total) {
-      this.budget *= 1.2;
-    }
-    this.share();
+  /** How new each keyframe is among those there are: 0 the oldest, 1 the newest. */
+  grade() {
+    const times = [...this.keyframes.values()].map(({timeS}) => timeS);
+    const oldest = Math.min(...times);
+    const span = Math.max(...times) - oldest;
+    this.keyframes.forEach((object) => {
+      object.material.uniforms.newness.value = span > 0 ? (object.timeS - oldest) / span : 1;
+    });
   }
 
-  share() {
-    const fraction = Math.min(1, this.budget / Math.max(this.total, 1));
+  share(budget) {
+    this.budget = budget;
+    const fraction = Math.min(1, budget / Math.max(this.total, 1));
     for (const object of this.keyframes.values()) {
       object.geometry.setDrawRange(0, Math.ceil(fraction * object.geometry.attributes.position.count));
     }

@@ -3,12 +3,15 @@
 
 const SUBPROTOCOL = "foxglove.websocket.v1";
 const RETRY_MS = 1000;
+// First byte of a binary frame, from the server and from us.
 const MESSAGE_DATA = 1;
 const TIME = 2;
+const SERVICE_REQUEST = 2;
+const SERVICE_RESPONSE = 3;
 
 /**
  * Subscribes to every topic of the server that the page came from, and connects again when the connection is lost.
- * handlers: open(serverInfo), close(), message(topic, message, timeS), time(timeS), status(message), parameters(map).
+ * handlers: open(serverInfo), close(), message(topic, message, timeS), time(timeS), parameters(map).
  */
 export class Connection {
   constructor(handlers) {
@@ -21,7 +24,10 @@ export class Connection {
 
   connect() {
     const query = this.token ? `?token=${encodeURIComponent(this.token)}` : "";
-    this.topics = new Map();  // by subscription id
+    this.topics = new Map();    // by subscription id
+    this.services = new Map();  // ids by name
+    this.calls = new Map();     // what is done with the answer, by call id
+    this.nextCall = 1;
     this.socket = new WebSocket(`ws://${location.host}/${query}`, [SUBPROTOCOL]);
     this.socket.binaryType = "arraybuffer";
     this.socket.onmessage = (event) => {
@@ -32,6 +38,7 @@ export class Connection {
       }
     };
     this.socket.onclose = () => {
+      this.calls.forEach((done) => done({ok: false, text: "No answer: the connection was lost."}));
       this.handlers.close();
       setTimeout(() => this.connect(), RETRY_MS);
     };
@@ -42,8 +49,10 @@ export class Connection {
       this.handlers.open(message);
     } else if (message.op === "advertise") {
       this.subscribe(message.channels);
-    } else if (message.op === "status") {
-      this.handlers.status(message.message);
+    } else if (message.op === "advertiseServices") {
+      message.services.forEach((service) => this.services.set(service.name, service.id));
+    } else if (message.op === "serviceCallFailure") {
+      this.answer(message.callId, {ok: false, text: message.message});
     } else if (message.op === "parameterValues") {
       this.handlers.parameters(new Map(message.parameters.map((p) => [p.name, p.value])));
     }
@@ -64,6 +73,9 @@ export class Connection {
       const timeS = Number(view.getBigUint64(5, true)) / 1e9;
       const payload = new Uint8Array(view.buffer, 13);
       this.handlers.message(topic, JSON.parse(this.decoder.decode(payload)), timeS);
+    } else if (op === SERVICE_RESPONSE) {
+      const payload = new Uint8Array(view.buffer, 13 + view.getUint32(9, true));  // after the name of its encoding
+      this.answer(view.getUint32(5, true), JSON.parse(this.decoder.decode(payload)));
     }
   }
 
@@ -77,20 +89,27 @@ export class Connection {
     this.send({op: "setParameters", parameters: [{name, value}]});
   }
 
-  /** Declares the topics on which publish() will send; their ids are their places, from 1. */
-  advertise(topics) {
-    this.published = topics;
-    this.send({op: "advertise", channels: topics.map((topic, i) => ({id: i + 1, topic, encoding: "json", schemaName: topic}))});
+  answer(callId, answer) {
+    this.calls.get(callId)?.(answer);
+    this.calls.delete(callId);
   }
 
-  publish(topic, message) {
-    const payload = new TextEncoder().encode(JSON.stringify(message));
-    const frame = new DataView(new ArrayBuffer(5 + payload.length));
-    frame.setUint8(0, MESSAGE_DATA);
-    frame.setUint32(1, this.published.indexOf(topic) + 1, true);
-    new Uint8Array(frame.buffer, 5).set(payload);
-    if (this.socket.readyState === WebSocket.OPEN) {
-      this.socket.send(frame.buffer);
+  /** Calls a service; a promise of its answer, {ok, text}. */
+  call(service, request) {
+    if (this.socket.readyState !== WebSocket.OPEN || !this.services.has(service)) {
+      return Promise.resolve({ok: false, text: "Not sent: no connection."});
     }
+    const encoding = new TextEncoder().encode("json");
+    const payload = new TextEncoder().encode(JSON.stringify(request));
+    const frame = new DataView(new ArrayBuffer(13 + encoding.length + payload.length));
+    const callId = this.nextCall++;
+    frame.setUint8(0, SERVICE_REQUEST);
+    frame.setUint32(1, this.services.get(service), true);
+    frame.setUint32(5, callId, true);
+    frame.setUint32(9, encoding.length, true);
+    new Uint8Array(frame.buffer).set(encoding, 13);
+    new Uint8Array(frame.buffer).set(payload, 13 + encoding.length);
+    this.socket.send(frame.buffer);
+    return new Promise((done) => this.calls.set(callId, done));
   }
 }

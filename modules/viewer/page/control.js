@@ -1,40 +1,71 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Goals, stop and saving, for who has the token.
+// Stop, goals, processes, recordings and saving, for who has the token. Every request is answered by the server in words.
 
-const TOPICS = ["GOAL", "STOP", "SAVE_REQUEST"];
+const DRAG_PX = 4;
 
 export class Control {
   constructor(form, view, connection) {
     this.form = form;
+    this.connection = connection;
     this.answer = form.querySelector("#answer");
-    const pick = form.querySelector("#pick");
-    const say = (text) => { this.answer.textContent = text; };
-    const send = (topic, message, text) => {
-      connection().publish(topic, message);
-      say(text);
-    };
-    form.querySelector("#stop").addEventListener("click", () => send("STOP", {}, "Stop sent."));
-    form.querySelector("#roam").addEventListener("click", () => send("GOAL", {clear: true}, "No goal any more: the robot roams."));
-    form.querySelector("#save").addEventListener("click", () => send("SAVE_REQUEST", {}, "Maps are to be saved."));
-    pick.addEventListener("click", () => pick.setAttribute("aria-pressed", pick.getAttribute("aria-pressed") !== "true"));
-    view.canvas.addEventListener("click", (event) => {
-      const at = pick.getAttribute("aria-pressed") === "true" ? view.floorAt(event) : null;
+    this.pick = form.querySelector("#pick");
+    this.view = view;
+    const simple = {stop: "stop", go: "go", roam: "roam", save: "save_maps", record: "start_recording", "record-end": "stop_recording"};
+    Object.entries(simple).forEach(([id, what]) => form.querySelector(`#${id}`).addEventListener("click", () => this.ask({do: what})));
+    this.takeGoals();
+  }
+
+  takeGoals() {
+    const x = this.form.querySelector("#goal-x");
+    const y = this.form.querySelector("#goal-y");
+    this.form.addEventListener("submit", (event) => {
+      event.preventDefault();
+      this.ask({do: "goal", x_m: Number(x.value), y_m: Number(y.value)});
+    });
+    this.pick.addEventListener("click", () => this.setPicking(!this.isPicking));
+    const {canvas} = this.view;
+    let down = null;
+    canvas.addEventListener("pointerdown", (event) => { down = event; });
+    // Not "click": the camera's controls keep it from coming on touch screens.
+    canvas.addEventListener("pointerup", (event) => {
+      const dragged = !down || Math.hypot(event.clientX - down.clientX, event.clientY - down.clientY) > DRAG_PX;
+      const at = this.isPicking && !dragged ? this.view.floorAt(event) : null;
       if (at) {
-        pick.setAttribute("aria-pressed", "false");
-        send("GOAL", {x_m: at.x, y_m: at.y}, `Goal: x ${at.x.toFixed(2)} m, y ${at.y.toFixed(2)} m.`);
+        this.setPicking(false);
+        [x.value, y.value] = [at.x.toFixed(2), at.y.toFixed(2)];
+        this.ask({do: "goal", x_m: at.x, y_m: at.y});
       }
     });
   }
 
-  /** Called for each new connection. */
-  open(connection, capabilities) {
-    this.form.hidden = !capabilities.includes("clientPublish");
-    if (!this.form.hidden) {
-      connection.advertise(TOPICS);
-    }
+  get isPicking() {
+    return this.pick.getAttribute("aria-pressed") === "true";
   }
 
-  refused(reason) {
-    this.answer.textContent = `Refused: ${reason}.`;
+  setPicking(picking) {
+    this.pick.setAttribute("aria-pressed", picking);
+    this.view.canvas.classList.toggle("picking", picking);
+  }
+
+  async ask(request) {
+    this.answer.textContent = "Asked.";
+    this.answer.dataset.ok = true;
+    const {ok, text} = await this.connection().call("control", request);
+    this.answer.textContent = ok ? text : `Refused: ${text}`;
+    this.answer.dataset.ok = ok;
+  }
+
+  /** Called for each new connection; whether processes can be started and stopped. */
+  open({capabilities, metadata}) {
+    this.form.hidden = !capabilities.includes("services");
+    const processes = !this.form.hidden && metadata?.process_control === "true";
+    this.form.querySelectorAll(".process-control").forEach((button) => { button.hidden = !processes; });
+    document.body.classList.toggle("has-control", !this.form.hidden);
+    return processes;
+  }
+
+  /** The STOP message: whether the robot is held. */
+  showStopped(isStopped) {
+    this.form.classList.toggle("stopped", isStopped);
   }
 }

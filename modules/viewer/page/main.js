@@ -3,37 +3,49 @@
 import {Connection} from "./connection.js";
 import {Control} from "./control.js";
 import {pointsOf} from "./decode.js";
+import {Detail} from "./detail.js";
 import {makeLayers} from "./layers.js";
-import {makeLayerList, showProcesses, State} from "./panels.js";
+import {makeLayerList, makeLook} from "./look.js";
 import {Playback} from "./playback.js";
 import {Plots} from "./plots.js";
+import {Processes} from "./processes.js";
 import {View} from "./scene.js";
+import {isSoftware} from "./splat.js";
+import {State} from "./state.js";
+
+const PLOT_MS = 100;
+const WORDS_MS = 250;
 
 const byId = (id) => document.getElementById(id);
 
 const view = new View(byId("canvas"));
-const layers = makeLayers(view.frames);
+const layers = makeLayers(view.frames, isSoftware(view.renderer.getContext()));
+const {cloud} = layers.get("CLOUD").layer;
+const detail = new Detail();
 const plots = new Plots(byId("plots"));
-const state = new State({banner: byId("banner"), summary: byId("summary"), facts: byId("facts")});
+const state = new State({banner: byId("banner"), announcement: byId("announcement"), facts: byId("facts")});
 const playback = new Playback(byId("playback"), () => connection);
 const control = new Control(byId("control"), view, () => connection);
+const processes = new Processes(byId("processes").tBodies[0], (what, command) => control.ask({do: what, command}));
 const pending = new Map();  // the newest message of each topic since the last picture
 const keyframes = [];       // each counts
 let connected = false;
 let received = 0;
 
-makeLayerList(byId("layers"), layers);
+makeLayerList(byId("layers"), layers, () => view.touch());
+makeLook({color: byId("color"), ceiling: byId("ceiling"), low: byId("low"), high: byId("high"), ramp: byId("ramp")}, () => view.touch());
 
 function forgetAll() {
   pending.clear();
   keyframes.length = 0;
   layers.forEach(({layer}) => layer.clear());
   view.frames.clear();
+  view.touch();
   plots.clear();
   state.clear();
 }
 
-/** The distance of the nearest point of an obstacle map from the robot; undefined without points. */
+/** The distance of the nearest point of an obstacle map from the robot; infinite without points. */
 function nearestOf(map) {
   const points = pointsOf(map);
   let nearest = Infinity;
@@ -57,10 +69,15 @@ function take(topic, message, timeS) {
 function show(topic, {message, timeS}) {
   if (topic.startsWith("tf/")) {
     view.frames.set(message);
-  } else if (topic === "STATUS") {
-    showProcesses(byId("processes").tBodies[0], message.processes);
+    view.touch();
+  } else if (topic === "STATUS" || topic === "PM_INFO") {
+    processes.show(state.processes);
+  } else if (topic === "STOP") {
+    control.showStopped(message.is_stopped);
+  } else if (layers.has(topic)) {
+    layers.get(topic).layer.show(message);
+    view.touch();
   }
-  layers.get(topic)?.layer.show(message);
   plots.add(topic, message, timeS, topic === "OBSTACLE_MAP" ? nearestOf(message) : undefined);
 }
 
@@ -71,7 +88,7 @@ const connection = new Connection({
     byId("summary").textContent = `Connected to ${info.name}.`;
     connection.send({op: "subscribeParameterUpdates", parameterNames: []});
     connection.send({op: "getParameters", parameterNames: [], id: "page"});
-    control.open(connection, info.capabilities);
+    processes.canControl = control.open(info);
   },
   close() {
     connected = false;
@@ -83,7 +100,6 @@ const connection = new Connection({
       forgetAll();
     }
   },
-  status: (reason) => control.refused(reason),
   parameters: (values) => playback.set(values),
 });
 
@@ -92,25 +108,26 @@ document.querySelectorAll("[data-camera]").forEach((button) => button.addEventLi
   document.querySelectorAll("[data-camera]").forEach((other) => other.setAttribute("aria-pressed", other === button));
 }));
 
-const cloud = layers.get("CLOUD").layer.cloud;
-
 function onFrame(nowMs) {
   requestAnimationFrame(onFrame);
   pending.forEach((value, topic) => show(topic, value));
   pending.clear();
   if (keyframes.length > 0) {
     layers.get("CLOUD").layer.show(keyframes.shift());  // one a picture: a long history does not stop the view
+    view.touch();
   }
-  view.render(nowMs);
-  cloud.onFrame(view.frameMs);
+  if (detail.step(nowMs, view.update(), cloud.total)) {
+    cloud.share(detail.budget);
+    view.render();
+  }
 }
 requestAnimationFrame(onFrame);
 
 setInterval(() => {
   state.showBanner(connected, playback.isRunning);
-  state.showFacts([["points", `${cloud.drawn} of ${cloud.total}`], ["pictures", `${(1000 / view.frameMs).toFixed(0)} per s`]]);
-  plots.draw();
-}, 250);
+  state.showFacts([["points", `${cloud.drawn} of ${cloud.total}`], ["pictures", `${(1000 / detail.frameMs).toFixed(0)} per s`]]);
+}, WORDS_MS);
+setInterval(() => plots.draw(), PLOT_MS);
 
 // For tests and for pictures of the documentation: what is on the page, as numbers.
-window.nodmap = {view, layers, cloud, received: () => received};
+window.nodmap = {connection, view, layers, cloud, detail, take, received: () => received};

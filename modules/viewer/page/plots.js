@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A strip of plots over the last minute, by dygraphs (a global: Debian's package has no module of it).
 
+import {element} from "./element.js";
+
 const WINDOW_S = 60;
 const DEGREES = 180 / Math.PI;
 const SAMPLE_S = 0.1;
+const COLORS = ["#5fb3ff", "#ffb74d", "#8bd17c", "#ff8fd0"];
+// Those whose time the robot's reaction depends on, and the two that take long.
+const TIMED = ["map-server", "navigator", "slam2d", "slam6d"];
 
 /** The plots: a caption, the names of their lines, and for each topic what it adds to which line. */
 const PLOTS = [
@@ -14,39 +19,43 @@ const PLOTS = [
   {caption: "sweep time, s", lines: ["sweep"], from: {PITCH_COMMAND: (m) => ({sweep: m.sweep_s})}},
   {caption: "nearest obstacle and free way, m", lines: ["nearest", "free way"],
     from: {OBSTACLE_MAP: (m, extra) => ({nearest: extra}), NAVIGATION: (m) => ({"free way": m.free_way_m})}},
-  {caption: "slowest process, p99 ms", lines: ["p99"],
-    from: {STATUS: (m) => ({p99: Math.max(...m.processes.map((p) => p.latency_p99_us)) / 1000})}},
+  {caption: "latency (99th percentile), ms", lines: TIMED, logscale: true, from: {STATUS: latenciesOf}},
 ];
+
+/** The latencies of a STATUS, by process. A process that has handled nothing has none. */
+function latenciesOf(status) {
+  const times = new Map(status.processes.map((p) => [p.process_name.replace(/^nodmap-/, ""), p.latency_p99_us / 1000]));
+  return Object.fromEntries(TIMED.map((name) => [name, times.get(name) > 0 ? times.get(name) : null]));
+}
 
 /** How far up the x axis of an orientation looks, radians. */
 export function pitchOf(q) {
   return Math.asin(Math.min(Math.max(2 * (q.x * q.z - q.w * q.y), -1), 1));
 }
 
+function shortNumber(value) {
+  return String(Number(value.toPrecision(2)));
+}
+
+/** One plot; not on the page before it has something to show. */
 class Plot {
-  constructor(parent, {caption, lines, from}) {
-    this.lines = lines;
-    this.from = from;
+  constructor(parent, {caption, lines, from, logscale = false}) {
+    Object.assign(this, {lines, from, logscale});
     this.rows = [];
     this.newest = lines.map(() => null);
-    const figure = document.createElement("figure");
-    const title = document.createElement("figcaption");
-    title.textContent = caption;
-    const box = document.createElement("div");
-    box.className = "plot";
-    box.setAttribute("role", "img");
-    box.setAttribute("aria-label", `plot: ${caption}`);
-    figure.append(title, box);
-    parent.append(figure);
-    this.box = box;
+    this.figure = element("figure", "", {hidden: ""});
+    this.box = element("div", "", {class: "plot", role: "img", "aria-label": `plot: ${caption}`});
+    this.figure.append(element("figcaption", caption), this.box);
+    parent.append(this.figure);
   }
 
-  /** When all boxes are in their places: dygraphs takes its size from its box. */
+  /** With the first rows: dygraphs takes its size from its box, which is on the page by now, and a log scale needs values. */
   open() {
-    this.graph = new Dygraph(this.box, [[new Date(0), ...this.newest]], {
-      labels: ["time", ...this.lines], connectSeparatedPoints: true, legend: "always", strokeWidth: 1.5, drawGrid: true, gridLineColor: "#2c343c",
-      axisLineColor: "#39424c", axes: {x: {pixelsPerLabel: 70}, y: {axisLabelWidth: 34}}, interactionModel: {},
-      colors: ["#5fb3ff", "#ffb74d"],
+    this.figure.hidden = false;
+    this.graph = new Dygraph(this.box, this.rows, {
+      labels: ["time", ...this.lines], connectSeparatedPoints: true, legend: "always", strokeWidth: 1.5, drawGrid: true,
+      logscale: this.logscale, gridLineColor: "#2c343c", axisLineColor: "#39424c", colors: COLORS,
+      axes: {x: {pixelsPerLabel: 70}, y: {axisLabelWidth: 34, axisLabelFormatter: shortNumber}}, interactionModel: {},
     });
     new ResizeObserver(() => this.graph.resize()).observe(this.box);
   }
@@ -59,7 +68,7 @@ class Plot {
       this.newest[this.lines.indexOf(line)] = Number.isFinite(value) ? value : null;
     }
     const last = this.rows[this.rows.length - 1];
-    if (!last || timeS - last[0].getTime() / 1000 >= SAMPLE_S) {
+    if (this.newest.some((value) => value !== null) && (!last || timeS - last[0].getTime() / 1000 >= SAMPLE_S)) {
       this.rows.push([new Date(1000 * timeS), ...this.newest]);
       this.changed = true;
     }
@@ -68,10 +77,20 @@ class Plot {
     }
   }
 
+  clear() {
+    this.rows = [];
+    this.newest.fill(null);
+  }
+
   draw() {
-    if (this.changed && this.rows.length > 1) {
-      this.changed = false;
+    if (!this.changed || this.rows.length < 2) {
+      return;
+    }
+    this.changed = false;
+    if (this.graph) {
       this.graph.updateOptions({file: this.rows});
+    } else {
+      this.open();
     }
   }
 }
@@ -79,7 +98,7 @@ class Plot {
 export class Plots {
   constructor(parent) {
     this.plots = PLOTS.map((description) => new Plot(parent, description));
-    this.plots.forEach((plot) => plot.open());
+    this.next = 0;
   }
 
   /** `extra` is what has been worked out of the message already: the nearest obstacle. */
@@ -87,11 +106,13 @@ export class Plots {
     this.plots.forEach((plot) => plot.add(topic, message, timeS, extra));
   }
 
+  /** Draws the next of them: all at once would be felt. */
   draw() {
-    this.plots.forEach((plot) => plot.draw());
+    this.plots[this.next].draw();
+    this.next = (this.next + 1) % this.plots.length;
   }
 
   clear() {
-    this.plots.forEach((plot) => { plot.rows = []; });
+    this.plots.forEach((plot) => plot.clear());
   }
 }

@@ -1,19 +1,25 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The canvas: renderer, light, floor and cameras.
 import {
-  AmbientLight, Color, DirectionalLight, GridHelper, Object3D, PerspectiveCamera, Plane, Raycaster, Scene, Vector2, Vector3,
+  AmbientLight, Color, DirectionalLight, GridHelper, Object3D, PerspectiveCamera, Plane, Raycaster, Scene, Spherical, Vector2, Vector3,
   WebGLRenderer,
 } from "./three/build/three.module.js";
 import {OrbitControls} from "./three/examples/jsm/controls/OrbitControls.js";
+import {shared} from "./colors.js";
 import {Frames} from "./frames.js";
 
 const BACKGROUND = 0x14181d;
+const FIELD_OF_VIEW_DEG = 55;
+const FOLLOW_OFFSET = new Vector3(-4, -2.5, 4);
+const TOP_OFFSET = new Vector3(0, -0.01, 14);
+const KEY_TURN_RAD = 0.08;
+const KEY_DISTANCE = 0.9;
 
 export class View {
   constructor(canvas) {
     Object3D.DefaultUp.set(0, 0, 1);
     this.canvas = canvas;
-    this.renderer = new WebGLRenderer({canvas, antialias: false, preserveDrawingBuffer: true});
+    this.renderer = new WebGLRenderer({canvas, antialias: false});
     this.scene = new Scene();
     this.scene.background = new Color(BACKGROUND);
     this.scene.add(new AmbientLight(0xffffff, 0.6));
@@ -25,14 +31,19 @@ export class View {
     this.floor.rotation.x = Math.PI / 2;  // the helper lies in x and z
     this.floor.position.z = -0.01;
     this.scene.add(this.floor);
-    this.camera = new PerspectiveCamera(55, 1, 0.05, 500);
+    this.camera = new PerspectiveCamera(FIELD_OF_VIEW_DEG, 1, 0.05, 500);
     this.camera.up.set(0, 0, 1);
-    this.camera.position.set(-4, -2.5, 4);
     this.controls = new OrbitControls(this.camera, canvas);
+    this.controls.enableKeys = false;  // its keys shift; ours turn
+    this.controls.addEventListener("change", () => this.touch());
+    canvas.addEventListener("keydown", (event) => this.onKey(event));
     this.robot = new Vector3();
     this.setMode("follow");
-    this.frameMs = 16;
-    this.lastMs = 0;
+  }
+
+  /** Says that the next picture differs from the last one. */
+  touch() {
+    this.isTouched = true;
   }
 
   /** "follow" keeps the camera with the robot, "top" looks straight down on it, "free" stays. */
@@ -40,12 +51,33 @@ export class View {
     this.mode = mode;
     this.controls.enableRotate = mode !== "top";
     if (mode === "top") {
-      this.camera.position.copy(this.robot).add(new Vector3(0, -0.01, 14));
+      this.camera.position.copy(this.robot).add(TOP_OFFSET);
       this.controls.target.copy(this.robot);
     } else if (mode === "follow") {
-      this.camera.position.copy(this.robot).add(new Vector3(-4, -2.5, 4));
+      this.camera.position.copy(this.robot).add(FOLLOW_OFFSET);
       this.controls.target.copy(this.robot);
     }
+    this.touch();
+  }
+
+  /** Arrow keys turn the camera around what it looks at, plus and minus change the distance. */
+  onKey(event) {
+    const turn = {ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1]}[event.key];
+    const distance = {"+": KEY_DISTANCE, "-": 1 / KEY_DISTANCE}[event.key];
+    if (!turn && !distance) {
+      return;
+    }
+    event.preventDefault();
+    const offset = this.camera.position.clone().sub(this.controls.target);
+    const at = new Spherical().setFromCartesianCoords(offset.x, offset.z, -offset.y);  // three.js has y upwards
+    if (turn && this.mode !== "top") {
+      at.theta += KEY_TURN_RAD * turn[0];
+      at.phi = Math.min(Math.max(at.phi + KEY_TURN_RAD * turn[1], 0.01), Math.PI - 0.01);
+    }
+    at.radius *= distance ?? 1;
+    offset.setFromSpherical(at);
+    this.camera.position.copy(this.controls.target).add(new Vector3(offset.x, -offset.z, offset.y));
+    this.touch();
   }
 
   /** Moves along with the robot. */
@@ -67,15 +99,22 @@ export class View {
       this.renderer.setSize(width, height, false);
       this.camera.aspect = width / Math.max(height, 1);
       this.camera.updateProjectionMatrix();
+      shared.focalPx.value = 0.5 * this.canvas.height / Math.tan(0.5 * FIELD_OF_VIEW_DEG * Math.PI / 180);
+      this.touch();
     }
   }
 
-  render(nowMs) {
-    this.frameMs += 0.1 * (Math.min(nowMs - this.lastMs, 1000) - this.frameMs);
-    this.lastMs = nowMs;
+  /** Brings camera and canvas up to now. True when the picture has changed since the last call. */
+  update() {
     this.resize();
     this.track();
     this.controls.update();
+    const changed = this.isTouched;
+    this.isTouched = false;
+    return changed;
+  }
+
+  render() {
     this.renderer.render(this.scene, this.camera);
   }
 

@@ -1,0 +1,92 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""How many pictures a second the viewer's page draws of a large cloud, in headless Chromium with software rendering.
+
+viewer_frames.py [--points N] [--seconds S] [--width W] [--height H]
+
+A made-up recording of N points (10^6) is played; then the camera circles around the robot, first with the recording paused, then
+while it plays. At last the camera stands still, and the time until every point is in the picture is taken. Environment: NODMAP_VIEWER,
+NODMAP_MAKE_ROBOT_LOG; by default the programs in build/release.
+"""
+import argparse
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+os.environ.setdefault("NODMAP_VIEWER", str(ROOT / "build/release/bin/nodmap-viewer"))
+os.environ.setdefault("NODMAP_MAKE_ROBOT_LOG", str(ROOT / "build/release/tests/make_robot_log"))
+sys.path.insert(0, str(ROOT / "tests/viewer"))
+import webdriver  # noqa: E402
+from viewer_process import Viewer  # noqa: E402
+
+KEYFRAMES = 20  # one a second
+WARM_UP_S = 5   # the level of detail settles
+# Turns the camera a little before each picture and counts the pictures: [pictures a second, points drawn, the longest gap in ms].
+CIRCLE = """
+return new Promise((done) => {
+  const {view, cloud} = nodmap;
+  view.setMode("free");
+  let begin = null, last = null, pictures = 0, longest = 0;
+  const step = (now) => {
+    if (begin === null && now - start > 1000 * arguments[0]) {
+      begin = last = now;
+    }
+    if (begin !== null && now > begin) {
+      ++pictures;
+      longest = Math.max(longest, now - last);
+      last = now;
+      if (now - begin > 1000 * arguments[1]) {
+        done([1000 * pictures / (now - begin), cloud.drawn, longest]);
+        return;
+      }
+    }
+    const offset = view.camera.position.clone().sub(view.controls.target);
+    offset.applyAxisAngle(view.camera.up, 0.02);
+    view.camera.position.copy(view.controls.target).add(offset);
+    view.touch();
+    requestAnimationFrame(step);
+  };
+  const start = performance.now();
+  requestAnimationFrame(step);
+});
+"""
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--points", type=int, default=10**6)
+    parser.add_argument("--seconds", type=float, default=10)
+    parser.add_argument("--width", type=int, default=1280)
+    parser.add_argument("--height", type=int, default=720)
+    options = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        log = f"{folder}/robot.lcmlog"
+        subprocess.run([os.environ["NODMAP_MAKE_ROBOT_LOG"], log, str(KEYFRAMES), str(options.points // KEYFRAMES)], check=True)
+        with Viewer("--replay", log) as viewer, webdriver.Browser(options.width, options.height) as browser:
+            browser.open(f"http://127.0.0.1:{viewer.port}/")
+            parameter = "nodmap.connection.setParameter(arguments[0], arguments[1])"
+            browser.wait_for("window.nodmap && nodmap.received() > 100")
+            if browser.wait_for(f"nodmap.cloud.total >= {options.points}", 120) is None:
+                sys.exit("viewer_frames: the cloud did not come")
+            browser.run(parameter, "playback.paused", True)
+            width, height = browser.run("return [nodmap.view.canvas.width, nodmap.view.canvas.height]")
+            print(f"{browser.run('return nodmap.cloud.total')} points, page {options.width} x {options.height}, scene {width} x {height}")
+            for what, playing in (("paused", False), ("playing", True)):
+                if playing:
+                    # Slowly towards the end: messages come all the time, keyframes now and then.
+                    browser.run(parameter, "playback.speed", 0.25)
+                    browser.run(parameter, "playback.position_s", KEYFRAMES - 0.3 * (WARM_UP_S + options.seconds))
+                    browser.run(parameter, "playback.paused", False)
+                    browser.wait_for(f"nodmap.cloud.total > {0.6 * options.points}", 60)
+                rate, drawn, longest = browser.run(CIRCLE, WARM_UP_S, options.seconds)
+                print(f"camera circles, {what}: {rate:.1f} pictures/s, {drawn} points drawn, longest gap {longest:.0f} ms")
+            browser.run(parameter, "playback.paused", True)
+            fine = browser.wait_for("nodmap.cloud.drawn === nodmap.cloud.total", 60)
+            print(f"then still: all {browser.run('return nodmap.cloud.total')} points after {fine:.1f} s")
+
+
+if __name__ == "__main__":
+    main()

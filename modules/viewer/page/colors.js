@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The colours of heights and ages: one ramp, for the shaders and for the legend.
+
+/** From low or old to high or new; all of them bright enough for the dark ground. */
+const STOPS = [[72, 118, 255], [38, 190, 205], [120, 210, 95], [252, 216, 72], [255, 106, 74]];
+
+/** The share of the ramp at which each height lies: lowest and highest, metres. */
+export const HEIGHTS_M = [0, 2];
+
+const glslColor = (stop) => `vec3(${stop.map((part) => (part / 255).toFixed(3)).join(", ")})`;
+
+/** `vec3 ramp(float share)` for a shader; share from 0 to 1. */
+export const RAMP_GLSL = `
+vec3 ramp(float share) {
+  float at = ${(STOPS.length - 1).toFixed(1)} * clamp(share, 0.0, 1.0);
+  vec3 color = ${glslColor(STOPS[0])};
+  ${STOPS.slice(1).map((stop, i) => `color = mix(color, ${glslColor(stop)}, clamp(at - ${i}.0, 0.0, 1.0));`).join("\n  ")}
+  return color;
+}
+vec3 heightColor(float height) {
+  return ramp((height - ${HEIGHTS_M[0].toFixed(1)}) / ${(HEIGHTS_M[1] - HEIGHTS_M[0]).toFixed(1)});
+}`;
+
+/** The ramp as a background of the legend, low at the left. */
+export function rampCss() {
+  return `linear-gradient(to right, ${STOPS.map((stop) => `rgb(${stop.join(", ")})`).join(", ")})`;
+}
+
+/**
+ * Uniforms that the shaders of the scene share: what is higher than `ceilingM` is cut off, so that one can look into a room;
+ * what is `focalPx` metres away has one pixel a metre.
+ */
+export const shared = {ceilingM: {value: 2}, byAge: {value: false}, focalPx: {value: 600}};
+
+/** In a vertex shader, after gl_Position is set: a place that no picture shows. */
+export const CUT_GLSL = "if (world.z > ceilingM) { gl_Position = vec4(2.0, 2.0, 2.0, 1.0); }";

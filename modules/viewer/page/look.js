@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What is shown and how: layers on and off, colours, the height at which the scene is cut. The choice stays in this browser.
+import {HEIGHTS_M, rampCss, shared} from "./colors.js";
+import {element} from "./element.js";
+
+/** A check box for each layer. `changed()` is called when the picture has to be drawn anew. */
+export function makeLayerList(fieldset, layers, changed) {
+  for (const [topic, {name, layer, off}] of layers) {
+    const key = `layer:${topic}`;
+    const box = element("input", "", {type: "checkbox", "data-topic": topic});
+    box.checked = (localStorage.getItem(key) ?? (off ? "off" : "on")) === "on";
+    layer.visible = box.checked;
+    box.addEventListener("change", () => {
+      layer.visible = box.checked;
+      localStorage.setItem(key, box.checked ? "on" : "off");
+      changed();
+    });
+    const label = element("label", "");
+    label.append(box, ` ${name}`);
+    fieldset.append(label);
+  }
+}
+
+/** The choice of colour and ceiling, and the legend that goes with it. */
+export function makeLook({color, ceiling, low, high, ramp}, changed) {
+  const apply = () => {
+    shared.byAge.value = color.value === "age";
+    shared.ceilingM.value = Number(ceiling.value);
+    [low.textContent, high.textContent] = shared.byAge.value ? ["oldest", "newest"] : HEIGHTS_M.map((height) => `${height} m`);
+    changed();
+  };
+  for (const select of [color, ceiling]) {
+    const key = `look:${select.id}`;
+    const kept = localStorage.getItem(key);
+    select.value = [...select.options].some(({value}) => value === kept) ? kept : select.value;
+    select.addEventListener("change", () => {
+      localStorage.setItem(key, select.value);
+      apply();
+    });
+  }
+  ramp.style.background = rampCss();
+  apply();
+}

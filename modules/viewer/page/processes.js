@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The table of processes: what each says of itself (STATUS), and what the process manager says of it (PM_INFO).
+import {element} from "./element.js";
+
+const HEALTH = ["OK", "DEGRADED", "FAILED"];
+const SILENT_S = 3;
+
+/** Each process as {name, command, state, level, reason, status, cpu_share}; level 0 is well, 1 warns, 2 is an error. */
+export function processList(statuses, commands) {
+  const byName = new Map(statuses.map((status) => [status.process_name, {name: status.process_name, status}]));
+  commands.forEach((command) => {
+    const name = command.process_name || command.command;
+    byName.set(name, {name, ...byName.get(name), command: command.command, manager: command, cpu_share: command.cpu_share});
+  });
+  const newestUs = Math.max(...statuses.map(({utime}) => utime));
+  return [...byName.values()].map((process) => ({...process, ...stateOf(process, newestUs)}));
+}
+
+function stateOf({status, manager}, newestUs) {
+  if (manager && manager.state !== "running") {
+    return {state: manager.state, level: manager.state === "failed" ? 2 : 0, reason: manager.end};
+  }
+  if (!status) {
+    return {state: "running", level: 0, reason: ""};
+  }
+  if (newestUs - status.utime > 1e6 * SILENT_S) {
+    return {state: "silent", level: 1, reason: "has not reported for some seconds"};
+  }
+  return {state: HEALTH[status.health] ?? "unknown", level: status.health, reason: status.health_reason};
+}
+
+/** What did not arrive or could not be used, besides what was lost on the way. */
+function refused({total_corrupt: corrupt, total_rejected: rejected}) {
+  return [[corrupt, "corrupt"], [rejected, "rejected"]].filter(([count]) => count > 0).map(([count, what]) => `${count} ${what}`).join(", ");
+}
+
+/** The table's body. `ask(what, command)` starts, stops and restarts; the buttons are there while `canControl`. */
+export class Processes {
+  constructor(body, ask) {
+    this.body = body;
+    this.ask = ask;
+    this.rows = new Map();
+    this.canControl = false;
+  }
+
+  show(processes) {
+    const names = new Set(processes.map(({name}) => name));
+    [...this.rows.keys()].filter((name) => !names.has(name)).forEach((name) => this.rows.delete(name));
+    const rows = processes.map((process) => this.row(process));
+    // Rows stay the same elements: a button that has the focus keeps it.
+    if (rows.length !== this.body.rows.length || rows.some((row, i) => row !== this.body.rows[i])) {
+      this.body.replaceChildren(...rows);
+    }
+  }
+
+  row(process) {
+    if (!this.rows.has(process.name)) {
+      this.rows.set(process.name, this.makeRow(process));
+    }
+    const row = this.rows.get(process.name);
+    const {status} = process;
+    const state = element("td", process.state, {"data-level": process.level});
+    const notes = [process.reason, status ? refused(status) : ""].filter(Boolean).join("; ");
+    if (notes) {
+      state.append(element("small", notes));
+    }
+    const number = (value, digits) => (Number.isFinite(value) ? value.toFixed(digits) : "");
+    const cells = [
+      state, element("td", number(status?.handled_per_s, 0)), element("td", number(status && status.latency_p99_us / 1000, 1)),
+      element("td", status?.total_lost ?? ""), element("td", Number.isFinite(process.cpu_share) ? `${(100 * process.cpu_share).toFixed(0)} %` : ""),
+    ];
+    [...row.cells].slice(1).forEach((cell) => cell.remove());
+    row.append(...cells);
+    this.showButtons(row.cells[0], process);
+    return row;
+  }
+
+  makeRow({name}) {
+    const row = element("tr", "");
+    const head = element("th", name.replace(/^nodmap-/, ""), {scope: "row"});
+    const buttons = element("span", "", {class: "buttons"});
+    for (const [what, sign] of [["start", "▶"], ["restart", "↻"], ["stop", "■"]]) {
+      const button = element("button", sign, {type: "button", "data-do": what, "aria-label": `${what} ${name}`, title: `${what} ${name}`});
+      button.addEventListener("click", () => this.ask(`${what}_process`, row.dataset.command));
+      buttons.append(button);
+    }
+    head.append(buttons);
+    row.append(head);
+    return row;
+  }
+
+  showButtons(head, {command, manager}) {
+    head.parentElement.dataset.command = command ?? "";
+    head.querySelector(".buttons").hidden = !this.canControl || !command;
+    const running = manager?.state === "running";
+    head.querySelector("[data-do=start]").disabled = running;
+    head.querySelector("[data-do=restart]").disabled = !running;
+    head.querySelector("[data-do=stop]").disabled = !running;
+  }
+}

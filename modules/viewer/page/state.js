@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The state of the robot in words: what is wrong (the banner), and the facts.
+import {element} from "./element.js";
+import {processList} from "./processes.js";
+
+const STALE_S = 2;
+// What processes say of themselves, the viewer among them: no sign that the robot is there.
+const NO_DATA = new Set(["STATUS", "PM_INFO", "STOP", "log"]);
+const QUALITY = ["tracked", "partly tracked", "by odometry only", "LOST"];
+const LOST = 3;
+const DEGREES = 180 / Math.PI;
+const LEVELS = ["note", "warning", "error"];
+
+/** Keeps what is known of the robot, and says it. */
+export class State {
+  constructor({banner, announcement, facts}) {
+    Object.assign(this, {banner, announcement, facts});
+    this.clear();
+  }
+
+  clear() {
+    this.latest = {};
+    this.lastData = null;
+  }
+
+  note(topic, message) {
+    this.latest[topic] = message;
+    if (!NO_DATA.has(topic)) {
+      this.lastData = Date.now();
+    }
+  }
+
+  get processes() {
+    return processList(this.latest.STATUS?.processes ?? [], this.latest.PM_INFO?.commands ?? []);
+  }
+
+  /** All that is wrong, the worst first: {level, what, why}. `expectsData`: nothing is paused or at its end. */
+  troubles(connected, expectsData) {
+    if (!connected) {
+      return [{level: 2, what: "No connection to nodmap-viewer", why: "what is shown is old"}];
+    }
+    const troubles = [];
+    if (expectsData && this.lastData === null) {
+      troubles.push({level: 2, what: "No data", why: "nothing has come yet"});
+    } else if (expectsData && Date.now() - this.lastData > 1000 * STALE_S) {
+      troubles.push({level: 2, what: "No data", why: `since ${new Date(this.lastData).toLocaleTimeString()}: what is shown is old`});
+    }
+    for (const [topic, name] of [["POSE_2D", "2D SLAM"], ["POSE_6D", "6D SLAM"]]) {
+      if (this.latest[topic]?.pose_quality === LOST) {
+        troubles.push({level: 2, what: "LOST", why: `${name} does not know where the robot is`});
+      }
+    }
+    if (this.latest.STOP?.is_stopped) {
+      troubles.push({level: 1, what: "STOPPED", why: `by ${this.latest.STOP.requested_by}, until it is told to go on`});
+    }
+    this.processes.filter(({level}) => level > 0).forEach(({name, state, level, reason}) => {
+      troubles.push({level, what: `${name} ${state}`, why: reason});
+    });
+    return troubles.sort((a, b) => b.level - a.level);
+  }
+
+  showBanner(connected, expectsData) {
+    const troubles = this.troubles(connected, expectsData);
+    this.banner.hidden = troubles.length === 0;
+    this.banner.dataset.level = LEVELS[troubles[0]?.level ?? 0];
+    this.say(this.banner, troubles.map(({what, why}) => (why ? `${what}: ${why}` : what)).join(" · "));
+    this.say(this.announcement, troubles.map(({what}) => what).join(", "));
+  }
+
+  /** Only what is new is written: a screen reader speaks at each change. */
+  say(where, text) {
+    if (where.textContent !== text) {
+      where.textContent = text;
+    }
+  }
+
+  showFacts(extra) {
+    const {ODOMETRY: odometry, NAVIGATION: navigation, PITCH_STATE: pitch, POSE_2D: pose2d, POSE_6D: pose6d, TRUTH: truth} = this.latest;
+    const number = (value, digits, unit) => (Number.isFinite(value) ? `${value.toFixed(digits)} ${unit}` : "-");
+    const at = (pose) => `x ${number(pose.position_m[0], 2, "m")}, y ${number(pose.position_m[1], 2, "m")}`;
+    const facts = [["speed", number(odometry?.forward_mps, 2, "m/s")]];
+    if (navigation) {
+      facts.push(["behaviour", navigation.behaviour_name], ["bound", number(navigation.max_forward_mps, 2, "m/s")]);
+    }
+    if (pitch) {
+      facts.push(["pitch", number(DEGREES * pitch.pitch_rad, 1, "°")]);
+    }
+    if (pose2d) {
+      facts.push(["2D SLAM", `${at(pose2d)}, ${QUALITY[pose2d.pose_quality] ?? "unknown"}`]);
+    }
+    if (pose6d) {
+      facts.push(["6D SLAM", `${at(pose6d)}, ${QUALITY[pose6d.pose_quality] ?? "unknown"}`]);
+    }
+    if (truth) {
+      facts.push(["clearance", number(truth.clearance_m, 2, "m")], ["collisions", String(truth.collisions)]);
+    }
+    this.facts.replaceChildren(...[...facts, ...extra].flatMap(([name, value]) => [element("dt", name), element("dd", value)]));
+  }
+}

@@ -1,0 +1,57 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""The demo's page is reached from outside although the demo runs in a network of its own.
+
+page_door_test.py TOOLS_DIR
+"""
+import os
+import socket
+import subprocess
+import sys
+import unittest
+
+DOOR = [sys.executable, os.path.join(sys.argv.pop(), "page_door.py")]
+# Inside: a server that answers with its own name for the network, behind the guard. It ends when its standard input does.
+INSIDE = """
+ip link set lo up
+"$1" "$2" guard &
+exec "$1" -c '
+import os, socketserver, sys, threading
+class Answer(socketserver.BaseRequestHandler):
+    def handle(self):
+        self.request.sendall(self.request.recv(100) + os.readlink("/proc/self/ns/net").encode())
+server = socketserver.ThreadingTCPServer(("127.0.0.1", int(os.environ["NODMAP_PORT"])), Answer)
+threading.Thread(target=server.serve_forever, daemon=True).start()
+print(os.environ["NODMAP_PORT"], flush=True)
+sys.stdin.read()
+os._exit(0)
+'
+"""
+
+
+class PageDoor(unittest.TestCase):
+    def test_a_taken_port_is_left_alone(self):
+        with socket.create_server(("127.0.0.1", 0)) as taken:
+            port = taken.getsockname()[1]
+            said = subprocess.run([*DOOR, "port"], env={**os.environ, "NODMAP_PORT": str(port)}, stdout=subprocess.PIPE, check=True)
+            self.assertNotEqual(int(said.stdout), port)
+
+    def test_it_leads_into_the_other_network(self):
+        with subprocess.Popen([*DOOR, "open", "unshare", "-rn", "sh", "-c", INSIDE, "sh", *DOOR], stdin=subprocess.PIPE,
+                              stdout=subprocess.PIPE, text=True) as inside:
+            port = int(inside.stdout.readline())
+            # The door was open before the guard stood in it: this waits for it, and is no race.
+            for _ in range(3):
+                with socket.create_connection(("127.0.0.1", port), timeout=20) as visitor:
+                    visitor.sendall(b"from outside: ")
+                    said = b""
+                    while part := visitor.recv(100):
+                        said += part
+                self.assertTrue(said.startswith(b"from outside: net:["), said)
+                self.assertNotIn(os.readlink("/proc/self/ns/net").encode(), said)
+            inside.stdin.close()
+            self.assertEqual(inside.wait(timeout=20), 0)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)

@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What the tests of the page share: a recording, a viewer, a browser."""
+import os
+import sys
+import tempfile
+import unittest
+
+import webdriver
+from protocol_test import make_log
+from viewer_process import Viewer
+
+# The pixels of a picture that is drawn for it.
+PIXELS = """
+  const {view, layers} = window.nodmap;
+  const pixels = () => {
+    view.renderer.render(view.scene, view.camera);
+    const gl = view.renderer.getContext();
+    const bytes = new Uint8Array(4 * gl.drawingBufferWidth * gl.drawingBufferHeight);
+    gl.readPixels(0, 0, gl.drawingBufferWidth, gl.drawingBufferHeight, gl.RGBA, gl.UNSIGNED_BYTE, bytes);
+    return new Uint32Array(bytes.buffer);
+  };
+"""
+# How many pixels of the canvas differ from an empty scene with the same camera: everything is hidden for one picture.
+COUNT_DRAWN = PIXELS + """
+  const full = pixels();
+  const shown = [...layers.values()].map(({layer}) => layer.group.visible);
+  layers.forEach(({layer}) => { layer.group.visible = false; });
+  const bare = pixels();
+  [...layers.values()].forEach(({layer}, i) => { layer.group.visible = shown[i]; });
+  return full.reduce((count, pixel, i) => count + (pixel !== bare[i]), 0);
+"""
+
+
+class PageCase(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+
+    def play(self, *arguments, duration_s=20, points=12000):
+        viewer = Viewer("--replay", make_log(self.folder.name, duration_s, points), *arguments)
+        self.addCleanup(viewer.stop)
+        return viewer
+
+    def browse(self, viewer, width=1280, height=800):
+        browser = webdriver.Browser(width, height)
+        self.addCleanup(browser.__exit__)
+        browser.open(f"http://127.0.0.1:{viewer.port}/")
+        self.assertIsNotNone(browser.wait_for("window.nodmap && nodmap.cloud.total > 30000 && nodmap.received() > 100"))
+        return browser
+
+    def assert_quiet(self, browser):
+        errors = [line for line in browser.console() if line["level"] == "SEVERE"]
+        self.assertEqual(errors, [])
+
+    def picture(self, browser, name):
+        folder = os.environ.get("NODMAP_SCREENSHOTS")
+        if folder:
+            with open(os.path.join(folder, name), "wb") as out:
+                out.write(browser.screenshot())
+
+    def pause(self, browser):
+        browser.run("document.getElementById('pause').click()")
+        self.assertIsNotNone(browser.wait_for("document.getElementById('pause').textContent === 'Play'"))
+        # A still picture is refined: from now on it stays as it is.
+        self.assertIsNotNone(browser.wait_for("nodmap.cloud.drawn === nodmap.cloud.total"))
+
+    def show_only(self, browser, *topics):
+        browser.run("""document.querySelectorAll('#layers input').forEach((box) => {
+            if (box.checked !== arguments[0].includes(box.dataset.topic)) { box.click(); }
+        })""", topics)
+
+
+def main():
+    """Runs the tests of the script; exits 77 (CTest: skipped) without a browser."""
+    if not webdriver.is_installed():
+        print("skipped: chromium and chromium-driver are not installed")
+        sys.exit(77)
+    unittest.main(verbosity=2, warnings="ignore")

@@ -1,0 +1,159 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Parts of the page by themselves: voxels, colours, level of detail, keys.
+
+Environment: NODMAP_VIEWER, NODMAP_MAKE_ROBOT_LOG (programs).
+"""
+import base64
+import os
+import sys
+
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from page_case import COUNT_DRAWN, PIXELS, PageCase, main  # noqa: E402
+
+# How the budget of points settles on a machine whose picture takes `ms(points)`: [points drawn, ms a picture] at last, then how
+# many more pictures a still scene gets, and the points of the last of them.
+SETTLE = """
+return import("/detail.js").then(({Detail}) => {
+  const detail = new Detail();
+  const ms = (points) => 5 + points / arguments[0];
+  const total = 1e6;
+  let now = 0;
+  for (let i = 0; i < 400; ++i) {
+    detail.step(now, true, total);
+    now += ms(Math.min(detail.budget, total));
+  }
+  const moving = Math.min(detail.budget, total);
+  let refined = 0;
+  for (let i = 0; i < 100; ++i) {
+    now += 17;
+    refined += detail.step(now, false, total);
+  }
+  return [moving, ms(moving), refined, Math.min(detail.budget, total)];
+});
+"""
+
+
+def voxel_grid(columns, rows, cells, edge_m=0.1):
+    """A foxglove.VoxelGrid; `cells` as bytes, x fastest."""
+    return {"timestamp": {"sec": 1, "nsec": 0}, "frame_id": "map_6d",
+            "pose": {"position": {"x": 1.0, "y": -0.5, "z": 0.0}, "orientation": {"x": 0, "y": 0, "z": 0, "w": 1}},
+            "row_count": rows, "column_count": columns, "cell_size": {"x": edge_m, "y": edge_m, "z": edge_m},
+            "slice_stride": rows * columns, "row_stride": columns, "cell_stride": 1,
+            "fields": [{"name": "occupied", "offset": 0, "type": 1}], "data": base64.b64encode(bytes(cells)).decode()}
+
+
+class Voxels(PageCase):
+    def show(self, browser, grid):
+        """The cubes' centres, flat, and their edge."""
+        browser.run("nodmap.take('OCTOMAP', arguments[0], 1)", grid)
+        cube = "nodmap.layers.get('OCTOMAP').layer.group.children[0]"
+        self.assertIsNotNone(browser.wait_for(f"{cube} && {cube}.geometry.attributes.center.count === {cube}.geometry.maxInstancedCount"))
+        return browser.run(f"return [[...{cube}.geometry.attributes.center.array], {cube}.material.uniforms.edges.value.x]")
+
+    def test_occupied_voxels_are_cubes_at_their_places(self):
+        browser = self.browse(self.play())
+        self.pause(browser)
+        # Hidden at first: nothing is made of what nobody sees.
+        browser.run("nodmap.take('OCTOMAP', arguments[0], 1)", voxel_grid(2, 2, [1] * 8))
+        self.assertIsNone(browser.wait_for("nodmap.layers.get('OCTOMAP').layer.group.children.length > 0", 1))
+        browser.run("document.querySelector('[data-topic=OCTOMAP]').click()")
+        self.assertIsNotNone(browser.wait_for("nodmap.layers.get('OCTOMAP').layer.group.children.length === 1"))
+        # 3 columns, 2 rows, 2 slices; occupied are (0, 0, 0), (2, 1, 0) and (1, 0, 1).
+        centers, edge = self.show(browser, voxel_grid(3, 2, [1, 0, 0, 0, 0, 1, 0, 1, 0, 0, 0, 0], 0.5))
+        expected = [0.25, 0.25, 0.25, 1.25, 0.75, 0.25, 0.75, 0.25, 0.75]
+        self.assertEqual(centers, expected)  # halves of halves: exact
+        self.assertEqual(edge, 0.5)
+        self.show_only(browser)
+        self.assertEqual(browser.run(COUNT_DRAWN), 0)
+        self.show_only(browser, "OCTOMAP")
+        # Three cubes of half a metre, some metres away.
+        self.assertGreater(browser.run(COUNT_DRAWN), 500)
+        self.assert_quiet(browser)
+
+    def test_too_many_are_drawn_coarser(self):
+        browser = self.browse(self.play())
+        self.pause(browser)
+        browser.run("document.querySelector('[data-topic=OCTOMAP]').click()")
+        centers, edge = self.show(browser, voxel_grid(101, 100, [1] * (101 * 100 * 6)))
+        # 60600 cubes are more than 40000; by twos they are 51 x 50 x 3.
+        self.assertEqual(len(centers), 3 * 51 * 50 * 3)
+        self.assertAlmostEqual(edge, 0.2)
+        self.assertAlmostEqual(centers[0], 0.1, places=6)  # floats
+        self.assertAlmostEqual(centers[-1], 0.5, places=6)
+
+    def test_nothing_occupied_is_no_cube(self):
+        browser = self.browse(self.play())
+        browser.run("document.querySelector('[data-topic=OCTOMAP]').click()")
+        self.assertEqual(self.show(browser, voxel_grid(2, 2, [0] * 8))[0], [])
+        self.assert_quiet(browser)
+
+
+class Look(PageCase):
+    def choose(self, browser, name, value):
+        browser.run("const s = document.getElementById(arguments[0]); s.value = arguments[1]; s.dispatchEvent(new Event('change'))", name, value)
+
+    def test_colours_by_height_and_by_age(self):
+        browser = self.browse(self.play())
+        self.pause(browser)
+        self.show_only(browser, "CLOUD")
+        # The picture is kept in the page, and the next one compared with it.
+        keep = PIXELS + "window.kept = pixels();"
+        changed = PIXELS + "return pixels().reduce((count, pixel, i) => count + (pixel !== window.kept[i]), 0);"
+        browser.run(keep)
+        self.assertEqual(browser.run(changed), 0)
+        self.choose(browser, "color", "age")
+        self.assertGreater(browser.run(changed), 2000)
+        self.assertEqual(browser.run("return document.getElementById('legend').innerText.split('\\n').map((t) => t.trim()).join(' ')"), "oldest newest")
+        self.choose(browser, "color", "height")
+        self.assertEqual(browser.run(changed), 0)
+        self.assert_quiet(browser)
+
+    def test_what_is_high_is_cut(self):
+        browser = self.browse(self.play())
+        self.pause(browser)
+        self.show_only(browser, "CLOUD")
+        drawn = []
+        for ceiling in ("1", "2", "1e9"):
+            self.choose(browser, "ceiling", ceiling)
+            drawn.append(browser.run(COUNT_DRAWN))
+        self.assertEqual(drawn, sorted(drawn))
+        self.assertLess(drawn[0], 0.9 * drawn[2])  # the walls of the recording are 2.2 m high
+
+
+class LevelOfDetail(PageCase):
+    def test_it_settles_at_a_good_rate_and_refines_what_is_still(self):
+        browser = self.browse(self.play())
+        # Points a millisecond: a slow machine draws few, at 20 pictures a second or more; a fast one all of them.
+        for points_per_ms, all_of_them in ((2000, False), (10000, False), (100000, True)):
+            moving, ms, refined, still = browser.run(SETTLE, points_per_ms)
+            self.assertLess(ms, 50)
+            self.assertEqual(moving == 1e6, all_of_them)
+            self.assertEqual(still, 1e6)
+            # Then nothing is drawn any more: a page that nobody moves costs nothing.
+            self.assertLess(refined, 10)
+
+
+class Keys(PageCase):
+    def test_arrows_turn_the_camera_and_plus_comes_nearer(self):
+        browser = self.browse(self.play())
+        self.pause(browser)
+        press = "nodmap.view.canvas.dispatchEvent(new KeyboardEvent('keydown', {key: arguments[0], cancelable: true}))"
+        offset = "return nodmap.view.camera.position.clone().sub(nodmap.view.controls.target).toArray()"
+
+        def length(vector):
+            return sum(x * x for x in vector) ** 0.5
+        before = browser.run(offset)
+        browser.run(press, "ArrowLeft")
+        turned = browser.run(offset)
+        self.assertGreater(length([a - b for a, b in zip(before, turned)]), 0.1)
+        self.assertAlmostEqual(turned[2], before[2], places=6)  # around the vertical
+        self.assertAlmostEqual(length(turned), length(before), places=6)
+        browser.run(press, "ArrowUp")
+        self.assertGreater(browser.run(offset)[2], turned[2] + 0.1)
+        browser.run(press, "+")
+        self.assertLess(length(browser.run(offset)), 0.95 * length(before))
+
+
+if __name__ == "__main__":
+    main()
