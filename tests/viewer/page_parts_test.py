@@ -15,7 +15,7 @@ from page_case import COUNT_DRAWN, PIXELS, PageCase, main  # noqa: E402
 # many more pictures a still scene gets, and the points of the last of them.
 SETTLE = """
 return import("/detail.js").then(({Detail}) => {
-  const detail = new Detail();
+  const detail = new Detail(20000);
   const ms = (points) => 5 + points / arguments[0];
   const total = 1e6;
   let now = 0;

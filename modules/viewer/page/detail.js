@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The level of detail: how many points a picture may have, so that what moves keeps moving.
 
-const MIN_BUDGET = 20000;
-const FIRST_BUDGET = 100000;
+const FIRST_BUDGET = 200000;
 const TARGET_FRAME_MS = 40;  // a little under the 50 ms that 20 pictures a second allow
 // A change is judged by the median of so many pictures: one late picture says nothing.
 const PICTURES_PER_CHANGE = 8;
@@ -10,7 +9,9 @@ const PICTURES_PER_CHANGE = 8;
 const STILL_MS = 400;
 
 export class Detail {
-  constructor() {
+  /** `least`: so many points cost next to nothing here. */
+  constructor(least) {
+    this.least = least;
     this.moving = FIRST_BUDGET;  // the budget while something moves
     this.budget = FIRST_BUDGET;  // that of the next picture
     this.frameMs = TARGET_FRAME_MS;
@@ -46,6 +47,6 @@ export class Detail {
     this.frameMs = this.times.sort((a, b) => a - b)[PICTURES_PER_CHANGE / 2];
     this.times = [];
     const wanted = this.moving * Math.min(Math.max(TARGET_FRAME_MS / this.frameMs, 0.5), 1.4);
-    this.moving = Math.max(MIN_BUDGET, Math.min(wanted, Math.max(total, FIRST_BUDGET)));
+    this.moving = Math.max(this.least, Math.min(wanted, Math.max(total, FIRST_BUDGET)));
   }
 }

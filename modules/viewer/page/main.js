@@ -19,9 +19,10 @@ const WORDS_MS = 250;
 const byId = (id) => document.getElementById(id);
 
 const view = new View(byId("canvas"));
-const layers = makeLayers(view.frames, isSoftware(view.renderer.getContext()));
+const software = isSoftware(view.renderer.getContext());
+const layers = makeLayers(view.frames, software);
 const {cloud} = layers.get("CLOUD").layer;
-const detail = new Detail();
+const detail = new Detail(software ? 100000 : 20000);
 const plots = new Plots(byId("plots"));
 const state = new State({banner: byId("banner"), announcement: byId("announcement"), facts: byId("facts")});
 const playback = new Playback(byId("playback"), () => connection);

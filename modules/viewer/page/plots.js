@@ -12,14 +12,14 @@ const TIMED = ["map-server", "navigator", "slam2d", "slam6d"];
 
 /** The plots: a caption, the names of their lines, and for each topic what it adds to which line. */
 const PLOTS = [
-  {caption: "speed and its bound, m/s", lines: ["speed", "bound"],
+  {caption: "speed, m/s", lines: ["speed", "bound"],
     from: {ODOMETRY: (m) => ({speed: m.forward_mps}), NAVIGATION: (m) => ({bound: m.max_forward_mps})}},
-  {caption: "pitch, degrees", lines: ["pitch"],
+  {caption: "pitch, °", lines: ["pitch"],
     from: {PITCH_STATE: (m) => ({pitch: DEGREES * m.pitch_rad}), SCAN: (m) => ({pitch: DEGREES * pitchOf(m.pose.orientation)})}},
   {caption: "sweep time, s", lines: ["sweep"], from: {PITCH_COMMAND: (m) => ({sweep: m.sweep_s})}},
-  {caption: "nearest obstacle and free way, m", lines: ["nearest", "free way"],
+  {caption: "obstacles, m", lines: ["nearest", "free way"],
     from: {OBSTACLE_MAP: (m, extra) => ({nearest: extra}), NAVIGATION: (m) => ({"free way": m.free_way_m})}},
-  {caption: "latency (99th percentile), ms", lines: TIMED, logscale: true, from: {STATUS: latenciesOf}},
+  {caption: "latency (p99), ms", lines: TIMED, logscale: true, from: {STATUS: latenciesOf}},
 ];
 
 /** The latencies of a STATUS, by process. A process that has handled nothing has none. */
@@ -45,7 +45,10 @@ class Plot {
     this.newest = lines.map(() => null);
     this.figure = element("figure", "", {hidden: ""});
     this.box = element("div", "", {class: "plot", role: "img", "aria-label": `plot: ${caption}`});
-    this.figure.append(element("figcaption", caption), this.box);
+    this.names = element("span", "", {class: "lines", "aria-hidden": "true"});
+    const title = element("figcaption", caption);
+    title.append(this.names);
+    this.figure.append(title, this.box);
     parent.append(this.figure);
   }
 
@@ -53,7 +56,7 @@ class Plot {
   open() {
     this.figure.hidden = false;
     this.graph = new Dygraph(this.box, this.rows, {
-      labels: ["time", ...this.lines], connectSeparatedPoints: true, legend: "always", strokeWidth: 1.5, drawGrid: true,
+      labels: ["time", ...this.lines], connectSeparatedPoints: true, legend: "always", labelsDiv: this.names, strokeWidth: 1.5, drawGrid: true,
       logscale: this.logscale, gridLineColor: "#2c343c", axisLineColor: "#39424c", colors: COLORS,
       axes: {x: {pixelsPerLabel: 70}, y: {axisLabelWidth: 34, axisLabelFormatter: shortNumber}}, interactionModel: {},
     });
