@@ -131,4 +131,4 @@ setInterval(() => {
 setInterval(() => plots.draw(), PLOT_MS);
 
 // For tests and for pictures of the documentation: what is on the page, as numbers.
-window.nodmap = {connection, view, layers, cloud, detail, take, received: () => received};
+window.nodmap = {connection, view, layers, cloud, detail, processes, take, received: () => received};

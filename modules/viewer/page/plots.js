@@ -7,8 +7,8 @@ const WINDOW_S = 60;
 const DEGREES = 180 / Math.PI;
 const SAMPLE_S = 0.1;
 const COLORS = ["#5fb3ff", "#ffb74d", "#8bd17c", "#ff8fd0"];
-// Those whose time the robot's reaction depends on, and the two that take long.
-const TIMED = ["map-server", "navigator", "slam2d", "slam6d"];
+// Those whose time the robot's reaction depends on, and the two that take long; with short names.
+const TIMED = {"nodmap-map-server": "maps", "nodmap-navigator": "navigator", "nodmap-slam2d": "2D", "nodmap-slam6d": "6D"};
 
 /** The plots: a caption, the names of their lines, and for each topic what it adds to which line. */
 const PLOTS = [
@@ -19,13 +19,13 @@ const PLOTS = [
   {caption: "sweep time, s", lines: ["sweep"], from: {PITCH_COMMAND: (m) => ({sweep: m.sweep_s})}},
   {caption: "obstacles, m", lines: ["nearest", "free way"],
     from: {OBSTACLE_MAP: (m, extra) => ({nearest: extra}), NAVIGATION: (m) => ({"free way": m.free_way_m})}},
-  {caption: "latency (p99), ms", lines: TIMED, logscale: true, from: {STATUS: latenciesOf}},
+  {caption: "latency (p99), ms", lines: Object.values(TIMED), logscale: true, from: {STATUS: latenciesOf}},
 ];
 
 /** The latencies of a STATUS, by process. A process that has handled nothing has none. */
 function latenciesOf(status) {
-  const times = new Map(status.processes.map((p) => [p.process_name.replace(/^nodmap-/, ""), p.latency_p99_us / 1000]));
-  return Object.fromEntries(TIMED.map((name) => [name, times.get(name) > 0 ? times.get(name) : null]));
+  const timed = status.processes.filter((p) => p.process_name in TIMED);
+  return Object.fromEntries(timed.map((p) => [TIMED[p.process_name], p.latency_p99_us > 0 ? p.latency_p99_us / 1000 : null]));
 }
 
 /** How far up the x axis of an orientation looks, radians. */

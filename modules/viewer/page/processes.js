@@ -58,7 +58,7 @@ export class Processes {
       this.rows.set(process.name, this.makeRow(process));
     }
     const row = this.rows.get(process.name);
-    const {status} = process;
+    const status = process.manager && process.manager.state !== "running" ? undefined : process.status;  // its last words
     const state = element("td", process.state, {"data-level": process.level});
     const notes = [process.reason, status ? refused(status) : ""].filter(Boolean).join("; ");
     if (notes) {
@@ -67,7 +67,7 @@ export class Processes {
     const number = (value, digits) => (Number.isFinite(value) ? value.toFixed(digits) : "");
     const cells = [
       state, element("td", number(status?.handled_per_s, 0)), element("td", number(status && status.latency_p99_us / 1000, 1)),
-      element("td", status?.total_lost ?? ""), element("td", Number.isFinite(process.cpu_share) ? `${(100 * process.cpu_share).toFixed(0)} %` : ""),
+      element("td", status?.total_lost ?? ""), element("td", Number.isFinite(process.cpu_share) && status ? `${(100 * process.cpu_share).toFixed(0)} %` : ""),
     ];
     [...row.cells].slice(1).forEach((cell) => cell.remove());
     row.append(...cells);
