@@ -1,0 +1,75 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# The Debian package: built by CPack, installed by apt on top of this machine (an overlay that nobody else sees), used from
+# there, purged.
+#   deb_test.sh BUILD_DIR        exits 77 (skipped) without root, or where the machine gives no overlay
+set -euo pipefail
+here=$(dirname "$(readlink -f "$0")")
+fail() { echo "FAILED: $*"; exit 1; }
+
+if [[ "${1:-}" != --inside ]]; then
+  [[ "$(id -u)" -eq 0 ]] || { echo "skipped: to install a package takes root"; exit 77; }
+  work=$(mktemp -d)
+  trap 'rm -rf "$work"' EXIT
+  mkdir "$work/upper" "$work/work" "$work/root" "$work/package"
+  overlay=lowerdir=/,upperdir=$work/upper,workdir=$work/work
+  unshare -m mount -t overlay overlay -o "$overlay" "$work/root" 2>/dev/null || { echo "skipped: no overlay here"; exit 77; }
+  cpack --config "$1/CPackConfig.cmake" -B "$work/package" >"$work/log" 2>&1 || { cat "$work/log"; fail "cpack"; }
+  cp "$work"/package/*.deb "$work/upper/nodmap.deb"
+  cp -r "$here" "$work/upper/packaging"
+  # A network of its own, too: the deputy is to speak to nobody else's.
+  unshare -m -n bash -c '
+    set -e
+    mount -t overlay overlay -o "$1" "$2"
+    for folder in proc dev sys; do mount --rbind "/$folder" "$2/$folder"; done
+    ip link set lo up
+    ip route add 224.0.0.0/4 dev lo
+    exec chroot "$2" /packaging/deb_test.sh --inside' bash "$overlay" "$work/root"
+  exit
+fi
+
+# From here on in the overlay.
+cd /
+unset LCM_DEFAULT_URL
+dpkg-deb --field nodmap.deb Package Version Architecture Depends Recommends
+before=$(find /etc /usr /var /opt -name '*nodmap*' | sort)
+DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends /nodmap.deb >log 2>&1 || { cat log; fail "apt"; }
+
+mapfile -t programs < <(dpkg -L nodmap | grep '^/usr/bin/')
+[[ ${#programs[@]} -ge 15 ]] || fail "only ${#programs[@]} programs"
+for program in "${programs[@]}"; do
+  "$program" --version >log 2>&1 || { cat log; fail "$program does not run"; }
+done
+for config in /usr/share/nodmap/procman/*.pmd; do nodmap-sheriff "$config" --check | head -n 1; done
+
+if command -v systemd-analyze >/dev/null; then
+  systemd-analyze verify /lib/systemd/system/nodmap-deputy.service >log 2>&1 || { cat log; fail "the unit"; }
+  grep nodmap log && fail "the unit"
+fi
+# What the unit starts, by its own lines: its account, its environment, its command.
+set -a
+source /etc/nodmap/deputy.conf
+set +a
+setpriv --reuid nodmap --regid nodmap --init-groups nodmap-deputy --config "$NODMAP_CONFIG" --id "$NODMAP_DEPUTY_ID" >deputy.log 2>&1 &
+deputy=$!
+for _ in $(seq 100); do grep -q serving deputy.log && break; sleep 0.1; done
+nodmap-sheriff "$NODMAP_CONFIG" --status >log || { cat log deputy.log; fail "the deputy does not answer"; }
+kill -TERM "$deputy"
+wait "$deputy" || { cat deputy.log; fail "the deputy does not end well"; }
+
+cmake -S packaging/consumer -B consumer >log 2>&1 || { cat log; fail "find_package(nodmap)"; }
+cmake --build consumer >log 2>&1 || { cat log; fail "another project does not build"; }
+consumer/consumer
+lcm-gen -p --ppath python /usr/share/lcmtypes/nodmap_*.lcm || fail "the types in share/lcmtypes"
+jar=/usr/share/java/lcmtypes_nodmap.jar
+if [[ -e $jar ]]; then
+  python3 -m zipfile -l $jar | grep -q 'nodmap/scan_t.class' || fail "the jar holds no types"
+  echo "$jar: $(python3 -m zipfile -l $jar | grep -c '_t\.class') types"
+else
+  echo "no types for lcm-spy in this build: it had no Java"
+fi
+
+DEBIAN_FRONTEND=noninteractive apt-get purge -y nodmap >log 2>&1 || { cat log; fail "purge"; }
+after=$(find /etc /usr /var /opt -name '*nodmap*' | sort)
+[[ "$before" == "$after" ]] || fail "left after the purge: $(comm -13 <(echo "$before") <(echo "$after"))"
+echo "${#programs[@]} programs installed, used and purged"
