@@ -1,0 +1,57 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# kill -9 of each process of the simulated robot in turn: the deputy starts it anew, and its STATUS says that it works again;
+# the simulator, which has no auto_respawn, is told as ended by the signal. Nothing else is started anew.
+#   killed_children_test.sh BIN_DIR        in a network of its own (private_network.sh)
+set -euo pipefail
+cd "$(dirname "$(readlink -f "$0")")/../.."
+bin=$(readlink -f "$1")
+work=$(mktemp -d)
+export LCM_DEFAULT_URL='udpm://239.255.76.67:7695?ttl=0&recv_buf_size=2000000'
+export NODMAP_WORLD=sim/worlds/cellar.yaml NODMAP_RUN=$work/run
+mkdir "$NODMAP_RUN"
+pids=()
+end() {
+  trap - EXIT
+  local pid
+  for pid in "${pids[@]}"; do kill -TERM "$pid" 2>/dev/null || true; done
+  for pid in "${pids[@]}"; do wait "$pid" 2>/dev/null || true; done
+  rm -rf "$work"
+}
+trap end EXIT
+fail() { echo "FAILED: $*"; tail -n 20 "$work"/*.log; exit 1; }
+
+# A line for each command: name, pid, first word of its health, state.
+look() {
+  "$bin/nodmap-sheriff" procman/sim.pmd --status --json | python3 -c '
+import json, sys
+for c in json.load(sys.stdin)["commands"]:
+    print(c["command"], c["pid"], (c["health"] or "-").replace(":", " ").split()[0], c["state"], c["end"])'
+}
+field() { awk -v name="$1" -v n="$2" '$1 == name {print $n}'; }
+
+"$bin/nodmap-deputy" --config procman/sim.pmd >"$work/deputy.log" 2>&1 & pids+=($!)
+"$bin/nodmap-sheriff" procman/sim.pmd --script demo --timeout 30 >"$work/sheriff.log" || fail "the robot does not start"
+# wait_until_well: every process runs, and says that it is well.
+wait_until_well() {
+  for _ in $(seq 15); do
+    look >"$work/now"
+    awk '$3 != "OK" || $4 != "Running" {exit 1}' <(grep -v '^sim ' "$work/now") && return
+  done
+  cat "$work/now"
+  fail "$1"
+}
+wait_until_well "the robot does not come to work"
+for name in kurt laser3d pitch-controller map-server slam2d slam6d navigator logger; do
+  cp "$work/now" "$work/before"
+  kill -KILL "$(field $name 2 <"$work/before")"
+  wait_until_well "$name does not come back"
+  [[ "$(field $name 2 <"$work/now")" != "$(field $name 2 <"$work/before")" ]] || fail "$name was not started anew"
+  diff <(cut -d' ' -f1,2 "$work/before" | grep -v "^$name ") <(cut -d' ' -f1,2 "$work/now" | grep -v "^$name ") ||
+    fail "kill -9 of $name made something else start anew"
+  echo "$name: killed, started anew, well"
+done
+kill -KILL "$(field sim 2 <"$work/now")"
+look >"$work/now"
+grep -q '^sim 0 - Stopped (Error) killed by signal 9' "$work/now" || { cat "$work/now"; fail "the end of the simulator is not told"; }
+echo "sim: killed, and told so"
