@@ -44,15 +44,15 @@ end_deputy() {
   deputy=
   return $code
 }
-# However this ends, the deputy ends, and with it whatever it has started.
-trap 'trap - EXIT INT TERM; end_deputy; exit 130' INT TERM
-trap 'trap - EXIT INT TERM; end_deputy' EXIT
+# However this ends, the deputy ends, and with it whatever it has started; also (setpriv) when this is killed.
+trap 'trap - EXIT INT TERM HUP; end_deputy || true; exit 130' INT TERM HUP
+trap 'trap - EXIT INT TERM HUP; end_deputy' EXIT
 
 # Waited for in the background: a trap runs at once then, and not after the command.
-run() { "$@" & wait $!; }
+run() { setpriv --pdeathsig TERM "$@" & wait $!; }
 
 say "starting the processes (LCM: $LCM_DEFAULT_URL)"
-"$bin/nodmap-deputy" --config "$config" >"$out/deputy.log" 2>&1 &
+setpriv --pdeathsig TERM "$bin/nodmap-deputy" --config "$config" >"$out/deputy.log" 2>&1 &
 deputy=$!
 run "$bin/nodmap-sheriff" "$config" --script demo --on-script-complete exit --timeout 30 >"$out/sheriff.log" || die "not every process started; see $out/sheriff.log"
 

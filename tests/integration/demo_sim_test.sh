@@ -19,29 +19,79 @@ expect_nothing_left() {
   for pid in $left; do tr '\0' ' ' <"/proc/$pid/cmdline" 2>/dev/null && echo; done
   [[ -z "$left" ]] || fail "$2 leaves processes behind"
 }
-# As a terminal would: a process group of its own, and Ctrl-C to all of it.
+# As a terminal would: a process group of its own, and Ctrl-C to all of it. start_demo NAME DURATION
 start_demo() {
-  setsid env --default-signal=INT tools/demo_sim.sh --duration 30 --out "$1" >"$1.log" 2>&1 &
+  out=$work/$1
+  setsid env --default-signal=INT,HUP tools/demo_sim.sh --duration "$2" --out "$out" >"$out.log" 2>&1 &
   demo=$!
+}
+# The demo's stages, by what it says. wait_for TEXT
+wait_for() {
+  for _ in $(seq 1200); do grep -q "$1" "$out.log" && return; sleep 0.05; done
+  cat "$out.log"
+  fail "the demo never said '$1'"
+}
+# The demo ends and leaves nothing behind. expect_an_end WHAT
+expect_an_end() {
+  code=0
+  wait "$demo" 2>/dev/null || code=$?
+  expect_nothing_left "$out" "$1"
+  echo "after $1: exit code $code, nothing left"
+}
+expect_a_failure() {
+  expect_an_end "$1"
+  [[ $code -ne 0 ]] || fail "after $1 the demo says that it worked"
+}
+# Ends the sheriff of this demo, and no other, as soon as there is one.
+kill_sheriff() {
+  local pid
+  for _ in $(seq 200); do
+    for pid in $(left_over "$out"); do
+      [[ "$(readlink "/proc/$pid/exe")" == */nodmap-sheriff ]] && kill -KILL "$pid" && return
+    done
+    sleep 0.02
+  done
+  fail "there was no sheriff to kill"
 }
 
 tools/demo_sim.sh --duration 10 --out "$work/done" || fail "the demo failed"
 expect_nothing_left "$work/done" "the demo"
 
-for seconds in 0.1 0.6 1.5 3 5 8; do
-  start_demo "$work/interrupted-$seconds"
+for seconds in 0 0.1 0.3 0.6 1 1.5 2 3 4 5 6 8; do
+  start_demo "interrupted-$seconds" 30
   sleep "$seconds"
-  kill -INT -- "-$demo"
-  code=0
-  wait "$demo" || code=$?
-  [[ $code -ne 0 ]] || fail "interrupted after $seconds s, the demo says that it worked"
-  expect_nothing_left "$work/interrupted-$seconds" "Ctrl-C after $seconds s"
+  kill -INT -- "-$demo" 2>/dev/null || kill -INT "$demo"
+  expect_a_failure "Ctrl-C at $seconds s"
+done
+for seconds in 0 0.5 1 1.5 2 3; do
+  start_demo "interrupted-at-the-end-$seconds" 1
+  wait_for "stopping the processes"
+  sleep "$seconds"
+  kill -INT -- "-$demo" 2>/dev/null || true  # it may be over by then
+  expect_an_end "Ctrl-C $seconds s into stopping"
+done
+for signal in HUP TERM; do
+  start_demo "ended-by-$signal" 30
+  wait_for "driving for"
+  kill "-$signal" "$demo"
+  expect_a_failure "SIG$signal"
 done
 
-start_demo "$work/beheaded"
-for _ in $(seq 100); do pkill -KILL -f "nodmap-sheriff procman/sim.pmd --script demo" && break; sleep 0.05; done
-code=0
-wait "$demo" || code=$?
-[[ $code -ne 0 ]] || fail "without a sheriff the demo says that it worked"
-expect_nothing_left "$work/beheaded" "kill -9 of the sheriff"
+start_demo beheaded-at-the-start 30
+wait_for "starting the processes"
+kill_sheriff
+expect_a_failure "kill -9 of the sheriff that starts"
+start_demo beheaded-at-the-end 1
+wait_for "stopping the processes"
+kill_sheriff
+expect_a_failure "kill -9 of the sheriff that stops"
+
+# Nobody is left to wait for the end of what goes by itself then.
+start_demo killed 30
+wait_for "driving for"
+sleep 1  # past the moment between fork and setpriv
+kill -KILL "$demo"
+wait "$demo" 2>/dev/null || true
+for _ in $(seq 300); do [[ -z "$(left_over "$out")" ]] && break; sleep 0.05; done
+expect_nothing_left "$out" "kill -9 of the demo"
 echo "nothing is left behind"

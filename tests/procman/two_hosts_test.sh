@@ -62,7 +62,7 @@ awk '/cmd "(slam6d|logger)"/ {far = 1} /host = / && far {sub(/"sim"/, "\"mapper\
   sed 's/"sim";/"robot";/' >"$work/two.pmd"
 export NODMAP_WORLD=sim/worlds/cellar.yaml NODMAP_RUN=$work
 "$bin/nodmap-deputy" --config "$work/two.pmd" --id robot >"$work/robot.log" 2>&1 & pids+=($!)
-on "$host_b" "$bin/nodmap-deputy" --config "$work/two.pmd" --id mapper >"$work/mapper.log" 2>&1 & pids+=($!)
+nsenter -t "$host_b" -n -- "$bin/nodmap-deputy" --config "$work/two.pmd" --id mapper >"$work/mapper.log" 2>&1 & pids+=($!)
 "$bin/nodmap-sheriff" "$work/two.pmd" --script demo --on-script-complete stay >"$work/sheriff.log" 2>&1 & sheriff=$!; pids+=($sheriff)
 
 # state COMMAND KEY: by a second look from host A
@@ -111,7 +111,7 @@ python3 - "$work" <<'PY' || fail "A did not drive on safely"
 import json, sys
 watch, truth = (json.load(open(f"{sys.argv[1]}/{name}")) for name in ("watch.json", "sim/result.json"))
 processes = watch["processes"]
-print(f"without the cable: {watch['distance_m']:.1f} m driven, {watch["max_forward_mps"]:.2f} m/s at most, {watch['lost']} messages lost on A;",
+print(f"without the cable: {watch['distance_m']:.1f} m driven, {watch['max_forward_mps']:.2f} m/s at most, {watch['lost']} messages lost on A;",
       f"in all {truth['distance_m']:.1f} m driven, {truth['collisions']} collisions")
 assert watch["max_forward_mps"] > 0.1 and watch["distance_m"] > 0.5 and watch["lost"] == 0 and truth["collisions"] == 0
 for name in ("nodmap-kurt", "nodmap-laser3d", "nodmap-map-server", "nodmap-navigator"):
