@@ -104,6 +104,8 @@ KurtNode::KurtNode(node::Context& context, const KurtParams& params,
     : context_(context), kurt_(params), port_(std::move(open)), clock_(std::move(clock)) {
   context_.bus.subscribe<nodmap::drive_t>(
       "DRIVE", [this](const nodmap::drive_t& message) { on_drive(message); });
+  context_.bus.subscribe<nodmap::stop_t>(
+      "STOP", [this](const nodmap::stop_t& message) { on_stop(message); });
 }
 
 KurtNode::~KurtNode() {
@@ -187,13 +189,22 @@ std::int64_t KurtNode::wait_us() const {
 }
 
 void KurtNode::on_drive(const nodmap::drive_t& message) {
-  const DriveRequest request{
-      {message.forward_mps, message.yaw_rate_rad_s}, message.utime, message.valid_us};
+  // Stopped, the robot brakes as for any DRIVE of zero, and stands whoever asks for what.
+  const DriveCommand wanted =
+      stopped_ ? DriveCommand{} : DriveCommand{message.forward_mps, message.yaw_rate_rad_s};
+  const DriveRequest request{wanted, message.utime, message.valid_us};
   const DriveVerdict verdict = kurt_.drive(request, clock_());
   if (verdict == DriveVerdict::kObeyed) {
     context_.tally.use();
   } else {
     context_.tally.reject(name_of(verdict));
+  }
+}
+
+void KurtNode::on_stop(const nodmap::stop_t& message) {
+  context_.tally.use();
+  if (std::exchange(stopped_, message.is_stopped != 0) != stopped_) {
+    log::get().info("{} by {}", stopped_ ? "stopped" : "free again", message.requested_by);
   }
 }
 

@@ -12,6 +12,7 @@
 #include "drivers/kurt/params.hpp"
 #include "drivers/serial/reconnecting_port.hpp"
 #include "nodmap/drive_t.hpp"
+#include "nodmap/stop_t.hpp"
 
 namespace nodmap::kurt {
 
@@ -49,6 +50,7 @@ class KurtNode final : public node::DeviceNode {
   void receive(serial::ByteStream& stream, const time::Moment& now);
   void send(serial::ByteStream& stream, const time::Moment& now);
   void on_drive(const nodmap::drive_t& message);
+  void on_stop(const nodmap::stop_t& message);
   void publish_odometry(const OdometrySample& sample);
   void publish_sensors(const time::Moment& now);
   void tell_change(KurtState state);
@@ -57,6 +59,7 @@ class KurtNode final : public node::DeviceNode {
   Kurt kurt_;
   serial::ReconnectingPort port_;
   std::function<time::Moment()> clock_;
+  bool stopped_ = false;
   bool connected_ = false;
   bool finished_ = false;
   KurtState told_state_ = KurtState::kNoLine;

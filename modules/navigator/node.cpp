@@ -49,6 +49,7 @@ NavigatorNode::NavigatorNode(node::Context& context, const Params& params)
   bus.subscribe<nodmap::pitch_state_t>("PITCH_STATE", [this](const auto& m) { on_pitch_state(m); });
   bus.subscribe<nodmap::goal_t>("GOAL", [this](const auto& m) { on_goal(m); });
   bus.subscribe<nodmap::pose_t>("POSE_2D", [this](const auto& m) { on_pose(m); });
+  bus.subscribe<nodmap::stop_t>("STOP", [this](const auto& m) { on_stop(m); });
 }
 
 void NavigatorNode::on_map(const nodmap::egomap_t& message) {
@@ -148,7 +149,19 @@ void NavigatorNode::on_pose(const nodmap::pose_t& message) {
   T_map_odom_ = geometry::to_se2(*T_map_odom);
 }
 
+/// Holds until a message says otherwise, whatever becomes of who sent it.
+void NavigatorNode::on_stop(const nodmap::stop_t& message) {
+  context_.tally.use();
+  stopped_by_.reset();
+  if (message.is_stopped != 0) {
+    stopped_by_ = message.requested_by;
+  }
+}
+
 std::optional<std::string> NavigatorNode::reason_not_to_drive() const {
+  if (stopped_by_) {
+    return "Stopped by " + *stopped_by_ + ".";
+  }
   if (auto stale = reason_to_halt(stamps_, params_)) {
     return stale;
   }

@@ -20,6 +20,7 @@
 #include "nodmap/pitch_command_t.hpp"
 #include "nodmap/pitch_state_t.hpp"
 #include "nodmap/pose_t.hpp"
+#include "nodmap/stop_t.hpp"
 
 namespace nodmap::navigator {
 
@@ -58,6 +59,7 @@ class NavigatorNode final : public node::Node {
   void on_pitch_state(const nodmap::pitch_state_t& message);
   void on_goal(const nodmap::goal_t& message);
   void on_pose(const nodmap::pose_t& message);
+  void on_stop(const nodmap::stop_t& message);
 
   void begin_odometry_frame(std::int64_t utime_us);
   [[nodiscard]] std::optional<std::string> reason_not_to_drive() const;
@@ -78,6 +80,7 @@ class NavigatorNode final : public node::Node {
   nodmap::pitch_command_t pitch_command_{};
   nodmap::pitch_state_t pitch_state_{};
   std::optional<Goal> goal_;
+  std::optional<std::string> stopped_by_;
   geometry::SE2 T_map_odom_;
 
   nodmap::drive_t drive_{};

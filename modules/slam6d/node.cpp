@@ -12,6 +12,7 @@
 #include "modules/slam6d/atomic_file.hpp"
 #include "modules/slam6d/results.hpp"
 #include "nodmap/cloud_chunk_t.hpp"
+#include "nodmap/octomap_chunk_t.hpp"
 #include "nodmap/pose_t.hpp"
 
 namespace nodmap::slam6d {
@@ -19,6 +20,7 @@ namespace {
 
 // 60 kB: with its head a part stays below 64 KiB.
 constexpr std::size_t kPointsPerChunk = 5000;
+constexpr std::size_t kBytesPerChunk = 60'000;
 
 std::int8_t pose_quality(const SweepRecord& sweep) {
   if (!sweep.keyframe) {
@@ -77,6 +79,10 @@ void Slam6dNode::on_scan(const nodmap::scan_t& message) {
 
 void Slam6dNode::finish() {
   answer(slam_.flush());
+  // What came within the period since the last one.
+  if (params_.octomap_period_s > 0.0 && octomap_keyframes_ < slam_.keyframes().size()) {
+    publish_octomap();
+  }
 }
 
 // What becomes of a scan is known when its sweep is complete.
@@ -117,6 +123,12 @@ void Slam6dNode::publish(const SweepRecord& sweep) {
 void Slam6dNode::answer_keyframe(const Keyframe& keyframe) {
   publish_cloud(keyframe);
   occupancy_.insert(keyframe.cloud, keyframe.T_map_base);
+  const double age_s = 1e-6 * static_cast<double>(keyframe.cloud.utime_us - octomap_utime_us_);
+  // A clock set back must not silence it until it has caught up.
+  const bool is_due = octomap_revision_ == 0 || age_s < 0.0 || age_s >= params_.octomap_period_s;
+  if (params_.octomap_period_s > 0.0 && is_due) {
+    publish_octomap();
+  }
   const auto every = static_cast<std::size_t>(params_.save_every_keyframes);
   if (every > 0 && slam_.keyframes().size() % every == 0 && !context_.out_dir.empty()) {
     save_map_while_running();
@@ -141,6 +153,27 @@ void Slam6dNode::publish_cloud(const Keyframe& keyframe) {
       message.points_m.push_back({p.x(), p.y(), p.z()});
     }
     context_.bus.publish("CLOUD", message);
+  }
+}
+
+void Slam6dNode::publish_octomap() {
+  const auto bytes = occupancy_.encode(OccupancyMap::Format::kBt);
+  if (!bytes) {
+    return;
+  }
+  octomap_utime_us_ = slam_.keyframes().back().cloud.utime_us;
+  octomap_keyframes_ = slam_.keyframes().size();
+  nodmap::octomap_chunk_t message{};
+  message.utime = octomap_utime_us_;
+  message.map_revision = octomap_revision_++;
+  message.num_chunks =
+      static_cast<std::int32_t>((bytes->size() + kBytesPerChunk - 1) / kBytesPerChunk);
+  for (; message.chunk_index < message.num_chunks; ++message.chunk_index) {
+    const std::size_t first = static_cast<std::size_t>(message.chunk_index) * kBytesPerChunk;
+    const std::string part = bytes->substr(first, kBytesPerChunk);
+    message.bytes.assign(part.begin(), part.end());
+    message.num_bytes = static_cast<std::int32_t>(part.size());
+    context_.bus.publish("OCTOMAP", message);
   }
 }
 

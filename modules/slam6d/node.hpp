@@ -20,8 +20,8 @@
 
 namespace nodmap::slam6d {
 
-/// SCAN and ODOMETRY in, POSE_6D for each sweep and CLOUD for each keyframe out; SAVE_REQUEST
-/// writes the map.
+/// SCAN and ODOMETRY in, POSE_6D for each sweep, CLOUD for each keyframe and OCTOMAP now and then
+/// out; SAVE_REQUEST writes the map.
 class Slam6dNode : public node::Node {
  public:
   using Params = Slam6dParams;
@@ -42,6 +42,7 @@ class Slam6dNode : public node::Node {
   void publish(const SweepRecord& sweep);
   void answer_keyframe(const Keyframe& keyframe);
   void publish_cloud(const Keyframe& keyframe);
+  void publish_octomap();
   void count_scans();
   void save_map_while_running();
   [[nodiscard]] std::error_code save_map(const std::filesystem::path& dir);
@@ -54,7 +55,10 @@ class Slam6dNode : public node::Node {
   std::size_t counted_scans_ = 0;
   std::size_t counted_without_pose_ = 0;
   std::int64_t maps_saved_ = 0;
-  std::error_code save_error_;  // of the last try
+  std::int64_t octomap_revision_ = 0;
+  std::size_t octomap_keyframes_ = 0;  // in the map that was published last
+  std::int64_t octomap_utime_us_ = 0;  // of that map
+  std::error_code save_error_;         // of the last try
 };
 
 }  // namespace nodmap::slam6d

@@ -40,6 +40,7 @@ struct Slam6dParams {
   double map_resolution_m = 0.05;
   double map_max_range_m = 10.0;
   int save_every_keyframes = 10;
+  double octomap_period_s = 5.0;
   bool save_ot = false;
 
   template <class Visitor>
@@ -109,6 +110,8 @@ struct Slam6dParams {
              "Beams enter the OctoMap up to this length.");
     v.integer("save_every_keyframes", save_every_keyframes, {0, 100000},
               "Saves the OctoMap after so many keyframes; 0: only at the end and on request.");
+    v.number("octomap_period_s", octomap_period_s, {0.0, 3600.0},
+             "Publishes the OctoMap at most so often, after a keyframe; 0: never.");
     v.flag("save_ot", save_ot, "Saves map.ot, with probabilities, beside map.bt.");
   }
 };

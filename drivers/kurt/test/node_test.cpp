@@ -163,6 +163,26 @@ TEST(KurtNode, WithoutDriveTheBaseIsTold_ZeroWithinTheTimeoutAndOneFrame) {
   EXPECT_EQ(bench.node->health().state, node::HealthState::kDegraded);
 }
 
+TEST(KurtNode, StoppedItStandsWhateverDriveAsksForUntilItIsFree) {
+  Bench bench;
+  ASSERT_TRUE(bench.stands_ready());
+  bench.drive_us(1.0, 0.0, 1'500'000);
+  ASSERT_EQ(bench.base.left_cm_s(), 100);
+  nodmap::stop_t stop{};
+  stop.is_stopped = 1;
+  bench.bus.publish("STOP", stop);
+  // 1 m/s at 3 m/s^2, and a step each for message and terminal.
+  bench.drive_us(1.0, 0.0, 340'000 + 20'000);
+  EXPECT_EQ(bench.base.left_cm_s(), 0);
+  bench.drive_us(0.5, 0.5, 1'000'000);
+  EXPECT_EQ(bench.base.left_cm_s(), 0);
+  EXPECT_EQ(bench.base.right_cm_s(), 0);
+  stop.is_stopped = 0;
+  bench.bus.publish("STOP", stop);
+  bench.drive_us(0.5, 0.0, 1'000'000);
+  EXPECT_EQ(bench.base.left_cm_s(), 50);
+}
+
 TEST(KurtNode, WhatIsNotObeyedIsCountedByCause) {
   Bench bench;
   ASSERT_TRUE(bench.stands_ready());

@@ -148,6 +148,29 @@ TEST_F(NavigatorNodeTest, AStalledServoHaltsWithTheNextOdometry) {
   EXPECT_TRUE(halts());
 }
 
+TEST_F(NavigatorNodeTest, StoppedItHaltsWithTheNextOdometryAndStaysUntilItIsFree) {
+  run(1.5);
+  ASSERT_TRUE(drives());
+  nodmap::stop_t stop{};
+  stop.is_stopped = 1;
+  stop.requested_by = "a test";
+  bus_.deliver("STOP", stop);
+  give_odometry(now_us_ + 10'000);
+  EXPECT_TRUE(halts());
+  EXPECT_EQ(navigation().reason, "Stopped by a test.");
+  nodmap::goal_t goal{};
+  goal.is_active = 1;
+  goal.position_m[0] = 5.0;
+  goal.tolerance_m = 0.3;
+  bus_.deliver("GOAL", goal);
+  run(10.0);
+  EXPECT_TRUE(halts());
+  stop.is_stopped = 0;
+  bus_.deliver("STOP", stop);
+  run(2.0);
+  EXPECT_TRUE(drives());
+}
+
 TEST_F(NavigatorNodeTest, ACorruptMapIsNotDrivenOn) {
   run(1.5);
   const auto count = bus_.count("DRIVE");

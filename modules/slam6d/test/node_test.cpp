@@ -19,6 +19,7 @@
 #include "common/msg/messages.hpp"
 #include "modules/slam6d/test/room.hpp"
 #include "nodmap/cloud_chunk_t.hpp"
+#include "nodmap/octomap_chunk_t.hpp"
 #include "nodmap/pose_t.hpp"
 #include "tests/support/data_dir.hpp"
 
@@ -156,6 +157,35 @@ TEST(Slam6dNode, PublishesAPosePerSweepAndACloudPerKeyframe) {
   }
   EXPECT_EQ(num_first_parts, 2U);
   EXPECT_GT(num_points, 1000U);
+}
+
+// The parts of a revision are a file: the last one the file that is saved at the end.
+TEST(Slam6dNode, PublishesTheOctomapThatItSaves) {
+  const test::TemporaryDir dir;
+  LogFile log(dir.path() / "drive.lcmlog");
+  log.add_drive(true);
+  log.close();
+  Outcome outcome = replay(dir.path(), "drive", {.octomap_period_s = 1000.0});
+  std::map<std::int64_t, std::string> maps;
+  for (const auto& bytes : outcome.published["OCTOMAP"]) {
+    EXPECT_LT(bytes.size(), 65536U);
+    nodmap::octomap_chunk_t part{};
+    ASSERT_TRUE(bus::decode_into(part, bytes));
+    maps[part.map_revision].append(part.bytes.begin(), part.bytes.end());
+  }
+  // The first keyframe's at once; the second, within the period, waits for the end.
+  ASSERT_EQ(maps.size(), 2U);
+  EXPECT_NE(maps[0], maps[1]);
+  EXPECT_TRUE(maps[1] == read(dir.path() / "out_drive" / "map.bt"));
+}
+
+TEST(Slam6dNode, PublishesNoOctomapWhenNoneIsWanted) {
+  const test::TemporaryDir dir;
+  LogFile log(dir.path() / "drive.lcmlog");
+  log.add_drive(true);
+  log.close();
+  EXPECT_FALSE(
+      replay(dir.path(), "drive", {.octomap_period_s = 0.0}).published.contains("OCTOMAP"));
 }
 
 TEST(Slam6dNode, GoesOnWhereItWasWhenOdometryBeginsAnew) {
