@@ -24,6 +24,7 @@ done
 [[ ! -e "$out" ]] || die "$out exists; results are never overwritten"
 
 source tools/private_net.sh
+source tools/demo_page.sh
 need_multicast "$0" "$recording" --speed "$speed" --out "$out"
 
 mkdir -p "$out"

@@ -27,6 +27,7 @@ done
 [[ -f "$world" ]] || die "$world: no such world"
 [[ ! -e "$out" ]] || die "$out exists; results are never overwritten"
 source tools/private_net.sh
+source tools/demo_page.sh
 need_multicast "$0" "${arguments[@]}"
 
 mkdir -p "$out"
@@ -35,8 +36,13 @@ name_page
 # sim.pmd names these and NODMAP_PORT; the deputy puts them in.
 export NODMAP_WORLD=$world NODMAP_RUN=$out
 
-deputy=
+deputy='' listener=''
 end_deputy() {
+  if [[ -n "$listener" ]]; then
+    kill "$listener" 2>/dev/null || true
+    wait "$listener" || true
+    listener=
+  fi
   [[ -n "$deputy" ]] || return 0
   local code=0
   kill -TERM "$deputy" 2>/dev/null || true
@@ -54,9 +60,16 @@ run() { setpriv --pdeathsig TERM "$@" & wait $!; }
 say "starting the processes (LCM: $LCM_DEFAULT_URL)"
 setpriv --pdeathsig TERM "$bin/nodmap-deputy" --config "$config" >"$out/deputy.log" 2>&1 &
 deputy=$!
+# The viewer says the token of the page by its output, and the deputy hands that on.
+"$bin/nodmap-sheriff" "$config" --output viewer >"$out/viewer.log" 2>&1 &
+listener=$!
 run "$bin/nodmap-sheriff" "$config" --script demo --on-script-complete exit --timeout 30 >"$out/sheriff.log" || die "not every process started; see $out/sheriff.log"
 
-open_page
+token=$(grep -o -m 1 '#token=[0-9a-f]*' "$out/viewer.log") || true
+if [[ -n "$token" ]]; then
+  say "the same with the controls: http://127.0.0.1:$NODMAP_PORT/$token"
+fi
+open_page "$token"
 say "driving for $duration s in $world"
 watched=0
 run "$bin/nodmap-watch" --duration "$duration" --json "$out/watch.json" || watched=$?

@@ -10,23 +10,3 @@ need_multicast() {
   say "no multicast route here: running in a network namespace of our own"
   exec env NODMAP_PRIVATE_NET=1 python3 tools/page_door.py open unshare -rn sh -c 'ip link set lo up && ip route add 224.0.0.0/4 dev lo && exec "$@"' sh "$@"
 }
-
-# name_page: says where the page of this demo is, on $NODMAP_PORT, and keeps the door to it open.
-name_page() {
-  if [[ -n "${NODMAP_DOOR:-}" ]]; then
-    python3 tools/page_door.py guard &
-    exec {NODMAP_DOOR}>&-
-    unset NODMAP_DOOR
-  else
-    NODMAP_PORT=$(python3 tools/page_door.py port)
-    export NODMAP_PORT
-  fi
-  say "the robot in your browser: http://127.0.0.1:$NODMAP_PORT/"
-}
-
-# open_page: shows it where there is a screen.
-open_page() {
-  if [[ -n "${DISPLAY:-}${WAYLAND_DISPLAY:-}" ]] && command -v xdg-open >/dev/null; then
-    xdg-open "http://127.0.0.1:$NODMAP_PORT/" >/dev/null 2>&1 &
-  fi
-}
