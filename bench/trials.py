@@ -112,23 +112,37 @@ def fig5(quick):
     return nodding + fixed, judge
 
 
+def nearest_rank(values, share):
+    return sorted(values)[math.ceil(share * len(values)) - 1]
+
+
 def appearing(quick):
-    n = 3 if quick else 120
-    trials = [Trial(f"appear-{s}", f"random:{s}", s, 20, "--no-slam6d", "--appear", 6 + s % 5) for s in range(n)]
+    # The robot brakes for about half of them and steers past the rest: so many give 100 that are measured.
+    n = 3 if quick else 250
+    trials = [Trial(f"appear-{s}", f"random:{s}", s, 16, "--no-slam6d", "--appear", 6 + s % 5) for s in range(n)]
 
     def judge(table, _):
         results = results_of(trials)
         latencies = [r["brake_latency_ms"] for r in results]
-        values = sorted(l["max"] for l in latencies if l["n"])
-        late = sum(l["too_late"] + l["unanswered"] for l in latencies)
+        events = [event for l in latencies for event in l["events"]]
+        within = sum(event["latency_ms"] <= event["limit_ms"] for event in events)
+        unanswered = sum(l["unanswered"] for l in latencies)
         table.add(f"appearing obstacle, {len(results)} trials: collisions", sum(r["collisions"] for r in results), "0",
                   collided(results) == 0)
-        table.add(f"appearing: braked for {len(values)}, steered past {sum(l['evaded'] for l in latencies)}; too late",
-                  late, "0", late == 0)
-        if values:
+        braked = sum(bool(l["events"]) for l in latencies)
+        table.add(f"appearing: trials in which it braked ({sum(l['evaded'] for l in latencies)} times it steered past)", braked,
+                  ">= 100", braked >= (0 if quick else 100))
+        table.add("appearing: never answered", unanswered, "0", unanswered == 0)
+        if events:
+            values = [event["latency_ms"] for event in events]
+            shares = [event["latency_ms"] / event["limit_ms"] for event in events]
             table.add("appearing: brake latency p50/p99/max, ms",
-                      f"{values[len(values) // 2]:.0f}/{values[math.ceil(0.99 * len(values)) - 1]:.0f}/{values[-1]:.0f}",
-                      "2 sweeps + 1 scan + 20 ms", late == 0)
+                      f"{nearest_rank(values, 0.5):.0f}/{nearest_rank(values, 0.99):.0f}/{max(values):.0f}", "", True)
+            table.add("appearing: answered within two sweeps of that moment, a scan and 20 ms", f"{within} of {len(events)}",
+                      "all", within == len(events))
+            table.add("appearing: share of that limit used, p50/p99/max",
+                      f"{nearest_rank(shares, 0.5):.2f}/{nearest_rank(shares, 0.99):.2f}/{max(shares):.2f}", "<= 1",
+                      max(shares) <= 1.0)
     return trials, judge
 
 
@@ -218,8 +232,20 @@ def clouds(quick):
     return [moving, standing, cellar_moving], judge
 
 
+def speed(quick):
+    trials = [Trial(f"speed-{world}", world, 1, 20 if quick else 60) for world in ("office", "cellar")]
+
+    def judge(table, _):
+        for trial in trials:
+            result = trial.result
+            per_cpu_s = result["realtime_factor"] * result["wall_s"] / result["cpu_s"]
+            table.add(f"{trial.world}, whole robot with both SLAMs: simulated seconds in a second of one core", f"{per_cpu_s:.1f}",
+                      ">= 10", per_cpu_s >= 10.0)
+    return trials, judge
+
+
 GROUPS = {"random": random_clutter, "fig5": fig5, "appearing": appearing, "stops": stops, "corridor": corridor,
-          "cellar": cellar, "clouds": clouds}
+          "cellar": cellar, "clouds": clouds, "speed": speed}
 
 
 def run_all(trials, programs, out, jobs):

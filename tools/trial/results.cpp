@@ -71,16 +71,23 @@ double latency_limit_ms(const BrakeEvent& event) {
 Json brake_latency(const TrialOutcome& outcome) {
   std::vector<double> latencies_ms;
   std::size_t too_late = 0;
+  Json events = Json::array();
   for (const BrakeEvent& event : outcome.brake_events) {
     if (event.answered_us) {
+      const double limit_ms = latency_limit_ms(event);
       latencies_ms.push_back(1e-3 * static_cast<double>(*event.answered_us - event.began_us));
-      too_late += latencies_ms.back() > latency_limit_ms(event) ? 1 : 0;
+      too_late += latencies_ms.back() > limit_ms ? 1 : 0;
+      events.push_back({{"latency_ms", latencies_ms.back()},
+                        {"limit_ms", limit_ms},
+                        {"speed_mps", event.speed_mps},
+                        {"at_s", 1e-6 * static_cast<double>(event.began_us)}});
     }
   }
   Json result = write(quantiles(latencies_ms));
   result["too_late"] = too_late;
   result["unanswered"] = outcome.brake_events.size() - latencies_ms.size();
   result["evaded"] = outcome.evaded;
+  result["events"] = std::move(events);
   return result;
 }
 
