@@ -1,0 +1,220 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "bench/live/endurance.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "common/bus/codec.hpp"
+
+namespace nodmap::bench {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using latency::Sample;
+
+constexpr std::size_t kParts = 10;
+constexpr int kQueue = 10'000;  // the bystander itself must lose nothing
+constexpr std::uint16_t kViewerPort = 8765;
+constexpr std::chrono::seconds kLookPeriod(1);
+// What is asked of the robot.
+constexpr std::int64_t kScanToMapUs = 2'000;
+constexpr std::int64_t kScanToDriveUs = 10'000;
+
+std::int64_t now_us() {
+  return std::chrono::duration_cast<std::chrono::microseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+std::int64_t after(std::int64_t time_us, double seconds) {
+  return time_us + std::llround(1e6 * seconds);
+}
+
+std::vector<Sample> within(const std::vector<Sample>& samples, std::int64_t from_us,
+                           std::int64_t to_us) {
+  std::vector<Sample> part;
+  std::ranges::copy_if(samples, std::back_inserter(part), [&](const Sample& sample) {
+    return sample.at_us >= from_us && sample.at_us < to_us;
+  });
+  return part;
+}
+
+Json to_json(const std::vector<Sample>& samples) {
+  const latency::Summary summary = latency::summarize(samples);
+  return {{"n", summary.n},
+          {"p50_us", summary.p50_us},
+          {"p99_us", summary.p99_us},
+          {"max_us", summary.max_us}};
+}
+
+/// Every message of ours begins with the time of what it tells: after the eight bytes of its type,
+/// in network order. 0 where it is too short.
+std::int64_t utime_of(std::span<const std::byte> data) {
+  constexpr std::size_t kBegin = 8;
+  constexpr std::size_t kEnd = 16;
+  std::uint64_t utime = 0;
+  for (std::size_t i = kBegin; i < std::min(data.size(), kEnd); ++i) {
+    utime = utime << 8U | std::to_integer<std::uint64_t>(data[i]);
+  }
+  return data.size() < kEnd ? 0 : static_cast<std::int64_t>(utime);
+}
+
+}  // namespace
+
+Endurance::Endurance(const RobotProcesses::Options& robot, const Options& options)
+    : robot_options_(robot), options_(options) {}
+
+bool Endurance::is_measured(std::int64_t at_us) const {
+  return at_us >= begin_us_ && at_us < end_us_;
+}
+
+void Endurance::hear(const bus::LiveBus::RawMessage& message) {
+  reaction_.hear(message.channel, message.data, message.receive_utime_us);
+  if (!is_measured(message.receive_utime_us)) {
+    return;
+  }
+  lags_[message.channel].push_back(
+      {message.receive_utime_us, message.receive_utime_us - utime_of(message.data)});
+  if (message.channel == "STATUS") {
+    hear_status(message.data);
+  } else if (message.channel == "TRUTH" && bus::decode_into(truth_, message.data)) {
+    collisions_ = truth_.collisions;
+    bumps_ = truth_.bumps;
+  }
+}
+
+void Endurance::hear_status(std::span<const std::byte> data) {
+  if (!bus::decode_into(status_, data)) {
+    return;
+  }
+  Process& process = processes_[status_.process_name];
+  if (process.first_status.utime == 0) {
+    process.first_status = status_;
+  }
+  process.last_status = status_;
+  process.slowest_p99_us = std::max(process.slowest_p99_us, status_.latency_p99_us);
+  if (status_.health != nodmap::status_t::OK) {
+    process.complaint = status_.health_reason;
+  }
+}
+
+void Endurance::start_viewer(RobotProcesses& robot) {
+  robot.start("viewer");
+  viewer_client_ = std::make_unique<ViewerClient>(kViewerPort);
+}
+
+Json Endurance::run() {
+  bus::LiveBus bus("");
+  bus.subscribe_all([this](const auto& message) { hear(message); }, kQueue);
+  RobotProcesses robot(robot_options_);
+  begin_us_ = after(now_us(), options_.warm_up_s);
+  half_us_ = after(begin_us_, 0.5 * options_.duration_s);
+  end_us_ = after(begin_us_, options_.duration_s);
+  auto next_look = std::chrono::steady_clock::now();
+  while (now_us() < end_us_) {
+    bus.handle(std::chrono::milliseconds(20));
+    if (options_.viewer && !viewer_client_ && now_us() >= half_us_) {
+      start_viewer(robot);
+    }
+    if (is_measured(now_us()) && std::chrono::steady_clock::now() >= next_look) {
+      look(robot);
+      next_look = std::chrono::steady_clock::now() + kLookPeriod;
+    }
+  }
+  if (viewer_client_) {
+    viewer_messages_ = viewer_client_->messages();
+    viewer_bytes_ = viewer_client_->bytes();
+    viewer_client_.reset();
+  }
+  ended_badly_ = robot.stop();
+  return report();
+}
+
+void Endurance::look(const RobotProcesses& robot) {
+  for (const auto& [name, pid] : robot.pids()) {
+    if (const auto load = read_load(pid)) {
+      processes_["nodmap-" + name].loads.push_back({now_us(), *load});
+    }
+  }
+  udp_.push_back(read_udp_queues());
+}
+
+Json Endurance::report_reaction(const std::vector<Sample>& samples, std::int64_t target_us) const {
+  const auto measured = within(samples, begin_us_, end_us_);
+  Json json = to_json(measured);
+  json["target_p99_us"] = target_us;
+  json["p99_us_over_time"] = latency::p99_over_time(measured, kParts);
+  if (options_.viewer) {
+    json["without_viewer"] = to_json(within(samples, begin_us_, half_us_));
+    json["with_viewer"] = to_json(within(samples, half_us_, end_us_));
+  }
+  return json;
+}
+
+/// Percent of one core between two moments; nothing where the process did not run.
+Json Endurance::cpu_percent(const Process& process, std::int64_t from_us, std::int64_t to_us) {
+  const auto is_within = [&](const LoadSample& sample) {
+    return sample.at_us >= from_us && sample.at_us < to_us;
+  };
+  const auto first = std::ranges::find_if(process.loads, is_within);
+  const auto last = std::find_if(process.loads.rbegin(), process.loads.rend(), is_within);
+  if (first == process.loads.end() || last->at_us <= first->at_us) {
+    return nullptr;
+  }
+  const double percent = 1e8 * (last->load.cpu_s - first->load.cpu_s) /
+                         static_cast<double>(last->at_us - first->at_us);
+  return 0.1 * std::round(10.0 * percent);
+}
+
+Json Endurance::report_process(const Process& process) const {
+  Json resident_mib = Json::array();
+  for (std::size_t i = 0; i <= kParts && !process.loads.empty(); ++i) {
+    const double mib = process.loads[i * (process.loads.size() - 1) / kParts].load.resident_mib;
+    resident_mib.push_back(0.1 * std::round(10.0 * mib));
+  }
+  const auto& first = process.first_status;
+  const auto& last = process.last_status;
+  return {{"cpu_percent_by_half",
+           {cpu_percent(process, begin_us_, half_us_), cpu_percent(process, half_us_, end_us_)}},
+          {"resident_mib_over_time", resident_mib},
+          {"handled", last.total_handled - first.total_handled},
+          {"slowest_handling_p99_us", process.slowest_p99_us},
+          {"lost", last.total_lost - first.total_lost},
+          {"corrupt", last.total_corrupt - first.total_corrupt},
+          {"rejected", last.total_rejected - first.total_rejected},
+          {"complaint", process.complaint}};
+}
+
+Json Endurance::report() const {
+  Json lags;
+  for (const auto& [channel, samples] : lags_) {
+    lags[channel] = {{"n", samples.size()},
+                     {"p99_us_over_time", latency::p99_over_time(samples, kParts)}};
+  }
+  Json processes;
+  for (const auto& [name, process] : processes_) {
+    processes[name] = report_process(process);
+  }
+  std::int64_t most_waiting_bytes = 0;
+  for (const UdpQueues& queues : udp_) {
+    most_waiting_bytes = std::max(most_waiting_bytes, queues.waiting_bytes);
+  }
+  const std::int64_t dropped = udp_.empty() ? 0 : udp_.back().dropped - udp_.front().dropped;
+  return {{"duration_s", options_.duration_s},
+          {"scans", reaction_.scans()},
+          {"lost", reaction_.lost()},
+          {"collisions", collisions_},
+          {"bumps", bumps_},
+          {"scan_to_obstacle_map", report_reaction(reaction_.scan_to_map(), kScanToMapUs)},
+          {"scan_to_drive", report_reaction(reaction_.scan_to_drive(), kScanToDriveUs)},
+          {"from_measurement_to_message", lags},
+          {"processes", processes},
+          {"kernel_queues", {{"most_waiting_bytes", most_waiting_bytes}, {"dropped", dropped}}},
+          {"viewer_client", {{"messages", viewer_messages_}, {"bytes", viewer_bytes_}}},
+          {"ended_badly", ended_badly_}};
+}
+
+}  // namespace nodmap::bench

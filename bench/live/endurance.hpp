@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "bench/live/process_load.hpp"
+#include "bench/live/robot_processes.hpp"
+#include "bench/live/viewer_client.hpp"
+#include "common/bus/live_bus.hpp"
+#include "nodmap/status_t.hpp"
+#include "nodmap/truth_t.hpp"
+#include "tools/latency/reaction.hpp"
+
+namespace nodmap::bench {
+
+/// The whole robot at work for a while: how fast it reacts, what its processes take, and whether
+/// anything grows (R47). Measured from the end of the warm-up on, in two halves; with `viewer`,
+/// nodmap-viewer with one client takes part in the second half only.
+class Endurance {
+ public:
+  struct Options {
+    double duration_s = 600.0;
+    double warm_up_s = 20.0;  ///< the devices are looked for, the SLAMs make their first map
+    bool viewer = false;
+  };
+
+  Endurance(const RobotProcesses::Options& robot, const Options& options);
+
+  /// Runs, and tells. Throws std::runtime_error when a program cannot be started.
+  [[nodiscard]] nlohmann::ordered_json run();
+
+  /// After run(): every process ended well, and nothing was hit.
+  [[nodiscard]] bool is_sound() const { return ended_badly_.empty() && collisions_ == 0; }
+
+ private:
+  struct LoadSample {
+    std::int64_t at_us = 0;
+    ProcessLoad load;
+  };
+  struct Process {
+    std::vector<LoadSample> loads;
+    nodmap::status_t first_status{};  ///< of the time that is measured
+    nodmap::status_t last_status{};
+    double slowest_p99_us = 0.0;
+    std::string complaint;  ///< the last one it had about its health
+  };
+
+  void hear(const bus::LiveBus::RawMessage& message);
+  void hear_status(std::span<const std::byte> data);
+  void look(const RobotProcesses& robot);
+  void start_viewer(RobotProcesses& robot);
+  [[nodiscard]] bool is_measured(std::int64_t at_us) const;
+  [[nodiscard]] nlohmann::ordered_json report_reaction(const std::vector<latency::Sample>& samples,
+                                                       std::int64_t target_us) const;
+  [[nodiscard]] static nlohmann::ordered_json cpu_percent(const Process& process,
+                                                          std::int64_t from_us, std::int64_t to_us);
+  [[nodiscard]] nlohmann::ordered_json report_process(const Process& process) const;
+  [[nodiscard]] nlohmann::ordered_json report() const;
+
+  RobotProcesses::Options robot_options_;
+  Options options_;
+  std::int64_t begin_us_ = 0;
+  std::int64_t half_us_ = 0;
+  std::int64_t end_us_ = 0;
+  latency::Reaction reaction_;
+  std::map<std::string, std::vector<latency::Sample>> lags_;  // by channel
+  std::map<std::string, Process> processes_;
+  std::vector<UdpQueues> udp_;
+  nodmap::status_t status_{};
+  nodmap::truth_t truth_{};
+  std::int64_t collisions_ = 0;
+  std::int64_t bumps_ = 0;
+  std::unique_ptr<ViewerClient> viewer_client_;
+  std::int64_t viewer_messages_ = 0;
+  std::int64_t viewer_bytes_ = 0;
+  std::vector<std::string> ended_badly_;
+};
+
+}  // namespace nodmap::bench

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "bench/live/faults.hpp"
+
+#include <chrono>
+#include <cstdint>
+#include <cstdio>
+#include <optional>
+#include <sstream>
+#include <vector>
+
+#include "bench/live/stop_measure.hpp"
+#include "bench/live/witness.hpp"
+
+namespace nodmap::bench {
+namespace {
+
+constexpr double kDecelerationMps2 = 3.0;  // of the base driver's ramp on command
+constexpr double kMaxExcessS = 0.3;        // what is promised
+constexpr double kMaxExcessM = 0.3;
+constexpr double kFaultAtS = 12.0;  // after the simulator's start: the robot is on its way
+constexpr double kFaultForS = 3.0;
+constexpr double kDrivingMps = 1.2;
+
+std::int64_t now_us() {
+  return std::chrono::duration_cast<std::chrono::microseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+struct Case {
+  std::string name;
+  std::string process;  ///< to kill, or
+  std::string fault;    ///< to happen to a device
+  bool stops = true;    ///< the robot must stand; else it drives on
+};
+
+const std::vector<Case> kCases = {
+    {"kill -9 laser3d", "laser3d", ""},       {"kill -9 kurt", "kurt", ""},
+    {"kill -9 map-server", "map-server", ""}, {"kill -9 pitch-controller", "pitch-controller", ""},
+    {"kill -9 navigator", "navigator", ""},   {"kill -9 slam2d", "slam2d", "", false},
+    {"kill -9 slam6d", "slam6d", "", false},  {"kill -9 logger", "logger", "", false},
+    {"laser unplugged", "", "laser:unplug"},  {"servo unplugged", "", "servo:unplug"},
+    {"base unplugged", "", "base:unplug"},    {"laser frozen", "", "laser:freeze"},
+    {"laser silent", "", "laser:silent"},     {"servo stalled", "", "servo:stall"},
+};
+
+struct Outcome {
+  std::optional<Stop> stop;
+  bool goes_on = false;
+  std::int64_t collisions = 0;
+};
+
+/// Kills the process while the robot drives, waits, starts it anew. The moment of the kill.
+std::optional<std::int64_t> kill_and_restart(RobotProcesses& robot, Witness& witness,
+                                             const std::string& process) {
+  witness.listen(5.0);
+  if (!witness.listen(30.0, [&] { return witness.driving(kDrivingMps); })) {
+    return std::nullopt;
+  }
+  const std::int64_t at_us = now_us();
+  robot.kill(process);
+  witness.listen(kFaultForS);
+  robot.start(process);
+  return at_us;
+}
+
+std::optional<std::int64_t> wait_for_fault(Witness& witness) {
+  if (!witness.listen(10.0, [&] { return !witness.motions().empty(); })) {
+    return std::nullopt;
+  }
+  const auto at_us =
+      witness.motions().front().utime_us + static_cast<std::int64_t>(1e6 * kFaultAtS);
+  witness.listen(kFaultAtS + kFaultForS);
+  return at_us;
+}
+
+Outcome examine(const Case& what, RobotProcesses::Options options) {
+  if (!what.fault.empty()) {
+    std::ostringstream fault;
+    fault << what.fault << "@" << kFaultAtS << "+" << kFaultForS;
+    options.faults = {fault.str()};
+  }
+  Witness witness;
+  RobotProcesses robot(options);
+  const auto at_us = what.process.empty() ? wait_for_fault(witness)
+                                          : kill_and_restart(robot, witness, what.process);
+  Outcome outcome;
+  if (at_us) {
+    outcome.stop = measure_stop(witness.motions(), *at_us);
+    outcome.goes_on = witness.listen(20.0, [&] { return witness.driving(0.1); });
+  }
+  outcome.collisions = witness.collisions();
+  return outcome;
+}
+
+bool keeps_promise(const Case& what, const Outcome& outcome) {
+  if (!outcome.goes_on || outcome.collisions > 0) {
+    return false;
+  }
+  return !what.stops ||
+         (outcome.stop && outcome.stop->excess_time_s(kDecelerationMps2) <= kMaxExcessS &&
+          outcome.stop->excess_way_m(kDecelerationMps2) <= kMaxExcessM);
+}
+
+void print(const Case& what, const Outcome& outcome) {
+  std::printf("%-26s", what.name.c_str());
+  if (!what.stops) {
+    std::printf(" %36s", "drives on");
+  } else if (outcome.stop) {
+    std::printf(" from %4.2f m/s: %5.0f ms and %5.2f m beyond", outcome.stop->speed_mps,
+                1e3 * outcome.stop->excess_time_s(kDecelerationMps2),
+                outcome.stop->excess_way_m(kDecelerationMps2));
+  } else {
+    std::printf(" %36s", "did not stand");
+  }
+  std::printf("  %s  collisions %lld  %s\n", outcome.goes_on ? "goes on" : "STAYS  ",
+              static_cast<long long>(outcome.collisions),
+              keeps_promise(what, outcome) ? "ok" : "MISS");
+  std::fflush(stdout);
+}
+
+}  // namespace
+
+int run_faults(RobotProcesses::Options options, const std::string& only) {
+  int missed = 0;
+  const auto root = options.out;
+  for (const Case& what : kCases) {
+    if (what.name.find(only) == std::string::npos) {
+      continue;
+    }
+    options.out = root / ("case" + std::to_string(&what - kCases.data()));
+    const Outcome outcome = examine(what, options);
+    print(what, outcome);
+    missed += keeps_promise(what, outcome) ? 0 : 1;
+  }
+  return missed == 0 ? 0 : 1;
+}
+
+}  // namespace nodmap::bench
