@@ -112,6 +112,18 @@ def fig5(quick):
     return nodding + fixed, judge
 
 
+def crowd(quick):
+    trials = [Trial(f"crowd-{s}", "crowd", s, 30 if quick else 60, "--no-slam6d") for s in range(1, 3 if quick else 11)]
+
+    def judge(table, _):
+        results = results_of(trials)
+        table.add(f"crowd, {len(results)} runs: collisions", sum(r["collisions"] for r in results), "0", collided(results) == 0)
+        table.add("crowd: people who walked into the standing robot; metres driven in a run",
+                  f"{sum(r['bumped'] for r in results)}; {min(r['distance_m'] for r in results):.1f} to "
+                  f"{max(r['distance_m'] for r in results):.1f}", "", True)
+    return trials, judge
+
+
 def nearest_rank(values, share):
     return sorted(values)[math.ceil(share * len(values)) - 1]
 
@@ -244,7 +256,7 @@ def speed(quick):
     return trials, judge
 
 
-GROUPS = {"random": random_clutter, "fig5": fig5, "appearing": appearing, "stops": stops, "corridor": corridor,
+GROUPS = {"random": random_clutter, "fig5": fig5, "crowd": crowd, "appearing": appearing, "stops": stops, "corridor": corridor,
           "cellar": cellar, "clouds": clouds, "speed": speed}
 
 

@@ -13,6 +13,8 @@ namespace {
 /// Nearer by less is noise of the laser and of odometry in a turn: 1 to 2 cm each.
 constexpr double kNearerM = 0.06;
 constexpr std::int64_t kGiveWayUs = 1'000'000;
+/// From a place so far behind the robot things are still seen from about the same side.
+constexpr double kPlaceM = 0.3;
 
 int sector_of(double compass_rad, int sectors) {
   const double share = compass_rad / (2.0 * geometry::kPi) * sectors;
@@ -21,41 +23,51 @@ int sector_of(double compass_rad, int sectors) {
 
 }  // namespace
 
-Approach::Sectors Approach::nearest(double heading_rad, const Points& points_base) {
-  Sectors nearest_m;
-  nearest_m.fill(std::numeric_limits<double>::infinity());
-  for (const Eigen::Vector2d& p : points_base) {
-    const int sector = sector_of(heading_rad + std::atan2(p.y(), p.x()), kSectors);
-    double& distance_m = nearest_m[static_cast<std::size_t>(sector)];
-    distance_m = std::min(distance_m, p.norm());
+Approach::Sectors Approach::nearest(const geometry::SE2& T_odom_base,
+                                    const Points& points_base) const {
+  Sectors sectors;
+  sectors.fill({std::numeric_limits<double>::infinity(), Eigen::Vector2d::Zero()});
+  for (const Eigen::Vector2d& p_base : points_base) {
+    const Eigen::Vector2d way = T_odom_base * p_base - place_odom_;
+    const int sector = sector_of(std::atan2(way.y(), way.x()), kSectors);
+    Nearest& so_far = sectors[static_cast<std::size_t>(sector)];
+    if (way.norm() < so_far.distance_m) {
+      so_far = {way.norm(), p_base};
+    }
   }
-  return nearest_m;
+  return sectors;
 }
 
-void Approach::look(std::int64_t utime_us, double heading_rad, const Points& points_base,
-                    const View& view) {
-  const Sectors now_m = nearest(heading_rad, points_base);
-  if (!known_m_) {
-    known_m_ = now_m;
-    return;
+void Approach::look(std::int64_t utime_us, const geometry::SE2& T_odom_base, double reach_m,
+                    const Points& points_base, const View& view) {
+  if (known_) {
+    compare(nearest(T_odom_base, points_base), utime_us, reach_m, view);
   }
-  const Sectors before_m = *known_m_;
+  if (!known_ || (T_odom_base.translation() - place_odom_).norm() > kPlaceM) {
+    place_odom_ = T_odom_base.translation();
+    known_ = nearest(T_odom_base, points_base);
+  }
+}
+
+void Approach::compare(const Sectors& now, std::int64_t utime_us, double reach_m,
+                       const View& view) {
+  const Sectors before = *known_;
   for (int i = 0; i < kSectors; ++i) {
-    const auto at = [i](const Sectors& sectors_m, int beside) {
-      return sectors_m[static_cast<std::size_t>((i + beside + kSectors) % kSectors)];
+    const auto known_m = [&](int beside) {
+      return before[static_cast<std::size_t>((i + beside + kSectors) % kSectors)].distance_m;
     };
+    const Nearest& there = now[static_cast<std::size_t>(i)];
     // A pole on the border of two sectors is now in one, now in the other.
-    const double known_m = std::min({at(before_m, -1), at(before_m, 0), at(before_m, 1)});
-    const double direction_rad =
-        geometry::angle_difference((i + 0.5) * 2.0 * geometry::kPi / kSectors, heading_rad);
-    const bool is_nearer = at(now_m, 0) < std::min(known_m - kNearerM, reach_m_);
-    if (is_nearer && view.trusts(direction_rad, half_sweeps_)) {
+    const double nearest_known_m = std::min({known_m(-1), known_m(0), known_m(1)});
+    const bool is_nearer =
+        there.distance_m < nearest_known_m - kNearerM && there.p_base.norm() < reach_m;
+    if (is_nearer && view.trusts(std::atan2(there.p_base.y(), there.p_base.x()), half_sweeps_)) {
       came_us_ = utime_us;
     }
     // What comes slowly is measured from where it began.
-    double& kept_m = (*known_m_)[static_cast<std::size_t>(i)];
-    if (is_nearer || at(now_m, 0) > kept_m || !std::isfinite(kept_m)) {
-      kept_m = at(now_m, 0);
+    Nearest& kept = (*known_)[static_cast<std::size_t>(i)];
+    if (is_nearer || there.distance_m > kept.distance_m || !std::isfinite(kept.distance_m)) {
+      kept = there;
     }
   }
 }
@@ -63,10 +75,6 @@ void Approach::look(std::int64_t utime_us, double heading_rad, const Points& poi
 bool Approach::is_close(std::int64_t utime_us) const {
   // A stamp that stepped back must not prolong the wait.
   return came_us_ && std::abs(utime_us - *came_us_) < kGiveWayUs;
-}
-
-void Approach::forget() {
-  known_m_.reset();
 }
 
 }  // namespace nodmap::navigator

@@ -20,8 +20,10 @@ constexpr double kOtherSideRad = geometry::deg_to_rad(30.0);
 /// Room kept beside and behind when it goes back over its own trail.
 constexpr double kBackMarginM = 0.02;
 /// So near to the turning circle something that comes nearer is given way to: who walks at 1.5 m/s
-/// is there in 0.4 s, and a turn ends in 0.2 s.
+/// is there in 0.4 s, and a turn ends in 0.2 s. Driving, it is so much farther as the robot drives
+/// in the time it takes to stand from 1.5 m/s.
 constexpr double kGiveWayM = 0.6;
+constexpr double kGiveWayS = 0.5;
 /// On its way back a turn shorter than this does not help.
 constexpr double kLeastTurnRad = geometry::deg_to_rad(2.0);
 /// Going back, it makes so much more room: what was just enough is not when odometry slips a
@@ -48,8 +50,7 @@ Navigator::Navigator(const NavigatorParams& params)
     : params_(params),
       body_{0.5 * params.robot.length_m, 0.5 * params.robot.width_m},
       view_(params.view_half_rad),
-      approach_(std::hypot(body_.half_length_m, body_.half_width_m) + kGiveWayM,
-                params.half_sweeps_to_trust),
+      approach_(params.half_sweeps_to_trust),
       turn_(params) {}
 
 void Navigator::reset() {
@@ -76,6 +77,9 @@ Decision Navigator::decide(const Situation& now) {
     stand.behaviour = Behaviour::kArrived;
     return stand;
   }
+  if (approach_.is_close(now.utime_us)) {
+    return give_way(now);
+  }
   const FreeSpace space = measure_free_space(now.points_base, body_, params_.side_margin_m);
   const FreeSpace trusted_space = trusted(space, now);
   if (!turn_.is_active()) {
@@ -97,12 +101,9 @@ Decision Navigator::decide(const Situation& now) {
 
 void Navigator::watch(const Situation& now) {
   view_.look(now.T_odom_base.yaw, now.sweep_count);
-  // Going back, what is in view only gets farther: it is given way to, too.
-  if (now.forward_mps > kStandingMps) {
-    approach_.forget();
-  } else {
-    approach_.look(now.utime_us, now.T_odom_base.yaw, now.points_base, view_);
-  }
+  const double reach_m = std::hypot(body_.half_length_m, body_.half_width_m) + kGiveWayM +
+                         kGiveWayS * std::max(0.0, now.forward_mps);
+  approach_.look(now.utime_us, now.T_odom_base, reach_m, now.points_base, view_);
 }
 
 bool Navigator::is_trusted(double direction_rad, const Situation& now) const {
@@ -228,6 +229,12 @@ Decision Navigator::brake(const Situation& now, std::string reason) const {
   return decision;
 }
 
+Decision Navigator::give_way(const Situation& now) const {
+  Decision stand = brake(now, "Something comes near: stands until it has passed.");
+  stand.behaviour = turn_.is_active() ? Behaviour::kTurn : Behaviour::kBrake;
+  return stand;
+}
+
 // ---- Turn ----
 
 double Navigator::preferred_side(const Situation& now) const {
@@ -269,11 +276,6 @@ TurnView Navigator::look_around(const FreeSpace& space, const FreeSpace& trusted
 
 Decision Navigator::turn(const FreeSpace& space, const FreeSpace& trusted_space,
                          const Situation& now) {
-  if (approach_.is_close(now.utime_us)) {
-    Decision stand = brake(now, "Something comes near: stands until it has passed.");
-    stand.behaviour = Behaviour::kTurn;
-    return stand;
-  }
   const TurnCommand command =
       turn_.step(look_around(space, trusted_space, now), preferred_side(now));
   if (now.goal) {

@@ -85,6 +85,7 @@ class Navigator {
   [[nodiscard]] double speed_now_allowed(const Situation& now) const;
   [[nodiscard]] std::optional<Decision> steer(double direction_rad, const Situation& now) const;
   [[nodiscard]] Decision brake(const Situation& now, std::string reason) const;
+  [[nodiscard]] Decision give_way(const Situation& now) const;
   [[nodiscard]] TurnView look_around(const FreeSpace& space, const FreeSpace& trusted_space,
                                      const Situation& now) const;
   [[nodiscard]] Decision turn(const FreeSpace& space, const FreeSpace& trusted_space,

@@ -11,6 +11,7 @@
 #include "modules/navigator/goal.hpp"
 #include "modules/navigator/obstacle_points.hpp"
 #include "modules/navigator/staleness.hpp"
+#include "modules/navigator/test/point_world.hpp"
 #include "modules/navigator/trail.hpp"
 #include "modules/navigator/turn.hpp"
 #include "modules/navigator/view.hpp"
@@ -80,11 +81,11 @@ View seen_ahead() {
 }
 
 TEST(Approach, NoticesWhatComesNearAndOnlyFromThenOn) {
-  Approach approach(0.9, 2);
+  Approach approach(2);
   const View view = seen_ahead();
   std::int64_t utime_us = 0;
   for (double x_m = 2.0; x_m > 0.3; x_m -= 0.01, utime_us += 10'000) {  // 1 m/s
-    approach.look(utime_us, 0.0, {{x_m, 0.1}, {0.0, 0.4}}, view);
+    approach.look(utime_us, {}, 0.9, {{x_m, 0.1}, {0.0, 0.4}}, view);
     // 6 cm nearer than it was; the nearest it may be overlooked at is so far within the reach.
     if (x_m > 0.91) {
       EXPECT_FALSE(approach.is_close(utime_us)) << x_m;
@@ -93,14 +94,14 @@ TEST(Approach, NoticesWhatComesNearAndOnlyFromThenOn) {
     }
   }
   for (int i = 0; i < 101; ++i, utime_us += 10'000) {
-    approach.look(utime_us, 0.0, {{0.3, 0.1}, {0.0, 0.4}}, view);
+    approach.look(utime_us, {}, 0.9, {{0.3, 0.1}, {0.0, 0.4}}, view);
   }
   EXPECT_FALSE(approach.is_close(utime_us));  // it stays
 }
 
 TEST(Approach, TurningBringsNothingNearer) {
   // A wall and a pole at half a metre, seen from headings a degree apart, with 2 cm of noise.
-  Approach approach(0.9, 2);
+  Approach approach(2);
   View view(deg_to_rad(70));
   for (int i = 0; i < 400; ++i) {
     const double heading_rad = deg_to_rad(i);
@@ -114,28 +115,52 @@ TEST(Approach, TurningBringsNothingNearer) {
     for (Eigen::Vector2d& p : points_base) {
       p = geometry::SE2{0.0, 0.0, -heading_rad}.rotation() * p;
     }
-    approach.look(i * 10'000, heading_rad, points_base, view);
+    approach.look(i * 10'000, {0.0, 0.0, heading_rad}, 0.9, points_base, view);
     EXPECT_FALSE(approach.is_close(i * 10'000)) << i;
   }
 }
 
 TEST(Approach, WhatOnlyComesIntoViewDoesNotCome) {
-  Approach approach(0.9, 2);
+  Approach approach(2);
   const View view = seen_ahead();
-  approach.look(0, 0.0, {}, view);
-  approach.look(10'000, 0.0, {{-0.1, 0.5}}, view);  // beside it, where the laser had not looked
+  approach.look(0, {}, 0.9, {}, view);
+  approach.look(10'000, {}, 0.9, {{-0.1, 0.5}}, view);  // beside it, where the laser had not looked
   EXPECT_FALSE(approach.is_close(10'000));
-  approach.look(20'000, 0.0, {{-0.1, 0.5}, {0.5, 0.0}}, view);  // ahead, where it had
+  approach.look(20'000, {}, 0.9, {{-0.1, 0.5}, {0.5, 0.0}}, view);  // ahead, where it had
   EXPECT_TRUE(approach.is_close(20'000));
 }
 
+// A wall, a pole and a doorway that is looked through, passed at 1 m/s with 1 cm of noise.
 TEST(Approach, DrivingIsNotAnApproach) {
-  Approach approach(0.9, 2);
+  Approach approach(2);
   const View view = seen_ahead();
-  approach.look(0, 0.0, {{0.8, 0.0}}, view);
-  approach.forget();
-  approach.look(10'000, 0.0, {{0.4, 0.0}}, view);
-  EXPECT_FALSE(approach.is_close(10'000));
+  test::World world;
+  world.add_wall({-1, 0.6}, {2.0, 0.6});
+  world.add_wall({2.9, 0.6}, {6.0, 0.6});
+  world.add_wall({2.0, 2.0}, {2.9, 2.0});
+  world.add_pillar({2.5, -0.5}, 0.02);
+  for (int i = 0; i < 300; ++i) {
+    const geometry::SE2 T_odom_base{0.01 * i, 0.0, 0.0};
+    Points points_base = test::ideal_map(world, T_odom_base);
+    for (Eigen::Vector2d& p : points_base) {
+      p *= 1.0 + 0.01 * ((i * 7) % 5 - 2) / 2.0 / p.norm();
+    }
+    approach.look(i * 10'000, T_odom_base, 1.5, points_base, view);
+    EXPECT_FALSE(approach.is_close(i * 10'000)) << i;
+  }
+}
+
+TEST(Approach, WhoComesWhileDrivingIsNoticed) {
+  Approach approach(2);
+  const View view = seen_ahead();
+  for (int i = 0; i < 100; ++i) {
+    const double time_s = 0.01 * i;
+    const geometry::SE2 T_odom_base{0.5 * time_s, 0.0, 0.0};
+    const Eigen::Vector2d walker_odom(1.5, 1.5 - 1.0 * time_s);  // crosses its way
+    const Points points_base{T_odom_base.inverse() * walker_odom};
+    approach.look(i * 10'000, T_odom_base, 1.5, points_base, view);
+  }
+  EXPECT_TRUE(approach.is_close(990'000));
 }
 
 TEST(Trail, LeadsBackTheWayTheRobotCame) {
