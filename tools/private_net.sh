@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Sourced. A machine without a multicast route (a container, say) cannot carry LCM; a network namespace of our own can.
 #   need_multicast SCRIPT [ARGUMENT ...]   returns where there is a route, else runs the script anew in such a namespace
-export LCM_DEFAULT_URL=${LCM_DEFAULT_URL:-udpm://239.255.76.67:7667?ttl=0}
+export LCM_DEFAULT_URL=${LCM_DEFAULT_URL:-udpm://239.255.76.67:7667?ttl=0&recv_buf_size=4194304}
 need_multicast() {
   if [[ "${NODMAP_PRIVATE_NET:-}" == 1 ]] || ip route get 239.255.76.67 >/dev/null 2>&1; then
     return
