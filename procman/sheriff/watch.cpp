@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <array>
 #include <iostream>
 #include <memory>
 
@@ -14,6 +15,21 @@ namespace {
 
 constexpr std::chrono::milliseconds kWait(50);
 constexpr std::int64_t kReminderUs = 5'000'000;
+
+/// What a key orders for the selected command, or for its whole group.
+struct KeyOrder {
+  Key key;
+  Verb verb;
+  const char* word;
+  bool whole_group;
+};
+constexpr std::array<KeyOrder, 6> kKeyOrders{
+    {{Key::kStart, Verb::kStart, "start ", false},
+     {Key::kStop, Verb::kStop, "stop ", false},
+     {Key::kRestart, Verb::kRestart, "restart ", false},
+     {Key::kStartGroup, Verb::kStart, "start ", true},
+     {Key::kStopGroup, Verb::kStop, "stop ", true},
+     {Key::kRestartGroup, Verb::kRestart, "restart ", true}}};
 
 /// The sheriff that stays: script, health rules, the other sheriff; on a terminal or line by line.
 class Watch {
@@ -168,21 +184,20 @@ void Watch::press(Key key, const std::vector<ReportRow>& rows) {
 }
 
 void Watch::order(Key key, const std::vector<ReportRow>& rows) {
-  const bool starts = key == Key::kStart || key == Key::kStartGroup;
-  const bool stops = key == Key::kStop || key == Key::kStopGroup;
-  const Verb verb = starts ? Verb::kStart : stops ? Verb::kStop : Verb::kRestart;
+  const auto asked = std::find_if(kKeyOrders.begin(), kKeyOrders.end(),
+                                  [key](const KeyOrder& order) { return order.key == key; });
+  if (asked == kKeyOrders.end()) {
+    return;
+  }
   const ReportRow& selected = rows[view_.selected];
-  const bool is_for_group =
-      (key == Key::kStartGroup || key == Key::kStopGroup || key == Key::kRestartGroup) &&
-      !selected.group.empty();
+  const bool is_for_group = asked->whole_group && !selected.group.empty();
   for (const ReportRow& row : rows) {
     if (is_for_group ? is_in_group(row.group, selected.group) : row.id == selected.id) {
-      give_order(sheriff_.fleet(), verb, row.id);
+      give_order(sheriff_.fleet(), asked->verb, row.id);
     }
   }
   sheriff_.give_orders();
-  const char* word = starts ? "start " : stops ? "stop " : "restart ";
-  say(word + (is_for_group ? selected.group : selected.id));
+  say(asked->word + (is_for_group ? selected.group : selected.id));
 }
 
 void Watch::tell_changes() {

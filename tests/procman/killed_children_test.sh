@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
 # kill -9 of each process of the simulated robot in turn: the deputy starts it anew, and its STATUS says that it works again;
-# the simulator, which has no auto_respawn, is told as ended by the signal. Nothing else is started anew.
+# the simulator, which has no auto_respawn, is told as ended by the signal. Nothing else is started anew. And what hangs (SIGSTOP)
+# is started anew by the sheriff, by the rules in sim.pmd.
 #   killed_children_test.sh BIN_DIR        in a network of its own (private_network.sh)
 set -euo pipefail
 cd "$(dirname "$(readlink -f "$0")")/../.."
@@ -31,7 +32,13 @@ for c in json.load(sys.stdin)["commands"]:
 field() { awk -v name="$1" -v n="$2" '$1 == name {print $n}'; }
 
 "$bin/nodmap-deputy" --config procman/sim.pmd >"$work/deputy.log" 2>&1 & pids+=($!)
-"$bin/nodmap-sheriff" procman/sim.pmd --script demo --timeout 30 >"$work/sheriff.log" || fail "the robot does not start"
+"$bin/nodmap-sheriff" procman/sim.pmd --script demo --on-script-complete stay >"$work/sheriff.log" 2>&1 & pids+=($!)
+# wait_for TEXT: the sheriff says it.
+wait_for() {
+  for _ in $(seq 300); do grep -q "$1" "$work/sheriff.log" && return; sleep 0.1; done
+  fail "the sheriff never said '$1'"
+}
+wait_for "script demo is done"
 # wait_until_well: every process runs, and says that it is well.
 wait_until_well() {
   for _ in $(seq 15); do
@@ -51,6 +58,13 @@ for name in kurt laser3d pitch-controller map-server slam2d slam6d navigator log
     fail "kill -9 of $name made something else start anew"
   echo "$name: killed, started anew, well"
 done
+cp "$work/now" "$work/before"
+kill -STOP "$(field map-server 2 <"$work/now")"
+wait_for "restarting map-server: no STATUS for"
+wait_until_well "map-server does not come back from hanging"
+[[ "$(field map-server 2 <"$work/now")" != "$(field map-server 2 <"$work/before")" ]] || fail "map-server was not started anew"
+echo "map-server: $(grep '^restarting map-server' "$work/sheriff.log"), well"
+grep '^restarting' "$work/sheriff.log" | grep -v map-server && fail "something else was restarted"
 kill -KILL "$(field sim 2 <"$work/now")"
 look >"$work/now"
 grep -q '^sim 0 - Stopped (Error) killed by signal 9' "$work/now" || { cat "$work/now"; fail "the end of the simulator is not told"; }
