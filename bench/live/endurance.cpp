@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <iterator>
 #include <nlohmann/json.hpp>
-#include <utility>
+#include <span>
+#include <string_view>
 
 #include "common/bus/codec.hpp"
 
@@ -31,6 +33,10 @@ std::int64_t now_us() {
 
 std::int64_t after(std::int64_t time_us, double seconds) {
   return time_us + std::llround(1e6 * seconds);
+}
+
+double to_tenths(double value) {
+  return std::round(10.0 * value) / 10.0;
 }
 
 std::vector<Sample> within(const std::vector<Sample>& samples, std::int64_t from_us,
@@ -73,7 +79,8 @@ bool Endurance::is_measured(std::int64_t at_us) const {
 
 void Endurance::hear(const bus::LiveBus::RawMessage& message) {
   reaction_.hear(message.channel, message.data, message.receive_utime_us);
-  if (!is_measured(message.receive_utime_us)) {
+  constexpr std::string_view kNotOurs = "LCM_SELF_TEST";  // LCM's, when a process starts
+  if (!is_measured(message.receive_utime_us) || message.channel == kNotOurs) {
     return;
   }
   lags_[message.channel].push_back(
@@ -166,14 +173,14 @@ Json Endurance::cpu_percent(const Process& process, std::int64_t from_us, std::i
   }
   const double percent = 1e8 * (last->load.cpu_s - first->load.cpu_s) /
                          static_cast<double>(last->at_us - first->at_us);
-  return 0.1 * std::round(10.0 * percent);
+  return to_tenths(percent);
 }
 
 Json Endurance::report_process(const Process& process) const {
   Json resident_mib = Json::array();
   for (std::size_t i = 0; i <= kParts && !process.loads.empty(); ++i) {
     const double mib = process.loads[i * (process.loads.size() - 1) / kParts].load.resident_mib;
-    resident_mib.push_back(0.1 * std::round(10.0 * mib));
+    resident_mib.push_back(to_tenths(mib));
   }
   const auto& first = process.first_status;
   const auto& last = process.last_status;

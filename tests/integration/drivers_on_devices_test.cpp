@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <map>
 
 #include "drivers/kurt/kurt.hpp"
@@ -43,10 +44,12 @@ struct Cable {
 /// The scanner's driver on its two devices.
 class ScannerRun {
  public:
-  ScannerRun(const laser3d::Laser3dParams& params, const sim::Lms200Settings& laser)
-      : driver_(params), lms_(laser, [this](double angle_rad, std::int64_t time_us) {
-          return fire(angle_rad, time_us);
-        }) {
+  ScannerRun(const laser3d::Laser3dParams& params, const sim::Lms200Settings& laser,
+             const sim::World& world = room())
+      : plant_(world, sim::PlantParams{}, 1),
+        driver_(params),
+        lms_(laser,
+             [this](double angle_rad, std::int64_t time_us) { return fire(angle_rad, time_us); }) {
     carry_out(driver_.laser_opened(0));
     carry_out(driver_.servo_opened(0));
   }
@@ -116,7 +119,7 @@ class ScannerRun {
   std::int64_t next_poll_us_ = 0;
   std::map<std::int64_t, std::vector<std::int64_t>> fired_us_;  // by angle in 1e-4 rad
   std::map<std::int64_t, double> true_pitch_rad_;
-  sim::Plant plant_{room(), sim::PlantParams{}, 1};
+  sim::Plant plant_;
   laser3d::Laser3d driver_;
   sim::Lms200 lms_;
   sim::DynamixelEmulator dynamixel_{{}, plant_};
@@ -151,6 +154,14 @@ TEST_P(DriversOnDevices, ScansTellWhenAndWhereTheyWereMeasured) {
   run.run_until(kEndUs);
   const double rate = static_cast<double>(run.scans.size()) * 1e6 / (kEndUs - kStartedUs);
   EXPECT_NEAR(rate, GetParam().scans_per_s, 0.1) << "a scan or two at the ends";
+  ASSERT_GT(run.scans.size(), 1000U);
+  const double period_ms =
+      1e-3 * static_cast<double>(run.scans.back().utime_us - run.scans.front().utime_us) /
+      static_cast<double>(run.scans.size() - 1);
+  EXPECT_NEAR(period_ms, 13.32, 0.05) << "R1's own bound";
+  EXPECT_EQ(
+      std::ranges::adjacent_find(run.scans, std::ranges::greater_equal{}, &scan::Scan::utime_us),
+      run.scans.end());
   std::int64_t worst_us = 0;
   double worst_pitch_rad = 0.0;
   for (const scan::Scan& scan : run.scans) {
@@ -181,6 +192,75 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"Narrow", with(laser3d::SickVariant::k100x025, false, laser3d::SickUnit::kMillimetre),
              1e6 / 13'320.0}),
     [](const auto& tested) { return std::string(tested.param.name); });
+
+/// A wall 5 m ahead, so high and wide that a laser that looks up sees nothing else.
+sim::World wall() {
+  sim::World world;
+  world.objects.push_back({sim::Box{{5.1, 0.0, 10.0}, {0.2, 40.0, 20.0}, 0.0}});
+  return world;
+}
+
+/// RMS distance of what is seen of the wall, up to 60 degrees aside, from its surface.
+double wall_rms_m(const std::vector<scan::Scan>& scans) {
+  double sum = 0.0;
+  std::size_t n = 0;
+  for (const scan::Scan& scan : scans) {
+    for (std::size_t beam = 30; beam <= 150; ++beam, ++n) {
+      const auto range_m = static_cast<double>(scan.ranges_m[beam]);
+      const double off_m = scan::point_in_base(scan, beam, range_m).x() - 5.0;
+      sum += off_m * off_m;
+    }
+  }
+  return std::sqrt(sum / static_cast<double>(n));
+}
+
+std::vector<scan::Scan> scans_of_the_wall(double pitch_min_deg, double pitch_max_deg,
+                                          double sweep_s) {
+  laser3d::Laser3dParams params;
+  params.default_min_rad = geometry::deg_to_rad(pitch_min_deg);
+  params.default_max_rad = geometry::deg_to_rad(pitch_max_deg);
+  params.default_sweep_s = sweep_s;
+  ScannerRun run(params, sim::Lms200Settings{}, wall());
+  run.run_until(15'000'000);
+  run.scans.clear();
+  run.run_until(25'000'000);
+  return run.scans;
+}
+
+// R2: a wall seen while nodding by a degree from scan to scan is as flat as one seen by a laser at
+// rest, since each beam has its own pitch. With one pitch for all of a scan it is not: the half
+// turn of the mirror lasts half of the degree.
+TEST(LaserOnDevice, R2_TheWallIsFlatWhileTheLaserNods) {
+  const double still_m = wall_rms_m(scans_of_the_wall(35.0, 35.0, 1.0));
+  std::vector<scan::Scan> scans = scans_of_the_wall(15.0, 55.0, 40.0 / 75.0);
+  const double nodding_m = wall_rms_m(scans);
+  for (scan::Scan& scan : scans) {
+    scan.pitch_first_rad = scan.pitch_last_rad = scan.pitch_mid_rad();
+  }
+  const double not_interpolated_m = wall_rms_m(scans);
+  // 1 cm of noise along the beams, of which 0.82 (35 degrees up) times 0.84 (RMS of the cosine up
+  // to 60 degrees aside) is across the wall; 90 000 points.
+  EXPECT_NEAR(still_m, 0.0069, 0.0003);
+  EXPECT_LT(nodding_m, 1.2 * still_m);
+  EXPECT_GT(not_interpolated_m, 1.2 * still_m);
+  RecordProperty("still_mm", std::to_string(1e3 * still_m));
+  RecordProperty("nodding_mm", std::to_string(1e3 * nodding_m));
+  RecordProperty("not_interpolated_mm", std::to_string(1e3 * not_interpolated_m));
+}
+
+// R3: half of the scanner's step of 0.25 degrees, over its whole range.
+TEST(LaserOnDevice, R3_ThePitchThatIsHeldIsThePitchThatWasAskedFor) {
+  for (const double pitch_deg : {-60.0, -33.3, 0.0, 12.7, 60.0}) {
+    laser3d::Laser3dParams params;
+    params.default_min_rad = params.default_max_rad = geometry::deg_to_rad(pitch_deg);
+    ScannerRun run(params, sim::Lms200Settings{});
+    run.run_until(15'000'000);
+    ASSERT_FALSE(run.scans.empty());
+    const scan::Scan& last = run.scans.back();
+    EXPECT_NEAR(geometry::rad_to_deg(last.pitch_mid_rad()), pitch_deg, 0.125);
+    EXPECT_NEAR(geometry::rad_to_deg(run.true_pitch_rad(last.utime_us)), pitch_deg, 0.125);
+  }
+}
 
 TEST(LaserOnDevice, AFactoryNewSensorAt9600IsConfiguredOnce) {
   sim::Lms200Settings factory;

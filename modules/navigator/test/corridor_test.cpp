@@ -40,6 +40,21 @@ TEST(FreeWay, StraightIsTheDistanceFromTheFront) {
   EXPECT_EQ(free_way({}, 0.0, kBody, 0.06), kInf);
 }
 
+// The corridor's faces ahead and beside, to a millimetre; its top and bottom are the map server's.
+TEST(FreeWay, R8_FacesOfTheVirtualCorridor) {
+  constexpr double kMarginM = 0.06;
+  constexpr double kMm = 0.001;
+  const double side_m = kBody.half_width_m + kMarginM;
+  for (const double side : {-1.0, 1.0}) {
+    for (const double ahead_m : {kBody.half_length_m + kMm, 1.0, 6.0}) {
+      EXPECT_NEAR(free_way({{ahead_m, side * (side_m - kMm)}}, 0.0, kBody, kMarginM),
+                  ahead_m - kBody.half_length_m, 1e-12);
+      EXPECT_EQ(free_way({{ahead_m, side * (side_m + kMm)}}, 0.0, kBody, kMarginM), kInf);
+    }
+    EXPECT_EQ(free_way({{-kBody.half_length_m - kMm, side * 0.1}}, 0.0, kBody, kMarginM), kInf);
+  }
+}
+
 TEST(FreeWay, OnArcsEqualsMovingTheBodyInSteps) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> place(-0.9, 0.9);

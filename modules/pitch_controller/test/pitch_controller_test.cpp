@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <functional>
+#include <utility>
 #include <vector>
 
 #include "modules/pitch_controller/test/nodding_head.hpp"
@@ -45,6 +47,13 @@ class Loop {
     double measured_s;
   };
 
+  /// Between the last two readings.
+  [[nodiscard]] double pitch_at(std::int64_t time_us) const {
+    const double share = static_cast<double>(time_us - before_.time_us) /
+                         static_cast<double>(last_.time_us - before_.time_us);
+    return before_.pitch_rad + share * (last_.pitch_rad - before_.pitch_rad);
+  }
+
   PitchController dut;
   test::NoddingHead head;
   std::int64_t now_us = 0;
@@ -66,6 +75,7 @@ class Loop {
     }
   }
   void watch(const PitchReading& reading) {
+    before_ = std::exchange(last_, reading);
     ++readings;
     slow_readings += std::abs(reading.rate_rad_s) < 0.1 * head.goal_speed_rad_s() ? 1 : 0;
     if (reading.sweep != sweep_) {
@@ -74,6 +84,8 @@ class Loop {
       turned_us_ = now_us;
     }
   }
+  PitchReading before_;
+  PitchReading last_;
   std::int64_t sweep_ = 0;
   std::int64_t turned_us_ = 0;
 };
@@ -99,6 +111,44 @@ TEST(PitchController, R7_R12_NeverStopsNodding) {
       EXPECT_GE(sweep.measured_s, 15 * 0.01332 - 0.005) << v;  // a reading's period
       EXPECT_LE(sweep.measured_s, 500 * 0.01332) << v;
     }
+  }
+}
+
+/// The longest time for which no scan line meets a strip of 2 cm at this height and distance from
+/// the pitch axis, in 20 s at that speed; in sweeps.
+double longest_unseen(Loop& loop, double speed_mps, double height_m, double from_axis_m) {
+  constexpr double kHalfStripM = 0.01;
+  constexpr std::int64_t kScanUs = 13'320;
+  const double axis_m = PitchControllerParams{}.mount_z_m;
+  std::int64_t next_scan_us = loop.now_us;
+  std::int64_t met_us = loop.now_us;
+  std::int64_t longest_us = 0;
+  for (const std::int64_t end_us = loop.now_us + 20'000'000; loop.now_us < end_us;) {
+    loop.run(0.005, speed_mps);
+    for (; next_scan_us <= loop.now_us; next_scan_us += kScanUs) {
+      const double line_m = axis_m + from_axis_m * std::tan(loop.pitch_at(next_scan_us));
+      met_us = std::abs(line_m - height_m) <= kHalfStripM ? next_scan_us : met_us;
+      longest_us = std::max(longest_us, next_scan_us - met_us);
+    }
+  }
+  return 1e-6 * static_cast<double>(longest_us) / loop.dut.plan().sweep_s;
+}
+
+// Strips at the corridor's very bottom and top, 2 % beyond d_min: each is met whenever the nod
+// comes to its end, once in two sweeps; 10 % more for the sweep's time and the spacing of scans.
+// Nearer than the nod reaches, the bottom is not met at all.
+TEST(PitchController, R9_FromDMinOnTheWholeCorridorIsSeen) {
+  const PitchControllerParams params;
+  const VirtualCorridor corridor = VirtualCorridor::of(params);
+  for (const double v : {0.6, 1.0, 1.5}) {
+    Loop loop;
+    loop.run(5.0, v);
+    const double from_axis_m = corridor.from_axis_m(1.02 * loop.dut.plan().d_min_m);
+    EXPECT_LT(longest_unseen(loop, v, 0.06, from_axis_m), 2.2) << v;
+    EXPECT_LT(longest_unseen(loop, v, 0.49, from_axis_m), 2.2) << v;
+    const double too_near_m =
+        0.85 * corridor.from_axis_m(corridor.covered_from_m(loop.dut.plan().sweep));
+    EXPECT_GT(longest_unseen(loop, v, 0.06, too_near_m), 10.0) << v;
   }
 }
 

@@ -8,6 +8,7 @@
 #include <random>
 #include <vector>
 
+#include "modules/slam6d/point_index.hpp"
 #include "modules/slam6d/test/room.hpp"
 
 namespace nodmap::slam6d {
@@ -103,6 +104,33 @@ TEST(Slam6d, R43_ExactlyTwoMetresAreNotFurther) {
   EXPECT_FALSE(slam.add_cloud(cloud).keyframe);
   cloud.T_odom_base.translation().x() = std::nextafter(2.0, 3.0);
   EXPECT_EQ(slam.add_cloud(cloud).keyframe, KeyframeReason::kDistance);
+}
+
+/// Share of a cloud's points that have one of the other's within 0.2 m.
+double overlap(const Keyframe& one, const Keyframe& other) {
+  constexpr double kSamePlaceM = 0.2;
+  std::vector<Eigen::Vector3d> others;
+  for (const Eigen::Vector3f& p : other.cloud.points) {
+    others.emplace_back(other.T_map_base * p.cast<double>());
+  }
+  PointIndex index;
+  index.add(others);
+  std::size_t shared = 0;
+  for (const Eigen::Vector3f& p : one.cloud.points) {
+    shared += index.nearest(one.T_map_base * p.cast<double>(), kSamePlaceM) ? 1 : 0;
+  }
+  return static_cast<double>(shared) / static_cast<double>(one.cloud.points.size());
+}
+
+// R43: 40 %, so that there is enough to register by. At a walking pace, the nod 80 degrees wide;
+// how little is left at full speed is told in tools/trial/README.md.
+TEST(Slam6d, R43_ConsecutiveKeyframesOverlap) {
+  Slam6d slam({});
+  Drive{}.run(slam, 800);
+  ASSERT_GE(slam.keyframes().size(), 3U);
+  for (std::size_t i = 1; i < slam.keyframes().size(); ++i) {
+    EXPECT_GE(overlap(slam.keyframes()[i], slam.keyframes()[i - 1]), 0.4) << i;
+  }
 }
 
 // R45: stop, scan and go, as before there was scanning on the move. Stands 3 s, drives 3 m in 6 s.

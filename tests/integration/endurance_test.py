@@ -1,0 +1,41 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""R47 in short: the whole robot live with both SLAMs and the viewer, by the program that measures it for ten minutes.
+
+Whether the measurement is whole and nothing is lost; no assertion on time, which is of the machine.
+Environment: NODMAP_BENCH_LIVE (program), NODMAP_WORLD (file).
+"""
+import json
+import os
+import subprocess
+import tempfile
+import unittest
+
+PROCESSES = ["kurt", "laser3d", "logger", "map-server", "navigator", "pitch-controller", "sim", "slam2d", "slam6d", "viewer"]
+
+
+class Endurance(unittest.TestCase):
+    def test_a_short_run(self):
+        with tempfile.TemporaryDirectory() as folder:
+            done = subprocess.run([os.environ["NODMAP_BENCH_LIVE"], "--world", os.environ["NODMAP_WORLD"], "--out", f"{folder}/live",
+                                   "latency", "--warm-up", "8", "--duration", "10", "--viewer"], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr + done.stdout)
+        report = json.loads(done.stdout)
+        self.assertEqual(report["collisions"], 0)
+        self.assertEqual(report["ended_badly"], [])
+        for reaction in ("scan_to_obstacle_map", "scan_to_drive"):
+            for part in (report[reaction], report[reaction]["without_viewer"], report[reaction]["with_viewer"]):
+                # 75 scans a second in ten seconds, or in five; a machine that is busy may take half of them away.
+                self.assertGreater(part["n"], 150)
+                self.assertGreater(part["p99_us"], 0)
+        for name in PROCESSES:
+            process = report["processes"][f"nodmap-{name}"]
+            self.assertEqual(len(process["resident_mib_over_time"]), 11, name)
+            self.assertGreater(process["resident_mib_over_time"][0], 0.5, name)
+        self.assertGreater(report["processes"]["nodmap-sim"]["cpu_percent_by_half"][1], 0)
+        self.assertIsNone(report["processes"]["nodmap-viewer"]["cpu_percent_by_half"][0])
+        self.assertGreater(report["viewer_client"]["messages"], 100)
+
+
+if __name__ == "__main__":
+    unittest.main(verbosity=2)

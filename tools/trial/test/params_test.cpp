@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/trial/params.hpp"
+
+#include <gtest/gtest.h>
+
+namespace nodmap::trial {
+namespace {
+
+// R6: KURT3D as in the paper, II; and every part of the robot is made for that body. Each module
+// has its own parameters, since no module includes another: here they meet.
+TEST(AllParams, R6_EveryPartIsMadeForTheSameRobot) {
+  const AllParams params;
+  const sim::PlantParams& plant = params.sim.plant;
+  EXPECT_EQ(plant.body_length_m, 0.45);
+  EXPECT_EQ(plant.body_width_m, 0.33);
+  EXPECT_EQ(plant.body_height_m, 0.47);
+  EXPECT_EQ(plant.mass_kg, 22.6);
+  EXPECT_EQ(plant.top_speed_mps, 5.2);
+  EXPECT_EQ(plant.motor_power_w, 90.0);
+
+  EXPECT_EQ(params.navigator.robot_length_m, plant.body_length_m);
+  EXPECT_EQ(params.navigator.robot_width_m, plant.body_width_m);
+  EXPECT_EQ(params.map_server.robot_length_m, plant.body_length_m);
+  EXPECT_EQ(params.map_server.robot_width_m, plant.body_width_m);
+  EXPECT_EQ(params.map_server.robot_height_m, plant.body_height_m);
+  EXPECT_EQ(params.pitch_controller.robot_length_m, plant.body_length_m);
+  EXPECT_EQ(params.pitch_controller.robot_height_m, plant.body_height_m);
+  EXPECT_EQ(params.laser3d.mount_x_m, plant.mount_x_m);
+  EXPECT_EQ(params.laser3d.mount_z_m, plant.mount_z_m);
+  EXPECT_EQ(params.pitch_controller.mount_x_m, plant.mount_x_m);
+  EXPECT_EQ(params.pitch_controller.mount_z_m, plant.mount_z_m);
+}
+
+}  // namespace
+}  // namespace nodmap::trial
