@@ -45,24 +45,35 @@ def voxel_grid(columns, rows, cells, edge_m=0.1):
 
 class Voxels(PageCase):
     def show(self, browser, grid):
-        """The cubes' centres, flat, and their edge."""
-        browser.run("nodmap.take('OCTOMAP', arguments[0], 1)", grid)
-        cube = "nodmap.layers.get('OCTOMAP').layer.group.children[0]"
-        self.assertIsNotNone(browser.wait_for(f"{cube} && {cube}.geometry.attributes.center.count === {cube}.geometry.maxInstancedCount"))
-        return browser.run(f"return [[...{cube}.geometry.attributes.center.array], {cube}.material.uniforms.edges.value.x]")
+        """[(x, y, z) of the voxel's centre, face] of each face drawn, and the voxels' edge."""
+        browser.run("nodmap.layers.get('OCTOMAP').layer.clear(); nodmap.take('OCTOMAP', arguments[0], 1)", grid)
+        mesh = "nodmap.layers.get('OCTOMAP').layer.group.children[0]"
+        self.assertIsNotNone(browser.wait_for(mesh))
+        free, edge, corners = browser.run(f"""const {{geometry, userData}} = {mesh};
+            return [userData.free, userData.edgeM, [...geometry.attributes.position.array]]""")
+        # Two triangles of each face; no corner is further from the centre than half the cube's diagonal, all lie in the face.
+        self.assertEqual(len(corners), len(free) * 6 * 3)
+        for i, (x, y, z, face) in enumerate(free):
+            axis, sign = [(2, 1), (0, 1), (0, -1), (1, 1), (1, -1)][face]
+            for k in range(6 * i, 6 * i + 6):
+                offset = [corners[3 * k + n] - (x, y, z)[n] for n in range(3)]
+                self.assertAlmostEqual(offset[axis], 0.5 * sign * edge, places=5)  # floats
+                self.assertTrue(all(abs(abs(o) - 0.5 * edge) < 1e-5 for o in offset))
+        return [((x, y, z), face) for x, y, z, face in free], edge
 
     def test_occupied_voxels_are_cubes_at_their_places(self):
         browser = self.browse(self.play())
         self.pause(browser)
-        # Hidden at first: nothing is made of what nobody sees.
+        # Hidden at first: nothing is made of what nobody sees, and then of the newest.
         browser.run("nodmap.take('OCTOMAP', arguments[0], 1)", voxel_grid(2, 2, [1] * 8))
         self.assertIsNone(browser.wait_for("nodmap.layers.get('OCTOMAP').layer.group.children.length > 0", 1))
         browser.run("document.querySelector('[data-topic=OCTOMAP]').click()")
-        self.assertIsNotNone(browser.wait_for("nodmap.layers.get('OCTOMAP').layer.group.children.length === 1"))
+        self.assertIsNotNone(browser.wait_for("nodmap.layers.get('OCTOMAP').layer.group.children[0]?.userData.free.length === 20"))
         # 3 columns, 2 rows, 2 slices; occupied are (0, 0, 0), (2, 1, 0) and (1, 0, 1).
-        centers, edge = self.show(browser, voxel_grid(3, 2, [1, 0, 0, 0, 0, 1, 0, 1, 0, 0, 0, 0], 0.5))
-        expected = [0.25, 0.25, 0.25, 1.25, 0.75, 0.25, 0.75, 0.25, 0.75]
-        self.assertEqual(centers, expected)  # halves of halves: exact
+        faces, edge = self.show(browser, voxel_grid(3, 2, [1, 0, 0, 0, 0, 1, 0, 1, 0, 0, 0, 0], 0.5))
+        places = [(0.25, 0.25, 0.25), (1.25, 0.75, 0.25), (0.75, 0.25, 0.75)]  # halves of halves: exact
+        # They touch at edges only: each has all its faces but the lower one.
+        self.assertEqual(faces, [(place, face) for place in places for face in range(5)])
         self.assertEqual(edge, 0.5)
         self.show_only(browser)
         self.assertEqual(browser.run(COUNT_DRAWN), 0)
@@ -71,19 +82,28 @@ class Voxels(PageCase):
         self.assertGreater(browser.run(COUNT_DRAWN), 500)
         self.assert_quiet(browser)
 
+    def test_faces_between_voxels_are_left_out(self):
+        browser = self.browse(self.play())
+        self.pause(browser)
+        browser.run("document.querySelector('[data-topic=OCTOMAP]').click()")
+        # Two side by side along x: the front of the first and the back of the second touch.
+        faces, _ = self.show(browser, voxel_grid(2, 1, [1, 1], 0.5))
+        first, second = (0.25, 0.25, 0.25), (0.75, 0.25, 0.25)
+        self.assertEqual(set(faces), {(first, face) for face in (0, 2, 3, 4)} | {(second, face) for face in (0, 1, 3, 4)})
+
     def test_too_many_are_drawn_coarser(self):
         browser = self.browse(self.play())
         self.pause(browser)
         browser.run("document.querySelector('[data-topic=OCTOMAP]').click()")
-        centers, edge = self.show(browser, voxel_grid(101, 100, [1] * (101 * 100 * 6)))
-        # 60600 cubes are more than 40000; by twos they are 51 x 50 x 3.
-        self.assertEqual(len(centers), 3 * 51 * 50 * 3)
+        faces, edge = self.show(browser, voxel_grid(101, 100, [1] * (101 * 100 * 6)))
+        # Top and sides of this block are 101 * 100 + 2 * (101 + 100) * 6 = 12512 faces, more than 12000; by twos it is 51 x 50 x 3.
+        self.assertEqual(len(faces), 51 * 50 + 2 * (51 + 50) * 3)
         self.assertAlmostEqual(edge, 0.2)
-        self.assertAlmostEqual(centers[0], 0.1, places=6)  # floats
-        self.assertAlmostEqual(centers[-1], 0.5, places=6)
+        self.assertAlmostEqual(faces[0][0][0], 0.1, places=6)  # floats
 
     def test_nothing_occupied_is_no_cube(self):
         browser = self.browse(self.play())
+        self.pause(browser)
         browser.run("document.querySelector('[data-topic=OCTOMAP]').click()")
         self.assertEqual(self.show(browser, voxel_grid(2, 2, [0] * 8))[0], [])
         self.assert_quiet(browser)

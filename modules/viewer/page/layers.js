@@ -97,7 +97,7 @@ export function makeLayers(frames, software) {
     ["scene/robot", {name: "robot", layer: entities()}],
     ["SCAN", {name: "laser fan", layer: layer(drawScan)}],
     ["CLOUD", {name: "point cloud", layer: new CloudLayer(frames, software)}],
-    ["OCTOMAP", {name: "voxels", layer: layer(drawVoxels), off: true}],
+    ["OCTOMAP", {name: "voxels", layer: layer(drawVoxels(software ? 12000 : 200000)), off: true}],
     ["MAP_2D", {name: "2D map", layer: layer(drawGrid)}],
     ["OBSTACLE_MAP", {name: "obstacle map", layer: layer(drawPoints(0xffb74d, 5))}],
     ["STRUCTURE_MAP", {name: "structure map", layer: layer(drawPoints(0x4dd0e1, 5))}],

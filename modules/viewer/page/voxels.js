@@ -1,24 +1,26 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// OctoMap's occupied voxels, as cubes.
-import {
-  BoxBufferGeometry, InstancedBufferAttribute, InstancedBufferGeometry, Mesh, ShaderMaterial, Vector3,
-} from "./three/build/three.module.js";
+// OctoMap's occupied voxels, as cubes: of each the faces that are free, but those underneath. All in one geometry: software
+// WebGL takes each instance of an instanced one for a drawing of its own.
+import {BufferAttribute, BufferGeometry, DoubleSide, Mesh, ShaderMaterial} from "./three/build/three.module.js";
 import {CUT_GLSL, RAMP_GLSL, shared} from "./colors.js";
 import {bytesOf} from "./decode.js";
 import {setPose} from "./frames.js";
 
-// More cubes than this, and the grid is drawn with voxels of twice the edge, as an octree is.
-const MAX_CUBES = 40000;
+/** The faces: the step to the neighbour behind each, and how bright it is. Top, front, back, left, right. */
+const FACES = [
+  {step: [0, 0, 1], light: 0.95}, {step: [1, 0, 0], light: 0.58}, {step: [-1, 0, 0], light: 0.66},
+  {step: [0, 1, 0], light: 0.74}, {step: [0, -1, 0], light: 0.82},
+];
+/** Two triangles, by the corners of a square from -1 to 1. */
+const SQUARE = [[-1, -1], [1, -1], [1, 1], [-1, -1], [1, 1], [-1, 1]];
 
 const VERTEX = `${RAMP_GLSL}
-attribute vec3 center;
-uniform vec3 edges;
+attribute vec4 voxel;
 uniform float ceilingM;
 varying vec3 color;
 void main() {
-  vec4 world = modelMatrix * vec4(center + edges * position, 1.0);
-  float light = 0.62 + 0.3 * normal.z - 0.12 * normal.x - 0.06 * normal.y;
-  color = light * heightColor((modelMatrix * vec4(center, 1.0)).z);
+  vec4 world = modelMatrix * vec4(position, 1.0);
+  color = voxel.w * heightColor((modelMatrix * vec4(voxel.xyz, 1.0)).z);
   gl_Position = projectionMatrix * viewMatrix * world;
   ${CUT_GLSL}
 }`;
@@ -27,9 +29,8 @@ varying vec3 color;
 void main() {
   gl_FragColor = vec4(color, 1.0);
 }`;
-
 const material = new ShaderMaterial({
-  uniforms: {ceilingM: shared.ceilingM, edges: {value: new Vector3()}}, vertexShader: VERTEX, fragmentShader: FRAGMENT});
+  uniforms: {ceilingM: shared.ceilingM}, vertexShader: VERTEX, fragmentShader: FRAGMENT, side: DoubleSide});
 
 /** A foxglove.VoxelGrid with a uint8 field `occupied`, as {cells, columns, rows, slices, size}; cells without gaps, x fastest. */
 export function occupancyOf(grid) {
@@ -65,32 +66,58 @@ export function coarser({cells, columns, rows, slices, size}) {
   return coarse;
 }
 
-/** x, y, z of the centre of each occupied voxel, from the grid's corner. */
-export function centersOf({cells, columns, rows, size}) {
-  const centers = [];
+/** The free faces: [x, y, z of its voxel's centre from the grid's corner, place in FACES] of each. */
+export function freeFacesOf({cells, columns, rows, slices, size}) {
+  const free = [];
+  const isOccupied = (x, y, z) => x >= 0 && x < columns && y >= 0 && y < rows && z >= 0 && z < slices && cells[(z * rows + y) * columns + x];
   cells.forEach((occupied, i) => {
-    if (occupied) {
-      centers.push((i % columns + 0.5) * size.x, (Math.floor(i / columns) % rows + 0.5) * size.y,
-          (Math.floor(i / (columns * rows)) + 0.5) * size.z);
+    if (!occupied) {
+      return;
     }
+    const x = i % columns;
+    const y = Math.floor(i / columns) % rows;
+    const z = Math.floor(i / (columns * rows));
+    FACES.forEach(({step: [dx, dy, dz]}, face) => {
+      if (!isOccupied(x + dx, y + dy, z + dz)) {
+        free.push([(x + 0.5) * size.x, (y + 0.5) * size.y, (z + 0.5) * size.z, face]);
+      }
+    });
   });
-  return new Float32Array(centers);
+  return free;
 }
 
-/** The objects that show a foxglove.VoxelGrid. */
-export function drawVoxels(grid) {
-  let occupancy = occupancyOf(grid);
-  let centers = centersOf(occupancy);
-  while (centers.length > 3 * MAX_CUBES) {
-    occupancy = coarser(occupancy);
-    centers = centersOf(occupancy);
+/** Triangles of the faces. Each of their corners knows the centre of its voxel and the light of its face. */
+function geometryOf(free, {size}) {
+  const corners = new Float32Array(free.length * SQUARE.length * 3);
+  const voxels = new Float32Array(free.length * SQUARE.length * 4);
+  let at = 0;
+  for (const [x, y, z, face] of free) {
+    const {step: [dx, dy, dz], light} = FACES[face];
+    for (const [u, v] of SQUARE) {
+      const [cx, cy, cz] = dz ? [u, v, dz] : dx ? [dx, u, v] : [u, dy, v];
+      corners.set([x + 0.5 * size.x * cx, y + 0.5 * size.y * cy, z + 0.5 * size.z * cz], 3 * at);
+      voxels.set([x, y, z, light], 4 * at);
+      ++at;
+    }
   }
-  const cubes = new InstancedBufferGeometry().copy(new BoxBufferGeometry(1, 1, 1));
-  cubes.setAttribute("center", new InstancedBufferAttribute(centers, 3));
-  cubes.maxInstancedCount = centers.length / 3;
-  material.uniforms.edges.value.copy(occupancy.size);
-  const object = new Mesh(cubes, material);
-  object.frustumCulled = false;  // three.js knows the first cube only
-  setPose(object, grid.pose);
-  return [object];
+  const geometry = new BufferGeometry();
+  geometry.setAttribute("position", new BufferAttribute(corners, 3));
+  geometry.setAttribute("voxel", new BufferAttribute(voxels, 4));
+  return geometry;
+}
+
+/** A drawing of foxglove.VoxelGrid: with so many faces, or with voxels of twice the edge, as an octree has them. */
+export function drawVoxels(maxFaces) {
+  return (grid) => {
+    let occupancy = occupancyOf(grid);
+    let free = freeFacesOf(occupancy);
+    while (free.length > maxFaces) {
+      occupancy = coarser(occupancy);
+      free = freeFacesOf(occupancy);
+    }
+    const object = new Mesh(geometryOf(free, occupancy), material);
+    object.userData = {free, edgeM: occupancy.size.x};
+    setPose(object, grid.pose);
+    return [object];
+  };
 }
