@@ -82,12 +82,15 @@ void Slam2dNode::on_scan(const nodmap::scan_t& message) {
 }
 
 void Slam2dNode::track(const scan::Scan& scan) {
-  const auto T_odom_base = odometry_.at(scan.utime_us);
-  if (!T_odom_base) {
+  const auto T_odom_first = odometry_.at(scan.utime_us);
+  if (!T_odom_first) {
     context_.tally.reject("no_odometry");
     return;
   }
-  const auto result = slam_.add_scan(scan, geometry::to_se2(*T_odom_base));
+  const auto T_odom_last = odometry_.at(scan.utime_last_us()).value_or(*T_odom_first);
+  const geometry::SE2 T_odom_base = geometry::to_se2(*T_odom_first);
+  const auto result =
+      slam_.add_scan(scan, T_odom_base, T_odom_base.inverse() * geometry::to_se2(T_odom_last));
   if (!result) {
     context_.tally.reject("nothing_seen");
     return;

@@ -23,7 +23,7 @@ struct Slam2dParams {
   double weak_direction_share = 0.02;
 
   double new_point_distance_m = 0.05;
-  double line_radius_m = 0.25;
+  double line_radius_m = 0.15;
   double keyframe_distance_m = 0.3;
   double keyframe_rotation_rad = geometry::deg_to_rad(15.0);
 
@@ -54,7 +54,9 @@ struct Slam2dParams {
     v.number("new_point_distance_m", new_point_distance_m, {0.005, 1.0},
              "d_new: a scan point is added when no point of the map is this near.");
     v.number("line_radius_m", line_radius_m, {0.02, 2.0},
-             "Neighbours up to here form the line through a point of the map.");
+             "Neighbours up to here form the line through a point of the map. Wider lines average "
+             "more noise, "
+             "but bridge the steps at door frames and niches.");
     v.number("keyframe_distance_m", keyframe_distance_m, {0.0, 10.0},
              "Points are added to the map after this way since the last time.");
     v.angle("keyframe_rotation_deg", keyframe_rotation_rad, {0.0, 180.0},

@@ -28,6 +28,11 @@ struct Spread {
   }
 };
 
+/// The motion up to a fraction of it. Within the 13 ms of a scan the chord is as good as the arc.
+geometry::SE2 part_of(const geometry::SE2& motion, double fraction) {
+  return {fraction * motion.x, fraction * motion.y, fraction * motion.yaw};
+}
+
 }  // namespace
 
 Eigen::Vector2d normal_at(std::span<const Eigen::Vector2d> points, std::size_t index,
@@ -50,11 +55,13 @@ Eigen::Vector2d normal_at(std::span<const Eigen::Vector2d> points, std::size_t i
   return normal.dot(eye - middle) < 0.0 ? Eigen::Vector2d(-normal) : normal;
 }
 
-std::span<const SurfacePoint> ScanSurface::points(const scan::Scan& scan) {
+std::span<const SurfacePoint> ScanSurface::points(const scan::Scan& scan,
+                                                  const geometry::SE2& T_first_last) {
   hits_.clear();
   points_.clear();
   for (const scan::ScanProjector::Point& hit : projector_.hits(scan)) {
-    hits_.emplace_back(hit.p_base.head<2>());
+    const geometry::SE2 T_first_beam = part_of(T_first_last, scan.fraction(hit.beam));
+    hits_.emplace_back(T_first_beam * Eigen::Vector2d(hit.p_base.head<2>()));
   }
   const Eigen::Vector2d eye = scan::point_in_base(scan, 0, 0.0).head<2>();
   for (std::size_t i = 0; i < hits_.size(); ++i) {

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "common/geometry/se2.hpp"
 #include "common/scan/scan.hpp"
 #include "modules/slam2d/surface_point.hpp"
 
@@ -15,7 +16,10 @@ namespace nodmap::slam2d {
 class ScanSurface {
  public:
   /// The points of all beams that hit something, in beam order. Valid until the next call.
-  [[nodiscard]] std::span<const SurfacePoint> points(const scan::Scan& scan);
+  /// `T_first_last`: how the robot moved (base) from the first beam to the last. It is stripped:
+  /// the points are where a scanner at rest would have seen them at the time of the first beam.
+  [[nodiscard]] std::span<const SurfacePoint> points(const scan::Scan& scan,
+                                                     const geometry::SE2& T_first_last = {});
 
  private:
   scan::ScanProjector projector_;

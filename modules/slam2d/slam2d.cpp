@@ -35,11 +35,12 @@ Slam2d::Slam2d(const Slam2dParams& params)
     : params_(params), matcher_(params), search_(params), map_(params.line_radius_m) {}
 
 std::optional<Slam2dResult> Slam2d::add_scan(const scan::Scan& scan,
-                                             const geometry::SE2& T_odom_base) {
-  if (!scan::is_plausible(scan) || !is_finite(T_odom_base)) {
+                                             const geometry::SE2& T_odom_base,
+                                             const geometry::SE2& T_first_last) {
+  if (!scan::is_plausible(scan) || !is_finite(T_odom_base) || !is_finite(T_first_last)) {
     return std::nullopt;
   }
-  const std::span<const SurfacePoint> points = surface_.points(scan);
+  const std::span<const SurfacePoint> points = surface_.points(scan, T_first_last);
   if (keyframes_.empty() && points.size() < kMinPoints) {
     return std::nullopt;
   }

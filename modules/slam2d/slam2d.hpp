@@ -67,9 +67,11 @@ class Slam2d {
  public:
   explicit Slam2d(const Slam2dParams& params);
 
-  /// Takes a level scan and where the robot was then by odometry. Empty when the scan is no
-  /// plausible one or the pose is not finite, and when the first scan shows nothing to begin with.
-  std::optional<Slam2dResult> add_scan(const scan::Scan& scan, const geometry::SE2& T_odom_base);
+  /// Takes a level scan, where the robot was by odometry at its first beam, and how it moved from
+  /// there to the last one; poses are those at the first beam. Empty when the scan is no plausible
+  /// one or a pose is not finite, and when the first scan shows nothing to begin with.
+  std::optional<Slam2dResult> add_scan(const scan::Scan& scan, const geometry::SE2& T_odom_base,
+                                       const geometry::SE2& T_first_last = {});
 
   /// Odometry goes on in another frame: the same place, as far as anybody knows, is
   /// `T_old_odom_base` in the present frame and `T_new_odom_base` in the new one. The robot stays

@@ -30,6 +30,24 @@ inline FloorPlan corridor() {
   return {{{-200, -1}, {200, -1}}, {{-200, 1}, {200, 1}}};
 }
 
+/// 2.2 m wide, ends at x = -1 m and 29 m, with doors 12 cm deep on either side, not opposite each
+/// other.
+inline FloorPlan corridor_with_doors() {
+  FloorPlan plan{{{-1, -1.1}, {-1, 1.1}}, {{29, 1.1}, {29, -1.1}}};
+  for (const double side : {1.0, -1.0}) {
+    double x = -1.0;
+    for (double door = side > 0.0 ? 1.3 : 0.4; door < 28.0; door += 3.6) {
+      plan.push_back({{x, 1.1 * side}, {door, 1.1 * side}});
+      plan.push_back({{door, 1.1 * side}, {door, 1.22 * side}});
+      plan.push_back({{door, 1.22 * side}, {door + 1.0, 1.22 * side}});
+      plan.push_back({{door + 1.0, 1.22 * side}, {door + 1.0, 1.1 * side}});
+      x = door + 1.0;
+    }
+    plan.push_back({{x, 1.1 * side}, {29, 1.1 * side}});
+  }
+  return plan;
+}
+
 inline double range_to(const Wall& wall, const Eigen::Vector2d& eye, const Eigen::Vector2d& ray) {
   const Eigen::Vector2d along = wall.to - wall.from;
   const double det = ray.x() * along.y() - ray.y() * along.x();

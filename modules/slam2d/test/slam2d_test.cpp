@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -90,6 +91,27 @@ TEST(Slam2d, R37_ACorridorFollowsOdometryAlongAndTheWallsAcross) {
   EXPECT_NEAR(result->T_map_base.x, 30.0 * 1.03, 0.30);
   EXPECT_NEAR(result->T_map_base.y, 0.0, 0.10);
   EXPECT_NEAR(result->T_map_base.yaw, 0.0, geometry::deg_to_rad(0.5));
+}
+
+// The greatest error of the heading on a drive through the corridor with doors.
+double worst_heading_rad(const Slam2dParams& params) {
+  Slam2d slam{params};
+  Scanner scanner;
+  double worst_rad = 0.0;
+  for (int i = 0; i < 75; ++i) {
+    const SE2 truth{0.36 * i, 0.0, 0.0};  // 1.5 m/s, a level scan each 0.24 s
+    const SE2 odom{1.03 * truth.x, 0.0, 0.0005 * i};
+    const auto result = slam.add_scan(scanner.scan(test::corridor_with_doors(), truth, i), odom);
+    worst_rad = std::max(worst_rad, std::abs(result.value().T_map_base.yaw));
+  }
+  return worst_rad;
+}
+
+// A line of the map that bridges the step at a door is slanted, and turns the pose.
+TEST(Slam2d, R37_DoorFramesDoNotTurnThePose) {
+  const double worst_rad = worst_heading_rad({});
+  EXPECT_LT(worst_rad, geometry::deg_to_rad(0.5));  // R37
+  EXPECT_LT(worst_rad, worst_heading_rad({.line_radius_m = 0.25}));
 }
 
 TEST(Slam2d, R38_ALoopEndsWhereItBegan) {
