@@ -20,7 +20,6 @@ namespace {
 
 // 60 kB: with its head a part stays below 64 KiB.
 constexpr std::size_t kPointsPerChunk = 5000;
-constexpr std::size_t kBytesPerChunk = 60'000;
 
 std::int8_t pose_quality(const SweepRecord& sweep) {
   if (!sweep.keyframe) {
@@ -75,13 +74,21 @@ void Slam6dNode::on_scan(const nodmap::scan_t& message) {
     return;
   }
   answer(slam_.add_scan(std::move(scan)));
+  publish_octomap_part();
 }
 
 void Slam6dNode::finish() {
   answer(slam_.flush());
-  // What came within the period since the last one.
+  const auto publish_rest = [this] {
+    while (!octomap_.is_empty()) {
+      publish_octomap_part();
+    }
+  };
+  publish_rest();
+  // What came within the period since the last map.
   if (params_.octomap_period_s > 0.0 && octomap_keyframes_ < slam_.keyframes().size()) {
-    publish_octomap();
+    begin_octomap();
+    publish_rest();
   }
 }
 
@@ -125,9 +132,9 @@ void Slam6dNode::answer_keyframe(const Keyframe& keyframe) {
   occupancy_.insert(keyframe.cloud, keyframe.T_map_base);
   const double age_s = 1e-6 * static_cast<double>(keyframe.cloud.utime_us - octomap_utime_us_);
   // A clock set back must not silence it until it has caught up.
-  const bool is_due = octomap_revision_ == 0 || age_s < 0.0 || age_s >= params_.octomap_period_s;
-  if (params_.octomap_period_s > 0.0 && is_due) {
-    publish_octomap();
+  const bool is_due = octomap_keyframes_ == 0 || age_s < 0.0 || age_s >= params_.octomap_period_s;
+  if (params_.octomap_period_s > 0.0 && is_due && octomap_.is_empty()) {
+    begin_octomap();
   }
   const auto every = static_cast<std::size_t>(params_.save_every_keyframes);
   if (every > 0 && slam_.keyframes().size() % every == 0 && !context_.out_dir.empty()) {
@@ -156,25 +163,27 @@ void Slam6dNode::publish_cloud(const Keyframe& keyframe) {
   }
 }
 
-void Slam6dNode::publish_octomap() {
-  const auto bytes = occupancy_.encode(OccupancyMap::Format::kBt);
-  if (!bytes) {
-    return;
-  }
+void Slam6dNode::begin_octomap() {
   octomap_utime_us_ = slam_.keyframes().back().cloud.utime_us;
   octomap_keyframes_ = slam_.keyframes().size();
-  nodmap::octomap_chunk_t message{};
-  message.utime = octomap_utime_us_;
-  message.map_revision = octomap_revision_++;
-  message.num_chunks =
-      static_cast<std::int32_t>((bytes->size() + kBytesPerChunk - 1) / kBytesPerChunk);
-  for (; message.chunk_index < message.num_chunks; ++message.chunk_index) {
-    const std::size_t first = static_cast<std::size_t>(message.chunk_index) * kBytesPerChunk;
-    const std::string part = bytes->substr(first, kBytesPerChunk);
-    message.bytes.assign(part.begin(), part.end());
-    message.num_bytes = static_cast<std::int32_t>(part.size());
-    context_.bus.publish("OCTOMAP", message);
+  if (auto file = occupancy_.encode(OccupancyMap::Format::kBt)) {
+    octomap_.begin(octomap_utime_us_, std::move(*file));
   }
+}
+
+void Slam6dNode::publish_octomap_part() {
+  if (octomap_.is_empty()) {
+    return;
+  }
+  const OctomapParts::Part part = octomap_.next();
+  nodmap::octomap_chunk_t message{};
+  message.utime = part.utime_us;
+  message.map_revision = part.revision;
+  message.chunk_index = part.index;
+  message.num_chunks = part.count;
+  message.num_bytes = static_cast<std::int32_t>(part.bytes.size());
+  message.bytes.assign(part.bytes.begin(), part.bytes.end());
+  context_.bus.publish("OCTOMAP", message);
 }
 
 void Slam6dNode::on_save_request(const nodmap::save_request_t& message) {

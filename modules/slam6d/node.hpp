@@ -12,6 +12,7 @@
 #include "common/node/node.hpp"
 #include "common/node/tally.hpp"
 #include "modules/slam6d/occupancy_map.hpp"
+#include "modules/slam6d/octomap_parts.hpp"
 #include "modules/slam6d/params.hpp"
 #include "modules/slam6d/slam6d.hpp"
 #include "nodmap/odometry_t.hpp"
@@ -42,7 +43,8 @@ class Slam6dNode : public node::Node {
   void publish(const SweepRecord& sweep);
   void answer_keyframe(const Keyframe& keyframe);
   void publish_cloud(const Keyframe& keyframe);
-  void publish_octomap();
+  void begin_octomap();
+  void publish_octomap_part();
   void count_scans();
   void save_map_while_running();
   [[nodiscard]] std::error_code save_map(const std::filesystem::path& dir);
@@ -55,8 +57,8 @@ class Slam6dNode : public node::Node {
   std::size_t counted_scans_ = 0;
   std::size_t counted_without_pose_ = 0;
   std::int64_t maps_saved_ = 0;
-  std::int64_t octomap_revision_ = 0;
-  std::size_t octomap_keyframes_ = 0;  // in the map that was published last
+  OctomapParts octomap_;
+  std::size_t octomap_keyframes_ = 0;  // in the map that was begun last
   std::int64_t octomap_utime_us_ = 0;  // of that map
   std::error_code save_error_;         // of the last try
 };
