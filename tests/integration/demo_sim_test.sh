@@ -54,7 +54,19 @@ kill_sheriff() {
   fail "there was no sheriff to kill"
 }
 
-tools/demo_sim.sh --duration 10 --out "$work/done" || fail "the demo failed"
+# The page that its first lines name is there.
+page_answers() {
+  local address
+  address=$(grep -o -m 1 'http://[^ ]*/' "$1") || return 1
+  python3 -c 'import sys, urllib.request as r; sys.exit(b"<title>nodmap" not in r.urlopen(sys.argv[1], timeout=5).read())' "$address" 2>/dev/null
+}
+
+tools/demo_sim.sh --duration 10 --out "$work/done" >"$work/done.log" 2>&1 &
+demo=$!
+for _ in $(seq 150); do page_answers "$work/done.log" && break; sleep 0.1; done
+page_answers "$work/done.log" || fail "the demo's page does not answer"
+wait "$demo" || { cat "$work/done.log"; fail "the demo failed"; }
+grep -q '/#token=' "$work/done.log" || fail "the demo does not name its controls"
 expect_nothing_left "$work/done" "the demo"
 
 for seconds in 0 0.1 0.3 0.6 1 1.5 2 3 4 5 6 8; do

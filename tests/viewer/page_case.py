@@ -36,7 +36,8 @@ class PageCase(unittest.TestCase):
         self.folder = tempfile.TemporaryDirectory()
         self.addCleanup(self.folder.cleanup)
 
-    def play(self, *arguments, duration_s=20, points=12000):
+    def play(self, *arguments, duration_s=60, points=12000):
+        """A viewer that plays a recording long enough for a slow machine not to be at its end too soon."""
         viewer = Viewer("--replay", make_log(self.folder.name, duration_s, points), *arguments)
         self.addCleanup(viewer.stop)
         return viewer
@@ -61,8 +62,9 @@ class PageCase(unittest.TestCase):
     def pause(self, browser):
         browser.run("document.getElementById('pause').click()")
         self.assertIsNotNone(browser.wait_for("document.getElementById('pause').textContent === 'Play'"))
-        # A still picture is refined: from now on it stays as it is.
-        self.assertIsNotNone(browser.wait_for("nodmap.cloud.drawn === nodmap.cloud.total"))
+        # What was on its way has come, and the still picture is refined: from now on it stays as it is.
+        self.assertIsNotNone(browser.wait_for(
+            "performance.now() - nodmap.detail.changedMs > 1000 && nodmap.cloud.drawn === nodmap.cloud.total"))
 
     def show_only(self, browser, *topics):
         browser.run("""document.querySelectorAll('#layers input').forEach((box) => {

@@ -154,6 +154,51 @@ class LevelOfDetail(PageCase):
             self.assertLess(refined, 10)
 
 
+class Splats(PageCase):
+    def splat(self, browser, points, ceiling_m=2, newness=None):
+        """{pixel: (distance in steps of 1 cm, colour)} of a picture of 10 x 10, looking along x, y to the right, 90 degrees wide."""
+        return {int(at): (value >> 8, value & 255) for at, value in browser.run("""
+            return import("/splat.js").then(({splat}) => {
+              const pixels = new Uint32Array(100).fill(0xffffffff);
+              const m = [0, 0, 0, 1, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0];
+              splat(new Float32Array(arguments[0].flat()), arguments[0].length, m, [0, 0, 1, 0], {
+                pixels, width: 10, height: 10, unit: 100, ceilingM: arguments[1], newness: arguments[2]});
+              return Object.entries(pixels).filter(([, value]) => value !== 0xffffffff);
+            });""", points, ceiling_m, newness)}
+
+    def test_points_come_where_they_belong(self):
+        browser = self.browse(self.play())
+        # 8 m away, 4 m right, 1 m up: half and an eighth of the way from the middle, which is at 5; halfway up the colours.
+        self.assertEqual(self.splat(browser, [[8, 4, 1]]), {57: (800, 127)})
+        self.assertEqual(self.splat(browser, [[8, 4, 1], [16, 8, 2]]), {57: (800, 127)})  # behind the first one
+        self.assertEqual(self.splat(browser, [[16, 8, 2], [8, 4, 1]]), {57: (800, 127)})
+        self.assertEqual(self.splat(browser, [[-8, 4, 1], [8, 9, 1], [8, 4, 1.01]], 1), {})  # behind us, beside the picture, cut
+        self.assertEqual(self.splat(browser, [[8, 4, 1]], 2, 1), {57: (800, 255)})  # the newest
+        # Near by, four pixels.
+        self.assertEqual(set(self.splat(browser, [[2, 0, 0]])), {55, 56, 65, 66})
+
+    def test_webgl_draws_the_same(self):
+        browser = self.browse(self.play())
+        self.pause(browser)
+        self.show_only(browser, "CLOUD")
+        both, by_webgl, by_splats = browser.run(PIXELS + """
+          const quad = nodmap.cloud.group.children.find((child) => child.isMesh);
+          const shown = (splats, points) => {
+            quad.visible = splats;
+            nodmap.cloud.keyframes.forEach((object) => { object.visible = points; });
+            return pixels();
+          };
+          const [none, webgl, splats] = [shown(false, false), shown(false, true), shown(true, false)];
+          const count = (drawn) => none.reduce((sum, pixel, i) => sum + drawn(pixel, i), 0);
+          return [count((pixel, i) => webgl[i] !== pixel && splats[i] !== pixel), count((pixel, i) => webgl[i] !== pixel),
+                  count((pixel, i) => splats[i] !== pixel)];
+        """)
+        # The points are round about as large, not equally: 1.5 to 5 pixels, and blocks of 2 or 4.
+        self.assertGreater(by_webgl, 2000)
+        self.assertGreater(both, 0.6 * by_webgl)
+        self.assertGreater(both, 0.4 * by_splats)
+
+
 class Keys(PageCase):
     def test_arrows_turn_the_camera_and_plus_comes_nearer(self):
         browser = self.browse(self.play())
