@@ -61,7 +61,7 @@ say "starting the processes (LCM: $LCM_DEFAULT_URL)"
 setpriv --pdeathsig TERM "$bin/nodmap-deputy" --config "$config" >"$out/deputy.log" 2>&1 &
 deputy=$!
 # The viewer says the token of the page by its output, and the deputy hands that on.
-"$bin/nodmap-sheriff" "$config" --output viewer >"$out/viewer.log" 2>&1 &
+setpriv --pdeathsig TERM "$bin/nodmap-sheriff" "$config" --output viewer >"$out/viewer.log" 2>&1 &
 listener=$!
 run "$bin/nodmap-sheriff" "$config" --script demo --on-script-complete exit --timeout 30 >"$out/sheriff.log" || die "not every process started; see $out/sheriff.log"
 
