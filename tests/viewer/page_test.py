@@ -28,7 +28,8 @@ class Page(PageCase):
             self.assertIsNotNone(browser.wait_for(f"nodmap.layers.get('{topic}').layer.group.children.length > 0", 10), topic)
         self.assertIn("slam2d", browser.run("return document.getElementById('processes').innerText"))
         self.assertIn("0.50 m/s", browser.run("return document.getElementById('facts').innerText"))
-        self.assertTrue(browser.run("return document.getElementById('banner').hidden"))
+        # A machine that is busy may stall for two seconds: the banner is right then, and goes.
+        self.assertIsNotNone(browser.wait_for("document.getElementById('banner').hidden"))
         self.assertTrue(browser.run("return document.getElementById('control').hidden"))
         self.assertEqual(browser.run(HOSTS), [f"127.0.0.1:{viewer.port}"])
         self.picture(browser, "page.png")
@@ -74,7 +75,8 @@ class Page(PageCase):
     def test_the_banner_tells_when_nothing_comes(self):
         viewer = self.play()
         browser = self.browse(viewer)
-        self.assertTrue(browser.run("return document.getElementById('banner').hidden"))
+        # A machine that is busy may stall for two seconds: the banner is right then, and goes.
+        self.assertIsNotNone(browser.wait_for("document.getElementById('banner').hidden"))
         viewer.stop()
         self.assertIsNotNone(browser.wait_for("document.getElementById('banner').textContent.includes('No connection')"))
         self.assertFalse(browser.run("return document.getElementById('banner').hidden"))
