@@ -144,7 +144,9 @@ class Processes(unittest.TestCase):
 
     def test_recording(self):
         self.ask(do="start_recording")
-        self.await_command("logger", lambda row: row["state"] == "running")
+        self.driver.subscribe("STATUS")
+        # Its first STATUS comes when its files are open.
+        self.driver.collect(lambda m: any(p["process_name"] == "nodmap-logger" for p in m.get("STATUS", [[0, {"processes": []}]])[-1][1]["processes"]))
         self.ask(do="save_maps")
         self.ask(do="stop_recording")
         self.await_command("logger", lambda row: row["state"] == "stopped" and row["pid"] == 0)

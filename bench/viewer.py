@@ -1,0 +1,256 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""What nodmap-viewer takes with the whole (simulated) robot live, and what its clients and its death do to the robot.
+
+  tests/support/private_network.sh python3 bench/viewer.py [--window S] [--soak S] [--bin DIR] [--world WORLD.yaml]
+
+Prints one JSON object. In each window: the viewer's share of one core, its memory, and the robot's rates and latencies as its own
+STATUS tells them, heard by a second viewer that is there all the time.
+"""
+import argparse
+import json
+import os
+import socket
+import statistics
+import struct
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+
+ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+sys.path.insert(0, os.path.join(ROOT, "tests", "viewer"))
+from foxglove_client import Client  # noqa: E402
+from viewer_process import Viewer  # noqa: E402
+from websocket import PONG, WebSocket  # noqa: E402
+
+ROBOT = ("nodmap-laser3d", "nodmap-map-server", "nodmap-navigator", "nodmap-slam2d")
+
+
+class Robot:
+    """The processes of procman/sim.pmd, by the process manager."""
+
+    def __init__(self, programs, world, folder):
+        environment = {**os.environ, "NODMAP_WORLD": world, "NODMAP_RUN": folder, "NODMAP_PORT": "0", "PATH": programs + os.pathsep + os.environ["PATH"]}
+        config = os.path.join(ROOT, "procman", "sim.pmd")
+        self.deputy = subprocess.Popen([f"{programs}/nodmap-deputy", "--config", config], env=environment, cwd=ROOT,
+                                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        try:
+            subprocess.run([f"{programs}/nodmap-sheriff", config, "--script", "start_robot", "--on-script-complete", "exit", "--timeout", "60"],
+                           check=True, env=environment, cwd=ROOT, stdout=subprocess.DEVNULL)
+        except (OSError, subprocess.CalledProcessError):
+            self.stop()
+            raise
+
+    def stop(self):
+        self.deputy.terminate()
+        self.deputy.wait(timeout=60)
+
+
+class Reader(threading.Thread):
+    """A client of every topic that takes what comes and looks at none of it."""
+
+    def __init__(self, port):
+        super().__init__(daemon=True)
+        self.client = Client(port)
+        self.client.subscribe(*self.client.channels)
+        self.bytes = 0
+        self.ends = False
+        self.start()
+
+    def run(self):
+        alive = time.monotonic()
+        while not self.ends:
+            try:
+                self.bytes += len(self.client.socket.socket.recv(1 << 20))
+            except OSError:
+                return
+            if time.monotonic() - alive > 5:  # so that it does not count as idle
+                self.client.socket.send(b"", PONG)
+                alive = time.monotonic()
+
+    def stop(self):
+        self.ends = True
+        self.join()
+        self.client.close()
+
+
+class Gaps(threading.Thread):
+    """A client of PITCH_STATE that notes the times between messages."""
+
+    def __init__(self, port):
+        super().__init__(daemon=True)
+        self.client = Client(port)
+        self.client.subscribe("PITCH_STATE")
+        self.client.receive()
+        self.gaps_ms = []
+        self.ends = False
+        self.start()
+
+    def run(self):
+        last = time.monotonic()
+        while not self.ends:
+            self.client.receive()
+            now = time.monotonic()
+            self.gaps_ms.append(1e3 * (now - last))
+            last = now
+
+    def stop(self):
+        self.ends = True
+        self.join()
+        self.client.close()
+        return {"median_ms": round(statistics.median(self.gaps_ms), 1), "max_ms": round(max(self.gaps_ms), 1)}
+
+
+def robot_status(observer, duration_s):
+    """Medians of what the robot's processes say of themselves over this time."""
+    client = Client(observer.port)
+    client.subscribe("STATUS")
+    rows, end = {}, time.monotonic() + duration_s
+    while time.monotonic() < end:
+        for process in client.receive()[2]["processes"]:
+            if process["process_name"] in ROBOT:
+                rows.setdefault(process["process_name"], {})[process["utime"]] = (process["handled_per_s"], process["latency_p99_us"])
+    client.close()
+    return {name: {"handled_per_s": round(statistics.median(r for r, _ in told.values())),
+                   "p99_us": round(statistics.median(p for _, p in told.values()))} for name, told in sorted(rows.items())}
+
+
+def window(viewer, observer, duration_s):
+    cpu_s, begin = viewer.cpu_s(), time.monotonic()
+    robot = robot_status(observer, duration_s)
+    share = (viewer.cpu_s() - cpu_s) / (time.monotonic() - begin)
+    return {"viewer_cpu_percent": round(100 * share, 1), "viewer_memory_mb": round(viewer.memory_kb() / 1024, 1), "robot": robot}
+
+
+def first_picture_s(port):
+    """From the connection to all that a page begins with: body, pose, map and the whole cloud so far."""
+    begin = time.monotonic()
+    client = Client(port)
+    client.subscribe("scene/robot", "tf/base", "MAP_2D", "CLOUD", "OCTOMAP")
+    client.collect(lambda m: {"scene/robot", "tf/base", "MAP_2D", "CLOUD", "OCTOMAP"} <= set(m), timeout_s=60)
+    client.close()
+    return round(time.monotonic() - begin, 3)
+
+
+def huge_message(port):
+    """Announces 100 MB and sends as long as it is let; how much was taken, in MB."""
+    client = WebSocket(port)
+    sent = 0
+    try:
+        client.socket.sendall(struct.pack(">BBQ", 0x82, 0x80 | 127, 100_000_000) + b"mask")
+        while sent < 100_000_000:
+            client.socket.sendall(bytes(100_000))
+            sent += 100_000
+    except OSError:
+        pass
+    client.close()
+    return sent / 1e6
+
+
+def many_connections(port, count):
+    """Opens so many, holding the newest 400; seconds it took."""
+    begin, held = time.monotonic(), []
+    for _ in range(count):
+        held.append(socket.create_connection(("127.0.0.1", port), timeout=30))
+        if len(held) > 400:
+            held.pop(0).close()
+    for raw in held:
+        raw.close()
+    return round(time.monotonic() - begin, 1)
+
+
+def hostile(viewer):
+    gaps, memory_kb = Gaps(viewer.port), viewer.memory_kb()
+    result = {"huge_message_mb_taken": huge_message(viewer.port), "seconds_for_10000_connections": many_connections(viewer.port, 10_000)}
+    result["others_meanwhile"] = gaps.stop()
+    result["memory_growth_mb"] = round((viewer.memory_kb() - memory_kb) / 1024, 1)
+    return result
+
+
+def fastest_mps(client, duration_s):
+    """The robot's fastest speed by TRUTH over this time."""
+    end, fastest = time.monotonic() + duration_s, 0.0
+    while time.monotonic() < end:
+        fastest = max(fastest, abs(client.receive()[2]["forward_mps"]))
+    return fastest
+
+
+def stop_and_go(observer):
+    """Stops the driving robot, kills the viewer that did, and lets the robot go by another one."""
+    truth = Client(observer.port)
+    truth.subscribe("TRUTH")
+    truth.collect(lambda m: m and m["TRUTH"][-1][1]["forward_mps"] > 0.3, timeout_s=120)
+    with Viewer("--control") as first:
+        driver = Client(first.port, target=f"/?token={first.token}")
+        begin = time.monotonic()
+        assert driver.call({"do": "stop"})["ok"]
+        truth.collect(lambda m: m and abs(m["TRUTH"][-1][1]["forward_mps"]) < 0.01)
+        result = {"stands_after_s": round(time.monotonic() - begin, 2), "fastest_mps_in_5_s_after": round(fastest_mps(truth, 5), 3)}
+        first.process.kill()
+    result["fastest_mps_in_5_s_after_the_viewer_died"] = round(fastest_mps(truth, 5), 3)
+    with Viewer("--control") as second:
+        assert Client(second.port, target=f"/?token={second.token}").call({"do": "go"})["ok"]
+        truth.collect(lambda m: m and m["TRUTH"][-1][1]["forward_mps"] > 0.3, timeout_s=60)
+    truth.close()
+    return result
+
+
+def soak(viewer, duration_s):
+    """One client for so long; the viewer's memory at five moments."""
+    reader, memory_mb = Reader(viewer.port), []
+    for _ in range(5):
+        memory_mb.append(round(viewer.memory_kb() / 1024, 1))
+        time.sleep(duration_s / 4)
+    reader.stop()
+    return {"seconds": duration_s, "memory_mb": memory_mb}
+
+
+def measure(arguments):
+    result = {}
+    with Viewer() as observer, Viewer() as viewer:
+        result["stop"] = stop_and_go(observer)
+        time.sleep(20)  # until there are keyframes and maps
+        result["no client"] = window(viewer, observer, arguments.window)
+        result["first_picture_s"] = first_picture_s(viewer.port)
+        readers = [Reader(viewer.port)]
+        result["1 client"] = window(viewer, observer, arguments.window)
+        result["1 client"]["mb_per_s"] = round(readers[0].bytes / arguments.window / 1e6, 2)
+        readers += [Reader(viewer.port) for _ in range(19)]
+        result["20 clients"] = window(viewer, observer, arguments.window)
+        stuck = [Client(viewer.port, receive_buffer=4096) for _ in range(5)]
+        for client in stuck:
+            client.subscribe(*client.channels)
+        gaps = Gaps(viewer.port)
+        result["20 clients and 5 that do not read"] = {**window(viewer, observer, arguments.window), "another": gaps.stop()}
+        for reader in readers:
+            reader.stop()
+        for client in stuck:
+            client.close()
+        result["hostile"] = hostile(viewer)
+        if arguments.soak:
+            result["soak"] = soak(viewer, arguments.soak)
+        viewer.process.kill()
+        result["viewer killed"] = robot_status(observer, arguments.window)
+    return result
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
+    parser.add_argument("--window", type=float, default=20.0, help="seconds of each window")
+    parser.add_argument("--soak", type=float, default=0.0, help="seconds with one client for the growth of memory")
+    parser.add_argument("--bin", default=os.path.join(ROOT, "build", "release", "bin"))
+    parser.add_argument("--world", default=os.path.join(ROOT, "sim", "worlds", "cellar.yaml"))
+    arguments = parser.parse_args()
+    os.environ["NODMAP_VIEWER"] = os.path.join(arguments.bin, "nodmap-viewer")
+    with tempfile.TemporaryDirectory(prefix="nodmap-bench-viewer-") as folder:
+        robot = Robot(arguments.bin, arguments.world, folder)
+        try:
+            print(json.dumps(measure(arguments), indent=1))
+        finally:
+            robot.stop()
+
+
+if __name__ == "__main__":
+    main()
