@@ -62,14 +62,19 @@ class PageCase(unittest.TestCase):
     def pause(self, browser):
         browser.run("document.getElementById('pause').click()")
         self.assertIsNotNone(browser.wait_for("document.getElementById('pause').textContent === 'Play'"))
-        # What was on its way has come, and the still picture is refined: from now on it stays as it is.
+        self.settle(browser)
+
+    def settle(self, browser):
+        """What was on its way has come, and the still picture is refined: from now on it stays as it is."""
         self.assertIsNotNone(browser.wait_for(
-            "performance.now() - nodmap.detail.changedMs > 1000 && nodmap.cloud.drawn === nodmap.cloud.total"))
+            "!nodmap.view.isTouched && performance.now() - nodmap.detail.changedMs > 1000 && nodmap.cloud.drawn === nodmap.cloud.total"))
 
     def show_only(self, browser, *topics):
+        """While it is paused."""
         browser.run("""document.querySelectorAll('#layers input').forEach((box) => {
             if (box.checked !== arguments[0].includes(box.dataset.topic)) { box.click(); }
         })""", topics)
+        self.settle(browser)
 
 
 def main():

@@ -112,6 +112,7 @@ class Voxels(PageCase):
 class Look(PageCase):
     def choose(self, browser, name, value):
         browser.run("const s = document.getElementById(arguments[0]); s.value = arguments[1]; s.dispatchEvent(new Event('change'))", name, value)
+        self.settle(browser)
 
     def test_colours_by_height_and_by_age(self):
         browser = self.browse(self.play())

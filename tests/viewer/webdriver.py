@@ -61,8 +61,8 @@ class Browser:
         """The value of a JavaScript function body."""
         return self._call("POST", "/execute/sync", {"script": script, "args": list(args)})
 
-    def wait_for(self, condition, timeout_s=20):
-        """Until a JavaScript expression is true; returns the seconds it took, or None."""
+    def wait_for(self, condition, timeout_s=60):
+        """Until a JavaScript expression is true; returns the seconds it took, or None. A busy machine takes its time."""
         begin = time.monotonic()
         while time.monotonic() - begin < timeout_s:
             if self.run(f"return Boolean({condition})"):
