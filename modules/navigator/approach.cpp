@@ -27,8 +27,13 @@ Approach::Sectors Approach::nearest(const geometry::SE2& T_odom_base,
                                     const Points& points_base) const {
   Sectors sectors;
   sectors.fill({std::numeric_limits<double>::infinity(), Eigen::Vector2d::Zero()});
+  // T_odom_base * p, with the trigonometry done once for all points.
+  const double c = std::cos(T_odom_base.yaw);
+  const double s = std::sin(T_odom_base.yaw);
   for (const Eigen::Vector2d& p_base : points_base) {
-    const Eigen::Vector2d way = T_odom_base * p_base - place_odom_;
+    const Eigen::Vector2d p_odom(T_odom_base.x + c * p_base.x() - s * p_base.y(),
+                                 T_odom_base.y + s * p_base.x() + c * p_base.y());
+    const Eigen::Vector2d way = p_odom - place_odom_;
     const int sector = sector_of(std::atan2(way.y(), way.x()), kSectors);
     Nearest& so_far = sectors[static_cast<std::size_t>(sector)];
     if (way.norm() < so_far.distance_m) {
