@@ -42,13 +42,12 @@ expect_a_failure() {
   expect_an_end "$1"
   [[ $code -ne 0 ]] || fail "after $1 the demo says that it worked"
 }
-# Ends the sheriff that runs this demo's script, and no other, as soon as there is one.
+# Ends the sheriff that runs a script of this demo, and no other, as soon as there is one.
 kill_sheriff() {
   local pid
   for _ in $(seq 200); do
     for pid in $(left_over "$out"); do
-      grep -qz -e --script "/proc/$pid/cmdline" 2>/dev/null || continue
-      [[ "$(readlink "/proc/$pid/exe")" == */nodmap-sheriff ]] && kill -KILL "$pid" && return
+      [[ "$(tr '\0' ' ' <"/proc/$pid/cmdline")" == */nodmap-sheriff*--script* ]] && kill -KILL "$pid" && return
     done
     sleep 0.02
   done

@@ -9,7 +9,7 @@ cd "$(dirname "$(readlink -f "$0")")/../.."
 bin=$(readlink -f "$1")
 work=$(mktemp -d)
 export LCM_DEFAULT_URL='udpm://239.255.76.67:7695?ttl=0&recv_buf_size=2000000'
-export NODMAP_WORLD=sim/worlds/cellar.yaml NODMAP_RUN=$work/run
+export NODMAP_WORLD=sim/worlds/cellar.yaml NODMAP_RUN=$work/run NODMAP_PORT=8765
 mkdir "$NODMAP_RUN"
 pids=()
 end() {
@@ -49,7 +49,7 @@ wait_until_well() {
   fail "$1"
 }
 wait_until_well "the robot does not come to work"
-for name in kurt laser3d pitch-controller map-server slam2d slam6d navigator logger; do
+for name in kurt laser3d pitch-controller map-server slam2d slam6d navigator logger viewer; do
   cp "$work/now" "$work/before"
   kill -KILL "$(field $name 2 <"$work/before")"
   wait_until_well "$name does not come back"
