@@ -200,9 +200,9 @@ def stop_and_go(observer):
 def soak(viewer, duration_s):
     """One client for so long; the viewer's memory at five moments."""
     reader, memory_mb = Reader(viewer.port), []
-    for _ in range(5):
+    for moment in range(5):
+        time.sleep(duration_s / 4 if moment else 0)
         memory_mb.append(round(viewer.memory_kb() / 1024, 1))
-        time.sleep(duration_s / 4)
     reader.stop()
     return {"seconds": duration_s, "memory_mb": memory_mb}
 
