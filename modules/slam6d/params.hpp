@@ -20,7 +20,7 @@ struct Slam6dParams {
   double max_range_m = 30.0;
   bool assume_standing = false;
   // Which sweeps are registered (IV B).
-  double keyframe_distance_m = 2.0;
+  double keyframe_distance_m = 1.0;
   double keyframe_rotation_rad = geometry::deg_to_rad(45.0);
   bool standing_only = false;
   // Surfaces.
@@ -35,7 +35,7 @@ struct Slam6dParams {
   double min_constraint = 0.003;
   double min_match_share = 0.15;
   int iterations = 60;
-  double floor_weight = 0.0;
+  double ground_weight = 0.3;
   // Occupancy map.
   double map_resolution_m = 0.05;
   double map_max_range_m = 10.0;
@@ -98,9 +98,9 @@ struct Slam6dParams {
     v.number("min_match_share", min_match_share, {0.0, 1.0},
              "With a smaller share of points that found a partner the sweep keeps the odometry.");
     v.integer("iterations", iterations, {1, 1000}, "Most iterations of one registration.");
-    v.number("floor_weight", floor_weight, {0.0, 100.0},
-             "What it counts, beside all pairs, that height, roll and pitch stay as odometry has "
-             "them: indoors, on a flat floor; 0: six free degrees.");
+    v.number("ground_weight", ground_weight, {0.0, 100.0},
+             "What it counts, beside all pairs, that the robot keeps to the plane of the ground on "
+             "which it stood last; less, the farther the pairs are from it. 0: for what flies.");
   }
 
   template <class Visitor>

@@ -20,7 +20,9 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 constexpr double kGateFactor = 0.8;           // from iteration to iteration
 constexpr double kSettledTranslation = 1e-4;  // m: a hundredth of the scanner's noise
 constexpr double kSettledRotation = 1e-5;     // rad: 0.1 mm at 10 m
-constexpr double kSameSide = 0.7;      // cosine between normals: two sides of a door do not pair
+constexpr double kSameSide = 0.7;  // cosine between normals: two sides of a door do not pair
+// How far, a metre from the robot, the ground rises or falls on an even floor (3 degrees).
+constexpr double kGroundScaleM = 0.05;
 constexpr std::size_t kMinPairs = 12;  // twice the unknowns
 
 struct Pair {
@@ -29,16 +31,15 @@ struct Pair {
   Eigen::Vector3d normal;  // of the model, in map
 };
 
-// Where the robot stands on its floor: pairs like any other, at corners as wide apart as the base.
-std::vector<Pair> floor_pairs(const FlatFloor& floor, const SE3& T_map_base) {
+// The corners of a square on the ground below the robot, paired with the ground plane on which it
+// stood when it was last registered: wheels do not leave the ground. Only the guess knows of it.
+std::vector<Pair> ground_pairs(const SE3& T_map_guess, const SE3& T_map_base) {
   constexpr double kReachM = 1.0;
   std::vector<Pair> pairs;
   for (const double x : {-kReachM, kReachM}) {
     for (const double y : {-kReachM, kReachM}) {
-      const Eigen::Vector3d p_base(x, y, 0.0);
-      const Eigen::Vector3d p_map = T_map_base * p_base;
-      const double height_m = (floor.T_odom_base * p_base).z();
-      pairs.push_back({{p_map.x(), p_map.y(), height_m}, p_map, Eigen::Vector3d::UnitZ()});
+      pairs.push_back({T_map_guess.translation(), T_map_base * Eigen::Vector3d(x, y, 0.0),
+                       T_map_guess.linear().col(2)});
     }
   }
   return pairs;
@@ -134,15 +135,14 @@ PlaneSystem plane_system(const std::vector<Pair>& pairs, double residual_scale_m
   return system;
 }
 
-std::optional<Step> plane_step(const std::vector<Pair>& pairs, const SE3& T_map_base,
+std::optional<Step> plane_step(const std::vector<Pair>& pairs, const std::vector<Pair>& ground,
                                const RegistrationOptions& options) {
   PlaneSystem system = plane_system(pairs, options.residual_scale_m);
-  if (options.floor) {
-    const std::vector<Pair> floor = floor_pairs(*options.floor, T_map_base);
-    for (const Pair& pair : floor) {
-      const double share = options.floor->weight / static_cast<double>(floor.size());
-      system.add(pair, share * system.weight);
-    }
+  const double all_pairs = system.weight;
+  for (const Pair& pair : ground) {
+    const double relative = pair.normal.dot(pair.p_model - pair.p_data) / kGroundScaleM;
+    const double share = options.ground_weight / static_cast<double>(ground.size());
+    system.add(pair, share * all_pairs / (1.0 + relative * relative));
   }
   const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(system.H);
   Step step{.sq_sum = system.sq_sum, .weight = system.weight};
@@ -194,9 +194,12 @@ Registration register_surface(const Surface& surface_base, const Model& model,
     if (pairs.size() < kMinPairs || result.match_share < options.min_match_share) {
       return give_up(RegistrationStatus::kTooFewPairs);
     }
-    const std::optional<Step> step = options.metric == Metric::kPaper
-                                         ? paper_step(pairs)
-                                         : plane_step(pairs, result.T_map_base, options);
+    // On a new slope the guess is right about nothing but the place: the pairs go first.
+    const bool is_near = gate_m <= options.min_correspondence_m;
+    const std::vector<Pair> ground =
+        is_near ? ground_pairs(T_map_base_guess, result.T_map_base) : std::vector<Pair>();
+    const std::optional<Step> step =
+        options.metric == Metric::kPaper ? paper_step(pairs) : plane_step(pairs, ground, options);
     if (!step) {
       return give_up(RegistrationStatus::kDegenerate);
     }

@@ -11,15 +11,6 @@
 
 namespace nodmap::slam6d {
 
-/// A robot that drives on a flat floor, as the paper assumes for its maps (III A): odometry knows
-/// height, roll and pitch better than a few scans of the virtual corridor, which hold hardly any
-/// floor or ceiling.
-struct FlatFloor {
-  geometry::SE3 T_odom_base =
-      geometry::SE3::Identity();  ///< its height, roll and pitch hold in map
-  double weight = 0.0;            ///< relative to all pairs together
-};
-
 struct RegistrationOptions {
   Metric metric = Metric::kPlanes;
   double max_correspondence_m = 1.0;   ///< gate of the first iteration
@@ -28,7 +19,7 @@ struct RegistrationOptions {
   double min_constraint = 0.003;       ///< kPlanes: below, a direction counts as free
   double min_match_share = 0.15;
   int iterations = 60;
-  std::optional<FlatFloor> floor = std::nullopt;  ///< kPlanes
+  double ground_weight = 0.0;  ///< kPlanes: of the ground plane, relative to all pairs together
 };
 
 enum class RegistrationStatus {

@@ -34,10 +34,7 @@ SurfaceOptions surface_options(const Slam6dParams& params) {
           .plane_radius_m = params.plane_radius_m};
 }
 
-RegistrationOptions registration_options(const Slam6dParams& params, const SE3& T_odom_base) {
-  const auto floor = params.floor_weight > 0.0
-                         ? std::optional(FlatFloor{T_odom_base, params.floor_weight})
-                         : std::nullopt;
+RegistrationOptions registration_options(const Slam6dParams& params) {
   return {.metric = params.metric,
           .max_correspondence_m = params.max_correspondence_m,
           .min_correspondence_m = params.min_correspondence_m,
@@ -45,7 +42,7 @@ RegistrationOptions registration_options(const Slam6dParams& params, const SE3& 
           .min_constraint = params.min_constraint,
           .min_match_share = params.min_match_share,
           .iterations = params.iterations,
-          .floor = floor};
+          .ground_weight = params.ground_weight};
 }
 
 Surface extract_surface(const SweepCloud& cloud, const Slam6dParams& params) {
@@ -169,8 +166,8 @@ std::optional<KeyframeReason> Slam6d::keyframe_reason(const SweepRecord& record)
 void Slam6d::make_keyframe(SweepRecord& record, SweepCloud cloud) {
   Surface surface = extract_surface(cloud, params_);
   if (!keyframes_.empty()) {
-    record.registration = register_surface(surface, model_, record.T_map_base,
-                                           registration_options(params_, record.T_odom_base));
+    record.registration =
+        register_surface(surface, model_, record.T_map_base, registration_options(params_));
     record.T_map_base = record.registration->T_map_base;
     T_map_odom_ = record.T_map_base * record.T_odom_base.inverse();
   }

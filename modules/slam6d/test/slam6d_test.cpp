@@ -74,7 +74,7 @@ void expect_keyframes_as_the_paper_says(const Slam6d& slam) {
 }
 
 TEST(Slam6d, R43_KeyframesBeyondTwoMetres) {
-  Slam6d slam({});
+  Slam6d slam({.keyframe_distance_m = 2.0});
   Drive{}.run(slam, 800);  // 5.3 m
   expect_keyframes_as_the_paper_says(slam);
   EXPECT_EQ(slam.keyframes().size(), 3U);
@@ -94,7 +94,7 @@ TEST(Slam6d, R43_KeyframesBeyond45Degrees) {
 }
 
 TEST(Slam6d, R43_ExactlyTwoMetresAreNotFurther) {
-  Slam6d slam({.min_scans = 1, .min_match_share = 1.0});
+  Slam6d slam({.min_scans = 1, .keyframe_distance_m = 2.0, .min_match_share = 1.0});
   SweepCloud cloud;
   cloud.points.assign(1, Eigen::Vector3f(1, 2, 3));
   cloud.lines.push_back({Eigen::Vector3f::Zero(), 1});
