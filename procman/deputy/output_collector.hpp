@@ -40,7 +40,8 @@ class OutputCollector {
   /// A message stays below LCM's 64 KiB for one datagram; the rest of a burst follows it each 10
   /// ms.
   static constexpr std::size_t kMaxMessageBytes = std::size_t{32} * 1024;
-  // Far more than anyone can read, far less than would hurt: all the robot's channels take 1.2 MB/s.
+  // Far more than anyone can read, far less than would hurt: all the robot's channels take 1.2
+  // MB/s.
   static constexpr double kCommandBytesPerS = 64.0 * 1024.0;
   static constexpr double kCommandBurstBytes = 128.0 * 1024.0;
   static constexpr double kTotalBytesPerS = 512.0 * 1024.0;
