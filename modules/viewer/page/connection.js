@@ -11,7 +11,8 @@ const SERVICE_RESPONSE = 3;
 
 /**
  * Subscribes to every topic of the server that the page came from, and connects again when the connection is lost.
- * handlers: open(serverInfo), close(), message(topic, message, timeS), time(timeS), parameters(map).
+ * handlers: open(serverInfo), close(), message(topic, read, timeS), time(timeS), parameters(map).
+ * `read()` gives the message: what is never looked at is never decoded.
  */
 export class Connection {
   constructor(handlers) {
@@ -72,7 +73,7 @@ export class Connection {
       const topic = this.topics.get(view.getUint32(1, true));
       const timeS = Number(view.getBigUint64(5, true)) / 1e9;
       const payload = new Uint8Array(view.buffer, 13);
-      this.handlers.message(topic, JSON.parse(this.decoder.decode(payload)), timeS);
+      this.handlers.message(topic, () => JSON.parse(this.decoder.decode(payload)), timeS);
     } else if (op === SERVICE_RESPONSE) {
       const payload = new Uint8Array(view.buffer, 13 + view.getUint32(9, true));  // after the name of its encoding
       this.answer(view.getUint32(5, true), JSON.parse(this.decoder.decode(payload)));

@@ -56,18 +56,20 @@ function nearestOf(map) {
   return nearest;
 }
 
-function take(topic, message, timeS) {
+function take(topic, read, timeS) {
   ++received;
-  state.note(topic, message);
+  state.noteArrival(topic);
   if (topic === "CLOUD") {
-    keyframes.push(message);
+    keyframes.push(read);
   } else {
-    pending.set(topic, {message, timeS});
+    pending.set(topic, {read, timeS});
   }
 }
 
 /** Draws what has come since the last picture: what was replaced meanwhile costs nothing. */
-function show(topic, {message, timeS}) {
+function show(topic, {read, timeS}) {
+  const message = read();
+  state.note(topic, message);
   if (topic.startsWith("tf/")) {
     view.frames.set(message);
     view.touch();
@@ -114,7 +116,7 @@ function onFrame(nowMs) {
   pending.forEach((value, topic) => show(topic, value));
   pending.clear();
   if (keyframes.length > 0) {
-    layers.get("CLOUD").layer.show(keyframes.shift());  // one a picture: a long history does not stop the view
+    layers.get("CLOUD").layer.show(keyframes.shift()());  // one a picture: a long history does not stop the view
     view.touch();
   }
   if (detail.step(nowMs, view.update(), cloud.total)) {
@@ -131,4 +133,7 @@ setInterval(() => {
 setInterval(() => plots.draw(), PLOT_MS);
 
 // For tests and for pictures of the documentation: what is on the page, as numbers.
-window.nodmap = {connection, view, layers, cloud, detail, processes, take, received: () => received};
+window.nodmap = {
+  connection, view, layers, cloud, detail, received: () => received,
+  take: (topic, message, timeS) => take(topic, () => message, timeS),
+};

@@ -23,11 +23,15 @@ export class State {
     this.lastData = null;
   }
 
-  note(topic, message) {
-    this.latest[topic] = message;
+  /** That something has come. */
+  noteArrival(topic) {
     if (!NO_DATA.has(topic)) {
       this.lastData = Date.now();
     }
+  }
+
+  note(topic, message) {
+    this.latest[topic] = message;
   }
 
   get processes() {
