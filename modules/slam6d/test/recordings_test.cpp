@@ -157,8 +157,10 @@ TEST(Recordings, R44_SequenceIsBetterThan3dtk) {
   const SequenceError keyframes = run_sequence(dir, {});
   EXPECT_LT(keyframes.ate_m, 0.072);
   EXPECT_LT(keyframes.rotation_rad, deg_to_rad(1.5));
-  const SequenceError every_sweep =
-      run_sequence(dir, {.keyframe_distance_m = 0.2, .keyframe_rotation_rad = deg_to_rad(5.0)});
+  // This odometry errs in all six directions, as no wheels do: with the ground plane 0.35 deg.
+  const SequenceError every_sweep = run_sequence(
+      dir,
+      {.keyframe_distance_m = 0.2, .keyframe_rotation_rad = deg_to_rad(5.0), .ground_weight = 0.0});
   EXPECT_LT(every_sweep.ate_m, 0.072);
   EXPECT_LT(every_sweep.rotation_rad, deg_to_rad(0.2));
 }
