@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
@@ -56,7 +57,7 @@ void add_options(CLI::App& app, Options& options) {
                  "What is to break: PART:KIND@FROM+DURATION[=AMOUNT]; repeatable");
   app.add_option("--duration", options.duration_s, "Seconds to run; without it until a signal")
       ->check(CLI::NonNegativeNumber);
-  app.add_option("--out", options.out, "Folder for result.json; must be empty or not exist");
+  app.add_option("--out", options.out, "Folder for result.json; where there is one already, DIR.2");
 }
 
 std::filesystem::path link_dir(const Options& options) {
@@ -118,13 +119,11 @@ int run(const Options& options, const SimParams& params) {
   std::transform(options.faults.begin(), options.faults.end(), std::back_inserter(faults),
                  [](const std::string& text) { return parse_fault(text); });
   Robot robot(world, params.plant, params.robot, faults, options.seed);
-  if (!options.out.empty()) {
-    node::make_result_dir(options.out);
-  }
+  const std::filesystem::path out = node::make_next_result_dir(options.out);
   node::catch_stop_signals();
   const nlohmann::json figures = run_loop(options, robot);
-  if (!options.out.empty()) {
-    write_result(options.out, figures);
+  if (!out.empty()) {
+    write_result(out, figures);
   }
   log::get().info("ended after {:.1f} s: {} collisions, {} bumps, {:.2f} m driven",
                   figures["duration_s"].get<double>(), figures["collisions"].get<std::int64_t>(),

@@ -93,4 +93,18 @@ void make_result_dir(const std::filesystem::path& dir) {
   }
 }
 
+std::filesystem::path make_next_result_dir(const std::filesystem::path& dir) {
+  namespace fs = std::filesystem;
+  if (dir.empty()) {
+    return {};
+  }
+  const fs::path first = dir.has_filename() ? dir : dir.parent_path();  // "DIR/" is DIR
+  fs::path next = first;
+  for (int number = 2; fs::exists(next) && !fs::is_empty(next); ++number) {
+    next = first.string() + "." + std::to_string(number);
+  }
+  make_result_dir(next);
+  return next;
+}
+
 }  // namespace nodmap::node

@@ -42,4 +42,9 @@ void add_common_options(CLI::App& app, CommonOptions& options, const params::Tab
 /// results are never overwritten.
 void make_result_dir(const std::filesystem::path& dir);
 
+/// The same for a live process, which may be started anew beside its former results: where there
+/// are some, the first of DIR.2, DIR.3, ... without any is made and returned instead. No name, no
+/// folder.
+[[nodiscard]] std::filesystem::path make_next_result_dir(const std::filesystem::path& dir);
+
 }  // namespace nodmap::node

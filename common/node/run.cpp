@@ -102,10 +102,7 @@ int run_replay(const ProgramInfo& info, const Options& options, const NodeFactor
 }
 
 int run_live(const ProgramInfo& info, const Options& options, const NodeFactory& make_node) {
-  const std::filesystem::path dir = options.out;
-  if (!dir.empty()) {
-    make_result_dir(dir);
-  }
+  const std::filesystem::path dir = make_next_result_dir(options.out);
   bus::LiveBus bus(options.common.lcm_url);
   Tally tally;
   Context context{bus, tally, dir};
@@ -139,8 +136,9 @@ int run_process(int argc, char** argv, const ProgramInfo& info, params::Table& t
   Options options;
   CLI::App app(info.summary, info.name);
   add_common_options(app, options.common, table);
-  auto* out =
-      app.add_option("--out", options.out, "Folder for the results; made, and never overwritten");
+  auto* out = app.add_option(
+      "--out", options.out,
+      "Folder for the results; made, and never overwritten: live, DIR.2 follows DIR");
   app.add_option("--replay", options.replay,
                  "Work through this LCM event log instead of the network, as fast as possible")
       ->needs(out);

@@ -20,5 +20,20 @@ TEST(ResultDir, IsMadeAndNeverOverwritten) {
   EXPECT_THROW(make_result_dir(dir.path() / "a" / "b"), std::runtime_error);
 }
 
+TEST(ResultDir, AProcessStartedAnewTakesTheNext) {
+  const test::TemporaryDir dir;
+  const std::filesystem::path out = dir.path() / "slam2d";
+  EXPECT_TRUE(make_next_result_dir({}).empty());
+  EXPECT_EQ(make_next_result_dir(out), out);
+  EXPECT_EQ(make_next_result_dir(out), out);  // nothing was written: it was killed
+  std::ofstream(out / "result.json") << "{}";
+  const std::filesystem::path second = dir.path() / "slam2d.2";
+  EXPECT_EQ(make_next_result_dir(out), second);
+  EXPECT_TRUE(std::filesystem::is_directory(second));
+  std::ofstream(second / "result.json") << "{}";
+  EXPECT_EQ(make_next_result_dir(out), dir.path() / "slam2d.3");
+  EXPECT_EQ(make_next_result_dir(out.string() + "/"), dir.path() / "slam2d.3");
+}
+
 }  // namespace
 }  // namespace nodmap::node
