@@ -39,8 +39,8 @@ class LogFile {
     ASSERT_TRUE(writer_.write(utime_us, channel, bytes));
   }
 
-  // 320 scans (4 sweeps) of a drive through a hall at 1 m/s: 4.3 m, so that two sweeps are
-  // registered.
+  // 320 scans (4 sweeps) of a drive through a hall at 1 m/s: 4.3 m, so that with keyframes 2 m
+  // apart two sweeps are registered.
   // From scan `restart` on odometry counts and measures from zero again, as after a restart of the
   // base driver.
   void add_drive(bool with_odometry, std::int64_t restart = 0) {
@@ -109,7 +109,7 @@ TEST(Slam6dNode, ReplayWritesEverythingTheSameEachTime) {
     log.add_drive(true);
     log.close();
   }
-  const Outcome outcome = replay(dir.path(), "a", {.save_ot = true});
+  const Outcome outcome = replay(dir.path(), "a", {.keyframe_distance_m = 2.0, .save_ot = true});
   EXPECT_EQ(outcome.tally.used(), 640);
   EXPECT_EQ(outcome.tally.total_rejected(), 0);
   EXPECT_EQ(outcome.figures["sweeps"], 4);
@@ -123,7 +123,7 @@ TEST(Slam6dNode, ReplayWritesEverythingTheSameEachTime) {
   EXPECT_EQ(formats::read_ply(out / "cloud.ply").size(),
             outcome.figures["keyframes"][0]["points"].get<std::size_t>() +
                 outcome.figures["keyframes"][1]["points"].get<std::size_t>());
-  replay(dir.path(), "b", {.save_ot = true});
+  replay(dir.path(), "b", {.keyframe_distance_m = 2.0, .save_ot = true});
   for (const char* file : {"trajectory.tum", "online.tum", "cloud.ply", "map.bt", "map.ot",
                            "map.png", "path.png", "out.lcmlog"}) {
     EXPECT_TRUE(fs::file_size(out / file) > 0) << file;
@@ -136,7 +136,7 @@ TEST(Slam6dNode, PublishesAPosePerSweepAndACloudPerKeyframe) {
   LogFile log(dir.path() / "drive.lcmlog");
   log.add_drive(true);
   log.close();
-  Outcome outcome = replay(dir.path(), "drive", {});
+  Outcome outcome = replay(dir.path(), "drive", {.keyframe_distance_m = 2.0});
   ASSERT_EQ(outcome.published["POSE_6D"].size(), 4U);
   nodmap::pose_t pose{};
   ASSERT_TRUE(bus::decode_into(pose, outcome.published["POSE_6D"][0]));
@@ -260,7 +260,8 @@ TEST(Slam6dNode, SavesOnRequestAndEveryFewKeyframes) {
   request.requested_by = "test";
   log.add(6'000'000, "SAVE_REQUEST", request);
   log.close();
-  const Outcome outcome = replay(dir.path(), "save", {.save_every_keyframes = 1});
+  const Outcome outcome =
+      replay(dir.path(), "save", {.keyframe_distance_m = 2.0, .save_every_keyframes = 1});
   // The second sweep beyond 2 m is complete before the end; on request; at the end.
   EXPECT_EQ(outcome.figures["occupancy_map"]["times_saved"], 4);
 }
