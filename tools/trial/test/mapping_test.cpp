@@ -173,17 +173,12 @@ double model_rms_m(const TrialSetup& trial, const std::filesystem::path& dir) {
 }
 
 // R45, Fig. 9: the model of clouds taken on the move is "slightly more distorted" than one taken
-// standing. With the settings of docs/paper.md; by the defaults it is not yet (bench/trials.py
-// --only clouds).
+// standing.
 TEST_F(MappingTest, R45_OnTheMoveTheModelIsOnlySlightlyMoreDistorted) {
   TrialSetup moving = setup("cellar", 2, 15.0);
   moving.without = {"slam2d"};
   TrialSetup standing = setup("cellar", 2, 8.0);
   standing.without = {"slam2d", "navigator"};
-  for (TrialSetup* trial : {&moving, &standing}) {
-    trial->params.set_assignment("slam6d.floor_weight=10");
-    trial->params.set_assignment("slam6d.keyframe_distance_m=1");
-  }
   const double moving_m = model_rms_m(moving, folder("moving"));
   const double standing_m = model_rms_m(standing, folder("standing"));
   RecordProperty("moving_mm", std::to_string(1e3 * moving_m));
