@@ -4,8 +4,8 @@
 
 usage: run_clang_tidy.py BUILD_DIR [--all]     --all: the tests and benchmarks too, by tests/.clang-tidy
 
-A file is checked again only when something that it is made of has changed: the key of its last good run, kept in the build
-folder, is a digest of its preprocessed text and of the rules.
+A file is checked again only when something that it is made of has changed: the key of a good run, a digest of the preprocessed
+text, of the rules and of clang-tidy's version, is kept in the user's cache ($XDG_CACHE_HOME/nodmap/clang-tidy), for every clone.
 """
 import concurrent.futures
 import hashlib
@@ -17,6 +17,8 @@ import subprocess
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
+GOOD = pathlib.Path(os.environ.get("XDG_CACHE_HOME") or "~/.cache").expanduser() / "nodmap" / "clang-tidy"
+VERSION = subprocess.run(["clang-tidy", "--version"], capture_output=True).stdout
 
 
 def is_test(path):
@@ -33,22 +35,21 @@ def key_of(entry, config):
     run = subprocess.run(command + ["-E", "-P"], cwd=entry["directory"], capture_output=True)
     # Comments hold the NOLINT marks and are gone after preprocessing: the file itself counts too.
     source = pathlib.Path(entry["file"]).read_bytes()
-    return hashlib.sha256(run.stdout + source + config.read_bytes()).hexdigest() if run.returncode == 0 else None
+    return hashlib.sha256(run.stdout + source + config.read_bytes() + VERSION).hexdigest() if run.returncode == 0 else None
 
 
 def check(build, entry):
     path = pathlib.Path(entry["file"]).relative_to(ROOT)
     config = ROOT / ("tests/.clang-tidy" if is_test(path) else ".clang-tidy")
-    stamp = build / "clang-tidy" / (str(path).replace("/", "_") + ".ok")
     key = key_of(entry, config)
-    if key and stamp.exists() and stamp.read_text() == key:
+    if key and (GOOD / key).exists():
         return path, True, ""
     run = subprocess.run(["clang-tidy", "-quiet", "-p", str(build), f"--config-file={config}",
                           "--extra-arg=-Wno-unknown-warning-option", str(ROOT / path)],
                          capture_output=True, text=True)
     if run.returncode == 0 and key:
-        stamp.parent.mkdir(exist_ok=True)
-        stamp.write_text(key)
+        GOOD.mkdir(parents=True, exist_ok=True)
+        (GOOD / key).touch()
     return path, run.returncode == 0, run.stdout
 
 
