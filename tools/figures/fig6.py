@@ -59,7 +59,7 @@ def make():
     early_deg = max(heading_before_the_end(trial) for trial in TRIALS)
     return {
         "note": f"Until {BRAKING_S} s before the end the greatest error of the heading in all {len(every)} runs is {early_deg:.2f}°. "
-                f"Before the end wall little of the walls is left in sight, and what is holds the heading least well.",
+                "The rest comes in the last stretch before the end wall, where little of the walls is left in sight.",
         "title": "2D map of a 30 m corridor",
         "alt": "Occupancy grid of a long corridor with the trajectories of truth, odometry and 2D SLAM",
         "paper": "A 2D map of a 30 m long corridor from the level scans of the nod; \"the resulting map does not rank behind 2D maps\" of "
