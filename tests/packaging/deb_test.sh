@@ -63,8 +63,9 @@ consumer/consumer
 lcm-gen -p --ppath python /usr/share/lcmtypes/nodmap_*.lcm || fail "the types in share/lcmtypes"
 jar=/usr/share/java/lcmtypes_nodmap.jar
 if [[ -e $jar ]]; then
-  python3 -m zipfile -l $jar | grep -q 'nodmap/scan_t.class' || fail "the jar holds no types"
-  echo "$jar: $(python3 -m zipfile -l $jar | grep -c '_t\.class') types"
+  python3 -m zipfile -l $jar >log
+  grep -q 'nodmap/scan_t.class' log || fail "the jar holds no types"
+  echo "$jar: $(grep -c '_t\.class' log) types"
 else
   echo "no types for lcm-spy in this build: it had no Java"
 fi
