@@ -209,20 +209,24 @@ std::map<std::string, Json> decision_schemas() {
                                                                  {"max_forward_mps", n}})}};
 }
 
+Json process_status() {
+  const Json n = number_or_null();
+  return object({{"utime", integer()},
+                 {"process_name", text()},
+                 {"health", integer()},
+                 {"health_reason", text()},
+                 {"handled_per_s", n},
+                 {"latency_p50_us", n},
+                 {"latency_p99_us", n},
+                 {"total_handled", integer()},
+                 {"total_lost", integer()},
+                 {"total_corrupt", integer()},
+                 {"total_rejected", integer()}});
+}
+
 std::map<std::string, Json> state_schemas() {
   const Json n = number_or_null();
   const Json list = array_of(n);
-  const Json status = object({{"utime", integer()},
-                              {"process_name", text()},
-                              {"health", integer()},
-                              {"health_reason", text()},
-                              {"handled_per_s", n},
-                              {"latency_p50_us", n},
-                              {"latency_p99_us", n},
-                              {"total_handled", integer()},
-                              {"total_lost", integer()},
-                              {"total_corrupt", integer()},
-                              {"total_rejected", integer()}});
   return {
       {"nodmap.odometry_t", titled("nodmap.odometry_t", {{"utime", integer()},
                                                          {"odometry_seq", integer()},
@@ -273,7 +277,8 @@ std::map<std::string, Json> state_schemas() {
                                                                  {"motor_current_left_a", n},
                                                                  {"motor_current_right_a", n}})},
       {"nodmap.processes",
-       titled("nodmap.processes", {{"timestamp", time()}, {"processes", array_of(status)}})}};
+       titled("nodmap.processes",
+              {{"timestamp", time()}, {"processes", array_of(process_status())}})}};
 }
 
 std::map<std::string, Json> process_manager_schemas() {
