@@ -19,11 +19,13 @@ expect_nothing_left() {
   for pid in $left; do tr '\0' ' ' <"/proc/$pid/cmdline" 2>/dev/null && echo; done
   [[ -z "$left" ]] || fail "$2 leaves processes behind"
 }
-# As a terminal would: a process group of its own, and Ctrl-C to all of it. start_demo NAME DURATION
+# As a terminal would: a process group of its own, and Ctrl-C to all of it. Until the script itself runs, the signal would
+# not reach it: what a shell starts in the background ignores it. start_demo NAME DURATION
 start_demo() {
   out=$work/$1
-  setsid env --default-signal=INT,HUP tools/demo_sim.sh --duration "$2" --out "$out" >"$out.log" 2>&1 &
+  setsid env --default-signal=INT,HUP bash tools/demo_sim.sh --duration "$2" --out "$out" >"$out.log" 2>&1 &
   demo=$!
+  until [[ "$(tr '\0' ' ' <"/proc/$demo/cmdline")" == "bash tools/demo_sim.sh "* ]]; do sleep 0.01; done
 }
 # The demo's stages, by what it says. wait_for TEXT
 wait_for() {
