@@ -19,6 +19,7 @@ struct Slam2dParams {
   Metric metric = Metric::kLines;
   double max_correspondence_m = 0.7;
   double final_correspondence_m = 0.25;
+  double line_correspondence_m = 0.08;
   int iterations = 30;
   double weak_direction_share = 0.02;
 
@@ -46,7 +47,10 @@ struct Slam2dParams {
     v.number("max_correspondence_m", max_correspondence_m, {0.05, 5.0},
              "d_max of the first iterations: pairs farther apart are no correspondence.");
     v.number("final_correspondence_m", final_correspondence_m, {0.02, 5.0},
-             "d_max of the last iterations.");
+             "d_max of the last iterations that count distances to points.");
+    v.number("line_correspondence_m", line_correspondence_m, {0.02, 5.0},
+             "d_max of the last iterations that count distances to lines: they leave out what is "
+             "near a line, but not of it.");
     v.integer("iterations", iterations, {1, 200}, "Iterations of ICP at most.");
     v.number("weak_direction_share", weak_direction_share, {0.0, 0.5},
              "A direction on which the pairs hold less than this share of the information they "

@@ -18,6 +18,10 @@ bool look_the_same_way(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   return a.isZero(0.0) || b.isZero(0.0) || a.dot(b) > kSameSideCosine;
 }
 
+bool is_finite(const SurfacePoint& point) {
+  return point.p.allFinite() && point.normal.allFinite();
+}
+
 std::size_t hash(std::int32_t x, std::int32_t y) {
   const std::uint64_t key = (static_cast<std::uint64_t>(static_cast<std::uint32_t>(x)) << 32U) |
                             static_cast<std::uint32_t>(y);
@@ -78,37 +82,51 @@ void PointMap::grow_table() {
   }
 }
 
+template <typename Visit>
+void PointMap::for_each_neighbour(const SurfacePoint& point, Visit visit) const {
+  const CellIndex low = index_of(point.p.array() - neighbour_radius_m_);
+  const CellIndex high = index_of(point.p.array() + neighbour_radius_m_);
+  for (std::int32_t y = low.y; y <= high.y; ++y) {
+    for (std::int32_t x = low.x; x <= high.x; ++x) {
+      const Cell* cell = find_cell({x, y});
+      if (cell == nullptr) {
+        continue;
+      }
+      for (const Entry& entry : *cell) {
+        if ((point.p - entry.p).squaredNorm() <= neighbour_radius_m_ * neighbour_radius_m_ &&
+            look_the_same_way(point.normal, entry.normal)) {
+          visit(entry.landmark);
+        }
+      }
+    }
+  }
+}
+
 void PointMap::add(const SurfacePoint& point) {
-  if (!point.p.allFinite() || !point.normal.allFinite()) {
+  if (!is_finite(point)) {
     return;
   }
   const auto added = static_cast<std::uint32_t>(landmarks_.size());
   landmarks_.push_back({point, point.p, Eigen::Vector2d::Zero()});
   moments_.emplace_back().add(Eigen::Vector2d::Zero());
-  const CellIndex low = index_of(point.p.array() - neighbour_radius_m_);
-  const CellIndex high = index_of(point.p.array() + neighbour_radius_m_);
-  for (std::int32_t y = low.y; y <= high.y; ++y) {
-    for (std::int32_t x = low.x; x <= high.x; ++x) {
-      if (const Cell* cell = find_cell({x, y})) {
-        join_neighbours(added, *cell);
-      }
-    }
-  }
+  for_each_neighbour(point, [&](std::uint32_t neighbour) {
+    const Eigen::Vector2d d = point.p - landmarks_[neighbour].point.p;
+    moments_[neighbour].add(d);
+    moments_[added].add(-d);
+    refit(neighbour);
+  });
   refit(added);
   make_cell(index_of(point.p)).push_back({point.p, point.normal, added});
 }
 
-void PointMap::join_neighbours(std::uint32_t added, const Cell& cell) {
-  const SurfacePoint& point = landmarks_[added].point;
-  for (const Entry& entry : cell) {
-    const Eigen::Vector2d d = point.p - entry.p;
-    if (d.squaredNorm() <= neighbour_radius_m_ * neighbour_radius_m_ &&
-        look_the_same_way(point.normal, entry.normal)) {
-      moments_[entry.landmark].add(d);
-      moments_[added].add(-d);
-      refit(entry.landmark);
-    }
+void PointMap::refine(const SurfacePoint& point) {
+  if (!is_finite(point)) {
+    return;
   }
+  for_each_neighbour(point, [&](std::uint32_t neighbour) {
+    moments_[neighbour].add(point.p - landmarks_[neighbour].point.p);
+    refit(neighbour);
+  });
 }
 
 void PointMap::refit(std::uint32_t index) {

@@ -12,9 +12,9 @@ namespace nodmap::slam2d {
 
 /// The incrementally built 2D map M of section IV A: points that were new when they were seen.
 ///
-/// Every point also knows the line through its neighbours that look the same way. It is kept up to
-/// date while points are added, so that asking costs nothing; it averages the noise of single
-/// measurements away and fills the gaps between them.
+/// Every point also knows the line through what was measured around it and looks the same way. It
+/// is kept up to date while points come, so that asking costs nothing; it averages the noise of
+/// single measurements away and fills the gaps between them.
 class PointMap {
  public:
   /// A point of the map, with the line its neighbourhood forms.
@@ -35,6 +35,10 @@ class PointMap {
   /// A point that is not finite is left out.
   void add(const SurfacePoint& point);
 
+  /// Counts a point into the lines around it, but does not add it: a place that is on the map
+  /// already, seen once more. A point that is not finite is left out.
+  void refine(const SurfacePoint& point);
+
   /// The landmark nearest to a point, not farther than `max_distance_m`, that looks the same way
   /// (within 60 degrees, if both normals are known): the two sides of a thin wall are two surfaces.
   /// Valid until the next `add`.
@@ -50,7 +54,7 @@ class PointMap {
     std::uint32_t landmark = 0;
   };
   using Cell = std::vector<Entry>;
-  /// Sums over a landmark's neighbours, relative to the landmark.
+  /// Sums over what was measured around a landmark, relative to the landmark.
   struct Moments {
     double n = 0.0;
     double x = 0.0;
@@ -79,7 +83,9 @@ class PointMap {
   [[nodiscard]] const Cell* find_cell(CellIndex index) const;
   Cell& make_cell(CellIndex index);
   void grow_table();
-  void join_neighbours(std::uint32_t added, const Cell& cell);
+  /// Calls `visit` with the index of each landmark whose line the point belongs to.
+  template <typename Visit>
+  void for_each_neighbour(const SurfacePoint& point, Visit visit) const;
   void refit(std::uint32_t index);
 
   double neighbour_radius_m_;

@@ -89,8 +89,7 @@ ScanMatcher::Evidence ScanMatcher::find_pairs(const PointMap& map,
 
 Eigen::Vector3d ScanMatcher::step(const Evidence& evidence, const geometry::SE2& T_map_base,
                                   double gate_m) const {
-  const bool last_stage = gate_m <= params_.final_correspondence_m;
-  if (last_stage && params_.metric == Metric::kLines) {
+  if (params_.metric == Metric::kLines && gate_m <= params_.final_correspondence_m) {
     return evidence.lines.step(params_.weak_direction_share);
   }
   const RigidFit::Solution fit = evidence.points.solve();
@@ -104,21 +103,20 @@ Match ScanMatcher::match(const PointMap& map, std::span<const SurfacePoint> scan
                          const geometry::SE2& T_map_base_guess) const {
   Match match;
   match.T_map_base = T_map_base_guess;
-  double gate_m = std::max(params_.max_correspondence_m, params_.final_correspondence_m);
+  const double last_gate_m =
+      params_.metric == Metric::kLines
+          ? std::min(params_.line_correspondence_m, params_.final_correspondence_m)
+          : params_.final_correspondence_m;
+  double gate_m = std::max(params_.max_correspondence_m, last_gate_m);
   while (match.iterations < params_.iterations) {
     ++match.iterations;
     // Correspondences: w_ij of Eq. 3.
     const Evidence evidence = find_pairs(map, scan, match.T_map_base, gate_m);
-    match.pairs = evidence.pairs;
-    match.share = scan.empty() ? 0.0 : evidence.pairs / static_cast<double>(scan.size());
     if (evidence.pairs < kMinPairs) {
       match.T_map_base = T_map_base_guess;
       match.weak_directions = 3;
-      match.agreement = 0.0;
       return match;
     }
-    match.agreement = evidence.agreement / static_cast<double>(scan.size());
-    match.rms_m = evidence.weight > 0.0 ? std::sqrt(evidence.squared_m2 / evidence.weight) : 0.0;
     match.weak_directions =
         evidence.lines.observability(params_.weak_direction_share).weak_directions;
     // The minimum of Eq. 3 for these correspondences.
@@ -127,15 +125,28 @@ Match ScanMatcher::match(const PointMap& map, std::span<const SurfacePoint> scan
                         geometry::normalize_angle(match.T_map_base.yaw + step.z())};
     const double moved_m = step.head<2>().norm();
     const double turned_rad = std::abs(step.z());
-    const bool last_stage = gate_m <= params_.final_correspondence_m;
+    const bool last_stage = gate_m <= last_gate_m;
     if (last_stage && moved_m < kConvergedM && turned_rad < kConvergedRad) {
       break;
     }
     if (moved_m < kStageDoneShare * gate_m && turned_rad < kStageDoneShare * gate_m) {
-      gate_m = std::max(params_.final_correspondence_m, kGateDecay * gate_m);
+      gate_m = std::max(last_gate_m, kGateDecay * gate_m);
     }
   }
+  judge(map, scan, match);
   return match;
+}
+
+// By the d_max of the points: that of the lines is too narrow to tell a scan that is a little off
+// from one that is lost.
+void ScanMatcher::judge(const PointMap& map, std::span<const SurfacePoint> scan,
+                        Match& match) const {
+  const Evidence evidence = find_pairs(map, scan, match.T_map_base, params_.final_correspondence_m);
+  const auto points = static_cast<double>(scan.size());
+  match.pairs = evidence.pairs;
+  match.share = evidence.pairs / points;
+  match.agreement = evidence.agreement / points;
+  match.rms_m = evidence.weight > 0.0 ? std::sqrt(evidence.squared_m2 / evidence.weight) : 0.0;
 }
 
 }  // namespace nodmap::slam2d

@@ -13,7 +13,7 @@ namespace nodmap::slam2d {
 /// How a scan fits the map.
 struct Match {
   geometry::SE2 T_map_base;
-  int pairs = 0;            ///< scan points with a correspondence within the last d_max
+  int pairs = 0;            ///< scan points with a correspondence at the end
   double share = 0.0;       ///< of all scan points, 0..1
   double agreement = 0.0;   ///< mean weight over all scan points: 1 all on the map, 0 none near it
   double rms_m = 0.0;       ///< weighted distance of the pairs
@@ -38,6 +38,8 @@ class ScanMatcher {
                                            const geometry::SE2& T_map_base, double gate_m);
   [[nodiscard]] Eigen::Vector3d step(const Evidence& evidence, const geometry::SE2& T_map_base,
                                      double gate_m) const;
+
+  void judge(const PointMap& map, std::span<const SurfacePoint> scan, Match& match) const;
 
   Slam2dParams params_;
 };

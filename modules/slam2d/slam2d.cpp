@@ -151,10 +151,13 @@ void Slam2d::add_new_points(std::span<const SurfacePoint> points, const Slam2dRe
   for (const SurfacePoint& point : points) {
     keyframe.points_base.emplace_back(point.p.cast<float>());
     const SurfacePoint in_map = result.T_map_base * point;
-    // Matched points are neglected: one point is enough for one place, whichever way it looks.
+    // Matched points are neglected: one point is enough for one place, whichever way it looks. But
+    // each tells once more where the line through its place runs.
     if (map_.nearest({in_map.p, Eigen::Vector2d::Zero()}, params_.new_point_distance_m) ==
         nullptr) {
       map_.add(in_map);
+    } else {
+      map_.refine(in_map);
     }
   }
   keyframes_.push_back(std::move(keyframe));
