@@ -21,6 +21,7 @@ import time
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 sys.path.insert(0, os.path.join(ROOT, "tests", "viewer"))
+import webdriver  # noqa: E402
 from foxglove_client import Client  # noqa: E402
 from viewer_process import Viewer  # noqa: E402
 from websocket import PONG, WebSocket  # noqa: E402
@@ -124,7 +125,34 @@ def window(viewer, observer, duration_s):
     return {"viewer_cpu_percent": round(100 * share, 1), "viewer_memory_mb": round(viewer.memory_kb() / 1024, 1), "robot": robot}
 
 
-def first_picture_s(port):
+# When the page has first been seen to draw the robot and its cloud: seconds since it was opened.
+FIRST_PICTURE = """
+return new Promise((done) => {
+  const render = nodmap.view.render.bind(nodmap.view);
+  nodmap.view.render = () => {
+    render();
+    if (nodmap.cloud.total > 0) {
+      done(performance.now() / 1000);
+    }
+  };
+});
+"""
+
+
+def first_picture_s(port, times=5):
+    """What a person waits for a page in headless Chromium, without a graphics card; none without Chromium."""
+    if not webdriver.is_installed():
+        return None
+    waited_s = []
+    with webdriver.Browser() as browser:
+        for _ in range(times):
+            browser.open(f"http://127.0.0.1:{port}/")
+            waited_s.append(round(browser.run(FIRST_PICTURE), 2))
+            browser.open("about:blank")
+    return waited_s
+
+
+def first_data_s(port):
     """From the connection to all that a page begins with: body, pose, map and the whole cloud so far."""
     begin = time.monotonic()
     client = Client(port)
@@ -213,6 +241,7 @@ def measure(arguments):
         result["stop"] = stop_and_go(observer)
         time.sleep(20)  # until there are keyframes and maps
         result["no client"] = window(viewer, observer, arguments.window)
+        result["first_data_s"] = first_data_s(viewer.port)
         result["first_picture_s"] = first_picture_s(viewer.port)
         readers = [Reader(viewer.port)]
         result["1 client"] = window(viewer, observer, arguments.window)

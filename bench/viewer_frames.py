@@ -65,7 +65,7 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         log = f"{folder}/robot.lcmlog"
         subprocess.run([os.environ["NODMAP_MAKE_ROBOT_LOG"], log, str(KEYFRAMES), str(options.points // KEYFRAMES)], check=True)
-        with Viewer("--replay", log) as viewer, webdriver.Browser(options.width, options.height) as browser:
+        with Viewer("--replay", log, "--set", "cloud_spacing_m=0") as viewer, webdriver.Browser(options.width, options.height) as browser:
             browser.open(f"http://127.0.0.1:{viewer.port}/")
             parameter = "nodmap.connection.setParameter(arguments[0], arguments[1])"
             browser.wait_for("window.nodmap && nodmap.received() > 100")

@@ -65,7 +65,8 @@ Feed::Feed(bus::Bus& bus, Board& board, node::Tally& tally, const FeedOptions& o
       odometry_trail_(frames::kOdom, options.trail_spacing_m),
       trail_2d_(frames::kMap, options.trail_spacing_m),
       trail_6d_(frames::kMap6d, options.trail_spacing_m),
-      keyframes_(frames::kMap6d, kEachKeyframe) {
+      keyframes_(frames::kMap6d, kEachKeyframe),
+      cloud_thinner_(options.cloud_spacing_m, options.max_cloud_points) {
   hear_sensors(bus);
   hear_decisions(bus);
   hear_maps(bus);
@@ -77,6 +78,7 @@ void Feed::reset() {
   }
   grid_ = {};
   cloud_ = {};
+  cloud_thinner_.clear();
   processes_.clear();
   body_posted_ = false;
   octomap_ = {};
@@ -254,7 +256,11 @@ void Feed::on_cloud(const nodmap::cloud_chunk_t& message) {
   }
   keyframes_.add(message.utime, result.whole->T_frame_points);
   post(topics_.keyframes, message.utime, [this] { return keyframes_.poses_in_frame(); });
+  cloud_thinner_.thin(*result.whole);
   const std::size_t points = result.whole->xyz_m.size() / 3;
+  if (points == 0) {
+    return;
+  }
   board_.post(
       topics_.cloud, message.utime,
       [view = std::move(*result.whole)] { return to_text(point_cloud(view)); }, points);

@@ -9,6 +9,7 @@
 #include "common/bus/bus.hpp"
 #include "common/foxglove/assemblers.hpp"
 #include "common/foxglove/board.hpp"
+#include "common/foxglove/cloud_thinner.hpp"
 #include "common/foxglove/command_table.hpp"
 #include "common/foxglove/message_views.hpp"
 #include "common/foxglove/pose_views.hpp"
@@ -20,6 +21,8 @@ namespace nodmap::foxglove {
 struct FeedOptions {
   /// Points of CLOUD kept for readers that come later; the oldest keyframes go first.
   std::size_t max_cloud_points = 2'000'000;
+  /// A point of CLOUD is left out where one this near has been shown; 0 keeps all.
+  double cloud_spacing_m = 0.0;
   double trail_spacing_m = 0.1;  ///< poses of the trails are at least this far apart
 };
 
@@ -82,6 +85,7 @@ class Feed {
   Trail keyframes_;
   GridAssembler grid_;
   CloudAssembler cloud_;
+  CloudThinner cloud_thinner_;
   OctomapAssembler octomap_;
   ProcessTable processes_;
   CommandTable commands_;

@@ -62,6 +62,7 @@ void add_options(CLI::App& app, Options& options) {
 
 foxglove::FeedOptions feed_options(const ViewerParams& params) {
   return {.max_cloud_points = static_cast<std::size_t>(params.max_cloud_points),
+          .cloud_spacing_m = params.cloud_spacing_m,
           .trail_spacing_m = params.trail_spacing_m};
 }
 

@@ -38,7 +38,7 @@ class PageCase(unittest.TestCase):
 
     def play(self, *arguments, duration_s=60, points=12000):
         """A viewer that plays a recording long enough for a slow machine not to be at its end too soon."""
-        viewer = Viewer("--replay", make_log(self.folder.name, duration_s, points), *arguments)
+        viewer = Viewer("--replay", make_log(self.folder.name, duration_s, points), "--set", "cloud_spacing_m=0", *arguments)
         self.addCleanup(viewer.stop)
         return viewer
 

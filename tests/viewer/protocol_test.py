@@ -61,7 +61,7 @@ class TheNumbersComeOut(WithLog):
                 tile = lcm_log.grid_chunk(data)
                 tiles.setdefault(tile["utime"], []).append(tile)
         self.assertEqual(len(chunks), 4)
-        with Viewer("--replay", self.log) as viewer:
+        with Viewer("--replay", self.log, "--set", "cloud_spacing_m=0") as viewer:
             client = Client(viewer.port)
             self.assertEqual(client.info["op"], "serverInfo")
             client.subscribe("CLOUD", "MAP_2D")

@@ -20,11 +20,32 @@ namespace robot = test;
 
 class FeedTest : public ::testing::Test {
  protected:
+  explicit FeedTest(const FeedOptions& options = {}) : feed_(bus_, board_, tally_, options) {}
+
   template <class Message>
   void send(const char* channel, const Message& message) {
     bus_.publish(channel, message);
     while (bus_.handle(std::chrono::milliseconds(0)) > 0) {
     }
+  }
+
+  /// Two keyframes, a second apart, that show the same points.
+  void send_keyframe_twice() {
+    for (const std::int64_t id : {0, 1}) {
+      for (auto chunk : robot::keyframe_at(0.0, id, 1000)) {
+        chunk.utime += 1'000'000 * id;
+        send("CLOUD", chunk);
+      }
+    }
+  }
+
+  std::size_t count_posts(const std::string& name) const {
+    std::uint64_t cursor = 0;
+    std::size_t posts = 0;
+    while (board_.next(topic(name), cursor)) {
+      ++posts;
+    }
+    return posts;
   }
 
   std::size_t topic(const std::string& name) const {
@@ -47,7 +68,12 @@ class FeedTest : public ::testing::Test {
   bus::LiveBus bus_{"memq://"};
   Board board_;
   node::Tally tally_;
-  Feed feed_{bus_, board_, tally_, FeedOptions{}};
+  Feed feed_;
+};
+
+class ThinnedFeedTest : public FeedTest {
+ protected:
+  ThinnedFeedTest() : FeedTest({.cloud_spacing_m = 0.05}) {}
 };
 
 TEST_F(FeedTest, EveryTopicHasASchemaAndANameOfItsOwn) {
@@ -94,6 +120,21 @@ TEST_F(FeedTest, MapsAndClouds) {
   EXPECT_EQ(newest("keyframes")["poses"].size(), 1U);
   EXPECT_EQ(newest("OBSTACLE_MAP")["point_stride"], 16);
   EXPECT_EQ(newest("STRUCTURE_MAP"), Json());
+}
+
+TEST_F(FeedTest, AKeyframeOfAPlaceShownBeforeIsShownToo) {
+  send_keyframe_twice();
+  EXPECT_EQ(count_posts("CLOUD"), 2U);
+}
+
+TEST_F(ThinnedFeedTest, AKeyframeOfAPlaceShownBeforeIsCountedButNotShown) {
+  send_keyframe_twice();
+  EXPECT_EQ(count_posts("CLOUD"), 1U);
+  EXPECT_EQ(newest("keyframes")["poses"].size(), 2U);
+  feed_.reset();
+  board_.clear();
+  send_keyframe_twice();
+  EXPECT_EQ(count_posts("CLOUD"), 1U);
 }
 
 TEST_F(FeedTest, TheRestOfTheChannels) {
