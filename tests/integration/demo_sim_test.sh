@@ -25,7 +25,11 @@ start_demo() {
   out=$work/$1
   setsid env --default-signal=INT,HUP bash tools/demo_sim.sh --duration "$2" --out "$out" >"$out.log" 2>&1 &
   demo=$!
-  until [[ "$(tr '\0' ' ' <"/proc/$demo/cmdline")" == "bash tools/demo_sim.sh "* ]]; do sleep 0.01; done
+  for _ in $(seq 1000); do
+    [[ "$(tr '\0' ' ' <"/proc/$demo/cmdline")" == "bash tools/demo_sim.sh "* ]] && return
+    sleep 0.01
+  done
+  fail "the demo does not start"
 }
 # The demo's stages, by what it says. wait_for TEXT
 wait_for() {
