@@ -24,7 +24,7 @@ struct Slam2dParams {
   double weak_direction_share = 0.02;
 
   double new_point_distance_m = 0.05;
-  double line_radius_m = 0.15;
+  double line_radius_m = 0.13;
   double keyframe_distance_m = 0.3;
   double keyframe_rotation_rad = geometry::deg_to_rad(15.0);
 
