@@ -82,6 +82,16 @@ void write_ros_map(const std::filesystem::path& dir, const OccupancyGrid& grid) 
   check(out, file);
 }
 
+void replace_ros_map(const std::filesystem::path& dir, const OccupancyGrid& grid) {
+  const std::filesystem::path part = dir / "map.part";
+  std::filesystem::create_directories(part);
+  write_ros_map(part, grid);
+  for (const char* file : {"map.pgm", "map.yaml"}) {
+    std::filesystem::rename(part / file, dir / file);
+  }
+  std::filesystem::remove(part);
+}
+
 picture::Image draw_map(const OccupancyGrid& grid, std::span<const geometry::SE2> path) {
   picture::Image image(std::max(1, grid.width()), std::max(1, grid.height()));
   for (int y = 0; y < grid.height(); ++y) {

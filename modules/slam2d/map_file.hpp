@@ -16,6 +16,10 @@ namespace nodmap::slam2d {
 /// file.
 void write_ros_map(const std::filesystem::path& dir, const OccupancyGrid& grid);
 
+/// The same in place of those that are there, which stay when the new ones cannot be written whole.
+/// Throws std::runtime_error.
+void replace_ros_map(const std::filesystem::path& dir, const OccupancyGrid& grid);
+
 /// The map with the path on it.
 [[nodiscard]] picture::Image draw_map(const OccupancyGrid& grid,
                                       std::span<const geometry::SE2> path);

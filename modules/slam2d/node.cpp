@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/formats/tum.hpp"
+#include "common/log/log.hpp"
 #include "common/msg/messages.hpp"
 #include "modules/slam2d/grid_tiles.hpp"
 #include "modules/slam2d/map_file.hpp"
@@ -49,6 +50,8 @@ Slam2dNode::Slam2dNode(node::Context& context, const Params& params)
       "ODOMETRY", [this](const nodmap::odometry_t& message) { on_odometry(message); });
   context_.bus.subscribe<nodmap::scan_t>(
       "SCAN", [this](const nodmap::scan_t& message) { on_scan(message); });
+  context_.bus.subscribe<nodmap::save_request_t>(
+      "SAVE_REQUEST", [this](const nodmap::save_request_t& message) { on_save_request(message); });
 }
 
 void Slam2dNode::on_odometry(const nodmap::odometry_t& message) {
@@ -78,6 +81,23 @@ void Slam2dNode::on_scan(const nodmap::scan_t& message) {
     track(*level);
   } else {
     ++not_level_;
+  }
+}
+
+// A full disk does not end the mapping: the last map that was whole stays, and STATUS says so.
+void Slam2dNode::on_save_request(const nodmap::save_request_t& message) {
+  if (context_.out_dir.empty()) {
+    context_.tally.reject("save_request_without_out_dir");
+    return;
+  }
+  context_.tally.use();
+  log::get().info("map asked for by {}", message.requested_by);
+  try {
+    replace_ros_map(context_.out_dir, grid_);
+    save_error_.clear();
+  } catch (const std::runtime_error& error) {
+    save_error_ = error.what();
+    log::get().warn("map not saved: {}", save_error_);
   }
 }
 
@@ -184,6 +204,9 @@ nlohmann::json Slam2dNode::figures() const {
 }
 
 node::Health Slam2dNode::health() const {
+  if (!save_error_.empty()) {
+    return {node::HealthState::kDegraded, "The map cannot be saved: " + save_error_ + "."};
+  }
   if (last_quality_ == PoseQuality::kLost) {
     return {node::HealthState::kDegraded, "lost: the scan does not fit the map"};
   }

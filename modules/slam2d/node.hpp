@@ -12,11 +12,13 @@
 #include "modules/slam2d/params.hpp"
 #include "modules/slam2d/slam2d.hpp"
 #include "nodmap/odometry_t.hpp"
+#include "nodmap/save_request_t.hpp"
 #include "nodmap/scan_t.hpp"
 
 namespace nodmap::slam2d {
 
-/// The shell of 3DOF SLAM: SCAN and ODOMETRY in, POSE_2D and MAP_2D out.
+/// The shell of 3DOF SLAM: SCAN and ODOMETRY in, POSE_2D and MAP_2D out; at SAVE_REQUEST the map is
+/// written.
 class Slam2dNode : public node::Node {
  public:
   using Params = Slam2dParams;
@@ -31,6 +33,7 @@ class Slam2dNode : public node::Node {
  private:
   void on_odometry(const nodmap::odometry_t& message);
   void on_scan(const nodmap::scan_t& message);
+  void on_save_request(const nodmap::save_request_t& message);
   void begin_odometry_frame(const geometry::SE3& T_odom_base);
   void track(const scan::Scan& scan);
   void publish_pose(const Slam2dResult& result);
@@ -52,6 +55,7 @@ class Slam2dNode : public node::Node {
   std::optional<std::int64_t> last_map_utime_us_;
   std::int64_t last_utime_us_ = 0;
   PoseQuality last_quality_ = PoseQuality::kTracked;
+  std::string save_error_;  // of the last try; empty when it went well
 };
 
 }  // namespace nodmap::slam2d

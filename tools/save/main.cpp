@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// nodmap-save: asks every mapping process to write its map now.
+// nodmap-save: asks 2D SLAM and 6D SLAM to write their maps now.
 #include <CLI/CLI.hpp>
 #include <iostream>
 
@@ -23,7 +23,7 @@ int run(int argc, char** argv) {
   params::Table table(params);
   node::CommonOptions options;
   std::string requested_by = "nodmap-save";
-  CLI::App app("Asks every mapping process to write its map now.", "nodmap-save");
+  CLI::App app("Asks 2D SLAM and 6D SLAM to write their maps now.", "nodmap-save");
   node::add_common_options(app, options, table);
   app.add_option("--by", requested_by, "Who asks, for the log")->capture_default_str();
   if (const auto code = node::parse_command_line(app, argc, argv)) {

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -11,6 +13,7 @@
 #include "common/msg/messages.hpp"
 #include "modules/slam2d/test/drawn_world.hpp"
 #include "nodmap/grid_chunk_t.hpp"
+#include "nodmap/save_request_t.hpp"
 #include "tests/support/data_dir.hpp"
 #include "tests/support/memory_bus.hpp"
 
@@ -66,6 +69,37 @@ TEST_F(Slam2dNodeTest, PublishesAPoseForEachLevelScanAndTheMap) {
   }
   EXPECT_EQ(tally_.used(), 60);
   EXPECT_EQ(node_.figures()["scans_used"], 30);
+  EXPECT_EQ(node_.health().state, node::HealthState::kOk);
+}
+
+TEST_F(Slam2dNodeTest, SavesItsMapWhenAsked) {
+  const nodmap::test::TemporaryDir dir;
+  put_odometry(0, {});
+  put_scan(0, {});
+  bus_.deliver("SAVE_REQUEST", nodmap::save_request_t{});
+  EXPECT_EQ(tally_.rejected().at("save_request_without_out_dir"), 1);
+  context_.out_dir = dir.path() / "out";
+  bus_.deliver("SAVE_REQUEST",
+               nodmap::save_request_t{});  // there is no such folder yet: it is made
+  EXPECT_EQ(node_.health().state, node::HealthState::kOk);
+  EXPECT_GT(std::filesystem::file_size(context_.out_dir / "map.pgm"), 1000U);
+  EXPECT_TRUE(std::filesystem::exists(context_.out_dir / "map.yaml"));
+  EXPECT_FALSE(std::filesystem::exists(context_.out_dir / "map.part"));
+}
+
+TEST_F(Slam2dNodeTest, AMapThatCannotBeSavedLeavesTheOldOneAndSaysSo) {
+  const nodmap::test::TemporaryDir dir;
+  put_odometry(0, {});
+  put_scan(0, {});
+  context_.out_dir = dir.path();
+  bus_.deliver("SAVE_REQUEST", nodmap::save_request_t{});
+  const auto size = std::filesystem::file_size(dir.path() / "map.pgm");
+  std::ofstream(dir.path() / "map.part") << "a file where a folder is needed";
+  bus_.deliver("SAVE_REQUEST", nodmap::save_request_t{});
+  EXPECT_EQ(node_.health().state, node::HealthState::kDegraded);
+  EXPECT_EQ(std::filesystem::file_size(dir.path() / "map.pgm"), size);
+  std::filesystem::remove(dir.path() / "map.part");
+  bus_.deliver("SAVE_REQUEST", nodmap::save_request_t{});
   EXPECT_EQ(node_.health().state, node::HealthState::kOk);
 }
 
