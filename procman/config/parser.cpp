@@ -272,13 +272,17 @@ std::string describe(const std::string& file, const ConfigError& error) {
          ": " + error.text;
 }
 
-Config load_config(const std::filesystem::path& file) {
+std::string read_config_file(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(in), {}};
-  if (!in) {
+  std::error_code ignored;
+  if (!in || std::filesystem::is_directory(file, ignored)) {  // a folder opens, but does not read
     throw std::runtime_error(file.string() + ": cannot be read");
   }
-  ParsedConfig parsed = parse_config(text);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+Config load_config(const std::filesystem::path& file) {
+  ParsedConfig parsed = parse_config(read_config_file(file));
   std::string errors;
   for (const ConfigError& error : parsed.errors) {
     if (!errors.empty()) {

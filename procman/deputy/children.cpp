@@ -294,7 +294,11 @@ int Children::kill_leftovers() {
   for (const ProcessRow& row : table) {
     const std::string mark = variable_of(row.pid, kMarkVariable).value_or("");
     const std::string of_deputy = mark.substr(0, mark.rfind(':') + 1);
-    if (mark.starts_with(mark_prefix_) && !living.contains(of_deputy) && !row.is_dead()) {
+    // Another deputy's name may begin like ours: behind the prefix are two numbers and the rest.
+    const bool is_ours = mark.starts_with(mark_prefix_) &&
+                         std::count(mark.begin() + static_cast<std::ptrdiff_t>(mark_prefix_.size()),
+                                    mark.end(), ':') == 2;
+    if (is_ours && !living.contains(of_deputy) && !row.is_dead()) {
       count += ::kill(row.pid, SIGKILL) == 0 ? 1 : 0;
     }
   }

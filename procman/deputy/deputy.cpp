@@ -134,7 +134,8 @@ void Deputy::subscribe() {
   bus_.subscribe<procman_lcm::orders_t>(kOrdersChannel, [this](const auto& message) {
     if (serving_) {
       tally_.use();
-      const std::int64_t age_us = clock_.now_utime_us() - message.utime;
+      // No stamp of ours is negative; the difference must not overflow.
+      const std::int64_t age_us = clock_.now_utime_us() - std::max<std::int64_t>(0, message.utime);
       carry_out(supervisor_.take_orders(from_message(message), age_us, steady_us()));
     }
   });

@@ -17,7 +17,9 @@ std::size_t TokenBucket::take(std::size_t wanted, std::int64_t now_us) {
 }
 
 void OutputCollector::add(const std::string& id, std::string_view text, std::int64_t now_us) {
-  Stream& stream = streams_[id];
+  // Orders may name commands without end: what is said of those over the limit is limited together.
+  const bool is_too_many = streams_.size() >= kMaxStreams && !streams_.contains(id);
+  Stream& stream = streams_[is_too_many ? std::string() : id];
   const std::size_t of_command = stream.bucket.take(text.size(), now_us);
   const std::size_t passing = total_.take(of_command, now_us);
   stream.bucket.give_back(of_command - passing);

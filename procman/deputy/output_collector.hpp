@@ -46,6 +46,7 @@ class OutputCollector {
   static constexpr double kCommandBurstBytes = 128.0 * 1024.0;
   static constexpr double kTotalBytesPerS = 512.0 * 1024.0;
   static constexpr double kTotalBurstBytes = 1024.0 * 1024.0;
+  static constexpr std::size_t kMaxStreams = 10'000;
   /// How often a command's losses are said.
   static constexpr std::int64_t kComplaintPeriodUs = 1'000'000;
 

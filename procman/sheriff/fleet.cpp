@@ -7,6 +7,7 @@
 #include <charconv>
 #include <csignal>
 #include <cstring>
+#include <limits>
 #include <utility>
 
 namespace nodmap::procman {
@@ -19,6 +20,15 @@ CommandSpec spec_of(const Command& command) {
           .auto_respawn = command.auto_respawn,
           .stop_signal = command.stop_signal,
           .stop_time_allowed_s = static_cast<double>(command.stop_time_allowed_s)};
+}
+
+// Whoever reaches the network can name hosts and commands without end; no robot has so many.
+constexpr std::size_t kMaxDeputies = 256;
+constexpr std::size_t kMaxItems = 10'000;
+
+/// The number of the run after this one; a deputy may say any, and the sum must not overflow.
+std::int32_t run_after(std::int32_t run) {
+  return run == std::numeric_limits<std::int32_t>::max() ? 1 : run + 1;
 }
 
 /// Whether it ended as it should: by itself with 0, or by a signal that it was sent to end it.
@@ -117,7 +127,7 @@ void Fleet::start(const std::string& id) {
   if (!item->force_quit && (runs || starts)) {
     return;
   }
-  ++item->desired_run;
+  item->desired_run = run_after(item->desired_run);
   item->force_quit = item->stop_ordered = false;
 }
 
@@ -129,12 +139,15 @@ void Fleet::stop(const std::string& id) {
 
 void Fleet::restart(const std::string& id) {
   if (Item* item = find_mutable(id)) {
-    ++item->desired_run;
+    item->desired_run = run_after(item->desired_run);
     item->force_quit = item->stop_ordered = false;
   }
 }
 
 bool Fleet::take_info(const DeputyInfo& info, std::int64_t now_us) {
+  if (!deputies_.contains(info.deputy_id) && deputies_.size() >= kMaxDeputies) {
+    return false;
+  }
   std::optional<DeputyItem>& deputy = deputies_[info.deputy_id];
   const bool is_gap = !deputy || now_us - deputy->heard_us > kInfoGapUs;
   deputy = DeputyItem{info, now_us, is_gap ? now_us : deputy->heard_since_us};
@@ -151,6 +164,9 @@ bool Fleet::take_info(const DeputyInfo& info, std::int64_t now_us) {
   for (const CommandStatus& status : info.commands) {
     Item* item = find_mutable(status.spec.id);
     if (item == nullptr) {
+      if (items_.size() >= kMaxItems) {
+        continue;
+      }
       items_.emplace_back();
       item = &items_.back();
       item->spec = status.spec;
@@ -169,7 +185,7 @@ bool Fleet::take_info(const DeputyInfo& info, std::int64_t now_us) {
 void Fleet::adopt(Item& item, const CommandStatus& status) {
   const bool start_wished = item.desired_run != 0 && !item.force_quit;
   const bool is_down = status.pid == 0;
-  item.desired_run = status.actual_run + (start_wished && is_down ? 1 : 0);
+  item.desired_run = start_wished && is_down ? run_after(status.actual_run) : status.actual_run;
   item.force_quit |= !start_wished && is_down;
   // Who stopped it is not known. A stop signal is no fault then; SIGKILL is: it did not end by its
   // stop signal, or the system killed it.

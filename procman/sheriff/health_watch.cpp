@@ -41,6 +41,12 @@ std::string status_name(const Command& command) {
 
 void HealthWatch::take_status(const std::string& process_name, const ProcessHealth& health,
                               std::int64_t now_us) {
+  const bool is_ours =
+      std::any_of(config_.commands.begin(), config_.commands.end(),
+                  [&](const Command& command) { return status_name(command) == process_name; });
+  if (!is_ours) {
+    return;
+  }
   Voice& voice = voices_[process_name];
   voice.last = {health, now_us};
   if (health.state != ProcessHealth::State::kFailed) {

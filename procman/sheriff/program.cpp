@@ -56,14 +56,19 @@ void add_options(CLI::App& app, Options& options) {
   auto* what = app.add_option_group("instead");
   what->add_flag("--check", options.check, "Print what the configuration holds, or its errors");
   auto* status = what->add_flag("--status", options.status, "Print how everything is, once");
-  what->add_option("--start", options.start, "Start a command or group, and end");
-  what->add_option("--stop", options.stop, "Stop a command or group, and end");
-  what->add_option("--restart", options.restart, "Restart a command or group, and end");
+  auto* start = what->add_option("--start", options.start, "Start a command or group, and end");
+  auto* stop = what->add_option("--stop", options.stop, "Stop a command or group, and end");
+  auto* restart =
+      what->add_option("--restart", options.restart, "Restart a command or group, and end");
   what->add_option("--output", options.output, "Print what a command writes");
   what->require_option(0, 1);
   what->excludes(script);
   app.add_flag("--json", options.json, "--status for programs")->needs(status);
-  app.add_flag("-o,--observe", options.observe, "Look only, give no orders")->excludes(script);
+  app.add_flag("-o,--observe", options.observe, "Look only, give no orders")
+      ->excludes(script)
+      ->excludes(start)
+      ->excludes(stop)
+      ->excludes(restart);
   app.footer(
       "Exit codes: 0 done, 1 not reached or a host does not answer, 2 wrong command line or "
       "configuration, 3 another sheriff gives orders.");
@@ -71,13 +76,13 @@ void add_options(CLI::App& app, Options& options) {
 
 /// The configuration, or nothing when its errors have been printed.
 std::optional<Config> read_config(const std::string& file) {
-  std::ifstream in(file, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(in), {}};
-  if (!in) {
-    std::cerr << kProgram << ": " << file << ": cannot be read\n";
+  ParsedConfig parsed;
+  try {
+    parsed = parse_config(read_config_file(file));
+  } catch (const std::runtime_error& error) {
+    std::cerr << kProgram << ": " << error.what() << "\n";
     return std::nullopt;
   }
-  ParsedConfig parsed = parse_config(text);
   for (const ConfigError& error : parsed.errors) {
     std::cerr << describe(file, error) << "\n";
   }

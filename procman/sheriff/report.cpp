@@ -51,13 +51,19 @@ std::size_t good_character(std::string_view text) {
   if (length > text.size() || byte(0) < 0x20 || byte(0) == 0x7F) {
     return 0;
   }
+  constexpr std::array<unsigned, 5> kFirstBits{0, 0x7F, 0x1F, 0x0F, 0x07};
+  constexpr std::array<unsigned, 5> kLeast{0, 0, 0x80, 0x800, 0x10000};
+  unsigned code_point = length == 0 ? 0 : byte(0) & kFirstBits[length];
   for (std::size_t i = 1; i < length; ++i) {
     if ((byte(i) & 0xC0U) != 0x80U) {
       return 0;
     }
+    code_point = code_point << 6U | (byte(i) & 0x3FU);
   }
-  // U+0080 to U+009F steer terminals, too.
-  return length == 2 && byte(0) == 0xC2 && byte(1) < 0xA0 ? 0 : length;
+  const bool is_overlong = code_point < kLeast[length];
+  const bool is_none = (code_point >= 0xD800 && code_point < 0xE000) || code_point > 0x10FFFF;
+  const bool steers = code_point >= 0x80 && code_point < 0xA0;  // terminals, too
+  return is_overlong || is_none || steers ? 0 : length;
 }
 
 constexpr std::size_t kColumns = 10;

@@ -124,7 +124,9 @@ int print_status(Sheriff& sheriff, bool as_json) {
   }
   std::vector<ReportRow> rows = sheriff.report();
   if (as_json) {
-    std::cout << to_json(rows, sheriff.fleet(), Sheriff::now_us()).dump(2) << "\n";
+    std::cout << to_json(rows, sheriff.fleet(), Sheriff::now_us())
+                     .dump(2, ' ', false, nlohmann::json::error_handler_t::replace)
+              << "\n";
   } else {
     for (ReportRow& row : rows) {
       row.uptime_s = 0.0;  // not known from one look

@@ -26,7 +26,7 @@ bool comes_back(std::span<const std::byte> bytes) {
   return std::equal(again.begin(), again.end(), bytes.begin(), bytes.end());
 }
 
-/// Whether any cut, and any count made larger, is refused (and harmless).
+/// Whether any cut is refused (and harmless).
 template <class Message>
 void expect_damage_refused(std::span<const std::byte> bytes) {
   Message message{};

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <csignal>
+#include <limits>
 
 #include "procman/config/parser.hpp"
 
@@ -132,6 +133,27 @@ TEST_F(FleetTest, AdoptsWhatRan) {
   EXPECT_TRUE(order("r").force_quit);
   EXPECT_EQ(state("r"), "Stopped (OK)") << "who stopped it is not known";
   EXPECT_EQ(order("unheard-of").desired_run, 2) << "left as it is, for it would be removed";
+}
+
+TEST_F(FleetTest, NumbersOfRunsThatNobodyCanCountToAreHarmless) {
+  constexpr int kLast = std::numeric_limits<std::int32_t>::max();
+  fleet_.start("r");
+  hear({status("a", 7, kLast), status("r", 0, kLast)});
+  fleet_.restart("a");
+  EXPECT_EQ(order("a").desired_run, 1);
+  EXPECT_EQ(order("r").desired_run, 1);
+}
+
+TEST_F(FleetTest, HostsAndCommandsWithoutEndAreNotKept) {
+  for (int i = 0; i < 300; ++i) {
+    std::vector<CommandStatus> commands;
+    for (int k = 0; k < 100; ++k) {
+      commands.push_back(status(std::to_string(100 * i + k), 1, 1));
+    }
+    hear(std::move(commands), std::to_string(i));
+  }
+  EXPECT_LE(fleet_.items().size(), 10'000U);
+  EXPECT_FALSE(fleet_.orders_for("299", 0).has_value());
 }
 
 TEST_F(FleetTest, WishesBeforeTheFirstInfoCountFromThere) {
