@@ -48,7 +48,8 @@ set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 # The libraries by what the programs are linked to; besides them lcm-logplayer for replay.pmd, and the account's tool.
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_PACKAGE_DEPENDS "passwd")
+# What no library dependency shows: an account for the service, and what the viewer's page is made of.
+set(CPACK_DEBIAN_PACKAGE_DEPENDS "passwd, libjs-three, libjs-dygraphs")
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "liblcm-bin, iproute2")
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS "liblcm-java, liblcm-dev, chrony")
 set(scripts ${PROJECT_SOURCE_DIR}/procman/systemd)

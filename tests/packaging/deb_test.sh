@@ -32,6 +32,10 @@ fi
 cd /
 unset LCM_DEFAULT_URL
 dpkg-deb --field nodmap.deb Package Version Architecture Depends Recommends
+# What no program is linked to, and the build machine has: the page is made of it.
+for package in libjs-three libjs-dygraphs; do
+  dpkg-deb --field nodmap.deb Depends | grep -qw "$package" || fail "the package does not depend on $package"
+done
 before=$(find /etc /usr /var /opt -name '*nodmap*' | sort)
 DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends /nodmap.deb >log 2>&1 || { cat log; fail "apt"; }
 
