@@ -48,7 +48,8 @@ bool equal_in_constant_time(std::string_view a, std::string_view b) {
 }
 
 bool is_ours(const Request& request) {
-  return request.origin.empty() || request.origin == "http://" + request.host;
+  return request.origin.empty() || request.origin == "http://" + request.host ||
+         request.origin == "https://" + request.host;  // behind a proxy that does TLS
 }
 
 }  // namespace

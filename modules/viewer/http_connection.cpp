@@ -17,7 +17,9 @@ namespace http = beast::http;
 
 constexpr std::uint32_t kMaxHeadBytes = 8192;
 /// For a request to come in, or an answer to be taken.
-constexpr std::chrono::seconds kTimeout(10);
+constexpr std::chrono::seconds kReadTimeout(10);
+// A megabyte of three.js over a slow radio link.
+constexpr std::chrono::seconds kWriteTimeout(60);
 constexpr const char* kText = "text/plain; charset=utf-8";
 
 /// The page needs nothing from elsewhere, and belongs into nobody's frame.
@@ -55,7 +57,7 @@ void HttpConnection::read() {
   parser_.emplace();
   parser_->header_limit(kMaxHeadBytes);
   parser_->body_limit(0);
-  stream_.expires_after(kTimeout);
+  stream_.expires_after(kReadTimeout);
   http::async_read(stream_, input_, *parser_,
                    [self = shared_from_this()](ErrorCode e, std::size_t) { self->on_read(e); });
 }
@@ -134,7 +136,7 @@ void HttpConnection::answer(http::status status, std::string_view content_type,
     // The site and the texts live as long as the program.
     response_.body() = {content.data(), content.size()};
   }
-  stream_.expires_after(kTimeout);
+  stream_.expires_after(kWriteTimeout);
   http::async_write(stream_, response_,
                     [self = shared_from_this()](ErrorCode e, std::size_t) { self->on_write(e); });
 }

@@ -208,8 +208,15 @@ void Session::fail(const ServiceCall& call, const std::string& reason) {
 }
 
 void Session::send_parameters(const Json& message) {
-  Json answer = {{"op", "parameterValues"},
-                 {"parameters", services_.parameters ? services_.parameters() : Json::array()}};
+  Json parameters = services_.parameters ? services_.parameters() : Json::array();
+  // An empty list of names, or none, asks for all.
+  if (const auto names = message.find("parameterNames");
+      names != message.end() && names->is_array() && !names->empty()) {
+    std::erase_if(parameters.get_ref<Json::array_t&>(), [&names](const Json& parameter) {
+      return std::find(names->begin(), names->end(), parameter["name"]) == names->end();
+    });
+  }
+  Json answer = {{"op", "parameterValues"}, {"parameters", std::move(parameters)}};
   if (const std::string id = text_in(message, "id"); !id.empty()) {
     answer["id"] = id;
   }

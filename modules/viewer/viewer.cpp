@@ -80,7 +80,9 @@ struct Viewer {
 
   void open(const Options& options) {
     server.emplace(hub, options.bind, options.port);
-    const std::string page = "http://" + options.bind + ":" + std::to_string(server->port()) + "/";
+    const bool is_v6 = options.bind.find(':') != std::string::npos;
+    const std::string host = is_v6 ? "[" + options.bind + "]" : options.bind;
+    const std::string page = "http://" + host + ":" + std::to_string(server->port()) + "/";
     log::get().info("page on {}; Foxglove and Lichtblick: ws{}", page, page.substr(4));
     if (!hub.policy.token.empty()) {
       // On stdout, so that it is in no log file.

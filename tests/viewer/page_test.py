@@ -81,6 +81,25 @@ class Page(PageCase):
         self.assertIsNotNone(browser.wait_for("document.getElementById('banner').textContent.includes('No connection')"))
         self.assertFalse(browser.run("return document.getElementById('banner').hidden"))
 
+    def test_the_banner_tells_since_when_nothing_came(self):
+        browser = self.browse(self.play())
+        self.assertIsNotNone(browser.wait_for("document.getElementById('banner').hidden"))
+        # Still connected; but whatever comes is lost.
+        browser.run("nodmap.connection.handlers.message = () => {}")
+        self.assertIsNotNone(browser.wait_for("document.getElementById('banner').textContent.includes('since')"))
+        self.assertFalse(browser.run("return document.getElementById('banner').hidden"))
+
+    def test_two_commands_of_one_program_are_two_rows(self):
+        browser = self.browse(self.play())
+        rows = browser.run("""
+            const said = [{process_name: "nodmap-logger", utime: 1e6, health: 0, health_reason: ""},
+                          {process_name: "nodmap-slam2d", utime: 1e6, health: 1, health_reason: "lost"}];
+            const commands = [{command: "logger-a", host: "a", process_name: "nodmap-logger", state: "running", end: ""},
+                              {command: "logger-b", host: "b", process_name: "nodmap-logger", state: "failed", end: "exit code 1"}];
+            return import("./processes.js").then(
+              ({processList}) => processList(said, commands).map(({name, state, level}) => [name, state, level]));""")
+        self.assertEqual(rows, [["logger-a on a", "OK", 0], ["logger-b on b", "failed", 2], ["nodmap-slam2d", "DEGRADED", 1]])
+
     def test_on_a_phone(self):
         browser = self.browse(self.play(), 400, 800)
         # Nothing is wider than the screen.

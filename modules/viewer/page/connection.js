@@ -29,7 +29,8 @@ export class Connection {
     this.services = new Map();  // ids by name
     this.calls = new Map();     // what is done with the answer, by call id
     this.nextCall = 1;
-    this.socket = new WebSocket(`ws://${location.host}/${query}`, [SUBPROTOCOL]);
+    const scheme = location.protocol === "https:" ? "wss" : "ws";  // a proxy may do TLS
+    this.socket = new WebSocket(`${scheme}://${location.host}/${query}`, [SUBPROTOCOL]);
     this.socket.binaryType = "arraybuffer";
     this.socket.onmessage = (event) => {
       if (typeof event.data === "string") {

@@ -5,15 +5,24 @@ import {element} from "./element.js";
 const HEALTH = ["OK", "DEGRADED", "FAILED"];
 const SILENT_S = 3;
 
-/** Each process as {name, command, state, level, reason, status, cpu_share}; level 0 is well, 1 warns, 2 is an error. */
+/**
+ * Each process as {key, name, command, state, level, reason, status, cpu_share}; level 0 is well, 1 warns, 2 is an error. First what
+ * the process manager knows, then who else speaks.
+ */
 export function processList(statuses, commands) {
-  const byName = new Map(statuses.map((status) => [status.process_name, {name: status.process_name, status}]));
-  commands.forEach((command) => {
-    const name = command.process_name || command.command;
-    byName.set(name, {name, ...byName.get(name), command: command.command, manager: command, cpu_share: command.cpu_share});
+  const statusOf = new Map(statuses.map((status) => [status.process_name, status]));
+  const programOf = (command) => command.process_name || command.command;
+  const managed = commands.map((manager) => {
+    const {command, host, cpu_share} = manager;
+    const program = programOf(manager);
+    // Several commands may run one program, as loggers on two hosts do: each is a row, by its own name.
+    const isAlone = commands.filter((other) => programOf(other) === program).length === 1;
+    return {key: `${host}/${command}`, name: isAlone ? program : `${command} on ${host}`, command, manager, cpu_share, status: statusOf.get(program)};
   });
+  const known = new Set(commands.map(programOf));
+  const others = statuses.filter(({process_name: name}) => !known.has(name)).map((status) => ({key: status.process_name, name: status.process_name, status}));
   const newestUs = Math.max(...statuses.map(({utime}) => utime));
-  return [...byName.values()].map((process) => ({...process, ...stateOf(process, newestUs)}));
+  return [...managed, ...others].map((process) => ({...process, ...stateOf(process, newestUs)}));
 }
 
 function stateOf({status, manager}, newestUs) {
@@ -44,8 +53,8 @@ export class Processes {
   }
 
   show(processes) {
-    const names = new Set(processes.map(({name}) => name));
-    [...this.rows.keys()].filter((name) => !names.has(name)).forEach((name) => this.rows.delete(name));
+    const keys = new Set(processes.map(({key}) => key));
+    [...this.rows.keys()].filter((key) => !keys.has(key)).forEach((key) => this.rows.delete(key));
     const rows = processes.map((process) => this.row(process));
     // Rows stay the same elements: a button that has the focus keeps it.
     if (rows.length !== this.body.rows.length || rows.some((row, i) => row !== this.body.rows[i])) {
@@ -54,10 +63,10 @@ export class Processes {
   }
 
   row(process) {
-    if (!this.rows.has(process.name)) {
-      this.rows.set(process.name, this.makeRow(process));
+    if (!this.rows.has(process.key)) {
+      this.rows.set(process.key, this.makeRow(process));
     }
-    const row = this.rows.get(process.name);
+    const row = this.rows.get(process.key);
     const status = process.manager && process.manager.state !== "running" ? undefined : process.status;  // its last words
     const state = element("td", process.state, {"data-level": process.level});
     const notes = [process.reason, status ? refused(status) : ""].filter(Boolean).join("; ");

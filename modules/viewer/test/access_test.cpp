@@ -46,6 +46,7 @@ TEST(Access, ReadingIsFreeSteeringAPlaybackIsNot) {
   EXPECT_FALSE(foxglove.rights.play);
   EXPECT_FALSE(foxglove.rights.control);
   EXPECT_TRUE(decide_access(request("/", "http://127.0.0.1:8765"), kReadOnly).rights.play);
+  EXPECT_TRUE(decide_access(request("/", "https://127.0.0.1:8765"), kReadOnly).rights.play);
   EXPECT_TRUE(decide_access(request("/"), kReadOnly).rights.play);
   EXPECT_FALSE(decide_access(request("/", "null"), kReadOnly).rights.play);
 }

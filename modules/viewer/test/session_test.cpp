@@ -279,6 +279,17 @@ TEST_F(SessionTest, ChangedParametersAreToldToThoseWhoAsked) {
   EXPECT_FALSE(session.next());
 }
 
+TEST_F(SessionTest, TellsTheParametersThatAreAskedFor) {
+  services_.parameters = [] {
+    return Json::array({{{"name", "a"}, {"value", 1}}, {{"name", "b"}, {"value", 2}}});
+  };
+  Session session = greeted();
+  session.receive_text(R"({"op":"getParameters","parameterNames":["b","none"]})");
+  EXPECT_EQ(text_frame(session)["parameters"], Json::array({{{"name", "b"}, {"value", 2}}}));
+  session.receive_text(R"({"op":"getParameters","parameterNames":[]})");
+  EXPECT_EQ(text_frame(session)["parameters"].size(), 2U);
+}
+
 TEST_F(SessionTest, TellsTheNewestTimeOnce) {
   Session session = greeted();
   session.tell_time(1);
