@@ -44,6 +44,7 @@ def main():
         wrong.append(f"the robot has hit something {truth['collisions']} times")
     if lost:
         wrong.append(f"{lost} messages were lost")
+    wrong += [f"{name} has received {p['corrupt']} corrupt messages" for name, p in watch["processes"].items() if p["corrupt"]]
     if truth["distance_m"] < 1.0:
         wrong.append("the robot hardly moved")
     wrong += [f"{c['command']}: {c['state']} {c['end']}" for c in status["commands"] if c["state"] != ENDED_WELL]
