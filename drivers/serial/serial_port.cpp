@@ -47,7 +47,9 @@ class SerialPort final : public DescriptorStream {
   SerialPort(SerialPort&&) = delete;
   SerialPort& operator=(SerialPort&&) = delete;
   ~SerialPort() override {
-    ::ioctl(poll_handle(), TIOCNXCL);
+    if (exclusive_) {  // not where it is another's, as when the port was refused
+      ::ioctl(poll_handle(), TIOCNXCL);
+    }
     sp_close(port_.get());
   }
 
@@ -66,13 +68,15 @@ class SerialPort final : public DescriptorStream {
 
   /// libserialport 0.1.1 leaves the descriptor open to others and to child processes. TIOCEXCL
   /// keeps out every program but root's, the lock our own processes even then.
-  [[nodiscard]] bool make_exclusive() const {
-    return ::fcntl(poll_handle(), F_SETFD, FD_CLOEXEC) == 0 && lock_device(poll_handle()) &&
-           ::ioctl(poll_handle(), TIOCEXCL) == 0;
+  [[nodiscard]] bool make_exclusive() {
+    exclusive_ = ::fcntl(poll_handle(), F_SETFD, FD_CLOEXEC) == 0 && lock_device(poll_handle()) &&
+                 ::ioctl(poll_handle(), TIOCEXCL) == 0;
+    return exclusive_;
   }
 
  private:
   PortHandle port_;
+  bool exclusive_ = false;
 };
 
 std::string advice(int error) {
