@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <string>
 #include <string_view>
@@ -24,7 +26,10 @@ class Tally {
     ++total_rejected_;
   }
 
-  void lose(std::int64_t count) { lost_ += count; }
+  /// Numbers of others' messages may claim any loss: the count stays at the greatest there is.
+  void lose(std::int64_t count) {
+    lost_ += std::min(count, std::numeric_limits<std::int64_t>::max() - lost_);
+  }
 
   [[nodiscard]] std::int64_t used() const { return used_; }
   [[nodiscard]] std::int64_t lost() const { return lost_; }
@@ -44,9 +49,10 @@ class Tally {
 class SequenceWatch {
  public:
   /// How many messages were lost just before this one. A number that does not go up is a publisher
-  /// that started again: no loss is claimed.
+  /// that started again: no loss is claimed. Nobody counts below zero: after such a number, too,
+  /// counting starts again (and the difference of what is left cannot overflow).
   [[nodiscard]] std::int64_t lost_before(std::int64_t seq) {
-    const std::int64_t gap = started_ && seq > last_ ? seq - last_ - 1 : 0;
+    const std::int64_t gap = started_ && last_ >= 0 && seq > last_ ? seq - last_ - 1 : 0;
     started_ = true;
     last_ = seq;
     return gap;
