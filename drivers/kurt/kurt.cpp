@@ -10,6 +10,10 @@ namespace {
 constexpr double kControlPeriodS = 0.01;
 /// Without encoders for so long the robot does not know what it does, and stops.
 constexpr std::int64_t kBlindUs = 200'000;
+/// A bit error spoils one frame. So many (100 ms) are driven on as before, like lost ones, and that
+/// ends well before the robot stops for want of encoders.
+constexpr int kBridgedInARow = 10;
+static_assert(kBridgedInARow * kEncoderPeriodUs < kBlindUs);
 
 }  // namespace
 
@@ -58,8 +62,10 @@ std::span<const OdometrySample> Kurt::receive(std::span<const std::uint8_t> byte
 
 void Kurt::take_encoder(const EncoderTicks& ticks, std::int64_t arrival_us,
                         const time::Moment& now) {
-  last_encoder_us_ = now.steady_us;
   ++counts_.encoder_frames;
+  if (!is_of_use(ticks, arrival_us)) {
+    return;
+  }
   const EncoderClock::Reading reading = encoder_clock_.take(arrival_us);
   if (reading.gap_us > 0) {
     ++counts_.encoder_gaps;
@@ -69,10 +75,20 @@ void Kurt::take_encoder(const EncoderTicks& ticks, std::int64_t arrival_us,
     counts_.encoder_lost += reading.lost;
     odometry_.bridge(reading.lost);
   }
-  if (!odometry_.add(ticks)) {
-    ++counts_.encoder_implausible;
-  }
+  odometry_.add(ticks);  // bridges what is not plausible
   samples_.push_back({reading.measured_us + now.utime_us - now.steady_us, odometry_.state()});
+}
+
+/// Implausible ticks say nothing about the wheels, so they do not keep the robot driving: when they
+/// last, they are as good as none, and what follows on silence follows on them.
+bool Kurt::is_of_use(const EncoderTicks& ticks, std::int64_t arrival_us) {
+  if (odometry_.is_plausible(ticks)) {
+    last_encoder_us_ = arrival_us;
+    implausible_in_a_row_ = 0;
+    return true;
+  }
+  ++counts_.encoder_implausible;
+  return last_encoder_us_ && ++implausible_in_a_row_ <= kBridgedInARow;
 }
 
 void Kurt::take_sensor(const Report& report, std::int64_t now_us) {

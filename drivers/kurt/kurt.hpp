@@ -52,7 +52,7 @@ struct KurtCounts {
 enum class KurtState : std::uint8_t {
   kNoLine,   ///< the serial line is not open
   kNoBus,    ///< the adapter has not opened the CAN bus
-  kNoBase,   ///< no encoder frames: the base is switched off, say
+  kNoBase,   ///< no encoder frames that wheels can have made: the base is switched off, say
   kNoDrive,  ///< nobody tells the robot to move: it stands
   kDriving,
 };
@@ -90,6 +90,8 @@ class Kurt {
 
  private:
   void take_encoder(const EncoderTicks& ticks, std::int64_t arrival_us, const time::Moment& now);
+  /// Whether odometry goes on with these ticks, be it by bridging them.
+  [[nodiscard]] bool is_of_use(const EncoderTicks& ticks, std::int64_t arrival_us);
   void take_sensor(const Report& report, std::int64_t now_us);
 
   SlcanParser parser_;
@@ -100,7 +102,8 @@ class Kurt {
   DriveWatchdog watchdog_;
   BaseSensors sensors_;
   KurtCounts counts_;
-  std::optional<std::int64_t> last_encoder_us_;
+  std::optional<std::int64_t> last_encoder_us_;  ///< the last that wheels can have made
+  int implausible_in_a_row_ = 0;
   bool line_open_ = false;
   std::vector<EncoderTicks> ticks_;
   std::vector<OdometrySample> samples_;

@@ -88,7 +88,7 @@ const char* describe(KurtState state) {
     case KurtState::kNoBus:
       return "the CAN bus is not open: the adapter does not answer, or not yet";
     case KurtState::kNoBase:
-      return "no encoder frames: is the base switched on?";
+      return "no encoder frames that wheels can have made: is the base switched on?";
     case KurtState::kNoDrive:
       return "no DRIVE: the robot stands";
     case KurtState::kDriving:

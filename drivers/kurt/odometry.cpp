@@ -28,14 +28,18 @@ double square(double x) {
 
 }  // namespace
 
+bool Odometry::is_plausible(const EncoderTicks& ticks) const {
+  return m_per_tick() * std::max(std::abs(ticks.left), std::abs(ticks.right)) <=
+         kFastestWheelMps * kPeriodS;
+}
+
 bool Odometry::add(const EncoderTicks& ticks) {
-  const double m_per_tick = params_.wheel_perimeter_m / params_.ticks_per_turn;
-  const double left_m = m_per_tick * ticks.left;
-  const double right_m = m_per_tick * ticks.right;
-  if (std::max(std::abs(left_m), std::abs(right_m)) > kFastestWheelMps * kPeriodS) {
+  if (!is_plausible(ticks)) {
     bridge(1);
     return false;
   }
+  const double left_m = m_per_tick() * ticks.left;
+  const double right_m = m_per_tick() * ticks.right;
   const double distance_m = 0.5 * (left_m + right_m);
   const double turn_rad = (right_m - left_m) / params_.axis_m * params_.turning_adaptation;
   move(distance_m, turn_rad, 0.0);

@@ -26,8 +26,11 @@ class Odometry {
  public:
   explicit Odometry(KurtParams params) : params_(std::move(params)) {}
 
-  /// The wheels' turns of one encoder period. False, and the period bridged as if lost, when no
-  /// wheel can turn so fast.
+  /// Whether wheels can turn so fast.
+  [[nodiscard]] bool is_plausible(const EncoderTicks& ticks) const;
+
+  /// The wheels' turns of one encoder period. False, and the period bridged as if lost, when they
+  /// are not plausible.
   bool add(const EncoderTicks& ticks);
 
   /// Encoder frames got lost: the robot drove on as it did, more or less.
@@ -40,6 +43,10 @@ class Odometry {
   [[nodiscard]] const OdometryState& state() const { return state_; }
 
  private:
+  [[nodiscard]] double m_per_tick() const {
+    return params_.wheel_perimeter_m / params_.ticks_per_turn;
+  }
+
   /// Drives an arc. `sigma_share` is the share of distance and turn that is uncertain besides the
   /// wheels' own noise.
   void move(double distance_m, double turn_rad, double sigma_share);

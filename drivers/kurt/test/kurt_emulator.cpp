@@ -99,6 +99,10 @@ std::string KurtEmulator::tick() {
     --drop_encoders;
     return frames;
   }
+  if (wild_encoders > 0) {
+    --wild_encoders;
+    return frames + printed("t0098%04X%04X00000000\r", 0x7FFFU, 0x8000U);
+  }
   return frames + printed("t0098%04X%04X00000000\r", static_cast<unsigned>(left),
                           static_cast<unsigned>(right));
 }

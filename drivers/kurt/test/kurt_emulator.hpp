@@ -21,6 +21,7 @@ class KurtEmulator {
   bool mute_adapter = false;  ///< answers nothing
   bool base_off = false;      ///< sends no frames
   int drop_encoders = 0;      ///< so many encoder frames get lost
+  int wild_encoders = 0;      ///< so many encoder frames hold ticks that no wheel can make
 
   [[nodiscard]] bool channel_open() const { return open_; }
   /// Adapter reset: the channel is closed.

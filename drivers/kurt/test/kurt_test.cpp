@@ -192,6 +192,67 @@ TEST(Kurt, LostEncoderFramesAreNoticedAndFilled) {
   EXPECT_NEAR(robot.samples.back().state.T_odom_base.x - before_m, 2.0, 0.002);
 }
 
+TEST(Kurt, ASpoiltEncoderFrameIsBridged) {
+  Robot robot;
+  robot.run_us(500'000);
+  robot.drive_us(1.0, 0.0, 2'000'000);
+  const double before_m = robot.samples.back().state.T_odom_base.x;
+  const std::size_t samples_before = robot.samples.size();
+  for (int i = 0; i < 5; ++i) {
+    robot.base.wild_encoders = 1;
+    robot.drive_us(1.0, 0.0, 100'000);
+    EXPECT_EQ(robot.kurt.state(robot.now_us), KurtState::kDriving);
+  }
+  EXPECT_EQ(robot.kurt.counts().encoder_implausible, 5);
+  EXPECT_EQ(robot.kurt.counts().encoder_lost, 0);
+  EXPECT_EQ(robot.samples.size(), samples_before + 50);
+  EXPECT_NEAR(robot.samples.back().state.T_odom_base.x - before_m, 0.5, 0.002);
+}
+
+// Frames keep coming, and none of them says what the wheels do: the robot is as blind as without.
+TEST(Kurt, ABaseThatSendsNothingPlausibleIsToldToStop) {
+  Robot robot;
+  robot.run_us(500'000);
+  robot.drive_us(1.0, 0.0, 2'000'000);
+  const OdometrySample before = robot.samples.back();
+  robot.base.wild_encoders = 300;
+  robot.drive_us(1.0, 0.0, 190'000);
+  EXPECT_EQ(robot.kurt.state(robot.now_us), KurtState::kDriving);
+  robot.drive_us(1.0, 0.0, 10'000);
+  EXPECT_EQ(robot.kurt.state(robot.now_us), KurtState::kNoBase);
+  EXPECT_EQ(robot.base.left_cm_s(), 0);
+  robot.drive_us(1.0, 0.0, 2'800'000);
+  EXPECT_EQ(robot.kurt.state(robot.now_us), KurtState::kNoBase);
+  EXPECT_EQ(robot.base.left_cm_s(), 0);
+  ASSERT_EQ(robot.base.wild_encoders, 0);
+  // Nothing is told but the ten periods that are bridged.
+  const OdometrySample& last = robot.samples.back();
+  EXPECT_EQ(last.utime_us - before.utime_us, 100'000);
+  EXPECT_NEAR(last.state.T_odom_base.x - before.state.T_odom_base.x, 0.1, 0.002);
+  EXPECT_EQ(robot.kurt.counts().encoder_implausible, 300);
+
+  // The pose stays, and is unsure by half a second of rolling on.
+  const OdometryState bridged = last.state;
+  const std::size_t samples_before = robot.samples.size();
+  robot.drive_us(1.0, 0.0, 1'000'000);
+  ASSERT_GT(robot.samples.size(), samples_before);
+  const OdometryState& first_after = robot.samples[samples_before].state;
+  EXPECT_NEAR(first_after.T_odom_base.x, bridged.T_odom_base.x, 0.001);
+  EXPECT_GT(first_after.covariance(0, 0), bridged.covariance(0, 0) + 0.2);
+  EXPECT_EQ(robot.kurt.counts().encoder_gaps, 1);
+  EXPECT_EQ(robot.kurt.state(robot.now_us), KurtState::kDriving);
+  EXPECT_EQ(robot.base.left_cm_s(), 100);
+}
+
+TEST(Kurt, ABaseThatNeverSentAnythingPlausibleIsNone) {
+  Robot robot;
+  robot.base.wild_encoders = 1000;
+  robot.drive_us(1.0, 0.0, 2'000'000);
+  EXPECT_EQ(robot.kurt.state(robot.now_us), KurtState::kNoBase);
+  EXPECT_TRUE(robot.samples.empty());
+  EXPECT_EQ(robot.base.left_cm_s(), 0);
+}
+
 // The process was not scheduled for 80 ms: nothing is lost, and no stamp steps back.
 TEST(Kurt, AHeldUpProcessLosesNothing) {
   Robot robot;

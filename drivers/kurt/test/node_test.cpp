@@ -248,6 +248,20 @@ TEST(KurtNode, APulledPlugIsToldAndHealed) {
   EXPECT_EQ(bench.node->figures()["reconnects"], 1);
 }
 
+TEST(KurtNode, ABaseThatSendsNothingPlausibleIsFailedAndNoOdometryIsTold) {
+  Bench bench;
+  ASSERT_TRUE(bench.stands_ready());
+  bench.drive_us(0.5, 0.0, 1'000'000);
+  bench.base.wild_encoders = 1000;
+  bench.drive_us(0.5, 0.0, 250'000);
+  EXPECT_EQ(bench.node->health().state, node::HealthState::kFailed);
+  EXPECT_EQ(bench.base.left_cm_s(), 0);
+  const auto told = bench.odometry.count();
+  bench.drive_us(0.5, 0.0, 1'000'000);
+  EXPECT_EQ(bench.odometry.count(), told);
+  EXPECT_EQ(bench.base.left_cm_s(), 0);
+}
+
 TEST(KurtNode, AMuteAdapterIsFailedAndThePortIsOpenedAgain) {
   Bench bench;
   ASSERT_TRUE(bench.stands_ready());

@@ -130,6 +130,8 @@ TEST(Odometry, AGapKeepsThePoseAndIsUncertain) {
 TEST(Odometry, TicksNoWheelCanMakeAreRefused) {
   Odometry odometry(millimetre_params());
   ASSERT_TRUE(odometry.add({10, 10}));
+  EXPECT_TRUE(odometry.is_plausible({103, -103}));  // 10.4 m/s is the limit
+  EXPECT_FALSE(odometry.is_plausible({10, 105}));
   EXPECT_FALSE(odometry.add({10, 32767}));
   EXPECT_FALSE(odometry.add({-32768, 10}));
   // The two periods are driven on at 1 m/s.
