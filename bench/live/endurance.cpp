@@ -77,6 +77,27 @@ bool Endurance::is_measured(std::int64_t at_us) const {
   return at_us >= begin_us_ && at_us < end_us_;
 }
 
+bool Endurance::is_anything_lost() const {
+  // What the page has missed, the robot has not.
+  return !reaction_.lost().empty() || reaction_.corrupt() > 0 ||
+         std::ranges::any_of(processes_, [](const auto& entry) {
+           return entry.first != "nodmap-viewer" &&
+                  (entry.second.lost() > 0 || entry.second.corrupt() > 0);
+         });
+}
+
+bool Endurance::is_in_time(const std::vector<Sample>& samples, std::int64_t target_us) const {
+  const auto summary = latency::summarize(within(samples, begin_us_, end_us_));
+  return summary.n > 0 && summary.p99_us <= target_us;
+}
+
+bool Endurance::is_sound() const {
+  const bool fast_enough = is_in_time(reaction_.scan_to_map(), kScanToMapUs) &&
+                           is_in_time(reaction_.scan_to_drive(), kScanToDriveUs);
+  return ended_badly_.empty() && collisions_ == 0 && !is_anything_lost() &&
+         (fast_enough || options_.any_timing);
+}
+
 void Endurance::hear(const bus::LiveBus::RawMessage& message) {
   reaction_.hear(message.channel, message.data, message.receive_utime_us);
   constexpr std::string_view kNotOurs = "LCM_SELF_TEST";  // LCM's, when a process starts
@@ -189,8 +210,8 @@ Json Endurance::report_process(const Process& process) const {
           {"resident_mib_over_time", resident_mib},
           {"handled", last.total_handled - first.total_handled},
           {"slowest_handling_p99_us", process.slowest_p99_us},
-          {"lost", last.total_lost - first.total_lost},
-          {"corrupt", last.total_corrupt - first.total_corrupt},
+          {"lost", process.lost()},
+          {"corrupt", process.corrupt()},
           {"rejected", last.total_rejected - first.total_rejected},
           {"complaint", process.complaint}};
 }
