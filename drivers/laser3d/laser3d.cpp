@@ -11,6 +11,18 @@
 namespace nodmap::laser3d {
 namespace {
 
+// A laser that nods meets the floor, or what stands on it, in every nod; one that meets nothing is
+// blind, and its world only looks free. What appears just behind the beam may go unseen for a nod
+// anyway, and the robot keeps the way that needs: blind for so long, it is as safe as ever. Never
+// shorter than a second, for a fast nod may miss a reading or two.
+constexpr std::int64_t kShortestBlindUs = 1'000'000;
+// Two sweeps of 500 scans, the slowest a pitch controller asks for (6.7 s each), and a reserve. A
+// head that nods more slowly yet may look at the open sky for longer: then the robot stands.
+constexpr std::int64_t kLongestBlindUs = 15'000'000;
+constexpr double kNodReserve = 1.1;
+// Fewer readings may be specks of dust or the laser's own noise.
+constexpr int kFewestReadings = 10;
+
 std::int64_t microseconds(double duration_s) {
   return std::llround(1e6 * duration_s);
 }
@@ -176,9 +188,13 @@ void Laser3d::take(ServoOutput output, std::int64_t now_us, Laser3dOutput& resul
 
 void Laser3d::take_scan(const SickScan& scan) {
   counts_.dazzled_beams += scan.num_dazzled;
-  dazzled_share_ = static_cast<double>(scan.num_dazzled) /
-                   std::max(1.0, static_cast<double>(scan.ranges_m.size()));
+  const double beams = std::max(1.0, static_cast<double>(scan.ranges_m.size()));
+  dazzled_share_ = scan.num_dazzled / beams;
+  unmeasured_share_ = (scan.num_dazzled + scan.num_unmeasured) / beams;
   status_ = scan.status;
+  if (sees_something(scan)) {
+    last_sight_us_ = scan.first_byte_us;
+  }
   const std::int64_t sent = sent_us(scan) + microseconds(params_.laser_time_offset_s);
   if (params_.interlaced) {
     joiner_.add(interlaced_turn(scan, sent));
@@ -187,6 +203,22 @@ void Laser3d::take_scan(const SickScan& scan) {
   for (MirrorTurn& turn : mirror_turns(scan, params_.variant, sent)) {
     joiner_.add(std::move(turn));
   }
+}
+
+bool Laser3d::sees_something(const SickScan& scan) const {
+  // A covered window gives readings, too: of no distance.
+  const auto counts = [this](double range_m) {
+    return range_m >= params_.range_min_m && range_m <= params_.range_max_m;
+  };
+  const auto readings = std::count_if(scan.ranges_m.begin(), scan.ranges_m.end(), counts);
+  return readings >= kFewestReadings;
+}
+
+bool Laser3d::is_blind(std::int64_t now_us) const {
+  const auto nod_us =
+      static_cast<std::int64_t>(kNodReserve * static_cast<double>(nod_.nod_us(now_us)));
+  return !last_sight_us_ ||
+         now_us - *last_sight_us_ > std::clamp(nod_us, kShortestBlindUs, kLongestBlindUs);
 }
 
 std::int64_t Laser3d::sent_us(const SickScan& scan) {
@@ -205,6 +237,10 @@ std::int64_t Laser3d::sent_us(const SickScan& scan) {
 void Laser3d::join(std::int64_t now_us, Laser3dOutput& result) {
   while (std::optional<PitchedTurn> pitched = joiner_.next(now_us)) {
     last_scan_us_ = now_us;
+    if (is_blind(now_us)) {
+      ++counts_.scans_blind;
+      continue;
+    }
     ++counts_.scans;
     result.scans.push_back(to_scan(std::move(*pitched)));
   }
@@ -235,7 +271,7 @@ scan::Scan Laser3d::to_scan(PitchedTurn pitched) {
 
 Judgement Laser3d::judge(std::int64_t now_us) const {
   constexpr std::int64_t kNoScanUs = 500'000;
-  constexpr double kDazzledShare = 0.1;
+  constexpr double kUnmeasuredShare = 0.1;
   constexpr int kErrorSeverity = 3;
   if (!servo_->running()) {
     return {Condition::kFailed, "servo: " + servo_->trouble()};
@@ -246,6 +282,9 @@ Judgement Laser3d::judge(std::int64_t now_us) const {
   if (nod_.stalled()) {
     return {Condition::kFailed, "servo: it is told to move and does not"};
   }
+  if (is_blind(now_us)) {
+    return {Condition::kFailed, "laser: it sees nothing"};
+  }
   if (now_us - last_scan_us_ > kNoScanUs) {
     return {Condition::kFailed, "no scan could be given a pitch"};
   }
@@ -255,8 +294,11 @@ Judgement Laser3d::judge(std::int64_t now_us) const {
   if (status_.polluted()) {
     return {Condition::kDegraded, "laser: the front window is dirty"};
   }
-  if (dazzled_share_ > kDazzledShare) {
+  if (dazzled_share_ > kUnmeasuredShare) {
     return {Condition::kDegraded, "laser: dazzled"};
+  }
+  if (unmeasured_share_ > kUnmeasuredShare) {
+    return {Condition::kDegraded, "laser: many beams are not measured"};
   }
   return {};
 }

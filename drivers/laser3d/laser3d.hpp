@@ -53,6 +53,7 @@ class Laser3d {
     std::int64_t scans_without_pitch = 0;  ///< since the first one with
     std::int64_t telegrams_missed = 0;     ///< by the sensor's own count
     std::int64_t dazzled_beams = 0;
+    std::int64_t scans_blind = 0;  ///< held back while the laser saw nothing
   };
 
   explicit Laser3d(const Laser3dParams& params);
@@ -83,6 +84,8 @@ class Laser3d {
   void take(SickOutput output, Laser3dOutput& result);
   void take(ServoOutput output, std::int64_t now_us, Laser3dOutput& result);
   void take_scan(const SickScan& scan);
+  [[nodiscard]] bool sees_something(const SickScan& scan) const;
+  [[nodiscard]] bool is_blind(std::int64_t now_us) const;
   [[nodiscard]] std::int64_t sent_us(const SickScan& scan);
   void join(std::int64_t now_us, Laser3dOutput& result);
   [[nodiscard]] scan::Scan to_scan(PitchedTurn pitched);
@@ -100,8 +103,10 @@ class Laser3d {
   std::int64_t scan_seq_ = 0;
   std::int64_t dropped_at_start_ = 0;
   std::int64_t last_scan_us_ = 0;
+  std::optional<std::int64_t> last_sight_us_;  // when a scan last saw something
   SickStatusByte status_;
   double dazzled_share_ = 0.0;
+  double unmeasured_share_ = 0.0;  // dazzled beams among them
   Counts counts_;
 };
 

@@ -18,6 +18,8 @@ constexpr double kStandingShare = 0.1;  // of the speed asked for
 // An area of interest narrower than this is a fixed pitch.
 constexpr double kFixedRad = geometry::deg_to_rad(0.5);
 
+constexpr double kLongestSweepS = 3600.0;
+
 constexpr std::int64_t kStartingUs = 100'000;
 // So much is movement: six steps of the servo's encoder, more than it trembles by.
 constexpr double kMovedRad = geometry::deg_to_rad(0.5);
@@ -38,6 +40,17 @@ bool Nod::command(const AreaOfInterest& area, std::int64_t now_us) {
     commanded_us_ = now_us;
   }
   return valid;
+}
+
+std::int64_t Nod::nod_us(std::int64_t now_us) const {
+  const AreaOfInterest now = area(now_us);
+  const double range_rad = now.max_rad - now.min_rad;
+  if (range_rad < kFixedRad) {
+    return 0;
+  }
+  const double speed_rad_s = speed_for(now);
+  const double sweep_s = range_rad / speed_rad_s + speed_rad_s / settings_.acceleration_rad_s2;
+  return std::llround(2e6 * std::min(sweep_s, kLongestSweepS));
 }
 
 Nod::Aim Nod::step(const PitchSample& where, std::int64_t now_us) {

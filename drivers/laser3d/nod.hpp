@@ -45,6 +45,8 @@ class Nod {
   /// Whether it was told to move and does not; known within 130 ms at the speeds of a robot that
   /// drives (up to 1 rad/s), within 220 ms at 3 rad/s.
   [[nodiscard]] bool stalled() const { return stalled_; }
+  /// How long a nod takes, to the other end and back; of a laser that is held, no time.
+  [[nodiscard]] std::int64_t nod_us(std::int64_t now_us) const;
   /// Counts the turns at the ends: sweep n runs the other way than sweep n + 1.
   [[nodiscard]] std::int64_t sweep() const { return sweep_; }
   [[nodiscard]] const Aim& aim() const { return aim_; }

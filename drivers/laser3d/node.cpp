@@ -197,6 +197,7 @@ nlohmann::json Laser3dNode::figures() const {
           {"scans_without_pitch", scanner.scans_without_pitch},
           {"telegrams_missed", scanner.telegrams_missed},
           {"dazzled_beams", scanner.dazzled_beams},
+          {"scans_blind", scanner.scans_blind},
           {"telegrams", line.telegrams},
           {"checksum_errors", line.checksum_errors},
           {"implausible_frames", line.implausible},

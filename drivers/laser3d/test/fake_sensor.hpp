@@ -13,6 +13,9 @@ class FakeSensor {
   bool powered = true;
   bool streaming = false;
   bool frozen = false;
+  bool blind = false;       // nothing comes back
+  bool too_weak = false;    // too little comes back to be measured
+  bool interlaced = false;  // a quarter of a degree further with each scan
   bool deaf_to_variant = false;
   std::uint8_t status = 0x10;
   int ignore_next = 0;  // requests to swallow
@@ -35,16 +38,32 @@ class FakeSensor {
 
   Bytes next_scan() {
     ++scans_;
-    const int first = frozen ? 1000 : 1000 + scans_ % 50;
+    const int quarter = interlaced ? scans_ % 4 : 0;  // sees something else in each
+    const int first = 1000 + (frozen ? quarter : scans_ % 50);
     Bytes data = {0xB0};
-    append_u16(data, static_cast<std::uint16_t>(0x4000U | values));
-    data = data + ramp(static_cast<int>(values), first);
+    append_u16(data, header());
+    data = data + (blind      ? same(0x7FF7)
+                   : too_weak ? same(0x7FFF)
+                              : ramp(static_cast<int>(values), first));
     data.push_back(static_cast<std::uint8_t>(scans_));  // a turn of the mirror for each
     data.push_back(static_cast<std::uint8_t>(scans_));
     return sick_frame(data, status);
   }
 
  private:
+  [[nodiscard]] std::uint16_t header() const {
+    const unsigned partial = interlaced ? 0x2000U | static_cast<unsigned>(scans_ % 4) << 11U : 0U;
+    return static_cast<std::uint16_t>(0x4000U | partial | values);
+  }
+
+  [[nodiscard]] Bytes same(std::uint16_t value) const {
+    Bytes bytes;
+    for (std::size_t i = 0; i < values; ++i) {
+      append_u16(bytes, value);
+    }
+    return bytes;
+  }
+
   Bytes reply_to(const Bytes& body) {
     switch (body[0]) {
       case 0x20:

@@ -194,6 +194,63 @@ TEST(Laser3d, AFrozenLaserAndAStalledServoAreFailures) {
   EXPECT_EQ(rig.judge().condition, Condition::kOk) << rig.judge().reason;
 }
 
+TEST(Laser3d, ALaserThatSeesNothingIsBlind) {
+  Rig rig;
+  rig.open();
+  rig.run(4.0);
+  rig.sensor.blind = true;
+  rig.run(1.5);  // less than the default nod of 1.6 s: it may look at the sky
+  EXPECT_EQ(rig.judge().condition, Condition::kOk) << rig.judge().reason;
+  rig.run(0.5);
+  EXPECT_EQ(rig.judge().condition, Condition::kFailed);
+  EXPECT_EQ(rig.judge().reason, "laser: it sees nothing");
+  const std::size_t scans = rig.scans.size();
+  rig.run(10.0);
+  EXPECT_EQ(rig.scans.size(), scans);
+  EXPECT_GT(rig.dut.counts().scans_blind, 700);
+  rig.sensor.blind = false;
+  rig.run(0.2);
+  EXPECT_GT(rig.scans.size(), scans + 10);
+  EXPECT_EQ(rig.judge().condition, Condition::kOk) << rig.judge().reason;
+}
+
+TEST(Laser3d, ALaserThatNeverSawAnythingIsBlindAtOnce) {
+  Rig rig;
+  rig.sensor.blind = true;
+  rig.open();
+  rig.run(4.0);
+  EXPECT_TRUE(rig.scans.empty());
+  EXPECT_EQ(rig.judge().reason, "laser: it sees nothing");
+}
+
+TEST(Laser3d, AFastNodMakesBlindnessKnownInASecondASlowOneInItsNod) {
+  for (const auto& [sweep_s, known_s] : {std::pair(0.3, 1.0), std::pair(3.0, 6.6)}) {
+    Rig rig;
+    rig.open();
+    rig.run(4.0);
+    rig.sensor.blind = true;
+    double blind_s = 0.0;
+    while (rig.judge().condition != Condition::kFailed && blind_s < 20.0) {
+      rig.dut.command({-0.6, 0.2, sweep_s}, rig.now_us);
+      rig.run(0.1);
+      blind_s += 0.1;
+    }
+    EXPECT_NEAR(blind_s, known_s, 0.25);
+  }
+}
+
+TEST(Laser3d, BeamsWithoutAMeasurementDegradeAndAreNoSight) {
+  Rig rig;
+  rig.open();
+  rig.run(4.0);
+  rig.sensor.too_weak = true;
+  rig.run(0.2);
+  EXPECT_EQ(rig.judge().condition, Condition::kDegraded);
+  EXPECT_EQ(rig.judge().reason, "laser: many beams are not measured");
+  rig.run(2.0);
+  EXPECT_EQ(rig.judge().reason, "laser: it sees nothing");
+}
+
 TEST(Laser3d, PollutionDegrades) {
   Rig rig;
   rig.open();
