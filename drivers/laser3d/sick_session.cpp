@@ -266,12 +266,15 @@ bool SickSession::is_expected_count(std::size_t count) const {
 
 bool SickSession::is_frozen(const SickTelegram& telegram, const SickScan& scan) {
   const auto values = ByteView(telegram.data).first(2 + 2 * scan.ranges_m.size());
-  const bool equal =
-      std::equal(values.begin(), values.end(), last_values_.begin(), last_values_.end());
+  // Interlaced scans see the world in turn from each of their quarters: only the last one of the
+  // same quarter can be repeated. The repetitions are counted over all quarters, so that a freeze
+  // takes one round of them longer to tell than without, not four times as long.
+  Bytes& last = last_values_[static_cast<std::size_t>(scan.quarter.value_or(0))];
+  const bool equal = std::equal(values.begin(), values.end(), last.begin(), last.end());
   const auto readings = std::count_if(scan.ranges_m.begin(), scan.ranges_m.end(),
                                       [](float range_m) { return std::isfinite(range_m); });
   equal_scans_ = equal && readings >= kReadingsThatVary ? equal_scans_ + 1 : 0;
-  last_values_.assign(values.begin(), values.end());
+  last.assign(values.begin(), values.end());
   return equal_scans_ >= settings_.frozen_scans;
 }
 

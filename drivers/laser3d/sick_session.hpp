@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -88,7 +89,7 @@ class SickSession {
   std::int64_t deadline_us_ = 0;
   std::optional<SickConfig> config_;
   serial::BackOff back_off_;
-  Bytes last_values_;
+  std::array<Bytes, 4> last_values_;  // by quarter of a degree; whole scans are all in the first
   int equal_scans_ = 0;
   std::string trouble_ = "not connected";
   Counts counts_;

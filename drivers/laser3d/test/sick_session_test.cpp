@@ -190,6 +190,28 @@ TEST(SickSession, FrozenMeasurementsAreRefusedUntilTheyMoveAgain) {
   EXPECT_GT(rig.scans, frozen);
 }
 
+TEST(SickSession, AnInterlacedStreamThatFreezesIsNoticedInEveryQuarter) {
+  SickSettings settings;
+  settings.interlaced = true;
+  Rig rig(settings);
+  rig.sensor.interlaced = true;
+  rig.open();
+  rig.run(4.0);
+  ASSERT_EQ(rig.dut.trouble(), "");
+  EXPECT_EQ(rig.last_scan->quarter.has_value(), true);
+  const int before = rig.scans;
+  rig.sensor.frozen = true;
+  rig.run(0.2);
+  EXPECT_LE(rig.scans - before, 4 + settings.frozen_scans);  // once in each quarter, repetitions
+  EXPECT_EQ(rig.dut.trouble(), "the measurement is frozen");
+  const int frozen = rig.scans;
+  rig.run(10.0);
+  EXPECT_EQ(rig.scans, frozen);
+  rig.sensor.frozen = false;
+  rig.run(10.0);
+  EXPECT_GT(rig.scans, frozen);
+}
+
 TEST(SickSession, R1_EveryVariantStreamsItsNumberOfValues) {
   for (const SickVariant variant :
        {SickVariant::k180x100, SickVariant::k180x050, SickVariant::k100x100, SickVariant::k100x050,
