@@ -238,18 +238,23 @@ bool DynamixelSession::has_restarted(const dynamixel_x::State& state, std::int64
   return std::min(change_us, kWrapUs - change_us) > kJumpUs;
 }
 
-PitchSample DynamixelSession::sample_of(const dynamixel_x::State& state,
-                                        std::int64_t first_byte_us) {
+std::optional<PitchSample> DynamixelSession::sample_of(const dynamixel_x::State& state,
+                                                       std::int64_t first_byte_us) {
+  // Any number may come over the line: the difference is taken in one that holds it.
+  const std::int64_t steps = std::int64_t{state.position} - settings_.level_position;
+  if (std::abs(steps) > dynamixel_x::kStepsPerTurn) {
+    ++counts_.implausible;
+    return std::nullopt;
+  }
   ++counts_.samples;
   trouble_.clear();
   back_off_.succeeded();
   const double sign = settings_.inverted ? -1.0 : 1.0;
   const std::int64_t measured_us =
       sync_.to_host_us(state.tick_ms, first_byte_us - kReturnDelayUs) + kHalfTickUs;
-  return {
-      .time_us = std::min(measured_us, first_byte_us),
-      .pitch_rad = sign * dynamixel_x::kRadPerStep * (state.position - settings_.level_position),
-      .rate_rad_s = sign * dynamixel_x::kVelocityUnitRadS * state.velocity};
+  return PitchSample{.time_us = std::min(measured_us, first_byte_us),
+                     .pitch_rad = sign * dynamixel_x::kRadPerStep * static_cast<double>(steps),
+                     .rate_rad_s = sign * dynamixel_x::kVelocityUnitRadS * state.velocity};
 }
 
 ServoOutput DynamixelSession::fail(std::string reason, std::int64_t now_us) {

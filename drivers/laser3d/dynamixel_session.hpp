@@ -26,7 +26,8 @@ class DynamixelSession : public ServoSession {
     std::int64_t connections = 0;
     std::int64_t unanswered = 0;
     std::int64_t refused = 0;
-    std::int64_t alerts = 0;  ///< overload, heat, voltage: the servo had to be restarted
+    std::int64_t implausible = 0;  ///< positions more than a turn from level
+    std::int64_t alerts = 0;       ///< overload, heat, voltage: the servo had to be restarted
   };
 
   explicit DynamixelSession(const DynamixelSettings& settings);
@@ -69,7 +70,9 @@ class DynamixelSession : public ServoSession {
   [[nodiscard]] ServoOutput advance(const DynamixelStatus& answer, std::int64_t now_us);
   [[nodiscard]] ServoOutput fail(std::string reason, std::int64_t now_us);
   [[nodiscard]] bool has_restarted(const dynamixel_x::State& state, std::int64_t now_us);
-  [[nodiscard]] PitchSample sample_of(const dynamixel_x::State& state, std::int64_t first_byte_us);
+  /// Empty when the head cannot be there.
+  [[nodiscard]] std::optional<PitchSample> sample_of(const dynamixel_x::State& state,
+                                                     std::int64_t first_byte_us);
 
   DynamixelSettings settings_;
   DynamixelParser parser_;

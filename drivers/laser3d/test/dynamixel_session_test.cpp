@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "drivers/laser3d/test/fake_servo.hpp"
 
 namespace nodmap::laser3d {
@@ -137,6 +139,26 @@ TEST(DynamixelSession, AfterARestartItGoesOnToItsGoal) {
   rig.servo.booted_ms = static_cast<int>(rig.now_us / 1000);  // without torque, but answering
   rig.run(2.0);
   EXPECT_NEAR(rig.samples.back().pitch_rad, 0.4, 0.01);
+}
+
+TEST(DynamixelSession, PositionsWhereTheHeadCannotBeAreDropped) {
+  Rig rig;
+  rig.open();
+  rig.run(0.2);
+  for (const std::int32_t position :
+       {std::numeric_limits<std::int32_t>::min(), std::numeric_limits<std::int32_t>::max(),
+        2048 + 4097, 2048 - 4097}) {
+    rig.servo.told_position = position;
+    rig.run(0.01);  // what is on the line already
+    const std::size_t samples = rig.samples.size();
+    const std::int64_t implausible = rig.dut.counts().implausible;
+    rig.run(0.1);
+    EXPECT_EQ(rig.samples.size(), samples) << position;
+    EXPECT_GT(rig.dut.counts().implausible, implausible + 10) << position;
+  }
+  rig.servo.told_position = 2048 + 4096;
+  rig.run(0.1);
+  EXPECT_NEAR(rig.samples.back().pitch_rad, 2.0 * geometry::kPi, 1e-9);
 }
 
 TEST(DynamixelSession, SamplesAreStampedWithinAMillisecond) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "drivers/laser3d/dynamixel.hpp"
 #include "drivers/laser3d/test/golden.hpp"
@@ -22,6 +23,7 @@ class FakeServo {
   int mode_writes = 0;
   int reboots = 0;
   double position = 2048.0;
+  std::optional<std::int32_t> told_position;  // instead of where it is
 
   void step_ms(int now_ms) {
     const double goal = read_i32(registers, 116);
@@ -31,7 +33,8 @@ class FakeServo {
     const auto velocity = static_cast<std::int32_t>(std::lround(moved * 60.0 / 4.096 / 0.229));
     put(128, static_cast<std::uint32_t>(velocity), 4);
     put(120, static_cast<std::uint32_t>((now_ms - booted_ms) % 32'768), 2);
-    put(132, static_cast<std::uint32_t>(std::lround(position)), 4);
+    const auto true_position = static_cast<std::int32_t>(std::lround(position));
+    put(132, static_cast<std::uint32_t>(told_position.value_or(true_position)), 4);
   }
 
   Bytes answer(const Bytes& request) {
