@@ -144,8 +144,9 @@ void Laser3dNode::perform(Line& line, const LineAction& action, const time::Mome
 
 void Laser3dNode::on_command(const nodmap::pitch_command_t& message) {
   const time::Moment now = clock_();
-  const std::int64_t age_us = now.utime_us - message.utime;
-  if (std::abs(1e-6 * static_cast<double>(age_us)) > params_.command_timeout_s) {
+  // Any number may come: in integers the difference could overflow.
+  const double age_us = static_cast<double>(now.utime_us) - static_cast<double>(message.utime);
+  if (std::abs(1e-6 * age_us) > params_.command_timeout_s) {
     context_.tally.reject("stale");
     return;
   }

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "common/bus/bus.hpp"
@@ -154,11 +155,16 @@ TEST(Laser3dNode, ObeysPitchCommandsAndRefusesOldAndBadOnes) {
   EXPECT_EQ(rig.tally.used(), 10);
   command.utime = rig.now.utime_us - 5'000'000;
   rig.bus.publish("PITCH_COMMAND", command);
+  for (const std::int64_t utime :
+       {std::numeric_limits<std::int64_t>::min(), std::numeric_limits<std::int64_t>::max()}) {
+    command.utime = utime;
+    rig.bus.publish("PITCH_COMMAND", command);
+  }
   command.utime = rig.now.utime_us;
   command.sweep_s = -1.0;
   rig.bus.publish("PITCH_COMMAND", command);
   rig.run(0.1);
-  EXPECT_EQ(rig.tally.rejected().at("stale"), 1);
+  EXPECT_EQ(rig.tally.rejected().at("stale"), 3);
   EXPECT_EQ(rig.tally.rejected().at("no_area"), 1);
 }
 
