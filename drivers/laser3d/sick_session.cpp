@@ -23,6 +23,10 @@ constexpr std::int64_t kSearchUs = 600'000;
 // Both ends need a moment to change their rate.
 constexpr std::int64_t kSettleUs = 250'000;
 
+// The sensor's memory wears. A configuration that so many writes did not make as wanted never will
+// be: some firmware puts a value of its own in the place of ours.
+constexpr int kMostConfigWrites = 2;
+
 // A scan with less to see than this may well equal the last one.
 constexpr int kReadingsThatVary = 10;
 
@@ -221,11 +225,17 @@ SickOutput SickSession::after_config(const SickTelegram& telegram, std::int64_t 
       if (!config_) {
         return fail("the configuration cannot be read", now_us);
       }
-      return enter(
-          *config_ == wanted_config(*config_, settings_) ? Step::kSetVariant : Step::kInstall,
-          now_us);
+      if (*config_ == wanted_config(*config_, settings_)) {
+        writes_since_wanted_ = 0;
+        return enter(Step::kSetVariant, now_us);
+      }
+      if (writes_since_wanted_ >= kMostConfigWrites) {
+        return fail("the configuration does not stay as written", now_us);
+      }
+      return enter(Step::kInstall, now_us);
     case Step::kInstall:
       ++counts_.config_writes;
+      ++writes_since_wanted_;
       return enter(Step::kWriteConfig, now_us);
     case Step::kWriteConfig:
       if (read_config(telegram) != wanted_config(*config_, settings_)) {

@@ -88,6 +88,7 @@ class SickSession {
   bool heard_ = false;  // something whole at this rate
   std::int64_t deadline_us_ = 0;
   std::optional<SickConfig> config_;
+  int writes_since_wanted_ = 0;  // of the configuration, since it was last read as it should be
   serial::BackOff back_off_;
   std::array<Bytes, 4> last_values_;  // by quarter of a degree; whole scans are all in the first
   int equal_scans_ = 0;

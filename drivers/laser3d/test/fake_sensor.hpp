@@ -21,6 +21,7 @@ class FakeSensor {
   int ignore_next = 0;  // requests to swallow
   Bytes config = hex("00 00 70 00 02 06 01 00 00 02 02 00x21 02 00");
   int config_writes = 0;
+  bool keeps_its_unit = false;  // whatever is written
   bool installing = false;
   std::size_t values = 181;
 
@@ -82,6 +83,9 @@ class FakeSensor {
         }
         ++config_writes;
         config.assign(body.begin() + 1, body.end());
+        if (keeps_its_unit) {
+          config[6] = 0x00;
+        }
         return sick_frame(hex("F7 01") + config);
       default:
         return kNotAccepted;

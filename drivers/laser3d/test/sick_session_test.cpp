@@ -108,6 +108,20 @@ TEST(SickSession, WritesTheConfigurationOnlyIfItDiffers) {
   EXPECT_EQ(other.dut.state(), State::kStreaming);
 }
 
+TEST(SickSession, AConfigurationThatDoesNotStayIsNotWrittenForEver) {
+  Rig rig;
+  rig.sensor.config[6] = 0x00;
+  rig.sensor.keeps_its_unit = true;
+  rig.open();
+  rig.run(300.0);
+  EXPECT_EQ(rig.sensor.config_writes, 2);
+  EXPECT_EQ(rig.scans, 0);
+  EXPECT_EQ(rig.dut.trouble(), "the configuration does not stay as written");
+  rig.sensor.config[6] = 0x01;  // somebody else has set it right
+  rig.run(10.0);
+  EXPECT_EQ(rig.dut.state(), State::kStreaming);
+}
+
 TEST(SickSession, AsksAgainWhatWasNotHeard) {
   Rig rig;
   rig.sensor.baud = 500000;
