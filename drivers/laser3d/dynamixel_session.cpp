@@ -13,6 +13,7 @@ namespace {
 constexpr std::int64_t kAnswerUs = 40'000;
 constexpr int kMissesAllowed = 3;
 constexpr std::int64_t kRebootUs = 1'000'000;
+constexpr int kDamagedRequest = 3;          // error code: the servo's own check of the checksum
 constexpr std::uint8_t kWatchdog20Ms = 10;  // 200 ms
 
 // The servo reads its registers, waits (its return delay as delivered) and sends the first byte.
@@ -54,6 +55,13 @@ void DynamixelSession::close() {
   trouble_ = "not connected";
 }
 
+ServoCounts DynamixelSession::line_counts() const {
+  return {.unanswered = counts_.unanswered,
+          .damaged = counts_.damaged,
+          .checksum_errors = parser_.counts().checksum_errors,
+          .implausible = counts_.implausible};
+}
+
 void DynamixelSession::aim(double goal_rad, double speed_rad_s) {
   if (goal_rad != goal_rad_ || speed_rad_s != speed_rad_s_) {
     goal_rad_ = goal_rad;
@@ -67,7 +75,11 @@ ServoOutput DynamixelSession::poll(std::int64_t now_us) {
     return {};
   }
   if (waiting_) {
-    return now_us < deadline_us_ ? ServoOutput{} : unanswered(now_us);
+    if (now_us < deadline_us_) {
+      return {};
+    }
+    ++counts_.unanswered;
+    return missed(now_us);
   }
   if (step_ == Step::kRun) {
     return run(now_us);
@@ -143,8 +155,7 @@ ServoOutput DynamixelSession::ask(Bytes bytes, std::int64_t now_us) {
   return {.send = std::move(bytes), .sample = std::nullopt};
 }
 
-ServoOutput DynamixelSession::unanswered(std::int64_t now_us) {
-  ++counts_.unanswered;
+ServoOutput DynamixelSession::missed(std::int64_t now_us) {
   if (step_ == Step::kReboot) {
     waiting_ = false;  // its answer may be lost in the restart
     deadline_us_ = now_us + kRebootUs;
@@ -163,6 +174,10 @@ ServoOutput DynamixelSession::unanswered(std::int64_t now_us) {
 
 ServoOutput DynamixelSession::take(const DynamixelStatus& answer, std::int64_t now_us) {
   waiting_ = false;
+  if (!answer.hardware_alert() && answer.error_code() == kDamagedRequest) {
+    ++counts_.damaged;
+    return missed(now_us);  // it has done nothing: no different from not having heard
+  }
   misses_ = 0;
   if (answer.hardware_alert() && step_ != Step::kReadAlert && step_ != Step::kReboot) {
     ++counts_.alerts;

@@ -25,6 +25,7 @@ class DynamixelSession : public ServoSession {
     std::int64_t samples = 0;
     std::int64_t connections = 0;
     std::int64_t unanswered = 0;
+    std::int64_t damaged = 0;  ///< requests that arrived damaged, says the servo
     std::int64_t refused = 0;
     std::int64_t implausible = 0;  ///< positions more than a turn from level
     std::int64_t alerts = 0;       ///< overload, heat, voltage: the servo had to be restarted
@@ -41,6 +42,7 @@ class DynamixelSession : public ServoSession {
   [[nodiscard]] bool running() const override { return step_ == Step::kRun && trouble_.empty(); }
   [[nodiscard]] bool measures_pitch() const override { return true; }
   [[nodiscard]] const std::string& trouble() const override { return trouble_; }
+  [[nodiscard]] ServoCounts line_counts() const override;
   [[nodiscard]] const Counts& counts() const { return counts_; }
   [[nodiscard]] const DynamixelParser::Counts& line() const { return parser_.counts(); }
 
@@ -65,7 +67,7 @@ class DynamixelSession : public ServoSession {
   [[nodiscard]] ServoOutput enter(Step step, std::int64_t now_us);
   [[nodiscard]] ServoOutput ask(Bytes bytes, std::int64_t now_us);
   [[nodiscard]] ServoOutput run(std::int64_t now_us);
-  [[nodiscard]] ServoOutput unanswered(std::int64_t now_us);
+  [[nodiscard]] ServoOutput missed(std::int64_t now_us);
   [[nodiscard]] ServoOutput take(const DynamixelStatus& answer, std::int64_t now_us);
   [[nodiscard]] ServoOutput advance(const DynamixelStatus& answer, std::int64_t now_us);
   [[nodiscard]] ServoOutput fail(std::string reason, std::int64_t now_us);

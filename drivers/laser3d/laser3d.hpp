@@ -78,6 +78,7 @@ class Laser3d {
   [[nodiscard]] Judgement judge(std::int64_t now_us) const;
   [[nodiscard]] const Counts& counts() const { return counts_; }
   [[nodiscard]] const SickSession::Counts& laser_counts() const { return sick_.counts(); }
+  [[nodiscard]] ServoCounts servo_line() const { return servo_->line_counts(); }
   [[nodiscard]] const SickParser::Counts& laser_line() const { return parser_.counts(); }
 
  private:

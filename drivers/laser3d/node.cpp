@@ -194,6 +194,7 @@ nlohmann::json Laser3dNode::figures() const {
   const Laser3d::Counts& scanner = driver_.counts();
   const SickSession::Counts& laser = driver_.laser_counts();
   const SickParser::Counts& line = driver_.laser_line();
+  const ServoCounts servo = driver_.servo_line();
   return {{"scans", scanner.scans},
           {"scans_without_pitch", scanner.scans_without_pitch},
           {"telegrams_missed", scanner.telegrams_missed},
@@ -209,6 +210,10 @@ nlohmann::json Laser3dNode::figures() const {
           {"laser_power_ons", laser.power_ons},
           {"config_writes", laser.config_writes},
           {"laser_reconnects", laser_.port.reconnects()},
+          {"servo_unanswered", servo.unanswered},
+          {"servo_damaged_requests", servo.damaged},
+          {"servo_checksum_errors", servo.checksum_errors},
+          {"servo_implausible", servo.implausible},
           {"servo_reconnects", servo_.port.reconnects()}};
 }
 

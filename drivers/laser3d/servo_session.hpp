@@ -21,6 +21,14 @@ struct ServoOutput {
   std::optional<PitchSample> sample;
 };
 
+/// What went wrong on the servo's line.
+struct ServoCounts {
+  std::int64_t unanswered = 0;       ///< requests
+  std::int64_t damaged = 0;          ///< requests that the servo says arrived damaged
+  std::int64_t checksum_errors = 0;  ///< of answers
+  std::int64_t implausible = 0;      ///< positions where the head cannot be
+};
+
 /// The conversation with a pitch servo, whatever it speaks: brings it up, moves it, and tells where
 /// it is, again and again. Pure state machines; all times are microseconds of one clock that never
 /// steps.
@@ -47,6 +55,8 @@ class ServoSession {
   [[nodiscard]] virtual bool running() const = 0;
   /// Whether the pitch it tells was measured, or is only what was commanded.
   [[nodiscard]] virtual bool measures_pitch() const = 0;
+  /// All zero for a servo that does not answer.
+  [[nodiscard]] virtual ServoCounts line_counts() const { return {}; }
   /// Why it is not running; empty when it is.
   [[nodiscard]] virtual const std::string& trouble() const = 0;
 };

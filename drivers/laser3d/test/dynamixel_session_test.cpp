@@ -141,6 +141,21 @@ TEST(DynamixelSession, AfterARestartItGoesOnToItsGoal) {
   EXPECT_NEAR(rig.samples.back().pitch_rad, 0.4, 0.01);
 }
 
+TEST(DynamixelSession, ADamagedRequestIsAskedAgainAndOnlyManyInARowAreALoss) {
+  Rig rig;
+  rig.open();
+  rig.run(0.2);
+  rig.servo.damage_next = 3;
+  rig.run(0.2);
+  EXPECT_TRUE(rig.dut.running());
+  EXPECT_EQ(rig.dut.counts().connections, 1);
+  EXPECT_EQ(rig.dut.line_counts().damaged, 3);
+  EXPECT_EQ(rig.dut.line_counts().unanswered, 0);
+  rig.servo.damage_next = 1000;
+  rig.run(0.05);
+  EXPECT_FALSE(rig.dut.running());
+}
+
 TEST(DynamixelSession, PositionsWhereTheHeadCannotBeAreDropped) {
   Rig rig;
   rig.open();

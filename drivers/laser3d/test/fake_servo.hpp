@@ -19,6 +19,7 @@ class FakeServo {
   bool powered = true;
   bool alert = false;
   bool jammed = false;
+  int damage_next = 0;  // requests that arrive damaged
   int booted_ms = 0;
   int mode_writes = 0;
   int reboots = 0;
@@ -40,6 +41,10 @@ class FakeServo {
   Bytes answer(const Bytes& request) {
     if (!powered) {
       return {};
+    }
+    if (damage_next > 0) {
+      --damage_next;
+      return status({}, 0x03);
     }
     const std::uint8_t instruction = request[7];
     const std::size_t address = request.size() > 10 ? read_u16(request, 8) : 0;
@@ -66,11 +71,11 @@ class FakeServo {
   }
 
  private:
-  Bytes status(const Bytes& parameters) const {
+  Bytes status(const Bytes& parameters, std::uint8_t error = 0x00) const {
     Bytes bytes = hex("FF FF FD 00 01");
     append_u16(bytes, static_cast<std::uint16_t>(parameters.size() + 4));
     bytes.push_back(0x55);
-    bytes.push_back(alert ? 0x80 : 0x00);
+    bytes.push_back(alert ? 0x80 : error);
     bytes = bytes + parameters;
     append_u16(bytes, dynamixel_crc(bytes));
     return bytes;
