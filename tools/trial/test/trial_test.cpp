@@ -72,6 +72,20 @@ TEST_F(TrialTest, Fig5NoddingDoesNot) {
   EXPECT_GT(drive.distance_m, 3.0);  // it did drive: the box is 2 m ahead
 }
 
+// Nothing comes back to the laser: that is no free world, and a trial without a scan does not
+// begin.
+TEST_F(TrialTest, ALaserThatSeesNothingLetsNobodyDrive) {
+  TrialSetup blind = setup("cellar", 1, 20.0);
+  blind.params.set_assignment("sim.least_intensity=1");
+  Trial trial(blind, dir_.path());
+  const auto drive = [&trial] {
+    while (trial.step()) {
+    }
+  };
+  EXPECT_THROW(drive(), std::runtime_error);
+  EXPECT_EQ(measure_drive(trial.record()).collisions, 0);
+}
+
 class RandomClutter : public TrialTest, public ::testing::WithParamInterface<std::uint64_t> {};
 
 TEST_P(RandomClutter, IsDrivenThroughWithoutACollision) {
