@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Any bytes, in any pieces, with any pauses, through the servo's parser and its conversation.
+// Any bytes, in any pieces, with any pauses, through the servo's parser and its conversation; and
+// the conversation again with answers of any content whose check sums are right, which single
+// changed bits would never be.
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
+#include <vector>
 
+#include "drivers/laser3d/dynamixel.hpp"
 #include "drivers/laser3d/dynamixel_session.hpp"
 
 namespace {
@@ -17,9 +21,51 @@ void require(bool condition) {
   }
 }
 
+void check(const ServoOutput& output, std::int64_t now_us) {
+  require(!output.sample || std::isfinite(output.sample->pitch_rad));
+  require(!output.sample || output.sample->time_us <= now_us);
+}
+
+/// An answer of the servo: error and parameters, in a whole frame.
+std::vector<std::uint8_t> answer_of(ByteView content) {
+  const std::size_t length = content.size() + 3;  // instruction and check sum
+  std::vector<std::uint8_t> frame{0xFF,
+                                  0xFF,
+                                  0xFD,
+                                  0x00,
+                                  DynamixelSettings{}.id,
+                                  static_cast<std::uint8_t>(length & 0xFFU),
+                                  static_cast<std::uint8_t>(length >> 8U),
+                                  0x55};
+  frame.insert(frame.end(), content.begin(), content.end());
+  const std::uint16_t crc = dynamixel_crc(frame);
+  frame.push_back(static_cast<std::uint8_t>(crc & 0xFFU));
+  frame.push_back(static_cast<std::uint8_t>(crc >> 8U));
+  return frame;
+}
+
+/// The first byte of each answer tells how long it is, and how late.
+void answer(const std::uint8_t* data, std::size_t size) {
+  DynamixelSession session({});
+  std::int64_t now_us = 0;
+  static_cast<void>(session.open(now_us));
+  static_cast<void>(session.poll(now_us));
+  std::size_t at = 0;
+  while (at < size) {
+    const std::uint8_t head = data[at++];
+    const std::size_t count = std::min<std::size_t>(size - at, head & 0x3FU);
+    now_us += (head & 0x40U) != 0 ? 300'000 : 1'000;
+    check(session.receive(answer_of({data + at, count}), now_us), now_us);
+    at += count;
+    session.aim(0.1 * static_cast<double>(size % 7), 1.0);
+    require(session.poll(now_us).send.size() <= 64);
+  }
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  answer(data, size);
   DynamixelParser parser(1'000'000);
   DynamixelSession session({});
   std::int64_t now_us = 0;
@@ -35,9 +81,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       require(answer->parameters.size() <= 128);
       static_cast<void>(dynamixel_x::state_in(*answer));
     }
-    const ServoOutput output = session.receive(bytes, now_us);
-    require(!output.sample || std::isfinite(output.sample->pitch_rad));
-    require(!output.sample || output.sample->time_us <= now_us);
+    check(session.receive(bytes, now_us), now_us);
     session.aim(0.1 * static_cast<double>(size % 7), 1.0);
     require(session.poll(now_us).send.size() <= 64);
   }
