@@ -2,9 +2,12 @@
 #include "modules/slam2d/map_file.hpp"
 
 #include <algorithm>
-#include <fstream>
+#include <sstream>
 #include <stdexcept>
+#include <string>
 #include <vector>
+
+#include "common/formats/atomic_file.hpp"
 
 namespace nodmap::slam2d {
 namespace {
@@ -26,22 +29,33 @@ std::uint8_t grey(const OccupancyGrid& grid, int x, int y) {
   return grid.is_occupied(x, y) ? kOccupiedGrey : kFreeGrey;
 }
 
-void check(const std::ofstream& out, const std::filesystem::path& file) {
-  if (!out) {
-    throw std::runtime_error(file.string() + ": cannot write");
-  }
-}
-
-void write_pgm(const std::filesystem::path& file, const OccupancyGrid& grid) {
-  std::ofstream out(file, std::ios::binary);
-  out << "P5\n" << grid.width() << " " << grid.height() << "\n255\n";
+std::string pgm_of(const OccupancyGrid& grid) {
+  std::string bytes =
+      "P5\n" + std::to_string(grid.width()) + " " + std::to_string(grid.height()) + "\n255\n";
   for (int y = grid.height() - 1; y >= 0; --y) {  // the first row of a picture is the top
     for (int x = 0; x < grid.width(); ++x) {
-      out.put(static_cast<char>(grey(grid, x, y)));
+      bytes.push_back(static_cast<char>(grey(grid, x, y)));
     }
   }
-  out.flush();
-  check(out, file);
+  return bytes;
+}
+
+std::string yaml_of(const OccupancyGrid& grid) {
+  std::ostringstream text;
+  text << "image: map.pgm\n"
+       << "mode: trinary\n"
+       << "resolution: " << grid.cell_size_m() << "\n"
+       << "origin: [" << grid.origin().x() << ", " << grid.origin().y() << ", 0]\n"
+       << "negate: 0\n"
+       << "occupied_thresh: 0.65\n"
+       << "free_thresh: 0.196\n";
+  return text.str();
+}
+
+void write(const std::filesystem::path& file, const std::string& bytes) {
+  if (const auto error = formats::replace_file(file, bytes)) {
+    throw std::runtime_error(file.string() + ": " + error.message());
+  }
 }
 
 /// Where a place in the map lies on a picture, y up.
@@ -68,28 +82,8 @@ void draw_path(picture::Image& image, const Scale& scale, std::span<const geomet
 }  // namespace
 
 void write_ros_map(const std::filesystem::path& dir, const OccupancyGrid& grid) {
-  write_pgm(dir / "map.pgm", grid);
-  const std::filesystem::path file = dir / "map.yaml";
-  std::ofstream out(file);
-  out << "image: map.pgm\n"
-      << "mode: trinary\n"
-      << "resolution: " << grid.cell_size_m() << "\n"
-      << "origin: [" << grid.origin().x() << ", " << grid.origin().y() << ", 0]\n"
-      << "negate: 0\n"
-      << "occupied_thresh: 0.65\n"
-      << "free_thresh: 0.196\n";
-  out.flush();
-  check(out, file);
-}
-
-void replace_ros_map(const std::filesystem::path& dir, const OccupancyGrid& grid) {
-  const std::filesystem::path part = dir / "map.part";
-  std::filesystem::create_directories(part);
-  write_ros_map(part, grid);
-  for (const char* file : {"map.pgm", "map.yaml"}) {
-    std::filesystem::rename(part / file, dir / file);
-  }
-  std::filesystem::remove(part);
+  write(dir / "map.pgm", pgm_of(grid));
+  write(dir / "map.yaml", yaml_of(grid));
 }
 
 picture::Image draw_map(const OccupancyGrid& grid, std::span<const geometry::SE2> path) {

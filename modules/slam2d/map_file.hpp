@@ -12,13 +12,9 @@
 
 namespace nodmap::slam2d {
 
-/// map.pgm and map.yaml in the convention of ROS map_server. Throws std::runtime_error naming the
-/// file.
+/// map.pgm and map.yaml in the convention of ROS map_server. A file that is there already stays
+/// until the new one is whole. Throws std::runtime_error naming the file.
 void write_ros_map(const std::filesystem::path& dir, const OccupancyGrid& grid);
-
-/// The same in place of those that are there, which stay when the new ones cannot be written whole.
-/// Throws std::runtime_error.
-void replace_ros_map(const std::filesystem::path& dir, const OccupancyGrid& grid);
 
 /// The map with the path on it.
 [[nodiscard]] picture::Image draw_map(const OccupancyGrid& grid,

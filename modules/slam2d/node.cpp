@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/formats/tum.hpp"
+#include "common/input/save_request.hpp"
 #include "common/log/log.hpp"
 #include "common/msg/messages.hpp"
 #include "modules/slam2d/grid_tiles.hpp"
@@ -86,14 +87,11 @@ void Slam2dNode::on_scan(const nodmap::scan_t& message) {
 
 // A full disk does not end the mapping: the last map that was whole stays, and STATUS says so.
 void Slam2dNode::on_save_request(const nodmap::save_request_t& message) {
-  if (context_.out_dir.empty()) {
-    context_.tally.reject("save_request_without_out_dir");
+  if (!input::accept(message, context_)) {
     return;
   }
-  context_.tally.use();
-  log::get().info("map asked for by {}", message.requested_by);
   try {
-    replace_ros_map(context_.out_dir, grid_);
+    write_ros_map(context_.out_dir, grid_);
     save_error_.clear();
   } catch (const std::runtime_error& error) {
     save_error_ = error.what();

@@ -7,9 +7,10 @@
 #include <string>
 #include <utility>
 
+#include "common/formats/atomic_file.hpp"
+#include "common/input/save_request.hpp"
 #include "common/log/log.hpp"
 #include "common/msg/messages.hpp"
-#include "modules/slam6d/atomic_file.hpp"
 #include "modules/slam6d/results.hpp"
 #include "nodmap/cloud_chunk_t.hpp"
 #include "nodmap/octomap_chunk_t.hpp"
@@ -187,13 +188,9 @@ void Slam6dNode::publish_octomap_part() {
 }
 
 void Slam6dNode::on_save_request(const nodmap::save_request_t& message) {
-  if (context_.out_dir.empty()) {
-    context_.tally.reject("save_request_without_out_dir");
-    return;
+  if (input::accept(message, context_)) {
+    save_map_while_running();
   }
-  context_.tally.use();
-  log::get().info("map asked for by {}", message.requested_by);
-  save_map_while_running();
 }
 
 // A full disk does not end the mapping: the last map that was whole stays, and STATUS says so.
@@ -215,7 +212,7 @@ std::error_code Slam6dNode::save_map(const std::filesystem::path& dir) {
     if (!bytes) {
       return std::make_error_code(std::errc::io_error);
     }
-    if (const auto error = replace_file(dir / name, *bytes)) {
+    if (const auto error = formats::replace_file(dir / name, *bytes)) {
       return error;
     }
   }

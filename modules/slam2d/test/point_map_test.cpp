@@ -28,6 +28,16 @@ std::vector<SurfacePoint> random_points(int count, unsigned seed, double half_si
   return points;
 }
 
+/// The wall is at y = 2 m and looks down.
+void expect_lines_along_wall(const PointMap& map, double angle_deg, double across_m) {
+  for (const PointMap::Landmark& landmark : map.landmarks()) {
+    ASSERT_TRUE(landmark.is_on_line());
+    EXPECT_GT(landmark.normal.dot(Eigen::Vector2d(0, -1)),
+              std::cos(geometry::deg_to_rad(angle_deg)));
+    EXPECT_NEAR(landmark.centre.y(), 2.0, across_m);
+  }
+}
+
 TEST(PointMap, NearestAgreesWithBruteForce) {
   PointMap map(kRadius);
   const std::vector<SurfacePoint> points = random_points(3000, 1, 5.0);
@@ -68,11 +78,7 @@ TEST(PointMap, PointsOfAWallFormItsLine) {
   }
   // The line through 11 points of 1 cm noise over 0.5 m: 3 mm across, 1.1 degrees (one sigma); all
   // hundred lines stay within four sigma.
-  for (const PointMap::Landmark& landmark : map.landmarks()) {
-    ASSERT_TRUE(landmark.is_on_line());
-    EXPECT_GT(landmark.normal.dot(Eigen::Vector2d(0, -1)), std::cos(geometry::deg_to_rad(8.0)));
-    EXPECT_NEAR(landmark.centre.y(), 2.0, 0.02);
-  }
+  expect_lines_along_wall(map, 8.0, 0.02);
 }
 
 TEST(PointMap, TheTwoSidesOfAThinWallAreTwoLines) {
@@ -132,11 +138,7 @@ TEST(PointMap, LooksAtTheSameWallSharpenItsLineAndAddNothing) {
   // 50 looks divide 3 mm and 1.1 degrees of one look by 7, and those of the wall's ends, whose
   // lines hang over, by less: they have half the points over half the way. Four sigma of theirs.
   EXPECT_EQ(map.landmarks().size(), 100U);
-  for (const PointMap::Landmark& landmark : map.landmarks()) {
-    ASSERT_TRUE(landmark.is_on_line());
-    EXPECT_GT(landmark.normal.dot(Eigen::Vector2d(0, -1)), std::cos(geometry::deg_to_rad(2.0)));
-    EXPECT_NEAR(landmark.centre.y(), 2.0, 0.0025);
-  }
+  expect_lines_along_wall(map, 2.0, 0.0025);
 }
 
 TEST(PointMap, TheOtherSideOfAThinWallDoesNotSharpenALine) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "modules/slam6d/atomic_file.hpp"
+#include "common/formats/atomic_file.hpp"
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -7,7 +7,7 @@
 #include <cerrno>
 #include <utility>
 
-namespace nodmap::slam6d {
+namespace nodmap::formats {
 namespace {
 
 std::error_code last_error() {
@@ -84,4 +84,4 @@ std::error_code replace_file(const std::filesystem::path& file, std::string_view
   return folder.is_open() ? folder.sync() : last_error();
 }
 
-}  // namespace nodmap::slam6d
+}  // namespace nodmap::formats

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "modules/slam6d/atomic_file.hpp"
+#include "common/formats/atomic_file.hpp"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 
 #include "tests/support/data_dir.hpp"
 
-namespace nodmap::slam6d {
+namespace nodmap::formats {
 namespace {
 
 namespace fs = std::filesystem;
@@ -63,4 +63,4 @@ TEST(AtomicFile, R46_AFailingFolderKeepsTheOldFile) {
 }
 
 }  // namespace
-}  // namespace nodmap::slam6d
+}  // namespace nodmap::formats

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <system_error>
 
-namespace nodmap::slam6d {
+namespace nodmap::formats {
 
 /// Writes a file so that at any moment, whatever fails, there is the old one or the new one, whole:
 /// written under a temporary name beside it, brought to the disk, renamed. An error leaves the old
@@ -13,4 +13,4 @@ namespace nodmap::slam6d {
 [[nodiscard]] std::error_code replace_file(const std::filesystem::path& file,
                                            std::string_view bytes);
 
-}  // namespace nodmap::slam6d
+}  // namespace nodmap::formats
