@@ -1,0 +1,77 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""What 2D SLAM's parameters are worth: the same simulated drives, mapped with one setting after the other.
+
+bench/slam2d_drives.py [--out DIR] [--bin DIR] [--setting "key=value ..." ...]
+
+Drives 30 times through the corridor of Fig. 6 (seeds 21 to 50, 60 s) and 20 times through the cellar of Fig. 7 (11 to 30, 120 s), with
+wheels that report 3 % too much way; the figures show other seeds. A drive that is in DIR already is taken from there. One row of the worst
+errors for each setting; the first has none.
+"""
+import argparse
+import concurrent.futures
+import json
+import os
+import pathlib
+import subprocess
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+CORRIDOR = [("corridor30", seed, 60) for seed in range(21, 51)]
+CELLAR = [("cellar", seed, 120) for seed in range(11, 31)]
+SETTINGS = ["", "line_correspondence_m=0.25", "line_radius_m=0.25", "line_radius_m=0.15", "line_radius_m=0.12"]
+
+
+class Drives:
+    def __init__(self, out, programs):
+        self.out, self.programs = out, programs
+
+    def call(self, program, *arguments):
+        done = subprocess.run([str(self.programs / program), *map(str, arguments)], capture_output=True, text=True)
+        if done.returncode != 0:
+            raise RuntimeError(f"{program}: {done.stderr.strip()}")
+        return done.stdout
+
+    def drive(self, run):
+        world, seed, duration_s = run
+        folder = self.out / f"{world}-{seed}"
+        if not folder.exists():
+            self.call("nodmap-trial", "--world", ROOT / "sim" / "worlds" / f"{world}.yaml", "--seed", seed, "--duration", duration_s,
+                      "--set", "sim.odometry_scale_bias=0.03", "--no-slam6d", "--out", folder)
+        return folder
+
+    def errors(self, run, setting):
+        """Of the corridor or the end pose, as nodmap-evaluate tells them."""
+        folder = self.drive(run)
+        words = [word for value in setting.split() for word in ("--set", value)]
+        with tempfile.TemporaryDirectory() as made:
+            out = pathlib.Path(made) / "slam2d"
+            self.call("nodmap-slam2d", "--replay", folder / "trial.lcmlog", "--out", out, *words)
+            kind = "corridor" if run[0] == "corridor30" else "trajectory"
+            return json.loads(self.call("nodmap-evaluate", kind, out / "trajectory.tum", folder / "truth.tum"))
+
+    def worst(self, runs, setting, keys):
+        with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+            every = list(pool.map(lambda run: self.errors(run, setting), runs))
+        return [max(abs(errors[key]) for errors in every) for key in keys]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--out", type=pathlib.Path, help="folder for the drives (5 GB), to be kept; default a temporary one")
+    parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build" / "release" / "bin")
+    parser.add_argument("--setting", nargs="+", default=SETTINGS, help="parameters of nodmap-slam2d, one row each")
+    options = parser.parse_args()
+    with tempfile.TemporaryDirectory(prefix="nodmap-drives-") as temporary:
+        drives = Drives(options.out or pathlib.Path(temporary), options.bin)
+        drives.out.mkdir(parents=True, exist_ok=True)
+        print("| setting | Fig. 6: length | bow | heading | Fig. 7: end |\n|---|---|---|---|---|")
+        for setting in options.setting:
+            length_percent, bow_m, heading_deg = drives.worst(CORRIDOR, setting, ("length_error_percent", "bow_m", "heading_error_deg"))
+            end_m, end_deg = drives.worst(CELLAR, setting, ("end_error_m", "end_error_deg"))
+            print(f"| {setting or 'defaults'} | {length_percent:.2f} % | {100 * bow_m:.1f} cm | {heading_deg:.2f}° "
+                  f"| {100 * end_m:.1f} cm, {end_deg:.2f}° |", flush=True)
+
+
+if __name__ == "__main__":
+    main()
