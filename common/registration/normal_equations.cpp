@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "common/registration/normal_equations.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+namespace nodmap::registration {
+
+struct NormalEquations::Eigensystem {
+  Eigen::Vector3d to_metres;  // (x, y, yaw) times this is in metres
+  Eigen::Vector3d values;     // ascending
+  Eigen::Matrix3d vectors;
+};
+
+void NormalEquations::add(const Eigen::Vector2d& normal, const Eigen::Vector2d& moment_arm,
+                          double distance_m, double weight) {
+  const Eigen::Vector3d row(normal.x(), normal.y(),
+                            moment_arm.x() * normal.y() - moment_arm.y() * normal.x());
+  information_ += weight * row * row.transpose();
+  gradient_ += weight * distance_m * row;
+  weight_ += weight;
+}
+
+NormalEquations::Eigensystem NormalEquations::decompose() const {
+  constexpr double kMinMomentArmM =
+      0.1;  // keeps the scale finite when there is no information on yaw
+  const double translation = information_(0, 0) + information_(1, 1);
+  const double moment_arm =
+      translation > 0.0 ? std::max(kMinMomentArmM, std::sqrt(information_(2, 2) / translation))
+                        : 1.0;
+  const Eigen::Vector3d to_metres(1.0, 1.0, moment_arm);
+  const Eigen::Vector3d scale = to_metres.cwiseInverse();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(scale.asDiagonal() * information_ *
+                                                              scale.asDiagonal());
+  return {to_metres, solver.eigenvalues(), solver.eigenvectors()};
+}
+
+NormalEquations::Observability NormalEquations::observability(double min_information_ratio) const {
+  const Eigensystem system = decompose();
+  Observability result;
+  Eigen::Matrix3d kept = Eigen::Matrix3d::Zero();
+  for (int k = 0; k < 3; ++k) {
+    if (system.values[k] > min_information_ratio * weight_) {
+      kept += system.vectors.col(k) * system.vectors.col(k).transpose();
+    } else {
+      ++result.degenerate_directions;
+    }
+  }
+  result.projector =
+      system.to_metres.cwiseInverse().asDiagonal() * kept * system.to_metres.asDiagonal();
+  return result;
+}
+
+Eigen::Vector3d NormalEquations::step(double min_information_ratio) const {
+  const Eigensystem system = decompose();
+  const Eigen::Vector3d gradient = system.to_metres.cwiseInverse().cwiseProduct(gradient_);
+  Eigen::Vector3d step = Eigen::Vector3d::Zero();
+  for (int k = 0; k < 3; ++k) {
+    if (system.values[k] > min_information_ratio * weight_) {
+      const auto direction = system.vectors.col(k);
+      step -= direction.dot(gradient) / system.values[k] * direction;
+    }
+  }
+  return system.to_metres.cwiseInverse().cwiseProduct(step);
+}
+
+}  // namespace nodmap::registration
