@@ -141,7 +141,7 @@ TEST_F(Slam2dNodeTest, CountsWhatItCannotUse) {
   EXPECT_EQ(tally_.rejected().at("no_odometry"), 1);
   EXPECT_EQ(tally_.rejected().at("implausible_scan"), 1);
   EXPECT_EQ(tally_.rejected().at("implausible_odometry"), 1);
-  EXPECT_EQ(tally_.rejected().at("nothing_seen"), 1);
+  EXPECT_EQ(tally_.rejected().at("too_few_points"), 1);
   EXPECT_EQ(tally_.lost(), 3);
   EXPECT_EQ(node_.figures()["scans_not_level"], 1);
   EXPECT_TRUE(bus_.sent<nodmap::pose_t>("POSE_2D").empty());
