@@ -100,7 +100,7 @@ void Slam2dNode::count_rejected(const Slam2dMetrics& before) {
 
 // A full disk does not end the mapping: the last complete map stays, and STATUS reports the error.
 void Slam2dNode::on_save_request(const nodmap::save_request_t& message) {
-  if (!input::accept(message, context_)) {
+  if (!node::accept_save_request(message, context_)) {
     return;
   }
   try {

@@ -25,7 +25,7 @@ class Slam2dNode : public node::Node {
 
   void finish() override;
   void write_results(const std::filesystem::path& dir) override;
-  [[nodiscard]] nlohmann::json figures() const override;
+  [[nodiscard]] nlohmann::json metrics() const override;
   [[nodiscard]] node::Health health() const override;
 
  private:
