@@ -5,7 +5,7 @@
 bench/slam2d_drives.py [--out DIR] [--bin DIR] [--setting "key=value ..." ...]
 
 Drives 30 times through the corridor of Fig. 6 (seeds 21 to 50, 60 s) and 20 times through the cellar of Fig. 7 (11 to 30, 120 s), with
-wheels that report 3 % too much way; the figures show other seeds. A drive that is in DIR already is taken from there. One row of the worst
+wheels that report 3 % too much distance; the paper's figures show other seeds. A drive that is in DIR already is taken from there. One row of the worst
 errors for each setting; the first has none.
 """
 import argparse
@@ -19,7 +19,7 @@ import tempfile
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 CORRIDOR = [("corridor30", seed, 60) for seed in range(21, 51)]
 CELLAR = [("cellar", seed, 120) for seed in range(11, 31)]
-SETTINGS = ["", "line_correspondence_m=0.25", "line_radius_m=0.25", "line_radius_m=0.15", "line_radius_m=0.12"]
+SETTINGS = ["", "matcher.min_line_distance_m=0.25", *(f"map.line_radius_m={radius_m}" for radius_m in (0.25, 0.15, 0.12))]
 
 
 class Drives:

@@ -7,8 +7,8 @@
 namespace nodmap::slam2d {
 namespace {
 
-// Below what the slowest nodding moves from scan to scan (0.25 deg), above an encoder's flicker.
-constexpr double kStandingRad = geometry::deg_to_rad(0.05);
+// Less than the pitch step of the slowest nod (0.25 deg), more than the noise of an encoder.
+constexpr double kStationaryRad = geometry::deg_to_rad(0.05);
 
 bool looks_up(const scan::Scan& scan) {
   return scan.pitch_mid_rad() >= 0.0;
@@ -17,7 +17,7 @@ bool looks_up(const scan::Scan& scan) {
 }  // namespace
 
 bool LevelScanSelector::is_level(const scan::Scan& scan) const {
-  return std::abs(scan.pitch_mid_rad()) <= max_level_pitch_rad_;
+  return std::abs(scan.pitch_mid_rad()) <= params_.max_pitch_rad;
 }
 
 const scan::Scan* LevelScanSelector::add(const scan::Scan& scan) {
@@ -25,13 +25,14 @@ const scan::Scan* LevelScanSelector::add(const scan::Scan& scan) {
   current_ = scan;
   const bool previous_was_used = std::exchange(current_was_used_, false);
   const double last_pitch = previous_ ? previous_->pitch_mid_rad() : 0.0;
-  const bool stands = std::abs(scan.pitch_last_rad - scan.pitch_first_rad) <= kStandingRad &&
-                      std::abs(scan.pitch_mid_rad() - last_pitch) <= kStandingRad;
-  return select(stands, previous_was_used);
+  const bool is_stationary =
+      std::abs(scan.pitch_last_rad - scan.pitch_first_rad) <= kStationaryRad &&
+      std::abs(scan.pitch_mid_rad() - last_pitch) <= kStationaryRad;
+  return select(is_stationary, previous_was_used);
 }
 
-const scan::Scan* LevelScanSelector::select(bool stands, bool previous_was_used) {
-  if (stands) {
+const scan::Scan* LevelScanSelector::select(bool is_stationary, bool previous_was_used) {
+  if (is_stationary) {
     current_was_used_ = is_level(*current_);
     return current_was_used_ ? &*current_ : nullptr;
   }

@@ -7,10 +7,9 @@
 #include <vector>
 
 #include "common/formats/tum.hpp"
-#include "common/node/log.hpp"
-#include "common/node/message_input.hpp"
-#include "common/node/messages.hpp"
-#include "modules/slam2d/grid_tiles.hpp"
+#include "common/input/save_request.hpp"
+#include "common/log/log.hpp"
+#include "common/msg/messages.hpp"
 #include "modules/slam2d/map_file.hpp"
 #include "nodmap/grid_chunk_t.hpp"
 #include "nodmap/pose_t.hpp"
@@ -43,10 +42,9 @@ void write_tile(const OccupancyGrid& grid, const GridTile& tile, nodmap::grid_ch
 Slam2dNode::Slam2dNode(node::Context& context, const Params& params)
     : context_(context),
       params_(params),
-      input_(context.counts),
-      selector_(params.max_level_pitch_rad),
+      input_(context.tally),
       slam_(params),
-      grid_(params.cell_size_m) {
+      grid_(params.grid.cell_size_m) {
   context_.bus.subscribe<nodmap::odometry_t>(
       "ODOMETRY", [this](const nodmap::odometry_t& message) { on_odometry(message); });
   context_.bus.subscribe<nodmap::scan_t>(
@@ -60,32 +58,47 @@ void Slam2dNode::on_odometry(const nodmap::odometry_t& message) {
   if (!T_odom_base) {
     return;
   }
-  if (input_.odometry_restarted()) {
-    begin_odometry_frame(*T_odom_base);
+  if (input_.odometry_began_anew()) {
+    slam_.change_odometry_frame(*T_odom_base);
   }
-  odometry_.add(message.utime, *T_odom_base);
-  context_.counts.use();
-}
-
-void Slam2dNode::begin_odometry_frame(const geometry::SE3& T_odom_base) {
-  if (const auto T_old_odom_base = odometry_.newest()) {
-    slam_.change_odometry_frame(geometry::to_se2(*T_old_odom_base), geometry::to_se2(T_odom_base));
-  }
-  odometry_.clear();
+  slam_.add_odometry(message.utime, *T_odom_base);
+  context_.tally.use();
 }
 
 void Slam2dNode::on_scan(const nodmap::scan_t& message) {
   if (!input_.read(message, scan_)) {
     return;
   }
-  if (const scan::Scan* level = selector_.add(scan_)) {
-    track(*level);
-  } else {
-    ++not_level_;
+  const Slam2dMetrics before = slam_.metrics();
+  const std::optional<PoseUpdate> update = slam_.add_scan(scan_);
+  if (!update) {
+    count_rejected(before);
+    return;
+  }
+  context_.tally.use();
+  last_quality_ = update->quality;
+  last_utime_us_ = update->utime_us;
+  publish_pose(*update);
+  draw_new_keyframes();
+  // The magnitude, so that a stamp that steps far back does not silence the map.
+  if (!last_map_utime_us_ ||
+      std::abs(static_cast<double>(update->utime_us - *last_map_utime_us_)) >=
+          1e6 * params_.grid.publish_period_s) {
+    publish_map(update->utime_us);
   }
 }
 
-// A full disk does not end the mapping: the last map that was whole stays, and STATUS says so.
+void Slam2dNode::count_rejected(const Slam2dMetrics& before) {
+  const Slam2dMetrics& now = slam_.metrics();
+  if (now.scans_without_odometry > before.scans_without_odometry) {
+    context_.tally.reject("no_odometry");
+  }
+  if (now.scans_without_points > before.scans_without_points) {
+    context_.tally.reject("too_few_points");
+  }
+}
+
+// A full disk does not end the mapping: the last complete map stays, and STATUS reports the error.
 void Slam2dNode::on_save_request(const nodmap::save_request_t& message) {
   if (!node::accept_save_request(message, context_)) {
     return;
@@ -99,42 +112,16 @@ void Slam2dNode::on_save_request(const nodmap::save_request_t& message) {
   }
 }
 
-void Slam2dNode::track(const scan::Scan& scan) {
-  const auto T_odom_first = odometry_.at(scan.utime_us);
-  if (!T_odom_first) {
-    context_.counts.reject("no_odometry");
-    return;
-  }
-  const auto T_odom_last = odometry_.at(scan.utime_last_us()).value_or(*T_odom_first);
-  const geometry::SE2 T_odom_base = geometry::to_se2(*T_odom_first);
-  const auto result =
-      slam_.add_scan(scan, T_odom_base, T_odom_base.inverse() * geometry::to_se2(T_odom_last));
-  if (!result) {
-    context_.counts.reject("nothing_seen");
-    return;
-  }
-  context_.counts.use();
-  last_quality_ = result->quality;
-  last_utime_us_ = result->utime_us;
-  publish_pose(*result);
-  draw_new_keyframes();
-  // Distance, not difference: a stamp that steps far back must not silence the map.
-  if (!last_map_utime_us_ || std::abs(static_cast<double>(scan.utime_us - *last_map_utime_us_)) >=
-                                 1e6 * params_.map_period_s) {
-    publish_map(scan.utime_us);
-  }
-}
-
 void Slam2dNode::finish() {
   publish_map(last_utime_us_);
 }
 
-void Slam2dNode::publish_pose(const Slam2dResult& result) {
-  nodmap::pose_t message = node::write_corrected_pose(
-      result.utime_us, geometry::to_se3(result.T_map_base), geometry::to_se3(result.T_map_odom));
-  message.match_share = result.match_share;
-  message.match_rms_m = result.match_rms_m;
-  message.pose_quality = static_cast<std::int8_t>(result.quality);
+void Slam2dNode::publish_pose(const PoseUpdate& update) {
+  nodmap::pose_t message = msg::write_corrected_pose(
+      update.utime_us, geometry::to_se3(update.T_map_base), geometry::to_se3(update.T_map_odom));
+  message.match_share = update.inlier_ratio;
+  message.match_rms_m = update.rms_m;
+  message.pose_quality = static_cast<std::int8_t>(update.quality);
   context_.bus.publish("POSE_2D", message);
 }
 
@@ -164,12 +151,12 @@ void Slam2dNode::publish_map(std::int64_t utime_us) {
 }
 
 void Slam2dNode::write_results(const std::filesystem::path& dir) {
+  const std::vector<geometry::SE2> path = slam_.trajectory();
   formats::Trajectory corrected;
   formats::Trajectory online;
-  std::vector<geometry::SE2> path;
-  for (const TrackedScan& scan : slam_.tracked_scans()) {
-    path.push_back(slam_.corrected_pose(scan));
-    corrected.push_back({scan.utime_us, geometry::to_se3(path.back())});
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    const TrackedScan& scan = slam_.tracked_scans()[i];
+    corrected.push_back({scan.utime_us, geometry::to_se3(path[i])});
     online.push_back({scan.utime_us, geometry::to_se3(scan.T_map_base_online)});
   }
   std::vector<geometry::SE2> odometry;
@@ -183,21 +170,21 @@ void Slam2dNode::write_results(const std::filesystem::path& dir) {
   draw_paths(path, odometry).write_png(dir / "path.png");
 }
 
-nlohmann::json Slam2dNode::metrics() const {
-  const Slam2dFigures& figures = slam_.metrics();
-  const double scans = static_cast<double>(std::max<std::int64_t>(1, figures.scans));
-  return {{"scans_used", figures.scans},
-          {"scans_not_level", not_level_},
-          {"map_points", slam_.map().landmarks().size()},
+nlohmann::json Slam2dNode::figures() const {
+  const Slam2dMetrics& metrics = slam_.metrics();
+  const double scans = static_cast<double>(std::max<std::int64_t>(1, metrics.scans));
+  return {{"scans_used", metrics.scans},
+          {"scans_not_level", metrics.scans_not_level},
+          {"map_points", slam_.map().points().size()},
           {"keyframes", slam_.keyframes().size()},
-          {"tracked", figures.tracked},
-          {"partly", figures.partly},
-          {"odometry_only", figures.odometry_only},
-          {"lost", figures.lost},
-          {"searches", figures.searches},
-          {"searches_helped", figures.searches_helped},
-          {"mean_match_share", figures.share_sum / scans},
-          {"mean_match_agreement", figures.agreement_sum / scans},
+          {"tracked", metrics.tracked},
+          {"partly", metrics.partly},
+          {"odometry_only", metrics.odometry_only},
+          {"lost", metrics.lost},
+          {"searches", metrics.searches},
+          {"searches_successful", metrics.searches_successful},
+          {"mean_inlier_ratio", metrics.inlier_ratio_sum / scans},
+          {"mean_score", metrics.score_sum / scans},
           {"maps_published", maps_published_}};
 }
 
@@ -206,10 +193,10 @@ node::Health Slam2dNode::health() const {
     return {node::HealthState::kDegraded, "The map cannot be saved: " + save_error_ + "."};
   }
   if (last_quality_ == PoseQuality::kLost) {
-    return {node::HealthState::kDegraded, "lost: the scan does not fit the map"};
+    return {node::HealthState::kDegraded, "Lost: the scan does not fit the map."};
   }
   if (last_quality_ == PoseQuality::kOdometry) {
-    return {node::HealthState::kDegraded, "odometry only: the scanner sees too little"};
+    return {node::HealthState::kDegraded, "Odometry only: the scan has too few points."};
   }
   return {};
 }

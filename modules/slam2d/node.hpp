@@ -4,10 +4,8 @@
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 
-#include "common/geometry/pose_history.hpp"
-#include "common/node/message_input.hpp"
+#include "common/input/sensor_input.hpp"
 #include "common/node/node.hpp"
-#include "modules/slam2d/level_scan_selector.hpp"
 #include "modules/slam2d/occupancy_grid.hpp"
 #include "modules/slam2d/params.hpp"
 #include "modules/slam2d/slam2d.hpp"
@@ -17,8 +15,8 @@
 
 namespace nodmap::slam2d {
 
-/// The shell of 3DOF SLAM: SCAN and ODOMETRY in, POSE_2D and MAP_2D out; at SAVE_REQUEST the map is
-/// written.
+/// The shell of Slam2d: subscribes SCAN and ODOMETRY, publishes POSE_2D and MAP_2D, and saves the
+/// map at SAVE_REQUEST.
 class Slam2dNode : public node::Node {
  public:
   using Params = Slam2dParams;
@@ -34,28 +32,24 @@ class Slam2dNode : public node::Node {
   void on_odometry(const nodmap::odometry_t& message);
   void on_scan(const nodmap::scan_t& message);
   void on_save_request(const nodmap::save_request_t& message);
-  void begin_odometry_frame(const geometry::SE3& T_odom_base);
-  void track(const scan::Scan& scan);
-  void publish_pose(const Slam2dResult& result);
+  void count_rejected(const Slam2dMetrics& before);
+  void publish_pose(const PoseUpdate& update);
   void draw_new_keyframes();
   void publish_map(std::int64_t utime_us);
 
   node::Context& context_;
   Params params_;
-  node::SensorInput input_;
-  geometry::PoseHistory odometry_;
-  LevelScanSelector selector_;
+  input::SensorInput input_;
   Slam2d slam_;
   OccupancyGrid grid_;
-  scan::Scan scan_;  // kept for its memory
+  scan::Scan scan_;  // the last one; a member to reuse its memory
   std::size_t keyframes_drawn_ = 0;
   std::size_t keyframes_published_ = 0;
   std::int64_t maps_published_ = 0;
-  std::int64_t not_level_ = 0;
   std::optional<std::int64_t> last_map_utime_us_;
   std::int64_t last_utime_us_ = 0;
   PoseQuality last_quality_ = PoseQuality::kTracked;
-  std::string save_error_;  // of the last try; empty when it went well
+  std::string save_error_;  // of the last attempt; empty when it succeeded
 };
 
 }  // namespace nodmap::slam2d

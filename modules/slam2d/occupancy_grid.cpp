@@ -9,7 +9,7 @@
 namespace nodmap::slam2d {
 namespace {
 
-constexpr int kMarginCells = 100;               // grown by more than is needed now
+constexpr int kMarginCells = 100;               // added on top of what is needed now
 constexpr std::int64_t kMaxCells = 64'000'000;  // 400 m x 400 m at 5 cm
 constexpr double kMaxCoordinateCells = 1'000'000'000.0;
 
@@ -17,10 +17,11 @@ bool is_drawable(const Eigen::Vector2d& cells) {
   return cells.allFinite() && cells.cwiseAbs().maxCoeff() < kMaxCoordinateCells;
 }
 
-/// How a ray walks along one axis (Amanatides and Woo 1987); parameters run from 0 to 1.
+/// The grid lines that a ray crosses along one axis (Amanatides and Woo 1987). The ray's parameter
+/// runs from 0 at its origin to 1 at its end.
 struct Axis {
   int direction = 0;
-  double next = std::numeric_limits<double>::infinity();  // where it enters the next cell
+  double next = std::numeric_limits<double>::infinity();  // parameter where it enters the next cell
   double step = std::numeric_limits<double>::infinity();  // from cell to cell
 
   Axis(double from, double to) {
@@ -34,16 +35,33 @@ struct Axis {
   }
 };
 
+constexpr int kTileCells = 240;
+
+GridTile cut_tile(const OccupancyGrid& grid, int x, int y) {
+  GridTile tile;
+  tile.x = x;
+  tile.y = y;
+  tile.width = std::min(kTileCells, grid.width() - x);
+  tile.height = std::min(kTileCells, grid.height() - y);
+  tile.cells.reserve(static_cast<std::size_t>(tile.width) * static_cast<std::size_t>(tile.height));
+  for (int row = y; row < y + tile.height; ++row) {
+    for (int column = x; column < x + tile.width; ++column) {
+      tile.cells.push_back(grid.occupancy(column, row));
+    }
+  }
+  return tile;
+}
+
 }  // namespace
 
 OccupancyGrid::Cell& OccupancyGrid::at(const Eigen::Vector2i& cell) {
-  const Eigen::Vector2i place = cell - first_cell_;
-  return cells_[static_cast<std::size_t>(place.y()) * static_cast<std::size_t>(width_) +
-                static_cast<std::size_t>(place.x())];
+  const Eigen::Vector2i offset = cell - first_cell_;
+  return cells_[static_cast<std::size_t>(offset.y()) * static_cast<std::size_t>(width_) +
+                static_cast<std::size_t>(offset.x())];
 }
 
-bool OccupancyGrid::add_ray(const Eigen::Vector2d& eye, const Eigen::Vector2d& end) {
-  const Eigen::Vector2d from = eye / cell_size_m_;
+bool OccupancyGrid::add_ray(const Eigen::Vector2d& sensor_origin, const Eigen::Vector2d& end) {
+  const Eigen::Vector2d from = sensor_origin / cell_size_m_;
   const Eigen::Vector2d to = end / cell_size_m_;
   if (!is_drawable(from) || !is_drawable(to)) {
     return false;
@@ -55,7 +73,7 @@ bool OccupancyGrid::add_ray(const Eigen::Vector2d& eye, const Eigen::Vector2d& e
   }
   Axis x(from.x(), to.x());
   Axis y(from.y(), to.y());
-  // As many steps as borders lie between, so that rounding cannot lead past the end.
+  // One step for each grid line crossed, so that rounding cannot lead past the end.
   for (int steps = (last - cell).cwiseAbs().sum(); steps > 0; --steps) {
     ++at(cell).passed;
     const bool along_x = cell.y() == last.y() || (cell.x() != last.x() && x.next < y.next);
@@ -106,6 +124,16 @@ std::int8_t OccupancyGrid::occupancy(int x, int y) const {
   return rays == 0
              ? kUnknown
              : static_cast<std::int8_t>((std::uint64_t{200} * cell.ended + rays) / (2 * rays));
+}
+
+std::vector<GridTile> cut_into_tiles(const OccupancyGrid& grid) {
+  std::vector<GridTile> tiles;
+  for (int y = 0; y < grid.height(); y += kTileCells) {
+    for (int x = 0; x < grid.width(); x += kTileCells) {
+      tiles.push_back(cut_tile(grid, x, y));
+    }
+  }
+  return tiles;
 }
 
 }  // namespace nodmap::slam2d

@@ -7,77 +7,164 @@
 
 namespace nodmap::slam2d {
 
-/// Which distances of Eq. 3 the last iterations count.
-enum class Metric : std::uint8_t {
-  kPoints,  ///< point to point, to the letter of the paper
-  kLines,   ///< only across the line the map's points form
-};
-
-struct Slam2dParams {
-  double max_level_pitch_rad = geometry::deg_to_rad(1.0);
-
-  Metric metric = Metric::kLines;
-  double max_correspondence_m = 0.7;
-  double final_correspondence_m = 0.25;
-  double line_correspondence_m = 0.08;
-  int iterations = 30;
-  double weak_direction_share = 0.02;
-
-  double new_point_distance_m = 0.05;
-  double line_radius_m = 0.13;
-  double keyframe_distance_m = 0.3;
-  double keyframe_rotation_rad = geometry::deg_to_rad(15.0);
-
-  double search_below_agreement = 0.7;
-  double search_distance_m = 0.75;
-  double search_rotation_rad = geometry::deg_to_rad(90.0);
-  double lost_below_agreement = 0.2;
-  double lost_distance_m = 1.0;
-
-  double cell_size_m = 0.05;
-  double map_period_s = 20.0;
+struct LevelScanParams {
+  double max_pitch_rad = geometry::deg_to_rad(1.0);
 
   template <class Visitor>
   void describe(Visitor& v) {
-    v.angle("max_level_pitch_deg", max_level_pitch_rad, {0.05, 5.0},
-            "Of each half sweep the scan nearest to pitch 0 is used if it is at least this level.");
-    v.choice("metric", metric, {{"lines", Metric::kLines}, {"points", Metric::kPoints}},
-             "Distances that Eq. 3 counts at the end: points to the lines of the map, or points to "
-             "points as in the paper.");
-    v.number("max_correspondence_m", max_correspondence_m, {0.05, 5.0},
-             "d_max of the first iterations: pairs farther apart are no correspondence.");
-    v.number("final_correspondence_m", final_correspondence_m, {0.02, 5.0},
-             "d_max of the last iterations that count distances to points.");
-    v.number("line_correspondence_m", line_correspondence_m, {0.02, 5.0},
-             "d_max of the last iterations that count distances to lines: they leave out what is "
-             "near a line, but not of it.");
-    v.integer("iterations", iterations, {1, 200}, "Iterations of ICP at most.");
-    v.number("weak_direction_share", weak_direction_share, {0.0, 0.5},
-             "A direction on which the pairs hold less than this share of the information they "
-             "could hold is left to odometry.");
+    v.angle("max_pitch_deg", max_pitch_rad, {0.05, 5.0},
+            "Of each sweep the scan with the pitch nearest to 0 is used, if its pitch is at most "
+            "this.");
+  }
+};
+
+/// The distances that the last iterations of ICP minimise.
+enum class Metric : std::uint8_t {
+  kPointToPoint,  ///< Eq. 3 as printed in the paper
+  kPointToLine,   ///< only across the lines through the points of the map
+};
+
+struct MatcherParams {
+  Metric metric = Metric::kPointToLine;
+  double max_correspondence_distance_m = 0.7;
+  double min_correspondence_distance_m = 0.25;
+  double min_line_distance_m = 0.08;
+  int max_iterations = 30;
+  double min_information_ratio = 0.02;
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.choice("metric", metric,
+             {{"point_to_line", Metric::kPointToLine}, {"point_to_point", Metric::kPointToPoint}},
+             "Distances that the last iterations minimise: from points to the lines of the map, or "
+             "between points as in the paper's Eq. 3.");
+    v.number("max_correspondence_distance_m", max_correspondence_distance_m, {0.05, 5.0},
+             "Maximum correspondence distance d_max of the first iterations.");
+    v.number("min_correspondence_distance_m", min_correspondence_distance_m, {0.02, 5.0},
+             "d_max of the last iterations that minimise distances between points.");
+    v.number("min_line_distance_m", min_line_distance_m, {0.02, 5.0},
+             "d_max of the last iterations that minimise distances to lines. It leaves out points "
+             "that are near a line but not part of it.");
+    v.integer("max_iterations", max_iterations, {1, 200}, "Maximum number of ICP iterations.");
+    v.number("min_information_ratio", min_information_ratio, {0.0, 0.5},
+             "A direction is degenerate, and follows odometry, when the information on it is below "
+             "this ratio of what the correspondences could give.");
+  }
+};
+
+struct SearchParams {
+  double score_threshold = 0.7;
+  double distance_m = 0.75;
+  double rotation_rad = geometry::deg_to_rad(90.0);
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.number("score_threshold", score_threshold, {0.0, 1.0},
+             "Other start poses are tried when the match from odometry scores below this.");
+    v.number("distance_m", distance_m, {0.0, 5.0},
+             "Start poses are tried up to this distance from odometry, in x and in y.");
+    v.angle("rotation_deg", rotation_rad, {0.0, 180.0},
+            "Start poses are tried up to this rotation from odometry.");
+  }
+};
+
+struct KeyframeParams {
+  double distance_m = 0.3;
+  double rotation_rad = geometry::deg_to_rad(15.0);
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.number("distance_m", distance_m, {0.0, 10.0},
+             "A scan becomes a keyframe, and goes into the map, beyond this distance from the last "
+             "keyframe by odometry.");
+    v.angle("rotation_deg", rotation_rad, {0.0, 180.0},
+            "Or beyond this rotation from the last keyframe.");
+  }
+};
+
+struct LostParams {
+  double score_threshold = 0.2;
+  double distance_m = 1.0;
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.number("score_threshold", score_threshold, {0.0, 1.0},
+             "The robot is lost when a match scores below this.");
+    v.number("distance_m", distance_m, {0.0, 100.0},
+             "When lost, the map is continued from odometry beyond this distance from the last "
+             "keyframe.");
+  }
+};
+
+struct MapParams {
+  double new_point_distance_m = 0.05;
+  double line_radius_m = 0.13;
+
+  template <class Visitor>
+  void describe(Visitor& v) {
     v.number("new_point_distance_m", new_point_distance_m, {0.005, 1.0},
-             "d_new: a scan point is added when no point of the map is this near.");
-    v.number("line_radius_m", line_radius_m, {0.02, 2.0},
-             "Neighbours up to here form the line through a point of the map. Wider lines average "
-             "more noise, "
-             "but bridge the steps at door frames and niches.");
-    v.number("keyframe_distance_m", keyframe_distance_m, {0.0, 10.0},
-             "Points are added to the map after this way since the last time.");
-    v.angle("keyframe_rotation_deg", keyframe_rotation_rad, {0.0, 180.0},
-            "Points are added to the map after this turn since the last time.");
-    v.number("search_below_agreement", search_below_agreement, {0.0, 1.0},
-             "Below this agreement of scan and map other start poses are tried.");
-    v.number("search_distance_m", search_distance_m, {0.0, 5.0},
-             "How far from odometry start poses are tried.");
-    v.angle("search_rotation_deg", search_rotation_rad, {0.0, 180.0},
-            "How far turned from odometry start poses are tried.");
-    v.number("lost_below_agreement", lost_below_agreement, {0.0, 1.0},
-             "Below this agreement the match is not believed.");
-    v.number("lost_distance_m", lost_distance_m, {0.0, 100.0},
-             "After this way without a match the map is continued from odometry.");
-    v.number("cell_size_m", cell_size_m, {0.01, 1.0}, "Edge of a cell of the occupancy grid.");
-    v.number("map_period_s", map_period_s, {0.1, 3600.0},
-             "MAP_2D is sent after this time if the map has changed.");
+             "d_new: a scan point is added to the map when no map point is within this distance.");
+    v.number(
+        "line_radius_m", line_radius_m, {0.02, 2.0},
+        "The line through a map point is fitted to its neighbours within this radius. A larger "
+        "one averages more noise, but bridges the steps at door frames and niches.");
+  }
+};
+
+struct GridParams {
+  double cell_size_m = 0.05;
+  double publish_period_s = 20.0;
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.number("cell_size_m", cell_size_m, {0.01, 1.0}, "Edge length of an occupancy grid cell.");
+    v.number("publish_period_s", publish_period_s, {0.1, 3600.0},
+             "MAP_2D is published at most this often, when the map has changed.");
+  }
+};
+
+struct Slam2dParams {
+  LevelScanParams level_scans = {};
+  MatcherParams matcher = {};
+  SearchParams search = {};
+  KeyframeParams keyframes = {};
+  LostParams lost = {};
+  MapParams map = {};
+  GridParams grid = {};
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.section("level_scans", level_scans);
+    v.section("matcher", matcher);
+    v.section("search", search);
+    v.section("keyframes", keyframes);
+    v.section("lost", lost);
+    v.section("map", map);
+    v.section("grid", grid);
+    describe_renamed(v);
+  }
+
+ private:
+  template <class Visitor>
+  static void describe_renamed(Visitor& v) {
+    v.renamed("max_level_pitch_deg", "level_scans.max_pitch_deg");
+    v.renamed("metric", "matcher.metric");
+    v.renamed("max_correspondence_m", "matcher.max_correspondence_distance_m");
+    v.renamed("final_correspondence_m", "matcher.min_correspondence_distance_m");
+    v.renamed("line_correspondence_m", "matcher.min_line_distance_m");
+    v.renamed("iterations", "matcher.max_iterations");
+    v.renamed("weak_direction_share", "matcher.min_information_ratio");
+    v.renamed("new_point_distance_m", "map.new_point_distance_m");
+    v.renamed("line_radius_m", "map.line_radius_m");
+    v.renamed("keyframe_distance_m", "keyframes.distance_m");
+    v.renamed("keyframe_rotation_deg", "keyframes.rotation_deg");
+    v.renamed("search_below_agreement", "search.score_threshold");
+    v.renamed("search_distance_m", "search.distance_m");
+    v.renamed("search_rotation_deg", "search.rotation_deg");
+    v.renamed("lost_below_agreement", "lost.score_threshold");
+    v.renamed("lost_distance_m", "lost.distance_m");
+    v.renamed("cell_size_m", "grid.cell_size_m");
+    v.renamed("map_period_s", "grid.publish_period_s");
   }
 };
 

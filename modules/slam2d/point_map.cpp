@@ -9,24 +9,16 @@ namespace {
 
 // Large enough that most searches end in one cell, small enough that it holds a dozen points.
 constexpr double kCellSizeM = 0.25;
-constexpr std::size_t kFirstSlots = 1024;
-constexpr double kSameSideCosine = 0.5;  // 60 degrees
-constexpr double kMaxThickness = 0.3;    // of a line: its width over its length
-constexpr double kMinNeighbours = 3.0;   // with the point itself
+constexpr double kMinNormalCosine = 0.5;   // 60 degrees
+constexpr double kMaxLineThickness = 0.3;  // width over length
+constexpr double kMinNeighbours = 3.0;     // of a line, with the point itself
 
-bool look_the_same_way(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-  return a.isZero(0.0) || b.isZero(0.0) || a.dot(b) > kSameSideCosine;
+bool have_similar_normals(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  return a.isZero(0.0) || b.isZero(0.0) || a.dot(b) > kMinNormalCosine;
 }
 
-bool is_finite(const SurfacePoint& point) {
+bool is_finite(const OrientedPoint& point) {
   return point.p.allFinite() && point.normal.allFinite();
-}
-
-std::size_t hash(std::int32_t x, std::int32_t y) {
-  const std::uint64_t key = (static_cast<std::uint64_t>(static_cast<std::uint32_t>(x)) << 32U) |
-                            static_cast<std::uint32_t>(y);
-  // A bit of the product knows the bits of the key below it only: x begins at bit 32.
-  return static_cast<std::size_t>((key * 0x9E3779B97F4A7C15ULL) >> 32U);
 }
 
 }  // namespace
@@ -40,52 +32,29 @@ void PointMap::Moments::add(const Eigen::Vector2d& d) {
   yy += d.y() * d.y();
 }
 
-PointMap::PointMap(double neighbour_radius_m)
-    : neighbour_radius_m_(neighbour_radius_m), table_(kFirstSlots, -1) {}
+std::size_t PointMap::CellHash::operator()(const CellIndex& index) const {
+  const std::uint64_t key =
+      (static_cast<std::uint64_t>(static_cast<std::uint32_t>(index.x)) << 32U) |
+      static_cast<std::uint32_t>(index.y);
+  // The table uses the low bits. Those of the product depend on y alone, those from 32 on on both.
+  return static_cast<std::size_t>((key * 0x9E3779B97F4A7C15ULL) >> 32U);
+}
 
-PointMap::CellIndex PointMap::index_of(const Eigen::Vector2d& p) {
+PointMap::CellIndex PointMap::cell_index(const Eigen::Vector2d& p) {
   return {static_cast<std::int32_t>(std::floor(p.x() / kCellSizeM)),
           static_cast<std::int32_t>(std::floor(p.y() / kCellSizeM))};
 }
 
-std::size_t PointMap::slot_of(CellIndex index) const {
-  const std::size_t mask = table_.size() - 1;
-  std::size_t slot = hash(index.x, index.y) & mask;
-  while (table_[slot] >= 0 && cell_indices_[static_cast<std::size_t>(table_[slot])] != index) {
-    slot = (slot + 1) & mask;
-  }
-  return slot;
-}
-
 const PointMap::Cell* PointMap::find_cell(CellIndex index) const {
-  const std::int32_t cell = table_[slot_of(index)];
-  return cell < 0 ? nullptr : &cells_[static_cast<std::size_t>(cell)];
-}
-
-PointMap::Cell& PointMap::make_cell(CellIndex index) {
-  const std::int32_t found = table_[slot_of(index)];
-  if (found >= 0) {
-    return cells_[static_cast<std::size_t>(found)];
-  }
-  if (2 * (cells_.size() + 1) > table_.size()) {
-    grow_table();
-  }
-  table_[slot_of(index)] = static_cast<std::int32_t>(cells_.size());
-  cell_indices_.push_back(index);
-  return cells_.emplace_back();
-}
-
-void PointMap::grow_table() {
-  table_.assign(2 * table_.size(), -1);
-  for (std::size_t cell = 0; cell < cells_.size(); ++cell) {
-    table_[slot_of(cell_indices_[cell])] = static_cast<std::int32_t>(cell);
-  }
+  const auto found = cells_.find(index);
+  return found == cells_.end() ? nullptr : &found->second;
 }
 
 template <typename Visit>
-void PointMap::for_each_neighbour(const SurfacePoint& point, Visit visit) const {
-  const CellIndex low = index_of(point.p.array() - neighbour_radius_m_);
-  const CellIndex high = index_of(point.p.array() + neighbour_radius_m_);
+void PointMap::for_each_neighbour(const OrientedPoint& point, Visit visit) const {
+  const double radius_m = params_.line_radius_m;
+  const CellIndex low = cell_index(point.p.array() - radius_m);
+  const CellIndex high = cell_index(point.p.array() + radius_m);
   for (std::int32_t y = low.y; y <= high.y; ++y) {
     for (std::int32_t x = low.x; x <= high.x; ++x) {
       const Cell* cell = find_cell({x, y});
@@ -93,51 +62,63 @@ void PointMap::for_each_neighbour(const SurfacePoint& point, Visit visit) const 
         continue;
       }
       for (const Entry& entry : *cell) {
-        if ((point.p - entry.p).squaredNorm() <= neighbour_radius_m_ * neighbour_radius_m_ &&
-            look_the_same_way(point.normal, entry.normal)) {
-          visit(entry.landmark);
+        if ((point.p - entry.p).squaredNorm() <= radius_m * radius_m &&
+            have_similar_normals(point.normal, entry.normal)) {
+          visit(entry.index);
         }
       }
     }
   }
 }
 
-void PointMap::add(const SurfacePoint& point) {
+void PointMap::insert(const OrientedPoint& point) {
   if (!is_finite(point)) {
     return;
   }
-  const auto added = static_cast<std::uint32_t>(landmarks_.size());
-  landmarks_.push_back({point, point.p, Eigen::Vector2d::Zero()});
+  const OrientedPoint any_normal{point.p, Eigen::Vector2d::Zero()};
+  if (nearest(any_normal, params_.new_point_distance_m) == nullptr) {
+    add(point);
+  } else {
+    refine(point);
+  }
+}
+
+void PointMap::add(const OrientedPoint& point) {
+  if (!is_finite(point)) {
+    return;
+  }
+  const auto added = static_cast<std::uint32_t>(points_.size());
+  points_.push_back({point, point.p, Eigen::Vector2d::Zero()});
   moments_.emplace_back().add(Eigen::Vector2d::Zero());
   for_each_neighbour(point, [&](std::uint32_t neighbour) {
-    const Eigen::Vector2d d = point.p - landmarks_[neighbour].point.p;
+    const Eigen::Vector2d d = point.p - points_[neighbour].point.p;
     moments_[neighbour].add(d);
     moments_[added].add(-d);
-    refit(neighbour);
+    fit_line(neighbour);
   });
-  refit(added);
-  make_cell(index_of(point.p)).push_back({point.p, point.normal, added});
+  fit_line(added);
+  cells_[cell_index(point.p)].push_back({point.p, point.normal, added});
 }
 
-void PointMap::refine(const SurfacePoint& point) {
+void PointMap::refine(const OrientedPoint& point) {
   if (!is_finite(point)) {
     return;
   }
   for_each_neighbour(point, [&](std::uint32_t neighbour) {
-    moments_[neighbour].add(point.p - landmarks_[neighbour].point.p);
-    refit(neighbour);
+    moments_[neighbour].add(point.p - points_[neighbour].point.p);
+    fit_line(neighbour);
   });
 }
 
-void PointMap::refit(std::uint32_t index) {
+void PointMap::fit_line(std::uint32_t index) {
   const Moments& m = moments_[index];
-  Landmark& landmark = landmarks_[index];
-  landmark.centre = landmark.point.p;
-  landmark.normal = landmark.point.normal;
+  MapPoint& point = points_[index];
+  point.line_point = point.point.p;
+  point.line_normal = point.point.normal;
   if (m.n < kMinNeighbours) {
     return;
   }
-  landmark.normal.setZero();
+  point.line_normal.setZero();
   // The line of least squares: through the mean, along the larger axis of the covariance.
   const Eigen::Vector2d mean(m.x / m.n, m.y / m.n);
   const double xx = m.xx / m.n - mean.x() * mean.x();
@@ -145,39 +126,38 @@ void PointMap::refit(std::uint32_t index) {
   const double yy = m.yy / m.n - mean.y() * mean.y();
   const double middle = 0.5 * (xx + yy);
   const double half_gap = std::hypot(0.5 * (xx - yy), xy);
-  if (middle - half_gap > kMaxThickness * kMaxThickness * (middle + half_gap)) {
+  if (middle - half_gap > kMaxLineThickness * kMaxLineThickness * (middle + half_gap)) {
     return;
   }
-  const double along = 0.5 * std::atan2(2.0 * xy, xx - yy);
-  landmark.centre += mean;
-  landmark.normal = {-std::sin(along), std::cos(along)};
-  if (landmark.normal.dot(landmark.point.normal) < 0.0) {
-    landmark.normal = -landmark.normal;
+  const double angle_rad = 0.5 * std::atan2(2.0 * xy, xx - yy);
+  point.line_point += mean;
+  point.line_normal = {-std::sin(angle_rad), std::cos(angle_rad)};
+  if (point.line_normal.dot(point.point.normal) < 0.0) {
+    point.line_normal = -point.line_normal;
   }
 }
 
-void PointMap::search_cell(CellIndex index, const SurfacePoint& point, Nearest& nearest) const {
+void PointMap::search_cell(CellIndex index, const OrientedPoint& point, Nearest& nearest) const {
   const Cell* cell = find_cell(index);
   if (cell == nullptr) {
     return;
   }
   for (const Entry& entry : *cell) {
-    const double squared = (entry.p - point.p).squaredNorm();
-    if (squared <= nearest.squared_m2 && look_the_same_way(point.normal, entry.normal)) {
-      nearest = {squared, &entry};
+    const double squared_m2 = (entry.p - point.p).squaredNorm();
+    if (squared_m2 <= nearest.squared_m2 && have_similar_normals(point.normal, entry.normal)) {
+      nearest = {squared_m2, &entry};
     }
   }
 }
 
-const PointMap::Landmark* PointMap::nearest(const SurfacePoint& point,
-                                            double max_distance_m) const {
+const MapPoint* PointMap::nearest(const OrientedPoint& point, double max_distance_m) const {
   Nearest nearest{max_distance_m * max_distance_m, nullptr};
-  // The point's own cell first: what is found there mostly makes the others needless.
-  const CellIndex home = index_of(point.p);
+  // The point's own cell first: what is found there mostly rules the others out.
+  const CellIndex home = cell_index(point.p);
   search_cell(home, point, nearest);
-  const double reach = std::sqrt(nearest.squared_m2);
-  const CellIndex low = index_of(point.p.array() - reach);
-  const CellIndex high = index_of(point.p.array() + reach);
+  const double radius_m = std::sqrt(nearest.squared_m2);
+  const CellIndex low = cell_index(point.p.array() - radius_m);
+  const CellIndex high = cell_index(point.p.array() + radius_m);
   for (std::int32_t y = low.y; y <= high.y; ++y) {
     for (std::int32_t x = low.x; x <= high.x; ++x) {
       if (const CellIndex index{x, y}; index != home) {
@@ -185,7 +165,7 @@ const PointMap::Landmark* PointMap::nearest(const SurfacePoint& point,
       }
     }
   }
-  return nearest.entry == nullptr ? nullptr : &landmarks_[nearest.entry->landmark];
+  return nearest.entry == nullptr ? nullptr : &points_[nearest.entry->index];
 }
 
 }  // namespace nodmap::slam2d

@@ -7,31 +7,34 @@
 namespace nodmap::slam2d {
 namespace {
 
-constexpr double kStepM = 0.25;  // ICP comes in from half of it
+constexpr double kStepM = 0.25;  // ICP converges from half of it
 constexpr double kStepRad = geometry::deg_to_rad(4.0);
-constexpr double kReachM = 0.25;     // a point this far from the map counts 0
-constexpr std::size_t kPoints = 90;  // enough to rank poses; 45 misplace one turn of csail
+constexpr double kMaxDistanceM = 0.25;  // a point this far from the map scores 0
+constexpr std::size_t kNumPoints = 90;  // enough to rank poses; 45 misplace a rotation of mit-csail
 constexpr std::size_t kMaxCandidates = 10;
 constexpr double kDistinctM = 0.4;
 constexpr double kDistinctRad = 0.1;
-constexpr double kDepartureCost = 0.1;  // the nearer of two equal poses is the likelier
+// Of two poses with the same score the one nearer to odometry is more likely. This much score makes
+// up for a rotation of 90 degrees, or for twice the search distance.
+constexpr double kDeviationCost = 0.1;
+constexpr double kMinGain = 0.05;  // of score, for a match to replace the one from odometry
 
 struct Candidate {
   double score = 0.0;
   geometry::SE2 T_map_base;
 };
 
-/// Mean nearness of every `stride`-th point to the map, 0..1.
-double nearness(const PointMap& map, std::span<const SurfacePoint> scan, std::size_t stride,
-                const geometry::SE2& T_map_base) {
+/// Mean over every `stride`-th point: 1 on a map point, 0 from `kMaxDistanceM` on.
+double quick_score(const PointMap& map, std::span<const OrientedPoint> scan, std::size_t stride,
+                   const geometry::SE2& T_map_base) {
   const Eigen::Matrix2d R = T_map_base.rotation();
   const Eigen::Vector2d t = T_map_base.translation();
   double sum = 0.0;
   int points = 0;
   for (std::size_t i = 0; i < scan.size(); i += stride) {
-    const SurfacePoint point{R * scan[i].p + t, R * scan[i].normal};
-    if (const PointMap::Landmark* found = map.nearest(point, kReachM)) {
-      sum += 1.0 - (found->point.p - point.p).norm() / kReachM;
+    const OrientedPoint point{R * scan[i].p + t, R * scan[i].normal};
+    if (const MapPoint* found = map.nearest(point, kMaxDistanceM)) {
+      sum += 1.0 - (found->point.p - point.p).norm() / kMaxDistanceM;
     }
     ++points;
   }
@@ -45,26 +48,44 @@ bool are_distinct(const geometry::SE2& a, const geometry::SE2& b) {
 
 }  // namespace
 
-double PoseSearch::departure(const geometry::SE2& pose, const geometry::SE2& guess) const {
-  const double way = std::hypot(pose.x - guess.x, pose.y - guess.y);
-  const double turn = std::abs(geometry::angle_difference(pose.yaw, guess.yaw));
-  return turn / (0.5 * geometry::kPi) + way / std::max(2.0 * params_.search_distance_m, kStepM);
+std::optional<Match> PoseSearch::find_better(const ScanMatcher& matcher, const PointMap& map,
+                                             std::span<const OrientedPoint> scan,
+                                             const geometry::SE2& T_map_base_guess,
+                                             const Match& tracked) const {
+  std::optional<Match> best;
+  double best_value = tracked.score + kMinGain;
+  for (const geometry::SE2& start : candidates(map, scan, T_map_base_guess)) {
+    const Match match = matcher.match(map, scan, start);
+    const double value = match.score - cost(match.T_map_base, T_map_base_guess);
+    if (match.found() && value > best_value) {
+      best_value = value;
+      best = match;
+    }
+  }
+  return best;
+}
+
+double PoseSearch::cost(const geometry::SE2& pose, const geometry::SE2& guess) const {
+  const double distance_m = std::hypot(pose.x - guess.x, pose.y - guess.y);
+  const double rotation_rad = std::abs(geometry::angle_difference(pose.yaw, guess.yaw));
+  return kDeviationCost * (rotation_rad / (0.5 * geometry::kPi) +
+                           distance_m / std::max(2.0 * params_.distance_m, kStepM));
 }
 
 std::vector<geometry::SE2> PoseSearch::candidates(const PointMap& map,
-                                                  std::span<const SurfacePoint> scan,
+                                                  std::span<const OrientedPoint> scan,
                                                   const geometry::SE2& T_map_base_guess) const {
-  const std::size_t stride = std::max<std::size_t>(1, scan.size() / kPoints);
-  const int steps = static_cast<int>(params_.search_distance_m / kStepM);
-  const int turns = static_cast<int>(params_.search_rotation_rad / kStepRad);
+  const std::size_t stride = std::max<std::size_t>(1, scan.size() / kNumPoints);
+  const int steps = static_cast<int>(params_.distance_m / kStepM);
+  const int rotations = static_cast<int>(params_.rotation_rad / kStepRad);
   std::vector<Candidate> tried;
-  for (int turn = -turns; turn <= turns; ++turn) {
+  for (int iyaw = -rotations; iyaw <= rotations; ++iyaw) {
     for (int ix = -steps; ix <= steps; ++ix) {
       for (int iy = -steps; iy <= steps; ++iy) {
         const geometry::SE2 pose{T_map_base_guess.x + ix * kStepM, T_map_base_guess.y + iy * kStepM,
-                                 geometry::normalize_angle(T_map_base_guess.yaw + turn * kStepRad)};
-        const double score = nearness(map, scan, stride, pose);
-        tried.push_back({score - kDepartureCost * departure(pose, T_map_base_guess), pose});
+                                 geometry::normalize_angle(T_map_base_guess.yaw + iyaw * kStepRad)};
+        const double score = quick_score(map, scan, stride, pose);
+        tried.push_back({score - cost(pose, T_map_base_guess), pose});
       }
     }
   }

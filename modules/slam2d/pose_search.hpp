@@ -1,30 +1,39 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "modules/slam2d/params.hpp"
 #include "modules/slam2d/point_map.hpp"
+#include "modules/slam2d/scan_matcher.hpp"
 
 namespace nodmap::slam2d {
 
-/// Start poses for ICP where the one by odometry does not lead to a match: a slipping wheel, a gap
-/// in the recording, a robot that was carried.
+/// Finds the robot again where matching from odometry fails: after wheel slip, a gap in a recording
+/// or when it was carried.
 class PoseSearch {
  public:
-  explicit PoseSearch(const Slam2dParams& params) : params_(params) {}
+  explicit PoseSearch(const SearchParams& params) : params_(params) {}
 
-  /// The most promising poses around `T_map_base_guess`, best first, all clearly different.
+  /// Matches from many start poses around `T_map_base_guess`, and returns the best match that
+  /// scores clearly more than `tracked`, the match from the guess itself. A match far from the
+  /// guess needs a higher score.
+  [[nodiscard]] std::optional<Match> find_better(const ScanMatcher& matcher, const PointMap& map,
+                                                 std::span<const OrientedPoint> scan,
+                                                 const geometry::SE2& T_map_base_guess,
+                                                 const Match& tracked) const;
+
+  /// The most promising start poses, best first, all clearly different.
   [[nodiscard]] std::vector<geometry::SE2> candidates(const PointMap& map,
-                                                      std::span<const SurfacePoint> scan,
+                                                      std::span<const OrientedPoint> scan,
                                                       const geometry::SE2& T_map_base_guess) const;
 
-  /// How far a pose is from the guess: 0 there, 1 at a quarter turn or two search distances.
-  [[nodiscard]] double departure(const geometry::SE2& pose, const geometry::SE2& guess) const;
-
  private:
-  Slam2dParams params_;
+  [[nodiscard]] double cost(const geometry::SE2& pose, const geometry::SE2& guess) const;
+
+  SearchParams params_;
 };
 
 }  // namespace nodmap::slam2d

@@ -4,149 +4,163 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/registration/normal_equations.hpp"
+#include "common/registration/rigid_fit_2d.hpp"
+
 namespace nodmap::slam2d {
 namespace {
 
-constexpr int kMinPairs = 10;
+constexpr int kMinCorrespondences = 10;
 
-// Of the gate: where the weight of a pair has dropped to a quarter. Between 0.5 (loops that close
-// with some drift are missed) and 0.9 (walls seen wrongly pull) the errors on all recordings stay
+// Scale of the weights, over the maximum correspondence distance. From 0.5 (loops that close with
+// some drift are missed) to 0.9 (points of other walls pull) the errors on all recordings stay
 // within 10 %.
-constexpr double kKernelShare = 0.7;
+constexpr double kKernelScaleRatio = 0.7;
 
-// Of the gate, from one stage to the next; and when a stage is done.
-constexpr double kGateDecay = 0.6;
-constexpr double kStageDoneShare = 0.1;
+// The maximum correspondence distance shrinks by this factor once a step is shorter than this part
+// of it.
+constexpr double kDistanceDecay = 0.6;
+constexpr double kStageDoneRatio = 0.1;
 
-// A point where the map is no line tells of both directions, but less surely: corners, foliage.
-constexpr double kClutterWeight = 0.3;
+// A map point without a line holds both directions, but less surely: corners, foliage.
+constexpr double kNoLineWeight = 0.3;
 
 constexpr double kConvergedM = 5e-4;
 constexpr double kConvergedRad = 1e-4;
 
-/// The soft weight w_ij of a pair (Geman and McClure): 1 for a perfect pair, 1/4 at `scale`.
-double pair_weight(double distance, double scale) {
-  const double ratio = distance / scale;
+/// The weight w_ij of a correspondence (Geman and McClure): 1 at distance 0, 1/4 at `scale_m`.
+double kernel(double distance_m, double scale_m) {
+  const double ratio = distance_m / scale_m;
   const double root = 1.0 / (1.0 + ratio * ratio);
   return root * root;
 }
 
 }  // namespace
 
-/// All that one pass over the pairs tells.
-struct ScanMatcher::Evidence {
-  explicit Evidence(const Eigen::Vector2d& reference) : points(reference) {}
+/// Sums over all correspondences of a scan at one pose.
+struct ScanMatcher::Correspondences {
+  explicit Correspondences(const Eigen::Vector2d& reference) : points(reference) {}
 
-  RigidFit points;        // Eq. 3, point to point
-  NormalEquations lines;  // Eq. 3, across lines
-  int pairs = 0;
-  double agreement = 0.0;
+  registration::RigidFit2d points;      // Eq. 3 between points
+  registration::NormalEquations lines;  // Eq. 3 between points and lines
+  int count = 0;
+  double score_sum = 0.0;
   double weight = 0.0;
-  double squared_m2 = 0.0;
+  double squared_m2 = 0.0;  // weighted
 };
 
-ScanMatcher::Evidence ScanMatcher::find_pairs(const PointMap& map,
-                                              std::span<const SurfacePoint> scan,
-                                              const geometry::SE2& T_map_base, double gate_m) {
-  const double scale = kKernelShare * gate_m;
+ScanMatcher::Correspondences ScanMatcher::find_correspondences(const PointMap& map,
+                                                               std::span<const OrientedPoint> scan,
+                                                               const geometry::SE2& T_map_base,
+                                                               double max_distance_m) {
+  const double scale_m = kKernelScaleRatio * max_distance_m;
   const Eigen::Matrix2d R = T_map_base.rotation();
   const Eigen::Vector2d t = T_map_base.translation();
-  Evidence evidence(t);
-  for (const SurfacePoint& seen : scan) {
-    const Eigen::Vector2d lever = R * seen.p;
-    const SurfacePoint data{lever + t, R * seen.normal};
-    const PointMap::Landmark* model = map.nearest(data, gate_m);
+  Correspondences sums(t);
+  for (const OrientedPoint& point_base : scan) {
+    const Eigen::Vector2d moment_arm = R * point_base.p;
+    const OrientedPoint data{moment_arm + t, R * point_base.normal};
+    const MapPoint* model = map.nearest(data, max_distance_m);
     if (model == nullptr) {
       continue;
     }
-    ++evidence.pairs;
+    ++sums.count;
     const Eigen::Vector2d offset = data.p - model->point.p;
-    const double point_weight = pair_weight(offset.norm(), scale);
-    if (model->is_on_line()) {
-      const double across = model->normal.dot(data.p - model->centre);
-      const double weight = pair_weight(across, scale);
-      evidence.points.add(model->point.p, data.p, point_weight);
-      evidence.lines.add(model->normal, lever, across, weight);
-      evidence.agreement += weight;
-      evidence.weight += weight;
-      evidence.squared_m2 += weight * across * across;
+    const double point_weight = kernel(offset.norm(), scale_m);
+    if (model->has_line()) {
+      const double distance_m = model->line_normal.dot(data.p - model->line_point);
+      const double weight = kernel(distance_m, scale_m);
+      sums.points.add(model->point.p, data.p, point_weight);
+      sums.lines.add(model->line_normal, moment_arm, distance_m, weight);
+      sums.score_sum += weight;
+      sums.weight += weight;
+      sums.squared_m2 += weight * distance_m * distance_m;
     } else if (!data.has_normal() || !model->point.has_normal()) {
-      // Points that stand alone confirm a pose but do not shape it: along a corridor the far ends
-      // of its walls are seen as single points that move with the robot, and would hold it back.
-      evidence.agreement += point_weight;
+      // Isolated points count for the score, but not for the pose: the far ends of a corridor's
+      // walls are isolated points that move with the robot, and would hold it back.
+      sums.score_sum += point_weight;
     } else {
-      const double weight = kClutterWeight * point_weight;
-      evidence.points.add(model->point.p, data.p, weight);
-      evidence.lines.add(Eigen::Vector2d::UnitX(), lever, offset.x(), weight);
-      evidence.lines.add(Eigen::Vector2d::UnitY(), lever, offset.y(), weight);
-      evidence.agreement += point_weight;
-      evidence.weight += 2.0 * weight;
-      evidence.squared_m2 += weight * offset.squaredNorm();
+      const double weight = kNoLineWeight * point_weight;
+      sums.points.add(model->point.p, data.p, weight);
+      sums.lines.add(Eigen::Vector2d::UnitX(), moment_arm, offset.x(), weight);
+      sums.lines.add(Eigen::Vector2d::UnitY(), moment_arm, offset.y(), weight);
+      sums.score_sum += point_weight;
+      sums.weight += 2.0 * weight;
+      sums.squared_m2 += weight * offset.squaredNorm();
     }
   }
-  return evidence;
+  return sums;
 }
 
-Eigen::Vector3d ScanMatcher::step(const Evidence& evidence, const geometry::SE2& T_map_base,
-                                  double gate_m) const {
-  if (params_.metric == Metric::kLines && gate_m <= params_.final_correspondence_m) {
-    return evidence.lines.step(params_.weak_direction_share);
+double ScanMatcher::last_distance_m() const {
+  return params_.metric == Metric::kPointToLine
+             ? std::min(params_.min_line_distance_m, params_.min_correspondence_distance_m)
+             : params_.min_correspondence_distance_m;
+}
+
+// (dx, dy in metres, dyaw in radians) in map, without what degenerate directions add.
+Eigen::Vector3d ScanMatcher::step(const Correspondences& correspondences,
+                                  const geometry::SE2& T_map_base, double max_distance_m) const {
+  if (params_.metric == Metric::kPointToLine &&
+      max_distance_m <= params_.min_correspondence_distance_m) {
+    return correspondences.lines.step(params_.min_information_ratio);
   }
-  const RigidFit::Solution fit = evidence.points.solve();
+  const auto fit = correspondences.points.solve();
   const geometry::SE2 T_next = fit.T_model_data * T_map_base;
   const Eigen::Vector3d step(T_next.x - T_map_base.x, T_next.y - T_map_base.y,
                              fit.T_model_data.yaw);
-  return evidence.lines.observability(params_.weak_direction_share).observable * step;
+  return correspondences.lines.observability(params_.min_information_ratio).projector * step;
 }
 
-Match ScanMatcher::match(const PointMap& map, std::span<const SurfacePoint> scan,
+Match ScanMatcher::match(const PointMap& map, std::span<const OrientedPoint> scan,
                          const geometry::SE2& T_map_base_guess) const {
   Match match;
   match.T_map_base = T_map_base_guess;
-  const double last_gate_m =
-      params_.metric == Metric::kLines
-          ? std::min(params_.line_correspondence_m, params_.final_correspondence_m)
-          : params_.final_correspondence_m;
-  double gate_m = std::max(params_.max_correspondence_m, last_gate_m);
-  while (match.iterations < params_.iterations) {
+  const double last_distance_m = this->last_distance_m();
+  double max_distance_m = std::max(params_.max_correspondence_distance_m, last_distance_m);
+  while (match.iterations < params_.max_iterations) {
     ++match.iterations;
-    // Correspondences: w_ij of Eq. 3.
-    const Evidence evidence = find_pairs(map, scan, match.T_map_base, gate_m);
-    if (evidence.pairs < kMinPairs) {
+    // w_ij of Eq. 3.
+    const Correspondences correspondences =
+        find_correspondences(map, scan, match.T_map_base, max_distance_m);
+    if (correspondences.count < kMinCorrespondences) {
       match.T_map_base = T_map_base_guess;
-      match.weak_directions = 3;
+      match.degenerate_directions = 3;
       return match;
     }
-    match.weak_directions =
-        evidence.lines.observability(params_.weak_direction_share).weak_directions;
+    match.degenerate_directions =
+        correspondences.lines.observability(params_.min_information_ratio).degenerate_directions;
     // The minimum of Eq. 3 for these correspondences.
-    const Eigen::Vector3d step = this->step(evidence, match.T_map_base, gate_m);
+    const Eigen::Vector3d step = this->step(correspondences, match.T_map_base, max_distance_m);
     match.T_map_base = {match.T_map_base.x + step.x(), match.T_map_base.y + step.y(),
                         geometry::normalize_angle(match.T_map_base.yaw + step.z())};
-    const double moved_m = step.head<2>().norm();
-    const double turned_rad = std::abs(step.z());
-    const bool last_stage = gate_m <= last_gate_m;
-    if (last_stage && moved_m < kConvergedM && turned_rad < kConvergedRad) {
+    const double translation_m = step.head<2>().norm();
+    const double rotation_rad = std::abs(step.z());
+    if (max_distance_m <= last_distance_m && translation_m < kConvergedM &&
+        rotation_rad < kConvergedRad) {
       break;
     }
-    if (moved_m < kStageDoneShare * gate_m && turned_rad < kStageDoneShare * gate_m) {
-      gate_m = std::max(last_gate_m, kGateDecay * gate_m);
+    if (std::max(translation_m, rotation_rad) < kStageDoneRatio * max_distance_m) {
+      max_distance_m = std::max(last_distance_m, kDistanceDecay * max_distance_m);
     }
   }
-  judge(map, scan, match);
+  evaluate(map, scan, match);
   return match;
 }
 
-// By the d_max of the points: that of the lines is too narrow to tell a scan that is a little off
+// Within d_max of the points: that of the lines is too narrow to tell a scan that is a little off
 // from one that is lost.
-void ScanMatcher::judge(const PointMap& map, std::span<const SurfacePoint> scan,
-                        Match& match) const {
-  const Evidence evidence = find_pairs(map, scan, match.T_map_base, params_.final_correspondence_m);
-  const auto points = static_cast<double>(scan.size());
-  match.pairs = evidence.pairs;
-  match.share = evidence.pairs / points;
-  match.agreement = evidence.agreement / points;
-  match.rms_m = evidence.weight > 0.0 ? std::sqrt(evidence.squared_m2 / evidence.weight) : 0.0;
+void ScanMatcher::evaluate(const PointMap& map, std::span<const OrientedPoint> scan,
+                           Match& match) const {
+  const Correspondences correspondences =
+      find_correspondences(map, scan, match.T_map_base, params_.min_correspondence_distance_m);
+  const auto num_points = static_cast<double>(scan.size());
+  match.num_correspondences = correspondences.count;
+  match.inlier_ratio = correspondences.count / num_points;
+  match.score = correspondences.score_sum / num_points;
+  match.rms_m = correspondences.weight > 0.0
+                    ? std::sqrt(correspondences.squared_m2 / correspondences.weight)
+                    : 0.0;
 }
 
 }  // namespace nodmap::slam2d

@@ -3,45 +3,49 @@
 
 #include <span>
 
-#include "modules/slam2d/normal_equations.hpp"
 #include "modules/slam2d/params.hpp"
 #include "modules/slam2d/point_map.hpp"
-#include "modules/slam2d/rigid_fit.hpp"
 
 namespace nodmap::slam2d {
 
 /// How a scan fits the map.
 struct Match {
   geometry::SE2 T_map_base;
-  int pairs = 0;            ///< scan points with a correspondence at the end
-  double share = 0.0;       ///< of all scan points, 0..1
-  double agreement = 0.0;   ///< mean weight over all scan points: 1 all on the map, 0 none near it
-  double rms_m = 0.0;       ///< weighted distance of the pairs
-  int weak_directions = 3;  ///< of x, y, yaw: left at the start pose; 3: nothing was matched
+  int num_correspondences = 0;
+  double inlier_ratio = 0.0;  ///< scan points with a correspondence, 0 none to 1 all
+  double score =
+      0.0;  ///< mean weight w_ij over all scan points, 0 none near the map to 1 all on it
+  double rms_m = 0.0;             ///< weighted distance of the correspondences
+  int degenerate_directions = 3;  ///< of x, y, yaw, left at the guess; 3: nothing was matched
   int iterations = 0;
 
-  [[nodiscard]] bool found() const { return weak_directions < 3; }
+  [[nodiscard]] bool found() const { return degenerate_directions < 3; }
 };
 
-/// ICP of a level scan against the map (section IV A).
+/// Matches a level scan against the map by ICP (section IV A).
 class ScanMatcher {
  public:
-  explicit ScanMatcher(const Slam2dParams& params) : params_(params) {}
+  explicit ScanMatcher(const MatcherParams& params) : params_(params) {}
 
-  /// From `T_map_base_guess`, the pose by odometry. Directions the scene leaves open stay there.
-  [[nodiscard]] Match match(const PointMap& map, std::span<const SurfacePoint> scan,
+  /// Finds the pose of a scan, whose points are in base, from `T_map_base_guess`, the pose by
+  /// odometry. The pose stays at the guess along degenerate directions, and altogether when there
+  /// are fewer than 10 correspondences.
+  [[nodiscard]] Match match(const PointMap& map, std::span<const OrientedPoint> scan,
                             const geometry::SE2& T_map_base_guess) const;
 
  private:
-  struct Evidence;
-  [[nodiscard]] static Evidence find_pairs(const PointMap& map, std::span<const SurfacePoint> scan,
-                                           const geometry::SE2& T_map_base, double gate_m);
-  [[nodiscard]] Eigen::Vector3d step(const Evidence& evidence, const geometry::SE2& T_map_base,
-                                     double gate_m) const;
+  struct Correspondences;
+  [[nodiscard]] static Correspondences find_correspondences(const PointMap& map,
+                                                            std::span<const OrientedPoint> scan,
+                                                            const geometry::SE2& T_map_base,
+                                                            double max_distance_m);
+  /// The distance to which the maximum correspondence distance shrinks.
+  [[nodiscard]] double last_distance_m() const;
+  [[nodiscard]] Eigen::Vector3d step(const Correspondences& correspondences,
+                                     const geometry::SE2& T_map_base, double max_distance_m) const;
+  void evaluate(const PointMap& map, std::span<const OrientedPoint> scan, Match& match) const;
 
-  void judge(const PointMap& map, std::span<const SurfacePoint> scan, Match& match) const;
-
-  Slam2dParams params_;
+  MatcherParams params_;
 };
 
 }  // namespace nodmap::slam2d

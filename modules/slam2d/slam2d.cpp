@@ -7,178 +7,210 @@
 namespace nodmap::slam2d {
 namespace {
 
-constexpr std::size_t kMinPoints = 10;
+constexpr std::size_t kMinPoints = 10;  // fewer determine no pose
 
-// How much better than the one from odometry another match has to be, and what it costs to be far
-// from odometry.
-constexpr double kSearchGain = 0.05;
-constexpr double kDepartureCost = 0.1;
-
-bool is_finite(const geometry::SE2& pose) {
-  return std::isfinite(pose.x) && std::isfinite(pose.y) && std::isfinite(pose.yaw);
-}
-
-double distance(const geometry::SE2& a, const geometry::SE2& b) {
+double distance_m(const geometry::SE2& a, const geometry::SE2& b) {
   return std::hypot(a.x - b.x, a.y - b.y);
 }
 
 }  // namespace
 
 void draw(const Keyframe& keyframe, OccupancyGrid& grid) {
-  const Eigen::Vector2d eye = keyframe.T_map_base * keyframe.eye_base;
+  const Eigen::Vector2d sensor_origin = keyframe.T_map_base * keyframe.sensor_origin_base;
   for (const Eigen::Vector2f& point : keyframe.points_base) {
-    grid.add_ray(eye, keyframe.T_map_base * Eigen::Vector2d(point.cast<double>()));
+    grid.add_ray(sensor_origin, keyframe.T_map_base * Eigen::Vector2d(point.cast<double>()));
   }
 }
 
 Slam2d::Slam2d(const Slam2dParams& params)
-    : params_(params), matcher_(params), search_(params), map_(params.line_radius_m) {}
+    : params_(params),
+      selector_(params.level_scans),
+      matcher_(params.matcher),
+      search_(params.search),
+      map_(params.map) {}
 
-std::optional<Slam2dResult> Slam2d::add_scan(const scan::Scan& scan,
-                                             const geometry::SE2& T_odom_base,
-                                             const geometry::SE2& T_first_last) {
-  if (!scan::is_plausible(scan) || !is_finite(T_odom_base) || !is_finite(T_first_last)) {
+bool Slam2d::add_odometry(std::int64_t utime_us, const geometry::SE3& T_odom_base) {
+  return odometry_.add(utime_us, T_odom_base);
+}
+
+void Slam2d::change_odometry_frame(const geometry::SE3& T_new_odom_base) {
+  if (const auto T_old_odom_base = odometry_.newest()) {
+    const geometry::SE2 T_old_new =
+        geometry::to_se2(*T_old_odom_base) * geometry::to_se2(T_new_odom_base).inverse();
+    T_map_odom_ = T_map_odom_ * T_old_new;
+    T_odom_keyframe_ = T_old_new.inverse() * T_odom_keyframe_;
+    T_odom_failed_search_.reset();  // the robot may have been carried: another search is worth it
+  }
+  odometry_.clear();
+}
+
+std::optional<PoseUpdate> Slam2d::add_scan(const scan::Scan& scan) {
+  // "... extracting exactly those 2D scans that have been taken in the horizontal position."
+  const std::optional<LevelScan> level_scan = next_level_scan(scan);
+  if (!level_scan) {
     return std::nullopt;
   }
-  const std::span<const SurfacePoint> points = surface_.points(scan, T_first_last);
-  if (keyframes_.empty() && points.size() < kMinPoints) {
-    return std::nullopt;
-  }
-  // The data set D of Eq. 3, at the pose by odometry.
-  const geometry::SE2 T_map_base_guess = T_map_odom_ * T_odom_base;
-  Slam2dResult result;
-  result.utime_us = scan.utime_us;
-  result.T_map_base = T_map_base_guess;
-  // The transform that minimises Eq. 3 also corrects the pose.
   if (keyframes_.empty()) {
-    result.quality = PoseQuality::kTracked;
-  } else {
-    const Match match = match_or_search(points, T_map_base_guess, T_odom_base);
-    result.quality = judge(match, points.size());
-    result.match_share = match.share;
-    result.match_agreement = match.agreement;
-    result.match_rms_m = match.rms_m;
-    if (result.quality <= PoseQuality::kPartly) {
-      result.T_map_base = match.T_map_base;
-      T_map_odom_ = result.T_map_base * T_odom_base.inverse();
-    }
+    return begin_map(*level_scan);
   }
-  result.T_map_odom = T_map_odom_;
-  // Points without a correspondence are added to the map.
-  if (is_due_for_map(T_odom_base, result.quality)) {
-    add_new_points(points, result, T_odom_base, scan::point_in_base(scan, 0, 0.0).head<2>());
-    result.map_changed = true;
+  // "These can directly be used as data set D and matched against an incrementally built 2D map" M:
+  // the transform that minimises Eq. 3, from the pose by odometry.
+  const Match match = match_or_search(*level_scan);
+  // The same transform corrects the pose.
+  PoseUpdate update = correct_pose(*level_scan, match);
+  // "New scan points that do not show a correspondence to already existing points in M are added."
+  if (is_keyframe(update, level_scan->T_odom_base)) {
+    add_keyframe(*level_scan, update);
   }
-  record(result);
-  return result;
+  record(update);
+  return update;
 }
 
-void Slam2d::change_odometry_frame(const geometry::SE2& T_old_odom_base,
-                                   const geometry::SE2& T_new_odom_base) {
-  const geometry::SE2 T_old_new = T_old_odom_base * T_new_odom_base.inverse();
-  T_map_odom_ = T_map_odom_ * T_old_new;
-  T_odom_keyframe_ = T_old_new.inverse() * T_odom_keyframe_;
-  T_odom_failed_search_.reset();  // the robot may have been moved: it is worth a search
+std::vector<geometry::SE2> Slam2d::trajectory() const {
+  std::vector<geometry::SE2> poses;
+  poses.reserve(tracked_scans_.size());
+  for (const TrackedScan& scan : tracked_scans_) {
+    poses.push_back(keyframes_[scan.keyframe].T_map_base * scan.T_keyframe_base);
+  }
+  return poses;
 }
 
-Match Slam2d::match_or_search(std::span<const SurfacePoint> points,
-                              const geometry::SE2& T_map_base_guess,
-                              const geometry::SE2& T_odom_base) {
-  Match best = matcher_.match(map_, points, T_map_base_guess);
-  if (best.agreement >= params_.search_below_agreement || points.size() < kMinPoints) {
+bool Slam2d::LevelScan::has_enough_points() const {
+  return points_base.size() >= kMinPoints;
+}
+
+std::optional<Slam2d::LevelScan> Slam2d::next_level_scan(const scan::Scan& scan) {
+  if (!scan::is_plausible(scan)) {
+    ++metrics_.scans_implausible;
+    return std::nullopt;
+  }
+  const scan::Scan* level = selector_.add(scan);
+  if (level == nullptr) {
+    ++metrics_.scans_not_level;
+    return std::nullopt;
+  }
+  const auto T_odom_first = odometry_.at(level->utime_us);
+  if (!T_odom_first) {
+    ++metrics_.scans_without_odometry;
+    return std::nullopt;
+  }
+  const auto T_odom_last = odometry_.at(level->utime_last_us()).value_or(*T_odom_first);
+  const geometry::SE2 T_odom_base = geometry::to_se2(*T_odom_first);
+  const geometry::SE2 T_first_last = T_odom_base.inverse() * geometry::to_se2(T_odom_last);
+  return LevelScan{.utime_us = level->utime_us,
+                   .T_odom_base = T_odom_base,
+                   .sensor_origin_base = scan::point_in_base(*level, 0, 0.0).head<2>(),
+                   .points_base = extractor_.extract(*level, T_first_last)};
+}
+
+std::optional<PoseUpdate> Slam2d::begin_map(const LevelScan& scan) {
+  if (!scan.has_enough_points()) {
+    ++metrics_.scans_without_points;
+    return std::nullopt;
+  }
+  PoseUpdate update{.utime_us = scan.utime_us,
+                    .T_map_base = T_map_odom_ * scan.T_odom_base,
+                    .T_map_odom = T_map_odom_,
+                    .quality = PoseQuality::kTracked};
+  add_keyframe(scan, update);
+  record(update);
+  return update;
+}
+
+Match Slam2d::match_or_search(const LevelScan& scan) {
+  const geometry::SE2 T_map_base_guess = T_map_odom_ * scan.T_odom_base;
+  const Match tracked = matcher_.match(map_, scan.points_base, T_map_base_guess);
+  if (tracked.score >= params_.search.score_threshold || !scan.has_enough_points()) {
     T_odom_failed_search_.reset();
-    return best;
+    return tracked;
   }
-  // A search that found nothing finds nothing again before the robot has moved on.
-  if (T_odom_failed_search_ &&
-      distance(*T_odom_failed_search_, T_odom_base) < params_.keyframe_distance_m &&
-      std::abs(geometry::angle_difference(T_odom_failed_search_->yaw, T_odom_base.yaw)) <
-          params_.keyframe_rotation_rad) {
-    return best;
+  // A failed search is not repeated before the robot has moved.
+  if (T_odom_failed_search_ && !has_moved(*T_odom_failed_search_, scan.T_odom_base)) {
+    return tracked;
   }
-  ++figures_.searches;
-  double to_beat = best.agreement + kSearchGain;
-  T_odom_failed_search_ = T_odom_base;
-  for (const geometry::SE2& start : search_.candidates(map_, points, T_map_base_guess)) {
-    const Match match = matcher_.match(map_, points, start);
-    const double value =
-        match.agreement - kDepartureCost * search_.departure(match.T_map_base, T_map_base_guess);
-    if (match.found() && value > to_beat) {
-      to_beat = value;
-      best = match;
-      T_odom_failed_search_.reset();
-    }
+  ++metrics_.searches;
+  const auto found =
+      search_.find_better(matcher_, map_, scan.points_base, T_map_base_guess, tracked);
+  if (!found) {
+    T_odom_failed_search_ = scan.T_odom_base;
+    return tracked;
   }
-  figures_.searches_helped += T_odom_failed_search_ ? 0 : 1;
-  return best;
+  ++metrics_.searches_successful;
+  T_odom_failed_search_.reset();
+  return *found;
 }
 
-PoseQuality Slam2d::judge(const Match& match, std::size_t num_points) const {
-  if (num_points < kMinPoints) {
+PoseUpdate Slam2d::correct_pose(const LevelScan& scan, const Match& match) {
+  PoseUpdate update{.utime_us = scan.utime_us,
+                    .T_map_base = T_map_odom_ * scan.T_odom_base,
+                    .inlier_ratio = match.inlier_ratio,
+                    .score = match.score,
+                    .rms_m = match.rms_m,
+                    .quality = classify(scan, match)};
+  if (update.quality <= PoseQuality::kPartly) {
+    update.T_map_base = match.T_map_base;
+    T_map_odom_ = match.T_map_base * scan.T_odom_base.inverse();
+  }
+  update.T_map_odom = T_map_odom_;
+  return update;
+}
+
+PoseQuality Slam2d::classify(const LevelScan& scan, const Match& match) const {
+  if (!scan.has_enough_points()) {
     return PoseQuality::kOdometry;
   }
-  if (!match.found() || match.agreement < params_.lost_below_agreement) {
+  if (!match.found() || match.score < params_.lost.score_threshold) {
     return PoseQuality::kLost;
   }
-  return match.weak_directions > 0 ? PoseQuality::kPartly : PoseQuality::kTracked;
+  return match.degenerate_directions > 0 ? PoseQuality::kPartly : PoseQuality::kTracked;
 }
 
-bool Slam2d::is_due_for_map(const geometry::SE2& T_odom_base, PoseQuality quality) const {
-  if (quality == PoseQuality::kOdometry) {
-    return false;
-  }
-  if (keyframes_.empty()) {
-    return true;
-  }
-  const double way = distance(T_odom_keyframe_, T_odom_base);
-  if (quality == PoseQuality::kLost) {
-    // Nothing here is on the map: the map goes on from odometry, once that has led far enough away.
-    return way > params_.lost_distance_m;
-  }
-  return way > params_.keyframe_distance_m ||
-         std::abs(geometry::angle_difference(T_odom_keyframe_.yaw, T_odom_base.yaw)) >
-             params_.keyframe_rotation_rad;
+bool Slam2d::has_moved(const geometry::SE2& T_odom_before, const geometry::SE2& T_odom_now) const {
+  return distance_m(T_odom_before, T_odom_now) > params_.keyframes.distance_m ||
+         std::abs(geometry::angle_difference(T_odom_before.yaw, T_odom_now.yaw)) >
+             params_.keyframes.rotation_rad;
 }
 
-void Slam2d::add_new_points(std::span<const SurfacePoint> points, const Slam2dResult& result,
-                            const geometry::SE2& T_odom_base, const Eigen::Vector2d& eye_base) {
-  Keyframe keyframe;
-  keyframe.utime_us = result.utime_us;
-  keyframe.T_odom_base = T_odom_base;
-  keyframe.T_map_base = result.T_map_base;
-  keyframe.eye_base = eye_base;
-  keyframe.points_base.reserve(points.size());
-  for (const SurfacePoint& point : points) {
+bool Slam2d::is_keyframe(const PoseUpdate& update, const geometry::SE2& T_odom_base) const {
+  switch (update.quality) {
+    case PoseQuality::kTracked:
+    case PoseQuality::kPartly:
+      return has_moved(T_odom_keyframe_, T_odom_base);
+    case PoseQuality::kLost:
+      // Nothing here is on the map: it is continued from odometry, once that is far enough away.
+      return distance_m(T_odom_keyframe_, T_odom_base) > params_.lost.distance_m;
+    case PoseQuality::kOdometry:
+      break;
+  }
+  return false;
+}
+
+void Slam2d::add_keyframe(const LevelScan& scan, PoseUpdate& update) {
+  Keyframe keyframe{.utime_us = scan.utime_us,
+                    .T_odom_base = scan.T_odom_base,
+                    .T_map_base = update.T_map_base,
+                    .sensor_origin_base = scan.sensor_origin_base};
+  keyframe.points_base.reserve(scan.points_base.size());
+  for (const OrientedPoint& point : scan.points_base) {
     keyframe.points_base.emplace_back(point.p.cast<float>());
-    const SurfacePoint in_map = result.T_map_base * point;
-    // Matched points are neglected: one point is enough for one place, whichever way it looks. But
-    // each tells once more where the line through its place runs.
-    if (map_.nearest({in_map.p, Eigen::Vector2d::Zero()}, params_.new_point_distance_m) ==
-        nullptr) {
-      map_.add(in_map);
-    } else {
-      map_.refine(in_map);
-    }
+    map_.insert(update.T_map_base * point);
   }
   keyframes_.push_back(std::move(keyframe));
-  T_odom_keyframe_ = T_odom_base;
+  T_odom_keyframe_ = scan.T_odom_base;
+  update.is_keyframe = true;
 }
 
-void Slam2d::record(const Slam2dResult& result) {
-  const geometry::SE2 T_keyframe_base = keyframes_.back().T_map_base.inverse() * result.T_map_base;
+void Slam2d::record(const PoseUpdate& update) {
+  const geometry::SE2 T_keyframe_base = keyframes_.back().T_map_base.inverse() * update.T_map_base;
   tracked_scans_.push_back(
-      {result.utime_us, keyframes_.size() - 1, T_keyframe_base, result.T_map_base});
-  ++figures_.scans;
-  figures_.tracked += result.quality == PoseQuality::kTracked ? 1 : 0;
-  figures_.partly += result.quality == PoseQuality::kPartly ? 1 : 0;
-  figures_.odometry_only += result.quality == PoseQuality::kOdometry ? 1 : 0;
-  figures_.lost += result.quality == PoseQuality::kLost ? 1 : 0;
-  figures_.share_sum += result.match_share;
-  figures_.agreement_sum += result.match_agreement;
-}
-
-geometry::SE2 Slam2d::corrected_pose(const TrackedScan& scan) const {
-  return keyframes_[scan.keyframe].T_map_base * scan.T_keyframe_base;
+      {update.utime_us, keyframes_.size() - 1, T_keyframe_base, update.T_map_base});
+  ++metrics_.scans;
+  metrics_.tracked += update.quality == PoseQuality::kTracked ? 1 : 0;
+  metrics_.partly += update.quality == PoseQuality::kPartly ? 1 : 0;
+  metrics_.odometry_only += update.quality == PoseQuality::kOdometry ? 1 : 0;
+  metrics_.lost += update.quality == PoseQuality::kLost ? 1 : 0;
+  metrics_.inlier_ratio_sum += update.inlier_ratio;
+  metrics_.score_sum += update.score;
 }
 
 }  // namespace nodmap::slam2d

@@ -3,102 +3,131 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
+#include "common/geometry/pose_history.hpp"
+#include "modules/slam2d/level_scan_selector.hpp"
 #include "modules/slam2d/occupancy_grid.hpp"
+#include "modules/slam2d/oriented_points.hpp"
 #include "modules/slam2d/params.hpp"
 #include "modules/slam2d/point_map.hpp"
 #include "modules/slam2d/pose_search.hpp"
 #include "modules/slam2d/scan_matcher.hpp"
-#include "modules/slam2d/scan_surface.hpp"
 
 namespace nodmap::slam2d {
 
 /// How a pose was found; the values of nodmap.pose_t.
-enum class PoseQuality : std::uint8_t { kTracked = 0, kPartly = 1, kOdometry = 2, kLost = 3 };
-
-struct Slam2dResult {
-  std::int64_t utime_us = 0;
-  geometry::SE2 T_map_base;
-  geometry::SE2 T_map_odom;  ///< carries the whole correction: odom itself never jumps
-  double match_share = 0.0;
-  double match_agreement = 0.0;
-  double match_rms_m = 0.0;
-  PoseQuality quality = PoseQuality::kOdometry;
-  bool map_changed = false;
+enum class PoseQuality : std::uint8_t {
+  kTracked = 0,   ///< by matching
+  kPartly = 1,    ///< by matching, and by odometry along degenerate directions
+  kOdometry = 2,  ///< by odometry: the scan has too few points
+  kLost = 3,      ///< by odometry: the scan does not fit the map
 };
 
-/// A scan whose new points went into the map, kept so that poses can be corrected later and grids
-/// be drawn from them.
+/// The robot's pose at the first beam of a level scan.
+struct PoseUpdate {
+  std::int64_t utime_us = 0;  ///< of the first beam
+  geometry::SE2 T_map_base = {};
+  geometry::SE2 T_map_odom = {};  ///< the correction of odometry, which itself never jumps
+  double inlier_ratio = 0.0;      ///< of the match, as the next two; 0 where there was none
+  double score = 0.0;
+  double rms_m = 0.0;
+  PoseQuality quality = PoseQuality::kOdometry;
+  bool is_keyframe = false;
+};
+
+/// A scan that went into the map. Kept, so that its pose can be corrected later and grids be drawn
+/// from it.
 struct Keyframe {
   std::int64_t utime_us = 0;
   geometry::SE2 T_odom_base;
   geometry::SE2 T_map_base;
-  Eigen::Vector2d eye_base = Eigen::Vector2d::Zero();  ///< where the rays come from
-  std::vector<Eigen::Vector2f> points_base;
+  Eigen::Vector2d sensor_origin_base = Eigen::Vector2d::Zero();
+  std::vector<Eigen::Vector2f> points_base = {};
 };
 
-/// Draws the rays of a keyframe, at its pose in the map.
+/// Draws the rays of a keyframe from its pose in the map.
 void draw(const Keyframe& keyframe, OccupancyGrid& grid);
 
-/// A used scan, placed relative to its keyframe: it moves along when that is corrected.
+/// A level scan, relative to the keyframe before it, with which its pose is corrected.
 struct TrackedScan {
   std::int64_t utime_us = 0;
-  std::size_t keyframe = 0;
+  std::size_t keyframe = 0;  ///< index
   geometry::SE2 T_keyframe_base;
-  geometry::SE2 T_map_base_online;  ///< as it was known then
+  geometry::SE2 T_map_base_online;  ///< as it was known when the scan came
 };
 
-struct Slam2dFigures {
-  std::int64_t scans = 0;
+struct Slam2dMetrics {
+  std::int64_t scans = 0;  ///< level scans with a pose: the sum of the next four
   std::int64_t tracked = 0;
   std::int64_t partly = 0;
   std::int64_t odometry_only = 0;
   std::int64_t lost = 0;
   std::int64_t searches = 0;
-  std::int64_t searches_helped = 0;
-  double share_sum = 0.0;
-  double agreement_sum = 0.0;
+  std::int64_t searches_successful = 0;
+  std::int64_t scans_implausible = 0;
+  std::int64_t scans_not_level = 0;
+  std::int64_t scans_without_odometry = 0;
+  std::int64_t scans_without_points = 0;  ///< too few to begin a map
+  double inlier_ratio_sum = 0.0;          ///< over `scans`
+  double score_sum = 0.0;                 ///< over `scans`
 };
 
-/// 3DOF SLAM (section IV A): level scans are matched against an incrementally built point map; what
-/// is new in them is added.
+/// 3DOF-SLAM (section IV A): level scans are matched against an incrementally built point map, and
+/// what is new in them is added to it. The map frame is the odom frame of the first scan.
 class Slam2d {
  public:
   explicit Slam2d(const Slam2dParams& params);
 
-  /// Takes a level scan, where the robot was by odometry at its first beam, and how it moved from
-  /// there to the last one; poses are those at the first beam. Empty when the scan is no plausible
-  /// one or a pose is not finite, and when the first scan shows nothing to begin with.
-  std::optional<Slam2dResult> add_scan(const scan::Scan& scan, const geometry::SE2& T_odom_base,
-                                       const geometry::SE2& T_first_last = {});
+  /// Takes a pose of base by odometry. Returns false, and ignores it, when it is not finite.
+  bool add_odometry(std::int64_t utime_us, const geometry::SE3& T_odom_base);
 
-  /// Odometry goes on in another frame: the same place, as far as anybody knows, is
-  /// `T_old_odom_base` in the present frame and `T_new_odom_base` in the new one. The robot stays
-  /// where it was in the map.
-  void change_odometry_frame(const geometry::SE2& T_old_odom_base,
-                             const geometry::SE2& T_new_odom_base);
+  /// Odometry continues in another frame, because its publisher was restarted: its newest pose and
+  /// `T_new_odom_base` are taken as the same place. The robot stays where it was in the map. Older
+  /// odometry is dropped, so that no scan is placed between the two frames.
+  void change_odometry_frame(const geometry::SE3& T_new_odom_base);
+
+  /// Takes the next scan of a nodding or level scanner. Returns the corrected pose when it
+  /// completes a level scan; that is this scan or the one before. Returns nothing, and counts why
+  /// in metrics(), for a scan that is not level, implausible, more than 50 ms from any odometry, or
+  /// the first and without points.
+  std::optional<PoseUpdate> add_scan(const scan::Scan& scan);
+
+  /// The pose of each of tracked_scans(), corrected by all that is known now.
+  [[nodiscard]] std::vector<geometry::SE2> trajectory() const;
 
   [[nodiscard]] const PointMap& map() const { return map_; }
-  [[nodiscard]] const std::vector<Keyframe>& keyframes() const { return keyframes_; }
-  [[nodiscard]] const std::vector<TrackedScan>& tracked_scans() const { return tracked_scans_; }
-  [[nodiscard]] const Slam2dFigures& metrics() const { return figures_; }
-
-  /// The pose of a used scan with all that is known now.
-  [[nodiscard]] geometry::SE2 corrected_pose(const TrackedScan& scan) const;
+  [[nodiscard]] std::span<const Keyframe> keyframes() const { return keyframes_; }
+  [[nodiscard]] std::span<const TrackedScan> tracked_scans() const { return tracked_scans_; }
+  [[nodiscard]] const Slam2dMetrics& metrics() const { return metrics_; }
 
  private:
-  [[nodiscard]] Match match_or_search(std::span<const SurfacePoint> points,
-                                      const geometry::SE2& T_map_base_guess,
-                                      const geometry::SE2& T_odom_base);
-  [[nodiscard]] PoseQuality judge(const Match& match, std::size_t num_points) const;
-  [[nodiscard]] bool is_due_for_map(const geometry::SE2& T_odom_base, PoseQuality quality) const;
-  void add_new_points(std::span<const SurfacePoint> points, const Slam2dResult& result,
-                      const geometry::SE2& T_odom_base, const Eigen::Vector2d& eye_base);
-  void record(const Slam2dResult& result);
+  /// A level scan as the data set D of Eq. 3, and where the robot was by odometry.
+  struct LevelScan {
+    std::int64_t utime_us = 0;
+    geometry::SE2 T_odom_base;
+    Eigen::Vector2d sensor_origin_base = Eigen::Vector2d::Zero();
+    std::span<const OrientedPoint> points_base;
+
+    [[nodiscard]] bool has_enough_points() const;
+  };
+
+  [[nodiscard]] std::optional<LevelScan> next_level_scan(const scan::Scan& scan);
+  [[nodiscard]] std::optional<PoseUpdate> begin_map(const LevelScan& scan);
+  [[nodiscard]] Match match_or_search(const LevelScan& scan);
+  [[nodiscard]] PoseUpdate correct_pose(const LevelScan& scan, const Match& match);
+  [[nodiscard]] PoseQuality classify(const LevelScan& scan, const Match& match) const;
+  [[nodiscard]] bool is_keyframe(const PoseUpdate& update, const geometry::SE2& T_odom_base) const;
+  [[nodiscard]] bool has_moved(const geometry::SE2& T_odom_before,
+                               const geometry::SE2& T_odom_now) const;
+  void add_keyframe(const LevelScan& scan, PoseUpdate& update);
+  void record(const PoseUpdate& update);
 
   Slam2dParams params_;
-  ScanSurface surface_;
+  LevelScanSelector selector_;
+  geometry::PoseHistory odometry_;
+  OrientedPointExtractor extractor_;
   ScanMatcher matcher_;
   PoseSearch search_;
   PointMap map_;
@@ -107,7 +136,7 @@ class Slam2d {
   std::optional<geometry::SE2> T_odom_failed_search_;
   std::vector<Keyframe> keyframes_;
   std::vector<TrackedScan> tracked_scans_;
-  Slam2dFigures figures_;
+  Slam2dMetrics metrics_;
 };
 
 }  // namespace nodmap::slam2d

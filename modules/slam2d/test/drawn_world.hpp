@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A floor plan of straight walls, and what a level SICK on the robot sees of it.
+// Floor plans of straight walls, and a simulated level SICK scanner at the centre of the robot.
 #pragma once
 
 #include <cmath>
@@ -48,14 +48,23 @@ inline FloorPlan corridor_with_doors() {
   return plan;
 }
 
-inline double range_to(const Wall& wall, const Eigen::Vector2d& eye, const Eigen::Vector2d& ray) {
+/// A corridor 2 m wide around a block of 12 m x 8 m. Its centre line is a rectangle of 48 m from
+/// the origin to (14, 10).
+inline FloorPlan ring_corridor() {
+  return {{{-1, -1}, {15, -1}}, {{15, -1}, {15, 11}}, {{15, 11}, {-1, 11}}, {{-1, 11}, {-1, -1}},
+          {{1, 1}, {13, 1}},    {{13, 1}, {13, 9}},   {{13, 9}, {1, 9}},    {{1, 9}, {1, 1}}};
+}
+
+inline double range_to(const Wall& wall, const Eigen::Vector2d& sensor_origin,
+                       const Eigen::Vector2d& ray) {
   const Eigen::Vector2d along = wall.to - wall.from;
   const double det = ray.x() * along.y() - ray.y() * along.x();
-  const Eigen::Vector2d d = wall.from - eye;
+  const Eigen::Vector2d d = wall.from - sensor_origin;
   const double range = (d.x() * along.y() - d.y() * along.x()) / det;
-  const double place = (d.x() * ray.y() - d.y() * ray.x()) / det;
-  return range > 0.0 && place >= 0.0 && place <= 1.0 ? range
-                                                     : std::numeric_limits<double>::infinity();
+  const double position = (d.x() * ray.y() - d.y() * ray.x()) / det;
+  return range > 0.0 && position >= 0.0 && position <= 1.0
+             ? range
+             : std::numeric_limits<double>::infinity();
 }
 
 /// 181 beams over 180 degrees as in the paper, with the range noise of a SICK.

@@ -18,9 +18,8 @@ scan::Scan at_pitch(double first_deg, double last_deg, std::int64_t seq) {
   return scan;
 }
 
-std::vector<std::int64_t> selected(const std::vector<double>& pitches_deg,
-                                   double max_level_deg = 1.0) {
-  LevelScanSelector selector(geometry::deg_to_rad(max_level_deg));
+std::vector<std::int64_t> selected(const std::vector<double>& pitches_deg) {
+  LevelScanSelector selector(LevelScanParams{});
   std::vector<std::int64_t> seqs;
   std::int64_t seq = 0;
   for (const double pitch : pitches_deg) {
@@ -31,13 +30,13 @@ std::vector<std::int64_t> selected(const std::vector<double>& pitches_deg,
   return seqs;
 }
 
-TEST(LevelScanSelector, R35_OneScanForEachHalfSweep) {
+TEST(LevelScanSelector, R35_OneScanForEachSweep) {
   // Nodding between -21 and 6 degrees: the AOI of the paper's corridor.
   for (const double step_deg : {0.25, 0.4, 1.0, 1.7}) {
-    LevelScanSelector selector(geometry::deg_to_rad(1.0));
+    LevelScanSelector selector(LevelScanParams{});
     double pitch = -21.0;
     double direction = 1.0;
-    int half_sweeps = 0;
+    int sweeps = 0;
     int used = 0;
     for (std::int64_t seq = 0; seq < 5000; ++seq) {
       const double next = pitch + direction * step_deg;
@@ -48,14 +47,14 @@ TEST(LevelScanSelector, R35_OneScanForEachHalfSweep) {
       pitch = next;
       if (pitch >= 6.0 || pitch <= -21.0) {
         direction = -direction;
-        ++half_sweeps;
+        ++sweeps;
       }
     }
-    EXPECT_NEAR(used, half_sweeps, 1);
+    EXPECT_NEAR(used, sweeps, 1);
   }
 }
 
-TEST(LevelScanSelector, R35_TakesTheNearerOfTheTwoBesideLevel) {
+TEST(LevelScanSelector, R35_SelectsTheMoreLevelOfTwoNeighbours) {
   EXPECT_EQ(selected({-1.2, -0.4, 0.6, 1.4}), (std::vector<std::int64_t>{1}));
   EXPECT_EQ(selected({-1.4, -0.6, 0.4, 1.2}), (std::vector<std::int64_t>{2}));
   EXPECT_EQ(selected({-2, -1, 0, 1, 2}), (std::vector<std::int64_t>{2}));
@@ -66,17 +65,17 @@ TEST(LevelScanSelector, AScanIsUsedOnlyOnce) {
   EXPECT_EQ(selected({-1, 0, -1, 0, -1}), (std::vector<std::int64_t>{1, 3}));
 }
 
-TEST(LevelScanSelector, AStandingLevelScannerGivesEveryScan) {
+TEST(LevelScanSelector, SelectsEveryScanOfAStationaryLevelScanner) {
   EXPECT_EQ(selected({0, 0, 0, 0}), (std::vector<std::int64_t>{0, 1, 2, 3}));
   EXPECT_EQ(selected({0.01, -0.01, 0.01}), (std::vector<std::int64_t>{0, 1, 2}));
 }
 
-TEST(LevelScanSelector, NothingOfAScannerThatLooksElsewhere) {
+TEST(LevelScanSelector, SelectsNothingOfAScannerThatIsNeverLevel) {
   EXPECT_TRUE(selected({-10, -10, -10}).empty());
   EXPECT_TRUE(selected({-20, -15, -10, -5, -10, -15}).empty());
 }
 
-TEST(LevelScanSelector, AJumpAcrossLevelIsNotLevel) {
+TEST(LevelScanSelector, SelectsNothingWhenTheScansBesideLevelAreFarFromIt) {
   EXPECT_TRUE(selected({-10, -6, 7, 12}).empty());
 }
 

@@ -11,44 +11,44 @@
 namespace nodmap::slam2d {
 namespace {
 
-constexpr double kRadius = 0.25;
+constexpr MapParams kParams{.line_radius_m = 0.25};
 const Eigen::Vector2d kNoNormal = Eigen::Vector2d::Zero();
 
-std::vector<SurfacePoint> random_points(int count, unsigned seed, double half_size) {
+std::vector<OrientedPoint> random_points(int count, unsigned seed, double half_size) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> coordinate(-half_size, half_size);
   std::uniform_real_distribution<double> angle(-geometry::kPi, geometry::kPi);
-  std::vector<SurfacePoint> points;
+  std::vector<OrientedPoint> points;
   for (int i = 0; i < count; ++i) {
     const double a = angle(random);
-    const bool alone = i % 5 == 0;
+    const bool without_normal = i % 5 == 0;
     points.push_back({{coordinate(random), coordinate(random)},
-                      alone ? kNoNormal : Eigen::Vector2d(std::cos(a), std::sin(a))});
+                      without_normal ? kNoNormal : Eigen::Vector2d(std::cos(a), std::sin(a))});
   }
   return points;
 }
 
-/// The wall is at y = 2 m and looks down.
+/// For a wall at y = 2 m, seen from below.
 void expect_lines_along_wall(const PointMap& map, double angle_deg, double across_m) {
-  for (const PointMap::Landmark& landmark : map.landmarks()) {
-    ASSERT_TRUE(landmark.is_on_line());
-    EXPECT_GT(landmark.normal.dot(Eigen::Vector2d(0, -1)),
+  for (const MapPoint& map_point : map.points()) {
+    ASSERT_TRUE(map_point.has_line());
+    EXPECT_GT(map_point.line_normal.dot(Eigen::Vector2d(0, -1)),
               std::cos(geometry::deg_to_rad(angle_deg)));
-    EXPECT_NEAR(landmark.centre.y(), 2.0, across_m);
+    EXPECT_NEAR(map_point.line_point.y(), 2.0, across_m);
   }
 }
 
 TEST(PointMap, NearestAgreesWithBruteForce) {
-  PointMap map(kRadius);
-  const std::vector<SurfacePoint> points = random_points(3000, 1, 5.0);
-  for (const SurfacePoint& point : points) {
+  PointMap map(kParams);
+  const std::vector<OrientedPoint> points = random_points(3000, 1, 5.0);
+  for (const OrientedPoint& point : points) {
     map.add(point);
   }
   for (const double reach : {0.03, 0.25, 0.7, 3.0}) {
-    for (const SurfacePoint& query : random_points(300, 2, 7.0)) {
+    for (const OrientedPoint& query : random_points(300, 2, 7.0)) {
       double best = reach;
-      const SurfacePoint* expected = nullptr;
-      for (const SurfacePoint& point : points) {
+      const OrientedPoint* expected = nullptr;
+      for (const OrientedPoint& point : points) {
         const bool same_side =
             !point.has_normal() || !query.has_normal() || point.normal.dot(query.normal) > 0.5;
         if (same_side && (point.p - query.p).norm() <= best) {
@@ -56,7 +56,7 @@ TEST(PointMap, NearestAgreesWithBruteForce) {
           expected = &point;
         }
       }
-      const PointMap::Landmark* found = map.nearest(query, reach);
+      const MapPoint* found = map.nearest(query, reach);
       ASSERT_EQ(found != nullptr, expected != nullptr);
       if (found != nullptr) {
         ASSERT_EQ(found->point.p, expected->p);
@@ -66,13 +66,13 @@ TEST(PointMap, NearestAgreesWithBruteForce) {
 }
 
 TEST(PointMap, EmptyMapHasNoNeighbour) {
-  EXPECT_EQ(PointMap(kRadius).nearest({{0, 0}, kNoNormal}, 10.0), nullptr);
+  EXPECT_EQ(PointMap(kParams).nearest({{0, 0}, kNoNormal}, 10.0), nullptr);
 }
 
 TEST(PointMap, PointsOfAWallFormItsLine) {
   std::mt19937 random(3);
   std::normal_distribution<double> noise(0.0, 0.01);
-  PointMap map(kRadius);
+  PointMap map(kParams);
   for (int i = 0; i < 100; ++i) {
     map.add({{0.05 * i, 2.0 + noise(random)}, {0, -1}});
   }
@@ -82,86 +82,86 @@ TEST(PointMap, PointsOfAWallFormItsLine) {
 }
 
 TEST(PointMap, TheTwoSidesOfAThinWallAreTwoLines) {
-  PointMap map(kRadius);
+  PointMap map(kParams);
   for (int i = 0; i < 40; ++i) {
     map.add({{0.05 * i, 0.00}, {0, -1}});
     map.add({{0.05 * i, 0.08}, {0, 1}});
   }
-  for (const PointMap::Landmark& landmark : map.landmarks()) {
-    ASSERT_TRUE(landmark.is_on_line());
-    EXPECT_NEAR(landmark.centre.y(), landmark.point.p.y(), 1e-12);
-    EXPECT_NEAR(landmark.normal.dot(landmark.point.normal), 1.0, 1e-12);
+  for (const MapPoint& map_point : map.points()) {
+    ASSERT_TRUE(map_point.has_line());
+    EXPECT_NEAR(map_point.line_point.y(), map_point.point.p.y(), 1e-12);
+    EXPECT_NEAR(map_point.line_normal.dot(map_point.point.normal), 1.0, 1e-12);
   }
-  const PointMap::Landmark* upper = map.nearest({{1.0, 0.01}, {0, 1}}, 0.5);
+  const MapPoint* upper = map.nearest({{1.0, 0.01}, {0, 1}}, 0.5);
   ASSERT_NE(upper, nullptr);
   EXPECT_EQ(upper->point.p.y(), 0.08);
 }
 
 TEST(PointMap, ABlobIsNoLine) {
-  PointMap map(kRadius);
-  for (const SurfacePoint& point : random_points(60, 4, 0.15)) {
+  PointMap map(kParams);
+  for (const OrientedPoint& point : random_points(60, 4, 0.15)) {
     map.add({point.p, kNoNormal});
   }
-  for (const PointMap::Landmark& landmark : map.landmarks()) {
-    EXPECT_FALSE(landmark.is_on_line());
-    EXPECT_EQ(landmark.centre, landmark.point.p);
+  for (const MapPoint& map_point : map.points()) {
+    EXPECT_FALSE(map_point.has_line());
+    EXPECT_EQ(map_point.line_point, map_point.point.p);
   }
 }
 
 TEST(PointMap, LinesDoNotDependOnWhereTheMapLies) {
   const Eigen::Vector2d far(576.5, -1234.5);  // the odometry of one recording starts like this
-  PointMap here(kRadius);
-  PointMap there(kRadius);
-  for (const SurfacePoint& point : random_points(500, 5, 1.0)) {
+  PointMap here(kParams);
+  PointMap there(kParams);
+  for (const OrientedPoint& point : random_points(500, 5, 1.0)) {
     here.add(point);
     there.add({point.p + far, point.normal});
   }
-  for (std::size_t i = 0; i < here.landmarks().size(); ++i) {
-    EXPECT_LT((here.landmarks()[i].centre + far - there.landmarks()[i].centre).norm(), 1e-9);
-    EXPECT_EQ(here.landmarks()[i].is_on_line(), there.landmarks()[i].is_on_line());
+  for (std::size_t i = 0; i < here.points().size(); ++i) {
+    EXPECT_LT((here.points()[i].line_point + far - there.points()[i].line_point).norm(), 1e-9);
+    EXPECT_EQ(here.points()[i].has_line(), there.points()[i].has_line());
   }
 }
 
-TEST(PointMap, LooksAtTheSameWallSharpenItsLineAndAddNothing) {
+TEST(PointMap, RepeatedScansOfAWallSharpenItsLinesAndAddNothing) {
   std::mt19937 random(6);
   std::normal_distribution<double> noise(0.0, 0.01);
-  PointMap map(kRadius);
-  const auto look = [&](const auto& take) {
+  PointMap map(kParams);
+  const auto scan_wall = [&](const auto& take) {
     for (int i = 0; i < 100; ++i) {
-      take(SurfacePoint{{0.05 * i, 2.0 + noise(random)}, {0, -1}});
+      take(OrientedPoint{{0.05 * i, 2.0 + noise(random)}, {0, -1}});
     }
   };
-  look([&](const SurfacePoint& point) { map.add(point); });
+  scan_wall([&](const OrientedPoint& point) { map.add(point); });
   for (int i = 0; i < 49; ++i) {
-    look([&](const SurfacePoint& point) { map.refine(point); });
+    scan_wall([&](const OrientedPoint& point) { map.refine(point); });
   }
-  // 50 looks divide 3 mm and 1.1 degrees of one look by 7, and those of the wall's ends, whose
-  // lines hang over, by less: they have half the points over half the way. Four sigma of theirs.
-  EXPECT_EQ(map.landmarks().size(), 100U);
+  // 50 scans divide the 3 mm and 1.1 degrees of one scan by 7. At the ends of the wall the lines
+  // have half the points over half the length; the bounds are four sigma of theirs.
+  EXPECT_EQ(map.points().size(), 100U);
   expect_lines_along_wall(map, 2.0, 0.0025);
 }
 
-TEST(PointMap, TheOtherSideOfAThinWallDoesNotSharpenALine) {
-  PointMap map(kRadius);
+TEST(PointMap, TheOtherSideOfAThinWallDoesNotChangeALine) {
+  PointMap map(kParams);
   for (int i = 0; i < 40; ++i) {
     map.add({{0.05 * i, 0.00}, {0, -1}});
   }
   for (int i = 0; i < 40; ++i) {
     map.refine({{0.05 * i, 0.08}, {0, 1}});
   }
-  for (const PointMap::Landmark& landmark : map.landmarks()) {
-    EXPECT_EQ(landmark.centre.y(), 0.0);
+  for (const MapPoint& map_point : map.points()) {
+    EXPECT_EQ(map_point.line_point.y(), 0.0);
   }
 }
 
-TEST(PointMap, LeavesOutWhatIsNotFinite) {
-  PointMap map(kRadius);
+TEST(PointMap, IgnoresPointsThatAreNotFinite) {
+  PointMap map(kParams);
   map.add({{std::numeric_limits<double>::quiet_NaN(), 0.0}, kNoNormal});
   map.add({{0.0, std::numeric_limits<double>::infinity()}, kNoNormal});
-  EXPECT_TRUE(map.landmarks().empty());
+  EXPECT_TRUE(map.points().empty());
   map.add({{0.0, 0.0}, {0, 1}});
   map.refine({{std::numeric_limits<double>::quiet_NaN(), 0.0}, kNoNormal});
-  EXPECT_EQ(map.landmarks()[0].centre, Eigen::Vector2d(0, 0));
+  EXPECT_EQ(map.points()[0].line_point, Eigen::Vector2d(0, 0));
 }
 
 }  // namespace

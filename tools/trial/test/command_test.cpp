@@ -41,8 +41,8 @@ TEST(Command, ARandomWorldNeedsANumber) {
 
 TEST(AllParams, SetsAParameterOfAProcess) {
   AllParams params;
-  params.set_assignment("slam2d.map_period_s=7");
-  EXPECT_EQ(params.slam2d.map_period_s, 7.0);
+  params.set_assignment("slam2d.grid.publish_period_s=7");
+  EXPECT_EQ(params.slam2d.grid.publish_period_s, 7.0);
   params.set_assignment("sim.odometry_scale_bias=0.03");
   EXPECT_EQ(params.sim.plant.odometry_scale_bias, 0.03);
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "modules/slam2d/scan_surface.hpp"
+#include "modules/slam2d/oriented_points.hpp"
 
 #include <gtest/gtest.h>
 
@@ -12,31 +12,31 @@
 namespace nodmap::slam2d {
 namespace {
 
-TEST(ScanSurface, NormalsOfAWallLookAtTheScanner) {
-  ScanSurface surface;
+TEST(OrientedPointExtractor, NormalsOfAWallPointToTheScanner) {
+  OrientedPointExtractor extractor;
   test::Scanner scanner(0.0);
-  const auto points = surface.points(scanner.scan({{{2, -1}, {2, 1}}}, {}));
+  const auto points = extractor.extract(scanner.scan({{{2, -1}, {2, 1}}}, {}), {});
   ASSERT_GT(points.size(), 40U);
-  for (const SurfacePoint& point : points) {
+  for (const OrientedPoint& point : points) {
     ASSERT_TRUE(point.has_normal());
     EXPECT_NEAR(point.p.x(), 2.0, 1e-6);  // ranges are single precision
     EXPECT_NEAR(point.normal.x(), -1.0, 1e-6);
   }
 }
 
-TEST(ScanSurface, TheMountMovesThePoints) {
-  ScanSurface surface;
+TEST(OrientedPointExtractor, TheMountMovesThePoints) {
+  OrientedPointExtractor extractor;
   test::Scanner scanner(0.0);
   scan::Scan scan = scanner.scan({{{2, -1}, {2, 1}}}, {});
   scan.T_base_mount.translation().x() = -0.04;
-  for (const SurfacePoint& point : surface.points(scan)) {
+  for (const OrientedPoint& point : extractor.extract(scan, {})) {
     EXPECT_NEAR(point.p.x(), 1.96, 1e-6);
   }
 }
 
-// Each beam is measured from where the robot was at its time; turning left at 180 deg/s, the
-// half turn of a SICK lasts 6.67 ms.
-TEST(ScanSurface, TheMotionDuringTheScanIsStripped) {
+// Each beam is measured from the pose at its time. The robot rotates by 180 deg/s to the left; half
+// a mirror revolution of a SICK takes 6.67 ms.
+TEST(OrientedPointExtractor, DeskewsAScan) {
   const test::FloorPlan wall{{{2, -6}, {2, 6}}};
   const geometry::SE2 T_first_last{0.01, 0.0, geometry::deg_to_rad(1.2)};
   test::Scanner scanner(0.0);
@@ -46,34 +46,34 @@ TEST(ScanSurface, TheMotionDuringTheScanIsStripped) {
     const geometry::SE2 T_first_beam{part * T_first_last.x, 0.0, part * T_first_last.yaw};
     scan.ranges_m[beam] = scanner.scan(wall, T_first_beam).ranges_m[beam];
   }
-  ScanSurface surface;
+  OrientedPointExtractor extractor;
   double worst_m = 0.0;
-  for (const SurfacePoint& point : surface.points(scan)) {
+  for (const OrientedPoint& point : extractor.extract(scan, {})) {
     worst_m = std::max(worst_m, std::abs(point.p.x() - 2.0));
   }
-  EXPECT_GT(worst_m, 0.05);  // what is left in: 6 m aside 1.2 deg are 12 cm
-  for (const SurfacePoint& point : surface.points(scan, T_first_last)) {
+  EXPECT_GT(worst_m, 0.05);  // the motion left in: 6 m to the side, 1.2 deg are 12 cm
+  for (const OrientedPoint& point : extractor.extract(scan, T_first_last)) {
     EXPECT_NEAR(point.p.x(), 2.0, 1e-5);  // ranges are single precision
     ASSERT_TRUE(!point.has_normal() || std::abs(point.normal.x() + 1.0) < 1e-5);
   }
 }
 
-TEST(ScanSurface, APointBetweenJumpsStandsAlone) {
+TEST(OrientedPointExtractor, APointBetweenJumpsHasNoNormal) {
   const std::vector<Eigen::Vector2d> points{{5, -0.1}, {2, 0}, {5, 0.1}, {5, 0.2}, {5, 0.3}};
-  EXPECT_TRUE(normal_at(points, 1, {0, 0}).isZero(0.0));
-  EXPECT_TRUE(normal_at(points, 0, {0, 0}).isZero(0.0));
-  EXPECT_NEAR(normal_at(points, 3, {0, 0}).x(), -1.0, 1e-12);
+  EXPECT_TRUE(estimate_normal(points, 1, {0, 0}).isZero(0.0));
+  EXPECT_TRUE(estimate_normal(points, 0, {0, 0}).isZero(0.0));
+  EXPECT_NEAR(estimate_normal(points, 3, {0, 0}).x(), -1.0, 1e-12);
 }
 
-TEST(ScanSurface, NothingSeenIsNoPoint) {
-  ScanSurface surface;
+TEST(OrientedPointExtractor, ReadingsWithoutAnEchoGiveNoPoint) {
+  OrientedPointExtractor extractor;
   test::Scanner scanner;
   scan::Scan scan = scanner.scan({}, {});
-  EXPECT_TRUE(surface.points(scan).empty());
+  EXPECT_TRUE(extractor.extract(scan, {}).empty());
   scan.ranges_m.assign(181, std::numeric_limits<float>::quiet_NaN());
-  EXPECT_TRUE(surface.points(scan).empty());
+  EXPECT_TRUE(extractor.extract(scan, {}).empty());
   scan.ranges_m.clear();
-  EXPECT_TRUE(surface.points(scan).empty());
+  EXPECT_TRUE(extractor.extract(scan, {}).empty());
 }
 
 }  // namespace

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+
+namespace nodmap::registration {
+
+/// The least-squares problem of Eq. 3 in the plane with distances counted across lines only,
+/// linearised at the present pose; and which directions of (x, y, yaw) it determines. Degenerate
+/// directions, those that the correspondences say too little about, are left out of the solution
+/// (solution remapping: Zhang, Kaess, Singh 2016).
+class NormalEquations {
+ public:
+  struct Observability {
+    /// Projects a step (dx, dy in metres, dyaw in radians) onto the determined directions.
+    Eigen::Matrix3d projector = Eigen::Matrix3d::Identity();
+    int degenerate_directions = 0;
+  };
+
+  /// Adds the correspondence of a point with a line. `normal`: unit normal of the line;
+  /// `moment_arm`: from the robot to the point, metres; `distance_m`: of the point from the line,
+  /// positive along the normal.
+  void add(const Eigen::Vector2d& normal, const Eigen::Vector2d& moment_arm, double distance_m,
+           double weight);
+
+  /// A direction is degenerate when the information on it is below `min_information_ratio` of what
+  /// the same correspondences would give if all their normals pointed along it. In a corridor that
+  /// is the direction of its axis. Rotation is compared with translation in metres, by the root
+  /// mean square moment arm.
+  [[nodiscard]] Observability observability(double min_information_ratio) const;
+
+  /// The step (dx, dy in metres, dyaw in radians) to the minimum, zero along degenerate directions.
+  [[nodiscard]] Eigen::Vector3d step(double min_information_ratio) const;
+
+ private:
+  struct Eigensystem;
+  [[nodiscard]] Eigensystem decompose() const;
+
+  Eigen::Matrix3d information_ = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d gradient_ = Eigen::Vector3d::Zero();
+  double weight_ = 0.0;
+};
+
+}  // namespace nodmap::registration

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <utility>
+
+#include "common/geometry/se2.hpp"
+
+namespace nodmap::registration {
+
+/// The minimum of Eq. 3 in closed form for n = 2, with real weights w_ij in place of 0 and 1:
+/// the rotation R and the translation dt for which the weighted sum of squared distances
+/// ||m_i - (R d_j + dt)||^2 is smallest (Umeyama 1991, reduced to sums over the correspondences).
+///
+/// Correspondences are added one by one and not kept. In the plane, points on one line determine
+/// the transform as long as they do not all coincide (in space they do not).
+class RigidFit2d {
+ public:
+  enum class Status : std::uint8_t {
+    kOk,
+    kTooFewCorrespondences,  ///< fewer than two of positive weight
+    kNoExtent,               ///< all points of one side coincide: every rotation fits equally well
+  };
+
+  struct Solution {
+    Status status = Status::kTooFewCorrespondences;
+    geometry::SE2 T_model_data;  ///< R and dt of Eq. 3; identity unless the status is kOk
+  };
+
+  /// `reference`: a point near the data, metres. Sums are taken relative to it, which keeps their
+  /// precision far from the origin; it has no other effect on the solution.
+  explicit RigidFit2d(Eigen::Vector2d reference = Eigen::Vector2d::Zero())
+      : reference_(std::move(reference)) {}
+
+  /// Adds the correspondence of `data` (d_j) with `model` (m_i), metres. Ignored when a coordinate
+  /// is not finite or the weight is not positive.
+  void add(const Eigen::Vector2d& model, const Eigen::Vector2d& data, double weight = 1.0);
+
+  [[nodiscard]] Solution solve() const;
+
+ private:
+  Eigen::Vector2d reference_;
+  int correspondences_ = 0;
+  double weight_ = 0.0;
+  Eigen::Vector2d model_ = Eigen::Vector2d::Zero();
+  Eigen::Vector2d data_ = Eigen::Vector2d::Zero();
+  double model_squared_ = 0.0;
+  double data_squared_ = 0.0;
+  double dot_ = 0.0;    // sum of w d . m
+  double cross_ = 0.0;  // sum of w d x m
+};
+
+}  // namespace nodmap::registration

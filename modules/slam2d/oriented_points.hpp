@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+#include "common/geometry/se2.hpp"
+#include "common/scan/scan.hpp"
+
+namespace nodmap::slam2d {
+
+/// A measured point of a wall or an object with the normal of its surface, in metres and in the
+/// frame that the name of the variable says.
+struct OrientedPoint {
+  Eigen::Vector2d p = Eigen::Vector2d::Zero();
+  /// Unit normal, towards the scanner; zero where it is not known.
+  Eigen::Vector2d normal = Eigen::Vector2d::Zero();
+
+  [[nodiscard]] bool has_normal() const { return !normal.isZero(0.0); }
+};
+
+[[nodiscard]] inline OrientedPoint operator*(const geometry::SE2& T_a_b,
+                                             const OrientedPoint& point_b) {
+  return {T_a_b * point_b.p, T_a_b.rotation() * point_b.normal};
+}
+
+/// Extracts the data set D of Eq. 3 from a level scan: its points deskewed and projected onto the
+/// floor, in base, each with its normal. Does not allocate while the number of beams stays the
+/// same.
+class OrientedPointExtractor {
+ public:
+  /// Returns the points of all beams that hit something, in beam order, valid until the next call.
+  /// `T_first_last`: the motion of base from the first beam to the last. The points are where a
+  /// robot that stays at its pose at the first beam would have measured them.
+  [[nodiscard]] std::span<const OrientedPoint> extract(const scan::Scan& scan,
+                                                       const geometry::SE2& T_first_last);
+
+ private:
+  scan::ScanProjector projector_;
+  std::vector<Eigen::Vector2d> positions_;
+  std::vector<OrientedPoint> points_;
+};
+
+/// Estimates the unit normal at `points[index]`, towards `sensor_origin`, by a line through its
+/// neighbours in the scan up to 0.3 m away. Zero where there are fewer than two.
+[[nodiscard]] Eigen::Vector2d estimate_normal(std::span<const Eigen::Vector2d> points,
+                                              std::size_t index,
+                                              const Eigen::Vector2d& sensor_origin);
+
+}  // namespace nodmap::slam2d
