@@ -53,8 +53,8 @@ void insert_stock(octomap::OcTree& tree, const PlacedCloud& placed, bool discret
   for (const Eigen::Vector3f& p : placed.cloud.points) {
     points.push_back(to_octomap(placed.T_map_base * p.cast<double>()));
   }
-  const Eigen::Vector3d p_base_mirror = placed.cloud.lines.front().p_base_mirror.cast<double>();
-  tree.insertPointCloud(points, to_octomap(placed.T_map_base * p_base_mirror), 10.0, false,
+  const Eigen::Vector3d p_base_origin = placed.cloud.lines.front().p_base_mirror.cast<double>();
+  tree.insertPointCloud(points, to_octomap(placed.T_map_base * p_base_origin), 10.0, false,
                         discretize);
 }
 

@@ -11,8 +11,9 @@
 
 namespace nodmap::slam6d {
 
-/// A 3D occupancy map in an octree (OctoMap: Hornung et al. 2013). The clouds stay outside: a map
-/// from corrected poses is a new one into which they are inserted again.
+/// A 3D occupancy map (OctoMap: Hornung et al. 2013), bit by bit the one that OctoMap's
+/// insertPointCloud() makes. The octree is written when a file is asked for. The clouds stay
+/// outside: a map from corrected poses is a new one into which they are inserted again.
 class OccupancyMap {
  public:
   struct Options {
@@ -35,21 +36,23 @@ class OccupancyMap {
   OccupancyMap(const OccupancyMap&) = delete;
   OccupancyMap& operator=(const OccupancyMap&) = delete;
 
-  /// Every voxel is touched once for a cloud: occupied where a beam ends in it, else free where one
-  /// goes through, each beam from where the mirror was when it was measured. Beams that leave the
-  /// octree (65536 voxels wide) are left out. The tree is the one that OctoMap's insertPointCloud()
-  /// makes, bit by bit.
+  /// Each voxel counts once for a cloud: occupied where a beam ends in it, else free where one goes
+  /// through, each beam from where the sensor was when it was measured. Where a beam is cut off, at
+  /// the range, nothing is occupied. Beams that end outside of the octree (65536 voxels wide) are
+  /// left out.
   void insert(const SweepCloud& cloud, const geometry::SE3& T_map_base);
 
-  /// The bytes of a map file; empty when OctoMap cannot write them.
+  /// The bytes of a map file. Goes through the whole map.
   [[nodiscard]] std::optional<std::string> encode(Format format) const;
 
+  /// Of the octree, inner nodes and leaves. Goes through the whole map, once after each insertion.
   [[nodiscard]] std::size_t num_nodes() const;
+  /// What is kept between two clouds included.
   [[nodiscard]] std::size_t memory_bytes() const;
 
  private:
-  struct Tree;
-  std::unique_ptr<Tree> tree_;
+  struct Map;
+  std::unique_ptr<Map> map_;
 };
 
 }  // namespace nodmap::slam6d

@@ -15,7 +15,7 @@ namespace {
 
 using geometry::SE3;
 
-// A wall at x = 3.025 (the middle of a voxel of 5 cm), 2 m wide and 1 m high, seen from a mirror
+// A wall at x = 3.025 (the middle of a voxel of 5 cm), 2 m wide and 1 m high, seen from a sensor
 // that moves 0.4 m sideways over ten lines.
 SweepCloud wall_cloud(double noise_m) {
   std::mt19937 random(46);
@@ -93,11 +93,11 @@ void insert_stock(octomap::OcTree& tree, const SweepCloud& cloud, const SE3& T_m
     for (; i < line.end; ++i) {
       points.push_back(to_octomap(T_map_base * cloud.points[i].cast<double>()));
     }
-    const auto mirror = to_octomap(T_map_base * line.p_base_mirror.cast<double>());
+    const auto origin = to_octomap(T_map_base * line.p_base_mirror.cast<double>());
     if (options.discretize) {
-      tree.computeDiscreteUpdate(points, mirror, free, occupied, options.max_range_m);
+      tree.computeDiscreteUpdate(points, origin, free, occupied, options.max_range_m);
     } else {
-      tree.computeUpdate(points, mirror, free, occupied, options.max_range_m);
+      tree.computeUpdate(points, origin, free, occupied, options.max_range_m);
     }
   }
   for (const octomap::OcTreeKey& key : free) {
@@ -110,7 +110,7 @@ void insert_stock(octomap::OcTree& tree, const SweepCloud& cloud, const SE3& T_m
   }
 }
 
-// A wide blob of points around the mirror, some beyond the range.
+// A wide blob of points around the sensor, some beyond the range.
 SweepCloud random_cloud(std::size_t num_lines, std::mt19937& random) {
   std::normal_distribution<float> coordinate(0.0F, 1.5F);
   SweepCloud cloud;
@@ -118,8 +118,8 @@ SweepCloud random_cloud(std::size_t num_lines, std::mt19937& random) {
     for (int i = 0; i < 700; ++i) {
       cloud.points.emplace_back(coordinate(random), coordinate(random), coordinate(random));
     }
-    const Eigen::Vector3f mirror(0.125F + 0.01F * static_cast<float>(line), 0.0625F, 0.5F);
-    cloud.lines.push_back({mirror, cloud.points.size()});
+    const Eigen::Vector3f origin(0.125F + 0.01F * static_cast<float>(line), 0.0625F, 0.5F);
+    cloud.lines.push_back({origin, cloud.points.size()});
   }
   return cloud;
 }
