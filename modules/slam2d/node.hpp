@@ -4,7 +4,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 
-#include "common/input/sensor_input.hpp"
+#include "common/node/message_input.hpp"
 #include "common/node/node.hpp"
 #include "modules/slam2d/occupancy_grid.hpp"
 #include "modules/slam2d/params.hpp"
@@ -39,7 +39,7 @@ class Slam2dNode : public node::Node {
 
   node::Context& context_;
   Params params_;
-  input::SensorInput input_;
+  node::SensorInput input_;
   Slam2d slam_;
   OccupancyGrid grid_;
   scan::Scan scan_;  // the last one; a member to reuse its memory
