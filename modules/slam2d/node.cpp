@@ -69,7 +69,7 @@ void Slam2dNode::on_scan(const nodmap::scan_t& message) {
   if (!input_.read(message, scan_)) {
     return;
   }
-  const Slam2dMetrics before = slam_.metrics();
+  const Metrics before = slam_.metrics();
   const std::optional<PoseUpdate> update = slam_.add_scan(scan_);
   if (!update) {
     count_rejected(before);
@@ -88,8 +88,8 @@ void Slam2dNode::on_scan(const nodmap::scan_t& message) {
   }
 }
 
-void Slam2dNode::count_rejected(const Slam2dMetrics& before) {
-  const Slam2dMetrics& now = slam_.metrics();
+void Slam2dNode::count_rejected(const Metrics& before) {
+  const Metrics& now = slam_.metrics();
   if (now.scans_without_odometry > before.scans_without_odometry) {
     context_.counts.reject("no_odometry");
   }
@@ -171,7 +171,7 @@ void Slam2dNode::write_results(const std::filesystem::path& dir) {
 }
 
 nlohmann::json Slam2dNode::metrics() const {
-  const Slam2dMetrics& metrics = slam_.metrics();
+  const Metrics& metrics = slam_.metrics();
   const double scans = static_cast<double>(std::max<std::int64_t>(1, metrics.scans));
   return {{"scans_used", metrics.scans},
           {"scans_not_level", metrics.scans_not_level},

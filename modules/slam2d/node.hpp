@@ -32,7 +32,7 @@ class Slam2dNode : public node::Node {
   void on_odometry(const nodmap::odometry_t& message);
   void on_scan(const nodmap::scan_t& message);
   void on_save_request(const nodmap::save_request_t& message);
-  void count_rejected(const Slam2dMetrics& before);
+  void count_rejected(const Metrics& before);
   void publish_pose(const PoseUpdate& update);
   void draw_new_keyframes();
   void publish_map(std::int64_t utime_us);

@@ -96,7 +96,7 @@ TEST_P(Slam2dMetric, R36_AStationaryRobotAddsNoKeyframe) {
 // the first scan they add 9 with the default metric, 10 with the paper's.
 TEST_P(Slam2dMetric, R36_PointsWithACorrespondenceDoNotGrowTheMap) {
   Slam2dParams params = this->params();
-  params.keyframes.distance_m = 0.0;
+  params.keyframe.distance_m = 0.0;
   Slam2d first{params};
   ASSERT_TRUE(track(first, Scanner().scan(test::room(), {}), {}));
   Slam2d slam{params};
