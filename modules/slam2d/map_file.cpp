@@ -19,7 +19,7 @@ constexpr std::uint8_t kFreeGrey = 254;
 
 constexpr drawing::Rgb kPathColour{214, 69, 65};
 constexpr drawing::Rgb kOdometryColour{170, 170, 170};
-constexpr int kPathPicturePx = 1200;
+constexpr int kPathImagePx = 1200;
 constexpr double kBorderM = 1.0;
 
 std::uint8_t grey(const OccupancyGrid& grid, int x, int y) {
@@ -32,7 +32,7 @@ std::uint8_t grey(const OccupancyGrid& grid, int x, int y) {
 std::string pgm_of(const OccupancyGrid& grid) {
   std::string bytes =
       "P5\n" + std::to_string(grid.width()) + " " + std::to_string(grid.height()) + "\n255\n";
-  for (int y = grid.height() - 1; y >= 0; --y) {  // the first row of a picture is the top
+  for (int y = grid.height() - 1; y >= 0; --y) {  // the first row of an image is its top
     for (int x = 0; x < grid.width(); ++x) {
       bytes.push_back(static_cast<char>(grey(grid, x, y)));
     }
@@ -58,7 +58,7 @@ void write(const std::filesystem::path& file, const std::string& bytes) {
   }
 }
 
-/// Where a place in the map lies on a picture, y up.
+/// Where a position in the map lies in an image, y up.
 struct Scale {
   Eigen::Vector2d low = Eigen::Vector2d::Zero();
   double px_per_m = 1.0;
@@ -114,7 +114,7 @@ drawing::Image draw_paths(std::span<const geometry::SE2> path,
   low.array() -= kBorderM;
   high.array() += kBorderM;
   const Eigen::Vector2d size = high - low;
-  const double px_per_m = kPathPicturePx / size.maxCoeff();
+  const double px_per_m = kPathImagePx / size.maxCoeff();
   const Eigen::Vector2i px = (px_per_m * size).array().ceil().cast<int>();
   drawing::Image image(px.x(), px.y());
   const Scale scale{low, px_per_m, px.y()};

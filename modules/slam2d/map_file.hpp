@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The map and the path as files: for ROS map_server, and as pictures for people.
+// The map and the path as files: for the ROS map_server, and as images.
 #pragma once
 
 #include <filesystem>
@@ -12,15 +12,15 @@
 
 namespace nodmap::slam2d {
 
-/// map.pgm and map.yaml in the convention of ROS map_server. A file that is there already stays
-/// until the new one is whole. Throws std::runtime_error naming the file.
+/// Writes map.pgm and map.yaml as the ROS map_server reads them. An existing file stays in place
+/// until the new one is complete. Throws std::runtime_error naming the file.
 void write_ros_map(const std::filesystem::path& dir, const OccupancyGrid& grid);
 
-/// The map with the path on it.
+/// Draws the map with the path on it, y up.
 [[nodiscard]] drawing::Image draw_map(const OccupancyGrid& grid,
                                       std::span<const geometry::SE2> path);
 
-/// The corrected path, and the one by odometry in grey.
+/// Draws the corrected path, and the path by odometry in grey.
 [[nodiscard]] drawing::Image draw_paths(std::span<const geometry::SE2> path,
                                         std::span<const geometry::SE2> odometry);
 

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "common/formats/tum.hpp"
-#include "common/input/save_request.hpp"
-#include "common/log/log.hpp"
-#include "common/msg/messages.hpp"
+#include "common/node/log.hpp"
+#include "common/node/message_input.hpp"
+#include "common/node/messages.hpp"
 #include "modules/slam2d/map_file.hpp"
 #include "nodmap/grid_chunk_t.hpp"
 #include "nodmap/pose_t.hpp"
@@ -42,7 +42,7 @@ void write_tile(const OccupancyGrid& grid, const GridTile& tile, nodmap::grid_ch
 Slam2dNode::Slam2dNode(node::Context& context, const Params& params)
     : context_(context),
       params_(params),
-      input_(context.tally),
+      input_(context.counts),
       slam_(params),
       grid_(params.grid.cell_size_m) {
   context_.bus.subscribe<nodmap::odometry_t>(
@@ -58,24 +58,24 @@ void Slam2dNode::on_odometry(const nodmap::odometry_t& message) {
   if (!T_odom_base) {
     return;
   }
-  if (input_.odometry_began_anew()) {
+  if (input_.odometry_restarted()) {
     slam_.change_odometry_frame(*T_odom_base);
   }
   slam_.add_odometry(message.utime, *T_odom_base);
-  context_.tally.use();
+  context_.counts.use();
 }
 
 void Slam2dNode::on_scan(const nodmap::scan_t& message) {
   if (!input_.read(message, scan_)) {
     return;
   }
-  const Slam2dMetrics before = slam_.metrics();
+  const Metrics before = slam_.metrics();
   const std::optional<PoseUpdate> update = slam_.add_scan(scan_);
   if (!update) {
     count_rejected(before);
     return;
   }
-  context_.tally.use();
+  context_.counts.use();
   last_quality_ = update->quality;
   last_utime_us_ = update->utime_us;
   publish_pose(*update);
@@ -88,13 +88,13 @@ void Slam2dNode::on_scan(const nodmap::scan_t& message) {
   }
 }
 
-void Slam2dNode::count_rejected(const Slam2dMetrics& before) {
-  const Slam2dMetrics& now = slam_.metrics();
+void Slam2dNode::count_rejected(const Metrics& before) {
+  const Metrics& now = slam_.metrics();
   if (now.scans_without_odometry > before.scans_without_odometry) {
-    context_.tally.reject("no_odometry");
+    context_.counts.reject("no_odometry");
   }
   if (now.scans_without_points > before.scans_without_points) {
-    context_.tally.reject("too_few_points");
+    context_.counts.reject("too_few_points");
   }
 }
 
@@ -117,7 +117,7 @@ void Slam2dNode::finish() {
 }
 
 void Slam2dNode::publish_pose(const PoseUpdate& update) {
-  nodmap::pose_t message = msg::write_corrected_pose(
+  nodmap::pose_t message = node::write_corrected_pose(
       update.utime_us, geometry::to_se3(update.T_map_base), geometry::to_se3(update.T_map_odom));
   message.match_share = update.inlier_ratio;
   message.match_rms_m = update.rms_m;
@@ -170,8 +170,8 @@ void Slam2dNode::write_results(const std::filesystem::path& dir) {
   draw_paths(path, odometry).write_png(dir / "path.png");
 }
 
-nlohmann::json Slam2dNode::figures() const {
-  const Slam2dMetrics& metrics = slam_.metrics();
+nlohmann::json Slam2dNode::metrics() const {
+  const Metrics& metrics = slam_.metrics();
   const double scans = static_cast<double>(std::max<std::int64_t>(1, metrics.scans));
   return {{"scans_used", metrics.scans},
           {"scans_not_level", metrics.scans_not_level},

@@ -4,7 +4,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 
-#include "common/input/sensor_input.hpp"
+#include "common/node/message_input.hpp"
 #include "common/node/node.hpp"
 #include "modules/slam2d/occupancy_grid.hpp"
 #include "modules/slam2d/params.hpp"
@@ -32,14 +32,14 @@ class Slam2dNode : public node::Node {
   void on_odometry(const nodmap::odometry_t& message);
   void on_scan(const nodmap::scan_t& message);
   void on_save_request(const nodmap::save_request_t& message);
-  void count_rejected(const Slam2dMetrics& before);
+  void count_rejected(const Metrics& before);
   void publish_pose(const PoseUpdate& update);
   void draw_new_keyframes();
   void publish_map(std::int64_t utime_us);
 
   node::Context& context_;
   Params params_;
-  input::SensorInput input_;
+  node::SensorInput input_;
   Slam2d slam_;
   OccupancyGrid grid_;
   scan::Scan scan_;  // the last one; a member to reuse its memory

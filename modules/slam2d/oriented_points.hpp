@@ -10,7 +10,7 @@
 
 namespace nodmap::slam2d {
 
-/// A measured point of a wall or an object with the normal of its surface, in metres and in the
+/// A measured point of a wall or an object with its normal, in metres and in the
 /// frame that the name of the variable says.
 struct OrientedPoint {
   Eigen::Vector2d p = Eigen::Vector2d::Zero();

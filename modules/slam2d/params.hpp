@@ -127,7 +127,7 @@ struct Slam2dParams {
   LevelScanParams level_scans = {};
   MatcherParams matcher = {};
   SearchParams search = {};
-  KeyframeParams keyframes = {};
+  KeyframeParams keyframe = {};
   LostParams lost = {};
   MapParams map = {};
   GridParams grid = {};
@@ -137,7 +137,7 @@ struct Slam2dParams {
     v.section("level_scans", level_scans);
     v.section("matcher", matcher);
     v.section("search", search);
-    v.section("keyframes", keyframes);
+    v.section("keyframe", keyframe);
     v.section("lost", lost);
     v.section("map", map);
     v.section("grid", grid);
@@ -156,8 +156,8 @@ struct Slam2dParams {
     v.renamed("weak_direction_share", "matcher.min_information_ratio");
     v.renamed("new_point_distance_m", "map.new_point_distance_m");
     v.renamed("line_radius_m", "map.line_radius_m");
-    v.renamed("keyframe_distance_m", "keyframes.distance_m");
-    v.renamed("keyframe_rotation_deg", "keyframes.rotation_deg");
+    v.renamed("keyframe_distance_m", "keyframe.distance_m");
+    v.renamed("keyframe_rotation_deg", "keyframe.rotation_deg");
     v.renamed("search_below_agreement", "search.score_threshold");
     v.renamed("search_distance_m", "search.distance_m");
     v.renamed("search_rotation_deg", "search.rotation_deg");

@@ -166,9 +166,9 @@ PoseQuality Slam2d::classify(const LevelScan& scan, const Match& match) const {
 }
 
 bool Slam2d::has_moved(const geometry::SE2& T_odom_before, const geometry::SE2& T_odom_now) const {
-  return distance_m(T_odom_before, T_odom_now) > params_.keyframes.distance_m ||
+  return distance_m(T_odom_before, T_odom_now) > params_.keyframe.distance_m ||
          std::abs(geometry::angle_difference(T_odom_before.yaw, T_odom_now.yaw)) >
-             params_.keyframes.rotation_rad;
+             params_.keyframe.rotation_rad;
 }
 
 bool Slam2d::is_keyframe(const PoseUpdate& update, const geometry::SE2& T_odom_base) const {

@@ -58,7 +58,7 @@ struct TrackedScan {
   geometry::SE2 T_map_base_online;  ///< as it was known when the scan came
 };
 
-struct Slam2dMetrics {
+struct Metrics {
   std::int64_t scans = 0;  ///< level scans with a pose: the sum of the next four
   std::int64_t tracked = 0;
   std::int64_t partly = 0;
@@ -100,7 +100,7 @@ class Slam2d {
   [[nodiscard]] const PointMap& map() const { return map_; }
   [[nodiscard]] std::span<const Keyframe> keyframes() const { return keyframes_; }
   [[nodiscard]] std::span<const TrackedScan> tracked_scans() const { return tracked_scans_; }
-  [[nodiscard]] const Slam2dMetrics& metrics() const { return metrics_; }
+  [[nodiscard]] const Metrics& metrics() const { return metrics_; }
 
  private:
   /// A level scan as the data set D of Eq. 3, and where the robot was by odometry.
@@ -136,7 +136,7 @@ class Slam2d {
   std::optional<geometry::SE2> T_odom_failed_search_;
   std::vector<Keyframe> keyframes_;
   std::vector<TrackedScan> tracked_scans_;
-  Slam2dMetrics metrics_;
+  Metrics metrics_;
 };
 
 }  // namespace nodmap::slam2d

@@ -24,7 +24,7 @@ std::string slurp(const std::filesystem::path& file) {
 TEST(MapFile, RosMapHasTheRobotsLeftAtTheTop) {
   const test::TemporaryDir dir;
   OccupancyGrid grid(0.5);
-  ASSERT_TRUE(grid.add_ray({0.25, 0.25}, {0.25, 1.25}));  // a wall to the left: y is up
+  ASSERT_TRUE(grid.add_ray({0.25, 0.25}, {0.25, 1.25}));  // a wall to the left; y is up
   write_ros_map(dir.path(), grid);
 
   const std::string pgm = slurp(dir.path() / "map.pgm");
@@ -57,7 +57,7 @@ TEST(MapFile, AFolderThatIsMissingIsNamed) {
   }
 }
 
-TEST(MapFile, PicturesOfNothingAndOfAPath) {
+TEST(MapFile, ImagesOfNothingAndOfAPath) {
   EXPECT_GT(draw_paths({}, {}).width(), 0);
   EXPECT_EQ(draw_map(OccupancyGrid(0.05), {}).width(), 1);
   const std::vector<geometry::SE2> path{{0, 0, 0}, {10, 0, 0}};

@@ -138,12 +138,12 @@ TEST_F(Slam2dNodeTest, CountsWhatItCannotUse) {
   tilted.pitch_first_rad = tilted.pitch_last_rad = -0.3;
   bus_.deliver("SCAN", node::write_scan(tilted));
 
-  EXPECT_EQ(tally_.rejected().at("no_odometry"), 1);
-  EXPECT_EQ(tally_.rejected().at("implausible_scan"), 1);
-  EXPECT_EQ(tally_.rejected().at("implausible_odometry"), 1);
-  EXPECT_EQ(tally_.rejected().at("too_few_points"), 1);
-  EXPECT_EQ(tally_.lost(), 3);
-  EXPECT_EQ(node_.figures()["scans_not_level"], 1);
+  EXPECT_EQ(counts_.rejected().at("no_odometry"), 1);
+  EXPECT_EQ(counts_.rejected().at("implausible_scan"), 1);
+  EXPECT_EQ(counts_.rejected().at("implausible_odometry"), 1);
+  EXPECT_EQ(counts_.rejected().at("too_few_points"), 1);
+  EXPECT_EQ(counts_.lost(), 3);
+  EXPECT_EQ(node_.metrics()["scans_not_level"], 1);
   EXPECT_TRUE(bus_.sent<nodmap::pose_t>("POSE_2D").empty());
 }
 

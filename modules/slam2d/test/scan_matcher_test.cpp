@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include "modules/slam2d/scan_surface.hpp"
 #include "modules/slam2d/test/drawn_world.hpp"
 
 namespace nodmap::slam2d {
@@ -13,9 +12,9 @@ using geometry::SE2;
 
 PointMap map_of(const test::FloorPlan& plan, const SE2& seen_from) {
   test::Scanner scanner(0.0);
-  ScanSurface surface;
-  PointMap map(0.25);
-  for (const SurfacePoint& point : surface.points(scanner.scan(plan, seen_from))) {
+  OrientedPointExtractor extractor;
+  PointMap map{{.line_radius_m = 0.25}};
+  for (const OrientedPoint& point : extractor.extract(scanner.scan(plan, seen_from), {})) {
     map.add(seen_from * point);
   }
   return map;
@@ -24,22 +23,22 @@ PointMap map_of(const test::FloorPlan& plan, const SE2& seen_from) {
 class ScanMatcherMetrics : public testing::TestWithParam<Metric> {};
 
 TEST_P(ScanMatcherMetrics, R34_FindsTheRobotAgain) {
-  Slam2dParams params;
+  MatcherParams params;
   params.metric = GetParam();
-  params.iterations = 100;
+  params.max_iterations = 100;
   const PointMap map = map_of(test::room(), {});
   test::Scanner scanner(0.01);
-  ScanSurface surface;
+  OrientedPointExtractor extractor;
   const SE2 truth{0.2, -0.1, 0.1};
-  const auto points = surface.points(scanner.scan(test::room(), truth));
+  const auto points = extractor.extract(scanner.scan(test::room(), truth), {});
   for (const SE2& error : {SE2{0.15, 0.1, 0.1}, SE2{-0.15, 0.1, -0.1}, SE2{0.0, -0.2, 0.05}}) {
     const Match match = ScanMatcher(params).match(
         map, points, {truth.x + error.x, truth.y + error.y, truth.yaw + error.yaw});
-    EXPECT_EQ(match.weak_directions, 0);
-    EXPECT_GT(match.share, 0.9);
+    EXPECT_EQ(match.degenerate_directions, 0);
+    EXPECT_GT(match.inlier_ratio, 0.9);
     // 1 cm noise on some 90 points for each axis gives 1 mm; the single scan that is the map has
     // gaps of 10 cm and rounded corners, which point to point feels in full.
-    const double tolerance = GetParam() == Metric::kLines ? 0.01 : 0.03;
+    const double tolerance = GetParam() == Metric::kPointToLine ? 0.01 : 0.03;
     EXPECT_NEAR(match.T_map_base.x, truth.x, tolerance);
     EXPECT_NEAR(match.T_map_base.y, truth.y, tolerance);
     EXPECT_NEAR(match.T_map_base.yaw, truth.yaw, tolerance);
@@ -47,15 +46,15 @@ TEST_P(ScanMatcherMetrics, R34_FindsTheRobotAgain) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Metrics, ScanMatcherMetrics,
-                         testing::Values(Metric::kLines, Metric::kPoints));
+                         testing::Values(Metric::kPointToLine, Metric::kPointToPoint));
 
 TEST(ScanMatcher, R37_TheAxisOfACorridorStaysAtTheGuess) {
   const PointMap map = map_of(test::corridor(), {});
   test::Scanner scanner(0.01);
-  ScanSurface surface;
-  const auto points = surface.points(scanner.scan(test::corridor(), {}));
-  const Match match = ScanMatcher(Slam2dParams{}).match(map, points, {0.3, 0.15, 0.05});
-  EXPECT_EQ(match.weak_directions, 1);
+  OrientedPointExtractor extractor;
+  const auto points = extractor.extract(scanner.scan(test::corridor(), {}), {});
+  const Match match = ScanMatcher(MatcherParams{}).match(map, points, {0.3, 0.15, 0.05});
+  EXPECT_EQ(match.degenerate_directions, 1);
   // Across and in heading as exact as anywhere; along, the heading still to be found mixes at most
   // 0.05 rad of the 0.15 m across into it.
   EXPECT_NEAR(match.T_map_base.x, 0.3, 0.03);
@@ -63,19 +62,19 @@ TEST(ScanMatcher, R37_TheAxisOfACorridorStaysAtTheGuess) {
   EXPECT_NEAR(match.T_map_base.yaw, 0.0, 0.01);
 }
 
-TEST(ScanMatcher, WithoutPairsThePoseStaysAtTheGuess) {
+TEST(ScanMatcher, WithoutCorrespondencesThePoseStaysAtTheGuess) {
   const PointMap map = map_of(test::room(), {});
-  const ScanMatcher matcher{Slam2dParams{}};
+  const ScanMatcher matcher{MatcherParams{}};
   const SE2 guess{100.0, 0.0, 1.0};
-  for (const std::vector<SurfacePoint>& scan :
-       {std::vector<SurfacePoint>{}, std::vector<SurfacePoint>(20, {{1, 1}, {0, 0}})}) {
+  for (const std::vector<OrientedPoint>& scan :
+       {std::vector<OrientedPoint>{}, std::vector<OrientedPoint>(20, {{1, 1}, {0, 0}})}) {
     const Match match = matcher.match(map, scan, guess);
     EXPECT_FALSE(match.found());
-    EXPECT_EQ(match.agreement, 0.0);
+    EXPECT_EQ(match.score, 0.0);
     EXPECT_EQ(match.T_map_base.x, guess.x);
     EXPECT_EQ(match.T_map_base.yaw, guess.yaw);
   }
-  EXPECT_FALSE(matcher.match(PointMap(0.25), std::vector<SurfacePoint>(20), {}).found());
+  EXPECT_FALSE(matcher.match(PointMap(MapParams{}), std::vector<OrientedPoint>(20), {}).found());
 }
 
 }  // namespace

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <limits>
 #include <random>
+#include <string>
+#include <vector>
 
 #include "modules/slam2d/test/drawn_world.hpp"
 
@@ -16,59 +18,107 @@ namespace {
 using geometry::SE2;
 using test::Scanner;
 
-double distance(const SE2& a, const SE2& b) {
+constexpr std::int64_t kPeriodUs = 200'000;  // of level scans
+
+double distance_m(const SE2& a, const SE2& b) {
   return std::hypot(a.x - b.x, a.y - b.y);
 }
 
-TEST(Slam2d, R34_CorrectionCarriesTheJumpsAndOdomNone) {
-  Slam2d slam{Slam2dParams{}};
+/// Adds a scan together with the odometry of the same time.
+std::optional<PoseUpdate> track(Slam2d& slam, const scan::Scan& scan, const SE2& T_odom_base) {
+  slam.add_odometry(scan.utime_us, geometry::to_se3(T_odom_base));
+  return slam.add_scan(scan);
+}
+
+/// What must hold with the default metric, which is not the paper's, and with the paper's own.
+class Slam2dMetric : public testing::TestWithParam<Metric> {
+ protected:
+  [[nodiscard]] static Slam2dParams params() { return {.matcher = {.metric = GetParam()}}; }
+};
+
+INSTANTIATE_TEST_SUITE_P(Metrics, Slam2dMetric,
+                         testing::Values(Metric::kPointToLine, Metric::kPointToPoint),
+                         [](const auto& metric) {
+                           return metric.param == Slam2dParams{}.matcher.metric ? "Default"
+                                                                                : "Paper";
+                         });
+
+// Odometry drifts by 4 % and 8 degrees per rotation of 60 degrees, and once jumps by 0.2 m as when
+// wheels slip. The correction takes all of it, in the scans and between them; odom is never
+// touched.
+TEST_P(Slam2dMetric, R34_TheCorrectionAbsorbsDriftAndJumpsOfOdometry) {
+  Slam2d slam{params()};
   Scanner scanner;
   SE2 truth;
   SE2 odom;
-  const SE2 step{0.03, 0.0, 0.04};
-  const SE2 slip{0.002, 0.001, 0.004};  // 4 % and 8 degrees per turn of 60 degrees
+  const SE2 half_step{0.015, 0.0, 0.02};
+  const SE2 drift{0.002, 0.001, 0.004};
+  double worst_m = 0.0;
+  double worst_between_m = 0.0;
   for (int i = 0; i < 150; ++i) {
-    const auto result = slam.add_scan(scanner.scan(test::room(), truth, i), odom);
-    ASSERT_TRUE(result);
-    // T_map_odom applied to odometry is the pose in the map, at every scan.
-    EXPECT_LT(distance(result->T_map_odom * odom, result->T_map_base), 1e-9);
-    EXPECT_EQ(result->quality, PoseQuality::kTracked);
-    EXPECT_LT(distance(result->T_map_base, truth),
-              0.03);  // scan noise 1 cm; odometry errs far more
-    truth = truth * step;
-    odom = odom * step * slip;
+    const auto update = track(slam, scanner.scan(test::room(), truth, kPeriodUs * i), odom);
+    ASSERT_TRUE(update);
+    EXPECT_EQ(update->quality, PoseQuality::kTracked);
+    worst_m = std::max(worst_m, distance_m(update->T_map_base, truth));
+    truth = truth * half_step;
+    odom = odom * half_step;
+    worst_between_m = std::max(worst_between_m, distance_m(update->T_map_odom * odom, truth));
+    truth = truth * half_step;
+    odom = odom * half_step * drift;
+    if (i == 75) {
+      odom = odom * SE2{0.2, 0.0, 0.0};
+    }
   }
-  EXPECT_GT(distance(odom, truth), 0.4);
+  // Measured: 7 mm with the default metric, 12 mm with the paper's, from scan noise of 1 cm.
+  EXPECT_LT(worst_m, 0.0145);
+  EXPECT_LT(worst_between_m, 0.0145);
+  EXPECT_GT(distance_m(odom, truth), 0.2);
 }
 
-TEST(Slam2d, R36_StandingDoesNotGrowTheMap) {
-  Slam2d slam{Slam2dParams{}};
+// A stationary robot, whose odometry trembles by 1 mm, for 60 s.
+void stay_in_place(Slam2d& slam) {
   Scanner scanner;
-  ASSERT_TRUE(slam.add_scan(scanner.scan(test::room(), {}), {}));
-  const auto size_at_start = static_cast<double>(slam.map().landmarks().size());
-  for (int i = 1; i < 60 * 5; ++i) {  // 60 s, five level scans a second
-    ASSERT_TRUE(slam.add_scan(scanner.scan(test::room(), {}, 200'000 * i), {}));
+  for (int i = 0; i < 60 * 5; ++i) {
+    const SE2 odom{0.001 * (i % 2), 0.0, 0.0};
+    ASSERT_TRUE(track(slam, scanner.scan(test::room(), {}, kPeriodUs * i), odom));
   }
-  EXPECT_NEAR(static_cast<double>(slam.map().landmarks().size()), size_at_start,
-              0.01 * size_at_start);
-  EXPECT_EQ(slam.tracked_scans().size(), 300U);
 }
 
-TEST(Slam2d, R36_NoTwoPointsOfTheMapAreOne) {
+TEST_P(Slam2dMetric, R36_AStationaryRobotAddsNoKeyframe) {
+  Slam2d slam{params()};
+  stay_in_place(slam);
+  EXPECT_EQ(slam.tracked_scans().size(), 300U);
+  EXPECT_EQ(slam.keyframes().size(), 1U);
+}
+
+// Here every scan becomes a keyframe, so that nothing but d_new keeps the map from growing; the 1 %
+// of R36 rests on both rules. The noise of 300 scans moves some points beyond d_new: to the 163 of
+// the first scan they add 9 with the default metric, 10 with the paper's.
+TEST_P(Slam2dMetric, R36_PointsWithACorrespondenceDoNotGrowTheMap) {
+  Slam2dParams params = this->params();
+  params.keyframe.distance_m = 0.0;
+  Slam2d first{params};
+  ASSERT_TRUE(track(first, Scanner().scan(test::room(), {}), {}));
+  Slam2d slam{params};
+  stay_in_place(slam);
+  ASSERT_EQ(slam.keyframes().size(), 300U);
+  EXPECT_LE(slam.map().points().size(), first.map().points().size() + 12);
+}
+
+TEST(Slam2d, R36_NoTwoPointsOfTheMapAreNearerThanDNew) {
   const Slam2dParams params;
   Slam2d slam{params};
   Scanner scanner;
   SE2 truth;
   for (int i = 0; i < 200; ++i) {
-    ASSERT_TRUE(slam.add_scan(scanner.scan(test::room(), truth, i), truth));
+    ASSERT_TRUE(track(slam, scanner.scan(test::room(), truth, kPeriodUs * i), truth));
     truth = truth * SE2{0.03, 0.0, 0.04};
   }
   EXPECT_GT(slam.keyframes().size(), 10U);
-  const auto landmarks = slam.map().landmarks();
-  for (std::size_t i = 0; i < landmarks.size(); ++i) {
+  const auto points = slam.map().points();
+  for (std::size_t i = 0; i < points.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
-      ASSERT_GE((landmarks[i].point.p - landmarks[j].point.p).norm(),
-                0.5 * params.new_point_distance_m);
+      ASSERT_GT((points[i].point.p - points[j].point.p).norm(), params.map.new_point_distance_m);
     }
   }
 }
@@ -78,22 +128,25 @@ TEST(Slam2d, R37_ACorridorFollowsOdometryAlongAndTheWallsAcross) {
   Scanner scanner;
   SE2 truth;
   SE2 odom;
-  std::optional<Slam2dResult> result;
+  std::optional<PoseUpdate> update;
   for (int i = 0; i <= 300; ++i) {
-    result = slam.add_scan(scanner.scan(test::corridor(), truth, i), odom);
-    ASSERT_TRUE(result);
+    update = track(slam, scanner.scan(test::corridor(), truth, kPeriodUs * i), odom);
+    ASSERT_TRUE(update);
     truth.x += 0.1;
-    odom = odom * SE2{0.103, 0.0, 0.002};  // 3 % too long, drifts 1.1 degrees per metre
+    odom = odom * SE2{0.103, 0.0, 0.002};  // 3 % too long, rotates by 1.1 degrees per metre
   }
-  EXPECT_EQ(result->quality, PoseQuality::kPartly);
-  // Nothing tells the place along the axis but odometry, with its 3 %; matching must not pull back
-  // (the classical slide) nor push on: 0.3 m is R37's bar for 30 m.
-  EXPECT_NEAR(result->T_map_base.x, 30.0 * 1.03, 0.30);
-  EXPECT_NEAR(result->T_map_base.y, 0.0, 0.10);
-  EXPECT_NEAR(result->T_map_base.yaw, 0.0, geometry::deg_to_rad(0.5));
+  EXPECT_EQ(update->quality, PoseQuality::kPartly);
+  // The position along the axis is known by odometry alone, with its 3 %. Matching must neither
+  // pull the robot back (the classical slide) nor push it on; R37 allows 0.3 m in 30 m.
+  RecordProperty("along_m", std::to_string(update->T_map_base.x - 30.0 * 1.03));
+  RecordProperty("across_m", std::to_string(update->T_map_base.y));
+  RecordProperty("heading_rad", std::to_string(update->T_map_base.yaw));
+  EXPECT_NEAR(update->T_map_base.x, 30.0 * 1.03, 0.30);
+  EXPECT_NEAR(update->T_map_base.y, 0.0, 0.10);
+  EXPECT_NEAR(update->T_map_base.yaw, 0.0, geometry::deg_to_rad(0.5));
 }
 
-// The greatest error of the heading on a drive through the corridor with doors.
+// The largest heading error on a drive through the corridor with doors.
 double worst_heading_rad(const Slam2dParams& params) {
   Slam2d slam{params};
   Scanner scanner;
@@ -101,116 +154,139 @@ double worst_heading_rad(const Slam2dParams& params) {
   for (int i = 0; i < 75; ++i) {
     const SE2 truth{0.36 * i, 0.0, 0.0};  // 1.5 m/s, a level scan each 0.24 s
     const SE2 odom{1.03 * truth.x, 0.0, 0.0005 * i};
-    const auto result = slam.add_scan(scanner.scan(test::corridor_with_doors(), truth, i), odom);
-    worst_rad = std::max(worst_rad, std::abs(result.value().T_map_base.yaw));
+    const auto update =
+        track(slam, scanner.scan(test::corridor_with_doors(), truth, kPeriodUs * i), odom);
+    worst_rad = std::max(worst_rad, std::abs(update.value().T_map_base.yaw));
   }
   return worst_rad;
 }
 
-// A line of the map that bridges the step at a door is slanted, and turns the pose.
-TEST(Slam2d, R37_DoorFramesDoNotTurnThePose) {
+// A line of the map that bridges the step at a door is slanted, and rotates the pose.
+TEST(Slam2d, R37_DoorFramesDoNotRotateThePose) {
   const double worst_rad = worst_heading_rad({});
+  const double worst_with_wide_lines_rad = worst_heading_rad({.map = {.line_radius_m = 0.25}});
+  RecordProperty("worst_rad", std::to_string(worst_rad));
+  RecordProperty("worst_with_wide_lines_rad", std::to_string(worst_with_wide_lines_rad));
   EXPECT_LT(worst_rad, geometry::deg_to_rad(0.5));  // R37
-  EXPECT_LT(worst_rad, worst_heading_rad({.line_radius_m = 0.25}));
+  EXPECT_LT(worst_rad, worst_with_wide_lines_rad);
 }
 
-TEST(Slam2d, R38_ALoopEndsWhereItBegan) {
+// The steps of a drive once around the ring corridor, from the middle of its first side: 0.1 m
+// each, and 9 degrees at the corners.
+std::vector<SE2> steps_around_ring() {
+  std::vector<SE2> steps(70, {0.1, 0.0, 0.0});
+  for (const std::size_t side_steps : {100U, 140U, 100U, 70U}) {
+    steps.insert(steps.end(), 10, {0.0, 0.0, geometry::deg_to_rad(9.0)});
+    steps.insert(steps.end(), side_steps, {0.1, 0.0, 0.0});
+  }
+  return steps;
+}
+
+// Odometry is 3 % too long, and its heading walks randomly by 1 degree over the root of a metre.
+TEST(Slam2d, R38_ALoopOf48MetresEndsWhereItBegan) {
   Slam2d slam{Slam2dParams{}};
   Scanner scanner;
   std::mt19937 random(38);
   std::normal_distribution<double> unit(0.0, 1.0);
-  SE2 truth;
-  SE2 odom;
-  std::optional<Slam2dResult> result;
-  const int steps = 314;  // round a circle of 1 m radius five times: 31 m
-  for (int i = 0; i <= 5 * steps; ++i) {
-    result = slam.add_scan(scanner.scan(test::room(), truth, i), odom);
-    const SE2 step{2 * geometry::kPi / steps, 0.0, 2 * geometry::kPi / steps};
+  const SE2 start{7.0, 0.0, 0.0};
+  SE2 truth = start;
+  SE2 odom = start;
+  std::optional<PoseUpdate> update;
+  std::int64_t utime_us = 0;
+  for (const SE2& step : steps_around_ring()) {
     truth = truth * step;
-    // R38's odometry: 3 % too long, 1 degree per metre of random walk.
-    odom = odom * SE2{1.03 * step.x, 0.0,
-                      step.yaw + geometry::deg_to_rad(1.0) * std::sqrt(step.x) * unit(random)};
+    const double walk_rad = geometry::deg_to_rad(1.0) * std::sqrt(step.x) * unit(random);
+    odom = odom * SE2{1.03 * step.x, 0.0, step.yaw + walk_rad};
+    update = track(slam, scanner.scan(test::ring_corridor(), truth, utime_us), odom);
+    ASSERT_TRUE(update);
+    utime_us += kPeriodUs;
   }
-  ASSERT_TRUE(result);
-  const SE2 end = truth * SE2{-2 * geometry::kPi / steps, 0.0, 0.0};
-  EXPECT_LT(distance(result->T_map_base, end), 0.10);
+  ASSERT_LT(distance_m(truth, start), 1e-9);
+  // R38 allows 0.10 m and 1 degree. Measured: 3.7 mm and 0.12 degrees; by odometry alone 1.39 m.
+  EXPECT_LT(distance_m(update->T_map_base, start), 0.0046);
+  EXPECT_NEAR(update->T_map_base.yaw, 0.0, geometry::deg_to_rad(0.15));
+  EXPECT_GT(distance_m(odom, start), 1.0);
 }
 
-TEST(Slam2d, ATurnThatOdometryMissedIsFoundAgain) {
+TEST(Slam2d, ARotationThatOdometryMissedIsFound) {
   Slam2d slam{Slam2dParams{}};
   Scanner scanner;
-  ASSERT_TRUE(slam.add_scan(scanner.scan(test::room(), {}), {}));
+  ASSERT_TRUE(track(slam, scanner.scan(test::room(), {}), {}));
   const SE2 truth{0.1, 0.0, geometry::deg_to_rad(50.0)};
-  const auto result = slam.add_scan(scanner.scan(test::room(), truth, 1), {0.1, 0.0, 0.0});
-  ASSERT_TRUE(result);
-  EXPECT_EQ(slam.metrics().searches_helped, 1);
-  EXPECT_LT(distance(result->T_map_base, truth), 0.05);  // against a map of a single scan
-  EXPECT_NEAR(result->T_map_base.yaw, truth.yaw, geometry::deg_to_rad(1.0));
+  const auto update = track(slam, scanner.scan(test::room(), truth, kPeriodUs), {0.1, 0.0, 0.0});
+  ASSERT_TRUE(update);
+  EXPECT_EQ(slam.metrics().searches_successful, 1);
+  RecordProperty("error_m", std::to_string(distance_m(update->T_map_base, truth)));
+  RecordProperty("error_rad", std::to_string(update->T_map_base.yaw - truth.yaw));
+  EXPECT_LT(distance_m(update->T_map_base, truth), 0.05);  // against a map of a single scan
+  EXPECT_NEAR(update->T_map_base.yaw, truth.yaw, geometry::deg_to_rad(1.0));
 }
 
-TEST(Slam2d, ElsewhereIsLostAndTheMapGoesOnFromOdometry) {
+TEST(Slam2d, WhereNothingMatchesItIsLostAndContinuesTheMapFromOdometry) {
   Slam2d slam{Slam2dParams{}};
   Scanner scanner;
-  ASSERT_TRUE(slam.add_scan(scanner.scan(test::room(), {}), {}));
-  // Carried out of sight: nothing of the map is near.
+  ASSERT_TRUE(track(slam, scanner.scan(test::room(), {}), {}));
+  // Carried to where nothing of the map is in sight.
   const test::FloorPlan elsewhere{{{52, -2}, {52, 2}}, {{52, 2}, {48, 3}}, {{48, -2}, {52, -2}}};
   const SE2 carried{50.0, 0.0, 0.0};
-  const auto lost = slam.add_scan(scanner.scan(elsewhere, carried, 1), carried);
+  const auto lost = track(slam, scanner.scan(elsewhere, carried, kPeriodUs), carried);
   ASSERT_TRUE(lost);
   EXPECT_EQ(lost->quality, PoseQuality::kLost);
   EXPECT_EQ(lost->T_map_base.x, 50.0);
-  const auto again = slam.add_scan(scanner.scan(elsewhere, carried, 2), carried);
+  const auto again = track(slam, scanner.scan(elsewhere, carried, 2 * kPeriodUs), carried);
   ASSERT_TRUE(again);
   EXPECT_EQ(again->quality, PoseQuality::kTracked);
 }
 
-TEST(Slam2d, BadInputIsRefusedAndChangesNothing) {
+TEST(Slam2d, RejectsBadInputWithoutChangingTheMap) {
   Slam2d slam{Slam2dParams{}};
   Scanner scanner;
   scan::Scan empty = scanner.scan(test::room(), {});
   empty.ranges_m.clear();
-  EXPECT_FALSE(slam.add_scan(empty, {}));  // nothing to begin a map with
+  EXPECT_FALSE(track(slam, empty, {}));  // no points to begin a map with
 
-  const scan::Scan good = scanner.scan(test::room(), {}, 10);
+  const scan::Scan good = scanner.scan(test::room(), {}, kPeriodUs);
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_FALSE(slam.add_scan(good, {kNan, 0.0, 0.0}));
+  EXPECT_FALSE(track(slam, good, {kNan, 0.0, 0.0}));
   scan::Scan broken = good;
   broken.angle_step_rad = kNan;
-  EXPECT_FALSE(slam.add_scan(broken, {}));
-  EXPECT_TRUE(slam.map().landmarks().empty());
+  EXPECT_FALSE(track(slam, broken, {}));
+  EXPECT_TRUE(slam.map().points().empty());
 
-  ASSERT_TRUE(slam.add_scan(good, {}));
-  const std::size_t size = slam.map().landmarks().size();
+  ASSERT_TRUE(track(slam, good, {}));
+  const std::size_t size = slam.map().points().size();
   scan::Scan blind = good;
   blind.ranges_m.assign(181, std::numeric_limits<float>::quiet_NaN());
-  const auto result = slam.add_scan(blind, {0.2, 0.0, 0.0});
-  ASSERT_TRUE(result);
-  EXPECT_EQ(result->quality, PoseQuality::kOdometry);
-  EXPECT_EQ(result->T_map_base.x, 0.2);
-  EXPECT_EQ(slam.map().landmarks().size(), size);
+  const auto update = track(slam, blind, {0.2, 0.0, 0.0});
+  ASSERT_TRUE(update);
+  EXPECT_EQ(update->quality, PoseQuality::kOdometry);
+  EXPECT_EQ(update->T_map_base.x, 0.2);
+  EXPECT_EQ(slam.map().points().size(), size);
 }
 
-TEST(Slam2d, StampsThatStepBackKeepTheOrderOfTheScans) {
+TEST(Slam2d, ScansKeepTheirOrderAndStampsWhenTimeStepsBack) {
   Slam2d slam{Slam2dParams{}};
   Scanner scanner;
   for (const std::int64_t utime_us : {1'000'000, 1'200'000, 300'000, 1'400'000}) {
-    const auto result = slam.add_scan(scanner.scan(test::room(), {}, utime_us), {});
-    ASSERT_TRUE(result);
-    EXPECT_EQ(result->utime_us, utime_us);
+    const auto update = track(slam, scanner.scan(test::room(), {}, utime_us), {});
+    ASSERT_TRUE(update);
+    EXPECT_EQ(update->utime_us, utime_us);
     EXPECT_EQ(slam.tracked_scans().back().utime_us, utime_us);
   }
 }
 
-TEST(Slam2d, CorrectedPosesAreTheOnlineOnesWhileNoKeyframeWasMoved) {
+TEST(Slam2d, TheTrajectoryIsTheOnlineOneWhileNoKeyframeHasMoved) {
   Slam2d slam{Slam2dParams{}};
   Scanner scanner;
   SE2 truth;
   for (int i = 0; i < 50; ++i) {
-    ASSERT_TRUE(slam.add_scan(scanner.scan(test::room(), truth, i), truth));
+    ASSERT_TRUE(track(slam, scanner.scan(test::room(), truth, kPeriodUs * i), truth));
     truth = truth * SE2{0.03, 0.0, 0.04};
   }
-  for (const TrackedScan& scan : slam.tracked_scans()) {
-    EXPECT_LT(distance(slam.corrected_pose(scan), scan.T_map_base_online), 1e-9);
+  const std::vector<SE2> trajectory = slam.trajectory();
+  ASSERT_EQ(trajectory.size(), 50U);
+  for (std::size_t i = 0; i < trajectory.size(); ++i) {
+    EXPECT_LT(distance_m(trajectory[i], slam.tracked_scans()[i].T_map_base_online), 1e-9);
   }
 }
 
@@ -220,7 +296,8 @@ TEST(Slam2d, TheSameScansGiveTheSamePoses) {
     Scanner scanner;
     SE2 truth;
     for (int i = 0; i < 60; ++i) {
-      slam.add_scan(scanner.scan(test::room(), truth, i), {0.9 * truth.x, truth.y, truth.yaw});
+      track(slam, scanner.scan(test::room(), truth, kPeriodUs * i),
+            {0.9 * truth.x, truth.y, truth.yaw});
       truth = truth * SE2{0.03, 0.0, 0.04};
     }
     return slam.tracked_scans().back().T_map_base_online;
