@@ -39,7 +39,8 @@ void print_plans(const PitchControllerParams& params) {
 /// T_w of a nod over a fixed range with the lines of the plan.
 double fixed_reaction_s(const SweepPlan& plan, double range_rad,
                         const PitchControllerParams& params) {
-  const Servo servo{params.robot.pitch_rate_rad_s, params.robot.pitch_acceleration_rad_s2};
+  const Servo servo{params.robot.head.pitch_rate_rad_s,
+                    params.robot.head.pitch_acceleration_rad_s2};
   const double rate_rad_s =
       std::min(plan.line_spacing_rad / params.scan_period_s, servo.best_speed_rad_s(range_rad));
   return Stopping::of(params).reaction_s(servo.sweep_s(range_rad, rate_rad_s));

@@ -21,7 +21,7 @@ ConfirmedRule::ConfirmedRule(const MapServerParams& params)
       passing_m_(3.0 * params.range_sigma_m + 0.05),
       height_tolerance_m_(params.height_tolerance_m),
       misses_to_remove_(params.misses_to_remove),
-      robot_{params.robot.length_m, params.robot.width_m} {}
+      robot_(params.robot.body.footprint()) {}
 
 std::size_t ConfirmedRule::remove_obsolete(ExtendedScan& map, const HeightGate& gate,
                                            const ScanView& view) {
@@ -38,7 +38,7 @@ std::size_t ConfirmedRule::remove_obsolete(ExtendedScan& map, const HeightGate& 
 bool ConfirmedRule::is_obsolete(EgoPoint& point, const ExtendedScan& map, const HeightGate& gate,
                                 const ScanView& view) const {
   // Left alone it would hide what is behind it. The body itself is the proof that it is wrong.
-  if (robot_.contains(point.p_base, kSkinM)) {
+  if (robot_.grown(-kSkinM, -kSkinM).contains(point.p_base)) {
     return true;
   }
   const auto look = view.line.look_at(point.p_base);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "modules/map_server/footprint.hpp"
+#include "common/robot/footprint.hpp"
 #include "modules/map_server/update_rule.hpp"
 
 namespace nodmap::map_server {
@@ -46,7 +46,7 @@ class ConfirmedRule final : public UpdateRule {
   double passing_m_;           // beams that go this far beyond have passed
   double height_tolerance_m_;  // heights this near are of the same part of an object
   int misses_to_remove_;
-  Footprint robot_;
+  robot::Footprint robot_;
 };
 
 }  // namespace nodmap::map_server

@@ -7,7 +7,7 @@
 namespace nodmap::map_server {
 
 MapServer::MapServer(const MapServerParams& params)
-    : robot_{params.robot.length_m, params.robot.width_m},
+    : robot_(params.robot.body.footprint()),
       obstacle_map_(make_obstacle_map(params)),
       structure_map_(make_structure_map(params)) {}
 
@@ -84,7 +84,7 @@ void MapServer::project(const scan::Scan& scan) {
     Hit hit{EgoPoint::at(p_base.head<2>(), p_base.z()), 0};
     hit.point.confirmed_at_s = clock_s_;
     const auto bin = bins.index(hit.point.bearing_rad);
-    if (bin && !robot_.contains(hit.point.p_base, 0.0)) {
+    if (bin && !robot_.contains(hit.point.p_base)) {
       hit.bin = *bin;
       hits_.push_back(hit);
     }

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "common/geometry/se3.hpp"
+#include "common/robot/footprint.hpp"
 #include "common/scan/scan.hpp"
 #include "modules/map_server/ego_map.hpp"
-#include "modules/map_server/footprint.hpp"
 #include "modules/map_server/params.hpp"
 #include "modules/map_server/sweep_tracker.hpp"
 
@@ -45,7 +45,7 @@ class MapServer {
   [[nodiscard]] ScanView view_of(const scan::Scan& scan, double elapsed_s);
   void project(const scan::Scan& scan);
 
-  Footprint robot_;
+  robot::Footprint robot_;
   EgoMap obstacle_map_;
   EgoMap structure_map_;
   scan::ScanProjector projector_;

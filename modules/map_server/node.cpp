@@ -125,7 +125,7 @@ void MapServerNode::fill_message(const EgoMap& map, const geometry::SE3& T_odom_
 
 void MapServerNode::write_results(const std::filesystem::path& dir) {
   draw_maps(server_.obstacle_map().scan(), server_.structure_map().scan(),
-            {params_.robot.length_m, params_.robot.width_m})
+            params_.robot.body.footprint())
       .write_png(dir / "map.png");
 }
 

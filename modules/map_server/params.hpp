@@ -2,7 +2,7 @@
 #pragma once
 
 #include "common/geometry/angle.hpp"
-#include "common/params/robot_params.hpp"
+#include "common/robot/robot_params.hpp"
 
 namespace nodmap::map_server {
 
@@ -13,9 +13,7 @@ struct MapServerParams {
   double aperture_rad = geometry::deg_to_rad(360.0);
   double resolution_rad = geometry::deg_to_rad(1.0);
 
-  params::RobotParams robot;
-  double head_clearance_m = 0.03;
-  double floor_tolerance_m = 0.05;
+  robot::RobotParams robot;
   double base_height_m = 0.0;
 
   double range_sigma_m = 0.01;
@@ -34,10 +32,6 @@ struct MapServerParams {
             "Apex angle of both maps, centred ahead (paper, III B).");
     v.angle("resolution_deg", resolution_rad, {0.1, 10.0}, "Angle from bin to bin.");
     robot.describe(v);
-    v.number("head_clearance_m", head_clearance_m, {0.0, 1.0},
-             "Room to be kept above the robot; raises the top of the virtual corridor.");
-    v.number("floor_tolerance_m", floor_tolerance_m, {0.0, 1.0},
-             "Points lower than this above the ground are floor, or can be driven over.");
     v.number("base_height_m", base_height_m, {-0.5, 5.0},
              "Height of the base frame above the ground; not 0 only for recordings whose base is "
              "the scanner.");

@@ -6,14 +6,6 @@
 
 namespace nodmap::navigator {
 
-double stoppable_speed(double way, double deceleration, double reaction_s) {
-  if (!(way > 0.0)) {
-    return 0.0;
-  }
-  const double lost = deceleration * reaction_s;
-  return std::sqrt(lost * lost + 2.0 * deceleration * way) - lost;
-}
-
 double speed_on_arc(double curvature, const SpeedLimits& limits) {
   const double bend = std::abs(curvature);
   double speed_mps = std::max(0.0, limits.max_forward_mps);

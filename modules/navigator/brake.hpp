@@ -3,14 +3,6 @@
 
 namespace nodmap::navigator {
 
-/// Brake: the fastest speed from which the robot, after `reaction_s` at that speed, comes to stand
-/// within `way` at `deceleration`,
-///
-///     v = -a T + sqrt((a T)^2 + 2 a way),    the solution of    way = v T + v^2 / (2 a).
-///
-/// Metres and m/s, or radians and rad/s. 0 where there is no way, +infinity where it has no end.
-[[nodiscard]] double stoppable_speed(double way, double deceleration, double reaction_s);
-
 /// What limits the forward speed, and what the wheels can do.
 struct SpeedLimits {
   double max_forward_mps = 0.0;  ///< by parameter and by the pitch controller

@@ -112,10 +112,6 @@ double arc_way(const Eigen::Vector2d& p, double curvature, const Footprint& body
 
 }  // namespace
 
-bool Footprint::contains(const Eigen::Vector2d& p_base) const {
-  return std::abs(p_base.x()) < half_length_m && std::abs(p_base.y()) < half_width_m;
-}
-
 double free_way(const Points& points_base, double curvature, const Footprint& body,
                 double side_margin_m) {
   const Footprint grown = body.grown(0.0, side_margin_m);

@@ -1,20 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "common/robot/footprint.hpp"
 #include "modules/navigator/obstacle_points.hpp"
 
 namespace nodmap::navigator {
 
-/// The robot's body from above: a rectangle around the base's origin, half lengths in metres.
-struct Footprint {
-  double half_length_m = 0.0;
-  double half_width_m = 0.0;
-
-  [[nodiscard]] Footprint grown(double length_m, double width_m) const {
-    return {half_length_m + length_m, half_width_m + width_m};
-  }
-  [[nodiscard]] bool contains(const Eigen::Vector2d& p_base) const;
-};
+using robot::Footprint;
 
 /// Free way of the virtual corridor, metres: how far the origin of base may go along the arc of
 /// this curvature (1/m, positive left) until the body, `side_margin_m` wider on each side, meets a

@@ -6,6 +6,8 @@
 #include <limits>
 #include <utility>
 
+#include "common/robot/stopping.hpp"
+
 namespace nodmap::navigator {
 namespace {
 
@@ -48,7 +50,7 @@ double widest_way(const FreeSpace& space) {
 
 Navigator::Navigator(const NavigatorParams& params)
     : params_(params),
-      body_{0.5 * params.robot.length_m, 0.5 * params.robot.width_m},
+      body_(params.robot.body.footprint()),
       view_(params.view_half_rad),
       approach_(params.half_sweeps_to_trust),
       turn_(params) {}
@@ -135,7 +137,7 @@ FreeSpace Navigator::steering_space(const FreeSpace& trusted_space, const Situat
 
 std::optional<double> Navigator::steering_direction(const FreeSpace& space, const Situation& now) {
   const double widest_m = widest_way(space);
-  if (widest_m < params_.stop_margin_m) {
+  if (widest_m < params_.robot.braking.stop_margin_m) {
     return std::nullopt;
   }
   // In narrow places the best there is must do.
@@ -165,8 +167,8 @@ std::optional<double> Navigator::roaming_direction(const FreeSpace& space, doubl
 Navigator::Arc Navigator::measure_arc(double curvature, const Situation& now) const {
   const double way_m = free_way(now.points_base, curvature, body_, params_.side_margin_m);
   return {curvature, way_m,
-          stoppable_speed(way_m - params_.stop_margin_m, params_.deceleration_mps2,
-                          params_.reaction_s)};
+          robot::stoppable_speed(way_m - params_.robot.braking.stop_margin_m, params_.reaction_s,
+                                 params_.robot.braking.deceleration_mps2)};
 }
 
 /// The arc whose chord leads in the direction (pure pursuit); a flatter one where that is blocked.
@@ -191,7 +193,8 @@ double Navigator::speed_now_allowed(const Situation& now) const {
   }
   const Arc arc = measure_arc(now.yaw_rate_rad_s / now.forward_mps, now);
   const double emergency_mps =
-      stoppable_speed(arc.way_m - params_.stop_margin_m, params_.emergency_deceleration_mps2, 0.0);
+      robot::stoppable_speed(arc.way_m - params_.robot.braking.stop_margin_m, 0.0,
+                             params_.robot.braking.emergency_deceleration_mps2);
   return now.forward_mps > emergency_mps ? 0.0 : arc.speed_mps;
 }
 
@@ -204,9 +207,10 @@ std::optional<Decision> Navigator::steer(double direction_rad, const Situation& 
       speed_on_arc(arc->curvature, {std::min(now.max_forward_mps, params_.max_forward_mps),
                                     params_.max_yaw_rate_rad_s, params_.max_lateral_mps2});
   // At the goal the robot is to stand, too.
-  const double goal_mps = now.goal ? stoppable_speed(now.goal->distance_m,
-                                                     params_.deceleration_mps2, params_.reaction_s)
-                                   : limit_mps;
+  const double goal_mps = now.goal
+                              ? robot::stoppable_speed(now.goal->distance_m, params_.reaction_s,
+                                                       params_.robot.braking.deceleration_mps2)
+                              : limit_mps;
   const double way_mps = std::min(arc->speed_mps, speed_now_allowed(now));
   Decision decision;
   decision.behaviour = way_mps < limit_mps ? Behaviour::kBrake : Behaviour::kSteer;
@@ -334,7 +338,8 @@ Decision Navigator::back_up(const Situation& now) {
   const double way_m =
       free_way_behind(now.points_base, way_back->curvature, body_, kBackMarginM) - kBackMarginM;
   decision.forward_mps = -std::min(
-      params_.back_up_mps, stoppable_speed(way_m, params_.deceleration_mps2, params_.reaction_s));
+      params_.back_up_mps,
+      robot::stoppable_speed(way_m, params_.reaction_s, params_.robot.braking.deceleration_mps2));
   decision.yaw_rate_rad_s = decision.forward_mps * way_back->curvature;
   return decision;
 }

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "common/msg/messages.hpp"
+#include "common/robot/stopping.hpp"
 
 namespace nodmap::navigator {
 namespace {
@@ -211,8 +212,9 @@ void NavigatorNode::publish(const Decision& decision) {
   navigation_.steering_angle_rad = decision.steering_angle_rad;
   const double v = decision.max_forward_mps;
   navigation_.corridor_length_m =
-      v * params_.reaction_s + v * v / (2.0 * params_.deceleration_mps2) + params_.stop_margin_m;
-  navigation_.corridor_width_m = params_.robot.width_m + 2.0 * params_.side_margin_m;
+      robot::stopping_distance(v, params_.reaction_s, params_.robot.braking.deceleration_mps2) +
+      params_.robot.braking.stop_margin_m;
+  navigation_.corridor_width_m = params_.robot.body.width_m + 2.0 * params_.side_margin_m;
   navigation_.free_way_m = decision.free_way_m;
   navigation_.max_forward_mps = decision.max_forward_mps;
   context_.bus.publish("NAVIGATION", navigation_);

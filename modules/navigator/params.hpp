@@ -2,21 +2,18 @@
 #pragma once
 
 #include "common/geometry/angle.hpp"
-#include "common/params/robot_params.hpp"
+#include "common/robot/robot_params.hpp"
 
 namespace nodmap::navigator {
 
 struct NavigatorParams {
-  params::RobotParams robot;
+  robot::RobotParams robot;
   double side_margin_m = 0.06;
   double turn_margin_m = 0.04;
-  double stop_margin_m = 0.15;
 
   double max_forward_mps = 1.5;
   double max_yaw_rate_rad_s = geometry::deg_to_rad(80.0);
   double max_lateral_mps2 = 0.8;
-  double deceleration_mps2 = 1.5;
-  double emergency_deceleration_mps2 = 3.0;
   double reaction_s = 0.1;
 
   double open_space_m = 1.0;
@@ -43,18 +40,12 @@ struct NavigatorParams {
              "Room to be kept on each side: with the body's width, the virtual corridor.");
     v.number("turn_margin_m", turn_margin_m, {0.0, 0.5},
              "Room to be kept around the body when turning on the spot.");
-    v.number("stop_margin_m", stop_margin_m, {0.02, 2.0},
-             "The robot stands so far before an obstacle.");
     v.number("max_forward_mps", max_forward_mps, {0.05, 5.2},
              "Fastest forward speed, however free the way is.");
     v.angle("max_yaw_rate_deg_s", max_yaw_rate_rad_s, {5.0, 180.0},
             "Fastest turn rate while driving.");
     v.number("max_lateral_mps2", max_lateral_mps2, {0.1, 5.0},
              "Largest lateral acceleration: forward speed times turn rate.");
-    v.number("deceleration_mps2", deceleration_mps2, {0.1, 5.0},
-             "Deceleration planned with; what the wheels hold on any floor.");
-    v.number("emergency_deceleration_mps2", emergency_deceleration_mps2, {0.1, 10.0},
-             "Deceleration the base can do: nearer than this needs, it brakes as hard as it can.");
     v.number("reaction_s", reaction_s, {0.02, 1.0},
              "From the middle of a scan until the robot slows down.");
     v.number("open_space_m", open_space_m, {0.3, 5.0},

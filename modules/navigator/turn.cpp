@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "modules/navigator/brake.hpp"
+#include "common/robot/stopping.hpp"
 
 namespace nodmap::navigator {
 namespace {
@@ -114,7 +114,7 @@ TurnCommand Turn::turn_on(const TurnView& view) {
 
 double turn_rate(double way_rad, const NavigatorParams& params) {
   return std::min(params.turn_rate_rad_s,
-                  stoppable_speed(way_rad, kTurnDecelerationRadS2, params.reaction_s));
+                  robot::stoppable_speed(way_rad, params.reaction_s, kTurnDecelerationRadS2));
 }
 
 }  // namespace nodmap::navigator

@@ -3,28 +3,23 @@
 
 #include <cstdint>
 
-#include "common/params/robot_params.hpp"
+#include "common/robot/robot_params.hpp"
 
 namespace nodmap::pitch_controller {
 
 /// `kNodding` as in the paper; `kFixed` holds the laser level: blind to everything above and below.
 enum class Mode : std::uint8_t { kNodding, kFixed };
 
-/// The ranges keep the corridor's bottom below its top whatever is configured.
 struct PitchControllerParams {
   Mode mode = Mode::kNodding;
 
-  params::RobotParams robot;
-  double head_clearance_m = 0.03;
-  double floor_tolerance_m = 0.05;
+  robot::RobotParams robot;
   double visible_obstacle_m = 0.05;
 
   double scan_period_s = 0.01332;
 
   double acceleration_mps2 = 0.5;
-  double deceleration_mps2 = 1.5;
   double processing_s = 0.05;
-  double stop_margin_m = 0.15;
   double look_ahead_m = 4.0;
   double fast_mps = 1.0;
   double top_mps = 2.0;
@@ -51,10 +46,6 @@ struct PitchControllerParams {
  private:
   template <class Visitor>
   void describe_corridor(Visitor& v) {
-    v.number("head_clearance_m", head_clearance_m, {0.0, 1.0},
-             "Room to be kept above the robot; raises the top of the virtual corridor.");
-    v.number("floor_tolerance_m", floor_tolerance_m, {0.0, 0.2},
-             "What is lower is floor, or can be driven over: the bottom of the virtual corridor.");
     v.number("visible_obstacle_m", visible_obstacle_m, {0.01, 1.0},
              "How far the lowest obstacle that has to be found rises above floor_tolerance_m.");
     v.number("scan_period_s", scan_period_s, {0.002, 0.2}, "From one scan to the next.");
@@ -64,12 +55,8 @@ struct PitchControllerParams {
   void describe_driving(Visitor& v) {
     v.number("acceleration_mps2", acceleration_mps2, {0.05, 10.0},
              "How fast the speed bound rises, so that no period of the nod is outrun.");
-    v.number("deceleration_mps2", deceleration_mps2, {0.1, 10.0},
-             "What the brakes are trusted with; the base is commanded up to twice as much.");
     v.number("processing_s", processing_s, {0.0, 1.0},
              "From a beam that meets an obstacle to wheels that slow down.");
-    v.number("stop_margin_m", stop_margin_m, {0.0, 2.0},
-             "Way left between the robot's front and the obstacle when it stands.");
     v.number("look_ahead_m", look_ahead_m, {0.5, 30.0},
              "How far ahead of the robot's front something is found for certain, at most.");
     v.number("fast_mps", fast_mps, {0.1, 5.0},

@@ -104,7 +104,8 @@ void PitchController::plan_for_present_speed(std::int64_t now_us) {
     // hard, the nod widens only as fast as the brakes are trusted: a wide nod does not look far
     // enough ahead for the speed the robot may still have.
     const double forward_mps = std::clamp(speed_->forward_mps, 0.0, kImpossibleMps);
-    planned_mps_ = std::max(forward_mps, planned_mps_ - params_.deceleration_mps2 * dt_s);
+    planned_mps_ =
+        std::max(forward_mps, planned_mps_ - params_.robot.braking.deceleration_mps2 * dt_s);
   }
   plan_ = planner_.plan(planned_mps_);
   plan_held_ = plan_held_ && is_same(plan_, plan_at_turn_);

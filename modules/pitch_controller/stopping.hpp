@@ -9,9 +9,9 @@ namespace nodmap::pitch_controller {
 /// brakes evenly. Trusting the brakes with half of what the base is commanded to do leaves the
 /// other half for slope, load and smooth floors.
 struct Stopping {
-  double deceleration_mps2 = 1.0;
-  double processing_s = 0.0;
-  double margin_m = 0.0;
+  double deceleration_mps2;
+  double processing_s;
+  double margin_m;
 
   [[nodiscard]] static Stopping of(const PitchControllerParams& params);
 

@@ -34,7 +34,7 @@ SweepPlanner::SweepPlanner(const PitchControllerParams& params)
     : params_(params),
       corridor_(VirtualCorridor::of(params)),
       stopping_(Stopping::of(params)),
-      servo_{params.robot.pitch_rate_rad_s, params.robot.pitch_acceleration_rad_s2} {}
+      servo_{params.robot.head.pitch_rate_rad_s, params.robot.head.pitch_acceleration_rad_s2} {}
 
 SweepPlan SweepPlanner::plan(double forward_mps) const {
   // The stopping way depends on the sweep time, which depends on the stopping way: a fixed point.
@@ -49,7 +49,7 @@ SweepPlan SweepPlanner::plan_from(double stopping_way_m, double forward_mps) con
   // What appears at the end of the stopping way just after the laser has passed is looked at a
   // period later: by then the robot has come nearer.
   const double d_min_m = stopping_.way_m(forward_mps, stopping_.processing_s);
-  const PitchInterval mechanics{params_.robot.pitch_min_rad, params_.robot.pitch_max_rad};
+  const PitchInterval mechanics{params_.robot.head.pitch_min_rad, params_.robot.head.pitch_max_rad};
   const double period_s = params_.scan_period_s;
   SweepPlan plan;
   plan.d_min_m = d_min_m;
@@ -57,9 +57,9 @@ SweepPlan SweepPlanner::plan_from(double stopping_way_m, double forward_mps) con
       area_of_interest(forward_mps, params_.fast_mps, corridor_.area_from(d_min_m), mechanics);
   const double resolved_rad = std::min(
       spacing_for(params_.visible_obstacle_m, kLinesOnObstacle, corridor_.from_axis_m(d_min_m),
-                  params_.robot.mount_z_m),
+                  params_.robot.mount.z_m),
       spacing_for(params_.visible_obstacle_m, 1, corridor_.from_axis_m(kReserve * stopping_way_m),
-                  params_.robot.mount_z_m));
+                  params_.robot.mount.z_m));
   plan.line_spacing_rad =
       std::max(std::min(resolved_rad, servo_.max_speed_rad_s * period_s), kFinestSpacingRad);
   plan.sweep = {std::max(plan.area.min_rad - plan.line_spacing_rad, mechanics.min_rad),

@@ -27,8 +27,8 @@ double reaches_from_m(double height_m, double angle_rad) {
 }  // namespace
 
 VirtualCorridor VirtualCorridor::of(const PitchControllerParams& params) {
-  return {params.floor_tolerance_m, params.robot.height_m + params.head_clearance_m,
-          params.robot.mount_z_m, 0.5 * params.robot.length_m - params.robot.mount_x_m};
+  return {params.robot.corridor_bottom_m(), params.robot.corridor_top_m(), params.robot.mount.z_m,
+          0.5 * params.robot.body.length_m - params.robot.mount.x_m};
 }
 
 double VirtualCorridor::from_axis_m(double distance_m) const {

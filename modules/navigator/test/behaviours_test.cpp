@@ -23,22 +23,6 @@ using geometry::deg_to_rad;
 
 constexpr double kInf = std::numeric_limits<double>::infinity();
 
-TEST(Brake, ReactionAndBrakingTakeExactlyTheWay) {
-  for (const double way_m : {0.01, 0.1, 0.5, 2.0, 10.0}) {
-    const double v = stoppable_speed(way_m, 1.5, 0.1);
-    EXPECT_NEAR(v * 0.1 + v * v / 3.0, way_m, 1e-12);  // rounding of a square root
-  }
-  // Table 6.3 of the method: D = 1 m, T = 0.45 s (15 scans), 0.15 m to spare: 1.06 m/s.
-  EXPECT_NEAR(stoppable_speed(0.85, 1.5, 0.45), 1.06, 0.005);
-}
-
-TEST(Brake, NoWayNoSpeed) {
-  EXPECT_EQ(stoppable_speed(0.0, 1.5, 0.1), 0.0);
-  EXPECT_EQ(stoppable_speed(-1.0, 1.5, 0.1), 0.0);
-  EXPECT_EQ(stoppable_speed(std::nan(""), 1.5, 0.1), 0.0);
-  EXPECT_EQ(stoppable_speed(kInf, 1.5, 0.1), kInf);
-}
-
 TEST(Brake, ArcsAreBoundByTurnRateAndLateralAcceleration) {
   const SpeedLimits limits{1.5, 1.4, 0.8};
   EXPECT_EQ(speed_on_arc(0.0, limits), 1.5);

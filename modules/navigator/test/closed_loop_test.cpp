@@ -65,8 +65,9 @@ TEST(ClosedLoop, AnObstacleThatAppearsBeyondTheBrakingWayIsNotHit) {
     loop.max_forward_mps = 1.5;
     loop.run(when(random));
     const double v = loop.robot.forward_mps;
-    const double braking_m = v * v / (2.0 * params.deceleration_mps2) + v * params.reaction_s;
-    const Eigen::Vector2d ahead(0.5 * params.robot.length_m + braking_m + 0.03, aside(random));
+    const double braking_m =
+        v * v / (2.0 * params.robot.braking.deceleration_mps2) + v * params.reaction_s;
+    const Eigen::Vector2d ahead(0.5 * params.robot.body.length_m + braking_m + 0.03, aside(random));
     loop.world.points_odom.emplace_back(loop.robot.T_odom_base * ahead);
     loop.run(3.0);
     EXPECT_FALSE(loop.collided) << "run " << run << " at " << v << " m/s";

@@ -179,8 +179,8 @@ class ClosedLoop {
     const geometry::SE2 T_base_odom = robot.T_odom_base.inverse();
     for (const Eigen::Vector2d& p_odom : world.points_odom) {
       const Eigen::Vector2d p = T_base_odom * p_odom;
-      const double dx = std::abs(p.x()) - 0.5 * params_.robot.length_m;
-      const double dy = std::abs(p.y()) - 0.5 * params_.robot.width_m;
+      const double dx = std::abs(p.x()) - 0.5 * params_.robot.body.length_m;
+      const double dy = std::abs(p.y()) - 0.5 * params_.robot.body.width_m;
       const double clearance_m = std::max(dx, dy) < 0.0
                                      ? std::max(dx, dy)
                                      : std::hypot(std::max(dx, 0.0), std::max(dy, 0.0));

@@ -119,7 +119,7 @@ TEST(PitchController, R7_R12_NeverStopsNodding) {
 double longest_unseen(Loop& loop, double speed_mps, double height_m, double from_axis_m) {
   constexpr double kHalfStripM = 0.01;
   constexpr std::int64_t kScanUs = 13'320;
-  const double axis_m = PitchControllerParams{}.robot.mount_z_m;
+  const double axis_m = PitchControllerParams{}.robot.mount.z_m;
   std::int64_t next_scan_us = loop.now_us;
   std::int64_t met_us = loop.now_us;
   std::int64_t longest_us = 0;

@@ -32,7 +32,7 @@ TEST(Stopping, SpeedsOfTheReferenceTable) {
   }
 }
 
-TEST(Stopping, WayAndSpeedAreInverse) {
+TEST(Stopping, DistanceAndSpeedAreInverse) {
   for (double v = 0.05; v < 5.0; v += 0.05) {
     EXPECT_NEAR(kStopping.speed_mps(kStopping.way_m(v, 0.7), 0.7), v, 1e-12);
   }

@@ -76,12 +76,12 @@ TEST(SweepPlan, OverscansByALineWithinTheMechanics) {
   const SweepPlanner planner(kParams);
   for (double v = 0.0; v < 4.0; v += kStepMps) {
     const SweepPlan plan = planner.plan(v);
-    EXPECT_GE(plan.sweep.min_rad, kParams.robot.pitch_min_rad);
-    EXPECT_LE(plan.sweep.max_rad, kParams.robot.pitch_max_rad);
-    if (plan.sweep.min_rad > kParams.robot.pitch_min_rad) {
+    EXPECT_GE(plan.sweep.min_rad, kParams.robot.head.pitch_min_rad);
+    EXPECT_LE(plan.sweep.max_rad, kParams.robot.head.pitch_max_rad);
+    if (plan.sweep.min_rad > kParams.robot.head.pitch_min_rad) {
       EXPECT_NEAR(plan.area.min_rad - plan.sweep.min_rad, plan.line_spacing_rad, 1e-12);
     }
-    if (plan.sweep.max_rad < kParams.robot.pitch_max_rad) {
+    if (plan.sweep.max_rad < kParams.robot.head.pitch_max_rad) {
       EXPECT_NEAR(plan.sweep.max_rad - plan.area.max_rad, plan.line_spacing_rad, 1e-12);
     }
   }
@@ -95,7 +95,7 @@ TEST(SweepPlan, R12_ScansPerSweepAndWhatTheServoCan) {
     EXPECT_LE(plan.sweep_s, 500.0 * kScanS + 1e-12);
     EXPECT_LE(plan.fastest_s, plan.sweep_s + 1e-12);
     EXPECT_GE(plan.slowest_s, plan.fastest_s);
-    EXPECT_LE(plan.line_spacing_rad, kParams.robot.pitch_rate_rad_s * kScanS + 1e-12);
+    EXPECT_LE(plan.line_spacing_rad, kParams.robot.head.pitch_rate_rad_s * kScanS + 1e-12);
   }
 }
 
@@ -105,10 +105,10 @@ TEST(SweepPlan, NoShorterSweepKeepsTheLinesAndTheServo) {
     const SweepPlan plan = planner.plan(v);
     // Brute force over all speeds of the servo that keep the spacing.
     double shortest_s = 1e9;
-    for (double w = 0.01; w <= kParams.robot.pitch_rate_rad_s; w += 0.001) {
+    for (double w = 0.01; w <= kParams.robot.head.pitch_rate_rad_s; w += 0.001) {
       if (w * kScanS <= plan.line_spacing_rad) {
-        shortest_s = std::min(
-            shortest_s, plan.sweep.range_rad() / w + w / kParams.robot.pitch_acceleration_rad_s2);
+        shortest_s = std::min(shortest_s, plan.sweep.range_rad() / w +
+                                              w / kParams.robot.head.pitch_acceleration_rad_s2);
       }
     }
     shortest_s = std::max(shortest_s, 15.0 * kScanS);
