@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+
 #include "common/geometry/angle.hpp"
 #include "common/robot/footprint.hpp"
+#include "common/robot/stopping.hpp"
 
 namespace nodmap::robot {
 
@@ -37,12 +41,33 @@ struct Mount {
   }
 };
 
-/// What the nodding head can do. Pitch is positive when the laser looks up.
+/// Pitches of the laser plane, radians; positive looks up.
+struct PitchInterval {
+  double min_rad = 0.0;
+  double max_rad = 0.0;
+
+  [[nodiscard]] double range_rad() const { return max_rad - min_rad; }
+};
+
+/// What the nodding head can do: constant rate within a sweep, constant acceleration at its ends.
 struct HeadLimits {
   double pitch_min_rad = geometry::deg_to_rad(-60.0);
   double pitch_max_rad = geometry::deg_to_rad(60.0);
   double pitch_rate_rad_s = 3.0;
   double pitch_acceleration_rad_s2 = 40.0;
+
+  [[nodiscard]] PitchInterval pitch() const { return {pitch_min_rad, pitch_max_rad}; }
+
+  /// Duration of a sweep, with half a reversal at each end.
+  [[nodiscard]] double sweep_s(double range_rad, double rate_rad_s) const {
+    return range_rad / rate_rad_s + rate_rad_s / pitch_acceleration_rad_s2;
+  }
+
+  /// The rate of the shortest sweep: beyond sqrt(range * acceleration) the reversals take more time
+  /// than the rate saves.
+  [[nodiscard]] double best_rate_rad_s(double range_rad) const {
+    return std::min(pitch_rate_rad_s, std::sqrt(range_rad * pitch_acceleration_rad_s2));
+  }
 
   template <class Visitor>
   void describe(Visitor& v) {
@@ -74,6 +99,16 @@ struct Braking {
   double deceleration_mps2 = 1.5;
   double emergency_deceleration_mps2 = 3.0;
   double stop_margin_m = 0.15;
+
+  /// Distance to an obstacle at which a robot of this speed has to begin to react.
+  [[nodiscard]] double stopping_distance_m(double forward_mps, double reaction_s) const {
+    return stopping_distance(forward_mps, reaction_s, deceleration_mps2) + stop_margin_m;
+  }
+
+  /// The inverse: the speed at which an obstacle at this distance is safe; 0 within the margin.
+  [[nodiscard]] double stoppable_mps(double distance_m, double reaction_s) const {
+    return stoppable_speed(distance_m - stop_margin_m, reaction_s, deceleration_mps2);
+  }
 
   template <class Visitor>
   void describe(Visitor& v) {
