@@ -46,7 +46,7 @@ void MapServerNode::on_odometry(const nodmap::odometry_t& message) {
   if (!T_odom_base) {
     return;
   }
-  // No shift leads from the old odom frame to the new.
+  // The shift from the old odom frame to the new one is not known.
   if (input_.odometry_began_anew()) {
     server_.reset();
     odometry_.clear();
@@ -65,16 +65,16 @@ void MapServerNode::on_scan(const nodmap::scan_t& message) {
     context_.tally.reject("no_odometry");
     return;
   }
-  // From here on the base is on the ground, and heights in it are heights above the ground.
+  // From here on heights in base are heights above the ground.
   scan_.T_base_mount.translation().z() += params_.base_height_m;
   switch (server_.add_scan(scan_, *T_odom_base)) {
-    case Verdict::kImplausibleScan:
+    case ScanStatus::kImplausibleScan:
       context_.tally.reject("implausible_scan");
       return;
-    case Verdict::kImplausiblePose:
+    case ScanStatus::kImplausiblePose:
       context_.tally.reject("implausible_pose");
       return;
-    case Verdict::kUsed:
+    case ScanStatus::kUsed:
       break;
   }
   context_.tally.use();
@@ -83,7 +83,7 @@ void MapServerNode::on_scan(const nodmap::scan_t& message) {
 }
 
 std::optional<geometry::SE3> MapServerNode::pose_at(std::int64_t utime_us) const {
-  if (params_.assume_standing) {
+  if (params_.assume_stationary) {
     return geometry::SE3::Identity();
   }
   return odometry_.at(utime_us);
@@ -137,7 +137,7 @@ nlohmann::json MapServerNode::figures() const {
 
 node::Health MapServerNode::health() const {
   if (!last_scan_had_odometry_) {
-    return {node::HealthState::kDegraded, "No odometry for the scans: the maps stand still."};
+    return {node::HealthState::kDegraded, "No odometry for the scans: the maps are not updated."};
   }
   return {};
 }

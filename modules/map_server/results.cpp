@@ -16,8 +16,8 @@ constexpr picture::Rgb kStructure{35, 95, 190};
 constexpr picture::Rgb kObstacle{215, 40, 35};
 constexpr picture::Rgb kRobot{60, 60, 60};
 
-/// Whole metres from the middle to the border: room for nine points in ten. The last are far down a
-/// corridor, and would make all that matters small.
+/// Whole metres from the middle to the border, so that nine points in ten fit: the farthest, at the
+/// end of a corridor, would make all others small.
 double reach_m(const ExtendedScan& obstacles, const ExtendedScan& structure) {
   std::vector<double> distances;
   for (const ExtendedScan* map : {&obstacles, &structure}) {

@@ -7,8 +7,8 @@
 
 namespace nodmap::map_server {
 
-/// Both maps as the robot has them, ahead being up: structure blue, obstacles red on top, the
-/// robot's body in the middle, a ring for each metre (a darker one for each fifth).
+/// Draws both maps around the robot: ahead is up, structure blue, obstacles red on top, a ring for
+/// each metre (a darker one for each fifth), the body in the middle.
 [[nodiscard]] picture::Image draw_maps(const ExtendedScan& obstacles, const ExtendedScan& structure,
                                        const robot::Footprint& robot);
 
