@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 #include "common/geometry/angle.hpp"
 #include "common/robot/footprint.hpp"
@@ -20,9 +21,9 @@ struct Body {
 
   template <class Visitor>
   void describe(Visitor& v) {
-    v.number("robot_length_m", length_m, {0.05, 5.0}, "Length of the robot's body.");
-    v.number("robot_width_m", width_m, {0.05, 5.0}, "Width of the robot's body.");
-    v.number("robot_height_m", height_m, {0.25, 5.0},
+    v.number("length_m", length_m, {0.05, 5.0}, "Length of the robot's body.");
+    v.number("width_m", width_m, {0.05, 5.0}, "Width of the robot's body.");
+    v.number("height_m", height_m, {0.25, 5.0},
              "Height of the robot with its scanner: the top of the virtual corridor.");
   }
 };
@@ -35,9 +36,9 @@ struct Mount {
 
   template <class Visitor>
   void describe(Visitor& v) {
-    v.number("mount_x_m", x_m, {-2.0, 2.0}, "Pitch axis on the base, forward.");
-    v.number("mount_y_m", y_m, {-2.0, 2.0}, "Pitch axis on the base, to the left.");
-    v.number("mount_z_m", z_m, {0.1, 3.0}, "Pitch axis above the floor.");
+    v.number("x_m", x_m, {-2.0, 2.0}, "Pitch axis on the base, forward.");
+    v.number("y_m", y_m, {-2.0, 2.0}, "Pitch axis on the base, to the left.");
+    v.number("z_m", z_m, {0.1, 3.0}, "Pitch axis above the floor.");
   }
 };
 
@@ -137,11 +138,33 @@ struct RobotParams {
 
   template <class Visitor>
   void describe(Visitor& v) {
-    body.describe(v);
-    mount.describe(v);
-    head.describe(v);
-    corridor.describe(v);
-    braking.describe(v);
+    v.section("robot.body", body);
+    v.section("robot.mount", mount);
+    v.section("robot.head", head);
+    v.section("robot.corridor", corridor);
+    v.section("robot.braking", braking);
+    describe_former_names(v);
+  }
+
+ private:
+  template <class Visitor>
+  static void describe_former_names(Visitor& v) {
+    v.renamed("robot_length_m", "robot.body.length_m");
+    v.renamed("robot_width_m", "robot.body.width_m");
+    v.renamed("robot_height_m", "robot.body.height_m");
+    v.renamed("mount_x_m", "robot.mount.x_m");
+    v.renamed("mount_y_m", "robot.mount.y_m");
+    v.renamed("mount_z_m", "robot.mount.z_m");
+    for (const char* name :
+         {"pitch_min_deg", "pitch_max_deg", "pitch_rate_rad_s", "pitch_acceleration_rad_s2"}) {
+      v.renamed(name, std::string("robot.head.") + name);
+    }
+    for (const char* name : {"floor_tolerance_m", "head_clearance_m"}) {
+      v.renamed(name, std::string("robot.corridor.") + name);
+    }
+    for (const char* name : {"deceleration_mps2", "emergency_deceleration_mps2", "stop_margin_m"}) {
+      v.renamed(name, std::string("robot.braking.") + name);
+    }
   }
 };
 

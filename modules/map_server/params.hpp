@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <string>
+
 #include "common/geometry/angle.hpp"
 #include "common/robot/robot_params.hpp"
 
@@ -43,7 +45,7 @@ struct UpdateParams {
 
   template <class Visitor>
   void describe(Visitor& v) {
-    v.choice("update_rule", rule,
+    v.choice("rule", rule,
              {{"paper", RemovalRule::kPaper}, {"visibility", RemovalRule::kVisibility}},
              "How points are removed: by age as in the paper, or when the scanner sees through "
              "their place.");
@@ -68,15 +70,32 @@ struct MapServerParams {
 
   template <class Visitor>
   void describe(Visitor& v) {
-    bins.describe(v);
+    v.section("bins", bins);
     robot.describe(v);
     v.number("base_height_m", base_height_m, {-0.5, 5.0},
              "Height of the base frame above the ground; not 0 only for recordings whose base is "
              "the scanner.");
-    noise.describe(v);
-    update.describe(v);
+    v.section("noise", noise);
+    v.section("update", update);
     v.flag("assume_stationary", assume_stationary,
            "Treat the robot as stationary: for recordings without odometry.");
+    describe_former_names(v);
+  }
+
+ private:
+  template <class Visitor>
+  static void describe_former_names(Visitor& v) {
+    for (const char* name : {"aperture_deg", "resolution_deg"}) {
+      v.renamed(name, std::string("bins.") + name);
+    }
+    for (const char* name : {"range_sigma_m", "pitch_sigma_deg"}) {
+      v.renamed(name, std::string("noise.") + name);
+    }
+    for (const char* name : {"expiry_s", "height_tolerance_m", "misses_to_remove"}) {
+      v.renamed(name, std::string("update.") + name);
+    }
+    v.renamed("update_rule", "update.rule");
+    v.renamed("assume_standing", "assume_stationary");
   }
 };
 

@@ -147,7 +147,7 @@ TurnView Navigator::view_for_turn(const FreeSpace& space, const Situation& now) 
   view.utime_us = now.utime_us;
   view.heading_rad = now.T_odom_base.yaw;
   view.yaw_rate_rad_s = now.yaw_rate_rad_s;
-  view.free_direction_rad = nearer_direction(seen);
+  view.clear_direction_rad = nearer_direction(seen);
   view.more_room_side = side_with_more_room(space);
   view.ahead_is_free = space.at(0) >= until_free_m &&
                        brake_.measure_arc(0.0, now.points_base).free_distance_m >= until_free_m;

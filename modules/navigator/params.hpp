@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <string>
+
 #include "common/geometry/angle.hpp"
 #include "common/robot/robot_params.hpp"
 
@@ -58,10 +60,9 @@ struct TurnParams {
 
   template <class Visitor>
   void describe(Visitor& v) {
-    v.number("turn_margin_m", margin_m, {0.0, 0.5},
-             "Margin around the body when it turns on the spot.");
-    v.angle("turn_rate_deg_s", rate_rad_s, {5.0, 180.0}, "Yaw rate on the spot.");
-    v.number("turn_until_free_m", until_free_m, {0.2, 5.0},
+    v.number("margin_m", margin_m, {0.0, 0.5}, "Margin around the body when it turns on the spot.");
+    v.angle("rate_deg_s", rate_rad_s, {5.0, 180.0}, "Yaw rate on the spot.");
+    v.number("until_free_m", until_free_m, {0.2, 5.0},
              "Turn ends where the free distance ahead is this long.");
     v.number("retry_s", retry_s, {0.5, 60.0},
              "Pause after a full rotation without a free direction.");
@@ -74,9 +75,9 @@ struct BackUpParams {
 
   template <class Visitor>
   void describe(Visitor& v) {
-    v.number("back_up_mps", speed_mps, {0.02, 0.3},
+    v.number("speed_mps", speed_mps, {0.02, 0.3},
              "Speed at which it backs up along its trail where it cannot turn.");
-    v.number("back_up_m", distance_m, {0.05, 4.0}, "Longest distance to back up at once.");
+    v.number("distance_m", distance_m, {0.05, 4.0}, "Longest distance to back up at once.");
   }
 };
 
@@ -89,12 +90,12 @@ struct StalenessParams {
 
   template <class Visitor>
   void describe(Visitor& v) {
-    v.number("map_stale_s", map_s, {0.03, 0.25}, "The robot halts when the obstacle map is older.");
-    v.number("odometry_stale_s", odometry_s, {0.03, 0.25},
+    v.number("map_s", map_s, {0.03, 0.25}, "The robot halts when the obstacle map is older.");
+    v.number("odometry_s", odometry_s, {0.03, 0.25},
              "The robot halts when odometry is older than the map by more.");
-    v.number("pitch_command_stale_s", pitch_command_s, {0.03, 0.25},
+    v.number("pitch_command_s", pitch_command_s, {0.03, 0.25},
              "The robot halts when the pitch controller's speed bound is older.");
-    v.number("pitch_state_stale_s", pitch_state_s, {0.03, 0.25},
+    v.number("pitch_state_s", pitch_state_s, {0.03, 0.25},
              "The robot halts when the reading of the pitch servo is older.");
   }
 };
@@ -111,12 +112,36 @@ struct NavigatorParams {
   template <class Visitor>
   void describe(Visitor& v) {
     robot.describe(v);
-    drive.describe(v);
-    steer.describe(v);
-    turn.describe(v);
-    back_up.describe(v);
-    staleness.describe(v);
+    v.section("drive", drive);
+    v.section("steer", steer);
+    v.section("turn", turn);
+    v.section("back_up", back_up);
+    v.section("staleness", staleness);
     v.number("drive_valid_s", drive_valid_s, {0.05, 0.2}, "How long a DRIVE may be obeyed.");
+    describe_former_names(v);
+  }
+
+ private:
+  template <class Visitor>
+  static void describe_former_names(Visitor& v) {
+    for (const char* name : {"side_margin_m", "max_forward_mps", "max_yaw_rate_deg_s",
+                             "max_lateral_mps2", "reaction_s"}) {
+      v.renamed(name, std::string("drive.") + name);
+    }
+    for (const char* name : {"open_space_m", "chord_m", "view_half_deg"}) {
+      v.renamed(name, std::string("steer.") + name);
+    }
+    v.renamed("half_sweeps_to_trust", "steer.sweeps_to_trust");
+    v.renamed("turn_margin_m", "turn.margin_m");
+    v.renamed("turn_rate_deg_s", "turn.rate_deg_s");
+    v.renamed("turn_until_free_m", "turn.until_free_m");
+    v.renamed("retry_s", "turn.retry_s");
+    v.renamed("back_up_mps", "back_up.speed_mps");
+    v.renamed("back_up_m", "back_up.distance_m");
+    v.renamed("map_stale_s", "staleness.map_s");
+    v.renamed("odometry_stale_s", "staleness.odometry_s");
+    v.renamed("pitch_command_stale_s", "staleness.pitch_command_s");
+    v.renamed("pitch_state_stale_s", "staleness.pitch_state_s");
   }
 };
 

@@ -25,7 +25,7 @@ constexpr double kBeyondRad = geometry::deg_to_rad(3.0);
 constexpr double kFullRotationRad = 2.0 * geometry::kPi;
 
 bool leads_out(const TurnView::Side& side) {
-  return side.free_rotation_rad >= std::min(side.to_free_direction_rad, kWorthwhileRotationRad);
+  return side.free_rotation_rad >= std::min(side.to_clear_direction_rad, kWorthwhileRotationRad);
 }
 
 }  // namespace
@@ -40,8 +40,8 @@ void Turn::begin(const TurnView& view, double preferred_side) {
   waits_since_us_.reset();
   if (preferred_side != 0.0) {
     side_ = preferred_side;
-  } else if (view.free_direction_rad) {
-    side_ = *view.free_direction_rad >= 0.0 ? 1.0 : -1.0;
+  } else if (view.clear_direction_rad) {
+    side_ = *view.clear_direction_rad >= 0.0 ? 1.0 : -1.0;
   } else {
     // The same room on both sides: to the left.
     side_ = view.more_room_side >= 0.0 ? 1.0 : -1.0;
@@ -107,9 +107,9 @@ TurnCommand Turn::rotate(const TurnView& view) {
     return {Kind::kBackUp, 0.0};
   }
   // Slower towards the end, so that it does not rotate past the free direction.
-  const double to_free_direction_rad =
-      std::max(here().to_free_direction_rad, least_rotation_rad_ - std::abs(rotated_rad_));
-  const double angle_rad = std::min(here().free_rotation_rad, to_free_direction_rad + kBeyondRad);
+  const double to_clear_direction_rad =
+      std::max(here().to_clear_direction_rad, least_rotation_rad_ - std::abs(rotated_rad_));
+  const double angle_rad = std::min(here().free_rotation_rad, to_clear_direction_rad + kBeyondRad);
   return {Kind::kTurn, side_ * yaw_rate_on_the_spot(angle_rad, params_, reaction_s_)};
 }
 

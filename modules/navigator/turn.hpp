@@ -14,7 +14,7 @@ struct TurnView {
   double heading_rad = 0.0;  ///< of base in odom
   double yaw_rate_rad_s = 0.0;
   /// Nearest direction in view that is free, positive left; empty: none, or as near on both sides.
-  std::optional<double> free_direction_rad;
+  std::optional<double> clear_direction_rad;
   double more_room_side = 0.0;  ///< +1, -1: where there is more room; 0: the same on both
   bool ahead_is_free = false;   ///< no point of the map ahead
   bool ahead_is_seen = false;   ///< and that direction was in view for long enough
@@ -22,7 +22,7 @@ struct TurnView {
   /// points; +infinity where nothing ends the rotation, or there is none.
   struct Side {
     double free_rotation_rad = 0.0;
-    double to_free_direction_rad = 0.0;
+    double to_clear_direction_rad = 0.0;
   };
   Side left;
   Side right;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
 #include "common/robot/robot_params.hpp"
 
@@ -55,9 +56,9 @@ struct RegulatorParams {
 
   template <class Visitor>
   void describe(Visitor& v) {
-    v.number("regulator_p", p, {0.0, 0.5},
+    v.number("p", p, {0.0, 0.5},
              "Proportional gain: part of a sweep's relative time error corrected in the next.");
-    v.number("regulator_i", i, {0.0, 1.0},
+    v.number("i", i, {0.0, 1.0},
              "Integral gain: part of a sweep's relative time error added to all that follow.");
   }
 };
@@ -75,11 +76,26 @@ struct PitchControllerParams {
     v.choice("mode", mode, {{"nodding", Mode::kNodding}, {"fixed", Mode::kFixed}},
              "Nod, or hold the laser level: UNSAFE, sees one plane only, for comparisons.");
     robot.describe(v);
-    detection.describe(v);
-    speed.describe(v);
-    regulator.describe(v);
+    v.section("detection", detection);
+    v.section("speed", speed);
+    v.section("regulator", regulator);
     v.number("input_timeout_s", input_timeout_s, {0.03, 0.2},
              "Driving is inhibited when ODOMETRY or PITCH_STATE is older.");
+    describe_former_names(v);
+  }
+
+ private:
+  template <class Visitor>
+  static void describe_former_names(Visitor& v) {
+    for (const char* name :
+         {"visible_obstacle_m", "look_ahead_m", "scan_period_s", "processing_s"}) {
+      v.renamed(name, std::string("detection.") + name);
+    }
+    for (const char* name : {"fast_mps", "top_mps", "acceleration_mps2"}) {
+      v.renamed(name, std::string("speed.") + name);
+    }
+    v.renamed("regulator_p", "regulator.p");
+    v.renamed("regulator_i", "regulator.i");
   }
 };
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "common/geometry/angle.hpp"
-#include "common/msg/messages.hpp"
+#include "common/node/messages.hpp"
 #include "modules/map_server/results.hpp"
 #include "modules/map_server/test/world.hpp"
 #include "tests/support/data_dir.hpp"
@@ -22,17 +22,17 @@ class MapServerNodeTest : public ::testing::Test {
  protected:
   explicit MapServerNodeTest(const MapServerParams& params = {}) : node_(context_, params) {}
 
-  nodmap::scan_t next_scan() { return msg::write_scan(scanner_.scan(world_, {})); }
+  nodmap::scan_t next_scan() { return node::write_scan(scanner_.scan(world_, {})); }
 
   void give_odometry(std::int64_t utime_us, std::int64_t seq, double x = 0.0) {
-    auto message = msg::write_odometry(utime_us, geometry::to_se3({x, 0, 0}));
+    auto message = node::write_odometry(utime_us, geometry::to_se3({x, 0, 0}));
     message.odometry_seq = seq;
     bus_.deliver("ODOMETRY", message);
   }
 
   std::int64_t rejected(const std::string& cause) {
-    const auto found = tally_.rejected().find(cause);
-    return found == tally_.rejected().end() ? 0 : found->second;
+    const auto found = counts_.rejected().find(cause);
+    return found == counts_.rejected().end() ? 0 : found->second;
   }
 
   [[nodiscard]] std::vector<nodmap::egomap_t> maps_on(const std::string& channel) const {
@@ -40,8 +40,8 @@ class MapServerNodeTest : public ::testing::Test {
   }
 
   nodmap::test::MemoryBus bus_;
-  node::Tally tally_;
-  node::Context context_{bus_, tally_, {}};
+  node::MessageCounts counts_;
+  node::Context context_{bus_, counts_, {}};
   MapServerNode node_;
   test::NoddingScanner scanner_;
   test::World world_ = test::room(-2, 5, -3, 3);
@@ -64,7 +64,7 @@ TEST_F(MapServerNodeTest, PublishesBothMapsAfterEveryScan) {
   EXPECT_NEAR(maps[0].distance_m[270], 3.0, 0.01);
   EXPECT_NEAR(maps[0].point_y_m[270], 3.0, 0.01);
   EXPECT_EQ(maps[0].age_s[270], 0.0F);
-  EXPECT_EQ(tally_.total_rejected(), 0);
+  EXPECT_EQ(counts_.total_rejected(), 0);
 }
 
 TEST_F(MapServerNodeTest, WithoutOdometryNothingIsPublished) {
@@ -147,7 +147,7 @@ TEST_F(MapServerNodeTest, BadScansAreCountedAndNothingElse) {
   EXPECT_EQ(rejected("implausible_scan"), 2);
   EXPECT_EQ(rejected("empty_scan"), 1);
   EXPECT_TRUE(maps_on("OBSTACLE_MAP").empty());
-  nodmap::odometry_t nowhere = msg::write_odometry(1'010'000, geometry::SE3::Identity());
+  nodmap::odometry_t nowhere = node::write_odometry(1'010'000, geometry::SE3::Identity());
   nowhere.position_m[0] = std::numeric_limits<double>::quiet_NaN();
   bus_.deliver("ODOMETRY", nowhere);
   EXPECT_EQ(rejected("implausible_odometry"), 1);
@@ -173,7 +173,7 @@ TEST_F(MapServerNodeTest, LostScansAreNoticed) {
   static_cast<void>(next_scan());
   static_cast<void>(next_scan());
   bus_.deliver("SCAN", next_scan());
-  EXPECT_EQ(tally_.lost(), 2);
+  EXPECT_EQ(counts_.lost(), 2);
 }
 
 TEST_F(MapServerNodeTest, WritesAnImageAndMetrics) {
@@ -182,8 +182,8 @@ TEST_F(MapServerNodeTest, WritesAnImageAndMetrics) {
   const nodmap::test::TemporaryDir dir;
   node_.write_results(dir.path());
   EXPECT_GT(std::filesystem::file_size(dir.path() / "map.png"), 1000U);
-  EXPECT_EQ(node_.figures()["scans_used"], 1);
-  EXPECT_EQ(node_.figures()["obstacle_map"]["bins"], 360);
+  EXPECT_EQ(node_.metrics()["scans_used"], 1);
+  EXPECT_EQ(node_.metrics()["obstacle_map"]["bins"], 360);
 }
 
 ExtendedScan map_with(Relevance relevance, const Eigen::Vector2d& p) {
@@ -193,24 +193,24 @@ ExtendedScan map_with(Relevance relevance, const Eigen::Vector2d& p) {
   return map;
 }
 
-bool is_reddish(picture::Rgb c) {
+bool is_reddish(drawing::Rgb c) {
   return c[0] > 150 && c[2] < 100;
 }
-bool is_bluish(picture::Rgb c) {
+bool is_bluish(drawing::Rgb c) {
   return c[2] > 150 && c[0] < 100;
 }
 
-// Points at 4.5 m give a picture of 5 m to each side: 100 pixels a metre. Ahead is up, left is
+// Points at 4.5 m give an image of 5 m to each side: 100 pixels a metre. Ahead is up, left is
 // left.
 TEST(MapDrawing, AheadIsUpAndLeftIsLeft) {
-  const picture::Image image =
+  const drawing::Image image =
       draw_maps(map_with(Relevance::kNearest, {2.0, 0.0}),
                 map_with(Relevance::kFarthest, {0.0, 4.5}), robot::Body{}.footprint());
   EXPECT_TRUE(is_reddish(image.at(500, 300)));
   EXPECT_TRUE(is_bluish(image.at(50, 500)));
   EXPECT_EQ(image.at(500, 500), image.at(490, 515));  // the robot's body
-  EXPECT_NE(image.at(500, 500), picture::kWhite);
-  EXPECT_EQ(image.at(900, 640), picture::kWhite);
+  EXPECT_NE(image.at(500, 500), drawing::kWhite);
+  EXPECT_EQ(image.at(900, 640), drawing::kWhite);
 }
 
 TEST(MapDrawing, EmptyMapsAreDrawnToo) {

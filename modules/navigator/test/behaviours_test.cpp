@@ -209,9 +209,9 @@ TurnView free_to_turn(double heading_rad) {
 TEST(Turn, KeepsTheSideItChose) {
   Turn turn({}, kReactionS);
   TurnView view = free_to_turn(0.0);
-  view.free_direction_rad = deg_to_rad(-40);
+  view.clear_direction_rad = deg_to_rad(-40);
   EXPECT_LT(turn.step(view, 0.0).yaw_rate_rad_s, 0.0);
-  view.free_direction_rad = deg_to_rad(10);
+  view.clear_direction_rad = deg_to_rad(10);
   view.more_room_side = 1.0;
   EXPECT_LT(turn.step(view, 1.0).yaw_rate_rad_s, 0.0);
 }
@@ -221,7 +221,7 @@ TEST(Turn, ChoosesTheFreeDirectionThenTheRoomThenLeft) {
     Turn turn({}, kReactionS);
     TurnView view = free_to_turn(0.0);
     if (free_deg != 0.0) {
-      view.free_direction_rad = deg_to_rad(free_deg);
+      view.clear_direction_rad = deg_to_rad(free_deg);
     }
     view.more_room_side = room;
     return turn.step(view, preferred).yaw_rate_rad_s > 0.0 ? 1 : -1;
@@ -288,7 +288,7 @@ TEST(Turn, BacksUpFirstWhereNeitherSideLeadsOut) {
   EXPECT_EQ(Turn({}, kReactionS).step(view, 1.0).kind, Kind::kBackUp);
   // 150 degrees, or as far as a free direction, is enough.
   TurnView reachable = view;
-  reachable.right.to_free_direction_rad = deg_to_rad(60);
+  reachable.right.to_clear_direction_rad = deg_to_rad(60);
   EXPECT_LT(Turn({}, kReactionS).step(reachable, 1.0).yaw_rate_rad_s, 0.0);
   // No path back: it turns as far as it can.
   view.has_path_back = false;
