@@ -62,22 +62,22 @@ void time_scans(benchmark::State& state, const AddScan& add_scan) {
   state.counters["p99_us"] = percentile(0.99);
 }
 
-MapServerParams params_for(const benchmark::State& state, Rule rule) {
+MapServerParams params_for(const benchmark::State& state, RemovalRule rule) {
   MapServerParams params;
-  params.update_rule = rule;
-  params.aperture_rad = deg_to_rad(static_cast<double>(state.range(0)));
-  params.resolution_rad = deg_to_rad(0.5);
+  params.update.rule = rule;
+  params.bins.aperture_rad = deg_to_rad(static_cast<double>(state.range(0)));
+  params.bins.resolution_rad = deg_to_rad(0.5);
   return params;
 }
 
-void ConfirmedRuleBothMaps(benchmark::State& state) {
-  MapServer server(params_for(state, Rule::kConfirmed));
+void VisibilityRuleBothMaps(benchmark::State& state) {
+  MapServer server(params_for(state, RemovalRule::kVisibility));
   time_scans(state, [&](const Step& s) { server.add_scan(s.scan, s.T_odom_base); });
   state.counters["bins"] = static_cast<double>(server.obstacle_map().scan().size());
 }
 
 void PaperRuleBothMaps(benchmark::State& state) {
-  MapServer server(params_for(state, Rule::kPaper));
+  MapServer server(params_for(state, RemovalRule::kPaper));
   time_scans(state, [&](const Step& s) { server.add_scan(s.scan, s.T_odom_base); });
   state.counters["bins"] = static_cast<double>(server.obstacle_map().scan().size());
 }
@@ -89,7 +89,7 @@ void CostmapOneLayer(benchmark::State& state) {
 }
 
 // Apertures of 180 and 360 degrees at half a degree: 361 and 720 bins.
-BENCHMARK(ConfirmedRuleBothMaps)->Arg(180)->Arg(360);
+BENCHMARK(VisibilityRuleBothMaps)->Arg(180)->Arg(360);
 BENCHMARK(PaperRuleBothMaps)->Arg(180)->Arg(360);
 BENCHMARK(CostmapOneLayer);
 

@@ -15,34 +15,34 @@ using geometry::deg_to_rad;
 using geometry::rad_to_deg;
 
 void print_plans(const PitchControllerParams& params) {
-  const SweepPlanner planner(params);
-  const VirtualCorridor corridor = VirtualCorridor::of(params);
-  const Stopping stopping = Stopping::of(params);
+  const DetectionParams& detection = params.detection;
+  const SweepPlanner planner(params.robot, detection, params.speed.fast_mps);
+  const VirtualCorridor corridor = VirtualCorridor::of(params.robot);
   std::puts(
       "| speed m/s | d_min m | area of interest deg | spacing deg | T* s (scans) | T_w s "
       "| clear view m | bound m/s |\n|---|---|---|---|---|---|---|---|");
   for (const double v : {0.0, 0.5, 1.0, 1.5, 2.0}) {
     const SweepPlan plan = planner.plan(v);
     const ClearView view = clear_view(corridor, plan.sweep, plan.line_spacing_rad,
-                                      params.visible_obstacle_m, params.look_ahead_m);
-    const double bound_mps = speed_bound(view, plan.sweep_s, stopping);
+                                      detection.visible_obstacle_m, detection.look_ahead_m);
+    const double bound_mps = speed_bound(view, plan.sweep_s, params.robot.braking, detection);
     std::printf("| %.1f | %.2f | %.1f .. %.1f | %.2f | %.2f (%.0f) | %.2f | %.2f .. %.2f | ", v,
                 plan.d_min_m, rad_to_deg(plan.area.min_rad), rad_to_deg(plan.area.max_rad),
                 rad_to_deg(plan.line_spacing_rad), plan.sweep_s,
-                plan.sweep_s / params.scan_period_s, stopping.reaction_s(plan.sweep_s), view.near_m,
-                view.far_m);
-    std::printf(bound_mps > params.top_mps ? "%.2f (`top_mps`; %.2f) |\n" : "%.2f |\n",
-                std::min(bound_mps, params.top_mps), bound_mps);
+                plan.sweep_s / detection.scan_period_s, detection.reaction_s(plan.sweep_s),
+                view.near_m, view.far_m);
+    std::printf(bound_mps > params.speed.top_mps ? "%.2f (`top_mps`; %.2f) |\n" : "%.2f |\n",
+                std::min(bound_mps, params.speed.top_mps), bound_mps);
   }
 }
 
-/// T_w of a nod over a fixed range with the lines of the plan.
+/// T_w of sweeps over a fixed range with the line spacing of the plan.
 double fixed_reaction_s(const SweepPlan& plan, double range_rad,
                         const PitchControllerParams& params) {
-  const Servo servo{params.robot.pitch_rate_rad_s, params.robot.pitch_acceleration_rad_s2};
-  const double rate_rad_s =
-      std::min(plan.line_spacing_rad / params.scan_period_s, servo.best_speed_rad_s(range_rad));
-  return Stopping::of(params).reaction_s(servo.sweep_s(range_rad, rate_rad_s));
+  const robot::HeadLimits& head = params.robot.head;
+  const double rate_rad_s = std::min(plan.line_spacing_rad / params.detection.scan_period_s,
+                                     head.best_rate_rad_s(range_rad));
+  return params.detection.reaction_s(head.sweep_s(range_rad, rate_rad_s));
 }
 
 void print_reactions() {
@@ -54,10 +54,11 @@ void print_reactions() {
       "| fixed 55 deg (the driver's own area) | fixed 120 deg |\n|---|---|---|---|---|");
   for (const Case& c : {Case{0.03, 1.5}, {0.05, 1.0}, {0.05, 1.5}, {0.10, 1.5}, {0.20, 1.5}}) {
     PitchControllerParams params;
-    params.visible_obstacle_m = c.obstacle_m;
-    const SweepPlan plan = SweepPlanner(params).plan(c.speed_mps);
+    params.detection.visible_obstacle_m = c.obstacle_m;
+    const SweepPlan plan =
+        SweepPlanner(params.robot, params.detection, params.speed.fast_mps).plan(c.speed_mps);
     std::printf("| %.0f cm | %.1f m/s | %.2f s | %.2f s | %.2f s |\n", 100.0 * c.obstacle_m,
-                c.speed_mps, Stopping::of(params).reaction_s(plan.sweep_s),
+                c.speed_mps, params.detection.reaction_s(plan.sweep_s),
                 fixed_reaction_s(plan, deg_to_rad(55.0), params),
                 fixed_reaction_s(plan, deg_to_rad(120.0), params));
   }

@@ -63,7 +63,7 @@ std::unique_ptr<ServoSession> make_servo(const Laser3dParams& params) {
   settings.baud = params.servo_baud;
   settings.level_position = params.servo_level_position;
   settings.inverted = params.servo_inverted;
-  settings.acceleration_rad_s2 = params.robot.pitch_acceleration_rad_s2;
+  settings.acceleration_rad_s2 = params.robot.head.pitch_acceleration_rad_s2;
   settings.period_us = period_us;
   return std::make_unique<DynamixelSession>(settings);
 }
@@ -71,10 +71,10 @@ std::unique_ptr<ServoSession> make_servo(const Laser3dParams& params) {
 NodSettings nod_settings(const Laser3dParams& params) {
   NodSettings settings;
   settings.fallback = {params.default_min_rad, params.default_max_rad, params.default_sweep_s};
-  settings.min_rad = params.robot.pitch_min_rad;
-  settings.max_rad = params.robot.pitch_max_rad;
-  settings.max_speed_rad_s = params.robot.pitch_rate_rad_s;
-  settings.acceleration_rad_s2 = params.robot.pitch_acceleration_rad_s2;
+  settings.min_rad = params.robot.head.pitch_min_rad;
+  settings.max_rad = params.robot.head.pitch_max_rad;
+  settings.max_speed_rad_s = params.robot.head.pitch_rate_rad_s;
+  settings.acceleration_rad_s2 = params.robot.head.pitch_acceleration_rad_s2;
   settings.command_timeout_us = microseconds(params.command_timeout_s);
   return settings;
 }
@@ -95,8 +95,8 @@ Laser3d::Laser3d(const Laser3dParams& params)
       servo_(make_servo(params)),
       nod_(nod_settings(params)),
       joiner_(joiner_settings(params)),
-      T_base_mount_(Eigen::Translation3d(params.robot.mount_x_m, params.robot.mount_y_m,
-                                         params.robot.mount_z_m)) {}
+      T_base_mount_(Eigen::Translation3d(params.robot.mount.x_m, params.robot.mount.y_m,
+                                         params.robot.mount.z_m)) {}
 
 Laser3dOutput Laser3d::laser_opened(std::int64_t now_us) {
   Laser3dOutput result;

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "common/geometry/angle.hpp"
-#include "common/params/robot_params.hpp"
+#include "common/robot/robot_params.hpp"
 #include "drivers/laser3d/sick_command.hpp"
 
 namespace nodmap::laser3d {
@@ -37,7 +37,7 @@ struct Laser3dParams {
   double maestro_level_us = 1545.0;
   double maestro_us_per_deg = -9.09;
 
-  params::RobotParams robot;
+  robot::RobotParams robot;
   double default_min_rad = geometry::deg_to_rad(-40.0);
   double default_max_rad = geometry::deg_to_rad(15.0);
   double default_sweep_s = 0.8;

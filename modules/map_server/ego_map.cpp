@@ -6,16 +6,16 @@ namespace {
 
 EgoMap make_map(const MapServerParams& params, Relevance relevance, double ceiling_m) {
   // Three sigma of the pitch: one floor reading in 700 is higher, at any distance.
-  const HeightGate gate{params.floor_tolerance_m, std::tan(3.0 * params.pitch_sigma_rad),
-                        ceiling_m};
-  return {ExtendedScan(AngleBins(params.aperture_rad, params.resolution_rad), relevance), gate,
-          make_update_rule(params)};
+  const HeightBand band{params.robot.corridor_bottom_m(),
+                        std::tan(3.0 * params.noise.pitch_sigma_rad), ceiling_m};
+  return {ExtendedScan(AngleBins(params.bins.aperture_rad, params.bins.resolution_rad), relevance),
+          band, make_update_rule(params)};
 }
 
 }  // namespace
 
 EgoMap make_obstacle_map(const MapServerParams& params) {
-  return make_map(params, Relevance::kNearest, params.robot.height_m + params.head_clearance_m);
+  return make_map(params, Relevance::kNearest, params.robot.corridor_top_m());
 }
 
 EgoMap make_structure_map(const MapServerParams& params) {

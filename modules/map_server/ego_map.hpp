@@ -10,36 +10,36 @@
 
 namespace nodmap::map_server {
 
-/// A 2D obstacle map or structure map (III A): an extended scan with the heights that matter to it
-/// and the rule by which it forgets.
+/// A 2D obstacle map or structure map (paper, III A): an extended scan with the heights that count
+/// in it and the rule by which points are removed and replaced.
 class EgoMap {
  public:
-  EgoMap(ExtendedScan scan, const HeightGate& gate, std::unique_ptr<UpdateRule> rule)
-      : scan_(std::move(scan)), gate_(gate), rule_(std::move(rule)) {}
+  EgoMap(ExtendedScan scan, const HeightBand& band, std::unique_ptr<UpdateRule> rule)
+      : scan_(std::move(scan)), band_(band), rule_(std::move(rule)) {}
 
-  /// III B: the three steps, in the paper's order, for every scan. `T_now_last` is the pose shift
-  /// since the last update, empty when there was none: then steps 1 and 2 are skipped (R20), but
-  /// for a rule that has work to do while standing.
+  /// The three steps of III B in the paper's order, for every scan. `T_now_last` is the pose shift
+  /// since the last update. Without a shift it is empty, and steps 1 and 2 are skipped, except for
+  /// a rule that removes while stationary.
   void update(const std::optional<geometry::SE2>& T_now_last, const ScanView& view) {
     if (T_now_last) {
       scan_.transform(*T_now_last);  // 1) transformation
     }
-    if (T_now_last || rule_->removes_while_standing()) {
-      removed_ += rule_->remove_obsolete(scan_, gate_, view);  // 2) removing obsolete points
+    if (T_now_last || rule_->removes_while_stationary()) {
+      removed_ += rule_->remove_obsolete(scan_, band_, view);  // 2) removing obsolete points
     }
-    rule_->replace(scan_, gate_, view);  // 3) point replacement
+    rule_->replace(scan_, band_, view);  // 3) point replacement
   }
 
   void clear() { scan_.clear(); }
 
   [[nodiscard]] const ExtendedScan& scan() const { return scan_; }
 
-  /// Points that became obsolete (step 2) since the start.
+  /// How many points step 2 has removed since the start.
   [[nodiscard]] std::size_t removed() const { return removed_; }
 
  private:
   ExtendedScan scan_;
-  HeightGate gate_;
+  HeightBand band_;
   std::unique_ptr<UpdateRule> rule_;
   std::size_t removed_ = 0;
 };

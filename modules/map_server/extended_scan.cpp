@@ -13,12 +13,12 @@ class Motion {
       : R_(T_now_last.rotation()), t_(T_now_last.translation()), yaw_rad_(T_now_last.yaw) {}
 
   void apply(EgoPoint& point) const {
-    const Eigen::Vector2d turned = R_ * point.p_base;
-    const Eigen::Vector2d p = turned + t_;
-    // The bearing changes by the turn and by the small angle between `turned` and `p`: its series
-    // costs a fifth of an atan2, which would be half the time of a map update.
-    const double along = turned.dot(p);
-    const double ratio = (turned.x() * t_.y() - turned.y() * t_.x()) / along;
+    const Eigen::Vector2d rotated = R_ * point.p_base;
+    const Eigen::Vector2d p = rotated + t_;
+    // The bearing changes by the rotation and by the small angle between `rotated` and `p`: its
+    // series costs a fifth of an atan2, which would be half the time of a map update.
+    const double along = rotated.dot(p);
+    const double ratio = (rotated.x() * t_.y() - rotated.y() * t_.x()) / along;
     if (along > 0.0 && std::abs(ratio) < kSmall) {
       const double square = ratio * ratio;
       const double bearing =

@@ -16,12 +16,12 @@ namespace nodmap::map_server {
 /// Which of two points in one direction a map keeps.
 enum class Relevance { kNearest, kFarthest };
 
-/// What has been looked for in vain at a point since it was last measured.
+/// Where beams have passed through a point since it was last measured.
 struct Search {
-  double lowest_m = std::numeric_limits<double>::infinity();  ///< heights at which beams passed it
+  double lowest_m = std::numeric_limits<double>::infinity();  ///< heights at which they passed
   double highest_m = -std::numeric_limits<double>::infinity();
-  std::int64_t last_missed_pass = -1;
-  int missed_passes = 0;
+  std::int64_t last_missed_sweep = -1;
+  int missed_sweeps = 0;
 };
 
 /// A point of an egocentric map, cartesian and polar at once (III B), in the base frame.
@@ -31,14 +31,14 @@ struct EgoPoint {
   double distance_m = 0.0;   ///< hypot(x, y)
 
   double height_m = 0.0;  ///< above the ground, of the measurement the point stands for
-  double lowest_m = 0.0;  ///< heights at which something was met here
+  double lowest_m = 0.0;  ///< heights at which something was measured here
   double highest_m = 0.0;
 
-  double confirmed_at_s = 0.0;      ///< when last measured, on the map's clock
-  double aged_s = 0.0;              ///< towards expiry, as the update rule counts
-  std::int64_t confirmed_pass = 0;  ///< the scanner's pass in which it was last measured
-  Search search;                    ///< only kept by the confirmed rule
-  bool valid = false;               ///< false: a dummy
+  double confirmed_at_s = 0.0;       ///< when last measured, on the map's clock
+  double aged_s = 0.0;               ///< towards expiry, as the update rule counts
+  std::int64_t confirmed_sweep = 0;  ///< in which it was last measured
+  Search search;                     ///< used by the visibility rule only
+  bool valid = false;                ///< false: a dummy
 
   [[nodiscard]] static EgoPoint at(const Eigen::Vector2d& p_base, double height_m) {
     EgoPoint point;
@@ -71,7 +71,7 @@ class ExtendedScan {
   [[nodiscard]] EgoPoint& operator[](std::size_t bin) { return points_[bin]; }
   [[nodiscard]] const EgoPoint& dummy() const { return dummy_; }
 
-  /// R23: the replacement test, <= for the nearest and >= for the farthest.
+  /// The replacement test of III B, <= for the nearest and >= for the farthest.
   [[nodiscard]] bool prefers(double distance_m, double stored_distance_m) const {
     return relevance_ == Relevance::kNearest ? distance_m <= stored_distance_m
                                              : distance_m >= stored_distance_m;
@@ -79,12 +79,12 @@ class ExtendedScan {
 
   void clear() { points_.assign(points_.size(), dummy_); }
 
-  /// Step 1, Eq. 2: every point into the base frame of now. Of two points that meet in one bin the
-  /// more relevant stays; bins left empty get dummies; points outside the aperture are dropped.
+  /// Step 1, Eq. 2: transforms every point into the present base frame. Of two points in one bin
+  /// the more relevant stays; bins left empty get dummies; points outside the aperture are dropped.
   ///
-  /// The paper's angles turn clockwise in a left-handed frame, so the matrix printed in Eq. 2 is
-  /// the inverse of the robot's own turn, and its (dx, dz) is the shift of the map, not of the
-  /// robot. Said without signs: p_now = T_now_last * p_last.
+  /// The paper's angles are positive clockwise in a left-handed frame, so the matrix printed in
+  /// Eq. 2 is the inverse of the robot's own rotation, and its (dx, dz) is the shift of the map,
+  /// not of the robot. In one line: p_now = T_now_last * p_last.
   void transform(const geometry::SE2& T_now_last);
 
  private:

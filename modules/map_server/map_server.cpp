@@ -7,22 +7,22 @@
 namespace nodmap::map_server {
 
 MapServer::MapServer(const MapServerParams& params)
-    : robot_{params.robot.length_m, params.robot.width_m},
+    : body_(params.robot.body.footprint()),
       obstacle_map_(make_obstacle_map(params)),
       structure_map_(make_structure_map(params)) {}
 
-Verdict MapServer::add_scan(const scan::Scan& scan, const geometry::SE3& T_odom_base) {
+ScanStatus MapServer::add_scan(const scan::Scan& scan, const geometry::SE3& T_odom_base) {
   if (!scan::is_plausible(scan) || scan.ranges_m.empty()) {
-    return Verdict::kImplausibleScan;
+    return ScanStatus::kImplausibleScan;
   }
   if (!T_odom_base.matrix().allFinite()) {
-    return Verdict::kImplausiblePose;
+    return ScanStatus::kImplausiblePose;
   }
   const auto T_now_last = pose_shift(geometry::to_se2(T_odom_base));
   const ScanView view = view_of(scan, advance_clock(scan.utime_mid_us()));
   obstacle_map_.update(T_now_last, view);
   structure_map_.update(T_now_last, view);
-  return Verdict::kUsed;
+  return ScanStatus::kUsed;
 }
 
 void MapServer::reset() {
@@ -34,13 +34,13 @@ void MapServer::reset() {
 
 // A shift too small to count is not lost: the last pose stays until the sum counts.
 std::optional<geometry::SE2> MapServer::pose_shift(const geometry::SE2& T_odom_base) {
-  constexpr double kStanding = 1e-6;  // metres, radians (R20)
+  constexpr double kStationary = 1e-6;  // metres, radians
   if (!T_odom_last_) {
     T_odom_last_ = T_odom_base;
     return std::nullopt;
   }
   const geometry::SE2 T_now_last = T_odom_base.inverse() * *T_odom_last_;
-  if (T_now_last.translation().norm() < kStanding && std::abs(T_now_last.yaw) < kStanding) {
+  if (T_now_last.translation().norm() < kStationary && std::abs(T_now_last.yaw) < kStationary) {
     return std::nullopt;
   }
   T_odom_last_ = T_odom_base;
@@ -57,25 +57,25 @@ double MapServer::advance_clock(std::int64_t utime_us) {
 }
 
 ScanView MapServer::view_of(const scan::Scan& scan, double elapsed_s) {
-  sweep_.add(scan.pitch_first_rad, scan.pitch_last_rad);
+  sweeps_.add(scan.pitch_first_rad, scan.pitch_last_rad);
   project(scan);
   ScanView view{.hits = hits_,
                 .line = ScanLine(scan),
-                .pass = sweep_.pass(),
+                .sweep = sweeps_.sweep(),
                 .lowest_plane = std::nullopt,
                 .highest_plane = std::nullopt,
                 .elapsed_s = elapsed_s,
                 .clock_s = clock_s_};
-  if (const auto wedge = sweep_.wedge()) {
-    view.lowest_plane = laser_plane(scan, wedge->low_rad);
-    view.highest_plane = laser_plane(scan, wedge->high_rad);
+  if (const auto covered = sweeps_.covered()) {
+    view.lowest_plane = laser_plane(scan, covered->min_rad);
+    view.highest_plane = laser_plane(scan, covered->max_rad);
   }
   return view;
 }
 
 // Eq. 1 for the beams, then the angle and distance at which the BASE sees each point: at a pitch of
-// -60 degrees the mirror's own angle is up to 19 degrees off. What is met inside the robot's body
-// is the body: looking far down, the scanner sees its own mount.
+// -60 degrees the mirror's own angle is up to 19 degrees off. Points inside the robot's body are
+// dropped: looking far down, the scanner sees its own mount.
 void MapServer::project(const scan::Scan& scan) {
   hits_.clear();
   hits_.reserve(scan.ranges_m.size());
@@ -84,7 +84,7 @@ void MapServer::project(const scan::Scan& scan) {
     Hit hit{EgoPoint::at(p_base.head<2>(), p_base.z()), 0};
     hit.point.confirmed_at_s = clock_s_;
     const auto bin = bins.index(hit.point.bearing_rad);
-    if (bin && !robot_.contains(hit.point.p_base, 0.0)) {
+    if (bin && !body_.contains(hit.point.p_base)) {
       hit.bin = *bin;
       hits_.push_back(hit);
     }

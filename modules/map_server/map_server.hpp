@@ -7,28 +7,28 @@
 #include <vector>
 
 #include "common/geometry/se3.hpp"
+#include "common/robot/footprint.hpp"
 #include "common/scan/scan.hpp"
 #include "modules/map_server/ego_map.hpp"
-#include "modules/map_server/footprint.hpp"
 #include "modules/map_server/params.hpp"
 #include "modules/map_server/sweep_tracker.hpp"
 
 namespace nodmap::map_server {
 
 /// What became of a scan.
-enum class Verdict { kUsed, kImplausibleScan, kImplausiblePose };
+enum class ScanStatus { kUsed, kImplausibleScan, kImplausiblePose };
 
-/// The egocentric maps of the paper, III A and B, kept up to date scan by scan. Does not allocate
+/// The two egocentric maps of the paper, III A and B, updated with every scan. Does not allocate
 /// after the first scan of a scanner.
 class MapServer {
  public:
   explicit MapServer(const MapServerParams& params);
 
-  /// One update of both maps. `T_odom_base` is the pose at the middle of the scan; its planar part
-  /// moves the maps. A scan or a pose that cannot be true leaves the maps as they are.
-  Verdict add_scan(const scan::Scan& scan, const geometry::SE3& T_odom_base);
+  /// Updates both maps. `T_odom_base` is the pose at the middle of the scan; its planar part moves
+  /// the maps. An implausible scan or pose leaves them unchanged.
+  ScanStatus add_scan(const scan::Scan& scan, const geometry::SE3& T_odom_base);
 
-  /// Forgets everything, for when the odometry has started anew and no shift can be known.
+  /// Clears both maps, for when odometry has started anew and the shift is not known.
   void reset();
 
   [[nodiscard]] const EgoMap& obstacle_map() const { return obstacle_map_; }
@@ -45,15 +45,15 @@ class MapServer {
   [[nodiscard]] ScanView view_of(const scan::Scan& scan, double elapsed_s);
   void project(const scan::Scan& scan);
 
-  Footprint robot_;
+  robot::Footprint body_;
   EgoMap obstacle_map_;
   EgoMap structure_map_;
   scan::ScanProjector projector_;
-  SweepTracker sweep_;
+  SweepTracker sweeps_;
   std::vector<Hit> hits_;
   std::optional<geometry::SE2> T_odom_last_;
   std::optional<std::int64_t> last_utime_us_;
-  double clock_s_ = 0.0;  // message time gone by; a stamp that steps back does not turn it back
+  double clock_s_ = 0.0;  // the time between scans, summed; a stamp that steps back counts 0
 };
 
 }  // namespace nodmap::map_server

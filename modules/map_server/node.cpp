@@ -11,7 +11,7 @@
 namespace nodmap::map_server {
 namespace {
 
-nlohmann::json figures_of(const EgoMap& map) {
+nlohmann::json metrics_of(const EgoMap& map) {
   std::size_t points = 0;
   double nearest_m = std::numeric_limits<double>::infinity();
   double farthest_m = 0.0;
@@ -22,13 +22,13 @@ nlohmann::json figures_of(const EgoMap& map) {
       farthest_m = std::max(farthest_m, point.distance_m);
     }
   }
-  nlohmann::json figures{
+  nlohmann::json metrics{
       {"bins", map.scan().size()}, {"points", points}, {"points_removed", map.removed()}};
   if (points > 0) {
-    figures["nearest_m"] = nearest_m;
-    figures["farthest_m"] = farthest_m;
+    metrics["nearest_m"] = nearest_m;
+    metrics["farthest_m"] = farthest_m;
   }
-  return figures;
+  return metrics;
 }
 
 }  // namespace
@@ -46,7 +46,7 @@ void MapServerNode::on_odometry(const nodmap::odometry_t& message) {
   if (!T_odom_base) {
     return;
   }
-  // No shift leads from the old odom frame to the new.
+  // The shift from the old odom frame to the new one is not known.
   if (input_.odometry_restarted()) {
     server_.reset();
     odometry_.clear();
@@ -65,16 +65,16 @@ void MapServerNode::on_scan(const nodmap::scan_t& message) {
     context_.counts.reject("no_odometry");
     return;
   }
-  // From here on the base is on the ground, and heights in it are heights above the ground.
+  // From here on heights in base are heights above the ground.
   scan_.T_base_mount.translation().z() += params_.base_height_m;
   switch (server_.add_scan(scan_, *T_odom_base)) {
-    case Verdict::kImplausibleScan:
+    case ScanStatus::kImplausibleScan:
       context_.counts.reject("implausible_scan");
       return;
-    case Verdict::kImplausiblePose:
+    case ScanStatus::kImplausiblePose:
       context_.counts.reject("implausible_pose");
       return;
-    case Verdict::kUsed:
+    case ScanStatus::kUsed:
       break;
   }
   context_.counts.use();
@@ -83,7 +83,7 @@ void MapServerNode::on_scan(const nodmap::scan_t& message) {
 }
 
 std::optional<geometry::SE3> MapServerNode::pose_at(std::int64_t utime_us) const {
-  if (params_.assume_standing) {
+  if (params_.assume_stationary) {
     return geometry::SE3::Identity();
   }
   return odometry_.at(utime_us);
@@ -125,19 +125,19 @@ void MapServerNode::fill_message(const EgoMap& map, const geometry::SE3& T_odom_
 
 void MapServerNode::write_results(const std::filesystem::path& dir) {
   draw_maps(server_.obstacle_map().scan(), server_.structure_map().scan(),
-            {params_.robot.length_m, params_.robot.width_m})
+            params_.robot.body.footprint())
       .write_png(dir / "map.png");
 }
 
 nlohmann::json MapServerNode::metrics() const {
   return {{"scans_used", scans_used_},
-          {"obstacle_map", figures_of(server_.obstacle_map())},
-          {"structure_map", figures_of(server_.structure_map())}};
+          {"obstacle_map", metrics_of(server_.obstacle_map())},
+          {"structure_map", metrics_of(server_.structure_map())}};
 }
 
 node::Health MapServerNode::health() const {
   if (!last_scan_had_odometry_) {
-    return {node::HealthState::kDegraded, "No odometry for the scans: the maps stand still."};
+    return {node::HealthState::kDegraded, "No odometry for the scans: the maps are not updated."};
   }
   return {};
 }

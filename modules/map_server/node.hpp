@@ -17,9 +17,9 @@
 
 namespace nodmap::map_server {
 
-/// SCAN and ODOMETRY in, OBSTACLE_MAP and STRUCTURE_MAP out, both after every scan that was used. A
-/// scan that could not be used publishes nothing: a map never carries a newer stamp than what is in
-/// it.
+/// SCAN and ODOMETRY in, OBSTACLE_MAP and STRUCTURE_MAP out, both after every scan that was used.
+/// Nothing is published for a scan that could not be used, so that a map never has a newer stamp
+/// than its points.
 class MapServerNode final : public node::Node {
  public:
   using Params = MapServerParams;
@@ -42,8 +42,8 @@ class MapServerNode final : public node::Node {
   node::SensorInput input_;
   MapServer server_;
   geometry::PoseHistory odometry_;
-  scan::Scan scan_;             // reused from message to message, as is
-  nodmap::egomap_t message_{};  // this one
+  scan::Scan scan_;             // both reused from message to message:
+  nodmap::egomap_t message_{};  // no allocation
   std::int64_t scans_used_ = 0;
   bool last_scan_had_odometry_ = true;
 };

@@ -1,61 +1,101 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <string>
+
 #include "common/geometry/angle.hpp"
-#include "common/params/robot_params.hpp"
+#include "common/robot/robot_params.hpp"
 
 namespace nodmap::map_server {
 
-/// How a stored point is kept up to date: `kPaper` as printed, `kConfirmed` with its gaps closed.
-enum class Rule { kPaper, kConfirmed };
-
-struct MapServerParams {
+/// The directions of a map (paper, III B).
+struct BinParams {
   double aperture_rad = geometry::deg_to_rad(360.0);
   double resolution_rad = geometry::deg_to_rad(1.0);
-
-  params::RobotParams robot;
-  double head_clearance_m = 0.03;
-  double floor_tolerance_m = 0.05;
-  double base_height_m = 0.0;
-
-  double range_sigma_m = 0.01;
-  double pitch_sigma_rad = geometry::deg_to_rad(0.1);
-
-  Rule update_rule = Rule::kConfirmed;
-  double expiry_s = 5.0;
-  double height_tolerance_m = 0.02;
-  int misses_to_remove = 2;
-
-  bool assume_standing = false;
 
   template <class Visitor>
   void describe(Visitor& v) {
     v.angle("aperture_deg", aperture_rad, {1.0, 360.0},
             "Apex angle of both maps, centred ahead (paper, III B).");
     v.angle("resolution_deg", resolution_rad, {0.1, 10.0}, "Angle from bin to bin.");
-    robot.describe(v);
-    v.number("head_clearance_m", head_clearance_m, {0.0, 1.0},
-             "Room to be kept above the robot; raises the top of the virtual corridor.");
-    v.number("floor_tolerance_m", floor_tolerance_m, {0.0, 1.0},
-             "Points lower than this above the ground are floor, or can be driven over.");
-    v.number("base_height_m", base_height_m, {-0.5, 5.0},
-             "Height of the base frame above the ground; not 0 only for recordings whose base is "
-             "the scanner.");
+  }
+};
+
+struct NoiseParams {
+  double range_sigma_m = 0.01;
+  double pitch_sigma_rad = geometry::deg_to_rad(0.1);
+
+  template <class Visitor>
+  void describe(Visitor& v) {
     v.number("range_sigma_m", range_sigma_m, {0.0, 0.5}, "Standard deviation of a range.");
     v.angle("pitch_sigma_deg", pitch_sigma_rad, {0.0, 5.0},
             "Standard deviation of the pitch; widens the floor tolerance with distance.");
-    v.choice("update_rule", update_rule, {{"paper", Rule::kPaper}, {"confirmed", Rule::kConfirmed}},
-             "How points are kept: as in the paper, or until contradicted.");
+  }
+};
+
+/// How stored points are removed: `kPaper` by age, as printed; `kVisibility` when beams pass
+/// through the place where they were.
+enum class RemovalRule { kPaper, kVisibility };
+
+struct UpdateParams {
+  RemovalRule rule = RemovalRule::kVisibility;
+  double expiry_s = 5.0;
+  double height_tolerance_m = 0.02;
+  int misses_to_remove = 2;
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.choice("rule", rule,
+             {{"paper", RemovalRule::kPaper}, {"visibility", RemovalRule::kVisibility}},
+             "How points are removed: by age as in the paper, or when the scanner sees through "
+             "their place.");
     v.number("expiry_s", expiry_s, {0.1, 600.0},
-             "A point goes after this long: paper: in motion; confirmed: in full view, without "
-             "having been measured again.");
+             "Age at which a point is removed. paper: time in motion; visibility: time in full "
+             "view without being measured again.");
     v.number("height_tolerance_m", height_tolerance_m, {0.0, 0.5},
-             "Heights nearer than this count as the same part of an object (confirmed only).");
+             "Heights nearer than this belong to the same part of an object (visibility only).");
     v.integer("misses_to_remove", misses_to_remove, {1, 100},
-              "A point is removed when beams passed it in this many sweeps in a row (confirmed "
-              "only).");
-    v.flag("assume_standing", assume_standing,
-           "Treat the robot as standing: for recordings without odometry.");
+              "A point is removed when beams passed through its place in this many sweeps since it "
+              "was last measured (visibility only).");
+  }
+};
+
+struct MapServerParams {
+  BinParams bins;
+  robot::RobotParams robot;
+  double base_height_m = 0.0;
+  NoiseParams noise;
+  UpdateParams update;
+  bool assume_stationary = false;
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.section("bins", bins);
+    robot.describe(v);
+    v.number("base_height_m", base_height_m, {-0.5, 5.0},
+             "Height of the base frame above the ground; not 0 only for recordings whose base is "
+             "the scanner.");
+    v.section("noise", noise);
+    v.section("update", update);
+    v.flag("assume_stationary", assume_stationary,
+           "Treat the robot as stationary: for recordings without odometry.");
+    describe_former_names(v);
+  }
+
+ private:
+  template <class Visitor>
+  static void describe_former_names(Visitor& v) {
+    for (const char* name : {"aperture_deg", "resolution_deg"}) {
+      v.renamed(name, std::string("bins.") + name);
+    }
+    for (const char* name : {"range_sigma_m", "pitch_sigma_deg"}) {
+      v.renamed(name, std::string("noise.") + name);
+    }
+    for (const char* name : {"expiry_s", "height_tolerance_m", "misses_to_remove"}) {
+      v.renamed(name, std::string("update.") + name);
+    }
+    v.renamed("update_rule", "update.rule");
+    v.renamed("assume_standing", "assume_stationary");
   }
 };
 

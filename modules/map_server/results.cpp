@@ -16,8 +16,8 @@ constexpr drawing::Rgb kStructure{35, 95, 190};
 constexpr drawing::Rgb kObstacle{215, 40, 35};
 constexpr drawing::Rgb kRobot{60, 60, 60};
 
-/// Whole metres from the middle to the border: room for nine points in ten. The last are far down a
-/// corridor, and would make all that matters small.
+/// Whole metres from the middle to the border, so that nine points in ten fit: the farthest, at the
+/// end of a corridor, would make all others small.
 double reach_m(const ExtendedScan& obstacles, const ExtendedScan& structure) {
   std::vector<double> distances;
   for (const ExtendedScan* map : {&obstacles, &structure}) {
@@ -48,12 +48,13 @@ class Canvas {
     }
   }
 
-  void draw_robot(const Footprint& robot) {
-    const Eigen::Vector2d front_left(0.5 * robot.length_m, 0.5 * robot.width_m);
+  void draw_robot(const robot::Footprint& robot) {
+    const Eigen::Vector2d front_left(robot.half_length_m, robot.half_width_m);
     image_.fill_rectangle(static_cast<int>(u(front_left)), static_cast<int>(v(front_left)),
-                          static_cast<int>(std::lround(robot.width_m * px_per_m_)),
-                          static_cast<int>(std::lround(robot.length_m * px_per_m_)), kRobot);
-    const Eigen::Vector2d nose(robot.length_m, 0.0);
+                          static_cast<int>(std::lround(2.0 * robot.half_width_m * px_per_m_)),
+                          static_cast<int>(std::lround(2.0 * robot.half_length_m * px_per_m_)),
+                          kRobot);
+    const Eigen::Vector2d nose(2.0 * robot.half_length_m, 0.0);
     image_.draw_line(kMiddle, kMiddle, u(nose), v(nose), kRobot, 2.0);
   }
 
@@ -73,7 +74,7 @@ class Canvas {
 }  // namespace
 
 drawing::Image draw_maps(const ExtendedScan& obstacles, const ExtendedScan& structure,
-                         const Footprint& robot) {
+                         const robot::Footprint& robot) {
   Canvas canvas(reach_m(obstacles, structure));
   canvas.draw_robot(robot);
   canvas.draw_points(structure, 4.0, kStructure);

@@ -2,14 +2,14 @@
 #pragma once
 
 #include "common/drawing/image.hpp"
+#include "common/robot/footprint.hpp"
 #include "modules/map_server/extended_scan.hpp"
-#include "modules/map_server/footprint.hpp"
 
 namespace nodmap::map_server {
 
-/// Both maps as the robot has them, ahead being up: structure blue, obstacles red on top, the
-/// robot's body in the middle, a ring for each metre (a darker one for each fifth).
+/// Draws both maps around the robot: ahead is up, structure blue, obstacles red on top, a ring for
+/// each metre (a darker one for each fifth), the body in the middle.
 [[nodiscard]] drawing::Image draw_maps(const ExtendedScan& obstacles, const ExtendedScan& structure,
-                                       const Footprint& robot);
+                                       const robot::Footprint& robot);
 
 }  // namespace nodmap::map_server

@@ -8,7 +8,7 @@ namespace nodmap::map_server {
 namespace {
 
 // Two neighbouring readings belong to one surface if it is seen at more than 3 degrees: below that
-// they are taken for the edge of one thing before another.
+// they are taken for an edge.
 const double kCotangentOfGrazing = 1.0 / std::tan(geometry::deg_to_rad(3.0));
 
 /// atan2 to 2e-6 rad, the ten-thousandth part of a beam. The library's is a quarter of the time of
@@ -26,7 +26,7 @@ double quick_atan2(double y, double x) {
   return std::copysign(x < 0.0 ? geometry::kPi - quadrant : quadrant, y);
 }
 
-Eigen::Vector3d mirror_in_base(const scan::Scan& scan, double pitch_rad) {
+Eigen::Vector3d sensor_origin_in_base(const scan::Scan& scan, double pitch_rad) {
   return scan.T_base_mount * (geometry::pitch_rotation(pitch_rad) * scan.mirror_offset_m);
 }
 
@@ -38,13 +38,13 @@ std::optional<SlantedPlane> laser_plane(const scan::Scan& scan, double pitch_rad
   if (std::abs(normal.z()) < 0.05) {
     return std::nullopt;
   }
-  return SlantedPlane{normal.dot(mirror_in_base(scan, pitch_rad)) / normal.z(),
+  return SlantedPlane{normal.dot(sensor_origin_in_base(scan, pitch_rad)) / normal.z(),
                       -normal.head<2>() / normal.z()};
 }
 
 ScanLine::ScanLine(const scan::Scan& scan) : scan_(&scan) {
   const double pitch = scan.pitch_mid_rad();
-  mirror_ = mirror_in_base(scan, pitch);
+  sensor_origin_ = sensor_origin_in_base(scan, pitch);
   forward_ = scan.T_base_mount.linear() * Eigen::Vector3d(std::cos(pitch), 0.0, std::sin(pitch));
   left_ = scan.T_base_mount.linear().col(1);
   first_plane_ = laser_plane(scan, scan.pitch_first_rad);
@@ -53,49 +53,49 @@ ScanLine::ScanLine(const scan::Scan& scan) : scan_(&scan) {
   last_beam_ = static_cast<double>(scan.ranges_m.size()) - 1.0;
 }
 
-std::optional<ScanLine::Look> ScanLine::look_at(const Eigen::Vector2d& p_base) const {
+std::optional<ScanLine::Crossing> ScanLine::crossing_at(const Eigen::Vector2d& p_base) const {
   if (last_beam_ < 1.0 || !first_plane_ || !last_plane_) {
     return std::nullopt;
   }
   const double z_first = first_plane_->height_m(p_base);
   const double z_last = last_plane_->height_m(p_base);
   Eigen::Vector3d sight(p_base.x(), p_base.y(), 0.5 * (z_first + z_last));
-  sight -= mirror_;
+  sight -= sensor_origin_;
   const double angle = quick_atan2(sight.dot(left_), sight.dot(forward_));
   const double first = scan_->angle_first_rad;
-  double turn = scan_->angle_step_rad > 0.0 ? angle - first : first - angle;
-  while (turn < 0.0) {  // twice at most: the first beam is within a full turn of 0
-    turn += 2.0 * geometry::kPi;
+  double from_first_rad = scan_->angle_step_rad > 0.0 ? angle - first : first - angle;
+  while (from_first_rad < 0.0) {  // twice at most: the first beam is within 2 pi of 0
+    from_first_rad += 2.0 * geometry::kPi;
   }
-  const double place = turn * beams_per_rad_;
+  const double place = from_first_rad * beams_per_rad_;
   if (!(place <= last_beam_)) {
     return std::nullopt;
   }
-  Look look;
-  look.beam =
+  Crossing crossing;
+  crossing.beam =
       std::min(static_cast<std::size_t>(static_cast<int>(place)), scan_->ranges_m.size() - 2);
-  look.between = place - static_cast<double>(look.beam);
-  look.height_m = z_first + place / last_beam_ * (z_last - z_first);
-  sight.z() = look.height_m - mirror_.z();
-  look.range_m = sight.norm();
-  return look;
+  crossing.between = place - static_cast<double>(crossing.beam);
+  crossing.height_m = z_first + place / last_beam_ * (z_last - z_first);
+  sight.z() = crossing.height_m - sensor_origin_.z();
+  crossing.range_m = sight.norm();
+  return crossing;
 }
 
-std::optional<double> ScanLine::reached_m(const Look& look) const {
-  const std::size_t nearer = look.between < 0.5 ? look.beam : look.beam + 1;
+std::optional<double> ScanLine::measured_range_m(const Crossing& crossing) const {
+  const std::size_t nearer = crossing.between < 0.5 ? crossing.beam : crossing.beam + 1;
   if (!scan_->is_hit(nearer)) {
     return std::nullopt;
   }
-  const auto r1 = static_cast<double>(scan_->ranges_m[look.beam]);
-  const auto r2 = static_cast<double>(scan_->ranges_m[look.beam + 1]);
+  const auto r1 = static_cast<double>(scan_->ranges_m[crossing.beam]);
+  const auto r2 = static_cast<double>(scan_->ranges_m[crossing.beam + 1]);
   const double widest = kCotangentOfGrazing * std::abs(scan_->angle_step_rad) * std::min(r1, r2);
-  const bool one_surface =
-      scan_->is_hit(look.beam) && scan_->is_hit(look.beam + 1) && std::abs(r1 - r2) <= widest;
+  const bool one_surface = scan_->is_hit(crossing.beam) && scan_->is_hit(crossing.beam + 1) &&
+                           std::abs(r1 - r2) <= widest;
   if (!one_surface) {
     return static_cast<double>(scan_->ranges_m[nearer]);
   }
   // The straight line through two points is harmonic in the range (for a small angle between them).
-  return r1 * r2 / (r1 * look.between + r2 * (1.0 - look.between));
+  return r1 * r2 / (r1 * crossing.between + r2 * (1.0 - crossing.between));
 }
 
 bool ScanLine::reaches_beyond(std::size_t beam, double range_m) const {

@@ -9,7 +9,7 @@
 
 namespace nodmap::map_server {
 
-/// A plane that is no wall: z as a function of the place on the ground.
+/// A plane that is not vertical: z as a function of the place on the ground.
 struct SlantedPlane {
   double offset_m = 0.0;
   Eigen::Vector2d slope = Eigen::Vector2d::Zero();
@@ -17,16 +17,16 @@ struct SlantedPlane {
   [[nodiscard]] double height_m(const Eigen::Vector2d& p) const { return offset_m + slope.dot(p); }
 };
 
-/// The plane the laser sweeps at a pitch, in the base frame; empty where it looks (nearly) straight
-/// up or down and has no height over the ground.
+/// The plane of the beams at a pitch, in the base frame; empty where it is so near to vertical that
+/// it has no height over a place on the ground.
 [[nodiscard]] std::optional<SlantedPlane> laser_plane(const scan::Scan& scan, double pitch_rad);
 
-/// What one scan says about a place on the ground: at which height its beams cross that place, and
-/// whether they end there or go on.
+/// One scan seen from a place on the ground: at which height the beams cross that place, and
+/// whether they end there or reach beyond.
 class ScanLine {
  public:
   /// The beams on either side of a place, and how they cross it.
-  struct Look {
+  struct Crossing {
     std::size_t beam = 0;   ///< the place lies between this beam and the next
     double between = 0.0;   ///< 0 on this beam, 1 on the next
     double range_m = 0.0;   ///< from the mirror to the place, in the laser plane
@@ -37,30 +37,31 @@ class ScanLine {
   explicit ScanLine(const scan::Scan& scan);
 
   /// Empty outside the fan.
-  [[nodiscard]] std::optional<Look> look_at(const Eigen::Vector2d& p_base) const;
+  [[nodiscard]] std::optional<Crossing> crossing_at(const Eigen::Vector2d& p_base) const;
 
-  /// How far the line of sight towards the place reached: interpolated where both beams met one
-  /// surface, else the nearer beam's reading; empty where that beam has none.
-  [[nodiscard]] std::optional<double> reached_m(const Look& look) const;
+  /// The range measured towards the place: interpolated where both beams hit one surface, else the
+  /// reading of the beam next to it; empty where that beam has none.
+  [[nodiscard]] std::optional<double> measured_range_m(const Crossing& crossing) const;
 
-  /// Whether the beams on BOTH sides went farther than `range_m`. One alone is no proof: it may
+  /// Whether the beams on BOTH sides reach farther than `range_m`. One alone is no proof: it may
   /// graze a wall that the place belongs to.
-  [[nodiscard]] bool both_reach_beyond(const Look& look, double range_m) const {
-    return reaches_beyond(look.beam, range_m) && reaches_beyond(look.beam + 1, range_m);
+  [[nodiscard]] bool both_reach_beyond(const Crossing& crossing, double range_m) const {
+    return reaches_beyond(crossing.beam, range_m) && reaches_beyond(crossing.beam + 1, range_m);
   }
 
-  /// Whether of the two beams one ended before the place and one went beyond.
-  [[nodiscard]] bool ends_on_either_side(const Look& look) const {
-    return scan_->is_hit(look.beam) && scan_->is_hit(look.beam + 1) &&
-           reaches_beyond(look.beam, look.range_m) != reaches_beyond(look.beam + 1, look.range_m);
+  /// Whether of the two beams one ends before the place and one reaches beyond.
+  [[nodiscard]] bool ends_on_either_side(const Crossing& crossing) const {
+    return scan_->is_hit(crossing.beam) && scan_->is_hit(crossing.beam + 1) &&
+           reaches_beyond(crossing.beam, crossing.range_m) !=
+               reaches_beyond(crossing.beam + 1, crossing.range_m);
   }
 
  private:
   [[nodiscard]] bool reaches_beyond(std::size_t beam, double range_m) const;
 
   const scan::Scan* scan_;
-  Eigen::Vector3d mirror_ = Eigen::Vector3d::Zero();
-  Eigen::Vector3d forward_ = Eigen::Vector3d::UnitX();  // the laser frame's axes in base
+  Eigen::Vector3d sensor_origin_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d forward_ = Eigen::Vector3d::UnitX();  // axes of the laser frame in base
   Eigen::Vector3d left_ = Eigen::Vector3d::UnitY();
   std::optional<SlantedPlane> first_plane_;  // the pitch moves during a scan
   std::optional<SlantedPlane> last_plane_;

@@ -8,9 +8,9 @@
 namespace nodmap::map_server {
 namespace {
 
-// More than the jitter of the servo, less than the slowest nod's step (0.25 degrees a scan, II).
-constexpr double kTurned = geometry::deg_to_rad(0.2);
-// The slowest nod is beyond kTurned after one scan, or two at a turning point.
+// More than the jitter of the servo, less than the finest step (0.25 degrees a scan; paper, II).
+constexpr double kReversedRad = geometry::deg_to_rad(0.2);
+// At the finest step the pitch has moved by kReversedRad after one scan, or two at a reversal.
 constexpr int kStillScans = 10;
 
 }  // namespace
@@ -22,48 +22,47 @@ void SweepTracker::add(double pitch_first_rad, double pitch_last_rad) {
     still_rad_ = farthest_rad_ = pitch;
     current_ = {low, high};
   }
-  current_ = {std::min(current_.low_rad, low), std::max(current_.high_rad, high)};
-  if (std::abs(pitch - still_rad_) > kTurned) {
+  current_ = {std::min(current_.min_rad, low), std::max(current_.max_rad, high)};
+  if (std::abs(pitch - still_rad_) > kReversedRad) {
     still_rad_ = pitch;
     still_scans_ = 0;
   } else if (++still_scans_ > kStillScans) {
     farthest_rad_ = pitch;
     direction_ = 0.0;
-    finish_pass({low, high});
+    finish_sweep({low, high});
     return;
   }
   const double advance = pitch - farthest_rad_;
   if (direction_ == 0.0) {
-    direction_ = std::abs(advance) > kTurned ? std::copysign(1.0, advance) : 0.0;
+    direction_ = std::abs(advance) > kReversedRad ? std::copysign(1.0, advance) : 0.0;
   }
   if (advance * direction_ > 0.0) {
     farthest_rad_ = pitch;
-  } else if (advance * direction_ < -kTurned) {
-    finish_pass({std::min(farthest_rad_, low), std::max(farthest_rad_, high)});
+  } else if (advance * direction_ < -kReversedRad) {
+    finish_sweep({std::min(farthest_rad_, low), std::max(farthest_rad_, high)});
     farthest_rad_ = pitch;
     direction_ = -direction_;
   }
 }
 
-std::optional<PitchInterval> SweepTracker::wedge() const {
+std::optional<PitchInterval> SweepTracker::covered() const {
   if (!last_ || !before_last_) {
     return std::nullopt;
   }
-  const PitchInterval both{std::max(last_->low_rad, before_last_->low_rad),
-                           std::min(last_->high_rad, before_last_->high_rad)};
-  // Two scans of a scanner that holds still differ by its jitter: no wedge in common, but a line.
-  if (both.low_rad > both.high_rad + kTurned) {
+  const PitchInterval both{std::max(last_->min_rad, before_last_->min_rad),
+                           std::min(last_->max_rad, before_last_->max_rad)};
+  // Scans of a head that is held still differ by its jitter: the intervals need not overlap.
+  if (both.min_rad > both.max_rad + kReversedRad) {
     return std::nullopt;
   }
-  return PitchInterval{std::min(both.low_rad, both.high_rad),
-                       std::max(both.low_rad, both.high_rad)};
+  return PitchInterval{std::min(both.min_rad, both.max_rad), std::max(both.min_rad, both.max_rad)};
 }
 
-void SweepTracker::finish_pass(PitchInterval next) {
+void SweepTracker::finish_sweep(PitchInterval next) {
   before_last_ = last_;
   last_ = current_;
   current_ = next;
-  ++pass_;
+  ++sweep_;
 }
 
 }  // namespace nodmap::map_server

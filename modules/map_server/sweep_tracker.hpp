@@ -5,35 +5,34 @@
 #include <cstdint>
 #include <optional>
 
+#include "common/robot/robot_params.hpp"
+
 namespace nodmap::map_server {
 
-struct PitchInterval {
-  double low_rad = 0.0;
-  double high_rad = 0.0;
-};
+using robot::PitchInterval;
 
-/// Learns from the scans alone how the scanner nods: counts its passes from turning point to
-/// turning point, and knows the wedge of pitches it looks through. A scanner that holds still makes
-/// every scan a pass.
+/// Derives from the pitches of the scans alone how the head nods: counts the sweeps, and keeps the
+/// interval of pitches they cover. A head that is held still makes every scan a sweep.
 class SweepTracker {
  public:
   void add(double pitch_first_rad, double pitch_last_rad);
 
-  /// Counts up at each turning point.
-  [[nodiscard]] std::int64_t pass() const { return pass_; }
+  /// Counts up at each reversal of the head.
+  [[nodiscard]] std::int64_t sweep() const { return sweep_; }
 
-  /// The pitches seen in EACH of the last two finished passes; empty before. The smaller of two
-  /// answers is the safe one: what is outside this wedge is neither aged nor taken for gone. When
-  /// the scanner narrows its nod, one pass is still judged by the old wedge; removal needs two.
-  [[nodiscard]] std::optional<PitchInterval> wedge() const;
+  /// The pitches covered by EACH of the last two complete sweeps; empty before. The smaller
+  /// interval is the safe one: a point outside of it neither ages nor is removed. After the head
+  /// has narrowed its sweeps one of them is still compared with the old interval; removal needs
+  /// two.
+  [[nodiscard]] std::optional<PitchInterval> covered() const;
 
  private:
-  void finish_pass(PitchInterval next);
+  void finish_sweep(PitchInterval next);
 
-  std::int64_t pass_ = 0;
+  std::int64_t sweep_ = 0;
   int scans_ = 0;
-  int still_scans_ = 0;        // how long the pitch has not left its surroundings
-  double still_rad_ = 0.0;     // and where that is
+  int still_scans_ = 0;  // for how many the pitch has stayed near still_rad_
+  double still_rad_ = 0.0;
   double direction_ = 0.0;     // +1 up, -1 down, 0 not known yet
   double farthest_rad_ = 0.0;  // in this direction
   PitchInterval current_;

@@ -1,16 +1,41 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "modules/map_server/update_rule.hpp"
 
-#include "modules/map_server/confirmed_rule.hpp"
-#include "modules/map_server/paper_rule.hpp"
+#include "modules/map_server/visibility_rule.hpp"
 
 namespace nodmap::map_server {
 
-std::unique_ptr<UpdateRule> make_update_rule(const MapServerParams& params) {
-  if (params.update_rule == Rule::kPaper) {
-    return std::make_unique<PaperRule>(params.expiry_s);
+std::size_t PaperRule::remove_obsolete(ExtendedScan& map, const HeightBand& /*band*/,
+                                       const ScanView& view) {
+  std::size_t removed = 0;
+  for (EgoPoint& point : map.points()) {
+    if (!point.valid) {
+      continue;
+    }
+    point.aged_s += view.elapsed_s;
+    if (point.aged_s > expiry_s_) {
+      point = map.dummy();
+      ++removed;
+    }
   }
-  return std::make_unique<ConfirmedRule>(params);
+  return removed;
+}
+
+void PaperRule::replace(ExtendedScan& map, const HeightBand& band, const ScanView& view) {
+  for (const Hit& hit : view.hits) {
+    if (band.contains(hit.point.height_m, hit.point.distance_m) &&
+        map.prefers(hit.point.distance_m, map[hit.bin].distance_m)) {
+      map[hit.bin] = hit.point;
+    }
+  }
+}
+
+std::unique_ptr<UpdateRule> make_update_rule(const MapServerParams& params) {
+  if (params.update.rule == RemovalRule::kPaper) {
+    return std::make_unique<PaperRule>(params.update.expiry_s);
+  }
+  return std::make_unique<VisibilityRule>(params.update, params.noise.range_sigma_m,
+                                          params.robot.body.footprint());
 }
 
 }  // namespace nodmap::map_server

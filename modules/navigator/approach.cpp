@@ -12,13 +12,14 @@ namespace {
 
 /// Nearer by less is noise of the laser and of odometry in a turn: 1 to 2 cm each.
 constexpr double kNearerM = 0.06;
-constexpr std::int64_t kGiveWayUs = 1'000'000;
-/// From a place so far behind the robot things are still seen from about the same side.
-constexpr double kPlaceM = 0.3;
+constexpr std::int64_t kWaitUs = 1'000'000;
+/// From a reference point so far behind the robot everything is still seen from about the same
+/// side.
+constexpr double kReferenceM = 0.3;
 
 int sector_of(double compass_rad, int sectors) {
-  const double share = compass_rad / (2.0 * geometry::kPi) * sectors;
-  return (static_cast<int>(std::floor(share)) % sectors + sectors) % sectors;
+  const double sector = compass_rad / (2.0 * geometry::kPi) * sectors;
+  return (static_cast<int>(std::floor(sector)) % sectors + sectors) % sectors;
 }
 
 }  // namespace
@@ -33,43 +34,43 @@ Approach::Sectors Approach::nearest(const geometry::SE2& T_odom_base,
   for (const Eigen::Vector2d& p_base : points_base) {
     const Eigen::Vector2d p_odom(T_odom_base.x + c * p_base.x() - s * p_base.y(),
                                  T_odom_base.y + s * p_base.x() + c * p_base.y());
-    const Eigen::Vector2d way = p_odom - place_odom_;
-    const int sector = sector_of(std::atan2(way.y(), way.x()), kSectors);
+    const Eigen::Vector2d offset = p_odom - reference_odom_;
+    const int sector = sector_of(std::atan2(offset.y(), offset.x()), kSectors);
     Nearest& so_far = sectors[static_cast<std::size_t>(sector)];
-    if (way.norm() < so_far.distance_m) {
-      so_far = {way.norm(), p_base};
+    if (offset.norm() < so_far.distance_m) {
+      so_far = {offset.norm(), p_base};
     }
   }
   return sectors;
 }
 
-void Approach::look(std::int64_t utime_us, const geometry::SE2& T_odom_base, double reach_m,
-                    const Points& points_base, const View& view) {
+void Approach::update(std::int64_t utime_us, const geometry::SE2& T_odom_base, double reach_m,
+                      const Points& points_base, const SeenDirections& seen) {
   if (known_) {
-    compare(nearest(T_odom_base, points_base), utime_us, reach_m, view);
+    compare(nearest(T_odom_base, points_base), utime_us, reach_m, seen);
   }
-  if (!known_ || (T_odom_base.translation() - place_odom_).norm() > kPlaceM) {
-    place_odom_ = T_odom_base.translation();
+  if (!known_ || (T_odom_base.translation() - reference_odom_).norm() > kReferenceM) {
+    reference_odom_ = T_odom_base.translation();
     known_ = nearest(T_odom_base, points_base);
   }
 }
 
 void Approach::compare(const Sectors& now, std::int64_t utime_us, double reach_m,
-                       const View& view) {
+                       const SeenDirections& seen) {
   const Sectors before = *known_;
   for (int i = 0; i < kSectors; ++i) {
     const auto known_m = [&](int beside) {
       return before[static_cast<std::size_t>((i + beside + kSectors) % kSectors)].distance_m;
     };
     const Nearest& there = now[static_cast<std::size_t>(i)];
-    // A pole on the border of two sectors is now in one, now in the other.
+    // A pole on the border of two sectors may appear in either.
     const double nearest_known_m = std::min({known_m(-1), known_m(0), known_m(1)});
     const bool is_nearer =
         there.distance_m < nearest_known_m - kNearerM && there.p_base.norm() < reach_m;
-    if (is_nearer && view.trusts(std::atan2(there.p_base.y(), there.p_base.x()), half_sweeps_)) {
-      came_us_ = utime_us;
+    if (is_nearer && seen.is_seen(std::atan2(there.p_base.y(), there.p_base.x()), sweeps_)) {
+      detected_us_ = utime_us;
     }
-    // What comes slowly is measured from where it began.
+    // The distance of something slow is compared with where it started.
     Nearest& kept = (*known_)[static_cast<std::size_t>(i)];
     if (is_nearer || there.distance_m > kept.distance_m || !std::isfinite(kept.distance_m)) {
       kept = there;
@@ -77,9 +78,9 @@ void Approach::compare(const Sectors& now, std::int64_t utime_us, double reach_m
   }
 }
 
-bool Approach::is_close(std::int64_t utime_us) const {
+bool Approach::is_detected(std::int64_t utime_us) const {
   // A stamp that stepped back must not prolong the wait.
-  return came_us_ && std::abs(utime_us - *came_us_) < kGiveWayUs;
+  return detected_us_ && std::abs(utime_us - *detected_us_) < kWaitUs;
 }
 
 }  // namespace nodmap::navigator

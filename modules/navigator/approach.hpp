@@ -7,33 +7,33 @@
 
 #include "common/geometry/se2.hpp"
 #include "modules/navigator/obstacle_points.hpp"
-#include "modules/navigator/view.hpp"
+#include "modules/navigator/seen_directions.hpp"
 
 namespace nodmap::navigator {
 
-/// Notices that something comes nearer by itself, whatever the robot does. People walk at 1 m/s and
-/// more, and give way to nobody: who comes near is given way to.
+/// Detects that something comes nearer by its own motion, not by the robot's. People walk at 1 m/s
+/// and more, and do not yield: the robot waits for them.
 ///
-/// Looks from a place in odom that stays while the robot moves on a little, so that what only the
-/// robot comes nearer to is no approach. Kept by direction from there: what is in view for the
-/// first time only came into view, and what was hidden from there behind something else is farther
-/// than that.
+/// The nearest distance in each direction is compared with the earlier one, as seen from a
+/// reference point in odom that stays while the robot moves on a little: so the robot's own motion
+/// brings nothing nearer. A direction that has just come into view is not compared, and what was
+/// occluded from the reference point was farther away than what occluded it.
 class Approach {
  public:
-  explicit Approach(int half_sweeps_to_trust) : half_sweeps_(half_sweeps_to_trust) {}
+  explicit Approach(int sweeps_to_trust) : sweeps_(sweeps_to_trust) {}
 
-  /// The obstacles of this moment; `view` has looked at the same. What stays farther than `reach_m`
-  /// from the base's origin does not matter.
-  void look(std::int64_t utime_us, const geometry::SE2& T_odom_base, double reach_m,
-            const Points& points_base, const View& view);
+  /// The obstacles at this moment; `seen` has been updated before. Obstacles farther than `reach_m`
+  /// from the origin of base are ignored.
+  void update(std::int64_t utime_us, const geometry::SE2& T_odom_base, double reach_m,
+              const Points& points_base, const SeenDirections& seen);
 
-  /// Whether something has come nearer within the last second: it may be coming still, and the
-  /// laser looks at it about so often.
-  [[nodiscard]] bool is_close(std::int64_t utime_us) const;
+  /// Whether something has come nearer within the last second: it may still be moving, and the
+  /// laser measures it about so often.
+  [[nodiscard]] bool is_detected(std::int64_t utime_us) const;
 
  private:
   static constexpr int kSectors = 36;
-  /// The nearest point of a direction as seen from the place.
+  /// The nearest point of a direction as seen from the reference point.
   struct Nearest {
     double distance_m = 0.0;
     Eigen::Vector2d p_base;
@@ -41,12 +41,13 @@ class Approach {
   using Sectors = std::array<Nearest, kSectors>;
 
   [[nodiscard]] Sectors nearest(const geometry::SE2& T_odom_base, const Points& points_base) const;
-  void compare(const Sectors& now, std::int64_t utime_us, double reach_m, const View& view);
+  void compare(const Sectors& now, std::int64_t utime_us, double reach_m,
+               const SeenDirections& seen);
 
-  int half_sweeps_;
-  Eigen::Vector2d place_odom_ = Eigen::Vector2d::Zero();
+  int sweeps_;
+  Eigen::Vector2d reference_odom_ = Eigen::Vector2d::Zero();
   std::optional<Sectors> known_;
-  std::optional<std::int64_t> came_us_;
+  std::optional<std::int64_t> detected_us_;
 };
 
 }  // namespace nodmap::navigator

@@ -3,25 +3,38 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace nodmap::navigator {
 
-double stoppable_speed(double way, double deceleration, double reaction_s) {
-  if (!(way > 0.0)) {
-    return 0.0;
-  }
-  const double lost = deceleration * reaction_s;
-  return std::sqrt(lost * lost + 2.0 * deceleration * way) - lost;
+Arc Brake::measure_arc(double curvature, const Points& points_base) const {
+  const double distance_m = free_distance(points_base, curvature, body_, drive_.side_margin_m);
+  return {curvature, distance_m, braking_.stoppable_mps(distance_m, drive_.reaction_s)};
 }
 
-double speed_on_arc(double curvature, const SpeedLimits& limits) {
+double Brake::speed_on_present_arc(double forward_mps, double yaw_rate_rad_s,
+                                   const Points& points_base) const {
+  if (forward_mps < kLeastSpeedMps) {
+    return std::numeric_limits<double>::infinity();
+  }
+  const Arc arc = measure_arc(yaw_rate_rad_s / forward_mps, points_base);
+  const double emergency_mps = robot::stoppable_speed(arc.free_distance_m - braking_.stop_margin_m,
+                                                      0.0, braking_.emergency_deceleration_mps2);
+  return forward_mps > emergency_mps ? 0.0 : arc.speed_mps;
+}
+
+double Brake::speed_limit(double curvature, double max_forward_mps) const {
   const double bend = std::abs(curvature);
-  double speed_mps = std::max(0.0, limits.max_forward_mps);
+  double speed_mps = std::max(0.0, std::min(max_forward_mps, drive_.max_forward_mps));
   if (bend > 0.0) {
     speed_mps = std::min(
-        {speed_mps, limits.max_yaw_rate_rad_s / bend, std::sqrt(limits.max_lateral_mps2 / bend)});
+        {speed_mps, drive_.max_yaw_rate_rad_s / bend, std::sqrt(drive_.max_lateral_mps2 / bend)});
   }
   return speed_mps;
+}
+
+double Brake::stoppable_mps(double distance_m) const {
+  return robot::stoppable_speed(distance_m, drive_.reaction_s, braking_.deceleration_mps2);
 }
 
 }  // namespace nodmap::navigator

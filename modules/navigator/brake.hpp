@@ -1,25 +1,46 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "modules/navigator/corridor.hpp"
+#include "modules/navigator/params.hpp"
+
 namespace nodmap::navigator {
 
-/// Brake: the fastest speed from which the robot, after `reaction_s` at that speed, comes to stand
-/// within `way` at `deceleration`,
-///
-///     v = -a T + sqrt((a T)^2 + 2 a way),    the solution of    way = v T + v^2 / (2 a).
-///
-/// Metres and m/s, or radians and rad/s. 0 where there is no way, +infinity where it has no end.
-[[nodiscard]] double stoppable_speed(double way, double deceleration, double reaction_s);
+/// Slower than this the robot does not start to drive; it turns instead.
+inline constexpr double kLeastSpeedMps = 0.06;
 
-/// What limits the forward speed, and what the wheels can do.
-struct SpeedLimits {
-  double max_forward_mps = 0.0;  ///< by parameter and by the pitch controller
-  double max_yaw_rate_rad_s = 0.0;
-  double max_lateral_mps2 = 0.0;
+/// An arc (curvature in 1/m, positive left) and how far it is free.
+struct Arc {
+  double curvature = 0.0;
+  double free_distance_m = 0.0;
+  double speed_mps = 0.0;  ///< from which the robot stops in time on it
 };
 
-/// The fastest forward speed on an arc (1/m) within the limits: |v curvature| <= turn rate and
-/// v |v curvature| <= lateral acceleration.
-[[nodiscard]] double speed_on_arc(double curvature, const SpeedLimits& limits);
+/// Brake (paper, III C): the speed from which the robot stops before what is in the virtual
+/// corridor along its arc; common/robot/stopping.hpp has the formula.
+class Brake {
+ public:
+  Brake(const robot::RobotParams& robot, const DriveParams& drive)
+      : body_(robot.body.footprint()), braking_(robot.braking), drive_(drive) {}
+
+  [[nodiscard]] Arc measure_arc(double curvature, const Points& points_base) const;
+
+  /// What the arc allows that the robot is on now, for on that it would brake. 0 when it is nearer
+  /// to an obstacle than even an emergency stop needs; +infinity while it is hardly moving.
+  [[nodiscard]] double speed_on_present_arc(double forward_mps, double yaw_rate_rad_s,
+                                            const Points& points_base) const;
+
+  /// The speed that yaw rate and lateral acceleration allow on an arc, at most `max_forward_mps`:
+  /// |v curvature| <= yaw rate and v |v curvature| <= lateral acceleration.
+  [[nodiscard]] double speed_limit(double curvature, double max_forward_mps) const;
+
+  /// The speed from which the robot stops within a distance, without any margin.
+  [[nodiscard]] double stoppable_mps(double distance_m) const;
+
+ private:
+  Footprint body_;
+  robot::Braking braking_;
+  DriveParams drive_;
+};
 
 }  // namespace nodmap::navigator

@@ -1,37 +1,29 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "common/robot/footprint.hpp"
 #include "modules/navigator/obstacle_points.hpp"
 
 namespace nodmap::navigator {
 
-/// The robot's body from above: a rectangle around the base's origin, half lengths in metres.
-struct Footprint {
-  double half_length_m = 0.0;
-  double half_width_m = 0.0;
+using robot::Footprint;
 
-  [[nodiscard]] Footprint grown(double length_m, double width_m) const {
-    return {half_length_m + length_m, half_width_m + width_m};
-  }
-  [[nodiscard]] bool contains(const Eigen::Vector2d& p_base) const;
-};
-
-/// Free way of the virtual corridor, metres: how far the origin of base may go along the arc of
-/// this curvature (1/m, positive left) until the body, `side_margin_m` wider on each side, meets a
-/// point. +infinity where it meets none within half a turn.
+/// Free distance in the virtual corridor, metres: how far the origin of base can move along the arc
+/// of this curvature (1/m, positive left) until the body, `side_margin_m` wider on each side,
+/// touches a point. +infinity where it touches none within half a circle.
 ///
-/// A point that is already within the margin, but not met, does not lock the robot: there the body
-/// itself counts, so that it may drive past or away.
-[[nodiscard]] double free_way(const Points& points_base, double curvature, const Footprint& body,
-                              double side_margin_m);
+/// For a point that is already within the margin the body itself counts, so that the robot can
+/// still drive past or away.
+[[nodiscard]] double free_distance(const Points& points_base, double curvature,
+                                   const Footprint& body, double side_margin_m);
 
 /// The same backwards.
-[[nodiscard]] double free_way_behind(const Points& points_base, double curvature,
-                                     const Footprint& body, double side_margin_m);
+[[nodiscard]] double free_distance_backwards(const Points& points_base, double curvature,
+                                             const Footprint& body, double side_margin_m);
 
-/// How far, in radians >= 0, the body with a margin on all sides may turn on the spot; `side` is +1
-/// for left, -1 for right. +infinity where it may turn all the way.
-[[nodiscard]] double free_turn(const Points& points_base, double side, const Footprint& body,
-                               double margin_m);
+/// How far, in radians >= 0, the body with a margin on all sides can rotate on the spot; `side` is
+/// +1 for left, -1 for right. +infinity where nothing ends the rotation.
+[[nodiscard]] double free_rotation(const Points& points_base, double side, const Footprint& body,
+                                   double margin_m);
 
 }  // namespace nodmap::navigator

@@ -35,11 +35,11 @@ double preference(double phi_rad) {
   return std::abs(x) < 0.5 * geometry::kPi ? std::cos(x) : 0.0;
 }
 
-double openness(double way_m, double open_space_m) {
-  return 1.0 / (1.0 + std::exp(-(way_m - open_space_m) / kSoftnessM));
+double openness(double distance_m, double open_space_m) {
+  return 1.0 / (1.0 + std::exp(-(distance_m - open_space_m) / kSoftnessM));
 }
 
-/// Shortens the ways of all directions whose corridor holds the point.
+/// Shortens the free distance of all directions whose corridor contains the point.
 void block(FreeSpace& space, const Eigen::Vector2d& p, const Footprint& body,
            const Footprint& corridor) {
   const double range_m = p.norm();
@@ -75,7 +75,7 @@ int FreeSpace::degree_of(double angle_rad) {
 FreeSpace measure_free_space(const Points& points_base, const Footprint& body,
                              double side_margin_m) {
   FreeSpace space;
-  space.way_m.fill(std::numeric_limits<double>::infinity());
+  space.distance_m.fill(std::numeric_limits<double>::infinity());
   const Footprint corridor = body.grown(0.0, side_margin_m);
   const Footprint inner = body.grown(-0.03, -0.03);
   for (const Eigen::Vector2d& p : points_base) {
@@ -101,7 +101,7 @@ std::optional<double> free_space_orientation(const FreeSpace& space, double want
     sum_cos += direction.cos * (left + right);
     sum_sin += direction.sin * (left - right);
   }
-  // All ways shorter than the threshold by 10 softnesses weigh less than this together.
+  // Directions that are shorter than the threshold by 10 softnesses weigh less than this together.
   if (std::hypot(sum_cos, sum_sin) < 1e-3) {
     return std::nullopt;
   }

@@ -13,8 +13,8 @@ namespace nodmap::navigator {
 struct FreeSpace {
   static constexpr int kHalf = 90;
 
-  /// Free way from the robot's front, metres; +infinity: nothing there. Entry kHalf is ahead.
-  std::array<double, 2 * kHalf + 1> way_m{};
+  /// Free distance from the robot's front, metres; +infinity: nothing there. Entry kHalf is ahead.
+  std::array<double, 2 * kHalf + 1> distance_m{};
 
   /// The direction of an entry: -90..90 to radians, positive left.
   [[nodiscard]] static double angle_rad(int degree);
@@ -23,12 +23,12 @@ struct FreeSpace {
     const int entry = degree + kHalf;
     return static_cast<std::size_t>(entry);
   }
-  [[nodiscard]] double at(int degree) const { return way_m[index(degree)]; }
-  [[nodiscard]] double& at(int degree) { return way_m[index(degree)]; }
+  [[nodiscard]] double at(int degree) const { return distance_m[index(degree)]; }
+  [[nodiscard]] double& at(int degree) { return distance_m[index(degree)]; }
 };
 
-/// The free way in each direction in a corridor as wide as the body and a margin on both sides: a
-/// gap narrower than the robot is no way.
+/// The free distance in each direction in a corridor as wide as the body and a margin on both
+/// sides: a gap narrower than the robot is not free.
 [[nodiscard]] FreeSpace measure_free_space(const Points& points_base, const Footprint& body,
                                            double side_margin_m);
 
@@ -43,8 +43,8 @@ struct FreeSpace {
 [[nodiscard]] std::optional<double> free_space_orientation(const FreeSpace& space,
                                                            double wanted_rad, double open_space_m);
 
-/// The directions nearest to alpha, to its left and right (alpha itself: both), in which the way is
-/// free for `needed_m`. The orientation is a mean: between two doors it points at the wall.
+/// The directions nearest to alpha, to its left and right (alpha itself: both), that are free for
+/// `needed_m`. The orientation is a mean: between two doors it points at the wall.
 struct FreeNeighbours {
   std::optional<double> left_rad;
   std::optional<double> right_rad;
@@ -52,8 +52,8 @@ struct FreeNeighbours {
 [[nodiscard]] FreeNeighbours free_neighbours(const FreeSpace& space, double alpha_rad,
                                              double needed_m);
 
-/// +1 where there is more room on the left, -1 on the right, 0 as much on both sides. Ways count up
-/// to 3 m: what is farther makes no side better.
+/// +1 where there is more room on the left, -1 on the right, 0 for the same on both sides.
+/// Distances count up to 3 m.
 [[nodiscard]] double side_with_more_room(const FreeSpace& space);
 
 }  // namespace nodmap::navigator

@@ -10,13 +10,14 @@ namespace nodmap::navigator {
 namespace {
 
 constexpr double kLeaveAgainM = 0.1;
-/// How much nearer to the goal a detour must have come to be over.
+/// A detour ends this much nearer to the goal than it began.
 constexpr double kNearerM = 0.3;
-/// A goal farther to the side is steered to in a turn.
+/// The farthest steering direction; a goal farther to the side is reached by an arc.
 constexpr double kFarthestAside = geometry::deg_to_rad(65.0);
-/// A wall farther away is none to follow.
+/// A wall farther away is not followed.
 constexpr double kWallM = 1.2;
-/// Free way that is enough along a wall; with more it would keep so far off that it loses the wall.
+/// Free distance that is enough along a wall; with more the robot would keep so far off that it
+/// loses the wall.
 constexpr double kAlongWallM = 0.5;
 
 /// The direction of the nearest obstacle on the wall's side; empty: there is no wall.
@@ -55,7 +56,7 @@ void Detour::begin(double side, const GoalInBase& goal) {
 std::optional<double> Detour::direction(const FreeSpace& space, const Points& points_base,
                                         const GoalInBase& goal, double needed_m) {
   const double straight_rad = std::clamp(goal.bearing_rad, -kFarthestAside, kFarthestAside);
-  // Nothing beyond the goal is in the way to it.
+  // Obstacles beyond the goal do not block the path to it.
   const double to_goal_m = std::min(needed_m, goal.distance_m);
   const bool is_free = space.at(FreeSpace::degree_of(straight_rad)) >= to_goal_m;
   if (side_ == 0.0) {
@@ -72,7 +73,7 @@ std::optional<double> Detour::direction(const FreeSpace& space, const Points& po
   const FreeNeighbours near =
       free_neighbours(space, std::clamp(*wall_rad, -kFarthestAside, kFarthestAside),
                       std::min(needed_m, kAlongWallM));
-  // Nothing on that side, as in a corner: the other way round the wall is better than none.
+  // No free direction on that side, as in a corner: then on the other.
   const bool left = near.left_rad && (side_ > 0.0 || !near.right_rad);
   return left ? near.left_rad : near.right_rad;
 }

@@ -8,7 +8,7 @@
 
 namespace nodmap::navigator {
 
-/// Where the robot is to go, as it sees it.
+/// The goal, as seen from the robot.
 struct GoalInBase {
   double bearing_rad = 0.0;  ///< positive left
   double distance_m = 0.0;
@@ -17,13 +17,14 @@ struct GoalInBase {
 
 [[nodiscard]] GoalInBase goal_in_base(const Eigen::Vector2d& p_goal_base, double tolerance_m);
 
-/// Has the robot arrived? It has left again only a hand's breadth farther, so that it does not
-/// shuffle at the border.
+/// Whether the robot is at the goal. Once arrived it counts as arrived up to 10 cm farther, so that
+/// it does not start and stop at the border.
 [[nodiscard]] bool has_arrived(const GoalInBase& goal, bool had_arrived);
 
-/// The way around what stands between robot and goal (after Bug2, Lumelsky and Stepanov 1987): it
-/// keeps to the side it chose, along the wall, until the way to the goal is free AND shorter than
-/// where the detour began. Without that memory a robot leaves a dead end and drives in again.
+/// The path around an obstacle between robot and goal (after Bug2, Lumelsky and Stepanov 1987):
+/// follows the wall on the side it chose until the direction to the goal is free AND the goal
+/// nearer than where the detour began. Without that memory a robot leaves a dead end and drives in
+/// again.
 class Detour {
  public:
   /// The direction to steer to, in base; empty where nothing ahead is free for `needed_m`.
@@ -32,7 +33,7 @@ class Detour {
 
   /// The side of the detour: +1 left, -1 right, 0 none.
   [[nodiscard]] double side() const { return side_; }
-  /// The robot had to turn away from what blocks it, to this side.
+  /// The robot had to turn to this side, away from an obstacle.
   void begin(double side, const GoalInBase& goal);
   void end() { side_ = 0.0; }
 

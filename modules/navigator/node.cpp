@@ -12,9 +12,9 @@ namespace {
 
 // A microsecond clock gets there in the year 38000; differences of stamps below never overflow.
 constexpr std::int64_t kLatestUtimeUs = std::int64_t{1} << 60;
-/// Both ends of the nod nearer than this: the laser is held.
+/// A sweep shorter than this: the laser is held.
 constexpr double kHeldRad = geometry::deg_to_rad(0.1);
-/// The base cannot go faster; a map farther off than that is of another odometry.
+/// The base cannot drive faster; a map farther away than that belongs to another odom frame.
 constexpr double kTopSpeedMps = 5.2;
 
 bool is_time(std::int64_t utime_us) {
@@ -91,8 +91,8 @@ void NavigatorNode::on_odometry(const nodmap::odometry_t& message) {
   }
 }
 
-/// The publisher counts anew, so its odom frame began anew: neither the map nor what the navigator
-/// remembers can be placed in it, nor the correction that leads from it to the map frame.
+/// The publisher counts anew, so its odom frame began anew. The map, what the navigator remembers
+/// and the correction to the map frame belong to the former one.
 void NavigatorNode::begin_odometry_frame(std::int64_t utime_us) {
   odometry_frame_began_us_ = utime_us;
   map_.reset();
@@ -137,8 +137,8 @@ void NavigatorNode::on_goal(const nodmap::goal_t& message) {
   }
 }
 
-/// Moves the goal in odom, and nothing else: old or missing, it leads the robot elsewhere, but into
-/// nothing. So it is no reason to halt.
+/// Moves the goal in odom, and nothing else: a stale or missing pose leads the robot to another
+/// place, but not into an obstacle. So it is no reason to halt.
 void NavigatorNode::on_pose(const nodmap::pose_t& message) {
   const auto T_map_odom = node::read_pose(message.odom_position_m, message.odom_orientation);
   if (!T_map_odom || message.pose_quality == nodmap::pose_t::LOST) {
@@ -149,7 +149,7 @@ void NavigatorNode::on_pose(const nodmap::pose_t& message) {
   T_map_odom_ = geometry::to_se2(*T_map_odom);
 }
 
-/// Holds until a message says otherwise, whatever becomes of who sent it.
+/// Remains in force until a message releases it, even if the sender has ended.
 void NavigatorNode::on_stop(const nodmap::stop_t& message) {
   context_.counts.use();
   stopped_by_.reset();
@@ -162,7 +162,7 @@ std::optional<std::string> NavigatorNode::reason_not_to_drive() const {
   if (stopped_by_) {
     return "Stopped by " + *stopped_by_ + ".";
   }
-  if (auto stale = reason_to_halt(stamps_, params_)) {
+  if (auto stale = reason_to_halt(stamps_, params_.staleness)) {
     return stale;
   }
   if (pitch_state_.is_stalled != 0) {
@@ -171,7 +171,7 @@ std::optional<std::string> NavigatorNode::reason_not_to_drive() const {
   const double age_s = 1e-6 * std::abs(static_cast<double>(*stamps_.odometry_us - *stamps_.map_us));
   const double shift_m =
       (odometry_->T_odom_base.translation() - map_->T_odom_map.translation()).norm();
-  // A hand's breadth for the map's pose being interpolated.
+  // 10 cm because the map's pose is interpolated.
   if (shift_m > kTopSpeedMps * age_s + 0.1) {
     return "Obstacle map and odometry do not fit together.";
   }
@@ -211,9 +211,9 @@ void NavigatorNode::publish(const Decision& decision) {
   navigation_.steering_angle_rad = decision.steering_angle_rad;
   const double v = decision.max_forward_mps;
   navigation_.corridor_length_m =
-      v * params_.reaction_s + v * v / (2.0 * params_.deceleration_mps2) + params_.stop_margin_m;
-  navigation_.corridor_width_m = params_.robot.width_m + 2.0 * params_.side_margin_m;
-  navigation_.free_way_m = decision.free_way_m;
+      params_.robot.braking.stopping_distance_m(v, params_.drive.reaction_s);
+  navigation_.corridor_width_m = params_.robot.body.width_m + 2.0 * params_.drive.side_margin_m;
+  navigation_.free_way_m = decision.free_distance_m;
   navigation_.max_forward_mps = decision.max_forward_mps;
   context_.bus.publish("NAVIGATION", navigation_);
 

@@ -24,9 +24,8 @@
 
 namespace nodmap::navigator {
 
-/// OBSTACLE_MAP, ODOMETRY and the scanner's state in, DRIVE and NAVIGATION out, one for each map.
-/// When the inputs say that it must not drive, also one for each odometry message: then that is the
-/// clock.
+/// OBSTACLE_MAP, ODOMETRY and the state of the scanner in, DRIVE and NAVIGATION out: one for each
+/// obstacle map and, while the robot halts, one for each odometry message.
 class NavigatorNode final : public node::Node {
  public:
   using Params = NavigatorParams;
@@ -45,7 +44,7 @@ class NavigatorNode final : public node::Node {
     double yaw_rate_rad_s = 0.0;
   };
   struct ObstacleMap {
-    geometry::SE2 T_odom_map;  // base at its stamp
+    geometry::SE2 T_odom_map;  // of base at the map's stamp
     Points points_map;
   };
   struct Goal {

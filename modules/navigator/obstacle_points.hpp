@@ -14,14 +14,14 @@ namespace nodmap::navigator {
 using Points = std::vector<Eigen::Vector2d>;
 
 /// The points of an egocentric map, bin by bin: its distance and x and y, as in nodmap.egomap_t.
-/// A distance of +infinity is a direction without a point. Empty when the map contradicts itself
-/// anywhere: a map of which one part is wrong is not driven on.
+/// A distance of +infinity is a direction without a point. Empty when distance and point of any bin
+/// disagree: a map of which one part is wrong is not used.
 [[nodiscard]] std::optional<Points> read_points(std::span<const float> distance_m,
                                                 std::span<const float> x_m,
                                                 std::span<const float> y_m);
 
-/// The points of a map made at T_odom_map as the robot at T_odom_base sees them. The map is a scan
-/// and its way here old; at 1.5 m/s and 60 degrees/s that is 3 cm and, at 2 m, 4 cm.
+/// Transforms the points of a map made at T_odom_map into base at T_odom_base. The map is as old as
+/// a scan and its transmission; at 1.5 m/s and 60 degrees/s that is 3 cm and, at 2 m, 4 cm.
 [[nodiscard]] Points move_to_base(const Points& points_map, const geometry::SE2& T_odom_map,
                                   const geometry::SE2& T_odom_base);
 

@@ -11,7 +11,7 @@ double seconds(std::int64_t us) {
 }  // namespace
 
 std::optional<std::string> reason_to_halt(const InputStamps& stamps,
-                                          const NavigatorParams& params) {
+                                          const StalenessParams& limits) {
   if (!stamps.odometry_us) {
     return "There is no odometry.";
   }
@@ -21,10 +21,10 @@ std::optional<std::string> reason_to_halt(const InputStamps& stamps,
     double limit_s = 0.0;
   };
   for (const Input& input :
-       {Input{"obstacle map", stamps.map_us, params.map_stale_s},
+       {Input{"obstacle map", stamps.map_us, limits.map_s},
         Input{"speed bound of the pitch controller", stamps.pitch_command_us,
-              params.pitch_command_stale_s},
-        Input{"reading of the pitch servo", stamps.pitch_state_us, params.pitch_state_stale_s}}) {
+              limits.pitch_command_s},
+        Input{"reading of the pitch servo", stamps.pitch_state_us, limits.pitch_state_s}}) {
     if (!input.utime_us) {
       return std::string("There is no ") + input.name + ".";
     }
@@ -32,7 +32,7 @@ std::optional<std::string> reason_to_halt(const InputStamps& stamps,
     if (age_s > input.limit_s) {
       return std::string("The ") + input.name + " is stale.";
     }
-    if (age_s < -params.odometry_stale_s) {
+    if (age_s < -limits.odometry_s) {
       return std::string("Odometry is stale, or the ") + input.name + " is from the future.";
     }
   }

@@ -17,22 +17,23 @@ struct InputStamps {
   std::optional<std::int64_t> pitch_state_us;
 };
 
-/// Why the robot must not drive on these inputs, in one sentence; empty when it may. Odometry is
-/// the clock, 100 ticks a second from the driver that also stops the wheels. An input much newer
-/// than it means that odometry itself is stale, or that a stamp is wrong: no reason to drive,
-/// either. Only the newest message of each input counts, so that one wrong stamp holds the robot
-/// only until the next message.
+/// Why the robot must halt with inputs of these stamps, in one sentence; empty when it need not.
 ///
-/// Why the limits are safe: what is lost is noticed at most a limit and one odometry period (10 ms)
-/// after its last message. At 1.5 m/s that is 0.24 m for the longest limit, 150 ms, before the
-/// robot brakes; less than the 0.3 m and 300 ms that the whole robot is allowed. Each is several
-/// periods of its input, so that a hiccup of the scheduler does not stop the robot:
-///   map 100 ms: seven scans. Its stamp is the scan's middle; in health it is 13 to 25 ms old.
-///   odometry 100 ms: ten messages. If no input at all comes, no DRIVE goes out, and the driver
-///     stops the wheels when the last one's validity (150 ms) is over.
-///   speed bound of the pitch controller 150 ms: eleven of them.
+/// Odometry is the clock: 100 messages a second from the driver that also stops the wheels. An
+/// input much newer than it means that odometry itself is stale, or that a stamp is wrong: a reason
+/// to halt, too. Only the newest message of each input counts, so that one wrong stamp halts the
+/// robot only until the next message.
+///
+/// Why the limits are safe: the loss of an input is noticed at most its limit and one odometry
+/// period (10 ms) after its last message. At 1.5 m/s that is 0.24 m for the longest limit, 150 ms,
+/// before the robot brakes; less than the 0.3 m and 300 ms that the whole robot is allowed. Each
+/// limit is several periods of its input, so that a late message does not stop the robot:
+///   map 100 ms: seven scans. Its stamp is the middle of the scan, normally 13 to 25 ms old.
+///   odometry 100 ms: ten messages. Without any input no DRIVE goes out, and the driver stops the
+///     wheels when the last one's validity (150 ms) is over.
+///   speed bound of the pitch controller 150 ms: eleven messages.
 ///   pitch servo 150 ms: 30 readings.
 [[nodiscard]] std::optional<std::string> reason_to_halt(const InputStamps& stamps,
-                                                        const NavigatorParams& params);
+                                                        const StalenessParams& limits);
 
 }  // namespace nodmap::navigator

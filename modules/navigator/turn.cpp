@@ -4,28 +4,28 @@
 #include <algorithm>
 #include <cmath>
 
-#include "modules/navigator/brake.hpp"
+#include "common/robot/stopping.hpp"
 
 namespace nodmap::navigator {
 namespace {
 
 using Kind = TurnCommand::Kind;
 
-/// A turn shorter than this is not worth beginning, and one that comes so near to an obstacle ends.
-constexpr double kLeastTurnRad = geometry::deg_to_rad(5.0);
-/// Having begun to back up, it goes on until so much of a turn is free: less has just been tried.
-constexpr double kWorthwhileTurnRad = geometry::deg_to_rad(150.0);
-/// Deceleration of a turn, a third of what the wheels can do.
-constexpr double kTurnDecelerationRadS2 = 5.0;
-/// Having gone back, it turns away at least so far.
+/// A rotation shorter than this is not begun, and one that comes so near to an obstacle ends.
+constexpr double kLeastRotationRad = geometry::deg_to_rad(5.0);
+/// It backs up until it can rotate this far: less has just been tried.
+constexpr double kWorthwhileRotationRad = geometry::deg_to_rad(150.0);
+/// Deceleration of a rotation, a third of what the wheels can do.
+constexpr double kDecelerationRadS2 = 5.0;
+/// After backing up it rotates at least so far.
 constexpr double kTurnAwayRad = geometry::deg_to_rad(60.0);
-constexpr double kStandingRadS = 0.1;
-/// A free direction is free a little further on, too; and the base's slowest turn is 0.05 rad/s.
-constexpr double kTurnBeyondRad = geometry::deg_to_rad(3.0);
-constexpr double kWholeTurnRad = 2.0 * geometry::kPi;
+constexpr double kStationaryRadS = 0.1;
+/// Rotates so far beyond the first free direction: the base's slowest yaw rate is 0.05 rad/s.
+constexpr double kBeyondRad = geometry::deg_to_rad(3.0);
+constexpr double kFullRotationRad = 2.0 * geometry::kPi;
 
 bool leads_out(const TurnView::Side& side) {
-  return side.free_turn_rad >= std::min(side.until_free_rad, kWorthwhileTurnRad);
+  return side.free_rotation_rad >= std::min(side.to_clear_direction_rad, kWorthwhileRotationRad);
 }
 
 }  // namespace
@@ -34,22 +34,22 @@ void Turn::begin(const TurnView& view, double preferred_side) {
   active_ = true;
   reversed_ = false;
   backs_up_ = false;
-  turned_rad_ = 0.0;
-  least_turn_rad_ = 0.0;
+  rotated_rad_ = 0.0;
+  least_rotation_rad_ = 0.0;
   last_heading_rad_ = view.heading_rad;
   waits_since_us_.reset();
   if (preferred_side != 0.0) {
     side_ = preferred_side;
-  } else if (view.free_direction_rad) {
-    side_ = *view.free_direction_rad >= 0.0 ? 1.0 : -1.0;
+  } else if (view.clear_direction_rad) {
+    side_ = *view.clear_direction_rad >= 0.0 ? 1.0 : -1.0;
   } else {
-    // As much room on both sides: to the left.
+    // The same room on both sides: to the left.
     side_ = view.more_room_side >= 0.0 ? 1.0 : -1.0;
   }
   consider_room(view);
 }
 
-/// A turn that ends at an obstacle, and then one to the other side that does, too, lead nowhere.
+/// Chooses the other side, or to back up, where obstacles end the rotation before a free direction.
 void Turn::consider_room(const TurnView& view) {
   const bool here = leads_out(side_ > 0.0 ? view.left : view.right);
   const bool there = leads_out(side_ > 0.0 ? view.right : view.left);
@@ -57,7 +57,7 @@ void Turn::consider_room(const TurnView& view) {
     side_ = -side_;
     reversed_ = true;
   }
-  backs_up_ = !here && !there && view.knows_way_back;
+  backs_up_ = !here && !there && view.has_path_back;
 }
 
 TurnCommand Turn::step(const TurnView& view, double preferred_side) {
@@ -67,22 +67,22 @@ TurnCommand Turn::step(const TurnView& view, double preferred_side) {
   if (!active_ || wants_retry) {
     begin(view, preferred_side);
   }
-  turned_rad_ += geometry::angle_difference(view.heading_rad, last_heading_rad_);
+  rotated_rad_ += geometry::angle_difference(view.heading_rad, last_heading_rad_);
   last_heading_rad_ = view.heading_rad;
-  if (view.ahead_is_free && !backs_up_ && std::abs(turned_rad_) >= least_turn_rad_) {
-    const bool stands = std::abs(view.yaw_rate_rad_s) < kStandingRadS;
-    return {view.ahead_was_seen && stands ? Kind::kFinished : Kind::kLook, 0.0};
+  if (view.ahead_is_free && !backs_up_ && std::abs(rotated_rad_) >= least_rotation_rad_) {
+    const bool is_stationary = std::abs(view.yaw_rate_rad_s) < kStationaryRadS;
+    return {view.ahead_is_seen && is_stationary ? Kind::kFinished : Kind::kLook, 0.0};
   }
   // A stamp that stepped back must not prolong the pause.
   if (waits_since_us_) {
     waits_since_us_ = std::min(*waits_since_us_, view.utime_us);
     return {Kind::kWait, 0.0};
   }
-  if (std::abs(turned_rad_) >= kWholeTurnRad) {
+  if (std::abs(rotated_rad_) >= kFullRotationRad) {
     pause(view.utime_us);
     return {Kind::kWait, 0.0};
   }
-  return turn_on(view);
+  return rotate(view);
 }
 
 void Turn::pause(std::int64_t utime_us) {
@@ -90,31 +90,32 @@ void Turn::pause(std::int64_t utime_us) {
   backs_up_ = false;
 }
 
-TurnCommand Turn::turn_on(const TurnView& view) {
+TurnCommand Turn::rotate(const TurnView& view) {
   const auto here = [&]() -> const TurnView::Side& { return side_ > 0.0 ? view.left : view.right; };
-  const double needed_rad = backs_up_ ? kWorthwhileTurnRad : kLeastTurnRad;
-  if (here().free_turn_rad < needed_rad && (!reversed_ || backs_up_)) {
+  const double needed_rad = backs_up_ ? kWorthwhileRotationRad : kLeastRotationRad;
+  if (here().free_rotation_rad < needed_rad && (!reversed_ || backs_up_)) {
     side_ = -side_;
     reversed_ = true;
-    turned_rad_ = 0.0;
+    rotated_rad_ = 0.0;
   }
-  backs_up_ = here().free_turn_rad < needed_rad;
+  backs_up_ = here().free_rotation_rad < needed_rad;
   if (backs_up_) {
-    // What is ahead then is the place it could not turn in: not into it again.
-    turned_rad_ = 0.0;
-    least_turn_rad_ = kTurnAwayRad;
+    // What is ahead after backing up is the place it could not turn in: it must rotate away from
+    // it.
+    rotated_rad_ = 0.0;
+    least_rotation_rad_ = kTurnAwayRad;
     return {Kind::kBackUp, 0.0};
   }
-  // Slower towards the end of the turn, so that it does not turn past the free direction.
-  const double until_free_rad =
-      std::max(here().until_free_rad, least_turn_rad_ - std::abs(turned_rad_));
-  const double way_rad = std::min(here().free_turn_rad, until_free_rad + kTurnBeyondRad);
-  return {Kind::kTurn, side_ * turn_rate(way_rad, params_)};
+  // Slower towards the end, so that it does not rotate past the free direction.
+  const double to_clear_direction_rad =
+      std::max(here().to_clear_direction_rad, least_rotation_rad_ - std::abs(rotated_rad_));
+  const double angle_rad = std::min(here().free_rotation_rad, to_clear_direction_rad + kBeyondRad);
+  return {Kind::kTurn, side_ * yaw_rate_on_the_spot(angle_rad, params_, reaction_s_)};
 }
 
-double turn_rate(double way_rad, const NavigatorParams& params) {
-  return std::min(params.turn_rate_rad_s,
-                  stoppable_speed(way_rad, kTurnDecelerationRadS2, params.reaction_s));
+double yaw_rate_on_the_spot(double angle_rad, const TurnParams& params, double reaction_s) {
+  return std::min(params.rate_rad_s,
+                  robot::stoppable_speed(angle_rad, reaction_s, kDecelerationRadS2));
 }
 
 }  // namespace nodmap::navigator

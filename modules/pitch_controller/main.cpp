@@ -5,6 +5,7 @@ int main(int argc, char** argv) {
   return nodmap::node::run<nodmap::pitch_controller::PitchControllerNode>(
       argc, argv,
       {"nodmap-pitch-controller",
-       "Nods the laser as the speed demands, and says how fast the robot may go for what it sees "
+       "Nods the laser over the area of interest of the present speed, and bounds the speed by "
+       "what it sees "
        "(Holz et al. 2008, II)."});
 }

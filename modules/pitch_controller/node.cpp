@@ -18,20 +18,20 @@ bool is_plausible(const nodmap::pitch_state_t& message) {
          std::abs(message.pitch_rad) <= geometry::kPi && std::isfinite(message.pitch_rate_rad_s);
 }
 
-const char* sentence(Hindrance hindrance) {
-  switch (hindrance) {
-    case Hindrance::kNone:
+const char* describe(InhibitReason reason) {
+  switch (reason) {
+    case InhibitReason::kNone:
       return "";
-    case Hindrance::kNoOdometry:
-      return "No fresh ODOMETRY: nobody may drive.";
-    case Hindrance::kNoPitch:
-      return "No fresh PITCH_STATE: nobody may drive.";
-    case Hindrance::kStalled:
-      return "The pitch servo is stalled: nobody may drive.";
-    case Hindrance::kNotNodding:
-      return "The laser has not nodded for two whole sweeps: nobody may drive.";
-    case Hindrance::kNotLevel:
-      return "The laser is not level yet: nobody may drive.";
+    case InhibitReason::kNoOdometry:
+      return "ODOMETRY is missing or stale: driving is inhibited.";
+    case InhibitReason::kNoPitch:
+      return "PITCH_STATE is missing or stale: driving is inhibited.";
+    case InhibitReason::kStalled:
+      return "The pitch servo is stalled: driving is inhibited.";
+    case InhibitReason::kNotNodding:
+      return "The laser has not completed two sweeps: driving is inhibited.";
+    case InhibitReason::kNotLevel:
+      return "The laser is not level yet: driving is inhibited.";
   }
   return "";
 }
@@ -77,7 +77,7 @@ void PitchControllerNode::decide(std::int64_t now_us) {
   if (!decision) {
     return;
   }
-  hindrance_ = decision->hindrance;
+  inhibited_ = decision->inhibited;
   nodmap::pitch_command_t message{};
   message.utime = decision->time_us;
   message.command_seq = commands_++;
@@ -86,20 +86,24 @@ void PitchControllerNode::decide(std::int64_t now_us) {
   message.sweep_s = decision->sweep_s;
   message.max_forward_mps = decision->max_forward_mps;
   context_.bus.publish("PITCH_COMMAND", message);
-  commands_to_stand_ += decision->max_forward_mps > 0.0 ? 0 : 1;
+  commands_inhibited_ += decision->max_forward_mps > 0.0 ? 0 : 1;
   fastest_allowed_mps_ = std::max(fastest_allowed_mps_, decision->max_forward_mps);
 }
 
 nlohmann::json PitchControllerNode::metrics() const {
+  const SweepCounts& sweeps = controller_.sweep_counts();
   return {{"commands", commands_},
-          {"commands_to_stand", commands_to_stand_},
-          {"fastest_allowed_mps", fastest_allowed_mps_}};
+          {"commands_inhibited", commands_inhibited_},
+          {"fastest_allowed_mps", fastest_allowed_mps_},
+          {"sweeps", sweeps.complete},
+          {"sweeps_below_15_scans", sweeps.too_short},
+          {"sweeps_above_500_scans", sweeps.too_long}};
 }
 
 node::Health PitchControllerNode::health() const {
   using node::HealthState;
-  if (hindrance_ != Hindrance::kNone) {
-    return {HealthState::kDegraded, sentence(hindrance_)};
+  if (inhibited_ != InhibitReason::kNone) {
+    return {HealthState::kDegraded, describe(inhibited_)};
   }
   if (params_.mode == Mode::kFixed) {
     return {HealthState::kDegraded,

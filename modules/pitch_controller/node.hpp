@@ -13,16 +13,16 @@
 
 namespace nodmap::pitch_controller {
 
-/// ODOMETRY and PITCH_STATE in, PITCH_COMMAND out. Either input clocks it: when one ends, the other
-/// still carries the word that nobody may drive; when both end, PITCH_COMMAND ends, too, and who
-/// drives stops by its age.
+/// ODOMETRY and PITCH_STATE in, PITCH_COMMAND out, with each of either: when one input ends, the
+/// other still triggers commands with a speed bound of 0. When both end, no PITCH_COMMAND goes out,
+/// and the navigator stops the robot by the age of the last one.
 class PitchControllerNode final : public node::Node {
  public:
   using Params = PitchControllerParams;
 
   PitchControllerNode(node::Context& context, const Params& params);
 
-  void write_results(const std::filesystem::path& /*dir*/) override {}  // the commands say it all
+  void write_results(const std::filesystem::path& /*dir*/) override {}
   [[nodiscard]] nlohmann::json metrics() const override;
   [[nodiscard]] node::Health health() const override;
 
@@ -36,10 +36,10 @@ class PitchControllerNode final : public node::Node {
   node::SensorInput input_;
   node::SequenceCounter pitch_states_;
   PitchController controller_;
-  Hindrance hindrance_ = Hindrance::kNone;
+  InhibitReason inhibited_ = InhibitReason::kNone;
   bool pitch_is_measured_ = true;
   std::int64_t commands_ = 0;
-  std::int64_t commands_to_stand_ = 0;
+  std::int64_t commands_inhibited_ = 0;
   double fastest_allowed_mps_ = 0.0;
 };
 

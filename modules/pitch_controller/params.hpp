@@ -2,35 +2,73 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 
-#include "common/params/robot_params.hpp"
+#include "common/robot/robot_params.hpp"
 
 namespace nodmap::pitch_controller {
 
 /// `kNodding` as in the paper; `kFixed` holds the laser level: blind to everything above and below.
 enum class Mode : std::uint8_t { kNodding, kFixed };
 
-/// The ranges keep the corridor's bottom below its top whatever is configured.
-struct PitchControllerParams {
-  Mode mode = Mode::kNodding;
-
-  params::RobotParams robot;
-  double head_clearance_m = 0.03;
-  double floor_tolerance_m = 0.05;
+/// What the laser has to find, and how soon the robot reacts to it.
+struct DetectionParams {
   double visible_obstacle_m = 0.05;
-
-  double scan_period_s = 0.01332;
-
-  double acceleration_mps2 = 0.5;
-  double deceleration_mps2 = 1.5;
-  double processing_s = 0.05;
-  double stop_margin_m = 0.15;
   double look_ahead_m = 4.0;
+  double scan_period_s = 0.01332;
+  double processing_s = 0.05;
+
+  /// Time from the appearance of an obstacle to wheels that slow down. At its ends the head looks
+  /// at a place only once in two sweeps.
+  [[nodiscard]] double reaction_s(double sweep_s) const { return 2.0 * sweep_s + processing_s; }
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.number("visible_obstacle_m", visible_obstacle_m, {0.01, 1.0},
+             "Smallest obstacle that has to be found, by its height above floor_tolerance_m.");
+    v.number("look_ahead_m", look_ahead_m, {0.5, 30.0},
+             "Farthest distance ahead of the robot's front at which it has to be found.");
+    v.number("scan_period_s", scan_period_s, {0.002, 0.2}, "From one scan to the next.");
+    v.number("processing_s", processing_s, {0.0, 1.0},
+             "From a beam that hits an obstacle to wheels that slow down.");
+  }
+};
+
+struct SpeedParams {
   double fast_mps = 1.0;
   double top_mps = 2.0;
+  double acceleration_mps2 = 0.5;
 
-  double regulator_p = 0.1;
-  double regulator_i = 0.6;
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.number("fast_mps", fast_mps, {0.1, 5.0},
+             "From this speed on the area of interest is the virtual corridor and no more.");
+    v.number("top_mps", top_mps, {0.0, 5.0}, "The speed bound is never above.");
+    v.number("acceleration_mps2", acceleration_mps2, {0.05, 10.0},
+             "How fast the speed bound rises; slow enough for two sweeps to look ahead.");
+  }
+};
+
+/// Gains of the PI controller of the sweep time, relative to its error.
+struct RegulatorParams {
+  double p = 0.1;
+  double i = 0.6;
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.number("p", p, {0.0, 0.5},
+             "Proportional gain: part of a sweep's relative time error corrected in the next.");
+    v.number("i", i, {0.0, 1.0},
+             "Integral gain: part of a sweep's relative time error added to all that follow.");
+  }
+};
+
+struct PitchControllerParams {
+  Mode mode = Mode::kNodding;
+  robot::RobotParams robot;
+  DetectionParams detection;
+  SpeedParams speed;
+  RegulatorParams regulator;
   double input_timeout_s = 0.2;
 
   template <class Visitor>
@@ -38,43 +76,26 @@ struct PitchControllerParams {
     v.choice("mode", mode, {{"nodding", Mode::kNodding}, {"fixed", Mode::kFixed}},
              "Nod, or hold the laser level: UNSAFE, sees one plane only, for comparisons.");
     robot.describe(v);
-    describe_corridor(v);
-    describe_driving(v);
-    v.number("regulator_p", regulator_p, {0.0, 0.5},
-             "Share of a sweep's error in time that the next one makes up for.");
-    v.number("regulator_i", regulator_i, {0.0, 1.0},
-             "Share of a sweep's error in time that is made up for ever after.");
+    v.section("detection", detection);
+    v.section("speed", speed);
+    v.section("regulator", regulator);
     v.number("input_timeout_s", input_timeout_s, {0.03, 0.2},
-             "ODOMETRY and PITCH_STATE older than this let nobody drive.");
+             "Driving is inhibited when ODOMETRY or PITCH_STATE is older.");
+    describe_former_names(v);
   }
 
  private:
   template <class Visitor>
-  void describe_corridor(Visitor& v) {
-    v.number("head_clearance_m", head_clearance_m, {0.0, 1.0},
-             "Room to be kept above the robot; raises the top of the virtual corridor.");
-    v.number("floor_tolerance_m", floor_tolerance_m, {0.0, 0.2},
-             "What is lower is floor, or can be driven over: the bottom of the virtual corridor.");
-    v.number("visible_obstacle_m", visible_obstacle_m, {0.01, 1.0},
-             "How far the lowest obstacle that has to be found rises above floor_tolerance_m.");
-    v.number("scan_period_s", scan_period_s, {0.002, 0.2}, "From one scan to the next.");
-  }
-
-  template <class Visitor>
-  void describe_driving(Visitor& v) {
-    v.number("acceleration_mps2", acceleration_mps2, {0.05, 10.0},
-             "How fast the speed bound rises, so that no period of the nod is outrun.");
-    v.number("deceleration_mps2", deceleration_mps2, {0.1, 10.0},
-             "What the brakes are trusted with; the base is commanded up to twice as much.");
-    v.number("processing_s", processing_s, {0.0, 1.0},
-             "From a beam that meets an obstacle to wheels that slow down.");
-    v.number("stop_margin_m", stop_margin_m, {0.0, 2.0},
-             "Way left between the robot's front and the obstacle when it stands.");
-    v.number("look_ahead_m", look_ahead_m, {0.5, 30.0},
-             "How far ahead of the robot's front something is found for certain, at most.");
-    v.number("fast_mps", fast_mps, {0.1, 5.0},
-             "From this speed on the sweep covers the virtual corridor and no more.");
-    v.number("top_mps", top_mps, {0.0, 5.0}, "No speed above is ever allowed.");
+  static void describe_former_names(Visitor& v) {
+    for (const char* name :
+         {"visible_obstacle_m", "look_ahead_m", "scan_period_s", "processing_s"}) {
+      v.renamed(name, std::string("detection.") + name);
+    }
+    for (const char* name : {"fast_mps", "top_mps", "acceleration_mps2"}) {
+      v.renamed(name, std::string("speed.") + name);
+    }
+    v.renamed("regulator_p", "regulator.p");
+    v.renamed("regulator_i", "regulator.i");
   }
 };
 

@@ -13,7 +13,8 @@ namespace {
 constexpr double kNearestM = 0.05;
 constexpr double kSteepestRad = geometry::deg_to_rad(89.9);
 
-/// From where on a line `angle_rad` off the horizontal is at least `height_m` off the axis.
+/// The distance from which on a line `angle_rad` off the horizontal is at least `height_m` off the
+/// axis.
 double reaches_from_m(double height_m, double angle_rad) {
   if (height_m <= 0.0) {
     return angle_rad >= 0.0 ? 0.0 : std::numeric_limits<double>::infinity();
@@ -26,9 +27,9 @@ double reaches_from_m(double height_m, double angle_rad) {
 
 }  // namespace
 
-VirtualCorridor VirtualCorridor::of(const PitchControllerParams& params) {
-  return {params.floor_tolerance_m, params.robot.height_m + params.head_clearance_m,
-          params.robot.mount_z_m, 0.5 * params.robot.length_m - params.robot.mount_x_m};
+VirtualCorridor VirtualCorridor::of(const robot::RobotParams& robot) {
+  return {robot.corridor_bottom_m(), robot.corridor_top_m(), robot.mount.z_m,
+          0.5 * robot.body.length_m - robot.mount.x_m};
 }
 
 double VirtualCorridor::from_axis_m(double distance_m) const {
@@ -44,6 +45,38 @@ double VirtualCorridor::covered_from_m(const PitchInterval& area) const {
   const double low = reaches_from_m(axis_height_m - bottom_m, -area.min_rad);
   const double high = reaches_from_m(top_m - axis_height_m, area.max_rad);
   return std::max(std::max(low, high) - axis_behind_front_m, 0.0);
+}
+
+PitchInterval area_of_interest(double forward_mps, double fast_mps,
+                               const PitchInterval& corridor_area, const PitchInterval& mechanics) {
+  const double slowness = std::clamp(1.0 - forward_mps / fast_mps, 0.0, 1.0);
+  const double surplus = slowness * slowness;
+  const double min_rad = std::max(corridor_area.min_rad, mechanics.min_rad);
+  const double max_rad = std::min(corridor_area.max_rad, mechanics.max_rad);
+  return {min_rad + surplus * (mechanics.min_rad - min_rad),
+          max_rad + surplus * (mechanics.max_rad - max_rad)};
+}
+
+ClearView clear_view(const VirtualCorridor& corridor, const PitchInterval& seen,
+                     double line_spacing_rad, double obstacle_m, double look_ahead_m) {
+  // Neighbouring lines are dp (d^2 + h^2) / d apart on an upright surface at distance d: as much as
+  // the obstacle is high at
+  //   d = (o -+ sqrt(o^2 - 4 dp^2 h^2)) / 2 dp, and less between.
+  const double spacing_at_axis_height_m = 2.0 * line_spacing_rad * corridor.axis_height_m;
+  const double root_sq =
+      obstacle_m * obstacle_m - spacing_at_axis_height_m * spacing_at_axis_height_m;
+  if (root_sq < 0.0 || !(line_spacing_rad > 0.0)) {
+    return {};
+  }
+  const double root = std::sqrt(root_sq);
+  const double dense_from_m =
+      0.5 * (obstacle_m - root) / line_spacing_rad - corridor.axis_behind_front_m;
+  const double dense_until_m =
+      0.5 * (obstacle_m + root) / line_spacing_rad - corridor.axis_behind_front_m;
+  // The outermost line may lie anywhere up to one spacing within the end of the sweep.
+  const PitchInterval lines{seen.min_rad + line_spacing_rad, seen.max_rad - line_spacing_rad};
+  return {std::max(corridor.covered_from_m(lines), dense_from_m),
+          std::min(dense_until_m, look_ahead_m)};
 }
 
 }  // namespace nodmap::pitch_controller

@@ -12,7 +12,7 @@ SCAN_S = 0.01332
 WINDOW_S = 2.4
 
 STANDING = Trial("fig3-standing", "corridor30", 1, 8, "--without", "navigator", "--no-slam6d")
-DRIVES = [Trial(f"fig3-{speed}", "corridor30", 1, 12, "--set", f"navigator.max_forward_mps={speed}", "--no-slam6d")
+DRIVES = [Trial(f"fig3-{speed}", "corridor30", 1, 12, "--set", f"navigator.drive.max_forward_mps={speed}", "--no-slam6d")
           for speed in SPEEDS_MPS]
 TRIALS = [STANDING, *DRIVES]
 

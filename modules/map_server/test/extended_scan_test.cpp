@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <random>
 
 namespace nodmap::map_server {
@@ -10,6 +11,46 @@ namespace {
 
 using geometry::deg_to_rad;
 using geometry::SE2;
+
+AngleBins bins(double aperture_deg, double resolution_deg) {
+  return {deg_to_rad(aperture_deg), deg_to_rad(resolution_deg)};
+}
+
+TEST(AngleBins, NumberOfBins) {
+  EXPECT_EQ(bins(180, 1).size(), 181U);
+  EXPECT_EQ(bins(180, 0.5).size(), 361U);
+  EXPECT_EQ(bins(360, 0.5).size(), 720U);
+  EXPECT_EQ(bins(360, 1).size(), 360U);
+  EXPECT_EQ(bins(270, 0.25).size(), 1081U);
+}
+
+TEST(AngleBins, IndexOfAngleRoundTrip) {
+  for (const AngleBins& b : {bins(180, 1), bins(360, 0.5), bins(90, 0.25), bins(360, 7)}) {
+    for (std::size_t i = 0; i < b.size(); ++i) {
+      EXPECT_EQ(b.index(geometry::normalize_angle(b.angle_rad(i))), i);
+      // Anywhere within the bin but for rounding at its borders.
+      EXPECT_EQ(b.index(geometry::normalize_angle(b.angle_rad(i) + 0.499 * b.step_rad())), i);
+      EXPECT_EQ(b.index(geometry::normalize_angle(b.angle_rad(i) - 0.499 * b.step_rad())), i);
+    }
+  }
+}
+
+TEST(AngleBins, OutsideTheApertureThereIsNoBin) {
+  EXPECT_EQ(bins(180, 1).index(deg_to_rad(91)), std::nullopt);
+  EXPECT_EQ(bins(180, 1).index(deg_to_rad(-91)), std::nullopt);
+  EXPECT_EQ(bins(180, 1).index(deg_to_rad(180)), std::nullopt);
+}
+
+TEST(AngleBins, BothSidesOfStraightBackShareABin) {
+  const AngleBins b = bins(360, 1);
+  EXPECT_EQ(b.index(deg_to_rad(179.9)), b.index(deg_to_rad(-179.9)));
+  EXPECT_EQ(b.index(geometry::kPi), b.index(-geometry::kPi));
+}
+
+TEST(AngleBins, NotANumberHasNoBin) {
+  EXPECT_EQ(bins(360, 1).index(std::numeric_limits<double>::quiet_NaN()), std::nullopt);
+  EXPECT_EQ(bins(360, 1).index(std::numeric_limits<double>::infinity()), std::nullopt);
+}
 
 void put(ExtendedScan& map, const EgoPoint& point) {
   const auto bin = map.bins().index(point.bearing_rad);
@@ -35,7 +76,7 @@ ExtendedScan circle_of_points(Relevance relevance, double resolution_deg) {
 }
 
 // 1e-9 as the requirement says.
-TEST(ExtendedScan, R18_CartesianAndPolarAgreeAfterTenThousandUpdates) {
+TEST(ExtendedScan, CartesianAndPolarAgreeAfterTenThousandUpdates) {
   ExtendedScan map = circle_of_points(Relevance::kNearest, 0.5);
   std::mt19937 random(18);
   std::normal_distribution<double> step(0.0, 0.02);
@@ -72,9 +113,9 @@ std::vector<SE2> square_drive() {
   return poses;
 }
 
-TEST(ExtendedScan, R22_SquareDriveBringsPointsBack) {
+TEST(ExtendedScan, SquareDriveBringsPointsBack) {
   ExtendedScan map(AngleBins(deg_to_rad(360), deg_to_rad(1)), Relevance::kNearest);
-  // On the outside of the drive, so far apart that no two meet in one bin on the way.
+  // On the outside of the drive, so far apart that no two share a bin during it.
   const std::vector<Eigen::Vector2d> walls = {{7, 0.5}, {2, 4}, {-3, 0.5}, {2, -3}};
   for (const auto& p : walls) {
     put(map, EgoPoint::at(p, 0.2));
@@ -99,8 +140,8 @@ TEST(ExtendedScan, R22_SquareDriveBringsPointsBack) {
   }
 }
 
-// T1: whoever reads Eq. 2 with the robot's own turn and displacement moves the map the wrong way.
-TEST(ExtendedScan, T1_NaiveSignOfEquation2IsMetresOff) {
+// Eq. 2 read with the robot's own rotation and displacement moves the map the wrong way.
+TEST(ExtendedScan, TheNaiveSignOfEquation2IsMetresOff) {
   ExtendedScan map(AngleBins(deg_to_rad(360), deg_to_rad(1)), Relevance::kNearest);
   ExtendedScan naive = map;
   const SE2 T_odom_start{0, 0, 0};
@@ -115,9 +156,9 @@ TEST(ExtendedScan, T1_NaiveSignOfEquation2IsMetresOff) {
   };
   const Eigen::Vector2d truth = T_odom_end.inverse() * wall;
   EXPECT_LT((only_point(map) - truth).norm(), 1e-9);
-  // R5: a turn to the right moves a point ahead to the left.
+  // A turn to the right moves a point ahead to the left.
   EXPECT_GT(only_point(map).y(), 0.1);
-  // Off by twice the way driven, and by twice the turn.
+  // Off by twice the distance driven and twice the rotation.
   EXPECT_GT((only_point(naive) - truth).norm(), 1.0);
 }
 
@@ -146,11 +187,11 @@ void expect_merge_as_oracle(Relevance relevance) {
   EXPECT_LT(count_valid(map), map.size());  // there were collisions, and holes
 }
 
-TEST(ExtendedScan, R25_CollisionsKeepTheNearestHolesGetDummies) {
+TEST(ExtendedScan, CollisionsKeepTheNearestHolesGetDummies) {
   expect_merge_as_oracle(Relevance::kNearest);
 }
 
-TEST(ExtendedScan, R25_CollisionsKeepTheFarthestHolesGetDummies) {
+TEST(ExtendedScan, CollisionsKeepTheFarthestHolesGetDummies) {
   expect_merge_as_oracle(Relevance::kFarthest);
 }
 

@@ -8,7 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "common/geometry/angle.hpp"
 #include "common/node/messages.hpp"
+#include "modules/map_server/results.hpp"
 #include "modules/map_server/test/world.hpp"
 #include "tests/support/data_dir.hpp"
 #include "tests/support/memory_bus.hpp"
@@ -82,17 +84,17 @@ TEST_F(MapServerNodeTest, OdometryThatEndedIsNoOdometry) {
   EXPECT_EQ(rejected("no_odometry"), 16);
 }
 
-class StandingNodeTest : public MapServerNodeTest {
+class StationaryNodeTest : public MapServerNodeTest {
  protected:
-  StandingNodeTest()
+  StationaryNodeTest()
       : MapServerNodeTest([] {
           MapServerParams params;
-          params.assume_standing = true;
+          params.assume_stationary = true;
           return params;
         }()) {}
 };
 
-TEST_F(StandingNodeTest, RecordingsWithoutOdometry) {
+TEST_F(StationaryNodeTest, RecordingsWithoutOdometry) {
   bus_.deliver("SCAN", next_scan());
   EXPECT_EQ(maps_on("OBSTACLE_MAP").size(), 1U);
 }
@@ -174,7 +176,7 @@ TEST_F(MapServerNodeTest, LostScansAreNoticed) {
   EXPECT_EQ(counts_.lost(), 2);
 }
 
-TEST_F(MapServerNodeTest, WritesAPictureAndFigures) {
+TEST_F(MapServerNodeTest, WritesAnImageAndMetrics) {
   give_odometry(1'000'000, 0);
   bus_.deliver("SCAN", next_scan());
   const nodmap::test::TemporaryDir dir;
@@ -182,6 +184,38 @@ TEST_F(MapServerNodeTest, WritesAPictureAndFigures) {
   EXPECT_GT(std::filesystem::file_size(dir.path() / "map.png"), 1000U);
   EXPECT_EQ(node_.metrics()["scans_used"], 1);
   EXPECT_EQ(node_.metrics()["obstacle_map"]["bins"], 360);
+}
+
+ExtendedScan map_with(Relevance relevance, const Eigen::Vector2d& p) {
+  ExtendedScan map(AngleBins(geometry::deg_to_rad(360), geometry::deg_to_rad(1)), relevance);
+  const EgoPoint point = EgoPoint::at(p, 0.2);
+  map[*map.bins().index(point.bearing_rad)] = point;
+  return map;
+}
+
+bool is_reddish(drawing::Rgb c) {
+  return c[0] > 150 && c[2] < 100;
+}
+bool is_bluish(drawing::Rgb c) {
+  return c[2] > 150 && c[0] < 100;
+}
+
+// Points at 4.5 m give an image of 5 m to each side: 100 pixels a metre. Ahead is up, left is
+// left.
+TEST(MapDrawing, AheadIsUpAndLeftIsLeft) {
+  const drawing::Image image =
+      draw_maps(map_with(Relevance::kNearest, {2.0, 0.0}),
+                map_with(Relevance::kFarthest, {0.0, 4.5}), robot::Body{}.footprint());
+  EXPECT_TRUE(is_reddish(image.at(500, 300)));
+  EXPECT_TRUE(is_bluish(image.at(50, 500)));
+  EXPECT_EQ(image.at(500, 500), image.at(490, 515));  // the robot's body
+  EXPECT_NE(image.at(500, 500), drawing::kWhite);
+  EXPECT_EQ(image.at(900, 640), drawing::kWhite);
+}
+
+TEST(MapDrawing, EmptyMapsAreDrawnToo) {
+  const ExtendedScan none(AngleBins(1.0, 0.1), Relevance::kNearest);
+  EXPECT_GT(draw_maps(none, none, {}).width(), 0);
 }
 
 }  // namespace

@@ -41,13 +41,13 @@ TEST(ScanLine, FindsTheBeamOverAPlace) {
     const std::size_t b = beam(random);
     const double r = range(random);
     const Eigen::Vector3d p = scan::point_in_base(scan, b, r);
-    const auto look = ScanLine(scan).look_at(p.head<2>());
-    ASSERT_TRUE(look);
+    const auto crossing = ScanLine(scan).crossing_at(p.head<2>());
+    ASSERT_TRUE(crossing);
     // Planes are exact at a constant pitch, 1e-9 is rounding; angles are to 2e-6 rad.
-    EXPECT_NEAR(static_cast<double>(look->beam) + look->between, static_cast<double>(b),
+    EXPECT_NEAR(static_cast<double>(crossing->beam) + crossing->between, static_cast<double>(b),
                 2e-6 / deg_to_rad(1));
-    EXPECT_NEAR(look->range_m, r, 1e-9);
-    EXPECT_NEAR(look->height_m, p.z(), 1e-9);
+    EXPECT_NEAR(crossing->range_m, r, 1e-9);
+    EXPECT_NEAR(crossing->height_m, p.z(), 1e-9);
   }
 }
 
@@ -56,19 +56,19 @@ TEST(ScanLine, FollowsThePitchThroughTheScan) {
   const scan::Scan scan = fan(-11, -10, 5.0);
   for (std::size_t beam = 1; beam < 180; ++beam) {
     const Eigen::Vector3d p = scan::point_in_base(scan, beam, 5.0);
-    const auto look = ScanLine(scan).look_at(p.head<2>());
-    ASSERT_TRUE(look);
+    const auto crossing = ScanLine(scan).crossing_at(p.head<2>());
+    ASSERT_TRUE(crossing);
     // A wrong pitch by one degree would be 8.7 cm; left is the curvature of tan, and the shift
     // of the mirror, over half a degree.
-    EXPECT_NEAR(look->height_m, p.z(), 5e-3) << "beam " << beam;
+    EXPECT_NEAR(crossing->height_m, p.z(), 5e-3) << "beam " << beam;
   }
 }
 
 TEST(ScanLine, OutsideTheFanIsNotSeen) {
   const scan::Scan scan = fan(0, 0, 5.0);
-  EXPECT_FALSE(ScanLine(scan).look_at({-1.0, 0.5}));
-  EXPECT_FALSE(ScanLine(scan).look_at({-1.0, -0.5}));
-  EXPECT_TRUE(ScanLine(scan).look_at({1.0, 0.5}));
+  EXPECT_FALSE(ScanLine(scan).crossing_at({-1.0, 0.5}));
+  EXPECT_FALSE(ScanLine(scan).crossing_at({-1.0, -0.5}));
+  EXPECT_TRUE(ScanLine(scan).crossing_at({1.0, 0.5}));
 }
 
 TEST(ScanLine, FansThatCountToTheRightOrAllAround) {
@@ -76,14 +76,14 @@ TEST(ScanLine, FansThatCountToTheRightOrAllAround) {
   scan.angle_first_rad = deg_to_rad(90);
   scan.angle_step_rad = deg_to_rad(-1);
   const Eigen::Vector3d p = scan::point_in_base(scan, 30, 2.0);
-  EXPECT_NEAR(static_cast<double>(ScanLine(scan).look_at(p.head<2>())->beam), 30, 1);
+  EXPECT_NEAR(static_cast<double>(ScanLine(scan).crossing_at(p.head<2>())->beam), 30, 1);
   scan.angle_first_rad = 0.0;
   scan.angle_step_rad = deg_to_rad(1);
   scan.ranges_m.assign(360, 5.0F);
   const Eigen::Vector3d q = scan::point_in_base(scan, 270, 2.0);
-  const auto look = ScanLine(scan).look_at(q.head<2>());
-  ASSERT_TRUE(look);
-  EXPECT_NEAR(static_cast<double>(look->beam) + look->between, 270, 1e-3);
+  const auto crossing = ScanLine(scan).crossing_at(q.head<2>());
+  ASSERT_TRUE(crossing);
+  EXPECT_NEAR(static_cast<double>(crossing->beam) + crossing->between, 270, 1e-3);
 }
 
 TEST(ScanLine, ReachesAsFarAsTheWallBetweenTwoBeams) {
@@ -97,13 +97,13 @@ TEST(ScanLine, ReachesAsFarAsTheWallBetweenTwoBeams) {
   }
   for (int i = -214; i < 214; ++i) {
     const double y = 0.07 * i;
-    const auto look = ScanLine(scan).look_at({3.0, y});
-    ASSERT_TRUE(look);
-    const auto reached = ScanLine(scan).reached_m(*look);
+    const auto crossing = ScanLine(scan).crossing_at({3.0, y});
+    ASSERT_TRUE(crossing);
+    const auto reached = ScanLine(scan).measured_range_m(*crossing);
     ASSERT_TRUE(reached);
     // The straight line between two points, but for sin x = x over one degree.
-    EXPECT_NEAR(*reached, look->range_m, 1e-3) << "y " << y;
-    EXPECT_FALSE(ScanLine(scan).both_reach_beyond(*look, look->range_m + 0.01));
+    EXPECT_NEAR(*reached, crossing->range_m, 1e-3) << "y " << y;
+    EXPECT_FALSE(ScanLine(scan).both_reach_beyond(*crossing, crossing->range_m + 0.01));
   }
 }
 
@@ -127,13 +127,13 @@ TEST(ScanLine, BothBeamsMustGoOn) {
 TEST(ScanLine, DegenerateScansSeeNothing) {
   scan::Scan scan = fan(90, 90, 5.0);  // straight up: no height over the ground
   EXPECT_FALSE(laser_plane(scan, scan.pitch_first_rad));
-  EXPECT_FALSE(ScanLine(scan).look_at({1, 0}));
+  EXPECT_FALSE(ScanLine(scan).crossing_at({1, 0}));
   scan = fan(0, 0, 5.0);
   scan.ranges_m.resize(1);  // no beams on both sides of anything
-  EXPECT_FALSE(ScanLine(scan).look_at({1, 0}));
+  EXPECT_FALSE(ScanLine(scan).crossing_at({1, 0}));
   scan.ranges_m.clear();
-  EXPECT_FALSE(ScanLine(scan).look_at({1, 0}));
-  EXPECT_FALSE(ScanLine(fan(0, 0, 5)).look_at({std::nan(""), 0}));
+  EXPECT_FALSE(ScanLine(scan).crossing_at({1, 0}));
+  EXPECT_FALSE(ScanLine(fan(0, 0, 5)).crossing_at({std::nan(""), 0}));
 }
 
 }  // namespace

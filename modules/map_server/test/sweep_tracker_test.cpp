@@ -30,18 +30,18 @@ TEST(SweepTracker, CountsTurningPoints) {
   for (const double step_deg : {0.25, 1.0, 5.0}) {
     SweepTracker tracker;
     nod(tracker, -20, 10, 7, step_deg);
-    EXPECT_EQ(tracker.pass(), 6) << "step " << step_deg;  // the seventh is still under way
+    EXPECT_EQ(tracker.sweep(), 6) << "step " << step_deg;  // the seventh is still under way
   }
 }
 
 TEST(SweepTracker, KnowsTheWedgeAfterTwoSweeps) {
   SweepTracker tracker;
   nod(tracker, -20, 10, 2);
-  EXPECT_FALSE(tracker.wedge());
+  EXPECT_FALSE(tracker.covered());
   nod(tracker, -20, 10, 2);
-  ASSERT_TRUE(tracker.wedge());
-  EXPECT_NEAR(tracker.wedge()->low_rad, deg_to_rad(-20), kHalfStep);
-  EXPECT_NEAR(tracker.wedge()->high_rad, deg_to_rad(10), kHalfStep);
+  ASSERT_TRUE(tracker.covered());
+  EXPECT_NEAR(tracker.covered()->min_rad, deg_to_rad(-20), kHalfStep);
+  EXPECT_NEAR(tracker.covered()->max_rad, deg_to_rad(10), kHalfStep);
 }
 
 TEST(SweepTracker, TakesTheNarrowerOfTwoSweeps) {
@@ -49,10 +49,11 @@ TEST(SweepTracker, TakesTheNarrowerOfTwoSweeps) {
   nod(tracker, -20, 10, 4);
   nod(tracker, -10, 10, 2);  // starts with a jump up, which is a part of the last sweep
   nod(tracker, -10, 10, 2);
-  ASSERT_TRUE(tracker.wedge());
-  EXPECT_NEAR(tracker.wedge()->low_rad, deg_to_rad(-10), kHalfStep);
+  ASSERT_TRUE(tracker.covered());
+  EXPECT_NEAR(tracker.covered()->min_rad, deg_to_rad(-10), kHalfStep);
   nod(tracker, -20, 10, 1);
-  EXPECT_NEAR(tracker.wedge()->low_rad, deg_to_rad(-10), kHalfStep) << "one wide sweep is not two";
+  EXPECT_NEAR(tracker.covered()->min_rad, deg_to_rad(-10), kHalfStep)
+      << "one wide sweep is not two";
 }
 
 TEST(SweepTracker, NoiseOfThePitchIsNoTurningPoint) {
@@ -63,7 +64,7 @@ TEST(SweepTracker, NoiseOfThePitchIsNoTurningPoint) {
     const double p = deg_to_rad(-20 + 0.05 * i + noise(random));
     tracker.add(p, p);
   }
-  EXPECT_EQ(tracker.pass(), 0);
+  EXPECT_EQ(tracker.sweep(), 0);
 }
 
 TEST(SweepTracker, AScannerThatHoldsStillMakesEveryScanASweep) {
@@ -71,10 +72,10 @@ TEST(SweepTracker, AScannerThatHoldsStillMakesEveryScanASweep) {
   for (int i = 0; i < 100; ++i) {
     tracker.add(0.0, 0.0);
   }
-  EXPECT_GT(tracker.pass(), 80);
-  ASSERT_TRUE(tracker.wedge());
-  EXPECT_EQ(tracker.wedge()->low_rad, 0.0);
-  EXPECT_EQ(tracker.wedge()->high_rad, 0.0);
+  EXPECT_GT(tracker.sweep(), 80);
+  ASSERT_TRUE(tracker.covered());
+  EXPECT_EQ(tracker.covered()->min_rad, 0.0);
+  EXPECT_EQ(tracker.covered()->max_rad, 0.0);
 }
 
 }  // namespace

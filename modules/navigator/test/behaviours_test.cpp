@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The smaller pieces: brake, view, trail, turn, goal, staleness, points of the map.
+// The parts: brake, seen directions, approach, trail, turn, goal, staleness, obstacle points.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -7,14 +7,14 @@
 #include <vector>
 
 #include "modules/navigator/approach.hpp"
+#include "modules/navigator/back_up.hpp"
 #include "modules/navigator/brake.hpp"
 #include "modules/navigator/goal.hpp"
 #include "modules/navigator/obstacle_points.hpp"
+#include "modules/navigator/seen_directions.hpp"
 #include "modules/navigator/staleness.hpp"
 #include "modules/navigator/test/point_world.hpp"
-#include "modules/navigator/trail.hpp"
 #include "modules/navigator/turn.hpp"
-#include "modules/navigator/view.hpp"
 
 namespace nodmap::navigator {
 namespace {
@@ -22,90 +22,91 @@ namespace {
 using geometry::deg_to_rad;
 
 constexpr double kInf = std::numeric_limits<double>::infinity();
+constexpr double kReactionS = 0.1;
 
-TEST(Brake, ReactionAndBrakingTakeExactlyTheWay) {
-  for (const double way_m : {0.01, 0.1, 0.5, 2.0, 10.0}) {
-    const double v = stoppable_speed(way_m, 1.5, 0.1);
-    EXPECT_NEAR(v * 0.1 + v * v / 3.0, way_m, 1e-12);  // rounding of a square root
-  }
-  // Table 6.3 of the method: D = 1 m, T = 0.45 s (15 scans), 0.15 m to spare: 1.06 m/s.
-  EXPECT_NEAR(stoppable_speed(0.85, 1.5, 0.45), 1.06, 0.005);
+TEST(Brake, YawRateAndLateralAccelerationLimitTheSpeedOnAnArc) {
+  DriveParams drive;
+  drive.max_forward_mps = 1.5;
+  drive.max_yaw_rate_rad_s = 1.4;
+  drive.max_lateral_mps2 = 0.8;
+  const Brake brake({}, drive);
+  EXPECT_EQ(brake.speed_limit(0.0, 2.0), 1.5);
+  EXPECT_EQ(brake.speed_limit(0.0, 0.3), 0.3);
+  EXPECT_NEAR(brake.speed_limit(0.5, 2.0), std::sqrt(1.6), 1e-12);
+  EXPECT_NEAR(brake.speed_limit(-7.0, 2.0), 0.2, 1e-12);
+  EXPECT_EQ(brake.speed_limit(0.0, -0.5), 0.0);
 }
 
-TEST(Brake, NoWayNoSpeed) {
-  EXPECT_EQ(stoppable_speed(0.0, 1.5, 0.1), 0.0);
-  EXPECT_EQ(stoppable_speed(-1.0, 1.5, 0.1), 0.0);
-  EXPECT_EQ(stoppable_speed(std::nan(""), 1.5, 0.1), 0.0);
-  EXPECT_EQ(stoppable_speed(kInf, 1.5, 0.1), kInf);
+// The front is 0.225 m ahead, 0.15 m are left; from 2 m/s an emergency stop takes 0.67 m.
+TEST(Brake, StopsAtOnceNearerThanAnEmergencyStopNeeds) {
+  const Brake brake({}, {});
+  const auto at = [&](double distance_m) {
+    return brake.speed_on_present_arc(2.0, 0.0, {{0.225 + 0.15 + distance_m, 0.0}});
+  };
+  EXPECT_EQ(at(0.66), 0.0);
+  EXPECT_GT(at(0.68), 0.0);
+  EXPECT_EQ(brake.speed_on_present_arc(0.05, 0.0, {{0.3, 0.0}}), kInf);
 }
 
-TEST(Brake, ArcsAreBoundByTurnRateAndLateralAcceleration) {
-  const SpeedLimits limits{1.5, 1.4, 0.8};
-  EXPECT_EQ(speed_on_arc(0.0, limits), 1.5);
-  EXPECT_NEAR(speed_on_arc(0.5, limits), std::sqrt(1.6), 1e-12);
-  EXPECT_NEAR(speed_on_arc(-7.0, limits), 0.2, 1e-12);
-  EXPECT_EQ(speed_on_arc(0.0, {-0.5, 1.4, 0.8}), 0.0);
+TEST(SeenDirections, ADirectionIsSeenAfterTwoSweeps) {
+  SeenDirections view(deg_to_rad(70));
+  view.update(0.0, 10);
+  EXPECT_FALSE(view.is_seen(0.0, 2));
+  view.update(0.0, 11);
+  EXPECT_FALSE(view.is_seen(0.0, 2));
+  view.update(0.0, 12);
+  EXPECT_TRUE(view.is_seen(0.0, 2));
+  EXPECT_TRUE(view.is_seen(deg_to_rad(-69), 2));
+  EXPECT_FALSE(view.is_seen(deg_to_rad(80), 2));
 }
 
-TEST(View, ADirectionIsTrustedAfterTwoTurnsOfTheNod) {
-  View view(deg_to_rad(70));
-  view.look(0.0, 10);
-  EXPECT_FALSE(view.trusts(0.0, 2));
-  view.look(0.0, 11);
-  EXPECT_FALSE(view.trusts(0.0, 2));
-  view.look(0.0, 12);
-  EXPECT_TRUE(view.trusts(0.0, 2));
-  EXPECT_TRUE(view.trusts(deg_to_rad(-69), 2));
-  EXPECT_FALSE(view.trusts(deg_to_rad(80), 2));
+TEST(SeenDirections, ARotationBringsNewDirectionsAndForgetsOldOnes) {
+  SeenDirections view(deg_to_rad(70));
+  view.update(0.0, 0);
+  view.update(0.0, 2);
+  view.update(deg_to_rad(100), 2);
+  EXPECT_FALSE(view.is_seen(0.0, 2));             // compass 100: new
+  EXPECT_TRUE(view.is_seen(deg_to_rad(-60), 2));  // compass 40: seen all along
+  view.update(0.0, 2);
+  EXPECT_FALSE(view.is_seen(deg_to_rad(-60), 2));  // was out of view in between
+  view.update(0.0, 0);                             // the servo driver has restarted
+  EXPECT_FALSE(view.is_seen(deg_to_rad(40), 2));
 }
 
-TEST(View, TurningBringsNewDirectionsAndForgetsOldOnes) {
-  View view(deg_to_rad(70));
-  view.look(0.0, 0);
-  view.look(0.0, 2);
-  view.look(deg_to_rad(100), 2);
-  EXPECT_FALSE(view.trusts(0.0, 2));             // compass 100: new
-  EXPECT_TRUE(view.trusts(deg_to_rad(-60), 2));  // compass 40: seen all along
-  view.look(0.0, 2);
-  EXPECT_FALSE(view.trusts(deg_to_rad(-60), 2));  // was out of view in between
-  view.look(0.0, 0);                              // the servo's driver started again
-  EXPECT_FALSE(view.trusts(deg_to_rad(40), 2));
-}
-
-/// A view that trusts all that is up to 70 degrees from ahead.
-View seen_ahead() {
-  View view(deg_to_rad(70));
-  view.look(0.0, 0);
-  view.look(0.0, 2);
+/// All directions up to 70 degrees from ahead are seen.
+SeenDirections seen_ahead() {
+  SeenDirections view(deg_to_rad(70));
+  view.update(0.0, 0);
+  view.update(0.0, 2);
   return view;
 }
 
-TEST(Approach, NoticesWhatComesNearAndOnlyFromThenOn) {
+TEST(Approach, DetectsWhatComesNearerAndOnlyWhileItDoes) {
   Approach approach(2);
-  const View view = seen_ahead();
+  const SeenDirections view = seen_ahead();
   std::int64_t utime_us = 0;
   for (double x_m = 2.0; x_m > 0.3; x_m -= 0.01, utime_us += 10'000) {  // 1 m/s
-    approach.look(utime_us, {}, 0.9, {{x_m, 0.1}, {0.0, 0.4}}, view);
-    // 6 cm nearer than it was; the nearest it may be overlooked at is so far within the reach.
+    approach.update(utime_us, {}, 0.9, {{x_m, 0.1}, {0.0, 0.4}}, view);
+    // Detected 6 cm nearer than before, so up to 6 cm within the reach.
     if (x_m > 0.91) {
-      EXPECT_FALSE(approach.is_close(utime_us)) << x_m;
+      EXPECT_FALSE(approach.is_detected(utime_us)) << x_m;
     } else if (x_m < 0.83) {
-      EXPECT_TRUE(approach.is_close(utime_us)) << x_m;
+      EXPECT_TRUE(approach.is_detected(utime_us)) << x_m;
     }
   }
   for (int i = 0; i < 101; ++i, utime_us += 10'000) {
-    approach.look(utime_us, {}, 0.9, {{0.3, 0.1}, {0.0, 0.4}}, view);
+    approach.update(utime_us, {}, 0.9, {{0.3, 0.1}, {0.0, 0.4}}, view);
   }
-  EXPECT_FALSE(approach.is_close(utime_us));  // it stays
+  EXPECT_FALSE(approach.is_detected(utime_us));  // it stays
 }
 
-TEST(Approach, TurningBringsNothingNearer) {
+TEST(Approach, ARotationOfTheRobotIsNoApproach) {
   // A wall and a pole at half a metre, seen from headings a degree apart, with 2 cm of noise.
   Approach approach(2);
-  View view(deg_to_rad(70));
+  SeenDirections view(deg_to_rad(70));
   for (int i = 0; i < 400; ++i) {
     const double heading_rad = deg_to_rad(i);
-    view.look(geometry::normalize_angle(heading_rad), i / 20);
+    view.update(geometry::normalize_angle(heading_rad), i / 20);
     Points points_base;
     const double noise_m = 0.02 * ((i * 7) % 5 - 2) / 2.0;
     for (double y = -2.0; y < 2.0; y += 0.02) {
@@ -115,25 +116,26 @@ TEST(Approach, TurningBringsNothingNearer) {
     for (Eigen::Vector2d& p : points_base) {
       p = geometry::SE2{0.0, 0.0, -heading_rad}.rotation() * p;
     }
-    approach.look(i * 10'000, {0.0, 0.0, heading_rad}, 0.9, points_base, view);
-    EXPECT_FALSE(approach.is_close(i * 10'000)) << i;
+    approach.update(i * 10'000, {0.0, 0.0, heading_rad}, 0.9, points_base, view);
+    EXPECT_FALSE(approach.is_detected(i * 10'000)) << i;
   }
 }
 
-TEST(Approach, WhatOnlyComesIntoViewDoesNotCome) {
+TEST(Approach, WhatComesIntoViewIsNoApproach) {
   Approach approach(2);
-  const View view = seen_ahead();
-  approach.look(0, {}, 0.9, {}, view);
-  approach.look(10'000, {}, 0.9, {{-0.1, 0.5}}, view);  // beside it, where the laser had not looked
-  EXPECT_FALSE(approach.is_close(10'000));
-  approach.look(20'000, {}, 0.9, {{-0.1, 0.5}, {0.5, 0.0}}, view);  // ahead, where it had
-  EXPECT_TRUE(approach.is_close(20'000));
+  const SeenDirections view = seen_ahead();
+  approach.update(0, {}, 0.9, {}, view);
+  approach.update(10'000, {}, 0.9, {{-0.1, 0.5}},
+                  view);  // beside it, where the laser had not looked
+  EXPECT_FALSE(approach.is_detected(10'000));
+  approach.update(20'000, {}, 0.9, {{-0.1, 0.5}, {0.5, 0.0}}, view);  // ahead, where it had
+  EXPECT_TRUE(approach.is_detected(20'000));
 }
 
 // A wall, a pole and a doorway that is looked through, passed at 1 m/s with 1 cm of noise.
 TEST(Approach, DrivingIsNotAnApproach) {
   Approach approach(2);
-  const View view = seen_ahead();
+  const SeenDirections view = seen_ahead();
   test::World world;
   world.add_wall({-1, 0.6}, {2.0, 0.6});
   world.add_wall({2.9, 0.6}, {6.0, 0.6});
@@ -145,56 +147,56 @@ TEST(Approach, DrivingIsNotAnApproach) {
     for (Eigen::Vector2d& p : points_base) {
       p *= 1.0 + 0.01 * ((i * 7) % 5 - 2) / 2.0 / p.norm();
     }
-    approach.look(i * 10'000, T_odom_base, 1.5, points_base, view);
-    EXPECT_FALSE(approach.is_close(i * 10'000)) << i;
+    approach.update(i * 10'000, T_odom_base, 1.5, points_base, view);
+    EXPECT_FALSE(approach.is_detected(i * 10'000)) << i;
   }
 }
 
-TEST(Approach, WhoComesWhileDrivingIsNoticed) {
+TEST(Approach, APersonWhoCrossesThePathIsDetected) {
   Approach approach(2);
-  const View view = seen_ahead();
+  const SeenDirections view = seen_ahead();
   for (int i = 0; i < 100; ++i) {
     const double time_s = 0.01 * i;
     const geometry::SE2 T_odom_base{0.5 * time_s, 0.0, 0.0};
-    const Eigen::Vector2d walker_odom(1.5, 1.5 - 1.0 * time_s);  // crosses its way
+    const Eigen::Vector2d walker_odom(1.5, 1.5 - 1.0 * time_s);  // crosses its path
     const Points points_base{T_odom_base.inverse() * walker_odom};
-    approach.look(i * 10'000, T_odom_base, 1.5, points_base, view);
+    approach.update(i * 10'000, T_odom_base, 1.5, points_base, view);
   }
-  EXPECT_TRUE(approach.is_close(990'000));
+  EXPECT_TRUE(approach.is_detected(990'000));
 }
 
-TEST(Trail, LeadsBackTheWayTheRobotCame) {
+TEST(Trail, LeadsBackAlongThePathOfTheRobot) {
   Trail trail;
-  EXPECT_FALSE(trail.way_back({}));
+  EXPECT_FALSE(trail.path_back({}));
   geometry::SE2 pose;
   for (int i = 0; i < 50; ++i) {  // half a metre on an arc of 1 m to the left
     trail.record(pose);
     pose = pose * geometry::SE2{0.01, 0, 0.01};
   }
-  const auto back = trail.way_back(pose);
+  const auto back = trail.path_back(pose);
   ASSERT_TRUE(back);
-  EXPECT_EQ(back->turn_rad, 0.0);
+  EXPECT_EQ(back->rotation_rad, 0.0);
   EXPECT_NEAR(back->curvature, 1.0, 0.02);  // chord for arc
 }
 
-TEST(Trail, FirstTurnsToTheHeadingAtWhichItCame) {
+TEST(Trail, FirstRotatesToTheHeadingAtWhichItCame) {
   Trail trail;
   for (int i = 0; i <= 10; ++i) {
     trail.record({0.05 * i, 0, 0});
   }
-  const auto back = trail.way_back({0.5, 0, deg_to_rad(60)});
+  const auto back = trail.path_back({0.5, 0, deg_to_rad(60)});
   ASSERT_TRUE(back);
-  EXPECT_NEAR(back->turn_rad, deg_to_rad(-60), 1e-9);
+  EXPECT_NEAR(back->rotation_rad, deg_to_rad(-60), 1e-9);
 }
 
-TEST(Trail, EndsAndJumpsAreNoWay) {
+TEST(Trail, EndsAndJumpsAreNoPath) {
   Trail trail;
   trail.record({0, 0, 0});
-  EXPECT_FALSE(trail.way_back({0.02, 0, 0}));
-  EXPECT_FALSE(trail.way_back({1.0, 0, 0}));
+  EXPECT_FALSE(trail.path_back({0.02, 0, 0}));
+  EXPECT_FALSE(trail.path_back({1.0, 0, 0}));
   trail.record({0.1, 0, 0});
-  trail.retreat({0.05, 0, 0});
-  EXPECT_FALSE(trail.way_back({0.05, 0, 0}));
+  trail.forget_ahead({0.05, 0, 0});
+  EXPECT_FALSE(trail.path_back({0.05, 0, 0}));
 }
 
 TurnView free_to_turn(double heading_rad) {
@@ -205,21 +207,21 @@ TurnView free_to_turn(double heading_rad) {
 }
 
 TEST(Turn, KeepsTheSideItChose) {
-  Turn turn{{}};
+  Turn turn({}, kReactionS);
   TurnView view = free_to_turn(0.0);
-  view.free_direction_rad = deg_to_rad(-40);
+  view.clear_direction_rad = deg_to_rad(-40);
   EXPECT_LT(turn.step(view, 0.0).yaw_rate_rad_s, 0.0);
-  view.free_direction_rad = deg_to_rad(10);
+  view.clear_direction_rad = deg_to_rad(10);
   view.more_room_side = 1.0;
   EXPECT_LT(turn.step(view, 1.0).yaw_rate_rad_s, 0.0);
 }
 
 TEST(Turn, ChoosesTheFreeDirectionThenTheRoomThenLeft) {
   const auto first_side = [](double free_deg, double room, double preferred) {
-    Turn turn{{}};
+    Turn turn({}, kReactionS);
     TurnView view = free_to_turn(0.0);
     if (free_deg != 0.0) {
-      view.free_direction_rad = deg_to_rad(free_deg);
+      view.clear_direction_rad = deg_to_rad(free_deg);
     }
     view.more_room_side = room;
     return turn.step(view, preferred).yaw_rate_rad_s > 0.0 ? 1 : -1;
@@ -230,23 +232,23 @@ TEST(Turn, ChoosesTheFreeDirectionThenTheRoomThenLeft) {
   EXPECT_EQ(first_side(-40, -1, 1), 1);
 }
 
-TEST(Turn, EndsOnlyWhenAheadWasSeenAndItStands) {
+TEST(Turn, EndsOnlyWhenAheadIsSeenAndTheRobotStationary) {
   using Kind = TurnCommand::Kind;
-  Turn turn{{}};
+  Turn turn({}, kReactionS);
   TurnView view = free_to_turn(0.0);
   EXPECT_EQ(turn.step(view, 0.0).kind, Kind::kTurn);
   view.ahead_is_free = true;
   EXPECT_EQ(turn.step(view, 0.0).kind, Kind::kLook);
-  view.ahead_was_seen = true;
+  view.ahead_is_seen = true;
   view.yaw_rate_rad_s = 0.5;
   EXPECT_EQ(turn.step(view, 0.0).kind, Kind::kLook);
   view.yaw_rate_rad_s = 0.0;
   EXPECT_EQ(turn.step(view, 0.0).kind, Kind::kFinished);
 }
 
-TEST(Turn, AfterAWholeTurnItWaitsAndTriesAgain) {
+TEST(Turn, AfterAFullRotationItWaitsAndTriesAgain) {
   using Kind = TurnCommand::Kind;
-  Turn turn{{}};
+  Turn turn({}, kReactionS);
   TurnView view = free_to_turn(0.0);
   int steps = 0;
   while (turn.step(view, 0.0).kind == Kind::kTurn && steps < 1000) {
@@ -260,40 +262,40 @@ TEST(Turn, AfterAWholeTurnItWaitsAndTriesAgain) {
   EXPECT_EQ(turn.step(view, 0.0).kind, Kind::kTurn);
 }
 
-TEST(Turn, BlockedOnOneSideItTriesTheOtherOnceThenGoesBack) {
+TEST(Turn, BlockedOnOneSideItTriesTheOtherOnceThenBacksUp) {
   using Kind = TurnCommand::Kind;
-  Turn turn{{}};
+  Turn turn({}, kReactionS);
   TurnView view = free_to_turn(0.0);
   EXPECT_GT(turn.step(view, 1.0).yaw_rate_rad_s, 0.0);
-  view.left.free_turn_rad = 0.01;
-  view.right.free_turn_rad = 1.0;
+  view.left.free_rotation_rad = 0.01;
+  view.right.free_rotation_rad = 1.0;
   EXPECT_LT(turn.step(view, 1.0).yaw_rate_rad_s, 0.0);
-  view.left.free_turn_rad = 1.0;
-  view.right.free_turn_rad = 0.01;
+  view.left.free_rotation_rad = 1.0;
+  view.right.free_rotation_rad = 0.01;
   EXPECT_EQ(turn.step(view, 1.0).kind, Kind::kBackUp);
-  view.right.free_turn_rad = 1.0;  // no better than what was tried
+  view.right.free_rotation_rad = 1.0;  // no better than what was tried
   EXPECT_EQ(turn.step(view, 1.0).kind, Kind::kBackUp);
-  view.right.free_turn_rad = kInf;
+  view.right.free_rotation_rad = kInf;
   EXPECT_EQ(turn.step(view, 1.0).kind, Kind::kTurn);
 }
 
-TEST(Turn, GoesBackFirstWhereNeitherSideLeadsOut) {
+TEST(Turn, BacksUpFirstWhereNeitherSideLeadsOut) {
   using Kind = TurnCommand::Kind;
   TurnView view = free_to_turn(0.0);
-  view.left.free_turn_rad = deg_to_rad(31);
-  view.right.free_turn_rad = deg_to_rad(80);
-  view.knows_way_back = true;
-  EXPECT_EQ(Turn{{}}.step(view, 1.0).kind, Kind::kBackUp);
-  // Half a turn, or as far as a free direction, is room enough.
+  view.left.free_rotation_rad = deg_to_rad(31);
+  view.right.free_rotation_rad = deg_to_rad(80);
+  view.has_path_back = true;
+  EXPECT_EQ(Turn({}, kReactionS).step(view, 1.0).kind, Kind::kBackUp);
+  // 150 degrees, or as far as a free direction, is enough.
   TurnView reachable = view;
-  reachable.right.until_free_rad = deg_to_rad(60);
-  EXPECT_LT(Turn{{}}.step(reachable, 1.0).yaw_rate_rad_s, 0.0);
-  // No way back: what there is must do.
-  view.knows_way_back = false;
-  EXPECT_GT(Turn{{}}.step(view, 1.0).yaw_rate_rad_s, 0.0);
+  reachable.right.to_clear_direction_rad = deg_to_rad(60);
+  EXPECT_LT(Turn({}, kReactionS).step(reachable, 1.0).yaw_rate_rad_s, 0.0);
+  // No path back: it turns as far as it can.
+  view.has_path_back = false;
+  EXPECT_GT(Turn({}, kReactionS).step(view, 1.0).yaw_rate_rad_s, 0.0);
 }
 
-TEST(Goal, ArrivesWithinToleranceAndDoesNotShuffle) {
+TEST(Goal, ArrivesWithinToleranceAndStaysArrived) {
   const auto at = [](double distance_m) { return goal_in_base({distance_m, 0}, 0.2); };
   EXPECT_FALSE(has_arrived(at(0.21), false));
   EXPECT_TRUE(has_arrived(at(0.2), false));
@@ -303,7 +305,7 @@ TEST(Goal, ArrivesWithinToleranceAndDoesNotShuffle) {
 
 TEST(Detour, BeginsAtAnObstacleAndEndsNearerToTheGoal) {
   FreeSpace space;
-  space.way_m.fill(5.0);
+  space.distance_m.fill(5.0);
   Detour detour;
   EXPECT_EQ(detour.direction(space, {}, goal_in_base({3, 0}, 0.2), 1.0), 0.0);
   for (int degree = -40; degree <= 30; ++degree) {
@@ -312,7 +314,7 @@ TEST(Detour, BeginsAtAnObstacleAndEndsNearerToTheGoal) {
   EXPECT_EQ(detour.direction(space, {}, goal_in_base({3, 0}, 0.2), 1.0), deg_to_rad(31));
   EXPECT_EQ(detour.side(), 1.0);
   // Free again, but no nearer: along the wall on the right.
-  space.way_m.fill(5.0);
+  space.distance_m.fill(5.0);
   const Points wall{{0.3, -0.5}};
   const auto along = detour.direction(space, wall, goal_in_base({3.5, 0}, 0.2), 1.0);
   ASSERT_TRUE(along);
@@ -322,21 +324,21 @@ TEST(Detour, BeginsAtAnObstacleAndEndsNearerToTheGoal) {
   EXPECT_EQ(detour.side(), 0.0);
 }
 
-TEST(Detour, NothingBeyondTheGoalIsInTheWay) {
+TEST(Detour, NothingBeyondTheGoalBlocksThePath) {
   FreeSpace space;
-  space.way_m.fill(0.6);
+  space.distance_m.fill(0.6);
   Detour detour;
   EXPECT_EQ(detour.direction(space, {}, goal_in_base({0.5, 0}, 0.1), 1.0), 0.0);
 }
 
 TEST(Staleness, EachInputHasItsLimit) {
-  const NavigatorParams params;
+  const StalenessParams limits;
   const InputStamps fresh{1'000'000, 990'000, 990'000, 990'000};
-  EXPECT_FALSE(reason_to_halt(fresh, params));
+  EXPECT_FALSE(reason_to_halt(fresh, limits));
   const auto with = [&](auto member, std::optional<std::int64_t> utime_us) {
     InputStamps stamps = fresh;
     stamps.*member = utime_us;
-    return reason_to_halt(stamps, params).has_value();
+    return reason_to_halt(stamps, limits).has_value();
   };
   EXPECT_FALSE(with(&InputStamps::map_us, 900'000));
   EXPECT_TRUE(with(&InputStamps::map_us, 899'999));
@@ -351,7 +353,7 @@ TEST(Staleness, EachInputHasItsLimit) {
   }
 }
 
-TEST(ObstaclePoints, AMapThatContradictsItselfIsNone) {
+TEST(ObstaclePoints, AnInconsistentMapIsRefused) {
   constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
   constexpr auto kFar = std::numeric_limits<float>::infinity();
   using Bins = std::vector<float>;

@@ -14,8 +14,8 @@ using geometry::rad_to_deg;
 using test::ClosedLoop;
 using test::World;
 
-/// How often the turn on the spot changes its side.
-struct TurnWatch {
+/// How often the rotation on the spot changes its direction.
+struct RotationMonitor {
   void watch(const ClosedLoop& loop) {
     const double rate = loop.decision.yaw_rate_rad_s;
     if (loop.decision.behaviour != Behaviour::kTurn || rate == 0.0) {
@@ -28,30 +28,30 @@ struct TurnWatch {
   int reversals = 0;
 };
 
-TEST(ClosedLoop, NothingIsDrivenToBeforeItWasSeen) {
+TEST(ClosedLoop, DrivesNowhereBeforeItHasSeenTheDirection) {
   ClosedLoop loop({}, {});
-  loop.run(0.6);  // the nod has turned round once, at 0.35 s
-  EXPECT_EQ(loop.way_m, 0.0);
+  loop.run(0.6);  // the head has reversed once, at 0.35 s
+  EXPECT_EQ(loop.driven_m, 0.0);
   loop.run(1.0);
-  EXPECT_GT(loop.way_m, 0.3);
+  EXPECT_GT(loop.driven_m, 0.3);
 }
 
-TEST(ClosedLoop, StandsBeforeAWallAtTheStopMargin) {
+TEST(ClosedLoop, StopsBeforeAWallAtTheStopMargin) {
   World world;
   world.add_wall({2, -3}, {2, 3});
   NavigatorParams params;
-  params.view_half_rad = geometry::deg_to_rad(10.0);  // nowhere else to steer to
+  params.steer.view_half_rad = geometry::deg_to_rad(10.0);  // nowhere else to steer to
   ClosedLoop loop(world, {}, params);
-  while (loop.decision.behaviour != Behaviour::kTurn || loop.way_m == 0.0) {
+  while (loop.decision.behaviour != Behaviour::kTurn || loop.driven_m == 0.0) {
     loop.cycle();
     ASSERT_LT(loop.time_s, 20.0);
   }
-  // It sets out no more below 6 cm/s: within the last 1.5 cm.
+  // It does not drive slower than 6 cm/s: within the last 1.5 cm.
   EXPECT_NEAR(loop.min_clearance_m, 0.15, 0.015);
 }
 
-// R29: obstacles that appear beyond v^2 / 2a + v T are never hit, whatever the robot is doing.
-TEST(ClosedLoop, AnObstacleThatAppearsBeyondTheBrakingWayIsNotHit) {
+// Obstacles that appear beyond v^2 / 2a + v T are never hit, whatever the robot is doing.
+TEST(ClosedLoop, AnObstacleThatAppearsBeyondTheStoppingDistanceIsNotHit) {
   std::mt19937 random(29);
   std::uniform_real_distribution<double> aside(-0.25, 0.25);
   std::uniform_real_distribution<double> when(1.5, 4.0);
@@ -65,8 +65,9 @@ TEST(ClosedLoop, AnObstacleThatAppearsBeyondTheBrakingWayIsNotHit) {
     loop.max_forward_mps = 1.5;
     loop.run(when(random));
     const double v = loop.robot.forward_mps;
-    const double braking_m = v * v / (2.0 * params.deceleration_mps2) + v * params.reaction_s;
-    const Eigen::Vector2d ahead(0.5 * params.robot.length_m + braking_m + 0.03, aside(random));
+    const double braking_m =
+        v * v / (2.0 * params.robot.braking.deceleration_mps2) + v * params.drive.reaction_s;
+    const Eigen::Vector2d ahead(0.5 * params.robot.body.length_m + braking_m + 0.03, aside(random));
     loop.world.points_odom.emplace_back(loop.robot.T_odom_base * ahead);
     loop.run(3.0);
     EXPECT_FALSE(loop.collided) << "run " << run << " at " << v << " m/s";
@@ -75,7 +76,7 @@ TEST(ClosedLoop, AnObstacleThatAppearsBeyondTheBrakingWayIsNotHit) {
   EXPECT_GT(least_m, 0.0);
 }
 
-// R32: the first decision after the map shows it.
+// The first decision after the map shows it.
 TEST(ClosedLoop, AnObstacleThatAppearsIsAnsweredWithTheNextMap) {
   ClosedLoop loop({}, {});
   loop.run(3.0);
@@ -87,33 +88,32 @@ TEST(ClosedLoop, AnObstacleThatAppearsIsAnsweredWithTheNextMap) {
   EXPECT_EQ(loop.decision.forward_mps, 0.0);
 }
 
-// R30
-TEST(ClosedLoop, ADeadEndIsLeftWithinOneTurnWithoutChatter) {
+TEST(ClosedLoop, ADeadEndIsLeftWithinOneRotationWithoutReversals) {
   for (const double half_width_m : {0.36, 0.4, 0.6, 1.0}) {
     World world;
     world.add_wall({-1, half_width_m}, {2, half_width_m});
     world.add_wall({-1, -half_width_m}, {2, -half_width_m});
     world.add_wall({2, -half_width_m}, {2, half_width_m});
     ClosedLoop loop(world, {});
-    TurnWatch turn;
-    double turned_rad = 0.0;
+    RotationMonitor monitor;
+    double rotated_rad = 0.0;
     loop.on_decision = [&] {
-      turn.watch(loop);
-      turned_rad += loop.decision.behaviour == Behaviour::kTurn
-                        ? std::abs(loop.robot.yaw_rate_rad_s) * 0.015
-                        : 0.0;
+      monitor.watch(loop);
+      rotated_rad += loop.decision.behaviour == Behaviour::kTurn
+                         ? std::abs(loop.robot.yaw_rate_rad_s) * 0.015
+                         : 0.0;
     };
     while (loop.robot.T_odom_base.x > -1.0) {
       loop.cycle();
       ASSERT_LT(loop.time_s, 30.0) << half_width_m;
     }
     EXPECT_FALSE(loop.collided);
-    EXPECT_LE(rad_to_deg(turned_rad), 360.0);
-    EXPECT_LE(turn.reversals, 2);
+    EXPECT_LE(rad_to_deg(rotated_rad), 360.0);
+    EXPECT_LE(monitor.reversals, 2);
   }
 }
 
-TEST(ClosedLoop, WhereItCannotTurnItGoesBackTheWayItCame) {
+TEST(ClosedLoop, WhereItCannotTurnItBacksUpAlongItsTrail) {
   World world;
   for (const double side : {1.0, -1.0}) {
     world.add_wall({-1, side * 0.4}, {1, side * 0.4});
@@ -132,7 +132,7 @@ TEST(ClosedLoop, WhereItCannotTurnItGoesBackTheWayItCame) {
   EXPECT_FALSE(loop.collided);
 }
 
-TEST(ClosedLoop, TurningItStandsWhileSomebodyWalksUpToIt) {
+TEST(ClosedLoop, TurningItWaitsWhileAPersonWalksUpToIt) {
   World world;
   world.add_wall({-2, 0.6}, {0.42, 0.6});
   world.add_wall({-2, -0.6}, {0.42, -0.6});
@@ -146,18 +146,18 @@ TEST(ClosedLoop, TurningItStandsWhileSomebodyWalksUpToIt) {
   // From the left ahead, 1 m/s, up to the turning circle and its margin.
   const std::size_t walls = loop.world.points_odom.size();
   const Eigen::Vector2d start = loop.robot.T_odom_base * Eigen::Vector2d(0.45, 0.78);
-  const Eigen::Vector2d way = loop.robot.T_odom_base.translation() - start;
-  for (double gone_m = 0.0; gone_m < way.norm() - 0.34; gone_m += 1.0 * 0.015) {
+  const Eigen::Vector2d path = loop.robot.T_odom_base.translation() - start;
+  for (double gone_m = 0.0; gone_m < path.norm() - 0.34; gone_m += 1.0 * 0.015) {
     loop.world.points_odom.resize(walls);
-    loop.world.points_odom.emplace_back(start + gone_m * way.normalized());
+    loop.world.points_odom.emplace_back(start + gone_m * path.normalized());
     loop.cycle();
   }
-  // The corner moves slower than what counts as standing, 5 cm/s.
+  // The corner moves slower than what counts as stationary, 5 cm/s.
   EXPECT_LT(std::abs(loop.robot.yaw_rate_rad_s), 0.05 / 0.28);
   EXPECT_FALSE(loop.collided);
 }
 
-TEST(ClosedLoop, GoingBackItStandsWhileSomebodyWalksUpToIt) {
+TEST(ClosedLoop, BackingUpItWaitsWhileAPersonWalksUpToIt) {
   World world;
   world.add_wall({-1, 0.26}, {2, 0.26});  // narrower than the body's diagonal
   world.add_wall({-1, -0.26}, {2, -0.26});
@@ -175,18 +175,18 @@ TEST(ClosedLoop, GoingBackItStandsWhileSomebodyWalksUpToIt) {
     loop.world.points_odom.emplace_back(T_odom_before * Eigen::Vector2d(x_m, 0.0));
     loop.cycle();
   }
-  EXPECT_LT(std::abs(loop.robot.forward_mps), 0.05);  // counts as standing
+  EXPECT_LT(std::abs(loop.robot.forward_mps), 0.05);  // counts as stationary
   EXPECT_FALSE(loop.collided);
 }
 
-// Somebody has touched it while it turned: what was seen of him is left at its border.
-TEST(ClosedLoop, TouchedInATurnItGoesStraightBackAndOn) {
+// A person has touched it while it turned: points of him are left at its border.
+TEST(ClosedLoop, TouchedWhileTurningItBacksUpStraightAndGoesOn) {
   World world;
   world.add_wall({-3, 1.0}, {1, 1.0});
   world.add_wall({-3, -1.0}, {1, -1.0});
   world.add_wall({1, -1.0}, {1, 1.0});
   ClosedLoop loop(world, {});
-  while (loop.decision.behaviour != Behaviour::kTurn || loop.way_m == 0.0 ||
+  while (loop.decision.behaviour != Behaviour::kTurn || loop.driven_m == 0.0 ||
          loop.robot.yaw_rate_rad_s < 0.9) {
     loop.cycle();
     ASSERT_LT(loop.time_s, 10.0);
@@ -202,7 +202,7 @@ TEST(ClosedLoop, TouchedInATurnItGoesStraightBackAndOn) {
   }
 }
 
-TEST(ClosedLoop, BoxedInItStandsAndSaysSoAndGoesOnWhenThereIsRoom) {
+TEST(ClosedLoop, BoxedInItWaitsWithAReasonAndGoesOnWhenThereIsRoom) {
   World world;
   world.add_room(-0.5, 0.5, -0.5, 0.5);
   ClosedLoop loop(world, {});
@@ -212,7 +212,7 @@ TEST(ClosedLoop, BoxedInItStandsAndSaysSoAndGoesOnWhenThereIsRoom) {
   EXPECT_FALSE(loop.decision.reason.empty());
   loop.world.points_odom.clear();
   loop.run(8.0);
-  EXPECT_GT(loop.way_m, 1.0);
+  EXPECT_GT(loop.driven_m, 1.0);
 }
 
 TEST(ClosedLoop, LeavesAPocketThatOpensAwayFromTheGoal) {
@@ -234,7 +234,7 @@ TEST(ClosedLoop, LeavesAPocketThatOpensAwayFromTheGoal) {
 }
 
 TEST(ClosedLoop, RoamsThroughClutterWithoutACollision) {
-  double way_m = 0.0;
+  double driven_m = 0.0;
   for (unsigned seed = 1; seed <= 8; ++seed) {
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> x(0.7, 8.5);
@@ -249,13 +249,13 @@ TEST(ClosedLoop, RoamsThroughClutterWithoutACollision) {
     ClosedLoop loop(world, {});
     loop.run(30.0);
     EXPECT_FALSE(loop.collided) << "seed " << seed;
-    EXPECT_GT(loop.way_m, 10.0) << "seed " << seed;
-    way_m += loop.way_m;
+    EXPECT_GT(loop.driven_m, 10.0) << "seed " << seed;
+    driven_m += loop.driven_m;
   }
-  EXPECT_GT(way_m / (8 * 30.0), 0.5);  // m/s in the mean
+  EXPECT_GT(driven_m / (8 * 30.0), 0.5);  // m/s in the mean
 }
 
-TEST(ClosedLoop, NoSpeedFromThePitchControllerNoSpeed) {
+TEST(ClosedLoop, ABoundOfZeroFromThePitchControllerStopsIt) {
   ClosedLoop loop({}, {});
   loop.run(2.0);
   loop.max_forward_mps = 0.0;

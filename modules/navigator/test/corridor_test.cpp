@@ -17,13 +17,14 @@ constexpr double kInf = std::numeric_limits<double>::infinity();
 const Footprint kBody{0.225, 0.165};
 
 /// The body is moved on in small steps until it covers the point.
-double stepped_way(const Eigen::Vector2d& p, double curvature, const Footprint& shape) {
+double stepped_distance(const Eigen::Vector2d& p, double curvature, const Footprint& shape) {
   constexpr double kStepM = 0.0005;
   geometry::SE2 T_start_base;
-  for (double way_m = 0.0; way_m * std::abs(curvature) <= geometry::kPi && way_m < 5.0;
-       way_m += kStepM) {
+  for (double distance_m = 0.0;
+       distance_m * std::abs(curvature) <= geometry::kPi && distance_m < 5.0;
+       distance_m += kStepM) {
     if (shape.contains(T_start_base.inverse() * p)) {
-      return way_m;
+      return distance_m;
     }
     // Half the turn before and after each step: an arc to third order.
     T_start_base = T_start_base * geometry::SE2{0, 0, 0.5 * curvature * kStepM} *
@@ -32,126 +33,128 @@ double stepped_way(const Eigen::Vector2d& p, double curvature, const Footprint& 
   return kInf;
 }
 
-TEST(FreeWay, StraightIsTheDistanceFromTheFront) {
-  EXPECT_DOUBLE_EQ(free_way({{1.0, 0.0}}, 0.0, kBody, 0.06), 0.775);
-  EXPECT_DOUBLE_EQ(free_way({{1.0, 0.224}}, 0.0, kBody, 0.06), 0.775);
-  EXPECT_EQ(free_way({{1.0, 0.226}}, 0.0, kBody, 0.06), kInf);
-  EXPECT_EQ(free_way({{-1.0, 0.0}}, 0.0, kBody, 0.06), kInf);
-  EXPECT_EQ(free_way({}, 0.0, kBody, 0.06), kInf);
+TEST(FreeDistance, StraightIsTheDistanceFromTheFront) {
+  EXPECT_DOUBLE_EQ(free_distance({{1.0, 0.0}}, 0.0, kBody, 0.06), 0.775);
+  EXPECT_DOUBLE_EQ(free_distance({{1.0, 0.224}}, 0.0, kBody, 0.06), 0.775);
+  EXPECT_EQ(free_distance({{1.0, 0.226}}, 0.0, kBody, 0.06), kInf);
+  EXPECT_EQ(free_distance({{-1.0, 0.0}}, 0.0, kBody, 0.06), kInf);
+  EXPECT_EQ(free_distance({}, 0.0, kBody, 0.06), kInf);
 }
 
 // The corridor's faces ahead and beside, to a millimetre; its top and bottom are the map server's.
-TEST(FreeWay, R8_FacesOfTheVirtualCorridor) {
+TEST(FreeDistance, FacesOfTheVirtualCorridor) {
   constexpr double kMarginM = 0.06;
   constexpr double kMm = 0.001;
   const double side_m = kBody.half_width_m + kMarginM;
   for (const double side : {-1.0, 1.0}) {
     for (const double ahead_m : {kBody.half_length_m + kMm, 1.0, 6.0}) {
-      EXPECT_NEAR(free_way({{ahead_m, side * (side_m - kMm)}}, 0.0, kBody, kMarginM),
+      EXPECT_NEAR(free_distance({{ahead_m, side * (side_m - kMm)}}, 0.0, kBody, kMarginM),
                   ahead_m - kBody.half_length_m, 1e-12);
-      EXPECT_EQ(free_way({{ahead_m, side * (side_m + kMm)}}, 0.0, kBody, kMarginM), kInf);
+      EXPECT_EQ(free_distance({{ahead_m, side * (side_m + kMm)}}, 0.0, kBody, kMarginM), kInf);
     }
-    EXPECT_EQ(free_way({{-kBody.half_length_m - kMm, side * 0.1}}, 0.0, kBody, kMarginM), kInf);
+    EXPECT_EQ(free_distance({{-kBody.half_length_m - kMm, side * 0.1}}, 0.0, kBody, kMarginM),
+              kInf);
   }
 }
 
-TEST(FreeWay, OnArcsEqualsMovingTheBodyInSteps) {
+TEST(FreeDistance, OnArcsEqualsMovingTheBodyInSteps) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> place(-0.9, 0.9);
   std::uniform_real_distribution<double> bend(-3.0, 3.0);
   const Footprint grown = kBody.grown(0.0, 0.06);
-  int met = 0;
+  int touched = 0;
   for (int i = 0; i < 600; ++i) {
     const Eigen::Vector2d p(place(random), place(random));
     const double curvature = bend(random);
     if (grown.contains(p)) {
       continue;
     }
-    const double exact_m = free_way({p}, curvature, kBody, 0.06);
-    const double stepped_m = stepped_way(p, curvature, grown);
-    // A point that only grazes the body between two steps is met by the exact way alone.
+    const double exact_m = free_distance({p}, curvature, kBody, 0.06);
+    const double stepped_m = stepped_distance(p, curvature, grown);
+    // A point that only grazes the body between two steps is found by the exact distance alone.
     if (std::isinf(stepped_m)) {
-      const double grazing_m = stepped_way(p, curvature, grown.grown(0.002, 0.002));
+      const double grazing_m = stepped_distance(p, curvature, grown.grown(0.002, 0.002));
       EXPECT_TRUE(std::isinf(exact_m) || std::isfinite(grazing_m)) << p.transpose();
       continue;
     }
-    ++met;
-    const double first_m = stepped_way(p, curvature, grown.grown(0.001, 0.001));
+    ++touched;
+    const double first_m = stepped_distance(p, curvature, grown.grown(0.001, 0.001));
     EXPECT_GE(exact_m, first_m - 0.001) << p.transpose() << " " << curvature;
     EXPECT_LE(exact_m, stepped_m + 0.001) << p.transpose() << " " << curvature;
   }
-  EXPECT_GT(met, 80);
+  EXPECT_GT(touched, 80);
 }
 
-TEST(FreeWay, TheTailSwingsOutIntoAWallBeside) {
+TEST(FreeDistance, TheTailSwingsOutIntoAWallBesideIt) {
   // Straight on the wall on the right is passed, turning left the rear right corner meets it.
   const Points wall{{-0.2, -0.24}, {-0.1, -0.24}, {0.0, -0.24}};
-  EXPECT_EQ(free_way(wall, 0.0, kBody, 0.06), kInf);
-  EXPECT_LT(free_way(wall, 2.0, kBody, 0.06), 0.2);
+  EXPECT_EQ(free_distance(wall, 0.0, kBody, 0.06), kInf);
+  EXPECT_LT(free_distance(wall, 2.0, kBody, 0.06), 0.2);
 }
 
-TEST(FreeWay, APointWithinTheMarginDoesNotLockTheRobot) {
+TEST(FreeDistance, APointWithinTheMarginDoesNotBlockTheRobot) {
   const Points beside{{0.0, 0.2}};
-  EXPECT_EQ(free_way(beside, 0.0, kBody, 0.06), kInf);  // past it
-  EXPECT_LT(free_way(beside, -2.0, kBody, 0.06), 0.5);  // but not with the tail into it
+  EXPECT_EQ(free_distance(beside, 0.0, kBody, 0.06), kInf);  // past it
+  EXPECT_LT(free_distance(beside, -2.0, kBody, 0.06), 0.5);  // but not with the tail into it
   const Points touching{{0.1, 0.167}};
-  EXPECT_EQ(free_way(touching, -2.0, kBody, 0.06), kInf);  // away
-  EXPECT_EQ(free_way(touching, 2.0, kBody, 0.06), 0.0);
+  EXPECT_EQ(free_distance(touching, -2.0, kBody, 0.06), kInf);  // away
+  EXPECT_EQ(free_distance(touching, 2.0, kBody, 0.06), 0.0);
   const Points at_front{{0.226, 0.0}};
-  EXPECT_LE(free_way(at_front, 0.0, kBody, 0.06), 0.0011);
-  EXPECT_EQ(free_way_behind(at_front, 0.0, kBody, 0.06), kInf);
+  EXPECT_LE(free_distance(at_front, 0.0, kBody, 0.06), 0.0011);
+  EXPECT_EQ(free_distance_backwards(at_front, 0.0, kBody, 0.06), kInf);
 }
 
-TEST(FreeWay, WhatIsUnderTheBodyIsNoObstacle) {
-  EXPECT_EQ(free_way({{0.05, 0.05}}, 0.0, kBody, 0.06), kInf);
-  EXPECT_EQ(free_turn({{0.05, 0.05}}, 1.0, kBody, 0.04), kInf);
+TEST(FreeDistance, WhatIsUnderTheBodyIsNoObstacle) {
+  EXPECT_EQ(free_distance({{0.05, 0.05}}, 0.0, kBody, 0.06), kInf);
+  EXPECT_EQ(free_rotation({{0.05, 0.05}}, 1.0, kBody, 0.04), kInf);
 }
 
-TEST(FreeWay, MirroredPointsGiveExactlyTheSame) {
+TEST(FreeDistance, MirroredPointsGiveExactlyTheSame) {
   std::mt19937 random(2);
   std::uniform_real_distribution<double> place(-1.5, 1.5);
   for (int i = 0; i < 300; ++i) {
     const Eigen::Vector2d p(place(random), place(random));
     const double curvature = place(random);
-    EXPECT_EQ(free_way({p}, curvature, kBody, 0.06),
-              free_way({{p.x(), -p.y()}}, -curvature, kBody, 0.06));
-    EXPECT_EQ(free_turn({p}, 1.0, kBody, 0.04), free_turn({{p.x(), -p.y()}}, -1.0, kBody, 0.04));
+    EXPECT_EQ(free_distance({p}, curvature, kBody, 0.06),
+              free_distance({{p.x(), -p.y()}}, -curvature, kBody, 0.06));
+    EXPECT_EQ(free_rotation({p}, 1.0, kBody, 0.04),
+              free_rotation({{p.x(), -p.y()}}, -1.0, kBody, 0.04));
   }
 }
 
-TEST(FreeWayBehind, IsTheWayAheadOfATurnedRobot) {
-  EXPECT_DOUBLE_EQ(free_way_behind({{-1.0, 0.1}}, 0.0, kBody, 0.02), 0.775);
+TEST(FreeDistanceBackwards, IsTheFreeDistanceOfAReversedRobot) {
+  EXPECT_DOUBLE_EQ(free_distance_backwards({{-1.0, 0.1}}, 0.0, kBody, 0.02), 0.775);
   // Backwards along an arc to the left the robot comes to its left rear.
-  EXPECT_LT(free_way_behind({{-0.8, 0.4}}, 1.0, kBody, 0.02), kInf);
-  EXPECT_EQ(free_way_behind({{-0.8, 0.4}}, -1.0, kBody, 0.02), kInf);
+  EXPECT_LT(free_distance_backwards({{-0.8, 0.4}}, 1.0, kBody, 0.02), kInf);
+  EXPECT_EQ(free_distance_backwards({{-0.8, 0.4}}, -1.0, kBody, 0.02), kInf);
 }
 
-TEST(FreeTurn, EqualsTurningTheBodyInSteps) {
+TEST(FreeRotation, EqualsRotatingTheBodyInSteps) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> place(-0.4, 0.4);
   const Footprint grown = kBody.grown(0.04, 0.04);
   constexpr double kStepRad = 0.0005;
-  int met = 0;
+  int touched = 0;
   for (int i = 0; i < 1000; ++i) {
     const Eigen::Vector2d p(place(random), place(random));
     if (grown.contains(p)) {
       continue;
     }
-    const double exact_rad = free_turn({p}, -1.0, kBody, 0.04);
+    const double exact_rad = free_rotation({p}, -1.0, kBody, 0.04);
     double stepped_rad = 0.0;
     while (stepped_rad < 2.0 * geometry::kPi &&
            !grown.contains(geometry::SE2{0, 0, -stepped_rad}.inverse() * p)) {
       stepped_rad += kStepRad;
     }
     if (stepped_rad < 2.0 * geometry::kPi) {
-      ++met;
+      ++touched;
       // Meeting a corner, half a millimetre of radius is up to a few hundredths of a radian.
       EXPECT_NEAR(exact_rad, stepped_rad, 0.002);
     } else {
       EXPECT_GT(p.norm(), std::hypot(0.265, 0.205) - 1e-4);
     }
   }
-  EXPECT_GT(met, 100);
+  EXPECT_GT(touched, 100);
 }
 
 }  // namespace

@@ -42,7 +42,7 @@ Points random_clutter(std::mt19937& random) {
   return points;
 }
 
-TEST(FreeSpace, EachDirectionEqualsAStraightCorridorInATurnedFrame) {
+TEST(FreeSpace, EachDirectionEqualsAStraightCorridorInARotatedFrame) {
   std::mt19937 random(1);
   for (int round = 0; round < 50; ++round) {
     Points points = random_clutter(random);
@@ -54,7 +54,7 @@ TEST(FreeSpace, EachDirectionEqualsAStraightCorridorInATurnedFrame) {
       for (auto& p : turned) {
         p = geometry::SE2{0, 0, deg_to_rad(degree)}.inverse() * p;
       }
-      const double straight_m = free_way(turned, 0.0, kBody, 0.06);
+      const double straight_m = free_distance(turned, 0.0, kBody, 0.06);
       if (std::isinf(straight_m)) {
         EXPECT_EQ(space.at(degree), kInf);
       } else {
@@ -64,7 +64,7 @@ TEST(FreeSpace, EachDirectionEqualsAStraightCorridorInATurnedFrame) {
   }
 }
 
-TEST(FreeSpace, AGapNarrowerThanTheRobotIsNoWay) {
+TEST(FreeSpace, AGapNarrowerThanTheRobotIsNotFree) {
   EXPECT_LT(measure({{1.0, 0.2}, {1.0, -0.2}}).at(0), 1.0);
   EXPECT_EQ(measure({{1.0, 0.24}, {1.0, -0.24}}).at(0), kInf);
 }
@@ -111,7 +111,7 @@ TEST(Steer, MirroredInputGivesExactlyMirroredOutput) {
 }
 
 TEST(Steer, WithoutFreeSpaceThereIsNoOrientation) {
-  FreeSpace space;  // all ways 0
+  FreeSpace space;  // no free distance anywhere
   // g(0) is 0.018 in every direction: still an orientation. Farther below the threshold: none.
   EXPECT_TRUE(free_space_orientation(space, 0.0, 1.0));
   EXPECT_FALSE(free_space_orientation(space, 0.0, 4.0));

@@ -55,7 +55,7 @@ class NavigatorNodeTest : public ::testing::Test {
     bus_.deliver("PITCH_STATE", message);
   }
 
-  /// Ten milliseconds of life, without the inputs that are lost.
+  /// Delivers ten milliseconds of all inputs but the lost one.
   void tick(int lost = -1) {
     now_us_ += 10'000;
     if (lost != kCommand) {
@@ -104,7 +104,7 @@ class NavigatorNodeTest : public ::testing::Test {
   double x_ = 0.0;
 };
 
-TEST_F(NavigatorNodeTest, DrivesWhenAllIsThereOnceForEachMap) {
+TEST_F(NavigatorNodeTest, OneDecisionForEachMapWhenAllInputsAreFresh) {
   run(1.5);
   ASSERT_TRUE(drives());
   const auto count = bus_.count("DRIVE");
@@ -118,8 +118,8 @@ TEST_F(NavigatorNodeTest, DrivesWhenAllIsThereOnceForEachMap) {
   EXPECT_NEAR(navigation().corridor_width_m, 0.45, 1e-9);
 }
 
-TEST_F(NavigatorNodeTest, EachInputThatIsLostHaltsTheRobotAndItGoesOnAfterwards) {
-  // The limit and one odometry period; odometry is noticed by the maps.
+TEST_F(NavigatorNodeTest, EachLostInputHaltsTheRobotUntilItIsBack) {
+  // The limit and one odometry period; lost odometry is noticed with the maps.
   const std::map<int, double> limit_s{
       {kOdometry, 0.1}, {kMap, 0.1}, {kCommand, 0.15}, {kState, 0.15}};
   for (const auto& [lost, seconds] : limit_s) {
@@ -135,7 +135,7 @@ TEST_F(NavigatorNodeTest, EachInputThatIsLostHaltsTheRobotAndItGoesOnAfterwards)
   }
 }
 
-TEST_F(NavigatorNodeTest, WithoutAnyMapItSaysWhy) {
+TEST_F(NavigatorNodeTest, WithoutAnyMapItHaltsWithTheReason) {
   give_odometry(now_us_);
   EXPECT_TRUE(halts());
   EXPECT_EQ(navigation().reason, "There is no obstacle map.");
@@ -148,7 +148,7 @@ TEST_F(NavigatorNodeTest, AStalledServoHaltsWithTheNextOdometry) {
   EXPECT_TRUE(halts());
 }
 
-TEST_F(NavigatorNodeTest, StoppedItHaltsWithTheNextOdometryAndStaysUntilItIsFree) {
+TEST_F(NavigatorNodeTest, AStopHaltsWithTheNextOdometryUntilItIsReleased) {
   run(1.5);
   ASSERT_TRUE(drives());
   nodmap::stop_t stop{};
@@ -171,7 +171,7 @@ TEST_F(NavigatorNodeTest, StoppedItHaltsWithTheNextOdometryAndStaysUntilItIsFree
   EXPECT_TRUE(drives());
 }
 
-TEST_F(NavigatorNodeTest, ACorruptMapIsNotDrivenOn) {
+TEST_F(NavigatorNodeTest, ACorruptMapIsRefused) {
   run(1.5);
   const auto count = bus_.count("DRIVE");
   auto map = empty_map(now_us_);
@@ -188,7 +188,7 @@ TEST_F(NavigatorNodeTest, ACorruptMapIsNotDrivenOn) {
   EXPECT_TRUE(halts());
 }
 
-TEST_F(NavigatorNodeTest, MapsFromTheFutureOrLongPastHaltOnlyAsLongAsTheyCome) {
+TEST_F(NavigatorNodeTest, MapsFromTheFutureOrThePastHaltOnlyUntilTheNextGoodOne) {
   run(1.5);
   bus_.deliver("OBSTACLE_MAP", empty_map(now_us_ + 3'600'000'000));
   EXPECT_TRUE(halts());
@@ -207,7 +207,7 @@ TEST_F(NavigatorNodeTest, ClocksThatStepBackAllTogetherAreFollowed) {
   EXPECT_TRUE(drives());
 }
 
-TEST_F(NavigatorNodeTest, NonsenseFromThePitchControllerIsNoBound) {
+TEST_F(NavigatorNodeTest, AnImplausibleBoundIsRefused) {
   run(1.5);
   give_command(now_us_, std::numeric_limits<double>::quiet_NaN());
   give_command(now_us_, -1.0);
@@ -236,7 +236,7 @@ TEST_F(NavigatorNodeTest, OdometryThatBeganAnewNeedsANewMap) {
   EXPECT_TRUE(drives());
 }
 
-TEST_F(NavigatorNodeTest, AMapThatCannotBeThatFarAwayIsNotTrusted) {
+TEST_F(NavigatorNodeTest, AMapTooFarFromOdometryHalts) {
   run(1.5);
   x_ = 50.0;
   give_odometry(now_us_ + 10'000);

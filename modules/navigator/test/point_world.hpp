@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A world of points, a robot with the limits of the KURT's wheels, and an ideal obstacle map of it:
-// for tests in closed loop. Nothing of the navigator is used here but its values.
+// For tests in closed loop: a world of points, an ideal obstacle map of it, and a robot with the
+// limits of the KURT's wheels. Of the navigator only its value types are used.
 #pragma once
 
 #include <algorithm>
@@ -84,12 +84,12 @@ class Robot {
       goal_right_ = pending_.front().v + pending_.front().w * kHalfTrackM;
       pending_.erase(pending_.begin());
     }
-    // Both wheels along a straight line, as the driver leads them.
+    // Both wheel speeds change in proportion, as the driver commands them.
     const double left_needs = limit_needed(left_, goal_left_);
     const double right_needs = limit_needed(right_, goal_right_);
-    const double share = 1.0 / std::max({1.0, left_needs, right_needs});
-    left_ += share * (goal_left_ - left_);
-    right_ += share * (goal_right_ - right_);
+    const double factor = 1.0 / std::max({1.0, left_needs, right_needs});
+    left_ += factor * (goal_left_ - left_);
+    right_ += factor * (goal_right_ - right_);
     forward_mps = 0.5 * (left_ + right_);
     yaw_rate_rad_s = 0.5 * (right_ - left_) / kHalfTrackM;
     T_odom_base = T_odom_base * geometry::SE2{forward_mps * kStepS, 0.0, yaw_rate_rad_s * kStepS};
@@ -122,7 +122,7 @@ class ClosedLoop {
   ClosedLoop(World world_in, const geometry::SE2& start, const NavigatorParams& params = {})
       : world(std::move(world_in)), robot(start), navigator(params), params_(params) {}
 
-  /// One decision, and the way until the next.
+  /// One decision, and the motion until the next.
   void cycle() {
     Situation now;
     now.utime_us = static_cast<std::int64_t>(time_s * 1e6);
@@ -160,7 +160,7 @@ class ClosedLoop {
   std::function<void()> on_decision;
   double max_forward_mps = 1.2;
   double time_s = 0.0;
-  double way_m = 0.0;
+  double driven_m = 0.0;
   double min_clearance_m = std::numeric_limits<double>::infinity();
   bool collided = false;
 
@@ -169,7 +169,7 @@ class ClosedLoop {
     const int steps = static_cast<int>(std::lround(duration_s / Robot::kStepS));
     for (int i = 0; i < steps; ++i) {
       robot.step();
-      way_m += std::abs(robot.forward_mps) * Robot::kStepS;
+      driven_m += std::abs(robot.forward_mps) * Robot::kStepS;
       time_s += Robot::kStepS;
     }
     check();
@@ -179,8 +179,8 @@ class ClosedLoop {
     const geometry::SE2 T_base_odom = robot.T_odom_base.inverse();
     for (const Eigen::Vector2d& p_odom : world.points_odom) {
       const Eigen::Vector2d p = T_base_odom * p_odom;
-      const double dx = std::abs(p.x()) - 0.5 * params_.robot.length_m;
-      const double dy = std::abs(p.y()) - 0.5 * params_.robot.width_m;
+      const double dx = std::abs(p.x()) - 0.5 * params_.robot.body.length_m;
+      const double dy = std::abs(p.y()) - 0.5 * params_.robot.body.width_m;
       const double clearance_m = std::max(dx, dy) < 0.0
                                      ? std::max(dx, dy)
                                      : std::hypot(std::max(dx, 0.0), std::max(dy, 0.0));

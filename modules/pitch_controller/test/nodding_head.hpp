@@ -9,13 +9,13 @@
 
 namespace nodmap::pitch_controller::test {
 
-/// A head on a servo with a trapezoidal profile, nodded by the laser driver's own code.
+/// A head on a servo with a trapezoidal rate profile, nodded by the laser driver's own code.
 class NoddingHead {
  public:
-  double speed_gain = 1.0;  ///< a fault: the servo turns at this share of the speed it is told
+  double speed_gain = 1.0;  ///< a fault: the servo moves at this multiple of the commanded rate
   bool jammed = false;
 
-  /// Goes on to `time_us`, in steps of a millisecond; a reading as the driver gives it.
+  /// Simulates until `time_us` in steps of a millisecond; returns a reading as the driver gives it.
   PitchReading advance_to(std::int64_t time_us) {
     for (; time_us_ < time_us; time_us_ += 1000) {
       step(1e-3);

@@ -29,7 +29,7 @@ class PitchControllerNodeTest : public ::testing::Test {
   }
 
   nodmap::pitch_state_t next_state() {
-    // To and fro between -60 and 60 degrees in a second each.
+    // Back and forth between -60 and 60 degrees in a second each.
     const double phase = 1e-6 * static_cast<double>(now_us_);
     const auto sweep = static_cast<std::int64_t>(phase);
     const double share = phase - static_cast<double>(sweep);
@@ -89,7 +89,7 @@ TEST_F(PitchControllerNodeTest, CommandsTheNodAndTheSpeed) {
   EXPECT_EQ(node_.metrics()["commands"], commands().size());
 }
 
-TEST_F(PitchControllerNodeTest, WithoutOneInputTheOtherSaysStop) {
+TEST_F(PitchControllerNodeTest, WithoutOneInputTheOtherInhibitsDriving) {
   give_odometry(0.0);
   ASSERT_EQ(commands().size(), 1U);
   EXPECT_EQ(commands().back().max_forward_mps, 0.0);
@@ -101,7 +101,7 @@ TEST_F(PitchControllerNodeTest, WithoutOneInputTheOtherSaysStop) {
   EXPECT_NE(node_.health().reason.find("ODOMETRY"), std::string::npos);
 }
 
-TEST_F(PitchControllerNodeTest, WithoutAnyInputNothingIsSaid) {
+TEST_F(PitchControllerNodeTest, WithoutAnyInputNothingIsPublished) {
   EXPECT_TRUE(commands().empty());
 }
 

@@ -15,12 +15,18 @@ namespace {
 
 using geometry::rad_to_deg;
 
-/// The controller, the laser driver's nod and a servo, in a loop: pitch every 5 ms, speed every 10.
+/// Heights of strips at the bottom and the top of the virtual corridor, and half their own.
+constexpr double kBottomStripM = 0.06;
+constexpr double kTopStripM = 0.49;
+constexpr double kHalfStripM = 0.01;
+
+/// The controller, the laser driver's nod and a servo in closed loop: pitch every 5 ms, speed every
+/// 10 ms.
 class Loop {
  public:
   explicit Loop(const PitchControllerParams& params = {}) : dut(params) {}
 
-  /// Goes on for `seconds`; the speed is asked for before each odometry.
+  /// Runs for `seconds`; `speed_mps` is called for each odometry.
   void run(double seconds, const std::function<double()>& speed_mps) {
     const std::int64_t end_us = now_us + std::llround(1e6 * seconds);
     while (now_us < end_us) {
@@ -43,7 +49,7 @@ class Loop {
   }
 
   struct Sweep {
-    double wished_s;
+    double wanted_s;
     double measured_s;
   };
 
@@ -79,26 +85,27 @@ class Loop {
     ++readings;
     slow_readings += std::abs(reading.rate_rad_s) < 0.1 * head.goal_speed_rad_s() ? 1 : 0;
     if (reading.sweep != sweep_) {
-      sweeps.push_back({dut.plan().sweep_s, 1e-6 * static_cast<double>(now_us - turned_us_)});
+      sweeps.push_back({dut.plan().sweep_s, 1e-6 * static_cast<double>(now_us - reversed_us_)});
       sweep_ = reading.sweep;
-      turned_us_ = now_us;
+      reversed_us_ = now_us;
     }
   }
   PitchReading before_;
   PitchReading last_;
   std::int64_t sweep_ = 0;
-  std::int64_t turned_us_ = 0;
+  std::int64_t reversed_us_ = 0;
 };
 
 double mean_error(const std::vector<Loop::Sweep>& sweeps, std::size_t last) {
   double sum = 0.0;
   for (std::size_t i = sweeps.size() - last; i < sweeps.size(); ++i) {
-    sum += sweeps[i].measured_s / sweeps[i].wished_s - 1.0;
+    sum += sweeps[i].measured_s / sweeps[i].wanted_s - 1.0;
   }
   return sum / static_cast<double>(last);
 }
 
-TEST(PitchController, R7_R12_NeverStopsNodding) {
+// The paper, II and IV B: the head nods continuously, in sweeps of 15 to 500 scans.
+TEST(PitchController, NeverStopsNoddingAndKeepsToTheNumberOfScans) {
   for (const double v : {0.0, 0.3, 0.7, 1.0, 1.5, 2.0}) {
     Loop loop;
     loop.run(5.0, v);
@@ -111,64 +118,101 @@ TEST(PitchController, R7_R12_NeverStopsNodding) {
       EXPECT_GE(sweep.measured_s, 15 * 0.01332 - 0.005) << v;  // a reading's period
       EXPECT_LE(sweep.measured_s, 500 * 0.01332) << v;
     }
+    EXPECT_GE(loop.dut.sweep_counts().complete, static_cast<std::int64_t>(loop.sweeps.size()));
+    EXPECT_EQ(loop.dut.sweep_counts().too_short, 0) << v;
+    EXPECT_EQ(loop.dut.sweep_counts().too_long, 0) << v;
   }
 }
 
-/// The longest time for which no scan line meets a strip of 2 cm at this height and distance from
+// Servos that turn at a multiple of the rate they are told, with the regulator off.
+TEST(PitchController, SweepsOutsideThatNumberOfScansAreCounted) {
+  PitchControllerParams off;
+  off.regulator = {0.0, 0.0};
+  Loop slow(off);
+  slow.head.speed_gain = 0.08;
+  slow.run(60.0, 0.5);
+  EXPECT_GT(slow.dut.sweep_counts().too_long, 0);
+  EXPECT_EQ(slow.dut.sweep_counts().too_short, 0);
+  Loop fast(off);
+  fast.head.speed_gain = 5.0;
+  fast.run(10.0, 2.0);
+  EXPECT_GT(fast.dut.sweep_counts().too_short, 0);
+  EXPECT_EQ(fast.dut.sweep_counts().too_long, 0);
+}
+
+/// The longest time for which no scan line hits a strip of 2 cm at this height and distance from
 /// the pitch axis, in 20 s at that speed; in sweeps.
 double longest_unseen(Loop& loop, double speed_mps, double height_m, double from_axis_m) {
-  constexpr double kHalfStripM = 0.01;
   constexpr std::int64_t kScanUs = 13'320;
-  const double axis_m = PitchControllerParams{}.robot.mount_z_m;
+  const double axis_m = robot::Mount{}.z_m;
   std::int64_t next_scan_us = loop.now_us;
-  std::int64_t met_us = loop.now_us;
+  std::int64_t hit_us = loop.now_us;
   std::int64_t longest_us = 0;
   for (const std::int64_t end_us = loop.now_us + 20'000'000; loop.now_us < end_us;) {
     loop.run(0.005, speed_mps);
     for (; next_scan_us <= loop.now_us; next_scan_us += kScanUs) {
       const double line_m = axis_m + from_axis_m * std::tan(loop.pitch_at(next_scan_us));
-      met_us = std::abs(line_m - height_m) <= kHalfStripM ? next_scan_us : met_us;
-      longest_us = std::max(longest_us, next_scan_us - met_us);
+      hit_us = std::abs(line_m - height_m) <= kHalfStripM ? next_scan_us : hit_us;
+      longest_us = std::max(longest_us, next_scan_us - hit_us);
     }
   }
   return 1e-6 * static_cast<double>(longest_us) / loop.dut.plan().sweep_s;
 }
 
-// Strips at the corridor's very bottom and top, 2 % beyond d_min: each is met whenever the nod
-// comes to its end, once in two sweeps; 10 % more for the sweep's time and the spacing of scans.
-// Nearer than the nod reaches, the bottom is not met at all.
-TEST(PitchController, R9_FromDMinOnTheWholeCorridorIsSeen) {
-  const PitchControllerParams params;
-  const VirtualCorridor corridor = VirtualCorridor::of(params);
+// Strips at the corridor's very bottom and top are hit whenever the head comes to that end, once in
+// two sweeps; 10 % more for the sweep's time and the spacing of scans. This holds from d_min on,
+// and 5 % nearer, too: the sweep goes a line beyond the area of interest.
+TEST(PitchController, FromDMinOnTheWholeCorridorIsSeen) {
+  const VirtualCorridor corridor = VirtualCorridor::of(robot::RobotParams{});
   for (const double v : {0.6, 1.0, 1.5}) {
-    Loop loop;
-    loop.run(5.0, v);
-    const double from_axis_m = corridor.from_axis_m(1.02 * loop.dut.plan().d_min_m);
-    EXPECT_LT(longest_unseen(loop, v, 0.06, from_axis_m), 2.2) << v;
-    EXPECT_LT(longest_unseen(loop, v, 0.49, from_axis_m), 2.2) << v;
-    const double too_near_m =
-        0.85 * corridor.from_axis_m(corridor.covered_from_m(loop.dut.plan().sweep));
-    EXPECT_GT(longest_unseen(loop, v, 0.06, too_near_m), 10.0) << v;
+    for (const double of_d_min : {0.95, 1.02}) {
+      Loop loop;
+      loop.run(5.0, v);
+      const double from_axis_m = corridor.from_axis_m(of_d_min * loop.dut.plan().d_min_m);
+      EXPECT_LT(longest_unseen(loop, v, kBottomStripM, from_axis_m), 2.2) << v << " " << of_d_min;
+      EXPECT_LT(longest_unseen(loop, v, kTopStripM, from_axis_m), 2.2) << v << " " << of_d_min;
+    }
   }
 }
 
-TEST(PitchController, R11_AStepOfTheSpeedIsFollowedInTwoSweeps) {
+// A strip is lost where the outermost line of the sweep passes beside all of it: a closed form of
+// the plan. From 1 m/s on that is the bottom strip, 12 to 14 % before d_min.
+TEST(PitchController, NearerThanItsOutermostLineTheCorridorIsNotSeen) {
+  const VirtualCorridor corridor = VirtualCorridor::of(robot::RobotParams{});
+  for (const double v : {1.0, 1.5, 2.0}) {
+    Loop loop;
+    loop.run(5.0, v);
+    const SweepPlan plan = loop.dut.plan();
+    const double axis_m = corridor.axis_height_m;
+    const double bottom_lost_m =
+        (axis_m - kBottomStripM - kHalfStripM) / std::tan(-plan.sweep.min_rad);
+    const double top_lost_m = (kTopStripM - kHalfStripM - axis_m) / std::tan(plan.sweep.max_rad);
+    const double before_d_min = 1.0 - (bottom_lost_m - corridor.axis_behind_front_m) / plan.d_min_m;
+    EXPECT_GT(before_d_min, 0.12) << v;
+    EXPECT_LT(before_d_min, 0.14) << v;
+    // 2 % for what the servo overshoots.
+    EXPECT_GT(longest_unseen(loop, v, kBottomStripM, 0.98 * bottom_lost_m), 10.0) << v;
+    EXPECT_GT(longest_unseen(loop, v, kTopStripM, 0.98 * top_lost_m), 10.0) << v;
+  }
+}
+
+TEST(PitchController, AStepOfTheSpeedIsFollowedInTwoSweeps) {
   Loop loop;
   loop.run(10.0, 0.0);
   loop.sweeps.clear();
   loop.run(4.0, 1.5);
-  const double wished_s = loop.dut.plan().sweep_s;
-  // The first one ends the sweep that the step met; two later it is there. Turns are seen every
-  // 5 ms: half of that besides the 5 %.
+  const double wanted_s = loop.dut.plan().sweep_s;
+  // The first one ends the sweep in which the step came; two later it is there. Reversals are seen
+  // every 5 ms: half of that besides the 5 %.
   ASSERT_GT(loop.sweeps.size(), 8U);
   for (std::size_t i = 2; i < loop.sweeps.size(); ++i) {
-    EXPECT_NEAR(loop.sweeps[i].measured_s, wished_s, 0.05 * wished_s + 0.0025) << i;
-    EXPECT_LT(loop.sweeps[i].measured_s, 1.1 * wished_s) << i;
-    EXPECT_GT(loop.sweeps[i].measured_s, 0.9 * wished_s) << i;
+    EXPECT_NEAR(loop.sweeps[i].measured_s, wanted_s, 0.05 * wanted_s + 0.0025) << i;
+    EXPECT_LT(loop.sweeps[i].measured_s, 1.1 * wanted_s) << i;
+    EXPECT_GT(loop.sweeps[i].measured_s, 0.9 * wanted_s) << i;
   }
 }
 
-TEST(PitchController, R11_AFaultOfTheServoLeavesNoError) {
+TEST(PitchController, AFaultOfTheServoLeavesNoError) {
   for (const double gain : {0.8, 1.2}) {
     Loop loop;
     loop.head.speed_gain = gain;
@@ -178,16 +222,16 @@ TEST(PitchController, R11_AFaultOfTheServoLeavesNoError) {
     EXPECT_NEAR(mean_error(loop.sweeps, 20), 0.0, 0.01) << gain;
 
     PitchControllerParams off;
-    off.regulator_p = off.regulator_i = 0.0;
+    off.regulator = {0.0, 0.0};
     Loop open(off);
     open.head.speed_gain = gain;
     open.run(20.0, 1.0);
-    // Turning takes its part of the time whatever the gain: less than 20 % remain.
+    // Reversals take their part of the time whatever the gain: less than 20 % remain.
     EXPECT_GT(std::abs(mean_error(open.sweeps, 20)), 0.08) << gain;
   }
 }
 
-TEST(PitchController, R10_TheAreaClosesAsTheRobotSpeedsUp) {
+TEST(PitchController, TheAreaClosesAsTheRobotSpeedsUp) {
   Loop loop;
   loop.run(5.0, 0.0);
   EXPECT_NEAR(rad_to_deg(loop.decision.sweep.range_rad()), 120.0, 0.25);
@@ -201,11 +245,11 @@ TEST(PitchController, R10_TheAreaClosesAsTheRobotSpeedsUp) {
   EXPECT_LT(rad_to_deg(loop.decision.sweep.range_rad()), 25.0);
 }
 
-TEST(PitchController, StandingMayStartAndGetToItsTopSpeed) {
+TEST(PitchController, AStationaryRobotMayStartAndReachItsTopSpeed) {
   Loop loop;
   loop.run(5.0, 0.0);
   EXPECT_GT(loop.decision.max_forward_mps, 0.15);
-  // A driver that goes as fast as allowed, at the base's 1.5 m/s2.
+  // A robot that drives as fast as allowed, at the base's 1.5 m/s2.
   double v = 0.0;
   double most_above_mps = 0.0;
   loop.run(8.0, [&] {
@@ -225,14 +269,14 @@ TEST(PitchController, AfterBrakingTheRobotMayGoOn) {
     loop.run(5.0, 2.0);
     double v = 2.0;
     loop.run(0.6, [&] { return v = std::max(v - 0.03, end_mps); });  // 3 m/s2
-    // The nod has to show its new ends first; then the robot may go faster again.
+    // The head has to reach its new ends first; then the robot may go faster again.
     loop.run(4.0, end_mps);
     EXPECT_GT(loop.decision.max_forward_mps, end_mps + 0.1) << end_mps;
   }
 }
 
-// What appeared at the end of the stopping way of a slow robot must not be outrun by a fast one
-// before the laser has looked there.
+// What appeared at the end of the stopping distance of a slow robot must be looked at before the
+// robot is fast.
 TEST(PitchController, TheBoundRisesNoFasterThanTheNodCanFollow) {
   const PitchControllerParams params;
   Loop loop;
@@ -241,7 +285,7 @@ TEST(PitchController, TheBoundRisesNoFasterThanTheNodCanFollow) {
   double v = 0.0;
   loop.run(3.0, [&] {
     EXPECT_LE(loop.decision.max_forward_mps,
-              before_mps + 0.01 * 2.0 * params.acceleration_mps2 + 1e-9);
+              before_mps + 0.01 * 2.0 * params.speed.acceleration_mps2 + 1e-9);
     before_mps = std::max(loop.decision.max_forward_mps, v);
     return v = std::clamp(loop.decision.max_forward_mps, v - 0.03, v + 0.015);
   });
@@ -249,11 +293,11 @@ TEST(PitchController, TheBoundRisesNoFasterThanTheNodCanFollow) {
   EXPECT_GT(v, 0.75);
 }
 
-TEST(PitchController, TheBoundIsOfTheNodAsItIsNotAsItIsWished) {
+TEST(PitchController, TheBoundFollowsTheMeasuredSweepsNotThePlan) {
   // A weak servo, not regulated: the plan is the same, the bound is not.
   PitchControllerParams off;
-  off.regulator_p = off.regulator_i = 0.0;
-  off.top_mps = 5.0;
+  off.regulator = {0.0, 0.0};
+  off.speed.top_mps = 5.0;
   Loop good(off);
   good.run(10.0, 1.5);
   Loop weak(off);
@@ -263,47 +307,47 @@ TEST(PitchController, TheBoundIsOfTheNodAsItIsNotAsItIsWished) {
   EXPECT_LT(weak.decision.max_forward_mps, good.decision.max_forward_mps - 0.2);
 }
 
-TEST(PitchController, NobodyDrivesBeforeTwoWholeSweeps) {
+TEST(PitchController, DrivingIsInhibitedBeforeTwoCompleteSweeps) {
   Loop loop;
   loop.run(0.5, 0.0);
-  EXPECT_EQ(loop.decision.hindrance, Hindrance::kNotNodding);
+  EXPECT_EQ(loop.decision.inhibited, InhibitReason::kNotNodding);
   EXPECT_EQ(loop.decision.max_forward_mps, 0.0);
   loop.run(4.5, 0.0);
-  EXPECT_EQ(loop.decision.hindrance, Hindrance::kNone);
+  EXPECT_EQ(loop.decision.inhibited, InhibitReason::kNone);
 }
 
-TEST(PitchController, OldOdometryStops) {
+TEST(PitchController, StaleOdometryInhibitsDriving) {
   Loop loop;
   loop.run(5.0, 0.5);
   loop.give_speed = false;
   loop.run(0.205, 0.5);
-  EXPECT_EQ(loop.decision.hindrance, Hindrance::kNone);
+  EXPECT_EQ(loop.decision.inhibited, InhibitReason::kNone);
   loop.run(0.03, 0.5);
-  EXPECT_EQ(loop.decision.hindrance, Hindrance::kNoOdometry);
+  EXPECT_EQ(loop.decision.inhibited, InhibitReason::kNoOdometry);
   EXPECT_EQ(loop.decision.max_forward_mps, 0.0);
 }
 
-TEST(PitchController, OldPitchStops) {
+TEST(PitchController, StalePitchInhibitsDriving) {
   Loop loop;
   loop.run(5.0, 0.5);
   loop.give_pitch = false;
   loop.run(0.18, 0.5);
-  EXPECT_EQ(loop.decision.hindrance, Hindrance::kNone);
+  EXPECT_EQ(loop.decision.inhibited, InhibitReason::kNone);
   loop.run(0.05, 0.5);
-  EXPECT_EQ(loop.decision.hindrance, Hindrance::kNoPitch);
+  EXPECT_EQ(loop.decision.inhibited, InhibitReason::kNoPitch);
   EXPECT_EQ(loop.decision.max_forward_mps, 0.0);
 }
 
-TEST(PitchController, AStampFromTheFutureIsNoFreshOne) {
+TEST(PitchController, AStampFromTheFutureIsNotFresh) {
   Loop loop;
   loop.run(5.0, 0.5);
   loop.give_speed = false;
   loop.dut.add_speed(loop.now_us + 60'000'000, 0.5);
   loop.run(0.1, 0.5);
-  EXPECT_EQ(loop.decision.hindrance, Hindrance::kNoOdometry);
+  EXPECT_EQ(loop.decision.inhibited, InhibitReason::kNoOdometry);
 }
 
-TEST(PitchController, AStalledServoStops) {
+TEST(PitchController, AStalledServoInhibitsDriving) {
   Loop loop;
   loop.run(5.0, 0.5);
   loop.head.jammed = true;
@@ -311,7 +355,7 @@ TEST(PitchController, AStalledServoStops) {
   EXPECT_EQ(loop.decision.max_forward_mps, 0.0);
 }
 
-TEST(PitchController, AHeadThatMovesButNeverTurnsIsNoNod) {
+TEST(PitchController, AHeadThatMovesButNeverReversesInhibitsDriving) {
   Loop loop;
   loop.run(5.0, 1.0);
   ASSERT_GT(loop.decision.max_forward_mps, 0.0);
@@ -325,17 +369,17 @@ TEST(PitchController, AHeadThatMovesButNeverTurnsIsNoNod) {
       loop.decision = *decision;
     }
   }
-  EXPECT_EQ(loop.decision.hindrance, Hindrance::kNotNodding);
+  EXPECT_EQ(loop.decision.inhibited, InhibitReason::kNotNodding);
   EXPECT_EQ(loop.decision.max_forward_mps, 0.0);
 }
 
-TEST(PitchController, DecidesAtFiftyHertzAndAtEachTurn) {
+TEST(PitchController, DecidesAtFiftyHertzAndAtEachReversal) {
   Loop loop;
   loop.run(2.0, 1.0);
   loop.decisions.clear();
   loop.sweeps.clear();
   loop.run(10.0, 1.0);
-  // A turn puts a decision in, and the grid begins anew there.
+  // Each reversal adds a decision, and restarts the 20 ms there.
   EXPECT_GE(loop.decisions.size(), 500U - loop.sweeps.size());
   EXPECT_LE(loop.decisions.size(), 500U + loop.sweeps.size());
 }
@@ -343,16 +387,16 @@ TEST(PitchController, DecidesAtFiftyHertzAndAtEachTurn) {
 TEST(PitchController, FixedHoldsTheLaserLevel) {
   PitchControllerParams params;
   params.mode = Mode::kFixed;
-  params.top_mps = 5.0;
+  params.speed.top_mps = 5.0;
   Loop loop(params);
   loop.run(3.0, 0.5);
   EXPECT_EQ(loop.decision.sweep.min_rad, 0.0);
   EXPECT_EQ(loop.decision.sweep.max_rad, 0.0);
   EXPECT_GT(loop.decision.sweep_s, 0.0);
-  EXPECT_EQ(loop.decision.hindrance, Hindrance::kNone);
+  EXPECT_EQ(loop.decision.inhibited, InhibitReason::kNone);
   EXPECT_NEAR(loop.decision.max_forward_mps, 3.30, 0.01);  // the reference's table, 4 m
   loop.dut.add_pitch({loop.now_us + 5000, 0.1, 0.0, 0, false});
-  EXPECT_EQ(loop.dut.decide(loop.now_us + 30'000)->hindrance, Hindrance::kNotLevel);
+  EXPECT_EQ(loop.dut.decide(loop.now_us + 30'000)->inhibited, InhibitReason::kNotLevel);
 }
 
 }  // namespace

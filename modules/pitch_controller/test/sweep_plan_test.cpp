@@ -15,13 +15,17 @@ constexpr double kStepMps = 0.01;
 constexpr double kScanS = 0.01332;
 const PitchControllerParams kParams;
 
+SweepPlanner default_planner() {
+  return {kParams.robot, kParams.detection, kParams.speed.fast_mps};
+}
+
 TEST(SweepPlan, SpacingOfTheReference) {
   // 0.10 m at 1 m from 0.38 m: 2.5 degrees (rounded).
   EXPECT_NEAR(rad_to_deg(spacing_for(0.10, 2, 1.0, 0.38)), 2.5, 0.05);
 }
 
 TEST(SweepPlan, SpacingPutsTheLinesOnTheObstacle) {
-  // Brute force: whatever the phase of the lines, at least two meet an obstacle above the floor.
+  // Brute force: whatever the phase of the lines, at least two hit an obstacle above the floor.
   const double dp = spacing_for(0.05, 2, 1.2, 0.38);
   for (double phase = 0.0; phase < 1.0; phase += 0.01) {
     int lines = 0;
@@ -33,13 +37,13 @@ TEST(SweepPlan, SpacingPutsTheLinesOnTheObstacle) {
   }
 }
 
-TEST(SweepPlan, R10_TheWholeRangeStandingTheCorridorDrivingFast) {
-  const SweepPlanner planner(kParams);
-  const SweepPlan standing = planner.plan(0.0);
-  // 0.25 degrees are R10's.
-  EXPECT_NEAR(rad_to_deg(standing.area.range_rad()), 120.0, 0.25);
-  EXPECT_NEAR(rad_to_deg(standing.sweep.range_rad()), 120.0, 0.25);
-  const VirtualCorridor corridor = VirtualCorridor::of(kParams);
+TEST(SweepPlan, TheWholeRangeAtStandstillTheCorridorWhenFast) {
+  const SweepPlanner planner = default_planner();
+  const SweepPlan stationary = planner.plan(0.0);
+  // To the finest step of the scanner, 0.25 degrees.
+  EXPECT_NEAR(rad_to_deg(stationary.area.range_rad()), 120.0, 0.25);
+  EXPECT_NEAR(rad_to_deg(stationary.sweep.range_rad()), 120.0, 0.25);
+  const VirtualCorridor corridor = VirtualCorridor::of(kParams.robot);
   for (const double v : {1.0, 1.5, 2.0}) {
     const SweepPlan fast = planner.plan(v);
     const PitchInterval least = corridor.area_from(fast.d_min_m);
@@ -48,8 +52,8 @@ TEST(SweepPlan, R10_TheWholeRangeStandingTheCorridorDrivingFast) {
   }
 }
 
-TEST(SweepPlan, R10_MonotoneInTheSpeed) {
-  const SweepPlanner planner(kParams);
+TEST(SweepPlan, MonotoneInTheSpeed) {
+  const SweepPlanner planner = default_planner();
   SweepPlan before = planner.plan(0.0);
   for (double v = kStepMps; v < 4.0; v += kStepMps) {
     const SweepPlan now = planner.plan(v);
@@ -60,55 +64,55 @@ TEST(SweepPlan, R10_MonotoneInTheSpeed) {
   }
 }
 
-// R29: what appears at the end of the stopping way just after the laser has passed is looked at
+// What appears at the end of the stopping distance just after the laser has passed is looked at
 // again at d_min or farther.
-TEST(SweepPlan, WhatAppearsBeyondTheStoppingWayIsLookedAtBeforeDMin) {
-  const SweepPlanner planner(kParams);
-  const Stopping stopping = Stopping::of(kParams);
+TEST(SweepPlan, WhatAppearsBeyondTheStoppingDistanceIsLookedAtBeforeDMin) {
+  const SweepPlanner planner = default_planner();
   for (double v = 0.0; v < 4.0; v += kStepMps) {
     const SweepPlan plan = planner.plan(v);
-    const double appears_m = stopping.way_m(v, stopping.reaction_s(plan.sweep_s));
+    const double appears_m =
+        kParams.robot.braking.stopping_distance_m(v, kParams.detection.reaction_s(plan.sweep_s));
     EXPECT_LE(plan.d_min_m, appears_m - 2.0 * v * plan.sweep_s + 1e-9) << v;
   }
 }
 
 TEST(SweepPlan, OverscansByALineWithinTheMechanics) {
-  const SweepPlanner planner(kParams);
+  const SweepPlanner planner = default_planner();
   for (double v = 0.0; v < 4.0; v += kStepMps) {
     const SweepPlan plan = planner.plan(v);
-    EXPECT_GE(plan.sweep.min_rad, kParams.robot.pitch_min_rad);
-    EXPECT_LE(plan.sweep.max_rad, kParams.robot.pitch_max_rad);
-    if (plan.sweep.min_rad > kParams.robot.pitch_min_rad) {
+    EXPECT_GE(plan.sweep.min_rad, kParams.robot.head.pitch_min_rad);
+    EXPECT_LE(plan.sweep.max_rad, kParams.robot.head.pitch_max_rad);
+    if (plan.sweep.min_rad > kParams.robot.head.pitch_min_rad) {
       EXPECT_NEAR(plan.area.min_rad - plan.sweep.min_rad, plan.line_spacing_rad, 1e-12);
     }
-    if (plan.sweep.max_rad < kParams.robot.pitch_max_rad) {
+    if (plan.sweep.max_rad < kParams.robot.head.pitch_max_rad) {
       EXPECT_NEAR(plan.sweep.max_rad - plan.area.max_rad, plan.line_spacing_rad, 1e-12);
     }
   }
 }
 
-TEST(SweepPlan, R12_ScansPerSweepAndWhatTheServoCan) {
-  const SweepPlanner planner(kParams);
+TEST(SweepPlan, From15To500ScansPerSweepWithinTheLimitsOfTheHead) {
+  const SweepPlanner planner = default_planner();
   for (double v = 0.0; v < 4.0; v += kStepMps) {
     const SweepPlan plan = planner.plan(v);
     EXPECT_GE(plan.sweep_s, 15.0 * kScanS - 1e-12);
     EXPECT_LE(plan.sweep_s, 500.0 * kScanS + 1e-12);
     EXPECT_LE(plan.fastest_s, plan.sweep_s + 1e-12);
     EXPECT_GE(plan.slowest_s, plan.fastest_s);
-    EXPECT_LE(plan.line_spacing_rad, kParams.robot.pitch_rate_rad_s * kScanS + 1e-12);
+    EXPECT_LE(plan.line_spacing_rad, kParams.robot.head.pitch_rate_rad_s * kScanS + 1e-12);
   }
 }
 
-TEST(SweepPlan, NoShorterSweepKeepsTheLinesAndTheServo) {
-  const SweepPlanner planner(kParams);
+TEST(SweepPlan, NoShorterSweepKeepsTheSpacingAndTheHead) {
+  const SweepPlanner planner = default_planner();
   for (double v = 0.0; v < 2.0; v += 0.1) {
     const SweepPlan plan = planner.plan(v);
-    // Brute force over all speeds of the servo that keep the spacing.
+    // Brute force over all rates of the head that keep the spacing.
     double shortest_s = 1e9;
-    for (double w = 0.01; w <= kParams.robot.pitch_rate_rad_s; w += 0.001) {
+    for (double w = 0.01; w <= kParams.robot.head.pitch_rate_rad_s; w += 0.001) {
       if (w * kScanS <= plan.line_spacing_rad) {
-        shortest_s = std::min(
-            shortest_s, plan.sweep.range_rad() / w + w / kParams.robot.pitch_acceleration_rad_s2);
+        shortest_s = std::min(shortest_s, plan.sweep.range_rad() / w +
+                                              w / kParams.robot.head.pitch_acceleration_rad_s2);
       }
     }
     shortest_s = std::max(shortest_s, 15.0 * kScanS);
@@ -117,16 +121,17 @@ TEST(SweepPlan, NoShorterSweepKeepsTheLinesAndTheServo) {
   }
 }
 
-TEST(SweepPlan, ANodForASpeedAllowsAGreaterOne) {
-  // No deadlock on the way up to the top speed, and no hunting at it.
-  const SweepPlanner planner(kParams);
-  const VirtualCorridor corridor = VirtualCorridor::of(kParams);
-  const Stopping stopping = Stopping::of(kParams);
-  for (double v = 0.0; v <= kParams.top_mps; v += kStepMps) {
+TEST(SweepPlan, ASweepForASpeedAllowsAGreaterOne) {
+  // So speed and nod never lock each other, and there is no hunting at the top speed.
+  const SweepPlanner planner = default_planner();
+  const VirtualCorridor corridor = VirtualCorridor::of(kParams.robot);
+  for (double v = 0.0; v <= kParams.speed.top_mps; v += kStepMps) {
     const SweepPlan plan = planner.plan(v);
-    const ClearView view = clear_view(corridor, plan.sweep, plan.line_spacing_rad,
-                                      kParams.visible_obstacle_m, kParams.look_ahead_m);
-    EXPECT_GT(speed_bound(view, plan.sweep_s, stopping), v + 0.1) << v;
+    const ClearView view =
+        clear_view(corridor, plan.sweep, plan.line_spacing_rad,
+                   kParams.detection.visible_obstacle_m, kParams.detection.look_ahead_m);
+    EXPECT_GT(speed_bound(view, plan.sweep_s, kParams.robot.braking, kParams.detection), v + 0.1)
+        << v;
     EXPECT_LE(view.near_m, plan.d_min_m + 0.05) << v;
   }
 }

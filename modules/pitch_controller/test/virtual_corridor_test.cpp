@@ -10,7 +10,7 @@ namespace {
 
 using geometry::rad_to_deg;
 
-TEST(VirtualCorridor, R9_AnglesOfTheReferenceTable) {
+TEST(VirtualCorridor, AnglesOfTheReferenceTable) {
   // Seen from the axis, floor to 0.47 m, laser at 0.38 m. The table is given to 0.1 degrees.
   const VirtualCorridor corridor{0.0, 0.47, 0.38, 0.0};
   EXPECT_NEAR(rad_to_deg(corridor.area_from(0.5).min_rad), -37.2, 0.06);
@@ -22,8 +22,8 @@ TEST(VirtualCorridor, R9_AnglesOfTheReferenceTable) {
   EXPECT_NEAR(rad_to_deg(corridor.area_from(3.0).range_rad()), 8.9, 0.06);
 }
 
-TEST(VirtualCorridor, R9_LinesAtTheEndsPassThroughTheCornersOfTheCorridor) {
-  const VirtualCorridor corridor = VirtualCorridor::of({});
+TEST(VirtualCorridor, LinesAtTheEndsPassThroughTheCornersOfTheCorridor) {
+  const VirtualCorridor corridor = VirtualCorridor::of(robot::RobotParams{});
   for (const double d : {0.1, 0.5, 1.0, 3.0}) {
     const PitchInterval area = corridor.area_from(d);
     // Eq. 1 for a beam straight ahead: at z from the axis it is z tan(pitch) above it. Base: the
@@ -35,14 +35,14 @@ TEST(VirtualCorridor, R9_LinesAtTheEndsPassThroughTheCornersOfTheCorridor) {
 }
 
 TEST(VirtualCorridor, CoveredFromIsTheInverse) {
-  const VirtualCorridor corridor = VirtualCorridor::of({});
+  const VirtualCorridor corridor = VirtualCorridor::of(robot::RobotParams{});
   for (double d = 0.05; d < 6.0; d += 0.05) {
     EXPECT_NEAR(corridor.covered_from_m(corridor.area_from(d)), d, 1e-9);
   }
 }
 
 TEST(VirtualCorridor, TheWorseEndDecides) {
-  const VirtualCorridor corridor = VirtualCorridor::of({});
+  const VirtualCorridor corridor = VirtualCorridor::of(robot::RobotParams{});
   const PitchInterval one = corridor.area_from(1.0);
   const PitchInterval two = corridor.area_from(2.0);
   EXPECT_NEAR(corridor.covered_from_m({one.min_rad, two.max_rad}), 2.0, 1e-9);
@@ -50,7 +50,7 @@ TEST(VirtualCorridor, TheWorseEndDecides) {
 }
 
 TEST(VirtualCorridor, PitchesThatNeverCoverIt) {
-  const VirtualCorridor corridor = VirtualCorridor::of({});
+  const VirtualCorridor corridor = VirtualCorridor::of(robot::RobotParams{});
   EXPECT_TRUE(std::isinf(corridor.covered_from_m({0.0, 0.5})));   // never the bottom
   EXPECT_TRUE(std::isinf(corridor.covered_from_m({-0.5, 0.0})));  // never the top
   EXPECT_TRUE(std::isinf(corridor.covered_from_m({0.1, -0.1})));
@@ -68,6 +68,81 @@ TEST(VirtualCorridor, AFrontBehindTheLaserIsNoDivisionByZero) {
   const VirtualCorridor corridor{0.05, 0.5, 0.38, -0.3};
   EXPECT_TRUE(std::isfinite(corridor.area_from(0.3).min_rad));
   EXPECT_GT(corridor.area_from(0.0).max_rad, corridor.area_from(1.0).max_rad);
+}
+
+constexpr PitchInterval kCorridorArea{-0.3, 0.1};
+constexpr PitchInterval kMechanics{-1.0, 0.9};
+
+TEST(AreaOfInterest, EndValuesAreExact) {
+  const PitchInterval stationary = area_of_interest(0.0, 1.0, kCorridorArea, kMechanics);
+  EXPECT_DOUBLE_EQ(stationary.min_rad, -1.0);
+  EXPECT_DOUBLE_EQ(stationary.max_rad, 0.9);
+  for (const double v : {1.0, 1.5, 100.0}) {
+    const PitchInterval fast = area_of_interest(v, 1.0, kCorridorArea, kMechanics);
+    EXPECT_EQ(fast.min_rad, -0.3);
+    EXPECT_EQ(fast.max_rad, 0.1);
+  }
+}
+
+TEST(AreaOfInterest, BothEndsCloseAsTheSpeedGrows) {
+  PitchInterval before = area_of_interest(0.0, 1.0, kCorridorArea, kMechanics);
+  for (double v = 0.01; v <= 1.0; v += 0.01) {
+    const PitchInterval now = area_of_interest(v, 1.0, kCorridorArea, kMechanics);
+    EXPECT_GT(now.min_rad, before.min_rad);
+    EXPECT_LT(now.max_rad, before.max_rad);
+    before = now;
+  }
+}
+
+TEST(AreaOfInterest, NeverBeyondTheMechanics) {
+  const PitchInterval area = area_of_interest(5.0, 1.0, {-2.0, 2.0}, kMechanics);
+  EXPECT_EQ(area.min_rad, -1.0);
+  EXPECT_EQ(area.max_rad, 0.9);
+}
+
+TEST(AreaOfInterest, BackwardsIsAsAtStandstill) {
+  EXPECT_DOUBLE_EQ(area_of_interest(-0.5, 1.0, kCorridorArea, kMechanics).min_rad, -1.0);
+}
+
+const VirtualCorridor kCorridorAtTheAxis{0.05, 0.5, 0.38, 0.0};
+constexpr PitchInterval kWide{-1.0, 1.0};
+
+/// Whether lines of this spacing meet an upright obstacle of 5 cm above 5 cm, whatever their phase.
+bool always_hit(double distance_m, double spacing_rad) {
+  for (double phase = 0.0; phase < 1.0; phase += 0.02) {
+    bool hit = false;
+    for (int i = -1; (i + phase) * spacing_rad > -1.5 && !hit; --i) {
+      const double height = 0.38 + distance_m * std::tan((i + phase) * spacing_rad);
+      hit = height >= 0.05 && height <= 0.10;
+    }
+    if (!hit) {
+      return false;
+    }
+  }
+  return true;
+}
+
+TEST(ClearView, WithinItEveryObstacleIsHit) {
+  for (const double dp : {0.01, 0.02, 0.03}) {
+    const ClearView view = clear_view(kCorridorAtTheAxis, kWide, dp, 0.05, 10.0);
+    ASSERT_GT(view.far_m, view.near_m);
+    for (double d = view.near_m; d <= view.far_m; d += 0.02) {
+      EXPECT_TRUE(always_hit(d, dp)) << d << " m, " << dp;
+    }
+    // And it does not end much too early: the obstacle is 0.33 m below the axis at most, not 0.38.
+    EXPECT_FALSE(always_hit(1.1 * view.far_m, dp)) << dp << ", until " << view.far_m;
+  }
+}
+
+TEST(ClearView, EndsWithTheLookAhead) {
+  EXPECT_EQ(clear_view(kCorridorAtTheAxis, kWide, 0.005, 0.05, 4.0).far_m, 4.0);
+}
+
+TEST(ClearView, LinesTooFarApartShowNothing) {
+  const ClearView view = clear_view(kCorridorAtTheAxis, kWide, 0.2, 0.05, 4.0);
+  EXPECT_LE(view.far_m, view.near_m);
+  const ClearView still = clear_view(kCorridorAtTheAxis, kWide, 0.0, 0.05, 4.0);
+  EXPECT_LE(still.far_m, still.near_m);
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "common/params/robot_params.hpp"
+#include "common/robot/robot_params.hpp"
 
 namespace nodmap::trial {
 namespace {
@@ -20,12 +20,12 @@ TEST(AllParams, R6_EveryPartIsMadeForTheSameRobot) {
   EXPECT_EQ(plant.motor_power_w, 90.0);
 
   // The simulator is its own witness and has its own figures; all the others share RobotParams.
-  const params::RobotParams robot = params.navigator.robot;
-  EXPECT_EQ(robot.length_m, plant.body_length_m);
-  EXPECT_EQ(robot.width_m, plant.body_width_m);
-  EXPECT_EQ(robot.height_m, plant.body_height_m);
-  EXPECT_EQ(robot.mount_x_m, plant.mount_x_m);
-  EXPECT_EQ(robot.mount_z_m, plant.mount_z_m);
+  const robot::RobotParams robot = params.navigator.robot;
+  EXPECT_EQ(robot.body.length_m, plant.body_length_m);
+  EXPECT_EQ(robot.body.width_m, plant.body_width_m);
+  EXPECT_EQ(robot.body.height_m, plant.body_height_m);
+  EXPECT_EQ(robot.mount.x_m, plant.mount_x_m);
+  EXPECT_EQ(robot.mount.z_m, plant.mount_z_m);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "modules/navigator/view.hpp"
+#include "modules/navigator/seen_directions.hpp"
 
 #include <cmath>
 
@@ -16,8 +16,8 @@ std::size_t bin_of(double compass_rad, int bins) {
 
 }  // namespace
 
-void View::look(double heading_rad, std::int64_t sweep_count) {
-  // The servo's driver started again and counts anew: what it saw before is not known to fit.
+void SeenDirections::update(double heading_rad, std::int64_t sweep_count) {
+  // The servo driver has restarted and counts anew: earlier counts cannot be compared.
   if (sweep_count < sweep_count_) {
     forget();
   }
@@ -27,7 +27,7 @@ void View::look(double heading_rad, std::int64_t sweep_count) {
     auto& since = in_view_since_[static_cast<std::size_t>(bin)];
     const double direction_rad = geometry::angle_difference(geometry::deg_to_rad(bin), heading_rad);
     // Half a degree more, so that the rounding to bins does not make the borders flicker.
-    if (std::abs(direction_rad) > half_rad_ + geometry::deg_to_rad(0.5)) {
+    if (std::abs(direction_rad) > view_half_rad_ + geometry::deg_to_rad(0.5)) {
       since.reset();
     } else if (!since) {
       since = sweep_count;
@@ -35,12 +35,12 @@ void View::look(double heading_rad, std::int64_t sweep_count) {
   }
 }
 
-bool View::trusts(double direction_rad, int half_sweeps) const {
-  if (std::abs(direction_rad) > half_rad_) {
+bool SeenDirections::is_seen(double direction_rad, int sweeps) const {
+  if (std::abs(direction_rad) > view_half_rad_) {
     return false;
   }
   const auto& since = in_view_since_[bin_of(heading_rad_ + direction_rad, kBins)];
-  return since && sweep_count_ - *since >= half_sweeps;
+  return since && sweep_count_ - *since >= sweeps;
 }
 
 }  // namespace nodmap::navigator

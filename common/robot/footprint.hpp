@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cmath>
+
+namespace nodmap::robot {
+
+/// The robot from above: a rectangle around the origin of base, half extents in metres.
+struct Footprint {
+  double half_length_m = 0.0;
+  double half_width_m = 0.0;
+
+  /// With this much more at the front and the back, and on each side; negative: less.
+  [[nodiscard]] Footprint grown(double length_m, double width_m) const {
+    return {half_length_m + length_m, half_width_m + width_m};
+  }
+
+  /// Whether a point lies inside, not on the border.
+  [[nodiscard]] bool contains(const Eigen::Vector2d& p_base) const {
+    return std::abs(p_base.x()) < half_length_m && std::abs(p_base.y()) < half_width_m;
+  }
+
+  /// Radius of the circle that the corners describe when the robot turns on the spot.
+  [[nodiscard]] double turning_radius_m() const { return std::hypot(half_length_m, half_width_m); }
+};
+
+}  // namespace nodmap::robot

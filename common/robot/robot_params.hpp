@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "common/geometry/angle.hpp"
+#include "common/robot/footprint.hpp"
+#include "common/robot/stopping.hpp"
+
+namespace nodmap::robot {
+
+/// The body with its scanner, metres: a box on the floor around the origin of base.
+struct Body {
+  double length_m = 0.45;
+  double width_m = 0.33;
+  double height_m = 0.47;
+
+  [[nodiscard]] Footprint footprint() const { return {0.5 * length_m, 0.5 * width_m}; }
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.number("length_m", length_m, {0.05, 5.0}, "Length of the robot's body.");
+    v.number("width_m", width_m, {0.05, 5.0}, "Width of the robot's body.");
+    v.number("height_m", height_m, {0.25, 5.0},
+             "Height of the robot with its scanner: the top of the virtual corridor.");
+  }
+};
+
+/// Where the pitch axis of the head is mounted, metres in base.
+struct Mount {
+  double x_m = 0.15;
+  double y_m = 0.0;
+  double z_m = 0.38;
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.number("x_m", x_m, {-2.0, 2.0}, "Pitch axis on the base, forward.");
+    v.number("y_m", y_m, {-2.0, 2.0}, "Pitch axis on the base, to the left.");
+    v.number("z_m", z_m, {0.1, 3.0}, "Pitch axis above the floor.");
+  }
+};
+
+/// Pitches of the laser plane, radians; positive looks up.
+struct PitchInterval {
+  double min_rad = 0.0;
+  double max_rad = 0.0;
+
+  [[nodiscard]] double range_rad() const { return max_rad - min_rad; }
+};
+
+/// What the nodding head can do: constant rate within a sweep, constant acceleration at its ends.
+struct HeadLimits {
+  double pitch_min_rad = geometry::deg_to_rad(-60.0);
+  double pitch_max_rad = geometry::deg_to_rad(60.0);
+  double pitch_rate_rad_s = 3.0;
+  double pitch_acceleration_rad_s2 = 40.0;
+
+  [[nodiscard]] PitchInterval pitch() const { return {pitch_min_rad, pitch_max_rad}; }
+
+  /// Duration of a sweep, with half a reversal at each end.
+  [[nodiscard]] double sweep_s(double range_rad, double rate_rad_s) const {
+    return range_rad / rate_rad_s + rate_rad_s / pitch_acceleration_rad_s2;
+  }
+
+  /// The rate of the shortest sweep: beyond sqrt(range * acceleration) the reversals take more time
+  /// than the rate saves.
+  [[nodiscard]] double best_rate_rad_s(double range_rad) const {
+    return std::min(pitch_rate_rad_s, std::sqrt(range_rad * pitch_acceleration_rad_s2));
+  }
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.angle("pitch_min_deg", pitch_min_rad, {-85.0, -5.0}, "Lowest pitch the mechanics allow.");
+    v.angle("pitch_max_deg", pitch_max_rad, {5.0, 85.0}, "Highest pitch the mechanics allow.");
+    v.number("pitch_rate_rad_s", pitch_rate_rad_s, {0.05, 10.0}, "Fastest pitch rate of the head.");
+    v.number("pitch_acceleration_rad_s2", pitch_acceleration_rad_s2, {0.4, 1000.0},
+             "Pitch acceleration of the head at the ends of a sweep.");
+  }
+};
+
+/// What the heights of the virtual corridor add to the body's (paper, II). The ranges keep the
+/// bottom below the top whatever is configured.
+struct CorridorHeights {
+  double floor_tolerance_m = 0.05;
+  double head_clearance_m = 0.03;
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.number("floor_tolerance_m", floor_tolerance_m, {0.0, 0.2},
+             "Bottom of the virtual corridor: what is lower is floor, or can be driven over.");
+    v.number("head_clearance_m", head_clearance_m, {0.0, 1.0},
+             "Clearance above the robot; raises the top of the virtual corridor.");
+  }
+};
+
+/// How the robot stops; see stopping.hpp.
+struct Braking {
+  double deceleration_mps2 = 1.5;
+  double emergency_deceleration_mps2 = 3.0;
+  double stop_margin_m = 0.15;
+
+  /// Distance to an obstacle at which a robot of this speed has to begin to react.
+  [[nodiscard]] double stopping_distance_m(double forward_mps, double reaction_s) const {
+    return stopping_distance(forward_mps, reaction_s, deceleration_mps2) + stop_margin_m;
+  }
+
+  /// The inverse: the speed at which an obstacle at this distance is safe; 0 within the margin.
+  [[nodiscard]] double stoppable_mps(double distance_m, double reaction_s) const {
+    return stoppable_speed(distance_m - stop_margin_m, reaction_s, deceleration_mps2);
+  }
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.number("deceleration_mps2", deceleration_mps2, {0.1, 10.0},
+             "Deceleration that stopping distances are computed with; half of what the base does "
+             "on command leaves room for slopes, load and smooth floors.");
+    v.number("emergency_deceleration_mps2", emergency_deceleration_mps2, {0.1, 10.0},
+             "Deceleration the base does on command, used where the other does not suffice.");
+    v.number("stop_margin_m", stop_margin_m, {0.02, 2.0},
+             "Distance left between the robot and the obstacle when it has stopped.");
+  }
+};
+
+/// The robot as built: KURT3D (paper, II), unless configured otherwise. Every process that needs
+/// any of it takes all of it, so that one file (config/kurt3d/robot.yaml) tells all of them.
+struct RobotParams {
+  Body body;
+  Mount mount;
+  HeadLimits head;
+  CorridorHeights corridor;
+  Braking braking;
+
+  /// Heights above the floor between which the robot needs free space, metres.
+  [[nodiscard]] double corridor_bottom_m() const { return corridor.floor_tolerance_m; }
+  [[nodiscard]] double corridor_top_m() const { return body.height_m + corridor.head_clearance_m; }
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.section("robot.body", body);
+    v.section("robot.mount", mount);
+    v.section("robot.head", head);
+    v.section("robot.corridor", corridor);
+    v.section("robot.braking", braking);
+    describe_former_names(v);
+  }
+
+ private:
+  template <class Visitor>
+  static void describe_former_names(Visitor& v) {
+    v.renamed("robot_length_m", "robot.body.length_m");
+    v.renamed("robot_width_m", "robot.body.width_m");
+    v.renamed("robot_height_m", "robot.body.height_m");
+    v.renamed("mount_x_m", "robot.mount.x_m");
+    v.renamed("mount_y_m", "robot.mount.y_m");
+    v.renamed("mount_z_m", "robot.mount.z_m");
+    for (const char* name :
+         {"pitch_min_deg", "pitch_max_deg", "pitch_rate_rad_s", "pitch_acceleration_rad_s2"}) {
+      v.renamed(name, std::string("robot.head.") + name);
+    }
+    for (const char* name : {"floor_tolerance_m", "head_clearance_m"}) {
+      v.renamed(name, std::string("robot.corridor.") + name);
+    }
+    for (const char* name : {"deceleration_mps2", "emergency_deceleration_mps2", "stop_margin_m"}) {
+      v.renamed(name, std::string("robot.braking.") + name);
+    }
+  }
+};
+
+}  // namespace nodmap::robot

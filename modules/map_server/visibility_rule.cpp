@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/map_server/visibility_rule.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace nodmap::map_server {
+namespace {
+
+// After a gap in the scans a point has not been looked for during all of the gap.
+constexpr double kLongestLookS = 0.5;
+// A point counts as inside the robot only at a depth that the odometry error of the last metres
+// cannot explain.
+constexpr double kSkinM = 0.05;
+
+}  // namespace
+
+VisibilityRule::VisibilityRule(const UpdateParams& params, double range_sigma_m,
+                               const robot::Footprint& body)
+    : params_(params),
+      same_surface_m_(std::max(3.0 * range_sigma_m, 0.05)),
+      passing_m_(3.0 * range_sigma_m + 0.05),
+      inner_body_(body.grown(-kSkinM, -kSkinM)) {}
+
+std::size_t VisibilityRule::remove_obsolete(ExtendedScan& map, const HeightBand& band,
+                                            const ScanView& view) {
+  std::size_t removed = 0;
+  for (EgoPoint& point : map.points()) {
+    if (point.valid && is_obsolete(point, map, band, view)) {
+      point = map.dummy();
+      ++removed;
+    }
+  }
+  return removed;
+}
+
+bool VisibilityRule::is_obsolete(EgoPoint& point, const ExtendedScan& map, const HeightBand& band,
+                                 const ScanView& view) const {
+  // No obstacle can be inside the body; kept, the point would hide what is behind it.
+  if (inner_body_.contains(point.p_base)) {
+    return true;
+  }
+  const auto crossing = view.line.crossing_at(point.p_base);
+  if (!crossing) {
+    return false;
+  }
+  if (band.contains(crossing->height_m, point.distance_m) && is_measured_again(view, *crossing)) {
+    confirm(point, crossing->height_m, view);
+    return false;
+  }
+  if (!is_in_view(point, map.relevance(), view)) {
+    return false;
+  }
+  note_passing_beams(point, view, *crossing);
+  point.aged_s += std::min(view.elapsed_s, kLongestLookS);
+  if (is_at_its_heights(point, *crossing) && view.line.ends_on_either_side(*crossing)) {
+    point.aged_s = 0.0;  // an edge or a corner between two beams: not decided by them
+  }
+  return is_contradicted(point) || has_expired(point, view);
+}
+
+bool VisibilityRule::is_measured_again(const ScanView& view,
+                                       const ScanLine::Crossing& crossing) const {
+  const auto range_m = view.line.measured_range_m(crossing);
+  return range_m && std::abs(*range_m - crossing.range_m) <= same_surface_m_;
+}
+
+// Safe because a point that the sweeps could not measure is never in view: all heights at which an
+// obstacle was measured must lie between the ends of the sweeps. Before the wheels the laser passes
+// over a low box, and before the scanner under a table top: neither is a sign that they are gone.
+// In the structure map, which steers no wheels, one height will do.
+bool VisibilityRule::is_in_view(const EgoPoint& point, Relevance relevance,
+                                const ScanView& view) const {
+  if (!view.lowest_plane || !view.highest_plane) {
+    return false;
+  }
+  const auto [low, high] = std::minmax(
+      {view.lowest_plane->height_m(point.p_base), view.highest_plane->height_m(point.p_base)});
+  if (relevance == Relevance::kFarthest) {
+    return low <= point.highest_m && high >= point.lowest_m;
+  }
+  return spans(point, low, high);
+}
+
+/// Whether an interval of heights contains all those at which a point was measured, up to the
+/// tolerance at either end.
+bool VisibilityRule::spans(const EgoPoint& point, double lowest_m, double highest_m) const {
+  // A stationary scanner looks at one height only; a millimetre is for rounding.
+  constexpr double kRoundingM = 1e-3;
+  const double middle = 0.5 * (point.lowest_m + point.highest_m);
+  return lowest_m <= std::min(point.lowest_m + params_.height_tolerance_m, middle) + kRoundingM &&
+         highest_m >= std::max(point.highest_m - params_.height_tolerance_m, middle) - kRoundingM;
+}
+
+bool VisibilityRule::is_at_its_heights(const EgoPoint& point,
+                                       const ScanLine::Crossing& crossing) const {
+  return crossing.height_m >= point.lowest_m - params_.height_tolerance_m &&
+         crossing.height_m <= point.highest_m + params_.height_tolerance_m;
+}
+
+// Safe because both neighbouring beams must pass: a wall seen at a grazing angle or the corner of a
+// cupboard is no contradiction; and because a beam without a reading (dirt, sun) counts for
+// nothing.
+void VisibilityRule::note_passing_beams(EgoPoint& point, const ScanView& view,
+                                        const ScanLine::Crossing& crossing) const {
+  if (!view.line.both_reach_beyond(crossing, crossing.range_m + passing_m_)) {
+    return;
+  }
+  Search& search = point.search;
+  search.lowest_m = std::min(search.lowest_m, crossing.height_m);
+  search.highest_m = std::max(search.highest_m, crossing.height_m);
+  if (is_at_its_heights(point, crossing) && search.last_missed_sweep != view.sweep) {
+    search.last_missed_sweep = view.sweep;
+    ++search.missed_sweeps;
+  }
+}
+
+// Safe because beams must have passed at ALL of its heights since it was last measured: beams under
+// a table top, or just over a box, do not remove it. And because a sweep counts once: the next
+// sweep makes up for a reading that was lost by chance.
+bool VisibilityRule::is_contradicted(const EgoPoint& point) const {
+  return point.search.missed_sweeps >= params_.misses_to_remove &&
+         spans(point, point.search.lowest_m, point.search.highest_m);
+}
+
+bool VisibilityRule::has_expired(const EgoPoint& point, const ScanView& view) const {
+  // The sweep in which it was measured and the present one are not whole.
+  return point.aged_s > params_.expiry_s && view.sweep - point.confirmed_sweep > 2;
+}
+
+void VisibilityRule::confirm(EgoPoint& point, double height_m, const ScanView& view) {
+  point.lowest_m = std::min(point.lowest_m, height_m);
+  point.highest_m = std::max(point.highest_m, height_m);
+  point.confirmed_at_s = view.clock_s;
+  point.confirmed_sweep = view.sweep;
+  point.aged_s = 0.0;
+  point.search = {};
+}
+
+// A nearer reading replaces the point at once, without a second one to confirm it: that is the safe
+// side. The distance stays the extreme of many readings, as in the paper: noise keeps it some two
+// sigma on the safe side. Averaging the readings would not be safe: the lowest beam slides along
+// the top of a box as the robot approaches, and would carry the point away with it.
+void VisibilityRule::replace(ExtendedScan& map, const HeightBand& band, const ScanView& view) {
+  for (const Hit& hit : view.hits) {
+    if (!band.contains(hit.point.height_m, hit.point.distance_m)) {
+      continue;
+    }
+    EgoPoint& stored = map[hit.bin];
+    const bool is_same_surface =
+        std::abs(hit.point.distance_m - stored.distance_m) <= same_surface_m_;
+    if (map.prefers(hit.point.distance_m, stored.distance_m)) {
+      const EgoPoint before = stored;
+      stored = hit.point;
+      stored.confirmed_sweep = view.sweep;
+      if (is_same_surface) {  // another reading of the same object: it keeps the heights it was
+                              // measured at
+        stored.lowest_m = std::min(stored.lowest_m, before.lowest_m);
+        stored.highest_m = std::max(stored.highest_m, before.highest_m);
+      }
+    } else if (is_same_surface) {
+      confirm(stored, hit.point.height_m, view);
+    }
+  }
+}
+
+}  // namespace nodmap::map_server

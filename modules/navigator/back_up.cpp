@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/navigator/back_up.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "modules/navigator/turn.hpp"
+
+namespace nodmap::navigator {
+namespace {
+
+constexpr double kSpacingM = 0.03;
+constexpr double kSpacingRad = geometry::deg_to_rad(5.0);
+constexpr std::size_t kMaxPoses = 170;
+/// How far back the pose lies that the arc leads to: near enough for the arc to be the trail.
+constexpr double kLookBackM = 0.08;
+/// Within this the body stays on the strip it has driven, up to the margin it kept there.
+constexpr double kMaxRotationRad = geometry::deg_to_rad(10.0);
+/// A shorter rotation back to the heading of the trail does not help.
+constexpr double kLeastRotationRad = geometry::deg_to_rad(2.0);
+/// Margin beside and behind the body over its own trail.
+constexpr double kMarginM = 0.02;
+/// Where it cannot rotate to the heading of its trail at all, as between the feet of people, it
+/// backs up straight if it is off by no more than this. Over the 8 cm to the next pose of the trail
+/// that leads 6 cm aside: the clearance it kept there.
+constexpr double kObliqueRad = geometry::deg_to_rad(45.0);
+
+bool is_near(const geometry::SE2& a, const geometry::SE2& b) {
+  return std::hypot(a.x - b.x, a.y - b.y) < kSpacingM &&
+         std::abs(geometry::angle_difference(a.yaw, b.yaw)) < kSpacingRad;
+}
+
+}  // namespace
+
+void Trail::record(const geometry::SE2& T_odom_base) {
+  if (!poses_.empty() && is_near(poses_.back(), T_odom_base)) {
+    return;
+  }
+  poses_.push_back(T_odom_base);
+  if (poses_.size() > kMaxPoses) {
+    poses_.pop_front();
+  }
+}
+
+std::optional<Trail::PathBack> Trail::path_back(const geometry::SE2& T_odom_base) const {
+  const geometry::SE2 T_base_odom = T_odom_base.inverse();
+  const auto distance_m = [&T_base_odom](const geometry::SE2& T_odom_past) {
+    return (T_base_odom * T_odom_past).translation().norm();
+  };
+  const auto past = std::find_if(
+      poses_.rbegin(), poses_.rend(),
+      [&](const geometry::SE2& T_odom_past) { return distance_m(T_odom_past) >= kLookBackM; });
+  if (past == poses_.rend() || distance_m(*past) > 2.0 * kLookBackM) {
+    return std::nullopt;
+  }
+  const geometry::SE2 T_base_past = T_base_odom * *past;
+  const double rotation_rad = std::atan2(-T_base_past.y, -T_base_past.x);
+  if (std::abs(rotation_rad) > kMaxRotationRad) {
+    return PathBack{rotation_rad, 0.0};
+  }
+  return PathBack{0.0, -T_base_past.yaw / distance_m(*past)};
+}
+
+void Trail::forget_ahead(const geometry::SE2& T_odom_base) {
+  while (!poses_.empty() && (T_odom_base.inverse() * poses_.back()).x > 0.01) {
+    poses_.pop_back();
+  }
+}
+
+BackUp::BackUp(const NavigatorParams& params)
+    : body_(params.robot.body.footprint()),
+      braking_(params.robot.braking),
+      reaction_s_(params.drive.reaction_s),
+      turn_(params.turn),
+      params_(params.back_up) {}
+
+void BackUp::record(const geometry::SE2& T_odom_base) {
+  if (!began_at_) {
+    trail_.record(T_odom_base);
+  }
+}
+
+bool BackUp::step(const Situation& now, Decision& decision) {
+  if (!began_at_) {
+    began_at_ = now.T_odom_base;
+  }
+  const auto path = trail_.path_back(now.T_odom_base);
+  const double side = path ? std::copysign(1.0, path->rotation_rad) : 1.0;
+  const double free_rad = free_rotation(now.points_base, side, body_, turn_.margin_m);
+  const bool can_rotate = free_rad >= kLeastRotationRad;
+  const double backed_up_m =
+      std::hypot(began_at_->x - now.T_odom_base.x, began_at_->y - now.T_odom_base.y);
+  if (!path || (!can_rotate && std::abs(path->rotation_rad) > kObliqueRad) ||
+      backed_up_m >= params_.distance_m) {
+    end();
+    return false;
+  }
+  if (path->rotation_rad != 0.0 && can_rotate) {
+    decision.yaw_rate_rad_s =
+        side *
+        yaw_rate_on_the_spot(std::min(std::abs(path->rotation_rad), free_rad), turn_, reaction_s_);
+    return true;
+  }
+  trail_.forget_ahead(now.T_odom_base);
+  const double distance_m =
+      free_distance_backwards(now.points_base, path->curvature, body_, kMarginM) - kMarginM;
+  decision.forward_mps =
+      -std::min(params_.speed_mps,
+                robot::stoppable_speed(distance_m, reaction_s_, braking_.deceleration_mps2));
+  decision.yaw_rate_rad_s = decision.forward_mps * path->curvature;
+  return true;
+}
+
+}  // namespace nodmap::navigator

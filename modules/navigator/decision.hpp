@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "common/geometry/se2.hpp"
+#include "modules/navigator/goal.hpp"
+#include "modules/navigator/obstacle_points.hpp"
+
+namespace nodmap::navigator {
+
+/// All that the navigator knows at one moment.
+struct Situation {
+  std::int64_t utime_us = 0;
+  Points points_base;         ///< obstacles, now
+  geometry::SE2 T_odom_base;  ///< now
+  double forward_mps = 0.0;
+  double yaw_rate_rad_s = 0.0;
+  double max_forward_mps = 0.0;  ///< by the pitch controller
+  std::int64_t sweep_count = 0;  ///< reversals of the head
+  bool laser_is_held = false;    ///< it does not nod: waiting brings nothing new into view
+  std::optional<GoalInBase> goal;
+};
+
+enum class Behaviour : std::uint8_t { kSteer, kBrake, kTurn, kArrived, kHalt };
+
+/// What the robot is to do, and why.
+struct Decision {
+  Behaviour behaviour = Behaviour::kHalt;
+  std::string reason;  ///< one sentence; empty where there is nothing to add
+  double forward_mps = 0.0;
+  double yaw_rate_rad_s = 0.0;
+  double steering_angle_rad = 0.0;
+  double free_distance_m = 0.0;  ///< in the virtual corridor ahead; +infinity: nothing in it
+  double max_forward_mps = 0.0;  ///< that the limits and the free distance allow
+};
+
+}  // namespace nodmap::navigator

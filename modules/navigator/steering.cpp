@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/navigator/steering.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace nodmap::navigator {
+namespace {
+
+/// A free direction on the other side must be nearer by so much to change the side.
+constexpr double kOtherSideRad = geometry::deg_to_rad(30.0);
+
+double longest_distance(const FreeSpace& space) {
+  return *std::ranges::max_element(space.distance_m);
+}
+
+}  // namespace
+
+Steering::Steering(const NavigatorParams& params)
+    : body_(params.robot.body.footprint()),
+      brake_(params.robot, params.drive),
+      stop_margin_m_(params.robot.braking.stop_margin_m),
+      side_margin_m_(params.drive.side_margin_m),
+      params_(params.steer),
+      turn_(params.turn) {}
+
+std::optional<Decision> Steering::steer(const FreeSpace& free_space, const SeenDirections& seen,
+                                        const Situation& now) {
+  const auto direction_rad = direction(preferred_space(free_space, seen, now), now);
+  if (!direction_rad) {
+    return std::nullopt;
+  }
+  const auto arc = arc_towards(*direction_rad, now);
+  if (!arc) {
+    return std::nullopt;
+  }
+  return drive(*direction_rad, *arc, now);
+}
+
+bool Steering::is_seen(double direction_rad, const SeenDirections& seen,
+                       const Situation& now) const {
+  return seen.is_seen(direction_rad, now.laser_is_held ? 0 : params_.sweeps_to_trust);
+}
+
+FreeSpace Steering::seen_space(const FreeSpace& space, const SeenDirections& seen,
+                               const Situation& now) const {
+  FreeSpace result = space;
+  for (int degree = -FreeSpace::kHalf; degree <= FreeSpace::kHalf; ++degree) {
+    if (!is_seen(FreeSpace::angle_rad(degree), seen, now)) {
+      result.at(degree) = 0.0;
+    }
+  }
+  return result;
+}
+
+/// The robot is steered along corridors in which it can also turn; where there are none, along
+/// those it fits through.
+FreeSpace Steering::preferred_space(const FreeSpace& free_space, const SeenDirections& seen,
+                                    const Situation& now) const {
+  const double turning_margin_m = body_.turning_radius_m() + turn_.margin_m - body_.half_width_m;
+  const FreeSpace wide =
+      seen_space(measure_free_space(now.points_base, body_, turning_margin_m), seen, now);
+  return longest_distance(wide) >= turn_.until_free_m ? wide : seen_space(free_space, seen, now);
+}
+
+std::optional<double> Steering::direction(const FreeSpace& space, const Situation& now) {
+  const double longest_m = longest_distance(space);
+  if (longest_m < stop_margin_m_) {
+    return std::nullopt;
+  }
+  // In narrow places the longest free distance there is must suffice.
+  const double needed_m = std::min(params_.open_space_m, 0.8 * longest_m);
+  return now.goal ? detour_.direction(space, now.points_base, *now.goal, needed_m)
+                  : roaming_direction(space, needed_m);
+}
+
+std::optional<double> Steering::roaming_direction(const FreeSpace& space, double needed_m) {
+  const auto alpha_rad = free_space_orientation(space, 0.0, params_.open_space_m);
+  const FreeNeighbours near = free_neighbours(space, alpha_rad.value_or(0.0), needed_m);
+  if (!near.left_rad || !near.right_rad || *near.left_rad == *near.right_rad) {
+    const auto only = near.left_rad ? near.left_rad : near.right_rad;
+    const bool alpha_is_free = near.left_rad && near.right_rad;
+    roaming_side_ = alpha_is_free ? 0.0 : (near.left_rad ? 1.0 : -1.0);
+    return only;
+  }
+  // There is an obstacle at alpha: it is passed on the side first chosen.
+  const double to_left_rad = *near.left_rad - alpha_rad.value_or(0.0);
+  const double to_right_rad = alpha_rad.value_or(0.0) - *near.right_rad;
+  const double left = to_left_rad - (roaming_side_ > 0.0 ? kOtherSideRad : 0.0);
+  const double right = to_right_rad - (roaming_side_ < 0.0 ? kOtherSideRad : 0.0);
+  roaming_side_ = left <= right ? 1.0 : -1.0;
+  return roaming_side_ > 0.0 ? near.left_rad : near.right_rad;
+}
+
+/// The arc whose chord leads in the direction (pure pursuit); a flatter one where that is blocked.
+std::optional<Arc> Steering::arc_towards(double direction_rad, const Situation& now) const {
+  const double chord_m =
+      now.goal ? std::clamp(now.goal->distance_m, 0.2, params_.chord_m) : params_.chord_m;
+  const double curvature = 2.0 * std::sin(direction_rad) / chord_m;
+  for (const double factor : {1.0, 0.5, 0.0}) {
+    const Arc arc = brake_.measure_arc(factor * curvature, now.points_base);
+    if (arc.speed_mps >= kLeastSpeedMps) {
+      return arc;
+    }
+  }
+  return std::nullopt;
+}
+
+Decision Steering::drive(double direction_rad, const Arc& arc, const Situation& now) const {
+  const double limit_mps = brake_.speed_limit(arc.curvature, now.max_forward_mps);
+  // It is to be stationary at the goal.
+  const double goal_mps = now.goal ? brake_.stoppable_mps(now.goal->distance_m) : limit_mps;
+  const double safe_mps =
+      std::min(arc.speed_mps,
+               brake_.speed_on_present_arc(now.forward_mps, now.yaw_rate_rad_s, now.points_base));
+  const bool is_slowed = safe_mps < limit_mps;
+  Decision decision;
+  decision.behaviour = is_slowed ? Behaviour::kBrake : Behaviour::kSteer;
+  decision.reason = is_slowed ? "Slows down for an obstacle." : "";
+  decision.forward_mps = std::min({limit_mps, goal_mps, safe_mps});
+  decision.yaw_rate_rad_s = decision.forward_mps * arc.curvature;
+  decision.steering_angle_rad = direction_rad;
+  decision.free_distance_m = arc.free_distance_m;
+  decision.max_forward_mps = std::min(limit_mps, safe_mps);
+  return decision;
+}
+
+}  // namespace nodmap::navigator

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+
+#include "modules/navigator/brake.hpp"
+#include "modules/navigator/decision.hpp"
+#include "modules/navigator/free_space.hpp"
+#include "modules/navigator/params.hpp"
+#include "modules/navigator/seen_directions.hpp"
+
+namespace nodmap::navigator {
+
+/// Steer (paper, III C): to the free direction nearest to the orientation of free space, or around
+/// what is between the robot and its goal; along an arc whose chord points there, as fast as Brake
+/// allows.
+class Steering {
+ public:
+  explicit Steering(const NavigatorParams& params);
+
+  /// Empty where no direction that was seen is free. `free_space` is that of the corridor as wide
+  /// as the body.
+  [[nodiscard]] std::optional<Decision> steer(const FreeSpace& free_space,
+                                              const SeenDirections& seen, const Situation& now);
+
+  /// The free space without the directions that were not seen for long enough.
+  [[nodiscard]] FreeSpace seen_space(const FreeSpace& space, const SeenDirections& seen,
+                                     const Situation& now) const;
+  [[nodiscard]] bool is_seen(double direction_rad, const SeenDirections& seen,
+                             const Situation& now) const;
+
+  [[nodiscard]] Detour& detour() { return detour_; }
+
+ private:
+  [[nodiscard]] FreeSpace preferred_space(const FreeSpace& free_space, const SeenDirections& seen,
+                                          const Situation& now) const;
+  [[nodiscard]] std::optional<double> direction(const FreeSpace& space, const Situation& now);
+  [[nodiscard]] std::optional<double> roaming_direction(const FreeSpace& space, double needed_m);
+  [[nodiscard]] std::optional<Arc> arc_towards(double direction_rad, const Situation& now) const;
+  [[nodiscard]] Decision drive(double direction_rad, const Arc& arc, const Situation& now) const;
+
+  Footprint body_;
+  Brake brake_;
+  double stop_margin_m_;
+  double side_margin_m_;
+  SteerParams params_;
+  TurnParams turn_;
+  Detour detour_;
+  double roaming_side_ = 0.0;  ///< on which it passes the obstacle ahead; 0: there is none
+};
+
+}  // namespace nodmap::navigator

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/pitch_controller/sweep_control.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace nodmap::pitch_controller {
+namespace {
+
+// Readings come every 5 ms, every 50 ms at worst: after a longer gap a reversal may have been
+// missed.
+constexpr std::int64_t kGapUs = 60'000;
+
+// A servo that is off by more than this is broken, not mistuned; and one odd sweep is no reason for
+// a jump.
+constexpr double kMostTrim = 0.5;
+constexpr double kMostError = 0.5;
+
+}  // namespace
+
+std::optional<MeasuredSweep> SweepMeter::add(const PitchReading& reading) {
+  if (newest_ && (reading.time_us < newest_->time_us || reading.sweep < newest_->sweep)) {
+    *this = SweepMeter();
+  }
+  if (!newest_) {
+    begin(reading, false);
+    return std::nullopt;
+  }
+  const bool reversed = reading.sweep != newest_->sweep;
+  const bool no_gap =
+      reading.time_us - newest_->time_us <= kGapUs && reading.sweep - newest_->sweep <= 1;
+  present_.is_complete = present_.is_complete && no_gap;
+  extend(reading);
+  newest_ = reading;
+  if (!reversed) {
+    return std::nullopt;
+  }
+  before_last_ = last_;
+  last_ = present_;
+  begin(reading, no_gap);
+  return last_;
+}
+
+std::optional<MeasuredSweep> SweepMeter::period() const {
+  if (!last_ || !before_last_ || !last_->is_complete || !before_last_->is_complete) {
+    return std::nullopt;
+  }
+  return MeasuredSweep{
+      std::max({last_->duration_s, before_last_->duration_s, present_.duration_s}),
+      {std::min(last_->span.min_rad, before_last_->span.min_rad),
+       std::max(last_->span.max_rad, before_last_->span.max_rad)},
+      std::max({last_->peak_rate_rad_s, before_last_->peak_rate_rad_s, present_.peak_rate_rad_s}),
+      true};
+}
+
+void SweepMeter::begin(const PitchReading& reading, bool at_its_end) {
+  newest_ = reading;
+  began_us_ = reading.time_us;
+  present_ = {0.0, {reading.pitch_rad, reading.pitch_rad}, 0.0, at_its_end};
+  extend(reading);
+}
+
+void SweepMeter::extend(const PitchReading& reading) {
+  present_.duration_s = 1e-6 * static_cast<double>(reading.time_us - began_us_);
+  present_.span.min_rad = std::min(present_.span.min_rad, reading.pitch_rad);
+  present_.span.max_rad = std::max(present_.span.max_rad, reading.pitch_rad);
+  present_.peak_rate_rad_s = std::max(present_.peak_rate_rad_s, std::abs(reading.rate_rad_s));
+}
+
+void SweepRegulator::add(double wanted_s, double measured_s) {
+  error_ = std::clamp((wanted_s - measured_s) / wanted_s, -kMostError, kMostError);
+  // Anti-windup: at the limit of the servo the integral does not grow towards what it cannot do.
+  const bool beyond =
+      (limit_ == Limit::kFastest && error_ < 0.0) || (limit_ == Limit::kSlowest && error_ > 0.0);
+  if (!beyond) {
+    integral_ = std::clamp(integral_ + gains_.i * error_, -kMostTrim, kMostTrim);
+  }
+}
+
+double SweepRegulator::command_s(double wanted_s, double fastest_s, double slowest_s) {
+  const double trim = std::clamp(gains_.p * error_ + integral_, -kMostTrim, kMostTrim);
+  const double command_s = wanted_s * (1.0 + trim);
+  limit_ = command_s < fastest_s   ? Limit::kFastest
+           : command_s > slowest_s ? Limit::kSlowest
+                                   : Limit::kNone;
+  return std::clamp(command_s, fastest_s, slowest_s);
+}
+
+}  // namespace nodmap::pitch_controller

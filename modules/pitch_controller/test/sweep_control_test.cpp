@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/pitch_controller/sweep_control.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace nodmap::pitch_controller {
+namespace {
+
+/// Gives the readings of one sweep of constant rate, one each 5 ms; the last of them after the
+/// reversal.
+class Feeder {
+ public:
+  std::optional<MeasuredSweep> sweep(double from, double to, double seconds) {
+    std::optional<MeasuredSweep> ended;
+    const int readings = static_cast<int>(std::lround(seconds / 0.005));
+    for (int i = 1; i <= readings; ++i) {
+      time_us += 5000;
+      const double pitch = from + (to - from) * i / readings;
+      number += i == readings ? 1 : 0;
+      ended = dut.add({time_us, pitch, (to - from) / seconds, number, false});
+    }
+    return ended;
+  }
+
+  SweepMeter dut;
+  std::int64_t time_us = 1'000'000;
+  std::int64_t number = 0;
+};
+
+TEST(SweepMeter, MeasuresTimeSpanAndRate) {
+  Feeder feeder;
+  feeder.sweep(-0.2, 0.1, 0.3);
+  const auto sweep = feeder.sweep(0.1, -0.3, 0.5);
+  ASSERT_TRUE(sweep);
+  EXPECT_TRUE(sweep->is_complete);
+  EXPECT_NEAR(sweep->duration_s, 0.5, 1e-9);
+  EXPECT_NEAR(sweep->span.min_rad, -0.3, 1e-12);
+  EXPECT_NEAR(sweep->span.max_rad, 0.1, 1e-12);
+  // The reading at a reversal belongs to both sweeps: 0.3 rad in 0.3 s before, 0.4 rad in 0.5 s
+  // after.
+  EXPECT_NEAR(sweep->peak_rate_rad_s, 1.0, 1e-9);
+}
+
+TEST(SweepMeter, APeriodIsTwoCompleteSweeps) {
+  Feeder feeder;
+  feeder.sweep(-0.2, 0.1, 0.3);  // its begin was not seen: not complete
+  EXPECT_FALSE(feeder.dut.period());
+  feeder.sweep(0.1, -0.3, 0.5);
+  EXPECT_FALSE(feeder.dut.period());
+  feeder.sweep(-0.3, 0.2, 0.4);
+  const auto period = feeder.dut.period();
+  ASSERT_TRUE(period);
+  EXPECT_NEAR(period->duration_s, 0.5, 1e-9);
+  EXPECT_NEAR(period->span.min_rad, -0.3, 1e-12);
+  EXPECT_NEAR(period->span.max_rad, 0.2, 1e-12);
+}
+
+TEST(SweepMeter, APresentSweepThatTakesLongerCountsAtOnce) {
+  Feeder feeder;
+  for (int i = 0; i < 3; ++i) {
+    feeder.sweep(-0.2, 0.2, 0.3);
+  }
+  feeder.time_us += 55'000;
+  feeder.dut.add({feeder.time_us, 0.0, 9.0, feeder.number, false});
+  for (int i = 0; i < 100; ++i) {
+    feeder.time_us += 5000;
+    feeder.dut.add({feeder.time_us, 0.0, 0.0, feeder.number, false});
+  }
+  EXPECT_NEAR(feeder.dut.period()->duration_s, 0.555, 1e-9);
+  EXPECT_EQ(feeder.dut.period()->peak_rate_rad_s, 9.0);
+}
+
+TEST(SweepMeter, ASweepWithAGapIsNotComplete) {
+  Feeder feeder;
+  feeder.sweep(-0.2, 0.2, 0.3);
+  feeder.sweep(0.2, -0.2, 0.3);
+  feeder.time_us += 200'000;
+  const auto sweep = feeder.sweep(-0.2, 0.2, 0.3);
+  EXPECT_FALSE(sweep->is_complete);
+  EXPECT_FALSE(feeder.dut.period());
+  feeder.number += 3;  // reversals that were missed
+  EXPECT_FALSE(feeder.sweep(0.2, -0.2, 0.3)->is_complete);
+}
+
+TEST(SweepMeter, ADriverThatStartedAnewIsMeasuredAnew) {
+  Feeder feeder;
+  for (int i = 0; i < 4; ++i) {
+    feeder.sweep(-0.2, 0.2, 0.3);
+  }
+  ASSERT_TRUE(feeder.dut.period());
+  feeder.number = 0;
+  feeder.sweep(-0.2, 0.2, 0.3);
+  EXPECT_FALSE(feeder.dut.period());
+  feeder.sweep(-0.2, 0.2, 0.3);
+  feeder.sweep(-0.2, 0.2, 0.3);
+  ASSERT_TRUE(feeder.dut.period());
+  feeder.time_us = 0;
+  feeder.sweep(-0.2, 0.2, 0.3);
+  EXPECT_FALSE(feeder.dut.period());
+}
+
+/// The relative error after `sweeps` sweeps of a servo that takes `gain` times what it is told.
+double error_after(SweepRegulator regulator, double gain, int sweeps) {
+  double measured_s = 0.0;
+  for (int i = 0; i < sweeps; ++i) {
+    measured_s = gain * regulator.command_s(0.5, 0.1, 5.0);
+    regulator.add(0.5, measured_s);
+  }
+  return measured_s / 0.5 - 1.0;
+}
+
+TEST(SweepRegulator, NoSteadyErrorWithAGainFault) {
+  for (const double gain : {0.8, 1.2, 1.25, 1.5}) {
+    // 20 sweeps at 0.73 a sweep, its slowest root: 0.2 %.
+    EXPECT_NEAR(error_after(SweepRegulator({0.1, 0.6}), gain, 20), 0.0, 2e-3) << gain;
+  }
+}
+
+TEST(SweepRegulator, WithoutTheIntegralTheErrorStays) {
+  EXPECT_NEAR(error_after(SweepRegulator({0.0, 0.0}), 1.25, 50), 0.25, 1e-12);
+  EXPECT_GT(error_after(SweepRegulator({0.1, 0.0}), 1.25, 50), 0.15);
+}
+
+TEST(SweepRegulator, OvershootIsBelowTenPercent) {
+  for (const double gain : {0.8, 1.25}) {
+    const double sign = gain > 1.0 ? 1.0 : -1.0;
+    for (int sweeps = 1; sweeps < 30; ++sweeps) {
+      EXPECT_GT(sign * error_after(SweepRegulator({0.1, 0.6}), gain, sweeps), -0.1);
+    }
+  }
+}
+
+TEST(SweepRegulator, WhatItLearntHoldsForOtherSetPoints) {
+  SweepRegulator dut({});
+  for (int i = 0; i < 30; ++i) {
+    dut.add(1.0, 1.25 * dut.command_s(1.0, 0.1, 5.0));
+  }
+  // As above, and the step itself brings no new error.
+  EXPECT_NEAR(1.25 * dut.command_s(0.3, 0.1, 5.0), 0.3, 1e-3);
+}
+
+TEST(SweepRegulator, DoesNotWindUpAtTheServosLimit) {
+  SweepRegulator dut({});
+  for (int i = 0; i < 100; ++i) {
+    const double command_s = dut.command_s(0.3, 0.3, 5.0);
+    EXPECT_GE(command_s, 0.3);
+    dut.add(0.3, 1.3 * command_s);
+  }
+  // The fault is gone, and hardly any of it is left in the integral. One sweep of integration (0.6
+  // of 30 %) may have gone in before the limit was met.
+  const double first_s = dut.command_s(0.5, 0.1, 5.0);
+  EXPECT_GT(first_s, 0.5 * (1.0 - 0.6 * 0.3 - 0.1 * 0.3) - 1e-9);
+}
+
+TEST(SweepRegulator, OneOddSweepIsNoJump) {
+  SweepRegulator dut({});
+  dut.add(0.5, 100.0);
+  EXPECT_GE(dut.command_s(0.5, 0.01, 5.0), 0.5 * 0.5);
+}
+
+}  // namespace
+}  // namespace nodmap::pitch_controller
