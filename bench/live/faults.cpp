@@ -87,7 +87,8 @@ Outcome examine(const Case& what, RobotProcesses::Options options) {
   Outcome outcome;
   if (at_us) {
     outcome.stop = measure_stop(witness.motions(), *at_us);
-    outcome.goes_on = witness.listen(20.0, [&] { return witness.driving(0.1); });
+    // As fast again as when it happened: creeping along is not driving on.
+    outcome.goes_on = witness.listen(20.0, [&] { return witness.driving(kDrivingMps); });
   }
   outcome.collisions = witness.collisions();
   return outcome;
