@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "procman/sheriff/fleet.hpp"
+#include "procman/protocol/fleet.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -28,8 +28,11 @@ enum class CommandState : std::uint8_t {
 /// How a wait status reads: "exit 3", "killed by signal 9 (Killed)"; empty for a clean end.
 [[nodiscard]] std::string describe_end(int wait_status);
 
-/// What a sheriff wants of the commands, against what their deputies say of them. Pure: times in
-/// microseconds, of one clock.
+/// How a sheriff of this process names itself, but for the time at which it began: "host:process:".
+[[nodiscard]] std::string sheriff_id_prefix();
+
+/// A sheriff's side of the protocol: what it wants of the commands, against what their deputies
+/// report. Pure: times in microseconds, of one clock.
 class Fleet {
  public:
   /// An INFO that is older says nothing any more (30 s in the existing sheriff; here the three that
@@ -51,6 +54,8 @@ class Fleet {
     std::optional<CommandStatus> status;
     std::int64_t running_since_us = 0;
     std::int64_t num_restarts = 0;  ///< seen by this sheriff: each new process after the first
+    /// Wait status of the newest end with an error that nobody ordered, since the last start order.
+    std::optional<std::int32_t> failed_status;
   };
 
   struct DeputyItem {
@@ -61,7 +66,8 @@ class Fleet {
 
   Fleet(const Config& config, std::string sheriff_id);
 
-  // Wishes. Unknown names do nothing.
+  // What is wanted from now on. Unknown names do nothing.
+  void order(Verb verb, const std::string& id);
   void start(const std::string& id);
   void stop(const std::string& id);
   void restart(const std::string& id);
@@ -101,6 +107,7 @@ class Fleet {
 
  private:
   [[nodiscard]] Item* find_mutable(const std::string& id);
+  static void begin_run(Item& item);
   static void adopt(Item& item, const CommandStatus& status);
   static void take_status(Item& item, const CommandStatus& status, std::int64_t now_us);
 

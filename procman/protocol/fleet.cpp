@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "procman/sheriff/fleet.hpp"
+#include "procman/protocol/fleet.hpp"
 
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <csignal>
 #include <cstring>
@@ -95,6 +97,13 @@ std::string describe_end(int wait_status) {
   return "exit " + std::to_string(WEXITSTATUS(wait_status));
 }
 
+// As the existing sheriff names itself: host, process, time.
+std::string sheriff_id_prefix() {
+  std::array<char, 256> host{};
+  ::gethostname(host.data(), host.size() - 1);
+  return std::string(host.data()) + ":" + std::to_string(::getpid()) + ":";
+}
+
 Fleet::Fleet(const Config& config, std::string sheriff_id) : sheriff_id_(std::move(sheriff_id)) {
   for (const Command& command : config.commands) {
     Item item;
@@ -116,6 +125,20 @@ Fleet::Item* Fleet::find_mutable(const std::string& id) {
   return const_cast<Item*>(std::as_const(*this).find(id));  // NOLINT: ours, and not const
 }
 
+void Fleet::order(Verb verb, const std::string& id) {
+  switch (verb) {
+    case Verb::kStart:
+      start(id);
+      break;
+    case Verb::kStop:
+      stop(id);
+      break;
+    case Verb::kRestart:
+      restart(id);
+      break;
+  }
+}
+
 void Fleet::start(const std::string& id) {
   Item* item = find_mutable(id);
   if (item == nullptr) {
@@ -127,8 +150,7 @@ void Fleet::start(const std::string& id) {
   if (!item->force_quit && (runs || starts)) {
     return;
   }
-  item->desired_run = run_after(item->desired_run);
-  item->force_quit = item->stop_ordered = false;
+  begin_run(*item);
 }
 
 void Fleet::stop(const std::string& id) {
@@ -139,9 +161,14 @@ void Fleet::stop(const std::string& id) {
 
 void Fleet::restart(const std::string& id) {
   if (Item* item = find_mutable(id)) {
-    item->desired_run = run_after(item->desired_run);
-    item->force_quit = item->stop_ordered = false;
+    begin_run(*item);
   }
+}
+
+void Fleet::begin_run(Item& item) {
+  item.desired_run = run_after(item.desired_run);
+  item.force_quit = item.stop_ordered = false;
+  item.failed_status.reset();
 }
 
 bool Fleet::take_info(const DeputyInfo& info, std::int64_t now_us) {
@@ -210,8 +237,12 @@ void Fleet::take_status(Item& item, const CommandStatus& status, std::int64_t no
   const bool ended_unseen = pid_before == 0 && status.pid == 0 && status.actual_run != 0 &&
                             status.actual_run == item.desired_run && !item.force_quit &&
                             !item.spec.auto_respawn;
-  item.force_quit |= ended_by_itself || ended_unseen;
   item.status = status;
+  const bool is_this_run = status.pid == 0 && status.actual_run == item.desired_run;
+  if (is_this_run && item.desired_run != 0 && !item.force_quit && !is_good_end(item)) {
+    item.failed_status = status.wait_status;
+  }
+  item.force_quit |= ended_by_itself || ended_unseen;
 }
 
 void Fleet::take_orders(const Orders& orders, std::int64_t now_us) {
