@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "common/geometry/se3.hpp"
-#include "common/log/log.hpp"
-#include "common/msg/messages.hpp"
+#include "common/node/log.hpp"
+#include "common/node/messages.hpp"
 #include "nodmap/base_sensors_t.hpp"
 
 namespace nodmap::kurt {
@@ -122,7 +122,7 @@ void KurtNode::finish() {
   lose_port(now, "ended");
 }
 
-void KurtNode::turn() {
+void KurtNode::spin_once() {
   const time::Moment now = clock_();
   if (serial::ByteStream* stream = connect(now)) {
     receive(*stream, now);
@@ -195,14 +195,14 @@ void KurtNode::on_drive(const nodmap::drive_t& message) {
   const DriveRequest request{wanted, message.utime, message.valid_us};
   const DriveVerdict verdict = kurt_.drive(request, clock_());
   if (verdict == DriveVerdict::kObeyed) {
-    context_.tally.use();
+    context_.counts.use();
   } else {
-    context_.tally.reject(name_of(verdict));
+    context_.counts.reject(name_of(verdict));
   }
 }
 
 void KurtNode::on_stop(const nodmap::stop_t& message) {
-  context_.tally.use();
+  context_.counts.use();
   if (std::exchange(stopped_, message.is_stopped != 0) != stopped_) {
     log::get().info("{} by {}", stopped_ ? "stopped" : "free again", message.requested_by);
   }
@@ -211,7 +211,7 @@ void KurtNode::on_stop(const nodmap::stop_t& message) {
 void KurtNode::publish_odometry(const OdometrySample& sample) {
   const OdometryState& state = sample.state;
   nodmap::odometry_t message =
-      msg::write_odometry(sample.utime_us, geometry::to_se3(state.T_odom_base));
+      node::write_odometry(sample.utime_us, geometry::to_se3(state.T_odom_base));
   message.odometry_seq = odometry_seq_++;
   message.forward_mps = state.forward_mps;
   message.yaw_rate_rad_s = state.yaw_rate_rad_s;
@@ -239,7 +239,7 @@ void KurtNode::tell_change(KurtState state) {
   }
 }
 
-nlohmann::json KurtNode::figures() const {
+nlohmann::json KurtNode::metrics() const {
   const KurtCounts& base = kurt_.counts();
   const SlcanCounts& lines = kurt_.slcan_counts();
   return {{"encoder_frames", base.encoder_frames},

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drivers/laser3d/program.hpp"
 
-#include "common/log/log.hpp"
-#include "common/node/device_process.hpp"
+#include "common/node/clock.hpp"
+#include "common/node/device_node.hpp"
+#include "common/node/log.hpp"
 #include "common/params/params.hpp"
-#include "common/time/clock.hpp"
 #include "drivers/laser3d/node.hpp"
 
 namespace nodmap::laser3d {
@@ -19,12 +19,11 @@ serial::ReconnectingPort::Opener opener(const std::string& device, int baud) {
 int run_laser3d(int argc, char** argv) {
   Laser3dParams params;
   params::Table table(params);
-  return node::run_device_process(
+  return node::run_device_node(
       argc, argv,
       {"nodmap-laser3d",
        "Drives the nodding 3D scanner, a SICK LMS2xx on a pitch servo: SCAN out."},
-      table, [] { return std::string(); },
-      [&params](node::Context& context) {
+      table, nullptr, [&params](node::Context& context) {
         log::get().info("laser on {}, servo on {}", params.laser_device, params.servo_device);
         return std::make_unique<Laser3dNode>(
             context, params,

@@ -5,7 +5,7 @@
 #include <stdexcept>
 
 #include "common/bus/log_player.hpp"
-#include "common/log/log.hpp"
+#include "common/node/log.hpp"
 #include "modules/viewer/foxglove/feed.hpp"
 #include "modules/viewer/foxglove/foxglove.hpp"
 #include "modules/viewer/foxglove/topic_store.hpp"
@@ -30,8 +30,8 @@ void export_mcap(const std::filesystem::path& log, const std::filesystem::path& 
   NewFile file(out);
   McapWriter writer(file.partial_path());
   foxglove::TopicStore store;
-  node::Tally tally;
-  const foxglove::Feed feed(player, store, tally,
+  node::MessageCounts counts;
+  const foxglove::Feed feed(player, store, counts,
                             {.cloud_spacing_m = 0.0, .trail_spacing_m = kTrailSpacingM});
   for (const foxglove::Topic& topic : store.topics()) {
     writer.add_channel({topic.name, topic.schema_name, foxglove::schema_text(topic.schema_name)});

@@ -4,7 +4,7 @@
 #include <string>
 #include <utility>
 
-#include "common/msg/messages.hpp"
+#include "common/node/messages.hpp"
 #include "modules/viewer/foxglove/sensor_views.hpp"
 #include "nodmap/base_sensors_t.hpp"
 #include "nodmap/drive_t.hpp"
@@ -54,7 +54,7 @@ struct Feed::SlamChannel {
   Json (*frame)(std::int64_t utime_us, const geometry::SE3& T_map_odom);
 };
 
-Feed::Feed(bus::Bus& bus, TopicStore& store, node::Tally& counts, const FeedParams& params)
+Feed::Feed(bus::Bus& bus, TopicStore& store, node::MessageCounts& counts, const FeedParams& params)
     : store_(store),
       counts_(counts),
       params_(params),
@@ -152,7 +152,7 @@ void Feed::subscribe_sensors(bus::Bus& bus) {
   const std::size_t scan_topic = store_.add({"SCAN", "foxglove.LaserScan"});
   subscribe<nodmap::scan_t>(bus, "SCAN", [this, scan_topic](const auto& message) {
     scan::Scan scan;
-    if (!msg::read_scan(message, scan)) {
+    if (!node::read_scan(message, scan)) {
       counts_.reject("scan_not_plausible");
       return;
     }
@@ -172,7 +172,7 @@ void Feed::subscribe_odometry(bus::Bus& bus) {
   const std::size_t trail = store_.add({"trail/odometry", kPoses});
   const std::size_t robot = add_scene_topic("robot");
   subscribe<nodmap::odometry_t>(bus, "ODOMETRY", [=, this](const auto& message) {
-    const auto T_odom_base = msg::read_odometry(message);
+    const auto T_odom_base = node::read_odometry(message);
     if (!T_odom_base) {
       counts_.reject("pose_not_valid");
       return;
@@ -220,7 +220,7 @@ void Feed::subscribe_decisions(bus::Bus& bus) {
 void Feed::subscribe_egomap(bus::Bus& bus, const char* channel) {
   const std::size_t topic = store_.add({channel, kPointCloud});
   subscribe<nodmap::egomap_t>(bus, channel, [this, topic](const auto& message) {
-    const auto T_odom_base = msg::read_pose(message.position_m, message.orientation);
+    const auto T_odom_base = node::read_pose(message.position_m, message.orientation);
     if (!T_odom_base || !same_lengths(message)) {
       counts_.reject("egomap_not_valid");
       return;
@@ -236,8 +236,8 @@ void Feed::subscribe_slam_pose(bus::Bus& bus, const SlamChannel& slam) {
   const std::size_t frame = store_.add({slam.frame_topic, kTransform});
   const std::size_t trail = store_.add({slam.trail_topic, kPoses});
   subscribe<nodmap::pose_t>(bus, slam.channel, [=, this](const auto& message) {
-    const auto T_map_base = msg::read_pose(message.position_m, message.orientation);
-    const auto T_map_odom = msg::read_pose(message.odom_position_m, message.odom_orientation);
+    const auto T_map_base = node::read_pose(message.position_m, message.orientation);
+    const auto T_map_odom = node::read_pose(message.odom_position_m, message.odom_orientation);
     if (!T_map_base || !T_map_odom) {
       counts_.reject("pose_not_valid");
       return;
@@ -318,7 +318,7 @@ void Feed::subscribe_truth(bus::Bus& bus) {
   const std::size_t frame = store_.add({"tf/world", kTransform});
   const std::size_t people = add_scene_topic("people");
   subscribe<nodmap::truth_t>(bus, "TRUTH", [=, this](const auto& message) {
-    const auto T_world_base = msg::read_pose(message.position_m, message.orientation);
+    const auto T_world_base = node::read_pose(message.position_m, message.orientation);
     if (!T_world_base) {
       counts_.reject("pose_not_valid");
       return;

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "common/bus/bus.hpp"
-#include "common/node/tally.hpp"
+#include "common/node/message_counts.hpp"
 #include "modules/viewer/foxglove/assemblers.hpp"
 #include "modules/viewer/foxglove/cloud_downsampler.hpp"
 #include "modules/viewer/foxglove/pose_views.hpp"
@@ -41,7 +41,7 @@ struct FeedParams {
 class Feed {
  public:
   /// All three must outlive this object. `counts` counts the messages used, lost and rejected.
-  Feed(bus::Bus& bus, TopicStore& store, node::Tally& counts, const FeedParams& params);
+  Feed(bus::Bus& bus, TopicStore& store, node::MessageCounts& counts, const FeedParams& params);
 
   /// Forgets what was put together so far, as when a recording begins anew.
   void reset();
@@ -80,7 +80,7 @@ class Feed {
   [[nodiscard]] std::optional<Whole> take(Assembled<Whole> result, const char* cause);
 
   TopicStore& store_;
-  node::Tally& counts_;
+  node::MessageCounts& counts_;
   FeedParams params_;
   Body body_;
   Trail odometry_trail_;

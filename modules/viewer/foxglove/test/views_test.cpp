@@ -12,7 +12,7 @@
 #include <string_view>
 #include <vector>
 
-#include "common/msg/messages.hpp"
+#include "common/node/messages.hpp"
 #include "modules/viewer/foxglove/pose_views.hpp"
 #include "modules/viewer/foxglove/process_tables.hpp"
 #include "modules/viewer/foxglove/scene_views.hpp"
