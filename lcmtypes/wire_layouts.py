@@ -7,38 +7,9 @@ common/bus walk a message first and refuse one whose counts, strings or length d
 """
 import argparse
 import pathlib
-import re
 import sys
 
-SIZES = {"int8_t": 1, "byte": 1, "boolean": 1, "int16_t": 2, "int32_t": 4, "float": 4, "int64_t": 8, "double": 8}
-
-
-class Struct:
-    def __init__(self, package, name):
-        self.package, self.name, self.fields = package, name, []
-
-
-def parse(path):
-    """The structs of one file. Raises ValueError with the offending statement."""
-    text = re.sub(r"/\*.*?\*/|//[^\n]*", "", path.read_text(), flags=re.S)
-    package = re.search(r"\bpackage\s+(\w+)\s*;", text)
-    structs = []
-    for name, body in re.findall(r"\bstruct\s+(\w+)\s*\{(.*?)\}", text, flags=re.S):
-        struct = Struct(package.group(1) if package else "", name)
-        for statement in filter(None, (s.strip() for s in body.split(";"))):
-            if statement.startswith("const "):
-                continue
-            match = re.fullmatch(r"([\w.]+)\s+(.+)", statement, flags=re.S)
-            if not match:
-                raise ValueError(f"{path}: cannot read '{statement}'")
-            for member in match.group(2).split(","):
-                member_match = re.fullmatch(r"\s*(\w+)\s*((?:\[\s*\w+\s*\]\s*)*)", member)
-                if not member_match:
-                    raise ValueError(f"{path}: cannot read '{member.strip()}' in '{statement}'")
-                dimensions = re.findall(r"\[\s*(\w+)\s*\]", member_match.group(2))
-                struct.fields.append((match.group(1), member_match.group(1), dimensions))
-        structs.append(struct)
-    return structs
+from lcm_files import SIZES, parse
 
 
 def layout(struct, known):
@@ -94,7 +65,7 @@ def main():
     parser.add_argument("files", nargs="+", type=pathlib.Path)
     arguments = parser.parse_args()
     structs = [struct for file in arguments.files for struct in parse(file)]
-    known, done, pending = {f"{s.package}.{s.name}" for s in structs}, set(), list(structs)
+    known, done, pending = {s.full_name for s in structs}, set(), list(structs)
     lines = ["// Generated from the .lcm files by wire_layouts.py.", "#pragma once", "", '#include "common/bus/wire_layout.hpp"', ""]
     for struct in structs:
         lines.append(f'#include "{struct.package}/{struct.name}.hpp"')
@@ -104,16 +75,15 @@ def main():
         if not ready:
             raise ValueError("types hold each other or are missing: " + ", ".join(s.name for s in pending))
         for struct in ready:
-            lines += ["", "template <>", f"struct WireLayout<::{struct.package}::{struct.name}> {{", "  static constexpr WireField kFields[] = {"]
+            lines += ["", "template <>", f"struct WireLayout<{struct.cpp_name}> {{", "  static constexpr WireField kFields[] = {"]
             lines += layout(struct, known) + ["  };", ""]
-            lines += [f"  static void clear([[maybe_unused]] ::{struct.package}::{struct.name}& message) {{"] + clearing(struct) + ["  }", "};"]
-            done.add(f"{struct.package}.{struct.name}")
+            lines += [f"  static void clear([[maybe_unused]] {struct.cpp_name}& message) {{"] + clearing(struct) + ["  }", "};"]
+            done.add(struct.full_name)
             pending.remove(struct)
     lines += ["", "/// Every message type there is, for what looks into any log.", "[[nodiscard]] inline std::span<const MessageType> message_types() {",
               "  static const MessageType kTypes[] = {"]
     for struct in structs:
-        full = f"::{struct.package}::{struct.name}"
-        lines.append(f'      {{"{struct.package}.{struct.name}", {full}::getHash(), WireLayout<{full}>::kFields}},')
+        lines.append(f'      {{"{struct.full_name}", {struct.cpp_name}::getHash(), WireLayout<{struct.cpp_name}>::kFields}},')
     lines += ["  };", "  return kTypes;", "}", "", "}  // namespace nodmap::bus", ""]
     arguments.output.parent.mkdir(parents=True, exist_ok=True)
     arguments.output.write_text("\n".join(lines))

@@ -6,7 +6,9 @@
 2. A module includes no other module.
 3. Only common/bus includes <lcm/...>; OctoMap, nanoflann and libserialport are included by one .cpp each.
 4. The simulator includes no driver.
-5. Of the tools only trial, the closed loop, includes drivers and modules.
+5. Of the tools only trial, the closed loop, includes drivers and modules; the others may use what turns messages into Foxglove's
+   schemas (modules/viewer/foxglove).
+6. From the process manager the viewer uses protocol and configuration, and nothing of deputy and sheriff.
 Besides: every source file names its licence, and a transform is called T_a_b, never a_to_b or a2b.
 """
 import pathlib
@@ -51,7 +53,9 @@ def include_errors(path, include):
             yield "an algorithm sees no message, clock, thread, file or stream"
     if top == "common" and include.startswith(("modules/", "drivers/", "sim/", "tools/", "procman/")):
         yield "common knows nobody above it"
-    if top == "tools" and module != "trial" and include.startswith(("modules/", "drivers/")):
+    if top == "modules" and include.startswith("procman/") and not include.startswith(("procman/config/", "procman/protocol/")):
+        yield "deputy and sheriff are nobody's library: use procman/protocol and procman/config"
+    if top == "tools" and module != "trial" and include.startswith(("modules/", "drivers/")) and not include.startswith("modules/viewer/foxglove/"):
         yield "of the tools only the closed loop joins modules and drivers"
     if top == "sim" and include.startswith("drivers/"):
         yield "the simulator includes no driver: a parser's bug must show"

@@ -10,7 +10,7 @@
 
 namespace nodmap::viewer {
 
-/// What a request for a WebSocket says of itself; empty where it says nothing.
+/// The parts of a WebSocket request that decide about access; empty where a header is missing.
 struct Request {
   std::string target;     ///< path and query
   std::string host;       ///< header Host
@@ -31,8 +31,8 @@ struct Access {
   Rights rights;
 };
 
-/// Whether a Host header names this host. Checked where only this host is served: a page from
-/// elsewhere that let its own name point to 127.0.0.1 would else count as ours.
+/// Whether a Host header names this host. Checked where only this host is served: otherwise a page
+/// from elsewhere could let its own name point to 127.0.0.1 and count as ours.
 [[nodiscard]] bool is_this_host(std::string_view host);
 
 /// The first of ours among the protocols offered.

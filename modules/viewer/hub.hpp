@@ -2,14 +2,15 @@
 // What all connections of a server share.
 #pragma once
 
+#include <boost/core/noncopyable.hpp>
 #include <memory>
 #include <string>
 #include <vector>
 
-#include "common/foxglove/board.hpp"
 #include "common/node/log.hpp"
 #include "common/node/message_counts.hpp"
 #include "modules/viewer/access.hpp"
+#include "modules/viewer/foxglove/topic_store.hpp"
 #include "modules/viewer/session.hpp"
 #include "modules/viewer/site.hpp"
 
@@ -19,7 +20,7 @@ class WebSocketClient;
 
 struct Hub {
   const Site& site;
-  const foxglove::Board& board;
+  const foxglove::TopicStore& store;
   const Services& services;
   AccessPolicy policy;
   int max_connections = 0;
@@ -29,7 +30,7 @@ struct Hub {
   int connections = 0;
   std::vector<std::weak_ptr<WebSocketClient>> clients{};
 
-  /// Counts what was refused, and says so once in a while. `cause` is a snake_case word.
+  /// Counts a refusal, and logs it at most once in five seconds. `cause` is a snake_case word.
   void refuse(const std::string& cause) {
     counts.reject(cause);
     if (throttle.ready()) {
@@ -39,14 +40,10 @@ struct Hub {
 };
 
 /// Counts a connection as long as it lives.
-class Ticket {
+class Ticket : boost::noncopyable {
  public:
   explicit Ticket(Hub& hub) : hub_(hub) { ++hub_.connections; }
   ~Ticket() { --hub_.connections; }
-  Ticket(const Ticket&) = delete;
-  Ticket& operator=(const Ticket&) = delete;
-  Ticket(Ticket&&) = delete;
-  Ticket& operator=(Ticket&&) = delete;
 
  private:
   Hub& hub_;

@@ -18,6 +18,8 @@ Json playback_parameters(const bus::LogPlayer& player) {
   return Json::array(
       {parameter("playback.position_s", 1e-6 * static_cast<double>(player.position_us())),
        parameter("playback.duration_s", 1e-6 * static_cast<double>(player.duration_us())),
+       parameter("playback.begin_s",
+                 1e-6 * static_cast<double>(player.utime_us() - player.position_us())),
        parameter("playback.speed", player.speed()), parameter("playback.paused", player.paused())});
 }
 

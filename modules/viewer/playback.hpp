@@ -4,14 +4,15 @@
 #include <string>
 
 #include "common/bus/log_player.hpp"
-#include "common/foxglove/foxglove.hpp"
+#include "modules/viewer/foxglove/foxglove.hpp"
 
 namespace nodmap::viewer {
 
 using foxglove::Json;
 
 /// A player's state as parameters of the protocol: `playback.position_s`, `playback.duration_s`
-/// (read only), `playback.speed`, `playback.paused`.
+/// and `playback.begin_s`, the time stamp at position 0 (both read only), `playback.speed`,
+/// `playback.paused`.
 [[nodiscard]] Json playback_parameters(const bus::LogPlayer& player);
 
 /// What setting a parameter did.

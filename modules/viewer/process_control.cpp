@@ -4,9 +4,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "common/foxglove/command_table.hpp"
 #include "procman/protocol/messages.hpp"
-#include "procman/sheriff/sheriff.hpp"
 
 namespace nodmap::viewer {
 namespace {
@@ -90,13 +88,7 @@ Answer ProcessControl::change(Verb verb, const std::string& command) {
   if (!fleet_) {
     begin(now);
   }
-  if (verb == Verb::kStop) {
-    fleet_->stop(command);
-  } else if (verb == Verb::kStart) {
-    fleet_->start(command);
-  } else {
-    fleet_->restart(command);
-  }
+  fleet_->order(verb, command);
   open_[command] = verb == Verb::kStop ? Wanted::kStopped : Wanted::kRunning;
   leave_us_ = std::max(leave_us_, now.steady_us + kPatienceUs +
                                       std::int64_t{1'000'000} * found->stop_time_allowed_s);
@@ -106,7 +98,7 @@ Answer ProcessControl::change(Verb verb, const std::string& command) {
 
 Answer ProcessControl::change_recording(Verb verb) {
   for (const procman::Command& command : config_.commands) {
-    if (foxglove::program_of(command.exec) == "nodmap-logger") {
+    if (procman::program_of(command.exec) == "nodmap-logger") {
       return change(verb, command.id);
     }
   }

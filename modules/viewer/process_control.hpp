@@ -11,14 +11,15 @@
 #include "common/geometry/time.hpp"
 #include "modules/viewer/session.hpp"
 #include "procman/config/config.hpp"
+#include "procman/protocol/fleet.hpp"
 #include "procman/protocol/values.hpp"
-#include "procman/sheriff/fleet.hpp"
 
 namespace nodmap::viewer {
 
-/// Starts and stops commands of the process manager, as a sheriff that is there only as long as
-/// something is asked for: two sheriffs would pull the commands to and fro. It begins from what the
-/// deputies say at that moment, gives orders until all is as wanted, and leaves; what runs goes on.
+/// Starts and stops commands of the process manager. For each request it becomes a sheriff: it
+/// begins from what the deputies report at that moment, gives orders until the request is
+/// fulfilled, and then gives no more; what runs goes on. It does not stay a sheriff, since two of
+/// them would give contradicting orders.
 class ProcessControl {
  public:
   /// Longest time as a sheriff for one request, beside the command's own grace time.
@@ -30,12 +31,13 @@ class ProcessControl {
   /// The bus must outlive this object.
   ProcessControl(bus::Bus& bus, procman::Config config, Clock clock);
 
-  /// Refused: unknown names, a deputy that is not heard, another sheriff at work.
+  /// Refused: unknown names, a deputy that does not answer, another sheriff at work.
   [[nodiscard]] Answer change(procman::Verb verb, const std::string& command);
   /// The same for the command that runs nodmap-logger.
   [[nodiscard]] Answer change_recording(procman::Verb verb);
 
-  /// To be called often: gives the orders that are due, and leaves when it is time.
+  /// To be called often: gives the orders that are due, and ends being a sheriff when nothing is
+  /// open.
   void turn();
 
   [[nodiscard]] bool is_sheriff() const { return fleet_.has_value(); }

@@ -44,6 +44,7 @@ RemoteControl::RemoteControl(bus::Bus& bus, const time::Clock& clock, ProcessCon
   stop_.stop_seq = -1;
   stop_.requested_by = kName;
   bus.subscribe<nodmap::stop_t>("STOP", [this](const auto& message) { on_stop(message); });
+  bus.subscribe<nodmap::grid_chunk_t>("MAP_2D", [this](const auto& message) { on_map(message); });
 }
 
 Answer RemoteControl::answer(const Json& request) {
@@ -68,12 +69,18 @@ Answer RemoteControl::do_goal(const Json& request) {
   const auto x_m = number_in(request, "x_m");
   const auto y_m = number_in(request, "y_m");
   const auto tolerance_m = number_in(request, "tolerance_m", kToleranceM);
-  if (!x_m || !y_m || !tolerance_m || std::abs(*x_m) > kMaxCoordinateM ||
-      std::abs(*y_m) > kMaxCoordinateM || *tolerance_m <= 0.0 || *tolerance_m > kMaxCoordinateM) {
+  if (!x_m || !y_m || !tolerance_m || *tolerance_m <= 0.0 || *tolerance_m > kMaxCoordinateM) {
     return {.ok = false, .text = "A goal needs x_m and y_m, and a tolerance_m > 0 if any."};
   }
+  if (std::abs(*x_m) > kMaxCoordinateM || std::abs(*y_m) > kMaxCoordinateM) {
+    return {.ok = false,
+            .text = "A goal lies at most 10000 m from the map's origin along x and y."};
+  }
   send_goal(true, *x_m, *y_m, *tolerance_m);
-  return {.ok = true, .text = goal_text(*x_m, *y_m)};
+  const bool is_outside = map_m_ && !map_m_->contains(Eigen::Vector2d(*x_m, *y_m));
+  return {.ok = true,
+          .text = goal_text(*x_m, *y_m) +
+                  (is_outside ? " It lies outside of the map that is known so far." : "")};
 }
 
 Answer RemoteControl::do_stop(bool is_stopped) {
@@ -107,10 +114,20 @@ Answer RemoteControl::do_process(const std::string& what, const Json& request) {
   return {.ok = false, .text = "Nobody here does \"" + what + "\"."};
 }
 
-/// Whoever lets the robot go ends our stop, too; else two viewers would contradict each other.
+/// A message that lets the robot go ends our stop, too; else two viewers would contradict each
+/// other.
 void RemoteControl::on_stop(const nodmap::stop_t& message) {
   if (message.is_stopped == 0 && message.utime > stop_.utime) {
     stop_.is_stopped = 0;
+  }
+}
+
+void RemoteControl::on_map(const nodmap::grid_chunk_t& tile) {
+  const Eigen::Vector2d first(tile.origin_x_m, tile.origin_y_m);
+  const Eigen::Vector2d size =
+      tile.cell_size_m * Eigen::Vector2d(tile.grid_width, tile.grid_height);
+  if (first.allFinite() && size.allFinite() && size.minCoeff() > 0.0) {
+    map_m_ = Eigen::AlignedBox2d(first, first + size);
   }
 }
 

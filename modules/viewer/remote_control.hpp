@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Geometry>
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "common/bus/bus.hpp"
 #include "common/node/clock.hpp"
 #include "modules/viewer/process_control.hpp"
 #include "modules/viewer/session.hpp"
+#include "nodmap/grid_chunk_t.hpp"
 #include "nodmap/stop_t.hpp"
 
 namespace nodmap::viewer {
@@ -15,15 +18,15 @@ namespace nodmap::viewer {
 /// What a client with control may ask for, by `do`:
 ///   goal  x_m, y_m, tolerance_m?    drive there (map)
 ///   roam                            no goal any more
-///   stop                            stand, whatever comes, until
+///   stop                            the robot stands, whatever comes, until
 ///   go
 ///   save_maps                       write the maps
 ///   start_process, stop_process, restart_process  command
 ///   start_recording, stop_recording
 class RemoteControl {
  public:
-  /// So often a STOP is said again: base driver and navigator keep it, this is for one that has
-  /// missed it or begun anew.
+  /// A STOP is published again so often: base driver and navigator keep it, this is for one that
+  /// has missed it or was started since.
   static constexpr std::int64_t kRepeatUs = 200'000;
 
   /// `processes` may be null: then there is no control over them. All must outlive this object.
@@ -32,7 +35,7 @@ class RemoteControl {
   /// Does what the request says, if it can.
   [[nodiscard]] Answer answer(const Json& request);
 
-  /// To be called often: says STOP again.
+  /// To be called often: publishes STOP again when it is due.
   void turn();
 
  private:
@@ -41,6 +44,7 @@ class RemoteControl {
   Answer do_save_maps();
   Answer do_process(const std::string& what, const Json& request);
   void on_stop(const nodmap::stop_t& message);
+  void on_map(const nodmap::grid_chunk_t& tile);
   void send_goal(bool is_active, double x_m, double y_m, double tolerance_m);
   void send_stop();
 
@@ -48,7 +52,8 @@ class RemoteControl {
   const time::Clock& clock_;
   ProcessControl* processes_;
   std::int64_t goal_seq_ = 0;
-  nodmap::stop_t stop_{};  // the newest of ours
+  nodmap::stop_t stop_{};                     // the newest of ours
+  std::optional<Eigen::AlignedBox2d> map_m_;  // extent of the newest MAP_2D
 };
 
 }  // namespace nodmap::viewer

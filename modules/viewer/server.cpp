@@ -105,13 +105,14 @@ void Server::turn() {
   impl_->for_each_client([](WebSocketClient& client) { client.turn(); });
 }
 
-void Server::tell_time(std::int64_t utime_us) {
+void Server::send_time(std::int64_t utime_us) {
   impl_->for_each_client(
-      [utime_us](WebSocketClient& client) { client.session().tell_time(utime_us); });
+      [utime_us](WebSocketClient& client) { client.session().send_time(utime_us); });
 }
 
-void Server::tell_parameters() {
-  impl_->for_each_client([](WebSocketClient& client) { client.session().tell_parameters(); });
+void Server::send_changed_parameters() {
+  impl_->for_each_client(
+      [](WebSocketClient& client) { client.session().send_changed_parameters(); });
 }
 
 std::uint16_t Server::port() const {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <boost/core/noncopyable.hpp>
 #include <chrono>
 #include <cstdint>
 #include <memory>
@@ -11,24 +12,20 @@
 namespace nodmap::viewer {
 
 /// HTTP and WebSocket on one port, in the thread of its caller.
-class Server {
+class Server : boost::noncopyable {
  public:
   /// Port 0 takes a free one. Throws std::runtime_error naming address and port when it cannot
   /// listen there. The hub must outlive this object.
   Server(Hub& hub, const std::string& address, std::uint16_t port);
   ~Server();
-  Server(const Server&) = delete;
-  Server& operator=(const Server&) = delete;
-  Server(Server&&) = delete;
-  Server& operator=(Server&&) = delete;
 
   /// Serves for so long.
   void run_for(std::chrono::milliseconds duration);
 
-  /// Sends every client what is new on the board.
+  /// Sends every client what is new in the topic store.
   void turn();
-  void tell_time(std::int64_t utime_us);
-  void tell_parameters();
+  void send_time(std::int64_t utime_us);
+  void send_changed_parameters();
 
   [[nodiscard]] std::uint16_t port() const;
 

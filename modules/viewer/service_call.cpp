@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "modules/viewer/service_call.hpp"
 
-#include "modules/viewer/little_endian.hpp"
-
 namespace nodmap::viewer {
 namespace {
 
@@ -10,6 +8,11 @@ constexpr std::byte kRequest{2};
 constexpr char kAnswer = 3;
 /// First byte, service, call, length of the encoding.
 constexpr std::size_t kHeadBytes = 13;
+
+/// The number at a place; four bytes must be there.
+std::uint32_t read_number(std::span<const std::byte> bytes, std::size_t at) {
+  return boost::endian::load_little_u32(reinterpret_cast<const unsigned char*>(&bytes[at]));
+}
 
 Json message(const char* name, Json properties) {
   const Json schema = {{"title", name}, {"type", "object"}, {"properties", std::move(properties)}};
@@ -43,14 +46,14 @@ std::optional<ServiceCall> read_service_call(std::span<const std::byte> bytes) {
   if (bytes.size() < kHeadBytes || bytes[0] != kRequest) {
     return std::nullopt;
   }
-  const std::size_t encoding_bytes = read_little_endian(bytes.subspan(9));
+  const std::size_t encoding_bytes = read_number(bytes, 9);
   const auto rest = bytes.subspan(kHeadBytes);
   if (encoding_bytes > rest.size()) {
     return std::nullopt;
   }
   const std::string_view text(reinterpret_cast<const char*>(rest.data()), rest.size());
-  return ServiceCall{.service_id = read_little_endian(bytes.subspan(1)),
-                     .call_id = read_little_endian(bytes.subspan(5)),
+  return ServiceCall{.service_id = read_number(bytes, 1),
+                     .call_id = read_number(bytes, 5),
                      .encoding = text.substr(0, encoding_bytes),
                      .payload = text.substr(encoding_bytes)};
 }

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Service calls of Foxglove's WebSocket protocol: their bytes, and the one service there is.
+// Binary frames of Foxglove's WebSocket protocol: their numbers, service calls, and the one service
+// there is.
 #pragma once
 
+#include <boost/endian/conversion.hpp>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -9,11 +11,18 @@
 #include <string>
 #include <string_view>
 
-#include "common/foxglove/foxglove.hpp"
+#include "modules/viewer/foxglove/foxglove.hpp"
 
 namespace nodmap::viewer {
 
 using foxglove::Json;
+
+/// Appends a number as the protocol's binary frames hold it.
+template <class Unsigned>
+void append_little_endian(std::string& bytes, Unsigned value) {
+  boost::endian::native_to_little_inplace(value);
+  bytes.append(reinterpret_cast<const char*>(&value), sizeof(value));
+}
 
 /// The number of the service `control`.
 inline constexpr std::uint32_t kControlService = 1;

@@ -5,8 +5,7 @@
 #include <limits>
 #include <utility>
 
-#include "common/foxglove/schemas.hpp"
-#include "modules/viewer/little_endian.hpp"
+#include "modules/viewer/foxglove/foxglove.hpp"
 
 namespace nodmap::viewer {
 namespace {
@@ -71,8 +70,8 @@ Json channel_json(std::size_t topic, const foxglove::Topic& what) {
 
 }  // namespace
 
-Session::Session(const foxglove::Board& board, const Services& services, Rights rights)
-    : board_(board), services_(services), rights_(rights) {
+Session::Session(const foxglove::TopicStore& store, const Services& services, Rights rights)
+    : store_(store), services_(services), rights_(rights) {
   greet();
 }
 
@@ -99,8 +98,8 @@ void Session::greet() {
         {"metadata", std::move(metadata)},
         {"sessionId", services_.session_id}});
   Json channels = Json::array();
-  for (std::size_t topic = 0; topic < board_.topics().size(); ++topic) {
-    channels.push_back(channel_json(topic, board_.topics()[topic]));
+  for (std::size_t topic = 0; topic < store_.topics().size(); ++topic) {
+    channels.push_back(channel_json(topic, store_.topics()[topic]));
   }
   send({{"op", "advertise"}, {"channels", std::move(channels)}});
   if (rights_.control) {
@@ -157,7 +156,7 @@ void Session::subscribe(const Json& message) {
   for (const Json& wish : objects_in(message, "subscriptions")) {
     const auto id = id_in(wish, "id");
     const auto channel = id_in(wish, "channelId");
-    if (!id || !channel || *channel == 0 || *channel > board_.topics().size()) {
+    if (!id || !channel || *channel == 0 || *channel > store_.topics().size()) {
       refuse("subscription to an unknown channel");
     } else if (std::any_of(subscriptions_.begin(), subscriptions_.end(),
                            [&](const Subscription& s) { return s.id == *id; })) {
@@ -241,11 +240,11 @@ void Session::set_parameters(const Json& message) {
   }
 }
 
-void Session::tell_time(std::int64_t utime_us) {
+void Session::send_time(std::int64_t utime_us) {
   time_us_ = utime_us;
 }
 
-void Session::tell_parameters() {
+void Session::send_changed_parameters() {
   if (wants_parameters_) {
     send_parameters(Json::object());
   }
@@ -266,7 +265,7 @@ std::optional<Frame> Session::next() {
   for (std::size_t i = 0; i < subscriptions_.size(); ++i) {
     turn_ = (turn_ + 1) % subscriptions_.size();
     Subscription& subscription = subscriptions_[turn_];
-    if (auto post = board_.next(subscription.topic, subscription.cursor)) {
+    if (auto post = store_.next(subscription.topic, subscription.cursor)) {
       Frame frame{.is_binary = true, .head = {kMessageData}, .post = std::move(post)};
       append_little_endian(frame.head, subscription.id);
       append_little_endian(frame.head, nanoseconds(frame.post->utime_us()));

@@ -13,19 +13,19 @@
 #include <string_view>
 #include <vector>
 
-#include "common/foxglove/board.hpp"
-#include "common/foxglove/foxglove.hpp"
+#include "modules/viewer/foxglove/foxglove.hpp"
+#include "modules/viewer/foxglove/topic_store.hpp"
 #include "modules/viewer/service_call.hpp"
 
 namespace nodmap::viewer {
 
-/// What became of a request, in words for people.
+/// The answer to a request, in words for people.
 struct Answer {
   bool ok = false;
   std::string text;
 };
 
-/// What the clients of a viewer may do besides reading, and what it tells them of itself.
+/// What a viewer offers its clients besides reading.
 struct Services {
   std::string name;
   std::string session_id;  ///< the same for all sessions of one process
@@ -65,20 +65,20 @@ class Session {
   static constexpr std::size_t kMaxWaiting = 64;
 
   /// Both must outlive this object.
-  Session(const foxglove::Board& board, const Services& services, Rights rights);
+  Session(const foxglove::TopicStore& store, const Services& services, Rights rights);
 
   void receive_text(std::string_view text);
   void receive_binary(std::span<const std::byte> bytes);
 
-  /// The next frame to send, if any. Topics take turns.
+  /// The next frame to send, if any. Subscribed topics are served one after the other.
   [[nodiscard]] std::optional<Frame> next();
 
-  /// Tells the client the time of the recording, with the next frames.
-  void tell_time(std::int64_t utime_us);
-  /// Tells a client that asked for it that parameters have changed.
-  void tell_parameters();
+  /// Sends the client the time of the recording, with the next frames.
+  void send_time(std::int64_t utime_us);
+  /// Sends the parameters to a client that has subscribed to them.
+  void send_changed_parameters();
 
-  /// What the client sent that was refused, by the last word of the reason.
+  /// How many of the client's messages were refused.
   [[nodiscard]] std::int64_t refused() const { return refused_; }
 
  private:
@@ -100,7 +100,7 @@ class Session {
   void answer(const ServiceCall& call);
   void fail(const ServiceCall& call, const std::string& reason);
 
-  const foxglove::Board& board_;
+  const foxglove::TopicStore& store_;
   const Services& services_;
   Rights rights_;
   std::deque<Frame> waiting_;

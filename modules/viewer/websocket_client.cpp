@@ -25,7 +25,7 @@ WebSocketClient::WebSocketClient(beast::tcp_stream stream, Hub& hub, std::unique
     : socket_(std::move(stream)),
       hub_(hub),
       ticket_(std::move(ticket)),
-      session_(hub.board, hub.services, access.rights) {
+      session_(hub.store, hub.services, access.rights) {
   set_options(access.protocol);
 }
 

@@ -2,8 +2,57 @@
 #include "procman/config/config.hpp"
 
 #include <algorithm>
+#include <set>
+#include <sstream>
+#include <utility>
 
 namespace nodmap::procman {
+namespace {
+
+/// The scripts that a script runs, by itself or through others, without the script's own name
+/// unless it comes back to it.
+std::set<std::string> scripts_run_by(const Config& config, const Script& script) {
+  std::set<std::string> run;
+  std::vector<const Script*> pending{&script};
+  while (!pending.empty()) {
+    const Script* next = pending.back();
+    pending.pop_back();
+    for (const Action& action : next->actions) {
+      const auto* call = std::get_if<RunScript>(&action.what);
+      const Script* callee = call != nullptr ? config.find_script(call->name) : nullptr;
+      if (callee != nullptr && run.insert(callee->name).second) {
+        pending.push_back(callee);
+      }
+    }
+  }
+  return run;
+}
+
+std::string fault_of(const Config& config, const Target& target) {
+  if (target.kind == TargetKind::kCommand && config.find_command(target.name) == nullptr) {
+    return "there is no command \"" + target.name + "\"";
+  }
+  if (target.kind == TargetKind::kGroup && !config.has_group(target.name)) {
+    return "there is no group \"" + target.name + "\"";
+  }
+  return {};
+}
+
+std::string fault_of(const Config& config, const Action& action) {
+  if (const auto* order = std::get_if<Order>(&action.what)) {
+    return fault_of(config, order->target);
+  }
+  if (const auto* wait = std::get_if<WaitStatus>(&action.what)) {
+    return fault_of(config, wait->target);
+  }
+  const auto* call = std::get_if<RunScript>(&action.what);
+  if (call != nullptr && config.find_script(call->name) == nullptr) {
+    return "there is no script \"" + call->name + "\"";
+  }
+  return {};
+}
+
+}  // namespace
 
 const Command* Config::find_command(std::string_view id) const {
   const auto found = std::find_if(commands.begin(), commands.end(),
@@ -50,6 +99,36 @@ std::string normalized_group(std::string_view path) {
 bool is_in_group(std::string_view group, std::string_view ancestor) {
   return group == ancestor || (group.starts_with(ancestor) && group.size() > ancestor.size() &&
                                group[ancestor.size()] == '/');
+}
+
+std::string program_of(std::string_view exec) {
+  std::istringstream words{std::string(exec)};
+  std::string word;
+  while (words >> word) {
+    if (word.find('=') == std::string::npos) {
+      return word.substr(word.rfind('/') + 1);
+    }
+  }
+  return {};
+}
+
+std::string status_name(const Command& command) {
+  return command.health.status_name.empty() ? program_of(command.exec) : command.health.status_name;
+}
+
+std::vector<ConfigError> check_scripts(const Config& config) {
+  std::vector<ConfigError> errors;
+  for (const Script& script : config.scripts) {
+    for (const Action& action : script.actions) {
+      if (std::string fault = fault_of(config, action); !fault.empty()) {
+        errors.push_back({action.place, std::move(fault)});
+      }
+    }
+    if (scripts_run_by(config, script).contains(script.name)) {
+      errors.push_back({script.place, "the script \"" + script.name + "\" runs itself"});
+    }
+  }
+  return errors;
 }
 
 }  // namespace nodmap::procman

@@ -99,4 +99,19 @@ struct Config {
 /// Whether `group` is `ancestor` or below it.
 [[nodiscard]] bool is_in_group(std::string_view group, std::string_view ancestor);
 
+/// The name of the program that an exec line runs, without its folder: the first word that sets no
+/// variable. Empty where there is none.
+[[nodiscard]] std::string program_of(std::string_view exec);
+
+/// The name under which a command's process publishes STATUS.
+[[nodiscard]] std::string status_name(const Command& command);
+
+struct ConfigError {
+  Place place;
+  std::string text;
+};
+
+/// What the scripts of a configuration name that is not there, and scripts that run themselves.
+[[nodiscard]] std::vector<ConfigError> check_scripts(const Config& config);
+
 }  // namespace nodmap::procman

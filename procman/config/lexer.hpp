@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -63,6 +64,45 @@ class Lexer {
   std::size_t at_ = 0;
   Place place_;
   bool in_extension_ = false;
+};
+
+/// The tokens of a configuration, one after the other, and what a grammar asks of them: a token of
+/// a kind, one of some words, a number within limits. Where the answer is no, it throws a
+/// SyntaxError that says what was expected, what was found, and where.
+class TokenReader {
+ public:
+  /// `text` must outlive the reader.
+  explicit TokenReader(std::string_view text) : lexer_(text) { advance(); }
+
+  /// The token that is not yet taken.
+  [[nodiscard]] const Token& token() const { return token_; }
+  [[nodiscard]] bool at_end() const { return token_.kind == TokenKind::kEnd; }
+  /// Whether a block ends here. A brace in a `#nodmap:` comment ends none.
+  [[nodiscard]] bool closes() const {
+    return token_.kind == TokenKind::kClose && !token_.is_extension;
+  }
+  void advance() { token_ = lexer_.next(); }
+
+  /// Whether the tokens that follow must be ours, in a `#nodmap:` comment, or must not: what stands
+  /// in a comment may not matter to those who skip it.
+  void expect_extension(bool is_extension) { is_extension_expected_ = is_extension; }
+
+  /// Takes a token of this kind, described by `what`.
+  std::string expect(TokenKind kind, const char* what);
+  /// Takes one of these identifiers.
+  std::string expect_word(std::initializer_list<const char*> words);
+  /// Takes an integer from `min` to `max`.
+  int expect_integer(int min, int max);
+
+  /// Refuses the token that is not yet taken.
+  [[noreturn]] void fail(const std::string& text) const { throw SyntaxError(token_.place, text); }
+
+ private:
+  [[nodiscard]] std::string found() const;
+
+  Lexer lexer_;
+  Token token_;
+  bool is_extension_expected_ = false;
 };
 
 }  // namespace nodmap::procman

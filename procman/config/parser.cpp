@@ -7,8 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "procman/config/check.hpp"
-#include "procman/config/token_reader.hpp"
+#include "procman/config/lexer.hpp"
 
 namespace nodmap::procman {
 namespace {

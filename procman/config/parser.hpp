@@ -10,11 +10,6 @@
 
 namespace nodmap::procman {
 
-struct ConfigError {
-  Place place;
-  std::string text;
-};
-
 /// A configuration, and what is wrong with it: it is to be used only when there are no errors.
 struct ParsedConfig {
   Config config;

@@ -15,7 +15,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "procman/deputy/exec_line.hpp"
+#include "procman/deputy/child_process.hpp"
 
 namespace nodmap::procman {
 namespace {

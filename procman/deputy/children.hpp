@@ -3,6 +3,7 @@
 
 #include <poll.h>
 
+#include <boost/core/noncopyable.hpp>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -19,7 +20,7 @@ namespace nodmap::procman {
 /// The running commands of a deputy as processes, each with all that descends from it. Makes this
 /// process the one that orphans are given to, so that whatever a command leaves behind is found:
 /// by its parents, by its session, and by a variable in its environment.
-class Children {
+class Children : boost::noncopyable {
  public:
   /// How long a killed tree may take to vanish before its command counts as ended anyway.
   static constexpr std::int64_t kMaxSweepUs = 2'000'000;
@@ -32,10 +33,6 @@ class Children {
   Children(const std::string& deputy_id, const std::string& own_folder);
   /// However the deputy ends: nothing stays behind.
   ~Children() { kill_everything(); }
-  Children(const Children&) = delete;
-  Children& operator=(const Children&) = delete;
-  Children(Children&&) = delete;
-  Children& operator=(Children&&) = delete;
 
   /// Starts an exec line for a command that does not run. Throws std::runtime_error.
   [[nodiscard]] pid_t start(const std::string& id, const std::string& exec);

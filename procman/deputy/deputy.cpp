@@ -97,8 +97,8 @@ class Deputy {
   void work_discovery(std::int64_t now_us);
   void begin_service(std::int64_t now_us);
   void meet(const Discovery& discovery);
-  void carry_out(const Deeds& deeds);
-  void start(const StartCommand& deed);
+  void carry_out(const SupervisorActions& actions);
+  void start(const StartCommand& action);
   void publish_output(std::int64_t now_us);
   void publish_info();
   [[nodiscard]] std::vector<pid_t> pids() const;
@@ -227,16 +227,16 @@ void Deputy::begin_service(std::int64_t now_us) {
   log::get().info("serving");
 }
 
-void Deputy::carry_out(const Deeds& deeds) {
-  for (const Deed& deed : deeds) {
-    if (const auto* say = std::get_if<Say>(&deed)) {
+void Deputy::carry_out(const SupervisorActions& actions) {
+  for (const SupervisorAction& action : actions) {
+    if (const auto* say = std::get_if<WriteOutput>(&action)) {
       output_.add(say->id, say->text, steady_us());
-    } else if (const auto* signal = std::get_if<SignalCommand>(&deed)) {
+    } else if (const auto* signal = std::get_if<SignalCommand>(&action)) {
       log::get().info("{}: signal {}", signal->id, signal->signal);
       children_.signal(signal->id, signal->signal);
-    } else if (const auto* begin = std::get_if<StartCommand>(&deed)) {
+    } else if (const auto* begin = std::get_if<StartCommand>(&action)) {
       start(*begin);
-    } else if (const auto* forget = std::get_if<ForgetCommand>(&deed)) {
+    } else if (const auto* forget = std::get_if<ForgetCommand>(&action)) {
       output_.forget(forget->id);
       info_changed_ = true;
     } else {
@@ -245,28 +245,28 @@ void Deputy::carry_out(const Deeds& deeds) {
   }
 }
 
-void Deputy::start(const StartCommand& deed) {
+void Deputy::start(const StartCommand& action) {
   const std::int64_t now_us = steady_us();
-  if (!settings_.may_run(deed.exec)) {
-    log::get().warn("{}: refused: {}", deed.id, deed.exec);
+  if (!settings_.may_run(action.exec)) {
+    log::get().warn("{}: refused: {}", action.id, action.exec);
     counts_.reject("not_allowed");
-    carry_out(supervisor_.not_started(deed.id, settings_.refusal, now_us));
+    carry_out(supervisor_.not_started(action.id, settings_.refusal, now_us));
     return;
   }
   try {
-    const pid_t pid = children_.start(deed.id, deed.exec);
-    supervisor_.started(deed.id, pid, now_us);
-    log::get().info("{} started (pid {})", deed.id, pid);
+    const pid_t pid = children_.start(action.id, action.exec);
+    supervisor_.started(action.id, pid, now_us);
+    log::get().info("{} started (pid {})", action.id, pid);
     info_changed_ = true;
   } catch (const std::exception& error) {
-    log::get().error("{}: {}", deed.id, error.what());
-    carry_out(supervisor_.not_started(deed.id, error.what(), now_us));
+    log::get().error("{}: {}", action.id, error.what());
+    carry_out(supervisor_.not_started(action.id, error.what(), now_us));
   }
 }
 
 void Deputy::publish_output(std::int64_t now_us) {
   Output output{clock_.now_utime_us(), settings_.id, output_.take(now_us)};
-  if (!output.said.empty()) {
+  if (!output.outputs.empty()) {
     bus_.publish(kOutputChannel, to_message(output));
   }
 }

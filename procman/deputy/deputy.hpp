@@ -19,7 +19,4 @@ struct DeputySettings {
 /// std::runtime_error.
 int run_deputy(const DeputySettings& settings);
 
-/// main() of nodmap-deputy.
-int run_deputy_program(int argc, char** argv);
-
 }  // namespace nodmap::procman

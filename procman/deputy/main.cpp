@@ -1,6 +1,103 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <array>
+#include <iostream>
+#include <set>
+#include <stdexcept>
+
+#include "common/node/log.hpp"
+#include "common/node/program.hpp"
+#include "procman/config/parser.hpp"
 #include "procman/deputy/deputy.hpp"
 
+namespace nodmap::procman {
+namespace {
+
+constexpr const char* kProgram = "nodmap-deputy";
+
+struct Options {
+  std::string config;
+  std::string id;
+  bool trust_network = false;
+};
+
+void add_options(CLI::App& app, Options& options) {
+  app.add_option("--config", options.config,
+                 "Configuration (.pmd): commands that it names for this deputy may be run");
+  app.add_option("-i,--id", options.id,
+                 "Name of this deputy; else the only one in --config, else the host's name");
+  app.add_flag("--trust-network", options.trust_network,
+               "Run whatever anyone on the network orders, as the existing deputy does: LCM tells "
+               "nobody apart, so this gives everyone who reaches the network this account");
+}
+
+std::string host_name() {
+  std::array<char, 256> name{};
+  ::gethostname(name.data(), name.size() - 1);
+  return name.data();
+}
+
+std::string deputy_id(const Options& options, const Config& config) {
+  if (!options.id.empty()) {
+    return options.id;
+  }
+  std::set<std::string> named;
+  for (const Command& command : config.commands) {
+    named.insert(command.deputy);
+  }
+  return named.size() == 1 ? *named.begin() : host_name();
+}
+
+DeputySettings settings_of(const Options& options) {
+  if (options.config.empty() && !options.trust_network) {
+    throw node::UsageError(
+        "name the commands that may be run by --config FILE.pmd (or --trust-network: see --help)");
+  }
+  const Config config = options.config.empty() ? Config{} : load_config(options.config);
+  DeputySettings settings;
+  settings.id = deputy_id(options, config);
+  if (options.trust_network) {
+    settings.may_run = [](const std::string&) { return true; };
+    return settings;
+  }
+  std::set<std::string> allowed;
+  for (const Command& command : config.commands) {
+    if (command.deputy == settings.id) {
+      allowed.insert(command.exec);
+    }
+  }
+  if (allowed.empty()) {
+    throw node::UsageError(options.config + " names no command for the deputy " + settings.id +
+                           " (--id)");
+  }
+  settings.may_run = [allowed](const std::string& exec) { return allowed.contains(exec); };
+  settings.refusal = "nodmap-deputy: refused: " + options.config +
+                     " names no such exec for the deputy " + settings.id;
+  return settings;
+}
+
+int run(int argc, char** argv) {
+  Options options;
+  DeputySettings settings;
+  return node::run_program(
+      argc, argv,
+      {.name = kProgram,
+       .summary = "Starts, watches and stops the processes of this host by a sheriff's orders.",
+       .uses_lcm = true,
+       .add_options = [&options](CLI::App& app) { add_options(app, options); },
+       .check = [&] { settings = settings_of(options); },
+       .run =
+           [&settings](const std::string& lcm_url) {
+             settings.lcm_url = lcm_url;
+             return run_deputy(settings);
+           }});
+}
+
+}  // namespace
+}  // namespace nodmap::procman
+
 int main(int argc, char** argv) {
-  return nodmap::procman::run_deputy_program(argc, argv);
+  return nodmap::procman::run(argc, argv);
 }

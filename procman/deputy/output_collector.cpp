@@ -17,16 +17,90 @@ std::size_t TokenBucket::take(std::size_t wanted, std::int64_t now_us) {
 }
 
 void OutputCollector::add(const std::string& id, std::string_view text, std::int64_t now_us) {
-  // Orders may name commands without end: what is said of those over the limit is limited together.
+  // Orders may name commands without end: those over the limit are limited together.
   const bool is_too_many = streams_.size() >= kMaxStreams && !streams_.contains(id);
-  Stream& stream = streams_[is_too_many ? std::string() : id];
-  const std::size_t of_command = stream.bucket.take(text.size(), now_us);
+  const std::string& name = is_too_many ? std::string() : id;
+  Stream& stream = streams_[name];
+  stream.is_forgotten = false;
+  if (stream.release_us) {
+    hold(stream, text);
+    return;
+  }
+  std::size_t passing = take_tokens(stream, text.size(), now_us);
+  if (passing < text.size()) {
+    // Up to the end of a line; of a line that is longer than that as much as passes.
+    const std::size_t line_end = text.substr(0, passing).rfind('\n');
+    const std::size_t whole_lines = line_end == std::string_view::npos ? passing : line_end + 1;
+    stream.bucket.give_back(passing - whole_lines);
+    total_.give_back(passing - whole_lines);
+    passing = whole_lines;
+    stream.release_us = now_us + kHoldUs;
+    hold(stream, text.substr(passing));
+  }
+  if (passing > 0) {
+    stream.is_line_open = text[passing - 1] != '\n';
+    append(name, text.substr(0, passing));
+  }
+}
+
+std::size_t OutputCollector::take_tokens(Stream& stream, std::size_t wanted, std::int64_t now_us) {
+  const std::size_t of_command = stream.bucket.take(wanted, now_us);
   const std::size_t passing = total_.take(of_command, now_us);
   stream.bucket.give_back(of_command - passing);
-  append(id, text.substr(0, passing));
-  const auto dropped = static_cast<std::int64_t>(text.size() - passing);
-  dropped_bytes_ += dropped;
-  stream.unsaid_bytes += dropped;
+  return passing;
+}
+
+/// Keeps the newest lines, and counts the bytes of the others.
+void OutputCollector::hold(Stream& stream, std::string_view text) {
+  stream.tail += text;
+  if (stream.tail.size() <= kTailBytes) {
+    return;
+  }
+  const std::size_t least = stream.tail.size() - kTailBytes;
+  const std::size_t line_end = stream.tail.find('\n', least - 1);
+  // The last line, too, where nothing else is left: its end rather than nothing.
+  const bool has_whole_line = line_end != std::string::npos && line_end + 1 < stream.tail.size();
+  const std::size_t dropped = has_whole_line ? line_end + 1 : least;
+  stream.tail.erase(0, dropped);
+  stream.dropped_bytes += static_cast<std::int64_t>(dropped);
+  dropped_bytes_ += static_cast<std::int64_t>(dropped);
+}
+
+void OutputCollector::forget(const std::string& id) {
+  const auto found = streams_.find(id);
+  if (found != streams_.end() && found->second.release_us) {
+    found->second.is_forgotten = true;
+  } else if (found != streams_.end()) {
+    streams_.erase(found);
+  }
+}
+
+/// Publishes the newest lines of those that were held back long enough.
+void OutputCollector::release(std::int64_t now_us) {
+  for (auto at = streams_.begin(); at != streams_.end();) {
+    auto& [id, stream] = *at;
+    if (!stream.release_us || now_us < *stream.release_us) {
+      ++at;
+      continue;
+    }
+    const std::size_t passing = take_tokens(stream, stream.tail.size(), now_us);
+    if (passing < stream.tail.size()) {
+      stream.bucket.give_back(passing);
+      total_.give_back(passing);
+      stream.release_us = now_us + kHoldUs;
+      ++at;
+      continue;
+    }
+    if (stream.dropped_bytes > 0) {
+      append(id, (stream.is_line_open ? "\n[nodmap-deputy: " : "[nodmap-deputy: ") +
+                     std::to_string(std::exchange(stream.dropped_bytes, 0)) +
+                     " bytes of output dropped]\n");
+    }
+    stream.is_line_open = !stream.tail.ends_with('\n');
+    append(id, std::exchange(stream.tail, {}));
+    stream.release_us.reset();
+    at = stream.is_forgotten ? streams_.erase(at) : std::next(at);
+  }
 }
 
 void OutputCollector::append(const std::string& id, std::string_view text) {
@@ -34,7 +108,7 @@ void OutputCollector::append(const std::string& id, std::string_view text) {
     return;
   }
   auto found = std::find_if(pending_.begin(), pending_.end(),
-                            [&id](const Said& said) { return said.command_id == id; });
+                            [&id](const CommandOutput& part) { return part.command_id == id; });
   if (found == pending_.end()) {
     found = pending_.insert(pending_.end(), {id, {}});
   }
@@ -45,44 +119,35 @@ void OutputCollector::append(const std::string& id, std::string_view text) {
   pending_bytes_ += found->text.size() - before;
 }
 
-void OutputCollector::complain(std::int64_t now_us) {
-  for (auto& [id, stream] : streams_) {
-    if (stream.unsaid_bytes > 0 && now_us - stream.complained_us >= kComplaintPeriodUs) {
-      append(id, "\n[nodmap-deputy: " + std::to_string(stream.unsaid_bytes) +
-                     " bytes of output dropped]\n");
-      stream.unsaid_bytes = 0;
-      stream.complained_us = now_us;
-    }
-  }
-}
-
-std::vector<Said> OutputCollector::take(std::int64_t now_us) {
-  complain(now_us);
+std::vector<CommandOutput> OutputCollector::take(std::int64_t now_us) {
+  release(now_us);
   const bool is_prompt = pending_bytes_ > kPromptBytes && !is_rest_;
   if (pending_.empty() || (now_us - published_us_ < kPeriodUs && !is_prompt)) {
     return {};
   }
   published_us_ = now_us;
-  std::vector<Said> message = take_front(kMaxMessageBytes);
+  std::vector<CommandOutput> message = take_front(kMaxMessageBytes);
   is_rest_ = !pending_.empty();
   return message;
 }
 
 /// `room` bytes of what is pending, the short texts first: a flood makes nobody else wait.
-std::vector<Said> OutputCollector::take_front(std::size_t room) {
+std::vector<CommandOutput> OutputCollector::take_front(std::size_t room) {
   if (pending_bytes_ > room) {
     std::stable_sort(pending_.begin(), pending_.end(),
-                     [](const Said& a, const Said& b) { return a.text.size() < b.text.size(); });
+                     [](const CommandOutput& a, const CommandOutput& b) {
+                       return a.text.size() < b.text.size();
+                     });
   }
-  std::vector<Said> front;
+  std::vector<CommandOutput> front;
   while (!pending_.empty() && room > 0) {
-    Said& said = pending_.front();
-    const std::size_t size = std::min(room, said.text.size());
-    front.push_back({said.command_id, said.text.substr(0, size)});
-    said.text.erase(0, size);
+    CommandOutput& first = pending_.front();
+    const std::size_t size = std::min(room, first.text.size());
+    front.push_back({first.command_id, first.text.substr(0, size)});
+    first.text.erase(0, size);
     room -= size;
     pending_bytes_ -= size;
-    if (said.text.empty()) {
+    if (first.text.empty()) {
       pending_.erase(pending_.begin());
     }
   }
@@ -95,9 +160,8 @@ std::optional<std::int64_t> OutputCollector::due_us() const {
     due = published_us_ + kPeriodUs;
   }
   for (const auto& [id, stream] : streams_) {
-    if (stream.unsaid_bytes > 0) {
-      const std::int64_t complaint_us = stream.complained_us + kComplaintPeriodUs;
-      due = std::min(due.value_or(complaint_us), complaint_us);
+    if (stream.release_us) {
+      due = std::min(due.value_or(*stream.release_us), *stream.release_us);
     }
   }
   return due;

@@ -31,8 +31,11 @@ class TokenBucket {
 };
 
 /// Gathers what commands write into messages: one at most each 10 ms unless more than 4 KiB wait,
-/// as the existing deputy does; and, as it does not, no more than the bus should carry. What is
-/// over the limit is dropped, counted, and said in the command's own output.
+/// as the existing deputy does; and, as it does not, no more than the bus should carry.
+///
+/// A command that writes more than its rate is held back for a second. Of what it writes in that
+/// second only the newest lines are kept; the rest is dropped, and its output says how much. So
+/// every line arrives whole, and the last line of a command always does.
 class OutputCollector {
  public:
   static constexpr std::int64_t kPeriodUs = 10'000;
@@ -47,14 +50,15 @@ class OutputCollector {
   static constexpr double kTotalBytesPerS = 512.0 * 1024.0;
   static constexpr double kTotalBurstBytes = 1024.0 * 1024.0;
   static constexpr std::size_t kMaxStreams = 10'000;
-  /// How often a command's losses are said.
-  static constexpr std::int64_t kComplaintPeriodUs = 1'000'000;
+  static constexpr std::int64_t kHoldUs = 1'000'000;
+  /// Of a command that is held back; some fifty lines.
+  static constexpr std::size_t kTailBytes = 4096;
 
   /// What a command wrote; with the empty id what the deputy says.
   void add(const std::string& id, std::string_view text, std::int64_t now_us);
 
   /// What is to be published now, if anything.
-  [[nodiscard]] std::vector<Said> take(std::int64_t now_us);
+  [[nodiscard]] std::vector<CommandOutput> take(std::int64_t now_us);
 
   /// When take() will next have something.
   [[nodiscard]] std::optional<std::int64_t> due_us() const;
@@ -62,23 +66,30 @@ class OutputCollector {
   /// Bytes dropped so far, of all commands.
   [[nodiscard]] std::int64_t dropped_bytes() const { return dropped_bytes_; }
 
-  /// For a command that is not wanted any more.
-  void forget(const std::string& id) { streams_.erase(id); }
+  /// For a command that is not wanted any more. What is held back of it is still published.
+  void forget(const std::string& id);
 
  private:
+  /// What one command writes.
   struct Stream {
     TokenBucket bucket{kCommandBytesPerS, kCommandBurstBytes};
-    std::int64_t unsaid_bytes = 0;  // dropped, and not yet told
-    std::int64_t complained_us = 0;
+    std::optional<std::int64_t> release_us;  // it is held back until then
+    std::string tail;                        // the newest lines since it is held back
+    std::int64_t dropped_bytes = 0;          // before the tail, and not yet reported
+    bool is_line_open = false;               // what has passed ends within a line
+    bool is_forgotten = false;
   };
 
+  /// How many of `wanted` bytes of a stream may pass now, by its own limit and the common one.
+  [[nodiscard]] std::size_t take_tokens(Stream& stream, std::size_t wanted, std::int64_t now_us);
+  void hold(Stream& stream, std::string_view text);
+  void release(std::int64_t now_us);
   void append(const std::string& id, std::string_view text);
-  [[nodiscard]] std::vector<Said> take_front(std::size_t room);
-  void complain(std::int64_t now_us);
+  [[nodiscard]] std::vector<CommandOutput> take_front(std::size_t room);
 
   std::map<std::string, Stream> streams_;
   TokenBucket total_{kTotalBytesPerS, kTotalBurstBytes};
-  std::vector<Said> pending_;
+  std::vector<CommandOutput> pending_;
   std::size_t pending_bytes_ = 0;
   bool is_rest_ = false;  // what is pending did not fit into the message before
   std::int64_t dropped_bytes_ = 0;

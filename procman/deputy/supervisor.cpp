@@ -28,35 +28,37 @@ CommandSpec sane(CommandSpec spec) {
 
 }  // namespace
 
-Deeds Supervisor::take_orders(const Orders& orders, std::int64_t age_us, std::int64_t now_us) {
-  Deeds deeds;
+SupervisorActions Supervisor::take_orders(const Orders& orders, std::int64_t age_us,
+                                          std::int64_t now_us) {
+  SupervisorActions actions;
   if (shutting_down_ || orders.deputy_id != deputy_id_) {
-    return deeds;
+    return actions;
   }
   if (age_us > kMaxOrdersAgeUs) {
     for (const CommandOrder& order : orders.commands) {
-      deeds.emplace_back(Say{order.spec.id, "ignoring stale orders (utime " +
-                                                std::to_string(age_us / 1'000'000) +
-                                                " seconds ago). You may want to check the system "
-                                                "clocks!\n"});
+      actions.emplace_back(WriteOutput{
+          order.spec.id, "ignoring stale orders (utime " + std::to_string(age_us / 1'000'000) +
+                             " seconds ago). You may want to check the system "
+                             "clocks!\n"});
     }
-    return deeds;
+    return actions;
   }
   for (const CommandOrder& order : orders.commands) {
-    carry_out(order, now_us, deeds);
+    carry_out(order, now_us, actions);
   }
-  remove_missing(orders, now_us, deeds);
-  if (!deeds.empty()) {
-    deeds.emplace_back(TellInfo{});
+  remove_missing(orders, now_us, actions);
+  if (!actions.empty()) {
+    actions.emplace_back(PublishInfo{});
   }
-  return deeds;
+  return actions;
 }
 
-void Supervisor::carry_out(const CommandOrder& order, std::int64_t now_us, Deeds& deeds) {
+void Supervisor::carry_out(const CommandOrder& order, std::int64_t now_us,
+                           SupervisorActions& actions) {
   const auto [found, is_new] = commands_.try_emplace(order.spec.id);
   Entry& entry = found->second;
   if (update_spec(entry, order.spec) || is_new) {
-    deeds.emplace_back(TellInfo{});
+    actions.emplace_back(PublishInfo{});
   }
   entry.removed = false;
   entry.wanted = !order.force_quit;
@@ -65,10 +67,10 @@ void Supervisor::carry_out(const CommandOrder& order, std::int64_t now_us, Deeds
   }
   const bool runs = entry.pid != 0;
   if (!runs && entry.wanted && entry.actual_run != order.desired_run) {
-    start(entry, order.desired_run, now_us, deeds);
+    start(entry, order.desired_run, now_us, actions);
   } else if (runs &&
              (!entry.wanted || (order.desired_run != entry.actual_run && order.desired_run != 0))) {
-    stop(entry, now_us, deeds);
+    stop(entry, now_us, actions);
   } else if (order.desired_run != 0) {
     entry.actual_run = order.desired_run;
   }
@@ -85,7 +87,8 @@ bool Supervisor::update_spec(Entry& entry, const CommandSpec& spec) {
   return true;
 }
 
-void Supervisor::remove_missing(const Orders& orders, std::int64_t now_us, Deeds& deeds) {
+void Supervisor::remove_missing(const Orders& orders, std::int64_t now_us,
+                                SupervisorActions& actions) {
   for (auto at = commands_.begin(); at != commands_.end();) {
     const bool is_ordered =
         std::any_of(orders.commands.begin(), orders.commands.end(),
@@ -96,32 +99,33 @@ void Supervisor::remove_missing(const Orders& orders, std::int64_t now_us, Deeds
     } else if (entry.pid != 0) {
       entry.removed = true;
       entry.wanted = false;
-      stop(entry, now_us, deeds);
+      stop(entry, now_us, actions);
       ++at;
     } else {
-      deeds.emplace_back(ForgetCommand{at->first});
+      actions.emplace_back(ForgetCommand{at->first});
       at = commands_.erase(at);
     }
   }
 }
 
-void Supervisor::start(Entry& entry, std::int32_t run, std::int64_t now_us, Deeds& deeds) {
+void Supervisor::start(Entry& entry, std::int32_t run, std::int64_t now_us,
+                       SupervisorActions& actions) {
   entry.respawn_us.reset();
   entry.started_us = now_us;
   entry.actual_run = run;
   entry.wait_status = 0;
   entry.kill_us.reset();
-  deeds.emplace_back(StartCommand{entry.spec.id, entry.spec.exec});
+  actions.emplace_back(StartCommand{entry.spec.id, entry.spec.exec});
 }
 
-void Supervisor::stop(Entry& entry, std::int64_t now_us, Deeds& deeds) {
+void Supervisor::stop(Entry& entry, std::int64_t now_us, SupervisorActions& actions) {
   entry.wanted = false;  // until an order says otherwise: what is being stopped does not respawn
   entry.respawn_us.reset();
   if (entry.kill_us) {
     return;  // it stops already, and poll() sees to its end
   }
   entry.kill_us = now_us + static_cast<std::int64_t>(entry.spec.stop_time_allowed_s * 1e6);
-  deeds.emplace_back(SignalCommand{entry.spec.id, entry.spec.stop_signal});
+  actions.emplace_back(SignalCommand{entry.spec.id, entry.spec.stop_signal});
 }
 
 void Supervisor::started(const std::string& id, std::int32_t pid, std::int64_t now_us) {
@@ -130,16 +134,16 @@ void Supervisor::started(const std::string& id, std::int32_t pid, std::int64_t n
   entry.started_us = now_us;
 }
 
-Deeds Supervisor::not_started(const std::string& id, const std::string& reason,
-                              std::int64_t now_us) {
-  Deeds deeds{Say{id, reason + "\n"}};
-  Deeds end = ended(id, kCannotRun, now_us);
-  deeds.insert(deeds.end(), end.begin(), end.end());
-  return deeds;
+SupervisorActions Supervisor::not_started(const std::string& id, const std::string& reason,
+                                          std::int64_t now_us) {
+  SupervisorActions actions{WriteOutput{id, reason + "\n"}};
+  SupervisorActions end = ended(id, kCannotRun, now_us);
+  actions.insert(actions.end(), end.begin(), end.end());
+  return actions;
 }
 
-Deeds Supervisor::ended(const std::string& id, int wait_status, std::int64_t now_us) {
-  Deeds deeds;
+SupervisorActions Supervisor::ended(const std::string& id, int wait_status, std::int64_t now_us) {
+  SupervisorActions actions;
   Entry& entry = commands_.at(id);
   entry.pid = 0;
   entry.wait_status = wait_status;
@@ -147,19 +151,19 @@ Deeds Supervisor::ended(const std::string& id, int wait_status, std::int64_t now
   if (WIFSIGNALED(wait_status)) {
     const char* name = ::sigdescr_np(WTERMSIG(wait_status));
     const std::string unknown = "Signal " + std::to_string(WTERMSIG(wait_status));
-    deeds.emplace_back(Say{id, (name != nullptr ? std::string(name) : unknown) + "\n"});
+    actions.emplace_back(WriteOutput{id, (name != nullptr ? std::string(name) : unknown) + "\n"});
     if (WCOREDUMP(wait_status)) {
-      deeds.emplace_back(Say{id, "Core dumped.\n"});
+      actions.emplace_back(WriteOutput{id, "Core dumped.\n"});
     }
   }
   if (entry.removed) {
-    deeds.emplace_back(ForgetCommand{id});
+    actions.emplace_back(ForgetCommand{id});
     commands_.erase(id);
   } else if (entry.spec.auto_respawn && entry.wanted && !shutting_down_) {
     schedule_respawn(entry, now_us);
   }
-  deeds.emplace_back(TellInfo{});
-  return deeds;
+  actions.emplace_back(PublishInfo{});
+  return actions;
 }
 
 /// What lives shorter than a second comes back ever later; each second of life forgives.
@@ -173,19 +177,19 @@ void Supervisor::schedule_respawn(Entry& entry, std::int64_t now_us) {
   }
 }
 
-Deeds Supervisor::poll(std::int64_t now_us) {
-  Deeds deeds;
+SupervisorActions Supervisor::poll(std::int64_t now_us) {
+  SupervisorActions actions;
   for (auto& [id, entry] : commands_) {
     if (entry.kill_us && *entry.kill_us <= now_us) {
       entry.kill_us = now_us + kKillPeriodUs;
-      deeds.emplace_back(SignalCommand{id, SIGKILL});
+      actions.emplace_back(SignalCommand{id, SIGKILL});
     }
     if (entry.respawn_us && *entry.respawn_us <= now_us) {
-      start(entry, entry.actual_run, now_us, deeds);
-      deeds.emplace_back(TellInfo{});
+      start(entry, entry.actual_run, now_us, actions);
+      actions.emplace_back(PublishInfo{});
     }
   }
-  return deeds;
+  return actions;
 }
 
 std::optional<std::int64_t> Supervisor::next_due_us() const {
@@ -200,21 +204,21 @@ std::optional<std::int64_t> Supervisor::next_due_us() const {
   return next;
 }
 
-Deeds Supervisor::shut_down(std::int64_t now_us) {
-  Deeds deeds;
+SupervisorActions Supervisor::shut_down(std::int64_t now_us) {
+  SupervisorActions actions;
   for (auto& [id, entry] : commands_) {
     entry.wanted = false;
     entry.respawn_us.reset();
     if (entry.pid == 0) {
       continue;
     }
-    stop(entry, now_us, deeds);
+    stop(entry, now_us, actions);
     if (shutting_down_) {
       entry.kill_us = now_us;
     }
   }
   shutting_down_ = true;
-  return deeds;
+  return actions;
 }
 
 bool Supervisor::is_idle() const {

@@ -21,20 +21,21 @@ struct SignalCommand {
   std::string id;
   int signal = 0;  ///< for the process and all that descends from it
 };
-struct Say {
+struct WriteOutput {
   std::string id;  ///< of the command; empty: the deputy itself
   std::string text;
 };
 struct ForgetCommand {
   std::string id;  ///< does not run, and is not wanted any more
 };
-struct TellInfo {};
+struct PublishInfo {};
 
-using Deed = std::variant<StartCommand, SignalCommand, Say, ForgetCommand, TellInfo>;
-using Deeds = std::vector<Deed>;
+using SupervisorAction =
+    std::variant<StartCommand, SignalCommand, WriteOutput, ForgetCommand, PublishInfo>;
+using SupervisorActions = std::vector<SupervisorAction>;
 
-/// What a deputy does, as a pure machine: orders, ends of processes and time in, deeds out. The
-/// shell carries deeds out in their order, and answers each StartCommand by started() or
+/// What a deputy does, as a pure machine: orders, ends of processes and time in, actions out. The
+/// shell carries actions out in their order, and answers each StartCommand by started() or
 /// not_started(). Times are of a steady clock, in microseconds.
 class Supervisor {
  public:
@@ -48,25 +49,27 @@ class Supervisor {
   explicit Supervisor(std::string deputy_id) : deputy_id_(std::move(deputy_id)) {}
 
   /// `age_us` is how long ago the orders were sent, by the wall clocks.
-  [[nodiscard]] Deeds take_orders(const Orders& orders, std::int64_t age_us, std::int64_t now_us);
+  [[nodiscard]] SupervisorActions take_orders(const Orders& orders, std::int64_t age_us,
+                                              std::int64_t now_us);
 
   void started(const std::string& id, std::int32_t pid, std::int64_t now_us);
   /// The process could not even be made; counts as an end with code 127.
-  [[nodiscard]] Deeds not_started(const std::string& id, const std::string& reason,
-                                  std::int64_t now_us);
+  [[nodiscard]] SupervisorActions not_started(const std::string& id, const std::string& reason,
+                                              std::int64_t now_us);
 
   /// The process of a command has ended, and nothing that descends from it is left to wait for.
-  [[nodiscard]] Deeds ended(const std::string& id, int wait_status, std::int64_t now_us);
+  [[nodiscard]] SupervisorActions ended(const std::string& id, int wait_status,
+                                        std::int64_t now_us);
 
   /// What is due: SIGKILL after a grace time, respawns.
-  [[nodiscard]] Deeds poll(std::int64_t now_us);
+  [[nodiscard]] SupervisorActions poll(std::int64_t now_us);
 
   /// When poll() is next worth calling.
   [[nodiscard]] std::optional<std::int64_t> next_due_us() const;
 
   /// Stops everything, each with its signal and grace time; from now on no orders are taken. A
   /// second call kills at once.
-  [[nodiscard]] Deeds shut_down(std::int64_t now_us);
+  [[nodiscard]] SupervisorActions shut_down(std::int64_t now_us);
 
   [[nodiscard]] bool is_idle() const;  ///< no process runs
   [[nodiscard]] bool is_shutting_down() const { return shutting_down_; }
@@ -88,12 +91,13 @@ class Supervisor {
     std::optional<std::int64_t> kill_us;  // while it stops: when SIGKILL is due
   };
 
-  void carry_out(const CommandOrder& order, std::int64_t now_us, Deeds& deeds);
+  void carry_out(const CommandOrder& order, std::int64_t now_us, SupervisorActions& actions);
   static bool update_spec(Entry& entry, const CommandSpec& spec);
-  void remove_missing(const Orders& orders, std::int64_t now_us, Deeds& deeds);
-  static void start(Entry& entry, std::int32_t run, std::int64_t now_us, Deeds& deeds);
+  void remove_missing(const Orders& orders, std::int64_t now_us, SupervisorActions& actions);
+  static void start(Entry& entry, std::int32_t run, std::int64_t now_us,
+                    SupervisorActions& actions);
   static void schedule_respawn(Entry& entry, std::int64_t now_us);
-  static void stop(Entry& entry, std::int64_t now_us, Deeds& deeds);
+  static void stop(Entry& entry, std::int64_t now_us, SupervisorActions& actions);
 
   std::string deputy_id_;
   std::map<std::string, Entry> commands_;

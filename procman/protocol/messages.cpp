@@ -59,7 +59,7 @@ Orders from_message(const procman_lcm::orders_t& message) {
 Output from_message(const procman_lcm::output_t& message) {
   Output output{message.utime, message.deputy_id, {}};
   for (std::size_t i = 0; i < message.command_ids.size(); ++i) {
-    output.said.push_back({message.command_ids[i], message.text[i]});
+    output.outputs.push_back({message.command_ids[i], message.text[i]});
   }
   return output;
 }
@@ -116,9 +116,9 @@ procman_lcm::output_t to_message(const Output& output) {
   procman_lcm::output_t message{};
   message.utime = output.utime_us;
   message.deputy_id = output.deputy_id;
-  for (const Said& said : output.said) {
-    message.command_ids.push_back(said.command_id);
-    message.text.push_back(said.text);
+  for (const CommandOutput& part : output.outputs) {
+    message.command_ids.push_back(part.command_id);
+    message.text.push_back(part.text);
   }
   message.num_commands = static_cast<std::int16_t>(message.command_ids.size());
   return message;

@@ -79,18 +79,18 @@ struct Discovery {
   bool operator==(const Discovery&) const = default;
 };
 
-/// What one command wrote; the deputy's own words have an empty command.
-struct Said {
+/// What one command wrote; with an empty id what the deputy itself has to say.
+struct CommandOutput {
   std::string command_id;
   std::string text;
 
-  bool operator==(const Said&) const = default;
+  bool operator==(const CommandOutput&) const = default;
 };
 
 struct Output {
   std::int64_t utime_us = 0;
   std::string deputy_id;
-  std::vector<Said> said;
+  std::vector<CommandOutput> outputs;
 
   bool operator==(const Output&) const = default;
 };

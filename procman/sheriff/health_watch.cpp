@@ -21,24 +21,6 @@ const char* name_of(ProcessHealth::State state) {
   }
 }
 
-std::string status_name(const Command& command) {
-  if (!command.health.status_name.empty()) {
-    return command.health.status_name;
-  }
-  // The first word that is no assignment; our programs need no quotes.
-  std::size_t at = 0;
-  while (at < command.exec.size()) {
-    const std::size_t begin =
-        std::min(command.exec.find_first_not_of(' ', at), command.exec.size());
-    at = std::min(command.exec.find(' ', begin), command.exec.size());
-    const std::string word = command.exec.substr(begin, at - begin);
-    if (word.find('=') == std::string::npos) {
-      return word.substr(word.rfind('/') + 1);
-    }
-  }
-  return {};
-}
-
 void HealthWatch::take_status(const std::string& process_name, const ProcessHealth& health,
                               std::int64_t now_us) {
   const bool is_ours =
@@ -47,12 +29,12 @@ void HealthWatch::take_status(const std::string& process_name, const ProcessHeal
   if (!is_ours) {
     return;
   }
-  Voice& voice = voices_[process_name];
-  voice.last = {health, now_us};
+  Process& process = processes_[process_name];
+  process.last = {health, now_us};
   if (health.state != ProcessHealth::State::kFailed) {
-    voice.failed_since_us.reset();
-  } else if (!voice.failed_since_us) {
-    voice.failed_since_us = now_us;
+    process.failed_since_us.reset();
+  } else if (!process.failed_since_us) {
+    process.failed_since_us = now_us;
   }
 }
 
@@ -62,45 +44,50 @@ void HealthWatch::take_output(const std::string& command_id, std::int64_t now_us
   }
 }
 
-std::optional<HealthWatch::Said> HealthWatch::said_by(const std::string& command_id) const {
+std::optional<HealthWatch::LastStatus> HealthWatch::last_status_of(
+    const std::string& command_id) const {
   const Command* command = config_.find_command(command_id);
-  const auto found = command == nullptr ? voices_.end() : voices_.find(status_name(*command));
-  return found == voices_.end() ? std::nullopt : std::optional(found->second.last);
+  const auto found = command == nullptr ? processes_.end() : processes_.find(status_name(*command));
+  return found == processes_.end() ? std::nullopt : std::optional(found->second.last);
 }
 
 /// Why a command is to be restarted; empty where it is not.
-std::string HealthWatch::complaint(const Command& command, Span heard, int factor) const {
+std::string HealthWatch::restart_reason(const Command& command, Span observed, int factor) const {
   const HealthRule& rule = command.health;
   const auto too_long = [factor](std::int64_t duration_us, std::optional<int> limit_s) {
     return limit_s && duration_us > kSecondUs * *limit_s * factor;
   };
   const auto written = written_us_.find(command.id);
   const std::int64_t mute_us =
-      heard.until_us - std::max(heard.since_us, written == written_us_.end() ? 0 : written->second);
+      observed.until_us -
+      std::max(observed.since_us, written == written_us_.end() ? 0 : written->second);
   if (too_long(mute_us, rule.restart_mute_s)) {
     return "no output for " + std::to_string(mute_us / kSecondUs) + " s";
   }
-  const auto found = voices_.find(status_name(command));
-  const bool has_spoken = found != voices_.end() && found->second.last.heard_us >= heard.since_us;
+  const auto found = processes_.find(status_name(command));
+  const bool has_status =
+      found != processes_.end() && found->second.last.received_us >= observed.since_us;
   const std::int64_t silent_us =
-      heard.until_us - (has_spoken ? found->second.last.heard_us : heard.since_us);
+      observed.until_us - (has_status ? found->second.last.received_us : observed.since_us);
   if (too_long(silent_us, rule.restart_silent_s)) {
     return "no STATUS for " + std::to_string(silent_us / kSecondUs) + " s";
   }
-  if (!has_spoken || !found->second.failed_since_us) {
+  if (!has_status || !found->second.failed_since_us) {
     return {};
   }
-  const Voice& voice = found->second;
+  const Process& process = found->second;
   const std::int64_t failed_us =
-      voice.last.heard_us - std::max(heard.since_us, *voice.failed_since_us);
+      process.last.received_us - std::max(observed.since_us, *process.failed_since_us);
   if (!too_long(failed_us, rule.restart_failed_s)) {
     return {};
   }
-  return "FAILED for " + std::to_string(failed_us / kSecondUs) + " s: " + voice.last.health.reason;
+  return "FAILED for " + std::to_string(failed_us / kSecondUs) +
+         " s: " + process.last.health.reason;
 }
 
-std::vector<HealthWatch::Verdict> HealthWatch::verdicts(const Fleet& fleet, std::int64_t now_us) {
-  std::vector<Verdict> all;
+std::vector<HealthWatch::Restart> HealthWatch::due_restarts(const Fleet& fleet,
+                                                            std::int64_t now_us) {
+  std::vector<Restart> all;
   for (const Command& command : config_.commands) {
     const Fleet::Item* item = fleet.find(command.id);
     if (item == nullptr || fleet.state_of(command.id, now_us) != CommandState::kRunning) {
@@ -108,15 +95,16 @@ std::vector<HealthWatch::Verdict> HealthWatch::verdicts(const Fleet& fleet, std:
     }
     const Fleet::DeputyItem& deputy = fleet.deputies().at(item->deputy).value();
     Patience& patience = patience_[command.id];
-    const Span heard{
+    const Span observed{
         std::max({item->running_since_us, patience.restarted_us, deputy.heard_since_us}),
         deputy.heard_us};
-    std::string reason = complaint(command, heard, 1 << patience.doublings);
+    std::string reason = restart_reason(command, observed, 1 << patience.doublings);
     if (!reason.empty()) {
       patience.doublings = std::min(kMaxDoublings, patience.doublings + 1);
       patience.restarted_us = now_us;
       all.push_back({command.id, std::move(reason)});
-    } else if (now_us - heard.since_us > kForgiveUs && complaint(command, heard, 1).empty()) {
+    } else if (now_us - observed.since_us > kForgiveUs &&
+               restart_reason(command, observed, 1).empty()) {
       patience.doublings = 0;
     }
   }

@@ -1,6 +1,144 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "procman/sheriff/program.hpp"
+#include <CLI/CLI.hpp>
+#include <fstream>
+#include <iostream>
+#include <iterator>
+#include <optional>
+#include <stdexcept>
+
+#include "common/node/log.hpp"
+#include "common/node/program.hpp"
+#include "procman/config/parser.hpp"
+#include "procman/sheriff/tasks.hpp"
+#include "procman/sheriff/terminal.hpp"
+
+namespace nodmap::procman {
+namespace {
+
+constexpr const char* kProgram = "nodmap-sheriff";
+
+struct Options {
+  std::string config;
+  std::string lcm_url;
+  std::string script;
+  std::string after_script;
+  std::optional<double> timeout_s;
+  bool check = false;
+  bool status = false;
+  bool json = false;
+  bool observe = false;
+  std::string start;
+  std::string stop;
+  std::string restart;
+  std::string output;
+};
+
+void add_options(CLI::App& app, Options& options) {
+  app.add_option("CONFIG", options.config, "Configuration (.pmd)")->required();
+  auto* script = app.add_option("--script", options.script, "Run this script of the configuration");
+  app.add_option("--on-script-complete", options.after_script,
+                 "exit (the default where stdout is no terminal), stay (the default on one) or "
+                 "observe")
+      ->check(CLI::IsMember({"exit", "stay", "observe"}))
+      ->needs(script);
+  app.add_option("--timeout", options.timeout_s, "End with 1 when the script takes longer (s)")
+      ->check(CLI::PositiveNumber)
+      ->needs(script);
+  auto* what = app.add_option_group("instead");
+  what->add_flag("--check", options.check, "Print what the configuration holds, or its errors");
+  auto* status = what->add_flag("--status", options.status, "Print how everything is, once");
+  auto* start = what->add_option("--start", options.start, "Start a command or group, and end");
+  auto* stop = what->add_option("--stop", options.stop, "Stop a command or group, and end");
+  auto* restart =
+      what->add_option("--restart", options.restart, "Restart a command or group, and end");
+  what->add_option("--output", options.output, "Print what a command writes");
+  what->require_option(0, 1);
+  what->excludes(script);
+  app.add_flag("--json", options.json, "--status for programs")->needs(status);
+  app.add_flag("-o,--observe", options.observe, "Look only, give no orders")
+      ->excludes(script)
+      ->excludes(start)
+      ->excludes(stop)
+      ->excludes(restart);
+  app.footer(
+      "Exit codes: 0 done, 1 not reached or a host does not answer, 2 wrong command line or "
+      "configuration, 3 another sheriff gives orders.");
+}
+
+/// The configuration, or nothing when its errors have been printed.
+std::optional<Config> read_config(const std::string& file) {
+  ParsedConfig parsed;
+  try {
+    parsed = parse_config(read_config_file(file));
+  } catch (const std::runtime_error& error) {
+    throw node::UsageError(error.what());
+  }
+  for (const ConfigError& error : parsed.errors) {
+    std::cerr << describe(file, error) << "\n";
+  }
+  return parsed.errors.empty() ? std::optional(std::move(parsed.config)) : std::nullopt;
+}
+
+AfterScript after_script(const std::string& word) {
+  if (word.empty()) {
+    return Terminal::is_there() ? AfterScript::kStay : AfterScript::kExit;
+  }
+  return word == "exit"   ? AfterScript::kExit
+         : word == "stay" ? AfterScript::kStay
+                          : AfterScript::kObserve;
+}
+
+int serve(const Options& options, const Config& config) {
+  WatchOptions watching;
+  if (!options.script.empty()) {
+    watching.script = config.find_script(options.script);
+    if (watching.script == nullptr) {
+      throw node::UsageError(options.config + " has no script \"" + options.script + "\"");
+    }
+    watching.after_script = after_script(options.after_script);
+    watching.timeout_s = options.timeout_s;
+  }
+  watching.observe = options.observe;
+  Sheriff sheriff(config, options.lcm_url);
+  if (options.status) {
+    return print_status(sheriff, options.json);
+  }
+  if (!options.output.empty()) {
+    return follow_output(sheriff, options.output);
+  }
+  if (!options.start.empty()) {
+    return change(sheriff, Verb::kStart, options.start);
+  }
+  if (!options.stop.empty()) {
+    return change(sheriff, Verb::kStop, options.stop);
+  }
+  if (!options.restart.empty()) {
+    return change(sheriff, Verb::kRestart, options.restart);
+  }
+  return watch(sheriff, watching);
+}
+
+int run(int argc, char** argv) {
+  Options options;
+  return node::run_program(
+      argc, argv,
+      {.name = kProgram,
+       .summary = "Tells deputies what is to run, by a configuration, and shows what does.",
+       .uses_lcm = true,
+       .add_options = [&options](CLI::App& app) { add_options(app, options); },
+       .run = [&options](const std::string& lcm_url) -> int {
+         options.lcm_url = lcm_url;
+         const std::optional<Config> config = read_config(options.config);
+         if (!config) {
+           return kWrong;
+         }
+         return options.check ? print_config(options.config, *config) : serve(options, *config);
+       }});
+}
+
+}  // namespace
+}  // namespace nodmap::procman
 
 int main(int argc, char** argv) {
-  return nodmap::procman::run_sheriff_program(argc, argv);
+  return nodmap::procman::run(argc, argv);
 }

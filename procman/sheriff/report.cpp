@@ -23,16 +23,16 @@ std::string health_text(const ProcessHealth& health) {
          std::to_string(health.rejected) + ")";
 }
 
-/// What a process that runs says; what its predecessor said does not count.
-std::string health_of(const std::optional<HealthWatch::Said>& said, const Fleet::Item& item,
+/// What a process that runs says; what its predecessor status does not count.
+std::string health_of(const std::optional<HealthWatch::LastStatus>& status, const Fleet::Item& item,
                       std::int64_t now_us) {
-  if (!said || said->heard_us < item.running_since_us) {
+  if (!status || status->received_us < item.running_since_us) {
     return {};
   }
-  const std::int64_t silent_us = now_us - said->heard_us;
+  const std::int64_t silent_us = now_us - status->received_us;
   return silent_us > kSilentUs
              ? "SILENT: no STATUS for " + std::to_string(silent_us / 1'000'000) + " s"
-             : printable(health_text(said->health));
+             : printable(health_text(status->health));
 }
 
 /// How many bytes the UTF-8 sequence takes that begins with this one; 0: none does.
@@ -134,7 +134,7 @@ std::vector<ReportRow> report(const Fleet& fleet, const HealthWatch& health,
       row.memory_mb = static_cast<double>(item.status->rss_bytes) * 1e-6;
       row.uptime_s = row.pid != 0 ? static_cast<double>(now_us - item.running_since_us) * 1e-6 : 0;
     }
-    row.health = row.pid != 0 ? health_of(health.said_by(row.id), item, now_us) : "";
+    row.health = row.pid != 0 ? health_of(health.last_status_of(row.id), item, now_us) : "";
     const auto console = consoles.find(row.id);
     row.last_output = console == consoles.end() ? "" : printable(console->second.last());
     rows.push_back(std::move(row));

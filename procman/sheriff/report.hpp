@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "procman/protocol/fleet.hpp"
 #include "procman/sheriff/console.hpp"
-#include "procman/sheriff/fleet.hpp"
 #include "procman/sheriff/health_watch.hpp"
 
 namespace nodmap::procman {

@@ -21,25 +21,27 @@ const char* name_of(Wanted wanted) {
   return wanted == Wanted::kRunning ? "running" : "stopped";
 }
 
-}  // namespace
-
-void give_order(Fleet& fleet, Verb verb, const std::string& id) {
-  switch (verb) {
-    case Verb::kStart:
-      fleet.start(id);
-      break;
-    case Verb::kStop:
-      fleet.stop(id);
-      break;
-    case Verb::kRestart:
-      fleet.restart(id);
-      break;
+/// The status that an action waits for, if it does.
+std::optional<WaitStatus> wait_of(const Action& action) {
+  if (const auto* wait = std::get_if<WaitStatus>(&action.what)) {
+    return *wait;
   }
+  const auto* order = std::get_if<Order>(&action.what);
+  return order != nullptr && order->wait ? std::optional(WaitStatus{order->target, *order->wait})
+                                         : std::nullopt;
 }
+
+std::string describe_failure(const Fleet::Item& item) {
+  const std::string end = describe_end(item.failed_status.value_or(0));
+  return item.spec.id + (item.spec.auto_respawn ? " does not keep running" : " has ended") +
+         (end.empty() ? "" : " (" + end + ")");
+}
+
+}  // namespace
 
 void give_order(Fleet& fleet, const Config& config, Verb verb, const Target& target) {
   for (const Command* command : config.commands_of(target)) {
-    give_order(fleet, verb, command->id);
+    fleet.order(verb, command->id);
   }
 }
 
@@ -68,48 +70,95 @@ void ScriptRunner::append(const Script& script) {
 }
 
 void ScriptRunner::step(Fleet& fleet, std::int64_t now_us) {
-  while (!done()) {
+  while (!is_over() && at_ < actions_.size()) {
+    const Action& action = *actions_[at_];
     if (!begun_) {
       begun_ = true;
       begun_us_ = now_us;
-      if (const auto* order = std::get_if<Order>(&actions_[at_]->what)) {
+      if (const auto* order = std::get_if<Order>(&action.what)) {
         give_order(fleet, config_, order->verb, order->target);
+        note_order(*order);
       }
     }
-    if (!is_over(fleet, now_us)) {
+    if (!is_done(action, fleet, now_us)) {
       return;
     }
     begun_ = false;
     ++at_;
   }
+  if (!is_over()) {
+    settle(fleet, now_us);
+  }
 }
 
-bool ScriptRunner::is_over(const Fleet& fleet, std::int64_t now_us) const {
-  const Action& action = *actions_[at_];
+void ScriptRunner::note_order(const Order& order) {
+  for (const Command* command : config_.commands_of(order.target)) {
+    if (order.verb == Verb::kStop) {
+      started_.erase(command->id);
+    } else {
+      started_.insert(command->id);
+    }
+  }
+}
+
+bool ScriptRunner::is_done(const Action& action, const Fleet& fleet, std::int64_t now_us) {
   if (const auto* pause = std::get_if<WaitTime>(&action.what)) {
     return now_us - begun_us_ >= pause->duration_ms * 1000;
   }
-  if (const auto* wait = std::get_if<WaitStatus>(&action.what)) {
-    return procman::has_reached(fleet, config_, wait->target, wait->status, now_us);
+  const std::optional<WaitStatus> wait = wait_of(action);
+  if (!wait) {
+    return true;
   }
-  const auto* order = std::get_if<Order>(&action.what);
-  return order == nullptr || !order->wait ||
-         procman::has_reached(fleet, config_, order->target, *order->wait, now_us);
+  if (wait->status == Wanted::kRunning) {
+    failure_ = dead_commands(wait->target, fleet, now_us);
+  }
+  return has_reached(fleet, config_, wait->target, wait->status, now_us);
+}
+
+/// The commands that have ended with an error and are not started anew, and how they ended.
+std::string ScriptRunner::dead_commands(const Target& target, const Fleet& fleet,
+                                        std::int64_t now_us) const {
+  std::string dead;
+  for (const Command* command : config_.commands_of(target)) {
+    if (fleet.state_of(command->id, now_us) == CommandState::kStoppedError &&
+        !command->auto_respawn) {
+      dead += (dead.empty() ? "" : ", ") + describe_failure(*fleet.find(command->id));
+    }
+  }
+  return dead;
+}
+
+/// After the last action: whether all that was started keeps running, or has ended well.
+void ScriptRunner::settle(const Fleet& fleet, std::int64_t now_us) {
+  done_us_ = done_us_.value_or(now_us);
+  std::string failed;
+  bool is_clear = true;
+  for (const std::string& id : started_) {
+    const Fleet::Item& item = *fleet.find(id);
+    const CommandState state = fleet.state_of(id, now_us);
+    const bool has_lasted =
+        state == CommandState::kRunning && now_us - item.running_since_us >= kLastingUs;
+    const bool is_dead = state == CommandState::kStoppedError && !item.spec.auto_respawn;
+    is_clear = is_clear && (has_lasted || is_dead || state == CommandState::kStoppedOk);
+    if (item.failed_status && !has_lasted) {
+      failed += (failed.empty() ? "" : ", ") + describe_failure(item);
+    }
+  }
+  if (is_clear || now_us - *done_us_ >= kSettleUs) {
+    is_settled_ = true;
+    failure_ = failed;
+  }
 }
 
 std::string ScriptRunner::waiting_for() const {
-  if (done()) {
+  if (is_over()) {
     return "nothing";
   }
-  const Action& action = *actions_[at_];
-  if (const auto* wait = std::get_if<WaitStatus>(&action.what)) {
-    return describe(wait->target) + " to be " + name_of(wait->status);
+  if (at_ == actions_.size()) {
+    return "what it has started to keep running";
   }
-  const auto* order = std::get_if<Order>(&action.what);
-  if (order != nullptr && order->wait) {
-    return describe(order->target) + " to be " + name_of(*order->wait);
-  }
-  return "a moment";
+  const std::optional<WaitStatus> wait = wait_of(*actions_[at_]);
+  return wait ? describe(wait->target) + " to be " + name_of(wait->status) : "a moment";
 }
 
 }  // namespace nodmap::procman

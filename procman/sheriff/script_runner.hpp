@@ -3,46 +3,61 @@
 
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "procman/config/config.hpp"
-#include "procman/sheriff/fleet.hpp"
+#include "procman/protocol/fleet.hpp"
 
 namespace nodmap::procman {
 
-/// Starts, stops or restarts one command.
-void give_order(Fleet& fleet, Verb verb, const std::string& id);
-
-/// Carries a target's order out on a fleet.
+/// Starts, stops or restarts all that a target means.
 void give_order(Fleet& fleet, const Config& config, Verb verb, const Target& target);
 
 /// Whether all that a target means has reached a status.
 [[nodiscard]] bool has_reached(const Fleet& fleet, const Config& config, const Target& target,
                                Wanted wanted, std::int64_t now_us);
 
-/// Runs a script of a configuration, action by action. As in the existing tools a wait has no end
-/// of its own.
+/// Runs a script of a configuration, action by action. A wait has no end of its own, as in the
+/// existing tools, but where it has become hopeless; and commands that the script has started must
+/// keep running, or it fails.
 class ScriptRunner {
  public:
+  /// A command that has run for so long counts as started.
+  static constexpr std::int64_t kLastingUs = 1'000'000;
+  /// So long after the last action it is waited for that.
+  static constexpr std::int64_t kSettleUs = 4'000'000;
+
   /// Both must outlive the runner; the script's calls are known to end (check_scripts()).
   ScriptRunner(const Config& config, const Script& script);
 
-  /// Does what can be done by now. To be called again and again until done().
+  /// Does what can be done by now. To be called again and again until is_over().
   void step(Fleet& fleet, std::int64_t now_us);
-  [[nodiscard]] bool done() const { return at_ == actions_.size(); }
+  /// Whether the script is done or has failed.
+  [[nodiscard]] bool is_over() const { return is_settled_ || !failure_.empty(); }
+  /// Why it has failed: which commands have ended, and how. Empty: it has not.
+  [[nodiscard]] const std::string& failure() const { return failure_; }
   /// What it waits for, for people.
   [[nodiscard]] std::string waiting_for() const;
 
  private:
   void append(const Script& script);
-  [[nodiscard]] bool is_over(const Fleet& fleet, std::int64_t now_us) const;
+  [[nodiscard]] bool is_done(const Action& action, const Fleet& fleet, std::int64_t now_us);
+  void note_order(const Order& order);
+  [[nodiscard]] std::string dead_commands(const Target& target, const Fleet& fleet,
+                                          std::int64_t now_us) const;
+  void settle(const Fleet& fleet, std::int64_t now_us);
 
   const Config& config_;
   std::vector<const Action*> actions_;  // with those of called scripts in their places
   std::size_t at_ = 0;
   bool begun_ = false;  // the action at at_ has been given, and is waited for
   std::int64_t begun_us_ = 0;
+  std::set<std::string> started_;  // commands that are to run after the script
+  std::optional<std::int64_t> done_us_;
+  bool is_settled_ = false;
+  std::string failure_;
 };
 
 }  // namespace nodmap::procman

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "procman/sheriff/sheriff.hpp"
 
-#include <unistd.h>
-
 #include <algorithm>
-#include <array>
 #include <utility>
 
 #include "nodmap/status_t.hpp"
@@ -30,13 +27,6 @@ ProcessHealth health_of(const nodmap::status_t& message) {
 }
 
 }  // namespace
-
-// As the existing sheriff names itself: host, process, time.
-std::string sheriff_id_prefix() {
-  std::array<char, 256> host{};
-  ::gethostname(host.data(), host.size() - 1);
-  return std::string(host.data()) + ":" + std::to_string(::getpid()) + ":";
-}
 
 Sheriff::Sheriff(const Config& config, const std::string& lcm_url)
     : config_(config),
@@ -73,13 +63,13 @@ void Sheriff::discover() {
 }
 
 void Sheriff::take_output(const Output& output) {
-  for (const Said& said : output.said) {
+  for (const CommandOutput& part : output.outputs) {
     if (output_handler_) {
-      output_handler_(said.command_id, said.text);
+      output_handler_(part.command_id, part.text);
     }
-    if (fleet_.find(said.command_id) != nullptr) {  // anyone may say anything of any name
-      consoles_[said.command_id].take(said.text);
-      health_.take_output(said.command_id, now_us());
+    if (fleet_.find(part.command_id) != nullptr) {  // anyone may say anything of any name
+      consoles_[part.command_id].take(part.text);
+      health_.take_output(part.command_id, now_us());
     }
   }
 }
@@ -104,18 +94,18 @@ void Sheriff::give_orders() {
   }
 }
 
-std::vector<HealthWatch::Verdict> Sheriff::apply_health_rules() {
+std::vector<HealthWatch::Restart> Sheriff::apply_health_rules() {
   if (is_observer_) {
     return {};
   }
-  std::vector<HealthWatch::Verdict> verdicts = health_.verdicts(fleet_, now_us());
-  for (const HealthWatch::Verdict& verdict : verdicts) {
-    fleet_.restart(verdict.command_id);
+  std::vector<HealthWatch::Restart> restarts = health_.due_restarts(fleet_, now_us());
+  for (const HealthWatch::Restart& restart : restarts) {
+    fleet_.restart(restart.command_id);
   }
-  if (!verdicts.empty()) {
+  if (!restarts.empty()) {
     give_orders();
   }
-  return verdicts;
+  return restarts;
 }
 
 const Console* Sheriff::console(const std::string& command) const {

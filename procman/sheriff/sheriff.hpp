@@ -10,15 +10,12 @@
 #include "common/bus/live_bus.hpp"
 #include "common/node/clock.hpp"
 #include "procman/config/config.hpp"
+#include "procman/protocol/fleet.hpp"
 #include "procman/sheriff/console.hpp"
-#include "procman/sheriff/fleet.hpp"
 #include "procman/sheriff/health_watch.hpp"
 #include "procman/sheriff/report.hpp"
 
 namespace nodmap::procman {
-
-/// How a sheriff of this process names itself, up to the time at which it began: host:process:
-[[nodiscard]] std::string sheriff_id_prefix();
 
 /// A fleet on the network: hears deputies, and gives them orders once a second and when something
 /// changes; an observer gives none.
@@ -40,7 +37,7 @@ class Sheriff {
   [[nodiscard]] bool is_observer() const { return is_observer_; }
 
   /// Restarts what the configuration's health rules ask for; their reasons.
-  std::vector<HealthWatch::Verdict> apply_health_rules();
+  std::vector<HealthWatch::Restart> apply_health_rules();
 
   void on_output(OutputHandler handler) { output_handler_ = std::move(handler); }
 

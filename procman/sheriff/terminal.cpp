@@ -17,7 +17,7 @@ void put(std::string_view text) {
   while (!text.empty()) {
     const ssize_t size = ::write(STDOUT_FILENO, text.data(), text.size());
     if (size <= 0) {
-      return;  // the next picture comes soon
+      return;  // the next one comes soon
     }
     text.remove_prefix(static_cast<std::size_t>(size));
   }
@@ -103,15 +103,15 @@ Terminal::Size Terminal::size() {
 }
 
 void Terminal::draw(const std::vector<ViewLine>& lines, Size size) {
-  std::string picture = "\x1B[H";
+  std::string screen = "\x1B[H";
   for (std::size_t i = 0; i < lines.size(); ++i) {
-    picture += (i == 0 ? "" : "\r\n");
-    picture += style_of(lines[i].tone) + lines[i].text + "\x1B[m\x1B[K";
+    screen += (i == 0 ? "" : "\r\n");
+    screen += style_of(lines[i].tone) + lines[i].text + "\x1B[m\x1B[K";
   }
-  picture += "\x1B[J";
-  if (picture != drawn_ || !(size == drawn_size_)) {
-    put(picture);
-    drawn_ = std::move(picture);
+  screen += "\x1B[J";
+  if (screen != drawn_ || !(size == drawn_size_)) {
+    put(screen);
+    drawn_ = std::move(screen);
     drawn_size_ = size;
   }
 }

@@ -3,6 +3,7 @@
 
 #include <termios.h>
 
+#include <boost/core/noncopyable.hpp>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -26,14 +27,10 @@ enum class Key : std::uint8_t {
 };
 
 /// The terminal as a full screen, given back as it was at the end.
-class Terminal {
+class Terminal : boost::noncopyable {
  public:
   Terminal();
   ~Terminal();
-  Terminal(const Terminal&) = delete;
-  Terminal& operator=(const Terminal&) = delete;
-  Terminal(Terminal&&) = delete;
-  Terminal& operator=(Terminal&&) = delete;
 
   /// Whether stdin and stdout are one.
   [[nodiscard]] static bool is_there();

@@ -52,39 +52,40 @@ class Watch {
       sheriff_.work(kWait);
       look_for_other_sheriff();
       step_script();
-      for (const HealthWatch::Verdict& verdict : sheriff_.apply_health_rules()) {
-        say("restarting " + verdict.command_id + ": " + verdict.reason);
+      for (const HealthWatch::Restart& restart : sheriff_.apply_health_rules()) {
+        notify("restarting " + restart.command_id + ": " + restart.reason);
       }
-      terminal_ ? show() : tell_changes();
+      terminal_ ? show() : print_changes();
     }
-    const bool is_cut_short = runner_ && !runner_->done();
-    return exit_code_.value_or(is_cut_short ? kFailed : kDone);
+    const bool is_cut_short = runner_ && !runner_->is_over();
+    return exit_code_.value_or(is_cut_short || has_failed_ ? kFailed : kDone);
   }
 
  private:
   void step_script();
   void end_script();
   void look_for_other_sheriff();
-  void say(const std::string& text);
+  void notify(const std::string& text);
   void show();
   void press(Key key, const std::vector<ReportRow>& rows);
   void order(Key key, const std::vector<ReportRow>& rows);
   [[nodiscard]] std::string title() const;
-  void tell_changes();
+  void print_changes();
 
   Sheriff& sheriff_;
   WatchOptions options_;
   std::optional<ScriptRunner> runner_;
   std::unique_ptr<Terminal> terminal_;
   ViewState view_;
-  std::map<std::string, std::string> told_;
+  std::map<std::string, std::string> printed_;
   std::optional<int> exit_code_;
   std::optional<std::int64_t> command_due_us_;  // until then it listens for other sheriffs
   std::int64_t begun_us_ = 0;
   std::int64_t reminded_us_ = 0;
+  bool has_failed_ = false;  // the script
 };
 
-void Watch::say(const std::string& text) {
+void Watch::notify(const std::string& text) {
   if (terminal_) {
     view_.message = printable(text);
   } else {
@@ -94,12 +95,12 @@ void Watch::say(const std::string& text) {
 
 void Watch::step_script() {
   const std::int64_t now_us = Sheriff::now_us();
-  if (!runner_ || runner_->done() || sheriff_.is_observer()) {
+  if (!runner_ || runner_->is_over() || sheriff_.is_observer()) {
     return;
   }
   const std::string waited_for = runner_->waiting_for();
   runner_->step(sheriff_.fleet(), now_us);
-  if (runner_->done()) {
+  if (runner_->is_over()) {
     sheriff_.give_orders();
     end_script();
     return;
@@ -109,18 +110,20 @@ void Watch::step_script() {
     reminded_us_ = now_us;
   } else if (now_us - reminded_us_ > kReminderUs) {
     reminded_us_ = now_us;
-    say("waiting for " + runner_->waiting_for());
+    notify("waiting for " + runner_->waiting_for());
   }
   if (options_.timeout_s && static_cast<double>(now_us - begun_us_) > *options_.timeout_s * 1e6) {
-    say("the script has not ended in time: waiting for " + runner_->waiting_for());
+    notify("the script has not ended in time: waiting for " + runner_->waiting_for());
     exit_code_ = kFailed;
   }
 }
 
 void Watch::end_script() {
-  say("script " + options_.script->name + " is done");
+  has_failed_ = !runner_->failure().empty();
+  notify("script " + options_.script->name +
+         (has_failed_ ? " has failed: " + runner_->failure() : " is done"));
   if (options_.after_script == AfterScript::kExit) {
-    exit_code_ = kDone;
+    exit_code_ = has_failed_ ? kFailed : kDone;
   } else if (options_.after_script == AfterScript::kObserve) {
     sheriff_.observe();
   }
@@ -134,8 +137,8 @@ void Watch::look_for_other_sheriff() {
   if (other && (is_new_here || (!sheriff_.is_observer() && sheriff_.fleet().must_yield(now_us)))) {
     command_due_us_.reset();
     sheriff_.observe();
-    say("the sheriff " + *other + " gives orders here: observing only");
-    if (runner_ && !runner_->done()) {
+    notify("the sheriff " + *other + " gives orders here: observing only");
+    if (runner_ && !runner_->is_over()) {
       exit_code_ = kOtherSheriff;
     }
   } else if (is_new_here && now_us >= *command_due_us_) {
@@ -151,7 +154,7 @@ std::string Watch::title() const {
   } else if (sheriff_.is_observer()) {
     title += ": observing only";
   }
-  if (runner_ && !runner_->done()) {
+  if (runner_ && !runner_->is_over()) {
     title += "; script " + options_.script->name + ": waiting for " + runner_->waiting_for();
   }
   return printable(title);
@@ -177,7 +180,7 @@ void Watch::press(Key key, const std::vector<ReportRow>& rows) {
   } else if (key == Key::kQuit) {
     exit_code_ = kDone;
   } else if (sheriff_.is_observer()) {
-    say(command_due_us_ ? "not yet: looking for other sheriffs" : "observing only: no orders");
+    notify(command_due_us_ ? "not yet: looking for other sheriffs" : "observing only: no orders");
   } else if (!rows.empty()) {
     order(key, rows);
   }
@@ -193,23 +196,23 @@ void Watch::order(Key key, const std::vector<ReportRow>& rows) {
   const bool is_for_group = asked->whole_group && !selected.group.empty();
   for (const ReportRow& row : rows) {
     if (is_for_group ? is_in_group(row.group, selected.group) : row.id == selected.id) {
-      give_order(sheriff_.fleet(), asked->verb, row.id);
+      sheriff_.fleet().order(asked->verb, row.id);
     }
   }
   sheriff_.give_orders();
-  say(asked->word + (is_for_group ? selected.group : selected.id));
+  notify(asked->word + (is_for_group ? selected.group : selected.id));
 }
 
-void Watch::tell_changes() {
+void Watch::print_changes() {
   for (const ReportRow& row : sheriff_.report()) {
     std::string state = name_of(row.state);
     if (!row.end.empty()) {
       state += ", " + row.end;
     }
-    std::string& told = told_[row.id];
-    if (told != state) {
-      told = state;
-      say(row.id + ": " + state);
+    std::string& printed = printed_[row.id];
+    if (printed != state) {
+      printed = state;
+      notify(row.id + ": " + state);
     }
   }
 }

@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "common/foxglove/voxel_grid.hpp"
+#include "modules/viewer/foxglove/sensor_views.hpp"
 
 namespace {
 

@@ -38,9 +38,9 @@ void drain(Session& session) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  foxglove::Board board;
-  board.add({"SCAN", "foxglove.LaserScan"});
-  board.post(0, 1, [] { return std::string("{}"); });
+  foxglove::TopicStore store;
+  store.add({"SCAN", "foxglove.LaserScan"});
+  store.post(0, 1, [] { return std::string("{}"); });
   Services services;
   services.parameters = [] { return Json::array(); };
   services.set_parameter = [](const std::string&, const Json&) { return std::string(); };
@@ -48,7 +48,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     require(request.is_object());
     return Answer{.ok = request.contains("do"), .text = "said"};
   };
-  Session session(board, services, {.play = true, .control = true});
+  Session session(store, services, {.play = true, .control = true});
   std::string_view rest(reinterpret_cast<const char*>(data), size);
   while (!rest.empty()) {
     const std::string_view frame = rest.substr(0, rest.find('\n'));

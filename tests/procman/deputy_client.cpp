@@ -19,8 +19,8 @@ DeputyClient::DeputyClient(std::string deputy_id) : deputy_id_(std::move(deputy_
     }
   });
   bus_.subscribe<procman_lcm::output_t>(procman::kOutputChannel, [this](const auto& message) {
-    for (const procman::Said& said : procman::from_message(message).said) {
-      outputs_[said.command_id] += said.text;
+    for (const procman::CommandOutput& part : procman::from_message(message).outputs) {
+      outputs_[part.command_id] += part.text;
     }
   });
 }
@@ -42,8 +42,9 @@ bool DeputyClient::wait_until(const std::function<bool()>& condition, millisecon
   return true;
 }
 
-void DeputyClient::listen_for(milliseconds duration) {
-  static_cast<void>(wait_until([] { return false; }, duration));
+bool DeputyClient::wait_for_infos(std::size_t count) {
+  const std::size_t wanted = infos_.size() + count;
+  return wait_until([this, wanted] { return infos_.size() >= wanted; });
 }
 
 procman::CommandStatus DeputyClient::status(const std::string& id) const {

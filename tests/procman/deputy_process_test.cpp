@@ -135,12 +135,15 @@ TEST_F(DeputyProcess, ItsCleanEndLeavesNothing) {
 
 TEST_F(DeputyProcess, ASecondSignalDoesNotWaitForGraceTimes) {
   begin();
-  CommandOrder order = wanted("a", marked("bash -c 'trap \"\" INT; sleep 1000; sleep 1000'"), 1);
+  CommandOrder order =
+      wanted("a", marked("bash -c 'trap \"\" INT; echo ready; sleep 1000; sleep 1000'"), 1);
   order.spec.stop_time_allowed_s = 3600.0;
   ASSERT_TRUE(comes_to_run(order));
-  ::usleep(200'000);
+  ASSERT_TRUE(client_.wait_until([this] { return client_.output("a") == "ready\r\n"; }));
   deputy_->send_signal(SIGINT);
-  EXPECT_FALSE(deputy_->wait_for_end(milliseconds(500)).has_value());
+  EXPECT_TRUE(deputy_->wait_for_stderr("a: signal 2", kPatience)) << "asked to stop";
+  EXPECT_TRUE(client_.wait_for_infos(1));
+  EXPECT_TRUE(client_.runs("a")) << "it has an hour";
   deputy_->send_signal(SIGINT);
   EXPECT_EQ(deputy_->wait_for_end(kPatience), 0);
 }

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The recorded orders of the existing sheriff, at their recorded pace, drive our deputy through the
-// states of the existing one: its INFO and OUTPUT are the recorded ones but for pids, times, loads.
+// The recorded orders of the existing sheriff drive our deputy through the states of the existing
+// one: its INFO and OUTPUT are the recorded ones but for pids, times, loads.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <csignal>
+#include <sstream>
 
 #include "common/bus/codec.hpp"
 #include "common/bus/event_log.hpp"
@@ -18,7 +20,6 @@ namespace {
 using procman::CommandStatus;
 using procman::DeputyInfo;
 using std::chrono::microseconds;
-using std::chrono::milliseconds;
 using SteadyClock = std::chrono::steady_clock;
 
 struct Seen {
@@ -49,8 +50,35 @@ std::map<std::string, std::vector<Seen>> histories(const std::vector<DeputyInfo>
   return all;
 }
 
+/// Whether every command has gone through at least these states.
+bool has_reached(const std::vector<DeputyInfo>& infos, const std::vector<DeputyInfo>& wanted) {
+  const auto seen = histories(infos);
+  const auto expected = histories(wanted);
+  return std::all_of(expected.begin(), expected.end(), [&seen](const auto& item) {
+    const auto found = seen.find(item.first);
+    return found != seen.end() && found->second.size() >= item.second.size();
+  });
+}
+
+/// The lines without repetitions: how often a loop prints its line is a matter of time.
+std::vector<std::string> lines_of(const std::string& text) {
+  std::istringstream in(text);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(in, line);) {
+    if (lines.empty() || lines.back() != line) {
+      lines.push_back(line);
+    }
+  }
+  return lines;
+}
+
 struct Recording {
-  std::vector<std::pair<std::int64_t, procman::Orders>> orders;
+  struct Sent {
+    std::int64_t utime_us = 0;
+    procman::Orders orders;
+    std::size_t num_infos = 0;  ///< INFOs recorded before
+  };
+  std::vector<Sent> orders;
   std::vector<DeputyInfo> infos;
   std::map<std::string, std::string> outputs;
 };
@@ -62,7 +90,8 @@ Recording read(const std::filesystem::path& file) {
     if (event->channel == procman::kOrdersChannel) {
       procman_lcm::orders_t message{};
       EXPECT_TRUE(bus::decode_into(message, event->data));
-      recording.orders.emplace_back(event->log_utime_us, procman::from_message(message));
+      recording.orders.push_back(
+          {event->log_utime_us, procman::from_message(message), recording.infos.size()});
     } else if (event->channel == procman::kInfoChannel) {
       procman_lcm::deputy_info_t message{};
       EXPECT_TRUE(bus::decode_into(message, event->data));
@@ -70,8 +99,8 @@ Recording read(const std::filesystem::path& file) {
     } else if (event->channel == procman::kOutputChannel) {
       procman_lcm::output_t message{};
       EXPECT_TRUE(bus::decode_into(message, event->data));
-      for (const procman::Said& said : procman::from_message(message).said) {
-        recording.outputs[said.command_id] += said.text;
+      for (const procman::CommandOutput& part : procman::from_message(message).outputs) {
+        recording.outputs[part.command_id] += part.text;
       }
     }
   }
@@ -88,19 +117,28 @@ TEST(Golden, OurDeputyGoesThroughTheRecordedStates) {
       {NODMAP_BIN "/nodmap-deputy", "--lcm-url", test::kProcmanUrl, "--config", config.string()});
   ASSERT_TRUE(deputy.wait_for_stderr("serving", test::kPatience)) << deputy.said();
   ASSERT_TRUE(client.wait_until([&] { return !client.infos().empty(); }));
-  const auto begun = SteadyClock::now();
-  for (const auto& [utime_us, orders] : recording.orders) {
-    const auto due = begun + microseconds(utime_us - recording.orders.front().first);
-    while (SteadyClock::now() < due) {
-      client.bus().handle(std::max(
-          milliseconds(1), std::chrono::duration_cast<milliseconds>(due - SteadyClock::now())));
-    }
+  // Each order as long after the one before as was recorded, and not before the deputy is where the
+  // existing one was by then.
+  std::int64_t sent_utime_us = recording.orders.front().utime_us;
+  auto sent = SteadyClock::now();
+  for (const auto& [utime_us, orders, num_infos] : recording.orders) {
+    const auto due = sent + microseconds(utime_us - sent_utime_us);
+    const std::vector<DeputyInfo> infos_before(
+        recording.infos.begin(), recording.infos.begin() + static_cast<std::ptrdiff_t>(num_infos));
+    ASSERT_TRUE(client.wait_until([&] {
+      // `stubborn` is that from its first pause on.
+      return SteadyClock::now() >= due && has_reached(client.infos(), infos_before) &&
+             (!client.runs("stubborn") || test::is_running({"sleep", "0.2"}));
+    }));
     client.order(orders.commands);
+    sent = SteadyClock::now();
+    sent_utime_us = utime_us;
   }
-  client.listen_for(milliseconds(1500));
+  EXPECT_TRUE(client.wait_until([&] { return has_reached(client.infos(), recording.infos); }));
   EXPECT_EQ(histories(client.infos()), histories(recording.infos));
   for (const auto& [id, text] : recording.outputs) {
-    EXPECT_EQ(client.output(id), text) << id;
+    EXPECT_TRUE(client.wait_until([&] { return lines_of(client.output(id)) == lines_of(text); }))
+        << id << ": " << client.output(id);
   }
   deputy.send_signal(SIGTERM);
   EXPECT_EQ(deputy.wait_for_end(test::kPatience), 0);

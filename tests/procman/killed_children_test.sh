@@ -35,13 +35,13 @@ field() { awk -v name="$1" -v n="$2" '$1 == name {print $n}'; }
 "$bin/nodmap-sheriff" procman/sim.pmd --script demo --on-script-complete stay >"$work/sheriff.log" 2>&1 & pids+=($!)
 # wait_for TEXT: the sheriff says it.
 wait_for() {
-  for _ in $(seq 300); do grep -q "$1" "$work/sheriff.log" && return; sleep 0.1; done
+  for _ in $(seq 1200); do grep -q "$1" "$work/sheriff.log" && return; sleep 0.1; done
   fail "the sheriff never said '$1'"
 }
 wait_for "script demo is done"
 # wait_until_well: every process runs, and says that it is well.
 wait_until_well() {
-  for _ in $(seq 15); do
+  for _ in $(seq 60); do
     look >"$work/now"
     awk '$3 != "OK" || $4 != "Running" {exit 1}' <(grep -v '^sim ' "$work/now") && return
   done

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <array>
+#include <boost/core/noncopyable.hpp>
 #include <csignal>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -22,7 +23,6 @@
 namespace nodmap {
 namespace {
 
-using std::chrono::milliseconds;
 using test::ChildProcess;
 using test::kPatience;
 using test::kProcmanUrl;
@@ -49,6 +49,7 @@ class SheriffProcess : public ::testing::Test {
       script "up" { start group "g" wait "running"; }
       script "down" { stop group "g" wait "stopped"; }
       script "never" { start cmd "far" wait "running"; }
+      script "dead" { start group "g" wait "running"; start cmd "wrong"; }
     )";
   }
   void TearDown() override {
@@ -90,12 +91,12 @@ class SheriffProcess : public ::testing::Test {
 
 TEST_F(SheriffProcess, RunsScriptsAndGoesWhileTheRobotStays) {
   begin_deputy();
-  const auto up = sheriff({"--script", "up", "--timeout", "10"});
+  const auto up = sheriff({"--script", "up", "--timeout", "60"});
   EXPECT_EQ(up.exit_code, 0) << up.out << up.err;
   EXPECT_THAT(up.out, HasSubstr("script up is done"));
-  EXPECT_TRUE(client_.wait_until(
-      [this] { return client_.runs("sleeper") && client_.runs("talker"); }, milliseconds(1500)));
-  const auto down = sheriff({"--script", "down", "--timeout", "10"});
+  EXPECT_TRUE(
+      client_.wait_until([this] { return client_.runs("sleeper") && client_.runs("talker"); }));
+  const auto down = sheriff({"--script", "down", "--timeout", "60"});
   EXPECT_EQ(down.exit_code, 0) << down.out << down.err;
   EXPECT_THAT(test::processes_marked(mark_), IsEmpty());
 }
@@ -106,6 +107,13 @@ TEST_F(SheriffProcess, AScriptThatCannotEndFailsInTime) {
   EXPECT_EQ(never.exit_code, 1);
   EXPECT_THAT(never.out, HasSubstr("cmd \"far\" to be running"));
   EXPECT_EQ(sheriff({"--script", "none"}).exit_code, 2);
+}
+
+TEST_F(SheriffProcess, AScriptFailsOverCommandsThatHaveEnded) {
+  begin_deputy();
+  const auto dead = sheriff({"--script", "dead", "--timeout", "60"});
+  EXPECT_EQ(dead.exit_code, 1) << dead.out << dead.err;
+  EXPECT_THAT(dead.out, HasSubstr("script dead has failed: wrong has ended (exit 3)"));
 }
 
 TEST_F(SheriffProcess, StartsStopsAndRestartsByName) {
@@ -122,7 +130,7 @@ TEST_F(SheriffProcess, StartsStopsAndRestartsByName) {
   const auto stop = sheriff({"--stop", "talker"});
   EXPECT_EQ(stop.exit_code, 0) << stop.out << stop.err;
   EXPECT_TRUE(client_.wait_until([this] { return !client_.runs("talker"); }));
-  client_.listen_for(milliseconds(1200));
+  EXPECT_TRUE(client_.wait_for_infos(3));
   EXPECT_FALSE(client_.runs("talker")) << "stays stopped";
   EXPECT_TRUE(client_.runs("sleeper"));
   const auto wrong = sheriff({"--start", "wrong"});
@@ -190,9 +198,9 @@ TEST_F(SheriffProcess, ItsViolentEndStopsNothing) {
   const int pid = client_.status("sleeper").pid;
   sheriff_->send_signal(SIGKILL);
   ASSERT_EQ(sheriff_->wait_for_end(kPatience), 128 + SIGKILL);
-  client_.listen_for(milliseconds(3500));
+  EXPECT_TRUE(client_.wait_for_infos(4));
   EXPECT_EQ(client_.status("sleeper").pid, pid);
-  const auto up = sheriff({"--script", "up", "--timeout", "10"});
+  const auto up = sheriff({"--script", "up", "--timeout", "60"});
   EXPECT_EQ(up.exit_code, 0);
   EXPECT_EQ(client_.status("sleeper").pid, pid) << "adopted, not started anew";
 }
@@ -216,7 +224,7 @@ TEST_F(SheriffProcess, RestartsWhatSaysThatItHasFailed) {
 }
 
 /// A program on a terminal of its own of 80 x 24; what it draws is collected.
-class OnATerminal {
+class OnATerminal : boost::noncopyable {
  public:
   explicit OnATerminal(std::vector<std::string> command) {
     winsize size{};
@@ -241,10 +249,6 @@ class OnATerminal {
     }
     ::close(fd_);
   }
-  OnATerminal(const OnATerminal&) = delete;
-  OnATerminal& operator=(const OnATerminal&) = delete;
-  OnATerminal(OnATerminal&&) = delete;
-  OnATerminal& operator=(OnATerminal&&) = delete;
 
   void type(const std::string& keys) {
     EXPECT_EQ(::write(fd_, keys.data(), keys.size()), static_cast<ssize_t>(keys.size()));
@@ -280,12 +284,10 @@ TEST_F(SheriffProcess, TheLiveViewTakesKeysAndGivesTheTerminalBack) {
     return client_.wait_until([&] { return view.drawn().find(text) != std::string::npos; });
   };
   ASSERT_TRUE(shows("looking for other sheriffs"));
-  view.type("jjs");  // down to the group's first, in a moment in which no orders are given
-  ASSERT_TRUE(shows("not yet"));
+  view.type("jj");  // down to the group's first
   EXPECT_TRUE(client_.wait_until([&] {
-    view.type("S");
-    client_.listen_for(milliseconds(200));
-    return client_.runs("sleeper") && client_.runs("talker");
+    view.type("S");  // until orders are given
+    return client_.wait_for_infos(1) && client_.runs("sleeper") && client_.runs("talker");
   })) << "the whole group of the selected command";
   EXPECT_TRUE(shows("--- sleeper: Running"));
   view.type("j");
@@ -302,6 +304,17 @@ TEST_F(SheriffProcess, TheLiveViewTakesKeysAndGivesTheTerminalBack) {
   EXPECT_TRUE(client_.wait_until([&] { return view.has_ended_with(0); }));
   EXPECT_THAT(view.drawn(), ::testing::EndsWith("\x1B[?25h\x1B[?1049l"));
   EXPECT_TRUE(client_.runs("sleeper")) << "all goes on";
+}
+
+TEST_F(SheriffProcess, AnObserversKeysGiveNoOrders) {
+  begin_deputy();
+  OnATerminal view({NODMAP_BIN "/nodmap-sheriff", file_, "--lcm-url", kProcmanUrl, "--observe"});
+  EXPECT_TRUE(client_.wait_until([&] {
+    view.type("s");
+    return client_.wait_for_infos(1) &&
+           view.drawn().find("observing only: no orders") != std::string::npos;
+  }));
+  EXPECT_THAT(test::processes_marked(mark_), IsEmpty());
 }
 
 TEST(SheriffCheck, PrintsWhatThereIsOrWhatIsWrong) {

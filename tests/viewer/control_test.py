@@ -13,7 +13,7 @@ import unittest
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from foxglove_client import Client  # noqa: E402
 from viewer_process import Viewer  # noqa: E402
-from websocket import Refused, WebSocket  # noqa: E402
+from websocket import PATIENCE_S, Refused, WebSocket  # noqa: E402
 
 CONFIG = """
 cmd "sleeper" { exec = "sleep 1000"; host = "here"; stop_signal = 15; stop_time_allowed = 2; }
@@ -71,7 +71,7 @@ class Requests(unittest.TestCase):
             self.assertIn("services", driver.info["capabilities"])
             driver.subscribe("STOP")
             self.assertEqual(driver.call({"do": "stop"}), {"ok": True, "text": "Stopped until you say go."})
-            # Four are three repetitions: no later than the timeout of collect().
+            # Four are three repetitions.
             stops = driver.collect(lambda m: len(m.get("STOP", [])) >= 4)["STOP"]
             self.assertTrue(all(stop["is_stopped"] for _, stop in stops))
             self.assertTrue(driver.call({"do": "go"})["ok"])
@@ -112,7 +112,7 @@ class Processes(unittest.TestCase):
 
     def end_deputy(self):
         self.deputy.terminate()
-        self.deputy.wait(timeout=20)
+        self.deputy.wait(timeout=PATIENCE_S)
 
     def ask(self, **request):
         answer = self.driver.call(request)
@@ -155,7 +155,7 @@ class Processes(unittest.TestCase):
     def test_another_sheriff_has_precedence(self):
         sheriff = subprocess.Popen([os.environ["NODMAP_SHERIFF"], self.config, "--script", "begin", "--on-script-complete", "stay"],
                                    stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        self.addCleanup(sheriff.wait, 20)
+        self.addCleanup(sheriff.wait, PATIENCE_S)
         self.addCleanup(sheriff.terminate)
         self.await_command("sleeper", lambda row: row["state"] == "running")  # so it gives orders
         answer = self.driver.call({"do": "stop_process", "command": "sleeper"})

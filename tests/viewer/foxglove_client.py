@@ -4,7 +4,7 @@ import json
 import struct
 import time
 
-from websocket import BINARY, TEXT, WebSocket
+from websocket import BINARY, PATIENCE_S, TEXT, WebSocket
 
 
 class Client:
@@ -43,7 +43,7 @@ class Client:
             elif payload[0] == 2:
                 self.time_ns, = struct.unpack_from("<Q", payload, 1)
 
-    def collect(self, wanted, timeout_s=20):
+    def collect(self, wanted, timeout_s=PATIENCE_S):
         """Messages by topic until wanted(messages) is true."""
         messages, end = {}, time.monotonic() + timeout_s
         while not wanted(messages):
@@ -52,7 +52,7 @@ class Client:
             messages.setdefault(topic, []).append((nanoseconds, message))
         return messages
 
-    def answer(self, wanted, timeout_s=10):
+    def answer(self, wanted, timeout_s=PATIENCE_S):
         """The next text message for which wanted(message) is true."""
         end = time.monotonic() + timeout_s
         while time.monotonic() < end:

@@ -26,6 +26,14 @@ ANSWER = "document.getElementById('answer').textContent"
 BANNER = "document.getElementById('banner').textContent"
 
 
+# A key, with the focus on an element.
+KEY = """
+  const at = document.querySelector(arguments[1]);
+  at.focus();
+  at.dispatchEvent(new KeyboardEvent("keydown", {key: arguments[0], bubbles: true, cancelable: true}));
+"""
+
+
 class Control(unittest.TestCase):
     def setUp(self):
         self.viewer = Viewer("--control")
@@ -80,6 +88,53 @@ class Control(unittest.TestCase):
         self.assertFalse(self.press("#roam").startswith("Refused"))
         self.assertIsNotNone(self.browser.wait_for("nodmap.layers.get('scene/goal').layer.group.children.length === 0"))
 
+    def test_an_empty_field_is_no_goal(self):
+        self.open_with_token()
+        for x, y in (("", "1"), ("1", ""), ("", "")):
+            self.browser.run("document.getElementById('goal-x').value = arguments[0]; document.getElementById('goal-y').value = arguments[1]", x, y)
+            self.assertTrue(self.press("#control [type=submit]").startswith("Not sent"), (x, y))
+        self.browser.run("document.getElementById('goal-x').value = 1e9; document.getElementById('goal-y').value = 0")
+        self.assertIn("10000 m", self.press("#control [type=submit]"))
+        self.assertEqual(self.browser.run("return nodmap.layers.get('scene/goal').layer.group.children.length"), 0)
+
+    def test_escape_ends_the_choice_of_a_goal(self):
+        self.open_with_token()
+        self.browser.run("document.getElementById('pick').click()")
+        self.assertEqual(self.browser.run("return document.getElementById('pick').getAttribute('aria-pressed')"), "true")
+        self.browser.run(KEY, "Escape", "#pick")
+        self.assertEqual(self.browser.run("return document.getElementById('pick').getAttribute('aria-pressed')"), "false")
+
+    def test_stop_has_a_key_wherever_the_focus_is(self):
+        self.open_with_token()
+        for focus in ("#canvas", "#goal-x", "#save"):
+            self.browser.run(f"{ANSWER} = ''")
+            self.browser.run(KEY, "s", focus)
+            self.assertIsNotNone(self.browser.wait_for(f"{ANSWER}.startsWith('Stopped')"), focus)
+        self.assertFalse(self.press("#go").startswith("Refused"))
+
+    def test_stop_stays_where_it_is(self):
+        self.open_with_token()
+        place = "const box = document.getElementById('stop').getBoundingClientRect(); return [box.left, box.top, box.right, box.bottom]"
+        for width, height in ((1920, 1080), (1280, 720), (390, 844)):
+            self.browser.resize(width, height)
+            self.browser.run("document.getElementById('banner').hidden = true")
+            at_first = self.browser.run(place)
+            self.assertLessEqual(at_first[3], height)
+            self.assertGreaterEqual(at_first[1], 0)
+            self.browser.run("document.getElementById('banner').textContent = 'Much is wrong. '.repeat(60); document.getElementById('banner').hidden = false")
+            self.assertEqual(self.browser.run(place), at_first, "with a long banner")
+            self.browser.run("window.scrollTo(0, document.documentElement.scrollHeight); document.querySelector('aside').scrollTo(0, 1e4)")
+            self.assertEqual(self.browser.run(place), at_first, "scrolled to the end")
+            self.browser.run("window.scrollTo(0, 0)")
+
+    def test_a_stale_token_is_told_and_the_page_can_be_read(self):
+        self.browser.open(f"http://127.0.0.1:{self.viewer.port}/#token={'0' * 32}")
+        self.assertIsNotNone(self.browser.wait_for("window.nodmap && !document.getElementById('token-refused').hidden"))
+        self.browser.run("document.getElementById('read-only').click()")
+        self.assertIsNotNone(self.browser.wait_for("document.getElementById('summary').textContent.startsWith('Connected')"))
+        self.assertTrue(self.browser.run("return document.getElementById('token-refused').hidden"))
+        self.assertTrue(self.browser.run("return document.getElementById('stop-bar').hidden"))
+
     def test_maps_are_asked_for(self):
         self.open_with_token()
         self.assertFalse(self.press("#save").startswith("Refused"))
@@ -90,9 +145,26 @@ class Control(unittest.TestCase):
 
     def test_what_can_be_pressed_has_a_name(self):
         self.open_with_token()
-        nameless = self.browser.run("""return [...document.querySelectorAll('#control button, #control input')]
+        nameless = self.browser.run("""return [...document.querySelectorAll('#stop-bar button, #control button, #control input')]
             .filter((e) => !(e.textContent.trim() || e.labels?.[0]?.textContent.trim())).map((e) => e.outerHTML)""")
         self.assertEqual(nameless, [])
+
+
+class WithoutWebGl(Control):
+    """The same page in a browser that draws no 3D scene."""
+
+    def setUp(self):
+        self.viewer = Viewer("--control")
+        self.addCleanup(self.viewer.stop)
+        self.browser = webdriver.Browser(more_flags=["--disable-3d-apis"])
+        self.addCleanup(self.browser.__exit__)
+
+    def test_it_says_so(self):
+        self.open_with_token()
+        self.assertFalse(self.browser.run("return document.getElementById('no-webgl').hidden"))
+        # three.js says so itself; nothing else may fail.
+        errors = [line for line in self.browser.console() if line["level"] == "SEVERE" and "Error creating WebGL context" not in line["message"]]
+        self.assertEqual(errors, [])
 
 
 if __name__ == "__main__":

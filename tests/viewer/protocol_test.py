@@ -8,6 +8,7 @@ import base64
 import http.client
 import json
 import os
+import resource
 import socket
 import struct
 import subprocess
@@ -20,7 +21,7 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import lcm_log  # noqa: E402
 from foxglove_client import Client  # noqa: E402
 from viewer_process import Viewer  # noqa: E402
-from websocket import Refused, WebSocket  # noqa: E402
+from websocket import PATIENCE_S, Refused, WebSocket  # noqa: E402
 
 
 def make_log(folder, duration_s=4, points=12000):
@@ -30,7 +31,7 @@ def make_log(folder, duration_s=4, points=12000):
 
 
 def get(port, target, method="GET", host=None):
-    connection = http.client.HTTPConnection("127.0.0.1", port, timeout=10)
+    connection = http.client.HTTPConnection("127.0.0.1", port, timeout=PATIENCE_S)
     connection.putrequest(method, target, skip_host=host is not None)
     if host is not None:
         connection.putheader("Host", host)
@@ -222,30 +223,33 @@ class HostileClients(WithLog):
 
     def test_no_http_at_all(self):
         for noise in (b"\x00\xFF" * 100 + b"\r\n\r\n", b"GET / HTTP/1.1\r\n" + b"X: " + b"y" * 20000 + b"\r\n\r\n"):
-            with socket.create_connection(("127.0.0.1", self.viewer.port), timeout=10) as raw:
+            with socket.create_connection(("127.0.0.1", self.viewer.port), timeout=PATIENCE_S) as raw:
                 raw.sendall(noise)
                 self.assertTrue(raw.recv(4096).startswith(b"HTTP/1.1 400"))
         self.still_serves()
         self.assertEqual(self.refusals()["bad_request"], 2)
 
-    def test_too_many_connections(self):
-        held = []
-        for _ in range(10_000):
-            raw = socket.create_connection(("127.0.0.1", self.viewer.port), timeout=10)
-            held.append(raw)
-            if len(held) > 400:  # descriptors of this test are limited, too
-                held.pop(0).close()
+    def test_ten_thousand_connections_at_once(self):
+        """All 10^4 are held open by this side; the viewer serves 40 of them at a time, closes the others, and stays able to serve."""
+        needed = 10_000 + 100
+        soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+        if hard != resource.RLIM_INFINITY and hard < needed:
+            self.skipTest(f"this machine gives a process {hard} descriptors, fewer than {needed}")
+        resource.setrlimit(resource.RLIMIT_NOFILE, (max(soft, needed), hard))
+        held = [socket.create_connection(("127.0.0.1", self.viewer.port), timeout=PATIENCE_S) for _ in range(10_000)]
+        descriptors = len(os.listdir(f"/proc/{self.viewer.process.pid}/fd"))
+        self.assertLess(descriptors, 40 + 60, "the viewer holds no more connections than it serves, besides its own files")
         for raw in held:
             raw.close()
-        end = time.monotonic() + 10
-        while time.monotonic() < end:
+        end = time.monotonic() + PATIENCE_S
+        while True:  # until the viewer has seen that those it served are closed
             try:
                 self.still_serves()
                 break
             except (OSError, Refused):
-                time.sleep(0.1)
-        self.still_serves()
-        self.assertGreater(self.refusals()["too_many_connections"], 100)
+                self.assertLess(time.monotonic(), end)
+        # One that sends nothing is served for ten seconds: so many more than 40 were served as the connecting took long.
+        self.assertGreater(self.refusals()["too_many_connections"], 9000)
 
     def test_a_client_that_does_not_read_delays_nobody(self):
         stuck = [Client(self.viewer.port, receive_buffer=4096) for _ in range(5)]

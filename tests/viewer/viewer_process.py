@@ -5,6 +5,8 @@ import re
 import subprocess
 import tempfile
 
+from websocket import PATIENCE_S
+
 
 class Viewer:
     """A context manager. `port` is a free one unless asked otherwise."""
@@ -47,7 +49,7 @@ class Viewer:
         """Ends it by SIGTERM; its exit code."""
         if self.is_alive():
             self.process.terminate()
-        rest = self.process.communicate(timeout=10)[1]
+        rest = self.process.communicate(timeout=PATIENCE_S)[1]
         self.log.write(rest)
         return self.process.returncode
 

@@ -22,14 +22,14 @@ def is_installed():
 
 
 class Browser:
-    """One window of one browser; a context manager."""
+    """One window of one browser; a context manager. `more_flags`: besides those that all have."""
 
-    def __init__(self, width=1280, height=720):
+    def __init__(self, width=1280, height=720, more_flags=()):
         self.profile = tempfile.TemporaryDirectory(prefix="nodmap-chromium-")
         self.driver = subprocess.Popen(["chromedriver", "--port=0"], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
         self.base = f"http://127.0.0.1:{self._port()}"
         self.session = ""
-        flags = [*FLAGS, f"--user-data-dir={self.profile.name}"]
+        flags = [*FLAGS, *more_flags, f"--user-data-dir={self.profile.name}"]
         answer = self._call("POST", "", {"capabilities": {"alwaysMatch": {
             "browserName": "chrome", "goog:loggingPrefs": {"browser": "ALL"},
             "goog:chromeOptions": {"binary": shutil.which("chromium"), "args": flags}}}})
@@ -46,7 +46,7 @@ class Browser:
     def _call(self, method, path, body=None):
         data = None if body is None else json.dumps(body).encode()
         request = urllib.request.Request(f"{self.base}/session{self.session}{path}", data, {"Content-Type": "application/json"}, method=method)
-        with urllib.request.urlopen(request, timeout=60) as answer:
+        with urllib.request.urlopen(request, timeout=120) as answer:
             return json.load(answer)["value"]
 
     def open(self, url):
@@ -61,7 +61,7 @@ class Browser:
         """The value of a JavaScript function body."""
         return self._call("POST", "/execute/sync", {"script": script, "args": list(args)})
 
-    def wait_for(self, condition, timeout_s=60):
+    def wait_for(self, condition, timeout_s=120):
         """Until a JavaScript expression is true; returns the seconds it took, or None. A busy machine takes its time."""
         begin = time.monotonic()
         while time.monotonic() - begin < timeout_s:

@@ -5,10 +5,10 @@
 #include <stdexcept>
 
 #include "common/bus/log_player.hpp"
-#include "common/foxglove/board.hpp"
-#include "common/foxglove/feed.hpp"
-#include "common/foxglove/schemas.hpp"
 #include "common/node/log.hpp"
+#include "modules/viewer/foxglove/feed.hpp"
+#include "modules/viewer/foxglove/foxglove.hpp"
+#include "modules/viewer/foxglove/topic_store.hpp"
 #include "tools/convert/mcap_writer.hpp"
 #include "tools/convert/new_file.hpp"
 
@@ -29,13 +29,14 @@ void export_mcap(const std::filesystem::path& log, const std::filesystem::path& 
   bus::LogPlayer player({log});
   NewFile file(out);
   McapWriter writer(file.partial_path());
-  foxglove::Board board;
+  foxglove::TopicStore store;
   node::MessageCounts counts;
-  const foxglove::Feed feed(player, board, counts, {.trail_spacing_m = kTrailSpacingM});
-  for (const foxglove::Topic& topic : board.topics()) {
+  const foxglove::Feed feed(player, store, counts,
+                            {.cloud_spacing_m = 0.0, .trail_spacing_m = kTrailSpacingM});
+  for (const foxglove::Topic& topic : store.topics()) {
     writer.add_channel({topic.name, topic.schema_name, foxglove::schema_text(topic.schema_name)});
   }
-  board.listen([&](std::size_t topic, foxglove::Post& post) {
+  store.listen([&](std::size_t topic, foxglove::Post& post) {
     writer.write(static_cast<std::uint16_t>(topic), nanoseconds(player.event_utime_us()),
                  nanoseconds(post.utime_us()), post.text());
   });
@@ -46,7 +47,7 @@ void export_mcap(const std::filesystem::path& log, const std::filesystem::path& 
   }
   writer.finish();
   file.commit();
-  nodmap::log::get().info("{} messages on {} topics", writer.num_messages(), board.topics().size());
+  nodmap::log::get().info("{} messages on {} topics", writer.num_messages(), store.topics().size());
 }
 
 }  // namespace nodmap::convert

@@ -83,7 +83,7 @@ export class Cloud {
       this.remove(oldest);
     }
     this.grade();
-    this.share(this.budget);
+    this.distribute(this.budget);
   }
 
   remove(key) {
@@ -111,7 +111,7 @@ export class Cloud {
     });
   }
 
-  share(budget) {
+  distribute(budget) {
     this.budget = budget;
     const fraction = Math.min(1, budget / Math.max(this.total, 1));
     for (const object of this.keyframes.values()) {

@@ -32,5 +32,5 @@ export function rampCss() {
  */
 export const shared = {ceilingM: {value: 2}, byAge: {value: false}, focalPx: {value: 600}};
 
-/** In a vertex shader, after gl_Position is set: a place that no picture shows. */
+/** In a vertex shader, after gl_Position is set: a place that no image shows. */
 export const CUT_GLSL = "if (world.z > ceilingM) { gl_Position = vec4(2.0, 2.0, 2.0, 1.0); }";

@@ -11,7 +11,7 @@ const SERVICE_RESPONSE = 3;
 
 /**
  * Subscribes to every topic of the server that the page came from, and connects again when the connection is lost.
- * handlers: open(serverInfo), close(), message(topic, read, timeS), time(timeS), parameters(map).
+ * handlers: open(serverInfo), close(), tokenRefused(), message(topic, read, timeS), time(timeS), parameters(map).
  * `read()` gives the message: what is never looked at is never decoded.
  */
 export class Connection {
@@ -39,11 +39,24 @@ export class Connection {
         this.onBinary(new DataView(event.data));
       }
     };
+    let opened = false;
+    this.socket.onopen = () => { opened = true; };
     this.socket.onclose = () => {
+      if (this.token && !opened) {
+        this.askWhetherRefused();
+      }
       this.calls.forEach((done) => done({ok: false, text: "No answer: the connection was lost."}));
       this.handlers.close();
       setTimeout(() => this.connect(), RETRY_MS);
     };
+  }
+
+  /** A browser does not say why a WebSocket was refused; where the page itself is served, it was the token. */
+  async askWhetherRefused() {
+    const served = await fetch(location.pathname, {method: "HEAD", cache: "no-store"}).then(({ok}) => ok, () => false);
+    if (served && this.token) {
+      this.handlers.tokenRefused();
+    }
   }
 
   onText(message) {

@@ -4,15 +4,28 @@
 const DRAG_PX = 4;
 
 export class Control {
-  constructor(form, view, connection) {
+  /** `stopBar` holds STOP and "Go on", `form` everything else. */
+  constructor(stopBar, form, view, connection) {
+    this.stopBar = stopBar;
     this.form = form;
     this.connection = connection;
     this.answer = form.querySelector("#answer");
     this.pick = form.querySelector("#pick");
     this.view = view;
     const simple = {stop: "stop", go: "go", roam: "roam", save: "save_maps", record: "start_recording", "record-end": "stop_recording"};
-    Object.entries(simple).forEach(([id, what]) => form.querySelector(`#${id}`).addEventListener("click", () => this.ask({do: what})));
+    Object.entries(simple).forEach(([id, what]) => document.getElementById(id).addEventListener("click", () => this.ask({do: what})));
+    document.addEventListener("keydown", (event) => this.onKey(event));
     this.takeGoals();
+  }
+
+  /** S stops the robot, whatever has the focus: no field of the page takes letters. Escape ends the choice of a goal. */
+  onKey(event) {
+    if (event.key.toLowerCase() === "s" && !event.ctrlKey && !event.altKey && !event.metaKey && !this.stopBar.hidden) {
+      event.preventDefault();
+      this.ask({do: "stop"});
+    } else if (event.key === "Escape" && this.isPicking) {
+      this.setPicking(false);
+    }
   }
 
   takeGoals() {
@@ -20,7 +33,13 @@ export class Control {
     const y = this.form.querySelector("#goal-y");
     this.form.addEventListener("submit", (event) => {
       event.preventDefault();
-      this.ask({do: "goal", x_m: Number(x.value), y_m: Number(y.value)});
+      const empty = [x, y].find((field) => !Number.isFinite(field.valueAsNumber));
+      if (empty) {
+        empty.focus();
+        this.showAnswer(false, "Not sent: a goal needs x and y, in metres.");
+        return;
+      }
+      this.ask({do: "goal", x_m: x.valueAsNumber, y_m: y.valueAsNumber});
     });
     this.pick.addEventListener("click", () => this.setPicking(!this.isPicking));
     const {canvas} = this.view;
@@ -48,16 +67,19 @@ export class Control {
   }
 
   async ask(request) {
-    this.answer.textContent = "Asked.";
-    this.answer.dataset.ok = true;
+    this.showAnswer(true, "Asked.");
     const {ok, text} = await this.connection().call("control", request);
-    this.answer.textContent = ok ? text : `Refused: ${text}`;
+    this.showAnswer(ok, ok ? text : `Refused: ${text}`);
+  }
+
+  showAnswer(ok, text) {
+    this.answer.textContent = text;
     this.answer.dataset.ok = ok;
   }
 
   /** Called for each new connection; whether processes can be started and stopped. */
   open({capabilities, metadata}) {
-    this.form.hidden = !capabilities.includes("services");
+    this.form.hidden = this.stopBar.hidden = !capabilities.includes("services");
     const processes = !this.form.hidden && metadata?.process_control === "true";
     this.form.querySelectorAll(".process-control").forEach((button) => { button.hidden = !processes; });
     document.body.classList.toggle("has-control", !this.form.hidden);
@@ -66,6 +88,6 @@ export class Control {
 
   /** The STOP message: whether the robot is held. */
   showStopped(isStopped) {
-    this.form.classList.toggle("stopped", isStopped);
+    this.stopBar.classList.toggle("stopped", isStopped);
   }
 }

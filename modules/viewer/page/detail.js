@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The level of detail: how many points a picture may have, so that what moves keeps moving.
+// The level of detail: how many points an image may have, so that what moves keeps moving.
 
 const FIRST_BUDGET = 200000;
-const TARGET_FRAME_MS = 40;  // a little under the 50 ms that 20 pictures a second allow
-// A change is judged by the median of so many pictures: one late picture says nothing.
+const TARGET_FRAME_MS = 40;  // a little under the 50 ms that 20 images a second allow
+// A change is judged by the median of so many images: one late image says nothing.
 const PICTURES_PER_CHANGE = 8;
-// A picture that has not changed for so long is drawn finer, step by step, until every point is in it.
+// An image that has not changed for so long is drawn finer, step by step, until every point is in it.
 const STILL_MS = 400;
 
 export class Detail {
@@ -13,14 +13,14 @@ export class Detail {
   constructor(least) {
     this.least = least;
     this.moving = FIRST_BUDGET;  // the budget while something moves
-    this.budget = FIRST_BUDGET;  // that of the next picture
+    this.budget = FIRST_BUDGET;  // that of the next image
     this.frameMs = TARGET_FRAME_MS;
     this.times = [];
-    this.lastMs = null;     // of the picture before, if it was drawn while something moved
+    this.lastMs = null;     // of the image before, if it was drawn while something moved
     this.changedMs = -Infinity;
   }
 
-  /** Before each possible picture: whether to draw one. `changed`: it differs from the one before. `total`: points there are. */
+  /** Before each possible image: whether to draw one. `changed`: it differs from the one before. `total`: points there are. */
   step(nowMs, changed, total) {
     if (changed) {
       this.changedMs = nowMs;
@@ -28,7 +28,7 @@ export class Detail {
       this.budget = this.moving;
       return true;
     }
-    this.lastMs = null;  // a pause is no slow picture
+    this.lastMs = null;  // a pause is no slow image
     if (nowMs - this.changedMs < STILL_MS || this.budget >= total) {
       return false;
     }

@@ -3,7 +3,7 @@
 import {HEIGHTS_M, rampCss, shared} from "./colors.js";
 import {element} from "./element.js";
 
-/** A check box for each layer. `changed()` is called when the picture has to be drawn anew. */
+/** A check box for each layer. `changed()` is called when the image has to be drawn anew. */
 export function makeLayerList(fieldset, layers, changed) {
   for (const [topic, {name, layer, off}] of layers) {
     const key = `layer:${topic}`;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The page: messages in, pictures and words out.
+// The page: messages in, images and words out.
 import {Connection} from "./connection.js";
 import {Control} from "./control.js";
 import {pointsOf} from "./decode.js";
@@ -19,16 +19,17 @@ const WORDS_MS = 250;
 const byId = (id) => document.getElementById(id);
 
 const view = new View(byId("canvas"));
-const software = isSoftware(view.renderer.getContext());
+const software = !view.renderer || isSoftware(view.renderer.getContext());
+byId("no-webgl").hidden = Boolean(view.renderer);
 const layers = makeLayers(view.frames, software);
 const {cloud} = layers.get("CLOUD").layer;
 const detail = new Detail(software ? 100000 : 20000);
 const plots = new Plots(byId("plots"));
 const state = new State({banner: byId("banner"), announcement: byId("announcement"), facts: byId("facts")});
 const playback = new Playback(byId("playback"), () => connection);
-const control = new Control(byId("control"), view, () => connection);
+const control = new Control(byId("stop-bar"), byId("control"), view, () => connection);
 const processes = new Processes(byId("processes").tBodies[0], (what, command) => control.ask({do: what, command}));
-const pending = new Map();  // the newest message of each topic since the last picture
+const pending = new Map();  // the newest message of each topic since the last image
 const keyframes = [];       // each counts
 let connected = false;
 let received = 0;
@@ -66,7 +67,7 @@ function take(topic, read, timeS) {
   }
 }
 
-/** Draws what has come since the last picture: what was replaced meanwhile costs nothing. */
+/** Draws what has come since the last image: what was replaced meanwhile costs nothing. */
 function show(topic, {read, timeS}) {
   const message = read();
   state.note(topic, message);
@@ -93,6 +94,9 @@ const connection = new Connection({
     connection.send({op: "getParameters", parameterNames: [], id: "page"});
     processes.canControl = control.open(info);
   },
+  tokenRefused() {
+    byId("token-refused").hidden = false;
+  },
   close() {
     connected = false;
     byId("summary").textContent = "Not connected.";
@@ -106,6 +110,12 @@ const connection = new Connection({
   parameters: (values) => playback.set(values),
 });
 
+byId("read-only").addEventListener("click", () => {
+  byId("token-refused").hidden = true;
+  history.replaceState(null, "", location.pathname);
+  connection.token = null;
+});
+
 document.querySelectorAll("[data-camera]").forEach((button) => button.addEventListener("click", () => {
   view.setMode(button.dataset.camera);
   document.querySelectorAll("[data-camera]").forEach((other) => other.setAttribute("aria-pressed", other === button));
@@ -116,11 +126,11 @@ function onFrame(nowMs) {
   pending.forEach((value, topic) => show(topic, value));
   pending.clear();
   if (keyframes.length > 0) {
-    layers.get("CLOUD").layer.show(keyframes.shift()());  // one a picture: a long history does not stop the view
+    layers.get("CLOUD").layer.show(keyframes.shift()());  // one an image: a long history does not stop the view
     view.touch();
   }
   if (detail.step(nowMs, view.update(), cloud.total)) {
-    cloud.share(detail.budget);
+    cloud.distribute(detail.budget);
     view.render();
   }
 }
@@ -128,12 +138,12 @@ requestAnimationFrame(onFrame);
 
 setInterval(() => {
   state.showBanner(connected, playback.isRunning);
-  state.showFacts([["points", `${cloud.drawn} of ${cloud.total}`], ["pictures", `${(1000 / detail.frameMs).toFixed(0)} per s`]]);
+  state.showFacts([["points", `${cloud.drawn} of ${cloud.total}`], ["drawn", `${(1000 / detail.frameMs).toFixed(0)} per s`]]);
 }, WORDS_MS);
 setInterval(() => plots.draw(), PLOT_MS);
 
-// For tests and for pictures of the documentation: what is on the page, as numbers.
+// For tests and for images of the documentation: what is on the page, as numbers.
 window.nodmap = {
-  connection, view, layers, cloud, detail, received: () => received,
+  connection, view, layers, cloud, detail, playback, received: () => received,
   take: (topic, message, timeS) => take(topic, () => message, timeS),
 };

@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Pause, time line and speed of a recording.
 
+const STEP_S = 0.1;
+// After a seek, times of before are still on their way: they are not shown, for at most so long.
+const SEEK_MS = 2000;
+const SEEK_TOLERANCE_S = 0.5 * STEP_S;
+
 function clockText(seconds) {
   const whole = Math.max(0, Math.floor(seconds));
   return `${Math.floor(whole / 60)}:${String(whole % 60).padStart(2, "0")}`;
@@ -9,20 +14,67 @@ function clockText(seconds) {
 export class Playback {
   constructor(form, connection) {
     this.form = form;
+    this.connection = connection;
     this.pause = form.querySelector("#pause");
     this.position = form.querySelector("#position");
     this.clock = form.querySelector("#clock");
     this.speed = form.querySelector("#speed");
     this.durationS = 0;
+    this.positionS = 0;
     this.paused = false;
     this.dragging = false;
-    this.pause.addEventListener("click", () => connection().setParameter("playback.paused", !this.paused));
+    this.pause.addEventListener("click", () => this.toggle());
     this.speed.addEventListener("change", () => connection().setParameter("playback.speed", Number(this.speed.value)));
     this.position.addEventListener("pointerdown", () => { this.dragging = true; });
-    this.position.addEventListener("change", () => {
-      this.dragging = false;
-      connection().setParameter("playback.position_s", Number(this.position.value));
-    });
+    document.addEventListener("pointerup", () => { this.dragging = false; });
+    document.addEventListener("pointercancel", () => { this.dragging = false; });
+    this.position.addEventListener("change", () => this.seek(Number(this.position.value)));
+    document.addEventListener("keydown", (event) => this.onKey(event));
+  }
+
+  /** Pauses or goes on; at the end it begins anew. */
+  toggle() {
+    if (this.isAtEnd) {
+      this.seek(0);
+      this.connection().setParameter("playback.paused", false);
+    } else {
+      this.connection().setParameter("playback.paused", !this.paused);
+    }
+  }
+
+  seek(positionS) {
+    this.connection().setParameter("playback.position_s", positionS);
+    this.show(positionS);  // at once, so that steps add up
+    this.sought = {positionS, untilMs: performance.now() + SEEK_MS};
+  }
+
+  /** What the server reports, unless it is from before a seek. */
+  showReported(positionS) {
+    if (this.sought && performance.now() < this.sought.untilMs) {
+      const aheadS = positionS - this.sought.positionS;
+      const playedS = this.paused ? 0 : Number(this.speed.value);  // what at most was played since
+      if (aheadS < -SEEK_TOLERANCE_S || aheadS > SEEK_TOLERANCE_S + playedS) {
+        return;
+      }
+    }
+    this.sought = null;
+    this.show(positionS);
+  }
+
+  /** Space pauses and goes on, comma and full stop step: but not while something has the focus to which Space is a press. */
+  onKey(event) {
+    if (this.form.hidden || event.ctrlKey || event.altKey || event.metaKey) {
+      return;
+    }
+    const step = {",": -STEP_S, ".": STEP_S}[event.key];
+    if (event.key === " " && !event.target.closest?.("button, select, summary, input:not([type=range])")) {
+      event.preventDefault();
+      this.toggle();
+    } else if (step) {
+      event.preventDefault();
+      this.connection().setParameter("playback.paused", true);
+      this.seek(Math.min(Math.max(this.positionS + step, 0), this.durationS));
+    }
   }
 
   /** The server's parameters: there is a playback where it has a duration. */
@@ -32,12 +84,12 @@ export class Playback {
     }
     this.form.hidden = false;
     this.durationS = parameters.get("playback.duration_s");
+    this.beginS = parameters.get("playback.begin_s");
     this.paused = parameters.get("playback.paused");
     this.position.max = this.durationS;
-    this.pause.textContent = this.paused ? "Play" : "Pause";
     this.speed.value = String(parameters.get("playback.speed"));
-    this.show(parameters.get("playback.position_s"));
-    this.beginS = this.lastTimeS === undefined ? undefined : this.lastTimeS - parameters.get("playback.position_s");
+    this.showReported(parameters.get("playback.position_s"));
+    this.showState();
   }
 
   /** The time of the recording. True when it has gone back. */
@@ -45,21 +97,33 @@ export class Playback {
     const back = this.lastTimeS !== undefined && timeS < this.lastTimeS;
     this.lastTimeS = timeS;
     if (this.beginS !== undefined) {
-      this.show(timeS - this.beginS);
+      this.showReported(timeS - this.beginS);
     }
     return back;
   }
 
   show(positionS) {
     this.positionS = positionS;
-    if (!this.dragging && document.activeElement !== this.position) {
+    if (!this.dragging) {
       this.position.value = positionS;
     }
     this.clock.textContent = `${clockText(positionS)} / ${clockText(this.durationS)}`;
+    this.showState();
+  }
+
+  showState() {
+    const word = this.paused || this.isAtEnd ? "Play" : "Pause";
+    if (this.pause.textContent !== word) {
+      this.pause.textContent = word;
+    }
+  }
+
+  get isAtEnd() {
+    return this.durationS > 0 && this.positionS >= this.durationS - 1e-3;
   }
 
   /** Whether messages are to come: not while it pauses or at its end. */
   get isRunning() {
-    return this.form.hidden || (!this.paused && this.positionS < this.durationS);
+    return this.form.hidden || (!this.paused && !this.isAtEnd);
   }
 }

@@ -15,11 +15,21 @@ const TOP_OFFSET = new Vector3(0, -0.01, 14);
 const KEY_TURN_RAD = 0.08;
 const KEY_DISTANCE = 0.9;
 
+/** Null where the browser has no WebGL: then there is no scene, and the rest of the page works. */
+function makeRenderer(canvas) {
+  try {
+    return new WebGLRenderer({canvas, antialias: false});
+  } catch (error) {
+    console.warn(`no 3D scene: ${error.message}`);
+    return null;
+  }
+}
+
 export class View {
   constructor(canvas) {
     Object3D.DefaultUp.set(0, 0, 1);
     this.canvas = canvas;
-    this.renderer = new WebGLRenderer({canvas, antialias: false});
+    this.renderer = makeRenderer(canvas);
     this.scene = new Scene();
     this.scene.background = new Color(BACKGROUND);
     this.scene.add(new AmbientLight(0xffffff, 0.6));
@@ -41,7 +51,7 @@ export class View {
     this.setMode("follow");
   }
 
-  /** Says that the next picture differs from the last one. */
+  /** Says that the next image differs from the last one. */
   touch() {
     this.isTouched = true;
   }
@@ -92,6 +102,9 @@ export class View {
   }
 
   resize() {
+    if (!this.renderer) {
+      return;
+    }
     const {clientWidth: width, clientHeight: height} = this.canvas;
     const ratio = Math.min(window.devicePixelRatio, 2);
     if (this.canvas.width !== Math.floor(width * ratio) || this.canvas.height !== Math.floor(height * ratio)) {
@@ -104,7 +117,7 @@ export class View {
     }
   }
 
-  /** Brings camera and canvas up to now. True when the picture has changed since the last call. */
+  /** Brings camera and canvas up to now. True when the image has changed since the last call. */
   update() {
     this.resize();
     this.track();
@@ -115,7 +128,7 @@ export class View {
   }
 
   render() {
-    this.renderer.render(this.scene, this.camera);
+    this.renderer?.render(this.scene, this.camera);
   }
 
   /** Where on the floor a click points to, in the root frame; null where it points to the sky. */

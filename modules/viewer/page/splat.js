@@ -39,7 +39,7 @@ export function isSoftware(gl) {
 }
 
 /**
- * Puts points into `pixels` (width columns, height rows from below). `m` is the column-major matrix to the picture, `up` the
+ * Puts points into `pixels` (width columns, height rows from below). `m` is the column-major matrix to the image, `up` the
  * height of a point in the world as (a, b, c, d); `unit` is the distance's step a metre; `newness`, if not null, is the colour.
  */
 export function splat(points, count, m, up, {pixels, width, height, unit, ceilingM, newness}) {

@@ -39,36 +39,36 @@ export class State {
   }
 
   /** All that is wrong, the worst first: {level, what, why}. `expectsData`: nothing is paused or at its end. */
-  troubles(connected, expectsData) {
+  faults(connected, expectsData) {
     if (!connected) {
       return [{level: 2, what: "No connection to nodmap-viewer", why: "what is shown is old"}];
     }
-    const troubles = [];
+    const faults = [];
     if (expectsData && this.lastData === null) {
-      troubles.push({level: 2, what: "No data", why: "nothing has come yet"});
+      faults.push({level: 2, what: "No data", why: "nothing has come yet"});
     } else if (expectsData && Date.now() - this.lastData > 1000 * STALE_S) {
-      troubles.push({level: 2, what: "No data", why: `since ${new Date(this.lastData).toLocaleTimeString()}: what is shown is old`});
+      faults.push({level: 2, what: "No data", why: `since ${new Date(this.lastData).toLocaleTimeString()}: what is shown is old`});
     }
     for (const [topic, name] of [["POSE_2D", "2D SLAM"], ["POSE_6D", "6D SLAM"]]) {
       if (this.latest[topic]?.pose_quality === LOST) {
-        troubles.push({level: 2, what: "LOST", why: `${name} does not know where the robot is`});
+        faults.push({level: 2, what: "LOST", why: `${name} does not know where the robot is`});
       }
     }
     if (this.latest.STOP?.is_stopped) {
-      troubles.push({level: 1, what: "STOPPED", why: `by ${this.latest.STOP.requested_by}, until it is told to go on`});
+      faults.push({level: 1, what: "STOPPED", why: `by ${this.latest.STOP.requested_by}, until it is told to go on`});
     }
     this.processes.filter(({level}) => level > 0).forEach(({name, state, level, reason}) => {
-      troubles.push({level, what: `${name} ${state}`, why: reason});
+      faults.push({level, what: `${name} ${state}`, why: reason});
     });
-    return troubles.sort((a, b) => b.level - a.level);
+    return faults.sort((a, b) => b.level - a.level);
   }
 
   showBanner(connected, expectsData) {
-    const troubles = this.troubles(connected, expectsData);
-    this.banner.hidden = troubles.length === 0;
-    this.banner.dataset.level = LEVELS[troubles[0]?.level ?? 0];
-    this.say(this.banner, troubles.map(({what, why}) => (why ? `${what}: ${why}` : what)).join(" · "));
-    this.say(this.announcement, troubles.map(({what}) => what).join(", "));
+    const faults = this.faults(connected, expectsData);
+    this.banner.hidden = faults.length === 0;
+    this.banner.dataset.level = LEVELS[faults[0]?.level ?? 0];
+    this.say(this.banner, faults.map(({what, why}) => (why ? `${what}: ${why}` : what)).join(" · "));
+    this.say(this.announcement, faults.map(({what}) => what).join(", "));
   }
 
   /** Only what is new is written: a screen reader speaks at each change. */

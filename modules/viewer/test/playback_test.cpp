@@ -26,6 +26,8 @@ TEST(Playback, ParametersSteerIt) {
   EXPECT_NE(set_playback_parameter(player, "playback.position_s", 1e300).refusal, "");
   EXPECT_NE(set_playback_parameter(player, "playback.duration_s", 1).refusal, "");
   EXPECT_EQ(playback_parameters(player)[1]["value"], 2.0);
+  EXPECT_EQ(playback_parameters(player)[2], Json({{"name", "playback.begin_s"}, {"value", 0.0}}))
+      << "wherever it plays";
 }
 
 }  // namespace

@@ -24,6 +24,7 @@ class RemoteControlTest : public ::testing::Test {
   bool ask(const Json& request) {
     const Answer answer = control_.answer(request);
     EXPECT_FALSE(answer.text.empty());
+    answer_ = answer.text;
     handle();
     return answer.ok;
   }
@@ -40,6 +41,7 @@ class RemoteControlTest : public ::testing::Test {
   bus::Latest<nodmap::save_request_t> save_{bus_, "SAVE_REQUEST"};
   time::ManualClock clock_{77};
   RemoteControl control_{bus_, clock_, nullptr};
+  std::string answer_;
 };
 
 TEST_F(RemoteControlTest, AGoalGoesOut) {
@@ -53,6 +55,27 @@ TEST_F(RemoteControlTest, AGoalGoesOut) {
   EXPECT_TRUE(ask({{"do", "roam"}}));
   EXPECT_FALSE(goal_.get()->is_active);
   EXPECT_EQ(goal_.get()->goal_seq, 1);
+}
+
+TEST_F(RemoteControlTest, AGoalFarAwayIsRefusedAndOneOutsideOfTheMapIsSaidToBe) {
+  EXPECT_FALSE(ask({{"do", "goal"}, {"x_m", 1e9}, {"y_m", 0}}));
+  EXPECT_NE(answer_.find("10000 m"), std::string::npos) << answer_;
+  EXPECT_FALSE(goal_.get());
+  EXPECT_TRUE(ask({{"do", "goal"}, {"x_m", 50}, {"y_m", 0}}));
+  EXPECT_EQ(answer_.find("outside"), std::string::npos) << "no map has come";
+  nodmap::grid_chunk_t tile{};
+  tile.cell_size_m = 0.1;
+  tile.origin_x_m = -2.0;
+  tile.origin_y_m = -1.0;
+  tile.grid_width = 100;  // to x = 8
+  tile.grid_height = 30;  // to y = 2
+  bus_.publish("MAP_2D", tile);
+  handle();
+  EXPECT_TRUE(ask({{"do", "goal"}, {"x_m", 7.9}, {"y_m", 1.9}}));
+  EXPECT_EQ(answer_.find("outside"), std::string::npos) << answer_;
+  EXPECT_TRUE(ask({{"do", "goal"}, {"x_m", 7.9}, {"y_m", 2.1}}));
+  EXPECT_NE(answer_.find("outside of the map"), std::string::npos) << answer_;
+  EXPECT_DOUBLE_EQ(goal_.get()->position_m[1], 2.1) << "it may still be explored";
 }
 
 TEST_F(RemoteControlTest, AStopIsSaidAgainUntilGo) {

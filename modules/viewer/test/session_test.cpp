@@ -18,21 +18,21 @@ using ::testing::IsEmpty;
 class SessionTest : public ::testing::Test {
  protected:
   SessionTest() {
-    scan_ = board_.add({"SCAN", "foxglove.LaserScan"});
-    cloud_ = board_.add({"CLOUD", "foxglove.PointCloud", foxglove::Keep::kAll, 10});
+    scan_ = store_.add({"SCAN", "foxglove.LaserScan"});
+    cloud_ = store_.add({"CLOUD", "foxglove.PointCloud", foxglove::Keep::kAll, 10});
     services_.name = "viewer";
     services_.session_id = "42";
   }
 
   Session greeted(Rights rights = {}) {
-    Session session(board_, services_, rights);
+    Session session(store_, services_, rights);
     (void)session.next();
     (void)session.next();
     return session;
   }
 
   void post(std::size_t topic, std::int64_t utime_us, const std::string& text) {
-    board_.post(topic, utime_us, [text] { return text; });
+    store_.post(topic, utime_us, [text] { return text; });
   }
 
   static Json text_frame(Session& session) {
@@ -52,14 +52,14 @@ class SessionTest : public ::testing::Test {
     session.receive_binary(std::as_bytes(std::span(message)));
   }
 
-  foxglove::Board board_;
+  foxglove::TopicStore store_;
   Services services_;
   std::size_t scan_ = 0;
   std::size_t cloud_ = 0;
 };
 
 TEST_F(SessionTest, GreetsWithItselfAndItsChannels) {
-  Session session(board_, services_, {});
+  Session session(store_, services_, {});
   const Json info = text_frame(session);
   EXPECT_EQ(info["op"], "serverInfo");
   EXPECT_EQ(info["capabilities"], Json::array());
@@ -197,10 +197,10 @@ TEST_F(SessionTest, WithoutControlNothingIsDone) {
 
 TEST_F(SessionTest, WithControlCallsAreAnswered) {
   services_.control = [](const Json& request) {
-    return Answer{.ok = request["do"] == "stop", .text = "Said."};
+    return Answer{.ok = request["do"] == "stop", .text = "CommandOutput."};
   };
   services_.controls_processes = true;
-  Session session(board_, services_, {.play = true, .control = true});
+  Session session(store_, services_, {.play = true, .control = true});
   const Json info = text_frame(session);
   EXPECT_EQ(info["capabilities"], Json::array({"services"}));
   EXPECT_EQ(info["metadata"]["process_control"], "true");
@@ -210,10 +210,10 @@ TEST_F(SessionTest, WithControlCallsAreAnswered) {
   const auto frame = session.next();
   ASSERT_TRUE(frame && frame->is_binary);
   const std::string head("\x03\x01\0\0\0\x07\0\0\0\x04\0\0\0json", 17);
-  EXPECT_EQ(frame->head, head + R"({"ok":true,"text":"Said."})");
+  EXPECT_EQ(frame->head, head + R"({"ok":true,"text":"CommandOutput."})");
   EXPECT_EQ(session.refused(), 0);
   receive(session, call(R"({"do":"fly"})"));
-  EXPECT_EQ(session.next()->head, head + R"({"ok":false,"text":"Said."})");
+  EXPECT_EQ(session.next()->head, head + R"({"ok":false,"text":"CommandOutput."})");
   EXPECT_EQ(session.refused(), 1);
 }
 
@@ -269,13 +269,13 @@ TEST_F(SessionTest, ParametersAreReadByAllAndSetByThoseWhoMay) {
 TEST_F(SessionTest, ChangedParametersAreToldToThoseWhoAsked) {
   services_.parameters = [] { return Json::array(); };
   Session session = greeted();
-  session.tell_parameters();
+  session.send_changed_parameters();
   EXPECT_FALSE(session.next());
   session.receive_text(R"({"op":"subscribeParameterUpdates","parameterNames":[]})");
-  session.tell_parameters();
+  session.send_changed_parameters();
   EXPECT_EQ(text_frame(session)["op"], "parameterValues");
   session.receive_text(R"({"op":"unsubscribeParameterUpdates","parameterNames":[]})");
-  session.tell_parameters();
+  session.send_changed_parameters();
   EXPECT_FALSE(session.next());
 }
 
@@ -292,8 +292,8 @@ TEST_F(SessionTest, TellsTheParametersThatAreAskedFor) {
 
 TEST_F(SessionTest, TellsTheNewestTimeOnce) {
   Session session = greeted();
-  session.tell_time(1);
-  session.tell_time(2);
+  session.send_time(1);
+  session.send_time(2);
   const auto frame = session.next();
   ASSERT_TRUE(frame && frame->is_binary);
   EXPECT_EQ(frame->head, std::string("\x02\xD0\x07\x00\x00\x00\x00\x00\x00", 9));

@@ -38,5 +38,11 @@ TEST(Config, NormalizesGroupPaths) {
   EXPECT_EQ(normalized_group(""), "");
 }
 
+TEST(ProgramOf, IsTheFirstWordThatSetsNothing) {
+  EXPECT_EQ(program_of("nodmap-slam2d"), "nodmap-slam2d");
+  EXPECT_EQ(program_of("A=1 B=2 bin/nodmap-sim --x"), "nodmap-sim");
+  EXPECT_EQ(program_of(""), "");
+}
+
 }  // namespace
 }  // namespace nodmap::procman

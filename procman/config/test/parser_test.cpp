@@ -6,6 +6,8 @@
 
 #include <filesystem>
 #include <fstream>
+#include <sstream>
+#include <string>
 
 #include "tests/support/data_dir.hpp"
 #include "tests/support/program.hpp"
@@ -267,6 +269,18 @@ TEST_P(RealConfig, IsRightAndSurvivesEveryCut) {
     }
   }
   EXPECT_GT(num_errors, 0);
+}
+
+// The existing tools have known `deputy` only since 2015.
+TEST_P(RealConfig, SaysDeputyAsTheExistingToolsDo) {
+  std::istringstream text(test::slurp(std::string(NODMAP_PMD_DIR) + "/" + GetParam()));
+  int num_deputies = 0;
+  for (std::string line; std::getline(text, line);) {
+    EXPECT_EQ(line.find("host = "), std::string::npos) << line;
+    num_deputies += line.find("deputy = ") != std::string::npos ? 1 : 0;
+  }
+  EXPECT_EQ(static_cast<std::size_t>(num_deputies),
+            load_config(std::string(NODMAP_PMD_DIR) + "/" + GetParam()).commands.size());
 }
 
 INSTANTIATE_TEST_SUITE_P(All, RealConfig,

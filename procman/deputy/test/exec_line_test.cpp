@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "procman/deputy/exec_line.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "procman/deputy/child_process.hpp"
 
 namespace nodmap::procman {
 namespace {

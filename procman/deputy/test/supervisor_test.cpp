@@ -16,26 +16,27 @@ using ::testing::IsEmpty;
 constexpr std::int64_t kSecond = 1'000'000;
 constexpr int kExit3 = 3 << 8;
 
-/// The deeds as words, without TellInfo.
-std::vector<std::string> words(const Deeds& deeds) {
+/// The actions as words, without PublishInfo.
+std::vector<std::string> words(const SupervisorActions& actions) {
   std::vector<std::string> all;
-  for (const Deed& deed : deeds) {
-    if (const auto* start = std::get_if<StartCommand>(&deed)) {
+  for (const SupervisorAction& action : actions) {
+    if (const auto* start = std::get_if<StartCommand>(&action)) {
       all.push_back("start " + start->id + ": " + start->exec);
-    } else if (const auto* signal = std::get_if<SignalCommand>(&deed)) {
+    } else if (const auto* signal = std::get_if<SignalCommand>(&action)) {
       all.push_back("signal " + signal->id + " " + std::to_string(signal->signal));
-    } else if (const auto* say = std::get_if<Say>(&deed)) {
+    } else if (const auto* say = std::get_if<WriteOutput>(&action)) {
       all.push_back("say " + say->id + ": " + say->text);
-    } else if (const auto* forget = std::get_if<ForgetCommand>(&deed)) {
+    } else if (const auto* forget = std::get_if<ForgetCommand>(&action)) {
       all.push_back("forget " + forget->id);
     }
   }
   return all;
 }
 
-bool tells(const Deeds& deeds) {
-  return std::any_of(deeds.begin(), deeds.end(),
-                     [](const Deed& deed) { return std::holds_alternative<TellInfo>(deed); });
+bool tells(const SupervisorActions& actions) {
+  return std::any_of(actions.begin(), actions.end(), [](const SupervisorAction& action) {
+    return std::holds_alternative<PublishInfo>(action);
+  });
 }
 
 CommandOrder order(int run, bool force_quit = false, const std::string& id = "a") {
@@ -49,7 +50,7 @@ CommandOrder order(int run, bool force_quit = false, const std::string& id = "a"
 
 class SupervisorTest : public ::testing::Test {
  protected:
-  Deeds take(std::vector<CommandOrder> commands, std::int64_t age_us = 0) {
+  SupervisorActions take(std::vector<CommandOrder> commands, std::int64_t age_us = 0) {
     return supervisor_.take_orders({0, "rover", "sheriff", std::move(commands)}, age_us, now_us_);
   }
   void start_a(CommandOrder wanted = order(1)) {
@@ -70,9 +71,9 @@ TEST_F(SupervisorTest, StartsWhatIsWantedOnce) {
 }
 
 TEST_F(SupervisorTest, LeavesAloneWhatWasNeverWanted) {
-  const Deeds deeds = take({order(0)});
-  EXPECT_THAT(words(deeds), IsEmpty());
-  EXPECT_TRUE(tells(deeds)) << "that it is known";
+  const SupervisorActions actions = take({order(0)});
+  EXPECT_THAT(words(actions), IsEmpty());
+  EXPECT_TRUE(tells(actions)) << "that it is known";
   EXPECT_THAT(words(take({order(1, true)})), IsEmpty());
   EXPECT_EQ(status().actual_run, 1) << "as the existing deputy has it";
 }
@@ -161,9 +162,9 @@ TEST_F(SupervisorTest, AChangedExecWaitsForTheNextStart) {
   start_a();
   CommandOrder changed = order(1);
   changed.spec.exec = "other";
-  const Deeds deeds = take({changed});
-  EXPECT_THAT(words(deeds), IsEmpty());
-  EXPECT_TRUE(tells(deeds));
+  const SupervisorActions actions = take({changed});
+  EXPECT_THAT(words(actions), IsEmpty());
+  EXPECT_TRUE(tells(actions));
   EXPECT_EQ(status().spec.exec, "other");
   static_cast<void>(supervisor_.ended("a", 0, now_us_));
   changed.desired_run = 2;
@@ -172,8 +173,8 @@ TEST_F(SupervisorTest, AChangedExecWaitsForTheNextStart) {
 
 TEST_F(SupervisorTest, IgnoresOrdersForOthersAndOldOnes) {
   EXPECT_THAT(words(supervisor_.take_orders({0, "other", "s", {order(1)}}, 0, now_us_)), IsEmpty());
-  const Deeds deeds = take({order(1)}, Supervisor::kMaxOrdersAgeUs + 1);
-  EXPECT_THAT(words(deeds),
+  const SupervisorActions actions = take({order(1)}, Supervisor::kMaxOrdersAgeUs + 1);
+  EXPECT_THAT(words(actions),
               ElementsAre("say a: ignoring stale orders (utime 60 seconds ago). You may want to "
                           "check the system clocks!\n"));
   EXPECT_THAT(supervisor_.statuses(), IsEmpty());

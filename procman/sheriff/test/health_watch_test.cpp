@@ -40,16 +40,16 @@ class HealthWatchTest : public ::testing::Test {
     health.reason = "no scans";
     watch_.take_status("nodmap-a", health, now_us_);
   }
-  /// Seconds up to the verdict, of at most `limit`; 0 when there is none.
+  /// Seconds up to the restart, of at most `limit`; 0 when there is none.
   template <class Each>
   int seconds_to_verdict(int limit, Each each) {
     for (int second = 1; second <= limit; ++second) {
       now_us_ += kSecond;
       each();
       hear_deputy();
-      const auto verdicts = watch_.verdicts(fleet_, now_us_);
-      if (!verdicts.empty()) {
-        reason_ = verdicts[0].reason;
+      const auto restarts = watch_.due_restarts(fleet_, now_us_);
+      if (!restarts.empty()) {
+        reason_ = restarts[0].reason;
         return second;
       }
     }
@@ -66,10 +66,10 @@ TEST_F(HealthWatchTest, KnowsACommandByItsProgram) {
   Command empty;
   empty.exec = "A=1 ";
   EXPECT_EQ(status_name(empty), "");
-  EXPECT_FALSE(watch_.said_by("a").has_value());
+  EXPECT_FALSE(watch_.last_status_of("a").has_value());
   speak(ProcessHealth::State::kDegraded);
-  EXPECT_EQ(watch_.said_by("a")->health.state, ProcessHealth::State::kDegraded);
-  EXPECT_EQ(watch_.said_by("a")->heard_us, now_us_);
+  EXPECT_EQ(watch_.last_status_of("a")->health.state, ProcessHealth::State::kDegraded);
+  EXPECT_EQ(watch_.last_status_of("a")->received_us, now_us_);
 }
 
 TEST_F(HealthWatchTest, RestartsWhatFallsSilent) {
@@ -99,7 +99,7 @@ TEST(HealthWatchMute, RestartsWhatWritesNothing) {
     info.commands[0].pid = 7;
     info.commands[0].actual_run = 1;
     fleet.take_info(info, second * kSecond);
-    return watch.verdicts(fleet, second * kSecond);
+    return watch.due_restarts(fleet, second * kSecond);
   };
   for (int second = 1; second <= 20; ++second) {
     watch.take_output("a", second * kSecond);
@@ -109,9 +109,9 @@ TEST(HealthWatchMute, RestartsWhatWritesNothing) {
     watch.take_output("b", second * kSecond);  // of another, and of nobody we know
     EXPECT_THAT(verdicts_at(second), IsEmpty());
   }
-  const auto verdicts = verdicts_at(26);
-  ASSERT_EQ(verdicts.size(), 1U);
-  EXPECT_EQ(verdicts[0].reason, "no output for 6 s");
+  const auto restarts = verdicts_at(26);
+  ASSERT_EQ(restarts.size(), 1U);
+  EXPECT_EQ(restarts[0].reason, "no output for 6 s");
 }
 
 TEST_F(HealthWatchTest, RestartsWhatHasFailedForLong) {
@@ -149,10 +149,10 @@ TEST_F(HealthWatchTest, ABrokenLinkIsNoFaultOfTheProcess) {
   EXPECT_EQ(seconds_to_verdict(10, [this] { speak(ProcessHealth::State::kOk); }), 0);
   for (int second = 0; second < 10; ++second) {
     now_us_ += kSecond;
-    EXPECT_THAT(watch_.verdicts(fleet_, now_us_), IsEmpty());
+    EXPECT_THAT(watch_.due_restarts(fleet_, now_us_), IsEmpty());
   }
   hear_deputy();
-  EXPECT_THAT(watch_.verdicts(fleet_, now_us_), IsEmpty()) << "INFO came before STATUS";
+  EXPECT_THAT(watch_.due_restarts(fleet_, now_us_), IsEmpty()) << "INFO came before STATUS";
   EXPECT_EQ(seconds_to_verdict(10, [this] { speak(ProcessHealth::State::kOk); }), 0);
 }
 
@@ -160,7 +160,7 @@ TEST_F(HealthWatchTest, LeavesAloneWhatDoesNotRun) {
   hear_deputy(0);
   now_us_ += 100 * kSecond;
   hear_deputy(0);
-  EXPECT_THAT(watch_.verdicts(fleet_, now_us_), IsEmpty());
+  EXPECT_THAT(watch_.due_restarts(fleet_, now_us_), IsEmpty());
 }
 
 }  // namespace

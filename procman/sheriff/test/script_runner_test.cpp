@@ -3,6 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <csignal>
+#include <map>
+
 #include "procman/config/parser.hpp"
 
 namespace nodmap::procman {
@@ -16,6 +20,9 @@ class ScriptRunnerTest : public ::testing::Test {
   Config config_ = parse_config(R"(
       group "g" { cmd "a" { exec = "x"; host = "h"; } cmd "b" { exec = "x"; host = "h"; } }
       cmd "c" { exec = "x"; host = "h"; }
+      cmd "d" { exec = "x"; host = "h"; auto_respawn = "true"; }
+      script "up" { start group "g" wait "running"; }
+      script "respawned" { start cmd "d"; }
       script "inner" { start cmd "c"; wait ms 100; }
       script "all" {
         start group "g" wait "running";
@@ -42,10 +49,16 @@ class ScriptRunnerTest : public ::testing::Test {
           status.pid = 0;
         } else if (!order.force_quit && order.desired_run != status.actual_run) {
           status.pid = 100 + order.desired_run;
+          status.wait_status = 0;
           status.actual_run = order.desired_run;
         }
       }
     }
+    tell();
+  }
+  void end(const std::string& id, int wait_status) {
+    host_[id].pid = 0;
+    host_[id].wait_status = wait_status;
     tell();
   }
   void tell() {
@@ -86,15 +99,86 @@ TEST_F(ScriptRunnerTest, GoesOnWhenWhatItWaitsForIsSo) {
   obey({"a", "b"});
   runner.step(fleet_, now_us_);
   EXPECT_EQ(runner.waiting_for(), "everything to be stopped");
-  EXPECT_FALSE(runner.done());
+  EXPECT_FALSE(runner.is_over());
   obey({"c"});
   runner.step(fleet_, now_us_);
-  EXPECT_TRUE(runner.done());
+  EXPECT_TRUE(runner.is_over());
 }
 
 TEST_F(ScriptRunnerTest, AnEmptyScriptIsDone) {
   const Script empty;
-  EXPECT_TRUE(ScriptRunner(config_, empty).done());
+  ScriptRunner runner(config_, empty);
+  runner.step(fleet_, now_us_);
+  EXPECT_TRUE(runner.is_over());
+  EXPECT_EQ(runner.failure(), "");
+}
+
+TEST_F(ScriptRunnerTest, IsOverWhenAllThatItStartedKeepsRunning) {
+  ScriptRunner runner(config_, *config_.find_script("up"));
+  tell();
+  runner.step(fleet_, now_us_);
+  obey({"a", "b"});
+  runner.step(fleet_, now_us_);
+  EXPECT_EQ(runner.waiting_for(), "what it has started to keep running");
+  now_us_ += ScriptRunner::kLastingUs;
+  runner.step(fleet_, now_us_);
+  EXPECT_TRUE(runner.is_over());
+  EXPECT_EQ(runner.failure(), "");
+}
+
+TEST_F(ScriptRunnerTest, FailsWhenSomethingThatItStartedEndsWithAnError) {
+  ScriptRunner runner(config_, *config_.find_script("up"));
+  tell();
+  runner.step(fleet_, now_us_);
+  obey({"a", "b"});
+  runner.step(fleet_, now_us_);
+  end("b", 2 << 8);
+  now_us_ += ScriptRunner::kLastingUs;
+  runner.step(fleet_, now_us_);
+  EXPECT_TRUE(runner.is_over());
+  EXPECT_EQ(runner.failure(), "b has ended (exit 2)");
+}
+
+TEST_F(ScriptRunnerTest, DoesNotWaitForWhatHasEndedToRun) {
+  ScriptRunner runner(config_, *config_.find_script("up"));
+  tell();
+  runner.step(fleet_, now_us_);
+  obey({"a", "b"});
+  end("a", SIGSEGV);
+  runner.step(fleet_, now_us_);
+  EXPECT_TRUE(runner.is_over());
+  EXPECT_EQ(runner.failure(), "a has ended (killed by signal 11 (Segmentation fault))");
+}
+
+// Its deputy starts it anew again and again.
+TEST_F(ScriptRunnerTest, FailsWhenARespawnedCommandNeverLasts) {
+  ScriptRunner runner(config_, *config_.find_script("respawned"));
+  tell();
+  runner.step(fleet_, now_us_);
+  obey({"d"});
+  const std::int64_t end_us = now_us_ + ScriptRunner::kSettleUs;
+  for (; now_us_ <= end_us; now_us_ += 300 * kMs) {
+    end("d", 2 << 8);
+    runner.step(fleet_, now_us_);
+    host_["d"].pid = 500;
+    tell();
+    runner.step(fleet_, now_us_);
+  }
+  runner.step(fleet_, now_us_);
+  EXPECT_TRUE(runner.is_over());
+  EXPECT_EQ(runner.failure(), "d does not keep running (exit 2)");
+}
+
+TEST_F(ScriptRunnerTest, WhatEndsWellIsNoFailure) {
+  ScriptRunner runner(config_, *config_.find_script("inner"));
+  tell();
+  runner.step(fleet_, now_us_);
+  obey({"c"});
+  end("c", 0);
+  now_us_ += 100 * kMs;
+  runner.step(fleet_, now_us_);
+  EXPECT_TRUE(runner.is_over());
+  EXPECT_EQ(runner.failure(), "");
 }
 
 }  // namespace

@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "common/foxglove/test/robot_log.hpp"
+#include "modules/viewer/foxglove/test/robot_log.hpp"
 #include "tests/support/data_dir.hpp"
 #include "tools/convert/mcap_export.hpp"
 #include "tools/convert/mcap_writer.hpp"

@@ -1,0 +1,334 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/viewer/foxglove/feed.hpp"
+
+#include <string>
+#include <utility>
+
+#include "common/node/messages.hpp"
+#include "modules/viewer/foxglove/sensor_views.hpp"
+#include "nodmap/base_sensors_t.hpp"
+#include "nodmap/drive_t.hpp"
+#include "nodmap/json_messages.hpp"
+#include "nodmap/odometry_t.hpp"
+#include "nodmap/pitch_state_t.hpp"
+#include "nodmap/pose_t.hpp"
+#include "nodmap/scan_t.hpp"
+#include "nodmap/stop_t.hpp"
+
+namespace nodmap::foxglove {
+namespace {
+
+/// Messages that may wait for a turn of the viewer: a turn's messages and a burst of parts are far
+/// fewer.
+constexpr int kQueue = 512;
+constexpr std::size_t kLogLines = 500;
+/// Poses of keyframes are all kept, however near to each other.
+constexpr double kEachKeyframe = 0.0;
+
+constexpr const char* kTransform = "foxglove.FrameTransform";
+constexpr const char* kPoses = "foxglove.PosesInFrame";
+constexpr const char* kPointCloud = "foxglove.PointCloud";
+
+template <class Message, class Handler>
+void subscribe(bus::Bus& bus, const char* channel, Handler handler) {
+  bus.subscribe<Message>(channel, std::move(handler), kQueue);
+}
+
+std::size_t max_cloud_points(const FeedParams& params) {
+  return static_cast<std::size_t>(params.max_cloud_points);
+}
+
+bool same_lengths(const nodmap::egomap_t& map) {
+  const auto bins = static_cast<std::size_t>(map.num_bins);
+  return map.distance_m.size() == bins && map.point_x_m.size() == bins &&
+         map.point_y_m.size() == bins && map.point_z_m.size() == bins && map.age_s.size() == bins;
+}
+
+}  // namespace
+
+struct Feed::SlamChannel {
+  const char* channel;
+  const char* frame_topic;
+  const char* trail_topic;
+  Trail& trail;
+  Json (*frame)(std::int64_t utime_us, const geometry::SE3& T_map_odom);
+};
+
+Feed::Feed(bus::Bus& bus, TopicStore& store, node::MessageCounts& counts, const FeedParams& params)
+    : store_(store),
+      counts_(counts),
+      params_(params),
+      odometry_trail_(frames::kOdom, params.trail_spacing_m),
+      trail_2d_(frames::kMap, params.trail_spacing_m),
+      trail_6d_(frames::kMap6d, params.trail_spacing_m),
+      keyframes_(frames::kMap6d, kEachKeyframe),
+      cloud_downsampler_(params.cloud_spacing_m, max_cloud_points(params)) {
+  subscribe_sensors(bus);
+  subscribe_odometry(bus);
+  subscribe_decisions(bus);
+  subscribe_egomap(bus, "OBSTACLE_MAP");
+  subscribe_egomap(bus, "STRUCTURE_MAP");
+  subscribe_slam_pose(bus, {.channel = "POSE_2D",
+                            .frame_topic = "tf/map",
+                            .trail_topic = "trail/2d",
+                            .trail = trail_2d_,
+                            .frame = [](std::int64_t utime_us, const geometry::SE3& T_map_odom) {
+                              return frame_transform(utime_us, frames::kMap, frames::kOdom,
+                                                     T_map_odom);
+                            }});
+  // The other way round: a frame has one parent, and odom's is map.
+  subscribe_slam_pose(bus, {.channel = "POSE_6D",
+                            .frame_topic = "tf/map_6d",
+                            .trail_topic = "trail/6d",
+                            .trail = trail_6d_,
+                            .frame = [](std::int64_t utime_us, const geometry::SE3& T_map_odom) {
+                              return frame_transform(utime_us, frames::kOdom, frames::kMap6d,
+                                                     T_map_odom.inverse());
+                            }});
+  subscribe_maps(bus);
+  subscribe_cloud(bus);
+  subscribe_processes(bus);
+  subscribe_truth(bus);
+}
+
+void Feed::reset() {
+  for (Trail* trail : {&odometry_trail_, &trail_2d_, &trail_6d_, &keyframes_}) {
+    trail->clear();
+  }
+  grid_ = {};
+  cloud_ = {};
+  cloud_downsampler_.clear();
+  processes_.clear();
+  body_posted_ = false;
+  octomap_ = {};
+  commands_.clear();
+}
+
+void Feed::set_configured_commands(const procman::Config& config) {
+  commands_.set_configured(config);
+  post(commands_topic_, 0, [this] { return commands_.commands(); });
+}
+
+template <class Make>
+void Feed::post(std::size_t topic, std::int64_t utime_us, Make make, std::size_t weight) {
+  store_.post(
+      topic, utime_us, [make = std::move(make)] { return to_text(make()); }, weight);
+}
+
+template <class Message>
+auto Feed::add_fields_topic(const char* channel) {
+  const std::size_t topic = store_.add({channel, JsonMessage<Message>::kName});
+  return [this, topic](const Message& message) {
+    counts_.use();
+    post(topic, message.utime, [message] { return JsonMessage<Message>::fields(message); });
+  };
+}
+
+std::size_t Feed::add_scene_topic(const char* name) {
+  return store_.add({std::string("scene/") + name, "foxglove.SceneUpdate"});
+}
+
+void Feed::post_trail(std::size_t topic, Trail& trail, std::int64_t utime_us,
+                      const geometry::SE3& T_frame_base) {
+  trail.add(utime_us, T_frame_base);
+  if (trail.is_due(utime_us)) {
+    // By reference: the trail lives as long as the store's readers, and only grows.
+    post(topic, utime_us, [&trail] { return trail.poses_in_frame(); });
+  }
+}
+
+template <class Whole>
+std::optional<Whole> Feed::take(Assembled<Whole> result, const char* cause) {
+  if (result.refused) {
+    counts_.reject(cause);
+    return std::nullopt;
+  }
+  counts_.use();
+  counts_.lose(result.lost ? 1 : 0);
+  return std::move(result.whole);
+}
+
+void Feed::subscribe_sensors(bus::Bus& bus) {
+  const std::size_t scan_topic = store_.add({"SCAN", "foxglove.LaserScan"});
+  subscribe<nodmap::scan_t>(bus, "SCAN", [this, scan_topic](const auto& message) {
+    scan::Scan scan;
+    if (!node::read_scan(message, scan)) {
+      counts_.reject("scan_not_plausible");
+      return;
+    }
+    counts_.use();
+    p_base_mount_ = scan.T_base_mount.translation();
+    post(scan_topic, message.utime, [scan = std::move(scan)] { return laser_scan(scan); });
+  });
+  subscribe<nodmap::pitch_state_t>(bus, "PITCH_STATE",
+                                   add_fields_topic<nodmap::pitch_state_t>("PITCH_STATE"));
+  subscribe<nodmap::base_sensors_t>(bus, "BASE_SENSORS",
+                                    add_fields_topic<nodmap::base_sensors_t>("BASE_SENSORS"));
+}
+
+void Feed::subscribe_odometry(bus::Bus& bus) {
+  const auto post_fields = add_fields_topic<nodmap::odometry_t>("ODOMETRY");
+  const std::size_t frame = store_.add({"tf/base", kTransform});
+  const std::size_t trail = store_.add({"trail/odometry", kPoses});
+  const std::size_t robot = add_scene_topic("robot");
+  subscribe<nodmap::odometry_t>(bus, "ODOMETRY", [=, this](const auto& message) {
+    const auto T_odom_base = node::read_odometry(message);
+    if (!T_odom_base) {
+      counts_.reject("pose_not_valid");
+      return;
+    }
+    const std::int64_t utime_us = message.utime;
+    post_fields(message);
+    post(frame, utime_us, [utime_us, pose = *T_odom_base] {
+      return frame_transform(utime_us, frames::kOdom, frames::kBase, pose);
+    });
+    post_trail(trail, odometry_trail_, utime_us, *T_odom_base);
+    if (!std::exchange(body_posted_, true)) {
+      post(robot, utime_us, [utime_us, body = body_] { return body_scene(utime_us, body); });
+    }
+  });
+}
+
+void Feed::subscribe_decisions(bus::Bus& bus) {
+  subscribe<nodmap::drive_t>(bus, "DRIVE", add_fields_topic<nodmap::drive_t>("DRIVE"));
+  subscribe<nodmap::stop_t>(bus, "STOP", add_fields_topic<nodmap::stop_t>("STOP"));
+  subscribe<nodmap::navigation_t>(
+      bus, "NAVIGATION",
+      [this, post_fields = add_fields_topic<nodmap::navigation_t>("NAVIGATION"),
+       corridor = add_scene_topic("corridor")](const auto& message) {
+        post_fields(message);
+        post(corridor, message.utime,
+             [message, body = body_] { return corridor_scene(message, body); });
+      });
+  subscribe<nodmap::pitch_command_t>(
+      bus, "PITCH_COMMAND",
+      [this, post_fields = add_fields_topic<nodmap::pitch_command_t>("PITCH_COMMAND"),
+       area = add_scene_topic("area_of_interest")](const auto& message) {
+        post_fields(message);
+        post(area, message.utime, [message, p = p_base_mount_, body = body_] {
+          return area_of_interest_scene(message, p, body);
+        });
+      });
+  subscribe<nodmap::goal_t>(bus, "GOAL",
+                            [this, post_fields = add_fields_topic<nodmap::goal_t>("GOAL"),
+                             mark = add_scene_topic("goal")](const auto& message) {
+                              post_fields(message);
+                              post(mark, message.utime, [message] { return goal_scene(message); });
+                            });
+}
+
+void Feed::subscribe_egomap(bus::Bus& bus, const char* channel) {
+  const std::size_t topic = store_.add({channel, kPointCloud});
+  subscribe<nodmap::egomap_t>(bus, channel, [this, topic](const auto& message) {
+    const auto T_odom_base = node::read_pose(message.position_m, message.orientation);
+    if (!T_odom_base || !same_lengths(message)) {
+      counts_.reject("egomap_not_valid");
+      return;
+    }
+    counts_.use();
+    post(topic, message.utime,
+         [message, pose = *T_odom_base] { return egomap_cloud(message, pose); });
+  });
+}
+
+void Feed::subscribe_slam_pose(bus::Bus& bus, const SlamChannel& slam) {
+  const auto post_fields = add_fields_topic<nodmap::pose_t>(slam.channel);
+  const std::size_t frame = store_.add({slam.frame_topic, kTransform});
+  const std::size_t trail = store_.add({slam.trail_topic, kPoses});
+  subscribe<nodmap::pose_t>(bus, slam.channel, [=, this](const auto& message) {
+    const auto T_map_base = node::read_pose(message.position_m, message.orientation);
+    const auto T_map_odom = node::read_pose(message.odom_position_m, message.odom_orientation);
+    if (!T_map_base || !T_map_odom) {
+      counts_.reject("pose_not_valid");
+      return;
+    }
+    post_fields(message);
+    post(frame, message.utime, [make = slam.frame, utime_us = message.utime, pose = *T_map_odom] {
+      return make(utime_us, pose);
+    });
+    post_trail(trail, slam.trail, message.utime, *T_map_base);
+  });
+}
+
+void Feed::subscribe_maps(bus::Bus& bus) {
+  const std::size_t map_2d = store_.add({"MAP_2D", "foxglove.Grid"});
+  subscribe<nodmap::grid_chunk_t>(bus, "MAP_2D", [this, map_2d](const auto& message) {
+    if (auto view = take(grid_.add(message), "map_tile_not_valid")) {
+      post(map_2d, message.utime, [view = std::move(*view)] { return grid(view); });
+    }
+  });
+  const std::size_t octomap = store_.add({"OCTOMAP", "foxglove.VoxelGrid"});
+  subscribe<nodmap::octomap_chunk_t>(bus, "OCTOMAP", [this, octomap](const auto& message) {
+    if (auto view = take(octomap_.add(message), "octomap_part_not_valid")) {
+      post(octomap, message.utime, [view = std::move(*view)] {
+        return voxel_grid(view.utime_us, to_voxel_grid(view.space));
+      });
+    }
+  });
+}
+
+void Feed::subscribe_cloud(bus::Bus& bus) {
+  const std::size_t topic =
+      store_.add({"CLOUD", kPointCloud, Keep::kAll, max_cloud_points(params_)});
+  const std::size_t keyframes = store_.add({"keyframes", kPoses});
+  subscribe<nodmap::cloud_chunk_t>(bus, "CLOUD", [=, this](const auto& message) {
+    auto cloud = take(cloud_.add(message), "cloud_part_not_valid");
+    if (!cloud) {
+      return;
+    }
+    keyframes_.add(message.utime, cloud->T_frame_points);
+    post(keyframes, message.utime, [this] { return keyframes_.poses_in_frame(); });
+    cloud_downsampler_.downsample(*cloud);
+    const std::size_t points = cloud->xyz_m.size() / 3;
+    if (points > 0) {
+      post(
+          topic, message.utime, [view = std::move(*cloud)] { return point_cloud(view); }, points);
+    }
+  });
+}
+
+void Feed::subscribe_processes(bus::Bus& bus) {
+  const std::size_t status = store_.add({"STATUS", "nodmap.processes"});
+  const std::size_t log = store_.add({"log", "foxglove.Log", Keep::kAll, kLogLines});
+  subscribe<nodmap::status_t>(bus, "STATUS", [=, this](const auto& message) {
+    const ProcessTable::Change change = processes_.update(message);
+    if (!change.taken) {
+      counts_.reject("too_many_processes");
+      return;
+    }
+    counts_.use();
+    post(status, message.utime, [this] { return processes_.processes(); });
+    if (change.health_changed) {
+      post(log, message.utime, [message] { return health_log(message); });
+    }
+  });
+  commands_topic_ = store_.add({"PM_INFO", "nodmap.commands"});
+  subscribe<procman_lcm::deputy_info_t>(bus, "PM_INFO", [this](const auto& message) {
+    if (!commands_.update(message)) {
+      counts_.reject("too_many_commands");
+      return;
+    }
+    counts_.use();
+    post(commands_topic_, message.utime, [this] { return commands_.commands(); });
+  });
+}
+
+void Feed::subscribe_truth(bus::Bus& bus) {
+  const auto post_fields = add_fields_topic<nodmap::truth_t>("TRUTH");
+  const std::size_t frame = store_.add({"tf/world", kTransform});
+  const std::size_t people = add_scene_topic("people");
+  subscribe<nodmap::truth_t>(bus, "TRUTH", [=, this](const auto& message) {
+    const auto T_world_base = node::read_pose(message.position_m, message.orientation);
+    if (!T_world_base) {
+      counts_.reject("pose_not_valid");
+      return;
+    }
+    post_fields(message);
+    post(frame, message.utime, [utime_us = message.utime, pose = T_world_base->inverse()] {
+      return frame_transform(utime_us, frames::kBase, frames::kWorld, pose);
+    });
+    post(people, message.utime, [message] { return people_scene(message); });
+  });
+}
+
+}  // namespace nodmap::foxglove

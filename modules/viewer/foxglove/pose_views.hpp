@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Where things are, as Foxglove's FrameTransform and PosesInFrame.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+
+#include "modules/viewer/foxglove/foxglove.hpp"
+
+namespace nodmap::foxglove {
+
+/// foxglove.FrameTransform.
+[[nodiscard]] Json frame_transform(std::int64_t utime_us, const char* parent, const char* child,
+                                   const geometry::SE3& T_parent_child);
+
+/// Where something has been: poses at least `spacing_m` apart, the newest `kMaxPoses` of them.
+class Trail {
+ public:
+  static constexpr std::size_t kMaxPoses = 2000;
+  /// Each message holds the whole trail: no more often than this.
+  static constexpr std::int64_t kPeriodUs = 1'000'000;
+
+  Trail(const char* frame_id, double spacing_m) : frame_id_(frame_id), spacing_m_(spacing_m) {}
+
+  /// Whether the pose was far enough from the last one to be kept.
+  bool add(std::int64_t utime_us, const geometry::SE3& T_frame_base);
+  void clear() { *this = Trail(frame_id_, spacing_m_); }
+
+  /// Whether there is something new to publish, and the last time is long enough ago. If so, it
+  /// counts as published.
+  [[nodiscard]] bool is_due(std::int64_t utime_us);
+
+  [[nodiscard]] std::size_t size() const { return poses_.size(); }
+
+  /// foxglove.PosesInFrame.
+  [[nodiscard]] Json poses_in_frame() const;
+
+ private:
+  const char* frame_id_;
+  double spacing_m_;
+  std::int64_t utime_us_ = 0;
+  bool is_new_ = false;
+  std::optional<std::int64_t> published_us_;
+  std::deque<geometry::SE3> poses_;
+};
+
+}  // namespace nodmap::foxglove

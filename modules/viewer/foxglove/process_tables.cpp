@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/viewer/foxglove/process_tables.hpp"
+
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <set>
+#include <tuple>
+#include <utility>
+
+#include "nodmap/json_messages.hpp"
+
+namespace nodmap::foxglove {
+namespace {
+
+// Foxglove's LogLevel.
+constexpr int kInfo = 2;
+constexpr int kWarning = 3;
+constexpr int kError = 4;
+
+/// How a command ended that was not told to; empty for a good end.
+std::string end_of(const procman_lcm::cmd_status_t& status) {
+  const int wait_status = status.exit_code;
+  if (status.pid != 0 || wait_status == 0) {
+    return {};
+  }
+  if (WIFSIGNALED(wait_status)) {
+    const int signal = WTERMSIG(wait_status);
+    return signal == status.cmd.stop_signal ? "" : "killed by signal " + std::to_string(signal);
+  }
+  return "exit " + std::to_string(WEXITSTATUS(wait_status));
+}
+
+Json share_json(float share) {
+  return share >= 0.0F ? Json(share) : Json();
+}
+
+Json host_json(const procman_lcm::deputy_info_t& info) {
+  return {{"host", info.deputy_id},
+          {"cpu_share", share_json(info.cpu_load)},
+          {"memory_total_bytes", info.phys_mem_total_bytes},
+          {"memory_free_bytes", info.phys_mem_free_bytes}};
+}
+
+Json command_json(const std::string& host, const procman_lcm::cmd_status_t& status) {
+  const std::string end = end_of(status);
+  return {{"command", status.cmd.command_id},
+          {"group", status.cmd.group},
+          {"host", host},
+          {"process_name", procman::program_of(status.cmd.exec_str)},
+          {"state", status.pid != 0 ? "running"
+                    : end.empty()   ? "stopped"
+                                    : "failed"},
+          {"pid", status.pid},
+          {"cpu_share", share_json(status.cpu_usage)},
+          {"rss_bytes", status.mem_rss_bytes},
+          {"end", end}};
+}
+
+procman_lcm::cmd_status_t never_run(const procman::Command& command) {
+  procman_lcm::cmd_status_t status{};
+  status.cmd.command_id = command.id;
+  status.cmd.group = command.group;
+  status.cmd.exec_str = command.exec;
+  return status;
+}
+
+}  // namespace
+
+ProcessTable::Change ProcessTable::update(const nodmap::status_t& status) {
+  const auto found = processes_.find(status.process_name);
+  if (found == processes_.end()) {
+    if (processes_.size() >= kMaxProcesses) {
+      return {};
+    }
+    processes_.emplace(status.process_name, status);
+    return {.taken = true, .health_changed = true};
+  }
+  const bool changed =
+      found->second.health != status.health || found->second.health_reason != status.health_reason;
+  found->second = status;
+  return {.taken = true, .health_changed = changed};
+}
+
+Json ProcessTable::processes() const {
+  std::int64_t newest_us = 0;
+  Json list = Json::array();
+  for (const auto& [name, status] : processes_) {
+    newest_us = std::max(newest_us, status.utime);
+    list.push_back(JsonMessage<nodmap::status_t>::fields(status));
+  }
+  return {{"timestamp", time_json(newest_us)}, {"processes", std::move(list)}};
+}
+
+Json health_log(const nodmap::status_t& status) {
+  const bool ok = status.health == nodmap::status_t::OK;
+  const bool degraded = status.health == nodmap::status_t::DEGRADED;
+  const std::string state = JsonMessage<nodmap::status_t>::constant_name(status.health);
+  return {{"timestamp", time_json(status.utime)},
+          {"level", ok         ? kInfo
+                    : degraded ? kWarning
+                               : kError},
+          {"message", status.health_reason.empty() ? state : state + ": " + status.health_reason},
+          {"name", status.process_name},
+          {"file", ""},
+          {"line", 0}};
+}
+
+bool CommandTable::update(const procman_lcm::deputy_info_t& info) {
+  const bool is_known = hosts_.contains(info.deputy_id);
+  if ((!is_known && hosts_.size() >= kMaxHosts) || info.cmds.size() > kMaxCommands) {
+    return false;
+  }
+  hosts_[info.deputy_id] = info;
+  return true;
+}
+
+Json CommandTable::commands() const {
+  std::int64_t newest_us = 0;
+  Json hosts = Json::array();
+  Json commands = Json::array();
+  std::set<std::pair<std::string, std::string>> told;
+  for (const auto& [host, info] : hosts_) {
+    newest_us = std::max(newest_us, info.utime);
+    hosts.push_back(host_json(info));
+    for (const procman_lcm::cmd_status_t& status : info.cmds) {
+      told.emplace(host, status.cmd.command_id);
+      commands.push_back(command_json(host, status));
+    }
+  }
+  for (const procman::Command& command : configured_) {
+    if (!told.contains({command.deputy, command.id})) {
+      commands.push_back(command_json(command.deputy, never_run(command)));
+    }
+  }
+  std::sort(commands.begin(), commands.end(), [](const Json& a, const Json& b) {
+    return std::tie(a["group"], a["command"]) < std::tie(b["group"], b["command"]);
+  });
+  return {{"timestamp", time_json(newest_us)},
+          {"hosts", std::move(hosts)},
+          {"commands", std::move(commands)}};
+}
+
+}  // namespace nodmap::foxglove

@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/viewer/foxglove/scene_views.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "nodmap/json_messages.hpp"
+
+namespace nodmap::foxglove {
+namespace {
+
+constexpr Color kBodyColor{0.95, 0.55, 0.1, 1.0};
+constexpr Color kPersonColor{0.85, 0.2, 0.6, 0.9};
+constexpr Color kGoalColor{0.1, 0.8, 0.3, 0.7};
+constexpr Color kTextColor{1.0, 1.0, 1.0, 1.0};
+constexpr Color kAreaColor{0.3, 0.7, 1.0, 0.8};
+constexpr int kLineStrip = 0;
+constexpr int kLineList = 2;
+
+geometry::SE3 at(double x_m, double y_m, double z_m) {
+  geometry::SE3 pose = geometry::SE3::Identity();
+  pose.translation() = Eigen::Vector3d(x_m, y_m, z_m);
+  return pose;
+}
+
+/// An entity with no primitive yet; it stays until it is replaced.
+Json entity(std::int64_t utime_us, const char* frame_id, const std::string& id) {
+  Json json = {{"timestamp", time_json(utime_us)},
+               {"frame_id", frame_id},
+               {"id", id},
+               {"lifetime", {{"sec", 0}, {"nsec", 0}}},
+               {"frame_locked", true}};
+  for (const char* list : {"metadata", "arrows", "cubes", "spheres", "cylinders", "lines",
+                           "triangles", "texts", "models"}) {
+    json[list] = Json::array();
+  }
+  return json;
+}
+
+Json update(Json entities, Json deletions = Json::array()) {
+  return {{"deletions", std::move(deletions)}, {"entities", std::move(entities)}};
+}
+
+Json one(Json single) {
+  return update(Json::array({std::move(single)}));
+}
+
+Json deletion(std::int64_t utime_us, const std::string& id) {
+  return {{"timestamp", time_json(utime_us)}, {"type", 0}, {"id", id}};
+}
+
+Json solid(const geometry::SE3& pose, const Eigen::Vector3d& size_m, const Color& color) {
+  return {{"pose", pose_json(pose)}, {"size", vector_json(size_m)}, {"color", color_json(color)}};
+}
+
+Json cylinder(const geometry::SE3& pose, double radius_m, double height_m, const Color& color) {
+  Json json = solid(pose, {2.0 * radius_m, 2.0 * radius_m, height_m}, color);
+  json["bottom_scale"] = 1.0;
+  json["top_scale"] = 1.0;
+  return json;
+}
+
+Json lines(int type, const std::vector<Eigen::Vector3d>& points, const Color& color) {
+  Json list = Json::array();
+  for (const Eigen::Vector3d& p : points) {
+    list.push_back(vector_json(p));
+  }
+  return {{"type", type},
+          {"pose", pose_json(geometry::SE3::Identity())},
+          {"thickness", 2.0},
+          {"scale_invariant", true},
+          {"points", list},
+          {"color", color_json(color)},
+          {"colors", Json::array()},
+          {"indices", Json::array()}};
+}
+
+Json text(const geometry::SE3& pose, const std::string& words, const Color& color) {
+  return {{"pose", pose_json(pose)}, {"billboard", true},          {"font_size", 14.0},
+          {"scale_invariant", true}, {"color", color_json(color)}, {"text", words}};
+}
+
+Color behaviour_color(std::int8_t behaviour) {
+  switch (behaviour) {
+    case nodmap::navigation_t::STEER:
+      return {0.1, 0.7, 0.3, 0.25};
+    case nodmap::navigation_t::BRAKE:
+      return {0.9, 0.7, 0.1, 0.3};
+    case nodmap::navigation_t::TURN:
+      return {0.2, 0.5, 0.9, 0.3};
+    case nodmap::navigation_t::ARRIVED:
+      return {0.6, 0.6, 0.6, 0.3};
+    default:
+      return {0.9, 0.2, 0.2, 0.35};
+  }
+}
+
+}  // namespace
+
+Json body_scene(std::int64_t utime_us, const Body& body) {
+  Json robot = entity(utime_us, frames::kBase, "robot");
+  // The chassis, and on it the scanner, narrower, at the front.
+  const double chassis_m = 0.6 * body.height_m;
+  const double scanner_m = body.height_m - chassis_m;
+  robot["cubes"] = Json::array(
+      {solid(at(0.0, 0.0, 0.5 * chassis_m), {body.length_m, body.width_m, chassis_m}, kBodyColor),
+       solid(at(0.3 * body.length_m, 0.0, chassis_m + 0.5 * scanner_m),
+             {0.35 * body.length_m, 0.5 * body.width_m, scanner_m}, {0.2, 0.3, 0.6, 1.0})});
+  return one(std::move(robot));
+}
+
+Json corridor_scene(const nodmap::navigation_t& navigation, const Body& body) {
+  const double length_m = std::max(navigation.corridor_length_m, 0.0);
+  const double front_m = 0.5 * body.length_m;
+  const Color color = behaviour_color(navigation.behaviour);
+  Json corridor = entity(navigation.utime, frames::kBase, "corridor");
+  corridor["cubes"] =
+      Json::array({solid(at(front_m + 0.5 * length_m, 0.0, 0.5 * body.height_m),
+                         {length_m, navigation.corridor_width_m, body.height_m}, color)});
+  const double reach_m = 1.0;
+  corridor["lines"] =
+      Json::array({lines(kLineStrip,
+                         {{front_m, 0.0, 0.02},
+                          {front_m + reach_m * std::cos(navigation.steering_angle_rad),
+                           reach_m * std::sin(navigation.steering_angle_rad), 0.02}},
+                         {color.r, color.g, color.b, 1.0})});
+  std::string words = JsonMessage<nodmap::navigation_t>::constant_name(navigation.behaviour);
+  words += navigation.reason.empty() ? "" : ": " + navigation.reason;
+  corridor["texts"] = Json::array({text(at(0.0, 0.0, body.height_m + 0.25), words, kTextColor)});
+  return one(std::move(corridor));
+}
+
+Json area_of_interest_scene(const nodmap::pitch_command_t& command,
+                            const Eigen::Vector3d& p_base_mount, const Body& body) {
+  constexpr double kReachM = 3.0;
+  std::vector<Eigen::Vector3d> points;
+  for (const double pitch_rad : {command.pitch_min_rad, command.pitch_max_rad}) {
+    const double down = -std::sin(pitch_rad);
+    const double range_m =
+        down > 0.0 ? std::min(kReachM, std::max(p_base_mount.z(), 0.0) / down) : kReachM;
+    for (const double y_m : {-0.5 * body.width_m, 0.5 * body.width_m}) {
+      points.emplace_back(p_base_mount.x(), y_m, p_base_mount.z());
+      points.emplace_back(p_base_mount.x() + range_m * std::cos(pitch_rad), y_m,
+                          p_base_mount.z() - range_m * down);
+    }
+  }
+  Json area = entity(command.utime, frames::kBase, "area_of_interest");
+  area["lines"] =
+      Json::array({lines(kLineList,
+                         {points[0], points[1], points[2], points[3], points[4], points[5],
+                          points[6], points[7], points[1], points[3], points[5], points[7]},
+                         kAreaColor)});
+  return one(std::move(area));
+}
+
+Json goal_scene(const nodmap::goal_t& goal) {
+  if (goal.is_active == 0) {
+    return update(Json::array(), Json::array({deletion(goal.utime, "goal")}));
+  }
+  Json json = entity(goal.utime, frames::kMap, "goal");
+  const geometry::SE3 pose = at(goal.position_m[0], goal.position_m[1], 0.05);
+  json["cylinders"] =
+      Json::array({cylinder(pose, std::max(goal.tolerance_m, 0.05), 0.1, kGoalColor)});
+  json["texts"] =
+      Json::array({text(at(goal.position_m[0], goal.position_m[1], 0.4), "goal", kTextColor)});
+  return one(std::move(json));
+}
+
+Json people_scene(const nodmap::truth_t& truth) {
+  Json people = entity(truth.utime, frames::kWorld, "people");
+  for (std::size_t i = 0; i < truth.actor_position_m.size(); ++i) {
+    const std::vector<double>& p = truth.actor_position_m[i];
+    people["cylinders"].push_back(cylinder(at(p[0], p[1], 0.5 * truth.actor_height_m[i]),
+                                           truth.actor_radius_m[i], truth.actor_height_m[i],
+                                           kPersonColor));
+  }
+  return one(std::move(people));
+}
+
+}  // namespace nodmap::foxglove

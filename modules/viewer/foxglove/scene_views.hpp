@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What is drawn rather than measured, as Foxglove's SceneUpdate.
+#pragma once
+
+#include "modules/viewer/foxglove/foxglove.hpp"
+#include "nodmap/goal_t.hpp"
+#include "nodmap/navigation_t.hpp"
+#include "nodmap/pitch_command_t.hpp"
+#include "nodmap/truth_t.hpp"
+
+namespace nodmap::foxglove {
+
+/// The body of the robot with its scanner, metres; on the ground, its centre above base.
+struct Body {
+  double length_m = 0.45;
+  double width_m = 0.33;
+  double height_m = 0.47;
+};
+
+/// The body, in base.
+[[nodiscard]] Json body_scene(std::int64_t utime_us, const Body& body);
+
+/// The virtual corridor ahead of the robot, coloured by the behaviour, with its name; in base.
+[[nodiscard]] Json corridor_scene(const nodmap::navigation_t& navigation, const Body& body);
+
+/// The area of interest (paper, Fig. 2): the wedge between the ends of the sweep, from the pitch
+/// axis at `p_base_mount` to the ground below, or 3 m; in base.
+[[nodiscard]] Json area_of_interest_scene(const nodmap::pitch_command_t& command,
+                                          const Eigen::Vector3d& p_base_mount, const Body& body);
+
+/// The goal, in map; a deletion where there is none.
+[[nodiscard]] Json goal_scene(const nodmap::goal_t& goal);
+
+/// The simulated people, in world.
+[[nodiscard]] Json people_scene(const nodmap::truth_t& truth);
+
+}  // namespace nodmap::foxglove

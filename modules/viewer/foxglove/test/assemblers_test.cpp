@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/viewer/foxglove/assemblers.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "modules/viewer/foxglove/test/robot_log.hpp"
+
+namespace nodmap::foxglove {
+namespace {
+
+TEST(GridAssembler, PutsTilesInTheirPlaces) {
+  GridAssembler assembler;
+  auto tiles = foxglove::test::map_at(0.0, 7);
+  tiles[0].cells[0] = 33;                       // first cell of the grid
+  tiles[1].cells[tiles[1].num_cells - 1] = 44;  // last one
+  EXPECT_FALSE(assembler.add(tiles[1]).whole);
+  const auto result = assembler.add(tiles[0]);
+  ASSERT_TRUE(result.whole);
+  ASSERT_EQ(result.whole->cells.size(), 120U * 80U);
+  EXPECT_EQ(result.whole->cells.front(), 33);
+  EXPECT_EQ(result.whole->cells.back(), 44);
+  EXPECT_EQ(result.whole->width, 120);
+  // Row 20 from y = -2.0: the wall, in both tiles.
+  EXPECT_EQ(result.whole->cells[20 * 120 + 10], 100);
+  EXPECT_EQ(result.whole->cells[20 * 120 + 110], 100);
+}
+
+TEST(GridAssembler, GivesUpAMapWhoseTilesWereLost) {
+  GridAssembler assembler;
+  EXPECT_FALSE(assembler.add(foxglove::test::map_at(0.0, 1)[0]).lost);
+  const auto next = foxglove::test::map_at(1.0, 2);
+  EXPECT_TRUE(assembler.add(next[0]).lost);
+  EXPECT_TRUE(assembler.add(next[1]).whole);
+}
+
+TEST(GridAssembler, RefusesATileThatLies) {
+  const nodmap::grid_chunk_t good = foxglove::test::map_at(0.0, 1)[0];
+  const auto refused = [&good](auto change) {
+    nodmap::grid_chunk_t tile = good;
+    change(tile);
+    GridAssembler assembler;
+    return assembler.add(tile).refused;
+  };
+  EXPECT_FALSE(refused([](auto&) {}));
+  EXPECT_TRUE(refused([](auto& t) { t.tile_x = 61; }));
+  EXPECT_TRUE(refused([](auto& t) { t.tile_x = -1; }));
+  EXPECT_TRUE(refused([](auto& t) { t.tile_height = 79; }));
+  EXPECT_TRUE(refused([](auto& t) { t.chunk_index = 2; }));
+  EXPECT_TRUE(refused([](auto& t) { t.cell_size_m = 0.0; }));
+  EXPECT_TRUE(refused([](auto& t) { t.origin_x_m = std::numeric_limits<double>::infinity(); }));
+  EXPECT_TRUE(refused([](auto& t) { t.grid_width = t.grid_height = 2'000'000'000; }));
+}
+
+TEST(GridAssembler, RefusesATileTwice) {
+  GridAssembler assembler;
+  const auto tile = foxglove::test::map_at(0.0, 1)[0];
+  EXPECT_FALSE(assembler.add(tile).refused);
+  EXPECT_TRUE(assembler.add(tile).refused);
+}
+
+TEST(CloudAssembler, JoinsThePartsInOrder) {
+  CloudAssembler assembler;
+  const auto chunks = foxglove::test::keyframe_at(2.0, 5, 12'000);
+  ASSERT_EQ(chunks.size(), 3U);
+  EXPECT_FALSE(assembler.add(chunks[0]).whole);
+  EXPECT_FALSE(assembler.add(chunks[1]).whole);
+  const auto result = assembler.add(chunks[2]);
+  ASSERT_TRUE(result.whole);
+  ASSERT_EQ(result.whole->xyz_m.size(), 36'000U);
+  EXPECT_EQ(result.whole->xyz_m[15'000], chunks[1].points_m[0][0]);
+  EXPECT_DOUBLE_EQ(result.whole->T_frame_points.translation().x(), 1.0);
+}
+
+TEST(CloudAssembler, LeavesOutPointsThatAreNone) {
+  CloudAssembler assembler;
+  auto chunks = foxglove::test::keyframe_at(0.0, 0, 10);
+  chunks[0].points_m[3][1] = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_EQ(assembler.add(chunks[0]).whole->xyz_m.size(), 27U);
+}
+
+TEST(CloudAssembler, CountsAKeyframeThatLostAPart) {
+  CloudAssembler assembler;
+  const auto first = foxglove::test::keyframe_at(0.0, 0, 12'000);
+  const auto second = foxglove::test::keyframe_at(1.0, 1, 12'000);
+  (void)assembler.add(first[0]);
+  EXPECT_TRUE(assembler.add(first[2]).lost);
+  EXPECT_FALSE(assembler.add(second[0]).lost);
+  (void)assembler.add(second[1]);
+  EXPECT_TRUE(assembler.add(second[2]).whole);
+}
+
+TEST(CloudAssembler, RefusesAPoseThatIsNone) {
+  CloudAssembler assembler;
+  auto chunk = foxglove::test::keyframe_at(0.0, 0, 10)[0];
+  chunk.orientation[0] = 0.0;
+  EXPECT_TRUE(assembler.add(chunk).refused);
+}
+
+TEST(OctomapAssembler, JoinsThePartsAndReadsThem) {
+  OctomapAssembler assembler;
+  const auto chunks = test::octomap_at(2.0, 5);
+  ASSERT_GT(chunks.size(), 3U);
+  Assembled<OctomapView> result;
+  for (const auto& chunk : chunks) {
+    EXPECT_FALSE(result.whole);
+    result = assembler.add(chunk);
+  }
+  ASSERT_TRUE(result.whole);
+  EXPECT_EQ(result.whole->space.cubes.size(), 2U * 60U * 20U);
+  EXPECT_EQ(result.whole->utime_us, test::kBeginUs + 2'000'000);
+}
+
+TEST(OctomapAssembler, GivesUpWhatLostAPart) {
+  OctomapAssembler assembler;
+  const auto first = test::octomap_at(0.0, 0);
+  (void)assembler.add(first[0]);
+  EXPECT_TRUE(assembler.add(first[2]).lost);
+  Assembled<OctomapView> result;
+  for (const auto& chunk : test::octomap_at(1.0, 1)) {
+    result = assembler.add(chunk);
+    EXPECT_FALSE(result.lost);
+  }
+  EXPECT_TRUE(result.whole);
+}
+
+TEST(OctomapAssembler, RefusesWhatIsNoMap) {
+  OctomapAssembler assembler;
+  auto chunk = test::octomap_at(0.0, 0)[0];
+  chunk.num_chunks = 1;  // cut off
+  EXPECT_TRUE(assembler.add(chunk).refused);
+  chunk.num_chunks = OctomapAssembler::kMaxChunks + 1;
+  EXPECT_TRUE(assembler.add(chunk).refused);
+  chunk.chunk_index = -1;
+  EXPECT_TRUE(assembler.add(chunk).refused);
+}
+
+}  // namespace
+}  // namespace nodmap::foxglove

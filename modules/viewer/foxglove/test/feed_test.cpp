@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Every channel onto the store, by way of a bus in memory.
+#include "modules/viewer/foxglove/feed.hpp"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <limits>
+#include <set>
+#include <string>
+
+#include "common/bus/live_bus.hpp"
+#include "modules/viewer/foxglove/foxglove.hpp"
+#include "modules/viewer/foxglove/test/robot_log.hpp"
+
+namespace nodmap::foxglove {
+namespace {
+
+namespace robot = test;
+
+class FeedTest : public ::testing::Test {
+ protected:
+  explicit FeedTest(const FeedParams& params = {.cloud_spacing_m = 0.0})
+      : feed_(bus_, store_, counts_, params) {}
+
+  template <class Message>
+  void send(const char* channel, const Message& message) {
+    bus_.publish(channel, message);
+    while (bus_.handle(std::chrono::milliseconds(0)) > 0) {
+    }
+  }
+
+  /// Two keyframes, a second apart, that show the same points.
+  void send_keyframe_twice() {
+    for (const std::int64_t id : {0, 1}) {
+      for (auto chunk : robot::keyframe_at(0.0, id, 1000)) {
+        chunk.utime += 1'000'000 * id;
+        send("CLOUD", chunk);
+      }
+    }
+  }
+
+  std::size_t count_posts(const std::string& name) const {
+    std::uint64_t cursor = 0;
+    std::size_t posts = 0;
+    while (store_.next(topic(name), cursor)) {
+      ++posts;
+    }
+    return posts;
+  }
+
+  std::size_t topic(const std::string& name) const {
+    for (std::size_t i = 0; i < store_.topics().size(); ++i) {
+      if (store_.topics()[i].name == name) {
+        return i;
+      }
+    }
+    ADD_FAILURE() << "no topic " << name;
+    return 0;
+  }
+
+  /// The newest message on a topic; null where there is none.
+  Json newest(const std::string& name) const {
+    std::uint64_t cursor = 0;
+    const auto post = store_.next(topic(name), cursor);
+    return post ? Json::parse(post->text()) : Json();
+  }
+
+  bus::LiveBus bus_{"memq://"};
+  TopicStore store_;
+  node::MessageCounts counts_;
+  Feed feed_;
+};
+
+class DownsampledFeedTest : public FeedTest {
+ protected:
+  DownsampledFeedTest() : FeedTest({.cloud_spacing_m = 0.05}) {}
+};
+
+TEST_F(FeedTest, EveryTopicHasASchemaAndANameOfItsOwn) {
+  std::set<std::string> names;
+  for (const Topic& topic : store_.topics()) {
+    EXPECT_NO_THROW((void)schema_text(topic.schema_name)) << topic.schema_name;
+    EXPECT_TRUE(names.insert(topic.name).second) << topic.name;
+  }
+}
+
+TEST_F(FeedTest, OdometryGivesFrameTrailAndBody) {
+  send("ODOMETRY", robot::odometry_at(2.0));
+  EXPECT_DOUBLE_EQ(newest("ODOMETRY")["forward_mps"], 0.5);
+  EXPECT_DOUBLE_EQ(newest("tf/base")["translation"]["x"], 1.0);
+  EXPECT_EQ(newest("tf/base")["parent_frame_id"], "odom");
+  EXPECT_EQ(newest("trail/odometry")["poses"].size(), 1U);
+  EXPECT_EQ(newest("scene/robot")["entities"][0]["id"], "robot");
+}
+
+TEST_F(FeedTest, TheSecondMapHangsBelowOdometry) {
+  send("POSE_2D", robot::pose_at(10.0));
+  send("POSE_6D", robot::pose_at(10.0));
+  EXPECT_EQ(newest("tf/map")["child_frame_id"], "odom");
+  EXPECT_DOUBLE_EQ(newest("tf/map")["translation"]["y"], 0.1);
+  EXPECT_EQ(newest("tf/map_6d")["parent_frame_id"], "odom");
+  EXPECT_DOUBLE_EQ(newest("tf/map_6d")["translation"]["y"], -0.1);
+}
+
+TEST_F(FeedTest, MapsAndClouds) {
+  for (const auto& tile : robot::map_at(0.0, 1)) {
+    send("MAP_2D", tile);
+  }
+  for (const auto& chunk : robot::keyframe_at(0.0, 0, 12'000)) {
+    send("CLOUD", chunk);
+  }
+  for (const auto& chunk : robot::octomap_at(0.0, 0)) {
+    send("OCTOMAP", chunk);
+  }
+  send("OBSTACLE_MAP", robot::egomap_at(0.0));
+  EXPECT_EQ(newest("OCTOMAP")["column_count"], 60);
+  EXPECT_EQ(newest("OCTOMAP")["row_count"], 42);
+  EXPECT_EQ(newest("MAP_2D")["column_count"], 120);
+  EXPECT_EQ(newest("CLOUD")["frame_id"], "map_6d");
+  EXPECT_EQ(newest("keyframes")["poses"].size(), 1U);
+  EXPECT_EQ(newest("OBSTACLE_MAP")["point_stride"], 16);
+  EXPECT_EQ(newest("STRUCTURE_MAP"), Json());
+}
+
+TEST_F(FeedTest, AKeyframeOfAPlaceShownBeforeIsShownToo) {
+  send_keyframe_twice();
+  EXPECT_EQ(count_posts("CLOUD"), 2U);
+}
+
+TEST_F(DownsampledFeedTest, AKeyframeOfAPlaceShownBeforeIsCountedButNotShown) {
+  send_keyframe_twice();
+  EXPECT_EQ(count_posts("CLOUD"), 1U);
+  EXPECT_EQ(newest("keyframes")["poses"].size(), 2U);
+  feed_.reset();
+  store_.clear();
+  send_keyframe_twice();
+  EXPECT_EQ(count_posts("CLOUD"), 1U);
+}
+
+TEST_F(FeedTest, TheRestOfTheChannels) {
+  send("SCAN", robot::scan_at(0.0));
+  send("PITCH_STATE", robot::pitch_state_at(0.3));
+  send("PITCH_COMMAND", robot::pitch_command_at(0.0));
+  send("DRIVE", robot::drive_at(0.0));
+  send("NAVIGATION", robot::navigation_at(0.0));
+  send("GOAL", robot::goal());
+  send("TRUTH", robot::truth_at(0.0));
+  send("STATUS", robot::status_at(0.0));
+  send("STOP", robot::stop());
+  send("BASE_SENSORS", robot::base_sensors_at(0.0));
+  send("PM_INFO", robot::deputy_info_at(0.0));
+  EXPECT_EQ(newest("SCAN")["ranges"].size(), 361U);
+  EXPECT_DOUBLE_EQ(newest("PITCH_STATE")["pitch_rad"], 0.4);
+  EXPECT_DOUBLE_EQ(newest("PITCH_COMMAND")["sweep_s"], 0.6);
+  EXPECT_DOUBLE_EQ(newest("DRIVE")["forward_mps"], 0.5);
+  EXPECT_TRUE(newest("NAVIGATION")["free_way_m"].is_null());
+  EXPECT_EQ(newest("scene/corridor")["entities"].size(), 1U);
+  EXPECT_EQ(newest("scene/area_of_interest")["entities"].size(), 1U);
+  EXPECT_EQ(newest("scene/goal")["entities"].size(), 1U);
+  EXPECT_EQ(newest("scene/people")["entities"][0]["cylinders"].size(), 1U);
+  EXPECT_DOUBLE_EQ(newest("tf/world")["translation"]["x"], -3.0);
+  EXPECT_EQ(newest("STATUS")["processes"].size(), 1U);
+  EXPECT_EQ(newest("STOP")["is_stopped"], false);
+  EXPECT_TRUE(newest("BASE_SENSORS")["sonar_m"].is_null());
+  EXPECT_EQ(newest("PM_INFO")["commands"][0]["process_name"], "nodmap-slam2d");
+  EXPECT_EQ(newest("log")["name"], "nodmap-slam2d");
+  EXPECT_EQ(counts_.total_rejected(), 0);
+}
+
+TEST_F(FeedTest, WhatCannotBeShownIsCounted) {
+  nodmap::odometry_t odometry = robot::odometry_at(0.0);
+  odometry.position_m[0] = std::numeric_limits<double>::quiet_NaN();
+  send("ODOMETRY", odometry);
+  nodmap::scan_t scan = robot::scan_at(0.0);
+  scan.angle_step_rad = std::numeric_limits<double>::quiet_NaN();
+  send("SCAN", scan);
+  EXPECT_EQ(counts_.rejected().at("pose_not_valid"), 1);
+  EXPECT_EQ(counts_.rejected().at("scan_not_plausible"), 1);
+  EXPECT_EQ(newest("ODOMETRY"), Json());
+}
+
+TEST_F(FeedTest, AResetForgets) {
+  send("ODOMETRY", robot::odometry_at(0.0));
+  feed_.reset();
+  store_.clear();
+  send("ODOMETRY", robot::odometry_at(0.0));
+  EXPECT_EQ(newest("trail/odometry")["poses"].size(), 1U);
+  EXPECT_FALSE(newest("scene/robot").is_null());
+}
+
+}  // namespace
+}  // namespace nodmap::foxglove

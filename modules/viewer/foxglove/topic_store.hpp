@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace nodmap::foxglove {
+
+/// One message of a topic; its text is made when the first reader wants it, and only once.
+class Post {
+ public:
+  using Encode = std::function<std::string()>;
+
+  Post(std::int64_t utime_us, Encode encode) : utime_us_(utime_us), encode_(std::move(encode)) {}
+
+  [[nodiscard]] std::int64_t utime_us() const { return utime_us_; }
+  [[nodiscard]] const std::string& text() {
+    if (encode_) {
+      text_ = encode_();
+      encode_ = nullptr;  // and with it the message it holds
+    }
+    return text_;
+  }
+
+ private:
+  std::int64_t utime_us_;
+  Encode encode_;
+  std::string text_;
+};
+
+/// What a topic keeps for its readers.
+enum class Keep : std::uint8_t {
+  kNewest,  ///< the newest message: older ones are of no use (a pose, a map)
+  kAll      ///< all, up to a limit: each adds to the others (keyframes, log lines)
+};
+
+struct Topic {
+  std::string name;
+  std::string schema_name;
+  Keep keep = Keep::kNewest;
+  std::size_t max_weight = 0;  ///< of what kAll keeps together; the oldest goes first
+};
+
+/// The newest of every topic, for any number of readers. A reader holds nothing but a cursor, so a
+/// slow one costs no memory and delays nobody: it misses what has been replaced meanwhile.
+class TopicStore {
+ public:
+  using Listener = std::function<void(std::size_t topic, Post& post)>;
+
+  /// Returns the topic's number, from 0. Topics are added once, before the first post.
+  std::size_t add(Topic topic);
+
+  void post(std::size_t topic, std::int64_t utime_us, Post::Encode encode, std::size_t weight = 1);
+
+  /// The first post of the topic that the cursor has not passed; moves the cursor behind it. Empty
+  /// when there is nothing new.
+  [[nodiscard]] std::shared_ptr<Post> next(std::size_t topic, std::uint64_t& cursor) const;
+
+  /// Forgets all posts, as when a recording begins anew. Cursors stay valid.
+  void clear();
+
+  /// Called with every post: for who must not miss one.
+  void listen(Listener listener) { listener_ = std::move(listener); }
+
+  [[nodiscard]] const std::vector<Topic>& topics() const { return topics_; }
+  /// Posts dropped from kAll topics at their limit.
+  [[nodiscard]] std::int64_t dropped() const { return dropped_; }
+
+ private:
+  struct Kept {
+    std::uint64_t number = 0;
+    std::size_t weight = 0;
+    std::shared_ptr<Post> post;
+  };
+  struct Queue {
+    std::uint64_t next_number = 0;
+    std::size_t weight = 0;
+    std::deque<Kept> posts;
+  };
+
+  void make_room(Queue& queue, const Topic& topic, std::size_t weight);
+
+  std::vector<Topic> topics_;
+  std::vector<Queue> queues_;
+  Listener listener_;
+  std::int64_t dropped_ = 0;
+};
+
+}  // namespace nodmap::foxglove

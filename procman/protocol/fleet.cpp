@@ -1,0 +1,318 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "procman/protocol/fleet.hpp"
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <csignal>
+#include <cstring>
+#include <limits>
+#include <utility>
+
+namespace nodmap::procman {
+namespace {
+
+CommandSpec spec_of(const Command& command) {
+  return {.id = command.id,
+          .exec = command.exec,
+          .group = command.group,
+          .auto_respawn = command.auto_respawn,
+          .stop_signal = command.stop_signal,
+          .stop_time_allowed_s = static_cast<double>(command.stop_time_allowed_s)};
+}
+
+// Whoever reaches the network can name hosts and commands without end; no robot has so many.
+constexpr std::size_t kMaxDeputies = 256;
+constexpr std::size_t kMaxItems = 10'000;
+
+/// The number of the run after this one; a deputy may say any, and the sum must not overflow.
+std::int32_t run_after(std::int32_t run) {
+  return run == std::numeric_limits<std::int32_t>::max() ? 1 : run + 1;
+}
+
+/// Whether it ended as it should: by itself with 0, or by a signal that it was sent to end it.
+bool is_good_end(const Fleet::Item& item) {
+  const int status = item.status->wait_status;
+  if (status == 0) {
+    return true;
+  }
+  const int signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
+  return item.stop_ordered && (signal == SIGTERM || signal == SIGINT || signal == SIGKILL ||
+                               (signal != 0 && signal == item.spec.stop_signal));
+}
+
+CommandState state_of_running(const Fleet::Item& item) {
+  if (item.force_quit) {
+    return CommandState::kStopping;
+  }
+  const bool is_this_run = item.desired_run == 0 || item.status->actual_run == item.desired_run;
+  return is_this_run ? CommandState::kRunning : CommandState::kRestarting;
+}
+
+/// When a sheriff began, by the end of its id (host:process:microseconds), as ours and the existing
+/// ones name themselves; 0 where it does not say.
+std::int64_t beginning_of(const std::string& sheriff_id) {
+  const std::size_t colon = sheriff_id.rfind(':');
+  std::int64_t utime_us = 0;
+  if (colon != std::string::npos) {
+    std::from_chars(sheriff_id.data() + colon + 1, sheriff_id.data() + sheriff_id.size(), utime_us);
+  }
+  return utime_us;
+}
+
+}  // namespace
+
+const char* name_of(CommandState state) {
+  switch (state) {
+    case CommandState::kStarting:
+      return "Starting (Command Sent)";
+    case CommandState::kRunning:
+      return "Running";
+    case CommandState::kRestarting:
+      return "Restarting (Command Sent)";
+    case CommandState::kStopping:
+      return "Stopping (Command Sent)";
+    case CommandState::kStoppedOk:
+      return "Stopped (OK)";
+    case CommandState::kStoppedError:
+      return "Stopped (Error)";
+    default:
+      return "Unknown";
+  }
+}
+
+std::string describe_end(int wait_status) {
+  if (wait_status == 0) {
+    return {};
+  }
+  if (WIFSIGNALED(wait_status)) {
+    const int signal = WTERMSIG(wait_status);
+    const char* name = ::sigdescr_np(signal);
+    return "killed by signal " + std::to_string(signal) +
+           (name != nullptr ? " (" + std::string(name) + ")" : "");
+  }
+  return "exit " + std::to_string(WEXITSTATUS(wait_status));
+}
+
+// As the existing sheriff names itself: host, process, time.
+std::string sheriff_id_prefix() {
+  std::array<char, 256> host{};
+  ::gethostname(host.data(), host.size() - 1);
+  return std::string(host.data()) + ":" + std::to_string(::getpid()) + ":";
+}
+
+Fleet::Fleet(const Config& config, std::string sheriff_id) : sheriff_id_(std::move(sheriff_id)) {
+  for (const Command& command : config.commands) {
+    Item item;
+    item.spec = spec_of(command);
+    item.deputy = command.deputy;
+    item.configured = true;
+    items_.push_back(std::move(item));
+    deputies_.try_emplace(command.deputy);
+  }
+}
+
+const Fleet::Item* Fleet::find(const std::string& id) const {
+  const auto found = std::find_if(items_.begin(), items_.end(),
+                                  [&id](const Item& item) { return item.spec.id == id; });
+  return found == items_.end() ? nullptr : &*found;
+}
+
+Fleet::Item* Fleet::find_mutable(const std::string& id) {
+  return const_cast<Item*>(std::as_const(*this).find(id));  // NOLINT: ours, and not const
+}
+
+void Fleet::order(Verb verb, const std::string& id) {
+  switch (verb) {
+    case Verb::kStart:
+      start(id);
+      break;
+    case Verb::kStop:
+      stop(id);
+      break;
+    case Verb::kRestart:
+      restart(id);
+      break;
+  }
+}
+
+void Fleet::start(const std::string& id) {
+  Item* item = find_mutable(id);
+  if (item == nullptr) {
+    return;
+  }
+  const bool runs = item->status && item->status->pid != 0;
+  const bool starts =
+      item->desired_run != 0 && (!item->status || item->status->actual_run != item->desired_run);
+  if (!item->force_quit && (runs || starts)) {
+    return;
+  }
+  begin_run(*item);
+}
+
+void Fleet::stop(const std::string& id) {
+  if (Item* item = find_mutable(id)) {
+    item->force_quit = item->stop_ordered = true;
+  }
+}
+
+void Fleet::restart(const std::string& id) {
+  if (Item* item = find_mutable(id)) {
+    begin_run(*item);
+  }
+}
+
+void Fleet::begin_run(Item& item) {
+  item.desired_run = run_after(item.desired_run);
+  item.force_quit = item.stop_ordered = false;
+  item.failed_status.reset();
+}
+
+bool Fleet::take_info(const DeputyInfo& info, std::int64_t now_us) {
+  if (!deputies_.contains(info.deputy_id) && deputies_.size() >= kMaxDeputies) {
+    return false;
+  }
+  std::optional<DeputyItem>& deputy = deputies_[info.deputy_id];
+  const bool is_gap = !deputy || now_us - deputy->heard_us > kInfoGapUs;
+  deputy = DeputyItem{info, now_us, is_gap ? now_us : deputy->heard_since_us};
+  for (Item& item : items_) {
+    const bool is_listed = std::any_of(
+        info.commands.begin(), info.commands.end(),
+        [&item](const CommandStatus& status) { return status.spec.id == item.spec.id; });
+    if (item.deputy == info.deputy_id && !is_listed) {
+      item.status.reset();
+      item.adopted = true;
+    }
+  }
+  bool is_urgent = false;
+  for (const CommandStatus& status : info.commands) {
+    Item* item = find_mutable(status.spec.id);
+    if (item == nullptr) {
+      if (items_.size() >= kMaxItems) {
+        continue;
+      }
+      items_.emplace_back();
+      item = &items_.back();
+      item->spec = status.spec;
+      item->deputy = info.deputy_id;
+    }
+    if (item->deputy != info.deputy_id) {
+      continue;  // another host runs one of this name; it is told of by its own deputy
+    }
+    take_status(*item, status, now_us);
+    is_urgent |= status.pid == 0 && !item->force_quit && item->desired_run != status.actual_run;
+  }
+  return is_urgent;
+}
+
+/// What ran before us goes on as it is; what was wished meanwhile counts from there.
+void Fleet::adopt(Item& item, const CommandStatus& status) {
+  const bool start_wished = item.desired_run != 0 && !item.force_quit;
+  const bool is_down = status.pid == 0;
+  item.desired_run = start_wished && is_down ? run_after(status.actual_run) : status.actual_run;
+  item.force_quit |= !start_wished && is_down;
+  // Who stopped it is not known. A stop signal is no fault then; SIGKILL is: it did not end by its
+  // stop signal, or the system killed it.
+  item.stop_ordered |= is_down && status.wait_status != SIGKILL;
+  item.adopted = true;
+}
+
+void Fleet::take_status(Item& item, const CommandStatus& status, std::int64_t now_us) {
+  if (!item.adopted) {
+    adopt(item, status);
+  }
+  const std::int32_t pid_before = item.status ? item.status->pid : 0;
+  const bool ended_by_itself = item.status && pid_before != 0 && status.pid == 0 &&
+                               status.actual_run == item.desired_run && !item.force_quit &&
+                               !item.spec.auto_respawn;
+  if (status.pid != 0 && status.pid != pid_before) {
+    item.num_restarts += item.running_since_us != 0 ? 1 : 0;
+    item.running_since_us = now_us;
+  }
+  // So that a deputy that is started anew does not run it a second time. An end so quick that no
+  // INFO told of the process is told by the run.
+  const bool ended_unseen = pid_before == 0 && status.pid == 0 && status.actual_run != 0 &&
+                            status.actual_run == item.desired_run && !item.force_quit &&
+                            !item.spec.auto_respawn;
+  item.status = status;
+  const bool is_this_run = status.pid == 0 && status.actual_run == item.desired_run;
+  if (is_this_run && item.desired_run != 0 && !item.force_quit && !is_good_end(item)) {
+    item.failed_status = status.wait_status;
+  }
+  item.force_quit |= ended_by_itself || ended_unseen;
+}
+
+void Fleet::take_orders(const Orders& orders, std::int64_t now_us) {
+  if (orders.sheriff_id != sheriff_id_ && commands(orders.deputy_id)) {
+    other_sheriff_ = orders.sheriff_id;
+    other_heard_us_ = now_us;
+  }
+}
+
+bool Fleet::commands(const std::string& deputy) const {
+  return std::any_of(items_.begin(), items_.end(), [&deputy](const Item& item) {
+    return item.configured && item.deputy == deputy;
+  });
+}
+
+std::optional<Orders> Fleet::orders_for(const std::string& deputy, std::int64_t utime_us) const {
+  const auto found = deputies_.find(deputy);
+  if (found == deputies_.end() || !found->second || !commands(deputy)) {
+    return std::nullopt;
+  }
+  Orders orders{utime_us, deputy, sheriff_id_, {}};
+  for (const Item& item : items_) {
+    if (item.deputy == deputy) {
+      orders.commands.push_back({item.spec, item.desired_run, item.force_quit});
+    }
+  }
+  return orders;
+}
+
+bool Fleet::is_heard(const std::string& deputy, std::int64_t now_us) const {
+  const auto found = deputies_.find(deputy);
+  return found != deputies_.end() && found->second &&
+         now_us - found->second->heard_us <= kMaxInfoAgeUs;
+}
+
+CommandState Fleet::state_of(const std::string& id, std::int64_t now_us) const {
+  const Item* item = find(id);
+  if (item == nullptr || !is_heard(item->deputy, now_us)) {
+    return CommandState::kUnknown;
+  }
+  if (item->status && item->status->pid != 0) {
+    return state_of_running(*item);
+  }
+  const bool is_wanted = item->desired_run != 0 && !item->force_quit;
+  const bool was_this_run = item->status && item->status->actual_run == item->desired_run;
+  if (is_wanted && !was_this_run) {
+    return CommandState::kStarting;
+  }
+  const bool is_good = !item->status || is_good_end(*item);
+  return is_good ? CommandState::kStoppedOk : CommandState::kStoppedError;
+}
+
+bool Fleet::has_reached(const std::string& id, Wanted wanted, std::int64_t now_us) const {
+  const CommandState state = state_of(id, now_us);
+  if (wanted == Wanted::kRunning) {
+    return state == CommandState::kRunning;
+  }
+  return state == CommandState::kStoppedOk || state == CommandState::kStoppedError;
+}
+
+std::optional<std::string> Fleet::other_sheriff(std::int64_t now_us) const {
+  if (other_sheriff_.empty() || now_us - other_heard_us_ > kOtherSheriffUs) {
+    return std::nullopt;
+  }
+  return other_sheriff_;
+}
+
+bool Fleet::must_yield(std::int64_t now_us) const {
+  const auto other = other_sheriff(now_us);
+  return other && beginning_of(*other) <= beginning_of(sheriff_id_);
+}
+
+}  // namespace nodmap::procman

@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "procman/protocol/fleet.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <csignal>
+#include <limits>
+
+#include "procman/config/parser.hpp"
+
+namespace nodmap::procman {
+namespace {
+
+constexpr std::int64_t kSecond = 1'000'000;
+
+class FleetTest : public ::testing::Test {
+ protected:
+  Config config_ = parse_config(R"(
+      cmd "a" { exec = "x"; host = "h"; }
+      cmd "r" { exec = "y"; host = "h"; auto_respawn = "true"; }
+      cmd "far" { exec = "z"; host = "other"; })")
+                       .config;
+  Fleet fleet_{config_, "me:1:1000"};
+  std::int64_t now_us_ = 100 * kSecond;
+
+  static CommandStatus status(const std::string& id, int pid, int run, int wait_status = 0) {
+    CommandStatus made;
+    made.spec.id = id;
+    made.pid = pid;
+    made.actual_run = run;
+    made.wait_status = wait_status;
+    return made;
+  }
+  bool hear(std::vector<CommandStatus> commands, const std::string& deputy = "h") {
+    DeputyInfo info;
+    info.deputy_id = deputy;
+    info.commands = std::move(commands);
+    return fleet_.take_info(info, now_us_);
+  }
+  [[nodiscard]] CommandOrder order(const std::string& id) const {
+    const Orders orders = fleet_.orders_for("h", 0).value();
+    for (const CommandOrder& found : orders.commands) {
+      if (found.spec.id == id) {
+        return found;
+      }
+    }
+    return {};
+  }
+  [[nodiscard]] std::string state(const std::string& id) const {
+    return name_of(fleet_.state_of(id, now_us_));
+  }
+};
+
+TEST_F(FleetTest, SaysNothingToADeputyThatWasNotHeard) {
+  EXPECT_FALSE(fleet_.orders_for("h", 0).has_value());
+  EXPECT_EQ(state("a"), "Unknown");
+  hear({});
+  const auto orders = fleet_.orders_for("h", 42);
+  ASSERT_TRUE(orders.has_value());
+  EXPECT_EQ(orders->utime_us, 42);
+  EXPECT_EQ(orders->deputy_id, "h");
+  EXPECT_EQ(orders->sheriff_id, "me:1:1000");
+  EXPECT_EQ(orders->commands.size(), 2U) << "those of this host";
+  EXPECT_EQ(order("a").desired_run, 0);
+  EXPECT_EQ(state("a"), "Stopped (OK)");
+}
+
+TEST_F(FleetTest, StartsRestartsAndStops) {
+  hear({});
+  fleet_.start("a");
+  fleet_.start("a");
+  EXPECT_EQ(order("a").desired_run, 1) << "a start that is under way is one";
+  EXPECT_EQ(state("a"), "Starting (Command Sent)");
+  hear({status("a", 7, 1)});
+  EXPECT_EQ(state("a"), "Running");
+  fleet_.start("a");
+  EXPECT_EQ(order("a").desired_run, 1) << "it runs";
+  fleet_.restart("a");
+  EXPECT_EQ(order("a").desired_run, 2);
+  EXPECT_EQ(state("a"), "Restarting (Command Sent)");
+  EXPECT_TRUE(hear({status("a", 0, 1, SIGINT)})) << "the order that starts it should not wait";
+  EXPECT_EQ(state("a"), "Starting (Command Sent)");
+  EXPECT_FALSE(hear({status("a", 8, 2)}));
+  EXPECT_EQ(fleet_.find("a")->num_restarts, 1);
+  fleet_.stop("a");
+  EXPECT_TRUE(order("a").force_quit);
+  EXPECT_EQ(state("a"), "Stopping (Command Sent)");
+  hear({status("a", 0, 2, SIGINT)});
+  EXPECT_EQ(state("a"), "Stopped (OK)");
+  fleet_.start("a");
+  EXPECT_EQ(order("a").desired_run, 3);
+  EXPECT_FALSE(order("a").force_quit);
+}
+
+TEST_F(FleetTest, WhatEndsByItselfIsNotStartedAnew) {
+  hear({});
+  fleet_.start("a");
+  hear({status("a", 7, 1)});
+  hear({status("a", 0, 1, 3 << 8)});
+  EXPECT_EQ(state("a"), "Stopped (Error)");
+  EXPECT_TRUE(order("a").force_quit);
+  fleet_.start("a");
+  hear({status("a", 0, 2, 0)});  // so quick that no INFO saw it run
+  EXPECT_EQ(state("a"), "Stopped (OK)");
+  EXPECT_TRUE(order("a").force_quit);
+}
+
+TEST_F(FleetTest, AKillThatNobodyOrderedIsAnError) {
+  hear({});
+  fleet_.start("a");
+  hear({status("a", 7, 1)});
+  hear({status("a", 0, 1, SIGKILL)});
+  EXPECT_EQ(state("a"), "Stopped (Error)");
+}
+
+TEST_F(FleetTest, WhatRespawnsStaysWanted) {
+  hear({});
+  fleet_.start("r");
+  hear({status("r", 7, 1)});
+  hear({status("r", 0, 1, SIGSEGV)});
+  EXPECT_FALSE(order("r").force_quit);
+  hear({status("r", 8, 1)});
+  EXPECT_EQ(state("r"), "Running");
+  EXPECT_EQ(fleet_.find("r")->num_restarts, 1);
+}
+
+TEST_F(FleetTest, AdoptsWhatRan) {
+  hear({status("a", 7, 5), status("r", 0, 3, SIGINT), status("unheard-of", 9, 2)});
+  EXPECT_EQ(order("a").desired_run, 5);
+  EXPECT_FALSE(order("a").force_quit);
+  EXPECT_EQ(order("r").desired_run, 3);
+  EXPECT_TRUE(order("r").force_quit);
+  EXPECT_EQ(state("r"), "Stopped (OK)") << "who stopped it is not known";
+  EXPECT_EQ(order("unheard-of").desired_run, 2) << "left as it is, for it would be removed";
+}
+
+TEST_F(FleetTest, NumbersOfRunsThatNobodyCanCountToAreHarmless) {
+  constexpr int kLast = std::numeric_limits<std::int32_t>::max();
+  fleet_.start("r");
+  hear({status("a", 7, kLast), status("r", 0, kLast)});
+  fleet_.restart("a");
+  EXPECT_EQ(order("a").desired_run, 1);
+  EXPECT_EQ(order("r").desired_run, 1);
+}
+
+TEST_F(FleetTest, HostsAndCommandsWithoutEndAreNotKept) {
+  for (int i = 0; i < 300; ++i) {
+    std::vector<CommandStatus> commands;
+    for (int k = 0; k < 100; ++k) {
+      commands.push_back(status(std::to_string(100 * i + k), 1, 1));
+    }
+    hear(std::move(commands), std::to_string(i));
+  }
+  EXPECT_LE(fleet_.items().size(), 10'000U);
+  EXPECT_FALSE(fleet_.orders_for("299", 0).has_value());
+}
+
+TEST_F(FleetTest, WishesBeforeTheFirstInfoCountFromThere) {
+  fleet_.start("a");
+  fleet_.start("r");
+  hear({status("a", 7, 5), status("r", 0, 3)});
+  EXPECT_EQ(order("a").desired_run, 5) << "it runs already";
+  EXPECT_EQ(order("r").desired_run, 4);
+  EXPECT_FALSE(order("r").force_quit);
+}
+
+TEST_F(FleetTest, ADeputyThatLostItsMemoryGetsBackWhatRan) {
+  hear({});
+  fleet_.start("a");
+  hear({status("a", 7, 1)});
+  hear({});
+  EXPECT_EQ(order("a").desired_run, 1);
+  EXPECT_FALSE(order("a").force_quit);
+  EXPECT_EQ(state("a"), "Starting (Command Sent)");
+}
+
+TEST_F(FleetTest, NothingIsKnownOfASilentHost) {
+  hear({status("a", 7, 1)});
+  now_us_ += Fleet::kMaxInfoAgeUs;
+  EXPECT_EQ(state("a"), "Running");
+  now_us_ += 1;
+  EXPECT_EQ(state("a"), "Unknown");
+  EXPECT_FALSE(fleet_.has_reached("a", Wanted::kStopped, now_us_));
+}
+
+TEST_F(FleetTest, ACommandOfTheSameNameElsewhereIsNotOurs) {
+  hear({status("a", 7, 1)}, "other");
+  EXPECT_EQ(state("a"), "Unknown");
+}
+
+TEST_F(FleetTest, LeavesTheHostsOfOthersAlone) {
+  hear({status("b", 7, 1)}, "stranger");
+  EXPECT_FALSE(fleet_.orders_for("stranger", 0).has_value());
+  fleet_.take_orders({0, "stranger", "you:2:1", {}}, now_us_);
+  EXPECT_FALSE(fleet_.other_sheriff(now_us_).has_value()) << "who commands there is their business";
+}
+
+TEST_F(FleetTest, NoticesAnotherSheriffForAWhile) {
+  fleet_.take_orders({0, "h", "me:1:1000", {}}, now_us_);
+  EXPECT_FALSE(fleet_.other_sheriff(now_us_).has_value()) << "that is us";
+  fleet_.take_orders({0, "h", "you:2:999", {}}, now_us_);
+  EXPECT_EQ(fleet_.other_sheriff(now_us_), "you:2:999");
+  EXPECT_TRUE(fleet_.must_yield(now_us_)) << "it was there first";
+  EXPECT_FALSE(fleet_.other_sheriff(now_us_ + Fleet::kOtherSheriffUs + 1).has_value());
+  fleet_.take_orders({0, "h", "you:2:1001", {}}, now_us_);
+  EXPECT_FALSE(fleet_.must_yield(now_us_));
+  fleet_.take_orders({0, "h", "who", {}}, now_us_);
+  EXPECT_TRUE(fleet_.must_yield(now_us_));
+}
+
+TEST(DescribeEnd, TellsExitsFromSignals) {
+  EXPECT_EQ(describe_end(0), "");
+  EXPECT_EQ(describe_end(3 << 8), "exit 3");
+  EXPECT_EQ(describe_end(SIGKILL), "killed by signal 9 (Killed)");
+}
+
+}  // namespace
+}  // namespace nodmap::procman
