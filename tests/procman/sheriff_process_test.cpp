@@ -280,12 +280,19 @@ class OnATerminal : boost::noncopyable {
 TEST_F(SheriffProcess, TheLiveViewTakesKeysAndGivesTheTerminalBack) {
   begin_deputy();
   OnATerminal view({NODMAP_BIN "/nodmap-sheriff", file_, "--lcm-url", kProcmanUrl});
+  // Reads what is drawn all the while: a terminal that nobody reads stops the program.
+  const auto becomes = [&](const std::function<bool()>& condition) {
+    return client_.wait_until([&] {
+      view.drawn();
+      return condition();
+    });
+  };
   const auto shows = [&](const std::string& text) {
-    return client_.wait_until([&] { return view.drawn().find(text) != std::string::npos; });
+    return becomes([&] { return view.drawn().find(text) != std::string::npos; });
   };
   ASSERT_TRUE(shows("looking for other sheriffs"));
   view.type("jj");  // down to the group's first
-  EXPECT_TRUE(client_.wait_until([&] {
+  EXPECT_TRUE(becomes([&] {
     view.type("S");  // until orders are given
     return client_.wait_for_infos(1) && client_.runs("sleeper") && client_.runs("talker");
   })) << "the whole group of the selected command";
@@ -295,13 +302,13 @@ TEST_F(SheriffProcess, TheLiveViewTakesKeysAndGivesTheTerminalBack) {
   EXPECT_TRUE(shows("word")) << "its output";
   const int pid = client_.status("talker").pid;
   view.type("r");
-  EXPECT_TRUE(client_.wait_until(
-      [&] { return client_.runs("talker") && client_.status("talker").pid != pid; }));
+  EXPECT_TRUE(
+      becomes([&] { return client_.runs("talker") && client_.status("talker").pid != pid; }));
   view.type("t");
-  EXPECT_TRUE(client_.wait_until([&] { return !client_.runs("talker"); }));
+  EXPECT_TRUE(becomes([&] { return !client_.runs("talker"); }));
   EXPECT_TRUE(client_.runs("sleeper"));
   view.type("q");
-  EXPECT_TRUE(client_.wait_until([&] { return view.has_ended_with(0); }));
+  EXPECT_TRUE(becomes([&] { return view.has_ended_with(0); }));
   EXPECT_THAT(view.drawn(), ::testing::EndsWith("\x1B[?25h\x1B[?1049l"));
   EXPECT_TRUE(client_.runs("sleeper")) << "all goes on";
 }

@@ -9,7 +9,7 @@ import webdriver
 from protocol_test import make_log
 from viewer_process import Viewer
 
-# The pixels of a picture that is drawn for it.
+# the pixels of an image that is drawn for it.
 PIXELS = """
   const {view, layers} = window.nodmap;
   const pixels = () => {
@@ -20,7 +20,7 @@ PIXELS = """
     return new Uint32Array(bytes.buffer);
   };
 """
-# How many pixels of the canvas differ from an empty scene with the same camera: everything is hidden for one picture.
+# How many pixels of the canvas differ from an empty scene with the same camera: everything is hidden for one image.
 COUNT_DRAWN = PIXELS + """
   const full = pixels();
   const shown = [...layers.values()].map(({layer}) => layer.group.visible);
@@ -53,7 +53,7 @@ class PageCase(unittest.TestCase):
         errors = [line for line in browser.console() if line["level"] == "SEVERE"]
         self.assertEqual(errors, [])
 
-    def picture(self, browser, name):
+    def save_image(self, browser, name):
         folder = os.environ.get("NODMAP_SCREENSHOTS")
         if folder:
             with open(os.path.join(folder, name), "wb") as out:
@@ -65,7 +65,7 @@ class PageCase(unittest.TestCase):
         self.settle(browser)
 
     def settle(self, browser):
-        """What was on its way has come, and the still picture is refined: from now on it stays as it is."""
+        """What was on its way has come, and the still image is refined: from now on it stays as it is."""
         self.assertIsNotNone(browser.wait_for(
             "!nodmap.view.isTouched && performance.now() - nodmap.detail.changedMs > 1000 && nodmap.cloud.drawn === nodmap.cloud.total"))
 

@@ -11,8 +11,8 @@ import sys
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from page_case import COUNT_DRAWN, PIXELS, PageCase, main  # noqa: E402
 
-# How the budget of points settles on a machine whose picture takes `ms(points)`: [points drawn, ms a picture] at last, then how
-# many more pictures a still scene gets, and the points of the last of them.
+# How the budget of points settles on a machine whose image takes `ms(points)`: [points drawn, ms an image] at last, then how
+# many more images a still scene gets, and the points of the last of them.
 SETTLE = """
 return import("/detail.js").then(({Detail}) => {
   const detail = new Detail(20000);
@@ -125,7 +125,7 @@ class Look(PageCase):
         browser = self.browse(self.play())
         self.pause(browser)
         self.show_only(browser, "CLOUD")
-        # The picture is kept in the page, and the next one compared with it.
+        # The image is kept in the page, and the next one compared with it.
         keep = PIXELS + "window.kept = pixels();"
         changed = PIXELS + "return pixels().reduce((count, pixel, i) => count + (pixel !== window.kept[i]), 0);"
         browser.run(keep)
@@ -152,7 +152,7 @@ class Look(PageCase):
 class LevelOfDetail(PageCase):
     def test_it_settles_at_a_good_rate_and_refines_what_is_still(self):
         browser = self.browse(self.play())
-        # Points a millisecond: a slow machine draws few, at 20 pictures a second or more; a fast one all of them.
+        # Points a millisecond: a slow machine draws few, at 20 images a second or more; a fast one all of them.
         for points_per_ms, all_of_them in ((2000, False), (10000, False), (100000, True)):
             moving, ms, refined, still = browser.run(SETTLE, points_per_ms)
             self.assertLess(ms, 50)
@@ -164,7 +164,7 @@ class LevelOfDetail(PageCase):
 
 class Splats(PageCase):
     def splat(self, browser, points, ceiling_m=2, newness=None):
-        """{pixel: (distance in steps of 1 cm, colour)} of a picture of 10 x 10, looking along x, y to the right, 90 degrees wide."""
+        """{pixel: (distance in steps of 1 cm, colour)} of an image of 10 x 10, looking along x, y to the right, 90 degrees wide."""
         return {int(at): (value >> 8, value & 255) for at, value in browser.run("""
             return import("/splat.js").then(({splat}) => {
               const pixels = new Uint32Array(100).fill(0xffffffff);
@@ -180,7 +180,7 @@ class Splats(PageCase):
         self.assertEqual(self.splat(browser, [[8, 4, 1]]), {57: (800, 127)})
         self.assertEqual(self.splat(browser, [[8, 4, 1], [16, 8, 2]]), {57: (800, 127)})  # behind the first one
         self.assertEqual(self.splat(browser, [[16, 8, 2], [8, 4, 1]]), {57: (800, 127)})
-        self.assertEqual(self.splat(browser, [[-8, 4, 1], [8, 9, 1], [8, 4, 1.01]], 1), {})  # behind us, beside the picture, cut
+        self.assertEqual(self.splat(browser, [[-8, 4, 1], [8, 9, 1], [8, 4, 1.01]], 1), {})  # behind us, beside the image, cut
         self.assertEqual(self.splat(browser, [[8, 4, 1]], 2, 1), {57: (800, 255)})  # the newest
         # Near by, four pixels.
         self.assertEqual(set(self.splat(browser, [[2, 0, 0]])), {55, 56, 65, 66})

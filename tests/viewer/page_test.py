@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The page in a real browser: headless Chromium with software rendering, on a recording.
 
-Environment: NODMAP_VIEWER, NODMAP_MAKE_ROBOT_LOG (programs); NODMAP_SCREENSHOTS (a folder, if pictures are wanted).
+Environment: NODMAP_VIEWER, NODMAP_MAKE_ROBOT_LOG (programs); NODMAP_SCREENSHOTS (a folder, if images are wanted).
 """
 import os
 import sys
@@ -13,7 +13,7 @@ import webdriver  # noqa: E402
 from page_case import COUNT_DRAWN, PageCase, main  # noqa: E402
 from viewer_process import Viewer  # noqa: E402
 
-# Everything comes from this host: no picture, script or style is fetched from elsewhere.
+# Everything comes from this host: no image, script or style is fetched from elsewhere.
 HOSTS = "return [...new Set(performance.getEntriesByType('resource').map((e) => new URL(e.name).host))]"
 
 
@@ -32,7 +32,7 @@ class Page(PageCase):
         self.assertIsNotNone(browser.wait_for("document.getElementById('banner').hidden"))
         self.assertTrue(browser.run("return document.getElementById('control').hidden"))
         self.assertEqual(browser.run(HOSTS), [f"127.0.0.1:{viewer.port}"])
-        self.picture(browser, "page.png")
+        self.save_image(browser, "page.png")
         self.assert_quiet(browser)
 
     def test_layers_go_off_and_on(self):
@@ -57,7 +57,7 @@ class Page(PageCase):
             self.assertEqual(browser.run("return [...document.querySelectorAll('[aria-pressed=true]')].map((b) => b.dataset.camera)"), [mode])
         browser.run("document.querySelector('[data-camera=top]').click()")
         self.assertGreater(browser.run("const v = nodmap.view; return v.camera.position.z - v.robot.z"), 10)
-        self.picture(browser, "top.png")
+        self.save_image(browser, "top.png")
 
     def test_the_time_line(self):
         browser = self.browse(self.play())
@@ -152,7 +152,7 @@ class Page(PageCase):
         browser = self.browse(self.play(), 400, 800)
         # Nothing is wider than the screen.
         self.assertLessEqual(browser.run("return document.documentElement.scrollWidth - document.documentElement.clientWidth"), 0)
-        self.picture(browser, "phone.png")
+        self.save_image(browser, "phone.png")
 
     def test_what_can_be_pressed_has_a_name(self):
         browser = self.browse(self.play())
