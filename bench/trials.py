@@ -4,7 +4,7 @@
 
     bench/trials.py [--jobs N] [--quick] [--only GROUP ...] [--out DIR] [--bin DIR]
 
-Each group is a function that names its trials and judges their results. Every trial is deterministic; the table is the same on
+Each group is a function that names its trials and adds the rows of its results. Every trial is deterministic; the table is the same on
 every machine but for the last column's times. Exit code 1 when a target is missed.
 """
 import argparse
@@ -79,7 +79,7 @@ def results_of(trials):
     return [trial.result for trial in trials if trial.result]
 
 
-def judge_failures(trials, table):
+def add_failures(trials, table):
     failed = [trial for trial in trials if trial.result is None]
     for trial in failed:
         table.add(trial.name, trial.error[-60:], "runs", False)
@@ -89,12 +89,12 @@ def collided(results):
     return sum(result["collisions"] > 0 for result in results)
 
 
-# The groups: (trials, judge).
+# The groups: (trials, add_rows).
 
 def random_clutter(quick):
     trials = [Trial(f"random-{s}", f"random:{s}", s, 20 if quick else 60, "--no-slam6d") for s in range(2 if quick else 100)]
 
-    def judge(table, _):
+    def add_rows(table, _):
         results = results_of(trials)
         speeds = [result["mean_speed_mps"] for result in results]
         table.add(f"random clutter, {len(results)} worlds: collisions", sum(r["collisions"] for r in results), "0",
@@ -103,7 +103,7 @@ def random_clutter(quick):
                   f"{sum(speeds) / len(speeds):.2f} ({min(speeds):.2f})", ">= 0.5", sum(speeds) / len(speeds) >= 0.5)
         table.add("random clutter: least clearance, m", f"{min(r['min_clearance_m'] for r in results):.3f}", "> 0",
                   min(r["min_clearance_m"] for r in results) > 0)
-    return trials, judge
+    return trials, add_rows
 
 
 def fig5(quick):
@@ -111,24 +111,24 @@ def fig5(quick):
     nodding = [Trial(f"fig5-nodding-{s}", "fig5", s, 60, "--no-slam6d", "--pitch", "nodding") for s in range(n)]
     fixed = [Trial(f"fig5-fixed-{s}", "fig5", s, 60, "--no-slam6d", "--pitch", "fixed") for s in range(n)]
 
-    def judge(table, _):
+    def add_rows(table, _):
         table.add(f"Fig. 5, nodding: runs of {n} with a collision", collided(results_of(nodding)), "0",
                   collided(results_of(nodding)) == 0)
         table.add(f"Fig. 5, fixed: runs of {n} with a collision", collided(results_of(fixed)), "most",
                   collided(results_of(fixed)) > n / 2)
-    return nodding + fixed, judge
+    return nodding + fixed, add_rows
 
 
 def crowd(quick):
     trials = [Trial(f"crowd-{s}", "crowd", s, 30 if quick else 60, "--no-slam6d") for s in range(1, 3 if quick else 11)]
 
-    def judge(table, _):
+    def add_rows(table, _):
         results = results_of(trials)
         table.add(f"crowd, {len(results)} runs: collisions", sum(r["collisions"] for r in results), "0", collided(results) == 0)
         table.add("crowd: people who walked into the standing robot; metres driven in a run",
                   f"{sum(r['bumped'] for r in results)}; {min(r['distance_m'] for r in results):.1f} to "
                   f"{max(r['distance_m'] for r in results):.1f}", "", True)
-    return trials, judge
+    return trials, add_rows
 
 
 def nearest_rank(values, share):
@@ -140,7 +140,7 @@ def appearing(quick):
     n = 3 if quick else 250
     trials = [Trial(f"appear-{s}", f"random:{s}", s, 16, "--no-slam6d", "--appear", 6 + s % 5) for s in range(n)]
 
-    def judge(table, _):
+    def add_rows(table, _):
         results = results_of(trials)
         latencies = [r["brake_latency_ms"] for r in results]
         events = [event for l in latencies for event in l["events"]]
@@ -162,7 +162,7 @@ def appearing(quick):
             table.add("appearing: share of that limit used, p50/p99/max",
                       f"{nearest_rank(shares, 0.5):.2f}/{nearest_rank(shares, 0.99):.2f}/{max(shares):.2f}", "<= 1",
                       max(shares) <= 1.0)
-    return trials, judge
+    return trials, add_rows
 
 
 def stops(quick):
@@ -171,20 +171,20 @@ def stops(quick):
     trials = [Trial(f"stop-{what.replace(':', '-')}", "corridor30", 3, 20, "--no-slam6d", f"--{kind}", f"{what}@10+2")
               for kind, what in things]
 
-    def judge(table, _):
+    def add_rows(table, _):
         for trial in trials:
             if not trial.result:
                 continue
             stop = trial.result["stops"][0]
-            beyond_m = stop["way_m"] - stop["braking_way_m"]
-            stood = stop["stood_after_s"] is not None
+            beyond_m = stop["distance_m"] - stop["braking_distance_m"]
+            stopped = stop["stopped_after_s"] is not None
             resumed = stop["resumed_after_s"]
-            holds = (stood and stop["reaction_s"] <= REACTION_S and beyond_m <= REACTION_M and resumed is not None
+            holds = (stopped and stop["reaction_s"] <= REACTION_S and beyond_m <= REACTION_M and resumed is not None
                      and trial.result["collisions"] == 0)
             table.add(f"{stop['what']} at {stop['speed_mps']:.1f} m/s: beyond braking; goes on after",
-                      (f"{1000 * stop['reaction_s']:.0f} ms, {beyond_m:.2f} m" if stood else "does not stand") +
+                      (f"{1000 * stop['reaction_s']:.0f} ms, {beyond_m:.2f} m" if stopped else "does not stop") +
                       (f"; {resumed:.1f} s" if resumed is not None else "; never"), "300 ms, 0.30 m", holds)
-    return trials, judge
+    return trials, add_rows
 
 
 def call(programs, program, *arguments):
@@ -202,7 +202,7 @@ def evaluate(programs, *arguments):
 def corridor(quick):
     trial = Trial("corridor30", "corridor30", 1, 20 if quick else 60, "--set", "sim.odometry_scale_bias=0.03")
 
-    def judge(table, programs):
+    def add_rows(table, programs):
         odometry = trial.result["odometry"]
         errors = evaluate(programs, "corridor", trial.dir / "slam2d" / "trajectory.tum", trial.dir / "truth.tum")
         length_percent, bow_m, heading_deg = (abs(errors[key]) for key in ("length_error_percent", "bow_m", "heading_error_deg"))
@@ -211,13 +211,13 @@ def corridor(quick):
         table.add("Fig. 6: bow (odometry's end error)", f"{bow_m:.3f} m ({odometry['end_error_m']:.2f} m)", "<= 0.10 m",
                   bow_m <= 0.10)
         table.add("Fig. 6: heading", f"{heading_deg:.2f} deg", "<= 0.5 deg", heading_deg <= 0.5)
-    return [trial], judge
+    return [trial], add_rows
 
 
 def cellar(quick):
     trial = Trial("cellar", "cellar", 1, 30 if quick else 120, "--set", "sim.odometry_scale_bias=0.03")
 
-    def judge(table, _):
+    def add_rows(table, _):
         slam, odometry = trial.result["slam2d"], trial.result["odometry"]
         table.add(f"Fig. 7, {trial.result['distance_m']:.0f} m in the cellar, 3 % bias and slip: end pose",
                   f"{slam['end_error_m']:.3f} m, {slam['end_error_deg']:.2f} deg", "<= 0.10 m, 1 deg",
@@ -225,7 +225,7 @@ def cellar(quick):
         table.add("Fig. 7: odometry's end pose, for comparison",
                   f"{odometry['end_error_m']:.2f} m, {odometry['end_error_deg']:.1f} deg", "", True)
         table.add("cellar: collisions", trial.result["collisions"], "0", trial.result["collisions"] == 0)
-    return [trial], judge
+    return [trial], add_rows
 
 
 def map_error(trial, programs):
@@ -238,7 +238,7 @@ def clouds(quick):
     standing = Trial("fig9-standing", "cellar", 2, 12, "--without", "navigator")
     cellar_moving = Trial("fig9-moving", "cellar", 2, 20 if quick else 40)
 
-    def judge(table, programs):
+    def add_rows(table, programs):
         single = moving_clouds.measure(fast.dir, WORLDS / "cellar.yaml", functools.partial(call, programs))
         worst_m = max(cloud["errors"]["rms_m"] for cloud in single)
         table.add(f"Fig. 8, one cloud at {moving_clouds.SPEED_MPS} m/s, worst of {len(single)}: residual to the true surfaces",
@@ -249,19 +249,19 @@ def clouds(quick):
         ratio = moved["rms_m"] / still["rms_m"]
         table.add("Fig. 9: moving / standing", f"{ratio:.2f} ({1000 * moved['rms_m']:.1f} / {1000 * still['rms_m']:.1f} mm)",
                   "<= 1.5", ratio <= 1.5)
-    return [fast, corridor_moving, standing, cellar_moving], judge
+    return [fast, corridor_moving, standing, cellar_moving], add_rows
 
 
 def speed(quick):
     trials = [Trial(f"speed-{world}", world, 1, 20 if quick else 60) for world in ("office", "cellar")]
 
-    def judge(table, _):
+    def add_rows(table, _):
         for trial in trials:
             result = trial.result
             per_cpu_s = result["realtime_factor"] * result["wall_s"] / result["cpu_s"]
             table.add(f"{trial.world}, whole robot with both SLAMs: simulated seconds in a second of one core", f"{per_cpu_s:.1f}",
                       ">= 10", per_cpu_s >= 10.0)
-    return trials, judge
+    return trials, add_rows
 
 
 GROUPS = {"random": random_clutter, "fig5": fig5, "crowd": crowd, "appearing": appearing, "stops": stops, "corridor": corridor,
@@ -295,10 +295,10 @@ def main():
     table = Table()
     try:
         run_all(trials, arguments.bin, out, arguments.jobs)
-        judge_failures(trials, table)
-        for group, judge in groups:
+        add_failures(trials, table)
+        for group, add_rows in groups:
             if all(trial.result for trial in group):
-                judge(table, arguments.bin)
+                add_rows(table, arguments.bin)
         factors = [result["realtime_factor"] for result in results_of(trials)]
         table.show()
         print(f"{len(factors)} trials; faster than real time by {min(factors):.0f} to {max(factors):.0f}")

@@ -6,10 +6,10 @@
 #include <string>
 
 #include "common/picture/image.hpp"
-#include "sim/collision.hpp"
-#include "sim/random_world.hpp"
-#include "sim/ray_caster.hpp"
-#include "sim/world_file.hpp"
+#include "sim/body/collision.hpp"
+#include "sim/world/random_world.hpp"
+#include "sim/world/ray_caster.hpp"
+#include "sim/world/world_file.hpp"
 
 namespace nodmap::sim {
 namespace {
@@ -42,8 +42,8 @@ void draw(const World& world, const std::string& file) {
   picture::Image image(static_cast<int>(kPixelsPerM * frame.size.x()),
                        static_cast<int>(kPixelsPerM * frame.size.y()));
   const RayCaster caster(world);
-  PlantParams pin;  // a needle of the robot's height
-  pin.body_length_m = pin.body_width_m = 1e-3;
+  BodyParams pin;  // a needle of the robot's height
+  pin.length_m = pin.width_m = 1e-3;
   const Collision collision(world, pin);
   for (int v = 0; v < image.height(); ++v) {
     for (int u = 0; u < image.width(); ++u) {

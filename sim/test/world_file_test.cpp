@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/world_file.hpp"
+#include "sim/world/world_file.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

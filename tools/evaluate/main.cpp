@@ -14,7 +14,7 @@
 #include "common/formats/tum.hpp"
 #include "common/log/log.hpp"
 #include "common/node/command_line.hpp"
-#include "sim/world_file.hpp"
+#include "sim/world/world_file.hpp"
 #include "tools/evaluate/cloud_error.hpp"
 #include "tools/evaluate/corridor_error.hpp"
 #include "tools/evaluate/relations.hpp"

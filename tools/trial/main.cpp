@@ -1,5 +1,173 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tools/trial/program.hpp"
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cmath>
+#include <ctime>
+#include <fstream>
+#include <iostream>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/log/log.hpp"
+#include "common/node/command_line.hpp"
+#include "common/node/progress.hpp"
+#include "common/params/params.hpp"
+#include "tools/trial/appearing_obstacle.hpp"
+#include "tools/trial/command.hpp"
+#include "tools/trial/metrics.hpp"
+#include "tools/trial/results.hpp"
+#include "tools/trial/trial.hpp"
+
+namespace nodmap::trial {
+namespace {
+
+constexpr const char* kName = "nodmap-trial";
+
+struct Arguments {
+  std::string world;
+  std::string out;
+  std::uint64_t seed = 0;
+  double duration_s = 60.0;
+  std::string pitch;
+  std::vector<std::string> assignments;
+  std::vector<std::string> faults;
+  std::vector<std::string> kills;
+  std::vector<std::string> without;
+  std::optional<double> appear_s;
+  std::string log_level = "error";
+  bool dump_params = false;
+};
+
+void add_options(CLI::App& app, Arguments& arguments) {
+  app.set_version_flag("--version", NODMAP_VERSION);
+  app.add_option("--world", arguments.world, "World file, or random:SEED for random clutter");
+  app.add_option("--seed", arguments.seed, "Seed of the simulated noise")->capture_default_str();
+  app.add_option("--duration", arguments.duration_s,
+                 "Seconds of simulated time from the first scan")
+      ->check(CLI::Range(0.1, 86400.0))
+      ->capture_default_str();
+  app.add_option("--out", arguments.out, "Folder for the results; made, and never overwritten");
+  app.add_option("--pitch", arguments.pitch, "Same as --set pitch_controller.mode=...")
+      ->check(CLI::IsMember({"fixed", "nodding"}));
+  app.add_option("--set", arguments.assignments, "A parameter: process.key=value; repeatable")
+      ->allow_extra_args(false);
+  app.add_option("--fault", arguments.faults,
+                 "PART:KIND@T+D[=AMOUNT], such as laser:unplug@10+2: T s after power-on, for D s; "
+                 "repeatable")
+      ->allow_extra_args(false);
+  app.add_option("--kill", arguments.kills,
+                 "PROCESS@T+D: kill -9 at T s after power-on, started again D s later; repeatable")
+      ->allow_extra_args(false);
+  app.add_option(
+      "--appear", arguments.appear_s,
+      "Let one obstacle appear at the end of the robot's stopping zone, from this second on");
+  app.add_option("--without", arguments.without, "Leave out this process; repeatable")
+      ->allow_extra_args(false);
+  app.add_flag_callback(
+      "--no-slam6d", [&arguments] { arguments.without.emplace_back("slam6d"); },
+      "Same as --without slam6d");
+  app.add_option("--log-level", arguments.log_level,
+                 "Of the processes: trace, debug, info, warn, error, off")
+      ->check(CLI::IsMember({"trace", "debug", "info", "warn", "error", "off"}))
+      ->capture_default_str();
+  app.add_flag("--dump-params", arguments.dump_params, "Print the effective parameters and end");
+}
+
+TrialSetup make_setup(const Arguments& arguments) {
+  TrialSetup setup;
+  for (const std::string& assignment : arguments.assignments) {
+    setup.params.set_assignment(assignment);
+  }
+  if (!arguments.pitch.empty()) {
+    setup.params.set_assignment("pitch_controller.mode=" + arguments.pitch);
+  }
+  for (const std::string& fault : arguments.faults) {
+    setup.faults.push_back(sim::parse_fault(fault));
+  }
+  for (const std::string& kill : arguments.kills) {
+    setup.kills.push_back(parse_kill(kill));
+  }
+  for (const std::string& process : arguments.without) {
+    check_process(process, "--without " + process);
+    setup.without.insert(process);
+  }
+  setup.seed = arguments.seed;
+  setup.duration_us = std::llround(1e6 * arguments.duration_s);
+  return setup;
+}
+
+void run(const Arguments& arguments, TrialSetup setup) {
+  const std::filesystem::path dir = arguments.out;
+  setup.world = load_world_or_random(arguments.world);
+  node::make_result_dir(dir);
+  if (arguments.appear_s) {
+    setup.world.actors.push_back(place_appearing_obstacle(setup, *arguments.appear_s, dir));
+  }
+  const std::clock_t cpu_start = std::clock();
+  const auto start = std::chrono::steady_clock::now();
+  Trial trial(setup, dir);
+  {
+    node::Progress progress(kName, setup.duration_us);
+    while (trial.step()) {
+      progress.show(trial.now_us() - trial.record().started_us.value_or(trial.now_us()));
+    }
+  }
+  const TrialOutcome outcome = trial.finish();
+  const double cpu_s = static_cast<double>(std::clock() - cpu_start) / CLOCKS_PER_SEC;
+  const double wall_s =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  nlohmann::ordered_json result = summarise(setup, outcome, dir);
+  write_picture(setup, outcome, dir);
+  formats::write_tum(dir / "truth.tum", true_trajectory(outcome.record, false));
+  formats::write_tum(dir / "odometry.tum", outcome.record.odometry);
+  // All that is not the same in the next run.
+  const double simulated_s = 1e-6 * static_cast<double>(outcome.record.truth.back().time_us);
+  result["realtime_factor"] = simulated_s / wall_s;
+  result["wall_s"] = wall_s;
+  result["cpu_s"] = cpu_s;
+  std::ofstream out(dir / "result.json");
+  out << result.dump(2) << "\n";
+  out.flush();
+  if (!out) {
+    throw std::runtime_error((dir / "result.json").string() + ": cannot write");
+  }
+}
+
+/// Returns the exit code: 0 the trial was run, whatever came of it; 1 failed; 2 wrong command line.
+int run_program(int argc, char** argv) {
+  Arguments arguments;
+  CLI::App app("Runs the whole robot in a simulated world, faster than time.", kName);
+  add_options(app, arguments);
+  if (const auto code = node::parse_command_line(app, argc, argv)) {
+    return *code;
+  }
+  TrialSetup setup;
+  try {
+    setup = make_setup(arguments);
+    if (arguments.dump_params) {
+      std::cout << setup.params.to_yaml();
+      return 0;
+    }
+    if (arguments.world.empty() || arguments.out.empty()) {
+      throw CommandError("--world and --out must be given");
+    }
+  } catch (const std::exception& error) {
+    std::cerr << kName << ": " << error.what() << "\n";
+    return 2;
+  }
+  log::start(kName, arguments.log_level);
+  try {
+    run(arguments, std::move(setup));
+  } catch (const std::exception& error) {
+    std::cerr << kName << ": " << error.what() << "\n";
+    return 1;
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace nodmap::trial
 
 int main(int argc, char** argv) {
   return nodmap::trial::run_program(argc, argv);

@@ -3,7 +3,7 @@
 
 #include "common/formats/tum.hpp"
 #include "common/picture/image.hpp"
-#include "sim/world.hpp"
+#include "sim/world/world.hpp"
 #include "tools/trial/record.hpp"
 
 namespace nodmap::trial {

@@ -5,14 +5,14 @@
 #include <stdexcept>
 
 #include "nodmap/goal_t.hpp"
-#include "tools/trial/robot.hpp"
-#include "tools/trial/witness.hpp"
+#include "tools/trial/ground_truth_monitor.hpp"
+#include "tools/trial/robot_software.hpp"
 
 namespace nodmap::trial {
 namespace {
 
-/// Laser and servo are asked at several rates, and the laser takes a while to boot.
-constexpr std::int64_t kLongestStartUs = 60'000'000;
+/// Laser and servo are searched at several baud rates, and the laser takes a while to boot.
+constexpr std::int64_t kMaxStartUs = 60'000'000;
 constexpr std::int64_t kGoalPeriodUs = 1'000'000;
 constexpr std::int64_t kAfterArrivalUs = 1'000'000;
 
@@ -20,10 +20,10 @@ std::int64_t microseconds(double duration_s) {
   return std::llround(1e6 * duration_s);
 }
 
-/// Repeats where the robot is to go: a process that starts anew has to hear it, too.
-class GoalGiver {
+/// Repeats the goal, for processes that are started later.
+class GoalPublisher {
  public:
-  GoalGiver(const sim::World& world, const LoopParams& params, bus::LoopNetwork& network)
+  GoalPublisher(const sim::World& world, const LoopParams& params, bus::LoopNetwork& network)
       : bus_(network) {
     if (world.goal) {
       // The map begins where the robot starts.
@@ -35,7 +35,7 @@ class GoalGiver {
     }
   }
 
-  void tell(std::int64_t now_us) {
+  void publish(std::int64_t now_us) {
     if (message_.is_active != 0 && now_us % kGoalPeriodUs == 0) {
       message_.utime = kEpochUs + now_us;
       bus_.publish("GOAL", message_);
@@ -52,18 +52,17 @@ class GoalGiver {
 
 struct Trial::Parts {
   Parts(const TrialSetup& setup, const std::filesystem::path& log)
-      : hardware(setup.world, setup.params.sim.plant, setup.params.sim.robot, setup.faults,
-                 setup.seed),
+      : hardware(setup.world, setup.params.sim, setup.faults, setup.seed),
         network(log, microseconds(setup.params.loop.message_delay_s)),
-        witness(setup.world, hardware.plant(), network, stopping_way(setup)),
+        monitor(setup.world, hardware.model(), network, stopping_zone(setup)),
         goal(setup.world, setup.params.loop, network),
         robot(hardware, network, setup.params, setup.without) {}
 
-  sim::Robot hardware;
+  sim::SimulatedRobot hardware;
   bus::LoopNetwork network;
-  Witness witness;
-  GoalGiver goal;
-  Robot robot;
+  GroundTruthMonitor monitor;
+  GoalPublisher goal;
+  RobotSoftware robot;
 };
 
 Trial::Trial(const TrialSetup& setup, const std::filesystem::path& dir)
@@ -74,35 +73,35 @@ Trial::~Trial() = default;
 bool Trial::step() {
   parts_->hardware.advance_to(now_us_);
   parts_->network.set_time(kEpochUs + now_us_);
-  do_kills();
+  apply_kills();
   parts_->robot.step();
-  parts_->witness.look();
-  parts_->goal.tell(now_us_);
+  parts_->monitor.update();
+  parts_->goal.publish(now_us_);
   parts_->network.deliver();
   now_us_ += kStepUs;
   return !is_over();
 }
 
 const TrialRecord& Trial::record() const {
-  return parts_->witness.record();
+  return parts_->monitor.record();
 }
 
 bool Trial::is_over() const {
-  if (!record().began_us) {
-    if (now_us_ >= kLongestStartUs) {
+  if (!record().started_us) {
+    if (now_us_ >= kMaxStartUs) {
       throw std::runtime_error("the scanner gave no scan within a minute");
     }
     return false;
   }
-  return now_us_ > *record().began_us + setup_.duration_us ||
+  return now_us_ > *record().started_us + setup_.duration_us ||
          (record().arrived_us && now_us_ > *record().arrived_us + kAfterArrivalUs);
 }
 
-void Trial::do_kills() {
+void Trial::apply_kills() {
   for (const Kill& kill : setup_.kills) {
     if (now_us_ == kill.at_us) {
       parts_->robot.kill(kill.process);
-    } else if (now_us_ == kill.at_us + kill.for_us) {
+    } else if (now_us_ == kill.at_us + kill.duration_us) {
       parts_->robot.start(kill.process);
     }
   }
@@ -114,13 +113,13 @@ TrialOutcome Trial::finish() {
   if (!parts_->network.flush()) {
     throw std::runtime_error((dir_ / "trial.lcmlog").string() + ": the disk takes no more");
   }
-  return {record(), parts_->witness.brake().events(), parts_->witness.brake().evaded(),
-          parts_->robot.report()};
+  return {record(), parts_->monitor.brake_latency().events(),
+          parts_->monitor.brake_latency().num_evaded(), parts_->robot.report()};
 }
 
-StoppingWay stopping_way(const TrialSetup& setup) {
-  return {.body_length_m = setup.params.sim.plant.body_length_m,
-          .body_width_m = setup.params.sim.plant.body_width_m,
+StoppingZone stopping_zone(const TrialSetup& setup) {
+  return {.body_length_m = setup.params.sim.model.body.length_m,
+          .body_width_m = setup.params.sim.model.body.width_m,
           .deceleration_mps2 = setup.params.loop.deceleration_mps2};
 }
 

@@ -13,13 +13,13 @@
 #include "common/msg/messages.hpp"
 #include "modules/slam2d/slam2d.hpp"
 #include "modules/slam6d/sweep_cloud.hpp"
-#include "sim/rangefinder.hpp"
-#include "sim/world_file.hpp"
+#include "sim/body/rangefinder.hpp"
+#include "sim/world/world_file.hpp"
 #include "tests/support/data_dir.hpp"
 #include "tools/evaluate/cloud_error.hpp"
 #include "tools/evaluate/trajectory_error.hpp"
-#include "tools/trial/epoch.hpp"
-#include "tools/trial/measures.hpp"
+#include "tools/trial/metrics.hpp"
+#include "tools/trial/record.hpp"
 #include "tools/trial/results.hpp"
 #include "tools/trial/trial.hpp"
 
@@ -102,7 +102,7 @@ double ate_held_level_m(const TrialSetup& setup, const TrialOutcome& outcome,
   const auto truth = history_of(true_trajectory(outcome.record, false));
   const auto odometry = history_of(outcome.record.odometry);
   const sim::RayCaster caster(setup.world);
-  sim::Rangefinder rangefinder(setup.params.sim.plant, setup.seed);
+  sim::Rangefinder rangefinder(setup.params.sim.model.laser, setup.seed);
   slam2d::Slam2d slam(setup.params.slam2d);
   for (const scan::Scan& scan : scans) {
     if (const auto T_odom_base = odometry.at(scan.utime_mid_us())) {
@@ -128,7 +128,7 @@ TEST_F(MappingTest, R39_NoddingCostsNoQualityOfThe2dMap) {
     trial.params.set_assignment("sim.odometry_scale_bias=0.03");
     const auto dir = folder(std::to_string(seed));
     const TrialOutcome outcome = run(trial, dir);
-    ASSERT_GT(measure_drive(outcome.record).distance_m, 5.0);
+    ASSERT_GT(drive_metrics(outcome.record).distance_m, 5.0);
     nodding_m += summarise(trial, outcome, dir)["slam2d"]["ate_rmse_m"].get<double>();
     held_m += ate_held_level_m(trial, outcome, read_scans(dir));
   }

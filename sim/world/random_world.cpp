@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/world/random_world.hpp"
+
+#include <algorithm>
+#include <array>
+#include <random>
+
+#include "common/geometry/angle.hpp"
+
+namespace nodmap::sim {
+namespace {
+
+constexpr double kHalfRoomM = 5.0;
+constexpr double kStartFreeM = 0.6;
+/// The robot's diagonal is 0.56 m: it can turn wherever it gets.
+constexpr double kPassageM = 0.7;
+constexpr double kLegRadiusM = 0.015;
+
+/// A thing before it has its place: its objects about the origin, within a circle.
+struct Thing {
+  std::vector<Object> objects;
+  double radius_m = 0.0;
+};
+
+class Maker {
+ public:
+  explicit Maker(std::uint64_t seed) : engine_(seed) {}
+
+  World make();
+
+ private:
+  double between(double least, double most) {
+    return std::uniform_real_distribution<double>(least, most)(engine_);
+  }
+  int count(int least, int most) {
+    return std::uniform_int_distribution<int>(least, most)(engine_);
+  }
+
+  Thing make_thing();
+  Thing make_box(double height_m);
+  static Thing make_plate(double bottom_m, double size_m, double leg_inset_m);
+  Thing make_pole();
+  bool place(const Thing& thing, World& world);
+
+  struct Circle {
+    Eigen::Vector2d center;
+    double radius_m;
+  };
+  std::mt19937_64 engine_;
+  std::vector<Circle> taken_;
+};
+
+World walled_room() {
+  World world;
+  world.name = "random";
+  constexpr double kThicknessM = 0.1;
+  constexpr double kWallM = kHalfRoomM + 0.5 * kThicknessM;
+  constexpr double kLengthM = 2.0 * kHalfRoomM + 2.0 * kThicknessM;
+  for (const double side : {-1.0, 1.0}) {
+    world.objects.push_back({Box{{side * kWallM, 0.0, 1.25}, {kThicknessM, kLengthM, 2.5}, 0.0}});
+    world.objects.push_back({Box{{0.0, side * kWallM, 1.25}, {kLengthM, kThicknessM, 2.5}, 0.0}});
+  }
+  return world;
+}
+
+World Maker::make() {
+  World world = walled_room();
+  world.T_world_start.yaw = between(-geometry::kPi, geometry::kPi);
+  const int wanted = count(25, 40);
+  // Small ones still fit where there is no room for a table, so tries are cheap and many.
+  constexpr int kTries = 20'000;
+  int placed = 0;
+  for (int i = 0; i < kTries && placed < wanted; ++i) {
+    placed += place(make_thing(), world) ? 1 : 0;
+  }
+  return world;
+}
+
+Thing Maker::make_thing() {
+  switch (count(0, 5)) {
+    case 0:
+      return make_box(0.10);
+    case 1:
+      return make_box(between(0.15, 1.2));
+    case 2:  // a table that the robot fits under
+      return make_plate(0.70, between(0.7, 1.0), 0.05);
+    case 3:  // a board that it does not fit under, legs far behind its edge
+      return make_plate(between(0.30, 0.45), between(0.4, 0.8), 0.15);
+    case 4:  // a chair
+      return make_plate(0.44, between(0.38, 0.45), 0.02);
+    default:
+      return make_pole();
+  }
+}
+
+Thing Maker::make_box(double height_m) {
+  const double length_m = between(0.15, 0.6);
+  const double width_m = between(0.15, 0.4);
+  return {{{Box{{0.0, 0.0, 0.5 * height_m}, {length_m, width_m, height_m}, 0.0}}},
+          0.5 * Eigen::Vector2d(length_m, width_m).norm()};
+}
+
+/// A square plate on four legs.
+Thing Maker::make_plate(double bottom_m, double size_m, double leg_inset_m) {
+  constexpr double kPlateM = 0.03;
+  Thing thing;
+  thing.radius_m = 0.5 * Eigen::Vector2d(size_m, size_m).norm();
+  thing.objects.push_back(
+      {Box{{0.0, 0.0, bottom_m + 0.5 * kPlateM}, {size_m, size_m, kPlateM}, 0.0}});
+  const double leg_m = 0.5 * size_m - leg_inset_m;
+  for (const double x : {-leg_m, leg_m}) {
+    for (const double y : {-leg_m, leg_m}) {
+      thing.objects.push_back({Cylinder{{x, y, 0.5 * bottom_m}, kLegRadiusM, bottom_m}});
+    }
+  }
+  return thing;
+}
+
+Thing Maker::make_pole() {
+  const double radius_m = count(0, 1) == 0 ? kLegRadiusM : between(0.03, 0.2);
+  const double height_m = between(0.4, 2.0);
+  return {{{Cylinder{{0.0, 0.0, 0.5 * height_m}, radius_m, height_m}}}, radius_m};
+}
+
+bool Maker::place(const Thing& thing, World& world) {
+  const double reach_m = kHalfRoomM - thing.radius_m - kPassageM;
+  const Eigen::Vector2d center(between(-reach_m, reach_m), between(-reach_m, reach_m));
+  const double yaw_rad = between(-geometry::kPi, geometry::kPi);
+  const bool in_the_way = std::ranges::any_of(taken_, [&](const Circle& other) {
+    return (center - other.center).norm() < thing.radius_m + other.radius_m + kPassageM;
+  });
+  if (in_the_way || center.norm() < thing.radius_m + kStartFreeM) {
+    return false;
+  }
+  taken_.push_back({center, thing.radius_m});
+  const geometry::SE2 T_world_thing{center.x(), center.y(), yaw_rad};
+  for (Object object : thing.objects) {
+    if (auto* box = std::get_if<Box>(&object.shape)) {
+      box->center.head<2>() = T_world_thing * Eigen::Vector2d(box->center.head<2>());
+      box->yaw_rad = yaw_rad;
+    } else if (auto* cylinder = std::get_if<Cylinder>(&object.shape)) {
+      cylinder->center.head<2>() = T_world_thing * Eigen::Vector2d(cylinder->center.head<2>());
+    }
+    world.objects.push_back(object);
+  }
+  return true;
+}
+
+}  // namespace
+
+World random_clutter(std::uint64_t seed) {
+  return Maker(seed).make();
+}
+
+}  // namespace nodmap::sim
