@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "bench/live/stop_measure.hpp"
+#include "bench/live/stop_metrics.hpp"
 
 #include <gtest/gtest.h>
 
@@ -19,36 +19,36 @@ std::vector<Motion> braking() {
   return motions;
 }
 
-TEST(MeasureStop, IsTimeAndWayBeyondBrakingAtOnce) {
-  const auto stop = measure_stop(braking(), 1'000'000);
+TEST(StopMetrics, AreTimeAndDistanceBeyondBrakingAtOnce) {
+  const auto stop = stop_metrics(braking(), 1'000'000);
   ASSERT_TRUE(stop);
   EXPECT_DOUBLE_EQ(stop->speed_mps, 1.5);
-  // Below 2 cm/s counts as standing: 7 ms early; a step of 1 ms.
+  // Below 2 cm/s is stationary: 7 ms early; a step of 1 ms.
   EXPECT_NEAR(stop->excess_time_s(3.0), 0.1, 0.009);
-  EXPECT_NEAR(stop->excess_way_m(3.0), 0.15, 0.002);
+  EXPECT_NEAR(stop->excess_distance_m(3.0), 0.15, 0.002);
 }
 
-TEST(MeasureStop, OfARobotThatTurnsOnTheSpotIsNotOver) {
+TEST(StopMetrics, ARobotThatRotatesOnTheSpotHasNotStopped) {
   std::vector<Motion> motions = braking();
   for (Motion& motion : motions) {
     motion.yaw_rate_rad_s = 0.5;
   }
-  EXPECT_FALSE(measure_stop(motions, 1'000'000));
+  EXPECT_FALSE(stop_metrics(motions, 1'000'000));
 }
 
-TEST(MeasureStop, NeedsToSeeTheEnd) {
+TEST(StopMetrics, NeedTheEnd) {
   std::vector<Motion> motions = braking();
   motions.resize(1300);
-  EXPECT_FALSE(measure_stop(motions, 1'000'000));
-  EXPECT_FALSE(measure_stop(motions, 5'000'000));
-  EXPECT_FALSE(measure_stop({}, 0));
+  EXPECT_FALSE(stop_metrics(motions, 1'000'000));
+  EXPECT_FALSE(stop_metrics(motions, 5'000'000));
+  EXPECT_FALSE(stop_metrics({}, 0));
 }
 
-TEST(MeasureStop, OfARobotThatStandsIsNothing) {
-  const auto stop = measure_stop(braking(), 1'900'000);
+TEST(StopMetrics, OfAStationaryRobotAreZero) {
+  const auto stop = stop_metrics(braking(), 1'900'000);
   ASSERT_TRUE(stop);
   EXPECT_EQ(stop->time_s, 0.0);
-  EXPECT_EQ(stop->way_m, 0.0);
+  EXPECT_EQ(stop->distance_m, 0.0);
 }
 
 }  // namespace

@@ -5,16 +5,16 @@
 #include <cstdint>
 #include <vector>
 
-#include "bench/live/stop_measure.hpp"
+#include "bench/live/stop_metrics.hpp"
 #include "common/bus/live_bus.hpp"
 #include "nodmap/truth_t.hpp"
 
 namespace nodmap::bench {
 
-/// Listens to what really happens.
-class Witness {
+/// Records TRUTH, the true state of the simulated robot.
+class GroundTruthMonitor {
  public:
-  Witness() : bus_("") {
+  GroundTruthMonitor() : bus_("") {
     bus_.subscribe<nodmap::truth_t>("TRUTH", [this](const nodmap::truth_t& truth) {
       collisions_ = truth.collisions;
       motions_.push_back({truth.utime, truth.position_m[0], truth.position_m[1], truth.forward_mps,
