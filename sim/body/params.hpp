@@ -37,10 +37,12 @@ struct DriveParams {
   double axis_length_m = 0.28;
   double turning_adaptation = 0.69;
   double odometry_scale_bias = 0.0;
+  double odometry_scale_difference = 0.0;
   double slip_distance_m = 0.01;
-  double slip_heading_rad = geometry::deg_to_rad(0.5);
+  double slip_heading_rad = geometry::deg_to_rad(1.0);
   double slip_turning_rad = geometry::deg_to_rad(2.0);
   double tilt_per_mps2_rad = geometry::deg_to_rad(0.1);
+  double ground_tilt_rad = geometry::deg_to_rad(0.1);
 
   template <class Visitor>
   void describe(Visitor& v) {
@@ -55,8 +57,12 @@ struct DriveParams {
              "Distance between the left and the right wheels.");
     v.number("turning_adaptation", turning_adaptation, {0.1, 2.0},
              "True rotation divided by the rotation that the wheels' speeds alone would give.");
-    v.number("odometry_scale_bias", odometry_scale_bias, {-0.5, 0.5},
-             "Relative excess of the distance that the wheels count over the true distance.");
+    v.number(
+        "odometry_scale_bias", odometry_scale_bias, {-0.5, 0.5},
+        "Relative excess of the distance that each wheel counts over the true distance; it acts "
+        "on rotations, too.");
+    v.number("odometry_scale_difference", odometry_scale_difference, {-0.1, 0.1},
+             "The left wheels' excess minus the right wheels', as from unequal diameters.");
     v.number("slip_distance_m", slip_distance_m, {0.0, 1.0},
              "Standard deviation of the distance error by slip after 1 m; grows with the root of "
              "the distance.");
@@ -66,6 +72,8 @@ struct DriveParams {
             "Standard deviation of the heading error by slip after a rotation of 1 rad.");
     v.angle("tilt_per_mps2_deg", tilt_per_mps2_rad, {0.0, 5.0},
             "Tilt of the body on its tyres per 1 m/s^2 of acceleration.");
+    v.angle("ground_tilt_deg", ground_tilt_rad, {0.0, 5.0},
+            "Standard deviation of the body's roll and pitch on uneven ground.");
   }
 };
 

@@ -8,8 +8,8 @@ namespace nodmap::sim {
 namespace {
 
 constexpr double kGravityMps2 = 9.81;
-/// Slip changes with the ground: about half a rotation of a wheel (perimeter 0.379 m).
-constexpr double kSlipLengthM = 0.2;
+/// Slip and tilt change with the ground: about half a rotation of a wheel (perimeter 0.379 m).
+constexpr double kGroundLengthM = 0.2;
 /// The tyres give way and recover within a tenth of a second.
 constexpr double kTiltLagS = 0.1;
 
@@ -17,22 +17,29 @@ constexpr double kTiltLagS = 0.1;
 
 SkidSteerBase::SkidSteerBase(const DriveParams& params, const geometry::SE2& T_world_start,
                              std::uint64_t seed)
-    : params_(params), T_world_base_(T_world_start), engine_(seed) {
+    : params_(params),
+      T_world_base_(T_world_start),
+      scales_{1.0 / (1.0 + params.odometry_scale_bias + 0.5 * params.odometry_scale_difference),
+              1.0 / (1.0 + params.odometry_scale_bias - 0.5 * params.odometry_scale_difference)},
+      engine_(seed),
+      ground_engine_(seed + 1) {
   // A relative error of deviation s and correlation length L adds up to s * sqrt(2 L d) over a
   // distance d that is long beside L.
-  const double root = std::sqrt(2.0 * kSlipLengthM);
+  const double root = std::sqrt(2.0 * kGroundLengthM);
   slip_distance_.sigma = params.slip_distance_m / root;
   slip_heading_.sigma = params.slip_heading_rad / root;
   // A rotation by 1 rad on the spot takes the wheels this far.
   const double distance_per_rad_m = 0.5 * params.axis_length_m / params.turning_adaptation;
   slip_turning_.sigma =
-      params.slip_turning_rad / std::sqrt(2.0 * kSlipLengthM / distance_per_rad_m);
+      params.slip_turning_rad / std::sqrt(2.0 * kGroundLengthM / distance_per_rad_m);
+  ground_up_.sigma = ground_left_.sigma = params.ground_tilt_rad;
 }
 
 void SkidSteerBase::set_wheel_speeds(const WheelSpeeds& goal) {
   // No wheel exceeds the top speed: neither as it counts itself, nor over ground.
-  const double top = params_.top_speed_mps * std::min(1.0, 1.0 + params_.odometry_scale_bias);
-  goal_ = {std::clamp(goal.left_mps, -top, top), std::clamp(goal.right_mps, -top, top)};
+  const double left = params_.top_speed_mps * std::min(1.0, 1.0 / scales_.left);
+  const double right = params_.top_speed_mps * std::min(1.0, 1.0 / scales_.right);
+  goal_ = {std::clamp(goal.left_mps, -left, left), std::clamp(goal.right_mps, -right, right)};
   braking_ = false;
 }
 
@@ -51,15 +58,17 @@ void SkidSteerBase::step(double dt_s) {
   travel_.right_m += right_m;
   const double distance_m = 0.5 * (std::abs(left_m) + std::abs(right_m));
   if (distance_m > 0.0) {
-    advance_slip(distance_m);
+    advance_random_processes(distance_m);
   }
   // Over ground; the mean speed within the step, so that distances are exact.
-  const double rims_mps = 0.5 * (left_m + right_m) / dt_s;
-  const double rims_rad_s =
-      (right_m - left_m) / dt_s / params_.axis_length_m * params_.turning_adaptation;
-  forward_mps_ = rims_mps / (1.0 + params_.odometry_scale_bias) * (1.0 + slip_distance_.value);
+  const double left_mps = scales_.left * left_m / dt_s;
+  const double right_mps = scales_.right * right_m / dt_s;
+  const double mean_mps = 0.5 * (left_mps + right_mps);
+  const double rotation_rad_s =
+      (right_mps - left_mps) / params_.axis_length_m * params_.turning_adaptation;
+  forward_mps_ = mean_mps * (1.0 + slip_distance_.value);
   forward_mps_ = std::clamp(forward_mps_, -params_.top_speed_mps, params_.top_speed_mps);
-  yaw_rate_rad_s_ = rims_rad_s * (1.0 + slip_turning_.value) + rims_mps * slip_heading_.value;
+  yaw_rate_rad_s_ = rotation_rad_s * (1.0 + slip_turning_.value) + mean_mps * slip_heading_.value;
   move(dt_s);
   tilt(dt_s, before);
 }
@@ -81,13 +90,15 @@ void SkidSteerBase::accelerate_wheel(double goal_mps, double dt_s, double& wheel
   wheel_mps += std::clamp(wanted_mps2, -max_mps2, max_mps2) * dt_s;
 }
 
-/// Ornstein-Uhlenbeck processes over distance, exact for any step: the slip per metre does not
-/// depend on the speed.
-void SkidSteerBase::advance_slip(double distance_m) {
-  const double keep = std::exp(-distance_m / kSlipLengthM);
+/// Exact for any step: slip and tilt per metre depend neither on the speed nor on the step.
+void SkidSteerBase::advance_random_processes(double distance_m) {
+  const double keep = std::exp(-distance_m / kGroundLengthM);
   const double renew = std::sqrt(1.0 - keep * keep);
-  for (SlipProcess* slip : {&slip_distance_, &slip_heading_, &slip_turning_}) {
+  for (RandomProcess* slip : {&slip_distance_, &slip_heading_, &slip_turning_}) {
     slip->value = keep * slip->value + renew * slip->sigma * normal_(engine_);
+  }
+  for (RandomProcess* tilt : {&ground_up_, &ground_left_}) {
+    tilt->value = keep * tilt->value + renew * tilt->sigma * ground_normal_(ground_engine_);
   }
 }
 

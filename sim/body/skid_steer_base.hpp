@@ -41,19 +41,24 @@ class SkidSteerBase {
   [[nodiscard]] const WheelSpeeds& wheel_speeds() const { return wheels_; }
   [[nodiscard]] double forward_mps() const { return forward_mps_; }
   [[nodiscard]] double yaw_rate_rad_s() const { return yaw_rate_rad_s_; }
-  /// Tilt of the body on its tyres: front up, left side down.
-  [[nodiscard]] double tilt_up_rad() const { return tilt_up_rad_; }
-  [[nodiscard]] double tilt_left_rad() const { return tilt_left_rad_; }
+  /// Tilt of the body on its tyres and on uneven ground: front up, left side down.
+  [[nodiscard]] double tilt_up_rad() const { return tilt_up_rad_ + ground_up_.value; }
+  [[nodiscard]] double tilt_left_rad() const { return tilt_left_rad_ + ground_left_.value; }
 
  private:
-  /// A relative error that varies randomly about zero with the distance driven.
-  struct SlipProcess {
+  /// A value that varies randomly about zero with the distance driven (Ornstein-Uhlenbeck).
+  struct RandomProcess {
     double sigma = 0.0;
     double value = 0.0;
   };
+  /// True distance divided by the counted one.
+  struct WheelScales {
+    double left = 1.0;
+    double right = 1.0;
+  };
 
   void accelerate_wheel(double goal_mps, double dt_s, double& wheel_mps) const;
-  void advance_slip(double distance_m);
+  void advance_random_processes(double distance_m);
   void move(double dt_s);
   void tilt(double dt_s, const WheelSpeeds& before);
 
@@ -67,11 +72,17 @@ class SkidSteerBase {
   double yaw_rate_rad_s_ = 0.0;
   double tilt_up_rad_ = 0.0;
   double tilt_left_rad_ = 0.0;
-  SlipProcess slip_distance_;  // m per m
-  SlipProcess slip_heading_;   // rad per m
-  SlipProcess slip_turning_;   // rad per rad
+  WheelScales scales_;
+  RandomProcess slip_distance_;  // m per m
+  RandomProcess slip_heading_;   // rad per m
+  RandomProcess slip_turning_;   // rad per rad
+  RandomProcess ground_up_;      // rad
+  RandomProcess ground_left_;    // rad
   std::mt19937_64 engine_;
   std::normal_distribution<double> normal_;
+  // Of its own, so that the ground does not change the slip.
+  std::mt19937_64 ground_engine_;
+  std::normal_distribution<double> ground_normal_;
 };
 
 }  // namespace nodmap::sim

@@ -137,6 +137,51 @@ TEST(SkidSteerBase, ScaleBiasMakesTheWheelsCountTooMuch) {
   EXPECT_NEAR(body.travel().left_m / body.T_world_base().x, 1.03, 1e-9);
 }
 
+// A wheel that counts too much counts too much in rotations, too.
+TEST(SkidSteerBase, ScaleBiasActsOnRotations) {
+  DriveParams params = without_slip();
+  params.odometry_scale_bias = 0.03;
+  SkidSteerBase body(params, {}, 1);
+  body.set_wheel_speeds({-0.1, 0.1});
+  run(body, 2.0);
+  const double counted_rad = (body.travel().right_m - body.travel().left_m) / params.axis_length_m *
+                             params.turning_adaptation;
+  EXPECT_GT(counted_rad, 0.9);
+  EXPECT_NEAR(counted_rad / body.T_world_base().yaw, 1.03, 1e-9);
+}
+
+// With left wheels that count 1 % too much and right ones 1 % too little, a drive that counts as
+// straight is an arc to the left: 0.02 m per m of difference over the axis, less by skidding.
+TEST(SkidSteerBase, UnequalWheelsDriveAnArc) {
+  DriveParams params = without_slip();
+  params.odometry_scale_difference = 0.02;
+  SkidSteerBase body(params, {}, 1);
+  body.set_wheel_speeds({1.0, 1.0});
+  run(body, 3.0);
+  const double expected_rad = body.travel().left_m * (1.0 / 0.99 - 1.0 / 1.01) /
+                              params.axis_length_m * params.turning_adaptation;
+  EXPECT_NEAR(body.T_world_base().yaw, expected_rad, 1e-9);
+}
+
+TEST(SkidSteerBase, GroundTiltHasTheStatedDeviationAndNoMean) {
+  const DriveParams params;
+  SkidSteerBase body(params, {}, 3);
+  body.set_wheel_speeds({0.5, 0.5});
+  run(body, 10.0);  // without acceleration from here on
+  double sum = 0.0;
+  double sum_sq = 0.0;
+  constexpr int kSteps = 1'000'000;  // 500 m
+  for (int i = 0; i < kSteps; ++i) {
+    body.step(kDt);
+    sum += body.tilt_up_rad();
+    sum_sq += body.tilt_up_rad() * body.tilt_up_rad();
+  }
+  // 500 m at a correlation of 0.2 m are 1250 independent values: 3 % of deviation for the mean, 2 %
+  // for the deviation; four times that.
+  EXPECT_NEAR(sum / kSteps, 0.0, 0.12 * params.ground_tilt_rad);
+  EXPECT_NEAR(std::sqrt(sum_sq / kSteps) / params.ground_tilt_rad, 1.0, 0.08);
+}
+
 TEST(SkidSteerBase, SlipIsARandomWalkOfTheStatedSize) {
   const DriveParams params;
   double sum_way_sq = 0.0;
