@@ -12,12 +12,14 @@ namespace {
 
 constexpr double kHalfRoomM = 5.0;
 constexpr double kStartFreeM = 0.6;
-/// The robot's diagonal is 0.56 m: it can turn wherever it gets.
-constexpr double kPassageM = 0.7;
+/// The robot's diagonal is 0.56 m: it can rotate wherever it gets.
+constexpr double kPassageM = 0.6;
 constexpr double kLegRadiusM = 0.015;
+/// Just more than the robot drives over (BodyParams::climb_height_m).
+constexpr double kMinHeightM = 0.031;
 
-/// A thing before it has its place: its objects about the origin, within a circle.
-struct Thing {
+/// An obstacle before it is placed: objects about the origin, within a circle.
+struct Obstacle {
   std::vector<Object> objects;
   double radius_m = 0.0;
 };
@@ -36,11 +38,12 @@ class Maker {
     return std::uniform_int_distribution<int>(least, most)(engine_);
   }
 
-  Thing make_thing();
-  Thing make_box(double height_m);
-  static Thing make_plate(double bottom_m, double size_m, double leg_inset_m);
-  Thing make_pole();
-  bool place(const Thing& thing, World& world);
+  Obstacle make_obstacle();
+  Obstacle make_box(double height_m);
+  Obstacle make_small_box();
+  static Obstacle make_plate(double bottom_m, double size_m, double leg_inset_m);
+  Obstacle make_pole();
+  bool place(const Obstacle& obstacle, World& world);
 
   struct Circle {
     Eigen::Vector2d center;
@@ -71,15 +74,17 @@ World Maker::make() {
   constexpr int kTries = 20'000;
   int placed = 0;
   for (int i = 0; i < kTries && placed < wanted; ++i) {
-    placed += place(make_thing(), world) ? 1 : 0;
+    placed += place(make_obstacle(), world) ? 1 : 0;
   }
   return world;
 }
 
-Thing Maker::make_thing() {
-  switch (count(0, 5)) {
+Obstacle Maker::make_obstacle() {
+  switch (count(0, 6)) {
     case 0:
-      return make_box(0.10);
+      return make_box(between(kMinHeightM, 0.10));
+    case 6:  // a brick, a shoe, a tool
+      return make_small_box();
     case 1:
       return make_box(between(0.15, 1.2));
     case 2:  // a table that the robot fits under
@@ -93,53 +98,61 @@ Thing Maker::make_thing() {
   }
 }
 
-Thing Maker::make_box(double height_m) {
+Obstacle Maker::make_box(double height_m) {
   const double length_m = between(0.15, 0.6);
   const double width_m = between(0.15, 0.4);
   return {{{Box{{0.0, 0.0, 0.5 * height_m}, {length_m, width_m, height_m}, 0.0}}},
           0.5 * Eigen::Vector2d(length_m, width_m).norm()};
 }
 
+Obstacle Maker::make_small_box() {
+  const double length_m = between(0.03, 0.2);
+  const double width_m = between(0.03, 0.1);
+  const double height_m = between(kMinHeightM, 0.15);
+  return {{{Box{{0.0, 0.0, 0.5 * height_m}, {length_m, width_m, height_m}, 0.0}}},
+          0.5 * Eigen::Vector2d(length_m, width_m).norm()};
+}
+
 /// A square plate on four legs.
-Thing Maker::make_plate(double bottom_m, double size_m, double leg_inset_m) {
+Obstacle Maker::make_plate(double bottom_m, double size_m, double leg_inset_m) {
   constexpr double kPlateM = 0.03;
-  Thing thing;
-  thing.radius_m = 0.5 * Eigen::Vector2d(size_m, size_m).norm();
-  thing.objects.push_back(
+  Obstacle obstacle;
+  obstacle.radius_m = 0.5 * Eigen::Vector2d(size_m, size_m).norm();
+  obstacle.objects.push_back(
       {Box{{0.0, 0.0, bottom_m + 0.5 * kPlateM}, {size_m, size_m, kPlateM}, 0.0}});
   const double leg_m = 0.5 * size_m - leg_inset_m;
   for (const double x : {-leg_m, leg_m}) {
     for (const double y : {-leg_m, leg_m}) {
-      thing.objects.push_back({Cylinder{{x, y, 0.5 * bottom_m}, kLegRadiusM, bottom_m}});
+      obstacle.objects.push_back({Cylinder{{x, y, 0.5 * bottom_m}, kLegRadiusM, bottom_m}});
     }
   }
-  return thing;
+  return obstacle;
 }
 
-Thing Maker::make_pole() {
+Obstacle Maker::make_pole() {
   const double radius_m = count(0, 1) == 0 ? kLegRadiusM : between(0.03, 0.2);
   const double height_m = between(0.4, 2.0);
   return {{{Cylinder{{0.0, 0.0, 0.5 * height_m}, radius_m, height_m}}}, radius_m};
 }
 
-bool Maker::place(const Thing& thing, World& world) {
-  const double reach_m = kHalfRoomM - thing.radius_m - kPassageM;
+bool Maker::place(const Obstacle& obstacle, World& world) {
+  const double reach_m = kHalfRoomM - obstacle.radius_m - kPassageM;
   const Eigen::Vector2d center(between(-reach_m, reach_m), between(-reach_m, reach_m));
   const double yaw_rad = between(-geometry::kPi, geometry::kPi);
-  const bool in_the_way = std::ranges::any_of(taken_, [&](const Circle& other) {
-    return (center - other.center).norm() < thing.radius_m + other.radius_m + kPassageM;
+  const bool is_taken = std::ranges::any_of(taken_, [&](const Circle& other) {
+    return (center - other.center).norm() < obstacle.radius_m + other.radius_m + kPassageM;
   });
-  if (in_the_way || center.norm() < thing.radius_m + kStartFreeM) {
+  if (is_taken || center.norm() < obstacle.radius_m + kStartFreeM) {
     return false;
   }
-  taken_.push_back({center, thing.radius_m});
-  const geometry::SE2 T_world_thing{center.x(), center.y(), yaw_rad};
-  for (Object object : thing.objects) {
+  taken_.push_back({center, obstacle.radius_m});
+  const geometry::SE2 T_world_obstacle{center.x(), center.y(), yaw_rad};
+  for (Object object : obstacle.objects) {
     if (auto* box = std::get_if<Box>(&object.shape)) {
-      box->center.head<2>() = T_world_thing * Eigen::Vector2d(box->center.head<2>());
+      box->center.head<2>() = T_world_obstacle * Eigen::Vector2d(box->center.head<2>());
       box->yaw_rad = yaw_rad;
     } else if (auto* cylinder = std::get_if<Cylinder>(&object.shape)) {
-      cylinder->center.head<2>() = T_world_thing * Eigen::Vector2d(cylinder->center.head<2>());
+      cylinder->center.head<2>() = T_world_obstacle * Eigen::Vector2d(cylinder->center.head<2>());
     }
     world.objects.push_back(object);
   }
