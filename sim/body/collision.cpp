@@ -46,7 +46,9 @@ Polygon transformed(const geometry::SE2& T_a_b, const Polygon& polygon) {
 }  // namespace
 
 Collision::Collision(const World& world, const BodyParams& params)
-    : params_(params), body_{{0.5 * params.length_m, 0.5 * params.width_m}} {
+    : params_(params),
+      body_{{0.5 * params.length_m, 0.5 * params.width_m}},
+      num_objects_(world.objects.size()) {
   for (const Object& object : world.objects) {
     obstacles_.push_back(make_obstacle(object));
   }

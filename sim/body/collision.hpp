@@ -29,6 +29,9 @@ class Collision {
   Collision(const World& world, const BodyParams& params);
 
   [[nodiscard]] std::size_t size() const { return obstacles_.size(); }
+  [[nodiscard]] bool is_pit(std::size_t obstacle) const {
+    return obstacle >= num_objects_ && obstacle < size();
+  }
 
   /// Horizontal distance (m) from the body; 0 where they touch, infinite if the body passes above
   /// or below.
@@ -66,6 +69,7 @@ class Collision {
 
   BodyParams params_;
   Rectangle body_;
+  std::size_t num_objects_;
   std::vector<Obstacle> obstacles_;
 };
 

@@ -104,6 +104,8 @@ struct RobotModel::State {
   Eigen::Vector2d edge_contact = Eigen::Vector2d::Zero();  // where the robot last met an edge
   std::int64_t collisions = 0;
   std::int64_t bumps = 0;
+  std::int64_t contacts_caused = 0;
+  std::int64_t falls = 0;
   std::int64_t now_us = 0;
   std::int64_t newest_us = 0;  // the first full millisecond that is not before now
   WheelTravel travel_now;
@@ -139,7 +141,11 @@ void RobotModel::State::drive() {
   bool blocked = false;
   const auto hit = [&](std::size_t contact) {
     blocked = true;
-    collisions += contacts.begin(contact) ? 1 : 0;
+    if (contacts.begin(contact)) {
+      ++collisions;
+      contacts_caused += speed_mps >= kStationaryMps ? 1 : 0;
+      falls += contact == edge() || collision.is_pit(contact) ? 1 : 0;
+    }
   };
   for (const std::size_t obstacle : collision.touched(body_pose())) {
     hit(obstacle);
@@ -168,7 +174,9 @@ void RobotModel::State::touch_actors(const geometry::SE2& T_world_before, double
       continue;
     }
     if (contacts.begin(edge() + 1 + i)) {
-      ++(speed_mps < kStationaryMps ? bumps : collisions);
+      const bool is_bump = speed_mps < kStationaryMps;
+      ++(is_bump ? bumps : collisions);
+      contacts_caused += is_bump ? 0 : 1;
     }
     // The robot may leave an actor, but not drive into it.
     const double before_m = (T_world_before.translation() - state.position).norm();
@@ -299,6 +307,8 @@ GroundTruth RobotModel::ground_truth() const {
   truth.pitch_rate_rad_s = pitch_rate_rad_s();
   truth.collisions = state_->collisions;
   truth.bumps = state_->bumps;
+  truth.contacts_caused = state_->contacts_caused;
+  truth.falls = state_->falls;
   truth.actors = now.to.actors;
   truth.clearance_m = state_->collision.clearance_m(state_->body_pose());
   for (const ActorState& actor : truth.actors) {

@@ -21,9 +21,11 @@ struct GroundTruth {
   double yaw_rate_rad_s = 0.0;
   double pitch_rad = 0.0;
   double pitch_rate_rad_s = 0.0;
-  double clearance_m = 0.0;     ///< from the body to the nearest obstacle or actor
-  std::int64_t collisions = 0;  ///< contacts that the robot caused
-  std::int64_t bumps = 0;       ///< contacts with actors that walked into the stationary robot
+  double clearance_m = 0.0;          ///< from the body to the nearest obstacle or actor
+  std::int64_t collisions = 0;       ///< contacts with obstacles and actors, without bumps
+  std::int64_t bumps = 0;            ///< contacts with actors that walked into the stationary robot
+  std::int64_t contacts_caused = 0;  ///< collisions while a point of the body moved at >= 0.05 m/s
+  std::int64_t falls = 0;            ///< collisions with the edge of a pit or of a platform
   std::vector<ActorState> actors;
 };
 

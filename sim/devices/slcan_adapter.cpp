@@ -35,8 +35,8 @@ unsigned hex_number(std::string_view digits) {
   return value;
 }
 
-/// What stands behind the letter: `id_digits` for the identifier, the length, and the data unless
-/// it is a remote request.
+/// Parses the text after the letter: `id_digits` of identifier, the length, and the data unless it
+/// is a remote request.
 std::optional<CanFrame> parse_frame(std::string_view text, std::size_t id_digits, bool has_data) {
   if (text.size() < id_digits + 1 || !is_hex(text)) {
     return std::nullopt;
@@ -162,7 +162,7 @@ std::string SlcanAdapter::send(std::string_view line) {
     return kRefused;
   }
   if (!extended && has_data && on_the_bus()) {
-    to_bus_(*frame);  // nobody on this bus hears the other kinds
+    to_bus_(*frame);  // nobody on this bus receives the other kinds
   }
   return !auto_poll_ ? kDone : extended ? "Z\r" : "z\r";
 }

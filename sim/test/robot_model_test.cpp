@@ -22,6 +22,7 @@ RobotModelParams exact_params() {
   params.drive.slip_turning_rad = 0.0;
   params.laser.range_sigma_m = 0.0;
   params.drive.tilt_per_mps2_rad = 0.0;
+  params.drive.ground_tilt_rad = 0.0;
   return params;
 }
 
@@ -166,6 +167,8 @@ TEST(RobotModel, PitStopsTheRobotAsACollision) {
   model.set_wheel_speeds({0.5, 0.5});
   model.advance_to(5 * kSecond);
   EXPECT_EQ(model.ground_truth().collisions, 1);
+  EXPECT_EQ(model.ground_truth().falls, 1);
+  EXPECT_EQ(model.ground_truth().contacts_caused, 1);
   EXPECT_NEAR(model.ground_truth().T_world_base.translation().x(), 1.0 - 0.225, 6e-4);
 }
 

@@ -27,7 +27,7 @@ class Reached {
       const auto [x, y] = open.front();
       open.pop_front();
       for (const Cell& next : {Cell{x + 1, y}, Cell{x - 1, y}, Cell{x, y + 1}, Cell{x, y - 1}}) {
-        if (cells_.size() < 100'000 && !cells_.contains(next) && has_room(next)) {
+        if (cells_.size() < 200'000 && !cells_.contains(next) && has_room(next)) {
           cells_.insert(next);
           open.push_back(next);
         }
@@ -80,10 +80,12 @@ TEST(Worlds, AllLoadAndLeaveTheStartFree) {
     EXPECT_GT(model.ground_truth().clearance_m, 0.2) << world.name;
     const Reached reached(world);
     EXPECT_GT(reached.area_m2(), 5.0) << world.name;
-    EXPECT_LT(reached.area_m2(), 300.0) << world.name << " has a hole in its walls";
-    EXPECT_TRUE(!world.goal || reached.holds(*world.goal)) << world.name;
+    EXPECT_LT(reached.area_m2(), 800.0) << world.name << " has a hole in its walls";
+    for (const Eigen::Vector2d& goal : world.goals) {
+      EXPECT_TRUE(reached.holds(goal)) << world.name << ' ' << goal.transpose();
+    }
   }
-  EXPECT_GE(count, 7);
+  EXPECT_GE(count, 9);
 }
 
 TEST(Worlds, CellarIsARing) {

@@ -201,7 +201,7 @@ std::optional<Hit> RayCaster::cast_ground(const Ray& ray, double max_range_m) co
       const Eigen::Vector2d center = 0.5 * (pit.min + pit.max);
       const RayBox air(
           Box{{center.x(), center.y(), -0.5 * pit.depth_m}, {size.x(), size.y(), pit.depth_m}});
-      // From just ahead: the way out, if that point is in this pit.
+      // From just ahead: the distance to leave this pit, if that point is in it.
       const Ray onward{ray.origin + (way_m + kTouchM) * ray.direction, ray.direction};
       const Eigen::Vector3d within = (onward.origin - air.center).cwiseAbs() - air.half;
       const double more_m = within.maxCoeff() < 0.0 ? distance_to(air, onward) : 0.0;

@@ -4,7 +4,6 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <limits>
-#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -13,10 +12,10 @@
 
 namespace nodmap::sim {
 
-/// Share of the laser's light that comes back, of what a white wall would send; a wall of paint.
+/// Fraction of the laser's light that is reflected, relative to a white wall; this is a painted wall.
 inline constexpr double kDefaultReflectivity = 0.8;
 
-/// A box that stands upright, turned about the vertical axis. Metres, radians, world frame.
+/// An upright box, rotated about the vertical axis. Metres, radians, world frame.
 struct Box {
   Eigen::Vector3d center = Eigen::Vector3d::Zero();
   Eigen::Vector3d size = Eigen::Vector3d::Ones();
@@ -44,7 +43,7 @@ struct Mesh {
   std::vector<Eigen::Vector3i> triangles;
 };
 
-/// A thing that stays where it is. A wall of the file is a Box here.
+/// A static object. A wall of the file is a Box here.
 struct Object {
   std::variant<Box, Cylinder, Ramp, Mesh> shape;
   double reflectivity = kDefaultReflectivity;
@@ -62,8 +61,8 @@ struct Waypoint {
   Eigen::Vector2d position = Eigen::Vector2d::Zero();
 };
 
-/// An upright cylinder on the floor that goes evenly from waypoint to waypoint. Before the first it
-/// is at the first; after the last it starts again (loop) or stays.
+/// An upright cylinder on the floor that moves at constant speed from waypoint to waypoint. Before
+/// the first time it is at the first waypoint; after the last it starts again (loop) or stays.
 struct Actor {
   double radius_m = 0.25;
   double height_m = 1.75;
@@ -83,14 +82,14 @@ struct ActorState {
   double height_m = 0.0;
 };
 
-/// What a WORLD.yaml says. The floor is z = 0 but for the pits.
+/// The content of a WORLD.yaml. The floor is z = 0 except in pits.
 struct World {
   std::string name;
   std::vector<Object> objects;
   std::vector<Pit> pits;
   std::vector<Actor> actors;
   geometry::SE2 T_world_start;
-  std::optional<Eigen::Vector2d> goal;
+  std::vector<Eigen::Vector2d> goals;  ///< to be reached one after the other; may be empty
 };
 
 }  // namespace nodmap::sim

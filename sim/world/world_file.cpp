@@ -280,7 +280,7 @@ World Reader::read_world() const {
     throw WorldFileError(file_.string() + ":" + std::to_string(error.mark.line + 1) + ": " +
                          error.msg);
   }
-  check_keys(root, "world", {"name", "objects", "pits", "actors", "robot", "goal"});
+  check_keys(root, "world", {"name", "objects", "pits", "actors", "robot", "goal", "goals"});
   World world;
   const YAML::Node name = need(root, "name");
   if (!name.IsScalar()) {
@@ -301,7 +301,13 @@ World Reader::read_world() const {
   const Eigen::Vector3d start = vector_of<3>(robot, "start");
   world.T_world_start = {start.x(), start.y(), geometry::normalize_angle(deg_to_rad(start.z()))};
   if (root["goal"]) {
-    world.goal = vector_of<2>(root, "goal");
+    if (root["goals"]) {
+      fail(root["goals"], "'goals': there is a 'goal' already");
+    }
+    world.goals.push_back(vector_of<2>(root, "goal"));
+  }
+  for (const YAML::Node& item : list(root, "goals")) {
+    world.goals.push_back(vector<2>(item, "goals"));
   }
   return world;
 }
