@@ -2,6 +2,7 @@
 #include "tools/trial/ground_truth_monitor.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "common/msg/messages.hpp"
 #include "nodmap/drive_t.hpp"
@@ -26,9 +27,8 @@ GroundTruthMonitor::GroundTruthMonitor(const sim::World& world, const sim::Robot
 }
 
 void GroundTruthMonitor::subscribe() {
-  bus_.subscribe<nodmap::scan_t>("SCAN", [this](const nodmap::scan_t& /*message*/) {
-    record_.started_us = record_.started_us.value_or(model_.now_us());
-  });
+  bus_.subscribe<nodmap::scan_t>("SCAN",
+                                 [this](const nodmap::scan_t& message) { on_scan(message); });
   bus_.subscribe<nodmap::drive_t>("DRIVE", [this](const nodmap::drive_t& message) {
     brake_latency_.add_drive_command(model_.now_us(), message.forward_mps);
   });
@@ -40,10 +40,26 @@ void GroundTruthMonitor::subscribe() {
     }
   });
   bus_.subscribe<nodmap::navigation_t>("NAVIGATION", [this](const nodmap::navigation_t& message) {
-    if (message.behaviour == nodmap::navigation_t::ARRIVED) {
-      record_.arrived_us = record_.arrived_us.value_or(model_.now_us());
+    const bool at_goal = message.behaviour == nodmap::navigation_t::ARRIVED;
+    if (at_goal && !std::exchange(at_goal_, at_goal)) {
+      record_.arrivals_us.push_back(model_.now_us());
     }
+    at_goal_ = at_goal;
   });
+}
+
+void GroundTruthMonitor::on_scan(const nodmap::scan_t& message) {
+  record_.started_us = record_.started_us.value_or(model_.now_us());
+  scan::Scan scan;
+  if (!msg::read_scan(message, scan)) {
+    return;
+  }
+  const auto T_world_first = T_world_base_.at(scan.utime_us);
+  const auto T_world_last = T_world_base_.at(scan.utime_last_us());
+  if (T_world_first && T_world_last) {
+    const geometry::SE3 T_map_world = geometry::to_se3(world_.T_world_start.inverse());
+    observed_voxels_.add(scan, T_map_world * *T_world_first, T_map_world * *T_world_last);
+  }
 }
 
 void GroundTruthMonitor::on_pitch_state(const nodmap::pitch_state_t& message) {
@@ -62,7 +78,9 @@ void GroundTruthMonitor::update() {
   const sim::GroundTruth truth = model_.ground_truth();
   if (recorded) {
     record_.truth.push_back({now_us, truth.T_world_base, truth.forward_mps, truth.yaw_rate_rad_s,
-                             truth.clearance_m, truth.collisions, truth.bumps});
+                             truth.clearance_m, truth.collisions, truth.bumps,
+                             truth.contacts_caused, truth.falls});
+    T_world_base_.add(kEpochUs + now_us, truth.T_world_base);
   }
   if (now_us % kTruthPeriodUs == 0) {
     publish(truth);

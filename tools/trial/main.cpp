@@ -36,6 +36,7 @@ struct Arguments {
   std::vector<std::string> without;
   std::optional<double> appear_s;
   std::string log_level = "error";
+  bool level_laser = false;
   bool dump_params = false;
 };
 
@@ -62,6 +63,8 @@ void add_options(CLI::App& app, Arguments& arguments) {
   app.add_option(
       "--appear", arguments.appear_s,
       "Let one obstacle appear at the end of the robot's stopping zone, from this second on");
+  app.add_flag("--level-laser", arguments.level_laser,
+               "Also run 2D SLAM on what the laser would measure if it were held level");
   app.add_option("--without", arguments.without, "Leave out this process; repeatable")
       ->allow_extra_args(false);
   app.add_flag_callback(
@@ -92,6 +95,7 @@ TrialSetup make_setup(const Arguments& arguments) {
     check_process(process, "--without " + process);
     setup.without.insert(process);
   }
+  setup.level_laser = arguments.level_laser;
   setup.seed = arguments.seed;
   setup.duration_us = std::llround(1e6 * arguments.duration_s);
   return setup;
@@ -118,7 +122,7 @@ void run(const Arguments& arguments, TrialSetup setup) {
   const double wall_s =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   nlohmann::ordered_json result = summarise(setup, outcome, dir);
-  write_picture(setup, outcome, dir);
+  write_path_image(setup, outcome, dir);
   formats::write_tum(dir / "truth.tum", true_trajectory(outcome.record, false));
   formats::write_tum(dir / "odometry.tum", outcome.record.odometry);
   // All that is not the same in the next run.

@@ -22,6 +22,13 @@ bool is_stationary(const TruthSample& sample) {
   return std::abs(sample.forward_mps) < kStationaryMps;
 }
 
+/// A rotation on the spot is motion, too.
+bool is_moving(const TruthSample& sample) {
+  constexpr double kMinMps = 0.05;
+  constexpr double kMinRadS = 0.05;
+  return std::abs(sample.forward_mps) >= kMinMps || std::abs(sample.yaw_rate_rad_s) > kMinRadS;
+}
+
 auto first_from(const TrialRecord& record, std::int64_t time_us) {
   return std::find_if(record.truth.begin(), record.truth.end(),
                       [time_us](const TruthSample& sample) { return sample.time_us >= time_us; });
@@ -34,8 +41,8 @@ Quantiles quantiles(std::vector<double> values) {
     return {};
   }
   std::sort(values.begin(), values.end());
-  const auto rank = [&values](double share) {
-    const auto n = static_cast<std::size_t>(std::ceil(share * static_cast<double>(values.size())));
+  const auto rank = [&values](double quantile) {
+    const auto n = static_cast<std::size_t>(std::ceil(quantile * static_cast<double>(values.size())));
     return values[std::max<std::size_t>(n, 1) - 1];
   };
   return {rank(0.5), rank(0.99), values.back(), values.size()};
@@ -55,6 +62,9 @@ DriveMetrics drive_metrics(const TrialRecord& record) {
     metrics.max_speed_mps = std::max(metrics.max_speed_mps, std::abs(sample->forward_mps));
     metrics.min_clearance_m = std::min(metrics.min_clearance_m, sample->clearance_m);
     metrics.distance_m += sample == first ? 0.0 : distance_between(*std::prev(sample), *sample);
+    if (!metrics.first_motion_s && is_moving(*sample)) {
+      metrics.first_motion_s = seconds(sample->time_us - *record.started_us);
+    }
     if (sample->collisions > 0 && !metrics.first_collision_s) {
       metrics.first_collision_s = seconds(sample->time_us - *record.started_us);
     }
@@ -62,6 +72,8 @@ DriveMetrics drive_metrics(const TrialRecord& record) {
   const TruthSample& last = record.truth.back();
   metrics.collisions = last.collisions;
   metrics.bumped = last.bumps;
+  metrics.contacts_caused = last.contacts_caused;
+  metrics.falls = last.falls;
   metrics.duration_s = seconds(last.time_us - first->time_us);
   metrics.mean_speed_mps = metrics.duration_s > 0.0 ? metrics.distance_m / metrics.duration_s : 0.0;
   return metrics;

@@ -26,7 +26,10 @@ struct Quantiles {
 struct DriveMetrics {
   std::int64_t collisions = 0;
   std::int64_t bumped = 0;
+  std::int64_t contacts_caused = 0;
+  std::int64_t falls = 0;
   std::optional<double> first_collision_s;
+  std::optional<double> first_motion_s;
   double duration_s = 0.0;
   double distance_m = 0.0;  ///< of base's origin, without rotations on the spot
   double mean_speed_mps = 0.0;

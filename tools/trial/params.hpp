@@ -20,13 +20,16 @@ struct LoopParams {
   /// On two cores a message takes less (bench/REPORT.md): the loop must not be faster than the
   /// robot.
   double message_delay_s = 0.002;
+  double message_jitter_s = 0.001;
   double goal_tolerance_m = 0.3;
   double deceleration_mps2 = 1.5;
 
   template <class Visitor>
   void describe(Visitor& v) {
     v.number("message_delay_s", message_delay_s, {0.0, 0.5},
-             "Time from the publishing of a message to its handling.");
+             "Least time from the publishing of a message to its handling.");
+    v.number("message_jitter_s", message_jitter_s, {0.0, 0.1},
+             "Mean of the exponentially distributed delay that is added for each reader.");
     v.number("goal_tolerance_m", goal_tolerance_m, {0.05, 5.0},
              "Distance from the world's goal at which the robot is told to stop.");
     v.number("deceleration_mps2", deceleration_mps2, {0.1, 10.0},

@@ -1,23 +1,24 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "common/drawing/plan_view.hpp"
 #include "common/formats/tum.hpp"
-#include "common/picture/image.hpp"
 #include "sim/world/world.hpp"
 #include "tools/trial/record.hpp"
 
 namespace nodmap::trial {
 
-/// Where the robot believed to be, in the world.
+/// A trajectory estimated by one of the modules, in the map frame.
 struct EstimatedPath {
+  std::string name;
   formats::Trajectory poses;
-  picture::Rgb colour = picture::kBlack;
+  drawing::Rgb colour;
 };
 
-/// The world from above with the way the robot took (dark blue, slow, to yellow, 1.5 m/s), its
-/// collisions (red), and what was estimated. Obstacles are darker the higher they begin: light grey
+/// The world from above with the robot's true path (dark blue: slow, yellow: 1.5 m/s), its
+/// collisions (red) and the estimated paths. Obstacles are darker the higher they begin: light grey
 /// stands on the floor.
-[[nodiscard]] picture::Image draw_paths(const sim::World& world, const TrialRecord& record,
+[[nodiscard]] drawing::Image draw_paths(const sim::World& world, const TrialRecord& record,
                                         const std::vector<EstimatedPath>& estimates);
 
 }  // namespace nodmap::trial

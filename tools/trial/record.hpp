@@ -23,6 +23,8 @@ struct TruthSample {
   double clearance_m = 0.0;
   std::int64_t collisions = 0;
   std::int64_t bumps = 0;
+  std::int64_t contacts_caused = 0;
+  std::int64_t falls = 0;
 };
 
 /// What is recorded of a trial to compute its metrics from.
@@ -31,7 +33,7 @@ struct TrialRecord {
   std::vector<std::int64_t> sweep_ends_us;  ///< when the pitch reversed
   formats::Trajectory odometry;             ///< as published
   std::optional<std::int64_t> started_us;   ///< the first SCAN; metrics count from here
-  std::optional<std::int64_t> arrived_us;   ///< when the navigator first reported it
+  std::vector<std::int64_t> arrivals_us;    ///< when the navigator reported its arrival at a goal
 };
 
 }  // namespace nodmap::trial

@@ -12,6 +12,7 @@
 #include "sim/devices/fault.hpp"
 #include "sim/world/world.hpp"
 #include "tools/trial/brake_latency.hpp"
+#include "tools/trial/occupancy_metrics.hpp"
 #include "tools/trial/params.hpp"
 #include "tools/trial/record.hpp"
 
@@ -32,11 +33,13 @@ struct TrialSetup {
   std::set<std::string> without;
   std::vector<Kill> kills;
   std::vector<sim::Fault> faults;
+  bool level_laser = false;  ///< also map with the laser held level on the same drive
 };
 
 /// The result of a trial.
 struct TrialOutcome {
   TrialRecord record;
+  ObservedVoxels observed_voxels;
   std::vector<BrakeEvent> brake_events;
   std::int64_t num_evaded = 0;  ///< obstacles that the robot steered past instead of braking
   nlohmann::json processes;     ///< by process: message counts and metrics
@@ -54,8 +57,8 @@ class Trial {
   ~Trial();
 
   /// One step of simulated time; false when the trial is over: after the duration, or a second
-  /// after the robot has arrived at the world's goal. Throws std::runtime_error when no scan comes
-  /// within a minute.
+  /// after the robot has arrived at the world's last goal. Throws std::runtime_error when no scan
+  /// comes within a minute.
   bool step();
 
   [[nodiscard]] std::int64_t now_us() const { return now_us_; }

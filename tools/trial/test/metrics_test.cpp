@@ -55,6 +55,7 @@ TEST(TrialMetrics, DriveCountsFromTheFirstScan) {
   EXPECT_EQ(drive.min_clearance_m, 0.3);
   EXPECT_EQ(drive.collisions, 1);
   EXPECT_NEAR(*drive.first_collision_s, 0.7, 1e-9);
+  EXPECT_EQ(*drive.first_motion_s, 0.0);  // it drives already
 }
 
 TEST(TrialMetrics, WithoutAScanThereIsNoDrive) {

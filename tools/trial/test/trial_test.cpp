@@ -49,7 +49,7 @@ TEST_F(TrialTest, TheSameSetupGivesTheSameBytes) {
     const std::filesystem::path dir = dir_.path() / name;
     std::filesystem::create_directory(dir);
     const TrialOutcome outcome = run(twice, dir);
-    write_picture(twice, outcome, dir);
+    write_path_image(twice, outcome, dir);
     logs.push_back(test::slurp(dir / "trial.lcmlog"));
     results.push_back(summarise(twice, outcome, dir).dump() + test::slurp(dir / "path.png") +
                       test::slurp(dir / "slam6d" / "map.bt"));
@@ -158,6 +158,26 @@ TEST_F(TrialTest, SlamsKeepTheirPlaceWhenTheBaseDriverIsStartedAnew) {
   EXPECT_GT(result["odometry"]["end_error_m"], 2.0);
   EXPECT_LE(result["slam2d"]["end_error_m"], 0.5);
   EXPECT_LE(result["slam6d"]["end_error_m"], 0.5);
+}
+
+// R48: stairs down, the edge of a dock, and a ramp.
+TEST_F(TrialTest, StairsAreDrivenWithoutAFall) {
+  const DriveMetrics drive = drive_metrics(run(setup("stairs", 1, 30.0)).record);
+  EXPECT_EQ(drive.falls, 0);
+  EXPECT_EQ(drive.collisions, 0);
+  EXPECT_GT(drive.distance_m, 3.0);
+}
+
+// R38, Fig. 7: once round a block, back to where it began.
+TEST_F(TrialTest, ALoopOfFortyMetresCloses) {
+  TrialSetup trial = setup("loop", 1, 180.0);
+  trial.params.set_assignment("sim.odometry_scale_bias=0.03");
+  const auto result = summarise(trial, run(trial), dir_.path());
+  EXPECT_TRUE(result["goal_reached"]);
+  EXPECT_GE(result["distance_m"], 40.0);
+  EXPECT_LE(result["slam2d"]["end_error_m"], 0.10);
+  EXPECT_LE(result["slam2d"]["end_error_deg"], 1.0);
+  EXPECT_GT(result["odometry"]["end_error_m"], 0.10);  // it is not odometry that was so good
 }
 
 // R37, Fig. 6: 27 m with wheels that count 3 % too much.
