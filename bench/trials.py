@@ -23,7 +23,8 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 WORLDS = ROOT / "sim" / "worlds"
 
 sys.path.insert(0, str(ROOT / "tools" / "figures"))
-import moving_clouds  # what Fig. 8 shows is what is measured here
+import moving_clouds  # Fig. 8 shows what is measured here
+from seeds import ODOMETRY_NOISE, REPORTING
 
 # 300 ms and 0.3 m: what any loss may cost beyond braking (the whole robot's limits).
 REACTION_S, REACTION_M = 0.3, 0.3
@@ -92,7 +93,7 @@ def collided(results):
 # The groups: (trials, add_rows).
 
 def random_clutter(quick):
-    trials = [Trial(f"random-{s}", f"random:{s}", s, 20 if quick else 60, "--no-slam6d") for s in range(2 if quick else 100)]
+    trials = [Trial(f"random-{s}", f"random:{s}", s, 20 if quick else 60, "--no-slam6d") for s in REPORTING[:2 if quick else 100]]
 
     def add_rows(table, _):
         results = results_of(trials)
@@ -108,8 +109,8 @@ def random_clutter(quick):
 
 def fig5(quick):
     n = 2 if quick else 20
-    nodding = [Trial(f"fig5-nodding-{s}", "fig5", s, 60, "--no-slam6d", "--pitch", "nodding") for s in range(n)]
-    fixed = [Trial(f"fig5-fixed-{s}", "fig5", s, 60, "--no-slam6d", "--pitch", "fixed") for s in range(n)]
+    nodding = [Trial(f"fig5-nodding-{s}", "fig5", s, 60, "--no-slam6d", "--pitch", "nodding") for s in REPORTING[:n]]
+    fixed = [Trial(f"fig5-fixed-{s}", "fig5", s, 60, "--no-slam6d", "--pitch", "fixed") for s in REPORTING[:n]]
 
     def add_rows(table, _):
         table.add(f"Fig. 5, nodding: runs of {n} with a collision", collided(results_of(nodding)), "0",
@@ -120,7 +121,7 @@ def fig5(quick):
 
 
 def crowd(quick):
-    trials = [Trial(f"crowd-{s}", "crowd", s, 30 if quick else 60, "--no-slam6d") for s in range(1, 3 if quick else 11)]
+    trials = [Trial(f"crowd-{s}", "crowd", s, 30 if quick else 60, "--no-slam6d") for s in REPORTING[1:3 if quick else 11]]
 
     def add_rows(table, _):
         results = results_of(trials)
@@ -138,7 +139,7 @@ def nearest_rank(values, share):
 def appearing(quick):
     # The robot brakes for about half of them and steers past the rest: so many give 100 that are measured.
     n = 3 if quick else 250
-    trials = [Trial(f"appear-{s}", f"random:{s}", s, 16, "--no-slam6d", "--appear", 6 + s % 5) for s in range(n)]
+    trials = [Trial(f"appear-{s}", f"random:{s}", s, 16, "--no-slam6d", "--appear", 6 + s % 5) for s in REPORTING[:n]]
 
     def add_rows(table, _):
         results = results_of(trials)
@@ -200,13 +201,13 @@ def evaluate(programs, *arguments):
 
 
 def corridor(quick):
-    trial = Trial("corridor30", "corridor30", 1, 20 if quick else 60, "--set", "sim.odometry_scale_bias=0.03")
+    trial = Trial("corridor30", "corridor30", 1, 20 if quick else 60, *ODOMETRY_NOISE)
 
     def add_rows(table, programs):
         odometry = trial.result["odometry"]
         errors = evaluate(programs, "corridor", trial.dir / "slam2d" / "trajectory.tum", trial.dir / "truth.tum")
         length_percent, bow_m, heading_deg = (abs(errors[key]) for key in ("length_error_percent", "bow_m", "heading_error_deg"))
-        table.add(f"Fig. 6, {errors['length_m']:.1f} m, 3 % odometry bias: length error", f"{length_percent:.2f} %", "<= 1 %",
+        table.add(f"Fig. 6, {errors['length_m']:.1f} m, odometry with 3 % bias and 1 deg/m: length error", f"{length_percent:.2f} %", "<= 1 %",
                   length_percent <= 1.0)
         table.add("Fig. 6: bow (odometry's end error)", f"{bow_m:.3f} m ({odometry['end_error_m']:.2f} m)", "<= 0.10 m",
                   bow_m <= 0.10)
@@ -215,17 +216,76 @@ def corridor(quick):
 
 
 def cellar(quick):
-    trial = Trial("cellar", "cellar", 1, 30 if quick else 120, "--set", "sim.odometry_scale_bias=0.03")
+    trial = Trial("cellar", "cellar", 1, 30 if quick else 120, *ODOMETRY_NOISE)
 
     def add_rows(table, _):
         slam, odometry = trial.result["slam2d"], trial.result["odometry"]
-        table.add(f"Fig. 7, {trial.result['distance_m']:.0f} m in the cellar, 3 % bias and slip: end pose",
+        table.add(f"Fig. 7, {trial.result['distance_m']:.0f} m in the cellar, odometry with 3 % bias and 1 deg/m: end pose",
                   f"{slam['end_error_m']:.3f} m, {slam['end_error_deg']:.2f} deg", "<= 0.10 m, 1 deg",
                   slam["end_error_m"] <= 0.10 and slam["end_error_deg"] <= 1.0)
         table.add("Fig. 7: odometry's end pose, for comparison",
                   f"{odometry['end_error_m']:.2f} m, {odometry['end_error_deg']:.1f} deg", "", True)
         table.add("cellar: collisions", trial.result["collisions"], "0", trial.result["collisions"] == 0)
     return [trial], add_rows
+
+
+def loop(quick):
+    trials = [Trial(f"loop-{s}", "loop", s, 60 if quick else 180, *ODOMETRY_NOISE) for s in REPORTING[1:2 if quick else 6]]
+
+    def add_rows(table, _):
+        for name in ("slam2d", "slam6d", "odometry"):
+            ends = [result[name] for result in results_of(trials)]
+            worst_m, worst_deg = (max(end[key] for end in ends) for key in ("end_error_m", "end_error_deg"))
+            holds = worst_m <= 0.10 and worst_deg <= 1.0
+            table.add(f"loop, once round, {min(r['distance_m'] for r in results_of(trials)):.0f} m at least, {name}: end pose, worst of {len(trials)}",
+                      f"{worst_m:.3f} m, {worst_deg:.2f} deg", "" if name == "odometry" else "<= 0.10 m, 1 deg", name == "odometry" or holds)
+        rounds = sum(result["goal_reached"] for result in results_of(trials))
+        table.add(f"loop: runs of {len(trials)} that came back to the start", rounds, "all", rounds == len(trials))
+    return trials, add_rows
+
+
+def level_laser(quick):
+    trials = [Trial(f"level-{s}", "office", s, 25, "--no-slam6d", "--level-laser", *ODOMETRY_NOISE) for s in REPORTING[1:3 if quick else 11]]
+
+    def add_rows(table, _):
+        nodding, level = ([result[name]["ate_rmse_m"] for result in results_of(trials)] for name in ("slam2d", "slam2d_level"))
+        table.add(f"2D map nodding / level laser on the same {len(trials)} drives, ATE: sum of all (least, greatest ratio)",
+                  f"{1000 * sum(nodding) / len(nodding):.1f} / {1000 * sum(level) / len(level):.1f} mm = {sum(nodding) / sum(level):.2f} "
+                  f"({min(n / l for n, l in zip(nodding, level)):.2f}, {max(n / l for n, l in zip(nodding, level)):.2f})", "<= 1.2",
+                  sum(nodding) <= 1.2 * sum(level))
+    return trials, add_rows
+
+
+def drive_to_goal(world, seeds, duration_s):
+    trials = [Trial(f"{world}-{s}", world, s, duration_s, "--no-slam6d") for s in seeds]
+
+    def add_rows(table, _):
+        results = results_of(trials)
+        table.add(f"{world}, {len(results)} runs: collisions (of them falls)",
+                  f"{sum(r['collisions'] for r in results)} ({sum(r['falls'] for r in results)})", "0", collided(results) == 0)
+        table.add(f"{world}: goals reached; metres driven in a run",
+                  f"{sum(r['goal_reached'] for r in results)} of {len(results)}; {min(r['distance_m'] for r in results):.1f} to "
+                  f"{max(r['distance_m'] for r in results):.1f}", "", True)
+    return trials, add_rows
+
+
+def stairs(quick):
+    return drive_to_goal("stairs", REPORTING[1:3 if quick else 11], 60)
+
+
+def warehouse(quick):
+    return drive_to_goal("warehouse", REPORTING[1:3 if quick else 11], 60)
+
+
+def occupancy(quick):
+    trials = [Trial(f"occupancy-{world}", world, 1, 20 if quick else 60, "--without", "slam2d", *ODOMETRY_NOISE) for world in ("cellar", "office")]
+
+    def add_rows(table, _):
+        for trial in trials:
+            occupancy = trial.result["occupancy"]
+            table.add(f"OctoMap of {trial.world}, {trial.result['distance_m']:.0f} m: precision, recall to one voxel of 5 cm",
+                      f"{occupancy['precision']:.3f}, {occupancy['recall']:.3f}", "", True)
+    return trials, add_rows
 
 
 def map_error(trial, programs):
@@ -265,7 +325,8 @@ def speed(quick):
 
 
 GROUPS = {"random": random_clutter, "fig5": fig5, "crowd": crowd, "appearing": appearing, "stops": stops, "corridor": corridor,
-          "cellar": cellar, "clouds": clouds, "speed": speed}
+          "cellar": cellar, "loop": loop, "level": level_laser, "occupancy": occupancy, "stairs": stairs, "warehouse": warehouse,
+          "clouds": clouds, "speed": speed}
 
 
 def run_all(trials, programs, out, jobs):
