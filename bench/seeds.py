@@ -9,4 +9,4 @@ CHOOSING = range(1000, 2000)
 
 # The odometry with which mapping is reported: each wheel counts 3 % too much, and the heading drifts by 1 degree after 1 m, 2 degrees after 4 m
 # and so on (the simulator's default).
-ODOMETRY_NOISE = ("--set", "sim.drive.odometry_scale_bias=0.03", "--set", "sim.drive.slip_heading_deg=1")
+ODOMETRY_NOISE = ("--set", "sim.odometry_scale_bias=0.03", "--set", "sim.slip_heading_deg=1")

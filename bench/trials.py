@@ -230,7 +230,7 @@ def cellar(quick):
 
 
 def loop(quick):
-    trials = [Trial(f"loop-{s}", "loop", s, 60 if quick else 180, *ODOMETRY_NOISE) for s in REPORTING[1:2 if quick else 6]]
+    trials = [Trial(f"loop-{s}", "loop", s, 60 if quick else 240, *ODOMETRY_NOISE) for s in REPORTING[1:2 if quick else 6]]
 
     def add_rows(table, _):
         for name in ("slam2d", "slam6d", "odometry"):

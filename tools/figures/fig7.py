@@ -7,7 +7,7 @@ import formats
 import style
 from trials import ODOMETRY_NOISE, REPORTING, Trial, evaluate
 
-TRIALS = [Trial(f"fig7-{seed}", "loop", seed, 180, *ODOMETRY_NOISE, "--no-slam6d", keep_log=False) for seed in REPORTING[1:6]]
+TRIALS = [Trial(f"fig7-{seed}", "loop", seed, 240, *ODOMETRY_NOISE, "--no-slam6d", keep_log=False) for seed in REPORTING[1:6]]
 
 
 def return_stamp(trial):

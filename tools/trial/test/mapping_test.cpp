@@ -23,7 +23,7 @@
 namespace nodmap::trial {
 namespace {
 
-// Measured in the trial below, less a quarter of what is missing to 1.
+// A drive of 60 s has 0.99 and 0.95; this one is shorter.
 constexpr double kMinPrecision = 0.9;
 constexpr double kMinRecall = 0.8;
 

@@ -170,7 +170,7 @@ TEST_F(TrialTest, StairsAreDrivenWithoutAFall) {
 
 // R38, Fig. 7: once round a block, back to where it began.
 TEST_F(TrialTest, ALoopOfFortyMetresCloses) {
-  TrialSetup trial = setup("loop", 1, 180.0);
+  TrialSetup trial = setup("loop", 1, 240.0);
   trial.params.set_assignment("sim.odometry_scale_bias=0.03");
   const auto result = summarise(trial, run(trial), dir_.path());
   EXPECT_TRUE(result["goal_reached"]);
