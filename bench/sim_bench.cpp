@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Time for one simulated scan of 181 beams (nodding, robot in the middle of the world), and for a
-// second of the whole plant: 1000 steps and 75 scans.
+// second of the whole model: 1000 steps and 75 scans.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
 
 #include "common/geometry/angle.hpp"
-#include "sim/plant.hpp"
-#include "sim/ray_caster.hpp"
-#include "sim/world_file.hpp"
+#include "sim/body/robot_model.hpp"
+#include "sim/world/ray_caster.hpp"
+#include "sim/world/world_file.hpp"
 
 namespace nodmap::sim {
 namespace {
@@ -21,37 +21,37 @@ World world(const char* name) {
   return load_world(std::string(NODMAP_SOURCE_DIR "/sim/worlds/") + name + ".yaml");
 }
 
-void scan(Plant& plant, std::int64_t end_us) {
+void scan(RobotModel& model, std::int64_t end_us) {
   for (int beam = -90; beam <= 90; ++beam) {
-    benchmark::DoNotOptimize(plant.measure(deg_to_rad(beam), end_us - 6'660 + 37 * beam));
+    benchmark::DoNotOptimize(model.measure(deg_to_rad(beam), end_us - 6'660 + 37 * beam));
   }
 }
 
 /// The laser nods through the usual sweep while the robot stands.
 void Scan(benchmark::State& state, const char* name) {
-  Plant plant(world(name), {}, 1);
+  RobotModel model(world(name), {}, 1);
   std::int64_t now_us = 0;
   for (auto _ : state) {
     state.PauseTiming();
     now_us += kScanUs;
-    plant.set_pitch_goal({now_us / kScanUs / 60 % 2 == 0 ? -0.7 : 0.26, 1.2, 40.0});
-    plant.advance_to(now_us);
+    model.set_pitch_goal({now_us / kScanUs / 60 % 2 == 0 ? -0.7 : 0.26, 1.2, 40.0});
+    model.advance_to(now_us);
     state.ResumeTiming();
-    scan(plant, now_us);
+    scan(model, now_us);
   }
 }
 
 /// The robot turns on the spot.
-void PlantSecond(benchmark::State& state, const char* name) {
-  Plant plant(world(name), {}, 1);
-  plant.set_wheel_speeds({-0.3, 0.3});
+void RobotSecond(benchmark::State& state, const char* name) {
+  RobotModel model(world(name), {}, 1);
+  model.set_wheel_speeds({-0.3, 0.3});
   std::int64_t now_us = 0;
   for (auto _ : state) {
     for (int i = 0; i < 75; ++i) {
       now_us += kScanUs;
-      plant.set_pitch_goal({now_us / kScanUs / 60 % 2 == 0 ? -0.7 : 0.26, 1.2, 40.0});
-      plant.advance_to(now_us);
-      scan(plant, now_us);
+      model.set_pitch_goal({now_us / kScanUs / 60 % 2 == 0 ? -0.7 : 0.26, 1.2, 40.0});
+      model.advance_to(now_us);
+      scan(model, now_us);
     }
   }
 }
@@ -59,8 +59,8 @@ void PlantSecond(benchmark::State& state, const char* name) {
 BENCHMARK_CAPTURE(Scan, office, "office")->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(Scan, cellar, "cellar")->Unit(benchmark::kMicrosecond);
 BENCHMARK_CAPTURE(Scan, crowd, "crowd")->Unit(benchmark::kMicrosecond);
-BENCHMARK_CAPTURE(PlantSecond, office, "office")->Unit(benchmark::kMillisecond);
-BENCHMARK_CAPTURE(PlantSecond, crowd, "crowd")->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(RobotSecond, office, "office")->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(RobotSecond, crowd, "crowd")->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace nodmap::sim

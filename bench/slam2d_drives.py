@@ -4,8 +4,8 @@
 
 bench/slam2d_drives.py [--out DIR] [--bin DIR] [--setting "key=value ..." ...]
 
-Drives 30 times through the corridor of Fig. 6 (seeds 21 to 50, 60 s) and 20 times through the cellar of Fig. 7 (11 to 30, 120 s), with
-wheels that report 3 % too much distance; the paper's figures show other seeds. A drive that is in DIR already is taken from there. One row of the worst
+Drives 30 times through the corridor of Fig. 6 (60 s) and 20 times through the cellar of Fig. 7 (120 s), with the odometry noise and the seeds for
+choosing of bench/seeds.py; the figures show other seeds. A drive that is in DIR already is taken from there. One row of the worst
 errors for each setting; the first has none.
 """
 import argparse
@@ -16,10 +16,12 @@ import pathlib
 import subprocess
 import tempfile
 
+import seeds
+
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-CORRIDOR = [("corridor30", seed, 60) for seed in range(21, 51)]
-CELLAR = [("cellar", seed, 120) for seed in range(11, 31)]
-SETTINGS = ["", "matcher.min_line_distance_m=0.25", *(f"map.line_radius_m={radius_m}" for radius_m in (0.25, 0.15, 0.12))]
+CORRIDOR = [("corridor30", seed, 60) for seed in seeds.CHOOSING[:30]]
+CELLAR = [("cellar", seed, 120) for seed in seeds.CHOOSING[:20]]
+SETTINGS = ["", "line_correspondence_m=0.25", "line_radius_m=0.25", "line_radius_m=0.15", "line_radius_m=0.12"]
 
 
 class Drives:
@@ -37,7 +39,7 @@ class Drives:
         folder = self.out / f"{world}-{seed}"
         if not folder.exists():
             self.call("nodmap-trial", "--world", ROOT / "sim" / "worlds" / f"{world}.yaml", "--seed", seed, "--duration", duration_s,
-                      "--set", "sim.odometry_scale_bias=0.03", "--no-slam6d", "--out", folder)
+                      *seeds.ODOMETRY_NOISE, "--no-slam6d", "--out", folder)
         return folder
 
     def errors(self, run, setting):

@@ -4,7 +4,7 @@
 
     bench/trials.py [--jobs N] [--quick] [--only GROUP ...] [--out DIR] [--bin DIR]
 
-Each group is a function that names its trials and judges their results. Every trial is deterministic; the table is the same on
+Each group is a function that names its trials and adds the rows of its results. Every trial is deterministic; the table is the same on
 every machine but for the last column's times. Exit code 1 when a target is missed.
 """
 import argparse
@@ -23,7 +23,8 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 WORLDS = ROOT / "sim" / "worlds"
 
 sys.path.insert(0, str(ROOT / "tools" / "figures"))
-import moving_clouds  # what Fig. 8 shows is what is measured here
+import moving_clouds  # Fig. 8 shows what is measured here
+from seeds import ODOMETRY_NOISE, REPORTING
 
 # 300 ms and 0.3 m: what any loss may cost beyond braking (the whole robot's limits).
 REACTION_S, REACTION_M = 0.3, 0.3
@@ -79,7 +80,7 @@ def results_of(trials):
     return [trial.result for trial in trials if trial.result]
 
 
-def judge_failures(trials, table):
+def add_failures(trials, table):
     failed = [trial for trial in trials if trial.result is None]
     for trial in failed:
         table.add(trial.name, trial.error[-60:], "runs", False)
@@ -89,12 +90,12 @@ def collided(results):
     return sum(result["collisions"] > 0 for result in results)
 
 
-# The groups: (trials, judge).
+# The groups: (trials, add_rows).
 
 def random_clutter(quick):
-    trials = [Trial(f"random-{s}", f"random:{s}", s, 20 if quick else 60, "--no-slam6d") for s in range(2 if quick else 100)]
+    trials = [Trial(f"random-{s}", f"random:{s}", s, 20 if quick else 60, "--no-slam6d") for s in REPORTING[:2 if quick else 100]]
 
-    def judge(table, _):
+    def add_rows(table, _):
         results = results_of(trials)
         speeds = [result["mean_speed_mps"] for result in results]
         table.add(f"random clutter, {len(results)} worlds: collisions", sum(r["collisions"] for r in results), "0",
@@ -103,32 +104,32 @@ def random_clutter(quick):
                   f"{sum(speeds) / len(speeds):.2f} ({min(speeds):.2f})", ">= 0.5", sum(speeds) / len(speeds) >= 0.5)
         table.add("random clutter: least clearance, m", f"{min(r['min_clearance_m'] for r in results):.3f}", "> 0",
                   min(r["min_clearance_m"] for r in results) > 0)
-    return trials, judge
+    return trials, add_rows
 
 
 def fig5(quick):
     n = 2 if quick else 20
-    nodding = [Trial(f"fig5-nodding-{s}", "fig5", s, 60, "--no-slam6d", "--pitch", "nodding") for s in range(n)]
-    fixed = [Trial(f"fig5-fixed-{s}", "fig5", s, 60, "--no-slam6d", "--pitch", "fixed") for s in range(n)]
+    nodding = [Trial(f"fig5-nodding-{s}", "fig5", s, 60, "--no-slam6d", "--pitch", "nodding") for s in REPORTING[:n]]
+    fixed = [Trial(f"fig5-fixed-{s}", "fig5", s, 60, "--no-slam6d", "--pitch", "fixed") for s in REPORTING[:n]]
 
-    def judge(table, _):
+    def add_rows(table, _):
         table.add(f"Fig. 5, nodding: runs of {n} with a collision", collided(results_of(nodding)), "0",
                   collided(results_of(nodding)) == 0)
         table.add(f"Fig. 5, fixed: runs of {n} with a collision", collided(results_of(fixed)), "most",
                   collided(results_of(fixed)) > n / 2)
-    return nodding + fixed, judge
+    return nodding + fixed, add_rows
 
 
 def crowd(quick):
-    trials = [Trial(f"crowd-{s}", "crowd", s, 30 if quick else 60, "--no-slam6d") for s in range(1, 3 if quick else 11)]
+    trials = [Trial(f"crowd-{s}", "crowd", s, 30 if quick else 60, "--no-slam6d") for s in REPORTING[1:3 if quick else 11]]
 
-    def judge(table, _):
+    def add_rows(table, _):
         results = results_of(trials)
         table.add(f"crowd, {len(results)} runs: collisions", sum(r["collisions"] for r in results), "0", collided(results) == 0)
         table.add("crowd: people who walked into the standing robot; metres driven in a run",
                   f"{sum(r['bumped'] for r in results)}; {min(r['distance_m'] for r in results):.1f} to "
                   f"{max(r['distance_m'] for r in results):.1f}", "", True)
-    return trials, judge
+    return trials, add_rows
 
 
 def nearest_rank(values, share):
@@ -138,9 +139,9 @@ def nearest_rank(values, share):
 def appearing(quick):
     # The robot brakes for about half of them and steers past the rest: so many give 100 that are measured.
     n = 3 if quick else 250
-    trials = [Trial(f"appear-{s}", f"random:{s}", s, 16, "--no-slam6d", "--appear", 6 + s % 5) for s in range(n)]
+    trials = [Trial(f"appear-{s}", f"random:{s}", s, 16, "--no-slam6d", "--appear", 6 + s % 5) for s in REPORTING[:n]]
 
-    def judge(table, _):
+    def add_rows(table, _):
         results = results_of(trials)
         latencies = [r["brake_latency_ms"] for r in results]
         events = [event for l in latencies for event in l["events"]]
@@ -162,7 +163,7 @@ def appearing(quick):
             table.add("appearing: share of that limit used, p50/p99/max",
                       f"{nearest_rank(shares, 0.5):.2f}/{nearest_rank(shares, 0.99):.2f}/{max(shares):.2f}", "<= 1",
                       max(shares) <= 1.0)
-    return trials, judge
+    return trials, add_rows
 
 
 def stops(quick):
@@ -171,20 +172,20 @@ def stops(quick):
     trials = [Trial(f"stop-{what.replace(':', '-')}", "corridor30", 3, 20, "--no-slam6d", f"--{kind}", f"{what}@10+2")
               for kind, what in things]
 
-    def judge(table, _):
+    def add_rows(table, _):
         for trial in trials:
             if not trial.result:
                 continue
             stop = trial.result["stops"][0]
-            beyond_m = stop["way_m"] - stop["braking_way_m"]
-            stood = stop["stood_after_s"] is not None
+            beyond_m = stop["distance_m"] - stop["braking_distance_m"]
+            stopped = stop["stopped_after_s"] is not None
             resumed = stop["resumed_after_s"]
-            holds = (stood and stop["reaction_s"] <= REACTION_S and beyond_m <= REACTION_M and resumed is not None
+            holds = (stopped and stop["reaction_s"] <= REACTION_S and beyond_m <= REACTION_M and resumed is not None
                      and trial.result["collisions"] == 0)
             table.add(f"{stop['what']} at {stop['speed_mps']:.1f} m/s: beyond braking; goes on after",
-                      (f"{1000 * stop['reaction_s']:.0f} ms, {beyond_m:.2f} m" if stood else "does not stand") +
+                      (f"{1000 * stop['reaction_s']:.0f} ms, {beyond_m:.2f} m" if stopped else "does not stop") +
                       (f"; {resumed:.1f} s" if resumed is not None else "; never"), "300 ms, 0.30 m", holds)
-    return trials, judge
+    return trials, add_rows
 
 
 def call(programs, program, *arguments):
@@ -200,32 +201,91 @@ def evaluate(programs, *arguments):
 
 
 def corridor(quick):
-    trial = Trial("corridor30", "corridor30", 1, 20 if quick else 60, "--set", "sim.odometry_scale_bias=0.03")
+    trial = Trial("corridor30", "corridor30", 1, 20 if quick else 60, *ODOMETRY_NOISE)
 
-    def judge(table, programs):
+    def add_rows(table, programs):
         odometry = trial.result["odometry"]
         errors = evaluate(programs, "corridor", trial.dir / "slam2d" / "trajectory.tum", trial.dir / "truth.tum")
         length_percent, bow_m, heading_deg = (abs(errors[key]) for key in ("length_error_percent", "bow_m", "heading_error_deg"))
-        table.add(f"Fig. 6, {errors['length_m']:.1f} m, 3 % odometry bias: length error", f"{length_percent:.2f} %", "<= 1 %",
+        table.add(f"Fig. 6, {errors['length_m']:.1f} m, odometry with 3 % bias and 1 deg/m: length error", f"{length_percent:.2f} %", "<= 1 %",
                   length_percent <= 1.0)
         table.add("Fig. 6: bow (odometry's end error)", f"{bow_m:.3f} m ({odometry['end_error_m']:.2f} m)", "<= 0.10 m",
                   bow_m <= 0.10)
         table.add("Fig. 6: heading", f"{heading_deg:.2f} deg", "<= 0.5 deg", heading_deg <= 0.5)
-    return [trial], judge
+    return [trial], add_rows
 
 
 def cellar(quick):
-    trial = Trial("cellar", "cellar", 1, 30 if quick else 120, "--set", "sim.odometry_scale_bias=0.03")
+    trial = Trial("cellar", "cellar", 1, 30 if quick else 120, *ODOMETRY_NOISE)
 
-    def judge(table, _):
+    def add_rows(table, _):
         slam, odometry = trial.result["slam2d"], trial.result["odometry"]
-        table.add(f"Fig. 7, {trial.result['distance_m']:.0f} m in the cellar, 3 % bias and slip: end pose",
+        table.add(f"Fig. 7, {trial.result['distance_m']:.0f} m in the cellar, odometry with 3 % bias and 1 deg/m: end pose",
                   f"{slam['end_error_m']:.3f} m, {slam['end_error_deg']:.2f} deg", "<= 0.10 m, 1 deg",
                   slam["end_error_m"] <= 0.10 and slam["end_error_deg"] <= 1.0)
         table.add("Fig. 7: odometry's end pose, for comparison",
                   f"{odometry['end_error_m']:.2f} m, {odometry['end_error_deg']:.1f} deg", "", True)
         table.add("cellar: collisions", trial.result["collisions"], "0", trial.result["collisions"] == 0)
-    return [trial], judge
+    return [trial], add_rows
+
+
+def loop(quick):
+    trials = [Trial(f"loop-{s}", "loop", s, 60 if quick else 240, *ODOMETRY_NOISE) for s in REPORTING[1:2 if quick else 6]]
+
+    def add_rows(table, _):
+        for name in ("slam2d", "slam6d", "odometry"):
+            ends = [result[name] for result in results_of(trials)]
+            worst_m, worst_deg = (max(end[key] for end in ends) for key in ("end_error_m", "end_error_deg"))
+            holds = worst_m <= 0.10 and worst_deg <= 1.0
+            table.add(f"loop, once round, {min(r['distance_m'] for r in results_of(trials)):.0f} m at least, {name}: end pose, worst of {len(trials)}",
+                      f"{worst_m:.3f} m, {worst_deg:.2f} deg", "" if name == "odometry" else "<= 0.10 m, 1 deg", name == "odometry" or holds)
+        rounds = sum(result["goal_reached"] for result in results_of(trials))
+        table.add(f"loop: runs of {len(trials)} that came back to the start", rounds, "all", rounds == len(trials))
+    return trials, add_rows
+
+
+def level_laser(quick):
+    trials = [Trial(f"level-{s}", "office", s, 25, "--no-slam6d", "--level-laser", *ODOMETRY_NOISE) for s in REPORTING[1:3 if quick else 11]]
+
+    def add_rows(table, _):
+        nodding, level = ([result[name]["ate_rmse_m"] for result in results_of(trials)] for name in ("slam2d", "slam2d_level"))
+        table.add(f"2D map nodding / level laser on the same {len(trials)} drives, ATE: sum of all (least, greatest ratio)",
+                  f"{1000 * sum(nodding) / len(nodding):.1f} / {1000 * sum(level) / len(level):.1f} mm = {sum(nodding) / sum(level):.2f} "
+                  f"({min(n / l for n, l in zip(nodding, level)):.2f}, {max(n / l for n, l in zip(nodding, level)):.2f})", "<= 1.2",
+                  sum(nodding) <= 1.2 * sum(level))
+    return trials, add_rows
+
+
+def drive_to_goal(world, seeds, duration_s):
+    trials = [Trial(f"{world}-{s}", world, s, duration_s, "--no-slam6d") for s in seeds]
+
+    def add_rows(table, _):
+        results = results_of(trials)
+        table.add(f"{world}, {len(results)} runs: collisions (of them falls)",
+                  f"{sum(r['collisions'] for r in results)} ({sum(r['falls'] for r in results)})", "0", collided(results) == 0)
+        table.add(f"{world}: goals reached; metres driven in a run",
+                  f"{sum(r['goal_reached'] for r in results)} of {len(results)}; {min(r['distance_m'] for r in results):.1f} to "
+                  f"{max(r['distance_m'] for r in results):.1f}", "", True)
+    return trials, add_rows
+
+
+def stairs(quick):
+    return drive_to_goal("stairs", REPORTING[1:3 if quick else 11], 60)
+
+
+def warehouse(quick):
+    return drive_to_goal("warehouse", REPORTING[1:3 if quick else 11], 60)
+
+
+def occupancy(quick):
+    trials = [Trial(f"occupancy-{world}", world, 1, 20 if quick else 60, "--without", "slam2d", *ODOMETRY_NOISE) for world in ("cellar", "office")]
+
+    def add_rows(table, _):
+        for trial in trials:
+            occupancy = trial.result["occupancy"]
+            table.add(f"OctoMap of {trial.world}, {trial.result['distance_m']:.0f} m: precision, recall to one voxel of 5 cm",
+                      f"{occupancy['precision']:.3f}, {occupancy['recall']:.3f}", "", True)
+    return trials, add_rows
 
 
 def map_error(trial, programs):
@@ -238,7 +298,7 @@ def clouds(quick):
     standing = Trial("fig9-standing", "cellar", 2, 12, "--without", "navigator")
     cellar_moving = Trial("fig9-moving", "cellar", 2, 20 if quick else 40)
 
-    def judge(table, programs):
+    def add_rows(table, programs):
         single = moving_clouds.measure(fast.dir, WORLDS / "cellar.yaml", functools.partial(call, programs))
         worst_m = max(cloud["errors"]["rms_m"] for cloud in single)
         table.add(f"Fig. 8, one cloud at {moving_clouds.SPEED_MPS} m/s, worst of {len(single)}: residual to the true surfaces",
@@ -249,23 +309,24 @@ def clouds(quick):
         ratio = moved["rms_m"] / still["rms_m"]
         table.add("Fig. 9: moving / standing", f"{ratio:.2f} ({1000 * moved['rms_m']:.1f} / {1000 * still['rms_m']:.1f} mm)",
                   "<= 1.5", ratio <= 1.5)
-    return [fast, corridor_moving, standing, cellar_moving], judge
+    return [fast, corridor_moving, standing, cellar_moving], add_rows
 
 
 def speed(quick):
     trials = [Trial(f"speed-{world}", world, 1, 20 if quick else 60) for world in ("office", "cellar")]
 
-    def judge(table, _):
+    def add_rows(table, _):
         for trial in trials:
             result = trial.result
             per_cpu_s = result["realtime_factor"] * result["wall_s"] / result["cpu_s"]
             table.add(f"{trial.world}, whole robot with both SLAMs: simulated seconds in a second of one core", f"{per_cpu_s:.1f}",
                       ">= 10", per_cpu_s >= 10.0)
-    return trials, judge
+    return trials, add_rows
 
 
 GROUPS = {"random": random_clutter, "fig5": fig5, "crowd": crowd, "appearing": appearing, "stops": stops, "corridor": corridor,
-          "cellar": cellar, "clouds": clouds, "speed": speed}
+          "cellar": cellar, "loop": loop, "level": level_laser, "occupancy": occupancy, "stairs": stairs, "warehouse": warehouse,
+          "clouds": clouds, "speed": speed}
 
 
 def run_all(trials, programs, out, jobs):
@@ -295,10 +356,10 @@ def main():
     table = Table()
     try:
         run_all(trials, arguments.bin, out, arguments.jobs)
-        judge_failures(trials, table)
-        for group, judge in groups:
+        add_failures(trials, table)
+        for group, add_rows in groups:
             if all(trial.result for trial in group):
-                judge(table, arguments.bin)
+                add_rows(table, arguments.bin)
         factors = [result["realtime_factor"] for result in results_of(trials)]
         table.show()
         print(f"{len(factors)} trials; faster than real time by {min(factors):.0f} to {max(factors):.0f}")

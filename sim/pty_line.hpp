@@ -1,31 +1,28 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <boost/core/noncopyable.hpp>
 #include <filesystem>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
-#include "sim/bytes.hpp"
+#include "sim/devices/serial_device.hpp"
 
 namespace nodmap::sim {
 
-/// A folder for the links to the pseudo-terminals, ours alone while this lives. Removes itself at
-/// the end if it made the folder.
-class LinkDir {
+/// A folder for the links to the pseudo-terminals, locked for this process. Removed at the end if
+/// it was created here.
+class LinkDir : private boost::noncopyable {
  public:
   /// Throws std::runtime_error when the folder cannot be made, or another simulator uses it.
   explicit LinkDir(std::filesystem::path path);
   ~LinkDir();
-  LinkDir(const LinkDir&) = delete;
-  LinkDir& operator=(const LinkDir&) = delete;
-  LinkDir(LinkDir&&) = delete;
-  LinkDir& operator=(LinkDir&&) = delete;
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
 
-  /// Makes NAME point to a terminal. A link to a terminal that is there already was left by a
-  /// simulator that was killed; anything else is not touched: throws std::runtime_error.
+  /// Links NAME to a terminal. Replaces a link to a terminal, left by a simulator that was killed;
+  /// throws std::runtime_error if NAME is anything else.
   void link(const std::string& name, const std::string& terminal) const;
   void unlink(const std::string& name) const;
 
@@ -35,29 +32,25 @@ class LinkDir {
   int lock_ = -1;
 };
 
-/// A serial line as a pseudo-terminal: the drivers open the link, the bytes come and go here.
-class PtyLine {
+/// A serial line as a pseudo-terminal: the drivers open the link, this class holds the other end.
+class PtyLine : private boost::noncopyable {
  public:
   PtyLine(const LinkDir& dir, std::string name) : dir_(dir), name_(std::move(name)) {}
   ~PtyLine() { unplug(); }
-  PtyLine(const PtyLine&) = delete;
-  PtyLine& operator=(const PtyLine&) = delete;
-  PtyLine(PtyLine&&) = delete;
-  PtyLine& operator=(PtyLine&&) = delete;
 
-  /// A new terminal, and the link to it. Throws std::system_error or std::runtime_error.
+  /// Opens a new terminal and links to it. Throws std::system_error or std::runtime_error.
   void plug_in();
-  /// Whoever has it open is hung up; the link is gone.
+  /// Hangs up the terminal and removes the link.
   void unplug();
   [[nodiscard]] bool plugged_in() const { return device_ >= 0; }
 
-  /// To be polled for what the host sends; -1 while unplugged.
+  /// File descriptor to poll for bytes from the host; -1 while unplugged.
   [[nodiscard]] int handle() const { return device_; }
   /// The rate that the host has set.
   [[nodiscard]] int host_baud() const;
 
   [[nodiscard]] Bytes read() const;
-  /// What does not fit is lost, as on a line that nobody reads.
+  /// Bytes that do not fit are lost, as on a line without a reader.
   void write(ByteView bytes) const;
 
  private:

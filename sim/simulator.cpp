@@ -14,10 +14,10 @@ namespace {
 
 constexpr std::array kNames = {"laser", "servo", "base"};
 constexpr std::int64_t kTruthPeriodUs = 20'000;
-/// The plant remembers 100 ms of what the laser may want to measure; well before, scans are late.
-constexpr std::int64_t kTolerableLagUs = 20'000;
+/// The robot model keeps 100 ms for the laser to measure; well before, scans are late.
+constexpr std::int64_t kMaxLagUs = 20'000;
 
-nodmap::truth_t to_message(const Truth& truth) {
+nodmap::truth_t to_message(const GroundTruth& truth) {
   nodmap::truth_t message{};
   const Eigen::Vector3d position = truth.T_world_base.translation();
   const Eigen::Quaterniond orientation(truth.T_world_base.linear());
@@ -43,40 +43,41 @@ nodmap::truth_t to_message(const Truth& truth) {
 
 }  // namespace
 
-Simulator::Simulator(Robot& robot, const LinkDir& dir, bus::Bus& bus, std::int64_t start_utime_us)
+Simulator::Simulator(SimulatedRobot& robot, const LinkDir& dir, bus::Bus& bus,
+                     std::int64_t start_utime_us)
     : robot_(robot),
       bus_(bus),
       start_utime_us_(start_utime_us),
-      min_clearance_m_(robot.plant().truth().clearance_m),
-      last_position_(robot.plant().truth().T_world_base.translation()) {
-  for (const Part part : Robot::kParts) {
+      min_clearance_m_(robot.model().ground_truth().clearance_m),
+      last_position_(robot.model().ground_truth().T_world_base.translation()) {
+  for (const Part part : SimulatedRobot::kParts) {
     const auto at = static_cast<std::size_t>(part);
     lines_[at] = std::make_unique<PtyLine>(dir, kNames[at]);
   }
-  plug(0);
+  update_plugs(0);
 }
 
-void Simulator::turn(std::int64_t now_us) {
-  worst_lag_us_ = std::max(worst_lag_us_, now_us - next_us());
+void Simulator::spin_once(std::int64_t now_us) {
+  max_lag_us_ = std::max(max_lag_us_, now_us - next_us());
   while (next_us() < now_us) {
-    run_devices(next_us());
+    update_devices(next_us());
   }
   now_us_ = std::max(now_us, now_us_);
   robot_.advance_to(now_us_);
-  listen(now_us_);
-  run_devices(now_us_);
+  read_lines(now_us_);
+  update_devices(now_us_);
 }
 
 std::int64_t Simulator::next_us() const {
   return std::max(now_us_ + 1, std::min(robot_.next_us(), next_truth_us_));
 }
 
-/// All that happens at one moment.
-void Simulator::run_devices(std::int64_t now_us) {
+/// Everything that is due at one moment.
+void Simulator::update_devices(std::int64_t now_us) {
   now_us_ = now_us;
   robot_.advance_to(now_us);
-  plug(now_us);
-  for (const Part part : Robot::kParts) {
+  update_plugs(now_us);
+  for (const Part part : SimulatedRobot::kParts) {
     const PtyLine& line = *lines_[static_cast<std::size_t>(part)];
     if (robot_.device(part).next_us() > now_us) {
       continue;
@@ -89,12 +90,12 @@ void Simulator::run_devices(std::int64_t now_us) {
   }
   if (now_us >= next_truth_us_) {
     next_truth_us_ += kTruthPeriodUs;
-    tell_truth();
+    publish_truth();
   }
 }
 
-void Simulator::listen(std::int64_t now_us) {
-  for (const Part part : Robot::kParts) {
+void Simulator::read_lines(std::int64_t now_us) {
+  for (const Part part : SimulatedRobot::kParts) {
     const PtyLine& line = *lines_[static_cast<std::size_t>(part)];
     const Bytes bytes = line.plugged_in() ? line.read() : Bytes{};
     if (!bytes.empty()) {
@@ -103,8 +104,8 @@ void Simulator::listen(std::int64_t now_us) {
   }
 }
 
-void Simulator::plug(std::int64_t now_us) {
-  for (const Part part : Robot::kParts) {
+void Simulator::update_plugs(std::int64_t now_us) {
+  for (const Part part : SimulatedRobot::kParts) {
     PtyLine& line = *lines_[static_cast<std::size_t>(part)];
     const bool wanted = robot_.device(part).plugged_in(now_us);
     if (wanted && !line.plugged_in()) {
@@ -115,8 +116,8 @@ void Simulator::plug(std::int64_t now_us) {
   }
 }
 
-void Simulator::tell_truth() {
-  const Truth truth = robot_.plant().truth();
+void Simulator::publish_truth() {
+  const GroundTruth truth = robot_.model().ground_truth();
   const Eigen::Vector3d position = truth.T_world_base.translation();
   distance_m_ += (position - last_position_).norm();
   last_position_ = position;
@@ -132,15 +133,15 @@ std::array<int, 3> Simulator::poll_handles() const {
 }
 
 node::Health Simulator::health() const {
-  if (worst_lag_us_ > kTolerableLagUs) {
+  if (max_lag_us_ > kMaxLagUs) {
     return {node::HealthState::kDegraded,
-            "behind real time by up to " + std::to_string(worst_lag_us_ / 1000) + " ms", false};
+            "behind real time by up to " + std::to_string(max_lag_us_ / 1000) + " ms", false};
   }
   return {node::HealthState::kOk, "", false};
 }
 
 nlohmann::json Simulator::metrics() const {
-  const Truth truth = robot_.plant().truth();
+  const GroundTruth truth = robot_.model().ground_truth();
   const Eigen::Vector3d position = truth.T_world_base.translation();
   const Eigen::Vector3d ahead = truth.T_world_base.linear().col(0);
   return {{"duration_s", 1e-6 * static_cast<double>(now_us_)},

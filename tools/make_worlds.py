@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Writes the simulator's larger worlds, sim/worlds/{corridor30,cellar,office,crowd}.yaml; the same bytes on every run.
+"""Writes the simulator's larger worlds, sim/worlds/{corridor30,cellar,office,crowd,loop,warehouse}.yaml; the same bytes on every run.
 
 usage: tools/make_worlds.py
 """
@@ -35,9 +35,10 @@ class World:
         self.objects.append(f"  - box: {{center: {numbers((x, y, (z_min + z_max) / 2))}, "
                             f"size: {numbers((length, width, z_max - z_min))}{extra}}}")
 
-    def cylinder(self, x, y, z_min, z_max, radius):
+    def cylinder(self, x, y, z_min, z_max, radius, reflectivity=None):
+        extra = f", reflectivity: {reflectivity}" if reflectivity else ""
         self.objects.append(f"  - cylinder: {{center: {numbers((x, y, (z_min + z_max) / 2))}, "
-                            f"radius: {number(radius)}, height: {number(z_max - z_min)}}}")
+                            f"radius: {number(radius)}, height: {number(z_max - z_min)}{extra}}}")
 
     def wall(self, x0, y0, x1, y1, z=(0, CEILING), thickness=0.1):
         self.objects.append(f"  - wall: {{from: {numbers((x0, y0))}, to: {numbers((x1, y1))}, z: {numbers(z)}, "
@@ -254,11 +255,70 @@ def crowd():
     w.write()
 
 
+def loop():
+    """A ring of 42 m round a block, 2.5 m wide between walls; at least 1.3 m is left free. The goals lead once round it."""
+    w = World("loop", "A cluttered ring of 42 m round a block, driven once round: does the map close?")
+    rng = random.Random(40)
+    w.note("The walls, the block in the middle.")
+    w.room(-7, -6, 7, 6)
+    w.box(0, 0, 0, CEILING, 9.0, 7.0)
+    w.note("South: shelves, crates, a radiator.")
+    w.shelf(-3.0, -5.7, 1.8, 0.45)
+    w.box(2.6, -5.75, 0.1, 0.7, 1.4, 0.12)
+    w.box(4.0, -3.7, 0, 0.5, 0.6, 0.35, 6)
+    w.note("East: workbench, drums, pipes.")
+    w.table(6.6, -2.4, 0.6, 1.6, top=0.86)
+    w.cylinder(6.62, 0.6, 0, 0.88, 0.29)
+    w.cylinder(6.62, 1.3, 0, 0.88, 0.29)
+    w.cylinder(4.62, -0.4, 0, CEILING, 0.08)
+    w.cylinder(4.62, 1.9, 0, CEILING, 0.05)
+    w.note("North: tables, a row of boxes, a boiler.")
+    w.table(3.2, 5.55, 1.6, 0.7)
+    w.table(0.9, 5.55, 1.4, 0.7, top=0.44)
+    for i in range(5):
+        w.box(-1.2 - 0.6 * i, 5.66, 0, rng.choice((0.2, 0.3, 0.38, 0.45)), 0.45, 0.45, rng.uniform(-12, 12))
+    w.cylinder(-6.4, 5.4, 0, 1.9, 0.42)
+    w.box(-2.2, 3.68, 0, 1.1, 0.5, 0.28)
+    w.note("West: shelves, pallets, a ladder.")
+    w.shelf(-6.72, 1.8, 1.6, 0.4, yaw=90, lowest=0.4)
+    w.box(-6.6, -0.4, 0, 0.14, 0.6, 0.9)
+    w.cylinder(-4.7, 1.2, 0, 2.2, 0.03)
+    w.cylinder(-4.7, 0.8, 0, 2.2, 0.03)
+    w.box(-6.5, -2.8, 0, 0.8, 0.7, 0.5, 85)
+    w.tail = ["robot: {start: [0, -4.7, 0]}", "goals: [[5.6, -4.2], [5.6, 4.4], [-5.6, 4.6], [-5.6, -4.4], [0, -4.7]]"]
+    w.write()
+
+
+def warehouse():
+    """A hall longer than the laser sees, with things that it hardly sees or that dazzle it."""
+    w = World("warehouse", "A hall of 70 m with dark and dazzling things on the way; its far end is out of the laser's range.")
+    w.note("The hall; its walls are far from the way, and no ceiling is in reach.")
+    for a, b in (((-10, -9), (60, -9)), ((60, -9), (60, 9)), ((60, 9), (-10, 9)), ((-10, 9), (-10, -9))):
+        w.wall(*a, *b, z=(0, 8))
+    w.note("Black: rubber mats on edge, tyres, cabinets. The last is the darkest: seen from 2.5 m on.")
+    w.box(4.0, 0.3, 0, 0.5, 0.3, 0.9, 10, 0.02)
+    w.cylinder(7.5, -0.9, 0, 0.25, 0.35, 0.03)
+    w.box(11.0, -0.4, 0, 1.2, 0.5, 0.8, -8, 0.02)
+    w.box(15.0, 0.6, 0, 0.3, 0.6, 0.6, 20, 0.005)
+    w.note("Reflectors: marker posts, a sign, a strip on a rack. Head-on they dazzle up to 7 m and 20 m.")
+    for x, y in ((6.0, 1.4), (9.5, 0.9), (13.0, -1.5), (17.5, -0.3)):
+        w.cylinder(x, y, 0, 1.0, 0.05, 50)
+    w.box(20.0, 0.2, 0.2, 0.8, 0.04, 0.6, 0, 400)
+    w.box(12.0, 3.0, 0.3, 0.4, 12.0, 0.05, 0, 50)
+    w.note("Grey: racks, pallets.")
+    w.shelf(2.0, -3.0, 2.7, 0.9, height=3.0)
+    w.shelf(8.0, -4.0, 2.7, 0.9, height=3.0)
+    w.shelf(15.0, 4.0, 2.7, 0.9, height=3.0)
+    w.box(18.0, -2.6, 0, 0.14, 1.2, 0.8, 15, 0.3)
+    w.tail = ["robot: {start: [0, 0, 0]}", "goal: [24, 0]"]
+    w.write()
+
+
 def distance_to_leg(point, leg):
     (x, y), (x0, y0), (x1, y1) = point[:2], *leg
     length_sq = (x1 - x0) ** 2 + (y1 - y0) ** 2
-    share = max(0.0, min(1.0, ((x - x0) * (x1 - x0) + (y - y0) * (y1 - y0)) / length_sq)) if length_sq else 0.0
-    return math.dist((x, y), (x0 + share * (x1 - x0), y0 + share * (y1 - y0)))
+    fraction = max(0.0, min(1.0, ((x - x0) * (x1 - x0) + (y - y0) * (y1 - y0)) / length_sq)) if length_sq else 0.0
+    return math.dist((x, y), (x0 + fraction * (x1 - x0), y0 + fraction * (y1 - y0)))
 
 
 if __name__ == "__main__":
@@ -266,3 +326,5 @@ if __name__ == "__main__":
     cellar()
     office()
     crowd()
+    loop()
+    warehouse()

@@ -20,7 +20,7 @@ using latency::Sample;
 constexpr std::size_t kParts = 10;
 constexpr int kQueue = 10'000;  // the bystander itself must lose nothing
 constexpr std::uint16_t kViewerPort = 8765;
-constexpr std::chrono::seconds kLookPeriod(1);
+constexpr std::chrono::seconds kSamplePeriod(1);
 // What is asked of the robot.
 constexpr std::int64_t kScanToMapUs = 2'000;
 constexpr std::int64_t kScanToDriveUs = 10'000;
@@ -98,7 +98,7 @@ bool Endurance::is_sound() const {
          (fast_enough || options_.any_timing);
 }
 
-void Endurance::hear(const bus::LiveBus::RawMessage& message) {
+void Endurance::on_message(const bus::LiveBus::RawMessage& message) {
   reaction_.hear(message.channel, message.data, message.receive_utime_us);
   constexpr std::string_view kNotOurs = "LCM_SELF_TEST";  // LCM's, when a process starts
   if (!is_measured(message.receive_utime_us) || message.channel == kNotOurs) {
@@ -107,14 +107,14 @@ void Endurance::hear(const bus::LiveBus::RawMessage& message) {
   lags_[message.channel].push_back(
       {message.receive_utime_us, message.receive_utime_us - utime_of(message.data)});
   if (message.channel == "STATUS") {
-    hear_status(message.data);
+    on_status(message.data);
   } else if (message.channel == "TRUTH" && bus::decode_into(truth_, message.data)) {
     collisions_ = truth_.collisions;
     bumps_ = truth_.bumps;
   }
 }
 
-void Endurance::hear_status(std::span<const std::byte> data) {
+void Endurance::on_status(std::span<const std::byte> data) {
   if (!bus::decode_into(status_, data)) {
     return;
   }
@@ -125,7 +125,7 @@ void Endurance::hear_status(std::span<const std::byte> data) {
   process.last_status = status_;
   process.slowest_p99_us = std::max(process.slowest_p99_us, status_.latency_p99_us);
   if (status_.health != nodmap::status_t::OK) {
-    process.complaint = status_.health_reason;
+    process.last_health = status_.health_reason;
   }
 }
 
@@ -136,20 +136,20 @@ void Endurance::start_viewer(RobotProcesses& robot) {
 
 Json Endurance::run() {
   bus::LiveBus bus("");
-  bus.subscribe_all([this](const auto& message) { hear(message); }, kQueue);
+  bus.subscribe_all([this](const auto& message) { on_message(message); }, kQueue);
   RobotProcesses robot(robot_options_);
   begin_us_ = after(now_us(), options_.warm_up_s);
   half_us_ = after(begin_us_, 0.5 * options_.duration_s);
   end_us_ = after(begin_us_, options_.duration_s);
-  auto next_look = std::chrono::steady_clock::now();
+  auto next_sample = std::chrono::steady_clock::now();
   while (now_us() < end_us_) {
     bus.handle(std::chrono::milliseconds(20));
     if (options_.viewer && !viewer_client_ && now_us() >= half_us_) {
       start_viewer(robot);
     }
-    if (is_measured(now_us()) && std::chrono::steady_clock::now() >= next_look) {
-      look(robot);
-      next_look = std::chrono::steady_clock::now() + kLookPeriod;
+    if (is_measured(now_us()) && std::chrono::steady_clock::now() >= next_sample) {
+      sample_loads(robot);
+      next_sample = std::chrono::steady_clock::now() + kSamplePeriod;
     }
   }
   if (viewer_client_) {
@@ -161,7 +161,7 @@ Json Endurance::run() {
   return report();
 }
 
-void Endurance::look(const RobotProcesses& robot) {
+void Endurance::sample_loads(const RobotProcesses& robot) {
   for (const auto& [name, pid] : robot.pids()) {
     if (const auto load = read_load(pid)) {
       processes_["nodmap-" + name].loads.push_back({now_us(), *load});
@@ -213,7 +213,7 @@ Json Endurance::report_process(const Process& process) const {
           {"lost", process.lost()},
           {"corrupt", process.corrupt()},
           {"rejected", last.total_rejected - first.total_rejected},
-          {"complaint", process.complaint}};
+          {"last_health", process.last_health}};
 }
 
 Json Endurance::report() const {

@@ -50,7 +50,7 @@ class Endurance {
     nodmap::status_t first_status{};  ///< of the time that is measured
     nodmap::status_t last_status{};
     double slowest_p99_us = 0.0;
-    std::string complaint;  ///< the last one it had about its health
+    std::string last_health;  ///< the last one it had about its health
     [[nodiscard]] std::int64_t lost() const {
       return last_status.total_lost - first_status.total_lost;
     }
@@ -59,9 +59,9 @@ class Endurance {
     }
   };
 
-  void hear(const bus::LiveBus::RawMessage& message);
-  void hear_status(std::span<const std::byte> data);
-  void look(const RobotProcesses& robot);
+  void on_message(const bus::LiveBus::RawMessage& message);
+  void on_status(std::span<const std::byte> data);
+  void sample_loads(const RobotProcesses& robot);
   void start_viewer(RobotProcesses& robot);
   [[nodiscard]] bool is_measured(std::int64_t at_us) const;
   [[nodiscard]] bool is_anything_lost() const;

@@ -8,8 +8,8 @@
 #include <sstream>
 #include <vector>
 
-#include "bench/live/stop_measure.hpp"
-#include "bench/live/witness.hpp"
+#include "bench/live/ground_truth_monitor.hpp"
+#include "bench/live/stop_metrics.hpp"
 
 namespace nodmap::bench {
 namespace {
@@ -31,7 +31,7 @@ struct Case {
   std::string name;
   std::string process;  ///< to kill, or
   std::string fault;    ///< to happen to a device
-  bool stops = true;    ///< the robot must stand; else it drives on
+  bool stops = true;    ///< the robot must stop; else it drives on
 };
 
 const std::vector<Case> kCases = {
@@ -45,32 +45,32 @@ const std::vector<Case> kCases = {
 };
 
 struct Outcome {
-  std::optional<Stop> stop;
+  std::optional<StopMetrics> stop;
   bool goes_on = false;
   std::int64_t collisions = 0;
 };
 
 /// Kills the process while the robot drives, waits, starts it anew. The moment of the kill.
-std::optional<std::int64_t> kill_and_restart(RobotProcesses& robot, Witness& witness,
+std::optional<std::int64_t> kill_and_restart(RobotProcesses& robot, GroundTruthMonitor& monitor,
                                              const std::string& process) {
-  witness.listen(5.0);
-  if (!witness.listen(30.0, [&] { return witness.driving(kDrivingMps); })) {
+  monitor.listen(5.0);
+  if (!monitor.listen(30.0, [&] { return monitor.driving(kDrivingMps); })) {
     return std::nullopt;
   }
   const std::int64_t at_us = now_us();
   robot.kill(process);
-  witness.listen(kFaultForS);
+  monitor.listen(kFaultForS);
   robot.start(process);
   return at_us;
 }
 
-std::optional<std::int64_t> wait_for_fault(Witness& witness) {
-  if (!witness.listen(10.0, [&] { return !witness.motions().empty(); })) {
+std::optional<std::int64_t> wait_for_fault(GroundTruthMonitor& monitor) {
+  if (!monitor.listen(10.0, [&] { return !monitor.motions().empty(); })) {
     return std::nullopt;
   }
   const auto at_us =
-      witness.motions().front().utime_us + static_cast<std::int64_t>(1e6 * kFaultAtS);
-  witness.listen(kFaultAtS + kFaultForS);
+      monitor.motions().front().utime_us + static_cast<std::int64_t>(1e6 * kFaultAtS);
+  monitor.listen(kFaultAtS + kFaultForS);
   return at_us;
 }
 
@@ -80,17 +80,16 @@ Outcome examine(const Case& what, RobotProcesses::Options options) {
     fault << what.fault << "@" << kFaultAtS << "+" << kFaultForS;
     options.faults = {fault.str()};
   }
-  Witness witness;
+  GroundTruthMonitor monitor;
   RobotProcesses robot(options);
-  const auto at_us = what.process.empty() ? wait_for_fault(witness)
-                                          : kill_and_restart(robot, witness, what.process);
+  const auto at_us = what.process.empty() ? wait_for_fault(monitor)
+                                          : kill_and_restart(robot, monitor, what.process);
   Outcome outcome;
   if (at_us) {
-    outcome.stop = measure_stop(witness.motions(), *at_us);
-    // As fast again as when it happened: creeping along is not driving on.
-    outcome.goes_on = witness.listen(20.0, [&] { return witness.driving(kDrivingMps); });
+    outcome.stop = stop_metrics(monitor.motions(), *at_us);
+    outcome.goes_on = monitor.listen(20.0, [&] { return monitor.driving(0.1); });
   }
-  outcome.collisions = witness.collisions();
+  outcome.collisions = monitor.collisions();
   return outcome;
 }
 
@@ -100,7 +99,7 @@ bool keeps_promise(const Case& what, const Outcome& outcome) {
   }
   return !what.stops ||
          (outcome.stop && outcome.stop->excess_time_s(kDecelerationMps2) <= kMaxExcessS &&
-          outcome.stop->excess_way_m(kDecelerationMps2) <= kMaxExcessM);
+          outcome.stop->excess_distance_m(kDecelerationMps2) <= kMaxExcessM);
 }
 
 void print(const Case& what, const Outcome& outcome) {
@@ -110,9 +109,9 @@ void print(const Case& what, const Outcome& outcome) {
   } else if (outcome.stop) {
     std::printf(" from %4.2f m/s: %5.0f ms and %5.2f m beyond", outcome.stop->speed_mps,
                 1e3 * outcome.stop->excess_time_s(kDecelerationMps2),
-                outcome.stop->excess_way_m(kDecelerationMps2));
+                outcome.stop->excess_distance_m(kDecelerationMps2));
   } else {
-    std::printf(" %36s", "did not stand");
+    std::printf(" %36s", "did not stop");
   }
   std::printf("  %s  collisions %lld  %s\n", outcome.goes_on ? "goes on" : "STAYS  ",
               static_cast<long long>(outcome.collisions),

@@ -7,8 +7,8 @@
 
 namespace nodmap::bench {
 
-/// Kills and breaks each part of the robot while it drives, and prints how it came to stand and
-/// whether it went on. Only the cases with `only` in their name. Exit code: 0 all as promised.
+/// Kills and breaks each part of the robot while it drives, and prints how it stopped and
+/// whether it drove on. Only the cases with `only` in their name. Exit code: 0 all as promised.
 [[nodiscard]] int run_faults(RobotProcesses::Options options, const std::string& only);
 
 }  // namespace nodmap::bench

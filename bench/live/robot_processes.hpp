@@ -3,6 +3,7 @@
 
 #include <sys/types.h>
 
+#include <boost/core/noncopyable.hpp>
 #include <filesystem>
 #include <map>
 #include <string>
@@ -12,7 +13,7 @@ namespace nodmap::bench {
 
 /// The whole robot as processes, on the simulator's devices. Whatever still runs at the end is
 /// killed.
-class RobotProcesses {
+class RobotProcesses : private boost::noncopyable {
  public:
   struct Options {
     std::filesystem::path bin;    ///< where the programs are
@@ -24,10 +25,6 @@ class RobotProcesses {
   /// Starts the simulator and, once its links are there, everything else.
   explicit RobotProcesses(Options options);
   ~RobotProcesses();
-  RobotProcesses(const RobotProcesses&) = delete;
-  RobotProcesses& operator=(const RobotProcesses&) = delete;
-  RobotProcesses(RobotProcesses&&) = delete;
-  RobotProcesses& operator=(RobotProcesses&&) = delete;
 
   void start(const std::string& name);
   void kill(const std::string& name);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <boost/core/noncopyable.hpp>
 #include <cstdint>
 #include <memory>
 #include <thread>
@@ -10,15 +11,11 @@ namespace nodmap::bench {
 
 /// One client of nodmap-viewer that wants every topic and reads as fast as it is sent
 /// (foxglove.websocket.v1), in a thread of its own. What it reads is counted, not looked at.
-class ViewerClient {
+class ViewerClient : private boost::noncopyable {
  public:
   /// Connects to this host, trying for ten seconds. Throws std::runtime_error when nobody answers.
   explicit ViewerClient(std::uint16_t port);
   ~ViewerClient();
-  ViewerClient(const ViewerClient&) = delete;
-  ViewerClient& operator=(const ViewerClient&) = delete;
-  ViewerClient(ViewerClient&&) = delete;
-  ViewerClient& operator=(ViewerClient&&) = delete;
 
   [[nodiscard]] std::int64_t messages() const { return messages_; }
   [[nodiscard]] std::int64_t bytes() const { return bytes_; }

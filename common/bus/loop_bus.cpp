@@ -1,40 +1,55 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "common/bus/loop_bus.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace nodmap::bus {
 
-LoopNetwork::LoopNetwork(const std::filesystem::path& log, std::int64_t delay_us)
-    : log_(log), delay_us_(delay_us) {}
+LoopNetwork::LoopNetwork(const std::filesystem::path& log, const LoopDelay& delay)
+    : log_(log), delay_(delay), engine_(delay.seed) {}
 
 void LoopNetwork::deliver() {
-  while (!under_way_.empty() && under_way_.front().due_us <= utime_us_) {
-    const Message message = std::move(under_way_.front());
-    under_way_.pop_front();
-    const auto found = listeners_.find(message.channel);
-    if (found == listeners_.end()) {
-      continue;
-    }
-    for (const Listener& listener : found->second) {
-      listener.handler(message.bytes);
-    }
+  while (!deliveries_.empty() && deliveries_.begin()->first.utime_us <= utime_us_) {
+    const Delivery delivery = std::move(deliveries_.begin()->second);
+    deliveries_.erase(deliveries_.begin());
+    (*delivery.handler)(*delivery.bytes);
   }
 }
 
 bool LoopNetwork::send(const std::string& channel, std::span<const std::byte> bytes) {
   log_complete_ = log_.write(utime_us_, channel, bytes) && log_complete_;
-  // The delay is the same for all, so that the order of sending is the order of arrival.
-  under_way_.push_back({utime_us_ + delay_us_, channel, {bytes.begin(), bytes.end()}});
+  const auto found = listeners_.find(channel);
+  if (found == listeners_.end()) {
+    return log_complete_;
+  }
+  const auto copy = std::make_shared<const std::vector<std::byte>>(bytes.begin(), bytes.end());
+  for (const Listener& listener : found->second) {
+    std::int64_t& last_due_us = listener.owner->last_due_us_;
+    last_due_us = std::max(last_due_us, utime_us_ + delay_.min_us + jitter_us());
+    deliveries_.emplace(Due{last_due_us, num_deliveries_++},
+                        Delivery{listener.owner, &listener.handler, copy});
+  }
   return log_complete_;
 }
 
-void LoopNetwork::listen(const LoopBus* owner, const std::string& channel,
-                         Bus::BytesHandler handler) {
+std::int64_t LoopNetwork::jitter_us() {
+  constexpr double kMaxMultiple = 10.0;
+  if (delay_.mean_jitter_us == 0) {
+    return 0;
+  }
+  const double multiple = std::exponential_distribution<double>()(engine_);
+  return std::llround(std::min(multiple, kMaxMultiple) *
+                      static_cast<double>(delay_.mean_jitter_us));
+}
+
+void LoopNetwork::listen(LoopBus* owner, const std::string& channel, Bus::BytesHandler handler) {
   listeners_[channel].push_back({owner, std::move(handler)});
 }
 
 void LoopNetwork::leave(const LoopBus* owner) {
+  std::erase_if(deliveries_, [owner](const auto& entry) { return entry.second.owner == owner; });
   for (auto& [channel, listeners] : listeners_) {
     std::erase_if(listeners, [owner](const Listener& listener) { return listener.owner == owner; });
   }

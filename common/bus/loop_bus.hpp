@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <compare>
 #include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <filesystem>
+#include <list>
 #include <map>
+#include <memory>
+#include <random>
 #include <span>
 #include <string>
 #include <vector>
@@ -17,21 +20,30 @@ namespace nodmap::bus {
 
 class LoopBus;
 
-/// A network within one thread, on a time that its owner sets: what one LoopBus publishes comes to
-/// all of them, itself included, `delay_us` later and in the order of publishing. Everything
-/// published also goes into an event log. The same calls give the same deliveries and the same log.
+/// The time from the publishing of a message until a process handles it: `min_us`, plus an
+/// exponentially distributed part of mean `mean_jitter_us` (cut off at ten times the mean), drawn
+/// for each reader from a generator with this seed. It stands for the kernel and the scheduler.
+struct LoopDelay {
+  std::int64_t min_us = 0;
+  std::int64_t mean_jitter_us = 0;
+  std::uint64_t seed = 0;
+};
+
+/// A network within one thread, on a time that its owner sets: what one LoopBus publishes is
+/// delivered to all of them, itself included, after a delay. A LoopBus receives its messages in the
+/// order of publishing, as from one socket. Everything published also goes into an event log. The
+/// same calls give the same deliveries and the same log.
 class LoopNetwork {
  public:
-  /// Throws std::runtime_error when the log cannot be made. The delay stands for what a live
-  /// message takes through the kernel until its reader gets to it.
-  LoopNetwork(const std::filesystem::path& log, std::int64_t delay_us);
+  /// Throws std::runtime_error when the log cannot be created.
+  LoopNetwork(const std::filesystem::path& log, const LoopDelay& delay);
 
   /// The time on which messages are logged and delivered, microseconds; never back.
   void set_time(std::int64_t utime_us) { utime_us_ = utime_us; }
 
-  /// Delivers what is due, with what handlers publish for the same time meanwhile: each message
-  /// after the handler that published it has returned. Exceptions of handlers come out here; the
-  /// message is then delivered no further.
+  /// Delivers what is due, including what handlers publish meanwhile: each message after the
+  /// handler that published it has returned. An exception of a handler comes out here; the message
+  /// is not delivered to that handler again.
   void deliver();
 
   /// False when the log has not taken everything.
@@ -41,26 +53,37 @@ class LoopNetwork {
  private:
   friend class LoopBus;
 
-  struct Message {
-    std::int64_t due_us = 0;
-    std::string channel;
-    std::vector<std::byte> bytes;
-  };
   struct Listener {
-    const LoopBus* owner;
+    LoopBus* owner;
     Bus::BytesHandler handler;
+  };
+  /// A message on its way to one handler.
+  struct Delivery {
+    const LoopBus* owner;
+    const Bus::BytesHandler* handler;
+    std::shared_ptr<const std::vector<std::byte>> bytes;
+  };
+  /// Deliveries due at the same time are made in the order of publishing.
+  struct Due {
+    std::int64_t utime_us = 0;
+    std::int64_t number = 0;
+    auto operator<=>(const Due&) const = default;
   };
 
   [[nodiscard]] bool send(const std::string& channel, std::span<const std::byte> bytes);
-  void listen(const LoopBus* owner, const std::string& channel, Bus::BytesHandler handler);
+  void listen(LoopBus* owner, const std::string& channel, Bus::BytesHandler handler);
   void leave(const LoopBus* owner);
+  [[nodiscard]] std::int64_t jitter_us();
 
   LogWriter log_;
   bool log_complete_ = true;
-  std::int64_t delay_us_;
+  LoopDelay delay_;
+  std::mt19937_64 engine_;
   std::int64_t utime_us_ = 0;
-  std::deque<Message> under_way_;
-  std::map<std::string, std::vector<Listener>, std::less<>> listeners_;
+  std::int64_t num_deliveries_ = 0;
+  std::map<Due, Delivery> deliveries_;
+  // Lists, so that a delivery's handler stays where it is.
+  std::map<std::string, std::list<Listener>, std::less<>> listeners_;
 };
 
 /// One process's place on a LoopNetwork, which outlives it. When it ends, nothing comes any more to
@@ -82,7 +105,10 @@ class LoopBus : public Bus {
     network_.listen(this, channel, std::move(handler));
   }
 
+  friend class LoopNetwork;
+
   LoopNetwork& network_;
+  std::int64_t last_due_us_ = 0;
 };
 
 }  // namespace nodmap::bus

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/collision.hpp"
+#include "sim/body/collision.hpp"
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kMm = 1e-3;
 
-bool hits(const Object& object, const BodyPlace& body = {}) {
+bool hits(const Object& object, const BodyPose& body = {}) {
   World world;
   world.objects.push_back(object);
   return !Collision(world, {}).touched(body).empty();
@@ -129,7 +129,7 @@ struct Sampled {
 };
 
 /// Smallest horizontal distance to the body among points of the object within its height.
-Sampled sampled_distance(const Object& object, const BodyPlace& body, Random& random) {
+Sampled sampled_distance(const Object& object, const BodyPose& body, Random& random) {
   const geometry::SE2 T_base_world = body.T_world_base.inverse();
   Sampled sampled;
   for (int i = 0; i < 4000; ++i) {
@@ -151,7 +151,7 @@ TEST(Collision, AgreesWithSampledPoints) {
   int apart = 0;
   for (int i = 0; i < 900; ++i) {
     const Object object = random_object(random, i % 3);
-    const BodyPlace body{
+    const BodyPose body{
         {random.between(-0.5, 0.5), random.between(-0.5, 0.5), random.between(-4, 4)},
         random.between(0, 0.2)};
     World world;
@@ -177,9 +177,9 @@ TEST(Contacts, CountOnceUntilApart) {
   EXPECT_TRUE(contacts.begin(3));
   EXPECT_FALSE(contacts.begin(3));
   EXPECT_TRUE(contacts.begin(4));
-  contacts.end_those_apart([](std::size_t) { return 0.5 * Contacts::kApartM; });
+  contacts.end_separated([](std::size_t) { return 0.5 * Contacts::kSeparatedM; });
   EXPECT_FALSE(contacts.begin(3));
-  contacts.end_those_apart([](std::size_t i) { return i == 3 ? 2.0 * Contacts::kApartM : 0.0; });
+  contacts.end_separated([](std::size_t i) { return i == 3 ? 2.0 * Contacts::kSeparatedM : 0.0; });
   EXPECT_TRUE(contacts.begin(3));
   EXPECT_FALSE(contacts.begin(4));
 }

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "common/geometry/angle.hpp"
-#include "sim/dynamixel_emulator.hpp"
+#include "sim/devices/dynamixel_servo.hpp"
 #include "sim/test/host.hpp"
 
 namespace nodmap::sim {
@@ -91,9 +91,9 @@ TEST(DynamixelPacket, AnInstructionIsFoundInNoiseAndInPieces) {
 /// On a bench: nothing in the world but the floor.
 class DynamixelTest : public ::testing::Test {
  protected:
-  explicit DynamixelTest(const DynamixelSettings& settings = {})
-      : servo_(settings, plant_), host_(servo_, settings.baud) {
-    host_.before_each([this](std::int64_t now_us) { plant_.advance_to(now_us); });
+  explicit DynamixelTest(const DynamixelParams& params = {})
+      : servo_(params, model_), host_(servo_, params.baud) {
+    host_.before_each([this](std::int64_t now_us) { model_.advance_to(now_us); });
     host_.bytes_for(kBootUs);
   }
 
@@ -114,8 +114,8 @@ class DynamixelTest : public ::testing::Test {
     }
   }
 
-  Plant plant_{World{}, PlantParams{}, 1};
-  DynamixelEmulator servo_;
+  RobotModel model_{World{}, {}, 1};
+  DynamixelServo servo_;
   Host host_;
 };
 
@@ -146,13 +146,13 @@ TEST_F(DynamixelTest, MovesAsItsProfileSays) {
   EXPECT_THAT(ask(write_u32(112, 60)), ElementsAreArray(kOk));
   EXPECT_THAT(ask(write_u32(116, 2048 + 455)), ElementsAreArray(kOk));
   host_.bytes_for(200'000);
-  EXPECT_GT(plant_.pitch_rad(), 0.0) << "larger positions look up";
+  EXPECT_GT(model_.pitch_rad(), 0.0) << "larger positions look up";
   EXPECT_EQ(read(122, 1), 1U) << "moving";
   EXPECT_NEAR(read(128, 4), 60.0, 2.0) << "rounding of rate and register";
   host_.bytes_for(1'000'000);
   EXPECT_EQ(read(122, 1), 0U);
   EXPECT_NEAR(read(132, 4), 2048.0 + 455.0, 1.0) << "a step";
-  EXPECT_NEAR(plant_.pitch_rad(), geometry::deg_to_rad(40.0), 2.0 * geometry::kPi / 4096.0);
+  EXPECT_NEAR(model_.pitch_rad(), geometry::deg_to_rad(40.0), 2.0 * geometry::kPi / 4096.0);
 }
 
 TEST_F(DynamixelTest, ItsClockCountsMilliseconds) {
@@ -200,9 +200,9 @@ TEST_F(DynamixelTest, TheWatchdogStopsAHeadNobodySteers) {
   ask(hex("FF FF FD 00 01 06 00 03 62 00 0A 4A E4"));  // 200 ms
   ask(write_u32(116, 2048 + 600));
   host_.bytes_for(190'000);
-  EXPECT_GT(plant_.pitch_rate_rad_s(), 0.1);
+  EXPECT_GT(model_.pitch_rate_rad_s(), 0.1);
   host_.bytes_for(200'000);
-  EXPECT_NEAR(plant_.pitch_rate_rad_s(), 0.0, 1e-6);
+  EXPECT_NEAR(model_.pitch_rate_rad_s(), 0.0, 1e-6);
   EXPECT_EQ(read(98, 1), 0xFFU);
   EXPECT_EQ(error_of(ask(write_u32(116, 2048))), 4) << "goals are locked";
   EXPECT_EQ(error_of(ask(instruction(0x03, hex("62 00 00")))), 0);
@@ -240,7 +240,7 @@ TEST_F(InvertedDynamixelTest, LargerPositionsLookDownAndRequestsComeBack) {
   ask(kTorqueOn);
   ask(write_u32(116, 2048 + 200));
   host_.bytes_for(1'000'000);
-  EXPECT_NEAR(plant_.pitch_rad(), -200.0 * 2.0 * geometry::kPi / 4096.0, 1e-3);
+  EXPECT_NEAR(model_.pitch_rad(), -200.0 * 2.0 * geometry::kPi / 4096.0, 1e-3);
 }
 
 }  // namespace

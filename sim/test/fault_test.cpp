@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/fault.hpp"
+#include "sim/devices/fault.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <optional>
 
-#include "sim/robot.hpp"
+#include "sim/devices/simulated_robot.hpp"
 #include "sim/test/host.hpp"
 
 namespace nodmap::sim {
@@ -59,7 +59,7 @@ TEST(Fault, WrongTextsSayWhatIsAllowed) {
 }
 
 /// Says one numbered byte each millisecond, and remembers what it hears.
-class Counter : public Device {
+class Counter : public SerialDevice {
  public:
   Bytes heard;
 
@@ -150,7 +150,7 @@ TEST_F(FaultyDeviceTest, UnpluggedNothingPassesEitherWay) {
   EXPECT_THAT(counter_.heard, ElementsAreArray(Bytes{4}));
 }
 
-TEST_F(FaultyDeviceTest, SilentItStillHears) {
+TEST_F(FaultyDeviceTest, SilentItStillReceives) {
   start("base:silent@0+1");
   Host host(*line_, 9600);
   EXPECT_THAT(host.bytes_for(500'000), IsEmpty());
@@ -158,11 +158,11 @@ TEST_F(FaultyDeviceTest, SilentItStillHears) {
   EXPECT_THAT(counter_.heard, ElementsAreArray(Bytes{1, 2, 3}));
 }
 
-TEST(Freezing, RepeatsTheLastMeasurementOfEachAngle) {
+TEST(FreezeFault, RepeatsTheLastMeasurementOfEachAngle) {
   const Beam clock = [](double angle_rad, std::int64_t time_us) {
     return Echo{Echo::Kind::kRange, angle_rad + 1e-6 * static_cast<double>(time_us), 0.5};
   };
-  const Beam beam = freezing(clock, {parse_fault("laser:freeze@1+1")});
+  const Beam beam = with_freeze_faults(clock, {parse_fault("laser:freeze@1+1")});
   EXPECT_EQ(beam(0.5, 900'000).range_m, 0.5 + 0.9);
   EXPECT_EQ(beam(0.6, 900'000).range_m, 0.6 + 0.9);
   EXPECT_EQ(beam(0.5, 1'500'000).range_m, 0.5 + 0.9);
@@ -170,17 +170,17 @@ TEST(Freezing, RepeatsTheLastMeasurementOfEachAngle) {
   EXPECT_EQ(beam(0.5, 2'000'000).range_m, 2.5);
 }
 
-TEST(Robot, AStalledServoStays) {
-  Robot robot(World{}, PlantParams{}, {}, {parse_fault("servo:stall@1+1")}, 1);
+TEST(SimulatedRobot, AStalledServoStays) {
+  SimulatedRobot robot(World{}, {}, {parse_fault("servo:stall@1+1")}, 1);
   Host host(robot.device(Part::kServo), 1'000'000);
   host.before_each([&robot](std::int64_t now_us) { robot.advance_to(now_us); });
   host.bytes_for(900'000);
   host.ask(test::hex("FF FF FD 00 01 06 00 03 40 00 01 DB 66"), 200'000);     // torque
   host.ask(test::hex("FF FF FD 00 01 09 00 03 74 00 00 02 00 00 CA 89"), 0);  // far down
   host.bytes_for(800'000);
-  EXPECT_NEAR(robot.plant().pitch_rad(), 0.0, 1e-3);
+  EXPECT_NEAR(robot.model().pitch_rad(), 0.0, 1e-3);
   host.bytes_for(2'000'000);
-  EXPECT_LT(robot.plant().pitch_rad(), -0.5);
+  EXPECT_LT(robot.model().pitch_rad(), -0.5);
 }
 
 }  // namespace

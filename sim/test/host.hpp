@@ -6,8 +6,7 @@
 #include <string>
 #include <utility>
 
-#include "sim/bytes.hpp"
-#include "sim/device.hpp"
+#include "sim/devices/serial_device.hpp"
 #include "tests/support/hex.hpp"
 
 namespace nodmap::sim::test {
@@ -29,7 +28,7 @@ struct Portion {
 /// it, and never else.
 class Host {
  public:
-  Host(Device& device, int baud) : device_(device), baud_(baud) {}
+  Host(SerialDevice& device, int baud) : device_(device), baud_(baud) {}
 
   int baud() const { return baud_; }
   void set_baud(int baud) { baud_ = baud; }
@@ -75,7 +74,7 @@ class Host {
   void before_each(std::function<void(std::int64_t)> before) { before_ = std::move(before); }
 
  private:
-  Device& device_;
+  SerialDevice& device_;
   int baud_;
   std::int64_t now_us_ = 0;
   std::function<void(std::int64_t)> before_;

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <set>
 
-#include "sim/slcan_kurt_emulator.hpp"
+#include "sim/devices/kurt_base.hpp"
 #include "sim/test/host.hpp"
 
 namespace nodmap::sim {
@@ -81,7 +81,7 @@ TEST(SlcanAdapter, TellsFramesAsPrinted) {
 class KurtTest : public ::testing::Test {
  protected:
   KurtTest() {
-    host_.before_each([this](std::int64_t now_us) { plant_.advance_to(now_us); });
+    host_.before_each([this](std::int64_t now_us) { model_.advance_to(now_us); });
     say("S8\rO\r");
   }
 
@@ -120,8 +120,8 @@ class KurtTest : public ::testing::Test {
 
   static int i16(int word) { return word >= 0x8000 ? word - 0x10000 : word; }
 
-  Plant plant_{World{}, PlantParams{}, 1};
-  SlcanKurtEmulator kurt_{{}, plant_};
+  RobotModel model_{World{}, {}, 1};
+  SlcanKurtBase kurt_{{}, model_};
   Host host_{kurt_, 1'000'000};
   std::string heard_;
 };
@@ -146,39 +146,39 @@ TEST_F(KurtTest, EncodersCarryTheRemainder) {
     deltas.insert(i16(words[1]));
   }
   // The last period (at most 7 cm/s * 10 ms = 41 ticks) is not told yet.
-  EXPECT_NEAR(static_cast<double>(left), plant_.wheel_travel().left_m / kMPerTick, 42.0);
-  EXPECT_NEAR(static_cast<double>(right), plant_.wheel_travel().right_m / kMPerTick, 42.0);
+  EXPECT_NEAR(static_cast<double>(left), model_.wheel_travel().left_m / kMPerTick, 42.0);
+  EXPECT_NEAR(static_cast<double>(right), model_.wheel_travel().right_m / kMPerTick, 42.0);
   EXPECT_GT(left, 10'000);
   EXPECT_GT(deltas.size(), 1U) << "17.4 ticks are sometimes 17, sometimes 18";
 }
 
 TEST_F(KurtTest, GoesAsFastAsItIsTold) {
   drive(kHalfMps, 3'000'000);
-  EXPECT_NEAR(plant_.wheel_speeds().left_mps, 0.5, 0.01);
-  EXPECT_NEAR(plant_.wheel_speeds().right_mps, 0.5, 0.01);
+  EXPECT_NEAR(model_.wheel_speeds().left_mps, 0.5, 0.01);
+  EXPECT_NEAR(model_.wheel_speeds().right_mps, 0.5, 0.01);
   drive(kTurn, 3'000'000);
-  EXPECT_NEAR(plant_.wheel_speeds().left_mps, -0.2, 0.01);
-  EXPECT_NEAR(plant_.wheel_speeds().right_mps, 0.2, 0.01);
+  EXPECT_NEAR(model_.wheel_speeds().left_mps, -0.2, 0.01);
+  EXPECT_NEAR(model_.wheel_speeds().right_mps, 0.2, 0.01);
   drive("t00180001001D001D0000\r", 3'000'000);  // 29 ticks in a period
-  EXPECT_NEAR(plant_.wheel_speeds().left_mps, 29 * kMPerTick / 0.01, 0.01);
+  EXPECT_NEAR(model_.wheel_speeds().left_mps, 29 * kMPerTick / 0.01, 0.01);
   // Duty 103 of 1023 backward on the left, forward on the right: a tenth of 5.2 m/s.
   drive("t00180000020398000398\r", 3'000'000);
-  EXPECT_NEAR(plant_.wheel_speeds().left_mps, -0.52, 0.02);
-  EXPECT_NEAR(plant_.wheel_speeds().right_mps, 0.52, 0.02);
+  EXPECT_NEAR(model_.wheel_speeds().left_mps, -0.52, 0.02);
+  EXPECT_NEAR(model_.wheel_speeds().right_mps, 0.52, 0.02);
 }
 
 TEST_F(KurtTest, BrakesOnTheHardStop) {
   drive(kHalfMps, 2'000'000);
   drive(kHardStop, 1'000'000);
-  EXPECT_NEAR(plant_.wheel_speeds().left_mps, 0.0, 1e-3);
+  EXPECT_NEAR(model_.wheel_speeds().left_mps, 0.0, 1e-3);
 }
 
 TEST_F(KurtTest, DropsOutWhenNobodySteersIt) {
   drive(kHalfMps, 2'000'000);
   listen(80'000);  // 90 ms since the last word
-  EXPECT_NEAR(plant_.wheel_speeds().left_mps, 0.5, 0.01);
+  EXPECT_NEAR(model_.wheel_speeds().left_mps, 0.5, 0.01);
   listen(1'500'000);
-  EXPECT_NEAR(plant_.wheel_speeds().left_mps, 0.0, 1e-3);
+  EXPECT_NEAR(model_.wheel_speeds().left_mps, 0.0, 1e-3);
 }
 
 TEST_F(KurtTest, AResetStopsTheMotorsAndSilencesTheBaseForAWhile) {
@@ -189,7 +189,7 @@ TEST_F(KurtTest, AResetStopsTheMotorsAndSilencesTheBaseForAWhile) {
   EXPECT_TRUE(frames("009").empty());
   listen(800'000);
   EXPECT_EQ(frames("009").size(), 79U);
-  EXPECT_NEAR(plant_.wheel_speeds().left_mps, 0.0, 1e-3);
+  EXPECT_NEAR(model_.wheel_speeds().left_mps, 0.0, 1e-3);
 }
 
 TEST_F(KurtTest, ReadingsOfAQuietRobot) {
@@ -209,7 +209,7 @@ TEST_F(KurtTest, TheGyroTurnsWithTheRobot) {
   const auto angle = frames("00E").back();
   const auto raw = static_cast<std::int32_t>(static_cast<std::uint32_t>(angle[0]) << 16U |
                                              static_cast<std::uint32_t>(angle[1]));
-  const Eigen::Matrix3d rotation = plant_.truth().T_world_base.linear();
+  const Eigen::Matrix3d rotation = model_.ground_truth().T_world_base.linear();
   const double yaw_deg = std::atan2(rotation(1, 0), rotation(0, 0)) * 180.0 / M_PI;
   // The frame is up to 70 ms old.
   EXPECT_NEAR(raw / 4'992'511.0, yaw_deg, 0.08 * 90.0);
@@ -230,10 +230,10 @@ TEST_F(KurtTest, AnotherRateIsNoise) {
 
 TEST(Kurt, TheSameSaidTwiceGivesTheSameTwice) {
   const auto run = [] {
-    Plant plant(World{}, PlantParams{}, 7);
-    SlcanKurtEmulator kurt({}, plant);
+    RobotModel model(World{}, {}, 7);
+    SlcanKurtBase kurt({}, model);
     Host host(kurt, 1'000'000);
-    host.before_each([&plant](std::int64_t now_us) { plant.advance_to(now_us); });
+    host.before_each([&model](std::int64_t now_us) { model.advance_to(now_us); });
     Bytes all = host.ask(text_bytes("S8\rO\r"), 10'000);
     for (int i = 0; i < 200; ++i) {
       append(all, host.ask(text_bytes(kTurn), 10'000));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Telegrams as the manual prints them, or as they were computed from its rules by an independent
 // script; requests in, answers out.
-#include "sim/lms200.hpp"
+#include "sim/devices/lms200.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -57,19 +57,19 @@ Bytes words(int count, int first, int step) {
 /// Started, at 500 kbaud from power-on, with no drift unless said.
 class Lms200Test : public ::testing::Test {
  protected:
-  static Lms200Settings settings() {
-    Lms200Settings settings;
-    settings.baud = 500'000;
-    settings.mirror_ppm = 0.0;
-    return settings;
+  static Lms200Params params() {
+    Lms200Params params;
+    params.baud = 500'000;
+    params.mirror_ppm = 0.0;
+    return params;
   }
 
-  void start(const Lms200Settings& settings, Beam beam) {
-    laser_ = std::make_unique<Lms200>(settings, std::move(beam));
-    host_ = std::make_unique<Host>(*laser_, settings.baud);
+  void start(const Lms200Params& params, Beam beam) {
+    laser_ = std::make_unique<Lms200>(params, std::move(beam));
+    host_ = std::make_unique<Host>(*laser_, params.baud);
     EXPECT_THAT(host_->bytes_for(2 * kBootUs), ElementsAreArray(kPowerOn));
   }
-  void start() { start(settings(), flat); }
+  void start() { start(params(), flat); }
 
   Bytes ask(const std::string& request, std::int64_t duration_us = 1'500'000) {
     return host_->ask(hex(request), duration_us);
@@ -95,7 +95,7 @@ class Lms200Test : public ::testing::Test {
 };
 
 TEST_F(Lms200Test, SaysNothingBeforeItHasStarted) {
-  Lms200 laser(settings(), flat);
+  Lms200 laser(params(), flat);
   Host host(laser, 500'000);
   EXPECT_THAT(host.ask(kStop, kBootUs - 1), IsEmpty());
   EXPECT_THAT(host.bytes_for(10'000), ElementsAreArray(kPowerOn));
@@ -137,7 +137,7 @@ TEST_F(Lms200Test, RefusesWhatTheRealOneRefuses) {
 }
 
 TEST_F(Lms200Test, TakesAConfigurationInInstallationModeOnly) {
-  Lms200Settings as_delivered = settings();
+  Lms200Params as_delivered = params();
   as_delivered.config = hex("00 00 46 00 00 00 01 00 00 02 02 00x21 02 00");
   start(as_delivered, flat);
   EXPECT_THAT(host_->ask(kInstall), ElementsAreArray(kAck + kModeOk));
@@ -162,7 +162,7 @@ TEST_F(Lms200Test, AnsweresDamageWithNakAndStrangersNotAtAll) {
 }
 
 TEST_F(Lms200Test, AnswersUnderItsOwnAddress) {
-  Lms200Settings first = settings();
+  Lms200Params first = params();
   first.address = 1;
   laser_ = std::make_unique<Lms200>(first, flat);
   host_ = std::make_unique<Host>(*laser_, 500'000);
@@ -171,7 +171,7 @@ TEST_F(Lms200Test, AnswersUnderItsOwnAddress) {
 }
 
 TEST_F(Lms200Test, HearsAndIsHeardOnlyAtItsRate) {
-  Lms200Settings at_9600 = settings();
+  Lms200Params at_9600 = params();
   at_9600.baud = 9600;
   start(at_9600, flat);
   host_->set_baud(500'000);
@@ -185,7 +185,7 @@ TEST_F(Lms200Test, HearsAndIsHeardOnlyAtItsRate) {
 }
 
 TEST_F(Lms200Test, ChangesItsRateAfterAnsweringAtTheOldOne) {
-  Lms200Settings at_9600 = settings();
+  Lms200Params at_9600 = params();
   at_9600.baud = 9600;
   start(at_9600, flat);
   EXPECT_THAT(ask("02 00 02 00 20 48 58 08"), ElementsAreArray(kAck + kModeOk));
@@ -200,7 +200,7 @@ TEST_F(Lms200Test, ChangesItsRateAfterAnsweringAtTheOldOne) {
 }
 
 TEST_F(Lms200Test, APermanentRateOutlivesARestart) {
-  Lms200Settings at_9600 = settings();
+  Lms200Params at_9600 = params();
   at_9600.baud = 9600;
   start(at_9600, flat);
   ask("02 00 02 00 20 40 50 08");
@@ -211,7 +211,7 @@ TEST_F(Lms200Test, APermanentRateOutlivesARestart) {
 }
 
 TEST_F(Lms200Test, SendsMeasuredValuesAsComputed) {
-  Lms200Settings no_indices = settings();
+  Lms200Params no_indices = params();
   no_indices.config[4] = 0;
   start(no_indices, flat);
   const Bytes scan = ask("02 00 02 00 30 01 31 18", 60'000);
@@ -277,7 +277,7 @@ TEST_F(Lms200Test, HalfDegreesTakeTwoTurns) {
 
 TEST_F(Lms200Test, EachBeamIsMeasuredAtItsOwnTime) {
   std::vector<std::pair<double, std::int64_t>> fired;
-  start(settings(), [&fired](double angle_rad, std::int64_t time_us) {
+  start(params(), [&fired](double angle_rad, std::int64_t time_us) {
     fired.emplace_back(geometry::rad_to_deg(angle_rad), time_us);
     return Echo{Echo::Kind::kRange, 1.0, 0.5};
   });
@@ -308,7 +308,7 @@ TEST_F(Lms200Test, CountsTurnsAndTelegrams) {
 }
 
 TEST_F(Lms200Test, SlowLinesSkipTurns) {
-  Lms200Settings slow = settings();
+  Lms200Params slow = params();
   slow.baud = 38'400;
   start(slow, flat);
   host_->ask(kStream, 54'000);
@@ -324,7 +324,7 @@ TEST_F(Lms200Test, SlowLinesSkipTurns) {
 }
 
 TEST_F(Lms200Test, PartialScansComeEveryTurnShiftedInTurn) {
-  start(settings(), ramp);
+  start(params(), ramp);
   ask("02 00 05 00 3B 64 00 19 00 E7 72");
   ask("02 00 02 00 20 2A 3A 08", kModeUs);
   const Bytes stream = host_->bytes_for(200'000);
@@ -357,7 +357,7 @@ TEST_F(Lms200Test, ARequestInterruptsATelegram) {
 }
 
 TEST_F(Lms200Test, TellsThatItsWindowIsDirty) {
-  Lms200Settings dirty = settings();
+  Lms200Params dirty = params();
   dirty.polluted = true;
   laser_ = std::make_unique<Lms200>(dirty, flat);
   host_ = std::make_unique<Host>(*laser_, 500'000);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/pitch_servo.hpp"
+#include "sim/body/pitch_servo.hpp"
 
 #include <gtest/gtest.h>
 
@@ -32,7 +32,7 @@ TEST(PitchServo, ShortWayIsATriangle) {
 }
 
 TEST(PitchServo, GoesBeyondNoLimit) {
-  const PlantParams params;
+  const ServoParams params;
   PitchServo servo(params);
   servo.set_goal({10.0, 100.0, 0.0}, 0.0);
   double fastest = 0.0;
@@ -40,7 +40,7 @@ TEST(PitchServo, GoesBeyondNoLimit) {
     fastest = std::max(fastest, servo.at(t).rate_rad_s);
     EXPECT_LE(servo.at(t).pitch_rad, params.pitch_limit_rad + 1e-12);
   }
-  EXPECT_NEAR(fastest, params.servo_speed_rad_s, 1e-9);
+  EXPECT_NEAR(fastest, params.speed_rad_s, 1e-9);
   EXPECT_EQ(servo.at(2.0).pitch_rad, params.pitch_limit_rad);
 }
 
@@ -49,7 +49,7 @@ TEST(PitchServo, AnyGoalsAtAnyTimeMoveItSmoothlyAndArrive) {
   const auto between = [&](double a, double b) {
     return std::uniform_real_distribution<double>(a, b)(engine);
   };
-  const PlantParams params;
+  const ServoParams params;
   PitchServo servo(params);
   double t = 0.0;
   constexpr double kDt = 1e-4;
@@ -61,10 +61,10 @@ TEST(PitchServo, AnyGoalsAtAnyTimeMoveItSmoothlyAndArrive) {
       const PitchState now = servo.at(t + kDt);
       // No jump: neither of the rate nor of the pitch.
       ASSERT_LE(std::abs(now.rate_rad_s - before.rate_rad_s),
-                params.servo_acceleration_rad_s2 * kDt + 1e-9);
+                params.acceleration_rad_s2 * kDt + 1e-9);
       ASSERT_NEAR(now.pitch_rad - before.pitch_rad,
                   0.5 * (now.rate_rad_s + before.rate_rad_s) * kDt,
-                  params.servo_acceleration_rad_s2 * kDt * kDt);
+                  params.acceleration_rad_s2 * kDt * kDt);
       before = now;
     }
     EXPECT_EQ(servo.at(t + 60.0).pitch_rad, next.pitch_rad);
@@ -77,7 +77,7 @@ TEST(PitchServo, WithoutTorqueItComesToRestAndIgnoresGoals) {
   servo.set_torque(false, 0.4);
   const double rest = servo.at(5.0).pitch_rad;
   // On for v^2 / 2a at the servo's own acceleration.
-  EXPECT_NEAR(rest, servo.at(0.4).pitch_rad + 0.5 / PlantParams().servo_acceleration_rad_s2, 1e-9);
+  EXPECT_NEAR(rest, servo.at(0.4).pitch_rad + 0.5 / ServoParams().acceleration_rad_s2, 1e-9);
   servo.set_goal({-0.5, 1.0, 20.0}, 5.0);
   EXPECT_EQ(servo.at(9.0).pitch_rad, rest);
   servo.set_torque(true, 9.0);

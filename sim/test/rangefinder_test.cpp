@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/rangefinder.hpp"
+#include "sim/body/rangefinder.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,8 +10,8 @@ namespace {
 
 using geometry::deg_to_rad;
 
-PlantParams without_noise() {
-  PlantParams params;
+LaserParams without_noise() {
+  LaserParams params;
   params.range_sigma_m = 0.0;
   return params;
 }
@@ -27,7 +27,7 @@ Object wall(double x_m, double reflectivity, double y_min = -50.0) {
   return {Box{{x_m + 0.05, y_min + 50.0, 1.0}, {0.1, 100.0, 2.0}, 0.0}, reflectivity};
 }
 
-Echo look(const World& world, const PlantParams& params, double angle_rad = 0.0) {
+Echo look(const World& world, const LaserParams& params, double angle_rad = 0.0) {
   const RayCaster caster(world);
   return Rangefinder(params, 1).measure(caster, laser(), angle_rad, {});
 }
@@ -49,7 +49,7 @@ TEST(Rangefinder, NoiseHasItsSigmaAndBias) {
   World world;
   world.objects.push_back(wall(4.0, 0.8));
   const RayCaster caster(world);
-  PlantParams params;
+  LaserParams params;
   params.range_bias_m = 0.02;
   Rangefinder rangefinder(params, 5);
   double sum = 0.0;
@@ -66,10 +66,10 @@ TEST(Rangefinder, NoiseHasItsSigmaAndBias) {
 }
 
 TEST(Rangefinder, DarkThingsAreSeenLessFar) {
-  const PlantParams params = without_noise();
+  const LaserParams params = without_noise();
   for (const double reflectivity : {0.1, 0.4, 0.75, 1.0}) {
     // Lambert at a right angle: rho / d^2 = least. The spot's tilt costs less than 1e-4.
-    const double reach_m = std::sqrt(reflectivity / params.least_intensity);
+    const double reach_m = std::sqrt(reflectivity / params.min_intensity);
     for (const double share : {0.99, 1.01}) {
       World world;
       world.objects.push_back(wall(share * reach_m, reflectivity));
@@ -83,7 +83,7 @@ TEST(Rangefinder, DarkThingsAreSeenLessFar) {
 TEST(Rangefinder, IntensityFallsWithIncidenceAndDistance) {
   World world;
   world.objects.push_back(wall(4.0, 0.8));
-  const PlantParams params = without_noise();
+  const LaserParams params = without_noise();
   // rho cos(a) / (d / cos(a))^2; the rays of the spot differ by less than a percent.
   EXPECT_NEAR(look(world, params).intensity, 0.8 / 16.0, 1e-3);
   const double c = std::cos(deg_to_rad(60.0));
@@ -94,7 +94,7 @@ TEST(Rangefinder, IntensityFallsWithIncidenceAndDistance) {
 TEST(Rangefinder, EdgeGivesARangeInBetweenByLight) {
   // The wall in front begins at y = 0: the beam ahead meets it with the left ray (and the three in
   // the middle line are at its very edge, so it is moved by a hair).
-  const PlantParams params = without_noise();
+  const LaserParams params = without_noise();
   for (const double back_reflectivity : {0.8, 0.4}) {
     World world;
     world.objects.push_back(wall(3.0, 0.8, 1e-4));
@@ -108,7 +108,7 @@ TEST(Rangefinder, EdgeGivesARangeInBetweenByLight) {
 }
 
 TEST(Rangefinder, SurfacesFarApartDoNotMix) {
-  const PlantParams params = without_noise();
+  const LaserParams params = without_noise();
   World world;
   world.objects.push_back(wall(3.0, 0.8, 1e-4));
   world.objects.push_back(wall(3.0 + 2.0 * params.pulse_length_m, 0.8));
@@ -120,7 +120,7 @@ TEST(Rangefinder, SurfacesFarApartDoNotMix) {
 
 TEST(Rangefinder, SpotGrowsWithDistance) {
   // A pole of 1 cm beside the beam's axis is met where the spot has become wide enough.
-  const PlantParams params = without_noise();
+  const LaserParams params = without_noise();
   const auto meets = [&](double x_m) {
     World world;
     world.objects.push_back({Cylinder{{x_m, 0.02, 1.0}, 0.005, 2.0}});
@@ -131,7 +131,7 @@ TEST(Rangefinder, SpotGrowsWithDistance) {
 }
 
 TEST(Rangefinder, ReflectorDazzlesNearAndHeadOnOnly) {
-  const PlantParams params = without_noise();
+  const LaserParams params = without_noise();
   World world;
   world.objects.push_back(wall(1.5, 5.0));
   EXPECT_EQ(look(world, params).kind, Echo::Kind::kDazzled);
@@ -143,8 +143,8 @@ TEST(Rangefinder, ReflectorDazzlesNearAndHeadOnOnly) {
 }
 
 TEST(Rangefinder, BlackGivesNothing) {
-  PlantParams params = without_noise();
-  params.least_intensity = 0.0;
+  LaserParams params = without_noise();
+  params.min_intensity = 0.0;
   World world;
   world.objects.push_back(wall(1.0, 0.0));
   EXPECT_EQ(look(world, params).kind, Echo::Kind::kNothing);

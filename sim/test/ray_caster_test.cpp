@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/ray_caster.hpp"
+#include "sim/world/ray_caster.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "sim/world_file.hpp"
+#include "sim/world/world_file.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -95,7 +95,7 @@ goal: [12.0, 3.0]
   EXPECT_TRUE(world.actors[0].loop);
   EXPECT_EQ(world.actors[0].vanish_s, 60.0);
   EXPECT_NEAR(world.T_world_start.yaw, deg_to_rad(90.0), 1e-12);
-  EXPECT_EQ(world.goal, Eigen::Vector2d(12.0, 3.0));
+  EXPECT_THAT(world.goals, testing::ElementsAre(Eigen::Vector2d(12.0, 3.0)));
 }
 
 TEST_F(WorldFile, ReadsBinaryMeshes) {
@@ -162,6 +162,9 @@ TEST_F(WorldFile, ErrorsNameTheLine) {
   EXPECT_EQ(error_of("name: x\npits:\n  - {min: [0, 0], max: [1, 0], depth: 1}\n" + kTail),
             "3: a pit whose max is not beyond its min");
   EXPECT_EQ(error_of("name: x\ngoal: 3\n" + kTail), "2: 'goal': expected 2 numbers");
+  EXPECT_EQ(error_of("name: x\ngoal: [3, 4]\ngoals: [[1, 2]]\n" + kTail),
+            "3: 'goals': there is a 'goal' already");
+  EXPECT_EQ(error_of("name: x\ngoals: [[1, 2], 3]\n" + kTail), "2: 'goals': expected 2 numbers");
   EXPECT_EQ(error_of("name: x\nobjects: 3\n" + kTail), "2: 'objects': expected a list");
   EXPECT_THAT(error_of("name: x\nobjects: [\n"), HasSubstr("3: "));
   EXPECT_EQ(error_of(""), "1: world: expected {key: value, ...}");

@@ -10,9 +10,9 @@
 
 #include "drivers/kurt/kurt.hpp"
 #include "drivers/laser3d/laser3d.hpp"
-#include "sim/dynamixel_emulator.hpp"
-#include "sim/lms200.hpp"
-#include "sim/slcan_kurt_emulator.hpp"
+#include "sim/devices/dynamixel_servo.hpp"
+#include "sim/devices/kurt_base.hpp"
+#include "sim/devices/lms200.hpp"
 
 namespace nodmap {
 namespace {
@@ -31,7 +31,7 @@ sim::World room() {
 
 /// A driver's line, as the adapter's driver gives it: at `baud`, bytes as soon as they have left.
 struct Cable {
-  sim::Device& device;
+  sim::SerialDevice& device;
   int baud;
 
   sim::Bytes read(std::int64_t now_us) {
@@ -44,30 +44,30 @@ struct Cable {
 /// The scanner's driver on its two devices.
 class ScannerRun {
  public:
-  ScannerRun(const laser3d::Laser3dParams& params, const sim::Lms200Settings& laser,
+  ScannerRun(const laser3d::Laser3dParams& params, const sim::Lms200Params& laser,
              const sim::World& world = room())
-      : plant_(world, sim::PlantParams{}, 1),
+      : model_(world, {}, 1),
         driver_(params),
         lms_(laser,
              [this](double angle_rad, std::int64_t time_us) { return fire(angle_rad, time_us); }) {
-    carry_out(driver_.laser_opened(0));
-    carry_out(driver_.servo_opened(0));
+    execute(driver_.laser_opened(0));
+    execute(driver_.servo_opened(0));
   }
 
   void run_until(std::int64_t end_us) {
     while (now_us_ < end_us) {
       now_us_ = std::min({lms_.next_us(), dynamixel_.next_us(), next_poll_us_, end_us});
-      plant_.advance_to(now_us_);
-      true_pitch_rad_[now_us_] = plant_.pitch_rad();
+      model_.advance_to(now_us_);
+      true_pitch_rad_[now_us_] = model_.pitch_rad();
       if (const sim::Bytes bytes = laser_.read(now_us_); !bytes.empty()) {
-        carry_out(driver_.receive_laser(bytes, now_us_));
+        execute(driver_.receive_laser(bytes, now_us_));
       }
       if (const sim::Bytes bytes = servo_.read(now_us_); !bytes.empty()) {
-        carry_out(driver_.receive_servo(bytes, now_us_));
+        execute(driver_.receive_servo(bytes, now_us_));
       }
       if (now_us_ >= next_poll_us_) {
         next_poll_us_ = now_us_ + kPollUs;
-        carry_out(driver_.poll(now_us_));
+        execute(driver_.poll(now_us_));
       }
     }
   }
@@ -97,10 +97,10 @@ class ScannerRun {
  private:
   sim::Echo fire(double angle_rad, std::int64_t time_us) {
     fired_us_[std::lround(1e4 * angle_rad)].push_back(time_us);
-    return plant_.measure(angle_rad, time_us);
+    return model_.measure(angle_rad, time_us);
   }
 
-  void carry_out(laser3d::Laser3dOutput output) {
+  void execute(laser3d::Laser3dOutput output) {
     for (scan::Scan& scan : output.scans) {
       scans.push_back(std::move(scan));
     }
@@ -119,10 +119,10 @@ class ScannerRun {
   std::int64_t next_poll_us_ = 0;
   std::map<std::int64_t, std::vector<std::int64_t>> fired_us_;  // by angle in 1e-4 rad
   std::map<std::int64_t, double> true_pitch_rad_;
-  sim::Plant plant_;
+  sim::RobotModel model_;
   laser3d::Laser3d driver_;
   sim::Lms200 lms_;
-  sim::DynamixelEmulator dynamixel_{{}, plant_};
+  sim::DynamixelServo dynamixel_{{}, model_};
   Cable laser_{lms_, 500'000};
   Cable servo_{dynamixel_, 1'000'000};
 };
@@ -145,7 +145,7 @@ class DriversOnDevices : public ::testing::TestWithParam<Case> {};
 
 // R1, and the passive synchronisation: the mirror is 50 ppm slow, the servo's clock 30 ppm fast.
 TEST_P(DriversOnDevices, ScansTellWhenAndWhereTheyWereMeasured) {
-  ScannerRun run(GetParam().params, sim::Lms200Settings{});
+  ScannerRun run(GetParam().params, sim::Lms200Params{});
   constexpr std::int64_t kStartedUs = 15'000'000;
   constexpr std::int64_t kEndUs = 45'000'000;
   run.run_until(kStartedUs);
@@ -220,7 +220,7 @@ std::vector<scan::Scan> scans_of_the_wall(double pitch_min_deg, double pitch_max
   params.default_min_rad = geometry::deg_to_rad(pitch_min_deg);
   params.default_max_rad = geometry::deg_to_rad(pitch_max_deg);
   params.default_sweep_s = sweep_s;
-  ScannerRun run(params, sim::Lms200Settings{}, wall());
+  ScannerRun run(params, sim::Lms200Params{}, wall());
   run.run_until(15'000'000);
   run.scans.clear();
   run.run_until(25'000'000);
@@ -253,7 +253,7 @@ TEST(LaserOnDevice, R3_ThePitchThatIsHeldIsThePitchThatWasAskedFor) {
   for (const double pitch_deg : {-60.0, -33.3, 0.0, 12.7, 60.0}) {
     laser3d::Laser3dParams params;
     params.default_min_rad = params.default_max_rad = geometry::deg_to_rad(pitch_deg);
-    ScannerRun run(params, sim::Lms200Settings{});
+    ScannerRun run(params, sim::Lms200Params{});
     run.run_until(15'000'000);
     ASSERT_FALSE(run.scans.empty());
     const scan::Scan& last = run.scans.back();
@@ -263,7 +263,7 @@ TEST(LaserOnDevice, R3_ThePitchThatIsHeldIsThePitchThatWasAskedFor) {
 }
 
 TEST(LaserOnDevice, AFactoryNewSensorAt9600IsConfiguredOnce) {
-  sim::Lms200Settings factory;
+  sim::Lms200Params factory;
   factory.config = {0, 0, 0x46, 0, 0, 0, 1, 0, 0, 2, 2, 0, 0, 0, 0, 0, 0,
                     0, 0, 0,    0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 2, 0};
   ScannerRun run(laser3d::Laser3dParams{}, factory);
@@ -283,7 +283,7 @@ class BaseRun {
   void run_until(std::int64_t end_us, double forward_mps) {
     while (now_us_ < end_us) {
       now_us_ = std::min({device_.next_us(), next_control_us_, end_us});
-      plant_.advance_to(now_us_);
+      model_.advance_to(now_us_);
       if (const sim::Bytes bytes = cable_.read(now_us_); !bytes.empty()) {
         for (const kurt::OdometrySample& sample : driver_.receive(bytes, moment())) {
           samples.push_back(sample);
@@ -300,16 +300,16 @@ class BaseRun {
 
   std::vector<kurt::OdometrySample> samples;
   const kurt::Kurt& driver() const { return driver_; }
-  const sim::Plant& plant() const { return plant_; }
+  const sim::RobotModel& model() const { return model_; }
 
  private:
   [[nodiscard]] time::Moment moment() const { return {now_us_, now_us_}; }
 
   std::int64_t now_us_ = 0;
   std::int64_t next_control_us_ = 0;
-  sim::Plant plant_{sim::World{}, sim::PlantParams{}, 1};
+  sim::RobotModel model_{sim::World{}, {}, 1};
   kurt::Kurt driver_{kurt::KurtParams{}};
-  sim::SlcanKurtEmulator device_{{}, plant_};
+  sim::SlcanKurtBase device_{{}, model_};
   Cable cable_{device_, 1'000'000};
 };
 
@@ -319,7 +319,7 @@ TEST(BaseOnDevice, OdometryComesEveryTenMillisecondsAndMeasuresTheWay) {
   EXPECT_NEAR(static_cast<double>(run.samples.size()), 990.0, 15.0) << "after the adapter's start";
   EXPECT_NEAR(run.samples.back().state.forward_mps, 0.5, 0.02);
   const double way_m =
-      0.5 * (run.plant().wheel_travel().left_m + run.plant().wheel_travel().right_m);
+      0.5 * (run.model().wheel_travel().left_m + run.model().wheel_travel().right_m);
   // What was rolled before the driver listened, and the last period.
   EXPECT_NEAR(run.samples.back().state.T_odom_base.translation().norm(), way_m, 0.02);
   EXPECT_EQ(run.driver().counts().encoder_lost, 0);

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "common/geometry/se3.hpp"
-#include "sim/world.hpp"
+#include "sim/world/world.hpp"
 
 namespace nodmap::evaluate {
 

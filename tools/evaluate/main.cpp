@@ -11,8 +11,9 @@
 
 #include "common/formats/ply.hpp"
 #include "common/formats/tum.hpp"
+#include "common/node/log.hpp"
 #include "common/node/program.hpp"
-#include "sim/world_file.hpp"
+#include "sim/world/world_file.hpp"
 #include "tools/evaluate/cloud_error.hpp"
 #include "tools/evaluate/corridor_error.hpp"
 #include "tools/evaluate/relations.hpp"

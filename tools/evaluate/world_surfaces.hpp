@@ -5,7 +5,7 @@
 #include <array>
 #include <vector>
 
-#include "sim/world.hpp"
+#include "sim/world/world.hpp"
 
 namespace nodmap::evaluate {
 

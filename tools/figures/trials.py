@@ -1,17 +1,21 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Runs nodmap-trial, and gets at what it leaves."""
+"""Runs nodmap-trial and reads its results."""
 import json
 import pathlib
 import shutil
 import subprocess
+import sys
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 BIN = ROOT / "build" / "release" / "bin"
 OUT = ROOT / "logs" / "figures"
 
+sys.path.insert(0, str(ROOT / "bench"))
+from seeds import ODOMETRY_NOISE, REPORTING  # noqa: F401, for the figures
+
 
 def call(program, *arguments):
-    """What the program prints; its error is ours."""
+    """Returns what the program prints; raises with its error."""
     words = [str(BIN / program), *(str(argument) for argument in arguments)]
     done = subprocess.run(words, capture_output=True, text=True)
     if done.returncode != 0:

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <optional>
 
-#include "sim/random_world.hpp"
-#include "sim/world_file.hpp"
+#include "sim/world/random_world.hpp"
+#include "sim/world/world_file.hpp"
 
 namespace nodmap::trial {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "sim/world.hpp"
+#include "sim/world/world.hpp"
 #include "tools/trial/trial.hpp"
 
 namespace nodmap::trial {

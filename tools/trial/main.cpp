@@ -1,5 +1,161 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tools/trial/program.hpp"
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cmath>
+#include <ctime>
+#include <iostream>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/node/log.hpp"
+#include "common/node/program.hpp"
+#include "common/node/progress.hpp"
+#include "common/node/results.hpp"
+#include "common/params/params.hpp"
+#include "tools/trial/appearing_obstacle.hpp"
+#include "tools/trial/command.hpp"
+#include "tools/trial/metrics.hpp"
+#include "tools/trial/results.hpp"
+#include "tools/trial/trial.hpp"
+
+namespace nodmap::trial {
+namespace {
+
+constexpr const char* kName = "nodmap-trial";
+
+struct Arguments {
+  std::string world;
+  std::string out;
+  std::uint64_t seed = 0;
+  double duration_s = 60.0;
+  std::string pitch;
+  std::vector<std::string> assignments;
+  std::vector<std::string> faults;
+  std::vector<std::string> kills;
+  std::vector<std::string> without;
+  std::optional<double> appear_s;
+  bool level_laser = false;
+  bool dump_params = false;
+};
+
+void add_options(CLI::App& app, Arguments& arguments) {
+  app.add_option("--world", arguments.world, "World file, or random:SEED for random clutter");
+  app.add_option("--seed", arguments.seed, "Seed of the simulated noise")->capture_default_str();
+  app.add_option("--duration", arguments.duration_s,
+                 "Seconds of simulated time from the first scan")
+      ->check(CLI::Range(0.1, 86400.0))
+      ->capture_default_str();
+  app.add_option("--out", arguments.out, "Folder for the results; made, and never overwritten");
+  app.add_option("--pitch", arguments.pitch, "Same as --set pitch_controller.mode=...")
+      ->check(CLI::IsMember({"fixed", "nodding"}));
+  app.add_option("--set", arguments.assignments, "A parameter: process.key=value; repeatable")
+      ->allow_extra_args(false);
+  app.add_option("--fault", arguments.faults,
+                 "PART:KIND@T+D[=AMOUNT], such as laser:unplug@10+2: T s after power-on, for D s; "
+                 "repeatable")
+      ->allow_extra_args(false);
+  app.add_option("--kill", arguments.kills,
+                 "PROCESS@T+D: kill -9 at T s after power-on, started again D s later; repeatable")
+      ->allow_extra_args(false);
+  app.add_option(
+      "--appear", arguments.appear_s,
+      "Let one obstacle appear at the end of the robot's stopping zone, from this second on");
+  app.add_flag("--level-laser", arguments.level_laser,
+               "Also run 2D SLAM on what the laser would measure if it were held level");
+  app.add_option("--without", arguments.without, "Leave out this process; repeatable")
+      ->allow_extra_args(false);
+  app.add_flag_callback(
+      "--no-slam6d", [&arguments] { arguments.without.emplace_back("slam6d"); },
+      "Same as --without slam6d");
+  app.add_flag("--dump-params", arguments.dump_params, "Print the effective parameters and end");
+}
+
+TrialSetup make_setup(const Arguments& arguments) {
+  TrialSetup setup;
+  for (const std::string& assignment : arguments.assignments) {
+    setup.params.set_assignment(assignment);
+  }
+  if (!arguments.pitch.empty()) {
+    setup.params.set_assignment("pitch_controller.mode=" + arguments.pitch);
+  }
+  for (const std::string& fault : arguments.faults) {
+    setup.faults.push_back(sim::parse_fault(fault));
+  }
+  for (const std::string& kill : arguments.kills) {
+    setup.kills.push_back(parse_kill(kill));
+  }
+  for (const std::string& process : arguments.without) {
+    check_process(process, "--without " + process);
+    setup.without.insert(process);
+  }
+  setup.level_laser = arguments.level_laser;
+  setup.seed = arguments.seed;
+  setup.duration_us = std::llround(1e6 * arguments.duration_s);
+  return setup;
+}
+
+void run(const Arguments& arguments, TrialSetup setup) {
+  const std::filesystem::path dir = arguments.out;
+  setup.world = load_world_or_random(arguments.world);
+  node::make_result_dir(dir);
+  if (arguments.appear_s) {
+    setup.world.actors.push_back(place_appearing_obstacle(setup, *arguments.appear_s, dir));
+  }
+  const std::clock_t cpu_start = std::clock();
+  const auto start = std::chrono::steady_clock::now();
+  Trial trial(setup, dir);
+  {
+    node::Progress progress(kName, setup.duration_us);
+    while (trial.step()) {
+      progress.show(trial.now_us() - trial.record().started_us.value_or(trial.now_us()));
+    }
+  }
+  const TrialOutcome outcome = trial.finish();
+  const double cpu_s = static_cast<double>(std::clock() - cpu_start) / CLOCKS_PER_SEC;
+  const double wall_s =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  nlohmann::ordered_json result = summarise(setup, outcome, dir);
+  write_path_image(setup, outcome, dir);
+  formats::write_tum(dir / "truth.tum", true_trajectory(outcome.record, false));
+  formats::write_tum(dir / "odometry.tum", outcome.record.odometry);
+  // All that is not the same in the next run.
+  const double simulated_s = 1e-6 * static_cast<double>(outcome.record.truth.back().time_us);
+  result["realtime_factor"] = simulated_s / wall_s;
+  result["wall_s"] = wall_s;
+  result["cpu_s"] = cpu_s;
+  node::write_result_json(dir, result);
+}
+
+int run_trial(int argc, char** argv) {
+  Arguments arguments;
+  TrialSetup setup;
+  return node::run_program(
+      argc, argv,
+      {.name = kName,
+       .summary = "Runs the whole robot in a simulated world, faster than real time.",
+       .log_level = "error",
+       .add_options = [&arguments](CLI::App& app) { add_options(app, arguments); },
+       .check =
+           [&] {
+             setup = make_setup(arguments);
+             if (!arguments.dump_params && (arguments.world.empty() || arguments.out.empty())) {
+               throw node::UsageError("--world and --out must be given");
+             }
+           },
+       .run =
+           [&](const std::string& /*lcm_url*/) {
+             if (arguments.dump_params) {
+               std::cout << setup.params.to_yaml();
+             } else {
+               run(arguments, std::move(setup));
+             }
+             return 0;
+           }});
+}
+
+}  // namespace
+}  // namespace nodmap::trial
 
 int main(int argc, char** argv) {
   return nodmap::trial::run_trial(argc, argv);

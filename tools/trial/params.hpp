@@ -11,33 +11,36 @@
 #include "modules/pitch_controller/node.hpp"
 #include "modules/slam2d/node.hpp"
 #include "modules/slam6d/node.hpp"
-#include "sim/sim_params.hpp"
+#include "sim/devices/simulated_robot.hpp"
 
 namespace nodmap::trial {
 
-/// What belongs to the loop itself, not to any of its parts.
+/// Parameters of the loop itself, not of any of its parts.
 struct LoopParams {
-  /// Live on two cores a message takes less (bench/REPORT.md): the loop is to be no faster than the
+  /// On two cores a message takes less (bench/REPORT.md): the loop must not be faster than the
   /// robot.
   double message_delay_s = 0.002;
+  double message_jitter_s = 0.001;
   double goal_tolerance_m = 0.3;
   double deceleration_mps2 = 1.5;
 
   template <class Visitor>
   void describe(Visitor& v) {
     v.number("message_delay_s", message_delay_s, {0.0, 0.5},
-             "From the publishing of a message until its readers handle it.");
+             "Least time from the publishing of a message to its handling.");
+    v.number("message_jitter_s", message_jitter_s, {0.0, 0.1},
+             "Mean of the exponentially distributed delay that is added for each reader.");
     v.number("goal_tolerance_m", goal_tolerance_m, {0.05, 5.0},
-             "So near to the world's goal the robot is told to stand.");
+             "Distance from the world's goal at which the robot is told to stop.");
     v.number("deceleration_mps2", deceleration_mps2, {0.1, 10.0},
-             "Deceleration with which a braking way is measured.");
+             "Deceleration from which the length of the stopping zone is computed.");
   }
 };
 
 /// The parameters of everything that takes part.
 struct AllParams {
   LoopParams loop;
-  sim::SimParams sim;
+  sim::SimulatedRobotParams sim;
   kurt::KurtNode::Params kurt;
   laser3d::Laser3dNode::Params laser3d;
   pitch_controller::PitchControllerNode::Params pitch_controller;

@@ -10,7 +10,11 @@
 
 namespace nodmap::trial {
 
-/// How things were at one moment. Times are microseconds since the simulation's start.
+/// Start of the simulation in microseconds since the Unix epoch: 2008-07-01 in UTC, when the paper
+/// was presented.
+inline constexpr std::int64_t kEpochUs = 1'214'870'400'000'000;
+
+/// The true state at one moment. Times are microseconds since the start of the simulation.
 struct TruthSample {
   std::int64_t time_us = 0;
   geometry::SE3 T_world_base = geometry::SE3::Identity();
@@ -19,15 +23,17 @@ struct TruthSample {
   double clearance_m = 0.0;
   std::int64_t collisions = 0;
   std::int64_t bumps = 0;
+  std::int64_t contacts_caused = 0;
+  std::int64_t falls = 0;
 };
 
-/// What a trial is judged by.
+/// What is recorded of a trial to compute its metrics from.
 struct TrialRecord {
-  std::vector<TruthSample> truth;          ///< every 10 ms from 0 on
-  std::vector<std::int64_t> turns_us;      ///< when the head turned at an end of its sweep
-  formats::Trajectory odometry;            ///< as published
-  std::optional<std::int64_t> began_us;    ///< the first SCAN: from here on the trial counts
-  std::optional<std::int64_t> arrived_us;  ///< the navigator first said so
+  std::vector<TruthSample> truth;           ///< every 10 ms from 0 on
+  std::vector<std::int64_t> sweep_ends_us;  ///< when the pitch reversed
+  formats::Trajectory odometry;             ///< as published
+  std::optional<std::int64_t> started_us;   ///< the first SCAN; metrics count from here
+  std::vector<std::int64_t> arrivals_us;    ///< when the navigator reported its arrival at a goal
 };
 
 }  // namespace nodmap::trial

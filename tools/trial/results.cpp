@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/trial/results.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <optional>
 #include <string>
 
 #include "common/geometry/angle.hpp"
 #include "tools/evaluate/trajectory_error.hpp"
-#include "tools/trial/measures.hpp"
-#include "tools/trial/path_picture.hpp"
+#include "tools/trial/metrics.hpp"
+#include "tools/trial/path_image.hpp"
 
 namespace nodmap::trial {
 namespace {
@@ -75,33 +78,33 @@ Json brake_latency(const TrialOutcome& outcome) {
   for (const BrakeEvent& event : outcome.brake_events) {
     if (event.answered_us) {
       const double limit_ms = latency_limit_ms(event);
-      latencies_ms.push_back(1e-3 * static_cast<double>(*event.answered_us - event.began_us));
+      latencies_ms.push_back(1e-3 * static_cast<double>(*event.answered_us - event.started_us));
       too_late += latencies_ms.back() > limit_ms ? 1 : 0;
       events.push_back({{"latency_ms", latencies_ms.back()},
                         {"limit_ms", limit_ms},
                         {"speed_mps", event.speed_mps},
-                        {"at_s", 1e-6 * static_cast<double>(event.began_us)}});
+                        {"at_s", 1e-6 * static_cast<double>(event.started_us)}});
     }
   }
   Json result = write(quantiles(latencies_ms));
   result["too_late"] = too_late;
   result["unanswered"] = outcome.brake_events.size() - latencies_ms.size();
-  result["evaded"] = outcome.evaded;
+  result["evaded"] = outcome.num_evaded;
   result["events"] = std::move(events);
   return result;
 }
 
-Json write(const Disturbance& disturbance, const Stop& stop, double deceleration_mps2) {
+Json write(const Disturbance& disturbance, const StopMetrics& stop, double deceleration_mps2) {
   Json json = {{"what", disturbance.what},
-               {"at_s", 1e-6 * static_cast<double>(disturbance.began_us)},
+               {"at_s", 1e-6 * static_cast<double>(disturbance.started_us)},
                {"speed_mps", stop.speed_mps},
-               {"stood_after_s", number_or_null(stop.stood_after_s)},
+               {"stopped_after_s", number_or_null(stop.stopped_after_s)},
                {"reaction_s", nullptr},
-               {"way_m", stop.way_m},
-               {"braking_way_m", stop.braking_way_m},
+               {"distance_m", stop.distance_m},
+               {"braking_distance_m", stop.braking_distance_m},
                {"resumed_after_s", number_or_null(stop.resumed_after_s)}};
-  if (stop.stood_after_s) {
-    json["reaction_s"] = *stop.stood_after_s - std::abs(stop.speed_mps) / deceleration_mps2;
+  if (stop.stopped_after_s) {
+    json["reaction_s"] = *stop.stopped_after_s - std::abs(stop.speed_mps) / deceleration_mps2;
   }
   return json;
 }
@@ -116,7 +119,7 @@ std::string describe(const sim::Fault& fault) {
 std::vector<Disturbance> disturbances(const TrialSetup& setup) {
   std::vector<Disturbance> all;
   for (const Kill& kill : setup.kills) {
-    all.push_back({"kill " + kill.process, kill.at_us, kill.at_us + kill.for_us});
+    all.push_back({"kill " + kill.process, kill.at_us, kill.at_us + kill.duration_us});
   }
   for (const sim::Fault& fault : setup.faults) {
     all.push_back({describe(fault), fault.begin_us(), fault.end_us()});
@@ -129,18 +132,39 @@ Json stops(const TrialSetup& setup, const TrialRecord& record) {
   // As hard as the base can brake: what comes on top is reaction.
   const double deceleration_mps2 = setup.params.kurt.max_deceleration_mps2;
   for (const Disturbance& disturbance : disturbances(setup)) {
-    all.push_back(write(disturbance, measure_stop(record, disturbance, deceleration_mps2),
+    all.push_back(write(disturbance, stop_metrics(record, disturbance, deceleration_mps2),
                         deceleration_mps2));
   }
   return all;
 }
 
-bool goal_reached(const TrialSetup& setup, const TrialRecord& record) {
-  if (!setup.world.goal || !record.arrived_us) {
-    return false;
+/// When the robot arrived at the last goal and is really there.
+std::optional<std::int64_t> goal_reached_us(const TrialSetup& setup, const TrialRecord& record) {
+  const std::size_t num_goals = setup.world.goals.size();
+  if (num_goals == 0 || record.arrivals_us.size() < num_goals) {
+    return std::nullopt;
   }
   const Eigen::Vector2d end = record.truth.back().T_world_base.translation().head<2>();
-  return (end - *setup.world.goal).norm() <= 2.0 * setup.params.loop.goal_tolerance_m;
+  const bool is_there =
+      (end - setup.world.goals.back()).norm() <= 2.0 * setup.params.loop.goal_tolerance_m;
+  return is_there ? std::optional(record.arrivals_us[num_goals - 1]) : std::nullopt;
+}
+
+/// Null without a map.
+Json occupancy(const TrialSetup& setup, const TrialOutcome& outcome,
+               const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(in), {}};
+  const auto map = formats::read_octomap(bytes);
+  if (!map) {
+    return nullptr;
+  }
+  const OccupancyMetrics metrics = occupancy_metrics(
+      *map, outcome.observed_voxels, geometry::to_se3(setup.world.T_world_start), setup.world);
+  return {{"precision", metrics.precision},
+          {"recall", metrics.recall},
+          {"num_occupied", metrics.num_occupied},
+          {"num_observed", metrics.num_observed}};
 }
 
 }  // namespace
@@ -148,9 +172,10 @@ bool goal_reached(const TrialSetup& setup, const TrialRecord& record) {
 Json summarise(const TrialSetup& setup, const TrialOutcome& outcome,
                const std::filesystem::path& dir) {
   const TrialRecord& record = outcome.record;
-  const DriveMeasures drive = measure_drive(record);
-  const bool arrived = goal_reached(setup, record);
-  const std::int64_t began_us = record.began_us.value_or(0);
+  const DriveMetrics drive = drive_metrics(record);
+  const auto arrived_us = goal_reached_us(setup, record);
+  const std::size_t num_goals = setup.world.goals.size();
+  const std::int64_t started_us = record.started_us.value_or(0);
   Json result = {
       {"world", setup.world.name},
       {"seed", setup.seed},
@@ -159,31 +184,38 @@ Json summarise(const TrialSetup& setup, const TrialOutcome& outcome,
       {"bumped", drive.bumped},
       {"distance_m", drive.distance_m},
       {"duration_s", drive.duration_s},
-      {"first_scan_s", 1e-6 * static_cast<double>(began_us)},
+      {"first_scan_s", 1e-6 * static_cast<double>(started_us)},
       {"mean_speed_mps", drive.mean_speed_mps},
       {"max_speed_mps", drive.max_speed_mps},
       {"min_clearance_m", number_or_null(drive.min_clearance_m)},
-      {"goal_reached", arrived},
+      {"first_motion_s", number_or_null(drive.first_motion_s)},
+      {"contacts_caused", drive.contacts_caused},
+      {"falls", drive.falls},
+      {"goals",
+       {{"asked", num_goals}, {"reached", std::min(record.arrivals_us.size(), num_goals)}}},
+      {"goal_reached", arrived_us.has_value()},
       {"goal_time_s",
-       arrived ? Json(1e-6 * static_cast<double>(*record.arrived_us - began_us)) : Json(nullptr)},
+       arrived_us ? Json(1e-6 * static_cast<double>(*arrived_us - started_us)) : Json(nullptr)},
       {"brake_latency_ms", brake_latency(outcome)},
       {"sweep_s", write(quantiles(sweep_times_s(record)))},
       {"slam2d", slam_errors(dir / "slam2d", record, true)},
       {"slam6d", slam_errors(dir / "slam6d", record, false)},
+      {"slam2d_level", slam_errors(dir / "slam2d-level", record, true)},
+      {"occupancy", occupancy(setup, outcome, dir / "slam6d" / "map.bt")},
       {"odometry", trajectory_errors(record.odometry, record, true)},
       {"stops", stops(setup, record)},
       {"processes", outcome.processes}};
   return result;
 }
 
-void write_picture(const TrialSetup& setup, const TrialOutcome& outcome,
-                   const std::filesystem::path& dir) {
-  std::vector<EstimatedPath> estimates{{outcome.record.odometry, {255, 140, 0}}};
+void write_path_image(const TrialSetup& setup, const TrialOutcome& outcome,
+                      const std::filesystem::path& dir) {
+  std::vector<EstimatedPath> estimates{{"odometry", outcome.record.odometry, {255, 140, 0}}};
   if (auto poses = read_if_there(dir / "slam2d" / "trajectory.tum")) {
-    estimates.push_back({std::move(*poses), {0, 0, 0}});
+    estimates.push_back({"2D SLAM", std::move(*poses), {0, 0, 0}});
   }
   if (auto poses = read_if_there(dir / "slam6d" / "trajectory.tum")) {
-    estimates.push_back({std::move(*poses), {200, 0, 120}});
+    estimates.push_back({"6D SLAM", std::move(*poses), {200, 0, 120}});
   }
   draw_paths(setup.world, outcome.record, estimates).write_png(dir / "path.png");
 }

@@ -14,7 +14,7 @@ namespace nodmap::trial {
                                                const std::filesystem::path& dir);
 
 /// Writes path.png. Throws std::runtime_error.
-void write_picture(const TrialSetup& setup, const TrialOutcome& outcome,
-                   const std::filesystem::path& dir);
+void write_path_image(const TrialSetup& setup, const TrialOutcome& outcome,
+                      const std::filesystem::path& dir);
 
 }  // namespace nodmap::trial

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "drivers/serial/serial_port.hpp"
-#include "sim/device.hpp"
+#include "sim/devices/serial_device.hpp"
 
 namespace nodmap::trial {
 
@@ -14,7 +14,7 @@ namespace nodmap::trial {
 /// called, and its port disappears with an unplugged device. Outlives the streams it opens.
 class SimulatedLine {
  public:
-  explicit SimulatedLine(sim::Device& device) : device_(device) {}
+  explicit SimulatedLine(sim::SerialDevice& device) : device_(device) {}
 
   /// Carries what the device has sent up to now.
   void move_bytes(std::int64_t now_us);
@@ -28,7 +28,7 @@ class SimulatedLine {
  private:
   class Stream;
 
-  sim::Device& device_;
+  sim::SerialDevice& device_;
   std::int64_t now_us_ = 0;
   int baud_ = 9600;
   std::vector<std::uint8_t> inbox_;

@@ -9,19 +9,20 @@
 #include <string>
 #include <vector>
 
-#include "sim/fault.hpp"
-#include "sim/world.hpp"
-#include "tools/trial/brake_watch.hpp"
+#include "sim/devices/fault.hpp"
+#include "sim/world/world.hpp"
+#include "tools/trial/brake_latency.hpp"
+#include "tools/trial/occupancy_metrics.hpp"
 #include "tools/trial/params.hpp"
 #include "tools/trial/record.hpp"
 
 namespace nodmap::trial {
 
-/// PROCESS is killed T seconds after power-on and started anew D seconds later.
+/// A process is killed at this time after power-on and started again after a while.
 struct Kill {
   std::string process;
   std::int64_t at_us = 0;
-  std::int64_t for_us = 0;
+  std::int64_t duration_us = 0;
 };
 
 struct TrialSetup {
@@ -32,35 +33,32 @@ struct TrialSetup {
   std::set<std::string> without;
   std::vector<Kill> kills;
   std::vector<sim::Fault> faults;
+  bool level_laser = false;  ///< also map with the laser held level on the same drive
 };
 
-/// What came of it.
+/// The result of a trial.
 struct TrialOutcome {
   TrialRecord record;
+  ObservedVoxels observed_voxels;
   std::vector<BrakeEvent> brake_events;
-  std::int64_t evaded = 0;   ///< obstacles that the robot steered past instead of braking
-  nlohmann::json processes;  ///< by process: messages and figures
+  std::int64_t num_evaded = 0;  ///< obstacles that the robot steered past instead of braking
+  nlohmann::json processes;     ///< by process: message counts and metrics
 };
 
 /// The whole robot in a world, in one closed loop on simulated time. The same setup gives the same
 /// outcome and files.
 class Trial {
  public:
-  /// The loop's step. A USB adapter hands over what has come once a millisecond; nothing in the
-  /// loop is in a greater hurry.
+  /// Step of the loop: a USB adapter delivers bytes once a millisecond, and nothing is faster.
   static constexpr std::int64_t kStepUs = 1000;
 
   /// Logs into `dir`/trial.lcmlog. Throws std::runtime_error when it cannot be made.
   Trial(const TrialSetup& setup, const std::filesystem::path& dir);
   ~Trial();
-  Trial(const Trial&) = delete;
-  Trial& operator=(const Trial&) = delete;
-  Trial(Trial&&) = delete;
-  Trial& operator=(Trial&&) = delete;
 
   /// One step of simulated time; false when the trial is over: after the duration, or a second
-  /// after the robot has arrived at the world's goal. Throws std::runtime_error when no scan comes
-  /// within a minute.
+  /// after the robot has arrived at the world's last goal. Throws std::runtime_error when no scan
+  /// comes within a minute.
   bool step();
 
   [[nodiscard]] std::int64_t now_us() const { return now_us_; }
@@ -73,7 +71,7 @@ class Trial {
   struct Parts;
 
   [[nodiscard]] bool is_over() const;
-  void do_kills();
+  void apply_kills();
 
   TrialSetup setup_;
   std::filesystem::path dir_;
@@ -81,7 +79,7 @@ class Trial {
   std::int64_t now_us_ = 0;
 };
 
-/// The way of stopping that the setup's robot is judged by.
-[[nodiscard]] StoppingWay stopping_way(const TrialSetup& setup);
+/// The stopping zone by which the brake latency is measured.
+[[nodiscard]] StoppingZone stopping_zone(const TrialSetup& setup);
 
 }  // namespace nodmap::trial

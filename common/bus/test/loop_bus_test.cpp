@@ -3,7 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <memory>
+#include <numeric>
 #include <stdexcept>
 
 #include "nodmap/drive_t.hpp"
@@ -23,7 +26,7 @@ class LoopBusTest : public ::testing::Test {
  protected:
   test::TemporaryDir dir_;
   std::filesystem::path log_ = dir_.path() / "loop.lcmlog";
-  LoopNetwork network_{log_, 1000};
+  LoopNetwork network_{log_, {.min_us = 1000}};
   LoopBus sender_{network_};
   LoopBus receiver_{network_};
   std::vector<std::int64_t> got_;
@@ -61,7 +64,7 @@ TEST_F(LoopBusTest, KeepsTheOrderAcrossChannels) {
 
 // Without a delay an answer is for the same time, and still comes after its question's handler.
 TEST_F(LoopBusTest, AnAnswerWaitsUntilTheHandlerHasReturned) {
-  LoopNetwork at_once(dir_.path() / "at_once.lcmlog", 0);
+  LoopNetwork at_once(dir_.path() / "at_once.lcmlog", {});
   LoopBus bus(at_once);
   bool within = false;
   bus.subscribe<nodmap::drive_t>("DRIVE", [&](const nodmap::drive_t& message) {
@@ -76,6 +79,43 @@ TEST_F(LoopBusTest, AnAnswerWaitsUntilTheHandlerHasReturned) {
   bus.publish("DRIVE", drive(1));
   at_once.deliver();
   EXPECT_EQ(got_, (std::vector<std::int64_t>{1, 2, 3}));
+}
+
+// Each reader has delays of its own, and still receives everything in the order of publishing.
+TEST_F(LoopBusTest, JitterDelaysEachReaderWithoutOvertaking) {
+  constexpr int kMessages = 2000;
+  LoopNetwork network(dir_.path() / "jitter.lcmlog",
+                      {.min_us = 2000, .mean_jitter_us = 1000, .seed = 1});
+  LoopBus sender(network);
+  LoopBus first(network);
+  LoopBus second(network);
+  std::array<std::vector<std::int64_t>, 2> delays_us;
+  std::int64_t now_us = 0;
+  for (int i = 0; i < 2; ++i) {
+    (i == 0 ? first : second)
+        .subscribe<nodmap::drive_t>("DRIVE", [&, i](const nodmap::drive_t& message) {
+          auto& delays = delays_us.at(static_cast<std::size_t>(i));
+          EXPECT_EQ(message.drive_seq, static_cast<std::int64_t>(delays.size()));
+          delays.push_back(now_us - 20'000 * message.drive_seq);
+        });
+  }
+  for (; now_us < 20'000 * (kMessages + 1); now_us += 100) {
+    network.set_time(now_us);
+    if (now_us % 20'000 == 0 && now_us < 20'000 * kMessages) {
+      sender.publish("DRIVE", drive(now_us / 20'000));
+    }
+    network.deliver();
+  }
+  EXPECT_NE(delays_us[0], delays_us[1]);
+  for (const auto& delays : delays_us) {
+    ASSERT_EQ(delays.size(), static_cast<std::size_t>(kMessages));
+    EXPECT_GE(*std::ranges::min_element(delays), 2000);
+    EXPECT_LE(*std::ranges::max_element(delays), 12'000);
+    // 2 ms + 1 ms + half a step of 0.1 ms; the mean of 2000 is uncertain by 1 ms / sqrt(2000) = 22
+    // us, four times that.
+    const double mean_us = std::accumulate(delays.begin(), delays.end(), 0.0) / kMessages;
+    EXPECT_NEAR(mean_us, 3050.0, 90.0);
+  }
 }
 
 TEST_F(LoopBusTest, WhoHasLeftHearsNothing) {

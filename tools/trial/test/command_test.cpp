@@ -23,7 +23,7 @@ TEST(Command, ReadsAKill) {
   const Kill kill = parse_kill("pitch_controller@10.5+2");
   EXPECT_EQ(kill.process, "pitch_controller");
   EXPECT_EQ(kill.at_us, 10'500'000);
-  EXPECT_EQ(kill.for_us, 2'000'000);
+  EXPECT_EQ(kill.duration_us, 2'000'000);
 }
 
 TEST(Command, RefusesWhatIsNoKill) {
@@ -44,7 +44,7 @@ TEST(AllParams, SetsAParameterOfAProcess) {
   params.set_assignment("slam2d.grid.publish_period_s=7");
   EXPECT_EQ(params.slam2d.grid.publish_period_s, 7.0);
   params.set_assignment("sim.odometry_scale_bias=0.03");
-  EXPECT_EQ(params.sim.plant.odometry_scale_bias, 0.03);
+  EXPECT_EQ(params.sim.model.drive.odometry_scale_bias, 0.03);
 }
 
 TEST(AllParams, NamesWhatIsWrong) {

@@ -14,7 +14,7 @@ using std::chrono::microseconds;
 constexpr std::array<std::uint8_t, 2> kWord{7, 8};
 
 /// Sends one byte each millisecond: the time.
-class Ticker : public sim::Device {
+class Ticker : public sim::SerialDevice {
  public:
   void receive(std::span<const std::uint8_t> bytes, int baud, std::int64_t now_us) override {
     heard.insert(heard.end(), bytes.begin(), bytes.end());

@@ -4,12 +4,12 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/world_file.hpp"
+#include "sim/world/world_file.hpp"
 #include "tests/support/data_dir.hpp"
 #include "tests/support/program.hpp"
-#include "tools/trial/appearance.hpp"
+#include "tools/trial/appearing_obstacle.hpp"
 #include "tools/trial/command.hpp"
-#include "tools/trial/measures.hpp"
+#include "tools/trial/metrics.hpp"
 #include "tools/trial/results.hpp"
 
 namespace nodmap::trial {
@@ -49,7 +49,7 @@ TEST_F(TrialTest, TheSameSetupGivesTheSameBytes) {
     const std::filesystem::path dir = dir_.path() / name;
     std::filesystem::create_directory(dir);
     const TrialOutcome outcome = run(twice, dir);
-    write_picture(twice, outcome, dir);
+    write_path_image(twice, outcome, dir);
     logs.push_back(test::slurp(dir / "trial.lcmlog"));
     results.push_back(summarise(twice, outcome, dir).dump() + test::slurp(dir / "path.png") +
                       test::slurp(dir / "slam6d" / "map.bt"));
@@ -63,11 +63,11 @@ TEST_F(TrialTest, TheSameSetupGivesTheSameBytes) {
 TEST_F(TrialTest, Fig5FixedCollides) {
   TrialSetup fixed = setup("fig5", 1, 8.0);
   fixed.params.set_assignment("pitch_controller.mode=fixed");
-  EXPECT_GT(measure_drive(run(fixed).record).collisions, 0);
+  EXPECT_GT(drive_metrics(run(fixed).record).collisions, 0);
 }
 
 TEST_F(TrialTest, Fig5NoddingDoesNot) {
-  const DriveMeasures drive = measure_drive(run(setup("fig5", 1, 20.0)).record);
+  const DriveMetrics drive = drive_metrics(run(setup("fig5", 1, 20.0)).record);
   EXPECT_EQ(drive.collisions, 0);
   EXPECT_GT(drive.distance_m, 3.0);  // it did drive: the box is 2 m ahead
 }
@@ -76,21 +76,21 @@ TEST_F(TrialTest, Fig5NoddingDoesNot) {
 // begin.
 TEST_F(TrialTest, ALaserThatSeesNothingLetsNobodyDrive) {
   TrialSetup blind = setup("cellar", 1, 20.0);
-  blind.params.set_assignment("sim.least_intensity=1");
+  blind.params.set_assignment("sim.min_intensity=1");
   Trial trial(blind, dir_.path());
   const auto drive = [&trial] {
     while (trial.step()) {
     }
   };
   EXPECT_THROW(drive(), std::runtime_error);
-  EXPECT_EQ(measure_drive(trial.record()).collisions, 0);
+  EXPECT_EQ(drive_metrics(trial.record()).collisions, 0);
 }
 
 class RandomClutter : public TrialTest, public ::testing::WithParamInterface<std::uint64_t> {};
 
 TEST_P(RandomClutter, IsDrivenThroughWithoutACollision) {
   const auto drive =
-      measure_drive(run(setup("random:" + std::to_string(GetParam()), GetParam(), 20.0)).record);
+      drive_metrics(run(setup("random:" + std::to_string(GetParam()), GetParam(), 20.0)).record);
   EXPECT_EQ(drive.collisions, 0);
   EXPECT_GT(drive.mean_speed_mps, 0.2);  // the first seconds are for looking around
 }
@@ -104,8 +104,8 @@ class Appearing : public TrialTest, public ::testing::WithParamInterface<std::ui
 TEST_P(Appearing, ObstacleBeyondTheStoppingWayIsNotHit) {
   TrialSetup trial = setup("random:" + std::to_string(GetParam()), GetParam(), 12.0);
   trial.world.actors.push_back(
-      place_in_the_way(trial, 6.0 + static_cast<double>(GetParam() % 5), dir_.path()));
-  EXPECT_EQ(measure_drive(run(trial).record).collisions, 0);
+      place_appearing_obstacle(trial, 6.0 + static_cast<double>(GetParam() % 5), dir_.path()));
+  EXPECT_EQ(drive_metrics(run(trial).record).collisions, 0);
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, Appearing, ::testing::Values(42, 72, 100, 101));
@@ -124,18 +124,18 @@ TEST_P(Losing, APartStopsTheRobotAndItGoesOnAfterwards) {
   if (GetParam().fault != nullptr) {
     trial.faults.push_back(sim::parse_fault(std::string(GetParam().fault) + "@10+2"));
   } else {
-    trial.kills.push_back({GetParam().process, loss.began_us, loss.ended_us - loss.began_us});
+    trial.kills.push_back({GetParam().process, loss.started_us, loss.ended_us - loss.started_us});
   }
   const TrialOutcome outcome = run(trial);
   const double deceleration_mps2 = trial.params.kurt.max_deceleration_mps2;
-  const Stop stop = measure_stop(outcome.record, loss, deceleration_mps2);
+  const StopMetrics stop = stop_metrics(outcome.record, loss, deceleration_mps2);
   ASSERT_GT(stop.speed_mps, 0.8);
-  ASSERT_TRUE(stop.stood_after_s);
+  ASSERT_TRUE(stop.stopped_after_s);
   // The whole robot's limits: 300 ms and 0.3 m beyond braking.
-  EXPECT_LE(*stop.stood_after_s - stop.speed_mps / deceleration_mps2, 0.3);
-  EXPECT_LE(stop.way_m - stop.braking_way_m, 0.3);
+  EXPECT_LE(*stop.stopped_after_s - stop.speed_mps / deceleration_mps2, 0.3);
+  EXPECT_LE(stop.distance_m - stop.braking_distance_m, 0.3);
   EXPECT_TRUE(stop.resumed_after_s);
-  EXPECT_EQ(measure_drive(outcome.record).collisions, 0);
+  EXPECT_EQ(drive_metrics(outcome.record).collisions, 0);
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -158,6 +158,26 @@ TEST_F(TrialTest, SlamsKeepTheirPlaceWhenTheBaseDriverIsStartedAnew) {
   EXPECT_GT(result["odometry"]["end_error_m"], 2.0);
   EXPECT_LE(result["slam2d"]["end_error_m"], 0.5);
   EXPECT_LE(result["slam6d"]["end_error_m"], 0.5);
+}
+
+// R48: stairs down, the edge of a dock, and a ramp.
+TEST_F(TrialTest, StairsAreDrivenWithoutAFall) {
+  const DriveMetrics drive = drive_metrics(run(setup("stairs", 1, 30.0)).record);
+  EXPECT_EQ(drive.falls, 0);
+  EXPECT_EQ(drive.collisions, 0);
+  EXPECT_GT(drive.distance_m, 3.0);
+}
+
+// R38, Fig. 7: once round a block, back to where it began.
+TEST_F(TrialTest, ALoopOfFortyMetresCloses) {
+  TrialSetup trial = setup("loop", 1, 240.0);
+  trial.params.set_assignment("sim.odometry_scale_bias=0.03");
+  const auto result = summarise(trial, run(trial), dir_.path());
+  EXPECT_TRUE(result["goal_reached"]);
+  EXPECT_GE(result["distance_m"], 40.0);
+  EXPECT_LE(result["slam2d"]["end_error_m"], 0.10);
+  EXPECT_LE(result["slam2d"]["end_error_deg"], 1.0);
+  EXPECT_GT(result["odometry"]["end_error_m"], 0.10);  // it is not odometry that was so good
 }
 
 // R37, Fig. 6: 27 m with wheels that count 3 % too much.

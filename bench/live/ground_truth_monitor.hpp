@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <vector>
+
+#include "bench/live/stop_metrics.hpp"
+#include "common/bus/live_bus.hpp"
+#include "nodmap/truth_t.hpp"
+
+namespace nodmap::bench {
+
+/// Records TRUTH, the true state of the simulated robot.
+class GroundTruthMonitor {
+ public:
+  GroundTruthMonitor() : bus_("") {
+    bus_.subscribe<nodmap::truth_t>("TRUTH", [this](const nodmap::truth_t& truth) {
+      collisions_ = truth.collisions;
+      motions_.push_back({truth.utime, truth.position_m[0], truth.position_m[1], truth.forward_mps,
+                          truth.yaw_rate_rad_s});
+    });
+  }
+
+  /// Listens until `done` or for `seconds`; whether it was done.
+  template <class Done>
+  bool listen(double seconds, Done done) {
+    using Clock = std::chrono::steady_clock;
+    const auto end = Clock::now() + std::chrono::duration<double>(seconds);
+    while (Clock::now() < end) {
+      bus_.handle(std::chrono::milliseconds(5));
+      if (done()) {
+        return true;
+      }
+    }
+    return false;
+  }
+  void listen(double seconds) {
+    listen(seconds, [] { return false; });
+  }
+  [[nodiscard]] bool driving(double at_least_mps) const {
+    return !motions_.empty() && motions_.back().forward_mps > at_least_mps;
+  }
+  [[nodiscard]] const std::vector<Motion>& motions() const { return motions_; }
+  [[nodiscard]] std::int64_t collisions() const { return collisions_; }
+
+ private:
+  bus::LiveBus bus_;
+  std::vector<Motion> motions_;
+  std::int64_t collisions_ = 0;
+};
+
+}  // namespace nodmap::bench

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+namespace nodmap::bench {
+
+/// The true motion of the robot at one moment.
+struct Motion {
+  std::int64_t utime_us = 0;
+  double x_m = 0.0;
+  double y_m = 0.0;
+  double forward_mps = 0.0;
+  double yaw_rate_rad_s = 0.0;
+};
+
+/// How the robot stopped.
+struct StopMetrics {
+  double speed_mps = 0.0;  ///< when it should have begun to brake
+  double time_s = 0.0;     ///< until it is stationary
+  double distance_m = 0.0;
+  /// Beyond braking at once with `deceleration`, as the base driver's ramp does.
+  [[nodiscard]] double excess_time_s(double deceleration_mps2) const {
+    return time_s - speed_mps / deceleration_mps2;
+  }
+  [[nodiscard]] double excess_distance_m(double deceleration_mps2) const {
+    return distance_m - speed_mps * speed_mps / (2.0 * deceleration_mps2);
+  }
+};
+
+/// How the robot stopped after `from_us`; empty when it did not. `motions` ascend in time.
+[[nodiscard]] std::optional<StopMetrics> stop_metrics(const std::vector<Motion>& motions,
+                                                      std::int64_t from_us);
+
+}  // namespace nodmap::bench

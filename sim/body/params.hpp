@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// KURT3D as built: body (paper, section II), drive, pitch servo, laser. The sources and reasons of
+// the values are in sim/README.md. The simulator keeps its own copy of the robot's dimensions, so
+// that a wrong value in the robot's software shows.
+#pragma once
+
+#include "common/geometry/angle.hpp"
+
+namespace nodmap::sim {
+
+/// What collides, and what can be driven over.
+struct BodyParams {
+  double length_m = 0.45;
+  double width_m = 0.33;
+  double height_m = 0.47;  // with the scanner
+  double climb_height_m = 0.03;
+  double max_slope_rad = geometry::deg_to_rad(15.0);
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.number("body_length_m", length_m, {0.05, 5.0}, "Length of the robot's body.");
+    v.number("body_width_m", width_m, {0.05, 5.0}, "Width of the robot's body.");
+    v.number("body_height_m", height_m, {0.05, 5.0}, "Height of the robot with its scanner.");
+    v.number("climb_height_m", climb_height_m, {0.0, 0.2},
+             "Lower obstacles are driven over; deeper drops are falls.");
+    v.angle("max_slope_deg", max_slope_rad, {0.0, 45.0}, "Steeper ramps are obstacles.");
+  }
+};
+
+/// Motors, wheels and the ground under them.
+struct DriveParams {
+  double mass_kg = 22.6;  // with the scanner
+  double motor_power_w = 90.0;
+  double motor_lag_s = 0.05;
+  double friction = 0.6;
+  double top_speed_mps = 5.2;
+  double axis_length_m = 0.28;
+  double turning_adaptation = 0.69;
+  double odometry_scale_bias = 0.0;
+  double odometry_scale_difference = 0.0;
+  double slip_distance_m = 0.01;
+  double slip_heading_rad = geometry::deg_to_rad(1.0);
+  double slip_turning_rad = geometry::deg_to_rad(2.0);
+  double tilt_per_mps2_rad = geometry::deg_to_rad(0.1);
+  double ground_tilt_rad = geometry::deg_to_rad(0.1);
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.number("mass_kg", mass_kg, {1.0, 1000.0}, "Mass of the robot with its scanner.");
+    v.number("motor_power_w", motor_power_w, {1.0, 10000.0}, "Power of each of the two motors.");
+    v.number("motor_lag_s", motor_lag_s, {0.002, 5.0},
+             "Time constant of the motors' speed controllers.");
+    v.number("friction", friction, {0.05, 2.0},
+             "Friction coefficient of the wheels on the ground.");
+    v.number("top_speed_mps", top_speed_mps, {0.1, 5.2}, "Speed that is never exceeded.");
+    v.number("axis_length_m", axis_length_m, {0.05, 5.0},
+             "Distance between the left and the right wheels.");
+    v.number("turning_adaptation", turning_adaptation, {0.1, 2.0},
+             "True rotation divided by the rotation that the wheels' speeds alone would give.");
+    v.number(
+        "odometry_scale_bias", odometry_scale_bias, {-0.5, 0.5},
+        "Relative excess of the distance that each wheel counts over the true distance; it acts "
+        "on rotations, too.");
+    v.number("odometry_scale_difference", odometry_scale_difference, {-0.1, 0.1},
+             "The left wheels' excess minus the right wheels', as from unequal diameters.");
+    v.number("slip_distance_m", slip_distance_m, {0.0, 1.0},
+             "Standard deviation of the distance error by slip after 1 m; grows with the root of "
+             "the distance.");
+    v.angle("slip_heading_deg", slip_heading_rad, {0.0, 45.0},
+            "Standard deviation of the heading error by slip after 1 m.");
+    v.angle("slip_turning_deg", slip_turning_rad, {0.0, 45.0},
+            "Standard deviation of the heading error by slip after a rotation of 1 rad.");
+    v.angle("tilt_per_mps2_deg", tilt_per_mps2_rad, {0.0, 5.0},
+            "Tilt of the body on its tyres per 1 m/s^2 of acceleration.");
+    v.angle("ground_tilt_deg", ground_tilt_rad, {0.0, 5.0},
+            "Standard deviation of the body's roll and pitch on uneven ground.");
+  }
+};
+
+/// The pitch axis on the base, and what moves the laser about it.
+struct ServoParams {
+  double mount_x_m = 0.15;
+  double mount_z_m = 0.38;
+  double pitch_limit_rad = geometry::deg_to_rad(65.0);
+  double speed_rad_s = 3.5;
+  double acceleration_rad_s2 = 50.0;
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.number("mount_x_m", mount_x_m, {-2.0, 2.0}, "Pitch axis ahead of the base's origin.");
+    v.number("mount_z_m", mount_z_m, {0.0, 3.0}, "Pitch axis above the ground.");
+    v.angle("pitch_limit_deg", pitch_limit_rad, {1.0, 90.0},
+            "Largest pitch of the laser, up and down.");
+    v.number("servo_speed_rad_s", speed_rad_s, {0.01, 100.0},
+             "Largest pitch rate with the laser's weight.");
+    v.number("servo_acceleration_rad_s2", acceleration_rad_s2, {0.1, 10000.0},
+             "Largest pitch acceleration.");
+  }
+};
+
+/// The optics of the SICK LMS200.
+struct LaserParams {
+  double spot_diameter_m = 0.010;
+  double divergence_rad = geometry::deg_to_rad(0.25);
+  double range_sigma_m = 0.01;
+  double range_bias_m = 0.0;
+  double max_range_m = 80.0;
+  double pulse_length_m = 1.5;
+  double min_intensity = 8e-4;
+  double dazzle_angle_rad = geometry::deg_to_rad(15.0);
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.number("spot_diameter_m", spot_diameter_m, {0.0, 0.1},
+             "Diameter of the laser's spot at the mirror.");
+    v.angle("divergence_deg", divergence_rad, {0.0, 5.0}, "Full opening angle of the beam.");
+    v.number("range_sigma_m", range_sigma_m, {0.0, 1.0}, "Standard deviation of a range.");
+    v.number("range_bias_m", range_bias_m, {-1.0, 1.0}, "Added to each range.");
+    v.number("max_range_m", max_range_m, {0.1, 200.0}, "Nothing beyond is seen.");
+    v.number("pulse_length_m", pulse_length_m, {0.0, 100.0},
+             "Surfaces in one beam that are closer together give one range in between.");
+    v.number("min_intensity", min_intensity, {0.0, 1.0},
+             "Weakest echo that is seen, relative to a white surface at 1 m.");
+    v.angle("dazzle_angle_deg", dazzle_angle_rad, {0.0, 90.0},
+            "Largest angle of incidence at which a reflector (reflectivity > 1) dazzles.");
+  }
+};
+
+/// All that can be set about the simulated robot without its devices' electronics.
+struct RobotModelParams {
+  BodyParams body;
+  DriveParams drive;
+  ServoParams servo;
+  LaserParams laser;
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    body.describe(v);
+    drive.describe(v);
+    servo.describe(v);
+    laser.describe(v);
+  }
+};
+
+}  // namespace nodmap::sim

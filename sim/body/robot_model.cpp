@@ -1,0 +1,321 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/body/robot_model.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <utility>
+
+#include "sim/body/collision.hpp"
+#include "sim/body/ground.hpp"
+#include "sim/world/ray_caster.hpp"
+
+namespace nodmap::sim {
+namespace {
+
+constexpr std::int64_t kStepUs = 1000;
+constexpr double kStepS = 1e-6 * kStepUs;
+/// More than 100 ms, and what a device may lag behind.
+constexpr std::size_t kHistory = 128;
+/// Below, the robot is stationary: an actor that touches it has walked into it.
+constexpr double kStationaryMps = 0.05;
+/// Makes the wheels' random numbers independent of the laser's.
+constexpr std::uint64_t kSlipStream = 0x9e3779b97f4a7c15;
+
+/// Everything that changes, at the end of one step.
+struct Step {
+  std::int64_t time_us = 0;
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();
+  Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();
+  PitchState pitch;
+  WheelTravel travel;
+  std::vector<ActorState> actors;  // only those that are present
+};
+
+geometry::SE3 interpolate_pose(const Step& from, const Step& to, double fraction) {
+  // Within a millisecond the chord is as good as the arc.
+  const Eigen::Vector4d q =
+      from.orientation.coeffs() + fraction * (to.orientation.coeffs() - from.orientation.coeffs());
+  return geometry::make_se3(from.position + fraction * (to.position - from.position),
+                            Eigen::Quaterniond(q).normalized());
+}
+
+double interpolate(double from, double to, double fraction) {
+  return from + fraction * (to - from);
+}
+
+}  // namespace
+
+struct RobotModel::State {
+  State(World world_in, const RobotModelParams& params_in, std::uint64_t seed)
+      : world(std::move(world_in)),
+        params(params_in),
+        caster(world),
+        ground(world, params.body),
+        collision(world, params.body),
+        base(params.drive, world.T_world_start, seed ^ kSlipStream),
+        servo(params.servo),
+        rangefinder(params.laser, seed) {
+    save_step();
+  }
+
+  void step();
+  void drive();
+  void touch_actors(const geometry::SE2& T_world_before, double speed_mps);
+  void save_step();
+  [[nodiscard]] Eigen::Quaterniond orientation() const;
+  // Contacts are numbered: obstacles, the edge of the ground that the robot drives on, actors.
+  [[nodiscard]] std::size_t edge() const { return collision.size(); }
+  [[nodiscard]] double distance(std::size_t contact) const;
+  [[nodiscard]] ActorState state_of(const Actor& actor) const {
+    return {actor.position(newest_s()), actor.radius_m, actor.height_m};
+  }
+  [[nodiscard]] double newest_s() const { return 1e-6 * static_cast<double>(newest_us); }
+  [[nodiscard]] const Step& step_at(std::int64_t time_us) const {
+    return history[static_cast<std::size_t>(time_us / kStepUs) % kHistory];
+  }
+  [[nodiscard]] double corner_m() const {
+    return 0.5 * std::hypot(params.body.length_m, params.body.width_m);
+  }
+  [[nodiscard]] BodyPose body_pose() const {
+    const double slope = support.normal.head<2>().norm() / support.normal.z();
+    return {base.T_world_base(), support.height_m, corner_m() * slope};
+  }
+  /// The steps before and after a time, and the fraction of the time between them.
+  struct Moment {
+    const Step& from;
+    const Step& to;
+    double fraction;
+  };
+  [[nodiscard]] Moment moment(std::int64_t time_us) const;
+
+  World world;
+  RobotModelParams params;
+  RayCaster caster;
+  Ground ground;
+  Collision collision;
+  SkidSteerBase base;
+  PitchServo servo;
+  Rangefinder rangefinder;
+  Support support;
+  Contacts contacts;
+  Eigen::Vector2d edge_contact = Eigen::Vector2d::Zero();  // where the robot last met an edge
+  std::int64_t collisions = 0;
+  std::int64_t bumps = 0;
+  std::int64_t contacts_caused = 0;
+  std::int64_t falls = 0;
+  std::int64_t now_us = 0;
+  std::int64_t newest_us = 0;  // the first full millisecond that is not before now
+  WheelTravel travel_now;
+  std::array<Step, kHistory> history;
+};
+
+void RobotModel::State::step() {
+  newest_us += kStepUs;
+  drive();
+  contacts.end_separated([this](std::size_t contact) { return distance(contact); });
+  save_step();
+}
+
+double RobotModel::State::distance(std::size_t contact) const {
+  if (contact < collision.size()) {
+    return collision.distance(contact, body_pose());
+  }
+  if (contact == edge()) {
+    return (base.T_world_base().translation() - edge_contact).norm();
+  }
+  const Actor& actor = world.actors[contact - edge() - 1];
+  return actor.is_present(newest_s()) ? collision.distance(state_of(actor), body_pose())
+                                      : std::numeric_limits<double>::infinity();
+}
+
+/// Moves the robot, unless an obstacle blocks it.
+void RobotModel::State::drive() {
+  const geometry::SE2 T_world_before = base.T_world_base();
+  base.step(kStepS);
+  const double speed_mps =
+      std::abs(base.forward_mps()) + corner_m() * std::abs(base.yaw_rate_rad_s());
+
+  bool blocked = false;
+  const auto hit = [&](std::size_t contact) {
+    blocked = true;
+    if (contacts.begin(contact)) {
+      ++collisions;
+      contacts_caused += speed_mps >= kStationaryMps ? 1 : 0;
+      falls += contact == edge() || collision.is_pit(contact) ? 1 : 0;
+    }
+  };
+  for (const std::size_t obstacle : collision.touched(body_pose())) {
+    hit(obstacle);
+  }
+  const Support next = ground.at(base.T_world_base().translation(), support.height_m);
+  if (next.height_m < support.height_m - params.body.climb_height_m) {
+    hit(edge());
+    edge_contact = base.T_world_base().translation();
+  }
+  if (blocked) {
+    base.block(T_world_before);
+  } else {
+    support = next;
+  }
+  touch_actors(T_world_before, speed_mps);
+}
+
+void RobotModel::State::touch_actors(const geometry::SE2& T_world_before, double speed_mps) {
+  for (std::size_t i = 0; i < world.actors.size(); ++i) {
+    const Actor& actor = world.actors[i];
+    if (!actor.is_present(newest_s())) {
+      continue;
+    }
+    const ActorState state = state_of(actor);
+    if (collision.distance(state, body_pose()) > 0.0) {
+      continue;
+    }
+    if (contacts.begin(edge() + 1 + i)) {
+      const bool is_bump = speed_mps < kStationaryMps;
+      ++(is_bump ? bumps : collisions);
+      contacts_caused += is_bump ? 0 : 1;
+    }
+    // The robot may leave an actor, but not drive into it.
+    const double before_m = (T_world_before.translation() - state.position).norm();
+    const double after_m = (base.T_world_base().translation() - state.position).norm();
+    if (after_m <= before_m) {
+      base.block(T_world_before);
+    }
+  }
+}
+
+Eigen::Quaterniond RobotModel::State::orientation() const {
+  const Eigen::AngleAxisd yaw(base.T_world_base().yaw, Eigen::Vector3d::UnitZ());
+  // A positive rotation about x lifts the left side, one about y lowers the front.
+  const Eigen::AngleAxisd roll(-base.tilt_left_rad(), Eigen::Vector3d::UnitX());
+  const Eigen::AngleAxisd pitch(-base.tilt_up_rad(), Eigen::Vector3d::UnitY());
+  return Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), support.normal) * yaw *
+         pitch * roll;
+}
+
+void RobotModel::State::save_step() {
+  Step& step = history[static_cast<std::size_t>(newest_us / kStepUs) % kHistory];
+  const geometry::SE2& T_world_base = base.T_world_base();
+  step.time_us = newest_us;
+  step.position = {T_world_base.x, T_world_base.y, support.height_m};
+  step.orientation = orientation();
+  step.pitch = servo.at(newest_s());
+  step.travel = base.travel();
+  step.actors.clear();
+  for (const Actor& actor : world.actors) {
+    if (actor.is_present(newest_s())) {
+      step.actors.push_back(state_of(actor));
+    }
+  }
+}
+
+RobotModel::State::Moment RobotModel::State::moment(std::int64_t time_us) const {
+  const std::int64_t after_us = std::min(newest_us, (time_us / kStepUs + 1) * kStepUs);
+  const Step& to = step_at(after_us);
+  const Step& from = after_us > 0 ? step_at(after_us - kStepUs) : to;
+  const double fraction = 1e-3 * static_cast<double>(time_us - from.time_us);
+  return {from, to, fraction};
+}
+
+RobotModel::RobotModel(const World& world, const RobotModelParams& params, std::uint64_t seed)
+    : state_(std::make_unique<State>(world, params, seed)) {}
+
+RobotModel::~RobotModel() = default;
+
+void RobotModel::advance_to(std::int64_t now_us) {
+  if (now_us < state_->now_us) {
+    throw std::invalid_argument("simulated time does not go back");
+  }
+  state_->now_us = now_us;
+  while (state_->newest_us < now_us) {
+    state_->step();
+  }
+  const State::Moment now = state_->moment(now_us);
+  state_->travel_now = {interpolate(now.from.travel.left_m, now.to.travel.left_m, now.fraction),
+                        interpolate(now.from.travel.right_m, now.to.travel.right_m, now.fraction)};
+}
+
+std::int64_t RobotModel::now_us() const {
+  return state_->now_us;
+}
+
+Echo RobotModel::measure(double angle_rad, std::int64_t time_us) {
+  constexpr std::int64_t kOldestUs = static_cast<std::int64_t>(kHistory - 2) * kStepUs;
+  if (time_us > state_->now_us || time_us < state_->newest_us - kOldestUs) {
+    throw std::out_of_range("a beam is measured up to 100 ms after it was fired");
+  }
+  // Before the start everything was as at the start.
+  const State::Moment at = state_->moment(std::max<std::int64_t>(time_us, 0));
+  const double pitch_rad = interpolate(at.from.pitch.pitch_rad, at.to.pitch.pitch_rad, at.fraction);
+  const ServoParams& servo = state_->params.servo;
+  geometry::SE3 T_base_laser = geometry::SE3::Identity();
+  T_base_laser.translation() << servo.mount_x_m, 0.0, servo.mount_z_m;
+  T_base_laser.linear() = geometry::pitch_rotation(pitch_rad);
+  const geometry::SE3 T_world_laser = interpolate_pose(at.from, at.to, at.fraction) * T_base_laser;
+  // In a millisecond nobody walks as far as a range is uncertain.
+  return state_->rangefinder.measure(state_->caster, T_world_laser, angle_rad, at.to.actors);
+}
+
+void RobotModel::set_pitch_goal(const PitchGoal& goal) {
+  state_->servo.set_goal(goal, state_->newest_s());
+}
+
+void RobotModel::set_pitch_torque(bool on) {
+  state_->servo.set_torque(on, state_->newest_s());
+}
+
+void RobotModel::set_pitch_jammed(bool jammed) {
+  state_->servo.set_jammed(jammed, state_->newest_s());
+}
+
+double RobotModel::pitch_rad() const {
+  const State::Moment now = state_->moment(state_->now_us);
+  return interpolate(now.from.pitch.pitch_rad, now.to.pitch.pitch_rad, now.fraction);
+}
+
+double RobotModel::pitch_rate_rad_s() const {
+  const State::Moment now = state_->moment(state_->now_us);
+  return interpolate(now.from.pitch.rate_rad_s, now.to.pitch.rate_rad_s, now.fraction);
+}
+
+void RobotModel::set_wheel_speeds(const WheelSpeeds& goal) {
+  state_->base.set_wheel_speeds(goal);
+}
+
+void RobotModel::brake_wheels() {
+  state_->base.brake();
+}
+
+const WheelTravel& RobotModel::wheel_travel() const {
+  return state_->travel_now;
+}
+
+WheelSpeeds RobotModel::wheel_speeds() const {
+  return state_->base.wheel_speeds();
+}
+
+GroundTruth RobotModel::ground_truth() const {
+  const State::Moment now = state_->moment(state_->now_us);
+  GroundTruth truth;
+  truth.T_world_base = interpolate_pose(now.from, now.to, now.fraction);
+  truth.forward_mps = state_->base.forward_mps();
+  truth.yaw_rate_rad_s = state_->base.yaw_rate_rad_s();
+  truth.pitch_rad = pitch_rad();
+  truth.pitch_rate_rad_s = pitch_rate_rad_s();
+  truth.collisions = state_->collisions;
+  truth.bumps = state_->bumps;
+  truth.contacts_caused = state_->contacts_caused;
+  truth.falls = state_->falls;
+  truth.actors = now.to.actors;
+  truth.clearance_m = state_->collision.clearance_m(state_->body_pose());
+  for (const ActorState& actor : truth.actors) {
+    truth.clearance_m =
+        std::min(truth.clearance_m, state_->collision.distance(actor, state_->body_pose()));
+  }
+  return truth;
+}
+
+}  // namespace nodmap::sim

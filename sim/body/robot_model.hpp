@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "common/geometry/se3.hpp"
+#include "sim/body/params.hpp"
+#include "sim/body/pitch_servo.hpp"
+#include "sim/body/rangefinder.hpp"
+#include "sim/body/skid_steer_base.hpp"
+#include "sim/world/world.hpp"
+
+namespace nodmap::sim {
+
+/// The true state of robot and actors.
+struct GroundTruth {
+  geometry::SE3 T_world_base = geometry::SE3::Identity();
+  double forward_mps = 0.0;
+  double yaw_rate_rad_s = 0.0;
+  double pitch_rad = 0.0;
+  double pitch_rate_rad_s = 0.0;
+  double clearance_m = 0.0;          ///< from the body to the nearest obstacle or actor
+  std::int64_t collisions = 0;       ///< contacts with obstacles and actors, without bumps
+  std::int64_t bumps = 0;            ///< contacts with actors that walked into the stationary robot
+  std::int64_t contacts_caused = 0;  ///< collisions while a point of the body moved at >= 0.05 m/s
+  std::int64_t falls = 0;            ///< collisions with the edge of a pit or of a platform
+  std::vector<ActorState> actors;
+};
+
+/// The robot in its world without any electronics: what the devices measure or move goes through
+/// here, and no protocol is known here. Times are microseconds since the start of the simulation;
+/// the same world, parameters, seed and calls give the same numbers.
+class RobotModel {
+ public:
+  RobotModel(const World& world, const RobotModelParams& params, std::uint64_t seed);
+  ~RobotModel();
+
+  /// Moves robot, laser and actors on to `now_us`, in steps of a millisecond. Throws
+  /// std::invalid_argument when the time goes back.
+  void advance_to(std::int64_t now_us);
+  [[nodiscard]] std::int64_t now_us() const;
+
+  /// One beam at `angle_rad` in the laser's plane (0 ahead, positive left), fired at `time_us`: up
+  /// to 100 ms ago, so that a whole revolution of the mirror can be measured beam by beam after it.
+  /// Throws std::out_of_range for other times.
+  [[nodiscard]] Echo measure(double angle_rad, std::int64_t time_us);
+
+  void set_pitch_goal(const PitchGoal& goal);
+  void set_pitch_torque(bool on);
+  /// A jammed gear does not move whatever its goal is.
+  void set_pitch_jammed(bool jammed);
+  [[nodiscard]] double pitch_rad() const;
+  [[nodiscard]] double pitch_rate_rad_s() const;
+
+  /// The motors follow the speeds as well as lag, power, mass and friction allow.
+  void set_wheel_speeds(const WheelSpeeds& goal);
+  /// Motors short-circuited: as fast a stop as friction allows.
+  void brake_wheels();
+  [[nodiscard]] const WheelTravel& wheel_travel() const;
+  [[nodiscard]] WheelSpeeds wheel_speeds() const;
+
+  [[nodiscard]] GroundTruth ground_truth() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace nodmap::sim

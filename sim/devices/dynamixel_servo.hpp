@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "sim/body/robot_model.hpp"
+#include "sim/devices/dynamixel_packet.hpp"
+#include "sim/devices/dynamixel_registers.hpp"
+#include "sim/devices/serial_device.hpp"
+
+namespace nodmap::sim {
+
+struct DynamixelParams {
+  std::uint8_t id = 1;
+  int baud = 1'000'000;
+  int level_position = 2048;
+  bool inverted = false;
+  double boot_s = 0.3;
+  double clock_ppm = 30.0;
+  bool echo = false;
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.number("servo_clock_ppm", clock_ppm, {-2000.0, 2000.0},
+             "By how many millionths the servo's clock is too fast.");
+    v.integer("servo_level_position", level_position, {0, 4095},
+              "Position of the servo at which the laser looks straight ahead.");
+    v.flag("servo_inverted", inverted, "Larger positions of the servo look down.");
+    v.flag("servo_echo", echo, "The servo's adapter returns the host's own bytes.");
+  }
+};
+
+/// The pitch servo: a Dynamixel of the X series, protocol 2.0. Position control; other operating
+/// modes can be set and do nothing.
+class DynamixelServo final : public SerialDevice {
+ public:
+  DynamixelServo(const DynamixelParams& params, RobotModel& model, std::int64_t power_on_us = 0);
+
+  void receive(ByteView bytes, int baud, std::int64_t now_us) override;
+  void transmit(std::int64_t now_us, int baud, Bytes& line) override;
+  [[nodiscard]] std::int64_t next_us() const override;
+
+  /// Switches the servo off with these error bits (register 70) until it is restarted.
+  void raise_hardware_error(std::uint8_t bits);
+
+ private:
+  void update(std::int64_t now_us);
+  void handle(const DynamixelInstruction& instruction, std::int64_t now_us);
+  [[nodiscard]] DynamixelError execute(const DynamixelInstruction& instruction, std::int64_t now_us,
+                                       Bytes& values);
+  [[nodiscard]] DynamixelError write(ByteView parameters, std::int64_t now_us);
+  void restart(std::int64_t now_us);
+  void measure(std::int64_t now_us);
+  void move();
+  void set_torque(bool on);
+  [[nodiscard]] std::int32_t position() const;
+
+  DynamixelParams params_;
+  RobotModel& model_;
+  DynamixelRegisters registers_;
+  DynamixelReader reader_;
+  SerialOutput output_;
+  std::int64_t booted_us_ = 0;
+  std::int64_t last_instruction_us_ = 0;
+};
+
+}  // namespace nodmap::sim

@@ -1,0 +1,213 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/devices/fault.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+
+namespace nodmap::sim {
+namespace {
+
+constexpr std::array kParts = {std::pair{"laser", Part::kLaser}, std::pair{"servo", Part::kServo},
+                               std::pair{"base", Part::kBase}};
+constexpr std::array kKinds = {
+    std::pair{"drop", FaultKind::kDrop},     std::pair{"corrupt", FaultKind::kCorrupt},
+    std::pair{"delay", FaultKind::kDelay},   std::pair{"unplug", FaultKind::kUnplug},
+    std::pair{"silent", FaultKind::kSilent}, std::pair{"freeze", FaultKind::kFreeze},
+    std::pair{"stall", FaultKind::kStall}};
+
+constexpr double kLongestS = 1e6;
+constexpr double kLongestDelayS = 10.0;
+
+[[noreturn]] void fail(std::string_view text, const std::string& what) {
+  throw FaultError("fault '" + std::string(text) + "': " + what +
+                   " (PART:KIND@FROM+DURATION[=AMOUNT], as in laser:unplug@10+2)");
+}
+
+template <class Table>
+auto look_up(const Table& table, std::string_view word, std::string_view text) {
+  std::string allowed;
+  for (const auto& [name, value] : table) {
+    if (word == name) {
+      return value;
+    }
+    allowed += allowed.empty() ? "" : ", ";
+    allowed += name;
+  }
+  fail(text, std::string(word).insert(0, 1, '\'') + "' is none of " + allowed);
+}
+
+/// The text before the mark; `rest` becomes the text after it.
+std::string_view take_up_to(char mark, std::string_view& rest, std::string_view text) {
+  const std::size_t at = rest.find(mark);
+  if (at == std::string_view::npos) {
+    fail(text, std::string{'\'', mark, '\''} + " is missing");
+  }
+  const std::string_view word = rest.substr(0, at);
+  rest.remove_prefix(at + 1);
+  return word;
+}
+
+double number(std::string_view word, double max, const char* what, std::string_view text) {
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+  if (error != std::errc() || end != word.data() + word.size() || !(value >= 0.0 && value <= max)) {
+    fail(text, std::string(what) + " '" + std::string(word) + "' is no number from 0 to " +
+                   std::to_string(static_cast<std::int64_t>(max)));
+  }
+  return value;
+}
+
+/// The largest amount of this kind; empty for kinds that have none.
+std::optional<double> max_amount(FaultKind kind) {
+  switch (kind) {
+    case FaultKind::kDrop:
+    case FaultKind::kCorrupt:
+      return 1.0;
+    case FaultKind::kDelay:
+      return kLongestDelayS;
+    default:
+      return std::nullopt;
+  }
+}
+
+std::int64_t microseconds(double time_s) {
+  return std::llround(1e6 * time_s);
+}
+
+}  // namespace
+
+std::int64_t Fault::begin_us() const {
+  return microseconds(from_s);
+}
+
+std::int64_t Fault::end_us() const {
+  return microseconds(from_s + duration_s);
+}
+
+bool Fault::active(std::int64_t now_us) const {
+  return now_us >= begin_us() && now_us < end_us();
+}
+
+Fault parse_fault(std::string_view text) {
+  Fault fault;
+  std::string_view rest = text;
+  fault.part = look_up(kParts, take_up_to(':', rest, text), text);
+  fault.kind = look_up(kKinds, take_up_to('@', rest, text), text);
+  fault.from_s = number(take_up_to('+', rest, text), kLongestS, "the begin", text);
+  const std::optional<double> max = max_amount(fault.kind);
+  if (max) {
+    const std::string_view duration = take_up_to('=', rest, text);
+    fault.amount = number(rest, *max, "the amount", text);
+    rest = duration;
+  }
+  fault.duration_s = number(rest, kLongestS, "the duration", text);
+  if (fault.kind == FaultKind::kFreeze && fault.part != Part::kLaser) {
+    fail(text, "only the laser freezes");
+  }
+  if (fault.kind == FaultKind::kStall && fault.part != Part::kServo) {
+    fail(text, "only the servo stalls");
+  }
+  return fault;
+}
+
+bool is_any_active(FaultKind kind, const std::vector<Fault>& faults, std::int64_t now_us) {
+  return std::any_of(faults.begin(), faults.end(), [&](const Fault& fault) {
+    return fault.kind == kind && fault.active(now_us);
+  });
+}
+
+std::vector<Fault> faults_of(Part part, const std::vector<Fault>& faults) {
+  std::vector<Fault> found;
+  for (const Fault& fault : faults) {
+    if (fault.part == part) {
+      found.push_back(fault);
+    }
+  }
+  return found;
+}
+
+FaultyDevice::FaultyDevice(SerialDevice& device, std::vector<Fault> faults, std::uint64_t seed)
+    : device_(device), faults_(std::move(faults)), engine_(seed) {}
+
+void FaultyDevice::receive(ByteView bytes, int baud, std::int64_t now_us) {
+  if (!plugged_in(now_us)) {
+    return;
+  }
+  const Bytes arrived = damaged(bytes, now_us);
+  if (!arrived.empty()) {
+    device_.receive(arrived, baud, now_us);
+  }
+}
+
+void FaultyDevice::transmit(std::int64_t now_us, int baud, Bytes& line) {
+  now_us_ = now_us;
+  Bytes sent;
+  device_.transmit(now_us, baud, sent);
+  if (!plugged_in(now_us)) {
+    delayed_.clear();
+    return;
+  }
+  if (!sent.empty() && active(FaultKind::kSilent, now_us) == nullptr) {
+    const Fault* delay = active(FaultKind::kDelay, now_us);
+    const std::int64_t delay_us = delay == nullptr ? 0 : std::llround(1e6 * delay->amount);
+    const std::int64_t after_us =
+        delayed_.empty() ? now_us : delayed_.back().due_us;  // none overtakes
+    delayed_.push_back({std::max(now_us + delay_us, after_us), damaged(sent, now_us)});
+  }
+  while (!delayed_.empty() && delayed_.front().due_us <= now_us) {
+    append(line, delayed_.front().bytes);
+    delayed_.pop_front();
+  }
+}
+
+std::int64_t FaultyDevice::next_us() const {
+  std::int64_t next = device_.next_us();
+  if (!delayed_.empty()) {
+    next = std::min(next, delayed_.front().due_us);
+  }
+  for (const Fault& fault : faults_) {
+    for (const std::int64_t edge_us : {fault.begin_us(), fault.end_us()}) {
+      if (edge_us > now_us_) {
+        next = std::min(next, edge_us);
+      }
+    }
+  }
+  return next;
+}
+
+bool FaultyDevice::plugged_in(std::int64_t now_us) const {
+  return active(FaultKind::kUnplug, now_us) == nullptr && device_.plugged_in(now_us);
+}
+
+const Fault* FaultyDevice::active(FaultKind kind, std::int64_t now_us) const {
+  const auto found = std::find_if(faults_.begin(), faults_.end(), [&](const Fault& fault) {
+    return fault.kind == kind && fault.active(now_us);
+  });
+  return found == faults_.end() ? nullptr : &*found;
+}
+
+bool FaultyDevice::happens(const Fault* fault) {
+  constexpr double kScale = 0x1p-64;
+  return fault != nullptr && static_cast<double>(engine_()) * kScale < fault->amount;
+}
+
+Bytes FaultyDevice::damaged(ByteView bytes, std::int64_t now_us) {
+  const Fault* drop = active(FaultKind::kDrop, now_us);
+  const Fault* corrupt = active(FaultKind::kCorrupt, now_us);
+  Bytes arrived;
+  for (const std::uint8_t byte : bytes) {
+    if (happens(drop)) {
+      continue;
+    }
+    const unsigned flipped = happens(corrupt) ? 1U << (engine_() % 8) : 0U;
+    arrived.push_back(static_cast<std::uint8_t>(byte ^ flipped));
+  }
+  return arrived;
+}
+
+}  // namespace nodmap::sim

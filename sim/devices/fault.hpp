@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <random>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sim/devices/serial_device.hpp"
+
+namespace nodmap::sim {
+
+enum class Part : std::uint8_t { kLaser, kServo, kBase };
+
+enum class FaultKind : std::uint8_t {
+  kDrop,     ///< bytes are lost, each with probability `amount`
+  kCorrupt,  ///< one bit of a byte is flipped, in each with probability `amount`
+  kDelay,    ///< the device's bytes arrive `amount` seconds late
+  kUnplug,   ///< the port is gone
+  kSilent,   ///< the device receives, but sends nothing
+  kFreeze,   ///< the laser repeats its last measurement
+  kStall,    ///< the servo's gear is blocked
+};
+
+/// A failure of a device or its line for a while. Seconds since the start of the simulation.
+struct Fault {
+  Part part = Part::kLaser;
+  FaultKind kind = FaultKind::kDrop;
+  double from_s = 0.0;
+  double duration_s = 0.0;
+  double amount = 0.0;  ///< of drop, corrupt and delay
+
+  [[nodiscard]] std::int64_t begin_us() const;
+  [[nodiscard]] std::int64_t end_us() const;
+  [[nodiscard]] bool active(std::int64_t now_us) const;
+};
+
+/// A text that describes no fault; what() is one line that says what is allowed.
+class FaultError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// "laser:unplug@10+2", "base:corrupt@5+10=0.01": part, kind, from when, how long, how much.
+/// Throws FaultError.
+[[nodiscard]] Fault parse_fault(std::string_view text);
+
+[[nodiscard]] bool is_any_active(FaultKind kind, const std::vector<Fault>& faults,
+                                 std::int64_t now_us);
+
+/// The faults of one part.
+[[nodiscard]] std::vector<Fault> faults_of(Part part, const std::vector<Fault>& faults);
+
+/// A device whose line has faults: drop, corrupt, delay, unplug, silent. The device itself does not
+/// notice.
+class FaultyDevice final : public SerialDevice {
+ public:
+  /// `device` must outlive this.
+  FaultyDevice(SerialDevice& device, std::vector<Fault> faults, std::uint64_t seed);
+
+  void receive(ByteView bytes, int baud, std::int64_t now_us) override;
+  void transmit(std::int64_t now_us, int baud, Bytes& line) override;
+  [[nodiscard]] std::int64_t next_us() const override;
+  [[nodiscard]] bool plugged_in(std::int64_t now_us) const override;
+
+ private:
+  struct Delayed {
+    std::int64_t due_us = 0;
+    Bytes bytes;
+  };
+
+  [[nodiscard]] const Fault* active(FaultKind kind, std::int64_t now_us) const;
+  [[nodiscard]] Bytes damaged(ByteView bytes, std::int64_t now_us);
+  [[nodiscard]] bool happens(const Fault* fault);
+
+  SerialDevice& device_;
+  std::vector<Fault> faults_;
+  std::mt19937_64 engine_;
+  std::deque<Delayed> delayed_;
+  std::int64_t now_us_ = 0;
+};
+
+}  // namespace nodmap::sim

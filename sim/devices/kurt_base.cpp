@@ -1,0 +1,263 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/devices/kurt_base.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "common/geometry/angle.hpp"
+#include "sim/devices/serial_device.hpp"
+
+namespace nodmap::sim {
+namespace {
+
+// Identifiers of the frames.
+constexpr std::uint16_t kControl = 0x001;
+constexpr std::uint16_t kAdc0To3 = 0x005;
+constexpr std::uint16_t kAdc4To7 = 0x006;
+constexpr std::uint16_t kAdc8To11 = 0x007;
+constexpr std::uint16_t kAdc12To15 = 0x008;
+constexpr std::uint16_t kEncoder = 0x009;
+constexpr std::uint16_t kSpeed = 0x00C;
+constexpr std::uint16_t kTilt = 0x00D;
+constexpr std::uint16_t kGyro = 0x00E;
+
+// Modes of CONTROL.
+constexpr int kModeRaw = 0;
+constexpr int kModeSpeed = 1;
+constexpr int kModeSpeedCm = 2;
+constexpr int kModeGyroReset = 0xFF03;
+constexpr int kModeReset = 0xFFFF;
+
+constexpr double kHalfPeriodUs = 5000.0;
+constexpr double kPeriodS = 0.01;
+constexpr std::int64_t kCommandTimeoutUs = 100'000;
+constexpr std::int64_t kResetUs = 200'000;
+
+constexpr double kTopSpeedMps = 5.2;
+constexpr int kFullPwm = 1023;
+constexpr std::int64_t kMostTicks = std::numeric_limits<std::int16_t>::max();  // in a frame
+
+// Readings of the range finders with nothing in sight: they are not modelled.
+constexpr int kInfraredFar = 60;
+constexpr int kSonarFar = 1100;
+
+constexpr double kTiltZero = 32'768.0;
+constexpr double kTiltPerG = 3932.0;
+constexpr double kGyroPerDegree = 4'992'511.0;
+constexpr double kIdleMilliampere = 200.0;
+constexpr double kMilliamperePerMps = 800.0;
+constexpr int kBoardTemperature = 35;
+
+int u16(const CanFrame& frame, std::size_t at) {
+  return frame.data[at] << 8 | frame.data[at + 1];
+}
+
+int i16(const CanFrame& frame, std::size_t at) {
+  return static_cast<std::int16_t>(u16(frame, at));
+}
+
+CanFrame frame_of(std::uint16_t id, const std::array<std::int64_t, 4>& words) {
+  CanFrame frame;
+  frame.id = id;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    frame.data[2 * i] = static_cast<std::uint8_t>(words[i] >> 8 & 0xFF);
+    frame.data[2 * i + 1] = static_cast<std::uint8_t>(words[i] & 0xFF);
+  }
+  return frame;
+}
+
+/// Two numbers of four bytes.
+CanFrame frame_of(std::uint16_t id, std::int64_t first, std::int64_t second) {
+  return frame_of(id, {first >> 16, first, second >> 16, second});
+}
+
+std::int64_t tilt_word(double sine) {
+  return std::llround(kTiltZero + kTiltPerG * sine);
+}
+
+double yaw_of(const GroundTruth& truth) {
+  const Eigen::Vector3d ahead = truth.T_world_base.linear().col(0);
+  return std::atan2(ahead.y(), ahead.x());
+}
+
+}  // namespace
+
+KurtBase::KurtBase(const KurtBaseParams& params, RobotModel& model, std::int64_t power_on_us)
+    : params_(params),
+      model_(model),
+      start_us_(power_on_us),
+      last_command_us_(power_on_us),
+      gyro_zero_rad_(yaw_of(model.ground_truth())) {}
+
+std::int64_t KurtBase::next_frame_us() const {
+  const double slot_us = kHalfPeriodUs * (1.0 + 1e-6 * params_.clock_ppm);
+  return start_us_ + std::llround(static_cast<double>(slot_) * slot_us);
+}
+
+std::int64_t KurtBase::next_us() const {
+  return std::min(next_frame_us(), timed_out_ ? kNever : last_command_us_ + kCommandTimeoutUs);
+}
+
+CanFrame KurtBase::next_frame() {
+  const std::int64_t slot = slot_++;
+  return slot % 2 == 0 ? encoder_frame() : sensor_frame(slot / 2);
+}
+
+void KurtBase::check_command_timeout(std::int64_t now_us) {
+  if (!timed_out_ && now_us >= last_command_us_ + kCommandTimeoutUs) {
+    timed_out_ = true;
+    model_.set_wheel_speeds({});
+  }
+}
+
+void KurtBase::receive(const CanFrame& frame, std::int64_t now_us) {
+  if (frame.id != kControl || frame.length != 8) {
+    return;
+  }
+  last_command_us_ = now_us;
+  timed_out_ = false;
+  if (u16(frame, 0) == kModeReset) {
+    reset(now_us);
+  } else {
+    control(frame);
+  }
+}
+
+void KurtBase::control(const CanFrame& frame) {
+  switch (u16(frame, 0)) {
+    case kModeRaw:
+      control_raw(frame);
+      break;
+    case kModeSpeed: {  // ticks in a period
+      const double mps = params_.wheel_perimeter_m / params_.ticks_per_revolution / kPeriodS;
+      model_.set_wheel_speeds({mps * i16(frame, 2), mps * i16(frame, 4)});
+      break;
+    }
+    case kModeSpeedCm:
+      model_.set_wheel_speeds({0.01 * i16(frame, 2), 0.01 * i16(frame, 4)});
+      break;
+    case kModeGyroReset:
+      gyro_zero_rad_ = yaw_of(model_.ground_truth());
+      break;
+    default:
+      break;
+  }
+}
+
+/// Per side: direction and brake bits, then the inverted duty cycle, taken as a fraction of the top
+/// speed.
+void KurtBase::control_raw(const CanFrame& frame) {
+  constexpr unsigned kBrakeBit = 1;
+  constexpr unsigned kBackBit = 2;
+  const auto speed_mps = [&frame](std::size_t at) {
+    const unsigned bits = frame.data[at];
+    const double duty =
+        1.0 - std::min(u16(frame, at + 1), kFullPwm) / static_cast<double>(kFullPwm);
+    const double speed = (bits & kBrakeBit) != 0 ? 0.0 : duty * kTopSpeedMps;
+    return (bits & kBackBit) != 0 ? -speed : speed;
+  };
+  constexpr std::size_t kLeftAt = 2;
+  constexpr std::size_t kRightAt = 5;
+  if ((frame.data[kLeftAt] & frame.data[kRightAt] & kBrakeBit) != 0) {
+    model_.brake_wheels();
+  } else {
+    model_.set_wheel_speeds({speed_mps(kLeftAt), speed_mps(kRightAt)});
+  }
+}
+
+/// Motors off, and no frames until it has started again.
+void KurtBase::reset(std::int64_t now_us) {
+  model_.set_wheel_speeds({});
+  timed_out_ = true;
+  start_us_ = now_us + kResetUs;
+  slot_ = 1;
+  left_reported_ = ticks(model_.wheel_travel().left_m);
+  right_reported_ = ticks(model_.wheel_travel().right_m);
+  gyro_zero_rad_ = yaw_of(model_.ground_truth());
+}
+
+std::int64_t KurtBase::ticks(double distance_m) const {
+  return static_cast<std::int64_t>(
+      std::floor(distance_m / params_.wheel_perimeter_m * params_.ticks_per_revolution));
+}
+
+/// Whole ticks since the last frame; fractions are carried over.
+CanFrame KurtBase::encoder_frame() {
+  const auto delta = [](std::int64_t total, std::int64_t& reported) {
+    const std::int64_t ticks = std::clamp(total - reported, -kMostTicks, kMostTicks);
+    reported += ticks;
+    return ticks;
+  };
+  const WheelTravel& travel = model_.wheel_travel();
+  return frame_of(kEncoder, {delta(ticks(travel.left_m), left_reported_),
+                             delta(ticks(travel.right_m), right_reported_), 0, 0});
+}
+
+CanFrame KurtBase::sensor_frame(std::int64_t period) const {
+  constexpr std::array kKinds = {kAdc0To3, kAdc4To7, kAdc8To11, kAdc12To15, kSpeed, kTilt, kGyro};
+  const GroundTruth truth = model_.ground_truth();
+  const Eigen::Matrix3d rotation = truth.T_world_base.linear();
+  // Gravity along the robot's axes: left side up is a roll to the right, front up a pitch.
+  const std::int64_t roll = tilt_word(rotation(2, 1));
+  const std::int64_t pitch = tilt_word(rotation(2, 0));
+  const std::uint16_t kind = kKinds[static_cast<std::size_t>(period) % kKinds.size()];
+  switch (kind) {
+    case kAdc0To3:
+      return frame_of(kind, {kInfraredFar, kInfraredFar, kInfraredFar, 0});
+    case kAdc4To7:
+      return frame_of(kind, {kInfraredFar, kSonarFar, kInfraredFar, kInfraredFar});
+    case kAdc8To11:
+      return frame_of(kind, {0, kInfraredFar, roll, pitch});
+    case kAdc12To15: {
+      const WheelSpeeds speeds = model_.wheel_speeds();
+      const auto current = [](double speed_mps) {
+        return std::llround(kIdleMilliampere + kMilliamperePerMps * std::abs(speed_mps));
+      };
+      return frame_of(kind,
+                      {current(speeds.right_mps), current(speeds.left_mps), 0, kBoardTemperature});
+    }
+    case kSpeed:
+      return frame_of(kind, left_reported_, right_reported_);
+    case kTilt:
+      return frame_of(kind, {roll, pitch, 0, 0});
+    default: {
+      const double yaw_deg =
+          geometry::rad_to_deg(geometry::angle_difference(yaw_of(truth), gyro_zero_rad_));
+      return frame_of(kGyro, std::llround(kGyroPerDegree * yaw_deg), 0);
+    }
+  }
+}
+
+SlcanKurtBase::SlcanKurtBase(const SlcanKurtParams& params, RobotModel& model,
+                             std::int64_t power_on_us)
+    : baud_(params.baud),
+      base_(params.base, model, power_on_us),
+      now_us_(power_on_us),
+      adapter_([this](const CanFrame& frame) { base_.receive(frame, now_us_); }) {}
+
+void SlcanKurtBase::receive(ByteView bytes, int baud, std::int64_t now_us) {
+  now_us_ = now_us;
+  for (const std::uint8_t byte : received_bytes(baud_, bytes, baud)) {
+    send(adapter_.take(static_cast<char>(byte)), now_us);
+  }
+}
+
+void SlcanKurtBase::transmit(std::int64_t now_us, int baud, Bytes& line) {
+  base_.check_command_timeout(now_us);
+  while (base_.next_frame_us() <= now_us) {
+    const std::int64_t sent_us = base_.next_frame_us();
+    send(adapter_.from_bus(base_.next_frame(), sent_us), sent_us);
+  }
+  output_.take(now_us, baud, line);
+}
+
+std::int64_t SlcanKurtBase::next_us() const {
+  return std::min(base_.next_us(), output_.next_us());
+}
+
+void SlcanKurtBase::send(const std::string& text, std::int64_t from_us) {
+  output_.send({text.begin(), text.end()}, baud_, from_us);
+}
+
+}  // namespace nodmap::sim

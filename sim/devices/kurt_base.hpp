@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "sim/body/robot_model.hpp"
+#include "sim/devices/serial_device.hpp"
+#include "sim/devices/slcan_adapter.hpp"
+
+namespace nodmap::sim {
+
+struct KurtBaseParams {
+  double wheel_perimeter_m = 0.379;
+  double ticks_per_revolution = 21'950.0;
+  double clock_ppm = 20.0;
+};
+
+/// The controller of a KURT2: CAN frames in and out. It sends its encoders every 10 ms and one kind
+/// of its other readings in between, and stops when no command arrives for 100 ms.
+class KurtBase {
+ public:
+  KurtBase(const KurtBaseParams& params, RobotModel& model, std::int64_t power_on_us);
+
+  void receive(const CanFrame& frame, std::int64_t now_us);
+
+  /// The next frame or command timeout.
+  [[nodiscard]] std::int64_t next_us() const;
+  /// When the next frame is sent.
+  [[nodiscard]] std::int64_t next_frame_us() const;
+  /// That frame; to be called with the robot model at that time.
+  [[nodiscard]] CanFrame next_frame();
+  /// Stops the motors when no command has arrived for 100 ms.
+  void check_command_timeout(std::int64_t now_us);
+
+ private:
+  void control(const CanFrame& frame);
+  void control_raw(const CanFrame& frame);
+  void reset(std::int64_t now_us);
+  [[nodiscard]] CanFrame encoder_frame();
+  [[nodiscard]] CanFrame sensor_frame(std::int64_t period) const;
+  [[nodiscard]] std::int64_t ticks(double distance_m) const;
+
+  KurtBaseParams params_;
+  RobotModel& model_;
+  std::int64_t start_us_;
+  std::int64_t slot_ = 1;  // two in each period: encoders, then something else
+  std::int64_t last_command_us_;
+  bool timed_out_ = true;
+  std::int64_t left_reported_ = 0;  // ticks since the start
+  std::int64_t right_reported_ = 0;
+  double gyro_zero_rad_ = 0.0;
+};
+
+struct SlcanKurtParams {
+  int baud = 1'000'000;
+  KurtBaseParams base;
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.number("base_clock_ppm", base.clock_ppm, {-2000.0, 2000.0},
+             "By how many millionths the base's clock is too slow.");
+  }
+};
+
+/// A KURT2 behind an SLCAN adapter, at the end of a serial line.
+class SlcanKurtBase final : public SerialDevice {
+ public:
+  SlcanKurtBase(const SlcanKurtParams& params, RobotModel& model, std::int64_t power_on_us = 0);
+
+  void receive(ByteView bytes, int baud, std::int64_t now_us) override;
+  void transmit(std::int64_t now_us, int baud, Bytes& line) override;
+  [[nodiscard]] std::int64_t next_us() const override;
+
+ private:
+  void send(const std::string& text, std::int64_t from_us);
+
+  int baud_;
+  KurtBase base_;
+  std::int64_t now_us_;  // of the bytes being received
+  SlcanAdapter adapter_;
+  SerialOutput output_;
+};
+
+}  // namespace nodmap::sim

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+
+#include "sim/devices/lms_controller.hpp"
+#include "sim/devices/lms_telegram.hpp"
+#include "sim/devices/serial_device.hpp"
+
+namespace nodmap::sim {
+
+/// One beam of the laser's optics: RobotModel::measure, or a substitute in tests. `angle_rad`: 0
+/// ahead, positive left; `time_us`: when the beam was fired.
+using Beam = std::function<Echo(double angle_rad, std::int64_t time_us)>;
+
+struct Lms200Params {
+  int baud = 9600;
+  std::uint8_t address = 0;
+  double boot_s = 1.0;
+  double mirror_ppm = 50.0;
+  bool polluted = false;
+  /// The 34 bytes of a robot in service: millimetres, up to 32 m, with real-time indices.
+  Bytes config = {0, 0, 0x70, 0, 0x02, 0x06, 0x01, 0, 0, 2, 2, 0, 0, 0, 0, 0, 0,
+                  0, 0, 0,    0, 0,    0,    0,    0, 0, 0, 0, 0, 0, 0, 0, 2, 0};
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.choice("laser_power_on_baud", baud,
+             {{"9600", 9600}, {"19200", 19200}, {"38400", 38400}, {"500000", 500000}},
+             "Rate of the laser after power-on; another than 9600 was made permanent.");
+    v.number("laser_boot_s", boot_s, {0.0, 60.0}, "From power-on to the laser's first word.");
+    v.number("mirror_ppm", mirror_ppm, {-2000.0, 2000.0},
+             "By how many millionths the mirror rotates too slowly.");
+    v.flag("laser_polluted", polluted, "The laser reports that its window is dirty.");
+  }
+};
+
+/// A SICK LMS200 at the end of its serial line.
+///
+/// The mirror rotates at 75 Hz from power-on, whatever is sent. Half a revolution, 6.66 ms,
+/// measures beam by beam from right to left; the telegram's first byte leaves at its end.
+class Lms200 final : public SerialDevice {
+ public:
+  Lms200(const Lms200Params& params, Beam beam, std::int64_t power_on_us = 0);
+
+  void receive(ByteView bytes, int baud, std::int64_t now_us) override;
+  void transmit(std::int64_t now_us, int baud, Bytes& line) override;
+  [[nodiscard]] std::int64_t next_us() const override;
+
+  [[nodiscard]] int baud() const { return baud_; }
+  /// End of the measuring half of a revolution, counted from power-on.
+  [[nodiscard]] std::int64_t half_revolution_end_us(std::int64_t revolution) const;
+
+ private:
+  void update(std::int64_t now_us);
+  void handle(const LmsRequest& request, std::int64_t now_us);
+  void send(ByteView body, std::int64_t from_us);
+
+  [[nodiscard]] bool measures() const;
+  [[nodiscard]] bool sends_partial_scans() const;
+  void end_revolution(std::int64_t now_us);
+  void measure_revolution();
+  void send_scan();
+
+  Lms200Params params_;
+  Beam beam_;
+  LmsController controller_;
+  LmsRequestReader reader_;
+  SerialOutput output_;
+  int baud_;
+  std::int64_t power_on_us_;
+  std::int64_t booted_us_;
+  bool booting_ = true;
+  int next_baud_;  // after the answer has left
+  std::int64_t next_baud_us_ = kNever;
+
+  std::int64_t revolution_ = 0;  // the next to end
+  int phase_ = 0;                // within the revolutions that make a scan
+  bool collecting_ = false;
+  std::vector<std::uint16_t> words_;
+  std::uint8_t telegram_index_ = 0;
+};
+
+}  // namespace nodmap::sim

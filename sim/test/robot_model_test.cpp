@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/body/robot_model.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+namespace nodmap::sim {
+namespace {
+
+using geometry::deg_to_rad;
+
+constexpr std::int64_t kSecond = 1'000'000;
+
+/// A robot without noise or slip, in a world of its own.
+RobotModelParams exact_params() {
+  RobotModelParams params;
+  params.drive.slip_distance_m = 0.0;
+  params.drive.slip_heading_rad = 0.0;
+  params.drive.slip_turning_rad = 0.0;
+  params.laser.range_sigma_m = 0.0;
+  params.drive.tilt_per_mps2_rad = 0.0;
+  params.drive.ground_tilt_rad = 0.0;
+  return params;
+}
+
+World wall_ahead(double x_m) {
+  World world;
+  world.objects.push_back({Box{{x_m + 0.05, 0.0, 1.0}, {0.1, 10.0, 2.0}, 0.0}});
+  return world;
+}
+
+Actor walker(std::vector<Waypoint> path) {
+  Actor actor;
+  actor.path = std::move(path);
+  return actor;
+}
+
+/// The numbers of a drive with the laser running.
+std::vector<double> drive(std::uint64_t seed) {
+  RobotModel model(wall_ahead(8.0), {}, seed);
+  model.set_wheel_speeds({0.8, 1.0});
+  model.set_pitch_goal({0.2, 1.0, 20.0});
+  std::vector<double> numbers;
+  for (std::int64_t t = 0; t < 2 * kSecond; t += 13'320) {
+    model.advance_to(t);
+    for (int beam = -90; beam <= 90; beam += 30) {
+      numbers.push_back(model.measure(deg_to_rad(beam), t - 5'000).range_m);
+    }
+    const GroundTruth truth = model.ground_truth();
+    numbers.push_back(truth.T_world_base.translation().x());
+    numbers.push_back(truth.T_world_base.translation().y());
+    numbers.push_back(truth.pitch_rad);
+  }
+  return numbers;
+}
+
+TEST(RobotModel, SameSeedSameNumbersOtherSeedOthers) {
+  EXPECT_EQ(drive(7), drive(7));
+  EXPECT_NE(drive(7), drive(8));
+}
+
+TEST(RobotModel, StandingRobotStaysAndCountsNothing) {
+  RobotModel model(wall_ahead(2.0), {}, 1);
+  model.advance_to(10 * kSecond);
+  EXPECT_EQ(model.wheel_travel().left_m, 0.0);
+  EXPECT_EQ(model.wheel_travel().right_m, 0.0);
+  EXPECT_TRUE(model.ground_truth().T_world_base.isApprox(geometry::SE3::Identity()));
+  EXPECT_EQ(model.ground_truth().collisions, 0);
+}
+
+TEST(RobotModel, MeasuresFromThePitchAxis) {
+  RobotModel model(wall_ahead(3.0), exact_params(), 1);
+  model.advance_to(100'000);
+  // 2.85 m from the axis; the spot's rim is further by 2.85 * (0.25 / 2 degrees)^2 / 2 = 7 um.
+  EXPECT_NEAR(model.measure(0.0, 100'000).range_m, 2.85, 1e-4);
+  EXPECT_NEAR(model.measure(deg_to_rad(60.0), 100'000).range_m, 5.7, 1e-3);
+  model.set_pitch_goal({deg_to_rad(-20.0), 0.0, 0.0});
+  model.advance_to(kSecond);
+  // The floor; the range is the mean over a spot that lies flat.
+  EXPECT_NEAR(model.measure(0.0, kSecond).range_m, 0.38 / std::sin(deg_to_rad(20.0)), 1e-3);
+}
+
+TEST(RobotModel, MeasuresThePast) {
+  RobotModel model(wall_ahead(10.0), exact_params(), 1);
+  model.set_wheel_speeds({1.0, 1.0});
+  model.advance_to(3 * kSecond);
+  const double now_m = model.measure(0.0, 3 * kSecond).range_m;
+  // 1 m/s, long after the motors' lag.
+  EXPECT_NEAR(model.measure(0.0, 3 * kSecond - 100'000).range_m, now_m + 0.1, 1e-4);
+  EXPECT_NEAR(model.measure(0.0, 3 * kSecond - 12'345).range_m, now_m + 0.012345, 1e-4);
+  EXPECT_THROW(static_cast<void>(model.measure(0.0, 3 * kSecond + 1)), std::out_of_range);
+  EXPECT_THROW(static_cast<void>(model.measure(0.0, 2 * kSecond)), std::out_of_range);
+  EXPECT_THROW(model.advance_to(kSecond), std::invalid_argument);
+}
+
+TEST(RobotModel, SeesActorsWhereTheyWere) {
+  World world;
+  world.actors.push_back(walker({{0.0, {4.0, -2.0}}, {4.0, {4.0, 2.0}}}));
+  RobotModel model(world, exact_params(), 1);
+  model.advance_to(2 * kSecond);
+  EXPECT_NEAR(model.measure(0.0, 2 * kSecond).range_m, 4.0 - 0.25 - 0.15, 1e-3);
+  model.advance_to(2 * kSecond + 500'000);
+  EXPECT_EQ(model.measure(0.0, 2 * kSecond + 500'000).kind, Echo::Kind::kNothing);
+}
+
+TEST(RobotModel, WallStopsTheRobotAndCountsOnce) {
+  RobotModelParams params = exact_params();
+  params.drive.tilt_per_mps2_rad = deg_to_rad(0.1);
+  RobotModel model(wall_ahead(1.0), params, 1);
+  model.set_wheel_speeds({0.5, 0.5});
+  model.advance_to(5 * kSecond);
+  const GroundTruth truth = model.ground_truth();
+  EXPECT_EQ(truth.collisions, 1);
+  // A step at 0.5 m/s is half a millimetre.
+  EXPECT_NEAR(truth.T_world_base.translation().x(), 1.0 - 0.225, 6e-4);
+  EXPECT_NEAR(truth.clearance_m, 0.0, 6e-4);
+  EXPECT_EQ(truth.forward_mps, 0.0);
+  EXPECT_GT(model.wheel_travel().left_m, 2.0);                // the wheels slip
+  EXPECT_NEAR(truth.T_world_base.linear()(2, 2), 1.0, 1e-6);  // and the body stands level
+
+  model.set_wheel_speeds({-0.5, -0.5});
+  model.advance_to(7 * kSecond);
+  EXPECT_GT(model.ground_truth().clearance_m, 0.5);
+  model.set_wheel_speeds({0.5, 0.5});
+  model.advance_to(12 * kSecond);
+  EXPECT_EQ(model.ground_truth().collisions, 2);
+}
+
+TEST(RobotModel, ActorWhoWalksIntoTheStandingRobotBumps) {
+  World world;
+  world.actors.push_back(walker({{1.0, {2.0, 0.0}}, {4.0, {0.3, 0.0}}, {7.0, {2.0, 0.0}}}));
+  RobotModel standing(world, exact_params(), 1);
+  standing.advance_to(8 * kSecond);
+  EXPECT_EQ(standing.ground_truth().bumps, 1);
+  EXPECT_EQ(standing.ground_truth().collisions, 0);
+
+  RobotModel driving(world, exact_params(), 1);
+  driving.set_wheel_speeds({0.1, 0.1});
+  driving.advance_to(5 * kSecond);
+  EXPECT_EQ(driving.ground_truth().bumps, 0);
+  EXPECT_EQ(driving.ground_truth().collisions, 1);
+}
+
+TEST(RobotModel, ActorsAppearAndVanish) {
+  World world;
+  Actor actor = walker({{0.0, {2.0, 0.0}}});
+  actor.appear_s = 1.0;
+  actor.vanish_s = 2.0;
+  world.actors.push_back(actor);
+  RobotModel model(world, exact_params(), 1);
+  model.advance_to(kSecond - 10'000);
+  EXPECT_TRUE(model.ground_truth().actors.empty());
+  model.advance_to(kSecond + 10'000);
+  ASSERT_EQ(model.ground_truth().actors.size(), 1U);
+  EXPECT_NEAR(model.ground_truth().clearance_m, 2.0 - 0.225 - 0.25, 1e-12);
+  model.advance_to(2 * kSecond + 10'000);
+  EXPECT_TRUE(model.ground_truth().actors.empty());
+}
+
+TEST(RobotModel, PitStopsTheRobotAsACollision) {
+  World world;
+  world.pits.push_back({{1.0, -1.0}, {3.0, 1.0}, 0.5});
+  RobotModel model(world, exact_params(), 1);
+  model.set_wheel_speeds({0.5, 0.5});
+  model.advance_to(5 * kSecond);
+  EXPECT_EQ(model.ground_truth().collisions, 1);
+  EXPECT_EQ(model.ground_truth().falls, 1);
+  EXPECT_EQ(model.ground_truth().contacts_caused, 1);
+  EXPECT_NEAR(model.ground_truth().T_world_base.translation().x(), 1.0 - 0.225, 6e-4);
+}
+
+TEST(RobotModel, FollowsARampAndDoesNotFallOffItsEnd) {
+  World world;
+  world.objects.push_back({Ramp{{1.0, 0.0, 0.0}, {4.0, 0.0, 0.5}, 2.0}});
+  RobotModel model(world, exact_params(), 1);
+  model.set_wheel_speeds({1.0, 1.0});
+  model.advance_to(2'500'000);
+  const GroundTruth truth = model.ground_truth();
+  EXPECT_EQ(truth.collisions, 0);
+  const Eigen::Vector3d p = truth.T_world_base.translation();
+  // On the slope, and tilted with it. Chord and ramp differ only at its foot.
+  EXPECT_NEAR(p.z(), (p.x() - 1.0) / 6.0, 1e-6);
+  EXPECT_NEAR(truth.T_world_base.linear()(2, 0), 0.5 / std::hypot(3.0, 0.5), 1e-6);
+  model.advance_to(10 * kSecond);
+  EXPECT_EQ(model.ground_truth().collisions, 1);
+  EXPECT_NEAR(model.ground_truth().T_world_base.translation().x(), 4.0, 2e-3);
+}
+
+TEST(RobotModel, NodsBackWhenItGainsSpeed) {
+  RobotModelParams params = exact_params();
+  params.drive.tilt_per_mps2_rad = deg_to_rad(0.1);
+  RobotModel model({}, params, 1);
+  model.set_wheel_speeds({2.0, 2.0});
+  model.advance_to(200'000);
+  EXPECT_GT(model.ground_truth().T_world_base.linear()(2, 0), 1e-3);  // the front points up
+  model.brake_wheels();
+  model.advance_to(400'000);
+  EXPECT_LT(model.ground_truth().T_world_base.linear()(2, 0), -1e-3);
+}
+
+}  // namespace
+}  // namespace nodmap::sim

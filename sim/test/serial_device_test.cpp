@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/devices/serial_device.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/test/host.hpp"
+
+namespace nodmap::sim {
+namespace {
+
+using test::hex;
+using ::testing::ElementsAre;
+using ::testing::ElementsAreArray;
+using ::testing::IsEmpty;
+
+Bytes all_bytes() {
+  Bytes bytes;
+  for (int i = 0; i < 256; ++i) {
+    bytes.push_back(static_cast<std::uint8_t>(i));
+  }
+  return bytes;
+}
+
+TEST(Uart, SmallDifferencesOfRateDoNoHarm) {
+  // The last sample is 9.5 bits behind the edge and must meet the stop bit: 9 < 9.5 r < 10.
+  for (const int baud : {96'000, 99'000, 100'000, 101'000, 104'000}) {
+    EXPECT_THAT(received_bytes(100'000, all_bytes(), baud), ElementsAreArray(all_bytes())) << baud;
+  }
+  EXPECT_THAT(received_bytes(100'000, all_bytes(), 110'000),
+              ::testing::Not(ElementsAreArray(all_bytes())));
+}
+
+// Worked out by hand: at half the rate a receiver sees start+bit 0, bits 1+2, ... in its samples at
+// 3, 5, 7, ... sender's bits: bits 2, 4, 6 and the stop bit, then the next byte's.
+TEST(Uart, AtHalfTheRateEverySecondBitIsSeen) {
+  // 0x54 = bits 2, 4, 6 set; sender's line: 0 00101010 1. Samples at 3, 5, 7, 9 give 1 1 1 1, and
+  // the idle line ones from there.
+  EXPECT_THAT(received_bytes(50'000, hex("54"), 100'000), ElementsAre(0xFF));
+}
+
+TEST(Uart, SlowBytesAreBreaksToAFastReceiver) {
+  // A zero at 9600 is nine low bits: one break, no stop bit in sight.
+  EXPECT_THAT(received_bytes(500'000, hex("00"), 9600), ElementsAre(0x00));
+  EXPECT_THAT(received_bytes(0, hex("00"), 9600), IsEmpty());
+}
+
+TEST(SerialOutput, BytesLeaveAtTheRateOfTheLine) {
+  SerialOutput output;
+  output.send(Bytes(372, 0x55), 500'000, 1000);
+  EXPECT_EQ(output.idle_from_us(), 1000 + 7440) << "372 bytes take 7.44 ms";
+  Bytes line;
+  output.take(1019, 500'000, line);
+  EXPECT_THAT(line, IsEmpty());
+  output.take(1020, 500'000, line);
+  EXPECT_EQ(line.size(), 1U);
+  output.take(1000 + 3720, 500'000, line);
+  EXPECT_EQ(line.size(), 186U);
+  output.send(Bytes(1, 0x55), 500'000, 2000);
+  EXPECT_EQ(output.idle_from_us(), 1000 + 7460) << "one after the other";
+  output.clear();
+  EXPECT_EQ(output.next_us(), kNever);
+}
+
+}  // namespace
+}  // namespace nodmap::sim

@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/world/mesh_file.hpp"
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <fstream>
+#include <map>
+#include <sstream>
+#include <stdexcept>
+
+namespace nodmap::sim {
+namespace {
+
+enum class Type : std::uint8_t { kI8, kU8, kI16, kU16, kI32, kU32, kF32, kF64 };
+
+struct Property {
+  Type type = Type::kF32;
+  std::string name;
+  bool is_list = false;
+  Type count_type = Type::kU8;
+};
+
+struct Element {
+  std::string name;
+  std::size_t count = 0;
+  std::vector<Property> properties;
+};
+
+struct Header {
+  bool binary = false;
+  std::vector<Element> elements;
+};
+
+Type type_of(const std::string& name) {
+  static const std::map<std::string, Type> kTypes{
+      {"char", Type::kI8},    {"int8", Type::kI8},     {"uchar", Type::kU8},
+      {"uint8", Type::kU8},   {"short", Type::kI16},   {"int16", Type::kI16},
+      {"ushort", Type::kU16}, {"uint16", Type::kU16},  {"int", Type::kI32},
+      {"int32", Type::kI32},  {"uint", Type::kU32},    {"uint32", Type::kU32},
+      {"float", Type::kF32},  {"float32", Type::kF32}, {"double", Type::kF64},
+      {"float64", Type::kF64}};
+  const auto found = kTypes.find(name);
+  if (found == kTypes.end()) {
+    throw std::runtime_error("property type '" + name + "' is not supported");
+  }
+  return found->second;
+}
+
+Property read_property(std::istringstream& words) {
+  Property property;
+  std::string type;
+  words >> type;
+  if (type == "list") {
+    property.is_list = true;
+    std::string count_type;
+    words >> count_type >> type;
+    property.count_type = type_of(count_type);
+  }
+  property.type = type_of(type);
+  words >> property.name;
+  return property;
+}
+
+void read_header_line(const std::string& line, Header& header) {
+  std::istringstream words(line);
+  std::string key;
+  words >> key;
+  if (key == "format") {
+    std::string format;
+    words >> format;
+    if (format != "ascii" && format != "binary_little_endian") {
+      throw std::runtime_error("format '" + format + "' is not supported");
+    }
+    header.binary = format != "ascii";
+  } else if (key == "element") {
+    Element element;
+    if (!(words >> element.name >> element.count)) {
+      throw std::runtime_error("an element without name or count");
+    }
+    header.elements.push_back(element);
+  } else if (key == "property") {
+    if (header.elements.empty()) {
+      throw std::runtime_error("a property before the first element");
+    }
+    header.elements.back().properties.push_back(read_property(words));
+  }
+}
+
+Header read_header(std::istream& in) {
+  std::string line;
+  std::getline(in, line);
+  if (line != "ply" && line != "ply\r") {
+    throw std::runtime_error("no PLY file");
+  }
+  Header header;
+  while (std::getline(in, line)) {
+    if (line.starts_with("end_header")) {
+      return header;
+    }
+    read_header_line(line, header);
+  }
+  throw std::runtime_error("the header has no end");
+}
+
+template <class Value>
+double read_binary(std::istream& in) {
+  std::array<char, sizeof(Value)> bytes{};
+  in.read(bytes.data(), bytes.size());
+  Value value{};
+  std::memcpy(&value, bytes.data(), sizeof value);
+  return static_cast<double>(value);
+}
+
+double read_number(std::istream& in, Type type, bool binary) {
+  double value = 0.0;
+  if (!binary) {
+    in >> value;
+  } else {
+    switch (type) {
+      case Type::kI8:
+        value = read_binary<std::int8_t>(in);
+        break;
+      case Type::kU8:
+        value = read_binary<std::uint8_t>(in);
+        break;
+      case Type::kI16:
+        value = read_binary<std::int16_t>(in);
+        break;
+      case Type::kU16:
+        value = read_binary<std::uint16_t>(in);
+        break;
+      case Type::kI32:
+        value = read_binary<std::int32_t>(in);
+        break;
+      case Type::kU32:
+        value = read_binary<std::uint32_t>(in);
+        break;
+      case Type::kF32:
+        value = read_binary<float>(in);
+        break;
+      case Type::kF64:
+        value = read_binary<double>(in);
+        break;
+    }
+  }
+  if (!in) {
+    throw std::runtime_error("ends too early, or holds what is no number");
+  }
+  return value;
+}
+
+void add_face(const std::vector<double>& corners, std::size_t num_vertices, Mesh& mesh) {
+  if (corners.size() < 3) {
+    throw std::runtime_error("a face of fewer than three corners");
+  }
+  for (const double corner : corners) {
+    if (!(corner >= 0.0 && corner < static_cast<double>(num_vertices))) {
+      throw std::runtime_error("a face with a corner that does not exist");
+    }
+  }
+  const auto index = [&](std::size_t i) { return static_cast<int>(corners[i]); };
+  for (std::size_t i = 2; i < corners.size(); ++i) {
+    mesh.triangles.emplace_back(index(0), index(i - 1), index(i));
+  }
+}
+
+/// The numbers of a property: one, or those of a list.
+std::vector<double> read_values(std::istream& in, const Property& property, bool binary) {
+  constexpr double kMostCorners = 1000.0;
+  const double count = property.is_list ? read_number(in, property.count_type, binary) : 1.0;
+  if (!(count >= 0.0 && count <= kMostCorners)) {
+    throw std::runtime_error("a list of " + std::to_string(count) + " values");
+  }
+  std::vector<double> values(static_cast<std::size_t>(count));
+  for (double& value : values) {
+    value = read_number(in, property.type, binary);
+  }
+  return values;
+}
+
+void read_item(std::istream& in, const Element& element, bool binary, Mesh& mesh) {
+  Eigen::Vector3d p = Eigen::Vector3d::Zero();
+  for (const Property& property : element.properties) {
+    const std::vector<double> values = read_values(in, property, binary);
+    const std::string& name = property.name;
+    if (element.name == "vertex" && !property.is_list && name.size() == 1 && name[0] >= 'x' &&
+        name[0] <= 'z') {
+      p[name[0] - 'x'] = values[0];
+    } else if (element.name == "face" && (name == "vertex_indices" || name == "vertex_index")) {
+      add_face(values, mesh.vertices.size(), mesh);
+    }
+  }
+  if (element.name == "vertex") {
+    if (!p.allFinite()) {
+      throw std::runtime_error("a vertex that is not finite");
+    }
+    mesh.vertices.push_back(p);
+  }
+}
+
+Mesh read(std::istream& in) {
+  const Header header = read_header(in);
+  Mesh mesh;
+  for (const Element& element : header.elements) {
+    for (std::size_t i = 0; i < element.count; ++i) {
+      read_item(in, element, header.binary, mesh);
+    }
+  }
+  if (mesh.triangles.empty()) {
+    throw std::runtime_error("no faces");
+  }
+  return mesh;
+}
+
+}  // namespace
+
+Mesh read_mesh(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in) {
+    throw std::runtime_error(file.string() + ": cannot open");
+  }
+  try {
+    return read(in);
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error(file.string() + ": " + error.what());
+  }
+}
+
+}  // namespace nodmap::sim

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "sim/world/random_world.hpp"
+
+#include <algorithm>
+#include <array>
+#include <random>
+
+#include "common/geometry/angle.hpp"
+
+namespace nodmap::sim {
+namespace {
+
+constexpr double kHalfRoomM = 5.0;
+constexpr double kStartFreeM = 0.6;
+/// The robot's diagonal is 0.56 m: it can rotate wherever it gets.
+constexpr double kPassageM = 0.6;
+constexpr double kLegRadiusM = 0.015;
+/// Just more than the robot drives over (BodyParams::climb_height_m).
+constexpr double kMinHeightM = 0.031;
+
+/// An obstacle before it is placed: objects about the origin, within a circle.
+struct Obstacle {
+  std::vector<Object> objects;
+  double radius_m = 0.0;
+};
+
+class Maker {
+ public:
+  explicit Maker(std::uint64_t seed) : engine_(seed) {}
+
+  World make();
+
+ private:
+  double between(double least, double most) {
+    return std::uniform_real_distribution<double>(least, most)(engine_);
+  }
+  int count(int least, int most) {
+    return std::uniform_int_distribution<int>(least, most)(engine_);
+  }
+
+  Obstacle make_obstacle();
+  Obstacle make_box(double height_m);
+  Obstacle make_small_box();
+  static Obstacle make_plate(double bottom_m, double size_m, double leg_inset_m);
+  Obstacle make_pole();
+  bool place(const Obstacle& obstacle, World& world);
+
+  struct Circle {
+    Eigen::Vector2d center;
+    double radius_m;
+  };
+  std::mt19937_64 engine_;
+  std::vector<Circle> taken_;
+};
+
+World walled_room() {
+  World world;
+  world.name = "random";
+  constexpr double kThicknessM = 0.1;
+  constexpr double kWallM = kHalfRoomM + 0.5 * kThicknessM;
+  constexpr double kLengthM = 2.0 * kHalfRoomM + 2.0 * kThicknessM;
+  for (const double side : {-1.0, 1.0}) {
+    world.objects.push_back({Box{{side * kWallM, 0.0, 1.25}, {kThicknessM, kLengthM, 2.5}, 0.0}});
+    world.objects.push_back({Box{{0.0, side * kWallM, 1.25}, {kLengthM, kThicknessM, 2.5}, 0.0}});
+  }
+  return world;
+}
+
+World Maker::make() {
+  World world = walled_room();
+  world.T_world_start.yaw = between(-geometry::kPi, geometry::kPi);
+  const int wanted = count(25, 40);
+  // Small ones still fit where there is no room for a table, so tries are cheap and many.
+  constexpr int kTries = 20'000;
+  int placed = 0;
+  for (int i = 0; i < kTries && placed < wanted; ++i) {
+    placed += place(make_obstacle(), world) ? 1 : 0;
+  }
+  return world;
+}
+
+Obstacle Maker::make_obstacle() {
+  switch (count(0, 6)) {
+    case 0:
+      return make_box(between(kMinHeightM, 0.10));
+    case 6:  // a brick, a shoe, a tool
+      return make_small_box();
+    case 1:
+      return make_box(between(0.15, 1.2));
+    case 2:  // a table that the robot fits under
+      return make_plate(0.70, between(0.7, 1.0), 0.05);
+    case 3:  // a board that it does not fit under, legs far behind its edge
+      return make_plate(between(0.30, 0.45), between(0.4, 0.8), 0.15);
+    case 4:  // a chair
+      return make_plate(0.44, between(0.38, 0.45), 0.02);
+    default:
+      return make_pole();
+  }
+}
+
+Obstacle Maker::make_box(double height_m) {
+  const double length_m = between(0.15, 0.6);
+  const double width_m = between(0.15, 0.4);
+  return {{{Box{{0.0, 0.0, 0.5 * height_m}, {length_m, width_m, height_m}, 0.0}}},
+          0.5 * Eigen::Vector2d(length_m, width_m).norm()};
+}
+
+Obstacle Maker::make_small_box() {
+  const double length_m = between(0.03, 0.2);
+  const double width_m = between(0.03, 0.1);
+  const double height_m = between(kMinHeightM, 0.15);
+  return {{{Box{{0.0, 0.0, 0.5 * height_m}, {length_m, width_m, height_m}, 0.0}}},
+          0.5 * Eigen::Vector2d(length_m, width_m).norm()};
+}
+
+/// A square plate on four legs.
+Obstacle Maker::make_plate(double bottom_m, double size_m, double leg_inset_m) {
+  constexpr double kPlateM = 0.03;
+  Obstacle obstacle;
+  obstacle.radius_m = 0.5 * Eigen::Vector2d(size_m, size_m).norm();
+  obstacle.objects.push_back(
+      {Box{{0.0, 0.0, bottom_m + 0.5 * kPlateM}, {size_m, size_m, kPlateM}, 0.0}});
+  const double leg_m = 0.5 * size_m - leg_inset_m;
+  for (const double x : {-leg_m, leg_m}) {
+    for (const double y : {-leg_m, leg_m}) {
+      obstacle.objects.push_back({Cylinder{{x, y, 0.5 * bottom_m}, kLegRadiusM, bottom_m}});
+    }
+  }
+  return obstacle;
+}
+
+Obstacle Maker::make_pole() {
+  const double radius_m = count(0, 1) == 0 ? kLegRadiusM : between(0.03, 0.2);
+  const double height_m = between(0.4, 2.0);
+  return {{{Cylinder{{0.0, 0.0, 0.5 * height_m}, radius_m, height_m}}}, radius_m};
+}
+
+bool Maker::place(const Obstacle& obstacle, World& world) {
+  const double reach_m = kHalfRoomM - obstacle.radius_m - kPassageM;
+  const Eigen::Vector2d center(between(-reach_m, reach_m), between(-reach_m, reach_m));
+  const double yaw_rad = between(-geometry::kPi, geometry::kPi);
+  const bool is_taken = std::ranges::any_of(taken_, [&](const Circle& other) {
+    return (center - other.center).norm() < obstacle.radius_m + other.radius_m + kPassageM;
+  });
+  if (is_taken || center.norm() < obstacle.radius_m + kStartFreeM) {
+    return false;
+  }
+  taken_.push_back({center, obstacle.radius_m});
+  const geometry::SE2 T_world_obstacle{center.x(), center.y(), yaw_rad};
+  for (Object object : obstacle.objects) {
+    if (auto* box = std::get_if<Box>(&object.shape)) {
+      box->center.head<2>() = T_world_obstacle * Eigen::Vector2d(box->center.head<2>());
+      box->yaw_rad = yaw_rad;
+    } else if (auto* cylinder = std::get_if<Cylinder>(&object.shape)) {
+      cylinder->center.head<2>() = T_world_obstacle * Eigen::Vector2d(cylinder->center.head<2>());
+    }
+    world.objects.push_back(object);
+  }
+  return true;
+}
+
+}  // namespace
+
+World random_clutter(std::uint64_t seed) {
+  return Maker(seed).make();
+}
+
+}  // namespace nodmap::sim

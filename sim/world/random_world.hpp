@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+
+#include "sim/world/world.hpp"
+
+namespace nodmap::sim {
+
+/// A walled room of 10 m x 10 m with the robot in its middle and 25 to 40 obstacles that are hard
+/// to see: low and small (from 3 cm on, just more than the robot drives over), high (table tops at
+/// 70 cm that the robot fits under, boards at 30 cm to 45 cm that it does not), thin (legs of 3
+/// cm). Nothing is nearer than 0.6 m to the start, and passages between obstacles, or an obstacle
+/// and a wall, are 0.6 m wide or more: 4 cm more than the robot's diagonal. The same seed gives the
+/// same world.
+[[nodiscard]] World random_clutter(std::uint64_t seed);
+
+}  // namespace nodmap::sim

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "sim/world/ray_shapes.hpp"
+#include "sim/world/world.hpp"
+
+namespace nodmap::sim {
+
+/// The surface that a ray meets.
+struct Hit {
+  double distance_m = 0.0;
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  ///< looks to where the ray comes from
+  double reflectivity = kDefaultReflectivity;
+};
+
+/// Finds what a ray meets first: objects (by a tree of bounding boxes), the floor with its pits,
+/// and actors. Surfaces have two sides.
+class RayCaster {
+ public:
+  explicit RayCaster(const World& world);
+
+  /// Empty if there is nothing up to `max_range_m`.
+  [[nodiscard]] std::optional<Hit> cast(const Ray& ray, double max_range_m,
+                                        std::span<const ActorState> actors = {}) const;
+
+ private:
+  struct Item {
+    RayShape shape;
+    double reflectivity = kDefaultReflectivity;
+  };
+  /// A leaf holds items [first, first + count); an inner node (count 0) has its children at the
+  /// next place and at `first`.
+  struct Node {
+    Bounds bounds;
+    std::size_t first = 0;
+    std::size_t count = 0;
+  };
+  struct Nearest {
+    double distance_m = 0.0;
+    const Item* item = nullptr;
+  };
+
+  void add(const Object& object);
+  std::size_t build(std::size_t first, std::size_t last);
+  void find_item(const Ray& ray, Nearest& nearest) const;
+  void test_leaf(const Node& node, const Ray& ray, Nearest& nearest) const;
+  [[nodiscard]] std::optional<Hit> cast_ground(const Ray& ray, double max_range_m) const;
+
+  std::vector<Item> items_;
+  std::vector<Node> nodes_;
+  std::vector<Pit> pits_;
+};
+
+/// The two triangles of a ramp.
+[[nodiscard]] Mesh to_mesh(const Ramp& ramp);
+
+}  // namespace nodmap::sim

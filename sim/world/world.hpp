@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <limits>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "common/geometry/se2.hpp"
+
+namespace nodmap::sim {
+
+/// Fraction of the laser's light that is reflected, relative to a white wall; this is a painted
+/// wall.
+inline constexpr double kDefaultReflectivity = 0.8;
+
+/// An upright box, rotated about the vertical axis. Metres, radians, world frame.
+struct Box {
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();
+  Eigen::Vector3d size = Eigen::Vector3d::Ones();
+  double yaw_rad = 0.0;
+};
+
+/// An upright cylinder; `center` is the middle of its axis.
+struct Cylinder {
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();
+  double radius_m = 0.1;
+  double height_m = 1.0;
+};
+
+/// A surface that rises evenly from the middle of one edge to the middle of the other, with nothing
+/// below it.
+struct Ramp {
+  Eigen::Vector3d from = Eigen::Vector3d::Zero();
+  Eigen::Vector3d to = Eigen::Vector3d::UnitX();
+  double width_m = 1.0;
+};
+
+/// Triangles; already in the world frame.
+struct Mesh {
+  std::vector<Eigen::Vector3d> vertices;
+  std::vector<Eigen::Vector3i> triangles;
+};
+
+/// A static object. A wall of the file is a Box here.
+struct Object {
+  std::variant<Box, Cylinder, Ramp, Mesh> shape;
+  double reflectivity = kDefaultReflectivity;
+};
+
+/// A rectangular hole in the floor.
+struct Pit {
+  Eigen::Vector2d min = Eigen::Vector2d::Zero();
+  Eigen::Vector2d max = Eigen::Vector2d::Zero();
+  double depth_m = 0.5;
+};
+
+struct Waypoint {
+  double time_s = 0.0;
+  Eigen::Vector2d position = Eigen::Vector2d::Zero();
+};
+
+/// An upright cylinder on the floor that moves at constant speed from waypoint to waypoint. Before
+/// the first time it is at the first waypoint; after the last it starts again (loop) or stays.
+struct Actor {
+  double radius_m = 0.25;
+  double height_m = 1.75;
+  std::vector<Waypoint> path;
+  bool loop = false;
+  double appear_s = 0.0;
+  double vanish_s = std::numeric_limits<double>::infinity();
+
+  [[nodiscard]] bool is_present(double time_s) const;
+  [[nodiscard]] Eigen::Vector2d position(double time_s) const;
+};
+
+/// An actor at one moment.
+struct ActorState {
+  Eigen::Vector2d position = Eigen::Vector2d::Zero();
+  double radius_m = 0.0;
+  double height_m = 0.0;
+};
+
+/// The content of a WORLD.yaml. The floor is z = 0 except in pits.
+struct World {
+  std::string name;
+  std::vector<Object> objects;
+  std::vector<Pit> pits;
+  std::vector<Actor> actors;
+  geometry::SE2 T_world_start;
+  std::vector<Eigen::Vector2d> goals;  ///< to be reached one after the other; may be empty
+};
+
+}  // namespace nodmap::sim

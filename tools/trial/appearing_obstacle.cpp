@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/trial/appearing_obstacle.hpp"
+
+#include <array>
+#include <cmath>
+#include <stdexcept>
+
+#include "tools/trial/metrics.hpp"
+
+namespace nodmap::trial {
+namespace {
+
+constexpr double kMinSpeedMps = 0.5;
+/// A curve of more than 3 m radius at that speed is straight enough.
+constexpr double kStraightRadS = 0.15;
+/// Inside the far end of the stopping zone, so that the obstacle counts from its first moment.
+constexpr double kInsideM = 0.01;
+
+struct Shape {
+  double radius_m;
+  double height_m;
+};
+constexpr std::array kShapes{Shape{0.15, 0.10}, Shape{0.015, 0.45}, Shape{0.25, 1.75}};
+
+bool is_driving_straight(const TruthSample& sample) {
+  return sample.forward_mps >= kMinSpeedMps && std::abs(sample.yaw_rate_rad_s) <= kStraightRadS;
+}
+
+/// The state in which an obstacle is to appear.
+TruthSample find_appearance(Trial& trial, double from_s) {
+  while (trial.step()) {
+    const TruthSample& sample = trial.record().truth.back();
+    if (trial.record().started_us && 1e-6 * static_cast<double>(sample.time_us) >= from_s &&
+        is_driving_straight(sample)) {
+      return sample;
+    }
+  }
+  throw std::runtime_error("--appear: from then on the robot never drives straight at 0.5 m/s");
+}
+
+sim::Actor make_actor(const TrialSetup& setup, const TruthSample& sample, double zone_m) {
+  const Shape& shape = kShapes.at(setup.seed % kShapes.size());
+  const double ahead_m =
+      0.5 * setup.params.sim.model.body.length_m + zone_m - kInsideM + shape.radius_m;
+  const Eigen::Vector2d place =
+      geometry::to_se2(sample.T_world_base) * Eigen::Vector2d(ahead_m, 0.0);
+  sim::Actor actor;
+  actor.radius_m = shape.radius_m;
+  actor.height_m = shape.height_m;
+  actor.path = {{0.0, place}};
+  actor.appear_s = 1e-6 * static_cast<double>(sample.time_us);
+  return actor;
+}
+
+}  // namespace
+
+sim::Actor place_appearing_obstacle(const TrialSetup& setup, double from_s,
+                                    const std::filesystem::path& dir) {
+  TruthSample sample;
+  std::vector<double> sweeps_s;
+  {
+    Trial trial(setup, dir);
+    sample = find_appearance(trial, from_s);
+    sweeps_s = sweep_times_s(trial.record());
+  }
+  std::filesystem::remove(dir / "trial.lcmlog");
+  const double sweep_s = sweeps_s.empty() ? 0.0 : sweeps_s.back();
+  return make_actor(setup, sample, stopping_zone(setup).length_m(sample.forward_mps, sweep_s));
+}
+
+}  // namespace nodmap::trial

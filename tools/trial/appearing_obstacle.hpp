@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+
+#include "tools/trial/trial.hpp"
+
+namespace nodmap::trial {
+
+/// Makes an obstacle that appears straight ahead at the far end of the stopping zone, where the
+/// robot must brake at once, as soon after `from_s` (seconds from power-on) as the robot drives
+/// straight at 0.5 m/s or more. The seed selects a box on the floor of 0.10 m, the leg of a chair,
+/// or a person.
+///
+/// A trial up to that moment finds out where the robot will be; until something appears, the same
+/// setup gives the same drive. Uses `dir`, and leaves nothing there. Throws std::runtime_error when
+/// the robot never drives like that before the trial ends.
+[[nodiscard]] sim::Actor place_appearing_obstacle(const TrialSetup& setup, double from_s,
+                                                  const std::filesystem::path& dir);
+
+}  // namespace nodmap::trial

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/trial/brake_latency.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace nodmap::trial {
+namespace {
+
+/// Whether a disc touches the rectangle x in [0, length] from the front, |y| <= half_width.
+bool touches(const sim::ActorState& actor, const geometry::SE2& T_world_base, double front_m,
+             double length_m, double half_width_m) {
+  const Eigen::Vector2d p = T_world_base.inverse() * actor.position;
+  const double dx = p.x() - std::clamp(p.x(), front_m, front_m + length_m);
+  const double dy = p.y() - std::clamp(p.y(), -half_width_m, half_width_m);
+  return std::hypot(dx, dy) <= actor.radius_m;
+}
+
+bool brakes(double drive_mps, double speed_mps) {
+  return drive_mps <= speed_mps - std::max(0.1, 0.1 * speed_mps);
+}
+
+}  // namespace
+
+double StoppingZone::length_m(double forward_mps, double sweep_s) const {
+  const double v = std::max(0.0, forward_mps);
+  return v * (2.0 * sweep_s + processing_s) + v * v / (2.0 * deceleration_mps2) + margin_m;
+}
+
+void BrakeLatencyMonitor::update(const State& state) {
+  actors_.resize(state.visible_actors.size());
+  const double length_m = zone_.length_m(state.forward_mps, state.sweep_s);
+  for (std::size_t i = 0; i < actors_.size(); ++i) {
+    TrackedActor& tracked = actors_[i];
+    const auto& actor = state.visible_actors[i];
+    const bool now = actor && touches(*actor, state.T_world_base, 0.5 * zone_.body_length_m,
+                                      length_m, 0.5 * zone_.body_width_m);
+    if (now && !tracked.in_zone && state.forward_mps >= kMinSpeedMps) {
+      tracked.open_event =
+          BrakeEvent{state.time_us, state.forward_mps, state.sweep_s, std::nullopt};
+    } else if (!now && tracked.open_event) {
+      ++num_evaded_;
+      tracked.open_event.reset();
+    }
+    tracked.in_zone = now;
+  }
+}
+
+void BrakeLatencyMonitor::add_drive_command(std::int64_t time_us, double forward_mps) {
+  for (TrackedActor& tracked : actors_) {
+    if (tracked.open_event && time_us > tracked.open_event->started_us &&
+        brakes(forward_mps, tracked.open_event->speed_mps)) {
+      tracked.open_event->answered_us = time_us;
+      answered_.push_back(*tracked.open_event);
+      tracked.open_event.reset();
+    }
+  }
+}
+
+std::vector<BrakeEvent> BrakeLatencyMonitor::events() const {
+  std::vector<BrakeEvent> events = answered_;
+  std::stable_sort(events.begin(), events.end(), [](const BrakeEvent& a, const BrakeEvent& b) {
+    return a.started_us < b.started_us;
+  });
+  for (const TrackedActor& tracked : actors_) {
+    if (tracked.open_event) {
+      events.push_back(*tracked.open_event);
+    }
+  }
+  return events;
+}
+
+}  // namespace nodmap::trial

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "common/geometry/se2.hpp"
+#include "sim/world/world.hpp"
+
+namespace nodmap::trial {
+
+/// The strip ahead of the robot's front, as wide as the body, in which an obstacle must make it
+/// brake at once.
+struct StoppingZone {
+  double body_length_m = 0.45;
+  double body_width_m = 0.33;
+  double deceleration_mps2 = 1.5;
+  double processing_s = 0.05;  ///< in addition to two sweeps
+  double margin_m = 0.15;      ///< left when the robot has stopped
+
+  /// Length of the strip: v (2 sweep_s + processing_s) + v^2 / 2a + margin_m, as the laser may need
+  /// two sweeps to see what is new.
+  [[nodiscard]] double length_m(double forward_mps, double sweep_s) const;
+};
+
+/// An obstacle that entered the stopping zone.
+struct BrakeEvent {
+  std::int64_t started_us = 0;
+  double speed_mps = 0.0;
+  double sweep_s = 0.0;                     ///< duration of the last sweep at that time
+  std::optional<std::int64_t> answered_us;  ///< empty: not before the end of the trial
+};
+
+/// Measures the time from the moment at which an obstacle enters the stopping zone until the robot
+/// brakes.
+///
+/// It starts when an actor that a beam could meet (it is present, and nothing is between it and the
+/// mirror) first touches the stopping zone. It ends with the first DRIVE that is 10 %, and at least
+/// 0.1 m/s, below the robot's speed at the start. An actor that leaves the zone before (because it
+/// moved on, or the robot turned away) counts as evaded. Below 0.3 m/s nothing is measured, because
+/// braking could not be told from noise.
+class BrakeLatencyMonitor {
+ public:
+  static constexpr double kMinSpeedMps = 0.3;
+
+  explicit BrakeLatencyMonitor(const StoppingZone& zone) : zone_(zone) {}
+
+  struct State {
+    std::int64_t time_us = 0;
+    geometry::SE2 T_world_base;
+    double forward_mps = 0.0;
+    double sweep_s = 0.0;  ///< duration of the last sweep
+    /// One for each actor of the world; empty: not present, or hidden.
+    std::vector<std::optional<sim::ActorState>> visible_actors;
+  };
+  void update(const State& state);
+  /// A DRIVE arrives at the base.
+  void add_drive_command(std::int64_t time_us, double forward_mps);
+
+  /// In the order of their start, the unanswered ones last.
+  [[nodiscard]] std::vector<BrakeEvent> events() const;
+  [[nodiscard]] std::int64_t num_evaded() const { return num_evaded_; }
+
+ private:
+  struct TrackedActor {
+    bool in_zone = false;
+    std::optional<BrakeEvent> open_event;
+  };
+
+  StoppingZone zone_;
+  std::vector<TrackedActor> actors_;
+  std::vector<BrakeEvent> answered_;
+  std::int64_t num_evaded_ = 0;
+};
+
+}  // namespace nodmap::trial

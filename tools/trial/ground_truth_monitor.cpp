@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/trial/ground_truth_monitor.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "common/node/messages.hpp"
+#include "nodmap/drive_t.hpp"
+#include "nodmap/navigation_t.hpp"
+#include "nodmap/truth_t.hpp"
+#include "tools/trial/record.hpp"
+
+namespace nodmap::trial {
+namespace {
+
+constexpr std::int64_t kRecordPeriodUs = 10'000;
+constexpr std::int64_t kTruthPeriodUs = 20'000;
+/// Height of the mirror, for the line of sight to an actor.
+constexpr double kMirrorHeightM = 0.38;
+
+}  // namespace
+
+GroundTruthMonitor::GroundTruthMonitor(const sim::World& world, const sim::RobotModel& model,
+                                       bus::LoopNetwork& network, const StoppingZone& zone)
+    : world_(world), model_(model), caster_(world), bus_(network), brake_latency_(zone) {
+  subscribe();
+}
+
+void GroundTruthMonitor::subscribe() {
+  bus_.subscribe<nodmap::scan_t>("SCAN",
+                                 [this](const nodmap::scan_t& message) { on_scan(message); });
+  bus_.subscribe<nodmap::drive_t>("DRIVE", [this](const nodmap::drive_t& message) {
+    brake_latency_.add_drive_command(model_.now_us(), message.forward_mps);
+  });
+  bus_.subscribe<nodmap::pitch_state_t>(
+      "PITCH_STATE", [this](const nodmap::pitch_state_t& message) { on_pitch_state(message); });
+  bus_.subscribe<nodmap::odometry_t>("ODOMETRY", [this](const nodmap::odometry_t& message) {
+    if (const auto T_odom_base = node::read_odometry(message)) {
+      record_.odometry.push_back({message.utime, *T_odom_base});
+    }
+  });
+  bus_.subscribe<nodmap::navigation_t>("NAVIGATION", [this](const nodmap::navigation_t& message) {
+    const bool at_goal = message.behaviour == nodmap::navigation_t::ARRIVED;
+    if (at_goal && !std::exchange(at_goal_, at_goal)) {
+      record_.arrivals_us.push_back(model_.now_us());
+    }
+    at_goal_ = at_goal;
+  });
+}
+
+void GroundTruthMonitor::on_scan(const nodmap::scan_t& message) {
+  record_.started_us = record_.started_us.value_or(model_.now_us());
+  scan::Scan scan;
+  if (!node::read_scan(message, scan)) {
+    return;
+  }
+  const auto T_world_first = T_world_base_.at(scan.utime_us);
+  const auto T_world_last = T_world_base_.at(scan.utime_last_us());
+  if (T_world_first && T_world_last) {
+    const geometry::SE3 T_map_world = geometry::to_se3(world_.T_world_start.inverse());
+    observed_voxels_.add(scan, T_map_world * *T_world_first, T_map_world * *T_world_last);
+  }
+}
+
+void GroundTruthMonitor::on_pitch_state(const nodmap::pitch_state_t& message) {
+  if (sweep_ && message.sweep_count != *sweep_) {
+    record_.sweep_ends_us.push_back(message.utime - kEpochUs);
+  }
+  sweep_ = message.sweep_count;
+}
+
+void GroundTruthMonitor::update() {
+  const std::int64_t now_us = model_.now_us();
+  const bool recorded = now_us % kRecordPeriodUs == 0;
+  if (!recorded && world_.actors.empty()) {
+    return;
+  }
+  const sim::GroundTruth truth = model_.ground_truth();
+  if (recorded) {
+    record_.truth.push_back({now_us, truth.T_world_base, truth.forward_mps, truth.yaw_rate_rad_s,
+                             truth.clearance_m, truth.collisions, truth.bumps,
+                             truth.contacts_caused, truth.falls});
+    T_world_base_.add(kEpochUs + now_us, truth.T_world_base);
+  }
+  if (now_us % kTruthPeriodUs == 0) {
+    publish(truth);
+  }
+  if (!world_.actors.empty()) {
+    update_brake_latency(truth);
+  }
+}
+
+void GroundTruthMonitor::publish(const sim::GroundTruth& truth) {
+  nodmap::truth_t message{};
+  message.utime = kEpochUs + model_.now_us();
+  message.truth_seq = truth_seq_++;
+  node::write_pose(truth.T_world_base, message.position_m, message.orientation);
+  message.forward_mps = truth.forward_mps;
+  message.yaw_rate_rad_s = truth.yaw_rate_rad_s;
+  message.pitch_rad = truth.pitch_rad;
+  message.clearance_m = truth.clearance_m;
+  message.collisions = truth.collisions;
+  message.bumps = truth.bumps;
+  message.num_actors = static_cast<std::int32_t>(truth.actors.size());
+  for (const sim::ActorState& actor : truth.actors) {
+    message.actor_position_m.push_back({actor.position.x(), actor.position.y()});
+    message.actor_radius_m.push_back(actor.radius_m);
+    message.actor_height_m.push_back(actor.height_m);
+  }
+  bus_.publish("TRUTH", message);
+}
+
+void GroundTruthMonitor::update_brake_latency(const sim::GroundTruth& truth) {
+  const double now_s = 1e-6 * static_cast<double>(model_.now_us());
+  BrakeLatencyMonitor::State state;
+  state.time_us = model_.now_us();
+  state.T_world_base = geometry::to_se2(truth.T_world_base);
+  state.forward_mps = truth.forward_mps;
+  const std::size_t n = record_.sweep_ends_us.size();
+  state.sweep_s =
+      n < 2
+          ? 0.0
+          : 1e-6 * static_cast<double>(record_.sweep_ends_us[n - 1] - record_.sweep_ends_us[n - 2]);
+  for (const sim::Actor& actor : world_.actors) {
+    const sim::ActorState actor_state{actor.position(now_s), actor.radius_m, actor.height_m};
+    const bool visible = actor.is_present(now_s) && is_visible(actor_state, truth);
+    state.visible_actors.push_back(visible ? std::optional(actor_state) : std::nullopt);
+  }
+  brake_latency_.update(state);
+}
+
+// By a ray from the mirror to the actor's axis: it decides for half hidden actors, too.
+bool GroundTruthMonitor::is_visible(const sim::ActorState& actor,
+                                    const sim::GroundTruth& truth) const {
+  const Eigen::Vector3d mirror = truth.T_world_base * Eigen::Vector3d(0.15, 0.0, kMirrorHeightM);
+  const double z_m = std::min(mirror.z(), 0.5 * actor.height_m);
+  const Eigen::Vector3d to_actor(actor.position.x() - mirror.x(), actor.position.y() - mirror.y(),
+                                 z_m - mirror.z());
+  const double distance_m = to_actor.norm() - actor.radius_m;
+  return distance_m <= 0.0 || !caster_.cast({mirror, to_actor.normalized()}, distance_m);
+}
+
+}  // namespace nodmap::trial

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "common/bus/loop_bus.hpp"
+#include "common/geometry/pose_history.hpp"
+#include "nodmap/pitch_state_t.hpp"
+#include "nodmap/scan_t.hpp"
+#include "sim/body/robot_model.hpp"
+#include "sim/world/ray_caster.hpp"
+#include "tools/trial/brake_latency.hpp"
+#include "tools/trial/occupancy_metrics.hpp"
+#include "tools/trial/record.hpp"
+
+namespace nodmap::trial {
+
+/// Records the true state and the messages that a trial is evaluated by, and publishes TRUTH, to
+/// which no part of the robot subscribes.
+class GroundTruthMonitor {
+ public:
+  GroundTruthMonitor(const sim::World& world, const sim::RobotModel& model,
+                     bus::LoopNetwork& network, const StoppingZone& zone);
+
+  /// To be called every millisecond of simulated time.
+  void update();
+
+  [[nodiscard]] const TrialRecord& record() const { return record_; }
+  [[nodiscard]] const BrakeLatencyMonitor& brake_latency() const { return brake_latency_; }
+  /// True poses of base by message time.
+  [[nodiscard]] const geometry::PoseHistory& T_world_base() const { return T_world_base_; }
+  [[nodiscard]] const ObservedVoxels& observed_voxels() const { return observed_voxels_; }
+
+ private:
+  void subscribe();
+  void on_scan(const nodmap::scan_t& message);
+  void on_pitch_state(const nodmap::pitch_state_t& message);
+  void publish(const sim::GroundTruth& truth);
+  void update_brake_latency(const sim::GroundTruth& truth);
+  [[nodiscard]] bool is_visible(const sim::ActorState& actor, const sim::GroundTruth& truth) const;
+
+  sim::World world_;
+  const sim::RobotModel& model_;
+  sim::RayCaster caster_;  // without actors
+  bus::LoopBus bus_;
+  BrakeLatencyMonitor brake_latency_;
+  TrialRecord record_;
+  geometry::PoseHistory T_world_base_;
+  ObservedVoxels observed_voxels_;
+  std::optional<std::int64_t> sweep_;
+  bool at_goal_ = false;
+  std::int64_t truth_seq_ = 0;
+};
+
+}  // namespace nodmap::trial

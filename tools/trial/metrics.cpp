@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/trial/metrics.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "tools/trial/record.hpp"
+
+namespace nodmap::trial {
+namespace {
+
+double seconds(std::int64_t duration_us) {
+  return 1e-6 * static_cast<double>(duration_us);
+}
+
+double distance_between(const TruthSample& a, const TruthSample& b) {
+  return (b.T_world_base.translation() - a.T_world_base.translation()).head<2>().norm();
+}
+
+bool is_stationary(const TruthSample& sample) {
+  return std::abs(sample.forward_mps) < kStationaryMps;
+}
+
+/// A rotation on the spot is motion, too.
+bool is_moving(const TruthSample& sample) {
+  constexpr double kMinMps = 0.05;
+  constexpr double kMinRadS = 0.05;
+  return std::abs(sample.forward_mps) >= kMinMps || std::abs(sample.yaw_rate_rad_s) > kMinRadS;
+}
+
+auto first_from(const TrialRecord& record, std::int64_t time_us) {
+  return std::find_if(record.truth.begin(), record.truth.end(),
+                      [time_us](const TruthSample& sample) { return sample.time_us >= time_us; });
+}
+
+}  // namespace
+
+Quantiles quantiles(std::vector<double> values) {
+  if (values.empty()) {
+    return {};
+  }
+  std::sort(values.begin(), values.end());
+  const auto rank = [&values](double quantile) {
+    const auto n =
+        static_cast<std::size_t>(std::ceil(quantile * static_cast<double>(values.size())));
+    return values[std::max<std::size_t>(n, 1) - 1];
+  };
+  return {rank(0.5), rank(0.99), values.back(), values.size()};
+}
+
+DriveMetrics drive_metrics(const TrialRecord& record) {
+  DriveMetrics metrics;
+  if (!record.started_us) {
+    return metrics;
+  }
+  const auto first = first_from(record, *record.started_us);
+  if (first == record.truth.end()) {
+    return metrics;
+  }
+  metrics.min_clearance_m = std::numeric_limits<double>::infinity();
+  for (auto sample = first; sample != record.truth.end(); ++sample) {
+    metrics.max_speed_mps = std::max(metrics.max_speed_mps, std::abs(sample->forward_mps));
+    metrics.min_clearance_m = std::min(metrics.min_clearance_m, sample->clearance_m);
+    metrics.distance_m += sample == first ? 0.0 : distance_between(*std::prev(sample), *sample);
+    if (!metrics.first_motion_s && is_moving(*sample)) {
+      metrics.first_motion_s = seconds(sample->time_us - *record.started_us);
+    }
+    if (sample->collisions > 0 && !metrics.first_collision_s) {
+      metrics.first_collision_s = seconds(sample->time_us - *record.started_us);
+    }
+  }
+  const TruthSample& last = record.truth.back();
+  metrics.collisions = last.collisions;
+  metrics.bumped = last.bumps;
+  metrics.contacts_caused = last.contacts_caused;
+  metrics.falls = last.falls;
+  metrics.duration_s = seconds(last.time_us - first->time_us);
+  metrics.mean_speed_mps = metrics.duration_s > 0.0 ? metrics.distance_m / metrics.duration_s : 0.0;
+  return metrics;
+}
+
+std::vector<double> sweep_times_s(const TrialRecord& record) {
+  std::vector<double> times;
+  for (std::size_t i = 1; i < record.sweep_ends_us.size(); ++i) {
+    times.push_back(seconds(record.sweep_ends_us[i] - record.sweep_ends_us[i - 1]));
+  }
+  return times;
+}
+
+StopMetrics stop_metrics(const TrialRecord& record, const Disturbance& disturbance,
+                         double deceleration_mps2) {
+  StopMetrics stop;
+  const auto first = first_from(record, disturbance.started_us);
+  const auto end = first_from(record, disturbance.ended_us);
+  if (first == record.truth.end()) {
+    return stop;
+  }
+  stop.speed_mps = first->forward_mps;
+  stop.braking_distance_m = stop.speed_mps * stop.speed_mps / (2.0 * deceleration_mps2);
+  for (auto sample = first; sample != end; ++sample) {
+    stop.distance_m += sample == first ? 0.0 : distance_between(*std::prev(sample), *sample);
+    if (is_stationary(*sample)) {
+      stop.stopped_after_s = seconds(sample->time_us - disturbance.started_us);
+      break;
+    }
+  }
+  const auto resumed = std::find_if(end, record.truth.end(), [](const TruthSample& sample) {
+    // A rotation on the spot is motion, too.
+    return !is_stationary(sample) || std::abs(sample.yaw_rate_rad_s) > 0.05;
+  });
+  if (resumed != record.truth.end()) {
+    stop.resumed_after_s = seconds(resumed->time_us - disturbance.ended_us);
+  }
+  return stop;
+}
+
+formats::Trajectory true_trajectory(const TrialRecord& record, bool planar) {
+  formats::Trajectory trajectory;
+  for (const TruthSample& sample : record.truth) {
+    trajectory.push_back(
+        {kEpochUs + sample.time_us,
+         planar ? geometry::to_se3(geometry::to_se2(sample.T_world_base)) : sample.T_world_base});
+  }
+  return trajectory;
+}
+
+}  // namespace nodmap::trial

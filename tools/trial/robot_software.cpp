@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/trial/robot_software.hpp"
+
+#include <algorithm>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <utility>
+
+namespace nodmap::trial {
+
+Process::Process(std::string name, bus::LoopNetwork& network, node::NodeFactory make_node)
+    : name_(std::move(name)), network_(network), make_node_(std::move(make_node)) {
+  start();
+}
+
+void Process::start() {
+  running_ = std::make_unique<Running>(network_);
+  running_->node = make_node_(running_->context);
+  running_->device_node = dynamic_cast<node::DeviceNode*>(running_->node.get());
+}
+
+void Process::spin_once() {
+  if (running_ && running_->device_node != nullptr) {
+    running_->device_node->spin_once();
+  }
+}
+
+nlohmann::json Process::report() const {
+  if (!running_) {
+    return nullptr;
+  }
+  const node::MessageCounts& counts = running_->counts;
+  nlohmann::json rejected = nlohmann::json::object();
+  for (const auto& [cause, count] : counts.rejected()) {
+    rejected[cause] = count;
+  }
+  return {{"messages",
+           {{"read", running_->bus.counts().received},
+            {"used", counts.used()},
+            {"rejected", rejected},
+            {"corrupt", running_->bus.counts().corrupt},
+            {"lost", counts.lost()},
+            {"published", running_->bus.counts().published}}},
+          {"metrics", running_->node->metrics()}};
+}
+
+RobotSoftware::RobotSoftware(sim::SimulatedRobot& hardware, bus::LoopNetwork& network,
+                             AllParams params, std::set<std::string> without)
+    : hardware_(hardware),
+      network_(network),
+      params_(std::move(params)),
+      without_(std::move(without)),
+      laser_line_(hardware.device(sim::Part::kLaser)),
+      servo_line_(hardware.device(sim::Part::kServo)),
+      base_line_(hardware.device(sim::Part::kBase)) {
+  const auto clock = [this] {
+    const std::int64_t now_us = hardware_.model().now_us();
+    return time::Moment{kEpochUs + now_us, now_us};
+  };
+  processes_.reserve(7);
+  add("kurt", [this, clock](node::Context& context) {
+    return std::make_unique<kurt::KurtNode>(
+        context, params_.kurt, [this] { return base_line_.open(params_.kurt.baud); }, clock);
+  });
+  add("laser3d", [this, clock](node::Context& context) {
+    return std::make_unique<laser3d::Laser3dNode>(
+        context, params_.laser3d,
+        laser3d::Laser3dNode::Openers{
+            .laser = [this] { return laser_line_.open(params_.laser3d.laser_baud); },
+            .servo = [this] { return servo_line_.open(params_.laser3d.servo_baud); }},
+        clock);
+  });
+  add("pitch_controller", [this](node::Context& context) {
+    return std::make_unique<pitch_controller::PitchControllerNode>(context,
+                                                                   params_.pitch_controller);
+  });
+  add("map_server", [this](node::Context& context) {
+    return std::make_unique<map_server::MapServerNode>(context, params_.map_server);
+  });
+  add("navigator", [this](node::Context& context) {
+    return std::make_unique<navigator::NavigatorNode>(context, params_.navigator);
+  });
+  add("slam2d", [this](node::Context& context) {
+    return std::make_unique<slam2d::Slam2dNode>(context, params_.slam2d);
+  });
+  add("slam6d", [this](node::Context& context) {
+    return std::make_unique<slam6d::Slam6dNode>(context, params_.slam6d);
+  });
+}
+
+void RobotSoftware::add(const std::string& name, node::NodeFactory make_node) {
+  if (!without_.contains(name)) {
+    processes_.emplace_back(name, network_, std::move(make_node));
+  }
+}
+
+void RobotSoftware::step() {
+  for (SimulatedLine* line : {&base_line_, &laser_line_, &servo_line_}) {
+    line->move_bytes(hardware_.model().now_us());
+  }
+  for (Process& process : processes_) {
+    process.spin_once();
+  }
+}
+
+Process& RobotSoftware::process(const std::string& name) {
+  for (Process& process : processes_) {
+    if (process.name() == name) {
+      return process;
+    }
+  }
+  throw std::invalid_argument("no process " + name);
+}
+
+void RobotSoftware::kill(const std::string& name) {
+  if (name == "kurt") {
+    base_line_.cut();
+  } else if (name == "laser3d") {
+    laser_line_.cut();
+    servo_line_.cut();
+  }
+  process(name).kill();
+}
+
+void RobotSoftware::start(const std::string& name) {
+  process(name).start();
+}
+
+void RobotSoftware::finish() {
+  for (Process& process : processes_) {
+    if (process.is_running()) {
+      process.node()->finish();
+    }
+  }
+}
+
+void RobotSoftware::write_results(const std::filesystem::path& dir) const {
+  for (const Process& process : processes_) {
+    if (!process.is_running()) {
+      continue;
+    }
+    std::string folder = process.name();  // as its program is called: map-server
+    std::replace(folder.begin(), folder.end(), '_', '-');
+    const std::filesystem::path own = dir / folder;
+    std::filesystem::create_directory(own);
+    process.node()->write_results(own);
+    if (std::filesystem::is_empty(own)) {
+      std::filesystem::remove(own);
+    }
+  }
+}
+
+nlohmann::json RobotSoftware::report() const {
+  nlohmann::json report = nlohmann::json::object();
+  for (const Process& process : processes_) {
+    report[process.name()] = process.report();
+  }
+  return report;
+}
+
+}  // namespace nodmap::trial

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <boost/core/noncopyable.hpp>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "common/bus/loop_bus.hpp"
+#include "common/node/device_node.hpp"
+#include "common/node/node.hpp"
+#include "sim/devices/simulated_robot.hpp"
+#include "tools/trial/params.hpp"
+#include "tools/trial/record.hpp"
+#include "tools/trial/simulated_line.hpp"
+
+namespace nodmap::trial {
+
+/// One process of the robot: its node and what surrounds it while it runs.
+class Process {
+ public:
+  /// Starts it.
+  Process(std::string name, bus::LoopNetwork& network, node::NodeFactory make_node);
+
+  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] bool is_running() const { return running_ != nullptr; }
+  /// Null while it does not run.
+  [[nodiscard]] node::Node* node() const { return running_ ? running_->node.get() : nullptr; }
+
+  /// Lets a driver exchange bytes with its device; does nothing for other processes.
+  void spin_once();
+
+  void start();
+  /// As kill -9: the state is lost and nothing is written. A driver's lines must be cut before.
+  void kill() { running_.reset(); }
+
+  /// Message counts and the module's own metrics, without latencies, which are of the wall clock.
+  [[nodiscard]] nlohmann::json report() const;
+
+ private:
+  struct Running {
+    explicit Running(bus::LoopNetwork& network) : bus(network), context{bus, counts, {}} {}
+
+    bus::LoopBus bus;
+    node::MessageCounts counts;
+    node::Context context;
+    std::unique_ptr<node::Node> node;
+    node::DeviceNode* device_node = nullptr;
+  };
+
+  std::string name_;
+  bus::LoopNetwork& network_;
+  node::NodeFactory make_node_;
+  std::unique_ptr<Running> running_;
+};
+
+/// The robot's software: the same nodes as on the real robot, all on one network, the drivers
+/// connected to the simulated devices.
+class RobotSoftware : private boost::noncopyable {
+ public:
+  /// Leaves out the processes named in `without`.
+  RobotSoftware(sim::SimulatedRobot& hardware, bus::LoopNetwork& network, AllParams params,
+                std::set<std::string> without);
+
+  /// Lines and drivers do what is due at the hardware's time.
+  void step();
+
+  void kill(const std::string& name);
+  void start(const std::string& name);
+
+  /// Each process handles the messages that it still holds.
+  void finish();
+  /// Writes each module's files into a folder of its own.
+  void write_results(const std::filesystem::path& dir) const;
+  /// Process::report() by process.
+  [[nodiscard]] nlohmann::json report() const;
+
+ private:
+  void add(const std::string& name, node::NodeFactory make_node);
+  [[nodiscard]] Process& process(const std::string& name);
+
+  sim::SimulatedRobot& hardware_;
+  bus::LoopNetwork& network_;
+  AllParams params_;
+  std::set<std::string> without_;
+  SimulatedLine laser_line_;
+  SimulatedLine servo_line_;
+  SimulatedLine base_line_;
+  std::vector<Process> processes_;  // destroyed before the lines
+};
+
+}  // namespace nodmap::trial
