@@ -1,6 +1,24 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "drivers/kurt/program.hpp"
+#include "common/node/device_process.hpp"
+#include "common/params/params.hpp"
+#include "common/time/clock.hpp"
+#include "drivers/kurt/node.hpp"
 
 int main(int argc, char** argv) {
-  return nodmap::kurt::run_kurt(argc, argv);
+  using namespace nodmap;  // NOLINT(google-build-using-namespace): a program of one page
+  kurt::KurtParams params;
+  params::Table table(params);
+  const auto check = [&params] {
+    return params.device.empty()
+               ? std::string("device: is not set; name the serial port of the CAN adapter")
+               : std::string();
+  };
+  return node::run_device_process(
+      argc, argv,
+      {"nodmap-kurt", "Drives the KURT2 base through an SLCAN adapter: DRIVE in, ODOMETRY out."},
+      table, check, [&params](node::Context& context) {
+        return std::make_unique<kurt::KurtNode>(context, params,
+                                                serial::port_opener(params.device, params.baud),
+                                                time::now_on_both_clocks);
+      });
 }

@@ -231,7 +231,7 @@ TEST(KurtNode, APulledPlugIsToldAndHealed) {
   bench.pty.reset();
   bench.drive_us(0.5, 0.0, 20'000);
   EXPECT_EQ(bench.node->health().state, node::HealthState::kFailed);
-  EXPECT_EQ(bench.node->health().reason, "disconnected");
+  EXPECT_EQ(bench.node->health().reason, "the line is disconnected");
   bench.drive_us(0.5, 0.0, 1'000'000);
   EXPECT_EQ(bench.node->health().reason, "/dev/kurt: No such file or directory");
   EXPECT_EQ(bench.status.get()->health, nodmap::status_t::FAILED);
