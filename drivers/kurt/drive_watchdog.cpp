@@ -28,9 +28,11 @@ const char* name_of(DriveStatus status) {
     case DriveStatus::kFromFuture:
       return "drive_from_future";
     case DriveStatus::kOutOfOrder:
+      return "drive_out_of_order";
+    case DriveStatus::kOtherSender:
       break;
   }
-  return "drive_out_of_order";
+  return "drive_other_sender";
 }
 
 DriveStatus DriveWatchdog::classify(const DriveRequest& request, std::int64_t utime_us,
@@ -58,13 +60,23 @@ DriveStatus DriveWatchdog::classify(const DriveRequest& request, std::int64_t ut
 
 DriveStatus DriveWatchdog::offer(const DriveRequest& request, std::int64_t utime_us,
                                  std::int64_t now_us) {
+  const bool is_followed = sender_.follow(request.seq, now_us);
   const DriveStatus status = classify(request, utime_us, now_us);
+  const bool is_nonsense = status == DriveStatus::kNotFinite || status == DriveStatus::kImplausible;
+  if (is_nonsense || sender_.is_contested(now_us)) {
+    revoke();
+  }
+  if (is_nonsense) {
+    return status;
+  }
+  if (!is_followed || sender_.is_contested(now_us)) {
+    return DriveStatus::kOtherSender;
+  }
   if (status == DriveStatus::kObeyed) {
     const std::int64_t age_us = std::max<std::int64_t>(0, utime_us - request.utime_us);
-    obeyed_ = {request.command, request.utime_us,
+    // A stamp ahead of our clock must not make later commands look older.
+    obeyed_ = {request.command, std::min(request.utime_us, utime_us),
                now_us + std::min(timeout_us_, request.valid_us) - age_us};
-  } else if (status == DriveStatus::kNotFinite || status == DriveStatus::kImplausible) {
-    revoke();
   }
   return status;
 }

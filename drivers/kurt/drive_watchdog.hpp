@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "drivers/kurt/sender_watch.hpp"
 #include "drivers/kurt/speed_limiter.hpp"
 
 namespace nodmap::kurt {
@@ -13,6 +14,7 @@ struct DriveRequest {
   DriveCommand command;
   std::int64_t utime_us = 0;  ///< when it was decided
   std::int64_t valid_us = 0;  ///< for how long from then
+  std::int64_t seq = 0;       ///< the sender's count
 };
 
 /// What became of a DRIVE.
@@ -23,6 +25,7 @@ enum class DriveStatus : std::uint8_t {
   kStale,        ///< too old
   kFromFuture,   ///< newer than now: the clocks of sender and driver differ
   kOutOfOrder,   ///< older than the one that is being obeyed
+  kOtherSender,  ///< not of the sender that is followed, or two senders are alive
 };
 
 /// The name under which such a DRIVE is counted.
@@ -38,6 +41,9 @@ enum class DriveStatus : std::uint8_t {
 /// nobody watches what is ahead; with a shorter one it would stutter whenever the scheduler is
 /// late. The base has a time-out of its own behind this one: it stops when it hears nothing from
 /// the driver for 100 ms, so killing the driver stops the robot, too.
+///
+/// One sender is followed (SenderWatch). While two are alive the robot is stationary: which of them
+/// means well cannot be known.
 class DriveWatchdog {
  public:
   explicit DriveWatchdog(std::int64_t timeout_us) : timeout_us_(timeout_us) {}
@@ -48,6 +54,11 @@ class DriveWatchdog {
 
   /// The command to obey; empty: stop.
   [[nodiscard]] std::optional<DriveCommand> command(std::int64_t now_us) const;
+
+  /// Whether two processes send DRIVE, so that none of them is obeyed.
+  [[nodiscard]] bool is_contested(std::int64_t now_us) const {
+    return sender_.is_contested(now_us);
+  }
 
   /// Stops until the next command: the link to the base was lost, say.
   void revoke() { obeyed_.reset(); }
@@ -63,6 +74,7 @@ class DriveWatchdog {
                                      std::int64_t now_us) const;
 
   std::int64_t timeout_us_;
+  SenderWatch sender_;
   std::optional<Obeyed> obeyed_;
 };
 

@@ -83,6 +83,12 @@ class Kurt {
   [[nodiscard]] bool wants_new_port() const { return session_.gave_up(); }
 
   [[nodiscard]] KurtState state(std::int64_t steady_us) const;
+
+  /// Whether two processes send DRIVE, so that none of them is obeyed.
+  [[nodiscard]] bool is_contested(std::int64_t steady_us) const {
+    return watchdog_.is_contested(steady_us);
+  }
+
   [[nodiscard]] const BaseSensors& sensors() const { return sensors_; }
   [[nodiscard]] const KurtCounts& counts() const { return counts_; }
   [[nodiscard]] const SlcanCounts& slcan_counts() const { return parser_.counts(); }

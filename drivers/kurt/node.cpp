@@ -80,7 +80,7 @@ nodmap::base_sensors_t to_message(const BaseSensors& sensors, const time::Moment
   return message;
 }
 
-const char* describe(KurtState state) {
+const char* describe(KurtState state, bool is_contested) {
   switch (state) {
     case KurtState::kNoLine:
       return "the serial line is not open";
@@ -89,7 +89,8 @@ const char* describe(KurtState state) {
     case KurtState::kNoBase:
       return "no encoder frames that wheels can have made: is the base switched on?";
     case KurtState::kNoDrive:
-      return "no DRIVE: the robot is stationary";
+      return is_contested ? "two processes send DRIVE: the robot is stationary until one has ended"
+                          : "no DRIVE: the robot is stationary";
     case KurtState::kDriving:
       break;
   }
@@ -137,7 +138,7 @@ void KurtNode::turn() {
     next_sensors_us_ = now.steady_us + kSensorsPeriodUs;
     publish_sensors(now);
   }
-  log_change(kurt_.state(now.steady_us));
+  log_change(now);
 }
 
 void KurtNode::receive(std::span<const std::uint8_t> bytes, const time::Moment& now) {
@@ -155,7 +156,7 @@ void KurtNode::send(const time::Moment& now) {
     link_.write(bytes_of(text), now, {.timeout = kWriteTimeout});
   }
   if (kurt_.wants_new_port()) {
-    link_.give_up(now, describe(KurtState::kNoBus));
+    link_.give_up(now, describe(KurtState::kNoBus, false));
   }
 }
 
@@ -171,7 +172,7 @@ void KurtNode::on_drive(const nodmap::drive_t& message) {
   // While STOP holds, every DRIVE counts as zero: the robot brakes and stays stationary.
   const DriveCommand wanted =
       stopped_ ? DriveCommand{} : DriveCommand{message.forward_mps, message.yaw_rate_rad_s};
-  const DriveRequest request{wanted, message.utime, message.valid_us};
+  const DriveRequest request{wanted, message.utime, message.valid_us, message.drive_seq};
   const DriveStatus status = kurt_.drive(request, clock_());
   if (status == DriveStatus::kObeyed) {
     context_.tally.use();
@@ -207,12 +208,14 @@ void KurtNode::publish_sensors(const time::Moment& now) {
   }
 }
 
-void KurtNode::log_change(KurtState state) {
+void KurtNode::log_change(const time::Moment& now) {
+  const KurtState state = kurt_.state(now.steady_us);
+  const char* text = describe(state, kurt_.is_contested(now.steady_us));
   const KurtState before = std::exchange(logged_state_, state);
   if (state > before) {  // one step nearer to driving
-    log::get().info("{}", state == KurtState::kDriving ? "obeying DRIVE" : describe(state));
+    log::get().info("{}", state == KurtState::kDriving ? "obeying DRIVE" : text);
   } else if (state < before && state != KurtState::kNoLine) {  // that the link has logged
-    log::get().warn("{}", describe(state));
+    log::get().warn("{}", text);
   }
 }
 
@@ -232,15 +235,18 @@ nlohmann::json KurtNode::figures() const {
 }
 
 node::Health KurtNode::health() const {
-  const KurtState state = kurt_.state(clock_().steady_us);
+  const std::int64_t now_us = clock_().steady_us;
+  const KurtState state = kurt_.state(now_us);
+  const bool is_contested = kurt_.is_contested(now_us);
   switch (state) {
     case KurtState::kNoLine:
       return {node::HealthState::kFailed, link_.error()};
     case KurtState::kNoBus:
     case KurtState::kNoBase:
-      return {node::HealthState::kFailed, describe(state)};
+      return {node::HealthState::kFailed, describe(state, false)};
     case KurtState::kNoDrive:
-      return {node::HealthState::kDegraded, describe(state)};
+      return {is_contested ? node::HealthState::kFailed : node::HealthState::kDegraded,
+              describe(state, is_contested)};
     case KurtState::kDriving:
       break;
   }

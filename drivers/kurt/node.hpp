@@ -48,7 +48,7 @@ class KurtNode final : public node::DeviceNode {
   void on_stop(const nodmap::stop_t& message);
   void publish_odometry(const OdometrySample& sample);
   void publish_sensors(const time::Moment& now);
-  void log_change(KurtState state);
+  void log_change(const time::Moment& now);
 
   node::Context& context_;
   Kurt kurt_;

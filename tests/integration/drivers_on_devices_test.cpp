@@ -291,7 +291,7 @@ class BaseRun {
       }
       if (now_us_ >= next_control_us_) {
         next_control_us_ += 10'000;
-        driver_.drive({{forward_mps, 0.0}, now_us_, kValidUs}, moment());
+        driver_.drive({{forward_mps, 0.0}, now_us_, kValidUs, drive_seq_++}, moment());
         const std::string line = driver_.control(moment());
         device_.receive(sim::Bytes(line.begin(), line.end()), cable_.baud, now_us_);
       }
@@ -307,6 +307,7 @@ class BaseRun {
 
   std::int64_t now_us_ = 0;
   std::int64_t next_control_us_ = 0;
+  std::int64_t drive_seq_ = 0;
   sim::Plant plant_{sim::World{}, sim::PlantParams{}, 1};
   kurt::Kurt driver_{kurt::KurtParams{}};
   sim::SlcanKurtEmulator device_{{}, plant_};

@@ -11,8 +11,10 @@ namespace {
 constexpr std::int64_t kTimeoutUs = 200'000;
 constexpr std::int64_t kUtimeUs = 1'700'000'000'000'000;
 
+/// The next DRIVE of one sender.
 DriveRequest request(double forward_mps, std::int64_t utime_us, std::int64_t valid_us = 1'000'000) {
-  return {{forward_mps, 0.1}, utime_us, valid_us};
+  static std::int64_t seq = 0;
+  return {{forward_mps, 0.1}, utime_us, valid_us, seq++};
 }
 
 TEST(DriveWatchdog, StandsUntilTheFirstDrive) {
@@ -66,6 +68,52 @@ TEST(DriveWatchdog, ADriveFromTheFutureIsNotObeyed) {
   EXPECT_FALSE(watchdog.command(kTimeoutUs).has_value());
 }
 
+// A sender's clock may be ahead. Were its stamp kept as it is, the next command would look older.
+TEST(DriveWatchdog, AStampAheadOfOurClockDoesNotMakeLaterCommandsOlder) {
+  DriveWatchdog watchdog(kTimeoutUs);
+  ASSERT_EQ(watchdog.offer(request(0.5, kUtimeUs + 45'000), kUtimeUs, 0), DriveStatus::kObeyed);
+  EXPECT_EQ(watchdog.offer(request(0.7, kUtimeUs + 13'000), kUtimeUs + 13'000, 13'000),
+            DriveStatus::kObeyed);
+  EXPECT_EQ(watchdog.command(13'000)->forward_mps, 0.7);
+}
+
+// The robot is driven at 0.5 m/s, 75 times a second. Somebody else sends 5 m/s, 100 times a second
+// and stamped 45 ms ahead, so that each of its commands looks newer than the right ones.
+TEST(DriveWatchdog, TwoSendersAreNotObeyedUntilOneHasEnded) {
+  DriveWatchdog watchdog(kTimeoutUs);
+  auto own = [&watchdog, seq = std::int64_t{5000}](std::int64_t now_us) mutable {
+    return watchdog.offer({{0.5, 0.0}, kUtimeUs + now_us, 1'000'000, seq++}, kUtimeUs + now_us,
+                          now_us);
+  };
+  auto forged = [&watchdog, seq = std::int64_t{0}](std::int64_t now_us) mutable {
+    return watchdog.offer({{5.0, 0.0}, kUtimeUs + now_us + 45'000, 1'000'000, seq++},
+                          kUtimeUs + now_us, now_us);
+  };
+  std::int64_t now_us = 0;
+  const auto run_until = [&](std::int64_t end_us, bool is_attacked) {
+    for (; now_us < end_us; now_us += 1000) {
+      if (now_us % 13'000 == 0) {
+        static_cast<void>(own(now_us));
+      }
+      if (is_attacked && now_us % 10'000 == 5000) {
+        EXPECT_EQ(forged(now_us), DriveStatus::kOtherSender);
+      }
+      const auto command = watchdog.command(now_us);
+      EXPECT_TRUE(!command || command->forward_mps == 0.5);
+    }
+  };
+  run_until(1'000'000, false);
+  ASSERT_TRUE(watchdog.command(now_us));
+  run_until(1'050'000, true);
+  EXPECT_FALSE(watchdog.command(now_us));
+  EXPECT_TRUE(watchdog.is_contested(now_us));
+  run_until(3'000'000, true);
+  EXPECT_FALSE(watchdog.command(now_us));
+  run_until(4'050'000, false);
+  EXPECT_FALSE(watchdog.is_contested(now_us));
+  EXPECT_EQ(watchdog.command(now_us)->forward_mps, 0.5);
+}
+
 TEST(DriveWatchdog, NonsenseRevokesWhatWasObeyed) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double infinity = std::numeric_limits<double>::infinity();
@@ -104,7 +152,8 @@ TEST(DriveWatchdog, RevokedIsRevokedUntilTheNext) {
 TEST(DriveWatchdog, EveryStatusHasItsName) {
   for (const DriveStatus status :
        {DriveStatus::kObeyed, DriveStatus::kNotFinite, DriveStatus::kImplausible,
-        DriveStatus::kStale, DriveStatus::kFromFuture, DriveStatus::kOutOfOrder}) {
+        DriveStatus::kStale, DriveStatus::kFromFuture, DriveStatus::kOutOfOrder,
+        DriveStatus::kOtherSender}) {
     EXPECT_STRNE(name_of(status), "");
   }
 }

@@ -44,7 +44,8 @@ class Robot {
   }
 
   DriveStatus drive(double forward_mps, double yaw_rate_rad_s) {
-    return kurt.drive({{forward_mps, yaw_rate_rad_s}, now().utime_us, 1'000'000}, now());
+    return kurt.drive({{forward_mps, yaw_rate_rad_s}, now().utime_us, 1'000'000, drive_seq++},
+                      now());
   }
 
   /// Drives as a navigator does, with a DRIVE every 10 ms.
@@ -58,6 +59,7 @@ class Robot {
   Kurt kurt{KurtParams{}};
   test::KurtEmulator base;
   std::int64_t now_us = 0;
+  std::int64_t drive_seq = 0;
   int held_up_periods = 0;
   std::string to_driver;
   std::vector<OdometrySample> samples;

@@ -40,6 +40,7 @@ class Network {
       if (drives) {
         nodmap::drive_t message{};
         message.utime = time::SystemClock().now_utime_us();
+        message.drive_seq = drive_seq++;
         message.forward_mps = 0.5;
         message.valid_us = 200'000;
         bus.publish("DRIVE", message);
@@ -64,6 +65,7 @@ class Network {
   bus::Latest<nodmap::status_t> status;
   std::optional<test::ChildProcess> process;
   bool drives = false;
+  std::int64_t drive_seq = 0;
 };
 
 TEST(KurtNetwork, DrivesStopsWithoutDriveAndEndsWithAHardStop) {
