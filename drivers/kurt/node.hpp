@@ -25,7 +25,7 @@ class KurtNode final : public node::DeviceNode {
 
   KurtNode(node::Context& context, const KurtParams& params, serial::SerialLink::Opener open,
            std::function<time::Moment()> clock);
-  /// Stops the robot, whatever the way out.
+  /// Stops the robot, however the process ends.
   ~KurtNode() override;
 
   /// Takes in what has arrived and, when it is time, tells the base what to do. Waits for nothing

@@ -18,7 +18,7 @@ class DynamixelSession : public ServoSession {
     std::int64_t unanswered = 0;
     std::int64_t damaged = 0;  ///< requests that arrived damaged, says the servo
     std::int64_t refused = 0;
-    std::int64_t implausible = 0;  ///< positions more than a turn from level
+    std::int64_t implausible = 0;  ///< positions more than a revolution from level
     std::int64_t alerts = 0;       ///< overload, heat, voltage: the servo had to be restarted
   };
 
