@@ -9,17 +9,15 @@
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <iostream>
 #include <nlohmann/json.hpp>
 
 #include "common/bus/live_bus.hpp"
-#include "common/log/log.hpp"
-#include "common/node/command_line.hpp"
+#include "common/node/clock.hpp"
+#include "common/node/log.hpp"
+#include "common/node/program.hpp"
+#include "common/node/results.hpp"
 #include "common/node/status.hpp"
-#include "common/node/stop_signal.hpp"
 #include "common/params/params.hpp"
-#include "common/time/clock.hpp"
 #include "sim/sim_params.hpp"
 #include "sim/simulator.hpp"
 #include "sim/world_file.hpp"
@@ -31,7 +29,6 @@ constexpr const char* kName = "nodmap-sim";
 constexpr std::int64_t kLongestSleepUs = 2000;
 
 struct Options {
-  node::CommonOptions common;
   std::string world;
   std::uint64_t seed = 1;
   std::string links;
@@ -82,19 +79,11 @@ void wait_for_work(const Simulator& simulator, std::int64_t now_us) {
   ::ppoll(entries.data(), entries.size(), &wait, nullptr);
 }
 
-void write_result(const std::filesystem::path& dir, const nlohmann::json& figures) {
-  std::ofstream file(dir / "result.json");
-  file << figures.dump(2) << "\n";
-  if (!file.flush()) {
-    throw std::runtime_error((dir / "result.json").string() + ": cannot write");
-  }
-}
-
-nlohmann::json run_loop(const Options& options, Robot& robot) {
-  bus::LiveBus bus(options.common.lcm_url);
-  const node::Tally tally;
+nlohmann::json run_loop(const Options& options, const std::string& lcm_url, Robot& robot) {
+  bus::LiveBus bus(lcm_url);
+  const node::MessageCounts counts;
   const time::SystemClock clock;
-  node::StatusReporter status(kName, bus, tally, clock);
+  node::StatusReporter status(kName, bus, counts, clock);
   const LinkDir dir(link_dir(options));
   const std::int64_t start_us = steady_us();
   Simulator simulator(robot, dir, bus, clock.now_utime_us());
@@ -110,24 +99,36 @@ nlohmann::json run_loop(const Options& options, Robot& robot) {
     }
     wait_for_work(simulator, steady_us() - start_us);
   }
-  return simulator.figures();
+  return simulator.metrics();
 }
 
-int run(const Options& options, const SimParams& params) {
-  const World world = load_world(options.world);
+/// World and faults as given by --world and --fault.
+struct Scenario {
+  World world;
   std::vector<Fault> faults;
-  std::transform(options.faults.begin(), options.faults.end(), std::back_inserter(faults),
+};
+
+Scenario load_scenario(const Options& options) {
+  if (options.world.empty()) {
+    throw node::UsageError("--world: is missing; name a WORLD.yaml");
+  }
+  Scenario scenario{load_world(options.world), {}};
+  std::transform(options.faults.begin(), options.faults.end(), std::back_inserter(scenario.faults),
                  [](const std::string& text) { return parse_fault(text); });
-  Robot robot(world, params.plant, params.robot, faults, options.seed);
+  return scenario;
+}
+
+int run(const Options& options, const SimParams& params, const Scenario& scenario,
+        const std::string& lcm_url) {
+  Robot robot(scenario.world, params.plant, params.robot, scenario.faults, options.seed);
   const std::filesystem::path out = node::make_next_result_dir(options.out);
-  node::catch_stop_signals();
-  const nlohmann::json figures = run_loop(options, robot);
+  const nlohmann::json metrics = run_loop(options, lcm_url, robot);
   if (!out.empty()) {
-    write_result(out, figures);
+    node::write_result_json(out, metrics);
   }
   log::get().info("ended after {:.1f} s: {} collisions, {} bumps, {:.2f} m driven",
-                  figures["duration_s"].get<double>(), figures["collisions"].get<std::int64_t>(),
-                  figures["bumps"].get<std::int64_t>(), figures["distance_m"].get<double>());
+                  metrics["duration_s"].get<double>(), metrics["collisions"].get<std::int64_t>(),
+                  metrics["bumps"].get<std::int64_t>(), metrics["distance_m"].get<double>());
   return 0;
 }
 
@@ -137,31 +138,16 @@ int run_sim(int argc, char** argv) {
   Options options;
   SimParams params;
   params::Table table(params);
-  CLI::App app("The KURT3D in a simulated world, its devices on pseudo-terminals.", kName);
-  node::add_common_options(app, options.common, table);
-  add_options(app, options);
-  if (const auto code = node::parse_command_line(app, argc, argv)) {
-    return *code;
-  }
-  if (const auto code = node::apply_common_options(kName, options.common, table)) {
-    return *code;
-  }
-  if (options.world.empty()) {
-    std::cerr << kName << ": --world: is missing; name a WORLD.yaml\n";
-    return 2;
-  }
-  try {
-    return run(options, params);
-  } catch (const WorldFileError& error) {
-    std::cerr << kName << ": " << error.what() << "\n";
-    return 2;
-  } catch (const FaultError& error) {
-    std::cerr << kName << ": " << error.what() << "\n";
-    return 2;
-  } catch (const std::exception& error) {
-    log::get().error("{}", error.what());
-    return 1;
-  }
+  Scenario scenario;
+  return node::run_program(
+      argc, argv,
+      {.name = kName,
+       .summary = "The KURT3D in a simulated world, its devices on pseudo-terminals.",
+       .params = &table,
+       .uses_lcm = true,
+       .add_options = [&options](CLI::App& app) { add_options(app, options); },
+       .check = [&] { scenario = load_scenario(options); },
+       .run = [&](const std::string& lcm_url) { return run(options, params, scenario, lcm_url); }});
 }
 
 }  // namespace nodmap::sim

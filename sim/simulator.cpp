@@ -139,7 +139,7 @@ node::Health Simulator::health() const {
   return {node::HealthState::kOk, "", false};
 }
 
-nlohmann::json Simulator::figures() const {
+nlohmann::json Simulator::metrics() const {
   const Truth truth = robot_.plant().truth();
   const Eigen::Vector3d position = truth.T_world_base.translation();
   const Eigen::Vector3d ahead = truth.T_world_base.linear().col(0);

@@ -31,7 +31,7 @@ class Simulator {
   void begin_second() { worst_lag_us_ = 0; }
 
   /// How the run went, for result.json.
-  [[nodiscard]] nlohmann::json figures() const;
+  [[nodiscard]] nlohmann::json metrics() const;
 
  private:
   void run_devices(std::int64_t now_us);

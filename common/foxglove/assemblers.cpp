@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <utility>
 
-#include "common/msg/messages.hpp"
+#include "common/node/messages.hpp"
 
 namespace nodmap::foxglove {
 namespace {
@@ -100,7 +100,7 @@ PartsInOrder::Place PartsInOrder::add(std::int64_t whole, std::int32_t index, st
 
 Assembled<CloudView> CloudAssembler::add(const nodmap::cloud_chunk_t& chunk) {
   Assembled<CloudView> result;
-  const auto pose = msg::read_pose(chunk.position_m, chunk.orientation);
+  const auto pose = node::read_pose(chunk.position_m, chunk.orientation);
   if (!pose || !is_part(chunk.chunk_index, chunk.num_chunks, kMaxChunks)) {
     result.refused = true;
     return result;

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "common/foxglove/voxel_grid.hpp"
-#include "common/msg/messages.hpp"
+#include "common/node/messages.hpp"
 
 namespace nodmap::foxglove {
 namespace {
@@ -58,9 +58,9 @@ Feed::Topics::Topics(Board& board, const FeedOptions& options)
       people(board.add({"scene/people", "foxglove.SceneUpdate"})),
       log(board.add({"log", "foxglove.Log", Keep::kAll, kLogLines})) {}
 
-Feed::Feed(bus::Bus& bus, Board& board, node::Tally& tally, const FeedOptions& options)
+Feed::Feed(bus::Bus& bus, Board& board, node::MessageCounts& counts, const FeedOptions& options)
     : board_(board),
-      tally_(tally),
+      counts_(counts),
       topics_(board, options),
       odometry_trail_(frames::kOdom, options.trail_spacing_m),
       trail_2d_(frames::kMap, options.trail_spacing_m),
@@ -97,7 +97,7 @@ void Feed::post(std::size_t topic, std::int64_t utime_us, Make make) {
 
 template <class Message>
 void Feed::post_fields(std::size_t topic, const Message& message) {
-  tally_.use();
+  counts_.use();
   post(topic, message.utime, [message] { return fields_of(message); });
 }
 
@@ -154,19 +154,19 @@ void Feed::hear_maps(bus::Bus& bus) {
 
 void Feed::on_scan(const nodmap::scan_t& message) {
   scan::Scan scan;
-  if (!msg::read_scan(message, scan)) {
-    tally_.reject("scan_not_plausible");
+  if (!node::read_scan(message, scan)) {
+    counts_.reject("scan_not_plausible");
     return;
   }
-  tally_.use();
+  counts_.use();
   p_base_mount_ = scan.T_base_mount.translation();
   post(topics_.scan, message.utime, [scan = std::move(scan)] { return laser_scan(scan); });
 }
 
 void Feed::on_odometry(const nodmap::odometry_t& message) {
-  const auto T_odom_base = msg::read_odometry(message);
+  const auto T_odom_base = node::read_odometry(message);
   if (!T_odom_base) {
-    tally_.reject("pose_not_valid");
+    counts_.reject("pose_not_valid");
     return;
   }
   post_fields(topics_.odometry, message);
@@ -191,10 +191,10 @@ void Feed::post_trail(std::size_t topic, Trail& trail, std::int64_t utime_us,
 }
 
 void Feed::on_pose_2d(const nodmap::pose_t& message) {
-  const auto T_map_base = msg::read_pose(message.position_m, message.orientation);
-  const auto T_map_odom = msg::read_pose(message.odom_position_m, message.odom_orientation);
+  const auto T_map_base = node::read_pose(message.position_m, message.orientation);
+  const auto T_map_odom = node::read_pose(message.odom_position_m, message.odom_orientation);
   if (!T_map_base || !T_map_odom) {
-    tally_.reject("pose_not_valid");
+    counts_.reject("pose_not_valid");
     return;
   }
   post_fields(topics_.pose_2d, message);
@@ -205,10 +205,10 @@ void Feed::on_pose_2d(const nodmap::pose_t& message) {
 }
 
 void Feed::on_pose_6d(const nodmap::pose_t& message) {
-  const auto T_map_base = msg::read_pose(message.position_m, message.orientation);
-  const auto T_map_odom = msg::read_pose(message.odom_position_m, message.odom_orientation);
+  const auto T_map_base = node::read_pose(message.position_m, message.orientation);
+  const auto T_map_odom = node::read_pose(message.odom_position_m, message.odom_orientation);
   if (!T_map_base || !T_map_odom) {
-    tally_.reject("pose_not_valid");
+    counts_.reject("pose_not_valid");
     return;
   }
   post_fields(topics_.pose_6d, message);
@@ -220,12 +220,12 @@ void Feed::on_pose_6d(const nodmap::pose_t& message) {
 }
 
 void Feed::on_egomap(std::size_t topic, const nodmap::egomap_t& message) {
-  const auto T_odom_base = msg::read_pose(message.position_m, message.orientation);
+  const auto T_odom_base = node::read_pose(message.position_m, message.orientation);
   if (!T_odom_base || !same_lengths(message)) {
-    tally_.reject("egomap_not_valid");
+    counts_.reject("egomap_not_valid");
     return;
   }
-  tally_.use();
+  counts_.use();
   post(topic, message.utime,
        [message, pose = *T_odom_base] { return egomap_cloud(message, pose); });
 }
@@ -233,11 +233,11 @@ void Feed::on_egomap(std::size_t topic, const nodmap::egomap_t& message) {
 void Feed::on_grid(const nodmap::grid_chunk_t& message) {
   Assembled<GridView> result = grid_.add(message);
   if (result.refused) {
-    tally_.reject("map_tile_not_valid");
+    counts_.reject("map_tile_not_valid");
     return;
   }
-  tally_.use();
-  tally_.lose(result.lost ? 1 : 0);
+  counts_.use();
+  counts_.lose(result.lost ? 1 : 0);
   if (result.whole) {
     post(topics_.map_2d, message.utime, [view = std::move(*result.whole)] { return grid(view); });
   }
@@ -246,11 +246,11 @@ void Feed::on_grid(const nodmap::grid_chunk_t& message) {
 void Feed::on_cloud(const nodmap::cloud_chunk_t& message) {
   Assembled<CloudView> result = cloud_.add(message);
   if (result.refused) {
-    tally_.reject("cloud_part_not_valid");
+    counts_.reject("cloud_part_not_valid");
     return;
   }
-  tally_.use();
-  tally_.lose(result.lost ? 1 : 0);
+  counts_.use();
+  counts_.lose(result.lost ? 1 : 0);
   if (!result.whole) {
     return;
   }
@@ -269,11 +269,11 @@ void Feed::on_cloud(const nodmap::cloud_chunk_t& message) {
 void Feed::on_octomap(const nodmap::octomap_chunk_t& message) {
   Assembled<OctomapView> result = octomap_.add(message);
   if (result.refused) {
-    tally_.reject("octomap_part_not_valid");
+    counts_.reject("octomap_part_not_valid");
     return;
   }
-  tally_.use();
-  tally_.lose(result.lost ? 1 : 0);
+  counts_.use();
+  counts_.lose(result.lost ? 1 : 0);
   if (result.whole) {
     post(topics_.octomap, message.utime, [view = std::move(*result.whole)] {
       return voxel_grid(view.utime_us, to_voxel_grid(view.space));
@@ -283,10 +283,10 @@ void Feed::on_octomap(const nodmap::octomap_chunk_t& message) {
 
 void Feed::on_deputy_info(const procman_lcm::deputy_info_t& message) {
   if (!commands_.update(message)) {
-    tally_.reject("too_many_commands");
+    counts_.reject("too_many_commands");
     return;
   }
-  tally_.use();
+  counts_.use();
   post(topics_.pm_info, message.utime, [this] { return commands_.commands(); });
 }
 
@@ -298,10 +298,10 @@ void Feed::know_commands(std::vector<CommandTable::Known> commands) {
 void Feed::on_status(const nodmap::status_t& message) {
   const ProcessTable::Change change = processes_.update(message);
   if (!change.taken) {
-    tally_.reject("too_many_processes");
+    counts_.reject("too_many_processes");
     return;
   }
-  tally_.use();
+  counts_.use();
   post(topics_.status, message.utime, [this] { return processes_.processes(); });
   if (change.health_changed) {
     post(topics_.log, message.utime, [message] { return health_log(message); });
@@ -309,9 +309,9 @@ void Feed::on_status(const nodmap::status_t& message) {
 }
 
 void Feed::on_truth(const nodmap::truth_t& message) {
-  const auto T_world_base = msg::read_pose(message.position_m, message.orientation);
+  const auto T_world_base = node::read_pose(message.position_m, message.orientation);
   if (!T_world_base) {
-    tally_.reject("pose_not_valid");
+    counts_.reject("pose_not_valid");
     return;
   }
   post_fields(topics_.truth, message);

@@ -14,7 +14,7 @@
 #include "common/foxglove/message_views.hpp"
 #include "common/foxglove/pose_views.hpp"
 #include "common/foxglove/scene_views.hpp"
-#include "common/node/tally.hpp"
+#include "common/node/message_counts.hpp"
 
 namespace nodmap::foxglove {
 
@@ -32,7 +32,7 @@ struct FeedOptions {
 class Feed {
  public:
   /// All three must outlive this object.
-  Feed(bus::Bus& bus, Board& board, node::Tally& tally, const FeedOptions& options);
+  Feed(bus::Bus& bus, Board& board, node::MessageCounts& counts, const FeedOptions& options);
 
   /// Forgets what was put together so far, as when a recording begins anew.
   void reset();
@@ -76,7 +76,7 @@ class Feed {
   void hear_maps(bus::Bus& bus);
 
   Board& board_;
-  node::Tally& tally_;
+  node::MessageCounts& counts_;
   Topics topics_;
   Body body_;
   Trail odometry_trail_;

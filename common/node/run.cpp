@@ -8,13 +8,13 @@
 
 #include "common/bus/live_bus.hpp"
 #include "common/bus/replay_bus.hpp"
-#include "common/log/log.hpp"
-#include "common/node/command_line.hpp"
+#include "common/node/clock.hpp"
+#include "common/node/log.hpp"
 #include "common/node/node.hpp"
+#include "common/node/program.hpp"
 #include "common/node/progress.hpp"
+#include "common/node/results.hpp"
 #include "common/node/status.hpp"
-#include "common/node/stop_signal.hpp"
-#include "common/time/clock.hpp"
 
 namespace nodmap::node {
 namespace {
@@ -22,7 +22,6 @@ namespace {
 using SteadyClock = std::chrono::steady_clock;
 
 struct Options {
-  CommonOptions common;
   std::string replay;
   std::string out;
 };
@@ -31,11 +30,11 @@ double seconds_since(SteadyClock::time_point start) {
   return std::chrono::duration<double>(SteadyClock::now() - start).count();
 }
 
-/// What result.json says of every process; the module's own figures come under "figures".
-nlohmann::json common_result(const ProgramInfo& info, bus::Bus& bus, const Tally& tally) {
+/// What result.json says of every process; the module's own metrics come under "metrics".
+nlohmann::json common_result(const ProgramInfo& info, bus::Bus& bus, const MessageCounts& counts) {
   const bus::LatencyMeter::Summary latency = bus.latency().summary();
   nlohmann::json rejected = nlohmann::json::object();
-  for (const auto& [cause, count] : tally.rejected()) {
+  for (const auto& [cause, count] : counts.rejected()) {
     rejected[cause] = count;
   }
   return {
@@ -43,30 +42,21 @@ nlohmann::json common_result(const ProgramInfo& info, bus::Bus& bus, const Tally
       {"version", NODMAP_VERSION},
       {"messages",
        {{"read", bus.counts().received},
-        {"used", tally.used()},
+        {"used", counts.used()},
         {"rejected", rejected},
         {"corrupt", bus.counts().corrupt},
-        {"lost", tally.lost()},
+        {"lost", counts.lost()},
         {"published", bus.counts().published},
         {"not_published", bus.counts().not_published}}},
       {"message_us", {{"p50", latency.p50_us}, {"p99", latency.p99_us}, {"max", latency.max_us}}}};
 }
 
-void write_result_json(const std::filesystem::path& dir, const nlohmann::json& result) {
-  std::ofstream out(dir / "result.json");
-  out << result.dump(2) << "\n";
-  out.flush();
-  if (!out) {
-    throw std::runtime_error((dir / "result.json").string() + ": cannot write");
-  }
-}
-
-int run_replay(const ProgramInfo& info, const Options& options, const NodeFactory& make_node) {
+void run_replay(const ProgramInfo& info, const Options& options, const NodeFactory& make_node) {
   const std::filesystem::path dir = options.out;
   make_result_dir(dir);
   bus::ReplayBus bus(options.replay, dir / "out.lcmlog");
-  Tally tally;
-  Context context{bus, tally, dir};
+  MessageCounts counts;
+  Context context{bus, counts, dir};
   const std::unique_ptr<Node> node = make_node(context);
 
   const auto start = SteadyClock::now();
@@ -83,7 +73,7 @@ int run_replay(const ProgramInfo& info, const Options& options, const NodeFactor
   const double log_s = 1e-6 * static_cast<double>(bus.log_utime_us() - first_utime_us);
 
   node->write_results(dir);
-  nlohmann::json result = common_result(info, bus, tally);
+  nlohmann::json result = common_result(info, bus, counts);
   result["log"] = {{"file", std::filesystem::path(options.replay).filename().string()},
                    {"events", bus.events_read()},
                    {"skipped_bytes", bus.reader().skipped_bytes()},
@@ -91,24 +81,24 @@ int run_replay(const ProgramInfo& info, const Options& options, const NodeFactor
   result["wall_s"] = wall_s;
   result["realtime_factor"] = wall_s > 0.0 ? log_s / wall_s : 0.0;
   result["interrupted"] = stop_requested();
-  result["figures"] = node->figures();
+  result["metrics"] = node->metrics();
   write_result_json(dir, result);
   if (!bus.flush() || bus.counts().not_published > 0) {
     throw std::runtime_error((dir / "out.lcmlog").string() + ": the disk takes no more");
   }
-  log::get().info("{} of {} messages used, {:.2f} s, results in {}", tally.used(),
+  log::get().info("{} of {} messages used, {:.2f} s, results in {}", counts.used(),
                   bus.counts().received, wall_s, dir.string());
-  return 0;
 }
 
-int run_live(const ProgramInfo& info, const Options& options, const NodeFactory& make_node) {
+void run_live(const ProgramInfo& info, const Options& options, const std::string& lcm_url,
+              const NodeFactory& make_node) {
   const std::filesystem::path dir = make_next_result_dir(options.out);
-  bus::LiveBus bus(options.common.lcm_url);
-  Tally tally;
-  Context context{bus, tally, dir};
+  bus::LiveBus bus(lcm_url);
+  MessageCounts counts;
+  Context context{bus, counts, dir};
   const std::unique_ptr<Node> node = make_node(context);
   const time::SystemClock clock;
-  StatusReporter status(info.name, bus, tally, clock);
+  StatusReporter status(info.name, bus, counts, clock);
   log::get().info("listening on {}", bus.url());
 
   const auto start = SteadyClock::now();
@@ -120,42 +110,38 @@ int run_live(const ProgramInfo& info, const Options& options, const NodeFactory&
   node->finish();
   if (!dir.empty()) {
     node->write_results(dir);
-    nlohmann::json result = common_result(info, bus, tally);
+    nlohmann::json result = common_result(info, bus, counts);
     result["wall_s"] = seconds_since(start);
-    result["figures"] = node->figures();
+    result["metrics"] = node->metrics();
     write_result_json(dir, result);
     log::get().info("results in {}", dir.string());
   }
-  return 0;
 }
 
 }  // namespace
 
-int run_process(int argc, char** argv, const ProgramInfo& info, params::Table& table,
-                const NodeFactory& make_node) {
+int run_node(int argc, char** argv, const ProgramInfo& info, params::Table& table,
+             const NodeFactory& make_node) {
   Options options;
-  CLI::App app(info.summary, info.name);
-  add_common_options(app, options.common, table);
-  auto* out = app.add_option(
-      "--out", options.out,
-      "Folder for the results; made, and never overwritten: live, DIR.2 follows DIR");
-  app.add_option("--replay", options.replay,
-                 "Work through this LCM event log instead of the network, as fast as possible")
-      ->needs(out);
-  if (const auto code = parse_command_line(app, argc, argv)) {
-    return *code;
-  }
-  if (const auto code = apply_common_options(info.name, options.common, table)) {
-    return *code;
-  }
-  catch_stop_signals();
-  try {
-    return options.replay.empty() ? run_live(info, options, make_node)
-                                  : run_replay(info, options, make_node);
-  } catch (const std::exception& error) {
-    log::get().error("{}", error.what());
-    return 1;
-  }
+  const auto add_options = [&options](CLI::App& app) {
+    auto* out = app.add_option(
+        "--out", options.out,
+        "Folder for the results; made, and never overwritten: live, DIR.2 follows DIR");
+    app.add_option("--replay", options.replay,
+                   "Work through this LCM event log instead of the network, as fast as possible")
+        ->needs(out);
+  };
+  return run_program(argc, argv,
+                     {.name = info.name,
+                      .summary = info.summary,
+                      .params = &table,
+                      .uses_lcm = true,
+                      .add_options = add_options,
+                      .run = [&](const std::string& lcm_url) {
+                        options.replay.empty() ? run_live(info, options, lcm_url, make_node)
+                                               : run_replay(info, options, make_node);
+                        return 0;
+                      }});
 }
 
 }  // namespace nodmap::node

@@ -22,15 +22,15 @@ std::int8_t to_message(HealthState state) {
 
 }  // namespace
 
-StatusReporter::StatusReporter(std::string process_name, bus::Bus& bus, const Tally& tally,
+StatusReporter::StatusReporter(std::string process_name, bus::Bus& bus, const MessageCounts& counts,
                                const time::Clock& clock)
     : process_name_(std::move(process_name)),
       bus_(bus),
-      tally_(tally),
+      counts_(counts),
       clock_(clock),
       last_utime_us_(clock.now_utime_us()) {}
 
-void StatusReporter::publish_if_due(const Health& own_word) {
+void StatusReporter::publish_if_due(const Health& node_health) {
   const std::int64_t now_us = clock_.now_utime_us();
   const std::int64_t elapsed_us = now_us - last_utime_us_;
   // A clock set back must not silence the process until it has caught up.
@@ -38,7 +38,7 @@ void StatusReporter::publish_if_due(const Health& own_word) {
     return;
   }
   const std::int64_t received = bus_.counts().received;
-  Health health = own_word;
+  Health health = node_health;
   if (health.state == HealthState::kOk && health.needs_messages && received == last_received_) {
     health = {HealthState::kDegraded, "no input in the last second"};
   }
@@ -54,9 +54,9 @@ void StatusReporter::publish_if_due(const Health& own_word) {
   message.latency_p50_us = latency.p50_us;
   message.latency_p99_us = latency.p99_us;
   message.total_handled = received;
-  message.total_lost = tally_.lost();
+  message.total_lost = counts_.lost();
   message.total_corrupt = bus_.counts().corrupt;
-  message.total_rejected = tally_.total_rejected();
+  message.total_rejected = counts_.total_rejected();
   bus_.publish("STATUS", message);
   last_utime_us_ = now_us;
   last_received_ = received;

@@ -5,25 +5,25 @@
 #include <string>
 
 #include "common/bus/bus.hpp"
+#include "common/node/clock.hpp"
 #include "common/node/node.hpp"
-#include "common/time/clock.hpp"
 
 namespace nodmap::node {
 
-/// Sends STATUS once a second: the process's own word, or DEGRADED when nothing comes in.
+/// Publishes STATUS once a second: the node's health, or DEGRADED when no message came in.
 class StatusReporter {
  public:
-  StatusReporter(std::string process_name, bus::Bus& bus, const Tally& tally,
+  StatusReporter(std::string process_name, bus::Bus& bus, const MessageCounts& counts,
                  const time::Clock& clock);
 
   void publish_if_due(const Node& node) { publish_if_due(node.health()); }
   /// For a process that is no Node.
-  void publish_if_due(const Health& own_word);
+  void publish_if_due(const Health& node_health);
 
  private:
   std::string process_name_;
   bus::Bus& bus_;
-  const Tally& tally_;
+  const MessageCounts& counts_;
   const time::Clock& clock_;
   std::int64_t last_utime_us_;
   std::int64_t last_received_ = 0;

@@ -52,10 +52,36 @@ std::string interval(const char* kind, Range range) {
   return std::string(kind) + " from " + format(range.min) + " to " + format(range.max);
 }
 
+/// "matcher.max_range_m" as {"matcher", "max_range_m"}.
+std::vector<std::string> split(std::string_view name) {
+  std::vector<std::string> parts;
+  for (std::size_t dot = name.find('.'); dot != std::string_view::npos; dot = name.find('.')) {
+    parts.emplace_back(name.substr(0, dot));
+    name.remove_prefix(dot + 1);
+  }
+  parts.emplace_back(name);
+  return parts;
+}
+
+/// Sets the values of a YAML map, and of the maps in it, whose keys get its own key as prefix.
+void load_map(const YAML::Node& map, const std::string& prefix, const std::string& file,
+              Table& table) {
+  for (const auto& item : map) {
+    const std::string where = file + ":" + std::to_string(item.first.Mark().line + 1);
+    if (item.first.IsScalar() && item.second.IsMap()) {
+      load_map(item.second, prefix + item.first.Scalar() + ".", file, table);
+    } else if (item.first.IsScalar() && item.second.IsScalar()) {
+      table.set(prefix + item.first.Scalar(), item.second.Scalar(), where);
+    } else {
+      throw ParamError(where + ": expected 'key: value' with a single value");
+    }
+  }
+}
+
 }  // namespace
 
-void Table::number(std::string name, double& value, Range range, std::string help) {
-  entries_.push_back({std::move(name), std::move(help), interval("a number", range), Kind::kValue,
+void Table::number(const std::string& name, double& value, Range range, std::string help) {
+  entries_.push_back({prefix_ + name, std::move(help), interval("a number", range), Kind::kValue,
                       [&value] { return format(value); },
                       [&value, range](std::string_view text) {
                         const auto given = parse_within(text, range);
@@ -64,8 +90,8 @@ void Table::number(std::string name, double& value, Range range, std::string hel
                       }});
 }
 
-void Table::integer(std::string name, int& value, Range range, std::string help) {
-  entries_.push_back({std::move(name), std::move(help), interval("a whole number", range),
+void Table::integer(const std::string& name, int& value, Range range, std::string help) {
+  entries_.push_back({prefix_ + name, std::move(help), interval("a whole number", range),
                       Kind::kValue, [&value] { return std::to_string(value); },
                       [&value, range](std::string_view text) {
                         const auto given = parse<int>(text);
@@ -77,9 +103,10 @@ void Table::integer(std::string name, int& value, Range range, std::string help)
                       }});
 }
 
-void Table::angle(std::string name_deg, double& value_rad, Range range_deg, std::string help) {
+void Table::angle(const std::string& name_deg, double& value_rad, Range range_deg,
+                  std::string help) {
   entries_.push_back(
-      {std::move(name_deg), std::move(help), interval("a number", range_deg), Kind::kValue,
+      {prefix_ + name_deg, std::move(help), interval("a number", range_deg), Kind::kValue,
        // Rounded, so that a default given in degrees reads as it was written.
        [&value_rad] { return format(std::round(value_rad * kDegreesPerRadian * 1e9) / 1e9); },
        [&value_rad, range_deg](std::string_view text) {
@@ -89,8 +116,8 @@ void Table::angle(std::string name_deg, double& value_rad, Range range_deg, std:
        }});
 }
 
-void Table::flag(std::string name, bool& value, std::string help) {
-  entries_.push_back({std::move(name), std::move(help), "true or false", Kind::kFlag,
+void Table::flag(const std::string& name, bool& value, std::string help) {
+  entries_.push_back({prefix_ + name, std::move(help), "true or false", Kind::kFlag,
                       [&value] { return std::string(value ? "true" : "false"); },
                       [&value](std::string_view text) {
                         if (text != "true" && text != "false") {
@@ -101,8 +128,8 @@ void Table::flag(std::string name, bool& value, std::string help) {
                       }});
 }
 
-void Table::text(std::string name, std::string& value, std::string help) {
-  entries_.push_back({std::move(name), std::move(help), "any text", Kind::kText,
+void Table::text(const std::string& name, std::string& value, std::string help) {
+  entries_.push_back({prefix_ + name, std::move(help), "any text", Kind::kText,
                       [&value] { return value; },
                       [&value](std::string_view text) {
                         value = text;
@@ -114,6 +141,11 @@ void Table::set(std::string_view name, std::string_view value, const std::string
   const auto entry = std::find_if(entries_.begin(), entries_.end(),
                                   [&](const Entry& e) { return e.name == name; });
   if (entry == entries_.end()) {
+    for (const auto& [old_name, new_name] : renamed_) {
+      if (old_name == name) {
+        throw ParamError(source + ": key '" + old_name + "' is now called '" + new_name + "'");
+      }
+    }
     std::string known;
     for (const Entry& e : entries_) {
       known += (known.empty() ? "" : ", ") + e.name;
@@ -148,21 +180,26 @@ void Table::load_yaml(const std::filesystem::path& file) {
   if (!root.IsMap()) {
     throw ParamError(file.string() + ": expected lines of the form 'key: value'");
   }
-  for (const auto& item : root) {
-    const std::string where = file.string() + ":" + std::to_string(item.first.Mark().line + 1);
-    if (!item.first.IsScalar() || !item.second.IsScalar()) {
-      throw ParamError(where + ": expected 'key: value' with a single value");
-    }
-    set(item.first.Scalar(), item.second.Scalar(), where);
-  }
+  load_map(root, "", file.string(), *this);
 }
 
 std::string Table::to_yaml() const {
   std::string yaml;
+  std::vector<std::string> open;  // sections that the line before is in
   for (const Entry& entry : entries_) {
+    const std::vector<std::string> path = split(entry.name);
+    std::size_t common = 0;
+    while (common < open.size() && common + 1 < path.size() && open[common] == path[common]) {
+      ++common;
+    }
+    open.assign(path.begin(), path.end() - 1);
+    for (; common < open.size(); ++common) {
+      yaml += std::string(2 * common, ' ') + open[common] + ":\n";
+    }
+    const std::string indent(2 * open.size(), ' ');
     const std::string_view unit = unit_of(entry.name);
-    yaml += "# " + entry.help + "\n# " + entry.allowed +
-            (unit.empty() ? "" : ", in " + std::string(unit)) + "\n" + entry.name + ": " +
+    yaml += indent + "# " + entry.help + "\n" + indent + "# " + entry.allowed +
+            (unit.empty() ? "" : ", in " + std::string(unit)) + "\n" + indent + path.back() + ": " +
             (entry.kind == Kind::kText ? quoted(entry.get()) : entry.get()) + "\n";
   }
   return yaml;

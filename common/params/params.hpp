@@ -31,7 +31,7 @@ enum class Kind : std::uint8_t { kValue, kFlag, kText };
 
 /// One described parameter, bound to the member of a struct that holds it.
 struct Entry {
-  std::string name;     ///< with its unit as suffix, as in the configuration file
+  std::string name;     ///< with its sections and its unit as suffix: matcher.max_range_m
   std::string help;     ///< one sentence
   std::string allowed;  ///< "a number from 0.01 to 5"
   Kind kind = Kind::kValue;
@@ -57,23 +57,38 @@ class Table {
     params.describe(*this);
   }
 
-  void number(std::string name, double& value, Range range, std::string help);
-  void integer(std::string name, int& value, Range range, std::string help);
+  void number(const std::string& name, double& value, Range range, std::string help);
+  void integer(const std::string& name, int& value, Range range, std::string help);
   /// An angle: degrees in configuration, name and range, radians in the struct.
-  void angle(std::string name_deg, double& value_rad, Range range_deg, std::string help);
+  void angle(const std::string& name_deg, double& value_rad, Range range_deg, std::string help);
   /// Also becomes the command-line flag --name-with-dashes.
-  void flag(std::string name, bool& value, std::string help);
-  void text(std::string name, std::string& value, std::string help);
+  void flag(const std::string& name, bool& value, std::string help);
+  void text(const std::string& name, std::string& value, std::string help);
+
+  /// The parameters of a part, which describes itself: their keys become `name.key`, in YAML a map
+  /// called `name`.
+  template <class Params>
+  void section(const std::string& name, Params& params) {
+    const std::string outer = prefix_;
+    prefix_ += name + ".";
+    params.describe(*this);
+    prefix_ = outer;
+  }
+
+  /// A key that was renamed, both with their sections: who still sets the old one is told the new.
+  void renamed(std::string old_name, std::string new_name) {
+    renamed_.emplace_back(std::move(old_name), std::move(new_name));
+  }
 
   template <class Enum>
-  void choice(std::string name, Enum& value,
+  void choice(const std::string& name, Enum& value,
               std::initializer_list<std::pair<const char*, Enum>> options, std::string help) {
     const std::vector<std::pair<std::string, Enum>> table(options.begin(), options.end());
     std::string allowed = "one of";
     for (const auto& [option, unused] : table) {
       allowed += " " + option;
     }
-    entries_.push_back({std::move(name), std::move(help), std::move(allowed), Kind::kValue,
+    entries_.push_back({prefix_ + name, std::move(help), std::move(allowed), Kind::kValue,
                         [&value, table] {
                           for (const auto& [option, meaning] : table) {
                             if (meaning == value) {
@@ -101,17 +116,21 @@ class Table {
   /// "key=value", as given to --set. Throws ParamError.
   void set_assignment(std::string_view assignment);
 
-  /// A flat YAML map of parameters; keys that are missing keep their defaults. Throws ParamError.
+  /// A YAML map of parameters, sections as nested maps or as dotted keys; keys that are missing
+  /// keep their defaults. Throws ParamError.
   void load_yaml(const std::filesystem::path& file);
 
-  /// The effective parameters as YAML, with sentence, unit and range as comments.
+  /// The effective parameters as YAML, sections as nested maps, with sentence, unit and range as
+  /// comments.
   [[nodiscard]] std::string to_yaml() const;
 
   /// The parameters as a Markdown table, for a README.
   [[nodiscard]] std::string to_markdown() const;
 
  private:
+  std::string prefix_;  // of the section being described, with its dot
   std::vector<Entry> entries_;
+  std::vector<std::pair<std::string, std::string>> renamed_;  // old key, new key
 };
 
 /// The unit a name's suffix stands for ("m", "deg", "m/s"), or empty.

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "common/time/moment.hpp"
+#include "common/geometry/time.hpp"
 #include "drivers/kurt/drive_watchdog.hpp"
 #include "drivers/kurt/encoder_clock.hpp"
 #include "drivers/kurt/kurt_frames.hpp"

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "common/node/device_process.hpp"
+#include "common/node/clock.hpp"
+#include "common/node/device_node.hpp"
+#include "common/node/program.hpp"
 #include "common/params/params.hpp"
-#include "common/time/clock.hpp"
 #include "drivers/kurt/node.hpp"
 
 int main(int argc, char** argv) {
@@ -9,11 +10,11 @@ int main(int argc, char** argv) {
   kurt::KurtParams params;
   params::Table table(params);
   const auto check = [&params] {
-    return params.device.empty()
-               ? std::string("device: is not set; name the serial port of the CAN adapter")
-               : std::string();
+    if (params.device.empty()) {
+      throw node::UsageError("device: is not set; name the serial port of the CAN adapter");
+    }
   };
-  return node::run_device_process(
+  return node::run_device_node(
       argc, argv,
       {"nodmap-kurt", "Drives the KURT2 base through an SLCAN adapter: DRIVE in, ODOMETRY out."},
       table, check, [&params](node::Context& context) {

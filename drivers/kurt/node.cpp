@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "common/geometry/se3.hpp"
-#include "common/log/log.hpp"
-#include "common/msg/messages.hpp"
+#include "common/node/log.hpp"
+#include "common/node/messages.hpp"
 #include "nodmap/base_sensors_t.hpp"
 
 namespace nodmap::kurt {
@@ -125,7 +125,7 @@ void KurtNode::finish() {
   link_.end();
 }
 
-void KurtNode::turn() {
+void KurtNode::spin_once() {
   const time::Moment now = clock_();
   link_.poll(now);
   if (now.steady_us >= next_control_us_) {
@@ -175,14 +175,14 @@ void KurtNode::on_drive(const nodmap::drive_t& message) {
   const DriveRequest request{wanted, message.utime, message.valid_us, message.drive_seq};
   const DriveStatus status = kurt_.drive(request, clock_());
   if (status == DriveStatus::kObeyed) {
-    context_.tally.use();
+    context_.counts.use();
   } else {
-    context_.tally.reject(name_of(status));
+    context_.counts.reject(name_of(status));
   }
 }
 
 void KurtNode::on_stop(const nodmap::stop_t& message) {
-  context_.tally.use();
+  context_.counts.use();
   if (std::exchange(stopped_, message.is_stopped != 0) != stopped_) {
     log::get().info("{} by {}", stopped_ ? "stopped" : "free again", message.requested_by);
   }
@@ -191,7 +191,7 @@ void KurtNode::on_stop(const nodmap::stop_t& message) {
 void KurtNode::publish_odometry(const OdometrySample& sample) {
   const OdometryState& state = sample.state;
   nodmap::odometry_t message =
-      msg::write_odometry(sample.utime_us, geometry::to_se3(state.T_odom_base));
+      node::write_odometry(sample.utime_us, geometry::to_se3(state.T_odom_base));
   message.odometry_seq = odometry_seq_++;
   message.forward_mps = state.forward_mps;
   message.yaw_rate_rad_s = state.yaw_rate_rad_s;
@@ -219,7 +219,7 @@ void KurtNode::log_change(const time::Moment& now) {
   }
 }
 
-nlohmann::json KurtNode::figures() const {
+nlohmann::json KurtNode::metrics() const {
   const KurtCounts& base = kurt_.counts();
   const SlcanCounts& lines = kurt_.slcan_counts();
   return {{"encoder_frames", base.encoder_frames},

@@ -7,8 +7,8 @@
 #include <nlohmann/json_fwd.hpp>
 #include <span>
 
-#include "common/node/device_process.hpp"
-#include "common/time/moment.hpp"
+#include "common/geometry/time.hpp"
+#include "common/node/device_node.hpp"
 #include "drivers/kurt/kurt.hpp"
 #include "drivers/kurt/params.hpp"
 #include "drivers/serial/serial_link.hpp"
@@ -30,7 +30,7 @@ class KurtNode final : public node::DeviceNode {
 
   /// Takes in what has arrived and, when it is time, tells the base what to do. Waits for nothing
   /// but a port that does not take its bytes, and for that 5 ms.
-  void turn() override;
+  void spin_once() override;
 
   [[nodiscard]] std::array<int, 2> poll_handles() override;
   [[nodiscard]] std::int64_t wait_us() const override;
@@ -38,7 +38,7 @@ class KurtNode final : public node::DeviceNode {
   /// Motors off, port closed.
   void finish() override;
 
-  [[nodiscard]] nlohmann::json figures() const override;
+  [[nodiscard]] nlohmann::json metrics() const override;
   [[nodiscard]] node::Health health() const override;
 
  private:

@@ -26,7 +26,7 @@ struct WheelParams {
 
   template <class Visitor>
   void describe(Visitor& v) {
-    v.number("wheel_perimeter_m", perimeter_m, {0.1, 2.0},
+    v.number("perimeter_m", perimeter_m, {0.1, 2.0},
              "Distance covered by one revolution of a wheel; outdoor KURT2 0.518.");
     v.number("axis_m", axis_m, {0.1, 1.0}, "Distance between left and right wheels; outdoor 0.39.");
     v.number("turning_adaptation", turning_adaptation, {0.1, 2.0},
@@ -90,11 +90,29 @@ struct KurtParams {
            "Serial port of the CAN adapter, best as /dev/serial/by-id/...; must be given.");
     v.integer("baud", baud, {9600, 3'000'000},
               "Rate of the serial line, bit/s; 1000000 for the Lawicel CANUSB.");
-    wheels.describe(v);
-    odometry.describe(v);
-    limits.describe(v);
+    v.section("wheels", wheels);
+    v.section("odometry", odometry);
+    v.section("limits", limits);
     v.number("drive_timeout_s", drive_timeout_s, {0.02, 0.2},
              "The robot stops when no DRIVE has come for so long.");
+    describe_renamed(v);
+  }
+
+ private:
+  template <class Visitor>
+  static void describe_renamed(Visitor& v) {
+    v.renamed("wheel_perimeter_m", "wheels.perimeter_m");
+    v.renamed("ticks_per_turn", "wheels.ticks_per_revolution");
+    v.renamed("turn_sigma_deg", "odometry.rotation_sigma_deg");
+    for (const char* key : {"axis_m", "turning_adaptation", "steering"}) {
+      v.renamed(key, std::string("wheels.") + key);
+    }
+    for (const char* key : {"distance_sigma_m", "heading_sigma_deg"}) {
+      v.renamed(key, std::string("odometry.") + key);
+    }
+    for (const char* key : {"max_speed_mps", "max_acceleration_mps2", "max_deceleration_mps2"}) {
+      v.renamed(key, std::string("limits.") + key);
+    }
   }
 };
 

@@ -1,19 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "common/node/device_process.hpp"
+#include "common/node/clock.hpp"
+#include "common/node/device_node.hpp"
 #include "common/params/params.hpp"
-#include "common/time/clock.hpp"
 #include "drivers/laser3d/node.hpp"
 
 int main(int argc, char** argv) {
   using namespace nodmap;  // NOLINT(google-build-using-namespace): a program of one page
   laser3d::Laser3dParams params;
   params::Table table(params);
-  return node::run_device_process(
+  return node::run_device_node(
       argc, argv,
       {"nodmap-laser3d",
        "Drives the nodding 3D scanner, a SICK LMS2xx on a pitch servo: SCAN out."},
-      table, [] { return std::string(); },
-      [&params](node::Context& context) {
+      table, nullptr, [&params](node::Context& context) {
         return std::make_unique<laser3d::Laser3dNode>(
             context, params,
             laser3d::Laser3dNode::Openers{

@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "common/log/log.hpp"
-#include "common/msg/messages.hpp"
+#include "common/node/log.hpp"
+#include "common/node/messages.hpp"
 #include "nodmap/pitch_state_t.hpp"
 
 namespace nodmap::laser3d {
@@ -50,14 +50,14 @@ Laser3dNode::Laser3dNode(node::Context& context, const Laser3dParams& params, Op
       "PITCH_COMMAND", [this](const nodmap::pitch_command_t& message) { on_command(message); });
 }
 
-void Laser3dNode::turn() {
+void Laser3dNode::spin_once() {
   const time::Moment now = clock_();
   laser_.poll(now);
   servo_.poll(now);
   carry_out(driver_.poll(now.steady_us), now);
   const std::int64_t lost =
       driver_.counts().telegrams_missed + driver_.counts().scans_without_pitch;
-  context_.tally.lose(lost - std::exchange(reported_lost_, lost));
+  context_.counts.lose(lost - std::exchange(reported_lost_, lost));
   log_change(now);
 }
 
@@ -104,14 +104,14 @@ void Laser3dNode::on_command(const nodmap::pitch_command_t& message) {
   // Any number may come: in integers the difference could overflow.
   const double age_us = static_cast<double>(now.utime_us) - static_cast<double>(message.utime);
   if (std::abs(1e-6 * age_us) > params_.nod.command_timeout_s) {
-    context_.tally.reject("stale");
+    context_.counts.reject("stale");
     return;
   }
   const AreaOfInterest area{message.pitch_min_rad, message.pitch_max_rad, message.sweep_s};
   if (driver_.command(area, now.steady_us)) {
-    context_.tally.use();
+    context_.counts.use();
   } else {
-    context_.tally.reject("no_area");
+    context_.counts.reject("no_area");
   }
 }
 
@@ -131,7 +131,7 @@ void Laser3dNode::publish(const PitchState& state, const time::Moment& now) {
 
 void Laser3dNode::publish(scan::Scan scan, const time::Moment& now) {
   scan.utime_us += now.utime_us - now.steady_us;
-  context_.bus.publish("SCAN", msg::write_scan(scan));
+  context_.bus.publish("SCAN", node::write_scan(scan));
 }
 
 void Laser3dNode::log_change(const time::Moment& now) {
@@ -147,7 +147,7 @@ void Laser3dNode::log_change(const time::Moment& now) {
   }
 }
 
-nlohmann::json Laser3dNode::figures() const {
+nlohmann::json Laser3dNode::metrics() const {
   const Laser3d::Counts& scanner = driver_.counts();
   const SickSession::Counts& laser = driver_.laser_counts();
   const SickParser& parser = driver_.laser_line();

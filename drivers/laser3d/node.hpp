@@ -6,8 +6,8 @@
 #include <functional>
 #include <nlohmann/json_fwd.hpp>
 
-#include "common/node/device_process.hpp"
-#include "common/time/moment.hpp"
+#include "common/geometry/time.hpp"
+#include "common/node/device_node.hpp"
 #include "drivers/laser3d/laser3d.hpp"
 #include "drivers/serial/serial_link.hpp"
 #include "nodmap/pitch_command_t.hpp"
@@ -31,7 +31,7 @@ class Laser3dNode final : public node::DeviceNode {
 
   /// Takes in what has arrived, sends what is due. Waits for nothing but a port that does not take
   /// its bytes, and for that 50 ms.
-  void turn() override;
+  void spin_once() override;
 
   [[nodiscard]] std::array<int, 2> poll_handles() override;
   /// The conversations with laser and servo look after their time-outs.
@@ -39,9 +39,9 @@ class Laser3dNode final : public node::DeviceNode {
 
   /// Ends the laser's stream, so that the next start is quick.
   void shut_down() override;
-  [[nodiscard]] bool at_rest() const override { return driver_.laser_at_rest(); }
+  [[nodiscard]] bool is_shut_down() const override { return driver_.laser_at_rest(); }
 
-  [[nodiscard]] nlohmann::json figures() const override;
+  [[nodiscard]] nlohmann::json metrics() const override;
   [[nodiscard]] node::Health health() const override;
 
  private:

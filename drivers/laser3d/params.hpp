@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <string>
+
 #include "common/params/robot_params.hpp"
 #include "drivers/laser3d/nod.hpp"
 #include "drivers/laser3d/scan_joiner.hpp"
@@ -16,9 +18,9 @@ struct MirrorOffsetParams {
 
   template <class Visitor>
   void describe(Visitor& v) {
-    v.number("mirror_forward_m", forward_m, {-0.5, 0.5},
+    v.number("forward_m", forward_m, {-0.5, 0.5},
              "Mirror's centre ahead of the pitch axis, at pitch 0.");
-    v.number("mirror_up_m", up_m, {-0.5, 0.5}, "Mirror's centre above the pitch axis, at pitch 0.");
+    v.number("up_m", up_m, {-0.5, 0.5}, "Mirror's centre above the pitch axis, at pitch 0.");
   }
 };
 
@@ -32,12 +34,40 @@ struct Laser3dParams {
 
   template <class Visitor>
   void describe(Visitor& v) {
-    laser.describe(v);
-    servo.describe(v);
+    v.section("laser", laser);
+    v.section("servo", servo);
     robot.describe(v);
-    nod.describe(v);
-    mirror.describe(v);
-    joiner.describe(v);
+    v.section("nod", nod);
+    v.section("mirror", mirror);
+    v.section("joiner", joiner);
+    describe_renamed(v);
+  }
+
+ private:
+  template <class Visitor>
+  static void describe_renamed(Visitor& v) {
+    for (const char* key : {"device", "baud", "time_offset_s"}) {
+      v.renamed(std::string("laser_") + key, std::string("laser.") + key);
+    }
+    for (const char* key : {"variant", "interlaced", "unit", "reach", "range_min_m", "range_max_m",
+                            "upside_down", "frozen_scans"}) {
+      v.renamed(key, std::string("laser.") + key);
+    }
+    v.renamed("servo", "servo.kind");
+    for (const char* key : {"device", "baud", "id", "poll_hz"}) {
+      v.renamed(std::string("servo_") + key, std::string("servo.") + key);
+    }
+    v.renamed("servo_level_position", "servo.dynamixel.level_position");
+    v.renamed("servo_inverted", "servo.dynamixel.inverted");
+    v.renamed("maestro_level_us", "servo.maestro.level_us");
+    v.renamed("maestro_us_per_deg", "servo.maestro.us_per_deg");
+    for (const char* key :
+         {"default_min_deg", "default_max_deg", "default_sweep_s", "command_timeout_s"}) {
+      v.renamed(key, std::string("nod.") + key);
+    }
+    v.renamed("mirror_forward_m", "mirror.forward_m");
+    v.renamed("mirror_up_m", "mirror.up_m");
+    v.renamed("max_extrapolation_s", "joiner.max_extrapolation_s");
   }
 };
 

@@ -5,7 +5,7 @@
 #include <thread>
 #include <utility>
 
-#include "common/log/log.hpp"
+#include "common/node/log.hpp"
 
 namespace nodmap::serial {
 

@@ -9,7 +9,7 @@
 #include <span>
 #include <string>
 
-#include "common/time/moment.hpp"
+#include "common/geometry/time.hpp"
 #include "drivers/serial/back_off.hpp"
 #include "drivers/serial/serial_port.hpp"
 

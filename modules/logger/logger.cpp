@@ -12,12 +12,11 @@
 #include <utility>
 
 #include "common/bus/live_bus.hpp"
-#include "common/log/log.hpp"
-#include "common/node/command_line.hpp"
+#include "common/node/clock.hpp"
+#include "common/node/log.hpp"
+#include "common/node/program.hpp"
 #include "common/node/status.hpp"
-#include "common/node/stop_signal.hpp"
 #include "common/params/params.hpp"
-#include "common/time/clock.hpp"
 #include "modules/logger/channel_filter.hpp"
 #include "modules/logger/loss_watch.hpp"
 #include "modules/logger/params.hpp"
@@ -42,7 +41,6 @@ constexpr std::int64_t kDrainLimitUs = 600'000;
 constexpr std::int64_t kFragmentsUs = 20'000;
 
 struct Options {
-  node::CommonOptions common;
   std::string out;
   std::string file;
   std::string channel;
@@ -61,31 +59,31 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("--exclude", options.exclude, "Do not record channels that match this expression");
 }
 
-/// Options that stand for a parameter are assignments like --set, and come last.
-void assign_options(Options& options) {
-  const auto assign = [&options](const std::string& name, const std::string& value) {
+/// Options that stand for a parameter come after --set.
+void assign_options(const Options& options, params::Table& table) {
+  const auto assign = [&table](const char* option, const char* name, const std::string& value) {
     if (!value.empty()) {
-      options.common.assignments.push_back(name + "=" + value);
+      table.set(name, value, option);
     }
   };
-  assign("out_dir", options.out);
-  assign("channel_regex", options.channel);
-  assign("exclude_regex", options.exclude);
+  assign("--out", "out_dir", options.out);
+  assign("--channel", "channel_regex", options.channel);
+  assign("--exclude", "exclude_regex", options.exclude);
 }
 
-/// Throws std::invalid_argument where the parameters and --file do not go together.
+/// Throws node::UsageError where the parameters and --file do not go together.
 RecorderSettings recorder_settings(const LoggerParams& params, const std::string& file) {
   RecorderSettings settings{.dir = params.out_dir,
                             .split_bytes = to_bytes(params.split_mb),
                             .quota_bytes = to_bytes(params.quota_mb)};
   if (settings.quota_bytes > 0 && settings.split_bytes == 0) {
-    throw std::invalid_argument("quota_mb needs split_mb: only ended files can be deleted");
+    throw node::UsageError("quota_mb needs split_mb: only ended files can be deleted");
   }
   if (file.empty()) {
     return settings;
   }
   if (std::filesystem::path(file).has_parent_path()) {
-    throw std::invalid_argument("--file '" + file + "' is to be a name; --out gives the folder");
+    throw node::UsageError("--file '" + file + "' is to be a name; --out gives the folder");
   }
   settings.names = LogNames::fixed(file);
   return settings;
@@ -112,7 +110,7 @@ class Logger {
       : filter_(std::move(filter)),
         bus_(url),
         recorder_(settings, clock_),
-        status_(kProgram, bus_, tally_, clock_) {
+        status_(kProgram, bus_, counts_, clock_) {
     bus_.subscribe_all([this](const auto& message) { take(message); }, queue_messages);
     log::get().info("listening on {}", bus_.url());
   }
@@ -126,7 +124,7 @@ class Logger {
   }
 
   [[nodiscard]] const RecorderCounts& counts() const { return recorder_.counts(); }
-  [[nodiscard]] std::int64_t lost() const { return tally_.lost(); }
+  [[nodiscard]] std::int64_t lost() const { return counts_.lost(); }
 
  private:
   int work(milliseconds wait) {
@@ -138,14 +136,14 @@ class Logger {
 
   void take(const bus::LiveBus::RawMessage& message) {
     newest_utime_us_ = message.receive_utime_us;
-    tally_.lose(losses_.lost_before(message.channel, message.data));
+    counts_.lose(losses_.lost_before(message.channel, message.data));
     if (!filter_.wants(message.channel)) {
       return;
     }
     const std::int64_t dropped_before = recorder_.counts().dropped;
     recorder_.record(message.receive_utime_us, message.channel, message.data);
     for (std::int64_t i = dropped_before; i < recorder_.counts().dropped; ++i) {
-      tally_.reject("no_room");
+      counts_.reject("no_room");
     }
   }
 
@@ -160,7 +158,7 @@ class Logger {
   }
 
   time::SystemClock clock_;
-  node::Tally tally_;
+  node::MessageCounts counts_;
   ChannelFilter filter_;
   LossWatch losses_;
   bus::LiveBus bus_;
@@ -169,12 +167,13 @@ class Logger {
   std::int64_t newest_utime_us_ = 0;
 };
 
-int record_until_stopped(const Options& options, const LoggerParams& params) {
+int record_until_stopped(const Options& options, const LoggerParams& params,
+                         const std::string& lcm_url) {
   ChannelFilter filter(params.channel_regex, params.exclude_regex);
   const RecorderSettings settings = recorder_settings(params, options.file);
   refuse_to_mix(settings, options.file);
-  const std::string url = with_receive_buffer(bus::resolve_url(options.common.lcm_url),
-                                              std::int64_t{1024} * params.receive_buffer_kb);
+  const std::string url =
+      with_receive_buffer(bus::resolve_url(lcm_url), std::int64_t{1024} * params.receive_buffer_kb);
   Logger logger(url, params.queue_messages, std::move(filter), settings);
   logger.run();
   const RecorderCounts& counts = logger.counts();
@@ -189,28 +188,20 @@ int run(int argc, char** argv) {
   Options options;
   LoggerParams params;
   params::Table table(params);
-  CLI::App app("Records every LCM channel into event logs that lcm-logplayer plays.", kProgram);
-  node::add_common_options(app, options.common, table);
-  add_options(app, options);
-  if (const auto code = node::parse_command_line(app, argc, argv)) {
-    return *code;
-  }
-  assign_options(options);
-  if (const auto code = node::apply_common_options(kProgram, options.common, table)) {
-    return *code;
-  }
-  node::catch_stop_signals();
-  // A limit on file sizes is a full disk like any other, not a reason to die.
-  std::signal(SIGXFSZ, SIG_IGN);
-  try {
-    return record_until_stopped(options, params);
-  } catch (const std::invalid_argument& error) {
-    std::cerr << kProgram << ": " << error.what() << "\n";
-    return 2;
-  } catch (const std::exception& error) {
-    log::get().error("{}", error.what());
-    return 1;
-  }
+  return node::run_program(
+      argc, argv,
+      {.name = kProgram,
+       .summary = "Records every LCM channel into event logs that lcm-logplayer plays.",
+       .params = &table,
+       .uses_lcm = true,
+       .add_options = [&options](CLI::App& app) { add_options(app, options); },
+       .check = [&] { assign_options(options, table); },
+       .run =
+           [&](const std::string& lcm_url) {
+             // A limit on file sizes is a full disk like any other, not a reason to die.
+             std::signal(SIGXFSZ, SIG_IGN);
+             return record_until_stopped(options, params, lcm_url);
+           }});
 }
 
 }  // namespace nodmap::logger

@@ -7,7 +7,7 @@
 #include <span>
 #include <string>
 
-#include "common/node/tally.hpp"
+#include "common/node/message_counts.hpp"
 
 namespace nodmap::logger {
 
@@ -20,7 +20,7 @@ class LossWatch {
                                          std::span<const std::byte> data);
 
  private:
-  std::map<std::string, node::SequenceWatch> watches_;
+  std::map<std::string, node::SequenceCounter> watches_;
 };
 
 }  // namespace nodmap::logger

@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "common/log/log.hpp"
+#include "common/node/log.hpp"
 
 namespace nodmap::logger {
 namespace {

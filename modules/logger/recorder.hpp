@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "common/bus/event_log.hpp"
+#include "common/node/clock.hpp"
 #include "common/node/node.hpp"
-#include "common/time/clock.hpp"
 #include "modules/logger/quota.hpp"
 #include "modules/logger/rotation.hpp"
 

@@ -5,7 +5,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "common/msg/messages.hpp"
+#include "common/node/messages.hpp"
 #include "modules/map_server/results.hpp"
 
 namespace nodmap::map_server {
@@ -34,7 +34,7 @@ nlohmann::json figures_of(const EgoMap& map) {
 }  // namespace
 
 MapServerNode::MapServerNode(node::Context& context, const Params& params)
-    : context_(context), params_(params), input_(context.tally), server_(params) {
+    : context_(context), params_(params), input_(context.counts), server_(params) {
   context.bus.subscribe<nodmap::scan_t>(
       "SCAN", [this](const nodmap::scan_t& message) { on_scan(message); });
   context.bus.subscribe<nodmap::odometry_t>(
@@ -47,12 +47,12 @@ void MapServerNode::on_odometry(const nodmap::odometry_t& message) {
     return;
   }
   // No shift leads from the old odom frame to the new.
-  if (input_.odometry_began_anew()) {
+  if (input_.odometry_restarted()) {
     server_.reset();
     odometry_.clear();
   }
   odometry_.add(message.utime, *T_odom_base);
-  context_.tally.use();
+  context_.counts.use();
 }
 
 void MapServerNode::on_scan(const nodmap::scan_t& message) {
@@ -62,22 +62,22 @@ void MapServerNode::on_scan(const nodmap::scan_t& message) {
   const auto T_odom_base = pose_at(scan_.utime_mid_us());
   last_scan_had_odometry_ = T_odom_base.has_value();
   if (!T_odom_base) {
-    context_.tally.reject("no_odometry");
+    context_.counts.reject("no_odometry");
     return;
   }
   // From here on the base is on the ground, and heights in it are heights above the ground.
   scan_.T_base_mount.translation().z() += params_.base_height_m;
   switch (server_.add_scan(scan_, *T_odom_base)) {
     case Verdict::kImplausibleScan:
-      context_.tally.reject("implausible_scan");
+      context_.counts.reject("implausible_scan");
       return;
     case Verdict::kImplausiblePose:
-      context_.tally.reject("implausible_pose");
+      context_.counts.reject("implausible_pose");
       return;
     case Verdict::kUsed:
       break;
   }
-  context_.tally.use();
+  context_.counts.use();
   ++scans_used_;
   publish_maps(*T_odom_base);
 }
@@ -104,7 +104,7 @@ void MapServerNode::fill_message(const EgoMap& map, const geometry::SE3& T_odom_
   message_.scan_seq = scan_.seq;
   message_.bin_first_rad = scan.bins().first_rad();
   message_.bin_step_rad = scan.bins().step_rad();
-  msg::write_pose(T_odom_base, message_.position_m, message_.orientation);
+  node::write_pose(T_odom_base, message_.position_m, message_.orientation);
   message_.num_bins = static_cast<std::int32_t>(n);
   message_.distance_m.assign(n, std::numeric_limits<float>::infinity());
   for (auto* field :
@@ -129,7 +129,7 @@ void MapServerNode::write_results(const std::filesystem::path& dir) {
       .write_png(dir / "map.png");
 }
 
-nlohmann::json MapServerNode::figures() const {
+nlohmann::json MapServerNode::metrics() const {
   return {{"scans_used", scans_used_},
           {"obstacle_map", figures_of(server_.obstacle_map())},
           {"structure_map", figures_of(server_.structure_map())}};

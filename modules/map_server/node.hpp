@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "common/geometry/pose_history.hpp"
-#include "common/input/sensor_input.hpp"
+#include "common/node/message_input.hpp"
 #include "common/node/node.hpp"
 #include "common/scan/scan.hpp"
 #include "modules/map_server/map_server.hpp"
@@ -27,7 +27,7 @@ class MapServerNode final : public node::Node {
   MapServerNode(node::Context& context, const Params& params);
 
   void write_results(const std::filesystem::path& dir) override;
-  [[nodiscard]] nlohmann::json figures() const override;
+  [[nodiscard]] nlohmann::json metrics() const override;
   [[nodiscard]] node::Health health() const override;
 
  private:
@@ -39,7 +39,7 @@ class MapServerNode final : public node::Node {
 
   node::Context& context_;
   Params params_;
-  input::SensorInput input_;
+  node::SensorInput input_;
   MapServer server_;
   geometry::PoseHistory odometry_;
   scan::Scan scan_;             // reused from message to message, as is

@@ -10,11 +10,11 @@ namespace nodmap::map_server {
 namespace {
 
 constexpr int kSizePx = 1000;
-constexpr picture::Rgb kRing{225, 225, 225};
-constexpr picture::Rgb kFifthRing{185, 185, 185};
-constexpr picture::Rgb kStructure{35, 95, 190};
-constexpr picture::Rgb kObstacle{215, 40, 35};
-constexpr picture::Rgb kRobot{60, 60, 60};
+constexpr drawing::Rgb kRing{225, 225, 225};
+constexpr drawing::Rgb kFifthRing{185, 185, 185};
+constexpr drawing::Rgb kStructure{35, 95, 190};
+constexpr drawing::Rgb kObstacle{215, 40, 35};
+constexpr drawing::Rgb kRobot{60, 60, 60};
 
 /// Whole metres from the middle to the border: room for nine points in ten. The last are far down a
 /// corridor, and would make all that matters small.
@@ -40,7 +40,7 @@ class Canvas {
     }
   }
 
-  void draw_points(const ExtendedScan& map, double radius_px, picture::Rgb colour) {
+  void draw_points(const ExtendedScan& map, double radius_px, drawing::Rgb colour) {
     for (const EgoPoint& point : map.points()) {
       if (point.valid) {
         image_.fill_disc(u(point.p_base), v(point.p_base), radius_px, colour);
@@ -57,7 +57,7 @@ class Canvas {
     image_.draw_line(kMiddle, kMiddle, u(nose), v(nose), kRobot, 2.0);
   }
 
-  [[nodiscard]] picture::Image take() && { return std::move(image_); }
+  [[nodiscard]] drawing::Image take() && { return std::move(image_); }
 
  private:
   static constexpr double kMiddle = 0.5 * kSizePx;
@@ -66,13 +66,13 @@ class Canvas {
   [[nodiscard]] double u(const Eigen::Vector2d& p) const { return kMiddle - p.y() * px_per_m_; }
   [[nodiscard]] double v(const Eigen::Vector2d& p) const { return kMiddle - p.x() * px_per_m_; }
 
-  picture::Image image_;
+  drawing::Image image_;
   double px_per_m_;
 };
 
 }  // namespace
 
-picture::Image draw_maps(const ExtendedScan& obstacles, const ExtendedScan& structure,
+drawing::Image draw_maps(const ExtendedScan& obstacles, const ExtendedScan& structure,
                          const Footprint& robot) {
   Canvas canvas(reach_m(obstacles, structure));
   canvas.draw_robot(robot);

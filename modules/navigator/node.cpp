@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "common/msg/messages.hpp"
+#include "common/node/messages.hpp"
 
 namespace nodmap::navigator {
 namespace {
@@ -41,7 +41,7 @@ std::int8_t code_of(Behaviour behaviour) {
 }  // namespace
 
 NavigatorNode::NavigatorNode(node::Context& context, const Params& params)
-    : context_(context), params_(params), input_(context.tally), navigator_(params) {
+    : context_(context), params_(params), input_(context.counts), navigator_(params) {
   bus::Bus& bus = context.bus;
   bus.subscribe<nodmap::egomap_t>("OBSTACLE_MAP", [this](const auto& m) { on_map(m); });
   bus.subscribe<nodmap::odometry_t>("ODOMETRY", [this](const auto& m) { on_odometry(m); });
@@ -54,17 +54,17 @@ NavigatorNode::NavigatorNode(node::Context& context, const Params& params)
 }
 
 void NavigatorNode::on_map(const nodmap::egomap_t& message) {
-  const auto T_odom_map = msg::read_pose(message.position_m, message.orientation);
+  const auto T_odom_map = node::read_pose(message.position_m, message.orientation);
   auto points_map = read_points(message.distance_m, message.point_x_m, message.point_y_m);
   if (!T_odom_map || !points_map || !is_time(message.utime)) {
-    context_.tally.reject("implausible_obstacle_map");
+    context_.counts.reject("implausible_obstacle_map");
     return;
   }
   if (message.utime < odometry_frame_began_us_) {
-    context_.tally.reject("map_of_former_odometry");
+    context_.counts.reject("map_of_former_odometry");
     return;
   }
-  context_.tally.use();
+  context_.counts.use();
   map_ = {geometry::to_se2(*T_odom_map), std::move(*points_map)};
   stamps_.map_us = message.utime;
   auto reason = reason_not_to_drive();
@@ -77,7 +77,7 @@ void NavigatorNode::on_odometry(const nodmap::odometry_t& message) {
     return;
   }
   if (!std::isfinite(message.forward_mps) || !std::isfinite(message.yaw_rate_rad_s)) {
-    context_.tally.reject("implausible_odometry");
+    context_.counts.reject("implausible_odometry");
     return;
   }
   if (odometry_ && message.odometry_seq < odometry_->seq) {
@@ -86,7 +86,7 @@ void NavigatorNode::on_odometry(const nodmap::odometry_t& message) {
   // The frame began no later than any of its odometry: an earlier stamp means that the first one
   // was wrong, or that the clock has been set back since.
   odometry_frame_began_us_ = std::min(odometry_frame_began_us_, message.utime);
-  context_.tally.use();
+  context_.counts.use();
   odometry_ = {message.odometry_seq, geometry::to_se2(*T_odom_base), message.forward_mps,
                message.yaw_rate_rad_s};
   stamps_.odometry_us = message.utime;
@@ -105,24 +105,24 @@ void NavigatorNode::begin_odometry_frame(std::int64_t utime_us) {
 }
 
 void NavigatorNode::on_pitch_command(const nodmap::pitch_command_t& message) {
-  context_.tally.lose(pitch_commands_watch_.lost_before(message.command_seq));
+  context_.counts.lose(pitch_commands_watch_.lost_before(message.command_seq));
   if (!is_time(message.utime) || !std::isfinite(message.max_forward_mps) ||
       message.max_forward_mps < 0.0) {
-    context_.tally.reject("implausible_pitch_command");
+    context_.counts.reject("implausible_pitch_command");
     return;
   }
-  context_.tally.use();
+  context_.counts.use();
   pitch_command_ = message;
   stamps_.pitch_command_us = message.utime;
 }
 
 void NavigatorNode::on_pitch_state(const nodmap::pitch_state_t& message) {
-  context_.tally.lose(pitch_states_watch_.lost_before(message.state_seq));
+  context_.counts.lose(pitch_states_watch_.lost_before(message.state_seq));
   if (!is_time(message.utime)) {
-    context_.tally.reject("implausible_pitch_state");
+    context_.counts.reject("implausible_pitch_state");
     return;
   }
-  context_.tally.use();
+  context_.counts.use();
   pitch_state_ = message;
   stamps_.pitch_state_us = message.utime;
 }
@@ -131,10 +131,10 @@ void NavigatorNode::on_goal(const nodmap::goal_t& message) {
   const Eigen::Vector2d p_map(message.position_m[0], message.position_m[1]);
   if (message.is_active != 0 &&
       (!p_map.allFinite() || !(message.tolerance_m > 0.0) || !std::isfinite(message.tolerance_m))) {
-    context_.tally.reject("implausible_goal");
+    context_.counts.reject("implausible_goal");
     return;
   }
-  context_.tally.use();
+  context_.counts.use();
   goal_.reset();
   if (message.is_active != 0) {
     goal_ = {p_map, message.tolerance_m};
@@ -144,18 +144,18 @@ void NavigatorNode::on_goal(const nodmap::goal_t& message) {
 /// Moves the goal in odom, and nothing else: old or missing, it leads the robot elsewhere, but into
 /// nothing. So it is no reason to halt.
 void NavigatorNode::on_pose(const nodmap::pose_t& message) {
-  const auto T_map_odom = msg::read_pose(message.odom_position_m, message.odom_orientation);
+  const auto T_map_odom = node::read_pose(message.odom_position_m, message.odom_orientation);
   if (!T_map_odom || message.pose_quality == nodmap::pose_t::LOST) {
-    context_.tally.reject(T_map_odom ? "lost_pose" : "implausible_pose");
+    context_.counts.reject(T_map_odom ? "lost_pose" : "implausible_pose");
     return;
   }
-  context_.tally.use();
+  context_.counts.use();
   T_map_odom_ = geometry::to_se2(*T_map_odom);
 }
 
 /// Holds until a message says otherwise, whatever becomes of who sent it.
 void NavigatorNode::on_stop(const nodmap::stop_t& message) {
-  context_.tally.use();
+  context_.counts.use();
   stopped_by_.reset();
   if (message.is_stopped != 0) {
     stopped_by_ = message.requested_by;
@@ -225,7 +225,7 @@ void NavigatorNode::publish(const Decision& decision) {
   halted_because_ = decision.behaviour == Behaviour::kHalt ? decision.reason : "";
 }
 
-nlohmann::json NavigatorNode::figures() const {
+nlohmann::json NavigatorNode::metrics() const {
   return {{"decisions",
            {{"steer", decisions_[nodmap::navigation_t::STEER]},
             {"brake", decisions_[nodmap::navigation_t::BRAKE]},

@@ -8,7 +8,7 @@
 #include <optional>
 #include <string>
 
-#include "common/input/sensor_input.hpp"
+#include "common/node/message_input.hpp"
 #include "common/node/node.hpp"
 #include "modules/navigator/navigator.hpp"
 #include "modules/navigator/staleness.hpp"
@@ -34,7 +34,7 @@ class NavigatorNode final : public node::Node {
   NavigatorNode(node::Context& context, const Params& params);
 
   void write_results(const std::filesystem::path& /*dir*/) override {}
-  [[nodiscard]] nlohmann::json figures() const override;
+  [[nodiscard]] nlohmann::json metrics() const override;
   [[nodiscard]] node::Health health() const override;
 
  private:
@@ -68,11 +68,11 @@ class NavigatorNode final : public node::Node {
 
   node::Context& context_;
   Params params_;
-  input::SensorInput input_;
+  node::SensorInput input_;
   Navigator navigator_;
 
-  node::SequenceWatch pitch_commands_watch_;
-  node::SequenceWatch pitch_states_watch_;
+  node::SequenceCounter pitch_commands_watch_;
+  node::SequenceCounter pitch_states_watch_;
   InputStamps stamps_;
   std::int64_t odometry_frame_began_us_ = 0;
   std::optional<ObstacleMap> map_;

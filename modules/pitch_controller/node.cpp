@@ -39,7 +39,7 @@ const char* sentence(Hindrance hindrance) {
 }  // namespace
 
 PitchControllerNode::PitchControllerNode(node::Context& context, const Params& params)
-    : context_(context), params_(params), input_(context.tally), controller_(params) {
+    : context_(context), params_(params), input_(context.counts), controller_(params) {
   context.bus.subscribe<nodmap::odometry_t>(
       "ODOMETRY", [this](const nodmap::odometry_t& message) { on_odometry(message); });
   context.bus.subscribe<nodmap::pitch_state_t>(
@@ -51,21 +51,21 @@ void PitchControllerNode::on_odometry(const nodmap::odometry_t& message) {
     return;
   }
   if (!std::isfinite(message.forward_mps)) {
-    context_.tally.reject("implausible_odometry");
+    context_.counts.reject("implausible_odometry");
     return;
   }
-  context_.tally.use();
+  context_.counts.use();
   controller_.add_speed(message.utime, message.forward_mps);
   decide(message.utime);
 }
 
 void PitchControllerNode::on_pitch_state(const nodmap::pitch_state_t& message) {
-  context_.tally.lose(pitch_states_.lost_before(message.state_seq));
+  context_.counts.lose(pitch_states_.lost_before(message.state_seq));
   if (!is_plausible(message)) {
-    context_.tally.reject("implausible_pitch_state");
+    context_.counts.reject("implausible_pitch_state");
     return;
   }
-  context_.tally.use();
+  context_.counts.use();
   pitch_is_measured_ = message.pitch_is_measured != 0;
   controller_.add_pitch({message.utime, message.pitch_rad, message.pitch_rate_rad_s,
                          message.sweep_count, message.is_stalled != 0});
@@ -90,7 +90,7 @@ void PitchControllerNode::decide(std::int64_t now_us) {
   fastest_allowed_mps_ = std::max(fastest_allowed_mps_, decision->max_forward_mps);
 }
 
-nlohmann::json PitchControllerNode::figures() const {
+nlohmann::json PitchControllerNode::metrics() const {
   return {{"commands", commands_},
           {"commands_to_stand", commands_to_stand_},
           {"fastest_allowed_mps", fastest_allowed_mps_}};

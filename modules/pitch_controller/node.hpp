@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 
-#include "common/input/sensor_input.hpp"
+#include "common/node/message_input.hpp"
 #include "common/node/node.hpp"
 #include "modules/pitch_controller/pitch_controller.hpp"
 #include "nodmap/odometry_t.hpp"
@@ -23,7 +23,7 @@ class PitchControllerNode final : public node::Node {
   PitchControllerNode(node::Context& context, const Params& params);
 
   void write_results(const std::filesystem::path& /*dir*/) override {}  // the commands say it all
-  [[nodiscard]] nlohmann::json figures() const override;
+  [[nodiscard]] nlohmann::json metrics() const override;
   [[nodiscard]] node::Health health() const override;
 
  private:
@@ -33,8 +33,8 @@ class PitchControllerNode final : public node::Node {
 
   node::Context& context_;
   Params params_;
-  input::SensorInput input_;
-  node::SequenceWatch pitch_states_;
+  node::SensorInput input_;
+  node::SequenceCounter pitch_states_;
   PitchController controller_;
   Hindrance hindrance_ = Hindrance::kNone;
   bool pitch_is_measured_ = true;

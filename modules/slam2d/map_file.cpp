@@ -17,8 +17,8 @@ constexpr std::uint8_t kOccupiedGrey = 0;
 constexpr std::uint8_t kUnknownGrey = 205;
 constexpr std::uint8_t kFreeGrey = 254;
 
-constexpr picture::Rgb kPathColour{214, 69, 65};
-constexpr picture::Rgb kOdometryColour{170, 170, 170};
+constexpr drawing::Rgb kPathColour{214, 69, 65};
+constexpr drawing::Rgb kOdometryColour{170, 170, 170};
 constexpr int kPathPicturePx = 1200;
 constexpr double kBorderM = 1.0;
 
@@ -70,8 +70,8 @@ struct Scale {
   }
 };
 
-void draw_path(picture::Image& image, const Scale& scale, std::span<const geometry::SE2> path,
-               picture::Rgb colour) {
+void draw_path(drawing::Image& image, const Scale& scale, std::span<const geometry::SE2> path,
+               drawing::Rgb colour) {
   for (std::size_t i = 1; i < path.size(); ++i) {
     const Eigen::Vector2d from = scale.to_px(path[i - 1]);
     const Eigen::Vector2d to = scale.to_px(path[i]);
@@ -86,8 +86,8 @@ void write_ros_map(const std::filesystem::path& dir, const OccupancyGrid& grid) 
   write(dir / "map.yaml", yaml_of(grid));
 }
 
-picture::Image draw_map(const OccupancyGrid& grid, std::span<const geometry::SE2> path) {
-  picture::Image image(std::max(1, grid.width()), std::max(1, grid.height()));
+drawing::Image draw_map(const OccupancyGrid& grid, std::span<const geometry::SE2> path) {
+  drawing::Image image(std::max(1, grid.width()), std::max(1, grid.height()));
   for (int y = 0; y < grid.height(); ++y) {
     for (int x = 0; x < grid.width(); ++x) {
       const std::uint8_t value = grey(grid, x, y);
@@ -98,7 +98,7 @@ picture::Image draw_map(const OccupancyGrid& grid, std::span<const geometry::SE2
   return image;
 }
 
-picture::Image draw_paths(std::span<const geometry::SE2> path,
+drawing::Image draw_paths(std::span<const geometry::SE2> path,
                           std::span<const geometry::SE2> odometry) {
   Eigen::Vector2d low = Eigen::Vector2d::Zero();
   Eigen::Vector2d high = Eigen::Vector2d::Zero();
@@ -116,7 +116,7 @@ picture::Image draw_paths(std::span<const geometry::SE2> path,
   const Eigen::Vector2d size = high - low;
   const double px_per_m = kPathPicturePx / size.maxCoeff();
   const Eigen::Vector2i px = (px_per_m * size).array().ceil().cast<int>();
-  picture::Image image(px.x(), px.y());
+  drawing::Image image(px.x(), px.y());
   const Scale scale{low, px_per_m, px.y()};
   draw_path(image, scale, odometry, kOdometryColour);
   draw_path(image, scale, path, kPathColour);

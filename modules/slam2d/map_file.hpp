@@ -6,8 +6,8 @@
 #include <span>
 #include <string>
 
+#include "common/drawing/image.hpp"
 #include "common/geometry/se2.hpp"
-#include "common/picture/image.hpp"
 #include "modules/slam2d/occupancy_grid.hpp"
 
 namespace nodmap::slam2d {
@@ -17,11 +17,11 @@ namespace nodmap::slam2d {
 void write_ros_map(const std::filesystem::path& dir, const OccupancyGrid& grid);
 
 /// The map with the path on it.
-[[nodiscard]] picture::Image draw_map(const OccupancyGrid& grid,
+[[nodiscard]] drawing::Image draw_map(const OccupancyGrid& grid,
                                       std::span<const geometry::SE2> path);
 
 /// The corrected path, and the one by odometry in grey.
-[[nodiscard]] picture::Image draw_paths(std::span<const geometry::SE2> path,
+[[nodiscard]] drawing::Image draw_paths(std::span<const geometry::SE2> path,
                                         std::span<const geometry::SE2> odometry);
 
 }  // namespace nodmap::slam2d

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "common/formats/tum.hpp"
-#include "common/input/save_request.hpp"
-#include "common/log/log.hpp"
-#include "common/msg/messages.hpp"
+#include "common/node/log.hpp"
+#include "common/node/message_input.hpp"
+#include "common/node/messages.hpp"
 #include "modules/slam2d/grid_tiles.hpp"
 #include "modules/slam2d/map_file.hpp"
 #include "nodmap/grid_chunk_t.hpp"
@@ -43,7 +43,7 @@ void write_tile(const OccupancyGrid& grid, const GridTile& tile, nodmap::grid_ch
 Slam2dNode::Slam2dNode(node::Context& context, const Params& params)
     : context_(context),
       params_(params),
-      input_(context.tally),
+      input_(context.counts),
       selector_(params.max_level_pitch_rad),
       slam_(params),
       grid_(params.cell_size_m) {
@@ -60,11 +60,11 @@ void Slam2dNode::on_odometry(const nodmap::odometry_t& message) {
   if (!T_odom_base) {
     return;
   }
-  if (input_.odometry_began_anew()) {
+  if (input_.odometry_restarted()) {
     begin_odometry_frame(*T_odom_base);
   }
   odometry_.add(message.utime, *T_odom_base);
-  context_.tally.use();
+  context_.counts.use();
 }
 
 void Slam2dNode::begin_odometry_frame(const geometry::SE3& T_odom_base) {
@@ -87,7 +87,7 @@ void Slam2dNode::on_scan(const nodmap::scan_t& message) {
 
 // A full disk does not end the mapping: the last map that was whole stays, and STATUS says so.
 void Slam2dNode::on_save_request(const nodmap::save_request_t& message) {
-  if (!input::accept(message, context_)) {
+  if (!node::accept_save_request(message, context_)) {
     return;
   }
   try {
@@ -102,7 +102,7 @@ void Slam2dNode::on_save_request(const nodmap::save_request_t& message) {
 void Slam2dNode::track(const scan::Scan& scan) {
   const auto T_odom_first = odometry_.at(scan.utime_us);
   if (!T_odom_first) {
-    context_.tally.reject("no_odometry");
+    context_.counts.reject("no_odometry");
     return;
   }
   const auto T_odom_last = odometry_.at(scan.utime_last_us()).value_or(*T_odom_first);
@@ -110,10 +110,10 @@ void Slam2dNode::track(const scan::Scan& scan) {
   const auto result =
       slam_.add_scan(scan, T_odom_base, T_odom_base.inverse() * geometry::to_se2(T_odom_last));
   if (!result) {
-    context_.tally.reject("nothing_seen");
+    context_.counts.reject("nothing_seen");
     return;
   }
-  context_.tally.use();
+  context_.counts.use();
   last_quality_ = result->quality;
   last_utime_us_ = result->utime_us;
   publish_pose(*result);
@@ -130,7 +130,7 @@ void Slam2dNode::finish() {
 }
 
 void Slam2dNode::publish_pose(const Slam2dResult& result) {
-  nodmap::pose_t message = msg::write_corrected_pose(
+  nodmap::pose_t message = node::write_corrected_pose(
       result.utime_us, geometry::to_se3(result.T_map_base), geometry::to_se3(result.T_map_odom));
   message.match_share = result.match_share;
   message.match_rms_m = result.match_rms_m;
@@ -183,8 +183,8 @@ void Slam2dNode::write_results(const std::filesystem::path& dir) {
   draw_paths(path, odometry).write_png(dir / "path.png");
 }
 
-nlohmann::json Slam2dNode::figures() const {
-  const Slam2dFigures& figures = slam_.figures();
+nlohmann::json Slam2dNode::metrics() const {
+  const Slam2dFigures& figures = slam_.metrics();
   const double scans = static_cast<double>(std::max<std::int64_t>(1, figures.scans));
   return {{"scans_used", figures.scans},
           {"scans_not_level", not_level_},

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "common/geometry/pose_history.hpp"
-#include "common/input/sensor_input.hpp"
+#include "common/node/message_input.hpp"
 #include "common/node/node.hpp"
 #include "modules/slam2d/level_scan_selector.hpp"
 #include "modules/slam2d/occupancy_grid.hpp"
@@ -27,7 +27,7 @@ class Slam2dNode : public node::Node {
 
   void finish() override;
   void write_results(const std::filesystem::path& dir) override;
-  [[nodiscard]] nlohmann::json figures() const override;
+  [[nodiscard]] nlohmann::json metrics() const override;
   [[nodiscard]] node::Health health() const override;
 
  private:
@@ -42,7 +42,7 @@ class Slam2dNode : public node::Node {
 
   node::Context& context_;
   Params params_;
-  input::SensorInput input_;
+  node::SensorInput input_;
   geometry::PoseHistory odometry_;
   LevelScanSelector selector_;
   Slam2d slam_;

@@ -82,7 +82,7 @@ class Slam2d {
   [[nodiscard]] const PointMap& map() const { return map_; }
   [[nodiscard]] const std::vector<Keyframe>& keyframes() const { return keyframes_; }
   [[nodiscard]] const std::vector<TrackedScan>& tracked_scans() const { return tracked_scans_; }
-  [[nodiscard]] const Slam2dFigures& figures() const { return figures_; }
+  [[nodiscard]] const Slam2dFigures& metrics() const { return figures_; }
 
   /// The pose of a used scan with all that is known now.
   [[nodiscard]] geometry::SE2 corrected_pose(const TrackedScan& scan) const;

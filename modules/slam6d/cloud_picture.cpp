@@ -10,8 +10,8 @@
 namespace nodmap::slam6d {
 namespace {
 
-using picture::Image;
-using picture::Rgb;
+using drawing::Image;
+using drawing::Rgb;
 
 constexpr Rgb kBackground{18, 20, 26};
 constexpr Rgb kPathColour{255, 140, 40};
@@ -48,7 +48,7 @@ void draw_points(DepthCanvas& canvas, const Camera& camera,
         (point.normal_map.isZero() && point.p_map.z() > ceiling_m)) {
       continue;
     }
-    const Rgb colour = picture::colour_scale(
+    const Rgb colour = drawing::colour_scale(
         kDarkest + (1.0 - kDarkest) * std::clamp(heights.place(point.p_map.z()), 0.0, 1.0));
     canvas.splat(*pixel, splat_radius(camera, *pixel, kPointSizeM), lit(colour, point.normal_map));
   }
@@ -77,7 +77,7 @@ void draw_keyframes(Image& image, const Camera& camera, int top,
                     std::span<const Eigen::Vector3d> keyframes) {
   for (const Eigen::Vector3d& p_map : keyframes) {
     if (const auto pixel = camera.project(p_map)) {
-      image.fill_disc(pixel->x, top + pixel->y, 7.0, picture::kWhite);
+      image.fill_disc(pixel->x, top + pixel->y, 7.0, drawing::kWhite);
       image.fill_disc(pixel->x, top + pixel->y, 5.0, kPathColour);
     }
   }
@@ -107,7 +107,7 @@ Image draw_map(std::span<const RegisteredPoint> points, const PicturePath& path)
   paint(lower, image, kObliqueSize.height, 1.0);
   draw_way(image, top, kObliqueSize.height, path.corrected, kPathColour);
   draw_keyframes(image, top, kObliqueSize.height, path.keyframes);
-  draw_scale(image, top, height, picture::kWhite);
+  draw_scale(image, top, height, drawing::kWhite);
   return image;
 }
 
@@ -122,7 +122,7 @@ Image draw_path(std::span<const RegisteredPoint> points, const PicturePath& path
   draw_way(image, camera, 0, path.odometry, kOdometryColour);
   draw_way(image, camera, 0, path.corrected, kPathColour);
   draw_keyframes(image, camera, 0, path.keyframes);
-  draw_scale(image, camera, image.height(), picture::kBlack);
+  draw_scale(image, camera, image.height(), drawing::kBlack);
   return image;
 }
 

@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <span>
 
-#include "common/picture/image.hpp"
+#include "common/drawing/image.hpp"
 #include "modules/slam6d/registered_cloud.hpp"
 
 namespace nodmap::slam6d {
@@ -18,11 +18,11 @@ struct PicturePath {
 
 /// The registered cloud, coloured by height: seen from obliquely above, and below that from the
 /// top. Surfaces seen from behind are left out, which opens rooms like a doll's house.
-[[nodiscard]] picture::Image draw_map(std::span<const RegisteredPoint> points,
+[[nodiscard]] drawing::Image draw_map(std::span<const RegisteredPoint> points,
                                       const PicturePath& path);
 
 /// The way from the top, corrected and by odometry, on the pale cloud.
-[[nodiscard]] picture::Image draw_path(std::span<const RegisteredPoint> points,
+[[nodiscard]] drawing::Image draw_path(std::span<const RegisteredPoint> points,
                                        const PicturePath& path);
 
 }  // namespace nodmap::slam6d

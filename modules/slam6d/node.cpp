@@ -8,9 +8,9 @@
 #include <utility>
 
 #include "common/formats/atomic_file.hpp"
-#include "common/input/save_request.hpp"
-#include "common/log/log.hpp"
-#include "common/msg/messages.hpp"
+#include "common/node/log.hpp"
+#include "common/node/message_input.hpp"
+#include "common/node/messages.hpp"
 #include "modules/slam6d/results.hpp"
 #include "nodmap/cloud_chunk_t.hpp"
 #include "nodmap/octomap_chunk_t.hpp"
@@ -44,7 +44,7 @@ OccupancyMap::Options map_options(const Slam6dParams& params) {
 Slam6dNode::Slam6dNode(node::Context& context, const Params& params)
     : context_(context),
       params_(params),
-      input_(context.tally),
+      input_(context.counts),
       slam_(params),
       occupancy_(map_options(params)) {
   // While a keyframe is registered a second may pass: 75 scans and 100 odometry messages.
@@ -62,11 +62,11 @@ void Slam6dNode::on_odometry(const nodmap::odometry_t& message) {
   if (!T_odom_base) {
     return;
   }
-  if (input_.odometry_began_anew()) {
+  if (input_.odometry_restarted()) {
     answer(slam_.change_odometry_frame(*T_odom_base));
   }
   slam_.add_odometry(message.utime, *T_odom_base);
-  context_.tally.use();
+  context_.counts.use();
 }
 
 void Slam6dNode::on_scan(const nodmap::scan_t& message) {
@@ -98,10 +98,10 @@ void Slam6dNode::count_scans() {
   const std::size_t without_pose = slam_.scans_without_pose() - counted_without_pose_;
   const std::size_t used = slam_.scans_in_sweeps() - counted_scans_ - without_pose;
   for (std::size_t i = 0; i < used; ++i) {
-    context_.tally.use();
+    context_.counts.use();
   }
   for (std::size_t i = 0; i < without_pose; ++i) {
-    context_.tally.reject("no_odometry");
+    context_.counts.reject("no_odometry");
   }
   counted_scans_ = slam_.scans_in_sweeps();
   counted_without_pose_ = slam_.scans_without_pose();
@@ -115,7 +115,7 @@ void Slam6dNode::answer(const std::optional<SweepRecord>& sweep) {
 }
 
 void Slam6dNode::publish(const SweepRecord& sweep) {
-  nodmap::pose_t message = msg::write_corrected_pose(
+  nodmap::pose_t message = node::write_corrected_pose(
       sweep.utime_us, sweep.T_map_base, sweep.T_map_base * sweep.T_odom_base.inverse());
   if (sweep.registration) {
     message.match_share = sweep.registration->match_share;
@@ -150,7 +150,7 @@ void Slam6dNode::publish_cloud(const Keyframe& keyframe) {
   message.keyframe_id = static_cast<std::int64_t>(slam_.keyframes().size()) - 1;
   message.num_chunks =
       static_cast<std::int32_t>((points.size() + kPointsPerChunk - 1) / kPointsPerChunk);
-  msg::write_pose(keyframe.T_map_base, message.position_m, message.orientation);
+  node::write_pose(keyframe.T_map_base, message.position_m, message.orientation);
   for (; message.chunk_index < message.num_chunks; ++message.chunk_index) {
     const std::size_t first = static_cast<std::size_t>(message.chunk_index) * kPointsPerChunk;
     const std::size_t end = std::min(first + kPointsPerChunk, points.size());
@@ -188,7 +188,7 @@ void Slam6dNode::publish_octomap_part() {
 }
 
 void Slam6dNode::on_save_request(const nodmap::save_request_t& message) {
-  if (input::accept(message, context_)) {
+  if (node::accept_save_request(message, context_)) {
     save_map_while_running();
   }
 }
@@ -228,7 +228,7 @@ void Slam6dNode::write_results(const std::filesystem::path& dir) {
   write_cloud(slam_, dir);
 }
 
-nlohmann::json Slam6dNode::figures() const {
+nlohmann::json Slam6dNode::metrics() const {
   nlohmann::json figures = slam_figures(slam_);
   figures["occupancy_map"] = {{"nodes", occupancy_.num_nodes()},
                               {"memory_bytes", occupancy_.memory_bytes()},

@@ -8,9 +8,9 @@
 #include <optional>
 #include <system_error>
 
-#include "common/input/sensor_input.hpp"
+#include "common/node/message_counts.hpp"
+#include "common/node/message_input.hpp"
 #include "common/node/node.hpp"
-#include "common/node/tally.hpp"
 #include "modules/slam6d/occupancy_map.hpp"
 #include "modules/slam6d/octomap_parts.hpp"
 #include "modules/slam6d/params.hpp"
@@ -31,7 +31,7 @@ class Slam6dNode : public node::Node {
 
   void finish() override;
   void write_results(const std::filesystem::path& dir) override;
-  [[nodiscard]] nlohmann::json figures() const override;
+  [[nodiscard]] nlohmann::json metrics() const override;
   [[nodiscard]] node::Health health() const override;
 
  private:
@@ -51,7 +51,7 @@ class Slam6dNode : public node::Node {
 
   node::Context& context_;
   Params params_;
-  input::SensorInput input_;
+  node::SensorInput input_;
   Slam6d slam_;
   OccupancyMap occupancy_;
   std::size_t counted_scans_ = 0;

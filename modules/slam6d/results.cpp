@@ -4,10 +4,10 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "common/drawing/image.hpp"
 #include "common/formats/ply.hpp"
 #include "common/formats/tum.hpp"
 #include "common/geometry/angle.hpp"
-#include "common/picture/image.hpp"
 #include "modules/slam6d/cloud_picture.hpp"
 #include "modules/slam6d/registered_cloud.hpp"
 
@@ -81,7 +81,7 @@ void write_cloud(const Slam6d& slam, const std::filesystem::path& dir) {
   std::vector<formats::ColouredPoint> coloured;
   coloured.reserve(points.size());
   for (const RegisteredPoint& point : points) {
-    coloured.push_back({point.p_map, picture::colour_scale(heights.place(point.p_map.z()))});
+    coloured.push_back({point.p_map, drawing::colour_scale(heights.place(point.p_map.z()))});
   }
   formats::write_ply(dir / "cloud.ply", coloured);
 

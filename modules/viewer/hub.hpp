@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "common/foxglove/board.hpp"
-#include "common/log/log.hpp"
-#include "common/node/tally.hpp"
+#include "common/node/log.hpp"
+#include "common/node/message_counts.hpp"
 #include "modules/viewer/access.hpp"
 #include "modules/viewer/session.hpp"
 #include "modules/viewer/site.hpp"
@@ -24,16 +24,16 @@ struct Hub {
   AccessPolicy policy;
   int max_connections = 0;
   int idle_timeout_s = 0;
-  node::Tally tally{};
+  node::MessageCounts counts{};
   log::Throttle throttle{};
   int connections = 0;
   std::vector<std::weak_ptr<WebSocketClient>> clients{};
 
   /// Counts what was refused, and says so once in a while. `cause` is a snake_case word.
   void refuse(const std::string& cause) {
-    tally.reject(cause);
+    counts.reject(cause);
     if (throttle.ready()) {
-      log::get().warn("refused a client: {} ({} refusals so far)", cause, tally.total_rejected());
+      log::get().warn("refused a client: {} ({} refusals so far)", cause, counts.total_rejected());
     }
   }
 };

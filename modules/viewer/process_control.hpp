@@ -8,7 +8,7 @@
 #include <string>
 
 #include "common/bus/bus.hpp"
-#include "common/time/moment.hpp"
+#include "common/geometry/time.hpp"
 #include "modules/viewer/session.hpp"
 #include "procman/config/config.hpp"
 #include "procman/protocol/values.hpp"

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "common/bus/bus.hpp"
-#include "common/time/clock.hpp"
+#include "common/node/clock.hpp"
 #include "modules/viewer/process_control.hpp"
 #include "modules/viewer/session.hpp"
 #include "nodmap/stop_t.hpp"

@@ -14,12 +14,11 @@
 #include "common/bus/live_bus.hpp"
 #include "common/bus/log_player.hpp"
 #include "common/foxglove/feed.hpp"
-#include "common/log/log.hpp"
-#include "common/node/command_line.hpp"
+#include "common/node/clock.hpp"
+#include "common/node/log.hpp"
+#include "common/node/program.hpp"
 #include "common/node/status.hpp"
-#include "common/node/stop_signal.hpp"
 #include "common/params/params.hpp"
-#include "common/time/clock.hpp"
 #include "modules/viewer/params.hpp"
 #include "modules/viewer/playback.hpp"
 #include "modules/viewer/process_control.hpp"
@@ -37,7 +36,7 @@ constexpr const char* kProgram = "nodmap-viewer";
 constexpr std::int64_t kEventsPerTurn = 5000;
 
 struct Options {
-  node::CommonOptions common;
+  std::string lcm_url;
   std::string bind = "127.0.0.1";
   std::uint16_t port = 8765;
   bool control = false;
@@ -92,7 +91,7 @@ struct Viewer {
 
   ~Viewer() {
     server.reset();
-    for (const auto& [cause, count] : hub.tally.rejected()) {
+    for (const auto& [cause, count] : hub.counts.rejected()) {
       log::get().info("refused to clients: {} {}", count, cause);
     }
   }
@@ -108,7 +107,7 @@ struct Viewer {
   std::optional<Server> server;
 };
 
-/// The configuration of the processes that may be controlled, if any. Throws std::invalid_argument.
+/// The configuration of the processes that may be controlled, if any. Throws node::UsageError.
 std::optional<procman::Config> load_procman(const std::filesystem::path& file) {
   if (file.empty()) {
     return std::nullopt;
@@ -116,7 +115,7 @@ std::optional<procman::Config> load_procman(const std::filesystem::path& file) {
   try {
     return procman::load_config(file);
   } catch (const std::runtime_error& error) {
-    throw std::invalid_argument(error.what());
+    throw node::UsageError(error.what());
   }
 }
 
@@ -130,9 +129,9 @@ std::vector<foxglove::CommandTable::Known> known_commands(const procman::Config&
 
 void run_live(const Options& options, const ViewerParams& params) {
   const auto config = load_procman(options.procman);
-  bus::LiveBus bus(options.common.lcm_url);
+  bus::LiveBus bus(options.lcm_url);
   const time::SystemClock clock;
-  node::Tally tally;
+  node::MessageCounts counts;
   std::optional<ProcessControl> processes;
   if (config) {
     processes.emplace(bus, *config, time::now_on_both_clocks);
@@ -151,11 +150,11 @@ void run_live(const Options& options, const ViewerParams& params) {
                        return answer;
                      },
                  .controls_processes = processes.has_value()});
-  foxglove::Feed feed(bus, viewer.board, tally, feed_options(params));
+  foxglove::Feed feed(bus, viewer.board, counts, feed_options(params));
   if (config) {
     feed.know_commands(known_commands(*config));
   }
-  node::StatusReporter status(kProgram, bus, tally, clock);
+  node::StatusReporter status(kProgram, bus, counts, clock);
   viewer.open(options);
   log::get().info("listening on {}", bus.url());
   while (!node::stop_requested()) {
@@ -173,7 +172,7 @@ void run_live(const Options& options, const ViewerParams& params) {
 
 void run_replay(const Options& options, const ViewerParams& params) {
   bus::LogPlayer player(options.replay);
-  node::Tally tally;
+  node::MessageCounts counts;
   bool changed = false;
   bool went_back = false;
   Viewer viewer(options, params,
@@ -190,7 +189,7 @@ void run_replay(const Options& options, const ViewerParams& params) {
                      },
                  .control = {},
                  .controls_processes = false});
-  foxglove::Feed feed(player, viewer.board, tally, feed_options(params));
+  foxglove::Feed feed(player, viewer.board, counts, feed_options(params));
   viewer.open(options);
   auto last = std::chrono::steady_clock::now();
   while (!node::stop_requested()) {
@@ -220,33 +219,21 @@ int run(int argc, char** argv) {
   Options options;
   ViewerParams params;
   params::Table table(params);
-  CLI::App app("Shows the robot live in the browser, and in viewers of Foxglove's protocol.",
-               kProgram);
-  node::add_common_options(app, options.common, table);
-  add_options(app, options);
-  if (const auto code = node::parse_command_line(app, argc, argv)) {
-    return *code;
-  }
-  if (const auto code = node::apply_common_options(kProgram, options.common, table)) {
-    return *code;
-  }
-  node::catch_stop_signals();
-  // A client that goes away while it is written to is no reason to die.
-  std::signal(SIGPIPE, SIG_IGN);
-  try {
-    if (options.replay.empty()) {
-      run_live(options, params);
-    } else {
-      run_replay(options, params);
-    }
-    return 0;
-  } catch (const std::invalid_argument& error) {
-    std::cerr << kProgram << ": " << error.what() << "\n";
-    return 2;
-  } catch (const std::exception& error) {
-    log::get().error("{}", error.what());
-    return 1;
-  }
+  return node::run_program(
+      argc, argv,
+      {.name = kProgram,
+       .summary = "Shows the robot live in the browser, and in viewers of Foxglove's protocol.",
+       .params = &table,
+       .uses_lcm = true,
+       .add_options = [&options](CLI::App& app) { add_options(app, options); },
+       .run =
+           [&](const std::string& lcm_url) {
+             options.lcm_url = lcm_url;
+             // A client that goes away while it is written to is no reason to die.
+             std::signal(SIGPIPE, SIG_IGN);
+             options.replay.empty() ? run_live(options, params) : run_replay(options, params);
+             return 0;
+           }});
 }
 
 }  // namespace nodmap::viewer

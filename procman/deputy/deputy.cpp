@@ -15,9 +15,9 @@
 #include <vector>
 
 #include "common/bus/live_bus.hpp"
-#include "common/log/log.hpp"
+#include "common/node/clock.hpp"
+#include "common/node/log.hpp"
 #include "common/node/status.hpp"
-#include "common/time/clock.hpp"
 #include "procman/deputy/children.hpp"
 #include "procman/deputy/output_collector.hpp"
 #include "procman/deputy/supervisor.hpp"
@@ -69,7 +69,7 @@ class Deputy {
         bus_(settings.lcm_url),
         children_(settings.id, own_folder()),
         supervisor_(settings.id),
-        status_("nodmap-deputy", bus_, tally_, clock_),
+        status_("nodmap-deputy", bus_, counts_, clock_),
         nonce_((clock_.now_utime_us() << 22U) + ::getpid()),
         started_us_(steady_us()) {}
 
@@ -106,7 +106,7 @@ class Deputy {
   DeputySettings settings_;
   Descriptor signals_;
   time::SystemClock clock_;
-  node::Tally tally_;
+  node::MessageCounts counts_;
   bus::LiveBus bus_;
   Children children_;
   Supervisor supervisor_;
@@ -133,7 +133,7 @@ void Deputy::subscribe() {
   });
   bus_.subscribe<procman_lcm::orders_t>(kOrdersChannel, [this](const auto& message) {
     if (serving_) {
-      tally_.use();
+      counts_.use();
       // No stamp of ours is negative; the difference must not overflow.
       const std::int64_t age_us = clock_.now_utime_us() - std::max<std::int64_t>(0, message.utime);
       carry_out(supervisor_.take_orders(from_message(message), age_us, steady_us()));
@@ -249,7 +249,7 @@ void Deputy::start(const StartCommand& deed) {
   const std::int64_t now_us = steady_us();
   if (!settings_.may_run(deed.exec)) {
     log::get().warn("{}: refused: {}", deed.id, deed.exec);
-    tally_.reject("not_allowed");
+    counts_.reject("not_allowed");
     carry_out(supervisor_.not_started(deed.id, settings_.refusal, now_us));
     return;
   }

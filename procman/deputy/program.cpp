@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "common/node/program.hpp"
+
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -7,8 +9,7 @@
 #include <set>
 #include <stdexcept>
 
-#include "common/log/log.hpp"
-#include "common/node/command_line.hpp"
+#include "common/node/log.hpp"
 #include "procman/config/parser.hpp"
 #include "procman/deputy/deputy.hpp"
 
@@ -18,17 +19,12 @@ namespace {
 constexpr const char* kProgram = "nodmap-deputy";
 
 struct Options {
-  std::string lcm_url;
   std::string config;
   std::string id;
-  std::string log_level = "info";
   bool trust_network = false;
 };
 
 void add_options(CLI::App& app, Options& options) {
-  app.set_version_flag("--version", NODMAP_VERSION);
-  app.add_option("-u,--lcm-url", options.lcm_url,
-                 "LCM provider; else $LCM_DEFAULT_URL, else udpm://239.255.76.67:7667?ttl=0");
   app.add_option("--config", options.config,
                  "Configuration (.pmd): commands that it names for this deputy may be run");
   app.add_option("-i,--id", options.id,
@@ -36,8 +32,6 @@ void add_options(CLI::App& app, Options& options) {
   app.add_flag("--trust-network", options.trust_network,
                "Run whatever anyone on the network orders, as the existing deputy does: LCM tells "
                "nobody apart, so this gives everyone who reaches the network this account");
-  app.add_option("--log-level", options.log_level, "trace, debug, info, warn, error or off")
-      ->capture_default_str();
 }
 
 std::string host_name() {
@@ -59,13 +53,12 @@ std::string deputy_id(const Options& options, const Config& config) {
 
 DeputySettings settings_of(const Options& options) {
   if (options.config.empty() && !options.trust_network) {
-    throw std::invalid_argument(
+    throw node::UsageError(
         "name the commands that may be run by --config FILE.pmd (or --trust-network: see --help)");
   }
   const Config config = options.config.empty() ? Config{} : load_config(options.config);
   DeputySettings settings;
   settings.id = deputy_id(options, config);
-  settings.lcm_url = options.lcm_url;
   if (options.trust_network) {
     settings.may_run = [](const std::string&) { return true; };
     return settings;
@@ -77,8 +70,8 @@ DeputySettings settings_of(const Options& options) {
     }
   }
   if (allowed.empty()) {
-    throw std::invalid_argument(options.config + " names no command for the deputy " + settings.id +
-                                " (--id)");
+    throw node::UsageError(options.config + " names no command for the deputy " + settings.id +
+                           " (--id)");
   }
   settings.may_run = [allowed](const std::string& exec) { return allowed.contains(exec); };
   settings.refusal = "nodmap-deputy: refused: " + options.config +
@@ -90,26 +83,19 @@ DeputySettings settings_of(const Options& options) {
 
 int run_deputy_program(int argc, char** argv) {
   Options options;
-  CLI::App app("Starts, watches and stops the processes of this host by a sheriff's orders.",
-               kProgram);
-  add_options(app, options);
-  if (const auto code = node::parse_command_line(app, argc, argv)) {
-    return *code;
-  }
   DeputySettings settings;
-  try {
-    log::start(kProgram, options.log_level);
-    settings = settings_of(options);
-  } catch (const std::exception& error) {
-    std::cerr << kProgram << ": " << error.what() << "\n";
-    return 2;
-  }
-  try {
-    return run_deputy(settings);
-  } catch (const std::exception& error) {
-    log::get().error("{}", error.what());
-    return 1;
-  }
+  return node::run_program(
+      argc, argv,
+      {.name = kProgram,
+       .summary = "Starts, watches and stops the processes of this host by a sheriff's orders.",
+       .uses_lcm = true,
+       .add_options = [&options](CLI::App& app) { add_options(app, options); },
+       .check = [&] { settings = settings_of(options); },
+       .run =
+           [&settings](const std::string& lcm_url) {
+             settings.lcm_url = lcm_url;
+             return run_deputy(settings);
+           }});
 }
 
 }  // namespace nodmap::procman

@@ -8,9 +8,8 @@
 #include <optional>
 #include <stdexcept>
 
-#include "common/log/log.hpp"
-#include "common/node/command_line.hpp"
-#include "common/node/stop_signal.hpp"
+#include "common/node/log.hpp"
+#include "common/node/program.hpp"
 #include "procman/config/parser.hpp"
 #include "procman/sheriff/tasks.hpp"
 #include "procman/sheriff/terminal.hpp"
@@ -23,7 +22,6 @@ constexpr const char* kProgram = "nodmap-sheriff";
 struct Options {
   std::string config;
   std::string lcm_url;
-  std::string log_level = "info";
   std::string script;
   std::string after_script;
   std::optional<double> timeout_s;
@@ -38,12 +36,7 @@ struct Options {
 };
 
 void add_options(CLI::App& app, Options& options) {
-  app.set_version_flag("--version", NODMAP_VERSION);
   app.add_option("CONFIG", options.config, "Configuration (.pmd)")->required();
-  app.add_option("-u,--lcm-url", options.lcm_url,
-                 "LCM provider; else $LCM_DEFAULT_URL, else udpm://239.255.76.67:7667?ttl=0");
-  app.add_option("--log-level", options.log_level, "trace, debug, info, warn, error or off")
-      ->capture_default_str();
   auto* script = app.add_option("--script", options.script, "Run this script of the configuration");
   app.add_option("--on-script-complete", options.after_script,
                  "exit (the default where stdout is no terminal), stay (the default on one) or "
@@ -80,8 +73,7 @@ std::optional<Config> read_config(const std::string& file) {
   try {
     parsed = parse_config(read_config_file(file));
   } catch (const std::runtime_error& error) {
-    std::cerr << kProgram << ": " << error.what() << "\n";
-    return std::nullopt;
+    throw node::UsageError(error.what());
   }
   for (const ConfigError& error : parsed.errors) {
     std::cerr << describe(file, error) << "\n";
@@ -103,9 +95,7 @@ int serve(const Options& options, const Config& config) {
   if (!options.script.empty()) {
     watching.script = config.find_script(options.script);
     if (watching.script == nullptr) {
-      std::cerr << kProgram << ": " << options.config << " has no script \"" << options.script
-                << "\"\n";
-      return kWrong;
+      throw node::UsageError(options.config + " has no script \"" + options.script + "\"");
     }
     watching.after_script = after_script(options.after_script);
     watching.timeout_s = options.timeout_s;
@@ -134,29 +124,21 @@ int serve(const Options& options, const Config& config) {
 
 int run_sheriff_program(int argc, char** argv) {
   Options options;
-  CLI::App app("Tells deputies what is to run, by a configuration, and shows what does.", kProgram);
-  add_options(app, options);
-  if (const auto code = node::parse_command_line(app, argc, argv)) {
-    return *code;
-  }
-  try {
-    log::start(kProgram, options.log_level);
-    const std::optional<Config> config = read_config(options.config);
-    if (!config) {
-      return kWrong;
-    }
-    if (options.check) {
-      return print_config(options.config, *config);
-    }
-    node::catch_stop_signals();
-    return serve(options, *config);
-  } catch (const std::invalid_argument& error) {
-    std::cerr << kProgram << ": " << error.what() << "\n";
-    return kWrong;
-  } catch (const std::exception& error) {
-    log::get().error("{}", error.what());
-    return kFailed;
-  }
+  return node::run_program(
+      argc, argv,
+      {.name = kProgram,
+       .summary = "Tells deputies what is to run, by a configuration, and shows what does.",
+       .uses_lcm = true,
+       .add_options = [&options](CLI::App& app) { add_options(app, options); },
+       .run =
+           [&options](const std::string& lcm_url) -> int {
+             options.lcm_url = lcm_url;
+             const std::optional<Config> config = read_config(options.config);
+             if (!config) {
+               return kWrong;
+             }
+             return options.check ? print_config(options.config, *config) : serve(options, *config);
+           }});
 }
 
 }  // namespace nodmap::procman

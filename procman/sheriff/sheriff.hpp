@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "common/bus/live_bus.hpp"
-#include "common/time/clock.hpp"
+#include "common/node/clock.hpp"
 #include "procman/config/config.hpp"
 #include "procman/sheriff/console.hpp"
 #include "procman/sheriff/fleet.hpp"

@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "common/log/log.hpp"
-#include "common/node/stop_signal.hpp"
+#include "common/node/log.hpp"
+#include "common/node/program.hpp"
 #include "procman/sheriff/script_runner.hpp"
 
 namespace nodmap::procman {

@@ -4,8 +4,8 @@
 #include <iostream>
 #include <memory>
 
-#include "common/log/log.hpp"
-#include "common/node/stop_signal.hpp"
+#include "common/node/log.hpp"
+#include "common/node/program.hpp"
 #include "procman/sheriff/script_runner.hpp"
 #include "procman/sheriff/tasks.hpp"
 #include "procman/sheriff/terminal.hpp"

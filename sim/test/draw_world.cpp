@@ -5,7 +5,7 @@
 #include <iostream>
 #include <string>
 
-#include "common/picture/image.hpp"
+#include "common/drawing/image.hpp"
 #include "sim/collision.hpp"
 #include "sim/random_world.hpp"
 #include "sim/ray_caster.hpp"
@@ -39,7 +39,7 @@ Frame frame_of(const World& world) {
 
 void draw(const World& world, const std::string& file) {
   const Frame frame = frame_of(world);
-  picture::Image image(static_cast<int>(kPixelsPerM * frame.size.x()),
+  drawing::Image image(static_cast<int>(kPixelsPerM * frame.size.x()),
                        static_cast<int>(kPixelsPerM * frame.size.y()));
   const RayCaster caster(world);
   PlantParams pin;  // a needle of the robot's height

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "common/bus/live_bus.hpp"
-#include "common/time/clock.hpp"
+#include "common/node/clock.hpp"
 #include "procman/protocol/values.hpp"
 #include "tests/integration/child_process.hpp"
 

@@ -12,7 +12,7 @@
 
 #include "common/bus/codec.hpp"
 #include "common/bus/event_log.hpp"
-#include "common/msg/messages.hpp"
+#include "common/node/messages.hpp"
 
 namespace nodmap::test {
 
@@ -22,10 +22,10 @@ class Recording {
   explicit Recording(const std::filesystem::path& file) : writer_(file) {}
 
   void odometry(std::int64_t utime_us, const geometry::SE3& T_odom_base) {
-    put(utime_us, "ODOMETRY", msg::write_odometry(utime_us, T_odom_base));
+    put(utime_us, "ODOMETRY", node::write_odometry(utime_us, T_odom_base));
   }
 
-  void scan(const scan::Scan& scan) { put(scan.utime_us, "SCAN", msg::write_scan(scan)); }
+  void scan(const scan::Scan& scan) { put(scan.utime_us, "SCAN", node::write_scan(scan)); }
 
   void bytes(std::int64_t utime_us, const std::string& channel, std::span<const std::byte> data) {
     EXPECT_TRUE(writer_.write(utime_us, channel, data));

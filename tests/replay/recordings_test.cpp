@@ -103,7 +103,7 @@ TEST_F(Slam6dOnKurt3d, ThreeKeyframesAndTheSameBytesTwice) {
   NODMAP_REQUIRE_DATA(scans, "kurt3d");
   convert_and_replay(scans);
   const auto result = nlohmann::json::parse(slurp(out_ / "result.json"));
-  EXPECT_EQ(result["figures"]["keyframes"].size(), 3U);
+  EXPECT_EQ(result["metrics"]["keyframes"].size(), 3U);
   EXPECT_EQ(formats::read_tum(out_ / "trajectory.tum").size(), 3U);
   replay("nodmap-slam6d", log_, dir_.path() / "again");
   for (const char* file : {"out.lcmlog", "trajectory.tum", "online.tum", "cloud.ply", "map.bt"}) {

@@ -8,8 +8,8 @@
 
 #include "common/bus/codec.hpp"
 #include "common/geometry/pose_history.hpp"
-#include "common/log/log.hpp"
-#include "common/msg/messages.hpp"
+#include "common/node/log.hpp"
+#include "common/node/messages.hpp"
 #include "tools/convert/carmen_writer.hpp"
 #include "tools/convert/log_events.hpp"
 #include "tools/convert/new_file.hpp"
@@ -41,7 +41,7 @@ class CarmenExport {
  private:
   void handle(const nodmap::odometry_t& message) {
     write_held();
-    const auto T_odom_base = msg::read_odometry(message);
+    const auto T_odom_base = node::read_odometry(message);
     if (!T_odom_base) {
       ++num_left_out_;
       return;
@@ -53,7 +53,7 @@ class CarmenExport {
 
   void handle(const nodmap::scan_t& message) {
     scan::Scan scan;
-    if (!msg::read_scan(message, scan) || std::abs(scan.pitch_mid_rad()) > kLevelRad) {
+    if (!node::read_scan(message, scan) || std::abs(scan.pitch_mid_rad()) > kLevelRad) {
       ++num_left_out_;
       return;
     }

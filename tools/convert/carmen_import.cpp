@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "common/geometry/se3.hpp"
-#include "common/log/log.hpp"
-#include "common/msg/messages.hpp"
+#include "common/node/log.hpp"
+#include "common/node/messages.hpp"
 #include "tools/convert/carmen.hpp"
 #include "tools/convert/carmen_mounts.hpp"
 #include "tools/convert/line_reader.hpp"
@@ -43,7 +43,7 @@ class CarmenImport {
     message.range_max_m = scan.range_max_m;
     geometry::SE3 T_base_laser = geometry::to_se3(mounts_.mount(scan.side));
     T_base_laser.translation().z() = kAssumedHeightM;
-    msg::write_pose(T_base_laser, message.mount_position_m, message.mount_orientation);
+    node::write_pose(T_base_laser, message.mount_position_m, message.mount_orientation);
     message.num_ranges = static_cast<std::int32_t>(scan.ranges_m.size());
     message.ranges_m = scan.ranges_m;
     message.num_intensities = static_cast<std::int32_t>(scan.intensities.size());
@@ -64,7 +64,7 @@ class CarmenImport {
 
  private:
   void add_odometry(std::int64_t utime_us, const geometry::SE2& T_odom_base) {
-    nodmap::odometry_t message = msg::write_odometry(utime_us, geometry::to_se3(T_odom_base));
+    nodmap::odometry_t message = node::write_odometry(utime_us, geometry::to_se3(T_odom_base));
     // A scan line has no speed: the last known one stands.
     message.forward_mps = forward_mps_;
     message.yaw_rate_rad_s = yaw_rate_rad_s_;

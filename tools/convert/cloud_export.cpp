@@ -9,12 +9,12 @@
 #include <vector>
 
 #include "common/bus/codec.hpp"
+#include "common/drawing/image.hpp"
 #include "common/formats/ply.hpp"
 #include "common/formats/tum.hpp"
 #include "common/geometry/pose_history.hpp"
-#include "common/log/log.hpp"
-#include "common/msg/messages.hpp"
-#include "common/picture/image.hpp"
+#include "common/node/log.hpp"
+#include "common/node/messages.hpp"
 #include "common/scan/scan.hpp"
 #include "tools/convert/log_events.hpp"
 #include "tools/convert/new_file.hpp"
@@ -35,10 +35,10 @@ SensorLog read_sensors(const std::filesystem::path& log) {
   for_each_event(log, [&](const bus::LogEvent& event) {
     scan::Scan scan;
     if (event.channel == "SCAN" && bus::decode_into(scan_message, event.data) &&
-        msg::read_scan(scan_message, scan)) {
+        node::read_scan(scan_message, scan)) {
       recording.scans.push_back(std::move(scan));
     } else if (event.channel == "ODOMETRY" && bus::decode_into(odometry_message, event.data)) {
-      if (const auto T_odom_base = msg::read_odometry(odometry_message)) {
+      if (const auto T_odom_base = node::read_odometry(odometry_message)) {
         recording.odometry.add(odometry_message.utime, *T_odom_base);
       }
     }
@@ -97,7 +97,7 @@ std::vector<formats::ColouredPoint> colour_by_height(const std::vector<Eigen::Ve
   coloured.reserve(points.size());
   for (const Eigen::Vector3f& p : points) {
     const float place = high > low ? (p.z() - low) / (high - low) : 0.5F;
-    coloured.push_back({p, picture::colour_scale(static_cast<double>(place))});
+    coloured.push_back({p, drawing::colour_scale(static_cast<double>(place))});
   }
   return coloured;
 }

@@ -4,8 +4,8 @@
 #include <stdexcept>
 #include <system_error>
 
-#include "common/log/log.hpp"
-#include "common/node/stop_signal.hpp"
+#include "common/node/log.hpp"
+#include "common/node/program.hpp"
 
 namespace nodmap::convert {
 namespace {

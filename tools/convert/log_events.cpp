@@ -3,8 +3,8 @@
 
 #include <stdexcept>
 
+#include "common/node/program.hpp"
 #include "common/node/progress.hpp"
-#include "common/node/stop_signal.hpp"
 
 namespace nodmap::convert {
 

@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <CLI/CLI.hpp>
-#include <cstdio>
-#include <exception>
 #include <filesystem>
+#include <functional>
 #include <iostream>
 #include <stdexcept>
 #include <string>
 
-#include "common/log/log.hpp"
-#include "common/node/command_line.hpp"
-#include "common/node/stop_signal.hpp"
+#include "common/node/program.hpp"
 #include "tools/convert/carmen_export.hpp"
 #include "tools/convert/carmen_import.hpp"
 #include "tools/convert/cloud_export.hpp"
@@ -29,6 +26,7 @@ struct Arguments {
   std::string channel;
   convert::UosRange range;
   convert::CloudWindow window;
+  std::function<void()> work;  ///< of the chosen subcommand
 };
 
 CLI::App* add_command(CLI::App& app, Arguments& arguments, const char* name, const char* summary) {
@@ -45,15 +43,20 @@ CLI::App* add_import(CLI::App& app, Arguments& arguments, const char* name, cons
 
 void add_imports(CLI::App& app, Arguments& arguments) {
   add_import(app, arguments, "carmen", "CARMEN log (.clf) to an LCM event log")
-      ->callback([&arguments] { convert::import_carmen(arguments.in, arguments.out); });
+      ->callback([&arguments] {
+        arguments.work = [&] { convert::import_carmen(arguments.in, arguments.out); };
+      });
   add_import(app, arguments, "nod", "Line-wise nodding recording (.nod) to an LCM event log")
-      ->callback([&arguments] { convert::import_nod(arguments.in, arguments.out); });
+      ->callback([&arguments] {
+        arguments.work = [&] { convert::import_nod(arguments.in, arguments.out); };
+      });
   CLI::App* uos = add_import(app, arguments, "uos",
                              "Folder of 3DTK scans (scanNNN.3d, .pose) to an LCM event log");
   uos->add_option("--start", arguments.range.first, "Number of the first scan");
   uos->add_option("--end", arguments.range.last, "Number of the last scan");
-  uos->callback(
-      [&arguments] { convert::import_uos(arguments.in, arguments.out, arguments.range); });
+  uos->callback([&arguments] {
+    arguments.work = [&] { convert::import_uos(arguments.in, arguments.out, arguments.range); };
+  });
 }
 
 void print_info(const Arguments& arguments) {
@@ -82,12 +85,14 @@ void export_log(const Arguments& arguments) {
 
 void add_exports(CLI::App& app, Arguments& arguments) {
   add_command(app, arguments, "info", "What is in an LCM event log")->callback([&arguments] {
-    print_info(arguments);
+    arguments.work = [&] { print_info(arguments); };
   });
   CLI::App* mcap = add_command(app, arguments, "mcap",
                                "LCM event log to MCAP, with the schemas of nodmap-viewer");
   mcap->add_option("OUT", arguments.out, "File to make; never overwritten")->required();
-  mcap->callback([&arguments] { convert::export_mcap(arguments.in, arguments.out); });
+  mcap->callback([&arguments] {
+    arguments.work = [&] { convert::export_mcap(arguments.in, arguments.out); };
+  });
   CLI::App* command = add_command(app, arguments, "export",
                                   "LCM event log to CARMEN, CSV, a TUM trajectory or a PLY cloud");
   command
@@ -111,30 +116,25 @@ void add_exports(CLI::App& app, Arguments& arguments) {
   command->add_option("--scans", arguments.window.num_scans, ".ply: consecutive scans in the cloud")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  command->callback([&arguments] { export_log(arguments); });
-}
-
-int run(int argc, char** argv) {
-  CLI::App app("Converts recordings to and from LCM event logs.", "nodmap-convert");
-  app.set_version_flag("--version", NODMAP_VERSION);
-  app.require_subcommand(1);
-  Arguments arguments;
-  add_imports(app, arguments);
-  add_exports(app, arguments);
-  nodmap::log::start("nodmap-convert", "info");
-  nodmap::node::catch_stop_signals();
-  return nodmap::node::parse_command_line(app, argc, argv).value_or(0);
+  command->callback([&arguments] { arguments.work = [&] { export_log(arguments); }; });
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  try {
-    return run(argc, argv);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "nodmap-convert: %s\n", error.what());
-  } catch (...) {
-    std::fputs("nodmap-convert: failed for an unknown reason\n", stderr);
-  }
-  return 1;
+  Arguments arguments;
+  return nodmap::node::run_program(argc, argv,
+                                   {.name = "nodmap-convert",
+                                    .summary = "Converts recordings to and from LCM event logs.",
+                                    .add_options =
+                                        [&arguments](CLI::App& app) {
+                                          app.require_subcommand(1);
+                                          add_imports(app, arguments);
+                                          add_exports(app, arguments);
+                                        },
+                                    .run =
+                                        [&arguments](const std::string& /*lcm_url*/) {
+                                          arguments.work();
+                                          return 0;
+                                        }});
 }

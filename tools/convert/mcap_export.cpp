@@ -8,7 +8,7 @@
 #include "common/foxglove/board.hpp"
 #include "common/foxglove/feed.hpp"
 #include "common/foxglove/schemas.hpp"
-#include "common/log/log.hpp"
+#include "common/node/log.hpp"
 #include "tools/convert/mcap_writer.hpp"
 #include "tools/convert/new_file.hpp"
 
@@ -30,8 +30,8 @@ void export_mcap(const std::filesystem::path& log, const std::filesystem::path& 
   NewFile file(out);
   McapWriter writer(file.partial_path());
   foxglove::Board board;
-  node::Tally tally;
-  const foxglove::Feed feed(player, board, tally, {.trail_spacing_m = kTrailSpacingM});
+  node::MessageCounts counts;
+  const foxglove::Feed feed(player, board, counts, {.trail_spacing_m = kTrailSpacingM});
   for (const foxglove::Topic& topic : board.topics()) {
     writer.add_channel({topic.name, topic.schema_name, foxglove::schema_text(topic.schema_name)});
   }

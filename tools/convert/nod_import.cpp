@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/convert/nod_import.hpp"
 
-#include "common/log/log.hpp"
-#include "common/msg/messages.hpp"
+#include "common/node/log.hpp"
+#include "common/node/messages.hpp"
 #include "tools/convert/line_reader.hpp"
 #include "tools/convert/nod.hpp"
 #include "tools/convert/recording.hpp"
@@ -25,8 +25,8 @@ class NodImport {
 
  private:
   void add(const scan::Scan& scan) {
-    recording_.add_odometry(msg::write_odometry(scan.utime_us, geometry::SE3::Identity()));
-    recording_.add_scan(msg::write_scan(scan));
+    recording_.add_odometry(node::write_odometry(scan.utime_us, geometry::SE3::Identity()));
+    recording_.add_scan(node::write_scan(scan));
   }
 
   Recording& recording_;

@@ -9,8 +9,8 @@
 
 #include "common/bus/codec.hpp"
 #include "common/formats/tum.hpp"
-#include "common/log/log.hpp"
-#include "common/msg/messages.hpp"
+#include "common/node/log.hpp"
+#include "common/node/messages.hpp"
 #include "tools/convert/log_events.hpp"
 #include "tools/convert/new_file.hpp"
 #include "tools/convert/table_rows.hpp"
@@ -59,10 +59,10 @@ std::optional<formats::StampedPose> read_stamped_pose(std::span<const std::byte>
   std::int64_t utime_us = 0;
   if (bus::decode_into(odometry, bytes)) {
     utime_us = odometry.utime;
-    T_frame_base = msg::read_odometry(odometry);
+    T_frame_base = node::read_odometry(odometry);
   } else if (bus::decode_into(pose, bytes)) {
     utime_us = pose.utime;
-    T_frame_base = msg::read_pose(pose.position_m, pose.orientation);
+    T_frame_base = node::read_pose(pose.position_m, pose.orientation);
   }
   if (!T_frame_base) {
     return std::nullopt;

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "common/log/log.hpp"
-#include "common/msg/messages.hpp"
+#include "common/node/log.hpp"
+#include "common/node/messages.hpp"
 #include "tools/convert/fields.hpp"
 #include "tools/convert/line_reader.hpp"
 #include "tools/convert/recording.hpp"
@@ -92,7 +92,7 @@ class StopAndGo {
   }
 
   void scan(const UosSlice& slice) {
-    recording_.add_odometry(msg::write_odometry(utime_us_, *T_odom_base_));
+    recording_.add_odometry(node::write_odometry(utime_us_, *T_odom_base_));
     scan::Scan scan;
     scan.utime_us = utime_us_;
     scan.angle_first_rad = slice.angle_first_rad;
@@ -102,7 +102,7 @@ class StopAndGo {
     scan.range_min_m = kSickRangeMinM;
     scan.range_max_m = kSickIndoorRangeMaxM;
     scan.ranges_m = slice.ranges_m;
-    recording_.add_scan(msg::write_scan(scan));
+    recording_.add_scan(node::write_scan(scan));
     utime_us_ += kSickFinePeriodUs;
   }
 
@@ -117,7 +117,7 @@ class StopAndGo {
     for (std::int64_t step = 0; step <= num_steps; ++step) {
       const double fraction = static_cast<double>(step) / static_cast<double>(num_steps);
       nodmap::odometry_t message =
-          msg::write_odometry(utime_us_, geometry::interpolate(from, to, fraction));
+          node::write_odometry(utime_us_, geometry::interpolate(from, to, fraction));
       message.forward_mps = std::copysign(distance_m, T_from_to.translation().x()) / exact_s;
       message.yaw_rate_rad_s = geometry::to_se2(T_from_to).yaw / exact_s;
       recording_.add_odometry(message);

@@ -6,14 +6,14 @@
 
 namespace nodmap::doctor {
 
-enum class Verdict : std::uint8_t { kOk, kWarn, kFail };
+enum class Status : std::uint8_t { kOk, kWarn, kFail };
 
 /// What one check has to say.
 struct Finding {
   std::string check;  ///< one word or two, the same in every run
-  Verdict verdict = Verdict::kOk;
+  Status status = Status::kOk;
   std::string sentence;
-  std::string command;  ///< mends it; empty when there is nothing to mend
+  std::string command;  ///< fixes it; empty when there is nothing to mend
 };
 
 }  // namespace nodmap::doctor

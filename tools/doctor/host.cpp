@@ -10,22 +10,22 @@ namespace nodmap::doctor {
 Finding check_present(const std::string& check, const std::string& what, bool is_present,
                       const std::string& purpose, const std::string& command) {
   if (is_present) {
-    return {check, Verdict::kOk, what + " is there.", ""};
+    return {check, Status::kOk, what + " is there.", ""};
   }
-  return {check, Verdict::kWarn, what + " is missing; " + purpose + ".", command};
+  return {check, Status::kWarn, what + " is missing; " + purpose + ".", command};
 }
 
 Finding check_spy_script(const std::optional<std::string>& script) {
   if (!script) {
-    return {"lcm-spy", Verdict::kWarn, "lcm-spy is missing; it shows what goes over the channels.",
+    return {"lcm-spy", Status::kWarn, "lcm-spy is missing; it shows what goes over the channels.",
             "sudo apt install liblcm-bin"};
   }
   if (script->find("-Xincgc") != std::string::npos) {
-    return {"lcm-spy", Verdict::kWarn,
+    return {"lcm-spy", Status::kWarn,
             "The packaged lcm-spy asks for -Xincgc, which Java has given up since version 9.",
             "./nodmap spy"};
   }
-  return {"lcm-spy", Verdict::kOk, "lcm-spy is there.", ""};
+  return {"lcm-spy", Status::kOk, "lcm-spy is there.", ""};
 }
 
 Finding check_disk(const std::string& dir, std::int64_t available_bytes) {
@@ -40,19 +40,19 @@ Finding check_disk(const std::string& dir, std::int64_t available_bytes) {
   const std::string command =
       "du -sh " + dir + "/* | sort -h  # and: nodmap-logger --set quota_mb=N";
   if (available_bytes < kTooLittle) {
-    return {"disk", Verdict::kFail, sentence, command};
+    return {"disk", Status::kFail, sentence, command};
   }
   if (available_bytes < kLittle) {
-    return {"disk", Verdict::kWarn, sentence, command};
+    return {"disk", Status::kWarn, sentence, command};
   }
-  return {"disk", Verdict::kOk, sentence, ""};
+  return {"disk", Status::kOk, sentence, ""};
 }
 
 Finding check_clock(bool is_synchronized) {
   if (is_synchronized) {
-    return {"clock", Verdict::kOk, "The clock follows a reference.", ""};
+    return {"clock", Status::kOk, "The clock follows a reference.", ""};
   }
-  return {"clock", Verdict::kWarn,
+  return {"clock", Status::kWarn,
           "The clock follows no reference, which matters as soon as there is a second host.",
           "sudo apt install systemd-timesyncd; sudo timedatectl set-ntp true"};
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// nodmap-doctor: what on this host would keep nodmap from working, and what mends it.
+// nodmap-doctor: what on this host would keep nodmap from working, and what fixes it.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <iostream>
@@ -8,8 +8,7 @@
 
 #include "common/bus/codec.hpp"
 #include "common/bus/live_bus.hpp"
-#include "common/node/command_line.hpp"
-#include "common/params/params.hpp"
+#include "common/node/program.hpp"
 #include "tools/doctor/host.hpp"
 #include "tools/doctor/network.hpp"
 #include "tools/doctor/probe.hpp"
@@ -17,14 +16,6 @@
 
 namespace nodmap::doctor {
 namespace {
-
-constexpr const char* kProgram = "nodmap-doctor";
-
-/// The doctor has none, but the options every process has.
-struct DoctorParams {
-  template <class Visitor>
-  void describe(Visitor& /*v*/) {}
-};
 
 std::set<std::int64_t> our_fingerprints() {
   std::set<std::int64_t> fingerprints;
@@ -77,13 +68,13 @@ std::vector<Finding> examine_host(const std::string& logs) {
   };
 }
 
-std::string name_of(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::kOk:
+std::string name_of(Status status) {
+  switch (status) {
+    case Status::kOk:
       return "OK";
-    case Verdict::kWarn:
+    case Status::kWarn:
       return "WARN";
-    case Verdict::kFail:
+    case Status::kFail:
       break;
   }
   return "FAIL";
@@ -91,9 +82,9 @@ std::string name_of(Verdict verdict) {
 
 void print_text(const std::vector<Finding>& findings) {
   for (const Finding& finding : findings) {
-    std::string verdict = name_of(finding.verdict);
-    verdict.resize(5, ' ');
-    std::cout << verdict << finding.check << ": " << finding.sentence << "\n";
+    std::string status = name_of(finding.status);
+    status.resize(5, ' ');
+    std::cout << status << finding.check << ": " << finding.sentence << "\n";
     if (!finding.command.empty()) {
       std::cout << "       " << finding.command << "\n";
     }
@@ -104,46 +95,44 @@ void print_json(const std::vector<Finding>& findings) {
   nlohmann::json rows = nlohmann::json::array();
   for (const Finding& finding : findings) {
     rows.push_back({{"check", finding.check},
-                    {"verdict", name_of(finding.verdict)},
+                    {"status", name_of(finding.status)},
                     {"sentence", finding.sentence},
                     {"command", finding.command}});
   }
   std::cout << rows.dump(2) << "\n";
 }
 
-int run(int argc, char** argv) {
-  DoctorParams params;
-  params::Table table(params);
-  node::CommonOptions options;
+struct Arguments {
   std::string logs = "logs";
   bool json = false;
-  CLI::App app("Tells what would keep nodmap from working on this host, and what mends it.",
-               kProgram);
-  node::add_common_options(app, options, table);
-  app.add_option("--logs", logs, "Folder of the recordings")->capture_default_str();
-  app.add_flag("--json", json, "Print the findings as JSON");
-  if (const auto code = node::parse_command_line(app, argc, argv)) {
-    return *code;
-  }
-  if (const auto code = node::apply_common_options(kProgram, options, table)) {
-    return *code;
-  }
-  std::vector<Finding> findings = examine_network(bus::resolve_url(options.lcm_url));
-  std::ranges::move(examine_host(logs), std::back_inserter(findings));
-  json ? print_json(findings) : print_text(findings);
-  const bool is_ill = std::ranges::any_of(
-      findings, [](const Finding& finding) { return finding.verdict == Verdict::kFail; });
-  return is_ill ? 1 : 0;
+};
+
+int run(const Arguments& arguments, const std::string& lcm_url) {
+  std::vector<Finding> findings = examine_network(bus::resolve_url(lcm_url));
+  std::ranges::move(examine_host(arguments.logs), std::back_inserter(findings));
+  arguments.json ? print_json(findings) : print_text(findings);
+  const bool any_failed = std::ranges::any_of(
+      findings, [](const Finding& finding) { return finding.status == Status::kFail; });
+  return any_failed ? 1 : 0;
 }
 
 }  // namespace
 }  // namespace nodmap::doctor
 
 int main(int argc, char** argv) {
-  try {
-    return nodmap::doctor::run(argc, argv);
-  } catch (const std::exception& error) {
-    std::cerr << "nodmap-doctor: " << error.what() << "\n";
-    return 1;
-  }
+  using namespace nodmap;
+  doctor::Arguments arguments;
+  return node::run_program(
+      argc, argv,
+      {.name = "nodmap-doctor",
+       .summary = "Tells what would keep nodmap from working on this host, and what fixes it.",
+       .uses_lcm = true,
+       .add_options =
+           [&arguments](CLI::App& app) {
+             app.add_option("--logs", arguments.logs, "Folder of the recordings")
+                 ->capture_default_str();
+             app.add_flag("--json", arguments.json, "Print the findings as JSON");
+           },
+       .run =
+           [&arguments](const std::string& lcm_url) { return doctor::run(arguments, lcm_url); }});
 }

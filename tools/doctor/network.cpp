@@ -91,25 +91,25 @@ Finding check_rmem(const std::string& key, const std::string& text, const std::s
   const std::string trimmed = text.substr(0, text.find_last_not_of(" \n") + 1);
   const auto value = parse<std::int64_t>(trimmed, 10);
   if (!value) {
-    return {key, Verdict::kWarn, "net.core." + key + " cannot be read.", ""};
+    return {key, Status::kWarn, "net.core." + key + " cannot be read.", ""};
   }
   // Room to spare, in the round figure people know.
   const auto proposed =
       static_cast<std::int64_t>(std::bit_ceil(static_cast<std::uint64_t>(full_buffer_bytes())));
   const std::string is = "net.core." + key + " is " + megabytes(*value) + ", " + who;
   if (*value < steady_buffer_bytes()) {
-    return {key, Verdict::kFail,
+    return {key, Status::kFail,
             is + ": too little for " + std::to_string(kStallMs) + " ms of our channels (" +
                 megabytes(steady_buffer_bytes()) + ").",
             set_sysctl(key, proposed)};
   }
   if (*value < full_buffer_bytes()) {
-    return {key, Verdict::kWarn,
+    return {key, Status::kWarn,
             is + ": too little when a cloud and a map come at once (" +
                 megabytes(full_buffer_bytes()) + ").",
             set_sysctl(key, proposed)};
   }
-  return {key, Verdict::kOk, is + ".", ""};
+  return {key, Status::kOk, is + ".", ""};
 }
 
 std::string owner_of(const UdpSocket& socket, const std::map<std::uint64_t, std::string>& owners) {
@@ -143,26 +143,25 @@ Finding check_multicast_route(const std::string& proc_net_route, const UdpmUrl& 
   const std::string check = "multicast route";
   const std::optional<Route> route = route_to(url.group, proc_net_route);
   if (!route) {
-    return {check, Verdict::kFail, "There is no route to " + url.group_text() + ".",
-            kLoopbackRoute};
+    return {check, Status::kFail, "There is no route to " + url.group_text() + ".", kLoopbackRoute};
   }
   const std::string way = url.group_text() + " goes over " + route->interface;
   const auto found = interface_flags.find(route->interface);
   const unsigned int flags = found != interface_flags.end() ? found->second : 0;
   if ((flags & IFF_UP) == 0) {
-    return {check, Verdict::kFail, way + ", which is down.",
+    return {check, Status::kFail, way + ", which is down.",
             "sudo ip link set " + route->interface + " up"};
   }
   // The loopback carries multicast with or without the flag.
   if ((flags & (IFF_MULTICAST | IFF_LOOPBACK)) == 0) {
-    return {check, Verdict::kFail, way + ", which does not carry multicast.",
+    return {check, Status::kFail, way + ", which does not carry multicast.",
             "sudo ip link set " + route->interface + " multicast on"};
   }
   if (route->prefix_bits == 0) {
-    return {check, Verdict::kWarn,
+    return {check, Status::kWarn,
             way + " by the default route: LCM stops when that network goes away.", kLoopbackRoute};
   }
-  return {check, Verdict::kOk, way + ".", ""};
+  return {check, Status::kOk, way + ".", ""};
 }
 
 Finding check_rmem_default(const std::string& text) {
@@ -203,10 +202,10 @@ Finding check_port_users(const std::vector<UdpSocket>& sockets,
   }
   const std::string where = "port " + std::to_string(port);
   if (!others.empty()) {
-    return {"port", Verdict::kWarn, "On " + where + " there is also " + join(others) + ".",
+    return {"port", Status::kWarn, "On " + where + " there is also " + join(others) + ".",
             "sudo ss -uanp sport = :" + std::to_string(port)};
   }
-  return {"port", Verdict::kOk,
+  return {"port", Status::kOk,
           ours.empty() ? "Nobody listens on " + where + " yet."
                        : "On " + where + ": " + join(ours) + ".",
           ""};
@@ -223,9 +222,9 @@ Finding check_drops(const std::vector<UdpSocket>& sockets,
     }
   }
   if (total == 0) {
-    return {"drops", Verdict::kOk, "No socket on the port has lost a datagram.", ""};
+    return {"drops", Status::kOk, "No socket on the port has lost a datagram.", ""};
   }
-  return {"drops", Verdict::kWarn,
+  return {"drops", Status::kWarn,
           std::to_string(total) + " datagrams found the buffer full at " + join(losers) + ".",
           set_sysctl("rmem_default", static_cast<std::int64_t>(std::bit_ceil(
                                          static_cast<std::uint64_t>(full_buffer_bytes()))))};
@@ -234,18 +233,18 @@ Finding check_drops(const std::vector<UdpSocket>& sockets,
 Finding check_self_test(const SelfTest& test, const std::string& url) {
   const std::string check = "LCM self test";
   if (!test.opened) {
-    return {check, Verdict::kFail, "LCM cannot use " + url + ".",
+    return {check, Status::kFail, "LCM cannot use " + url + ".",
             parse_udpm_url(url) ? kLoopbackRoute
                                 : "export LCM_DEFAULT_URL='udpm://239.255.76.67:7667?ttl=0'"};
   }
   if (!test.latency_ms) {
-    return {check, Verdict::kFail,
+    return {check, Status::kFail,
             "A message sent on " + url + " did not come back within a second.",
             "sudo iptables -L INPUT -n  # a firewall? Let 224.0.0.0/4 pass"};
   }
   std::array<char, 64> text{};
   std::snprintf(text.data(), text.size(), "came back after %.1f ms.", *test.latency_ms);
-  return {check, Verdict::kOk, "A message sent on " + url + " " + text.data(), ""};
+  return {check, Status::kOk, "A message sent on " + url + " " + text.data(), ""};
 }
 
 Finding check_traffic(const std::vector<HeardChannel>& heard,
@@ -262,12 +261,12 @@ Finding check_traffic(const std::vector<HeardChannel>& heard,
     }
   }
   if (num_foreign > 0) {
-    return {"traffic", Verdict::kWarn,
+    return {"traffic", Status::kWarn,
             std::to_string(num_foreign) + " messages of no nodmap type came within a second on " +
                 join(foreign) + "; LCM 1.3.1 hears every multicast group on its port.",
             use_next_port(url)};
   }
-  return {"traffic", Verdict::kOk,
+  return {"traffic", Status::kOk,
           num_ours > 0 ? std::to_string(num_ours) + " messages came within a second, all of ours."
                        : "The port is silent.",
           ""};

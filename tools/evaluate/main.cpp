@@ -2,8 +2,7 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
-#include <exception>
+#include <functional>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -12,8 +11,7 @@
 
 #include "common/formats/ply.hpp"
 #include "common/formats/tum.hpp"
-#include "common/log/log.hpp"
-#include "common/node/command_line.hpp"
+#include "common/node/program.hpp"
 #include "sim/world_file.hpp"
 #include "tools/evaluate/cloud_error.hpp"
 #include "tools/evaluate/corridor_error.hpp"
@@ -33,6 +31,7 @@ struct Arguments {
   std::string cloud;
   std::string world;
   std::vector<double> start;
+  std::function<void()> work;  ///< of the chosen subcommand
 };
 
 void print_relations(const Arguments& arguments) {
@@ -138,18 +137,18 @@ void add_commands(CLI::App& app, Arguments& arguments) {
       app.add_subcommand("relations", "Error of relative poses (Kuemmerle et al. 2009), as JSON");
   relations->add_option("TRAJECTORY", arguments.trajectory, "Estimate (.tum)")->required();
   relations->add_option("RELATIONS", arguments.truth, "Known relations (.relations)")->required();
-  relations->callback([&arguments] { print_relations(arguments); });
+  relations->callback([&arguments] { arguments.work = [&] { print_relations(arguments); }; });
 
   CLI::App* trajectory =
       add_against_truth(app, arguments, "trajectory", "Error against a true trajectory, as JSON");
   trajectory->add_flag("--align", arguments.align,
                        "Align all positions by least squares instead of the first pose");
-  trajectory->callback([&arguments] { print_trajectory(arguments); });
+  trajectory->callback([&arguments] { arguments.work = [&] { print_trajectory(arguments); }; });
 
   CLI::App* corridor = add_against_truth(
       app, arguments, "corridor",
       "Length, bow and heading of a corridor's map, from the way driven, as JSON");
-  corridor->callback([&arguments] { print_corridor(arguments); });
+  corridor->callback([&arguments] { arguments.work = [&] { print_corridor(arguments); }; });
 
   CLI::App* cloud =
       app.add_subcommand("cloud", "Distance of a map's points from a simulated world, as JSON");
@@ -159,28 +158,24 @@ void add_commands(CLI::App& app, Arguments& arguments) {
       ->add_option("--start", arguments.start,
                    "X Y YAW_DEG: where the map begins in the world; default the robot's start")
       ->expected(3);
-  cloud->callback([&arguments] { print_cloud(arguments); });
-}
-
-int run(int argc, char** argv) {
-  CLI::App app("Measures results against the truth.", "nodmap-evaluate");
-  app.set_version_flag("--version", NODMAP_VERSION);
-  app.require_subcommand(1);
-  Arguments arguments;
-  add_commands(app, arguments);
-  nodmap::log::start("nodmap-evaluate", "info");
-  return nodmap::node::parse_command_line(app, argc, argv).value_or(0);
+  cloud->callback([&arguments] { arguments.work = [&] { print_cloud(arguments); }; });
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  try {
-    return run(argc, argv);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "nodmap-evaluate: %s\n", error.what());
-  } catch (...) {
-    std::fputs("nodmap-evaluate: failed for an unknown reason\n", stderr);
-  }
-  return 1;
+  Arguments arguments;
+  return nodmap::node::run_program(argc, argv,
+                                   {.name = "nodmap-evaluate",
+                                    .summary = "Measures results against the truth.",
+                                    .add_options =
+                                        [&arguments](CLI::App& app) {
+                                          app.require_subcommand(1);
+                                          add_commands(app, arguments);
+                                        },
+                                    .run =
+                                        [&arguments](const std::string& /*lcm_url*/) {
+                                          arguments.work();
+                                          return 0;
+                                        }});
 }

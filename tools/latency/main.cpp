@@ -8,9 +8,7 @@
 
 #include "common/bus/event_log.hpp"
 #include "common/bus/live_bus.hpp"
-#include "common/node/command_line.hpp"
-#include "common/node/stop_signal.hpp"
-#include "common/params/params.hpp"
+#include "common/node/program.hpp"
 #include "tools/latency/reaction.hpp"
 
 namespace nodmap::latency {
@@ -19,12 +17,6 @@ namespace {
 constexpr const char* kProgram = "nodmap-latency";
 constexpr int kQueue = 1000;
 constexpr std::size_t kParts = 10;
-
-/// This program has none, but the options every process has.
-struct LatencyParams {
-  template <class Visitor>
-  void describe(Visitor& /*v*/) {}
-};
 
 void listen(const std::string& url, double duration_s, Reaction& reaction) {
   using Clock = std::chrono::steady_clock;
@@ -56,31 +48,22 @@ nlohmann::ordered_json to_json(const std::vector<Sample>& samples) {
           {"p99_us_over_time", p99_over_time(samples, kParts)}};
 }
 
-int run(int argc, char** argv) {
-  LatencyParams params;
-  params::Table table(params);
-  node::CommonOptions options;
+struct Arguments {
   std::string log;
   double duration_s = 60.0;
-  CLI::App app(
-      "Measures, as JSON, the time from each SCAN to the OBSTACLE_MAP with it and to the DRIVE "
-      "that "
-      "follows.",
-      kProgram);
-  node::add_common_options(app, options, table);
-  app.add_option("--duration", duration_s, "How long to listen, seconds")
+};
+
+void add_options(CLI::App& app, Arguments& arguments) {
+  app.add_option("--duration", arguments.duration_s, "How long to listen, seconds")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  app.add_option("--log", log, "Measure in this recording of nodmap-logger instead");
-  if (const auto code = node::parse_command_line(app, argc, argv)) {
-    return *code;
-  }
-  if (const auto code = node::apply_common_options(kProgram, options, table)) {
-    return *code;
-  }
-  node::catch_stop_signals();
+  app.add_option("--log", arguments.log, "Measure in this recording of nodmap-logger instead");
+}
+
+int run(const Arguments& arguments, const std::string& lcm_url) {
   Reaction reaction;
-  log.empty() ? listen(options.lcm_url, duration_s, reaction) : read_log(log, reaction);
+  arguments.log.empty() ? listen(lcm_url, arguments.duration_s, reaction)
+                        : read_log(arguments.log, reaction);
   const nlohmann::ordered_json result = {{"scans", reaction.scans()},
                                          {"lost", reaction.lost()},
                                          {"corrupt", reaction.corrupt()},
@@ -94,10 +77,15 @@ int run(int argc, char** argv) {
 }  // namespace nodmap::latency
 
 int main(int argc, char** argv) {
-  try {
-    return nodmap::latency::run(argc, argv);
-  } catch (const std::exception& error) {
-    std::cerr << "nodmap-latency: " << error.what() << "\n";
-    return 1;
-  }
+  using namespace nodmap;
+  latency::Arguments arguments;
+  return node::run_program(
+      argc, argv,
+      {.name = "nodmap-latency",
+       .summary = "Measures, as JSON, the time from each SCAN to the OBSTACLE_MAP with it and to "
+                  "the DRIVE that follows.",
+       .uses_lcm = true,
+       .add_options = [&arguments](CLI::App& app) { latency::add_options(app, arguments); },
+       .run =
+           [&arguments](const std::string& lcm_url) { return latency::run(arguments, lcm_url); }});
 }

@@ -2,5 +2,5 @@
 #include "tools/trial/program.hpp"
 
 int main(int argc, char** argv) {
-  return nodmap::trial::run_program(argc, argv);
+  return nodmap::trial::run_trial(argc, argv);
 }

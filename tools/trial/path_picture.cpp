@@ -9,9 +9,9 @@
 namespace nodmap::trial {
 namespace {
 
+using drawing::Image;
+using drawing::Rgb;
 using Eigen::Vector2d;
-using picture::Image;
-using picture::Rgb;
 
 constexpr double kLongestPx = 1400.0;
 constexpr double kBorderM = 0.3;
@@ -185,7 +185,7 @@ void paint(Painter& painter, const TrialRecord& record) {
     const TruthSample& from = record.truth[i - 1];
     const TruthSample& to = record.truth[i];
     painter.line(from.T_world_base.translation().head<2>(), to.T_world_base.translation().head<2>(),
-                 picture::colour_scale(std::abs(to.forward_mps) / kFastMps), 3.0);
+                 drawing::colour_scale(std::abs(to.forward_mps) / kFastMps), 3.0);
   }
   for (std::size_t i = 1; i < record.truth.size(); ++i) {
     if (record.truth[i].collisions > record.truth[i - 1].collisions) {
@@ -216,7 +216,7 @@ Extent extent_of(const sim::World& world, const TrialRecord& record) {
 
 }  // namespace
 
-picture::Image draw_paths(const sim::World& world, const TrialRecord& record,
+drawing::Image draw_paths(const sim::World& world, const TrialRecord& record,
                           const std::vector<EstimatedPath>& estimates) {
   Painter painter(extent_of(world, record));
   paint(painter, world);

@@ -17,9 +17,9 @@ void Process::start() {
   running_->device_node = dynamic_cast<node::DeviceNode*>(running_->node.get());
 }
 
-void Process::turn() {
+void Process::spin_once() {
   if (running_ && running_->device_node != nullptr) {
-    running_->device_node->turn();
+    running_->device_node->spin_once();
   }
 }
 
@@ -27,19 +27,19 @@ nlohmann::json Process::report() const {
   if (!running_) {
     return nullptr;
   }
-  const node::Tally& tally = running_->tally;
+  const node::MessageCounts& counts = running_->counts;
   nlohmann::json rejected = nlohmann::json::object();
-  for (const auto& [cause, count] : tally.rejected()) {
+  for (const auto& [cause, count] : counts.rejected()) {
     rejected[cause] = count;
   }
   return {{"messages",
            {{"read", running_->bus.counts().received},
-            {"used", tally.used()},
+            {"used", counts.used()},
             {"rejected", rejected},
             {"corrupt", running_->bus.counts().corrupt},
-            {"lost", tally.lost()},
+            {"lost", counts.lost()},
             {"published", running_->bus.counts().published}}},
-          {"figures", running_->node->figures()}};
+          {"metrics", running_->node->metrics()}};
 }
 
 }  // namespace nodmap::trial

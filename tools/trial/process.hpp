@@ -7,7 +7,7 @@
 #include <string>
 
 #include "common/bus/loop_bus.hpp"
-#include "common/node/device_process.hpp"
+#include "common/node/device_node.hpp"
 #include "common/node/node.hpp"
 
 namespace nodmap::trial {
@@ -24,7 +24,7 @@ class Process {
   [[nodiscard]] node::Node* node() const { return running_ ? running_->node.get() : nullptr; }
 
   /// A driver's turn; nothing for others.
-  void turn();
+  void spin_once();
 
   void start();
   /// As by kill -9: what it knew is lost, nothing is written. A driver's lines must be cut before.
@@ -36,10 +36,10 @@ class Process {
 
  private:
   struct Running {
-    explicit Running(bus::LoopNetwork& network) : bus(network), context{bus, tally, {}} {}
+    explicit Running(bus::LoopNetwork& network) : bus(network), context{bus, counts, {}} {}
 
     bus::LoopBus bus;
-    node::Tally tally;
+    node::MessageCounts counts;
     node::Context context;
     std::unique_ptr<node::Node> node;
     node::DeviceNode* device_node = nullptr;

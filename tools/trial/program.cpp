@@ -5,15 +5,15 @@
 #include <chrono>
 #include <cmath>
 #include <ctime>
-#include <fstream>
 #include <iostream>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "common/log/log.hpp"
-#include "common/node/command_line.hpp"
+#include "common/node/log.hpp"
+#include "common/node/program.hpp"
 #include "common/node/progress.hpp"
+#include "common/node/results.hpp"
 #include "common/params/params.hpp"
 #include "tools/trial/appearance.hpp"
 #include "tools/trial/command.hpp"
@@ -37,12 +37,10 @@ struct Arguments {
   std::vector<std::string> kills;
   std::vector<std::string> without;
   std::optional<double> appear_s;
-  std::string log_level = "error";
   bool dump_params = false;
 };
 
 void add_options(CLI::App& app, Arguments& arguments) {
-  app.set_version_flag("--version", NODMAP_VERSION);
   app.add_option("--world", arguments.world, "World file, or random:SEED for random clutter");
   app.add_option("--seed", arguments.seed, "Of the simulated noise")->capture_default_str();
   app.add_option("--duration", arguments.duration_s,
@@ -69,10 +67,6 @@ void add_options(CLI::App& app, Arguments& arguments) {
   app.add_flag_callback(
       "--no-slam6d", [&arguments] { arguments.without.emplace_back("slam6d"); },
       "Same as --without slam6d");
-  app.add_option("--log-level", arguments.log_level,
-                 "Of the processes: trace, debug, info, warn, error, off")
-      ->check(CLI::IsMember({"trace", "debug", "info", "warn", "error", "off"}))
-      ->capture_default_str();
   app.add_flag("--dump-params", arguments.dump_params, "Print the effective parameters and end");
 }
 
@@ -128,45 +122,36 @@ void run(const Arguments& arguments, TrialSetup setup) {
   result["realtime_factor"] = simulated_s / wall_s;
   result["wall_s"] = wall_s;
   result["cpu_s"] = cpu_s;
-  std::ofstream out(dir / "result.json");
-  out << result.dump(2) << "\n";
-  out.flush();
-  if (!out) {
-    throw std::runtime_error((dir / "result.json").string() + ": cannot write");
-  }
+  node::write_result_json(dir, result);
 }
 
 }  // namespace
 
-int run_program(int argc, char** argv) {
+int run_trial(int argc, char** argv) {
   Arguments arguments;
-  CLI::App app("Runs the whole robot in a simulated world, faster than time.", kName);
-  add_options(app, arguments);
-  if (const auto code = node::parse_command_line(app, argc, argv)) {
-    return *code;
-  }
   TrialSetup setup;
-  try {
-    setup = make_setup(arguments);
-    if (arguments.dump_params) {
-      std::cout << setup.params.to_yaml();
-      return 0;
-    }
-    if (arguments.world.empty() || arguments.out.empty()) {
-      throw CommandError("--world and --out must be given");
-    }
-  } catch (const std::exception& error) {
-    std::cerr << kName << ": " << error.what() << "\n";
-    return 2;
-  }
-  log::start(kName, arguments.log_level);
-  try {
-    run(arguments, std::move(setup));
-  } catch (const std::exception& error) {
-    std::cerr << kName << ": " << error.what() << "\n";
-    return 1;
-  }
-  return 0;
+  return node::run_program(
+      argc, argv,
+      {.name = kName,
+       .summary = "Runs the whole robot in a simulated world, faster than real time.",
+       .log_level = "error",
+       .add_options = [&arguments](CLI::App& app) { add_options(app, arguments); },
+       .check =
+           [&] {
+             setup = make_setup(arguments);
+             if (!arguments.dump_params && (arguments.world.empty() || arguments.out.empty())) {
+               throw node::UsageError("--world and --out must be given");
+             }
+           },
+       .run =
+           [&](const std::string& /*lcm_url*/) {
+             if (arguments.dump_params) {
+               std::cout << setup.params.to_yaml();
+               return 0;
+             }
+             run(arguments, std::move(setup));
+             return 0;
+           }});
 }
 
 }  // namespace nodmap::trial

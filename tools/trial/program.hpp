@@ -5,6 +5,6 @@ namespace nodmap::trial {
 
 /// nodmap-trial. Returns the exit code: 0 the trial was run, whatever came of it; 1 failed; 2 wrong
 /// command line.
-int run_program(int argc, char** argv);
+int run_trial(int argc, char** argv);
 
 }  // namespace nodmap::trial

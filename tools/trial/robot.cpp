@@ -64,7 +64,7 @@ void Robot::step() {
     line->move_bytes(hardware_.plant().now_us());
   }
   for (Process& process : processes_) {
-    process.turn();
+    process.spin_once();
   }
 }
 

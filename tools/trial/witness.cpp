@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "common/msg/messages.hpp"
+#include "common/node/messages.hpp"
 #include "nodmap/drive_t.hpp"
 #include "nodmap/navigation_t.hpp"
 #include "nodmap/truth_t.hpp"
@@ -35,7 +35,7 @@ void Witness::subscribe() {
   bus_.subscribe<nodmap::pitch_state_t>(
       "PITCH_STATE", [this](const nodmap::pitch_state_t& message) { on_pitch_state(message); });
   bus_.subscribe<nodmap::odometry_t>("ODOMETRY", [this](const nodmap::odometry_t& message) {
-    if (const auto T_odom_base = msg::read_odometry(message)) {
+    if (const auto T_odom_base = node::read_odometry(message)) {
       record_.odometry.push_back({message.utime, *T_odom_base});
     }
   });
@@ -76,7 +76,7 @@ void Witness::publish(const sim::Truth& truth) {
   nodmap::truth_t message{};
   message.utime = kEpochUs + plant_.now_us();
   message.truth_seq = truth_seq_++;
-  msg::write_pose(truth.T_world_base, message.position_m, message.orientation);
+  node::write_pose(truth.T_world_base, message.position_m, message.orientation);
   message.forward_mps = truth.forward_mps;
   message.yaw_rate_rad_s = truth.yaw_rate_rad_s;
   message.pitch_rad = truth.pitch_rad;

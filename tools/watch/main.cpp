@@ -9,27 +9,18 @@
 #include <nlohmann/json.hpp>
 
 #include "common/bus/live_bus.hpp"
-#include "common/node/command_line.hpp"
-#include "common/node/stop_signal.hpp"
-#include "common/params/params.hpp"
-#include "common/time/clock.hpp"
+#include "common/node/clock.hpp"
+#include "common/node/log.hpp"
+#include "common/node/program.hpp"
 #include "tools/watch/overview.hpp"
 
 namespace nodmap::watch {
 namespace {
 
-constexpr const char* kProgram = "nodmap-watch";
 constexpr std::int64_t kTerminalPeriodUs = 100'000;
 constexpr std::int64_t kFilePeriodUs = 5'000'000;
 
-/// This program has none, but the options every process has.
-struct WatchParams {
-  template <class Visitor>
-  void describe(Visitor& /*v*/) {}
-};
-
 struct Arguments {
-  node::CommonOptions common;
   double duration_s = 0.0;
   double patience_s = 30.0;
   std::string out;
@@ -77,8 +68,8 @@ class Display {
 
 /// True when it has watched for as long as it should; false when no scan came, or it was stopped
 /// before.
-bool watch(const Arguments& arguments, Overview& overview) {
-  bus::LiveBus bus(arguments.common.lcm_url);
+bool watch(const Arguments& arguments, const std::string& lcm_url, Overview& overview) {
+  bus::LiveBus bus(lcm_url);
   listen_to_all(bus, overview);
   Display display;
   const auto in_us = [](double seconds) { return static_cast<std::int64_t>(1e6 * seconds); };
@@ -118,12 +109,7 @@ nlohmann::ordered_json summary(const Overview& overview) {
           {"processes", processes}};
 }
 
-int run(int argc, char** argv) {
-  WatchParams params;
-  params::Table table(params);
-  Arguments arguments;
-  CLI::App app("Shows the robot at work on one line.", kProgram);
-  node::add_common_options(app, arguments.common, table);
+void add_options(CLI::App& app, Arguments& arguments) {
   app.add_option("--duration", arguments.duration_s,
                  "Seconds from the first scan on; 0: until stopped")
       ->check(CLI::NonNegativeNumber)
@@ -132,24 +118,19 @@ int run(int argc, char** argv) {
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   app.add_option("--json", arguments.out, "Write what was seen into this file");
-  if (const auto code = node::parse_command_line(app, argc, argv)) {
-    return *code;
-  }
-  if (const auto code = node::apply_common_options(kProgram, arguments.common, table)) {
-    return *code;
-  }
-  node::catch_stop_signals();
+}
+
+int run(const Arguments& arguments, const std::string& lcm_url) {
   Overview overview;
-  const bool done = watch(arguments, overview);
+  const bool done = watch(arguments, lcm_url, overview);
   if (overview.scans().total() == 0) {
-    std::cerr << kProgram << ": no SCAN came\n";
+    log::get().error("no SCAN came");
   }
   if (!arguments.out.empty()) {
     std::ofstream file(arguments.out);
     file << summary(overview).dump(2) << "\n";
     if (!file.flush()) {
-      std::cerr << kProgram << ": " << arguments.out << ": cannot write\n";
-      return 1;
+      throw std::runtime_error(arguments.out + ": cannot write");
     }
   }
   return done || (arguments.duration_s == 0.0 && overview.scans().total() > 0) ? 0 : 1;
@@ -159,10 +140,13 @@ int run(int argc, char** argv) {
 }  // namespace nodmap::watch
 
 int main(int argc, char** argv) {
-  try {
-    return nodmap::watch::run(argc, argv);
-  } catch (const std::exception& error) {
-    std::cerr << "nodmap-watch: " << error.what() << "\n";
-    return 1;
-  }
+  using namespace nodmap;
+  watch::Arguments arguments;
+  return node::run_program(
+      argc, argv,
+      {.name = "nodmap-watch",
+       .summary = "Shows the robot at work on one line.",
+       .uses_lcm = true,
+       .add_options = [&arguments](CLI::App& app) { watch::add_options(app, arguments); },
+       .run = [&arguments](const std::string& lcm_url) { return watch::run(arguments, lcm_url); }});
 }

@@ -20,7 +20,7 @@ namespace robot = test;
 
 class FeedTest : public ::testing::Test {
  protected:
-  explicit FeedTest(const FeedOptions& options = {}) : feed_(bus_, board_, tally_, options) {}
+  explicit FeedTest(const FeedOptions& options = {}) : feed_(bus_, board_, counts_, options) {}
 
   template <class Message>
   void send(const char* channel, const Message& message) {
@@ -67,7 +67,7 @@ class FeedTest : public ::testing::Test {
 
   bus::LiveBus bus_{"memq://"};
   Board board_;
-  node::Tally tally_;
+  node::MessageCounts counts_;
   Feed feed_;
 };
 
@@ -164,7 +164,7 @@ TEST_F(FeedTest, TheRestOfTheChannels) {
   EXPECT_TRUE(newest("BASE_SENSORS")["sonar_m"].is_null());
   EXPECT_EQ(newest("PM_INFO")["commands"][0]["process_name"], "nodmap-slam2d");
   EXPECT_EQ(newest("log")["name"], "nodmap-slam2d");
-  EXPECT_EQ(tally_.total_rejected(), 0);
+  EXPECT_EQ(counts_.total_rejected(), 0);
 }
 
 TEST_F(FeedTest, WhatCannotBeShownIsCounted) {
@@ -174,8 +174,8 @@ TEST_F(FeedTest, WhatCannotBeShownIsCounted) {
   nodmap::scan_t scan = robot::scan_at(0.0);
   scan.angle_step_rad = std::numeric_limits<double>::quiet_NaN();
   send("SCAN", scan);
-  EXPECT_EQ(tally_.rejected().at("pose_not_valid"), 1);
-  EXPECT_EQ(tally_.rejected().at("scan_not_plausible"), 1);
+  EXPECT_EQ(counts_.rejected().at("pose_not_valid"), 1);
+  EXPECT_EQ(counts_.rejected().at("scan_not_plausible"), 1);
   EXPECT_EQ(newest("ODOMETRY"), Json());
 }
 

@@ -17,7 +17,7 @@
 #include "common/foxglove/schemas.hpp"
 #include "common/foxglove/sensor_views.hpp"
 #include "common/foxglove/test/robot_log.hpp"
-#include "common/msg/messages.hpp"
+#include "common/node/messages.hpp"
 
 namespace nodmap::foxglove {
 namespace {

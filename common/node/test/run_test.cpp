@@ -30,7 +30,7 @@ class EchoNode : public Node {
   EchoNode(Context& context, const Params& params) : params_(params) {
     context.bus.subscribe<nodmap::odometry_t>("ODOMETRY",
                                               [this, &context](const nodmap::odometry_t& message) {
-                                                context.tally.use();
+                                                context.counts.use();
                                                 ++seen_;
                                                 context.bus.publish("ECHO", message);
                                               });
@@ -38,7 +38,7 @@ class EchoNode : public Node {
   void write_results(const std::filesystem::path& dir) override {
     std::ofstream(dir / "echo.txt") << seen_;
   }
-  [[nodiscard]] nlohmann::json figures() const override {
+  [[nodiscard]] nlohmann::json metrics() const override {
     return {{"seen", seen_}, {"gain", params_.gain}, {"loud", params_.loud}};
   }
 
@@ -89,8 +89,8 @@ TEST(Run, ReplayWritesResultsAndTheSameBytesTwice) {
   EXPECT_EQ(result["messages"]["used"], 10);
   EXPECT_EQ(result["messages"]["corrupt"], 1);
   EXPECT_EQ(result["messages"]["published"], 10);
-  EXPECT_EQ(result["figures"]["gain"], 2.0);
-  EXPECT_EQ(result["figures"]["loud"], true);
+  EXPECT_EQ(result["metrics"]["gain"], 2.0);
+  EXPECT_EQ(result["metrics"]["loud"], true);
   EXPECT_GT(result["realtime_factor"], 1.0);
 }
 
@@ -104,7 +104,7 @@ TEST(Run, LaterConfigurationsCountAndAssignmentsMost) {
     std::vector<std::string> args = {"--replay", log, "--out", dir.path() / out};
     args.insert(args.end(), more.begin(), more.end());
     EXPECT_EQ(run_echo(args), 0);
-    return nlohmann::json::parse(slurp(dir.path() / out / "result.json"))["figures"];
+    return nlohmann::json::parse(slurp(dir.path() / out / "result.json"))["metrics"];
   };
   const std::vector<std::string> both = {"--config", dir.path() / "robot.yaml", "--config",
                                          dir.path() / "mine.yaml"};

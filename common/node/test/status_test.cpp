@@ -14,7 +14,7 @@ namespace {
 class FakeNode : public Node {
  public:
   void write_results(const std::filesystem::path&) override {}
-  [[nodiscard]] nlohmann::json figures() const override { return {}; }
+  [[nodiscard]] nlohmann::json metrics() const override { return {}; }
   [[nodiscard]] Health health() const override { return health_; }
   Health health_;
 };
@@ -27,14 +27,14 @@ class StatusTest : public ::testing::Test {
   }
 
   bus::LiveBus bus_{"memq://"};
-  Tally tally_;
+  MessageCounts counts_;
   time::ManualClock clock_{1'000'000};
   FakeNode node_;
   bus::Latest<nodmap::status_t> status_{bus_, "STATUS"};
 };
 
 TEST_F(StatusTest, ComesOnceASecondEvenWhenTheClockStepsBack) {
-  StatusReporter reporter("nodmap-test", bus_, tally_, clock_);
+  StatusReporter reporter("nodmap-test", bus_, counts_, clock_);
   reporter.publish_if_due(node_);
   clock_.advance(999'999);
   reporter.publish_if_due(node_);
@@ -49,7 +49,7 @@ TEST_F(StatusTest, ComesOnceASecondEvenWhenTheClockStepsBack) {
 }
 
 TEST_F(StatusTest, SilenceOfTheInputIsDegraded) {
-  StatusReporter reporter("nodmap-test", bus_, tally_, clock_);
+  StatusReporter reporter("nodmap-test", bus_, counts_, clock_);
   clock_.advance(1'000'000);
   reporter.publish_if_due(node_);
   handle_all();
@@ -59,7 +59,7 @@ TEST_F(StatusTest, SilenceOfTheInputIsDegraded) {
 }
 
 TEST_F(StatusTest, ADriverNeedsNoMessages) {
-  StatusReporter reporter("nodmap-test", bus_, tally_, clock_);
+  StatusReporter reporter("nodmap-test", bus_, counts_, clock_);
   node_.health_.needs_messages = false;
   clock_.advance(1'000'000);
   reporter.publish_if_due(node_);
@@ -69,10 +69,10 @@ TEST_F(StatusTest, ADriverNeedsNoMessages) {
 }
 
 TEST_F(StatusTest, TheNodesOwnWordGoesThrough) {
-  StatusReporter reporter("nodmap-test", bus_, tally_, clock_);
+  StatusReporter reporter("nodmap-test", bus_, counts_, clock_);
   node_.health_ = {HealthState::kFailed, "the disk is full"};
-  tally_.reject("x");
-  tally_.lose(2);
+  counts_.reject("x");
+  counts_.lose(2);
   clock_.advance(2'000'000);
   reporter.publish_if_due(node_);
   handle_all();

@@ -122,5 +122,71 @@ TEST(Params, UnitsComeFromTheSuffix) {
   EXPECT_EQ(unit_of("count"), "");
 }
 
+struct PartParams {
+  double gain = 1.0;
+  bool save_all = false;
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.number("gain", gain, {0.0, 10.0}, "How strong.");
+    v.flag("save_all", save_all, "Whether all.");
+  }
+};
+
+struct NestedParams {
+  int first = 1;
+  PartParams near;
+  PartParams far;
+  int last = 2;
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.integer("first", first, {0, 9}, "First.");
+    v.section("near", near);
+    v.section("far", far);
+    v.integer("last", last, {0, 9}, "Last.");
+    v.renamed("near_gain", "near.gain");
+  }
+};
+
+TEST(NestedTable, SetsThePartThatIsNamed) {
+  NestedParams params;
+  Table table(params);
+  table.set_assignment("far.gain=3");
+  table.set("near.save_all", "true", "test");
+  EXPECT_EQ(params.far.gain, 3.0);
+  EXPECT_EQ(params.near.gain, 1.0);
+  EXPECT_TRUE(params.near.save_all);
+  EXPECT_THROW(table.set_assignment("gain=3"), ParamError);
+}
+
+TEST(NestedTable, LoadsWhatItWritesAndDottedKeys) {
+  const test::TemporaryDir dir;
+  NestedParams params;
+  params.first = 7;
+  params.near.gain = 2.5;
+  params.far.save_all = true;
+  const std::string yaml = Table(params).to_yaml();
+  EXPECT_THAT(yaml,
+              HasSubstr("\nnear:\n  # How strong.\n  # a number from 0 to 10\n  gain: 2.5\n"));
+  std::ofstream(dir.path() / "nested.yaml") << yaml;
+  std::ofstream(dir.path() / "dotted.yaml") << "near.gain: 4\n";
+  NestedParams loaded;
+  Table table(loaded);
+  table.load_yaml(dir.path() / "nested.yaml");
+  EXPECT_EQ(table.to_yaml(), yaml);
+  table.load_yaml(dir.path() / "dotted.yaml");
+  EXPECT_EQ(loaded.near.gain, 4.0);
+}
+
+TEST(NestedTable, NamesTheNewKeyOfARenamedOne) {
+  NestedParams params;
+  Table table(params);
+  try {
+    table.set_assignment("near_gain=2");
+    FAIL() << "an old key was taken";
+  } catch (const ParamError& error) {
+    EXPECT_STREQ(error.what(), "--set: key 'near_gain' is now called 'near.gain'");
+  }
+}
+
 }  // namespace
 }  // namespace nodmap::params

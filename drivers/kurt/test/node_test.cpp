@@ -54,7 +54,7 @@ class Bench {
       await_input(node->poll_handles()[0], to_driver.size());
     }
     bus.handle(std::chrono::milliseconds(0));
-    node->turn();
+    node->spin_once();
     reporter.publish_if_due(*node);
     bus.handle(std::chrono::milliseconds(0));
     if (pty) {
@@ -104,8 +104,8 @@ class Bench {
   bus::Latest<nodmap::odometry_t> odometry;
   bus::Latest<nodmap::base_sensors_t> sensors;
   bus::Latest<nodmap::status_t> status;
-  node::Tally tally;
-  node::Context context{bus, tally, {}};
+  node::MessageCounts counts;
+  node::Context context{bus, counts, {}};
   std::optional<KurtNode> node{std::in_place, context, KurtParams{},
                                [this]() -> serial::OpenResult {
                                  if (!pty) {
@@ -116,7 +116,7 @@ class Bench {
                                [this] {
                                  return time::Moment{clock.now_utime_us(), now_us};
                                }};
-  node::StatusReporter reporter{"nodmap-kurt", bus, tally, clock};
+  node::StatusReporter reporter{"nodmap-kurt", bus, counts, clock};
 
  private:
   std::string answer_;
@@ -205,7 +205,7 @@ TEST(KurtNode, ASecondSenderOfDriveStopsTheRobotAndIsTold) {
   EXPECT_EQ(bench.base.left_cm_s(), 0);
   EXPECT_EQ(bench.node->health().state, node::HealthState::kFailed);
   EXPECT_NE(bench.node->health().reason.find("two processes send DRIVE"), std::string::npos);
-  EXPECT_GE(bench.tally.rejected().at("drive_other_sender"), 100);
+  EXPECT_GE(bench.counts.rejected().at("drive_other_sender"), 100);
   bench.drive_us(0.5, 0.0, 2'000'000);
   EXPECT_EQ(bench.node->health().state, node::HealthState::kOk);
   EXPECT_EQ(bench.base.left_cm_s(), 50);
@@ -223,10 +223,10 @@ TEST(KurtNode, WhatIsNotObeyedIsCountedByCause) {
   bench.bus.publish("DRIVE", stale);
   bench.publish_drive(0.1, 0.0);
   bench.step();
-  EXPECT_EQ(bench.tally.used(), 1);
-  EXPECT_EQ(bench.tally.rejected().at("drive_not_finite"), 1);
-  EXPECT_EQ(bench.tally.rejected().at("drive_implausible"), 1);
-  EXPECT_EQ(bench.tally.rejected().at("drive_stale"), 1);
+  EXPECT_EQ(bench.counts.used(), 1);
+  EXPECT_EQ(bench.counts.rejected().at("drive_not_finite"), 1);
+  EXPECT_EQ(bench.counts.rejected().at("drive_implausible"), 1);
+  EXPECT_EQ(bench.counts.rejected().at("drive_stale"), 1);
 }
 
 TEST(KurtNode, TheEndIsAHardStop) {
@@ -238,7 +238,7 @@ TEST(KurtNode, TheEndIsAHardStop) {
   bench.base.take(bench.pty->receive_text(kCommandBytes));
   EXPECT_TRUE(bench.base.braked());
   EXPECT_EQ(bench.node->poll_handles()[0], -1);
-  bench.node->turn();  // does not open it again
+  bench.node->spin_once();  // does not open it again
   EXPECT_EQ(bench.node->poll_handles()[0], -1);
 }
 
@@ -274,7 +274,7 @@ TEST(KurtNode, APulledPlugIsToldAndHealed) {
   EXPECT_EQ(bench.base.left_cm_s(), 0);  // waits for a new DRIVE
   bench.drive_us(0.5, 0.0, 1'000'000);
   EXPECT_EQ(bench.base.left_cm_s(), 50);
-  EXPECT_EQ(bench.node->figures()["reconnects"], 1);
+  EXPECT_EQ(bench.node->metrics()["reconnects"], 1);
 }
 
 TEST(KurtNode, ABaseThatSendsNothingPlausibleIsFailedAndNoOdometryIsTold) {
@@ -298,7 +298,7 @@ TEST(KurtNode, AMuteAdapterIsFailedAndThePortIsOpenedAgain) {
   ASSERT_TRUE(bench.step_until(
       [&] { return bench.node->health().state == node::HealthState::kFailed; }, 500'000));
   ASSERT_TRUE(
-      bench.step_until([&] { return bench.node->figures()["reconnects"] >= 1; }, 4'000'000));
+      bench.step_until([&] { return bench.node->metrics()["reconnects"] >= 1; }, 4'000'000));
   bench.base.mute_adapter = false;
   EXPECT_TRUE(bench.step_until(
       [&] { return bench.node->health().state == node::HealthState::kDegraded; }, 10'000'000));
@@ -313,7 +313,7 @@ TEST(KurtNode, ALineThatTakesNoBytesIsGivenUp) {
     bench.clock.advance(10'000);
     bench.pty->send(bench.base.tick());
     await_input(bench.node->poll_handles()[0], 1);
-    bench.node->turn();
+    bench.node->spin_once();
   }
   EXPECT_EQ(bench.node->health().state, node::HealthState::kFailed);
   EXPECT_EQ(bench.node->health().reason, "the line takes no bytes");

@@ -51,7 +51,7 @@ TEST(KurtProgram, WrongConfigurationIsExitCodeTwo) {
   test::PtyPair pty;
   test::KurtEmulator base;
   for (const char* wrong :
-       {"device=", "max_speed_mps=5.3", "drive_timeout_s=0.3", "no_such_key=1"}) {
+       {"device=", "limits.max_speed_mps=5.3", "drive_timeout_s=0.3", "no_such_key=1"}) {
     test::ChildProcess process({NODMAP_KURT_PROGRAM, "--set", wrong});
     ASSERT_TRUE(test::play(pty, base, [&] { return process.wait_for_end(kNoWait).has_value(); }));
     EXPECT_EQ(process.wait_for_end(kNoWait), 2);

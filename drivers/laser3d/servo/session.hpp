@@ -22,9 +22,9 @@ struct DynamixelParams {
 
   template <class Visitor>
   void describe(Visitor& v) {
-    v.integer("servo_level_position", level_position, {0, 4095},
-              "Dynamixel position at which the laser looks straight ahead.");
-    v.flag("servo_inverted", inverted, "Larger Dynamixel positions look down.");
+    v.integer("level_position", level_position, {0, 4095},
+              "Position at which the laser looks straight ahead.");
+    v.flag("inverted", inverted, "Larger positions look down.");
   }
 };
 
@@ -35,10 +35,9 @@ struct MaestroParams {
 
   template <class Visitor>
   void describe(Visitor& v) {
-    v.number("maestro_level_us", level_us, {500.0, 2500.0},
+    v.number("level_us", level_us, {500.0, 2500.0},
              "Pulse at which the laser looks straight ahead.");
-    v.number("maestro_us_per_deg", us_per_deg, {-50.0, 50.0},
-             "Change of the pulse for a degree up.");
+    v.number("us_per_deg", us_per_deg, {-50.0, 50.0}, "Change of the pulse for a degree up.");
   }
 };
 
@@ -53,15 +52,14 @@ struct ServoParams {
 
   template <class Visitor>
   void describe(Visitor& v) {
-    v.choice("servo", kind,
-             {{"dynamixel", ServoKind::kDynamixel}, {"maestro", ServoKind::kMaestro}},
+    v.choice("kind", kind, {{"dynamixel", ServoKind::kDynamixel}, {"maestro", ServoKind::kMaestro}},
              "Pitch servo: Dynamixel X (measured pitch) or Pololu Maestro (open loop).");
-    v.text("servo_device", device, "Serial line of the servo.");
-    v.integer("servo_baud", baud, {9600, 4'500'000}, "Rate of that line, bit/s.");
-    v.integer("servo_id", id, {0, 252}, "Dynamixel id, or Maestro channel.");
-    v.number("servo_poll_hz", poll_hz, {20.0, 500.0}, "How often the pitch is read.");
-    dynamixel.describe(v);
-    maestro.describe(v);
+    v.text("device", device, "Serial line of the servo.");
+    v.integer("baud", baud, {9600, 4'500'000}, "Rate of that line, bit/s.");
+    v.integer("id", id, {0, 252}, "Dynamixel id, or Maestro channel.");
+    v.number("poll_hz", poll_hz, {20.0, 500.0}, "How often the pitch is read.");
+    v.section("dynamixel", dynamixel);
+    v.section("maestro", maestro);
   }
 
   /// From one reading of the pitch to the next.

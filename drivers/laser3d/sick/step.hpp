@@ -25,9 +25,8 @@ struct SickParams {
 
   template <class Visitor>
   void describe(Visitor& v) {
-    v.text("laser_device", device, "Serial line of the SICK LMS2xx.");
-    v.choice("laser_baud", baud,
-             {{"9600", 9600}, {"19200", 19200}, {"38400", 38400}, {"500000", 500000}},
+    v.text("device", device, "Serial line of the SICK LMS2xx.");
+    v.choice("baud", baud, {{"9600", 9600}, {"19200", 19200}, {"38400", 38400}, {"500000", 500000}},
              "Rate to stream at, bit/s; only 500000 (RS-422) loses no scan.");
     v.choice("variant", variant,
              {{"180x1", SickVariant::k180x100},
@@ -47,7 +46,7 @@ struct SickParams {
              "Readings below are the housing or the robot.");
     v.number("range_max_m", range_max_m, {1.0, 80.0}, "How far readings are trusted.");
     v.flag("upside_down", upside_down, "The laser hangs head down: its left is the robot's right.");
-    v.number("laser_time_offset_s", time_offset_s, {-0.1, 0.1},
+    v.number("time_offset_s", time_offset_s, {-0.1, 0.1},
              "Added to the time of every beam: the constant latency, which only a measurement on "
              "the robot can tell.");
     v.integer("frozen_scans", frozen_scans, {2, 1000},

@@ -76,7 +76,7 @@ class Rig {
  public:
   Rig()
       : bus("memq://"),
-        context{bus, tally, {}},
+        context{bus, counts, {}},
         scans(bus, "SCAN"),
         pitch(bus, "PITCH_STATE"),
         node(context, Laser3dParams(), {opener(laser), opener(servo)}, [this] { return now; }) {
@@ -105,7 +105,7 @@ class Rig {
       if (sensor.streaming && sensor.baud == laser.baud && now.steady_us % 13'000 == 0) {
         serial::append(laser.to_host, sensor.next_scan());
       }
-      node.turn();
+      node.spin_once();
       while (bus.handle(std::chrono::milliseconds(0)) > 0) {
       }
     }
@@ -117,7 +117,7 @@ class Rig {
   test::FakeServo head;
   time::Moment now{1'700'000'000'000'000, 1'000'000};
   bus::LiveBus bus;
-  node::Tally tally;
+  node::MessageCounts counts;
   node::Context context;
   bus::Latest<nodmap::scan_t> scans;
   bus::Latest<nodmap::pitch_state_t> pitch;
@@ -136,7 +136,7 @@ TEST(Laser3dNode, PublishesScansAndPitchStampedWithTheWallClock) {
   EXPECT_EQ(scan.num_ranges, 181);
   EXPECT_EQ(scan.pitch_is_measured, 1);
   EXPECT_LE(rig.now.utime_us - rig.pitch.get()->utime, 10'000);
-  EXPECT_EQ(rig.node.figures()["scans"], rig.scans.get()->scan_seq + 1);
+  EXPECT_EQ(rig.node.metrics()["scans"], rig.scans.get()->scan_seq + 1);
 }
 
 TEST(Laser3dNode, ObeysPitchCommandsAndRefusesOldAndBadOnes) {
@@ -152,7 +152,7 @@ TEST(Laser3dNode, ObeysPitchCommandsAndRefusesOldAndBadOnes) {
     rig.run(0.3);
   }
   EXPECT_NEAR(std::abs(rig.pitch.get()->goal_pitch_rad + 0.075), 0.125, 1e-9);
-  EXPECT_EQ(rig.tally.used(), 10);
+  EXPECT_EQ(rig.counts.used(), 10);
   command.utime = rig.now.utime_us - 5'000'000;
   rig.bus.publish("PITCH_COMMAND", command);
   for (const std::int64_t utime :
@@ -164,8 +164,8 @@ TEST(Laser3dNode, ObeysPitchCommandsAndRefusesOldAndBadOnes) {
   command.sweep_s = -1.0;
   rig.bus.publish("PITCH_COMMAND", command);
   rig.run(0.1);
-  EXPECT_EQ(rig.tally.rejected().at("stale"), 3);
-  EXPECT_EQ(rig.tally.rejected().at("no_area"), 1);
+  EXPECT_EQ(rig.counts.rejected().at("stale"), 3);
+  EXPECT_EQ(rig.counts.rejected().at("no_area"), 1);
 }
 
 TEST(Laser3dNode, AnUnpluggedLaserEndsTheScansAndPluggedInTheyGoOn) {
@@ -203,7 +203,7 @@ TEST(Laser3dNode, EndsWithTheLaserAtRest) {
   rig.run(4.0);
   rig.node.shut_down();
   rig.run(0.2);
-  EXPECT_TRUE(rig.node.at_rest());
+  EXPECT_TRUE(rig.node.is_shut_down());
   EXPECT_FALSE(rig.sensor.streaming);
 }
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "common/msg/messages.hpp"
+#include "common/node/messages.hpp"
 #include "modules/map_server/test/world.hpp"
 #include "tests/support/data_dir.hpp"
 #include "tests/support/memory_bus.hpp"
@@ -20,17 +20,17 @@ class MapServerNodeTest : public ::testing::Test {
  protected:
   explicit MapServerNodeTest(const MapServerParams& params = {}) : node_(context_, params) {}
 
-  nodmap::scan_t next_scan() { return msg::write_scan(scanner_.scan(world_, {})); }
+  nodmap::scan_t next_scan() { return node::write_scan(scanner_.scan(world_, {})); }
 
   void give_odometry(std::int64_t utime_us, std::int64_t seq, double x = 0.0) {
-    auto message = msg::write_odometry(utime_us, geometry::to_se3({x, 0, 0}));
+    auto message = node::write_odometry(utime_us, geometry::to_se3({x, 0, 0}));
     message.odometry_seq = seq;
     bus_.deliver("ODOMETRY", message);
   }
 
   std::int64_t rejected(const std::string& cause) {
-    const auto found = tally_.rejected().find(cause);
-    return found == tally_.rejected().end() ? 0 : found->second;
+    const auto found = counts_.rejected().find(cause);
+    return found == counts_.rejected().end() ? 0 : found->second;
   }
 
   [[nodiscard]] std::vector<nodmap::egomap_t> maps_on(const std::string& channel) const {
@@ -38,8 +38,8 @@ class MapServerNodeTest : public ::testing::Test {
   }
 
   nodmap::test::MemoryBus bus_;
-  node::Tally tally_;
-  node::Context context_{bus_, tally_, {}};
+  node::MessageCounts counts_;
+  node::Context context_{bus_, counts_, {}};
   MapServerNode node_;
   test::NoddingScanner scanner_;
   test::World world_ = test::room(-2, 5, -3, 3);
@@ -62,7 +62,7 @@ TEST_F(MapServerNodeTest, PublishesBothMapsAfterEveryScan) {
   EXPECT_NEAR(maps[0].distance_m[270], 3.0, 0.01);
   EXPECT_NEAR(maps[0].point_y_m[270], 3.0, 0.01);
   EXPECT_EQ(maps[0].age_s[270], 0.0F);
-  EXPECT_EQ(tally_.total_rejected(), 0);
+  EXPECT_EQ(counts_.total_rejected(), 0);
 }
 
 TEST_F(MapServerNodeTest, WithoutOdometryNothingIsPublished) {
@@ -145,7 +145,7 @@ TEST_F(MapServerNodeTest, BadScansAreCountedAndNothingElse) {
   EXPECT_EQ(rejected("implausible_scan"), 2);
   EXPECT_EQ(rejected("empty_scan"), 1);
   EXPECT_TRUE(maps_on("OBSTACLE_MAP").empty());
-  nodmap::odometry_t nowhere = msg::write_odometry(1'010'000, geometry::SE3::Identity());
+  nodmap::odometry_t nowhere = node::write_odometry(1'010'000, geometry::SE3::Identity());
   nowhere.position_m[0] = std::numeric_limits<double>::quiet_NaN();
   bus_.deliver("ODOMETRY", nowhere);
   EXPECT_EQ(rejected("implausible_odometry"), 1);
@@ -171,7 +171,7 @@ TEST_F(MapServerNodeTest, LostScansAreNoticed) {
   static_cast<void>(next_scan());
   static_cast<void>(next_scan());
   bus_.deliver("SCAN", next_scan());
-  EXPECT_EQ(tally_.lost(), 2);
+  EXPECT_EQ(counts_.lost(), 2);
 }
 
 TEST_F(MapServerNodeTest, WritesAPictureAndFigures) {
@@ -180,8 +180,8 @@ TEST_F(MapServerNodeTest, WritesAPictureAndFigures) {
   const nodmap::test::TemporaryDir dir;
   node_.write_results(dir.path());
   EXPECT_GT(std::filesystem::file_size(dir.path() / "map.png"), 1000U);
-  EXPECT_EQ(node_.figures()["scans_used"], 1);
-  EXPECT_EQ(node_.figures()["obstacle_map"]["bins"], 360);
+  EXPECT_EQ(node_.metrics()["scans_used"], 1);
+  EXPECT_EQ(node_.metrics()["obstacle_map"]["bins"], 360);
 }
 
 }  // namespace

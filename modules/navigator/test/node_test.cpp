@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "common/msg/messages.hpp"
+#include "common/node/messages.hpp"
 #include "tests/support/memory_bus.hpp"
 
 namespace nodmap::navigator {
@@ -19,7 +19,7 @@ enum Input { kOdometry, kMap, kCommand, kState };
 class NavigatorNodeTest : public ::testing::Test {
  protected:
   void give_odometry(std::int64_t utime_us) {
-    auto message = msg::write_odometry(utime_us, geometry::to_se3({x_, 0, 0}));
+    auto message = node::write_odometry(utime_us, geometry::to_se3({x_, 0, 0}));
     message.odometry_seq = odometry_seq_++;
     bus_.deliver("ODOMETRY", message);
   }
@@ -91,13 +91,13 @@ class NavigatorNodeTest : public ::testing::Test {
   [[nodiscard]] bool drives() const { return drive().forward_mps > 0.5; }
 
   std::int64_t rejected(const std::string& cause) {
-    const auto found = tally_.rejected().find(cause);
-    return found == tally_.rejected().end() ? 0 : found->second;
+    const auto found = counts_.rejected().find(cause);
+    return found == counts_.rejected().end() ? 0 : found->second;
   }
 
   test::MemoryBus bus_;
-  node::Tally tally_;
-  node::Context context_{bus_, tally_, {}};
+  node::MessageCounts counts_;
+  node::Context context_{bus_, counts_, {}};
   NavigatorNode node_{context_, {}};
   std::int64_t now_us_ = 1'000'000'000;
   std::int64_t odometry_seq_ = 0;
@@ -239,7 +239,7 @@ TEST_F(NavigatorNodeTest, OdometryThatBeganAnewNeedsANewMap) {
 // As from somebody else on the network: the robot halts until the next odometry and its map.
 TEST_F(NavigatorNodeTest, OneOdometryThatBeginsAnewInTheFutureHaltsOnlyUntilTheNext) {
   run(1.5);
-  auto forged = msg::write_odometry(now_us_ + 3'600'000'000, geometry::SE3::Identity());
+  auto forged = node::write_odometry(now_us_ + 3'600'000'000, geometry::SE3::Identity());
   forged.odometry_seq = 0;
   bus_.deliver("ODOMETRY", forged);
   EXPECT_TRUE(halts());
@@ -272,8 +272,8 @@ TEST_F(NavigatorNodeTest, GoesToAGoalInTheCorrectedMap) {
   goal.position_m[1] = 1.0;
   bus_.deliver("GOAL", goal);
   // The map is 1 m to the left of odom: in odom the goal is straight ahead.
-  bus_.deliver("POSE_2D", msg::write_corrected_pose(now_us_, geometry::to_se3({0, 1, 0}),
-                                                    geometry::to_se3({0, 1, 0})));
+  bus_.deliver("POSE_2D", node::write_corrected_pose(now_us_, geometry::to_se3({0, 1, 0}),
+                                                     geometry::to_se3({0, 1, 0})));
   tick();
   EXPECT_NEAR(navigation().steering_angle_rad, 0.0, 1e-9);
   x_ = 2.9;

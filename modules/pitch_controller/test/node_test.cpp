@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "common/msg/messages.hpp"
+#include "common/node/messages.hpp"
 #include "nodmap/pitch_command_t.hpp"
 #include "tests/support/memory_bus.hpp"
 
@@ -22,7 +22,7 @@ class PitchControllerNodeTest : public ::testing::Test {
       : node_(context_, params) {}
 
   void give_odometry(double forward_mps) {
-    auto message = msg::write_odometry(now_us_, geometry::SE3::Identity());
+    auto message = node::write_odometry(now_us_, geometry::SE3::Identity());
     message.odometry_seq = odometry_seq_++;
     message.forward_mps = forward_mps;
     bus_.deliver("ODOMETRY", message);
@@ -54,8 +54,8 @@ class PitchControllerNodeTest : public ::testing::Test {
   }
 
   std::int64_t rejected(const std::string& cause) {
-    const auto found = tally_.rejected().find(cause);
-    return found == tally_.rejected().end() ? 0 : found->second;
+    const auto found = counts_.rejected().find(cause);
+    return found == counts_.rejected().end() ? 0 : found->second;
   }
 
   [[nodiscard]] std::vector<nodmap::pitch_command_t> commands() const {
@@ -63,8 +63,8 @@ class PitchControllerNodeTest : public ::testing::Test {
   }
 
   test::MemoryBus bus_;
-  node::Tally tally_;
-  node::Context context_{bus_, tally_, {}};
+  node::MessageCounts counts_;
+  node::Context context_{bus_, counts_, {}};
   PitchControllerNode node_;
   std::int64_t now_us_ = 0;
   std::int64_t odometry_seq_ = 0;
@@ -85,8 +85,8 @@ TEST_F(PitchControllerNodeTest, CommandsTheNodAndTheSpeed) {
     EXPECT_EQ(all[i].command_seq, static_cast<std::int64_t>(i));
   }
   EXPECT_EQ(node_.health().state, node::HealthState::kOk);
-  EXPECT_EQ(tally_.total_rejected(), 0);
-  EXPECT_EQ(node_.figures()["commands"], commands().size());
+  EXPECT_EQ(counts_.total_rejected(), 0);
+  EXPECT_EQ(node_.metrics()["commands"], commands().size());
 }
 
 TEST_F(PitchControllerNodeTest, WithoutOneInputTheOtherSaysStop) {
@@ -145,7 +145,7 @@ TEST_F(PitchControllerNodeTest, GapsAreLosses) {
   run(1.0, 0.0);
   state_seq_ += 3;
   bus_.deliver("PITCH_STATE", next_state());
-  EXPECT_EQ(tally_.lost(), 3);
+  EXPECT_EQ(counts_.lost(), 3);
 }
 
 class FixedNodeTest : public PitchControllerNodeTest {

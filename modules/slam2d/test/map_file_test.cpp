@@ -61,10 +61,10 @@ TEST(MapFile, PicturesOfNothingAndOfAPath) {
   EXPECT_GT(draw_paths({}, {}).width(), 0);
   EXPECT_EQ(draw_map(OccupancyGrid(0.05), {}).width(), 1);
   const std::vector<geometry::SE2> path{{0, 0, 0}, {10, 0, 0}};
-  const picture::Image image = draw_paths(path, {});
+  const drawing::Image image = draw_paths(path, {});
   // 10 m and a metre of border on either side: the path runs through the middle.
-  EXPECT_NE(image.at(image.width() / 2, image.height() / 2), picture::kWhite);
-  EXPECT_EQ(image.at(image.width() / 2, 2), picture::kWhite);
+  EXPECT_NE(image.at(image.width() / 2, image.height() / 2), drawing::kWhite);
+  EXPECT_EQ(image.at(image.width() / 2, 2), drawing::kWhite);
 }
 
 }  // namespace

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "common/formats/tum.hpp"
-#include "common/msg/messages.hpp"
+#include "common/node/messages.hpp"
 #include "modules/slam2d/test/drawn_world.hpp"
 #include "nodmap/grid_chunk_t.hpp"
 #include "nodmap/save_request_t.hpp"
@@ -24,17 +24,17 @@ class Slam2dNodeTest : public testing::Test {
   void put_scan(std::int64_t utime_us, const geometry::SE2& truth) {
     scan::Scan scan = scanner_.scan(test::room(), truth, utime_us);
     scan.seq = seq_++;
-    bus_.deliver("SCAN", msg::write_scan(scan));
+    bus_.deliver("SCAN", node::write_scan(scan));
   }
   void put_odometry(std::int64_t utime_us, const geometry::SE2& pose) {
-    auto message = msg::write_odometry(utime_us, geometry::to_se3(pose));
+    auto message = node::write_odometry(utime_us, geometry::to_se3(pose));
     message.odometry_seq = odometry_seq_++;
     bus_.deliver("ODOMETRY", message);
   }
 
   nodmap::test::MemoryBus bus_;
-  node::Tally tally_;
-  node::Context context_{bus_, tally_, {}};
+  node::MessageCounts counts_;
+  node::Context context_{bus_, counts_, {}};
   Slam2dNode node_{context_, Slam2dParams{}};
   test::Scanner scanner_;
   std::int64_t seq_ = 0;
@@ -66,8 +66,8 @@ TEST_F(Slam2dNodeTest, PublishesAPoseForEachLevelScanAndTheMap) {
     EXPECT_EQ(tile.num_cells, tile.tile_width * tile.tile_height);
     EXPECT_EQ(tile.utime, tile.map_revision == 0 ? 0 : 29 * 200'000);
   }
-  EXPECT_EQ(tally_.used(), 60);
-  EXPECT_EQ(node_.figures()["scans_used"], 30);
+  EXPECT_EQ(counts_.used(), 60);
+  EXPECT_EQ(node_.metrics()["scans_used"], 30);
   EXPECT_EQ(node_.health().state, node::HealthState::kOk);
 }
 
@@ -76,7 +76,7 @@ TEST_F(Slam2dNodeTest, SavesItsMapWhenAsked) {
   put_odometry(0, {});
   put_scan(0, {});
   bus_.deliver("SAVE_REQUEST", nodmap::save_request_t{});
-  EXPECT_EQ(tally_.rejected().at("save_request_without_out_dir"), 1);
+  EXPECT_EQ(counts_.rejected().at("save_request_without_out_dir"), 1);
   context_.out_dir = dir.path();
   bus_.deliver("SAVE_REQUEST", nodmap::save_request_t{});
   EXPECT_EQ(node_.health().state, node::HealthState::kOk);
@@ -124,7 +124,7 @@ TEST_F(Slam2dNodeTest, WritesALineForEachUsedScanWithItsOwnStamp) {
 
 TEST_F(Slam2dNodeTest, CountsWhatItCannotUse) {
   put_scan(0, {});  // before any odometry
-  nodmap::scan_t broken = msg::write_scan(scanner_.scan(test::room(), {}));
+  nodmap::scan_t broken = node::write_scan(scanner_.scan(test::room(), {}));
   broken.angle_step_rad = 0.0;
   bus_.deliver("SCAN", broken);
   put_odometry(0, {});
@@ -132,18 +132,18 @@ TEST_F(Slam2dNodeTest, CountsWhatItCannotUse) {
   bus_.deliver("ODOMETRY", no_pose);
   scan::Scan blind = scanner_.scan({}, {});
   blind.seq = 1;
-  bus_.deliver("SCAN", msg::write_scan(blind));
+  bus_.deliver("SCAN", node::write_scan(blind));
   scan::Scan tilted = scanner_.scan(test::room(), {});
   tilted.seq = 5;  // three were lost
   tilted.pitch_first_rad = tilted.pitch_last_rad = -0.3;
-  bus_.deliver("SCAN", msg::write_scan(tilted));
+  bus_.deliver("SCAN", node::write_scan(tilted));
 
-  EXPECT_EQ(tally_.rejected().at("no_odometry"), 1);
-  EXPECT_EQ(tally_.rejected().at("implausible_scan"), 1);
-  EXPECT_EQ(tally_.rejected().at("implausible_odometry"), 1);
-  EXPECT_EQ(tally_.rejected().at("nothing_seen"), 1);
-  EXPECT_EQ(tally_.lost(), 3);
-  EXPECT_EQ(node_.figures()["scans_not_level"], 1);
+  EXPECT_EQ(counts_.rejected().at("no_odometry"), 1);
+  EXPECT_EQ(counts_.rejected().at("implausible_scan"), 1);
+  EXPECT_EQ(counts_.rejected().at("implausible_odometry"), 1);
+  EXPECT_EQ(counts_.rejected().at("nothing_seen"), 1);
+  EXPECT_EQ(counts_.lost(), 3);
+  EXPECT_EQ(node_.metrics()["scans_not_level"], 1);
   EXPECT_TRUE(bus_.sent<nodmap::pose_t>("POSE_2D").empty());
 }
 
@@ -152,7 +152,7 @@ TEST_F(Slam2dNodeTest, ResultsOfNothingAreWrittenToo) {
   const nodmap::test::TemporaryDir dir;
   node_.write_results(dir.path());
   EXPECT_TRUE(formats::read_tum(dir.path() / "trajectory.tum").empty());
-  EXPECT_EQ(node_.figures()["scans_used"], 0);
+  EXPECT_EQ(node_.metrics()["scans_used"], 0);
 }
 
 TEST_F(Slam2dNodeTest, SaysWhenItIsLost) {
@@ -185,7 +185,7 @@ TEST_F(Slam2dNodeTest, GoesOnWhereItWasWhenOdometryBeginsAnew) {
     odom = odom * step;
   }
   EXPECT_GT(truth.translation().norm(), 0.5);  // far from where odometry began anew
-  EXPECT_EQ(node_.figures()["searches"], 0);
+  EXPECT_EQ(node_.metrics()["searches"], 0);
 }
 
 // A scan between the last odometry of the old frame and the first of the new has no pose: one
@@ -197,7 +197,7 @@ TEST_F(Slam2dNodeTest, PlacesNoScanBetweenTwoOdometryFrames) {
   odometry_seq_ = 0;
   put_odometry(400'000, {});
   put_scan(200'000, {});
-  EXPECT_EQ(tally_.rejected().at("no_odometry"), 1);
+  EXPECT_EQ(counts_.rejected().at("no_odometry"), 1);
   EXPECT_EQ(bus_.sent<nodmap::pose_t>("POSE_2D").size(), 1U);
 }
 

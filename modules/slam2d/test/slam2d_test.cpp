@@ -143,7 +143,7 @@ TEST(Slam2d, ATurnThatOdometryMissedIsFoundAgain) {
   const SE2 truth{0.1, 0.0, geometry::deg_to_rad(50.0)};
   const auto result = slam.add_scan(scanner.scan(test::room(), truth, 1), {0.1, 0.0, 0.0});
   ASSERT_TRUE(result);
-  EXPECT_EQ(slam.figures().searches_helped, 1);
+  EXPECT_EQ(slam.metrics().searches_helped, 1);
   EXPECT_LT(distance(result->T_map_base, truth), 0.05);  // against a map of a single scan
   EXPECT_NEAR(result->T_map_base.yaw, truth.yaw, geometry::deg_to_rad(1.0));
 }

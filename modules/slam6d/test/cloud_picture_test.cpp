@@ -9,7 +9,7 @@
 namespace nodmap::slam6d {
 namespace {
 
-using picture::Image;
+using drawing::Image;
 
 // A floor of 8 x 3 m seen from above, and a ceiling over it that faces down.
 std::vector<RegisteredPoint> floor_and_ceiling() {
@@ -26,7 +26,7 @@ std::vector<RegisteredPoint> floor_and_ceiling() {
 }
 
 double share_painted(const Image& image) {
-  const picture::Rgb background = image.at(0, 0);
+  const drawing::Rgb background = image.at(0, 0);
   double painted = 0.0;
   for (int y = 0; y < image.height(); ++y) {
     for (int x = 0; x < image.width(); ++x) {
@@ -42,7 +42,7 @@ TEST(CloudPicture, MapOpensTheCeiling) {
   const std::vector<Eigen::Vector3d> way{{1, 1, 0}, {3, 1, 0}};
   const Image image = draw_map(floor_and_ceiling(), {way, way, way});
   EXPECT_GT(share_painted(image), 0.3);
-  const picture::Rgb middle_of_top = image.at(image.width() / 2, image.height() - 200);
+  const drawing::Rgb middle_of_top = image.at(image.width() / 2, image.height() - 200);
   EXPECT_GT(middle_of_top[2], middle_of_top[1]);
 }
 

@@ -16,7 +16,7 @@
 #include "common/bus/replay_bus.hpp"
 #include "common/formats/ply.hpp"
 #include "common/formats/tum.hpp"
-#include "common/msg/messages.hpp"
+#include "common/node/messages.hpp"
 #include "modules/slam6d/test/room.hpp"
 #include "nodmap/cloud_chunk_t.hpp"
 #include "nodmap/octomap_chunk_t.hpp"
@@ -52,11 +52,11 @@ class LogFile {
       if (with_odometry) {
         const std::int64_t first = i < restart ? 0 : restart;
         const geometry::SE3 T_start_odom = motion(first * NoddingScanner::kPeriodUs);
-        auto odometry = msg::write_odometry(utime_us, T_start_odom.inverse() * motion(utime_us));
+        auto odometry = node::write_odometry(utime_us, T_start_odom.inverse() * motion(utime_us));
         odometry.odometry_seq = i - first;
         add(utime_us, "ODOMETRY", odometry);
       }
-      add(utime_us, "SCAN", msg::write_scan(scanner.scan(i, Room::hall(), motion, random)));
+      add(utime_us, "SCAN", node::write_scan(scanner.scan(i, Room::hall(), motion, random)));
     }
   }
 
@@ -68,8 +68,8 @@ class LogFile {
 
 // What a node made of a log.
 struct Outcome {
-  node::Tally tally;
-  nlohmann::json figures;
+  node::MessageCounts counts;
+  nlohmann::json metrics;
   node::Health health;
   std::map<std::string, std::vector<std::vector<std::byte>>> published;
 };
@@ -80,13 +80,13 @@ Outcome replay(const fs::path& dir, const std::string& name, const Slam6dParams&
   fs::create_directories(out);
   {
     bus::ReplayBus bus(dir / (name + ".lcmlog"), out / "out.lcmlog");
-    node::Context context{bus, outcome.tally, out};
+    node::Context context{bus, outcome.counts, out};
     Slam6dNode slam(context, params);
     while (bus.step()) {
     }
     slam.finish();
     slam.write_results(out);
-    outcome.figures = slam.figures();
+    outcome.metrics = slam.metrics();
     outcome.health = slam.health();
     EXPECT_TRUE(bus.flush());
   }
@@ -110,19 +110,19 @@ TEST(Slam6dNode, ReplayWritesEverythingTheSameEachTime) {
     log.close();
   }
   const Outcome outcome = replay(dir.path(), "a", {.keyframe_distance_m = 2.0, .save_ot = true});
-  EXPECT_EQ(outcome.tally.used(), 640);
-  EXPECT_EQ(outcome.tally.total_rejected(), 0);
-  EXPECT_EQ(outcome.figures["sweeps"], 4);
-  EXPECT_EQ(outcome.figures["keyframes"].size(), 2U);
-  EXPECT_EQ(outcome.figures["keyframes"][1]["reason"], "distance");
+  EXPECT_EQ(outcome.counts.used(), 640);
+  EXPECT_EQ(outcome.counts.total_rejected(), 0);
+  EXPECT_EQ(outcome.metrics["sweeps"], 4);
+  EXPECT_EQ(outcome.metrics["keyframes"].size(), 2U);
+  EXPECT_EQ(outcome.metrics["keyframes"][1]["reason"], "distance");
   EXPECT_EQ(outcome.health.state, node::HealthState::kOk);
 
   const fs::path out = dir.path() / "out_a";
   EXPECT_EQ(formats::read_tum(out / "trajectory.tum").size(), 4U);
   EXPECT_EQ(formats::read_tum(out / "online.tum").size(), 4U);
   EXPECT_EQ(formats::read_ply(out / "cloud.ply").size(),
-            outcome.figures["keyframes"][0]["points"].get<std::size_t>() +
-                outcome.figures["keyframes"][1]["points"].get<std::size_t>());
+            outcome.metrics["keyframes"][0]["points"].get<std::size_t>() +
+                outcome.metrics["keyframes"][1]["points"].get<std::size_t>());
   replay(dir.path(), "b", {.keyframe_distance_m = 2.0, .save_ot = true});
   for (const char* file : {"trajectory.tum", "online.tum", "cloud.ply", "map.bt", "map.ot",
                            "map.png", "path.png", "out.lcmlog"}) {
@@ -197,8 +197,8 @@ TEST(Slam6dNode, GoesOnWhereItWasWhenOdometryBeginsAnew) {
   Outcome outcome = replay(dir.path(), "restart", {});
   // The running sweep is cut there: five instead of four, and no scan of them is lost.
   ASSERT_EQ(outcome.published["POSE_6D"].size(), 5U);
-  EXPECT_EQ(outcome.tally.used(), 640);
-  EXPECT_EQ(outcome.figures["keyframes"].back()["reason"], "interruption");
+  EXPECT_EQ(outcome.counts.used(), 640);
+  EXPECT_EQ(outcome.metrics["keyframes"].back()["reason"], "interruption");
   for (std::size_t i = 0; i < 5; ++i) {
     nodmap::pose_t pose{};
     ASSERT_TRUE(bus::decode_into(pose, outcome.published["POSE_6D"][i]));
@@ -224,7 +224,7 @@ TEST(Slam6dNode, BadMessagesAreCountedByCause) {
   nodmap::scan_t scan{};  // no orientation, no step: nothing is filled in
   log.add(5'000'000, "SCAN", scan);
   std::mt19937 random(10);
-  scan = msg::write_scan(NoddingScanner{}.scan(
+  scan = node::write_scan(NoddingScanner{}.scan(
       320, Room::hall(), [](std::int64_t) { return geometry::SE3::Identity(); }, random));
   scan.utime = -1;
   log.add(5'000'000, "SCAN", scan);
@@ -233,9 +233,9 @@ TEST(Slam6dNode, BadMessagesAreCountedByCause) {
   log.add(5'000'000, "ODOMETRY", nodmap::odometry_t{});
   log.close();
   const Outcome outcome = replay(dir.path(), "bad", {});
-  EXPECT_EQ(outcome.tally.rejected().at("implausible_scan"), 3);
-  EXPECT_EQ(outcome.tally.rejected().at("implausible_odometry"), 1);
-  EXPECT_EQ(outcome.tally.used(), 640);
+  EXPECT_EQ(outcome.counts.rejected().at("implausible_scan"), 3);
+  EXPECT_EQ(outcome.counts.rejected().at("implausible_odometry"), 1);
+  EXPECT_EQ(outcome.counts.used(), 640);
 }
 
 TEST(Slam6dNode, WithoutOdometryScansAreRejectedOrStandingIsAssumed) {
@@ -244,12 +244,12 @@ TEST(Slam6dNode, WithoutOdometryScansAreRejectedOrStandingIsAssumed) {
   log.add_drive(false);
   log.close();
   const Outcome rejected = replay(dir.path(), "still", {});
-  EXPECT_EQ(rejected.tally.rejected().at("no_odometry"), 320);
+  EXPECT_EQ(rejected.counts.rejected().at("no_odometry"), 320);
   EXPECT_EQ(rejected.health.state, node::HealthState::kDegraded);
   fs::remove_all(dir.path() / "out_still");
   const Outcome standing = replay(dir.path(), "still", {.assume_standing = true});
-  EXPECT_EQ(standing.tally.used(), 320);
-  EXPECT_EQ(standing.figures["keyframes"].size(), 1U);
+  EXPECT_EQ(standing.counts.used(), 320);
+  EXPECT_EQ(standing.metrics["keyframes"].size(), 1U);
 }
 
 TEST(Slam6dNode, SavesOnRequestAndEveryFewKeyframes) {
@@ -263,7 +263,7 @@ TEST(Slam6dNode, SavesOnRequestAndEveryFewKeyframes) {
   const Outcome outcome =
       replay(dir.path(), "save", {.keyframe_distance_m = 2.0, .save_every_keyframes = 1});
   // The second sweep beyond 2 m is complete before the end; on request; at the end.
-  EXPECT_EQ(outcome.figures["occupancy_map"]["times_saved"], 4);
+  EXPECT_EQ(outcome.metrics["occupancy_map"]["times_saved"], 4);
 }
 
 }  // namespace

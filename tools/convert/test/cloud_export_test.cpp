@@ -8,7 +8,7 @@
 
 #include "common/formats/ply.hpp"
 #include "common/formats/tum.hpp"
-#include "common/msg/messages.hpp"
+#include "common/node/messages.hpp"
 #include "tests/support/data_dir.hpp"
 #include "tools/convert/recording.hpp"
 
@@ -41,8 +41,8 @@ class CloudExport : public testing::Test {
     for (int i = 0; i < 100; ++i) {
       const std::int64_t utime_us = i * kScanUs;
       const double x_m = 1e-6 * kSpeedMps * static_cast<double>(utime_us);
-      recording.add_odometry(msg::write_odometry(utime_us, geometry::to_se3({x_m, 0.0, 0.0})));
-      recording.add_scan(msg::write_scan(scan_at(utime_us)));
+      recording.add_odometry(node::write_odometry(utime_us, geometry::to_se3({x_m, 0.0, 0.0})));
+      recording.add_scan(node::write_scan(scan_at(utime_us)));
     }
     recording.commit();
   }

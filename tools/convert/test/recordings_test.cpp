@@ -5,7 +5,7 @@
 #include <cmath>
 #include <fstream>
 
-#include "common/msg/messages.hpp"
+#include "common/node/messages.hpp"
 #include "tests/support/data_dir.hpp"
 #include "tools/convert/carmen_export.hpp"
 #include "tools/convert/carmen_import.hpp"
@@ -112,7 +112,7 @@ TEST(UosRecordings, ScansReproduceThePointsOfTheFile) {
   std::ifstream in(file);
   for (const nodmap::scan_t& message : test::messages_of(dir.path() / "a.lcmlog").scans) {
     scan::Scan scan;
-    ASSERT_TRUE(msg::read_scan(message, scan));
+    ASSERT_TRUE(node::read_scan(message, scan));
     for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
       Eigen::Vector3d p_cm;
       ASSERT_TRUE(in >> p_cm.x() >> p_cm.y() >> p_cm.z());
@@ -137,7 +137,7 @@ TEST(NodRecordings, TheFloorIsLevelAtTheGround) {
   std::size_t num_below = 0;
   for (const nodmap::scan_t& message : messages.scans) {
     scan::Scan scan;
-    ASSERT_TRUE(msg::read_scan(message, scan));
+    ASSERT_TRUE(node::read_scan(message, scan));
     for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
       if (scan.is_hit(i)) {
         const double z_m = scan::point_in_base(scan, i, static_cast<double>(scan.ranges_m[i])).z();

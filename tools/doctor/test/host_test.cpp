@@ -8,10 +8,10 @@ namespace nodmap::doctor {
 namespace {
 
 TEST(Host, WhatIsMissingComesWithTheCommandThatGetsIt) {
-  EXPECT_EQ(check_present("java", "java", true, "x", "get").verdict, Verdict::kOk);
+  EXPECT_EQ(check_present("java", "java", true, "x", "get").status, Status::kOk);
   EXPECT_TRUE(check_present("java", "java", true, "x", "get").command.empty());
   const Finding missing = check_present("java", "java", false, "lcm-spy runs on it", "get");
-  EXPECT_EQ(missing.verdict, Verdict::kWarn);
+  EXPECT_EQ(missing.status, Status::kWarn);
   EXPECT_EQ(missing.command, "get");
 }
 
@@ -20,23 +20,22 @@ TEST(Host, TheSpyScriptOfDebianDoesNotStart) {
   const char* debian =
       "#!/bin/sh\nexec java -server -Djava.net.preferIPv4Stack=true -Xincgc -Xmx128m -Xms64m -ea "
       "-cp /usr/share/java/lcm.jar:/usr/share/java/jchart2d.jar lcm.spy.Spy $*\n";
-  EXPECT_EQ(check_spy_script(debian).verdict, Verdict::kWarn);
+  EXPECT_EQ(check_spy_script(debian).status, Status::kWarn);
   EXPECT_EQ(check_spy_script(debian).command, "./nodmap spy");
-  EXPECT_EQ(check_spy_script("#!/bin/sh\nexec java -cp lcm.jar lcm.spy.Spy\n").verdict,
-            Verdict::kOk);
-  EXPECT_EQ(check_spy_script(std::nullopt).verdict, Verdict::kWarn);
+  EXPECT_EQ(check_spy_script("#!/bin/sh\nexec java -cp lcm.jar lcm.spy.Spy\n").status, Status::kOk);
+  EXPECT_EQ(check_spy_script(std::nullopt).status, Status::kWarn);
 }
 
 TEST(Host, DiskIsJudgedByHowLongItLasts) {
-  EXPECT_EQ(check_disk("logs", 100'000'000'000).verdict, Verdict::kOk);
-  EXPECT_EQ(check_disk("logs", 1'000'000'000).verdict, Verdict::kWarn);
-  EXPECT_EQ(check_disk("logs", 0).verdict, Verdict::kFail);
+  EXPECT_EQ(check_disk("logs", 100'000'000'000).status, Status::kOk);
+  EXPECT_EQ(check_disk("logs", 1'000'000'000).status, Status::kWarn);
+  EXPECT_EQ(check_disk("logs", 0).status, Status::kFail);
   EXPECT_THAT(check_disk("logs", 1'000'000'000).sentence, ::testing::HasSubstr("1000 MB"));
 }
 
 TEST(Host, AnUnsteeredClockIsNoFailure) {
-  EXPECT_EQ(check_clock(true).verdict, Verdict::kOk);
-  EXPECT_EQ(check_clock(false).verdict, Verdict::kWarn);
+  EXPECT_EQ(check_clock(true).status, Status::kOk);
+  EXPECT_EQ(check_clock(false).status, Status::kWarn);
 }
 
 }  // namespace

@@ -34,14 +34,14 @@ std::string routes(const std::string& lines) {
 TEST(MulticastRoute, OfItsOwnIsFine) {
   const Finding finding =
       check_multicast_route(routes(std::string(kDefaultRoute) + kMulticastRoute), {}, kInterfaces);
-  EXPECT_EQ(finding.verdict, Verdict::kOk);
+  EXPECT_EQ(finding.status, Status::kOk);
   EXPECT_THAT(finding.sentence, HasSubstr("over lo")) << "the more special one";
   EXPECT_TRUE(finding.command.empty());
 }
 
 TEST(MulticastRoute, ByDefaultWorksUntilTheCableIsPulled) {
   const Finding finding = check_multicast_route(routes(kDefaultRoute), {}, kInterfaces);
-  EXPECT_EQ(finding.verdict, Verdict::kWarn);
+  EXPECT_EQ(finding.status, Status::kWarn);
   EXPECT_THAT(finding.sentence, HasSubstr("eth0"));
 }
 
@@ -50,7 +50,7 @@ TEST(MulticastRoute, MissingIsFatalAndMended) {
        {routes(""), std::string(), std::string("nonsense\nlo x y z 1 2 3 4\n"),
         routes("eth0\t000200C0\t00000000\t0001\t0\t0\t0\t00FFFFFF\t0\t0\t0\n")}) {
     const Finding finding = check_multicast_route(text, {}, kInterfaces);
-    EXPECT_EQ(finding.verdict, Verdict::kFail) << text;
+    EXPECT_EQ(finding.status, Status::kFail) << text;
     EXPECT_EQ(finding.command,
               "sudo ip link set lo multicast on; sudo ip route add 224.0.0.0/4 dev lo");
   }
@@ -60,36 +60,36 @@ TEST(MulticastRoute, ThatIsDownOrRefusesIsNone) {
   for (const char* flags : {"0000", "0201"}) {
     const std::string line =
         std::string("lo\t000000E0\t00000000\t") + flags + "\t0\t0\t0\t000000F0\t0\t0\t0\n";
-    EXPECT_EQ(check_multicast_route(routes(line), {}, kInterfaces).verdict, Verdict::kFail);
+    EXPECT_EQ(check_multicast_route(routes(line), {}, kInterfaces).status, Status::kFail);
   }
 }
 
 TEST(MulticastRoute, InterfaceMustBeUpAndCarryMulticast) {
   const Finding down = check_multicast_route(routes(kMulticastRoute), {}, {{"lo", IFF_LOOPBACK}});
-  EXPECT_EQ(down.verdict, Verdict::kFail);
+  EXPECT_EQ(down.status, Status::kFail);
   EXPECT_EQ(down.command, "sudo ip link set lo up");
   const Finding deaf = check_multicast_route(routes(kDefaultRoute), {}, {{"eth0", IFF_UP}});
-  EXPECT_EQ(deaf.verdict, Verdict::kFail);
+  EXPECT_EQ(deaf.status, Status::kFail);
   EXPECT_EQ(deaf.command, "sudo ip link set eth0 multicast on");
 }
 
 TEST(ReceiveBuffer, IsJudgedByWhatOurChannelsNeed) {
-  const auto verdict = [](std::int64_t bytes) {
-    return check_rmem_default(std::to_string(bytes) + "\n").verdict;
+  const auto status = [](std::int64_t bytes) {
+    return check_rmem_default(std::to_string(bytes) + "\n").status;
   };
-  EXPECT_EQ(verdict(steady_buffer_bytes() - 1), Verdict::kFail);
-  EXPECT_EQ(verdict(steady_buffer_bytes()), Verdict::kWarn);
-  EXPECT_EQ(verdict(full_buffer_bytes() - 1), Verdict::kWarn);
-  EXPECT_EQ(verdict(full_buffer_bytes()), Verdict::kOk);
+  EXPECT_EQ(status(steady_buffer_bytes() - 1), Status::kFail);
+  EXPECT_EQ(status(steady_buffer_bytes()), Status::kWarn);
+  EXPECT_EQ(status(full_buffer_bytes() - 1), Status::kWarn);
+  EXPECT_EQ(status(full_buffer_bytes()), Status::kOk);
 }
 
 TEST(ReceiveBuffer, LinuxDefaultIsTooSmallForBursts) {
   const Finding finding = check_rmem_max("212992\n");
-  EXPECT_EQ(finding.verdict, Verdict::kWarn);
+  EXPECT_EQ(finding.status, Status::kWarn);
   EXPECT_THAT(finding.command, HasSubstr("sudo sysctl -w net.core.rmem_max=2097152"));
-  EXPECT_EQ(check_rmem_max("2097152\n").verdict, Verdict::kOk) << "what was advised is enough";
-  EXPECT_EQ(check_rmem_max("").verdict, Verdict::kWarn);
-  EXPECT_EQ(check_rmem_max("many\n").verdict, Verdict::kWarn);
+  EXPECT_EQ(check_rmem_max("2097152\n").status, Status::kOk) << "what was advised is enough";
+  EXPECT_EQ(check_rmem_max("").status, Status::kWarn);
+  EXPECT_EQ(check_rmem_max("many\n").status, Status::kWarn);
 }
 
 // From a machine with a process on port 7699 (1E13 hex) and its sending socket; the drops are made
@@ -115,40 +115,40 @@ TEST(Sockets, AreRead) {
 
 TEST(Sockets, OfOthersOnThePortAreNamed) {
   const auto sockets = parse_udp_sockets(kSockets);
-  EXPECT_EQ(check_port_users(sockets, {{41173, "nodmap-slam2d (7)"}}, 7699).verdict, Verdict::kOk);
-  EXPECT_EQ(check_port_users(sockets, {}, 7667).verdict, Verdict::kOk);
+  EXPECT_EQ(check_port_users(sockets, {{41173, "nodmap-slam2d (7)"}}, 7699).status, Status::kOk);
+  EXPECT_EQ(check_port_users(sockets, {}, 7667).status, Status::kOk);
   const Finding other = check_port_users(sockets, {{41173, "game (9)"}}, 7699);
-  EXPECT_EQ(other.verdict, Verdict::kWarn);
+  EXPECT_EQ(other.status, Status::kWarn);
   EXPECT_THAT(other.sentence, HasSubstr("game (9)"));
   EXPECT_THAT(check_port_users(sockets, {}, 7699).sentence, HasSubstr("another user"));
 }
 
 TEST(Sockets, ThatLostDatagramsAreNamed) {
   const auto sockets = parse_udp_sockets(kSockets);
-  EXPECT_EQ(check_drops(sockets, {}, 7667).verdict, Verdict::kOk);
+  EXPECT_EQ(check_drops(sockets, {}, 7667).status, Status::kOk);
   const Finding finding = check_drops(sockets, {{41173, "nodmap-slam2d (7)"}}, 7699);
-  EXPECT_EQ(finding.verdict, Verdict::kWarn);
+  EXPECT_EQ(finding.status, Status::kWarn);
   EXPECT_THAT(finding.sentence, HasSubstr("12 datagrams"));
   EXPECT_THAT(finding.sentence, HasSubstr("nodmap-slam2d"));
 }
 
 TEST(SelfTestFinding, TellsTheThreeOutcomes) {
   const std::string url = "udpm://239.255.76.67:7667?ttl=0";
-  EXPECT_EQ(check_self_test({}, url).verdict, Verdict::kFail);
+  EXPECT_EQ(check_self_test({}, url).status, Status::kFail);
   EXPECT_THAT(check_self_test({}, url).command, HasSubstr("ip route add"));
   EXPECT_THAT(check_self_test({}, "nonsense").command, HasSubstr("LCM_DEFAULT_URL"));
   SelfTest test;
   test.opened = true;
-  EXPECT_EQ(check_self_test(test, url).verdict, Verdict::kFail);
+  EXPECT_EQ(check_self_test(test, url).status, Status::kFail);
   test.latency_ms = 0.4;
-  EXPECT_EQ(check_self_test(test, url).verdict, Verdict::kOk);
+  EXPECT_EQ(check_self_test(test, url).status, Status::kOk);
 }
 
 TEST(Traffic, OfOthersIsNamedAndAvoided) {
-  EXPECT_EQ(check_traffic({}, {1, 2}, {}).verdict, Verdict::kOk);
-  EXPECT_EQ(check_traffic({{"SCAN", 1, 75}}, {1, 2}, {}).verdict, Verdict::kOk);
+  EXPECT_EQ(check_traffic({}, {1, 2}, {}).status, Status::kOk);
+  EXPECT_EQ(check_traffic({{"SCAN", 1, 75}}, {1, 2}, {}).status, Status::kOk);
   const Finding foreign = check_traffic({{"SCAN", 1, 75}, {"CAMERA", 9, 30}}, {1, 2}, {});
-  EXPECT_EQ(foreign.verdict, Verdict::kWarn);
+  EXPECT_EQ(foreign.status, Status::kWarn);
   EXPECT_THAT(foreign.sentence, HasSubstr("30 messages"));
   EXPECT_THAT(foreign.sentence, HasSubstr("CAMERA"));
   EXPECT_EQ(foreign.command, "export LCM_DEFAULT_URL='udpm://239.255.76.67:7668?ttl=0'");

@@ -10,7 +10,7 @@
 #include "common/bus/event_log.hpp"
 #include "common/formats/ply.hpp"
 #include "common/geometry/pose_history.hpp"
-#include "common/msg/messages.hpp"
+#include "common/node/messages.hpp"
 #include "modules/slam2d/slam2d.hpp"
 #include "modules/slam6d/sweep_cloud.hpp"
 #include "sim/rangefinder.hpp"
@@ -52,7 +52,7 @@ std::vector<scan::Scan> read_scans(const std::filesystem::path& dir) {
   while (const bus::LogEvent* event = reader.next()) {
     scan::Scan scan;
     if (event->channel == "SCAN" && bus::decode_into(message, event->data) &&
-        msg::read_scan(message, scan)) {
+        node::read_scan(message, scan)) {
       scans.push_back(std::move(scan));
     }
   }

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "common/input/sensor_input.hpp"
+#include "common/node/message_input.hpp"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 
-#include "common/msg/messages.hpp"
+#include "common/node/messages.hpp"
 
-namespace nodmap::input {
+namespace nodmap::node {
 namespace {
 
 nodmap::scan_t good_scan(std::int64_t seq) {
@@ -17,22 +17,22 @@ nodmap::scan_t good_scan(std::int64_t seq) {
   scan.angle_step_rad = 0.1;
   scan.range_max_m = 10.0;
   scan.ranges_m = {1.0F, 2.0F};
-  return msg::write_scan(scan);
+  return node::write_scan(scan);
 }
 
 class SensorInputTest : public ::testing::Test {
  protected:
-  node::Tally tally_;
-  SensorInput input_{tally_};
+  node::MessageCounts counts_;
+  SensorInput input_{counts_};
   scan::Scan scan_;
 };
 
 TEST_F(SensorInputTest, GoodMessagesPassUncounted) {
   EXPECT_TRUE(input_.read(good_scan(0), scan_));
   EXPECT_EQ(scan_.ranges_m.size(), 2U);
-  EXPECT_TRUE(input_.read(msg::write_odometry(1, geometry::SE3::Identity())).has_value());
-  EXPECT_EQ(tally_.total_rejected(), 0);
-  EXPECT_EQ(tally_.used(), 0);
+  EXPECT_TRUE(input_.read(node::write_odometry(1, geometry::SE3::Identity())).has_value());
+  EXPECT_EQ(counts_.total_rejected(), 0);
+  EXPECT_EQ(counts_.used(), 0);
 }
 
 TEST_F(SensorInputTest, CausesAreTallied) {
@@ -40,7 +40,7 @@ TEST_F(SensorInputTest, CausesAreTallied) {
   scan.num_ranges = 0;
   scan.ranges_m.clear();
   EXPECT_FALSE(input_.read(scan, scan_));
-  EXPECT_EQ(tally_.rejected().at("empty_scan"), 1);
+  EXPECT_EQ(counts_.rejected().at("empty_scan"), 1);
   for (const std::int64_t utime :
        {std::int64_t{-1}, std::numeric_limits<std::int64_t>::max(), std::int64_t{1} << 60}) {
     scan = good_scan(0);
@@ -50,28 +50,28 @@ TEST_F(SensorInputTest, CausesAreTallied) {
   scan = good_scan(0);
   scan.beam_duration_us = 60'000'001;
   EXPECT_FALSE(input_.read(scan, scan_));
-  EXPECT_EQ(tally_.rejected().at("implausible_scan"), 4);
+  EXPECT_EQ(counts_.rejected().at("implausible_scan"), 4);
   EXPECT_FALSE(input_.read(nodmap::odometry_t{}).has_value());  // never filled in
-  EXPECT_EQ(tally_.rejected().at("implausible_odometry"), 1);
+  EXPECT_EQ(counts_.rejected().at("implausible_odometry"), 1);
 }
 
 TEST_F(SensorInputTest, GapsInEitherStreamAreLosses) {
   EXPECT_TRUE(input_.read(good_scan(5), scan_));
   EXPECT_TRUE(input_.read(good_scan(8), scan_));
-  EXPECT_EQ(tally_.lost(), 2);
-  nodmap::odometry_t odometry = msg::write_odometry(1, geometry::SE3::Identity());
+  EXPECT_EQ(counts_.lost(), 2);
+  nodmap::odometry_t odometry = node::write_odometry(1, geometry::SE3::Identity());
   EXPECT_TRUE(input_.read(odometry).has_value());
   odometry.odometry_seq = 2;
   EXPECT_TRUE(input_.read(odometry).has_value());
-  EXPECT_EQ(tally_.lost(), 3);
+  EXPECT_EQ(counts_.lost(), 3);
 }
 
 TEST_F(SensorInputTest, OdometryThatFallsBackBeganAnew) {
   const auto began_anew = [this](std::int64_t seq) {
-    nodmap::odometry_t odometry = msg::write_odometry(1, geometry::SE3::Identity());
+    nodmap::odometry_t odometry = node::write_odometry(1, geometry::SE3::Identity());
     odometry.odometry_seq = seq;
     EXPECT_TRUE(input_.read(odometry).has_value());
-    return input_.odometry_began_anew();
+    return input_.odometry_restarted();
   };
   EXPECT_FALSE(began_anew(7));  // the first there is
   EXPECT_FALSE(began_anew(8));
@@ -85,8 +85,8 @@ TEST_F(SensorInputTest, OdometryThatFallsBackBeganAnew) {
   no_pose.odometry_seq = 0;
   EXPECT_FALSE(input_.read(no_pose).has_value());
   EXPECT_TRUE(began_anew(1));
-  EXPECT_EQ(tally_.lost(), 3);
+  EXPECT_EQ(counts_.lost(), 3);
 }
 
 }  // namespace
-}  // namespace nodmap::input
+}  // namespace nodmap::node

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "common/msg/messages.hpp"
+#include "common/node/messages.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-namespace nodmap::msg {
+namespace nodmap::node {
 
 std::optional<geometry::SE3> read_pose(const double (&position_m)[3],
                                        const double (&orientation)[4]) {
@@ -97,4 +97,4 @@ nodmap::pose_t write_corrected_pose(std::int64_t utime_us, const geometry::SE3& 
   return message;
 }
 
-}  // namespace nodmap::msg
+}  // namespace nodmap::node

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "common/node/tally.hpp"
+#include "common/node/message_counts.hpp"
 
 #include <gtest/gtest.h>
 
@@ -12,30 +12,30 @@ namespace {
 constexpr std::int64_t kLeast = std::numeric_limits<std::int64_t>::min();
 constexpr std::int64_t kGreatest = std::numeric_limits<std::int64_t>::max();
 
-TEST(Tally, CountsByCause) {
-  Tally tally;
-  tally.use();
-  tally.reject("no_odometry");
-  tally.reject("no_odometry");
-  tally.reject("implausible_scan");
-  tally.lose(3);
-  EXPECT_EQ(tally.used(), 1);
-  EXPECT_EQ(tally.total_rejected(), 3);
-  EXPECT_EQ(tally.rejected().at("no_odometry"), 2);
-  EXPECT_EQ(tally.lost(), 3);
+TEST(MessageCounts, CountsByCause) {
+  MessageCounts counts;
+  counts.use();
+  counts.reject("no_odometry");
+  counts.reject("no_odometry");
+  counts.reject("implausible_scan");
+  counts.lose(3);
+  EXPECT_EQ(counts.used(), 1);
+  EXPECT_EQ(counts.total_rejected(), 3);
+  EXPECT_EQ(counts.rejected().at("no_odometry"), 2);
+  EXPECT_EQ(counts.lost(), 3);
 }
 
-TEST(Tally, OfLossesStaysAtTheGreatestNumber) {
-  Tally tally;
-  tally.lose(kGreatest - 1);
-  tally.lose(kGreatest);
-  EXPECT_EQ(tally.lost(), kGreatest);
-  tally.lose(1);
-  EXPECT_EQ(tally.lost(), kGreatest);
+TEST(MessageCounts, OfLossesStaysAtTheGreatestNumber) {
+  MessageCounts counts;
+  counts.lose(kGreatest - 1);
+  counts.lose(kGreatest);
+  EXPECT_EQ(counts.lost(), kGreatest);
+  counts.lose(1);
+  EXPECT_EQ(counts.lost(), kGreatest);
 }
 
-TEST(SequenceWatch, CountsGapsButNoRestart) {
-  SequenceWatch watch;
+TEST(SequenceCounter, CountsGapsButNoRestart) {
+  SequenceCounter watch;
   EXPECT_EQ(watch.lost_before(100), 0);  // joined a running stream
   EXPECT_EQ(watch.lost_before(101), 0);
   EXPECT_EQ(watch.lost_before(105), 3);
@@ -43,8 +43,8 @@ TEST(SequenceWatch, CountsGapsButNoRestart) {
   EXPECT_EQ(watch.lost_before(2), 1);
 }
 
-TEST(SequenceWatch, TakesANegativeNumberForARestart) {
-  SequenceWatch watch;
+TEST(SequenceCounter, TakesANegativeNumberForARestart) {
+  SequenceCounter watch;
   EXPECT_EQ(watch.lost_before(7), 0);
   EXPECT_EQ(watch.lost_before(kLeast), 0);
   EXPECT_EQ(watch.lost_before(kGreatest), 0);

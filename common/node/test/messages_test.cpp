@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "common/msg/messages.hpp"
+#include "common/node/messages.hpp"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 
-namespace nodmap::msg {
+namespace nodmap::node {
 namespace {
 
 using geometry::SE3;
@@ -90,4 +90,4 @@ TEST(Messages, CorrectedPoseCarriesBothFrames) {
 }
 
 }  // namespace
-}  // namespace nodmap::msg
+}  // namespace nodmap::node

@@ -12,7 +12,7 @@
 #include "nodmap/pose_t.hpp"
 #include "nodmap/scan_t.hpp"
 
-namespace nodmap::msg {
+namespace nodmap::node {
 
 /// A pose from position (m) and quaternion (w, x, y, z); empty when not finite or the quaternion is
 /// not of length 1 (to 1 %).
@@ -39,4 +39,4 @@ void write_pose(const geometry::SE3& pose, double (&position_m)[3], double (&ori
                                                   const geometry::SE3& T_map_base,
                                                   const geometry::SE3& T_map_odom);
 
-}  // namespace nodmap::msg
+}  // namespace nodmap::node

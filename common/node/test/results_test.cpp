@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "common/node/command_line.hpp"
-
 #include <gtest/gtest.h>
 
 #include <fstream>
 #include <stdexcept>
 
+#include "common/node/results.hpp"
 #include "tests/support/data_dir.hpp"
 
 namespace nodmap::node {

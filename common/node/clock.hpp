@@ -4,7 +4,7 @@
 #include <chrono>
 #include <cstdint>
 
-#include "common/time/moment.hpp"
+#include "common/geometry/time.hpp"
 
 namespace nodmap::time {
 

@@ -11,7 +11,7 @@
 namespace nodmap::node {
 
 /// What became of the messages a node was given: used, rejected and why, lost on the way.
-class Tally {
+class MessageCounts {
  public:
   void use() { ++used_; }
 
@@ -46,7 +46,7 @@ class Tally {
 };
 
 /// Notices gaps in a stream of sequence numbers.
-class SequenceWatch {
+class SequenceCounter {
  public:
   /// How many messages were lost just before this one. A number that does not go up is a publisher
   /// that started again: no loss is claimed. Nobody counts below zero: after such a number, too,

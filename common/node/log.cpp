@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "common/log/log.hpp"
+#include "common/node/log.hpp"
 
 #include <spdlog/sinks/stdout_color_sinks.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "common/picture/image.hpp"
+#include "common/drawing/image.hpp"
 
 #include <png.h>
 
@@ -9,7 +9,7 @@
 #include <cstring>
 #include <stdexcept>
 
-namespace nodmap::picture {
+namespace nodmap::drawing {
 
 Image::Image(int width, int height, Rgb background)
     : width_(std::max(1, width)),
@@ -105,4 +105,4 @@ Rgb colour_scale(double value) {
   return colour;
 }
 
-}  // namespace nodmap::picture
+}  // namespace nodmap::drawing

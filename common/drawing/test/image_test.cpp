@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "common/picture/image.hpp"
+#include "common/drawing/image.hpp"
 
 #include <gtest/gtest.h>
 #include <png.h>
@@ -8,7 +8,7 @@
 
 #include "tests/support/data_dir.hpp"
 
-namespace nodmap::picture {
+namespace nodmap::drawing {
 namespace {
 
 constexpr Rgb kRed{255, 0, 0};
@@ -66,4 +66,4 @@ TEST(ColourScale, EndsAndClamps) {
 }
 
 }  // namespace
-}  // namespace nodmap::picture
+}  // namespace nodmap::drawing

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <vector>
 
-namespace nodmap::picture {
+namespace nodmap::drawing {
 
 using Rgb = std::array<std::uint8_t, 3>;
 
@@ -41,4 +41,4 @@ class Image {
 /// blue, 1 yellow; clamped.
 [[nodiscard]] Rgb colour_scale(double value);
 
-}  // namespace nodmap::picture
+}  // namespace nodmap::drawing

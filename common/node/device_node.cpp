@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "common/node/device_node.hpp"
+
+#include <poll.h>
+
+#include <CLI/CLI.hpp>
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "common/bus/live_bus.hpp"
+#include "common/node/clock.hpp"
+#include "common/node/log.hpp"
+#include "common/node/program.hpp"
+#include "common/node/status.hpp"
+
+namespace nodmap::node {
+namespace {
+
+constexpr std::int64_t kShutdownUs = 500'000;
+
+/// Until a message or bytes have come, or the node has to act by itself. A signal ends it, too.
+void wait_for_work(int bus_handle, DeviceNode& node) {
+  const std::int64_t wait_us = node.wait_us();
+  const timespec wait{wait_us / 1'000'000, 1000 * (wait_us % 1'000'000)};
+  const std::array<int, 2> devices = node.poll_handles();
+  std::array<pollfd, 3> entries{
+      {{bus_handle, POLLIN, 0}, {devices[0], POLLIN, 0}, {devices[1], POLLIN, 0}}};
+  ::ppoll(entries.data(), entries.size(), &wait, nullptr);
+}
+
+void shut_down(DeviceNode& node) {
+  const std::int64_t end_us = time::now_on_both_clocks().steady_us + kShutdownUs;
+  node.shut_down();
+  while (!node.is_shut_down() && time::now_on_both_clocks().steady_us < end_us) {
+    wait_for_work(-1, node);
+    node.spin_once();
+  }
+  node.finish();
+}
+
+void run_loop(const ProgramInfo& info, const std::string& lcm_url,
+              const DeviceNodeFactory& make_node) {
+  bus::LiveBus bus(lcm_url);
+  MessageCounts counts;
+  Context context{bus, counts, {}};
+  const time::SystemClock clock;
+  const std::unique_ptr<DeviceNode> node = make_node(context);
+  StatusReporter status(info.name, bus, counts, clock);
+  log::get().info("listening on {}", bus.url());
+  while (!stop_requested()) {
+    wait_for_work(bus.poll_handle(), *node);
+    bus.handle(std::chrono::milliseconds(0));
+    node->spin_once();
+    status.publish_if_due(*node);
+  }
+  shut_down(*node);
+  log::get().info("ended: {}", node->metrics().dump());
+}
+
+}  // namespace
+
+int run_device_node(int argc, char** argv, const ProgramInfo& info, params::Table& table,
+                    const std::function<void()>& check, const DeviceNodeFactory& make_node) {
+  return run_program(argc, argv,
+                     {.name = info.name,
+                      .summary = info.summary,
+                      .params = &table,
+                      .uses_lcm = true,
+                      .check = check,
+                      .run = [&](const std::string& lcm_url) {
+                        run_loop(info, lcm_url, make_node);
+                        return 0;
+                      }});
+}
+
+}  // namespace nodmap::node

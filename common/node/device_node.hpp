@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+
+#include "common/node/node.hpp"
+
+namespace nodmap::node {
+
+/// A node that also talks to devices. It never blocks on them: its process calls spin_once() when
+/// there is something to do.
+class DeviceNode : public Node {
+ public:
+  /// Reads what the devices have sent and does what is due.
+  virtual void spin_once() = 0;
+
+  /// The descriptors of its devices; -1 while there is none.
+  [[nodiscard]] virtual std::array<int, 2> poll_handles() = 0;
+
+  /// Time until spin_once() has something to do without new input, microseconds.
+  [[nodiscard]] virtual std::int64_t wait_us() const = 0;
+
+  /// The process was asked to end: starts to send the devices their last commands. spin_once() is
+  /// called until is_shut_down(), for half a second at most, then finish().
+  virtual void shut_down() {}
+  [[nodiscard]] virtual bool is_shut_down() const { return true; }
+
+  void write_results(const std::filesystem::path& /*dir*/) override {}  // a driver leaves no files
+};
+
+using DeviceNodeFactory = std::function<std::unique_ptr<DeviceNode>(Context&)>;
+
+/// main() of a driver: parameters, loop over bus and devices, STATUS, an orderly shutdown. `check`
+/// as in Program. Returns the exit code of run_program().
+int run_device_node(int argc, char** argv, const ProgramInfo& info, params::Table& table,
+                    const std::function<void()>& check, const DeviceNodeFactory& make_node);
+
+}  // namespace nodmap::node

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "common/node/message_input.hpp"
+
+#include <utility>
+
+#include "common/node/log.hpp"
+#include "common/node/messages.hpp"
+
+namespace nodmap::node {
+namespace {
+
+// In microseconds since the epoch: the year 38000. Sums and differences of smaller stamps never
+// overflow.
+constexpr std::int64_t kLatestUtimeUs = std::int64_t{1} << 60;
+// No laser's mirror takes a minute for one revolution.
+constexpr std::int64_t kLongestScanUs = 60'000'000;
+
+bool is_time(std::int64_t utime_us) {
+  return utime_us >= 0 && utime_us < kLatestUtimeUs;
+}
+
+}  // namespace
+
+bool SensorInput::read(const nodmap::scan_t& message, scan::Scan& scan) {
+  counts_.lose(scans_.lost_before(message.scan_seq));
+  if (!read_scan(message, scan) || !is_time(scan.utime_us) || scan.duration_us > kLongestScanUs) {
+    counts_.reject("implausible_scan");
+    return false;
+  }
+  if (scan.ranges_m.empty()) {
+    counts_.reject("empty_scan");
+    return false;
+  }
+  return true;
+}
+
+std::optional<geometry::SE3> SensorInput::read(const nodmap::odometry_t& message) {
+  sequence_fell_ = sequence_fell_ || odometry_.falls_back(message.odometry_seq);
+  counts_.lose(odometry_.lost_before(message.odometry_seq));
+  auto T_odom_base = read_odometry(message);
+  if (!T_odom_base || !is_time(message.utime)) {
+    counts_.reject("implausible_odometry");
+    return std::nullopt;
+  }
+  odometry_restarted_ = std::exchange(sequence_fell_, false);
+  return T_odom_base;
+}
+
+bool accept_save_request(const nodmap::save_request_t& request, const Context& context) {
+  if (context.out_dir.empty()) {
+    context.counts.reject("save_request_without_out_dir");
+    return false;
+  }
+  context.counts.use();
+  log::get().info("{} asked to save the map", request.requested_by);
+  return true;
+}
+
+}  // namespace nodmap::node

@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "common/node/program.hpp"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <csignal>
+#include <iostream>
+#include <optional>
+
+#include "common/node/log.hpp"
+
+namespace nodmap::node {
+namespace {
+
+volatile std::sig_atomic_t g_stop = 0;  // NOLINT: a signal handler can reach nothing but a global
+
+/// The options that many programs have (docs/quickstart.md).
+struct CommonOptions {
+  std::string lcm_url;
+  std::vector<std::string> configs;
+  std::vector<std::string> assignments;
+  std::vector<std::string> flags;  ///< flag parameters given as --name-with-dashes
+  std::string log_level = "info";
+  bool dump_params = false;
+  bool params_markdown = false;
+};
+
+std::string flag_name(std::string name) {
+  name.erase(0,
+             name.rfind('.') + 1);  // of a nested parameter the last part: map.save_ot, --save-ot
+  std::replace(name.begin(), name.end(), '_', '-');
+  return "--" + name;
+}
+
+void add_param_options(CLI::App& app, CommonOptions& options, const params::Table& table) {
+  app.add_option("--config", options.configs,
+                 "YAML file with parameters that differ from the defaults; may be repeated")
+      ->allow_extra_args(false)
+      ->take_all();
+  app.add_option("--set", options.assignments, "key=value: one parameter; may be repeated")
+      ->allow_extra_args(false)
+      ->take_all();
+  app.add_flag("--dump-params", options.dump_params,
+               "Print the effective parameters as YAML, with what they mean, and end");
+  app.add_flag("--params-markdown", options.params_markdown,
+               "Print the parameters as a Markdown table, and end");
+  for (const params::Entry& entry : table.entries()) {
+    if (entry.kind == params::Kind::kFlag) {
+      app.add_flag_callback(
+          flag_name(entry.name), [&options, name = entry.name] { options.flags.push_back(name); },
+          entry.help);
+    }
+  }
+}
+
+void load_params(params::Table& table, const CommonOptions& options) {
+  for (const std::string& config : options.configs) {
+    table.load_yaml(config);
+  }
+  for (const std::string& assignment : options.assignments) {
+    table.set_assignment(assignment);
+  }
+  for (const std::string& name : options.flags) {
+    table.set(name, "true", flag_name(name));
+  }
+}
+
+int complain(const std::string& program, const std::string& what) {
+  std::cerr << program << ": " << what << "\n";
+  return 2;
+}
+
+/// Everything before the work: an exit code when there is nothing left to do.
+std::optional<int> prepare(CLI::App& app, int argc, char** argv, const Program& program,
+                           CommonOptions& options) {
+  try {
+    app.parse(argc, argv);
+    if (program.params != nullptr) {
+      load_params(*program.params, options);
+    }
+    log::start(program.name, options.log_level);
+    if (program.check && !options.dump_params && !options.params_markdown) {
+      program.check();
+    }
+  } catch (const CLI::Success& asked_for_help) {
+    return app.exit(asked_for_help);
+  } catch (const CLI::ParseError& error) {
+    return complain(program.name, std::string(error.what()) + " (--help tells more)");
+  } catch (const std::exception& error) {
+    return complain(program.name, error.what());
+  }
+  if (options.dump_params) {
+    std::cout << program.params->to_yaml();
+    return 0;
+  }
+  if (options.params_markdown) {
+    std::cout << program.params->to_markdown();
+    return 0;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+int run_program(int argc, char** argv, const Program& program) {
+  CommonOptions options;
+  options.log_level = program.log_level;
+  CLI::App app(program.summary, program.name);
+  app.set_version_flag("--version", NODMAP_VERSION);
+  app.add_option("--log-level", options.log_level, "trace, debug, info, warn, error or off")
+      ->capture_default_str();
+  if (program.uses_lcm) {
+    app.add_option("-u,--lcm-url", options.lcm_url,
+                   "LCM provider; else $LCM_DEFAULT_URL, else udpm://239.255.76.67:7667?ttl=0");
+  }
+  if (program.params != nullptr) {
+    add_param_options(app, options, *program.params);
+  }
+  if (program.add_options) {
+    program.add_options(app);
+  }
+  if (const std::optional<int> code = prepare(app, argc, argv, program, options)) {
+    return *code;
+  }
+  catch_stop_signals();
+  try {
+    return program.run(options.lcm_url);
+  } catch (const UsageError& error) {
+    return complain(program.name, error.what());
+  } catch (const std::exception& error) {
+    log::get().error("{}", error.what());
+    return 1;
+  }
+}
+
+void catch_stop_signals() {
+  g_stop = 0;
+  struct sigaction action {};
+  action.sa_handler = [](int) { g_stop = 1; };
+  ::sigemptyset(&action.sa_mask);
+  // Without SA_RESTART: a wait for messages ends at once.
+  ::sigaction(SIGINT, &action, nullptr);
+  ::sigaction(SIGTERM, &action, nullptr);
+}
+
+bool stop_requested() {
+  return g_stop != 0;
+}
+
+}  // namespace nodmap::node

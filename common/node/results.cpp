@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "common/node/results.hpp"
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <string>
+
+namespace nodmap::node {
+
+void make_result_dir(const std::filesystem::path& dir) {
+  std::filesystem::create_directories(dir);
+  if (!std::filesystem::is_empty(dir)) {
+    throw std::runtime_error(
+        dir.string() + " is not empty, and results are never overwritten; name another --out");
+  }
+}
+
+std::filesystem::path make_next_result_dir(const std::filesystem::path& dir) {
+  namespace fs = std::filesystem;
+  if (dir.empty()) {
+    return {};
+  }
+  const fs::path first = dir.has_filename() ? dir : dir.parent_path();  // "DIR/" is DIR
+  fs::path next = first;
+  for (int number = 2; fs::exists(next) && !fs::is_empty(next); ++number) {
+    next = first.string() + "." + std::to_string(number);
+  }
+  make_result_dir(next);
+  return next;
+}
+
+void write_result_json(const std::filesystem::path& dir, const nlohmann::json& result) {
+  const std::filesystem::path file = dir / "result.json";
+  std::ofstream out(file);
+  out << result.dump(2) << "\n";
+  out.flush();
+  if (!out) {
+    throw std::runtime_error(file.string() + ": cannot write");
+  }
+}
+
+}  // namespace nodmap::node

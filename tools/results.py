@@ -1,0 +1,88 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Runs what README.md claims and writes its tables between their markers, with the commit they were measured at. With --check only
+compares, and fails when a number in README.md is not what the programs reach now, within the last digit printed.
+
+usage: results.py BIN_DIR [--check]
+
+The recordings are looked for in $NODMAP_DATA, else ../shared/data; where they are missing nothing is written, and --check says so.
+"""
+import json
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+DATA = pathlib.Path(os.environ.get("NODMAP_DATA", ROOT.parent / "shared" / "data"))
+README = ROOT / "README.md"
+PEERS = json.loads((ROOT / "docs" / "peers.json").read_text())
+
+
+def run(*command):
+    return subprocess.run([str(part) for part in command], capture_output=True, text=True, check=True).stdout
+
+
+def table_2d(bin_dir, work):
+    """Relative pose errors on the public logs, Kuemmerle et al. 2009."""
+    rows = ["| log | translation | rotation | better of the published and measured others |", "|---|---|---|---|"]
+    for name, peer in PEERS["2d"].items():
+        log, out = work / f"{name}.lcmlog", work / name
+        run(bin_dir / "nodmap-convert", "carmen", DATA / "slam2d" / f"{name}.clf", log)
+        run(bin_dir / "nodmap-slam2d", "--replay", log, "--out", out)
+        errors = json.loads(run(bin_dir / "nodmap-evaluate", "relations", out / "trajectory.tum", DATA / "slam2d" / f"{name}.relations"))
+        rows.append(f"| {name} | {errors['trans_mean_m']:.4f} m | {errors['rot_mean_deg']:.2f}° | {peer} |")
+    return rows
+
+
+def table_kurt3d(bin_dir, work):
+    """Distance of each scan's points to the planes of the scan before, by an independent program."""
+    log, out, plane_residual = work / "kurt3d.lcmlog", work / "kurt3d", work / "plane_residual"
+    run(bin_dir / "nodmap-convert", "uos", DATA / "kurt3d", log)
+    run(bin_dir / "nodmap-slam6d", "--replay", log, "--out", out)
+    run("g++", "-O2", "-std=c++17", "-I/usr/include/eigen3", DATA.parent / "tools" / "plane_residual.cpp", "-o", plane_residual)
+    medians = re.findall(r"residual median\s+([0-9.]+)", run(plane_residual, DATA / "kurt3d", out / "trajectory.tum"))
+    rows = ["| KURT3D, 3 scans | second on first | third on second |", "|---|---|---|"]
+    rows.append(f"| nodmap-slam6d | {float(medians[0]):.2f} cm | {float(medians[1]):.2f} cm |")
+    rows += [f"| {name} | {first:.2f} cm | {second:.2f} cm |" for name, (first, second) in PEERS["kurt3d_cm"].items()]
+    return rows
+
+
+TABLES = {"2d": table_2d, "kurt3d": table_kurt3d}
+
+
+def block(name):
+    return re.compile(rf"<!-- results: {name} -->\n(.*?)<!-- /results -->", re.S)
+
+
+def numbers(text):
+    return re.findall(r"\d+\.\d+", "\n".join(line for line in text.splitlines() if line.startswith("|")))
+
+
+def main():
+    bin_dir, check = pathlib.Path(sys.argv[1]), "--check" in sys.argv[2:]
+    if not (DATA / "slam2d").exists():
+        print("results: skipped, no recordings (set NODMAP_DATA)")
+        return 0
+    commit = run("git", "-C", ROOT, "rev-parse", "--short", "HEAD").strip()
+    text = README.read_text()
+    stale = []
+    with tempfile.TemporaryDirectory() as work:
+        for name, make in TABLES.items():
+            rows = make(bin_dir, pathlib.Path(work))
+            print("\n".join(rows))
+            fresh = "\n".join(rows) + f"\n\nWritten by `./nodmap results` at commit {commit}.\n"
+            if numbers(block(name).search(text).group(1)) != numbers(fresh):
+                stale.append(name)
+            text = block(name).sub(lambda _: f"<!-- results: {name} -->\n{fresh}<!-- /results -->", text)
+    if check:
+        print(f"README.md is stale ({', '.join(stale)}): run ./nodmap results" if stale else "README.md agrees")
+        return 1 if stale else 0
+    README.write_text(text)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
