@@ -52,8 +52,8 @@ std::vector<std::string> RobotProcesses::command(const std::string& name) const 
       words.insert(words.end(), {"--fault", fault});
     }
   } else if (name == "laser3d") {
-    words.insert(words.end(), {"--set", "laser_device=" + links + "/laser", "--set",
-                               "servo_device=" + links + "/servo"});
+    words.insert(words.end(), {"--set", "laser.device=" + links + "/laser", "--set",
+                               "servo.device=" + links + "/servo"});
   } else if (name == "kurt") {
     words.insert(words.end(), {"--set", "device=" + links + "/base"});
   } else if (name == "logger") {

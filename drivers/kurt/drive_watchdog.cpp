@@ -10,63 +10,75 @@ namespace {
 /// Clocks of two machines under NTP differ by less.
 constexpr std::int64_t kFutureToleranceUs = 50'000;
 constexpr double kImplausibleSpeedMps = 2.0 * kTopSpeedMps;
-/// Three turns a second.
+/// Three revolutions a second.
 constexpr double kImplausibleYawRateRadS = 6.0 * geometry::kPi;
 
 }  // namespace
 
-const char* name_of(DriveVerdict verdict) {
-  switch (verdict) {
-    case DriveVerdict::kObeyed:
+const char* name_of(DriveStatus status) {
+  switch (status) {
+    case DriveStatus::kObeyed:
       return "obeyed";
-    case DriveVerdict::kNotFinite:
+    case DriveStatus::kNotFinite:
       return "drive_not_finite";
-    case DriveVerdict::kImplausible:
+    case DriveStatus::kImplausible:
       return "drive_implausible";
-    case DriveVerdict::kStale:
+    case DriveStatus::kStale:
       return "drive_stale";
-    case DriveVerdict::kFromFuture:
+    case DriveStatus::kFromFuture:
       return "drive_from_future";
-    case DriveVerdict::kOutOfOrder:
+    case DriveStatus::kOutOfOrder:
+      return "drive_out_of_order";
+    case DriveStatus::kOtherSender:
       break;
   }
-  return "drive_out_of_order";
+  return "drive_other_sender";
 }
 
-DriveVerdict DriveWatchdog::judge(const DriveRequest& request, std::int64_t utime_us,
-                                  std::int64_t now_us) const {
+DriveStatus DriveWatchdog::classify(const DriveRequest& request, std::int64_t utime_us,
+                                    std::int64_t now_us) const {
   const DriveCommand& command = request.command;
   if (!std::isfinite(command.forward_mps) || !std::isfinite(command.yaw_rate_rad_s)) {
-    return DriveVerdict::kNotFinite;
+    return DriveStatus::kNotFinite;
   }
   if (std::abs(command.forward_mps) > kImplausibleSpeedMps ||
       std::abs(command.yaw_rate_rad_s) > kImplausibleYawRateRadS || request.valid_us <= 0) {
-    return DriveVerdict::kImplausible;
+    return DriveStatus::kImplausible;
   }
   // Compared without a sum or difference that a wild number could overflow.
   if (request.utime_us > utime_us + kFutureToleranceUs) {
-    return DriveVerdict::kFromFuture;
+    return DriveStatus::kFromFuture;
   }
   if (request.utime_us <= utime_us - std::min(timeout_us_, request.valid_us)) {
-    return DriveVerdict::kStale;
+    return DriveStatus::kStale;
   }
   if (obeyed_ && now_us < obeyed_->until_us && request.utime_us < obeyed_->utime_us) {
-    return DriveVerdict::kOutOfOrder;
+    return DriveStatus::kOutOfOrder;
   }
-  return DriveVerdict::kObeyed;
+  return DriveStatus::kObeyed;
 }
 
-DriveVerdict DriveWatchdog::offer(const DriveRequest& request, std::int64_t utime_us,
-                                  std::int64_t now_us) {
-  const DriveVerdict verdict = judge(request, utime_us, now_us);
-  if (verdict == DriveVerdict::kObeyed) {
-    const std::int64_t age_us = std::max<std::int64_t>(0, utime_us - request.utime_us);
-    obeyed_ = {request.command, request.utime_us,
-               now_us + std::min(timeout_us_, request.valid_us) - age_us};
-  } else if (verdict == DriveVerdict::kNotFinite || verdict == DriveVerdict::kImplausible) {
+DriveStatus DriveWatchdog::offer(const DriveRequest& request, std::int64_t utime_us,
+                                 std::int64_t now_us) {
+  const bool is_followed = sender_.follow(request.seq, now_us);
+  const DriveStatus status = classify(request, utime_us, now_us);
+  const bool is_nonsense = status == DriveStatus::kNotFinite || status == DriveStatus::kImplausible;
+  if (is_nonsense || sender_.is_contested(now_us)) {
     revoke();
   }
-  return verdict;
+  if (is_nonsense) {
+    return status;
+  }
+  if (!is_followed || sender_.is_contested(now_us)) {
+    return DriveStatus::kOtherSender;
+  }
+  if (status == DriveStatus::kObeyed) {
+    const std::int64_t age_us = std::max<std::int64_t>(0, utime_us - request.utime_us);
+    // A stamp ahead of our clock must not make later commands look older.
+    obeyed_ = {request.command, std::min(request.utime_us, utime_us),
+               now_us + std::min(timeout_us_, request.valid_us) - age_us};
+  }
+  return status;
 }
 
 std::optional<DriveCommand> DriveWatchdog::command(std::int64_t now_us) const {

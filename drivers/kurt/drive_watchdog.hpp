@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "drivers/kurt/sender_watch.hpp"
 #include "drivers/kurt/speed_limiter.hpp"
 
 namespace nodmap::kurt {
@@ -13,39 +14,51 @@ struct DriveRequest {
   DriveCommand command;
   std::int64_t utime_us = 0;  ///< when it was decided
   std::int64_t valid_us = 0;  ///< for how long from then
+  std::int64_t seq = 0;       ///< the sender's count
 };
 
-enum class DriveVerdict : std::uint8_t {
+/// What became of a DRIVE.
+enum class DriveStatus : std::uint8_t {
   kObeyed,
   kNotFinite,    ///< NaN or infinite
   kImplausible,  ///< faster than the robot could ever go, or valid for no time
   kStale,        ///< too old
   kFromFuture,   ///< newer than now: the clocks of sender and driver differ
   kOutOfOrder,   ///< older than the one that is being obeyed
+  kOtherSender,  ///< not of the sender that is followed, or two senders are alive
 };
 
-/// The name by which a verdict is counted.
-[[nodiscard]] const char* name_of(DriveVerdict verdict);
+/// The name under which such a DRIVE is counted.
+[[nodiscard]] const char* name_of(DriveStatus status);
 
 /// Decides whether the robot may move.
 ///
-/// The navigator sends DRIVE with every scan, 75 a second: 200 ms without one are 15 missed in a
-/// row, and something is wrong with it, its machine or the network. At the 1.5 m/s of the paper's
-/// runs the robot goes 0.3 m in this time, and then brakes. So much the navigator keeps free
-/// anyway, for the laser, too, needs a fraction of a second per sweep to see what is ahead. A
-/// longer time-out would drive blindly into what nobody watches for; a shorter one would stutter
-/// with every hiccup of the scheduler. Behind this one stands the base's own: it stops when it
-/// hears nothing from us for 100 ms, so that a driver that is killed stops the robot, too.
+/// Why the robot stops after 200 ms without a DRIVE: the navigator sends one with every scan, 75 a
+/// second. When 15 in a row are missing, something is wrong with the navigator, its machine or the
+/// network. In 200 ms the robot covers 0.3 m at the 1.5 m/s of the paper's runs, and then brakes.
+/// The navigator keeps that distance free anyway, because the laser needs a fraction of a second
+/// for each sweep to see what is ahead. With a longer time-out the robot would drive on although
+/// nobody watches what is ahead; with a shorter one it would stutter whenever the scheduler is
+/// late. The base has a time-out of its own behind this one: it stops when it hears nothing from
+/// the driver for 100 ms, so killing the driver stops the robot, too.
+///
+/// One sender is followed (SenderWatch). While two are alive the robot is stationary: which of them
+/// means well cannot be known.
 class DriveWatchdog {
  public:
   explicit DriveWatchdog(std::int64_t timeout_us) : timeout_us_(timeout_us) {}
 
   /// A DRIVE has come. `utime_us` is the wall clock now, `now_us` a monotonic one.
-  /// Nonsense revokes what was obeyed before: a sender that sends nonsense is not to be trusted.
-  DriveVerdict offer(const DriveRequest& request, std::int64_t utime_us, std::int64_t now_us);
+  /// Nonsense revokes what was obeyed before: who sends nonsense is not to be trusted.
+  DriveStatus offer(const DriveRequest& request, std::int64_t utime_us, std::int64_t now_us);
 
   /// The command to obey; empty: stop.
   [[nodiscard]] std::optional<DriveCommand> command(std::int64_t now_us) const;
+
+  /// Whether two processes send DRIVE, so that none of them is obeyed.
+  [[nodiscard]] bool is_contested(std::int64_t now_us) const {
+    return sender_.is_contested(now_us);
+  }
 
   /// Stops until the next command: the link to the base was lost, say.
   void revoke() { obeyed_.reset(); }
@@ -57,10 +70,11 @@ class DriveWatchdog {
     std::int64_t until_us = 0;
   };
 
-  [[nodiscard]] DriveVerdict judge(const DriveRequest& request, std::int64_t utime_us,
-                                   std::int64_t now_us) const;
+  [[nodiscard]] DriveStatus classify(const DriveRequest& request, std::int64_t utime_us,
+                                     std::int64_t now_us) const;
 
   std::int64_t timeout_us_;
+  SenderWatch sender_;
   std::optional<Obeyed> obeyed_;
 };
 

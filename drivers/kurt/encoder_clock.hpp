@@ -8,14 +8,14 @@ namespace nodmap::kurt {
 /// How often the base sends its encoders.
 inline constexpr std::int64_t kEncoderPeriodUs = 10'000;
 
-/// Tells when an encoder frame was measured, and how many before it were lost, from nothing but the
-/// times at which frames arrive.
+/// Estimates when an encoder frame was measured, and how many before it were lost, from the times
+/// at which frames arrive; they carry neither number nor time.
 ///
-/// Frames leave the base every 10 ms, and arrive later by a delay that varies (USB, scheduling) but
-/// is never negative. So the least delay seen tells the base's clock (passive synchronisation,
+/// Frames leave the base every 10 ms and arrive with a delay that varies (USB, scheduling) but is
+/// never negative. So the smallest delay seen gives the base's clock (passive synchronization,
 /// Olson 2010). A delay passes, a loss stays: after a late frame the next ones catch up, after a
-/// lost one all of them are late. A whole period of lateness that lasts for half a second is a lost
-/// frame.
+/// lost one all of them are late. A frame counts as lost when all frames of half a second are late
+/// by a whole period.
 class EncoderClock {
  public:
   struct Reading {
@@ -27,7 +27,7 @@ class EncoderClock {
   /// A frame arrived. `arrival_us` is on a monotonic clock.
   Reading take(std::int64_t arrival_us);
 
-  /// The line was lost: what comes next is another beginning.
+  /// The line was lost: the next frame starts anew.
   void restart() { started_ = false; }
 
  private:

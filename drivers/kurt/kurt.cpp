@@ -8,17 +8,19 @@ namespace nodmap::kurt {
 namespace {
 
 constexpr double kControlPeriodS = 0.01;
-/// Without encoders for so long the robot does not know what it does, and stops.
+/// Without encoders for so long nobody knows what the wheels do, and the robot stops.
 constexpr std::int64_t kBlindUs = 200'000;
-/// A bit error spoils one frame. So many (100 ms) are driven on as before, like lost ones, and that
-/// ends well before the robot stops for want of encoders.
+/// A bit error spoils one frame. So many in a row (100 ms) are bridged like lost ones, which ends
+/// well before the robot stops for lack of encoders.
 constexpr int kBridgedInARow = 10;
 static_assert(kBridgedInARow * kEncoderPeriodUs < kBlindUs);
 
 }  // namespace
 
 Kurt::Kurt(const KurtParams& params)
-    : odometry_(params), limiter_(params), watchdog_(std::llround(1e6 * params.drive_timeout_s)) {}
+    : odometry_(params.wheels, params.odometry),
+      limiter_(params.wheels, params.limits),
+      watchdog_(std::llround(1e6 * params.drive_timeout_s)) {}
 
 void Kurt::connected(const time::Moment& now) {
   line_open_ = true;
@@ -31,7 +33,7 @@ void Kurt::disconnected() {
   session_.stop();
   encoder_clock_.restart();
   last_encoder_us_.reset();
-  // After a loss the robot stands, and moves only when somebody wants it to anew.
+  // After a loss the robot stays stationary until a new DRIVE comes.
   watchdog_.revoke();
   limiter_.stop();
 }
@@ -79,8 +81,8 @@ void Kurt::take_encoder(const EncoderTicks& ticks, std::int64_t arrival_us,
   samples_.push_back({reading.measured_us + now.utime_us - now.steady_us, odometry_.state()});
 }
 
-/// Implausible ticks say nothing about the wheels, so they do not keep the robot driving: when they
-/// last, they are as good as none, and what follows on silence follows on them.
+/// Implausible ticks say nothing about the wheels, so they must not keep the robot driving: when
+/// too many come in a row, they count as none, and the robot stops as if the base were silent.
 bool Kurt::is_of_use(const EncoderTicks& ticks, std::int64_t arrival_us) {
   if (odometry_.is_plausible(ticks)) {
     last_encoder_us_ = arrival_us;
@@ -115,7 +117,7 @@ void Kurt::take_sensor(const Report& report, std::int64_t now_us) {
       report);
 }
 
-DriveVerdict Kurt::drive(const DriveRequest& request, const time::Moment& now) {
+DriveStatus Kurt::drive(const DriveRequest& request, const time::Moment& now) {
   return watchdog_.offer(request, now.utime_us, now.steady_us);
 }
 

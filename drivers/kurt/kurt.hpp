@@ -48,17 +48,17 @@ struct KurtCounts {
   std::int64_t encoder_gaps = 0;
 };
 
-/// Whether the robot can be driven, and what is in the way; in the order of getting there.
+/// Whether the robot can be driven, and if not, what is missing; in the order of getting there.
 enum class KurtState : std::uint8_t {
   kNoLine,   ///< the serial line is not open
   kNoBus,    ///< the adapter has not opened the CAN bus
   kNoBase,   ///< no encoder frames that wheels can have made: the base is switched off, say
-  kNoDrive,  ///< nobody tells the robot to move: it stands
+  kNoDrive,  ///< nobody tells the robot to move: it is stationary
   kDriving,
 };
 
-/// The KURT2 base as bytes and values: what it says goes in, what to tell it comes out. No clock,
-/// no port, no message; driver, simulation and test differ in who carries the bytes.
+/// Drives the KURT2 base, as bytes and values: what the base says goes in, what to send to it comes
+/// out. No clock, no port, no message; robot, simulator and test differ in who carries the bytes.
 class Kurt {
  public:
   explicit Kurt(const KurtParams& params);
@@ -71,18 +71,24 @@ class Kurt {
                                           const time::Moment& now);
 
   /// Somebody wants the robot to move.
-  DriveVerdict drive(const DriveRequest& request, const time::Moment& now);
+  DriveStatus drive(const DriveRequest& request, const time::Moment& now);
 
   /// What to send to the adapter now. To be called every 10 ms: there is a command in it each time.
   [[nodiscard]] std::string control(const time::Moment& now);
 
-  /// The last thing to send: motors off and braked.
-  [[nodiscard]] static std::string farewell() { return to_line(hard_stop()); }
+  /// What to send last: motors off and braked.
+  [[nodiscard]] static std::string shutdown_command() { return to_line(hard_stop()); }
 
-  /// The port is of no use as it is and should be opened anew.
+  /// The adapter does not answer on this port: it should be opened anew.
   [[nodiscard]] bool wants_new_port() const { return session_.gave_up(); }
 
   [[nodiscard]] KurtState state(std::int64_t steady_us) const;
+
+  /// Whether two processes send DRIVE, so that none of them is obeyed.
+  [[nodiscard]] bool is_contested(std::int64_t steady_us) const {
+    return watchdog_.is_contested(steady_us);
+  }
+
   [[nodiscard]] const BaseSensors& sensors() const { return sensors_; }
   [[nodiscard]] const KurtCounts& counts() const { return counts_; }
   [[nodiscard]] const SlcanCounts& slcan_counts() const { return parser_.counts(); }
@@ -90,7 +96,7 @@ class Kurt {
 
  private:
   void take_encoder(const EncoderTicks& ticks, std::int64_t arrival_us, const time::Moment& now);
-  /// Whether odometry goes on with these ticks, be it by bridging them.
+  /// Whether odometry goes on with these ticks, if only by bridging them.
   [[nodiscard]] bool is_of_use(const EncoderTicks& ticks, std::int64_t arrival_us);
   void take_sensor(const Report& report, std::int64_t now_us);
 
@@ -102,7 +108,7 @@ class Kurt {
   DriveWatchdog watchdog_;
   BaseSensors sensors_;
   KurtCounts counts_;
-  std::optional<std::int64_t> last_encoder_us_;  ///< the last that wheels can have made
+  std::optional<std::int64_t> last_encoder_us_;  ///< of the last ticks that wheels can have made
   int implausible_in_a_row_ = 0;
   bool line_open_ = false;
   std::vector<EncoderTicks> ticks_;

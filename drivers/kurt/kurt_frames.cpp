@@ -2,6 +2,7 @@
 #include "drivers/kurt/kurt_frames.hpp"
 
 #include <algorithm>
+#include <boost/endian/conversion.hpp>
 #include <cmath>
 #include <limits>
 
@@ -9,6 +10,10 @@
 
 namespace nodmap::kurt {
 namespace {
+
+using boost::endian::load_big_s16;
+using boost::endian::load_big_s32;
+using boost::endian::load_big_u16;
 
 constexpr std::uint32_t kControlId = 0x001;
 constexpr std::uint32_t kAdc0To3Id = 0x005;
@@ -23,19 +28,6 @@ constexpr std::uint8_t kModeRaw = 0;
 constexpr std::uint8_t kModeSpeedCm = 2;
 /// Without this bit the base's controller fails on a step from zero to full speed.
 constexpr std::uint8_t kAntiWindup = 1;
-
-std::uint16_t u16(const CanFrame& frame, std::size_t at) {
-  return static_cast<std::uint16_t>((frame.data[at] << 8U) | frame.data[at + 1]);
-}
-
-int i16(const CanFrame& frame, std::size_t at) {
-  return static_cast<std::int16_t>(u16(frame, at));
-}
-
-std::int32_t i32(const CanFrame& frame, std::size_t at) {
-  const std::uint32_t high = u16(frame, at);
-  return static_cast<std::int32_t>((high << 16U) | u16(frame, at + 2));
-}
 
 /// cm/s; what is no number is no speed.
 std::int16_t to_cm_per_s(double speed_mps) {
@@ -52,24 +44,24 @@ std::optional<int>& of(RangeReadings& readings, Infrared sensor) {
 
 RangeReadings decode_adc0_to_3(const CanFrame& frame) {
   RangeReadings readings;
-  of(readings, Infrared::kBack) = u16(frame, 0);
-  of(readings, Infrared::kRightBack) = u16(frame, 2);
-  of(readings, Infrared::kRight) = u16(frame, 4);
+  of(readings, Infrared::kBack) = load_big_u16(&frame.data[0]);
+  of(readings, Infrared::kRightBack) = load_big_u16(&frame.data[2]);
+  of(readings, Infrared::kRight) = load_big_u16(&frame.data[4]);
   return readings;
 }
 
 RangeReadings decode_adc4_to_7(const CanFrame& frame) {
   RangeReadings readings;
-  of(readings, Infrared::kRightFront) = u16(frame, 0);
-  readings.sonar_raw = u16(frame, 2);
-  of(readings, Infrared::kLeftFront) = u16(frame, 4);
-  of(readings, Infrared::kLeft) = u16(frame, 6);
+  of(readings, Infrared::kRightFront) = load_big_u16(&frame.data[0]);
+  readings.sonar_raw = load_big_u16(&frame.data[2]);
+  of(readings, Infrared::kLeftFront) = load_big_u16(&frame.data[4]);
+  of(readings, Infrared::kLeft) = load_big_u16(&frame.data[6]);
   return readings;
 }
 
 RangeReadings decode_adc8_to_11(const CanFrame& frame) {
   RangeReadings readings;
-  of(readings, Infrared::kLeftBack) = u16(frame, 2);
+  of(readings, Infrared::kLeftBack) = load_big_u16(&frame.data[2]);
   return readings;
 }
 
@@ -80,7 +72,8 @@ double tilt_rad(std::uint16_t raw) {
 
 Gyro decode_gyro(const CanFrame& frame) {
   const double to_rad = geometry::deg_to_rad(1.0);
-  return {i32(frame, 0) / 4992511.0 * to_rad, i32(frame, 4) / 10000.0 * to_rad * to_rad};
+  return {load_big_s32(&frame.data[0]) / 4992511.0 * to_rad,
+          load_big_s32(&frame.data[4]) / 10000.0 * to_rad * to_rad};
 }
 
 Report decode_full(const CanFrame& frame) {
@@ -92,11 +85,12 @@ Report decode_full(const CanFrame& frame) {
     case kAdc8To11Id:
       return decode_adc8_to_11(frame);
     case kAdc12To15Id:
-      return MotorCurrents{1e-3 * u16(frame, 2), 1e-3 * u16(frame, 0)};  // right comes first, in mA
+      return MotorCurrents{1e-3 * load_big_u16(&frame.data[2]),
+                           1e-3 * load_big_u16(&frame.data[0])};  // right comes first, in mA
     case kEncoderId:
-      return EncoderTicks{i16(frame, 0), i16(frame, 2)};
+      return EncoderTicks{load_big_s16(&frame.data[0]), load_big_s16(&frame.data[2])};
     case kTiltId:
-      return Tilt{tilt_rad(u16(frame, 0)), tilt_rad(u16(frame, 2))};
+      return Tilt{tilt_rad(load_big_u16(&frame.data[0])), tilt_rad(load_big_u16(&frame.data[2]))};
     case kGyroId:
       return decode_gyro(frame);
     default:
@@ -107,20 +101,14 @@ Report decode_full(const CanFrame& frame) {
 }  // namespace
 
 CanFrame speed_command(const WheelSpeeds& speeds) {
-  const auto left = static_cast<std::uint16_t>(to_cm_per_s(speeds.left_mps));
-  const auto right = static_cast<std::uint16_t>(to_cm_per_s(speeds.right_mps));
   CanFrame frame;
   frame.id = kControlId;
   frame.length = 8;
-  // The last two bytes hold the turn rate for the base's own gyro control, which we leave at zero.
-  frame.data = {0,
-                kModeSpeedCm,
-                static_cast<std::uint8_t>(left >> 8U),
-                static_cast<std::uint8_t>(left & 0xFFU),
-                static_cast<std::uint8_t>(right >> 8U),
-                static_cast<std::uint8_t>(right & 0xFFU),
-                0,
-                kAntiWindup};
+  frame.data[1] = kModeSpeedCm;
+  boost::endian::store_big_s16(&frame.data[2], to_cm_per_s(speeds.left_mps));
+  boost::endian::store_big_s16(&frame.data[4], to_cm_per_s(speeds.right_mps));
+  // Byte 6 and the rest of byte 7 hold the turn rate for the base's own gyro control: zero, unused.
+  frame.data[7] = kAntiWindup;
   return frame;
 }
 

@@ -25,7 +25,7 @@ struct WheelSpeeds {
 /// Both motors off and braked.
 [[nodiscard]] CanFrame hard_stop();
 
-/// Turns of the encoders in the last 10 ms, positive forward.
+/// Encoder ticks of the last 10 ms, positive forward.
 struct EncoderTicks {
   int left = 0;
   int right = 0;

@@ -1,6 +1,25 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "drivers/kurt/program.hpp"
+#include "common/node/clock.hpp"
+#include "common/node/device_node.hpp"
+#include "common/node/program.hpp"
+#include "common/params/params.hpp"
+#include "drivers/kurt/node.hpp"
 
 int main(int argc, char** argv) {
-  return nodmap::kurt::run_kurt(argc, argv);
+  using namespace nodmap;  // NOLINT(google-build-using-namespace): a program of one page
+  kurt::KurtParams params;
+  params::Table table(params);
+  const auto check = [&params] {
+    if (params.device.empty()) {
+      throw node::UsageError("device: is not set; name the serial port of the CAN adapter");
+    }
+  };
+  return node::run_device_node(
+      argc, argv,
+      {"nodmap-kurt", "Drives the KURT2 base through an SLCAN adapter: DRIVE in, ODOMETRY out."},
+      table, check, [&params](node::Context& context) {
+        return std::make_unique<kurt::KurtNode>(context, params,
+                                                serial::port_opener(params.device, params.baud),
+                                                time::now_on_both_clocks);
+      });
 }

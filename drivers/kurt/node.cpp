@@ -15,7 +15,6 @@
 namespace nodmap::kurt {
 namespace {
 
-using serial::IoStatus;
 using std::chrono::microseconds;
 
 constexpr std::int64_t kControlPeriodUs = 10'000;
@@ -23,7 +22,7 @@ constexpr std::int64_t kSensorsPeriodUs = 50'000;
 constexpr std::int64_t kSensorLifeUs = 500'000;
 /// A command is 22 bytes: a line that does not take them in this time is stuck.
 constexpr microseconds kWriteTimeout{5'000};
-constexpr microseconds kFarewellTimeout{50'000};
+constexpr microseconds kShutdownTimeout{50'000};
 /// Variance of what the wheels know nothing of: height (m^2), roll and pitch (rad^2).
 constexpr double kUnknownVariance = 1e6;
 
@@ -81,7 +80,7 @@ nodmap::base_sensors_t to_message(const BaseSensors& sensors, const time::Moment
   return message;
 }
 
-const char* describe(KurtState state) {
+const char* describe(KurtState state, bool is_contested) {
   switch (state) {
     case KurtState::kNoLine:
       return "the serial line is not open";
@@ -90,7 +89,8 @@ const char* describe(KurtState state) {
     case KurtState::kNoBase:
       return "no encoder frames that wheels can have made: is the base switched on?";
     case KurtState::kNoDrive:
-      return "no DRIVE: the robot stands";
+      return is_contested ? "two processes send DRIVE: the robot is stationary until one has ended"
+                          : "no DRIVE: the robot is stationary";
     case KurtState::kDriving:
       break;
   }
@@ -100,8 +100,15 @@ const char* describe(KurtState state) {
 }  // namespace
 
 KurtNode::KurtNode(node::Context& context, const KurtParams& params,
-                   serial::ReconnectingPort::Opener open, std::function<time::Moment()> clock)
-    : context_(context), kurt_(params), port_(std::move(open)), clock_(std::move(clock)) {
+                   serial::SerialLink::Opener open, std::function<time::Moment()> clock)
+    : context_(context),
+      kurt_(params),
+      link_("base", std::move(open),
+            {.opened = [this](const time::Moment& now) { kurt_.connected(now); },
+             .received = [this](std::span<const std::uint8_t> bytes,
+                                const time::Moment& now) { receive(bytes, now); },
+             .lost = [this] { kurt_.disconnected(); }}),
+      clock_(std::move(clock)) {
   context_.bus.subscribe<nodmap::drive_t>(
       "DRIVE", [this](const nodmap::drive_t& message) { on_drive(message); });
   context_.bus.subscribe<nodmap::stop_t>(
@@ -113,75 +120,48 @@ KurtNode::~KurtNode() {
 }
 
 void KurtNode::finish() {
-  if (std::exchange(finished_, true) || !port_.is_open()) {
-    return;
-  }
-  const time::Moment now = clock_();
   // Whether it arrives is not in our hands: the base stops by itself when it hears nothing.
-  (void)port_.stream(now.steady_us)->write(bytes_of(Kurt::farewell()), kFarewellTimeout);
-  lose_port(now, "ended");
+  link_.write(bytes_of(Kurt::shutdown_command()), clock_(), {.timeout = kShutdownTimeout});
+  link_.end();
 }
 
 void KurtNode::spin_once() {
   const time::Moment now = clock_();
-  if (serial::ByteStream* stream = connect(now)) {
-    receive(*stream, now);
-  }
+  link_.poll(now);
   if (now.steady_us >= next_control_us_) {
     // In step with its own clock, unless it has fallen behind it.
     next_control_us_ =
         std::max(next_control_us_, now.steady_us - kControlPeriodUs) + kControlPeriodUs;
-    if (serial::ByteStream* stream = connect(now)) {
-      send(*stream, now);
-    }
+    send(now);
   }
   if (now.steady_us >= next_sensors_us_) {
     next_sensors_us_ = now.steady_us + kSensorsPeriodUs;
     publish_sensors(now);
   }
-  tell_change(kurt_.state(now.steady_us));
+  log_change(now);
 }
 
-serial::ByteStream* KurtNode::connect(const time::Moment& now) {
-  serial::ByteStream* stream = finished_ ? nullptr : port_.stream(now.steady_us);
-  if (stream != nullptr && !std::exchange(connected_, true)) {
-    kurt_.connected(now);
-  }
-  return stream;
-}
-
-void KurtNode::lose_port(const time::Moment& now, const std::string& reason) {
-  port_.give_up(now.steady_us, reason);
-  kurt_.disconnected();
-  connected_ = false;
-}
-
-void KurtNode::receive(serial::ByteStream& stream, const time::Moment& now) {
-  std::array<std::uint8_t, 4096> buffer{};
-  const serial::ReadResult result = stream.read(buffer, microseconds(0));
-  if (result.status == IoStatus::kDisconnected) {
-    lose_port(now, "disconnected");
-    return;
-  }
-  for (const OdometrySample& sample : kurt_.receive(std::span(buffer).first(result.count), now)) {
+void KurtNode::receive(std::span<const std::uint8_t> bytes, const time::Moment& now) {
+  for (const OdometrySample& sample : kurt_.receive(bytes, now)) {
     publish_odometry(sample);
   }
 }
 
-void KurtNode::send(serial::ByteStream& stream, const time::Moment& now) {
+void KurtNode::send(const time::Moment& now) {
+  if (!link_.is_open()) {
+    return;
+  }
   const std::string text = kurt_.control(now);
-  const IoStatus status =
-      text.empty() ? IoStatus::kOk : stream.write(bytes_of(text), kWriteTimeout);
-  if (status != IoStatus::kOk) {
-    lose_port(now, status == IoStatus::kTimeout ? "the line takes no bytes" : "disconnected");
-  } else if (kurt_.wants_new_port()) {
-    lose_port(now, describe(KurtState::kNoBus));
+  if (!text.empty()) {
+    link_.write(bytes_of(text), now, {.timeout = kWriteTimeout});
+  }
+  if (kurt_.wants_new_port()) {
+    link_.give_up(now, describe(KurtState::kNoBus, false));
   }
 }
 
 std::array<int, 2> KurtNode::poll_handles() {
-  serial::ByteStream* stream = port_.is_open() ? port_.stream(0) : nullptr;
-  return {stream != nullptr ? stream->poll_handle() : -1, -1};
+  return {link_.poll_handle(), -1};
 }
 
 std::int64_t KurtNode::wait_us() const {
@@ -189,15 +169,15 @@ std::int64_t KurtNode::wait_us() const {
 }
 
 void KurtNode::on_drive(const nodmap::drive_t& message) {
-  // Stopped, the robot brakes as for any DRIVE of zero, and stands whoever asks for what.
+  // While STOP holds, every DRIVE counts as zero: the robot brakes and stays stationary.
   const DriveCommand wanted =
       stopped_ ? DriveCommand{} : DriveCommand{message.forward_mps, message.yaw_rate_rad_s};
-  const DriveRequest request{wanted, message.utime, message.valid_us};
-  const DriveVerdict verdict = kurt_.drive(request, clock_());
-  if (verdict == DriveVerdict::kObeyed) {
+  const DriveRequest request{wanted, message.utime, message.valid_us, message.drive_seq};
+  const DriveStatus status = kurt_.drive(request, clock_());
+  if (status == DriveStatus::kObeyed) {
     context_.counts.use();
   } else {
-    context_.counts.reject(name_of(verdict));
+    context_.counts.reject(name_of(status));
   }
 }
 
@@ -228,14 +208,14 @@ void KurtNode::publish_sensors(const time::Moment& now) {
   }
 }
 
-void KurtNode::tell_change(KurtState state) {
-  const KurtState before = std::exchange(told_state_, state);
+void KurtNode::log_change(const time::Moment& now) {
+  const KurtState state = kurt_.state(now.steady_us);
+  const char* text = describe(state, kurt_.is_contested(now.steady_us));
+  const KurtState before = std::exchange(logged_state_, state);
   if (state > before) {  // one step nearer to driving
-    log::get().info("{}", state == KurtState::kDriving ? "obeying DRIVE" : describe(state));
-  } else if (state == KurtState::kNoLine && state < before) {
-    log::get().warn("{}: {}", describe(state), port_.error());
-  } else if (state < before) {
-    log::get().warn("{}", describe(state));
+    log::get().info("{}", state == KurtState::kDriving ? "obeying DRIVE" : text);
+  } else if (state < before && state != KurtState::kNoLine) {  // that the link has logged
+    log::get().warn("{}", text);
   }
 }
 
@@ -251,19 +231,22 @@ nlohmann::json KurtNode::metrics() const {
           {"lines_too_long", lines.too_long},
           {"commands_refused", lines.refused},
           {"bus_restarts", kurt_.session().restarts()},
-          {"reconnects", port_.reconnects()}};
+          {"reconnects", link_.reconnects()}};
 }
 
 node::Health KurtNode::health() const {
-  const KurtState state = kurt_.state(clock_().steady_us);
+  const std::int64_t now_us = clock_().steady_us;
+  const KurtState state = kurt_.state(now_us);
+  const bool is_contested = kurt_.is_contested(now_us);
   switch (state) {
     case KurtState::kNoLine:
-      return {node::HealthState::kFailed, port_.error()};
+      return {node::HealthState::kFailed, link_.error()};
     case KurtState::kNoBus:
     case KurtState::kNoBase:
-      return {node::HealthState::kFailed, describe(state)};
+      return {node::HealthState::kFailed, describe(state, false)};
     case KurtState::kNoDrive:
-      return {node::HealthState::kDegraded, describe(state)};
+      return {is_contested ? node::HealthState::kFailed : node::HealthState::kDegraded,
+              describe(state, is_contested)};
     case KurtState::kDriving:
       break;
   }

@@ -5,31 +5,28 @@
 #include <cstdint>
 #include <functional>
 #include <nlohmann/json_fwd.hpp>
+#include <span>
 
 #include "common/geometry/time.hpp"
 #include "common/node/device_node.hpp"
 #include "drivers/kurt/kurt.hpp"
 #include "drivers/kurt/params.hpp"
-#include "drivers/serial/reconnecting_port.hpp"
+#include "drivers/serial/serial_link.hpp"
 #include "nodmap/drive_t.hpp"
 #include "nodmap/stop_t.hpp"
 
 namespace nodmap::kurt {
 
-/// The shell of the KURT2 driver: carries bytes between port and Kurt, and messages between Kurt
-/// and bus.
+/// The shell of the KURT2 driver: carries bytes between the serial line and Kurt, and messages
+/// between Kurt and the bus.
 class KurtNode final : public node::DeviceNode {
  public:
   using Params = KurtParams;
 
-  KurtNode(node::Context& context, const KurtParams& params, serial::ReconnectingPort::Opener open,
+  KurtNode(node::Context& context, const KurtParams& params, serial::SerialLink::Opener open,
            std::function<time::Moment()> clock);
-  /// Stops the robot, whatever the way out.
+  /// Stops the robot, however the process ends.
   ~KurtNode() override;
-  KurtNode(const KurtNode&) = delete;
-  KurtNode& operator=(const KurtNode&) = delete;
-  KurtNode(KurtNode&&) = delete;
-  KurtNode& operator=(KurtNode&&) = delete;
 
   /// Takes in what has arrived and, when it is time, tells the base what to do. Waits for nothing
   /// but a port that does not take its bytes, and for that 5 ms.
@@ -45,24 +42,20 @@ class KurtNode final : public node::DeviceNode {
   [[nodiscard]] node::Health health() const override;
 
  private:
-  serial::ByteStream* connect(const time::Moment& now);
-  void lose_port(const time::Moment& now, const std::string& reason);
-  void receive(serial::ByteStream& stream, const time::Moment& now);
-  void send(serial::ByteStream& stream, const time::Moment& now);
+  void receive(std::span<const std::uint8_t> bytes, const time::Moment& now);
+  void send(const time::Moment& now);
   void on_drive(const nodmap::drive_t& message);
   void on_stop(const nodmap::stop_t& message);
   void publish_odometry(const OdometrySample& sample);
   void publish_sensors(const time::Moment& now);
-  void tell_change(KurtState state);
+  void log_change(const time::Moment& now);
 
   node::Context& context_;
   Kurt kurt_;
-  serial::ReconnectingPort port_;
+  serial::SerialLink link_;
   std::function<time::Moment()> clock_;
   bool stopped_ = false;
-  bool connected_ = false;
-  bool finished_ = false;
-  KurtState told_state_ = KurtState::kNoLine;
+  KurtState logged_state_ = KurtState::kNoLine;
   std::int64_t next_control_us_ = 0;
   std::int64_t next_sensors_us_ = 0;
   std::int64_t odometry_seq_ = 0;

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <utility>
 
 #include "common/geometry/se2.hpp"
 #include "drivers/kurt/kurt_frames.hpp"
@@ -19,39 +18,41 @@ struct OdometryState {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
 };
 
-/// Odometry of a skid-steered robot: three wheels a side turn together, so that in a turn they slip
-/// sideways and the robot turns less than the wheels' difference says; by how much is calibrated
-/// (turning_adaptation). Formulas of uos/kurt_driver, in a right-handed frame.
+/// Odometry of a skid-steered robot. The three wheels of a side are coupled, so they slip sideways
+/// when the robot rotates, and it rotates by less than the wheels' difference says; by how much is
+/// calibrated (turning_adaptation). Formulas of uos/kurt_driver, in a right-handed frame.
 class Odometry {
  public:
-  explicit Odometry(KurtParams params) : params_(std::move(params)) {}
+  Odometry(const WheelParams& wheels, const OdometryNoiseParams& noise)
+      : wheels_(wheels), noise_(noise) {}
 
-  /// Whether wheels can turn so fast.
+  /// Whether wheels can be so fast.
   [[nodiscard]] bool is_plausible(const EncoderTicks& ticks) const;
 
-  /// The wheels' turns of one encoder period. False, and the period bridged as if lost, when they
-  /// are not plausible.
+  /// The encoder ticks of one period. False, and the period is bridged as if lost, when they are
+  /// not plausible.
   bool add(const EncoderTicks& ticks);
 
   /// Encoder frames got lost: the robot drove on as it did, more or less.
   void bridge(int lost_frames);
 
-  /// For `gap_s` nothing is known. The pose stays and becomes uncertain by the way that the robot
-  /// may have rolled until the base stopped it.
+  /// For `gap_s` nothing is known. The pose stays, and becomes uncertain by the distance that the
+  /// robot may have rolled until the base stopped it.
   void bridge_gap(double gap_s);
 
   [[nodiscard]] const OdometryState& state() const { return state_; }
 
  private:
   [[nodiscard]] double m_per_tick() const {
-    return params_.wheel_perimeter_m / params_.ticks_per_turn;
+    return wheels_.perimeter_m / wheels_.ticks_per_revolution;
   }
 
-  /// Drives an arc. `sigma_share` is the share of distance and turn that is uncertain besides the
-  /// wheels' own noise.
-  void move(double distance_m, double turn_rad, double sigma_share);
+  /// Drives an arc. `sigma_ratio` times distance and rotation is the standard deviation that comes
+  /// on top of the wheels' own noise.
+  void move(double distance_m, double rotation_rad, double sigma_ratio);
 
-  KurtParams params_;
+  WheelParams wheels_;
+  OdometryNoiseParams noise_;
   OdometryState state_;
 };
 

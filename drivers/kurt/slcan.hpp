@@ -63,8 +63,8 @@ struct SlcanCounts {
   std::int64_t unknown = 0;    ///< other letters: states, errors and versions of some adapters
 };
 
-/// Bytes to lines. Takes any bytes in any pieces; what makes no sense is counted and dropped up to
-/// the next line end.
+/// Splits bytes into lines. Takes any bytes in any pieces; what makes no sense is counted and
+/// dropped up to the next line end.
 class SlcanParser {
  public:
   /// Calls `sink(const SlcanLine&)` for each line that these bytes complete.

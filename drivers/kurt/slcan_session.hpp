@@ -8,8 +8,8 @@
 
 namespace nodmap::kurt {
 
-/// Brings an SLCAN adapter from whatever state it is in onto the bus, and notices when it falls
-/// off. Pure: lines and times in, text to send out. Times are microseconds of one monotonic clock.
+/// Opens the CAN bus on an SLCAN adapter in any state, and notices when the adapter falls off it.
+/// Pure: lines and times in, text to send out. Times are microseconds of one monotonic clock.
 class SlcanSession {
  public:
   /// The port has just been opened.

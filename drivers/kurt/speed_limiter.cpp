@@ -7,25 +7,25 @@
 namespace nodmap::kurt {
 namespace {
 
-/// The share of the step from `now` to `target` that a wheel may make in one period.
-double allowed_share(double now, double target, double period_s, const KurtParams& params) {
+/// The fraction of the step from `now` to `target` that a wheel may make in one period.
+double allowed_fraction(double now, double target, double period_s, const SpeedLimits& limits) {
   const double step = std::abs(target - now);
   const bool gains = std::abs(target) > std::abs(now) && target * now >= 0.0;
   const double limit =
-      period_s * (gains ? params.max_acceleration_mps2 : params.max_deceleration_mps2);
+      period_s * (gains ? limits.max_acceleration_mps2 : limits.max_deceleration_mps2);
   return step <= limit ? 1.0 : limit / step;
 }
 
 }  // namespace
 
-WheelSpeeds wheel_speeds(const DriveCommand& command, const KurtParams& params) {
+WheelSpeeds wheel_speeds(const DriveCommand& command, const WheelParams& wheels) {
   // Odometry turns wheels into a turn rate by (right - left) / axis * turning_adaptation; this is
   // the inverse. kurt_driver takes the whole axis on each side instead.
-  const double lever_m = params.steering == Steering::kKurtDriver
-                             ? params.axis_m
-                             : 0.5 * params.axis_m / params.turning_adaptation;
-  const double turn_mps = lever_m * command.yaw_rate_rad_s;
-  return {command.forward_mps - turn_mps, command.forward_mps + turn_mps};
+  const double moment_arm_m = wheels.steering == Steering::kKurtDriver
+                                  ? wheels.axis_m
+                                  : 0.5 * wheels.axis_m / wheels.turning_adaptation;
+  const double rotation_mps = moment_arm_m * command.yaw_rate_rad_s;
+  return {command.forward_mps - rotation_mps, command.forward_mps + rotation_mps};
 }
 
 WheelSpeeds saturate(const WheelSpeeds& speeds, double max_speed_mps) {
@@ -35,14 +35,14 @@ WheelSpeeds saturate(const WheelSpeeds& speeds, double max_speed_mps) {
 }
 
 WheelSpeeds SpeedLimiter::step(const DriveCommand& target, double period_s) {
-  const WheelSpeeds goal = saturate(wheel_speeds(target, params_), params_.max_speed_mps);
-  // One share for both wheels, the smaller: from standstill and to standstill the robot keeps to
-  // the commanded curve.
-  const double share =
-      std::min(allowed_share(current_.left_mps, goal.left_mps, period_s, params_),
-               allowed_share(current_.right_mps, goal.right_mps, period_s, params_));
-  current_.left_mps += share * (goal.left_mps - current_.left_mps);
-  current_.right_mps += share * (goal.right_mps - current_.right_mps);
+  const WheelSpeeds goal = saturate(wheel_speeds(target, wheels_), limits_.max_speed_mps);
+  // The same fraction for both wheels, the smaller one: so the robot keeps to the commanded curve
+  // from standstill and to standstill.
+  const double fraction =
+      std::min(allowed_fraction(current_.left_mps, goal.left_mps, period_s, limits_),
+               allowed_fraction(current_.right_mps, goal.right_mps, period_s, limits_));
+  current_.left_mps += fraction * (goal.left_mps - current_.left_mps);
+  current_.right_mps += fraction * (goal.right_mps - current_.right_mps);
   return current_;
 }
 

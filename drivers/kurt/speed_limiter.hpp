@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <utility>
-
 #include "drivers/kurt/kurt_frames.hpp"
 #include "drivers/kurt/params.hpp"
 
@@ -14,26 +12,28 @@ struct DriveCommand {
 };
 
 /// The wheel speeds that drive this command.
-[[nodiscard]] WheelSpeeds wheel_speeds(const DriveCommand& command, const KurtParams& params);
+[[nodiscard]] WheelSpeeds wheel_speeds(const DriveCommand& command, const WheelParams& wheels);
 
 /// Slower by the same factor on both sides where one is too fast: the curvature stays.
 [[nodiscard]] WheelSpeeds saturate(const WheelSpeeds& speeds, double max_speed_mps);
 
-/// Leads the wheels from what they do to what they should do, within the robot's limits.
+/// Changes the wheel speeds towards the commanded ones, within the robot's limits.
 class SpeedLimiter {
  public:
-  explicit SpeedLimiter(KurtParams params) : params_(std::move(params)) {}
+  SpeedLimiter(const WheelParams& wheels, const SpeedLimits& limits)
+      : wheels_(wheels), limits_(limits) {}
 
   /// The wheel speeds for the next `period_s`.
   WheelSpeeds step(const DriveCommand& target, double period_s);
 
-  /// Zero, at once: for safety, without limit.
+  /// Zero, at once: a stop for safety has no limit.
   void stop() { current_ = {}; }
 
   [[nodiscard]] const WheelSpeeds& current() const { return current_; }
 
  private:
-  KurtParams params_;
+  WheelParams wheels_;
+  SpeedLimits limits_;
   WheelSpeeds current_;
 };
 

@@ -10,17 +10,17 @@
 #include "drivers/laser3d/params.hpp"
 #include "drivers/laser3d/passive_sync.hpp"
 #include "drivers/laser3d/scan_joiner.hpp"
-#include "drivers/laser3d/sick_session.hpp"
+#include "drivers/laser3d/sick/session.hpp"
 
 namespace nodmap::laser3d {
 
-/// To be done on a line, in this order.
+/// What to do on a line, in this order.
 struct LineAction {
   std::optional<int> baud;
   Bytes send;
 };
 
-/// Where the head is and what it is up to, at each reading of the servo.
+/// Where the head is and where it is going, at each reading of the servo.
 struct PitchState {
   PitchSample sample;
   Nod::Aim aim;
@@ -38,14 +38,15 @@ struct Laser3dOutput {
 
 enum class Condition : std::uint8_t { kOk, kDegraded, kFailed };
 
-struct Judgement {
+/// What is wrong with the scanner, if anything.
+struct Health {
   Condition condition = Condition::kOk;
   std::string reason;  ///< one sentence; empty when OK
 };
 
-/// The nodding 3D scanner: laser and servo, each in its own conversation, joined into scans with
-/// pitch. Bytes and times in; bytes, scans and pitch states out. All times, those of the scans
-/// included, are microseconds of the one clock of the caller, which never steps.
+/// Runs the nodding 3D scanner: joins laser and servo, each in its own conversation, into scans
+/// that know their pitch. Bytes and times in; bytes, scans and pitch states out. All times, those
+/// of the scans included, are microseconds of the caller's one clock, which never steps.
 class Laser3d {
  public:
   struct Counts {
@@ -68,28 +69,29 @@ class Laser3d {
   /// To be called at least every few milliseconds.
   [[nodiscard]] Laser3dOutput poll(std::int64_t now_us);
 
-  /// Where to nod from now on; false when it is no area (Nod::command).
+  /// Nods over `area` from now on; false when it is no area (Nod::command).
   bool command(const AreaOfInterest& area, std::int64_t now_us);
 
   /// Ends the stream; to be polled on until laser_at_rest().
   [[nodiscard]] Laser3dOutput shut_down(std::int64_t now_us);
   [[nodiscard]] bool laser_at_rest() const { return sick_.state() == SickSession::State::kClosed; }
 
-  [[nodiscard]] Judgement judge(std::int64_t now_us) const;
+  [[nodiscard]] Health health(std::int64_t now_us) const;
   [[nodiscard]] const Counts& counts() const { return counts_; }
   [[nodiscard]] const SickSession::Counts& laser_counts() const { return sick_.counts(); }
   [[nodiscard]] ServoCounts servo_line() const { return servo_->line_counts(); }
-  [[nodiscard]] const SickParser::Counts& laser_line() const { return parser_.counts(); }
+  [[nodiscard]] const SickParser& laser_line() const { return parser_; }
 
  private:
   void take(SickOutput output, Laser3dOutput& result);
   void take(ServoOutput output, std::int64_t now_us, Laser3dOutput& result);
   void take_scan(const SickScan& scan);
+  void note_quality(const SickScan& scan);
   [[nodiscard]] bool sees_something(const SickScan& scan) const;
   [[nodiscard]] bool is_blind(std::int64_t now_us) const;
   [[nodiscard]] std::int64_t sent_us(const SickScan& scan);
   void join(std::int64_t now_us, Laser3dOutput& result);
-  [[nodiscard]] scan::Scan to_scan(PitchedTurn pitched);
+  [[nodiscard]] scan::Scan to_scan(PitchedRevolution pitched);
 
   Laser3dParams params_;
   SickSession sick_;
@@ -106,8 +108,8 @@ class Laser3d {
   std::int64_t last_scan_us_ = 0;
   std::optional<std::int64_t> last_sight_us_;  // when a scan last saw something
   SickStatusByte status_;
-  double dazzled_share_ = 0.0;
-  double unmeasured_share_ = 0.0;  // dazzled beams among them
+  double dazzled_ratio_ = 0.0;
+  double unmeasured_ratio_ = 0.0;  // dazzled beams among them
   Counts counts_;
 };
 

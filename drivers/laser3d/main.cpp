@@ -1,6 +1,23 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "drivers/laser3d/program.hpp"
+#include "common/node/clock.hpp"
+#include "common/node/device_node.hpp"
+#include "common/params/params.hpp"
+#include "drivers/laser3d/node.hpp"
 
 int main(int argc, char** argv) {
-  return nodmap::laser3d::run_laser3d(argc, argv);
+  using namespace nodmap;  // NOLINT(google-build-using-namespace): a program of one page
+  laser3d::Laser3dParams params;
+  params::Table table(params);
+  return node::run_device_node(
+      argc, argv,
+      {"nodmap-laser3d",
+       "Drives the nodding 3D scanner, a SICK LMS2xx on a pitch servo: SCAN out."},
+      table, nullptr, [&params](node::Context& context) {
+        return std::make_unique<laser3d::Laser3dNode>(
+            context, params,
+            laser3d::Laser3dNode::Openers{
+                .laser = serial::port_opener(params.laser.device, params.laser.baud),
+                .servo = serial::port_opener(params.servo.device, params.servo.baud)},
+            time::now_on_both_clocks);
+      });
 }

@@ -4,7 +4,9 @@
 #include <cstdint>
 #include <optional>
 
-#include "drivers/laser3d/servo_session.hpp"
+#include "common/geometry/angle.hpp"
+#include "common/robot/robot_params.hpp"
+#include "drivers/laser3d/servo/session.hpp"
 
 namespace nodmap::laser3d {
 
@@ -15,17 +17,28 @@ struct AreaOfInterest {
   double sweep_s = 1.0;
 };
 
-struct NodSettings {
-  AreaOfInterest fallback;  ///< when nobody commands, or the command is old
-  double min_rad = 0.0;     ///< the mechanics
-  double max_rad = 0.0;
-  double max_speed_rad_s = 1.0;
-  double acceleration_rad_s2 = 1.0;
-  std::int64_t command_timeout_us = 1'000'000;
+struct NodParams {
+  /// Where to nod while nobody commands, or when the last command is too old.
+  AreaOfInterest fallback{.min_rad = geometry::deg_to_rad(-40.0),
+                          .max_rad = geometry::deg_to_rad(15.0),
+                          .sweep_s = 0.8};
+  double command_timeout_s = 1.0;
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.angle("default_min_deg", fallback.min_rad, {-90.0, 90.0},
+            "Lower end of the sweep while nobody commands.");
+    v.angle("default_max_deg", fallback.max_rad, {-90.0, 90.0},
+            "Upper end of the sweep while nobody commands; equal to the lower: held there.");
+    v.number("default_sweep_s", fallback.sweep_s, {0.1, 60.0},
+             "Time from one end to the other while nobody commands.");
+    v.number("command_timeout_s", command_timeout_s, {0.1, 10.0},
+             "A PITCH_COMMAND older than this counts no more.");
+  }
 };
 
-/// The movement of the head: to and fro between two pitches at constant speed, without a stop at
-/// the ends. It turns where the laser is measured to have arrived, not where it should be by now.
+/// Moves the head to and fro between two pitches at constant speed, without a stop at the ends. It
+/// reverses where the laser is measured to have arrived, not where it should be by now.
 class Nod {
  public:
   struct Aim {
@@ -33,21 +46,23 @@ class Nod {
     double speed_rad_s = 0.0;
   };
 
-  explicit Nod(const NodSettings& settings) : settings_(settings) {}
+  /// `robot` says what the mechanics can do: pitch limits, rate and acceleration.
+  Nod(const NodParams& params, const robot::RobotParams& robot) : params_(params), robot_(robot) {}
 
-  /// A command holds from now until another comes or it is too old. What the mechanics cannot do is
-  /// cut off. False, and nothing changes, when it is no area: not finite, or min above max.
+  /// Nods over `area` from now on, until another command comes or this one is too old. What the
+  /// mechanics cannot do is cut off. False, and nothing changes, when it is no area: not finite, or
+  /// min above max.
   bool command(const AreaOfInterest& area, std::int64_t now_us);
 
   /// Where to go, given where the laser is.
   [[nodiscard]] Aim step(const PitchSample& where, std::int64_t now_us);
 
-  /// Whether it was told to move and does not; known within 130 ms at the speeds of a robot that
-  /// drives (up to 1 rad/s), within 220 ms at 3 rad/s.
+  /// Whether the head was told to move and does not. Known within 130 ms at the speeds of a robot
+  /// that drives (up to 1 rad/s), within 220 ms at 3 rad/s.
   [[nodiscard]] bool stalled() const { return stalled_; }
-  /// How long a nod takes, to the other end and back; of a laser that is held, no time.
+  /// How long a nod takes, to the other end and back; 0 when the laser is held.
   [[nodiscard]] std::int64_t nod_us(std::int64_t now_us) const;
-  /// Counts the turns at the ends: sweep n runs the other way than sweep n + 1.
+  /// Counts the sweeps, each from one end to the other: odd ones run against even ones.
   [[nodiscard]] std::int64_t sweep() const { return sweep_; }
   [[nodiscard]] const Aim& aim() const { return aim_; }
 
@@ -57,20 +72,21 @@ class Nod {
   [[nodiscard]] double speed_for(const AreaOfInterest& area) const;
   [[nodiscard]] bool has_arrived(const PitchSample& where, const AreaOfInterest& area) const;
   void watch_for_stall(const PitchSample& where);
-  /// How long it may stay within half a degree: twice what that takes, the turn at an end, a
-  /// reserve.
+  /// How long the head may stay within half a degree: twice what that takes, the reversal at an
+  /// end, a reserve.
   [[nodiscard]] std::int64_t patience_us(const PitchSample& where) const;
-  void turn(std::int64_t time_us);
+  void reverse(std::int64_t time_us);
 
-  NodSettings settings_;
+  NodParams params_;
+  robot::RobotParams robot_;
   std::optional<AreaOfInterest> commanded_;
   std::int64_t commanded_us_ = 0;
   bool upwards_ = true;
   Aim aim_;
   std::int64_t sweep_ = 0;
-  std::int64_t turned_us_ = 0;
+  std::int64_t reversed_us_ = 0;
   bool nods_ = false;
-  std::optional<PitchSample> moved_;  // where it was when it last had moved
+  std::optional<PitchSample> moved_;  // where the head was when it last had moved
   std::int64_t last_us_ = 0;
   bool stalled_ = false;
 };

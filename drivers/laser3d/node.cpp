@@ -3,7 +3,6 @@
 
 #include <chrono>
 #include <nlohmann/json.hpp>
-#include <thread>
 #include <utility>
 
 #include "common/node/log.hpp"
@@ -13,26 +12,10 @@
 namespace nodmap::laser3d {
 namespace {
 
-using serial::IoStatus;
-using std::chrono::microseconds;
-
-constexpr microseconds kWriteTimeout{50'000};
-
-// At this rate the sensor takes bytes only with a pause of at least 55 us after each.
+// At this rate the sensor takes bytes only with a pause of at least 55 us after each. Requests are
+// short, and rare once the stream runs.
 constexpr int kPacedBaud = 500'000;
-constexpr microseconds kBytePause{60};
-
-/// The bytes one by one: requests are short, and rare once the stream runs.
-IoStatus write_paced(serial::ByteStream& stream, ByteView bytes) {
-  for (std::size_t i = 0; i < bytes.size(); ++i) {
-    const IoStatus status = stream.write(bytes.subspan(i, 1), kWriteTimeout);
-    if (status != IoStatus::kOk) {
-      return status;
-    }
-    std::this_thread::sleep_for(kBytePause);
-  }
-  return IoStatus::kOk;
-}
+constexpr std::chrono::microseconds kBytePause{60};
 
 }  // namespace
 
@@ -41,8 +24,27 @@ Laser3dNode::Laser3dNode(node::Context& context, const Laser3dParams& params, Op
     : context_(context),
       params_(params),
       driver_(params),
-      laser_{serial::ReconnectingPort(std::move(open.laser)), false, params.laser_baud},
-      servo_{serial::ReconnectingPort(std::move(open.servo)), false, params.servo_baud},
+      laser_("laser", std::move(open.laser),
+             {.opened =
+                  [this](const time::Moment& now) {
+                    carry_out(driver_.laser_opened(now.steady_us), now);
+                  },
+              .received =
+                  [this](ByteView bytes, const time::Moment& now) {
+                    carry_out(driver_.receive_laser(bytes, now.steady_us), now);
+                  },
+              .lost = [this] { driver_.laser_lost(); }}),
+      servo_("servo", std::move(open.servo),
+             {.opened =
+                  [this](const time::Moment& now) {
+                    carry_out(driver_.servo_opened(now.steady_us), now);
+                  },
+              .received =
+                  [this](ByteView bytes, const time::Moment& now) {
+                    carry_out(driver_.receive_servo(bytes, now.steady_us), now);
+                  },
+              .lost = [this] { driver_.servo_lost(); }}),
+      laser_baud_(params.laser.baud),
       clock_(std::move(clock)) {
   context_.bus.subscribe<nodmap::pitch_command_t>(
       "PITCH_COMMAND", [this](const nodmap::pitch_command_t& message) { on_command(message); });
@@ -50,59 +52,22 @@ Laser3dNode::Laser3dNode(node::Context& context, const Laser3dParams& params, Op
 
 void Laser3dNode::spin_once() {
   const time::Moment now = clock_();
-  attend(laser_, now);
-  attend(servo_, now);
+  laser_.poll(now);
+  servo_.poll(now);
   carry_out(driver_.poll(now.steady_us), now);
   const std::int64_t lost =
       driver_.counts().telegrams_missed + driver_.counts().scans_without_pitch;
-  context_.counts.lose(lost - std::exchange(told_lost_, lost));
-  tell_change(now);
+  context_.counts.lose(lost - std::exchange(reported_lost_, lost));
+  log_change(now);
 }
 
 std::array<int, 2> Laser3dNode::poll_handles() {
-  const auto handle = [](Line& line) {
-    serial::ByteStream* stream = line.port.is_open() ? line.port.stream(0) : nullptr;
-    return stream != nullptr ? stream->poll_handle() : -1;
-  };
-  return {handle(laser_), handle(servo_)};
+  return {laser_.poll_handle(), servo_.poll_handle()};
 }
 
 void Laser3dNode::shut_down() {
   const time::Moment now = clock_();
   carry_out(driver_.shut_down(now.steady_us), now);
-}
-
-void Laser3dNode::attend(Line& line, const time::Moment& now) {
-  const bool is_laser = &line == &laser_;
-  serial::ByteStream* stream = line.port.stream(now.steady_us);
-  if (stream == nullptr) {
-    return;
-  }
-  if (!std::exchange(line.connected, true)) {
-    carry_out(is_laser ? driver_.laser_opened(now.steady_us) : driver_.servo_opened(now.steady_us),
-              now);
-    return;
-  }
-  std::array<std::uint8_t, 4096> buffer{};
-  const serial::ReadResult result = stream->read(buffer, microseconds(0));
-  if (result.status == IoStatus::kDisconnected) {
-    lose(line, now, "the line is disconnected");
-    return;
-  }
-  const auto bytes = ByteView(buffer).first(result.count);
-  carry_out(is_laser ? driver_.receive_laser(bytes, now.steady_us)
-                     : driver_.receive_servo(bytes, now.steady_us),
-            now);
-}
-
-void Laser3dNode::lose(Line& line, const time::Moment& now, const std::string& reason) {
-  line.port.give_up(now.steady_us, reason);
-  line.connected = false;
-  if (&line == &laser_) {
-    driver_.laser_lost();
-  } else {
-    driver_.servo_lost();
-  }
 }
 
 void Laser3dNode::carry_out(Laser3dOutput output, const time::Moment& now) {
@@ -120,25 +85,17 @@ void Laser3dNode::carry_out(Laser3dOutput output, const time::Moment& now) {
   }
 }
 
-void Laser3dNode::perform(Line& line, const LineAction& action, const time::Moment& now) {
-  serial::ByteStream* stream = line.port.is_open() ? line.port.stream(now.steady_us) : nullptr;
-  if (stream == nullptr) {
-    return;
-  }
+void Laser3dNode::perform(serial::SerialLink& link, const LineAction& action,
+                          const time::Moment& now) {
+  const bool is_laser = &link == &laser_;
   if (action.baud) {
-    if (!stream->set_baud(*action.baud)) {
-      log::get().warn("the line does not go at {} bit/s", *action.baud);
-    }
-    stream->discard_input();
-    line.baud = *action.baud;
+    link.set_baud(*action.baud);
+    laser_baud_ = is_laser ? *action.baud : laser_baud_;
   }
-  const bool paced = &line == &laser_ && line.baud == kPacedBaud;
-  const IoStatus status = action.send.empty() ? IoStatus::kOk
-                          : paced             ? write_paced(*stream, action.send)
-                                              : stream->write(action.send, kWriteTimeout);
-  if (status != IoStatus::kOk) {
-    lose(line, now,
-         status == IoStatus::kTimeout ? "the line takes no bytes" : "the line is disconnected");
+  if (!action.send.empty()) {
+    serial::SerialLink::WriteOptions options;
+    options.byte_pause = is_laser && laser_baud_ == kPacedBaud ? kBytePause : options.byte_pause;
+    link.write(action.send, now, options);
   }
 }
 
@@ -146,7 +103,7 @@ void Laser3dNode::on_command(const nodmap::pitch_command_t& message) {
   const time::Moment now = clock_();
   // Any number may come: in integers the difference could overflow.
   const double age_us = static_cast<double>(now.utime_us) - static_cast<double>(message.utime);
-  if (std::abs(1e-6 * age_us) > params_.command_timeout_s) {
+  if (std::abs(1e-6 * age_us) > params_.nod.command_timeout_s) {
     context_.counts.reject("stale");
     return;
   }
@@ -177,63 +134,64 @@ void Laser3dNode::publish(scan::Scan scan, const time::Moment& now) {
   context_.bus.publish("SCAN", node::write_scan(scan));
 }
 
-void Laser3dNode::tell_change(const time::Moment& now) {
-  const Judgement judgement = driver_.judge(now.steady_us);
-  if (judgement.reason == told_) {
+void Laser3dNode::log_change(const time::Moment& now) {
+  const Health health = driver_.health(now.steady_us);
+  if (health.reason == logged_) {
     return;
   }
-  told_ = judgement.reason;
-  if (told_.empty()) {
+  logged_ = health.reason;
+  if (logged_.empty()) {
     log::get().info("scanning");
   } else {
-    log::get().warn("{}", told_);
+    log::get().warn("{}", logged_);
   }
 }
 
 nlohmann::json Laser3dNode::metrics() const {
   const Laser3d::Counts& scanner = driver_.counts();
   const SickSession::Counts& laser = driver_.laser_counts();
-  const SickParser::Counts& line = driver_.laser_line();
+  const SickParser& parser = driver_.laser_line();
+  const serial::FrameScanner::Errors& errors = parser.errors();
   const ServoCounts servo = driver_.servo_line();
   return {{"scans", scanner.scans},
           {"scans_without_pitch", scanner.scans_without_pitch},
           {"telegrams_missed", scanner.telegrams_missed},
           {"dazzled_beams", scanner.dazzled_beams},
           {"scans_blind", scanner.scans_blind},
-          {"telegrams", line.telegrams},
-          {"checksum_errors", line.checksum_errors},
-          {"implausible_frames", line.implausible},
-          {"expired_frames", line.expired},
-          {"skipped_bytes", line.skipped_bytes},
+          {"telegrams", parser.telegrams()},
+          {"checksum_errors", errors.checksum},
+          {"implausible_frames", errors.implausible},
+          {"expired_frames", errors.expired},
+          {"skipped_bytes", errors.skipped_bytes},
           {"laser_connections", laser.connections},
           {"laser_freezes", laser.freezes},
           {"laser_power_ons", laser.power_ons},
           {"config_writes", laser.config_writes},
-          {"laser_reconnects", laser_.port.reconnects()},
+          {"laser_reconnects", laser_.reconnects()},
           {"servo_unanswered", servo.unanswered},
           {"servo_damaged_requests", servo.damaged},
           {"servo_checksum_errors", servo.checksum_errors},
           {"servo_implausible", servo.implausible},
-          {"servo_reconnects", servo_.port.reconnects()}};
+          {"servo_reconnects", servo_.reconnects()}};
 }
 
 node::Health Laser3dNode::health() const {
-  if (!laser_.port.is_open()) {
-    return {node::HealthState::kFailed, "laser: " + laser_.port.error()};
+  if (!laser_.is_open()) {
+    return {node::HealthState::kFailed, "laser: " + laser_.error()};
   }
-  if (!servo_.port.is_open()) {
-    return {node::HealthState::kFailed, "servo: " + servo_.port.error()};
+  if (!servo_.is_open()) {
+    return {node::HealthState::kFailed, "servo: " + servo_.error()};
   }
-  const Judgement judgement = driver_.judge(clock_().steady_us);
-  switch (judgement.condition) {
+  const Health health = driver_.health(clock_().steady_us);
+  switch (health.condition) {
     case Condition::kOk:
       return {node::HealthState::kOk, "", false};
     case Condition::kDegraded:
-      return {node::HealthState::kDegraded, judgement.reason};
+      return {node::HealthState::kDegraded, health.reason};
     case Condition::kFailed:
       break;
   }
-  return {node::HealthState::kFailed, judgement.reason};
+  return {node::HealthState::kFailed, health.reason};
 }
 
 }  // namespace nodmap::laser3d

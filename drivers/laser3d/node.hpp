@@ -9,21 +9,21 @@
 #include "common/geometry/time.hpp"
 #include "common/node/device_node.hpp"
 #include "drivers/laser3d/laser3d.hpp"
-#include "drivers/serial/reconnecting_port.hpp"
+#include "drivers/serial/serial_link.hpp"
 #include "nodmap/pitch_command_t.hpp"
 
 namespace nodmap::laser3d {
 
-/// The shell of the 3D scanner: carries bytes between two ports and Laser3d, and messages between
-/// Laser3d and bus.
+/// The shell of the 3D scanner: carries bytes between two serial lines and Laser3d, and messages
+/// between Laser3d and the bus.
 class Laser3dNode final : public node::DeviceNode {
  public:
   using Params = Laser3dParams;
-  static constexpr std::int64_t kTurnUs = 2000;
+  static constexpr std::int64_t kPollPeriodUs = 2000;
 
   struct Openers {
-    serial::ReconnectingPort::Opener laser;
-    serial::ReconnectingPort::Opener servo;
+    serial::SerialLink::Opener laser;
+    serial::SerialLink::Opener servo;
   };
 
   Laser3dNode(node::Context& context, const Laser3dParams& params, Openers open,
@@ -35,7 +35,7 @@ class Laser3dNode final : public node::DeviceNode {
 
   [[nodiscard]] std::array<int, 2> poll_handles() override;
   /// The conversations with laser and servo look after their time-outs.
-  [[nodiscard]] std::int64_t wait_us() const override { return kTurnUs; }
+  [[nodiscard]] std::int64_t wait_us() const override { return kPollPeriodUs; }
 
   /// Ends the laser's stream, so that the next start is quick.
   void shut_down() override;
@@ -45,29 +45,22 @@ class Laser3dNode final : public node::DeviceNode {
   [[nodiscard]] node::Health health() const override;
 
  private:
-  struct Line {
-    serial::ReconnectingPort port;
-    bool connected = false;
-    int baud = 0;
-  };
-
-  void attend(Line& line, const time::Moment& now);
-  void lose(Line& line, const time::Moment& now, const std::string& reason);
   void carry_out(Laser3dOutput output, const time::Moment& now);
-  void perform(Line& line, const LineAction& action, const time::Moment& now);
+  void perform(serial::SerialLink& link, const LineAction& action, const time::Moment& now);
   void on_command(const nodmap::pitch_command_t& message);
   void publish(const PitchState& state, const time::Moment& now);
   void publish(scan::Scan scan, const time::Moment& now);
-  void tell_change(const time::Moment& now);
+  void log_change(const time::Moment& now);
 
   node::Context& context_;
   Laser3dParams params_;
   Laser3d driver_;
-  Line laser_;
-  Line servo_;
+  serial::SerialLink laser_;
+  serial::SerialLink servo_;
+  int laser_baud_;
   std::function<time::Moment()> clock_;
-  std::string told_;
-  std::int64_t told_lost_ = 0;
+  std::string logged_;
+  std::int64_t reported_lost_ = 0;
   std::int64_t state_seq_ = 0;
 };
 

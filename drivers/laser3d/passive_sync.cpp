@@ -17,7 +17,7 @@ constexpr std::int64_t kWindowUs = 1'000'000;
 
 std::int64_t PassiveSync::to_host_us(std::int64_t ticks, std::int64_t host_us) {
   const double silence_ticks = static_cast<double>(host_us - last_host_us_) / clock_.tick_us;
-  // After half a turn of the counter nobody knows how often it went round.
+  // After half a round of the counter nobody knows how often it has wrapped.
   if (!started_ || host_us < last_host_us_ ||
       silence_ticks > 0.5 * static_cast<double>(clock_.wrap_ticks)) {
     start(ticks, host_us);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <boost/core/noncopyable.hpp>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -20,30 +21,25 @@ struct ReadResult {
   std::size_t count = 0;  ///< bytes read; more than 0 exactly when the status is kOk
 };
 
-/// Bytes to and from a device. A failure is a value: a device that is pulled out is no exception.
-class ByteStream {
+/// Bytes to and from a device. A failure is a value, not an exception: devices do get unplugged.
+class ByteStream : private boost::noncopyable {
  public:
-  ByteStream() = default;
-  ByteStream(const ByteStream&) = delete;
-  ByteStream& operator=(const ByteStream&) = delete;
-  ByteStream(ByteStream&&) = delete;
-  ByteStream& operator=(ByteStream&&) = delete;
   virtual ~ByteStream() = default;
 
-  /// Waits until there are bytes, at most `timeout` (0: does not wait), and takes what is there. A
-  /// raised stop event ends the wait at once.
+  /// Waits at most `timeout` for bytes (0: does not wait) and takes those that are there. A raised
+  /// stop event ends the wait at once.
   [[nodiscard]] virtual ReadResult read(std::span<std::uint8_t> buffer,
                                         std::chrono::microseconds timeout) = 0;
 
-  /// Writes all of `bytes`, or as much as the device takes within `timeout`. The stop event does
-  /// not shorten it: the last thing a driver does is to write "stop".
+  /// Writes all of `bytes`, or as many as the device takes within `timeout`. The stop event does
+  /// not shorten a write: the last thing a driver does is to write "stop".
   [[nodiscard]] virtual IoStatus write(std::span<const std::uint8_t> bytes,
                                        std::chrono::microseconds timeout) = 0;
 
   /// Changes the line rate, bit/s; false when the device refuses it.
   [[nodiscard]] virtual bool set_baud(int baud) = 0;
 
-  /// Forgets what has arrived but was not read yet.
+  /// Drops what has arrived but has not been read.
   virtual void discard_input() = 0;
 
   /// False from the moment a read or write found the device gone.
@@ -51,6 +47,47 @@ class ByteStream {
 
   /// The descriptor to watch in a poll loop together with others; reading is still through read().
   [[nodiscard]] virtual int poll_handle() const = 0;
+};
+
+/// Ends a wait from outside: once raised it stays raised. raise() may be called from another thread
+/// and from a signal handler.
+class StopEvent : private boost::noncopyable {
+ public:
+  /// Throws std::system_error when the process has no descriptors left.
+  StopEvent();
+  ~StopEvent();
+
+  void raise() const noexcept;
+  [[nodiscard]] bool raised() const noexcept;
+
+  /// Readable from the moment the event is raised.
+  [[nodiscard]] int poll_handle() const { return fd_; }
+
+ private:
+  int fd_;
+};
+
+/// Reads and writes a non-blocking descriptor that the derived class opens, configures and closes:
+/// what serial ports and pseudo-terminals have in common.
+class DescriptorStream : public ByteStream {
+ public:
+  /// `stop` may be null; otherwise it must outlive the stream.
+  DescriptorStream(int fd, const StopEvent* stop) : fd_(fd), stop_(stop) {}
+
+  [[nodiscard]] ReadResult read(std::span<std::uint8_t> buffer,
+                                std::chrono::microseconds timeout) override;
+  [[nodiscard]] IoStatus write(std::span<const std::uint8_t> bytes,
+                               std::chrono::microseconds timeout) override;
+  void discard_input() override;
+  [[nodiscard]] bool connected() const override { return connected_; }
+  [[nodiscard]] int poll_handle() const override { return fd_; }
+
+ private:
+  [[nodiscard]] ReadResult read_now(std::span<std::uint8_t> buffer);
+
+  int fd_;
+  const StopEvent* stop_;
+  bool connected_ = true;
 };
 
 }  // namespace nodmap::serial

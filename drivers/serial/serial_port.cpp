@@ -1,20 +1,30 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drivers/serial/serial_port.hpp"
 
+#include <asm/termbits.h>  // termios2, with rates as numbers; not to be mixed with <termios.h>
 #include <fcntl.h>
 #include <libserialport.h>
+#include <sys/file.h>
 #include <sys/ioctl.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <filesystem>
 #include <system_error>
 #include <utility>
 
-#include "drivers/serial/descriptor_stream.hpp"
-#include "drivers/serial/pty_port.hpp"
-
 namespace nodmap::serial {
 namespace {
+
+/// Takes the lock on an open device that every process of ours asks for; false when another has it.
+/// The kernel gives it back when the holder dies, however that happens.
+bool lock_device(int fd) {
+  return ::flock(fd, LOCK_EX | LOCK_NB) == 0;
+}
+
+OpenResult in_use(const std::string& device) {
+  return {nullptr, device + ": in use by another process"};
+}
 
 struct PortDeleter {
   void operator()(sp_port* port) const { sp_free_port(port); }
@@ -42,10 +52,6 @@ class SerialPort final : public DescriptorStream {
  public:
   SerialPort(PortHandle open_port, const StopEvent* stop)
       : DescriptorStream(descriptor_of(open_port.get()), stop), port_(std::move(open_port)) {}
-  SerialPort(const SerialPort&) = delete;
-  SerialPort& operator=(const SerialPort&) = delete;
-  SerialPort(SerialPort&&) = delete;
-  SerialPort& operator=(SerialPort&&) = delete;
   ~SerialPort() override {
     if (exclusive_) {  // not where it is another's, as when the port was refused
       ::ioctl(poll_handle(), TIOCNXCL);
@@ -98,7 +104,7 @@ OpenResult open_with_libserialport(PortHandle port, const PortSettings& settings
   }
   auto open_port = std::make_unique<SerialPort>(std::move(port), settings.stop);
   if (!open_port->make_exclusive()) {
-    return {nullptr, settings.device + ": in use by another process"};
+    return in_use(settings.device);
   }
   if (!open_port->configure(settings.baud)) {
     return {nullptr, settings.device + ": does not do " + std::to_string(settings.baud) +
@@ -106,6 +112,45 @@ OpenResult open_with_libserialport(PortHandle port, const PortSettings& settings
   }
   open_port->discard_input();
   return {std::move(open_port), {}};
+}
+
+/// Raw, at any rate. A pseudo-terminal moves bytes at every rate alike; the one set is what a
+/// simulated device can read back to refuse a driver that speaks at the wrong one.
+bool set_raw(int fd, int baud) {
+  termios2 attributes{};
+  if (baud <= 0 || ::ioctl(fd, TCGETS2, &attributes) != 0) {
+    return false;
+  }
+  attributes.c_iflag = 0;
+  attributes.c_oflag = 0;
+  attributes.c_lflag = 0;
+  attributes.c_cflag = CS8 | CREAD | CLOCAL | BOTHER;
+  attributes.c_ispeed = static_cast<speed_t>(baud);
+  attributes.c_ospeed = static_cast<speed_t>(baud);
+  return ::ioctl(fd, TCSETS2, &attributes) == 0;
+}
+
+class PtyPort final : public DescriptorStream {
+ public:
+  PtyPort(int fd, const StopEvent* stop) : DescriptorStream(fd, stop) {}
+  ~PtyPort() override { ::close(poll_handle()); }
+
+  [[nodiscard]] bool set_baud(int baud) override { return set_raw(poll_handle(), baud); }
+};
+
+OpenResult open_pty(const PortSettings& settings) {
+  const int fd = ::open(settings.device.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+  if (fd < 0) {
+    return {nullptr, settings.device + ": " + std::system_category().message(errno)};
+  }
+  auto port = std::make_unique<PtyPort>(fd, settings.stop);
+  if (!lock_device(fd)) {
+    return in_use(settings.device);
+  }
+  if (!port->set_baud(settings.baud)) {
+    return {nullptr, settings.device + ": does not do " + std::to_string(settings.baud) + " bit/s"};
+  }
+  return {std::move(port), {}};
 }
 
 }  // namespace
@@ -123,7 +168,7 @@ OpenResult open_serial_port(const PortSettings& settings) {
   if (sp_get_port_by_name(found.device.c_str(), &port) == SP_OK) {
     return open_with_libserialport(PortHandle(port), found);
   }
-  if (is_pty(found.device)) {
+  if (found.device.starts_with("/dev/pts/")) {
     return open_pty(found);
   }
   return {nullptr, found.device + ": not a serial port"};

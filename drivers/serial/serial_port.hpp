@@ -5,7 +5,6 @@
 #include <string>
 
 #include "drivers/serial/byte_stream.hpp"
-#include "drivers/serial/stop_event.hpp"
 
 namespace nodmap::serial {
 

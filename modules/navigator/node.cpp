@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "modules/navigator/node.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -82,6 +83,9 @@ void NavigatorNode::on_odometry(const nodmap::odometry_t& message) {
   if (odometry_ && message.odometry_seq < odometry_->seq) {
     begin_odometry_frame(message.utime);
   }
+  // The frame began no later than any of its odometry: an earlier stamp means that the first one
+  // was wrong, or that the clock has been set back since.
+  odometry_frame_began_us_ = std::min(odometry_frame_began_us_, message.utime);
   context_.counts.use();
   odometry_ = {message.odometry_seq, geometry::to_se2(*T_odom_base), message.forward_mps,
                message.yaw_rate_rad_s};

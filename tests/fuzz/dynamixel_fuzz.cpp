@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Any bytes, in any pieces, with any pauses, through the servo's parser and its conversation; and
-// the conversation again with answers of any content whose check sums are right, which single
+// the conversation again with answers of any content whose checksums are right, which single
 // changed bits would never be.
 #include <cmath>
 #include <cstddef>
@@ -8,8 +8,8 @@
 #include <cstdlib>
 #include <vector>
 
-#include "drivers/laser3d/dynamixel.hpp"
-#include "drivers/laser3d/dynamixel_session.hpp"
+#include "drivers/laser3d/servo/dynamixel.hpp"
+#include "drivers/laser3d/servo/dynamixel_session.hpp"
 
 namespace {
 
@@ -28,25 +28,24 @@ void check(const ServoOutput& output, std::int64_t now_us) {
 
 /// An answer of the servo: error and parameters, in a whole frame.
 std::vector<std::uint8_t> answer_of(ByteView content) {
-  const std::size_t length = content.size() + 3;  // instruction and check sum
+  const std::size_t length = content.size() + 3;  // instruction and checksum
   std::vector<std::uint8_t> frame{0xFF,
                                   0xFF,
                                   0xFD,
                                   0x00,
-                                  DynamixelSettings{}.id,
+                                  static_cast<std::uint8_t>(ServoParams{}.id),
                                   static_cast<std::uint8_t>(length & 0xFFU),
                                   static_cast<std::uint8_t>(length >> 8U),
                                   0x55};
   frame.insert(frame.end(), content.begin(), content.end());
   const std::uint16_t crc = dynamixel_crc(frame);
-  frame.push_back(static_cast<std::uint8_t>(crc & 0xFFU));
-  frame.push_back(static_cast<std::uint8_t>(crc >> 8U));
+  nodmap::serial::append_little(frame, crc);
   return frame;
 }
 
 /// The first byte of each answer tells how long it is, and how late.
 void answer(const std::uint8_t* data, std::size_t size) {
-  DynamixelSession session({});
+  DynamixelSession session({}, 40.0);
   std::int64_t now_us = 0;
   static_cast<void>(session.open(now_us));
   static_cast<void>(session.poll(now_us));
@@ -67,7 +66,7 @@ void answer(const std::uint8_t* data, std::size_t size) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   answer(data, size);
   DynamixelParser parser(1'000'000);
-  DynamixelSession session({});
+  DynamixelSession session({}, 40.0);
   std::int64_t now_us = 0;
   static_cast<void>(session.open(now_us));
   std::size_t at = 0;

@@ -63,13 +63,13 @@ def sick_scan(count, first, step):
 def main():
     out = pathlib.Path(sys.argv[1])
     write_seeds(out / "slcan", slcan_lines())
-    sick = [f for name in ("golden.hpp", "sick_telegram_test.cpp", "sick_command_test.cpp") for f in frames(TESTS / name)]
+    sick = [f for name in ("golden.hpp", "sick/telegram_test.cpp", "sick/command_test.cpp") for f in frames(TESTS / name)]
     sick += [sick_scan(181, 1000, 1), sick_scan(361, 1000, 0), sick_scan(401, 8000, 1)]
     write_seeds(out / "sick", sick)
     write_seeds(out / "pmd", [file.read_bytes() for file in sorted((ROOT / "procman").glob("*.pmd"))] + PMD)
     write_seeds(out / "octomap", OCTOMAP)
     write_seeds(out / "viewer_session", VIEWER_SESSION)
-    write_seeds(out / "dynamixel", [f for f in frames(TESTS / "dynamixel_test.cpp")])
+    write_seeds(out / "dynamixel", [f for f in frames(TESTS / "servo" / "dynamixel_test.cpp")])
 
 
 if __name__ == "__main__":

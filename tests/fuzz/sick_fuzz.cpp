@@ -5,8 +5,7 @@
 #include <cstdint>
 #include <cstdlib>
 
-#include "drivers/laser3d/mirror.hpp"
-#include "drivers/laser3d/sick_session.hpp"
+#include "drivers/laser3d/sick/session.hpp"
 
 namespace {
 
@@ -27,8 +26,8 @@ void check(const SickTelegram& telegram) {
         require(!(range_m < 0.0F));
         require(!std::isfinite(range_m) || range_m <= 330.0F);
       }
-      static_cast<void>(mirror_turns(*scan, SickVariant::k100x025, telegram.first_byte_us));
-      static_cast<void>(interlaced_turn(*scan, telegram.first_byte_us));
+      static_cast<void>(mirror_revolutions(*scan, SickVariant::k100x025, telegram.first_byte_us));
+      static_cast<void>(interlaced_revolution(*scan, telegram.first_byte_us));
     }
   }
   if (const auto config = read_config(telegram)) {
@@ -61,6 +60,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
     static_cast<void>(session.poll(now_us));
   }
-  require(static_cast<std::size_t>(parser.counts().skipped_bytes) <= size);
+  require(static_cast<std::size_t>(parser.errors().skipped_bytes) <= size);
   return 0;
 }

@@ -51,7 +51,7 @@ ChildProcess::ChildProcess(const std::vector<std::string>& command, const Option
 }
 
 ChildProcess::~ChildProcess() {
-  if (pid_ > 0) {
+  if (!exit_code_) {
     ::kill(pid_, SIGKILL);
     ::waitpid(pid_, nullptr, 0);
   }
@@ -73,6 +73,9 @@ void ChildProcess::send_signal(int signal) const {
 }
 
 std::optional<int> ChildProcess::wait_for_end(milliseconds timeout) {
+  if (exit_code_) {
+    return exit_code_;
+  }
   const auto deadline = SteadyClock::now() + timeout;
   int status = 0;
   while (::waitpid(pid_, &status, WNOHANG) == 0) {
@@ -84,10 +87,10 @@ std::optional<int> ChildProcess::wait_for_end(milliseconds timeout) {
       ::usleep(1000);
     }
   }
-  pid_ = -1;
+  exit_code_ = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   while (read_some(milliseconds(0))) {
   }
-  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  return exit_code_;
 }
 
 /// False when nothing came in time, or nothing can come any more.

@@ -33,7 +33,8 @@ class ChildProcess {
 
   void send_signal(int signal) const;
 
-  /// Its exit code, or 128 and the signal that ended it; nothing when it does not end in time.
+  /// Its exit code, or 128 and the signal that ended it; nothing when it does not end in time. May
+  /// be asked again.
   [[nodiscard]] std::optional<int> wait_for_end(std::chrono::milliseconds timeout);
 
   [[nodiscard]] const std::string& said() const { return said_; }
@@ -42,6 +43,7 @@ class ChildProcess {
   [[nodiscard]] bool read_some(std::chrono::milliseconds timeout);
 
   pid_t pid_ = -1;
+  std::optional<int> exit_code_;
   int stderr_fd_ = -1;
   std::string said_;
 };

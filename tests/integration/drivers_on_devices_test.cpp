@@ -135,9 +135,9 @@ struct Case {
 
 laser3d::Laser3dParams with(laser3d::SickVariant variant, bool interlaced, laser3d::SickUnit unit) {
   laser3d::Laser3dParams params;
-  params.variant = variant;
-  params.interlaced = interlaced;
-  params.unit = unit;
+  params.laser.variant = variant;
+  params.laser.interlaced = interlaced;
+  params.laser.unit = unit;
   return params;
 }
 
@@ -149,7 +149,7 @@ TEST_P(DriversOnDevices, ScansTellWhenAndWhereTheyWereMeasured) {
   constexpr std::int64_t kStartedUs = 15'000'000;
   constexpr std::int64_t kEndUs = 45'000'000;
   run.run_until(kStartedUs);
-  ASSERT_EQ(run.driver().judge(kStartedUs).reason, "");
+  ASSERT_EQ(run.driver().health(kStartedUs).reason, "");
   run.scans.clear();
   run.run_until(kEndUs);
   const double rate = static_cast<double>(run.scans.size()) * 1e6 / (kEndUs - kStartedUs);
@@ -217,9 +217,9 @@ double wall_rms_m(const std::vector<scan::Scan>& scans) {
 std::vector<scan::Scan> scans_of_the_wall(double pitch_min_deg, double pitch_max_deg,
                                           double sweep_s) {
   laser3d::Laser3dParams params;
-  params.default_min_rad = geometry::deg_to_rad(pitch_min_deg);
-  params.default_max_rad = geometry::deg_to_rad(pitch_max_deg);
-  params.default_sweep_s = sweep_s;
+  params.nod.fallback.min_rad = geometry::deg_to_rad(pitch_min_deg);
+  params.nod.fallback.max_rad = geometry::deg_to_rad(pitch_max_deg);
+  params.nod.fallback.sweep_s = sweep_s;
   ScannerRun run(params, sim::Lms200Params{}, wall());
   run.run_until(15'000'000);
   run.scans.clear();
@@ -228,8 +228,8 @@ std::vector<scan::Scan> scans_of_the_wall(double pitch_min_deg, double pitch_max
 }
 
 // R2: a wall seen while nodding by a degree from scan to scan is as flat as one seen by a laser at
-// rest, since each beam has its own pitch. With one pitch for all of a scan it is not: the half
-// turn of the mirror lasts half of the degree.
+// rest, since each beam has its own pitch. With one pitch for all of a scan it is not: during the
+// half revolution of the mirror the head moves by half of the degree.
 TEST(LaserOnDevice, R2_TheWallIsFlatWhileTheLaserNods) {
   const double still_m = wall_rms_m(scans_of_the_wall(35.0, 35.0, 1.0));
   std::vector<scan::Scan> scans = scans_of_the_wall(15.0, 55.0, 40.0 / 75.0);
@@ -252,7 +252,7 @@ TEST(LaserOnDevice, R2_TheWallIsFlatWhileTheLaserNods) {
 TEST(LaserOnDevice, R3_ThePitchThatIsHeldIsThePitchThatWasAskedFor) {
   for (const double pitch_deg : {-60.0, -33.3, 0.0, 12.7, 60.0}) {
     laser3d::Laser3dParams params;
-    params.default_min_rad = params.default_max_rad = geometry::deg_to_rad(pitch_deg);
+    params.nod.fallback.min_rad = params.nod.fallback.max_rad = geometry::deg_to_rad(pitch_deg);
     ScannerRun run(params, sim::Lms200Params{});
     run.run_until(15'000'000);
     ASSERT_FALSE(run.scans.empty());
@@ -268,7 +268,7 @@ TEST(LaserOnDevice, AFactoryNewSensorAt9600IsConfiguredOnce) {
                     0, 0, 0,    0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 2, 0};
   ScannerRun run(laser3d::Laser3dParams{}, factory);
   run.run_until(20'000'000);
-  EXPECT_EQ(run.driver().judge(20'000'000).reason, "");
+  EXPECT_EQ(run.driver().health(20'000'000).reason, "");
   EXPECT_EQ(run.driver().laser_counts().config_writes, 1);
   EXPECT_GT(run.scans.size(), 100U);
 }
@@ -291,7 +291,7 @@ class BaseRun {
       }
       if (now_us_ >= next_control_us_) {
         next_control_us_ += 10'000;
-        driver_.drive({{forward_mps, 0.0}, now_us_, kValidUs}, moment());
+        driver_.drive({{forward_mps, 0.0}, now_us_, kValidUs, drive_seq_++}, moment());
         const std::string line = driver_.control(moment());
         device_.receive(sim::Bytes(line.begin(), line.end()), cable_.baud, now_us_);
       }
@@ -307,6 +307,7 @@ class BaseRun {
 
   std::int64_t now_us_ = 0;
   std::int64_t next_control_us_ = 0;
+  std::int64_t drive_seq_ = 0;
   sim::RobotModel model_{sim::World{}, {}, 1};
   kurt::Kurt driver_{kurt::KurtParams{}};
   sim::SlcanKurtBase device_{{}, model_};

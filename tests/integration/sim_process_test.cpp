@@ -80,9 +80,9 @@ class SimProcess : public ::testing::Test {
 
   void start_drivers() {
     laser_.emplace(std::vector<std::string>{std::getenv("NODMAP_LASER3D"), "--lcm-url", kUrl,
-                                            "--set", "laser_device=" + (links_ / "laser").string(),
+                                            "--set", "laser.device=" + (links_ / "laser").string(),
                                             "--set",
-                                            "servo_device=" + (links_ / "servo").string()});
+                                            "servo.device=" + (links_ / "servo").string()});
     base_.emplace(std::vector<std::string>{std::getenv("NODMAP_KURT"), "--lcm-url", kUrl, "--set",
                                            "device=" + (links_ / "base").string()});
   }

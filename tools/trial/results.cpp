@@ -130,7 +130,7 @@ std::vector<Disturbance> disturbances(const TrialSetup& setup) {
 Json stops(const TrialSetup& setup, const TrialRecord& record) {
   Json all = Json::array();
   // As hard as the base can brake: what comes on top is reaction.
-  const double deceleration_mps2 = setup.params.kurt.max_deceleration_mps2;
+  const double deceleration_mps2 = setup.params.kurt.limits.max_deceleration_mps2;
   for (const Disturbance& disturbance : disturbances(setup)) {
     all.push_back(write(disturbance, stop_metrics(record, disturbance, deceleration_mps2),
                         deceleration_mps2));

@@ -67,8 +67,8 @@ RobotSoftware::RobotSoftware(sim::SimulatedRobot& hardware, bus::LoopNetwork& ne
     return std::make_unique<laser3d::Laser3dNode>(
         context, params_.laser3d,
         laser3d::Laser3dNode::Openers{
-            .laser = [this] { return laser_line_.open(params_.laser3d.laser_baud); },
-            .servo = [this] { return servo_line_.open(params_.laser3d.servo_baud); }},
+            .laser = [this] { return laser_line_.open(params_.laser3d.laser.baud); },
+            .servo = [this] { return servo_line_.open(params_.laser3d.servo.baud); }},
         clock);
   });
   add("pitch_controller", [this](node::Context& context) {

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <string>
-#include <vector>
+
+#include "tests/support/pty_pair.hpp"
 
 namespace nodmap::test {
 
@@ -51,5 +53,24 @@ class KurtEmulator {
   int commands_ = 0;
   int nonsense_ = 0;
 };
+
+/// Plays the base in real time until `done`; gives up after a minute.
+template <class Condition>
+bool play(PtyPair& pty, KurtEmulator& base, Condition done) {
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  auto next_tick = std::chrono::steady_clock::now();
+  while (!done() && std::chrono::steady_clock::now() < deadline) {
+    const std::string answer = base.take(pty.receive_text(1, std::chrono::milliseconds(10)));
+    std::string frames;
+    for (; next_tick <= std::chrono::steady_clock::now();
+         next_tick += std::chrono::milliseconds(10)) {
+      frames += base.tick();
+    }
+    if (!(answer + frames).empty()) {
+      pty.send(answer + frames);
+    }
+  }
+  return done();
+}
 
 }  // namespace nodmap::test

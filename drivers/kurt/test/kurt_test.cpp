@@ -43,14 +43,15 @@ class Robot {
     }
   }
 
-  DriveVerdict drive(double forward_mps, double yaw_rate_rad_s) {
-    return kurt.drive({{forward_mps, yaw_rate_rad_s}, now().utime_us, 1'000'000}, now());
+  DriveStatus drive(double forward_mps, double yaw_rate_rad_s) {
+    return kurt.drive({{forward_mps, yaw_rate_rad_s}, now().utime_us, 1'000'000, drive_seq++},
+                      now());
   }
 
   /// Drives as a navigator does, with a DRIVE every 10 ms.
   void drive_us(double forward_mps, double yaw_rate_rad_s, std::int64_t duration_us) {
     for (const std::int64_t end_us = now_us + duration_us; now_us < end_us;) {
-      ASSERT_EQ(drive(forward_mps, yaw_rate_rad_s), DriveVerdict::kObeyed);
+      ASSERT_EQ(drive(forward_mps, yaw_rate_rad_s), DriveStatus::kObeyed);
       step();
     }
   }
@@ -58,6 +59,7 @@ class Robot {
   Kurt kurt{KurtParams{}};
   test::KurtEmulator base;
   std::int64_t now_us = 0;
+  std::int64_t drive_seq = 0;
   int held_up_periods = 0;
   std::string to_driver;
   std::vector<OdometrySample> samples;
@@ -121,7 +123,7 @@ TEST(Kurt, NonsenseStopsAtTheNextFrame) {
   robot.run_us(500'000);
   robot.drive_us(1.0, 0.0, 1'000'000);
   ASSERT_EQ(robot.base.left_cm_s(), 100);
-  EXPECT_EQ(robot.drive(std::numeric_limits<double>::quiet_NaN(), 0.0), DriveVerdict::kNotFinite);
+  EXPECT_EQ(robot.drive(std::numeric_limits<double>::quiet_NaN(), 0.0), DriveStatus::kNotFinite);
   robot.step();
   EXPECT_EQ(robot.base.left_cm_s(), 0);
 }
@@ -283,13 +285,13 @@ TEST(Kurt, OtherSensorsAreKeptWithTheirTime) {
   EXPECT_FALSE(sensors.tilt.has_value());
 }
 
-TEST(Kurt, FarewellIsTheHardStop) {
-  EXPECT_EQ(Kurt::farewell(), "t001800000103FF0103FF\r");
+TEST(Kurt, TheShutdownCommandIsTheHardStop) {
+  EXPECT_EQ(Kurt::shutdown_command(), "t001800000103FF0103FF\r");
 }
 
 TEST(Kurt, R6_TheDefaultsAreTheRobots) {
   EXPECT_EQ(kTopSpeedMps, 5.2);
-  EXPECT_EQ(KurtParams{}.max_speed_mps, 5.2);
+  EXPECT_EQ(KurtParams{}.limits.max_speed_mps, 5.2);
 }
 
 }  // namespace

@@ -10,14 +10,17 @@
 
 #include "common/bus/live_bus.hpp"
 #include "common/node/clock.hpp"
-#include "drivers/kurt/test/played_base.hpp"
+#include "drivers/kurt/test/kurt_emulator.hpp"
 #include "nodmap/drive_t.hpp"
 #include "nodmap/odometry_t.hpp"
 #include "nodmap/status_t.hpp"
+#include "tests/integration/child_process.hpp"
 #include "tests/support/data_dir.hpp"
 
 namespace nodmap::kurt {
 namespace {
+
+constexpr std::chrono::milliseconds kNoWait{0};
 
 constexpr const char* kUrl = "udpm://239.255.76.67:7667?ttl=0";
 
@@ -37,6 +40,7 @@ class Network {
       if (drives) {
         nodmap::drive_t message{};
         message.utime = time::SystemClock().now_utime_us();
+        message.drive_seq = drive_seq++;
         message.forward_mps = 0.5;
         message.valid_us = 200'000;
         bus.publish("DRIVE", message);
@@ -44,6 +48,9 @@ class Network {
       return done();
     });
   }
+
+  /// Takes in what the driver has sent so far.
+  void drain() { pty->send(base.take(pty->receive_text(0, kNoWait))); }
 
   [[nodiscard]] bool has_status(int health) const {
     return status.get() && status.get()->health == health;
@@ -56,8 +63,9 @@ class Network {
   bus::LiveBus bus{kUrl};
   bus::Latest<nodmap::odometry_t> odometry;
   bus::Latest<nodmap::status_t> status;
-  std::optional<test::Process> process;
+  std::optional<test::ChildProcess> process;
   bool drives = false;
+  std::int64_t drive_seq = 0;
 };
 
 TEST(KurtNetwork, DrivesStopsWithoutDriveAndEndsWithAHardStop) {
@@ -69,16 +77,17 @@ TEST(KurtNetwork, DrivesStopsWithoutDriveAndEndsWithAHardStop) {
   EXPECT_TRUE(network.play([&] { return network.has_status(nodmap::status_t::OK); }));
 
   network.drives = false;
+  network.drain();
   const int commands = network.base.commands();
   ASSERT_TRUE(network.play([&] { return network.base.left_cm_s() == 0; }));
   // Counted in commands, one each 10 ms: 20 until the time-out, one for the frame, and those that
-  // were on their way when the count began.
+  // were inside the terminal when the count began.
   EXPECT_LE(network.base.commands() - commands, 25);
 
-  network.process->signal(SIGTERM);
+  network.process->send_signal(SIGTERM);
   ASSERT_TRUE(network.play(
-      [&] { return network.process->exit_code().has_value() && network.base.braked(); }));
-  EXPECT_EQ(*network.process->exit_code(), 0);
+      [&] { return network.process->wait_for_end(kNoWait).has_value() && network.base.braked(); }));
+  EXPECT_EQ(network.process->wait_for_end(kNoWait), 0);
   EXPECT_EQ(network.base.nonsense(), 0);
 }
 

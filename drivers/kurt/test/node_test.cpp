@@ -76,6 +76,7 @@ class Bench {
   void publish_drive(double forward_mps, double yaw_rate_rad_s) {
     nodmap::drive_t message{};
     message.utime = clock.now_utime_us();
+    message.drive_seq = drive_seq++;
     message.forward_mps = forward_mps;
     message.yaw_rate_rad_s = yaw_rate_rad_s;
     message.valid_us = 1'000'000;
@@ -95,6 +96,7 @@ class Bench {
   }
 
   std::int64_t now_us = 0;
+  std::int64_t drive_seq = 0;
   time::ManualClock clock{kStartUtimeUs};
   std::optional<test::PtyPair> pty{std::in_place};
   test::KurtEmulator base;
@@ -183,6 +185,32 @@ TEST(KurtNode, StoppedItStandsWhateverDriveAsksForUntilItIsFree) {
   EXPECT_EQ(bench.base.left_cm_s(), 50);
 }
 
+// Somebody else sends DRIVE, too: faster, and stamped ahead of the clock.
+TEST(KurtNode, ASecondSenderOfDriveStopsTheRobotAndIsTold) {
+  Bench bench;
+  ASSERT_TRUE(bench.stands_ready());
+  bench.drive_us(0.5, 0.0, 1'000'000);
+  ASSERT_EQ(bench.base.left_cm_s(), 50);
+  nodmap::drive_t forged{};
+  forged.drive_seq = 100'000;
+  forged.forward_mps = 5.0;
+  forged.valid_us = 1'000'000;
+  for (int i = 0; i < 100; ++i) {
+    forged.utime = bench.clock.now_utime_us() + 45'000;
+    ++forged.drive_seq;
+    bench.bus.publish("DRIVE", forged);
+    bench.drive_us(0.5, 0.0, 10'000);
+    EXPECT_LE(bench.base.left_cm_s(), 50);
+  }
+  EXPECT_EQ(bench.base.left_cm_s(), 0);
+  EXPECT_EQ(bench.node->health().state, node::HealthState::kFailed);
+  EXPECT_NE(bench.node->health().reason.find("two processes send DRIVE"), std::string::npos);
+  EXPECT_GE(bench.counts.rejected().at("drive_other_sender"), 100);
+  bench.drive_us(0.5, 0.0, 2'000'000);
+  EXPECT_EQ(bench.node->health().state, node::HealthState::kOk);
+  EXPECT_EQ(bench.base.left_cm_s(), 50);
+}
+
 TEST(KurtNode, WhatIsNotObeyedIsCountedByCause) {
   Bench bench;
   ASSERT_TRUE(bench.stands_ready());
@@ -190,6 +218,7 @@ TEST(KurtNode, WhatIsNotObeyedIsCountedByCause) {
   bench.publish_drive(1000.0, 0.0);
   nodmap::drive_t stale{};
   stale.utime = bench.clock.now_utime_us() - 300'000;
+  stale.drive_seq = bench.drive_seq++;
   stale.valid_us = 1'000'000;
   bench.bus.publish("DRIVE", stale);
   bench.publish_drive(0.1, 0.0);
@@ -231,7 +260,7 @@ TEST(KurtNode, APulledPlugIsToldAndHealed) {
   bench.pty.reset();
   bench.drive_us(0.5, 0.0, 20'000);
   EXPECT_EQ(bench.node->health().state, node::HealthState::kFailed);
-  EXPECT_EQ(bench.node->health().reason, "disconnected");
+  EXPECT_EQ(bench.node->health().reason, "the line is disconnected");
   bench.drive_us(0.5, 0.0, 1'000'000);
   EXPECT_EQ(bench.node->health().reason, "/dev/kurt: No such file or directory");
   EXPECT_EQ(bench.status.get()->health, nodmap::status_t::FAILED);

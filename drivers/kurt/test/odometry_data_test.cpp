@@ -22,10 +22,10 @@ TEST(OdometryData, MeasuredWheelSpeedsAreTaken) {
     double right_mps = 0.0;
     int pwm = 0;
     int lines = 0;
-    KurtParams params;  // 1 tick is 1 mm
-    params.wheel_perimeter_m = 1.0;
-    params.ticks_per_turn = 1000;
-    Odometry odometry(params);
+    WheelParams wheels;  // 1 tick is 1 mm
+    wheels.perimeter_m = 1.0;
+    wheels.ticks_per_revolution = 1000;
+    Odometry odometry(wheels, {});
     while (in >> time_ms >> mean_mps >> left_mps >> right_mps >> pwm) {
       EXPECT_TRUE(odometry.add({static_cast<int>(std::lround(10.0 * left_mps)),
                                 static_cast<int>(std::lround(10.0 * right_mps))}));

@@ -14,17 +14,17 @@ namespace {
 constexpr double kPeriodS = 0.01;
 
 /// A robot whose ticks are whole millimetres: 1 tick = 1 mm.
-KurtParams millimetre_params() {
-  KurtParams params;
-  params.wheel_perimeter_m = 1.0;
-  params.ticks_per_turn = 1000;
-  params.axis_m = 0.3;
-  params.turning_adaptation = 0.6;
-  return params;
+WheelParams millimetre_wheels() {
+  WheelParams wheels;
+  wheels.perimeter_m = 1.0;
+  wheels.ticks_per_revolution = 1000;
+  wheels.axis_m = 0.3;
+  wheels.turning_adaptation = 0.6;
+  return wheels;
 }
 
 TEST(Odometry, StraightOn) {
-  Odometry odometry(millimetre_params());
+  Odometry odometry(millimetre_wheels(), {});
   for (int i = 0; i < 100; ++i) {
     ASSERT_TRUE(odometry.add({10, 10}));
   }
@@ -36,11 +36,10 @@ TEST(Odometry, StraightOn) {
   EXPECT_EQ(state.yaw_rate_rad_s, 0.0);
 }
 
-// perimeter * ticks / ticks_per_turn; omega = (vR - vL) / axis * turning_adaptation, of
+// perimeter * ticks / ticks_per_revolution; omega = (vR - vL) / axis * turning_adaptation, of
 // kurt_driver.
 TEST(Odometry, SpeedsAreThoseOfKurtDriver) {
-  const KurtParams indoor;
-  Odometry odometry(indoor);
+  Odometry odometry(WheelParams{}, {});
   ASSERT_TRUE(odometry.add({200, 300}));
   const double left_mps = 0.379 * 200 / 21950 / kPeriodS;
   const double right_mps = 0.379 * 300 / 21950 / kPeriodS;
@@ -49,7 +48,7 @@ TEST(Odometry, SpeedsAreThoseOfKurtDriver) {
 }
 
 TEST(Odometry, AFasterLeftWheelTurnsRight) {
-  Odometry odometry(millimetre_params());
+  Odometry odometry(millimetre_wheels(), {});
   for (int i = 0; i < 10; ++i) {
     ASSERT_TRUE(odometry.add({11, 10}));
   }
@@ -60,7 +59,7 @@ TEST(Odometry, AFasterLeftWheelTurnsRight) {
 }
 
 TEST(Odometry, TurningOnTheSpotStaysThere) {
-  Odometry odometry(millimetre_params());
+  Odometry odometry(millimetre_wheels(), {});
   for (int i = 0; i < 10; ++i) {
     ASSERT_TRUE(odometry.add({-5, 5}));
   }
@@ -71,22 +70,23 @@ TEST(Odometry, TurningOnTheSpotStaysThere) {
 
 // Each step is an exact arc: after any number of steps the pose lies on the circle.
 TEST(Odometry, ACircleIsACircle) {
-  const KurtParams params = millimetre_params();
-  Odometry odometry(params);
-  const double turn_rad = 0.010 / params.axis_m * params.turning_adaptation;  // per step
-  const double radius_m = 0.015 / turn_rad;
+  const WheelParams wheels = millimetre_wheels();
+  const OdometryNoiseParams noise;
+  Odometry odometry(wheels, noise);
+  const double rotation_rad = 0.010 / wheels.axis_m * wheels.turning_adaptation;  // per step
+  const double radius_m = 0.015 / rotation_rad;
   for (int i = 1; i <= 1000; ++i) {
     ASSERT_TRUE(odometry.add({10, 20}));
     const geometry::SE2& pose = odometry.state().T_odom_base;
     // 1000 additions of rounding
-    EXPECT_NEAR(pose.x, radius_m * std::sin(turn_rad * i), 1e-10);
-    EXPECT_NEAR(pose.y, radius_m * (1.0 - std::cos(turn_rad * i)), 1e-10);
-    EXPECT_NEAR(pose.yaw, geometry::normalize_angle(turn_rad * i), 1e-10);
+    EXPECT_NEAR(pose.x, radius_m * std::sin(rotation_rad * i), 1e-10);
+    EXPECT_NEAR(pose.y, radius_m * (1.0 - std::cos(rotation_rad * i)), 1e-10);
+    EXPECT_NEAR(pose.yaw, geometry::normalize_angle(rotation_rad * i), 1e-10);
   }
 }
 
 TEST(Odometry, BackingUpUndoesTheWay) {
-  Odometry odometry(millimetre_params());
+  Odometry odometry(millimetre_wheels(), {});
   for (int i = 0; i < 50; ++i) {
     ASSERT_TRUE(odometry.add({12, 7}));
   }
@@ -99,8 +99,8 @@ TEST(Odometry, BackingUpUndoesTheWay) {
 }
 
 TEST(Odometry, LostFramesAreDrivenOnAndMakeItLessSure) {
-  Odometry whole(millimetre_params());
-  Odometry bridged(millimetre_params());
+  Odometry whole(millimetre_wheels(), {});
+  Odometry bridged(millimetre_wheels(), {});
   for (int i = 0; i < 100; ++i) {
     ASSERT_TRUE(whole.add({10, 14}));
     if (i < 50 || i >= 53) {
@@ -116,7 +116,7 @@ TEST(Odometry, LostFramesAreDrivenOnAndMakeItLessSure) {
 }
 
 TEST(Odometry, AGapKeepsThePoseAndIsUncertain) {
-  Odometry odometry(millimetre_params());
+  Odometry odometry(millimetre_wheels(), {});
   ASSERT_TRUE(odometry.add({10, 10}));  // 1 m/s
   const double x_m = odometry.state().T_odom_base.x;
   const double before = odometry.state().covariance(0, 0);
@@ -128,7 +128,7 @@ TEST(Odometry, AGapKeepsThePoseAndIsUncertain) {
 }
 
 TEST(Odometry, TicksNoWheelCanMakeAreRefused) {
-  Odometry odometry(millimetre_params());
+  Odometry odometry(millimetre_wheels(), {});
   ASSERT_TRUE(odometry.add({10, 10}));
   EXPECT_TRUE(odometry.is_plausible({103, -103}));  // 10.4 m/s is the limit
   EXPECT_FALSE(odometry.is_plausible({10, 105}));
@@ -140,7 +140,7 @@ TEST(Odometry, TicksNoWheelCanMakeAreRefused) {
 }
 
 TEST(Odometry, StandingStaysSure) {
-  Odometry odometry(millimetre_params());
+  Odometry odometry(millimetre_wheels(), {});
   for (int i = 0; i < 1000; ++i) {
     ASSERT_TRUE(odometry.add({0, 0}));
   }
@@ -148,35 +148,37 @@ TEST(Odometry, StandingStaysSure) {
 }
 
 TEST(Odometry, UncertaintyAfterOneMetreIsAsConfigured) {
-  const KurtParams params = millimetre_params();
-  Odometry odometry(params);
+  const WheelParams wheels = millimetre_wheels();
+  const OdometryNoiseParams noise;
+  Odometry odometry(wheels, noise);
   for (int i = 0; i < 100; ++i) {
     ASSERT_TRUE(odometry.add({10, 10}));
   }
-  EXPECT_NEAR(std::sqrt(odometry.state().covariance(0, 0)), params.distance_sigma_m, 1e-12);
-  EXPECT_NEAR(std::sqrt(odometry.state().covariance(2, 2)), params.heading_sigma_rad, 1e-12);
+  EXPECT_NEAR(std::sqrt(odometry.state().covariance(0, 0)), noise.distance_sigma_m, 1e-12);
+  EXPECT_NEAR(std::sqrt(odometry.state().covariance(2, 2)), noise.heading_sigma_rad, 1e-12);
 }
 
 // Against a thousand robots whose wheels slip at random: the covariance is that of their poses.
 TEST(Odometry, CovarianceIsThatOfRobotsThatSlip) {
-  const KurtParams params = millimetre_params();
+  const WheelParams wheels = millimetre_wheels();
+  const OdometryNoiseParams noise;
   constexpr int kRobots = 4000;
   constexpr int kSteps = 100;
   constexpr double kDistance = 0.012;
-  const double turn_rad = 0.004 / params.axis_m * params.turning_adaptation;
-  const double sigma_distance = params.distance_sigma_m * std::sqrt(kDistance);
-  const double sigma_turn =
-      std::sqrt(params.heading_sigma_rad * params.heading_sigma_rad * kDistance +
-                params.turn_sigma_rad * params.turn_sigma_rad * turn_rad);
+  const double rotation_rad = 0.004 / wheels.axis_m * wheels.turning_adaptation;
+  const double sigma_distance = noise.distance_sigma_m * std::sqrt(kDistance);
+  const double sigma_rotation =
+      std::sqrt(noise.heading_sigma_rad * noise.heading_sigma_rad * kDistance +
+                noise.rotation_sigma_rad * noise.rotation_sigma_rad * rotation_rad);
   std::mt19937 random(17);
-  std::normal_distribution<double> noise;
+  std::normal_distribution<double> slip;
   std::vector<Eigen::Vector3d> poses;
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (int robot = 0; robot < kRobots; ++robot) {
     Eigen::Vector3d pose = Eigen::Vector3d::Zero();
     for (int step = 0; step < kSteps; ++step) {
-      const double d = kDistance + sigma_distance * noise(random);
-      const double t = turn_rad + sigma_turn * noise(random);
+      const double d = kDistance + sigma_distance * slip(random);
+      const double t = rotation_rad + sigma_rotation * slip(random);
       pose +=
           Eigen::Vector3d(d * std::cos(pose.z() + 0.5 * t), d * std::sin(pose.z() + 0.5 * t), t);
     }
@@ -187,7 +189,7 @@ TEST(Odometry, CovarianceIsThatOfRobotsThatSlip) {
   for (const Eigen::Vector3d& pose : poses) {
     sampled += (pose - mean) * (pose - mean).transpose() / kRobots;
   }
-  Odometry odometry(params);
+  Odometry odometry(wheels, noise);
   for (int step = 0; step < kSteps; ++step) {
     ASSERT_TRUE(odometry.add({10, 14}));
   }

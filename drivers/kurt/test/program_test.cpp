@@ -7,10 +7,13 @@
 #include <string>
 #include <vector>
 
-#include "drivers/kurt/test/played_base.hpp"
+#include "drivers/kurt/test/kurt_emulator.hpp"
+#include "tests/integration/child_process.hpp"
 
 namespace nodmap::kurt {
 namespace {
+
+constexpr std::chrono::milliseconds kNoWait{0};
 
 std::vector<std::string> arguments_for(const test::PtyPair& pty) {
   return {NODMAP_KURT_PROGRAM,    "--lcm-url",   "memq://", "--set",
@@ -20,38 +23,38 @@ std::vector<std::string> arguments_for(const test::PtyPair& pty) {
 TEST(KurtProgram, StartsStandsAndEndsWithAHardStop) {
   test::PtyPair pty;
   test::KurtEmulator base;
-  test::Process process(arguments_for(pty));
+  test::ChildProcess process(arguments_for(pty));
   ASSERT_TRUE(test::play(pty, base, [&] { return base.commands() >= 20; }));
   EXPECT_FALSE(base.braked());
   EXPECT_EQ(base.left_cm_s(), 0);
   EXPECT_EQ(pty.baud(), 1'000'000);
-  process.signal(SIGTERM);
-  ASSERT_TRUE(
-      test::play(pty, base, [&] { return process.exit_code().has_value() && base.braked(); }));
-  EXPECT_EQ(*process.exit_code(), 0);
+  process.send_signal(SIGTERM);
+  ASSERT_TRUE(test::play(
+      pty, base, [&] { return process.wait_for_end(kNoWait).has_value() && base.braked(); }));
+  EXPECT_EQ(process.wait_for_end(kNoWait), 0);
   EXPECT_EQ(base.nonsense(), 0);
 }
 
 TEST(KurtProgram, EndsWithThePlugPulledOut) {
   test::PtyPair pty;
   test::KurtEmulator base;
-  test::Process process(arguments_for(pty));
+  test::ChildProcess process(arguments_for(pty));
   ASSERT_TRUE(test::play(pty, base, [&] { return base.commands() >= 20; }));
   pty.unplug();
-  process.signal(SIGINT);
+  process.send_signal(SIGINT);
   test::PtyPair unused;
-  ASSERT_TRUE(test::play(unused, base, [&] { return process.exit_code().has_value(); }));
-  EXPECT_EQ(*process.exit_code(), 0);
+  ASSERT_TRUE(test::play(unused, base, [&] { return process.wait_for_end(kNoWait).has_value(); }));
+  EXPECT_EQ(process.wait_for_end(kNoWait), 0);
 }
 
 TEST(KurtProgram, WrongConfigurationIsExitCodeTwo) {
   test::PtyPair pty;
   test::KurtEmulator base;
   for (const char* wrong :
-       {"device=", "max_speed_mps=5.3", "drive_timeout_s=0.3", "no_such_key=1"}) {
-    test::Process process({NODMAP_KURT_PROGRAM, "--set", wrong});
-    ASSERT_TRUE(test::play(pty, base, [&] { return process.exit_code().has_value(); }));
-    EXPECT_EQ(*process.exit_code(), 2);
+       {"device=", "limits.max_speed_mps=5.3", "drive_timeout_s=0.3", "no_such_key=1"}) {
+    test::ChildProcess process({NODMAP_KURT_PROGRAM, "--set", wrong});
+    ASSERT_TRUE(test::play(pty, base, [&] { return process.wait_for_end(kNoWait).has_value(); }));
+    EXPECT_EQ(process.wait_for_end(kNoWait), 2);
   }
 }
 

@@ -22,7 +22,7 @@ WheelSpeeds settle(SpeedLimiter& limiter, const DriveCommand& command) {
 }
 
 TEST(WheelSpeeds, KurtDriversFormula) {
-  KurtParams params;
+  WheelParams params;
   params.steering = Steering::kKurtDriver;
   const WheelSpeeds wheels = wheel_speeds({0.5, 1.0}, params);
   EXPECT_DOUBLE_EQ(wheels.left_mps, 0.5 - 0.28);
@@ -30,18 +30,18 @@ TEST(WheelSpeeds, KurtDriversFormula) {
 }
 
 TEST(WheelSpeeds, APositiveTurnRateTurnsLeft) {
-  const WheelSpeeds wheels = wheel_speeds({0.0, 1.0}, KurtParams{});
+  const WheelSpeeds wheels = wheel_speeds({0.0, 1.0}, WheelParams{});
   EXPECT_LT(wheels.left_mps, 0.0);
   EXPECT_GT(wheels.right_mps, 0.0);
 }
 
 // The default: what odometry measures on the wheels is what DRIVE asked for.
 TEST(WheelSpeeds, OdometryMeasuresWhatWasAskedFor) {
-  const KurtParams params;
+  const WheelParams params;
   const DriveCommand command{0.8, -0.6};
   const WheelSpeeds wheels = wheel_speeds(command, params);
-  const double ticks_per_mps = kPeriodS * params.ticks_per_turn / params.wheel_perimeter_m;
-  Odometry odometry(params);
+  const double ticks_per_mps = kPeriodS * params.ticks_per_revolution / params.perimeter_m;
+  Odometry odometry(params, {});
   ASSERT_TRUE(odometry.add({static_cast<int>(std::lround(wheels.left_mps * ticks_per_mps)),
                             static_cast<int>(std::lround(wheels.right_mps * ticks_per_mps))}));
   // Half a tick of rounding is 0.9 mm/s.
@@ -52,7 +52,7 @@ TEST(WheelSpeeds, OdometryMeasuresWhatWasAskedFor) {
 TEST(SpeedLimiter, R6_NoWheelIsEverFasterThanTheRobot) {
   std::mt19937 random(2);
   std::uniform_real_distribution<double> speed(-20.0, 20.0);
-  SpeedLimiter limiter{KurtParams{}};
+  SpeedLimiter limiter{WheelParams{}, SpeedLimits{}};
   for (int i = 0; i < 100'000; ++i) {
     const WheelSpeeds wheels = limiter.step({speed(random), speed(random)}, kPeriodS);
     ASSERT_LE(std::abs(wheels.left_mps), kTopSpeedMps);
@@ -73,14 +73,14 @@ TEST(SpeedLimiter, SaturationKeepsTheCurvature) {
 }
 
 TEST(SpeedLimiter, AccelerationIsLimitedAndTheCurveKept) {
-  const KurtParams params;
-  SpeedLimiter limiter(params);
+  const SpeedLimits limits;
+  SpeedLimiter limiter(WheelParams{}, limits);
   const DriveCommand command{1.0, 0.5};
-  const WheelSpeeds goal = wheel_speeds(command, params);
+  const WheelSpeeds goal = wheel_speeds(command, WheelParams{});
   WheelSpeeds before;
   for (int i = 0; i < 200; ++i) {
     const WheelSpeeds wheels = limiter.step(command, kPeriodS);
-    EXPECT_LE(wheels.right_mps - before.right_mps, params.max_acceleration_mps2 * kPeriodS + 1e-12);
+    EXPECT_LE(wheels.right_mps - before.right_mps, limits.max_acceleration_mps2 * kPeriodS + 1e-12);
     EXPECT_NEAR(wheels.left_mps * goal.right_mps, wheels.right_mps * goal.left_mps, 1e-12);
     before = wheels;
   }
@@ -92,18 +92,18 @@ TEST(SpeedLimiter, AccelerationIsLimitedAndTheCurveKept) {
   while (limiter.step(command, kPeriodS).right_mps < goal.right_mps) {
     ++steps;
   }
-  EXPECT_EQ(steps, static_cast<int>(goal.right_mps / params.max_acceleration_mps2 / kPeriodS));
+  EXPECT_EQ(steps, static_cast<int>(goal.right_mps / limits.max_acceleration_mps2 / kPeriodS));
 }
 
 TEST(SpeedLimiter, BrakingOnCommandHasItsOwnLimit) {
-  const KurtParams params;
-  SpeedLimiter limiter(params);
+  const SpeedLimits limits;
+  SpeedLimiter limiter(WheelParams{}, limits);
   settle(limiter, {1.5, 0.0});
   double before_mps = 1.5;
   int steps = 0;
   while (limiter.current().left_mps > 0.0) {
     const double now_mps = limiter.step({0.0, 0.0}, kPeriodS).left_mps;
-    EXPECT_LE(before_mps - now_mps, params.max_deceleration_mps2 * kPeriodS + 1e-12);
+    EXPECT_LE(before_mps - now_mps, limits.max_deceleration_mps2 * kPeriodS + 1e-12);
     before_mps = now_mps;
     ++steps;
   }
@@ -111,7 +111,7 @@ TEST(SpeedLimiter, BrakingOnCommandHasItsOwnLimit) {
 }
 
 TEST(SpeedLimiter, AStopForSafetyIsAtOnce) {
-  SpeedLimiter limiter{KurtParams{}};
+  SpeedLimiter limiter{WheelParams{}, SpeedLimits{}};
   settle(limiter, {1.5, 0.3});
   limiter.stop();
   EXPECT_EQ(limiter.current().left_mps, 0.0);

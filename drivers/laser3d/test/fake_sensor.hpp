@@ -42,11 +42,11 @@ class FakeSensor {
     const int quarter = interlaced ? scans_ % 4 : 0;  // sees something else in each
     const int first = 1000 + (frozen ? quarter : scans_ % 50);
     Bytes data = {0xB0};
-    append_u16(data, header());
+    serial::append_little(data, header());
     data = data + (blind      ? same(0x7FF7)
                    : too_weak ? same(0x7FFF)
                               : ramp(static_cast<int>(values), first));
-    data.push_back(static_cast<std::uint8_t>(scans_));  // a turn of the mirror for each
+    data.push_back(static_cast<std::uint8_t>(scans_));  // a mirror revolution for each
     data.push_back(static_cast<std::uint8_t>(scans_));
     return sick_frame(data, status);
   }
@@ -60,7 +60,7 @@ class FakeSensor {
   [[nodiscard]] Bytes same(std::uint16_t value) const {
     Bytes bytes;
     for (std::size_t i = 0; i < values; ++i) {
-      append_u16(bytes, value);
+      serial::append_little(bytes, value);
     }
     return bytes;
   }

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <optional>
 
-#include "drivers/laser3d/dynamixel.hpp"
+#include "drivers/laser3d/servo/dynamixel.hpp"
 #include "drivers/laser3d/test/golden.hpp"
 
 namespace nodmap::laser3d::test {
@@ -27,8 +27,9 @@ class FakeServo {
   std::optional<std::int32_t> told_position;  // instead of where it is
 
   void step_ms(int now_ms) {
-    const double goal = read_i32(registers, 116);
-    const double speed = jammed ? 0.0 : read_u32(registers, 112) * 0.229 / 60.0 * 4.096;
+    const double goal = boost::endian::load_little_s32(&registers[116]);
+    const double speed =
+        jammed ? 0.0 : boost::endian::load_little_u32(&registers[112]) * 0.229 / 60.0 * 4.096;
     const double moved = std::clamp(goal - position, -speed, speed);  // in this millisecond
     position += moved;
     const auto velocity = static_cast<std::int32_t>(std::lround(moved * 60.0 / 4.096 / 0.229));
@@ -47,12 +48,13 @@ class FakeServo {
       return status({}, 0x03);
     }
     const std::uint8_t instruction = request[7];
-    const std::size_t address = request.size() > 10 ? read_u16(request, 8) : 0;
+    const std::size_t address =
+        request.size() > 10 ? boost::endian::load_little_u16(&request[8]) : 0;
     switch (instruction) {
       case 0x01:
         return status(hex("FC 03 26"));
       case 0x02: {
-        const std::size_t count = read_u16(request, 10);
+        const std::size_t count = boost::endian::load_little_u16(&request[10]);
         return status(Bytes(registers.begin() + static_cast<std::ptrdiff_t>(address),
                             registers.begin() + static_cast<std::ptrdiff_t>(address + count)));
       }
@@ -73,11 +75,11 @@ class FakeServo {
  private:
   Bytes status(const Bytes& parameters, std::uint8_t error = 0x00) const {
     Bytes bytes = hex("FF FF FD 00 01");
-    append_u16(bytes, static_cast<std::uint16_t>(parameters.size() + 4));
+    serial::append_little(bytes, static_cast<std::uint16_t>(parameters.size() + 4));
     bytes.push_back(0x55);
     bytes.push_back(alert ? 0x80 : error);
     bytes = bytes + parameters;
-    append_u16(bytes, dynamixel_crc(bytes));
+    serial::append_little(bytes, dynamixel_crc(bytes));
     return bytes;
   }
 

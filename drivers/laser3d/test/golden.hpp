@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <string>
 
-#include "drivers/laser3d/sick_crc.hpp"
+#include "drivers/laser3d/sick/telegram.hpp"
 #include "tests/support/hex.hpp"
 
 namespace nodmap::laser3d::test {
@@ -16,10 +16,10 @@ using nodmap::test::operator+;
 /// parser is not tested by its own sister.
 inline Bytes sick_frame(const Bytes& reply_and_data, std::uint8_t status = 0x10) {
   Bytes bytes = {0x02, 0x80};
-  append_u16(bytes, static_cast<std::uint16_t>(reply_and_data.size() + 1));
+  serial::append_little(bytes, static_cast<std::uint16_t>(reply_and_data.size() + 1));
   bytes = bytes + reply_and_data;
   bytes.push_back(status);
-  append_u16(bytes, sick_crc(bytes));
+  serial::append_little(bytes, sick_crc(bytes));
   return bytes;
 }
 
@@ -27,9 +27,17 @@ inline Bytes sick_frame(const Bytes& reply_and_data, std::uint8_t status = 0x10)
 inline Bytes ramp(int count, int first = 1000, int step = 1) {
   Bytes bytes;
   for (int i = 0; i < count; ++i) {
-    append_u16(bytes, static_cast<std::uint16_t>(first + i * step));
+    serial::append_little(bytes, static_cast<std::uint16_t>(first + i * step));
   }
   return bytes;
+}
+
+/// The telegram in these bytes; an empty one when there is none.
+inline SickTelegram telegram_of(const Bytes& bytes) {
+  SickParser parser;
+  parser.feed(bytes, 0);
+  const auto event = parser.next();
+  return event ? std::get<SickTelegram>(*event) : SickTelegram{};
 }
 
 // Telegrams of the sensor, complete with the checksums that manuals print or that were computed

@@ -32,9 +32,9 @@ class Rig {
     const std::int64_t end_us = now_us + static_cast<std::int64_t>(1e6 * seconds);
     for (; now_us < end_us; now_us += 1000) {
       servo.step_ms(static_cast<int>(now_us / 1000));
-      // A telegram takes 7 ms from the end of the half turn to its last byte.
-      if (sensor.streaming && now_us - last_turn_us_ >= 13'320) {
-        last_turn_us_ += 13'320 * ((now_us - last_turn_us_) / 13'320);
+      // A telegram takes 7 ms from the end of the half revolution to its last byte.
+      if (sensor.streaming && now_us - last_revolution_us_ >= 13'320) {
+        last_revolution_us_ += 13'320 * ((now_us - last_revolution_us_) / 13'320);
         if (sensor.powered && sensor.baud == laser_baud) {
           on_the_laser_line = on_the_laser_line + sensor.next_scan();
         }
@@ -61,7 +61,7 @@ class Rig {
     pitch.insert(pitch.end(), output.pitch.begin(), output.pitch.end());
   }
 
-  [[nodiscard]] Judgement judge() const { return dut.judge(now_us); }
+  [[nodiscard]] Health health() const { return dut.health(now_us); }
 
   Laser3d dut;
   FakeSensor sensor;
@@ -74,7 +74,7 @@ class Rig {
   std::vector<PitchState> pitch;
 
  private:
-  std::int64_t last_turn_us_ = 1'000'000;
+  std::int64_t last_revolution_us_ = 1'000'000;
 };
 
 TEST(Laser3d, R1_PublishesPitchedScansAt75Hz) {
@@ -84,7 +84,7 @@ TEST(Laser3d, R1_PublishesPitchedScansAt75Hz) {
   const std::size_t before = rig.scans.size();
   rig.run(10.0);
   EXPECT_NEAR(static_cast<double>(rig.scans.size() - before), 750.0, 3.0);
-  EXPECT_EQ(rig.judge().condition, Condition::kOk) << rig.judge().reason;
+  EXPECT_EQ(rig.health().condition, Condition::kOk) << rig.health().reason;
   EXPECT_EQ(rig.dut.counts().scans_without_pitch, 0);
   for (std::size_t i = before; i < rig.scans.size(); ++i) {
     const scan::Scan& scan = rig.scans[i];
@@ -151,12 +151,12 @@ TEST(Laser3d, WithoutTheServoThereIsNoScan) {
   const std::size_t scans = rig.scans.size();
   rig.run(5.0);
   EXPECT_EQ(rig.scans.size(), scans);
-  EXPECT_EQ(rig.judge().condition, Condition::kFailed);
-  EXPECT_EQ(rig.judge().reason, "servo: the servo does not answer");
+  EXPECT_EQ(rig.health().condition, Condition::kFailed);
+  EXPECT_EQ(rig.health().reason, "servo: the servo does not answer");
   rig.servo.powered = true;
   rig.run(6.0);
   EXPECT_GT(rig.scans.size(), scans);
-  EXPECT_EQ(rig.judge().condition, Condition::kOk) << rig.judge().reason;
+  EXPECT_EQ(rig.health().condition, Condition::kOk) << rig.health().reason;
 }
 
 TEST(Laser3d, WithoutTheLaserThereIsNoScan) {
@@ -167,8 +167,8 @@ TEST(Laser3d, WithoutTheLaserThereIsNoScan) {
   const std::size_t scans = rig.scans.size();
   rig.run(1.0);
   EXPECT_LE(rig.scans.size(), scans + 2);  // what was whole already
-  EXPECT_EQ(rig.judge().condition, Condition::kFailed);
-  EXPECT_EQ(rig.judge().reason, "laser: not connected");
+  EXPECT_EQ(rig.health().condition, Condition::kFailed);
+  EXPECT_EQ(rig.health().reason, "laser: not connected");
   const std::size_t after = rig.scans.size();
   rig.handle(rig.dut.laser_opened(rig.now_us));
   rig.run(3.0);
@@ -181,17 +181,17 @@ TEST(Laser3d, AFrozenLaserAndAStalledServoAreFailures) {
   rig.run(4.0);
   rig.servo.jammed = true;
   rig.run(0.35);
-  EXPECT_EQ(rig.judge().reason, "servo: it is told to move and does not");
+  EXPECT_EQ(rig.health().reason, "servo: it is told to move and does not");
   EXPECT_TRUE(rig.pitch.back().stalled);
   rig.servo.jammed = false;
   rig.run(1.0);
-  EXPECT_EQ(rig.judge().condition, Condition::kOk) << rig.judge().reason;
+  EXPECT_EQ(rig.health().condition, Condition::kOk) << rig.health().reason;
   rig.sensor.frozen = true;
   rig.run(0.3);
-  EXPECT_EQ(rig.judge().reason, "laser: the measurement is frozen");
+  EXPECT_EQ(rig.health().reason, "laser: the measurement is frozen");
   rig.sensor.frozen = false;
   rig.run(8.0);
-  EXPECT_EQ(rig.judge().condition, Condition::kOk) << rig.judge().reason;
+  EXPECT_EQ(rig.health().condition, Condition::kOk) << rig.health().reason;
 }
 
 TEST(Laser3d, ALaserThatSeesNothingIsBlind) {
@@ -200,10 +200,10 @@ TEST(Laser3d, ALaserThatSeesNothingIsBlind) {
   rig.run(4.0);
   rig.sensor.blind = true;
   rig.run(1.5);  // less than the default nod of 1.6 s: it may look at the sky
-  EXPECT_EQ(rig.judge().condition, Condition::kOk) << rig.judge().reason;
+  EXPECT_EQ(rig.health().condition, Condition::kOk) << rig.health().reason;
   rig.run(0.5);
-  EXPECT_EQ(rig.judge().condition, Condition::kFailed);
-  EXPECT_EQ(rig.judge().reason, "laser: it sees nothing");
+  EXPECT_EQ(rig.health().condition, Condition::kFailed);
+  EXPECT_EQ(rig.health().reason, "laser: it sees nothing");
   const std::size_t scans = rig.scans.size();
   rig.run(10.0);
   EXPECT_EQ(rig.scans.size(), scans);
@@ -211,7 +211,7 @@ TEST(Laser3d, ALaserThatSeesNothingIsBlind) {
   rig.sensor.blind = false;
   rig.run(0.2);
   EXPECT_GT(rig.scans.size(), scans + 10);
-  EXPECT_EQ(rig.judge().condition, Condition::kOk) << rig.judge().reason;
+  EXPECT_EQ(rig.health().condition, Condition::kOk) << rig.health().reason;
 }
 
 TEST(Laser3d, ALaserThatNeverSawAnythingIsBlindAtOnce) {
@@ -220,7 +220,7 @@ TEST(Laser3d, ALaserThatNeverSawAnythingIsBlindAtOnce) {
   rig.open();
   rig.run(4.0);
   EXPECT_TRUE(rig.scans.empty());
-  EXPECT_EQ(rig.judge().reason, "laser: it sees nothing");
+  EXPECT_EQ(rig.health().reason, "laser: it sees nothing");
 }
 
 TEST(Laser3d, AFastNodMakesBlindnessKnownInASecondASlowOneInItsNod) {
@@ -230,7 +230,7 @@ TEST(Laser3d, AFastNodMakesBlindnessKnownInASecondASlowOneInItsNod) {
     rig.run(4.0);
     rig.sensor.blind = true;
     double blind_s = 0.0;
-    while (rig.judge().condition != Condition::kFailed && blind_s < 20.0) {
+    while (rig.health().condition != Condition::kFailed && blind_s < 20.0) {
       rig.dut.command({-0.6, 0.2, sweep_s}, rig.now_us);
       rig.run(0.1);
       blind_s += 0.1;
@@ -245,10 +245,10 @@ TEST(Laser3d, BeamsWithoutAMeasurementDegradeAndAreNoSight) {
   rig.run(4.0);
   rig.sensor.too_weak = true;
   rig.run(0.2);
-  EXPECT_EQ(rig.judge().condition, Condition::kDegraded);
-  EXPECT_EQ(rig.judge().reason, "laser: many beams are not measured");
+  EXPECT_EQ(rig.health().condition, Condition::kDegraded);
+  EXPECT_EQ(rig.health().reason, "laser: many beams are not measured");
   rig.run(2.0);
-  EXPECT_EQ(rig.judge().reason, "laser: it sees nothing");
+  EXPECT_EQ(rig.health().reason, "laser: it sees nothing");
 }
 
 TEST(Laser3d, PollutionDegrades) {
@@ -256,13 +256,13 @@ TEST(Laser3d, PollutionDegrades) {
   rig.open();
   rig.sensor.status = 0x90;
   rig.run(4.0);
-  EXPECT_EQ(rig.judge().condition, Condition::kDegraded);
-  EXPECT_EQ(rig.judge().reason, "laser: the front window is dirty");
+  EXPECT_EQ(rig.health().condition, Condition::kDegraded);
+  EXPECT_EQ(rig.health().reason, "laser: the front window is dirty");
 }
 
-TEST(Laser3d, HalfADegreeComesAsTwoScansATurn) {
+TEST(Laser3d, HalfADegreeComesAsTwoScansEach) {
   Laser3dParams params;
-  params.variant = SickVariant::k180x050;
+  params.laser.variant = SickVariant::k180x050;
   Rig rig(params);
   rig.open();
   rig.run(4.0);
@@ -272,9 +272,9 @@ TEST(Laser3d, HalfADegreeComesAsTwoScansATurn) {
   }
 }
 
-TEST(Laser3d, UpsideDownTurnsLeftAndRightRound) {
+TEST(Laser3d, UpsideDownSwapsLeftAndRight) {
   Laser3dParams params;
-  params.upside_down = true;
+  params.laser.upside_down = true;
   Rig rig(params);
   rig.open();
   rig.run(4.0);

@@ -33,20 +33,25 @@ class Head {
   static constexpr double kAcceleration = 40.0;
 };
 
-NodSettings settings() {
-  NodSettings settings;
-  settings.fallback = {-0.7, 0.3, 0.8};
-  settings.min_rad = -1.0;
-  settings.max_rad = 1.0;
-  settings.max_speed_rad_s = 3.0;
-  settings.acceleration_rad_s2 = Head::kAcceleration;
-  return settings;
+NodParams params() {
+  NodParams params;
+  params.fallback = {-0.7, 0.3, 0.8};
+  return params;
+}
+
+robot::RobotParams robot() {
+  robot::RobotParams robot;
+  robot.head.pitch_min_rad = -1.0;
+  robot.head.pitch_max_rad = 1.0;
+  robot.head.pitch_rate_rad_s = 3.0;
+  robot.head.pitch_acceleration_rad_s2 = Head::kAcceleration;
+  return robot;
 }
 
 struct Movement {
   double lowest_rad = 10.0;
   double highest_rad = -10.0;
-  double slow_share = 0.0;
+  double slow_ratio = 0.0;
   std::vector<double> sweeps_s;
 };
 
@@ -74,22 +79,22 @@ Movement run(Nod& dut, Head& head, double seconds, std::int64_t& now_us) {
       sweep_start_us = now_us;
     }
   }
-  result.slow_share = static_cast<double>(slow) / steps;
+  result.slow_ratio = static_cast<double>(slow) / steps;
   return result;
 }
 
 TEST(Nod, R7_NodsWithoutStoppingAtTheEnds) {
-  Nod dut(settings());
+  Nod dut(params(), robot());
   Head head;
   std::int64_t now_us = 0;
   run(dut, head, 1.0, now_us);
   const Movement result = run(dut, head, 20.0, now_us);
-  EXPECT_LT(result.slow_share, 0.1);
+  EXPECT_LT(result.slow_ratio, 0.1);
   EXPECT_FALSE(dut.stalled());
 }
 
 TEST(Nod, R9_ReachesBothEnds) {
-  Nod dut(settings());
+  Nod dut(params(), robot());
   Head head;
   std::int64_t now_us = 0;
   const Movement result = run(dut, head, 10.0, now_us);
@@ -99,9 +104,9 @@ TEST(Nod, R9_ReachesBothEnds) {
 
 TEST(Nod, R11_MeanSweepTimeIsWithinFivePercent) {
   for (const double sweep_s : {0.3, 0.8, 2.0}) {
-    NodSettings with = settings();
+    NodParams with = params();
     with.fallback = {-0.5, 0.2, sweep_s};
-    Nod dut(with);
+    Nod dut(with, robot());
     Head head;
     std::int64_t now_us = 0;
     run(dut, head, 3.0, now_us);
@@ -113,7 +118,7 @@ TEST(Nod, R11_MeanSweepTimeIsWithinFivePercent) {
 }
 
 TEST(Nod, R3_WhatTheMechanicsCannotDoIsCutOff) {
-  Nod dut(settings());
+  Nod dut(params(), robot());
   Head head;
   std::int64_t now_us = 0;
   EXPECT_TRUE(dut.command({-2.0, 2.0, 0.01}, now_us));
@@ -123,14 +128,14 @@ TEST(Nod, R3_WhatTheMechanicsCannotDoIsCutOff) {
 }
 
 TEST(Nod, WithoutCommandsItFallsBack) {
-  Nod dut(settings());
+  Nod dut(params(), robot());
   EXPECT_TRUE(dut.command({0.1, 0.2, 1.0}, 0));
   EXPECT_EQ(dut.step({500'000, 0.0, 0.0}, 500'000).goal_rad, 0.2);
   EXPECT_EQ(dut.step({1'500'000, 0.15, 0.1}, 1'500'000).goal_rad, 0.3);
 }
 
 TEST(Nod, CommandsThatAreNoneAreRefused) {
-  Nod dut(settings());
+  Nod dut(params(), robot());
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_FALSE(dut.command({nan, 0.0, 1.0}, 0));
   EXPECT_FALSE(dut.command({0.5, -0.5, 1.0}, 0));
@@ -139,9 +144,9 @@ TEST(Nod, CommandsThatAreNoneAreRefused) {
 }
 
 TEST(Nod, EqualEndsHoldTheLaser) {
-  NodSettings with = settings();
+  NodParams with = params();
   with.fallback = {0.0, 0.0, 1.0};
-  Nod dut(with);
+  Nod dut(with, robot());
   Head head;
   head.pitch_rad = 0.4;
   std::int64_t now_us = 0;
@@ -160,9 +165,9 @@ TEST(Nod, AJammedHeadIsNoticedInTimeWhereverItIs) {
   };
   for (const Case& with : {Case{3.0, 140'000}, Case{1.3, 130'000}, Case{0.5, 250'000}}) {
     for (std::int64_t jam_us = 3'000'000; jam_us < 6'000'000; jam_us += 50'000) {
-      NodSettings slow_or_fast = settings();
+      NodParams slow_or_fast = params();
       slow_or_fast.fallback.sweep_s = with.sweep_s;
-      Nod dut(slow_or_fast);
+      Nod dut(slow_or_fast, robot());
       Head head;
       std::int64_t now_us = 0;
       run(dut, head, 1e-6 * static_cast<double>(jam_us), now_us);
@@ -175,7 +180,7 @@ TEST(Nod, AJammedHeadIsNoticedInTimeWhereverItIs) {
 }
 
 TEST(Nod, AJammedHeadTriesBothWaysAndComesBack) {
-  Nod dut(settings());
+  Nod dut(params(), robot());
   Head head;
   std::int64_t now_us = 0;
   run(dut, head, 2.2, now_us);
@@ -186,7 +191,7 @@ TEST(Nod, AJammedHeadTriesBothWaysAndComesBack) {
   const std::int64_t sweep = dut.sweep();
   run(dut, head, 5.0, now_us);
   EXPECT_TRUE(dut.stalled());
-  EXPECT_EQ(dut.sweep(), sweep) << "turning in vain is no sweep";
+  EXPECT_EQ(dut.sweep(), sweep) << "reversing in vain is no sweep";
   head.jammed = false;
   run(dut, head, 1.0, now_us);
   EXPECT_FALSE(dut.stalled());
@@ -194,7 +199,7 @@ TEST(Nod, AJammedHeadTriesBothWaysAndComesBack) {
 }
 
 TEST(Nod, AGapInTheReadingsIsNoStall) {
-  Nod dut(settings());
+  Nod dut(params(), robot());
   Head head;
   std::int64_t now_us = 0;
   run(dut, head, 2.2, now_us);
@@ -204,7 +209,7 @@ TEST(Nod, AGapInTheReadingsIsNoStall) {
 }
 
 TEST(Nod, AServoThatStopsShortOfItsGoalStillTurns) {
-  Nod dut(settings());
+  Nod dut(params(), robot());
   std::int64_t now_us = 0;
   double pitch_rad = 0.0;
   for (; now_us < 10'000'000; now_us += 5000) {

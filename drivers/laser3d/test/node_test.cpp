@@ -47,7 +47,7 @@ class WireStream : public serial::ByteStream {
     }
     wire_.request.insert(wire_.request.end(), bytes.begin(), bytes.end());
     const Bytes answer = wire_.answer(wire_.request, wire_.baud);
-    append(wire_.to_host, answer);
+    serial::append(wire_.to_host, answer);
     return IoStatus::kOk;
   }
   bool set_baud(int baud) override {
@@ -62,7 +62,7 @@ class WireStream : public serial::ByteStream {
   Wire& wire_;
 };
 
-serial::ReconnectingPort::Opener opener(Wire& wire) {
+serial::SerialLink::Opener opener(Wire& wire) {
   return [&wire]() -> serial::OpenResult {
     if (!wire.plugged) {
       return {nullptr, "no such device"};
@@ -82,7 +82,7 @@ class Rig {
         node(context, Laser3dParams(), {opener(laser), opener(servo)}, [this] { return now; }) {
     laser.answer = [this](const Bytes& request, int baud) -> Bytes {
       // Requests come byte by byte at 500000.
-      if (request.size() < 6 || request.size() < 6U + read_u16(request, 2)) {
+      if (request.size() < 6 || request.size() < 6U + boost::endian::load_little_u16(&request[2])) {
         return {};
       }
       Bytes answer = sensor.answer(request, baud);
@@ -103,7 +103,7 @@ class Rig {
     for (; now.steady_us < end_us; now.steady_us += 1000, now.utime_us += 1000) {
       head.step_ms(static_cast<int>(now.steady_us / 1000));
       if (sensor.streaming && sensor.baud == laser.baud && now.steady_us % 13'000 == 0) {
-        append(laser.to_host, sensor.next_scan());
+        serial::append(laser.to_host, sensor.next_scan());
       }
       node.spin_once();
       while (bus.handle(std::chrono::milliseconds(0)) > 0) {

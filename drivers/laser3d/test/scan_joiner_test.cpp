@@ -8,19 +8,19 @@
 namespace nodmap::laser3d {
 namespace {
 
-MirrorTurn turn_at(std::int64_t first_us) {
-  MirrorTurn turn;
-  turn.first_beam_us = first_us;
-  turn.last_beam_us = first_us + 6660;
-  turn.ranges_m = {1.0F, 2.0F};
-  return turn;
+MirrorRevolution revolution_at(std::int64_t first_us) {
+  MirrorRevolution revolution;
+  revolution.first_beam_us = first_us;
+  revolution.last_beam_us = first_us + 6660;
+  revolution.ranges_m = {1.0F, 2.0F};
+  return revolution;
 }
 
 TEST(ScanJoiner, R2_PitchAtBothEndsIsInterpolated) {
   ScanJoiner dut;
   dut.add(PitchSample{0, 0.0, 1.0});
   dut.add(PitchSample{10'000, 0.01, 1.0});
-  dut.add(turn_at(2000));
+  dut.add(revolution_at(2000));
   const auto joined = dut.next(12'000);
   ASSERT_TRUE(joined);
   EXPECT_NEAR(joined->pitch_first_rad, 0.002, 1e-12);
@@ -40,22 +40,22 @@ TEST(ScanJoiner, R2_ANoddingHeadIsFollowedToATenthOfAMilliradian) {
       dut.add(PitchSample{now_us, pitch(now_us), 0.0});
     }
     if (now_us % 13'000 == 12'000) {
-      dut.add(turn_at(now_us - 8000));
+      dut.add(revolution_at(now_us - 8000));
     }
-    while (const auto turn = dut.next(now_us)) {
+    while (const auto revolution = dut.next(now_us)) {
       ++joined;
-      EXPECT_NEAR(turn->pitch_first_rad, pitch(turn->turn.first_beam_us), 5e-5);
-      EXPECT_NEAR(turn->pitch_last_rad, pitch(turn->turn.last_beam_us), 5e-5);
+      EXPECT_NEAR(revolution->pitch_first_rad, pitch(revolution->revolution.first_beam_us), 5e-5);
+      EXPECT_NEAR(revolution->pitch_last_rad, pitch(revolution->revolution.last_beam_us), 5e-5);
     }
   }
   EXPECT_GT(joined, 150);
   EXPECT_EQ(dut.dropped(), 0);
 }
 
-TEST(ScanJoiner, ATurnWaitsForTheSampleAfterIt) {
+TEST(ScanJoiner, ARevolutionWaitsForTheSampleAfterIt) {
   ScanJoiner dut;
   dut.add(PitchSample{0, 0.0, 0.0});
-  dut.add(turn_at(1000));
+  dut.add(revolution_at(1000));
   EXPECT_FALSE(dut.next(8000));
   dut.add(PitchSample{10'000, 0.1, 0.0});
   EXPECT_TRUE(dut.next(10'500));
@@ -64,7 +64,7 @@ TEST(ScanJoiner, ATurnWaitsForTheSampleAfterIt) {
 TEST(ScanJoiner, AfterItsPatienceItExtrapolatesALittle) {
   ScanJoiner dut;
   dut.add(PitchSample{0, 0.0, 2.0});
-  dut.add(turn_at(1000));
+  dut.add(revolution_at(1000));
   EXPECT_FALSE(dut.next(37'000));
   const auto joined = dut.next(37'660);  // 30 ms after the last beam
   ASSERT_TRUE(joined);
@@ -74,7 +74,7 @@ TEST(ScanJoiner, AfterItsPatienceItExtrapolatesALittle) {
 TEST(ScanJoiner, BeyondTheBoundItIsDropped) {
   ScanJoiner dut;
   dut.add(PitchSample{0, 0.0, 2.0});
-  dut.add(turn_at(4000));  // its last beam is 10.66 ms beyond the sample
+  dut.add(revolution_at(4000));  // its last beam is 10.66 ms beyond the sample
   EXPECT_FALSE(dut.next(1'000'000));
   EXPECT_EQ(dut.dropped(), 1);
 }
@@ -83,10 +83,10 @@ TEST(ScanJoiner, NothingBeforeTheFirstSampleAndNothingAcrossAGap) {
   ScanJoiner dut;
   dut.add(PitchSample{10'000, 0.0, 0.0});
   dut.add(PitchSample{20'000, 0.0, 0.0});
-  dut.add(turn_at(5000));
+  dut.add(revolution_at(5000));
   EXPECT_FALSE(dut.next(20'000));
   dut.add(PitchSample{200'000, 1.0, 0.0});
-  dut.add(turn_at(100'000));
+  dut.add(revolution_at(100'000));
   EXPECT_FALSE(dut.next(200'000));
   EXPECT_EQ(dut.dropped(), 2);
 }
@@ -94,7 +94,7 @@ TEST(ScanJoiner, NothingBeforeTheFirstSampleAndNothingAcrossAGap) {
 TEST(ScanJoiner, WithoutAServoNothingComesOutAndNothingPilesUp) {
   ScanJoiner dut;
   for (int i = 0; i < 1000; ++i) {
-    dut.add(turn_at(i * 13'320));
+    dut.add(revolution_at(i * 13'320));
     EXPECT_FALSE(dut.next(i * 13'320 + 7000));
   }
   EXPECT_GT(dut.dropped(), 980);

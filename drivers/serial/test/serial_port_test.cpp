@@ -180,5 +180,15 @@ TEST(SerialPort, WhatIsNoPortIsRefusedInWords) {
   EXPECT_EQ(open_serial_port({""}).stream, nullptr);
 }
 
+TEST(StopEvent, StaysRaised) {
+  const StopEvent stop;
+  EXPECT_FALSE(stop.raised());
+  stop.raise();
+  EXPECT_TRUE(stop.raised());
+  EXPECT_TRUE(stop.raised());
+  stop.raise();
+  EXPECT_TRUE(stop.raised());
+}
+
 }  // namespace
 }  // namespace nodmap::serial

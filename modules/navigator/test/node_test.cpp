@@ -236,6 +236,26 @@ TEST_F(NavigatorNodeTest, OdometryThatBeganAnewNeedsANewMap) {
   EXPECT_TRUE(drives());
 }
 
+// As from somebody else on the network: the robot halts until the next odometry and its map.
+TEST_F(NavigatorNodeTest, OneOdometryThatBeginsAnewInTheFutureHaltsOnlyUntilTheNext) {
+  run(1.5);
+  auto forged = node::write_odometry(now_us_ + 3'600'000'000, geometry::SE3::Identity());
+  forged.odometry_seq = 0;
+  bus_.deliver("ODOMETRY", forged);
+  EXPECT_TRUE(halts());
+  run(1.5);
+  EXPECT_TRUE(drives());
+}
+
+TEST_F(NavigatorNodeTest, ABaseThatStartsAnewBeforeTheClockIsSetBackIsFollowed) {
+  run(1.5);
+  odometry_seq_ = 0;
+  tick();
+  now_us_ -= 600'000'000;
+  run(2.0);
+  EXPECT_TRUE(drives());
+}
+
 TEST_F(NavigatorNodeTest, AMapTooFarFromOdometryHalts) {
   run(1.5);
   x_ = 50.0;

@@ -33,14 +33,19 @@ class NoddingHead {
  private:
   static constexpr double kAccelerationRadS2 = 40.0;
 
-  static laser3d::NodSettings settings() {
-    laser3d::NodSettings settings;
-    settings.fallback = {-0.7, 0.26, 0.8};
-    settings.min_rad = geometry::deg_to_rad(-60.0);
-    settings.max_rad = geometry::deg_to_rad(60.0);
-    settings.max_speed_rad_s = 3.0;
-    settings.acceleration_rad_s2 = kAccelerationRadS2;
-    return settings;
+  static laser3d::NodParams params() {
+    laser3d::NodParams params;
+    params.fallback = {-0.7, 0.26, 0.8};
+    return params;
+  }
+
+  static params::RobotParams robot() {
+    params::RobotParams robot;
+    robot.pitch_min_rad = geometry::deg_to_rad(-60.0);
+    robot.pitch_max_rad = geometry::deg_to_rad(60.0);
+    robot.pitch_rate_rad_s = 3.0;
+    robot.pitch_acceleration_rad_s2 = kAccelerationRadS2;
+    return robot;
   }
 
   void step(double dt_s) {
@@ -56,7 +61,7 @@ class NoddingHead {
     pitch_rad_ += rate_rad_s_ * dt_s;
   }
 
-  laser3d::Nod nod_{settings()};
+  laser3d::Nod nod_{params(), robot()};
   laser3d::Nod::Aim aim_;
   std::int64_t time_us_ = 0;
   double pitch_rad_ = 0.0;

@@ -127,7 +127,7 @@ TEST_P(Losing, APartStopsTheRobotAndItGoesOnAfterwards) {
     trial.kills.push_back({GetParam().process, loss.started_us, loss.ended_us - loss.started_us});
   }
   const TrialOutcome outcome = run(trial);
-  const double deceleration_mps2 = trial.params.kurt.max_deceleration_mps2;
+  const double deceleration_mps2 = trial.params.kurt.limits.max_deceleration_mps2;
   const StopMetrics stop = stop_metrics(outcome.record, loss, deceleration_mps2);
   ASSERT_GT(stop.speed_mps, 0.8);
   ASSERT_TRUE(stop.stopped_after_s);

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "drivers/serial/frame_scanner.hpp"
+
+namespace nodmap::laser3d {
+
+using serial::Bytes;
+using serial::ByteView;
+
+/// The checksum of Dynamixel protocol 2.0: CRC-16 with polynomial 8005h, most significant bit
+/// first, start 0, over everything before it.
+[[nodiscard]] std::uint16_t dynamixel_crc(ByteView bytes);
+
+/// Instructions to a servo (protocol 2.0), as bytes on the line.
+namespace dynamixel {
+
+[[nodiscard]] Bytes ping(std::uint8_t id);
+[[nodiscard]] Bytes read(std::uint8_t id, std::uint16_t address, std::uint16_t count);
+[[nodiscard]] Bytes write(std::uint8_t id, std::uint16_t address, ByteView values);
+[[nodiscard]] Bytes reboot(std::uint8_t id);
+
+}  // namespace dynamixel
+
+/// A servo's answer.
+struct DynamixelStatus {
+  std::int64_t first_byte_us = 0;
+  std::uint8_t id = 0;
+  std::uint8_t error = 0;
+  Bytes parameters;
+
+  /// 0 none, 1 result, 2 instruction, 3 checksum, 4 range, 5 length, 6 limit, 7 access.
+  [[nodiscard]] int error_code() const { return error & 0x7F; }
+  /// The servo has switched itself off, or is about to: register 70 says why.
+  [[nodiscard]] bool hardware_alert() const { return (error & 0x80) != 0; }
+};
+
+/// Finds answers in the bytes on the line. Both directions share it, and some adapters echo what
+/// the host sends: whole packets that are no answers are passed over and not counted.
+class DynamixelParser {
+ public:
+  explicit DynamixelParser(int baud);
+
+  void reset(int baud) { scanner_.reset(baud); }
+  void feed(ByteView bytes, std::int64_t now_us) { scanner_.feed(bytes, now_us); }
+  void expire(std::int64_t now_us) { scanner_.expire(now_us); }
+  [[nodiscard]] std::optional<DynamixelStatus> next();
+  [[nodiscard]] const serial::FrameScanner::Errors& errors() const { return scanner_.errors(); }
+
+ private:
+  serial::FrameScanner scanner_;
+};
+
+}  // namespace nodmap::laser3d

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "drivers/laser3d/passive_sync.hpp"
+#include "drivers/laser3d/servo/dynamixel_x.hpp"
+#include "drivers/laser3d/servo/session.hpp"
+#include "drivers/serial/back_off.hpp"
+
+namespace nodmap::laser3d {
+
+/// Dynamixel X series, protocol 2.0. One request is on the way at a time; a reading is of tick,
+/// velocity and position at one moment, and the tick tells when that was.
+class DynamixelSession : public ServoSession {
+ public:
+  struct Counts {
+    std::int64_t samples = 0;
+    std::int64_t connections = 0;
+    std::int64_t unanswered = 0;
+    std::int64_t damaged = 0;  ///< requests that arrived damaged, says the servo
+    std::int64_t refused = 0;
+    std::int64_t implausible = 0;  ///< positions more than a revolution from level
+    std::int64_t alerts = 0;       ///< overload, heat, voltage: the servo had to be restarted
+  };
+
+  /// The head accelerates by at most `acceleration_rad_s2`.
+  DynamixelSession(const ServoParams& params, double acceleration_rad_s2);
+
+  [[nodiscard]] ServoOutput open(std::int64_t now_us) override;
+  void close() override;
+  [[nodiscard]] ServoOutput poll(std::int64_t now_us) override;
+  [[nodiscard]] ServoOutput receive(ByteView bytes, std::int64_t now_us) override;
+  void aim(double goal_rad, double speed_rad_s) override;
+
+  [[nodiscard]] bool running() const override { return step_ == Step::kRun && last_error_.empty(); }
+  [[nodiscard]] bool measures_pitch() const override { return true; }
+  [[nodiscard]] const std::string& last_error() const override { return last_error_; }
+  [[nodiscard]] ServoCounts line_counts() const override;
+  [[nodiscard]] const Counts& counts() const { return counts_; }
+
+ private:
+  enum class Step : std::uint8_t {
+    kClosed,
+    kPing,
+    kClearWatchdog,  // it may have fired since we were last here
+    kTorqueOff,      // the mode can be changed only then
+    kReadMode,
+    kWriteMode,
+    kAcceleration,
+    kTorqueOn,
+    kWatchdog,
+    kRun,
+    kReadAlert,
+    kReboot,
+    kWait,
+  };
+
+  [[nodiscard]] Bytes request() const;
+  [[nodiscard]] ServoOutput enter(Step step, std::int64_t now_us);
+  [[nodiscard]] ServoOutput ask(Bytes bytes, std::int64_t now_us);
+  [[nodiscard]] ServoOutput run(std::int64_t now_us);
+  [[nodiscard]] ServoOutput missed(std::int64_t now_us);
+  [[nodiscard]] ServoOutput take(const DynamixelStatus& answer, std::int64_t now_us);
+  [[nodiscard]] ServoOutput advance(const DynamixelStatus& answer, std::int64_t now_us);
+  [[nodiscard]] ServoOutput fail(std::string reason, std::int64_t now_us);
+  [[nodiscard]] bool has_restarted(const dynamixel_x::State& state, std::int64_t now_us);
+  /// Empty when the head cannot be there.
+  [[nodiscard]] std::optional<PitchSample> sample_of(const dynamixel_x::State& state,
+                                                     std::int64_t first_byte_us);
+
+  ServoParams params_;
+  std::uint8_t id_;
+  double acceleration_rad_s2_;
+  DynamixelParser parser_;
+  PassiveSync sync_;
+  serial::BackOff back_off_;
+  Step step_ = Step::kClosed;
+  bool waiting_ = false;  // for an answer
+  std::int64_t deadline_us_ = 0;
+  std::int64_t next_reading_us_ = 0;
+  int misses_ = 0;                              // in a row
+  std::optional<std::int64_t> tick_offset_us_;  // host minus servo, when last read
+  double goal_rad_ = 0.0;
+  double speed_rad_s_ = 0.0;
+  bool move_pending_ = false;
+  std::string last_error_ = "not connected";
+  Counts counts_;
+};
+
+}  // namespace nodmap::laser3d

@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "drivers/laser3d/servo/maestro.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/geometry/angle.hpp"
+
+namespace nodmap::laser3d {
+namespace maestro {
+namespace {
+
+constexpr double kPulseUnitUs = 0.25;
+constexpr double kSpeedUnitUsPerS = 25.0;  // a quarter of a microsecond in 10 ms
+constexpr double kLargest = 0x3FFF;
+
+/// Values travel in bytes of seven bits.
+Bytes command(std::uint8_t code, int channel, double value) {
+  const auto number = static_cast<unsigned>(std::lround(std::clamp(value, 0.0, kLargest)));
+  return {code, static_cast<std::uint8_t>(channel), static_cast<std::uint8_t>(number & 0x7FU),
+          static_cast<std::uint8_t>(number >> 7U)};
+}
+
+}  // namespace
+
+Bytes set_target(int channel, double pulse_us) {
+  return command(0x84, channel, pulse_us / kPulseUnitUs);
+}
+
+Bytes set_speed(int channel, double pulse_us_per_s) {
+  return command(0x87, channel, std::max(1.0, pulse_us_per_s / kSpeedUnitUsPerS));
+}
+
+Bytes set_acceleration(int channel, int value) {
+  return command(0x89, channel, value);
+}
+
+Bytes get_position(int channel) {
+  return {0x90, static_cast<std::uint8_t>(channel)};
+}
+
+Bytes get_errors() {
+  return {0xA1};
+}
+
+Bytes go_home() {
+  return {0xA2};
+}
+
+Bytes addressed(int device, const Bytes& compact) {
+  Bytes bytes = {0xAA, static_cast<std::uint8_t>(device)};
+  bytes.push_back(compact.front() & 0x7FU);
+  bytes.insert(bytes.end(), compact.begin() + 1, compact.end());
+  return bytes;
+}
+
+std::uint8_t crc7(ByteView command) {
+  constexpr unsigned kPolynomial = 0x91;
+  unsigned crc = 0;
+  for (const std::uint8_t byte : command) {
+    crc ^= byte;
+    for (int bit = 0; bit < 8; ++bit) {
+      crc = ((crc & 1U) != 0 ? crc ^ kPolynomial : crc) >> 1U;
+    }
+  }
+  return static_cast<std::uint8_t>(crc);
+}
+
+double pulse_us_in(ByteView answer) {
+  return kPulseUnitUs * boost::endian::load_little_u16(answer.data());
+}
+
+}  // namespace maestro
+
+namespace {
+
+constexpr std::int64_t kAnswerUs = 50'000;
+constexpr int kMissesAllowed = 3;
+constexpr std::size_t kAnswerBytes = 2;
+
+}  // namespace
+
+MaestroSession::MaestroSession(const ServoParams& params)
+    : channel_(params.id),
+      level_us_(params.maestro.level_us),
+      us_per_rad_(geometry::rad_to_deg(params.maestro.us_per_deg)),
+      period_us_(params.period_us()) {}
+
+ServoOutput MaestroSession::open(std::int64_t now_us) {
+  open_ = true;
+  last_error_ = "being started";
+  waiting_ = false;
+  misses_ = 0;
+  last_.reset();
+  next_us_ = now_us;
+  move_pending_ = speed_rad_s_ > 0.0;
+  back_off_.succeeded();
+  return {.send = maestro::set_acceleration(channel_, 0), .sample = std::nullopt};
+}
+
+void MaestroSession::close() {
+  open_ = false;
+  last_error_ = "not connected";
+}
+
+void MaestroSession::aim(double goal_rad, double speed_rad_s) {
+  if (goal_rad != goal_rad_ || speed_rad_s != speed_rad_s_) {
+    goal_rad_ = goal_rad;
+    speed_rad_s_ = speed_rad_s;
+    move_pending_ = true;
+  }
+}
+
+ServoOutput MaestroSession::poll(std::int64_t now_us) {
+  if (!open_ || (waiting_ && now_us < asked_us_ + kAnswerUs)) {
+    return {};
+  }
+  if (waiting_) {
+    waiting_ = false;
+    if (++misses_ > kMissesAllowed) {
+      last_error_ = "the servo controller does not answer";
+      last_.reset();
+      back_off_.failed(now_us);
+      next_us_ = now_us + back_off_.wait_us(now_us);
+    }
+  }
+  ServoOutput output;
+  if (now_us < next_us_) {
+    return output;
+  }
+  next_us_ = std::max(next_us_ + period_us_, now_us);
+  if (move_pending_) {
+    move_pending_ = false;
+    const double pulse_us = level_us_ + us_per_rad_ * goal_rad_;
+    const double speed_us_s = std::abs(us_per_rad_) * speed_rad_s_;
+    output.send = maestro::set_speed(channel_, speed_us_s);
+    const Bytes target = maestro::set_target(channel_, pulse_us);
+    serial::append(output.send, target);
+  }
+  const Bytes question = maestro::get_position(channel_);
+  serial::append(output.send, question);
+  waiting_ = true;
+  asked_us_ = now_us;
+  answer_.clear();
+  return output;
+}
+
+ServoOutput MaestroSession::receive(ByteView bytes, std::int64_t now_us) {
+  if (!waiting_) {
+    return {};
+  }
+  serial::append(answer_, bytes);
+  if (answer_.size() < kAnswerBytes) {
+    return {};
+  }
+  waiting_ = false;
+  // Bare bytes have no frame: an answer that is too long is none.
+  if (answer_.size() > kAnswerBytes) {
+    return {};
+  }
+  return {.send = {}, .sample = sample_in(answer_, now_us)};
+}
+
+std::optional<PitchSample> MaestroSession::sample_in(ByteView answer, std::int64_t now_us) {
+  constexpr double kShortestPulseUs = 64.0;  // of any servo; 0: the channel is off
+  const double pulse_us = maestro::pulse_us_in(answer);
+  misses_ = 0;
+  if (pulse_us < kShortestPulseUs) {
+    move_pending_ = true;  // the controller has been restarted
+    return std::nullopt;
+  }
+  last_error_.clear();
+  back_off_.succeeded();
+  PitchSample sample;
+  // The pulse was looked up somewhere between question and answer.
+  sample.time_us = asked_us_ + (now_us - asked_us_) / 2;
+  sample.pitch_rad = (pulse_us - level_us_) / us_per_rad_;
+  if (last_ && sample.time_us > last_->time_us) {
+    sample.rate_rad_s = 1e6 * (sample.pitch_rad - last_->pitch_rad) /
+                        static_cast<double>(sample.time_us - last_->time_us);
+  }
+  last_ = sample;
+  return sample;
+}
+
+}  // namespace nodmap::laser3d

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "drivers/laser3d/servo/session.hpp"
+#include "drivers/serial/back_off.hpp"
+
+namespace nodmap::laser3d {
+
+/// Commands to a Pololu Maestro (compact protocol). It sends pulses to a servo and hears nothing
+/// from it: the position it tells is the pulse being sent. Answers are two bare bytes.
+namespace maestro {
+
+[[nodiscard]] Bytes set_target(int channel, double pulse_us);
+/// Speed of the pulse, microseconds per second; at least the smallest, since 0 is "unlimited".
+[[nodiscard]] Bytes set_speed(int channel, double pulse_us_per_s);
+[[nodiscard]] Bytes set_acceleration(int channel, int value);
+[[nodiscard]] Bytes get_position(int channel);
+/// Reading the errors clears them.
+[[nodiscard]] Bytes get_errors();
+[[nodiscard]] Bytes go_home();
+
+/// The same command in the Pololu protocol, for several devices on one line.
+[[nodiscard]] Bytes addressed(int device, const Bytes& compact);
+/// The optional checksum over a command.
+[[nodiscard]] std::uint8_t crc7(ByteView command);
+
+/// Pulse in an answer to get_position(), microseconds.
+[[nodiscard]] double pulse_us_in(ByteView answer);
+
+}  // namespace maestro
+
+/// A hobby servo behind a Pololu Maestro, as on the historic KURT3D. Open loop: the pitch told is
+/// the one being commanded, and the servo may be elsewhere.
+class MaestroSession : public ServoSession {
+ public:
+  explicit MaestroSession(const ServoParams& params);
+
+  [[nodiscard]] ServoOutput open(std::int64_t now_us) override;
+  void close() override;
+  [[nodiscard]] ServoOutput poll(std::int64_t now_us) override;
+  [[nodiscard]] ServoOutput receive(ByteView bytes, std::int64_t now_us) override;
+  void aim(double goal_rad, double speed_rad_s) override;
+
+  [[nodiscard]] bool running() const override { return open_ && last_error_.empty(); }
+  [[nodiscard]] bool measures_pitch() const override { return false; }
+  [[nodiscard]] const std::string& last_error() const override { return last_error_; }
+
+ private:
+  [[nodiscard]] std::optional<PitchSample> sample_in(ByteView answer, std::int64_t now_us);
+
+  int channel_;
+  double level_us_;
+  double us_per_rad_;
+  std::int64_t period_us_;
+  serial::BackOff back_off_;
+  bool open_ = false;
+  std::int64_t asked_us_ = 0;
+  std::int64_t next_us_ = 0;
+  bool waiting_ = false;
+  int misses_ = 0;
+  Bytes answer_;
+  std::optional<PitchSample> last_;
+  double goal_rad_ = 0.0;
+  double speed_rad_s_ = 0.0;
+  bool move_pending_ = false;
+  std::string last_error_ = "not connected";
+};
+
+}  // namespace nodmap::laser3d

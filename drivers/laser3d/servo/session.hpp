@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <boost/core/noncopyable.hpp>
+#include <cmath>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "drivers/serial/frame_scanner.hpp"
+
+namespace nodmap::laser3d {
+
+using serial::Bytes;
+using serial::ByteView;
+
+enum class ServoKind : std::uint8_t { kDynamixel, kMaestro };
+
+struct DynamixelParams {
+  int level_position = 2048;
+  bool inverted = false;
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.integer("level_position", level_position, {0, 4095},
+              "Position at which the laser looks straight ahead.");
+    v.flag("inverted", inverted, "Larger positions look down.");
+  }
+};
+
+/// The defaults are those of the historic KURT3D: -50 to +60 degrees are pulses of 2000 to 1000 us.
+struct MaestroParams {
+  double level_us = 1545.0;
+  double us_per_deg = -9.09;
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.number("level_us", level_us, {500.0, 2500.0},
+             "Pulse at which the laser looks straight ahead.");
+    v.number("us_per_deg", us_per_deg, {-50.0, 50.0}, "Change of the pulse for a degree up.");
+  }
+};
+
+struct ServoParams {
+  ServoKind kind = ServoKind::kDynamixel;
+  std::string device = "/dev/servo";
+  int baud = 1'000'000;
+  int id = 1;
+  double poll_hz = 200.0;
+  DynamixelParams dynamixel;
+  MaestroParams maestro;
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.choice("kind", kind, {{"dynamixel", ServoKind::kDynamixel}, {"maestro", ServoKind::kMaestro}},
+             "Pitch servo: Dynamixel X (measured pitch) or Pololu Maestro (open loop).");
+    v.text("device", device, "Serial line of the servo.");
+    v.integer("baud", baud, {9600, 4'500'000}, "Rate of that line, bit/s.");
+    v.integer("id", id, {0, 252}, "Dynamixel id, or Maestro channel.");
+    v.number("poll_hz", poll_hz, {20.0, 500.0}, "How often the pitch is read.");
+    v.section("dynamixel", dynamixel);
+    v.section("maestro", maestro);
+  }
+
+  /// From one reading of the pitch to the next.
+  [[nodiscard]] std::int64_t period_us() const { return std::llround(1e6 / poll_hz); }
+};
+
+/// Where the laser pointed at one moment.
+struct PitchSample {
+  std::int64_t time_us = 0;
+  double pitch_rad = 0.0;   ///< positive looks up
+  double rate_rad_s = 0.0;  ///< positive: upwards
+};
+
+struct ServoOutput {
+  Bytes send;
+  std::optional<PitchSample> sample;
+};
+
+/// What went wrong on the servo's line.
+struct ServoCounts {
+  std::int64_t unanswered = 0;       ///< requests
+  std::int64_t damaged = 0;          ///< requests that the servo says arrived damaged
+  std::int64_t checksum_errors = 0;  ///< of answers
+  std::int64_t implausible = 0;      ///< positions where the head cannot be
+};
+
+/// Brings a pitch servo up, moves it, and reads its position again and again, whatever protocol it
+/// speaks. A pure state machine; all times are microseconds of one clock that never steps.
+class ServoSession : private boost::noncopyable {
+ public:
+  virtual ~ServoSession() = default;
+
+  /// The line has been opened.
+  [[nodiscard]] virtual ServoOutput open(std::int64_t now_us) = 0;
+  /// The line is gone.
+  virtual void close() = 0;
+  /// To be called at least every few milliseconds.
+  [[nodiscard]] virtual ServoOutput poll(std::int64_t now_us) = 0;
+  [[nodiscard]] virtual ServoOutput receive(ByteView bytes, std::int64_t now_us) = 0;
+  /// Where to go, and how fast: sent with the next poll().
+  virtual void aim(double goal_rad, double speed_rad_s) = 0;
+
+  /// Whether the servo moves and its position is known.
+  [[nodiscard]] virtual bool running() const = 0;
+  /// Whether the pitch of the samples was measured, or is only what was commanded.
+  [[nodiscard]] virtual bool measures_pitch() const = 0;
+  /// All zero for a servo that does not answer.
+  [[nodiscard]] virtual ServoCounts line_counts() const { return {}; }
+  /// Why it is not running; empty when it is.
+  [[nodiscard]] virtual const std::string& last_error() const = 0;
+};
+
+}  // namespace nodmap::laser3d

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "drivers/laser3d/sick/step.hpp"
+#include "drivers/serial/back_off.hpp"
+
+namespace nodmap::laser3d {
+
+/// What the caller is to do, in this order, and the scan that has come.
+struct SickOutput {
+  std::optional<int> baud;  ///< change the rate of the host's line
+  Bytes send;
+  std::optional<SickScan> scan;
+};
+
+/// Brings the sensor from an unknown state to a stream of scans, and back there whenever the stream
+/// ends. A pure state machine; all times are microseconds of one clock that never steps.
+///
+/// Finds the rate at which the sensor listens (it may be streaming already), changes it, writes the
+/// configuration only if it differs (the sensor's memory wears), sets the variant, starts the
+/// stream.
+class SickSession {
+ public:
+  enum class State : std::uint8_t { kClosed, kConnecting, kStreaming, kWaiting };
+
+  struct Counts {
+    std::int64_t scans = 0;
+    std::int64_t connections = 0;
+    std::int64_t config_writes = 0;
+    std::int64_t retries = 0;
+    std::int64_t unexpected_scans = 0;  ///< of another variant, or while they should not come
+    std::int64_t stream_stops = 0;
+    std::int64_t freezes = 0;
+    std::int64_t power_ons = 0;  ///< the sensor said it has just been switched on
+  };
+
+  explicit SickSession(const SickParams& params);
+
+  /// The line has been opened.
+  [[nodiscard]] SickOutput open(std::int64_t now_us);
+  /// The line is gone.
+  void close();
+  /// Ends the stream and takes the sensor back to 9600, where the next start finds it at once.
+  [[nodiscard]] SickOutput shut_down(std::int64_t now_us);
+
+  /// To be called at least every few milliseconds: retries, time-outs, back-off.
+  [[nodiscard]] SickOutput poll(std::int64_t now_us);
+  [[nodiscard]] SickOutput take(const SickTelegram& telegram, std::int64_t now_us);
+  /// The sensor did not understand: ask again soon.
+  void take_nak(std::int64_t now_us);
+
+  [[nodiscard]] State state() const;
+  /// Why the last attempt or stream ended; empty while scans come.
+  [[nodiscard]] const std::string& last_error() const { return last_error_; }
+  [[nodiscard]] const Counts& counts() const { return counts_; }
+  /// How long a healthy stream pauses at most.
+  [[nodiscard]] std::int64_t stream_timeout_us() const;
+
+ private:
+  using Step = SickStep;
+
+  [[nodiscard]] std::int64_t timeout_us() const;
+
+  [[nodiscard]] SickOutput enter(Step step, std::int64_t now_us);
+  [[nodiscard]] SickOutput ask(std::int64_t now_us);
+  [[nodiscard]] SickOutput retry(std::int64_t now_us);
+  [[nodiscard]] SickOutput search_from(std::size_t candidate, std::int64_t now_us);
+  [[nodiscard]] SickOutput advance(const SickTelegram& telegram, std::int64_t now_us);
+  [[nodiscard]] SickOutput after_config(const SickTelegram& telegram, std::int64_t now_us);
+  [[nodiscard]] SickOutput take_values(const SickTelegram& telegram, std::int64_t now_us);
+  [[nodiscard]] SickOutput fail(std::string reason, std::int64_t now_us);
+  [[nodiscard]] bool is_expected_count(std::size_t count) const;
+  [[nodiscard]] bool is_frozen(const SickTelegram& telegram, const SickScan& scan);
+
+  SickParams params_;
+  std::vector<int> candidates_;  // rates, the likeliest first
+  std::size_t candidate_ = 0;
+  int baud_ = 9600;
+  Step step_ = Step::kClosed;
+  int attempts_ = 0;
+  bool refused_ = false;
+  bool heard_ = false;  // something whole at this rate
+  std::int64_t deadline_us_ = 0;
+  std::optional<SickConfig> config_;
+  int writes_since_wanted_ = 0;  // of the configuration, since it was last read as it should be
+  serial::BackOff back_off_;
+  std::array<Bytes, 4> last_values_;  // by quarter of a degree; whole scans are all in the first
+  int equal_scans_ = 0;
+  std::string last_error_ = "not connected";
+  Counts counts_;
+};
+
+}  // namespace nodmap::laser3d

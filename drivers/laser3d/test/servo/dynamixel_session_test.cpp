@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "drivers/laser3d/servo/dynamixel_session.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "drivers/laser3d/test/fake_servo.hpp"
+
+namespace nodmap::laser3d {
+namespace {
+
+using test::FakeServo;
+using test::operator+;  // NOLINT(misc-unused-using-decls): an operator is used
+
+class Rig {
+ public:
+  explicit Rig(const ServoParams& params = {}) : dut(params, 40.0) {
+    servo.registers[11] = 3;
+    for (std::size_t i = 0; i < 4; ++i) {  // the goal is where it stands
+      servo.registers[116 + i] = static_cast<std::uint8_t>(2048U >> (8 * i));
+    }
+  }
+
+  void open() { handle(dut.open(now_us)); }
+
+  void run(double seconds) {
+    const std::int64_t end_us = now_us + static_cast<std::int64_t>(1e6 * seconds);
+    for (; now_us < end_us; now_us += 1000) {
+      servo.step_ms(static_cast<int>(now_us / 1000));
+      const Bytes arrived = std::exchange(on_the_line_, {});
+      handle(dut.receive(arrived, now_us));
+      handle(dut.poll(now_us));
+    }
+  }
+
+  DynamixelSession dut;
+  FakeServo servo;
+  std::int64_t now_us = 0;
+  std::vector<PitchSample> samples;
+
+ private:
+  void handle(const ServoOutput& output) {
+    if (!output.send.empty()) {
+      on_the_line_ = on_the_line_ + servo.answer(output.send);
+    }
+    if (output.sample) {
+      samples.push_back(*output.sample);
+    }
+  }
+
+  Bytes on_the_line_;
+};
+
+TEST(DynamixelSession, RunsAndTellsWhereItIs) {
+  Rig rig;
+  rig.open();
+  rig.run(0.5);
+  EXPECT_TRUE(rig.dut.running());
+  EXPECT_GT(rig.samples.size(), 90U);  // every 5 ms
+  EXPECT_EQ(rig.samples.back().pitch_rad, 0.0);
+  EXPECT_EQ(rig.servo.registers[64], 1);   // torque
+  EXPECT_EQ(rig.servo.registers[98], 10);  // watchdog, 200 ms
+}
+
+TEST(DynamixelSession, MovesAtTheSpeedAsked) {
+  Rig rig;
+  rig.open();
+  rig.run(0.5);
+  rig.dut.aim(0.5, 1.0);
+  rig.run(0.25);
+  EXPECT_NEAR(rig.samples.back().pitch_rad, 0.25, 0.03);  // a few ms of delay at 1 rad/s
+  rig.run(1.0);
+  EXPECT_NEAR(rig.samples.back().pitch_rad, 0.5, dynamixel_x::kRadPerStep);
+}
+
+TEST(DynamixelSession, AnInvertedServoLooksUpForSmallerPositions) {
+  ServoParams params;
+  params.dynamixel.inverted = true;
+  Rig rig(params);
+  rig.open();
+  rig.run(0.1);
+  rig.dut.aim(0.5, 2.0);
+  rig.run(1.0);
+  EXPECT_LT(rig.servo.position, 2048.0);
+  EXPECT_NEAR(rig.samples.back().pitch_rad, 0.5, dynamixel_x::kRadPerStep);
+}
+
+TEST(DynamixelSession, TheModeIsWrittenOnlyIfItDiffers) {
+  Rig same;
+  same.open();
+  same.run(0.3);
+  EXPECT_EQ(same.servo.mode_writes, 0);
+  Rig other;
+  other.servo.registers[11] = 4;
+  other.open();
+  other.run(0.3);
+  EXPECT_EQ(other.servo.mode_writes, 1);
+  EXPECT_TRUE(other.dut.running());
+}
+
+TEST(DynamixelSession, ALostServoIsNoticedAndFoundAgain) {
+  Rig rig;
+  rig.open();
+  rig.run(0.3);
+  rig.servo.powered = false;
+  rig.run(0.2);  // four times 40 ms without an answer
+  EXPECT_FALSE(rig.dut.running());
+  EXPECT_EQ(rig.dut.last_error(), "the servo does not answer");
+  rig.run(20.0);
+  rig.servo.powered = true;
+  rig.run(6.0);  // the longest back-off is 5 s
+  EXPECT_TRUE(rig.dut.running());
+  EXPECT_EQ(rig.dut.counts().connections, 2);
+}
+
+TEST(DynamixelSession, AnAlertIsToldAndTheServoRestarted) {
+  Rig rig;
+  rig.open();
+  rig.run(0.3);
+  rig.servo.registers[70] = 0x20;
+  rig.servo.alert = true;
+  rig.run(0.1);
+  EXPECT_FALSE(rig.dut.running());
+  EXPECT_EQ(rig.dut.last_error(), "the servo switched itself off: overload");
+  rig.run(2.0);
+  EXPECT_EQ(rig.servo.reboots, 1);
+  EXPECT_TRUE(rig.dut.running());
+}
+
+TEST(DynamixelSession, AfterARestartItGoesOnToItsGoal) {
+  Rig rig;
+  rig.open();
+  rig.run(0.1);
+  rig.dut.aim(0.4, 2.0);
+  rig.run(1.0);
+  rig.servo = FakeServo();
+  rig.servo.registers[11] = 3;
+  rig.servo.booted_ms = static_cast<int>(rig.now_us / 1000);  // without torque, but answering
+  rig.run(2.0);
+  EXPECT_NEAR(rig.samples.back().pitch_rad, 0.4, 0.01);
+}
+
+TEST(DynamixelSession, ADamagedRequestIsAskedAgainAndOnlyManyInARowAreALoss) {
+  Rig rig;
+  rig.open();
+  rig.run(0.2);
+  rig.servo.damage_next = 3;
+  rig.run(0.2);
+  EXPECT_TRUE(rig.dut.running());
+  EXPECT_EQ(rig.dut.counts().connections, 1);
+  EXPECT_EQ(rig.dut.line_counts().damaged, 3);
+  EXPECT_EQ(rig.dut.line_counts().unanswered, 0);
+  rig.servo.damage_next = 1000;
+  rig.run(0.05);
+  EXPECT_FALSE(rig.dut.running());
+}
+
+TEST(DynamixelSession, PositionsWhereTheHeadCannotBeAreDropped) {
+  Rig rig;
+  rig.open();
+  rig.run(0.2);
+  for (const std::int32_t position :
+       {std::numeric_limits<std::int32_t>::min(), std::numeric_limits<std::int32_t>::max(),
+        2048 + 4097, 2048 - 4097}) {
+    rig.servo.told_position = position;
+    rig.run(0.01);  // what is on the line already
+    const std::size_t samples = rig.samples.size();
+    const std::int64_t implausible = rig.dut.counts().implausible;
+    rig.run(0.1);
+    EXPECT_EQ(rig.samples.size(), samples) << position;
+    EXPECT_GT(rig.dut.counts().implausible, implausible + 10) << position;
+  }
+  rig.servo.told_position = 2048 + 4096;
+  rig.run(0.1);
+  EXPECT_NEAR(rig.samples.back().pitch_rad, 2.0 * geometry::kPi, 1e-9);
+}
+
+TEST(DynamixelSession, SamplesAreStampedWithinAMillisecond) {
+  Rig rig;
+  rig.open();
+  rig.run(0.2);
+  rig.dut.aim(1.0, 1.0);
+  rig.run(0.6);
+  // The fake moves at 0.9992 rad/s (42 units of 0.229 rpm would be 1.007) in steps of 1 ms and
+  // answers 1 ms after it was read: pitch and stamp must lie on one line.
+  const PitchSample& a = rig.samples[rig.samples.size() - 60];
+  const PitchSample& b = rig.samples.back();
+  const double rate =
+      1e6 * (b.pitch_rad - a.pitch_rad) / static_cast<double>(b.time_us - a.time_us);
+  EXPECT_NEAR(rate, 1.007, 0.02);  // 1 ms and one step of 0.088 degrees in 0.3 s
+}
+
+}  // namespace
+}  // namespace nodmap::laser3d

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "drivers/laser3d/servo/maestro.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+
+#include "common/geometry/angle.hpp"
+#include "drivers/laser3d/test/golden.hpp"
+
+namespace nodmap::laser3d {
+namespace {
+
+using test::hex;
+
+TEST(Maestro, CommandsAreAsInTheManual) {
+  EXPECT_EQ(maestro::set_target(0, 1000.0), hex("84 00 20 1F"));
+  EXPECT_EQ(maestro::set_target(0, 1500.0), hex("84 00 70 2E"));
+  EXPECT_EQ(maestro::set_target(0, 2000.0), hex("84 00 40 3E"));
+  EXPECT_EQ(maestro::get_position(3), hex("90 03"));
+  EXPECT_EQ(maestro::get_errors(), hex("A1"));
+  EXPECT_EQ(maestro::go_home(), hex("A2"));
+  EXPECT_EQ(maestro::addressed(12, maestro::set_target(0, 1500.0)), hex("AA 0C 04 00 70 2E"));
+  EXPECT_EQ(maestro::crc7(hex("83 01")), 0x17);
+}
+
+TEST(Maestro, SpeedIsNeverUnlimited) {
+  EXPECT_EQ(maestro::set_speed(0, 0.0), hex("87 00 01 00"));
+  EXPECT_EQ(maestro::set_speed(0, 3500.0), hex("87 00 0C 01"));  // 140 units
+}
+
+TEST(Maestro, ValuesStayInTheirFourteenBits) {
+  EXPECT_EQ(maestro::set_target(0, -5.0), hex("84 00 00 00"));
+  EXPECT_EQ(maestro::set_target(0, 1e9), hex("84 00 7F 7F"));
+}
+
+TEST(Maestro, PositionIsInQuarters) {
+  EXPECT_DOUBLE_EQ(maestro::pulse_us_in(hex("70 17")), 1500.0);
+}
+
+/// On channel 0: 1500 us looks straight ahead, 500 us less look up by 1 rad.
+ServoParams params() {
+  ServoParams params;
+  params.id = 0;
+  params.poll_hz = 100.0;
+  params.maestro = {.level_us = 1500.0, .us_per_deg = geometry::deg_to_rad(-500.0)};
+  return params;
+}
+
+Bytes answer(int quarter_us) {
+  Bytes bytes;
+  serial::append_little(bytes, static_cast<std::uint16_t>(quarter_us));
+  return bytes;
+}
+
+TEST(MaestroSession, TellsTheCommandedPitchAndSaysSo) {
+  MaestroSession dut(params());
+  EXPECT_FALSE(dut.measures_pitch());
+  EXPECT_EQ(dut.open(0).send, hex("89 00 00 00"));
+  EXPECT_EQ(dut.poll(0).send, hex("90 00"));
+  const ServoOutput output = dut.receive(answer(4 * 1400), 2000);
+  ASSERT_TRUE(output.sample);
+  EXPECT_DOUBLE_EQ(output.sample->pitch_rad, 0.2);
+  EXPECT_EQ(output.sample->time_us, 1000);
+  EXPECT_TRUE(dut.running());
+}
+
+TEST(MaestroSession, SpeedComesBeforeTheTarget) {
+  MaestroSession dut(params());
+  EXPECT_FALSE(dut.open(0).send.empty());
+  dut.aim(-1.0, 7.0);
+  EXPECT_EQ(dut.poll(0).send, hex("87 00 0C 01 84 00 40 3E 90 00"));
+}
+
+TEST(MaestroSession, SilenceIsAnErrorAndTheQuestionsGoOn) {
+  MaestroSession dut(params());
+  EXPECT_FALSE(dut.open(0).send.empty());
+  int questions = 0;
+  for (std::int64_t now_us = 0; now_us < 2'000'000; now_us += 1000) {
+    questions += dut.poll(now_us).send.empty() ? 0 : 1;
+  }
+  EXPECT_FALSE(dut.running());
+  EXPECT_EQ(dut.last_error(), "the servo controller does not answer");
+  EXPECT_GT(questions, 4);
+  EXPECT_LT(questions, 12);  // with growing pauses
+}
+
+TEST(MaestroSession, AnswersThatAreTooLongOrOffAreNoPitch) {
+  MaestroSession dut(params());
+  EXPECT_FALSE(dut.open(0).send.empty());
+  EXPECT_FALSE(dut.poll(0).send.empty());
+  EXPECT_FALSE(dut.receive(hex("70 17 00"), 1000).sample);
+  EXPECT_FALSE(dut.poll(20'000).send.empty());
+  EXPECT_FALSE(dut.receive(answer(0), 21'000).sample);
+}
+
+}  // namespace
+}  // namespace nodmap::laser3d

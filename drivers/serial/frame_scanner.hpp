@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <boost/endian/conversion.hpp>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace nodmap::serial {
+
+using Bytes = std::vector<std::uint8_t>;
+using ByteView = std::span<const std::uint8_t>;
+
+inline void append(Bytes& bytes, ByteView more) {
+  bytes.insert(bytes.end(), more.begin(), more.end());
+}
+
+/// Appends a number, least significant byte first.
+template <class Integer>
+void append_little(Bytes& bytes, Integer value) {
+  bytes.resize(bytes.size() + sizeof value);
+  boost::endian::endian_store<Integer, sizeof value, boost::endian::order::little>(
+      bytes.data() + bytes.size() - sizeof value, value);
+}
+
+/// What a frame format says about the bytes at the front of the line.
+struct FrameStart {
+  enum class Kind : std::uint8_t {
+    kNone,         ///< no frame begins with this byte
+    kImplausible,  ///< it looks like the start of a frame, but its length or structure cannot be
+    kPlausible,
+  };
+  Kind kind = Kind::kNone;
+  std::size_t size = 0;  ///< of the whole frame; of its header while that has not come completely
+};
+
+/// How a device packs what it sends: frames with a recognizable start, a length and a checksum.
+struct FrameFormat {
+  /// `in_step`: no byte was skipped since the last whole frame.
+  FrameStart (*start)(ByteView bytes, bool in_step);
+  /// `frame` has the size that start() gave for it.
+  bool (*checksum_holds)(ByteView frame);
+};
+
+/// A whole frame whose checksum holds. Its bytes are valid until the scanner is fed again.
+struct Frame {
+  std::int64_t first_byte_us = 0;  ///< when its first byte arrived
+  ByteView bytes;
+};
+
+/// Finds frames in a stream of bytes that may be cut, mixed with noise or damaged.
+///
+/// A frame with an impossible length, structure or checksum was a false start: the search goes on
+/// one byte behind its first one, so that a whole frame inside it is never lost. Keeps less than
+/// one frame and the bytes of one feed().
+class FrameScanner {
+ public:
+  /// What was dropped, by cause.
+  struct Errors {
+    std::int64_t checksum = 0;
+    std::int64_t implausible = 0;    ///< false starts by their length or structure
+    std::int64_t expired = 0;        ///< frames that were never finished
+    std::int64_t skipped_bytes = 0;  ///< that belong to no frame
+  };
+
+  /// A pause within a frame is at most 14 ms (SICK); after this long the rest will not come.
+  static constexpr std::int64_t kExpiryUs = 250'000;
+
+  FrameScanner(const FrameFormat& format, int baud) : format_(format) { reset(baud); }
+
+  /// Forgets all bytes: from now on the line has the rate `baud`, bit/s.
+  void reset(int baud);
+
+  /// Takes bytes of which the last was read at `now_us`.
+  void feed(ByteView bytes, std::int64_t now_us);
+
+  /// Gives up a frame begun when nothing has come for kExpiryUs: what is there will not be
+  /// finished.
+  void expire(std::int64_t now_us);
+
+  /// The next whole frame in what was fed, or nothing.
+  [[nodiscard]] std::optional<Frame> next();
+
+  [[nodiscard]] const Errors& errors() const { return errors_; }
+
+ private:
+  struct Mark {
+    std::int64_t end = 0;  // position in the stream behind the last byte of one feed
+    std::int64_t time_us = 0;
+  };
+
+  [[nodiscard]] ByteView unread() const { return ByteView(buffer_).subspan(head_); }
+  [[nodiscard]] std::int64_t front() const { return start_ + static_cast<std::int64_t>(head_); }
+  [[nodiscard]] std::int64_t end() const {
+    return start_ + static_cast<std::int64_t>(buffer_.size());
+  }
+  [[nodiscard]] bool may_reach(std::size_t size) const;
+  [[nodiscard]] std::int64_t front_arrival_us() const;
+  [[nodiscard]] Frame take_frame(std::size_t size);
+  void skip_byte();
+  void drop_read();
+
+  FrameFormat format_;
+  double byte_us_ = 0.0;
+  Bytes buffer_;
+  std::size_t head_ = 0;        // of the unread bytes in the buffer
+  std::int64_t start_ = 0;      // position of buffer_[0] in the stream
+  std::int64_t stale_end_ = 0;  // a frame begun before this position must end before it
+  std::deque<Mark> marks_;
+  bool in_step_ = true;
+  Errors errors_;
+};
+
+}  // namespace nodmap::serial

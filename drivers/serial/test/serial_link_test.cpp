@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "drivers/serial/serial_link.hpp"
+
+#include <gtest/gtest.h>
+#include <poll.h>
+
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "tests/support/data_dir.hpp"
+#include "tests/support/pty_pair.hpp"
+
+namespace nodmap::serial {
+namespace {
+
+constexpr std::int64_t kStartUtimeUs = 1'700'000'000'000'000;
+
+time::Moment at(std::int64_t steady_us) {
+  return {kStartUtimeUs + steady_us, steady_us};
+}
+
+/// A link, and what its driver was told.
+struct Rig {
+  explicit Rig(SerialLink::Opener open)
+      : link("device", std::move(open),
+             {.opened = [this](const time::Moment&) { ++opened; },
+              .received =
+                  [this](std::span<const std::uint8_t> bytes, const time::Moment&) {
+                    received.insert(received.end(), bytes.begin(), bytes.end());
+                  },
+              .lost = [this] { ++lost; }}) {}
+
+  /// Waits until the line is readable: bytes, or its end, have come.
+  void await_input() const {
+    pollfd entry{link.poll_handle(), POLLIN, 0};
+    ASSERT_EQ(::poll(&entry, 1, 5000), 1);
+  }
+
+  int opened = 0;
+  int lost = 0;
+  std::string received;
+  SerialLink link;
+};
+
+TEST(SerialLink, TriesAgainWithGrowingPauses) {
+  int attempts = 0;
+  Rig rig([&attempts]() -> OpenResult {
+    ++attempts;
+    return {nullptr, "no such device"};
+  });
+  // Asked every millisecond for 10 s: at 0, 0.1, 0.3, 0.7, 1.5, 3.1, 6.3 s.
+  for (std::int64_t now_us = 0; now_us <= 10'000'000; now_us += 1000) {
+    rig.link.poll(at(now_us));
+    EXPECT_FALSE(rig.link.is_open());
+  }
+  EXPECT_EQ(attempts, 7);
+  EXPECT_EQ(rig.link.error(), "no such device");
+  EXPECT_EQ(rig.link.poll_handle(), -1);
+  EXPECT_EQ(rig.link.reconnects(), 0);
+  EXPECT_EQ(rig.opened, 0);
+  EXPECT_EQ(rig.lost, 0);
+}
+
+TEST(SerialLink, ADeviceThatFailsAtOnceEachTimeDoesNotEscapeTheBackOff) {
+  const test::PtyPair pty;
+  int attempts = 0;
+  Rig rig([&]() -> OpenResult {
+    ++attempts;
+    return open_serial_port({pty.name()});
+  });
+  for (std::int64_t now_us = 0; now_us <= 10'000'000; now_us += 1000) {
+    rig.link.poll(at(now_us));
+    rig.link.give_up(at(now_us), "mute");
+  }
+  EXPECT_EQ(attempts, 7);
+  EXPECT_EQ(rig.link.reconnects(), 6);
+  EXPECT_EQ(rig.link.error(), "mute");
+  EXPECT_EQ(rig.opened, 7);
+  EXPECT_EQ(rig.lost, 7);
+}
+
+TEST(SerialLink, AfterALongLifeTheFirstAttemptIsSoon) {
+  const test::PtyPair pty;
+  Rig rig(port_opener(pty.name(), 115200));
+  rig.link.poll(at(0));
+  ASSERT_TRUE(rig.link.is_open());
+  EXPECT_EQ(rig.link.error(), "");
+  rig.link.give_up(at(60'000'000), "mute");
+  rig.link.poll(at(60'000'000 + BackOff::kFirstUs - 1));
+  EXPECT_FALSE(rig.link.is_open());
+  rig.link.poll(at(60'000'000 + BackOff::kFirstUs));
+  EXPECT_TRUE(rig.link.is_open());
+  EXPECT_EQ(rig.link.reconnects(), 1);
+}
+
+// As udev does it: the link stays, and leads to another device after replugging.
+TEST(SerialLink, FindsTheDeviceUnderItsNewName) {
+  const test::TemporaryDir dir;
+  const std::filesystem::path link = dir.path() / "scanner";
+  std::optional<test::PtyPair> pty(std::in_place);
+  std::filesystem::create_symlink(pty->name(), link);
+  Rig rig(port_opener(link.string(), 115200));
+  rig.link.poll(at(0));
+  ASSERT_TRUE(rig.link.is_open()) << rig.link.error();
+  pty->unplug();
+  rig.await_input();
+  rig.link.poll(at(1000));
+  EXPECT_EQ(rig.lost, 1);
+  EXPECT_EQ(rig.link.error(), "the line is disconnected");
+  rig.link.poll(at(101'000));
+  EXPECT_FALSE(rig.link.is_open());
+  EXPECT_NE(rig.link.error(), "the line is disconnected") << "why it cannot be opened is told";
+
+  pty.emplace();
+  std::filesystem::remove(link);
+  std::filesystem::create_symlink(pty->name(), link);
+  rig.link.poll(at(301'000));
+  ASSERT_TRUE(rig.link.is_open()) << rig.link.error();
+  pty->send("x");
+  rig.await_input();
+  rig.link.poll(at(302'000));
+  EXPECT_EQ(rig.received, "x");
+  EXPECT_EQ(rig.opened, 2);
+}
+
+TEST(SerialLink, WritesAllBytesWithAndWithoutAPauseBetweenThem) {
+  const test::PtyPair pty;
+  Rig rig(port_opener(pty.name(), 115200));
+  const std::vector<std::uint8_t> bytes{'a', 'b', 'c'};
+  EXPECT_FALSE(rig.link.write(bytes, at(0), {})) << "not open yet";
+  EXPECT_EQ(rig.lost, 0);
+  rig.link.poll(at(0));
+  EXPECT_TRUE(rig.link.write(bytes, at(0), {}));
+  EXPECT_TRUE(rig.link.write(bytes, at(0), {.byte_pause = std::chrono::microseconds(1)}));
+  EXPECT_EQ(pty.receive_text(6), "abcabc");
+}
+
+TEST(SerialLink, ALineThatTakesNoBytesIsLost) {
+  const test::PtyPair pty;
+  Rig rig(port_opener(pty.name(), 115200));
+  rig.link.poll(at(0));
+  const std::vector<std::uint8_t> more_than_fits(1'000'000, 'x');
+  EXPECT_FALSE(
+      rig.link.write(more_than_fits, at(0), {.timeout = std::chrono::microseconds(20'000)}));
+  EXPECT_FALSE(rig.link.is_open());
+  EXPECT_EQ(rig.link.error(), "the line takes no bytes");
+  EXPECT_EQ(rig.lost, 1);
+}
+
+TEST(SerialLink, EndedItStaysClosed) {
+  const test::PtyPair pty;
+  Rig rig(port_opener(pty.name(), 115200));
+  rig.link.poll(at(0));
+  rig.link.end();
+  EXPECT_EQ(rig.lost, 1);
+  EXPECT_EQ(rig.link.poll_handle(), -1);
+  rig.link.poll(at(60'000'000));
+  EXPECT_FALSE(rig.link.is_open());
+}
+
+TEST(SerialLink, ANewRateDropsWhatCameAtTheOldOne) {
+  const test::PtyPair pty;
+  Rig rig(port_opener(pty.name(), 9600));
+  rig.link.poll(at(0));
+  pty.send("old");
+  rig.await_input();
+  rig.link.set_baud(500'000);
+  EXPECT_EQ(pty.baud(), 500'000);
+  pty.send("new");
+  rig.await_input();
+  rig.link.poll(at(1000));
+  EXPECT_EQ(rig.received, "new");
+}
+
+TEST(BackOff, DoublesFromATenthOfASecondToFiveSeconds) {
+  BackOff back_off;
+  std::int64_t now_us = 0;
+  EXPECT_TRUE(back_off.due(now_us));
+  std::vector<std::int64_t> waits;
+  for (int i = 0; i < 8; ++i) {
+    back_off.failed(now_us);
+    EXPECT_FALSE(back_off.due(now_us));
+    waits.push_back(back_off.wait_us(now_us));
+    now_us += waits.back();
+    EXPECT_TRUE(back_off.due(now_us));
+    EXPECT_EQ(back_off.wait_us(now_us), 0);
+  }
+  EXPECT_EQ(waits, (std::vector<std::int64_t>{100'000, 200'000, 400'000, 800'000, 1'600'000,
+                                              3'200'000, 5'000'000, 5'000'000}));
+}
+
+TEST(BackOff, SuccessStartsOver) {
+  BackOff back_off;
+  back_off.failed(0);
+  back_off.failed(100'000);
+  back_off.succeeded();
+  EXPECT_TRUE(back_off.due(0));
+  back_off.failed(1'000'000);
+  EXPECT_EQ(back_off.wait_us(1'000'000), BackOff::kFirstUs);
+}
+
+}  // namespace
+}  // namespace nodmap::serial
