@@ -52,10 +52,25 @@ std::string interval(const char* kind, Range range) {
   return std::string(kind) + " from " + format(range.min) + " to " + format(range.max);
 }
 
+/// Calls `use(key, value, line)` for what a map holds; keys in an inner map get its name in front.
+template <class Use>
+void for_each_scalar(const YAML::Node& map, const std::string& prefix, const Use& use) {
+  for (const auto& item : map) {
+    const int line = item.first.Mark().line + 1;
+    if (!item.first.IsScalar()) {
+      use(prefix, item.first, line);
+    } else if (item.second.IsMap()) {
+      for_each_scalar(item.second, prefix + item.first.Scalar() + ".", use);
+    } else {
+      use(prefix + item.first.Scalar(), item.second, line);
+    }
+  }
+}
+
 }  // namespace
 
 void Table::number(std::string name, double& value, Range range, std::string help) {
-  entries_.push_back({std::move(name), std::move(help), interval("a number", range), Kind::kValue,
+  entries_.push_back({prefix_ + name, std::move(help), interval("a number", range), Kind::kValue,
                       [&value] { return format(value); },
                       [&value, range](std::string_view text) {
                         const auto given = parse_within(text, range);
@@ -65,7 +80,7 @@ void Table::number(std::string name, double& value, Range range, std::string hel
 }
 
 void Table::integer(std::string name, int& value, Range range, std::string help) {
-  entries_.push_back({std::move(name), std::move(help), interval("a whole number", range),
+  entries_.push_back({prefix_ + name, std::move(help), interval("a whole number", range),
                       Kind::kValue, [&value] { return std::to_string(value); },
                       [&value, range](std::string_view text) {
                         const auto given = parse<int>(text);
@@ -79,7 +94,7 @@ void Table::integer(std::string name, int& value, Range range, std::string help)
 
 void Table::angle(std::string name_deg, double& value_rad, Range range_deg, std::string help) {
   entries_.push_back(
-      {std::move(name_deg), std::move(help), interval("a number", range_deg), Kind::kValue,
+      {prefix_ + name_deg, std::move(help), interval("a number", range_deg), Kind::kValue,
        // Rounded, so that a default given in degrees reads as it was written.
        [&value_rad] { return format(std::round(value_rad * kDegreesPerRadian * 1e9) / 1e9); },
        [&value_rad, range_deg](std::string_view text) {
@@ -90,7 +105,7 @@ void Table::angle(std::string name_deg, double& value_rad, Range range_deg, std:
 }
 
 void Table::flag(std::string name, bool& value, std::string help) {
-  entries_.push_back({std::move(name), std::move(help), "true or false", Kind::kFlag,
+  entries_.push_back({prefix_ + name, std::move(help), "true or false", Kind::kFlag,
                       [&value] { return std::string(value ? "true" : "false"); },
                       [&value](std::string_view text) {
                         if (text != "true" && text != "false") {
@@ -102,7 +117,7 @@ void Table::flag(std::string name, bool& value, std::string help) {
 }
 
 void Table::text(std::string name, std::string& value, std::string help) {
-  entries_.push_back({std::move(name), std::move(help), "any text", Kind::kText,
+  entries_.push_back({prefix_ + name, std::move(help), "any text", Kind::kText,
                       [&value] { return value; },
                       [&value](std::string_view text) {
                         value = text;
@@ -148,13 +163,13 @@ void Table::load_yaml(const std::filesystem::path& file) {
   if (!root.IsMap()) {
     throw ParamError(file.string() + ": expected lines of the form 'key: value'");
   }
-  for (const auto& item : root) {
-    const std::string where = file.string() + ":" + std::to_string(item.first.Mark().line + 1);
-    if (!item.first.IsScalar() || !item.second.IsScalar()) {
+  for_each_scalar(root, "", [&](const std::string& key, const YAML::Node& value, int line) {
+    const std::string where = file.string() + ":" + std::to_string(line);
+    if (!value.IsScalar()) {
       throw ParamError(where + ": expected 'key: value' with a single value");
     }
-    set(item.first.Scalar(), item.second.Scalar(), where);
-  }
+    set(key, value.Scalar(), where);
+  });
 }
 
 std::string Table::to_yaml() const {

@@ -61,6 +61,15 @@ class Table {
   void integer(std::string name, int& value, Range range, std::string help);
   /// An angle: degrees in configuration, name and range, radians in the struct.
   void angle(std::string name_deg, double& value_rad, Range range_deg, std::string help);
+  /// The parameters of a part: their names get `name` and a dot in front, `registration.metric`. In
+  /// a YAML file they may as well stand in a map of that name.
+  template <class Params>
+  void group(const std::string& name, Params& params) {
+    const std::string outer = std::exchange(prefix_, prefix_ + name + ".");
+    params.describe(*this);
+    prefix_ = outer;
+  }
+
   /// Also becomes the command-line flag --name-with-dashes.
   void flag(std::string name, bool& value, std::string help);
   void text(std::string name, std::string& value, std::string help);
@@ -73,7 +82,7 @@ class Table {
     for (const auto& [option, unused] : table) {
       allowed += " " + option;
     }
-    entries_.push_back({std::move(name), std::move(help), std::move(allowed), Kind::kValue,
+    entries_.push_back({prefix_ + name, std::move(help), std::move(allowed), Kind::kValue,
                         [&value, table] {
                           for (const auto& [option, meaning] : table) {
                             if (meaning == value) {
@@ -101,7 +110,7 @@ class Table {
   /// "key=value", as given to --set. Throws ParamError.
   void set_assignment(std::string_view assignment);
 
-  /// A flat YAML map of parameters; keys that are missing keep their defaults. Throws ParamError.
+  /// A YAML map of parameters; keys that are missing keep their defaults. Throws ParamError.
   void load_yaml(const std::filesystem::path& file);
 
   /// The effective parameters as YAML, with sentence, unit and range as comments.
@@ -111,6 +120,7 @@ class Table {
   [[nodiscard]] std::string to_markdown() const;
 
  private:
+  std::string prefix_;  // of the group that is being described
   std::vector<Entry> entries_;
 };
 
