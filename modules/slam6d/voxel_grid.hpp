@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace nodmap::slam6d {
+
+/// One cube of the grid: the mean of what was measured in it, and the plane on which it lies.
+struct Voxel {
+  Eigen::Vector3f mean = Eigen::Vector3f::Zero();
+  float weight = 0.0F;  ///< of the mean: the sum of its points' weights
+  /// Unit vector towards the side from which the plane was seen; zero where there is no plane.
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();
+  float normal_weight = 0.0F;  ///< the same for the normal
+
+  [[nodiscard]] bool has_plane() const { return !normal.isZero(0.0F); }
+};
+
+/// How the plane about a voxel is found.
+struct PlaneParams {
+  int min_neighbours = 6;
+  double max_thickness = 0.1;
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.integer(
+        "plane_min_neighbours", min_neighbours, {3, 27},
+        "A voxel has a plane when at least this many of the 27 voxels about it are occupied.");
+    v.number("plane_max_thickness", max_thickness, {0.001, 1.0},
+             "Those voxels form a plane when their smallest variance is below this part of the "
+             "middle one.");
+  }
+};
+
+/// Voxel means of points in a hash table: voxel downsampling, and the search of the nearest mean.
+/// Voxels keep the order in which they were first met, so that nothing depends on the hash.
+/// Coordinates up to 2^20 voxels from the origin (100 km at 10 cm); points beyond are left out, as
+/// are those that are not finite.
+class VoxelGrid {
+ public:
+  /// The place of no voxel.
+  static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+
+  explicit VoxelGrid(double voxel_size_m);
+
+  /// Adds points to the means of their voxels, each with weight 1.
+  void add(std::span<const Eigen::Vector3f> points);
+
+  /// Adds one mean with its weight; returns the place of its voxel, kNone when it was left out.
+  std::uint32_t add(const Eigen::Vector3f& mean, float weight);
+
+  /// Finds the plane about each voxel from the means of the 27 voxels of which it is the middle.
+  /// Normals point to `p_sensor`.
+  void find_planes(const Eigen::Vector3f& p_sensor, const PlaneParams& params);
+
+  /// Adds a normal to the weighted mean of the voxel's normals.
+  void add_normal(std::uint32_t voxel, const Eigen::Vector3f& normal, float weight);
+
+  /// The voxel whose mean is nearest to `p` among the 8 voxels about it and nearer than
+  /// `max_distance_m`; kNone when there is none. What is nearer than half a voxel is always found.
+  [[nodiscard]] std::uint32_t nearest(const Eigen::Vector3f& p, float max_distance_m) const;
+
+  [[nodiscard]] std::span<const Voxel> voxels() const { return voxels_; }
+  [[nodiscard]] double voxel_size_m() const { return voxel_size_m_; }
+  /// Bytes held.
+  [[nodiscard]] std::size_t memory_bytes() const;
+
+ private:
+  // Three indices of 21 bits: a sum of keys is the key of the sum of indices.
+  using Key = std::uint64_t;
+
+  [[nodiscard]] std::optional<Key> key_of(const Eigen::Vector3f& p) const;
+  [[nodiscard]] std::uint32_t find(Key key) const;
+  std::uint32_t find_or_add(Key key);
+  void rehash(std::size_t num_slots);
+
+  double voxel_size_m_;
+  float per_m_;
+  std::vector<Voxel> voxels_;
+  std::vector<Key> keys_;             // of voxels_
+  std::vector<std::uint32_t> slots_;  // places in voxels_ or kNone; a power of two of them
+  int shift_ = 0;                     // of the hash to a slot
+};
+
+}  // namespace nodmap::slam6d
