@@ -37,7 +37,7 @@ const std::vector<PlacedCloud>& drive() {
             i, Room::hall(), [&](std::int64_t) { return T_map_base; }, random));
       }
       const auto stand = [](std::int64_t) { return geometry::SE3::Identity(); };
-      made.push_back({strip_motion(scans, stand, {0.5, 30.0}).value(), T_map_base});
+      made.push_back({deskew(scans, stand, {0.5, 30.0}).value(), T_map_base});
     }
     return made;
   }();

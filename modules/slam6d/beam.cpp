@@ -169,7 +169,7 @@ constexpr std::uint32_t kLastSteps = 4;
 
 }  // namespace
 
-Beam make_beam(const VoxelGrid& grid, const Eigen::Vector3f& p_origin, const VoxelKey& origin,
+Beam make_beam(const OctreeGrid& grid, const Eigen::Vector3f& p_origin, const VoxelKey& origin,
                const Eigen::Vector3f& p_end, const VoxelKey& end) {
   constexpr double kNever = std::numeric_limits<double>::max();
   const Eigen::Vector3f to_end = p_end - p_origin;

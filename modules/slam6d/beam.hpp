@@ -7,7 +7,7 @@
 #include <span>
 
 #include "modules/slam6d/cloud_voxels.hpp"
-#include "modules/slam6d/voxel_grid.hpp"
+#include "modules/slam6d/octree_grid.hpp"
 
 namespace nodmap::slam6d {
 
@@ -26,7 +26,7 @@ struct Beam {
 
 /// From the sensor origin to the end (m, in the frame of the grid); their voxels must differ. The
 /// arithmetic is that of OctoMap 1.9.7, computeRayKeys(), to the last bit.
-[[nodiscard]] Beam make_beam(const VoxelGrid& grid, const Eigen::Vector3f& p_origin,
+[[nodiscard]] Beam make_beam(const OctreeGrid& grid, const Eigen::Vector3f& p_origin,
                              const VoxelKey& origin, const Eigen::Vector3f& p_end,
                              const VoxelKey& end);
 

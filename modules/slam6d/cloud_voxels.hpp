@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "modules/slam6d/voxel_grid.hpp"
+#include "modules/slam6d/octree_grid.hpp"
 
 namespace nodmap::slam6d {
 

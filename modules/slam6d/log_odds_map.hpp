@@ -8,7 +8,7 @@
 #include <memory>
 
 #include "modules/slam6d/cloud_voxels.hpp"
-#include "modules/slam6d/voxel_grid.hpp"
+#include "modules/slam6d/octree_grid.hpp"
 
 namespace nodmap::slam6d {
 

@@ -22,21 +22,24 @@ namespace {
 // 60 kB: with its head a part stays below 64 KiB.
 constexpr std::size_t kPointsPerChunk = 5000;
 
-std::int8_t pose_quality(const SweepRecord& sweep) {
-  if (!sweep.keyframe) {
-    return nodmap::pose_t::ODOMETRY;
+std::int8_t pose_quality(const PoseUpdate& update) {
+  if (!update.registration) {
+    // The first sweep is the map; what is too thin to be registered follows odometry.
+    return update.keyframe ? nodmap::pose_t::TRACKED : nodmap::pose_t::ODOMETRY;
   }
-  if (!sweep.registration) {
-    return nodmap::pose_t::TRACKED;  // the first: it is the map
+  switch (update.registration->status) {
+    case RegistrationStatus::kTracking:
+      return nodmap::pose_t::TRACKED;
+    case RegistrationStatus::kDegraded:
+      return nodmap::pose_t::PARTLY;
+    case RegistrationStatus::kLost:
+      return nodmap::pose_t::LOST;
   }
-  if (!sweep.registration->is_usable()) {
-    return nodmap::pose_t::LOST;
-  }
-  return sweep.registration->free_directions > 0 ? nodmap::pose_t::PARTLY : nodmap::pose_t::TRACKED;
+  return nodmap::pose_t::LOST;
 }
 
-OccupancyMap::Options map_options(const Slam6dParams& params) {
-  return {.resolution_m = params.map_resolution_m, .max_range_m = params.map_max_range_m};
+OccupancyMap::Options map_options(const OccupancyParams& params) {
+  return {.resolution_m = params.resolution_m, .max_range_m = params.max_range_m};
 }
 
 }  // namespace
@@ -46,7 +49,7 @@ Slam6dNode::Slam6dNode(node::Context& context, const Params& params)
       params_(params),
       input_(context.counts),
       slam_(params),
-      occupancy_(map_options(params)) {
+      occupancy_(map_options(params.occupancy)) {
   // While a keyframe is registered a second may pass: 75 scans and 100 odometry messages.
   constexpr int kQueue = 256;
   context.bus.subscribe<nodmap::odometry_t>(
@@ -87,7 +90,7 @@ void Slam6dNode::finish() {
   };
   publish_rest();
   // What came within the period since the last map.
-  if (params_.octomap_period_s > 0.0 && octomap_keyframes_ < slam_.keyframes().size()) {
+  if (params_.occupancy.publish_period_s > 0.0 && octomap_keyframes_ < slam_.keyframes().size()) {
     begin_octomap();
     publish_rest();
   }
@@ -95,35 +98,36 @@ void Slam6dNode::finish() {
 
 // What becomes of a scan is known when its sweep is complete.
 void Slam6dNode::count_scans() {
-  const std::size_t without_pose = slam_.scans_without_pose() - counted_without_pose_;
-  const std::size_t used = slam_.scans_in_sweeps() - counted_scans_ - without_pose;
+  const Metrics metrics = slam_.metrics();
+  const std::size_t without_pose = metrics.scans_without_pose - counted_without_pose_;
+  const std::size_t used = metrics.scans_in_sweeps - counted_scans_ - without_pose;
   for (std::size_t i = 0; i < used; ++i) {
     context_.counts.use();
   }
   for (std::size_t i = 0; i < without_pose; ++i) {
     context_.counts.reject("no_odometry");
   }
-  counted_scans_ = slam_.scans_in_sweeps();
-  counted_without_pose_ = slam_.scans_without_pose();
+  counted_scans_ = metrics.scans_in_sweeps;
+  counted_without_pose_ = metrics.scans_without_pose;
 }
 
-void Slam6dNode::answer(const std::optional<SweepRecord>& sweep) {
+void Slam6dNode::answer(const std::optional<PoseUpdate>& update) {
   count_scans();
-  if (sweep) {
-    publish(*sweep);
+  if (update) {
+    publish(*update);
   }
 }
 
-void Slam6dNode::publish(const SweepRecord& sweep) {
+void Slam6dNode::publish(const PoseUpdate& update) {
   nodmap::pose_t message = node::write_corrected_pose(
-      sweep.utime_us, sweep.T_map_base, sweep.T_map_base * sweep.T_odom_base.inverse());
-  if (sweep.registration) {
-    message.match_share = sweep.registration->match_share;
-    message.match_rms_m = sweep.registration->match_rms_m;
+      update.utime_us, update.T_map_base, update.T_map_base * update.T_odom_base.inverse());
+  if (update.registration) {
+    message.match_share = update.registration->inlier_ratio;
+    message.match_rms_m = update.registration->residual_rms_m;
   }
-  message.pose_quality = pose_quality(sweep);
+  message.pose_quality = pose_quality(update);
   context_.bus.publish("POSE_6D", message);
-  if (sweep.keyframe) {
+  if (update.keyframe) {
     answer_keyframe(slam_.keyframes().back());
   }
 }
@@ -133,18 +137,19 @@ void Slam6dNode::answer_keyframe(const Keyframe& keyframe) {
   occupancy_.insert(keyframe.cloud, keyframe.T_map_base);
   const double age_s = 1e-6 * static_cast<double>(keyframe.cloud.utime_us - octomap_utime_us_);
   // A clock set back must not silence it until it has caught up.
-  const bool is_due = octomap_keyframes_ == 0 || age_s < 0.0 || age_s >= params_.octomap_period_s;
-  if (params_.octomap_period_s > 0.0 && is_due && octomap_.is_empty()) {
+  const bool is_due =
+      octomap_keyframes_ == 0 || age_s < 0.0 || age_s >= params_.occupancy.publish_period_s;
+  if (params_.occupancy.publish_period_s > 0.0 && is_due && octomap_.is_empty()) {
     begin_octomap();
   }
-  const auto every = static_cast<std::size_t>(params_.save_every_keyframes);
+  const auto every = static_cast<std::size_t>(params_.occupancy.save_every_keyframes);
   if (every > 0 && slam_.keyframes().size() % every == 0 && !context_.out_dir.empty()) {
     save_map_while_running();
   }
 }
 
 void Slam6dNode::publish_cloud(const Keyframe& keyframe) {
-  const std::vector<Eigen::Vector3d>& points = keyframe.surface.points;
+  const std::vector<OrientedPoint>& points = keyframe.points;
   nodmap::cloud_chunk_t message{};
   message.utime = keyframe.cloud.utime_us;
   message.keyframe_id = static_cast<std::int64_t>(slam_.keyframes().size()) - 1;
@@ -157,7 +162,7 @@ void Slam6dNode::publish_cloud(const Keyframe& keyframe) {
     message.num_points = static_cast<std::int32_t>(end - first);
     message.points_m.clear();
     for (std::size_t i = first; i < end; ++i) {
-      const Eigen::Vector3f p = points[i].cast<float>();
+      const Eigen::Vector3f& p = points[i].p;
       message.points_m.push_back({p.x(), p.y(), p.z()});
     }
     context_.bus.publish("CLOUD", message);
@@ -204,7 +209,7 @@ void Slam6dNode::save_map_while_running() {
 std::error_code Slam6dNode::save_map(const std::filesystem::path& dir) {
   using Format = OccupancyMap::Format;
   std::vector<std::pair<Format, const char*>> files{{Format::kBt, "map.bt"}};
-  if (params_.save_ot) {
+  if (params_.occupancy.save_ot) {
     files.emplace_back(Format::kOt, "map.ot");
   }
   for (const auto& [format, name] : files) {
@@ -241,14 +246,11 @@ node::Health Slam6dNode::health() const {
   if (save_error_) {
     return {HealthState::kDegraded, "The map cannot be saved: " + save_error_.message() + "."};
   }
-  if (slam_.scans_in_sweeps() > 0 && slam_.sweeps().empty()) {
+  if (slam_.metrics().scans_in_sweeps > 0 && slam_.sweeps().empty()) {
     return {HealthState::kDegraded, "There are scans, but no odometry for them."};
   }
-  if (!slam_.keyframes().empty()) {
-    const auto& registration = slam_.sweeps()[slam_.keyframes().back().sweep].registration;
-    if (registration && !registration->is_usable()) {
-      return {HealthState::kDegraded, "The last keyframe did not fit the map."};
-    }
+  if (!slam_.sweeps().empty() && pose_quality(slam_.sweeps().back()) == nodmap::pose_t::LOST) {
+    return {HealthState::kDegraded, "The last sweep does not fit the map."};
   }
   return {};
 }

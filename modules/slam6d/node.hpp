@@ -39,8 +39,8 @@ class Slam6dNode : public node::Node {
   void on_scan(const nodmap::scan_t& message);
   void on_save_request(const nodmap::save_request_t& message);
 
-  void answer(const std::optional<SweepRecord>& sweep);
-  void publish(const SweepRecord& sweep);
+  void answer(const std::optional<PoseUpdate>& update);
+  void publish(const PoseUpdate& update);
   void answer_keyframe(const Keyframe& keyframe);
   void publish_cloud(const Keyframe& keyframe);
   void begin_octomap();

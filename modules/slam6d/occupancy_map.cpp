@@ -8,7 +8,7 @@
 #include "modules/slam6d/cloud_voxels.hpp"
 #include "modules/slam6d/log_odds_map.hpp"
 #include "modules/slam6d/octree_encoder.hpp"
-#include "modules/slam6d/voxel_grid.hpp"
+#include "modules/slam6d/octree_grid.hpp"
 
 namespace nodmap::slam6d {
 namespace {
@@ -35,7 +35,7 @@ struct OccupancyMap::Map {
   void walk_beams();
 
   Options options;
-  VoxelGrid grid;
+  OctreeGrid grid;
   LogOddsMap log_odds;
   std::optional<std::size_t> num_nodes;  // where they have been counted
 

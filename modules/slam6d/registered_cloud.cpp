@@ -4,28 +4,32 @@
 #include <algorithm>
 #include <cmath>
 
-#include "modules/slam6d/point_index.hpp"
+#include "modules/slam6d/voxel_grid.hpp"
 
 namespace nodmap::slam6d {
 namespace {
 
-// A measured point is not farther than this from the surface point that stands for it.
-constexpr double kSurfaceReachM = 0.3;
+// Among means of voxels of this size the nearest one is looked for.
+constexpr double kVoxelSizeM = 0.2;
 
 }  // namespace
 
 std::vector<RegisteredPoint> registered_cloud(std::span<const Keyframe> keyframes) {
   std::vector<RegisteredPoint> points;
   for (const Keyframe& keyframe : keyframes) {
-    PointIndex surface;
-    surface.add(keyframe.surface.points);
+    VoxelGrid means(kVoxelSizeM);
+    for (const OrientedPoint& point : keyframe.points) {
+      const std::uint32_t place = means.add(point.p, 1.0F);
+      if (place != VoxelGrid::kNone && !point.normal.isZero(0.0F)) {
+        means.add_normal(place, point.normal, 1.0F);
+      }
+    }
     for (const Eigen::Vector3f& p : keyframe.cloud.points) {
-      const Eigen::Vector3d p_base = p.cast<double>();
-      const auto nearest = surface.nearest(p_base, kSurfaceReachM);
-      const Eigen::Vector3d normal_base =
-          nearest ? keyframe.surface.normals[nearest->index] : Eigen::Vector3d::Zero();
-      points.push_back({(keyframe.T_map_base * p_base).cast<float>(),
-                        (keyframe.T_map_base.linear() * normal_base).cast<float>()});
+      const std::uint32_t nearest = means.nearest(p, static_cast<float>(kVoxelSizeM));
+      const Eigen::Vector3f normal_base =
+          nearest == VoxelGrid::kNone ? Eigen::Vector3f::Zero() : means.voxels()[nearest].normal;
+      points.push_back({(keyframe.T_map_base * p.cast<double>()).cast<float>(),
+                        keyframe.T_map_base.linear().cast<float>() * normal_base});
     }
   }
   return points;

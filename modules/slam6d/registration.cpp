@@ -1,221 +1,276 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "modules/slam6d/registration.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <optional>
 #include <vector>
 
-#include "modules/slam6d/rigid_fit.hpp"
+#include "common/registration/motion_solver.hpp"
+#include "common/registration/rigid_fit.hpp"
 
 namespace nodmap::slam6d {
 namespace {
 
 using geometry::SE3;
-
+using registration::Information;
 using Vector6d = Eigen::Matrix<double, 6, 1>;
-using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
-constexpr double kGateFactor = 0.8;           // from iteration to iteration
-constexpr double kSettledTranslation = 1e-4;  // m: a hundredth of the scanner's noise
-constexpr double kSettledRotation = 1e-5;     // rad: 0.1 mm at 10 m
-constexpr double kSameSide = 0.7;  // cosine between normals: two sides of a door do not pair
-// How far, a metre from the robot, the ground rises or falls on an even floor (3 degrees).
-constexpr double kGroundScaleM = 0.05;
-constexpr std::size_t kMinPairs = 12;  // twice the unknowns
+constexpr double kSettledTranslationM = 1e-4;  // a hundredth of the scanner's noise
+constexpr double kSettledRotationRad = 1e-5;   // 0.1 mm at 10 m
+// Farthest correspondence, in voxels: half of one is always found, 1.5 is the most that can be.
+constexpr float kMaxCorrespondenceVoxels = 1.5F;
+// Of a voxel mean, in variances of one measured point: however many points, the means of two clouds
+// are not those of the same points.
+constexpr float kRoundingVariance = 0.1F;
+// Residuals below this are the rounding of voxel means, not knowledge.
+constexpr double kMinResidualM = 2e-3;
 
-struct Pair {
-  Eigen::Vector3d p_model;
-  Eigen::Vector3d p_data;  // in map, at the present pose
-  Eigen::Vector3d normal;  // of the model, in map
+// Rotation vector of a rotation.
+Eigen::Vector3d log_rotation(const Eigen::Matrix3d& rotation) {
+  const Eigen::AngleAxisd angle_axis(rotation);
+  return angle_axis.angle() * angle_axis.axis();
+}
+
+Eigen::Matrix3d exp_rotation(const Eigen::Vector3d& vector) {
+  const double angle_rad = vector.norm();
+  return angle_rad > 0.0 ? Eigen::AngleAxisd(angle_rad, vector / angle_rad).toRotationMatrix()
+                         : Eigen::Matrix3d::Identity();
+}
+
+// A small motion about the base's position, axes of map.
+SE3 moved(const SE3& T_map_base, const Vector6d& motion) {
+  SE3 result = T_map_base;
+  result.translation() += motion.head<3>();
+  result.linear() = exp_rotation(motion.tail<3>()) * T_map_base.linear();
+  return result;
+}
+
+Vector6d motion_between(const SE3& from, const SE3& to) {
+  Vector6d motion;
+  motion << to.translation() - from.translation(),
+      log_rotation(to.linear() * from.linear().transpose());
+  return motion;
+}
+
+// Weighted sums over correspondences. Row and column 6 of the product belong to the residual.
+class ResidualSums {
+ public:
+  /// `kernel` (0..1) says how far the correspondence is believed, `precision` how well both points
+  /// are known.
+  void add(const Eigen::Vector3f& normal, const Eigen::Vector3f& arm, float residual_m,
+           float kernel, float precision) {
+    const Eigen::Vector3f moment = arm.cross(normal);
+    const Eigen::Matrix<float, 8, 1> row{normal.x(), normal.y(), normal.z(), moment.x(),
+                                         moment.y(), moment.z(), residual_m, 0.0F};
+    part_.noalias() += (kernel * precision * row) * row.transpose();
+    const Eigen::Vector4f arm_row{arm.x(), arm.y(), arm.z(), 1.0F};
+    arms_part_.noalias() += (kernel * precision * arm_row) * arm_row.transpose();
+    kernel_part_ += kernel;
+    // Floats are summed in short parts only.
+    if (++in_part_ == 256) {
+      flush();
+    }
+  }
+
+  void flush() {
+    sums_ += part_.cast<double>();
+    kernel_ += static_cast<double>(kernel_part_);
+    arms_ += arms_part_.cast<double>();
+    part_.setZero();
+    arms_part_.setZero();
+    kernel_part_ = 0.0F;
+    in_part_ = 0;
+  }
+
+  [[nodiscard]] double mean_square_m2() const { return sums_(6, 6) / std::max(arms_(3, 3), 1e-9); }
+
+  // Of the motion, in units of `scale()`.
+  [[nodiscard]] Information<6> information() const {
+    return {sums_.topLeftCorner<6, 6>(), sums_.block<6, 1>(0, 6)};
+  }
+
+  // What normals that err by `normal_error_rad` in any direction make up: the mean of J J^T for
+  // J = (e, arm x e) with random e.
+  [[nodiscard]] Matrix6d imitated_information(double normal_error_rad) const {
+    Matrix6d H;
+    const Eigen::Vector3d arm = arms_.block<3, 1>(0, 3);
+    Eigen::Matrix3d cross;
+    cross << 0.0, -arm.z(), arm.y(), arm.z(), 0.0, -arm.x(), -arm.y(), arm.x(), 0.0;
+    const Eigen::Matrix3d arm_squares = arms_.topLeftCorner<3, 3>();
+    H.topLeftCorner<3, 3>() = arms_(3, 3) * Eigen::Matrix3d::Identity();
+    H.bottomLeftCorner<3, 3>() = cross;
+    H.topRightCorner<3, 3>() = cross.transpose();
+    H.bottomRightCorner<3, 3>() = arm_squares.trace() * Eigen::Matrix3d::Identity() - arm_squares;
+    return normal_error_rad * normal_error_rad * H;
+  }
+
+  // Information of one unit, if `num_correlated` neighbours are one measurement. The residuals
+  // themselves say how large their errors are.
+  [[nodiscard]] double scale(double num_correlated) const {
+    const double unit_variance =
+        std::max(sums_(6, 6), kMinResidualM * kMinResidualM * arms_(3, 3)) /
+        std::max(kernel_, 1e-9);
+    return 1.0 / std::max(unit_variance * num_correlated, 1e-12);
+  }
+
+ private:
+  Eigen::Matrix<double, 8, 8> sums_ = Eigen::Matrix<double, 8, 8>::Zero();
+  Eigen::Matrix<float, 8, 8> part_ = Eigen::Matrix<float, 8, 8>::Zero();
+  Eigen::Matrix4d arms_ = Eigen::Matrix4d::Zero();
+  Eigen::Matrix4f arms_part_ = Eigen::Matrix4f::Zero();
+  double kernel_ = 0.0;
+  float kernel_part_ = 0.0F;
+  int in_part_ = 0;
 };
 
-// The corners of a square on the ground below the robot, paired with the ground plane on which it
-// stood when it was last registered: wheels do not leave the ground. Only the guess knows of it.
-std::vector<Pair> ground_pairs(const SE3& T_map_guess, const SE3& T_map_base) {
-  constexpr double kReachM = 1.0;
-  std::vector<Pair> pairs;
-  for (const double x : {-kReachM, kReachM}) {
-    for (const double y : {-kReachM, kReachM}) {
-      pairs.push_back({T_map_guess.translation(), T_map_base * Eigen::Vector3d(x, y, 0.0),
-                       T_map_guess.linear().col(2)});
+class SweepRegistration {
+ public:
+  SweepRegistration(const VoxelMap& sweep, const VoxelMap& map, const PosePrior& prior,
+                    const RegistrationParams& params)
+      : sweep_(sweep), map_(map), prior_(prior), params_(params) {
+    result_.T_map_base = prior.T_map_base;
+    prior_information_.H = prior.covariance.llt().solve(Matrix6d::Identity());
+  }
+
+  Registration run() {
+    for (std::size_t l = VoxelMap::kLevels; l-- > 0;) {
+      run_level(l);
+    }
+    classify();
+    return result_;
+  }
+
+ private:
+  void run_level(std::size_t l) {
+    const VoxelMap::Selection selection = sweep_.select(l);
+    scale_m_ = static_cast<float>(
+        params_.fine_residual_scale_m *
+        std::pow(params_.coarse_residual_scale_m / params_.fine_residual_scale_m,
+                 static_cast<double>(l) / static_cast<double>(VoxelMap::kLevels - 1)));
+    for (int i = 0; i < params_.iterations_per_level; ++i) {
+      ++result_.iterations;
+      const Vector6d motion =
+          params_.metric == Metric::kPaper ? paper_step(selection) : plane_step(selection);
+      result_.T_map_base = moved(result_.T_map_base, motion);
+      if (motion.head<3>().norm() < kSettledTranslationM &&
+          motion.tail<3>().norm() < kSettledRotationRad) {
+        break;
+      }
     }
   }
-  return pairs;
-}
 
-struct Step {
-  SE3 T = SE3::Identity();  // in map, to be put before the present pose
-  double sq_sum = 0.0;      // of the weighted distances before the step
-  double weight = 0.0;
-  int free_directions = 0;
-  double weakest_constraint = 1.0;
-};
-
-// w_ij of Eq. 3.
-std::vector<Pair> find_pairs(const Surface& surface, const Model& model, const SE3& T_map_base,
-                             double gate_m, Metric metric) {
-  std::vector<Pair> pairs;
-  pairs.reserve(surface.points.size());
-  for (std::size_t i = 0; i < surface.points.size(); ++i) {
-    if (metric == Metric::kPlanes && surface.normals[i].isZero()) {
-      continue;
+  // w_ij of Eq. 3: calls `use(point, p_map, normal_map, voxel)` for each correspondence.
+  template <class Use>
+  void for_each_correspondence(const VoxelMap::Selection& selection, const Use& use) const {
+    const Eigen::Matrix3f R = result_.T_map_base.linear().cast<float>();
+    const Eigen::Vector3f t = result_.T_map_base.translation().cast<float>();
+    const auto min_cosine = static_cast<float>(params_.min_normal_cosine);
+    for (std::size_t l = 0; l < VoxelMap::kLevels; ++l) {
+      const VoxelGrid& grid = map_.level(l);
+      const float max_m = kMaxCorrespondenceVoxels * static_cast<float>(grid.voxel_size_m());
+      for (std::size_t i = selection.first_of_level[l]; i < selection.first_of_level[l + 1]; ++i) {
+        const OrientedPoint& point = selection.points[i];
+        const Eigen::Vector3f p_map = R * point.p + t;
+        const std::uint32_t place = grid.nearest(p_map, max_m);
+        if (place == VoxelGrid::kNone) {
+          continue;
+        }
+        const Voxel& voxel = grid.voxels()[place];
+        const Eigen::Vector3f normal_map = R * point.normal;
+        if (normal_map.dot(voxel.normal) >= min_cosine) {
+          use(point, p_map, normal_map, voxel);
+        }
+      }
     }
-    const Eigen::Vector3d p_map = T_map_base * surface.points[i];
-    const auto partner = model.nearest(p_map, gate_m);
-    if (!partner) {
-      continue;
-    }
-    if (metric == Metric::kPlanes &&
-        partner->normal_map.dot(T_map_base.linear() * surface.normals[i]) < kSameSide) {
-      continue;
-    }
-    pairs.push_back({partner->p_map, p_map, partner->normal_map});
   }
-  return pairs;
-}
 
-// Eq. 3 as printed.
-std::optional<Step> paper_step(const std::vector<Pair>& pairs) {
-  std::vector<PointPair> points;
-  points.reserve(pairs.size());
-  Step step;
-  for (const Pair& pair : pairs) {
-    points.push_back({pair.p_model, pair.p_data});
-    step.sq_sum += (pair.p_model - pair.p_data).squaredNorm();
-    step.weight += 1.0;
+  Vector6d plane_step(const VoxelMap::Selection& selection) {
+    const Eigen::Vector3f p_base = result_.T_map_base.translation().cast<float>();
+    const float per_sq_scale = 1.0F / (scale_m_ * scale_m_);
+    ResidualSums sums;
+    std::size_t num_inliers = 0;
+    for_each_correspondence(selection, [&](const OrientedPoint& point, const Eigen::Vector3f& p_map,
+                                           const Eigen::Vector3f& normal_map, const Voxel& voxel) {
+      const Eigen::Vector3f normal = (normal_map + voxel.normal).normalized();
+      const float residual_m = normal.dot(voxel.mean - p_map);
+      const float relative_sq = residual_m * residual_m * per_sq_scale;
+      // Means of many points are known better, but no better than the voxels' rounding.
+      const float variance = 1.0F / point.num_points + 1.0F / voxel.weight + kRoundingVariance;
+      const float root_kernel = 1.0F / (1.0F + relative_sq);  // Geman-McClure
+      sums.add(normal, p_map - p_base, residual_m, root_kernel * root_kernel, 1.0F / variance);
+      num_inliers += relative_sq < 4.0F ? 1 : 0;
+    });
+    sums.flush();
+    result_.inlier_ratio = static_cast<double>(num_inliers) /
+                           static_cast<double>(std::max<std::size_t>(1, selection.points.size()));
+    result_.residual_rms_m = std::sqrt(sums.mean_square_m2());
+    prior_information_.b =
+        prior_information_.H * motion_between(result_.T_map_base, prior_.T_map_base);
+    const double scale = sums.scale(params_.residual_correlation);
+    Information<6> measurement = sums.information();
+    measurement.H *= scale;
+    measurement.b *= scale;
+    const auto estimate = registration::solve_motion<6>(
+        measurement, scale * sums.imitated_information(params_.normal_error_rad),
+        prior_information_);
+    result_.degenerate_directions = estimate.degenerate_directions;
+    result_.covariance = estimate.covariance;
+    is_valid_ = estimate.is_valid;
+    return estimate.x;
   }
-  const RigidFit fit = fit_rigid(points);
-  if (fit.status != FitStatus::kOk) {
-    return std::nullopt;
-  }
-  step.T = fit.T_model_data;
-  return step;
-}
 
-// Normal equations of the weighted sum of squared distances to the planes. The motion is taken
-// about the centre of the pairs and the rotation in units of their mean radius, so that the six
-// directions are alike: an eigenvalue of H is the mean share with which the planes hold a
-// direction.
-struct PlaneSystem {
-  Matrix6d H = Matrix6d::Zero();
-  Vector6d b = Vector6d::Zero();
-  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-  double radius_m = 0.0;
-  double sq_sum = 0.0;
-  double weight = 0.0;
+  // Eq. 3 as printed: the closed form knows no prior.
+  Vector6d paper_step(const VoxelMap::Selection& selection) {
+    std::vector<registration::PointPair> points;
+    points.reserve(selection.points.size());
+    double sq_sum = 0.0;
+    for_each_correspondence(selection, [&](const OrientedPoint&, const Eigen::Vector3f& p_map,
+                                           const Eigen::Vector3f&, const Voxel& voxel) {
+      points.push_back({voxel.mean.cast<double>(), p_map.cast<double>()});
+      sq_sum += static_cast<double>((voxel.mean - p_map).squaredNorm());
+    });
+    const auto fit = registration::fit_rigid(points);
+    is_valid_ = fit.status == registration::FitStatus::kOk;
+    result_.inlier_ratio = static_cast<double>(points.size()) /
+                           static_cast<double>(std::max<std::size_t>(1, selection.points.size()));
+    result_.residual_rms_m =
+        std::sqrt(sq_sum / static_cast<double>(std::max<std::size_t>(1, points.size())));
+    result_.degenerate_directions = is_valid_ ? 0 : 6;
+    return motion_between(result_.T_map_base, fit.T_model_data * result_.T_map_base);
+  }
 
-  void add(const Pair& pair, double pair_weight) {
-    Vector6d J;
-    J << pair.normal, (pair.p_data - centre).cross(pair.normal) / radius_m;
-    H += pair_weight * J * J.transpose();
-    b += pair_weight * pair.normal.dot(pair.p_model - pair.p_data) * J;
-  }
-};
-
-PlaneSystem plane_system(const std::vector<Pair>& pairs, double residual_scale_m) {
-  PlaneSystem system;
-  for (const Pair& pair : pairs) {
-    system.centre += pair.p_data / static_cast<double>(pairs.size());
-  }
-  double sq_radius = 0.0;
-  for (const Pair& pair : pairs) {
-    sq_radius += (pair.p_data - system.centre).squaredNorm() / static_cast<double>(pairs.size());
-  }
-  system.radius_m = std::max(std::sqrt(sq_radius), 1e-3);
-  for (const Pair& pair : pairs) {
-    const double residual = pair.normal.dot(pair.p_model - pair.p_data);
-    const double relative = residual / residual_scale_m;
-    const double weight = 1.0 / (1.0 + relative * relative);  // Cauchy
-    system.add(pair, weight);
-    system.sq_sum += weight * residual * residual;
-    system.weight += weight;
-  }
-  return system;
-}
-
-std::optional<Step> plane_step(const std::vector<Pair>& pairs, const std::vector<Pair>& ground,
-                               const RegistrationOptions& options) {
-  PlaneSystem system = plane_system(pairs, options.residual_scale_m);
-  const double all_pairs = system.weight;
-  for (const Pair& pair : ground) {
-    const double relative = pair.normal.dot(pair.p_model - pair.p_data) / kGroundScaleM;
-    const double share = options.ground_weight / static_cast<double>(ground.size());
-    system.add(pair, share * all_pairs / (1.0 + relative * relative));
-  }
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(system.H);
-  Step step{.sq_sum = system.sq_sum, .weight = system.weight};
-  step.weakest_constraint = std::max(0.0, eigen.eigenvalues()[0] / system.weight);
-  Vector6d x = Vector6d::Zero();
-  for (int i = 0; i < 6; ++i) {
-    const Vector6d direction = eigen.eigenvectors().col(i);
-    if (eigen.eigenvalues()[i] > options.min_constraint * system.weight) {
-      x += direction * (direction.dot(system.b) / eigen.eigenvalues()[i]);
+  void classify() {
+    const Vector6d deviation = motion_between(prior_.T_map_base, result_.T_map_base);
+    result_.prior_distance =
+        std::sqrt(std::max(0.0, deviation.dot(prior_information_.H * deviation)));
+    const bool is_refused = !is_valid_ || result_.inlier_ratio < params_.min_inlier_ratio ||
+                            !(result_.prior_distance <= params_.max_prior_distance);
+    if (is_refused) {
+      result_.status = RegistrationStatus::kLost;
+      result_.T_map_base = prior_.T_map_base;
+      result_.covariance = prior_.covariance;
     } else {
-      ++step.free_directions;
+      result_.status = result_.degenerate_directions > 0 ? RegistrationStatus::kDegraded
+                                                         : RegistrationStatus::kTracking;
     }
   }
-  if (step.free_directions == 6 || !x.allFinite()) {
-    return std::nullopt;
-  }
-  const Eigen::Vector3d turn = x.tail<3>() / system.radius_m;
-  const double angle = turn.norm();
-  if (angle > 0.0) {
-    step.T.linear() = Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix();
-  }
-  step.T.translation() = system.centre + x.head<3>() - step.T.linear() * system.centre;
-  return step;
-}
 
-bool is_settled(const SE3& before, const SE3& after) {
-  const SE3 moved = before.inverse() * after;
-  return moved.translation().norm() < kSettledTranslation &&
-         geometry::rotation_angle(moved) < kSettledRotation;
-}
+  const VoxelMap& sweep_;
+  const VoxelMap& map_;
+  const PosePrior& prior_;
+  const RegistrationParams& params_;
+  Registration result_;
+  Information<6> prior_information_;
+  float scale_m_ = 0.0F;
+  bool is_valid_ = false;
+};
 
 }  // namespace
 
-Registration register_surface(const Surface& surface_base, const Model& model,
-                              const SE3& T_map_base_guess, const RegistrationOptions& options) {
-  Registration result{.T_map_base = T_map_base_guess};
-  const auto num_points = static_cast<double>(surface_base.points.size());
-  const auto give_up = [&](RegistrationStatus why) {
-    result.status = why;
-    result.T_map_base = T_map_base_guess;
-    return result;
-  };
-  double gate_m = options.max_correspondence_m;
-  while (result.iterations < options.iterations) {
-    ++result.iterations;
-    const std::vector<Pair> pairs =
-        find_pairs(surface_base, model, result.T_map_base, gate_m, options.metric);
-    result.match_share = num_points > 0.0 ? static_cast<double>(pairs.size()) / num_points : 0.0;
-    if (pairs.size() < kMinPairs || result.match_share < options.min_match_share) {
-      return give_up(RegistrationStatus::kTooFewPairs);
-    }
-    // On a new slope the guess is right about nothing but the place: the pairs go first.
-    const bool is_near = gate_m <= options.min_correspondence_m;
-    const std::vector<Pair> ground =
-        is_near ? ground_pairs(T_map_base_guess, result.T_map_base) : std::vector<Pair>();
-    const std::optional<Step> step =
-        options.metric == Metric::kPaper ? paper_step(pairs) : plane_step(pairs, ground, options);
-    if (!step) {
-      return give_up(RegistrationStatus::kDegenerate);
-    }
-    result.match_rms_m = std::sqrt(step->sq_sum / step->weight);
-    result.free_directions = step->free_directions;
-    result.weakest_constraint = step->weakest_constraint;
-    const SE3 T_before = result.T_map_base;
-    result.T_map_base = step->T * T_before;
-    if (gate_m <= options.min_correspondence_m && is_settled(T_before, result.T_map_base)) {
-      result.status = RegistrationStatus::kConverged;
-      return result;
-    }
-    gate_m = std::max(options.min_correspondence_m, kGateFactor * gate_m);
-  }
-  result.status = RegistrationStatus::kNotConverged;
-  return result;
+Registration register_sweep(const VoxelMap& sweep_base, const VoxelMap& map, const PosePrior& prior,
+                            const RegistrationParams& params) {
+  return SweepRegistration(sweep_base, map, prior, params).run();
 }
 
 }  // namespace nodmap::slam6d

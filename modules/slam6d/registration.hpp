@@ -1,65 +1,95 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <cstddef>
-#include <optional>
+#include <Eigen/Core>
 
+#include "common/geometry/angle.hpp"
 #include "common/geometry/se3.hpp"
-#include "modules/slam6d/model.hpp"
-#include "modules/slam6d/params.hpp"
-#include "modules/slam6d/surface.hpp"
+#include "modules/slam6d/voxel_map.hpp"
 
 namespace nodmap::slam6d {
 
-struct RegistrationOptions {
-  Metric metric = Metric::kPlanes;
-  double max_correspondence_m = 1.0;   ///< gate of the first iteration
-  double min_correspondence_m = 0.25;  ///< gate of the last ones
-  double residual_scale_m = 0.03;      ///< kPlanes: distance at which a pair counts half
-  double min_constraint = 0.003;       ///< kPlanes: below, a direction counts as free
-  double min_match_share = 0.15;
-  int iterations = 60;
-  double ground_weight = 0.0;  ///< kPlanes: of the ground plane, relative to all pairs together
+using Matrix6d = Eigen::Matrix<double, 6, 6>;
+
+/// What the registration makes small.
+enum class Metric {
+  kPaper,  ///< distances between corresponding points, Eq. 3 in closed form
+  kPlanes  ///< distances of points to the planes of their correspondences
 };
 
+/// Whether a registration may be believed.
 enum class RegistrationStatus {
-  kConverged,
-  kNotConverged,  ///< still moving after the last iteration; the pose is the last one
-  kTooFewPairs,   ///< hardly anything in common with the model; the pose is the guess
-  kDegenerate     ///< the pairs determine no motion; the pose is the guess
+  kTracking,  ///< all six directions are held by the map
+  kDegraded,  ///< some directions are held by odometry alone
+  kLost       ///< refused: it does not fit the map, or is too far from odometry
 };
 
-struct Registration {
-  RegistrationStatus status = RegistrationStatus::kTooFewPairs;
-  geometry::SE3 T_map_base = geometry::SE3::Identity();
-  int iterations = 0;
-  double match_share = 0.0;  ///< points with a partner within the last gate, of all points
-  double match_rms_m = 0.0;  ///< of the distances that were made small
-  int free_directions = 0;   ///< of six: those that the scene leaves open and that kept the guess
-  /// How well the scene's planes hold the weakest direction: mean squared cosine, 0 not at all,
-  /// 1/3 a cube's sides; 1 for kPaper, whose pairs hold every direction.
-  double weakest_constraint = 1.0;
+struct RegistrationParams {
+  Metric metric = Metric::kPlanes;
+  int iterations_per_level = 8;
+  double coarse_residual_scale_m = 0.15;
+  double fine_residual_scale_m = 0.015;
+  double min_normal_cosine = 0.8;
+  double normal_error_rad = geometry::deg_to_rad(2.0);
+  double residual_correlation = 10.0;
+  double min_inlier_ratio = 0.15;
+  double max_prior_distance = 6.0;
 
-  [[nodiscard]] bool is_usable() const {
-    return status == RegistrationStatus::kConverged || status == RegistrationStatus::kNotConverged;
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.choice("metric", metric, {{"paper", Metric::kPaper}, {"planes", Metric::kPlanes}},
+             "What is made small: distances between points (Eq. 3), or from points to planes.");
+    v.integer("iterations_per_level", iterations_per_level, {1, 1000},
+              "Most iterations at each of the three voxel sizes.");
+    v.number("coarse_residual_scale_m", coarse_residual_scale_m, {0.001, 1.0},
+             "Scale of the robust kernel at the coarsest voxels; beyond it a point loses weight.");
+    v.number("fine_residual_scale_m", fine_residual_scale_m, {0.001, 1.0},
+             "The same at the finest voxels.");
+    v.number("min_normal_cosine", min_normal_cosine, {-1.0, 1.0},
+             "Points correspond only when the cosine between their normals is at least this: the "
+             "two sides of a door do not.");
+    v.angle("normal_error_deg", normal_error_rad, {0.0, 45.0},
+            "Error of a normal. What a scene holds no better than such errors seem to hold it is "
+            "left to odometry: the length of a bare corridor.");
+    v.number("residual_correlation", residual_correlation, {1.0, 1000.0},
+             "Neighbouring points share their errors: so many of them count as one measurement in "
+             "the covariance.");
+    v.number("min_inlier_ratio", min_inlier_ratio, {0.0, 1.0},
+             "A sweep of whose points a smaller part lies on the map's planes is refused.");
+    v.number("max_prior_distance", max_prior_distance, {0.0, 1000.0},
+             "A pose farther from odometry than this many standard deviations (Mahalanobis) is "
+             "refused.");
   }
 };
 
-/// The Iterative Closest Point algorithm: finds the pose of a surface (in base) in the model,
-/// starting from `T_map_base_guess`. The gate for pairs closes from iteration to iteration.
-///
-/// kPaper minimises Eq. 3 in closed form. It pairs points with points, and so has two known
-/// weaknesses on a nodding scanner's clouds: the scan lines of the two clouds attract each other
-/// along the surfaces, and a corridor pulls the new cloud back onto the part already seen.
-///
-/// kPlanes replaces m_i in Eq. 3 by the foot of d_j on the plane about m_i: sliding along a surface
-/// costs nothing. Eq. 3 repeated with renewed feet leads to the smallest sum of squared distances
-/// from points to planes, but in steps that shrink with the share of planes that hold a direction;
-/// here each iteration goes to that minimum at once (one Gauss-Newton step, Chen and Medioni 1992).
-/// The step is left out along directions that (almost) no plane holds: they keep the guess, which
-/// is the odometry (Zhang, Kaess, Singh 2016).
-[[nodiscard]] Registration register_surface(const Surface& surface_base, const Model& model,
-                                            const geometry::SE3& T_map_base_guess,
-                                            const RegistrationOptions& options);
+/// Where odometry says the robot is, and how sure that is.
+struct PosePrior {
+  geometry::SE3 T_map_base = geometry::SE3::Identity();
+  /// Of the base's position (m) and rotation vector (rad), axes of map.
+  Matrix6d covariance = Matrix6d::Identity();
+};
+
+struct Registration {
+  RegistrationStatus status = RegistrationStatus::kLost;
+  geometry::SE3 T_map_base = geometry::SE3::Identity();  ///< the prior's when lost
+  /// Of the base's position (m) and rotation vector (rad), axes of map.
+  Matrix6d covariance = Matrix6d::Identity();
+  int iterations = 0;
+  double inlier_ratio = 0.0;    ///< part of the sweep's points that lie on the map's planes
+  double residual_rms_m = 0.0;  ///< of the inliers, weighted by the robust kernel
+  double prior_distance = 0.0;  ///< of the result from the prior, in standard deviations
+  int degenerate_directions = 6;
+
+  [[nodiscard]] bool is_accepted() const { return status != RegistrationStatus::kLost; }
+};
+
+/// Finds the pose at which a sweep lies on the map: iterative closest points from coarse to fine
+/// voxels, starting from the prior. Per iteration each point of the sweep corresponds to the
+/// nearest map voxel of its size. With Metric::kPlanes the residual is taken along the mean of both
+/// normals (symmetric objective, Rusinkiewicz 2019), weighted by a Geman-McClure kernel that
+/// narrows from level to level; a Gauss-Newton step joins the residuals with the prior as evidence
+/// (motion_solver).
+[[nodiscard]] Registration register_sweep(const VoxelMap& sweep_base, const VoxelMap& map,
+                                          const PosePrior& prior, const RegistrationParams& params);
 
 }  // namespace nodmap::slam6d

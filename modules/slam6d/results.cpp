@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "modules/slam6d/results.hpp"
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <vector>
 
@@ -32,30 +33,34 @@ const char* name_of(KeyframeReason reason) {
 
 const char* name_of(RegistrationStatus status) {
   switch (status) {
-    case RegistrationStatus::kConverged:
-      return "converged";
-    case RegistrationStatus::kNotConverged:
-      return "not_converged";
-    case RegistrationStatus::kTooFewPairs:
-      return "too_few_pairs";
-    case RegistrationStatus::kDegenerate:
-      return "degenerate";
+    case RegistrationStatus::kTracking:
+      return "tracking";
+    case RegistrationStatus::kDegraded:
+      return "degraded";
+    case RegistrationStatus::kLost:
+      return "lost";
   }
   return "";
 }
 
-nlohmann::json keyframe_figures(const SweepRecord& sweep) {
-  nlohmann::json figures{
-      {"utime", sweep.utime_us},   {"reason", name_of(*sweep.keyframe)},
-      {"moved_m", sweep.moved_m},  {"turned_deg", geometry::rad_to_deg(sweep.turned_rad)},
-      {"scans", sweep.scans_used}, {"points", sweep.num_points}};
-  if (sweep.registration) {
-    figures["registration"] = {{"status", name_of(sweep.registration->status)},
-                               {"iterations", sweep.registration->iterations},
-                               {"match_share", sweep.registration->match_share},
-                               {"match_rms_m", sweep.registration->match_rms_m},
-                               {"free_directions", sweep.registration->free_directions},
-                               {"weakest_constraint", sweep.registration->weakest_constraint}};
+nlohmann::json keyframe_figures(const PoseUpdate& update) {
+  nlohmann::json figures{{"utime", update.utime_us},
+                         {"reason", name_of(*update.keyframe)},
+                         {"distance_m", update.distance_m},
+                         {"rotation_deg", geometry::rad_to_deg(update.rotation_rad)},
+                         {"scans", update.scans_used},
+                         {"points", update.num_points}};
+  if (update.registration) {
+    figures["registration"] = {
+        {"status", name_of(update.registration->status)},
+        {"iterations", update.registration->iterations},
+        {"inlier_ratio", update.registration->inlier_ratio},
+        {"residual_rms_m", update.registration->residual_rms_m},
+        {"prior_distance", update.registration->prior_distance},
+        {"degenerate_directions", update.registration->degenerate_directions},
+        {"sigma_m", std::sqrt(update.covariance.topLeftCorner<3, 3>().trace())},
+        {"sigma_deg",
+         geometry::rad_to_deg(std::sqrt(update.covariance.bottomRightCorner<3, 3>().trace()))}};
   }
   return figures;
 }
@@ -67,7 +72,7 @@ void write_trajectories(const Slam6d& slam, const std::filesystem::path& dir) {
   formats::Trajectory trajectory;
   formats::Trajectory online;
   for (std::size_t i = 0; i < corrected.size(); ++i) {
-    const SweepRecord& sweep = slam.sweeps()[i];
+    const PoseUpdate& sweep = slam.sweeps()[i];
     trajectory.push_back({sweep.utime_us, corrected[i]});
     online.push_back({sweep.utime_us, sweep.T_map_base});
   }
@@ -91,7 +96,7 @@ void write_cloud(const Slam6d& slam, const std::filesystem::path& dir) {
   for (const SE3& T_map_base : slam.trajectory()) {
     corrected.emplace_back(T_map_base.translation());
   }
-  for (const SweepRecord& sweep : slam.sweeps()) {
+  for (const PoseUpdate& sweep : slam.sweeps()) {
     odometry.emplace_back(sweep.T_odom_base.translation());
   }
   for (const Keyframe& keyframe : slam.keyframes()) {
@@ -107,10 +112,15 @@ nlohmann::json slam_figures(const Slam6d& slam) {
   for (const Keyframe& keyframe : slam.keyframes()) {
     keyframes.push_back(keyframe_figures(slam.sweeps()[keyframe.sweep]));
   }
+  const Metrics metrics = slam.metrics();
   return {{"sweeps", slam.sweeps().size()},
-          {"scans_in_sweeps", slam.scans_in_sweeps()},
-          {"scans_without_odometry", slam.scans_without_pose()},
-          {"model_points", slam.model().points().size()},
+          {"sweeps_tracked", metrics.sweeps_tracked},
+          {"sweeps_degraded", metrics.sweeps_degraded},
+          {"sweeps_lost", metrics.sweeps_lost},
+          {"scans_in_sweeps", metrics.scans_in_sweeps},
+          {"scans_without_odometry", metrics.scans_without_pose},
+          {"map_voxels", metrics.map_voxels},
+          {"map_memory_bytes", metrics.map_memory_bytes},
           {"keyframes", keyframes}};
 }
 

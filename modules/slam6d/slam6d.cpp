@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "modules/slam6d/slam6d.hpp"
 
-#include <cmath>
 #include <utility>
+
+#include "modules/slam6d/odometry_prior.hpp"
 
 namespace nodmap::slam6d {
 namespace {
@@ -10,7 +11,7 @@ namespace {
 using geometry::SE3;
 
 // Odometry is kept as long as a sweep may last, at 10 scans a second (the slowest device known).
-std::int64_t history_span_us(const Slam6dParams& params) {
+std::int64_t history_span_us(const SweepParams& params) {
   return std::int64_t{100'000} * (params.max_scans + 1);
 }
 
@@ -18,162 +19,187 @@ constexpr std::int64_t kMaxExtrapolationUs = 50'000;
 
 // Within a sweep. A tenth of the scanner's noise, near as well as at 10 m; more than wheels that
 // are held report.
-constexpr double kStandingM = 1e-3;
-constexpr double kStandingRad = 1e-4;
+constexpr double kStationaryM = 1e-3;
+constexpr double kStationaryRad = 1e-4;
 
-SweepSegmenter::Options segmenter_options(const Slam6dParams& params) {
-  return {.reversal_hysteresis_rad = params.reversal_hysteresis_rad,
-          .jump_back_rad = params.jump_back_rad,
-          .gap_us = std::llround(params.gap_s * 1e6),
-          .max_scans = static_cast<std::size_t>(params.max_scans)};
-}
-
-SurfaceOptions surface_options(const Slam6dParams& params) {
-  return {.point_spacing_m = params.point_spacing_m,
-          .plane_neighbours = static_cast<std::size_t>(params.plane_neighbours),
-          .plane_radius_m = params.plane_radius_m};
-}
-
-RegistrationOptions registration_options(const Slam6dParams& params) {
-  return {.metric = params.metric,
-          .max_correspondence_m = params.max_correspondence_m,
-          .min_correspondence_m = params.min_correspondence_m,
-          .residual_scale_m = params.residual_scale_m,
-          .min_constraint = params.min_constraint,
-          .min_match_share = params.min_match_share,
-          .iterations = params.iterations,
-          .ground_weight = params.ground_weight};
-}
-
-Surface extract_surface(const SweepCloud& cloud, const Slam6dParams& params) {
-  std::vector<Eigen::Vector3d> points;
-  points.reserve(cloud.points.size());
-  for (const Eigen::Vector3f& p : cloud.points) {
-    points.emplace_back(p.cast<double>());
-  }
+VoxelMap voxelize(const SweepCloud& cloud, const VoxelMapParams& params) {
   // The mirror moves little within a sweep: its middle place tells the two sides of a wall apart.
-  const Eigen::Vector3d p_base_view =
-      cloud.lines.empty()
-          ? Eigen::Vector3d::Zero()
-          : Eigen::Vector3d(cloud.lines[cloud.lines.size() / 2].p_base_mirror.cast<double>());
-  return extract_surface(points, p_base_view, surface_options(params));
+  const Eigen::Vector3f p_base_mirror = cloud.lines.empty()
+                                            ? Eigen::Vector3f::Zero()
+                                            : cloud.lines[cloud.lines.size() / 2].p_base_mirror;
+  return VoxelMap::from_points(cloud.points, p_base_mirror, params);
+}
+
+std::vector<OrientedPoint> oriented_points(const VoxelGrid& grid) {
+  std::vector<OrientedPoint> points;
+  points.reserve(grid.voxels().size());
+  for (const Voxel& voxel : grid.voxels()) {
+    points.push_back({voxel.mean, voxel.normal, voxel.weight});
+  }
+  return points;
 }
 
 }  // namespace
 
 Slam6d::Slam6d(const Slam6dParams& params)
     : params_(params),
-      segmenter_(segmenter_options(params)),
-      odometry_(history_span_us(params), kMaxExtrapolationUs),
-      model_(params.point_spacing_m) {}
+      segmenter_(params.sweep),
+      odometry_(history_span_us(params.sweep), kMaxExtrapolationUs),
+      map_(params.voxels) {}
 
 bool Slam6d::add_odometry(std::int64_t utime_us, const SE3& T_odom_base) {
   return odometry_.add(utime_us, T_odom_base);
 }
 
-std::optional<SweepRecord> Slam6d::change_odometry_frame(const SE3& T_new_odom_base) {
-  auto record = flush();
+std::optional<PoseUpdate> Slam6d::change_odometry_frame(const SE3& T_new_odom_base) {
+  auto update = flush();
   if (const auto T_old_odom_base = odometry_.newest()) {
     const SE3 T_old_new = *T_old_odom_base * T_new_odom_base.inverse();
     T_map_odom_ = T_map_odom_ * T_old_new;
     T_first_odom_ = T_first_odom_ * T_old_new;
-    interrupted_ = true;
+    is_interrupted_ = keyframe_is_due_ = true;
   }
   odometry_.clear();
-  return record;
+  return update;
 }
 
 // IV B: "segment the continuous data flow to reflect one complete pitch movement per point cloud".
-std::optional<SweepRecord> Slam6d::add_scan(scan::Scan scan) {
+std::optional<PoseUpdate> Slam6d::add_scan(scan::Scan scan) {
   const auto sweep = segmenter_.add(std::move(scan));
   return sweep ? process(*sweep) : std::nullopt;
 }
 
-std::optional<SweepRecord> Slam6d::flush() {
+std::optional<PoseUpdate> Slam6d::flush() {
   const auto sweep = segmenter_.flush();
   return sweep ? process(*sweep) : std::nullopt;
 }
 
 // IV B: "the robot's movement [...] during the pitching movement is stripped from the point cloud".
-std::optional<SweepRecord> Slam6d::process(const Sweep& sweep) {
+std::optional<PoseUpdate> Slam6d::process(const Sweep& sweep) {
   const auto pose_at = [this](std::int64_t utime_us) -> std::optional<SE3> {
-    if (odometry_.empty() && params_.assume_standing) {
+    if (odometry_.empty() && params_.assume_stationary) {
       return SE3::Identity();
     }
     return odometry_.at(utime_us);
   };
-  scans_in_sweeps_ += sweep.scans.size();
-  interrupted_ = interrupted_ || sweep.follows_interruption;
-  auto cloud = strip_motion(sweep.scans, pose_at, {params_.min_range_m, params_.max_range_m});
-  if (!cloud) {
-    scans_without_pose_ += sweep.scans.size();
-    return std::nullopt;
-  }
-  scans_without_pose_ += cloud->scans_without_pose;
-  return add_cloud(std::move(*cloud));
+  counts_.scans_in_sweeps += sweep.scans.size();
+  is_interrupted_ = is_interrupted_ || sweep.follows_interruption;
+  keyframe_is_due_ = keyframe_is_due_ || sweep.follows_interruption;
+  auto cloud = deskew(sweep.scans, pose_at, params_.range);
+  counts_.scans_without_pose += cloud ? cloud->scans_without_pose : sweep.scans.size();
+  return cloud ? std::optional(add_cloud(std::move(*cloud))) : std::nullopt;
 }
 
-SweepRecord Slam6d::add_cloud(SweepCloud cloud) {
-  SweepRecord record{.utime_us = cloud.utime_us,
-                     .T_odom_base = cloud.T_odom_base,
-                     .T_first_odom = T_first_odom_,
-                     .scans_used = cloud.scans_used,
-                     .scans_without_pose = cloud.scans_without_pose,
-                     .num_points = cloud.points.size(),
-                     .stood = cloud.moved_m < kStandingM && cloud.turned_rad < kStandingRad};
-  // Reference [5]: odometry's motion since the last registered pose, in that pose's frame:
-  // P_n+1 = P_n (odo_n^-1 odo_n+1).
-  record.T_map_base = T_map_odom_ * record.T_odom_base;
-  if (!keyframes_.empty()) {
-    const SE3 moved = keyframes_.back().T_map_base.inverse() * record.T_map_base;
-    record.moved_m = moved.translation().norm();
-    record.turned_rad = geometry::rotation_angle(moved);
+PoseUpdate Slam6d::add_cloud(SweepCloud cloud) {
+  PoseUpdate update = extrapolate(cloud);
+  if (is_usable(update)) {
+    const VoxelMap sweep = voxelize(cloud, params_.voxels);
+    if (last_accepted_) {
+      track(sweep, update);
+    }
+    update.keyframe = keyframe_reason(update);
+    if (update.is_tracked()) {
+      accept(sweep, update);
+    }
+    if (update.keyframe) {
+      keyframes_.push_back(
+          {sweeps_.size(), update.T_map_base, std::move(cloud), oriented_points(sweep.level(0))});
+      keyframe_is_due_ = false;
+    }
   }
-  record.keyframe = keyframe_reason(record);
-  if (record.keyframe) {
-    make_keyframe(record, std::move(cloud));
+  sweeps_.push_back(update);
+  return update;
+}
+
+// Reference [5]: odometry's motion since the last registered pose, in that pose's frame:
+// P_n+1 = P_n (odo_n^-1 odo_n+1).
+PoseUpdate Slam6d::extrapolate(const SweepCloud& cloud) const {
+  return {.utime_us = cloud.utime_us,
+          .T_odom_base = cloud.T_odom_base,
+          .T_first_odom = T_first_odom_,
+          .T_map_base = T_map_odom_ * cloud.T_odom_base,
+          .scans_used = cloud.scans_used,
+          .scans_without_pose = cloud.scans_without_pose,
+          .num_points = cloud.points.size(),
+          .is_stationary = cloud.distance_m < kStationaryM && cloud.rotation_rad < kStationaryRad};
+}
+
+bool Slam6d::is_usable(const PoseUpdate& update) const {
+  return update.num_points > 0 &&
+         update.scans_used >= static_cast<std::size_t>(params_.sweep.min_scans) &&
+         (update.is_stationary || !params_.keyframe.stationary_only);
+}
+
+OdometryMotion Slam6d::motion_since_accepted(const PoseUpdate& update) const {
+  const PoseUpdate& last = sweeps_[*last_accepted_];
+  const SE3 motion =
+      (last.T_first_odom * last.T_odom_base).inverse() * update.T_first_odom * update.T_odom_base;
+  return {.distance_m = motion.translation().norm(),
+          .rotation_rad = geometry::rotation_angle(motion),
+          .is_interrupted = is_interrupted_,
+          .lost_sweeps = lost_sweeps_};
+}
+
+// IV B: "registered into an incrementally built 3D model"; IV: "the same transformation can be
+// applied [...] to correct the former pose estimation obtained via odometry".
+void Slam6d::track(const VoxelMap& sweep, PoseUpdate& update) {
+  const PosePrior prior =
+      odometry_prior(update.T_map_base, motion_since_accepted(update), params_.odometry);
+  update.registration = register_sweep(sweep, map_, prior, params_.registration);
+  update.T_map_base = update.registration->T_map_base;
+  update.covariance = update.registration->covariance;
+  switch (update.registration->status) {
+    case RegistrationStatus::kTracking:
+      ++counts_.sweeps_tracked;
+      break;
+    case RegistrationStatus::kDegraded:
+      ++counts_.sweeps_degraded;
+      break;
+    case RegistrationStatus::kLost:
+      ++counts_.sweeps_lost;
+      ++lost_sweeps_;
+      break;
   }
-  sweeps_.push_back(record);
-  return record;
+}
+
+// Only what was registered enters the map: a refused sweep leaves no trace.
+void Slam6d::accept(const VoxelMap& sweep, const PoseUpdate& update) {
+  map_.add_sweep(sweep, update.T_map_base);
+  T_map_odom_ = update.T_map_base * update.T_odom_base.inverse();
+  last_accepted_ = sweeps_.size();
+  lost_sweeps_ = 0;
+  is_interrupted_ = false;
 }
 
 // IV B: "only those whose robot base poses P_b are further than 2 m away from each other or that
-// correspond to a rotation of more than 45 deg". Odometry is not trusted over an interruption.
-std::optional<KeyframeReason> Slam6d::keyframe_reason(const SweepRecord& record) const {
-  if (record.num_points == 0 || record.scans_used < static_cast<std::size_t>(params_.min_scans)) {
-    return std::nullopt;
-  }
-  if (params_.standing_only && !record.stood) {
-    return std::nullopt;
-  }
+// correspond to a rotation of more than 45 deg".
+std::optional<KeyframeReason> Slam6d::keyframe_reason(PoseUpdate& update) const {
   if (keyframes_.empty()) {
     return KeyframeReason::kFirst;
   }
-  if (interrupted_) {
+  const SE3 motion = keyframes_.back().T_map_base.inverse() * update.T_map_base;
+  update.distance_m = motion.translation().norm();
+  update.rotation_rad = geometry::rotation_angle(motion);
+  if (!update.is_tracked()) {
+    return std::nullopt;
+  }
+  if (keyframe_is_due_) {
     return KeyframeReason::kInterruption;
   }
-  if (record.moved_m > params_.keyframe_distance_m) {
+  if (update.distance_m > params_.keyframe.distance_m) {
     return KeyframeReason::kDistance;
   }
-  if (record.turned_rad > params_.keyframe_rotation_rad) {
+  if (update.rotation_rad > params_.keyframe.rotation_rad) {
     return KeyframeReason::kRotation;
   }
   return std::nullopt;
 }
 
-// IV B: "registered into an incrementally built 3D model"; IV: "the same transformation can be
-// applied [...] to correct the former pose estimation obtained via odometry".
-void Slam6d::make_keyframe(SweepRecord& record, SweepCloud cloud) {
-  Surface surface = extract_surface(cloud, params_);
-  if (!keyframes_.empty()) {
-    record.registration =
-        register_surface(surface, model_, record.T_map_base, registration_options(params_));
-    record.T_map_base = record.registration->T_map_base;
-    T_map_odom_ = record.T_map_base * record.T_odom_base.inverse();
-  }
-  model_.add(surface, record.T_map_base);
-  keyframes_.push_back({sweeps_.size(), record.T_map_base, std::move(cloud), std::move(surface)});
-  interrupted_ = false;
+Metrics Slam6d::metrics() const {
+  Metrics metrics = counts_;
+  metrics.map_voxels = map_.level(0).voxels().size();
+  metrics.map_memory_bytes = map_.memory_bytes();
+  return metrics;
 }
 
 std::vector<SE3> Slam6d::trajectory() const {
@@ -182,20 +208,21 @@ std::vector<SE3> Slam6d::trajectory() const {
   };
   std::vector<SE3> poses;
   poses.reserve(sweeps_.size());
-  for (const SweepRecord& sweep : sweeps_) {
-    poses.push_back(sweep.T_map_base);
-  }
-  for (std::size_t k = 1; k < keyframes_.size(); ++k) {
-    const std::size_t first = keyframes_[k - 1].sweep;
-    const std::size_t last = keyframes_[k].sweep;
-    // What the registration of the later keyframe put right, in its base frame.
-    const SE3 T_map_first = keyframes_[k - 1].T_map_base * first_base(first).inverse();
-    const SE3 correction = (T_map_first * first_base(last)).inverse() * keyframes_[k].T_map_base;
-    for (std::size_t i = first; i <= last; ++i) {
-      const double fraction = static_cast<double>(i - first) / static_cast<double>(last - first);
-      poses[i] = T_map_first * first_base(i) *
+  std::optional<std::size_t> tracked;  // the last one so far
+  for (std::size_t i = 0; i < sweeps_.size(); ++i) {
+    poses.push_back(sweeps_[i].T_map_base);
+    if (!sweeps_[i].is_tracked()) {
+      continue;
+    }
+    for (std::size_t j = tracked.value_or(i) + 1; j < i; ++j) {
+      // What the registration of the later sweep put right, in its base frame.
+      const SE3 T_map_first = sweeps_[*tracked].T_map_base * first_base(*tracked).inverse();
+      const SE3 correction = (T_map_first * first_base(i)).inverse() * sweeps_[i].T_map_base;
+      const double fraction = static_cast<double>(j - *tracked) / static_cast<double>(i - *tracked);
+      poses[j] = T_map_first * first_base(j) *
                  geometry::interpolate(SE3::Identity(), correction, fraction);
     }
+    tracked = i;
   }
   return poses;
 }

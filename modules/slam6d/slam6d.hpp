@@ -10,46 +10,63 @@
 #include "common/geometry/pose_history.hpp"
 #include "common/geometry/se3.hpp"
 #include "common/scan/scan.hpp"
-#include "modules/slam6d/model.hpp"
 #include "modules/slam6d/params.hpp"
 #include "modules/slam6d/registration.hpp"
 #include "modules/slam6d/sweep_cloud.hpp"
 #include "modules/slam6d/sweep_segmenter.hpp"
+#include "modules/slam6d/voxel_map.hpp"
 
 namespace nodmap::slam6d {
 
-/// Why a sweep was registered.
+/// Why the map keeps a sweep.
 enum class KeyframeReason { kFirst, kInterruption, kDistance, kRotation };
 
-/// What became of one sweep.
-struct SweepRecord {
-  std::int64_t utime_us = 0;  ///< of its base pose
+/// The robot's pose in the middle of one sweep, and how it was found.
+struct PoseUpdate {
+  std::int64_t utime_us = 0;  ///< of the base pose
   geometry::SE3 T_odom_base = geometry::SE3::Identity();
   /// The odom frame of `T_odom_base` in the first one: identity until odometry begins anew.
   geometry::SE3 T_first_odom = geometry::SE3::Identity();
   geometry::SE3 T_map_base = geometry::SE3::Identity();  ///< as known when the sweep was complete
+  /// Of the base's position (m) and rotation vector (rad), axes of map; zero for the first sweep.
+  Matrix6d covariance = Matrix6d::Zero();
   std::size_t scans_used = 0;
   std::size_t scans_without_pose = 0;
   std::size_t num_points = 0;
-  bool stood = false;  ///< the robot, during the whole sweep
-  /// How far the extrapolated base pose was from the last keyframe's (0 for the first).
-  double moved_m = 0.0;
-  double turned_rad = 0.0;
-  std::optional<KeyframeReason> keyframe = std::nullopt;  ///< empty: not registered
-  /// Empty: not registered, or the first, which is the model.
+  bool is_stationary = false;  ///< the robot, during the whole sweep
+  /// From the last keyframe's base pose to this one (0 for the first).
+  double distance_m = 0.0;
+  double rotation_rad = 0.0;
+  /// Empty: too thin a sweep, which follows odometry, or the first, which is the map.
   std::optional<Registration> registration = std::nullopt;
+  std::optional<KeyframeReason> keyframe = std::nullopt;  ///< empty: not kept
+
+  /// Whether the map tells this pose, not odometry alone.
+  [[nodiscard]] bool is_tracked() const {
+    return registration ? registration->is_accepted() : keyframe == KeyframeReason::kFirst;
+  }
 };
 
-/// A registered sweep. Kept whole, so that model and occupancy map can be built anew from other
-/// poses.
+/// A sweep that the map keeps; whole, so that the occupancy map can be built anew from other poses.
 struct Keyframe {
-  std::size_t sweep = 0;  ///< place of its record
+  std::size_t sweep = 0;  ///< place of its update
   geometry::SE3 T_map_base = geometry::SE3::Identity();
-  SweepCloud cloud;  ///< in base
-  Surface surface;   ///< in base
+  SweepCloud cloud;                   ///< in base
+  std::vector<OrientedPoint> points;  ///< the voxel means of the cloud; normal zero where no plane
 };
 
-/// 6DOF-SLAM of section IV B: scans and odometry in, registered clouds and poses out.
+/// Counts of everything so far.
+struct Metrics {
+  std::size_t scans_in_sweeps = 0;
+  std::size_t scans_without_pose = 0;  ///< among them, left out
+  std::size_t sweeps_tracked = 0;
+  std::size_t sweeps_degraded = 0;
+  std::size_t sweeps_lost = 0;
+  std::size_t map_voxels = 0;
+  std::size_t map_memory_bytes = 0;
+};
+
+/// 6DOF-SLAM of section IV B: scans and odometry in, poses and registered clouds out.
 class Slam6d {
  public:
   explicit Slam6d(const Slam6dParams& params);
@@ -59,50 +76,54 @@ class Slam6d {
 
   /// Odometry goes on in another frame: its newest pose and `T_new_odom_base` are one place, as far
   /// as anybody knows, and the robot stays where it was in the map. The running sweep ends, and its
-  /// record is returned; odometry is forgotten, so that no beam is placed between the frames; the
+  /// update is returned; odometry is forgotten, so that no beam is placed between the frames; the
   /// next sweep is registered as after an interruption.
-  [[nodiscard]] std::optional<SweepRecord> change_odometry_frame(
+  [[nodiscard]] std::optional<PoseUpdate> change_odometry_frame(
       const geometry::SE3& T_new_odom_base);
 
-  /// The next scan of the stream. Returns the record of the sweep it completes, if it does, and if
+  /// The next scan of the stream. Returns the pose of the sweep it completes, if it does, and if
   /// there was odometry for it. The scan must be plausible (scan::is_plausible).
-  [[nodiscard]] std::optional<SweepRecord> add_scan(scan::Scan scan);
+  [[nodiscard]] std::optional<PoseUpdate> add_scan(scan::Scan scan);
 
   /// The unfinished sweep at the end of the stream.
-  [[nodiscard]] std::optional<SweepRecord> flush();
+  [[nodiscard]] std::optional<PoseUpdate> flush();
 
-  /// The same for a cloud that is one already: everything after the stripping of motion.
-  SweepRecord add_cloud(SweepCloud cloud);
+  /// The same for a cloud that is one already: everything after deskewing.
+  PoseUpdate add_cloud(SweepCloud cloud);
 
-  [[nodiscard]] std::span<const SweepRecord> sweeps() const { return sweeps_; }
+  [[nodiscard]] std::span<const PoseUpdate> sweeps() const { return sweeps_; }
   [[nodiscard]] std::span<const Keyframe> keyframes() const { return keyframes_; }
-  [[nodiscard]] const Model& model() const { return model_; }
-  /// Scans that came out in sweeps, and those among them that had to be left out.
-  [[nodiscard]] std::size_t scans_in_sweeps() const { return scans_in_sweeps_; }
-  [[nodiscard]] std::size_t scans_without_pose() const { return scans_without_pose_; }
+  [[nodiscard]] const VoxelMap& map() const { return map_; }
+  [[nodiscard]] Metrics metrics() const;
 
-  /// The pose of every sweep, with all that is known now: keyframes as registered, the sweeps
-  /// between two keyframes with a correction that goes over evenly from one to the next.
+  /// The pose of every sweep, with all that is known now: tracked sweeps as registered, those
+  /// between two of them with a correction that goes over evenly from one to the next.
   [[nodiscard]] std::vector<geometry::SE3> trajectory() const;
 
  private:
-  [[nodiscard]] std::optional<SweepRecord> process(const Sweep& sweep);
-  [[nodiscard]] std::optional<KeyframeReason> keyframe_reason(const SweepRecord& record) const;
-  void make_keyframe(SweepRecord& record, SweepCloud cloud);
+  [[nodiscard]] std::optional<PoseUpdate> process(const Sweep& sweep);
+  [[nodiscard]] PoseUpdate extrapolate(const SweepCloud& cloud) const;
+  [[nodiscard]] bool is_usable(const PoseUpdate& update) const;
+  [[nodiscard]] OdometryMotion motion_since_accepted(const PoseUpdate& update) const;
+  void track(const VoxelMap& sweep, PoseUpdate& update);
+  void accept(const VoxelMap& sweep, const PoseUpdate& update);
+  [[nodiscard]] std::optional<KeyframeReason> keyframe_reason(PoseUpdate& update) const;
 
   Slam6dParams params_;
   SweepSegmenter segmenter_;
   geometry::PoseHistory odometry_;
-  Model model_;
-  /// P_n * odo_n^-1 of the last keyframe: the correction, map from odom.
+  VoxelMap map_;
+  /// P_n * odo_n^-1 of the last accepted sweep: the correction, map from odom.
   geometry::SE3 T_map_odom_ = geometry::SE3::Identity();
   /// The present odom frame in the first one.
   geometry::SE3 T_first_odom_ = geometry::SE3::Identity();
-  bool interrupted_ = false;  // since the last keyframe
-  std::vector<SweepRecord> sweeps_;
+  std::optional<std::size_t> last_accepted_;  // sweep
+  int lost_sweeps_ = 0;                       // since the last accepted one
+  bool is_interrupted_ = false;               // since the last accepted one
+  bool keyframe_is_due_ = false;              // there was an interruption since the last keyframe
+  std::vector<PoseUpdate> sweeps_;
   std::vector<Keyframe> keyframes_;
-  std::size_t scans_in_sweeps_ = 0;
-  std::size_t scans_without_pose_ = 0;
+  Metrics counts_;
 };
 
 }  // namespace nodmap::slam6d

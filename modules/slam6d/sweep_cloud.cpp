@@ -33,15 +33,15 @@ void append_scan(const PlacedScan& placed, const SE3& T_base_odom, const RangeLi
   const scan::Scan& scan = *placed.scan;
   const SE3 T_base_first = T_base_odom * placed.T_odom_first;
   const SE3 T_base_last = T_base_odom * placed.T_odom_last;
-  const bool is_standing = T_base_first.isApprox(T_base_last, 1e-12);
+  const bool is_stationary = T_base_first.isApprox(T_base_last, 1e-12);
   for (const auto& hit : projector.hits(scan)) {
     const auto range_m = static_cast<double>(scan.ranges_m[hit.beam]);
     if (range_m < range.min_m || range_m > range.max_m) {
       continue;
     }
     const SE3 T_base_beam =
-        is_standing ? T_base_first
-                    : geometry::interpolate(T_base_first, T_base_last, scan.fraction(hit.beam));
+        is_stationary ? T_base_first
+                      : geometry::interpolate(T_base_first, T_base_last, scan.fraction(hit.beam));
     cloud.points.emplace_back((T_base_beam * hit.p_base).cast<float>());
   }
   const Eigen::Vector3d p_mirror =
@@ -52,8 +52,8 @@ void append_scan(const PlacedScan& placed, const SE3& T_base_odom, const RangeLi
 
 }  // namespace
 
-std::optional<SweepCloud> strip_motion(std::span<const scan::Scan> scans, const PoseLookup& pose_at,
-                                       const RangeLimits& range) {
+std::optional<SweepCloud> deskew(std::span<const scan::Scan> scans, const PoseLookup& pose_at,
+                                 const RangeLimits& range) {
   const std::vector<PlacedScan> placed = place_scans(scans, pose_at);
   if (placed.empty()) {
     return std::nullopt;
@@ -70,8 +70,8 @@ std::optional<SweepCloud> strip_motion(std::span<const scan::Scan> scans, const 
   cloud.scans_without_pose = scans.size() - placed.size();
   const SE3 T_base_odom = cloud.T_odom_base.inverse();
   const SE3 moved = placed.front().T_odom_first.inverse() * placed.back().T_odom_last;
-  cloud.moved_m = moved.translation().norm();
-  cloud.turned_rad = geometry::rotation_angle(moved);
+  cloud.distance_m = moved.translation().norm();
+  cloud.rotation_rad = geometry::rotation_angle(moved);
   scan::ScanProjector projector;
   for (const PlacedScan& scan : placed) {
     append_scan(scan, T_base_odom, range, projector, cloud);

@@ -29,25 +29,31 @@ struct SweepCloud {
   std::vector<Line> lines;
   std::size_t scans_used = 0;
   std::size_t scans_without_pose = 0;
-  /// How far the robot was from its first to its last beam: what had to be stripped.
-  double moved_m = 0.0;
-  double turned_rad = 0.0;
+  /// The robot's motion from the first to the last beam, by odometry.
+  double distance_m = 0.0;
+  double rotation_rad = 0.0;
 };
 
 /// Answers with T_odom_base at a time (us), empty where it is not known.
 using PoseLookup = std::function<std::optional<geometry::SE3>(std::int64_t)>;
 
+/// Which points of a scan are used, by their distance from the mirror.
 struct RangeLimits {
-  double min_m = 0.0;
-  double max_m = 0.0;
+  double min_m = 0.5;
+  double max_m = 30.0;
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.number("min_m", min_m, {0.0, 10.0}, "Points nearer to the mirror are the robot itself.");
+    v.number("max_m", max_m, {0.5, 1000.0}, "Points farther from the mirror are not used.");
+  }
 };
 
-/// Strips the motion from a sweep (R41): each beam is placed with the pitch and the robot's pose at
-/// its own time, relative to the base pose P_b = the pose in the middle of the sweep's time (the
-/// choice that makes the longest way to a beam shortest). Scans without a pose are left out and
-/// counted; empty when no scan has one.
-[[nodiscard]] std::optional<SweepCloud> strip_motion(std::span<const scan::Scan> scans,
-                                                     const PoseLookup& pose_at,
-                                                     const RangeLimits& range);
+/// Deskews a sweep (IV B: the robot's movement during the pitching movement is stripped): each beam
+/// is placed with the pitch and the robot's pose at its own time, relative to the base pose P_b =
+/// the pose in the middle of the sweep's time (the choice that makes the longest motion to a beam
+/// shortest). Scans without a pose are left out and counted; empty when no scan has one.
+[[nodiscard]] std::optional<SweepCloud> deskew(std::span<const scan::Scan> scans,
+                                               const PoseLookup& pose_at, const RangeLimits& range);
 
 }  // namespace nodmap::slam6d

@@ -8,8 +8,8 @@
 namespace nodmap::slam6d {
 namespace {
 
-// Within this part of the hysteresis from the extreme the servo stands at its turning point.
-constexpr double kStandingPart = 0.1;
+// Within this part of the hysteresis from the extreme the servo is at its turning point.
+constexpr double kTurningPart = 0.1;
 
 }  // namespace
 
@@ -24,8 +24,8 @@ std::optional<Sweep> SweepSegmenter::add(scan::Scan scan) {
   running_.scans.push_back(std::move(scan));
   const double pitch_rad = running_.scans.back().pitch_mid_rad();
   track(pitch_rad, running_.scans.size());
-  const bool is_up = pitch_rad > lowest_.pitch_rad + options_.reversal_hysteresis_rad;
-  const bool is_down = pitch_rad < highest_.pitch_rad - options_.reversal_hysteresis_rad;
+  const bool is_up = pitch_rad > lowest_.pitch_rad + params_.reversal_hysteresis_rad;
+  const bool is_down = pitch_rad < highest_.pitch_rad - params_.reversal_hysteresis_rad;
   if (direction_ == 0) {
     direction_ = static_cast<int>(is_up) - static_cast<int>(is_down);
   } else if (direction_ > 0 ? is_down : is_up) {
@@ -48,14 +48,15 @@ std::optional<Sweep::End> SweepSegmenter::end_before(const scan::Scan& next) con
     return std::nullopt;
   }
   const scan::Scan& last = running_.scans.back();
-  if (next.utime_us < last.utime_us || next.utime_us - last.utime_last_us() > options_.gap_us) {
+  if (next.utime_us < last.utime_us ||
+      1e-6 * static_cast<double>(next.utime_us - last.utime_last_us()) > params_.gap_s) {
     return Sweep::End::kInterrupted;
   }
   const double step_rad = next.pitch_mid_rad() - last.pitch_mid_rad();
-  if (direction_ * step_rad < -options_.jump_back_rad) {
+  if (direction_ * step_rad < -params_.jump_back_rad) {
     return Sweep::End::kJumpBack;
   }
-  if (running_.scans.size() >= options_.max_scans) {
+  if (running_.scans.size() >= static_cast<std::size_t>(params_.max_scans)) {
     return Sweep::End::kFull;
   }
   return std::nullopt;
@@ -83,11 +84,11 @@ void SweepSegmenter::track(double pitch_rad, std::size_t num_scans) {
     highest_ = lowest_ = {pitch_rad, 1};
     return;
   }
-  const double standing_rad = kStandingPart * options_.reversal_hysteresis_rad;
-  if (pitch_rad >= highest_.pitch_rad - standing_rad) {
+  const double turning_rad = kTurningPart * params_.reversal_hysteresis_rad;
+  if (pitch_rad >= highest_.pitch_rad - turning_rad) {
     highest_ = {std::max(pitch_rad, highest_.pitch_rad), num_scans};
   }
-  if (pitch_rad <= lowest_.pitch_rad + standing_rad) {
+  if (pitch_rad <= lowest_.pitch_rad + turning_rad) {
     lowest_ = {std::min(pitch_rad, lowest_.pitch_rad), num_scans};
   }
 }

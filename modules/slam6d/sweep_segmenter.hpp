@@ -28,21 +28,35 @@ struct Sweep {
   bool follows_interruption = false;
 };
 
+/// Where the stream of scans is cut into sweeps, and which sweeps are used.
+struct SweepParams {
+  double reversal_hysteresis_rad = geometry::deg_to_rad(1.0);
+  double jump_back_rad = geometry::deg_to_rad(10.0);
+  double gap_s = 1.0;
+  int max_scans = 1500;
+  int min_scans = 10;
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.angle("reversal_hysteresis_deg", reversal_hysteresis_rad, {0.01, 45.0},
+            "A sweep ends at a turning point once the pitch has come back from it by this much; "
+            "more than the noise of the servo.");
+    v.angle("jump_back_deg", jump_back_rad, {1.0, 180.0},
+            "A single pitch step against the movement beyond this is a new start of the sweep, not "
+            "a turning point.");
+    v.number("gap_s", gap_s, {0.05, 3600.0},
+             "A pause between two scans beyond this interrupts the stream and ends the sweep.");
+    v.integer("max_scans", max_scans, {2, 100000}, "A sweep ends when it has this many scans.");
+    v.integer("min_scans", min_scans, {1, 1000},
+              "A sweep with fewer scans is too thin to be registered.");
+  }
+};
+
 /// Cuts the continuous stream of scans at the turning points of the pitch. Every scan given in
 /// comes out once (R40); scans between which the pitch stands still belong to the running sweep.
 class SweepSegmenter {
  public:
-  struct Options {
-    /// A turning point is one when the pitch has come back from it by this much: more than the
-    /// servo's noise.
-    double reversal_hysteresis_rad = geometry::deg_to_rad(1.0);
-    /// A single step against the movement beyond this is a new start, not a turn.
-    double jump_back_rad = geometry::deg_to_rad(10.0);
-    std::int64_t gap_us = 1'000'000;
-    std::size_t max_scans = 1000;
-  };
-
-  explicit SweepSegmenter(const Options& options) : options_(options) {}
+  explicit SweepSegmenter(const SweepParams& params) : params_(params) {}
 
   /// Takes the next scan; returns the sweep that is known to be complete by it.
   [[nodiscard]] std::optional<Sweep> add(scan::Scan scan);
@@ -61,7 +75,7 @@ class SweepSegmenter {
     std::size_t num_scans = 0;
   };
 
-  Options options_;
+  SweepParams params_;
   Sweep running_;
   int direction_ = 0;  // of the pitch: +1 up, -1 down, 0 not known yet
   Extreme highest_;

@@ -3,94 +3,90 @@
 
 #include <Eigen/Core>
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
+#include <span>
+#include <vector>
 
 namespace nodmap::slam6d {
 
-/// A voxel's place along x, y and z.
-using VoxelKey = std::array<std::uint16_t, 3>;
+/// One cube of the grid: the mean of what was measured in it, and the plane on which it lies.
+struct Voxel {
+  Eigen::Vector3f mean = Eigen::Vector3f::Zero();
+  float weight = 0.0F;  ///< of the mean: the sum of its points' weights
+  /// Unit vector towards the side from which the plane was seen; zero where there is no plane.
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();
+  float normal_weight = 0.0F;  ///< the same for the normal
 
-/// A voxel's place as one number, its Morton code: the bits of the three keys interleaved, x
-/// lowest. In this order an octree's leaves follow one another, so that the code without its lowest
-/// 3 n bits names the voxel's ancestor n levels up.
-using VoxelCode = std::uint64_t;
+  [[nodiscard]] bool has_plane() const { return !normal.isZero(0.0F); }
+};
 
-inline constexpr unsigned kOctreeLevels = 16;  ///< below the root; a key has a bit for each
+/// How the plane about a voxel is found.
+struct PlaneParams {
+  int min_neighbours = 6;
+  double max_thickness = 0.1;
 
-/// Two zeros behind each of the lowest 16 bits.
-constexpr VoxelCode spread_bits(VoxelCode bits) {
-  bits = (bits | bits << 16U) & 0x0000FF0000FFULL;
-  bits = (bits | bits << 8U) & 0x00F00F00F00FULL;
-  bits = (bits | bits << 4U) & 0x0C30C30C30C3ULL;
-  return (bits | bits << 2U) & 0x249249249249ULL;
-}
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.integer(
+        "plane_min_neighbours", min_neighbours, {3, 27},
+        "A voxel has a plane when at least this many of the 27 voxels about it are occupied.");
+    v.number("plane_max_thickness", max_thickness, {0.001, 1.0},
+             "Those voxels form a plane when their smallest variance is below this part of the "
+             "middle one.");
+  }
+};
 
-/// The bits of a code that are of x, y and z.
-inline constexpr std::array<VoxelCode, 3> kAxisBits{spread_bits(0xFFFF), spread_bits(0xFFFF) << 1U,
-                                                    spread_bits(0xFFFF) << 2U};
-
-constexpr VoxelCode code_of(const VoxelKey& key) {
-  return spread_bits(key[0]) | spread_bits(key[1]) << 1U | spread_bits(key[2]) << 2U;
-}
-
-/// As OctoMap takes it: the squares are added in single precision.
-inline double length_of(const Eigen::Vector3f& p) {
-  return std::sqrt(static_cast<double>(p.x() * p.x() + p.y() * p.y() + p.z() * p.z()));
-}
-
-/// OctoMap's division of space into 65536^3 voxels about the origin, in OctoMap's own arithmetic.
-/// Coordinates of 1e6 voxels and more overflow an integer as they would there: keep them away.
-/// Source: OctoMap 1.9.7, OcTreeBaseImpl.h, coordToKey() and keyToCoord().
+/// Voxel means of points in a hash table: voxel downsampling, and the search of the nearest mean.
+/// Voxels keep the order in which they were first met, so that nothing depends on the hash.
+/// Coordinates up to 2^20 voxels from the origin (100 km at 10 cm); points beyond are left out, as
+/// are those that are not finite.
 class VoxelGrid {
  public:
-  explicit VoxelGrid(double resolution_m)
-      : resolution_m_(resolution_m), voxels_per_m_(1.0 / resolution_m) {}
+  /// The place of no voxel.
+  static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
-  [[nodiscard]] double resolution_m() const { return resolution_m_; }
+  explicit VoxelGrid(double voxel_size_m);
 
-  /// Empty outside of the grid.
-  [[nodiscard]] std::optional<VoxelKey> key_of(const Eigen::Vector3f& p) const {
-    VoxelKey key{};
-    for (std::size_t axis = 0; axis < key.size(); ++axis) {
-      const int place = place_of(p[static_cast<Eigen::Index>(axis)]);
-      if (place < 0 || place > 0xFFFF) {
-        return std::nullopt;
-      }
-      key[axis] = static_cast<std::uint16_t>(place);
-    }
-    return key;
-  }
+  /// Adds points to the means of their voxels, each with weight 1.
+  void add(std::span<const Eigen::Vector3f> points);
 
-  /// Outside of the grid it begins anew at the other side.
-  [[nodiscard]] VoxelKey wrapped_key_of(const Eigen::Vector3f& p) const {
-    return {static_cast<std::uint16_t>(place_of(p.x())),
-            static_cast<std::uint16_t>(place_of(p.y())),
-            static_cast<std::uint16_t>(place_of(p.z()))};
-  }
+  /// Adds one mean with its weight; returns the place of its voxel, kNone when it was left out.
+  std::uint32_t add(const Eigen::Vector3f& mean, float weight);
 
-  [[nodiscard]] double center_m(std::uint16_t key) const {
-    return (static_cast<double>(int{key} - kOriginKey) + 0.5) * resolution_m_;
-  }
+  /// Finds the plane about each voxel from the means of the 27 voxels of which it is the middle.
+  /// Normals point to `p_sensor`.
+  void find_planes(const Eigen::Vector3f& p_sensor, const PlaneParams& params);
 
-  [[nodiscard]] Eigen::Vector3f center_of(const VoxelKey& key) const {
-    return {static_cast<float>(center_m(key[0])), static_cast<float>(center_m(key[1])),
-            static_cast<float>(center_m(key[2]))};
-  }
+  /// Adds a normal to the weighted mean of the voxel's normals.
+  void add_normal(std::uint32_t voxel, const Eigen::Vector3f& normal, float weight);
+
+  /// The voxel whose mean is nearest to `p` among the 8 voxels about it and nearer than
+  /// `max_distance_m`; kNone when there is none. What is nearer than half a voxel is always found.
+  [[nodiscard]] std::uint32_t nearest(const Eigen::Vector3f& p, float max_distance_m) const;
+
+  [[nodiscard]] std::span<const Voxel> voxels() const { return voxels_; }
+  [[nodiscard]] double voxel_size_m() const { return voxel_size_m_; }
+  /// Bytes held.
+  [[nodiscard]] std::size_t memory_bytes() const;
 
  private:
-  static constexpr int kOriginKey = 1 << (kOctreeLevels - 1U);
+  // Three indices of 21 bits: a sum of keys is the key of the sum of indices.
+  using Key = std::uint64_t;
 
-  [[nodiscard]] int place_of(float coordinate_m) const {
-    const double place = voxels_per_m_ * static_cast<double>(coordinate_m);
-    const int towards_zero = static_cast<int>(place);  // std::floor() would be a call of a function
-    return (place < towards_zero ? towards_zero - 1 : towards_zero) + kOriginKey;
-  }
+  [[nodiscard]] std::optional<Key> key_of(const Eigen::Vector3f& p) const;
+  [[nodiscard]] std::uint32_t find(Key key) const;
+  std::uint32_t find_or_add(Key key);
+  void rehash(std::size_t num_slots);
 
-  double resolution_m_;
-  double voxels_per_m_;
+  double voxel_size_m_;
+  float per_m_;
+  std::vector<Voxel> voxels_;
+  std::vector<Key> keys_;             // of voxels_
+  std::vector<std::uint32_t> slots_;  // places in voxels_ or kNone; a power of two of them
+  int shift_ = 0;                     // of the hash to a slot
 };
 
 }  // namespace nodmap::slam6d

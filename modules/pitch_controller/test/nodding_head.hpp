@@ -39,8 +39,8 @@ class NoddingHead {
     return params;
   }
 
-  static params::RobotParams robot() {
-    params::RobotParams robot;
+  static robot::RobotParams robot() {
+    robot::RobotParams robot;
     robot.pitch_min_rad = geometry::deg_to_rad(-60.0);
     robot.pitch_max_rad = geometry::deg_to_rad(60.0);
     robot.pitch_rate_rad_s = 3.0;

@@ -22,7 +22,7 @@ struct Ends {
 };
 
 Beam make_beam(const Ends& ends) {
-  const VoxelGrid grid(kResolutionM);
+  const OctreeGrid grid(kResolutionM);
   return make_beam(grid, ends.p_origin, grid.key_of(ends.p_origin).value(), ends.p_end,
                    grid.key_of(ends.p_end).value());
 }
@@ -103,7 +103,7 @@ class Coordinates {
 
 std::vector<Ends> draw_ends(float reach_m, int count, std::mt19937& random) {
   Coordinates coordinates(reach_m);
-  const VoxelGrid grid(kResolutionM);
+  const OctreeGrid grid(kResolutionM);
   std::vector<Ends> drawn;
   while (static_cast<int>(drawn.size()) < count) {
     Ends ends;

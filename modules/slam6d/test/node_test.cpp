@@ -109,7 +109,8 @@ TEST(Slam6dNode, ReplayWritesEverythingTheSameEachTime) {
     log.add_drive(true);
     log.close();
   }
-  const Outcome outcome = replay(dir.path(), "a", {.keyframe_distance_m = 2.0, .save_ot = true});
+  const Outcome outcome =
+      replay(dir.path(), "a", {.keyframe = {.distance_m = 2.0}, .occupancy = {.save_ot = true}});
   EXPECT_EQ(outcome.counts.used(), 640);
   EXPECT_EQ(outcome.counts.total_rejected(), 0);
   EXPECT_EQ(outcome.metrics["sweeps"], 4);
@@ -123,7 +124,7 @@ TEST(Slam6dNode, ReplayWritesEverythingTheSameEachTime) {
   EXPECT_EQ(formats::read_ply(out / "cloud.ply").size(),
             outcome.metrics["keyframes"][0]["points"].get<std::size_t>() +
                 outcome.metrics["keyframes"][1]["points"].get<std::size_t>());
-  replay(dir.path(), "b", {.keyframe_distance_m = 2.0, .save_ot = true});
+  replay(dir.path(), "b", {.keyframe = {.distance_m = 2.0}, .occupancy = {.save_ot = true}});
   for (const char* file : {"trajectory.tum", "online.tum", "cloud.ply", "map.bt", "map.ot",
                            "map.png", "path.png", "out.lcmlog"}) {
     EXPECT_TRUE(fs::file_size(out / file) > 0) << file;
@@ -136,13 +137,13 @@ TEST(Slam6dNode, PublishesAPosePerSweepAndACloudPerKeyframe) {
   LogFile log(dir.path() / "drive.lcmlog");
   log.add_drive(true);
   log.close();
-  Outcome outcome = replay(dir.path(), "drive", {.keyframe_distance_m = 2.0});
+  Outcome outcome = replay(dir.path(), "drive", {.keyframe = {.distance_m = 2.0}});
   ASSERT_EQ(outcome.published["POSE_6D"].size(), 4U);
   nodmap::pose_t pose{};
   ASSERT_TRUE(bus::decode_into(pose, outcome.published["POSE_6D"][0]));
   EXPECT_EQ(pose.pose_quality, nodmap::pose_t::TRACKED);
   ASSERT_TRUE(bus::decode_into(pose, outcome.published["POSE_6D"][1]));
-  EXPECT_EQ(pose.pose_quality, nodmap::pose_t::ODOMETRY);
+  EXPECT_EQ(pose.pose_quality, nodmap::pose_t::TRACKED);
   EXPECT_EQ(pose.utime % 1'000'000'000, pose.utime);
 
   std::size_t num_points = 0;
@@ -165,7 +166,7 @@ TEST(Slam6dNode, PublishesTheOctomapThatItSaves) {
   LogFile log(dir.path() / "drive.lcmlog");
   log.add_drive(true);
   log.close();
-  Outcome outcome = replay(dir.path(), "drive", {.octomap_period_s = 1000.0});
+  Outcome outcome = replay(dir.path(), "drive", {.occupancy = {.publish_period_s = 1000.0}});
   std::map<std::int64_t, std::string> maps;
   for (const auto& bytes : outcome.published["OCTOMAP"]) {
     EXPECT_LT(bytes.size(), 65536U);
@@ -184,8 +185,8 @@ TEST(Slam6dNode, PublishesNoOctomapWhenNoneIsWanted) {
   LogFile log(dir.path() / "drive.lcmlog");
   log.add_drive(true);
   log.close();
-  EXPECT_FALSE(
-      replay(dir.path(), "drive", {.octomap_period_s = 0.0}).published.contains("OCTOMAP"));
+  EXPECT_FALSE(replay(dir.path(), "drive", {.occupancy = {.publish_period_s = 0.0}})
+                   .published.contains("OCTOMAP"));
 }
 
 TEST(Slam6dNode, GoesOnWhereItWasWhenOdometryBeginsAnew) {
@@ -247,7 +248,7 @@ TEST(Slam6dNode, WithoutOdometryScansAreRejectedOrStandingIsAssumed) {
   EXPECT_EQ(rejected.counts.rejected().at("no_odometry"), 320);
   EXPECT_EQ(rejected.health.state, node::HealthState::kDegraded);
   fs::remove_all(dir.path() / "out_still");
-  const Outcome standing = replay(dir.path(), "still", {.assume_standing = true});
+  const Outcome standing = replay(dir.path(), "still", {.assume_stationary = true});
   EXPECT_EQ(standing.counts.used(), 320);
   EXPECT_EQ(standing.metrics["keyframes"].size(), 1U);
 }
@@ -261,7 +262,8 @@ TEST(Slam6dNode, SavesOnRequestAndEveryFewKeyframes) {
   log.add(6'000'000, "SAVE_REQUEST", request);
   log.close();
   const Outcome outcome =
-      replay(dir.path(), "save", {.keyframe_distance_m = 2.0, .save_every_keyframes = 1});
+      replay(dir.path(), "save",
+             {.keyframe = {.distance_m = 2.0}, .occupancy = {.save_every_keyframes = 1}});
   // The second sweep beyond 2 m is complete before the end; on request; at the end.
   EXPECT_EQ(outcome.metrics["occupancy_map"]["times_saved"], 4);
 }

@@ -56,9 +56,9 @@ TEST(SweepCloud, R41_MotionIsStrippedFromAWall) {
   const RangeLimits limits{.min_m = 0.0, .max_m = 12.0};
   const auto moving_scans = record(scanner, wall, drive, 50);
 
-  const auto standing = strip_motion(record(scanner, wall, stand, 50), stand, limits);
-  const auto moving = strip_motion(moving_scans, drive, limits);
-  const auto not_stripped = strip_motion(moving_scans, stand, limits);
+  const auto standing = deskew(record(scanner, wall, stand, 50), stand, limits);
+  const auto moving = deskew(moving_scans, drive, limits);
+  const auto not_stripped = deskew(moving_scans, stand, limits);
   ASSERT_TRUE(standing && moving && not_stripped);
   EXPECT_EQ(moving->scans_used, 50U);
   EXPECT_LT(plane_rms_m(moving->points), 1.05 * plane_rms_m(standing->points));
@@ -69,7 +69,7 @@ TEST(SweepCloud, R41_MotionIsStrippedFromAWall) {
 TEST(SweepCloud, R41_PointsAreInTheFrameOfThePoseAtMidTime) {
   const Room room = Room::hall();
   const auto drive = [](std::int64_t t) { return drive_ahead(1.5, t); };
-  const auto cloud = strip_motion(record({}, room, drive, 50), drive, kAnyRange);
+  const auto cloud = deskew(record({}, room, drive, 50), drive, kAnyRange);
   ASSERT_TRUE(cloud);
   const std::int64_t end_us = 49 * NoddingScanner::kPeriodUs + NoddingScanner::kPeriodUs / 2;
   EXPECT_EQ(cloud->utime_us, end_us / 2);
@@ -87,7 +87,7 @@ TEST(SweepCloud, R41_PointsAreInTheFrameOfThePoseAtMidTime) {
 
 TEST(SweepCloud, LinesTellWhereTheMirrorWas) {
   const auto drive = [](std::int64_t t) { return drive_ahead(1.5, t); };
-  const auto cloud = strip_motion(record({}, Room::hall(), drive, 50), drive, kAnyRange);
+  const auto cloud = deskew(record({}, Room::hall(), drive, 50), drive, kAnyRange);
   ASSERT_TRUE(cloud);
   ASSERT_EQ(cloud->lines.size(), 50U);
   EXPECT_EQ(cloud->lines.front().end, 181U);
@@ -104,13 +104,13 @@ TEST(SweepCloud, ScansWithoutAPoseAreCountedAndLeftOut) {
   const auto until = [](std::int64_t t) -> std::optional<SE3> {
     return t < 10 * NoddingScanner::kPeriodUs ? std::optional(SE3::Identity()) : std::nullopt;
   };
-  const auto cloud = strip_motion(scans, until, kAnyRange);
+  const auto cloud = deskew(scans, until, kAnyRange);
   ASSERT_TRUE(cloud);
   EXPECT_EQ(cloud->scans_used, 10U);
   EXPECT_EQ(cloud->scans_without_pose, 10U);
   const auto never = [](std::int64_t) -> std::optional<SE3> { return std::nullopt; };
-  EXPECT_FALSE(strip_motion(scans, never, kAnyRange));
-  EXPECT_FALSE(strip_motion({}, stand, kAnyRange));
+  EXPECT_FALSE(deskew(scans, never, kAnyRange));
+  EXPECT_FALSE(deskew({}, stand, kAnyRange));
 }
 
 TEST(SweepCloud, BeamsWithoutAMeasurementGiveNoPoint) {
@@ -119,13 +119,13 @@ TEST(SweepCloud, BeamsWithoutAMeasurementGiveNoPoint) {
   scans[0].ranges_m.assign(181, std::numeric_limits<float>::quiet_NaN());
   scans[1].ranges_m.assign(181, std::numeric_limits<float>::infinity());
   scans[2].ranges_m.clear();
-  auto cloud = strip_motion(scans, stand, kAnyRange);
+  auto cloud = deskew(scans, stand, kAnyRange);
   ASSERT_TRUE(cloud);
   EXPECT_TRUE(cloud->points.empty());
   EXPECT_EQ(cloud->lines.size(), 3U);
 
   scans[2].ranges_m = {0.3F, 2.0F, 40.0F};
-  cloud = strip_motion(scans, stand, {.min_m = 0.5, .max_m = 30.0});
+  cloud = deskew(scans, stand, {.min_m = 0.5, .max_m = 30.0});
   ASSERT_TRUE(cloud);
   EXPECT_EQ(cloud->points.size(), 1U);
 }

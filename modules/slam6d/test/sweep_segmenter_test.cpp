@@ -21,9 +21,8 @@ scan::Scan scan_at(std::int64_t seq, std::int64_t utime_us, double pitch_deg) {
   return scan;
 }
 
-std::vector<Sweep> segment(const std::vector<scan::Scan>& scans,
-                           const SweepSegmenter::Options& options = {}) {
-  SweepSegmenter segmenter(options);
+std::vector<Sweep> segment(const std::vector<scan::Scan>& scans, const SweepParams& params = {}) {
+  SweepSegmenter segmenter(params);
   std::vector<Sweep> sweeps;
   for (const scan::Scan& scan : scans) {
     if (auto sweep = segmenter.add(scan)) {

@@ -126,12 +126,12 @@ TEST_F(MappingTest, R42_FiftyScansOnTheMoveLieOnTheSurfaces) {
   const auto first =
       std::ranges::lower_bound(scans, kEpochUs + fastest->time_us, {}, &scan::Scan::utime_us);
   ASSERT_GE(scans.end() - first, 50);
-  const auto cloud = slam6d::strip_motion(
+  const auto cloud = slam6d::deskew(
       {first, 50}, [&odometry](std::int64_t time_us) { return odometry.at(time_us); },
       {.min_m = 0.5, .max_m = 30.0});
   ASSERT_TRUE(cloud);
   EXPECT_EQ(cloud->scans_used, 50U);
-  EXPECT_NEAR(cloud->moved_m, 1.0, 0.1);
+  EXPECT_NEAR(cloud->distance_m, 1.0, 0.1);
   const auto errors =
       evaluate::measure_cloud(cloud->points, truth.at(cloud->utime_us).value(), trial.world);
   RecordProperty("rms_mm", std::to_string(1e3 * errors.rms_m));

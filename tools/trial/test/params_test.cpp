@@ -20,7 +20,7 @@ TEST(AllParams, R6_EveryPartIsMadeForTheSameRobot) {
   EXPECT_EQ(model.drive.motor_power_w, 90.0);
 
   // The simulator is its own monitor and has its own figures; all the others share RobotParams.
-  const params::RobotParams robot = params.navigator.robot;
+  const robot::RobotParams robot = params.navigator.robot;
   EXPECT_EQ(robot.length_m, model.body.length_m);
   EXPECT_EQ(robot.width_m, model.body.width_m);
   EXPECT_EQ(robot.height_m, model.body.height_m);

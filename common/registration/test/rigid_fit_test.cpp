@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "modules/slam6d/rigid_fit.hpp"
+#include "common/registration/rigid_fit.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-namespace nodmap::slam6d {
+namespace nodmap::registration {
 namespace {
 
 using geometry::SE3;
@@ -125,4 +125,4 @@ TEST(RigidFit, R33_DegenerateInputHasAStatus) {
 }
 
 }  // namespace
-}  // namespace nodmap::slam6d
+}  // namespace nodmap::registration

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "modules/slam6d/rigid_fit.hpp"
+#include "common/registration/rigid_fit.hpp"
 
 #include <Eigen/SVD>
 
-namespace nodmap::slam6d {
+namespace nodmap::registration {
 namespace {
 
 // Below this ratio of the second to the first singular value the points are on a line as far as
@@ -49,4 +49,4 @@ RigidFit fit_rigid(std::span<const PointPair> pairs) {
   return fit;
 }
 
-}  // namespace nodmap::slam6d
+}  // namespace nodmap::registration

@@ -6,7 +6,7 @@
 
 #include "common/geometry/se3.hpp"
 
-namespace nodmap::slam6d {
+namespace nodmap::registration {
 
 /// A correspondence of Eq. 3, w_ij = 1: point m_i of the model, point d_j of the data.
 struct PointPair {
@@ -29,4 +29,4 @@ struct RigidFit {
 /// distances of the pairs smallest (Arun, Huang, Blostein 1987; never a reflection: Umeyama 1991).
 [[nodiscard]] RigidFit fit_rigid(std::span<const PointPair> pairs);
 
-}  // namespace nodmap::slam6d
+}  // namespace nodmap::registration

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <random>
+#include <vector>
+
+#include "common/geometry/se3.hpp"
+#include "sim/ray_caster.hpp"
+
+namespace nodmap::bench {
+
+/// A furnished floor of 24 m x 14 m x 2.8 m: a corridor with rooms on both sides, in each tables,
+/// cabinets, beams and columns. The same seed gives the same floor.
+[[nodiscard]] sim::World furnished_floor(std::uint64_t seed);
+
+/// One sweep of a nodding scanner: `lines` lines of `beams` beams over 180 degrees, pitched evenly
+/// from -50 to 40 degrees.
+struct SweepShape {
+  int lines = 120;
+  int beams = 181;
+  double noise_m = 0.01;  ///< standard deviation along the beam
+};
+
+/// The points that a stationary sensor measures; in its frame, x forward, z up.
+[[nodiscard]] std::vector<Eigen::Vector3f> nodding_sweep(const sim::RayCaster& world,
+                                                         const geometry::SE3& T_world_sensor,
+                                                         const SweepShape& shape,
+                                                         std::mt19937_64& random);
+
+/// A drive of the sensor along the corridor and into rooms, 0.5 m or 22.5 degrees from pose to
+/// pose.
+[[nodiscard]] std::vector<geometry::SE3> drive_on_floor(std::size_t num_poses,
+                                                        std::mt19937_64& random);
+
+/// A pose with independent normal errors in each direction.
+[[nodiscard]] geometry::SE3 disturbed(const geometry::SE3& pose, double sigma_m, double sigma_rad,
+                                      std::mt19937_64& random);
+
+}  // namespace nodmap::bench

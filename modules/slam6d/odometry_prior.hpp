@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/geometry/angle.hpp"
+#include "modules/slam6d/registration.hpp"
+
+namespace nodmap::slam6d {
+
+/// How far odometry may be wrong: one standard deviation.
+struct OdometryParams {
+  double translation_m = 0.01;
+  double translation_m_per_m = 0.1;
+  double translation_m_per_rad = 0.05;
+  double rotation_rad = geometry::deg_to_rad(0.3);
+  double yaw_rad_per_m = geometry::deg_to_rad(2.0);
+  double yaw_rad_per_rad = 0.25;
+  double tilt_rad_per_m = geometry::deg_to_rad(4.0);
+  double interruption_m = 0.3;
+  double interruption_rad = geometry::deg_to_rad(8.0);
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.number("translation_m", translation_m, {0.0001, 10.0},
+             "Error of the position from sweep to sweep of a stationary robot.");
+    v.number("translation_m_per_m", translation_m_per_m, {0.0, 10.0}, "The same for each metre.");
+    v.number("translation_m_per_rad", translation_m_per_rad, {0.0, 10.0},
+             "The same for each radian of rotation.");
+    v.angle("rotation_deg", rotation_rad, {0.001, 180.0},
+            "Error of the orientation from sweep to sweep of a stationary robot.");
+    v.angle("yaw_per_m_deg", yaw_rad_per_m, {0.0, 180.0}, "Error of the heading for each metre.");
+    v.number("yaw_rad_per_rad", yaw_rad_per_rad, {0.0, 10.0},
+             "Error of the heading for each radian of rotation.");
+    v.angle("tilt_per_m_deg", tilt_rad_per_m, {0.0, 180.0},
+            "Change of roll and pitch for each metre, of which wheels know nothing: ramps, sills.");
+    v.number("interruption_m", interruption_m, {0.0, 100.0},
+             "Error of the position over an interruption of the stream.");
+    v.angle("interruption_deg", interruption_rad, {0.0, 180.0},
+            "Error of the orientation over an interruption of the stream.");
+  }
+};
+
+/// What is known of the motion since the last pose that registration accepted.
+struct OdometryMotion {
+  double distance_m = 0.0;
+  double rotation_rad = 0.0;
+  bool is_interrupted = false;
+  int lost_sweeps = 0;  ///< refused in a row since then
+};
+
+/// The pose by odometry with its covariance. Each sweep that was refused doubles the standard
+/// deviations: what was impossible at first, a robot that was lifted, becomes possible.
+[[nodiscard]] inline PosePrior odometry_prior(const geometry::SE3& T_map_base,
+                                              const OdometryMotion& motion,
+                                              const OdometryParams& params) {
+  constexpr int kMaxDoublings = 5;
+  const double translation_m = params.translation_m +
+                               params.translation_m_per_m * motion.distance_m +
+                               params.translation_m_per_rad * motion.rotation_rad +
+                               (motion.is_interrupted ? params.interruption_m : 0.0);
+  const double rotation_rad =
+      params.rotation_rad + (motion.is_interrupted ? params.interruption_rad : 0.0);
+  const double tilt_rad = rotation_rad + params.tilt_rad_per_m * motion.distance_m;
+  const double yaw_rad = rotation_rad + params.yaw_rad_per_m * motion.distance_m +
+                         params.yaw_rad_per_rad * motion.rotation_rad;
+  const double growth = std::ldexp(1.0, std::min(motion.lost_sweeps, kMaxDoublings));
+  Eigen::Matrix<double, 6, 1> sigma;
+  sigma << Eigen::Vector3d::Constant(translation_m), tilt_rad, tilt_rad, yaw_rad;
+  sigma *= growth;
+  // From the axes of base to those of map.
+  Matrix6d to_map = Matrix6d::Zero();
+  to_map.topLeftCorner<3, 3>() = T_map_base.linear();
+  to_map.bottomRightCorner<3, 3>() = T_map_base.linear();
+  return {T_map_base, to_map * sigma.cwiseAbs2().asDiagonal() * to_map.transpose()};
+}
+
+}  // namespace nodmap::slam6d

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/slam6d/voxel_map.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+#include <vector>
+
+namespace nodmap::slam6d {
+namespace {
+
+using Eigen::Vector3f;
+using geometry::SE3;
+
+// A wall at x = `x_m` of 4 m x 4 m on a grid of `spacing_m`.
+std::vector<Vector3f> wall(float x_m, float spacing_m, float noise_m, unsigned seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<float> noise(0.0F, 1.0F);
+  std::vector<Vector3f> points;
+  for (float y = -2.0F; y < 2.0F; y += spacing_m) {
+    for (float z = -2.0F; z < 2.0F; z += spacing_m) {
+      points.emplace_back(x_m + noise_m * noise(random), y, z);
+    }
+  }
+  return points;
+}
+
+// Dense points have planes at the finest level, and each place is used once; sparse ones at the
+// level at which they have neighbours.
+TEST(VoxelMap, EachPlaceIsUsedAtTheFinestLevelThatHasAPlane) {
+  const VoxelMap dense = VoxelMap::from_points(wall(2.0F, 0.02F, 0.0F, 1), Vector3f::Zero(), {});
+  const auto fine = dense.select(0);
+  EXPECT_GT(fine.first_of_level[1], 1'000U);
+  EXPECT_EQ(fine.first_of_level[1], fine.points.size());
+  const auto coarse = dense.select(2);
+  EXPECT_EQ(coarse.first_of_level[2], 0U);
+  EXPECT_GT(coarse.points.size(), 80U);
+
+  const VoxelMap sparse = VoxelMap::from_points(wall(2.0F, 0.3F, 0.0F, 1), Vector3f::Zero(), {});
+  const auto selection = sparse.select(0);
+  EXPECT_EQ(selection.first_of_level[1], 0U);
+  EXPECT_GT(selection.points.size(), 50U);
+  for (const OrientedPoint& point : selection.points) {
+    EXPECT_LT((point.normal + Vector3f::UnitX()).norm(), 1e-3F);  // towards the sensor
+  }
+}
+
+// The same wall 2 cm off: once from 10 m away, once from 1 m. The near sighting has
+// (1 + 10^2/3^2) / (1 + 1/3^2) = 10.9 times the weight of the far one, whichever came first.
+TEST(VoxelMap, NearSightingsCorrectFarOnes) {
+  const VoxelMapParams params{.trusted_range_m = 3.0};
+  const VoxelMap far =
+      VoxelMap::from_points(wall(10.02F, 0.05F, 0.0F, 1), Vector3f::Zero(), params);
+  const VoxelMap near = VoxelMap::from_points(wall(1.0F, 0.05F, 0.0F, 1), Vector3f::Zero(), params);
+  SE3 T_map_near = SE3::Identity();
+  T_map_near.translation().x() = 9.04;
+  for (const bool is_far_first : {true, false}) {
+    VoxelMap map(params);
+    map.add_sweep(is_far_first ? far : near, is_far_first ? SE3::Identity() : T_map_near);
+    map.add_sweep(is_far_first ? near : far, is_far_first ? T_map_near : SE3::Identity());
+    const auto place = map.level(0).nearest({10.03F, 0.05F, 0.05F}, 0.1F);
+    ASSERT_NE(place, VoxelGrid::kNone);
+    // 10.04 and 10.02, weighted 10.9 to 1 (a little less, the sightings slant).
+    EXPECT_NEAR(map.level(0).voxels()[place].mean.x(), 10.0383F, 5e-4F);
+  }
+}
+
+// A map of the same place does not grow with the sweeps: memory is bounded by the mapped volume.
+TEST(VoxelMap, MemoryIsBoundedByTheVolume) {
+  const VoxelMapParams params;
+  VoxelMap map(params);
+  std::size_t bytes = 0;
+  for (unsigned k = 0; k < 30; ++k) {
+    map.add_sweep(VoxelMap::from_points(wall(2.05F, 0.03F, 0.01F, k), Vector3f::Zero(), params),
+                  SE3::Identity());
+    bytes = k == 0 ? map.memory_bytes() : bytes;
+  }
+  EXPECT_LE(map.memory_bytes(), bytes);
+}
+
+TEST(VoxelMap, NothingIsMadeOfNothing) {
+  const VoxelMap empty = VoxelMap::from_points({}, Vector3f::Zero(), {});
+  EXPECT_TRUE(empty.select(0).points.empty());
+  VoxelMap map{VoxelMapParams{}};
+  map.add_sweep(empty, SE3::Identity());
+  EXPECT_TRUE(map.level(0).voxels().empty());
+}
+
+}  // namespace
+}  // namespace nodmap::slam6d

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/slam6d/voxel_map.hpp"
+
+namespace nodmap::slam6d {
+
+VoxelMap::VoxelMap(const VoxelMapParams& params)
+    : params_(params),
+      levels_{VoxelGrid(params.voxel_size_m), VoxelGrid(2.0 * params.voxel_size_m),
+              VoxelGrid(4.0 * params.voxel_size_m)} {}
+
+VoxelMap VoxelMap::from_points(std::span<const Eigen::Vector3f> points,
+                               const Eigen::Vector3f& p_sensor, const VoxelMapParams& params) {
+  VoxelMap map(params);
+  map.p_sensor_ = p_sensor;
+  map.levels_[0].add(points);
+  // Each fine voxel counts once: even density, however near the surface was.
+  for (std::size_t l = 0; l + 1 < kLevels; ++l) {
+    const auto fine = map.levels_[l].voxels();
+    map.coarser_[l].reserve(fine.size());
+    for (const Voxel& voxel : fine) {
+      map.coarser_[l].push_back(map.levels_[l + 1].add(voxel.mean, 1.0F));
+    }
+  }
+  for (VoxelGrid& level : map.levels_) {
+    level.find_planes(p_sensor, params.plane);
+  }
+  return map;
+}
+
+void VoxelMap::add_sweep(const VoxelMap& sweep_base, const geometry::SE3& T_map_base) {
+  const Eigen::Matrix3f R = T_map_base.linear().cast<float>();
+  const Eigen::Vector3f t = T_map_base.translation().cast<float>();
+  const auto trusted_sq_m2 = static_cast<float>(params_.trusted_range_m * params_.trusted_range_m);
+  for (std::size_t l = 0; l < kLevels; ++l) {
+    for (const Voxel& voxel : sweep_base.levels_[l].voxels()) {
+      const float sq_range_m2 = (voxel.mean - sweep_base.p_sensor_).squaredNorm();
+      const float weight = voxel.weight / (1.0F + sq_range_m2 / trusted_sq_m2);
+      const std::uint32_t place = levels_[l].add(R * voxel.mean + t, weight);
+      if (place != VoxelGrid::kNone && voxel.has_plane()) {
+        levels_[l].add_normal(place, R * voxel.normal, weight);
+      }
+    }
+  }
+}
+
+VoxelMap::Selection VoxelMap::select(std::size_t l) const {
+  Selection selection;
+  std::vector<char> has_finer;  // for each voxel of the present level: a plane that is used already
+  for (std::size_t level = 0; level < kLevels; ++level) {
+    selection.first_of_level[level] = selection.points.size();
+    const auto voxels = levels_[level].voxels();
+    has_finer.resize(voxels.size(), 0);
+    std::vector<char> above(level + 1 < kLevels ? levels_[level + 1].voxels().size() : 0, 0);
+    for (std::size_t i = 0; level >= l && i < voxels.size(); ++i) {
+      const bool is_used = voxels[i].has_plane() && has_finer[i] == 0;
+      if (is_used) {
+        selection.points.push_back({voxels[i].mean, voxels[i].normal, voxels[i].weight});
+      }
+      if ((is_used || has_finer[i] != 0) && level + 1 < kLevels &&
+          coarser_[level][i] != VoxelGrid::kNone) {
+        above[coarser_[level][i]] = 1;
+      }
+    }
+    has_finer = std::move(above);
+  }
+  selection.first_of_level[kLevels] = selection.points.size();
+  return selection;
+}
+
+std::size_t VoxelMap::memory_bytes() const {
+  std::size_t bytes = 0;
+  for (const VoxelGrid& level : levels_) {
+    bytes += level.memory_bytes();
+  }
+  return bytes;
+}
+
+}  // namespace nodmap::slam6d

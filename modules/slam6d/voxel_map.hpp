@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "common/geometry/se3.hpp"
+#include "modules/slam6d/voxel_grid.hpp"
+
+namespace nodmap::slam6d {
+
+/// How a point cloud becomes voxels and planes, and how sweeps are joined in the map.
+struct VoxelMapParams {
+  double voxel_size_m = 0.1;
+  PlaneParams plane{};
+  double trusted_range_m = 30.0;
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.number("voxel_size_m", voxel_size_m, {0.01, 1.0},
+             "Edge of the finest voxels, within which points are averaged; the coarser ones are "
+             "twice and four times as large.");
+    plane.describe(v);
+    v.number("trusted_range_m", trusted_range_m, {0.1, 100.0},
+             "A point seen from this range has half the weight of one seen from near by: errors "
+             "of direction grow with the range.");
+  }
+};
+
+/// A point of a plane, as registration uses it.
+struct OrientedPoint {
+  Eigen::Vector3f p = Eigen::Vector3f::Zero();
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();
+  float num_points = 0.0F;  ///< measured points of which `p` is the mean
+};
+
+/// A point cloud as voxel means of three sizes with their planes. A scanner sees near surfaces
+/// densely and far ones sparsely: where the fine voxels are too sparse for a plane the coarser ones
+/// have one.
+class VoxelMap {
+ public:
+  static constexpr std::size_t kLevels = 3;  ///< level 0 is the finest
+
+  explicit VoxelMap(const VoxelMapParams& params);
+
+  /// The voxels of one cloud, seen from `p_sensor`. All in one frame, metres.
+  static VoxelMap from_points(std::span<const Eigen::Vector3f> points,
+                              const Eigen::Vector3f& p_sensor, const VoxelMapParams& params);
+
+  /// Joins a sweep's voxels into this map. Means and normals are weighted by inverse variance,
+  /// which grows with the range from which they were seen: what is seen from near by corrects what
+  /// was seen from far away.
+  void add_sweep(const VoxelMap& sweep_base, const geometry::SE3& T_map_base);
+
+  [[nodiscard]] const VoxelGrid& level(std::size_t l) const { return levels_[l]; }
+
+  /// What is registered at level `l`: its planes, and those of coarser levels where the finer ones
+  /// have none. `first_of_level` says where each level begins.
+  struct Selection {
+    std::vector<OrientedPoint> points;
+    std::array<std::size_t, kLevels + 1> first_of_level{};
+  };
+  [[nodiscard]] Selection select(std::size_t l) const;
+
+  [[nodiscard]] std::size_t memory_bytes() const;
+
+ private:
+  VoxelMapParams params_;
+  std::array<VoxelGrid, kLevels> levels_;
+  Eigen::Vector3f p_sensor_ = Eigen::Vector3f::Zero();
+  /// For each voxel of level l its place in level l + 1; only of a single cloud.
+  std::array<std::vector<std::uint32_t>, kLevels - 1> coarser_;
+};
+
+}  // namespace nodmap::slam6d
