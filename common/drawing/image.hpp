@@ -13,7 +13,7 @@ using Rgb = std::array<std::uint8_t, 3>;
 inline constexpr Rgb kWhite{255, 255, 255};
 inline constexpr Rgb kBlack{0, 0, 0};
 
-/// A colour picture. Pixel (0, 0) is at the top left; drawing outside is cut off.
+/// A colour image. Pixel (0, 0) is at the top left; drawing outside is cut off.
 class Image {
  public:
   Image(int width, int height, Rgb background = kWhite);

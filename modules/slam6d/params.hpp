@@ -72,6 +72,7 @@ struct Slam6dParams {
     v.section("occupancy", occupancy);
     describe_renamed(v);
   }
+
  private:
   template <class Visitor>
   static void describe_renamed(Visitor& v) {

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "modules/slam6d/registered_cloud.hpp"
 
-#include <algorithm>
-#include <cmath>
-
 #include "modules/slam6d/voxel_grid.hpp"
 
 namespace nodmap::slam6d {
@@ -14,8 +11,8 @@ constexpr double kVoxelSizeM = 0.2;
 
 }  // namespace
 
-std::vector<RegisteredPoint> registered_cloud(std::span<const Keyframe> keyframes) {
-  std::vector<RegisteredPoint> points;
+std::vector<drawing::DrawnPoint> registered_cloud(std::span<const Keyframe> keyframes) {
+  std::vector<drawing::DrawnPoint> points;
   for (const Keyframe& keyframe : keyframes) {
     VoxelGrid means(kVoxelSizeM);
     for (const OrientedPoint& point : keyframe.points) {
@@ -33,27 +30,6 @@ std::vector<RegisteredPoint> registered_cloud(std::span<const Keyframe> keyframe
     }
   }
   return points;
-}
-
-HeightRange height_range(std::span<const RegisteredPoint> points) {
-  std::vector<float> heights;
-  heights.reserve(points.size());
-  for (const RegisteredPoint& point : points) {
-    heights.push_back(point.p_map.z());
-  }
-  HeightRange range;
-  range.low_m = quantile(heights, 0.02);
-  range.high_m = std::max(quantile(std::move(heights), 0.90), range.low_m + 0.1F);
-  return range;
-}
-
-float quantile(std::vector<float> values, double share) {
-  if (values.empty()) {
-    return 0.0F;
-  }
-  const auto place = std::lround(share * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), values.begin() + place, values.end());
-  return values[static_cast<std::size_t>(place)];
 }
 
 }  // namespace nodmap::slam6d

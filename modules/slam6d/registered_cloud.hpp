@@ -1,37 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <Eigen/Core>
 #include <span>
 #include <vector>
 
+#include "common/drawing/drawn_point.hpp"
 #include "modules/slam6d/slam6d.hpp"
 
 namespace nodmap::slam6d {
 
-/// A point of the registered model as it was measured, with the normal of its surface.
-struct RegisteredPoint {
-  Eigen::Vector3f p_map;
-  Eigen::Vector3f normal_map;  ///< faces the scanner; zero where there is no plane
-};
-
-/// Every point of every keyframe, in map.
-[[nodiscard]] std::vector<RegisteredPoint> registered_cloud(std::span<const Keyframe> keyframes);
-
-/// The heights between which most points lie, for colours: a few stray points must not use them up.
-struct HeightRange {
-  float low_m = 0.0F;
-  float high_m = 1.0F;
-
-  /// 0 at the low end, 1 at the high end.
-  [[nodiscard]] double place(float height_m) const {
-    return static_cast<double>((height_m - low_m) / (high_m - low_m));
-  }
-};
-
-[[nodiscard]] HeightRange height_range(std::span<const RegisteredPoint> points);
-
-/// The value below which `share` (0..1) of the values lie; 0 without values.
-[[nodiscard]] float quantile(std::vector<float> values, double share);
+/// Every point of every keyframe as it was measured, in map, with the normal of its surface.
+[[nodiscard]] std::vector<drawing::DrawnPoint> registered_cloud(
+    std::span<const Keyframe> keyframes);
 
 }  // namespace nodmap::slam6d

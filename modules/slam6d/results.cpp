@@ -5,11 +5,11 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "common/drawing/cloud_view.hpp"
 #include "common/drawing/image.hpp"
 #include "common/formats/ply.hpp"
 #include "common/formats/tum.hpp"
 #include "common/geometry/angle.hpp"
-#include "modules/slam6d/cloud_picture.hpp"
 #include "modules/slam6d/registered_cloud.hpp"
 
 namespace nodmap::slam6d {
@@ -81,11 +81,11 @@ void write_trajectories(const Slam6d& slam, const std::filesystem::path& dir) {
 }
 
 void write_cloud(const Slam6d& slam, const std::filesystem::path& dir) {
-  const std::vector<RegisteredPoint> points = registered_cloud(slam.keyframes());
-  const HeightRange heights = height_range(points);
+  const std::vector<drawing::DrawnPoint> points = registered_cloud(slam.keyframes());
+  const drawing::HeightRange heights = drawing::height_range(points);
   std::vector<formats::ColouredPoint> coloured;
   coloured.reserve(points.size());
-  for (const RegisteredPoint& point : points) {
+  for (const drawing::DrawnPoint& point : points) {
     coloured.push_back({point.p_map, drawing::colour_scale(heights.place(point.p_map.z()))});
   }
   formats::write_ply(dir / "cloud.ply", coloured);
@@ -102,9 +102,9 @@ void write_cloud(const Slam6d& slam, const std::filesystem::path& dir) {
   for (const Keyframe& keyframe : slam.keyframes()) {
     keyframes.emplace_back(keyframe.T_map_base.translation());
   }
-  const PicturePath path{corrected, odometry, keyframes};
-  draw_map(points, path).write_png(dir / "map.png");
-  draw_path(points, path).write_png(dir / "path.png");
+  const drawing::DrawnPath path{corrected, odometry, keyframes};
+  drawing::draw_cloud(points, path).write_png(dir / "map.png");
+  drawing::draw_path_on_cloud(points, path).write_png(dir / "path.png");
 }
 
 nlohmann::json slam_figures(const Slam6d& slam) {

@@ -63,7 +63,7 @@ std::span<const scan::Scan> choose(const std::vector<scan::Scan>& scans, const C
 }
 
 /// Each beam placed with the robot's pose at its own time, as seen from the base in the middle.
-std::vector<Eigen::Vector3f> strip_motion(std::span<const scan::Scan> scans,
+std::vector<Eigen::Vector3f> deskew(std::span<const scan::Scan> scans,
                                           const geometry::PoseHistory& odometry,
                                           const geometry::SE3& T_base_odom) {
   constexpr double kRobotItselfM = 0.5;
@@ -116,7 +116,7 @@ void export_cloud(const std::filesystem::path& log, const std::filesystem::path&
   if (!T_odom_base) {
     throw std::runtime_error(log.string() + ": no odometry where the scans are");
   }
-  const auto points = strip_motion(scans, recording.odometry, T_odom_base->inverse());
+  const auto points = deskew(scans, recording.odometry, T_odom_base->inverse());
   if (points.empty()) {
     throw std::runtime_error(log.string() + ": no point where the scans are");
   }

@@ -5,27 +5,27 @@
 #include <optional>
 #include <span>
 
-#include "modules/slam6d/registered_cloud.hpp"
+#include "common/drawing/drawn_point.hpp"
 
-namespace nodmap::slam6d {
+namespace nodmap::drawing {
 
-/// A place in a picture; its depth (m) orders what covers what.
+/// A place in an image; its depth (m) orders what covers what.
 struct Pixel {
   double x = 0.0;
   double y = 0.0;
   double depth = 0.0;
 };
 
-/// Turns places in map into places in a picture.
+/// Turns places in map into places in an image.
 struct Camera {
-  Eigen::Vector3d p_map_eye = Eigen::Vector3d::Zero();
+  Eigen::Vector3d p_map_camera = Eigen::Vector3d::Zero();
   Eigen::Matrix3d R_camera_map = Eigen::Matrix3d::Identity();  ///< rows: right, down, ahead
   double focal_px = 1.0;  ///< perspective; orthographic: pixels per metre
   bool is_perspective = true;
   double centre_x = 0.0;
   double centre_y = 0.0;
 
-  /// Empty for what lies behind the eye.
+  /// Empty for what lies behind the camera.
   [[nodiscard]] std::optional<Pixel> project(const Eigen::Vector3d& p_map) const;
 
   [[nodiscard]] double pixels_per_m(double depth) const {
@@ -33,19 +33,18 @@ struct Camera {
   }
 
   /// Whether the front of the point's surface is seen; true for points without a surface.
-  [[nodiscard]] bool faces(const RegisteredPoint& point) const;
+  [[nodiscard]] bool faces(const DrawnPoint& point) const;
 };
 
-struct PictureSize {
+struct ImageSize {
   int width = 0;
   int height = 0;
 };
 
-/// From obliquely above, across the building, so that nearly all points fill the picture.
-[[nodiscard]] Camera oblique_camera(std::span<const RegisteredPoint> points,
-                                    const PictureSize& size);
+/// From obliquely above, across the building, so that nearly all points fill the image.
+[[nodiscard]] Camera oblique_camera(std::span<const DrawnPoint> points, const ImageSize& size);
 
 /// From straight above, the building's long axis to the right.
-[[nodiscard]] Camera top_camera(std::span<const RegisteredPoint> points, const PictureSize& size);
+[[nodiscard]] Camera top_camera(std::span<const DrawnPoint> points, const ImageSize& size);
 
-}  // namespace nodmap::slam6d
+}  // namespace nodmap::drawing

@@ -6,34 +6,34 @@
 #include <cstdint>
 #include <vector>
 
-#include "modules/slam6d/picture_camera.hpp"
+#include "common/drawing/camera.hpp"
 
-namespace nodmap::slam6d {
+namespace nodmap::drawing {
 
-/// A picture with depths: near points cover far ones.
+/// An image with depths: near points cover far ones.
 class DepthCanvas {
  public:
   using Rgb = std::array<std::uint8_t, 3>;
 
-  DepthCanvas(const PictureSize& size, Rgb background);
+  DepthCanvas(const ImageSize& size, Rgb background);
 
   /// A square point, `radius_px` to each side of its middle.
   void splat(const Pixel& pixel, int radius_px, Rgb colour);
 
-  /// The colour of a pixel, darkened where something near stands beside something far (eye-dome
-  /// lighting, Boucheny 2009): edges show without any surface being known. `shade_per_m` turns the
+  /// The colour of a pixel, darkened where something near stands beside something far (shading by
+  /// depth, Boucheny 2009): edges show without any surface being known. `shade_per_m` turns the
   /// difference in depth into shade.
   [[nodiscard]] Rgb shaded(int x, int y, double shade_per_m) const;
 
-  [[nodiscard]] const PictureSize& size() const { return size_; }
+  [[nodiscard]] const ImageSize& size() const { return size_; }
 
  private:
   [[nodiscard]] std::size_t index(int x, int y) const;
   [[nodiscard]] double obscurance_m(int x, int y) const;
 
-  PictureSize size_;
+  ImageSize size_;
   std::vector<Rgb> colours_;
   std::vector<float> depths_;
 };
 
-}  // namespace nodmap::slam6d
+}  // namespace nodmap::drawing

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "modules/slam6d/depth_canvas.hpp"
+#include "common/drawing/depth_canvas.hpp"
 
 #include <algorithm>
 #include <array>
@@ -7,7 +7,7 @@
 #include <limits>
 #include <utility>
 
-namespace nodmap::slam6d {
+namespace nodmap::drawing {
 namespace {
 
 constexpr float kNothing = std::numeric_limits<float>::infinity();
@@ -18,7 +18,7 @@ constexpr std::array<std::pair<int, int>, 8> kSurroundings{
 
 }  // namespace
 
-DepthCanvas::DepthCanvas(const PictureSize& size, Rgb background)
+DepthCanvas::DepthCanvas(const ImageSize& size, Rgb background)
     : size_(size),
       colours_(static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height),
                background),
@@ -81,4 +81,4 @@ double DepthCanvas::obscurance_m(int x, int y) const {
   return sum_m;
 }
 
-}  // namespace nodmap::slam6d
+}  // namespace nodmap::drawing

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "modules/slam6d/depth_canvas.hpp"
+#include "common/drawing/depth_canvas.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-namespace nodmap::slam6d {
+namespace nodmap::drawing {
 namespace {
 
 using Rgb = DepthCanvas::Rgb;
@@ -45,4 +45,4 @@ TEST(DepthCanvas, OutsideIsCutOff) {
 }
 
 }  // namespace
-}  // namespace nodmap::slam6d
+}  // namespace nodmap::drawing

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "modules/slam6d/picture_camera.hpp"
+#include "common/drawing/camera.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -9,12 +9,12 @@
 
 #include "common/geometry/angle.hpp"
 
-namespace nodmap::slam6d {
+namespace nodmap::drawing {
 namespace {
 
 // Stray points beyond are drawn, if there is room, but do not make the rest small.
 constexpr double kStrayShare = 0.004;
-constexpr double kFilled = 0.95;  // of the picture, between its margins
+constexpr double kFilled = 0.95;  // of the image, between its margins
 
 // The middle of the scene and its size along the building: its long axis, across it, and up.
 struct Scene {
@@ -25,9 +25,9 @@ struct Scene {
 
 // The direction in which the walls run, within a quarter turn: normals of walls at right angles to
 // each other have one angle when it is taken four times.
-double building_yaw(std::span<const RegisteredPoint> points) {
+double building_yaw(std::span<const DrawnPoint> points) {
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
-  for (const RegisteredPoint& point : points) {
+  for (const DrawnPoint& point : points) {
     const Eigen::Vector2d level = point.normal_map.head<2>().cast<double>();
     const double angle = 4.0 * std::atan2(level.y(), level.x());
     sum += level.squaredNorm() * Eigen::Vector2d(std::cos(angle), std::sin(angle));
@@ -41,10 +41,10 @@ struct Extent {
   double high = 0.0;
 };
 
-Extent extent_along(std::span<const RegisteredPoint> points, const Eigen::Vector3d& direction) {
+Extent extent_along(std::span<const DrawnPoint> points, const Eigen::Vector3d& direction) {
   std::vector<float> places;
   places.reserve(points.size());
-  for (const RegisteredPoint& point : points) {
+  for (const DrawnPoint& point : points) {
     places.push_back(direction.cast<float>().dot(point.p_map));
   }
   const double low = static_cast<double>(quantile(places, kStrayShare));
@@ -52,7 +52,7 @@ Extent extent_along(std::span<const RegisteredPoint> points, const Eigen::Vector
   return {low, std::max(high, low + 1.0)};
 }
 
-Scene scene_of(std::span<const RegisteredPoint> points) {
+Scene scene_of(std::span<const DrawnPoint> points) {
   const auto turned = [](double yaw) {
     return Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();
   };
@@ -82,13 +82,13 @@ Eigen::Matrix3d looking_along(const Eigen::Vector3d& ahead, const Eigen::Vector3
   return R_camera_map;
 }
 
-// Zooms and shifts so that what is seen of the points fills the picture.
-Camera fitted(Camera camera, std::span<const RegisteredPoint> points, const PictureSize& size) {
+// Zooms and shifts so that what is seen of the points fills the image.
+Camera fitted(Camera camera, std::span<const DrawnPoint> points, const ImageSize& size) {
   camera.focal_px = 1.0;
   camera.centre_x = camera.centre_y = 0.0;
   std::vector<float> xs;
   std::vector<float> ys;
-  for (const RegisteredPoint& point : points) {
+  for (const DrawnPoint& point : points) {
     const auto pixel = camera.project(point.p_map.cast<double>());
     if (pixel && camera.faces(point)) {
       xs.push_back(static_cast<float>(pixel->x));
@@ -111,7 +111,7 @@ Camera fitted(Camera camera, std::span<const RegisteredPoint> points, const Pict
 }  // namespace
 
 std::optional<Pixel> Camera::project(const Eigen::Vector3d& p_map) const {
-  const Eigen::Vector3d p = R_camera_map * (p_map - p_map_eye);
+  const Eigen::Vector3d p = R_camera_map * (p_map - p_map_camera);
   if (!(p.z() > 0.1)) {
     return std::nullopt;
   }
@@ -119,14 +119,14 @@ std::optional<Pixel> Camera::project(const Eigen::Vector3d& p_map) const {
   return Pixel{centre_x + scale * p.x(), centre_y + scale * p.y(), p.z()};
 }
 
-bool Camera::faces(const RegisteredPoint& point) const {
-  const Eigen::Vector3d to_eye = is_perspective
-                                     ? Eigen::Vector3d(p_map_eye - point.p_map.cast<double>())
-                                     : Eigen::Vector3d(-R_camera_map.row(2).transpose());
-  return point.normal_map.cast<double>().dot(to_eye) >= 0.0;
+bool Camera::faces(const DrawnPoint& point) const {
+  const Eigen::Vector3d to_camera = is_perspective
+                                        ? Eigen::Vector3d(p_map_camera - point.p_map.cast<double>())
+                                        : Eigen::Vector3d(-R_camera_map.row(2).transpose());
+  return point.normal_map.cast<double>().dot(to_camera) >= 0.0;
 }
 
-Camera oblique_camera(std::span<const RegisteredPoint> points, const PictureSize& size) {
+Camera oblique_camera(std::span<const DrawnPoint> points, const ImageSize& size) {
   const double azimuth = geometry::deg_to_rad(-120.0);
   const double elevation = geometry::deg_to_rad(38.0);
   const Scene scene = scene_of(points);
@@ -135,18 +135,18 @@ Camera oblique_camera(std::span<const RegisteredPoint> points, const PictureSize
                                    std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
   Camera camera;
   camera.R_camera_map = looking_along(-back, Eigen::Vector3d::UnitZ());
-  camera.p_map_eye = scene.centre + 3.0 * scene.half_extent.norm() * back;
+  camera.p_map_camera = scene.centre + 3.0 * scene.half_extent.norm() * back;
   return fitted(camera, points, size);
 }
 
-Camera top_camera(std::span<const RegisteredPoint> points, const PictureSize& size) {
+Camera top_camera(std::span<const DrawnPoint> points, const ImageSize& size) {
   constexpr double kAboveEverythingM = 1000.0;
   const Scene scene = scene_of(points);
   Camera camera;
   camera.is_perspective = false;
   camera.R_camera_map = looking_along(-Eigen::Vector3d::UnitZ(), scene.axes.col(1));
-  camera.p_map_eye = scene.centre + kAboveEverythingM * Eigen::Vector3d::UnitZ();
+  camera.p_map_camera = scene.centre + kAboveEverythingM * Eigen::Vector3d::UnitZ();
   return fitted(camera, points, size);
 }
 
-}  // namespace nodmap::slam6d
+}  // namespace nodmap::drawing

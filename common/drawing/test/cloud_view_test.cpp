@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "modules/slam6d/cloud_picture.hpp"
+#include "common/drawing/cloud_view.hpp"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <vector>
 
-namespace nodmap::slam6d {
+namespace nodmap::drawing {
 namespace {
 
-using drawing::Image;
+using Image;
 
 // A floor of 8 x 3 m seen from above, and a ceiling over it that faces down.
-std::vector<RegisteredPoint> floor_and_ceiling() {
-  std::vector<RegisteredPoint> points;
+std::vector<DrawnPoint> floor_and_ceiling() {
+  std::vector<DrawnPoint> points;
   for (int i = 0; i < 160; ++i) {
     for (int j = 0; j < 60; ++j) {
       const float x = 0.05F * static_cast<float>(i);
@@ -26,7 +26,7 @@ std::vector<RegisteredPoint> floor_and_ceiling() {
 }
 
 double share_painted(const Image& image) {
-  const drawing::Rgb background = image.at(0, 0);
+  const Rgb background = image.at(0, 0);
   double painted = 0.0;
   for (int y = 0; y < image.height(); ++y) {
     for (int x = 0; x < image.width(); ++x) {
@@ -37,18 +37,18 @@ double share_painted(const Image& image) {
 }
 
 // The floor is seen through the ceiling: what is painted has the colours of the low half of the
-// scale (blue above green is only there), and much of the picture is painted.
+// scale (blue above green is only there), and much of the image is painted.
 TEST(CloudPicture, MapOpensTheCeiling) {
   const std::vector<Eigen::Vector3d> way{{1, 1, 0}, {3, 1, 0}};
-  const Image image = draw_map(floor_and_ceiling(), {way, way, way});
+  const Image image = draw_cloud(floor_and_ceiling(), {way, way, way});
   EXPECT_GT(share_painted(image), 0.3);
-  const drawing::Rgb middle_of_top = image.at(image.width() / 2, image.height() - 200);
+  const Rgb middle_of_top = image.at(image.width() / 2, image.height() - 200);
   EXPECT_GT(middle_of_top[2], middle_of_top[1]);
 }
 
 TEST(CloudPicture, SameCloudSamePicture) {
-  const Image first = draw_path(floor_and_ceiling(), {});
-  const Image second = draw_path(floor_and_ceiling(), {});
+  const Image first = draw_path_on_cloud(floor_and_ceiling(), {});
+  const Image second = draw_path_on_cloud(floor_and_ceiling(), {});
   ASSERT_EQ(first.height(), second.height());
   for (int y = 0; y < first.height(); y += 7) {
     for (int x = 0; x < first.width(); x += 7) {
@@ -58,12 +58,12 @@ TEST(CloudPicture, SameCloudSamePicture) {
 }
 
 TEST(CloudPicture, NothingAndOnePoint) {
-  EXPECT_GT(draw_map({}, {}).width(), 0);
-  EXPECT_GT(draw_path({}, {}).width(), 0);
-  const std::vector<RegisteredPoint> one{{{1, 2, 3}, {0, 0, 0}}};
-  EXPECT_GT(draw_map(one, {}).width(), 0);
-  EXPECT_GT(draw_path(one, {}).width(), 0);
+  EXPECT_GT(draw_cloud({}, {}).width(), 0);
+  EXPECT_GT(draw_path_on_cloud({}, {}).width(), 0);
+  const std::vector<DrawnPoint> one{{{1, 2, 3}, {0, 0, 0}}};
+  EXPECT_GT(draw_cloud(one, {}).width(), 0);
+  EXPECT_GT(draw_path_on_cloud(one, {}).width(), 0);
 }
 
 }  // namespace
-}  // namespace nodmap::slam6d
+}  // namespace nodmap::drawing

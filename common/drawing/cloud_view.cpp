@@ -1,24 +1,24 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "modules/slam6d/cloud_picture.hpp"
+#include "common/drawing/cloud_view.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "modules/slam6d/depth_canvas.hpp"
-#include "modules/slam6d/picture_camera.hpp"
+#include "common/drawing/camera.hpp"
+#include "common/drawing/depth_canvas.hpp"
 
-namespace nodmap::slam6d {
+namespace nodmap::drawing {
 namespace {
 
-using drawing::Image;
-using drawing::Rgb;
+using Image;
+using Rgb;
 
 constexpr Rgb kBackground{18, 20, 26};
 constexpr Rgb kPathColour{255, 140, 40};
 constexpr Rgb kOdometryColour{200, 60, 60};
 constexpr Rgb kPaleColour{205, 210, 216};
-constexpr PictureSize kObliqueSize{.width = 1600, .height = 950};
-constexpr PictureSize kTopSize{.width = 1600, .height = 750};
+constexpr ImageSize kObliqueSize{.width = 1600, .height = 950};
+constexpr ImageSize kTopSize{.width = 1600, .height = 750};
 
 Rgb lit(Rgb colour, const Eigen::Vector3f& normal) {
   const Eigen::Vector3f light = Eigen::Vector3f(0.35F, 0.25F, 0.9F).normalized();
@@ -34,21 +34,20 @@ int splat_radius(const Camera& camera, const Pixel& pixel, double size_m) {
   return std::clamp(static_cast<int>(0.5 * size_m * camera.pixels_per_m(pixel.depth)), 1, 4);
 }
 
-void draw_points(DepthCanvas& canvas, const Camera& camera,
-                 std::span<const RegisteredPoint> points) {
+void draw_points(DepthCanvas& canvas, const Camera& camera, std::span<const DrawnPoint> points) {
   constexpr double kPointSizeM = 0.05;
   // The darkest colours of the scale would drown in the background.
   constexpr double kDarkest = 0.25;
   const HeightRange heights = height_range(points);
   // What is no surface and hangs under the ceiling would cover what is below.
   const float ceiling_m = heights.high_m - 0.1F * (heights.high_m - heights.low_m);
-  for (const RegisteredPoint& point : points) {
+  for (const DrawnPoint& point : points) {
     const auto pixel = camera.project(point.p_map.cast<double>());
     if (!pixel || !camera.faces(point) ||
         (point.normal_map.isZero() && point.p_map.z() > ceiling_m)) {
       continue;
     }
-    const Rgb colour = drawing::colour_scale(
+    const Rgb colour = colour_scale(
         kDarkest + (1.0 - kDarkest) * std::clamp(heights.place(point.p_map.z()), 0.0, 1.0));
     canvas.splat(*pixel, splat_radius(camera, *pixel, kPointSizeM), lit(colour, point.normal_map));
   }
@@ -77,20 +76,20 @@ void draw_keyframes(Image& image, const Camera& camera, int top,
                     std::span<const Eigen::Vector3d> keyframes) {
   for (const Eigen::Vector3d& p_map : keyframes) {
     if (const auto pixel = camera.project(p_map)) {
-      image.fill_disc(pixel->x, top + pixel->y, 7.0, drawing::kWhite);
+      image.fill_disc(pixel->x, top + pixel->y, 7.0, kWhite);
       image.fill_disc(pixel->x, top + pixel->y, 5.0, kPathColour);
     }
   }
 }
 
-// One metre, so that the picture has a scale.
+// One metre, so that the image has a scale.
 void draw_scale(Image& image, const Camera& camera, int bottom, Rgb colour) {
   image.fill_rectangle(20, bottom - 24, static_cast<int>(camera.focal_px), 6, colour);
 }
 
 }  // namespace
 
-Image draw_map(std::span<const RegisteredPoint> points, const PicturePath& path) {
+Image draw_cloud(std::span<const DrawnPoint> points, const DrawnPath& path) {
   const int height = kObliqueSize.height + kTopSize.height;
   Image image(kObliqueSize.width, height, kBackground);
 
@@ -107,14 +106,14 @@ Image draw_map(std::span<const RegisteredPoint> points, const PicturePath& path)
   paint(lower, image, kObliqueSize.height, 1.0);
   draw_way(image, top, kObliqueSize.height, path.corrected, kPathColour);
   draw_keyframes(image, top, kObliqueSize.height, path.keyframes);
-  draw_scale(image, top, height, drawing::kWhite);
+  draw_scale(image, top, height, kWhite);
   return image;
 }
 
-Image draw_path(std::span<const RegisteredPoint> points, const PicturePath& path) {
+Image draw_path_on_cloud(std::span<const DrawnPoint> points, const DrawnPath& path) {
   const Camera camera = top_camera(points, kTopSize);
   Image image(kTopSize.width, kTopSize.height);
-  for (const RegisteredPoint& point : points) {
+  for (const DrawnPoint& point : points) {
     if (const auto pixel = camera.project(point.p_map.cast<double>())) {
       image.set(static_cast<int>(pixel->x), static_cast<int>(pixel->y), kPaleColour);
     }
@@ -122,8 +121,8 @@ Image draw_path(std::span<const RegisteredPoint> points, const PicturePath& path
   draw_way(image, camera, 0, path.odometry, kOdometryColour);
   draw_way(image, camera, 0, path.corrected, kPathColour);
   draw_keyframes(image, camera, 0, path.keyframes);
-  draw_scale(image, camera, image.height(), drawing::kBlack);
+  draw_scale(image, camera, image.height(), kBlack);
   return image;
 }
 
-}  // namespace nodmap::slam6d
+}  // namespace nodmap::drawing

@@ -4,13 +4,13 @@
 #include <Eigen/Core>
 #include <span>
 
+#include "common/drawing/drawn_point.hpp"
 #include "common/drawing/image.hpp"
-#include "modules/slam6d/registered_cloud.hpp"
 
-namespace nodmap::slam6d {
+namespace nodmap::drawing {
 
 /// Where the robot was, in map.
-struct PicturePath {
+struct DrawnPath {
   std::span<const Eigen::Vector3d> corrected;  ///< all sweeps
   std::span<const Eigen::Vector3d> odometry;   ///< the same by odometry alone
   std::span<const Eigen::Vector3d> keyframes;
@@ -18,11 +18,9 @@ struct PicturePath {
 
 /// The registered cloud, coloured by height: seen from obliquely above, and below that from the
 /// top. Surfaces seen from behind are left out, which opens rooms like a doll's house.
-[[nodiscard]] drawing::Image draw_map(std::span<const RegisteredPoint> points,
-                                      const PicturePath& path);
+[[nodiscard]] Image draw_cloud(std::span<const DrawnPoint> points, const DrawnPath& path);
 
-/// The way from the top, corrected and by odometry, on the pale cloud.
-[[nodiscard]] drawing::Image draw_path(std::span<const RegisteredPoint> points,
-                                       const PicturePath& path);
+/// The path from above, corrected and by odometry, on the pale cloud.
+[[nodiscard]] Image draw_path_on_cloud(std::span<const DrawnPoint> points, const DrawnPath& path);
 
-}  // namespace nodmap::slam6d
+}  // namespace nodmap::drawing

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+namespace nodmap::drawing {
+
+/// A point of a cloud to be drawn, metres in map.
+struct DrawnPoint {
+  Eigen::Vector3f p_map;
+  Eigen::Vector3f normal_map;  ///< of its surface, facing the sensor; zero where none is known
+};
+
+/// The heights between which most points lie, for colours: a few stray points must not use them up.
+struct HeightRange {
+  float low_m = 0.0F;
+  float high_m = 1.0F;
+
+  /// 0 at the low end, 1 at the high end.
+  [[nodiscard]] double place(float height_m) const {
+    return static_cast<double>((height_m - low_m) / (high_m - low_m));
+  }
+};
+
+[[nodiscard]] HeightRange height_range(std::span<const DrawnPoint> points);
+
+/// The value below which `share` (0..1) of the values lie; 0 without values.
+[[nodiscard]] float quantile(std::vector<float> values, double share);
+
+}  // namespace nodmap::drawing

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "common/drawing/drawn_point.hpp"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+namespace nodmap::drawing {
+namespace {
+
+TEST(DrawnPoint, QuantilesAndHeights) {
+  EXPECT_EQ(quantile({}, 0.5), 0.0F);
+  EXPECT_EQ(quantile({3.0F, 1.0F, 2.0F}, 0.0), 1.0F);
+  EXPECT_EQ(quantile({3.0F, 1.0F, 2.0F}, 0.5), 2.0F);
+  EXPECT_EQ(quantile({3.0F, 1.0F, 2.0F}, 1.0), 3.0F);
+  std::vector<DrawnPoint> points(1001);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    points[i].p_map = Eigen::Vector3f(0, 0, 0.01F * static_cast<float>(i));
+  }
+  points[0].p_map.z() = -1000.0F;  // one stray point does not use up the scale
+  const HeightRange range = height_range(points);
+  EXPECT_NEAR(range.place(range.low_m), 0.0, 1e-6);
+  EXPECT_NEAR(range.place(range.high_m), 1.0, 1e-6);
+  EXPECT_GT(range.low_m, 0.0F);
+}
+
+}  // namespace
+}  // namespace nodmap::drawing
