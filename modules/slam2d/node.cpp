@@ -126,6 +126,8 @@ void Slam2dNode::track(const scan::Scan& scan) {
 }
 
 void Slam2dNode::finish() {
+  slam_.polish();
+  redraw();
   publish_map(last_utime_us_);
 }
 
@@ -142,6 +144,13 @@ void Slam2dNode::draw_new_keyframes() {
   for (; keyframes_drawn_ < slam_.keyframes().size(); ++keyframes_drawn_) {
     draw(slam_.keyframes()[keyframes_drawn_], grid_);
   }
+}
+
+void Slam2dNode::redraw() {
+  grid_ = OccupancyGrid(params_.cell_size_m);
+  keyframes_drawn_ = 0;
+  keyframes_published_ = 0;
+  draw_new_keyframes();
 }
 
 void Slam2dNode::publish_map(std::int64_t utime_us) {
@@ -188,7 +197,7 @@ nlohmann::json Slam2dNode::figures() const {
   const double scans = static_cast<double>(std::max<std::int64_t>(1, figures.scans));
   return {{"scans_used", figures.scans},
           {"scans_not_level", not_level_},
-          {"map_points", slam_.map().landmarks().size()},
+          {"map_points", slam_.back_end().num_points()},
           {"keyframes", slam_.keyframes().size()},
           {"tracked", figures.tracked},
           {"partly", figures.partly},
@@ -198,6 +207,14 @@ nlohmann::json Slam2dNode::figures() const {
           {"searches_helped", figures.searches_helped},
           {"mean_match_share", figures.share_sum / scans},
           {"mean_match_agreement", figures.agreement_sum / scans},
+          {"submaps", slam_.back_end().submaps().size()},
+          {"loops_tracked", slam_.back_end().metrics().loops_tracked},
+          {"loops_searched", slam_.back_end().metrics().loops_searched},
+          {"loop_searches", slam_.back_end().metrics().searches},
+          {"loops_refused_ambiguous", slam_.back_end().metrics().refused_ambiguous},
+          {"loops_refused_match", slam_.back_end().metrics().refused_match},
+          {"loops_refused_by_graph", slam_.back_end().metrics().refused_by_graph},
+          {"optimisations", slam_.back_end().metrics().optimisations},
           {"maps_published", maps_published_}};
 }
 

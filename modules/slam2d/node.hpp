@@ -38,6 +38,7 @@ class Slam2dNode : public node::Node {
   void track(const scan::Scan& scan);
   void publish_pose(const Slam2dResult& result);
   void draw_new_keyframes();
+  void redraw();
   void publish_map(std::int64_t utime_us);
 
   node::Context& context_;

@@ -50,6 +50,11 @@ NormalEquations::Observability NormalEquations::observability(double weak_share)
   return result;
 }
 
+Eigen::Matrix3d NormalEquations::information(double weak_share) const {
+  const Eigen::Matrix3d observable = observability(weak_share).observable;
+  return observable.transpose() * information_ * observable;
+}
+
 Eigen::Vector3d NormalEquations::step(double weak_share) const {
   const Eigensystem system = decompose();
   const Eigen::Vector3d gradient = system.to_metres.cwiseInverse().cwiseProduct(gradient_);

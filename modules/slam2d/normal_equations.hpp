@@ -25,6 +25,10 @@ class NormalEquations {
   /// facing it squarely would give. In a corridor that is the direction along its axis.
   [[nodiscard]] Observability observability(double weak_share) const;
 
+  /// What the pairs say on (x, y in m, yaw in rad), without the weak directions: the sum of
+  /// w J^T J. Times the inverse variance of a distance it is the inverse covariance of the pose.
+  [[nodiscard]] Eigen::Matrix3d information(double weak_share) const;
+
   /// The step (dx, dy in metres, dyaw in radians) to the minimum within the observable directions.
   [[nodiscard]] Eigen::Vector3d step(double weak_share) const;
 

@@ -13,6 +13,55 @@ enum class Metric : std::uint8_t {
   kLines,   ///< only across the line the map's points form
 };
 
+/// Submaps, loops between them, and when a loop is believed.
+struct BackEndParams {
+  int submap_keyframes = 40;
+  double loop_distance_m = 3.0;
+  double min_inlier_ratio = 0.6;
+  double min_match_score = 0.7;
+  double min_search_inlier_ratio = 0.75;
+  double min_search_score = 0.5;
+  double max_runner_up_ratio = 0.9;
+  double max_search_distance_m = 10.0;
+  double max_search_rotation_rad = geometry::deg_to_rad(40.0);
+  int min_agreeing_loops = 3;
+  double agreement_distance_m = 0.3;
+  double agreement_rotation_rad = geometry::deg_to_rad(3.0);
+  int pending_keyframes = 40;
+  int polish_rounds = 2;
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.integer("submap_keyframes", submap_keyframes, {4, 1000}, "Keyframes of a submap.");
+    v.number("loop_distance_m", loop_distance_m, {0.1, 50.0},
+             "Submaps are matched whose keyframes come this near, by the pose of the graph.");
+    v.number("min_inlier_ratio", min_inlier_ratio, {0.0, 1.0},
+             "A match with an older submap counts when this share of the scan lies on it.");
+    v.number("min_match_score", min_match_score, {0.0, 1.0},
+             "And when those points agree with it at least this well.");
+    v.number("min_search_inlier_ratio", min_search_inlier_ratio, {0.0, 1.0},
+             "The share of a scan that has to lie on a submap found by a search.");
+    v.number("min_search_score", min_search_score, {0.05, 1.0},
+             "Mean likelihood below which a search finds nothing.");
+    v.number("max_runner_up_ratio", max_runner_up_ratio, {0.1, 1.0},
+             "A search whose second peak scores more than this share of the best is ambiguous.");
+    v.number("max_search_distance_m", max_search_distance_m, {0.1, 100.0},
+             "How far from the pose of the graph loops are searched for at most.");
+    v.angle("max_search_rotation_deg", max_search_rotation_rad, {0.0, 180.0},
+            "How far turned from the pose of the graph loops are searched for at most.");
+    v.integer("min_agreeing_loops", min_agreeing_loops, {1, 100},
+              "Loops found by a search are believed when so many keyframes agree.");
+    v.number("agreement_distance_m", agreement_distance_m, {0.01, 10.0},
+             "How near the poses have to be that agreeing loops lead to.");
+    v.angle("agreement_rotation_deg", agreement_rotation_rad, {0.1, 45.0},
+            "And how far turned they may be.");
+    v.integer("pending_keyframes", pending_keyframes, {1, 10000},
+              "A loop found by a search waits for agreement during so many keyframes.");
+    v.integer("polish_rounds", polish_rounds, {0, 20},
+              "At the end all keyframes are matched anew this many times.");
+  }
+};
+
 struct Slam2dParams {
   double max_level_pitch_rad = geometry::deg_to_rad(1.0);
 
@@ -36,6 +85,8 @@ struct Slam2dParams {
 
   double cell_size_m = 0.05;
   double map_period_s = 20.0;
+
+  BackEndParams back_end;
 
   template <class Visitor>
   void describe(Visitor& v) {
@@ -78,6 +129,7 @@ struct Slam2dParams {
     v.number("cell_size_m", cell_size_m, {0.01, 1.0}, "Edge of a cell of the occupancy grid.");
     v.number("map_period_s", map_period_s, {0.1, 3600.0},
              "MAP_2D is sent after this time if the map has changed.");
+    back_end.describe(v);
   }
 };
 

@@ -19,6 +19,9 @@ struct Match {
   double rms_m = 0.0;       ///< weighted distance of the pairs
   int weak_directions = 3;  ///< of x, y, yaw: left at the start pose; 3: nothing was matched
   int iterations = 0;
+  /// Inverse covariance of (x, y in m, yaw in rad) in the frame of the map; none along directions
+  /// the scene leaves open.
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
 
   [[nodiscard]] bool found() const { return weak_directions < 3; }
 };

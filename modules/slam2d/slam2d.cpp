@@ -32,7 +32,7 @@ void draw(const Keyframe& keyframe, OccupancyGrid& grid) {
 }
 
 Slam2d::Slam2d(const Slam2dParams& params)
-    : params_(params), matcher_(params), search_(params), map_(params.line_radius_m) {}
+    : params_(params), matcher_(params), search_(params), back_end_(params) {}
 
 std::optional<Slam2dResult> Slam2d::add_scan(const scan::Scan& scan,
                                              const geometry::SE2& T_odom_base,
@@ -41,34 +41,39 @@ std::optional<Slam2dResult> Slam2d::add_scan(const scan::Scan& scan,
     return std::nullopt;
   }
   const std::span<const SurfacePoint> points = surface_.points(scan, T_first_last);
-  if (keyframes_.empty() && points.size() < kMinPoints) {
+  if (back_end_.empty() && points.size() < kMinPoints) {
     return std::nullopt;
   }
   // The data set D of Eq. 3, at the pose by odometry.
-  const geometry::SE2 T_map_base_guess = T_map_odom_ * T_odom_base;
   Slam2dResult result;
   result.utime_us = scan.utime_us;
-  result.T_map_base = T_map_base_guess;
+  result.T_map_base = T_map_odom_ * T_odom_base;
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
   // The transform that minimises Eq. 3 also corrects the pose.
-  if (keyframes_.empty()) {
+  if (back_end_.empty()) {
     result.quality = PoseQuality::kTracked;
   } else {
-    const Match match = match_or_search(points, T_map_base_guess, T_odom_base);
+    const geometry::SE2 T_map_local = back_end_.local().T_map_submap;
+    const Match match =
+        match_or_search(points, T_map_local.inverse() * result.T_map_base, T_odom_base);
     result.quality = judge(match, points.size());
     result.match_share = match.share;
     result.match_agreement = match.agreement;
     result.match_rms_m = match.rms_m;
     if (result.quality <= PoseQuality::kPartly) {
-      result.T_map_base = match.T_map_base;
-      T_map_odom_ = result.T_map_base * T_odom_base.inverse();
+      result.T_map_base = T_map_local * match.T_map_base;
+      information = match.information;
     }
   }
-  result.T_map_odom = T_map_odom_;
-  // Points without a correspondence are added to the map.
+  // The scan goes into the map when the robot has moved on.
   if (is_due_for_map(T_odom_base, result.quality)) {
-    add_new_points(points, result, T_odom_base, scan::point_in_base(scan, 0, 0.0).head<2>());
+    add_keyframe(points, result, T_odom_base, scan::point_in_base(scan, 0, 0.0).head<2>(),
+                 information);
+    result.T_map_base = keyframes().back().T_map_base;
     result.map_changed = true;
   }
+  T_map_odom_ = result.T_map_base * T_odom_base.inverse();
+  result.T_map_odom = T_map_odom_;
   record(result);
   return result;
 }
@@ -82,9 +87,9 @@ void Slam2d::change_odometry_frame(const geometry::SE2& T_old_odom_base,
 }
 
 Match Slam2d::match_or_search(std::span<const SurfacePoint> points,
-                              const geometry::SE2& T_map_base_guess,
+                              const geometry::SE2& T_local_base_guess,
                               const geometry::SE2& T_odom_base) {
-  Match best = matcher_.match(map_, points, T_map_base_guess);
+  Match best = matcher_.match(back_end_.local().points, points, T_local_base_guess);
   if (best.agreement >= params_.search_below_agreement || points.size() < kMinPoints) {
     T_odom_failed_search_.reset();
     return best;
@@ -99,10 +104,11 @@ Match Slam2d::match_or_search(std::span<const SurfacePoint> points,
   ++figures_.searches;
   double to_beat = best.agreement + kSearchGain;
   T_odom_failed_search_ = T_odom_base;
-  for (const geometry::SE2& start : search_.candidates(map_, points, T_map_base_guess)) {
-    const Match match = matcher_.match(map_, points, start);
+  for (const geometry::SE2& start :
+       search_.candidates(back_end_.local().points, points, T_local_base_guess)) {
+    const Match match = matcher_.match(back_end_.local().points, points, start);
     const double value =
-        match.agreement - kDepartureCost * search_.departure(match.T_map_base, T_map_base_guess);
+        match.agreement - kDepartureCost * search_.departure(match.T_map_base, T_local_base_guess);
     if (match.found() && value > to_beat) {
       to_beat = value;
       best = match;
@@ -127,7 +133,7 @@ bool Slam2d::is_due_for_map(const geometry::SE2& T_odom_base, PoseQuality qualit
   if (quality == PoseQuality::kOdometry) {
     return false;
   }
-  if (keyframes_.empty()) {
+  if (back_end_.empty()) {
     return true;
   }
   const double way = distance(T_odom_keyframe_, T_odom_base);
@@ -140,34 +146,31 @@ bool Slam2d::is_due_for_map(const geometry::SE2& T_odom_base, PoseQuality qualit
              params_.keyframe_rotation_rad;
 }
 
-void Slam2d::add_new_points(std::span<const SurfacePoint> points, const Slam2dResult& result,
-                            const geometry::SE2& T_odom_base, const Eigen::Vector2d& eye_base) {
+void Slam2d::add_keyframe(std::span<const SurfacePoint> points, const Slam2dResult& result,
+                          const geometry::SE2& T_odom_base, const Eigen::Vector2d& eye_base,
+                          const Eigen::Matrix3d& information) {
   Keyframe keyframe;
   keyframe.utime_us = result.utime_us;
   keyframe.T_odom_base = T_odom_base;
   keyframe.T_map_base = result.T_map_base;
   keyframe.eye_base = eye_base;
   keyframe.points_base.reserve(points.size());
+  keyframe.normals_base.reserve(points.size());
   for (const SurfacePoint& point : points) {
     keyframe.points_base.emplace_back(point.p.cast<float>());
-    const SurfacePoint in_map = result.T_map_base * point;
-    // Matched points are neglected: one point is enough for one place, whichever way it looks. But
-    // each tells once more where the line through its place runs.
-    if (map_.nearest({in_map.p, Eigen::Vector2d::Zero()}, params_.new_point_distance_m) ==
-        nullptr) {
-      map_.add(in_map);
-    } else {
-      map_.refine(in_map);
-    }
+    keyframe.normals_base.emplace_back(point.normal.cast<float>());
   }
-  keyframes_.push_back(std::move(keyframe));
+  const geometry::SE2 T_local_keyframe =
+      back_end_.empty() ? geometry::SE2{}
+                        : back_end_.local().T_map_submap.inverse() * result.T_map_base;
+  back_end_.add_keyframe(std::move(keyframe), T_local_keyframe, information);
   T_odom_keyframe_ = T_odom_base;
 }
 
 void Slam2d::record(const Slam2dResult& result) {
-  const geometry::SE2 T_keyframe_base = keyframes_.back().T_map_base.inverse() * result.T_map_base;
+  const geometry::SE2 T_keyframe_base = keyframes().back().T_map_base.inverse() * result.T_map_base;
   tracked_scans_.push_back(
-      {result.utime_us, keyframes_.size() - 1, T_keyframe_base, result.T_map_base});
+      {result.utime_us, keyframes().size() - 1, T_keyframe_base, result.T_map_base});
   ++figures_.scans;
   figures_.tracked += result.quality == PoseQuality::kTracked ? 1 : 0;
   figures_.partly += result.quality == PoseQuality::kPartly ? 1 : 0;
@@ -178,7 +181,7 @@ void Slam2d::record(const Slam2dResult& result) {
 }
 
 geometry::SE2 Slam2d::corrected_pose(const TrackedScan& scan) const {
-  return keyframes_[scan.keyframe].T_map_base * scan.T_keyframe_base;
+  return keyframes()[scan.keyframe].T_map_base * scan.T_keyframe_base;
 }
 
 }  // namespace nodmap::slam2d

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "modules/slam2d/back_end.hpp"
 #include "modules/slam2d/occupancy_grid.hpp"
 #include "modules/slam2d/params.hpp"
 #include "modules/slam2d/point_map.hpp"
@@ -26,16 +27,6 @@ struct Slam2dResult {
   double match_rms_m = 0.0;
   PoseQuality quality = PoseQuality::kOdometry;
   bool map_changed = false;
-};
-
-/// A scan whose new points went into the map, kept so that poses can be corrected later and grids
-/// be drawn from them.
-struct Keyframe {
-  std::int64_t utime_us = 0;
-  geometry::SE2 T_odom_base;
-  geometry::SE2 T_map_base;
-  Eigen::Vector2d eye_base = Eigen::Vector2d::Zero();  ///< where the rays come from
-  std::vector<Eigen::Vector2f> points_base;
 };
 
 /// Draws the rays of a keyframe, at its pose in the map.
@@ -79,8 +70,13 @@ class Slam2d {
   void change_odometry_frame(const geometry::SE2& T_old_odom_base,
                              const geometry::SE2& T_new_odom_base);
 
-  [[nodiscard]] const PointMap& map() const { return map_; }
-  [[nodiscard]] const std::vector<Keyframe>& keyframes() const { return keyframes_; }
+  /// Corrects all poses once more with all that is known; nothing is added after it.
+  void polish() { back_end_.polish(); }
+
+  /// The submap that scans are matched against.
+  [[nodiscard]] const PointMap& map() const { return back_end_.local().points; }
+  [[nodiscard]] const BackEnd& back_end() const { return back_end_; }
+  [[nodiscard]] const std::vector<Keyframe>& keyframes() const { return back_end_.keyframes(); }
   [[nodiscard]] const std::vector<TrackedScan>& tracked_scans() const { return tracked_scans_; }
   [[nodiscard]] const Slam2dFigures& figures() const { return figures_; }
 
@@ -89,23 +85,23 @@ class Slam2d {
 
  private:
   [[nodiscard]] Match match_or_search(std::span<const SurfacePoint> points,
-                                      const geometry::SE2& T_map_base_guess,
+                                      const geometry::SE2& T_local_base_guess,
                                       const geometry::SE2& T_odom_base);
   [[nodiscard]] PoseQuality judge(const Match& match, std::size_t num_points) const;
   [[nodiscard]] bool is_due_for_map(const geometry::SE2& T_odom_base, PoseQuality quality) const;
-  void add_new_points(std::span<const SurfacePoint> points, const Slam2dResult& result,
-                      const geometry::SE2& T_odom_base, const Eigen::Vector2d& eye_base);
+  void add_keyframe(std::span<const SurfacePoint> points, const Slam2dResult& result,
+                    const geometry::SE2& T_odom_base, const Eigen::Vector2d& eye_base,
+                    const Eigen::Matrix3d& information);
   void record(const Slam2dResult& result);
 
   Slam2dParams params_;
   ScanSurface surface_;
   ScanMatcher matcher_;
   PoseSearch search_;
-  PointMap map_;
+  BackEnd back_end_;
   geometry::SE2 T_map_odom_;
   geometry::SE2 T_odom_keyframe_;  // the last one, in the present odom frame
   std::optional<geometry::SE2> T_odom_failed_search_;
-  std::vector<Keyframe> keyframes_;
   std::vector<TrackedScan> tracked_scans_;
   Slam2dFigures figures_;
 };

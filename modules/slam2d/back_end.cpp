@@ -1,0 +1,436 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/slam2d/back_end.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+
+namespace nodmap::slam2d {
+namespace {
+
+using registration::PoseEdge2d;
+using registration::PoseGraph2d;
+
+constexpr std::size_t kNeighbours = 3;  // submaps that a keyframe is matched against
+constexpr std::size_t kMaxSearches = 2;
+constexpr std::size_t kSearchEvery = 3;  // keyframes
+constexpr std::size_t kOptimiseEvery = 5;
+constexpr double kSigmas = 3.0;
+// Nearer than this by the graph, a match finds the place without a search.
+constexpr double kTrackDistanceM = 0.35;
+constexpr double kTrackRotationRad = 0.1;
+// Of three degrees of freedom, one true loop of a thousand is beyond.
+constexpr double kMaxLoopChiSquared = 16.3;
+
+double distance(const geometry::SE2& a, const geometry::SE2& b) {
+  return std::hypot(a.x - b.x, a.y - b.y);
+}
+
+Eigen::Matrix3d rotated(const Eigen::Matrix3d& information, double yaw) {
+  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
+  R.topLeftCorner<2, 2>() = geometry::SE2{0.0, 0.0, yaw}.rotation();
+  return R * information * R.transpose();
+}
+
+/// What odometry alone says on a step, in the frame of its start. Errors of wheels are no white
+/// noise but go on the same way: the figures hold for 30 m.
+Eigen::Matrix3d odometry_information(const geometry::SE2& step) {
+  const double way = std::hypot(step.x, step.y);
+  const double sigma_m = 0.01 + 0.1 * way;
+  const double sigma_rad = 0.02 + 0.1 * std::abs(step.yaw) + 0.05 * way;
+  return Eigen::Vector3d(1.0 / (sigma_m * sigma_m), 1.0 / (sigma_m * sigma_m),
+                         1.0 / (sigma_rad * sigma_rad))
+      .asDiagonal();
+}
+
+/// How a change of the pose at the start of a lever moves its end.
+Eigen::Matrix3d along_lever(const Eigen::Vector2d& lever) {
+  Eigen::Matrix3d J = Eigen::Matrix3d::Identity();
+  J(0, 2) = -lever.y();
+  J(1, 2) = lever.x();
+  return J;
+}
+
+}  // namespace
+
+BackEnd::BackEnd(const Slam2dParams& params) : params_(params), closer_(params) {}
+
+std::size_t BackEnd::num_points() const {
+  std::size_t sum = 0;
+  for (const Submap& submap : submaps_) {
+    sum += submap.points.landmarks().size();
+  }
+  return sum;
+}
+
+bool BackEnd::is_full(const Submap& submap, double share) const {
+  return static_cast<double>(submap.T_submap_keyframe.size()) >=
+         share * params_.back_end.submap_keyframes;
+}
+
+void BackEnd::begin_submap(std::size_t keyframe) {
+  submaps_.emplace_back(keyframe, keyframes_[keyframe].T_map_base, params_.line_radius_m);
+}
+
+void BackEnd::add_keyframe(Keyframe keyframe, const geometry::SE2& T_local_keyframe,
+                           const Eigen::Matrix3d& information) {
+  const std::vector<SurfacePoint> points = surface_points(keyframe);
+  const std::size_t added = keyframes_.size();
+  keyframes_.push_back(std::move(keyframe));
+  if (submaps_.empty()) {
+    begin_submap(added);
+  } else {
+    add_chain_edge(added, T_local_keyframe, information);
+  }
+  submap_of_.push_back(local_);
+  if (submaps_.size() == local_ + 1 && is_full(submaps_[local_], 0.5)) {
+    begin_submap(added);
+  }
+  const geometry::SE2 T_map_keyframe =
+      added == 0 ? submaps_[0].T_map_submap : submaps_[local_].T_map_submap * T_local_keyframe;
+  // In the frame of the local submap all is rigid: what the graph does to the next does not matter.
+  for (std::size_t s = local_; s < submaps_.size(); ++s) {
+    const bool is_first = submaps_[s].first_keyframe == added;
+    geometry::SE2 T_submap_keyframe;
+    if (s == local_) {
+      T_submap_keyframe = added == 0 ? geometry::SE2{} : T_local_keyframe;
+    } else if (!is_first) {
+      T_submap_keyframe =
+          submaps_[local_].pose_of(submaps_[s].first_keyframe).inverse() * T_local_keyframe;
+    }
+    if (is_first) {
+      submaps_[s].T_map_submap = T_map_keyframe;
+    }
+    submaps_[s].add(T_submap_keyframe, points, params_.new_point_distance_m);
+    if (is_first && s > 0) {
+      submap_chain_.push_back(chain_of_submaps(s));
+    }
+  }
+  keyframes_[added].T_map_base = T_map_keyframe;
+  if (is_full(submaps_[local_], 1.0)) {
+    ++local_;
+  }
+  close_loops();
+}
+
+void BackEnd::add_chain_edge(std::size_t keyframe, const geometry::SE2& T_local_keyframe,
+                             const Eigen::Matrix3d& information) {
+  const geometry::SE2& T_local_last = submaps_[local_].pose_of(keyframe - 1);
+  PoseEdge2d edge;
+  edge.from = keyframe - 1;
+  edge.to = keyframe;
+  edge.T_from_to = T_local_last.inverse() * T_local_keyframe;
+  const geometry::SE2 T_odom_step =
+      keyframes_[keyframe - 1].T_odom_base.inverse() * keyframes_[keyframe].T_odom_base;
+  // Both ends of the step were matched: half the information of one.
+  edge.information =
+      0.5 * rotated(information, -T_local_last.yaw) + odometry_information(T_odom_step);
+  chain_.push_back(edge);
+}
+
+registration::PoseEdge2d BackEnd::chain_of_submaps(std::size_t submap) const {
+  const Submap& from = submaps_[submap - 1];
+  PoseEdge2d edge;
+  edge.from = submap - 1;
+  edge.to = submap;
+  edge.T_from_to = from.pose_of(submaps_[submap].first_keyframe);
+  // The covariances of the steps between, at the far end of their levers.
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  for (std::size_t k = from.first_keyframe; k < submaps_[submap].first_keyframe; ++k) {
+    const Eigen::Vector2d lever = edge.T_from_to.translation() - from.pose_of(k + 1).translation();
+    const Eigen::Matrix3d J = along_lever(lever);
+    const Eigen::Matrix3d step = rotated(chain_[k].information.inverse(), from.pose_of(k).yaw);
+    covariance += J * step * J.transpose();
+  }
+  edge.information = covariance.inverse();
+  return edge;
+}
+
+// Dijkstra's algorithm on the graph of the submaps, by the size of the covariance (Olson 2008,
+// section 4.2.3). Paths are not fused: what comes out is never too sure.
+std::vector<Eigen::Matrix3d> BackEnd::uncertainties() const {
+  struct Neighbour {
+    std::size_t submap;
+    Eigen::Matrix3d covariance_map;  // of the step, turned into the map
+  };
+  std::vector<std::vector<Neighbour>> neighbours(submaps_.size());
+  const auto join = [&](std::size_t from, std::size_t to, const Eigen::Matrix3d& information) {
+    const Eigen::Matrix3d covariance =
+        rotated((information + 1e-6 * Eigen::Matrix3d::Identity()).inverse(),
+                submaps_[from].T_map_submap.yaw);
+    neighbours[from].push_back({to, covariance});
+    neighbours[to].push_back({from, covariance});
+  };
+  for (const PoseEdge2d& edge : submap_chain_) {
+    join(edge.from, edge.to, edge.information);
+  }
+  for (const auto& [pair, loop] : loops_) {
+    join(pair.first, pair.second, loop.information);
+  }
+  constexpr double kYawLeverM = 5.0;
+  const auto size_of = [](const Eigen::Matrix3d& covariance) {
+    return covariance(0, 0) + covariance(1, 1) + kYawLeverM * kYawLeverM * covariance(2, 2);
+  };
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  std::vector<Eigen::Matrix3d> found(submaps_.size(), Eigen::Matrix3d::Identity() * 1e6);
+  std::vector<double> size(submaps_.size(), kInfinity);
+  std::vector<bool> done(submaps_.size(), false);
+  std::vector<std::pair<double, std::size_t>> open;  // a heap, the smallest on top
+  found[local_].setZero();
+  size[local_] = 0.0;
+  open.emplace_back(0.0, local_);
+  while (!open.empty()) {
+    std::pop_heap(open.begin(), open.end(), std::greater<>());
+    const std::size_t at = open.back().second;
+    open.pop_back();
+    if (done[at]) {
+      continue;
+    }
+    done[at] = true;
+    for (const Neighbour& next : neighbours[at]) {
+      const Eigen::Matrix3d J = along_lever(submaps_[next.submap].T_map_submap.translation() -
+                                            submaps_[at].T_map_submap.translation());
+      const Eigen::Matrix3d covariance = J * found[at] * J.transpose() + next.covariance_map;
+      if (size_of(covariance) < size[next.submap]) {
+        size[next.submap] = size_of(covariance);
+        found[next.submap] = covariance;
+        open.emplace_back(size[next.submap], next.submap);
+        std::push_heap(open.begin(), open.end(), std::greater<>());
+      }
+    }
+  }
+  return found;
+}
+
+std::vector<std::size_t> BackEnd::nearest_submaps(std::size_t keyframe, double distance_m,
+                                                  std::size_t end_submap, std::size_t step) const {
+  std::vector<std::pair<double, std::size_t>> near;
+  const geometry::SE2& here = keyframes_[keyframe].T_map_base;
+  for (std::size_t s = 0; s < end_submap; s += step) {
+    double nearest = distance_m;
+    for (std::size_t k = submaps_[s].first_keyframe; k < submaps_[s].end_keyframe(); ++k) {
+      nearest = std::min(nearest, distance(here, keyframes_[k].T_map_base));
+    }
+    if (nearest < distance_m) {
+      near.emplace_back(nearest, s);
+    }
+  }
+  std::sort(near.begin(), near.end());
+  std::vector<std::size_t> result;
+  for (const auto& [unused, s] : near) {
+    result.push_back(s);
+  }
+  return result;
+}
+
+void BackEnd::close_loops() {
+  const std::size_t last = keyframes_.size() - 1;
+  ++keyframes_since_optimised_;
+  if (local_ < 3) {
+    return;
+  }
+  const std::vector<SurfacePoint> scan = surface_points(keyframes_[last]);
+  const std::vector<Eigen::Matrix3d> uncertainty = uncertainties();
+  const double reach = params_.back_end.loop_distance_m + params_.back_end.max_search_distance_m;
+  std::size_t tracked = 0;
+  std::size_t searched = 0;
+  bool graduated = false;
+  // Overlapping submaps see the same: every other one is enough.
+  for (const std::size_t s : nearest_submaps(last, reach, local_ - 2, 2)) {
+    if (tracked >= 2 || searched >= kMaxSearches) {
+      break;
+    }
+    const Submap& submap = submaps_[s];
+    const geometry::SE2 T_submap_guess =
+        submap.T_map_submap.inverse() * keyframes_[last].T_map_base;
+    const Eigen::Matrix3d& covariance = uncertainty[s];
+    const double sigma_m = std::sqrt(std::max(covariance(0, 0), covariance(1, 1)));
+    const double sigma_rad = std::sqrt(covariance(2, 2));
+    double nearest = reach;
+    for (std::size_t k = submap.first_keyframe; k < submap.end_keyframe(); ++k) {
+      nearest = std::min(nearest, distance(keyframes_[last].T_map_base, keyframes_[k].T_map_base));
+    }
+    if (nearest > params_.back_end.loop_distance_m + kSigmas * sigma_m) {
+      continue;
+    }
+    if (kSigmas * sigma_m <= kTrackDistanceM && kSigmas * sigma_rad <= kTrackRotationRad) {
+      ++tracked;
+      auto loop = closer_.track(submap, scan, T_submap_guess);
+      if (!loop) {
+        ++metrics_.refused_match;
+        continue;
+      }
+      loop->submap = s;
+      loop->keyframe = last;
+      const Eigen::Vector3d off(
+          loop->T_submap_keyframe.x - T_submap_guess.x,
+          loop->T_submap_keyframe.y - T_submap_guess.y,
+          geometry::angle_difference(loop->T_submap_keyframe.yaw, T_submap_guess.yaw));
+      Eigen::Matrix3d expected = rotated(covariance, -submap.T_map_submap.yaw);
+      expected += (loop->information + 1e-6 * Eigen::Matrix3d::Identity()).inverse();
+      if (off.dot(expected.inverse() * off) > kMaxLoopChiSquared) {
+        ++metrics_.refused_by_graph;
+        continue;
+      }
+      ++metrics_.loops_tracked;
+      accept(*loop);
+    } else if (last % kSearchEvery == 0) {
+      ++searched;
+      ++metrics_.searches;
+      const SearchWindow window{
+          T_submap_guess,
+          std::min(kSigmas * sigma_m + kTrackDistanceM, params_.back_end.max_search_distance_m),
+          std::min(kSigmas * sigma_rad + kTrackRotationRad,
+                   params_.back_end.max_search_rotation_rad)};
+      LoopRefusal refusal = LoopRefusal::kNone;
+      auto loop = closer_.search(s, submap, scan, window, refusal);
+      metrics_.refused_ambiguous += refusal == LoopRefusal::kAmbiguous ? 1 : 0;
+      metrics_.refused_match += refusal == LoopRefusal::kPoorMatch ? 1 : 0;
+      if (!loop) {
+        continue;
+      }
+      loop->keyframe = last;
+      for (const Loop& agreed : closer_.add_pending(*loop, submaps_, keyframes_)) {
+        ++metrics_.loops_searched;
+        accept(agreed);
+        graduated = true;
+      }
+    }
+  }
+  if (has_new_loops_ && (graduated || keyframes_since_optimised_ >= kOptimiseEvery)) {
+    optimise(graduated);
+  }
+}
+
+void BackEnd::accept(const Loop& loop) {
+  // Between the submaps: the keyframe's own is as rigid as the one it was found in.
+  const std::size_t own = submap_of_[loop.keyframe];
+  const geometry::SE2 T_own_keyframe = submaps_[own].pose_of(loop.keyframe);
+  const geometry::SE2 T_from_to = loop.T_submap_keyframe * T_own_keyframe.inverse();
+  const Eigen::Matrix3d J =
+      along_lever(loop.T_submap_keyframe.translation() - T_from_to.translation());
+  const Eigen::Matrix3d information = J.transpose() * loop.information * J;
+  auto [place, is_new] = loops_.try_emplace({loop.submap, own});
+  LoopSum& sum = place->second;
+  if (is_new) {
+    sum.T_from_to = T_from_to;
+  }
+  const Eigen::Vector3d offset(T_from_to.x - sum.T_from_to.x, T_from_to.y - sum.T_from_to.y,
+                               geometry::angle_difference(T_from_to.yaw, sum.T_from_to.yaw));
+  sum.information += information;
+  sum.weighted_offset += information * offset;
+  has_new_loops_ = true;
+}
+
+void BackEnd::optimise(bool graduated) {
+  PoseGraph2d graph;
+  for (const Submap& submap : submaps_) {
+    graph.add_node(submap.T_map_submap);
+  }
+  for (const PoseEdge2d& edge : submap_chain_) {
+    graph.add_edge(edge);
+  }
+  for (const auto& [pair, loop] : loops_) {
+    const Eigen::Vector3d offset =
+        (loop.information + 1e-6 * Eigen::Matrix3d::Identity()).ldlt().solve(loop.weighted_offset);
+    PoseEdge2d edge;
+    edge.from = pair.first;
+    edge.to = pair.second;
+    edge.T_from_to = {loop.T_from_to.x + offset.x(), loop.T_from_to.y + offset.y(),
+                      geometry::normalize_angle(loop.T_from_to.yaw + offset.z())};
+    edge.information = loop.information;
+    edge.may_be_wrong = true;
+    graph.add_edge(edge);
+  }
+  graph.optimise(graduated, graduated ? 60 : 5);
+  for (std::size_t s = 0; s < submaps_.size(); ++s) {
+    submaps_[s].T_map_submap = graph.nodes()[s];
+  }
+  move_keyframes();
+  ++metrics_.optimisations;
+  keyframes_since_optimised_ = 0;
+  has_new_loops_ = false;
+}
+
+void BackEnd::move_keyframes() {
+  for (std::size_t k = 0; k < keyframes_.size(); ++k) {
+    const Submap& submap = submaps_[submap_of_[k]];
+    keyframes_[k].T_map_base = submap.T_map_submap * submap.pose_of(k);
+  }
+}
+
+void BackEnd::polish() {
+  for (int round = 0; round < params_.back_end.polish_rounds; ++round) {
+    PoseGraph2d graph;
+    for (const Keyframe& keyframe : keyframes_) {
+      graph.add_node(keyframe.T_map_base);
+    }
+    for (const PoseEdge2d& edge : chain_) {
+      graph.add_edge(edge);
+    }
+    for (const PoseEdge2d& edge : matches_all_around()) {
+      graph.add_edge(edge);
+    }
+    graph.optimise(false, 20);
+    for (std::size_t k = 0; k < keyframes_.size(); ++k) {
+      keyframes_[k].T_map_base = graph.nodes()[k];
+    }
+    rebuild_submaps();
+  }
+}
+
+std::vector<PoseEdge2d> BackEnd::matches_all_around() const {
+  std::vector<PoseEdge2d> edges;
+  for (std::size_t k = 0; k < keyframes_.size(); ++k) {
+    const std::vector<SurfacePoint> scan = surface_points(keyframes_[k]);
+    std::size_t matched = 0;
+    for (const std::size_t s :
+         nearest_submaps(k, params_.back_end.loop_distance_m, submaps_.size(), 2)) {
+      const Submap& submap = submaps_[s];
+      if (submap.has(k)) {
+        continue;
+      }
+      if (++matched > kNeighbours) {
+        break;
+      }
+      const geometry::SE2 T_submap_guess = submap.T_map_submap.inverse() * keyframes_[k].T_map_base;
+      const auto loop = closer_.track(submap, scan, T_submap_guess);
+      if (!loop) {
+        continue;
+      }
+      // From the nearest keyframe of the submap: what lies between may bend.
+      std::size_t nearest = submap.first_keyframe;
+      for (std::size_t other = nearest; other < submap.end_keyframe(); ++other) {
+        if (distance(submap.pose_of(other), loop->T_submap_keyframe) <
+            distance(submap.pose_of(nearest), loop->T_submap_keyframe)) {
+          nearest = other;
+        }
+      }
+      PoseEdge2d edge;
+      edge.from = nearest;
+      edge.to = k;
+      edge.T_from_to = submap.pose_of(nearest).inverse() * loop->T_submap_keyframe;
+      edge.information = rotated(loop->information, -submap.pose_of(nearest).yaw);
+      edge.may_be_wrong = true;
+      edges.push_back(edge);
+    }
+  }
+  return edges;
+}
+
+void BackEnd::rebuild_submaps() {
+  for (Submap& submap : submaps_) {
+    const std::size_t end = submap.end_keyframe();
+    Submap anew(submap.first_keyframe, keyframes_[submap.first_keyframe].T_map_base,
+                params_.line_radius_m);
+    for (std::size_t k = submap.first_keyframe; k < end; ++k) {
+      anew.add(anew.T_map_submap.inverse() * keyframes_[k].T_map_base,
+               surface_points(keyframes_[k]), params_.new_point_distance_m);
+    }
+    submap = std::move(anew);
+  }
+}
+
+}  // namespace nodmap::slam2d
