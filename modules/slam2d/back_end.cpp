@@ -14,15 +14,22 @@ using registration::PoseEdge2d;
 using registration::PoseGraph2d;
 
 constexpr std::size_t kNeighbours = 3;  // submaps that a keyframe is matched against
+// The work on one keyframe is bounded.
+constexpr std::size_t kMaxTracked = 2;
 constexpr std::size_t kMaxSearches = 2;
-constexpr std::size_t kSearchEvery = 3;  // keyframes
-constexpr std::size_t kOptimiseEvery = 5;
+constexpr std::size_t kSearchEvery = 3;      // keyframes
+constexpr std::size_t kMaxScanPoints = 120;  // enough to match one scan
+constexpr std::size_t kOptimiseEvery = 3;
 constexpr double kSigmas = 3.0;
 // Nearer than this by the graph, a match finds the place without a search.
 constexpr double kTrackDistanceM = 0.35;
 constexpr double kTrackRotationRad = 0.1;
 // Of three degrees of freedom, one true loop of a thousand is beyond.
 constexpr double kMaxLoopChiSquared = 16.3;
+
+// Both ends of a step are matched against the same submap, and most of their errors are alike. By
+// this the steps through half a submap are twice as unsure as one match.
+constexpr double kStepSharpness = 5.0;
 
 double distance(const geometry::SE2& a, const geometry::SE2& b) {
   return std::hypot(a.x - b.x, a.y - b.y);
@@ -34,15 +41,31 @@ Eigen::Matrix3d rotated(const Eigen::Matrix3d& information, double yaw) {
   return R * information * R.transpose();
 }
 
+/// Finite also where a direction is open.
+Eigen::Matrix3d covariance_of(const Eigen::Matrix3d& information) {
+  return (information + 1e-6 * Eigen::Matrix3d::Identity()).inverse();
+}
+
 /// What odometry alone says on a step, in the frame of its start. Errors of wheels are no white
 /// noise but go on the same way: the figures hold for 30 m.
 Eigen::Matrix3d odometry_information(const geometry::SE2& step) {
   const double way = std::hypot(step.x, step.y);
-  const double sigma_m = 0.01 + 0.1 * way;
+  const double sigma_m = 0.01 + 0.2 * way;
   const double sigma_rad = 0.02 + 0.1 * std::abs(step.yaw) + 0.05 * way;
   return Eigen::Vector3d(1.0 / (sigma_m * sigma_m), 1.0 / (sigma_m * sigma_m),
                          1.0 / (sigma_rad * sigma_rad))
       .asDiagonal();
+}
+
+/// At most `kMaxScanPoints` of the points of a keyframe, spread over the scan.
+std::vector<SurfacePoint> some_points(const Keyframe& keyframe) {
+  const std::vector<SurfacePoint> all = surface_points(keyframe);
+  const std::size_t stride = (all.size() + kMaxScanPoints - 1) / kMaxScanPoints;
+  std::vector<SurfacePoint> some;
+  for (std::size_t i = 0; i < all.size(); i += stride) {
+    some.push_back(all[i]);
+  }
+  return some;
 }
 
 /// How a change of the pose at the start of a lever moves its end.
@@ -55,7 +78,9 @@ Eigen::Matrix3d along_lever(const Eigen::Vector2d& lever) {
 
 }  // namespace
 
-BackEnd::BackEnd(const Slam2dParams& params) : params_(params), closer_(params) {}
+BackEnd::BackEnd(const Slam2dParams& params) : params_(params), closer_(params) {
+  submaps_.emplace_back(0, geometry::SE2{}, params.line_radius_m);
+}
 
 std::size_t BackEnd::num_points() const {
   std::size_t sum = 0;
@@ -70,49 +95,39 @@ bool BackEnd::is_full(const Submap& submap, double share) const {
          share * params_.back_end.submap_keyframes;
 }
 
-void BackEnd::begin_submap(std::size_t keyframe) {
-  submaps_.emplace_back(keyframe, keyframes_[keyframe].T_map_base, params_.line_radius_m);
-}
-
 void BackEnd::add_keyframe(Keyframe keyframe, const geometry::SE2& T_local_keyframe,
                            const Eigen::Matrix3d& information) {
-  const std::vector<SurfacePoint> points = surface_points(keyframe);
   const std::size_t added = keyframes_.size();
   keyframes_.push_back(std::move(keyframe));
-  if (submaps_.empty()) {
-    begin_submap(added);
+  if (added == 0) {
+    submaps_[0].T_map_submap = keyframes_[0].T_map_base;
   } else {
+    keyframes_[added].T_map_base = submaps_[local_].T_map_submap * T_local_keyframe;
     add_chain_edge(added, T_local_keyframe, information);
   }
   submap_of_.push_back(local_);
-  if (submaps_.size() == local_ + 1 && is_full(submaps_[local_], 0.5)) {
-    begin_submap(added);
-  }
-  const geometry::SE2 T_map_keyframe =
-      added == 0 ? submaps_[0].T_map_submap : submaps_[local_].T_map_submap * T_local_keyframe;
-  // In the frame of the local submap all is rigid: what the graph does to the next does not matter.
-  for (std::size_t s = local_; s < submaps_.size(); ++s) {
-    const bool is_first = submaps_[s].first_keyframe == added;
-    geometry::SE2 T_submap_keyframe;
-    if (s == local_) {
-      T_submap_keyframe = added == 0 ? geometry::SE2{} : T_local_keyframe;
-    } else if (!is_first) {
-      T_submap_keyframe =
-          submaps_[local_].pose_of(submaps_[s].first_keyframe).inverse() * T_local_keyframe;
-    }
-    if (is_first) {
-      submaps_[s].T_map_submap = T_map_keyframe;
-    }
-    submaps_[s].add(T_submap_keyframe, points, params_.new_point_distance_m);
-    if (is_first && s > 0) {
-      submap_chain_.push_back(chain_of_submaps(s));
-    }
-  }
-  keyframes_[added].T_map_base = T_map_keyframe;
+  insert_into_submaps(T_local_keyframe);
   if (is_full(submaps_[local_], 1.0)) {
     ++local_;
   }
   close_loops();
+}
+
+// Places within the submaps follow from the match alone: what the graph does to the submaps does
+// not matter.
+void BackEnd::insert_into_submaps(const geometry::SE2& T_local_keyframe) {
+  const std::size_t added = keyframes_.size() - 1;
+  const std::vector<SurfacePoint> points = surface_points(keyframes_[added]);
+  submaps_[local_].add(T_local_keyframe, points, params_.new_point_distance_m);
+  if (submaps_.size() == local_ + 1 && is_full(submaps_[local_], 0.5)) {
+    submaps_.emplace_back(added, keyframes_[added].T_map_base, params_.line_radius_m);
+    submaps_.back().add({}, points, params_.new_point_distance_m);
+    submap_chain_.push_back(chain_of_submaps(local_ + 1));
+  } else if (submaps_.size() > local_ + 1) {
+    Submap& next = submaps_[local_ + 1];
+    const geometry::SE2& T_local_next = submaps_[local_].pose_of(next.first_keyframe);
+    next.add(T_local_next.inverse() * T_local_keyframe, points, params_.new_point_distance_m);
+  }
 }
 
 void BackEnd::add_chain_edge(std::size_t keyframe, const geometry::SE2& T_local_keyframe,
@@ -124,9 +139,8 @@ void BackEnd::add_chain_edge(std::size_t keyframe, const geometry::SE2& T_local_
   edge.T_from_to = T_local_last.inverse() * T_local_keyframe;
   const geometry::SE2 T_odom_step =
       keyframes_[keyframe - 1].T_odom_base.inverse() * keyframes_[keyframe].T_odom_base;
-  // Both ends of the step were matched: half the information of one.
   edge.information =
-      0.5 * rotated(information, -T_local_last.yaw) + odometry_information(T_odom_step);
+      kStepSharpness * rotated(information, -T_local_last.yaw) + odometry_information(T_odom_step);
   chain_.push_back(edge);
 }
 
@@ -158,8 +172,7 @@ std::vector<Eigen::Matrix3d> BackEnd::uncertainties() const {
   std::vector<std::vector<Neighbour>> neighbours(submaps_.size());
   const auto join = [&](std::size_t from, std::size_t to, const Eigen::Matrix3d& information) {
     const Eigen::Matrix3d covariance =
-        rotated((information + 1e-6 * Eigen::Matrix3d::Identity()).inverse(),
-                submaps_[from].T_map_submap.yaw);
+        rotated(covariance_of(information), submaps_[from].T_map_submap.yaw);
     neighbours[from].push_back({to, covariance});
     neighbours[to].push_back({from, covariance});
   };
@@ -204,103 +217,109 @@ std::vector<Eigen::Matrix3d> BackEnd::uncertainties() const {
   return found;
 }
 
-std::vector<std::size_t> BackEnd::nearest_submaps(std::size_t keyframe, double distance_m,
-                                                  std::size_t end_submap, std::size_t step) const {
-  std::vector<std::pair<double, std::size_t>> near;
-  const geometry::SE2& here = keyframes_[keyframe].T_map_base;
-  for (std::size_t s = 0; s < end_submap; s += step) {
-    double nearest = distance_m;
+std::vector<BackEnd::Nearby> BackEnd::nearest_submaps(std::size_t keyframe, double distance_m,
+                                                      std::size_t end_submap) const {
+  std::vector<Nearby> found;
+  const Eigen::Vector2d here = keyframes_[keyframe].T_map_base.translation();
+  // Overlapping submaps see the same: every other one is enough.
+  for (std::size_t s = 0; s < end_submap; s += 2) {
+    double nearest_m2 = std::numeric_limits<double>::infinity();
     for (std::size_t k = submaps_[s].first_keyframe; k < submaps_[s].end_keyframe(); ++k) {
-      nearest = std::min(nearest, distance(here, keyframes_[k].T_map_base));
+      nearest_m2 =
+          std::min(nearest_m2, (keyframes_[k].T_map_base.translation() - here).squaredNorm());
     }
-    if (nearest < distance_m) {
-      near.emplace_back(nearest, s);
+    if (nearest_m2 < distance_m * distance_m) {
+      found.push_back({std::sqrt(nearest_m2), s});
     }
   }
-  std::sort(near.begin(), near.end());
-  std::vector<std::size_t> result;
-  for (const auto& [unused, s] : near) {
-    result.push_back(s);
-  }
-  return result;
+  std::sort(found.begin(), found.end());
+  return found;
 }
 
 void BackEnd::close_loops() {
-  const std::size_t last = keyframes_.size() - 1;
   ++keyframes_since_optimised_;
   if (local_ < 3) {
     return;
   }
-  const std::vector<SurfacePoint> scan = surface_points(keyframes_[last]);
-  const std::vector<Eigen::Matrix3d> uncertainty = uncertainties();
-  const double reach = params_.back_end.loop_distance_m + params_.back_end.max_search_distance_m;
+  const std::size_t last = keyframes_.size() - 1;
+  const bool is_search_due = last % kSearchEvery == 0;
+  if (is_search_due || uncertainty_.size() != submaps_.size()) {
+    uncertainty_ = uncertainties();
+  }
+  const BackEndParams& params = params_.back_end;
+  const std::vector<SurfacePoint> scan = some_points(keyframes_[last]);
   std::size_t tracked = 0;
   std::size_t searched = 0;
-  bool graduated = false;
-  // Overlapping submaps see the same: every other one is enough.
-  for (const std::size_t s : nearest_submaps(last, reach, local_ - 2, 2)) {
-    if (tracked >= 2 || searched >= kMaxSearches) {
-      break;
-    }
-    const Submap& submap = submaps_[s];
-    const geometry::SE2 T_submap_guess =
-        submap.T_map_submap.inverse() * keyframes_[last].T_map_base;
-    const Eigen::Matrix3d& covariance = uncertainty[s];
-    const double sigma_m = std::sqrt(std::max(covariance(0, 0), covariance(1, 1)));
-    const double sigma_rad = std::sqrt(covariance(2, 2));
-    double nearest = reach;
-    for (std::size_t k = submap.first_keyframe; k < submap.end_keyframe(); ++k) {
-      nearest = std::min(nearest, distance(keyframes_[last].T_map_base, keyframes_[k].T_map_base));
-    }
-    if (nearest > params_.back_end.loop_distance_m + kSigmas * sigma_m) {
+  for (const Nearby& near :
+       nearest_submaps(last, params.loop_distance_m + params.max_search_distance_m, local_ - 2)) {
+    const Eigen::Matrix3d& covariance = uncertainty_[near.submap];
+    const double reach_m = kSigmas * std::sqrt(std::max(covariance(0, 0), covariance(1, 1)));
+    const double reach_rad = kSigmas * std::sqrt(covariance(2, 2));
+    if (near.distance_m > params.loop_distance_m + reach_m) {
       continue;
     }
-    if (kSigmas * sigma_m <= kTrackDistanceM && kSigmas * sigma_rad <= kTrackRotationRad) {
-      ++tracked;
-      auto loop = closer_.track(submap, scan, T_submap_guess);
-      if (!loop) {
-        ++metrics_.refused_match;
-        continue;
+    if (reach_m <= kTrackDistanceM && reach_rad <= kTrackRotationRad) {
+      if (tracked < kMaxTracked) {
+        ++tracked;
+        track_loop(near.submap, scan);
       }
-      loop->submap = s;
-      loop->keyframe = last;
-      const Eigen::Vector3d off(
-          loop->T_submap_keyframe.x - T_submap_guess.x,
-          loop->T_submap_keyframe.y - T_submap_guess.y,
-          geometry::angle_difference(loop->T_submap_keyframe.yaw, T_submap_guess.yaw));
-      Eigen::Matrix3d expected = rotated(covariance, -submap.T_map_submap.yaw);
-      expected += (loop->information + 1e-6 * Eigen::Matrix3d::Identity()).inverse();
-      if (off.dot(expected.inverse() * off) > kMaxLoopChiSquared) {
-        ++metrics_.refused_by_graph;
-        continue;
-      }
-      ++metrics_.loops_tracked;
-      accept(*loop);
-    } else if (last % kSearchEvery == 0) {
+    } else if (is_search_due && searched < kMaxSearches) {
       ++searched;
-      ++metrics_.searches;
-      const SearchWindow window{
-          T_submap_guess,
-          std::min(kSigmas * sigma_m + kTrackDistanceM, params_.back_end.max_search_distance_m),
-          std::min(kSigmas * sigma_rad + kTrackRotationRad,
-                   params_.back_end.max_search_rotation_rad)};
-      LoopRefusal refusal = LoopRefusal::kNone;
-      auto loop = closer_.search(s, submap, scan, window, refusal);
-      metrics_.refused_ambiguous += refusal == LoopRefusal::kAmbiguous ? 1 : 0;
-      metrics_.refused_match += refusal == LoopRefusal::kPoorMatch ? 1 : 0;
-      if (!loop) {
-        continue;
-      }
-      loop->keyframe = last;
-      for (const Loop& agreed : closer_.add_pending(*loop, submaps_, keyframes_)) {
-        ++metrics_.loops_searched;
-        accept(agreed);
-        graduated = true;
-      }
+      search_loop(near.submap, scan, reach_m, reach_rad);
     }
   }
-  if (has_new_loops_ && (graduated || keyframes_since_optimised_ >= kOptimiseEvery)) {
-    optimise(graduated);
+  if (has_searched_loops_ || (has_new_loops_ && keyframes_since_optimised_ >= kOptimiseEvery)) {
+    optimise();
+  }
+}
+
+void BackEnd::track_loop(std::size_t submap_index, std::span<const SurfacePoint> scan) {
+  const Submap& submap = submaps_[submap_index];
+  const geometry::SE2 T_submap_guess = submap.T_map_submap.inverse() * keyframes_.back().T_map_base;
+  auto loop = closer_.track(submap, scan, T_submap_guess);
+  if (!loop) {
+    ++metrics_.refused_match;
+    return;
+  }
+  loop->submap = submap_index;
+  loop->keyframe = keyframes_.size() - 1;
+  const Eigen::Vector3d off(
+      loop->T_submap_keyframe.x - T_submap_guess.x, loop->T_submap_keyframe.y - T_submap_guess.y,
+      geometry::angle_difference(loop->T_submap_keyframe.yaw, T_submap_guess.yaw));
+  const Eigen::Matrix3d expected = rotated(uncertainty_[submap_index], -submap.T_map_submap.yaw) +
+                                   covariance_of(loop->information);
+  if (off.dot(expected.inverse() * off) > kMaxLoopChiSquared) {
+    ++metrics_.refused_by_graph;
+    accept_if_agreed(*loop);
+    return;
+  }
+  ++metrics_.loops_tracked;
+  accept(*loop);
+}
+
+void BackEnd::search_loop(std::size_t submap_index, std::span<const SurfacePoint> scan,
+                          double reach_m, double reach_rad) {
+  const Submap& submap = submaps_[submap_index];
+  const SearchWindow window{
+      submap.T_map_submap.inverse() * keyframes_.back().T_map_base,
+      std::min(reach_m + kTrackDistanceM, params_.back_end.max_search_distance_m),
+      std::min(reach_rad + kTrackRotationRad, params_.back_end.max_search_rotation_rad)};
+  ++metrics_.searches;
+  LoopRefusal refusal = LoopRefusal::kNone;
+  auto loop = closer_.search(submap_index, submap, scan, window, refusal);
+  metrics_.refused_ambiguous += refusal == LoopRefusal::kAmbiguous ? 1 : 0;
+  metrics_.refused_match += refusal == LoopRefusal::kPoorMatch ? 1 : 0;
+  if (loop) {
+    loop->keyframe = keyframes_.size() - 1;
+    accept_if_agreed(*loop);
+  }
+}
+
+void BackEnd::accept_if_agreed(const Loop& loop) {
+  for (const Loop& agreed : closer_.add_pending(loop, submaps_, keyframes_)) {
+    ++metrics_.loops_searched;
+    accept(agreed);
+    has_searched_loops_ = true;
   }
 }
 
@@ -324,7 +343,7 @@ void BackEnd::accept(const Loop& loop) {
   has_new_loops_ = true;
 }
 
-void BackEnd::optimise(bool graduated) {
+void BackEnd::optimise() {
   PoseGraph2d graph;
   for (const Submap& submap : submaps_) {
     graph.add_node(submap.T_map_submap);
@@ -333,8 +352,7 @@ void BackEnd::optimise(bool graduated) {
     graph.add_edge(edge);
   }
   for (const auto& [pair, loop] : loops_) {
-    const Eigen::Vector3d offset =
-        (loop.information + 1e-6 * Eigen::Matrix3d::Identity()).ldlt().solve(loop.weighted_offset);
+    const Eigen::Vector3d offset = covariance_of(loop.information) * loop.weighted_offset;
     PoseEdge2d edge;
     edge.from = pair.first;
     edge.to = pair.second;
@@ -344,7 +362,7 @@ void BackEnd::optimise(bool graduated) {
     edge.may_be_wrong = true;
     graph.add_edge(edge);
   }
-  graph.optimise(graduated, graduated ? 60 : 5);
+  graph.optimise(has_searched_loops_, has_searched_loops_ ? 60 : 2);
   for (std::size_t s = 0; s < submaps_.size(); ++s) {
     submaps_[s].T_map_submap = graph.nodes()[s];
   }
@@ -352,6 +370,7 @@ void BackEnd::optimise(bool graduated) {
   ++metrics_.optimisations;
   keyframes_since_optimised_ = 0;
   has_new_loops_ = false;
+  has_searched_loops_ = false;
 }
 
 void BackEnd::move_keyframes() {
@@ -363,6 +382,9 @@ void BackEnd::move_keyframes() {
 
 void BackEnd::polish() {
   for (int round = 0; round < params_.back_end.polish_rounds; ++round) {
+    if (round > 0) {
+      rebuild_submaps();
+    }
     PoseGraph2d graph;
     for (const Keyframe& keyframe : keyframes_) {
       graph.add_node(keyframe.T_map_base);
@@ -377,55 +399,54 @@ void BackEnd::polish() {
     for (std::size_t k = 0; k < keyframes_.size(); ++k) {
       keyframes_[k].T_map_base = graph.nodes()[k];
     }
-    rebuild_submaps();
   }
 }
 
 std::vector<PoseEdge2d> BackEnd::matches_all_around() const {
   std::vector<PoseEdge2d> edges;
   for (std::size_t k = 0; k < keyframes_.size(); ++k) {
-    const std::vector<SurfacePoint> scan = surface_points(keyframes_[k]);
+    const std::vector<SurfacePoint> scan = some_points(keyframes_[k]);
     std::size_t matched = 0;
-    for (const std::size_t s :
-         nearest_submaps(k, params_.back_end.loop_distance_m, submaps_.size(), 2)) {
-      const Submap& submap = submaps_[s];
-      if (submap.has(k)) {
+    for (const Nearby& near :
+         nearest_submaps(k, params_.back_end.loop_distance_m, submaps_.size())) {
+      const Submap& submap = submaps_[near.submap];
+      if (submap.has(k) || matched == kNeighbours) {
         continue;
       }
-      if (++matched > kNeighbours) {
-        break;
+      ++matched;
+      const auto loop =
+          closer_.track(submap, scan, submap.T_map_submap.inverse() * keyframes_[k].T_map_base);
+      if (loop) {
+        edges.push_back(edge_to_nearest(submap, *loop, k));
       }
-      const geometry::SE2 T_submap_guess = submap.T_map_submap.inverse() * keyframes_[k].T_map_base;
-      const auto loop = closer_.track(submap, scan, T_submap_guess);
-      if (!loop) {
-        continue;
-      }
-      // From the nearest keyframe of the submap: what lies between may bend.
-      std::size_t nearest = submap.first_keyframe;
-      for (std::size_t other = nearest; other < submap.end_keyframe(); ++other) {
-        if (distance(submap.pose_of(other), loop->T_submap_keyframe) <
-            distance(submap.pose_of(nearest), loop->T_submap_keyframe)) {
-          nearest = other;
-        }
-      }
-      PoseEdge2d edge;
-      edge.from = nearest;
-      edge.to = k;
-      edge.T_from_to = submap.pose_of(nearest).inverse() * loop->T_submap_keyframe;
-      edge.information = rotated(loop->information, -submap.pose_of(nearest).yaw);
-      edge.may_be_wrong = true;
-      edges.push_back(edge);
     }
   }
   return edges;
 }
 
+// From the nearest keyframe of the submap: what lies between may bend.
+PoseEdge2d BackEnd::edge_to_nearest(const Submap& submap, const Loop& loop, std::size_t keyframe) {
+  std::size_t nearest = submap.first_keyframe;
+  for (std::size_t k = nearest; k < submap.end_keyframe(); ++k) {
+    if (distance(submap.pose_of(k), loop.T_submap_keyframe) <
+        distance(submap.pose_of(nearest), loop.T_submap_keyframe)) {
+      nearest = k;
+    }
+  }
+  PoseEdge2d edge;
+  edge.from = nearest;
+  edge.to = keyframe;
+  edge.T_from_to = submap.pose_of(nearest).inverse() * loop.T_submap_keyframe;
+  edge.information = rotated(loop.information, -submap.pose_of(nearest).yaw);
+  edge.may_be_wrong = true;
+  return edge;
+}
+
 void BackEnd::rebuild_submaps() {
   for (Submap& submap : submaps_) {
-    const std::size_t end = submap.end_keyframe();
     Submap anew(submap.first_keyframe, keyframes_[submap.first_keyframe].T_map_base,
                 params_.line_radius_m);
-    for (std::size_t k = submap.first_keyframe; k < end; ++k) {
+    for (std::size_t k = submap.first_keyframe; k < submap.end_keyframe(); ++k) {
       anew.add(anew.T_map_submap.inverse() * keyframes_[k].T_map_base,
                surface_points(keyframes_[k]), params_.new_point_distance_m);
     }

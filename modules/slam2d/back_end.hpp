@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <compare>
 #include <cstddef>
 #include <map>
 #include <optional>
@@ -62,24 +63,36 @@ class BackEnd {
     Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
     Eigen::Vector3d weighted_offset = Eigen::Vector3d::Zero();  ///< from T_from_to
   };
+  /// A submap, and how near its keyframes come.
+  struct Nearby {
+    double distance_m = 0.0;
+    std::size_t submap = 0;
+    auto operator<=>(const Nearby&) const = default;
+  };
   using SubmapPair = std::pair<std::size_t, std::size_t>;
 
   [[nodiscard]] bool is_full(const Submap& submap, double share) const;
-  void begin_submap(std::size_t keyframe);
+  void insert_into_submaps(const geometry::SE2& T_local_keyframe);
   void add_chain_edge(std::size_t keyframe, const geometry::SE2& T_last_keyframe,
                       const Eigen::Matrix3d& information);
   [[nodiscard]] registration::PoseEdge2d chain_of_submaps(std::size_t submap) const;
 
   /// Covariance of the pose of each submap relative to the last keyframe's, along the surest path.
   [[nodiscard]] std::vector<Eigen::Matrix3d> uncertainties() const;
-  [[nodiscard]] std::vector<std::size_t> nearest_submaps(std::size_t keyframe, double distance_m,
-                                                         std::size_t end_submap,
-                                                         std::size_t step) const;
+  [[nodiscard]] std::vector<Nearby> nearest_submaps(std::size_t keyframe, double distance_m,
+                                                    std::size_t end_submap) const;
   void close_loops();
+  void track_loop(std::size_t submap_index, std::span<const SurfacePoint> scan);
+  void search_loop(std::size_t submap_index, std::span<const SurfacePoint> scan, double reach_m,
+                   double reach_rad);
+  void accept_if_agreed(const Loop& loop);
   void accept(const Loop& loop);
-  void optimise(bool graduated);
+  void optimise();
   void move_keyframes();
   [[nodiscard]] std::vector<registration::PoseEdge2d> matches_all_around() const;
+  [[nodiscard]] static registration::PoseEdge2d edge_to_nearest(const Submap& submap,
+                                                                const Loop& loop,
+                                                                std::size_t keyframe);
   void rebuild_submaps();
 
   Slam2dParams params_;
@@ -93,6 +106,8 @@ class BackEnd {
   std::map<SubmapPair, LoopSum> loops_;
   std::size_t keyframes_since_optimised_ = 0;
   bool has_new_loops_ = false;
+  bool has_searched_loops_ = false;
+  std::vector<Eigen::Matrix3d> uncertainty_;  ///< as it was at the last search
   BackEndMetrics metrics_;
 };
 

@@ -16,6 +16,7 @@ constexpr double kThinningM = 0.2;
 // A match may not leave the pose it started from by more.
 constexpr double kTrackDistanceM = 0.5;
 constexpr double kTrackRotationRad = 0.15;
+constexpr double kTrackReachM = 0.4;
 
 double distance(const geometry::SE2& a, const geometry::SE2& b) {
   return std::hypot(a.x - b.x, a.y - b.y);
@@ -23,6 +24,12 @@ double distance(const geometry::SE2& a, const geometry::SE2& b) {
 
 double turn(const geometry::SE2& a, const geometry::SE2& b) {
   return std::abs(geometry::angle_difference(a.yaw, b.yaw));
+}
+
+/// The pose is known to within the reach of a scan's points.
+Slam2dParams from_near(Slam2dParams params) {
+  params.max_correspondence_m = std::min(params.max_correspondence_m, kTrackReachM);
+  return params;
 }
 
 /// At most one point in each square of a grid, in the order of the scan.
@@ -51,7 +58,7 @@ std::vector<Eigen::Vector2d> thinned(std::span<const SurfacePoint> scan) {
 
 LoopCloser::LoopCloser(const Slam2dParams& params)
     : params_(params),
-      matcher_(params),
+      matcher_(from_near(params)),
       correlative_({.min_score = params.back_end.min_search_score,
                     .runner_up_ratio = params.back_end.max_runner_up_ratio}) {}
 

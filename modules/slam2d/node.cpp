@@ -24,6 +24,17 @@ static_assert(static_cast<int>(PoseQuality::kLost) == nodmap::pose_t::LOST);
 
 namespace {
 
+constexpr std::size_t kLookedAtPerScan = 100;
+constexpr std::size_t kRedrawnPerScan = 2;
+
+/// Whether what is seen from there lands in other cells of the grid.
+bool has_moved(const geometry::SE2& from, const geometry::SE2& to, double cell_size_m) {
+  constexpr double kTypicalRangeM = 5.0;
+  return std::hypot(to.x - from.x, to.y - from.y) +
+             kTypicalRangeM * std::abs(geometry::angle_difference(to.yaw, from.yaw)) >
+         0.5 * cell_size_m;
+}
+
 void write_tile(const OccupancyGrid& grid, const GridTile& tile, nodmap::grid_chunk_t& message) {
   message.cell_size_m = grid.cell_size_m();
   message.origin_x_m = grid.origin().x();
@@ -118,6 +129,7 @@ void Slam2dNode::track(const scan::Scan& scan) {
   last_utime_us_ = result->utime_us;
   publish_pose(*result);
   draw_new_keyframes();
+  redraw_moved_keyframes(kLookedAtPerScan, kRedrawnPerScan);
   // Distance, not difference: a stamp that steps far back must not silence the map.
   if (!last_map_utime_us_ || std::abs(static_cast<double>(scan.utime_us - *last_map_utime_us_)) >=
                                  1e6 * params_.map_period_s) {
@@ -127,7 +139,7 @@ void Slam2dNode::track(const scan::Scan& scan) {
 
 void Slam2dNode::finish() {
   slam_.polish();
-  redraw();
+  redraw_moved_keyframes(drawn_at_.size(), drawn_at_.size());
   publish_map(last_utime_us_);
 }
 
@@ -141,20 +153,34 @@ void Slam2dNode::publish_pose(const Slam2dResult& result) {
 }
 
 void Slam2dNode::draw_new_keyframes() {
-  for (; keyframes_drawn_ < slam_.keyframes().size(); ++keyframes_drawn_) {
-    draw(slam_.keyframes()[keyframes_drawn_], grid_);
+  while (drawn_at_.size() < slam_.keyframes().size()) {
+    const Keyframe& keyframe = slam_.keyframes()[drawn_at_.size()];
+    draw(keyframe, keyframe.T_map_base, grid_);
+    drawn_at_.push_back(keyframe.T_map_base);
+    grid_changed_ = true;
   }
 }
 
-void Slam2dNode::redraw() {
-  grid_ = OccupancyGrid(params_.cell_size_m);
-  keyframes_drawn_ = 0;
-  keyframes_published_ = 0;
-  draw_new_keyframes();
+// The grid follows the corrected poses, a few keyframes with each scan.
+void Slam2dNode::redraw_moved_keyframes(std::size_t looked_at, std::size_t redrawn) {
+  for (looked_at = std::min(looked_at, drawn_at_.size()); looked_at > 0 && redrawn > 0;
+       --looked_at) {
+    next_redrawn_ = (next_redrawn_ + 1) % drawn_at_.size();
+    const Keyframe& keyframe = slam_.keyframes()[next_redrawn_];
+    geometry::SE2& drawn_at = drawn_at_[next_redrawn_];
+    if (!has_moved(drawn_at, keyframe.T_map_base, params_.cell_size_m)) {
+      continue;
+    }
+    erase(keyframe, drawn_at, grid_);
+    draw(keyframe, keyframe.T_map_base, grid_);
+    drawn_at = keyframe.T_map_base;
+    grid_changed_ = true;
+    --redrawn;
+  }
 }
 
 void Slam2dNode::publish_map(std::int64_t utime_us) {
-  if (keyframes_published_ == keyframes_drawn_) {
+  if (!grid_changed_) {
     return;
   }
   const std::vector<GridTile> tiles = cut_into_tiles(grid_);
@@ -168,7 +194,7 @@ void Slam2dNode::publish_map(std::int64_t utime_us) {
     ++message.chunk_index;
   }
   ++maps_published_;
-  keyframes_published_ = keyframes_drawn_;
+  grid_changed_ = false;
   last_map_utime_us_ = utime_us;
 }
 

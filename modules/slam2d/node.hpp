@@ -38,7 +38,7 @@ class Slam2dNode : public node::Node {
   void track(const scan::Scan& scan);
   void publish_pose(const Slam2dResult& result);
   void draw_new_keyframes();
-  void redraw();
+  void redraw_moved_keyframes(std::size_t looked_at, std::size_t redrawn);
   void publish_map(std::int64_t utime_us);
 
   node::Context& context_;
@@ -48,9 +48,10 @@ class Slam2dNode : public node::Node {
   LevelScanSelector selector_;
   Slam2d slam_;
   OccupancyGrid grid_;
-  scan::Scan scan_;  // kept for its memory
-  std::size_t keyframes_drawn_ = 0;
-  std::size_t keyframes_published_ = 0;
+  scan::Scan scan_;                      // kept for its memory
+  std::vector<geometry::SE2> drawn_at_;  // T_map_base of each keyframe in the grid
+  std::size_t next_redrawn_ = 0;
+  bool grid_changed_ = false;
   std::int64_t maps_published_ = 0;
   std::int64_t not_level_ = 0;
   std::optional<std::int64_t> last_map_utime_us_;

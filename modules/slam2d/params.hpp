@@ -15,7 +15,7 @@ enum class Metric : std::uint8_t {
 
 /// Submaps, loops between them, and when a loop is believed.
 struct BackEndParams {
-  int submap_keyframes = 40;
+  int submap_keyframes = 20;
   double loop_distance_m = 3.0;
   double min_inlier_ratio = 0.6;
   double min_match_score = 0.7;
@@ -28,7 +28,7 @@ struct BackEndParams {
   double agreement_distance_m = 0.3;
   double agreement_rotation_rad = geometry::deg_to_rad(3.0);
   int pending_keyframes = 40;
-  int polish_rounds = 2;
+  int polish_rounds = 1;
 
   template <class Visitor>
   void describe(Visitor& v) {

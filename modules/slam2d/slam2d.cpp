@@ -24,10 +24,17 @@ double distance(const geometry::SE2& a, const geometry::SE2& b) {
 
 }  // namespace
 
-void draw(const Keyframe& keyframe, OccupancyGrid& grid) {
-  const Eigen::Vector2d eye = keyframe.T_map_base * keyframe.eye_base;
+void draw(const Keyframe& keyframe, const geometry::SE2& T_map_base, OccupancyGrid& grid) {
+  const Eigen::Vector2d eye = T_map_base * keyframe.eye_base;
   for (const Eigen::Vector2f& point : keyframe.points_base) {
-    grid.add_ray(eye, keyframe.T_map_base * Eigen::Vector2d(point.cast<double>()));
+    grid.add_ray(eye, T_map_base * Eigen::Vector2d(point.cast<double>()));
+  }
+}
+
+void erase(const Keyframe& keyframe, const geometry::SE2& T_map_base, OccupancyGrid& grid) {
+  const Eigen::Vector2d eye = T_map_base * keyframe.eye_base;
+  for (const Eigen::Vector2f& point : keyframe.points_base) {
+    grid.remove_ray(eye, T_map_base * Eigen::Vector2d(point.cast<double>()));
   }
 }
 

@@ -29,8 +29,11 @@ struct Slam2dResult {
   bool map_changed = false;
 };
 
-/// Draws the rays of a keyframe, at its pose in the map.
-void draw(const Keyframe& keyframe, OccupancyGrid& grid);
+/// Draws the rays of a keyframe, seen from a pose in the map.
+void draw(const Keyframe& keyframe, const geometry::SE2& T_map_base, OccupancyGrid& grid);
+
+/// Takes them back.
+void erase(const Keyframe& keyframe, const geometry::SE2& T_map_base, OccupancyGrid& grid);
 
 /// A used scan, placed relative to its keyframe: it moves along when that is corrected.
 struct TrackedScan {
