@@ -111,7 +111,9 @@ double worst_heading_rad(const Slam2dParams& params) {
 TEST(Slam2d, R37_DoorFramesDoNotTurnThePose) {
   const double worst_rad = worst_heading_rad({});
   EXPECT_LT(worst_rad, geometry::deg_to_rad(0.5));  // R37
-  EXPECT_LT(worst_rad, worst_heading_rad({.line_radius_m = 0.25}));
+  Slam2dParams wide;
+  wide.line_radius_m = 0.25;
+  EXPECT_LT(worst_rad, worst_heading_rad(wide));
 }
 
 TEST(Slam2d, R38_ALoopEndsWhereItBegan) {
