@@ -4,7 +4,6 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
 
 namespace nodmap::slam2d {
@@ -27,27 +26,16 @@ constexpr double kTrackRotationRad = 0.1;
 // Of three degrees of freedom, one true loop of a thousand is beyond.
 constexpr double kMaxLoopChiSquared = 16.3;
 
-// Both ends of a step are matched against the same submap, and most of their errors are alike. By
-// this the steps through half a submap are twice as unsure as one match.
-constexpr double kStepSharpness = 5.0;
+// Both ends of a step are matched against the same submap, and most of their errors are alike. With
+// this factor the standard deviation over half a submap is twice that of one match.
+constexpr double kStepInformationFactor = 5.0;
 
 double distance(const geometry::SE2& a, const geometry::SE2& b) {
   return std::hypot(a.x - b.x, a.y - b.y);
 }
 
-Eigen::Matrix3d rotated(const Eigen::Matrix3d& information, double yaw) {
-  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
-  R.topLeftCorner<2, 2>() = geometry::SE2{0.0, 0.0, yaw}.rotation();
-  return R * information * R.transpose();
-}
-
-/// Finite also where a direction is open.
-Eigen::Matrix3d covariance_of(const Eigen::Matrix3d& information) {
-  return (information + 1e-6 * Eigen::Matrix3d::Identity()).inverse();
-}
-
-/// What odometry alone says on a step, in the frame of its start. Errors of wheels are no white
-/// noise but go on the same distance_m: the figures hold for 30 m.
+/// The information of odometry on a step, in the frame of its start. The errors of wheels are
+/// systematic, not white noise: the numbers hold for 30 m.
 Eigen::Matrix3d odometry_information(const geometry::SE2& step) {
   const double distance_m = std::hypot(step.x, step.y);
   const double sigma_m = 0.01 + 0.2 * distance_m;
@@ -68,14 +56,6 @@ std::vector<OrientedPoint> some_points(const Keyframe& keyframe) {
   return some;
 }
 
-/// How a change of the pose at the start of a moment_arm moves its end.
-Eigen::Matrix3d along_moment_arm(const Eigen::Vector2d& moment_arm) {
-  Eigen::Matrix3d J = Eigen::Matrix3d::Identity();
-  J(0, 2) = -moment_arm.y();
-  J(1, 2) = moment_arm.x();
-  return J;
-}
-
 }  // namespace
 
 BackEnd::BackEnd(const BackEndParams& params, const MapParams& map, const MatcherParams& matcher)
@@ -91,9 +71,9 @@ std::size_t BackEnd::num_points() const {
   return sum;
 }
 
-bool BackEnd::is_full(const Submap& submap, double share) const {
+bool BackEnd::is_full(const Submap& submap, double ratio) const {
   return static_cast<double>(submap.T_submap_keyframe.size()) >=
-         share * params_.submap.num_keyframes;
+         ratio * params_.submap.num_keyframes;
 }
 
 void BackEnd::add_keyframe(Keyframe keyframe, const geometry::SE2& T_local_keyframe,
@@ -123,7 +103,7 @@ void BackEnd::insert_into_submaps(const geometry::SE2& T_local_keyframe) {
   if (submaps_.size() == local_ + 1 && is_full(submaps_[local_], 0.5)) {
     submaps_.emplace_back(added, keyframes_[added].T_map_base, map_params_);
     submaps_.back().add({}, points);
-    submap_chain_.push_back(chain_of_submaps(local_ + 1));
+    graph_.add_chain_edge(chain_of_submaps(local_ + 1));
   } else if (submaps_.size() > local_ + 1) {
     Submap& next = submaps_[local_ + 1];
     const geometry::SE2& T_local_next = submaps_[local_].pose_of(next.first_keyframe);
@@ -140,8 +120,8 @@ void BackEnd::add_chain_edge(std::size_t keyframe, const geometry::SE2& T_local_
   edge.T_from_to = T_local_last.inverse() * T_local_keyframe;
   const geometry::SE2 T_odom_step =
       keyframes_[keyframe - 1].T_odom_base.inverse() * keyframes_[keyframe].T_odom_base;
-  edge.information =
-      kStepSharpness * rotated(information, -T_local_last.yaw) + odometry_information(T_odom_step);
+  edge.information = kStepInformationFactor * rotated(information, -T_local_last.yaw) +
+                     odometry_information(T_odom_step);
   chain_.push_back(edge);
 }
 
@@ -151,72 +131,17 @@ registration::PoseEdge2d BackEnd::chain_of_submaps(std::size_t submap) const {
   edge.from = submap - 1;
   edge.to = submap;
   edge.T_from_to = from.pose_of(submaps_[submap].first_keyframe);
-  // The covariances of the steps between, at the far end of their moment arms.
+  // The covariances of the steps between, at the end of their moment arms.
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   for (std::size_t k = from.first_keyframe; k < submaps_[submap].first_keyframe; ++k) {
     const Eigen::Vector2d moment_arm =
         edge.T_from_to.translation() - from.pose_of(k + 1).translation();
-    const Eigen::Matrix3d J = along_moment_arm(moment_arm);
+    const Eigen::Matrix3d J = moment_arm_jacobian(moment_arm);
     const Eigen::Matrix3d step = rotated(chain_[k].information.inverse(), from.pose_of(k).yaw);
     covariance += J * step * J.transpose();
   }
   edge.information = covariance.inverse();
   return edge;
-}
-
-// Dijkstra's algorithm on the graph of the submaps, by the size of the covariance (Olson 2008,
-// section 4.2.3). Paths are not fused: what comes out is never too sure.
-std::vector<Eigen::Matrix3d> BackEnd::uncertainties() const {
-  struct Neighbour {
-    std::size_t submap;
-    Eigen::Matrix3d covariance_map;  // of the step, turned into the map
-  };
-  std::vector<std::vector<Neighbour>> neighbours(submaps_.size());
-  const auto join = [&](std::size_t from, std::size_t to, const Eigen::Matrix3d& information) {
-    const Eigen::Matrix3d covariance =
-        rotated(covariance_of(information), submaps_[from].T_map_submap.yaw);
-    neighbours[from].push_back({to, covariance});
-    neighbours[to].push_back({from, covariance});
-  };
-  for (const PoseEdge2d& edge : submap_chain_) {
-    join(edge.from, edge.to, edge.information);
-  }
-  for (const auto& [pair, loop] : loops_) {
-    join(pair.first, pair.second, loop.information);
-  }
-  constexpr double kYawMomentArmM = 5.0;
-  const auto size_of = [](const Eigen::Matrix3d& covariance) {
-    return covariance(0, 0) + covariance(1, 1) + kYawMomentArmM * kYawMomentArmM * covariance(2, 2);
-  };
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  std::vector<Eigen::Matrix3d> found(submaps_.size(), Eigen::Matrix3d::Identity() * 1e6);
-  std::vector<double> size(submaps_.size(), kInfinity);
-  std::vector<bool> done(submaps_.size(), false);
-  std::vector<std::pair<double, std::size_t>> open;  // a heap, the smallest on top
-  found[local_].setZero();
-  size[local_] = 0.0;
-  open.emplace_back(0.0, local_);
-  while (!open.empty()) {
-    std::pop_heap(open.begin(), open.end(), std::greater<>());
-    const std::size_t at = open.back().second;
-    open.pop_back();
-    if (done[at]) {
-      continue;
-    }
-    done[at] = true;
-    for (const Neighbour& next : neighbours[at]) {
-      const Eigen::Matrix3d J = along_moment_arm(submaps_[next.submap].T_map_submap.translation() -
-                                                 submaps_[at].T_map_submap.translation());
-      const Eigen::Matrix3d covariance = J * found[at] * J.transpose() + next.covariance_map;
-      if (size_of(covariance) < size[next.submap]) {
-        size[next.submap] = size_of(covariance);
-        found[next.submap] = covariance;
-        open.emplace_back(size[next.submap], next.submap);
-        std::push_heap(open.begin(), open.end(), std::greater<>());
-      }
-    }
-  }
-  return found;
 }
 
 std::vector<BackEnd::Nearby> BackEnd::nearest_submaps(std::size_t keyframe, double distance_m,
@@ -246,7 +171,7 @@ void BackEnd::close_loops() {
   const std::size_t last = keyframes_.size() - 1;
   const bool is_search_due = last % kSearchEvery == 0;
   if (is_search_due || uncertainty_.size() != submaps_.size()) {
-    uncertainty_ = uncertainties();
+    uncertainty_ = graph_.uncertainties(submaps_, local_);
   }
   const double match_distance_m = params_.loop.match.max_distance_m;
   const std::vector<OrientedPoint> scan = some_points(keyframes_[last]);
@@ -292,7 +217,7 @@ void BackEnd::track_loop(std::size_t submap_index, std::span<const OrientedPoint
                                    covariance_of(loop->information);
   if (off.dot(expected.inverse() * off) > kMaxLoopChiSquared) {
     ++metrics_.refused_by_graph;
-    accept_if_agreed(*loop);
+    accept_by_consensus(*loop);
     return;
   }
   ++metrics_.loops_tracked;
@@ -313,14 +238,14 @@ void BackEnd::search_loop(std::size_t submap_index, std::span<const OrientedPoin
   metrics_.refused_match += refusal == LoopRefusal::kPoorMatch ? 1 : 0;
   if (loop) {
     loop->keyframe = keyframes_.size() - 1;
-    accept_if_agreed(*loop);
+    accept_by_consensus(*loop);
   }
 }
 
-void BackEnd::accept_if_agreed(const Loop& loop) {
-  for (const Loop& agreed : closer_.add_pending(loop, submaps_, keyframes_)) {
+void BackEnd::accept_by_consensus(const Loop& loop) {
+  for (const Loop& accepted : closer_.add_pending(loop, submaps_, keyframes_)) {
     ++metrics_.loops_searched;
-    accept(agreed);
+    accept(accepted);
     has_searched_loops_ = true;
   }
 }
@@ -331,43 +256,14 @@ void BackEnd::accept(const Loop& loop) {
   const geometry::SE2 T_own_keyframe = submaps_[own].pose_of(loop.keyframe);
   const geometry::SE2 T_from_to = loop.T_submap_keyframe * T_own_keyframe.inverse();
   const Eigen::Matrix3d J =
-      along_moment_arm(loop.T_submap_keyframe.translation() - T_from_to.translation());
+      moment_arm_jacobian(loop.T_submap_keyframe.translation() - T_from_to.translation());
   const Eigen::Matrix3d information = J.transpose() * loop.information * J;
-  auto [place, is_new] = loops_.try_emplace({loop.submap, own});
-  LoopSum& sum = place->second;
-  if (is_new) {
-    sum.T_from_to = T_from_to;
-  }
-  const Eigen::Vector3d offset(T_from_to.x - sum.T_from_to.x, T_from_to.y - sum.T_from_to.y,
-                               geometry::angle_difference(T_from_to.yaw, sum.T_from_to.yaw));
-  sum.information += information;
-  sum.weighted_offset += information * offset;
+  graph_.add_loop(loop.submap, own, T_from_to, information);
   has_new_loops_ = true;
 }
 
 void BackEnd::optimise() {
-  PoseGraph2d graph;
-  for (const Submap& submap : submaps_) {
-    graph.add_node(submap.T_map_submap);
-  }
-  for (const PoseEdge2d& edge : submap_chain_) {
-    graph.add_edge(edge);
-  }
-  for (const auto& [pair, loop] : loops_) {
-    const Eigen::Vector3d offset = covariance_of(loop.information) * loop.weighted_offset;
-    PoseEdge2d edge;
-    edge.from = pair.first;
-    edge.to = pair.second;
-    edge.T_from_to = {loop.T_from_to.x + offset.x(), loop.T_from_to.y + offset.y(),
-                      geometry::normalize_angle(loop.T_from_to.yaw + offset.z())};
-    edge.information = loop.information;
-    edge.may_be_wrong = true;
-    graph.add_edge(edge);
-  }
-  graph.optimise(has_searched_loops_, has_searched_loops_ ? 60 : 2);
-  for (std::size_t s = 0; s < submaps_.size(); ++s) {
-    submaps_[s].T_map_submap = graph.nodes()[s];
-  }
+  graph_.optimise(submaps_, has_searched_loops_);
   move_keyframes();
   ++metrics_.optimisations;
   keyframes_since_optimised_ = 0;

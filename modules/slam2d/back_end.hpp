@@ -4,10 +4,8 @@
 #include <Eigen/Core>
 #include <compare>
 #include <cstddef>
-#include <map>
-#include <optional>
+#include <cstdint>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "common/registration/pose_graph_2d.hpp"
@@ -15,17 +13,18 @@
 #include "modules/slam2d/params.hpp"
 #include "modules/slam2d/scan_matcher.hpp"
 #include "modules/slam2d/submap.hpp"
+#include "modules/slam2d/submap_graph.hpp"
 
 namespace nodmap::slam2d {
 
 /// What the back end did, for the one line at the end.
 struct BackEndMetrics {
-  std::int64_t loops_tracked = 0;   ///< found by a match from the pose the graph predicts
-  std::int64_t loops_searched = 0;  ///< found by a search, and agreeing with others
+  std::int64_t loops_tracked = 0;   ///< found by a match from the pose of the graph
+  std::int64_t loops_searched = 0;  ///< accepted by consensus
   std::int64_t searches = 0;
   std::int64_t refused_ambiguous = 0;
   std::int64_t refused_match = 0;
-  std::int64_t refused_by_graph = 0;  ///< contradicts the prediction
+  std::int64_t refused_by_graph = 0;  ///< contradicts the pose of the graph
   std::int64_t optimisations = 0;
 };
 
@@ -57,35 +56,26 @@ class BackEnd {
   [[nodiscard]] std::size_t num_points() const;
 
  private:
-  /// Loops between the same two submaps, as one edge of the graph.
-  struct LoopSum {
-    geometry::SE2 T_from_to;
-    Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
-    Eigen::Vector3d weighted_offset = Eigen::Vector3d::Zero();  ///< from T_from_to
-  };
   /// A submap, and how near its keyframes come.
   struct Nearby {
     double distance_m = 0.0;
     std::size_t submap = 0;
     auto operator<=>(const Nearby&) const = default;
   };
-  using SubmapPair = std::pair<std::size_t, std::size_t>;
 
-  [[nodiscard]] bool is_full(const Submap& submap, double share) const;
+  [[nodiscard]] bool is_full(const Submap& submap, double ratio) const;
   void insert_into_submaps(const geometry::SE2& T_local_keyframe);
   void add_chain_edge(std::size_t keyframe, const geometry::SE2& T_last_keyframe,
                       const Eigen::Matrix3d& information);
   [[nodiscard]] registration::PoseEdge2d chain_of_submaps(std::size_t submap) const;
 
-  /// Covariance of the pose of each submap relative to the last keyframe's, along the surest path.
-  [[nodiscard]] std::vector<Eigen::Matrix3d> uncertainties() const;
   [[nodiscard]] std::vector<Nearby> nearest_submaps(std::size_t keyframe, double distance_m,
                                                     std::size_t end_submap) const;
   void close_loops();
   void track_loop(std::size_t submap_index, std::span<const OrientedPoint> scan);
   void search_loop(std::size_t submap_index, std::span<const OrientedPoint> scan, double reach_m,
                    double reach_rad);
-  void accept_if_agreed(const Loop& loop);
+  void accept_by_consensus(const Loop& loop);
   void accept(const Loop& loop);
   void optimise();
   void move_keyframes();
@@ -103,8 +93,7 @@ class BackEnd {
   std::vector<Submap> submaps_;
   std::size_t local_ = 0;
   std::vector<registration::PoseEdge2d> chain_;  ///< from keyframe k to k + 1
-  std::vector<registration::PoseEdge2d> submap_chain_;
-  std::map<SubmapPair, LoopSum> loops_;
+  SubmapGraph graph_;
   std::size_t keyframes_since_optimised_ = 0;
   bool has_new_loops_ = false;
   bool has_searched_loops_ = false;

@@ -17,10 +17,10 @@ constexpr double kPeakRotationRad = 0.15;
 constexpr int kTopLevel = LikelihoodGrid::kLevels - 1;
 constexpr double kMaxMomentArmM = 15.0;  // points beyond may move by more than a cell
 
-/// The cells of the points of a scan, turned by one angle, at the middle of the window.
+/// The cells of the points of a scan, rotated by one angle, at the middle of the window.
 using Cells = std::vector<Eigen::Vector2i>;
 
-/// A square of 2^level poses along each side, all turned by the same angle.
+/// A square of 2^level poses along each side, all rotated by the same angle.
 struct Node {
   int bound = 0;  ///< no pose in it has a larger sum of likelihoods
   std::uint32_t order = 0;

@@ -47,7 +47,8 @@ class LikelihoodGrid {
   std::vector<std::vector<std::uint8_t>> levels_;  // row by row, x fastest
 };
 
-/// The poses to search: all within a square around the middle, and turned up to an angle.
+/// The poses to search: all in a square around the middle, up to `distance_m` in x and in y, and up
+/// to `rotation_rad` from its heading.
 struct SearchWindow {
   geometry::SE2 T_map_base;
   double distance_m = 0.0;
@@ -67,8 +68,8 @@ struct CorrelativeMatch {
 };
 
 /// Finds the pose of a scan in a map without a good guess: the best of all poses in a window, one
-/// cell apart and turned in steps that move the farthest point by one cell (Olson 2009). Branch and
-/// bound finds the same pose as looking at each of them.
+/// cell apart and rotated in steps that move the farthest point by one cell (Olson 2009). Branch
+/// and bound finds the same pose as looking at each of them.
 class CorrelativeMatcher {
  public:
   explicit CorrelativeMatcher(const LoopSearchParams& params) : params_(params) {}
@@ -78,7 +79,7 @@ class CorrelativeMatcher {
                                         std::span<const Eigen::Vector2d> points_base,
                                         const SearchWindow& window) const;
 
-  /// The step from one turned pose to the next, for these points.
+  /// The step from one rotated pose to the next, for these points.
   [[nodiscard]] static double rotation_step_rad(std::span<const Eigen::Vector2d> points_base,
                                                 double cell_size_m);
 

@@ -115,7 +115,7 @@ std::optional<Loop> LoopCloser::search(std::size_t submap_index, const Submap& s
     return std::nullopt;
   }
   const Match match = matcher_.match(submap.points, scan, found.T_map_base);
-  // A direction that the match leaves open is one along which it may be anywhere.
+  // Along a degenerate direction the loop could be anywhere.
   if (!match.found() || match.degenerate_directions > 0 ||
       match.inlier_ratio < params_.search.min_inlier_ratio ||
       match.score < params_.match.min_score * match.inlier_ratio ||
@@ -141,20 +141,20 @@ std::vector<Loop> LoopCloser::add_pending(const Loop& loop, std::span<const Subm
     return old.keyframe + static_cast<std::size_t>(params.max_age_keyframes) < loop.keyframe;
   });
   // Where a loop puts the newest keyframe in the map.
-  const geometry::SE2& T_odom_last = keyframes[loop.keyframe].T_map_base;
+  const geometry::SE2& T_map_last = keyframes[loop.keyframe].T_map_base;
   const auto consequence = [&](const Loop& other) {
     return submaps[other.submap].T_map_submap * other.T_submap_keyframe *
-           (keyframes[other.keyframe].T_map_base.inverse() * T_odom_last);
+           (keyframes[other.keyframe].T_map_base.inverse() * T_map_last);
   };
-  std::vector<Loop> agreeing;
+  std::vector<Loop> consensus;
   std::set<std::size_t> from;
   const geometry::SE2 here = consequence(loop);
   for (const Loop& other : pending_) {
-    const double distance_m = distance(keyframes[other.keyframe].T_map_base, T_odom_last);
+    const double distance_m = distance(keyframes[other.keyframe].T_map_base, T_map_last);
     const geometry::SE2 there = consequence(other);
     if (distance(here, there) < params.max_distance_m + 0.02 * distance_m &&
         rotation_between(here, there) < params.max_rotation_rad) {
-      agreeing.push_back(other);
+      consensus.push_back(other);
       from.insert(other.keyframe);
     }
   }
@@ -162,7 +162,7 @@ std::vector<Loop> LoopCloser::add_pending(const Loop& loop, std::span<const Subm
     return {};
   }
   pending_.clear();
-  return agreeing;
+  return consensus;
 }
 
 }  // namespace nodmap::slam2d

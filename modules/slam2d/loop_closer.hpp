@@ -26,24 +26,24 @@ struct Loop {
 
 enum class LoopRefusal : std::uint8_t { kNone, kNoPeak, kAmbiguous, kPoorMatch, kTooFar };
 
-/// Recognises places: where a scan lies in a submap, how surely, and which of several such findings
-/// agree with each other.
+/// Recognises places: where a scan lies in a submap, with which information, and which of several
+/// loops agree with each other.
 class LoopCloser {
  public:
   LoopCloser(const LoopParams& params, const MatcherParams& matcher);
 
-  /// A match from a pose that is known to be near.
+  /// Matches from a pose that is known to be near.
   [[nodiscard]] std::optional<Loop> track(const Submap& submap, std::span<const OrientedPoint> scan,
                                           const geometry::SE2& T_submap_base_guess) const;
 
-  /// The best match within a window; `scan` may be more than one scan, seen from `base`.
+  /// Finds the best match within a window. `refusal` says why there is none.
   [[nodiscard]] std::optional<Loop> search(std::size_t submap_index, const Submap& submap,
                                            std::span<const OrientedPoint> scan,
                                            const SearchWindow& window, LoopRefusal& refusal);
 
-  /// Notes a loop that was searched for. `T_submap_last` of a loop: where it puts the last keyframe
-  /// in the map, by the submap's present pose; those that agree on it say the same about the drift.
-  /// Returns all loops of the largest set in agreement when that is large enough, and forgets them.
+  /// Keeps a loop that was searched for. Each loop puts the newest keyframe somewhere in the map,
+  /// by the present pose of its submap; loops that agree on the place agree on the drift. Returns
+  /// all loops of the largest consensus when that is large enough, and forgets them.
   [[nodiscard]] std::vector<Loop> add_pending(const Loop& loop, std::span<const Submap> submaps,
                                               std::span<const Keyframe> keyframes);
 
