@@ -52,6 +52,11 @@ NormalEquations::Observability NormalEquations::observability(double min_informa
   return result;
 }
 
+Eigen::Matrix3d NormalEquations::information(double min_information_ratio) const {
+  const Eigen::Matrix3d projector = observability(min_information_ratio).projector;
+  return projector.transpose() * information_ * projector;
+}
+
 Eigen::Vector3d NormalEquations::step(double min_information_ratio) const {
   const Eigensystem system = decompose();
   const Eigen::Vector3d gradient = system.to_metres.cwiseInverse().cwiseProduct(gradient_);

@@ -29,6 +29,10 @@ class NormalEquations {
   /// mean square moment arm.
   [[nodiscard]] Observability observability(double min_information_ratio) const;
 
+  /// The information matrix of (x, y in m, yaw in rad): the sum of w J^T J, without degenerate
+  /// directions. Divided by the variance of a distance it is the inverse covariance of the pose.
+  [[nodiscard]] Eigen::Matrix3d information(double min_information_ratio) const;
+
   /// The step (dx, dy in metres, dyaw in radians) to the minimum, zero along degenerate directions.
   [[nodiscard]] Eigen::Vector3d step(double min_information_ratio) const;
 

@@ -23,6 +23,18 @@ static_assert(static_cast<int>(PoseQuality::kLost) == nodmap::pose_t::LOST);
 
 namespace {
 
+// Bounds the work on the grid with each scan.
+constexpr std::size_t kMaxCheckedPerScan = 100;
+constexpr std::size_t kMaxRedrawnPerScan = 2;
+
+/// Whether what is seen from there falls into other cells of the grid.
+bool has_moved(const geometry::SE2& from, const geometry::SE2& to, double cell_size_m) {
+  constexpr double kTypicalRangeM = 5.0;
+  return std::hypot(to.x - from.x, to.y - from.y) +
+             kTypicalRangeM * std::abs(geometry::angle_difference(to.yaw, from.yaw)) >
+         0.5 * cell_size_m;
+}
+
 void write_tile(const OccupancyGrid& grid, const GridTile& tile, nodmap::grid_chunk_t& message) {
   message.cell_size_m = grid.cell_size_m();
   message.origin_x_m = grid.origin().x();
@@ -80,6 +92,7 @@ void Slam2dNode::on_scan(const nodmap::scan_t& message) {
   last_utime_us_ = update->utime_us;
   publish_pose(*update);
   draw_new_keyframes();
+  redraw_moved_keyframes(kMaxCheckedPerScan, kMaxRedrawnPerScan);
   // The magnitude, so that a stamp that steps far back does not silence the map.
   if (!last_map_utime_us_ ||
       std::abs(static_cast<double>(update->utime_us - *last_map_utime_us_)) >=
@@ -113,6 +126,8 @@ void Slam2dNode::on_save_request(const nodmap::save_request_t& message) {
 }
 
 void Slam2dNode::finish() {
+  slam_.polish();
+  redraw_moved_keyframes(drawn_at_.size(), drawn_at_.size());
   publish_map(last_utime_us_);
 }
 
@@ -126,13 +141,33 @@ void Slam2dNode::publish_pose(const PoseUpdate& update) {
 }
 
 void Slam2dNode::draw_new_keyframes() {
-  for (; keyframes_drawn_ < slam_.keyframes().size(); ++keyframes_drawn_) {
-    draw(slam_.keyframes()[keyframes_drawn_], grid_);
+  while (drawn_at_.size() < slam_.keyframes().size()) {
+    const Keyframe& keyframe = slam_.keyframes()[drawn_at_.size()];
+    draw(keyframe, keyframe.T_map_base, grid_);
+    drawn_at_.push_back(keyframe.T_map_base);
+    grid_changed_ = true;
+  }
+}
+
+void Slam2dNode::redraw_moved_keyframes(std::size_t max_checked, std::size_t max_drawn) {
+  std::size_t drawn = 0;
+  for (std::size_t i = 0; i < std::min(max_checked, drawn_at_.size()) && drawn < max_drawn; ++i) {
+    next_redrawn_ = (next_redrawn_ + 1) % drawn_at_.size();
+    const Keyframe& keyframe = slam_.keyframes()[next_redrawn_];
+    geometry::SE2& drawn_at = drawn_at_[next_redrawn_];
+    if (!has_moved(drawn_at, keyframe.T_map_base, params_.grid.cell_size_m)) {
+      continue;
+    }
+    erase(keyframe, drawn_at, grid_);
+    draw(keyframe, keyframe.T_map_base, grid_);
+    drawn_at = keyframe.T_map_base;
+    grid_changed_ = true;
+    ++drawn;
   }
 }
 
 void Slam2dNode::publish_map(std::int64_t utime_us) {
-  if (keyframes_published_ == keyframes_drawn_) {
+  if (!grid_changed_) {
     return;
   }
   const std::vector<GridTile> tiles = cut_into_tiles(grid_);
@@ -146,7 +181,7 @@ void Slam2dNode::publish_map(std::int64_t utime_us) {
     ++message.chunk_index;
   }
   ++maps_published_;
-  keyframes_published_ = keyframes_drawn_;
+  grid_changed_ = false;
   last_map_utime_us_ = utime_us;
 }
 
@@ -172,10 +207,11 @@ void Slam2dNode::write_results(const std::filesystem::path& dir) {
 
 nlohmann::json Slam2dNode::metrics() const {
   const Metrics& metrics = slam_.metrics();
+  const BackEndMetrics& back_end = slam_.back_end().metrics();
   const double scans = static_cast<double>(std::max<std::int64_t>(1, metrics.scans));
   return {{"scans_used", metrics.scans},
           {"scans_not_level", metrics.scans_not_level},
-          {"map_points", slam_.map().points().size()},
+          {"map_points", slam_.back_end().num_points()},
           {"keyframes", slam_.keyframes().size()},
           {"tracked", metrics.tracked},
           {"partly", metrics.partly},
@@ -185,6 +221,14 @@ nlohmann::json Slam2dNode::metrics() const {
           {"searches_successful", metrics.searches_successful},
           {"mean_inlier_ratio", metrics.inlier_ratio_sum / scans},
           {"mean_score", metrics.score_sum / scans},
+          {"submaps", slam_.back_end().submaps().size()},
+          {"loops_tracked", back_end.loops_tracked},
+          {"loops_searched", back_end.loops_searched},
+          {"loop_searches", back_end.searches},
+          {"loops_refused_ambiguous", back_end.refused_ambiguous},
+          {"loops_refused_match", back_end.refused_match},
+          {"loops_refused_by_graph", back_end.refused_by_graph},
+          {"optimisations", back_end.optimisations},
           {"maps_published", maps_published_}};
 }
 

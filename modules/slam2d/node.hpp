@@ -3,6 +3,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
+#include <vector>
 
 #include "common/node/message_input.hpp"
 #include "common/node/node.hpp"
@@ -35,6 +36,9 @@ class Slam2dNode : public node::Node {
   void count_rejected(const Metrics& before);
   void publish_pose(const PoseUpdate& update);
   void draw_new_keyframes();
+  /// Draws keyframes again that the back end has moved: looks at `max_checked` of them, and draws
+  /// `max_drawn` at most.
+  void redraw_moved_keyframes(std::size_t max_checked, std::size_t max_drawn);
   void publish_map(std::int64_t utime_us);
 
   node::Context& context_;
@@ -42,9 +46,10 @@ class Slam2dNode : public node::Node {
   node::SensorInput input_;
   Slam2d slam_;
   OccupancyGrid grid_;
-  scan::Scan scan_;  // the last one; a member to reuse its memory
-  std::size_t keyframes_drawn_ = 0;
-  std::size_t keyframes_published_ = 0;
+  scan::Scan scan_;                      // the last one; a member to reuse its memory
+  std::vector<geometry::SE2> drawn_at_;  // T_map_base of each keyframe in the grid
+  std::size_t next_redrawn_ = 0;
+  bool grid_changed_ = false;  // since it was published
   std::int64_t maps_published_ = 0;
   std::optional<std::int64_t> last_map_utime_us_;
   std::int64_t last_utime_us_ = 0;

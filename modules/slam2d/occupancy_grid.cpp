@@ -61,6 +61,16 @@ OccupancyGrid::Cell& OccupancyGrid::at(const Eigen::Vector2i& cell) {
 }
 
 bool OccupancyGrid::add_ray(const Eigen::Vector2d& sensor_origin, const Eigen::Vector2d& end) {
+  return count_ray(sensor_origin, end, 1);
+}
+
+void OccupancyGrid::remove_ray(const Eigen::Vector2d& sensor_origin, const Eigen::Vector2d& end) {
+  // One less, modulo 2^32.
+  count_ray(sensor_origin, end, std::numeric_limits<std::uint32_t>::max());
+}
+
+bool OccupancyGrid::count_ray(const Eigen::Vector2d& sensor_origin, const Eigen::Vector2d& end,
+                              std::uint32_t change) {
   const Eigen::Vector2d from = sensor_origin / cell_size_m_;
   const Eigen::Vector2d to = end / cell_size_m_;
   if (!is_drawable(from) || !is_drawable(to)) {
@@ -75,13 +85,13 @@ bool OccupancyGrid::add_ray(const Eigen::Vector2d& sensor_origin, const Eigen::V
   Axis y(from.y(), to.y());
   // One step for each grid line crossed, so that rounding cannot lead past the end.
   for (int steps = (last - cell).cwiseAbs().sum(); steps > 0; --steps) {
-    ++at(cell).passed;
+    at(cell).passed += change;
     const bool along_x = cell.y() == last.y() || (cell.x() != last.x() && x.next < y.next);
     Axis& axis = along_x ? x : y;
     (along_x ? cell.x() : cell.y()) += axis.direction;
     axis.next += axis.step;
   }
-  ++at(last).ended;
+  at(last).ended += change;
   return true;
 }
 

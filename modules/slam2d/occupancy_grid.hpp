@@ -19,6 +19,9 @@ class OccupancyGrid {
   /// draws nothing, for a ray that is not finite or needs a grid of more than 64 million cells.
   bool add_ray(const Eigen::Vector2d& sensor_origin, const Eigen::Vector2d& end);
 
+  /// Takes back a ray that add_ray() has drawn.
+  void remove_ray(const Eigen::Vector2d& sensor_origin, const Eigen::Vector2d& end);
+
   [[nodiscard]] double cell_size_m() const { return cell_size_m_; }
   [[nodiscard]] int width() const { return width_; }
   [[nodiscard]] int height() const { return height_; }
@@ -35,6 +38,8 @@ class OccupancyGrid {
     std::uint32_t passed = 0;
   };
 
+  bool count_ray(const Eigen::Vector2d& sensor_origin, const Eigen::Vector2d& end,
+                 std::uint32_t change);
   [[nodiscard]] bool make_room(const Eigen::Vector2i& low, const Eigen::Vector2i& high);
   [[nodiscard]] Cell& at(const Eigen::Vector2i& cell);
 

@@ -25,6 +25,10 @@ constexpr double kStageDoneRatio = 0.1;
 // A map point without a line holds both directions, but less surely: corners, foliage.
 constexpr double kNoLineWeight = 0.3;
 
+// Of the distance of a scan point to the map. The errors of neighbouring points (a wall that is
+// not straight, a pose in the map that is off) are alike: ten points count as much as one.
+constexpr double kPointVarianceM2 = 10.0 * 0.02 * 0.02;
+
 constexpr double kConvergedM = 5e-4;
 constexpr double kConvergedRad = 1e-4;
 
@@ -158,6 +162,8 @@ void ScanMatcher::evaluate(const PointMap& map, std::span<const OrientedPoint> s
   match.num_correspondences = correspondences.count;
   match.inlier_ratio = correspondences.count / num_points;
   match.score = correspondences.score_sum / num_points;
+  match.information =
+      correspondences.lines.information(params_.min_information_ratio) / kPointVarianceM2;
   match.rms_m = correspondences.weight > 0.0
                     ? std::sqrt(correspondences.squared_m2 / correspondences.weight)
                     : 0.0;

@@ -18,6 +18,9 @@ struct Match {
   double rms_m = 0.0;             ///< weighted distance of the correspondences
   int degenerate_directions = 3;  ///< of x, y, yaw, left at the guess; 3: nothing was matched
   int iterations = 0;
+  /// Inverse covariance of (x, y in m, yaw in rad) in the frame of the map; zero along degenerate
+  /// directions.
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
 
   [[nodiscard]] bool found() const { return degenerate_directions < 3; }
 };

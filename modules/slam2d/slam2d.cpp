@@ -15,10 +15,17 @@ double distance_m(const geometry::SE2& a, const geometry::SE2& b) {
 
 }  // namespace
 
-void draw(const Keyframe& keyframe, OccupancyGrid& grid) {
-  const Eigen::Vector2d sensor_origin = keyframe.T_map_base * keyframe.sensor_origin_base;
+void draw(const Keyframe& keyframe, const geometry::SE2& T_map_base, OccupancyGrid& grid) {
+  const Eigen::Vector2d sensor_origin = T_map_base * keyframe.sensor_origin_base;
   for (const Eigen::Vector2f& point : keyframe.points_base) {
-    grid.add_ray(sensor_origin, keyframe.T_map_base * Eigen::Vector2d(point.cast<double>()));
+    grid.add_ray(sensor_origin, T_map_base * Eigen::Vector2d(point.cast<double>()));
+  }
+}
+
+void erase(const Keyframe& keyframe, const geometry::SE2& T_map_base, OccupancyGrid& grid) {
+  const Eigen::Vector2d sensor_origin = T_map_base * keyframe.sensor_origin_base;
+  for (const Eigen::Vector2f& point : keyframe.points_base) {
+    grid.remove_ray(sensor_origin, T_map_base * Eigen::Vector2d(point.cast<double>()));
   }
 }
 
@@ -27,7 +34,7 @@ Slam2d::Slam2d(const Slam2dParams& params)
       selector_(params.level_scans),
       matcher_(params.matcher),
       search_(params.search),
-      map_(params.map) {}
+      back_end_(params.back_end, params.map, params.matcher) {}
 
 bool Slam2d::add_odometry(std::int64_t utime_us, const geometry::SE3& T_odom_base) {
   return odometry_.add(utime_us, T_odom_base);
@@ -50,7 +57,7 @@ std::optional<PoseUpdate> Slam2d::add_scan(const scan::Scan& scan) {
   if (!level_scan) {
     return std::nullopt;
   }
-  if (keyframes_.empty()) {
+  if (back_end_.empty()) {
     return begin_map(*level_scan);
   }
   // "These can directly be used as data set D and matched against an incrementally built 2D map" M:
@@ -59,9 +66,11 @@ std::optional<PoseUpdate> Slam2d::add_scan(const scan::Scan& scan) {
   // The same transform corrects the pose.
   PoseUpdate update = correct_pose(*level_scan, match);
   // "New scan points that do not show a correspondence to already existing points in M are added."
+  // That may close a loop, which corrects the pose once more.
   if (is_keyframe(update, level_scan->T_odom_base)) {
-    add_keyframe(*level_scan, update);
+    add_keyframe(*level_scan, match, update);
   }
+  correct_odometry(*level_scan, update);
   record(update);
   return update;
 }
@@ -70,7 +79,7 @@ std::vector<geometry::SE2> Slam2d::trajectory() const {
   std::vector<geometry::SE2> poses;
   poses.reserve(tracked_scans_.size());
   for (const TrackedScan& scan : tracked_scans_) {
-    poses.push_back(keyframes_[scan.keyframe].T_map_base * scan.T_keyframe_base);
+    poses.push_back(keyframes()[scan.keyframe].T_map_base * scan.T_keyframe_base);
   }
   return poses;
 }
@@ -110,16 +119,18 @@ std::optional<PoseUpdate> Slam2d::begin_map(const LevelScan& scan) {
   }
   PoseUpdate update{.utime_us = scan.utime_us,
                     .T_map_base = T_map_odom_ * scan.T_odom_base,
-                    .T_map_odom = T_map_odom_,
                     .quality = PoseQuality::kTracked};
-  add_keyframe(scan, update);
+  add_keyframe(scan, {}, update);
+  correct_odometry(scan, update);
   record(update);
   return update;
 }
 
 Match Slam2d::match_or_search(const LevelScan& scan) {
-  const geometry::SE2 T_map_base_guess = T_map_odom_ * scan.T_odom_base;
-  const Match tracked = matcher_.match(map_, scan.points_base, T_map_base_guess);
+  const Submap& submap = back_end_.local();
+  const geometry::SE2 T_submap_base_guess =
+      submap.T_map_submap.inverse() * (T_map_odom_ * scan.T_odom_base);
+  const Match tracked = matcher_.match(submap.points, scan.points_base, T_submap_base_guess);
   if (tracked.score >= params_.search.score_threshold || !scan.has_enough_points()) {
     T_odom_failed_search_.reset();
     return tracked;
@@ -130,7 +141,7 @@ Match Slam2d::match_or_search(const LevelScan& scan) {
   }
   ++metrics_.searches;
   const auto found =
-      search_.find_better(matcher_, map_, scan.points_base, T_map_base_guess, tracked);
+      search_.find_better(matcher_, submap.points, scan.points_base, T_submap_base_guess, tracked);
   if (!found) {
     T_odom_failed_search_ = scan.T_odom_base;
     return tracked;
@@ -140,7 +151,7 @@ Match Slam2d::match_or_search(const LevelScan& scan) {
   return *found;
 }
 
-PoseUpdate Slam2d::correct_pose(const LevelScan& scan, const Match& match) {
+PoseUpdate Slam2d::correct_pose(const LevelScan& scan, const Match& match) const {
   PoseUpdate update{.utime_us = scan.utime_us,
                     .T_map_base = T_map_odom_ * scan.T_odom_base,
                     .inlier_ratio = match.inlier_ratio,
@@ -148,10 +159,8 @@ PoseUpdate Slam2d::correct_pose(const LevelScan& scan, const Match& match) {
                     .rms_m = match.rms_m,
                     .quality = classify(scan, match)};
   if (update.quality <= PoseQuality::kPartly) {
-    update.T_map_base = match.T_map_base;
-    T_map_odom_ = match.T_map_base * scan.T_odom_base.inverse();
+    update.T_map_base = back_end_.local().T_map_submap * match.T_map_base;
   }
-  update.T_map_odom = T_map_odom_;
   return update;
 }
 
@@ -185,25 +194,37 @@ bool Slam2d::is_keyframe(const PoseUpdate& update, const geometry::SE2& T_odom_b
   return false;
 }
 
-void Slam2d::add_keyframe(const LevelScan& scan, PoseUpdate& update) {
+void Slam2d::add_keyframe(const LevelScan& scan, const Match& match, PoseUpdate& update) {
   Keyframe keyframe{.utime_us = scan.utime_us,
                     .T_odom_base = scan.T_odom_base,
                     .T_map_base = update.T_map_base,
                     .sensor_origin_base = scan.sensor_origin_base};
   keyframe.points_base.reserve(scan.points_base.size());
+  keyframe.normals_base.reserve(scan.points_base.size());
   for (const OrientedPoint& point : scan.points_base) {
     keyframe.points_base.emplace_back(point.p.cast<float>());
-    map_.insert(update.T_map_base * point);
+    keyframe.normals_base.emplace_back(point.normal.cast<float>());
   }
-  keyframes_.push_back(std::move(keyframe));
+  const geometry::SE2 T_submap_base =
+      back_end_.empty() ? geometry::SE2{}
+                        : back_end_.local().T_map_submap.inverse() * update.T_map_base;
+  const bool is_matched = update.quality <= PoseQuality::kPartly;
+  back_end_.add_keyframe(std::move(keyframe), T_submap_base,
+                         is_matched ? match.information : Eigen::Matrix3d::Zero());
+  update.T_map_base = keyframes().back().T_map_base;
   T_odom_keyframe_ = scan.T_odom_base;
   update.is_keyframe = true;
 }
 
+void Slam2d::correct_odometry(const LevelScan& scan, PoseUpdate& update) {
+  T_map_odom_ = update.T_map_base * scan.T_odom_base.inverse();
+  update.T_map_odom = T_map_odom_;
+}
+
 void Slam2d::record(const PoseUpdate& update) {
-  const geometry::SE2 T_keyframe_base = keyframes_.back().T_map_base.inverse() * update.T_map_base;
+  const geometry::SE2 T_keyframe_base = keyframes().back().T_map_base.inverse() * update.T_map_base;
   tracked_scans_.push_back(
-      {update.utime_us, keyframes_.size() - 1, T_keyframe_base, update.T_map_base});
+      {update.utime_us, keyframes().size() - 1, T_keyframe_base, update.T_map_base});
   ++metrics_.scans;
   metrics_.tracked += update.quality == PoseQuality::kTracked ? 1 : 0;
   metrics_.partly += update.quality == PoseQuality::kPartly ? 1 : 0;

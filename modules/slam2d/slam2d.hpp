@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/geometry/pose_history.hpp"
+#include "modules/slam2d/back_end.hpp"
 #include "modules/slam2d/level_scan_selector.hpp"
 #include "modules/slam2d/occupancy_grid.hpp"
 #include "modules/slam2d/oriented_points.hpp"
@@ -37,18 +38,11 @@ struct PoseUpdate {
   bool is_keyframe = false;
 };
 
-/// A scan that went into the map. Kept, so that its pose can be corrected later and grids be drawn
-/// from it.
-struct Keyframe {
-  std::int64_t utime_us = 0;
-  geometry::SE2 T_odom_base;
-  geometry::SE2 T_map_base;
-  Eigen::Vector2d sensor_origin_base = Eigen::Vector2d::Zero();
-  std::vector<Eigen::Vector2f> points_base = {};
-};
+/// Draws the rays of a keyframe, seen from a pose in the map.
+void draw(const Keyframe& keyframe, const geometry::SE2& T_map_base, OccupancyGrid& grid);
 
-/// Draws the rays of a keyframe from its pose in the map.
-void draw(const Keyframe& keyframe, OccupancyGrid& grid);
+/// Takes back what draw() has drawn from the same pose.
+void erase(const Keyframe& keyframe, const geometry::SE2& T_map_base, OccupancyGrid& grid);
 
 /// A level scan, relative to the keyframe before it, with which its pose is corrected.
 struct TrackedScan {
@@ -75,7 +69,8 @@ struct Metrics {
 };
 
 /// 3DOF-SLAM (section IV A): level scans are matched against an incrementally built point map, and
-/// what is new in them is added to it. The map frame is the odom frame of the first scan.
+/// what is new in them is added to it. That map is a submap; the back end joins the submaps and
+/// closes loops between them. The map frame is the odom frame of the first scan.
 class Slam2d {
  public:
   explicit Slam2d(const Slam2dParams& params);
@@ -97,8 +92,13 @@ class Slam2d {
   /// The pose of each of tracked_scans(), corrected by all that is known now.
   [[nodiscard]] std::vector<geometry::SE2> trajectory() const;
 
-  [[nodiscard]] const PointMap& map() const { return map_; }
-  [[nodiscard]] std::span<const Keyframe> keyframes() const { return keyframes_; }
+  /// Corrects all poses once more by all that is known; to be called after the last scan.
+  void polish() { back_end_.polish(); }
+
+  /// The submap that scans are matched against.
+  [[nodiscard]] const PointMap& map() const { return back_end_.local().points; }
+  [[nodiscard]] const BackEnd& back_end() const { return back_end_; }
+  [[nodiscard]] std::span<const Keyframe> keyframes() const { return back_end_.keyframes(); }
   [[nodiscard]] std::span<const TrackedScan> tracked_scans() const { return tracked_scans_; }
   [[nodiscard]] const Metrics& metrics() const { return metrics_; }
 
@@ -116,12 +116,13 @@ class Slam2d {
   [[nodiscard]] std::optional<LevelScan> next_level_scan(const scan::Scan& scan);
   [[nodiscard]] std::optional<PoseUpdate> begin_map(const LevelScan& scan);
   [[nodiscard]] Match match_or_search(const LevelScan& scan);
-  [[nodiscard]] PoseUpdate correct_pose(const LevelScan& scan, const Match& match);
+  [[nodiscard]] PoseUpdate correct_pose(const LevelScan& scan, const Match& match) const;
   [[nodiscard]] PoseQuality classify(const LevelScan& scan, const Match& match) const;
   [[nodiscard]] bool is_keyframe(const PoseUpdate& update, const geometry::SE2& T_odom_base) const;
   [[nodiscard]] bool has_moved(const geometry::SE2& T_odom_before,
                                const geometry::SE2& T_odom_now) const;
-  void add_keyframe(const LevelScan& scan, PoseUpdate& update);
+  void add_keyframe(const LevelScan& scan, const Match& match, PoseUpdate& update);
+  void correct_odometry(const LevelScan& scan, PoseUpdate& update);
   void record(const PoseUpdate& update);
 
   Slam2dParams params_;
@@ -130,11 +131,10 @@ class Slam2d {
   OrientedPointExtractor extractor_;
   ScanMatcher matcher_;
   PoseSearch search_;
-  PointMap map_;
+  BackEnd back_end_;
   geometry::SE2 T_map_odom_;
   geometry::SE2 T_odom_keyframe_;  // the last one, in the present odom frame
   std::optional<geometry::SE2> T_odom_failed_search_;
-  std::vector<Keyframe> keyframes_;
   std::vector<TrackedScan> tracked_scans_;
   Metrics metrics_;
 };

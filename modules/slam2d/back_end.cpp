@@ -1,0 +1,354 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/slam2d/back_end.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace nodmap::slam2d {
+namespace {
+
+using registration::PoseEdge2d;
+using registration::PoseGraph2d;
+
+constexpr std::size_t kNeighbours = 3;  // submaps that a keyframe is matched against
+// The work on one keyframe is bounded.
+constexpr std::size_t kMaxTracked = 2;
+constexpr std::size_t kMaxSearches = 2;
+constexpr std::size_t kSearchEvery = 3;      // keyframes
+constexpr std::size_t kMaxScanPoints = 120;  // enough to match one scan
+constexpr std::size_t kOptimiseEvery = 3;
+constexpr double kSigmas = 3.0;
+// Nearer than this by the graph, a match finds the place without a search.
+constexpr double kTrackDistanceM = 0.35;
+constexpr double kTrackRotationRad = 0.1;
+// Of three degrees of freedom, one true loop of a thousand is beyond.
+constexpr double kMaxLoopChiSquared = 16.3;
+
+// Both ends of a step are matched against the same submap, and most of their errors are alike. With
+// this factor the standard deviation over half a submap is twice that of one match.
+constexpr double kStepInformationFactor = 5.0;
+
+double distance(const geometry::SE2& a, const geometry::SE2& b) {
+  return std::hypot(a.x - b.x, a.y - b.y);
+}
+
+/// The information of odometry on a step, in the frame of its start. The errors of wheels are
+/// systematic, not white noise: the numbers hold for 30 m.
+Eigen::Matrix3d odometry_information(const geometry::SE2& step) {
+  const double distance_m = std::hypot(step.x, step.y);
+  const double sigma_m = 0.01 + 0.2 * distance_m;
+  const double sigma_rad = 0.02 + 0.1 * std::abs(step.yaw) + 0.05 * distance_m;
+  return Eigen::Vector3d(1.0 / (sigma_m * sigma_m), 1.0 / (sigma_m * sigma_m),
+                         1.0 / (sigma_rad * sigma_rad))
+      .asDiagonal();
+}
+
+/// At most `kMaxScanPoints` of the points of a keyframe, spread over the scan.
+std::vector<OrientedPoint> some_points(const Keyframe& keyframe) {
+  const std::vector<OrientedPoint> all = oriented_points(keyframe);
+  const std::size_t stride = (all.size() + kMaxScanPoints - 1) / kMaxScanPoints;
+  std::vector<OrientedPoint> some;
+  for (std::size_t i = 0; i < all.size(); i += stride) {
+    some.push_back(all[i]);
+  }
+  return some;
+}
+
+}  // namespace
+
+BackEnd::BackEnd(const BackEndParams& params, const MapParams& map, const MatcherParams& matcher)
+    : params_(params), map_params_(map), closer_(params.loop, matcher) {
+  submaps_.emplace_back(0, geometry::SE2{}, map);
+}
+
+std::size_t BackEnd::num_points() const {
+  std::size_t sum = 0;
+  for (const Submap& submap : submaps_) {
+    sum += submap.points.points().size();
+  }
+  return sum;
+}
+
+bool BackEnd::is_full(const Submap& submap, double ratio) const {
+  return static_cast<double>(submap.T_submap_keyframe.size()) >=
+         ratio * params_.submap.num_keyframes;
+}
+
+void BackEnd::add_keyframe(Keyframe keyframe, const geometry::SE2& T_local_keyframe,
+                           const Eigen::Matrix3d& information) {
+  const std::size_t added = keyframes_.size();
+  keyframes_.push_back(std::move(keyframe));
+  if (added == 0) {
+    submaps_[0].T_map_submap = keyframes_[0].T_map_base;
+  } else {
+    keyframes_[added].T_map_base = submaps_[local_].T_map_submap * T_local_keyframe;
+    add_chain_edge(added, T_local_keyframe, information);
+  }
+  submap_of_.push_back(local_);
+  insert_into_submaps(T_local_keyframe);
+  if (is_full(submaps_[local_], 1.0)) {
+    ++local_;
+  }
+  close_loops();
+}
+
+// Places within the submaps follow from the match alone: what the graph does to the submaps does
+// not matter.
+void BackEnd::insert_into_submaps(const geometry::SE2& T_local_keyframe) {
+  const std::size_t added = keyframes_.size() - 1;
+  const std::vector<OrientedPoint> points = oriented_points(keyframes_[added]);
+  submaps_[local_].add(T_local_keyframe, points);
+  if (submaps_.size() == local_ + 1 && is_full(submaps_[local_], 0.5)) {
+    submaps_.emplace_back(added, keyframes_[added].T_map_base, map_params_);
+    submaps_.back().add({}, points);
+    graph_.add_chain_edge(chain_of_submaps(local_ + 1));
+  } else if (submaps_.size() > local_ + 1) {
+    Submap& next = submaps_[local_ + 1];
+    const geometry::SE2& T_local_next = submaps_[local_].pose_of(next.first_keyframe);
+    next.add(T_local_next.inverse() * T_local_keyframe, points);
+  }
+}
+
+void BackEnd::add_chain_edge(std::size_t keyframe, const geometry::SE2& T_local_keyframe,
+                             const Eigen::Matrix3d& information) {
+  const geometry::SE2& T_local_last = submaps_[local_].pose_of(keyframe - 1);
+  PoseEdge2d edge;
+  edge.from = keyframe - 1;
+  edge.to = keyframe;
+  edge.T_from_to = T_local_last.inverse() * T_local_keyframe;
+  const geometry::SE2 T_odom_step =
+      keyframes_[keyframe - 1].T_odom_base.inverse() * keyframes_[keyframe].T_odom_base;
+  edge.information = kStepInformationFactor * rotated(information, -T_local_last.yaw) +
+                     odometry_information(T_odom_step);
+  chain_.push_back(edge);
+}
+
+registration::PoseEdge2d BackEnd::chain_of_submaps(std::size_t submap) const {
+  const Submap& from = submaps_[submap - 1];
+  PoseEdge2d edge;
+  edge.from = submap - 1;
+  edge.to = submap;
+  edge.T_from_to = from.pose_of(submaps_[submap].first_keyframe);
+  // The covariances of the steps between, at the end of their moment arms.
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  for (std::size_t k = from.first_keyframe; k < submaps_[submap].first_keyframe; ++k) {
+    const Eigen::Vector2d moment_arm =
+        edge.T_from_to.translation() - from.pose_of(k + 1).translation();
+    const Eigen::Matrix3d J = moment_arm_jacobian(moment_arm);
+    const Eigen::Matrix3d step = rotated(chain_[k].information.inverse(), from.pose_of(k).yaw);
+    covariance += J * step * J.transpose();
+  }
+  edge.information = covariance.inverse();
+  return edge;
+}
+
+std::vector<BackEnd::Nearby> BackEnd::nearest_submaps(std::size_t keyframe, double distance_m,
+                                                      std::size_t end_submap) const {
+  std::vector<Nearby> found;
+  const Eigen::Vector2d here = keyframes_[keyframe].T_map_base.translation();
+  // Overlapping submaps see the same: every other one is enough.
+  for (std::size_t s = 0; s < end_submap; s += 2) {
+    double nearest_m2 = std::numeric_limits<double>::infinity();
+    for (std::size_t k = submaps_[s].first_keyframe; k < submaps_[s].end_keyframe(); ++k) {
+      nearest_m2 =
+          std::min(nearest_m2, (keyframes_[k].T_map_base.translation() - here).squaredNorm());
+    }
+    if (nearest_m2 < distance_m * distance_m) {
+      found.push_back({std::sqrt(nearest_m2), s});
+    }
+  }
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+void BackEnd::close_loops() {
+  ++keyframes_since_optimised_;
+  if (local_ < 3) {
+    return;
+  }
+  const std::size_t last = keyframes_.size() - 1;
+  const bool is_search_due = last % kSearchEvery == 0;
+  if (is_search_due || uncertainty_.size() != submaps_.size()) {
+    uncertainty_ = graph_.uncertainties(submaps_, local_);
+  }
+  const double match_distance_m = params_.loop.match.max_distance_m;
+  const std::vector<OrientedPoint> scan = some_points(keyframes_[last]);
+  std::size_t tracked = 0;
+  std::size_t searched = 0;
+  for (const Nearby& near :
+       nearest_submaps(last, match_distance_m + params_.loop.search.max_distance_m, local_ - 2)) {
+    const Eigen::Matrix3d& covariance = uncertainty_[near.submap];
+    const double reach_m = kSigmas * std::sqrt(std::max(covariance(0, 0), covariance(1, 1)));
+    const double reach_rad = kSigmas * std::sqrt(covariance(2, 2));
+    if (near.distance_m > match_distance_m + reach_m) {
+      continue;
+    }
+    if (reach_m <= kTrackDistanceM && reach_rad <= kTrackRotationRad) {
+      if (tracked < kMaxTracked) {
+        ++tracked;
+        track_loop(near.submap, scan);
+      }
+    } else if (is_search_due && searched < kMaxSearches) {
+      ++searched;
+      search_loop(near.submap, scan, reach_m, reach_rad);
+    }
+  }
+  if (has_searched_loops_ || (has_new_loops_ && keyframes_since_optimised_ >= kOptimiseEvery)) {
+    optimise();
+  }
+}
+
+void BackEnd::track_loop(std::size_t submap_index, std::span<const OrientedPoint> scan) {
+  const Submap& submap = submaps_[submap_index];
+  const geometry::SE2 T_submap_guess = submap.T_map_submap.inverse() * keyframes_.back().T_map_base;
+  auto loop = closer_.track(submap, scan, T_submap_guess);
+  if (!loop) {
+    ++metrics_.refused_match;
+    return;
+  }
+  loop->submap = submap_index;
+  loop->keyframe = keyframes_.size() - 1;
+  const Eigen::Vector3d off(
+      loop->T_submap_keyframe.x - T_submap_guess.x, loop->T_submap_keyframe.y - T_submap_guess.y,
+      geometry::angle_difference(loop->T_submap_keyframe.yaw, T_submap_guess.yaw));
+  const Eigen::Matrix3d expected = rotated(uncertainty_[submap_index], -submap.T_map_submap.yaw) +
+                                   covariance_of(loop->information);
+  if (off.dot(expected.inverse() * off) > kMaxLoopChiSquared) {
+    ++metrics_.refused_by_graph;
+    accept_by_consensus(*loop);
+    return;
+  }
+  ++metrics_.loops_tracked;
+  accept(*loop);
+}
+
+void BackEnd::search_loop(std::size_t submap_index, std::span<const OrientedPoint> scan,
+                          double reach_m, double reach_rad) {
+  const Submap& submap = submaps_[submap_index];
+  const SearchWindow window{
+      submap.T_map_submap.inverse() * keyframes_.back().T_map_base,
+      std::min(reach_m + kTrackDistanceM, params_.loop.search.max_distance_m),
+      std::min(reach_rad + kTrackRotationRad, params_.loop.search.max_rotation_rad)};
+  ++metrics_.searches;
+  LoopRefusal refusal = LoopRefusal::kNone;
+  auto loop = closer_.search(submap_index, submap, scan, window, refusal);
+  metrics_.refused_ambiguous += refusal == LoopRefusal::kAmbiguous ? 1 : 0;
+  metrics_.refused_match += refusal == LoopRefusal::kPoorMatch ? 1 : 0;
+  if (loop) {
+    loop->keyframe = keyframes_.size() - 1;
+    accept_by_consensus(*loop);
+  }
+}
+
+void BackEnd::accept_by_consensus(const Loop& loop) {
+  for (const Loop& accepted : closer_.add_pending(loop, submaps_, keyframes_)) {
+    ++metrics_.loops_searched;
+    accept(accepted);
+    has_searched_loops_ = true;
+  }
+}
+
+void BackEnd::accept(const Loop& loop) {
+  // Between the submaps: the keyframe's own is as rigid as the one it was found in.
+  const std::size_t own = submap_of_[loop.keyframe];
+  const geometry::SE2 T_own_keyframe = submaps_[own].pose_of(loop.keyframe);
+  const geometry::SE2 T_from_to = loop.T_submap_keyframe * T_own_keyframe.inverse();
+  const Eigen::Matrix3d J =
+      moment_arm_jacobian(loop.T_submap_keyframe.translation() - T_from_to.translation());
+  const Eigen::Matrix3d information = J.transpose() * loop.information * J;
+  graph_.add_loop(loop.submap, own, T_from_to, information);
+  has_new_loops_ = true;
+}
+
+void BackEnd::optimise() {
+  graph_.optimise(submaps_, has_searched_loops_);
+  move_keyframes();
+  ++metrics_.optimisations;
+  keyframes_since_optimised_ = 0;
+  has_new_loops_ = false;
+  has_searched_loops_ = false;
+}
+
+void BackEnd::move_keyframes() {
+  for (std::size_t k = 0; k < keyframes_.size(); ++k) {
+    const Submap& submap = submaps_[submap_of_[k]];
+    keyframes_[k].T_map_base = submap.T_map_submap * submap.pose_of(k);
+  }
+}
+
+void BackEnd::polish() {
+  for (int round = 0; round < params_.polish.rounds; ++round) {
+    if (round > 0) {
+      rebuild_submaps();
+    }
+    PoseGraph2d graph;
+    for (const Keyframe& keyframe : keyframes_) {
+      graph.add_node(keyframe.T_map_base);
+    }
+    for (const PoseEdge2d& edge : chain_) {
+      graph.add_edge(edge);
+    }
+    for (const PoseEdge2d& edge : matches_all_around()) {
+      graph.add_edge(edge);
+    }
+    graph.optimise(false, 20);
+    for (std::size_t k = 0; k < keyframes_.size(); ++k) {
+      keyframes_[k].T_map_base = graph.nodes()[k];
+    }
+  }
+}
+
+std::vector<PoseEdge2d> BackEnd::matches_all_around() const {
+  std::vector<PoseEdge2d> edges;
+  for (std::size_t k = 0; k < keyframes_.size(); ++k) {
+    const std::vector<OrientedPoint> scan = some_points(keyframes_[k]);
+    std::size_t matched = 0;
+    for (const Nearby& near :
+         nearest_submaps(k, params_.loop.match.max_distance_m, submaps_.size())) {
+      const Submap& submap = submaps_[near.submap];
+      if (submap.has(k) || matched == kNeighbours) {
+        continue;
+      }
+      ++matched;
+      const auto loop =
+          closer_.track(submap, scan, submap.T_map_submap.inverse() * keyframes_[k].T_map_base);
+      if (loop) {
+        edges.push_back(edge_to_nearest(submap, *loop, k));
+      }
+    }
+  }
+  return edges;
+}
+
+// From the nearest keyframe of the submap: what lies between may bend.
+PoseEdge2d BackEnd::edge_to_nearest(const Submap& submap, const Loop& loop, std::size_t keyframe) {
+  std::size_t nearest = submap.first_keyframe;
+  for (std::size_t k = nearest; k < submap.end_keyframe(); ++k) {
+    if (distance(submap.pose_of(k), loop.T_submap_keyframe) <
+        distance(submap.pose_of(nearest), loop.T_submap_keyframe)) {
+      nearest = k;
+    }
+  }
+  PoseEdge2d edge;
+  edge.from = nearest;
+  edge.to = keyframe;
+  edge.T_from_to = submap.pose_of(nearest).inverse() * loop.T_submap_keyframe;
+  edge.information = rotated(loop.information, -submap.pose_of(nearest).yaw);
+  edge.may_be_wrong = true;
+  return edge;
+}
+
+void BackEnd::rebuild_submaps() {
+  for (Submap& submap : submaps_) {
+    Submap anew(submap.first_keyframe, keyframes_[submap.first_keyframe].T_map_base, map_params_);
+    for (std::size_t k = submap.first_keyframe; k < submap.end_keyframe(); ++k) {
+      anew.add(anew.T_map_submap.inverse() * keyframes_[k].T_map_base,
+               oriented_points(keyframes_[k]));
+    }
+    submap = std::move(anew);
+  }
+}
+
+}  // namespace nodmap::slam2d

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <compare>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "common/registration/pose_graph_2d.hpp"
+#include "modules/slam2d/loop_closer.hpp"
+#include "modules/slam2d/params.hpp"
+#include "modules/slam2d/scan_matcher.hpp"
+#include "modules/slam2d/submap.hpp"
+#include "modules/slam2d/submap_graph.hpp"
+
+namespace nodmap::slam2d {
+
+/// What the back end did, for the one line at the end.
+struct BackEndMetrics {
+  std::int64_t loops_tracked = 0;   ///< found by a match from the pose of the graph
+  std::int64_t loops_searched = 0;  ///< accepted by consensus
+  std::int64_t searches = 0;
+  std::int64_t refused_ambiguous = 0;
+  std::int64_t refused_match = 0;
+  std::int64_t refused_by_graph = 0;  ///< contradicts the pose of the graph
+  std::int64_t optimisations = 0;
+};
+
+/// Keeps the map consistent: submaps of consecutive keyframes, joined by odometry and by loops in a
+/// pose graph.
+///
+/// Two submaps grow at a time, each begun when the other is half full, so that there is always one
+/// with enough in it to match against (Hess et al. 2016, section IV).
+class BackEnd {
+ public:
+  BackEnd(const BackEndParams& params, const MapParams& map, const MatcherParams& matcher);
+
+  /// The submap that scans are matched against. Valid until the next keyframe is added.
+  [[nodiscard]] const Submap& local() const { return submaps_[local_]; }
+  [[nodiscard]] bool empty() const { return keyframes_.empty(); }
+
+  /// Adds a keyframe at its place in the local submap, closes loops with older submaps, and moves
+  /// all submaps if that changed anything. `information` (x, y, yaw in the frame of the submap): of
+  /// the match that found the place, zero where there was none.
+  void add_keyframe(Keyframe keyframe, const geometry::SE2& T_local_keyframe,
+                    const Eigen::Matrix3d& information);
+
+  /// Matches every keyframe anew against the submaps around it, and optimises all their poses.
+  void polish();
+
+  [[nodiscard]] const std::vector<Keyframe>& keyframes() const { return keyframes_; }
+  [[nodiscard]] std::span<const Submap> submaps() const { return submaps_; }
+  [[nodiscard]] const BackEndMetrics& metrics() const { return metrics_; }
+  [[nodiscard]] std::size_t num_points() const;
+
+ private:
+  /// A submap, and how near its keyframes come.
+  struct Nearby {
+    double distance_m = 0.0;
+    std::size_t submap = 0;
+    auto operator<=>(const Nearby&) const = default;
+  };
+
+  [[nodiscard]] bool is_full(const Submap& submap, double ratio) const;
+  void insert_into_submaps(const geometry::SE2& T_local_keyframe);
+  void add_chain_edge(std::size_t keyframe, const geometry::SE2& T_last_keyframe,
+                      const Eigen::Matrix3d& information);
+  [[nodiscard]] registration::PoseEdge2d chain_of_submaps(std::size_t submap) const;
+
+  [[nodiscard]] std::vector<Nearby> nearest_submaps(std::size_t keyframe, double distance_m,
+                                                    std::size_t end_submap) const;
+  void close_loops();
+  void track_loop(std::size_t submap_index, std::span<const OrientedPoint> scan);
+  void search_loop(std::size_t submap_index, std::span<const OrientedPoint> scan, double reach_m,
+                   double reach_rad);
+  void accept_by_consensus(const Loop& loop);
+  void accept(const Loop& loop);
+  void optimise();
+  void move_keyframes();
+  [[nodiscard]] std::vector<registration::PoseEdge2d> matches_all_around() const;
+  [[nodiscard]] static registration::PoseEdge2d edge_to_nearest(const Submap& submap,
+                                                                const Loop& loop,
+                                                                std::size_t keyframe);
+  void rebuild_submaps();
+
+  BackEndParams params_;
+  MapParams map_params_;
+  LoopCloser closer_;
+  std::vector<Keyframe> keyframes_;
+  std::vector<std::size_t> submap_of_;  ///< the one each keyframe was matched against
+  std::vector<Submap> submaps_;
+  std::size_t local_ = 0;
+  std::vector<registration::PoseEdge2d> chain_;  ///< from keyframe k to k + 1
+  SubmapGraph graph_;
+  std::size_t keyframes_since_optimised_ = 0;
+  bool has_new_loops_ = false;
+  bool has_searched_loops_ = false;
+  std::vector<Eigen::Matrix3d> uncertainty_;  ///< as it was at the last search
+  BackEndMetrics metrics_;
+};
+
+}  // namespace nodmap::slam2d

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/slam2d/loop_closer.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+namespace nodmap::slam2d {
+namespace {
+
+constexpr double kSearchCellM = 0.1;
+constexpr double kGridRangeM = 25.0;
+constexpr std::size_t kCachedGrids = 24;
+constexpr std::size_t kMaxSearchPoints = 300;
+constexpr double kDownsamplingM = 0.2;
+// A match may not leave the pose it started from by more.
+constexpr double kTrackDistanceM = 0.5;
+constexpr double kTrackRotationRad = 0.15;
+constexpr double kTrackReachM = 0.4;
+
+double distance(const geometry::SE2& a, const geometry::SE2& b) {
+  return std::hypot(a.x - b.x, a.y - b.y);
+}
+
+double rotation_between(const geometry::SE2& a, const geometry::SE2& b) {
+  return std::abs(geometry::angle_difference(a.yaw, b.yaw));
+}
+
+/// The start pose is known better than the pose by odometry that `params` are made for.
+MatcherParams from_near(MatcherParams params) {
+  params.max_correspondence_distance_m =
+      std::min(params.max_correspondence_distance_m, kTrackReachM);
+  return params;
+}
+
+/// At most one point in each square of a grid, in the order of the scan.
+std::vector<Eigen::Vector2d> downsampled(std::span<const OrientedPoint> scan) {
+  std::set<std::pair<int, int>> taken;
+  std::vector<Eigen::Vector2d> points;
+  for (const OrientedPoint& point : scan) {
+    const Eigen::Vector2d cell = (point.p / kDownsamplingM).array().floor();
+    if (point.p.norm() <= kGridRangeM &&
+        taken.emplace(static_cast<int>(cell.x()), static_cast<int>(cell.y())).second) {
+      points.push_back(point.p);
+    }
+  }
+  if (points.size() > kMaxSearchPoints) {
+    const double stride = static_cast<double>(points.size()) / kMaxSearchPoints;
+    std::vector<Eigen::Vector2d> some;
+    for (std::size_t i = 0; i < kMaxSearchPoints; ++i) {
+      some.push_back(points[static_cast<std::size_t>(static_cast<double>(i) * stride)]);
+    }
+    return some;
+  }
+  return points;
+}
+
+}  // namespace
+
+LoopCloser::LoopCloser(const LoopParams& params, const MatcherParams& matcher)
+    : params_(params), matcher_(from_near(matcher)), correlative_(params.search) {}
+
+std::optional<Loop> LoopCloser::track(const Submap& submap, std::span<const OrientedPoint> scan,
+                                      const geometry::SE2& T_submap_base_guess) const {
+  const Match match = matcher_.match(submap.points, scan, T_submap_base_guess);
+  if (!match.found() || match.inlier_ratio < params_.match.min_inlier_ratio ||
+      match.score < params_.match.min_score * match.inlier_ratio ||
+      distance(match.T_map_base, T_submap_base_guess) > kTrackDistanceM ||
+      rotation_between(match.T_map_base, T_submap_base_guess) > kTrackRotationRad) {
+    return std::nullopt;
+  }
+  Loop loop;
+  loop.T_submap_keyframe = match.T_map_base;
+  loop.information = match.information;
+  loop.inlier_ratio = match.inlier_ratio;
+  return loop;
+}
+
+const LikelihoodGrid& LoopCloser::grid_of(std::size_t submap_index, const Submap& submap) {
+  ++uses_;
+  const std::size_t num_points = submap.points.points().size();
+  if (const auto found = grids_.find(submap_index);
+      found != grids_.end() && found->second.num_points == num_points) {
+    found->second.last_use = uses_;
+    return found->second.grid;
+  }
+  if (grids_.size() >= kCachedGrids) {
+    grids_.erase(std::min_element(grids_.begin(), grids_.end(), [](const auto& a, const auto& b) {
+      return a.second.last_use < b.second.last_use;
+    }));
+  }
+  std::vector<Eigen::Vector2d> points;
+  points.reserve(num_points);
+  for (const MapPoint& point : submap.points.points()) {
+    points.push_back(point.point.p);
+  }
+  grids_.erase(submap_index);
+  return grids_
+      .emplace(submap_index,
+               CachedGrid{num_points, uses_, LikelihoodGrid(points, kSearchCellM, kGridRangeM)})
+      .first->second.grid;
+}
+
+std::optional<Loop> LoopCloser::search(std::size_t submap_index, const Submap& submap,
+                                       std::span<const OrientedPoint> scan,
+                                       const SearchWindow& window, LoopRefusal& refusal) {
+  const std::vector<Eigen::Vector2d> points = downsampled(scan);
+  const CorrelativeMatch found = correlative_.search(grid_of(submap_index, submap), points, window);
+  if (found.score < params_.search.min_score) {
+    refusal = LoopRefusal::kNoPeak;
+    return std::nullopt;
+  }
+  if (found.runner_up_score > params_.search.max_runner_up_ratio * found.score || !found.complete) {
+    refusal = LoopRefusal::kAmbiguous;
+    return std::nullopt;
+  }
+  const Match match = matcher_.match(submap.points, scan, found.T_map_base);
+  // Along a degenerate direction the loop could be anywhere.
+  if (!match.found() || match.degenerate_directions > 0 ||
+      match.inlier_ratio < params_.search.min_inlier_ratio ||
+      match.score < params_.match.min_score * match.inlier_ratio ||
+      distance(match.T_map_base, found.T_map_base) > kTrackDistanceM ||
+      rotation_between(match.T_map_base, found.T_map_base) > kTrackRotationRad) {
+    refusal = LoopRefusal::kPoorMatch;
+    return std::nullopt;
+  }
+  refusal = LoopRefusal::kNone;
+  Loop loop;
+  loop.submap = submap_index;
+  loop.T_submap_keyframe = match.T_map_base;
+  loop.information = match.information;
+  loop.inlier_ratio = match.inlier_ratio;
+  return loop;
+}
+
+std::vector<Loop> LoopCloser::add_pending(const Loop& loop, std::span<const Submap> submaps,
+                                          std::span<const Keyframe> keyframes) {
+  const LoopConsensusParams& params = params_.consensus;
+  pending_.push_back(loop);
+  std::erase_if(pending_, [&](const Loop& old) {
+    return old.keyframe + static_cast<std::size_t>(params.max_age_keyframes) < loop.keyframe;
+  });
+  // Where a loop puts the newest keyframe in the map.
+  const geometry::SE2& T_map_last = keyframes[loop.keyframe].T_map_base;
+  const auto consequence = [&](const Loop& other) {
+    return submaps[other.submap].T_map_submap * other.T_submap_keyframe *
+           (keyframes[other.keyframe].T_map_base.inverse() * T_map_last);
+  };
+  std::vector<Loop> consensus;
+  std::set<std::size_t> from;
+  const geometry::SE2 here = consequence(loop);
+  for (const Loop& other : pending_) {
+    const double distance_m = distance(keyframes[other.keyframe].T_map_base, T_map_last);
+    const geometry::SE2 there = consequence(other);
+    if (distance(here, there) < params.max_distance_m + 0.02 * distance_m &&
+        rotation_between(here, there) < params.max_rotation_rad) {
+      consensus.push_back(other);
+      from.insert(other.keyframe);
+    }
+  }
+  if (from.size() < static_cast<std::size_t>(params.min_keyframes)) {
+    return {};
+  }
+  pending_.clear();
+  return consensus;
+}
+
+}  // namespace nodmap::slam2d

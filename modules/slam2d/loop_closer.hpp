@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <map>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "modules/slam2d/correlative_matcher.hpp"
+#include "modules/slam2d/params.hpp"
+#include "modules/slam2d/scan_matcher.hpp"
+#include "modules/slam2d/submap.hpp"
+
+namespace nodmap::slam2d {
+
+/// A keyframe recognised in a submap that does not hold it.
+struct Loop {
+  std::size_t submap = 0;
+  std::size_t keyframe = 0;
+  geometry::SE2 T_submap_keyframe;
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  ///< in the frame of the submap
+  double inlier_ratio = 0.0;
+};
+
+enum class LoopRefusal : std::uint8_t { kNone, kNoPeak, kAmbiguous, kPoorMatch, kTooFar };
+
+/// Recognises places: where a scan lies in a submap, with which information, and which of several
+/// loops agree with each other.
+class LoopCloser {
+ public:
+  LoopCloser(const LoopParams& params, const MatcherParams& matcher);
+
+  /// Matches from a pose that is known to be near.
+  [[nodiscard]] std::optional<Loop> track(const Submap& submap, std::span<const OrientedPoint> scan,
+                                          const geometry::SE2& T_submap_base_guess) const;
+
+  /// Finds the best match within a window. `refusal` says why there is none.
+  [[nodiscard]] std::optional<Loop> search(std::size_t submap_index, const Submap& submap,
+                                           std::span<const OrientedPoint> scan,
+                                           const SearchWindow& window, LoopRefusal& refusal);
+
+  /// Keeps a loop that was searched for. Each loop puts the newest keyframe somewhere in the map,
+  /// by the present pose of its submap; loops that agree on the place agree on the drift. Returns
+  /// all loops of the largest consensus when that is large enough, and forgets them.
+  [[nodiscard]] std::vector<Loop> add_pending(const Loop& loop, std::span<const Submap> submaps,
+                                              std::span<const Keyframe> keyframes);
+
+ private:
+  struct CachedGrid {
+    std::size_t num_points = 0;
+    std::size_t last_use = 0;
+    LikelihoodGrid grid;
+  };
+  const LikelihoodGrid& grid_of(std::size_t submap_index, const Submap& submap);
+
+  LoopParams params_;
+  ScanMatcher matcher_;
+  CorrelativeMatcher correlative_;
+  std::map<std::size_t, CachedGrid> grids_;
+  std::size_t uses_ = 0;
+  std::vector<Loop> pending_;
+};
+
+}  // namespace nodmap::slam2d

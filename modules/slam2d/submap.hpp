@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "common/geometry/se2.hpp"
+#include "modules/slam2d/oriented_points.hpp"
+#include "modules/slam2d/params.hpp"
+#include "modules/slam2d/point_map.hpp"
+
+namespace nodmap::slam2d {
+
+/// A scan that went into the map. Kept, so that its pose can be corrected later and grids be drawn
+/// from it.
+struct Keyframe {
+  std::int64_t utime_us = 0;
+  geometry::SE2 T_odom_base;
+  geometry::SE2 T_map_base;
+  Eigen::Vector2d sensor_origin_base = Eigen::Vector2d::Zero();
+  std::vector<Eigen::Vector2f> points_base = {};
+  std::vector<Eigen::Vector2f> normals_base = {};  ///< of each point; zero where it is not known
+};
+
+/// The points of a keyframe with their normals, in base.
+[[nodiscard]] std::vector<OrientedPoint> oriented_points(const Keyframe& keyframe);
+
+/// The map of some consecutive keyframes, few enough that drift among them does not matter. Its
+/// frame is that of its first keyframe: when the pose graph moves the submap, its points stay.
+struct Submap {
+  Submap(std::size_t first, const geometry::SE2& pose, const MapParams& params)
+      : first_keyframe(first), T_map_submap(pose), points(params) {}
+
+  /// Adds the keyframe after the last one: its pose, and its points to the map.
+  void add(const geometry::SE2& T_submap_base, std::span<const OrientedPoint> points_base);
+
+  [[nodiscard]] std::size_t end_keyframe() const {
+    return first_keyframe + T_submap_keyframe.size();
+  }
+  [[nodiscard]] bool has(std::size_t keyframe) const {
+    return keyframe >= first_keyframe && keyframe < end_keyframe();
+  }
+  [[nodiscard]] const geometry::SE2& pose_of(std::size_t keyframe) const {
+    return T_submap_keyframe[keyframe - first_keyframe];
+  }
+
+  std::size_t first_keyframe;  ///< the others follow without a gap
+  geometry::SE2 T_map_submap;
+  std::vector<geometry::SE2> T_submap_keyframe;
+  PointMap points;
+};
+
+}  // namespace nodmap::slam2d

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <map>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "common/registration/pose_graph_2d.hpp"
+#include "modules/slam2d/submap.hpp"
+
+namespace nodmap::slam2d {
+
+/// A covariance or information matrix of (x, y, yaw), expressed in a frame in which its own frame
+/// has the heading `yaw_rad`.
+[[nodiscard]] Eigen::Matrix3d rotated(const Eigen::Matrix3d& matrix, double yaw_rad);
+
+/// The inverse; finite also along degenerate directions.
+[[nodiscard]] Eigen::Matrix3d covariance_of(const Eigen::Matrix3d& information);
+
+/// How a change of a pose (x, y, yaw) moves what is attached to it at the end of a moment arm.
+[[nodiscard]] Eigen::Matrix3d moment_arm_jacobian(const Eigen::Vector2d& moment_arm);
+
+/// The submaps as nodes of a pose graph: each is joined to the next by odometry and matches, and
+/// to others by loops.
+class SubmapGraph {
+ public:
+  /// The edge from a submap to the next one.
+  void add_chain_edge(const registration::PoseEdge2d& edge) { chain_.push_back(edge); }
+
+  /// A loop. All loops between the same two submaps are combined into one edge. `information`: the
+  /// inverse covariance of (x, y in m, yaw in rad) in the frame of `from`.
+  void add_loop(std::size_t from, std::size_t to, const geometry::SE2& T_from_to,
+                const Eigen::Matrix3d& information);
+
+  /// The covariance in map, (x, y in m, yaw in rad), of the pose of each submap relative to that of
+  /// submap `local`, along the most certain path.
+  [[nodiscard]] std::vector<Eigen::Matrix3d> uncertainties(std::span<const Submap> submaps,
+                                                           std::size_t local) const;
+
+  /// Moves the submaps to where they agree best with all edges. `graduated`: to the minimum, as
+  /// PoseGraph2d::optimise() does; otherwise two steps towards it.
+  void optimise(std::span<Submap> submaps, bool graduated) const;
+
+ private:
+  /// All loops between two submaps, as a mean that is weighted by their information.
+  struct LoopSum {
+    geometry::SE2 T_from_to;
+    Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d weighted_offset = Eigen::Vector3d::Zero();  ///< from T_from_to
+  };
+
+  std::vector<registration::PoseEdge2d> chain_;
+  std::map<std::pair<std::size_t, std::size_t>, LoopSum> loops_;
+};
+
+}  // namespace nodmap::slam2d

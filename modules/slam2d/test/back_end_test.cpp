@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/slam2d/back_end.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "modules/slam2d/slam2d.hpp"
+#include "modules/slam2d/test/drawn_world.hpp"
+
+namespace nodmap::slam2d {
+namespace {
+
+using geometry::SE2;
+using test::FloorPlan;
+using test::Scanner;
+
+double distance(const SE2& a, const SE2& b) {
+  return std::hypot(a.x - b.x, a.y - b.y);
+}
+
+void add_box(FloorPlan& plan, double x, double y, double width, double depth) {
+  const Eigen::Vector2d a(x, y);
+  const Eigen::Vector2d b(x + width, y);
+  const Eigen::Vector2d c(x + width, y + depth);
+  const Eigen::Vector2d d(x, y + depth);
+  plan.insert(plan.end(), {{a, b}, {b, c}, {c, d}, {d, a}});
+}
+
+/// A corridor 2 m wide round a block of 12 m x 8 m, with boxes along the outer wall at distances
+/// that do not repeat.
+FloorPlan ring() {
+  FloorPlan plan;
+  add_box(plan, 0.0, 0.0, 12.0, 8.0);
+  add_box(plan, -2.0, -2.0, 16.0, 12.0);
+  for (const double x : {0.4, 1.7, 4.6, 7.1, 10.8}) {
+    add_box(plan, x, -2.0, 0.5, 0.3);
+    add_box(plan, x + 0.9, 9.7, 0.3, 0.3);
+  }
+  for (const double y : {1.1, 2.6, 6.2}) {
+    add_box(plan, 13.7, y, 0.3, 0.6);
+    add_box(plan, -2.0, y + 0.8, 0.3, 0.4);
+  }
+  return plan;
+}
+
+/// Two corridors alike to the last niche, 6 m apart, joined at their far ends.
+FloorPlan twin_corridors() {
+  FloorPlan plan;
+  for (const double y : {0.0, 6.0}) {
+    plan.push_back({{0, y - 1}, {30, y - 1}});
+    plan.push_back({{0, y + 1}, {30, y + 1}});
+    for (const double x : {3.0, 8.0, 13.0, 18.0, 23.0}) {
+      add_box(plan, x, y - 1.0, 0.5, 0.2);
+      add_box(plan, x + 2.0, y + 0.8, 0.5, 0.2);
+    }
+  }
+  plan.insert(plan.end(), {{{30, -1}, {34, -1}},
+                           {{34, -1}, {34, 7}},
+                           {{34, 7}, {30, 7}},
+                           {{30, 1}, {30, 5}},
+                           {{0, -1}, {0, 1}},
+                           {{0, 5}, {0, 7}}});
+  return plan;
+}
+
+/// 20 m x 12 m, the same when rotated by 180 degrees.
+FloorPlan symmetric_hall() {
+  FloorPlan plan;
+  add_box(plan, -10.0, -6.0, 20.0, 12.0);
+  add_box(plan, -6.0, -3.0, 0.6, 0.6);
+  add_box(plan, 5.4, 2.4, 0.6, 0.6);
+  return plan;
+}
+
+/// Along straight lines between the places, rotating on the spot; 0.1 m or 6 degrees a scan.
+std::vector<SE2> drive_along(const std::vector<Eigen::Vector2d>& places) {
+  std::vector<SE2> poses;
+  for (std::size_t i = 1; i < places.size(); ++i) {
+    const Eigen::Vector2d offset = places[i] - places[i - 1];
+    const double yaw = std::atan2(offset.y(), offset.x());
+    while (!poses.empty()) {
+      const double rotation_rad = geometry::angle_difference(yaw, poses.back().yaw);
+      if (std::abs(rotation_rad) < 1e-6) {
+        break;
+      }
+      SE2 next = poses.back();
+      next.yaw = geometry::normalize_angle(next.yaw + std::clamp(rotation_rad, -0.1, 0.1));
+      poses.push_back(next);
+    }
+    const int steps = static_cast<int>(offset.norm() / 0.1);
+    for (int step = 0; step <= steps; ++step) {
+      const Eigen::Vector2d p = places[i - 1] + offset * step / steps;
+      poses.push_back({p.x(), p.y(), yaw});
+    }
+  }
+  return poses;
+}
+
+/// Wheels that report 3 % too much distance, and a heading that drifts by 0.5 degrees a metre.
+class Mapping {
+ public:
+  explicit Mapping(FloorPlan plan) : plan_(std::move(plan)) {}
+
+  void drive(const std::vector<SE2>& poses) {
+    start_ = poses.front();
+    SE2 odom;
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      if (i > 0) {
+        const SE2 step = poses[i - 1].inverse() * poses[i];
+        odom = odom * SE2{1.03 * step.x, 1.03 * step.y, step.yaw + 0.009 * std::abs(step.x)};
+      }
+      const auto utime_us = static_cast<std::int64_t>(200'000 * i);
+      slam_.add_odometry(utime_us, geometry::to_se3(odom));
+      slam_.add_scan(scanner_.scan(plan_, poses[i], utime_us));
+      truth_.push_back(start_.inverse() * poses[i]);
+    }
+  }
+
+  Slam2d& slam() { return slam_; }
+
+  [[nodiscard]] double worst_error_m() const {
+    const std::vector<SE2> trajectory = slam_.trajectory();
+    double worst = 0.0;
+    for (std::size_t i = 0; i < truth_.size(); ++i) {
+      worst = std::max(worst, distance(trajectory.at(i), truth_[i]));
+    }
+    return worst;
+  }
+
+  [[nodiscard]] std::int64_t loops() const {
+    const BackEndMetrics& metrics = slam_.back_end().metrics();
+    return metrics.loops_tracked + metrics.loops_searched;
+  }
+
+ private:
+  FloorPlan plan_;
+  Scanner scanner_;
+  Slam2d slam_{Slam2dParams{}};
+  SE2 start_;
+  std::vector<SE2> truth_;
+};
+
+// Twice round the block: the second round lies on the first.
+TEST(BackEnd, ClosesTheLoopRoundABlock) {
+  Mapping mapping(ring());
+  mapping.drive(drive_along({{-1, -1}, {13, -1}, {13, 9}, {-1, 9}, {-1, -1}, {13, -1}, {13, 9}}));
+  EXPECT_GT(mapping.loops(), 10);
+  EXPECT_LT(mapping.worst_error_m(), 0.10);
+  mapping.slam().polish();
+  EXPECT_LT(mapping.worst_error_m(), 0.10);
+}
+
+TEST(BackEnd, TwoIdenticalCorridorsAreNoLoop) {
+  Mapping mapping(twin_corridors());
+  mapping.drive(drive_along({{1, 0}, {32, 0}, {32, 6}, {2, 6}}));
+  mapping.slam().polish();
+  EXPECT_EQ(mapping.slam().back_end().metrics().loops_searched, 0);
+  EXPECT_LT(mapping.worst_error_m(), 0.30);  // taken for the first, the second would be 6 m off
+}
+
+TEST(BackEnd, ASymmetricHallIsNotFolded) {
+  Mapping mapping(symmetric_hall());
+  mapping.drive(drive_along({{-8, -4.5}, {8, -4.5}, {8, 4.5}, {-8, 4.5}, {-8, -4.5}}));
+  mapping.slam().polish();
+  EXPECT_LT(mapping.worst_error_m(), 0.10);  // folded, it would be 18 m off
+}
+
+TEST(BackEnd, AFeaturelessCorridorIsNoLoop) {
+  Mapping mapping(test::corridor());
+  mapping.drive(drive_along({{0, 0}, {60, 0}}));
+  EXPECT_EQ(mapping.loops(), 0);
+  mapping.slam().polish();
+  // As long as odometry says, which is 3 % too much.
+  EXPECT_NEAR(mapping.slam().keyframes().back().T_map_base.x, 60.0 * 1.03, 0.6);
+}
+
+TEST(BackEnd, ThePolishOfNothingIsNothing) {
+  BackEnd back_end({}, {}, {});
+  back_end.polish();
+  EXPECT_TRUE(back_end.empty());
+  EXPECT_TRUE(back_end.keyframes().empty());
+}
+
+}  // namespace
+}  // namespace nodmap::slam2d

@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/slam2d/correlative_matcher.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+
+namespace nodmap::slam2d {
+namespace {
+
+using geometry::SE2;
+using Points = std::vector<Eigen::Vector2d>;
+
+constexpr double kCellM = 0.1;
+
+void add_wall(Points& points, const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
+  const double length = (to - from).norm();
+  for (double at = 0.0; at <= length; at += 0.05) {
+    points.emplace_back(from + at / length * (to - from));
+  }
+}
+
+/// A room of 8 m x 6 m with a corner cut off and a pillar: no two corners alike.
+Points room() {
+  Points points;
+  add_wall(points, {-3, -2}, {5, -2});
+  add_wall(points, {5, -2}, {5, 4});
+  add_wall(points, {5, 4}, {-1, 4});
+  add_wall(points, {-1, 4}, {-3, 2});
+  add_wall(points, {-3, 2}, {-3, -2});
+  add_wall(points, {2, 1}, {2.6, 1.2});
+  return points;
+}
+
+/// What is seen from a pose, every 7th point of it.
+Points seen_from(const SE2& T_map_base, const Points& map) {
+  Points seen;
+  for (std::size_t i = 0; i < map.size(); i += 7) {
+    seen.push_back(T_map_base.inverse() * map[i]);
+  }
+  return seen;
+}
+
+/// The best score of all poses in the window.
+double exhaustive_score(const LikelihoodGrid& grid, const Points& scan,
+                        const SearchWindow& window) {
+  const double step_rad = CorrelativeMatcher::rotation_step_rad(scan, grid.cell_size_m());
+  const int rotations = static_cast<int>(std::ceil(window.rotation_rad / step_rad));
+  const int steps = static_cast<int>(std::ceil(window.distance_m / grid.cell_size_m()));
+  int best = 0;
+  for (int rotation = -rotations; rotation <= rotations; ++rotation) {
+    const Eigen::Matrix2d R = SE2{0.0, 0.0, window.T_map_base.yaw + rotation * step_rad}.rotation();
+    for (int x = -steps; x <= steps; ++x) {
+      for (int y = -steps; y <= steps; ++y) {
+        int sum = 0;
+        for (const Eigen::Vector2d& p : scan) {
+          const Eigen::Vector2i cell = grid.cell_of(R * p + window.T_map_base.translation());
+          sum += grid.largest(0, cell.x() + x, cell.y() + y);
+        }
+        best = std::max(best, sum);
+      }
+    }
+  }
+  return best / (255.0 * static_cast<double>(scan.size()));
+}
+
+TEST(LikelihoodGrid, EachLevelHoldsTheLargestOfItsWindow) {
+  const LikelihoodGrid grid(room(), kCellM, 50.0);
+  for (int level = 1; level < LikelihoodGrid::kLevels; ++level) {
+    const int width = 1 << level;
+    for (int y = 0; y < 100; y += 7) {
+      for (int x = 0; x < 120; x += 5) {
+        int largest = 0;
+        for (int dy = 0; dy < width; ++dy) {
+          for (int dx = 0; dx < width; ++dx) {
+            largest = std::max(largest, grid.largest(0, x + dx, y + dy));
+          }
+        }
+        ASSERT_EQ(grid.largest(level, x, y), largest) << level << " " << x << " " << y;
+      }
+    }
+  }
+}
+
+// The oracle: branch and bound leaves nothing out.
+TEST(CorrelativeMatcher, FindsWhatAnExhaustiveSearchFinds) {
+  const Points map = room();
+  const LikelihoodGrid grid(map, kCellM, 50.0);
+  const CorrelativeMatcher matcher({.min_score = 0.1});
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> metres(-1.2, 1.2);
+  std::normal_distribution<double> noise(0.0, 0.05);
+  for (int run = 0; run < 10; ++run) {
+    const SE2 truth{metres(random), metres(random), metres(random)};
+    Points scan = seen_from(truth, map);
+    for (Eigen::Vector2d& p : scan) {
+      p += Eigen::Vector2d(noise(random), noise(random));
+    }
+    const SearchWindow window{{truth.x + 0.5 * metres(random), truth.y + 0.5 * metres(random),
+                               truth.yaw + 0.2 * metres(random)},
+                              1.0,
+                              0.3};
+    EXPECT_NEAR(matcher.search(grid, scan, window).score, exhaustive_score(grid, scan, window),
+                1e-12);
+  }
+}
+
+TEST(CorrelativeMatcher, FindsThePoseToWithinACell) {
+  const Points map = room();
+  const LikelihoodGrid grid(map, kCellM, 50.0);
+  const SE2 truth{1.3, 0.4, 2.0};
+  const CorrelativeMatch match =
+      CorrelativeMatcher({}).search(grid, seen_from(truth, map), {{0.0, 0.0, 0.0}, 3.0, 3.1});
+  EXPECT_NEAR(match.T_map_base.x, truth.x, kCellM);
+  EXPECT_NEAR(match.T_map_base.y, truth.y, kCellM);
+  EXPECT_NEAR(match.T_map_base.yaw, truth.yaw, 0.03);  // two steps of rotation
+  EXPECT_GT(match.score, 0.8);
+  EXPECT_LT(match.runner_up_score, 0.95 * match.score);
+  // All directions are told, to a cell or so.
+  EXPECT_LT(std::sqrt(match.covariance(0, 0)), 1.3 * kCellM);
+  EXPECT_LT(std::sqrt(match.covariance(1, 1)), 1.3 * kCellM);
+}
+
+// Turned by half, an oblong room looks the same.
+TEST(CorrelativeMatcher, ASymmetricRoomIsAmbiguous) {
+  Points map;
+  add_wall(map, {-4, -3}, {4, -3});
+  add_wall(map, {4, -3}, {4, 3});
+  add_wall(map, {4, 3}, {-4, 3});
+  add_wall(map, {-4, 3}, {-4, -3});
+  const LikelihoodGrid grid(map, kCellM, 50.0);
+  const CorrelativeMatch match =
+      CorrelativeMatcher({}).search(grid, seen_from({0.5, 0.3, 0.2}, map), {{}, 1.0, 3.14});
+  EXPECT_GT(match.runner_up_score, 0.9 * match.score);
+}
+
+TEST(CorrelativeMatcher, AlongACorridorEveryPlaceIsAsGood) {
+  Points map;
+  add_wall(map, {-20, -1}, {20, -1});
+  add_wall(map, {-20, 1}, {20, 1});
+  const LikelihoodGrid grid(map, kCellM, 50.0);
+  Points scan;
+  add_wall(scan, {-5, -1}, {5, -1});
+  add_wall(scan, {-5, 1}, {5, 1});
+  const CorrelativeMatch match = CorrelativeMatcher({}).search(grid, scan, {{}, 3.0, 0.3});
+  EXPECT_GT(match.runner_up_score, 0.9 * match.score);
+  EXPECT_GT(match.covariance(0, 0), 4.0 * match.covariance(1, 1));
+}
+
+TEST(CorrelativeMatcher, NothingIsFoundWhereNothingIs) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  const CorrelativeMatcher matcher({});
+  EXPECT_EQ(matcher.search(LikelihoodGrid({}, kCellM, 50.0), room(), {{}, 1.0, 0.1}).score, 0.0);
+  const LikelihoodGrid grid(Points{{0.0, 0.0}, {kNan, 1.0}, {1.0, 0.0}}, kCellM, 50.0);
+  EXPECT_EQ(matcher.search(grid, {}, {{}, 1.0, 0.1}).score, 0.0);
+  EXPECT_EQ(matcher.search(grid, Points{{500.0, 500.0}}, {{}, 1.0, 0.1}).score, 0.0);
+  EXPECT_EQ(matcher.search(grid, Points{{kNan, 1e300}}, {{}, 1.0, 0.1}).score, 0.0);
+}
+
+}  // namespace
+}  // namespace nodmap::slam2d
