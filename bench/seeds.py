@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Seeds of simulated drives and random worlds. Results are reported with seeds that no parameter was chosen with.
 
-A script that reports (bench/trials.py, tools/figures) takes its seeds from REPORTING, one that compares parameters (bench/slam2d_drives.py) from
+A script that reports (bench/trials.py, scripts/figures) takes its seeds from REPORTING, one that compares parameters (bench/slam2d_drives.py) from
 CHOOSING. Parameters chosen before this rule was kept: docs/decisions names their worlds and seeds.
 """
 REPORTING = range(0, 1000)

@@ -22,7 +22,7 @@ import tempfile
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 WORLDS = ROOT / "sim" / "worlds"
 
-sys.path.insert(0, str(ROOT / "tools" / "figures"))
+sys.path.insert(0, str(ROOT / "scripts" / "figures"))
 import moving_clouds  # Fig. 8 shows what is measured here
 from seeds import ODOMETRY_NOISE, REPORTING
 

@@ -139,7 +139,7 @@ return new Promise((done) => {
 """
 
 
-def first_picture_s(port, times=5):
+def first_image_s(port, times=5):
     """What a person waits for a page in headless Chromium, without a graphics card; none without Chromium."""
     if not webdriver.is_installed():
         return None
@@ -242,7 +242,7 @@ def measure(arguments):
         time.sleep(20)  # until there are keyframes and maps
         result["no client"] = window(viewer, observer, arguments.window)
         result["first_data_s"] = first_data_s(viewer.port)
-        result["first_picture_s"] = first_picture_s(viewer.port)
+        result["first_image_s"] = first_image_s(viewer.port)
         readers = [Reader(viewer.port)]
         result["1 client"] = window(viewer, observer, arguments.window)
         result["1 client"]["mb_per_s"] = round(readers[0].bytes / arguments.window / 1e6, 2)

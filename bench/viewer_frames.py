@@ -5,7 +5,7 @@
 viewer_frames.py [--points N] [--seconds S] [--width W] [--height H]
 
 A made-up recording of N points (10^6) is played; then the camera circles around the robot, first with the recording paused, then
-while it plays. At last the camera stands still, and the time until every point is in the picture is taken. Environment: NODMAP_VIEWER,
+while it plays. At last the camera stands still, and the time until every point is in the image is taken. Environment: NODMAP_VIEWER,
 NODMAP_MAKE_ROBOT_LOG; by default the programs in build/release.
 """
 import argparse
@@ -24,7 +24,7 @@ from viewer_process import Viewer  # noqa: E402
 
 KEYFRAMES = 20  # one a second
 WARM_UP_S = 5   # the level of detail settles
-# Turns the camera a little before each picture and counts the pictures: [pictures a second, points drawn, the longest gap in ms].
+# Turns the camera a little before each image and counts the pictures: [pictures a second, points drawn, the longest gap in ms].
 CIRCLE = """
 return new Promise((done) => {
   const {view, cloud} = nodmap;

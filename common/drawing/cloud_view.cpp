@@ -10,9 +10,6 @@
 namespace nodmap::drawing {
 namespace {
 
-using Image;
-using Rgb;
-
 constexpr Rgb kBackground{18, 20, 26};
 constexpr Rgb kPathColour{255, 140, 40};
 constexpr Rgb kOdometryColour{200, 60, 60};

@@ -23,10 +23,10 @@ expect_nothing_left() {
 # not reach it: what a shell starts in the background ignores it. start_demo NAME DURATION
 start_demo() {
   out=$work/$1
-  setsid env --default-signal=INT,HUP bash tools/demo_sim.sh --duration "$2" --out "$out" >"$out.log" 2>&1 &
+  setsid env --default-signal=INT,HUP bash scripts/demo_sim.sh --duration "$2" --out "$out" >"$out.log" 2>&1 &
   demo=$!
   for _ in $(seq 1000); do
-    [[ "$(tr '\0' ' ' <"/proc/$demo/cmdline")" == "bash tools/demo_sim.sh "* ]] && return
+    [[ "$(tr '\0' ' ' <"/proc/$demo/cmdline")" == "bash scripts/demo_sim.sh "* ]] && return
     sleep 0.01
   done
   fail "the demo does not start"
@@ -67,7 +67,7 @@ page_answers() {
   python3 -c 'import sys, urllib.request as r; sys.exit(b"<title>nodmap" not in r.urlopen(sys.argv[1], timeout=5).read())' "$address" 2>/dev/null
 }
 
-tools/demo_sim.sh --duration 10 --out "$work/done" >"$work/done.log" 2>&1 &
+scripts/demo_sim.sh --duration 10 --out "$work/done" >"$work/done.log" 2>&1 &
 demo=$!
 for _ in $(seq 150); do page_answers "$work/done.log" && break; sleep 0.1; done
 page_answers "$work/done.log" || fail "the demo's page does not answer"

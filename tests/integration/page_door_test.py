@@ -40,7 +40,7 @@ class PageDoor(unittest.TestCase):
         with subprocess.Popen([*DOOR, "open", "unshare", "-rn", "sh", "-c", INSIDE, "sh", *DOOR], stdin=subprocess.PIPE,
                               stdout=subprocess.PIPE, text=True) as inside:
             port = int(inside.stdout.readline())
-            # The door was open before the guard stood in it: this waits for it, and is no race.
+            # The door was open before the guard was in it: this waits for it, and is no race.
             for _ in range(3):
                 with socket.create_connection(("127.0.0.1", port), timeout=20) as visitor:
                     visitor.sendall(b"from outside: ")

@@ -114,7 +114,7 @@ TEST_F(Orientation, R5_OccupancyGridReadsAsF) {
   ASSERT_EQ(std::sscanf(pgm.c_str(), "P5 %d %d", &width, &height), 2);
   const std::string pixels =
       pgm.substr(pgm.size() - static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
-  // ROS: the first row of the picture is the farthest to the left of the robot; black is occupied.
+  // ROS: the first row of the image is the farthest to the left of the robot; black is occupied.
   // Within two cells.
   expect_reads_as_f([&](double x, double y) {
     const int column = static_cast<int>((x - origin_x) / cell_m);

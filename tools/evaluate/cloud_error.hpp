@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How far a cloud is from the surfaces it is a picture of.
+// How far a cloud is from the surfaces it is an image of.
 #pragma once
 
 #include <Eigen/Core>

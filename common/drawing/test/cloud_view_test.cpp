@@ -9,8 +9,6 @@
 namespace nodmap::drawing {
 namespace {
 
-using Image;
-
 // A floor of 8 x 3 m seen from above, and a ceiling over it that faces down.
 std::vector<DrawnPoint> floor_and_ceiling() {
   std::vector<DrawnPoint> points;

@@ -41,10 +41,10 @@ class NoddingHead {
 
   static robot::RobotParams robot() {
     robot::RobotParams robot;
-    robot.pitch_min_rad = geometry::deg_to_rad(-60.0);
-    robot.pitch_max_rad = geometry::deg_to_rad(60.0);
-    robot.pitch_rate_rad_s = 3.0;
-    robot.pitch_acceleration_rad_s2 = kAccelerationRadS2;
+    robot.head.pitch_min_rad = geometry::deg_to_rad(-60.0);
+    robot.head.pitch_max_rad = geometry::deg_to_rad(60.0);
+    robot.head.pitch_rate_rad_s = 3.0;
+    robot.head.pitch_acceleration_rad_s2 = kAccelerationRadS2;
     return robot;
   }
 

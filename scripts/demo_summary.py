@@ -10,7 +10,7 @@ FILES = [
     ("slam2d", "map.png", "corrected 2D map"),
     ("slam2d", "map.yaml", "the same for ROS's map_server"),
     ("slam2d", "trajectory.tum", "corrected 2D trajectory"),
-    ("slam6d", "map.png", "registered 3D cloud, a picture"),
+    ("slam6d", "map.png", "registered 3D cloud, an image"),
     ("slam6d", "cloud.ply", "registered 3D cloud"),
     ("slam6d", "map.bt", "OctoMap (octovis map.bt)"),
     ("slam6d", "trajectory.tum", "corrected 3D trajectory"),

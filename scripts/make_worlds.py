@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Writes the simulator's larger worlds, sim/worlds/{corridor30,cellar,office,crowd,loop,warehouse}.yaml; the same bytes on every run.
 
-usage: tools/make_worlds.py
+usage: scripts/make_worlds.py
 """
 import math
 import pathlib
@@ -24,7 +24,7 @@ class World:
     """Collects the lines of a WORLD.yaml."""
 
     def __init__(self, name, about):
-        self.head = ["# SPDX-License-Identifier: BSD-3-Clause", f"# {about}", "# Made by tools/make_worlds.py.", f"name: {name}"]
+        self.head = ["# SPDX-License-Identifier: BSD-3-Clause", f"# {about}", "# Made by scripts/make_worlds.py.", f"name: {name}"]
         self.name, self.objects, self.actors, self.tail = name, [], [], []
 
     def note(self, text):

@@ -46,7 +46,7 @@ def read_ply(path):
 
 
 def read_grid(yaml_path):
-    """A ROS map: picture (rows from the top, 0 occupied .. 255 free) and its extent (left, right, bottom, top) in m."""
+    """A ROS map: image (rows from the top, 0 occupied .. 255 free) and its extent (left, right, bottom, top) in m."""
     fields = dict(line.split(":", 1) for line in yaml_path.read_text().splitlines() if ":" in line)
     resolution_m = float(fields["resolution"])
     left, bottom = [float(word) for word in fields["origin"].strip(" []").split(",")[:2]]

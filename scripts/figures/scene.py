@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A simulated world as a person sees it: a picture from a camera, or a plan. Boxes, walls and cylinders; what else a world may
+"""A simulated world as a person sees it: an image from a camera, or a plan. Boxes, walls and cylinders; what else a world may
 hold is left out."""
 import math
 
@@ -92,11 +92,11 @@ def robot(x, y, yaw_rad):
                   colour=(0.25, 0.25, 0.28))]
 
 
-def photograph(solids, eye, at, width=640, height=400, view_deg=60.0, see_through=False):
-    """What a camera at `eye` that looks at `at` sees: height x width x 3. `see_through` leaves out the sides of walls that face
+def photograph(solids, camera, at, width=640, height=400, view_deg=60.0, see_through=False):
+    """What a camera at `camera` that looks at `at` sees: height x width x 3. `see_through` leaves out the sides of walls that face
     away from the room, as a doll's house has none."""
-    eye, at = np.array(eye, float), np.array(at, float)
-    ahead = (at - eye) / np.linalg.norm(at - eye)
+    camera, at = np.array(camera, float), np.array(at, float)
+    ahead = (at - camera) / np.linalg.norm(at - camera)
     right = np.cross(ahead, [0, 0, 1])
     right /= np.linalg.norm(right)
     up = np.cross(right, ahead)
@@ -105,14 +105,14 @@ def photograph(solids, eye, at, width=640, height=400, view_deg=60.0, see_throug
     rays = (ahead + u[None, :, None] * right + v[:, None, None] * up).reshape(-1, 3)
     rays /= np.linalg.norm(rays, axis=1)[:, None]
     with np.errstate(divide="ignore"):
-        best = np.where(rays[:, 2] < 0, -eye[2] / rays[:, 2], np.inf)
-    hit = eye + rays * np.where(np.isfinite(best), best, 0)[:, None]
+        best = np.where(rays[:, 2] < 0, -camera[2] / rays[:, 2], np.inf)
+    hit = camera + rays * np.where(np.isfinite(best), best, 0)[:, None]
     tile = (np.floor(hit[:, 0] / 0.5) + np.floor(hit[:, 1] / 0.5)) % 2
     colour = np.where(np.isfinite(best)[:, None], FLOOR * (1.0 - 0.06 * tile[:, None]), SKY)
     for solid in solids:
-        if see_through and solid.top_m() > 2.0 and inside_out(solid, eye, at):
+        if see_through and solid.top_m() > 2.0 and inside_out(solid, camera, at):
             continue
-        way, normal = solid.cast(eye, rays)
+        way, normal = solid.cast(camera, rays)
         nearer = way < best
         shade = 0.62 + 0.38 * np.abs(normal @ LIGHT)
         colour = np.where(nearer[:, None], solid.colour * shade[:, None], colour)
@@ -120,23 +120,23 @@ def photograph(solids, eye, at, width=640, height=400, view_deg=60.0, see_throug
     return np.clip(colour, 0, 1).reshape(height, width, 3)
 
 
-def project(points, eye, at, view_deg):
+def project(points, camera, at, view_deg):
     """Image coordinates (the half width is 1) and distance of the points before the camera, far ones first."""
-    ahead = (at - eye) / np.linalg.norm(at - eye)
+    ahead = (at - camera) / np.linalg.norm(at - camera)
     right = np.cross(ahead, [0, 0, 1])
     right /= np.linalg.norm(right)
-    seen = (points - eye) @ np.stack([right, np.cross(right, ahead), ahead]).T
+    seen = (points - camera) @ np.stack([right, np.cross(right, ahead), ahead]).T
     order = np.argsort(-seen[:, 2])
     order = order[seen[order, 2] > 0.2]
     seen = seen[order]
     return seen[:, :2] / seen[:, 2:] / math.tan(math.radians(0.5 * view_deg)), seen[:, 2], order
 
 
-def inside_out(solid, eye, at):
+def inside_out(solid, camera, at):
     """Whether a wall stands between the camera and what it looks at."""
     thin = int(np.argmin(solid.half[:2]))
     axis = solid.axes[thin]
-    a, b = axis @ (eye - solid.center), axis @ (at - solid.center)
+    a, b = axis @ (camera - solid.center), axis @ (at - solid.center)
     return a * b < 0
 
 

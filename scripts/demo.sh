@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
 # The system on a recording: every process by itself, the recording played over LCM. Called by ./nodmap demo.
-#   tools/demo.sh RECORDING [--speed FACTOR] [--out DIR]
+#   scripts/demo.sh RECORDING [--speed FACTOR] [--out DIR]
 set -euo pipefail
 cd "$(dirname "$(readlink -f "$0")")/.."
 bin=$PWD/build/release/bin
@@ -23,8 +23,8 @@ done
 [[ -e "$recording" ]] || die "$recording: no such recording"
 [[ ! -e "$out" ]] || die "$out exists; results are never overwritten"
 
-source tools/private_net.sh
-source tools/demo_page.sh
+source scripts/private_net.sh
+source scripts/demo_page.sh
 need_multicast "$0" "$recording" --speed "$speed" --out "$out"
 
 mkdir -p "$out"
@@ -103,5 +103,5 @@ player=
 
 say "stopping the processes"
 stop_all || die "not every process ended cleanly"
-python3 tools/demo_summary.py "$out"
+python3 scripts/demo_summary.py "$out"
 say "to see it again: $bin/nodmap-viewer --replay $(find "$out/logger" -type f | sort | tail -n 1), and a browser on http://127.0.0.1:8765/"

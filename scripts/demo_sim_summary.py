@@ -10,7 +10,7 @@ FILES = [
     ("slam2d/map.png", "2D map of what was driven through"),
     ("slam2d/map.yaml", "the same for ROS's map_server"),
     ("slam2d/path.png", "the way driven, corrected"),
-    ("slam6d/map.png", "3D cloud, a picture"),
+    ("slam6d/map.png", "3D cloud, an image"),
     ("slam6d/cloud.ply", "3D cloud"),
     ("slam6d/map.bt", "OctoMap (octovis map.bt)"),
 ]

@@ -75,7 +75,7 @@ def make():
                     "\nWhat nodding costs: drives in an office, each mapped twice, from the scans of the nodding laser and from those that the same "
                     "laser would have measured held level, deskewed and stamped by the same program (`--level-laser`). RMS error of the trajectory:\n\n"
                     "| seed | driven | nodding | level | ratio |\n|---|---|---|---|---|\n" + level_rows,
-        "holds": [(f"{name}, the run in the picture", form.format(unit * abs(shown[key])), target, abs(shown[key]) <= limit)
+        "holds": [(f"{name}, the run in the image", form.format(unit * abs(shown[key])), target, abs(shown[key]) <= limit)
                   for name, key, limit, unit, form, target in targets] +
                  [(f"{name}, worst of {len(every)} seeds", form.format(unit * worst[key]), target, worst[key] <= limit)
                   for name, key, limit, unit, form, target in targets] +

@@ -24,11 +24,11 @@ plt.rcParams.update({
 
 
 def save(figure, name, colours=256):
-    """Writes the picture with a few colours of its own: small, and the same figure gives the same bytes."""
+    """Writes the image with a few colours of its own: small, and the same figure gives the same bytes."""
     PICTURES.mkdir(parents=True, exist_ok=True)
     figure.canvas.draw()
-    picture = Image.fromarray(np.asarray(figure.canvas.buffer_rgba())).convert("RGB").quantize(colours, dither=Image.Dither.NONE)
-    picture.save(PICTURES / name, optimize=True)
+    image = Image.fromarray(np.asarray(figure.canvas.buffer_rgba())).convert("RGB").quantize(colours, dither=Image.Dither.NONE)
+    image.save(PICTURES / name, optimize=True)
     plt.close(figure)
     size_kb = (PICTURES / name).stat().st_size / 1000
     if size_kb > 300:

@@ -22,7 +22,7 @@ SHELL = re.compile(r"^(node|main|results|.*_file|.*_image|registered_cloud)\.(hp
 # Modules that are nothing but a shell: they move bytes or pictures, there is no algorithm to keep clean.
 SHELL_MODULES = {"logger", "viewer"}
 WORLD = re.compile(
-    r"^(lcm/|nodmap/|common/(bus|msg|node|log|time|picture|formats)/|spdlog/|fmt/|nlohmann/|yaml-cpp/|CLI/|png\.h"
+    r"^(lcm/|nodmap/|common/(bus|node|drawing|formats)/|spdlog/|fmt/|nlohmann/|yaml-cpp/|CLI/|png\.h"
     r"|chrono$|ctime$|thread$|mutex$|atomic$|future$|condition_variable$|shared_mutex$"
     r"|fstream$|filesystem$|cstdio$|iostream$|unistd\.h$|fcntl\.h$|sys/)")
 ONE_PLACE = {"octomap/": "OctoMap", "nanoflann.hpp": "nanoflann", "libserialport.h": "libserialport"}

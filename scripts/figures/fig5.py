@@ -9,7 +9,7 @@ import style
 from trials import REPORTING, Trial
 
 SEEDS = REPORTING[1:21]
-SHOWN = 1  # the seed in the picture
+SHOWN = 1  # the seed in the image
 
 
 def trials_of(mode):
@@ -63,7 +63,7 @@ def make():
         "measured": f"Boxes 10 to 30 cm high, table tops at 40 to 46 cm; the fixed laser looks level at 38 cm. {n} seeds of 60 s each: "
                     f"with the fixed laser **{hit_fixed} of {n}** runs collide, nodding **{hit_nodding} of {n}**.{when} Nodding, the "
                     f"robot drives {way:.0f} m in the median and never comes nearer to anything than {100 * clearance:.0f} cm. "
-                    f"The picture shows seed {SHOWN}: brown what stands below the level laser's plane, blue the tops above it.",
+                    f"The image shows seed {SHOWN}: brown what stands below the level laser's plane, blue the tops above it.",
         "holds": [(f"runs of {n} with a collision, fixed", hit_fixed, "most", hit_fixed > n / 2),
                   (f"runs of {n} with a collision, nodding", hit_nodding, "0", hit_nodding == 0)],
         "commands": [FIXED[shown].command(), NODDING[shown].command()],

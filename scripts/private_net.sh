@@ -8,5 +8,5 @@ need_multicast() {
   fi
   unshare -rn true 2>/dev/null || die "there is no multicast route for LCM; nodmap-doctor says how to add one"
   say "no multicast route here: running in a network namespace of our own"
-  exec env NODMAP_PRIVATE_NET=1 python3 tools/page_door.py open unshare -rn sh -c 'ip link set lo up && ip route add 224.0.0.0/4 dev lo && exec "$@"' sh "$@"
+  exec env NODMAP_PRIVATE_NET=1 python3 scripts/page_door.py open unshare -rn sh -c 'ip link set lo up && ip route add 224.0.0.0/4 dev lo && exec "$@"' sh "$@"
 }

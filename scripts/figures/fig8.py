@@ -29,14 +29,14 @@ def in_view(axes):
 def draw(points, pose):
     """The same camera three times: above and behind the robot."""
     x, y, yaw = pose
-    eye, at, view_deg = np.array([-1.0, 0.0, 0.9]), np.array([4.0, 0.0, 0.25]), 80.0
+    camera, at, view_deg = np.array([-1.0, 0.0, 0.9]), np.array([4.0, 0.0, 0.25]), 80.0
     turn = np.array([[math.cos(yaw), -math.sin(yaw), 0], [math.sin(yaw), math.cos(yaw), 0], [0, 0, 1]])
     shift = np.array([x, y, 0])
     solids, _ = scene.load(TRIAL.world)
-    photo = scene.photograph(solids + scene.robot(x, y, yaw), shift + turn @ eye, shift + turn @ at, 720, 360, view_deg)
+    photo = scene.photograph(solids + scene.robot(x, y, yaw), shift + turn @ camera, shift + turn @ at, 720, 360, view_deg)
     figure, axes = plt.subplots(3, 1, figsize=(5.2, 5.6), constrained_layout=True)
     axes[0].imshow(photo, extent=(-1, 1, -0.5, 0.5))
-    uv, depth, order = scene.project(points, eye, at, view_deg)
+    uv, depth, order = scene.project(points, camera, at, view_deg)
     axes[1].set_facecolor("white")
     drawn = axes[1].scatter(uv[:, 0], uv[:, 1], s=np.clip(9 / depth, 0.8, 6), c=points[order, 2], cmap=style.HEIGHT_MAP, vmin=0, vmax=0.8,
                             linewidths=0)

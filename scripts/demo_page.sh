@@ -4,11 +4,11 @@
 # Says where the page will be, on $NODMAP_PORT.
 name_page() {
   if [[ -n "${NODMAP_DOOR:-}" ]]; then
-    python3 tools/page_door.py guard &
+    python3 scripts/page_door.py guard &
     exec {NODMAP_DOOR}>&-
     unset NODMAP_DOOR
   else
-    NODMAP_PORT=$(python3 tools/page_door.py port)
+    NODMAP_PORT=$(python3 scripts/page_door.py port)
     export NODMAP_PORT
   fi
   say "the robot in your browser: http://127.0.0.1:$NODMAP_PORT/"

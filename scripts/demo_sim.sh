@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
 # The whole robot in a simulated building, every process by the process manager. Called by ./nodmap demo.
-#   tools/demo_sim.sh [--world WORLD.yaml] [--duration SECONDS] [--out DIR]
+#   scripts/demo_sim.sh [--world WORLD.yaml] [--duration SECONDS] [--out DIR]
 set -euo pipefail
 cd "$(dirname "$(readlink -f "$0")")/.."
 bin=$PWD/build/release/bin
@@ -26,8 +26,8 @@ while [[ $# -gt 0 ]]; do
 done
 [[ -f "$world" ]] || die "$world: no such world"
 [[ ! -e "$out" ]] || die "$out exists; results are never overwritten"
-source tools/private_net.sh
-source tools/demo_page.sh
+source scripts/private_net.sh
+source scripts/demo_page.sh
 need_multicast "$0" "${arguments[@]}"
 
 mkdir -p "$out"
@@ -79,4 +79,4 @@ run "$bin/nodmap-sheriff" "$config" --script stop_all --on-script-complete exit 
 "$bin/nodmap-sheriff" "$config" --status --json >"$out/status.json" || true
 end_deputy || die "the deputy did not end cleanly; see $out/deputy.log"
 [[ $watched -eq 0 ]] || die "no scan came"
-python3 tools/demo_sim_summary.py "$out"
+python3 scripts/demo_sim_summary.py "$out"
