@@ -52,8 +52,14 @@ TEST(CommandTable, ListsConfiguredCommandsOnce) {
   CommandTable table;
   procman::Config config;
   config.commands.resize(2);
-  config.commands[0] = {.id = "a", .exec = "nodmap-a", .deputy = "robot", .group = "20.maps"};
-  config.commands[1] = {.id = "z", .exec = "nodmap-z --out x", .deputy = "robot"};
+  config.commands[0].id = "a";
+  config.commands[0].exec = "nodmap-a";
+  config.commands[0].group = "20.maps";
+  config.commands[1].id = "z";
+  config.commands[1].exec = "nodmap-z --out x";
+  for (procman::Command& command : config.commands) {
+    command.deputy = "robot";
+  }
   table.set_configured(config);
   ASSERT_TRUE(table.update(info("robot", {command("a", 17, 0)})));
   const Json list = table.commands()["commands"];
