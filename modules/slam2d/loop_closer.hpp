@@ -24,7 +24,7 @@ struct Loop {
   double inlier_ratio = 0.0;
 };
 
-enum class LoopRefusal : std::uint8_t { kNone, kNoPeak, kAmbiguous, kPoorMatch, kTooFar };
+enum class LoopRefusal : std::uint8_t { kNone, kNoPeak, kAmbiguous, kPoorMatch };
 
 /// Recognises places: where a scan lies in a submap, with which information, and which of several
 /// loops agree with each other.
@@ -42,8 +42,9 @@ class LoopCloser {
                                            const SearchWindow& window, LoopRefusal& refusal);
 
   /// Keeps a loop that was searched for. Each loop puts the newest keyframe somewhere in the map,
-  /// by the present pose of its submap; loops that agree on the place agree on the drift. Returns
-  /// all loops of the largest consensus when that is large enough, and forgets them.
+  /// by the present pose of its submap; loops that agree on the place agree on the drift. When
+  /// those that agree with this loop come from enough keyframes, returns them and drops all others;
+  /// otherwise returns none.
   [[nodiscard]] std::vector<Loop> add_pending(const Loop& loop, std::span<const Submap> submaps,
                                               std::span<const Keyframe> keyframes);
 

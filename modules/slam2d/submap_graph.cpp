@@ -42,12 +42,12 @@ void SubmapGraph::add_loop(std::size_t from, std::size_t to, const geometry::SE2
 }
 
 // Dijkstra's algorithm on the graph of the submaps, by the size of the covariance (Olson 2008,
-// section 4.2.3). Paths are not fused: what comes out is never too sure.
+// section 4.2.3). Paths are not fused, so no covariance comes out too small.
 std::vector<Eigen::Matrix3d> SubmapGraph::uncertainties(std::span<const Submap> submaps,
                                                         std::size_t local) const {
   struct Neighbour {
     std::size_t submap;
-    Eigen::Matrix3d covariance_map;  // of the step, turned into the map
+    Eigen::Matrix3d covariance_map;  // of the step, in map
   };
   std::vector<std::vector<Neighbour>> neighbours(submaps.size());
   const auto join = [&](std::size_t from, std::size_t to, const Eigen::Matrix3d& information) {

@@ -68,9 +68,11 @@ TEST_P(Slam2dMetric, R34_TheCorrectionAbsorbsDriftAndJumpsOfOdometry) {
       odom = odom * SE2{0.2, 0.0, 0.0};
     }
   }
-  // Measured: 7 mm with the default metric, 12 mm with the paper's, from scan noise of 1 cm.
-  EXPECT_LT(worst_m, 0.0145);
-  EXPECT_LT(worst_between_m, 0.0145);
+  // Measured: 8.7 mm with the default metric, 14.8 mm with the paper's, from scan noise of 1 cm. A
+  // submap holds fewer scans than one map of all would, which averages less of the noise away.
+  const double bound_m = GetParam() == Metric::kPointToLine ? 0.0108 : 0.0184;
+  EXPECT_LT(worst_m, bound_m);
+  EXPECT_LT(worst_between_m, bound_m);
   EXPECT_GT(distance_m(odom, truth), 0.2);
 }
 
@@ -198,9 +200,15 @@ TEST(Slam2d, R38_ALoopOf48MetresEndsWhereItBegan) {
     utime_us += kPeriodUs;
   }
   ASSERT_LT(distance_m(truth, start), 1e-9);
-  // R38 allows 0.10 m and 1 degree. Measured: 3.7 mm and 0.12 degrees; by odometry alone 1.39 m.
-  EXPECT_LT(distance_m(update->T_map_base, start), 0.0046);
-  EXPECT_NEAR(update->T_map_base.yaw, 0.0, geometry::deg_to_rad(0.15));
+  // R38 allows 0.10 m and 1 degree. Measured: 16.8 mm and 0.23 degrees; by odometry alone 1.39 m.
+  // The last scans are matched against the last submap, which loops have moved onto the first.
+  EXPECT_LT(distance_m(update->T_map_base, start), 0.021);
+  EXPECT_NEAR(update->T_map_base.yaw, 0.0, geometry::deg_to_rad(0.28));
+  slam.polish();
+  const SE2 polished = slam.trajectory().back();
+  // Measured: 2.3 mm and 0.05 degrees.
+  EXPECT_LT(distance_m(polished, start), 0.0028);
+  EXPECT_NEAR(polished.yaw, 0.0, geometry::deg_to_rad(0.056));
   EXPECT_GT(distance_m(odom, start), 1.0);
 }
 
