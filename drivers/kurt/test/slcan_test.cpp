@@ -133,7 +133,9 @@ TEST(SlcanParser, DropsAndCountsByCause) {
   EXPECT_TRUE(parse(parser, "T1111222281122334455667788EA5F0\r").empty());  // one too long
   EXPECT_EQ(parser.counts().too_long, 1);
   // A lost end glues two lines together: both are gone, the next one is not.
-  EXPECT_EQ(parse(parser, std::string(100, 't') + "\rt1230\r").size(), 1U);
+  std::string glued(100, 't');
+  glued.append("\rt1230\r");
+  EXPECT_EQ(parse(parser, glued).size(), 1U);
   EXPECT_EQ(parser.counts().too_long, 2);
 }
 
