@@ -21,11 +21,11 @@ TEST(AllParams, R6_EveryPartIsMadeForTheSameRobot) {
 
   // The simulator is its own monitor and has its own figures; all the others share RobotParams.
   const robot::RobotParams robot = params.navigator.robot;
-  EXPECT_EQ(robot.length_m, model.body.length_m);
-  EXPECT_EQ(robot.width_m, model.body.width_m);
-  EXPECT_EQ(robot.height_m, model.body.height_m);
-  EXPECT_EQ(robot.mount_x_m, model.servo.mount_x_m);
-  EXPECT_EQ(robot.mount_z_m, model.servo.mount_z_m);
+  EXPECT_EQ(robot.body.length_m, model.body.length_m);
+  EXPECT_EQ(robot.body.width_m, model.body.width_m);
+  EXPECT_EQ(robot.body.height_m, model.body.height_m);
+  EXPECT_EQ(robot.mount.x_m, model.servo.mount_x_m);
+  EXPECT_EQ(robot.mount.z_m, model.servo.mount_z_m);
 }
 
 }  // namespace
