@@ -64,8 +64,8 @@ std::span<const scan::Scan> choose(const std::vector<scan::Scan>& scans, const C
 
 /// Each beam placed with the robot's pose at its own time, as seen from the base in the middle.
 std::vector<Eigen::Vector3f> deskew(std::span<const scan::Scan> scans,
-                                          const geometry::PoseHistory& odometry,
-                                          const geometry::SE3& T_base_odom) {
+                                    const geometry::PoseHistory& odometry,
+                                    const geometry::SE3& T_base_odom) {
   constexpr double kRobotItselfM = 0.5;
   std::vector<Eigen::Vector3f> points;
   scan::ScanProjector projector;
