@@ -119,6 +119,7 @@ TEST_F(MappingTest, R42_FiftyScansOnTheMoveLieOnTheSurfaces) {
   TrialSetup trial = setup("corridor30", 2, 12.0);
   trial.without = {"slam2d", "slam6d"};
   const TrialOutcome outcome = run(trial, dir_.path());
+  const auto odometry = history_of(outcome.record.odometry);
   const auto truth = history_of(true_trajectory(outcome.record, false));
   const auto fastest =
       std::ranges::max_element(outcome.record.truth, {}, &TruthSample::forward_mps);
