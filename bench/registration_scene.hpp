@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "common/geometry/se3.hpp"
-#include "sim/ray_caster.hpp"
+#include "sim/world/ray_caster.hpp"
 
 namespace nodmap::bench {
 
