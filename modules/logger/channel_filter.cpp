@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "modules/logger/channel_filter.hpp"
 
-#include <stdexcept>
+#include "common/node/program.hpp"
 
 namespace nodmap::logger {
 namespace {
@@ -13,7 +13,7 @@ std::regex compile(const std::string& expression) {
   try {
     return std::regex(expression, std::regex::ECMAScript | std::regex::optimize);
   } catch (const std::regex_error& error) {
-    throw std::invalid_argument("'" + expression + "' is no regular expression: " + error.what());
+    throw node::UsageError("'" + expression + "' is no regular expression: " + error.what());
   }
 }
 

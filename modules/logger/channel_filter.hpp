@@ -11,7 +11,7 @@ namespace nodmap::logger {
 /// Which channels are recorded. Expressions (ECMAScript) must match the whole name, as in LCM.
 class ChannelFilter {
  public:
-  /// An empty `exclude` excludes nothing. Throws std::invalid_argument naming an expression that
+  /// An empty `exclude` excludes nothing. Throws node::UsageError naming an expression that
   /// is none.
   ChannelFilter(const std::string& include, const std::string& exclude);
 

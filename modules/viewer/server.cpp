@@ -4,9 +4,9 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/steady_timer.hpp>
-#include <stdexcept>
 #include <utility>
 
+#include "common/node/program.hpp"
 #include "modules/viewer/http_connection.hpp"
 #include "modules/viewer/websocket_client.hpp"
 
@@ -27,7 +27,7 @@ asio::ip::address parse_address(const std::string& text) {
   asio::ip::address address =
       asio::ip::make_address(text == "localhost" ? "127.0.0.1" : text, error);
   if (error) {
-    throw std::invalid_argument("--bind '" + text + "' is no address to listen on");
+    throw node::UsageError("--bind '" + text + "' is no address to listen on");
   }
   return address;
 }

@@ -34,7 +34,7 @@ class Server : boost::noncopyable {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Whether an address is that of this host alone. Throws std::invalid_argument for what is no
+/// Whether an address is that of this host alone. Throws node::UsageError for what is no
 /// address.
 [[nodiscard]] bool is_loopback(const std::string& address);
 

@@ -5,6 +5,8 @@
 
 #include <stdexcept>
 
+#include "common/node/program.hpp"
+
 namespace nodmap::logger {
 namespace {
 
@@ -38,7 +40,7 @@ TEST(ChannelFilter, WhatIsNoExpressionIsNamed) {
   try {
     const ChannelFilter filter(".*", "A(");
     FAIL();
-  } catch (const std::invalid_argument& error) {
+  } catch (const node::UsageError& error) {
     EXPECT_NE(std::string(error.what()).find("'A('"), std::string::npos);
   }
 }
