@@ -21,7 +21,7 @@ import seeds
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 CORRIDOR = [("corridor30", seed, 60) for seed in seeds.CHOOSING[:30]]
 CELLAR = [("cellar", seed, 120) for seed in seeds.CHOOSING[:20]]
-SETTINGS = ["", "line_correspondence_m=0.25", "line_radius_m=0.25", "line_radius_m=0.15", "line_radius_m=0.12"]
+SETTINGS = ["", "matcher.min_line_distance_m=0.25", *(f"map.line_radius_m={radius_m}" for radius_m in (0.25, 0.15, 0.12))]
 
 
 class Drives:
