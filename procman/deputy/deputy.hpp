@@ -11,7 +11,8 @@ struct DeputySettings {
   std::string lcm_url;
   /// Which exec lines may be run; LCM tells nobody apart, so orders alone do not decide it.
   std::function<bool(const std::string& exec)> may_run;
-  std::string refusal;  ///< why not, for who ordered it
+  std::string refusal;         ///< why not, for who ordered it
+  bool trusts_orders = false;  ///< see Supervisor
 };
 
 /// Serves until SIGINT, SIGTERM, SIGHUP or SIGQUIT. Returns the exit code: 0 after a clean end, 1
