@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "drivers/kurt/sender_watch.hpp"
+#include "common/node/sender_watch.hpp"
 #include "drivers/kurt/speed_limiter.hpp"
 
 namespace nodmap::kurt {
@@ -74,7 +74,7 @@ class DriveWatchdog {
                                      std::int64_t now_us) const;
 
   std::int64_t timeout_us_;
-  SenderWatch sender_;
+  node::SenderWatch sender_;
   std::optional<Obeyed> obeyed_;
 };
 

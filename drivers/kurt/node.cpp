@@ -19,6 +19,10 @@ using std::chrono::microseconds;
 
 constexpr std::int64_t kControlPeriodUs = 10'000;
 constexpr std::int64_t kSensorsPeriodUs = 50'000;
+constexpr std::int64_t kRepeatStopUs = 1'000'000;
+constexpr const char* kName = "nodmap-kurt";
+constexpr const char* kItsStart = "its start";
+constexpr std::size_t kMaxNameLength = 100;
 constexpr std::int64_t kSensorLifeUs = 500'000;
 /// A command is 22 bytes: a line that does not take them in this time is stuck.
 constexpr microseconds kWriteTimeout{5'000};
@@ -108,7 +112,8 @@ KurtNode::KurtNode(node::Context& context, const KurtParams& params,
              .received = [this](std::span<const std::uint8_t> bytes,
                                 const time::Moment& now) { receive(bytes, now); },
              .lost = [this] { kurt_.disconnected(); }}),
-      clock_(std::move(clock)) {
+      clock_(std::move(clock)),
+      stopped_by_(kItsStart) {
   context_.bus.subscribe<nodmap::drive_t>(
       "DRIVE", [this](const nodmap::drive_t& message) { on_drive(message); });
   context_.bus.subscribe<nodmap::stop_t>(
@@ -138,6 +143,7 @@ void KurtNode::spin_once() {
     next_sensors_us_ = now.steady_us + kSensorsPeriodUs;
     publish_sensors(now);
   }
+  repeat_stop(now);
   log_change(now);
 }
 
@@ -171,7 +177,7 @@ std::int64_t KurtNode::wait_us() const {
 void KurtNode::on_drive(const nodmap::drive_t& message) {
   // While STOP holds, every DRIVE counts as zero: the robot brakes and stays stationary.
   const DriveCommand wanted =
-      stopped_ ? DriveCommand{} : DriveCommand{message.forward_mps, message.yaw_rate_rad_s};
+      stopped_by_ ? DriveCommand{} : DriveCommand{message.forward_mps, message.yaw_rate_rad_s};
   const DriveRequest request{wanted, message.utime, message.valid_us, message.drive_seq};
   const DriveStatus status = kurt_.drive(request, clock_());
   if (status == DriveStatus::kObeyed) {
@@ -182,10 +188,35 @@ void KurtNode::on_drive(const nodmap::drive_t& message) {
 }
 
 void KurtNode::on_stop(const nodmap::stop_t& message) {
-  context_.counts.use();
-  if (std::exchange(stopped_, message.is_stopped != 0) != stopped_) {
-    log::get().info("{} by {}", stopped_ ? "stopped" : "free again", message.requested_by);
+  const std::string by = message.requested_by.substr(0, kMaxNameLength);
+  if (by.starts_with(kName)) {
+    return;  // its own repetition, which may come after a newer word of somebody else
   }
+  context_.counts.use();
+  const bool was_stopped = stopped_by_.has_value();
+  stopped_by_ = message.is_stopped != 0 ? std::optional(by) : std::nullopt;
+  if (stopped_by_.has_value() != was_stopped) {
+    log::get().info("{} by {}", stopped_by_ ? "stopped" : "free to drive", by);
+  }
+}
+
+void KurtNode::repeat_stop(const time::Moment& now) {
+  if (!stopped_by_) {
+    next_stop_us_.reset();
+    return;
+  }
+  // First after a period: whoever stopped it has just said so himself.
+  if (now.steady_us < next_stop_us_.value_or(now.steady_us + 1)) {
+    next_stop_us_ = next_stop_us_.value_or(now.steady_us + kRepeatStopUs);
+    return;
+  }
+  next_stop_us_ = now.steady_us + kRepeatStopUs;
+  nodmap::stop_t message{};
+  message.utime = now.utime_us;
+  message.stop_seq = stop_seq_++;
+  message.is_stopped = 1;
+  message.requested_by = std::string(kName) + ", for " + *stopped_by_;
+  context_.bus.publish("STOP", message);
 }
 
 void KurtNode::publish_odometry(const OdometrySample& sample) {
@@ -245,10 +276,17 @@ node::Health KurtNode::health() const {
     case KurtState::kNoBase:
       return {node::HealthState::kFailed, describe(state, false)};
     case KurtState::kNoDrive:
-      return {is_contested ? node::HealthState::kFailed : node::HealthState::kDegraded,
-              describe(state, is_contested)};
+      if (is_contested || !stopped_by_) {
+        return {is_contested ? node::HealthState::kFailed : node::HealthState::kDegraded,
+                describe(state, is_contested)};
+      }
+      break;
     case KurtState::kDriving:
       break;
+  }
+  if (stopped_by_) {
+    return {node::HealthState::kDegraded,
+            "stopped by " + *stopped_by_ + ": stationary until told to go (nodmap-stop --go)"};
   }
   if ((kurt_.session().flags() & (kErrorPassive | kBusError)) != 0) {
     return {node::HealthState::kDegraded, "errors on the CAN bus: cable, termination?"};

@@ -107,6 +107,10 @@ void Laser3dNode::on_command(const nodmap::pitch_command_t& message) {
     context_.counts.reject("stale");
     return;
   }
+  if (!sender_.follow(message.command_seq, now.steady_us) || sender_.is_contested(now.steady_us)) {
+    context_.counts.reject("other_sender");
+    return;
+  }
   const AreaOfInterest area{message.pitch_min_rad, message.pitch_max_rad, message.sweep_s};
   if (driver_.command(area, now.steady_us)) {
     context_.counts.use();
@@ -181,6 +185,10 @@ node::Health Laser3dNode::health() const {
   }
   if (!servo_.is_open()) {
     return {node::HealthState::kFailed, "servo: " + servo_.error()};
+  }
+  if (sender_.is_contested(clock_().steady_us)) {
+    return {node::HealthState::kFailed,
+            "two processes send PITCH_COMMAND: none is obeyed until one has ended"};
   }
   const Health health = driver_.health(clock_().steady_us);
   switch (health.condition) {

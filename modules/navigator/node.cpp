@@ -111,6 +111,11 @@ void NavigatorNode::on_pitch_command(const nodmap::pitch_command_t& message) {
     context_.counts.reject("implausible_pitch_command");
     return;
   }
+  const std::int64_t now_us = stamps_.odometry_us.value_or(message.utime);
+  if (!pitch_command_sender_.follow(message.command_seq, now_us)) {
+    context_.counts.reject("other_sender_of_pitch_command");
+    return;
+  }
   context_.counts.use();
   pitch_command_ = message;
   stamps_.pitch_command_us = message.utime;
@@ -168,6 +173,9 @@ std::optional<std::string> NavigatorNode::reason_not_to_drive() const {
   }
   if (auto stale = reason_to_halt(stamps_, params_.staleness)) {
     return stale;
+  }
+  if (pitch_command_sender_.is_contested(*stamps_.odometry_us)) {
+    return "Two processes send PITCH_COMMAND.";
   }
   if (pitch_state_.is_stalled != 0) {
     return "The pitch servo is stalled.";

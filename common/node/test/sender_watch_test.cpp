@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "drivers/kurt/sender_watch.hpp"
+#include "common/node/sender_watch.hpp"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 
-namespace nodmap::kurt {
+namespace nodmap::node {
 namespace {
 
 constexpr std::int64_t kPeriodUs = 13'320;
@@ -87,6 +87,21 @@ TEST(SenderWatch, ItIsOverASecondAfterTheSecondSenderHasEnded) {
   EXPECT_TRUE(watch.follow(seq, now_us));
 }
 
+// A wall clock that was an hour ahead: what it said of the future must not hold for an hour.
+TEST(SenderWatch, AClockThatIsSetBackForgets) {
+  SenderWatch watch;
+  constexpr std::int64_t kHourUs = 3'600'000'000;
+  std::int64_t seq = 0;
+  for (int i = 0; i < 10; ++i) {
+    (void)watch.follow(seq++, kHourUs + i * kPeriodUs);
+    (void)watch.follow(1'000'000 + i, kHourUs + i * kPeriodUs);
+  }
+  ASSERT_TRUE(watch.is_contested(kHourUs + 10 * kPeriodUs));
+  EXPECT_FALSE(watch.is_contested(kPeriodUs));
+  EXPECT_TRUE(watch.follow(seq, kPeriodUs));
+  EXPECT_FALSE(watch.is_contested(kPeriodUs));
+}
+
 TEST(SenderWatch, AMessageOvertakenOnTheNetworkIsNoSecondSender) {
   SenderWatch watch;
   std::int64_t seq = 0;
@@ -102,4 +117,4 @@ TEST(SenderWatch, AMessageOvertakenOnTheNetworkIsNoSecondSender) {
 }
 
 }  // namespace
-}  // namespace nodmap::kurt
+}  // namespace nodmap::node

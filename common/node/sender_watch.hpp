@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <optional>
 
-namespace nodmap::kurt {
+namespace nodmap::node {
 
 /// Follows one sender of commands, and notices a second one.
 ///
@@ -15,8 +15,8 @@ namespace nodmap::kurt {
 /// be known from the numbers. A sender that starts anew is followed as soon as the former has been
 /// silent for kSilenceUs.
 ///
-/// Times are microseconds of one monotonic clock. Not protected against: a sender that is alone,
-/// and one that stops the right sender first.
+/// Times are microseconds of one clock; when it is set back, what was heard before is forgotten.
+/// Not protected against: a sender that is alone, and one that stops the right sender first.
 class SenderWatch {
  public:
   /// A sender that is silent for so long is gone, and another may be followed.
@@ -33,7 +33,8 @@ class SenderWatch {
 
   /// Whether two senders are alive, or were a moment ago.
   [[nodiscard]] bool is_contested(std::int64_t now_us) const {
-    return now_us < contested_until_us_;
+    return contested_since_us_ && now_us >= *contested_since_us_ &&
+           now_us < *contested_since_us_ + kContestedUs;
   }
 
  private:
@@ -47,7 +48,7 @@ class SenderWatch {
   std::optional<Heard> followed_;  // the last message of the sender that is followed
   int strangers_ = 0;              // since the begin of this window of a second
   std::int64_t window_begin_us_ = 0;
-  std::int64_t contested_until_us_ = 0;
+  std::optional<std::int64_t> contested_since_us_;
 };
 
-}  // namespace nodmap::kurt
+}  // namespace nodmap::node

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "drivers/kurt/sender_watch.hpp"
+#include "common/node/sender_watch.hpp"
 
 #include <limits>
 
-namespace nodmap::kurt {
+namespace nodmap::node {
 namespace {
 
 constexpr std::int64_t kWindowUs = 1'000'000;
@@ -19,6 +19,9 @@ bool continues(std::int64_t last, std::int64_t seq) {
 }  // namespace
 
 bool SenderWatch::follow(std::int64_t seq, std::int64_t now_us) {
+  if (followed_ && now_us < followed_->at_us) {
+    *this = SenderWatch();
+  }
   const bool is_alive = followed_ && now_us - followed_->at_us < kSilenceUs;
   if (is_alive && !continues(followed_->seq, seq)) {
     count_stranger(now_us);
@@ -27,7 +30,7 @@ bool SenderWatch::follow(std::int64_t seq, std::int64_t now_us) {
   if (!is_alive) {
     strangers_ = 0;  // they were messages of the sender that is followed from now on
   } else if (now_us - window_begin_us_ < kWindowUs && strangers_ >= kStrangersOfASecondSender) {
-    contested_until_us_ = now_us + kContestedUs;
+    contested_since_us_ = now_us;
   }
   followed_ = {seq, now_us};
   return true;
@@ -41,4 +44,4 @@ void SenderWatch::count_stranger(std::int64_t now_us) {
   ++strangers_;
 }
 
-}  // namespace nodmap::kurt
+}  // namespace nodmap::node
