@@ -21,9 +21,11 @@ namespace nodmap::bus {
 /// What went over a bus since it was made.
 struct BusCounts {
   std::int64_t received = 0;  ///< messages handed to a handler
-  std::int64_t corrupt = 0;   ///< messages that were no valid message of the type, and dropped
+  std::int64_t corrupt = 0;   ///< messages and datagrams that were no valid ones, and dropped
   std::int64_t published = 0;
   std::int64_t not_published = 0;  ///< refused by the transport: too large, no route, disk full
+  std::int64_t refused = 0;        ///< datagrams of hosts that are not trusted, and dropped
+  std::string refused_host;        ///< address of the last of them; empty: none
 };
 
 /// Where messages come from and go to. The one interface a node sees; live and replay differ only
@@ -76,7 +78,7 @@ class Bus : private boost::noncopyable {
     listen(channel, std::move(handler), queue_capacity);
   }
 
-  [[nodiscard]] const BusCounts& counts() const { return counts_; }
+  [[nodiscard]] virtual BusCounts counts() const { return counts_; }
 
   /// How long handlers took. Wall clock: for reports, never for results.
   [[nodiscard]] LatencyMeter& latency() { return latency_; }
