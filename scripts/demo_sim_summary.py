@@ -63,7 +63,10 @@ def main():
     logs = sorted((out / "logger").glob("lcmlog-*"))
     for log in logs:
         print(f"  {log}  everything that went over LCM")
-    if not logs:
+    if logs:
+        print(f"\nto see it again: build/release/bin/nodmap-viewer --replay {' '.join(map(str, logs))}, "
+              "and a browser on http://127.0.0.1:8765/")
+    else:
         wrong.append("there is no log of the run")
 
     for sentence in warnings:

@@ -28,15 +28,20 @@ struct LogEvent {
 /// skipped.
 class LogReader : private boost::noncopyable {
  public:
-  /// Throws std::runtime_error naming the file when it cannot be opened.
+  /// Throws formats::InputFileError when it cannot be opened.
   explicit LogReader(const std::filesystem::path& path);
   ~LogReader();
 
   /// The next event, or nothing at the end. The event is valid until the next call.
   [[nodiscard]] const LogEvent* next();
 
+  /// Throws formats::InputFileError when the file holds no event at all: it is something else.
+  void require_event() const;
+
   /// Bytes that belonged to no whole event: damage, or a cut-off end.
   [[nodiscard]] std::int64_t skipped_bytes() const { return skipped_bytes_; }
+  /// The same as a sentence for the user; empty when there were none.
+  [[nodiscard]] std::string damage() const;
   [[nodiscard]] std::int64_t size_bytes() const { return size_bytes_; }
   [[nodiscard]] std::int64_t position_bytes() const { return static_cast<std::int64_t>(at_); }
 
@@ -45,6 +50,7 @@ class LogReader : private boost::noncopyable {
 
   [[nodiscard]] bool read_event_here();
 
+  std::filesystem::path path_;
   std::unique_ptr<Mapping> mapping_;
   std::span<const std::byte> bytes_;
   std::size_t at_ = 0;
