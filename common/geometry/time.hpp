@@ -17,6 +17,8 @@ namespace time {
 
 /// Microseconds inside. Write `{}` behind a member or variable: it is not zero by itself.
 using Duration = std::chrono::microseconds;
+/// For what is no whole number of microseconds: a byte on a line, a degree of a mirror.
+using FineDuration = std::chrono::duration<double, std::micro>;
 
 /// The two clocks, as tags: neither can be asked for the time here. Stamps of messages are of the
 /// wall clock, which may be set; intervals are measured on the steady clock, which never steps. The
@@ -28,6 +30,16 @@ struct SteadyClock {};
 using Timestamp = std::chrono::time_point<WallClock, Duration>;
 /// Steady time since some moment of its own.
 using SteadyTime = std::chrono::time_point<SteadyClock, Duration>;
+using FineSteadyTime = std::chrono::time_point<SteadyClock, FineDuration>;
+
+/// One moment on both clocks.
+struct Moment {
+  Timestamp wall;
+  SteadyTime steady;
+
+  /// What the wall clock showed, or will, at another moment, unless it is set in between.
+  [[nodiscard]] Timestamp wall_at(SteadyTime other) const { return wall + (other - steady); }
+};
 
 /// What comes from outside is brought within this: 73,000 years. A message may say anything; three
 /// such values can be added and subtracted without overflow.
@@ -43,6 +55,16 @@ inline constexpr Duration kLimit{std::int64_t{1} << 61};
   constexpr double kLimitUs = kLimit.count();  // a power of two: exact
   return Duration(
       std::isnan(duration_s) ? 0 : std::llround(std::clamp(1e6 * duration_s, -kLimitUs, kLimitUs)));
+}
+
+/// To the nearest microsecond.
+[[nodiscard]] inline Duration rounded(FineDuration duration) {
+  return Duration(std::llround(duration.count()));
+}
+template <class Clock>
+[[nodiscard]] std::chrono::time_point<Clock, Duration> rounded(
+    std::chrono::time_point<Clock, FineDuration> stamp) {
+  return std::chrono::time_point<Clock, Duration>(rounded(stamp.time_since_epoch()));
 }
 
 /// A duration of a message, log or file, brought within kLimit.
@@ -65,12 +87,6 @@ inline constexpr Duration kLimit{std::int64_t{1} << 61};
 [[nodiscard]] constexpr std::int64_t to_utime(Timestamp stamp) {
   return stamp.time_since_epoch().count();
 }
-
-/// One moment on both clocks.
-struct Moment {
-  std::int64_t utime_us = 0;   ///< since the epoch; may be set
-  std::int64_t steady_us = 0;  ///< never steps
-};
 
 }  // namespace time
 }  // namespace nodmap

@@ -49,6 +49,17 @@ TEST(Time, SecondsOutOfRangeSaturateAndNanIsZero) {
   EXPECT_EQ(from_seconds(std::numeric_limits<double>::quiet_NaN()), 0us);
 }
 
+TEST(Time, FineDurationsAreRoundedHalvesAwayFromZero) {
+  EXPECT_EQ(rounded(37.0 * FineDuration(1.5)), 56us);
+  EXPECT_EQ(rounded(-37.0 * FineDuration(1.5)), -56us);
+  EXPECT_EQ(rounded(SteadyTime(1s) + FineDuration(0.4)), SteadyTime(1s));
+}
+
+TEST(Time, AMomentTellsTheWallTimeOfASteadyOne) {
+  const Moment now{Timestamp(1000s), SteadyTime(3s)};
+  EXPECT_EQ(now.wall_at(SteadyTime(2s)), Timestamp(999s));
+}
+
 TEST(Time, StampsOfMessagesComeBackAsTheyWere) {
   for (const std::int64_t utime_us : {std::int64_t{0}, std::int64_t{-1}, 1'700'000'000'123'456}) {
     EXPECT_EQ(to_utime(from_utime(utime_us)), utime_us);
