@@ -30,9 +30,9 @@ class SystemClock : public Clock {
 
 /// For a shell whose devices' time must not step with the wall clock.
 inline Moment now_on_both_clocks() {
-  return {SystemClock().now_utime_us(), std::chrono::duration_cast<std::chrono::microseconds>(
-                                            std::chrono::steady_clock::now().time_since_epoch())
-                                            .count()};
+  return {from_utime(SystemClock().now_utime_us()),
+          SteadyTime(std::chrono::duration_cast<Duration>(
+              std::chrono::steady_clock::now().time_since_epoch()))};
 }
 
 /// Stands where a test puts it.
