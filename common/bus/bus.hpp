@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <boost/core/noncopyable.hpp>
 #include <cstddef>
 #include <cstdint>
 #include <exception>
@@ -29,7 +30,7 @@ struct BusCounts {
 
 /// Where messages come from and go to. The one interface a node sees; live and replay differ only
 /// in which bus it is given. Not thread safe: one bus belongs to one thread.
-class Bus {
+class Bus : private boost::noncopyable {
  public:
   using BytesHandler = std::function<void(std::span<const std::byte>)>;
 
@@ -37,11 +38,6 @@ class Bus {
   /// problem that a longer queue would hide.
   static constexpr int kDefaultQueue = 64;
 
-  Bus() = default;
-  Bus(const Bus&) = delete;
-  Bus& operator=(const Bus&) = delete;
-  Bus(Bus&&) = delete;
-  Bus& operator=(Bus&&) = delete;
   virtual ~Bus() = default;
 
   template <class Message>

@@ -32,11 +32,6 @@ class LiveBus : public Bus {
   explicit LiveBus(const std::string& url);
   ~LiveBus() override;
 
-  LiveBus(const LiveBus&) = delete;
-  LiveBus& operator=(const LiveBus&) = delete;
-  LiveBus(LiveBus&&) = delete;
-  LiveBus& operator=(LiveBus&&) = delete;
-
   /// Waits up to `timeout` for a message, then handles all that are waiting (bounded, so that a
   /// flood cannot keep the caller for ever). Returns how many. An exception from a handler comes
   /// out here, after LCM has been left in order.
