@@ -9,6 +9,7 @@
 #include "common/formats/input_file.hpp"
 #include "common/node/log.hpp"
 #include "common/node/program.hpp"
+#include "common/params/suggestion.hpp"
 #include "procman/config/parser.hpp"
 #include "procman/sheriff/lone_deputies.hpp"
 #include "procman/sheriff/tasks.hpp"
@@ -97,7 +98,12 @@ int serve(const Options& options, const Config& config) {
   if (!options.script.empty()) {
     watching.script = config.find_script(options.script);
     if (watching.script == nullptr) {
-      throw node::UsageError(options.config + " has no script \"" + options.script + "\"");
+      std::vector<std::string> names;
+      for (const Script& script : config.scripts) {
+        names.push_back(script.name);
+      }
+      throw node::UsageError(options.config + " has no script \"" + options.script + "\"" +
+                             params::did_you_mean(options.script, names));
     }
     watching.after_script = after_script(options.after_script);
     watching.timeout_s = options.timeout_s;
