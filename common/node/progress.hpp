@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <boost/core/noncopyable.hpp>
 #include <chrono>
 #include <cstdint>
 #include <string>
@@ -12,13 +13,9 @@ namespace nodmap::node {
 [[nodiscard]] std::string progress_line(const std::string& what, double share, double elapsed_s);
 
 /// A bar on stderr for work that takes a while; silent where stderr is no terminal.
-class Progress {
+class Progress : private boost::noncopyable {
  public:
   Progress(std::string what, std::int64_t total);
-  Progress(const Progress&) = delete;
-  Progress& operator=(const Progress&) = delete;
-  Progress(Progress&&) = delete;
-  Progress& operator=(Progress&&) = delete;
   ~Progress();
 
   /// Cheap enough to be called for every message.

@@ -310,11 +310,13 @@ GroundTruth RobotModel::ground_truth() const {
   truth.contacts_caused = state_->contacts_caused;
   truth.falls = state_->falls;
   truth.actors = now.to.actors;
-  truth.clearance_m = state_->collision.clearance_m(state_->body_pose());
+  truth.person_clearance_m = std::numeric_limits<double>::infinity();
   for (const ActorState& actor : truth.actors) {
-    truth.clearance_m =
-        std::min(truth.clearance_m, state_->collision.distance(actor, state_->body_pose()));
+    truth.person_clearance_m =
+        std::min(truth.person_clearance_m, state_->collision.distance(actor, state_->body_pose()));
   }
+  truth.clearance_m =
+      std::min(truth.person_clearance_m, state_->collision.clearance_m(state_->body_pose()));
   return truth;
 }
 

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <limits>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -83,6 +84,21 @@ struct ActorState {
   double height_m = 0.0;
 };
 
+/// How a drive to the goals is judged, where that is not the robot's word alone.
+struct Task {
+  /// The last goal is reached as soon as base's origin is so near, whatever the robot reports.
+  std::optional<double> arrival_radius_m;
+  /// From the moment on at which the robot has moved 0.1 m.
+  std::optional<double> time_limit_s;
+  /// Length of the shortest path from the start over all goals, where no search on flat ground
+  /// finds it.
+  std::optional<double> shortest_path_m;
+  /// Length of the path by whose time a benchmark scores.
+  std::optional<double> reference_path_m;
+  /// The first contact ends the drive.
+  bool ends_at_contact = false;
+};
+
 /// The content of a WORLD.yaml. The floor is z = 0 except in pits.
 struct World {
   std::string name;
@@ -91,6 +107,7 @@ struct World {
   std::vector<Actor> actors;
   geometry::SE2 T_world_start;
   std::vector<Eigen::Vector2d> goals;  ///< to be reached one after the other; may be empty
+  Task task;
 };
 
 }  // namespace nodmap::sim

@@ -7,7 +7,8 @@
 #include <cmath>
 #include <optional>
 
-#include "sim/world/random_world.hpp"
+#include "sim/world/barn_file.hpp"
+#include "sim/world/scenarios/scenarios.hpp"
 #include "sim/world/world_file.hpp"
 
 namespace nodmap::trial {
@@ -60,16 +61,29 @@ Kill parse_kill(const std::string& text) {
   return {text.substr(0, at), to_step_us(*time_s), to_step_us(*duration_s)};
 }
 
-sim::World load_world_or_random(const std::string& name) {
-  constexpr std::string_view kRandom = "random:";
-  if (!name.starts_with(kRandom)) {
-    return sim::load_world(name);
+sim::World make_world(const std::string& name) {
+  const std::string_view text = name;
+  const std::size_t colon = text.find(':');
+  const std::string_view kind = text.substr(0, colon);
+  if (colon != std::string_view::npos && kind == "barn") {
+    const std::size_t last = text.rfind(':');
+    const auto index = parse<int>(text.substr(last + 1));
+    if (last == colon || !index) {
+      throw CommandError("--world " + name + ": must be barn:FILE:INDEX");
+    }
+    return sim::load_barn_world(text.substr(colon + 1, last - colon - 1), *index);
   }
-  const auto seed = parse<std::uint64_t>(std::string_view(name).substr(kRandom.size()));
-  if (!seed) {
-    throw CommandError("--world " + name + ": must be random:SEED, such as random:1");
+  for (const sim::Scenario& scenario : sim::scenarios()) {
+    if (colon != std::string_view::npos && kind == scenario.name) {
+      const auto seed = parse<std::uint64_t>(text.substr(colon + 1));
+      if (!seed) {
+        throw CommandError("--world " + name + ": must be " + std::string(kind) +
+                           ":SEED, such as " + std::string(kind) + ":1");
+      }
+      return scenario.make(*seed);
+    }
   }
-  return sim::random_clutter(*seed);
+  return sim::load_world(name);
 }
 
 }  // namespace nodmap::trial

@@ -78,8 +78,9 @@ void GroundTruthMonitor::update() {
   const sim::GroundTruth truth = model_.ground_truth();
   if (recorded) {
     record_.truth.push_back({now_us, truth.T_world_base, truth.forward_mps, truth.yaw_rate_rad_s,
-                             truth.clearance_m, truth.collisions, truth.bumps,
-                             truth.contacts_caused, truth.falls});
+                             truth.clearance_m, truth.person_clearance_m, truth.collisions,
+                             truth.bumps, truth.contacts_caused, truth.falls});
+    record_progress(truth.T_world_base.translation().head<2>());
     T_world_base_.add(kEpochUs + now_us, truth.T_world_base);
   }
   if (now_us % kTruthPeriodUs == 0) {
@@ -87,6 +88,20 @@ void GroundTruthMonitor::update() {
   }
   if (!world_.actors.empty()) {
     update_brake_latency(truth);
+  }
+}
+
+/// The first motion, and the arrival by the rules of a task that does not ask the robot.
+void GroundTruthMonitor::record_progress(const Eigen::Vector2d& position) {
+  constexpr double kMovedM = 0.1;
+  if (!record_.moved_us && (position - world_.T_world_start.translation()).norm() >= kMovedM) {
+    record_.moved_us = model_.now_us();
+  }
+  const std::optional<double>& radius_m = world_.task.arrival_radius_m;
+  if (radius_m && !record_.reached_us && !world_.goals.empty() &&
+      record_.arrivals_us.size() + 1 >= world_.goals.size() &&
+      (position - world_.goals.back()).norm() <= *radius_m) {
+    record_.reached_us = model_.now_us();
   }
 }
 

@@ -46,7 +46,7 @@ nlohmann::json Process::report() const {
 }
 
 RobotSoftware::RobotSoftware(sim::SimulatedRobot& hardware, bus::LoopNetwork& network,
-                             AllParams params, std::set<std::string> without)
+                             AllParams params, Robot robot, std::set<std::string> without)
     : hardware_(hardware),
       network_(network),
       params_(std::move(params)),
@@ -56,21 +56,15 @@ RobotSoftware::RobotSoftware(sim::SimulatedRobot& hardware, bus::LoopNetwork& ne
       base_line_(hardware.device(sim::Part::kBase)) {
   const auto clock = [this] {
     const std::int64_t now_us = hardware_.model().now_us();
-    return time::Moment{kEpochUs + now_us, now_us};
+    return time::Moment{time::from_utime(kEpochUs + now_us),
+                        time::SteadyTime(time::Duration(now_us))};
   };
   processes_.reserve(7);
   add("kurt", [this, clock](node::Context& context) {
     return std::make_unique<kurt::KurtNode>(
         context, params_.kurt, [this] { return base_line_.open(params_.kurt.baud); }, clock);
   });
-  add("laser3d", [this, clock](node::Context& context) {
-    return std::make_unique<laser3d::Laser3dNode>(
-        context, params_.laser3d,
-        laser3d::Laser3dNode::Openers{
-            .laser = [this] { return laser_line_.open(params_.laser3d.laser.baud); },
-            .servo = [this] { return servo_line_.open(params_.laser3d.servo.baud); }},
-        clock);
-  });
+  add_scanner(robot, clock);
   add("pitch_controller", [this](node::Context& context) {
     return std::make_unique<pitch_controller::PitchControllerNode>(context,
                                                                    params_.pitch_controller);
@@ -86,6 +80,24 @@ RobotSoftware::RobotSoftware(sim::SimulatedRobot& hardware, bus::LoopNetwork& ne
   });
   add("slam6d", [this](node::Context& context) {
     return std::make_unique<slam6d::Slam6dNode>(context, params_.slam6d);
+  });
+}
+
+void RobotSoftware::add_scanner(Robot robot, const std::function<time::Moment()>& clock) {
+  if (robot == Robot::kJackal) {
+    add("laser3d", [this](node::Context& context) {
+      return std::make_unique<LevelScannerNode>(context, params_.navigator.robot.mount,
+                                                hardware_.model());
+    });
+    return;
+  }
+  add("laser3d", [this, clock](node::Context& context) {
+    return std::make_unique<laser3d::Laser3dNode>(
+        context, params_.laser3d,
+        laser3d::Laser3dNode::Openers{
+            .laser = [this] { return laser_line_.open(params_.laser3d.laser.baud); },
+            .servo = [this] { return servo_line_.open(params_.laser3d.servo.baud); }},
+        clock);
   });
 }
 

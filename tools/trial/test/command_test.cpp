@@ -35,8 +35,8 @@ TEST(Command, RefusesWhatIsNoKill) {
 }
 
 TEST(Command, ARandomWorldNeedsANumber) {
-  EXPECT_FALSE(load_world_or_random("random:3").objects.empty());
-  EXPECT_THAT(error_of([] { (void)load_world_or_random("random:x"); }), HasSubstr("random:SEED"));
+  EXPECT_FALSE(make_world("random:3").objects.empty());
+  EXPECT_THAT(error_of([] { (void)make_world("random:x"); }), HasSubstr("random:SEED"));
 }
 
 TEST(AllParams, SetsAParameterOfAProcess) {
