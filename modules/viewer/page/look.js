@@ -32,7 +32,7 @@ export function makeTheme(select, view) {
     view.setTheme(theme);
   };
   const kept = localStorage.getItem("look:theme");
-  select.value = [...select.options].some(({value}) => value === kept) ? kept : "auto";
+  select.value = [...select.options].some(({value}) => value === kept) ? kept : select.value;
   select.addEventListener("change", () => {
     localStorage.setItem("look:theme", select.value);
     apply();
