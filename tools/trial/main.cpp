@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <ctime>
@@ -60,7 +61,8 @@ double duration_s(const Arguments& arguments, const sim::World& world) {
 
 void add_options(CLI::App& app, Arguments& arguments) {
   app.add_option("--world", arguments.world,
-                 "World file, SCENARIO:SEED for a generated one, or barn:FILE:INDEX; scenarios: " +
+                 "World file, SCENARIO:SEED for a generated one, barn:FILE:INDEX, or "
+                 "pedestrians:FILE:FRAMES_PER_SECOND:SEED; scenarios: " +
                      scenario_names());
   app.add_option("--seed", arguments.seed, "Seed of the simulated noise")->capture_default_str();
   app.add_option(
@@ -124,6 +126,10 @@ void run(const Arguments& arguments, TrialSetup setup) {
   const std::filesystem::path dir = arguments.out;
   setup.world = make_world(arguments.world);
   setup.duration_us = std::llround(1e6 * duration_s(arguments, setup.world));
+  if (setup.level_laser &&
+      std::ranges::any_of(setup.world.actors, [](const sim::Actor& a) { return a.reacts; })) {
+    throw node::UsageError("--level-laser: not in a world with actors that react");
+  }
   node::make_result_dir(dir);
   if (arguments.appear_s) {
     setup.world.actors.push_back(place_appearing_obstacle(setup, *arguments.appear_s, dir));
