@@ -40,6 +40,7 @@ struct Arguments {
   std::vector<std::string> without;
   std::optional<double> appear_s;
   bool level_laser = false;
+  bool no_actors = false;
   bool dump_params = false;
 };
 
@@ -94,6 +95,7 @@ void add_options(CLI::App& app, Arguments& arguments) {
   app.add_flag_callback(
       "--no-slam6d", [&arguments] { arguments.without.emplace_back("slam6d"); },
       "Same as --without slam6d");
+  app.add_flag("--no-actors", arguments.no_actors, "Leave the world's actors out");
   app.add_flag("--dump-params", arguments.dump_params, "Print the effective parameters and end");
 }
 
@@ -125,6 +127,9 @@ TrialSetup make_setup(const Arguments& arguments) {
 void run(const Arguments& arguments, TrialSetup setup) {
   const std::filesystem::path dir = arguments.out;
   setup.world = make_world(arguments.world);
+  if (arguments.no_actors) {
+    setup.world.actors.clear();
+  }
   setup.duration_us = std::llround(1e6 * duration_s(arguments, setup.world));
   if (setup.level_laser &&
       std::ranges::any_of(setup.world.actors, [](const sim::Actor& a) { return a.reacts; })) {

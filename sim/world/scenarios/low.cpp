@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Worlds whose obstacles are hard to see: low, transparent, thin.
+#include <array>
 #include <cmath>
 
 #include "common/geometry/angle.hpp"
@@ -11,7 +12,7 @@ namespace {
 
 constexpr double kHalfWidthM = 2.5;
 constexpr double kEndM = 8.5;
-/// Left free beside what lies across the way.
+/// Left free beside what lies across the path.
 constexpr double kPassageM = 0.9;
 
 void add_hall(Builder& hall) {
@@ -32,7 +33,7 @@ World make_sills(std::uint64_t seed) {
   Builder hall("sills", seed);
   add_hall(hall);
   for (const double x : {1.8, 3.6, 5.4}) {
-    // A sill across most of the hall, or a plank anywhere on the way. The body clears 3 cm.
+    // A sill across most of the hall, or a plank anywhere on the path. The body clears 3 cm.
     const double height_m = hall.between(0.031, 0.06);
     if (hall.count(0, 1) == 0) {
       const double width_m = hall.between(2.5, 3.8);
@@ -81,7 +82,7 @@ World make_drums(std::uint64_t seed) {
 
 World make_ramps(std::uint64_t seed) {
   Builder hall("ramps", seed);
-  constexpr double kSlopesDeg[] = {5.0, 10.0, 12.0};
+  constexpr std::array kSlopesDeg{5.0, 10.0, 12.0};
   const double slope = std::tan(geometry::deg_to_rad(kSlopesDeg[seed % 3]));
   const double half_m = 0.5 * hall.between(1.2, 2.2);
   const double length_m = hall.between(1.5, 3.0);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Worlds in which the way is narrow or leads away from the goal.
+// Worlds whose paths are narrow, or lead away from the goal at first.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -166,7 +166,7 @@ World make_doors(std::uint64_t seed) {
   constexpr double kHalfWidthM = 3.0;
   double side = rooms.side();
   for (int i = 1; i < num_rooms; ++i) {
-    // Aside of the straight way, and on the other side in the next wall.
+    // Aside of the straight path, and on the other side in the next wall.
     const double door_y = side * rooms.between(1.6, 2.3);
     rooms.wall_with_door({depth_m * i, -kHalfWidthM}, {depth_m * i, kHalfWidthM},
                          kHalfWidthM + door_y, rooms.between(0.55, 0.60));
@@ -188,7 +188,7 @@ std::vector<Eigen::Vector2d> build_office(Builder& office) {
   const double room_m = office.between(3.2, 4.4);
   std::vector<Eigen::Vector2d> middles;
   const double end_m = room_m * kRoomsOnASide;
-  double reach_m[2] = {0.0, 0.0};
+  std::array<double, 2> reach_m{};
   for (const double side : {-1.0, 1.0}) {
     const double depth_m = office.between(3.0, 4.5);
     const double y_corridor = side * (half_m + 0.5 * kWallM);
@@ -244,7 +244,7 @@ World make_corridor(std::uint64_t seed) {
     corridor.box({x, side * (half_m - 0.5 * depth_m)}, {corridor.between(0.2, 1.2), depth_m},
                  {0.0, corridor.between(0.1, 2.0)});
   }
-  // Boxes of 10 cm on the way, with room beside them.
+  // Boxes of 10 cm on the path, with room beside them.
   for (double x = corridor.between(18.0, 24.0); x < kLengthM - 5.0;
        x += corridor.between(18.0, 28.0)) {
     corridor.box({x, corridor.side() * corridor.between(0.1, 0.3)}, {0.3, 0.3}, {0.0, 0.1},
@@ -252,6 +252,7 @@ World make_corridor(std::uint64_t seed) {
   }
   corridor.start(0.0, 0.0, 0.0);
   corridor.goal(kLengthM, 0.0);
+  corridor.task().shortest_path_m = kLengthM;  // boxes are passed with some millimetres more
   return corridor.finish();
 }
 

@@ -20,13 +20,13 @@ Actor person(Builder& chance) {
   return actor;
 }
 
-/// To and fro between two places, beginning anywhere on the way.
+/// To and fro between two places, beginning anywhere between them.
 Actor walk_to_and_fro(Builder& chance, const Line& line, double speed_mps) {
   Actor actor = person(chance);
-  const double way_s = (line.to - line.from).norm() / speed_mps;
-  const double begin_s = -chance.between(0.0, 2.0) * way_s;
+  const double walk_s = (line.to - line.from).norm() / speed_mps;
+  const double begin_s = -chance.between(0.0, 2.0) * walk_s;
   actor.path = {
-      {begin_s, line.from}, {begin_s + way_s, line.to}, {begin_s + 2.0 * way_s, line.from}};
+      {begin_s, line.from}, {begin_s + walk_s, line.to}, {begin_s + 2.0 * walk_s, line.from}};
   actor.loop = true;
   return actor;
 }

@@ -39,9 +39,9 @@ struct Scenario {
 /// A corridor of 100 m with things along its walls and boxes of 10 cm on its floor.
 [[nodiscard]] World make_corridor(std::uint64_t seed);
 
-/// Sills and planks of 3.1 to 6 cm across the way: more than the body clears.
+/// Sills and planks of 3.1 to 6 cm across the path: more than the body clears.
 [[nodiscard]] World make_sills(std::uint64_t seed);
-/// Panes of glass, which return no light, across the way; only their posts are seen.
+/// Panes of glass, which return no light, across the path; only their posts are seen.
 [[nodiscard]] World make_glass(std::uint64_t seed);
 /// Rows of drums of 12 and 16 cm with gaps of 0.55 to 0.75 m.
 [[nodiscard]] World make_drums(std::uint64_t seed);
