@@ -8,6 +8,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "common/formats/input_file.hpp"
+
 namespace nodmap::formats {
 namespace {
 
@@ -133,10 +135,7 @@ void write_ply(const std::filesystem::path& file, const std::vector<ColouredPoin
 }
 
 std::vector<Eigen::Vector3f> read_ply(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in) {
-    throw std::runtime_error(file.string() + ": cannot open");
-  }
+  std::ifstream in = open_input(file);
   try {
     return read_vertices(in);
   } catch (const std::runtime_error& error) {

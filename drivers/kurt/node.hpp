@@ -33,7 +33,7 @@ class KurtNode final : public node::DeviceNode {
   void spin_once() override;
 
   [[nodiscard]] std::array<int, 2> poll_handles() override;
-  [[nodiscard]] std::int64_t wait_us() const override;
+  [[nodiscard]] time::Duration wait() const override;
 
   /// Motors off, port closed.
   void finish() override;
@@ -56,8 +56,8 @@ class KurtNode final : public node::DeviceNode {
   std::function<time::Moment()> clock_;
   bool stopped_ = false;
   KurtState logged_state_ = KurtState::kNoLine;
-  std::int64_t next_control_us_ = 0;
-  std::int64_t next_sensors_us_ = 0;
+  time::SteadyTime next_control_;
+  time::SteadyTime next_sensors_;
   std::int64_t odometry_seq_ = 0;
   std::int64_t sensors_seq_ = 0;
 };

@@ -6,7 +6,7 @@
 namespace nodmap::kurt {
 namespace {
 
-constexpr std::int64_t kWindowUs = 1'000'000;
+constexpr time::Duration kWindow = 1s;
 
 /// Whether `seq` may follow `last` when some messages between were lost. Any numbers may come: no
 /// sum or difference is taken that could overflow.
@@ -18,24 +18,24 @@ bool continues(std::int64_t last, std::int64_t seq) {
 
 }  // namespace
 
-bool SenderWatch::follow(std::int64_t seq, std::int64_t now_us) {
-  const bool is_alive = followed_ && now_us - followed_->at_us < kSilenceUs;
+bool SenderWatch::follow(std::int64_t seq, time::SteadyTime now) {
+  const bool is_alive = followed_ && now - followed_->at < kSilence;
   if (is_alive && !continues(followed_->seq, seq)) {
-    count_stranger(now_us);
+    count_stranger(now);
     return false;
   }
   if (!is_alive) {
     strangers_ = 0;  // they were messages of the sender that is followed from now on
-  } else if (now_us - window_begin_us_ < kWindowUs && strangers_ >= kStrangersOfASecondSender) {
-    contested_until_us_ = now_us + kContestedUs;
+  } else if (now - window_begin_ < kWindow && strangers_ >= kStrangersOfASecondSender) {
+    contested_until_ = now + kContested;
   }
-  followed_ = {seq, now_us};
+  followed_ = {seq, now};
   return true;
 }
 
-void SenderWatch::count_stranger(std::int64_t now_us) {
-  if (now_us - window_begin_us_ >= kWindowUs) {
-    window_begin_us_ = now_us;
+void SenderWatch::count_stranger(time::SteadyTime now) {
+  if (now - window_begin_ >= kWindow) {
+    window_begin_ = now;
     strangers_ = 0;
   }
   ++strangers_;

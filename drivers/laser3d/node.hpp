@@ -19,7 +19,7 @@ namespace nodmap::laser3d {
 class Laser3dNode final : public node::DeviceNode {
  public:
   using Params = Laser3dParams;
-  static constexpr std::int64_t kPollPeriodUs = 2000;
+  static constexpr time::Duration kPollPeriod = 2ms;
 
   struct Openers {
     serial::SerialLink::Opener laser;
@@ -35,7 +35,7 @@ class Laser3dNode final : public node::DeviceNode {
 
   [[nodiscard]] std::array<int, 2> poll_handles() override;
   /// The conversations with laser and servo look after their time-outs.
-  [[nodiscard]] std::int64_t wait_us() const override { return kPollPeriodUs; }
+  [[nodiscard]] time::Duration wait() const override { return kPollPeriod; }
 
   /// Ends the laser's stream, so that the next start is quick.
   void shut_down() override;
@@ -49,7 +49,7 @@ class Laser3dNode final : public node::DeviceNode {
   void perform(serial::SerialLink& link, const LineAction& action, const time::Moment& now);
   void on_command(const nodmap::pitch_command_t& message);
   void publish(const PitchState& state, const time::Moment& now);
-  void publish(scan::Scan scan, const time::Moment& now);
+  void publish(SteadyScan scan, const time::Moment& now);
   void log_change(const time::Moment& now);
 
   node::Context& context_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <boost/core/noncopyable.hpp>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -34,7 +35,7 @@ struct RecorderCounts {
 /// Writes events into one log after the other, and outlives a full disk: what is written stays,
 /// what comes is counted as dropped, and after a while (1 s, doubled up to 30 s) a new file is
 /// tried.
-class Recorder {
+class Recorder : private boost::noncopyable {
  public:
   static constexpr std::int64_t kFlushPeriodUs = 40'000;
   static constexpr std::int64_t kFirstBackOffUs = 1'000'000;
@@ -44,10 +45,6 @@ class Recorder {
   /// a mistyped folder is being recorded into.
   Recorder(RecorderSettings settings, const time::Clock& clock);
   ~Recorder() = default;
-  Recorder(const Recorder&) = delete;
-  Recorder& operator=(const Recorder&) = delete;
-  Recorder(Recorder&&) = delete;
-  Recorder& operator=(Recorder&&) = delete;
 
   void record(std::int64_t utime_us, const std::string& channel, std::span<const std::byte> data);
 

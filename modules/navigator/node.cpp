@@ -43,6 +43,7 @@ std::int8_t code_of(Behaviour behaviour) {
 NavigatorNode::NavigatorNode(node::Context& context, const Params& params)
     : context_(context), params_(params), input_(context.counts), navigator_(params) {
   bus::Bus& bus = context.bus;
+  bus.subscribe<nodmap::scan_t>("SCAN", [this](const auto& m) { on_scan(m); });
   bus.subscribe<nodmap::egomap_t>("OBSTACLE_MAP", [this](const auto& m) { on_map(m); });
   bus.subscribe<nodmap::odometry_t>("ODOMETRY", [this](const auto& m) { on_odometry(m); });
   bus.subscribe<nodmap::pitch_command_t>("PITCH_COMMAND",
@@ -71,6 +72,19 @@ void NavigatorNode::on_map(const nodmap::egomap_t& message) {
   publish(reason ? navigator_.halt(std::move(*reason)) : navigator_.decide(situation()));
 }
 
+void NavigatorNode::on_scan(const nodmap::scan_t& message) {
+  if (!input_.read(message, scan_)) {
+    return;
+  }
+  const auto T_odom_base = odometry_history_.at(scan_.utime_mid_us());
+  if (!T_odom_base) {
+    context_.counts.reject("scan_without_odometry");
+    return;
+  }
+  context_.counts.use();
+  navigator_.add_scan(scan_, geometry::to_se2(*T_odom_base));
+}
+
 void NavigatorNode::on_odometry(const nodmap::odometry_t& message) {
   const auto T_odom_base = input_.read(message);
   if (!T_odom_base) {
@@ -90,6 +104,7 @@ void NavigatorNode::on_odometry(const nodmap::odometry_t& message) {
   odometry_ = {message.odometry_seq, geometry::to_se2(*T_odom_base), message.forward_mps,
                message.yaw_rate_rad_s};
   stamps_.odometry_us = message.utime;
+  odometry_history_.add(message.utime, *T_odom_base);
   if (auto reason = reason_not_to_drive()) {
     publish(navigator_.halt(std::move(*reason)));
   }
@@ -100,6 +115,7 @@ void NavigatorNode::on_odometry(const nodmap::odometry_t& message) {
 void NavigatorNode::begin_odometry_frame(std::int64_t utime_us) {
   odometry_frame_began_us_ = utime_us;
   map_.reset();
+  odometry_history_.clear();
   stamps_.map_us.reset();
   navigator_.reset();
 }

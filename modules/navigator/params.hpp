@@ -100,6 +100,40 @@ struct StalenessParams {
   }
 };
 
+/// The grid of the ground around the robot.
+struct LocalMapParams {
+  bool use = true;
+  double cell_size_m = 0.025;
+  double range_m = 2.5;
+  double floor_tolerance_m = 0.02;
+  double tilt_tolerance_rad = geometry::deg_to_rad(0.4);
+  double floor_return_m = 2.0;
+  double max_gap_m = 0.15;
+  double forget_after_m = 20.0;
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.flag("use", use,
+           "Drive by the local map, too; without it holes and low obstacles are not seen.");
+    v.number("cell_size_m", cell_size_m, {0.01, 0.1}, "Edge of a cell.");
+    v.number("range_m", range_m, {0.5, 5.0},
+             "Obstacles and holes of the local map count up to this distance.");
+    v.number("floor_tolerance_m", floor_tolerance_m, {0.005, 0.2},
+             "What is measured higher or lower than this is no floor.");
+    v.angle("tilt_tolerance_deg", tilt_tolerance_rad, {0.0, 5.0},
+            "Error of pitch and tilt: the floor tolerance grows with distance by it.");
+    v.number("floor_return_m", floor_return_m, {0.5, 10.0},
+             "A beam that should meet the floor within this range and does not come back saw a "
+             "hole.");
+    v.number("max_gap_m", max_gap_m, {0.02, 1.0},
+             "Between floor points of neighbouring beams and scans no farther apart there is "
+             "floor.");
+    v.number("forget_after_m", forget_after_m, {1.0, 1000.0},
+             "An obstacle not measured again is forgotten after so much driving; a rotation of "
+             "1 rad counts as 4 m.");
+  }
+};
+
 struct NavigatorParams {
   robot::RobotParams robot;
   DriveParams drive;
@@ -107,6 +141,7 @@ struct NavigatorParams {
   TurnParams turn;
   BackUpParams back_up;
   StalenessParams staleness;
+  LocalMapParams local_map;
   double drive_valid_s = 0.15;
 
   template <class Visitor>
@@ -117,6 +152,7 @@ struct NavigatorParams {
     v.section("turn", turn);
     v.section("back_up", back_up);
     v.section("staleness", staleness);
+    v.section("local_map", local_map);
     v.number("drive_valid_s", drive_valid_s, {0.05, 0.2}, "How long a DRIVE may be obeyed.");
     describe_former_names(v);
   }

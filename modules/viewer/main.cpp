@@ -153,6 +153,9 @@ void run_live(const Options& options, const ViewerParams& params) {
 
 void run_replay(const Options& options, const ViewerParams& params) {
   bus::LogPlayer player(options.replay);
+  for (const std::string& damage : player.damages()) {
+    log::get().warn("{}", damage);
+  }
   node::MessageCounts counts;
   bool changed = false;
   bool went_back = false;

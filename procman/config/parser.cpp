@@ -2,11 +2,10 @@
 #include "procman/config/parser.hpp"
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 #include <stdexcept>
 #include <utility>
 
+#include "common/formats/input_file.hpp"
 #include "procman/config/lexer.hpp"
 
 namespace nodmap::procman {
@@ -271,17 +270,8 @@ std::string describe(const std::string& file, const ConfigError& error) {
          ": " + error.text;
 }
 
-std::string read_config_file(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::error_code ignored;
-  if (!in || std::filesystem::is_directory(file, ignored)) {  // a folder opens, but does not read
-    throw std::runtime_error(file.string() + ": cannot be read");
-  }
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
 Config load_config(const std::filesystem::path& file) {
-  ParsedConfig parsed = parse_config(read_config_file(file));
+  ParsedConfig parsed = parse_config(formats::read_input(file));
   std::string errors;
   for (const ConfigError& error : parsed.errors) {
     if (!errors.empty()) {

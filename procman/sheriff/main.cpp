@@ -6,6 +6,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "common/formats/input_file.hpp"
 #include "common/node/log.hpp"
 #include "common/node/program.hpp"
 #include "procman/config/parser.hpp"
@@ -65,14 +66,9 @@ void add_options(CLI::App& app, Options& options) {
       "configuration, 3 another sheriff gives orders.");
 }
 
-/// The configuration, or nothing when its errors have been printed.
+/// The configuration, or nothing when its errors have been printed. Throws formats::InputFileError.
 std::optional<Config> read_config(const std::string& file) {
-  ParsedConfig parsed;
-  try {
-    parsed = parse_config(read_config_file(file));
-  } catch (const std::runtime_error& error) {
-    throw node::UsageError(error.what());
-  }
+  ParsedConfig parsed = parse_config(formats::read_input(file));
   for (const ConfigError& error : parsed.errors) {
     std::cerr << describe(file, error) << "\n";
   }

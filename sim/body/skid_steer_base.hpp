@@ -32,7 +32,7 @@ class SkidSteerBase {
   void brake();
 
   /// Rise of the ground ahead for a metre over ground: gravity slows the robot or speeds it up, and
-  /// what the wheels roll is longer than its way seen from above.
+  /// what the wheels roll is longer than its path seen from above.
   void set_slope(double up_ahead) { slope_ = up_ahead; }
 
   void step(double dt_s);

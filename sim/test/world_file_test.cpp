@@ -9,6 +9,7 @@
 #include <fstream>
 #include <string>
 
+#include "common/formats/input_file.hpp"
 #include "common/geometry/angle.hpp"
 
 namespace nodmap::sim {
@@ -169,7 +170,7 @@ TEST_F(WorldFile, ErrorsNameTheLine) {
   EXPECT_EQ(error_of("name: x\nobjects: 3\n" + kTail), "2: 'objects': expected a list");
   EXPECT_THAT(error_of("name: x\nobjects: [\n"), HasSubstr("3: "));
   EXPECT_EQ(error_of(""), "1: world: expected {key: value, ...}");
-  EXPECT_THROW(static_cast<void>(load_world(folder_ / "missing.yaml")), WorldFileError);
+  EXPECT_THROW(static_cast<void>(load_world(folder_ / "missing.yaml")), formats::InputFileError);
 }
 
 TEST_F(WorldFile, ErrorsOfActors) {

@@ -10,6 +10,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "common/formats/input_file.hpp"
+
 namespace nodmap::sim {
 namespace {
 
@@ -217,10 +219,7 @@ Mesh read(std::istream& in) {
 }  // namespace
 
 Mesh read_mesh(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in) {
-    throw std::runtime_error(file.string() + ": cannot open");
-  }
+  std::ifstream in = formats::open_input(file);
   try {
     return read(in);
   } catch (const std::runtime_error& error) {

@@ -10,6 +10,7 @@
 #include <string>
 #include <utility>
 
+#include "common/formats/input_file.hpp"
 #include "common/geometry/angle.hpp"
 #include "sim/world/scenarios/builder.hpp"
 
@@ -25,10 +26,7 @@ constexpr double kHalfCrossingM = 5.0;
 using Tracks = std::map<int, std::vector<Waypoint>>;
 
 Tracks read_tracks(const std::filesystem::path& file, double frames_per_s) {
-  std::ifstream in(file);
-  if (!in) {
-    throw std::runtime_error(file.string() + ": cannot open");
-  }
+  std::ifstream in = formats::open_input(file);
   Tracks tracks;
   std::string text;
   for (int number = 1; std::getline(in, text); ++number) {

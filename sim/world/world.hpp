@@ -90,7 +90,7 @@ struct ActorState {
   std::size_t actor = 0;  ///< its place in World::actors
 };
 
-/// How a drive to the goals is judged, where that is not the robot's word alone.
+/// When a drive to the goals has succeeded or failed, where that is not the robot's word alone.
 struct Task {
   /// The last goal is reached as soon as base's origin is so near, whatever the robot reports.
   std::optional<double> arrival_radius_m;

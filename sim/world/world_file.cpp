@@ -8,6 +8,7 @@
 #include <initializer_list>
 #include <string_view>
 
+#include "common/formats/input_file.hpp"
 #include "common/geometry/angle.hpp"
 #include "sim/world/mesh_file.hpp"
 
@@ -282,9 +283,7 @@ std::vector<Waypoint> Reader::read_path(const YAML::Node& path) const {
 World Reader::read_world() const {
   YAML::Node root;
   try {
-    root = YAML::LoadFile(file_.string());
-  } catch (const YAML::BadFile&) {
-    throw WorldFileError(file_.string() + ":1: cannot open");
+    root = YAML::Load(formats::read_input(file_));
   } catch (const YAML::ParserException& error) {
     throw WorldFileError(file_.string() + ":" + std::to_string(error.mark.line + 1) + ": " +
                          error.msg);

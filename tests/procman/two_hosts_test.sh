@@ -55,7 +55,7 @@ for host in $$ "$host_b"; do
 done
 # Pulled at the switch: each host loses the carrier, and keeps address and route, as with a real cable.
 cable() { on "$switch" ip link set to_a "$1"; on "$switch" ip link set to_b "$1"; }
-export LCM_DEFAULT_URL='udpm://239.255.76.67:7694?ttl=1&recv_buf_size=2000000'
+export LCM_DEFAULT_URL='udpm://239.255.76.67:7694?ttl=1&recv_buf_size=2000000' NODMAP_TRUSTED_HOSTS=10.0.0.1,10.0.0.2
 
 # sim.pmd, with what needs much computing or disk on the second host.
 awk '/cmd "(slam6d|logger)"/ {far = 1} /deputy = / && far {sub(/"sim"/, "\"mapper\""); far = 0} {print}' procman/sim.pmd |

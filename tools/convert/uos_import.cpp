@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "common/formats/input_file.hpp"
 #include "common/node/log.hpp"
 #include "common/node/messages.hpp"
 #include "tools/convert/fields.hpp"
@@ -66,7 +67,12 @@ geometry::SE3 read_pose(const std::filesystem::path& file) {
 std::map<int, std::filesystem::path> find_scans(const std::filesystem::path& dir,
                                                 const UosRange& range) {
   std::map<int, std::filesystem::path> scans;
-  for (const auto& entry : std::filesystem::directory_iterator(dir)) {
+  std::error_code error;
+  const std::filesystem::directory_iterator entries(dir, error);
+  if (error) {
+    throw formats::cannot_open(dir, error.value());
+  }
+  for (const auto& entry : entries) {
     const std::string stem = entry.path().stem().string();
     int number = -1;
     if (entry.path().extension() == ".3d" && stem.starts_with("scan")) {

@@ -56,7 +56,8 @@ RobotSoftware::RobotSoftware(sim::SimulatedRobot& hardware, bus::LoopNetwork& ne
       base_line_(hardware.device(sim::Part::kBase)) {
   const auto clock = [this] {
     const std::int64_t now_us = hardware_.model().now_us();
-    return time::Moment{kEpochUs + now_us, now_us};
+    return time::Moment{time::from_utime(kEpochUs + now_us),
+                        time::SteadyTime(time::Duration(now_us))};
   };
   processes_.reserve(7);
   add("kurt", [this, clock](node::Context& context) {

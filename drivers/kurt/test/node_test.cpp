@@ -26,7 +26,7 @@
 namespace nodmap::kurt {
 namespace {
 
-constexpr std::int64_t kStartUtimeUs = 1'700'000'000'000'000;
+constexpr time::Timestamp kStart{1'700'000'000s};
 constexpr std::size_t kCommandBytes = 22;
 
 /// Waits until `count` bytes have made it through the terminal.
@@ -45,7 +45,7 @@ class Bench {
   Bench() : odometry(bus, "ODOMETRY"), sensors(bus, "BASE_SENSORS"), status(bus, "STATUS") {}
 
   void step() {
-    now_us += 10'000;
+    now += 10ms;
     clock.advance(10'000);
     const std::string to_driver = answer_ + (pty ? base.tick() : "");
     answer_.clear();
@@ -66,8 +66,8 @@ class Bench {
   }
 
   template <class Condition>
-  bool step_until(Condition condition, std::int64_t at_most_us) {
-    for (const std::int64_t end_us = now_us + at_most_us; now_us < end_us && !condition();) {
+  bool step_until(Condition condition, time::Duration at_most) {
+    for (const time::SteadyTime end = now + at_most; now < end && !condition();) {
       step();
     }
     return condition();
@@ -83,21 +83,20 @@ class Bench {
     bus.publish("DRIVE", message);
   }
 
-  void drive_us(double forward_mps, double yaw_rate_rad_s, std::int64_t duration_us) {
-    for (const std::int64_t end_us = now_us + duration_us; now_us < end_us;) {
+  void drive_for(double forward_mps, double yaw_rate_rad_s, time::Duration duration) {
+    for (const time::SteadyTime end = now + duration; now < end;) {
       publish_drive(forward_mps, yaw_rate_rad_s);
       step();
     }
   }
 
   bool stands_ready() {
-    return step_until([this] { return node->health().state == node::HealthState::kDegraded; },
-                      1'000'000);
+    return step_until([this] { return node->health().state == node::HealthState::kDegraded; }, 1s);
   }
 
-  std::int64_t now_us = 0;
+  time::SteadyTime now;
   std::int64_t drive_seq = 0;
-  time::ManualClock clock{kStartUtimeUs};
+  time::ManualClock clock{time::to_utime(kStart)};
   std::optional<test::PtyPair> pty{std::in_place};
   test::KurtEmulator base;
   bus::LiveBus bus{"memq://"};
@@ -114,7 +113,7 @@ class Bench {
                                  return serial::open_serial_port({pty->name()});
                                },
                                [this] {
-                                 return time::Moment{clock.now_utime_us(), now_us};
+                                 return time::Moment{time::from_utime(clock.now_utime_us()), now};
                                }};
   node::StatusReporter reporter{"nodmap-kurt", bus, counts, clock};
 
@@ -125,7 +124,7 @@ class Bench {
 TEST(KurtNode, DriveMovesTheBaseAndOdometryComesBack) {
   Bench bench;
   ASSERT_TRUE(bench.stands_ready());
-  bench.drive_us(0.5, 0.4, 2'000'000);
+  bench.drive_for(0.5, 0.4, 2s);
   EXPECT_EQ(bench.node->health().state, node::HealthState::kOk);
   EXPECT_EQ(bench.base.nonsense(), 0);
   EXPECT_GT(bench.base.right_cm_s(), bench.base.left_cm_s());
@@ -144,7 +143,7 @@ TEST(KurtNode, DriveMovesTheBaseAndOdometryComesBack) {
 TEST(KurtNode, OtherSensorsArePublished) {
   Bench bench;
   ASSERT_TRUE(bench.stands_ready());
-  ASSERT_TRUE(bench.step_until([&] { return bench.sensors.count() >= 2; }, 200'000));
+  ASSERT_TRUE(bench.step_until([&] { return bench.sensors.count() >= 2; }, 200ms));
   const nodmap::base_sensors_t& message = *bench.sensors.get();
   EXPECT_EQ(message.sonar_raw, 500);
   EXPECT_NEAR(message.sonar_m, 0.672491F, 1e-6F);
@@ -157,31 +156,31 @@ TEST(KurtNode, OtherSensorsArePublished) {
 TEST(KurtNode, WithoutDriveTheBaseIsTold_ZeroWithinTheTimeoutAndOneFrame) {
   Bench bench;
   ASSERT_TRUE(bench.stands_ready());
-  bench.drive_us(1.0, 0.0, 1'500'000);
+  bench.drive_for(1.0, 0.0, 1500ms);
   ASSERT_EQ(bench.base.left_cm_s(), 100);
-  const std::int64_t last_drive_us = bench.now_us - 10'000;
-  ASSERT_TRUE(bench.step_until([&] { return bench.base.left_cm_s() == 0; }, 1'000'000));
-  EXPECT_LE(bench.now_us - last_drive_us, 210'000 + 10'000);  // and a step for the terminal
+  const time::SteadyTime last_drive = bench.now - 10ms;
+  ASSERT_TRUE(bench.step_until([&] { return bench.base.left_cm_s() == 0; }, 1s));
+  EXPECT_LE(bench.now - last_drive, 210ms + 10ms);  // and a step for the terminal
   EXPECT_EQ(bench.node->health().state, node::HealthState::kDegraded);
 }
 
 TEST(KurtNode, StoppedItStandsWhateverDriveAsksForUntilItIsFree) {
   Bench bench;
   ASSERT_TRUE(bench.stands_ready());
-  bench.drive_us(1.0, 0.0, 1'500'000);
+  bench.drive_for(1.0, 0.0, 1500ms);
   ASSERT_EQ(bench.base.left_cm_s(), 100);
   nodmap::stop_t stop{};
   stop.is_stopped = 1;
   bench.bus.publish("STOP", stop);
   // 1 m/s at 3 m/s^2, and a step each for message and terminal.
-  bench.drive_us(1.0, 0.0, 340'000 + 20'000);
+  bench.drive_for(1.0, 0.0, 360ms);
   EXPECT_EQ(bench.base.left_cm_s(), 0);
-  bench.drive_us(0.5, 0.5, 1'000'000);
+  bench.drive_for(0.5, 0.5, 1s);
   EXPECT_EQ(bench.base.left_cm_s(), 0);
   EXPECT_EQ(bench.base.right_cm_s(), 0);
   stop.is_stopped = 0;
   bench.bus.publish("STOP", stop);
-  bench.drive_us(0.5, 0.0, 1'000'000);
+  bench.drive_for(0.5, 0.0, 1s);
   EXPECT_EQ(bench.base.left_cm_s(), 50);
 }
 
@@ -189,7 +188,7 @@ TEST(KurtNode, StoppedItStandsWhateverDriveAsksForUntilItIsFree) {
 TEST(KurtNode, ASecondSenderOfDriveStopsTheRobotAndIsTold) {
   Bench bench;
   ASSERT_TRUE(bench.stands_ready());
-  bench.drive_us(0.5, 0.0, 1'000'000);
+  bench.drive_for(0.5, 0.0, 1s);
   ASSERT_EQ(bench.base.left_cm_s(), 50);
   nodmap::drive_t forged{};
   forged.drive_seq = 100'000;
@@ -199,14 +198,14 @@ TEST(KurtNode, ASecondSenderOfDriveStopsTheRobotAndIsTold) {
     forged.utime = bench.clock.now_utime_us() + 45'000;
     ++forged.drive_seq;
     bench.bus.publish("DRIVE", forged);
-    bench.drive_us(0.5, 0.0, 10'000);
+    bench.drive_for(0.5, 0.0, 10ms);
     EXPECT_LE(bench.base.left_cm_s(), 50);
   }
   EXPECT_EQ(bench.base.left_cm_s(), 0);
   EXPECT_EQ(bench.node->health().state, node::HealthState::kFailed);
   EXPECT_NE(bench.node->health().reason.find("two processes send DRIVE"), std::string::npos);
   EXPECT_GE(bench.counts.rejected().at("drive_other_sender"), 100);
-  bench.drive_us(0.5, 0.0, 2'000'000);
+  bench.drive_for(0.5, 0.0, 2s);
   EXPECT_EQ(bench.node->health().state, node::HealthState::kOk);
   EXPECT_EQ(bench.base.left_cm_s(), 50);
 }
@@ -232,7 +231,7 @@ TEST(KurtNode, WhatIsNotObeyedIsCountedByCause) {
 TEST(KurtNode, TheEndIsAHardStop) {
   Bench bench;
   ASSERT_TRUE(bench.stands_ready());
-  bench.drive_us(0.5, 0.0, 1'000'000);
+  bench.drive_for(0.5, 0.0, 1s);
   ASSERT_FALSE(bench.base.braked());
   bench.node->finish();
   bench.base.take(bench.pty->receive_text(kCommandBytes));
@@ -246,7 +245,7 @@ TEST(KurtNode, TheEndIsAHardStop) {
 TEST(KurtNode, AnyWayOutIsAHardStop) {
   Bench bench;
   ASSERT_TRUE(bench.stands_ready());
-  bench.drive_us(0.5, 0.0, 1'000'000);
+  bench.drive_for(0.5, 0.0, 1s);
   ASSERT_FALSE(bench.base.braked());
   bench.node.reset();
   bench.base.take(bench.pty->receive_text(kCommandBytes));
@@ -256,12 +255,12 @@ TEST(KurtNode, AnyWayOutIsAHardStop) {
 TEST(KurtNode, APulledPlugIsToldAndHealed) {
   Bench bench;
   ASSERT_TRUE(bench.stands_ready());
-  bench.drive_us(0.5, 0.0, 1'000'000);
+  bench.drive_for(0.5, 0.0, 1s);
   bench.pty.reset();
-  bench.drive_us(0.5, 0.0, 20'000);
+  bench.drive_for(0.5, 0.0, 20ms);
   EXPECT_EQ(bench.node->health().state, node::HealthState::kFailed);
   EXPECT_EQ(bench.node->health().reason, "the line is disconnected");
-  bench.drive_us(0.5, 0.0, 1'000'000);
+  bench.drive_for(0.5, 0.0, 1s);
   EXPECT_EQ(bench.node->health().reason, "/dev/kurt: No such file or directory");
   EXPECT_EQ(bench.status.get()->health, nodmap::status_t::FAILED);
   EXPECT_EQ(bench.status.get()->process_name, "nodmap-kurt");
@@ -270,9 +269,9 @@ TEST(KurtNode, APulledPlugIsToldAndHealed) {
   bench.pty.emplace();
   // The pause between attempts is at most 1.6 s after 1 s, the opening takes 0.2 s.
   ASSERT_TRUE(bench.step_until(
-      [&] { return bench.node->health().state == node::HealthState::kDegraded; }, 2'000'000));
+      [&] { return bench.node->health().state == node::HealthState::kDegraded; }, 2s));
   EXPECT_EQ(bench.base.left_cm_s(), 0);  // waits for a new DRIVE
-  bench.drive_us(0.5, 0.0, 1'000'000);
+  bench.drive_for(0.5, 0.0, 1s);
   EXPECT_EQ(bench.base.left_cm_s(), 50);
   EXPECT_EQ(bench.node->metrics()["reconnects"], 1);
 }
@@ -280,13 +279,13 @@ TEST(KurtNode, APulledPlugIsToldAndHealed) {
 TEST(KurtNode, ABaseThatSendsNothingPlausibleIsFailedAndNoOdometryIsTold) {
   Bench bench;
   ASSERT_TRUE(bench.stands_ready());
-  bench.drive_us(0.5, 0.0, 1'000'000);
+  bench.drive_for(0.5, 0.0, 1s);
   bench.base.wild_encoders = 1000;
-  bench.drive_us(0.5, 0.0, 250'000);
+  bench.drive_for(0.5, 0.0, 250ms);
   EXPECT_EQ(bench.node->health().state, node::HealthState::kFailed);
   EXPECT_EQ(bench.base.left_cm_s(), 0);
   const auto told = bench.odometry.count();
-  bench.drive_us(0.5, 0.0, 1'000'000);
+  bench.drive_for(0.5, 0.0, 1s);
   EXPECT_EQ(bench.odometry.count(), told);
   EXPECT_EQ(bench.base.left_cm_s(), 0);
 }
@@ -296,12 +295,11 @@ TEST(KurtNode, AMuteAdapterIsFailedAndThePortIsOpenedAgain) {
   ASSERT_TRUE(bench.stands_ready());
   bench.base.mute_adapter = true;
   ASSERT_TRUE(bench.step_until(
-      [&] { return bench.node->health().state == node::HealthState::kFailed; }, 500'000));
-  ASSERT_TRUE(
-      bench.step_until([&] { return bench.node->metrics()["reconnects"] >= 1; }, 4'000'000));
+      [&] { return bench.node->health().state == node::HealthState::kFailed; }, 500ms));
+  ASSERT_TRUE(bench.step_until([&] { return bench.node->metrics()["reconnects"] >= 1; }, 4s));
   bench.base.mute_adapter = false;
   EXPECT_TRUE(bench.step_until(
-      [&] { return bench.node->health().state == node::HealthState::kDegraded; }, 10'000'000));
+      [&] { return bench.node->health().state == node::HealthState::kDegraded; }, 10s));
 }
 
 TEST(KurtNode, ALineThatTakesNoBytesIsGivenUp) {
@@ -309,7 +307,7 @@ TEST(KurtNode, ALineThatTakesNoBytesIsGivenUp) {
   ASSERT_TRUE(bench.stands_ready());
   // Nobody reads on the device's side: the terminal fills up.
   for (int i = 0; i < 5000 && bench.node->poll_handles()[0] >= 0; ++i) {
-    bench.now_us += 10'000;
+    bench.now += 10ms;
     bench.clock.advance(10'000);
     bench.pty->send(bench.base.tick());
     await_input(bench.node->poll_handles()[0], 1);

@@ -8,32 +8,32 @@
 namespace nodmap::kurt {
 namespace {
 
-constexpr std::int64_t kPeriodUs = 13'320;
+constexpr time::Duration kPeriod = 13'320us;
 
-/// A sender at 75 Hz, followed from `now_us` on; the time of its last message.
-std::int64_t send(SenderWatch& watch, std::int64_t& seq, int count, std::int64_t now_us) {
-  for (int i = 0; i < count; ++i, now_us += kPeriodUs) {
-    EXPECT_TRUE(watch.follow(seq++, now_us));
+/// A sender at 75 Hz, followed from `now` on; the time of its last message.
+time::SteadyTime send(SenderWatch& watch, std::int64_t& seq, int count, time::SteadyTime now) {
+  for (int i = 0; i < count; ++i, now += kPeriod) {
+    EXPECT_TRUE(watch.follow(seq++, now));
   }
-  return now_us - kPeriodUs;
+  return now - kPeriod;
 }
 
 TEST(SenderWatch, OneSenderIsFollowedAlsoWhenMessagesAreLost) {
   SenderWatch watch;
   std::int64_t seq = 5000;
-  std::int64_t now_us = send(watch, seq, 100, 0);
-  EXPECT_TRUE(watch.follow(seq + 10, now_us + 11 * kPeriodUs));
-  EXPECT_FALSE(watch.is_contested(now_us + 11 * kPeriodUs));
+  time::SteadyTime now = send(watch, seq, 100, {});
+  EXPECT_TRUE(watch.follow(seq + 10, now + 11 * kPeriod));
+  EXPECT_FALSE(watch.is_contested(now + 11 * kPeriod));
 }
 
 TEST(SenderWatch, ASenderThatStartsAnewIsFollowedWhenTheFormerIsGone) {
   SenderWatch watch;
   std::int64_t seq = 5000;
-  const std::int64_t last_us = send(watch, seq, 100, 0);
-  EXPECT_FALSE(watch.follow(0, last_us + SenderWatch::kSilenceUs - 1));
-  EXPECT_TRUE(watch.follow(1, last_us + SenderWatch::kSilenceUs));
-  EXPECT_TRUE(watch.follow(2, last_us + SenderWatch::kSilenceUs + kPeriodUs));
-  EXPECT_FALSE(watch.is_contested(last_us + SenderWatch::kSilenceUs + kPeriodUs));
+  const time::SteadyTime last = send(watch, seq, 100, {});
+  EXPECT_FALSE(watch.follow(0, last + SenderWatch::kSilence - 1us));
+  EXPECT_TRUE(watch.follow(1, last + SenderWatch::kSilence));
+  EXPECT_TRUE(watch.follow(2, last + SenderWatch::kSilence + kPeriod));
+  EXPECT_FALSE(watch.is_contested(last + SenderWatch::kSilence + kPeriod));
 }
 
 TEST(SenderWatch, TwoSendersAreNoticedWhateverTheNumbersOfTheSecond) {
@@ -43,13 +43,13 @@ TEST(SenderWatch, TwoSendersAreNoticedWhateverTheNumbersOfTheSecond) {
                                    std::int64_t{5150}, kLargest - 1000, kSmallest}) {
     SenderWatch watch;
     std::int64_t seq = 5000;
-    std::int64_t now_us = send(watch, seq, 100, 0);
+    time::SteadyTime now = send(watch, seq, 100, {});
     std::int64_t forged = first;
     int periods = 0;
-    for (; !watch.is_contested(now_us) && periods < 100; ++periods) {
-      now_us += kPeriodUs;
-      static_cast<void>(watch.follow(forged++, now_us - kPeriodUs / 2));
-      static_cast<void>(watch.follow(seq++, now_us));
+    for (; !watch.is_contested(now) && periods < 100; ++periods) {
+      now += kPeriod;
+      static_cast<void>(watch.follow(forged++, now - kPeriod / 2));
+      static_cast<void>(watch.follow(seq++, now));
     }
     EXPECT_LE(periods, 4) << "the second sender counts from " << first;
   }
@@ -60,12 +60,12 @@ TEST(SenderWatch, TwoSendersAreNoticedWhateverTheNumbersOfTheSecond) {
 TEST(SenderWatch, ASecondSenderThatCopiesTheNumbersIsNoticed) {
   SenderWatch watch;
   std::int64_t seq = 5000;
-  std::int64_t now_us = send(watch, seq, 100, 0);
+  time::SteadyTime now = send(watch, seq, 100, {});
   int periods = 0;
-  for (; !watch.is_contested(now_us) && periods < 100; ++periods, ++seq) {
-    now_us += kPeriodUs;
-    static_cast<void>(watch.follow(seq, now_us - kPeriodUs / 2));
-    static_cast<void>(watch.follow(seq, now_us));
+  for (; !watch.is_contested(now) && periods < 100; ++periods, ++seq) {
+    now += kPeriod;
+    static_cast<void>(watch.follow(seq, now - kPeriod / 2));
+    static_cast<void>(watch.follow(seq, now));
   }
   EXPECT_LE(periods, 4);
 }
@@ -73,31 +73,31 @@ TEST(SenderWatch, ASecondSenderThatCopiesTheNumbersIsNoticed) {
 TEST(SenderWatch, ItIsOverASecondAfterTheSecondSenderHasEnded) {
   SenderWatch watch;
   std::int64_t seq = 5000;
-  std::int64_t now_us = 0;
-  for (int i = 0; i < 100; ++i, now_us += kPeriodUs) {
-    static_cast<void>(watch.follow(i, now_us));
-    static_cast<void>(watch.follow(seq++, now_us));
+  time::SteadyTime now;
+  for (int i = 0; i < 100; ++i, now += kPeriod) {
+    static_cast<void>(watch.follow(i, now));
+    static_cast<void>(watch.follow(seq++, now));
   }
-  ASSERT_TRUE(watch.is_contested(now_us));
-  for (const std::int64_t end_us = now_us + SenderWatch::kContestedUs; now_us < end_us;) {
-    static_cast<void>(watch.follow(seq++, now_us));
-    now_us += kPeriodUs;
+  ASSERT_TRUE(watch.is_contested(now));
+  for (const time::SteadyTime end = now + SenderWatch::kContested; now < end;) {
+    static_cast<void>(watch.follow(seq++, now));
+    now += kPeriod;
   }
-  EXPECT_FALSE(watch.is_contested(now_us));
-  EXPECT_TRUE(watch.follow(seq, now_us));
+  EXPECT_FALSE(watch.is_contested(now));
+  EXPECT_TRUE(watch.follow(seq, now));
 }
 
 TEST(SenderWatch, AMessageOvertakenOnTheNetworkIsNoSecondSender) {
   SenderWatch watch;
   std::int64_t seq = 0;
-  std::int64_t now_us = 0;
+  time::SteadyTime now;
   for (int round = 0; round < 10; ++round) {  // one in 100: in 1.3 s
-    now_us = send(watch, seq, 98, now_us) + kPeriodUs;
-    EXPECT_TRUE(watch.follow(seq + 1, now_us));
-    EXPECT_FALSE(watch.follow(seq, now_us));
-    EXPECT_FALSE(watch.is_contested(now_us));
+    now = send(watch, seq, 98, now) + kPeriod;
+    EXPECT_TRUE(watch.follow(seq + 1, now));
+    EXPECT_FALSE(watch.follow(seq, now));
+    EXPECT_FALSE(watch.is_contested(now));
     seq += 2;
-    now_us += 2 * kPeriodUs;
+    now += 2 * kPeriod;
   }
 }
 
