@@ -14,6 +14,7 @@ find_package(Boost 1.74 REQUIRED)
 find_package(octomap 1.9 REQUIRED)
 find_package(tsl-robin-map REQUIRED)
 find_package(Python3 REQUIRED COMPONENTS Interpreter)
+pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)
 pkg_check_modules(LIBSERIALPORT REQUIRED IMPORTED_TARGET libserialport)
 find_program(NODMAP_LCM_GEN lcm-gen REQUIRED)
 

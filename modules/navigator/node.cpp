@@ -215,6 +215,7 @@ Situation NavigatorNode::situation() const {
   Situation now;
   now.utime_us = *stamps_.odometry_us;
   now.T_odom_base = odometry_->T_odom_base;
+  now.T_map_odom = T_map_odom_;
   now.points_base = move_to_base(map_->points_map, map_->T_odom_map, odometry_->T_odom_base);
   now.forward_mps = odometry_->forward_mps;
   now.yaw_rate_rad_s = odometry_->yaw_rate_rad_s;

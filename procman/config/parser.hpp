@@ -28,6 +28,7 @@ struct ParsedConfig {
 ///             | "wait" "ms" INTEGER
 ///             | "wait" ("cmd" | "group") STRING "status" ("running" | "stopped")
 ///             | "run_script" STRING
+///             | "wait" ("cmd" | "group") STRING "status" "healthy"      in a `#nodmap:` comment
 ///     target  = "everything" | ("cmd" | "group") STRING
 [[nodiscard]] ParsedConfig parse_config(std::string_view text);
 

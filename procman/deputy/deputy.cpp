@@ -10,6 +10,7 @@
 #include <chrono>
 #include <csignal>
 #include <filesystem>
+#include <sstream>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -97,6 +98,8 @@ class Deputy {
   void work_discovery(std::int64_t now_us);
   void begin_service(std::int64_t now_us);
   void meet(const Discovery& discovery);
+  void repeat_last_words();
+  void log_end(const Children::Ended& end);
   void carry_out(const SupervisorActions& actions);
   void start(const StartCommand& action);
   void publish_output(std::int64_t now_us);
@@ -151,9 +154,21 @@ void Deputy::meet(const Discovery& discovery) {
   }
   if (serving_) {
     info_changed_ = true;
+    if (discovery.nonce == 0) {  // a sheriff
+      repeat_last_words();
+    }
   } else if (discovery.transmitter_id == settings_.id) {
     log::get().error("another deputy {} is being started", settings_.id);
     exit_code_ = 1;
+  }
+}
+
+/// What has ended writes nothing any more: who comes now learns why it did.
+void Deputy::repeat_last_words() {
+  for (const CommandStatus& status : supervisor_.statuses()) {
+    if (status.pid == 0) {
+      output_.repeat(status.spec.id, steady_us());
+    }
   }
 }
 
@@ -188,7 +203,7 @@ void Deputy::work() {
       [this](const std::string& id, std::string_view text) { output_.add(id, text, steady_us()); },
       now_us);
   for (const Children::Ended& end : children_.reap(now_us)) {
-    log::get().info("{} ended (wait status {})", end.id, end.wait_status);
+    log_end(end);
     carry_out(supervisor_.ended(end.id, end.wait_status, now_us));
   }
   carry_out(supervisor_.poll(now_us));
@@ -208,6 +223,20 @@ void Deputy::work() {
   status_.publish_if_due(health);
   if (supervisor_.is_shutting_down() && supervisor_.is_idle()) {
     exit_code_ = exit_code_.value_or(0);
+  }
+}
+
+/// Of a command that has failed, its last lines, too: they are in the journal then.
+void Deputy::log_end(const Children::Ended& end) {
+  log::get().info("{} ended (wait status {})", end.id, end.wait_status);
+  if (end.wait_status == 0) {
+    return;
+  }
+  std::istringstream lines{std::string(output_.recent(end.id))};
+  for (std::string line; std::getline(lines, line);) {
+    line.erase(std::remove_if(line.begin(), line.end(), [](char c) { return c >= 0 && c < ' '; }),
+               line.end());
+    log::get().warn("{}: {}", end.id, line);
   }
 }
 
@@ -258,7 +287,8 @@ void Deputy::start(const StartCommand& action) {
     return;
   }
   try {
-    const pid_t pid = children_.start(action.id, action.exec);
+    const Priority priority = settings_.priority_of ? settings_.priority_of(action.id) : Priority{};
+    const pid_t pid = children_.start(action.id, action.exec, priority);
     supervisor_.started(action.id, pid, now_us);
     log::get().info("{} started (pid {})", action.id, pid);
     info_changed_ = true;

@@ -4,6 +4,8 @@
 #include <functional>
 #include <string>
 
+#include "procman/config/config.hpp"
+
 namespace nodmap::procman {
 
 struct DeputySettings {
@@ -13,6 +15,8 @@ struct DeputySettings {
   std::function<bool(const std::string& exec)> may_run;
   std::string refusal;         ///< why not, for who ordered it
   bool trusts_orders = false;  ///< see Supervisor
+  /// How a command is to compete for the processor; null: as the deputy does.
+  std::function<Priority(const std::string& id)> priority_of;
 };
 
 /// Serves until SIGINT, SIGTERM, SIGHUP or SIGQUIT. Returns the exit code: 0 after a clean end, 1

@@ -74,6 +74,10 @@ DeputySettings settings_of(const Options& options) {
                            " (--id)");
   }
   settings.may_run = [allowed](const std::string& exec) { return allowed.contains(exec); };
+  settings.priority_of = [config](const std::string& id) {
+    const Command* command = config.find_command(id);
+    return command == nullptr ? Priority{} : command->priority;
+  };
   settings.refusal = "nodmap-deputy: refused: " + options.config +
                      " names no such exec for the deputy " + settings.id;
   return settings;

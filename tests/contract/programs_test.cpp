@@ -231,6 +231,10 @@ TEST(CommandLine, NamesTheSubcommandAndTheNearestWord) {
                          "'--channel'?"));
   EXPECT_THAT(run_program("nodmap-sheriff", {"--chek", "x"}).err,
               HasSubstr("did you mean '--check'?"));
+  EXPECT_THAT(run_program("nodmap-sheriff", {NODMAP_KURT3D "/../../procman/robot.pmd", "--script",
+                                             "start_robt", "--lcm-url", "memq://"})
+                  .err,
+              HasSubstr("did you mean 'start_robot'?"));
   EXPECT_THAT(run_program("nodmap-slam2d", {"--set", "max_itertions=3"}).err,
               HasSubstr("did you mean 'matcher.max_iterations'?"));
 }
