@@ -196,8 +196,9 @@ class SceneExplainsItself(PageCase):
         return int(browser.run("return getComputedStyle(document.querySelector(arguments[0]))[arguments[1]]", selector, which).split(",")[1])
 
     def test_nothing_lies_over_something_else(self):
+        viewer = self.play()
         for width, height in ((390, 844), (1280, 800), (1920, 1080)):
-            browser = self.browse(self.play(), width, height)
+            browser = self.browse(viewer, width, height)
             self.save_image(browser, f"page-{width}.png")
             over = browser.run("""
                 const boxes = ['#view nav', '#layers-menu', '#legend', '#scale', '#playback']
