@@ -45,7 +45,7 @@ def run(arguments, out, index, seed):
     return result
 
 
-def judge(result):
+def outcome_of(result):
     """Outcome, time and score of one run by the rules of the challenge."""
     goal = result["goal"]
     if result["collisions"] or result["bumped"]:
@@ -91,7 +91,7 @@ def main():
             for done, future in enumerate(concurrent.futures.as_completed(futures), 1):
                 index, seed = futures[future]
                 result = future.result()
-                outcome, time_s, score = judge(result)
+                outcome, time_s, score = outcome_of(result)
                 worlds[index].append((outcome, time_s, score, result["contacts_caused"] > 0))
                 print(f"{done}/{len(futures)} world {index} run {seed}: {outcome}" + (f" {time_s:.1f} s" if time_s else "") +
                       f", score {score:.3f}", file=sys.stderr, flush=True)

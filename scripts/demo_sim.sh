@@ -80,6 +80,9 @@ setpriv --pdeathsig TERM "$bin/nodmap-sheriff" "$config" --output viewer >"$out/
 listener=$!
 run "$bin/nodmap-sheriff" "$config" --script demo --on-script-complete exit --timeout 30 >"$out/sheriff.log" || die "not every process started; see $out/sheriff.log"
 
+# The base driver stands after each start until somebody says so.
+run "$bin/nodmap-stop" --go --by demo || die "the base driver does not answer; see $out/deputy.log"
+
 token=$(grep -o -m 1 '#token=[0-9a-f]*' "$out/viewer.log") || true
 if [[ -n "$token" ]]; then
   say "the same with the controls: http://127.0.0.1:$NODMAP_PORT/$token"

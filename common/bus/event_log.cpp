@@ -178,6 +178,14 @@ bool LogWriter::flush() {
   return !failure_ && drain();
 }
 
+bool LogWriter::sync() {
+  if (!failure_ && ::fdatasync(fd_) != 0 && errno != EINVAL) {  // a pipe cannot
+    failure_.assign(errno, std::system_category());
+    size_bytes_ = flushed_bytes_;
+  }
+  return !failure_;
+}
+
 bool LogWriter::drain() {
   std::size_t done = 0;
   while (!failure_ && done < pending_.size()) {

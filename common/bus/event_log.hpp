@@ -74,6 +74,10 @@ class LogWriter : private boost::noncopyable {
   /// Hands everything to the operating system. False as for write().
   [[nodiscard]] bool flush();
 
+  /// Waits until what was handed to the operating system is on the disk: a cut of the power takes
+  /// nothing of it. False as for write().
+  [[nodiscard]] bool sync();
+
   /// What an event takes in a file.
   [[nodiscard]] static std::int64_t event_bytes(const std::string& channel,
                                                 std::span<const std::byte> data);

@@ -92,6 +92,7 @@ struct LiveBus::Impl {
     ::lcm_subscription_set_queue_capacity(subscription, std::max(1, queue_capacity));
   }
 
+  std::int64_t too_large = 0;
   std::list<Listener> listeners;  // LCM keeps pointers to them
   std::exception_ptr thrown;
   std::unique_ptr<lcm_t, LcmDeleter> lcm;
@@ -125,6 +126,7 @@ int LiveBus::poll_handle() {
 
 BusCounts LiveBus::counts() const {
   BusCounts counts = Bus::counts();
+  counts.corrupt += impl_->too_large;
   if (impl_->receiver) {
     ReceiverCounts receiver = impl_->receiver->counts();
     counts.corrupt += receiver.malformed;
@@ -152,7 +154,14 @@ bool LiveBus::send(const std::string& channel, std::span<const std::byte> bytes)
 
 void LiveBus::listen(const std::string& channel, BytesHandler handler, int queue_capacity) {
   impl_->listen(
-      channel, [handler = std::move(handler)](const RawMessage& message) { handler(message.data); },
+      channel,
+      [this, handler = std::move(handler)](const RawMessage& message) {
+        if (message.data.size() > kMaxMessageBytes) {
+          ++impl_->too_large;
+          return;
+        }
+        handler(message.data);
+      },
       queue_capacity);
 }
 

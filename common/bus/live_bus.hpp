@@ -24,6 +24,10 @@ namespace nodmap::bus {
 /// the rest is liblcm's.
 class LiveBus : public Bus {
  public:
+  /// Longer messages reach nobody but who subscribes to all: ours stay under 64 KiB, and those of
+  /// the process manager under this.
+  static constexpr std::size_t kMaxMessageBytes = std::size_t{256} << 10U;
+
   /// Throws std::runtime_error, naming the URL and what to try, when LCM cannot use it.
   explicit LiveBus(const std::string& url);
   ~LiveBus() override;

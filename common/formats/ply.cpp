@@ -70,6 +70,9 @@ Header read_header(std::istream& in) {
     std::string key;
     words >> key;
     if (key == "end_header") {
+      if (header.num_vertices > 0 && header.properties.empty()) {
+        throw std::runtime_error("vertices without properties");  // as many as the header likes
+      }
       return header;
     }
     read_header_line(words, key, in_vertices, header);

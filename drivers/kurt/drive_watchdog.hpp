@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "common/geometry/time.hpp"
-#include "drivers/kurt/sender_watch.hpp"
+#include "common/node/sender_watch.hpp"
 #include "drivers/kurt/speed_limiter.hpp"
 
 namespace nodmap::kurt {
@@ -73,7 +73,7 @@ class DriveWatchdog {
                                      time::SteadyTime now) const;
 
   time::Duration timeout_;
-  SenderWatch sender_;
+  node::SenderWatch sender_;
   std::optional<Obeyed> obeyed_;
 };
 

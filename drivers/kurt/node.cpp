@@ -18,6 +18,10 @@ namespace {
 constexpr time::Duration kControlPeriod = 10ms;
 constexpr time::Duration kSensorsPeriod = 50ms;
 constexpr time::Duration kSensorLife = 500ms;
+constexpr time::Duration kRepeatStop = 1s;
+constexpr const char* kName = "nodmap-kurt";
+constexpr const char* kItsStart = "its start";
+constexpr std::size_t kMaxNameLength = 100;
 /// A command is 22 bytes: a line that does not take them in this time is stuck.
 constexpr time::Duration kWriteTimeout = 5ms;
 constexpr time::Duration kShutdownTimeout = 50ms;
@@ -106,7 +110,8 @@ KurtNode::KurtNode(node::Context& context, const KurtParams& params,
              .received = [this](std::span<const std::uint8_t> bytes,
                                 const time::Moment& now) { receive(bytes, now); },
              .lost = [this] { kurt_.disconnected(); }}),
-      clock_(std::move(clock)) {
+      clock_(std::move(clock)),
+      stopped_by_(kItsStart) {
   context_.bus.subscribe<nodmap::drive_t>(
       "DRIVE", [this](const nodmap::drive_t& message) { on_drive(message); });
   context_.bus.subscribe<nodmap::stop_t>(
@@ -135,6 +140,7 @@ void KurtNode::spin_once() {
     next_sensors_ = now.steady + kSensorsPeriod;
     publish_sensors(now);
   }
+  repeat_stop(now);
   log_change(now);
 }
 
@@ -168,7 +174,7 @@ time::Duration KurtNode::wait() const {
 void KurtNode::on_drive(const nodmap::drive_t& message) {
   // While STOP holds, every DRIVE counts as zero: the robot brakes and stays stationary.
   const DriveCommand wanted =
-      stopped_ ? DriveCommand{} : DriveCommand{message.forward_mps, message.yaw_rate_rad_s};
+      stopped_by_ ? DriveCommand{} : DriveCommand{message.forward_mps, message.yaw_rate_rad_s};
   const DriveRequest request{wanted, time::from_utime(message.utime),
                              time::from_us(message.valid_us), message.drive_seq};
   const DriveStatus status = kurt_.drive(request, clock_());
@@ -180,10 +186,35 @@ void KurtNode::on_drive(const nodmap::drive_t& message) {
 }
 
 void KurtNode::on_stop(const nodmap::stop_t& message) {
-  context_.counts.use();
-  if (std::exchange(stopped_, message.is_stopped != 0) != stopped_) {
-    log::get().info("{} by {}", stopped_ ? "stopped" : "free again", message.requested_by);
+  const std::string by = message.requested_by.substr(0, kMaxNameLength);
+  if (by.starts_with(kName)) {
+    return;  // its own repetition, which may come after a newer word of somebody else
   }
+  context_.counts.use();
+  const bool was_stopped = stopped_by_.has_value();
+  stopped_by_ = message.is_stopped != 0 ? std::optional(by) : std::nullopt;
+  if (stopped_by_.has_value() != was_stopped) {
+    log::get().info("{} by {}", stopped_by_ ? "stopped" : "free to drive", by);
+  }
+}
+
+void KurtNode::repeat_stop(const time::Moment& now) {
+  if (!stopped_by_) {
+    next_stop_.reset();
+    return;
+  }
+  // First after a period: whoever stopped it has just said so himself.
+  if (!next_stop_ || now.steady < *next_stop_) {
+    next_stop_ = next_stop_.value_or(now.steady + kRepeatStop);
+    return;
+  }
+  next_stop_ = now.steady + kRepeatStop;
+  nodmap::stop_t message{};
+  message.utime = time::to_utime(now.wall);
+  message.stop_seq = stop_seq_++;
+  message.is_stopped = 1;
+  message.requested_by = std::string(kName) + ", for " + *stopped_by_;
+  context_.bus.publish("STOP", message);
 }
 
 void KurtNode::publish_odometry(const OdometrySample& sample) {
@@ -243,10 +274,17 @@ node::Health KurtNode::health() const {
     case KurtState::kNoBase:
       return {node::HealthState::kFailed, describe(state, false)};
     case KurtState::kNoDrive:
-      return {is_contested ? node::HealthState::kFailed : node::HealthState::kDegraded,
-              describe(state, is_contested)};
+      if (is_contested || !stopped_by_) {
+        return {is_contested ? node::HealthState::kFailed : node::HealthState::kDegraded,
+                describe(state, is_contested)};
+      }
+      break;
     case KurtState::kDriving:
       break;
+  }
+  if (stopped_by_) {
+    return {node::HealthState::kDegraded,
+            "stopped by " + *stopped_by_ + ": stationary until told to go (nodmap-stop --go)"};
   }
   if ((kurt_.session().flags() & (kErrorPassive | kBusError)) != 0) {
     return {node::HealthState::kDegraded, "errors on the CAN bus: cable, termination?"};

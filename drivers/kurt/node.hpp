@@ -5,7 +5,9 @@
 #include <cstdint>
 #include <functional>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <span>
+#include <string>
 
 #include "common/geometry/time.hpp"
 #include "common/node/device_node.hpp"
@@ -48,13 +50,18 @@ class KurtNode final : public node::DeviceNode {
   void on_stop(const nodmap::stop_t& message);
   void publish_odometry(const OdometrySample& sample);
   void publish_sensors(const time::Moment& now);
+  /// Says each second that the robot is stopped, to who has been started since.
+  void repeat_stop(const time::Moment& now);
   void log_change(const time::Moment& now);
 
   node::Context& context_;
   Kurt kurt_;
   serial::SerialLink link_;
   std::function<time::Moment()> clock_;
-  bool stopped_ = false;
+  /// Who stopped the robot; empty: it may drive. Each start is as after a STOP.
+  std::optional<std::string> stopped_by_;
+  std::optional<time::SteadyTime> next_stop_;
+  std::int64_t stop_seq_ = 0;
   KurtState logged_state_ = KurtState::kNoLine;
   time::SteadyTime next_control_;
   time::SteadyTime next_sensors_;

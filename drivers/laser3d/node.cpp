@@ -106,6 +106,10 @@ void Laser3dNode::on_command(const nodmap::pitch_command_t& message) {
     context_.counts.reject("stale");
     return;
   }
+  if (!sender_.follow(message.command_seq, now.steady) || sender_.is_contested(now.steady)) {
+    context_.counts.reject("other_sender");
+    return;
+  }
   const AreaOfInterest area{message.pitch_min_rad, message.pitch_max_rad, message.sweep_s};
   if (driver_.command(area, now.steady)) {
     context_.counts.use();
@@ -181,7 +185,12 @@ node::Health Laser3dNode::health() const {
   if (!servo_.is_open()) {
     return {node::HealthState::kFailed, "servo: " + servo_.error()};
   }
-  const Health health = driver_.health(clock_().steady);
+  const time::SteadyTime now = clock_().steady;
+  if (sender_.is_contested(now)) {
+    return {node::HealthState::kFailed,
+            "two processes send PITCH_COMMAND: none is obeyed until one has ended"};
+  }
+  const Health health = driver_.health(now);
   switch (health.condition) {
     case Condition::kOk:
       return {node::HealthState::kOk, "", false};

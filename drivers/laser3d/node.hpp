@@ -8,6 +8,7 @@
 
 #include "common/geometry/time.hpp"
 #include "common/node/device_node.hpp"
+#include "common/node/sender_watch.hpp"
 #include "drivers/laser3d/laser3d.hpp"
 #include "drivers/serial/serial_link.hpp"
 #include "nodmap/pitch_command_t.hpp"
@@ -57,6 +58,7 @@ class Laser3dNode final : public node::DeviceNode {
   Laser3d driver_;
   serial::SerialLink laser_;
   serial::SerialLink servo_;
+  node::SenderWatch sender_;
   int laser_baud_;
   std::function<time::Moment()> clock_;
   std::string logged_;

@@ -72,7 +72,8 @@ void assign_options(const Options& options, params::Table& table) {
 RecorderSettings recorder_settings(const LoggerParams& params, const std::string& file) {
   RecorderSettings settings{.dir = params.out_dir,
                             .split_bytes = to_bytes(params.split_mb),
-                            .quota_bytes = to_bytes(params.quota_mb)};
+                            .quota_bytes = to_bytes(params.quota_mb),
+                            .reserve_bytes = to_bytes(params.reserve_mb)};
   if (settings.quota_bytes > 0 && settings.split_bytes == 0) {
     throw node::UsageError("quota_mb needs split_mb: only ended files can be deleted");
   }

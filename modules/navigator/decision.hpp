@@ -18,6 +18,7 @@ struct Situation {
   std::int64_t utime_us = 0;
   Points points_base;         ///< obstacles, now; of the obstacle map, and of the local map
   geometry::SE2 T_odom_base;  ///< now
+  geometry::SE2 T_map_odom;   ///< by 2D SLAM; identity without
   double forward_mps = 0.0;
   double yaw_rate_rad_s = 0.0;
   double max_forward_mps = 0.0;  ///< by the pitch controller

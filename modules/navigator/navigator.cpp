@@ -44,7 +44,8 @@ Navigator::Navigator(const NavigatorParams& params)
       brake_(params.robot, params.drive),
       turn_(params.turn, params.drive.reaction_s),
       back_up_(params),
-      local_map_(params.robot, params.local_map) {}
+      local_map_(params.robot, params.local_map),
+      goal_drive_(params) {}
 
 void Navigator::reset() {
   *this = Navigator(params_);
@@ -77,6 +78,10 @@ Decision Navigator::decide(Situation now) {
   if (approach_.is_detected(now.utime_us)) {
     return wait_for_approaching(now);
   }
+  if (now.goal && params_.planner.use && local_map_.has_scan()) {
+    turn_.end();
+    return goal_drive_.decide(now, seen_, local_map_);
+  }
   const FreeSpace space = measure_free_space(now.points_base, body_, params_.drive.side_margin_m);
   if (!turn_.is_active()) {
     if (std::min(now.max_forward_mps, params_.drive.max_forward_mps) < kLeastSpeedMps) {
@@ -106,7 +111,8 @@ void Navigator::join_local_map(Situation& now) const {
   if (!local_map_.has_scan()) {
     return;
   }
-  now.local_map = &local_map_;
+  // A laser that is held level sees no floor: then only its points count.
+  now.local_map = now.laser_is_held ? nullptr : &local_map_;
   const Points more = local_map_.points_base(now.T_odom_base, params_.local_map.range_m);
   now.points_base.insert(now.points_base.end(), more.begin(), more.end());
 }

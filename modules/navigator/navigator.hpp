@@ -10,6 +10,7 @@
 #include "modules/navigator/decision.hpp"
 #include "modules/navigator/local_map/local_map.hpp"
 #include "modules/navigator/params.hpp"
+#include "modules/navigator/planner/goal_drive.hpp"
 #include "modules/navigator/seen_directions.hpp"
 #include "modules/navigator/steering.hpp"
 #include "modules/navigator/turn.hpp"
@@ -59,6 +60,7 @@ class Navigator {
   Turn turn_;
   BackUp back_up_;
   LocalMap local_map_;
+  GoalDrive goal_drive_;
   bool arrived_ = false;
   std::optional<geometry::SE2> turn_ended_at_;  ///< T_odom_base
 };

@@ -22,6 +22,11 @@ bool is_time(std::int64_t utime_us) {
   return utime_us >= 0 && utime_us < kLatestUtimeUs;
 }
 
+/// Odometry comes all the time: its stamps are a clock, to which a step back is a new beginning.
+time::SteadyTime on_odometry_clock(std::int64_t utime_us) {
+  return time::SteadyTime(time::from_us(utime_us));
+}
+
 std::int8_t code_of(Behaviour behaviour) {
   switch (behaviour) {
     case Behaviour::kSteer:
@@ -127,6 +132,11 @@ void NavigatorNode::on_pitch_command(const nodmap::pitch_command_t& message) {
     context_.counts.reject("implausible_pitch_command");
     return;
   }
+  if (!pitch_command_sender_.follow(
+          message.command_seq, on_odometry_clock(stamps_.odometry_us.value_or(message.utime)))) {
+    context_.counts.reject("other_sender_of_pitch_command");
+    return;
+  }
   context_.counts.use();
   pitch_command_ = message;
   stamps_.pitch_command_us = message.utime;
@@ -185,6 +195,9 @@ std::optional<std::string> NavigatorNode::reason_not_to_drive() const {
   if (auto stale = reason_to_halt(stamps_, params_.staleness)) {
     return stale;
   }
+  if (pitch_command_sender_.is_contested(on_odometry_clock(*stamps_.odometry_us))) {
+    return "Two processes send PITCH_COMMAND.";
+  }
   if (pitch_state_.is_stalled != 0) {
     return "The pitch servo is stalled.";
   }
@@ -202,6 +215,7 @@ Situation NavigatorNode::situation() const {
   Situation now;
   now.utime_us = *stamps_.odometry_us;
   now.T_odom_base = odometry_->T_odom_base;
+  now.T_map_odom = T_map_odom_;
   now.points_base = move_to_base(map_->points_map, map_->T_odom_map, odometry_->T_odom_base);
   now.forward_mps = odometry_->forward_mps;
   now.yaw_rate_rad_s = odometry_->yaw_rate_rad_s;

@@ -11,6 +11,7 @@
 #include "common/geometry/pose_history.hpp"
 #include "common/node/message_input.hpp"
 #include "common/node/node.hpp"
+#include "common/node/sender_watch.hpp"
 #include "modules/navigator/navigator.hpp"
 #include "modules/navigator/staleness.hpp"
 #include "nodmap/drive_t.hpp"
@@ -74,6 +75,7 @@ class NavigatorNode final : public node::Node {
   Navigator navigator_;
 
   node::SequenceCounter pitch_commands_watch_;
+  node::SenderWatch pitch_command_sender_;  // on odometry's clock
   node::SequenceCounter pitch_states_watch_;
   InputStamps stamps_;
   std::int64_t odometry_frame_began_us_ = 0;

@@ -134,6 +134,45 @@ struct LocalMapParams {
   }
 };
 
+/// Driving to a goal by plan.
+struct PlannerParams {
+  bool use = true;
+  double replan_s = 0.5;
+  double least_clearance_m = 0.03;
+  double wide_m = 0.35;
+  double nearness_price = 3.0;
+  double unknown_price = 0.7;
+  double failure_price = 3.0;
+  double clearance_weight = 0.5;
+  double smoothness_weight = 0.03;
+  double reverse_price = 0.2;
+  double rotation_rad_s = geometry::deg_to_rad(60.0);
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.flag("use", use,
+           "Drive to a goal by plan and rollouts; without it by Steer, Brake and Turn.");
+    v.number("replan_s", replan_s, {0.05, 10.0}, "From one global plan to the next.");
+    v.number("least_clearance_m", least_clearance_m, {0.0, 0.5},
+             "No path and no rollout brings the body nearer to an obstacle.");
+    v.number("wide_m", wide_m, {0.05, 3.0},
+             "Up to so much more clearance a path costs more the nearer it is to obstacles.");
+    v.number("nearness_price", nearness_price, {0.0, 7.0},
+             "What a metre at the least clearance costs more than in the open, metres.");
+    v.number("unknown_price", unknown_price, {0.0, 5.0},
+             "What a metre of ground that was not seen costs more, metres.");
+    v.number("failure_price", failure_price, {0.0, 10.0},
+             "What a metre costs more where the robot could not go on, metres.");
+    v.number("clearance_weight", clearance_weight, {0.0, 10.0},
+             "Cost of a rollout that passes obstacles at no distance, metres.");
+    v.number("smoothness_weight", smoothness_weight, {0.0, 2.0},
+             "Cost of a change of 1 m/s or 1 rad/s, metres.");
+    v.number("reverse_price", reverse_price, {0.0, 5.0}, "Cost of driving backwards, metres.");
+    v.angle("rotation_deg_s", rotation_rad_s, {5.0, 180.0},
+            "Fastest yaw rate on the spot and backwards.");
+  }
+};
+
 struct NavigatorParams {
   robot::RobotParams robot;
   DriveParams drive;
@@ -142,6 +181,7 @@ struct NavigatorParams {
   BackUpParams back_up;
   StalenessParams staleness;
   LocalMapParams local_map;
+  PlannerParams planner;
   double drive_valid_s = 0.15;
 
   template <class Visitor>
@@ -153,6 +193,7 @@ struct NavigatorParams {
     v.section("back_up", back_up);
     v.section("staleness", staleness);
     v.section("local_map", local_map);
+    v.section("planner", planner);
     v.number("drive_valid_s", drive_valid_s, {0.05, 0.2}, "How long a DRIVE may be obeyed.");
     describe_former_names(v);
   }

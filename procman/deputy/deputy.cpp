@@ -69,7 +69,7 @@ class Deputy {
         signals_(catch_signals()),
         bus_(settings.lcm_url),
         children_(settings.id, own_folder()),
-        supervisor_(settings.id),
+        supervisor_(settings.id, settings.trusts_orders),
         status_("nodmap-deputy", bus_, counts_, clock_),
         nonce_((clock_.now_utime_us() << 22U) + ::getpid()),
         started_us_(steady_us()) {}
@@ -139,6 +139,10 @@ void Deputy::subscribe() {
       counts_.use();
       // No stamp of ours is negative; the difference must not overflow.
       const std::int64_t age_us = clock_.now_utime_us() - std::max<std::int64_t>(0, message.utime);
+      if (message.ncmds > static_cast<int>(Supervisor::kMaxCommands)) {
+        counts_.reject("too_many_commands");
+        return;
+      }
       carry_out(supervisor_.take_orders(from_message(message), age_us, steady_us()));
     }
   });

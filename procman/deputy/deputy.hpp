@@ -13,7 +13,8 @@ struct DeputySettings {
   std::string lcm_url;
   /// Which exec lines may be run; LCM tells nobody apart, so orders alone do not decide it.
   std::function<bool(const std::string& exec)> may_run;
-  std::string refusal;  ///< why not, for who ordered it
+  std::string refusal;         ///< why not, for who ordered it
+  bool trusts_orders = false;  ///< see Supervisor
   /// How a command is to compete for the processor; null: as the deputy does.
   std::function<Priority(const std::string& id)> priority_of;
 };

@@ -60,6 +60,7 @@ DeputySettings settings_of(const Options& options) {
   settings.id = deputy_id(options, config);
   if (options.trust_network) {
     settings.may_run = [](const std::string&) { return true; };
+    settings.trusts_orders = true;
     return settings;
   }
   std::set<std::string> allowed;

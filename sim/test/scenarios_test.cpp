@@ -4,14 +4,19 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <initializer_list>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "sim/body/robot_model.hpp"
 #include "sim/body/shortest_path.hpp"
 #include "sim/world/barn_file.hpp"
+#include "sim/world/pedestrian_file.hpp"
+#include "sim/world/ray_caster.hpp"
 #include "sim/world/scenarios/builder.hpp"
 #include "tests/support/data_dir.hpp"
 
@@ -63,6 +68,75 @@ TEST_P(Holes, AndTheGoalIsReachedAroundThem) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, Holes, ::testing::Range<std::uint64_t>(0, 24));
+
+class Ramps : public ::testing::TestWithParam<std::uint64_t> {};
+
+// Straight on over the ramp: no contact, and pitched as steeply as it is.
+TEST_P(Ramps, WhoDrivesStraightOnArrives) {
+  const World world = make_ramps(GetParam());
+  RobotModelParams params;
+  params.drive.slip_heading_rad = params.drive.slip_turning_rad = 0.0;
+  params.drive.ground_tilt_rad = params.drive.tilt_per_mps2_rad = 0.0;
+  RobotModel model(world, params, 1);
+  model.set_wheel_speeds({0.5, 0.5});
+  double steepest = 0.0;
+  const auto to_goal_m = [&] {
+    return (model.ground_truth().T_world_base.translation().head<2>() - world.goals.back()).norm();
+  };
+  for (std::int64_t t = 0; t < 40 * kSecond && to_goal_m() > 0.1; t += 10'000) {
+    model.advance_to(t);
+    steepest = std::max(steepest, std::abs(model.ground_truth().T_world_base.linear()(2, 0)));
+  }
+  EXPECT_LE(to_goal_m(), 0.1);
+  EXPECT_EQ(model.ground_truth().collisions, 0);
+  constexpr double kSlopesDeg[] = {5.0, 10.0, 12.0};
+  EXPECT_NEAR(steepest, std::sin(geometry::deg_to_rad(kSlopesDeg[GetParam() % 3])), 1e-6);
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, Ramps, ::testing::Range<std::uint64_t>(0, 18));
+
+class Scenarios : public ::testing::TestWithParam<Scenario> {};
+
+TEST_P(Scenarios, StartIsFreeAndGoalsCanBeReached) {
+  for (std::uint64_t seed = 0; seed < 12; ++seed) {
+    const World world = GetParam().make(seed);
+    RobotModel model(world, {}, 1);
+    model.advance_to(10'000);
+    EXPECT_EQ(model.ground_truth().collisions, 0) << seed;
+    EXPECT_GT(model.ground_truth().clearance_m, 0.0) << seed;
+    BodyParams body;
+    body.width_m = 0.45;
+    // A slot is narrower than that.
+    EXPECT_EQ(shortest_path_m(world, world.name == "slot" ? BodyParams{} : body).has_value(),
+              !world.goals.empty())
+        << seed;
+  }
+}
+
+TEST_P(Scenarios, SameSeedSameWorldOtherSeedAnother) {
+  const auto numbers = [](const World& world) {
+    std::vector<double> all{world.T_world_start.yaw};
+    for (const Object& object : world.objects) {
+      const Bounds bounds = bounds_of(object);
+      all.insert(all.end(), bounds.min.begin(), bounds.min.end());
+      all.insert(all.end(), bounds.max.begin(), bounds.max.end());
+    }
+    for (const Actor& actor : world.actors) {
+      all.push_back(actor.position(1.0).x());
+    }
+    return all;
+  };
+  EXPECT_EQ(numbers(GetParam().make(3)), numbers(GetParam().make(3)));
+  EXPECT_NE(numbers(GetParam().make(3)), numbers(GetParam().make(4)));
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Scenarios,
+                         ::testing::ValuesIn(scenarios().begin(), scenarios().end()),
+                         [](const auto& scenario) {
+                           std::string name(scenario.param.name);
+                           std::erase(name, '-');
+                           return name;
+                         });
 
 // Beside a disc of radius R the shortest path is two tangents and an arc of radius r = R + half of
 // the width.
@@ -171,6 +245,23 @@ TEST_F(BarnFile, ShortestPathsThroughTheChallengesWorlds) {
     ASSERT_TRUE(found_m) << index;
     EXPECT_GE(*found_m, 0.92 * length_m) << index;
     EXPECT_LE(*found_m, length_m + 0.1) << index;  // two cells
+  }
+}
+
+TEST_F(BarnFile, RecordedPedestriansAreWhereTheyWere) {
+  const auto file = write("0 7 0 0\n10 7 1 2\n5 9 4 4\n15 9 6 4\n");
+  const World world = load_pedestrians(file, 2.5, 1);
+  ASSERT_EQ(world.actors.size(), 2U);
+  const Actor& first = world.actors[0];
+  EXPECT_EQ(first.vanish_s - first.appear_s, 4.0);
+  const Eigen::Vector2d middle = first.position(first.appear_s + 2.0);
+  EXPECT_EQ(middle.x(), 0.5);
+  EXPECT_EQ(std::abs(middle.y()), 1.0);  // every other world is mirrored
+  EXPECT_EQ(world.goals.size(), 1U);
+  EXPECT_FALSE(first.reacts);
+  for (const char* text : {"", "0 1 2\n", "0 1 0 0\n0 1 0 0\n", "0 1 nan 0\n"}) {
+    EXPECT_THROW(static_cast<void>(load_pedestrians(write(text), 2.5, 1)), std::runtime_error)
+        << text;
   }
 }
 

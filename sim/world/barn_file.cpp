@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "common/formats/input_file.hpp"
 #include "common/geometry/angle.hpp"
 
 namespace nodmap::sim {
@@ -24,11 +25,7 @@ constexpr int kMaxItems = 10'000;
 /// The lines of a file that are not comments, with their numbers.
 class Lines {
  public:
-  explicit Lines(const std::filesystem::path& file) : file_(file), in_(file) {
-    if (!in_) {
-      throw std::runtime_error(file_.string() + ": cannot open");
-    }
-  }
+  explicit Lines(const std::filesystem::path& file) : file_(file), in_(formats::open_input(file)) {}
 
   bool next() {
     std::string text;

@@ -206,6 +206,9 @@ Mesh read(std::istream& in) {
   const Header header = read_header(in);
   Mesh mesh;
   for (const Element& element : header.elements) {
+    if (element.count > 0 && element.properties.empty()) {
+      throw std::runtime_error("an element without properties");  // as many as the header likes
+    }
     for (std::size_t i = 0; i < element.count; ++i) {
       read_item(in, element, header.binary, mesh);
     }

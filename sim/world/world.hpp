@@ -64,17 +64,22 @@ struct Waypoint {
 };
 
 /// An upright cylinder on the floor that moves at constant speed from waypoint to waypoint. Before
-/// the first time it is at the first waypoint; after the last it starts again (loop) or stays.
+/// the first time it is at the first waypoint; after the last it starts again (loop) or stays. One
+/// that reacts walks to the same places as fast, but makes way for the robot, for other actors and
+/// for walls (sim/body/crowd.hpp).
 struct Actor {
   double radius_m = 0.25;
   double height_m = 1.75;
   std::vector<Waypoint> path;
   bool loop = false;
+  bool reacts = false;
   double appear_s = 0.0;
   double vanish_s = std::numeric_limits<double>::infinity();
 
   [[nodiscard]] bool is_present(double time_s) const;
   [[nodiscard]] Eigen::Vector2d position(double time_s) const;
+  /// The time at which the first round passes the place of `time_s`.
+  [[nodiscard]] double time_in_round(double time_s) const;
 };
 
 /// An actor at one moment.
@@ -82,9 +87,10 @@ struct ActorState {
   Eigen::Vector2d position = Eigen::Vector2d::Zero();
   double radius_m = 0.0;
   double height_m = 0.0;
+  std::size_t actor = 0;  ///< its place in World::actors
 };
 
-/// How a drive to the goals is judged, where that is not the robot's word alone.
+/// When a drive to the goals has succeeded or failed, where that is not the robot's word alone.
 struct Task {
   /// The last goal is reached as soon as base's origin is so near, whatever the robot reports.
   std::optional<double> arrival_radius_m;
@@ -106,6 +112,7 @@ struct World {
   std::vector<Pit> pits;
   std::vector<Actor> actors;
   geometry::SE2 T_world_start;
+  double start_height_m = 0.0;         ///< of the ramp or platform on which the robot starts
   std::vector<Eigen::Vector2d> goals;  ///< to be reached one after the other; may be empty
   Task task;
 };

@@ -39,6 +39,7 @@ constexpr const char* kPrograms[] = {
     "nodmap-sim",
     "nodmap-slam2d",
     "nodmap-slam6d",
+    "nodmap-stop",
     "nodmap-trial",
     "nodmap-viewer",
     "nodmap-watch",

@@ -89,6 +89,7 @@ is_state() { [[ "$(state "$1" state)" == "$2" ]]; }
 all_run() { before=$(pids_of_commands) && [[ "$before" != *":0"* ]]; }
 
 wait_for "script demo is done" "$work/sheriff.log"
+"$bin/nodmap-stop" --go
 until_true all_run
 echo "$before"
 [[ "$before" == *slam6d:* && "$before" == *navigator:* ]] || fail "the sheriff lists other commands"

@@ -126,7 +126,6 @@ void GroundTruthMonitor::publish(const sim::GroundTruth& truth) {
 }
 
 void GroundTruthMonitor::update_brake_latency(const sim::GroundTruth& truth) {
-  const double now_s = 1e-6 * static_cast<double>(model_.now_us());
   BrakeLatencyMonitor::State state;
   state.time_us = model_.now_us();
   state.T_world_base = geometry::to_se2(truth.T_world_base);
@@ -136,10 +135,11 @@ void GroundTruthMonitor::update_brake_latency(const sim::GroundTruth& truth) {
       n < 2
           ? 0.0
           : 1e-6 * static_cast<double>(record_.sweep_ends_us[n - 1] - record_.sweep_ends_us[n - 2]);
-  for (const sim::Actor& actor : world_.actors) {
-    const sim::ActorState actor_state{actor.position(now_s), actor.radius_m, actor.height_m};
-    const bool visible = actor.is_present(now_s) && is_visible(actor_state, truth);
-    state.visible_actors.push_back(visible ? std::optional(actor_state) : std::nullopt);
+  state.visible_actors.resize(world_.actors.size());
+  for (const sim::ActorState& actor : truth.actors) {
+    if (is_visible(actor, truth)) {
+      state.visible_actors[actor.actor] = actor;
+    }
   }
   brake_latency_.update(state);
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <ctime>
@@ -39,6 +40,7 @@ struct Arguments {
   std::vector<std::string> without;
   std::optional<double> appear_s;
   bool level_laser = false;
+  bool no_actors = false;
   bool dump_params = false;
 };
 
@@ -60,7 +62,8 @@ double duration_s(const Arguments& arguments, const sim::World& world) {
 
 void add_options(CLI::App& app, Arguments& arguments) {
   app.add_option("--world", arguments.world,
-                 "World file, SCENARIO:SEED for a generated one, or barn:FILE:INDEX; scenarios: " +
+                 "World file, SCENARIO:SEED for a generated one, barn:FILE:INDEX, or "
+                 "pedestrians:FILE:FRAMES_PER_SECOND:SEED; scenarios: " +
                      scenario_names());
   app.add_option("--seed", arguments.seed, "Seed of the simulated noise")->capture_default_str();
   app.add_option(
@@ -92,6 +95,7 @@ void add_options(CLI::App& app, Arguments& arguments) {
   app.add_flag_callback(
       "--no-slam6d", [&arguments] { arguments.without.emplace_back("slam6d"); },
       "Same as --without slam6d");
+  app.add_flag("--no-actors", arguments.no_actors, "Leave the world's actors out");
   app.add_flag("--dump-params", arguments.dump_params, "Print the effective parameters and end");
 }
 
@@ -123,7 +127,14 @@ TrialSetup make_setup(const Arguments& arguments) {
 void run(const Arguments& arguments, TrialSetup setup) {
   const std::filesystem::path dir = arguments.out;
   setup.world = make_world(arguments.world);
+  if (arguments.no_actors) {
+    setup.world.actors.clear();
+  }
   setup.duration_us = std::llround(1e6 * duration_s(arguments, setup.world));
+  if (setup.level_laser &&
+      std::ranges::any_of(setup.world.actors, [](const sim::Actor& a) { return a.reacts; })) {
+    throw node::UsageError("--level-laser: not in a world with actors that react");
+  }
   node::make_result_dir(dir);
   if (arguments.appear_s) {
     setup.world.actors.push_back(place_appearing_obstacle(setup, *arguments.appear_s, dir));

@@ -115,6 +115,11 @@ GoalMetrics goal_metrics(const TrialRecord& record, const sim::World& world, dou
     }
     metrics.path_m += sample == first ? 0.0 : distance_between(*std::prev(sample), *sample);
   }
+  if (!world.goals.empty()) {
+    const Eigen::Vector2d end = record.truth.back().T_world_base.translation().head<2>();
+    metrics.start_to_goal_m = (world.T_world_start.translation() - world.goals.back()).norm();
+    metrics.remaining_m = (end - world.goals.back()).norm();
+  }
   if (metrics.reached_us) {
     metrics.time_s = seconds(*metrics.reached_us - *record.started_us);
     metrics.after_motion_s = seconds(*metrics.reached_us - record.moved_us.value_or(0));

@@ -51,6 +51,8 @@ struct GoalMetrics {
   double path_m = 0.0;                     ///< driven from the first scan until then, or the end
   std::optional<double> time_s;            ///< from the first scan until then
   std::optional<double> after_motion_s;    ///< from the moment at which it had moved by 0.1 m
+  double start_to_goal_m = 0.0;            ///< in a straight line
+  double remaining_m = 0.0;                ///< the same at the end
   /// Success weighted by path length (Anderson et al., On Evaluation of Embodied Navigation
   /// Agents, 2018), by the path to where the goal counts as reached. Empty where the shortest path
   /// is not known.

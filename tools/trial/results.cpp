@@ -145,6 +145,8 @@ Json write(const GoalMetrics& goal, const std::optional<double>& shortest_m,
           {"time_s", number_or_null(goal.time_s)},
           {"after_motion_s", number_or_null(goal.after_motion_s)},
           {"path_m", goal.path_m},
+          {"start_to_goal_m", goal.start_to_goal_m},
+          {"remaining_m", goal.remaining_m},
           {"shortest_path_m", number_or_null(shortest_m)},
           {"reference_path_m", number_or_null(task.reference_path_m)},
           {"spl", number_or_null(goal.spl)}};

@@ -49,6 +49,7 @@ RobotSoftware::RobotSoftware(sim::SimulatedRobot& hardware, bus::LoopNetwork& ne
                              AllParams params, Robot robot, std::set<std::string> without)
     : hardware_(hardware),
       network_(network),
+      person_(network),
       params_(std::move(params)),
       without_(std::move(without)),
       laser_line_(hardware.device(sim::Part::kLaser)),
@@ -107,7 +108,18 @@ void RobotSoftware::add(const std::string& name, node::NodeFactory make_node) {
   }
 }
 
+void RobotSoftware::give_go() {
+  nodmap::stop_t message{};
+  message.utime = kEpochUs + hardware_.model().now_us();
+  message.stop_seq = stop_seq_++;
+  message.requested_by = "nodmap-trial";
+  person_.publish("STOP", message);
+}
+
 void RobotSoftware::step() {
+  if (stop_seq_ == 0) {
+    give_go();
+  }
   for (SimulatedLine* line : {&base_line_, &laser_line_, &servo_line_}) {
     line->move_bytes(hardware_.model().now_us());
   }
@@ -137,6 +149,9 @@ void RobotSoftware::kill(const std::string& name) {
 
 void RobotSoftware::start(const std::string& name) {
   process(name).start();
+  if (name == "kurt") {
+    give_go();
+  }
 }
 
 void RobotSoftware::finish() {

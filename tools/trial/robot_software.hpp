@@ -82,10 +82,14 @@ class RobotSoftware : private boost::noncopyable {
  private:
   void add(const std::string& name, node::NodeFactory make_node);
   void add_scanner(Robot robot, const std::function<time::Moment()>& clock);
+  /// What a person says after each start of the base driver: the robot may drive.
+  void give_go();
   [[nodiscard]] Process& process(const std::string& name);
 
   sim::SimulatedRobot& hardware_;
   bus::LoopNetwork& network_;
+  bus::LoopBus person_;
+  std::int64_t stop_seq_ = 0;
   AllParams params_;
   std::set<std::string> without_;
   SimulatedLine laser_line_;

@@ -27,7 +27,7 @@ class LevelScannerNode final : public node::DeviceNode {
 
   void spin_once() override;
   [[nodiscard]] std::array<int, 2> poll_handles() override { return {-1, -1}; }
-  [[nodiscard]] std::int64_t wait_us() const override { return 0; }
+  [[nodiscard]] time::Duration wait() const override { return {}; }
   [[nodiscard]] nlohmann::json metrics() const override;
 
  private:

@@ -90,7 +90,24 @@ class Bench {
     }
   }
 
+  void publish_stop(bool is_stopped, const std::string& by = "test") {
+    nodmap::stop_t message{};
+    message.is_stopped = static_cast<std::int8_t>(is_stopped);
+    message.requested_by = by;
+    bus.publish("STOP", message);
+  }
+
+  void restart() {
+    node.reset();
+    base = {};
+    node.emplace(context, KurtParams{}, open, [this] {
+      return time::Moment{time::from_utime(clock.now_utime_us()), now};
+    });
+  }
+
+  /// The line is open, and the robot is free to drive.
   bool stands_ready() {
+    publish_stop(false);
     return step_until([this] { return node->health().state == node::HealthState::kDegraded; }, 1s);
   }
 
@@ -105,14 +122,13 @@ class Bench {
   bus::Latest<nodmap::status_t> status;
   node::MessageCounts counts;
   node::Context context{bus, counts, {}};
-  std::optional<KurtNode> node{std::in_place, context, KurtParams{},
-                               [this]() -> serial::OpenResult {
-                                 if (!pty) {
-                                   return {nullptr, "/dev/kurt: No such file or directory"};
-                                 }
-                                 return serial::open_serial_port({pty->name()});
-                               },
-                               [this] {
+  serial::SerialLink::Opener open = [this]() -> serial::OpenResult {
+    if (!pty) {
+      return {nullptr, "/dev/kurt: No such file or directory"};
+    }
+    return serial::open_serial_port({pty->name()});
+  };
+  std::optional<KurtNode> node{std::in_place, context, KurtParams{}, open, [this] {
                                  return time::Moment{time::from_utime(clock.now_utime_us()), now};
                                }};
   node::StatusReporter reporter{"nodmap-kurt", bus, counts, clock};
@@ -169,18 +185,49 @@ TEST(KurtNode, StoppedItStandsWhateverDriveAsksForUntilItIsFree) {
   ASSERT_TRUE(bench.stands_ready());
   bench.drive_for(1.0, 0.0, 1500ms);
   ASSERT_EQ(bench.base.left_cm_s(), 100);
-  nodmap::stop_t stop{};
-  stop.is_stopped = 1;
-  bench.bus.publish("STOP", stop);
+  bench.publish_stop(true);
   // 1 m/s at 3 m/s^2, and a step each for message and terminal.
   bench.drive_for(1.0, 0.0, 360ms);
   EXPECT_EQ(bench.base.left_cm_s(), 0);
   bench.drive_for(0.5, 0.5, 1s);
   EXPECT_EQ(bench.base.left_cm_s(), 0);
   EXPECT_EQ(bench.base.right_cm_s(), 0);
-  stop.is_stopped = 0;
-  bench.bus.publish("STOP", stop);
+  bench.publish_stop(false);
   bench.drive_for(0.5, 0.0, 1s);
+  EXPECT_EQ(bench.base.left_cm_s(), 50);
+}
+
+// Base driver and navigator are killed and started anew: whether somebody had stopped the robot
+// before is not known any more, so it is as if.
+TEST(KurtNode, AfterEachStartItStandsUntilItIsToldToGo) {
+  Bench bench;
+  bench.drive_for(0.5, 0.0, 2s);
+  EXPECT_EQ(bench.base.left_cm_s(), 0);
+  EXPECT_EQ(bench.node->health().state, node::HealthState::kDegraded);
+  EXPECT_NE(bench.node->health().reason.find("stopped by its start"), std::string::npos)
+      << bench.node->health().reason;
+  bench.publish_stop(false);
+  bench.drive_for(0.5, 0.0, 1s);
+  EXPECT_EQ(bench.base.left_cm_s(), 50);
+  bench.publish_stop(true);
+  bench.drive_for(0.5, 0.0, 1s);
+  bench.restart();
+  bench.drive_for(0.5, 0.0, 2s);
+  EXPECT_EQ(bench.base.left_cm_s(), 0);
+}
+
+// A navigator or a viewer that is started later learns it from the base driver.
+TEST(KurtNode, ThatItIsStoppedIsSaidEachSecondUntilItIsToldToGo) {
+  Bench bench;
+  const bus::Latest<nodmap::stop_t> stop(bench.bus, "STOP");
+  bench.drive_for(0.0, 0.0, 3500ms);
+  EXPECT_EQ(stop.count(), 3);
+  EXPECT_EQ(stop.get()->is_stopped, 1);
+  EXPECT_EQ(stop.get()->requested_by, "nodmap-kurt, for its start");
+  bench.publish_stop(false);
+  bench.publish_stop(true, "nodmap-kurt, for its start");  // overtaken on the network
+  bench.drive_for(0.5, 0.0, 3s);
+  EXPECT_EQ(stop.count(), 5);
   EXPECT_EQ(bench.base.left_cm_s(), 50);
 }
 
@@ -195,7 +242,7 @@ TEST(KurtNode, ASecondSenderOfDriveStopsTheRobotAndIsTold) {
   forged.forward_mps = 5.0;
   forged.valid_us = 1'000'000;
   for (int i = 0; i < 100; ++i) {
-    forged.utime = bench.clock.now_utime_us() + 45'000;
+    forged.utime = bench.clock.now_utime_us() + 4'000;
     ++forged.drive_seq;
     bench.bus.publish("DRIVE", forged);
     bench.drive_for(0.5, 0.0, 10ms);
@@ -220,9 +267,10 @@ TEST(KurtNode, WhatIsNotObeyedIsCountedByCause) {
   stale.drive_seq = bench.drive_seq++;
   stale.valid_us = 1'000'000;
   bench.bus.publish("DRIVE", stale);
+  const std::int64_t used = bench.counts.used();
   bench.publish_drive(0.1, 0.0);
   bench.step();
-  EXPECT_EQ(bench.counts.used(), 1);
+  EXPECT_EQ(bench.counts.used(), used + 1);
   EXPECT_EQ(bench.counts.rejected().at("drive_not_finite"), 1);
   EXPECT_EQ(bench.counts.rejected().at("drive_implausible"), 1);
   EXPECT_EQ(bench.counts.rejected().at("drive_stale"), 1);

@@ -169,6 +169,38 @@ TEST(Laser3dNode, ObeysPitchCommandsAndRefusesOldAndBadOnes) {
   EXPECT_EQ(rig.counts.rejected().at("no_area"), 1);
 }
 
+// Somebody else points the laser at the ceiling, 50 times a second.
+TEST(Laser3dNode, ASecondSenderOfPitchCommandIsRefusedAndTold) {
+  Rig rig;
+  rig.run(3.0);
+  nodmap::pitch_command_t own{};
+  own.pitch_min_rad = -0.2;
+  own.pitch_max_rad = 0.05;
+  own.sweep_s = 0.5;
+  nodmap::pitch_command_t forged = own;
+  forged.pitch_min_rad = forged.pitch_max_rad = 0.5;
+  forged.command_seq = 100'000;
+  const auto send = [&rig](nodmap::pitch_command_t& command) {
+    command.utime = time::to_utime(rig.now.wall);
+    ++command.command_seq;
+    rig.bus.publish("PITCH_COMMAND", command);
+  };
+  for (int i = 0; i < 100; ++i) {
+    send(own);
+    rig.run(0.01);
+    send(forged);
+    rig.run(0.01);
+    EXPECT_LT(rig.pitch.get()->goal_pitch_rad, 0.4);
+  }
+  EXPECT_EQ(rig.node.health().state, node::HealthState::kFailed);
+  EXPECT_NE(rig.node.health().reason.find("two processes send PITCH_COMMAND"), std::string::npos);
+  for (int i = 0; i < 100; ++i) {
+    send(own);
+    rig.run(0.02);
+  }
+  EXPECT_EQ(rig.node.health().state, node::HealthState::kOk) << rig.node.health().reason;
+}
+
 TEST(Laser3dNode, AnUnpluggedLaserEndsTheScansAndPluggedInTheyGoOn) {
   Rig rig;
   rig.run(4.0);

@@ -29,6 +29,14 @@ constexpr int kUnknownColumns = 2;
 /// Floor points no farther apart contradict a hole between them: one so narrow does not matter.
 constexpr double kDenseM = 0.05;
 
+/// Pose of base after `distance_m` of an arc, negative backwards, in base at its beginning.
+geometry::SE2 along_arc(double curvature, double distance_m) {
+  const double yaw_rad = curvature * distance_m;
+  return std::abs(curvature) < 1e-3 ? geometry::SE2{distance_m, 0.0, 0.0}
+                                    : geometry::SE2{std::sin(yaw_rad) / curvature,
+                                                    (1.0 - std::cos(yaw_rad)) / curvature, yaw_rad};
+}
+
 std::uint8_t centimetres(double height_m) {
   return static_cast<std::uint8_t>(std::clamp(100.0 * height_m, 0.0, 255.0));
 }
@@ -64,6 +72,10 @@ bool LocalMap::is_obstacle(const LocalCell& cell) {
 
 bool LocalMap::is_hole(const LocalCell& cell) {
   return cell.hole >= kEnough;
+}
+
+bool LocalMap::is_blocked(const LocalCell& cell) const {
+  return (is_obstacle(cell) && !is_forgotten(cell)) || is_hole(cell);
 }
 
 /// How far from 0 the height of a floor point may be measured: noise of range and pitch, uneven
@@ -144,7 +156,8 @@ void LocalMap::move(const geometry::SE2& T_odom_base) {
     // The robot was set down on floor: as far as it cannot look, and cannot know better.
     for (double x = -blind_m_; x <= blind_m_; x += 0.5 * grid_.cell_size_m()) {
       for (double y = -blind_m_; y <= blind_m_; y += 0.5 * grid_.cell_size_m()) {
-        find(T_odom_base * Eigen::Vector2d(x, y))->is_floor = true;
+        LocalCell& cell = *find(T_odom_base * Eigen::Vector2d(x, y));
+        cell.is_floor = cell.is_assumed = true;
       }
     }
   }
@@ -232,6 +245,7 @@ void LocalMap::add_floor(std::size_t index, const Eigen::Vector2d& p_odom) {
     return;
   }
   cell->is_floor = true;
+  cell->is_assumed = false;
   if (cell->scan != scan_) {
     cell->hole = less(cell->hole);
     // Floor below a table top is no contradiction.
@@ -285,7 +299,10 @@ void LocalMap::fill_between(const FloorPoint (&corners)[4]) {
         cell->hole = less(cell->hole);
         cell->scan = scan_;
       }
-      cell->is_floor = cell->is_floor || !is_hole(*cell);
+      if (!is_hole(*cell)) {
+        cell->is_floor = true;
+        cell->is_assumed = false;
+      }
     }
   }
 }
@@ -329,7 +346,7 @@ Points LocalMap::points_base(const geometry::SE2& T_odom_base, double range_m) c
         continue;
       }
       const LocalCell& cell = grid_.at(index);
-      if ((is_obstacle(cell) && !is_forgotten(cell)) || is_hole(cell)) {
+      if (is_blocked(cell)) {
         points.emplace_back(R_base_odom * grid_.center_of(index) + T_base_odom.translation());
       }
     }
@@ -339,28 +356,40 @@ Points LocalMap::points_base(const geometry::SE2& T_odom_base, double range_m) c
 
 double LocalMap::seen_distance(const geometry::SE2& T_odom_base, double curvature,
                                double half_width_m, double max_m) const {
-  const double step_m = grid_.cell_size_m();
-  const double front_m = body_.half_length_m;
-  const double blind_m = std::max(0.0, blind_m_ - front_m);
-  const auto columns = static_cast<int>(std::ceil(half_width_m / (2.0 * step_m)));
-  for (double s = blind_m; s < blind_m + max_m; s += step_m) {
-    const double yaw_rad = curvature * s;
-    const geometry::SE2 T_base_ahead =
-        std::abs(curvature) < 1e-3 ? geometry::SE2{s, 0.0, 0.0}
-                                   : geometry::SE2{std::sin(yaw_rad) / curvature,
-                                                   (1.0 - std::cos(yaw_rad)) / curvature, yaw_rad};
-    const geometry::SE2 T_odom_ahead = T_odom_base * T_base_ahead;
-    int unknown = 0;
-    for (int column = -columns; column <= columns; ++column) {
-      const Eigen::Vector2d p_ahead(front_m, half_width_m * column / columns);
-      const LocalCell* cell = cell_at(T_odom_ahead * p_ahead);
-      unknown += cell == nullptr || !cell->is_floor ? 1 : 0;
-    }
-    if (unknown >= kUnknownColumns) {
+  const double blind_m = std::max(0.0, blind_m_ - body_.half_length_m);
+  for (double s = blind_m; s < blind_m + max_m; s += grid_.cell_size_m()) {
+    const geometry::SE2 T_base_front{body_.half_length_m, 0.0, 0.0};
+    if (!is_row_seen(T_odom_base * along_arc(curvature, s) * T_base_front, half_width_m, true)) {
       return s - blind_m;
     }
   }
   return max_m;
+}
+
+double LocalMap::seen_distance_backwards(const geometry::SE2& T_odom_base, double curvature,
+                                         double half_width_m, double max_m) const {
+  const double step_m = grid_.cell_size_m();
+  for (double s = step_m; s < max_m; s += step_m) {
+    const geometry::SE2 T_base_rear{-body_.half_length_m, 0.0, 0.0};
+    if (!is_row_seen(T_odom_base * along_arc(curvature, -s) * T_base_rear, half_width_m, false)) {
+      return s - step_m;
+    }
+  }
+  return max_m;
+}
+
+/// Whether floor was seen in a row across the body.
+bool LocalMap::is_row_seen(const geometry::SE2& T_odom_row, double half_width_m,
+                           bool assumed_counts) const {
+  const auto columns = static_cast<int>(std::ceil(half_width_m / (2.0 * grid_.cell_size_m())));
+  int unknown = 0;
+  for (int column = -columns; column <= columns; ++column) {
+    const LocalCell* cell =
+        cell_at(T_odom_row * Eigen::Vector2d(0.0, half_width_m * column / columns));
+    const bool is_seen = cell != nullptr && cell->is_floor && (assumed_counts || !cell->is_assumed);
+    unknown += is_seen ? 0 : 1;
+  }
+  return unknown < kUnknownColumns;
 }
 
 }  // namespace nodmap::navigator

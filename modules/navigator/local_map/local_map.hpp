@@ -19,6 +19,7 @@ struct LocalCell {
   std::uint8_t obstacle = 0;  ///< evidence of something the body would hit
   std::uint8_t hole = 0;      ///< evidence of a drop
   bool is_floor = false;      ///< was seen, itself or between two beams that hit the floor
+  bool is_assumed = false;    ///< not seen, but floor: the robot was set down there
   std::uint8_t low_cm = 0;    ///< lowest and highest point measured of the obstacle
   std::uint8_t high_cm = 0;
   std::uint16_t scan = 0;        ///< the last one in which evidence changed
@@ -54,10 +55,16 @@ class LocalMap {
   [[nodiscard]] double seen_distance(const geometry::SE2& T_odom_base, double curvature,
                                      double half_width_m, double max_m) const;
 
+  /// The same for the body's rear, backwards. What the robot was set down on does not count.
+  [[nodiscard]] double seen_distance_backwards(const geometry::SE2& T_odom_base, double curvature,
+                                               double half_width_m, double max_m) const;
+
   /// Empty outside the grid.
   [[nodiscard]] const LocalCell* cell_at(const Eigen::Vector2d& p_odom) const;
   [[nodiscard]] static bool is_obstacle(const LocalCell& cell);
   [[nodiscard]] static bool is_hole(const LocalCell& cell);
+  /// By a hole, or an obstacle that is not forgotten.
+  [[nodiscard]] bool is_blocked(const LocalCell& cell) const;
   [[nodiscard]] const RollingGrid<LocalCell>& grid() const { return grid_; }
 
   /// The odom frame began anew.
@@ -87,6 +94,8 @@ class LocalMap {
   void fill_floor();
   void fill_between(const FloorPoint (&corners)[4]);
   void pass(const Beam& beam, double until_m);
+  [[nodiscard]] bool is_row_seen(const geometry::SE2& T_odom_row, double half_width_m,
+                                 bool assumed_counts) const;
   [[nodiscard]] double tolerance_m(double range_m) const;
   [[nodiscard]] bool is_forgotten(const LocalCell& cell) const;
   [[nodiscard]] LocalCell* find(const Eigen::Vector2d& p_odom);

@@ -31,6 +31,7 @@ class Builder {
   double side() { return count(0, 1) == 0 ? 1.0 : -1.0; }
 
   void start(double x, double y, double yaw_rad) { world_.T_world_start = {x, y, yaw_rad}; }
+  void start_height(double height_m) { world_.start_height_m = height_m; }
   void goal(double x, double y) { world_.goals.emplace_back(x, y); }
   Task& task() { return world_.task; }
   [[nodiscard]] const World& world() const { return world_; }

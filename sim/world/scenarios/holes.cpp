@@ -20,7 +20,7 @@ void add_hall(Builder& hall) {
   hall.goal(hall.between(6.8, 7.6), hall.between(-0.8, 0.8));
 }
 
-/// A flight of stairs, straight across the way; one may pass it on one side.
+/// A flight of stairs, straight across the path; one side of it is free.
 World stairs_down(std::uint64_t seed) {
   Builder hall("holes-stairs", seed);
   add_hall(hall);
@@ -81,7 +81,7 @@ World pits(std::uint64_t seed) {
   return hall.finish();
 }
 
-/// The floor ends along a line beside the way, at which the robot looks at the start.
+/// The floor ends along a line beside the path, at which the robot looks at the start.
 World edge(std::uint64_t seed, const char* name, double depth_m) {
   Builder hall(name, seed);
   const double y_edge = hall.between(0.5, 1.1);
@@ -91,7 +91,7 @@ World edge(std::uint64_t seed, const char* name, double depth_m) {
   const double y_start = 0.5 * (y_edge + y_wall) + hall.between(-0.2, 0.2);
   hall.start(0.0, y_start, hall.between(0.0, geometry::deg_to_rad(100.0)));
   hall.goal(hall.between(5.0, 7.0), y_start);
-  // Something on the way, so that it has to be passed near the edge.
+  // Something on the path, so that it has to be passed near the edge.
   const double x_box = hall.between(2.5, 3.5);
   hall.box({x_box, y_wall + 0.15}, {hall.between(0.3, 0.8), 0.3}, {0.0, hall.between(0.2, 1.0)});
   return hall.finish();

@@ -6,7 +6,7 @@
 
 #include "common/geometry/time.hpp"
 
-namespace nodmap::kurt {
+namespace nodmap::node {
 
 /// Follows one sender of commands, and notices a second one.
 ///
@@ -17,8 +17,8 @@ namespace nodmap::kurt {
 /// be known from the numbers. A sender that starts anew is followed as soon as the former has been
 /// silent for kSilence.
 ///
-/// Times are microseconds of one monotonic clock. Not protected against: a sender that is alone,
-/// and one that stops the right sender first.
+/// Times are of one clock; when it is set back, what was heard before is forgotten.
+/// Not protected against: a sender that is alone, and one that stops the right sender first.
 class SenderWatch {
  public:
   /// A sender that is silent for so long is gone, and another may be followed.
@@ -34,7 +34,9 @@ class SenderWatch {
   [[nodiscard]] bool follow(std::int64_t seq, time::SteadyTime now);
 
   /// Whether two senders are alive, or were a moment ago.
-  [[nodiscard]] bool is_contested(time::SteadyTime now) const { return now < contested_until_; }
+  [[nodiscard]] bool is_contested(time::SteadyTime now) const {
+    return contested_since_ && now >= *contested_since_ && now < *contested_since_ + kContested;
+  }
 
  private:
   struct Heard {
@@ -47,7 +49,7 @@ class SenderWatch {
   std::optional<Heard> followed_;  // the last message of the sender that is followed
   int strangers_ = 0;              // since the begin of this window of a second
   time::SteadyTime window_begin_;
-  time::SteadyTime contested_until_;
+  std::optional<time::SteadyTime> contested_since_;
 };
 
-}  // namespace nodmap::kurt
+}  // namespace nodmap::node

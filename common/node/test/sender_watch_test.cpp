@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "drivers/kurt/sender_watch.hpp"
+#include "common/node/sender_watch.hpp"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 
-namespace nodmap::kurt {
+namespace nodmap::node {
 namespace {
 
 constexpr time::Duration kPeriod = 13'320us;
@@ -87,6 +87,22 @@ TEST(SenderWatch, ItIsOverASecondAfterTheSecondSenderHasEnded) {
   EXPECT_TRUE(watch.follow(seq, now));
 }
 
+// A wall clock that was an hour ahead: what it said of the future must not hold for an hour.
+TEST(SenderWatch, AClockThatIsSetBackForgets) {
+  SenderWatch watch;
+  constexpr time::SteadyTime kLater(1h);
+  constexpr time::SteadyTime kNow(kPeriod);
+  std::int64_t seq = 0;
+  for (int i = 0; i < 10; ++i) {
+    static_cast<void>(watch.follow(seq++, kLater + i * kPeriod));
+    static_cast<void>(watch.follow(1'000'000 + i, kLater + i * kPeriod));
+  }
+  ASSERT_TRUE(watch.is_contested(kLater + 10 * kPeriod));
+  EXPECT_FALSE(watch.is_contested(kNow));
+  EXPECT_TRUE(watch.follow(seq, kNow));
+  EXPECT_FALSE(watch.is_contested(kNow));
+}
+
 TEST(SenderWatch, AMessageOvertakenOnTheNetworkIsNoSecondSender) {
   SenderWatch watch;
   std::int64_t seq = 0;
@@ -102,4 +118,4 @@ TEST(SenderWatch, AMessageOvertakenOnTheNetworkIsNoSecondSender) {
 }
 
 }  // namespace
-}  // namespace nodmap::kurt
+}  // namespace nodmap::node

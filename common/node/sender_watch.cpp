@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "drivers/kurt/sender_watch.hpp"
+#include "common/node/sender_watch.hpp"
 
 #include <limits>
 
-namespace nodmap::kurt {
+namespace nodmap::node {
 namespace {
 
 constexpr time::Duration kWindow = 1s;
@@ -19,6 +19,9 @@ bool continues(std::int64_t last, std::int64_t seq) {
 }  // namespace
 
 bool SenderWatch::follow(std::int64_t seq, time::SteadyTime now) {
+  if (followed_ && now < followed_->at) {
+    *this = SenderWatch();
+  }
   const bool is_alive = followed_ && now - followed_->at < kSilence;
   if (is_alive && !continues(followed_->seq, seq)) {
     count_stranger(now);
@@ -27,7 +30,7 @@ bool SenderWatch::follow(std::int64_t seq, time::SteadyTime now) {
   if (!is_alive) {
     strangers_ = 0;  // they were messages of the sender that is followed from now on
   } else if (now - window_begin_ < kWindow && strangers_ >= kStrangersOfASecondSender) {
-    contested_until_ = now + kContested;
+    contested_since_ = now;
   }
   followed_ = {seq, now};
   return true;
@@ -41,4 +44,4 @@ void SenderWatch::count_stranger(time::SteadyTime now) {
   ++strangers_;
 }
 
-}  // namespace nodmap::kurt
+}  // namespace nodmap::node
