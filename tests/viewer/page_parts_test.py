@@ -216,7 +216,7 @@ class Links(PageCase):
         browser = self.browse(viewer)
         self.pause(browser)
         browser.run("nodmap.view.setMode('free'); nodmap.view.camera.position.set(1, -5, 3); nodmap.view.controls.target.set(1, 0, 0); nodmap.playback.seek(12.5)")
-        self.assertIsNotNone(browser.wait_for("nodmap.playback.positionS === 12.5"))
+        self.assertIsNotNone(browser.wait_for("Math.abs(nodmap.playback.positionS - 12.5) < 0.004"))
         browser.run("document.getElementById('link').click()")
         link = browser.run("return location.href")
         self.assertIn("t=12.50", link)
