@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Time for one decision of the navigator on a full map of 361 points: moving the points, Steer,
-// Brake and Turn. Percentiles over single decisions as counters, in microseconds of the thread's
-// own processor time: what else the machine does is not in them.
+// Brake and Turn, or plan and rollouts; and for one scan in the local map. Percentiles over single
+// decisions as counters, in microseconds of the thread's own processor time: what else the machine
+// does is not in them.
 #include <benchmark/benchmark.h>
 #include <time.h>
 
@@ -32,8 +33,65 @@ double cpu_us() {
   return 1e6 * static_cast<double>(now.tv_sec) + 1e-3 * static_cast<double>(now.tv_nsec);
 }
 
-void decide(benchmark::State& state, const Points& points, bool has_goal) {
+/// Percentiles of single durations, as counters.
+void report(benchmark::State& state, std::vector<double> durations_us) {
+  std::ranges::sort(durations_us);
+  const auto percentile = [&](double share) {
+    return durations_us[static_cast<std::size_t>(share *
+                                                 static_cast<double>(durations_us.size() - 1))];
+  };
+  state.counters["p50_us"] = percentile(0.50);
+  state.counters["p99_us"] = percentile(0.99);
+}
+
+/// A sweep of 40 scans, 181 beams each, on flat floor with a pillar every 20 beams.
+std::vector<scan::Scan> sweep() {
+  std::vector<scan::Scan> scans;
+  for (double deg = -40.0; deg < 10.0; deg += 1.25) {
+    scan::Scan scan;
+    scan.angle_first_rad = -0.5 * geometry::kPi;
+    scan.angle_step_rad = geometry::deg_to_rad(1.0);
+    scan.pitch_first_rad = scan.pitch_last_rad = geometry::deg_to_rad(deg);
+    scan.range_min_m = 0.05;
+    scan.range_max_m = 80.0;
+    scan.T_base_mount.translation() = Eigen::Vector3d(0.15, 0.0, 0.38);
+    for (int beam = 0; beam < 181; ++beam) {
+      const Eigen::Vector3d ray = scan::beam_direction(
+          scan.angle_first_rad + beam * scan.angle_step_rad, scan.pitch_first_rad);
+      const double to_floor_m = ray.z() < 0.0 ? -0.38 / ray.z() : 80.0;
+      const double to_pillar_m = beam % 20 < 3 ? 1.0 + 0.01 * beam : 6.0;
+      scan.ranges_m.push_back(static_cast<float>(std::min(to_floor_m, to_pillar_m)));
+    }
+    scans.push_back(std::move(scan));
+  }
+  return scans;
+}
+
+/// One scan in the local map, at 1 m/s.
+void LocalMapScan(benchmark::State& state) {
+  const std::vector<scan::Scan> scans = sweep();
+  LocalMap map({}, {});
+  std::vector<double> scan_us;
+  scan_us.reserve(1U << 20U);
+  std::size_t i = 0;
+  for (auto _ : state) {
+    const geometry::SE2 T_odom_base{0.013 * static_cast<double>(i), 0.0, 0.0};
+    const double start_us = cpu_us();
+    map.add_scan(scans[i++ % scans.size()], T_odom_base);
+    scan_us.push_back(cpu_us() - start_us);
+  }
+  report(state, std::move(scan_us));
+}
+
+/// `scans`: for the local map; without them the robot drives to a goal by the behaviours.
+void decide(benchmark::State& state, const Points& points, bool has_goal,
+            const std::vector<scan::Scan>& scans = {}) {
   Navigator navigator{{}};
+  for (int i = 0; i < 4; ++i) {
+    for (const scan::Scan& scan : scans) {
+      navigator.add_scan(scan, {});
+    }
+  }
   std::vector<double> decision_us;
   decision_us.reserve(1U << 20U);
   Situation now;
@@ -51,13 +109,7 @@ void decide(benchmark::State& state, const Points& points, bool has_goal) {
     benchmark::DoNotOptimize(navigator.decide(now));
     decision_us.push_back(cpu_us() - start_us);
   }
-  std::ranges::sort(decision_us);
-  const auto percentile = [&](double share) {
-    return decision_us[static_cast<std::size_t>(share *
-                                                static_cast<double>(decision_us.size() - 1))];
-  };
-  state.counters["p50_us"] = percentile(0.50);
-  state.counters["p99_us"] = percentile(0.99);
+  report(state, std::move(decision_us));
 }
 
 void Roaming(benchmark::State& state) {
@@ -66,12 +118,17 @@ void Roaming(benchmark::State& state) {
 void ToAGoal(benchmark::State& state) {
   decide(state, full_map(1.0, 4.0), true);
 }
+void ToAGoalByPlan(benchmark::State& state) {
+  decide(state, full_map(1.0, 4.0), true, sweep());
+}
 void ObstaclesAllAround(benchmark::State& state) {
   decide(state, full_map(0.3, 0.6), false);
 }
 
 BENCHMARK(Roaming);
 BENCHMARK(ToAGoal);
+BENCHMARK(ToAGoalByPlan);
+BENCHMARK(LocalMapScan);
 BENCHMARK(ObstaclesAllAround);
 
 }  // namespace

@@ -93,7 +93,7 @@ PairResult run_pair(const std::vector<Eigen::Vector3f>& target,
   for (int i = 0; i < kRepeats; ++i) {
     const double begin = cpu_ms();
     const VoxelMap map = VoxelMap::from_points(target, p_sensor, params.voxels);
-    const VoxelMap sweep = VoxelMap::from_points(source, p_sensor, params.voxels);
+    VoxelMap sweep = VoxelMap::from_points(source, p_sensor, params.voxels);
     const double middle = cpu_ms();
     registration = register_sweep(sweep, map, prior, params.registration);
     prep_ms.push_back(middle - begin);

@@ -43,7 +43,7 @@ class Trial:
 
     def run(self, programs, out):
         self.dir = out / self.name
-        world = self.world if self.world.startswith("random:") else str(WORLDS / f"{self.world}.yaml")
+        world = self.world if ":" in self.world else str(WORLDS / f"{self.world}.yaml")
         command = [programs / "nodmap-trial", "--world", world, "--seed", str(self.seed), "--duration", str(self.duration_s),
                    "--out", self.dir, *self.options]
         done = subprocess.run([str(word) for word in command], capture_output=True, text=True)

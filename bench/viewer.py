@@ -40,6 +40,7 @@ class Robot:
         try:
             subprocess.run([f"{programs}/nodmap-sheriff", config, "--script", "start_robot", "--on-script-complete", "exit", "--timeout", "60"],
                            check=True, env=environment, cwd=ROOT, stdout=subprocess.DEVNULL)
+            subprocess.run([f"{programs}/nodmap-stop", "--go"], check=True, env=environment)
         except (OSError, subprocess.CalledProcessError):
             self.stop()
             raise

@@ -14,6 +14,7 @@ find_package(Boost 1.74 REQUIRED)
 find_package(octomap 1.9 REQUIRED)
 find_package(tsl-robin-map REQUIRED)
 find_package(Python3 REQUIRED COMPONENTS Interpreter)
+pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)
 pkg_check_modules(LIBSERIALPORT REQUIRED IMPORTED_TARGET libserialport)
 find_program(NODMAP_LCM_GEN lcm-gen REQUIRED)
 
@@ -22,6 +23,15 @@ find_package(lcm CONFIG QUIET)
 if(NOT TARGET lcm)
   pkg_check_modules(LCM REQUIRED IMPORTED_TARGET lcm)
   add_library(lcm ALIAS PkgConfig::LCM)
+  set(lcm_VERSION ${LCM_VERSION})
+endif()
+# A generator of another installation writes code that these headers do not compile, with errors that do not say why.
+execute_process(COMMAND ${NODMAP_LCM_GEN} --version OUTPUT_VARIABLE lcm_gen_version ERROR_QUIET)
+string(REGEX MATCH "[0-9]+\\.[0-9]+" lcm_gen_version "${lcm_gen_version}")
+string(REGEX MATCH "[0-9]+\\.[0-9]+" lcm_headers_version "${lcm_VERSION}")
+if(lcm_gen_version AND lcm_headers_version AND NOT lcm_gen_version STREQUAL lcm_headers_version)
+  message(FATAL_ERROR "LCM's headers are of version ${lcm_VERSION}, but the generator ${NODMAP_LCM_GEN} is of ${lcm_gen_version}: "
+    "two installations of LCM are mixed. Name one of them: -DCMAKE_PREFIX_PATH=DIR -DNODMAP_LCM_GEN=DIR/bin/lcm-gen")
 endif()
 
 # OctoMap's package sets variables only.

@@ -10,7 +10,28 @@ install(DIRECTORY ${PROJECT_BINARY_DIR}/lcmtypes/include/nodmap ${PROJECT_BINARY
 install(FILES procman/robot.pmd procman/replay.pmd procman/sim.pmd procman/two_hosts.pmd
   DESTINATION ${CMAKE_INSTALL_DATADIR}/nodmap/procman)
 install(DIRECTORY config/ DESTINATION ${CMAKE_INSTALL_DATADIR}/nodmap/config)
-install(FILES README.md LICENSE docs/frames.md docs/multi-host.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(FILES README.md docs/frames.md docs/multi-host.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
+# As Debian wants them: the licence as "copyright", the changes in its own format.
+install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright)
+string(TIMESTAMP date "%a, %d %b %Y %H:%M:%S +0000" UTC)  # of $SOURCE_DATE_EPOCH where that is set
+configure_file(cmake/debian_changelog.in ${PROJECT_BINARY_DIR}/packaging/changelog @ONLY)
+
+# Man pages and bash completions, from what each program says of itself.
+find_program(NODMAP_GZIP gzip REQUIRED)
+set(manuals ${PROJECT_BINARY_DIR}/packaging/manuals)
+add_custom_command(OUTPUT ${manuals}/made
+  COMMAND ${CMAKE_COMMAND} -E rm -rf ${manuals}
+  COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/scripts/make_man_pages.py ${CMAKE_RUNTIME_OUTPUT_DIRECTORY} ${manuals} ${NODMAP_PROGRAMS}
+  COMMAND ${NODMAP_GZIP} -9n -r ${manuals}/man1
+  COMMAND sh -c "${NODMAP_GZIP} -9nc ${PROJECT_BINARY_DIR}/packaging/changelog > ${manuals}/changelog.gz"
+  COMMAND ${CMAKE_COMMAND} -E touch ${manuals}/made
+  DEPENDS ${NODMAP_PROGRAMS} ${PROJECT_SOURCE_DIR}/scripts/make_man_pages.py ${PROJECT_BINARY_DIR}/packaging/changelog
+  COMMENT "Writing man pages and completions" VERBATIM)
+add_custom_target(manuals ALL DEPENDS ${manuals}/made)
+add_dependencies(programs manuals)
+install(DIRECTORY ${manuals}/man1 DESTINATION ${CMAKE_INSTALL_MANDIR} OPTIONAL)
+install(DIRECTORY ${manuals}/completions DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion OPTIONAL)
+install(FILES ${manuals}/changelog.gz DESTINATION ${CMAKE_INSTALL_DOCDIR} OPTIONAL)
 install(FILES lcmtypes/README.md DESTINATION share/lcmtypes RENAME nodmap.README.md)
 
 # Another project: find_package(nodmap), then link nodmap::lcmtypes for the C++ types.
@@ -35,13 +56,15 @@ else()
   message(STATUS "No Java compiler or no liblcm-java: the package will hold no types for lcm-spy")
 endif()
 
-install(FILES procman/systemd/nodmap-deputy.service DESTINATION lib/systemd/system)
+install(FILES procman/systemd/nodmap-deputy.service procman/systemd/nodmap-robot.service DESTINATION lib/systemd/system)
 install(FILES procman/systemd/deputy.conf DESTINATION ${CMAKE_INSTALL_DATADIR}/nodmap)
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME nodmap)
-set(CPACK_PACKAGE_CONTACT "nodmap maintainers <nodmap@localhost>")
-set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
+set(CPACK_PACKAGE_CONTACT "nodmap maintainers <maintainers@nodmap.invalid>")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "3D sensing, navigation and SLAM with one nodding 2D laser")
+set(CPACK_PACKAGE_DESCRIPTION
+  "Independent processes that exchange LCM messages: drivers for a SICK laser\non a nodding mount and a KURT2 base, obstacle and structure maps,\nnavigation, SLAM in 2D and 3D, a logger, a page for the browser, a\nsimulator, and a process manager for one host or several.")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)

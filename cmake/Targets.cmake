@@ -67,10 +67,14 @@ function(nodmap_add_program name)
   set_property(GLOBAL APPEND PROPERTY NODMAP_PROGRAMS ${name})
 endfunction()
 
-# nodmap_add_test(NAME SOURCES x_test.cpp ... DEPENDS target ... [DEFINES NAME="value" ...] [DATA]): a test program.
-# DATA marks tests that read the recordings in NODMAP_DATA; they skip, and say so, where it is missing.
+# Test programs of what runs in more than one thread, for ThreadSanitizer.
+add_custom_target(threaded_tests)
+
+# nodmap_add_test(NAME SOURCES x_test.cpp ... DEPENDS target ... [DEFINES NAME="value" ...] [DATA] [THREADS]): a test program.
+# DATA marks tests that read the recordings in NODMAP_DATA; they skip, and say so, where it is missing. THREADS marks those
+# that also run under ThreadSanitizer.
 function(nodmap_add_test name)
-  cmake_parse_arguments(ARG "DATA" "" "SOURCES;DEPENDS;DEFINES" ${ARGN})
+  cmake_parse_arguments(ARG "DATA;THREADS" "" "SOURCES;DEPENDS;DEFINES" ${ARGN})
   if(NOT NODMAP_TESTS)
     return()
   endif()
@@ -83,6 +87,10 @@ function(nodmap_add_test name)
   set(label unit)
   if(ARG_DATA)
     set(label data)
+  endif()
+  if(ARG_THREADS)
+    set(label ${label}-threads)  # a list does not survive gtest_discover_tests()
+    add_dependencies(threaded_tests ${name})
   endif()
   # memq:// keeps every test off the network, whatever it forgets to say.
   gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES

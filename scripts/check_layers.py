@@ -9,6 +9,7 @@
 5. Of the tools only trial, the closed loop, includes drivers and modules, and evaluate the relocalisation of slam2d, which it measures;
    the others may use what turns messages into Foxglove's schemas (modules/viewer/foxglove).
 6. From the process manager the viewer uses protocol and configuration, and nothing of deputy and sheriff.
+7. Time is a type (common/geometry/time.hpp): in the rooms of TYPED_TIME no integer of microseconds is declared.
 Besides: every source file names its licence, and a transform is called T_a_b, never a_to_b or a2b.
 """
 import pathlib
@@ -27,6 +28,8 @@ WORLD = re.compile(
     r"|fstream$|filesystem$|cstdio$|iostream$|unistd\.h$|fcntl\.h$|sys/)")
 TOOL_MAY_USE = {"evaluate": ("modules/slam2d/",)}
 ONE_PLACE = {"octomap/": "OctoMap", "nanoflann.hpp": "nanoflann", "libserialport.h": "libserialport"}
+TYPED_TIME = ("common/node/device_node", "drivers/kurt/", "drivers/laser3d/", "drivers/serial/")
+MICROSECONDS = re.compile(r"\bint64_t>?[ &]+(\w+_us_?|k\w+Us)\b")
 BAD_NAME = re.compile(r"\b(base|map|odom|laser|mount|body|sensor|world)(_to_|2)(base|map|odom|laser|mount|body|sensor|world)\b")
 
 
@@ -71,6 +74,8 @@ def main():
         for number, line in enumerate(lines, 1):
             if BAD_NAME.search(line):
                 errors.append(f"{path}:{number}: write T_a_b: {line.strip()}")
+            if str(path).startswith(TYPED_TIME) and MICROSECONDS.search(line):
+                errors.append(f"{path}:{number}: time is a type, see common/geometry/time.hpp: {line.strip()}")
             match = INCLUDE.match(line)
             if not match:
                 continue

@@ -1,27 +1,51 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
 # The system on a recording: every process by itself, the recording played over LCM. Called by ./nodmap demo.
-#   scripts/demo.sh RECORDING [--speed FACTOR] [--out DIR]
+#   scripts/demo.sh [--check-arguments] RECORDING [--speed FACTOR] [--out DIR]
 set -euo pipefail
 cd "$(dirname "$(readlink -f "$0")")/.."
 bin=$PWD/build/release/bin
+source scripts/demo_common.sh
 
-say() { printf '\033[1m==> %s\033[0m\n' "$*"; }
-die() { printf 'nodmap demo: %s\n' "$*" >&2; exit 1; }
+usage() {
+  cat <<'TEXT'
+usage: ./nodmap demo RECORDING [--speed FACTOR] [--out DIR]
 
-recording=$1
-shift
-speed=1
+Plays a recording over LCM to the real processes, which map it.
+
+  RECORDING       a folder of 3DTK scans (scan000.3d, ...), a CARMEN log (.clf), a line-wise nodding recording (.nod) or an
+                  LCM event log
+  --speed FACTOR  how many times as fast as it was recorded (1)
+  --out DIR       a new folder for the results (logs/demo-DATE-TIME)
+  --version       print the version
+TEXT
+}
+
+# What a recording is, is told by its ending; an event log by what is in it.
+need_recording() {
+  [[ -e "$1" ]] || usage_error "$1: cannot open: No such file or directory"
+  [[ -d "$1" || "$1" == *.clf || "$1" == *.nod ]] && return
+  LC_ALL=C grep -qaP '\xED\xA1\xDA\x01' "$1" ||
+    usage_error "$1: is neither a folder of 3DTK scans, a CARMEN log (.clf), a nodding recording (.nod) nor an LCM event log"
+}
+
+check_only=0 recording='' speed=1
 out=logs/demo-$(date +%Y%m%d-%H%M%S)
 while [[ $# -gt 0 ]]; do
   case "$1" in
-    --speed) speed=$2; shift 2 ;;
-    --out) out=$2; shift 2 ;;
-    *) die "unknown option $1" ;;
+    --check-arguments) check_only=1; shift ;;
+    --help | -h) usage; exit 0 ;;
+    --version) print_version; exit 0 ;;
+    --speed) need_value "$1" $#; need_number "$1" "$2"; speed=$2; shift 2 ;;
+    --out) need_value "$1" $#; out=$2; shift 2 ;;
+    -*) usage_error "$1 is no option" ;;
+    *) [[ -z "$recording" ]] || usage_error "$1 is one argument too many"; recording=$1; shift ;;
   esac
 done
-[[ -e "$recording" ]] || die "$recording: no such recording"
-[[ ! -e "$out" ]] || die "$out exists; results are never overwritten"
+[[ -n "$recording" ]] || usage_error "no recording is named"
+need_recording "$recording"
+need_new "$out"
+[[ $check_only -eq 0 ]] || exit 0
 
 source scripts/private_net.sh
 source scripts/demo_page.sh

@@ -1,31 +1,46 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
 # The whole robot in a simulated building, every process by the process manager. Called by ./nodmap demo.
-#   scripts/demo_sim.sh [--world WORLD.yaml] [--duration SECONDS] [--out DIR]
+#   scripts/demo_sim.sh [--check-arguments] [--world WORLD.yaml] [--duration SECONDS] [--out DIR]
 set -euo pipefail
 cd "$(dirname "$(readlink -f "$0")")/.."
 bin=$PWD/build/release/bin
 config=procman/sim.pmd
+source scripts/demo_common.sh
 
-say() { printf '\033[1m==> %s\033[0m\n' "$*"; }
-die() { printf 'nodmap demo: %s\n' "$*" >&2; exit 1; }
+usage() {
+  cat <<'TEXT'
+usage: ./nodmap demo [--world WORLD.yaml] [--duration SECONDS] [--out DIR]
+       ./nodmap demo RECORDING ...    runs on a recording: ./nodmap demo RECORDING --help
+
+Drives the robot through a simulated building, every process as on the robot, and maps it.
+
+  --world WORLD.yaml  the building (sim/worlds/cellar.yaml)
+  --duration SECONDS  how long it drives (60)
+  --out DIR           a new folder for the results (logs/demo-DATE-TIME)
+  --version           print the version
+TEXT
+}
 
 arguments=("$@")
+check_only=0
 world=sim/worlds/cellar.yaml
 duration=60
 out=logs/demo-$(date +%Y%m%d-%H%M%S)
 while [[ $# -gt 0 ]]; do
-  [[ $# -ge 2 ]] || die "$1 needs a value"
   case "$1" in
-    --world) world=$2 ;;
-    --duration) duration=$2 ;;
-    --out) out=$2 ;;
-    *) die "unknown option $1" ;;
+    --check-arguments) check_only=1; shift ;;
+    --help | -h) usage; exit 0 ;;
+    --version) print_version; exit 0 ;;
+    --world) need_value "$1" $#; world=$2; shift 2 ;;
+    --duration) need_value "$1" $#; need_number "$1" "$2"; duration=$2; shift 2 ;;
+    --out) need_value "$1" $#; out=$2; shift 2 ;;
+    *) usage_error "$1 is no option" ;;
   esac
-  shift 2
 done
-[[ -f "$world" ]] || die "$world: no such world"
-[[ ! -e "$out" ]] || die "$out exists; results are never overwritten"
+[[ -f "$world" ]] || usage_error "$world: cannot open: No such file or directory"
+need_new "$out"
+[[ $check_only -eq 0 ]] || exit 0
 source scripts/private_net.sh
 source scripts/demo_page.sh
 need_multicast "$0" "${arguments[@]}"
@@ -64,6 +79,9 @@ deputy=$!
 setpriv --pdeathsig TERM "$bin/nodmap-sheriff" "$config" --output viewer >"$out/viewer.log" 2>&1 &
 listener=$!
 run "$bin/nodmap-sheriff" "$config" --script demo --on-script-complete exit --timeout 30 >"$out/sheriff.log" || die "not every process started; see $out/sheriff.log"
+
+# The base driver stands after each start until somebody says so.
+run "$bin/nodmap-stop" --go --by demo || die "the base driver does not answer; see $out/deputy.log"
 
 token=$(grep -o -m 1 '#token=[0-9a-f]*' "$out/viewer.log") || true
 if [[ -n "$token" ]]; then

@@ -15,6 +15,11 @@ FILES = [
     ("slam6d/map.bt", "OctoMap (octovis map.bt)"),
 ]
 ENDED_WELL = "Stopped (OK)"
+# What is lost where, and what helps. A busy machine loses something, and the robot is made for that: it is said, and no failure.
+CAUSES = {
+    "nodmap-laser3d": "scans that did not become messages: the driver or the simulated devices were not run in time; the machine is too busy",
+    "": "messages that a receiver had no room for: raise net.core.rmem_max to 4194304 (nodmap-doctor tells how), or the machine is too busy",
+}
 
 
 def read(path):
@@ -22,7 +27,7 @@ def read(path):
 
 
 def main():
-    out, wrong = pathlib.Path(sys.argv[1]), []
+    out, wrong, warnings = pathlib.Path(sys.argv[1]), [], []
 
     watch, truth, status = read(out / "watch.json"), read(out / "sim/result.json"), read(out / "status.json")
     if not (watch and truth and status):
@@ -36,14 +41,13 @@ def main():
             wrong.append(f"{name} failed: {p['reason']}")
 
     # What the page has missed is in the table; the robot has not.
-    lost = sum(p["lost"] for name, p in watch["processes"].items() if name != "nodmap-viewer")
+    lost = {name: p["lost"] for name, p in watch["processes"].items() if p["lost"] and name != "nodmap-viewer"}
     print(f"\n{truth['distance_m']:.1f} m driven, {watch['max_forward_mps']:.2f} m/s at most, never nearer than "
           f"{100 * truth['min_clearance_m']:.0f} cm to anything; {truth['collisions']} collisions, "
-          f"{truth['bumps']} bumps, {watch['keyframes']} keyframes, {lost} messages lost")
+          f"{truth['bumps']} bumps, {watch['keyframes']} keyframes, {sum(lost.values())} scans or messages lost")
     if truth["collisions"]:
         wrong.append(f"the robot has hit something {truth['collisions']} times")
-    if lost:
-        wrong.append(f"{lost} messages were lost")
+    warnings += [f"{name} lost {n} {CAUSES.get(name, CAUSES[''])}" for name, n in lost.items()]
     wrong += [f"{name} has received {p['corrupt']} corrupt messages" for name, p in watch["processes"].items() if p["corrupt"]]
     if truth["distance_m"] < 1.0:
         wrong.append("the robot hardly moved")
@@ -59,9 +63,14 @@ def main():
     logs = sorted((out / "logger").glob("lcmlog-*"))
     for log in logs:
         print(f"  {log}  everything that went over LCM")
-    if not logs:
+    if logs:
+        print(f"\nto see it again: build/release/bin/nodmap-viewer --replay {' '.join(map(str, logs))}, "
+              "and a browser on http://127.0.0.1:8765/")
+    else:
         wrong.append("there is no log of the run")
 
+    for sentence in warnings:
+        print(f"nodmap demo: warning: {sentence}", file=sys.stderr)
     for sentence in wrong:
         print(f"nodmap demo: {sentence}", file=sys.stderr)
     return 1 if wrong else 0

@@ -26,7 +26,7 @@ class Endurance {
  public:
   struct Options {
     double duration_s = 600.0;
-    double warm_up_s = 20.0;  ///< the devices are looked for, the SLAMs make their first map
+    double warm_up_s = 20.0;  ///< from the first reaction on; the SLAMs make their first map
     bool viewer = false;
     bool any_timing = false;  ///< a machine that is busy with something else is late, and no fault
   };
@@ -63,6 +63,8 @@ class Endurance {
   void on_status(std::span<const std::byte> data);
   void sample_loads(const RobotProcesses& robot);
   void start_viewer(RobotProcesses& robot);
+  /// A busy machine takes its time to start twelve processes.
+  void wait_for_first_reaction(bus::LiveBus& bus);
   [[nodiscard]] bool is_measured(std::int64_t at_us) const;
   [[nodiscard]] bool is_anything_lost() const;
   [[nodiscard]] bool is_in_time(const std::vector<latency::Sample>& samples,

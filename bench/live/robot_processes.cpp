@@ -56,6 +56,8 @@ std::vector<std::string> RobotProcesses::command(const std::string& name) const 
                                "servo.device=" + links + "/servo"});
   } else if (name == "kurt") {
     words.insert(words.end(), {"--set", "device=" + links + "/base"});
+  } else if (name == "stop") {
+    words.emplace_back("--go");
   } else if (name == "logger") {
     words.insert(words.end(), {"--out", options_.out / "recording"});
   }
@@ -82,6 +84,10 @@ void RobotProcesses::start(const std::string& name) {
     throw std::runtime_error(words[0] + ": cannot be started");
   }
   pids_[name] = pid;
+  if (name == "kurt") {
+    // The base driver stands after each start until somebody says so. Ends by itself.
+    start("stop");
+  }
 }
 
 void RobotProcesses::kill(const std::string& name) {

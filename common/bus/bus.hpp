@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <boost/core/noncopyable.hpp>
 #include <cstddef>
 #include <cstdint>
 #include <exception>
@@ -20,14 +21,16 @@ namespace nodmap::bus {
 /// What went over a bus since it was made.
 struct BusCounts {
   std::int64_t received = 0;  ///< messages handed to a handler
-  std::int64_t corrupt = 0;   ///< messages that were no valid message of the type, and dropped
+  std::int64_t corrupt = 0;   ///< messages and datagrams that were no valid ones, and dropped
   std::int64_t published = 0;
   std::int64_t not_published = 0;  ///< refused by the transport: too large, no route, disk full
+  std::int64_t refused = 0;        ///< datagrams of hosts that are not trusted, and dropped
+  std::string refused_host;        ///< address of the last of them; empty: none
 };
 
 /// Where messages come from and go to. The one interface a node sees; live and replay differ only
 /// in which bus it is given. Not thread safe: one bus belongs to one thread.
-class Bus {
+class Bus : private boost::noncopyable {
  public:
   using BytesHandler = std::function<void(std::span<const std::byte>)>;
 
@@ -35,11 +38,6 @@ class Bus {
   /// problem that a longer queue would hide.
   static constexpr int kDefaultQueue = 64;
 
-  Bus() = default;
-  Bus(const Bus&) = delete;
-  Bus& operator=(const Bus&) = delete;
-  Bus(Bus&&) = delete;
-  Bus& operator=(Bus&&) = delete;
   virtual ~Bus() = default;
 
   template <class Message>
@@ -80,7 +78,7 @@ class Bus {
     listen(channel, std::move(handler), queue_capacity);
   }
 
-  [[nodiscard]] const BusCounts& counts() const { return counts_; }
+  [[nodiscard]] virtual BusCounts counts() const { return counts_; }
 
   /// How long handlers took. Wall clock: for reports, never for results.
   [[nodiscard]] LatencyMeter& latency() { return latency_; }

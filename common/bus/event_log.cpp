@@ -13,6 +13,8 @@
 #include <stdexcept>
 #include <system_error>
 
+#include "common/formats/input_file.hpp"
+
 namespace nodmap::bus {
 namespace {
 
@@ -63,10 +65,11 @@ struct LogReader::Mapping {
   }
 };
 
-LogReader::LogReader(const std::filesystem::path& path) : mapping_(std::make_unique<Mapping>()) {
+LogReader::LogReader(const std::filesystem::path& path)
+    : path_(path), mapping_(std::make_unique<Mapping>()) {
   const int fd = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (fd < 0) {
-    throw file_error(path, "cannot open");
+    throw formats::cannot_open(path, errno);
   }
   struct stat info {};
   if (::fstat(fd, &info) == 0 && S_ISREG(info.st_mode) && info.st_size > 0) {
@@ -75,7 +78,7 @@ LogReader::LogReader(const std::filesystem::path& path) : mapping_(std::make_uni
   }
   ::close(fd);
   if (!S_ISREG(info.st_mode)) {
-    throw std::runtime_error(path.string() + ": not a regular file");
+    throw formats::InputFileError(path.string() + ": cannot open: not a regular file");
   }
   if (mapping_->size > 0 && mapping_->address == MAP_FAILED) {
     throw file_error(path, "cannot read");
@@ -86,6 +89,19 @@ LogReader::LogReader(const std::filesystem::path& path) : mapping_(std::make_uni
 }
 
 LogReader::~LogReader() = default;
+
+void LogReader::require_event() const {
+  LogReader reader(path_);
+  if (reader.next() == nullptr) {
+    throw formats::InputFileError(path_.string() + ": holds no event of an LCM event log");
+  }
+}
+
+std::string LogReader::damage() const {
+  return skipped_bytes_ == 0 ? std::string()
+                             : path_.string() + ": " + std::to_string(skipped_bytes_) +
+                                   " bytes belong to no whole event: damaged or cut off";
+}
 
 const LogEvent* LogReader::next() {
   while (at_ + kHeaderBytes <= bytes_.size()) {
@@ -160,6 +176,14 @@ bool LogWriter::write(std::int64_t log_utime_us, const std::string& channel,
 
 bool LogWriter::flush() {
   return !failure_ && drain();
+}
+
+bool LogWriter::sync() {
+  if (!failure_ && ::fdatasync(fd_) != 0 && errno != EINVAL) {  // a pipe cannot
+    failure_.assign(errno, std::system_category());
+    size_bytes_ = flushed_bytes_;
+  }
+  return !failure_;
 }
 
 bool LogWriter::drain() {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <boost/core/noncopyable.hpp>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
@@ -25,21 +26,22 @@ struct LogEvent {
 /// Reads the event log format of lcm-logger. LCM's own reader allocates whatever a damaged header
 /// claims and ends at the first damage; this one looks for the next event and counts what it
 /// skipped.
-class LogReader {
+class LogReader : private boost::noncopyable {
  public:
-  /// Throws std::runtime_error naming the file when it cannot be opened.
+  /// Throws formats::InputFileError when it cannot be opened.
   explicit LogReader(const std::filesystem::path& path);
   ~LogReader();
-  LogReader(const LogReader&) = delete;
-  LogReader& operator=(const LogReader&) = delete;
-  LogReader(LogReader&&) = delete;
-  LogReader& operator=(LogReader&&) = delete;
 
   /// The next event, or nothing at the end. The event is valid until the next call.
   [[nodiscard]] const LogEvent* next();
 
+  /// Throws formats::InputFileError when the file holds no event at all: it is something else.
+  void require_event() const;
+
   /// Bytes that belonged to no whole event: damage, or a cut-off end.
   [[nodiscard]] std::int64_t skipped_bytes() const { return skipped_bytes_; }
+  /// The same as a sentence for the user; empty when there were none.
+  [[nodiscard]] std::string damage() const;
   [[nodiscard]] std::int64_t size_bytes() const { return size_bytes_; }
   [[nodiscard]] std::int64_t position_bytes() const { return static_cast<std::int64_t>(at_); }
 
@@ -48,6 +50,7 @@ class LogReader {
 
   [[nodiscard]] bool read_event_here();
 
+  std::filesystem::path path_;
   std::unique_ptr<Mapping> mapping_;
   std::span<const std::byte> bytes_;
   std::size_t at_ = 0;
@@ -57,15 +60,11 @@ class LogReader {
 };
 
 /// Writes the event log format that lcm-logplayer plays.
-class LogWriter {
+class LogWriter : private boost::noncopyable {
  public:
   /// Creates the file. Throws std::runtime_error when it exists or cannot be made.
   explicit LogWriter(const std::filesystem::path& path);
   ~LogWriter();
-  LogWriter(const LogWriter&) = delete;
-  LogWriter& operator=(const LogWriter&) = delete;
-  LogWriter(LogWriter&&) = delete;
-  LogWriter& operator=(LogWriter&&) = delete;
 
   /// Appends one event. False when the disk takes no more; the file then ends with the last event
   /// that was written whole.
@@ -74,6 +73,10 @@ class LogWriter {
 
   /// Hands everything to the operating system. False as for write().
   [[nodiscard]] bool flush();
+
+  /// Waits until what was handed to the operating system is on the disk: a cut of the power takes
+  /// nothing of it. False as for write().
+  [[nodiscard]] bool sync();
 
   /// What an event takes in a file.
   [[nodiscard]] static std::int64_t event_bytes(const std::string& channel,

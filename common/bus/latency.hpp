@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <boost/core/noncopyable.hpp>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -20,13 +21,9 @@ class LatencyMeter {
   };
 
   /// Measures from its construction to its end.
-  class Scope {
+  class Scope : private boost::noncopyable {
    public:
     explicit Scope(LatencyMeter& meter) : meter_(meter), start_(std::chrono::steady_clock::now()) {}
-    Scope(const Scope&) = delete;
-    Scope& operator=(const Scope&) = delete;
-    Scope(Scope&&) = delete;
-    Scope& operator=(Scope&&) = delete;
     ~Scope() { meter_.record(std::chrono::steady_clock::now() - start_); }
 
    private:

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <list>
+#include <optional>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
@@ -16,6 +17,11 @@ namespace {
 // After so many messages in a row handle() returns to its caller even if more are waiting.
 constexpr int kMaxPerHandle = 1000;
 
+std::string from_environment(const char* name) {
+  const char* text = std::getenv(name);  // NOLINT(concurrency-mt-unsafe)
+  return text != nullptr ? text : "";
+}
+
 struct LcmDeleter {
   void operator()(lcm_t* lcm) const { ::lcm_destroy(lcm); }
 };
@@ -23,14 +29,8 @@ struct LcmDeleter {
 }  // namespace
 
 std::string resolve_url(const std::string& url) {
-  if (!url.empty()) {
-    return url;
-  }
-  const char* from_environment = std::getenv("LCM_DEFAULT_URL");  // NOLINT(concurrency-mt-unsafe)
-  if (from_environment != nullptr && *from_environment != '\0') {
-    return from_environment;
-  }
-  return "udpm://239.255.76.67:7667?ttl=0";
+  const std::string wanted = url.empty() ? from_environment("LCM_DEFAULT_URL") : url;
+  return wanted.empty() ? "udpm://239.255.76.67:7667?ttl=0" : wanted;
 }
 
 std::string literal_channel(const std::string& channel) {
@@ -47,7 +47,17 @@ std::string literal_channel(const std::string& channel) {
 // LCM's C interface, because its C++ one casts a pointer to a class of which it made no object, and
 // UBSan rightly stops there.
 struct LiveBus::Impl {
-  explicit Impl(const std::string& url) : lcm(::lcm_create(url.c_str())) {}
+  explicit Impl(const std::string& url) : lcm(::lcm_create(url.c_str())) {
+    if (!lcm) {
+      throw std::runtime_error("LCM cannot use " + url +
+                               " (is there a multicast route? nodmap-doctor tells)");
+    }
+    if (const std::optional<UdpmUrl> udpm = parse_udpm_url(url)) {
+      receiver.emplace(*udpm, from_environment("NODMAP_TRUSTED_HOSTS"));
+    } else if (url.starts_with("udpm:")) {
+      throw std::runtime_error(url + " cannot be read; like udpm://239.255.76.67:7667?ttl=0");
+    }
+  }
 
   struct Listener {
     Impl* owner;
@@ -68,30 +78,36 @@ struct LiveBus::Impl {
     }
   }
 
-  void listen(const std::string& channel_regex, AnyHandler handler, int queue_capacity) {
+  /// On this channel; on every one, when it is empty.
+  void listen(const std::optional<std::string>& channel, AnyHandler handler, int queue_capacity) {
+    if (receiver) {
+      receiver->subscribe(channel, std::move(handler), queue_capacity);
+      return;
+    }
     listeners.push_back({this, std::move(handler)});
+    const std::string regex = channel ? literal_channel(*channel) : ".*";
     lcm_subscription_t* subscription =
-        ::lcm_subscribe(lcm.get(), channel_regex.c_str(), &receive, &listeners.back());
+        ::lcm_subscribe(lcm.get(), regex.c_str(), &receive, &listeners.back());
     // 0 would mean without bound.
     ::lcm_subscription_set_queue_capacity(subscription, std::max(1, queue_capacity));
   }
 
+  std::int64_t too_large = 0;
   std::list<Listener> listeners;  // LCM keeps pointers to them
   std::exception_ptr thrown;
-  std::unique_ptr<lcm_t, LcmDeleter> lcm;  // ends first
+  std::unique_ptr<lcm_t, LcmDeleter> lcm;
+  std::optional<UdpmReceiver> receiver;
 };
 
 LiveBus::LiveBus(const std::string& url)
-    : url_(resolve_url(url)), impl_(std::make_unique<Impl>(url_)) {
-  if (!impl_->lcm) {
-    throw std::runtime_error("LCM cannot use " + url_ +
-                             " (is there a multicast route? nodmap-doctor tells)");
-  }
-}
+    : url_(resolve_url(url)), impl_(std::make_unique<Impl>(url_)) {}
 
 LiveBus::~LiveBus() = default;
 
 int LiveBus::handle(std::chrono::milliseconds timeout) {
+  if (impl_->receiver) {
+    return impl_->receiver->handle(timeout, kMaxPerHandle);
+  }
   int handled = 0;
   int wait_ms = static_cast<int>(timeout.count());
   while (handled<kMaxPerHandle&& ::lcm_handle_timeout(impl_->lcm.get(), wait_ms)> 0) {
@@ -105,12 +121,24 @@ int LiveBus::handle(std::chrono::milliseconds timeout) {
 }
 
 int LiveBus::poll_handle() {
-  return ::lcm_get_fileno(impl_->lcm.get());
+  return impl_->receiver ? impl_->receiver->poll_handle() : ::lcm_get_fileno(impl_->lcm.get());
+}
+
+BusCounts LiveBus::counts() const {
+  BusCounts counts = Bus::counts();
+  counts.corrupt += impl_->too_large;
+  if (impl_->receiver) {
+    ReceiverCounts receiver = impl_->receiver->counts();
+    counts.corrupt += receiver.malformed;
+    counts.refused = receiver.refused;
+    counts.refused_host = std::move(receiver.refused_host);
+  }
+  return counts;
 }
 
 void LiveBus::subscribe_all(AnyHandler handler, int queue_capacity) {
   impl_->listen(
-      ".*",
+      std::nullopt,
       [this, handler = std::move(handler)](const RawMessage& message) {
         count_received();
         const LatencyMeter::Scope measured(latency());
@@ -126,8 +154,14 @@ bool LiveBus::send(const std::string& channel, std::span<const std::byte> bytes)
 
 void LiveBus::listen(const std::string& channel, BytesHandler handler, int queue_capacity) {
   impl_->listen(
-      literal_channel(channel),
-      [handler = std::move(handler)](const RawMessage& message) { handler(message.data); },
+      channel,
+      [this, handler = std::move(handler)](const RawMessage& message) {
+        if (message.data.size() > kMaxMessageBytes) {
+          ++impl_->too_large;
+          return;
+        }
+        handler(message.data);
+      },
       queue_capacity);
 }
 

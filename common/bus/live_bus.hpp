@@ -6,6 +6,7 @@
 #include <string>
 
 #include "common/bus/bus.hpp"
+#include "common/bus/udpm_receiver.hpp"
 
 namespace nodmap::bus {
 
@@ -18,17 +19,18 @@ namespace nodmap::bus {
 /// "LASER_1".
 [[nodiscard]] std::string literal_channel(const std::string& channel);
 
-/// The bus on a network (or memq://, within this object only).
+/// The bus on a network (or memq://, within this object only). udpm:// is received by UdpmReceiver:
+/// from this host, and from those that $NODMAP_TRUSTED_HOSTS names ("10.0.0.2,10.0.1.0/24"). All
+/// the rest is liblcm's.
 class LiveBus : public Bus {
  public:
+  /// Longer messages reach nobody but who subscribes to all: ours stay under 64 KiB, and those of
+  /// the process manager under this.
+  static constexpr std::size_t kMaxMessageBytes = std::size_t{256} << 10U;
+
   /// Throws std::runtime_error, naming the URL and what to try, when LCM cannot use it.
   explicit LiveBus(const std::string& url);
   ~LiveBus() override;
-
-  LiveBus(const LiveBus&) = delete;
-  LiveBus& operator=(const LiveBus&) = delete;
-  LiveBus(LiveBus&&) = delete;
-  LiveBus& operator=(LiveBus&&) = delete;
 
   /// Waits up to `timeout` for a message, then handles all that are waiting (bounded, so that a
   /// flood cannot keep the caller for ever). Returns how many. An exception from a handler comes
@@ -39,16 +41,13 @@ class LiveBus : public Bus {
   /// handle(0).
   [[nodiscard]] int poll_handle();
 
-  /// A message of any channel, as it came.
-  struct RawMessage {
-    std::string channel;
-    std::span<const std::byte> data;  ///< valid during the call
-    std::int64_t receive_utime_us;    ///< when this host received it, before it was queued
-  };
-  using AnyHandler = std::function<void(const RawMessage&)>;
+  using RawMessage = bus::RawMessage;
+  using AnyHandler = RawHandler;
 
   /// Hears every channel, without decoding: for a logger.
   void subscribe_all(AnyHandler handler, int queue_capacity);
+
+  [[nodiscard]] BusCounts counts() const override;
 
   [[nodiscard]] const std::string& url() const { return url_; }
 

@@ -18,10 +18,15 @@ LogPlayer::LogPlayer(std::vector<std::filesystem::path> logs) : logs_(std::move(
       first_utime_us_ = std::min(first_utime_us_, event->log_utime_us);
       last_utime_us_ = std::max(last_utime_us_, event->log_utime_us);
     }
+    if (std::string damage = reader.damage(); !damage.empty()) {
+      damages_.push_back(std::move(damage));
+    }
+  }
+  if (logs_.empty()) {
+    throw std::runtime_error("no log to play");
   }
   if (first_utime_us_ > last_utime_us_) {
-    throw std::runtime_error(logs_.empty() ? std::string("no log to play")
-                                           : logs_.front().string() + ": holds no event");
+    LogReader(logs_.front()).require_event();
   }
   rewind();
 }

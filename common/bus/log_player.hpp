@@ -20,8 +20,8 @@ class LogPlayer : public Bus {
   static constexpr double kMinSpeed = 0.01;
   static constexpr double kMaxSpeed = 100.0;
 
-  /// Reads each log once, for its first and last time. Throws std::runtime_error when one cannot be
-  /// read or none holds an event.
+  /// Reads each log once, for its first and last time. Throws formats::InputFileError when one
+  /// cannot be read or none holds an event.
   explicit LogPlayer(std::vector<std::filesystem::path> logs);
 
   /// Lets `elapsed_us` pass at the present speed, and hands over what was logged meanwhile.
@@ -38,6 +38,8 @@ class LogPlayer : public Bus {
   /// that is back: everything is handed over anew, and who keeps state must forget it.
   [[nodiscard]] bool seek(std::int64_t position_us);
 
+  /// A sentence for each log that is damaged or cut off.
+  [[nodiscard]] const std::vector<std::string>& damages() const { return damages_; }
   [[nodiscard]] bool paused() const { return paused_; }
   [[nodiscard]] double speed() const { return speed_; }
   [[nodiscard]] std::int64_t position_us() const { return position_us_; }
@@ -62,6 +64,7 @@ class LogPlayer : public Bus {
 
   std::vector<std::filesystem::path> logs_;
   std::vector<Source> sources_;
+  std::vector<std::string> damages_;
   std::map<std::string, std::vector<BytesHandler>, std::less<>> handlers_;
   std::int64_t first_utime_us_ = 0;
   std::int64_t last_utime_us_ = 0;

@@ -8,6 +8,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "common/formats/input_file.hpp"
+
 namespace nodmap::formats {
 namespace {
 
@@ -68,6 +70,9 @@ Header read_header(std::istream& in) {
     std::string key;
     words >> key;
     if (key == "end_header") {
+      if (header.num_vertices > 0 && header.properties.empty()) {
+        throw std::runtime_error("vertices without properties");  // as many as the header likes
+      }
       return header;
     }
     read_header_line(words, key, in_vertices, header);
@@ -133,10 +138,7 @@ void write_ply(const std::filesystem::path& file, const std::vector<ColouredPoin
 }
 
 std::vector<Eigen::Vector3f> read_ply(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in) {
-    throw std::runtime_error(file.string() + ": cannot open");
-  }
+  std::ifstream in = open_input(file);
   try {
     return read_vertices(in);
   } catch (const std::runtime_error& error) {

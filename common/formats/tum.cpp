@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "common/formats/input_file.hpp"
 #include "common/formats/stamp.hpp"
 
 namespace nodmap::formats {
@@ -35,10 +36,7 @@ void write_tum(const std::filesystem::path& file, const Trajectory& trajectory) 
 }
 
 Trajectory read_tum(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  if (!in) {
-    throw std::runtime_error(file.string() + ": cannot open");
-  }
+  std::ifstream in = open_input(file);
   Trajectory trajectory;
   std::size_t number = 0;
   for (std::string line; std::getline(in, line);) {

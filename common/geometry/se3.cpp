@@ -36,6 +36,18 @@ SE3 interpolate(const SE3& from, const SE3& to, double fraction) {
   return between;
 }
 
+Eigen::Vector3d rotation_vector(const Eigen::Matrix3d& rotation) {
+  const Eigen::AngleAxisd angle_axis(rotation);
+  return angle_axis.angle() * angle_axis.axis();
+}
+
+Eigen::Matrix3d rotation_of(const Eigen::Vector3d& rotation_vector) {
+  const double angle_rad = rotation_vector.norm();
+  return angle_rad > 0.0
+             ? Eigen::AngleAxisd(angle_rad, rotation_vector / angle_rad).toRotationMatrix()
+             : Eigen::Matrix3d::Identity();
+}
+
 double rotation_angle(const SE3& pose) {
   return std::abs(Eigen::AngleAxisd(pose.linear()).angle());
 }

@@ -27,6 +27,10 @@ using SE3 = Eigen::Isometry3d;
 /// outside [0, 1] extrapolate at the same velocity.
 [[nodiscard]] SE3 interpolate(const SE3& from, const SE3& to, double fraction);
 
+/// The rotation vector (axis times angle, rad) of a rotation, and back.
+[[nodiscard]] Eigen::Vector3d rotation_vector(const Eigen::Matrix3d& rotation);
+[[nodiscard]] Eigen::Matrix3d rotation_of(const Eigen::Vector3d& rotation_vector);
+
 /// The angle of the rotation part, in [0, pi].
 [[nodiscard]] double rotation_angle(const SE3& pose);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <boost/core/noncopyable.hpp>
 #include <chrono>
 #include <cstdint>
 
@@ -10,13 +11,8 @@ namespace nodmap::time {
 
 /// The clock of a shell: for stamping status messages and log events and for pacing, never to know
 /// when something was measured (that is in the message).
-class Clock {
+class Clock : private boost::noncopyable {
  public:
-  Clock() = default;
-  Clock(const Clock&) = delete;
-  Clock& operator=(const Clock&) = delete;
-  Clock(Clock&&) = delete;
-  Clock& operator=(Clock&&) = delete;
   virtual ~Clock() = default;
 
   /// Microseconds since the epoch.
@@ -34,9 +30,9 @@ class SystemClock : public Clock {
 
 /// For a shell whose devices' time must not step with the wall clock.
 inline Moment now_on_both_clocks() {
-  return {SystemClock().now_utime_us(), std::chrono::duration_cast<std::chrono::microseconds>(
-                                            std::chrono::steady_clock::now().time_since_epoch())
-                                            .count()};
+  return {from_utime(SystemClock().now_utime_us()),
+          SteadyTime(std::chrono::duration_cast<Duration>(
+              std::chrono::steady_clock::now().time_since_epoch()))};
 }
 
 /// Stands where a test puts it.

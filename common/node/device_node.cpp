@@ -16,22 +16,22 @@
 namespace nodmap::node {
 namespace {
 
-constexpr std::int64_t kShutdownUs = 500'000;
+constexpr time::Duration kShutdownTimeout = 500ms;
 
 /// Until a message or bytes have come, or the node has to act by itself. A signal ends it, too.
 void wait_for_work(int bus_handle, DeviceNode& node) {
-  const std::int64_t wait_us = node.wait_us();
-  const timespec wait{wait_us / 1'000'000, 1000 * (wait_us % 1'000'000)};
+  const time::Duration wait = node.wait();
+  const timespec timeout{wait / 1s, wait % 1s / 1ns};
   const std::array<int, 2> devices = node.poll_handles();
   std::array<pollfd, 3> entries{
       {{bus_handle, POLLIN, 0}, {devices[0], POLLIN, 0}, {devices[1], POLLIN, 0}}};
-  ::ppoll(entries.data(), entries.size(), &wait, nullptr);
+  ::ppoll(entries.data(), entries.size(), &timeout, nullptr);
 }
 
 void shut_down(DeviceNode& node) {
-  const std::int64_t end_us = time::now_on_both_clocks().steady_us + kShutdownUs;
+  const time::SteadyTime end = time::now_on_both_clocks().steady + kShutdownTimeout;
   node.shut_down();
-  while (!node.is_shut_down() && time::now_on_both_clocks().steady_us < end_us) {
+  while (!node.is_shut_down() && time::now_on_both_clocks().steady < end) {
     wait_for_work(-1, node);
     node.spin_once();
   }
@@ -49,7 +49,7 @@ void run_loop(const ProgramInfo& info, const std::string& lcm_url,
   log::get().info("listening on {}", bus.url());
   while (!stop_requested()) {
     wait_for_work(bus.poll_handle(), *node);
-    bus.handle(std::chrono::milliseconds(0));
+    bus.handle(0ms);
     node->spin_once();
     status.publish_if_due(*node);
   }

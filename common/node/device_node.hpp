@@ -2,10 +2,10 @@
 #pragma once
 
 #include <array>
-#include <cstdint>
 #include <functional>
 #include <memory>
 
+#include "common/geometry/time.hpp"
 #include "common/node/node.hpp"
 
 namespace nodmap::node {
@@ -20,8 +20,8 @@ class DeviceNode : public Node {
   /// The descriptors of its devices; -1 while there is none.
   [[nodiscard]] virtual std::array<int, 2> poll_handles() = 0;
 
-  /// Time until spin_once() has something to do without new input, microseconds.
-  [[nodiscard]] virtual std::int64_t wait_us() const = 0;
+  /// Time until spin_once() has something to do without new input.
+  [[nodiscard]] virtual time::Duration wait() const = 0;
 
   /// The process was asked to end: starts to send the devices their last commands. spin_once() is
   /// called until is_shut_down(), for half a second at most, then finish().

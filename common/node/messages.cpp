@@ -6,6 +6,14 @@
 #include <limits>
 
 namespace nodmap::node {
+namespace {
+
+/// No robot drives farther, and maps' cells are counted in 32 bits.
+constexpr double kFarthestM = 1e6;
+/// The finest fan of a planar laser has some thousand beams.
+constexpr std::size_t kMaxRanges = 16'384;
+
+}  // namespace
 
 std::optional<geometry::SE3> read_pose(const double (&position_m)[3],
                                        const double (&orientation)[4]) {
@@ -13,7 +21,7 @@ std::optional<geometry::SE3> read_pose(const double (&position_m)[3],
   Eigen::Quaterniond rotation(orientation[0], orientation[1], orientation[2], orientation[3]);
   const double length = rotation.norm();
   // Beyond 1 % it is no rounding but a message that was never filled in.
-  if (!position.allFinite() || !(std::abs(length - 1.0) < 0.01)) {
+  if (!(position.cwiseAbs().maxCoeff() <= kFarthestM) || !(std::abs(length - 1.0) < 0.01)) {
     return std::nullopt;
   }
   rotation.normalize();
@@ -37,7 +45,8 @@ void write_pose(const geometry::SE3& pose, double (&position_m)[3], double (&ori
 bool read_scan(const nodmap::scan_t& message, scan::Scan& scan) {
   const auto T_base_mount = read_pose(message.mount_position_m, message.mount_orientation);
   if (!T_base_mount || message.num_ranges < 0 ||
-      static_cast<std::size_t>(message.num_ranges) != message.ranges_m.size()) {
+      static_cast<std::size_t>(message.num_ranges) != message.ranges_m.size() ||
+      message.ranges_m.size() > kMaxRanges) {
     return false;
   }
   scan.utime_us = message.utime;

@@ -7,7 +7,9 @@
 #include <iostream>
 #include <optional>
 
+#include "common/formats/input_file.hpp"
 #include "common/node/log.hpp"
+#include "common/params/suggestion.hpp"
 
 namespace nodmap::node {
 namespace {
@@ -70,6 +72,75 @@ int complain(const std::string& program, const std::string& what) {
   return 2;
 }
 
+/// The subcommand that the user chose, and the one within that; else the program itself.
+const CLI::App& chosen_command(const CLI::App& app) {
+  for (const CLI::App* command : app.get_subcommands()) {
+    if (!command->get_name().empty()) {  // else a group of options
+      return chosen_command(*command);
+    }
+  }
+  return app;
+}
+
+std::vector<std::string> option_names(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : app.get_options()) {
+    for (const std::string& name : option->get_lnames()) {
+      names.push_back("--" + name);
+    }
+  }
+  for (const CLI::App* group : app.get_subcommands(nullptr)) {
+    if (group->get_name().empty()) {
+      const std::vector<std::string> more = option_names(*group);
+      names.insert(names.end(), more.begin(), more.end());
+    }
+  }
+  return names;
+}
+
+std::vector<std::string> subcommand_names(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands(nullptr)) {
+    if (!command->get_name().empty()) {
+      names.push_back(command->get_name());
+    }
+  }
+  return names;
+}
+
+/// What is wrong with the command line, the cause before what follows of it: an option that is
+/// none makes its value an argument too many.
+std::string explain(const CLI::App& command, const CLI::ParseError& error) {
+  const std::vector<std::string> unused = command.remaining();
+  for (const std::string& word : unused) {
+    if (word.size() > 1 && word.front() == '-') {
+      const std::string name = word.substr(0, word.find('='));
+      return "'" + name + "' is no option" + params::did_you_mean(name, option_names(command));
+    }
+  }
+  const std::vector<std::string> subcommands = subcommand_names(command);
+  if (!subcommands.empty()) {
+    std::string known;
+    for (const std::string& name : subcommands) {
+      known += (known.empty() ? "" : ", ") + name;
+    }
+    if (unused.empty()) {
+      return "name a subcommand: " + known;
+    }
+    const std::string suggestion = params::did_you_mean(unused.front(), subcommands);
+    return "'" + unused.front() + "' is no subcommand" +
+           (suggestion.empty() ? "; there are: " + known : suggestion);
+  }
+  return unused.empty() ? error.what() : "'" + unused.front() + "' is one argument too many";
+}
+
+int complain(const CLI::App& app, const CLI::ParseError& error) {
+  const CLI::App& command = chosen_command(app);
+  const std::string name =
+      app.get_name() + (&command == &app ? std::string() : " " + command.get_name());
+  return complain(name, explain(command, error) + " (" + name + " --help tells more)");
+}
+
 /// Everything before the work: an exit code when there is nothing left to do.
 std::optional<int> prepare(CLI::App& app, int argc, char** argv, const Program& program,
                            CommonOptions& options) {
@@ -85,7 +156,7 @@ std::optional<int> prepare(CLI::App& app, int argc, char** argv, const Program& 
   } catch (const CLI::Success& asked_for_help) {
     return app.exit(asked_for_help);
   } catch (const CLI::ParseError& error) {
-    return complain(program.name, std::string(error.what()) + " (--help tells more)");
+    return complain(app, error);
   } catch (const std::exception& error) {
     return complain(program.name, error.what());
   }
@@ -126,6 +197,8 @@ int run_program(int argc, char** argv, const Program& program) {
   try {
     return program.run(options.lcm_url);
   } catch (const UsageError& error) {
+    return complain(program.name, error.what());
+  } catch (const formats::InputFileError& error) {
     return complain(program.name, error.what());
   } catch (const std::exception& error) {
     log::get().error("{}", error.what());

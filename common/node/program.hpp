@@ -37,7 +37,8 @@ struct Program {
 
 /// main() of every program: reads the command line, loads --config, --set and flags into the
 /// parameters in this order, starts the log, lets SIGINT and SIGTERM ask for the end, and runs.
-/// Returns the exit code: 2 for a wrong command line or configuration and for a UsageError, 1 for
+/// Returns the exit code: 2 for a wrong command line or configuration, for a UsageError and for a
+/// formats::InputFileError, 1 for
 /// another exception out of `run`, each after one line on stderr; 0 after --help and --version;
 /// else what `run` returned.
 int run_program(int argc, char** argv, const Program& program);

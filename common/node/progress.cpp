@@ -4,9 +4,35 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 namespace nodmap::node {
+namespace {
+
+// Before that the pace says little.
+constexpr double kLeastElapsedS = 1.0;
+constexpr double kLeastShare = 0.02;
+
+}  // namespace
+
+std::string progress_line(const std::string& what, double share, double elapsed_s) {
+  constexpr int kWidth = 40;
+  const double done = std::clamp(share, 0.0, 1.0);
+  const std::string bar(static_cast<std::size_t>(done * kWidth), '#');
+  std::string line(what.size() + 80, ' ');
+  const int length = std::snprintf(line.data(), line.size(), "%s [%-40s] %3d %%", what.c_str(),
+                                   bar.c_str(), static_cast<int>(100.0 * done));
+  line.resize(static_cast<std::size_t>(length));
+  if (elapsed_s < kLeastElapsedS || done < kLeastShare) {
+    return line;
+  }
+  const auto left_s = static_cast<int>(std::ceil(elapsed_s * (1.0 - done) / done));
+  return line + ", about " +
+         (left_s < 120 ? std::to_string(left_s) + " s"
+                       : std::to_string((left_s + 59) / 60) + " min") +
+         " left";
+}
 
 Progress::Progress(std::string what, std::int64_t total)
     : what_(std::move(what)),
@@ -29,12 +55,10 @@ void Progress::show(std::int64_t done) {
     return;
   }
   shown_ = now;
-  constexpr int kWidth = 40;
-  const double share =
-      std::clamp(static_cast<double>(done) / static_cast<double>(total_), 0.0, 1.0);
-  const std::string bar(static_cast<std::size_t>(share * kWidth), '#');
-  std::fprintf(stderr, "\r%s [%-40s] %3d %%", what_.c_str(), bar.c_str(),
-               static_cast<int>(100.0 * share));
+  const std::string line =
+      progress_line(what_, static_cast<double>(done) / static_cast<double>(total_),
+                    std::chrono::duration<double>(now - began_).count());
+  std::fprintf(stderr, "\r%s\033[K", line.c_str());
 }
 
 }  // namespace nodmap::node

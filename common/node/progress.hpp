@@ -1,20 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <boost/core/noncopyable.hpp>
 #include <chrono>
 #include <cstdint>
 #include <string>
 
 namespace nodmap::node {
 
+/// One line: a bar, how much is done (`share` of 1), and how long it will take at the pace so far
+/// as soon as that can be told.
+[[nodiscard]] std::string progress_line(const std::string& what, double share, double elapsed_s);
+
 /// A bar on stderr for work that takes a while; silent where stderr is no terminal.
-class Progress {
+class Progress : private boost::noncopyable {
  public:
   Progress(std::string what, std::int64_t total);
-  Progress(const Progress&) = delete;
-  Progress& operator=(const Progress&) = delete;
-  Progress(Progress&&) = delete;
-  Progress& operator=(Progress&&) = delete;
   ~Progress();
 
   /// Cheap enough to be called for every message.
@@ -25,6 +26,7 @@ class Progress {
   std::int64_t total_;
   bool on_terminal_;
   std::uint32_t calls_ = 0;
+  std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
   std::chrono::steady_clock::time_point shown_;
 };
 

@@ -55,6 +55,7 @@ nlohmann::json common_result(const ProgramInfo& info, bus::Bus& bus, const Messa
 
 void run_replay(const ProgramInfo& info, const Options& options, const NodeFactory& make_node) {
   const std::filesystem::path dir = options.out;
+  bus::LogReader(options.replay).require_event();  // or no folder is made
   make_result_dir(dir);
   bus::ReplayBus bus(options.replay, dir / "out.lcmlog");
   MessageCounts counts;
@@ -87,6 +88,9 @@ void run_replay(const ProgramInfo& info, const Options& options, const NodeFacto
   write_result_json(dir, result);
   if (!bus.flush() || bus.counts().not_published > 0) {
     throw std::runtime_error((dir / "out.lcmlog").string() + ": the disk takes no more");
+  }
+  if (bus.reader().skipped_bytes() > 0) {
+    log::get().warn("{}", bus.reader().damage());
   }
   log::get().info("{} of {} messages used, {:.2f} s, results in {}", counts.used(),
                   bus.counts().received, wall_s, dir.string());

@@ -10,7 +10,8 @@
 
 namespace nodmap::node {
 
-/// Publishes STATUS once a second: the node's health, or DEGRADED when no message came in.
+/// Publishes STATUS once a second: the node's health; or, while that is OK, DEGRADED when no
+/// message came in, or some that may be an attack.
 class StatusReporter {
  public:
   StatusReporter(std::string process_name, bus::Bus& bus, const MessageCounts& counts,
@@ -21,12 +22,16 @@ class StatusReporter {
   void publish_if_due(const Health& node_health);
 
  private:
+  /// What the messages of the last second say of the node that calls itself OK.
+  [[nodiscard]] Health health_by_messages(const Health& node_health,
+                                          const bus::BusCounts& now) const;
+
   std::string process_name_;
   bus::Bus& bus_;
   const MessageCounts& counts_;
   const time::Clock& clock_;
   std::int64_t last_utime_us_;
-  std::int64_t last_received_ = 0;
+  bus::BusCounts last_;
 };
 
 }  // namespace nodmap::node

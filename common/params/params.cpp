@@ -9,6 +9,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "common/formats/input_file.hpp"
+#include "common/params/suggestion.hpp"
+
 namespace nodmap::params {
 namespace {
 
@@ -146,12 +149,18 @@ void Table::set(std::string_view name, std::string_view value, const std::string
         throw ParamError(source + ": key '" + old_name + "' is now called '" + new_name + "'");
       }
     }
-    std::string known;
+    std::vector<std::string> known;
+    std::string list;
     for (const Entry& e : entries_) {
-      known += (known.empty() ? "" : ", ") + e.name;
+      known.push_back(e.name);
+      list += (list.empty() ? "" : ", ") + e.name;
     }
+    const std::string suggestion = did_you_mean(name, known);
     throw ParamError(source + ": unknown key '" + std::string(name) + "' with value '" +
-                     std::string(value) + "'; known are: " + (known.empty() ? "none" : known));
+                     std::string(value) + "'" +
+                     (!suggestion.empty() ? suggestion
+                      : list.empty()      ? "; there are none"
+                                          : "; known are: " + list));
   }
   if (!entry->set(value)) {
     throw ParamError(source + ": key '" + std::string(name) + "': '" + std::string(value) +
@@ -170,7 +179,7 @@ void Table::set_assignment(std::string_view assignment) {
 void Table::load_yaml(const std::filesystem::path& file) {
   YAML::Node root;
   try {
-    root = YAML::LoadFile(file.string());
+    root = YAML::Load(formats::read_input(file));
   } catch (const YAML::Exception& error) {
     throw ParamError(file.string() + ": " + error.what());
   }

@@ -117,7 +117,7 @@ class Table {
   void set_assignment(std::string_view assignment);
 
   /// A YAML map of parameters, sections as nested maps or as dotted keys; keys that are missing
-  /// keep their defaults. Throws ParamError.
+  /// keep their defaults. Throws ParamError, and formats::InputFileError where there is no file.
   void load_yaml(const std::filesystem::path& file);
 
   /// The effective parameters as YAML, sections as nested maps, with sentence, unit and range as

@@ -6,12 +6,13 @@
 namespace nodmap::scan {
 
 bool is_plausible(const Scan& scan) {
+  constexpr double kFarthestRangeM = 1000.0;  // farther than any laser that pitches
   const auto within = [](double value, double limit) { return std::abs(value) <= limit; };
   return within(scan.angle_first_rad, 2 * geometry::kPi) &&
          within(scan.angle_step_rad, geometry::kPi) && scan.angle_step_rad != 0.0 &&
          within(scan.pitch_first_rad, geometry::kPi) &&
          within(scan.pitch_last_rad, geometry::kPi) && scan.range_min_m >= 0.0 &&
-         std::isfinite(scan.range_max_m) && scan.range_max_m > scan.range_min_m &&
+         within(scan.range_max_m, kFarthestRangeM) && scan.range_max_m > scan.range_min_m &&
          scan.duration_us >= 0 && scan.T_base_mount.matrix().allFinite() &&
          scan.mirror_offset_m.allFinite();
 }

@@ -7,8 +7,9 @@
 namespace nodmap::kurt {
 namespace {
 
-/// Clocks of two machines under NTP differ by less.
-constexpr std::int64_t kFutureToleranceUs = 50'000;
+/// DRIVE is stamped with the time of ODOMETRY, which is this driver's own clock: what is ahead of
+/// it was stamped by somebody else. It may have been set back by a little meanwhile.
+constexpr time::Duration kFutureTolerance = 5ms;
 constexpr double kImplausibleSpeedMps = 2.0 * kTopSpeedMps;
 /// Three revolutions a second.
 constexpr double kImplausibleYawRateRadS = 6.0 * geometry::kPi;
@@ -35,54 +36,53 @@ const char* name_of(DriveStatus status) {
   return "drive_other_sender";
 }
 
-DriveStatus DriveWatchdog::classify(const DriveRequest& request, std::int64_t utime_us,
-                                    std::int64_t now_us) const {
+DriveStatus DriveWatchdog::classify(const DriveRequest& request, time::Timestamp wall,
+                                    time::SteadyTime now) const {
   const DriveCommand& command = request.command;
   if (!std::isfinite(command.forward_mps) || !std::isfinite(command.yaw_rate_rad_s)) {
     return DriveStatus::kNotFinite;
   }
   if (std::abs(command.forward_mps) > kImplausibleSpeedMps ||
-      std::abs(command.yaw_rate_rad_s) > kImplausibleYawRateRadS || request.valid_us <= 0) {
+      std::abs(command.yaw_rate_rad_s) > kImplausibleYawRateRadS || request.validity <= 0us) {
     return DriveStatus::kImplausible;
   }
-  // Compared without a sum or difference that a wild number could overflow.
-  if (request.utime_us > utime_us + kFutureToleranceUs) {
+  if (request.stamp > wall + kFutureTolerance) {
     return DriveStatus::kFromFuture;
   }
-  if (request.utime_us <= utime_us - std::min(timeout_us_, request.valid_us)) {
+  if (request.stamp <= wall - std::min(timeout_, request.validity)) {
     return DriveStatus::kStale;
   }
-  if (obeyed_ && now_us < obeyed_->until_us && request.utime_us < obeyed_->utime_us) {
+  if (obeyed_ && now < obeyed_->until && request.stamp < obeyed_->stamp) {
     return DriveStatus::kOutOfOrder;
   }
   return DriveStatus::kObeyed;
 }
 
-DriveStatus DriveWatchdog::offer(const DriveRequest& request, std::int64_t utime_us,
-                                 std::int64_t now_us) {
-  const bool is_followed = sender_.follow(request.seq, now_us);
-  const DriveStatus status = classify(request, utime_us, now_us);
+DriveStatus DriveWatchdog::offer(const DriveRequest& request, time::Timestamp wall,
+                                 time::SteadyTime now) {
+  const bool is_followed = sender_.follow(request.seq, now);
+  const DriveStatus status = classify(request, wall, now);
   const bool is_nonsense = status == DriveStatus::kNotFinite || status == DriveStatus::kImplausible;
-  if (is_nonsense || sender_.is_contested(now_us)) {
+  if (is_nonsense || sender_.is_contested(now)) {
     revoke();
   }
   if (is_nonsense) {
     return status;
   }
-  if (!is_followed || sender_.is_contested(now_us)) {
+  if (!is_followed || sender_.is_contested(now)) {
     return DriveStatus::kOtherSender;
   }
   if (status == DriveStatus::kObeyed) {
-    const std::int64_t age_us = std::max<std::int64_t>(0, utime_us - request.utime_us);
+    const time::Duration age = std::max(wall - request.stamp, time::Duration{});
     // A stamp ahead of our clock must not make later commands look older.
-    obeyed_ = {request.command, std::min(request.utime_us, utime_us),
-               now_us + std::min(timeout_us_, request.valid_us) - age_us};
+    obeyed_ = {request.command, std::min(request.stamp, wall),
+               now + std::min(timeout_, request.validity) - age};
   }
   return status;
 }
 
-std::optional<DriveCommand> DriveWatchdog::command(std::int64_t now_us) const {
-  if (!obeyed_ || now_us >= obeyed_->until_us) {
+std::optional<DriveCommand> DriveWatchdog::command(time::SteadyTime now) const {
+  if (!obeyed_ || now >= obeyed_->until) {
     return std::nullopt;
   }
   return obeyed_->command;

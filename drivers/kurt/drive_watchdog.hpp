@@ -4,7 +4,8 @@
 #include <cstdint>
 #include <optional>
 
-#include "drivers/kurt/sender_watch.hpp"
+#include "common/geometry/time.hpp"
+#include "common/node/sender_watch.hpp"
 #include "drivers/kurt/speed_limiter.hpp"
 
 namespace nodmap::kurt {
@@ -12,8 +13,8 @@ namespace nodmap::kurt {
 /// A command as it came in.
 struct DriveRequest {
   DriveCommand command;
-  std::int64_t utime_us = 0;  ///< when it was decided
-  std::int64_t valid_us = 0;  ///< for how long from then
+  time::Timestamp stamp;      ///< when it was decided
+  time::Duration validity{};  ///< for how long from then
   std::int64_t seq = 0;       ///< the sender's count
 };
 
@@ -46,19 +47,17 @@ enum class DriveStatus : std::uint8_t {
 /// means well cannot be known.
 class DriveWatchdog {
  public:
-  explicit DriveWatchdog(std::int64_t timeout_us) : timeout_us_(timeout_us) {}
+  explicit DriveWatchdog(time::Duration timeout) : timeout_(timeout) {}
 
-  /// A DRIVE has come. `utime_us` is the wall clock now, `now_us` a monotonic one.
+  /// A DRIVE has come. `wall` and `now` are now on both clocks.
   /// Nonsense revokes what was obeyed before: who sends nonsense is not to be trusted.
-  DriveStatus offer(const DriveRequest& request, std::int64_t utime_us, std::int64_t now_us);
+  DriveStatus offer(const DriveRequest& request, time::Timestamp wall, time::SteadyTime now);
 
   /// The command to obey; empty: stop.
-  [[nodiscard]] std::optional<DriveCommand> command(std::int64_t now_us) const;
+  [[nodiscard]] std::optional<DriveCommand> command(time::SteadyTime now) const;
 
   /// Whether two processes send DRIVE, so that none of them is obeyed.
-  [[nodiscard]] bool is_contested(std::int64_t now_us) const {
-    return sender_.is_contested(now_us);
-  }
+  [[nodiscard]] bool is_contested(time::SteadyTime now) const { return sender_.is_contested(now); }
 
   /// Stops until the next command: the link to the base was lost, say.
   void revoke() { obeyed_.reset(); }
@@ -66,15 +65,15 @@ class DriveWatchdog {
  private:
   struct Obeyed {
     DriveCommand command;
-    std::int64_t utime_us = 0;
-    std::int64_t until_us = 0;
+    time::Timestamp stamp;
+    time::SteadyTime until;
   };
 
-  [[nodiscard]] DriveStatus classify(const DriveRequest& request, std::int64_t utime_us,
-                                     std::int64_t now_us) const;
+  [[nodiscard]] DriveStatus classify(const DriveRequest& request, time::Timestamp wall,
+                                     time::SteadyTime now) const;
 
-  std::int64_t timeout_us_;
-  SenderWatch sender_;
+  time::Duration timeout_;
+  node::SenderWatch sender_;
   std::optional<Obeyed> obeyed_;
 };
 

@@ -3,10 +3,12 @@
 
 #include <cstdint>
 
+#include "common/geometry/time.hpp"
+
 namespace nodmap::kurt {
 
 /// How often the base sends its encoders.
-inline constexpr std::int64_t kEncoderPeriodUs = 10'000;
+inline constexpr time::Duration kEncoderPeriod = 10ms;
 
 /// Estimates when an encoder frame was measured, and how many before it were lost, from the times
 /// at which frames arrive; they carry neither number nor time.
@@ -19,26 +21,26 @@ inline constexpr std::int64_t kEncoderPeriodUs = 10'000;
 class EncoderClock {
  public:
   struct Reading {
-    std::int64_t measured_us = 0;  ///< on the clock of the arrivals; goes up with every frame
-    int lost = 0;             ///< frames found to be lost in the last half second, not long ago
-    std::int64_t gap_us = 0;  ///< > 0: nothing came for so long that what happened is not known
+    time::SteadyTime measured;  ///< on the clock of the arrivals; goes up with every frame
+    int lost = 0;               ///< frames found to be lost in the last half second, not long ago
+    time::Duration gap{};       ///< > 0: nothing came for so long that what happened is not known
   };
 
-  /// A frame arrived. `arrival_us` is on a monotonic clock.
-  Reading take(std::int64_t arrival_us);
+  /// A frame arrived. `arrival` is on a monotonic clock.
+  Reading take(time::SteadyTime arrival);
 
   /// The line was lost: the next frame starts anew.
   void restart() { started_ = false; }
 
  private:
-  [[nodiscard]] Reading begin(std::int64_t arrival_us);
-  [[nodiscard]] int lost_in_window(std::int64_t arrival_us);
+  [[nodiscard]] Reading begin(time::SteadyTime arrival);
+  [[nodiscard]] int lost_in_window(time::SteadyTime arrival);
 
   bool started_ = false;
   bool begun_before_ = false;
-  std::int64_t measured_us_ = 0;  // the best estimate, which a less delayed frame sets back
-  std::int64_t told_us_ = 0;      // the last one told, which is never taken back
-  std::int64_t least_late_us_ = 0;
+  time::SteadyTime measured_;  // the best estimate, which a less delayed frame sets back
+  time::SteadyTime told_;      // the last one told, which is never taken back
+  time::Duration least_late_{};
   int in_window_ = 0;
 };
 

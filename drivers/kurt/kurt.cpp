@@ -9,30 +9,30 @@ namespace {
 
 constexpr double kControlPeriodS = 0.01;
 /// Without encoders for so long nobody knows what the wheels do, and the robot stops.
-constexpr std::int64_t kBlindUs = 200'000;
+constexpr time::Duration kBlind = 200ms;
 /// A bit error spoils one frame. So many in a row (100 ms) are bridged like lost ones, which ends
 /// well before the robot stops for lack of encoders.
 constexpr int kBridgedInARow = 10;
-static_assert(kBridgedInARow * kEncoderPeriodUs < kBlindUs);
+static_assert(kBridgedInARow * kEncoderPeriod < kBlind);
 
 }  // namespace
 
 Kurt::Kurt(const KurtParams& params)
     : odometry_(params.wheels, params.odometry),
       limiter_(params.wheels, params.limits),
-      watchdog_(std::llround(1e6 * params.drive_timeout_s)) {}
+      watchdog_(time::from_seconds(params.drive_timeout_s)) {}
 
 void Kurt::connected(const time::Moment& now) {
   line_open_ = true;
   parser_.restart();
-  session_.start(now.steady_us);
+  session_.start(now.steady);
 }
 
 void Kurt::disconnected() {
   line_open_ = false;
   session_.stop();
   encoder_clock_.restart();
-  last_encoder_us_.reset();
+  last_encoder_.reset();
   // After a loss the robot stays stationary until a new DRIVE comes.
   watchdog_.revoke();
   limiter_.stop();
@@ -43,7 +43,7 @@ std::span<const OdometrySample> Kurt::receive(std::span<const std::uint8_t> byte
   ticks_.clear();
   samples_.clear();
   parser_.push(bytes, [this, &now](const SlcanLine& line) {
-    session_.take(line, now.steady_us);
+    session_.take(line, now.steady);
     if (line.kind != SlcanLine::Kind::kFrame || !session_.is_open()) {
       return;
     }
@@ -51,94 +51,94 @@ std::span<const OdometrySample> Kurt::receive(std::span<const std::uint8_t> byte
     if (const auto* ticks = std::get_if<EncoderTicks>(&report)) {
       ticks_.push_back(*ticks);
     } else {
-      take_sensor(report, now.steady_us);
+      take_sensor(report, now.steady);
     }
   });
   // Frames that come in one read were sent a period apart: all but the last have waited.
   std::int64_t waited = std::ssize(ticks_);
   for (const EncoderTicks& ticks : ticks_) {
-    take_encoder(ticks, now.steady_us - --waited * kEncoderPeriodUs, now);
+    take_encoder(ticks, now.steady - --waited * kEncoderPeriod, now);
   }
   return samples_;
 }
 
-void Kurt::take_encoder(const EncoderTicks& ticks, std::int64_t arrival_us,
+void Kurt::take_encoder(const EncoderTicks& ticks, time::SteadyTime arrival,
                         const time::Moment& now) {
   ++counts_.encoder_frames;
-  if (!is_of_use(ticks, arrival_us)) {
+  if (!is_of_use(ticks, arrival)) {
     return;
   }
-  const EncoderClock::Reading reading = encoder_clock_.take(arrival_us);
-  if (reading.gap_us > 0) {
+  const EncoderClock::Reading reading = encoder_clock_.take(arrival);
+  if (reading.gap > 0us) {
     ++counts_.encoder_gaps;
-    odometry_.bridge_gap(1e-6 * static_cast<double>(reading.gap_us));
+    odometry_.bridge_gap(time::seconds(reading.gap));
   }
   if (reading.lost > 0) {
     counts_.encoder_lost += reading.lost;
     odometry_.bridge(reading.lost);
   }
   odometry_.add(ticks);  // bridges what is not plausible
-  samples_.push_back({reading.measured_us + now.utime_us - now.steady_us, odometry_.state()});
+  samples_.push_back({now.wall_at(reading.measured), odometry_.state()});
 }
 
 /// Implausible ticks say nothing about the wheels, so they must not keep the robot driving: when
 /// too many come in a row, they count as none, and the robot stops as if the base were silent.
-bool Kurt::is_of_use(const EncoderTicks& ticks, std::int64_t arrival_us) {
+bool Kurt::is_of_use(const EncoderTicks& ticks, time::SteadyTime arrival) {
   if (odometry_.is_plausible(ticks)) {
-    last_encoder_us_ = arrival_us;
+    last_encoder_ = arrival;
     implausible_in_a_row_ = 0;
     return true;
   }
   ++counts_.encoder_implausible;
-  return last_encoder_us_ && ++implausible_in_a_row_ <= kBridgedInARow;
+  return last_encoder_ && ++implausible_in_a_row_ <= kBridgedInARow;
 }
 
-void Kurt::take_sensor(const Report& report, std::int64_t now_us) {
+void Kurt::take_sensor(const Report& report, time::SteadyTime now) {
   std::visit(
-      [this, now_us](const auto& value) {
+      [this, now](const auto& value) {
         using Value = std::decay_t<decltype(value)>;
         if constexpr (std::is_same_v<Value, RangeReadings>) {
           for (std::size_t i = 0; i < kInfraredCount; ++i) {
             if (value.infrared_raw[i]) {
-              sensors_.infrared_raw[i] = {*value.infrared_raw[i], now_us};
+              sensors_.infrared_raw[i] = {*value.infrared_raw[i], now};
             }
           }
           if (value.sonar_raw) {
-            sensors_.sonar_raw = {*value.sonar_raw, now_us};
+            sensors_.sonar_raw = {*value.sonar_raw, now};
           }
         } else if constexpr (std::is_same_v<Value, Tilt>) {
-          sensors_.tilt = {value, now_us};
+          sensors_.tilt = {value, now};
         } else if constexpr (std::is_same_v<Value, Gyro>) {
-          sensors_.gyro = {value, now_us};
+          sensors_.gyro = {value, now};
         } else if constexpr (std::is_same_v<Value, MotorCurrents>) {
-          sensors_.motor_currents = {value, now_us};
+          sensors_.motor_currents = {value, now};
         }
       },
       report);
 }
 
 DriveStatus Kurt::drive(const DriveRequest& request, const time::Moment& now) {
-  return watchdog_.offer(request, now.utime_us, now.steady_us);
+  return watchdog_.offer(request, now.wall, now.steady);
 }
 
-KurtState Kurt::state(std::int64_t steady_us) const {
+KurtState Kurt::state(time::SteadyTime steady) const {
   if (!line_open_) {
     return KurtState::kNoLine;
   }
   if (!session_.is_open()) {
     return KurtState::kNoBus;
   }
-  if (!last_encoder_us_ || steady_us - *last_encoder_us_ >= kBlindUs) {
+  if (!last_encoder_ || steady - *last_encoder_ >= kBlind) {
     return KurtState::kNoBase;
   }
-  return watchdog_.command(steady_us) ? KurtState::kDriving : KurtState::kNoDrive;
+  return watchdog_.command(steady) ? KurtState::kDriving : KurtState::kNoDrive;
 }
 
 std::string Kurt::control(const time::Moment& now) {
-  std::string text = session_.poll(now.steady_us);
-  const KurtState state_now = state(now.steady_us);
+  std::string text = session_.poll(now.steady);
+  const KurtState state_now = state(now.steady);
   if (state_now == KurtState::kDriving) {
-    limiter_.step(*watchdog_.command(now.steady_us), kControlPeriodS);
+    limiter_.step(*watchdog_.command(now.steady), kControlPeriodS);
   } else {
     limiter_.stop();
   }

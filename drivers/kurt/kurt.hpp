@@ -21,7 +21,7 @@
 namespace nodmap::kurt {
 
 struct OdometrySample {
-  std::int64_t utime_us = 0;
+  time::Timestamp stamp;
   OdometryState state;
 };
 
@@ -29,7 +29,7 @@ struct OdometrySample {
 template <class Value>
 struct Received {
   Value value{};
-  std::int64_t at_us = 0;
+  time::SteadyTime at;
 };
 
 /// What the base's other sensors said last.
@@ -82,11 +82,11 @@ class Kurt {
   /// The adapter does not answer on this port: it should be opened anew.
   [[nodiscard]] bool wants_new_port() const { return session_.gave_up(); }
 
-  [[nodiscard]] KurtState state(std::int64_t steady_us) const;
+  [[nodiscard]] KurtState state(time::SteadyTime steady) const;
 
   /// Whether two processes send DRIVE, so that none of them is obeyed.
-  [[nodiscard]] bool is_contested(std::int64_t steady_us) const {
-    return watchdog_.is_contested(steady_us);
+  [[nodiscard]] bool is_contested(time::SteadyTime steady) const {
+    return watchdog_.is_contested(steady);
   }
 
   [[nodiscard]] const BaseSensors& sensors() const { return sensors_; }
@@ -95,10 +95,10 @@ class Kurt {
   [[nodiscard]] const SlcanSession& session() const { return session_; }
 
  private:
-  void take_encoder(const EncoderTicks& ticks, std::int64_t arrival_us, const time::Moment& now);
+  void take_encoder(const EncoderTicks& ticks, time::SteadyTime arrival, const time::Moment& now);
   /// Whether odometry goes on with these ticks, if only by bridging them.
-  [[nodiscard]] bool is_of_use(const EncoderTicks& ticks, std::int64_t arrival_us);
-  void take_sensor(const Report& report, std::int64_t now_us);
+  [[nodiscard]] bool is_of_use(const EncoderTicks& ticks, time::SteadyTime arrival);
+  void take_sensor(const Report& report, time::SteadyTime now);
 
   SlcanParser parser_;
   SlcanSession session_;
@@ -108,7 +108,7 @@ class Kurt {
   DriveWatchdog watchdog_;
   BaseSensors sensors_;
   KurtCounts counts_;
-  std::optional<std::int64_t> last_encoder_us_;  ///< of the last ticks that wheels can have made
+  std::optional<time::SteadyTime> last_encoder_;  ///< of the last ticks that wheels can have made
   int implausible_in_a_row_ = 0;
   bool line_open_ = false;
   std::vector<EncoderTicks> ticks_;

@@ -15,14 +15,16 @@
 namespace nodmap::kurt {
 namespace {
 
-using std::chrono::microseconds;
-
-constexpr std::int64_t kControlPeriodUs = 10'000;
-constexpr std::int64_t kSensorsPeriodUs = 50'000;
-constexpr std::int64_t kSensorLifeUs = 500'000;
+constexpr time::Duration kControlPeriod = 10ms;
+constexpr time::Duration kSensorsPeriod = 50ms;
+constexpr time::Duration kSensorLife = 500ms;
+constexpr time::Duration kRepeatStop = 1s;
+constexpr const char* kName = "nodmap-kurt";
+constexpr const char* kItsStart = "its start";
+constexpr std::size_t kMaxNameLength = 100;
 /// A command is 22 bytes: a line that does not take them in this time is stuck.
-constexpr microseconds kWriteTimeout{5'000};
-constexpr microseconds kShutdownTimeout{50'000};
+constexpr time::Duration kWriteTimeout = 5ms;
+constexpr time::Duration kShutdownTimeout = 50ms;
 /// Variance of what the wheels know nothing of: height (m^2), roll and pitch (rad^2).
 constexpr double kUnknownVariance = 1e6;
 
@@ -35,8 +37,8 @@ std::span<const std::uint8_t> bytes_of(const std::string& text) {
 
 /// The value, unless it is too old.
 template <class Value>
-const Value* fresh(const std::optional<Received<Value>>& received, std::int64_t steady_us) {
-  return received && steady_us - received->at_us <= kSensorLifeUs ? &received->value : nullptr;
+const Value* fresh(const std::optional<Received<Value>>& received, time::SteadyTime steady) {
+  return received && steady - received->at <= kSensorLife ? &received->value : nullptr;
 }
 
 float range_or_nan(std::optional<double> range_m) {
@@ -58,22 +60,22 @@ void write_covariance(const Eigen::Matrix3d& covariance, double (&out)[6][6]) {
 
 nodmap::base_sensors_t to_message(const BaseSensors& sensors, const time::Moment& now) {
   nodmap::base_sensors_t message{};
-  message.utime = now.utime_us;
+  message.utime = time::to_utime(now.wall);
   for (std::size_t i = 0; i < kInfraredCount; ++i) {
-    const int* raw = fresh(sensors.infrared_raw[i], now.steady_us);
+    const int* raw = fresh(sensors.infrared_raw[i], now.steady);
     message.infrared_raw[i] = raw != nullptr ? *raw : -1;
     message.infrared_m[i] = raw != nullptr ? range_or_nan(infrared_range_m(*raw)) : kNan;
   }
-  const int* sonar_raw = fresh(sensors.sonar_raw, now.steady_us);
+  const int* sonar_raw = fresh(sensors.sonar_raw, now.steady);
   message.sonar_raw = sonar_raw != nullptr ? *sonar_raw : -1;
   message.sonar_m = sonar_raw != nullptr ? range_or_nan(sonar_range_m(*sonar_raw)) : kNan;
-  const Tilt* tilt = fresh(sensors.tilt, now.steady_us);
+  const Tilt* tilt = fresh(sensors.tilt, now.steady);
   message.roll_rad = tilt != nullptr ? static_cast<float>(tilt->roll_rad) : kNan;
   message.pitch_rad = tilt != nullptr ? static_cast<float>(tilt->pitch_rad) : kNan;
-  const Gyro* gyro = fresh(sensors.gyro, now.steady_us);
+  const Gyro* gyro = fresh(sensors.gyro, now.steady);
   message.gyro_yaw_rad = gyro != nullptr ? static_cast<float>(gyro->yaw_rad) : kNan;
   message.gyro_variance_rad2 = gyro != nullptr ? static_cast<float>(gyro->variance_rad2) : kNan;
-  const MotorCurrents* currents = fresh(sensors.motor_currents, now.steady_us);
+  const MotorCurrents* currents = fresh(sensors.motor_currents, now.steady);
   message.motor_current_left_a = currents != nullptr ? static_cast<float>(currents->left_a) : kNan;
   message.motor_current_right_a =
       currents != nullptr ? static_cast<float>(currents->right_a) : kNan;
@@ -108,7 +110,8 @@ KurtNode::KurtNode(node::Context& context, const KurtParams& params,
              .received = [this](std::span<const std::uint8_t> bytes,
                                 const time::Moment& now) { receive(bytes, now); },
              .lost = [this] { kurt_.disconnected(); }}),
-      clock_(std::move(clock)) {
+      clock_(std::move(clock)),
+      stopped_by_(kItsStart) {
   context_.bus.subscribe<nodmap::drive_t>(
       "DRIVE", [this](const nodmap::drive_t& message) { on_drive(message); });
   context_.bus.subscribe<nodmap::stop_t>(
@@ -128,16 +131,16 @@ void KurtNode::finish() {
 void KurtNode::spin_once() {
   const time::Moment now = clock_();
   link_.poll(now);
-  if (now.steady_us >= next_control_us_) {
+  if (now.steady >= next_control_) {
     // In step with its own clock, unless it has fallen behind it.
-    next_control_us_ =
-        std::max(next_control_us_, now.steady_us - kControlPeriodUs) + kControlPeriodUs;
+    next_control_ = std::max(next_control_, now.steady - kControlPeriod) + kControlPeriod;
     send(now);
   }
-  if (now.steady_us >= next_sensors_us_) {
-    next_sensors_us_ = now.steady_us + kSensorsPeriodUs;
+  if (now.steady >= next_sensors_) {
+    next_sensors_ = now.steady + kSensorsPeriod;
     publish_sensors(now);
   }
+  repeat_stop(now);
   log_change(now);
 }
 
@@ -164,15 +167,16 @@ std::array<int, 2> KurtNode::poll_handles() {
   return {link_.poll_handle(), -1};
 }
 
-std::int64_t KurtNode::wait_us() const {
-  return std::max<std::int64_t>(0, next_control_us_ - clock_().steady_us);
+time::Duration KurtNode::wait() const {
+  return std::max(next_control_ - clock_().steady, time::Duration{});
 }
 
 void KurtNode::on_drive(const nodmap::drive_t& message) {
   // While STOP holds, every DRIVE counts as zero: the robot brakes and stays stationary.
   const DriveCommand wanted =
-      stopped_ ? DriveCommand{} : DriveCommand{message.forward_mps, message.yaw_rate_rad_s};
-  const DriveRequest request{wanted, message.utime, message.valid_us, message.drive_seq};
+      stopped_by_ ? DriveCommand{} : DriveCommand{message.forward_mps, message.yaw_rate_rad_s};
+  const DriveRequest request{wanted, time::from_utime(message.utime),
+                             time::from_us(message.valid_us), message.drive_seq};
   const DriveStatus status = kurt_.drive(request, clock_());
   if (status == DriveStatus::kObeyed) {
     context_.counts.use();
@@ -182,16 +186,41 @@ void KurtNode::on_drive(const nodmap::drive_t& message) {
 }
 
 void KurtNode::on_stop(const nodmap::stop_t& message) {
-  context_.counts.use();
-  if (std::exchange(stopped_, message.is_stopped != 0) != stopped_) {
-    log::get().info("{} by {}", stopped_ ? "stopped" : "free again", message.requested_by);
+  const std::string by = message.requested_by.substr(0, kMaxNameLength);
+  if (by.starts_with(kName)) {
+    return;  // its own repetition, which may come after a newer word of somebody else
   }
+  context_.counts.use();
+  const bool was_stopped = stopped_by_.has_value();
+  stopped_by_ = message.is_stopped != 0 ? std::optional(by) : std::nullopt;
+  if (stopped_by_.has_value() != was_stopped) {
+    log::get().info("{} by {}", stopped_by_ ? "stopped" : "free to drive", by);
+  }
+}
+
+void KurtNode::repeat_stop(const time::Moment& now) {
+  if (!stopped_by_) {
+    next_stop_.reset();
+    return;
+  }
+  // First after a period: whoever stopped it has just said so himself.
+  if (!next_stop_ || now.steady < *next_stop_) {
+    next_stop_ = next_stop_.value_or(now.steady + kRepeatStop);
+    return;
+  }
+  next_stop_ = now.steady + kRepeatStop;
+  nodmap::stop_t message{};
+  message.utime = time::to_utime(now.wall);
+  message.stop_seq = stop_seq_++;
+  message.is_stopped = 1;
+  message.requested_by = std::string(kName) + ", for " + *stopped_by_;
+  context_.bus.publish("STOP", message);
 }
 
 void KurtNode::publish_odometry(const OdometrySample& sample) {
   const OdometryState& state = sample.state;
   nodmap::odometry_t message =
-      node::write_odometry(sample.utime_us, geometry::to_se3(state.T_odom_base));
+      node::write_odometry(time::to_utime(sample.stamp), geometry::to_se3(state.T_odom_base));
   message.odometry_seq = odometry_seq_++;
   message.forward_mps = state.forward_mps;
   message.yaw_rate_rad_s = state.yaw_rate_rad_s;
@@ -200,7 +229,7 @@ void KurtNode::publish_odometry(const OdometrySample& sample) {
 }
 
 void KurtNode::publish_sensors(const time::Moment& now) {
-  const KurtState state = kurt_.state(now.steady_us);
+  const KurtState state = kurt_.state(now.steady);
   if (state == KurtState::kDriving || state == KurtState::kNoDrive) {
     nodmap::base_sensors_t message = to_message(kurt_.sensors(), now);
     message.sensors_seq = sensors_seq_++;
@@ -209,8 +238,8 @@ void KurtNode::publish_sensors(const time::Moment& now) {
 }
 
 void KurtNode::log_change(const time::Moment& now) {
-  const KurtState state = kurt_.state(now.steady_us);
-  const char* text = describe(state, kurt_.is_contested(now.steady_us));
+  const KurtState state = kurt_.state(now.steady);
+  const char* text = describe(state, kurt_.is_contested(now.steady));
   const KurtState before = std::exchange(logged_state_, state);
   if (state > before) {  // one step nearer to driving
     log::get().info("{}", state == KurtState::kDriving ? "obeying DRIVE" : text);
@@ -235,9 +264,9 @@ nlohmann::json KurtNode::metrics() const {
 }
 
 node::Health KurtNode::health() const {
-  const std::int64_t now_us = clock_().steady_us;
-  const KurtState state = kurt_.state(now_us);
-  const bool is_contested = kurt_.is_contested(now_us);
+  const time::SteadyTime now = clock_().steady;
+  const KurtState state = kurt_.state(now);
+  const bool is_contested = kurt_.is_contested(now);
   switch (state) {
     case KurtState::kNoLine:
       return {node::HealthState::kFailed, link_.error()};
@@ -245,10 +274,17 @@ node::Health KurtNode::health() const {
     case KurtState::kNoBase:
       return {node::HealthState::kFailed, describe(state, false)};
     case KurtState::kNoDrive:
-      return {is_contested ? node::HealthState::kFailed : node::HealthState::kDegraded,
-              describe(state, is_contested)};
+      if (is_contested || !stopped_by_) {
+        return {is_contested ? node::HealthState::kFailed : node::HealthState::kDegraded,
+                describe(state, is_contested)};
+      }
+      break;
     case KurtState::kDriving:
       break;
+  }
+  if (stopped_by_) {
+    return {node::HealthState::kDegraded,
+            "stopped by " + *stopped_by_ + ": stationary until told to go (nodmap-stop --go)"};
   }
   if ((kurt_.session().flags() & (kErrorPassive | kBusError)) != 0) {
     return {node::HealthState::kDegraded, "errors on the CAN bus: cable, termination?"};

@@ -5,7 +5,9 @@
 #include <cstdint>
 #include <functional>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <span>
+#include <string>
 
 #include "common/geometry/time.hpp"
 #include "common/node/device_node.hpp"
@@ -33,7 +35,7 @@ class KurtNode final : public node::DeviceNode {
   void spin_once() override;
 
   [[nodiscard]] std::array<int, 2> poll_handles() override;
-  [[nodiscard]] std::int64_t wait_us() const override;
+  [[nodiscard]] time::Duration wait() const override;
 
   /// Motors off, port closed.
   void finish() override;
@@ -48,16 +50,21 @@ class KurtNode final : public node::DeviceNode {
   void on_stop(const nodmap::stop_t& message);
   void publish_odometry(const OdometrySample& sample);
   void publish_sensors(const time::Moment& now);
+  /// Says each second that the robot is stopped, to who has been started since.
+  void repeat_stop(const time::Moment& now);
   void log_change(const time::Moment& now);
 
   node::Context& context_;
   Kurt kurt_;
   serial::SerialLink link_;
   std::function<time::Moment()> clock_;
-  bool stopped_ = false;
+  /// Who stopped the robot; empty: it may drive. Each start is as after a STOP.
+  std::optional<std::string> stopped_by_;
+  std::optional<time::SteadyTime> next_stop_;
+  std::int64_t stop_seq_ = 0;
   KurtState logged_state_ = KurtState::kNoLine;
-  std::int64_t next_control_us_ = 0;
-  std::int64_t next_sensors_us_ = 0;
+  time::SteadyTime next_control_;
+  time::SteadyTime next_sensors_;
   std::int64_t odometry_seq_ = 0;
   std::int64_t sensors_seq_ = 0;
 };

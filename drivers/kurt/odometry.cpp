@@ -9,7 +9,7 @@
 namespace nodmap::kurt {
 namespace {
 
-constexpr double kPeriodS = 1e-6 * kEncoderPeriodUs;
+constexpr double kPeriodS = time::seconds(kEncoderPeriod);
 /// A wheel in the air was measured at 7.7 m/s (data/kurt); a bit error makes more.
 constexpr double kFastestWheelMps = 2.0 * kTopSpeedMps;
 /// In a lost period the robot did what it did before, give or take a half.

@@ -5,28 +5,28 @@ namespace nodmap::kurt {
 namespace {
 
 /// What the adapter says in this time after the closing belongs to what was before.
-constexpr std::int64_t kSettleUs = 100'000;
-constexpr std::int64_t kAnswerTimeoutUs = 200'000;
+constexpr time::Duration kSettle = 100ms;
+constexpr time::Duration kAnswerTimeout = 200ms;
 /// The base sends its encoders every 10 ms: 50 of them missing in a row is no accident.
-constexpr std::int64_t kMuteUs = 500'000;
-constexpr std::int64_t kFlagsPeriodUs = 1'000'000;
+constexpr time::Duration kMute = 500ms;
+constexpr time::Duration kFlagsPeriod = 1s;
 constexpr int kMaxAttempts = 3;
 /// An adapter that was reset by itself refuses every frame, for its channel is closed.
 constexpr int kMaxRefusedInARow = 10;
 
 }  // namespace
 
-void SlcanSession::start(std::int64_t now_us) {
+void SlcanSession::start(time::SteadyTime now) {
   state_ = State::kClosing;
-  entered_us_ = now_us;
+  entered_ = now;
   attempts_ = 0;
   flags_ = 0;
   greeted_ = false;
 }
 
-std::string SlcanSession::enter(State state, std::int64_t now_us) {
+std::string SlcanSession::enter(State state, time::SteadyTime now) {
   state_ = state;
-  entered_us_ = now_us;
+  entered_ = now;
   answer_ = Answer::kNone;
   switch (state) {
     case State::kSettingRate:
@@ -34,8 +34,8 @@ std::string SlcanSession::enter(State state, std::int64_t now_us) {
     case State::kOpening:
       return "O\r";
     case State::kOpen:
-      last_frame_us_ = now_us;
-      flags_asked_us_ = now_us;
+      last_frame_ = now;
+      flags_asked_ = now;
       refused_in_a_row_ = 0;
       return "";
     case State::kStopped:
@@ -46,24 +46,24 @@ std::string SlcanSession::enter(State state, std::int64_t now_us) {
   return "";
 }
 
-std::string SlcanSession::close_channel(std::int64_t now_us) {
+std::string SlcanSession::close_channel(time::SteadyTime now) {
   greeted_ = true;
   // Empty lines first: they end whatever a former program left half written.
-  return enter(State::kClosing, now_us) + "\r\r\rC\r";
+  return enter(State::kClosing, now) + "\r\r\rC\r";
 }
 
-std::string SlcanSession::restart(std::int64_t now_us) {
+std::string SlcanSession::restart(time::SteadyTime now) {
   ++restarts_;
   if (++attempts_ >= kMaxAttempts) {
-    return enter(State::kGaveUp, now_us);
+    return enter(State::kGaveUp, now);
   }
-  return close_channel(now_us);
+  return close_channel(now);
 }
 
-void SlcanSession::take(const SlcanLine& line, std::int64_t now_us) {
+void SlcanSession::take(const SlcanLine& line, time::SteadyTime now) {
   switch (line.kind) {
     case SlcanLine::Kind::kFrame:
-      last_frame_us_ = now_us;
+      last_frame_ = now;
       if (is_open()) {
         attempts_ = 0;
       }
@@ -82,35 +82,35 @@ void SlcanSession::take(const SlcanLine& line, std::int64_t now_us) {
   }
 }
 
-std::string SlcanSession::poll(std::int64_t now_us) {
-  const std::int64_t waited_us = now_us - entered_us_;
+std::string SlcanSession::poll(time::SteadyTime now) {
+  const time::Duration waited = now - entered_;
   switch (state_) {
     case State::kStopped:
     case State::kGaveUp:
       return "";
     case State::kClosing:
       if (!greeted_) {
-        return close_channel(now_us);
+        return close_channel(now);
       }
-      return waited_us >= kSettleUs ? enter(State::kSettingRate, now_us) : "";
+      return waited >= kSettle ? enter(State::kSettingRate, now) : "";
     case State::kSettingRate:
     case State::kOpening:
       if (answer_ == Answer::kDone) {
-        return enter(state_ == State::kSettingRate ? State::kOpening : State::kOpen, now_us);
+        return enter(state_ == State::kSettingRate ? State::kOpening : State::kOpen, now);
       }
-      return answer_ == Answer::kRefused || waited_us >= kAnswerTimeoutUs ? restart(now_us) : "";
+      return answer_ == Answer::kRefused || waited >= kAnswerTimeout ? restart(now) : "";
     case State::kOpen:
-      return poll_open(now_us);
+      return poll_open(now);
   }
   return "";
 }
 
-std::string SlcanSession::poll_open(std::int64_t now_us) {
-  if (now_us - last_frame_us_ >= kMuteUs || refused_in_a_row_ >= kMaxRefusedInARow) {
-    return restart(now_us);
+std::string SlcanSession::poll_open(time::SteadyTime now) {
+  if (now - last_frame_ >= kMute || refused_in_a_row_ >= kMaxRefusedInARow) {
+    return restart(now);
   }
-  if (now_us - flags_asked_us_ >= kFlagsPeriodUs) {
-    flags_asked_us_ = now_us;
+  if (now - flags_asked_ >= kFlagsPeriod) {
+    flags_asked_ = now;
     return "F\r";
   }
   return "";

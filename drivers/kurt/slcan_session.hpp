@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string>
 
+#include "common/geometry/time.hpp"
 #include "drivers/kurt/slcan.hpp"
 
 namespace nodmap::kurt {
@@ -13,16 +14,16 @@ namespace nodmap::kurt {
 class SlcanSession {
  public:
   /// The port has just been opened.
-  void start(std::int64_t now_us);
+  void start(time::SteadyTime now);
 
   /// The port is gone.
   void stop() { state_ = State::kStopped; }
 
   /// Takes a line from the adapter.
-  void take(const SlcanLine& line, std::int64_t now_us);
+  void take(const SlcanLine& line, time::SteadyTime now);
 
   /// What to send now; often nothing. To be asked every 10 ms or so.
-  [[nodiscard]] std::string poll(std::int64_t now_us);
+  [[nodiscard]] std::string poll(time::SteadyTime now);
 
   /// Whether frames pass.
   [[nodiscard]] bool is_open() const { return state_ == State::kOpen; }
@@ -39,17 +40,17 @@ class SlcanSession {
  private:
   enum class State : std::uint8_t { kStopped, kClosing, kSettingRate, kOpening, kOpen, kGaveUp };
 
-  [[nodiscard]] std::string enter(State state, std::int64_t now_us);
-  [[nodiscard]] std::string close_channel(std::int64_t now_us);
-  [[nodiscard]] std::string restart(std::int64_t now_us);
-  [[nodiscard]] std::string poll_open(std::int64_t now_us);
+  [[nodiscard]] std::string enter(State state, time::SteadyTime now);
+  [[nodiscard]] std::string close_channel(time::SteadyTime now);
+  [[nodiscard]] std::string restart(time::SteadyTime now);
+  [[nodiscard]] std::string poll_open(time::SteadyTime now);
 
   State state_ = State::kStopped;
   enum class Answer : std::uint8_t { kNone, kDone, kRefused };
   Answer answer_ = Answer::kNone;
-  std::int64_t entered_us_ = 0;
-  std::int64_t last_frame_us_ = 0;
-  std::int64_t flags_asked_us_ = 0;
+  time::SteadyTime entered_;
+  time::SteadyTime last_frame_;
+  time::SteadyTime flags_asked_;
   int attempts_ = 0;
   int refused_in_a_row_ = 0;
   std::uint8_t flags_ = 0;

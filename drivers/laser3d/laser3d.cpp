@@ -16,18 +16,14 @@ namespace {
 // looks free. This is safe because an obstacle just behind the beam may stay unseen for a whole nod
 // anyway, and the robot keeps the distance that needs. Never less than a second, for a fast nod may
 // miss a reading or two.
-constexpr std::int64_t kShortestBlindUs = 1'000'000;
+constexpr time::Duration kShortestBlind = 1s;
 // Two sweeps of 500 scans, the slowest that a pitch controller asks for (6.7 s each), and a
 // reserve. A head that nods even more slowly may look at the open sky for longer: then the robot
 // stops.
-constexpr std::int64_t kLongestBlindUs = 15'000'000;
+constexpr time::Duration kLongestBlind = 15s;
 constexpr double kNodReserve = 1.1;
 // Fewer readings may be specks of dust or the laser's own noise.
 constexpr int kFewestReadings = 10;
-
-std::int64_t microseconds(double duration_s) {
-  return std::llround(1e6 * duration_s);
-}
 
 std::unique_ptr<ServoSession> make_servo(const Laser3dParams& params) {
   if (params.servo.kind == ServoKind::kMaestro) {
@@ -43,22 +39,22 @@ Laser3d::Laser3d(const Laser3dParams& params)
     : params_(params),
       sick_(params.laser),
       // The motor is controlled to 75 Hz, and the manual rounds its period: hence the bound.
-      mirror_sync_({.tick_us = kMirrorPeriodUs, .wrap_ticks = 256, .max_drift = 0.002}),
+      mirror_sync_({.tick = kMirrorPeriod, .wrap_ticks = 256, .max_drift = 0.002}),
       servo_(make_servo(params)),
       nod_(params.nod, params.robot),
       joiner_(params.joiner),
       T_base_mount_(Eigen::Translation3d(params.robot.mount.x_m, params.robot.mount.y_m,
                                          params.robot.mount.z_m)) {}
 
-Laser3dOutput Laser3d::laser_opened(std::int64_t now_us) {
+Laser3dOutput Laser3d::laser_opened(time::SteadyTime now) {
   Laser3dOutput result;
-  take(sick_.open(now_us), result);
+  take(sick_.open(now), result);
   return result;
 }
 
-Laser3dOutput Laser3d::servo_opened(std::int64_t now_us) {
+Laser3dOutput Laser3d::servo_opened(time::SteadyTime now) {
   Laser3dOutput result;
-  take(servo_->open(now_us), now_us, result);
+  take(servo_->open(now), now, result);
   return result;
 }
 
@@ -71,45 +67,45 @@ void Laser3d::servo_lost() {
   joiner_.forget_pitch();
 }
 
-Laser3dOutput Laser3d::receive_laser(ByteView bytes, std::int64_t now_us) {
+Laser3dOutput Laser3d::receive_laser(ByteView bytes, time::SteadyTime now) {
   Laser3dOutput result;
-  parser_.feed(bytes, now_us);
+  parser_.feed(bytes, now);
   while (const auto event = parser_.next()) {
     if (const auto* telegram = std::get_if<SickTelegram>(&*event)) {
-      take(sick_.take(*telegram, now_us), result);
+      take(sick_.take(*telegram, now), result);
     } else if (std::holds_alternative<SickNak>(*event)) {
-      sick_.take_nak(now_us);
+      sick_.take_nak(now);
     }
   }
-  join(now_us, result);
+  join(now, result);
   return result;
 }
 
-Laser3dOutput Laser3d::receive_servo(ByteView bytes, std::int64_t now_us) {
+Laser3dOutput Laser3d::receive_servo(ByteView bytes, time::SteadyTime now) {
   Laser3dOutput result;
-  take(servo_->receive(bytes, now_us), now_us, result);
-  join(now_us, result);
+  take(servo_->receive(bytes, now), now, result);
+  join(now, result);
   return result;
 }
 
-Laser3dOutput Laser3d::poll(std::int64_t now_us) {
-  parser_.expire(now_us);
-  Laser3dOutput result = receive_laser({}, now_us);
-  take(sick_.poll(now_us), result);
-  take(servo_->poll(now_us), now_us, result);
+Laser3dOutput Laser3d::poll(time::SteadyTime now) {
+  parser_.expire(now);
+  Laser3dOutput result = receive_laser({}, now);
+  take(sick_.poll(now), result);
+  take(servo_->poll(now), now, result);
   if (!servo_->running()) {
     joiner_.forget_pitch();
   }
   return result;
 }
 
-bool Laser3d::command(const AreaOfInterest& area, std::int64_t now_us) {
-  return nod_.command(area, now_us);
+bool Laser3d::command(const AreaOfInterest& area, time::SteadyTime now) {
+  return nod_.command(area, now);
 }
 
-Laser3dOutput Laser3d::shut_down(std::int64_t now_us) {
+Laser3dOutput Laser3d::shut_down(time::SteadyTime now) {
   Laser3dOutput result;
-  take(sick_.shut_down(now_us), result);
+  take(sick_.shut_down(now), result);
   return result;
 }
 
@@ -125,13 +121,13 @@ void Laser3d::take(SickOutput output, Laser3dOutput& result) {
   }
 }
 
-void Laser3d::take(ServoOutput output, std::int64_t now_us, Laser3dOutput& result) {
+void Laser3d::take(ServoOutput output, time::SteadyTime now, Laser3dOutput& result) {
   if (!output.send.empty()) {
     result.servo.push_back({std::nullopt, std::move(output.send)});
   }
   if (output.sample) {
     joiner_.add(*output.sample);
-    const Nod::Aim aim = nod_.step(*output.sample, now_us);
+    const Nod::Aim aim = nod_.step(*output.sample, now);
     servo_->aim(aim.goal_rad, aim.speed_rad_s);
     result.pitch.push_back(
         {*output.sample, aim, nod_.sweep(), servo_->measures_pitch(), nod_.stalled()});
@@ -140,7 +136,7 @@ void Laser3d::take(ServoOutput output, std::int64_t now_us, Laser3dOutput& resul
 
 void Laser3d::take_scan(const SickScan& scan) {
   note_quality(scan);
-  const std::int64_t sent = sent_us(scan) + microseconds(params_.laser.time_offset_s);
+  const time::SteadyTime sent = sent_at(scan) + time::from_seconds(params_.laser.time_offset_s);
   if (params_.laser.interlaced) {
     joiner_.add(interlaced_revolution(scan, sent));
     return;
@@ -157,7 +153,7 @@ void Laser3d::note_quality(const SickScan& scan) {
   unmeasured_ratio_ = (scan.num_dazzled + scan.num_unmeasured) / beams;
   status_ = scan.status;
   if (sees_something(scan)) {
-    last_sight_us_ = scan.first_byte_us;
+    last_sight_ = scan.first_byte;
   }
 }
 
@@ -170,16 +166,15 @@ bool Laser3d::sees_something(const SickScan& scan) const {
   return readings >= kFewestReadings;
 }
 
-bool Laser3d::is_blind(std::int64_t now_us) const {
-  const auto nod_us =
-      static_cast<std::int64_t>(kNodReserve * static_cast<double>(nod_.nod_us(now_us)));
-  return !last_sight_us_ ||
-         now_us - *last_sight_us_ > std::clamp(nod_us, kShortestBlindUs, kLongestBlindUs);
+bool Laser3d::is_blind(time::SteadyTime now) const {
+  const auto nod_period =
+      std::chrono::duration_cast<time::Duration>(kNodReserve * nod_.nod_period(now));
+  return !last_sight_ || now - *last_sight_ > std::clamp(nod_period, kShortestBlind, kLongestBlind);
 }
 
-std::int64_t Laser3d::sent_us(const SickScan& scan) {
+time::SteadyTime Laser3d::sent_at(const SickScan& scan) {
   if (!scan.indices) {
-    return scan.first_byte_us;
+    return scan.first_byte;
   }
   if (last_telegram_index_ && connections_ == sick_.counts().connections) {
     counts_.telegrams_missed +=
@@ -187,13 +182,13 @@ std::int64_t Laser3d::sent_us(const SickScan& scan) {
   }
   last_telegram_index_ = scan.indices->telegram;
   connections_ = sick_.counts().connections;
-  return mirror_sync_.to_host_us(scan.indices->scan, scan.first_byte_us);
+  return mirror_sync_.to_host(scan.indices->scan, scan.first_byte);
 }
 
-void Laser3d::join(std::int64_t now_us, Laser3dOutput& result) {
-  while (std::optional<PitchedRevolution> pitched = joiner_.next(now_us)) {
-    last_scan_us_ = now_us;
-    if (is_blind(now_us)) {
+void Laser3d::join(time::SteadyTime now, Laser3dOutput& result) {
+  while (std::optional<PitchedRevolution> pitched = joiner_.next(now)) {
+    last_scan_ = now;
+    if (is_blind(now)) {
       ++counts_.scans_blind;
       continue;
     }
@@ -206,10 +201,9 @@ void Laser3d::join(std::int64_t now_us, Laser3dOutput& result) {
   counts_.scans_without_pitch = joiner_.dropped() - dropped_at_start_;
 }
 
-scan::Scan Laser3d::to_scan(PitchedRevolution pitched) {
+SteadyScan Laser3d::to_scan(PitchedRevolution pitched) {
   scan::Scan scan;
-  scan.utime_us = pitched.revolution.first_beam_us;
-  scan.duration_us = pitched.revolution.last_beam_us - pitched.revolution.first_beam_us;
+  scan.duration_us = time::to_us(pitched.revolution.last_beam - pitched.revolution.first_beam);
   scan.seq = scan_seq_++;
   const double sign = params_.laser.upside_down ? -1.0 : 1.0;
   scan.angle_first_rad = sign * pitched.revolution.angle_first_rad;
@@ -222,11 +216,11 @@ scan::Scan Laser3d::to_scan(PitchedRevolution pitched) {
   scan.T_base_mount = T_base_mount_;
   scan.mirror_offset_m = {params_.mirror.forward_m, 0.0, params_.mirror.up_m};
   scan.ranges_m = std::move(pitched.revolution.ranges_m);
-  return scan;
+  return {pitched.revolution.first_beam, std::move(scan)};
 }
 
-Health Laser3d::health(std::int64_t now_us) const {
-  constexpr std::int64_t kNoScanUs = 500'000;
+Health Laser3d::health(time::SteadyTime now) const {
+  constexpr time::Duration kNoScan = 500ms;
   constexpr double kUnmeasuredRatio = 0.1;
   constexpr int kErrorSeverity = 3;
   if (!servo_->running()) {
@@ -238,10 +232,10 @@ Health Laser3d::health(std::int64_t now_us) const {
   if (nod_.stalled()) {
     return {Condition::kFailed, "servo: it is told to move and does not"};
   }
-  if (is_blind(now_us)) {
+  if (is_blind(now)) {
     return {Condition::kFailed, "laser: it sees nothing"};
   }
-  if (now_us - last_scan_us_ > kNoScanUs) {
+  if (now - last_scan_ > kNoScan) {
     return {Condition::kFailed, "no scan could be given a pitch"};
   }
   if (status_.severity() >= kErrorSeverity) {

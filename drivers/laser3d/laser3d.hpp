@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "common/geometry/time.hpp"
 #include "common/scan/scan.hpp"
 #include "drivers/laser3d/nod.hpp"
 #include "drivers/laser3d/params.hpp"
@@ -29,10 +30,16 @@ struct PitchState {
   bool stalled = false;
 };
 
+/// A scan whose stamp is yet to be written: that is of the wall clock, which Laser3d does not know.
+struct SteadyScan {
+  time::SteadyTime first_beam;
+  scan::Scan scan;
+};
+
 struct Laser3dOutput {
   std::vector<LineAction> laser;
   std::vector<LineAction> servo;
-  std::vector<scan::Scan> scans;
+  std::vector<SteadyScan> scans;
   std::vector<PitchState> pitch;
 };
 
@@ -45,8 +52,8 @@ struct Health {
 };
 
 /// Runs the nodding 3D scanner: joins laser and servo, each in its own conversation, into scans
-/// that know their pitch. Bytes and times in; bytes, scans and pitch states out. All times, those
-/// of the scans included, are microseconds of the caller's one clock, which never steps.
+/// that know their pitch. Bytes and times in; bytes, scans and pitch states out. All times
+/// are of the caller's steady clock.
 class Laser3d {
  public:
   struct Counts {
@@ -59,24 +66,24 @@ class Laser3d {
 
   explicit Laser3d(const Laser3dParams& params);
 
-  [[nodiscard]] Laser3dOutput laser_opened(std::int64_t now_us);
-  [[nodiscard]] Laser3dOutput servo_opened(std::int64_t now_us);
+  [[nodiscard]] Laser3dOutput laser_opened(time::SteadyTime now);
+  [[nodiscard]] Laser3dOutput servo_opened(time::SteadyTime now);
   void laser_lost();
   void servo_lost();
 
-  [[nodiscard]] Laser3dOutput receive_laser(ByteView bytes, std::int64_t now_us);
-  [[nodiscard]] Laser3dOutput receive_servo(ByteView bytes, std::int64_t now_us);
+  [[nodiscard]] Laser3dOutput receive_laser(ByteView bytes, time::SteadyTime now);
+  [[nodiscard]] Laser3dOutput receive_servo(ByteView bytes, time::SteadyTime now);
   /// To be called at least every few milliseconds.
-  [[nodiscard]] Laser3dOutput poll(std::int64_t now_us);
+  [[nodiscard]] Laser3dOutput poll(time::SteadyTime now);
 
   /// Nods over `area` from now on; false when it is no area (Nod::command).
-  bool command(const AreaOfInterest& area, std::int64_t now_us);
+  bool command(const AreaOfInterest& area, time::SteadyTime now);
 
   /// Ends the stream; to be polled on until laser_at_rest().
-  [[nodiscard]] Laser3dOutput shut_down(std::int64_t now_us);
+  [[nodiscard]] Laser3dOutput shut_down(time::SteadyTime now);
   [[nodiscard]] bool laser_at_rest() const { return sick_.state() == SickSession::State::kClosed; }
 
-  [[nodiscard]] Health health(std::int64_t now_us) const;
+  [[nodiscard]] Health health(time::SteadyTime now) const;
   [[nodiscard]] const Counts& counts() const { return counts_; }
   [[nodiscard]] const SickSession::Counts& laser_counts() const { return sick_.counts(); }
   [[nodiscard]] ServoCounts servo_line() const { return servo_->line_counts(); }
@@ -84,14 +91,14 @@ class Laser3d {
 
  private:
   void take(SickOutput output, Laser3dOutput& result);
-  void take(ServoOutput output, std::int64_t now_us, Laser3dOutput& result);
+  void take(ServoOutput output, time::SteadyTime now, Laser3dOutput& result);
   void take_scan(const SickScan& scan);
   void note_quality(const SickScan& scan);
   [[nodiscard]] bool sees_something(const SickScan& scan) const;
-  [[nodiscard]] bool is_blind(std::int64_t now_us) const;
-  [[nodiscard]] std::int64_t sent_us(const SickScan& scan);
-  void join(std::int64_t now_us, Laser3dOutput& result);
-  [[nodiscard]] scan::Scan to_scan(PitchedRevolution pitched);
+  [[nodiscard]] bool is_blind(time::SteadyTime now) const;
+  [[nodiscard]] time::SteadyTime sent_at(const SickScan& scan);
+  void join(time::SteadyTime now, Laser3dOutput& result);
+  [[nodiscard]] SteadyScan to_scan(PitchedRevolution pitched);
 
   Laser3dParams params_;
   SickSession sick_;
@@ -105,8 +112,8 @@ class Laser3d {
   geometry::SE3 T_base_mount_;
   std::int64_t scan_seq_ = 0;
   std::int64_t dropped_at_start_ = 0;
-  std::int64_t last_scan_us_ = 0;
-  std::optional<std::int64_t> last_sight_us_;  // when a scan last saw something
+  time::SteadyTime last_scan_;
+  std::optional<time::SteadyTime> last_sight_;  // when a scan last saw something
   SickStatusByte status_;
   double dazzled_ratio_ = 0.0;
   double unmeasured_ratio_ = 0.0;  // dazzled beams among them

@@ -20,61 +20,61 @@ constexpr double kFixedRad = geometry::deg_to_rad(0.5);
 
 constexpr double kLongestSweepS = 3600.0;
 
-constexpr std::int64_t kStartingUs = 100'000;
+constexpr time::Duration kStarting = 100ms;
 // A change of pitch by this much is movement: six steps of the servo's encoder, more than it
 // trembles by.
 constexpr double kMovedRad = geometry::deg_to_rad(0.5);
 // Eight readings at 200 a second. Kept short, because until the stall is known the robot drives
 // towards what the laser does not see.
-constexpr std::int64_t kPatienceUs = 40'000;
-constexpr std::int64_t kSilenceUs = 300'000;
+constexpr time::Duration kPatience = 40ms;
+constexpr time::Duration kSilence = 300ms;
 constexpr double kSlowestRadS = 0.05;
 constexpr double kReversalDelayS = 0.020;  // until the command to reverse has reached the servo
 
 }  // namespace
 
-bool Nod::command(const AreaOfInterest& area, std::int64_t now_us) {
+bool Nod::command(const AreaOfInterest& area, time::SteadyTime now) {
   const bool valid = std::isfinite(area.min_rad) && std::isfinite(area.max_rad) &&
                      area.min_rad <= area.max_rad && std::isfinite(area.sweep_s) &&
                      area.sweep_s > 0.0;
   if (valid) {
     commanded_ = area;
-    commanded_us_ = now_us;
+    commanded_at_ = now;
   }
   return valid;
 }
 
-std::int64_t Nod::nod_us(std::int64_t now_us) const {
-  const AreaOfInterest now = area(now_us);
-  const double range_rad = now.max_rad - now.min_rad;
+time::Duration Nod::nod_period(time::SteadyTime now) const {
+  const AreaOfInterest current = area(now);
+  const double range_rad = current.max_rad - current.min_rad;
   if (range_rad < kFixedRad) {
-    return 0;
+    return {};
   }
-  const double speed_rad_s = speed_for(now);
+  const double speed_rad_s = speed_for(current);
   const double sweep_s =
       range_rad / speed_rad_s + speed_rad_s / robot_.head.pitch_acceleration_rad_s2;
-  return std::llround(2e6 * std::min(sweep_s, kLongestSweepS));
+  return time::from_seconds(2.0 * std::min(sweep_s, kLongestSweepS));
 }
 
-Nod::Aim Nod::step(const PitchSample& where, std::int64_t now_us) {
-  const AreaOfInterest now = area(now_us);
+Nod::Aim Nod::step(const PitchSample& where, time::SteadyTime now) {
+  const AreaOfInterest current = area(now);
   watch_for_stall(where);
-  nods_ = now.max_rad - now.min_rad >= kFixedRad;
+  nods_ = current.max_rad - current.min_rad >= kFixedRad;
   if (!nods_) {
-    aim_ = {0.5 * (now.min_rad + now.max_rad), 0.5 * robot_.head.pitch_rate_rad_s};
+    aim_ = {0.5 * (current.min_rad + current.max_rad), 0.5 * robot_.head.pitch_rate_rad_s};
     return aim_;
   }
-  if (has_arrived(where, now)) {
-    reverse(where.time_us);
+  if (has_arrived(where, current)) {
+    reverse(where.stamp);
     ++sweep_;
   }
-  aim_ = {upwards_ ? now.max_rad : now.min_rad, speed_for(now)};
+  aim_ = {upwards_ ? current.max_rad : current.min_rad, speed_for(current)};
   return aim_;
 }
 
-AreaOfInterest Nod::area(std::int64_t now_us) const {
+AreaOfInterest Nod::area(time::SteadyTime now) const {
   const bool fresh =
-      commanded_ && now_us - commanded_us_ <= std::llround(1e6 * params_.command_timeout_s);
+      commanded_ && now - commanded_at_ <= time::from_seconds(params_.command_timeout_s);
   return within_limits(fresh ? *commanded_ : params_.fallback);
 }
 
@@ -99,7 +99,7 @@ bool Nod::has_arrived(const PitchSample& where, const AreaOfInterest& area) cons
   const double rate = upwards_ ? where.rate_rad_s : -where.rate_rad_s;
   // Just reversed it is at rest, too: the rate says nothing before it has had time to move.
   const bool at_rest =
-      where.time_us - reversed_us_ > kStartingUs && rate < kAtRestRatio * aim_.speed_rad_s;
+      where.stamp - reversed_ > kStarting && rate < kAtRestRatio * aim_.speed_rad_s;
   return left <= kArrivedRad || (left <= kNearRad && at_rest);
 }
 
@@ -110,31 +110,31 @@ void Nod::watch_for_stall(const PitchSample& where) {
     stalled_ = false;
   }
   // After a silence nobody knows what the head did meanwhile.
-  if (!moved_ || holds || moves || where.time_us - last_us_ > kSilenceUs) {
+  if (!moved_ || holds || moves || where.stamp - last_stamp_ > kSilence) {
     moved_ = where;
   }
-  last_us_ = where.time_us;
-  if (where.time_us - moved_->time_us > patience_us(where)) {
+  last_stamp_ = where.stamp;
+  if (where.stamp - moved_->stamp > patience(where)) {
     stalled_ = true;
     moved_ = where;
-    reverse(where.time_us);  // in the other direction it may be free
+    reverse(where.stamp);  // in the other direction it may be free
   }
 }
 
-std::int64_t Nod::patience_us(const PitchSample& where) const {
+time::Duration Nod::patience(const PitchSample& where) const {
   const double speed = std::max(aim_.speed_rad_s, kSlowestRadS);
   const double moving_s = 2.0 * kMovedRad / speed;
   const double braking_rad = speed * speed / (2.0 * robot_.head.pitch_acceleration_rad_s2);
-  const bool reverses = moved_->time_us <= reversed_us_ ||
+  const bool reverses = moved_->stamp <= reversed_ ||
                         std::abs(aim_.goal_rad - where.pitch_rad) <= braking_rad + kMovedRad;
   const double reversal_s =
       reverses ? 2.0 * speed / robot_.head.pitch_acceleration_rad_s2 + kReversalDelayS : 0.0;
-  return kPatienceUs + static_cast<std::int64_t>(1e6 * (moving_s + reversal_s));
+  return kPatience + time::from_seconds(moving_s + reversal_s);
 }
 
-void Nod::reverse(std::int64_t time_us) {
+void Nod::reverse(time::SteadyTime stamp) {
   upwards_ = !upwards_;
-  reversed_us_ = time_us;
+  reversed_ = stamp;
 }
 
 }  // namespace nodmap::laser3d

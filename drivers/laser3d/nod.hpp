@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "common/geometry/angle.hpp"
+#include "common/geometry/time.hpp"
 #include "common/robot/robot_params.hpp"
 #include "drivers/laser3d/servo/session.hpp"
 
@@ -52,42 +53,42 @@ class Nod {
   /// Nods over `area` from now on, until another command comes or this one is too old. What the
   /// mechanics cannot do is cut off. False, and nothing changes, when it is no area: not finite, or
   /// min above max.
-  bool command(const AreaOfInterest& area, std::int64_t now_us);
+  bool command(const AreaOfInterest& area, time::SteadyTime now);
 
   /// Where to go, given where the laser is.
-  [[nodiscard]] Aim step(const PitchSample& where, std::int64_t now_us);
+  [[nodiscard]] Aim step(const PitchSample& where, time::SteadyTime now);
 
   /// Whether the head was told to move and does not. Known within 130 ms at the speeds of a robot
   /// that drives (up to 1 rad/s), within 220 ms at 3 rad/s.
   [[nodiscard]] bool stalled() const { return stalled_; }
   /// How long a nod takes, to the other end and back; 0 when the laser is held.
-  [[nodiscard]] std::int64_t nod_us(std::int64_t now_us) const;
+  [[nodiscard]] time::Duration nod_period(time::SteadyTime now) const;
   /// Counts the sweeps, each from one end to the other: odd ones run against even ones.
   [[nodiscard]] std::int64_t sweep() const { return sweep_; }
   [[nodiscard]] const Aim& aim() const { return aim_; }
 
  private:
-  [[nodiscard]] AreaOfInterest area(std::int64_t now_us) const;
+  [[nodiscard]] AreaOfInterest area(time::SteadyTime now) const;
   [[nodiscard]] AreaOfInterest within_limits(AreaOfInterest area) const;
   [[nodiscard]] double speed_for(const AreaOfInterest& area) const;
   [[nodiscard]] bool has_arrived(const PitchSample& where, const AreaOfInterest& area) const;
   void watch_for_stall(const PitchSample& where);
   /// How long the head may stay within half a degree: twice what that takes, the reversal at an
   /// end, a reserve.
-  [[nodiscard]] std::int64_t patience_us(const PitchSample& where) const;
-  void reverse(std::int64_t time_us);
+  [[nodiscard]] time::Duration patience(const PitchSample& where) const;
+  void reverse(time::SteadyTime stamp);
 
   NodParams params_;
   robot::RobotParams robot_;
   std::optional<AreaOfInterest> commanded_;
-  std::int64_t commanded_us_ = 0;
+  time::SteadyTime commanded_at_;
   bool upwards_ = true;
   Aim aim_;
   std::int64_t sweep_ = 0;
-  std::int64_t reversed_us_ = 0;
+  time::SteadyTime reversed_;
   bool nods_ = false;
   std::optional<PitchSample> moved_;  // where the head was when it last had moved
-  std::int64_t last_us_ = 0;
+  time::SteadyTime last_stamp_;
   bool stalled_ = false;
 };
 

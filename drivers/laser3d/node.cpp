@@ -15,7 +15,7 @@ namespace {
 // At this rate the sensor takes bytes only with a pause of at least 55 us after each. Requests are
 // short, and rare once the stream runs.
 constexpr int kPacedBaud = 500'000;
-constexpr std::chrono::microseconds kBytePause{60};
+constexpr time::Duration kBytePause = 60us;
 
 }  // namespace
 
@@ -27,21 +27,21 @@ Laser3dNode::Laser3dNode(node::Context& context, const Laser3dParams& params, Op
       laser_("laser", std::move(open.laser),
              {.opened =
                   [this](const time::Moment& now) {
-                    carry_out(driver_.laser_opened(now.steady_us), now);
+                    carry_out(driver_.laser_opened(now.steady), now);
                   },
               .received =
                   [this](ByteView bytes, const time::Moment& now) {
-                    carry_out(driver_.receive_laser(bytes, now.steady_us), now);
+                    carry_out(driver_.receive_laser(bytes, now.steady), now);
                   },
               .lost = [this] { driver_.laser_lost(); }}),
       servo_("servo", std::move(open.servo),
              {.opened =
                   [this](const time::Moment& now) {
-                    carry_out(driver_.servo_opened(now.steady_us), now);
+                    carry_out(driver_.servo_opened(now.steady), now);
                   },
               .received =
                   [this](ByteView bytes, const time::Moment& now) {
-                    carry_out(driver_.receive_servo(bytes, now.steady_us), now);
+                    carry_out(driver_.receive_servo(bytes, now.steady), now);
                   },
               .lost = [this] { driver_.servo_lost(); }}),
       laser_baud_(params.laser.baud),
@@ -54,7 +54,7 @@ void Laser3dNode::spin_once() {
   const time::Moment now = clock_();
   laser_.poll(now);
   servo_.poll(now);
-  carry_out(driver_.poll(now.steady_us), now);
+  carry_out(driver_.poll(now.steady), now);
   const std::int64_t lost =
       driver_.counts().telegrams_missed + driver_.counts().scans_without_pitch;
   context_.counts.lose(lost - std::exchange(reported_lost_, lost));
@@ -67,14 +67,14 @@ std::array<int, 2> Laser3dNode::poll_handles() {
 
 void Laser3dNode::shut_down() {
   const time::Moment now = clock_();
-  carry_out(driver_.shut_down(now.steady_us), now);
+  carry_out(driver_.shut_down(now.steady), now);
 }
 
 void Laser3dNode::carry_out(Laser3dOutput output, const time::Moment& now) {
   for (const PitchState& state : output.pitch) {
     publish(state, now);
   }
-  for (scan::Scan& scan : output.scans) {
+  for (SteadyScan& scan : output.scans) {
     publish(std::move(scan), now);
   }
   for (const LineAction& action : output.laser) {
@@ -101,14 +101,17 @@ void Laser3dNode::perform(serial::SerialLink& link, const LineAction& action,
 
 void Laser3dNode::on_command(const nodmap::pitch_command_t& message) {
   const time::Moment now = clock_();
-  // Any number may come: in integers the difference could overflow.
-  const double age_us = static_cast<double>(now.utime_us) - static_cast<double>(message.utime);
-  if (std::abs(1e-6 * age_us) > params_.nod.command_timeout_s) {
+  const double age_s = time::seconds(now.wall - time::from_utime(message.utime));
+  if (std::abs(age_s) > params_.nod.command_timeout_s) {
     context_.counts.reject("stale");
     return;
   }
+  if (!sender_.follow(message.command_seq, now.steady) || sender_.is_contested(now.steady)) {
+    context_.counts.reject("other_sender");
+    return;
+  }
   const AreaOfInterest area{message.pitch_min_rad, message.pitch_max_rad, message.sweep_s};
-  if (driver_.command(area, now.steady_us)) {
+  if (driver_.command(area, now.steady)) {
     context_.counts.use();
   } else {
     context_.counts.reject("no_area");
@@ -117,7 +120,7 @@ void Laser3dNode::on_command(const nodmap::pitch_command_t& message) {
 
 void Laser3dNode::publish(const PitchState& state, const time::Moment& now) {
   nodmap::pitch_state_t message{};
-  message.utime = state.sample.time_us + (now.utime_us - now.steady_us);
+  message.utime = time::to_utime(now.wall_at(state.sample.stamp));
   message.state_seq = state_seq_++;
   message.pitch_rad = state.sample.pitch_rad;
   message.pitch_rate_rad_s = state.sample.rate_rad_s;
@@ -129,13 +132,13 @@ void Laser3dNode::publish(const PitchState& state, const time::Moment& now) {
   context_.bus.publish("PITCH_STATE", message);
 }
 
-void Laser3dNode::publish(scan::Scan scan, const time::Moment& now) {
-  scan.utime_us += now.utime_us - now.steady_us;
-  context_.bus.publish("SCAN", node::write_scan(scan));
+void Laser3dNode::publish(SteadyScan scan, const time::Moment& now) {
+  scan.scan.utime_us = time::to_utime(now.wall_at(scan.first_beam));
+  context_.bus.publish("SCAN", node::write_scan(scan.scan));
 }
 
 void Laser3dNode::log_change(const time::Moment& now) {
-  const Health health = driver_.health(now.steady_us);
+  const Health health = driver_.health(now.steady);
   if (health.reason == logged_) {
     return;
   }
@@ -182,7 +185,12 @@ node::Health Laser3dNode::health() const {
   if (!servo_.is_open()) {
     return {node::HealthState::kFailed, "servo: " + servo_.error()};
   }
-  const Health health = driver_.health(clock_().steady_us);
+  const time::SteadyTime now = clock_().steady;
+  if (sender_.is_contested(now)) {
+    return {node::HealthState::kFailed,
+            "two processes send PITCH_COMMAND: none is obeyed until one has ended"};
+  }
+  const Health health = driver_.health(now);
   switch (health.condition) {
     case Condition::kOk:
       return {node::HealthState::kOk, "", false};

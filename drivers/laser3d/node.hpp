@@ -8,6 +8,7 @@
 
 #include "common/geometry/time.hpp"
 #include "common/node/device_node.hpp"
+#include "common/node/sender_watch.hpp"
 #include "drivers/laser3d/laser3d.hpp"
 #include "drivers/serial/serial_link.hpp"
 #include "nodmap/pitch_command_t.hpp"
@@ -19,7 +20,7 @@ namespace nodmap::laser3d {
 class Laser3dNode final : public node::DeviceNode {
  public:
   using Params = Laser3dParams;
-  static constexpr std::int64_t kPollPeriodUs = 2000;
+  static constexpr time::Duration kPollPeriod = 2ms;
 
   struct Openers {
     serial::SerialLink::Opener laser;
@@ -35,7 +36,7 @@ class Laser3dNode final : public node::DeviceNode {
 
   [[nodiscard]] std::array<int, 2> poll_handles() override;
   /// The conversations with laser and servo look after their time-outs.
-  [[nodiscard]] std::int64_t wait_us() const override { return kPollPeriodUs; }
+  [[nodiscard]] time::Duration wait() const override { return kPollPeriod; }
 
   /// Ends the laser's stream, so that the next start is quick.
   void shut_down() override;
@@ -49,7 +50,7 @@ class Laser3dNode final : public node::DeviceNode {
   void perform(serial::SerialLink& link, const LineAction& action, const time::Moment& now);
   void on_command(const nodmap::pitch_command_t& message);
   void publish(const PitchState& state, const time::Moment& now);
-  void publish(scan::Scan scan, const time::Moment& now);
+  void publish(SteadyScan scan, const time::Moment& now);
   void log_change(const time::Moment& now);
 
   node::Context& context_;
@@ -57,6 +58,7 @@ class Laser3dNode final : public node::DeviceNode {
   Laser3d driver_;
   serial::SerialLink laser_;
   serial::SerialLink servo_;
+  node::SenderWatch sender_;
   int laser_baud_;
   std::function<time::Moment()> clock_;
   std::string logged_;

@@ -8,61 +8,61 @@ namespace nodmap::laser3d {
 namespace {
 
 // No latency is as long as this: one of the clocks has been set.
-constexpr double kImpossiblyLateUs = 250'000.0;
+constexpr time::FineDuration kImpossiblyLate = 250ms;
 // And none is this long for a whole window.
-constexpr double kSuspiciouslyLateUs = 5'000.0;
-constexpr std::int64_t kWindowUs = 1'000'000;
+constexpr time::FineDuration kSuspiciouslyLate = 5ms;
+constexpr time::Duration kWindow = 1s;
 
 }  // namespace
 
-std::int64_t PassiveSync::to_host_us(std::int64_t ticks, std::int64_t host_us) {
-  const double silence_ticks = static_cast<double>(host_us - last_host_us_) / clock_.tick_us;
+time::SteadyTime PassiveSync::to_host(std::int64_t ticks, time::SteadyTime stamp) {
+  const double silence_ticks = (stamp - last_stamp_) / clock_.tick;
   // After half a round of the counter nobody knows how often it has wrapped.
-  if (!started_ || host_us < last_host_us_ ||
+  if (!started_ || stamp < last_stamp_ ||
       silence_ticks > 0.5 * static_cast<double>(clock_.wrap_ticks)) {
-    start(ticks, host_us);
-    return host_us;
+    start(ticks, stamp);
+    return stamp;
   }
   ticks_since_sync_ += (ticks - last_ticks_ + clock_.wrap_ticks) % clock_.wrap_ticks;
   last_ticks_ = ticks;
-  last_host_us_ = host_us;
-  const double device_us = static_cast<double>(ticks_since_sync_) * clock_.tick_us;
-  const double bound_us = static_cast<double>(sync_host_us_) + device_us * (1.0 + clock_.max_drift);
-  const double late_us = static_cast<double>(host_us) - bound_us;
-  if (late_us <= 0.0) {
-    start(ticks, host_us);
-    return host_us;
+  last_stamp_ = stamp;
+  const time::FineDuration device_time = static_cast<double>(ticks_since_sync_) * clock_.tick;
+  const auto bound = sync_stamp_ + device_time * (1.0 + clock_.max_drift);
+  const time::FineDuration late = stamp - bound;
+  if (late <= 0us) {
+    start(ticks, stamp);
+    return stamp;
   }
-  if (no_longer_fits(late_us, host_us)) {
+  if (no_longer_fits(late, stamp)) {
     ++restarts_;
-    start(ticks, host_us);
-    return host_us;
+    start(ticks, stamp);
+    return stamp;
   }
-  return std::llround(bound_us);
+  return time::rounded(bound);
 }
 
-bool PassiveSync::no_longer_fits(double late_us, std::int64_t host_us) {
-  if (late_us > kImpossiblyLateUs) {
+bool PassiveSync::no_longer_fits(time::FineDuration late, time::SteadyTime stamp) {
+  if (late > kImpossiblyLate) {
     return true;
   }
-  least_late_us_ = std::min(least_late_us_, late_us);
-  if (host_us - window_start_us_ < kWindowUs) {
+  least_late_ = std::min(least_late_, late);
+  if (stamp - window_start_ < kWindow) {
     return false;
   }
-  const bool suspicious = least_late_us_ > kSuspiciouslyLateUs;
-  window_start_us_ = host_us;
-  least_late_us_ = late_us;
+  const bool suspicious = least_late_ > kSuspiciouslyLate;
+  window_start_ = stamp;
+  least_late_ = late;
   return suspicious;
 }
 
-void PassiveSync::start(std::int64_t ticks, std::int64_t host_us) {
+void PassiveSync::start(std::int64_t ticks, time::SteadyTime stamp) {
   started_ = true;
   last_ticks_ = ticks;
-  last_host_us_ = host_us;
-  sync_host_us_ = host_us;
+  last_stamp_ = stamp;
+  sync_stamp_ = stamp;
   ticks_since_sync_ = 0;
-  window_start_us_ = host_us;
-  least_late_us_ = kImpossiblyLateUs;
+  window_start_ = stamp;
+  least_late_ = kImpossiblyLate;
 }
 
 }  // namespace nodmap::laser3d

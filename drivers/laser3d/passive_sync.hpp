@@ -3,13 +3,15 @@
 
 #include <cstdint>
 
+#include "common/geometry/time.hpp"
+
 namespace nodmap::laser3d {
 
 /// What is known of a device's clock.
 struct DeviceClock {
-  double tick_us = 1000.0;      ///< nominal
-  std::int64_t wrap_ticks = 0;  ///< it counts modulo this
-  double max_drift = 0.001;     ///< how far its rate, compared with the host's, may be off
+  time::FineDuration tick = 1ms;  ///< nominal
+  std::int64_t wrap_ticks = 0;    ///< it counts modulo this
+  double max_drift = 0.001;       ///< how far its rate, compared with the host's, may be off
 };
 
 /// When something happened, by the host's clock, from the device's own count and the host's stamps,
@@ -26,8 +28,8 @@ class PassiveSync {
   explicit PassiveSync(const DeviceClock& clock) : clock_(clock) {}
 
   /// The estimate for an event the device counted at `ticks` (modulo the wrap) and the host
-  /// stamped at `host_us`. Events in the order they happened.
-  [[nodiscard]] std::int64_t to_host_us(std::int64_t ticks, std::int64_t host_us);
+  /// stamped at `stamp`. Events in the order they happened.
+  [[nodiscard]] time::SteadyTime to_host(std::int64_t ticks, time::SteadyTime stamp);
 
   /// Forgets what was learned: the device has been restarted.
   void reset() { started_ = false; }
@@ -36,17 +38,17 @@ class PassiveSync {
   [[nodiscard]] std::int64_t restarts() const { return restarts_; }
 
  private:
-  [[nodiscard]] bool no_longer_fits(double late_us, std::int64_t host_us);
-  void start(std::int64_t ticks, std::int64_t host_us);
+  [[nodiscard]] bool no_longer_fits(time::FineDuration late, time::SteadyTime stamp);
+  void start(std::int64_t ticks, time::SteadyTime stamp);
 
   DeviceClock clock_;
   bool started_ = false;
   std::int64_t last_ticks_ = 0;
-  std::int64_t last_host_us_ = 0;
-  std::int64_t sync_host_us_ = 0;      // stamp of the event with the smallest latency
+  time::SteadyTime last_stamp_;
+  time::SteadyTime sync_stamp_;        // stamp of the event with the smallest latency
   std::int64_t ticks_since_sync_ = 0;  // device time since then
-  std::int64_t window_start_us_ = 0;
-  double least_late_us_ = 0.0;  // in this window
+  time::SteadyTime window_start_;
+  time::FineDuration least_late_{};  // in this window
   std::int64_t restarts_ = 0;
 };
 

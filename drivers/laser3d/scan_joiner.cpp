@@ -7,26 +7,22 @@
 namespace nodmap::laser3d {
 namespace {
 
-constexpr std::int64_t kHistoryUs = 1'000'000;
+constexpr time::Duration kHistory = 1s;
 // Between samples farther apart than this nobody knows what the head did.
-constexpr std::int64_t kMaxGapUs = 60'000;
+constexpr time::Duration kMaxGap = 60ms;
 // How long a revolution waits for a sample after its last beam.
-constexpr std::int64_t kPatienceUs = 30'000;
+constexpr time::Duration kPatience = 30ms;
 // More revolutions than can wait for so long at 75 Hz, with room for bursts.
 constexpr std::size_t kMostWaiting = 16;
-
-double seconds(std::int64_t duration_us) {
-  return 1e-6 * static_cast<double>(duration_us);
-}
 
 }  // namespace
 
 void ScanJoiner::add(const PitchSample& sample) {
-  if (!samples_.empty() && sample.time_us <= samples_.back().time_us) {
+  if (!samples_.empty() && sample.stamp <= samples_.back().stamp) {
     return;
   }
   samples_.push_back(sample);
-  while (samples_.front().time_us < sample.time_us - kHistoryUs) {
+  while (samples_.front().stamp < sample.stamp - kHistory) {
     samples_.pop_front();
   }
 }
@@ -39,18 +35,18 @@ void ScanJoiner::add(MirrorRevolution revolution) {
   waiting_.push_back(std::move(revolution));
 }
 
-std::optional<PitchedRevolution> ScanJoiner::next(std::int64_t now_us) {
+std::optional<PitchedRevolution> ScanJoiner::next(time::SteadyTime now) {
   while (!waiting_.empty()) {
-    const std::int64_t first_us = waiting_.front().first_beam_us;
-    const std::int64_t last_us = waiting_.front().last_beam_us;
-    const bool covered = !samples_.empty() && samples_.back().time_us >= last_us;
-    if (!covered && now_us < last_us + kPatienceUs) {
+    const time::SteadyTime first = waiting_.front().first_beam;
+    const time::SteadyTime last = waiting_.front().last_beam;
+    const bool covered = !samples_.empty() && samples_.back().stamp >= last;
+    if (!covered && now < last + kPatience) {
       return std::nullopt;
     }
     MirrorRevolution revolution = std::move(waiting_.front());
     waiting_.pop_front();
-    const std::optional<double> pitch_first_rad = pitch_at(first_us);
-    const std::optional<double> pitch_last_rad = pitch_at(last_us);
+    const std::optional<double> pitch_first_rad = pitch_at(first);
+    const std::optional<double> pitch_last_rad = pitch_at(last);
     if (pitch_first_rad && pitch_last_rad) {
       return PitchedRevolution{std::move(revolution), *pitch_first_rad, *pitch_last_rad};
     }
@@ -59,30 +55,30 @@ std::optional<PitchedRevolution> ScanJoiner::next(std::int64_t now_us) {
   return std::nullopt;
 }
 
-std::optional<double> ScanJoiner::pitch_at(std::int64_t time_us) const {
+std::optional<double> ScanJoiner::pitch_at(time::SteadyTime stamp) const {
   const auto after = std::lower_bound(
-      samples_.begin(), samples_.end(), time_us,
-      [](const PitchSample& sample, std::int64_t t_us) { return sample.time_us < t_us; });
+      samples_.begin(), samples_.end(), stamp,
+      [](const PitchSample& sample, time::SteadyTime t) { return sample.stamp < t; });
   if (after == samples_.end()) {
-    if (samples_.empty() || static_cast<double>(time_us - samples_.back().time_us) >
-                                1e6 * params_.max_extrapolation_s) {
+    if (samples_.empty() ||
+        time::seconds(stamp - samples_.back().stamp) > params_.max_extrapolation_s) {
       return std::nullopt;
     }
     const PitchSample& newest = samples_.back();
-    return newest.pitch_rad + newest.rate_rad_s * seconds(time_us - newest.time_us);
+    return newest.pitch_rad + newest.rate_rad_s * time::seconds(stamp - newest.stamp);
   }
-  if (after->time_us == time_us) {
+  if (after->stamp == stamp) {
     return after->pitch_rad;
   }
   if (after == samples_.begin()) {
     return std::nullopt;
   }
   const PitchSample& before = *(after - 1);
-  const std::int64_t gap_us = after->time_us - before.time_us;
-  if (gap_us > kMaxGapUs) {
+  const time::Duration gap = after->stamp - before.stamp;
+  if (gap > kMaxGap) {
     return std::nullopt;
   }
-  const double ratio = static_cast<double>(time_us - before.time_us) / static_cast<double>(gap_us);
+  const double ratio = time::FineDuration(stamp - before.stamp) / gap;
   return before.pitch_rad + ratio * (after->pitch_rad - before.pitch_rad);
 }
 

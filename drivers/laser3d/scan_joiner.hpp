@@ -5,6 +5,7 @@
 #include <deque>
 #include <optional>
 
+#include "common/geometry/time.hpp"
 #include "drivers/laser3d/servo/session.hpp"
 #include "drivers/laser3d/sick/scan.hpp"
 
@@ -39,10 +40,10 @@ class ScanJoiner {
   void add(MirrorRevolution revolution);
 
   /// The next revolution that can be joined, in order. Empty when there is none (yet).
-  [[nodiscard]] std::optional<PitchedRevolution> next(std::int64_t now_us);
+  [[nodiscard]] std::optional<PitchedRevolution> next(time::SteadyTime now);
 
   /// The pitch at a time; empty when no sample is near enough.
-  [[nodiscard]] std::optional<double> pitch_at(std::int64_t time_us) const;
+  [[nodiscard]] std::optional<double> pitch_at(time::SteadyTime stamp) const;
 
   /// Forgets the samples: the servo is gone.
   void forget_pitch() { samples_.clear(); }

@@ -2,7 +2,8 @@
 #pragma once
 
 #include <algorithm>
-#include <cstdint>
+
+#include "common/geometry/time.hpp"
 
 namespace nodmap::serial {
 
@@ -10,32 +11,32 @@ namespace nodmap::serial {
 /// device that is gone for the day costs nothing. Pure: the time comes from the caller's clock.
 class BackOff {
  public:
-  static constexpr std::int64_t kFirstUs = 100'000;
-  static constexpr std::int64_t kLongestUs = 5'000'000;
+  static constexpr time::Duration kFirst = 100ms;
+  static constexpr time::Duration kLongest = 5s;
 
   /// Whether an attempt is due.
-  [[nodiscard]] bool due(std::int64_t now_us) const { return now_us >= next_us_; }
+  [[nodiscard]] bool due(time::SteadyTime now) const { return now >= next_; }
 
-  /// Time until an attempt is due, microseconds; 0 when it is.
-  [[nodiscard]] std::int64_t wait_us(std::int64_t now_us) const {
-    return std::max<std::int64_t>(0, next_us_ - now_us);
+  /// Time until an attempt is due; 0 when it is.
+  [[nodiscard]] time::Duration wait(time::SteadyTime now) const {
+    return std::max(next_ - now, time::Duration{});
   }
 
   /// An attempt has failed.
-  void failed(std::int64_t now_us) {
-    next_us_ = now_us + delay_us_;
-    delay_us_ = std::min(2 * delay_us_, kLongestUs);
+  void failed(time::SteadyTime now) {
+    next_ = now + delay_;
+    delay_ = std::min(2 * delay_, kLongest);
   }
 
   /// What is tried works: the next failure is a first one again.
   void succeeded() {
-    delay_us_ = kFirstUs;
-    next_us_ = 0;
+    delay_ = kFirst;
+    next_ = {};
   }
 
  private:
-  std::int64_t delay_us_ = kFirstUs;
-  std::int64_t next_us_ = 0;
+  time::Duration delay_ = kFirst;
+  time::SteadyTime next_;
 };
 
 }  // namespace nodmap::serial

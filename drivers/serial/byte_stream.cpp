@@ -22,7 +22,7 @@ using std::chrono::nanoseconds;
 int poll_until(std::span<pollfd> entries, SteadyClock::time_point deadline) {
   while (true) {
     const auto left = std::max<nanoseconds>(deadline - SteadyClock::now(), nanoseconds(0));
-    const timespec wait{left.count() / 1'000'000'000, left.count() % 1'000'000'000};
+    const timespec wait{left / 1s, left % 1s / 1ns};
     const int ready = ::ppoll(entries.data(), entries.size(), &wait, nullptr);
     if (ready >= 0 || errno != EINTR) {
       return ready;
@@ -53,8 +53,7 @@ bool StopEvent::raised() const noexcept {
   return ::poll(&entry, 1, 0) == 1;
 }
 
-ReadResult DescriptorStream::read(std::span<std::uint8_t> buffer,
-                                  std::chrono::microseconds timeout) {
+ReadResult DescriptorStream::read(std::span<std::uint8_t> buffer, time::Duration timeout) {
   if (!connected_) {
     return {IoStatus::kDisconnected, 0};
   }
@@ -88,8 +87,7 @@ ReadResult DescriptorStream::read_now(std::span<std::uint8_t> buffer) {
   return {IoStatus::kDisconnected, 0};
 }
 
-IoStatus DescriptorStream::write(std::span<const std::uint8_t> bytes,
-                                 std::chrono::microseconds timeout) {
+IoStatus DescriptorStream::write(std::span<const std::uint8_t> bytes, time::Duration timeout) {
   const auto deadline = SteadyClock::now() + timeout;
   while (connected_ && !bytes.empty()) {
     const ssize_t count = ::write(fd_, bytes.data(), bytes.size());

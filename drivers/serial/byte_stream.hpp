@@ -2,10 +2,11 @@
 #pragma once
 
 #include <boost/core/noncopyable.hpp>
-#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <span>
+
+#include "common/geometry/time.hpp"
 
 namespace nodmap::serial {
 
@@ -28,13 +29,12 @@ class ByteStream : private boost::noncopyable {
 
   /// Waits at most `timeout` for bytes (0: does not wait) and takes those that are there. A raised
   /// stop event ends the wait at once.
-  [[nodiscard]] virtual ReadResult read(std::span<std::uint8_t> buffer,
-                                        std::chrono::microseconds timeout) = 0;
+  [[nodiscard]] virtual ReadResult read(std::span<std::uint8_t> buffer, time::Duration timeout) = 0;
 
   /// Writes all of `bytes`, or as many as the device takes within `timeout`. The stop event does
   /// not shorten a write: the last thing a driver does is to write "stop".
   [[nodiscard]] virtual IoStatus write(std::span<const std::uint8_t> bytes,
-                                       std::chrono::microseconds timeout) = 0;
+                                       time::Duration timeout) = 0;
 
   /// Changes the line rate, bit/s; false when the device refuses it.
   [[nodiscard]] virtual bool set_baud(int baud) = 0;
@@ -74,10 +74,9 @@ class DescriptorStream : public ByteStream {
   /// `stop` may be null; otherwise it must outlive the stream.
   DescriptorStream(int fd, const StopEvent* stop) : fd_(fd), stop_(stop) {}
 
-  [[nodiscard]] ReadResult read(std::span<std::uint8_t> buffer,
-                                std::chrono::microseconds timeout) override;
+  [[nodiscard]] ReadResult read(std::span<std::uint8_t> buffer, time::Duration timeout) override;
   [[nodiscard]] IoStatus write(std::span<const std::uint8_t> bytes,
-                               std::chrono::microseconds timeout) override;
+                               time::Duration timeout) override;
   void discard_input() override;
   [[nodiscard]] bool connected() const override { return connected_; }
   [[nodiscard]] int poll_handle() const override { return fd_; }

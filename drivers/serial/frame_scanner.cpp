@@ -5,7 +5,7 @@ namespace nodmap::serial {
 
 void FrameScanner::reset(int baud) {
   constexpr double kBitsPerByte = 10.0;  // start, eight, stop
-  byte_us_ = 1e6 * kBitsPerByte / baud;
+  byte_time_ = time::FineDuration(1s) * kBitsPerByte / baud;
   buffer_.clear();
   head_ = 0;
   start_ = 0;
@@ -14,18 +14,18 @@ void FrameScanner::reset(int baud) {
   in_step_ = true;
 }
 
-void FrameScanner::feed(ByteView bytes, std::int64_t now_us) {
+void FrameScanner::feed(ByteView bytes, time::SteadyTime now) {
   if (bytes.empty()) {
     return;
   }
-  expire(now_us);
+  expire(now);
   drop_read();
   append(buffer_, bytes);
-  marks_.push_back({end(), now_us});
+  marks_.push_back({end(), now});
 }
 
-void FrameScanner::expire(std::int64_t now_us) {
-  if (!marks_.empty() && now_us - marks_.back().time_us > kExpiryUs) {
+void FrameScanner::expire(time::SteadyTime now) {
+  if (!marks_.empty() && now - marks_.back().stamp > kExpiry) {
     stale_end_ = end();
   }
 }
@@ -59,18 +59,18 @@ bool FrameScanner::may_reach(std::size_t size) const {
 
 /// When the first unread byte arrived: dated back from the end of its reading by the time the line
 /// needs for the bytes between, so it is never earlier than the truth.
-std::int64_t FrameScanner::front_arrival_us() const {
+time::SteadyTime FrameScanner::front_arrival() const {
   for (const Mark& mark : marks_) {
     if (front() < mark.end) {
       const auto bytes_after = static_cast<double>(mark.end - 1 - front());
-      return mark.time_us - static_cast<std::int64_t>(bytes_after * byte_us_);
+      return mark.stamp - std::chrono::duration_cast<time::Duration>(bytes_after * byte_time_);
     }
   }
-  return 0;
+  return {};
 }
 
 Frame FrameScanner::take_frame(std::size_t size) {
-  const Frame frame{front_arrival_us(), unread().first(size)};
+  const Frame frame{front_arrival(), unread().first(size)};
   head_ += size;
   in_step_ = true;
   return frame;

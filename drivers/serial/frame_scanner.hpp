@@ -9,6 +9,8 @@
 #include <span>
 #include <vector>
 
+#include "common/geometry/time.hpp"
+
 namespace nodmap::serial {
 
 using Bytes = std::vector<std::uint8_t>;
@@ -47,7 +49,7 @@ struct FrameFormat {
 
 /// A whole frame whose checksum holds. Its bytes are valid until the scanner is fed again.
 struct Frame {
-  std::int64_t first_byte_us = 0;  ///< when its first byte arrived
+  time::SteadyTime first_byte;  ///< when its first byte arrived
   ByteView bytes;
 };
 
@@ -67,19 +69,19 @@ class FrameScanner {
   };
 
   /// A pause within a frame is at most 14 ms (SICK); after this long the rest will not come.
-  static constexpr std::int64_t kExpiryUs = 250'000;
+  static constexpr time::Duration kExpiry = 250ms;
 
   FrameScanner(const FrameFormat& format, int baud) : format_(format) { reset(baud); }
 
   /// Forgets all bytes: from now on the line has the rate `baud`, bit/s.
   void reset(int baud);
 
-  /// Takes bytes of which the last was read at `now_us`.
-  void feed(ByteView bytes, std::int64_t now_us);
+  /// Takes bytes of which the last was read at `now`.
+  void feed(ByteView bytes, time::SteadyTime now);
 
-  /// Gives up a frame begun when nothing has come for kExpiryUs: what is there will not be
+  /// Gives up a frame begun when nothing has come for kExpiry: what is there will not be
   /// finished.
-  void expire(std::int64_t now_us);
+  void expire(time::SteadyTime now);
 
   /// The next whole frame in what was fed, or nothing.
   [[nodiscard]] std::optional<Frame> next();
@@ -89,7 +91,7 @@ class FrameScanner {
  private:
   struct Mark {
     std::int64_t end = 0;  // position in the stream behind the last byte of one feed
-    std::int64_t time_us = 0;
+    time::SteadyTime stamp;
   };
 
   [[nodiscard]] ByteView unread() const { return ByteView(buffer_).subspan(head_); }
@@ -98,13 +100,13 @@ class FrameScanner {
     return start_ + static_cast<std::int64_t>(buffer_.size());
   }
   [[nodiscard]] bool may_reach(std::size_t size) const;
-  [[nodiscard]] std::int64_t front_arrival_us() const;
+  [[nodiscard]] time::SteadyTime front_arrival() const;
   [[nodiscard]] Frame take_frame(std::size_t size);
   void skip_byte();
   void drop_read();
 
   FrameFormat format_;
-  double byte_us_ = 0.0;
+  time::FineDuration byte_time_{};  // on the line
   Bytes buffer_;
   std::size_t head_ = 0;        // of the unread bytes in the buffer
   std::int64_t start_ = 0;      // position of buffer_[0] in the stream

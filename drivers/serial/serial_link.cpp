@@ -18,7 +18,7 @@ void SerialLink::poll(const time::Moment& now) {
     return;
   }
   std::array<std::uint8_t, 4096> buffer{};
-  const ReadResult result = stream_->read(buffer, std::chrono::microseconds(0));
+  const ReadResult result = stream_->read(buffer, 0us);
   if (result.status == IoStatus::kDisconnected) {
     give_up(now, "the line is disconnected");
   } else if (result.count > 0) {
@@ -27,7 +27,7 @@ void SerialLink::poll(const time::Moment& now) {
 }
 
 void SerialLink::open(const time::Moment& now) {
-  if (ended_ || !back_off_.due(now.steady_us)) {
+  if (ended_ || !back_off_.due(now.steady)) {
     return;
   }
   OpenResult result = open_();
@@ -36,13 +36,13 @@ void SerialLink::open(const time::Moment& now) {
       log::get().warn("{}: {}", name_, result.error);
     }
     error_ = std::move(result.error);
-    back_off_.failed(now.steady_us);
+    back_off_.failed(now.steady);
     return;
   }
   stream_ = std::move(result.stream);
   error_.clear();
   ++opened_;
-  opened_us_ = now.steady_us;
+  opened_at_ = now.steady;
   log::get().info("{}: the line is open", name_);
   handlers_.opened(now);
 }
@@ -61,7 +61,7 @@ bool SerialLink::write(std::span<const std::uint8_t> bytes, const time::Moment& 
 }
 
 IoStatus SerialLink::write_all(std::span<const std::uint8_t> bytes, const WriteOptions& options) {
-  if (options.byte_pause.count() == 0) {
+  if (options.byte_pause == 0us) {
     return stream_->write(bytes, options.timeout);
   }
   for (std::size_t i = 0; i < bytes.size(); ++i) {
@@ -90,10 +90,10 @@ void SerialLink::give_up(const time::Moment& now, const std::string& reason) {
   }
   log::get().warn("{}: {}", name_, reason);
   // A device that opens and fails at once, again and again, must not escape the growing pauses.
-  if (now.steady_us - opened_us_ >= BackOff::kLongestUs) {
+  if (now.steady - opened_at_ >= BackOff::kLongest) {
     back_off_.succeeded();
   }
-  back_off_.failed(now.steady_us);
+  back_off_.failed(now.steady);
   close(reason);
 }
 

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <boost/core/noncopyable.hpp>
-#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -31,8 +30,8 @@ class SerialLink : private boost::noncopyable {
   /// A line that does not take its bytes within `timeout` is lost. `byte_pause` is left after each
   /// byte, for devices that need one.
   struct WriteOptions {
-    std::chrono::microseconds timeout{50'000};
-    std::chrono::microseconds byte_pause{0};
+    time::Duration timeout = 50ms;
+    time::Duration byte_pause{};
   };
 
   /// `name` is what the log calls the device.
@@ -80,7 +79,7 @@ class SerialLink : private boost::noncopyable {
   std::unique_ptr<ByteStream> stream_;
   BackOff back_off_;
   std::string error_ = "not opened yet";
-  std::int64_t opened_us_ = 0;
+  time::SteadyTime opened_at_;
   std::int64_t opened_ = 0;
   bool ended_ = false;
 };

@@ -31,14 +31,11 @@ using std::chrono::milliseconds;
 constexpr const char* kProgram = "nodmap-logger";
 // Bounds how long an event waits for its flush, together with Recorder::kFlushPeriodUs.
 constexpr milliseconds kWait(20);
-// LCM hands messages over from a thread of its own; when it has been silent for so long after the
-// signal, none is on the way any more.
+// A thread of the bus takes messages out of the socket; when none has come from it for so long
+// after the signal, none is on the way any more.
 constexpr milliseconds kSilence(100);
 // Others may go on sending: this ends the work within the second that a process has.
 constexpr std::int64_t kDrainLimitUs = 600'000;
-// Messages of several fragments are stamped by their first: one received just before the signal
-// may be handed over after a later one.
-constexpr std::int64_t kFragmentsUs = 20'000;
 
 struct Options {
   std::string out;
@@ -75,7 +72,8 @@ void assign_options(const Options& options, params::Table& table) {
 RecorderSettings recorder_settings(const LoggerParams& params, const std::string& file) {
   RecorderSettings settings{.dir = params.out_dir,
                             .split_bytes = to_bytes(params.split_mb),
-                            .quota_bytes = to_bytes(params.quota_mb)};
+                            .quota_bytes = to_bytes(params.quota_mb),
+                            .reserve_bytes = to_bytes(params.reserve_mb)};
   if (settings.quota_bytes > 0 && settings.split_bytes == 0) {
     throw node::UsageError("quota_mb needs split_mb: only ended files can be deleted");
   }
@@ -153,7 +151,7 @@ class Logger {
     const auto deadline =
         std::chrono::steady_clock::now() + std::chrono::microseconds(kDrainLimitUs);
     while (std::chrono::steady_clock::now() < deadline && work(kSilence) > 0 &&
-           newest_utime_us_ <= stop_utime_us + kFragmentsUs) {
+           newest_utime_us_ <= stop_utime_us) {
     }
   }
 

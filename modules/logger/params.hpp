@@ -10,7 +10,8 @@ struct LoggerParams {
   std::string channel_regex = ".*";
   std::string exclude_regex;
   double split_mb = 1000.0;
-  double quota_mb = 0.0;
+  double quota_mb = 20'000.0;
+  double reserve_mb = 1000.0;
   int queue_messages = 10'000;
   int receive_buffer_kb = 4096;
 
@@ -27,8 +28,12 @@ struct LoggerParams {
     v.number("quota_mb", quota_mb, {0.0, 1e9},
              "When the logs of this name in the folder, those of earlier runs among them, exceed "
              "this together (10^6 bytes), the oldest are deleted; 0: never. Needs split_mb.");
+    v.number(
+        "reserve_mb", reserve_mb, {0.0, 1e9},
+        "When less than this (10^6 bytes) is free on the disk, the oldest logs of this name are "
+        "deleted, and where that does not suffice recording pauses; 0: never.");
     v.integer("queue_messages", queue_messages, {100, 1'000'000},
-              "Messages that may wait while the disk is slow; more are dropped by LCM.");
+              "Messages that may wait while the disk is slow; more are dropped.");
     v.integer("receive_buffer_kb", receive_buffer_kb, {0, 1'000'000},
               "Socket buffer (1024 bytes) asked of the system, unless the URL names one; "
               "net.core.rmem_max limits it; 0: leave it to the system.");

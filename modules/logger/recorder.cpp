@@ -2,6 +2,7 @@
 #include "modules/logger/recorder.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <stdexcept>
 #include <utility>
 
@@ -9,6 +10,8 @@
 
 namespace nodmap::logger {
 namespace {
+
+constexpr const char* kReserveReached = "the disk is full but for its reserve";
 
 /// Whether a period has passed. A clock that was set back must not stop the work until it has
 /// caught up.
@@ -18,6 +21,15 @@ bool has_passed(std::int64_t period_us, std::int64_t since_utime_us, std::int64_
 }
 
 }  // namespace
+
+std::int64_t free_bytes(const std::filesystem::path& dir) {
+  std::error_code error;
+  const std::filesystem::space_info space = std::filesystem::space(dir, error);
+  constexpr auto kGreatest = std::numeric_limits<std::int64_t>::max();
+  return error ? kGreatest
+               : static_cast<std::int64_t>(std::min<std::uintmax_t>(
+                     space.available, static_cast<std::uintmax_t>(kGreatest)));
+}
 
 Recorder::Recorder(RecorderSettings settings, const time::Clock& clock)
     : settings_(std::move(settings)), clock_(clock) {
@@ -46,7 +58,9 @@ void Recorder::record(std::int64_t utime_us, const std::string& channel,
 void Recorder::tick() {
   const std::int64_t now_us = clock_.now_utime_us();
   if (writer_ && has_passed(kFlushPeriodUs, flushed_utime_us_, now_us)) {
-    flush();
+    if (flush() && has_passed(kSyncPeriodUs, synced_utime_us_, now_us)) {
+      sync();
+    }
   } else if (!writer_ && has_passed(back_off_us_, failed_utime_us_, now_us)) {
     back_off_us_ = std::min(2 * back_off_us_, kMaxBackOffUs);
     try_again();
@@ -54,8 +68,8 @@ void Recorder::tick() {
 }
 
 void Recorder::close() {
-  if (writer_) {
-    flush();
+  if (writer_ && flush()) {
+    sync();
   }
   writer_.reset();
 }
@@ -100,13 +114,41 @@ bool Recorder::flush() {
     back_off_us_ = kFirstBackOffUs;
     failure_.clear();
   }
-  if (deletable_bytes_ > 0 && deletable_bytes_ + flushed_bytes_ > settings_.quota_bytes) {
+  if (settings_.quota_bytes > 0 && deletable_bytes_ > 0 &&
+      deletable_bytes_ + flushed_bytes_ > settings_.quota_bytes) {
     keep_quota();
   }
   return true;
 }
 
+/// What is written survives a cut of the power from here on, and the disk keeps its reserve.
+void Recorder::sync() {
+  synced_utime_us_ = clock_.now_utime_us();
+  if (!writer_->sync()) {
+    fail(writer_->failure().message());
+    return;
+  }
+  if (!has_room()) {
+    keep_quota();
+    if (!has_room()) {
+      fail(kReserveReached);
+    }
+  }
+}
+
+bool Recorder::has_room() const {
+  return settings_.reserve_bytes == 0 ||
+         settings_.available_bytes(settings_.dir) >= settings_.reserve_bytes;
+}
+
 void Recorder::try_again() {
+  if (!has_room()) {
+    keep_quota();
+  }
+  if (!has_room()) {
+    fail(kReserveReached);
+    return;
+  }
   try {
     begin_file();
   } catch (const std::exception& error) {
@@ -145,26 +187,43 @@ void Recorder::keep_what_is_whole() {
   }
 }
 
+/// Deletes the oldest files beyond the quota, or beyond what the disk's reserve leaves for all.
 void Recorder::keep_quota() {
   deletable_bytes_ = 0;
-  if (settings_.quota_bytes == 0) {
+  if (settings_.quota_bytes == 0 && settings_.reserve_bytes == 0) {
     return;
   }
-  const std::string current = file_.filename().string();
+  const std::string current = writer_ ? file_.filename().string() : "";
   for (const std::string& name :
-       files_over_quota(settings_.names, files_in_folder(), current, settings_.quota_bytes)) {
+       files_over_quota(settings_.names, files_in_folder(), current, allowed_bytes())) {
     std::error_code error;
     if (std::filesystem::remove(settings_.dir / name, error)) {
       ++counts_.deleted_files;
-      log::get().info("deleted {} for the quota", name);
+      log::get().info("deleted {} to make room", name);
     } else {
-      log::get().warn("cannot delete {} for the quota: {}", name, error.message());
+      log::get().warn("cannot delete {} to make room: {}", name, error.message());
     }
   }
   for (const SizedFile& file : files_in_folder()) {
     const bool is_ours = settings_.names.order_of(file.name).has_value() && file.name != current;
     deletable_bytes_ += is_ours ? file.size_bytes : 0;
   }
+}
+
+/// What the logs of this name may hold together.
+std::int64_t Recorder::allowed_bytes() const {
+  constexpr auto kGreatest = std::numeric_limits<std::int64_t>::max();
+  const std::int64_t quota_bytes = settings_.quota_bytes > 0 ? settings_.quota_bytes : kGreatest;
+  if (has_room()) {
+    return quota_bytes;
+  }
+  std::int64_t held_bytes = 0;
+  for (const SizedFile& file : files_in_folder()) {
+    held_bytes += settings_.names.order_of(file.name) ? file.size_bytes : 0;
+  }
+  const std::int64_t missing_bytes =
+      settings_.reserve_bytes - settings_.available_bytes(settings_.dir);
+  return std::min(quota_bytes, std::max<std::int64_t>(0, held_bytes - missing_bytes));
 }
 
 /// The regular files; links and folders are not ours, whatever their name.

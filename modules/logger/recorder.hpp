@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <boost/core/noncopyable.hpp>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -17,11 +19,17 @@
 
 namespace nodmap::logger {
 
+/// What is free on the disk of a folder; the greatest number where that cannot be known.
+[[nodiscard]] std::int64_t free_bytes(const std::filesystem::path& dir);
+
 struct RecorderSettings {
   std::filesystem::path dir;
   LogNames names = LogNames::dated("lcmlog");
   std::int64_t split_bytes = 0;  ///< 0: never
   std::int64_t quota_bytes = 0;  ///< 0: none
+  /// What is to stay free on the disk; the oldest logs go for it, too.
+  std::int64_t reserve_bytes = 0;
+  std::function<std::int64_t(const std::filesystem::path&)> available_bytes = &free_bytes;
 };
 
 struct RecorderCounts {
@@ -34,9 +42,10 @@ struct RecorderCounts {
 /// Writes events into one log after the other, and outlives a full disk: what is written stays,
 /// what comes is counted as dropped, and after a while (1 s, doubled up to 30 s) a new file is
 /// tried.
-class Recorder {
+class Recorder : private boost::noncopyable {
  public:
   static constexpr std::int64_t kFlushPeriodUs = 40'000;
+  static constexpr std::int64_t kSyncPeriodUs = 1'000'000;
   static constexpr std::int64_t kFirstBackOffUs = 1'000'000;
   static constexpr std::int64_t kMaxBackOffUs = 30'000'000;
 
@@ -44,15 +53,11 @@ class Recorder {
   /// a mistyped folder is being recorded into.
   Recorder(RecorderSettings settings, const time::Clock& clock);
   ~Recorder() = default;
-  Recorder(const Recorder&) = delete;
-  Recorder& operator=(const Recorder&) = delete;
-  Recorder(Recorder&&) = delete;
-  Recorder& operator=(Recorder&&) = delete;
 
   void record(std::int64_t utime_us, const std::string& channel, std::span<const std::byte> data);
 
-  /// To be called every few 10 ms: hands what is written to the system, and tries again after a
-  /// failure.
+  /// To be called every few 10 ms: hands what is written to the system, once a second to the disk,
+  /// and tries again after a failure.
   void tick();
 
   /// Hands the last event to the system and ends the file.
@@ -65,10 +70,13 @@ class Recorder {
  private:
   void begin_file();
   bool flush();
+  void sync();
   void try_again();
+  [[nodiscard]] bool has_room() const;
   void fail(const std::string& cause);
   void keep_what_is_whole();
   void keep_quota();
+  [[nodiscard]] std::int64_t allowed_bytes() const;
   [[nodiscard]] std::vector<SizedFile> files_in_folder() const;
 
   RecorderSettings settings_;
@@ -79,6 +87,7 @@ class Recorder {
   std::int64_t flushed_bytes_ = 0;
   std::int64_t deletable_bytes_ = 0;  // of the family's other files, when there is a quota
   std::int64_t flushed_utime_us_ = 0;
+  std::int64_t synced_utime_us_ = 0;
   std::int64_t failed_utime_us_ = 0;
   std::int64_t back_off_us_ = kFirstBackOffUs;
   std::string failure_;  // until events reach a file again

@@ -5,19 +5,31 @@
 #include <cmath>
 #include <limits>
 
+#include "modules/navigator/local_map/local_map.hpp"
+
 namespace nodmap::navigator {
 
-Arc Brake::measure_arc(double curvature, const Points& points_base) const {
-  const double distance_m = free_distance(points_base, curvature, body_, drive_.side_margin_m);
-  return {curvature, distance_m, braking_.stoppable_mps(distance_m, drive_.reaction_s)};
+Arc Brake::measure_arc(double curvature, const Situation& now) const {
+  const double distance_m = free_distance(now.points_base, curvature, body_, drive_.side_margin_m);
+  double speed_mps = braking_.stoppable_mps(distance_m, drive_.reaction_s);
+  if (now.local_map != nullptr) {
+    const double longest_m = robot::stopping_distance(
+        std::min(speed_mps, drive_.max_forward_mps), drive_.reaction_s, braking_.deceleration_mps2);
+    const double seen_m =
+        now.local_map->seen_distance(now.T_odom_base, curvature, body_.half_width_m, longest_m);
+    if (seen_m < longest_m) {
+      speed_mps = std::min(speed_mps, stoppable_mps(seen_m));
+    }
+  }
+  return {curvature, distance_m, speed_mps};
 }
 
-double Brake::speed_on_present_arc(double forward_mps, double yaw_rate_rad_s,
-                                   const Points& points_base) const {
+double Brake::speed_on_present_arc(const Situation& now) const {
+  const double forward_mps = now.forward_mps;
   if (forward_mps < kLeastSpeedMps) {
     return std::numeric_limits<double>::infinity();
   }
-  const Arc arc = measure_arc(yaw_rate_rad_s / forward_mps, points_base);
+  const Arc arc = measure_arc(now.yaw_rate_rad_s / forward_mps, now);
   const double emergency_mps = robot::stoppable_speed(arc.free_distance_m - braking_.stop_margin_m,
                                                       0.0, braking_.emergency_deceleration_mps2);
   return forward_mps > emergency_mps ? 0.0 : arc.speed_mps;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "modules/navigator/corridor.hpp"
+#include "modules/navigator/decision.hpp"
 #include "modules/navigator/params.hpp"
 
 namespace nodmap::navigator {
@@ -23,12 +24,12 @@ class Brake {
   Brake(const robot::RobotParams& robot, const DriveParams& drive)
       : body_(robot.body.footprint()), braking_(robot.braking), drive_(drive) {}
 
-  [[nodiscard]] Arc measure_arc(double curvature, const Points& points_base) const;
+  /// Within the stopping distance what was not seen blocks, as an obstacle does.
+  [[nodiscard]] Arc measure_arc(double curvature, const Situation& now) const;
 
   /// What the arc allows that the robot is on now, for on that it would brake. 0 when it is nearer
   /// to an obstacle than even an emergency stop needs; +infinity while it is hardly moving.
-  [[nodiscard]] double speed_on_present_arc(double forward_mps, double yaw_rate_rad_s,
-                                            const Points& points_base) const;
+  [[nodiscard]] double speed_on_present_arc(const Situation& now) const;
 
   /// The speed that yaw rate and lateral acceleration allow on an arc, at most `max_forward_mps`:
   /// |v curvature| <= yaw rate and v |v curvature| <= lateral acceleration.

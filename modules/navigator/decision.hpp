@@ -11,17 +11,21 @@
 
 namespace nodmap::navigator {
 
+class LocalMap;
+
 /// All that the navigator knows at one moment.
 struct Situation {
   std::int64_t utime_us = 0;
-  Points points_base;         ///< obstacles, now
+  Points points_base;         ///< obstacles, now; of the obstacle map, and of the local map
   geometry::SE2 T_odom_base;  ///< now
+  geometry::SE2 T_map_odom;   ///< by 2D SLAM; identity without
   double forward_mps = 0.0;
   double yaw_rate_rad_s = 0.0;
   double max_forward_mps = 0.0;  ///< by the pitch controller
   std::int64_t sweep_count = 0;  ///< reversals of the head
   bool laser_is_held = false;    ///< it does not nod: waiting brings nothing new into view
   std::optional<GoalInBase> goal;
+  const LocalMap* local_map = nullptr;  ///< where floor was seen; null: all ground counts as floor
 };
 
 enum class Behaviour : std::uint8_t { kSteer, kBrake, kTurn, kArrived, kHalt };

@@ -13,6 +13,7 @@ struct GoalInBase {
   double bearing_rad = 0.0;  ///< positive left
   double distance_m = 0.0;
   double tolerance_m = 0.0;
+  Eigen::Vector2d p_base = Eigen::Vector2d::Zero();
 };
 
 [[nodiscard]] GoalInBase goal_in_base(const Eigen::Vector2d& p_goal_base, double tolerance_m);

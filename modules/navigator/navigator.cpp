@@ -43,7 +43,9 @@ Navigator::Navigator(const NavigatorParams& params)
       steering_(params),
       brake_(params.robot, params.drive),
       turn_(params.turn, params.drive.reaction_s),
-      back_up_(params) {}
+      back_up_(params),
+      local_map_(params.robot, params.local_map),
+      goal_drive_(params) {}
 
 void Navigator::reset() {
   *this = Navigator(params_);
@@ -56,8 +58,15 @@ Decision Navigator::halt(std::string reason) {
   return decision;
 }
 
-Decision Navigator::decide(const Situation& now) {
+void Navigator::add_scan(const scan::Scan& scan, const geometry::SE2& T_odom_base) {
+  if (params_.local_map.use) {
+    local_map_.add_scan(scan, T_odom_base);
+  }
+}
+
+Decision Navigator::decide(Situation now) {
   observe(now);
+  join_local_map(now);
   arrived_ = now.goal && has_arrived(*now.goal, arrived_);
   if (arrived_) {
     turn_.end();
@@ -68,6 +77,10 @@ Decision Navigator::decide(const Situation& now) {
   }
   if (approach_.is_detected(now.utime_us)) {
     return wait_for_approaching(now);
+  }
+  if (now.goal && params_.planner.use && local_map_.has_scan()) {
+    turn_.end();
+    return goal_drive_.decide(now, seen_, local_map_);
   }
   const FreeSpace space = measure_free_space(now.points_base, body_, params_.drive.side_margin_m);
   if (!turn_.is_active()) {
@@ -92,11 +105,23 @@ void Navigator::observe(const Situation& now) {
   back_up_.record(now.T_odom_base);
 }
 
+/// After approaching things were looked for: a low sill that is seen for the first time when it is
+/// near has not approached.
+void Navigator::join_local_map(Situation& now) const {
+  if (!local_map_.has_scan()) {
+    return;
+  }
+  // A laser that is held level sees no floor: then only its points count.
+  now.local_map = now.laser_is_held ? nullptr : &local_map_;
+  const Points more = local_map_.points_base(now.T_odom_base, params_.local_map.range_m);
+  now.points_base.insert(now.points_base.end(), more.begin(), more.end());
+}
+
 Decision Navigator::brake(const Situation& now, std::string reason) const {
   Decision decision;
   decision.behaviour = Behaviour::kBrake;
   decision.reason = std::move(reason);
-  decision.free_distance_m = brake_.measure_arc(0.0, now.points_base).free_distance_m;
+  decision.free_distance_m = brake_.measure_arc(0.0, now).free_distance_m;
   return decision;
 }
 
@@ -149,8 +174,8 @@ TurnView Navigator::view_for_turn(const FreeSpace& space, const Situation& now) 
   view.yaw_rate_rad_s = now.yaw_rate_rad_s;
   view.clear_direction_rad = nearer_direction(seen);
   view.more_room_side = side_with_more_room(space);
-  view.ahead_is_free = space.at(0) >= until_free_m &&
-                       brake_.measure_arc(0.0, now.points_base).free_distance_m >= until_free_m;
+  view.ahead_is_free =
+      space.at(0) >= until_free_m && brake_.measure_arc(0.0, now).free_distance_m >= until_free_m;
   view.ahead_is_seen = steering_.is_seen(0.0, seen_, now);
   view.left = {free_rotation(now.points_base, 1.0, body_, margin_m),
                without_points.left_rad.value_or(kEndless)};

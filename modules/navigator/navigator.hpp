@@ -8,7 +8,9 @@
 #include "modules/navigator/back_up.hpp"
 #include "modules/navigator/brake.hpp"
 #include "modules/navigator/decision.hpp"
+#include "modules/navigator/local_map/local_map.hpp"
 #include "modules/navigator/params.hpp"
+#include "modules/navigator/planner/goal_drive.hpp"
 #include "modules/navigator/seen_directions.hpp"
 #include "modules/navigator/steering.hpp"
 #include "modules/navigator/turn.hpp"
@@ -27,7 +29,11 @@ class Navigator {
  public:
   explicit Navigator(const NavigatorParams& params);
 
-  [[nodiscard]] Decision decide(const Situation& now);
+  /// A scan for the local map, with the pose at its middle.
+  void add_scan(const scan::Scan& scan, const geometry::SE2& T_odom_base);
+
+  /// `now.points_base` are those of the obstacle map; the local map's are added.
+  [[nodiscard]] Decision decide(Situation now);
 
   /// Stops. What was seen so far may have changed when the robot drives again: it is forgotten.
   [[nodiscard]] Decision halt(std::string reason);
@@ -37,6 +43,7 @@ class Navigator {
 
  private:
   void observe(const Situation& now);
+  void join_local_map(Situation& now) const;
   [[nodiscard]] Decision brake(const Situation& now, std::string reason) const;
   [[nodiscard]] Decision wait_for_approaching(const Situation& now) const;
   [[nodiscard]] Decision turn(const FreeSpace& space, const Situation& now);
@@ -52,6 +59,8 @@ class Navigator {
   Brake brake_;
   Turn turn_;
   BackUp back_up_;
+  LocalMap local_map_;
+  GoalDrive goal_drive_;
   bool arrived_ = false;
   std::optional<geometry::SE2> turn_ended_at_;  ///< T_odom_base
 };

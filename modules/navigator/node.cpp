@@ -22,6 +22,11 @@ bool is_time(std::int64_t utime_us) {
   return utime_us >= 0 && utime_us < kLatestUtimeUs;
 }
 
+/// Odometry comes all the time: its stamps are a clock, to which a step back is a new beginning.
+time::SteadyTime on_odometry_clock(std::int64_t utime_us) {
+  return time::SteadyTime(time::from_us(utime_us));
+}
+
 std::int8_t code_of(Behaviour behaviour) {
   switch (behaviour) {
     case Behaviour::kSteer:
@@ -43,6 +48,7 @@ std::int8_t code_of(Behaviour behaviour) {
 NavigatorNode::NavigatorNode(node::Context& context, const Params& params)
     : context_(context), params_(params), input_(context.counts), navigator_(params) {
   bus::Bus& bus = context.bus;
+  bus.subscribe<nodmap::scan_t>("SCAN", [this](const auto& m) { on_scan(m); });
   bus.subscribe<nodmap::egomap_t>("OBSTACLE_MAP", [this](const auto& m) { on_map(m); });
   bus.subscribe<nodmap::odometry_t>("ODOMETRY", [this](const auto& m) { on_odometry(m); });
   bus.subscribe<nodmap::pitch_command_t>("PITCH_COMMAND",
@@ -71,6 +77,19 @@ void NavigatorNode::on_map(const nodmap::egomap_t& message) {
   publish(reason ? navigator_.halt(std::move(*reason)) : navigator_.decide(situation()));
 }
 
+void NavigatorNode::on_scan(const nodmap::scan_t& message) {
+  if (!input_.read(message, scan_)) {
+    return;
+  }
+  const auto T_odom_base = odometry_history_.at(scan_.utime_mid_us());
+  if (!T_odom_base) {
+    context_.counts.reject("scan_without_odometry");
+    return;
+  }
+  context_.counts.use();
+  navigator_.add_scan(scan_, geometry::to_se2(*T_odom_base));
+}
+
 void NavigatorNode::on_odometry(const nodmap::odometry_t& message) {
   const auto T_odom_base = input_.read(message);
   if (!T_odom_base) {
@@ -90,6 +109,7 @@ void NavigatorNode::on_odometry(const nodmap::odometry_t& message) {
   odometry_ = {message.odometry_seq, geometry::to_se2(*T_odom_base), message.forward_mps,
                message.yaw_rate_rad_s};
   stamps_.odometry_us = message.utime;
+  odometry_history_.add(message.utime, *T_odom_base);
   if (auto reason = reason_not_to_drive()) {
     publish(navigator_.halt(std::move(*reason)));
   }
@@ -100,6 +120,7 @@ void NavigatorNode::on_odometry(const nodmap::odometry_t& message) {
 void NavigatorNode::begin_odometry_frame(std::int64_t utime_us) {
   odometry_frame_began_us_ = utime_us;
   map_.reset();
+  odometry_history_.clear();
   stamps_.map_us.reset();
   navigator_.reset();
 }
@@ -109,6 +130,11 @@ void NavigatorNode::on_pitch_command(const nodmap::pitch_command_t& message) {
   if (!is_time(message.utime) || !std::isfinite(message.max_forward_mps) ||
       message.max_forward_mps < 0.0) {
     context_.counts.reject("implausible_pitch_command");
+    return;
+  }
+  if (!pitch_command_sender_.follow(
+          message.command_seq, on_odometry_clock(stamps_.odometry_us.value_or(message.utime)))) {
+    context_.counts.reject("other_sender_of_pitch_command");
     return;
   }
   context_.counts.use();
@@ -169,6 +195,9 @@ std::optional<std::string> NavigatorNode::reason_not_to_drive() const {
   if (auto stale = reason_to_halt(stamps_, params_.staleness)) {
     return stale;
   }
+  if (pitch_command_sender_.is_contested(on_odometry_clock(*stamps_.odometry_us))) {
+    return "Two processes send PITCH_COMMAND.";
+  }
   if (pitch_state_.is_stalled != 0) {
     return "The pitch servo is stalled.";
   }
@@ -186,6 +215,7 @@ Situation NavigatorNode::situation() const {
   Situation now;
   now.utime_us = *stamps_.odometry_us;
   now.T_odom_base = odometry_->T_odom_base;
+  now.T_map_odom = T_map_odom_;
   now.points_base = move_to_base(map_->points_map, map_->T_odom_map, odometry_->T_odom_base);
   now.forward_mps = odometry_->forward_mps;
   now.yaw_rate_rad_s = odometry_->yaw_rate_rad_s;

@@ -8,8 +8,10 @@
 #include <optional>
 #include <string>
 
+#include "common/geometry/pose_history.hpp"
 #include "common/node/message_input.hpp"
 #include "common/node/node.hpp"
+#include "common/node/sender_watch.hpp"
 #include "modules/navigator/navigator.hpp"
 #include "modules/navigator/staleness.hpp"
 #include "nodmap/drive_t.hpp"
@@ -20,6 +22,7 @@
 #include "nodmap/pitch_command_t.hpp"
 #include "nodmap/pitch_state_t.hpp"
 #include "nodmap/pose_t.hpp"
+#include "nodmap/scan_t.hpp"
 #include "nodmap/stop_t.hpp"
 
 namespace nodmap::navigator {
@@ -53,6 +56,7 @@ class NavigatorNode final : public node::Node {
   };
 
   void on_map(const nodmap::egomap_t& message);
+  void on_scan(const nodmap::scan_t& message);
   void on_odometry(const nodmap::odometry_t& message);
   void on_pitch_command(const nodmap::pitch_command_t& message);
   void on_pitch_state(const nodmap::pitch_state_t& message);
@@ -71,11 +75,14 @@ class NavigatorNode final : public node::Node {
   Navigator navigator_;
 
   node::SequenceCounter pitch_commands_watch_;
+  node::SenderWatch pitch_command_sender_;  // on odometry's clock
   node::SequenceCounter pitch_states_watch_;
   InputStamps stamps_;
   std::int64_t odometry_frame_began_us_ = 0;
   std::optional<ObstacleMap> map_;
   std::optional<Odometry> odometry_;
+  geometry::PoseHistory odometry_history_{1'000'000};
+  scan::Scan scan_;  // reused from message to message
   nodmap::pitch_command_t pitch_command_{};
   nodmap::pitch_state_t pitch_state_{};
   std::optional<Goal> goal_;

@@ -100,6 +100,79 @@ struct StalenessParams {
   }
 };
 
+/// The grid of the ground around the robot.
+struct LocalMapParams {
+  bool use = true;
+  double cell_size_m = 0.025;
+  double range_m = 2.5;
+  double floor_tolerance_m = 0.02;
+  double tilt_tolerance_rad = geometry::deg_to_rad(0.4);
+  double floor_return_m = 2.0;
+  double max_gap_m = 0.15;
+  double forget_after_m = 20.0;
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.flag("use", use,
+           "Drive by the local map, too; without it holes and low obstacles are not seen.");
+    v.number("cell_size_m", cell_size_m, {0.01, 0.1}, "Edge of a cell.");
+    v.number("range_m", range_m, {0.5, 5.0},
+             "Obstacles and holes of the local map count up to this distance.");
+    v.number("floor_tolerance_m", floor_tolerance_m, {0.005, 0.2},
+             "What is measured higher or lower than this is no floor.");
+    v.angle("tilt_tolerance_deg", tilt_tolerance_rad, {0.0, 5.0},
+            "Error of pitch and tilt: the floor tolerance grows with distance by it.");
+    v.number("floor_return_m", floor_return_m, {0.5, 10.0},
+             "A beam that should meet the floor within this range and does not come back saw a "
+             "hole.");
+    v.number("max_gap_m", max_gap_m, {0.02, 1.0},
+             "Between floor points of neighbouring beams and scans no farther apart there is "
+             "floor.");
+    v.number("forget_after_m", forget_after_m, {1.0, 1000.0},
+             "An obstacle not measured again is forgotten after so much driving; a rotation of "
+             "1 rad counts as 4 m.");
+  }
+};
+
+/// Driving to a goal by plan.
+struct PlannerParams {
+  bool use = true;
+  double replan_s = 0.5;
+  double least_clearance_m = 0.03;
+  double wide_m = 0.35;
+  double nearness_price = 3.0;
+  double unknown_price = 0.7;
+  double failure_price = 3.0;
+  double clearance_weight = 0.5;
+  double smoothness_weight = 0.03;
+  double reverse_price = 0.2;
+  double rotation_rad_s = geometry::deg_to_rad(60.0);
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.flag("use", use,
+           "Drive to a goal by plan and rollouts; without it by Steer, Brake and Turn.");
+    v.number("replan_s", replan_s, {0.05, 10.0}, "From one global plan to the next.");
+    v.number("least_clearance_m", least_clearance_m, {0.0, 0.5},
+             "No path and no rollout brings the body nearer to an obstacle.");
+    v.number("wide_m", wide_m, {0.05, 3.0},
+             "Up to so much more clearance a path costs more the nearer it is to obstacles.");
+    v.number("nearness_price", nearness_price, {0.0, 7.0},
+             "What a metre at the least clearance costs more than in the open, metres.");
+    v.number("unknown_price", unknown_price, {0.0, 5.0},
+             "What a metre of ground that was not seen costs more, metres.");
+    v.number("failure_price", failure_price, {0.0, 10.0},
+             "What a metre costs more where the robot could not go on, metres.");
+    v.number("clearance_weight", clearance_weight, {0.0, 10.0},
+             "Cost of a rollout that passes obstacles at no distance, metres.");
+    v.number("smoothness_weight", smoothness_weight, {0.0, 2.0},
+             "Cost of a change of 1 m/s or 1 rad/s, metres.");
+    v.number("reverse_price", reverse_price, {0.0, 5.0}, "Cost of driving backwards, metres.");
+    v.angle("rotation_deg_s", rotation_rad_s, {5.0, 180.0},
+            "Fastest yaw rate on the spot and backwards.");
+  }
+};
+
 struct NavigatorParams {
   robot::RobotParams robot;
   DriveParams drive;
@@ -107,6 +180,8 @@ struct NavigatorParams {
   TurnParams turn;
   BackUpParams back_up;
   StalenessParams staleness;
+  LocalMapParams local_map;
+  PlannerParams planner;
   double drive_valid_s = 0.15;
 
   template <class Visitor>
@@ -117,6 +192,8 @@ struct NavigatorParams {
     v.section("turn", turn);
     v.section("back_up", back_up);
     v.section("staleness", staleness);
+    v.section("local_map", local_map);
+    v.section("planner", planner);
     v.number("drive_valid_s", drive_valid_s, {0.05, 0.2}, "How long a DRIVE may be obeyed.");
     describe_former_names(v);
   }

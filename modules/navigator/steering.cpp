@@ -98,7 +98,7 @@ std::optional<Arc> Steering::arc_towards(double direction_rad, const Situation& 
       now.goal ? std::clamp(now.goal->distance_m, 0.2, params_.chord_m) : params_.chord_m;
   const double curvature = 2.0 * std::sin(direction_rad) / chord_m;
   for (const double factor : {1.0, 0.5, 0.0}) {
-    const Arc arc = brake_.measure_arc(factor * curvature, now.points_base);
+    const Arc arc = brake_.measure_arc(factor * curvature, now);
     if (arc.speed_mps >= kLeastSpeedMps) {
       return arc;
     }
@@ -110,9 +110,7 @@ Decision Steering::drive(double direction_rad, const Arc& arc, const Situation& 
   const double limit_mps = brake_.speed_limit(arc.curvature, now.max_forward_mps);
   // It is to be stationary at the goal.
   const double goal_mps = now.goal ? brake_.stoppable_mps(now.goal->distance_m) : limit_mps;
-  const double safe_mps =
-      std::min(arc.speed_mps,
-               brake_.speed_on_present_arc(now.forward_mps, now.yaw_rate_rad_s, now.points_base));
+  const double safe_mps = std::min(arc.speed_mps, brake_.speed_on_present_arc(now));
   const bool is_slowed = safe_mps < limit_mps;
   Decision decision;
   decision.behaviour = is_slowed ? Behaviour::kBrake : Behaviour::kSteer;

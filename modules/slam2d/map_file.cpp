@@ -4,18 +4,25 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fstream>
 #include <limits>
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "common/drawing/plan_view.hpp"
 #include "common/formats/atomic_file.hpp"
 
 namespace nodmap::slam2d {
 namespace {
+
+using drawing::Extent;
+using drawing::LegendEntry;
+using drawing::PlanView;
 
 // Grey values of map_server's trinary mode.
 constexpr std::uint8_t kOccupiedGrey = 0;
@@ -24,7 +31,8 @@ constexpr std::uint8_t kFreeGrey = 254;
 
 constexpr drawing::Rgb kPathColour{214, 69, 65};
 constexpr drawing::Rgb kOdometryColour{170, 170, 170};
-constexpr int kPathImagePx = 1200;
+constexpr double kImagePx = 1200.0;
+constexpr double kMaxPxPerM = 200.0;
 constexpr double kBorderM = 1.0;
 constexpr std::int64_t kMaxImageCells = 64'000'000;
 
@@ -149,24 +157,19 @@ GreyImage read_pgm(const std::filesystem::path& file) {
   return image;
 }
 
-/// Where a position in the map lies in an image, y up.
-struct Scale {
-  Eigen::Vector2d low = Eigen::Vector2d::Zero();
-  double px_per_m = 1.0;
-  int height_px = 0;
-
-  [[nodiscard]] Eigen::Vector2d to_px(const geometry::SE2& pose) const {
-    const Eigen::Vector2d p = px_per_m * (pose.translation() - low);
-    return {p.x(), height_px - p.y()};
+std::vector<Eigen::Vector2d> positions_of(std::span<const geometry::SE2> path) {
+  std::vector<Eigen::Vector2d> positions;
+  positions.reserve(path.size());
+  for (const geometry::SE2& pose : path) {
+    positions.push_back(pose.translation());
   }
-};
+  return positions;
+}
 
-void draw_path(drawing::Image& image, const Scale& scale, std::span<const geometry::SE2> path,
-               drawing::Rgb colour) {
-  for (std::size_t i = 1; i < path.size(); ++i) {
-    const Eigen::Vector2d from = scale.to_px(path[i - 1]);
-    const Eigen::Vector2d to = scale.to_px(path[i]);
-    image.draw_line(from.x(), from.y(), to.x(), to.y(), colour, 2.0);
+void draw_ends(PlanView& view, const std::vector<Eigen::Vector2d>& path) {
+  if (!path.empty()) {
+    view.draw_start(path.front(), kPathColour);
+    view.draw_end(path.back(), kPathColour);
   }
 }
 
@@ -200,40 +203,51 @@ TrinaryGrid read_ros_map(const std::filesystem::path& path) {
 }
 
 drawing::Image draw_map(const OccupancyGrid& grid, std::span<const geometry::SE2> path) {
-  drawing::Image image(std::max(1, grid.width()), std::max(1, grid.height()));
-  for (int y = 0; y < grid.height(); ++y) {
-    for (int x = 0; x < grid.width(); ++x) {
-      const std::uint8_t value = grey(grid, x, y);
-      image.set(x, grid.height() - 1 - y, {value, value, value});
-    }
-  }
-  draw_path(image, {grid.origin(), 1.0 / grid.cell_size_m(), grid.height()}, path, kPathColour);
-  return image;
+  Extent extent;
+  extent.add(grid.origin());
+  extent.add(grid.origin() + grid.cell_size_m() * Eigen::Vector2d(grid.width(), grid.height()));
+  // Each cell a pixel at least, and a small map as large as a screen.
+  const double px_per_m =
+      std::max(1.0 / grid.cell_size_m(), drawing::fitting_scale(extent, kImagePx, kMaxPxPerM));
+  PlanView view(extent, px_per_m, {kUnknownGrey, kUnknownGrey, kUnknownGrey});
+  view.draw_grid({.origin = grid.origin(),
+                  .cell_size_m = grid.cell_size_m(),
+                  .width = grid.width(),
+                  .height = grid.height(),
+                  .colour = [&grid](int x, int y) {
+                    const std::uint8_t value = grey(grid, x, y);
+                    return drawing::Rgb{value, value, value};
+                  }});
+  const std::vector<Eigen::Vector2d> positions = positions_of(path);
+  view.draw_path(positions, kPathColour, 2.0);
+  draw_ends(view, positions);
+  view.draw_scale_bar();
+  view.draw_legend(
+      std::array{LegendEntry{"path, from disc to square", kPathColour},
+                 LegendEntry{"occupied", {kOccupiedGrey, kOccupiedGrey, kOccupiedGrey}},
+                 LegendEntry{"free", {kFreeGrey, kFreeGrey, kFreeGrey}}});
+  return std::move(view).take();
 }
 
 drawing::Image draw_paths(std::span<const geometry::SE2> path,
                           std::span<const geometry::SE2> odometry) {
-  Eigen::Vector2d low = Eigen::Vector2d::Zero();
-  Eigen::Vector2d high = Eigen::Vector2d::Zero();
-  if (!path.empty()) {
-    low = high = path.front().translation();
-  }
-  for (const auto poses : {path, odometry}) {
-    for (const geometry::SE2& pose : poses) {
-      low = low.cwiseMin(pose.translation());
-      high = high.cwiseMax(pose.translation());
+  const std::vector<Eigen::Vector2d> positions = positions_of(path);
+  const std::vector<Eigen::Vector2d> by_odometry = positions_of(odometry);
+  Extent extent;
+  for (const auto* each : {&positions, &by_odometry}) {
+    for (const Eigen::Vector2d& p : *each) {
+      extent.add(p);
     }
   }
-  low.array() -= kBorderM;
-  high.array() += kBorderM;
-  const Eigen::Vector2d size = high - low;
-  const double px_per_m = kPathImagePx / size.maxCoeff();
-  const Eigen::Vector2i px = (px_per_m * size).array().ceil().cast<int>();
-  drawing::Image image(px.x(), px.y());
-  const Scale scale{low, px_per_m, px.y()};
-  draw_path(image, scale, odometry, kOdometryColour);
-  draw_path(image, scale, path, kPathColour);
-  return image;
+  extent.grow(kBorderM);
+  PlanView view(extent, drawing::fitting_scale(extent, kImagePx, kMaxPxPerM));
+  view.draw_path(by_odometry, kOdometryColour, 2.0);
+  view.draw_path(positions, kPathColour, 2.0);
+  draw_ends(view, positions);
+  view.draw_scale_bar();
+  view.draw_legend(std::array{LegendEntry{"2d slam, from disc to square", kPathColour},
+                              LegendEntry{"odometry", kOdometryColour}});
+  return std::move(view).take();
 }
 
 }  // namespace nodmap::slam2d

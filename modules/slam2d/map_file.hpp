@@ -21,11 +21,12 @@ void write_ros_map(const std::filesystem::path& dir, const OccupancyGrid& grid);
 /// it names is a PGM file (P2 or P5). Throws std::runtime_error naming the file and what is wrong.
 [[nodiscard]] TrinaryGrid read_ros_map(const std::filesystem::path& path);
 
-/// Draws the map with the path on it, y up.
+/// Draws the map with the path on it, y up, 1200 pixels or a pixel for each cell along its longer
+/// side; with a scale bar, a legend, and where the path starts and ends.
 [[nodiscard]] drawing::Image draw_map(const OccupancyGrid& grid,
                                       std::span<const geometry::SE2> path);
 
-/// Draws the corrected path, and the path by odometry in grey.
+/// Draws the corrected path, and the path by odometry in grey, with the same.
 [[nodiscard]] drawing::Image draw_paths(std::span<const geometry::SE2> path,
                                         std::span<const geometry::SE2> odometry);
 

@@ -119,8 +119,8 @@ void Slam6dNode::answer(const std::optional<PoseUpdate>& update) {
 }
 
 void Slam6dNode::publish(const PoseUpdate& update) {
-  nodmap::pose_t message = node::write_corrected_pose(
-      update.utime_us, update.T_map_base, update.T_map_base * update.T_odom_base.inverse());
+  nodmap::pose_t message =
+      node::write_corrected_pose(update.utime_us, update.T_map_base, update.T_map_odom);
   if (update.registration) {
     message.match_share = update.registration->inlier_ratio;
     message.match_rms_m = update.registration->residual_rms_m;

@@ -18,6 +18,8 @@ struct OdometryParams {
   double yaw_rad_per_m = geometry::deg_to_rad(2.0);
   double yaw_rad_per_rad = 0.25;
   double tilt_rad_per_m = geometry::deg_to_rad(4.0);
+  double level_height_m = 0.005;
+  double level_tilt_rad = geometry::deg_to_rad(0.1);
   double interruption_m = 0.3;
   double interruption_rad = geometry::deg_to_rad(8.0);
 
@@ -35,6 +37,9 @@ struct OdometryParams {
              "Error of the heading for each radian of rotation.");
     v.angle("tilt_per_m_deg", tilt_rad_per_m, {0.0, 180.0},
             "Change of roll and pitch for each metre, of which wheels know nothing: ramps, sills.");
+    v.number("level_height_m", level_height_m, {0.0001, 1000.0},
+             "How level the ground is, where odometry is planar and nothing else is seen: height.");
+    v.angle("level_tilt_deg", level_tilt_rad, {0.01, 360.0}, "The same for roll and pitch.");
     v.number("interruption_m", interruption_m, {0.0, 100.0},
              "Error of the position over an interruption of the stream.");
     v.angle("interruption_deg", interruption_rad, {0.0, 180.0},
@@ -42,19 +47,21 @@ struct OdometryParams {
   }
 };
 
-/// What is known of the motion since the last pose that registration accepted.
+/// A motion as odometry tells it.
 struct OdometryMotion {
   double distance_m = 0.0;
   double rotation_rad = 0.0;
   bool is_interrupted = false;
-  int lost_sweeps = 0;  ///< refused in a row since then
+  int lost_sweeps = 0;  ///< refused in a row meanwhile
 };
 
-/// The pose by odometry with its covariance. Each sweep that was refused doubles the standard
-/// deviations: what was impossible at first, a robot that was lifted, becomes possible.
-[[nodiscard]] inline PosePrior odometry_prior(const geometry::SE3& T_map_base,
-                                              const OdometryMotion& motion,
-                                              const OdometryParams& params) {
+/// The covariance of such a motion, position (m) and rotation vector (rad) in the axes of map, with
+/// what there is of it from sweep to sweep without any motion. Each sweep that was refused
+/// doubles the standard deviations: what was impossible at first, a robot that was lifted, becomes
+/// possible.
+[[nodiscard]] inline Matrix6d odometry_covariance(const geometry::SE3& T_map_base,
+                                                  const OdometryMotion& motion,
+                                                  const OdometryParams& params) {
   constexpr int kMaxDoublings = 5;
   const double translation_m = params.translation_m +
                                params.translation_m_per_m * motion.distance_m +
@@ -73,7 +80,7 @@ struct OdometryMotion {
   Matrix6d to_map = Matrix6d::Zero();
   to_map.topLeftCorner<3, 3>() = T_map_base.linear();
   to_map.bottomRightCorner<3, 3>() = T_map_base.linear();
-  return {T_map_base, to_map * sigma.cwiseAbs2().asDiagonal() * to_map.transpose()};
+  return to_map * sigma.cwiseAbs2().asDiagonal() * to_map.transpose();
 }
 
 }  // namespace nodmap::slam6d

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "modules/slam6d/registration.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <vector>
@@ -15,6 +17,7 @@ namespace {
 using geometry::SE3;
 using registration::Information;
 using Vector6d = Eigen::Matrix<double, 6, 1>;
+using Matrix12d = Eigen::Matrix<double, 12, 12>;
 
 constexpr double kSettledTranslationM = 1e-4;  // a hundredth of the scanner's noise
 constexpr double kSettledRotationRad = 1e-5;   // 0.1 mm at 10 m
@@ -23,49 +26,75 @@ constexpr float kMaxCorrespondenceVoxels = 1.5F;
 // Of a voxel mean, in variances of one measured point: however many points, the means of two clouds
 // are not those of the same points.
 constexpr float kRoundingVariance = 0.1F;
+// Scale of the kernel that says how far the ground is believed to be level, in standard deviations.
+constexpr double kLevelKernel = 3.0;
 // Residuals below this are the rounding of voxel means, not knowledge.
 constexpr double kMinResidualM = 2e-3;
-
-// Rotation vector of a rotation.
-Eigen::Vector3d log_rotation(const Eigen::Matrix3d& rotation) {
-  const Eigen::AngleAxisd angle_axis(rotation);
-  return angle_axis.angle() * angle_axis.axis();
-}
-
-Eigen::Matrix3d exp_rotation(const Eigen::Vector3d& vector) {
-  const double angle_rad = vector.norm();
-  return angle_rad > 0.0 ? Eigen::AngleAxisd(angle_rad, vector / angle_rad).toRotationMatrix()
-                         : Eigen::Matrix3d::Identity();
-}
 
 // A small motion about the base's position, axes of map.
 SE3 moved(const SE3& T_map_base, const Vector6d& motion) {
   SE3 result = T_map_base;
   result.translation() += motion.head<3>();
-  result.linear() = exp_rotation(motion.tail<3>()) * T_map_base.linear();
+  result.linear() = geometry::rotation_of(motion.tail<3>()) * T_map_base.linear();
   return result;
 }
 
 Vector6d motion_between(const SE3& from, const SE3& to) {
   Vector6d motion;
   motion << to.translation() - from.translation(),
-      log_rotation(to.linear() * from.linear().transpose());
+      geometry::rotation_vector(to.linear() * from.linear().transpose());
   return motion;
 }
 
-// Weighted sums over correspondences. Row and column 6 of the product belong to the residual.
+// Of a vector v: skew(v) * w = v x w.
+Eigen::Matrix3d skew(const Eigen::Vector3d& v) {
+  Eigen::Matrix3d cross;
+  cross << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
+  return cross;
+}
+
+// What the prior says of the motion of the middle of the sweep, and, for N = 12, of what is to be
+// added to it per unit of time: from the covariances of the pose at the first beam and of the
+// motion to the last one. All of them small motions about the base's position, axes of map.
+template <int N>
+Eigen::Matrix<double, N, N> motion_covariance(const PosePrior& prior, const SE3& T_map_base,
+                                              const Eigen::Vector3f& half_path) {
+  if constexpr (N == 6) {
+    return prior.covariance;
+  } else {
+    // A rotation at the first beam moves the base at the last one.
+    Matrix6d by_rotation = Matrix6d::Zero();
+    by_rotation.topRightCorner<3, 3>() = -skew(T_map_base.linear() * half_path.cast<double>());
+    Matrix12d from_ends = 0.5 * Matrix12d::Identity();
+    from_ends.topLeftCorner<6, 6>() = Matrix6d::Identity() + by_rotation;
+    from_ends.topRightCorner<6, 6>() = 0.5 * Matrix6d::Identity();
+    from_ends.bottomLeftCorner<6, 6>() = by_rotation;
+    Matrix12d ends = Matrix12d::Zero();
+    ends.topLeftCorner<6, 6>() = prior.covariance;
+    ends.bottomRightCorner<6, 6>() = prior.motion_covariance;
+    return from_ends * ends * from_ends.transpose();
+  }
+}
+
+// Weighted sums over correspondences: of the motion of the middle of the sweep (N = 6), or also of
+// what is to be added to it per unit of time (N = 12): a point measured at `time` moves by
+// m0 + time * m1. Row and column 6 of each part belong to the residual.
+template <int N>
 class ResidualSums {
  public:
   /// `kernel` (0..1) says how far the correspondence is believed, `precision` how well both points
   /// are known.
-  void add(const Eigen::Vector3f& normal, const Eigen::Vector3f& arm, float residual_m,
+  void add(const Eigen::Vector3f& normal, const Eigen::Vector3f& arm, float residual_m, float time,
            float kernel, float precision) {
     const Eigen::Vector3f moment = arm.cross(normal);
     const Eigen::Matrix<float, 8, 1> row{normal.x(), normal.y(), normal.z(), moment.x(),
                                          moment.y(), moment.z(), residual_m, 0.0F};
-    part_.noalias() += (kernel * precision * row) * row.transpose();
     const Eigen::Vector4f arm_row{arm.x(), arm.y(), arm.z(), 1.0F};
-    arms_part_.noalias() += (kernel * precision * arm_row) * arm_row.transpose();
+    float weight = kernel * precision;
+    for (std::size_t power = 0; power < kPowers; ++power, weight *= time) {
+      part_[power].noalias() += (weight * row) * row.transpose();
+      arms_part_[power].noalias() += (weight * arm_row) * arm_row.transpose();
+    }
     kernel_part_ += kernel;
     // Floats are summed in short parts only.
     if (++in_part_ == 256) {
@@ -74,34 +103,51 @@ class ResidualSums {
   }
 
   void flush() {
-    sums_ += part_.cast<double>();
+    for (std::size_t power = 0; power < kPowers; ++power) {
+      sums_[power] += part_[power].template cast<double>();
+      arms_[power] += arms_part_[power].template cast<double>();
+      part_[power].setZero();
+      arms_part_[power].setZero();
+    }
     kernel_ += static_cast<double>(kernel_part_);
-    arms_ += arms_part_.cast<double>();
-    part_.setZero();
-    arms_part_.setZero();
     kernel_part_ = 0.0F;
     in_part_ = 0;
   }
 
-  [[nodiscard]] double mean_square_m2() const { return sums_(6, 6) / std::max(arms_(3, 3), 1e-9); }
+  [[nodiscard]] double mean_square_m2() const {
+    return sums_[0](6, 6) / std::max(arms_[0](3, 3), 1e-9);
+  }
 
   // Of the motion, in units of `scale()`.
-  [[nodiscard]] Information<6> information() const {
-    return {sums_.topLeftCorner<6, 6>(), sums_.block<6, 1>(0, 6)};
+  [[nodiscard]] Information<N> information() const {
+    Information<N> information;
+    for (int i = 0; i < N / 6; ++i) {
+      information.b.template segment<6>(6 * i) = sums_[at(i)].template block<6, 1>(0, 6);
+      for (int j = 0; j < N / 6; ++j) {
+        information.H.template block<6, 6>(6 * i, 6 * j) =
+            sums_[at(i + j)].template topLeftCorner<6, 6>();
+      }
+    }
+    return information;
   }
 
   // What normals that err by `normal_error_rad` in any direction make up: the mean of J J^T for
   // J = (e, arm x e) with random e.
-  [[nodiscard]] Matrix6d imitated_information(double normal_error_rad) const {
-    Matrix6d H;
-    const Eigen::Vector3d arm = arms_.block<3, 1>(0, 3);
-    Eigen::Matrix3d cross;
-    cross << 0.0, -arm.z(), arm.y(), arm.z(), 0.0, -arm.x(), -arm.y(), arm.x(), 0.0;
-    const Eigen::Matrix3d arm_squares = arms_.topLeftCorner<3, 3>();
-    H.topLeftCorner<3, 3>() = arms_(3, 3) * Eigen::Matrix3d::Identity();
-    H.bottomLeftCorner<3, 3>() = cross;
-    H.topRightCorner<3, 3>() = cross.transpose();
-    H.bottomRightCorner<3, 3>() = arm_squares.trace() * Eigen::Matrix3d::Identity() - arm_squares;
+  [[nodiscard]] Eigen::Matrix<double, N, N> imitated_information(double normal_error_rad) const {
+    Eigen::Matrix<double, N, N> H;
+    for (int i = 0; i < N / 6; ++i) {
+      for (int j = 0; j < N / 6; ++j) {
+        const Eigen::Matrix4d& arms = arms_[at(i + j)];
+        const Eigen::Matrix3d cross = skew(arms.block<3, 1>(0, 3));
+        const Eigen::Matrix3d arm_squares = arms.topLeftCorner<3, 3>();
+        auto block = H.template block<6, 6>(6 * i, 6 * j);
+        block.template topLeftCorner<3, 3>() = arms(3, 3) * Eigen::Matrix3d::Identity();
+        block.template bottomLeftCorner<3, 3>() = cross;
+        block.template topRightCorner<3, 3>() = cross.transpose();
+        block.template bottomRightCorner<3, 3>() =
+            arm_squares.trace() * Eigen::Matrix3d::Identity() - arm_squares;
+      }
+    }
     return normal_error_rad * normal_error_rad * H;
   }
 
@@ -109,28 +155,42 @@ class ResidualSums {
   // themselves say how large their errors are.
   [[nodiscard]] double scale(double num_correlated) const {
     const double unit_variance =
-        std::max(sums_(6, 6), kMinResidualM * kMinResidualM * arms_(3, 3)) /
+        std::max(sums_[0](6, 6), kMinResidualM * kMinResidualM * arms_[0](3, 3)) /
         std::max(kernel_, 1e-9);
     return 1.0 / std::max(unit_variance * num_correlated, 1e-12);
   }
 
  private:
-  Eigen::Matrix<double, 8, 8> sums_ = Eigen::Matrix<double, 8, 8>::Zero();
-  Eigen::Matrix<float, 8, 8> part_ = Eigen::Matrix<float, 8, 8>::Zero();
-  Eigen::Matrix4d arms_ = Eigen::Matrix4d::Zero();
-  Eigen::Matrix4f arms_part_ = Eigen::Matrix4f::Zero();
+  static constexpr std::size_t kPowers = N == 6 ? 1 : 3;  // of time
+  static std::size_t at(int power) { return static_cast<std::size_t>(power); }
+
+  template <class Matrix>
+  static std::array<Matrix, kPowers> zeros() {
+    std::array<Matrix, kPowers> all;
+    all.fill(Matrix::Zero());
+    return all;
+  }
+
+  std::array<Eigen::Matrix<double, 8, 8>, kPowers> sums_ = zeros<Eigen::Matrix<double, 8, 8>>();
+  std::array<Eigen::Matrix<float, 8, 8>, kPowers> part_ = zeros<Eigen::Matrix<float, 8, 8>>();
+  std::array<Eigen::Matrix4d, kPowers> arms_ = zeros<Eigen::Matrix4d>();
+  std::array<Eigen::Matrix4f, kPowers> arms_part_ = zeros<Eigen::Matrix4f>();
   double kernel_ = 0.0;
   float kernel_part_ = 0.0F;
   int in_part_ = 0;
 };
 
+// Of a stationary sweep (N = 6) or one on the move (N = 12).
+template <int N>
 class SweepRegistration {
  public:
-  SweepRegistration(const VoxelMap& sweep, const VoxelMap& map, const PosePrior& prior,
+  SweepRegistration(VoxelMap& sweep, const VoxelMap& map, const PosePrior& prior,
                     const RegistrationParams& params)
       : sweep_(sweep), map_(map), prior_(prior), params_(params) {
     result_.T_map_base = prior.T_map_base;
-    prior_information_.H = prior.covariance.llt().solve(Matrix6d::Identity());
+    prior_information_.H = motion_covariance<N>(prior, prior.T_map_base, sweep.half_path())
+                               .llt()
+                               .solve(Matrix::Identity());
   }
 
   Registration run() {
@@ -142,7 +202,11 @@ class SweepRegistration {
   }
 
  private:
+  using Matrix = Eigen::Matrix<double, N, N>;
+  using Vector = Eigen::Matrix<double, N, 1>;
+
   void run_level(std::size_t l) {
+    level_ = l;
     const VoxelMap::Selection selection = sweep_.select(l);
     scale_m_ = static_cast<float>(
         params_.fine_residual_scale_m *
@@ -150,14 +214,67 @@ class SweepRegistration {
                  static_cast<double>(l) / static_cast<double>(VoxelMap::kLevels - 1)));
     for (int i = 0; i < params_.iterations_per_level; ++i) {
       ++result_.iterations;
-      const Vector6d motion =
+      const Vector motion =
           params_.metric == Metric::kPaper ? paper_step(selection) : plane_step(selection);
-      result_.T_map_base = moved(result_.T_map_base, motion);
-      if (motion.head<3>().norm() < kSettledTranslationM &&
-          motion.tail<3>().norm() < kSettledRotationRad) {
+      if constexpr (N == 12) {
+        const Eigen::Matrix3d R_base_map = result_.T_map_base.linear().transpose();
+        since_deskew_.translation_m += R_base_map * motion.template segment<3>(6);
+        since_deskew_.rotation_rad += R_base_map * motion.template segment<3>(9);
+      }
+      result_.T_map_base = moved(result_.T_map_base, motion.template head<6>());
+      if (motion.template head<3>().norm() < kSettledTranslationM &&
+          motion.template segment<3>(3).norm() < kSettledRotationRad) {
         break;
       }
     }
+    deskew();
+  }
+
+  // The planes of a sweep that is deskewed wrongly are tilted: they are found anew.
+  void deskew() {
+    if constexpr (N == 12) {
+      sweep_.correct(since_deskew_);
+      result_.correction.translation_m += since_deskew_.translation_m;
+      result_.correction.rotation_rad += since_deskew_.rotation_rad;
+      since_deskew_ = {};
+    }
+  }
+
+  // What the prior says about the motion that is still to be made.
+  [[nodiscard]] Vector prior_motion() const {
+    Vector motion;
+    motion.template head<6>() = motion_between(result_.T_map_base, prior_.T_map_base);
+    if constexpr (N == 12) {
+      const Eigen::Matrix3d& R_map_base = result_.T_map_base.linear();
+      motion.template segment<3>(6) =
+          -R_map_base * (result_.correction.translation_m + since_deskew_.translation_m);
+      motion.template segment<3>(9) =
+          -R_map_base * (result_.correction.rotation_rad + since_deskew_.rotation_rad);
+    }
+    return motion;
+  }
+
+  // The prior with the evidence that the ground is level, at the present pose.
+  [[nodiscard]] Information<N> prior_here() const {
+    Information<N> prior{prior_information_.H, prior_information_.H * prior_motion()};
+    // What is seen comes first: from coarse voxels.
+    if (prior_.level && level_ == 0) {
+      const SE3& T_map_base = result_.T_map_base;
+      // From the base's z axis to that of map.
+      const Eigen::Vector3d tilt = T_map_base.linear().col(2).cross(Eigen::Vector3d::UnitZ());
+      const double height_m = prior_.level->height_m - T_map_base.translation().z();
+      const auto add = [&prior](int i, double deviation, double sigma) {
+        const double relative = deviation / (kLevelKernel * sigma);
+        const double root_kernel = 1.0 / (1.0 + relative * relative);  // Geman-McClure
+        const double information = root_kernel * root_kernel / (sigma * sigma);
+        prior.H(i, i) += information;
+        prior.b(i) += information * deviation;
+      };
+      add(2, height_m, prior_.level->height_sigma_m);
+      add(3, tilt.x(), prior_.level->tilt_sigma_rad);
+      add(4, tilt.y(), prior_.level->tilt_sigma_rad);
+    }
+    return prior;
   }
 
   // w_ij of Eq. 3: calls `use(point, p_map, normal_map, voxel)` for each correspondence.
@@ -165,13 +282,19 @@ class SweepRegistration {
   void for_each_correspondence(const VoxelMap::Selection& selection, const Use& use) const {
     const Eigen::Matrix3f R = result_.T_map_base.linear().cast<float>();
     const Eigen::Vector3f t = result_.T_map_base.translation().cast<float>();
+    const Eigen::Vector3f step = since_deskew_.translation_m.cast<float>();
+    const Eigen::Vector3f turn = since_deskew_.rotation_rad.cast<float>();
     const auto min_cosine = static_cast<float>(params_.min_normal_cosine);
     for (std::size_t l = 0; l < VoxelMap::kLevels; ++l) {
       const VoxelGrid& grid = map_.level(l);
       const float max_m = kMaxCorrespondenceVoxels * static_cast<float>(grid.voxel_size_m());
       for (std::size_t i = selection.first_of_level[l]; i < selection.first_of_level[l + 1]; ++i) {
         const OrientedPoint& point = selection.points[i];
-        const Eigen::Vector3f p_map = R * point.p + t;
+        Eigen::Vector3f p_base = point.p;
+        if constexpr (N == 12) {
+          p_base += point.time * (step + turn.cross(point.p - point.time * sweep_.half_path()));
+        }
+        const Eigen::Vector3f p_map = R * p_base + t;
         const std::uint32_t place = grid.nearest(p_map, max_m);
         if (place == VoxelGrid::kNone) {
           continue;
@@ -185,10 +308,12 @@ class SweepRegistration {
     }
   }
 
-  Vector6d plane_step(const VoxelMap::Selection& selection) {
+  Vector plane_step(const VoxelMap::Selection& selection) {
     const Eigen::Vector3f p_base = result_.T_map_base.translation().cast<float>();
+    const Eigen::Vector3f half_path =
+        result_.T_map_base.linear().cast<float>() * sweep_.half_path();
     const float per_sq_scale = 1.0F / (scale_m_ * scale_m_);
-    ResidualSums sums;
+    ResidualSums<N> sums;
     std::size_t num_inliers = 0;
     for_each_correspondence(selection, [&](const OrientedPoint& point, const Eigen::Vector3f& p_map,
                                            const Eigen::Vector3f& normal_map, const Voxel& voxel) {
@@ -198,30 +323,44 @@ class SweepRegistration {
       // Means of many points are known better, but no better than the voxels' rounding.
       const float variance = 1.0F / point.num_points + 1.0F / voxel.weight + kRoundingVariance;
       const float root_kernel = 1.0F / (1.0F + relative_sq);  // Geman-McClure
-      sums.add(normal, p_map - p_base, residual_m, root_kernel * root_kernel, 1.0F / variance);
+      // From where the base was at that time.
+      const Eigen::Vector3f arm = p_map - p_base - point.time * half_path;
+      sums.add(normal, arm, residual_m, point.time, root_kernel * root_kernel, 1.0F / variance);
       num_inliers += relative_sq < 4.0F ? 1 : 0;
     });
     sums.flush();
     result_.inlier_ratio = static_cast<double>(num_inliers) /
                            static_cast<double>(std::max<std::size_t>(1, selection.points.size()));
     result_.residual_rms_m = std::sqrt(sums.mean_square_m2());
-    prior_information_.b =
-        prior_information_.H * motion_between(result_.T_map_base, prior_.T_map_base);
     const double scale = sums.scale(params_.residual_correlation);
-    Information<6> measurement = sums.information();
+    Information<N> measurement = sums.information();
     measurement.H *= scale;
     measurement.b *= scale;
-    const auto estimate = registration::solve_motion<6>(
-        measurement, scale * sums.imitated_information(params_.normal_error_rad),
-        prior_information_);
-    result_.degenerate_directions = estimate.degenerate_directions;
-    result_.covariance = estimate.covariance;
+    const auto estimate = registration::solve_motion<N>(
+        measurement, scale * sums.imitated_information(params_.normal_error_rad), prior_here());
+    result_.degenerate_directions = degenerate_directions(estimate.covariance);
+    result_.covariance = result_.end_covariance =
+        estimate.covariance.template topLeftCorner<6, 6>();
+    if constexpr (N == 12) {
+      const Matrix6d cross = estimate.covariance.template topRightCorner<6, 6>();
+      result_.end_covariance +=
+          cross + cross.transpose() + estimate.covariance.template bottomRightCorner<6, 6>();
+    }
     is_valid_ = estimate.is_valid;
     return estimate.x;
   }
 
+  // About how many directions of the pose the map says less than the prior.
+  [[nodiscard]] int degenerate_directions(const Matrix& covariance) const {
+    const Matrix6d prior =
+        prior_information_.H.llt().solve(Matrix::Identity()).template topLeftCorner<6, 6>();
+    const Matrix6d pose = covariance.template topLeftCorner<6, 6>();
+    const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6d> eigen(pose, prior);
+    return static_cast<int>((eigen.eigenvalues().array() > 0.5).count());
+  }
+
   // Eq. 3 as printed: the closed form knows no prior.
-  Vector6d paper_step(const VoxelMap::Selection& selection) {
+  Vector paper_step(const VoxelMap::Selection& selection) {
     std::vector<registration::PointPair> points;
     points.reserve(selection.points.size());
     double sq_sum = 0.0;
@@ -237,11 +376,14 @@ class SweepRegistration {
     result_.residual_rms_m =
         std::sqrt(sq_sum / static_cast<double>(std::max<std::size_t>(1, points.size())));
     result_.degenerate_directions = is_valid_ ? 0 : 6;
-    return motion_between(result_.T_map_base, fit.T_model_data * result_.T_map_base);
+    Vector motion = Vector::Zero();
+    motion.template head<6>() =
+        motion_between(result_.T_map_base, fit.T_model_data * result_.T_map_base);
+    return motion;
   }
 
   void classify() {
-    const Vector6d deviation = motion_between(prior_.T_map_base, result_.T_map_base);
+    const Vector deviation = prior_motion();
     result_.prior_distance =
         std::sqrt(std::max(0.0, deviation.dot(prior_information_.H * deviation)));
     const bool is_refused = !is_valid_ || result_.inlier_ratio < params_.min_inlier_ratio ||
@@ -249,28 +391,32 @@ class SweepRegistration {
     if (is_refused) {
       result_.status = RegistrationStatus::kLost;
       result_.T_map_base = prior_.T_map_base;
-      result_.covariance = prior_.covariance;
+      result_.correction = {};
+      result_.covariance = result_.end_covariance = prior_.covariance;
     } else {
       result_.status = result_.degenerate_directions > 0 ? RegistrationStatus::kDegraded
                                                          : RegistrationStatus::kTracking;
     }
   }
 
-  const VoxelMap& sweep_;
+  VoxelMap& sweep_;
   const VoxelMap& map_;
   const PosePrior& prior_;
   const RegistrationParams& params_;
   Registration result_;
-  Information<6> prior_information_;
+  Information<N> prior_information_;
+  MotionCorrection since_deskew_;  // not yet in the sweep's voxels
+  std::size_t level_ = 0;
   float scale_m_ = 0.0F;
   bool is_valid_ = false;
 };
 
 }  // namespace
 
-Registration register_sweep(const VoxelMap& sweep_base, const VoxelMap& map, const PosePrior& prior,
+Registration register_sweep(VoxelMap& sweep_base, const VoxelMap& map, const PosePrior& prior,
                             const RegistrationParams& params) {
-  return SweepRegistration(sweep_base, map, prior, params).run();
+  return sweep_base.is_moving() ? SweepRegistration<12>(sweep_base, map, prior, params).run()
+                                : SweepRegistration<6>(sweep_base, map, prior, params).run();
 }
 
 }  // namespace nodmap::slam6d

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 
 #include "common/geometry/angle.hpp"
 #include "common/geometry/se3.hpp"
@@ -64,16 +65,29 @@ struct RegistrationParams {
 
 /// Where odometry says the robot is, and how sure that is.
 struct PosePrior {
-  geometry::SE3 T_map_base = geometry::SE3::Identity();
-  /// Of the base's position (m) and rotation vector (rad), axes of map.
+  geometry::SE3 T_map_base = geometry::SE3::Identity();  ///< in the middle of the sweep
+  /// At the first beam; of the base's position (m) and rotation vector (rad), axes of map.
   Matrix6d covariance = Matrix6d::Identity();
+  /// Of the motion from the first to the last beam; only for a sweep on the move.
+  Matrix6d motion_covariance = Matrix6d::Identity();
+
+  /// That the ground is level: the base is at this height, roll and pitch, as far as nothing else
+  /// is seen. Believed less the more the sweep contradicts it: ramps, another storey.
+  struct Level {
+    double height_m = 0.0;
+    double height_sigma_m = 0.02;
+    double tilt_sigma_rad = 0.005;
+  };
+  std::optional<Level> level = std::nullopt;
 };
 
 struct Registration {
   RegistrationStatus status = RegistrationStatus::kLost;
   geometry::SE3 T_map_base = geometry::SE3::Identity();  ///< the prior's when lost
+  MotionCorrection correction;  ///< of odometry's motion within the sweep; zero when lost
   /// Of the base's position (m) and rotation vector (rad), axes of map.
   Matrix6d covariance = Matrix6d::Identity();
+  Matrix6d end_covariance = Matrix6d::Identity();  ///< the same at the last beam
   int iterations = 0;
   double inlier_ratio = 0.0;    ///< part of the sweep's points that lie on the map's planes
   double residual_rms_m = 0.0;  ///< of the inliers, weighted by the robust kernel
@@ -89,7 +103,11 @@ struct Registration {
 /// normals (symmetric objective, Rusinkiewicz 2019), weighted by a Geman-McClure kernel that
 /// narrows from level to level; a Gauss-Newton step joins the residuals with the prior as evidence
 /// (motion_solver).
-[[nodiscard]] Registration register_sweep(const VoxelMap& sweep_base, const VoxelMap& map,
+///
+/// Of a sweep on the move the motion within it is estimated, too, as odometry with a correction
+/// that grows evenly with time (two-pose elastic: Dellenbach 2022), and the sweep is deskewed with
+/// it.
+[[nodiscard]] Registration register_sweep(VoxelMap& sweep_base, const VoxelMap& map,
                                           const PosePrior& prior, const RegistrationParams& params);
 
 }  // namespace nodmap::slam6d

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "modules/slam6d/slam6d.hpp"
 
+#include <cmath>
 #include <utility>
 
 #include "modules/slam6d/odometry_prior.hpp"
@@ -22,12 +23,40 @@ constexpr std::int64_t kMaxExtrapolationUs = 50'000;
 constexpr double kStationaryM = 1e-3;
 constexpr double kStationaryRad = 1e-4;
 
+OdometryMotion motion_of(const SE3& motion) {
+  return {.distance_m = motion.translation().norm(),
+          .rotation_rad = geometry::rotation_angle(motion)};
+}
+
+// Odometry of wheels alone: it knows neither height nor tilt.
+bool is_planar(const SE3& T_odom_base) {
+  return std::abs(T_odom_base.translation().z()) < 1e-6 && T_odom_base.linear()(2, 2) > 1.0 - 1e-12;
+}
+
+bool is_stationary(const SweepCloud& cloud) {
+  const SE3 motion = cloud.motion();
+  return motion.translation().norm() < kStationaryM &&
+         geometry::rotation_angle(motion) < kStationaryRad;
+}
+
+PointTimes point_times(const SweepCloud& cloud) {
+  PointTimes times;
+  if (!is_stationary(cloud)) {
+    times.half_path = cloud.half_path().cast<float>();
+    times.times.reserve(cloud.points.size());
+    for (const SweepCloud::Line& line : cloud.lines) {
+      times.times.resize(line.end, static_cast<float>(line.time));
+    }
+  }
+  return times;
+}
+
 VoxelMap voxelize(const SweepCloud& cloud, const VoxelMapParams& params) {
   // The mirror moves little within a sweep: its middle place tells the two sides of a wall apart.
   const Eigen::Vector3f p_base_mirror = cloud.lines.empty()
                                             ? Eigen::Vector3f::Zero()
                                             : cloud.lines[cloud.lines.size() / 2].p_base_mirror;
-  return VoxelMap::from_points(cloud.points, p_base_mirror, params);
+  return VoxelMap::from_points(cloud.points, p_base_mirror, params, point_times(cloud));
 }
 
 std::vector<OrientedPoint> oriented_points(const VoxelGrid& grid) {
@@ -93,13 +122,13 @@ std::optional<PoseUpdate> Slam6d::process(const Sweep& sweep) {
 PoseUpdate Slam6d::add_cloud(SweepCloud cloud) {
   PoseUpdate update = extrapolate(cloud);
   if (is_usable(update)) {
-    const VoxelMap sweep = voxelize(cloud, params_.voxels);
+    VoxelMap sweep = voxelize(cloud, params_.voxels);
     if (last_accepted_) {
-      track(sweep, update);
+      track(sweep, cloud, update);
     }
     update.keyframe = keyframe_reason(update);
     if (update.is_tracked()) {
-      accept(sweep, update);
+      accept(sweep, cloud, update);
     }
     if (update.keyframe) {
       keyframes_.push_back(
@@ -118,10 +147,11 @@ PoseUpdate Slam6d::extrapolate(const SweepCloud& cloud) const {
           .T_odom_base = cloud.T_odom_base,
           .T_first_odom = T_first_odom_,
           .T_map_base = T_map_odom_ * cloud.T_odom_base,
+          .T_map_odom = T_map_odom_,
           .scans_used = cloud.scans_used,
           .scans_without_pose = cloud.scans_without_pose,
           .num_points = cloud.points.size(),
-          .is_stationary = cloud.distance_m < kStationaryM && cloud.rotation_rad < kStationaryRad};
+          .is_stationary = is_stationary(cloud)};
 }
 
 bool Slam6d::is_usable(const PoseUpdate& update) const {
@@ -130,22 +160,35 @@ bool Slam6d::is_usable(const PoseUpdate& update) const {
          (update.is_stationary || !params_.keyframe.stationary_only);
 }
 
-OdometryMotion Slam6d::motion_since_accepted(const PoseUpdate& update) const {
-  const PoseUpdate& last = sweeps_[*last_accepted_];
-  const SE3 motion =
-      (last.T_first_odom * last.T_odom_base).inverse() * update.T_first_odom * update.T_odom_base;
-  return {.distance_m = motion.translation().norm(),
-          .rotation_rad = geometry::rotation_angle(motion),
-          .is_interrupted = is_interrupted_,
-          .lost_sweeps = lost_sweeps_};
+OdometryMotion Slam6d::motion_since_accepted(const SweepCloud& cloud) const {
+  const SE3 T_first_begin = T_first_odom_ * cloud.T_odom_base * cloud.T_base_first;
+  OdometryMotion motion = motion_of(T_first_end_.inverse() * T_first_begin);
+  motion.is_interrupted = is_interrupted_;
+  motion.lost_sweeps = lost_sweeps_;
+  return motion;
+}
+
+PosePrior Slam6d::predict(const SweepCloud& cloud, const PoseUpdate& update) const {
+  const SE3& T_map_base = update.T_map_base;
+  std::optional<PosePrior::Level> level;
+  if (is_planar(cloud.T_odom_base)) {
+    level = {.height_m = 0.0,
+             .height_sigma_m = params_.odometry.level_height_m,
+             .tilt_sigma_rad = params_.odometry.level_tilt_rad};
+  }
+  return {
+      .T_map_base = T_map_base,
+      .covariance = end_covariance_ +
+                    odometry_covariance(T_map_base, motion_since_accepted(cloud), params_.odometry),
+      .motion_covariance =
+          odometry_covariance(T_map_base, motion_of(cloud.motion()), params_.odometry),
+      .level = level};
 }
 
 // IV B: "registered into an incrementally built 3D model"; IV: "the same transformation can be
 // applied [...] to correct the former pose estimation obtained via odometry".
-void Slam6d::track(const VoxelMap& sweep, PoseUpdate& update) {
-  const PosePrior prior =
-      odometry_prior(update.T_map_base, motion_since_accepted(update), params_.odometry);
-  update.registration = register_sweep(sweep, map_, prior, params_.registration);
+void Slam6d::track(VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate& update) {
+  update.registration = register_sweep(sweep, map_, predict(cloud, update), params_.registration);
   update.T_map_base = update.registration->T_map_base;
   update.covariance = update.registration->covariance;
   switch (update.registration->status) {
@@ -163,9 +206,16 @@ void Slam6d::track(const VoxelMap& sweep, PoseUpdate& update) {
 }
 
 // Only what was registered enters the map: a refused sweep leaves no trace.
-void Slam6d::accept(const VoxelMap& sweep, const PoseUpdate& update) {
+void Slam6d::accept(const VoxelMap& sweep, SweepCloud& cloud, PoseUpdate& update) {
   map_.add_sweep(sweep, update.T_map_base);
-  T_map_odom_ = update.T_map_base * update.T_odom_base.inverse();
+  const SE3 T_odom_end = update.T_odom_base * cloud.T_base_last;
+  if (update.registration) {
+    cloud.correct(update.registration->correction);
+    end_covariance_ = update.registration->end_covariance;
+  }
+  T_map_odom_ = update.T_map_base * cloud.T_base_last * T_odom_end.inverse();
+  T_first_end_ = T_first_odom_ * T_odom_end;
+  update.T_map_odom = T_map_odom_;
   last_accepted_ = sweeps_.size();
   lost_sweeps_ = 0;
   is_interrupted_ = false;

@@ -28,6 +28,8 @@ struct PoseUpdate {
   /// The odom frame of `T_odom_base` in the first one: identity until odometry begins anew.
   geometry::SE3 T_first_odom = geometry::SE3::Identity();
   geometry::SE3 T_map_base = geometry::SE3::Identity();  ///< as known when the sweep was complete
+  /// The correction of odometry as known at the sweep's last beam, for what comes after it.
+  geometry::SE3 T_map_odom = geometry::SE3::Identity();
   /// Of the base's position (m) and rotation vector (rad), axes of map; zero for the first sweep.
   Matrix6d covariance = Matrix6d::Zero();
   std::size_t scans_used = 0;
@@ -104,17 +106,21 @@ class Slam6d {
   [[nodiscard]] std::optional<PoseUpdate> process(const Sweep& sweep);
   [[nodiscard]] PoseUpdate extrapolate(const SweepCloud& cloud) const;
   [[nodiscard]] bool is_usable(const PoseUpdate& update) const;
-  [[nodiscard]] OdometryMotion motion_since_accepted(const PoseUpdate& update) const;
-  void track(const VoxelMap& sweep, PoseUpdate& update);
-  void accept(const VoxelMap& sweep, const PoseUpdate& update);
+  [[nodiscard]] OdometryMotion motion_since_accepted(const SweepCloud& cloud) const;
+  [[nodiscard]] PosePrior predict(const SweepCloud& cloud, const PoseUpdate& update) const;
+  void track(VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate& update);
+  void accept(const VoxelMap& sweep, SweepCloud& cloud, PoseUpdate& update);
   [[nodiscard]] std::optional<KeyframeReason> keyframe_reason(PoseUpdate& update) const;
 
   Slam6dParams params_;
   SweepSegmenter segmenter_;
   geometry::PoseHistory odometry_;
   VoxelMap map_;
-  /// P_n * odo_n^-1 of the last accepted sweep: the correction, map from odom.
+  /// P_n * odo_n^-1 at the last beam of the last accepted sweep: the correction, map from odom.
   geometry::SE3 T_map_odom_ = geometry::SE3::Identity();
+  /// Odometry at that beam, in the first odom frame, and the covariance of that pose.
+  geometry::SE3 T_first_end_ = geometry::SE3::Identity();
+  Matrix6d end_covariance_ = Matrix6d::Zero();
   /// The present odom frame in the first one.
   geometry::SE3 T_first_odom_ = geometry::SE3::Identity();
   std::optional<std::size_t> last_accepted_;  // sweep

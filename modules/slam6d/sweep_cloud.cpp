@@ -28,6 +28,13 @@ std::vector<PlacedScan> place_scans(std::span<const scan::Scan> scans, const Pos
   return placed;
 }
 
+// When the middle of a scan was measured: -1 at the sweep's first beam, 1 at its last.
+double time_in_sweep(const scan::Scan& scan, std::int64_t first_us, std::int64_t last_us) {
+  return last_us > first_us ? static_cast<double>(2 * scan.utime_mid_us() - first_us - last_us) /
+                                  static_cast<double>(last_us - first_us)
+                            : 0.0;
+}
+
 void append_scan(const PlacedScan& placed, const SE3& T_base_odom, const RangeLimits& range,
                  scan::ScanProjector& projector, SweepCloud& cloud) {
   const scan::Scan& scan = *placed.scan;
@@ -52,6 +59,30 @@ void append_scan(const PlacedScan& placed, const SE3& T_base_odom, const RangeLi
 
 }  // namespace
 
+SE3 MotionCorrection::correct(const SE3& T_base_then, double time) const {
+  SE3 corrected = T_base_then;
+  corrected.translation() += time * translation_m;
+  corrected.linear() = geometry::rotation_of(time * rotation_rad) * T_base_then.linear();
+  return corrected;
+}
+
+void SweepCloud::correct(const MotionCorrection& correction) {
+  const Eigen::Vector3d path = half_path();
+  std::size_t i = 0;
+  for (Line& line : lines) {
+    SE3 T_base_then = SE3::Identity();
+    T_base_then.translation() = line.time * path;
+    const Eigen::Isometry3f change =
+        (correction.correct(T_base_then, line.time) * T_base_then.inverse()).cast<float>();
+    for (; i < line.end; ++i) {
+      points[i] = change * points[i];
+    }
+    line.p_base_mirror = change * line.p_base_mirror;
+  }
+  T_base_first = correction.correct(T_base_first, -1.0);
+  T_base_last = correction.correct(T_base_last, 1.0);
+}
+
 std::optional<SweepCloud> deskew(std::span<const scan::Scan> scans, const PoseLookup& pose_at,
                                  const RangeLimits& range) {
   const std::vector<PlacedScan> placed = place_scans(scans, pose_at);
@@ -69,12 +100,13 @@ std::optional<SweepCloud> deskew(std::span<const scan::Scan> scans, const PoseLo
   cloud.scans_used = placed.size();
   cloud.scans_without_pose = scans.size() - placed.size();
   const SE3 T_base_odom = cloud.T_odom_base.inverse();
-  const SE3 moved = placed.front().T_odom_first.inverse() * placed.back().T_odom_last;
-  cloud.distance_m = moved.translation().norm();
-  cloud.rotation_rad = geometry::rotation_angle(moved);
+  cloud.T_base_first = T_base_odom * placed.front().T_odom_first;
+  cloud.T_base_last = T_base_odom * placed.back().T_odom_last;
   scan::ScanProjector projector;
   for (const PlacedScan& scan : placed) {
     append_scan(scan, T_base_odom, range, projector, cloud);
+    cloud.lines.back().time =
+        time_in_sweep(*scan.scan, begin_us, placed.back().scan->utime_last_us());
   }
   return cloud;
 }

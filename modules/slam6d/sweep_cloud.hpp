@@ -14,6 +14,17 @@
 
 namespace nodmap::slam6d {
 
+/// What odometry missed of the robot's motion within a sweep: it grows evenly with time, from P_b
+/// in the middle of the sweep (time 0) to the first and the last beam (times -1 and 1). In the
+/// frame of P_b.
+struct MotionCorrection {
+  Eigen::Vector3d translation_m = Eigen::Vector3d::Zero();  ///< of the base at time 1
+  Eigen::Vector3d rotation_rad = Eigen::Vector3d::Zero();   ///< about the base, rotation vector
+
+  /// The pose of the base at `time`, corrected.
+  [[nodiscard]] geometry::SE3 correct(const geometry::SE3& T_base_then, double time) const;
+};
+
 /// One 3D point cloud with one pose: what a scanner standing at the base pose would have seen
 /// (IV B). Points in the base frame at that pose.
 struct SweepCloud {
@@ -21,6 +32,7 @@ struct SweepCloud {
   struct Line {
     Eigen::Vector3f p_base_mirror;
     std::size_t end = 0;
+    double time = 0.0;  ///< of the scan: from -1 (the sweep's first beam) to 1 (the last)
   };
 
   std::int64_t utime_us = 0;  ///< of the base pose P_b
@@ -29,9 +41,19 @@ struct SweepCloud {
   std::vector<Line> lines;
   std::size_t scans_used = 0;
   std::size_t scans_without_pose = 0;
-  /// The robot's motion from the first to the last beam, by odometry.
-  double distance_m = 0.0;
-  double rotation_rad = 0.0;
+  /// The poses of the base at the first and the last beam.
+  geometry::SE3 T_base_first = geometry::SE3::Identity();
+  geometry::SE3 T_base_last = geometry::SE3::Identity();
+
+  /// The robot's motion from the first to the last beam.
+  [[nodiscard]] geometry::SE3 motion() const { return T_base_first.inverse() * T_base_last; }
+  /// From the base's place in the middle of the sweep to that at the last beam, on average over
+  /// both halves.
+  [[nodiscard]] Eigen::Vector3d half_path() const {
+    return 0.5 * (T_base_last.translation() - T_base_first.translation());
+  }
+  /// Deskews again: places each point anew with the motion as it is known now.
+  void correct(const MotionCorrection& correction);
 };
 
 /// Answers with T_odom_base at a time (us), empty where it is not known.

@@ -123,7 +123,9 @@ void VoxelGrid::rehash(std::size_t num_slots) {
 }
 
 // The beams of a line meet one voxel several times in a row: it is looked up once.
-void VoxelGrid::add(std::span<const Eigen::Vector3f> points) {
+std::vector<std::uint32_t> VoxelGrid::add(std::span<const Eigen::Vector3f> points) {
+  std::vector<std::uint32_t> places;
+  places.reserve(points.size());
   const std::size_t num_old = voxels_.size();
   for (std::size_t i = 0; i < num_old; ++i) {
     voxels_[i].mean *= voxels_[i].weight;
@@ -133,6 +135,7 @@ void VoxelGrid::add(std::span<const Eigen::Vector3f> points) {
   for (const Eigen::Vector3f& p : points) {
     const auto key = key_of(p);
     if (!key) {
+      places.push_back(kNone);
       continue;
     }
     if (voxel == kNone || *key != last_key) {
@@ -141,10 +144,12 @@ void VoxelGrid::add(std::span<const Eigen::Vector3f> points) {
     }
     voxels_[voxel].mean += p;
     voxels_[voxel].weight += 1.0F;
+    places.push_back(voxel);
   }
   for (Voxel& v : voxels_) {
     v.mean /= v.weight;
   }
+  return places;
 }
 
 std::uint32_t VoxelGrid::add(const Eigen::Vector3f& mean, float weight) {

@@ -50,11 +50,20 @@ class VoxelGrid {
 
   explicit VoxelGrid(double voxel_size_m);
 
-  /// Adds points to the means of their voxels, each with weight 1.
-  void add(std::span<const Eigen::Vector3f> points);
+  /// Adds points to the means of their voxels, each with weight 1; returns the place of each
+  /// point's voxel, kNone when it was left out.
+  std::vector<std::uint32_t> add(std::span<const Eigen::Vector3f> points);
 
   /// Adds one mean with its weight; returns the place of its voxel, kNone when it was left out.
   std::uint32_t add(const Eigen::Vector3f& mean, float weight);
+
+  /// Moves each mean by `moved(place, mean)`; its voxel stays.
+  template <class Moved>
+  void move_means(const Moved& moved) {
+    for (std::uint32_t i = 0; i < voxels_.size(); ++i) {
+      voxels_[i].mean = moved(i, voxels_[i].mean);
+    }
+  }
 
   /// Finds the plane about each voxel from the means of the 27 voxels of which it is the middle.
   /// Normals point to `p_sensor`.

@@ -2,6 +2,26 @@
 #include "modules/slam6d/voxel_map.hpp"
 
 namespace nodmap::slam6d {
+namespace {
+
+// Of each voxel, from the times of what is in it.
+std::vector<float> mean_times(std::span<const std::uint32_t> places, std::span<const float> times,
+                              std::size_t num_voxels) {
+  std::vector<float> means(num_voxels, 0.0F);
+  std::vector<float> counts(num_voxels, 0.0F);
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    if (places[i] != VoxelGrid::kNone) {
+      means[places[i]] += times[i];
+      counts[places[i]] += 1.0F;
+    }
+  }
+  for (std::size_t i = 0; i < num_voxels; ++i) {
+    means[i] /= counts[i];
+  }
+  return means;
+}
+
+}  // namespace
 
 VoxelMap::VoxelMap(const VoxelMapParams& params)
     : params_(params),
@@ -9,10 +29,12 @@ VoxelMap::VoxelMap(const VoxelMapParams& params)
               VoxelGrid(4.0 * params.voxel_size_m)} {}
 
 VoxelMap VoxelMap::from_points(std::span<const Eigen::Vector3f> points,
-                               const Eigen::Vector3f& p_sensor, const VoxelMapParams& params) {
+                               const Eigen::Vector3f& p_sensor, const VoxelMapParams& params,
+                               const PointTimes& times) {
   VoxelMap map(params);
   map.p_sensor_ = p_sensor;
-  map.levels_[0].add(points);
+  map.half_path_ = times.half_path;
+  const std::vector<std::uint32_t> places = map.levels_[0].add(points);
   // Each fine voxel counts once: even density, however near the surface was.
   for (std::size_t l = 0; l + 1 < kLevels; ++l) {
     const auto fine = map.levels_[l].voxels();
@@ -24,7 +46,33 @@ VoxelMap VoxelMap::from_points(std::span<const Eigen::Vector3f> points,
   for (VoxelGrid& level : map.levels_) {
     level.find_planes(p_sensor, params.plane);
   }
+  if (!times.times.empty()) {
+    map.times_[0] = mean_times(places, times.times, map.levels_[0].voxels().size());
+    for (std::size_t l = 0; l + 1 < kLevels; ++l) {
+      map.times_[l + 1] =
+          mean_times(map.coarser_[l], map.times_[l], map.levels_[l + 1].voxels().size());
+    }
+  }
   return map;
+}
+
+void VoxelMap::correct(const MotionCorrection& correction) {
+  if (!is_moving()) {
+    return;
+  }
+  const Eigen::Vector3d path = half_path_.cast<double>();
+  for (std::size_t l = 0; l < kLevels; ++l) {
+    levels_[l].move_means([&](std::uint32_t place, const Eigen::Vector3f& mean) {
+      const double time = times_[l][place];
+      geometry::SE3 T_base_then = geometry::SE3::Identity();
+      T_base_then.translation() = time * path;
+      return Eigen::Vector3f((correction.correct(T_base_then, time) *
+                              (mean.cast<double>() - T_base_then.translation()))
+                                 .cast<float>());
+    });
+    levels_[l].find_planes(p_sensor_, params_.plane);
+  }
+  half_path_ += correction.translation_m.cast<float>();
 }
 
 void VoxelMap::add_sweep(const VoxelMap& sweep_base, const geometry::SE3& T_map_base) {
@@ -54,7 +102,8 @@ VoxelMap::Selection VoxelMap::select(std::size_t l) const {
     for (std::size_t i = 0; level >= l && i < voxels.size(); ++i) {
       const bool is_used = voxels[i].has_plane() && has_finer[i] == 0;
       if (is_used) {
-        selection.points.push_back({voxels[i].mean, voxels[i].normal, voxels[i].weight});
+        selection.points.push_back({voxels[i].mean, voxels[i].normal, voxels[i].weight,
+                                    is_moving() ? times_[level][i] : 0.0F});
       }
       if ((is_used || has_finer[i] != 0) && level + 1 < kLevels &&
           coarser_[level][i] != VoxelGrid::kNone) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/geometry/se3.hpp"
+#include "modules/slam6d/sweep_cloud.hpp"
 #include "modules/slam6d/voxel_grid.hpp"
 
 namespace nodmap::slam6d {
@@ -36,6 +37,13 @@ struct OrientedPoint {
   Eigen::Vector3f p = Eigen::Vector3f::Zero();
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();
   float num_points = 0.0F;  ///< measured points of which `p` is the mean
+  float time = 0.0F;        ///< when they were measured, from -1 to 1 over the sweep
+};
+
+/// When the points of a cloud were measured.
+struct PointTimes {
+  std::vector<float> times;  ///< of each point, from -1 to 1; none: all at once, or stationary
+  Eigen::Vector3f half_path = Eigen::Vector3f::Zero();  ///< of the base, from time 0 to 1
 };
 
 /// A point cloud as voxel means of three sizes with their planes. A scanner sees near surfaces
@@ -49,7 +57,15 @@ class VoxelMap {
 
   /// The voxels of one cloud, seen from `p_sensor`. All in one frame, metres.
   static VoxelMap from_points(std::span<const Eigen::Vector3f> points,
-                              const Eigen::Vector3f& p_sensor, const VoxelMapParams& params);
+                              const Eigen::Vector3f& p_sensor, const VoxelMapParams& params,
+                              const PointTimes& times = {});
+
+  /// Whether the scanner moved while it measured this cloud.
+  [[nodiscard]] bool is_moving() const { return !times_[0].empty(); }
+  [[nodiscard]] const Eigen::Vector3f& half_path() const { return half_path_; }
+
+  /// Deskews the cloud again, and finds its planes anew.
+  void correct(const MotionCorrection& correction);
 
   /// Joins a sweep's voxels into this map. Means and normals are weighted by inverse variance,
   /// which grows with the range from which they were seen: what is seen from near by corrects what
@@ -74,6 +90,9 @@ class VoxelMap {
   Eigen::Vector3f p_sensor_ = Eigen::Vector3f::Zero();
   /// For each voxel of level l its place in level l + 1; only of a single cloud.
   std::array<std::vector<std::uint32_t>, kLevels - 1> coarser_;
+  /// Mean time of each voxel's points; only of a cloud that was measured on the move.
+  std::array<std::vector<float>, kLevels> times_;
+  Eigen::Vector3f half_path_ = Eigen::Vector3f::Zero();
 };
 
 }  // namespace nodmap::slam6d

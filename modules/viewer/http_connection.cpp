@@ -64,7 +64,8 @@ void HttpConnection::read() {
 
 void HttpConnection::on_read(ErrorCode error) {
   if (error == http::error::end_of_stream || error == beast::error::timeout ||
-      error == boost::asio::error::connection_reset) {
+      error == boost::asio::error::connection_reset ||
+      error == boost::asio::error::operation_aborted) {
     return;
   }
   if (error) {

@@ -20,6 +20,9 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
 
   void start() { read(); }
 
+  /// Ends the connection; what is being read or written comes to nothing.
+  void close() { stream_.close(); }
+
  private:
   using ErrorCode = boost::beast::error_code;
   using Parser = boost::beast::http::request_parser<boost::beast::http::empty_body>;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <boost/core/noncopyable.hpp>
+#include <deque>
 #include <memory>
 #include <string>
 #include <vector>
@@ -16,6 +17,7 @@
 
 namespace nodmap::viewer {
 
+class HttpConnection;
 class WebSocketClient;
 
 struct Hub {
@@ -29,6 +31,7 @@ struct Hub {
   log::Throttle throttle{};
   int connections = 0;
   std::vector<std::weak_ptr<WebSocketClient>> clients{};
+  std::deque<std::weak_ptr<HttpConnection>> requests{};  ///< still speaking HTTP, the oldest first
 
   /// Counts a refusal, and logs it at most once in five seconds. `cause` is a snake_case word.
   void refuse(const std::string& cause) {

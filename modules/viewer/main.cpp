@@ -153,6 +153,11 @@ void run_live(const Options& options, const ViewerParams& params) {
 
 void run_replay(const Options& options, const ViewerParams& params) {
   bus::LogPlayer player(options.replay);
+  for (const std::string& damage : player.damages()) {
+    log::get().warn("{}", damage);
+  }
+  const std::vector<std::string> events =
+      playback_events(options.replay, player.utime_us() - player.position_us());
   node::MessageCounts counts;
   bool changed = false;
   bool went_back = false;
@@ -160,7 +165,12 @@ void run_replay(const Options& options, const ViewerParams& params) {
                 {.name = kProgram,
                  .session_id = make_token(),
                  .sends_time = true,
-                 .parameters = [&player] { return playback_parameters(player); },
+                 .parameters =
+                     [&player, &events] {
+                       Json parameters = playback_parameters(player);
+                       parameters.push_back({{"name", "playback.events"}, {"value", events}});
+                       return parameters;
+                     },
                  .set_parameter =
                      [&](const std::string& name, const Json& value) {
                        const PlaybackChange change = set_playback_parameter(player, name, value);

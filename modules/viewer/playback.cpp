@@ -2,12 +2,58 @@
 #include "modules/viewer/playback.hpp"
 
 #include <cmath>
+#include <iomanip>
+#include <map>
+#include <set>
+#include <sstream>
+#include <utility>
+
+#include "common/bus/codec.hpp"
+#include "common/bus/event_log.hpp"
+#include "nodmap/cloud_chunk_t.hpp"
+#include "nodmap/status_t.hpp"
+#include "nodmap/stop_t.hpp"
 
 namespace nodmap::viewer {
 namespace {
 
 /// Far beyond any recording, and still exact in microseconds.
 constexpr double kMaxPositionS = 1e9;
+constexpr std::size_t kMaxEventsOfAKind = 1000;
+
+/// Finds the messages at which something happened: a state that was another one before.
+class EventFinder {
+ public:
+  /// What happened with this event of a log; empty: nothing.
+  std::string look_at(const bus::LogEvent& event) {
+    if (event.channel == "STOP" && bus::decode_into(stop_, event.data)) {
+      const bool is_new = stop_.is_stopped && !std::exchange(is_stopped_, stop_.is_stopped);
+      is_stopped_ = stop_.is_stopped;
+      return is_new ? "stop by " + stop_.requested_by : std::string();
+    }
+    if (event.channel == "STATUS" && bus::decode_into(status_, event.data)) {
+      const bool fails = status_.health == nodmap::status_t::FAILED;
+      const bool is_new = fails && !failed_.contains(status_.process_name);
+      fails ? (void)failed_.insert(status_.process_name)
+            : (void)failed_.erase(status_.process_name);
+      return is_new ? "fault " + status_.process_name + ": " + status_.health_reason
+                    : std::string();
+    }
+    if (event.channel == "CLOUD" && bus::decode_into(chunk_, event.data)) {
+      const bool is_new = chunk_.keyframe_id != std::exchange(keyframe_, chunk_.keyframe_id);
+      return is_new ? "keyframe " + std::to_string(chunk_.keyframe_id) : std::string();
+    }
+    return {};
+  }
+
+ private:
+  nodmap::stop_t stop_{};
+  nodmap::status_t status_{};
+  nodmap::cloud_chunk_t chunk_{};
+  bool is_stopped_ = false;
+  std::set<std::string> failed_;
+  std::int64_t keyframe_ = -1;
+};
 
 }  // namespace
 
@@ -21,6 +67,30 @@ Json playback_parameters(const bus::LogPlayer& player) {
        parameter("playback.begin_s",
                  1e-6 * static_cast<double>(player.utime_us() - player.position_us())),
        parameter("playback.speed", player.speed()), parameter("playback.paused", player.paused())});
+}
+
+std::vector<std::string> playback_events(const std::vector<std::filesystem::path>& logs,
+                                         std::int64_t begin_utime_us) {
+  std::multimap<std::int64_t, std::string> events;
+  std::map<char, std::size_t> counts;  // by the first letter of the kind
+  for (const std::filesystem::path& log : logs) {
+    bus::LogReader reader(log);
+    EventFinder finder;
+    while (const bus::LogEvent* event = reader.next()) {
+      std::string what = finder.look_at(*event);
+      if (!what.empty() && ++counts[what.front()] <= kMaxEventsOfAKind) {
+        events.emplace(event->log_utime_us - begin_utime_us, std::move(what));
+      }
+    }
+  }
+  std::vector<std::string> lines;
+  for (const auto& [position_us, what] : events) {
+    std::ostringstream line;
+    line << std::fixed << std::setprecision(3) << 1e-6 * static_cast<double>(position_us) << ' '
+         << what;
+    lines.push_back(line.str());
+  }
+  return lines;
 }
 
 PlaybackChange set_playback_parameter(bus::LogPlayer& player, const std::string& name,

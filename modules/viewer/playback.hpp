@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstdint>
+#include <filesystem>
 #include <string>
+#include <vector>
 
 #include "common/bus/log_player.hpp"
 #include "modules/viewer/foxglove/foxglove.hpp"
@@ -14,6 +17,12 @@ using foxglove::Json;
 /// and `playback.begin_s`, the time stamp at position 0 (both read only), `playback.speed`,
 /// `playback.paused`.
 [[nodiscard]] Json playback_parameters(const bus::LogPlayer& player);
+
+/// What happened in recordings, for marks on the time line: "12.345 stop by WHO", "12.345 fault
+/// PROCESS: REASON", "12.345 keyframe NUMBER"; seconds from `begin_utime_us`, in the order of time,
+/// at most 1000 of each kind.
+[[nodiscard]] std::vector<std::string> playback_events(
+    const std::vector<std::filesystem::path>& logs, std::int64_t begin_utime_us);
 
 /// What setting a parameter did.
 struct PlaybackChange {

@@ -9,6 +9,10 @@
 namespace nodmap::viewer {
 namespace {
 
+std::int64_t steady_us(const time::Moment& now) {
+  return time::to_us(now.steady.time_since_epoch());
+}
+
 using procman::Fleet;
 using procman::Verb;
 using procman::Wanted;
@@ -43,8 +47,8 @@ void ProcessControl::on_info(const procman::DeputyInfo& info) {
     return;
   }
   const time::Moment now = clock_();
-  heard_[info.deputy_id] = {info, now.steady_us};
-  if (fleet_ && fleet_->take_info(info, now.steady_us)) {
+  heard_[info.deputy_id] = {info, steady_us(now)};
+  if (fleet_ && fleet_->take_info(info, steady_us(now))) {
     give_orders(now);
   }
 }
@@ -54,7 +58,7 @@ void ProcessControl::on_orders(const procman::Orders& orders) {
     return;
   }
   other_sheriff_ = orders.sheriff_id;
-  other_heard_us_ = clock_().steady_us;
+  other_heard_us_ = steady_us(clock_());
   fleet_.reset();  // whoever comes while we are at it knows nothing of us, and stays longer
 }
 
@@ -64,10 +68,10 @@ bool ProcessControl::is_heard(const std::string& deputy, std::int64_t steady_us)
 }
 
 void ProcessControl::begin(const time::Moment& now) {
-  fleet_.emplace(config_, id_ + std::to_string(now.utime_us));
+  fleet_.emplace(config_, id_ + std::to_string(time::to_utime(now.wall)));
   open_.clear();
   for (const auto& [deputy, heard] : heard_) {
-    if (is_heard(deputy, now.steady_us)) {
+    if (is_heard(deputy, steady_us(now))) {
       (void)fleet_->take_info(heard.info, heard.steady_us);
     }
   }
@@ -79,10 +83,10 @@ Answer ProcessControl::change(Verb verb, const std::string& command) {
     return {.ok = false, .text = "There is no command \"" + command + "\"."};
   }
   const time::Moment now = clock_();
-  if (!other_sheriff_.empty() && now.steady_us - other_heard_us_ <= Fleet::kOtherSheriffUs) {
+  if (!other_sheriff_.empty() && steady_us(now) - other_heard_us_ <= Fleet::kOtherSheriffUs) {
     return {.ok = false, .text = "The sheriff " + other_sheriff_ + " is at work: use that one."};
   }
-  if (!is_heard(found->deputy, now.steady_us)) {
+  if (!is_heard(found->deputy, steady_us(now))) {
     return {.ok = false, .text = "The deputy " + found->deputy + " does not answer."};
   }
   if (!fleet_) {
@@ -90,7 +94,7 @@ Answer ProcessControl::change(Verb verb, const std::string& command) {
   }
   fleet_->order(verb, command);
   open_[command] = verb == Verb::kStop ? Wanted::kStopped : Wanted::kRunning;
-  leave_us_ = std::max(leave_us_, now.steady_us + kPatienceUs +
+  leave_us_ = std::max(leave_us_, steady_us(now) + kPatienceUs +
                                       std::int64_t{1'000'000} * found->stop_time_allowed_s);
   give_orders(now);
   return {.ok = true, .text = command + ": " + name_of(verb) + " asked."};
@@ -111,20 +115,20 @@ void ProcessControl::turn() {
   }
   const time::Moment now = clock_();
   std::erase_if(open_, [&](const auto& wish) {
-    return fleet_->has_reached(wish.first, wish.second, now.steady_us);
+    return fleet_->has_reached(wish.first, wish.second, steady_us(now));
   });
-  if (open_.empty() || now.steady_us >= leave_us_) {
+  if (open_.empty() || steady_us(now) >= leave_us_) {
     fleet_.reset();
     leave_us_ = 0;
-  } else if (now.steady_us >= orders_due_us_) {
+  } else if (steady_us(now) >= orders_due_us_) {
     give_orders(now);
   }
 }
 
 void ProcessControl::give_orders(const time::Moment& now) {
-  orders_due_us_ = now.steady_us + kOrdersPeriodUs;
+  orders_due_us_ = steady_us(now) + kOrdersPeriodUs;
   for (const auto& [deputy, heard] : fleet_->deputies()) {
-    if (const auto orders = fleet_->orders_for(deputy, now.utime_us)) {
+    if (const auto orders = fleet_->orders_for(deputy, time::to_utime(now.wall))) {
       bus_.publish(procman::kOrdersChannel, procman::to_message(*orders));
     }
   }

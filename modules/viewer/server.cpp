@@ -59,15 +59,34 @@ struct Server::Impl {
       pause.async_wait([this](ErrorCode) { accept(); });
       return;
     }
-    if (hub.connections >= hub.max_connections) {
+    if (hub.connections >= hub.max_connections && !end_oldest_request()) {
       hub.refuse("too_many_connections");
     } else {
       ErrorCode ignored;
       socket.set_option(tcp::no_delay(true), ignored);
       socket.set_option(asio::socket_base::send_buffer_size(kSendBufferBytes), ignored);
-      std::make_shared<HttpConnection>(boost::beast::tcp_stream(std::move(socket)), hub)->start();
+      const auto connection =
+          std::make_shared<HttpConnection>(boost::beast::tcp_stream(std::move(socket)), hub);
+      std::erase_if(hub.requests, [](const auto& request) { return request.expired(); });
+      hub.requests.push_back(connection);
+      connection->start();
     }
     accept();
+  }
+
+  /// A browser asks within milliseconds: who has held a place for longest without becoming a client
+  /// gives it to the newcomer. Whether there was one.
+  bool end_oldest_request() {
+    while (!hub.requests.empty()) {
+      const auto oldest = hub.requests.front().lock();
+      hub.requests.pop_front();
+      if (oldest) {
+        oldest->close();
+        hub.refuse("slow_request");
+        return true;
+      }
+    }
+    return false;
   }
 
   template <class Do>

@@ -25,6 +25,12 @@ struct HealthRule {
   std::optional<int> restart_mute_s;    ///< after writing nothing (stdout, stderr) for so long
 };
 
+/// How a command competes for the processor. An extension of our tools, as the health rules.
+struct Priority {
+  int nice = 0;      ///< 1 to 19: gives way to all others
+  int realtime = 0;  ///< 1 to 99: goes before all others (SCHED_RR)
+};
+
 /// One command of the configuration.
 struct Command {
   static constexpr int kDefaultStopSignal = 2;  // SIGINT
@@ -38,6 +44,7 @@ struct Command {
   int stop_signal = kDefaultStopSignal;
   int stop_time_allowed_s = kDefaultStopTimeS;
   HealthRule health;
+  Priority priority;
   Place place;
 };
 
@@ -49,7 +56,8 @@ struct Target {
   std::string name;  ///< of the command, or path of the group
 };
 
-enum class Wanted : std::uint8_t { kRunning, kStopped };
+/// Healthy: running, and the newest STATUS of its process is OK. An extension of our tools.
+enum class Wanted : std::uint8_t { kRunning, kStopped, kHealthy };
 enum class Verb : std::uint8_t { kStart, kStop, kRestart };
 
 struct Order {

@@ -2,11 +2,10 @@
 #include "procman/config/parser.hpp"
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 #include <stdexcept>
 #include <utility>
 
+#include "common/formats/input_file.hpp"
 #include "procman/config/lexer.hpp"
 
 namespace nodmap::procman {
@@ -50,6 +49,7 @@ class Parser {
   void parse_rule(Command& command);
   void parse_script();
   Action parse_action();
+  Action parse_wait_for_health();
   Order parse_order(Verb verb);
   std::variant<Order, WaitTime, WaitStatus, RunScript> parse_wait();
 
@@ -185,10 +185,14 @@ void Parser::parse_rule(Command& command) {
     command.health.restart_failed_s = reader_.expect_integer(1, kMaxSeconds);
   } else if (name == "restart_mute_s") {
     command.health.restart_mute_s = reader_.expect_integer(2, kMaxSeconds);
+  } else if (name == "nice") {
+    command.priority.nice = reader_.expect_integer(1, 19);
+  } else if (name == "realtime") {
+    command.priority.realtime = reader_.expect_integer(1, 99);
   } else {
     throw SyntaxError(place, "unrecognized rule " + name +
                                  " (status_name, restart_silent_s, "
-                                 "restart_failed_s, restart_mute_s)");
+                                 "restart_failed_s, restart_mute_s, nice, realtime)");
   }
   reader_.expect(TokenKind::kSemicolon, "';'");
   reader_.expect_extension(false);
@@ -203,7 +207,8 @@ void Parser::parse_script() {
   }
   reader_.expect(TokenKind::kOpen, "'{'");
   while (!reader_.closes()) {
-    script.actions.push_back(parse_action());
+    script.actions.push_back(reader_.token().is_extension ? parse_wait_for_health()
+                                                          : parse_action());
   }
   reader_.advance();
   config_.scripts.push_back(std::move(script));
@@ -223,6 +228,27 @@ Action Parser::parse_action() {
                                                : Verb::kRestart);
   }
   reader_.expect(TokenKind::kSemicolon, "';'");
+  return action;
+}
+
+/// What is ours alone: the existing tools do not know STATUS, and skip it.
+Action Parser::parse_wait_for_health() {
+  reader_.expect_extension(true);
+  Action action;
+  action.place = reader_.token().place;
+  reader_.expect_word({"wait"});
+  WaitStatus wait;
+  wait.target = expect_named_target(reader_.expect_word({"cmd", "group"}));
+  reader_.expect_word({"status"});
+  const Place place = reader_.token().place;
+  const std::string status = reader_.expect(TokenKind::kString, R"("healthy")");
+  if (status != "healthy") {
+    throw SyntaxError(place, R"(expected "healthy", found ")" + status + "\"");
+  }
+  wait.status = Wanted::kHealthy;
+  action.what = wait;
+  reader_.expect(TokenKind::kSemicolon, "';'");
+  reader_.expect_extension(false);
   return action;
 }
 
@@ -271,17 +297,8 @@ std::string describe(const std::string& file, const ConfigError& error) {
          ": " + error.text;
 }
 
-std::string read_config_file(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::error_code ignored;
-  if (!in || std::filesystem::is_directory(file, ignored)) {  // a folder opens, but does not read
-    throw std::runtime_error(file.string() + ": cannot be read");
-  }
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
 Config load_config(const std::filesystem::path& file) {
-  ParsedConfig parsed = parse_config(read_config_file(file));
+  ParsedConfig parsed = parse_config(formats::read_input(file));
   std::string errors;
   for (const ConfigError& error : parsed.errors) {
     if (!errors.empty()) {

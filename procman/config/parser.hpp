@@ -28,16 +28,15 @@ struct ParsedConfig {
 ///             | "wait" "ms" INTEGER
 ///             | "wait" ("cmd" | "group") STRING "status" ("running" | "stopped")
 ///             | "run_script" STRING
+///             | "wait" ("cmd" | "group") STRING "status" "healthy"      in a `#nodmap:` comment
 ///     target  = "everything" | ("cmd" | "group") STRING
 [[nodiscard]] ParsedConfig parse_config(std::string_view text);
 
 /// The error as people and editors read it: FILE:LINE:COLUMN: text.
 [[nodiscard]] std::string describe(const std::string& file, const ConfigError& error);
 
-/// The bytes of a configuration. Throws std::runtime_error, "FILE: cannot be read".
-[[nodiscard]] std::string read_config_file(const std::filesystem::path& file);
-
-/// Reads a file. Throws std::runtime_error, with all errors, a line for each.
+/// Reads a file. Throws formats::InputFileError when it cannot be opened; std::runtime_error with
+/// all errors in it, a line for each.
 [[nodiscard]] Config load_config(const std::filesystem::path& file);
 
 }  // namespace nodmap::procman

@@ -2,8 +2,10 @@
 #include "procman/deputy/child_process.hpp"
 
 #include <fcntl.h>
+#include <sched.h>
 #include <sys/ioctl.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -155,11 +157,23 @@ struct Launch {
   char* const* arguments;
   char* const* environment;
   pid_t parent;
+  Priority priority;
 };
 
 void write_error(const char* text) noexcept {
   if (::write(STDERR_FILENO, text, std::strlen(text)) < 0) {
     ::_exit(kCannotRun);  // nobody reads it
+  }
+}
+
+/// Where the system refuses, the program runs as any other and its output says so.
+void take_priority(const Priority& priority) noexcept {
+  if (priority.nice != 0 && ::setpriority(PRIO_PROCESS, 0, priority.nice) != 0) {
+    write_error("nodmap-deputy: cannot be nice\n");
+  }
+  const sched_param realtime{priority.realtime};
+  if (priority.realtime != 0 && ::sched_setscheduler(0, SCHED_RR, &realtime) != 0) {
+    write_error("nodmap-deputy: no right to real-time priority (see RLIMIT_RTPRIO)\n");
   }
 }
 
@@ -181,6 +195,7 @@ void write_error(const char* text) noexcept {
   ::dup2(fd, STDERR_FILENO);
   // LCM opens its sockets without CLOEXEC.
   ::close_range(STDERR_FILENO + 1, UINT_MAX, 0);
+  take_priority(launch.priority);
   struct sigaction standard {};
   standard.sa_handler = SIG_DFL;
   for (int signal = 1; signal < NSIG; ++signal) {
@@ -237,8 +252,8 @@ Child start_child(const Program& program) {
   const std::vector<char*> environment = pointers(variables);
   const std::string file = find_program(words.at(0), program.search_path);
   Terminal terminal = open_terminal();
-  const Launch launch{terminal.name.data(), file.c_str(), arguments.data(), environment.data(),
-                      ::getpid()};
+  const Launch launch{terminal.name.data(), file.c_str(), arguments.data(),
+                      environment.data(),   ::getpid(),   program.priority};
   // No signal may reach the child while it still has the deputy's ways to handle it.
   sigset_t all;
   sigset_t before;

@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "procman/config/config.hpp"
+
 namespace nodmap::procman {
 
 /// A file descriptor that is closed with its owner.
@@ -49,6 +51,7 @@ struct Program {
   std::vector<std::string> arguments;    ///< the program first, looked up in `path` without a slash
   std::vector<std::string> environment;  ///< NAME=VALUE
   std::string search_path;               ///< folders, joined by ':'
+  Priority priority;
 };
 
 struct Child {

@@ -35,7 +35,8 @@ class Children : boost::noncopyable {
   ~Children() { kill_everything(); }
 
   /// Starts an exec line for a command that does not run. Throws std::runtime_error.
-  [[nodiscard]] pid_t start(const std::string& id, const std::string& exec);
+  [[nodiscard]] pid_t start(const std::string& id, const std::string& exec,
+                            const Priority& priority);
 
   /// Sends a signal to a command and all that descends from it.
   void signal(const std::string& id, int signal);

@@ -10,6 +10,7 @@
 #include <chrono>
 #include <csignal>
 #include <filesystem>
+#include <sstream>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -68,7 +69,7 @@ class Deputy {
         signals_(catch_signals()),
         bus_(settings.lcm_url),
         children_(settings.id, own_folder()),
-        supervisor_(settings.id),
+        supervisor_(settings.id, settings.trusts_orders),
         status_("nodmap-deputy", bus_, counts_, clock_),
         nonce_((clock_.now_utime_us() << 22U) + ::getpid()),
         started_us_(steady_us()) {}
@@ -97,6 +98,8 @@ class Deputy {
   void work_discovery(std::int64_t now_us);
   void begin_service(std::int64_t now_us);
   void meet(const Discovery& discovery);
+  void repeat_last_words();
+  void log_end(const Children::Ended& end);
   void carry_out(const SupervisorActions& actions);
   void start(const StartCommand& action);
   void publish_output(std::int64_t now_us);
@@ -136,6 +139,10 @@ void Deputy::subscribe() {
       counts_.use();
       // No stamp of ours is negative; the difference must not overflow.
       const std::int64_t age_us = clock_.now_utime_us() - std::max<std::int64_t>(0, message.utime);
+      if (message.ncmds > static_cast<int>(Supervisor::kMaxCommands)) {
+        counts_.reject("too_many_commands");
+        return;
+      }
       carry_out(supervisor_.take_orders(from_message(message), age_us, steady_us()));
     }
   });
@@ -147,9 +154,21 @@ void Deputy::meet(const Discovery& discovery) {
   }
   if (serving_) {
     info_changed_ = true;
+    if (discovery.nonce == 0) {  // a sheriff
+      repeat_last_words();
+    }
   } else if (discovery.transmitter_id == settings_.id) {
     log::get().error("another deputy {} is being started", settings_.id);
     exit_code_ = 1;
+  }
+}
+
+/// What has ended writes nothing any more: who comes now learns why it did.
+void Deputy::repeat_last_words() {
+  for (const CommandStatus& status : supervisor_.statuses()) {
+    if (status.pid == 0) {
+      output_.repeat(status.spec.id, steady_us());
+    }
   }
 }
 
@@ -184,7 +203,7 @@ void Deputy::work() {
       [this](const std::string& id, std::string_view text) { output_.add(id, text, steady_us()); },
       now_us);
   for (const Children::Ended& end : children_.reap(now_us)) {
-    log::get().info("{} ended (wait status {})", end.id, end.wait_status);
+    log_end(end);
     carry_out(supervisor_.ended(end.id, end.wait_status, now_us));
   }
   carry_out(supervisor_.poll(now_us));
@@ -204,6 +223,20 @@ void Deputy::work() {
   status_.publish_if_due(health);
   if (supervisor_.is_shutting_down() && supervisor_.is_idle()) {
     exit_code_ = exit_code_.value_or(0);
+  }
+}
+
+/// Of a command that has failed, its last lines, too: they are in the journal then.
+void Deputy::log_end(const Children::Ended& end) {
+  log::get().info("{} ended (wait status {})", end.id, end.wait_status);
+  if (end.wait_status == 0) {
+    return;
+  }
+  std::istringstream lines{std::string(output_.recent(end.id))};
+  for (std::string line; std::getline(lines, line);) {
+    line.erase(std::remove_if(line.begin(), line.end(), [](char c) { return c >= 0 && c < ' '; }),
+               line.end());
+    log::get().warn("{}: {}", end.id, line);
   }
 }
 
@@ -254,7 +287,8 @@ void Deputy::start(const StartCommand& action) {
     return;
   }
   try {
-    const pid_t pid = children_.start(action.id, action.exec);
+    const Priority priority = settings_.priority_of ? settings_.priority_of(action.id) : Priority{};
+    const pid_t pid = children_.start(action.id, action.exec, priority);
     supervisor_.started(action.id, pid, now_us);
     log::get().info("{} started (pid {})", action.id, pid);
     info_changed_ = true;

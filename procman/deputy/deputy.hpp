@@ -4,6 +4,8 @@
 #include <functional>
 #include <string>
 
+#include "procman/config/config.hpp"
+
 namespace nodmap::procman {
 
 struct DeputySettings {
@@ -11,7 +13,10 @@ struct DeputySettings {
   std::string lcm_url;
   /// Which exec lines may be run; LCM tells nobody apart, so orders alone do not decide it.
   std::function<bool(const std::string& exec)> may_run;
-  std::string refusal;  ///< why not, for who ordered it
+  std::string refusal;         ///< why not, for who ordered it
+  bool trusts_orders = false;  ///< see Supervisor
+  /// How a command is to compete for the processor; null: as the deputy does.
+  std::function<Priority(const std::string& id)> priority_of;
 };
 
 /// Serves until SIGINT, SIGTERM, SIGHUP or SIGQUIT. Returns the exit code: 0 after a clean end, 1

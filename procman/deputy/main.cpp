@@ -60,6 +60,7 @@ DeputySettings settings_of(const Options& options) {
   settings.id = deputy_id(options, config);
   if (options.trust_network) {
     settings.may_run = [](const std::string&) { return true; };
+    settings.trusts_orders = true;
     return settings;
   }
   std::set<std::string> allowed;
@@ -73,6 +74,10 @@ DeputySettings settings_of(const Options& options) {
                            " (--id)");
   }
   settings.may_run = [allowed](const std::string& exec) { return allowed.contains(exec); };
+  settings.priority_of = [config](const std::string& id) {
+    const Command* command = config.find_command(id);
+    return command == nullptr ? Priority{} : command->priority;
+  };
   settings.refusal = "nodmap-deputy: refused: " + options.config +
                      " names no such exec for the deputy " + settings.id;
   return settings;

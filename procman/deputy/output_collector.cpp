@@ -22,6 +22,24 @@ void OutputCollector::add(const std::string& id, std::string_view text, std::int
   const std::string& name = is_too_many ? std::string() : id;
   Stream& stream = streams_[name];
   stream.is_forgotten = false;
+  keep_newest(stream.recent, text);
+  pass(name, stream, text, now_us);
+}
+
+void OutputCollector::repeat(const std::string& id, std::int64_t now_us) {
+  const auto found = streams_.find(id);
+  if (found != streams_.end()) {
+    pass(id, found->second, std::string(found->second.recent), now_us);
+  }
+}
+
+std::string_view OutputCollector::recent(const std::string& id) const {
+  const auto found = streams_.find(id);
+  return found == streams_.end() ? std::string_view() : found->second.recent;
+}
+
+void OutputCollector::pass(const std::string& name, Stream& stream, std::string_view text,
+                           std::int64_t now_us) {
   if (stream.release_us) {
     hold(stream, text);
     return;
@@ -50,18 +68,24 @@ std::size_t OutputCollector::take_tokens(Stream& stream, std::size_t wanted, std
   return passing;
 }
 
+/// Appends to a tail and keeps its newest lines. Returns the bytes dropped before them.
+std::size_t OutputCollector::keep_newest(std::string& tail, std::string_view text) {
+  tail += text;
+  if (tail.size() <= kTailBytes) {
+    return 0;
+  }
+  const std::size_t least = tail.size() - kTailBytes;
+  const std::size_t line_end = tail.find('\n', least - 1);
+  // The last line, too, where nothing else is left: its end rather than nothing.
+  const bool has_whole_line = line_end != std::string::npos && line_end + 1 < tail.size();
+  const std::size_t dropped = has_whole_line ? line_end + 1 : least;
+  tail.erase(0, dropped);
+  return dropped;
+}
+
 /// Keeps the newest lines, and counts the bytes of the others.
 void OutputCollector::hold(Stream& stream, std::string_view text) {
-  stream.tail += text;
-  if (stream.tail.size() <= kTailBytes) {
-    return;
-  }
-  const std::size_t least = stream.tail.size() - kTailBytes;
-  const std::size_t line_end = stream.tail.find('\n', least - 1);
-  // The last line, too, where nothing else is left: its end rather than nothing.
-  const bool has_whole_line = line_end != std::string::npos && line_end + 1 < stream.tail.size();
-  const std::size_t dropped = has_whole_line ? line_end + 1 : least;
-  stream.tail.erase(0, dropped);
+  const std::size_t dropped = keep_newest(stream.tail, text);
   stream.dropped_bytes += static_cast<std::int64_t>(dropped);
   dropped_bytes_ += static_cast<std::int64_t>(dropped);
 }

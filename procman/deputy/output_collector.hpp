@@ -51,11 +51,16 @@ class OutputCollector {
   static constexpr double kTotalBurstBytes = 1024.0 * 1024.0;
   static constexpr std::size_t kMaxStreams = 10'000;
   static constexpr std::int64_t kHoldUs = 1'000'000;
-  /// Of a command that is held back; some fifty lines.
+  /// Of a command that is held back, or has ended; some fifty lines.
   static constexpr std::size_t kTailBytes = 4096;
 
   /// What a command wrote; with the empty id what the deputy says.
   void add(const std::string& id, std::string_view text, std::int64_t now_us);
+
+  /// Publishes the newest lines of a command once more, for who was not there to hear them.
+  void repeat(const std::string& id, std::int64_t now_us);
+  /// Those lines; empty where nothing was written.
+  [[nodiscard]] std::string_view recent(const std::string& id) const;
 
   /// What is to be published now, if anything.
   [[nodiscard]] std::vector<CommandOutput> take(std::int64_t now_us);
@@ -75,6 +80,7 @@ class OutputCollector {
     TokenBucket bucket{kCommandBytesPerS, kCommandBurstBytes};
     std::optional<std::int64_t> release_us;  // it is held back until then
     std::string tail;                        // the newest lines since it is held back
+    std::string recent;                      // the newest lines of all
     std::int64_t dropped_bytes = 0;          // before the tail, and not yet reported
     bool is_line_open = false;               // what has passed ends within a line
     bool is_forgotten = false;
@@ -82,6 +88,8 @@ class OutputCollector {
 
   /// How many of `wanted` bytes of a stream may pass now, by its own limit and the common one.
   [[nodiscard]] std::size_t take_tokens(Stream& stream, std::size_t wanted, std::int64_t now_us);
+  void pass(const std::string& name, Stream& stream, std::string_view text, std::int64_t now_us);
+  static std::size_t keep_newest(std::string& tail, std::string_view text);
   void hold(Stream& stream, std::string_view text);
   void release(std::int64_t now_us);
   void append(const std::string& id, std::string_view text);

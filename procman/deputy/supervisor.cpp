@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <csignal>
 #include <cstring>
+#include <set>
+#include <string_view>
 #include <utility>
 
 namespace nodmap::procman {
@@ -14,16 +16,12 @@ namespace {
 constexpr int kCannotRun = 127 << 8;  // as a shell says it: exit code 127
 constexpr double kMaxGraceS = 24.0 * 3600.0;
 
-/// What arrives over the network, made safe: no signal that is none, no grace time that is none.
-CommandSpec sane(CommandSpec spec) {
-  if (spec.stop_signal < 1 || spec.stop_signal > SIGRTMAX) {
-    spec.stop_signal = SIGINT;
-  }
-  if (!(spec.stop_time_allowed_s >= 0.0)) {  // also for what is not a number
-    spec.stop_time_allowed_s = 0.0;
-  }
-  spec.stop_time_allowed_s = std::min(spec.stop_time_allowed_s, kMaxGraceS);
-  return spec;
+constexpr double kMaxUntrustedGraceS = 60.0;
+
+/// Signals at which a process ends that does not object.
+bool is_end(int signal) {
+  return signal == SIGINT || signal == SIGTERM || signal == SIGHUP || signal == SIGQUIT ||
+         signal == SIGKILL;
 }
 
 }  // namespace
@@ -31,7 +29,7 @@ CommandSpec sane(CommandSpec spec) {
 SupervisorActions Supervisor::take_orders(const Orders& orders, std::int64_t age_us,
                                           std::int64_t now_us) {
   SupervisorActions actions;
-  if (shutting_down_ || orders.deputy_id != deputy_id_) {
+  if (shutting_down_ || orders.deputy_id != deputy_id_ || orders.commands.size() > kMaxCommands) {
     return actions;
   }
   if (age_us > kMaxOrdersAgeUs) {
@@ -46,7 +44,9 @@ SupervisorActions Supervisor::take_orders(const Orders& orders, std::int64_t age
   for (const CommandOrder& order : orders.commands) {
     carry_out(order, now_us, actions);
   }
-  remove_missing(orders, now_us, actions);
+  if (trusts_orders_) {
+    remove_missing(orders, now_us, actions);
+  }
   if (!actions.empty()) {
     actions.emplace_back(PublishInfo{});
   }
@@ -76,10 +76,24 @@ void Supervisor::carry_out(const CommandOrder& order, std::int64_t now_us,
   }
 }
 
+/// What arrives over the network, made safe: no signal that is none, no grace time that is none.
+CommandSpec Supervisor::checked(CommandSpec spec) const {
+  const bool is_signal = spec.stop_signal >= 1 && spec.stop_signal <= SIGRTMAX;
+  if (!(trusts_orders_ ? is_signal : is_end(spec.stop_signal))) {
+    spec.stop_signal = SIGINT;
+  }
+  if (!(spec.stop_time_allowed_s >= 0.0)) {  // also for what is not a number
+    spec.stop_time_allowed_s = 0.0;
+  }
+  spec.stop_time_allowed_s =
+      std::min(spec.stop_time_allowed_s, trusts_orders_ ? kMaxGraceS : kMaxUntrustedGraceS);
+  return spec;
+}
+
 /// Takes the new description over; a process that runs goes on as it was started. Whether anything
 /// that is shown has changed.
 bool Supervisor::update_spec(Entry& entry, const CommandSpec& spec) {
-  CommandSpec wanted = sane(spec);
+  CommandSpec wanted = checked(spec);
   if (entry.spec == wanted) {
     return false;
   }
@@ -89,10 +103,12 @@ bool Supervisor::update_spec(Entry& entry, const CommandSpec& spec) {
 
 void Supervisor::remove_missing(const Orders& orders, std::int64_t now_us,
                                 SupervisorActions& actions) {
+  std::set<std::string_view> ordered;
+  for (const CommandOrder& order : orders.commands) {
+    ordered.insert(order.spec.id);
+  }
   for (auto at = commands_.begin(); at != commands_.end();) {
-    const bool is_ordered =
-        std::any_of(orders.commands.begin(), orders.commands.end(),
-                    [&](const CommandOrder& order) { return order.spec.id == at->first; });
+    const bool is_ordered = ordered.contains(at->first);
     Entry& entry = at->second;
     if (is_ordered) {
       ++at;

@@ -46,7 +46,14 @@ class Supervisor {
   /// takes longer.
   static constexpr std::int64_t kKillPeriodUs = 100'000;
 
-  explicit Supervisor(std::string deputy_id) : deputy_id_(std::move(deputy_id)) {}
+  /// More commands than a robot has processes: orders that name more are ignored.
+  static constexpr std::size_t kMaxCommands = 1000;
+
+  /// Who `trusts` orders stops and forgets what they do not name, and lets them say how a process
+  /// is stopped, as the existing procman does. Who does not keeps running what they leave out (each
+  /// command is stopped by name), ends processes by signals that end them, and within a minute.
+  Supervisor(std::string deputy_id, bool trusts_orders)
+      : deputy_id_(std::move(deputy_id)), trusts_orders_(trusts_orders) {}
 
   /// `age_us` is how long ago the orders were sent, by the wall clocks.
   [[nodiscard]] SupervisorActions take_orders(const Orders& orders, std::int64_t age_us,
@@ -92,7 +99,8 @@ class Supervisor {
   };
 
   void carry_out(const CommandOrder& order, std::int64_t now_us, SupervisorActions& actions);
-  static bool update_spec(Entry& entry, const CommandSpec& spec);
+  [[nodiscard]] CommandSpec checked(CommandSpec spec) const;
+  bool update_spec(Entry& entry, const CommandSpec& spec);
   void remove_missing(const Orders& orders, std::int64_t now_us, SupervisorActions& actions);
   static void start(Entry& entry, std::int32_t run, std::int64_t now_us,
                     SupervisorActions& actions);
@@ -100,6 +108,7 @@ class Supervisor {
   static void stop(Entry& entry, std::int64_t now_us, SupervisorActions& actions);
 
   std::string deputy_id_;
+  bool trusts_orders_;
   std::map<std::string, Entry> commands_;
   bool shutting_down_ = false;
 };

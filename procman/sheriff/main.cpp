@@ -6,9 +6,12 @@
 #include <optional>
 #include <stdexcept>
 
+#include "common/formats/input_file.hpp"
 #include "common/node/log.hpp"
 #include "common/node/program.hpp"
+#include "common/params/suggestion.hpp"
 #include "procman/config/parser.hpp"
+#include "procman/sheriff/lone_deputies.hpp"
 #include "procman/sheriff/tasks.hpp"
 #include "procman/sheriff/terminal.hpp"
 
@@ -27,6 +30,7 @@ struct Options {
   bool status = false;
   bool json = false;
   bool observe = false;
+  bool lone = false;
   std::string start;
   std::string stop;
   std::string restart;
@@ -60,19 +64,20 @@ void add_options(CLI::App& app, Options& options) {
       ->excludes(start)
       ->excludes(stop)
       ->excludes(restart);
+  auto* lone =
+      app.add_flag(
+             "--lone", options.lone,
+             "Run the configuration's deputies, too, on this host; at the end everything ends")
+          ->excludes("--observe");
+  what->excludes(lone);
   app.footer(
       "Exit codes: 0 done, 1 not reached or a host does not answer, 2 wrong command line or "
       "configuration, 3 another sheriff gives orders.");
 }
 
-/// The configuration, or nothing when its errors have been printed.
+/// The configuration, or nothing when its errors have been printed. Throws formats::InputFileError.
 std::optional<Config> read_config(const std::string& file) {
-  ParsedConfig parsed;
-  try {
-    parsed = parse_config(read_config_file(file));
-  } catch (const std::runtime_error& error) {
-    throw node::UsageError(error.what());
-  }
+  ParsedConfig parsed = parse_config(formats::read_input(file));
   for (const ConfigError& error : parsed.errors) {
     std::cerr << describe(file, error) << "\n";
   }
@@ -93,7 +98,12 @@ int serve(const Options& options, const Config& config) {
   if (!options.script.empty()) {
     watching.script = config.find_script(options.script);
     if (watching.script == nullptr) {
-      throw node::UsageError(options.config + " has no script \"" + options.script + "\"");
+      std::vector<std::string> names;
+      for (const Script& script : config.scripts) {
+        names.push_back(script.name);
+      }
+      throw node::UsageError(options.config + " has no script \"" + options.script + "\"" +
+                             params::did_you_mean(options.script, names));
     }
     watching.after_script = after_script(options.after_script);
     watching.timeout_s = options.timeout_s;
@@ -118,6 +128,13 @@ int serve(const Options& options, const Config& config) {
   return watch(sheriff, watching);
 }
 
+/// The same with deputies of its own.
+int serve_alone(const Options& options, const Config& config) {
+  LoneDeputies deputies(options.config, config, options.lcm_url);
+  const int code = serve(options, config);
+  return deputies.stop() || code != kDone ? code : kFailed;
+}
+
 int run(int argc, char** argv) {
   Options options;
   return node::run_program(
@@ -132,7 +149,10 @@ int run(int argc, char** argv) {
          if (!config) {
            return kWrong;
          }
-         return options.check ? print_config(options.config, *config) : serve(options, *config);
+         if (options.check) {
+           return print_config(options.config, *config);
+         }
+         return options.lone ? serve_alone(options, *config) : serve(options, *config);
        }});
 }
 

@@ -2,6 +2,7 @@
 #include "procman/sheriff/script_runner.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace nodmap::procman {
 namespace {
@@ -18,7 +19,9 @@ std::string describe(const Target& target) {
 }
 
 const char* name_of(Wanted wanted) {
-  return wanted == Wanted::kRunning ? "running" : "stopped";
+  return wanted == Wanted::kRunning   ? "running"
+         : wanted == Wanted::kStopped ? "stopped"
+                                      : "healthy";
 }
 
 /// The status that an action waits for, if it does.
@@ -53,7 +56,8 @@ bool has_reached(const Fleet& fleet, const Config& config, const Target& target,
   });
 }
 
-ScriptRunner::ScriptRunner(const Config& config, const Script& script) : config_(config) {
+ScriptRunner::ScriptRunner(const Config& config, const Script& script, HealthTest is_healthy)
+    : config_(config), is_healthy_(std::move(is_healthy)) {
   append(script);
 }
 
@@ -109,10 +113,21 @@ bool ScriptRunner::is_done(const Action& action, const Fleet& fleet, std::int64_
   if (!wait) {
     return true;
   }
-  if (wait->status == Wanted::kRunning) {
+  if (wait->status != Wanted::kStopped) {
     failure_ = dead_commands(wait->target, fleet, now_us);
   }
-  return has_reached(fleet, config_, wait->target, wait->status, now_us);
+  return has_arrived(*wait, fleet, now_us);
+}
+
+bool ScriptRunner::has_arrived(const WaitStatus& wait, const Fleet& fleet,
+                               std::int64_t now_us) const {
+  if (wait.status != Wanted::kHealthy) {
+    return has_reached(fleet, config_, wait.target, wait.status, now_us);
+  }
+  const auto commands = config_.commands_of(wait.target);
+  return has_reached(fleet, config_, wait.target, Wanted::kRunning, now_us) &&
+         std::all_of(commands.begin(), commands.end(),
+                     [this](const Command* command) { return is_healthy_(command->id); });
 }
 
 /// The commands that have ended with an error and are not started anew, and how they ended.

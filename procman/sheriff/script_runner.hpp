@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <set>
 #include <string>
@@ -29,8 +30,11 @@ class ScriptRunner {
   /// So long after the last action it is waited for that.
   static constexpr std::int64_t kSettleUs = 4'000'000;
 
+  using HealthTest = std::function<bool(const std::string& command)>;
+
   /// Both must outlive the runner; the script's calls are known to end (check_scripts()).
-  ScriptRunner(const Config& config, const Script& script);
+  /// `is_healthy` is asked about commands that run, where the script waits for "healthy".
+  ScriptRunner(const Config& config, const Script& script, HealthTest is_healthy);
 
   /// Does what can be done by now. To be called again and again until is_over().
   void step(Fleet& fleet, std::int64_t now_us);
@@ -49,7 +53,11 @@ class ScriptRunner {
                                           std::int64_t now_us) const;
   void settle(const Fleet& fleet, std::int64_t now_us);
 
+  [[nodiscard]] bool has_arrived(const WaitStatus& wait, const Fleet& fleet,
+                                 std::int64_t now_us) const;
+
   const Config& config_;
+  HealthTest is_healthy_;
   std::vector<const Action*> actions_;  // with those of called scripts in their places
   std::size_t at_ = 0;
   bool begun_ = false;  // the action at at_ has been given, and is waited for

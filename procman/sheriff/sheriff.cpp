@@ -11,6 +11,7 @@ namespace nodmap::procman {
 namespace {
 
 constexpr std::int64_t kOrdersPeriodUs = 1'000'000;
+constexpr std::int64_t kFreshStatusUs = 3'000'000;  // STATUS comes once a second
 
 ProcessHealth health_of(const nodmap::status_t& message) {
   ProcessHealth health;
@@ -106,6 +107,14 @@ std::vector<HealthWatch::Restart> Sheriff::apply_health_rules() {
     give_orders();
   }
   return restarts;
+}
+
+bool Sheriff::is_healthy(const std::string& command) const {
+  const Fleet::Item* item = fleet_.find(command);
+  const auto status = health_.last_status_of(command);
+  return item != nullptr && status && status->health.state == ProcessHealth::State::kOk &&
+         status->received_us >= item->running_since_us &&
+         now_us() - status->received_us < kFreshStatusUs;
 }
 
 const Console* Sheriff::console(const std::string& command) const {

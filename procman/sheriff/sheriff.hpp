@@ -39,6 +39,9 @@ class Sheriff {
   /// Restarts what the configuration's health rules ask for; their reasons.
   std::vector<HealthWatch::Restart> apply_health_rules();
 
+  /// Whether a command's process has said OK since it runs, and lately.
+  [[nodiscard]] bool is_healthy(const std::string& command) const;
+
   void on_output(OutputHandler handler) { output_handler_ = std::move(handler); }
 
   [[nodiscard]] Fleet& fleet() { return fleet_; }

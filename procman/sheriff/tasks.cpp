@@ -9,6 +9,7 @@
 
 #include "common/node/log.hpp"
 #include "common/node/program.hpp"
+#include "common/params/suggestion.hpp"
 #include "procman/sheriff/script_runner.hpp"
 
 namespace nodmap::procman {
@@ -115,6 +116,18 @@ int print_config(const std::string& file, const Config& config) {
   return kDone;
 }
 
+namespace {
+
+std::vector<std::string> command_names(const Config& config) {
+  std::vector<std::string> names;
+  for (const Command& command : config.commands) {
+    names.push_back(command.id);
+  }
+  return names;
+}
+
+}  // namespace
+
 int print_status(Sheriff& sheriff, bool as_json) {
   const auto missing = missing_deputies(sheriff, deputies_of(sheriff.config().commands_of({})));
   // Health comes once a second, and another sheriff's orders too.
@@ -142,7 +155,10 @@ int change(Sheriff& sheriff, Verb verb, const std::string& name) {
   const Config& config = sheriff.config();
   const bool is_command = config.find_command(name) != nullptr;
   if (!is_command && !config.has_group(name)) {
-    std::cerr << "nodmap-sheriff: there is no command and no group \"" << name << "\"\n";
+    std::vector<std::string> names = command_names(config);
+    names.insert(names.end(), config.groups.begin(), config.groups.end());
+    std::cerr << "nodmap-sheriff: there is no command and no group \"" << name << "\""
+              << params::did_you_mean(name, names) << "\n";
     return kWrong;
   }
   const Target target{is_command ? TargetKind::kCommand : TargetKind::kGroup, name};
@@ -177,7 +193,8 @@ int change(Sheriff& sheriff, Verb verb, const std::string& name) {
 
 int follow_output(Sheriff& sheriff, const std::string& command) {
   if (sheriff.config().find_command(command) == nullptr) {
-    std::cerr << "nodmap-sheriff: there is no command \"" << command << "\"\n";
+    std::cerr << "nodmap-sheriff: there is no command \"" << command << "\""
+              << params::did_you_mean(command, command_names(sheriff.config())) << "\n";
     return kWrong;
   }
   sheriff.on_output([&command](const std::string& id, const std::string& text) {

@@ -36,7 +36,8 @@ class Watch {
  public:
   Watch(Sheriff& sheriff, const WatchOptions& options) : sheriff_(sheriff), options_(options) {
     if (options.script != nullptr) {
-      runner_.emplace(sheriff.config(), *options.script);
+      runner_.emplace(sheriff.config(), *options.script,
+                      [&sheriff](const std::string& id) { return sheriff.is_healthy(id); });
     }
     if (Terminal::is_there()) {
       terminal_ = std::make_unique<Terminal>();

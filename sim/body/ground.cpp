@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "sim/body/ground.hpp"
 
-#include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
@@ -15,7 +15,7 @@ double slope_of(const Ramp& ramp) {
   return along.z() / along.head<2>().norm();
 }
 
-std::optional<Support> support_of(const Ramp& ramp, const Eigen::Vector2d& p) {
+std::optional<double> height_at(const Ramp& ramp, const Eigen::Vector2d& p) {
   const Eigen::Vector2d along = (ramp.to - ramp.from).head<2>();
   const Eigen::Vector2d direction = along.normalized();
   const Eigen::Vector2d v = p - ramp.from.head<2>();
@@ -24,18 +24,16 @@ std::optional<Support> support_of(const Ramp& ramp, const Eigen::Vector2d& p) {
   if (ahead < 0.0 || ahead > along.norm() || std::abs(left) > 0.5 * ramp.width_m) {
     return std::nullopt;
   }
-  const double slope = slope_of(ramp);
-  const Eigen::Vector3d normal(-slope * direction.x(), -slope * direction.y(), 1.0);
-  return Support{ramp.from.z() + slope * ahead, normal.normalized()};
+  return ramp.from.z() + slope_of(ramp) * ahead;
 }
 
-std::optional<Support> support_of(const Box& box, const Eigen::Vector2d& p) {
+std::optional<double> height_at(const Box& box, const Eigen::Vector2d& p) {
   const geometry::SE2 T_world_box{box.center.x(), box.center.y(), box.yaw_rad};
   const Eigen::Vector2d q = T_world_box.inverse() * p;
   if (std::abs(q.x()) > 0.5 * box.size.x() || std::abs(q.y()) > 0.5 * box.size.y()) {
     return std::nullopt;
   }
-  return Support{box.center.z() + 0.5 * box.size.z(), Eigen::Vector3d::UnitZ()};
+  return box.center.z() + 0.5 * box.size.z();
 }
 
 }  // namespace
@@ -45,11 +43,12 @@ bool is_drivable(const Ramp& ramp, const BodyParams& params) {
 }
 
 Ground::Ground(const World& world, const BodyParams& params)
-    : climb_height_m_(params.climb_height_m) {
-  for (const Object& object : world.objects) {
+    : climb_height_m_(params.climb_height_m), body_height_m_(params.height_m) {
+  for (std::size_t i = 0; i < world.objects.size(); ++i) {
+    const Object& object = world.objects[i];
     if (const auto* ramp = std::get_if<Ramp>(&object.shape)) {
       if (is_drivable(*ramp, params)) {
-        ramps_.push_back(*ramp);
+        ramps_.push_back({*ramp, i});
       }
     } else if (const auto* box = std::get_if<Box>(&object.shape)) {
       if (box->center.z() + 0.5 * box->size.z() > climb_height_m_) {
@@ -63,21 +62,24 @@ Ground::Ground(const World& world, const BodyParams& params)
   }
 }
 
-Support Ground::at(const Eigen::Vector2d& p, double height_m) const {
-  Support highest;
-  const auto consider = [&](const std::optional<Support>& support) {
-    if (support && support->height_m <= height_m + climb_height_m_ &&
-        support->height_m >= highest.height_m) {
-      highest = *support;
+WheelContact Ground::roll(const Eigen::Vector2d& p, double height_m) const {
+  WheelContact contact;
+  const double step_m = height_m + climb_height_m_;
+  for (const Slope& slope : ramps_) {
+    const std::optional<double> found_m = height_at(slope.ramp, p);
+    if (found_m && *found_m <= step_m) {
+      contact.height_m = std::max(contact.height_m, *found_m);
+    } else if (found_m && *found_m < height_m + body_height_m_) {
+      contact.blocking_object = slope.object;
     }
-  };
-  for (const Ramp& ramp : ramps_) {
-    consider(support_of(ramp, p));
   }
   for (const Box& platform : platforms_) {
-    consider(support_of(platform, p));
+    const std::optional<double> found_m = height_at(platform, p);
+    if (found_m && *found_m <= step_m) {
+      contact.height_m = std::max(contact.height_m, *found_m);
+    }
   }
-  return highest;
+  return contact;
 }
 
 }  // namespace nodmap::sim

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "sim/body/params.hpp"
@@ -11,26 +13,41 @@ namespace nodmap::sim {
 /// Whether the ramp is flat enough for the robot.
 [[nodiscard]] bool is_drivable(const Ramp& ramp, const BodyParams& params);
 
-/// Height and normal of the surface under the robot.
+/// Height and normal of the plane on which the robot's wheels stand.
 struct Support {
   double height_m = 0.0;
   Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
 };
 
-/// The ground that the robot drives on: the floor, ramps, and box tops as platforms. Objects lower
-/// than the climb height are ignored.
+/// The ground under a wheel.
+struct WheelContact {
+  double height_m = 0.0;
+  /// The ramp whose side or end is too high a step; its place in World::objects.
+  std::optional<std::size_t> blocking_object;
+};
+
+/// The ground that wheels roll on: the floor, ramps, and box tops as platforms. Objects lower than
+/// the climb height are ignored. Pits are no ground: the body collides with their edge.
 class Ground {
  public:
   Ground(const World& world, const BodyParams& params);
 
-  /// The support at `p` (world) of a robot whose ground was at `height_m` one step before: the
-  /// highest surface that is not a step up. Pits are no ground: the robot collides with their edge.
-  [[nodiscard]] Support at(const Eigen::Vector2d& p, double height_m) const;
+  /// Nothing but the floor.
+  [[nodiscard]] bool is_flat() const { return ramps_.empty(); }
+
+  /// The ground at `p` (world) for a wheel that was at `height_m` one step before: the highest
+  /// surface that is not a step up.
+  [[nodiscard]] WheelContact roll(const Eigen::Vector2d& p, double height_m) const;
 
  private:
-  std::vector<Ramp> ramps_;
+  struct Slope {
+    Ramp ramp;
+    std::size_t object;
+  };
+  std::vector<Slope> ramps_;
   std::vector<Box> platforms_;
   double climb_height_m_;
+  double body_height_m_;
 };
 
 }  // namespace nodmap::sim

@@ -12,7 +12,8 @@ namespace nodmap::sim {
 struct BodyParams {
   double length_m = 0.45;
   double width_m = 0.33;
-  double height_m = 0.47;  // with the scanner
+  double height_m = 0.47;     // with the scanner
+  double wheelbase_m = 0.30;  // three wheels of 12 cm in a row, within the body's length
   double climb_height_m = 0.03;
   double max_slope_rad = geometry::deg_to_rad(15.0);
 
@@ -21,6 +22,8 @@ struct BodyParams {
     v.number("body_length_m", length_m, {0.05, 5.0}, "Length of the robot's body.");
     v.number("body_width_m", width_m, {0.05, 5.0}, "Width of the robot's body.");
     v.number("body_height_m", height_m, {0.05, 5.0}, "Height of the robot with its scanner.");
+    v.number("wheelbase_m", wheelbase_m, {0.05, 5.0},
+             "From the front to the rear wheels: where the body rests on the ground.");
     v.number("climb_height_m", climb_height_m, {0.0, 0.2},
              "Lower obstacles are driven over; deeper drops are falls.");
     v.angle("max_slope_deg", max_slope_rad, {0.0, 45.0}, "Steeper ramps are obstacles.");

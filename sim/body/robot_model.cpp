@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "sim/body/collision.hpp"
+#include "sim/body/crowd.hpp"
 #include "sim/body/ground.hpp"
 #include "sim/world/ray_caster.hpp"
 
@@ -55,29 +56,35 @@ struct RobotModel::State {
         caster(world),
         ground(world, params.body),
         collision(world, params.body),
+        crowd(world, params.body),
         base(params.drive, world.T_world_start, seed ^ kSlipStream),
         servo(params.servo),
         rangefinder(params.laser, seed) {
+    wheel_heights_m.fill(world.start_height_m);
+    stand();
     save_step();
   }
 
   void step();
   void drive();
+  void stand();
   void touch_actors(const geometry::SE2& T_world_before, double speed_mps);
   void save_step();
   [[nodiscard]] Eigen::Quaterniond orientation() const;
   // Contacts are numbered: obstacles, the edge of the ground that the robot drives on, actors.
   [[nodiscard]] std::size_t edge() const { return collision.size(); }
   [[nodiscard]] double distance(std::size_t contact) const;
-  [[nodiscard]] ActorState state_of(const Actor& actor) const {
-    return {actor.position(newest_s()), actor.radius_m, actor.height_m};
-  }
   [[nodiscard]] double newest_s() const { return 1e-6 * static_cast<double>(newest_us); }
   [[nodiscard]] const Step& step_at(std::int64_t time_us) const {
     return history[static_cast<std::size_t>(time_us / kStepUs) % kHistory];
   }
   [[nodiscard]] double corner_m() const {
     return 0.5 * std::hypot(params.body.length_m, params.body.width_m);
+  }
+  /// Where the outermost wheels touch the ground, in base: front left and right, rear left, right.
+  [[nodiscard]] Eigen::Vector2d wheel(std::size_t i) const {
+    return {(i < 2 ? 0.5 : -0.5) * params.body.wheelbase_m,
+            (i % 2 == 0 ? 0.5 : -0.5) * params.drive.axis_length_m};
   }
   [[nodiscard]] BodyPose body_pose() const {
     const double slope = support.normal.head<2>().norm() / support.normal.z();
@@ -96,10 +103,12 @@ struct RobotModel::State {
   RayCaster caster;
   Ground ground;
   Collision collision;
+  Crowd crowd;
   SkidSteerBase base;
   PitchServo servo;
   Rangefinder rangefinder;
   Support support;
+  std::array<double, 4> wheel_heights_m{};
   Contacts contacts;
   Eigen::Vector2d edge_contact = Eigen::Vector2d::Zero();  // where the robot last met an edge
   std::int64_t collisions = 0;
@@ -114,6 +123,7 @@ struct RobotModel::State {
 
 void RobotModel::State::step() {
   newest_us += kStepUs;
+  crowd.advance(newest_s(), base.T_world_base());
   drive();
   contacts.end_separated([this](std::size_t contact) { return distance(contact); });
   save_step();
@@ -126,9 +136,9 @@ double RobotModel::State::distance(std::size_t contact) const {
   if (contact == edge()) {
     return (base.T_world_base().translation() - edge_contact).norm();
   }
-  const Actor& actor = world.actors[contact - edge() - 1];
-  return actor.is_present(newest_s()) ? collision.distance(state_of(actor), body_pose())
-                                      : std::numeric_limits<double>::infinity();
+  const std::size_t actor = contact - edge() - 1;
+  return crowd.is_present(actor) ? collision.distance(crowd.state(actor), body_pose())
+                                 : std::numeric_limits<double>::infinity();
 }
 
 /// Moves the robot, unless an obstacle blocks it.
@@ -150,26 +160,48 @@ void RobotModel::State::drive() {
   for (const std::size_t obstacle : collision.touched(body_pose())) {
     hit(obstacle);
   }
-  const Support next = ground.at(base.T_world_base().translation(), support.height_m);
-  if (next.height_m < support.height_m - params.body.climb_height_m) {
-    hit(edge());
-    edge_contact = base.T_world_base().translation();
+  std::array<double, 4> heights_m = wheel_heights_m;
+  for (std::size_t i = 0; i < heights_m.size() && !ground.is_flat(); ++i) {
+    const WheelContact contact = ground.roll(base.T_world_base() * wheel(i), wheel_heights_m[i]);
+    if (contact.blocking_object) {
+      hit(*contact.blocking_object);
+    } else if (contact.height_m < wheel_heights_m[i] - params.body.climb_height_m) {
+      hit(edge());
+      edge_contact = base.T_world_base().translation();
+    }
+    heights_m[i] = contact.height_m;
   }
   if (blocked) {
     base.block(T_world_before);
   } else {
-    support = next;
+    wheel_heights_m = heights_m;
+    stand();
   }
   touch_actors(T_world_before, speed_mps);
 }
 
+/// Lays the body on its wheels: height of base and direction of up, from the wheels' heights.
+void RobotModel::State::stand() {
+  if (ground.is_flat()) {
+    return;
+  }
+  const auto& [front_left, front_right, rear_left, rear_right] = wheel_heights_m;
+  const double up_ahead =
+      0.5 * (front_left + front_right - rear_left - rear_right) / params.body.wheelbase_m;
+  const double up_left =
+      0.5 * (front_left + rear_left - front_right - rear_right) / params.drive.axis_length_m;
+  const Eigen::Vector2d rise = base.T_world_base().rotation() * Eigen::Vector2d(up_ahead, up_left);
+  support.height_m = 0.25 * (front_left + front_right + rear_left + rear_right);
+  support.normal = Eigen::Vector3d(-rise.x(), -rise.y(), 1.0).normalized();
+  base.set_slope(up_ahead);
+}
+
 void RobotModel::State::touch_actors(const geometry::SE2& T_world_before, double speed_mps) {
-  for (std::size_t i = 0; i < world.actors.size(); ++i) {
-    const Actor& actor = world.actors[i];
-    if (!actor.is_present(newest_s())) {
+  for (std::size_t i = 0; i < crowd.size(); ++i) {
+    if (!crowd.is_present(i)) {
       continue;
     }
-    const ActorState state = state_of(actor);
+    const ActorState state = crowd.state(i);
     if (collision.distance(state, body_pose()) > 0.0) {
       continue;
     }
@@ -204,12 +236,7 @@ void RobotModel::State::save_step() {
   step.orientation = orientation();
   step.pitch = servo.at(newest_s());
   step.travel = base.travel();
-  step.actors.clear();
-  for (const Actor& actor : world.actors) {
-    if (actor.is_present(newest_s())) {
-      step.actors.push_back(state_of(actor));
-    }
-  }
+  crowd.copy_present(step.actors);
 }
 
 RobotModel::State::Moment RobotModel::State::moment(std::int64_t time_us) const {
@@ -310,11 +337,13 @@ GroundTruth RobotModel::ground_truth() const {
   truth.contacts_caused = state_->contacts_caused;
   truth.falls = state_->falls;
   truth.actors = now.to.actors;
-  truth.clearance_m = state_->collision.clearance_m(state_->body_pose());
+  truth.person_clearance_m = std::numeric_limits<double>::infinity();
   for (const ActorState& actor : truth.actors) {
-    truth.clearance_m =
-        std::min(truth.clearance_m, state_->collision.distance(actor, state_->body_pose()));
+    truth.person_clearance_m =
+        std::min(truth.person_clearance_m, state_->collision.distance(actor, state_->body_pose()));
   }
+  truth.clearance_m =
+      std::min(truth.person_clearance_m, state_->collision.clearance_m(state_->body_pose()));
   return truth;
 }
 

@@ -22,6 +22,7 @@ struct GroundTruth {
   double pitch_rad = 0.0;
   double pitch_rate_rad_s = 0.0;
   double clearance_m = 0.0;          ///< from the body to the nearest obstacle or actor
+  double person_clearance_m = 0.0;   ///< from the body to the nearest actor; infinite without
   std::int64_t collisions = 0;       ///< contacts with obstacles and actors, without bumps
   std::int64_t bumps = 0;            ///< contacts with actors that walked into the stationary robot
   std::int64_t contacts_caused = 0;  ///< collisions while a point of the body moved at >= 0.05 m/s

@@ -75,19 +75,24 @@ void SkidSteerBase::step(double dt_s) {
 
 void SkidSteerBase::accelerate_wheel(double goal_mps, double dt_s, double& wheel_mps) const {
   // Each side moves half of the mass.
-  const double friction_mps2 = params_.friction * kGravityMps2;
+  const double cosine = 1.0 / std::hypot(1.0, slope_);
+  const double friction_mps2 = params_.friction * kGravityMps2 * cosine;
+  const double downhill_mps2 = kGravityMps2 * cosine * slope_;
   if (braking_) {
-    const double slower = std::max(0.0, std::abs(wheel_mps) - friction_mps2 * dt_s);
+    const double uphill = wheel_mps < 0.0 ? -downhill_mps2 : downhill_mps2;
+    const double slower = std::max(0.0, std::abs(wheel_mps) - (friction_mps2 + uphill) * dt_s);
     wheel_mps = std::copysign(slower, wheel_mps);
     return;
   }
   const double wanted_mps2 = (goal_mps - wheel_mps) / params_.motor_lag_s;
-  double max_mps2 = friction_mps2;
+  double least_mps2 = -friction_mps2 - downhill_mps2;
+  double most_mps2 = friction_mps2 - downhill_mps2;
   if (wanted_mps2 * wheel_mps > 0.0) {
     const double power_mps2 = params_.motor_power_w / (0.5 * params_.mass_kg * std::abs(wheel_mps));
-    max_mps2 = std::min(max_mps2, power_mps2);
+    least_mps2 = std::max(least_mps2, -power_mps2 - downhill_mps2);
+    most_mps2 = std::min(most_mps2, power_mps2 - downhill_mps2);
   }
-  wheel_mps += std::clamp(wanted_mps2, -max_mps2, max_mps2) * dt_s;
+  wheel_mps += std::clamp(wanted_mps2, least_mps2, most_mps2) * dt_s;
 }
 
 /// Exact for any step: slip and tilt per metre depend neither on the speed nor on the step.
@@ -104,8 +109,9 @@ void SkidSteerBase::advance_random_processes(double distance_m) {
 
 void SkidSteerBase::move(double dt_s) {
   const double mid_yaw_rad = T_world_base_.yaw + 0.5 * yaw_rate_rad_s_ * dt_s;
-  T_world_base_.x += forward_mps_ * dt_s * std::cos(mid_yaw_rad);
-  T_world_base_.y += forward_mps_ * dt_s * std::sin(mid_yaw_rad);
+  const double seen_from_above_m = forward_mps_ * dt_s / std::hypot(1.0, slope_);
+  T_world_base_.x += seen_from_above_m * std::cos(mid_yaw_rad);
+  T_world_base_.y += seen_from_above_m * std::sin(mid_yaw_rad);
   T_world_base_.yaw = geometry::normalize_angle(T_world_base_.yaw + yaw_rate_rad_s_ * dt_s);
 }
 

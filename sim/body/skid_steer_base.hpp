@@ -31,6 +31,10 @@ class SkidSteerBase {
   /// Stops as fast as friction allows.
   void brake();
 
+  /// Rise of the ground ahead for a metre over ground: gravity slows the robot or speeds it up, and
+  /// what the wheels roll is longer than its path seen from above.
+  void set_slope(double up_ahead) { slope_ = up_ahead; }
+
   void step(double dt_s);
 
   /// An obstacle keeps the robot at `T_world_base` while its wheels slip.
@@ -72,6 +76,7 @@ class SkidSteerBase {
   double yaw_rate_rad_s_ = 0.0;
   double tilt_up_rad_ = 0.0;
   double tilt_left_rad_ = 0.0;
+  double slope_ = 0.0;
   WheelScales scales_;
   RandomProcess slip_distance_;  // m per m
   RandomProcess slip_heading_;   // rad per m

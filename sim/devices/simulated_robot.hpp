@@ -38,6 +38,7 @@ class SimulatedRobot {
                  const std::vector<Fault>& faults, std::uint64_t seed);
 
   [[nodiscard]] SerialDevice& device(Part part) { return *lines_[static_cast<std::size_t>(part)]; }
+  [[nodiscard]] RobotModel& model() { return model_; }
   [[nodiscard]] const RobotModel& model() const { return model_; }
 
   /// Moves the robot model on; to be called before the devices' transmit() at the same time.

@@ -185,8 +185,99 @@ TEST(RobotModel, FollowsARampAndDoesNotFallOffItsEnd) {
   EXPECT_NEAR(p.z(), (p.x() - 1.0) / 6.0, 1e-6);
   EXPECT_NEAR(truth.T_world_base.linear()(2, 0), 0.5 / std::hypot(3.0, 0.5), 1e-6);
   model.advance_to(10 * kSecond);
+  EXPECT_EQ(model.ground_truth().falls, 1);
+  // The front wheels, half of the wheelbase ahead of base, stop at the edge.
+  EXPECT_NEAR(model.ground_truth().T_world_base.translation().x(), 4.0 - 0.15, 2e-3);
+}
+
+// With the front wheels on the slope and the rear ones on the floor, the body is pitched by half of
+// what it will be: height of the front wheels over the wheelbase.
+TEST(RobotModel, PitchGrowsWhileTheWheelsRollOntoARamp) {
+  const double slope = std::tan(deg_to_rad(12.0));
+  World world;
+  world.objects.push_back({Ramp{{1.0, 0.0, 0.0}, {4.0, 0.0, 3.0 * slope}, 2.0}});
+  RobotModel model(world, exact_params(), 1);
+  model.set_wheel_speeds({0.2, 0.2});
+  std::int64_t t = 0;
+  while (model.ground_truth().T_world_base.translation().x() < 1.0) {
+    model.advance_to(t += 1000);
+  }
+  const GroundTruth truth = model.ground_truth();
+  const double front_m = slope * (truth.T_world_base.translation().x() + 0.15 - 1.0);
+  EXPECT_NEAR(truth.T_world_base.linear()(2, 0), std::sin(std::atan2(front_m, 0.3)), 1e-4);
+  EXPECT_NEAR(truth.T_world_base.translation().z(), 0.5 * front_m, 1e-4);
+  EXPECT_EQ(truth.collisions, 0);
+}
+
+TEST(RobotModel, AWheelOverTheSideOfARampIsAFall) {
+  World world;
+  world.objects.push_back({Ramp{{1.0, 0.0, 0.0}, {5.0, 0.0, 0.7}, 1.0}});
+  RobotModel model(world, exact_params(), 1);
+  model.set_wheel_speeds({0.5, 0.5});
+  model.advance_to(5 * kSecond);
+  model.set_wheel_speeds({0.4, 0.5});
+  model.advance_to(12 * kSecond);
+  EXPECT_EQ(model.ground_truth().falls, 1);
+}
+
+TEST(RobotModel, TheSideOfARampIsAnObstacle) {
+  World world;
+  // Beside the start; 10 cm high where the robot comes.
+  world.objects.push_back({Ramp{{-2.0, 1.0, 0.0}, {2.0, 1.0, 0.2}, 1.0}});
+  world.T_world_start.yaw = 0.5 * geometry::kPi;
+  RobotModel model(world, exact_params(), 1);
+  model.set_wheel_speeds({0.5, 0.5});
+  model.advance_to(4 * kSecond);
   EXPECT_EQ(model.ground_truth().collisions, 1);
-  EXPECT_NEAR(model.ground_truth().T_world_base.translation().x(), 4.0, 2e-3);
+  EXPECT_EQ(model.ground_truth().falls, 0);
+  EXPECT_LT(model.ground_truth().T_world_base.translation().y(), 0.5);
+}
+
+// s = v^2 / 2 (mu cos +- sin) g along the slope.
+TEST(RobotModel, BrakingTakesLongerDownhill) {
+  const double slope_rad = deg_to_rad(12.0);
+  for (const double direction : {1.0, -1.0}) {
+    World world;
+    world.objects.push_back(
+        {Ramp{{-20.0, 0.0, 0.0}, {20.0, 0.0, 40.0 * std::tan(slope_rad)}, 2.0}});
+    world.start_height_m = 20.0 * std::tan(slope_rad);
+    world.T_world_start.yaw = direction > 0.0 ? 0.0 : geometry::kPi;
+    RobotModel model(world, exact_params(), 1);
+    model.set_wheel_speeds({1.0, 1.0});
+    model.advance_to(3 * kSecond);
+    const Eigen::Vector3d before = model.ground_truth().T_world_base.translation();
+    const double speed_mps = model.ground_truth().forward_mps;
+    model.brake_wheels();
+    model.advance_to(5 * kSecond);
+    const double mps2 = 9.81 * (0.6 * std::cos(slope_rad) + direction * std::sin(slope_rad));
+    EXPECT_NEAR((model.ground_truth().T_world_base.translation() - before).norm(),
+                speed_mps * speed_mps / (2.0 * mps2), 1e-3);  // a step at 1 m/s
+  }
+}
+
+TEST(RobotModel, GlassReturnsNothing) {
+  World world = wall_ahead(3.0);
+  world.objects.push_back({Box{{2.0, 0.0, 1.0}, {0.02, 0.5, 2.0}, 0.0}, 0.0});
+  RobotModel model(world, exact_params(), 1);
+  model.advance_to(100'000);
+  EXPECT_EQ(model.measure(0.0, 100'000).kind, Echo::Kind::kNothing);
+  // Past its edge, at 0.25 / 1.84 = 8 degrees, the wall is seen.
+  EXPECT_EQ(model.measure(deg_to_rad(10.0), 100'000).kind, Echo::Kind::kRange);
+  model.set_wheel_speeds({0.5, 0.5});
+  model.advance_to(6 * kSecond);
+  EXPECT_EQ(model.ground_truth().collisions, 1);
+}
+
+// Down over the edge of a pit: the laser at 0.38 m sees the far wall where the floor would be.
+TEST(RobotModel, MeasuresIntoAPit) {
+  World world;
+  world.pits.push_back({{1.0, -2.0}, {1.6, 2.0}, 1.0});
+  RobotModel model(world, exact_params(), 1);
+  model.set_pitch_goal({deg_to_rad(-20.0), 0.0, 0.0});
+  model.advance_to(kSecond);
+  // The floor would be met 1.04 m ahead of the axis, at x = 1.19: over the pit. The far wall is at
+  // 1.6 - 0.15 = 1.45 m, lower than the floor by 1.45 tan 20 - 0.38 = 0.15 m.
+  EXPECT_NEAR(model.measure(0.0, kSecond).range_m, 1.45 / std::cos(deg_to_rad(20.0)), 1e-3);
 }
 
 TEST(RobotModel, NodsBackWhenItGainsSpeed) {

@@ -9,6 +9,7 @@
 #include <fstream>
 #include <string>
 
+#include "common/formats/input_file.hpp"
 #include "common/geometry/angle.hpp"
 
 namespace nodmap::sim {
@@ -68,7 +69,7 @@ objects:
 pits:
   - {min: [6, -1], max: [9, 1], depth: 0.5}
 actors:
-  - {cylinder: {radius: 0.25, height: 1.75}, path: [[0, 5, -2], [4, 5, 2]], loop: true, vanish_s: 60.0}
+  - {cylinder: {radius: 0.25, height: 1.75}, path: [[0, 5, -2], [4, 5, 2]], loop: true, reacts: true, vanish_s: 60.0}
 robot: {start: [1, 2, 450]}
 goal: [12.0, 3.0]
 )");
@@ -93,6 +94,7 @@ goal: [12.0, 3.0]
   EXPECT_EQ(world.pits.at(0).depth_m, 0.5);
   ASSERT_EQ(world.actors.size(), 1U);
   EXPECT_TRUE(world.actors[0].loop);
+  EXPECT_TRUE(world.actors[0].reacts);
   EXPECT_EQ(world.actors[0].vanish_s, 60.0);
   EXPECT_NEAR(world.T_world_start.yaw, deg_to_rad(90.0), 1e-12);
   EXPECT_THAT(world.goals, testing::ElementsAre(Eigen::Vector2d(12.0, 3.0)));
@@ -168,7 +170,7 @@ TEST_F(WorldFile, ErrorsNameTheLine) {
   EXPECT_EQ(error_of("name: x\nobjects: 3\n" + kTail), "2: 'objects': expected a list");
   EXPECT_THAT(error_of("name: x\nobjects: [\n"), HasSubstr("3: "));
   EXPECT_EQ(error_of(""), "1: world: expected {key: value, ...}");
-  EXPECT_THROW(static_cast<void>(load_world(folder_ / "missing.yaml")), WorldFileError);
+  EXPECT_THROW(static_cast<void>(load_world(folder_ / "missing.yaml")), formats::InputFileError);
 }
 
 TEST_F(WorldFile, ErrorsOfActors) {

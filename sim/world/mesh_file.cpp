@@ -10,6 +10,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "common/formats/input_file.hpp"
+
 namespace nodmap::sim {
 namespace {
 
@@ -204,6 +206,9 @@ Mesh read(std::istream& in) {
   const Header header = read_header(in);
   Mesh mesh;
   for (const Element& element : header.elements) {
+    if (element.count > 0 && element.properties.empty()) {
+      throw std::runtime_error("an element without properties");  // as many as the header likes
+    }
     for (std::size_t i = 0; i < element.count; ++i) {
       read_item(in, element, header.binary, mesh);
     }
@@ -217,10 +222,7 @@ Mesh read(std::istream& in) {
 }  // namespace
 
 Mesh read_mesh(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in) {
-    throw std::runtime_error(file.string() + ": cannot open");
-  }
+  std::ifstream in = formats::open_input(file);
   try {
     return read(in);
   } catch (const std::runtime_error& error) {

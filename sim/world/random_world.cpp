@@ -12,8 +12,12 @@ namespace {
 
 constexpr double kHalfRoomM = 5.0;
 constexpr double kStartFreeM = 0.6;
-/// The robot's diagonal is 0.56 m: it can rotate wherever it gets.
-constexpr double kPassageM = 0.6;
+/// The robot's diagonal is 0.56 m: it can rotate wherever it gets,
+constexpr double kWidePassageM = 0.6;
+/// or just pass, with 8 cm on each side.
+constexpr double kNarrowPassageM = 0.5;
+/// Around a goal: the robot can rotate there.
+constexpr double kGoalFreeM = 0.4;
 constexpr double kLegRadiusM = 0.015;
 /// Just more than the robot drives over (BodyParams::climb_height_m).
 constexpr double kMinHeightM = 0.031;
@@ -24,11 +28,21 @@ struct Obstacle {
   double radius_m = 0.0;
 };
 
+/// How densely a room is filled.
+struct Clutter {
+  const char* name;
+  double passage_m;
+  int least;
+  int most;
+};
+
 class Maker {
  public:
-  explicit Maker(std::uint64_t seed) : engine_(seed) {}
+  Maker(const Clutter& clutter, std::uint64_t seed) : clutter_(clutter), engine_(seed) {}
 
   World make();
+  /// With the start anywhere, and a goal far from it.
+  World make_with_goal();
 
  private:
   double between(double least, double most) {
@@ -43,19 +57,22 @@ class Maker {
   Obstacle make_small_box();
   static Obstacle make_plate(double bottom_m, double size_m, double leg_inset_m);
   Obstacle make_pole();
+  void fill(World& world);
   bool place(const Obstacle& obstacle, World& world);
+  [[nodiscard]] Eigen::Vector2d free_place(double free_m);
 
   struct Circle {
     Eigen::Vector2d center;
     double radius_m;
   };
+  Clutter clutter_;
   std::mt19937_64 engine_;
   std::vector<Circle> taken_;
 };
 
-World walled_room() {
+World walled_room(const char* name) {
   World world;
-  world.name = "random";
+  world.name = name;
   constexpr double kThicknessM = 0.1;
   constexpr double kWallM = kHalfRoomM + 0.5 * kThicknessM;
   constexpr double kLengthM = 2.0 * kHalfRoomM + 2.0 * kThicknessM;
@@ -67,16 +84,48 @@ World walled_room() {
 }
 
 World Maker::make() {
-  World world = walled_room();
+  World world = walled_room(clutter_.name);
   world.T_world_start.yaw = between(-geometry::kPi, geometry::kPi);
-  const int wanted = count(25, 40);
+  fill(world);
+  return world;
+}
+
+World Maker::make_with_goal() {
+  constexpr double kFarM = 6.0;
+  World world = make();
+  while (true) {
+    const Eigen::Vector2d start = free_place(kGoalFreeM);
+    const Eigen::Vector2d goal = free_place(kGoalFreeM);
+    if ((start - goal).norm() >= kFarM) {
+      world.T_world_start.x = start.x();
+      world.T_world_start.y = start.y();
+      world.goals.push_back(goal);
+      return world;
+    }
+  }
+}
+
+/// Passages between bounding circles connect all that is free.
+Eigen::Vector2d Maker::free_place(double free_m) {
+  const double reach_m = kHalfRoomM - free_m;
+  while (true) {
+    const Eigen::Vector2d p(between(-reach_m, reach_m), between(-reach_m, reach_m));
+    if (std::ranges::all_of(taken_, [&](const Circle& other) {
+          return (p - other.center).norm() >= other.radius_m + free_m;
+        })) {
+      return p;
+    }
+  }
+}
+
+void Maker::fill(World& world) {
+  const int wanted = count(clutter_.least, clutter_.most);
   // Small ones still fit where there is no room for a table, so tries are cheap and many.
   constexpr int kTries = 20'000;
   int placed = 0;
   for (int i = 0; i < kTries && placed < wanted; ++i) {
     placed += place(make_obstacle(), world) ? 1 : 0;
   }
-  return world;
 }
 
 Obstacle Maker::make_obstacle() {
@@ -136,11 +185,11 @@ Obstacle Maker::make_pole() {
 }
 
 bool Maker::place(const Obstacle& obstacle, World& world) {
-  const double reach_m = kHalfRoomM - obstacle.radius_m - kPassageM;
+  const double reach_m = kHalfRoomM - obstacle.radius_m - clutter_.passage_m;
   const Eigen::Vector2d center(between(-reach_m, reach_m), between(-reach_m, reach_m));
   const double yaw_rad = between(-geometry::kPi, geometry::kPi);
   const bool is_taken = std::ranges::any_of(taken_, [&](const Circle& other) {
-    return (center - other.center).norm() < obstacle.radius_m + other.radius_m + kPassageM;
+    return (center - other.center).norm() < obstacle.radius_m + other.radius_m + clutter_.passage_m;
   });
   if (is_taken || center.norm() < obstacle.radius_m + kStartFreeM) {
     return false;
@@ -162,7 +211,15 @@ bool Maker::place(const Obstacle& obstacle, World& world) {
 }  // namespace
 
 World random_clutter(std::uint64_t seed) {
-  return Maker(seed).make();
+  return Maker({"random", kWidePassageM, 25, 40}, seed).make();
+}
+
+World dense_clutter(std::uint64_t seed) {
+  return Maker({"dense", kNarrowPassageM, 40, 60}, seed).make();
+}
+
+World clutter_with_goal(std::uint64_t seed) {
+  return Maker({"goals", kNarrowPassageM, 40, 60}, seed).make_with_goal();
 }
 
 }  // namespace nodmap::sim

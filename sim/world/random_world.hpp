@@ -15,4 +15,12 @@ namespace nodmap::sim {
 /// same world.
 [[nodiscard]] World random_clutter(std::uint64_t seed);
 
+/// The same with 40 to 60 obstacles and passages from 0.5 m on, in which the robot fits but cannot
+/// turn round.
+[[nodiscard]] World dense_clutter(std::uint64_t seed);
+
+/// Dense clutter with a start anywhere and a goal at least 6 m from it, both in places in which the
+/// robot can turn. A disc of 0.5 m reaches every goal.
+[[nodiscard]] World clutter_with_goal(std::uint64_t seed);
+
 }  // namespace nodmap::sim

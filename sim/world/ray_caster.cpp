@@ -56,6 +56,22 @@ Mesh to_mesh(const Ramp& ramp) {
           {{0, 1, 2}, {0, 2, 3}}};
 }
 
+Bounds bounds_of(const Object& object) {
+  if (const auto* box = std::get_if<Box>(&object.shape)) {
+    return bounds_of(RayBox(*box));
+  }
+  if (const auto* cylinder = std::get_if<Cylinder>(&object.shape)) {
+    return bounds_of(RayCylinder(*cylinder));
+  }
+  const auto* ramp = std::get_if<Ramp>(&object.shape);
+  const Mesh mesh = ramp != nullptr ? to_mesh(*ramp) : std::get<Mesh>(object.shape);
+  Bounds bounds;
+  for (const Eigen::Vector3d& vertex : mesh.vertices) {
+    bounds.extend({vertex, vertex});
+  }
+  return bounds;
+}
+
 RayCaster::RayCaster(const World& world) : pits_(world.pits) {
   for (const Object& object : world.objects) {
     add(object);

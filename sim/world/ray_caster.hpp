@@ -55,6 +55,8 @@ class RayCaster {
   std::vector<Pit> pits_;
 };
 
+[[nodiscard]] Bounds bounds_of(const Object& object);
+
 /// The two triangles of a ramp.
 [[nodiscard]] Mesh to_mesh(const Ramp& ramp);
 

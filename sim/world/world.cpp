@@ -10,16 +10,18 @@ bool Actor::is_present(double time_s) const {
   return time_s >= appear_s && time_s < vanish_s;
 }
 
+double Actor::time_in_round(double time_s) const {
+  const double first_s = path.front().time_s;
+  const double round_s = path.back().time_s - first_s;
+  return loop && round_s > 0.0 && time_s > first_s ? first_s + std::fmod(time_s - first_s, round_s)
+                                                   : time_s;
+}
+
 Eigen::Vector2d Actor::position(double time_s) const {
   if (path.empty()) {
     return Eigen::Vector2d::Zero();
   }
-  const double first_s = path.front().time_s;
-  const double round_s = path.back().time_s - first_s;
-  double t = time_s;
-  if (loop && round_s > 0.0 && t > first_s) {
-    t = first_s + std::fmod(t - first_s, round_s);
-  }
+  const double t = time_in_round(time_s);
   const auto after = std::ranges::upper_bound(path, t, {}, &Waypoint::time_s);
   if (after == path.begin()) {
     return path.front().position;

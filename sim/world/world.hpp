@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <limits>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -63,17 +64,22 @@ struct Waypoint {
 };
 
 /// An upright cylinder on the floor that moves at constant speed from waypoint to waypoint. Before
-/// the first time it is at the first waypoint; after the last it starts again (loop) or stays.
+/// the first time it is at the first waypoint; after the last it starts again (loop) or stays. One
+/// that reacts walks to the same places as fast, but makes way for the robot, for other actors and
+/// for walls (sim/body/crowd.hpp).
 struct Actor {
   double radius_m = 0.25;
   double height_m = 1.75;
   std::vector<Waypoint> path;
   bool loop = false;
+  bool reacts = false;
   double appear_s = 0.0;
   double vanish_s = std::numeric_limits<double>::infinity();
 
   [[nodiscard]] bool is_present(double time_s) const;
   [[nodiscard]] Eigen::Vector2d position(double time_s) const;
+  /// The time at which the first round passes the place of `time_s`.
+  [[nodiscard]] double time_in_round(double time_s) const;
 };
 
 /// An actor at one moment.
@@ -81,6 +87,22 @@ struct ActorState {
   Eigen::Vector2d position = Eigen::Vector2d::Zero();
   double radius_m = 0.0;
   double height_m = 0.0;
+  std::size_t actor = 0;  ///< its place in World::actors
+};
+
+/// When a drive to the goals has succeeded or failed, where that is not the robot's word alone.
+struct Task {
+  /// The last goal is reached as soon as base's origin is so near, whatever the robot reports.
+  std::optional<double> arrival_radius_m;
+  /// From the moment on at which the robot has moved 0.1 m.
+  std::optional<double> time_limit_s;
+  /// Length of the shortest path from the start over all goals, where no search on flat ground
+  /// finds it.
+  std::optional<double> shortest_path_m;
+  /// Length of the path by whose time a benchmark scores.
+  std::optional<double> reference_path_m;
+  /// The first contact ends the drive.
+  bool ends_at_contact = false;
 };
 
 /// The content of a WORLD.yaml. The floor is z = 0 except in pits.
@@ -90,7 +112,9 @@ struct World {
   std::vector<Pit> pits;
   std::vector<Actor> actors;
   geometry::SE2 T_world_start;
+  double start_height_m = 0.0;         ///< of the ramp or platform on which the robot starts
   std::vector<Eigen::Vector2d> goals;  ///< to be reached one after the other; may be empty
+  Task task;
 };
 
 }  // namespace nodmap::sim

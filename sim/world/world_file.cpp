@@ -8,6 +8,7 @@
 #include <initializer_list>
 #include <string_view>
 
+#include "common/formats/input_file.hpp"
 #include "common/geometry/angle.hpp"
 #include "sim/world/mesh_file.hpp"
 
@@ -36,6 +37,8 @@ class Reader {
   [[nodiscard]] double number(const YAML::Node& node, const std::string& key) const;
   [[nodiscard]] double number_or(const YAML::Node& map, const std::string& key,
                                  double otherwise) const;
+  /// False where it is missing.
+  [[nodiscard]] bool flag(const YAML::Node& map, const std::string& key) const;
   [[nodiscard]] double positive(const YAML::Node& map, const std::string& key) const;
   template <int n>
   [[nodiscard]] Eigen::Matrix<double, n, 1> vector(const YAML::Node& node,
@@ -110,6 +113,14 @@ double Reader::number(const YAML::Node& node, const std::string& key) const {
 
 double Reader::number_or(const YAML::Node& map, const std::string& key, double otherwise) const {
   return map[key] ? number(map[key], key) : otherwise;
+}
+
+bool Reader::flag(const YAML::Node& map, const std::string& key) const {
+  bool value = false;
+  if (map[key] && !YAML::convert<bool>::decode(map[key], value)) {
+    fail(map[key], "'" + key + "': expected true or false");
+  }
+  return value;
 }
 
 double Reader::positive(const YAML::Node& map, const std::string& key) const {
@@ -237,16 +248,15 @@ Pit Reader::read_pit(const YAML::Node& map) const {
 }
 
 Actor Reader::read_actor(const YAML::Node& map) const {
-  check_keys(map, "actor", {"cylinder", "path", "loop", "appear_s", "vanish_s"});
+  check_keys(map, "actor", {"cylinder", "path", "loop", "reacts", "appear_s", "vanish_s"});
   Actor actor;
   const YAML::Node cylinder = need(map, "cylinder");
   check_keys(cylinder, "cylinder", {"radius", "height"});
   actor.radius_m = positive(cylinder, "radius");
   actor.height_m = positive(cylinder, "height");
   actor.path = read_path(need(map, "path"));
-  if (map["loop"] && !YAML::convert<bool>::decode(map["loop"], actor.loop)) {
-    fail(map["loop"], "'loop': expected true or false");
-  }
+  actor.loop = flag(map, "loop");
+  actor.reacts = flag(map, "reacts");
   actor.appear_s = number_or(map, "appear_s", actor.appear_s);
   actor.vanish_s = number_or(map, "vanish_s", actor.vanish_s);
   if (actor.vanish_s <= actor.appear_s) {
@@ -273,9 +283,7 @@ std::vector<Waypoint> Reader::read_path(const YAML::Node& path) const {
 World Reader::read_world() const {
   YAML::Node root;
   try {
-    root = YAML::LoadFile(file_.string());
-  } catch (const YAML::BadFile&) {
-    throw WorldFileError(file_.string() + ":1: cannot open");
+    root = YAML::Load(formats::read_input(file_));
   } catch (const YAML::ParserException& error) {
     throw WorldFileError(file_.string() + ":" + std::to_string(error.mark.line + 1) + ": " +
                          error.msg);

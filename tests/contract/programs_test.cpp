@@ -3,8 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
+#include <filesystem>
+#include <fstream>
 #include <string>
+#include <vector>
 
+#include "common/bus/event_log.hpp"
 #include "tests/support/data_dir.hpp"
 #include "tests/support/program.hpp"
 
@@ -34,6 +39,7 @@ constexpr const char* kPrograms[] = {
     "nodmap-sim",
     "nodmap-slam2d",
     "nodmap-slam6d",
+    "nodmap-stop",
     "nodmap-trial",
     "nodmap-viewer",
     "nodmap-watch",
@@ -60,6 +66,15 @@ constexpr const char* kModules[] = {
     "nodmap-slam6d",
 };
 // clang-format on
+
+/// A log of so many events that no module listens to.
+void write_log(const std::filesystem::path& file, int num_events) {
+  bus::LogWriter log(file);
+  const std::array<std::byte, 20> bytes{};
+  for (int i = 0; i < num_events; ++i) {
+    ASSERT_TRUE(log.write(i, "NOBODYS", bytes));
+  }
+}
 
 class EveryProgram : public ::testing::TestWithParam<const char*> {};
 
@@ -125,7 +140,7 @@ class EveryModule : public ::testing::TestWithParam<const char*> {};
 TEST_P(EveryModule, NeverOverwritesResults) {
   const test::TemporaryDir dir;
   const std::string file = dir.path() / "precious";
-  std::fclose(std::fopen(file.c_str(), "w"));
+  write_log(file, 1);
   const auto result = run_program(GetParam(), {"--replay", file, "--out", dir.path().string()});
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_THAT(result.err, HasSubstr("not empty"));
@@ -135,11 +150,100 @@ TEST_P(EveryModule, AMissingRecordingIsAnError) {
   const test::TemporaryDir dir;
   const auto result = run_program(
       GetParam(), {"--replay", dir.path() / "none.lcmlog", "--out", dir.path() / "out"});
-  EXPECT_EQ(result.exit_code, 1);
-  EXPECT_THAT(result.err, HasSubstr("none.lcmlog"));
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.err, HasSubstr("none.lcmlog: cannot open: No such file or directory"));
+  EXPECT_FALSE(std::filesystem::exists(dir.path() / "out"));
+}
+
+TEST_P(EveryModule, AFileThatIsNoRecordingIsAnError) {
+  const test::TemporaryDir dir;
+  const std::filesystem::path text = dir.path() / "notes.txt";
+  std::ofstream(text) << "Nothing that LCM has written.\n";
+  const auto result = run_program(GetParam(), {"--replay", text, "--out", dir.path() / "out"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.err, HasSubstr("notes.txt: holds no event of an LCM event log"));
+  EXPECT_FALSE(std::filesystem::exists(dir.path() / "out"));
+}
+
+TEST_P(EveryModule, ACutRecordingIsUsedWithAWarning) {
+  const test::TemporaryDir dir;
+  const std::filesystem::path log = dir.path() / "cut.lcmlog";
+  write_log(log, 3);
+  std::filesystem::resize_file(log, std::filesystem::file_size(log) - 1);
+  const auto result = run_program(GetParam(), {"--replay", log, "--out", dir.path() / "out"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_THAT(result.err, HasSubstr("bytes belong to no whole event: damaged or cut off"));
 }
 
 INSTANTIATE_TEST_SUITE_P(All, EveryModule, ::testing::ValuesIn(kModules));
+
+struct ReadingCommand {
+  const char* program;
+  std::vector<std::string> before;  ///< the arguments before the file,
+  std::vector<std::string> after;   ///< and after it
+};
+
+class EveryCommandThatReads : public ::testing::TestWithParam<ReadingCommand> {};
+
+TEST_P(EveryCommandThatReads, SaysTheSameOfAMissingFile) {
+  const test::TemporaryDir dir;
+  const std::string missing = dir.path() / "missing";
+  std::vector<std::string> arguments = GetParam().before;
+  arguments.push_back(missing);
+  for (const std::string& word : GetParam().after) {
+    arguments.push_back(word.starts_with("new.") ? (dir.path() / word).string() : word);
+  }
+  const auto result = run_program(GetParam().program, arguments);
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_EQ(result.err, std::string(GetParam().program) + ": " + missing +
+                            ": cannot open: No such file or directory\n");
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, EveryCommandThatReads,
+    ::testing::Values(ReadingCommand{"nodmap-convert", {"info"}, {}},
+                      ReadingCommand{"nodmap-convert", {"mcap"}, {"new.mcap"}},
+                      ReadingCommand{"nodmap-convert", {"export"}, {"new.csv"}},
+                      ReadingCommand{"nodmap-convert", {"export"}, {"new.ply"}},
+                      ReadingCommand{"nodmap-convert", {"carmen"}, {"new.lcmlog"}},
+                      ReadingCommand{"nodmap-convert", {"nod"}, {"new.lcmlog"}},
+                      ReadingCommand{"nodmap-convert", {"uos"}, {"new.lcmlog"}},
+                      ReadingCommand{"nodmap-evaluate", {"trajectory"}, {"x"}},
+                      ReadingCommand{"nodmap-evaluate", {"relations", "/dev/null"}, {}},
+                      ReadingCommand{"nodmap-evaluate", {"cloud", "/dev/null"}, {}},
+                      ReadingCommand{"nodmap-deputy", {"--config"}, {}},
+                      ReadingCommand{"nodmap-latency", {"--log"}, {}},
+                      ReadingCommand{"nodmap-sheriff", {}, {}},
+                      ReadingCommand{"nodmap-sim", {"--world"}, {}},
+                      ReadingCommand{"nodmap-slam2d", {"--config"}, {}},
+                      ReadingCommand{"nodmap-trial", {"--world"}, {"--out", "new.d"}},
+                      ReadingCommand{"nodmap-viewer", {"--replay"}, {}}));
+
+TEST(CommandLine, NamesTheSubcommandAndTheNearestWord) {
+  EXPECT_EQ(run_program("nodmap-convert", {"infoo", "x"}).err,
+            "nodmap-convert: 'infoo' is no subcommand; did you mean 'info'? (nodmap-convert --help "
+            "tells more)\n");
+  EXPECT_THAT(run_program("nodmap-convert", {"info"}).err,
+              StartsWith("nodmap-convert info: IN is required"));
+  // The option is wrong, and not the argument that its value has become.
+  EXPECT_THAT(run_program("nodmap-convert", {"export", "--chanel", "X", "in", "out.csv"}).err,
+              StartsWith("nodmap-convert export: '--chanel' is no option; did you mean "
+                         "'--channel'?"));
+  EXPECT_THAT(run_program("nodmap-sheriff", {"--chek", "x"}).err,
+              HasSubstr("did you mean '--check'?"));
+  EXPECT_THAT(run_program("nodmap-sheriff", {NODMAP_KURT3D "/../../procman/robot.pmd", "--script",
+                                             "start_robt", "--lcm-url", "memq://"})
+                  .err,
+              HasSubstr("did you mean 'start_robot'?"));
+  EXPECT_THAT(run_program("nodmap-slam2d", {"--set", "max_itertions=3"}).err,
+              HasSubstr("did you mean 'matcher.max_iterations'?"));
+}
+
+TEST(Save, SaysWhenNobodyListens) {
+  const auto result = run_program("nodmap-save", {"--lcm-url", "memq://"});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, HasSubstr("nobody listens"));
+}
 
 }  // namespace
 }  // namespace nodmap

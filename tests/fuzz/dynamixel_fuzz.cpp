@@ -13,7 +13,8 @@
 
 namespace {
 
-using namespace nodmap::laser3d;  // NOLINT(google-build-using-namespace): a program of one page
+using namespace nodmap;           // NOLINT(google-build-using-namespace): a program of one page
+using namespace nodmap::laser3d;  // NOLINT(google-build-using-namespace)
 
 void require(bool condition) {
   if (!condition) {
@@ -21,9 +22,9 @@ void require(bool condition) {
   }
 }
 
-void check(const ServoOutput& output, std::int64_t now_us) {
+void check(const ServoOutput& output, time::SteadyTime now) {
   require(!output.sample || std::isfinite(output.sample->pitch_rad));
-  require(!output.sample || output.sample->time_us <= now_us);
+  require(!output.sample || output.sample->stamp <= now);
 }
 
 /// An answer of the servo: error and parameters, in a whole frame.
@@ -46,18 +47,18 @@ std::vector<std::uint8_t> answer_of(ByteView content) {
 /// The first byte of each answer tells how long it is, and how late.
 void answer(const std::uint8_t* data, std::size_t size) {
   DynamixelSession session({}, 40.0);
-  std::int64_t now_us = 0;
-  static_cast<void>(session.open(now_us));
-  static_cast<void>(session.poll(now_us));
+  time::SteadyTime now;
+  static_cast<void>(session.open(now));
+  static_cast<void>(session.poll(now));
   std::size_t at = 0;
   while (at < size) {
     const std::uint8_t head = data[at++];
     const std::size_t count = std::min<std::size_t>(size - at, head & 0x3FU);
-    now_us += (head & 0x40U) != 0 ? 300'000 : 1'000;
-    check(session.receive(answer_of({data + at, count}), now_us), now_us);
+    now += (head & 0x40U) != 0 ? 300ms : 1ms;
+    check(session.receive(answer_of({data + at, count}), now), now);
     at += count;
     session.aim(0.1 * static_cast<double>(size % 7), 1.0);
-    require(session.poll(now_us).send.size() <= 64);
+    require(session.poll(now).send.size() <= 64);
   }
 }
 
@@ -67,22 +68,22 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   answer(data, size);
   DynamixelParser parser(1'000'000);
   DynamixelSession session({}, 40.0);
-  std::int64_t now_us = 0;
-  static_cast<void>(session.open(now_us));
+  time::SteadyTime now;
+  static_cast<void>(session.open(now));
   std::size_t at = 0;
   while (at < size) {
     const std::size_t count = std::min<std::size_t>(size - at, 1U + (data[at] & 0x3FU));
-    now_us += (data[at] & 0x40U) != 0 ? 300'000 : 1'000;
+    now += (data[at] & 0x40U) != 0 ? 300ms : 1ms;
     const ByteView bytes(data + at, count);
     at += count;
-    parser.feed(bytes, now_us);
+    parser.feed(bytes, now);
     while (const auto answer = parser.next()) {
       require(answer->parameters.size() <= 128);
       static_cast<void>(dynamixel_x::state_in(*answer));
     }
-    check(session.receive(bytes, now_us), now_us);
+    check(session.receive(bytes, now), now);
     session.aim(0.1 * static_cast<double>(size % 7), 1.0);
-    require(session.poll(now_us).send.size() <= 64);
+    require(session.poll(now).send.size() <= 64);
   }
   return 0;
 }

@@ -23,6 +23,32 @@ VIEWER_SESSION = [b'T{"op":"subscribe","subscriptions":[{"id":0,"channelId":1}]}
                   b'T{"op":"setParameters","parameters":[{"name":"playback.speed","value":2}],"id":"y"}', CALL + b'{"do":"stop"}', CALL + b"[]"]
 
 
+WHOLE, FRAGMENT = b"LC02\0\0\0\1", b"LC03\0\0\0\1"
+
+
+def datagrams(*parts):
+    """Each behind its length, all of one sender."""
+    return b"".join(len(part).to_bytes(2, "big") + part for part in parts)
+
+
+def fragment(size, offset, number, count, payload):
+    return FRAGMENT + size.to_bytes(4, "big") + offset.to_bytes(4, "big") + number.to_bytes(2, "big") + count.to_bytes(2, "big") + payload
+
+
+LCM = [datagrams(WHOLE + b"SCAN\0data", WHOLE + b"SCAN"), datagrams(fragment(8, 0, 0, 2, b"SCAN\0data"), fragment(8, 4, 1, 2, b"data")),
+       datagrams(fragment(1000, 0, 0, 2, b"SCAN\0"), fragment(1000, 2**32 - 256, 1, 2, b"x" * 260))]
+EVENT = (0xEDA1DA01).to_bytes(4, "big") + (0).to_bytes(8, "big") + (1).to_bytes(8, "big") + (4).to_bytes(4, "big") + (4).to_bytes(4, "big") + b"SCANdata"
+EVENT_LOG = [EVENT * 3, EVENT + b"noise" + EVENT, EVENT[:-2]]
+PLY_HEAD = b"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+PLY = [PLY_HEAD + b"element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
+       b"ply\nformat binary_little_endian 1.0\nelement vertex 1\nproperty double x\nproperty float y\nproperty uchar z\nend_header\n" + b"\0" * 13,
+       b"ply\nformat ascii 1.0\nelement vertex 9223372036854775808\nend_header\n"]
+CLF = b"PARAM robot_front_laser_max 80.0\nODOM 0 0 0 0 0 0 1.0 host 1.0\nFLASER 3 1.0 2.0 3.0 0 0 0 0 0 0 1.0 host 1.0\n"
+UOS = b"\x02" + b"10 0 100\n20 0 100\n30 10 100\nP1 2 3 0 90 0\n"
+HELLO = b"\x00GET / HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n"
+FRAMES = [HELLO, b"\x01\x81\x82\0\0\0\0{}", b"\x01\x89\x80\0\0\0\0", b"\x01\x88\x82\0\0\0\0\x03\xe8", b"\x01\x82\xff" + b"\xff" * 12]
+
+
 def slcan_lines():
     """The golden lines of the SLCAN test, each with its end, and what an adapter answers."""
     text = (ROOT / "drivers" / "kurt" / "test" / "slcan_test.cpp").read_text()
@@ -68,6 +94,14 @@ def main():
     write_seeds(out / "sick", sick)
     write_seeds(out / "pmd", [file.read_bytes() for file in sorted((ROOT / "procman").glob("*.pmd"))] + PMD)
     write_seeds(out / "octomap", OCTOMAP)
+    write_seeds(out / "lcm", LCM)
+    write_seeds(out / "event_log", EVENT_LOG)
+    write_seeds(out / "ply", PLY)
+    worlds = sorted((ROOT / "sim" / "worlds").glob("*.yaml"))[:5]
+    write_seeds(out / "yaml", [file.read_bytes() for file in worlds + sorted((ROOT / "config").rglob("*.yaml"))])
+    nod = [b"\x01" + line.encode() for line in re.findall(r'"([^"\\]{20,})\\n"', (ROOT / "tools" / "convert" / "test" / "nod_test.cpp").read_text())]
+    write_seeds(out / "recording", [b"\x00" + CLF, UOS] + nod)
+    write_seeds(out / "websocket", FRAMES)
     write_seeds(out / "viewer_session", VIEWER_SESSION)
     write_seeds(out / "dynamixel", [f for f in frames(TESTS / "servo" / "dynamixel_test.cpp")])
 

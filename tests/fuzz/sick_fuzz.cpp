@@ -9,7 +9,8 @@
 
 namespace {
 
-using namespace nodmap::laser3d;  // NOLINT(google-build-using-namespace): a program of one page
+using namespace nodmap;           // NOLINT(google-build-using-namespace): a program of one page
+using namespace nodmap::laser3d;  // NOLINT(google-build-using-namespace)
 
 void require(bool condition) {
   if (!condition) {
@@ -26,8 +27,8 @@ void check(const SickTelegram& telegram) {
         require(!(range_m < 0.0F));
         require(!std::isfinite(range_m) || range_m <= 330.0F);
       }
-      static_cast<void>(mirror_revolutions(*scan, SickVariant::k100x025, telegram.first_byte_us));
-      static_cast<void>(interlaced_revolution(*scan, telegram.first_byte_us));
+      static_cast<void>(mirror_revolutions(*scan, SickVariant::k100x025, telegram.first_byte));
+      static_cast<void>(interlaced_revolution(*scan, telegram.first_byte));
     }
   }
   if (const auto config = read_config(telegram)) {
@@ -40,25 +41,25 @@ void check(const SickTelegram& telegram) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   SickParser parser(500000);
   SickSession session({});
-  std::int64_t now_us = 0;
-  static_cast<void>(session.open(now_us));
+  time::SteadyTime now;
+  static_cast<void>(session.open(now));
   std::size_t at = 0;
   while (at < size) {
     // One byte steers: how much comes at once, and after how long.
     const std::size_t count = std::min<std::size_t>(size - at, 1U + (data[at] & 0x3FU) * 16U);
-    now_us += (data[at] & 0x40U) != 0 ? 300'000 : 1'000;
-    parser.feed(ByteView(data + at, count), now_us);
+    now += (data[at] & 0x40U) != 0 ? 300ms : 1ms;
+    parser.feed(ByteView(data + at, count), now);
     at += count;
     while (const auto event = parser.next()) {
       if (const auto* telegram = std::get_if<SickTelegram>(&*event)) {
         check(*telegram);
-        const SickOutput output = session.take(*telegram, now_us);
+        const SickOutput output = session.take(*telegram, now);
         require(output.send.size() <= 64);
       } else if (std::holds_alternative<SickNak>(*event)) {
-        session.take_nak(now_us);
+        session.take_nak(now);
       }
     }
-    static_cast<void>(session.poll(now_us));
+    static_cast<void>(session.poll(now));
   }
   require(static_cast<std::size_t>(parser.errors().skipped_bytes) <= size);
   return 0;

@@ -3,6 +3,7 @@
 
 #include <sys/types.h>
 
+#include <boost/core/noncopyable.hpp>
 #include <chrono>
 #include <cstdint>
 #include <optional>
@@ -12,7 +13,7 @@
 namespace nodmap::test {
 
 /// A program started by a test; killed at the end of its life if it still runs.
-class ChildProcess {
+class ChildProcess : private boost::noncopyable {
  public:
   struct Options {
     std::optional<std::uint64_t> max_file_bytes = std::nullopt;  ///< RLIMIT_FSIZE
@@ -23,10 +24,6 @@ class ChildProcess {
       : ChildProcess(command, Options{}) {}
   ChildProcess(const std::vector<std::string>& command, const Options& options);
   ~ChildProcess();
-  ChildProcess(const ChildProcess&) = delete;
-  ChildProcess& operator=(const ChildProcess&) = delete;
-  ChildProcess(ChildProcess&&) = delete;
-  ChildProcess& operator=(ChildProcess&&) = delete;
 
   /// Reads what it says on stderr until `text` is among it. False when it does not come in time.
   [[nodiscard]] bool wait_for_stderr(const std::string& text, std::chrono::milliseconds timeout);

@@ -29,6 +29,10 @@ sim::World room() {
   return world;
 }
 
+time::SteadyTime steady(std::int64_t now_us) {
+  return time::SteadyTime(time::from_us(now_us));
+}
+
 /// A driver's line, as the adapter's driver gives it: at `baud`, bytes as soon as they have left.
 struct Cable {
   sim::SerialDevice& device;
@@ -50,8 +54,8 @@ class ScannerRun {
         driver_(params),
         lms_(laser,
              [this](double angle_rad, std::int64_t time_us) { return fire(angle_rad, time_us); }) {
-    execute(driver_.laser_opened(0));
-    execute(driver_.servo_opened(0));
+    execute(driver_.laser_opened({}));
+    execute(driver_.servo_opened({}));
   }
 
   void run_until(std::int64_t end_us) {
@@ -60,14 +64,14 @@ class ScannerRun {
       model_.advance_to(now_us_);
       true_pitch_rad_[now_us_] = model_.pitch_rad();
       if (const sim::Bytes bytes = laser_.read(now_us_); !bytes.empty()) {
-        execute(driver_.receive_laser(bytes, now_us_));
+        execute(driver_.receive_laser(bytes, steady(now_us_)));
       }
       if (const sim::Bytes bytes = servo_.read(now_us_); !bytes.empty()) {
-        execute(driver_.receive_servo(bytes, now_us_));
+        execute(driver_.receive_servo(bytes, steady(now_us_)));
       }
       if (now_us_ >= next_poll_us_) {
         next_poll_us_ = now_us_ + kPollUs;
-        execute(driver_.poll(now_us_));
+        execute(driver_.poll(steady(now_us_)));
       }
     }
   }
@@ -101,8 +105,9 @@ class ScannerRun {
   }
 
   void execute(laser3d::Laser3dOutput output) {
-    for (scan::Scan& scan : output.scans) {
-      scans.push_back(std::move(scan));
+    for (laser3d::SteadyScan& scan : output.scans) {
+      scan.scan.utime_us = time::to_us(scan.first_beam.time_since_epoch());
+      scans.push_back(std::move(scan.scan));
     }
     for (const auto& [actions, cable] :
          {std::pair{&output.laser, &laser_}, {&output.servo, &servo_}}) {
@@ -149,7 +154,7 @@ TEST_P(DriversOnDevices, ScansTellWhenAndWhereTheyWereMeasured) {
   constexpr std::int64_t kStartedUs = 15'000'000;
   constexpr std::int64_t kEndUs = 45'000'000;
   run.run_until(kStartedUs);
-  ASSERT_EQ(run.driver().health(kStartedUs).reason, "");
+  ASSERT_EQ(run.driver().health(steady(kStartedUs)).reason, "");
   run.scans.clear();
   run.run_until(kEndUs);
   const double rate = static_cast<double>(run.scans.size()) * 1e6 / (kEndUs - kStartedUs);
@@ -268,7 +273,7 @@ TEST(LaserOnDevice, AFactoryNewSensorAt9600IsConfiguredOnce) {
                     0, 0, 0,    0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 2, 0};
   ScannerRun run(laser3d::Laser3dParams{}, factory);
   run.run_until(20'000'000);
-  EXPECT_EQ(run.driver().health(20'000'000).reason, "");
+  EXPECT_EQ(run.driver().health(steady(20'000'000)).reason, "");
   EXPECT_EQ(run.driver().laser_counts().config_writes, 1);
   EXPECT_GT(run.scans.size(), 100U);
 }
@@ -276,9 +281,9 @@ TEST(LaserOnDevice, AFactoryNewSensorAt9600IsConfiguredOnce) {
 /// The base's driver on its device, driven at constant speed.
 class BaseRun {
  public:
-  static constexpr std::int64_t kValidUs = 100'000;
+  static constexpr time::Duration kValidity = 100ms;
 
-  BaseRun() { driver_.connected({0, 0}); }
+  BaseRun() { driver_.connected({}); }
 
   void run_until(std::int64_t end_us, double forward_mps) {
     while (now_us_ < end_us) {
@@ -291,7 +296,7 @@ class BaseRun {
       }
       if (now_us_ >= next_control_us_) {
         next_control_us_ += 10'000;
-        driver_.drive({{forward_mps, 0.0}, now_us_, kValidUs, drive_seq_++}, moment());
+        driver_.drive({{forward_mps, 0.0}, moment().wall, kValidity, drive_seq_++}, moment());
         const std::string line = driver_.control(moment());
         device_.receive(sim::Bytes(line.begin(), line.end()), cable_.baud, now_us_);
       }
@@ -303,7 +308,7 @@ class BaseRun {
   const sim::RobotModel& model() const { return model_; }
 
  private:
-  [[nodiscard]] time::Moment moment() const { return {now_us_, now_us_}; }
+  [[nodiscard]] time::Moment moment() const { return {time::from_utime(now_us_), steady(now_us_)}; }
 
   std::int64_t now_us_ = 0;
   std::int64_t next_control_us_ = 0;

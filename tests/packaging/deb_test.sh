@@ -44,11 +44,19 @@ mapfile -t programs < <(dpkg -L nodmap | grep '^/usr/bin/')
 for program in "${programs[@]}"; do
   "$program" --version >log 2>&1 || { cat log; fail "$program does not run"; }
 done
+for program in "${programs[@]}"; do
+  [[ -s /usr/share/man/man1/${program##*/}.1.gz ]] || fail "no man page of $program"
+  [[ -s /usr/share/bash-completion/completions/${program##*/} ]] || fail "no completion of $program"
+done
+if command -v lintian >/dev/null; then
+  lintian --fail-on error,warning nodmap.deb >log 2>&1 || { cat log; fail "lintian"; }
+fi
 for config in /usr/share/nodmap/procman/*.pmd; do nodmap-sheriff "$config" --check | head -n 1; done
 
 if command -v systemd-analyze >/dev/null; then
-  systemd-analyze verify /lib/systemd/system/nodmap-deputy.service >log 2>&1 || { cat log; fail "the unit"; }
-  grep nodmap log && fail "the unit"
+  systemd-analyze verify /lib/systemd/system/nodmap-deputy.service /lib/systemd/system/nodmap-robot.service >log 2>&1 ||
+    { cat log; fail "a unit"; }
+  grep nodmap log && fail "a unit"
 fi
 # What the unit starts, by its own lines: its account, its environment, its command.
 set -a
@@ -58,6 +66,9 @@ setpriv --reuid nodmap --regid nodmap --init-groups nodmap-deputy --config "$NOD
 deputy=$!
 for _ in $(seq 100); do grep -q serving deputy.log && break; sleep 0.1; done
 nodmap-sheriff "$NODMAP_CONFIG" --status >log || { cat log deputy.log; fail "the deputy does not answer"; }
+# And what the boot service starts.
+setpriv --reuid nodmap --regid nodmap --init-groups nodmap-sheriff "$NODMAP_CONFIG" --script "$NODMAP_STOP_SCRIPT" --on-script-complete exit \
+  --timeout 30 >log 2>&1 || { cat log; fail "the sheriff's script"; }
 kill -TERM "$deputy"
 wait "$deputy" || { cat deputy.log; fail "the deputy does not end well"; }
 
@@ -73,6 +84,9 @@ if [[ -e $jar ]]; then
 else
   echo "no types for lcm-spy in this build: it had no Java"
 fi
+
+# An upgrade says what goes on with the old programs.
+/var/lib/dpkg/info/nodmap.postinst configure 0.0.9 | grep -q "systemctl restart nodmap-deputy" || fail "an upgrade says nothing"
 
 DEBIAN_FRONTEND=noninteractive apt-get purge -y nodmap >log 2>&1 || { cat log; fail "purge"; }
 after=$(find /etc /usr /var /opt -name '*nodmap*' | sort)

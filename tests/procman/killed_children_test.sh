@@ -48,10 +48,12 @@ wait_until_well() {
   cat "$work/now"
   fail "$1"
 }
+"$bin/nodmap-stop" --go
 wait_until_well "the robot does not come to work"
 for name in kurt laser3d pitch-controller map-server slam2d slam6d navigator logger viewer; do
   cp "$work/now" "$work/before"
   kill -KILL "$(field $name 2 <"$work/before")"
+  [[ "$name" != kurt ]] || "$bin/nodmap-stop" --go # it stands after each start
   wait_until_well "$name does not come back"
   [[ "$(field $name 2 <"$work/now")" != "$(field $name 2 <"$work/before")" ]] || fail "$name was not started anew"
   diff <(cut -d' ' -f1,2 "$work/before" | grep -v "^$name ") <(cut -d' ' -f1,2 "$work/now" | grep -v "^$name ") ||

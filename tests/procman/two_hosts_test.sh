@@ -55,7 +55,7 @@ for host in $$ "$host_b"; do
 done
 # Pulled at the switch: each host loses the carrier, and keeps address and route, as with a real cable.
 cable() { on "$switch" ip link set to_a "$1"; on "$switch" ip link set to_b "$1"; }
-export LCM_DEFAULT_URL='udpm://239.255.76.67:7694?ttl=1&recv_buf_size=2000000'
+export LCM_DEFAULT_URL='udpm://239.255.76.67:7694?ttl=1&recv_buf_size=2000000' NODMAP_TRUSTED_HOSTS=10.0.0.1,10.0.0.2
 
 # sim.pmd, with what needs much computing or disk on the second host.
 awk '/cmd "(slam6d|logger)"/ {far = 1} /deputy = / && far {sub(/"sim"/, "\"mapper\""); far = 0} {print}' procman/sim.pmd |
@@ -89,6 +89,7 @@ is_state() { [[ "$(state "$1" state)" == "$2" ]]; }
 all_run() { before=$(pids_of_commands) && [[ "$before" != *":0"* ]]; }
 
 wait_for "script demo is done" "$work/sheriff.log"
+"$bin/nodmap-stop" --go
 until_true all_run
 echo "$before"
 [[ "$before" == *slam6d:* && "$before" == *navigator:* ]] || fail "the sheriff lists other commands"

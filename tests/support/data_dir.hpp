@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <boost/core/noncopyable.hpp>
 #include <filesystem>
 #include <optional>
 
@@ -11,14 +12,10 @@ namespace nodmap::test {
 [[nodiscard]] std::optional<std::filesystem::path> data_dir();
 
 /// An empty folder that is removed with everything in it at the end of its life.
-class TemporaryDir {
+class TemporaryDir : private boost::noncopyable {
  public:
   TemporaryDir();
   ~TemporaryDir();
-  TemporaryDir(const TemporaryDir&) = delete;
-  TemporaryDir& operator=(const TemporaryDir&) = delete;
-  TemporaryDir(TemporaryDir&&) = delete;
-  TemporaryDir& operator=(TemporaryDir&&) = delete;
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
 

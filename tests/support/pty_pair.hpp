@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <boost/core/noncopyable.hpp>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -12,14 +13,10 @@ namespace nodmap::test {
 
 /// A pseudo-terminal: the terminal side is opened by name like a serial port, the device side is
 /// here. Throws std::system_error where the machine has none.
-class PtyPair {
+class PtyPair : private boost::noncopyable {
  public:
   PtyPair();
   ~PtyPair();
-  PtyPair(const PtyPair&) = delete;
-  PtyPair& operator=(const PtyPair&) = delete;
-  PtyPair(PtyPair&&) = delete;
-  PtyPair& operator=(PtyPair&&) = delete;
 
   /// /dev/pts/N
   [[nodiscard]] const std::string& name() const { return name_; }

@@ -116,6 +116,121 @@ class Voxels(PageCase):
         self.assert_quiet(browser)
 
 
+class SceneExplainsItself(PageCase):
+    def test_each_layer_has_its_colour_beside_its_name(self):
+        browser = self.browse(self.play())
+        without = browser.run("""return [...document.querySelectorAll('#layers label')].filter((label) => {
+            const style = getComputedStyle(label.querySelector('.swatch'));
+            return style.backgroundImage === 'none' && style.backgroundColor === 'rgba(0, 0, 0, 0)';
+        }).map((label) => label.innerText)""")
+        self.assertEqual(without, [])
+
+    def test_the_scale_bar_is_as_long_as_it_says(self):
+        browser = self.browse(self.play())
+        self.pause(browser)
+        browser.run("document.querySelector('[data-camera=top]').click()")
+        browser.run("nodmap.view.touch()")
+        self.settle(browser)
+        # Two places on the floor so far apart as the bar is wide, seen from the top.
+        text, apart = browser.run("""
+            const bar = document.getElementById('scale-bar');
+            const box = nodmap.view.canvas.getBoundingClientRect();
+            const at = (x) => nodmap.view.floorAt({clientX: box.left + x, clientY: box.top + box.height / 2});
+            const middle = box.width / 2;
+            return [bar.textContent, at(middle).distanceTo(at(middle + bar.getBoundingClientRect().width))]""")
+        value, unit = text.split()
+        metres = float(value) / (100 if unit == "cm" else 1)
+        self.assertAlmostEqual(apart / metres, 1, delta=0.1)  # the bar's border is 4 of some 100 pixels
+        browser.run("nodmap.view.camera.position.z *= 4; nodmap.view.touch()")
+        self.assertIsNotNone(browser.wait_for(f"document.getElementById('scale-bar').textContent !== '{text}'"))
+
+    def test_two_clicks_measure(self):
+        browser = self.browse(self.play())
+        self.pause(browser)
+        browser.run("document.querySelector('[data-camera=top]').click(); document.getElementById('measure').click()")
+        self.settle(browser)
+        expected = browser.run("""
+            const {canvas} = nodmap.view;
+            const box = canvas.getBoundingClientRect();
+            const ends = [[0.4, 0.5], [0.6, 0.6]].map(([x, y]) => ({clientX: box.left + x * box.width, clientY: box.top + y * box.height}));
+            for (const end of ends) {
+              canvas.dispatchEvent(new PointerEvent('pointerdown', {...end, pointerId: 1, bubbles: true}));
+              canvas.dispatchEvent(new PointerEvent('pointerup', {...end, pointerId: 1, bubbles: true}));
+            }
+            const [a, b] = ends.map((end) => nodmap.view.floorAt(end));
+            return a.distanceTo(b)""")
+        self.assertEqual(browser.run("return document.getElementById('measured').value"), f"{expected:.2f} m on the floor")
+        browser.run("document.dispatchEvent(new KeyboardEvent('keydown', {key: 'Escape'}))")
+        self.assertEqual(browser.run("return document.getElementById('measured').value"), "")
+        self.assertEqual(browser.run("return document.getElementById('measure').getAttribute('aria-pressed')"), "false")
+
+    def test_help_names_every_key(self):
+        browser = self.browse(self.play())
+        browser.run("document.body.dispatchEvent(new KeyboardEvent('keydown', {key: '?', bubbles: true}))")
+        self.assertIsNotNone(browser.wait_for("document.getElementById('help').open"))
+        named = browser.run("return [...document.querySelectorAll('#help kbd')].map((key) => key.textContent)")
+        for key in ("S", "Space", ",", ".", "F", "T", "R", "M", "Esc", "+", "-", "?"):
+            self.assertIn(key, named)
+        browser.run("document.getElementById('help').close()")
+        browser.run("document.body.dispatchEvent(new KeyboardEvent('keydown', {key: 't', bubbles: true}))")
+        self.assertEqual(browser.run("return document.querySelector('[data-camera=top]').getAttribute('aria-pressed')"), "true")
+        self.assert_quiet(browser)
+
+    def test_light_theme_is_light_everywhere(self):
+        browser = self.browse(self.play())
+        self.choose_theme(browser, "light")
+        self.assertGreater(self.lightness(browser, "body"), 200)
+        self.assertLess(self.lightness(browser, "body", "color"), 60)
+        self.assertGreater(browser.run("return nodmap.view.scene.background.g"), 0.8)
+        self.save_image(browser, "page-light.png")
+        self.choose_theme(browser, "dark")
+        self.assertLess(self.lightness(browser, "body"), 60)
+        self.assertLess(browser.run("return nodmap.view.scene.background.g"), 0.2)
+        self.assert_quiet(browser)
+
+    def choose_theme(self, browser, theme):
+        browser.run("const s = document.getElementById('theme'); s.value = arguments[0]; s.dispatchEvent(new Event('change'))", theme)
+
+    def lightness(self, browser, selector, which="backgroundColor"):
+        """Of 255, of the green in it."""
+        return int(browser.run("return getComputedStyle(document.querySelector(arguments[0]))[arguments[1]]", selector, which).split(",")[1])
+
+    def test_nothing_lies_over_something_else(self):
+        for width, height in ((390, 844), (1280, 800), (1920, 1080)):
+            browser = self.browse(self.play(), width, height)
+            self.save_image(browser, f"page-{width}.png")
+            over = browser.run("""
+                const boxes = ['#view nav', '#layers-menu', '#legend', '#scale', '#playback']
+                  .map((name) => [name, document.querySelector(name).getBoundingClientRect()]);
+                const outside = boxes.filter(([, box]) => box.left < 0 || box.right > innerWidth).map(([name]) => name);
+                const pairs = boxes.flatMap(([a, p], i) => boxes.slice(i + 1).map(([b, q]) => [a, b, p, q]));
+                return outside.concat(pairs.filter(([, , p, q]) => p.left < q.right && q.left < p.right && p.top < q.bottom && q.top < p.bottom)
+                  .map(([a, b]) => `${a} and ${b}`))""")
+            self.assertEqual(over, [], f"at {width} px")
+
+
+class Links(PageCase):
+    def test_a_link_shows_the_same_view_at_the_same_time(self):
+        viewer = self.play()
+        browser = self.browse(viewer)
+        self.pause(browser)
+        browser.run("nodmap.view.setMode('free'); nodmap.view.camera.position.set(1, -5, 3); nodmap.view.controls.target.set(1, 0, 0); nodmap.playback.seek(12.5)")
+        self.assertIsNotNone(browser.wait_for("nodmap.playback.positionS === 12.5"))
+        browser.run("document.getElementById('link').click()")
+        link = browser.run("return location.href")
+        self.assertIn("t=12.50", link)
+        browser.run("nodmap.playback.seek(40)")
+        browser.open("about:blank")
+        browser.open(link)
+        self.assertIsNotNone(browser.wait_for("window.nodmap && Math.abs(nodmap.playback.positionS - 12.5) < 0.05 && nodmap.playback.paused"))
+        self.assertEqual(browser.run("return nodmap.view.camera.position.toArray().map(Math.round)"), [1, -5, 3])
+
+    def test_a_link_never_holds_the_token(self):
+        browser = self.browse(self.play())
+        self.assertNotIn("token", browser.run("""return import('/link.js').then(({makeLink}) =>
+            makeLink({origin: 'http://h', pathname: '/', hash: '#token=secret'}, nodmap.view, 1))"""))
+
+
 class Look(PageCase):
     def choose(self, browser, name, value):
         browser.run("const s = document.getElementById(arguments[0]); s.value = arguments[1]; s.dispatchEvent(new Event('change'))", name, value)

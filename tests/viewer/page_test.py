@@ -94,6 +94,24 @@ class Page(PageCase):
         begin = float(browser.run("return document.getElementById('position').value"))
         self.assertIsNotNone(browser.wait_for(f"Number(document.getElementById('position').value) > {begin} + 0.5"))
 
+    def test_marks_tell_what_happened_and_lead_there(self):
+        browser = self.browse(self.play())
+        self.assertIsNotNone(browser.wait_for("document.querySelectorAll('#marks > *').length > 0"))
+        kinds = browser.run("return [...new Set([...document.querySelectorAll('#marks > *')].map((mark) => mark.dataset.kind))]")
+        self.assertIn("keyframe", kinds)
+        # Each mark stands where the slider's knob is at its time.
+        self.pause(browser)
+        browser.run("nodmap.playback.marks.replaceChildren(); nodmap.playback.showEvents(['30.000 stop by me'])")
+        mark = "document.querySelector('#marks [data-kind=stop]')"
+        self.assertEqual(browser.run(f"return {mark}.title"), "0:30 stop by me")
+        share = browser.run("return 30 / nodmap.playback.durationS")
+        at = browser.run(f"const m = {mark}.getBoundingClientRect(); return m.left + m.width / 2")
+        left, right = browser.run("const r = document.getElementById('position').getBoundingClientRect(); return [r.left, r.right]")
+        self.assertAlmostEqual(at, left + 8 + share * (right - left - 16), delta=3)
+        browser.run(f"{mark}.click()")
+        self.assertIsNotNone(browser.wait_for("Math.abs(nodmap.playback.positionS - 29) < 0.05"))
+        self.assert_quiet(browser)
+
     def test_play_at_the_end_begins_anew(self):
         browser = self.browse(self.play(duration_s=20))
         self.seek(browser, 19.9)

@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <system_error>
 
+#include "common/formats/input_file.hpp"
 #include "common/node/log.hpp"
 #include "common/node/program.hpp"
 
@@ -21,11 +22,9 @@ std::int64_t size_bytes(const std::filesystem::path& path) {
 }  // namespace
 
 LineReader::LineReader(const std::filesystem::path& path)
-    : path_(path), in_(path), progress_(path.filename().string(), size_bytes(path)) {
-  if (!in_ || std::filesystem::is_directory(path)) {
-    throw std::runtime_error(path.string() + ": cannot open");
-  }
-}
+    : path_(path),
+      in_(formats::open_input(path)),
+      progress_(path.filename().string(), size_bytes(path)) {}
 
 bool LineReader::next() {
   if (node::stop_requested()) {

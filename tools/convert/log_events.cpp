@@ -3,6 +3,7 @@
 
 #include <stdexcept>
 
+#include "common/node/log.hpp"
 #include "common/node/program.hpp"
 #include "common/node/progress.hpp"
 
@@ -11,6 +12,7 @@ namespace nodmap::convert {
 std::int64_t for_each_event(const std::filesystem::path& log,
                             const std::function<void(const bus::LogEvent&)>& handle) {
   bus::LogReader reader(log);
+  reader.require_event();
   node::Progress progress(log.filename().string(), reader.size_bytes());
   while (const bus::LogEvent* event = reader.next()) {
     if (node::stop_requested()) {
@@ -18,6 +20,9 @@ std::int64_t for_each_event(const std::filesystem::path& log,
     }
     handle(*event);
     progress.show(reader.position_bytes());
+  }
+  if (reader.skipped_bytes() > 0) {
+    log::get().warn("{}", reader.damage());
   }
   return reader.skipped_bytes();
 }

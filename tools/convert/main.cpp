@@ -60,11 +60,7 @@ void add_imports(CLI::App& app, Arguments& arguments) {
 }
 
 void print_info(const Arguments& arguments) {
-  const convert::LogSummary summary = convert::summarize_log(arguments.in);
-  if (summary.channels.empty()) {
-    throw std::runtime_error(arguments.in + ": holds no event of an LCM event log");
-  }
-  convert::print(std::cout, summary);
+  convert::print(std::cout, convert::summarize_log(arguments.in));
 }
 
 void export_log(const Arguments& arguments) {

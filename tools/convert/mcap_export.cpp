@@ -27,6 +27,9 @@ std::uint64_t nanoseconds(std::int64_t utime_us) {
 
 void export_mcap(const std::filesystem::path& log, const std::filesystem::path& out) {
   bus::LogPlayer player({log});
+  for (const std::string& damage : player.damages()) {
+    nodmap::log::get().warn("{}", damage);
+  }
   NewFile file(out);
   McapWriter writer(file.partial_path());
   foxglove::TopicStore store;

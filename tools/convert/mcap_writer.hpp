@@ -4,8 +4,10 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace nodmap::convert {
@@ -17,7 +19,8 @@ struct McapChannel {
   std::string schema;  ///< JSON Schema
 };
 
-/// Writes MCAP, the container of Foxglove: without chunks and compression, with statistics.
+/// Writes MCAP, the container of Foxglove: messages in chunks compressed by zstd, with indexes by
+/// which a reader finds a time or a topic without reading the rest, and statistics.
 /// Source: https://mcap.dev/spec
 class McapWriter {
  public:
@@ -37,12 +40,27 @@ class McapWriter {
   [[nodiscard]] std::uint64_t num_messages() const { return num_messages_; }
 
  private:
+  /// What is being collected before it is compressed and written.
+  struct Chunk {
+    std::string records;
+    std::uint64_t first_ns = 0;
+    std::uint64_t last_ns = 0;
+    /// For each channel the time and the place in `records` of its messages.
+    std::map<std::uint16_t, std::vector<std::pair<std::uint64_t, std::uint64_t>>> index;
+  };
+
   void put_record(std::uint8_t opcode, std::string_view content);
+  void write_chunk();
+  [[nodiscard]] std::string statistics() const;
 
   std::filesystem::path path_;
   std::ofstream out_;
+  Chunk chunk_;
+  std::string chunk_indexes_;  // records for the summary
+  std::uint32_t num_chunks_ = 0;
   std::vector<std::uint64_t> counts_;  // messages of each channel
-  std::string definitions_;            // schema and channel records, again in the summary
+  std::string schemas_;                // records, again in the summary
+  std::string channels_;
   std::uint64_t num_messages_ = 0;
   std::uint64_t first_ns_ = 0;
   std::uint64_t last_ns_ = 0;

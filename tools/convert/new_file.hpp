@@ -1,21 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <boost/core/noncopyable.hpp>
 #include <filesystem>
 
 namespace nodmap::convert {
 
 /// A result that appears under its name only when it is whole: written beside it under another
 /// name, renamed by commit(), removed when that is never reached.
-class NewFile {
+class NewFile : private boost::noncopyable {
  public:
   /// Throws std::runtime_error when `path` exists: results are never overwritten.
   explicit NewFile(std::filesystem::path path);
   ~NewFile();
-  NewFile(const NewFile&) = delete;
-  NewFile& operator=(const NewFile&) = delete;
-  NewFile(NewFile&&) = delete;
-  NewFile& operator=(NewFile&&) = delete;
 
   /// Where to write.
   [[nodiscard]] const std::filesystem::path& partial_path() const { return partial_path_; }

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "common/formats/input_file.hpp"
 #include "common/node/log.hpp"
 #include "common/node/messages.hpp"
 #include "tools/convert/fields.hpp"
@@ -25,6 +26,8 @@ constexpr std::int64_t kDrivePeriodUs = 10'000;
 constexpr double kDriveSpeedMps = 0.5;
 constexpr double kDriveTurnRateRadS = 0.5;
 constexpr double kLeastDriveS = 2.0;
+/// Farther apart, two scans are no drive but a slip: the drive between them is written in steps.
+constexpr double kFarthestDriveM = 1000.0;
 
 std::vector<Eigen::Vector3d> read_points(LineReader& lines) {
   std::vector<Eigen::Vector3d> points_m;
@@ -66,7 +69,12 @@ geometry::SE3 read_pose(const std::filesystem::path& file) {
 std::map<int, std::filesystem::path> find_scans(const std::filesystem::path& dir,
                                                 const UosRange& range) {
   std::map<int, std::filesystem::path> scans;
-  for (const auto& entry : std::filesystem::directory_iterator(dir)) {
+  std::error_code error;
+  const std::filesystem::directory_iterator entries(dir, error);
+  if (error) {
+    throw formats::cannot_open(dir, error.value());
+  }
+  for (const auto& entry : entries) {
     const std::string stem = entry.path().stem().string();
     int number = -1;
     if (entry.path().extension() == ".3d" && stem.starts_with("scan")) {
@@ -110,6 +118,10 @@ class StopAndGo {
   void drive(const geometry::SE3& from, const geometry::SE3& to) {
     const geometry::SE3 T_from_to = from.inverse() * to;
     const double distance_m = T_from_to.translation().norm();
+    if (!(distance_m <= kFarthestDriveM)) {
+      throw std::runtime_error("two scans are " + std::to_string(distance_m) +
+                               " m apart: their poses are to be in centimetres");
+    }
     const double duration_s = std::max({kLeastDriveS, distance_m / kDriveSpeedMps,
                                         geometry::rotation_angle(T_from_to) / kDriveTurnRateRadS});
     const auto num_steps = static_cast<std::int64_t>(std::ceil(duration_s * 1e6 / kDrivePeriodUs));

@@ -2,6 +2,7 @@
 // nodmap-doctor: what on this host would keep nodmap from working, and what fixes it.
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cstdlib>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -27,7 +28,7 @@ std::set<std::int64_t> our_fingerprints() {
 
 std::vector<Finding> examine_network(const std::string& url) {
   std::vector<Finding> findings;
-  const std::optional<UdpmUrl> udpm = parse_udpm_url(url);
+  const std::optional<bus::UdpmUrl> udpm = bus::parse_udpm_url(url);
   if (udpm) {
     findings.push_back(
         check_multicast_route(read_text("/proc/net/route").value_or(""), *udpm, interface_flags()));
@@ -38,6 +39,13 @@ std::vector<Finding> examine_network(const std::string& url) {
     const auto owners = socket_owners();
     findings.push_back(check_port_users(sockets, owners, udpm->port));
     findings.push_back(check_drops(sockets, owners, udpm->port));
+  }
+  const char* trusted_hosts = std::getenv("NODMAP_TRUSTED_HOSTS");  // NOLINT(concurrency-mt-unsafe)
+  const Finding trust = check_trusted_hosts(trusted_hosts != nullptr ? trusted_hosts : "",
+                                            udpm.value_or(bus::UdpmUrl{}));
+  findings.push_back(trust);
+  if (trust.status == Status::kFail) {
+    return findings;  // no process of ours can start
   }
   const SelfTest test = run_self_test(url);
   findings.push_back(check_self_test(test, url));

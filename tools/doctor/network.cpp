@@ -9,8 +9,10 @@
 #include <charconv>
 #include <cstdio>
 #include <sstream>
+#include <stdexcept>
 #include <string_view>
 
+#include "common/bus/trusted_hosts.hpp"
 #include "tools/doctor/channel_loads.hpp"
 
 namespace nodmap::doctor {
@@ -130,7 +132,7 @@ std::string join(const std::set<std::string>& names) {
   return text;
 }
 
-std::string use_next_port(const UdpmUrl& url) {
+std::string use_next_port(const bus::UdpmUrl& url) {
   const int next = url.port == 65535 ? 7668 : url.port + 1;
   return "export LCM_DEFAULT_URL='udpm://" + url.group_text() + ":" + std::to_string(next) +
          "?ttl=" + std::to_string(url.ttl) + "'";
@@ -138,7 +140,7 @@ std::string use_next_port(const UdpmUrl& url) {
 
 }  // namespace
 
-Finding check_multicast_route(const std::string& proc_net_route, const UdpmUrl& url,
+Finding check_multicast_route(const std::string& proc_net_route, const bus::UdpmUrl& url,
                               const std::map<std::string, unsigned int>& interface_flags) {
   const std::string check = "multicast route";
   const std::optional<Route> route = route_to(url.group, proc_net_route);
@@ -234,8 +236,8 @@ Finding check_self_test(const SelfTest& test, const std::string& url) {
   const std::string check = "LCM self test";
   if (!test.opened) {
     return {check, Status::kFail, "LCM cannot use " + url + ".",
-            parse_udpm_url(url) ? kLoopbackRoute
-                                : "export LCM_DEFAULT_URL='udpm://239.255.76.67:7667?ttl=0'"};
+            bus::parse_udpm_url(url) ? kLoopbackRoute
+                                     : "export LCM_DEFAULT_URL='udpm://239.255.76.67:7667?ttl=0'"};
   }
   if (!test.latency_ms) {
     return {check, Status::kFail,
@@ -248,7 +250,7 @@ Finding check_self_test(const SelfTest& test, const std::string& url) {
 }
 
 Finding check_traffic(const std::vector<HeardChannel>& heard,
-                      const std::set<std::int64_t>& our_fingerprints, const UdpmUrl& url) {
+                      const std::set<std::int64_t>& our_fingerprints, const bus::UdpmUrl& url) {
   std::int64_t num_ours = 0;
   std::int64_t num_foreign = 0;
   std::set<std::string> foreign;
@@ -263,13 +265,39 @@ Finding check_traffic(const std::vector<HeardChannel>& heard,
   if (num_foreign > 0) {
     return {"traffic", Status::kWarn,
             std::to_string(num_foreign) + " messages of no nodmap type came within a second on " +
-                join(foreign) + "; LCM 1.3.1 hears every multicast group on its port.",
+                join(foreign) + ".",
             use_next_port(url)};
   }
   return {"traffic", Status::kOk,
           num_ours > 0 ? std::to_string(num_ours) + " messages came within a second, all of ours."
                        : "The port is silent.",
           ""};
+}
+
+Finding check_trusted_hosts(const std::string& trusted_hosts, const bus::UdpmUrl& url) {
+  const std::string check = "trusted hosts";
+  const std::string name_them =
+      "export NODMAP_TRUSTED_HOSTS=10.0.0.2  # the other hosts' addresses";
+  try {
+    bus::TrustedHosts hosts(trusted_hosts, [] { return std::vector<std::uint32_t>(); });
+    constexpr std::uint32_t kOfNobody = 0xC0000201;  // 192.0.2.1, for documentation alone
+    if (hosts.contains(kOfNobody, {})) {
+      return {check, Status::kWarn, "Messages of any host are taken.", name_them};
+    }
+  } catch (const std::runtime_error& error) {
+    return {check, Status::kFail, error.what(), name_them};
+  }
+  if (!trusted_hosts.empty()) {
+    return {check, Status::kOk, "Messages of this host and of " + trusted_hosts + " are taken.",
+            ""};
+  }
+  if (url.ttl > 0) {
+    return {check, Status::kWarn,
+            "ttl=" + std::to_string(url.ttl) +
+                " sends to other hosts, but messages of this host alone are taken.",
+            name_them};
+  }
+  return {check, Status::kOk, "Messages of this host alone are taken.", ""};
 }
 
 }  // namespace nodmap::doctor

@@ -9,15 +9,15 @@
 #include <string>
 #include <vector>
 
+#include "common/bus/udpm_url.hpp"
 #include "tools/doctor/finding.hpp"
-#include "tools/doctor/udpm_url.hpp"
 
 namespace nodmap::doctor {
 
 /// Whether a packet to the group finds a way out. `proc_net_route` is the text of /proc/net/route,
 /// `interface_flags` the flags (net/if.h) of each interface by name.
 [[nodiscard]] Finding check_multicast_route(
-    const std::string& proc_net_route, const UdpmUrl& url,
+    const std::string& proc_net_route, const bus::UdpmUrl& url,
     const std::map<std::string, unsigned int>& interface_flags);
 
 /// Whether sockets hold what we send (channel_loads.hpp). The texts are those of
@@ -64,6 +64,10 @@ struct SelfTest {
 /// groups of its port.
 [[nodiscard]] Finding check_traffic(const std::vector<HeardChannel>& heard,
                                     const std::set<std::int64_t>& our_fingerprints,
-                                    const UdpmUrl& url);
+                                    const bus::UdpmUrl& url);
+
+/// Whose messages are taken. `trusted_hosts` is what $NODMAP_TRUSTED_HOSTS says.
+[[nodiscard]] Finding check_trusted_hosts(const std::string& trusted_hosts,
+                                          const bus::UdpmUrl& url);
 
 }  // namespace nodmap::doctor

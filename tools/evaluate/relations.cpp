@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "common/formats/input_file.hpp"
 #include "common/formats/stamp.hpp"
 
 namespace nodmap::evaluate {
@@ -60,10 +61,7 @@ Moments moments(std::span<const double> values) {
 }  // namespace
 
 std::vector<Relation> read_relations(const std::filesystem::path& file) {
-  std::ifstream in(file);
-  if (!in) {
-    throw std::runtime_error(file.string() + ": cannot open");
-  }
+  std::ifstream in = formats::open_input(file);
   std::vector<Relation> relations;
   std::size_t number = 0;
   for (std::string line; std::getline(in, line);) {

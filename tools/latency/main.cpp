@@ -8,6 +8,7 @@
 
 #include "common/bus/event_log.hpp"
 #include "common/bus/live_bus.hpp"
+#include "common/node/log.hpp"
 #include "common/node/program.hpp"
 #include "tools/latency/reaction.hpp"
 
@@ -34,8 +35,12 @@ void listen(const std::string& url, double duration_s, Reaction& reaction) {
 
 void read_log(const std::string& file, Reaction& reaction) {
   bus::LogReader reader(file);
+  reader.require_event();
   while (const bus::LogEvent* event = reader.next()) {
     reaction.hear(event->channel, event->data, event->log_utime_us);
+  }
+  if (reader.skipped_bytes() > 0) {
+    log::get().warn("{}", reader.damage());
   }
 }
 

@@ -22,7 +22,8 @@ void check_process(std::string_view process, const std::string& source);
 /// "PROCESS@T+D", seconds. Throws CommandError.
 [[nodiscard]] Kill parse_kill(const std::string& text);
 
-/// A file, or "random:SEED". Throws std::runtime_error.
-[[nodiscard]] sim::World load_world_or_random(const std::string& name);
+/// A file, "SCENARIO:SEED" such as "random:1" or "holes:7", "barn:FILE:INDEX", or
+/// "pedestrians:FILE:FRAMES_PER_SECOND:SEED". Throws std::runtime_error.
+[[nodiscard]] sim::World make_world(const std::string& name);
 
 }  // namespace nodmap::trial

@@ -78,8 +78,9 @@ void GroundTruthMonitor::update() {
   const sim::GroundTruth truth = model_.ground_truth();
   if (recorded) {
     record_.truth.push_back({now_us, truth.T_world_base, truth.forward_mps, truth.yaw_rate_rad_s,
-                             truth.clearance_m, truth.collisions, truth.bumps,
-                             truth.contacts_caused, truth.falls});
+                             truth.clearance_m, truth.person_clearance_m, truth.collisions,
+                             truth.bumps, truth.contacts_caused, truth.falls});
+    record_progress(truth.T_world_base.translation().head<2>());
     T_world_base_.add(kEpochUs + now_us, truth.T_world_base);
   }
   if (now_us % kTruthPeriodUs == 0) {
@@ -87,6 +88,20 @@ void GroundTruthMonitor::update() {
   }
   if (!world_.actors.empty()) {
     update_brake_latency(truth);
+  }
+}
+
+/// The first motion, and the arrival by the rules of a task that does not ask the robot.
+void GroundTruthMonitor::record_progress(const Eigen::Vector2d& position) {
+  constexpr double kMovedM = 0.1;
+  if (!record_.moved_us && (position - world_.T_world_start.translation()).norm() >= kMovedM) {
+    record_.moved_us = model_.now_us();
+  }
+  const std::optional<double>& radius_m = world_.task.arrival_radius_m;
+  if (radius_m && !record_.reached_us && !world_.goals.empty() &&
+      record_.arrivals_us.size() + 1 >= world_.goals.size() &&
+      (position - world_.goals.back()).norm() <= *radius_m) {
+    record_.reached_us = model_.now_us();
   }
 }
 
@@ -111,7 +126,6 @@ void GroundTruthMonitor::publish(const sim::GroundTruth& truth) {
 }
 
 void GroundTruthMonitor::update_brake_latency(const sim::GroundTruth& truth) {
-  const double now_s = 1e-6 * static_cast<double>(model_.now_us());
   BrakeLatencyMonitor::State state;
   state.time_us = model_.now_us();
   state.T_world_base = geometry::to_se2(truth.T_world_base);
@@ -121,10 +135,11 @@ void GroundTruthMonitor::update_brake_latency(const sim::GroundTruth& truth) {
       n < 2
           ? 0.0
           : 1e-6 * static_cast<double>(record_.sweep_ends_us[n - 1] - record_.sweep_ends_us[n - 2]);
-  for (const sim::Actor& actor : world_.actors) {
-    const sim::ActorState actor_state{actor.position(now_s), actor.radius_m, actor.height_m};
-    const bool visible = actor.is_present(now_s) && is_visible(actor_state, truth);
-    state.visible_actors.push_back(visible ? std::optional(actor_state) : std::nullopt);
+  state.visible_actors.resize(world_.actors.size());
+  for (const sim::ActorState& actor : truth.actors) {
+    if (is_visible(actor, truth)) {
+      state.visible_actors[actor.actor] = actor;
+    }
   }
   brake_latency_.update(state);
 }

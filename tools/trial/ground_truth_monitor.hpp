@@ -36,6 +36,7 @@ class GroundTruthMonitor {
   void subscribe();
   void on_scan(const nodmap::scan_t& message);
   void on_pitch_state(const nodmap::pitch_state_t& message);
+  void record_progress(const Eigen::Vector2d& position);
   void publish(const sim::GroundTruth& truth);
   void update_brake_latency(const sim::GroundTruth& truth);
   [[nodiscard]] bool is_visible(const sim::ActorState& actor, const sim::GroundTruth& truth) const;

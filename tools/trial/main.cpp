@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <ctime>
 #include <iostream>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,6 +15,7 @@
 #include "common/node/progress.hpp"
 #include "common/node/results.hpp"
 #include "common/params/params.hpp"
+#include "sim/world/scenarios/scenarios.hpp"
 #include "tools/trial/appearing_obstacle.hpp"
 #include "tools/trial/command.hpp"
 #include "tools/trial/metrics.hpp"
@@ -28,7 +31,8 @@ struct Arguments {
   std::string world;
   std::string out;
   std::uint64_t seed = 0;
-  double duration_s = 60.0;
+  std::optional<double> duration_s;
+  Robot robot = Robot::kKurt3d;
   std::string pitch;
   std::vector<std::string> assignments;
   std::vector<std::string> faults;
@@ -36,17 +40,40 @@ struct Arguments {
   std::vector<std::string> without;
   std::optional<double> appear_s;
   bool level_laser = false;
+  bool no_actors = false;
   bool dump_params = false;
 };
 
+std::string scenario_names() {
+  std::string names;
+  for (const sim::Scenario& scenario : sim::scenarios()) {
+    names += (names.empty() ? "" : ", ") + std::string(scenario.name);
+  }
+  return names;
+}
+
+/// As given; else what the world's time limit may need when the robot moves late.
+double duration_s(const Arguments& arguments, const sim::World& world) {
+  constexpr double kUntilMotionS = 30.0;
+  constexpr double kUsualS = 60.0;
+  return arguments.duration_s.value_or(
+      world.task.time_limit_s ? *world.task.time_limit_s + kUntilMotionS : kUsualS);
+}
+
 void add_options(CLI::App& app, Arguments& arguments) {
-  app.add_option("--world", arguments.world, "World file, or random:SEED for random clutter");
+  app.add_option("--world", arguments.world,
+                 "World file, SCENARIO:SEED for a generated one, barn:FILE:INDEX, or "
+                 "pedestrians:FILE:FRAMES_PER_SECOND:SEED; scenarios: " +
+                     scenario_names());
   app.add_option("--seed", arguments.seed, "Seed of the simulated noise")->capture_default_str();
-  app.add_option("--duration", arguments.duration_s,
-                 "Seconds of simulated time from the first scan")
-      ->check(CLI::Range(0.1, 86400.0))
-      ->capture_default_str();
+  app.add_option(
+         "--duration", arguments.duration_s,
+         "Seconds of simulated time from the first scan; default 60, or the world's time limit")
+      ->check(CLI::Range(0.1, 86400.0));
   app.add_option("--out", arguments.out, "Folder for the results; made, and never overwritten");
+  app.add_option("--robot", arguments.robot, "kurt3d, or jackal: the robot of the BARN challenge")
+      ->transform(CLI::CheckedTransformer(
+          std::map<std::string, Robot>{{"kurt3d", Robot::kKurt3d}, {"jackal", Robot::kJackal}}));
   app.add_option("--pitch", arguments.pitch, "Same as --set pitch_controller.mode=...")
       ->check(CLI::IsMember({"fixed", "nodding"}));
   app.add_option("--set", arguments.assignments, "A parameter: process.key=value; repeatable")
@@ -68,11 +95,14 @@ void add_options(CLI::App& app, Arguments& arguments) {
   app.add_flag_callback(
       "--no-slam6d", [&arguments] { arguments.without.emplace_back("slam6d"); },
       "Same as --without slam6d");
+  app.add_flag("--no-actors", arguments.no_actors, "Leave the world's actors out");
   app.add_flag("--dump-params", arguments.dump_params, "Print the effective parameters and end");
 }
 
 TrialSetup make_setup(const Arguments& arguments) {
   TrialSetup setup;
+  setup.robot = arguments.robot;
+  set_robot(setup.robot, setup.params);
   for (const std::string& assignment : arguments.assignments) {
     setup.params.set_assignment(assignment);
   }
@@ -91,13 +121,20 @@ TrialSetup make_setup(const Arguments& arguments) {
   }
   setup.level_laser = arguments.level_laser;
   setup.seed = arguments.seed;
-  setup.duration_us = std::llround(1e6 * arguments.duration_s);
   return setup;
 }
 
 void run(const Arguments& arguments, TrialSetup setup) {
   const std::filesystem::path dir = arguments.out;
-  setup.world = load_world_or_random(arguments.world);
+  setup.world = make_world(arguments.world);
+  if (arguments.no_actors) {
+    setup.world.actors.clear();
+  }
+  setup.duration_us = std::llround(1e6 * duration_s(arguments, setup.world));
+  if (setup.level_laser &&
+      std::ranges::any_of(setup.world.actors, [](const sim::Actor& a) { return a.reacts; })) {
+    throw node::UsageError("--level-laser: not in a world with actors that react");
+  }
   node::make_result_dir(dir);
   if (arguments.appear_s) {
     setup.world.actors.push_back(place_appearing_obstacle(setup, *arguments.appear_s, dir));

@@ -63,6 +63,9 @@ DriveMetrics drive_metrics(const TrialRecord& record) {
     metrics.max_speed_mps = std::max(metrics.max_speed_mps, std::abs(sample->forward_mps));
     metrics.min_clearance_m = std::min(metrics.min_clearance_m, sample->clearance_m);
     metrics.distance_m += sample == first ? 0.0 : distance_between(*std::prev(sample), *sample);
+    metrics.close_to_person_s += sample != first && sample->person_clearance_m < kPersonalSpaceM
+                                     ? seconds(sample->time_us - std::prev(sample)->time_us)
+                                     : 0.0;
     if (!metrics.first_motion_s && is_moving(*sample)) {
       metrics.first_motion_s = seconds(sample->time_us - *record.started_us);
     }
@@ -77,6 +80,57 @@ DriveMetrics drive_metrics(const TrialRecord& record) {
   metrics.falls = last.falls;
   metrics.duration_s = seconds(last.time_us - first->time_us);
   metrics.mean_speed_mps = metrics.duration_s > 0.0 ? metrics.distance_m / metrics.duration_s : 0.0;
+  return metrics;
+}
+
+namespace {
+
+std::optional<std::int64_t> reached_us(const TrialRecord& record, const sim::World& world,
+                                       double tolerance_m) {
+  if (world.task.arrival_radius_m) {
+    return record.reached_us;
+  }
+  const std::size_t num_goals = world.goals.size();
+  if (num_goals == 0 || record.arrivals_us.size() < num_goals) {
+    return std::nullopt;
+  }
+  const Eigen::Vector2d end = record.truth.back().T_world_base.translation().head<2>();
+  const bool is_there = (end - world.goals.back()).norm() <= 2.0 * tolerance_m;
+  return is_there ? std::optional(record.arrivals_us[num_goals - 1]) : std::nullopt;
+}
+
+}  // namespace
+
+GoalMetrics goal_metrics(const TrialRecord& record, const sim::World& world, double tolerance_m,
+                         std::optional<double> shortest_path_m) {
+  GoalMetrics metrics;
+  if (!record.started_us || record.truth.empty()) {
+    return metrics;
+  }
+  metrics.reached_us = reached_us(record, world, tolerance_m);
+  const auto first = first_from(record, *record.started_us);
+  for (auto sample = first; sample != record.truth.end(); ++sample) {
+    if (metrics.reached_us && sample->time_us > *metrics.reached_us) {
+      break;
+    }
+    metrics.path_m += sample == first ? 0.0 : distance_between(*std::prev(sample), *sample);
+  }
+  if (!world.goals.empty()) {
+    const Eigen::Vector2d end = record.truth.back().T_world_base.translation().head<2>();
+    metrics.start_to_goal_m = (world.T_world_start.translation() - world.goals.back()).norm();
+    metrics.remaining_m = (end - world.goals.back()).norm();
+  }
+  if (metrics.reached_us) {
+    metrics.time_s = seconds(*metrics.reached_us - *record.started_us);
+    metrics.after_motion_s = seconds(*metrics.reached_us - record.moved_us.value_or(0));
+  }
+  if (shortest_path_m) {
+    const double radius_m = world.task.arrival_radius_m.value_or(tolerance_m);
+    const double shortest_m = std::max(0.0, *shortest_path_m - radius_m);
+    metrics.spl = metrics.reached_us && shortest_m > 0.0
+                      ? shortest_m / std::max(metrics.path_m, shortest_m)
+                      : 0.0;
+  }
   return metrics;
 }
 

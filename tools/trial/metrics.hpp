@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "sim/world/world.hpp"
 #include "tools/trial/record.hpp"
 
 namespace nodmap::trial {
@@ -35,10 +36,33 @@ struct DriveMetrics {
   double mean_speed_mps = 0.0;
   double max_speed_mps = 0.0;
   double min_clearance_m = 0.0;
+  double close_to_person_s = 0.0;  ///< nearer than kPersonalSpaceM to an actor
 };
+
+/// Intimate distance (Hall, The Hidden Dimension, 1966): nearer than that a robot disturbs people.
+inline constexpr double kPersonalSpaceM = 0.45;
 
 /// All zero when there was no scan.
 [[nodiscard]] DriveMetrics drive_metrics(const TrialRecord& record);
+
+/// How the robot drove to the goals of its world.
+struct GoalMetrics {
+  std::optional<std::int64_t> reached_us;  ///< the last one
+  double path_m = 0.0;                     ///< driven from the first scan until then, or the end
+  std::optional<double> time_s;            ///< from the first scan until then
+  std::optional<double> after_motion_s;    ///< from the moment at which it had moved by 0.1 m
+  double start_to_goal_m = 0.0;            ///< in a straight line
+  double remaining_m = 0.0;                ///< the same at the end
+  /// Success weighted by path length (Anderson et al., On Evaluation of Embodied Navigation
+  /// Agents, 2018), by the path to where the goal counts as reached. Empty where the shortest path
+  /// is not known.
+  std::optional<double> spl;
+};
+
+/// The robot is at the last goal when it has reported so for each and is not farther from it than
+/// twice `tolerance_m`; under a Task with an arrival radius, as soon as it is so near.
+[[nodiscard]] GoalMetrics goal_metrics(const TrialRecord& record, const sim::World& world,
+                                       double tolerance_m, std::optional<double> shortest_path_m);
 
 /// Durations of the sweeps in seconds, without the movement from the servo's rest position.
 [[nodiscard]] std::vector<double> sweep_times_s(const TrialRecord& record);

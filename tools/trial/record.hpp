@@ -21,6 +21,7 @@ struct TruthSample {
   double forward_mps = 0.0;
   double yaw_rate_rad_s = 0.0;
   double clearance_m = 0.0;
+  double person_clearance_m = 0.0;  ///< to the nearest actor; infinite without
   std::int64_t collisions = 0;
   std::int64_t bumps = 0;
   std::int64_t contacts_caused = 0;
@@ -33,7 +34,9 @@ struct TrialRecord {
   std::vector<std::int64_t> sweep_ends_us;  ///< when the pitch reversed
   formats::Trajectory odometry;             ///< as published
   std::optional<std::int64_t> started_us;   ///< the first SCAN; metrics count from here
+  std::optional<std::int64_t> moved_us;     ///< when it had moved by 0.1 m from its start
   std::vector<std::int64_t> arrivals_us;    ///< when the navigator reported its arrival at a goal
+  std::optional<std::int64_t> reached_us;   ///< within Task::arrival_radius_m of the last goal
 };
 
 }  // namespace nodmap::trial

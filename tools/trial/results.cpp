@@ -10,6 +10,7 @@
 #include <string>
 
 #include "common/geometry/angle.hpp"
+#include "sim/body/shortest_path.hpp"
 #include "tools/evaluate/trajectory_error.hpp"
 #include "tools/trial/metrics.hpp"
 #include "tools/trial/path_image.hpp"
@@ -138,16 +139,17 @@ Json stops(const TrialSetup& setup, const TrialRecord& record) {
   return all;
 }
 
-/// When the robot arrived at the last goal and is really there.
-std::optional<std::int64_t> goal_reached_us(const TrialSetup& setup, const TrialRecord& record) {
-  const std::size_t num_goals = setup.world.goals.size();
-  if (num_goals == 0 || record.arrivals_us.size() < num_goals) {
-    return std::nullopt;
-  }
-  const Eigen::Vector2d end = record.truth.back().T_world_base.translation().head<2>();
-  const bool is_there =
-      (end - setup.world.goals.back()).norm() <= 2.0 * setup.params.loop.goal_tolerance_m;
-  return is_there ? std::optional(record.arrivals_us[num_goals - 1]) : std::nullopt;
+Json write(const GoalMetrics& goal, const std::optional<double>& shortest_m,
+           const sim::Task& task) {
+  return {{"reached", goal.reached_us.has_value()},
+          {"time_s", number_or_null(goal.time_s)},
+          {"after_motion_s", number_or_null(goal.after_motion_s)},
+          {"path_m", goal.path_m},
+          {"start_to_goal_m", goal.start_to_goal_m},
+          {"remaining_m", goal.remaining_m},
+          {"shortest_path_m", number_or_null(shortest_m)},
+          {"reference_path_m", number_or_null(task.reference_path_m)},
+          {"spl", number_or_null(goal.spl)}};
 }
 
 /// Null without a map.
@@ -173,7 +175,9 @@ Json summarise(const TrialSetup& setup, const TrialOutcome& outcome,
                const std::filesystem::path& dir) {
   const TrialRecord& record = outcome.record;
   const DriveMetrics drive = drive_metrics(record);
-  const auto arrived_us = goal_reached_us(setup, record);
+  const auto shortest_m = sim::shortest_path_m(setup.world, setup.params.sim.model.body);
+  const GoalMetrics goal =
+      goal_metrics(record, setup.world, setup.params.loop.goal_tolerance_m, shortest_m);
   const std::size_t num_goals = setup.world.goals.size();
   const std::int64_t started_us = record.started_us.value_or(0);
   Json result = {
@@ -193,9 +197,10 @@ Json summarise(const TrialSetup& setup, const TrialOutcome& outcome,
       {"falls", drive.falls},
       {"goals",
        {{"asked", num_goals}, {"reached", std::min(record.arrivals_us.size(), num_goals)}}},
-      {"goal_reached", arrived_us.has_value()},
-      {"goal_time_s",
-       arrived_us ? Json(1e-6 * static_cast<double>(*arrived_us - started_us)) : Json(nullptr)},
+      {"goal_reached", goal.reached_us.has_value()},
+      {"goal_time_s", number_or_null(goal.time_s)},
+      {"goal", num_goals > 0 ? write(goal, shortest_m, setup.world.task) : Json(nullptr)},
+      {"close_to_person_s", drive.close_to_person_s},
       {"brake_latency_ms", brake_latency(outcome)},
       {"sweep_s", write(quantiles(sweep_times_s(record)))},
       {"slam2d", slam_errors(dir / "slam2d", record, true)},

@@ -46,9 +46,10 @@ nlohmann::json Process::report() const {
 }
 
 RobotSoftware::RobotSoftware(sim::SimulatedRobot& hardware, bus::LoopNetwork& network,
-                             AllParams params, std::set<std::string> without)
+                             AllParams params, Robot robot, std::set<std::string> without)
     : hardware_(hardware),
       network_(network),
+      person_(network),
       params_(std::move(params)),
       without_(std::move(without)),
       laser_line_(hardware.device(sim::Part::kLaser)),
@@ -56,21 +57,15 @@ RobotSoftware::RobotSoftware(sim::SimulatedRobot& hardware, bus::LoopNetwork& ne
       base_line_(hardware.device(sim::Part::kBase)) {
   const auto clock = [this] {
     const std::int64_t now_us = hardware_.model().now_us();
-    return time::Moment{kEpochUs + now_us, now_us};
+    return time::Moment{time::from_utime(kEpochUs + now_us),
+                        time::SteadyTime(time::Duration(now_us))};
   };
   processes_.reserve(7);
   add("kurt", [this, clock](node::Context& context) {
     return std::make_unique<kurt::KurtNode>(
         context, params_.kurt, [this] { return base_line_.open(params_.kurt.baud); }, clock);
   });
-  add("laser3d", [this, clock](node::Context& context) {
-    return std::make_unique<laser3d::Laser3dNode>(
-        context, params_.laser3d,
-        laser3d::Laser3dNode::Openers{
-            .laser = [this] { return laser_line_.open(params_.laser3d.laser.baud); },
-            .servo = [this] { return servo_line_.open(params_.laser3d.servo.baud); }},
-        clock);
-  });
+  add_scanner(robot, clock);
   add("pitch_controller", [this](node::Context& context) {
     return std::make_unique<pitch_controller::PitchControllerNode>(context,
                                                                    params_.pitch_controller);
@@ -89,13 +84,42 @@ RobotSoftware::RobotSoftware(sim::SimulatedRobot& hardware, bus::LoopNetwork& ne
   });
 }
 
+void RobotSoftware::add_scanner(Robot robot, const std::function<time::Moment()>& clock) {
+  if (robot == Robot::kJackal) {
+    add("laser3d", [this](node::Context& context) {
+      return std::make_unique<LevelScannerNode>(context, params_.navigator.robot.mount,
+                                                hardware_.model());
+    });
+    return;
+  }
+  add("laser3d", [this, clock](node::Context& context) {
+    return std::make_unique<laser3d::Laser3dNode>(
+        context, params_.laser3d,
+        laser3d::Laser3dNode::Openers{
+            .laser = [this] { return laser_line_.open(params_.laser3d.laser.baud); },
+            .servo = [this] { return servo_line_.open(params_.laser3d.servo.baud); }},
+        clock);
+  });
+}
+
 void RobotSoftware::add(const std::string& name, node::NodeFactory make_node) {
   if (!without_.contains(name)) {
     processes_.emplace_back(name, network_, std::move(make_node));
   }
 }
 
+void RobotSoftware::give_go() {
+  nodmap::stop_t message{};
+  message.utime = kEpochUs + hardware_.model().now_us();
+  message.stop_seq = stop_seq_++;
+  message.requested_by = "nodmap-trial";
+  person_.publish("STOP", message);
+}
+
 void RobotSoftware::step() {
+  if (stop_seq_ == 0) {
+    give_go();
+  }
   for (SimulatedLine* line : {&base_line_, &laser_line_, &servo_line_}) {
     line->move_bytes(hardware_.model().now_us());
   }
@@ -125,6 +149,9 @@ void RobotSoftware::kill(const std::string& name) {
 
 void RobotSoftware::start(const std::string& name) {
   process(name).start();
+  if (name == "kurt") {
+    give_go();
+  }
 }
 
 void RobotSoftware::finish() {

@@ -15,6 +15,7 @@
 #include "sim/devices/simulated_robot.hpp"
 #include "tools/trial/params.hpp"
 #include "tools/trial/record.hpp"
+#include "tools/trial/robots.hpp"
 #include "tools/trial/simulated_line.hpp"
 
 namespace nodmap::trial {
@@ -63,7 +64,7 @@ class RobotSoftware : private boost::noncopyable {
  public:
   /// Leaves out the processes named in `without`.
   RobotSoftware(sim::SimulatedRobot& hardware, bus::LoopNetwork& network, AllParams params,
-                std::set<std::string> without);
+                Robot robot, std::set<std::string> without);
 
   /// Lines and drivers do what is due at the hardware's time.
   void step();
@@ -80,10 +81,15 @@ class RobotSoftware : private boost::noncopyable {
 
  private:
   void add(const std::string& name, node::NodeFactory make_node);
+  void add_scanner(Robot robot, const std::function<time::Moment()>& clock);
+  /// What a person says after each start of the base driver: the robot may drive.
+  void give_go();
   [[nodiscard]] Process& process(const std::string& name);
 
   sim::SimulatedRobot& hardware_;
   bus::LoopNetwork& network_;
+  bus::LoopBus person_;
+  std::int64_t stop_seq_ = 0;
   AllParams params_;
   std::set<std::string> without_;
   SimulatedLine laser_line_;

@@ -67,7 +67,7 @@ struct Trial::Parts {
                       .seed = setup.seed}),
         monitor(setup.world, hardware.model(), network, stopping_zone(setup)),
         goal(setup.world, setup.params.loop, network),
-        robot(hardware, network, setup.params, setup.without) {
+        robot(hardware, network, setup.params, setup.robot, setup.without) {
     if (setup.level_laser) {
       level_laser.emplace(setup.world, setup.params, setup.seed + kLevelLaserSeed,
                           monitor.T_world_base(), network,
@@ -111,9 +111,25 @@ bool Trial::is_over() const {
     }
     return false;
   }
-  return now_us_ > *record().started_us + setup_.duration_us ||
-         (!setup_.world.goals.empty() && record().arrivals_us.size() >= setup_.world.goals.size() &&
-          now_us_ > record().arrivals_us[setup_.world.goals.size() - 1] + kAfterArrivalUs);
+  return now_us_ > *record().started_us + setup_.duration_us || has_arrived() || has_failed();
+}
+
+bool Trial::has_arrived() const {
+  const std::size_t num_goals = setup_.world.goals.size();
+  if (setup_.world.task.arrival_radius_m) {
+    return record().reached_us.has_value();
+  }
+  return num_goals > 0 && record().arrivals_us.size() >= num_goals &&
+         now_us_ > record().arrivals_us[num_goals - 1] + kAfterArrivalUs;
+}
+
+/// By the rules of the world's task.
+bool Trial::has_failed() const {
+  const sim::Task& task = setup_.world.task;
+  const TruthSample& last = record().truth.back();
+  const bool is_late = task.time_limit_s && record().moved_us &&
+                       now_us_ > *record().moved_us + microseconds(*task.time_limit_s);
+  return is_late || (task.ends_at_contact && last.collisions + last.bumps > 0);
 }
 
 void Trial::apply_kills() {

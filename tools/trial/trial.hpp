@@ -15,6 +15,7 @@
 #include "tools/trial/occupancy_metrics.hpp"
 #include "tools/trial/params.hpp"
 #include "tools/trial/record.hpp"
+#include "tools/trial/robots.hpp"
 
 namespace nodmap::trial {
 
@@ -27,6 +28,7 @@ struct Kill {
 
 struct TrialSetup {
   sim::World world;
+  Robot robot = Robot::kKurt3d;  ///< whose values `params` hold: set_robot()
   AllParams params;
   std::uint64_t seed = 0;
   std::int64_t duration_us = 0;  ///< from the first SCAN on
@@ -56,9 +58,9 @@ class Trial {
   Trial(const TrialSetup& setup, const std::filesystem::path& dir);
   ~Trial();
 
-  /// One step of simulated time; false when the trial is over: after the duration, or a second
-  /// after the robot has arrived at the world's last goal. Throws std::runtime_error when no scan
-  /// comes within a minute.
+  /// One step of simulated time; false when the trial is over: after the duration, a second after
+  /// the robot has reported its arrival at the world's last goal, or as the world's task says.
+  /// Throws std::runtime_error when no scan comes within a minute.
   bool step();
 
   [[nodiscard]] std::int64_t now_us() const { return now_us_; }
@@ -71,6 +73,8 @@ class Trial {
   struct Parts;
 
   [[nodiscard]] bool is_over() const;
+  [[nodiscard]] bool has_arrived() const;
+  [[nodiscard]] bool has_failed() const;
   void apply_kills();
 
   TrialSetup setup_;

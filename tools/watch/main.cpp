@@ -17,6 +17,10 @@
 namespace nodmap::watch {
 namespace {
 
+std::int64_t steady_us() {
+  return time::to_us(time::now_on_both_clocks().steady.time_since_epoch());
+}
+
 constexpr std::int64_t kTerminalPeriodUs = 100'000;
 constexpr std::int64_t kFilePeriodUs = 5'000'000;
 
@@ -28,9 +32,8 @@ struct Arguments {
 
 template <class Message>
 void listen(bus::Bus& bus, const char* channel, Overview& overview) {
-  bus.subscribe<Message>(channel, [&overview](const Message& message) {
-    overview.hear(message, time::now_on_both_clocks().steady_us);
-  });
+  bus.subscribe<Message>(
+      channel, [&overview](const Message& message) { overview.hear(message, steady_us()); });
 }
 
 void listen_to_all(bus::Bus& bus, Overview& overview) {
@@ -73,12 +76,12 @@ bool watch(const Arguments& arguments, const std::string& lcm_url, Overview& ove
   listen_to_all(bus, overview);
   Display display;
   const auto in_us = [](double seconds) { return static_cast<std::int64_t>(1e6 * seconds); };
-  std::int64_t end_us = time::now_on_both_clocks().steady_us + in_us(arguments.patience_s);
+  std::int64_t end_us = steady_us() + in_us(arguments.patience_s);
   bool scans_came = false;
   bool in_time = true;
   while (in_time && !node::stop_requested()) {
     bus.handle(std::chrono::milliseconds(20));
-    const std::int64_t now_us = time::now_on_both_clocks().steady_us;
+    const std::int64_t now_us = steady_us();
     if (!scans_came && overview.scans().total() > 0) {
       scans_came = true;
       end_us = now_us + in_us(arguments.duration_s);

@@ -95,6 +95,23 @@ TEST(LiveBus, CorruptMessagesAreCountedAndDropped) {
   EXPECT_EQ(bus.counts().corrupt, 4);
 }
 
+// A SCAN of a million ranges is a valid message; what it would make of each process's memory is
+// not.
+TEST(LiveBus, MessagesBeyondAnyOfOursAreCorrupt) {
+  LiveBus bus("memq://");
+  int seen = 0;
+  bus.subscribe<nodmap::scan_t>("SCAN", [&](const nodmap::scan_t&) { ++seen; });
+  nodmap::scan_t scan{};
+  for (const int num_ranges : {60'000, 1'000'000}) {
+    scan.num_ranges = num_ranges;
+    scan.ranges_m.resize(static_cast<std::size_t>(num_ranges));
+    bus.publish("SCAN", scan);
+  }
+  handle_all(bus);
+  EXPECT_EQ(seen, 1);
+  EXPECT_EQ(bus.counts().corrupt, 1);
+}
+
 TEST(LiveBus, AMillionRandomBytesOnScan) {
   LiveBus bus("memq://");
   int seen = 0;

@@ -37,6 +37,9 @@ TEST(Ply, EmptyCutOffAndForeignFiles) {
   std::ofstream(dir.path() / "cut.ply")
       << "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nend_header\n1\n";
   EXPECT_THROW((void)read_ply(dir.path() / "cut.ply"), std::runtime_error);
+  std::ofstream(dir.path() / "endless.ply")
+      << "ply\nformat ascii 1.0\nelement vertex 9223372036854775808\nend_header\n1\n";
+  EXPECT_THROW((void)read_ply(dir.path() / "endless.ply"), std::runtime_error);
   std::ofstream(dir.path() / "text.ply") << "hello\n";
   EXPECT_THROW((void)read_ply(dir.path() / "text.ply"), std::runtime_error);
 }

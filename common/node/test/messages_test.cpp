@@ -59,6 +59,23 @@ TEST(Messages, ScanRefusesWhatIsNoScan) {
   EXPECT_FALSE(read_scan(message, scan));
 }
 
+// What would grow a process, or count cells beyond 32 bits.
+TEST(Messages, NothingFartherOrLargerThanARobotAndALaser) {
+  scan::Scan scan;
+  nodmap::scan_t message = write_scan(sample_scan());
+  message.num_ranges = 1'000'000;
+  message.ranges_m.resize(1'000'000);
+  EXPECT_FALSE(read_scan(message, scan));
+  message = write_scan(sample_scan());
+  message.range_max_m = 1e30F;
+  EXPECT_FALSE(read_scan(message, scan));
+  nodmap::odometry_t odometry = write_odometry(1, SE3::Identity());
+  odometry.position_m[1] = -5e8;
+  EXPECT_FALSE(read_odometry(odometry));
+  odometry.position_m[1] = -1e6;
+  EXPECT_TRUE(read_odometry(odometry));
+}
+
 TEST(Messages, ScanOfNoBeamsIsAScan) {
   scan::Scan empty = sample_scan();
   empty.ranges_m.clear();

@@ -127,7 +127,7 @@ TEST(Run, ExitCodesTellWhoIsWrong) {
   EXPECT_EQ(run_echo({"--config", dir.path() / "none.yaml"}), 2);
   EXPECT_EQ(run_echo({"--log-level", "chatty"}), 2);
   EXPECT_EQ(run_echo({"--replay", log}), 2);  // where to?
-  EXPECT_EQ(run_echo({"--replay", dir.path() / "none", "--out", dir.path() / "c"}), 1);
+  EXPECT_EQ(run_echo({"--replay", dir.path() / "none", "--out", dir.path() / "c"}), 2);
   std::ofstream(dir.path() / "precious") << "x";
   EXPECT_EQ(run_echo({"--replay", log, "--out", dir.path()}), 1);  // not empty
 }

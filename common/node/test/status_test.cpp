@@ -68,6 +68,23 @@ TEST_F(StatusTest, ADriverNeedsNoMessages) {
   EXPECT_EQ(status_.get()->health, nodmap::status_t::OK);
 }
 
+TEST_F(StatusTest, CorruptMessagesAreTold) {
+  StatusReporter reporter("nodmap-test", bus_, counts_, clock_);
+  node_.health_.needs_messages = false;
+  for (int i = 0; i < 11; ++i) {
+    bus_.publish_bytes("STATUS", {});
+  }
+  handle_all();
+  for (const auto health : {nodmap::status_t::DEGRADED, nodmap::status_t::OK}) {
+    clock_.advance(1'000'000);
+    reporter.publish_if_due(node_);
+    handle_all();
+    ASSERT_TRUE(status_.get().has_value());
+    EXPECT_EQ(status_.get()->health, health) << "only while they come";
+    EXPECT_EQ(status_.get()->total_corrupt, 11);
+  }
+}
+
 TEST_F(StatusTest, TheNodesOwnWordGoesThrough) {
   StatusReporter reporter("nodmap-test", bus_, counts_, clock_);
   node_.health_ = {HealthState::kFailed, "the disk is full"};

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <numbers>
 
+#include "common/formats/input_file.hpp"
 #include "tests/support/data_dir.hpp"
 
 namespace nodmap::params {
@@ -97,7 +98,7 @@ TEST_F(ParamsTest, ARefusedValueChangesNothing) {
 }
 
 TEST_F(ParamsTest, MissingFileIsAnError) {
-  EXPECT_THROW(table_.load_yaml(dir_.path() / "none.yaml"), ParamError);
+  EXPECT_THROW(table_.load_yaml(dir_.path() / "none.yaml"), formats::InputFileError);
 }
 
 TEST_F(ParamsTest, WhatIsDumpedLoadsAgain) {

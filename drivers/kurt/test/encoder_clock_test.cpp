@@ -10,36 +10,38 @@
 namespace nodmap::kurt {
 namespace {
 
+constexpr time::SteadyTime kStart{1s};
+
 TEST(EncoderClock, SteadyFramesAreStampedAsTheyCome) {
   EncoderClock clock;
   for (int i = 0; i < 1000; ++i) {
-    const auto reading = clock.take(1'000'000 + i * kEncoderPeriodUs);
-    EXPECT_EQ(reading.measured_us, 1'000'000 + i * kEncoderPeriodUs);
+    const auto reading = clock.take(kStart + i * kEncoderPeriod);
+    EXPECT_EQ(reading.measured, kStart + i * kEncoderPeriod);
     EXPECT_EQ(reading.lost, 0);
-    EXPECT_EQ(reading.gap_us, 0);
+    EXPECT_EQ(reading.gap, 0us);
   }
 }
 
 // Delays as of a USB adapter that sends every 16 ms, and a base whose quartz is 100 ppm off.
 TEST(EncoderClock, JitterIsRemovedAndIsNoLoss) {
-  for (const double period_us : {10'001.0, 9'999.0}) {
+  for (const time::FineDuration period : {10'001us, 9'999us}) {
     EncoderClock clock;
     std::mt19937 random(3);
-    std::uniform_int_distribution<std::int64_t> delay_us(500, 16'500);
-    std::int64_t last_us = 0;
+    std::uniform_int_distribution<std::int64_t> delay(500, 16'500);
+    time::SteadyTime last;
     for (int i = 0; i < 20'000; ++i) {
-      const auto true_us = static_cast<std::int64_t>(1e9 + period_us * i);
+      const time::SteadyTime sent(std::chrono::duration_cast<time::Duration>(1000s + i * period));
       // Bytes on a line do not overtake each other.
-      const std::int64_t arrival_us = std::max(last_us, true_us + delay_us(random));
-      const auto reading = clock.take(arrival_us);
+      const time::SteadyTime arrival = std::max(last, sent + time::Duration(delay(random)));
+      const auto reading = clock.take(arrival);
       EXPECT_EQ(reading.lost, 0) << i;
-      EXPECT_EQ(reading.gap_us, 0);
+      EXPECT_EQ(reading.gap, 0us);
       if (i > 500) {
         // The least delay in 500 frames is some 0.03 ms above 0.5 ms; between two such the estimate
         // runs ahead by a thousandth, and 3 ms cover 300 periods of that.
-        EXPECT_NEAR(static_cast<double>(reading.measured_us - true_us), 500.0, 3000.0) << i;
+        EXPECT_NEAR(time::seconds(reading.measured - sent), 0.0005, 0.003) << i;
       }
-      last_us = arrival_us;
+      last = arrival;
     }
   }
 }
@@ -47,13 +49,13 @@ TEST(EncoderClock, JitterIsRemovedAndIsNoLoss) {
 TEST(EncoderClock, StampsGoUpWithEveryFrame) {
   EncoderClock clock;
   std::mt19937 random(8);
-  std::int64_t last_us = -1;
+  time::SteadyTime last{-1us};
   for (int i = 0; i < 5000; ++i) {
-    const std::int64_t arrival_us =
-        i * kEncoderPeriodUs + static_cast<std::int64_t>(random() % 80'000);
-    const auto reading = clock.take(arrival_us);
-    EXPECT_GT(reading.measured_us, last_us);
-    last_us = reading.measured_us;
+    const time::SteadyTime arrival =
+        kStart + i * kEncoderPeriod + time::Duration(random() % 80'000);
+    const auto reading = clock.take(arrival);
+    EXPECT_GT(reading.measured, last);
+    last = reading.measured;
   }
 }
 
@@ -61,13 +63,13 @@ TEST(EncoderClock, ALostFrameIsFoundWithinHalfASecond) {
   for (const int lost : {1, 2, 5}) {
     EncoderClock clock;
     std::mt19937 random(4);
-    std::int64_t arrival_us = 0;
+    time::SteadyTime arrival;
     int found = 0;
     int found_after = 0;
     for (int i = 0; i < 400; ++i) {
-      const std::int64_t missing_us = i >= 220 ? lost * kEncoderPeriodUs : 0;
-      arrival_us = i * kEncoderPeriodUs + missing_us + static_cast<std::int64_t>(random() % 3000);
-      const auto reading = clock.take(arrival_us);
+      const time::Duration missing = i >= 220 ? lost * kEncoderPeriod : 0us;
+      arrival = kStart + i * kEncoderPeriod + missing + time::Duration(random() % 3000);
+      const auto reading = clock.take(arrival);
       if (reading.lost > 0) {
         found += reading.lost;
         found_after = i - 220;
@@ -76,8 +78,9 @@ TEST(EncoderClock, ALostFrameIsFoundWithinHalfASecond) {
     EXPECT_EQ(found, lost);
     // One whole window of 50 behind the one that it fell into.
     EXPECT_LE(found_after, 100);
-    EXPECT_NEAR(static_cast<double>(clock.take(arrival_us + kEncoderPeriodUs).measured_us),
-                static_cast<double>(arrival_us + kEncoderPeriodUs), 4000.0);
+    EXPECT_LE(std::chrono::abs(clock.take(arrival + kEncoderPeriod).measured -
+                               (arrival + kEncoderPeriod)),
+              4ms);
   }
 }
 
@@ -86,21 +89,21 @@ TEST(EncoderClock, ADelayIsNoLoss) {
   EncoderClock clock;
   for (int i = 0; i < 1000; ++i) {
     const bool held_up = i % 100 >= 40 && i % 100 < 46;
-    const std::int64_t arrival_us = (held_up ? i / 100 * 100 + 46 : i) * kEncoderPeriodUs;
-    const auto reading = clock.take(arrival_us);
+    const time::SteadyTime arrival = kStart + (held_up ? i / 100 * 100 + 46 : i) * kEncoderPeriod;
+    const auto reading = clock.take(arrival);
     EXPECT_EQ(reading.lost, 0);
-    EXPECT_EQ(reading.gap_us, 0);
+    EXPECT_EQ(reading.gap, 0us);
   }
 }
 
 TEST(EncoderClock, ALongSilenceIsAGap) {
   EncoderClock clock;
-  clock.take(0);
-  clock.take(10'000);
-  EXPECT_EQ(clock.take(1'010'000).gap_us, 1'000'000);
-  EXPECT_EQ(clock.take(1'020'000).gap_us, 0);
+  clock.take(kStart);
+  clock.take(kStart + 10ms);
+  EXPECT_EQ(clock.take(kStart + 1010ms).gap, 1s);
+  EXPECT_EQ(clock.take(kStart + 1020ms).gap, 0us);
   clock.restart();
-  EXPECT_EQ(clock.take(1'040'000).gap_us, 20'000);
+  EXPECT_EQ(clock.take(kStart + 1040ms).gap, 20ms);
 }
 
 }  // namespace

@@ -13,44 +13,43 @@
 namespace nodmap::kurt {
 namespace {
 
-constexpr std::int64_t kStartUtimeUs = 1'700'000'000'000'000;
+constexpr time::Timestamp kStart{1'700'000'000s};
 
 class Robot {
  public:
-  Robot() { kurt.connected(now()); }
+  Robot() { kurt.connected(moment()); }
 
-  [[nodiscard]] time::Moment now() const { return {kStartUtimeUs + now_us, now_us}; }
+  [[nodiscard]] time::Moment moment() const { return {kStart + now.time_since_epoch(), now}; }
 
   /// One control period: the base sends, the driver takes it in and answers.
   void step() {
-    now_us += 10'000;
+    now += 10ms;
     to_driver += base.tick();
     if (held_up_periods > 0) {
       --held_up_periods;
     } else {
       const std::vector<std::uint8_t> bytes(to_driver.begin(), to_driver.end());
       to_driver.clear();
-      for (const OdometrySample& sample : kurt.receive(bytes, now())) {
+      for (const OdometrySample& sample : kurt.receive(bytes, moment())) {
         samples.push_back(sample);
       }
     }
-    to_driver += base.take(kurt.control(now()));
+    to_driver += base.take(kurt.control(moment()));
   }
 
-  void run_us(std::int64_t duration_us) {
-    for (const std::int64_t end_us = now_us + duration_us; now_us < end_us;) {
+  void run_for(time::Duration duration) {
+    for (const time::SteadyTime end = now + duration; now < end;) {
       step();
     }
   }
 
   DriveStatus drive(double forward_mps, double yaw_rate_rad_s) {
-    return kurt.drive({{forward_mps, yaw_rate_rad_s}, now().utime_us, 1'000'000, drive_seq++},
-                      now());
+    return kurt.drive({{forward_mps, yaw_rate_rad_s}, moment().wall, 1s, drive_seq++}, moment());
   }
 
   /// Drives as a navigator does, with a DRIVE every 10 ms.
-  void drive_us(double forward_mps, double yaw_rate_rad_s, std::int64_t duration_us) {
-    for (const std::int64_t end_us = now_us + duration_us; now_us < end_us;) {
+  void drive_for(double forward_mps, double yaw_rate_rad_s, time::Duration duration) {
+    for (const time::SteadyTime end = now + duration; now < end;) {
       ASSERT_EQ(drive(forward_mps, yaw_rate_rad_s), DriveStatus::kObeyed);
       step();
     }
@@ -58,7 +57,7 @@ class Robot {
 
   Kurt kurt{KurtParams{}};
   test::KurtEmulator base;
-  std::int64_t now_us = 0;
+  time::SteadyTime now;
   std::int64_t drive_seq = 0;
   int held_up_periods = 0;
   std::string to_driver;
@@ -67,10 +66,10 @@ class Robot {
 
 TEST(Kurt, OpensTheBusAndStandsUntilDriven) {
   Robot robot;
-  EXPECT_EQ(robot.kurt.state(robot.now_us), KurtState::kNoBus);
-  robot.run_us(500'000);
+  EXPECT_EQ(robot.kurt.state(robot.now), KurtState::kNoBus);
+  robot.run_for(500ms);
   EXPECT_TRUE(robot.base.channel_open());
-  EXPECT_EQ(robot.kurt.state(robot.now_us), KurtState::kNoDrive);
+  EXPECT_EQ(robot.kurt.state(robot.now), KurtState::kNoDrive);
   EXPECT_GT(robot.base.commands(), 20);
   EXPECT_FALSE(robot.base.braked());
   EXPECT_EQ(robot.base.left_cm_s(), 0);
@@ -79,9 +78,9 @@ TEST(Kurt, OpensTheBusAndStandsUntilDriven) {
 
 TEST(Kurt, DrivesAndMeasuresWhatItDrives) {
   Robot robot;
-  robot.run_us(500'000);
-  robot.drive_us(1.0, 0.5, 4'000'000);
-  EXPECT_EQ(robot.kurt.state(robot.now_us), KurtState::kDriving);
+  robot.run_for(500ms);
+  robot.drive_for(1.0, 0.5, 4s);
+  EXPECT_EQ(robot.kurt.state(robot.now), KurtState::kDriving);
   const OdometryState& state = robot.samples.back().state;
   // Commands have steps of 1 cm/s: 0.005 m/s per wheel, and 0.005 / 0.2 rad/s.
   EXPECT_NEAR(state.forward_mps, 1.0, 0.006);
@@ -92,36 +91,36 @@ TEST(Kurt, DrivesAndMeasuresWhatItDrives) {
 
 TEST(Kurt, OdometryIsStampedWithTheWallClockEveryTenMilliseconds) {
   Robot robot;
-  robot.run_us(2'000'000);
+  robot.run_for(2s);
   ASSERT_GT(robot.samples.size(), 100U);
   for (std::size_t i = 1; i < robot.samples.size(); ++i) {
-    EXPECT_EQ(robot.samples[i].utime_us - robot.samples[i - 1].utime_us, 10'000);
+    EXPECT_EQ(robot.samples[i].stamp - robot.samples[i - 1].stamp, 10ms);
   }
-  EXPECT_EQ(robot.samples.back().utime_us, kStartUtimeUs + robot.now_us);
+  EXPECT_EQ(robot.samples.back().stamp, kStart + robot.now.time_since_epoch());
 }
 
 TEST(Kurt, WithoutDriveTheWheelsStopWithinTheTimeoutAndOneFrame) {
   Robot robot;
-  robot.run_us(500'000);
-  robot.drive_us(1.0, 0.0, 2'000'000);
+  robot.run_for(500ms);
+  robot.drive_for(1.0, 0.0, 2s);
   ASSERT_EQ(robot.base.left_cm_s(), 100);
-  const std::int64_t silent_since_us = robot.now_us - 10'000;  // the last DRIVE
-  while (robot.base.left_cm_s() != 0 && robot.now_us < silent_since_us + 1'000'000) {
+  const time::SteadyTime silent_since = robot.now - 10ms;  // the last DRIVE
+  while (robot.base.left_cm_s() != 0 && robot.now < silent_since + 1s) {
     robot.step();
   }
-  EXPECT_LE(robot.now_us - silent_since_us, 210'000);
+  EXPECT_LE(robot.now - silent_since, 210ms);
   EXPECT_EQ(robot.base.right_cm_s(), 0);
-  EXPECT_EQ(robot.kurt.state(robot.now_us), KurtState::kNoDrive);
+  EXPECT_EQ(robot.kurt.state(robot.now), KurtState::kNoDrive);
   // And on again with the next one, from standstill within the limits.
-  robot.drive_us(1.0, 0.0, 10'000);
+  robot.drive_for(1.0, 0.0, 10ms);
   EXPECT_GT(robot.base.left_cm_s(), 0);
   EXPECT_LE(robot.base.left_cm_s(), 2);
 }
 
 TEST(Kurt, NonsenseStopsAtTheNextFrame) {
   Robot robot;
-  robot.run_us(500'000);
-  robot.drive_us(1.0, 0.0, 1'000'000);
+  robot.run_for(500ms);
+  robot.drive_for(1.0, 0.0, 1s);
   ASSERT_EQ(robot.base.left_cm_s(), 100);
   EXPECT_EQ(robot.drive(std::numeric_limits<double>::quiet_NaN(), 0.0), DriveStatus::kNotFinite);
   robot.step();
@@ -130,25 +129,25 @@ TEST(Kurt, NonsenseStopsAtTheNextFrame) {
 
 TEST(Kurt, ABaseThatFallsSilentIsToldToStop) {
   Robot robot;
-  robot.run_us(500'000);
-  robot.drive_us(1.0, 0.0, 1'000'000);
+  robot.run_for(500ms);
+  robot.drive_for(1.0, 0.0, 1s);
   robot.base.base_off = true;
-  robot.drive_us(1.0, 0.0, 210'000);
-  EXPECT_EQ(robot.kurt.state(robot.now_us), KurtState::kNoBase);
+  robot.drive_for(1.0, 0.0, 210ms);
+  EXPECT_EQ(robot.kurt.state(robot.now), KurtState::kNoBase);
   EXPECT_EQ(robot.base.left_cm_s(), 0);
   robot.base.base_off = false;
-  robot.drive_us(1.0, 0.0, 2'000'000);
-  EXPECT_EQ(robot.kurt.state(robot.now_us), KurtState::kDriving);
+  robot.drive_for(1.0, 0.0, 2s);
+  EXPECT_EQ(robot.kurt.state(robot.now), KurtState::kDriving);
   EXPECT_EQ(robot.base.left_cm_s(), 100);
   EXPECT_EQ(robot.kurt.counts().encoder_gaps, 1);
 }
 
 TEST(Kurt, AnAdapterThatResetsIsOpenedAgain) {
   Robot robot;
-  robot.run_us(500'000);
-  robot.drive_us(1.0, 0.0, 1'000'000);
+  robot.run_for(500ms);
+  robot.drive_for(1.0, 0.0, 1s);
   robot.base.reset_adapter();
-  robot.drive_us(1.0, 0.0, 1'500'000);
+  robot.drive_for(1.0, 0.0, 1500ms);
   EXPECT_TRUE(robot.base.channel_open());
   EXPECT_EQ(robot.base.left_cm_s(), 100);
   EXPECT_EQ(robot.kurt.session().restarts(), 1);
@@ -156,54 +155,54 @@ TEST(Kurt, AnAdapterThatResetsIsOpenedAgain) {
 
 TEST(Kurt, AMuteAdapterAsksForAnotherPort) {
   Robot robot;
-  robot.run_us(500'000);
+  robot.run_for(500ms);
   robot.base.mute_adapter = true;
-  robot.run_us(3'000'000);
+  robot.run_for(3s);
   EXPECT_TRUE(robot.kurt.wants_new_port());
   robot.kurt.disconnected();
-  EXPECT_EQ(robot.kurt.state(robot.now_us), KurtState::kNoLine);
-  EXPECT_EQ(robot.kurt.control(robot.now()), "");
+  EXPECT_EQ(robot.kurt.state(robot.now), KurtState::kNoLine);
+  EXPECT_EQ(robot.kurt.control(robot.moment()), "");
   robot.base.mute_adapter = false;
-  robot.kurt.connected(robot.now());
-  robot.run_us(500'000);
-  EXPECT_EQ(robot.kurt.state(robot.now_us), KurtState::kNoDrive);
+  robot.kurt.connected(robot.moment());
+  robot.run_for(500ms);
+  EXPECT_EQ(robot.kurt.state(robot.now), KurtState::kNoDrive);
 }
 
 // What was wanted before the line was lost is not done after it is back.
 TEST(Kurt, AfterALossTheRobotWaitsForANewDrive) {
   Robot robot;
-  robot.run_us(500'000);
-  robot.drive_us(1.0, 0.0, 1'000'000);
+  robot.run_for(500ms);
+  robot.drive_for(1.0, 0.0, 1s);
   robot.kurt.disconnected();
-  EXPECT_TRUE(robot.kurt.control(robot.now()).empty());
-  robot.kurt.connected(robot.now());
-  EXPECT_NE(robot.kurt.state(robot.now_us), KurtState::kDriving);
-  robot.run_us(1'000'000);
+  EXPECT_TRUE(robot.kurt.control(robot.moment()).empty());
+  robot.kurt.connected(robot.moment());
+  EXPECT_NE(robot.kurt.state(robot.now), KurtState::kDriving);
+  robot.run_for(1s);
   EXPECT_EQ(robot.base.left_cm_s(), 0);
 }
 
 // Three encoder frames lost at 1 m/s are 3 cm that odometry must not lose.
 TEST(Kurt, LostEncoderFramesAreNoticedAndFilled) {
   Robot robot;
-  robot.run_us(500'000);
-  robot.drive_us(1.0, 0.0, 2'000'000);
+  robot.run_for(500ms);
+  robot.drive_for(1.0, 0.0, 2s);
   const double before_m = robot.samples.back().state.T_odom_base.x;
   robot.base.drop_encoders = 3;
-  robot.drive_us(1.0, 0.0, 2'000'000);
+  robot.drive_for(1.0, 0.0, 2s);
   EXPECT_EQ(robot.kurt.counts().encoder_lost, 3);
   EXPECT_NEAR(robot.samples.back().state.T_odom_base.x - before_m, 2.0, 0.002);
 }
 
 TEST(Kurt, ASpoiltEncoderFrameIsBridged) {
   Robot robot;
-  robot.run_us(500'000);
-  robot.drive_us(1.0, 0.0, 2'000'000);
+  robot.run_for(500ms);
+  robot.drive_for(1.0, 0.0, 2s);
   const double before_m = robot.samples.back().state.T_odom_base.x;
   const std::size_t samples_before = robot.samples.size();
   for (int i = 0; i < 5; ++i) {
     robot.base.wild_encoders = 1;
-    robot.drive_us(1.0, 0.0, 100'000);
-    EXPECT_EQ(robot.kurt.state(robot.now_us), KurtState::kDriving);
+    robot.drive_for(1.0, 0.0, 100ms);
+    EXPECT_EQ(robot.kurt.state(robot.now), KurtState::kDriving);
   }
   EXPECT_EQ(robot.kurt.counts().encoder_implausible, 5);
   EXPECT_EQ(robot.kurt.counts().encoder_lost, 0);
@@ -214,43 +213,43 @@ TEST(Kurt, ASpoiltEncoderFrameIsBridged) {
 // Frames keep coming, and none of them says what the wheels do: the robot is as blind as without.
 TEST(Kurt, ABaseThatSendsNothingPlausibleIsToldToStop) {
   Robot robot;
-  robot.run_us(500'000);
-  robot.drive_us(1.0, 0.0, 2'000'000);
+  robot.run_for(500ms);
+  robot.drive_for(1.0, 0.0, 2s);
   const OdometrySample before = robot.samples.back();
   robot.base.wild_encoders = 300;
-  robot.drive_us(1.0, 0.0, 190'000);
-  EXPECT_EQ(robot.kurt.state(robot.now_us), KurtState::kDriving);
-  robot.drive_us(1.0, 0.0, 10'000);
-  EXPECT_EQ(robot.kurt.state(robot.now_us), KurtState::kNoBase);
+  robot.drive_for(1.0, 0.0, 190ms);
+  EXPECT_EQ(robot.kurt.state(robot.now), KurtState::kDriving);
+  robot.drive_for(1.0, 0.0, 10ms);
+  EXPECT_EQ(robot.kurt.state(robot.now), KurtState::kNoBase);
   EXPECT_EQ(robot.base.left_cm_s(), 0);
-  robot.drive_us(1.0, 0.0, 2'800'000);
-  EXPECT_EQ(robot.kurt.state(robot.now_us), KurtState::kNoBase);
+  robot.drive_for(1.0, 0.0, 2800ms);
+  EXPECT_EQ(robot.kurt.state(robot.now), KurtState::kNoBase);
   EXPECT_EQ(robot.base.left_cm_s(), 0);
   ASSERT_EQ(robot.base.wild_encoders, 0);
   // Nothing is told but the ten periods that are bridged.
   const OdometrySample& last = robot.samples.back();
-  EXPECT_EQ(last.utime_us - before.utime_us, 100'000);
+  EXPECT_EQ(last.stamp - before.stamp, 100ms);
   EXPECT_NEAR(last.state.T_odom_base.x - before.state.T_odom_base.x, 0.1, 0.002);
   EXPECT_EQ(robot.kurt.counts().encoder_implausible, 300);
 
   // The pose stays, and is unsure by half a second of rolling on.
   const OdometryState bridged = last.state;
   const std::size_t samples_before = robot.samples.size();
-  robot.drive_us(1.0, 0.0, 1'000'000);
+  robot.drive_for(1.0, 0.0, 1s);
   ASSERT_GT(robot.samples.size(), samples_before);
   const OdometryState& first_after = robot.samples[samples_before].state;
   EXPECT_NEAR(first_after.T_odom_base.x, bridged.T_odom_base.x, 0.001);
   EXPECT_GT(first_after.covariance(0, 0), bridged.covariance(0, 0) + 0.2);
   EXPECT_EQ(robot.kurt.counts().encoder_gaps, 1);
-  EXPECT_EQ(robot.kurt.state(robot.now_us), KurtState::kDriving);
+  EXPECT_EQ(robot.kurt.state(robot.now), KurtState::kDriving);
   EXPECT_EQ(robot.base.left_cm_s(), 100);
 }
 
 TEST(Kurt, ABaseThatNeverSentAnythingPlausibleIsNone) {
   Robot robot;
   robot.base.wild_encoders = 1000;
-  robot.drive_us(1.0, 0.0, 2'000'000);
-  EXPECT_EQ(robot.kurt.state(robot.now_us), KurtState::kNoBase);
+  robot.drive_for(1.0, 0.0, 2s);
+  EXPECT_EQ(robot.kurt.state(robot.now), KurtState::kNoBase);
   EXPECT_TRUE(robot.samples.empty());
   EXPECT_EQ(robot.base.left_cm_s(), 0);
 }
@@ -258,28 +257,28 @@ TEST(Kurt, ABaseThatNeverSentAnythingPlausibleIsNone) {
 // The process was not scheduled for 80 ms: nothing is lost, and no stamp steps back.
 TEST(Kurt, AHeldUpProcessLosesNothing) {
   Robot robot;
-  robot.run_us(500'000);
-  robot.drive_us(1.0, 0.0, 2'000'000);
+  robot.run_for(500ms);
+  robot.drive_for(1.0, 0.0, 2s);
   const double before_m = robot.samples.back().state.T_odom_base.x;
   for (int i = 0; i < 5; ++i) {
     robot.held_up_periods = 8;
-    robot.drive_us(1.0, 0.0, 400'000);
+    robot.drive_for(1.0, 0.0, 400ms);
   }
   EXPECT_EQ(robot.kurt.counts().encoder_lost, 0);
   EXPECT_EQ(robot.kurt.counts().encoder_gaps, 0);
   EXPECT_NEAR(robot.samples.back().state.T_odom_base.x - before_m, 2.0, 0.002);
   for (std::size_t i = 1; i < robot.samples.size(); ++i) {
-    EXPECT_GT(robot.samples[i].utime_us, robot.samples[i - 1].utime_us);
+    EXPECT_GT(robot.samples[i].stamp, robot.samples[i - 1].stamp);
   }
 }
 
 TEST(Kurt, OtherSensorsAreKeptWithTheirTime) {
   Robot robot;
-  robot.run_us(500'000);
+  robot.run_for(500ms);
   const BaseSensors& sensors = robot.kurt.sensors();
   ASSERT_TRUE(sensors.sonar_raw.has_value());
   EXPECT_EQ(sensors.sonar_raw->value, 500);
-  EXPECT_EQ(sensors.sonar_raw->at_us, robot.now_us);
+  EXPECT_EQ(sensors.sonar_raw->at, robot.now);
   EXPECT_EQ(sensors.infrared_raw[static_cast<int>(Infrared::kRightFront)]->value, 300);
   EXPECT_FALSE(sensors.infrared_raw[static_cast<int>(Infrared::kBack)].has_value());
   EXPECT_FALSE(sensors.tilt.has_value());

@@ -14,6 +14,7 @@
 #include "nodmap/drive_t.hpp"
 #include "nodmap/odometry_t.hpp"
 #include "nodmap/status_t.hpp"
+#include "nodmap/stop_t.hpp"
 #include "tests/integration/child_process.hpp"
 #include "tests/support/data_dir.hpp"
 
@@ -44,6 +45,7 @@ class Network {
         message.forward_mps = 0.5;
         message.valid_us = 200'000;
         bus.publish("DRIVE", message);
+        bus.publish("STOP", nodmap::stop_t{});  // go
       }
       return done();
     });

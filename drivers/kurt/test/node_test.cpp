@@ -26,7 +26,7 @@
 namespace nodmap::kurt {
 namespace {
 
-constexpr std::int64_t kStartUtimeUs = 1'700'000'000'000'000;
+constexpr time::Timestamp kStart{1'700'000'000s};
 constexpr std::size_t kCommandBytes = 22;
 
 /// Waits until `count` bytes have made it through the terminal.
@@ -45,7 +45,7 @@ class Bench {
   Bench() : odometry(bus, "ODOMETRY"), sensors(bus, "BASE_SENSORS"), status(bus, "STATUS") {}
 
   void step() {
-    now_us += 10'000;
+    now += 10ms;
     clock.advance(10'000);
     const std::string to_driver = answer_ + (pty ? base.tick() : "");
     answer_.clear();
@@ -66,8 +66,8 @@ class Bench {
   }
 
   template <class Condition>
-  bool step_until(Condition condition, std::int64_t at_most_us) {
-    for (const std::int64_t end_us = now_us + at_most_us; now_us < end_us && !condition();) {
+  bool step_until(Condition condition, time::Duration at_most) {
+    for (const time::SteadyTime end = now + at_most; now < end && !condition();) {
       step();
     }
     return condition();
@@ -83,21 +83,37 @@ class Bench {
     bus.publish("DRIVE", message);
   }
 
-  void drive_us(double forward_mps, double yaw_rate_rad_s, std::int64_t duration_us) {
-    for (const std::int64_t end_us = now_us + duration_us; now_us < end_us;) {
+  void drive_for(double forward_mps, double yaw_rate_rad_s, time::Duration duration) {
+    for (const time::SteadyTime end = now + duration; now < end;) {
       publish_drive(forward_mps, yaw_rate_rad_s);
       step();
     }
   }
 
-  bool stands_ready() {
-    return step_until([this] { return node->health().state == node::HealthState::kDegraded; },
-                      1'000'000);
+  void publish_stop(bool is_stopped, const std::string& by = "test") {
+    nodmap::stop_t message{};
+    message.is_stopped = static_cast<std::int8_t>(is_stopped);
+    message.requested_by = by;
+    bus.publish("STOP", message);
   }
 
-  std::int64_t now_us = 0;
+  void restart() {
+    node.reset();
+    base = {};
+    node.emplace(context, KurtParams{}, open, [this] {
+      return time::Moment{time::from_utime(clock.now_utime_us()), now};
+    });
+  }
+
+  /// The line is open, and the robot is free to drive.
+  bool stands_ready() {
+    publish_stop(false);
+    return step_until([this] { return node->health().state == node::HealthState::kDegraded; }, 1s);
+  }
+
+  time::SteadyTime now;
   std::int64_t drive_seq = 0;
-  time::ManualClock clock{kStartUtimeUs};
+  time::ManualClock clock{time::to_utime(kStart)};
   std::optional<test::PtyPair> pty{std::in_place};
   test::KurtEmulator base;
   bus::LiveBus bus{"memq://"};
@@ -106,15 +122,14 @@ class Bench {
   bus::Latest<nodmap::status_t> status;
   node::MessageCounts counts;
   node::Context context{bus, counts, {}};
-  std::optional<KurtNode> node{std::in_place, context, KurtParams{},
-                               [this]() -> serial::OpenResult {
-                                 if (!pty) {
-                                   return {nullptr, "/dev/kurt: No such file or directory"};
-                                 }
-                                 return serial::open_serial_port({pty->name()});
-                               },
-                               [this] {
-                                 return time::Moment{clock.now_utime_us(), now_us};
+  serial::SerialLink::Opener open = [this]() -> serial::OpenResult {
+    if (!pty) {
+      return {nullptr, "/dev/kurt: No such file or directory"};
+    }
+    return serial::open_serial_port({pty->name()});
+  };
+  std::optional<KurtNode> node{std::in_place, context, KurtParams{}, open, [this] {
+                                 return time::Moment{time::from_utime(clock.now_utime_us()), now};
                                }};
   node::StatusReporter reporter{"nodmap-kurt", bus, counts, clock};
 
@@ -125,7 +140,7 @@ class Bench {
 TEST(KurtNode, DriveMovesTheBaseAndOdometryComesBack) {
   Bench bench;
   ASSERT_TRUE(bench.stands_ready());
-  bench.drive_us(0.5, 0.4, 2'000'000);
+  bench.drive_for(0.5, 0.4, 2s);
   EXPECT_EQ(bench.node->health().state, node::HealthState::kOk);
   EXPECT_EQ(bench.base.nonsense(), 0);
   EXPECT_GT(bench.base.right_cm_s(), bench.base.left_cm_s());
@@ -144,7 +159,7 @@ TEST(KurtNode, DriveMovesTheBaseAndOdometryComesBack) {
 TEST(KurtNode, OtherSensorsArePublished) {
   Bench bench;
   ASSERT_TRUE(bench.stands_ready());
-  ASSERT_TRUE(bench.step_until([&] { return bench.sensors.count() >= 2; }, 200'000));
+  ASSERT_TRUE(bench.step_until([&] { return bench.sensors.count() >= 2; }, 200ms));
   const nodmap::base_sensors_t& message = *bench.sensors.get();
   EXPECT_EQ(message.sonar_raw, 500);
   EXPECT_NEAR(message.sonar_m, 0.672491F, 1e-6F);
@@ -157,31 +172,62 @@ TEST(KurtNode, OtherSensorsArePublished) {
 TEST(KurtNode, WithoutDriveTheBaseIsTold_ZeroWithinTheTimeoutAndOneFrame) {
   Bench bench;
   ASSERT_TRUE(bench.stands_ready());
-  bench.drive_us(1.0, 0.0, 1'500'000);
+  bench.drive_for(1.0, 0.0, 1500ms);
   ASSERT_EQ(bench.base.left_cm_s(), 100);
-  const std::int64_t last_drive_us = bench.now_us - 10'000;
-  ASSERT_TRUE(bench.step_until([&] { return bench.base.left_cm_s() == 0; }, 1'000'000));
-  EXPECT_LE(bench.now_us - last_drive_us, 210'000 + 10'000);  // and a step for the terminal
+  const time::SteadyTime last_drive = bench.now - 10ms;
+  ASSERT_TRUE(bench.step_until([&] { return bench.base.left_cm_s() == 0; }, 1s));
+  EXPECT_LE(bench.now - last_drive, 210ms + 10ms);  // and a step for the terminal
   EXPECT_EQ(bench.node->health().state, node::HealthState::kDegraded);
 }
 
 TEST(KurtNode, StoppedItStandsWhateverDriveAsksForUntilItIsFree) {
   Bench bench;
   ASSERT_TRUE(bench.stands_ready());
-  bench.drive_us(1.0, 0.0, 1'500'000);
+  bench.drive_for(1.0, 0.0, 1500ms);
   ASSERT_EQ(bench.base.left_cm_s(), 100);
-  nodmap::stop_t stop{};
-  stop.is_stopped = 1;
-  bench.bus.publish("STOP", stop);
+  bench.publish_stop(true);
   // 1 m/s at 3 m/s^2, and a step each for message and terminal.
-  bench.drive_us(1.0, 0.0, 340'000 + 20'000);
+  bench.drive_for(1.0, 0.0, 360ms);
   EXPECT_EQ(bench.base.left_cm_s(), 0);
-  bench.drive_us(0.5, 0.5, 1'000'000);
+  bench.drive_for(0.5, 0.5, 1s);
   EXPECT_EQ(bench.base.left_cm_s(), 0);
   EXPECT_EQ(bench.base.right_cm_s(), 0);
-  stop.is_stopped = 0;
-  bench.bus.publish("STOP", stop);
-  bench.drive_us(0.5, 0.0, 1'000'000);
+  bench.publish_stop(false);
+  bench.drive_for(0.5, 0.0, 1s);
+  EXPECT_EQ(bench.base.left_cm_s(), 50);
+}
+
+// Base driver and navigator are killed and started anew: whether somebody had stopped the robot
+// before is not known any more, so it is as if.
+TEST(KurtNode, AfterEachStartItStandsUntilItIsToldToGo) {
+  Bench bench;
+  bench.drive_for(0.5, 0.0, 2s);
+  EXPECT_EQ(bench.base.left_cm_s(), 0);
+  EXPECT_EQ(bench.node->health().state, node::HealthState::kDegraded);
+  EXPECT_NE(bench.node->health().reason.find("stopped by its start"), std::string::npos)
+      << bench.node->health().reason;
+  bench.publish_stop(false);
+  bench.drive_for(0.5, 0.0, 1s);
+  EXPECT_EQ(bench.base.left_cm_s(), 50);
+  bench.publish_stop(true);
+  bench.drive_for(0.5, 0.0, 1s);
+  bench.restart();
+  bench.drive_for(0.5, 0.0, 2s);
+  EXPECT_EQ(bench.base.left_cm_s(), 0);
+}
+
+// A navigator or a viewer that is started later learns it from the base driver.
+TEST(KurtNode, ThatItIsStoppedIsSaidEachSecondUntilItIsToldToGo) {
+  Bench bench;
+  const bus::Latest<nodmap::stop_t> stop(bench.bus, "STOP");
+  bench.drive_for(0.0, 0.0, 3500ms);
+  EXPECT_EQ(stop.count(), 3);
+  EXPECT_EQ(stop.get()->is_stopped, 1);
+  EXPECT_EQ(stop.get()->requested_by, "nodmap-kurt, for its start");
+  bench.publish_stop(false);
+  bench.publish_stop(true, "nodmap-kurt, for its start");  // overtaken on the network
+  bench.drive_for(0.5, 0.0, 3s);
+  EXPECT_EQ(stop.count(), 5);
   EXPECT_EQ(bench.base.left_cm_s(), 50);
 }
 
@@ -189,24 +235,24 @@ TEST(KurtNode, StoppedItStandsWhateverDriveAsksForUntilItIsFree) {
 TEST(KurtNode, ASecondSenderOfDriveStopsTheRobotAndIsTold) {
   Bench bench;
   ASSERT_TRUE(bench.stands_ready());
-  bench.drive_us(0.5, 0.0, 1'000'000);
+  bench.drive_for(0.5, 0.0, 1s);
   ASSERT_EQ(bench.base.left_cm_s(), 50);
   nodmap::drive_t forged{};
   forged.drive_seq = 100'000;
   forged.forward_mps = 5.0;
   forged.valid_us = 1'000'000;
   for (int i = 0; i < 100; ++i) {
-    forged.utime = bench.clock.now_utime_us() + 45'000;
+    forged.utime = bench.clock.now_utime_us() + 4'000;
     ++forged.drive_seq;
     bench.bus.publish("DRIVE", forged);
-    bench.drive_us(0.5, 0.0, 10'000);
+    bench.drive_for(0.5, 0.0, 10ms);
     EXPECT_LE(bench.base.left_cm_s(), 50);
   }
   EXPECT_EQ(bench.base.left_cm_s(), 0);
   EXPECT_EQ(bench.node->health().state, node::HealthState::kFailed);
   EXPECT_NE(bench.node->health().reason.find("two processes send DRIVE"), std::string::npos);
   EXPECT_GE(bench.counts.rejected().at("drive_other_sender"), 100);
-  bench.drive_us(0.5, 0.0, 2'000'000);
+  bench.drive_for(0.5, 0.0, 2s);
   EXPECT_EQ(bench.node->health().state, node::HealthState::kOk);
   EXPECT_EQ(bench.base.left_cm_s(), 50);
 }
@@ -221,9 +267,10 @@ TEST(KurtNode, WhatIsNotObeyedIsCountedByCause) {
   stale.drive_seq = bench.drive_seq++;
   stale.valid_us = 1'000'000;
   bench.bus.publish("DRIVE", stale);
+  const std::int64_t used = bench.counts.used();
   bench.publish_drive(0.1, 0.0);
   bench.step();
-  EXPECT_EQ(bench.counts.used(), 1);
+  EXPECT_EQ(bench.counts.used(), used + 1);
   EXPECT_EQ(bench.counts.rejected().at("drive_not_finite"), 1);
   EXPECT_EQ(bench.counts.rejected().at("drive_implausible"), 1);
   EXPECT_EQ(bench.counts.rejected().at("drive_stale"), 1);
@@ -232,7 +279,7 @@ TEST(KurtNode, WhatIsNotObeyedIsCountedByCause) {
 TEST(KurtNode, TheEndIsAHardStop) {
   Bench bench;
   ASSERT_TRUE(bench.stands_ready());
-  bench.drive_us(0.5, 0.0, 1'000'000);
+  bench.drive_for(0.5, 0.0, 1s);
   ASSERT_FALSE(bench.base.braked());
   bench.node->finish();
   bench.base.take(bench.pty->receive_text(kCommandBytes));
@@ -246,7 +293,7 @@ TEST(KurtNode, TheEndIsAHardStop) {
 TEST(KurtNode, AnyWayOutIsAHardStop) {
   Bench bench;
   ASSERT_TRUE(bench.stands_ready());
-  bench.drive_us(0.5, 0.0, 1'000'000);
+  bench.drive_for(0.5, 0.0, 1s);
   ASSERT_FALSE(bench.base.braked());
   bench.node.reset();
   bench.base.take(bench.pty->receive_text(kCommandBytes));
@@ -256,12 +303,12 @@ TEST(KurtNode, AnyWayOutIsAHardStop) {
 TEST(KurtNode, APulledPlugIsToldAndHealed) {
   Bench bench;
   ASSERT_TRUE(bench.stands_ready());
-  bench.drive_us(0.5, 0.0, 1'000'000);
+  bench.drive_for(0.5, 0.0, 1s);
   bench.pty.reset();
-  bench.drive_us(0.5, 0.0, 20'000);
+  bench.drive_for(0.5, 0.0, 20ms);
   EXPECT_EQ(bench.node->health().state, node::HealthState::kFailed);
   EXPECT_EQ(bench.node->health().reason, "the line is disconnected");
-  bench.drive_us(0.5, 0.0, 1'000'000);
+  bench.drive_for(0.5, 0.0, 1s);
   EXPECT_EQ(bench.node->health().reason, "/dev/kurt: No such file or directory");
   EXPECT_EQ(bench.status.get()->health, nodmap::status_t::FAILED);
   EXPECT_EQ(bench.status.get()->process_name, "nodmap-kurt");
@@ -270,9 +317,9 @@ TEST(KurtNode, APulledPlugIsToldAndHealed) {
   bench.pty.emplace();
   // The pause between attempts is at most 1.6 s after 1 s, the opening takes 0.2 s.
   ASSERT_TRUE(bench.step_until(
-      [&] { return bench.node->health().state == node::HealthState::kDegraded; }, 2'000'000));
+      [&] { return bench.node->health().state == node::HealthState::kDegraded; }, 2s));
   EXPECT_EQ(bench.base.left_cm_s(), 0);  // waits for a new DRIVE
-  bench.drive_us(0.5, 0.0, 1'000'000);
+  bench.drive_for(0.5, 0.0, 1s);
   EXPECT_EQ(bench.base.left_cm_s(), 50);
   EXPECT_EQ(bench.node->metrics()["reconnects"], 1);
 }
@@ -280,13 +327,13 @@ TEST(KurtNode, APulledPlugIsToldAndHealed) {
 TEST(KurtNode, ABaseThatSendsNothingPlausibleIsFailedAndNoOdometryIsTold) {
   Bench bench;
   ASSERT_TRUE(bench.stands_ready());
-  bench.drive_us(0.5, 0.0, 1'000'000);
+  bench.drive_for(0.5, 0.0, 1s);
   bench.base.wild_encoders = 1000;
-  bench.drive_us(0.5, 0.0, 250'000);
+  bench.drive_for(0.5, 0.0, 250ms);
   EXPECT_EQ(bench.node->health().state, node::HealthState::kFailed);
   EXPECT_EQ(bench.base.left_cm_s(), 0);
   const auto told = bench.odometry.count();
-  bench.drive_us(0.5, 0.0, 1'000'000);
+  bench.drive_for(0.5, 0.0, 1s);
   EXPECT_EQ(bench.odometry.count(), told);
   EXPECT_EQ(bench.base.left_cm_s(), 0);
 }
@@ -296,12 +343,11 @@ TEST(KurtNode, AMuteAdapterIsFailedAndThePortIsOpenedAgain) {
   ASSERT_TRUE(bench.stands_ready());
   bench.base.mute_adapter = true;
   ASSERT_TRUE(bench.step_until(
-      [&] { return bench.node->health().state == node::HealthState::kFailed; }, 500'000));
-  ASSERT_TRUE(
-      bench.step_until([&] { return bench.node->metrics()["reconnects"] >= 1; }, 4'000'000));
+      [&] { return bench.node->health().state == node::HealthState::kFailed; }, 500ms));
+  ASSERT_TRUE(bench.step_until([&] { return bench.node->metrics()["reconnects"] >= 1; }, 4s));
   bench.base.mute_adapter = false;
   EXPECT_TRUE(bench.step_until(
-      [&] { return bench.node->health().state == node::HealthState::kDegraded; }, 10'000'000));
+      [&] { return bench.node->health().state == node::HealthState::kDegraded; }, 10s));
 }
 
 TEST(KurtNode, ALineThatTakesNoBytesIsGivenUp) {
@@ -309,7 +355,7 @@ TEST(KurtNode, ALineThatTakesNoBytesIsGivenUp) {
   ASSERT_TRUE(bench.stands_ready());
   // Nobody reads on the device's side: the terminal fills up.
   for (int i = 0; i < 5000 && bench.node->poll_handles()[0] >= 0; ++i) {
-    bench.now_us += 10'000;
+    bench.now += 10ms;
     bench.clock.advance(10'000);
     bench.pty->send(bench.base.tick());
     await_input(bench.node->poll_handles()[0], 1);

@@ -15,25 +15,25 @@ using Kind = SlcanLine::Kind;
 /// A session asked every 10 ms, and an adapter that answers what the test says.
 struct Bench {
   SlcanSession session;
-  std::int64_t now_us = 0;
+  time::SteadyTime now;
   std::vector<std::string> sent;
   std::function<std::vector<Kind>(const std::string&)> answer = [](const std::string&) {
     return std::vector<Kind>{Kind::kDone};
   };
   bool frames_come = true;
 
-  void run_us(std::int64_t duration_us) {
-    for (const std::int64_t end_us = now_us + duration_us; now_us < end_us; now_us += 10'000) {
+  void run_for(time::Duration duration) {
+    for (const time::SteadyTime end = now + duration; now < end; now += 10ms) {
       if (session.is_open() && frames_come) {
-        session.take({Kind::kFrame, {}, 0}, now_us);
+        session.take({Kind::kFrame, {}, 0}, now);
       }
-      const std::string text = session.poll(now_us);
+      const std::string text = session.poll(now);
       if (text.empty()) {
         continue;
       }
       sent.push_back(text);
       for (const Kind kind : answer(text)) {
-        session.take({kind, {}, 0x80}, now_us);
+        session.take({kind, {}, 0x80}, now);
       }
     }
   }
@@ -41,10 +41,10 @@ struct Bench {
 
 TEST(SlcanSession, ClosesSetsTheRateAndOpens) {
   Bench bench;
-  bench.run_us(100'000);
+  bench.run_for(100ms);
   EXPECT_TRUE(bench.sent.empty());  // not before the port is open
-  bench.session.start(bench.now_us);
-  bench.run_us(200'000);
+  bench.session.start(bench.now);
+  bench.run_for(200ms);
   EXPECT_TRUE(bench.session.is_open());
   EXPECT_EQ(bench.sent, (std::vector<std::string>{"\r\r\rC\r", "S8\r", "O\r"}));
 }
@@ -57,22 +57,22 @@ TEST(SlcanSession, RefusingToCloseWhatIsClosedIsFine) {
                ? std::vector<Kind>{Kind::kRefused, Kind::kRefused, Kind::kRefused, Kind::kRefused}
                : std::vector<Kind>{Kind::kDone};
   };
-  bench.session.start(0);
-  bench.run_us(200'000);
+  bench.session.start({});
+  bench.run_for(200ms);
   EXPECT_TRUE(bench.session.is_open());
 }
 
 TEST(SlcanSession, AMuteAdapterIsTriedThreeTimesThenThePortIsGivenUp) {
   Bench bench;
   bench.answer = [](const std::string&) { return std::vector<Kind>{}; };
-  bench.session.start(0);
-  bench.run_us(2'000'000);
+  bench.session.start({});
+  bench.run_for(2s);
   EXPECT_TRUE(bench.session.gave_up());
   EXPECT_EQ(std::count(bench.sent.begin(), bench.sent.end(), "\r\r\rC\r"), 3);
   bench.sent.clear();
   bench.answer = [](const std::string&) { return std::vector<Kind>{Kind::kDone}; };
-  bench.session.start(bench.now_us);  // the port has been opened anew
-  bench.run_us(300'000);
+  bench.session.start(bench.now);  // the port has been opened anew
+  bench.run_for(300ms);
   EXPECT_TRUE(bench.session.is_open());
 }
 
@@ -82,53 +82,53 @@ TEST(SlcanSession, ARefusedOpenIsTriedAgain) {
   bench.answer = [&refused](const std::string& text) {
     return std::vector<Kind>{text == "O\r" && refused++ == 0 ? Kind::kRefused : Kind::kDone};
   };
-  bench.session.start(0);
-  bench.run_us(400'000);
+  bench.session.start({});
+  bench.run_for(400ms);
   EXPECT_TRUE(bench.session.is_open());
   EXPECT_EQ(bench.session.restarts(), 1);
 }
 
 TEST(SlcanSession, AMuteBusIsOpenedAgainAndComesBack) {
   Bench bench;
-  bench.session.start(0);
-  bench.run_us(300'000);
+  bench.session.start({});
+  bench.run_for(300ms);
   ASSERT_TRUE(bench.session.is_open());
   bench.frames_come = false;
-  bench.run_us(490'000);
+  bench.run_for(490ms);
   EXPECT_EQ(bench.session.restarts(), 0);
-  bench.run_us(30'000);
+  bench.run_for(30ms);
   EXPECT_EQ(bench.session.restarts(), 1);
   EXPECT_FALSE(bench.session.is_open());
   bench.frames_come = true;
-  bench.run_us(300'000);
+  bench.run_for(300ms);
   EXPECT_TRUE(bench.session.is_open());
-  bench.run_us(5'000'000);
+  bench.run_for(5s);
   EXPECT_EQ(bench.session.restarts(), 1);
 }
 
 TEST(SlcanSession, ABusThatStaysMuteEndsWithTheUseOfThePort) {
   Bench bench;
   bench.frames_come = false;
-  bench.session.start(0);
-  bench.run_us(5'000'000);
+  bench.session.start({});
+  bench.run_for(5s);
   EXPECT_TRUE(bench.session.gave_up());
 }
 
 // An adapter that has reset itself has its channel closed and refuses every frame.
 TEST(SlcanSession, RefusalsInARowOpenAgain) {
   Bench bench;
-  bench.session.start(0);
-  bench.run_us(300'000);
+  bench.session.start({});
+  bench.run_for(300ms);
   for (int i = 0; i < 9; ++i) {
-    bench.session.take({Kind::kRefused, {}, 0}, bench.now_us);
+    bench.session.take({Kind::kRefused, {}, 0}, bench.now);
   }
-  bench.session.take({Kind::kDone, {}, 0}, bench.now_us);  // a full queue that has emptied
-  bench.run_us(20'000);
+  bench.session.take({Kind::kDone, {}, 0}, bench.now);  // a full queue that has emptied
+  bench.run_for(20ms);
   EXPECT_EQ(bench.session.restarts(), 0);
   for (int i = 0; i < 10; ++i) {
-    bench.session.take({Kind::kRefused, {}, 0}, bench.now_us);
+    bench.session.take({Kind::kRefused, {}, 0}, bench.now);
   }
-  bench.run_us(20'000);
+  bench.run_for(20ms);
   EXPECT_EQ(bench.session.restarts(), 1);
 }
 
@@ -137,13 +137,13 @@ TEST(SlcanSession, AsksForTheFlagsOnceASecond) {
   bench.answer = [](const std::string& text) {
     return std::vector<Kind>{text == "F\r" ? Kind::kFlags : Kind::kDone};
   };
-  bench.session.start(0);
-  bench.run_us(10'200'000);
+  bench.session.start({});
+  bench.run_for(10'200ms);
   EXPECT_EQ(std::count(bench.sent.begin(), bench.sent.end(), "F\r"), 10);
   EXPECT_EQ(bench.session.flags(), kBusError);
   bench.session.stop();
   EXPECT_FALSE(bench.session.is_open());
-  EXPECT_EQ(bench.session.poll(bench.now_us), "");
+  EXPECT_EQ(bench.session.poll(bench.now), "");
 }
 
 }  // namespace

@@ -136,7 +136,7 @@ std::optional<DynamixelStatus> DynamixelParser::next() {
     const Bytes content = unstuffed(
         packet.subspan(kInstructionAt + 1, packet.size() - kInstructionAt - 1 - kCrcBytes));
     DynamixelStatus status;
-    status.first_byte_us = frame->first_byte_us;
+    status.first_byte = frame->first_byte;
     status.id = packet[kIdAt];
     status.error = content.front();
     status.parameters.assign(content.begin() + 1, content.end());

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "common/geometry/time.hpp"
 #include "drivers/serial/frame_scanner.hpp"
 
 namespace nodmap::laser3d {
@@ -27,7 +28,7 @@ namespace dynamixel {
 
 /// A servo's answer.
 struct DynamixelStatus {
-  std::int64_t first_byte_us = 0;
+  time::SteadyTime first_byte;
   std::uint8_t id = 0;
   std::uint8_t error = 0;
   Bytes parameters;
@@ -45,8 +46,8 @@ class DynamixelParser {
   explicit DynamixelParser(int baud);
 
   void reset(int baud) { scanner_.reset(baud); }
-  void feed(ByteView bytes, std::int64_t now_us) { scanner_.feed(bytes, now_us); }
-  void expire(std::int64_t now_us) { scanner_.expire(now_us); }
+  void feed(ByteView bytes, time::SteadyTime now) { scanner_.feed(bytes, now); }
+  void expire(time::SteadyTime now) { scanner_.expire(now); }
   [[nodiscard]] std::optional<DynamixelStatus> next();
   [[nodiscard]] const serial::FrameScanner::Errors& errors() const { return scanner_.errors(); }
 

@@ -10,16 +10,16 @@ namespace nodmap::laser3d {
 namespace {
 
 // Twice the latency of a USB adapter that was left as it came (16 ms), and some for the bytes.
-constexpr std::int64_t kAnswerUs = 40'000;
+constexpr time::Duration kAnswerTimeout = 40ms;
 constexpr int kMissesAllowed = 3;
-constexpr std::int64_t kRebootUs = 1'000'000;
+constexpr time::Duration kRebootTime = 1s;
 constexpr int kDamagedRequest = 3;          // error code: the servo's own check of the checksum
 constexpr std::uint8_t kWatchdog20Ms = 10;  // 200 ms
 
 // The servo reads its registers, waits (its return delay as delivered) and sends the first byte.
-constexpr std::int64_t kReturnDelayUs = 500;
+constexpr time::Duration kReturnDelay = 500us;
 // It counts whole milliseconds: on average half a one more has passed.
-constexpr std::int64_t kHalfTickUs = 500;
+constexpr time::Duration kHalfTick = 500us;
 
 std::string alert_text(std::uint8_t bits) {
   std::string text = "the servo switched itself off:";
@@ -43,13 +43,13 @@ DynamixelSession::DynamixelSession(const ServoParams& params, double acceleratio
       id_(static_cast<std::uint8_t>(params.id)),
       acceleration_rad_s2_(acceleration_rad_s2),
       parser_(params.baud),
-      sync_({.tick_us = 1000.0, .wrap_ticks = dynamixel_x::kTickWrap, .max_drift = 0.001}) {}
+      sync_({.tick = 1ms, .wrap_ticks = dynamixel_x::kTickWrap, .max_drift = 0.001}) {}
 
-ServoOutput DynamixelSession::open(std::int64_t now_us) {
+ServoOutput DynamixelSession::open(time::SteadyTime now) {
   last_error_ = "being started";
   parser_.reset(params_.baud);
   back_off_.succeeded();
-  return enter(Step::kPing, now_us);
+  return enter(Step::kPing, now);
 }
 
 void DynamixelSession::close() {
@@ -72,50 +72,50 @@ void DynamixelSession::aim(double goal_rad, double speed_rad_s) {
   }
 }
 
-ServoOutput DynamixelSession::poll(std::int64_t now_us) {
+ServoOutput DynamixelSession::poll(time::SteadyTime now) {
   if (step_ == Step::kClosed) {
     return {};
   }
   if (waiting_) {
-    if (now_us < deadline_us_) {
+    if (now < deadline_) {
       return {};
     }
     ++counts_.unanswered;
-    return missed(now_us);
+    return missed(now);
   }
   if (step_ == Step::kRun) {
-    return run(now_us);
+    return run(now);
   }
   // kReboot and kWait are left when their time is over; every other step waits for an answer.
-  return now_us < deadline_us_ ? ServoOutput{} : enter(Step::kPing, now_us);
+  return now < deadline_ ? ServoOutput{} : enter(Step::kPing, now);
 }
 
-ServoOutput DynamixelSession::receive(ByteView bytes, std::int64_t now_us) {
-  parser_.feed(bytes, now_us);
+ServoOutput DynamixelSession::receive(ByteView bytes, time::SteadyTime now) {
+  parser_.feed(bytes, now);
   ServoOutput output;
   while (const auto answer = parser_.next()) {
     if (answer->id == id_ && waiting_) {
-      output = take(*answer, now_us);
+      output = take(*answer, now);
     }
   }
   return output;
 }
 
-ServoOutput DynamixelSession::run(std::int64_t now_us) {
+ServoOutput DynamixelSession::run(time::SteadyTime now) {
   if (move_pending_) {
     move_pending_ = false;
     const double steps =
         (params_.dynamixel.inverted ? -goal_rad_ : goal_rad_) / dynamixel_x::kRadPerStep;
     const auto position =
         params_.dynamixel.level_position + static_cast<std::int32_t>(std::lround(steps));
-    return ask(dynamixel_x::move_to(id_, position, speed_rad_s_), now_us);
+    return ask(dynamixel_x::move_to(id_, position, speed_rad_s_), now);
   }
-  if (now_us < next_reading_us_) {
+  if (now < next_reading_) {
     return {};
   }
   // Keeps its pace, but does not catch up what a busy line lost.
-  next_reading_us_ = std::max(next_reading_us_ + params_.period_us(), now_us);
-  return ask(dynamixel_x::read_state(id_), now_us);
+  next_reading_ = std::max(next_reading_ + params_.period(), now);
+  return ask(dynamixel_x::read_state(id_), now);
 }
 
 Bytes DynamixelSession::request() const {
@@ -146,118 +146,117 @@ Bytes DynamixelSession::request() const {
   }
 }
 
-ServoOutput DynamixelSession::enter(Step step, std::int64_t now_us) {
+ServoOutput DynamixelSession::enter(Step step, time::SteadyTime now) {
   step_ = step;
   misses_ = 0;
-  return ask(request(), now_us);
+  return ask(request(), now);
 }
 
-ServoOutput DynamixelSession::ask(Bytes bytes, std::int64_t now_us) {
+ServoOutput DynamixelSession::ask(Bytes bytes, time::SteadyTime now) {
   waiting_ = !bytes.empty();
-  deadline_us_ = now_us + kAnswerUs;
+  deadline_ = now + kAnswerTimeout;
   return {.send = std::move(bytes), .sample = std::nullopt};
 }
 
-ServoOutput DynamixelSession::missed(std::int64_t now_us) {
+ServoOutput DynamixelSession::missed(time::SteadyTime now) {
   if (step_ == Step::kReboot) {
     waiting_ = false;  // its answer may be lost in the restart
-    deadline_us_ = now_us + kRebootUs;
+    deadline_ = now + kRebootTime;
     return {};
   }
   if (++misses_ > kMissesAllowed) {
-    return fail("the servo does not answer", now_us);
+    return fail("the servo does not answer", now);
   }
   if (step_ == Step::kRun) {
     waiting_ = false;
     move_pending_ = true;  // nobody knows whether the lost one was a move
-    return run(now_us);
+    return run(now);
   }
-  return ask(request(), now_us);
+  return ask(request(), now);
 }
 
-ServoOutput DynamixelSession::take(const DynamixelStatus& answer, std::int64_t now_us) {
+ServoOutput DynamixelSession::take(const DynamixelStatus& answer, time::SteadyTime now) {
   waiting_ = false;
   if (!answer.hardware_alert() && answer.error_code() == kDamagedRequest) {
     ++counts_.damaged;
-    return missed(now_us);  // it has done nothing: no different from not having heard
+    return missed(now);  // it has done nothing: no different from not having heard
   }
   misses_ = 0;
   if (answer.hardware_alert() && step_ != Step::kReadAlert && step_ != Step::kReboot) {
     ++counts_.alerts;
-    return enter(Step::kReadAlert, now_us);
+    return enter(Step::kReadAlert, now);
   }
   if (answer.error_code() != 0) {
     ++counts_.refused;
     return fail("the servo refuses a command (error " + std::to_string(answer.error_code()) + ")",
-                now_us);
+                now);
   }
   if (step_ != Step::kRun) {
-    return advance(answer, now_us);
+    return advance(answer, now);
   }
   const std::optional<dynamixel_x::State> state = dynamixel_x::state_in(answer);
   if (!state) {
-    return run(now_us);  // the answer to a move
+    return run(now);  // the answer to a move
   }
-  if (has_restarted(*state, now_us)) {
-    return fail("the servo has been restarted", now_us);
+  if (has_restarted(*state, now)) {
+    return fail("the servo has been restarted", now);
   }
-  ServoOutput output = run(now_us);  // the line is free for a move
-  output.sample = sample_of(*state, answer.first_byte_us);
+  ServoOutput output = run(now);  // the line is free for a move
+  output.sample = sample_of(*state, answer.first_byte);
   return output;
 }
 
-ServoOutput DynamixelSession::advance(const DynamixelStatus& answer, std::int64_t now_us) {
+ServoOutput DynamixelSession::advance(const DynamixelStatus& answer, time::SteadyTime now) {
   const auto value = [&answer] {
     return answer.parameters.empty() ? std::uint8_t{0} : answer.parameters.front();
   };
   switch (step_) {
     case Step::kPing:
-      return enter(Step::kClearWatchdog, now_us);
+      return enter(Step::kClearWatchdog, now);
     case Step::kClearWatchdog:
-      return enter(Step::kTorqueOff, now_us);
+      return enter(Step::kTorqueOff, now);
     case Step::kTorqueOff:
-      return enter(Step::kReadMode, now_us);
+      return enter(Step::kReadMode, now);
     case Step::kReadMode:
       return enter(
-          value() == dynamixel_x::kPositionControl ? Step::kAcceleration : Step::kWriteMode,
-          now_us);
+          value() == dynamixel_x::kPositionControl ? Step::kAcceleration : Step::kWriteMode, now);
     case Step::kWriteMode:
-      return enter(Step::kAcceleration, now_us);
+      return enter(Step::kAcceleration, now);
     case Step::kAcceleration:
-      return enter(Step::kTorqueOn, now_us);
+      return enter(Step::kTorqueOn, now);
     case Step::kTorqueOn:
-      return enter(Step::kWatchdog, now_us);
+      return enter(Step::kWatchdog, now);
     case Step::kReadAlert:
       last_error_ = alert_text(value());
-      return enter(Step::kReboot, now_us);
+      return enter(Step::kReboot, now);
     case Step::kReboot:
-      deadline_us_ = now_us + kRebootUs;
+      deadline_ = now + kRebootTime;
       return {};
     default:
       break;
   }
   ++counts_.connections;
   sync_.reset();
-  tick_offset_us_.reset();
+  started_.reset();
   move_pending_ = speed_rad_s_ > 0.0;
-  next_reading_us_ = now_us;
+  next_reading_ = now;
   step_ = Step::kRun;
-  return run(now_us);
+  return run(now);
 }
 
-bool DynamixelSession::has_restarted(const dynamixel_x::State& state, std::int64_t now_us) {
+bool DynamixelSession::has_restarted(const dynamixel_x::State& state, time::SteadyTime now) {
   // A servo that lost its supply for a moment answers as before, but has no torque: its clock
   // tells. Far more than any latency, less than any reset takes to go unnoticed.
-  constexpr std::int64_t kJumpUs = 500'000;
-  constexpr std::int64_t kWrapUs = 1000 * dynamixel_x::kTickWrap;
-  const std::int64_t offset_us = now_us - 1000 * std::int64_t{state.tick_ms};
-  const std::int64_t before_us = std::exchange(tick_offset_us_, offset_us).value_or(offset_us);
-  const std::int64_t change_us = std::abs(offset_us - before_us) % kWrapUs;
-  return std::min(change_us, kWrapUs - change_us) > kJumpUs;
+  constexpr time::Duration kJump = 500ms;
+  constexpr time::Duration kWrap = dynamixel_x::kTickWrap * 1ms;
+  const time::SteadyTime started = now - std::chrono::milliseconds(state.tick_ms);
+  const time::SteadyTime before = std::exchange(started_, started).value_or(started);
+  const time::Duration change = std::chrono::abs(started - before) % kWrap;
+  return std::min(change, kWrap - change) > kJump;
 }
 
 std::optional<PitchSample> DynamixelSession::sample_of(const dynamixel_x::State& state,
-                                                       std::int64_t first_byte_us) {
+                                                       time::SteadyTime first_byte) {
   // Any number may come over the line: the difference is taken in one that holds it.
   const std::int64_t steps = std::int64_t{state.position} - params_.dynamixel.level_position;
   if (std::abs(steps) > dynamixel_x::kStepsPerRevolution) {
@@ -268,19 +267,19 @@ std::optional<PitchSample> DynamixelSession::sample_of(const dynamixel_x::State&
   last_error_.clear();
   back_off_.succeeded();
   const double sign = params_.dynamixel.inverted ? -1.0 : 1.0;
-  const std::int64_t measured_us =
-      sync_.to_host_us(state.tick_ms, first_byte_us - kReturnDelayUs) + kHalfTickUs;
-  return PitchSample{.time_us = std::min(measured_us, first_byte_us),
+  const time::SteadyTime measured =
+      sync_.to_host(state.tick_ms, first_byte - kReturnDelay) + kHalfTick;
+  return PitchSample{.stamp = std::min(measured, first_byte),
                      .pitch_rad = sign * dynamixel_x::kRadPerStep * static_cast<double>(steps),
                      .rate_rad_s = sign * dynamixel_x::kVelocityUnitRadS * state.velocity};
 }
 
-ServoOutput DynamixelSession::fail(std::string reason, std::int64_t now_us) {
+ServoOutput DynamixelSession::fail(std::string reason, time::SteadyTime now) {
   last_error_ = std::move(reason);
   step_ = Step::kWait;
   waiting_ = false;
-  back_off_.failed(now_us);
-  deadline_us_ = now_us + back_off_.wait_us(now_us);
+  back_off_.failed(now);
+  deadline_ = now + back_off_.wait(now);
   return {};
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "common/geometry/time.hpp"
 #include "drivers/laser3d/passive_sync.hpp"
 #include "drivers/laser3d/servo/dynamixel_x.hpp"
 #include "drivers/laser3d/servo/session.hpp"
@@ -25,10 +26,10 @@ class DynamixelSession : public ServoSession {
   /// The head accelerates by at most `acceleration_rad_s2`.
   DynamixelSession(const ServoParams& params, double acceleration_rad_s2);
 
-  [[nodiscard]] ServoOutput open(std::int64_t now_us) override;
+  [[nodiscard]] ServoOutput open(time::SteadyTime now) override;
   void close() override;
-  [[nodiscard]] ServoOutput poll(std::int64_t now_us) override;
-  [[nodiscard]] ServoOutput receive(ByteView bytes, std::int64_t now_us) override;
+  [[nodiscard]] ServoOutput poll(time::SteadyTime now) override;
+  [[nodiscard]] ServoOutput receive(ByteView bytes, time::SteadyTime now) override;
   void aim(double goal_rad, double speed_rad_s) override;
 
   [[nodiscard]] bool running() const override { return step_ == Step::kRun && last_error_.empty(); }
@@ -55,17 +56,17 @@ class DynamixelSession : public ServoSession {
   };
 
   [[nodiscard]] Bytes request() const;
-  [[nodiscard]] ServoOutput enter(Step step, std::int64_t now_us);
-  [[nodiscard]] ServoOutput ask(Bytes bytes, std::int64_t now_us);
-  [[nodiscard]] ServoOutput run(std::int64_t now_us);
-  [[nodiscard]] ServoOutput missed(std::int64_t now_us);
-  [[nodiscard]] ServoOutput take(const DynamixelStatus& answer, std::int64_t now_us);
-  [[nodiscard]] ServoOutput advance(const DynamixelStatus& answer, std::int64_t now_us);
-  [[nodiscard]] ServoOutput fail(std::string reason, std::int64_t now_us);
-  [[nodiscard]] bool has_restarted(const dynamixel_x::State& state, std::int64_t now_us);
+  [[nodiscard]] ServoOutput enter(Step step, time::SteadyTime now);
+  [[nodiscard]] ServoOutput ask(Bytes bytes, time::SteadyTime now);
+  [[nodiscard]] ServoOutput run(time::SteadyTime now);
+  [[nodiscard]] ServoOutput missed(time::SteadyTime now);
+  [[nodiscard]] ServoOutput take(const DynamixelStatus& answer, time::SteadyTime now);
+  [[nodiscard]] ServoOutput advance(const DynamixelStatus& answer, time::SteadyTime now);
+  [[nodiscard]] ServoOutput fail(std::string reason, time::SteadyTime now);
+  [[nodiscard]] bool has_restarted(const dynamixel_x::State& state, time::SteadyTime now);
   /// Empty when the head cannot be there.
   [[nodiscard]] std::optional<PitchSample> sample_of(const dynamixel_x::State& state,
-                                                     std::int64_t first_byte_us);
+                                                     time::SteadyTime first_byte);
 
   ServoParams params_;
   std::uint8_t id_;
@@ -75,10 +76,10 @@ class DynamixelSession : public ServoSession {
   serial::BackOff back_off_;
   Step step_ = Step::kClosed;
   bool waiting_ = false;  // for an answer
-  std::int64_t deadline_us_ = 0;
-  std::int64_t next_reading_us_ = 0;
-  int misses_ = 0;                              // in a row
-  std::optional<std::int64_t> tick_offset_us_;  // host minus servo, when last read
+  time::SteadyTime deadline_;
+  time::SteadyTime next_reading_;
+  int misses_ = 0;                           // in a row
+  std::optional<time::SteadyTime> started_;  // when its tick was 0, by the last reading
   double goal_rad_ = 0.0;
   double speed_rad_s_ = 0.0;
   bool move_pending_ = false;

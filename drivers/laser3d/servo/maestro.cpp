@@ -74,7 +74,7 @@ double pulse_us_in(ByteView answer) {
 
 namespace {
 
-constexpr std::int64_t kAnswerUs = 50'000;
+constexpr time::Duration kAnswerTimeout = 50ms;
 constexpr int kMissesAllowed = 3;
 constexpr std::size_t kAnswerBytes = 2;
 
@@ -84,15 +84,15 @@ MaestroSession::MaestroSession(const ServoParams& params)
     : channel_(params.id),
       level_us_(params.maestro.level_us),
       us_per_rad_(geometry::rad_to_deg(params.maestro.us_per_deg)),
-      period_us_(params.period_us()) {}
+      period_(params.period()) {}
 
-ServoOutput MaestroSession::open(std::int64_t now_us) {
+ServoOutput MaestroSession::open(time::SteadyTime now) {
   open_ = true;
   last_error_ = "being started";
   waiting_ = false;
   misses_ = 0;
   last_.reset();
-  next_us_ = now_us;
+  next_ = now;
   move_pending_ = speed_rad_s_ > 0.0;
   back_off_.succeeded();
   return {.send = maestro::set_acceleration(channel_, 0), .sample = std::nullopt};
@@ -111,8 +111,8 @@ void MaestroSession::aim(double goal_rad, double speed_rad_s) {
   }
 }
 
-ServoOutput MaestroSession::poll(std::int64_t now_us) {
-  if (!open_ || (waiting_ && now_us < asked_us_ + kAnswerUs)) {
+ServoOutput MaestroSession::poll(time::SteadyTime now) {
+  if (!open_ || (waiting_ && now < asked_ + kAnswerTimeout)) {
     return {};
   }
   if (waiting_) {
@@ -120,15 +120,15 @@ ServoOutput MaestroSession::poll(std::int64_t now_us) {
     if (++misses_ > kMissesAllowed) {
       last_error_ = "the servo controller does not answer";
       last_.reset();
-      back_off_.failed(now_us);
-      next_us_ = now_us + back_off_.wait_us(now_us);
+      back_off_.failed(now);
+      next_ = now + back_off_.wait(now);
     }
   }
   ServoOutput output;
-  if (now_us < next_us_) {
+  if (now < next_) {
     return output;
   }
-  next_us_ = std::max(next_us_ + period_us_, now_us);
+  next_ = std::max(next_ + period_, now);
   if (move_pending_) {
     move_pending_ = false;
     const double pulse_us = level_us_ + us_per_rad_ * goal_rad_;
@@ -140,12 +140,12 @@ ServoOutput MaestroSession::poll(std::int64_t now_us) {
   const Bytes question = maestro::get_position(channel_);
   serial::append(output.send, question);
   waiting_ = true;
-  asked_us_ = now_us;
+  asked_ = now;
   answer_.clear();
   return output;
 }
 
-ServoOutput MaestroSession::receive(ByteView bytes, std::int64_t now_us) {
+ServoOutput MaestroSession::receive(ByteView bytes, time::SteadyTime now) {
   if (!waiting_) {
     return {};
   }
@@ -158,10 +158,10 @@ ServoOutput MaestroSession::receive(ByteView bytes, std::int64_t now_us) {
   if (answer_.size() > kAnswerBytes) {
     return {};
   }
-  return {.send = {}, .sample = sample_in(answer_, now_us)};
+  return {.send = {}, .sample = sample_in(answer_, now)};
 }
 
-std::optional<PitchSample> MaestroSession::sample_in(ByteView answer, std::int64_t now_us) {
+std::optional<PitchSample> MaestroSession::sample_in(ByteView answer, time::SteadyTime now) {
   constexpr double kShortestPulseUs = 64.0;  // of any servo; 0: the channel is off
   const double pulse_us = maestro::pulse_us_in(answer);
   misses_ = 0;
@@ -173,11 +173,11 @@ std::optional<PitchSample> MaestroSession::sample_in(ByteView answer, std::int64
   back_off_.succeeded();
   PitchSample sample;
   // The pulse was looked up somewhere between question and answer.
-  sample.time_us = asked_us_ + (now_us - asked_us_) / 2;
+  sample.stamp = asked_ + (now - asked_) / 2;
   sample.pitch_rad = (pulse_us - level_us_) / us_per_rad_;
-  if (last_ && sample.time_us > last_->time_us) {
-    sample.rate_rad_s = 1e6 * (sample.pitch_rad - last_->pitch_rad) /
-                        static_cast<double>(sample.time_us - last_->time_us);
+  if (last_ && sample.stamp > last_->stamp) {
+    sample.rate_rad_s =
+        (sample.pitch_rad - last_->pitch_rad) / time::seconds(sample.stamp - last_->stamp);
   }
   last_ = sample;
   return sample;

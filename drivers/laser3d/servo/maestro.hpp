@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "common/geometry/time.hpp"
 #include "drivers/laser3d/servo/session.hpp"
 #include "drivers/serial/back_off.hpp"
 
@@ -35,10 +36,10 @@ class MaestroSession : public ServoSession {
  public:
   explicit MaestroSession(const ServoParams& params);
 
-  [[nodiscard]] ServoOutput open(std::int64_t now_us) override;
+  [[nodiscard]] ServoOutput open(time::SteadyTime now) override;
   void close() override;
-  [[nodiscard]] ServoOutput poll(std::int64_t now_us) override;
-  [[nodiscard]] ServoOutput receive(ByteView bytes, std::int64_t now_us) override;
+  [[nodiscard]] ServoOutput poll(time::SteadyTime now) override;
+  [[nodiscard]] ServoOutput receive(ByteView bytes, time::SteadyTime now) override;
   void aim(double goal_rad, double speed_rad_s) override;
 
   [[nodiscard]] bool running() const override { return open_ && last_error_.empty(); }
@@ -46,16 +47,16 @@ class MaestroSession : public ServoSession {
   [[nodiscard]] const std::string& last_error() const override { return last_error_; }
 
  private:
-  [[nodiscard]] std::optional<PitchSample> sample_in(ByteView answer, std::int64_t now_us);
+  [[nodiscard]] std::optional<PitchSample> sample_in(ByteView answer, time::SteadyTime now);
 
   int channel_;
   double level_us_;
   double us_per_rad_;
-  std::int64_t period_us_;
+  time::Duration period_;
   serial::BackOff back_off_;
   bool open_ = false;
-  std::int64_t asked_us_ = 0;
-  std::int64_t next_us_ = 0;
+  time::SteadyTime asked_;
+  time::SteadyTime next_;
   bool waiting_ = false;
   int misses_ = 0;
   Bytes answer_;

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "common/geometry/time.hpp"
 #include "drivers/serial/frame_scanner.hpp"
 
 namespace nodmap::laser3d {
@@ -63,12 +64,12 @@ struct ServoParams {
   }
 
   /// From one reading of the pitch to the next.
-  [[nodiscard]] std::int64_t period_us() const { return std::llround(1e6 / poll_hz); }
+  [[nodiscard]] time::Duration period() const { return time::from_seconds(1.0 / poll_hz); }
 };
 
 /// Where the laser pointed at one moment.
 struct PitchSample {
-  std::int64_t time_us = 0;
+  time::SteadyTime stamp;
   double pitch_rad = 0.0;   ///< positive looks up
   double rate_rad_s = 0.0;  ///< positive: upwards
 };
@@ -93,12 +94,12 @@ class ServoSession : private boost::noncopyable {
   virtual ~ServoSession() = default;
 
   /// The line has been opened.
-  [[nodiscard]] virtual ServoOutput open(std::int64_t now_us) = 0;
+  [[nodiscard]] virtual ServoOutput open(time::SteadyTime now) = 0;
   /// The line is gone.
   virtual void close() = 0;
   /// To be called at least every few milliseconds.
-  [[nodiscard]] virtual ServoOutput poll(std::int64_t now_us) = 0;
-  [[nodiscard]] virtual ServoOutput receive(ByteView bytes, std::int64_t now_us) = 0;
+  [[nodiscard]] virtual ServoOutput poll(time::SteadyTime now) = 0;
+  [[nodiscard]] virtual ServoOutput receive(ByteView bytes, time::SteadyTime now) = 0;
   /// Where to go, and how fast: sent with the next poll().
   virtual void aim(double goal_rad, double speed_rad_s) = 0;
 

@@ -58,17 +58,17 @@ class RangeReader {
 };
 
 /// Every `stride`-th range from `first` on, measured in the half revolution that ended at
-/// `half_end_us`; `from_right_deg` is the angle of the first of them, 0 to the right.
+/// `half_end`; `from_right_deg` is the angle of the first of them, 0 to the right.
 MirrorRevolution revolution_of(const SickScan& scan, std::size_t first, std::size_t stride,
-                               double from_right_deg, double half_end_us) {
+                               double from_right_deg, time::FineSteadyTime half_end) {
   MirrorRevolution revolution;
   for (std::size_t i = first; i < scan.ranges_m.size(); i += stride) {
     revolution.ranges_m.push_back(scan.ranges_m[i]);
   }
-  const double begin_us = half_end_us - (180.0 - from_right_deg) * kMirrorDegreeUs;
+  const time::FineSteadyTime begin = half_end - (180.0 - from_right_deg) * kMirrorDegree;
   const auto beams = static_cast<double>(revolution.ranges_m.size());
-  revolution.first_beam_us = std::llround(begin_us);
-  revolution.last_beam_us = std::llround(begin_us + (beams - 1.0) * kMirrorDegreeUs);
+  revolution.first_beam = time::rounded(begin);
+  revolution.last_beam = time::rounded(begin + (beams - 1.0) * kMirrorDegree);
   revolution.angle_first_rad = geometry::deg_to_rad(from_right_deg - 90.0);
   revolution.angle_step_rad = geometry::deg_to_rad(1.0);
   revolution.range_max_m = scan.range_max_m;
@@ -129,7 +129,7 @@ std::optional<SickScan> read_scan(const SickTelegram& telegram, SickMeasuringMod
   }
   const double unit_m = (header & kMillimetreBit) != 0 ? 0.001 : 0.01;
   SickScan scan;
-  scan.first_byte_us = telegram.first_byte_us;
+  scan.first_byte = telegram.first_byte;
   scan.status = telegram.status;
   scan.range_max_m = std::min(kReachM, (*top - kBeyondReach - 1) * unit_m);
   if ((header & kPartialBit) != 0 || (header >> kQuarterShift & 3U) != 0) {
@@ -147,23 +147,22 @@ std::optional<SickScan> read_scan(const SickTelegram& telegram, SickMeasuringMod
 }
 
 std::vector<MirrorRevolution> mirror_revolutions(const SickScan& scan, SickVariant variant,
-                                                 std::int64_t sent_us) {
+                                                 time::SteadyTime sent_at) {
   const SickGeometry geometry = geometry_of(variant);
   std::vector<MirrorRevolution> revolutions;
   for (int k = 0; k < geometry.revolutions; ++k) {
     const double first_deg = 90.0 - 0.5 * geometry.field_deg + 0.01 * geometry.resolution_cdeg * k;
-    const double end_us =
-        static_cast<double>(sent_us) - (geometry.revolutions - 1 - k) * kMirrorPeriodUs;
+    const time::FineSteadyTime end = sent_at - (geometry.revolutions - 1 - k) * kMirrorPeriod;
     revolutions.push_back(revolution_of(scan, static_cast<std::size_t>(k),
                                         static_cast<std::size_t>(geometry.revolutions), first_deg,
-                                        end_us));
+                                        end));
   }
   return revolutions;
 }
 
-MirrorRevolution interlaced_revolution(const SickScan& scan, std::int64_t sent_us) {
+MirrorRevolution interlaced_revolution(const SickScan& scan, time::SteadyTime sent_at) {
   const double first_deg = 0.25 * scan.quarter.value_or(0);
-  return revolution_of(scan, 0, 1, first_deg, static_cast<double>(sent_us));
+  return revolution_of(scan, 0, 1, first_deg, sent_at);
 }
 
 }  // namespace nodmap::laser3d

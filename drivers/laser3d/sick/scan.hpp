@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "common/geometry/time.hpp"
 #include "drivers/laser3d/sick/telegram.hpp"
 
 namespace nodmap::laser3d {
@@ -55,7 +56,7 @@ struct SickIndices {
 
 /// The measured values of one telegram, in metres, from right to left.
 struct SickScan {
-  std::int64_t first_byte_us = 0;
+  time::SteadyTime first_byte;
   std::vector<float> ranges_m;  ///< +infinity: beyond reach; NaN: no measurement
   double range_max_m = 0.0;     ///< the largest range that can be told in this mode
   std::optional<int> quarter;   ///< of a partial scan: shifted by so many quarters of a degree
@@ -71,14 +72,14 @@ struct SickScan {
                                                 SickMeasuringMode mode);
 
 /// The mirror of the LMS2xx rotates at 75 Hz, whatever is measured (Section II of the paper).
-inline constexpr double kMirrorPeriodUs = 13'320.0;
+inline constexpr time::FineDuration kMirrorPeriod = 13'320us;
 /// From one beam to the next of the same revolution; these are always one degree apart.
-inline constexpr double kMirrorDegreeUs = kMirrorPeriodUs / 360.0;
+inline constexpr time::FineDuration kMirrorDegree = kMirrorPeriod / 360.0;
 
 /// The beams of one mirror revolution. The laser looks out for half of it: 6.66 ms for 180 degrees.
 struct MirrorRevolution {
-  std::int64_t first_beam_us = 0;
-  std::int64_t last_beam_us = 0;
+  time::SteadyTime first_beam;
+  time::SteadyTime last_beam;
   double angle_first_rad = 0.0;  ///< 0 ahead, positive to the left
   double angle_step_rad = 0.0;
   double range_max_m = 0.0;
@@ -87,13 +88,14 @@ struct MirrorRevolution {
 
 /// Takes a scan apart into the mirror revolutions in which it was measured. A scan with half a
 /// degree of resolution is two revolutions, 13.32 ms apart, each with every second beam: on a
-/// nodding laser they have different pitches. `sent_us` is when the sensor began to send the scan,
+/// nodding laser they have different pitches. `sent_at` is when the sensor began to send the scan,
 /// which it does at the end of the (last) half revolution.
 [[nodiscard]] std::vector<MirrorRevolution> mirror_revolutions(const SickScan& scan,
                                                                SickVariant variant,
-                                                               std::int64_t sent_us);
+                                                               time::SteadyTime sent_at);
 
 /// The same for an interlaced scan, which is one revolution.
-[[nodiscard]] MirrorRevolution interlaced_revolution(const SickScan& scan, std::int64_t sent_us);
+[[nodiscard]] MirrorRevolution interlaced_revolution(const SickScan& scan,
+                                                     time::SteadyTime sent_at);
 
 }  // namespace nodmap::laser3d

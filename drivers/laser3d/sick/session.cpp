@@ -9,17 +9,17 @@ namespace nodmap::laser3d {
 namespace {
 
 constexpr int kAttempts = 3;
-constexpr std::int64_t kNakPauseUs = 30'000;
+constexpr time::Duration kNakPause = 30ms;
 
 // How long the sensor may take to answer (telegram listing, 3.2 and 7).
-constexpr std::int64_t kAnswerUs = 1'000'000;
-constexpr std::int64_t kModeChangeUs = 3'000'000;
-constexpr std::int64_t kConfigWriteUs = 15'000'000;
+constexpr time::Duration kAnswerTimeout = 1s;
+constexpr time::Duration kModeChangeTimeout = 3s;
+constexpr time::Duration kConfigWriteTimeout = 15s;
 // At a rate at which nothing has been heard yet it is not worth waiting that long. More than the
 // parser's expiry: what a cut telegram hides has come out by then.
-constexpr std::int64_t kSearchUs = 600'000;
+constexpr time::Duration kSearchTimeout = 600ms;
 // Both ends need a moment to change their rate.
-constexpr std::int64_t kSettleUs = 250'000;
+constexpr time::Duration kSettle = 250ms;
 
 // The sensor's memory wears. A configuration that is not as wanted after so many writes never will
 // be: some firmware keeps a value of its own.
@@ -52,10 +52,10 @@ SickSession::State SickSession::state() const {
   }
 }
 
-SickOutput SickSession::open(std::int64_t now_us) {
+SickOutput SickSession::open(time::SteadyTime now) {
   last_error_ = "being started";
   back_off_.succeeded();
-  return search_from(0, now_us);
+  return search_from(0, now);
 }
 
 void SickSession::close() {
@@ -63,28 +63,28 @@ void SickSession::close() {
   last_error_ = "not connected";
 }
 
-SickOutput SickSession::shut_down(std::int64_t now_us) {
-  return state() == State::kStreaming ? enter(Step::kStop, now_us) : enter(Step::kClosed, now_us);
+SickOutput SickSession::shut_down(time::SteadyTime now) {
+  return state() == State::kStreaming ? enter(Step::kStop, now) : enter(Step::kClosed, now);
 }
 
-SickOutput SickSession::poll(std::int64_t now_us) {
-  if (step_ == Step::kClosed || now_us < deadline_us_) {
+SickOutput SickSession::poll(time::SteadyTime now) {
+  if (step_ == Step::kClosed || now < deadline_) {
     return {};
   }
   switch (step_) {
     case Step::kWait:
-      return search_from(0, now_us);
+      return search_from(0, now);
     case Step::kSettle:
-      return enter(Step::kConfirmBaud, now_us);
+      return enter(Step::kConfirmBaud, now);
     case Step::kStream:
       ++counts_.stream_stops;
-      return fail("the stream of scans stopped", now_us);
+      return fail("the stream of scans stopped", now);
     default:
-      return retry(now_us);
+      return retry(now);
   }
 }
 
-SickOutput SickSession::take(const SickTelegram& telegram, std::int64_t now_us) {
+SickOutput SickSession::take(const SickTelegram& telegram, time::SteadyTime now) {
   if (step_ == Step::kClosed) {
     return {};
   }
@@ -92,17 +92,17 @@ SickOutput SickSession::take(const SickTelegram& telegram, std::int64_t now_us) 
   if (telegram.reply == SickReply::kPowerOn) {
     ++counts_.power_ons;
     const auto here = std::find(candidates_.begin(), candidates_.end(), baud_);
-    return search_from(static_cast<std::size_t>(here - candidates_.begin()), now_us);
+    return search_from(static_cast<std::size_t>(here - candidates_.begin()), now);
   }
   if (telegram.reply == SickReply::kMeasuredValues) {
-    return take_values(telegram, now_us);
+    return take_values(telegram, now);
   }
   switch (classify_answer(step_, telegram)) {
     case SickAnswer::kDone:
-      return advance(telegram, now_us);
+      return advance(telegram, now);
     case SickAnswer::kRefused:
       refused_ = true;
-      deadline_us_ = std::min(deadline_us_, now_us + kNakPauseUs);
+      deadline_ = std::min(deadline_, now + kNakPause);
       return {};
     case SickAnswer::kOther:
       break;
@@ -110,141 +110,142 @@ SickOutput SickSession::take(const SickTelegram& telegram, std::int64_t now_us) 
   return {};
 }
 
-void SickSession::take_nak(std::int64_t now_us) {
+void SickSession::take_nak(time::SteadyTime now) {
   if (state() == State::kConnecting && step_ != Step::kSettle) {
-    deadline_us_ = std::min(deadline_us_, now_us + kNakPauseUs);
+    deadline_ = std::min(deadline_, now + kNakPause);
   }
 }
 
-std::int64_t SickSession::timeout_us() const {
+time::Duration SickSession::timeout() const {
   switch (step_) {
     case Step::kSearch:
-      return heard_ ? kModeChangeUs : kSearchUs;
+      return heard_ ? kModeChangeTimeout : kSearchTimeout;
     case Step::kWriteConfig:
-      return kConfigWriteUs;
+      return kConfigWriteTimeout;
     case Step::kReadConfig:
-      return kAnswerUs;
+      return kAnswerTimeout;
     case Step::kSettle:
-      return kSettleUs;
+      return kSettle;
     case Step::kStream:
-      return stream_timeout_us();
+      return stream_timeout();
     default:
-      return kModeChangeUs;
+      return kModeChangeTimeout;
   }
 }
 
-std::int64_t SickSession::stream_timeout_us() const {
-  constexpr std::int64_t kShortestUs = 200'000;
+time::Duration SickSession::stream_timeout() const {
+  constexpr time::Duration kShortest = 200ms;
   const SickGeometry geometry = geometry_of(params_.variant);
   // Ten bits for each byte; slow lines skip scans, so the next one may just have begun.
-  const double frame_us = 1e7 * (2.0 * geometry.num_values() + 12.0) / baud_;
-  const double period_us = frame_us + geometry.revolutions * kMirrorPeriodUs;
-  return std::max(kShortestUs, static_cast<std::int64_t>(4.0 * period_us));
+  const time::FineDuration frame =
+      time::FineDuration(10s) * (2.0 * geometry.num_values() + 12.0) / baud_;
+  const time::FineDuration period = frame + geometry.revolutions * kMirrorPeriod;
+  return std::max(kShortest, std::chrono::duration_cast<time::Duration>(4.0 * period));
 }
 
-SickOutput SickSession::enter(Step step, std::int64_t now_us) {
+SickOutput SickSession::enter(Step step, time::SteadyTime now) {
   step_ = step;
   attempts_ = 0;
   refused_ = false;
-  return ask(now_us);
+  return ask(now);
 }
 
-SickOutput SickSession::ask(std::int64_t now_us) {
+SickOutput SickSession::ask(time::SteadyTime now) {
   ++attempts_;
-  deadline_us_ = now_us + timeout_us();
+  deadline_ = now + timeout();
   return {.baud = std::nullopt, .send = request_of(step_, params_, config_), .scan = std::nullopt};
 }
 
-SickOutput SickSession::retry(std::int64_t now_us) {
+SickOutput SickSession::retry(time::SteadyTime now) {
   if (attempts_ < kAttempts) {
     ++counts_.retries;
-    return ask(now_us);
+    return ask(now);
   }
   switch (step_) {
     case Step::kSearch:
       if (candidate_ + 1 < candidates_.size()) {
-        return search_from(candidate_ + 1, now_us);
+        return search_from(candidate_ + 1, now);
       }
       break;
     case Step::kStop:
     case Step::kSlowDown:
-      return enter(Step::kClosed, now_us);
+      return enter(Step::kClosed, now);
     default:
       break;
   }
   return fail((refused_ ? "the sensor refused to " : "the sensor did not ") +
                   std::string(purpose_of(step_)),
-              now_us);
+              now);
 }
 
-SickOutput SickSession::search_from(std::size_t candidate, std::int64_t now_us) {
+SickOutput SickSession::search_from(std::size_t candidate, time::SteadyTime now) {
   candidate_ = candidate;
   baud_ = candidates_[candidate];
   heard_ = false;
-  SickOutput output = enter(Step::kSearch, now_us);
+  SickOutput output = enter(Step::kSearch, now);
   output.baud = baud_;
   return output;
 }
 
-SickOutput SickSession::advance(const SickTelegram& telegram, std::int64_t now_us) {
+SickOutput SickSession::advance(const SickTelegram& telegram, time::SteadyTime now) {
   switch (step_) {
     case Step::kSearch:
-      return enter(baud_ == params_.baud ? Step::kReadConfig : Step::kSetBaud, now_us);
+      return enter(baud_ == params_.baud ? Step::kReadConfig : Step::kSetBaud, now);
     case Step::kSetBaud: {
       baud_ = params_.baud;
-      SickOutput output = enter(Step::kSettle, now_us);
+      SickOutput output = enter(Step::kSettle, now);
       output.baud = baud_;
       return output;
     }
     case Step::kConfirmBaud:
-      return enter(Step::kReadConfig, now_us);
+      return enter(Step::kReadConfig, now);
     case Step::kReadConfig:
     case Step::kInstall:
     case Step::kWriteConfig:
     case Step::kLeaveInstall:
-      return after_config(telegram, now_us);
+      return after_config(telegram, now);
     case Step::kSetVariant:
-      return enter(Step::kStartStream, now_us);
+      return enter(Step::kStartStream, now);
     case Step::kStartStream:
       ++counts_.connections;
-      return enter(Step::kStream, now_us);
+      return enter(Step::kStream, now);
     case Step::kStop:
-      return enter(baud_ == 9600 ? Step::kClosed : Step::kSlowDown, now_us);
+      return enter(baud_ == 9600 ? Step::kClosed : Step::kSlowDown, now);
     default:
-      return enter(Step::kClosed, now_us);
+      return enter(Step::kClosed, now);
   }
 }
 
-SickOutput SickSession::after_config(const SickTelegram& telegram, std::int64_t now_us) {
+SickOutput SickSession::after_config(const SickTelegram& telegram, time::SteadyTime now) {
   switch (step_) {
     case Step::kReadConfig:
       config_ = read_config(telegram);
       if (!config_) {
-        return fail("the configuration cannot be read", now_us);
+        return fail("the configuration cannot be read", now);
       }
       if (*config_ == wanted_config(*config_, params_)) {
         writes_since_wanted_ = 0;
-        return enter(Step::kSetVariant, now_us);
+        return enter(Step::kSetVariant, now);
       }
       if (writes_since_wanted_ >= kMostConfigWrites) {
-        return fail("the configuration does not stay as written", now_us);
+        return fail("the configuration does not stay as written", now);
       }
-      return enter(Step::kInstall, now_us);
+      return enter(Step::kInstall, now);
     case Step::kInstall:
       ++counts_.config_writes;
       ++writes_since_wanted_;
-      return enter(Step::kWriteConfig, now_us);
+      return enter(Step::kWriteConfig, now);
     case Step::kWriteConfig:
       if (read_config(telegram) != wanted_config(*config_, params_)) {
-        return fail("the configuration was not taken as sent", now_us);
+        return fail("the configuration was not taken as sent", now);
       }
-      return enter(Step::kLeaveInstall, now_us);
+      return enter(Step::kLeaveInstall, now);
     default:
-      return enter(Step::kSetVariant, now_us);
+      return enter(Step::kSetVariant, now);
   }
 }
 
-SickOutput SickSession::take_values(const SickTelegram& telegram, std::int64_t now_us) {
+SickOutput SickSession::take_values(const SickTelegram& telegram, time::SteadyTime now) {
   if (step_ != Step::kStream) {
     ++counts_.unexpected_scans;
     return {};
@@ -257,12 +258,12 @@ SickOutput SickSession::take_values(const SickTelegram& telegram, std::int64_t n
   }
   if (is_frozen(telegram, *scan)) {
     ++counts_.freezes;
-    return fail("the measurement is frozen", now_us);
+    return fail("the measurement is frozen", now);
   }
   ++counts_.scans;
   last_error_.clear();
   back_off_.succeeded();
-  deadline_us_ = now_us + stream_timeout_us();
+  deadline_ = now + stream_timeout();
   return {.baud = std::nullopt, .send = {}, .scan = std::move(scan)};
 }
 
@@ -285,11 +286,11 @@ bool SickSession::is_frozen(const SickTelegram& telegram, const SickScan& scan) 
   return equal_scans_ >= params_.frozen_scans;
 }
 
-SickOutput SickSession::fail(std::string reason, std::int64_t now_us) {
+SickOutput SickSession::fail(std::string reason, time::SteadyTime now) {
   last_error_ = std::move(reason);
-  SickOutput output = enter(Step::kWait, now_us);
-  back_off_.failed(now_us);
-  deadline_us_ = now_us + back_off_.wait_us(now_us);
+  SickOutput output = enter(Step::kWait, now);
+  back_off_.failed(now);
+  deadline_ = now + back_off_.wait(now);
   return output;
 }
 

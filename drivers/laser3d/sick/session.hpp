@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "common/geometry/time.hpp"
 #include "drivers/laser3d/sick/step.hpp"
 #include "drivers/serial/back_off.hpp"
 
@@ -43,38 +44,38 @@ class SickSession {
   explicit SickSession(const SickParams& params);
 
   /// The line has been opened.
-  [[nodiscard]] SickOutput open(std::int64_t now_us);
+  [[nodiscard]] SickOutput open(time::SteadyTime now);
   /// The line is gone.
   void close();
   /// Ends the stream and takes the sensor back to 9600, where the next start finds it at once.
-  [[nodiscard]] SickOutput shut_down(std::int64_t now_us);
+  [[nodiscard]] SickOutput shut_down(time::SteadyTime now);
 
   /// To be called at least every few milliseconds: retries, time-outs, back-off.
-  [[nodiscard]] SickOutput poll(std::int64_t now_us);
-  [[nodiscard]] SickOutput take(const SickTelegram& telegram, std::int64_t now_us);
+  [[nodiscard]] SickOutput poll(time::SteadyTime now);
+  [[nodiscard]] SickOutput take(const SickTelegram& telegram, time::SteadyTime now);
   /// The sensor did not understand: ask again soon.
-  void take_nak(std::int64_t now_us);
+  void take_nak(time::SteadyTime now);
 
   [[nodiscard]] State state() const;
   /// Why the last attempt or stream ended; empty while scans come.
   [[nodiscard]] const std::string& last_error() const { return last_error_; }
   [[nodiscard]] const Counts& counts() const { return counts_; }
   /// How long a healthy stream pauses at most.
-  [[nodiscard]] std::int64_t stream_timeout_us() const;
+  [[nodiscard]] time::Duration stream_timeout() const;
 
  private:
   using Step = SickStep;
 
-  [[nodiscard]] std::int64_t timeout_us() const;
+  [[nodiscard]] time::Duration timeout() const;
 
-  [[nodiscard]] SickOutput enter(Step step, std::int64_t now_us);
-  [[nodiscard]] SickOutput ask(std::int64_t now_us);
-  [[nodiscard]] SickOutput retry(std::int64_t now_us);
-  [[nodiscard]] SickOutput search_from(std::size_t candidate, std::int64_t now_us);
-  [[nodiscard]] SickOutput advance(const SickTelegram& telegram, std::int64_t now_us);
-  [[nodiscard]] SickOutput after_config(const SickTelegram& telegram, std::int64_t now_us);
-  [[nodiscard]] SickOutput take_values(const SickTelegram& telegram, std::int64_t now_us);
-  [[nodiscard]] SickOutput fail(std::string reason, std::int64_t now_us);
+  [[nodiscard]] SickOutput enter(Step step, time::SteadyTime now);
+  [[nodiscard]] SickOutput ask(time::SteadyTime now);
+  [[nodiscard]] SickOutput retry(time::SteadyTime now);
+  [[nodiscard]] SickOutput search_from(std::size_t candidate, time::SteadyTime now);
+  [[nodiscard]] SickOutput advance(const SickTelegram& telegram, time::SteadyTime now);
+  [[nodiscard]] SickOutput after_config(const SickTelegram& telegram, time::SteadyTime now);
+  [[nodiscard]] SickOutput take_values(const SickTelegram& telegram, time::SteadyTime now);
+  [[nodiscard]] SickOutput fail(std::string reason, time::SteadyTime now);
   [[nodiscard]] bool is_expected_count(std::size_t count) const;
   [[nodiscard]] bool is_frozen(const SickTelegram& telegram, const SickScan& scan);
 
@@ -86,7 +87,7 @@ class SickSession {
   int attempts_ = 0;
   bool refused_ = false;
   bool heard_ = false;  // something whole at this rate
-  std::int64_t deadline_us_ = 0;
+  time::SteadyTime deadline_;
   std::optional<SickConfig> config_;
   int writes_since_wanted_ = 0;  // of the configuration, since it was last read as it should be
   serial::BackOff back_off_;

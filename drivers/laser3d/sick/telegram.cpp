@@ -92,7 +92,7 @@ SickTelegram telegram_in(const Frame& frame) {
   const ByteView content =
       frame.bytes.subspan(kHeaderBytes, frame.bytes.size() - kHeaderBytes - kCrcBytes);
   SickTelegram telegram;
-  telegram.first_byte_us = frame.first_byte_us;
+  telegram.first_byte = frame.first_byte;
   telegram.address = frame.bytes[1];
   telegram.reply = static_cast<SickReply>(content.front());
   telegram.data.assign(content.begin() + 1, content.end() - 1);

@@ -5,6 +5,7 @@
 #include <optional>
 #include <variant>
 
+#include "common/geometry/time.hpp"
 #include "drivers/serial/frame_scanner.hpp"
 
 namespace nodmap::laser3d {
@@ -45,7 +46,7 @@ struct SickStatusByte {
 
 /// A whole telegram whose checksum and structure hold.
 struct SickTelegram {
-  std::int64_t first_byte_us = 0;  ///< when its first byte arrived, clock of the caller
+  time::SteadyTime first_byte;  ///< when its first byte arrived, clock of the caller
   std::uint8_t address = 0;
   SickReply reply{};
   Bytes data;  ///< between the reply code and the status byte
@@ -66,11 +67,11 @@ class SickParser {
   /// Forgets what was received: the line's rate has changed.
   void reset(int baud) { scanner_.reset(baud); }
 
-  /// Takes bytes of which the last was read at `now_us`.
-  void feed(ByteView bytes, std::int64_t now_us) { scanner_.feed(bytes, now_us); }
+  /// Takes bytes of which the last was read at `now`.
+  void feed(ByteView bytes, time::SteadyTime now) { scanner_.feed(bytes, now); }
 
   /// Gives up a telegram begun when nothing has come for long (FrameScanner::kExpiryUs).
-  void expire(std::int64_t now_us) { scanner_.expire(now_us); }
+  void expire(time::SteadyTime now) { scanner_.expire(now); }
 
   /// The next event in what was fed, or nothing. An ACK or NAK is one bare byte, believed only
   /// where no damage was seen since the last telegram; nobody should wait for one.

@@ -35,7 +35,7 @@ inline Bytes ramp(int count, int first = 1000, int step = 1) {
 /// The telegram in these bytes; an empty one when there is none.
 inline SickTelegram telegram_of(const Bytes& bytes) {
   SickParser parser;
-  parser.feed(bytes, 0);
+  parser.feed(bytes, {});
   const auto event = parser.next();
   return event ? std::get<SickTelegram>(*event) : SickTelegram{};
 }

@@ -11,6 +11,12 @@
 namespace nodmap::laser3d {
 namespace {
 
+constexpr time::Duration kRevolution = 13'320us;
+
+time::SteadyTime last_beam(const scan::Scan& scan) {
+  return time::SteadyTime(time::from_us(scan.utime_last_us()));
+}
+
 using test::FakeSensor;
 using test::FakeServo;
 using test::operator+;  // NOLINT(misc-unused-using-decls): an operator is used
@@ -24,26 +30,26 @@ class Rig {
   }
 
   void open() {
-    handle(dut.laser_opened(now_us));
-    handle(dut.servo_opened(now_us));
+    handle(dut.laser_opened(now));
+    handle(dut.servo_opened(now));
   }
 
   void run(double seconds) {
-    const std::int64_t end_us = now_us + static_cast<std::int64_t>(1e6 * seconds);
-    for (; now_us < end_us; now_us += 1000) {
-      servo.step_ms(static_cast<int>(now_us / 1000));
+    const time::SteadyTime end = now + time::from_seconds(seconds);
+    for (; now < end; now += 1ms) {
+      servo.step_ms(static_cast<int>(now.time_since_epoch() / 1ms));
       // A telegram takes 7 ms from the end of the half revolution to its last byte.
-      if (sensor.streaming && now_us - last_revolution_us_ >= 13'320) {
-        last_revolution_us_ += 13'320 * ((now_us - last_revolution_us_) / 13'320);
+      if (sensor.streaming && now - last_revolution_ >= kRevolution) {
+        last_revolution_ += (now - last_revolution_) / kRevolution * kRevolution;
         if (sensor.powered && sensor.baud == laser_baud) {
           on_the_laser_line = on_the_laser_line + sensor.next_scan();
         }
       }
       const Bytes from_laser = std::exchange(on_the_laser_line, {});
       const Bytes from_servo = std::exchange(on_the_servo_line, {});
-      handle(dut.receive_laser(from_laser, now_us));
-      handle(dut.receive_servo(from_servo, now_us));
-      handle(dut.poll(now_us));
+      handle(dut.receive_laser(from_laser, now));
+      handle(dut.receive_servo(from_servo, now));
+      handle(dut.poll(now));
     }
   }
 
@@ -57,16 +63,19 @@ class Rig {
     for (const LineAction& action : output.servo) {
       on_the_servo_line = on_the_servo_line + servo.answer(action.send);
     }
-    scans.insert(scans.end(), output.scans.begin(), output.scans.end());
+    for (const SteadyScan& steady : output.scans) {
+      scans.push_back(steady.scan);
+      scans.back().utime_us = time::to_us(steady.first_beam.time_since_epoch());
+    }
     pitch.insert(pitch.end(), output.pitch.begin(), output.pitch.end());
   }
 
-  [[nodiscard]] Health health() const { return dut.health(now_us); }
+  [[nodiscard]] Health health() const { return dut.health(now); }
 
   Laser3d dut;
   FakeSensor sensor;
   FakeServo servo;
-  std::int64_t now_us = 1'000'000;
+  time::SteadyTime now{1s};
   int laser_baud = 0;
   Bytes on_the_laser_line;
   Bytes on_the_servo_line;
@@ -74,7 +83,7 @@ class Rig {
   std::vector<PitchState> pitch;
 
  private:
-  std::int64_t last_revolution_us_ = 1'000'000;
+  time::SteadyTime last_revolution_{1s};
 };
 
 TEST(Laser3d, R1_PublishesPitchedScansAt75Hz) {
@@ -106,15 +115,14 @@ TEST(Laser3d, R2_PitchIsThatOfTheBeamsTime) {
   for (const scan::Scan& scan : rig.scans) {
     const auto after = std::find_if(
         rig.pitch.begin(), rig.pitch.end(),
-        [&](const PitchState& state) { return state.sample.time_us >= scan.utime_last_us(); });
+        [&](const PitchState& state) { return state.sample.stamp >= last_beam(scan); });
     if (after == rig.pitch.end() || std::abs(scan.pitch_mid_rad()) > 0.2) {
       continue;
     }
     ++compared;
     const double rate = (scan.pitch_last_rad - scan.pitch_first_rad) / 0.00666;
     const double expected =
-        scan.pitch_last_rad +
-        rate * 1e-6 * static_cast<double>(after->sample.time_us - scan.utime_last_us());
+        scan.pitch_last_rad + rate * time::seconds(after->sample.stamp - last_beam(scan));
     // One position step of the servo is 1.5 mrad.
     EXPECT_NEAR(after->sample.pitch_rad, expected, 0.005);
   }
@@ -127,7 +135,7 @@ TEST(Laser3d, NodsBetweenTheCommandedBounds) {
   rig.run(3.0);
   rig.pitch.clear();
   for (int i = 0; i < 20; ++i) {
-    rig.dut.command({-0.3, 0.1, 0.5}, rig.now_us);
+    rig.dut.command({-0.3, 0.1, 0.5}, rig.now);
     rig.run(0.5);
     if (i == 1) {
       rig.pitch.clear();
@@ -170,7 +178,7 @@ TEST(Laser3d, WithoutTheLaserThereIsNoScan) {
   EXPECT_EQ(rig.health().condition, Condition::kFailed);
   EXPECT_EQ(rig.health().reason, "laser: not connected");
   const std::size_t after = rig.scans.size();
-  rig.handle(rig.dut.laser_opened(rig.now_us));
+  rig.handle(rig.dut.laser_opened(rig.now));
   rig.run(3.0);
   EXPECT_GT(rig.scans.size(), after + 50);
 }
@@ -231,7 +239,7 @@ TEST(Laser3d, AFastNodMakesBlindnessKnownInASecondASlowOneInItsNod) {
     rig.sensor.blind = true;
     double blind_s = 0.0;
     while (rig.health().condition != Condition::kFailed && blind_s < 20.0) {
-      rig.dut.command({-0.6, 0.2, sweep_s}, rig.now_us);
+      rig.dut.command({-0.6, 0.2, sweep_s}, rig.now);
       rig.run(0.1);
       blind_s += 0.1;
     }
@@ -287,7 +295,7 @@ TEST(Laser3d, LeavesTheLaserAtRest) {
   Rig rig;
   rig.open();
   rig.run(4.0);
-  rig.handle(rig.dut.shut_down(rig.now_us));
+  rig.handle(rig.dut.shut_down(rig.now));
   rig.run(0.1);
   EXPECT_TRUE(rig.dut.laser_at_rest());
   EXPECT_FALSE(rig.sensor.streaming);

@@ -99,10 +99,11 @@ class Rig {
   }
 
   void run(double seconds) {
-    const std::int64_t end_us = now.steady_us + static_cast<std::int64_t>(1e6 * seconds);
-    for (; now.steady_us < end_us; now.steady_us += 1000, now.utime_us += 1000) {
-      head.step_ms(static_cast<int>(now.steady_us / 1000));
-      if (sensor.streaming && sensor.baud == laser.baud && now.steady_us % 13'000 == 0) {
+    const time::SteadyTime end = now.steady + time::from_seconds(seconds);
+    for (; now.steady < end; now.steady += 1ms, now.wall += 1ms) {
+      head.step_ms(static_cast<int>(now.steady.time_since_epoch() / 1ms));
+      if (sensor.streaming && sensor.baud == laser.baud &&
+          now.steady.time_since_epoch() % 13ms == 0ms) {
         serial::append(laser.to_host, sensor.next_scan());
       }
       node.spin_once();
@@ -115,7 +116,7 @@ class Rig {
   Wire servo;
   test::FakeSensor sensor;
   test::FakeServo head;
-  time::Moment now{1'700'000'000'000'000, 1'000'000};
+  time::Moment now{time::Timestamp(1'700'000'000s), time::SteadyTime(1s)};
   bus::LiveBus bus;
   node::MessageCounts counts;
   node::Context context;
@@ -131,11 +132,11 @@ TEST(Laser3dNode, PublishesScansAndPitchStampedWithTheWallClock) {
   EXPECT_GT(rig.pitch.count(), 500);
   EXPECT_EQ(rig.node.health().state, node::HealthState::kOk) << rig.node.health().reason;
   const nodmap::scan_t& scan = *rig.scans.get();
-  EXPECT_LE(rig.now.utime_us - scan.utime, 60'000);
-  EXPECT_GT(rig.now.utime_us - scan.utime, 6660);
+  EXPECT_LE(rig.now.wall - time::from_utime(scan.utime), 60ms);
+  EXPECT_GT(rig.now.wall - time::from_utime(scan.utime), 6660us);
   EXPECT_EQ(scan.num_ranges, 181);
   EXPECT_EQ(scan.pitch_is_measured, 1);
-  EXPECT_LE(rig.now.utime_us - rig.pitch.get()->utime, 10'000);
+  EXPECT_LE(rig.now.wall - time::from_utime(rig.pitch.get()->utime), 10ms);
   EXPECT_EQ(rig.node.metrics()["scans"], rig.scans.get()->scan_seq + 1);
 }
 
@@ -147,25 +148,57 @@ TEST(Laser3dNode, ObeysPitchCommandsAndRefusesOldAndBadOnes) {
   command.pitch_max_rad = 0.05;
   command.sweep_s = 0.5;
   for (int i = 0; i < 10; ++i) {
-    command.utime = rig.now.utime_us;
+    command.utime = time::to_utime(rig.now.wall);
     rig.bus.publish("PITCH_COMMAND", command);
     rig.run(0.3);
   }
   EXPECT_NEAR(std::abs(rig.pitch.get()->goal_pitch_rad + 0.075), 0.125, 1e-9);
   EXPECT_EQ(rig.counts.used(), 10);
-  command.utime = rig.now.utime_us - 5'000'000;
+  command.utime = time::to_utime(rig.now.wall - 5s);
   rig.bus.publish("PITCH_COMMAND", command);
   for (const std::int64_t utime :
        {std::numeric_limits<std::int64_t>::min(), std::numeric_limits<std::int64_t>::max()}) {
     command.utime = utime;
     rig.bus.publish("PITCH_COMMAND", command);
   }
-  command.utime = rig.now.utime_us;
+  command.utime = time::to_utime(rig.now.wall);
   command.sweep_s = -1.0;
   rig.bus.publish("PITCH_COMMAND", command);
   rig.run(0.1);
   EXPECT_EQ(rig.counts.rejected().at("stale"), 3);
   EXPECT_EQ(rig.counts.rejected().at("no_area"), 1);
+}
+
+// Somebody else points the laser at the ceiling, 50 times a second.
+TEST(Laser3dNode, ASecondSenderOfPitchCommandIsRefusedAndTold) {
+  Rig rig;
+  rig.run(3.0);
+  nodmap::pitch_command_t own{};
+  own.pitch_min_rad = -0.2;
+  own.pitch_max_rad = 0.05;
+  own.sweep_s = 0.5;
+  nodmap::pitch_command_t forged = own;
+  forged.pitch_min_rad = forged.pitch_max_rad = 0.5;
+  forged.command_seq = 100'000;
+  const auto send = [&rig](nodmap::pitch_command_t& command) {
+    command.utime = time::to_utime(rig.now.wall);
+    ++command.command_seq;
+    rig.bus.publish("PITCH_COMMAND", command);
+  };
+  for (int i = 0; i < 100; ++i) {
+    send(own);
+    rig.run(0.01);
+    send(forged);
+    rig.run(0.01);
+    EXPECT_LT(rig.pitch.get()->goal_pitch_rad, 0.4);
+  }
+  EXPECT_EQ(rig.node.health().state, node::HealthState::kFailed);
+  EXPECT_NE(rig.node.health().reason.find("two processes send PITCH_COMMAND"), std::string::npos);
+  for (int i = 0; i < 100; ++i) {
+    send(own);
+    rig.run(0.02);
+  }
+  EXPECT_EQ(rig.node.health().state, node::HealthState::kOk) << rig.node.health().reason;
 }
 
 TEST(Laser3dNode, AnUnpluggedLaserEndsTheScansAndPluggedInTheyGoOn) {

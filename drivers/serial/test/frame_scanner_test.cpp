@@ -35,6 +35,7 @@ bool checksum_holds(ByteView frame) {
   return sum_of(frame.subspan(2, frame.size() - 3)) == frame.back();
 }
 
+constexpr time::SteadyTime kStart;
 constexpr FrameFormat kFormat{start, checksum_holds};
 
 Bytes framed(const std::string& content) {
@@ -69,7 +70,7 @@ TEST(FrameScanner, FindsTheSameFramesHoweverTheStreamIsCut) {
     for (std::size_t at = 0; at < stream.size();) {
       const std::size_t count =
           std::min<std::size_t>(stream.size() - at, std::uniform_int_distribution<>(1, 6)(random));
-      scanner.feed(ByteView(stream).subspan(at, count), 0);
+      scanner.feed(ByteView(stream).subspan(at, count), kStart);
       for (std::string& content : drain(scanner)) {
         found.push_back(std::move(content));
       }
@@ -83,40 +84,40 @@ TEST(FrameScanner, FindsTheSameFramesHoweverTheStreamIsCut) {
 
 TEST(FrameScanner, FindsAWholeFrameInsideAFalseStart) {
   FrameScanner scanner(kFormat, 9600);
-  scanner.feed(Bytes{'<', '5'} + framed("a") + Bytes{'#', '#'}, 0);
+  scanner.feed(Bytes{'<', '5'} + framed("a") + Bytes{'#', '#'}, kStart);
   EXPECT_EQ(drain(scanner), std::vector<std::string>{"a"});
   EXPECT_EQ(scanner.errors().checksum, 1);
 }
 
 TEST(FrameScanner, BytesFromBeforeASilenceDoNotJoinThoseFromAfter) {
   FrameScanner scanner(kFormat, 9600);
-  scanner.feed(ByteView(framed("cut")).first(3), 0);
+  scanner.feed(ByteView(framed("cut")).first(3), kStart);
   EXPECT_TRUE(drain(scanner).empty());
-  scanner.feed(framed("new"), FrameScanner::kExpiryUs + 1);
+  scanner.feed(framed("new"), kStart + FrameScanner::kExpiry + 1us);
   EXPECT_EQ(drain(scanner), std::vector<std::string>{"new"});
   EXPECT_EQ(scanner.errors().expired, 1);
 }
 
 TEST(FrameScanner, AfterASilenceWhatAFalseStartHidComesOut) {
   FrameScanner scanner(kFormat, 9600);
-  scanner.feed(Bytes{'<', '9'} + framed("a"), 0);
+  scanner.feed(Bytes{'<', '9'} + framed("a"), kStart);
   EXPECT_TRUE(drain(scanner).empty()) << "it may still be the start of nine bytes";
-  scanner.expire(FrameScanner::kExpiryUs + 1);
+  scanner.expire(kStart + FrameScanner::kExpiry + 1us);
   EXPECT_EQ(drain(scanner), std::vector<std::string>{"a"});
 }
 
 TEST(FrameScanner, TheFirstByteIsDatedBackByTheRateOfTheLine) {
   FrameScanner scanner(kFormat, 10'000);  // 1 ms a byte
-  scanner.feed(framed("abc") + framed("d"), 100'000);
-  EXPECT_EQ(scanner.next()->first_byte_us, 100'000 - 9'000);
-  EXPECT_EQ(scanner.next()->first_byte_us, 100'000 - 3'000);
+  scanner.feed(framed("abc") + framed("d"), kStart + 100ms);
+  EXPECT_EQ(scanner.next()->first_byte, kStart + 91ms);
+  EXPECT_EQ(scanner.next()->first_byte, kStart + 97ms);
 }
 
 TEST(FrameScanner, ANewRateForgetsWhatHasCome) {
   FrameScanner scanner(kFormat, 9600);
-  scanner.feed(ByteView(framed("old")).first(3), 0);
+  scanner.feed(ByteView(framed("old")).first(3), kStart);
   scanner.reset(500'000);
-  scanner.feed(framed("new"), 0);
+  scanner.feed(framed("new"), kStart);
   EXPECT_EQ(drain(scanner), std::vector<std::string>{"new"});
   EXPECT_EQ(scanner.errors().skipped_bytes, 0);
 }

@@ -14,10 +14,10 @@
 namespace nodmap::serial {
 namespace {
 
-constexpr std::int64_t kStartUtimeUs = 1'700'000'000'000'000;
+constexpr time::Timestamp kStart{1'700'000'000s};
 
-time::Moment at(std::int64_t steady_us) {
-  return {kStartUtimeUs + steady_us, steady_us};
+time::Moment at(time::Duration since_start) {
+  return {kStart + since_start, time::SteadyTime(since_start)};
 }
 
 /// A link, and what its driver was told.
@@ -50,8 +50,8 @@ TEST(SerialLink, TriesAgainWithGrowingPauses) {
     return {nullptr, "no such device"};
   });
   // Asked every millisecond for 10 s: at 0, 0.1, 0.3, 0.7, 1.5, 3.1, 6.3 s.
-  for (std::int64_t now_us = 0; now_us <= 10'000'000; now_us += 1000) {
-    rig.link.poll(at(now_us));
+  for (time::Duration now{}; now <= 10s; now += 1ms) {
+    rig.link.poll(at(now));
     EXPECT_FALSE(rig.link.is_open());
   }
   EXPECT_EQ(attempts, 7);
@@ -69,9 +69,9 @@ TEST(SerialLink, ADeviceThatFailsAtOnceEachTimeDoesNotEscapeTheBackOff) {
     ++attempts;
     return open_serial_port({pty.name()});
   });
-  for (std::int64_t now_us = 0; now_us <= 10'000'000; now_us += 1000) {
-    rig.link.poll(at(now_us));
-    rig.link.give_up(at(now_us), "mute");
+  for (time::Duration now{}; now <= 10s; now += 1ms) {
+    rig.link.poll(at(now));
+    rig.link.give_up(at(now), "mute");
   }
   EXPECT_EQ(attempts, 7);
   EXPECT_EQ(rig.link.reconnects(), 6);
@@ -83,13 +83,13 @@ TEST(SerialLink, ADeviceThatFailsAtOnceEachTimeDoesNotEscapeTheBackOff) {
 TEST(SerialLink, AfterALongLifeTheFirstAttemptIsSoon) {
   const test::PtyPair pty;
   Rig rig(port_opener(pty.name(), 115200));
-  rig.link.poll(at(0));
+  rig.link.poll(at(0s));
   ASSERT_TRUE(rig.link.is_open());
   EXPECT_EQ(rig.link.error(), "");
-  rig.link.give_up(at(60'000'000), "mute");
-  rig.link.poll(at(60'000'000 + BackOff::kFirstUs - 1));
+  rig.link.give_up(at(60s), "mute");
+  rig.link.poll(at(60s + BackOff::kFirst - 1us));
   EXPECT_FALSE(rig.link.is_open());
-  rig.link.poll(at(60'000'000 + BackOff::kFirstUs));
+  rig.link.poll(at(60s + BackOff::kFirst));
   EXPECT_TRUE(rig.link.is_open());
   EXPECT_EQ(rig.link.reconnects(), 1);
 }
@@ -101,25 +101,25 @@ TEST(SerialLink, FindsTheDeviceUnderItsNewName) {
   std::optional<test::PtyPair> pty(std::in_place);
   std::filesystem::create_symlink(pty->name(), link);
   Rig rig(port_opener(link.string(), 115200));
-  rig.link.poll(at(0));
+  rig.link.poll(at(0s));
   ASSERT_TRUE(rig.link.is_open()) << rig.link.error();
   pty->unplug();
   rig.await_input();
-  rig.link.poll(at(1000));
+  rig.link.poll(at(1ms));
   EXPECT_EQ(rig.lost, 1);
   EXPECT_EQ(rig.link.error(), "the line is disconnected");
-  rig.link.poll(at(101'000));
+  rig.link.poll(at(101ms));
   EXPECT_FALSE(rig.link.is_open());
   EXPECT_NE(rig.link.error(), "the line is disconnected") << "why it cannot be opened is told";
 
   pty.emplace();
   std::filesystem::remove(link);
   std::filesystem::create_symlink(pty->name(), link);
-  rig.link.poll(at(301'000));
+  rig.link.poll(at(301ms));
   ASSERT_TRUE(rig.link.is_open()) << rig.link.error();
   pty->send("x");
   rig.await_input();
-  rig.link.poll(at(302'000));
+  rig.link.poll(at(302ms));
   EXPECT_EQ(rig.received, "x");
   EXPECT_EQ(rig.opened, 2);
 }
@@ -128,21 +128,20 @@ TEST(SerialLink, WritesAllBytesWithAndWithoutAPauseBetweenThem) {
   const test::PtyPair pty;
   Rig rig(port_opener(pty.name(), 115200));
   const std::vector<std::uint8_t> bytes{'a', 'b', 'c'};
-  EXPECT_FALSE(rig.link.write(bytes, at(0), {})) << "not open yet";
+  EXPECT_FALSE(rig.link.write(bytes, at(0s), {})) << "not open yet";
   EXPECT_EQ(rig.lost, 0);
-  rig.link.poll(at(0));
-  EXPECT_TRUE(rig.link.write(bytes, at(0), {}));
-  EXPECT_TRUE(rig.link.write(bytes, at(0), {.byte_pause = std::chrono::microseconds(1)}));
+  rig.link.poll(at(0s));
+  EXPECT_TRUE(rig.link.write(bytes, at(0s), {}));
+  EXPECT_TRUE(rig.link.write(bytes, at(0s), {.byte_pause = 1us}));
   EXPECT_EQ(pty.receive_text(6), "abcabc");
 }
 
 TEST(SerialLink, ALineThatTakesNoBytesIsLost) {
   const test::PtyPair pty;
   Rig rig(port_opener(pty.name(), 115200));
-  rig.link.poll(at(0));
+  rig.link.poll(at(0s));
   const std::vector<std::uint8_t> more_than_fits(1'000'000, 'x');
-  EXPECT_FALSE(
-      rig.link.write(more_than_fits, at(0), {.timeout = std::chrono::microseconds(20'000)}));
+  EXPECT_FALSE(rig.link.write(more_than_fits, at(0s), {.timeout = 20ms}));
   EXPECT_FALSE(rig.link.is_open());
   EXPECT_EQ(rig.link.error(), "the line takes no bytes");
   EXPECT_EQ(rig.lost, 1);
@@ -151,53 +150,54 @@ TEST(SerialLink, ALineThatTakesNoBytesIsLost) {
 TEST(SerialLink, EndedItStaysClosed) {
   const test::PtyPair pty;
   Rig rig(port_opener(pty.name(), 115200));
-  rig.link.poll(at(0));
+  rig.link.poll(at(0s));
   rig.link.end();
   EXPECT_EQ(rig.lost, 1);
   EXPECT_EQ(rig.link.poll_handle(), -1);
-  rig.link.poll(at(60'000'000));
+  rig.link.poll(at(60s));
   EXPECT_FALSE(rig.link.is_open());
 }
 
 TEST(SerialLink, ANewRateDropsWhatCameAtTheOldOne) {
   const test::PtyPair pty;
   Rig rig(port_opener(pty.name(), 9600));
-  rig.link.poll(at(0));
+  rig.link.poll(at(0s));
   pty.send("old");
   rig.await_input();
   rig.link.set_baud(500'000);
   EXPECT_EQ(pty.baud(), 500'000);
   pty.send("new");
   rig.await_input();
-  rig.link.poll(at(1000));
+  rig.link.poll(at(1ms));
   EXPECT_EQ(rig.received, "new");
 }
 
 TEST(BackOff, DoublesFromATenthOfASecondToFiveSeconds) {
   BackOff back_off;
-  std::int64_t now_us = 0;
-  EXPECT_TRUE(back_off.due(now_us));
-  std::vector<std::int64_t> waits;
+  time::SteadyTime now;
+  EXPECT_TRUE(back_off.due(now));
+  std::vector<time::Duration> waits;
   for (int i = 0; i < 8; ++i) {
-    back_off.failed(now_us);
-    EXPECT_FALSE(back_off.due(now_us));
-    waits.push_back(back_off.wait_us(now_us));
-    now_us += waits.back();
-    EXPECT_TRUE(back_off.due(now_us));
-    EXPECT_EQ(back_off.wait_us(now_us), 0);
+    back_off.failed(now);
+    EXPECT_FALSE(back_off.due(now));
+    waits.push_back(back_off.wait(now));
+    now += waits.back();
+    EXPECT_TRUE(back_off.due(now));
+    EXPECT_EQ(back_off.wait(now), 0us);
   }
-  EXPECT_EQ(waits, (std::vector<std::int64_t>{100'000, 200'000, 400'000, 800'000, 1'600'000,
-                                              3'200'000, 5'000'000, 5'000'000}));
+  EXPECT_EQ(waits,
+            (std::vector<time::Duration>{100ms, 200ms, 400ms, 800ms, 1600ms, 3200ms, 5s, 5s}));
 }
 
 TEST(BackOff, SuccessStartsOver) {
   BackOff back_off;
-  back_off.failed(0);
-  back_off.failed(100'000);
+  constexpr time::SteadyTime kBegin;
+  back_off.failed(kBegin);
+  back_off.failed(kBegin + 100ms);
   back_off.succeeded();
-  EXPECT_TRUE(back_off.due(0));
-  back_off.failed(1'000'000);
-  EXPECT_EQ(back_off.wait_us(1'000'000), BackOff::kFirstUs);
+  EXPECT_TRUE(back_off.due(kBegin));
+  back_off.failed(kBegin + 1s);
+  EXPECT_EQ(back_off.wait(kBegin + 1s), BackOff::kFirst);
 }
 
 }  // namespace

@@ -238,5 +238,62 @@ TEST_F(RecorderTest, AFolderThatVanishedIsMadeAgain) {
   EXPECT_THAT(stamps("logs/lcmlog-2026-11-21.00"), ElementsAre(1));
 }
 
+// The disk has 12 kB, and 5 kB of them are to stay free: the newest logs of 7 kB remain.
+TEST_F(RecorderTest, TheOldestLogsGoForTheReserveOfTheDisk) {
+  const auto available = [this](const std::filesystem::path&) {
+    std::int64_t used_bytes = 0;
+    for (const std::string& name : names()) {
+      used_bytes += static_cast<std::int64_t>(std::filesystem::file_size(dir_.path() / name));
+    }
+    return 12'000 - used_bytes;
+  };
+  Recorder recorder({.dir = dir_.path(),
+                     .split_bytes = 3000,
+                     .reserve_bytes = 5000,
+                     .available_bytes = available},
+                    clock_);
+  for (int i = 0; i < 30; ++i) {
+    record(recorder);
+    clock_.advance(Recorder::kSyncPeriodUs);
+    recorder.tick();
+    EXPECT_GE(available({}), 5000) << i;
+  }
+  recorder.close();
+  EXPECT_EQ(recorder.counts().dropped, 0);
+  EXPECT_GT(recorder.counts().deleted_files, 0);
+  EXPECT_EQ(recorder.health().state, node::HealthState::kOk);
+  EXPECT_EQ(stamps(names().back()).back(), 29) << "the last minutes are always there";
+}
+
+// What fills the disk is not ours: nothing is taken from the reserve, and it is told.
+TEST_F(RecorderTest, RecordingPausesWhenNothingOfOursFillsTheDisk) {
+  std::int64_t available_bytes = 10'000;
+  Recorder recorder(
+      {.dir = dir_.path(),
+       .reserve_bytes = 5000,
+       .available_bytes = [&](const std::filesystem::path&) { return available_bytes; }},
+      clock_);
+  record(recorder);
+  clock_.advance(Recorder::kSyncPeriodUs);
+  recorder.tick();
+  EXPECT_EQ(recorder.health().state, node::HealthState::kOk);
+  available_bytes = 4000;
+  for (int i = 0; i < 20; ++i) {
+    clock_.advance(Recorder::kSyncPeriodUs);
+    recorder.tick();
+    record(recorder);
+  }
+  EXPECT_EQ(recorder.health().state, node::HealthState::kFailed);
+  EXPECT_NE(recorder.health().reason.find("reserve"), std::string::npos);
+  EXPECT_LE(names().size(), 1U);
+  available_bytes = 6000;
+  clock_.advance(Recorder::kMaxBackOffUs);
+  recorder.tick();
+  record(recorder);
+  clock_.advance(Recorder::kFlushPeriodUs);
+  recorder.tick();
+  EXPECT_EQ(recorder.health().state, node::HealthState::kOk);
+}
+
 }  // namespace
 }  // namespace nodmap::logger

@@ -40,12 +40,16 @@ TEST(Brake, YawRateAndLateralAccelerationLimitTheSpeedOnAnArc) {
 // The front is 0.225 m ahead, 0.15 m are left; from 2 m/s an emergency stop takes 0.67 m.
 TEST(Brake, StopsAtOnceNearerThanAnEmergencyStopNeeds) {
   const Brake brake({}, {});
-  const auto at = [&](double distance_m) {
-    return brake.speed_on_present_arc(2.0, 0.0, {{0.225 + 0.15 + distance_m, 0.0}});
+  const auto speed = [&](double forward_mps, double x_m) {
+    Situation now;
+    now.forward_mps = forward_mps;
+    now.points_base = {{x_m, 0.0}};
+    return brake.speed_on_present_arc(now);
   };
+  const auto at = [&](double distance_m) { return speed(2.0, 0.225 + 0.15 + distance_m); };
   EXPECT_EQ(at(0.66), 0.0);
   EXPECT_GT(at(0.68), 0.0);
-  EXPECT_EQ(brake.speed_on_present_arc(0.05, 0.0, {{0.3, 0.0}}), kInf);
+  EXPECT_EQ(speed(0.05, 0.3), kInf);
 }
 
 TEST(SeenDirections, ADirectionIsSeenAfterTwoSweeps) {

@@ -40,6 +40,7 @@ class NavigatorNodeTest : public ::testing::Test {
   void give_command(std::int64_t utime_us, double max_forward_mps = 1.0) {
     nodmap::pitch_command_t message{};
     message.utime = utime_us;
+    message.command_seq = command_seq_++;
     message.pitch_min_rad = -0.4;
     message.pitch_max_rad = 0.1;
     message.sweep_s = 0.3;
@@ -101,6 +102,7 @@ class NavigatorNodeTest : public ::testing::Test {
   NavigatorNode node_{context_, {}};
   std::int64_t now_us_ = 1'000'000'000;
   std::int64_t odometry_seq_ = 0;
+  std::int64_t command_seq_ = 0;
   double x_ = 0.0;
 };
 
@@ -168,6 +170,48 @@ TEST_F(NavigatorNodeTest, AStopHaltsWithTheNextOdometryUntilItIsReleased) {
   stop.is_stopped = 0;
   bus_.deliver("STOP", stop);
   run(2.0);
+  EXPECT_TRUE(drives());
+}
+
+// Somebody sends one ODOMETRY that counts anew and is stamped far ahead; later the clock is set back by
+// an hour, just after the base driver was started anew. Each costs a moment and not the drive.
+TEST_F(NavigatorNodeTest, AFarStampOfAnOdometryFrameDoesNotHaltItForGood) {
+  run(1.5);
+  ASSERT_TRUE(drives());
+  auto forged = node::write_odometry(std::int64_t{1} << 59, geometry::SE3::Identity());
+  forged.odometry_seq = 0;
+  bus_.deliver("ODOMETRY", forged);
+  run(2.0);
+  EXPECT_TRUE(drives());
+  odometry_seq_ = 0;
+  tick();
+  now_us_ -= 900'000'000;  // the test's clock is younger than an hour
+  run(3.0);
+  EXPECT_TRUE(drives());
+}
+
+// Somebody else promises that the robot may drive at 5 m/s: which of the two means well is not
+// known.
+TEST_F(NavigatorNodeTest, TwoSendersOfPitchCommandHaltItUntilOneHasEnded) {
+  run(1.5);
+  ASSERT_TRUE(drives());
+  nodmap::pitch_command_t forged{};
+  forged.pitch_max_rad = 0.5;
+  forged.pitch_min_rad = 0.4;
+  forged.sweep_s = 1.0;
+  forged.max_forward_mps = 5.0;
+  for (int i = 0; i < 50; ++i) {
+    forged.utime = now_us_ + 1'000;
+    forged.command_seq = 100'000 + i;
+    bus_.deliver("PITCH_COMMAND", forged);
+    tick();
+    EXPECT_LE(drive().forward_mps, 1.0);
+    EXPECT_TRUE(i < 5 || halts()) << i;
+  }
+  EXPECT_EQ(navigation().reason, "Two processes send PITCH_COMMAND.");
+  EXPECT_EQ(node_.health().state, node::HealthState::kDegraded);
+  EXPECT_EQ(rejected("other_sender_of_pitch_command"), 50);
+  run(3.0);
   EXPECT_TRUE(drives());
 }
 

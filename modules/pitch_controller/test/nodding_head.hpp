@@ -20,17 +20,19 @@ class NoddingHead {
     for (; time_us_ < time_us; time_us_ += 1000) {
       step(1e-3);
     }
-    aim_ = nod_.step({time_us_, pitch_rad_, rate_rad_s_}, time_us_);
+    aim_ = nod_.step({now(), pitch_rad_, rate_rad_s_}, now());
     return {time_us_, pitch_rad_, rate_rad_s_, nod_.sweep(), nod_.stalled()};
   }
 
   void obey(const PitchDecision& decision) {
-    nod_.command({decision.sweep.min_rad, decision.sweep.max_rad, decision.sweep_s}, time_us_);
+    nod_.command({decision.sweep.min_rad, decision.sweep.max_rad, decision.sweep_s}, now());
   }
 
   [[nodiscard]] double goal_speed_rad_s() const { return aim_.speed_rad_s; }
 
  private:
+  [[nodiscard]] time::SteadyTime now() const { return time::SteadyTime(time::from_us(time_us_)); }
+
   static constexpr double kAccelerationRadS2 = 40.0;
 
   static laser3d::NodParams params() {

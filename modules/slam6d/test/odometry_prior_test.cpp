@@ -10,28 +10,27 @@ using geometry::SE3;
 
 TEST(OdometryPrior, GrowsWithTheMotion) {
   const OdometryParams params;
-  const PosePrior still = odometry_prior(SE3::Identity(), {}, params);
-  const PosePrior moved =
-      odometry_prior(SE3::Identity(), {.distance_m = 2.0, .rotation_rad = 0.5}, params);
-  EXPECT_NEAR(still.covariance(0, 0), std::pow(params.translation_m, 2), 1e-15);
+  const Matrix6d still = odometry_covariance(SE3::Identity(), {}, params);
+  const Matrix6d moved =
+      odometry_covariance(SE3::Identity(), {.distance_m = 2.0, .rotation_rad = 0.5}, params);
+  EXPECT_NEAR(still(0, 0), std::pow(params.translation_m, 2), 1e-15);
   const double translation_m =
       params.translation_m + 2.0 * params.translation_m_per_m + 0.5 * params.translation_m_per_rad;
-  EXPECT_NEAR(moved.covariance(0, 0), translation_m * translation_m, 1e-15);
+  EXPECT_NEAR(moved(0, 0), translation_m * translation_m, 1e-15);
   const double yaw_rad =
       params.rotation_rad + 2.0 * params.yaw_rad_per_m + 0.5 * params.yaw_rad_per_rad;
-  EXPECT_NEAR(moved.covariance(5, 5), yaw_rad * yaw_rad, 1e-15);
+  EXPECT_NEAR(moved(5, 5), yaw_rad * yaw_rad, 1e-15);
 }
 
 TEST(OdometryPrior, ASweepThatWasRefusedDoublesItUpToALimit) {
   const auto sigma = [](int lost_sweeps) {
-    return std::sqrt(
-        odometry_prior(SE3::Identity(), {.lost_sweeps = lost_sweeps}, {}).covariance(0, 0));
+    return std::sqrt(odometry_covariance(SE3::Identity(), {.lost_sweeps = lost_sweeps}, {})(0, 0));
   };
   EXPECT_NEAR(sigma(1), 2.0 * sigma(0), 1e-12);
   EXPECT_NEAR(sigma(3), 8.0 * sigma(0), 1e-12);
   EXPECT_EQ(sigma(50), sigma(100));
-  const auto interrupted = odometry_prior(SE3::Identity(), {.is_interrupted = true}, {});
-  EXPECT_GT(interrupted.covariance(0, 0), std::pow(OdometryParams{}.interruption_m, 2));
+  const Matrix6d interrupted = odometry_covariance(SE3::Identity(), {.is_interrupted = true}, {});
+  EXPECT_GT(interrupted(0, 0), std::pow(OdometryParams{}.interruption_m, 2));
 }
 
 // The covariance has the axes of map: a robot that looks along y of map has its yaw about z and its
@@ -41,8 +40,8 @@ TEST(OdometryPrior, IsInTheAxesOfTheMap) {
   T_map_base.linear() =
       Eigen::AngleAxisd(0.5 * geometry::kPi, Eigen::Vector3d::UnitY()).toRotationMatrix();
   const OdometryMotion motion{.rotation_rad = 1.0};
-  const Matrix6d level = odometry_prior(SE3::Identity(), motion, {}).covariance;
-  const Matrix6d upended = odometry_prior(T_map_base, motion, {}).covariance;
+  const Matrix6d level = odometry_covariance(SE3::Identity(), motion, {});
+  const Matrix6d upended = odometry_covariance(T_map_base, motion, {});
   EXPECT_NEAR(upended(3, 3), level(5, 5), 1e-12);  // base's z is along x of map
   EXPECT_NEAR(upended(5, 5), level(3, 3), 1e-12);
 }

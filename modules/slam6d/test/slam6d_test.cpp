@@ -139,8 +139,8 @@ TEST(Slam6d, R45_StandingOnlyPassesOverSweepsOnTheMove) {
   EXPECT_FALSE(slam.sweeps()[4].is_stationary);  // from 4.3 s to 5.3 s
 }
 
-// Odometry tells 10 % too much: 50 cm after 5 m. Every sweep is put right. The 5 cm that odometry
-// makes up within one sweep (1.07 s) shear its cloud: over 4 m that is 0.7 deg.
+// Odometry tells 10 % too much: 50 cm after 5 m, and 5 cm within a sweep, which would shear its
+// cloud by 0.7 degrees over 4 m. Every sweep is put right, in itself, too.
 TEST(Slam6d, R44_CorrectsOdometryAgainstTheMap) {
   Slam6d slam({});
   const Drive drive{.odometry_scale = 1.1};
@@ -154,10 +154,9 @@ TEST(Slam6d, R44_CorrectsOdometryAgainstTheMap) {
   for (std::size_t i = 0; i < trajectory.size(); ++i) {
     const SE3 error =
         drive.motion(slam.sweeps()[i].utime_us).inverse() * T_world_map * trajectory[i];
-    // Measured 2.2 cm and 1 degree. The last one is a fifth of a sweep: 4.3 cm and 1.7 degrees.
-    const bool is_last = i + 1 == trajectory.size();
-    EXPECT_LT(error.translation().norm(), is_last ? 0.054 : 0.028) << i;
-    EXPECT_LT(geometry::rotation_angle(error), deg_to_rad(is_last ? 2.1 : 1.25)) << i;
+    // Measured 2.7 mm and 0.031 degrees.
+    EXPECT_LT(error.translation().norm(), 1.25 * 0.0027) << i;
+    EXPECT_LT(geometry::rotation_angle(error), deg_to_rad(1.25 * 0.031)) << i;
   }
 }
 

@@ -89,26 +89,26 @@ class CloudLayer {
   }
 }
 
-/** The layers by topic, with the name people see. The order is that of the list on the page. `off`: hidden at first. `software`: there is no graphics card. */
+/** The layers by topic, with the name people see and the colour they know it by (CSS; "ramp": coloured by height or age). The order is that of the list on the page. `off`: hidden at first. `software`: there is no graphics card. */
 export function makeLayers(frames, software) {
   const entities = () => new EntityLayer(frames);
   const layer = (draw, frame) => new Layer(frames, draw, frame);
   return new Map([
-    ["scene/robot", {name: "robot", layer: entities()}],
-    ["SCAN", {name: "laser fan", layer: layer(drawScan)}],
-    ["CLOUD", {name: "point cloud", layer: new CloudLayer(frames, software)}],
-    ["OCTOMAP", {name: "voxels", layer: layer(drawVoxels(software ? 12000 : 200000)), off: true}],
-    ["MAP_2D", {name: "2D map", layer: layer(drawGrid)}],
-    ["OBSTACLE_MAP", {name: "obstacle map", layer: layer(drawPoints(0xffb74d, 5))}],
-    ["STRUCTURE_MAP", {name: "structure map", layer: layer(drawPoints(0x4dd0e1, 5))}],
-    ["scene/corridor", {name: "virtual corridor", layer: entities()}],
-    ["scene/area_of_interest", {name: "area of interest", layer: entities()}],
+    ["scene/robot", {name: "robot", swatch: "#f28c1a", layer: entities()}],
+    ["SCAN", {name: "laser fan", swatch: "#ff5252", layer: layer(drawScan)}],
+    ["CLOUD", {name: "point cloud", swatch: "ramp", layer: new CloudLayer(frames, software)}],
+    ["OCTOMAP", {name: "voxels", swatch: "ramp", layer: layer(drawVoxels(software ? 12000 : 200000)), off: true}],
+    ["MAP_2D", {name: "2D map", swatch: "linear-gradient(to right, #5a697d 50%, #e62d2d 50%)", layer: layer(drawGrid)}],
+    ["OBSTACLE_MAP", {name: "obstacle map", swatch: "#ffb74d", layer: layer(drawPoints(0xffb74d, 5))}],
+    ["STRUCTURE_MAP", {name: "structure map", swatch: "#4dd0e1", layer: layer(drawPoints(0x4dd0e1, 5))}],
+    ["scene/corridor", {name: "virtual corridor", swatch: "#1ab34d", layer: entities()}],
+    ["scene/area_of_interest", {name: "area of interest", swatch: "#4db3ff", layer: entities()}],
     // From the common start, not where odometry is now: so that the trails can be compared.
-    ["trail/odometry", {name: "odometry trail", layer: layer(drawTrail(0xff8fd0), "map")}],
-    ["trail/2d", {name: "2D SLAM trail", layer: layer(drawTrail(0x5fb3ff))}],
-    ["trail/6d", {name: "6D SLAM trail", layer: layer(drawTrail(0xffe082))}],
-    ["keyframes", {name: "keyframes", layer: layer(drawKeyframes)}],
-    ["scene/goal", {name: "goal", layer: entities()}],
-    ["scene/people", {name: "people", layer: entities()}],
+    ["trail/odometry", {name: "odometry trail", swatch: "#ff8fd0", layer: layer(drawTrail(0xff8fd0), "map")}],
+    ["trail/2d", {name: "2D SLAM trail", swatch: "#5fb3ff", layer: layer(drawTrail(0x5fb3ff))}],
+    ["trail/6d", {name: "6D SLAM trail", swatch: "#ffe082", layer: layer(drawTrail(0xffe082))}],
+    ["keyframes", {name: "keyframes", swatch: "radial-gradient(circle, #ffe082 45%, transparent 50%)", layer: layer(drawKeyframes)}],
+    ["scene/goal", {name: "goal", swatch: "#1acc4d", layer: entities()}],
+    ["scene/people", {name: "people", swatch: "#d9339a", layer: entities()}],
   ]);
 }

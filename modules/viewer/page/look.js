@@ -5,7 +5,7 @@ import {element} from "./element.js";
 
 /** A check box for each layer. `changed()` is called when the image has to be drawn anew. */
 export function makeLayerList(fieldset, layers, changed) {
-  for (const [topic, {name, layer, off}] of layers) {
+  for (const [topic, {name, layer, off, swatch}] of layers) {
     const key = `layer:${topic}`;
     const box = element("input", "", {type: "checkbox", "data-topic": topic});
     box.checked = (localStorage.getItem(key) ?? (off ? "off" : "on")) === "on";
@@ -16,9 +16,29 @@ export function makeLayerList(fieldset, layers, changed) {
       changed();
     });
     const label = element("label", "");
-    label.append(box, ` ${name}`);
+    const color = element("span", "", {class: "swatch", "aria-hidden": "true"});
+    color.style.background = swatch === "ramp" ? rampCss() : swatch;
+    label.append(box, color, name);
     fieldset.append(label);
   }
+}
+
+/** Dark or light: the scene with the page. `auto` is what the browser asks for. */
+export function makeTheme(select, view) {
+  const light = window.matchMedia("(prefers-color-scheme: light)");
+  const apply = () => {
+    const theme = select.value === "auto" ? (light.matches ? "light" : "dark") : select.value;
+    document.documentElement.dataset.theme = theme;
+    view.setTheme(theme);
+  };
+  const kept = localStorage.getItem("look:theme");
+  select.value = [...select.options].some(({value}) => value === kept) ? kept : select.value;
+  select.addEventListener("change", () => {
+    localStorage.setItem("look:theme", select.value);
+    apply();
+  });
+  light.addEventListener("change", apply);
+  apply();
 }
 
 /** The choice of colour and ceiling, and the legend that goes with it. */

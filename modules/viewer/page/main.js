@@ -5,10 +5,12 @@ import {Control} from "./control.js";
 import {pointsOf} from "./decode.js";
 import {Detail} from "./detail.js";
 import {makeLayers} from "./layers.js";
-import {makeLayerList, makeLook} from "./look.js";
+import {applyCamera, isLink, makeLink, readLink} from "./link.js";
+import {makeLayerList, makeLook, makeTheme} from "./look.js";
 import {Playback} from "./playback.js";
 import {Plots} from "./plots.js";
 import {Processes} from "./processes.js";
+import {Measuring, ScaleBar} from "./ruler.js";
 import {View} from "./scene.js";
 import {isSoftware} from "./splat.js";
 import {State} from "./state.js";
@@ -36,6 +38,10 @@ let received = 0;
 
 makeLayerList(byId("layers"), layers, () => view.touch());
 makeLook({color: byId("color"), ceiling: byId("ceiling"), low: byId("low"), high: byId("high"), ramp: byId("ramp")}, () => view.touch());
+
+makeTheme(byId("theme"), view);
+const scaleBar = new ScaleBar(byId("scale-bar"), view);
+const measuring = new Measuring(byId("measure"), view, (text) => { byId("measured").textContent = text; });
 
 function forgetAll() {
   pending.clear();
@@ -116,9 +122,44 @@ byId("read-only").addEventListener("click", () => {
   connection.token = null;
 });
 
+/** Looks and seeks as the page's address says; also when it is changed by hand. */
+function followLink() {
+  const link = readLink(location.hash);
+  applyCamera(view, link);
+  showMode();
+  playback.wantedS = link.timeS;
+}
+function showMode() {
+  document.querySelectorAll("[data-camera]").forEach((button) => button.setAttribute("aria-pressed", button.dataset.camera === view.mode));
+}
+window.addEventListener("hashchange", () => { followLink(); playback.seekWanted(); });
+if (isLink(location.hash)) {
+  followLink();
+}
+byId("link").addEventListener("click", () => {
+  const link = makeLink(location, view, playback.positionS);
+  history.replaceState(null, "", link);
+  navigator.clipboard?.writeText(link).catch(() => {});  // it also stands in the address
+});
+
+// Letters by themselves: no field of the page takes any.
+const keys = {
+  "?": () => byId("help").showModal(),
+  m: () => byId("measure").click(),
+  f: () => document.querySelector("[data-camera=follow]").click(),
+  t: () => document.querySelector("[data-camera=top]").click(),
+  r: () => document.querySelector("[data-camera=free]").click(),
+};
+document.addEventListener("keydown", (event) => {
+  if (!event.ctrlKey && !event.altKey && !event.metaKey && !byId("help").open && !event.target.closest?.("select")) {
+    keys[event.key.toLowerCase()]?.();
+  }
+});
+byId("help-open").addEventListener("click", keys["?"]);
+
 document.querySelectorAll("[data-camera]").forEach((button) => button.addEventListener("click", () => {
   view.setMode(button.dataset.camera);
-  document.querySelectorAll("[data-camera]").forEach((other) => other.setAttribute("aria-pressed", other === button));
+  showMode();
 }));
 
 function onFrame(nowMs) {
@@ -132,6 +173,7 @@ function onFrame(nowMs) {
   if (detail.step(nowMs, view.update(), cloud.total)) {
     cloud.distribute(detail.budget);
     view.render();
+    scaleBar.update();
   }
 }
 requestAnimationFrame(onFrame);
@@ -144,6 +186,6 @@ setInterval(() => plots.draw(), PLOT_MS);
 
 // For tests and for images of the documentation: what is on the page, as numbers.
 window.nodmap = {
-  connection, view, layers, cloud, detail, playback, received: () => received,
+  connection, view, layers, cloud, detail, playback, measuring, received: () => received,
   take: (topic, message, timeS) => take(topic, () => message, timeS),
 };

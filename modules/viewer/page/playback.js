@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Pause, time line and speed of a recording.
 
+import {element} from "./element.js";
+
 const STEP_S = 0.1;
+const LEAD_S = 1;  // before an event, to see how it came
 // After a seek, times of before are still on their way: they are not shown, for at most so long.
 const SEEK_MS = 2000;
 const SEEK_TOLERANCE_S = 0.5 * STEP_S;
@@ -19,6 +22,7 @@ export class Playback {
     this.position = form.querySelector("#position");
     this.clock = form.querySelector("#clock");
     this.speed = form.querySelector("#speed");
+    this.marks = form.querySelector("#marks");
     this.durationS = 0;
     this.positionS = 0;
     this.paused = false;
@@ -90,6 +94,35 @@ export class Playback {
     this.speed.value = String(parameters.get("playback.speed"));
     this.showReported(parameters.get("playback.position_s"));
     this.showState();
+    this.showEvents(parameters.get("playback.events") ?? []);
+    this.seekWanted();
+  }
+
+  /** A mark for each event, "SECONDS KIND WORDS"; a click on a stop or a fault goes to just before it. */
+  showEvents(events) {
+    if (this.marks.childElementCount === events.length) {
+      return;
+    }
+    this.marks.replaceChildren(...events.map((event) => {
+      const [, seconds, kind, words] = /^(\S+) (\S+) (.*)$/.exec(event);
+      const what = `${clockText(Number(seconds))} ${kind} ${words}`;
+      const mark = kind === "keyframe" ? element("span", "", {"data-kind": kind})
+        : element("button", "", {type: "button", "data-kind": kind, title: what, "aria-label": `to ${what}`});
+      mark.style.left = `${100 * Number(seconds) / this.durationS}%`;
+      if (kind !== "keyframe") {
+        mark.addEventListener("click", () => this.seek(Math.max(0, Number(seconds) - LEAD_S)));
+      }
+      return mark;
+    }));
+  }
+
+  /** Goes to the time of a link, once, and pauses there. */
+  seekWanted() {
+    if (this.wantedS !== undefined && this.durationS > 0) {
+      this.connection().setParameter("playback.paused", true);
+      this.seek(Math.min(this.wantedS, this.durationS));
+      this.wantedS = undefined;
+    }
   }
 
   /** The time of the recording. True when it has gone back. */

@@ -1,14 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The canvas: renderer, light, floor and cameras.
 import {
-  AmbientLight, Color, DirectionalLight, GridHelper, Object3D, PerspectiveCamera, Plane, Raycaster, Scene, Spherical, Vector2, Vector3,
+  AmbientLight, AxesHelper, Color, DirectionalLight, GridHelper, Object3D, PerspectiveCamera, Plane, Raycaster, Scene, Spherical, Vector2, Vector3,
   WebGLRenderer,
 } from "./three/build/three.module.js";
 import {OrbitControls} from "./three/examples/jsm/controls/OrbitControls.js";
 import {shared} from "./colors.js";
 import {Frames} from "./frames.js";
 
-const BACKGROUND = 0x14181d;
+/** Ground and floor's lines; each tenth line is the stronger one. */
+const THEMES = {
+  dark: {background: 0x14181d, axis: 0x4a5561, line: 0x242b33},
+  light: {background: 0xe4e8ec, axis: 0x98a2ad, line: 0xcdd4da},
+};
+const FLOOR_M = 40;  // with a line each metre
 const FIELD_OF_VIEW_DEG = 55;
 const FOLLOW_OFFSET = new Vector3(-4, -2.5, 4);
 const TOP_OFFSET = new Vector3(0, -0.01, 14);
@@ -31,16 +36,13 @@ export class View {
     this.canvas = canvas;
     this.renderer = makeRenderer(canvas);
     this.scene = new Scene();
-    this.scene.background = new Color(BACKGROUND);
     this.scene.add(new AmbientLight(0xffffff, 0.6));
     const sun = new DirectionalLight(0xffffff, 0.6);
     sun.position.set(-2, -3, 6);
     this.scene.add(sun);
     this.frames = new Frames(this.scene);
-    this.floor = new GridHelper(40, 40, 0x39424c, 0x242b33);
-    this.floor.rotation.x = Math.PI / 2;  // the helper lies in x and z
-    this.floor.position.z = -0.01;
-    this.scene.add(this.floor);
+    this.scene.add(new AxesHelper(1));  // of the map: x red, y green, z blue, a metre each
+    this.setTheme("dark");
     this.camera = new PerspectiveCamera(FIELD_OF_VIEW_DEG, 1, 0.05, 500);
     this.camera.up.set(0, 0, 1);
     this.controls = new OrbitControls(this.camera, canvas);
@@ -54,6 +56,20 @@ export class View {
   /** Says that the next image differs from the last one. */
   touch() {
     this.isTouched = true;
+  }
+
+  setTheme(name) {
+    const theme = THEMES[name];
+    this.scene.background = new Color(theme.background);
+    if (this.floor) {
+      this.scene.remove(this.floor);
+      this.floor.geometry.dispose();
+    }
+    this.floor = new GridHelper(FLOOR_M, FLOOR_M, theme.axis, theme.line);
+    this.floor.rotation.x = Math.PI / 2;  // the helper lies in x and z
+    this.floor.position.z = -0.01;
+    this.scene.add(this.floor);
+    this.touch();
   }
 
   /** "follow" keeps the camera with the robot, "top" looks straight down on it, "free" stays. */

@@ -3,6 +3,14 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <span>
+#include <vector>
+
+#include "common/bus/codec.hpp"
+#include "nodmap/cloud_chunk_t.hpp"
+#include "nodmap/status_t.hpp"
+#include "nodmap/stop_t.hpp"
 #include "tests/support/data_dir.hpp"
 
 namespace nodmap::viewer {
@@ -28,6 +36,43 @@ TEST(Playback, ParametersSteerIt) {
   EXPECT_EQ(playback_parameters(player)[1]["value"], 2.0);
   EXPECT_EQ(playback_parameters(player)[2], Json({{"name", "playback.begin_s"}, {"value", 0.0}}))
       << "wherever it plays";
+}
+
+TEST(Playback, EventsAreWhatBegins) {
+  const test::TemporaryDir dir;
+  {
+    bus::LogWriter log(dir.path() / "log");
+    std::vector<std::byte> bytes;
+    const auto add = [&](double time_s, const char* channel, const auto& message) {
+      bus::encode_into(bytes, message);
+      ASSERT_TRUE(log.write(std::llround(1e6 * (100 + time_s)), channel, bytes));
+    };
+    nodmap::stop_t stop{};
+    nodmap::status_t status{};
+    nodmap::cloud_chunk_t chunk{};
+    stop.requested_by = "me";
+    status.process_name = "nodmap-kurt";
+    add(0.0, "STOP", stop);
+    stop.is_stopped = true;
+    add(1.0, "STOP", stop);
+    add(1.5, "STOP", stop);  // still
+    chunk.keyframe_id = 7;
+    add(2.0, "CLOUD", chunk);
+    add(2.1, "CLOUD", chunk);  // its second part
+    status.health = nodmap::status_t::FAILED;
+    status.health_reason = "no answer";
+    add(3.0, "STATUS", status);
+    add(4.0, "STATUS", status);
+    status.health = nodmap::status_t::OK;
+    add(5.0, "STATUS", status);
+    status.health = nodmap::status_t::FAILED;
+    add(6.25, "STATUS", status);
+    ASSERT_TRUE(log.write(200'000'000, "STOP", std::span(bytes).first(9)));  // damaged
+  }
+  const std::vector<std::string> expected = {"1.000 stop by me", "2.000 keyframe 7",
+                                             "3.000 fault nodmap-kurt: no answer",
+                                             "6.250 fault nodmap-kurt: no answer"};
+  EXPECT_EQ(playback_events({dir.path() / "log"}, 100'000'000), expected);
 }
 
 }  // namespace

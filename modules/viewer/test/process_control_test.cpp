@@ -64,8 +64,8 @@ class ProcessControlTest : public ::testing::Test {
   }
 
   void pass(std::int64_t duration_us) {
-    now_.utime_us += duration_us;
-    now_.steady_us += duration_us;
+    now_.wall += time::Duration(duration_us);
+    now_.steady += time::Duration(duration_us);
     control_.turn();
     handle();
   }
@@ -79,7 +79,7 @@ class ProcessControlTest : public ::testing::Test {
   }
 
   bus::LiveBus bus_{"memq://"};
-  time::Moment now_{5'000 * kSecondUs, 100 * kSecondUs};
+  time::Moment now_{time::Timestamp(5'000s), time::SteadyTime(100s)};
   std::vector<Orders> orders_;
   ProcessControl control_{bus_, config(), [this] { return now_; }};
 };

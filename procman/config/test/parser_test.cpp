@@ -300,5 +300,33 @@ TEST(Parser, ReadsAFileOrSaysEverythingThatIsWrong) {
   }
 }
 
+TEST(Parser, PriorityAndHealthAreOurs) {
+  const ParsedConfig parsed = parse_config(R"(
+    cmd "a" { exec = "x";
+      #nodmap: nice = 10; realtime = 20;
+    }
+    script "s" { start cmd "a";
+      #nodmap: wait cmd "a" status "healthy";
+      wait ms 5;
+    })");
+  ASSERT_TRUE(parsed.errors.empty()) << parsed.errors.front().text;
+  EXPECT_EQ(parsed.config.commands[0].priority.nice, 10);
+  EXPECT_EQ(parsed.config.commands[0].priority.realtime, 20);
+  const auto& actions = parsed.config.find_script("s")->actions;
+  ASSERT_EQ(actions.size(), 3U);
+  EXPECT_EQ(std::get<WaitStatus>(actions[1].what).status, Wanted::kHealthy);
+  EXPECT_EQ(std::get<WaitStatus>(actions[1].what).target.name, "a");
+}
+
+// The existing tools would not read them.
+TEST(Parser, WhatIsOursStandsInAComment) {
+  const std::string head = "cmd \"a\" { exec = \"x\"; } script \"s\" { ";
+  EXPECT_FALSE(parse_config(head + "wait cmd \"a\" status \"healthy\"; }").errors.empty());
+  EXPECT_FALSE(parse_config(head + "\n#nodmap: stop cmd \"a\";\n }").errors.empty());
+  EXPECT_FALSE(
+      parse_config(head + "\n#nodmap: wait cmd \"b\" status \"healthy\";\n }").errors.empty());
+  EXPECT_FALSE(parse_config("cmd \"a\" { exec = \"x\"; nice = 5; }").errors.empty());
+}
+
 }  // namespace
 }  // namespace nodmap::procman

@@ -188,5 +188,27 @@ TEST(OutputCollector, DropsZeroBytesWhichWouldEndTheText) {
   EXPECT_THAT(output.take(1'000'000), ElementsAre(CommandOutput{"a", "ab"}));
 }
 
+TEST(OutputCollector, RepeatsTheNewestLinesOnce) {
+  OutputCollector output;
+  std::string all;
+  for (int i = 0; i < 1000; ++i) {
+    all += "line " + std::to_string(i) + "\n";
+  }
+  output.add("a", all, 1'000'000);
+  EXPECT_EQ(everything_of(output), all);
+  for (int i = 0; i < 2; ++i) {  // what is repeated does not count as written
+    output.repeat("a", 2'000'000);
+    const std::string repeated = everything_of(output);
+    EXPECT_TRUE(repeated.starts_with("line "));
+    EXPECT_TRUE(repeated.ends_with("line 998\nline 999\n"));
+    EXPECT_LE(repeated.size(), OutputCollector::kTailBytes);
+    EXPECT_EQ(repeated, output.recent("a"));
+  }
+  output.repeat("nobody", 2'000'000);
+  EXPECT_EQ(everything_of(output), "");
+  output.forget("a");
+  EXPECT_EQ(output.recent("a"), "");
+}
+
 }  // namespace
 }  // namespace nodmap::procman

@@ -59,7 +59,7 @@ class SupervisorTest : public ::testing::Test {
   }
   [[nodiscard]] CommandStatus status() const { return supervisor_.statuses().at(0); }
 
-  Supervisor supervisor_{"rover"};
+  Supervisor supervisor_{"rover", true};
   std::int64_t now_us_ = 1000 * kSecond;
 };
 
@@ -189,6 +189,32 @@ TEST_F(SupervisorTest, MakesWildNumbersHarmless) {
   wild.force_quit = true;
   EXPECT_THAT(words(take({wild})), ElementsAre("signal a 2"));
   EXPECT_EQ(supervisor_.next_due_us(), now_us_) << "no grace time is none";
+}
+
+// Somebody's empty orders, a signal that freezes, a grace time of a day: a running robot's process
+// goes on, and it ends when it is told to.
+TEST_F(SupervisorTest, OrdersThatAreNotTrustedDoNotStopByLeavingOut) {
+  supervisor_ = Supervisor("rover", false);
+  start_a();
+  EXPECT_THAT(words(take({})), IsEmpty());
+  EXPECT_THAT(words(take({order(1, false, "b")})), ElementsAre("start b: prog"));
+  EXPECT_EQ(status().pid, 100);
+  CommandOrder freeze = order(1, true);
+  freeze.spec.stop_signal = SIGSTOP;
+  freeze.spec.stop_time_allowed_s = 86'400.0;
+  EXPECT_THAT(words(take({freeze})), ElementsAre("signal a " + std::to_string(SIGINT)));
+  now_us_ += 60'000'000;
+  EXPECT_THAT(words(supervisor_.poll(now_us_)), ElementsAre("signal a " + std::to_string(SIGKILL)));
+}
+
+TEST_F(SupervisorTest, OrdersOfMoreCommandsThanARobotHasAreIgnored) {
+  std::vector<CommandOrder> many;
+  for (std::size_t i = 0; i <= Supervisor::kMaxCommands; ++i) {
+    many.push_back(order(1, false, std::to_string(i)));
+  }
+  EXPECT_THAT(words(take(many)), IsEmpty());
+  many.pop_back();
+  EXPECT_EQ(words(take(many)).size(), Supervisor::kMaxCommands);
 }
 
 TEST_F(SupervisorTest, WhatCannotBeStartedHasEndedWith127) {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <csignal>
 #include <map>
+#include <set>
 
 #include "procman/config/parser.hpp"
 
@@ -23,6 +24,9 @@ class ScriptRunnerTest : public ::testing::Test {
       cmd "d" { exec = "x"; host = "h"; auto_respawn = "true"; }
       script "up" { start group "g" wait "running"; }
       script "respawned" { start cmd "d"; }
+      script "healthy" { start cmd "d";
+        #nodmap: wait cmd "d" status "healthy";
+      }
       script "inner" { start cmd "c"; wait ms 100; }
       script "all" {
         start group "g" wait "running";
@@ -36,6 +40,10 @@ class ScriptRunnerTest : public ::testing::Test {
   Fleet fleet_{config_, "me:1:1"};
   std::int64_t now_us_ = 1'000'000;
   std::map<std::string, CommandStatus> host_;
+  std::set<std::string> healthy_;
+  ScriptRunner::HealthTest is_healthy_ = [this](const std::string& id) {
+    return healthy_.contains(id);
+  };
 
   /// Carries the orders out, for the commands that are named.
   void obey(const std::vector<std::string>& ids) {
@@ -72,7 +80,7 @@ class ScriptRunnerTest : public ::testing::Test {
 };
 
 TEST_F(ScriptRunnerTest, GoesOnWhenWhatItWaitsForIsSo) {
-  ScriptRunner runner(config_, *config_.find_script("all"));
+  ScriptRunner runner(config_, *config_.find_script("all"), is_healthy_);
   tell();
   runner.step(fleet_, now_us_);
   EXPECT_EQ(runner.waiting_for(), "group \"g\" to be running");
@@ -107,14 +115,14 @@ TEST_F(ScriptRunnerTest, GoesOnWhenWhatItWaitsForIsSo) {
 
 TEST_F(ScriptRunnerTest, AnEmptyScriptIsDone) {
   const Script empty;
-  ScriptRunner runner(config_, empty);
+  ScriptRunner runner(config_, empty, is_healthy_);
   runner.step(fleet_, now_us_);
   EXPECT_TRUE(runner.is_over());
   EXPECT_EQ(runner.failure(), "");
 }
 
 TEST_F(ScriptRunnerTest, IsOverWhenAllThatItStartedKeepsRunning) {
-  ScriptRunner runner(config_, *config_.find_script("up"));
+  ScriptRunner runner(config_, *config_.find_script("up"), is_healthy_);
   tell();
   runner.step(fleet_, now_us_);
   obey({"a", "b"});
@@ -127,7 +135,7 @@ TEST_F(ScriptRunnerTest, IsOverWhenAllThatItStartedKeepsRunning) {
 }
 
 TEST_F(ScriptRunnerTest, FailsWhenSomethingThatItStartedEndsWithAnError) {
-  ScriptRunner runner(config_, *config_.find_script("up"));
+  ScriptRunner runner(config_, *config_.find_script("up"), is_healthy_);
   tell();
   runner.step(fleet_, now_us_);
   obey({"a", "b"});
@@ -140,7 +148,7 @@ TEST_F(ScriptRunnerTest, FailsWhenSomethingThatItStartedEndsWithAnError) {
 }
 
 TEST_F(ScriptRunnerTest, DoesNotWaitForWhatHasEndedToRun) {
-  ScriptRunner runner(config_, *config_.find_script("up"));
+  ScriptRunner runner(config_, *config_.find_script("up"), is_healthy_);
   tell();
   runner.step(fleet_, now_us_);
   obey({"a", "b"});
@@ -152,7 +160,7 @@ TEST_F(ScriptRunnerTest, DoesNotWaitForWhatHasEndedToRun) {
 
 // Its deputy starts it anew again and again.
 TEST_F(ScriptRunnerTest, FailsWhenARespawnedCommandNeverLasts) {
-  ScriptRunner runner(config_, *config_.find_script("respawned"));
+  ScriptRunner runner(config_, *config_.find_script("respawned"), is_healthy_);
   tell();
   runner.step(fleet_, now_us_);
   obey({"d"});
@@ -170,7 +178,7 @@ TEST_F(ScriptRunnerTest, FailsWhenARespawnedCommandNeverLasts) {
 }
 
 TEST_F(ScriptRunnerTest, WhatEndsWellIsNoFailure) {
-  ScriptRunner runner(config_, *config_.find_script("inner"));
+  ScriptRunner runner(config_, *config_.find_script("inner"), is_healthy_);
   tell();
   runner.step(fleet_, now_us_);
   obey({"c"});
@@ -179,6 +187,21 @@ TEST_F(ScriptRunnerTest, WhatEndsWellIsNoFailure) {
   runner.step(fleet_, now_us_);
   EXPECT_TRUE(runner.is_over());
   EXPECT_EQ(runner.failure(), "");
+}
+
+TEST_F(ScriptRunnerTest, WaitsUntilWhatRunsIsHealthy) {
+  ScriptRunner runner(config_, *config_.find_script("healthy"), is_healthy_);
+  healthy_ = {"d"};  // an old STATUS: it does not run yet
+  tell();
+  runner.step(fleet_, now_us_);
+  EXPECT_EQ(runner.waiting_for(), "cmd \"d\" to be healthy");
+  healthy_.clear();
+  obey({"d"});
+  runner.step(fleet_, now_us_);
+  EXPECT_EQ(runner.waiting_for(), "cmd \"d\" to be healthy");
+  healthy_ = {"d"};
+  runner.step(fleet_, now_us_);
+  EXPECT_NE(runner.waiting_for(), "cmd \"d\" to be healthy");
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // MCAP files, read again by a reader written from the specification alone.
 #include <gtest/gtest.h>
+#include <zstd.h>
 
 #include <fstream>
 #include <iterator>
@@ -46,6 +47,9 @@ class Reader {
 };
 
 struct File {
+  std::string bytes;
+  std::size_t num_chunks = 0;
+  std::uint64_t num_indexed = 0;  ///< messages found by way of the indexes
   std::map<std::uint64_t, std::string> schemas;
   std::map<std::uint64_t, std::pair<std::string, std::uint64_t>>
       topics;  // channel -> topic, schema
@@ -55,8 +59,76 @@ struct File {
   std::uint64_t summary_start = 0;
 };
 
+std::string unpacked(const std::string& packed, std::uint64_t size) {
+  std::string bytes(size, '\0');
+  EXPECT_EQ(::ZSTD_decompress(bytes.data(), bytes.size(), packed.data(), packed.size()), size);
+  return bytes;
+}
+
+/// The records of a chunk, from its first field on.
+std::string records_of(Reader& chunk) {
+  chunk.number(8);
+  chunk.number(8);
+  const std::uint64_t size = chunk.number(8);
+  EXPECT_EQ(chunk.number(4), 0U) << "checksum";
+  EXPECT_EQ(chunk.text(), "zstd");
+  return unpacked(chunk.raw(chunk.number(8)), size);
+}
+
+/// What a reader does that looks for a topic: from the index of a chunk to the indexes of its
+/// channels, to the messages. Counts them.
+void follow_index(File& file, Reader index) {
+  const std::uint64_t first_ns = index.number(8);
+  const std::uint64_t last_ns = index.number(8);
+  Reader in_file(file.bytes);
+  in_file.raw(index.number(8));
+  EXPECT_EQ(in_file.number(1), 6U);
+  const std::uint64_t chunk_bytes = in_file.number(8);
+  EXPECT_EQ(index.number(8), chunk_bytes + 9);
+  Reader chunk(in_file.raw(chunk_bytes));
+  const std::string records = records_of(chunk);
+  Reader offsets(index.text());
+  while (offsets.at() < offsets.size()) {
+    const std::uint64_t channel = offsets.number(2);
+    Reader places(file.bytes);
+    places.raw(offsets.number(8));
+    EXPECT_EQ(places.number(1), 7U);
+    places.number(8);
+    EXPECT_EQ(places.number(2), channel);
+    Reader entries(places.text());
+    while (entries.at() < entries.size()) {
+      const std::uint64_t time_ns = entries.number(8);
+      Reader message(records);
+      message.raw(entries.number(8));
+      EXPECT_EQ(message.number(1), 5U);
+      message.number(8);
+      EXPECT_EQ(message.number(2), channel);
+      message.number(4);
+      EXPECT_EQ(message.number(8), time_ns);
+      EXPECT_TRUE(first_ns <= time_ns && time_ns <= last_ns);
+      ++file.num_indexed;
+    }
+  }
+}
+
+void take(File& file, std::uint64_t opcode, Reader content, std::size_t end);
+
+void take_all(File& file, const std::string& records) {
+  Reader reader(records);
+  while (reader.at() < reader.size()) {
+    const std::uint64_t opcode = reader.number(1);
+    std::string content = reader.raw(reader.number(8));
+    take(file, opcode, Reader(std::move(content)), 0);
+  }
+}
+
 void take(File& file, std::uint64_t opcode, Reader content, std::size_t end) {
-  if (opcode == 3) {
+  if (opcode == 6) {
+    ++file.num_chunks;
+    take_all(file, records_of(content));
+  } else if (opcode == 8) {
+    follow_index(file, content);
+  } else if (opcode == 3) {
     const std::uint64_t id = content.number(2);
     file.schemas[id] = content.text();
     EXPECT_EQ(content.text(), "jsonschema");
@@ -84,10 +156,11 @@ void take(File& file, std::uint64_t opcode, Reader content, std::size_t end) {
 
 File read(const std::filesystem::path& path) {
   std::ifstream in(path, std::ios::binary);
-  Reader reader(std::string(std::istreambuf_iterator<char>(in), {}));
+  File file;
+  file.bytes = std::string(std::istreambuf_iterator<char>(in), {});
+  Reader reader(file.bytes);
   const std::string magic("\x89MCAP0\r\n", 8);
   EXPECT_EQ(reader.raw(8), magic);
-  File file;
   std::uint64_t opcode = 0;
   while (opcode != 2 && reader.at() < reader.size()) {
     opcode = reader.number(1);
@@ -112,7 +185,28 @@ TEST(McapWriter, WritesWhatAReaderFinds) {
   EXPECT_EQ(file.messages.at("A")[1].second["x"], 2);
   EXPECT_EQ(file.count_in_statistics, 2U);
   EXPECT_EQ(file.summary_start, file.data_end_at);
+  EXPECT_EQ(file.num_indexed, 2U);
   EXPECT_EQ(file.schemas.at(file.topics.at(0).second), "a.b");
+}
+
+// Times that step back, as in a log merged of several, are found by the index all the same.
+TEST(McapWriter, ManyChunksAreIndexedWhateverTheOrderOfTimes) {
+  const nodmap::test::TemporaryDir dir;
+  McapWriter writer(dir.path() / "a.mcap");
+  const std::uint16_t a = writer.add_channel({"A", "a.b", "{}"});
+  const std::uint16_t b = writer.add_channel({"B", "a.b", "{}"});
+  const std::string json = "\"" + std::string(1000, 'x') + "\"";
+  constexpr std::uint64_t kNum = 5000;
+  for (std::uint64_t i = 0; i < kNum; ++i) {
+    writer.write(i % 3 == 0 ? a : b, 1'000'000 - 7 * (i % 100) + i, 0, json);
+  }
+  writer.finish();
+  const File file = read(dir.path() / "a.mcap");
+  EXPECT_GT(file.num_chunks, 4U);
+  EXPECT_EQ(file.num_indexed, kNum);
+  EXPECT_EQ(file.messages.at("A").size() + file.messages.at("B").size(), kNum);
+  EXPECT_EQ(file.count_in_statistics, kNum);
+  EXPECT_LT(file.bytes.size(), kNum * 100) << "not compressed";
 }
 
 TEST(McapExport, HoldsEveryMessageOfTheLog) {

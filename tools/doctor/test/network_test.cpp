@@ -154,5 +154,15 @@ TEST(Traffic, OfOthersIsNamedAndAvoided) {
   EXPECT_EQ(foreign.command, "export LCM_DEFAULT_URL='udpm://239.255.76.67:7668?ttl=0'");
 }
 
+TEST(TrustedHosts, AreNamedWhereOthersAreMeant) {
+  EXPECT_EQ(check_trusted_hosts("", {}).status, Status::kOk);
+  bus::UdpmUrl network;
+  network.ttl = 1;
+  EXPECT_EQ(check_trusted_hosts("", network).status, Status::kWarn);
+  EXPECT_EQ(check_trusted_hosts("10.0.0.2", network).status, Status::kOk);
+  EXPECT_EQ(check_trusted_hosts("0.0.0.0/0", network).status, Status::kWarn);
+  EXPECT_EQ(check_trusted_hosts("mapper", network).status, Status::kFail);
+}
+
 }  // namespace
 }  // namespace nodmap::doctor

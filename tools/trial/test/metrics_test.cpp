@@ -58,6 +58,52 @@ TEST(TrialMetrics, DriveCountsFromTheFirstScan) {
   EXPECT_EQ(*drive.first_motion_s, 0.0);  // it drives already
 }
 
+/// 1 m along x in a second, as braking_record() begins, with a goal at its end.
+TrialRecord arriving_record(sim::World& world) {
+  TrialRecord record = braking_record();
+  record.truth.resize(101);
+  record.moved_us = 100'000;
+  record.arrivals_us = {1'000'000};
+  world.goals = {{1.0, 0.0}};
+  return record;
+}
+
+TEST(TrialMetrics, SplIsTheShortestPathOverTheDriven) {
+  sim::World world;
+  const TrialRecord record = arriving_record(world);
+  const GoalMetrics goal = goal_metrics(record, world, 0.3, 0.8);
+  EXPECT_EQ(goal.reached_us, 1'000'000);
+  EXPECT_NEAR(goal.path_m, 1.0, 1e-9);
+  EXPECT_NEAR(*goal.time_s, 1.0, 1e-9);
+  EXPECT_NEAR(*goal.after_motion_s, 0.9, 1e-9);
+  EXPECT_NEAR(*goal.spl, 0.5, 1e-9);  // (0.8 - 0.3) / 1.0
+  EXPECT_EQ(goal_metrics(record, world, 0.3, 2.0).spl, 1.0);
+  EXPECT_FALSE(goal_metrics(record, world, 0.3, std::nullopt).spl);
+  EXPECT_NEAR(goal.start_to_goal_m, 1.0, 1e-9);
+  EXPECT_NEAR(goal.remaining_m, 0.0, 1e-9);
+}
+
+TEST(TrialMetrics, WhoReportsHisArrivalElsewhereHasNotArrived) {
+  sim::World world;
+  TrialRecord record = arriving_record(world);
+  world.goals = {{1.7, 0.0}};
+  EXPECT_EQ(goal_metrics(record, world, 0.3, 1.7).spl, 0.0);
+  EXPECT_FALSE(goal_metrics(record, world, 0.3, 1.7).reached_us);
+  // By the rules of a task its word does not count.
+  world.task.arrival_radius_m = 1.0;
+  record.reached_us = 700'000;
+  EXPECT_EQ(goal_metrics(record, world, 0.3, 1.7).reached_us, 700'000);
+  EXPECT_NEAR(goal_metrics(record, world, 0.3, 1.7).path_m, 0.7, 1e-9);
+}
+
+TEST(TrialMetrics, TimeCloseToAPerson) {
+  TrialRecord record = braking_record();
+  for (std::size_t i = 0; i < record.truth.size(); ++i) {
+    record.truth[i].person_clearance_m = i >= 100 && i < 150 ? 0.44 : 0.46;
+  }
+  EXPECT_NEAR(drive_metrics(record).close_to_person_s, 0.5, 1e-9);
+}
+
 TEST(TrialMetrics, WithoutAScanThereIsNoDrive) {
   TrialRecord record = braking_record();
   record.started_us.reset();

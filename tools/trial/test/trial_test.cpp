@@ -23,7 +23,7 @@ class TrialTest : public ::testing::Test {
   static TrialSetup setup(const std::string& world, std::uint64_t seed, double duration_s) {
     TrialSetup setup;
     setup.world = world.starts_with("random:")
-                      ? load_world_or_random(world)
+                      ? make_world(world)
                       : sim::load_world(std::string(NODMAP_WORLDS) + "/" + world + ".yaml");
     setup.seed = seed;
     setup.duration_us = static_cast<std::int64_t>(1e6 * duration_s);

@@ -22,21 +22,21 @@ class Rig {
     }
   }
 
-  void open() { handle(dut.open(now_us)); }
+  void open() { handle(dut.open(now)); }
 
   void run(double seconds) {
-    const std::int64_t end_us = now_us + static_cast<std::int64_t>(1e6 * seconds);
-    for (; now_us < end_us; now_us += 1000) {
-      servo.step_ms(static_cast<int>(now_us / 1000));
+    const time::SteadyTime end = now + time::from_seconds(seconds);
+    for (; now < end; now += 1ms) {
+      servo.step_ms(static_cast<int>(now.time_since_epoch() / 1ms));
       const Bytes arrived = std::exchange(on_the_line_, {});
-      handle(dut.receive(arrived, now_us));
-      handle(dut.poll(now_us));
+      handle(dut.receive(arrived, now));
+      handle(dut.poll(now));
     }
   }
 
   DynamixelSession dut;
   FakeServo servo;
-  std::int64_t now_us = 0;
+  time::SteadyTime now;
   std::vector<PitchSample> samples;
 
  private:
@@ -136,7 +136,8 @@ TEST(DynamixelSession, AfterARestartItGoesOnToItsGoal) {
   rig.run(1.0);
   rig.servo = FakeServo();
   rig.servo.registers[11] = 3;
-  rig.servo.booted_ms = static_cast<int>(rig.now_us / 1000);  // without torque, but answering
+  rig.servo.booted_ms =
+      static_cast<int>(rig.now.time_since_epoch() / 1ms);  // without torque, but answering
   rig.run(2.0);
   EXPECT_NEAR(rig.samples.back().pitch_rad, 0.4, 0.01);
 }
@@ -186,8 +187,7 @@ TEST(DynamixelSession, SamplesAreStampedWithinAMillisecond) {
   // answers 1 ms after it was read: pitch and stamp must lie on one line.
   const PitchSample& a = rig.samples[rig.samples.size() - 60];
   const PitchSample& b = rig.samples.back();
-  const double rate =
-      1e6 * (b.pitch_rad - a.pitch_rad) / static_cast<double>(b.time_us - a.time_us);
+  const double rate = (b.pitch_rad - a.pitch_rad) / time::seconds(b.stamp - a.stamp);
   EXPECT_NEAR(rate, 1.007, 0.02);  // 1 ms and one step of 0.088 degrees in 0.3 s
 }
 

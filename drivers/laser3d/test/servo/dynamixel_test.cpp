@@ -21,7 +21,7 @@ const Bytes kPosition166 = hex("FF FF FD 00 01 08 00 55 00 A6 00 00 00 8C C0");
 
 std::vector<DynamixelStatus> parse(const Bytes& bytes) {
   DynamixelParser dut(1'000'000);
-  dut.feed(bytes, 0);
+  dut.feed(bytes, {});
   std::vector<DynamixelStatus> answers;
   while (auto answer = dut.next()) {
     answers.push_back(std::move(*answer));
@@ -95,7 +95,7 @@ TEST(Dynamixel, AnswersAreFoundInNoiseAndInAnyCut) {
     DynamixelParser dut(57'600);
     int answers = 0;
     for (std::size_t at = 0; at < stream.size(); at += 7) {
-      dut.feed(ByteView(stream).subspan(at, std::min<std::size_t>(7, stream.size() - at)), 0);
+      dut.feed(ByteView(stream).subspan(at, std::min<std::size_t>(7, stream.size() - at)), {});
       while (dut.next()) {
         ++answers;
       }

@@ -11,6 +11,10 @@
 namespace nodmap::laser3d {
 namespace {
 
+time::SteadyTime at(time::Duration since_start) {
+  return time::SteadyTime(since_start);
+}
+
 using test::hex;
 
 TEST(Maestro, CommandsAreAsInTheManual) {
@@ -56,28 +60,28 @@ Bytes answer(int quarter_us) {
 TEST(MaestroSession, TellsTheCommandedPitchAndSaysSo) {
   MaestroSession dut(params());
   EXPECT_FALSE(dut.measures_pitch());
-  EXPECT_EQ(dut.open(0).send, hex("89 00 00 00"));
-  EXPECT_EQ(dut.poll(0).send, hex("90 00"));
-  const ServoOutput output = dut.receive(answer(4 * 1400), 2000);
+  EXPECT_EQ(dut.open(at(0s)).send, hex("89 00 00 00"));
+  EXPECT_EQ(dut.poll(at(0s)).send, hex("90 00"));
+  const ServoOutput output = dut.receive(answer(4 * 1400), at(2ms));
   ASSERT_TRUE(output.sample);
   EXPECT_DOUBLE_EQ(output.sample->pitch_rad, 0.2);
-  EXPECT_EQ(output.sample->time_us, 1000);
+  EXPECT_EQ(output.sample->stamp, at(1ms));
   EXPECT_TRUE(dut.running());
 }
 
 TEST(MaestroSession, SpeedComesBeforeTheTarget) {
   MaestroSession dut(params());
-  EXPECT_FALSE(dut.open(0).send.empty());
+  EXPECT_FALSE(dut.open(at(0s)).send.empty());
   dut.aim(-1.0, 7.0);
-  EXPECT_EQ(dut.poll(0).send, hex("87 00 0C 01 84 00 40 3E 90 00"));
+  EXPECT_EQ(dut.poll(at(0s)).send, hex("87 00 0C 01 84 00 40 3E 90 00"));
 }
 
 TEST(MaestroSession, SilenceIsAnErrorAndTheQuestionsGoOn) {
   MaestroSession dut(params());
-  EXPECT_FALSE(dut.open(0).send.empty());
+  EXPECT_FALSE(dut.open(at(0s)).send.empty());
   int questions = 0;
-  for (std::int64_t now_us = 0; now_us < 2'000'000; now_us += 1000) {
-    questions += dut.poll(now_us).send.empty() ? 0 : 1;
+  for (time::SteadyTime now; now < at(2s); now += 1ms) {
+    questions += dut.poll(now).send.empty() ? 0 : 1;
   }
   EXPECT_FALSE(dut.running());
   EXPECT_EQ(dut.last_error(), "the servo controller does not answer");
@@ -87,11 +91,11 @@ TEST(MaestroSession, SilenceIsAnErrorAndTheQuestionsGoOn) {
 
 TEST(MaestroSession, AnswersThatAreTooLongOrOffAreNoPitch) {
   MaestroSession dut(params());
-  EXPECT_FALSE(dut.open(0).send.empty());
-  EXPECT_FALSE(dut.poll(0).send.empty());
-  EXPECT_FALSE(dut.receive(hex("70 17 00"), 1000).sample);
-  EXPECT_FALSE(dut.poll(20'000).send.empty());
-  EXPECT_FALSE(dut.receive(answer(0), 21'000).sample);
+  EXPECT_FALSE(dut.open(at(0s)).send.empty());
+  EXPECT_FALSE(dut.poll(at(0s)).send.empty());
+  EXPECT_FALSE(dut.receive(hex("70 17 00"), at(1ms)).sample);
+  EXPECT_FALSE(dut.poll(at(20ms)).send.empty());
+  EXPECT_FALSE(dut.receive(answer(0), at(21ms)).sample);
 }
 
 }  // namespace

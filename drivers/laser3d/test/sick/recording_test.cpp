@@ -29,7 +29,7 @@ TEST(SickRecording, ChecksumHolds) {
 TEST(SickRecording, IsARoom) {
   NODMAP_REQUIRE_DATA(file, "sick/lms200_scan_361.bin");
   SickParser parser;
-  parser.feed(bytes_of(file), 0);
+  parser.feed(bytes_of(file), {});
   const auto event = parser.next();
   ASSERT_TRUE(event);
   const SickScan scan = *read_scan(std::get<SickTelegram>(*event), {0x06});

@@ -11,6 +11,8 @@
 namespace nodmap::laser3d {
 namespace {
 
+constexpr time::SteadyTime kSent{1s};
+
 using test::hex;
 using test::telegram_of;
 using test::operator+;  // NOLINT(misc-unused-using-decls): an operator is used
@@ -141,10 +143,10 @@ SickScan numbered(int count) {
 }
 
 TEST(MirrorRevolutions, R1_OneDegreeIsOneRevolutionOf6660Microseconds) {
-  const auto revolutions = mirror_revolutions(numbered(181), SickVariant::k180x100, 1'000'000);
+  const auto revolutions = mirror_revolutions(numbered(181), SickVariant::k180x100, kSent);
   ASSERT_EQ(revolutions.size(), 1U);
-  EXPECT_EQ(revolutions[0].last_beam_us, 1'000'000);
-  EXPECT_EQ(revolutions[0].first_beam_us, 1'000'000 - 6660);
+  EXPECT_EQ(revolutions[0].last_beam, kSent);
+  EXPECT_EQ(revolutions[0].first_beam, kSent - 6660us);
   EXPECT_DOUBLE_EQ(revolutions[0].angle_first_rad, deg_to_rad(-90.0));
   EXPECT_DOUBLE_EQ(revolutions[0].angle_step_rad, deg_to_rad(1.0));
   EXPECT_EQ(revolutions[0].ranges_m.size(), 181U);
@@ -155,8 +157,7 @@ TEST(MirrorRevolutions, R1_EveryBeamOfEveryVariantKeepsItsAngle) {
        {SickVariant::k180x100, SickVariant::k180x050, SickVariant::k100x100, SickVariant::k100x050,
         SickVariant::k100x025}) {
     const SickGeometry geometry = geometry_of(variant);
-    const auto revolutions =
-        mirror_revolutions(numbered(geometry.num_values()), variant, 1'000'000);
+    const auto revolutions = mirror_revolutions(numbered(geometry.num_values()), variant, kSent);
     ASSERT_EQ(static_cast<int>(revolutions.size()), geometry.revolutions);
     std::size_t beams = 0;
     for (std::size_t k = 0; k < revolutions.size(); ++k) {
@@ -175,27 +176,26 @@ TEST(MirrorRevolutions, R1_EveryBeamOfEveryVariantKeepsItsAngle) {
 }
 
 TEST(MirrorRevolutions, OfOneScanLieAPeriodApart) {
-  const auto revolutions = mirror_revolutions(numbered(401), SickVariant::k100x025, 1'000'000);
+  const auto revolutions = mirror_revolutions(numbered(401), SickVariant::k100x025, kSent);
   ASSERT_EQ(revolutions.size(), 4U);
   for (std::size_t k = 1; k < 4; ++k) {
     // And a quarter of a degree further, 9 us.
-    EXPECT_NEAR(
-        static_cast<double>(revolutions[k].first_beam_us - revolutions[k - 1].first_beam_us),
-        13'320.0 + 9.25, 1.0);
+    const time::FineDuration apart = revolutions[k].first_beam - revolutions[k - 1].first_beam;
+    EXPECT_NEAR(apart.count(), 13'320.0 + 9.25, 1.0);
   }
 }
 
 TEST(MirrorRevolutions, InterlacedScansAreShifted) {
   SickScan scan = numbered(180);
   scan.quarter = 2;
-  const MirrorRevolution revolution = interlaced_revolution(scan, 1'000'000);
+  const MirrorRevolution revolution = interlaced_revolution(scan, kSent);
   EXPECT_DOUBLE_EQ(revolution.angle_first_rad, deg_to_rad(-89.5));
-  EXPECT_LT(revolution.last_beam_us,
-            1'000'000);  // it ends half a degree before the half revolution does
+  EXPECT_LT(revolution.last_beam,
+            kSent);  // it ends half a degree before the half revolution does
 }
 
 TEST(MirrorRevolutions, AnEmptyScanIsNoCrash) {
-  EXPECT_TRUE(mirror_revolutions({}, SickVariant::k180x050, 0).at(1).ranges_m.empty());
+  EXPECT_TRUE(mirror_revolutions({}, SickVariant::k180x050, kSent).at(1).ranges_m.empty());
 }
 
 }  // namespace

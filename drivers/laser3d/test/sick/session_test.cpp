@@ -19,25 +19,26 @@ class Rig {
  public:
   explicit Rig(const SickParams& params = {}) : dut(params) {}
 
-  void open() { handle(dut.open(now_us)); }
+  void open() { handle(dut.open(now)); }
 
   void run(double seconds) {
-    const std::int64_t end_us = now_us + static_cast<std::int64_t>(1e6 * seconds);
-    for (; now_us < end_us; now_us += 1000) {
-      if (sensor.powered && sensor.streaming && now_us % 13'000 == 0 && sensor.baud == line_baud) {
+    const time::SteadyTime end = now + time::from_seconds(seconds);
+    for (; now < end; now += 1ms) {
+      if (sensor.powered && sensor.streaming && now.time_since_epoch() % 13ms == 0ms &&
+          sensor.baud == line_baud) {
         receive(sensor.next_scan());
       }
-      handle(dut.poll(now_us));
+      handle(dut.poll(now));
       const Bytes arrived = std::exchange(on_the_line_, {});
       receive(arrived);
     }
   }
 
   void receive(const Bytes& bytes) {
-    parser_.feed(bytes, now_us);
+    parser_.feed(bytes, now);
     while (auto event = parser_.next()) {
       if (const auto* telegram = std::get_if<SickTelegram>(&*event)) {
-        handle(dut.take(*telegram, now_us));
+        handle(dut.take(*telegram, now));
       }
     }
   }
@@ -61,7 +62,7 @@ class Rig {
 
   SickSession dut;
   FakeSensor sensor;
-  std::int64_t now_us = 0;
+  time::SteadyTime now;
   int line_baud = 0;
   int scans = 0;
   std::optional<SickScan> last_scan;
@@ -139,7 +140,7 @@ TEST(SickSession, ANakShortensTheWait) {
   rig.sensor.baud = 500000;
   rig.sensor.ignore_next = 1;
   rig.open();
-  rig.dut.take_nak(rig.now_us);
+  rig.dut.take_nak(rig.now);
   rig.run(0.1);
   EXPECT_EQ(rig.dut.state(), State::kStreaming);
 }
@@ -260,7 +261,7 @@ TEST(SickSession, LeavesTheSensorAt9600) {
   Rig rig;
   rig.open();
   rig.run(4.0);
-  rig.handle(rig.dut.shut_down(rig.now_us));
+  rig.handle(rig.dut.shut_down(rig.now));
   rig.run(0.1);
   EXPECT_EQ(rig.dut.state(), State::kClosed);
   EXPECT_FALSE(rig.sensor.streaming);
@@ -284,7 +285,7 @@ TEST(SickSession, SlowLinesAreGivenTheirTime) {
   Rig rig(params);
   rig.open();
   rig.run(1.0);
-  EXPECT_GT(rig.dut.stream_timeout_us(), 2 * 387'500);  // one telegram of 372 bytes: 387.5 ms
+  EXPECT_GT(rig.dut.stream_timeout(), 2 * 387'500us);  // one telegram of 372 bytes: 387.5 ms
 }
 
 TEST(SickStep, AnswersAreClassifiedByTheStepThatAsked) {

@@ -10,6 +10,8 @@
 namespace nodmap::laser3d {
 namespace {
 
+constexpr time::SteadyTime kStart{1s};
+
 using test::hex;
 using test::operator+;  // NOLINT(misc-unused-using-decls): an operator is used
 
@@ -23,7 +25,7 @@ std::vector<SickEvent> drain(SickParser& dut) {
 
 std::vector<SickEvent> parse(const Bytes& bytes) {
   SickParser dut;
-  dut.feed(bytes, 0);
+  dut.feed(bytes, kStart);
   return drain(dut);
 }
 
@@ -66,7 +68,7 @@ TEST(SickParser, AnyCutGivesTheSameEvents) {
     for (std::size_t at = 0; at < stream.size();) {
       const std::size_t count =
           std::min<std::size_t>(stream.size() - at, std::uniform_int_distribution<>(1, 90)(random));
-      dut.feed(ByteView(stream).subspan(at, count), 0);
+      dut.feed(ByteView(stream).subspan(at, count), kStart);
       for (SickEvent& event : drain(dut)) {
         events.push_back(std::move(event));
       }
@@ -92,7 +94,7 @@ TEST(SickParser, FindsATelegramInsideAFalseOne) {
 
 TEST(SickParser, StartBytesBeforeATelegramCostOnlyThemselves) {
   SickParser dut;
-  dut.feed(hex("02 02 02 80 02 80") + test::kModeOk, 0);
+  dut.feed(hex("02 02 02 80 02 80") + test::kModeOk, kStart);
   EXPECT_EQ(replies(drain(dut)), std::vector{SickReply::kMode});
   EXPECT_EQ(dut.errors().skipped_bytes, 6);
 }
@@ -124,18 +126,18 @@ TEST(SickParser, EverySingleWrongByteIsNoticed) {
 TEST(SickParser, ARequestCutsATelegramAndItsAnswerIsStillFound) {
   const Bytes cut(test::kRamp181.begin(), test::kRamp181.begin() + 100);
   SickParser dut;
-  dut.feed(cut + hex("06") + test::kModeOk, 0);
+  dut.feed(cut + hex("06") + test::kModeOk, kStart);
   EXPECT_TRUE(drain(dut).empty());  // still taken for the rest of the scan
-  dut.expire(serial::FrameScanner::kExpiryUs + 1);
+  dut.expire(kStart + serial::FrameScanner::kExpiry + 1us);
   EXPECT_EQ(replies(drain(dut)), std::vector{SickReply::kMode});
   EXPECT_EQ(dut.errors().expired, 1);
 }
 
 TEST(SickParser, BytesFromBeforeASilenceDoNotJoinThoseFromAfter) {
   SickParser dut;
-  dut.feed(ByteView(test::kModeOk).first(5), 0);
+  dut.feed(ByteView(test::kModeOk).first(5), kStart);
   EXPECT_TRUE(drain(dut).empty());
-  dut.feed(test::kModeOk, serial::FrameScanner::kExpiryUs + 1);
+  dut.feed(test::kModeOk, kStart + serial::FrameScanner::kExpiry + 1us);
   EXPECT_EQ(replies(drain(dut)), std::vector{SickReply::kMode});
 }
 
@@ -143,7 +145,7 @@ TEST(SickParser, SlowLinesDoNotExpire) {
   SickParser dut;
   std::size_t telegrams = 0;
   for (std::size_t i = 0; i < test::kType.size(); ++i) {
-    dut.feed(ByteView(test::kType).subspan(i, 1), static_cast<std::int64_t>(i) * 14'000);
+    dut.feed(ByteView(test::kType).subspan(i, 1), kStart + i * 14ms);
     telegrams += drain(dut).size();
   }
   EXPECT_EQ(telegrams, 1U);
@@ -159,18 +161,18 @@ TEST(SickParser, ImplausibleTelegramsAreRefusedThoughTheirChecksumHolds) {
 
 TEST(SickParser, FirstByteIsDatedBackByTheLineRate) {
   SickParser dut(500000);
-  dut.feed(test::kRamp181, 1'000'000);  // 372 bytes of 20 us: the first came 371 bytes earlier
+  dut.feed(test::kRamp181, kStart + 1s);  // 372 bytes of 20 us: the first came 371 bytes earlier
   const SickEvent event = *dut.next();
-  EXPECT_EQ(std::get<SickTelegram>(event).first_byte_us, 1'000'000 - 371 * 20);
+  EXPECT_EQ(std::get<SickTelegram>(event).first_byte, kStart + 1s - 371 * 20us);
 }
 
 TEST(SickParser, FirstByteIsThatOfItsOwnChunk) {
   SickParser dut(500000);
-  dut.feed(ByteView(test::kRamp181).first(10), 5'000);
+  dut.feed(ByteView(test::kRamp181).first(10), kStart + 5ms);
   EXPECT_FALSE(dut.next());
-  dut.feed(ByteView(test::kRamp181).subspan(10), 90'000);
+  dut.feed(ByteView(test::kRamp181).subspan(10), kStart + 90ms);
   const SickEvent event = *dut.next();
-  EXPECT_EQ(std::get<SickTelegram>(event).first_byte_us, 5'000 - 9 * 20);
+  EXPECT_EQ(std::get<SickTelegram>(event).first_byte, kStart + 5ms - 9 * 20us);
 }
 
 TEST(SickParser, AckIsNotBelievedInsideDamage) {

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tools/doctor/udpm_url.hpp"
+#include "common/bus/udpm_url.hpp"
 
 #include <charconv>
+#include <limits>
 #include <regex>
 #include <sstream>
 
-namespace nodmap::doctor {
+namespace nodmap::bus {
 namespace {
 
 /// A whole number up to `max`.
@@ -30,6 +31,7 @@ std::optional<UdpmUrl> parse_udpm_url(const std::string& url) {
   static const std::regex kForm(
       R"(udpm://(?:(\d+)\.(\d+)\.(\d+)\.(\d+))?(?::(\d+))?/?(?:\?(.*))?)");
   static const std::regex kTtl(R"((?:^|&)ttl=(\d+)(?:&|$))");
+  static const std::regex kReceiveBuffer(R"((?:^|&)recv_buf_size=(\d+)(?:&|$))");
   std::smatch part;
   if (!std::regex_match(url, part, kForm)) {
     return std::nullopt;
@@ -50,11 +52,15 @@ std::optional<UdpmUrl> parse_udpm_url(const std::string& url) {
     parsed.port = static_cast<std::uint16_t>(*port);
   }
   const std::string options = part[6];
-  std::smatch ttl;
-  if (std::regex_search(options, ttl, kTtl)) {
-    parsed.ttl = parse_number(ttl[1], 255).value_or(0);
+  std::smatch number;
+  if (std::regex_search(options, number, kTtl)) {
+    parsed.ttl = parse_number(number[1], 255).value_or(0);
+  }
+  if (std::regex_search(options, number, kReceiveBuffer)) {
+    parsed.receive_buffer_bytes =
+        parse_number(number[1], std::numeric_limits<int>::max()).value_or(0);
   }
   return parsed;
 }
 
-}  // namespace nodmap::doctor
+}  // namespace nodmap::bus

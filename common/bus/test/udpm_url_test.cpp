@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tools/doctor/udpm_url.hpp"
+#include "common/bus/udpm_url.hpp"
 
 #include <gtest/gtest.h>
 
-namespace nodmap::doctor {
+namespace nodmap::bus {
 namespace {
 
 TEST(UdpmUrl, ReadsAllParts) {
@@ -12,6 +12,7 @@ TEST(UdpmUrl, ReadsAllParts) {
   EXPECT_EQ(url->group_text(), "239.1.2.3");
   EXPECT_EQ(url->port, 7700);
   EXPECT_EQ(url->ttl, 1);
+  EXPECT_EQ(url->receive_buffer_bytes, 100);
 }
 
 TEST(UdpmUrl, TakesLcmsDefaultsForWhatIsMissing) {
@@ -22,6 +23,7 @@ TEST(UdpmUrl, TakesLcmsDefaultsForWhatIsMissing) {
     EXPECT_EQ(url->group_text(), "239.255.76.67");
     EXPECT_EQ(url->port, 7667);
     EXPECT_EQ(url->ttl, 0);
+    EXPECT_EQ(url->receive_buffer_bytes, 0);
   }
 }
 
@@ -34,4 +36,4 @@ TEST(UdpmUrl, OthersAreNone) {
 }
 
 }  // namespace
-}  // namespace nodmap::doctor
+}  // namespace nodmap::bus

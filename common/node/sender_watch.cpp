@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "drivers/kurt/sender_watch.hpp"
+#include "common/node/sender_watch.hpp"
 
 #include <limits>
 
-namespace nodmap::kurt {
+namespace nodmap::node {
 namespace {
 
-constexpr std::int64_t kWindowUs = 1'000'000;
+constexpr time::Duration kWindow = 1s;
 
 /// Whether `seq` may follow `last` when some messages between were lost. Any numbers may come: no
 /// sum or difference is taken that could overflow.
@@ -18,27 +18,30 @@ bool continues(std::int64_t last, std::int64_t seq) {
 
 }  // namespace
 
-bool SenderWatch::follow(std::int64_t seq, std::int64_t now_us) {
-  const bool is_alive = followed_ && now_us - followed_->at_us < kSilenceUs;
+bool SenderWatch::follow(std::int64_t seq, time::SteadyTime now) {
+  if (followed_ && now < followed_->at) {
+    *this = SenderWatch();
+  }
+  const bool is_alive = followed_ && now - followed_->at < kSilence;
   if (is_alive && !continues(followed_->seq, seq)) {
-    count_stranger(now_us);
+    count_stranger(now);
     return false;
   }
   if (!is_alive) {
     strangers_ = 0;  // they were messages of the sender that is followed from now on
-  } else if (now_us - window_begin_us_ < kWindowUs && strangers_ >= kStrangersOfASecondSender) {
-    contested_until_us_ = now_us + kContestedUs;
+  } else if (now - window_begin_ < kWindow && strangers_ >= kStrangersOfASecondSender) {
+    contested_since_ = now;
   }
-  followed_ = {seq, now_us};
+  followed_ = {seq, now};
   return true;
 }
 
-void SenderWatch::count_stranger(std::int64_t now_us) {
-  if (now_us - window_begin_us_ >= kWindowUs) {
-    window_begin_us_ = now_us;
+void SenderWatch::count_stranger(time::SteadyTime now) {
+  if (now - window_begin_ >= kWindow) {
+    window_begin_ = now;
     strangers_ = 0;
   }
   ++strangers_;
 }
 
-}  // namespace nodmap::kurt
+}  // namespace nodmap::node

@@ -1,0 +1,106 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Drives the worlds of the BARN challenge (static or dynamic) and prints one JSON object with the challenge's score.
+
+    bench/barn.py FILE [--robot kurt3d|jackal] [--runs N] [--worlds I ...] [--every K] [--jobs N] [--set KEY=VALUE ...] [--out DIR] [--bin DIR]
+
+FILE holds the worlds as text (sim/world/barn_file.hpp); the lengths of the reference paths are in optimal.txt beside it. No map is given, the run
+ends at the first contact, within 1 m of the goal, or 100 s after the robot has moved by 0.1 m. A run scores
+
+    s = success * OT / clip(T, 2 OT, 8 OT),      OT = reference path / 2 m/s, T from the first 0.1 m on,
+
+and the result is the mean over the runs of a world, then over the worlds; 0.5 is the most. These are the public worlds in our own simulator: the
+robot's motion, the laser's noise and the latencies are those of nodmap-trial, not of the challenge's Gazebo. Each run is deterministic by its seed.
+"""
+import argparse
+import concurrent.futures
+import json
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+OPTIMAL_MPS = 2.0
+
+
+def world_indices(file):
+    return [int(line.split()[1]) for line in file.read_text().splitlines() if line.startswith("W ")]
+
+
+def run(arguments, out, index, seed):
+    """result.json of one run."""
+    folder = out / f"{index}-{seed}"
+    command = [arguments.bin / "nodmap-trial", "--world", f"barn:{arguments.file}:{index}", "--seed", str(seed), "--out", folder, "--no-slam6d",
+               "--robot", arguments.robot]
+    for assignment in arguments.set:
+        command += ["--set", assignment]
+    done = subprocess.run([str(word) for word in command], capture_output=True, text=True)
+    if done.returncode != 0:
+        raise RuntimeError(f"world {index}, seed {seed}: {done.stderr.strip()}")
+    result = json.loads((folder / "result.json").read_text())
+    if not arguments.out:
+        shutil.rmtree(folder)  # the log of a run is some 30 MB
+    return result
+
+
+def outcome_of(result):
+    """Outcome, time and score of one run by the rules of the challenge."""
+    goal = result["goal"]
+    if result["collisions"] or result["bumped"]:
+        return "collision", None, 0.0
+    if not goal["reached"]:
+        return "timeout", None, 0.0
+    optimal_s = goal["reference_path_m"] / OPTIMAL_MPS
+    time_s = goal["after_motion_s"]
+    return "success", time_s, optimal_s / min(max(time_s, 2 * optimal_s), 8 * optimal_s)
+
+
+def mean(values):
+    return sum(values) / len(values) if values else None
+
+
+def summary(worlds):
+    """`worlds`: for each world the (outcome, time, score, robot-caused contact) of its runs."""
+    runs = [run for world in worlds.values() for run in world]
+    share = {name: mean([run[0] == name for run in runs]) for name in ("success", "collision", "timeout")}
+    return {"n": len(runs), "score": mean([mean([run[2] for run in world]) for world in worlds.values()]), **share,
+            "contact_caused": mean([run[3] for run in runs]), "time_s": mean([run[1] for run in runs if run[1] is not None])}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("file", type=pathlib.Path)
+    parser.add_argument("--robot", choices=["kurt3d", "jackal"], default="kurt3d")
+    parser.add_argument("--runs", type=int, default=1, help="of each world, with the seeds 0, 1, ..")
+    parser.add_argument("--worlds", type=int, nargs="+", help="only these")
+    parser.add_argument("--every", type=int, default=1, help="only each K-th world")
+    parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--set", action="append", default=[], help="a parameter, as nodmap-trial's --set")
+    parser.add_argument("--out", type=pathlib.Path, help="keep all results here")
+    parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build" / "release" / "bin")
+    arguments = parser.parse_args()
+    indices = arguments.worlds or world_indices(arguments.file)[::arguments.every]
+    out = arguments.out or pathlib.Path(tempfile.mkdtemp(prefix="nodmap-barn-"))
+    out.mkdir(parents=True, exist_ok=True)
+    worlds = {index: [] for index in indices}
+    try:
+        with concurrent.futures.ThreadPoolExecutor(arguments.jobs) as pool:
+            futures = {pool.submit(run, arguments, out, index, seed): (index, seed) for index in indices for seed in range(arguments.runs)}
+            for done, future in enumerate(concurrent.futures.as_completed(futures), 1):
+                index, seed = futures[future]
+                result = future.result()
+                outcome, time_s, score = outcome_of(result)
+                worlds[index].append((outcome, time_s, score, result["contacts_caused"] > 0))
+                print(f"{done}/{len(futures)} world {index} run {seed}: {outcome}" + (f" {time_s:.1f} s" if time_s else "") +
+                      f", score {score:.3f}", file=sys.stderr, flush=True)
+        print(json.dumps(summary(worlds)))
+    finally:
+        if not arguments.out:
+            shutil.rmtree(out)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,153 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Drives the generated worlds, family by family, and prints one table: what docs/benchmark-navigation.md shows.
+
+    bench/navigation.py [--seeds N] [--first SEED] [--only FAMILY ...] [--jobs N] [--set KEY=VALUE ...] [--label TEXT] [--json] [--out DIR] [--bin DIR]
+
+Seeds 0 to 999 are for reporting, 1000 to 1999 for choosing parameters (bench/seeds.py). The columns: runs; collisions, and how many of them the robot
+caused (it moved at 0.05 m/s or more); falls; bumps by people into the standing robot; runs that reached the goal without a collision; SPL and median time of the
+goals reached; mean speed; least clearance; seconds nearer than 0.45 m to a person. `people` are families with their progress towards the goal relative
+to the same worlds without anybody.
+"""
+import argparse
+import json
+import lzma
+import os
+import pathlib
+import shutil
+import statistics
+import sys
+import tempfile
+
+from seeds import CHOOSING, REPORTING
+from trials import ROOT, Trial, run_all
+
+# Family: its scenarios and the seconds a run may take.
+FAMILIES = {"random": (["random"], 60), "dense": (["dense"], 60), "holes": (["holes"], 120), "goals": (["goals"], 120),
+            "mazes": (["maze", "zigzag", "dead-end", "slot"], 180), "doors": (["doors", "office"], 180),
+            "people": (["people"], 60), "reacting": (["reacting"], 60), "recorded": (["eth", "zara01"], 60),
+            "ramps": (["ramps"], 60), "sills": (["sills"], 90), "glass": (["glass"], 90), "drums": (["drums"], 90),
+            "corridor": (["corridor"], 120)}
+WITH_PEOPLE = ["people", "reacting", "recorded"]
+FRAMES_PER_S = {"eth": 15, "zara01": 2.5}
+COLUMNS = ["family", "n", "collisions", "caused", "falls", "bumped", "reached", "spl", "time_s", "mean_mps", "clearance_m", "close_s", "progress"]
+
+
+def recorded_crowds(folder):
+    """The recordings in NODMAP_DATA as text files in `folder`, by name."""
+    data = os.environ.get("NODMAP_DATA")
+    files = {}
+    for name in FRAMES_PER_S:
+        packed = pathlib.Path(data or "", "pedestrians", name + ".txt.xz")
+        if data and packed.exists():
+            files[name] = folder / (name + ".txt")
+            files[name].write_bytes(lzma.decompress(packed.read_bytes()))
+    return files
+
+
+def world_name(scenario, seed, crowds):
+    if scenario in FRAMES_PER_S:
+        return f"pedestrians:{crowds[scenario]}:{FRAMES_PER_S[scenario]}:{seed}"
+    return f"{scenario}:{seed}"
+
+
+def make_trials(family, seeds, settings, crowds):
+    """The trials of a family; with people each world a second time without them."""
+    scenarios, duration_s = FAMILIES[family]
+    options = ["--no-slam6d", *(word for setting in settings for word in ("--set", setting))]
+    trials, empty = [], []
+    for scenario in scenarios:
+        if scenario in FRAMES_PER_S and scenario not in crowds:
+            print(f"{scenario}: left out, there is no recording in NODMAP_DATA", file=sys.stderr)
+            continue
+        for seed in seeds:
+            world = world_name(scenario, seed, crowds)
+            trials.append(Trial(f"{scenario}-{seed}", world, seed, duration_s, *options))
+            if family in WITH_PEOPLE:
+                empty.append(Trial(f"{scenario}-{seed}-nobody", world, seed, duration_s, *options, "--no-actors"))
+    return trials, empty
+
+
+def mean(values):
+    return sum(values) / len(values) if values else None
+
+
+def rounded(value, digits):
+    return None if value is None else round(value, digits)
+
+
+def progress(results):
+    """Metres a second towards the goal, in the mean over the runs."""
+    rates = []
+    for result in results:
+        goal = result["goal"]
+        time_s = goal["time_s"] if goal["reached"] else result["duration_s"]
+        rates.append((goal["start_to_goal_m"] - goal["remaining_m"]) / time_s)
+    return mean(rates)
+
+
+def row_of(family, trials, empty):
+    results = [trial.result for trial in trials if trial.result]
+    row = {"family": family, "n": len(results)}
+    for column, key in (("collisions", "collisions"), ("caused", "contacts_caused"), ("falls", "falls"), ("bumped", "bumped")):
+        row[column] = sum(result[key] for result in results)
+    goals = [result for result in results if result["goal"]]
+    reached = [result for result in goals if result["goal"]["reached"] and not result["collisions"]]
+    row["reached"] = f"{len(reached)}/{len(goals)}" if goals else None
+    spl = [result["goal"]["spl"] if result in reached else 0.0 for result in goals if result["goal"]["shortest_path_m"]]
+    row["spl"] = rounded(mean(spl), 2)
+    row["time_s"] = rounded(statistics.median(r["goal"]["time_s"] for r in reached), 1) if reached else None
+    row["mean_mps"] = rounded(mean([result["mean_speed_mps"] for result in results]), 2)
+    clearances = [result["min_clearance_m"] for result in results if result["min_clearance_m"] is not None]
+    row["clearance_m"] = rounded(min(clearances), 3) if clearances else None
+    row["close_s"] = rounded(sum(result["close_to_person_s"] for result in results), 1) if empty else None
+    alone = progress([trial.result for trial in empty if trial.result]) if empty else None
+    row["progress"] = rounded(progress(results) / alone, 2) if alone else None
+    return row
+
+
+def show(rows, label):
+    """As rows of Markdown, to be pasted into the document."""
+    print(f"| {label} | " + " | ".join(COLUMNS[1:]) + " |")
+    print("|---|" + "---|" * (len(COLUMNS) - 1))
+    for row in rows:
+        print("| " + " | ".join("" if row[column] is None else str(row[column]) for column in COLUMNS) + " |")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--seeds", type=int, default=10, help="of each scenario")
+    parser.add_argument("--first", type=int, default=REPORTING[0], help=f"first seed; {CHOOSING[0]} and more to choose parameters")
+    parser.add_argument("--only", nargs="+", choices=FAMILIES, default=list(FAMILIES))
+    parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--set", action="append", default=[], help="a parameter, as nodmap-trial's --set")
+    parser.add_argument("--label", default="family", help="heading of the table's first column")
+    parser.add_argument("--json", action="store_true", help="one JSON object for each family instead of the table")
+    parser.add_argument("--out", type=pathlib.Path, help="keep the results here")
+    parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build" / "release" / "bin")
+    arguments = parser.parse_args()
+    out = arguments.out or pathlib.Path(tempfile.mkdtemp(prefix="nodmap-navigation-"))
+    out.mkdir(parents=True, exist_ok=True)
+    seeds = range(arguments.first, arguments.first + arguments.seeds)
+    try:
+        crowds = recorded_crowds(out)
+        families = {family: make_trials(family, seeds, arguments.set, crowds) for family in arguments.only}
+        every = [trial for trials, empty in families.values() for trial in trials + empty]
+        run_all(every, arguments.bin, out, arguments.jobs)
+        rows = [row_of(family, trials, empty) for family, (trials, empty) in families.items()]
+        if arguments.json:
+            for row in rows:
+                print(json.dumps(row))
+        else:
+            show(rows, arguments.label)
+        failed = [trial for trial in every if not trial.result]
+        for trial in failed:
+            print(f"{trial.name}: {trial.error[-200:]}", file=sys.stderr)
+    finally:
+        if not arguments.out:
+            shutil.rmtree(out)
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What it costs to receive over LCM's multicast: UdpmReceiver and stock liblcm in one run, the same
+// messages, in turn. Prints one JSON object; cpu_us is the CPU time of the process for each message
+// that was handled, sending included; send_us that of sending to nobody. Needs a multicast route:
+//   tests/support/private_network.sh nodmap-bench-receive
+#include <sys/resource.h>
+
+#include <chrono>
+#include <iostream>
+#include <lcm/lcm-cpp.hpp>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "common/bus/live_bus.hpp"
+
+namespace nodmap {
+namespace {
+
+constexpr const char* kUrl = "udpm://239.255.76.67:7693?ttl=0&recv_buf_size=4000000";
+constexpr const char* kChannel = "SCAN";
+constexpr int kBurst = 20;  // fits a socket's buffer where rmem_max is not raised
+constexpr int kQueue = 1000;
+constexpr int kRounds = 10;
+
+double cpu_us() {
+  rusage usage{};
+  ::getrusage(RUSAGE_SELF, &usage);
+  const auto us = [](const timeval& time) {
+    return 1e6 * static_cast<double>(time.tv_sec) + static_cast<double>(time.tv_usec);
+  };
+  return us(usage.ru_utime) + us(usage.ru_stime);
+}
+
+/// CPU time for each message, when `handle_burst` is called after each burst.
+template <class Handle>
+double measure(lcm::LCM& sender, const std::vector<char>& message, int bursts,
+               Handle handle_burst) {
+  const double before_us = cpu_us();
+  for (int i = 0; i < bursts; ++i) {
+    for (int k = 0; k < kBurst; ++k) {
+      sender.publish(kChannel, message.data(), static_cast<unsigned int>(message.size()));
+    }
+    handle_burst();
+  }
+  return (cpu_us() - before_us) / (bursts * kBurst);
+}
+
+class Stock {
+ public:
+  Stock() { lcm_.subscribe(kChannel, &Stock::take, this)->setQueueCapacity(kQueue); }
+  void handle_burst() {
+    for (const int end = count_ + kBurst; count_ < end && lcm_.handleTimeout(1000) > 0;) {
+    }
+  }
+  [[nodiscard]] int count() const { return count_; }
+
+ private:
+  void take(const lcm::ReceiveBuffer*, const std::string&) { ++count_; }
+
+  lcm::LCM lcm_{kUrl};
+  int count_ = 0;
+};
+
+class Ours {
+ public:
+  Ours() {
+    bus_.subscribe_bytes(
+        kChannel, [this](std::span<const std::byte>) { ++count_; }, kQueue);
+  }
+  void handle_burst() {
+    for (const int end = count_ + kBurst;
+         count_ < end && bus_.handle(std::chrono::milliseconds(1000)) > 0;) {
+    }
+  }
+  [[nodiscard]] int count() const { return count_; }
+
+ private:
+  bus::LiveBus bus_{kUrl};
+  int count_ = 0;
+};
+
+nlohmann::json compare(std::size_t size, int bursts) {
+  const std::vector<char> message(size);
+  lcm::LCM sender(kUrl);
+  double send_us = 0.0;
+  double stock_us = 0.0;
+  double ours_us = 0.0;
+  int stock_count = 0;
+  int ours_count = 0;
+  for (int round = 0; round < kRounds; ++round) {
+    send_us += measure(sender, message, bursts, [] {}) / kRounds;
+    {
+      Stock stock;
+      stock_us += measure(sender, message, bursts, [&] { stock.handle_burst(); }) / kRounds;
+      stock_count += stock.count();
+    }
+    Ours ours;
+    ours_us += measure(sender, message, bursts, [&] { ours.handle_burst(); }) / kRounds;
+    ours_count += ours.count();
+  }
+  return {{"bytes", size},
+          {"sent", kRounds * bursts * kBurst},
+          {"stock_handled", stock_count},
+          {"ours_handled", ours_count},
+          {"send_us", send_us},
+          {"stock_cpu_us", stock_us},
+          {"ours_cpu_us", ours_us},
+          {"receive_ratio", (ours_us - send_us) / (stock_us - send_us)}};
+}
+
+}  // namespace
+}  // namespace nodmap
+
+int main() {
+  nlohmann::json rows = nlohmann::json::array();
+  for (const auto& [size, bursts] :
+       {std::pair<std::size_t, int>{200, 500}, {900, 500}, {7300, 200}}) {
+    rows.push_back(nodmap::compare(size, bursts));
+  }
+  std::cout << rows.dump(2) << "\n";
+}

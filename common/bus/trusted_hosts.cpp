@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "common/bus/trusted_hosts.hpp"
+
+#include <arpa/inet.h>
+#include <ifaddrs.h>
+#include <netinet/in.h>
+
+#include <algorithm>
+#include <bit>
+#include <charconv>
+#include <memory>
+#include <sstream>
+#include <stdexcept>
+#include <string_view>
+
+namespace nodmap::bus {
+namespace {
+
+std::optional<std::uint32_t> parse_address(const std::string& text) {
+  in_addr address{};
+  if (::inet_pton(AF_INET, text.c_str(), &address) != 1) {
+    return std::nullopt;
+  }
+  return ntohl(address.s_addr);
+}
+
+/// The mask of so many leading bits.
+std::optional<std::uint32_t> parse_mask(std::string_view bits_text) {
+  unsigned int bits = 0;
+  const char* end = bits_text.data() + bits_text.size();
+  const auto [at, error] = std::from_chars(bits_text.data(), end, bits);
+  if (error != std::errc() || at != end || bits > 32) {
+    return std::nullopt;
+  }
+  return bits == 0 ? 0 : ~std::uint32_t{0} << (32 - bits);
+}
+
+}  // namespace
+
+std::string address_text(std::uint32_t address) {
+  std::ostringstream text;
+  text << (address >> 24U) << '.' << (address >> 16U & 255U) << '.' << (address >> 8U & 255U) << '.'
+       << (address & 255U);
+  return text.str();
+}
+
+std::vector<std::uint32_t> addresses_of_this_host() {
+  ifaddrs* first = nullptr;
+  if (::getifaddrs(&first) != 0) {
+    return {};
+  }
+  const std::unique_ptr<ifaddrs, decltype(&::freeifaddrs)> owner(first, &::freeifaddrs);
+  std::vector<std::uint32_t> addresses;
+  for (const ifaddrs* entry = first; entry != nullptr; entry = entry->ifa_next) {
+    if (entry->ifa_addr != nullptr && entry->ifa_addr->sa_family == AF_INET) {
+      // NOLINTNEXTLINE(cppcoreguidelines-pro-type-reinterpret-cast): the C interface wants it
+      const auto* address = reinterpret_cast<const sockaddr_in*>(entry->ifa_addr);
+      addresses.push_back(ntohl(address->sin_addr.s_addr));
+    }
+  }
+  return addresses;
+}
+
+TrustedHosts::TrustedHosts(const std::string& hosts,
+                           std::function<std::vector<std::uint32_t>()> own_addresses)
+    : networks_{{parse_address("127.0.0.0").value(), parse_mask("8").value()},
+                {parse_address("0.0.0.0").value(), parse_mask("32").value()}},
+      own_addresses_(std::move(own_addresses)) {
+  std::istringstream parts(hosts);
+  for (std::string part; std::getline(parts, part, ',');) {
+    const std::size_t slash = part.find('/');
+    const std::optional<std::uint32_t> address = parse_address(part.substr(0, slash));
+    const std::optional<std::uint32_t> mask =
+        parse_mask(slash == std::string::npos ? "32" : std::string_view(part).substr(slash + 1));
+    if (!address || !mask) {
+      throw std::runtime_error("'" + part + "' of the trusted hosts '" + hosts +
+                               "' is no address or network, like 10.0.0.2 or 10.0.0.0/24");
+    }
+    networks_.push_back({*address & *mask, *mask});
+  }
+}
+
+bool TrustedHosts::contains(std::uint32_t address, Time now) {
+  if (is_known(address)) {
+    return true;
+  }
+  if (asked_at_ && now - *asked_at_ < std::chrono::seconds(1)) {
+    return false;
+  }
+  asked_at_ = now;
+  own_ = own_addresses_();
+  return is_known(address);
+}
+
+bool TrustedHosts::is_known(std::uint32_t address) const {
+  return std::ranges::find(own_, address) != own_.end() ||
+         std::ranges::any_of(networks_, [address](const Network& network) {
+           return (address & network.mask) == network.address;
+         });
+}
+
+}  // namespace nodmap::bus

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "common/formats/input_file.hpp"
+
+#include <cerrno>
+#include <iterator>
+#include <system_error>
+
+namespace nodmap::formats {
+
+InputFileError cannot_open(const std::filesystem::path& file, int error) {
+  return InputFileError(file.string() + ": cannot open: " + std::system_category().message(error));
+}
+
+std::ifstream open_input(const std::filesystem::path& file) {
+  std::error_code unknown;  // then opening it tells
+  if (std::filesystem::is_directory(file, unknown)) {
+    throw cannot_open(file, EISDIR);  // a folder opens, but does not read
+  }
+  errno = 0;
+  std::ifstream in(file, std::ios::binary);
+  if (!in) {
+    throw cannot_open(file, errno);
+  }
+  return in;
+}
+
+std::string read_input(const std::filesystem::path& file) {
+  std::ifstream in = open_input(file);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+}  // namespace nodmap::formats

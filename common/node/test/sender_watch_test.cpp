@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "common/node/sender_watch.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace nodmap::node {
+namespace {
+
+constexpr time::Duration kPeriod = 13'320us;
+
+/// A sender at 75 Hz, followed from `now` on; the time of its last message.
+time::SteadyTime send(SenderWatch& watch, std::int64_t& seq, int count, time::SteadyTime now) {
+  for (int i = 0; i < count; ++i, now += kPeriod) {
+    EXPECT_TRUE(watch.follow(seq++, now));
+  }
+  return now - kPeriod;
+}
+
+TEST(SenderWatch, OneSenderIsFollowedAlsoWhenMessagesAreLost) {
+  SenderWatch watch;
+  std::int64_t seq = 5000;
+  time::SteadyTime now = send(watch, seq, 100, {});
+  EXPECT_TRUE(watch.follow(seq + 10, now + 11 * kPeriod));
+  EXPECT_FALSE(watch.is_contested(now + 11 * kPeriod));
+}
+
+TEST(SenderWatch, ASenderThatStartsAnewIsFollowedWhenTheFormerIsGone) {
+  SenderWatch watch;
+  std::int64_t seq = 5000;
+  const time::SteadyTime last = send(watch, seq, 100, {});
+  EXPECT_FALSE(watch.follow(0, last + SenderWatch::kSilence - 1us));
+  EXPECT_TRUE(watch.follow(1, last + SenderWatch::kSilence));
+  EXPECT_TRUE(watch.follow(2, last + SenderWatch::kSilence + kPeriod));
+  EXPECT_FALSE(watch.is_contested(last + SenderWatch::kSilence + kPeriod));
+}
+
+TEST(SenderWatch, TwoSendersAreNoticedWhateverTheNumbersOfTheSecond) {
+  constexpr std::int64_t kLargest = std::numeric_limits<std::int64_t>::max();
+  constexpr std::int64_t kSmallest = std::numeric_limits<std::int64_t>::min();
+  for (const std::int64_t first : {std::int64_t{0}, std::int64_t{4990}, std::int64_t{5103},
+                                   std::int64_t{5150}, kLargest - 1000, kSmallest}) {
+    SenderWatch watch;
+    std::int64_t seq = 5000;
+    time::SteadyTime now = send(watch, seq, 100, {});
+    std::int64_t forged = first;
+    int periods = 0;
+    for (; !watch.is_contested(now) && periods < 100; ++periods) {
+      now += kPeriod;
+      static_cast<void>(watch.follow(forged++, now - kPeriod / 2));
+      static_cast<void>(watch.follow(seq++, now));
+    }
+    EXPECT_LE(periods, 4) << "the second sender counts from " << first;
+  }
+}
+
+// It sends the number that comes next: first a message of its own, then the right one is a
+// stranger.
+TEST(SenderWatch, ASecondSenderThatCopiesTheNumbersIsNoticed) {
+  SenderWatch watch;
+  std::int64_t seq = 5000;
+  time::SteadyTime now = send(watch, seq, 100, {});
+  int periods = 0;
+  for (; !watch.is_contested(now) && periods < 100; ++periods, ++seq) {
+    now += kPeriod;
+    static_cast<void>(watch.follow(seq, now - kPeriod / 2));
+    static_cast<void>(watch.follow(seq, now));
+  }
+  EXPECT_LE(periods, 4);
+}
+
+TEST(SenderWatch, ItIsOverASecondAfterTheSecondSenderHasEnded) {
+  SenderWatch watch;
+  std::int64_t seq = 5000;
+  time::SteadyTime now;
+  for (int i = 0; i < 100; ++i, now += kPeriod) {
+    static_cast<void>(watch.follow(i, now));
+    static_cast<void>(watch.follow(seq++, now));
+  }
+  ASSERT_TRUE(watch.is_contested(now));
+  for (const time::SteadyTime end = now + SenderWatch::kContested; now < end;) {
+    static_cast<void>(watch.follow(seq++, now));
+    now += kPeriod;
+  }
+  EXPECT_FALSE(watch.is_contested(now));
+  EXPECT_TRUE(watch.follow(seq, now));
+}
+
+// A wall clock that was an hour ahead: what it said of the future must not hold for an hour.
+TEST(SenderWatch, AClockThatIsSetBackForgets) {
+  SenderWatch watch;
+  constexpr time::SteadyTime kLater(1h);
+  constexpr time::SteadyTime kNow(kPeriod);
+  std::int64_t seq = 0;
+  for (int i = 0; i < 10; ++i) {
+    static_cast<void>(watch.follow(seq++, kLater + i * kPeriod));
+    static_cast<void>(watch.follow(1'000'000 + i, kLater + i * kPeriod));
+  }
+  ASSERT_TRUE(watch.is_contested(kLater + 10 * kPeriod));
+  EXPECT_FALSE(watch.is_contested(kNow));
+  EXPECT_TRUE(watch.follow(seq, kNow));
+  EXPECT_FALSE(watch.is_contested(kNow));
+}
+
+TEST(SenderWatch, AMessageOvertakenOnTheNetworkIsNoSecondSender) {
+  SenderWatch watch;
+  std::int64_t seq = 0;
+  time::SteadyTime now;
+  for (int round = 0; round < 10; ++round) {  // one in 100: in 1.3 s
+    now = send(watch, seq, 98, now) + kPeriod;
+    EXPECT_TRUE(watch.follow(seq + 1, now));
+    EXPECT_FALSE(watch.follow(seq, now));
+    EXPECT_FALSE(watch.is_contested(now));
+    seq += 2;
+    now += 2 * kPeriod;
+  }
+}
+
+}  // namespace
+}  // namespace nodmap::node

@@ -1,0 +1,395 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/navigator/local_map/local_map.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace nodmap::navigator {
+namespace {
+
+/// Evidence: a hit counts more than a beam that passes, for a thin leg fills its cell only in part.
+constexpr std::uint8_t kHit = 3;
+constexpr std::uint8_t kMostEvidence = 12;
+/// One hit suffices for what is clearly higher or lower than the floor; two for what may be noise.
+constexpr std::uint8_t kEnough = 5;
+constexpr std::uint8_t kCertain = 6;
+/// Higher or lower than this by more than its tolerance no floor is measured, however the robot
+/// tilts when it brakes: 0.6 degrees, 2 cm at 2 m.
+constexpr double kCertainM = 0.03;
+/// A rotation of 1 rad costs the heading as much as 4 m of driving: 2 degrees against 1 degree at
+/// 1 m, both growing with the root.
+constexpr double kMetresPerRad = 4.0;
+/// No beam is followed farther: what lies beyond is looked at again when it is near.
+constexpr double kFarthestPassM = 4.0;
+/// So near before the end of a beam nothing is passed: noise of the range, and the cell itself.
+constexpr double kBeforeEndM = 0.05;
+/// So many columns, 5 cm apart, make a row unknown: one alone may lie between beams.
+constexpr int kUnknownColumns = 2;
+/// Floor points no farther apart contradict a hole between them: one so narrow does not matter.
+constexpr double kDenseM = 0.05;
+
+/// Pose of base after `distance_m` of an arc, negative backwards, in base at its beginning.
+geometry::SE2 along_arc(double curvature, double distance_m) {
+  const double yaw_rad = curvature * distance_m;
+  return std::abs(curvature) < 1e-3 ? geometry::SE2{distance_m, 0.0, 0.0}
+                                    : geometry::SE2{std::sin(yaw_rad) / curvature,
+                                                    (1.0 - std::cos(yaw_rad)) / curvature, yaw_rad};
+}
+
+std::uint8_t centimetres(double height_m) {
+  return static_cast<std::uint8_t>(std::clamp(100.0 * height_m, 0.0, 255.0));
+}
+
+std::uint8_t more(std::uint8_t evidence, std::uint8_t by) {
+  return std::min<std::uint8_t>(kMostEvidence, static_cast<std::uint8_t>(evidence + by));
+}
+
+std::uint8_t less(std::uint8_t evidence) {
+  return evidence == 0 ? std::uint8_t{0} : static_cast<std::uint8_t>(evidence - 1);
+}
+
+}  // namespace
+
+LocalMap::LocalMap(const robot::RobotParams& robot, const LocalMapParams& params)
+    : body_(robot.body.footprint()),
+      top_m_(robot.corridor_top_m()),
+      // Where the beam of the lowest pitch meets the floor, and a line more.
+      blind_m_(robot.mount.x_m + 1.1 * robot.mount.z_m / std::tan(-robot.head.pitch_min_rad) +
+               0.05),
+      params_(params),
+      grid_(params.cell_size_m, 9) {}
+
+void LocalMap::reset() {
+  T_odom_base_.reset();
+  floor_before_.clear();
+  grid_.center_on({1e6, 1e6});  // far away: every cell begins anew
+}
+
+bool LocalMap::is_obstacle(const LocalCell& cell) {
+  return cell.obstacle >= kEnough;
+}
+
+bool LocalMap::is_hole(const LocalCell& cell) {
+  return cell.hole >= kEnough;
+}
+
+bool LocalMap::is_blocked(const LocalCell& cell) const {
+  return (is_obstacle(cell) && !is_forgotten(cell)) || is_hole(cell);
+}
+
+/// How far from 0 the height of a floor point may be measured: noise of range and pitch, uneven
+/// floor and the body's tilt; the latter grow with the distance.
+double LocalMap::tolerance_m(double range_m) const {
+  return params_.floor_tolerance_m + params_.tilt_tolerance_rad * range_m;
+}
+
+bool LocalMap::is_forgotten(const LocalCell& cell) const {
+  const auto travel_dm = static_cast<std::uint16_t>(std::lround(10.0 * travel_m_));
+  return 0.1 * static_cast<std::uint16_t>(travel_dm - cell.seen_at_dm) > params_.forget_after_m;
+}
+
+LocalCell* LocalMap::find(const Eigen::Vector2d& p_odom) {
+  const Eigen::Vector2i index = grid_.index_of(p_odom);
+  return grid_.contains(index) ? &grid_.at(index) : nullptr;
+}
+
+const LocalCell* LocalMap::cell_at(const Eigen::Vector2d& p_odom) const {
+  const Eigen::Vector2i index = grid_.index_of(p_odom);
+  return grid_.contains(index) ? &grid_.at(index) : nullptr;
+}
+
+void LocalMap::add_scan(const scan::Scan& scan, const geometry::SE2& T_odom_base) {
+  prepare_fan(scan);
+  move(T_odom_base);
+  ++scan_;
+  const std::size_t n = scan.ranges_m.size();
+  floor_.assign(n, {});
+  const Eigen::Matrix3d& R = scan.T_base_mount.linear();
+  for (std::size_t i = 0; i < n; ++i) {
+    const double pitch_rad = scan.pitch_rad(i);
+    const double c = std::cos(pitch_rad);
+    const double s = std::sin(pitch_rad);
+    const Eigen::Vector3d& offset = scan.mirror_offset_m;
+    const auto range_m = static_cast<double>(scan.ranges_m[i]);
+    const Beam beam{scan.T_base_mount * Eigen::Vector3d(c * offset.x() - s * offset.z(), offset.y(),
+                                                        s * offset.x() + c * offset.z()),
+                    R * Eigen::Vector3d(c * fan_[i].x(), fan_[i].y(), s * fan_[i].x()), range_m,
+                    scan.is_hit(i)};
+    if (beam.is_hit || range_m == std::numeric_limits<double>::infinity()) {
+      classify(beam, i);
+    }
+  }
+  fill_floor();
+  std::swap(floor_, floor_before_);
+  clear_under_body(T_odom_base);
+}
+
+void LocalMap::prepare_fan(const scan::Scan& scan) {
+  const std::size_t n = scan.ranges_m.size();
+  if (fan_.size() == n && fan_first_rad_ == scan.angle_first_rad &&
+      fan_step_rad_ == scan.angle_step_rad) {
+    return;
+  }
+  fan_first_rad_ = scan.angle_first_rad;
+  fan_step_rad_ = scan.angle_step_rad;
+  fan_.resize(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    fan_[i] = {std::cos(scan.angle_rad(i)), std::sin(scan.angle_rad(i))};
+  }
+  floor_before_.clear();
+}
+
+void LocalMap::move(const geometry::SE2& T_odom_base) {
+  if (T_odom_base_) {
+    travel_m_ +=
+        (T_odom_base.translation() - T_odom_base_->translation()).norm() +
+        kMetresPerRad * std::abs(geometry::angle_difference(T_odom_base.yaw, T_odom_base_->yaw));
+    // The stamps of cells are 16 bits of decimetres.
+    travel_m_ = std::fmod(travel_m_, 6553.6);
+  }
+  grid_.center_on(T_odom_base.translation());
+  R_odom_base_ = T_odom_base.rotation();
+  const bool is_first = !T_odom_base_;
+  T_odom_base_ = T_odom_base;
+  if (is_first) {
+    // The robot was set down on floor: as far as it cannot look, and cannot know better.
+    for (double x = -blind_m_; x <= blind_m_; x += 0.5 * grid_.cell_size_m()) {
+      for (double y = -blind_m_; y <= blind_m_; y += 0.5 * grid_.cell_size_m()) {
+        LocalCell& cell = *find(T_odom_base * Eigen::Vector2d(x, y));
+        cell.is_floor = cell.is_assumed = true;
+      }
+    }
+  }
+}
+
+/// Where the body is there is floor, and nothing else.
+void LocalMap::clear_under_body(const geometry::SE2& T_odom_base) {
+  const double step_m = 0.9 * grid_.cell_size_m();
+  const robot::Footprint inner = body_.grown(-grid_.cell_size_m(), -grid_.cell_size_m());
+  for (double x = -inner.half_length_m; x <= inner.half_length_m; x += step_m) {
+    for (double y = -inner.half_width_m; y <= inner.half_width_m; y += step_m) {
+      LocalCell cell;
+      cell.is_floor = true;
+      *find(T_odom_base * Eigen::Vector2d(x, y)) = cell;
+    }
+  }
+}
+
+void LocalMap::classify(const Beam& beam, std::size_t index) {
+  const auto to_odom = [this](const Eigen::Vector3d& p_base) -> Eigen::Vector2d {
+    return R_odom_base_ * p_base.head<2>() + T_odom_base_->translation();
+  };
+  const double to_floor_m = beam.direction.z() < 0.0 ? -beam.origin.z() / beam.direction.z()
+                                                     : std::numeric_limits<double>::infinity();
+  if (!beam.is_hit) {
+    const bool should_return = to_floor_m < params_.floor_return_m;
+    if (should_return) {
+      add_hole(to_odom(beam.origin + to_floor_m * beam.direction), true);
+    }
+    pass(beam, should_return ? to_floor_m : kFarthestPassM);
+    return;
+  }
+  const Eigen::Vector3d p_base = beam.origin + beam.range_m * beam.direction;
+  const double height_m = p_base.z();
+  const double tolerance = tolerance_m(beam.range_m);
+  if (height_m < -tolerance) {
+    add_hole(to_odom(beam.origin + to_floor_m * beam.direction), height_m < -tolerance - kCertainM);
+    pass(beam, to_floor_m);
+    return;
+  }
+  pass(beam, beam.range_m);
+  if (height_m <= tolerance) {
+    add_floor(index, to_odom(p_base));
+  } else if (height_m <= top_m_) {
+    add_obstacle(to_odom(p_base), height_m);
+  }
+}
+
+void LocalMap::add_obstacle(const Eigen::Vector2d& p_odom, double height_m) {
+  LocalCell* cell = find(p_odom);
+  if (cell == nullptr) {
+    return;
+  }
+  if (cell->obstacle == 0 || is_forgotten(*cell)) {
+    cell->obstacle = 0;
+    cell->low_cm = cell->high_cm = centimetres(height_m);
+  }
+  const bool is_certain = height_m > params_.floor_tolerance_m + 2.0 * kCertainM;
+  // The beams of one scan have their errors of pitch and tilt in common: they count once.
+  if (is_certain || cell->scan != scan_) {
+    cell->obstacle = more(cell->obstacle, is_certain ? kCertain : kHit);
+  }
+  cell->low_cm = std::min(cell->low_cm, centimetres(height_m));
+  cell->high_cm = std::max(cell->high_cm, centimetres(height_m));
+  cell->scan = scan_;
+  cell->seen_at_dm = static_cast<std::uint16_t>(std::lround(10.0 * travel_m_));
+}
+
+void LocalMap::add_hole(const Eigen::Vector2d& p_odom, bool is_certain) {
+  LocalCell* cell = find(p_odom);
+  if (cell == nullptr) {
+    return;
+  }
+  if (is_certain || cell->scan != scan_) {
+    cell->hole = more(cell->hole, is_certain ? kCertain : kHit);
+  }
+  cell->is_floor = false;
+  cell->scan = scan_;
+  cell->seen_at_dm = static_cast<std::uint16_t>(std::lround(10.0 * travel_m_));
+}
+
+void LocalMap::add_floor(std::size_t index, const Eigen::Vector2d& p_odom) {
+  LocalCell* cell = find(p_odom);
+  if (cell == nullptr) {
+    return;
+  }
+  cell->is_floor = true;
+  cell->is_assumed = false;
+  if (cell->scan != scan_) {
+    cell->hole = less(cell->hole);
+    // Floor below a table top is no contradiction.
+    if (100.0 * params_.floor_tolerance_m + 3.0 > cell->low_cm) {
+      cell->obstacle = less(cell->obstacle);
+    }
+    cell->scan = scan_;
+  }
+  floor_[index] = {p_odom, true};
+}
+
+/// Between two beams that are side by side, in this scan and the one before, and all hit the floor,
+/// there is floor: what is high enough to matter would have been hit, and a hole wider than the
+/// gap, too.
+void LocalMap::fill_floor() {
+  if (floor_before_.size() != floor_.size()) {
+    return;
+  }
+  for (std::size_t i = 1; i < floor_.size(); ++i) {
+    const FloorPoint corners[4] = {floor_before_[i - 1], floor_before_[i], floor_[i - 1],
+                                   floor_[i]};
+    if (std::ranges::all_of(corners, &FloorPoint::is_valid)) {
+      fill_between(corners);
+    }
+  }
+}
+
+void LocalMap::fill_between(const FloorPoint (&corners)[4]) {
+  const Eigen::Vector2d& a = corners[0].p_odom;
+  const Eigen::Vector2d across = corners[1].p_odom - a;
+  const Eigen::Vector2d along = corners[2].p_odom - a;
+  const Eigen::Vector2d far_across = corners[3].p_odom - corners[2].p_odom;
+  const double longest_m = std::max(along.norm(), (corners[3].p_odom - corners[1].p_odom).norm());
+  const double widest_m = std::max(across.norm(), far_across.norm());
+  if (longest_m > params_.max_gap_m || widest_m > params_.max_gap_m) {
+    return;
+  }
+  const bool is_dense = longest_m <= kDenseM && widest_m <= kDenseM;
+  const double step_m = 0.8 * grid_.cell_size_m();
+  const int rows = static_cast<int>(longest_m / step_m) + 1;
+  const int columns = static_cast<int>(widest_m / step_m) + 1;
+  for (int row = 0; row <= rows; ++row) {
+    const double u = static_cast<double>(row) / rows;
+    for (int column = 0; column <= columns; ++column) {
+      const double w = static_cast<double>(column) / columns;
+      LocalCell* cell = find(a + u * along + w * ((1.0 - u) * across + u * far_across));
+      if (cell == nullptr) {
+        continue;
+      }
+      if (is_dense && cell->hole > 0 && cell->scan != scan_) {
+        cell->hole = less(cell->hole);
+        cell->scan = scan_;
+      }
+      if (!is_hole(*cell)) {
+        cell->is_floor = true;
+        cell->is_assumed = false;
+      }
+    }
+  }
+}
+
+/// The cells that a beam passes over before `until_m`: an obstacle there would have ended it.
+void LocalMap::pass(const Beam& beam, double until_m) {
+  const double flat = beam.direction.head<2>().norm();
+  if (flat < 1e-3) {
+    return;
+  }
+  double end_m = std::min(until_m - kBeforeEndM, kFarthestPassM);
+  if (beam.direction.z() > 0.0) {
+    end_m = std::min(end_m, (top_m_ - beam.origin.z()) / beam.direction.z());
+  }
+  const double step_m = grid_.cell_size_m() / flat;
+  const Eigen::Vector2d origin = R_odom_base_ * beam.origin.head<2>() + T_odom_base_->translation();
+  const Eigen::Vector2d direction = R_odom_base_ * beam.direction.head<2>();
+  for (double along_m = step_m; along_m < end_m; along_m += step_m) {
+    LocalCell& cell = grid_.at(grid_.index_of(origin + along_m * direction));
+    if (cell.obstacle == 0 || cell.scan == scan_) {
+      continue;
+    }
+    const double height_cm = 100.0 * (beam.origin.z() + along_m * beam.direction.z());
+    if (height_cm >= cell.low_cm && height_cm <= cell.high_cm) {
+      cell.obstacle = less(cell.obstacle);
+      cell.scan = scan_;
+    }
+  }
+}
+
+Points LocalMap::points_base(const geometry::SE2& T_odom_base, double range_m) const {
+  Points points;
+  const geometry::SE2 T_base_odom = T_odom_base.inverse();
+  const Eigen::Matrix2d R_base_odom = T_base_odom.rotation();
+  const auto reach = static_cast<int>(range_m / grid_.cell_size_m());
+  const Eigen::Vector2i middle = grid_.index_of(T_odom_base.translation());
+  for (int dy = -reach; dy <= reach; ++dy) {
+    for (int dx = -reach; dx <= reach; ++dx) {
+      const Eigen::Vector2i index = middle + Eigen::Vector2i(dx, dy);
+      if (dx * dx + dy * dy > reach * reach || !grid_.contains(index)) {
+        continue;
+      }
+      const LocalCell& cell = grid_.at(index);
+      if (is_blocked(cell)) {
+        points.emplace_back(R_base_odom * grid_.center_of(index) + T_base_odom.translation());
+      }
+    }
+  }
+  return points;
+}
+
+double LocalMap::seen_distance(const geometry::SE2& T_odom_base, double curvature,
+                               double half_width_m, double max_m) const {
+  const double blind_m = std::max(0.0, blind_m_ - body_.half_length_m);
+  for (double s = blind_m; s < blind_m + max_m; s += grid_.cell_size_m()) {
+    const geometry::SE2 T_base_front{body_.half_length_m, 0.0, 0.0};
+    if (!is_row_seen(T_odom_base * along_arc(curvature, s) * T_base_front, half_width_m, true)) {
+      return s - blind_m;
+    }
+  }
+  return max_m;
+}
+
+double LocalMap::seen_distance_backwards(const geometry::SE2& T_odom_base, double curvature,
+                                         double half_width_m, double max_m) const {
+  const double step_m = grid_.cell_size_m();
+  for (double s = step_m; s < max_m; s += step_m) {
+    const geometry::SE2 T_base_rear{-body_.half_length_m, 0.0, 0.0};
+    if (!is_row_seen(T_odom_base * along_arc(curvature, -s) * T_base_rear, half_width_m, false)) {
+      return s - step_m;
+    }
+  }
+  return max_m;
+}
+
+/// Whether floor was seen in a row across the body.
+bool LocalMap::is_row_seen(const geometry::SE2& T_odom_row, double half_width_m,
+                           bool assumed_counts) const {
+  const auto columns = static_cast<int>(std::ceil(half_width_m / (2.0 * grid_.cell_size_m())));
+  int unknown = 0;
+  for (int column = -columns; column <= columns; ++column) {
+    const LocalCell* cell =
+        cell_at(T_odom_row * Eigen::Vector2d(0.0, half_width_m * column / columns));
+    const bool is_seen = cell != nullptr && cell->is_floor && (assumed_counts || !cell->is_assumed);
+    unknown += is_seen ? 0 : 1;
+  }
+  return unknown < kUnknownColumns;
+}
+
+}  // namespace nodmap::navigator

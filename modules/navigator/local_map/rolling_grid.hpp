@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace nodmap::navigator {
+
+/// A square grid of cells that moves along with the robot: a cell of odom keeps its place in memory
+/// while it is inside, and one that comes in begins anew. 2^`log2_size` cells a side.
+template <class Cell>
+class RollingGrid {
+ public:
+  RollingGrid(double cell_size_m, int log2_size)
+      : cell_size_m_(cell_size_m),
+        size_(1 << log2_size),
+        log2_size_(log2_size),
+        cells_(static_cast<std::size_t>(size_) * static_cast<std::size_t>(size_)) {}
+
+  [[nodiscard]] double cell_size_m() const { return cell_size_m_; }
+  [[nodiscard]] int size() const { return size_; }
+  /// First row and column that are inside; the last ones are size() - 1 farther.
+  [[nodiscard]] const Eigen::Vector2i& first() const { return first_; }
+
+  [[nodiscard]] Eigen::Vector2i index_of(const Eigen::Vector2d& p_odom) const {
+    return {line_of(p_odom.x()), line_of(p_odom.y())};
+  }
+  [[nodiscard]] Eigen::Vector2d center_of(const Eigen::Vector2i& index) const {
+    return cell_size_m_ * (index.cast<double>() + Eigen::Vector2d(0.5, 0.5));
+  }
+  [[nodiscard]] bool contains(const Eigen::Vector2i& index) const {
+    const Eigen::Vector2i offset = index - first_;
+    return offset.x() >= 0 && offset.y() >= 0 && offset.x() < size_ && offset.y() < size_;
+  }
+
+  /// Only for cells inside.
+  [[nodiscard]] Cell& at(const Eigen::Vector2i& index) { return cells_[place(index)]; }
+  [[nodiscard]] const Cell& at(const Eigen::Vector2i& index) const { return cells_[place(index)]; }
+
+  /// Moves the grid so that `p_odom` is in its middle; cells that come in are Cell{}.
+  void center_on(const Eigen::Vector2d& p_odom) {
+    const Eigen::Vector2i first = index_of(p_odom) - Eigen::Vector2i::Constant(size_ / 2);
+    const Eigen::Vector2i shift = first - first_;
+    const bool is_far = shift.cwiseAbs().maxCoeff() >= size_;
+    const Eigen::Vector2i old_first = first_;
+    first_ = first;
+    if (is_far) {
+      cells_.assign(cells_.size(), Cell{});
+      return;
+    }
+    for (int axis = 0; axis < 2; ++axis) {
+      const int from = shift[axis] > 0 ? old_first[axis] + size_ : first_[axis];
+      for (int line = from; line < from + std::abs(shift[axis]); ++line) {
+        clear_line(axis, line);
+      }
+    }
+  }
+
+ private:
+  /// Row or column; far beyond any odometry it stays the same, so that it always fits an int.
+  [[nodiscard]] int line_of(double odom_m) const {
+    constexpr double kFarthest = 1 << 28;
+    return static_cast<int>(std::clamp(std::floor(odom_m / cell_size_m_), -kFarthest, kFarthest));
+  }
+  [[nodiscard]] std::size_t place(const Eigen::Vector2i& index) const {
+    const int mask = size_ - 1;
+    const int place = ((index.y() & mask) << log2_size_) | (index.x() & mask);
+    return static_cast<std::size_t>(place);
+  }
+  void clear_line(int axis, int line) {
+    for (int along = 0; along < size_; ++along) {
+      cells_[place(axis == 0 ? Eigen::Vector2i(line, along) : Eigen::Vector2i(along, line))] = {};
+    }
+  }
+
+  double cell_size_m_;
+  int size_;
+  int log2_size_;
+  Eigen::Vector2i first_ = Eigen::Vector2i::Zero();
+  std::vector<Cell> cells_;
+};
+
+}  // namespace nodmap::navigator

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/navigator/local_map/local_map.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "modules/navigator/local_map/test/scanned_ground.hpp"
+
+namespace nodmap::navigator {
+namespace {
+
+using geometry::deg_to_rad;
+using test::Block;
+using test::Ground;
+
+constexpr double kCellM = 0.025;
+
+/// A sweep from 60 degrees down to level, and back.
+void sweep(LocalMap& map, const Ground& ground, const geometry::SE2& T_odom_base, int times = 2) {
+  for (int i = 0; i < times; ++i) {
+    for (double deg = -60.0; deg <= 5.0; deg += 1.5) {
+      map.add_scan(test::scan_of(ground, T_odom_base, deg_to_rad(i % 2 == 0 ? deg : -55.0 - deg)),
+                   T_odom_base);
+    }
+  }
+}
+
+double nearest_m(const Points& points) {
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const Eigen::Vector2d& p : points) {
+    nearest = std::min(nearest, p.norm());
+  }
+  return nearest;
+}
+
+TEST(LocalMap, FlatFloorHasNoPointsAndIsSeen) {
+  LocalMap map({}, {});
+  sweep(map, {}, {});
+  EXPECT_TRUE(map.points_base({}, 3.0).empty());
+  // At 1.5 degrees between lines they are 15 cm apart 1.5 m ahead: so far it is filled.
+  EXPECT_GT(map.seen_distance({}, 0.0, 0.165, 1.0), 0.7);
+}
+
+// Every obstacle cell is within half a cell's diagonal of a block that rises from the floor, every
+// hole within that of a pit, and the near edge of each is found.
+TEST(LocalMap, FindsSillsBoxesAndPitsWhereTheyAre) {
+  struct Case {
+    Block block;
+    double nearest_m;
+  };
+  for (const Case& c :
+       {Case{{{0.8, -0.6}, {0.9, 0.6}, 0.04}, 0.8}, Case{{{1.0, -0.3}, {1.5, 0.3}, 0.3}, 1.0},
+        Case{{{0.9, -1.0}, {2.0, 1.0}, -0.17}, 0.9}, Case{{{0.9, -1.0}, {2.0, 1.0}, -9.0}, 0.9}}) {
+    LocalMap map({}, {});
+    const Ground ground{{c.block}};
+    sweep(map, ground, {});
+    const Points points = map.points_base({}, 2.0);
+    // Lines are 4 cm apart on the floor 1 m ahead: the edge of a pit lies between two.
+    EXPECT_NEAR(nearest_m(points), c.nearest_m, 0.05) << c.block.height_m;
+    for (const Eigen::Vector2d& p : points) {
+      const Eigen::Vector2d nearest = p.cwiseMax(c.block.min).cwiseMin(c.block.max);
+      EXPECT_LE((p - nearest).norm(), 0.5 * std::sqrt(2.0) * kCellM + 0.002) << p.transpose();
+    }
+  }
+}
+
+TEST(LocalMap, WhatTheLaserDidNotSeeIsUnknown) {
+  LocalMap map({}, {});
+  const Ground ground{{{{1.0, -0.5}, {1.1, 0.5}, 0.3}}};
+  sweep(map, ground, {});
+  const LocalCell* behind = map.cell_at({1.5, 0.0});
+  ASSERT_NE(behind, nullptr);
+  EXPECT_FALSE(behind->is_floor);
+  EXPECT_FALSE(LocalMap::is_obstacle(*behind));
+  EXPECT_LT(map.seen_distance({}, 0.0, 0.165, 2.0), 1.0 - 0.225);
+}
+
+TEST(LocalMap, RemembersWhatIsBesideAndBehindTheRobot) {
+  LocalMap map({}, {});
+  const Ground ground{{{{0.8, 0.25}, {0.9, 0.35}, 0.08}}};
+  sweep(map, ground, {});
+  ASSERT_FALSE(map.points_base({}, 2.0).empty());
+  for (double x = 0.0; x < 1.5; x += 0.05) {
+    const geometry::SE2 T_odom_base{x, 0.0, 0.0};
+    map.add_scan(test::scan_of(ground, T_odom_base, deg_to_rad(-10.0)), T_odom_base);
+  }
+  const Points points = map.points_base({1.5, 0.0, 0.0}, 2.0);
+  ASSERT_FALSE(points.empty());
+  for (const Eigen::Vector2d& p : points) {
+    EXPECT_NEAR(p.x(), 0.85 - 1.5, 0.07);
+    EXPECT_NEAR(p.y(), 0.3, 0.07);
+  }
+}
+
+TEST(LocalMap, ForgetsWhatBeamsPassThrough) {
+  LocalMap map({}, {});
+  sweep(map, {{{{0.9, -0.2}, {1.1, 0.2}, 0.4}}}, {});
+  ASSERT_FALSE(map.points_base({}, 2.0).empty());
+  sweep(map, {}, {}, 4);
+  EXPECT_TRUE(map.points_base({}, 2.0).empty());
+}
+
+TEST(LocalMap, AHoleThatIsClosedBecomesFloor) {
+  LocalMap map({}, {});
+  sweep(map, {{{{0.8, -0.3}, {1.2, 0.3}, -0.2}}}, {});
+  ASSERT_FALSE(map.points_base({}, 2.0).empty());
+  sweep(map, {}, {}, 16);
+  EXPECT_TRUE(map.points_base({}, 1.1).empty());
+}
+
+TEST(LocalMap, SurvivesReadingsAndPosesThatMakeNoSense) {
+  LocalMap map({}, {});
+  scan::Scan scan = test::scan_of({}, {}, deg_to_rad(-30.0));
+  std::ranges::fill(scan.ranges_m, std::numeric_limits<float>::quiet_NaN());
+  map.add_scan(scan, {});
+  scan.ranges_m.clear();
+  map.add_scan(scan, {});
+  map.add_scan(test::scan_of({}, {}, deg_to_rad(-30.0)), {1e12, -1e12, 1.0});
+  EXPECT_TRUE(map.points_base({}, 2.0).empty());
+}
+
+TEST(RollingGrid, CellsKeepTheirPlaceInOdomAndNewOnesBeginAnew) {
+  RollingGrid<int> grid(0.1, 5);
+  grid.center_on({0.0, 0.0});
+  grid.at(grid.index_of({0.55, -0.35})) = 7;
+  for (double x = 0.0; x < 2.0; x += 0.13) {
+    grid.center_on({x, 0.5 * x});
+    const Eigen::Vector2i index = grid.index_of({0.55, -0.35});
+    EXPECT_EQ(grid.at(index), grid.contains(index) ? 7 : 0);
+  }
+  grid.center_on({4.0, 0.0});
+  grid.center_on({0.0, 0.0});
+  EXPECT_EQ(grid.at(grid.index_of({0.55, -0.35})), 0);
+}
+
+}  // namespace
+}  // namespace nodmap::navigator

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// For tests: ground with boxes and pits, and the scans an ideal nodding laser makes of it.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "common/geometry/angle.hpp"
+#include "common/geometry/se3.hpp"
+#include "common/scan/scan.hpp"
+
+namespace nodmap::navigator::test {
+
+/// Upright, along the axes of odom; of a pit `height_m` is negative.
+struct Block {
+  Eigen::Vector2d min;
+  Eigen::Vector2d max;
+  double height_m = 0.0;
+
+  [[nodiscard]] bool covers(const Eigen::Vector2d& p) const {
+    return (p.array() > min.array()).all() && (p.array() < max.array()).all();
+  }
+};
+
+struct Ground {
+  std::vector<Block> blocks;
+
+  /// Height at a place, by the definition alone.
+  [[nodiscard]] double height_m(const Eigen::Vector2d& p) const {
+    double height = 0.0;
+    for (const Block& block : blocks) {
+      height = block.covers(p) ? block.height_m : height;
+    }
+    return height;
+  }
+
+  /// Range to the surface by stepping 1 mm at a time; +infinity beyond 8 m, or below 2 m.
+  [[nodiscard]] double range_m(const Eigen::Vector3d& origin, const Eigen::Vector3d& ray) const {
+    for (double range = 0.1; range < 8.0; range += 0.001) {
+      const Eigen::Vector3d p = origin + range * ray;
+      if (p.z() < -2.0) {
+        break;
+      }
+      if (p.z() <= height_m(p.head<2>())) {
+        return range;
+      }
+    }
+    return std::numeric_limits<double>::infinity();
+  }
+};
+
+/// A scan of 181 beams from the pitch axis of KURT3D.
+inline scan::Scan scan_of(const Ground& ground, const geometry::SE2& T_odom_base,
+                          double pitch_rad) {
+  scan::Scan scan;
+  scan.duration_us = 6660;
+  scan.angle_first_rad = -0.5 * geometry::kPi;
+  scan.angle_step_rad = geometry::deg_to_rad(1.0);
+  scan.pitch_first_rad = scan.pitch_last_rad = pitch_rad;
+  scan.range_min_m = 0.05;
+  scan.range_max_m = 80.0;
+  scan.T_base_mount.translation() = Eigen::Vector3d(0.15, 0.0, 0.38);
+  scan.ranges_m.resize(181);
+  const geometry::SE3 T_odom_mount = geometry::to_se3(T_odom_base) * scan.T_base_mount;
+  for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
+    scan.ranges_m[i] = static_cast<float>(
+        ground.range_m(T_odom_mount.translation(),
+                       T_odom_mount.linear() * scan::beam_direction(scan.angle_rad(i), pitch_rad)));
+  }
+  return scan;
+}
+
+}  // namespace nodmap::navigator::test

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/navigator/planner/distance_field.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace nodmap::navigator {
+namespace {
+
+constexpr float kNone = 1e12F;
+
+}  // namespace
+
+void DistanceField::begin(const Eigen::Vector2d& origin, double cell_size_m, int width,
+                          int height) {
+  origin_ = origin;
+  cell_size_m_ = cell_size_m;
+  cells_per_m_ = 1.0 / cell_size_m;
+  width_ = width;
+  height_ = height;
+  squared_.assign(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), kNone);
+}
+
+void DistanceField::occupy(const Eigen::Vector2d& p) {
+  const auto column = static_cast<int>(std::floor((p.x() - origin_.x()) * cells_per_m_));
+  const auto row = static_cast<int>(std::floor((p.y() - origin_.y()) * cells_per_m_));
+  if (column >= 0 && row >= 0 && column < width_ && row < height_) {
+    occupy(column, row);
+  }
+}
+
+void DistanceField::compute() {
+  const auto longest = static_cast<std::size_t>(std::max(width_, height_));
+  values_.resize(longest);
+  vertices_.resize(longest);
+  borders_.resize(longest + 1);
+  for (int row = 0; row < height_; ++row) {
+    transform(&squared_[place(0, row)], 1, width_);
+  }
+  for (int column = 0; column < width_; ++column) {
+    transform(&squared_[place(column, 0)], width_, height_);
+  }
+  distance_m_.resize(squared_.size());
+  std::ranges::transform(squared_, distance_m_.begin(), [this](float squared) {
+    return squared >= kNone ? static_cast<float>(kFarM)
+                            : static_cast<float>(cell_size_m_) * std::sqrt(squared);
+  });
+}
+
+/// One line: at each place the least of (i - j)^2 + line[j] over all j.
+void DistanceField::transform(float* line, int stride, int n) {
+  int last = -1;  // index of the last parabola of the envelope
+  for (int i = 0; i < n; ++i) {
+    const float value = line[static_cast<std::ptrdiff_t>(i) * stride];
+    values_[static_cast<std::size_t>(i)] = value;
+    if (value >= kNone) {
+      continue;
+    }
+    float border = -std::numeric_limits<float>::infinity();
+    while (last >= 0) {
+      const int j = vertices_[static_cast<std::size_t>(last)];
+      border = (value - values_[static_cast<std::size_t>(j)] + static_cast<float>(i * i - j * j)) /
+               static_cast<float>(2 * (i - j));
+      if (border > borders_[static_cast<std::size_t>(last)]) {
+        break;
+      }
+      --last;
+    }
+    ++last;
+    vertices_[static_cast<std::size_t>(last)] = i;
+    borders_[static_cast<std::size_t>(last)] =
+        last == 0 ? -std::numeric_limits<float>::infinity() : border;
+  }
+  if (last < 0) {
+    return;
+  }
+  int k = 0;
+  for (int i = 0; i < n; ++i) {
+    while (k < last && borders_[static_cast<std::size_t>(k + 1)] < static_cast<float>(i)) {
+      ++k;
+    }
+    const int j = vertices_[static_cast<std::size_t>(k)];
+    line[static_cast<std::ptrdiff_t>(i) * stride] =
+        static_cast<float>((i - j) * (i - j)) + values_[static_cast<std::size_t>(j)];
+  }
+}
+
+}  // namespace nodmap::navigator

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+namespace nodmap::navigator {
+
+/// The distance from each cell of a grid to the nearest occupied one, exact (Felzenszwalb and
+/// Huttenlocher 2012: lower envelopes of parabolas, rows first, then columns).
+class DistanceField {
+ public:
+  /// `origin` is the outer corner of cell (0, 0).
+  void begin(const Eigen::Vector2d& origin, double cell_size_m, int width, int height);
+  /// Ignored outside.
+  void occupy(const Eigen::Vector2d& p);
+  void occupy(int column, int row) { squared_[place(column, row)] = 0.0F; }
+  void compute();
+
+  /// Metres, from the middle of the cell of `p` to that of the nearest occupied cell; a long one
+  /// where there is none, and outside.
+  [[nodiscard]] double at(const Eigen::Vector2d& p) const {
+    const auto column = static_cast<int>(std::floor((p.x() - origin_.x()) * cells_per_m_));
+    const auto row = static_cast<int>(std::floor((p.y() - origin_.y()) * cells_per_m_));
+    return column < 0 || row < 0 || column >= width_ || row >= height_
+               ? kFarM
+               : static_cast<double>(distance_m_[place(column, row)]);
+  }
+  [[nodiscard]] double at(int column, int row) const {
+    return static_cast<double>(distance_m_[place(column, row)]);
+  }
+
+  static constexpr double kFarM = 1e3;
+
+ private:
+  [[nodiscard]] std::size_t place(int column, int row) const {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(width_) +
+           static_cast<std::size_t>(column);
+  }
+  void transform(float* line, int stride, int n);
+
+  Eigen::Vector2d origin_ = Eigen::Vector2d::Zero();
+  double cell_size_m_ = 1.0;
+  double cells_per_m_ = 1.0;
+  int width_ = 0;
+  int height_ = 0;
+  std::vector<float> squared_;  // cells^2
+  std::vector<float> distance_m_;
+  std::vector<float> values_;   // of the line being transformed
+  std::vector<int> vertices_;   // of the parabolas of the lower envelope
+  std::vector<float> borders_;  // between them
+};
+
+}  // namespace nodmap::navigator

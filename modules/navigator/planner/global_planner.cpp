@@ -1,0 +1,314 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/navigator/planner/global_planner.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace nodmap::navigator {
+namespace {
+
+constexpr double kCellM = 0.05;
+constexpr int kLog2Size = 10;
+/// What the local map knows within this distance of the robot is taken over.
+constexpr double kTakeOverM = 5.5;
+/// Around robot, goal and all that is known, for detours over unknown ground.
+constexpr double kAroundM = 3.0;
+/// Costs are queued by buckets this wide: the error of a path is at most a bucket for each cell.
+constexpr float kBucketM = 0.02F;
+constexpr std::size_t kNumBuckets = 64;
+/// A diagonal step at this price is still shorter than all buckets together.
+constexpr float kHighestPrice = 16.0F;
+/// Cells of a portion: some 0.5 ms.
+constexpr int kPortion = 8000;
+/// Around a place where the robot could not go on.
+constexpr double kFailureM = 0.3;
+constexpr float kNever = std::numeric_limits<float>::infinity();
+
+struct Neighbour {
+  int dx;
+  int dy;
+  float length_m;
+};
+constexpr float kDiagonalM = 0.0707107F;
+constexpr std::array<Neighbour, 8> kNeighbours{{{1, 0, 0.05F},
+                                                {-1, 0, 0.05F},
+                                                {0, 1, 0.05F},
+                                                {0, -1, 0.05F},
+                                                {1, 1, kDiagonalM},
+                                                {1, -1, kDiagonalM},
+                                                {-1, 1, kDiagonalM},
+                                                {-1, -1, kDiagonalM}}};
+
+}  // namespace
+
+double CostToGo::at(const Eigen::Vector2d& p_map) const {
+  const Eigen::Vector2d offset = (p_map - origin_) / cell_size_m_;
+  const auto column = static_cast<int>(std::floor(offset.x()));
+  const auto row = static_cast<int>(std::floor(offset.y()));
+  if (column < 0 || row < 0 || column >= width_ || row >= height_) {
+    return std::numeric_limits<double>::infinity();
+  }
+  return static_cast<double>(cost_[static_cast<std::size_t>(row * width_ + column)]);
+}
+
+double CostToGo::least_near(const Eigen::Vector2d& p_map, double radius_m) const {
+  double least = std::numeric_limits<double>::infinity();
+  for (double dx = -radius_m; dx <= radius_m; dx += cell_size_m_) {
+    for (double dy = -radius_m; dy <= radius_m; dy += cell_size_m_) {
+      least = std::min(least, at(p_map + Eigen::Vector2d(dx, dy)) + std::hypot(dx, dy));
+    }
+  }
+  return least;
+}
+
+std::vector<Eigen::Vector2d> CostToGo::path_from(const Eigen::Vector2d& p_map, double max_m) const {
+  std::vector<Eigen::Vector2d> path{p_map};
+  const auto max_points = static_cast<std::size_t>(max_m / cell_size_m_);
+  while (path.size() < max_points) {
+    Eigen::Vector2d next = path.back();
+    double least = at(path.back());
+    for (const Neighbour& n : kNeighbours) {
+      const Eigen::Vector2d p = path.back() + cell_size_m_ * Eigen::Vector2d(n.dx, n.dy);
+      if (at(p) < least) {
+        least = at(p);
+        next = p;
+      }
+    }
+    if (next == path.back()) {
+      break;
+    }
+    path.push_back(next);
+  }
+  return path;
+}
+
+GlobalPlanner::GlobalPlanner(const robot::Footprint& body, const PlannerParams& params)
+    : body_(body), params_(params), grid_(kCellM, kLog2Size), buckets_(kNumBuckets) {}
+
+void GlobalPlanner::reset() {
+  *this = GlobalPlanner(body_, params_);
+}
+
+std::size_t GlobalPlanner::place(int column, int row) const {
+  return static_cast<std::size_t>(row) * static_cast<std::size_t>(plan_.width_) +
+         static_cast<std::size_t>(column);
+}
+
+void GlobalPlanner::add_failure(const Eigen::Vector2d& p_map) {
+  failures_.push_back({p_map, params_.failure_price});
+}
+
+void GlobalPlanner::step(std::int64_t utime_us, const LocalMap& local_map,
+                         const geometry::SE2& T_map_odom, const geometry::SE2& T_odom_base,
+                         const Eigen::Vector2d& goal_map, double tolerance_m) {
+  const Eigen::Vector2d p_map = T_map_odom * T_odom_base.translation();
+  if ((goal_map - goal_map_).norm() > 0.5 * tolerance_m || tolerance_m != tolerance_m_) {
+    complete_.reset();
+    failures_.clear();
+    phase_ = Phase::kIdle;
+    started_us_.reset();
+    goal_map_ = goal_map;
+    tolerance_m_ = tolerance_m;
+  }
+  switch (phase_) {
+    case Phase::kIdle:
+      if (started_us_ &&
+          std::abs(static_cast<double>(utime_us - *started_us_)) < 1e6 * params_.replan_s) {
+        return;
+      }
+      started_us_ = utime_us;
+      update_grid(local_map, T_map_odom, T_odom_base);
+      begin_window(p_map, goal_map_);
+      phase_ = Phase::kMeasureClearance;
+      return;
+    case Phase::kMeasureClearance:
+      measure_clearance();
+      price_cells();
+      seed(goal_map_, tolerance_m_);
+      phase_ = Phase::kSpread;
+      return;
+    case Phase::kSpread:
+      if (!spread(kPortion)) {
+        complete_ = plan_;
+        phase_ = Phase::kIdle;
+      }
+  }
+}
+
+/// Each cell from the four of the local map whose middles lie in it. What that does not know stays
+/// as it was.
+void GlobalPlanner::update_grid(const LocalMap& local_map, const geometry::SE2& T_map_odom,
+                                const geometry::SE2& T_odom_base) {
+  const Eigen::Vector2d p_map = T_map_odom * T_odom_base.translation();
+  grid_.center_on(p_map);
+  if (is_empty_) {
+    known_min_ = known_max_ = p_map;
+    is_empty_ = false;
+  }
+  const geometry::SE2 T_odom_map = T_map_odom.inverse();
+  const Eigen::Matrix2d R_odom_map = T_odom_map.rotation();
+  const Eigen::Vector2d t_odom_map = T_odom_map.translation();
+  const int reach = static_cast<int>(kTakeOverM / kCellM);
+  const Eigen::Vector2i middle = grid_.index_of(p_map);
+  for (int dy = -reach; dy <= reach; ++dy) {
+    for (int dx = -reach; dx <= reach; ++dx) {
+      const Eigen::Vector2i index = middle + Eigen::Vector2i(dx, dy);
+      if (dx * dx + dy * dy > reach * reach || !grid_.contains(index)) {
+        continue;
+      }
+      bool is_floor = false;
+      bool is_blocked = false;
+      for (const double x : {-0.25, 0.25}) {
+        for (const double y : {-0.25, 0.25}) {
+          const Eigen::Vector2d q_map = grid_.center_of(index) + kCellM * Eigen::Vector2d(x, y);
+          const LocalCell* cell = local_map.cell_at(R_odom_map * q_map + t_odom_map);
+          is_blocked = is_blocked || (cell != nullptr && local_map.is_blocked(*cell));
+          is_floor = is_floor || (cell != nullptr && cell->is_floor);
+        }
+      }
+      if (is_blocked || is_floor) {
+        const Eigen::Vector2d q_map = grid_.center_of(index);
+        known_min_ = known_min_.cwiseMin(q_map);
+        known_max_ = known_max_.cwiseMax(q_map);
+        grid_.at(index) = is_blocked ? Ground::kBlocked : Ground::kFloor;
+      }
+    }
+  }
+}
+
+void GlobalPlanner::begin_window(const Eigen::Vector2d& p_map, const Eigen::Vector2d& goal_map) {
+  const auto around = static_cast<int>(kAroundM / kCellM);
+  const Eigen::Vector2i margin = Eigen::Vector2i::Constant(around);
+  const Eigen::Vector2i last = grid_.first() + Eigen::Vector2i::Constant(grid_.size() - 1);
+  const Eigen::Vector2i low =
+      (grid_.index_of(known_min_.cwiseMin(p_map).cwiseMin(goal_map)) - margin)
+          .cwiseMax(grid_.first());
+  const Eigen::Vector2i high =
+      (grid_.index_of(known_max_.cwiseMax(p_map).cwiseMax(goal_map)) + margin).cwiseMin(last);
+  plan_.origin_ = kCellM * low.cast<double>();
+  plan_.cell_size_m_ = kCellM;
+  plan_.width_ = std::max(1, high.x() - low.x() + 1);
+  plan_.height_ = std::max(1, high.y() - low.y() + 1);
+}
+
+void GlobalPlanner::measure_clearance() {
+  const Eigen::Vector2i low = grid_.index_of(plan_.origin_ + Eigen::Vector2d(0.01, 0.01));
+  clearance_.begin(plan_.origin_, kCellM, plan_.width_, plan_.height_);
+  for (int row = 0; row < plan_.height_; ++row) {
+    for (int column = 0; column < plan_.width_; ++column) {
+      if (grid_.at(low + Eigen::Vector2i(column, row)) == Ground::kBlocked) {
+        clearance_.occupy(column, row);
+      }
+    }
+  }
+  clearance_.compute();
+}
+
+void GlobalPlanner::price_cells() {
+  const Eigen::Vector2i low = grid_.index_of(plan_.origin_ + Eigen::Vector2d(0.01, 0.01));
+  const double least_m = body_.half_width_m + params_.least_clearance_m;
+  price_.resize(static_cast<std::size_t>(plan_.width_) * static_cast<std::size_t>(plan_.height_));
+  for (int row = 0; row < plan_.height_; ++row) {
+    for (int column = 0; column < plan_.width_; ++column) {
+      const double clearance_m = clearance_.at(column, row);
+      const double nearness = std::max(0.0, 1.0 - (clearance_m - least_m) / params_.wide_m);
+      const bool is_unknown = grid_.at(low + Eigen::Vector2i(column, row)) == Ground::kUnknown;
+      price_[place(column, row)] =
+          clearance_m < least_m
+              ? -1.0F
+              : static_cast<float>(1.0 + params_.nearness_price * nearness * nearness +
+                                   (is_unknown ? params_.unknown_price : 0.0));
+    }
+  }
+  const int reach = static_cast<int>(kFailureM / kCellM);
+  for (const Failure& failure : failures_) {
+    const Eigen::Vector2d offset = (failure.p_map - plan_.origin_) / kCellM;
+    for (int dy = -reach; dy <= reach; ++dy) {
+      for (int dx = -reach; dx <= reach; ++dx) {
+        const int column = static_cast<int>(offset.x()) + dx;
+        const int row = static_cast<int>(offset.y()) + dy;
+        const bool is_inside =
+            column >= 0 && row >= 0 && column < plan_.width_ && row < plan_.height_;
+        if (is_inside && dx * dx + dy * dy <= reach * reach && price_[place(column, row)] > 0.0F) {
+          float& price = price_[place(column, row)];
+          price = std::min(kHighestPrice, price + static_cast<float>(failure.price));
+        }
+      }
+    }
+  }
+}
+
+/// All cells within the goal's tolerance are the goal; the robot need not stand in its middle.
+void GlobalPlanner::seed(const Eigen::Vector2d& goal_map, double tolerance_m) {
+  plan_.cost_.assign(price_.size(), kNever);
+  for (auto& bucket : buckets_) {
+    bucket.clear();
+  }
+  bucket_ = 0;
+  num_queued_ = 0;
+  const double radius_m = std::max(kCellM, 0.7 * tolerance_m);
+  for (double dy = -radius_m; dy <= radius_m; dy += kCellM) {
+    for (double dx = -radius_m; dx <= radius_m; dx += kCellM) {
+      const Eigen::Vector2d offset = (goal_map + Eigen::Vector2d(dx, dy) - plan_.origin_) / kCellM;
+      const auto column = static_cast<int>(std::floor(offset.x()));
+      const auto row = static_cast<int>(std::floor(offset.y()));
+      if (dx * dx + dy * dy > radius_m * radius_m || column < 0 || row < 0 ||
+          column >= plan_.width_ || row >= plan_.height_ || price_[place(column, row)] < 0.0F) {
+        continue;
+      }
+      push(place(column, row), static_cast<float>(std::hypot(dx, dy)));
+    }
+  }
+}
+
+void GlobalPlanner::push(std::size_t cell, float cost) {
+  plan_.cost_[cell] = cost;
+  buckets_[static_cast<std::size_t>(cost / kBucketM) % kNumBuckets].push_back(
+      static_cast<std::uint32_t>(cell));
+  ++num_queued_;
+}
+
+bool GlobalPlanner::spread(int max_cells) {
+  for (int count = 0; count < max_cells && num_queued_ > 0;) {
+    auto& bucket = buckets_[bucket_ % kNumBuckets];
+    if (bucket.empty()) {
+      ++bucket_;
+      continue;
+    }
+    const std::uint32_t cell = bucket.back();
+    bucket.pop_back();
+    --num_queued_;
+    // Queued again since, at a lower cost: then it has been spread from already.
+    const float cost = plan_.cost_[cell];
+    if (static_cast<std::size_t>(cost / kBucketM) < bucket_) {
+      continue;
+    }
+    ++count;
+    const auto width = static_cast<std::uint32_t>(plan_.width_);
+    spread_from(static_cast<int>(cell % width), static_cast<int>(cell / width), cost);
+  }
+  return num_queued_ > 0;
+}
+
+void GlobalPlanner::spread_from(int column, int row, float cost) {
+  for (const Neighbour& n : kNeighbours) {
+    const int x = column + n.dx;
+    const int y = row + n.dy;
+    if (x < 0 || y < 0 || x >= plan_.width_ || y >= plan_.height_) {
+      continue;
+    }
+    const std::size_t next = place(x, y);
+    const float price = price_[next];
+    if (price < 0.0F) {
+      continue;
+    }
+    const float total = cost + n.length_m * price;
+    if (total < plan_.cost_[next] - 1e-4F) {
+      push(next, total);
+    }
+  }
+}
+
+}  // namespace nodmap::navigator

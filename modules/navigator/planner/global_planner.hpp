@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "common/geometry/se2.hpp"
+#include "common/robot/footprint.hpp"
+#include "modules/navigator/local_map/local_map.hpp"
+#include "modules/navigator/params.hpp"
+#include "modules/navigator/planner/distance_field.hpp"
+
+namespace nodmap::navigator {
+
+/// The cost of the best path from each place to the goal, in metres of open floor; frame map.
+class CostToGo {
+ public:
+  /// +infinity where there is no path, and outside.
+  [[nodiscard]] double at(const Eigen::Vector2d& p_map) const;
+  /// The least cost within `radius_m` of a place: the robot may stand where no path leads through.
+  [[nodiscard]] double least_near(const Eigen::Vector2d& p_map, double radius_m) const;
+  /// Downhill from a place to the goal, at most `max_m` long, a point for each cell.
+  [[nodiscard]] std::vector<Eigen::Vector2d> path_from(const Eigen::Vector2d& p_map,
+                                                       double max_m) const;
+
+ private:
+  friend class GlobalPlanner;
+  Eigen::Vector2d origin_ = Eigen::Vector2d::Zero();
+  double cell_size_m_ = 0.05;
+  int width_ = 0;
+  int height_ = 0;
+  std::vector<float> cost_;
+};
+
+/// Plans to the goal on all that the local map has shown: a grid in map, 51 m x 51 m of 5 cm cells,
+/// around the robot. Unknown ground can be crossed at a price. Costs are found from the goal
+/// outwards (Dijkstra with buckets), in small portions, so that no decision waits for them.
+///
+/// The robot's centre keeps half its width and a little more off what blocks; nearer than twice
+/// that a cell costs more. Where it cannot turn the local planner finds out.
+class GlobalPlanner {
+ public:
+  GlobalPlanner(const robot::Footprint& body, const PlannerParams& params);
+
+  /// One portion of work. Starts anew every `replan_s`.
+  void step(std::int64_t utime_us, const LocalMap& local_map, const geometry::SE2& T_map_odom,
+            const geometry::SE2& T_odom_base, const Eigen::Vector2d& goal_map, double tolerance_m);
+
+  /// Null before the first plan to this goal is complete.
+  [[nodiscard]] const CostToGo* cost_to_go() const { return complete_ ? &*complete_ : nullptr; }
+
+  /// A place where the robot could not go on: paths through it cost more from now on.
+  void add_failure(const Eigen::Vector2d& p_map);
+
+  void reset();
+
+ private:
+  enum class Phase : std::uint8_t { kIdle, kMeasureClearance, kSpread };
+  enum class Ground : std::uint8_t { kUnknown, kFloor, kBlocked };
+  struct Failure {
+    Eigen::Vector2d p_map;
+    double price = 0.0;
+  };
+
+  void update_grid(const LocalMap& local_map, const geometry::SE2& T_map_odom,
+                   const geometry::SE2& T_odom_base);
+  void begin_window(const Eigen::Vector2d& p_map, const Eigen::Vector2d& goal_map);
+  void measure_clearance();
+  void price_cells();
+  void seed(const Eigen::Vector2d& goal_map, double tolerance_m);
+  /// False when all is done.
+  [[nodiscard]] bool spread(int max_cells);
+  void spread_from(int column, int row, float cost);
+  void push(std::size_t cell, float cost);
+  [[nodiscard]] std::size_t place(int column, int row) const;
+
+  robot::Footprint body_;
+  PlannerParams params_;
+  RollingGrid<Ground> grid_;
+  Eigen::Vector2d known_min_ = Eigen::Vector2d::Zero();
+  Eigen::Vector2d known_max_ = Eigen::Vector2d::Zero();
+  bool is_empty_ = true;
+  std::vector<Failure> failures_;
+
+  Phase phase_ = Phase::kIdle;
+  std::optional<std::int64_t> started_us_;
+  Eigen::Vector2d goal_map_ = Eigen::Vector2d::Zero();
+  double tolerance_m_ = 0.0;
+  DistanceField clearance_;
+  std::vector<float> price_;  // of a metre, by cell; negative: blocked
+  CostToGo plan_;
+  std::vector<std::vector<std::uint32_t>> buckets_;
+  std::size_t bucket_ = 0;
+  std::size_t num_queued_ = 0;
+  std::optional<CostToGo> complete_;
+};
+
+}  // namespace nodmap::navigator

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/navigator/planner/goal_drive.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "modules/navigator/turn.hpp"
+
+namespace nodmap::navigator {
+namespace {
+
+/// The robot may be where no path leads through: the plan is asked so far around.
+constexpr double kAroundM = 0.3;
+/// Progress, and how long the robot may make none before the way ahead is given up.
+constexpr double kProgressM = 0.15;
+constexpr double kPatienceS = 6.0;
+/// Two sweeps of the widest nod, and a reserve.
+constexpr double kLongestLookS = 2.5;
+/// The path is given up so far ahead of the robot.
+constexpr double kFailureAheadM = 0.4;
+/// Direction of an arc: where it is after so much of it.
+constexpr double kLookM = 0.5;
+/// Of the best rollouts so many are offered to Brake.
+constexpr std::size_t kMostOffered = 40;
+/// Backwards the robot sees nothing but what it remembers.
+constexpr double kBackwardMarginM = 0.03;
+constexpr double kRotationMarginM = 0.02;
+constexpr double kLeastRotationRad = geometry::deg_to_rad(2.0);
+
+}  // namespace
+
+GoalDrive::GoalDrive(const NavigatorParams& params)
+    : params_(params),
+      body_(params.robot.body.footprint()),
+      brake_(params.robot, params.drive),
+      global_(body_, params.planner),
+      rollouts_(body_, params.planner, params.drive) {}
+
+void GoalDrive::reset() {
+  global_.reset();
+  progress_us_.reset();
+}
+
+Decision GoalDrive::decide(const Situation& now, const SeenDirections& seen,
+                           const LocalMap& local_map) {
+  const geometry::SE2 T_map_base = now.T_map_odom * now.T_odom_base;
+  global_.step(now.utime_us, local_map, now.T_map_odom, now.T_odom_base,
+               T_map_base * now.goal->p_base, now.goal->tolerance_m);
+  Decision decision;
+  decision.behaviour = Behaviour::kBrake;
+  if (global_.cost_to_go() == nullptr) {
+    progress_us_.reset();
+    decision.reason = "Plans the path to the goal.";
+    return decision;
+  }
+  const double cost_m = global_.cost_to_go()->least_near(T_map_base.translation(), kAroundM);
+  if (!std::isfinite(cost_m)) {
+    decision.reason = "There is no path to the goal.";
+    return decision;
+  }
+  watch_progress(now, cost_m);
+  const double max_forward_mps = brake_.speed_limit(0.0, now.max_forward_mps);
+  const auto& rollouts = rollouts_.plan(now, *global_.cost_to_go(), max_forward_mps);
+  for (std::size_t i = 0; i < std::min(rollouts.size(), kMostOffered); ++i) {
+    if (const auto driven = drive(rollouts[i], now, seen)) {
+      return *driven;
+    }
+  }
+  decision.reason = rollouts.empty() ? "No motion is free." : "Waits until the laser has looked.";
+  return decision;
+}
+
+std::vector<Eigen::Vector2d> GoalDrive::path(const geometry::SE2& T_map_base) const {
+  constexpr double kLongestM = 60.0;
+  return global_.cost_to_go() == nullptr
+             ? std::vector<Eigen::Vector2d>{}
+             : global_.cost_to_go()->path_from(T_map_base.translation(), kLongestM);
+}
+
+double GoalDrive::seconds_without_progress(const Situation& now) const {
+  return progress_us_ ? 1e-6 * std::abs(static_cast<double>(now.utime_us - *progress_us_)) : 0.0;
+}
+
+/// Where the robot makes no progress the plan must be wrong about what is ahead.
+void GoalDrive::watch_progress(const Situation& now, double cost_m) {
+  const double waited_s = seconds_without_progress(now);
+  if (progress_us_ && cost_m > least_cost_m_ - kProgressM && waited_s < kPatienceS) {
+    return;
+  }
+  if (progress_us_ && waited_s >= kPatienceS) {
+    const auto ahead = path(now.T_map_odom * now.T_odom_base);
+    const auto place = static_cast<std::size_t>(kFailureAheadM / 0.05);
+    global_.add_failure(ahead[std::min(place, ahead.size() - 1)]);
+  }
+  progress_us_ = now.utime_us;
+  least_cost_m_ = cost_m;
+}
+
+std::optional<Decision> GoalDrive::drive(const Rollout& rollout, const Situation& now,
+                                         const SeenDirections& seen) const {
+  if (rollout.forward_mps > 0.0) {
+    return drive_forwards(rollout, now, seen);
+  }
+  return rollout.forward_mps < 0.0 ? drive_backwards(rollout, now) : rotate(rollout, now);
+}
+
+std::optional<Decision> GoalDrive::drive_forwards(const Rollout& rollout, const Situation& now,
+                                                  const SeenDirections& seen) const {
+  const double curvature = rollout.yaw_rate_rad_s / rollout.forward_mps;
+  const double direction_rad = std::clamp(0.5 * kLookM * curvature, -1.2, 1.2);
+  if (!seen.is_seen(direction_rad, now.laser_is_held ? 0 : params_.steer.sweeps_to_trust)) {
+    return std::nullopt;
+  }
+  const Arc arc = brake_.measure_arc(curvature, now);
+  const double limit_mps =
+      std::min(brake_.speed_limit(curvature, now.max_forward_mps), rollout.forward_mps);
+  const double goal_mps = brake_.stoppable_mps(now.goal->distance_m);
+  const double safe_mps = std::min(arc.speed_mps, brake_.speed_on_present_arc(now));
+  Decision decision;
+  decision.forward_mps = std::min({limit_mps, goal_mps, safe_mps});
+  // An emergency stop is no reason to try the next one: it is for all of them.
+  if (arc.speed_mps < kLeastSpeedMps) {
+    return std::nullopt;
+  }
+  const bool is_slowed = safe_mps < limit_mps;
+  decision.behaviour = is_slowed ? Behaviour::kBrake : Behaviour::kSteer;
+  decision.reason = is_slowed ? "Slows down for an obstacle." : "";
+  decision.yaw_rate_rad_s = decision.forward_mps * curvature;
+  decision.steering_angle_rad = direction_rad;
+  decision.free_distance_m = arc.free_distance_m;
+  decision.max_forward_mps = std::min(limit_mps, safe_mps);
+  return decision;
+}
+
+/// Only where floor was seen, and slowly: the laser does not look there.
+std::optional<Decision> GoalDrive::drive_backwards(const Rollout& rollout,
+                                                   const Situation& now) const {
+  const double curvature = rollout.yaw_rate_rad_s / rollout.forward_mps;
+  double distance_m = free_distance_backwards(now.points_base, curvature, body_, kBackwardMarginM) -
+                      kBackwardMarginM;
+  if (now.local_map != nullptr) {
+    distance_m = std::min(distance_m, now.local_map->seen_distance_backwards(
+                                          now.T_odom_base, curvature, body_.half_width_m, 0.3));
+  }
+  const double speed_mps = std::min(-rollout.forward_mps, brake_.stoppable_mps(distance_m));
+  if (speed_mps < 0.5 * kLeastSpeedMps || now.forward_mps > kLeastSpeedMps) {
+    return std::nullopt;
+  }
+  Decision decision;
+  decision.behaviour = Behaviour::kTurn;
+  decision.reason = "Backs up.";
+  decision.forward_mps = -speed_mps;
+  decision.yaw_rate_rad_s = -speed_mps * curvature;
+  return decision;
+}
+
+std::optional<Decision> GoalDrive::rotate(const Rollout& rollout, const Situation& now) const {
+  Decision decision;
+  if (rollout.yaw_rate_rad_s == 0.0) {
+    // To wait is best where the laser has not yet looked; not for long.
+    decision.behaviour = Behaviour::kBrake;
+    decision.reason = "Waits until the laser has looked.";
+    return seconds_without_progress(now) < kLongestLookS ? std::optional(decision) : std::nullopt;
+  }
+  const double side = std::copysign(1.0, rollout.yaw_rate_rad_s);
+  const double free_rad = free_rotation(now.points_base, side, body_, kRotationMarginM);
+  if (free_rad < kLeastRotationRad) {
+    return std::nullopt;
+  }
+  decision.behaviour = Behaviour::kTurn;
+  decision.reason = "Turns towards the path.";
+  decision.yaw_rate_rad_s =
+      side * std::min(std::abs(rollout.yaw_rate_rad_s),
+                      yaw_rate_on_the_spot(free_rad, params_.turn, params_.drive.reaction_s));
+  decision.steering_angle_rad = side * 0.5 * geometry::kPi;
+  return decision;
+}
+
+}  // namespace nodmap::navigator

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "modules/navigator/brake.hpp"
+#include "modules/navigator/decision.hpp"
+#include "modules/navigator/params.hpp"
+#include "modules/navigator/planner/global_planner.hpp"
+#include "modules/navigator/planner/rollouts.hpp"
+#include "modules/navigator/seen_directions.hpp"
+
+namespace nodmap::navigator {
+
+/// Drives to a goal by plan: the global planner says what each place costs, the rollouts are rated
+/// by it, and Brake, which knows nothing of either, has the last word on the speed of the one that
+/// is driven.
+class GoalDrive {
+ public:
+  explicit GoalDrive(const NavigatorParams& params);
+
+  [[nodiscard]] Decision decide(const Situation& now, const SeenDirections& seen,
+                                const LocalMap& local_map);
+
+  /// From the robot to the goal, frame map; empty while there is none.
+  [[nodiscard]] std::vector<Eigen::Vector2d> path(const geometry::SE2& T_map_base) const;
+
+  void reset();
+
+ private:
+  [[nodiscard]] std::optional<Decision> drive(const Rollout& rollout, const Situation& now,
+                                              const SeenDirections& seen) const;
+  [[nodiscard]] std::optional<Decision> drive_forwards(const Rollout& rollout, const Situation& now,
+                                                       const SeenDirections& seen) const;
+  [[nodiscard]] std::optional<Decision> drive_backwards(const Rollout& rollout,
+                                                        const Situation& now) const;
+  [[nodiscard]] std::optional<Decision> rotate(const Rollout& rollout, const Situation& now) const;
+  [[nodiscard]] double seconds_without_progress(const Situation& now) const;
+  void watch_progress(const Situation& now, double cost_m);
+
+  NavigatorParams params_;
+  robot::Footprint body_;
+  Brake brake_;
+  GlobalPlanner global_;
+  Rollouts rollouts_;
+  double least_cost_m_ = 0.0;  // since the goal, or the last failure
+  std::optional<std::int64_t> progress_us_;
+};
+
+}  // namespace nodmap::navigator

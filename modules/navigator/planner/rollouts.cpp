@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/navigator/planner/rollouts.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace nodmap::navigator {
+namespace {
+
+constexpr double kCellM = 0.025;
+constexpr double kReachM = 2.5;
+constexpr double kStepS = 0.1;
+constexpr int kSteps = 16;
+constexpr int kFirstSteps = 8;
+/// What the base does on command, with a reserve.
+constexpr double kAccelerationMps2 = 1.5;
+constexpr double kYawAccelerationRadS2 = 6.0;
+/// The heading at the end is rated by the plan so far ahead of the robot.
+constexpr double kAheadM = 0.3;
+constexpr double kAheadWeight = 0.6;
+/// Where the plan has no path to the point ahead it is this much worse than the robot's own place.
+constexpr double kBlockedAheadM = 0.6;
+/// A place that no path leads through, but from which one is near, is worse by this.
+constexpr double kOffPathM = 0.5;
+constexpr double kNearM = 0.2;
+/// Farther from obstacles than this nothing is gained.
+constexpr double kAmpleM = 0.25;
+
+constexpr std::array kSpeeds{1.0, 0.8, 0.6, 0.42, 0.27, 0.15};
+constexpr std::array kYawRates{-1.0, -0.75, -0.55, -0.38, -0.24, -0.13, -0.05, 0.0,
+                               0.05, 0.13,  0.24,  0.38,  0.55,  0.75,  1.0};
+constexpr std::array kNextYawRates{-0.8, -0.4, -0.15, 0.0, 0.15, 0.4, 0.8};
+constexpr std::array kBackwardMps{-0.1, -0.25};
+
+double approach(double from, double to, double most) {
+  return from + std::clamp(to - from, -most, most);
+}
+
+}  // namespace
+
+Rollouts::Rollouts(const robot::Footprint& body, const PlannerParams& params,
+                   const DriveParams& drive)
+    : body_(body), params_(params), drive_(drive) {
+  const double length_m = body.half_length_m;
+  const double width_m = body.half_width_m;
+  const double radius_m = std::min(length_m, width_m);
+  for (const double along : {-1.0, 0.0, 1.0}) {
+    discs_.push_back({{along * (length_m - radius_m), along * (width_m - radius_m)}, radius_m});
+  }
+  const double corner_m = 0.3 * radius_m;
+  for (const double x : {-1.0, 1.0}) {
+    for (const double y : {-1.0, 1.0}) {
+      discs_.push_back({{x * (length_m - corner_m), y * (width_m - corner_m)}, corner_m});
+      discs_.push_back({{x * length_m, y * width_m}, 0.0});
+    }
+  }
+}
+
+void Rollouts::measure_clearance(const Points& points_base) {
+  const int size = static_cast<int>(std::lround(2.0 * kReachM / kCellM));
+  obstacles_.begin({-kReachM, -kReachM}, kCellM, size, size);
+  const robot::Footprint inside = body_.grown(-0.03, -0.03);
+  for (const Eigen::Vector2d& p : points_base) {
+    // So deep within the body a point is an error of the map.
+    if (!inside.contains(p)) {
+      obstacles_.occupy(p);
+    }
+  }
+  obstacles_.compute();
+}
+
+double Rollouts::clearance_m(const geometry::SE2& pose_base) const {
+  const double middle_m = obstacles_.at(pose_base.translation());
+  const double circle_m = body_.turning_radius_m();
+  if (middle_m > circle_m + 0.5) {
+    return middle_m - circle_m;
+  }
+  const double c = std::cos(pose_base.yaw);
+  const double s = std::sin(pose_base.yaw);
+  double clearance = middle_m - std::min(body_.half_length_m, body_.half_width_m);
+  for (const Disc& disc : discs_) {
+    const Eigen::Vector2d p(pose_base.x + c * disc.center.x() - s * disc.center.y(),
+                            pose_base.y + s * disc.center.x() + c * disc.center.y());
+    clearance = std::min(clearance, obstacles_.at(p) - disc.radius_m);
+  }
+  return clearance - 0.5 * kCellM;
+}
+
+const std::vector<Rollout>& Rollouts::plan(const Situation& now, const CostToGo& cost_to_go,
+                                           double max_forward_mps) {
+  measure_clearance(now.points_base);
+  // Where the robot is nearer already it may drive on, but not nearer.
+  least_clearance_m_ = std::min(params_.least_clearance_m, clearance_m({}) - 0.005);
+  rollouts_.clear();
+  for (const double speed : kSpeeds) {
+    for (const double yaw_rate : kYawRates) {
+      const Motion motion{speed * max_forward_mps, yaw_rate * drive_.max_yaw_rate_rad_s};
+      if (motion.forward_mps * std::abs(motion.yaw_rate_rad_s) > drive_.max_lateral_mps2) {
+        continue;
+      }
+      for (const double next : kNextYawRates) {
+        consider(motion, next * drive_.max_yaw_rate_rad_s, now, cost_to_go);
+      }
+    }
+  }
+  for (const double yaw_rate : kYawRates) {
+    const double yaw_rate_rad_s = yaw_rate * params_.rotation_rad_s;
+    consider({0.0, yaw_rate_rad_s}, yaw_rate_rad_s, now, cost_to_go);
+    for (const double speed_mps : kBackwardMps) {
+      consider({speed_mps, yaw_rate_rad_s}, yaw_rate_rad_s, now, cost_to_go);
+    }
+  }
+  std::ranges::sort(rollouts_, {}, &Rollout::cost);
+  return rollouts_;
+}
+
+void Rollouts::consider(const Motion& first, double next_yaw_rate_rad_s, const Situation& now,
+                        const CostToGo& cost_to_go) {
+  geometry::SE2 pose;  // in base, now
+  double v = now.forward_mps;
+  double w = now.yaw_rate_rad_s;
+  double nearness = 0.0;
+  for (int step = 0; step < kSteps; ++step) {
+    const double yaw_rate_rad_s = step < kFirstSteps ? first.yaw_rate_rad_s : next_yaw_rate_rad_s;
+    v = approach(v, first.forward_mps, kStepS * kAccelerationMps2);
+    w = approach(w, yaw_rate_rad_s, kStepS * kYawAccelerationRadS2);
+    const double middle_yaw_rad = pose.yaw + 0.5 * kStepS * w;
+    pose = {pose.x + kStepS * v * std::cos(middle_yaw_rad),
+            pose.y + kStepS * v * std::sin(middle_yaw_rad), pose.yaw + kStepS * w};
+    const double clearance = clearance_m(pose);
+    if (clearance < least_clearance_m_) {
+      return;
+    }
+    const double near = std::max(0.0, 1.0 - clearance / kAmpleM);
+    nearness += near * near / kSteps;
+  }
+  Rollout rollout{first.forward_mps, first.yaw_rate_rad_s, next_yaw_rate_rad_s, 0.0};
+  rollout.cost = end_cost(now.T_map_odom * now.T_odom_base * pose, cost_to_go) +
+                 params_.clearance_weight * nearness +
+                 params_.smoothness_weight * (std::abs(first.yaw_rate_rad_s - now.yaw_rate_rad_s) +
+                                              std::abs(first.forward_mps - now.forward_mps)) +
+                 (first.forward_mps < 0.0 ? params_.reverse_price : 0.0);
+  if (std::isfinite(rollout.cost)) {
+    rollouts_.push_back(rollout);
+  }
+}
+
+double Rollouts::end_cost(const geometry::SE2& T_map_end, const CostToGo& cost_to_go) const {
+  double here = cost_to_go.at(T_map_end.translation());
+  if (!std::isfinite(here)) {
+    here = kOffPathM + cost_to_go.least_near(T_map_end.translation(), kNearM);
+  }
+  const double ahead = cost_to_go.at(T_map_end * Eigen::Vector2d(kAheadM, 0.0));
+  return here + kAheadWeight * std::min(ahead, here + kBlockedAheadM);
+}
+
+}  // namespace nodmap::navigator

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <vector>
+
+#include "common/robot/footprint.hpp"
+#include "modules/navigator/decision.hpp"
+#include "modules/navigator/params.hpp"
+#include "modules/navigator/planner/distance_field.hpp"
+#include "modules/navigator/planner/global_planner.hpp"
+
+namespace nodmap::navigator {
+
+/// A motion to command now, and what it leads to.
+struct Rollout {
+  double forward_mps = 0.0;
+  double yaw_rate_rad_s = 0.0;
+  double next_yaw_rate_rad_s = 0.0;  ///< in its second half
+  double cost = 0.0;                 ///< the least is best
+};
+
+/// The local planner: some thousand motions of the next 1.6 s, each an arc followed by another one,
+/// with the accelerations of the base, forwards, backwards and on the spot. Those that touch
+/// something are left out; the others cost by what the global plan says of where they end, by how
+/// near they pass obstacles, and by how much they differ from what the robot does.
+class Rollouts {
+ public:
+  Rollouts(const robot::Footprint& body, const PlannerParams& params, const DriveParams& drive);
+
+  /// Those that touch nothing, best first. Valid until the next call.
+  [[nodiscard]] const std::vector<Rollout>& plan(const Situation& now, const CostToGo& cost_to_go,
+                                                 double max_forward_mps);
+
+  /// From the border of the body at a pose (in base, now) to the nearest obstacle, metres; negative
+  /// inside; exact to 1 cm but where the obstacle is farther than 0.5 m.
+  [[nodiscard]] double clearance_m(const geometry::SE2& pose_base) const;
+
+  /// Of the points in base, within 2.5 m.
+  void measure_clearance(const Points& points_base);
+
+ private:
+  /// Discs that cover the body.
+  struct Disc {
+    Eigen::Vector2d center;
+    double radius_m = 0.0;
+  };
+  struct Motion {
+    double forward_mps = 0.0;
+    double yaw_rate_rad_s = 0.0;
+  };
+
+  void consider(const Motion& first, double next_yaw_rate_rad_s, const Situation& now,
+                const CostToGo& cost_to_go);
+  [[nodiscard]] double end_cost(const geometry::SE2& T_map_end, const CostToGo& cost_to_go) const;
+
+  robot::Footprint body_;
+  PlannerParams params_;
+  DriveParams drive_;
+  std::vector<Disc> discs_;
+  DistanceField obstacles_;
+  double least_clearance_m_ = 0.0;
+  std::vector<Rollout> rollouts_;
+};
+
+}  // namespace nodmap::navigator

@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/navigator/planner/global_planner.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "modules/navigator/local_map/test/scanned_ground.hpp"
+
+namespace nodmap::navigator {
+namespace {
+
+using test::Ground;
+
+const robot::Footprint kBody = robot::Body{}.footprint();
+constexpr double kToleranceM = 0.2;
+
+/// A map of the ground as seen from a pose, all around.
+LocalMap look(const Ground& ground, const geometry::SE2& T_odom_base) {
+  LocalMap map({}, {});
+  for (int quarter = 0; quarter < 4; ++quarter) {
+    geometry::SE2 T_odom_turned = T_odom_base;
+    T_odom_turned.yaw += 0.5 * geometry::kPi * quarter;
+    for (double deg = -60.0; deg <= 2.0; deg += 3.0) {
+      map.add_scan(test::scan_of(ground, T_odom_turned, geometry::deg_to_rad(deg)), T_odom_turned);
+    }
+  }
+  return map;
+}
+
+/// Steps until a plan is complete.
+void plan(GlobalPlanner& planner, const LocalMap& map, const Eigen::Vector2d& goal) {
+  for (int i = 0; i < 400 && planner.cost_to_go() == nullptr; ++i) {
+    planner.step(13'320 * i, map, {}, {}, goal, kToleranceM);
+  }
+}
+
+TEST(GlobalPlanner, OverUnknownGroundTheCostIsTheDistanceAtItsPrice) {
+  PlannerParams params;
+  params.unknown_price = 1.0;
+  GlobalPlanner planner(kBody, params);
+  plan(planner, LocalMap({}, {}), {6.0, 0.0});
+  ASSERT_NE(planner.cost_to_go(), nullptr);
+  // From the border of the goal on; the grid's metric is 8 % too long at worst, exact along an
+  // axis.
+  EXPECT_NEAR(planner.cost_to_go()->at({0.0, 0.0}), 2.0 * (6.0 - 0.14) + 0.14, 0.15);
+}
+
+TEST(GlobalPlanner, LeadsAroundAWallAndKeepsOffIt) {
+  const Ground ground{{{{1.5, -1.2}, {1.6, 3.0}, 0.5}}};
+  GlobalPlanner planner(kBody, {});
+  plan(planner, look(ground, {}), {3.0, 0.0});
+  ASSERT_NE(planner.cost_to_go(), nullptr);
+  const auto path = planner.cost_to_go()->path_from({0.0, 0.0}, 20.0);
+  EXPECT_LT((path.back() - Eigen::Vector2d(3.0, 0.0)).norm(), kToleranceM);
+  for (const Eigen::Vector2d& p : path) {
+    const Eigen::Vector2d nearest = p.cwiseMax(ground.blocks[0].min).cwiseMin(ground.blocks[0].max);
+    // A cell of the grid may be occupied by something in its farthest corner: 3.5 cm.
+    EXPECT_GT((p - nearest).norm(), kBody.half_width_m + PlannerParams{}.least_clearance_m - 0.035);
+  }
+}
+
+TEST(GlobalPlanner, SaysWhenThereIsNoPath) {
+  // A fence all around the robot.
+  const Ground ground{{{{1.0, -1.1}, {1.1, 1.1}, 0.5},
+                       {{-1.1, -1.1}, {-1.0, 1.1}, 0.5},
+                       {{-1.1, 1.0}, {1.1, 1.1}, 0.5},
+                       {{-1.1, -1.1}, {1.1, -1.0}, 0.5}}};
+  GlobalPlanner planner(kBody, {});
+  plan(planner, look(ground, {}), {3.0, 0.0});
+  ASSERT_NE(planner.cost_to_go(), nullptr);
+  EXPECT_FALSE(std::isfinite(planner.cost_to_go()->least_near({0.0, 0.0}, 0.3)));
+}
+
+TEST(GlobalPlanner, AFailureMakesItTakeTheOtherSide) {
+  const Ground ground{{{{1.5, -0.9}, {1.6, 1.0}, 0.5}}};
+  const LocalMap map = look(ground, {});
+  GlobalPlanner planner(kBody, {});
+  plan(planner, map, {3.0, 0.0});
+  ASSERT_NE(planner.cost_to_go(), nullptr);
+  const auto first = planner.cost_to_go()->path_from({0.0, 0.0}, 20.0);
+  const auto lowest = [](const std::vector<Eigen::Vector2d>& path) {
+    return std::ranges::min(path, {}, [](const auto& p) { return p.y(); }).y();
+  };
+  ASSERT_LT(lowest(first), -0.9);
+  for (const double y : {-1.2, -1.5, -1.8, -2.1}) {
+    planner.add_failure({1.55, y});
+  }
+  for (int i = 0; i < 400; ++i) {
+    planner.step(10'000'000 + 13'320 * i, map, {}, {}, {3.0, 0.0}, kToleranceM);
+  }
+  EXPECT_GT(lowest(planner.cost_to_go()->path_from({0.0, 0.0}, 20.0)), -0.5);
+}
+
+}  // namespace
+}  // namespace nodmap::navigator

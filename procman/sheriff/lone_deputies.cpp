@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "procman/sheriff/lone_deputies.hpp"
+
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <csignal>
+#include <filesystem>
+#include <set>
+#include <system_error>
+
+namespace nodmap::procman {
+namespace {
+
+std::string deputy_program() {
+  return std::filesystem::read_symlink("/proc/self/exe").parent_path() / "nodmap-deputy";
+}
+
+pid_t start(std::vector<std::string> words) {
+  std::vector<char*> arguments;
+  for (std::string& word : words) {
+    arguments.push_back(word.data());
+  }
+  arguments.push_back(nullptr);
+  const pid_t parent = ::getpid();
+  const pid_t pid = ::fork();
+  if (pid < 0) {
+    throw std::system_error(errno, std::system_category(), "fork");
+  }
+  if (pid == 0) {
+    // A group of its own: the Ctrl-C of the terminal is for the sheriff, which then asks it to end.
+    // A second signal would kill its commands at once.
+    ::setpgid(0, 0);
+    ::prctl(PR_SET_PDEATHSIG, SIGTERM);
+    if (::getppid() == parent) {
+      ::execv(arguments.front(), arguments.data());
+    }
+    ::_exit(127);
+  }
+  return pid;
+}
+
+}  // namespace
+
+LoneDeputies::LoneDeputies(const std::string& config_file, const Config& config,
+                           const std::string& lcm_url) {
+  std::set<std::string> ids;
+  for (const Command& command : config.commands) {
+    ids.insert(command.deputy);
+  }
+  for (const std::string& id : ids) {
+    std::vector<std::string> words = {deputy_program(), "--config", config_file, "--id", id,
+                                      "--log-level",    "warn"};
+    if (!lcm_url.empty()) {
+      words.insert(words.end(), {"--lcm-url", lcm_url});
+    }
+    deputies_.push_back(start(std::move(words)));
+  }
+}
+
+bool LoneDeputies::stop() {
+  for (const pid_t pid : deputies_) {
+    ::kill(pid, SIGTERM);
+  }
+  bool all_well = true;
+  for (const pid_t pid : deputies_) {
+    int status = 0;
+    while (::waitpid(pid, &status, 0) < 0 && errno == EINTR) {
+    }
+    all_well = all_well && WIFEXITED(status) && WEXITSTATUS(status) == 0;
+  }
+  deputies_.clear();
+  return all_well;
+}
+
+}  // namespace nodmap::procman

@@ -1,0 +1,18 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# Sourced. What both demos say, and how they take their arguments.
+
+# Colours are for terminals: in a file they are noise.
+say() { if [[ -t 1 ]]; then printf '\033[1m==> %s\033[0m\n' "$*"; else printf '==> %s\n' "$*"; fi; }
+die() { printf 'nodmap demo: %s\n' "$*" >&2; exit 1; }
+usage_error() { printf 'nodmap demo: %s (./nodmap demo --help tells more)\n' "$*" >&2; exit 2; }
+
+print_version() { sed -n 's/^project(nodmap VERSION \([^ ]*\).*/\1/p' CMakeLists.txt; }
+
+# need_number OPTION VALUE: a number above 0.
+need_number() {
+  [[ "$2" =~ ^[0-9]+(\.[0-9]+)?$ && "$2" =~ [1-9] ]] || usage_error "$1: '$2' is no number above 0"
+}
+# need_value OPTION ARGUMENTS-LEFT
+need_value() { [[ $2 -ge 2 ]] || usage_error "$1 needs a value"; }
+# need_new FOLDER: results are never overwritten.
+need_new() { [[ ! -e "$1" ]] || usage_error "$1 exists; results are never overwritten"; }

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "common/geometry/se2.hpp"
+#include "sim/body/params.hpp"
+#include "sim/world/world.hpp"
+
+namespace nodmap::sim {
+
+/// Where the actors of a world are. Those that do not react are where their path says. Those that
+/// react follow the social force model (Helbing, Farkas and Vicsek, Simulating dynamical features
+/// of escape panic, Nature 2000, without its contact forces; sight limited as in Helbing et al.
+/// 2005): a desired velocity to the next waypoint, repelled by other actors, walls and the robot.
+/// Nothing in it is random.
+class Crowd {
+ public:
+  Crowd(const World& world, const BodyParams& robot);
+
+  /// Moves everybody on to `time_s`, at most a few milliseconds after the last call.
+  void advance(double time_s, const geometry::SE2& T_world_robot);
+
+  [[nodiscard]] bool is_present(std::size_t actor) const {
+    return actors_[actor].is_present(time_s_);
+  }
+  [[nodiscard]] ActorState state(std::size_t actor) const;
+  [[nodiscard]] std::size_t size() const { return actors_.size(); }
+  /// The actors that are present.
+  void copy_present(std::vector<ActorState>& states) const;
+
+ private:
+  struct Walker {
+    Eigen::Vector2d position;
+    Eigen::Vector2d velocity = Eigen::Vector2d::Zero();
+    std::size_t next = 0;  ///< waypoint
+  };
+  struct Disc {
+    Eigen::Vector2d center;
+    double radius_m;
+  };
+
+  void update_velocity(std::size_t actor, double dt_s, const Disc& robot);
+  /// Velocity that an undisturbed walker would have.
+  [[nodiscard]] Eigen::Vector2d desired_velocity(std::size_t actor);
+  /// Acceleration by everything that the walker keeps away from.
+  [[nodiscard]] Eigen::Vector2d repulsion(std::size_t actor, const Disc& robot) const;
+
+  std::vector<Actor> actors_;
+  std::vector<Object> walls_;  // what people do not step over
+  double robot_radius_m_;
+  double time_s_ = 0.0;
+  double updated_s_ = 0.0;
+  bool any_reacts_ = false;
+  std::vector<Walker> walkers_;  // of all actors; used for those that react
+};
+
+}  // namespace nodmap::sim

@@ -1,0 +1,40 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# What ./nodmap demo says of its arguments, before it builds or starts anything; how a build is shown; no colours in files.
+set -euo pipefail
+cd "$(dirname "$(readlink -f "$0")")/../.."
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+fail() { echo "FAILED: $*"; exit 1; }
+
+# expect CODE TEXT ARGUMENT...
+expect() {
+  local code=0 wanted=$1 text=$2
+  shift 2
+  timeout 10 ./nodmap demo "$@" >"$work/out" 2>&1 || code=$?
+  [[ $code -eq $wanted ]] || { cat "$work/out"; fail "demo $*: code $code, not $wanted"; }
+  grep -qF -- "$text" "$work/out" || { cat "$work/out"; fail "demo $*: does not say '$text'"; }
+}
+expect 0 "--duration SECONDS" --help
+expect 0 "--speed FACTOR" some.clf --help
+expect 0 "$(sed -n 's/^project(nodmap VERSION \([^ ]*\).*/\1/p' CMakeLists.txt)" --version
+expect 2 "--duration: 'abc' is no number above 0" --duration abc
+expect 2 "--duration: '0' is no number above 0" --duration 0
+expect 2 "--duration needs a value" --duration
+expect 2 "--wrold is no option" --wrold x
+expect 2 "no.yaml: cannot open: No such file or directory" --world no.yaml
+expect 2 "$work exists" --out "$work"
+echo "a,b" >"$work/table.csv"
+expect 2 "table.csv: is neither a folder" "$work/table.csv"
+expect 2 "none.clf: cannot open: No such file or directory" "$work/none.clf"
+expect 2 "--speed: 'fast' is no number above 0" "$work/table.csv" --speed fast
+# An event log is known by what is in it.
+printf '\xed\xa1\xda\x01' >"$work/recording"
+scripts/demo.sh --check-arguments "$work/recording" --out "$work/new"
+[[ ! -e "$work/new" ]] || fail "a check has made a folder"
+
+! (source scripts/demo_common.sh && say hello) | grep -q $'\033' || fail "colours in a file"
+
+shown=$(printf '5 20 10.0 Building x\nx.cpp:3: warning\n' | scripts/build_progress.py | tr '\r' '\n')
+grep -qF "5 of 20 steps, about 30 s left" <<<"$shown" || fail "no estimate in '$shown'"
+grep -qF "x.cpp:3: warning" <<<"$shown" || fail "a message of the compiler is lost"

@@ -1,0 +1,74 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# nodmap-sheriff --lone: one command starts deputy, sheriff and script; Ctrl-C, SIGTERM and kill -9 end everything. Then what a command that
+# has ended wrote, for a sheriff that comes later.
+#   lone_test.sh BIN_DIR
+set -euo pipefail
+bin=$1
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+fail() { echo "FAILED: $*"; cat "$work"/*.log 2>/dev/null; exit 1; }
+export NODMAP_LONE=$work
+cat >"$work/a.pmd" <<'PMD'
+cmd "sleeper" { exec = "sleep 1000"; deputy = "here";
+  #nodmap: nice = 7;
+}
+cmd "failing" { exec = "ls /no/such/file"; deputy = "here"; }
+script "up" { start cmd "sleeper" wait "running"; }
+script "fail" { start cmd "failing"; }
+PMD
+
+# The processes of this test that are called so; some end while they are looked at.
+mine() { { grep -lsz "^NODMAP_LONE=$work\$" /proc/[0-9]*/environ | cut -d/ -f3 | while read -r pid; do
+  [[ "$(tr '\0' ' ' <"/proc/$pid/cmdline")" == $1 ]] && echo "$pid"
+done; } 2>/dev/null || true; }
+sleeper() { mine "sleep 1000 "; }
+left_over() { sleeper; mine "*/nodmap-*"; }
+wait_for() { for _ in $(seq 200); do "$@" && return; sleep 0.05; done; fail "waited in vain for: $*"; }
+is_up() { [[ -n "$(sleeper)" ]]; }
+is_asleep_no_more() { [[ -z "$(sleeper)" ]]; }
+is_gone() { [[ -z "$(left_over)" ]]; }
+
+for signal in INT TERM KILL; do
+  setsid env --default-signal=INT "$bin/nodmap-sheriff" "$work/a.pmd" --lone --script up --on-script-complete stay >"$work/$signal.log" 2>&1 &
+  sheriff=$!
+  wait_for is_up
+  nice=$(ps -o ni= -p "$(sleeper)" | tr -d ' ')
+  [[ "$nice" -ge 7 ]] || fail "the priority is $nice"
+  wait_for grep -q "script up is done" "$work/$signal.log"
+  code=0
+  kill -"$signal" "$sheriff"
+  wait "$sheriff" 2>/dev/null || code=$?
+  wait_for is_gone
+  [[ $signal == KILL || $code -eq 0 ]] || fail "exit code $code after SIG$signal"
+  echo "SIG$signal: everything has ended"
+done
+
+"$bin/nodmap-deputy" --config "$work/a.pmd" --id here 2>"$work/deputy.log" &
+deputy=$!
+wait_for grep -q serving "$work/deputy.log"
+# A sheriff that stays gives its orders again to a deputy that was killed and started anew.
+"$bin/nodmap-sheriff" "$work/a.pmd" --script up --on-script-complete stay >"$work/stay.log" 2>&1 &
+sheriff=$!
+wait_for grep -q "script up is done" "$work/stay.log"
+kill -KILL "$deputy"
+wait "$deputy" 2>/dev/null || true
+wait_for is_asleep_no_more
+"$bin/nodmap-deputy" --config "$work/a.pmd" --id here 2>"$work/deputy.log" &
+deputy=$!
+wait_for is_up
+kill -TERM "$sheriff"
+wait "$sheriff" || true
+echo "a killed deputy takes up its commands again"
+
+"$bin/nodmap-sheriff" "$work/a.pmd" --script fail --on-script-complete exit --timeout 20 >"$work/fail.log" 2>&1 && fail "a failing command is no failure"
+# Nobody was listening for it then.
+"$bin/nodmap-sheriff" "$work/a.pmd" --output failing >"$work/output.log" 2>&1 &
+listener=$!
+wait_for grep -q "/no/such/file" "$work/output.log"
+kill -TERM "$listener"
+wait "$listener" || true
+grep -q "failing: .*/no/such/file" "$work/deputy.log" || fail "the deputy's log has not the last words"
+kill -TERM "$deputy"
+wait "$deputy" || fail "the deputy does not end well"
+echo "the last words are heard later, and are in the log"

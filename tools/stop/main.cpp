@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// nodmap-stop: the robot stands until it is told to go on; with --go, it may drive.
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <iostream>
+#include <string>
+
+#include "common/bus/live_bus.hpp"
+#include "common/node/clock.hpp"
+#include "common/node/program.hpp"
+#include "nodmap/status_t.hpp"
+#include "nodmap/stop_t.hpp"
+
+namespace nodmap {
+namespace {
+
+using std::chrono::milliseconds;
+
+/// Said again for who misses one, and for a base driver that repeats an older STOP at that moment.
+constexpr int kTimes = 3;
+constexpr milliseconds kPause(300);
+
+struct Arguments {
+  bool is_go = false;
+  double wait_s = 10.0;
+  std::string by = "nodmap-stop";
+};
+
+/// Whether nodmap-kurt is heard in time: what is said before it listens is lost.
+bool await_base(bus::LiveBus& bus, double wait_s) {
+  bool is_heard = false;
+  bus.subscribe<status_t>(
+      "STATUS", [&](const status_t& status) { is_heard |= status.process_name == "nodmap-kurt"; });
+  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(wait_s);
+  while (!is_heard && !node::stop_requested() && std::chrono::steady_clock::now() < end) {
+    bus.handle(milliseconds(100));
+  }
+  return is_heard;
+}
+
+void say(bus::LiveBus& bus, const Arguments& arguments) {
+  stop_t message{};
+  message.is_stopped = static_cast<std::int8_t>(!arguments.is_go);
+  message.requested_by = arguments.by;
+  for (int i = 0; i < kTimes; ++i) {
+    message.utime = time::SystemClock().now_utime_us();
+    message.stop_seq = i;
+    bus.publish("STOP", message);
+    const auto end = std::chrono::steady_clock::now() + kPause;
+    while (std::chrono::steady_clock::now() < end) {
+      bus.handle(std::chrono::duration_cast<milliseconds>(kPause));
+    }
+  }
+}
+
+int run(const Arguments& arguments, const std::string& lcm_url) {
+  bus::LiveBus bus(lcm_url);
+  if (arguments.is_go && !await_base(bus, arguments.wait_s)) {
+    std::cerr << "nodmap-stop: no nodmap-kurt within " << arguments.wait_s << " s\n";
+    return 1;
+  }
+  say(bus, arguments);
+  return bus.counts().not_published == 0 ? 0 : 1;
+}
+
+}  // namespace
+}  // namespace nodmap
+
+int main(int argc, char** argv) {
+  using namespace nodmap;
+  Arguments arguments;
+  return node::run_program(
+      argc, argv,
+      {.name = "nodmap-stop",
+       .summary = "The robot stands until it is told to go on; with --go, it may drive.",
+       .uses_lcm = true,
+       .add_options =
+           [&arguments](CLI::App& app) {
+             app.add_flag("--go", arguments.is_go,
+                          "It may drive: after a STOP, and after each start of the base driver");
+             app.add_option("--wait", arguments.wait_s,
+                            "With --go: how long to wait for the base driver, seconds")
+                 ->check(CLI::Range(0.0, 3600.0))
+                 ->capture_default_str();
+             app.add_option("--by", arguments.by, "Who says it, for the log")
+                 ->capture_default_str();
+           },
+       .run = [&arguments](const std::string& lcm_url) { return run(arguments, lcm_url); }});
+}

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "common/node/device_node.hpp"
+#include "common/robot/robot_params.hpp"
+#include "sim/body/robot_model.hpp"
+#include "tools/trial/params.hpp"
+
+namespace nodmap::trial {
+
+/// The robots that a trial can be driven with. KURT3D is the default of all parameters; Jackal is
+/// the robot of the BARN challenge: 0.508 m x 0.430 m, differential drive, 2 m/s, and a laser of
+/// 270 degrees and 720 beams that is held level.
+enum class Robot : std::uint8_t { kKurt3d, kJackal };
+
+/// Gives simulator and software the robot's values.
+void set_robot(Robot robot, AllParams& params);
+
+/// A laser held level, in the place of the 3D scanner's driver: SCAN, and PITCH_STATE with a pitch
+/// of 0, 40 times a second. The beams of a scan are measured one after the other.
+class LevelScannerNode final : public node::DeviceNode {
+ public:
+  LevelScannerNode(node::Context& context, const robot::Mount& mount, sim::RobotModel& model);
+
+  void spin_once() override;
+  [[nodiscard]] std::array<int, 2> poll_handles() override { return {-1, -1}; }
+  [[nodiscard]] time::Duration wait() const override { return {}; }
+  [[nodiscard]] nlohmann::json metrics() const override;
+
+ private:
+  void publish_scan(std::int64_t end_us);
+  void publish_pitch(std::int64_t time_us);
+
+  node::Context& context_;
+  robot::Mount mount_;
+  sim::RobotModel& model_;
+  std::int64_t next_scan_us_;
+  std::int64_t seq_ = 0;
+};
+
+}  // namespace nodmap::trial
