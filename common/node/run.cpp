@@ -5,11 +5,13 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
+#include <vector>
 
 #include "common/bus/live_bus.hpp"
 #include "common/bus/replay_bus.hpp"
 #include "common/node/clock.hpp"
 #include "common/node/log.hpp"
+#include "common/node/map_options.hpp"
 #include "common/node/node.hpp"
 #include "common/node/program.hpp"
 #include "common/node/progress.hpp"
@@ -122,18 +124,17 @@ void run_live(const ProgramInfo& info, const Options& options, const std::string
   }
 }
 
-}  // namespace
-
-int run_node(int argc, char** argv, const ProgramInfo& info, params::Table& table,
-             const NodeFactory& make_node) {
+int run_with(int argc, char** argv, const ProgramInfo& info, params::Table& table,
+             const std::function<void(CLI::App&)>& add_more_options, const NodeFactory& make_node) {
   Options options;
-  const auto add_options = [&options](CLI::App& app) {
+  const auto add_options = [&](CLI::App& app) {
     auto* out = app.add_option(
         "--out", options.out,
         "Folder for the results; made, and never overwritten: live, DIR.2 follows DIR");
     app.add_option("--replay", options.replay,
                    "Work through this LCM event log instead of the network, as fast as possible")
         ->needs(out);
+    add_more_options(app);
   };
   return run_program(argc, argv,
                      {.name = info.name,
@@ -146,6 +147,38 @@ int run_node(int argc, char** argv, const ProgramInfo& info, params::Table& tabl
                                                : run_replay(info, options, make_node);
                         return 0;
                       }});
+}
+
+}  // namespace
+
+int run_node(int argc, char** argv, const ProgramInfo& info, params::Table& table,
+             const NodeFactory& make_node) {
+  return run_with(
+      argc, argv, info, table, [](CLI::App&) {}, make_node);
+}
+
+int run_map_node(int argc, char** argv, const ProgramInfo& info, params::Table& table,
+                 const MapNodeFactory& make_node) {
+  std::string localise_in;
+  std::vector<double> start_pose;  // x, y in m, yaw in degrees
+  const auto add_options = [&](CLI::App& app) {
+    auto* localise = app.add_option("--localise", localise_in,
+                                    "Localise in this map, and leave it as it is: map.yaml, or the "
+                                    "folder with it");
+    app.add_option("--start-pose", start_pose,
+                   "X Y YAW_DEG: where the robot is at the first scan; without, it is searched for "
+                   "in the whole map")
+        ->expected(3)
+        ->needs(localise);
+  };
+  return run_with(argc, argv, info, table, add_options, [&](Context& context) {
+    MapOptions options{localise_in, std::nullopt};
+    if (!start_pose.empty()) {
+      options.T_map_start =
+          geometry::SE2{start_pose[0], start_pose[1], geometry::deg_to_rad(start_pose[2])};
+    }
+    return make_node(context, options);
+  });
 }
 
 }  // namespace nodmap::node

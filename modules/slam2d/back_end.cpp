@@ -18,7 +18,10 @@ constexpr std::size_t kMaxTracked = 2;
 constexpr std::size_t kMaxSearches = 2;
 constexpr std::size_t kSearchEvery = 3;      // keyframes
 constexpr std::size_t kMaxScanPoints = 120;  // enough to match one scan
-constexpr std::size_t kOptimiseEvery = 3;
+// The graph is solved every few keyframes, and less often as it grows: its solution takes a time in
+// proportion to its submaps.
+constexpr std::size_t kMinOptimiseEvery = 3;
+constexpr std::size_t kSubmapsPerKeyframe = 40;
 constexpr double kSigmas = 3.0;
 // Nearer than this by the graph, a match finds the place without a search.
 constexpr double kTrackDistanceM = 0.35;
@@ -195,7 +198,9 @@ void BackEnd::close_loops() {
       search_loop(near.submap, scan, reach_m, reach_rad);
     }
   }
-  if (has_searched_loops_ || (has_new_loops_ && keyframes_since_optimised_ >= kOptimiseEvery)) {
+  const std::size_t optimise_every =
+      std::max(kMinOptimiseEvery, submaps_.size() / kSubmapsPerKeyframe);
+  if (has_searched_loops_ || (has_new_loops_ && keyframes_since_optimised_ >= optimise_every)) {
     optimise();
   }
 }

@@ -2,12 +2,14 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 #include "common/geometry/se2.hpp"
+#include "modules/slam2d/oriented_points.hpp"
 #include "modules/slam2d/params.hpp"
 
 namespace nodmap::slam2d {
@@ -17,8 +19,11 @@ namespace nodmap::slam2d {
 /// branch-and-bound search (Hess et al. 2016, section V-B).
 class LikelihoodGrid {
  public:
-  /// 2^(kLevels - 1) cells are the widest window.
-  static constexpr int kLevels = 6;
+  /// 2^(kLevels - 1) cells are the widest window. Wider ones hold a wall almost everywhere, and
+  /// rule nothing out.
+  static constexpr int kLevels = 4;
+  static constexpr int kTopLevel = kLevels - 1;
+  static constexpr int kTopCells = 1 << kTopLevel;
 
   /// `points`: of walls and objects. What is not finite or farther than `max_range_m` from the
   /// mean of the points is left out.
@@ -35,17 +40,54 @@ class LikelihoodGrid {
                             static_cast<std::size_t>(x)]
                   : 0;
   }
+  /// The sum of largest() over many cells, all shifted by (x, y). Ends early, with any value below
+  /// `min_sum`, once that cannot be reached.
+  [[nodiscard]] int sum_of_largest(int level, std::span<const Eigen::Vector2i> cells, int x, int y,
+                                   int min_sum) const;
+
+  /// For kRowChunk windows of the top level side by side, an upper bound of the sum of largest()
+  /// over many cells, all shifted by (x, y) and by the place of the window. They are found all at
+  /// once, which takes a tenth of the time.
+  using RowChunk = std::array<std::uint16_t, 16>;
+  static constexpr int kRowChunk = 16;
+  [[nodiscard]] RowChunk top_bounds(std::span<const Eigen::Vector2i> cells, int x, int y) const;
+
+  /// Leaves only these places for the robot, points in the frame of the map: no pose outside of
+  /// their cells is found, nor outside of the rectangle around the points. Without a call every
+  /// place will do.
+  void set_allowed(std::span<const Eigen::Vector2d> places);
+  /// Whether a place is allowed in the window of 2^level cells that begins at a cell.
+  [[nodiscard]] bool is_allowed(int level, int x, int y) const {
+    return allowed_.empty() || is_set(allowed_[static_cast<std::size_t>(level)], x, y);
+  }
 
  private:
+  using Level = std::vector<std::uint8_t>;  // row by row, x fastest
+
+  [[nodiscard]] bool is_set(const Level& level, int x, int y) const {
+    return x >= 0 && y >= 0 && x < width_ && y < height_ &&
+           level[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
+                 static_cast<std::size_t>(x)] != 0;
+  }
   void stamp(const Eigen::Vector2d& p);
-  void add_level();
+  void add_top_rows();
+  void add_windows(std::vector<Level>& levels) const;
 
   double cell_size_m_;
   Eigen::Vector2d origin_ = Eigen::Vector2d::Zero();
   int width_ = 0;
   int height_ = 0;
-  std::vector<std::vector<std::uint8_t>> levels_;  // row by row, x fastest
+  std::vector<Level> levels_;
+  /// The top level in 16 steps, rounded up: each row as kTopCells rows of every kTopCells-th cell,
+  /// with zeros before and after, `top_width_` long.
+  Level top_rows_;
+  int top_width_ = 0;
+  std::vector<Level> allowed_;  // empty: everywhere
 };
+
+/// The points of a scan that are worth searching with: at most one in each square of 0.2 m, no
+/// farther than 25 m, and 300 in all.
+[[nodiscard]] std::vector<Eigen::Vector2d> points_to_search(std::span<const OrientedPoint> scan);
 
 /// The poses to search: all in a square around the middle, up to `distance_m` in x and in y, and up
 /// to `rotation_rad` from its heading.
@@ -55,16 +97,21 @@ struct SearchWindow {
   double rotation_rad = 0.0;
 };
 
-struct CorrelativeMatch {
+/// A pose at which a scan fits a map.
+struct Peak {
   geometry::SE2 T_map_base;
   double score = 0.0;  ///< mean likelihood of the points, 0..1
-  /// Of the best pose that is no neighbour of this one; an upper bound of it where it is below
-  /// what was asked for.
-  double runner_up_score = 0.0;
-  /// Of (x, y in m, yaw in rad): the spread of the scores around the best pose (Olson 2009).
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+};
+
+struct CorrelativeMatch {
+  /// The best pose, and the best of those that are no neighbours of the peaks before. Those that
+  /// score less than `max_runner_up_ratio` of the best are left out.
+  std::vector<Peak> peaks;
   std::size_t expanded = 0;  ///< nodes of the search, for its cost
-  bool complete = true;      ///< false: the search ended at its limit, and found nothing
+  bool complete = true;      ///< false: the search ended at its limit, and may have missed peaks
+
+  /// Whether the best pose was found, and no other comes near its score.
+  [[nodiscard]] bool is_unique() const { return complete && peaks.size() == 1; }
 };
 
 /// Finds the pose of a scan in a map without a good guess: the best of all poses in a window, one
@@ -74,10 +121,11 @@ class CorrelativeMatcher {
  public:
   explicit CorrelativeMatcher(const LoopSearchParams& params) : params_(params) {}
 
-  /// The points of a scan, in base. A score below `min_score` means that nothing was found.
+  /// The points of a scan, in base. Finds no pose that scores below `min_score`.
   [[nodiscard]] CorrelativeMatch search(const LikelihoodGrid& grid,
                                         std::span<const Eigen::Vector2d> points_base,
-                                        const SearchWindow& window) const;
+                                        const SearchWindow& window,
+                                        std::size_t max_peaks = 2) const;
 
   /// The step from one rotated pose to the next, for these points.
   [[nodiscard]] static double rotation_step_rad(std::span<const Eigen::Vector2d> points_base,

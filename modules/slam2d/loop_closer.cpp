@@ -11,8 +11,6 @@ namespace {
 constexpr double kSearchCellM = 0.1;
 constexpr double kGridRangeM = 25.0;
 constexpr std::size_t kCachedGrids = 24;
-constexpr std::size_t kMaxSearchPoints = 300;
-constexpr double kDownsamplingM = 0.2;
 // A match may not leave the pose it started from by more.
 constexpr double kTrackDistanceM = 0.5;
 constexpr double kTrackRotationRad = 0.15;
@@ -33,28 +31,6 @@ MatcherParams from_near(MatcherParams params) {
   return params;
 }
 
-/// At most one point in each square of a grid, in the order of the scan.
-std::vector<Eigen::Vector2d> downsampled(std::span<const OrientedPoint> scan) {
-  std::set<std::pair<int, int>> taken;
-  std::vector<Eigen::Vector2d> points;
-  for (const OrientedPoint& point : scan) {
-    const Eigen::Vector2d cell = (point.p / kDownsamplingM).array().floor();
-    if (point.p.norm() <= kGridRangeM &&
-        taken.emplace(static_cast<int>(cell.x()), static_cast<int>(cell.y())).second) {
-      points.push_back(point.p);
-    }
-  }
-  if (points.size() > kMaxSearchPoints) {
-    const double stride = static_cast<double>(points.size()) / kMaxSearchPoints;
-    std::vector<Eigen::Vector2d> some;
-    for (std::size_t i = 0; i < kMaxSearchPoints; ++i) {
-      some.push_back(points[static_cast<std::size_t>(static_cast<double>(i) * stride)]);
-    }
-    return some;
-  }
-  return points;
-}
-
 }  // namespace
 
 LoopCloser::LoopCloser(const LoopParams& params, const MatcherParams& matcher)
@@ -72,7 +48,6 @@ std::optional<Loop> LoopCloser::track(const Submap& submap, std::span<const Orie
   Loop loop;
   loop.T_submap_keyframe = match.T_map_base;
   loop.information = match.information;
-  loop.inlier_ratio = match.inlier_ratio;
   return loop;
 }
 
@@ -104,23 +79,24 @@ const LikelihoodGrid& LoopCloser::grid_of(std::size_t submap_index, const Submap
 std::optional<Loop> LoopCloser::search(std::size_t submap_index, const Submap& submap,
                                        std::span<const OrientedPoint> scan,
                                        const SearchWindow& window, LoopRefusal& refusal) {
-  const std::vector<Eigen::Vector2d> points = downsampled(scan);
+  const std::vector<Eigen::Vector2d> points = points_to_search(scan);
   const CorrelativeMatch found = correlative_.search(grid_of(submap_index, submap), points, window);
-  if (found.score < params_.search.min_score) {
+  if (found.complete && found.peaks.empty()) {
     refusal = LoopRefusal::kNoPeak;
     return std::nullopt;
   }
-  if (found.runner_up_score > params_.search.max_runner_up_ratio * found.score || !found.complete) {
+  if (!found.is_unique()) {
     refusal = LoopRefusal::kAmbiguous;
     return std::nullopt;
   }
-  const Match match = matcher_.match(submap.points, scan, found.T_map_base);
+  const geometry::SE2& T_submap_found = found.peaks.front().T_map_base;
+  const Match match = matcher_.match(submap.points, scan, T_submap_found);
   // Along a degenerate direction the loop could be anywhere.
   if (!match.found() || match.degenerate_directions > 0 ||
       match.inlier_ratio < params_.search.min_inlier_ratio ||
       match.score < params_.match.min_score * match.inlier_ratio ||
-      distance(match.T_map_base, found.T_map_base) > kTrackDistanceM ||
-      rotation_between(match.T_map_base, found.T_map_base) > kTrackRotationRad) {
+      distance(match.T_map_base, T_submap_found) > kTrackDistanceM ||
+      rotation_between(match.T_map_base, T_submap_found) > kTrackRotationRad) {
     refusal = LoopRefusal::kPoorMatch;
     return std::nullopt;
   }
@@ -129,7 +105,6 @@ std::optional<Loop> LoopCloser::search(std::size_t submap_index, const Submap& s
   loop.submap = submap_index;
   loop.T_submap_keyframe = match.T_map_base;
   loop.information = match.information;
-  loop.inlier_ratio = match.inlier_ratio;
   return loop;
 }
 

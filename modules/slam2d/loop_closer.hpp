@@ -21,7 +21,6 @@ struct Loop {
   std::size_t keyframe = 0;
   geometry::SE2 T_submap_keyframe;
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  ///< in the frame of the submap
-  double inlier_ratio = 0.0;
 };
 
 enum class LoopRefusal : std::uint8_t { kNone, kNoPeak, kAmbiguous, kPoorMatch };

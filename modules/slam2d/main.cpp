@@ -1,9 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "common/node/map_options.hpp"
+#include "modules/slam2d/localiser_node.hpp"
 #include "modules/slam2d/node.hpp"
 
 int main(int argc, char** argv) {
-  return nodmap::node::run<nodmap::slam2d::Slam2dNode>(
+  using namespace nodmap;
+  slam2d::Slam2dParams values;
+  params::Table table(values);
+  return node::run_map_node(
       argc, argv,
       {"nodmap-slam2d",
-       "3DOF SLAM: matches level scans against a 2D point map and corrects the pose."});
+       "3DOF SLAM: matches level scans against a 2D point map and corrects the pose."},
+      table,
+      [&values](node::Context& context,
+                const node::MapOptions& options) -> std::unique_ptr<node::Node> {
+        if (options.localise_in.empty()) {
+          return std::make_unique<slam2d::Slam2dNode>(context, values);
+        }
+        return std::make_unique<slam2d::LocaliserNode>(context, values, options);
+      });
 }

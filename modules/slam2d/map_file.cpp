@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "modules/slam2d/map_file.hpp"
 
+#include <yaml-cpp/yaml.h>
+
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <fstream>
+#include <limits>
 #include <sstream>
 #include <stdexcept>
 #include <string>
@@ -29,6 +34,7 @@ constexpr drawing::Rgb kOdometryColour{170, 170, 170};
 constexpr double kImagePx = 1200.0;
 constexpr double kMaxPxPerM = 200.0;
 constexpr double kBorderM = 1.0;
+constexpr std::int64_t kMaxImageCells = 64'000'000;
 
 std::uint8_t grey(const OccupancyGrid& grid, int x, int y) {
   if (grid.occupancy(x, y) == OccupancyGrid::kUnknown) {
@@ -66,6 +72,91 @@ void write(const std::filesystem::path& file, const std::string& bytes) {
   }
 }
 
+[[noreturn]] void refuse(const std::filesystem::path& file, const std::string& reason) {
+  throw std::runtime_error(file.string() + ": " + reason);
+}
+
+/// What map.yaml says.
+struct MapHeader {
+  std::filesystem::path image;
+  double cell_size_m = 0.0;
+  geometry::SE2 T_map_grid;
+  bool negate = false;
+  double occupied_threshold = 0.65;
+  double free_threshold = 0.196;
+};
+
+MapHeader read_header(const std::filesystem::path& file) {
+  MapHeader header;
+  try {
+    const YAML::Node yaml = YAML::LoadFile(file.string());
+    header.image = file.parent_path() / yaml["image"].as<std::string>();
+    header.cell_size_m = yaml["resolution"].as<double>();
+    const YAML::Node origin = yaml["origin"];
+    header.T_map_grid = {origin[0].as<double>(), origin[1].as<double>(),
+                         origin.size() > 2 ? origin[2].as<double>() : 0.0};
+    header.negate = yaml["negate"] && yaml["negate"].as<std::string>() != "0" &&
+                    yaml["negate"].as<std::string>() != "false";
+    header.occupied_threshold = yaml["occupied_thresh"].as<double>(header.occupied_threshold);
+    header.free_threshold = yaml["free_thresh"].as<double>(header.free_threshold);
+  } catch (const YAML::Exception& error) {
+    refuse(file, error.what());
+  }
+  const geometry::SE2& T = header.T_map_grid;
+  if (!(header.cell_size_m > 0.0) || !std::isfinite(header.cell_size_m + T.x + T.y + T.yaw)) {
+    refuse(file, "resolution and origin must be finite, and the resolution positive");
+  }
+  return header;
+}
+
+/// The next number of a PGM file's header, past comments.
+int read_pgm_number(std::istream& in, const std::filesystem::path& file) {
+  while ((in >> std::ws) && in.peek() == '#') {
+    in.ignore(std::numeric_limits<std::streamsize>::max(), '\n');
+  }
+  int value = 0;
+  if (!(in >> value) || value < 0) {
+    refuse(file, "not a whole PGM image");
+  }
+  return value;
+}
+
+/// A grey image, 0 black to 1 white, first row on top.
+struct GreyImage {
+  int width = 0;
+  int height = 0;
+  std::vector<float> values;
+};
+
+GreyImage read_pgm(const std::filesystem::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::string magic(2, ' ');
+  if (!in || !in.read(magic.data(), 2) || (magic != "P5" && magic != "P2")) {
+    refuse(file, in ? "not a PGM image; only those are read" : "cannot be read");
+  }
+  GreyImage image;
+  image.width = read_pgm_number(in, file);
+  image.height = read_pgm_number(in, file);
+  const int white = read_pgm_number(in, file);
+  const auto size = static_cast<std::int64_t>(image.width) * image.height;
+  if (size == 0 || size > kMaxImageCells || white == 0 || white > 255) {
+    refuse(file, "an image of 1 to 64 million pixels with at most 255 grey values is needed");
+  }
+  in.ignore(1);
+  std::string bytes(magic == "P5" ? static_cast<std::size_t>(size) : 0, '\0');
+  if (!in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()))) {
+    refuse(file, "not a whole PGM image");
+  }
+  image.values.reserve(static_cast<std::size_t>(size));
+  for (std::int64_t i = 0; i < size; ++i) {
+    const int value = bytes.empty()
+                          ? read_pgm_number(in, file)
+                          : static_cast<unsigned char>(bytes[static_cast<std::size_t>(i)]);
+    image.values.push_back(static_cast<float>(value) / static_cast<float>(white));
+  }
+  return image;
+}
+
 std::vector<Eigen::Vector2d> positions_of(std::span<const geometry::SE2> path) {
   std::vector<Eigen::Vector2d> positions;
   positions.reserve(path.size());
@@ -87,6 +178,28 @@ void draw_ends(PlanView& view, const std::vector<Eigen::Vector2d>& path) {
 void write_ros_map(const std::filesystem::path& dir, const OccupancyGrid& grid) {
   write(dir / "map.pgm", pgm_of(grid));
   write(dir / "map.yaml", yaml_of(grid));
+}
+
+TrinaryGrid read_ros_map(const std::filesystem::path& path) {
+  const MapHeader header =
+      read_header(std::filesystem::is_directory(path) ? path / "map.yaml" : path);
+  const GreyImage image = read_pgm(header.image);
+  TrinaryGrid grid;
+  grid.cell_size_m = header.cell_size_m;
+  grid.T_map_grid = header.T_map_grid;
+  grid.width = image.width;
+  grid.height = image.height;
+  grid.cells.reserve(image.values.size());
+  for (int y = image.height - 1; y >= 0; --y) {
+    for (int x = 0; x < image.width; ++x) {
+      const double value = image.values[static_cast<std::size_t>(y * image.width + x)];
+      const double occupied = header.negate ? value : 1.0 - value;
+      grid.cells.push_back(occupied > header.occupied_threshold ? CellState::kOccupied
+                           : occupied < header.free_threshold   ? CellState::kFree
+                                                                : CellState::kUnknown);
+    }
+  }
+  return grid;
 }
 
 drawing::Image draw_map(const OccupancyGrid& grid, std::span<const geometry::SE2> path) {

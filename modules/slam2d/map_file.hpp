@@ -8,6 +8,7 @@
 
 #include "common/drawing/image.hpp"
 #include "common/geometry/se2.hpp"
+#include "modules/slam2d/known_map.hpp"
 #include "modules/slam2d/occupancy_grid.hpp"
 
 namespace nodmap::slam2d {
@@ -15,6 +16,10 @@ namespace nodmap::slam2d {
 /// Writes map.pgm and map.yaml as the ROS map_server reads them. An existing file stays in place
 /// until the new one is complete. Throws std::runtime_error naming the file.
 void write_ros_map(const std::filesystem::path& dir, const OccupancyGrid& grid);
+
+/// Reads a map as the ROS map_server does: `path` is a map.yaml, or a folder with one. The image
+/// it names is a PGM file (P2 or P5). Throws std::runtime_error naming the file and what is wrong.
+[[nodiscard]] TrinaryGrid read_ros_map(const std::filesystem::path& path);
 
 /// Draws the map with the path on it, y up, 1200 pixels or a pixel for each cell along its longer
 /// side; with a scale bar, a legend, and where the path starts and ends.

@@ -12,7 +12,6 @@
 #include "common/node/messages.hpp"
 #include "modules/slam2d/map_file.hpp"
 #include "nodmap/grid_chunk_t.hpp"
-#include "nodmap/pose_t.hpp"
 
 namespace nodmap::slam2d {
 
@@ -51,6 +50,29 @@ void write_tile(const OccupancyGrid& grid, const GridTile& tile, nodmap::grid_ch
 
 }  // namespace
 
+nodmap::pose_t write_pose(const PoseUpdate& update) {
+  nodmap::pose_t message = node::write_corrected_pose(
+      update.utime_us, geometry::to_se3(update.T_map_base), geometry::to_se3(update.T_map_odom));
+  message.match_share = update.inlier_ratio;
+  message.match_rms_m = update.rms_m;
+  message.pose_quality = static_cast<std::int8_t>(update.quality);
+  return message;
+}
+
+void publish_grid(const OccupancyGrid& grid, std::int64_t utime_us, std::int64_t revision,
+                  bus::Bus& bus) {
+  const std::vector<GridTile> tiles = cut_into_tiles(grid);
+  nodmap::grid_chunk_t message{};
+  message.utime = utime_us;
+  message.map_revision = revision;
+  message.num_chunks = static_cast<std::int32_t>(tiles.size());
+  for (const GridTile& tile : tiles) {
+    write_tile(grid, tile, message);
+    bus.publish("MAP_2D", message);
+    ++message.chunk_index;
+  }
+}
+
 Slam2dNode::Slam2dNode(node::Context& context, const Params& params)
     : context_(context),
       params_(params),
@@ -81,16 +103,17 @@ void Slam2dNode::on_scan(const nodmap::scan_t& message) {
   if (!input_.read(message, scan_)) {
     return;
   }
-  const Metrics before = slam_.metrics();
+  const ScanCounts before = slam_.scan_counts();
+  const std::int64_t without_points_before = slam_.metrics().scans_without_points;
   const std::optional<PoseUpdate> update = slam_.add_scan(scan_);
   if (!update) {
-    count_rejected(before);
+    count_rejected(before, without_points_before);
     return;
   }
   context_.counts.use();
   last_quality_ = update->quality;
   last_utime_us_ = update->utime_us;
-  publish_pose(*update);
+  context_.bus.publish("POSE_2D", write_pose(*update));
   draw_new_keyframes();
   redraw_moved_keyframes(kMaxCheckedPerScan, kMaxRedrawnPerScan);
   // The magnitude, so that a stamp that steps far back does not silence the map.
@@ -101,12 +124,11 @@ void Slam2dNode::on_scan(const nodmap::scan_t& message) {
   }
 }
 
-void Slam2dNode::count_rejected(const Metrics& before) {
-  const Metrics& now = slam_.metrics();
-  if (now.scans_without_odometry > before.scans_without_odometry) {
+void Slam2dNode::count_rejected(const ScanCounts& before, std::int64_t without_points_before) {
+  if (slam_.scan_counts().without_odometry > before.without_odometry) {
     context_.counts.reject("no_odometry");
   }
-  if (now.scans_without_points > before.scans_without_points) {
+  if (slam_.metrics().scans_without_points > without_points_before) {
     context_.counts.reject("too_few_points");
   }
 }
@@ -129,15 +151,13 @@ void Slam2dNode::finish() {
   slam_.polish();
   redraw_moved_keyframes(drawn_at_.size(), drawn_at_.size());
   publish_map(last_utime_us_);
-}
-
-void Slam2dNode::publish_pose(const PoseUpdate& update) {
-  nodmap::pose_t message = node::write_corrected_pose(
-      update.utime_us, geometry::to_se3(update.T_map_base), geometry::to_se3(update.T_map_odom));
-  message.match_share = update.inlier_ratio;
-  message.match_rms_m = update.rms_m;
-  message.pose_quality = static_cast<std::int8_t>(update.quality);
-  context_.bus.publish("POSE_2D", message);
+  const BackEndMetrics& loops = slam_.back_end().metrics();
+  log::get().info(
+      "{} loops closed between {} submaps: {} by a match, {} by {} searches; refused: {} fitted "
+      "poorly, {} fitted several places, {} contradicted the graph",
+      loops.loops_tracked + loops.loops_searched, slam_.back_end().submaps().size(),
+      loops.loops_tracked, loops.loops_searched, loops.searches, loops.refused_match,
+      loops.refused_ambiguous, loops.refused_by_graph);
 }
 
 void Slam2dNode::draw_new_keyframes() {
@@ -170,16 +190,7 @@ void Slam2dNode::publish_map(std::int64_t utime_us) {
   if (!grid_changed_) {
     return;
   }
-  const std::vector<GridTile> tiles = cut_into_tiles(grid_);
-  nodmap::grid_chunk_t message{};
-  message.utime = utime_us;
-  message.map_revision = maps_published_;
-  message.num_chunks = static_cast<std::int32_t>(tiles.size());
-  for (const GridTile& tile : tiles) {
-    write_tile(grid_, tile, message);
-    context_.bus.publish("MAP_2D", message);
-    ++message.chunk_index;
-  }
+  publish_grid(grid_, utime_us, maps_published_, context_.bus);
   ++maps_published_;
   grid_changed_ = false;
   last_map_utime_us_ = utime_us;
@@ -210,7 +221,7 @@ nlohmann::json Slam2dNode::metrics() const {
   const BackEndMetrics& back_end = slam_.back_end().metrics();
   const double scans = static_cast<double>(std::max<std::int64_t>(1, metrics.scans));
   return {{"scans_used", metrics.scans},
-          {"scans_not_level", metrics.scans_not_level},
+          {"scans_not_level", slam_.scan_counts().not_level},
           {"map_points", slam_.back_end().num_points()},
           {"keyframes", slam_.keyframes().size()},
           {"tracked", metrics.tracked},

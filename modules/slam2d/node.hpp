@@ -11,10 +11,17 @@
 #include "modules/slam2d/params.hpp"
 #include "modules/slam2d/slam2d.hpp"
 #include "nodmap/odometry_t.hpp"
+#include "nodmap/pose_t.hpp"
 #include "nodmap/save_request_t.hpp"
 #include "nodmap/scan_t.hpp"
 
 namespace nodmap::slam2d {
+
+[[nodiscard]] nodmap::pose_t write_pose(const PoseUpdate& update);
+
+/// Publishes a grid as MAP_2D; `utime_us`: of the newest measurement in it.
+void publish_grid(const OccupancyGrid& grid, std::int64_t utime_us, std::int64_t revision,
+                  bus::Bus& bus);
 
 /// The shell of Slam2d: subscribes SCAN and ODOMETRY, publishes POSE_2D and MAP_2D, and saves the
 /// map at SAVE_REQUEST.
@@ -33,8 +40,7 @@ class Slam2dNode : public node::Node {
   void on_odometry(const nodmap::odometry_t& message);
   void on_scan(const nodmap::scan_t& message);
   void on_save_request(const nodmap::save_request_t& message);
-  void count_rejected(const Metrics& before);
-  void publish_pose(const PoseUpdate& update);
+  void count_rejected(const ScanCounts& before, std::int64_t without_points_before);
   void draw_new_keyframes();
   /// Draws keyframes again that the back end has moved: looks at `max_checked` of them, and draws
   /// `max_drawn` at most.

@@ -232,6 +232,44 @@ struct BackEndParams {
   }
 };
 
+/// When a place found in a known map is believed.
+struct RelocaliserParams {
+  double min_search_score = 0.4;
+  double min_peak_ratio = 0.85;
+  double min_score = 0.5;
+  double min_misfit_ratio = 1.5;
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.number("min_search_score", min_search_score, {0.05, 1.0},
+             "Poses whose mean likelihood is below this are not looked at.");
+    v.number("min_peak_ratio", min_peak_ratio, {0.1, 1.0},
+             "Nor those whose mean likelihood is below this ratio of the best.");
+    v.number("min_score", min_score, {0.0, 1.0},
+             "The robot is lost when no place scores at least this: the score of the match, less "
+             "the part of the points that were measured through walls.");
+    v.number("min_misfit_ratio", min_misfit_ratio, {1.0, 100.0},
+             "And when what is missing to a score of 1 at another place is not at least this many "
+             "times what is missing at the best.");
+  }
+};
+
+/// When a pose in a known map is given up.
+struct LocaliserParams {
+  double min_score = 0.5;
+  double max_misfit_s = 2.0;
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.number("min_score", min_score, {0.0, 1.0},
+             "A scan does not fit the known map when its match scores below this, less the part of "
+             "the points that were measured through walls.");
+    v.number("max_misfit_s", max_misfit_s, {0.0, 3600.0},
+             "The robot is lost when no scan has fitted for this time; it follows odometry until "
+             "then.");
+  }
+};
+
 struct Slam2dParams {
   LevelScanParams level_scans = {};
   MatcherParams matcher = {};
@@ -241,6 +279,8 @@ struct Slam2dParams {
   MapParams map = {};
   BackEndParams back_end = {};
   GridParams grid = {};
+  RelocaliserParams relocalise = {};
+  LocaliserParams localise = {};
 
   template <class Visitor>
   void describe(Visitor& v) {
@@ -252,6 +292,8 @@ struct Slam2dParams {
     v.section("map", map);
     v.section("back_end", back_end);
     v.section("grid", grid);
+    v.section("relocalise", relocalise);
+    v.section("localise", localise);
     describe_renamed(v);
   }
 

@@ -17,6 +17,12 @@ bool have_similar_normals(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   return a.isZero(0.0) || b.isZero(0.0) || a.dot(b) > kMinNormalCosine;
 }
 
+/// From a coordinate to the nearest one that lies in a cell; 0 inside.
+double distance_to_cell(double coordinate_m, std::int32_t index) {
+  const double from_first_m = coordinate_m - kCellSizeM * index;
+  return std::max({0.0, -from_first_m, from_first_m - kCellSizeM});
+}
+
 bool is_finite(const OrientedPoint& point) {
   return point.p.allFinite() && point.normal.allFinite();
 }
@@ -159,8 +165,11 @@ const MapPoint* PointMap::nearest(const OrientedPoint& point, double max_distanc
   const CellIndex low = cell_index(point.p.array() - radius_m);
   const CellIndex high = cell_index(point.p.array() + radius_m);
   for (std::int32_t y = low.y; y <= high.y; ++y) {
+    const double dy_m = distance_to_cell(point.p.y(), y);
     for (std::int32_t x = low.x; x <= high.x; ++x) {
-      if (const CellIndex index{x, y}; index != home) {
+      const double dx_m = distance_to_cell(point.p.x(), x);
+      const CellIndex index{x, y};
+      if (index != home && dx_m * dx_m + dy_m * dy_m <= nearest.squared_m2) {
         search_cell(index, point, nearest);
       }
     }

@@ -7,8 +7,6 @@
 namespace nodmap::slam2d {
 namespace {
 
-constexpr std::size_t kMinPoints = 10;  // fewer determine no pose
-
 double distance_m(const geometry::SE2& a, const geometry::SE2& b) {
   return std::hypot(a.x - b.x, a.y - b.y);
 }
@@ -31,29 +29,21 @@ void erase(const Keyframe& keyframe, const geometry::SE2& T_map_base, OccupancyG
 
 Slam2d::Slam2d(const Slam2dParams& params)
     : params_(params),
-      selector_(params.level_scans),
+      input_(params.level_scans),
       matcher_(params.matcher),
       search_(params.search),
       back_end_(params.back_end, params.map, params.matcher) {}
 
-bool Slam2d::add_odometry(std::int64_t utime_us, const geometry::SE3& T_odom_base) {
-  return odometry_.add(utime_us, T_odom_base);
-}
-
 void Slam2d::change_odometry_frame(const geometry::SE3& T_new_odom_base) {
-  if (const auto T_old_odom_base = odometry_.newest()) {
-    const geometry::SE2 T_old_new =
-        geometry::to_se2(*T_old_odom_base) * geometry::to_se2(T_new_odom_base).inverse();
-    T_map_odom_ = T_map_odom_ * T_old_new;
-    T_odom_keyframe_ = T_old_new.inverse() * T_odom_keyframe_;
-    T_odom_failed_search_.reset();  // the robot may have been carried: another search is worth it
-  }
-  odometry_.clear();
+  const geometry::SE2 T_old_new = input_.change_odometry_frame(T_new_odom_base);
+  T_map_odom_ = T_map_odom_ * T_old_new;
+  T_odom_keyframe_ = T_old_new.inverse() * T_odom_keyframe_;
+  T_odom_failed_search_.reset();  // the robot may have been carried: another search is worth it
 }
 
 std::optional<PoseUpdate> Slam2d::add_scan(const scan::Scan& scan) {
   // "... extracting exactly those 2D scans that have been taken in the horizontal position."
-  const std::optional<LevelScan> level_scan = next_level_scan(scan);
+  const std::optional<LevelScan> level_scan = input_.add_scan(scan);
   if (!level_scan) {
     return std::nullopt;
   }
@@ -82,34 +72,6 @@ std::vector<geometry::SE2> Slam2d::trajectory() const {
     poses.push_back(keyframes()[scan.keyframe].T_map_base * scan.T_keyframe_base);
   }
   return poses;
-}
-
-bool Slam2d::LevelScan::has_enough_points() const {
-  return points_base.size() >= kMinPoints;
-}
-
-std::optional<Slam2d::LevelScan> Slam2d::next_level_scan(const scan::Scan& scan) {
-  if (!scan::is_plausible(scan)) {
-    ++metrics_.scans_implausible;
-    return std::nullopt;
-  }
-  const scan::Scan* level = selector_.add(scan);
-  if (level == nullptr) {
-    ++metrics_.scans_not_level;
-    return std::nullopt;
-  }
-  const auto T_odom_first = odometry_.at(level->utime_us);
-  if (!T_odom_first) {
-    ++metrics_.scans_without_odometry;
-    return std::nullopt;
-  }
-  const auto T_odom_last = odometry_.at(level->utime_last_us()).value_or(*T_odom_first);
-  const geometry::SE2 T_odom_base = geometry::to_se2(*T_odom_first);
-  const geometry::SE2 T_first_last = T_odom_base.inverse() * geometry::to_se2(T_odom_last);
-  return LevelScan{.utime_us = level->utime_us,
-                   .T_odom_base = T_odom_base,
-                   .sensor_origin_base = scan::point_in_base(*level, 0, 0.0).head<2>(),
-                   .points_base = extractor_.extract(*level, T_first_last)};
 }
 
 std::optional<PoseUpdate> Slam2d::begin_map(const LevelScan& scan) {

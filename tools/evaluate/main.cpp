@@ -17,12 +17,15 @@
 #include "tools/evaluate/cloud_error.hpp"
 #include "tools/evaluate/corridor_error.hpp"
 #include "tools/evaluate/relations.hpp"
+#include "tools/evaluate/relocalisation.hpp"
 #include "tools/evaluate/trajectory_error.hpp"
 
 namespace {
 
 namespace evaluate = nodmap::evaluate;
 using nodmap::geometry::rad_to_deg;
+
+using evaluate::RelocalisationPlan;
 
 struct Arguments {
   std::string trajectory;
@@ -32,6 +35,9 @@ struct Arguments {
   std::string cloud;
   std::string world;
   std::vector<double> start;
+  std::string map;
+  std::string log;
+  RelocalisationPlan plan = {};
   std::function<void()> work;  ///< of the chosen subcommand
 };
 
@@ -120,6 +126,18 @@ void print_cloud(const Arguments& arguments) {
   std::cout << result.dump(2) << "\n";
 }
 
+void print_relocalisations(const Arguments& arguments) {
+  const auto result = evaluate::measure_relocalisation(
+      arguments.map, arguments.log, nodmap::formats::read_tum(arguments.truth), arguments.plan);
+  if (result.n == 0) {
+    throw std::runtime_error(arguments.log + ": holds no scan whose pose the truth tells");
+  }
+  const nlohmann::ordered_json json = {{"n", result.n},           {"right", result.right},
+                                       {"wrong", result.wrong},   {"said_lost", result.said_lost},
+                                       {"ms_p50", result.ms_p50}, {"ms_max", result.ms_max}};
+  std::cout << json.dump(2) << "\n";
+}
+
 CLI::App* add_against_truth(CLI::App& app, Arguments& arguments, const char* name,
                             const char* summary) {
   CLI::App* command = app.add_subcommand(name, summary);
@@ -160,6 +178,20 @@ void add_commands(CLI::App& app, Arguments& arguments) {
                    "X Y YAW_DEG: where the map begins in the world; default the robot's start")
       ->expected(3);
   cloud->callback([&arguments] { arguments.work = [&] { print_cloud(arguments); }; });
+
+  CLI::App* relocalise =
+      app.add_subcommand("relocalise", "How often a place in a map is found from nothing, as JSON");
+  relocalise->add_option("MAP", arguments.map, "map.yaml, or the folder with it")->required();
+  relocalise->add_option("LOG", arguments.log, "LCM event log with SCAN and ODOMETRY")->required();
+  relocalise->add_option("TRUTH", arguments.truth, "True poses in the map (.tum)")->required();
+  relocalise->add_option("--scans", arguments.plan.num_scans, "Successive level scans in a group")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  relocalise
+      ->add_option("--every", arguments.plan.every, "Place each K-th group; default 200 in all")
+      ->check(CLI::PositiveNumber);
+  relocalise->callback(
+      [&arguments] { arguments.work = [&] { print_relocalisations(arguments); }; });
 }
 
 }  // namespace

@@ -103,8 +103,9 @@ TEST(CorrelativeMatcher, FindsWhatAnExhaustiveSearchFinds) {
                                truth.yaw + 0.2 * metres(random)},
                               1.0,
                               0.3};
-    EXPECT_NEAR(matcher.search(grid, scan, window).score, exhaustive_score(grid, scan, window),
-                1e-12);
+    const CorrelativeMatch match = matcher.search(grid, scan, window);
+    ASSERT_FALSE(match.peaks.empty());
+    EXPECT_NEAR(match.peaks[0].score, exhaustive_score(grid, scan, window), 1e-12);
   }
 }
 
@@ -114,14 +115,11 @@ TEST(CorrelativeMatcher, FindsThePoseToWithinACell) {
   const SE2 truth{1.3, 0.4, 2.0};
   const CorrelativeMatch match =
       CorrelativeMatcher({}).search(grid, seen_from(truth, map), {{0.0, 0.0, 0.0}, 3.0, 3.1});
-  EXPECT_NEAR(match.T_map_base.x, truth.x, kCellM);
-  EXPECT_NEAR(match.T_map_base.y, truth.y, kCellM);
-  EXPECT_NEAR(match.T_map_base.yaw, truth.yaw, 0.03);  // two steps of rotation
-  EXPECT_GT(match.score, 0.8);
-  EXPECT_LT(match.runner_up_score, 0.95 * match.score);
-  // All directions are told, to a cell or so.
-  EXPECT_LT(std::sqrt(match.covariance(0, 0)), 1.3 * kCellM);
-  EXPECT_LT(std::sqrt(match.covariance(1, 1)), 1.3 * kCellM);
+  ASSERT_TRUE(match.is_unique());
+  EXPECT_NEAR(match.peaks[0].T_map_base.x, truth.x, kCellM);
+  EXPECT_NEAR(match.peaks[0].T_map_base.y, truth.y, kCellM);
+  EXPECT_NEAR(match.peaks[0].T_map_base.yaw, truth.yaw, 0.03);  // two steps of rotation
+  EXPECT_GT(match.peaks[0].score, 0.8);
 }
 
 // Turned by half, an oblong room looks the same.
@@ -134,7 +132,10 @@ TEST(CorrelativeMatcher, ASymmetricRoomIsAmbiguous) {
   const LikelihoodGrid grid(map, kCellM, 50.0);
   const CorrelativeMatch match =
       CorrelativeMatcher({}).search(grid, seen_from({0.5, 0.3, 0.2}, map), {{}, 1.0, 3.14});
-  EXPECT_GT(match.runner_up_score, 0.9 * match.score);
+  ASSERT_EQ(match.peaks.size(), 2U);
+  EXPECT_NEAR(std::abs(geometry::angle_difference(match.peaks[0].T_map_base.yaw,
+                                                  match.peaks[1].T_map_base.yaw)),
+              geometry::kPi, 0.05);  // two steps of rotation
 }
 
 TEST(CorrelativeMatcher, AlongACorridorEveryPlaceIsAsGood) {
@@ -146,18 +147,64 @@ TEST(CorrelativeMatcher, AlongACorridorEveryPlaceIsAsGood) {
   add_wall(scan, {-5, -1}, {5, -1});
   add_wall(scan, {-5, 1}, {5, 1});
   const CorrelativeMatch match = CorrelativeMatcher({}).search(grid, scan, {{}, 3.0, 0.3});
-  EXPECT_GT(match.runner_up_score, 0.9 * match.score);
-  EXPECT_GT(match.covariance(0, 0), 4.0 * match.covariance(1, 1));
+  EXPECT_EQ(match.peaks.size(), 2U);
 }
 
 TEST(CorrelativeMatcher, NothingIsFoundWhereNothingIs) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   const CorrelativeMatcher matcher({});
-  EXPECT_EQ(matcher.search(LikelihoodGrid({}, kCellM, 50.0), room(), {{}, 1.0, 0.1}).score, 0.0);
+  const auto is_found = [&](const LikelihoodGrid& grid, const Points& scan) {
+    return !matcher.search(grid, scan, {{}, 1.0, 0.1}).peaks.empty();
+  };
+  EXPECT_FALSE(is_found(LikelihoodGrid({}, kCellM, 50.0), room()));
   const LikelihoodGrid grid(Points{{0.0, 0.0}, {kNan, 1.0}, {1.0, 0.0}}, kCellM, 50.0);
-  EXPECT_EQ(matcher.search(grid, {}, {{}, 1.0, 0.1}).score, 0.0);
-  EXPECT_EQ(matcher.search(grid, Points{{500.0, 500.0}}, {{}, 1.0, 0.1}).score, 0.0);
-  EXPECT_EQ(matcher.search(grid, Points{{kNan, 1e300}}, {{}, 1.0, 0.1}).score, 0.0);
+  EXPECT_FALSE(is_found(grid, {}));
+  EXPECT_FALSE(is_found(grid, Points{{500.0, 500.0}}));
+  EXPECT_FALSE(is_found(grid, Points{{kNan, 1e300}}));
+}
+
+// The bounds of the first squares, many at once, against their windows one by one.
+TEST(LikelihoodGrid, BoundsOfManyWindowsAreNoLowerThanTheirSums) {
+  const Points map = room();
+  const LikelihoodGrid grid(map, kCellM, 50.0);
+  std::vector<Eigen::Vector2i> cells;
+  for (const Eigen::Vector2d& p : seen_from({0.5, 0.2, 1.0}, map)) {
+    cells.push_back(grid.cell_of(p));
+  }
+  for (const int x : {-200, -77, -16, 0, 5, 64, 300}) {
+    for (const int y : {-90, -3, 0, 8, 71}) {
+      const LikelihoodGrid::RowChunk bounds = grid.top_bounds(cells, x, y);
+      for (int i = 0; i < LikelihoodGrid::kRowChunk; ++i) {
+        const int sum = grid.sum_of_largest(LikelihoodGrid::kTopLevel, cells,
+                                            x + i * LikelihoodGrid::kTopCells, y, 0);
+        ASSERT_GE(bounds[static_cast<std::size_t>(i)], sum);
+        // A step of 17 for each point that fits.
+        ASSERT_LE(bounds[static_cast<std::size_t>(i)], sum + 16 * static_cast<int>(cells.size()));
+      }
+    }
+  }
+}
+
+// Mirrored in the plane of symmetry, the other half is left out.
+TEST(LikelihoodGrid, OnlyAllowedPlacesAreFound) {
+  Points map;
+  add_wall(map, {-4, -3}, {4, -3});
+  add_wall(map, {4, -3}, {4, 3});
+  add_wall(map, {4, 3}, {-4, 3});
+  add_wall(map, {-4, 3}, {-4, -3});
+  LikelihoodGrid grid(map, kCellM, 50.0);
+  Points left;
+  for (double x = -3.9; x < -1.0; x += 0.05) {
+    for (double y = -2.9; y < 3.0; y += 0.05) {
+      left.emplace_back(x, y);
+    }
+  }
+  grid.set_allowed(left);
+  const CorrelativeMatch match =
+      CorrelativeMatcher({}).search(grid, seen_from({-2.0, 0.7, 0.2}, map), {{}, 4.0, 3.14});
+  ASSERT_TRUE(match.is_unique());
+  EXPECT_NEAR(match.peaks[0].T_map_base.x, -2.0, kCellM);
+  EXPECT_NEAR(match.peaks[0].T_map_base.y, 0.7, kCellM);
 }
 
 }  // namespace

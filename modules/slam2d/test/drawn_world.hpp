@@ -9,6 +9,8 @@
 
 #include "common/geometry/se2.hpp"
 #include "common/scan/scan.hpp"
+#include "modules/slam2d/occupancy_grid.hpp"
+#include "modules/slam2d/oriented_points.hpp"
 
 namespace nodmap::slam2d::test {
 
@@ -99,5 +101,31 @@ class Scanner {
   std::normal_distribution<double> noise_;
   std::mt19937 random_{20081};
 };
+
+/// The grid of what is seen from some poses.
+inline OccupancyGrid drawn_grid(const FloorPlan& plan, const std::vector<geometry::SE2>& poses) {
+  OccupancyGrid grid(0.05);
+  Scanner scanner;
+  OrientedPointExtractor extractor;
+  for (const geometry::SE2& pose : poses) {
+    const scan::Scan scan = scanner.scan(plan, pose);
+    for (const OrientedPoint& point : extractor.extract(scan, {})) {
+      grid.add_ray(pose.translation(), pose * point.p);
+    }
+  }
+  return grid;
+}
+
+/// Poses that see all of room().
+inline std::vector<geometry::SE2> poses_in_room() {
+  std::vector<geometry::SE2> poses;
+  for (const Eigen::Vector2d& place :
+       {Eigen::Vector2d(-1.5, 0.5), Eigen::Vector2d(1.0, -1.0), Eigen::Vector2d(3.5, 2.5)}) {
+    for (double yaw = 0.0; yaw < 6.2; yaw += 0.3) {
+      poses.push_back({place.x(), place.y(), yaw});
+    }
+  }
+  return poses;
+}
 
 }  // namespace nodmap::slam2d::test

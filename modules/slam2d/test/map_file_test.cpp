@@ -10,6 +10,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "modules/slam2d/test/drawn_world.hpp"
 #include "tests/support/data_dir.hpp"
 
 namespace nodmap::slam2d {
@@ -23,7 +24,7 @@ std::string slurp(const std::filesystem::path& file) {
 }
 
 TEST(MapFile, RosMapHasTheRobotsLeftAtTheTop) {
-  const test::TemporaryDir dir;
+  const nodmap::test::TemporaryDir dir;
   OccupancyGrid grid(0.5);
   ASSERT_TRUE(grid.add_ray({0.25, 0.25}, {0.25, 1.25}));  // a wall to the left; y is up
   write_ros_map(dir.path(), grid);
@@ -47,6 +48,72 @@ TEST(MapFile, RosMapHasTheRobotsLeftAtTheTop) {
   EXPECT_NE(yaml.find("image: map.pgm\n"), std::string::npos);
   EXPECT_NE(yaml.find("resolution: 0.5\n"), std::string::npos);
   EXPECT_NE(yaml.find("origin: [-50, -50, 0]\n"), std::string::npos);
+}
+
+TEST(MapFile, WhatWasWrittenIsReadAgain) {
+  const nodmap::test::TemporaryDir dir;
+  const OccupancyGrid grid = test::drawn_grid(test::room(), test::poses_in_room());
+  write_ros_map(dir.path(), grid);
+  const TrinaryGrid expected = trinary(grid);
+  for (const auto& path : {dir.path(), dir.path() / "map.yaml"}) {
+    const TrinaryGrid read = read_ros_map(path);
+    EXPECT_EQ(read.cells, expected.cells);
+    EXPECT_EQ(read.width, expected.width);
+    EXPECT_DOUBLE_EQ(read.cell_size_m, expected.cell_size_m);
+    EXPECT_NEAR(read.T_map_grid.x, expected.T_map_grid.x, 1e-9);
+    EXPECT_NEAR(read.T_map_grid.y, expected.T_map_grid.y, 1e-9);
+  }
+}
+
+void put(const std::filesystem::path& file, const std::string& content) {
+  std::ofstream(file, std::ios::binary) << content;
+}
+
+// As other programs write them: text, comments, a rotated origin, black for free.
+TEST(MapFile, ReadsTheMapsOfOtherPrograms) {
+  const nodmap::test::TemporaryDir dir;
+  put(dir.path() / "hall.pgm",
+      "P2 # made by hand\n# width and height\n3 2\n100\n0 50 100\n0 0 0\n");
+  put(dir.path() / "hall.yaml",
+      "image: hall.pgm\nresolution: 0.5\norigin: [1.0, 2.0, 1.5707963267948966]\nnegate: 1\n"
+      "occupied_thresh: 0.65\nfree_thresh: 0.25\n");
+  const TrinaryGrid grid = read_ros_map(dir.path() / "hall.yaml");
+  ASSERT_EQ(grid.cells.size(), 6U);
+  EXPECT_EQ(grid.at(0, 0), CellState::kFree);
+  EXPECT_EQ(grid.at(0, 1), CellState::kFree);  // the image's first row is on top
+  EXPECT_EQ(grid.at(1, 1), CellState::kUnknown);
+  EXPECT_EQ(grid.at(2, 1), CellState::kOccupied);
+  EXPECT_EQ(grid.at(3, 1), CellState::kUnknown);
+  EXPECT_NEAR(grid.middle_of(2, 0).x(), 1.0 - 0.25, 1e-9);
+  EXPECT_NEAR(grid.middle_of(2, 0).y(), 2.0 + 1.25, 1e-9);
+}
+
+TEST(MapFile, AMapThatCannotBeReadIsNamedWithTheReason) {
+  const nodmap::test::TemporaryDir dir;
+  const auto reason = [&](const std::string& yaml, const std::string& pgm) {
+    put(dir.path() / "map.yaml", yaml);
+    put(dir.path() / "map.pgm", pgm);
+    try {
+      (void)read_ros_map(dir.path());
+    } catch (const std::runtime_error& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  const std::string good = "image: map.pgm\nresolution: 0.05\norigin: [0, 0, 0]\n";
+  EXPECT_EQ(reason(good, "P5\n2 1\n255\nab"), "");
+  EXPECT_NE(reason(good, "P5\n2 1\n255\na").find("map.pgm: not a whole PGM image"),
+            std::string::npos);
+  EXPECT_NE(reason(good, "P5\n2 x").find("not a whole PGM image"), std::string::npos);
+  EXPECT_NE(reason(good, "P5\n200000 200000\n255\n").find("64 million"), std::string::npos);
+  EXPECT_NE(reason(good, "P6\n1 1\n255\nabc").find("not a PGM image"), std::string::npos);
+  EXPECT_NE(reason("image: none.pgm\nresolution: 0.05\norigin: [0, 0, 0]\n", "").find("none.pgm"),
+            std::string::npos);
+  EXPECT_NE(reason("resolution: [", "").find("map.yaml"), std::string::npos);
+  EXPECT_NE(reason("image: map.pgm\nresolution: -1\norigin: [0, 0, 0]\n", "").find("positive"),
+            std::string::npos);
+  EXPECT_NE(reason("image: map.pgm\nresolution: 0.1\norigin: 3\n", "").find("map.yaml"),
+            std::string::npos);
 }
 
 TEST(MapFile, AFolderThatIsMissingIsNamed) {

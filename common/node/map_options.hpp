@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+
+#include "common/geometry/se2.hpp"
+#include "common/node/node.hpp"
+
+namespace nodmap::node {
+
+/// The map a process is to work in.
+struct MapOptions {
+  std::filesystem::path localise_in;         ///< --localise; empty: none, the map is new
+  std::optional<geometry::SE2> T_map_start;  ///< --start-pose
+};
+
+using MapNodeFactory = std::function<std::unique_ptr<Node>(Context&, const MapOptions&)>;
+
+/// run_node() for a process that has the options --localise and --start-pose, too.
+int run_map_node(int argc, char** argv, const ProgramInfo& info, params::Table& table,
+                 const MapNodeFactory& make_node);
+
+}  // namespace nodmap::node

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "common/geometry/se2.hpp"
+#include "modules/slam2d/correlative_matcher.hpp"
+#include "modules/slam2d/occupancy_grid.hpp"
+#include "modules/slam2d/params.hpp"
+#include "modules/slam2d/point_map.hpp"
+
+namespace nodmap::slam2d {
+
+enum class CellState : std::uint8_t { kUnknown, kFree, kOccupied };
+
+/// An occupancy grid as map files hold it: each cell is in one of three states.
+struct TrinaryGrid {
+  double cell_size_m = 0.05;
+  geometry::SE2 T_map_grid = {};  ///< of the outer corner of cell (0, 0)
+  int width = 0;
+  int height = 0;
+  std::vector<CellState> cells = {};  ///< row by row, x fastest
+
+  /// kUnknown outside.
+  [[nodiscard]] CellState at(int x, int y) const {
+    const bool inside = x >= 0 && y >= 0 && x < width && y < height;
+    return inside ? cells[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
+                          static_cast<std::size_t>(x)]
+                  : CellState::kUnknown;
+  }
+  /// The middle of a cell, in map.
+  [[nodiscard]] Eigen::Vector2d middle_of(int x, int y) const {
+    return T_map_grid * Eigen::Vector2d((x + 0.5) * cell_size_m, (y + 0.5) * cell_size_m);
+  }
+};
+
+[[nodiscard]] TrinaryGrid trinary(const OccupancyGrid& grid);
+
+/// How a scan fits the grid, as parts of its points.
+struct GridFit {
+  double on_walls = 0.0;       ///< end at an occupied cell
+  double through_walls = 0.0;  ///< were measured through an occupied cell
+};
+
+/// A finished map to localise in: the surfaces as points with normals for scan matching, as a
+/// likelihood grid for the search of a pose, and the grid itself.
+class KnownMap {
+ public:
+  KnownMap(TrinaryGrid grid, const MapParams& params);
+
+  /// The cells at the border to free space, in map, with normals towards it.
+  [[nodiscard]] const PointMap& points() const { return points_; }
+  /// Of the same points; allows only places that are free.
+  [[nodiscard]] const LikelihoodGrid& likelihood() const { return likelihood_; }
+  [[nodiscard]] const TrinaryGrid& grid() const { return grid_; }
+  /// The smallest window that holds all free places.
+  [[nodiscard]] const SearchWindow& window() const { return window_; }
+
+  /// `scan`: points in base.
+  [[nodiscard]] GridFit fit(std::span<const OrientedPoint> scan,
+                            const Eigen::Vector2d& sensor_origin_base,
+                            const geometry::SE2& T_map_base) const;
+
+ private:
+  TrinaryGrid grid_;
+  PointMap points_;
+  LikelihoodGrid likelihood_;
+  SearchWindow window_;
+};
+
+}  // namespace nodmap::slam2d

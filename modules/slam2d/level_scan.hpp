@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "common/geometry/pose_history.hpp"
+#include "common/scan/scan.hpp"
+#include "modules/slam2d/level_scan_selector.hpp"
+#include "modules/slam2d/oriented_points.hpp"
+#include "modules/slam2d/params.hpp"
+
+namespace nodmap::slam2d {
+
+/// A level scan as the data set D of Eq. 3, and where the robot was by odometry.
+struct LevelScan {
+  std::int64_t utime_us = 0;  ///< of the first beam
+  geometry::SE2 T_odom_base;
+  Eigen::Vector2d sensor_origin_base = Eigen::Vector2d::Zero();
+  std::span<const OrientedPoint> points_base;
+
+  /// Fewer determine no pose.
+  [[nodiscard]] bool has_enough_points() const { return points_base.size() >= 10; }
+};
+
+/// How a pose was found; the values of nodmap.pose_t.
+enum class PoseQuality : std::uint8_t {
+  kTracked = 0,   ///< by matching
+  kPartly = 1,    ///< by matching, and by odometry along degenerate directions
+  kOdometry = 2,  ///< by odometry: the scan has too few points
+  kLost = 3,      ///< by odometry: the scan does not fit the map
+};
+
+/// The robot's pose at the first beam of a level scan.
+struct PoseUpdate {
+  std::int64_t utime_us = 0;  ///< of the first beam
+  geometry::SE2 T_map_base = {};
+  geometry::SE2 T_map_odom = {};  ///< the correction of odometry, which itself never jumps
+  double inlier_ratio = 0.0;      ///< of the match, as the next two; 0 where there was none
+  double score = 0.0;
+  double rms_m = 0.0;
+  PoseQuality quality = PoseQuality::kOdometry;
+  bool is_keyframe = false;
+};
+
+/// What became of the scans.
+struct ScanCounts {
+  std::int64_t implausible = 0;
+  std::int64_t not_level = 0;
+  std::int64_t without_odometry = 0;
+};
+
+/// Turns odometry and the scans of a nodding or level scanner into level scans.
+class LevelScanInput {
+ public:
+  explicit LevelScanInput(const LevelScanParams& params) : selector_(params) {}
+
+  /// Takes a pose of base by odometry. Returns false, and ignores it, when it is not finite.
+  bool add_odometry(std::int64_t utime_us, const geometry::SE3& T_odom_base);
+
+  /// Odometry continues in another frame: its newest pose and `T_new_odom_base` are the same place.
+  /// Returns T_old_new, the new odom frame in the old one. Older odometry is dropped, so that no
+  /// scan is placed between the two frames.
+  geometry::SE2 change_odometry_frame(const geometry::SE3& T_new_odom_base);
+
+  /// Takes the next scan. Returns the level scan that it completes, this one or the one before,
+  /// valid until the next call; nothing, and counts why, for a scan that is not level, implausible,
+  /// or more than 50 ms from any odometry.
+  [[nodiscard]] std::optional<LevelScan> add_scan(const scan::Scan& scan);
+
+  [[nodiscard]] const ScanCounts& counts() const { return counts_; }
+
+ private:
+  LevelScanSelector selector_;
+  geometry::PoseHistory odometry_;
+  OrientedPointExtractor extractor_;
+  ScanCounts counts_;
+};
+
+}  // namespace nodmap::slam2d

@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/slam2d/localiser.hpp"
+
+#include <cmath>
+
+namespace nodmap::slam2d {
+namespace {
+
+// A failed search is not repeated from the same place, but things may have moved after a while.
+constexpr double kSearchAgainM = 0.1;
+constexpr double kSearchAgainRad = 0.2;
+constexpr double kSearchAgainS = 1.0;
+// Scans from farther apart confirm a place: what they see differs.
+constexpr double kConfirmM = 0.5;
+constexpr double kConfirmRad = 0.5;
+
+bool is_beyond(const geometry::SE2& a, const geometry::SE2& b, double distance_m,
+               double rotation_rad) {
+  return (a.translation() - b.translation()).norm() > distance_m ||
+         std::abs(geometry::angle_difference(a.yaw, b.yaw)) > rotation_rad;
+}
+
+double seconds_between(std::int64_t from_us, std::int64_t to_us) {
+  return 1e-6 * std::abs(static_cast<double>(to_us) - static_cast<double>(from_us));
+}
+
+}  // namespace
+
+Localiser::Localiser(const Slam2dParams& params, const KnownMap& map,
+                     const std::optional<geometry::SE2>& T_map_start)
+    : params_(params),
+      map_(map),
+      input_(params.level_scans),
+      matcher_(params.matcher),
+      search_(params.search),
+      relocaliser_(params.relocalise, params.matcher),
+      T_map_start_(T_map_start) {}
+
+void Localiser::change_odometry_frame(const geometry::SE3& T_new_odom_base) {
+  const geometry::SE2 T_old_new = input_.change_odometry_frame(T_new_odom_base);
+  T_map_odom_ = T_map_odom_ * T_old_new;
+  T_odom_found_ = T_old_new.inverse() * T_odom_found_;
+  failed_search_.reset();
+}
+
+std::optional<PoseUpdate> Localiser::add_scan(const scan::Scan& scan) {
+  const std::optional<LevelScan> level_scan = input_.add_scan(scan);
+  if (!level_scan) {
+    return std::nullopt;
+  }
+  if (T_map_start_) {
+    T_map_odom_ = *T_map_start_ * level_scan->T_odom_base.inverse();
+    T_map_start_.reset();
+    state_ = State::kLocated;
+  }
+  PoseUpdate update = state_ == State::kLost ? search_whole_map(*level_scan) : track(*level_scan);
+  update.T_map_odom = T_map_odom_;
+  count(update);
+  return update;
+}
+
+PoseUpdate Localiser::track(const LevelScan& scan) {
+  PoseUpdate update{.utime_us = scan.utime_us, .T_map_base = T_map_odom_ * scan.T_odom_base};
+  const std::optional<Match> match = scan.has_enough_points() ? this->match(scan) : std::nullopt;
+  if (!match) {
+    doubt(scan, update);
+    return update;
+  }
+  misfit_since_us_.reset();
+  update.T_map_base = match->T_map_base;
+  update.inlier_ratio = match->inlier_ratio;
+  update.score = match->score;
+  update.rms_m = match->rms_m;
+  T_map_odom_ = update.T_map_base * scan.T_odom_base.inverse();
+  confirm(scan);
+  update.quality = state_ == State::kLocated && match->degenerate_directions == 0
+                       ? PoseQuality::kTracked
+                       : PoseQuality::kPartly;
+  return update;
+}
+
+/// A match that fits, from odometry or from around it.
+std::optional<Match> Localiser::match(const LevelScan& scan) {
+  const geometry::SE2 T_map_guess = T_map_odom_ * scan.T_odom_base;
+  const Match tracked = matcher_.match(map_.points(), scan.points_base, T_map_guess);
+  if (fits(scan, tracked)) {
+    failed_search_.reset();
+    return tracked;
+  }
+  if (!is_search_due(scan)) {
+    return std::nullopt;
+  }
+  const auto found =
+      search_.find_better(matcher_, map_.points(), scan.points_base, T_map_guess, tracked);
+  if (found && fits(scan, *found)) {
+    failed_search_.reset();
+    return found;
+  }
+  failed_search_ = FailedSearch{scan.utime_us, scan.T_odom_base};
+  return std::nullopt;
+}
+
+bool Localiser::fits(const LevelScan& scan, const Match& match) const {
+  return match.found() && match.score >= params_.localise.min_score &&
+         match.score - map_.fit(scan.points_base, scan.sensor_origin_base, match.T_map_base)
+                           .through_walls >=
+             params_.localise.min_score;
+}
+
+void Localiser::confirm(const LevelScan& scan) {
+  if (state_ == State::kUnconfirmed &&
+      is_beyond(T_odom_found_, scan.T_odom_base, kConfirmM, kConfirmRad)) {
+    state_ = State::kLocated;
+  }
+}
+
+// A place that was never confirmed is given up at once.
+void Localiser::doubt(const LevelScan& scan, PoseUpdate& update) {
+  update.quality = PoseQuality::kOdometry;
+  if (!scan.has_enough_points()) {
+    return;  // tells nothing, neither for nor against the pose
+  }
+  misfit_since_us_ = misfit_since_us_.value_or(scan.utime_us);
+  if (state_ == State::kUnconfirmed ||
+      seconds_between(*misfit_since_us_, scan.utime_us) >= params_.localise.max_misfit_s) {
+    state_ = State::kLost;
+    update.quality = PoseQuality::kLost;
+    ++metrics_.times_lost;
+    misfit_since_us_.reset();
+    failed_search_.reset();
+  }
+}
+
+PoseUpdate Localiser::search_whole_map(const LevelScan& scan) {
+  PoseUpdate update{.utime_us = scan.utime_us,
+                    .T_map_base = T_map_odom_ * scan.T_odom_base,
+                    .quality = PoseQuality::kLost};
+  if (!scan.has_enough_points() || !is_search_due(scan)) {
+    return update;
+  }
+  ++metrics_.relocalisations;
+  const Relocalisation found = relocaliser_.locate(map_, scan.points_base, scan.sensor_origin_base);
+  if (found.status != Relocalisation::Status::kFound) {
+    failed_search_ = FailedSearch{scan.utime_us, scan.T_odom_base};
+    return update;
+  }
+  ++metrics_.relocalisations_found;
+  state_ = State::kUnconfirmed;
+  T_map_odom_ = found.T_map_base * scan.T_odom_base.inverse();
+  T_odom_found_ = scan.T_odom_base;
+  return track(scan);
+}
+
+bool Localiser::is_search_due(const LevelScan& scan) const {
+  return !failed_search_ ||
+         is_beyond(failed_search_->T_odom_base, scan.T_odom_base, kSearchAgainM, kSearchAgainRad) ||
+         seconds_between(failed_search_->utime_us, scan.utime_us) >= kSearchAgainS;
+}
+
+void Localiser::count(const PoseUpdate& update) {
+  ++metrics_.scans;
+  metrics_.tracked += update.quality == PoseQuality::kTracked ? 1 : 0;
+  metrics_.partly += update.quality == PoseQuality::kPartly ? 1 : 0;
+  metrics_.odometry_only += update.quality == PoseQuality::kOdometry ? 1 : 0;
+  metrics_.lost += update.quality == PoseQuality::kLost ? 1 : 0;
+}
+
+}  // namespace nodmap::slam2d

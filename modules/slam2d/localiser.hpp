@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "modules/slam2d/known_map.hpp"
+#include "modules/slam2d/level_scan.hpp"
+#include "modules/slam2d/params.hpp"
+#include "modules/slam2d/pose_search.hpp"
+#include "modules/slam2d/relocaliser.hpp"
+#include "modules/slam2d/scan_matcher.hpp"
+
+namespace nodmap::slam2d {
+
+struct LocaliserMetrics {
+  std::int64_t scans = 0;  ///< level scans with a pose: the sum of the next four
+  std::int64_t tracked = 0;
+  std::int64_t partly = 0;
+  std::int64_t odometry_only = 0;
+  std::int64_t lost = 0;
+  std::int64_t relocalisations = 0;  ///< searches of the whole map
+  std::int64_t relocalisations_found = 0;
+  std::int64_t times_lost = 0;
+};
+
+/// Localises in a known map, which stays as it is: level scans are matched against it from the pose
+/// by odometry. A robot that does not know its place, at the start or after it was carried, is
+/// searched for in the whole map.
+///
+/// The quality of a pose is kTracked or kPartly while the scans fit, and kPartly as long as a place
+/// found in the whole map is not confirmed by other scans; kOdometry from the first scan that does
+/// not fit; kLost once they have not fitted for `localise.max_misfit_s`.
+class Localiser {
+ public:
+  /// `map` must outlive this. `T_map_start`: where the robot is at the first scan, if known.
+  Localiser(const Slam2dParams& params, const KnownMap& map,
+            const std::optional<geometry::SE2>& T_map_start);
+
+  /// As Slam2d does.
+  bool add_odometry(std::int64_t utime_us, const geometry::SE3& T_odom_base) {
+    return input_.add_odometry(utime_us, T_odom_base);
+  }
+  /// As Slam2d does.
+  void change_odometry_frame(const geometry::SE3& T_new_odom_base);
+
+  /// Takes the next scan of a nodding or level scanner; returns the pose when it completes a level
+  /// scan. Before the robot was found the first time, the pose means nothing: its quality is kLost.
+  std::optional<PoseUpdate> add_scan(const scan::Scan& scan);
+
+  [[nodiscard]] const LocaliserMetrics& metrics() const { return metrics_; }
+  [[nodiscard]] const ScanCounts& scan_counts() const { return input_.counts(); }
+
+ private:
+  enum class State : std::uint8_t { kLost, kUnconfirmed, kLocated };
+
+  struct FailedSearch {
+    std::int64_t utime_us = 0;
+    geometry::SE2 T_odom_base;
+  };
+
+  [[nodiscard]] PoseUpdate track(const LevelScan& scan);
+  [[nodiscard]] PoseUpdate search_whole_map(const LevelScan& scan);
+  [[nodiscard]] std::optional<Match> match(const LevelScan& scan);
+  [[nodiscard]] bool fits(const LevelScan& scan, const Match& match) const;
+  void confirm(const LevelScan& scan);
+  void doubt(const LevelScan& scan, PoseUpdate& update);
+  [[nodiscard]] bool is_search_due(const LevelScan& scan) const;
+  void count(const PoseUpdate& update);
+
+  Slam2dParams params_;
+  const KnownMap& map_;
+  LevelScanInput input_;
+  ScanMatcher matcher_;
+  PoseSearch search_;
+  Relocaliser relocaliser_;
+  State state_ = State::kLost;
+  std::optional<geometry::SE2> T_map_start_;
+  geometry::SE2 T_map_odom_;
+  geometry::SE2 T_odom_found_;  // where the place was found
+  std::optional<std::int64_t> misfit_since_us_;
+  /// Of the last search that found nothing, in the whole map or around odometry.
+  std::optional<FailedSearch> failed_search_;
+  LocaliserMetrics metrics_;
+};
+
+}  // namespace nodmap::slam2d

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/slam2d/localiser_node.hpp"
+
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "common/formats/tum.hpp"
+#include "common/node/log.hpp"
+#include "modules/slam2d/map_file.hpp"
+#include "modules/slam2d/node.hpp"
+
+namespace nodmap::slam2d {
+
+LocaliserNode::LocaliserNode(node::Context& context, const Slam2dParams& params,
+                             const node::MapOptions& options)
+    : context_(context),
+      input_(context.counts),
+      map_(read_ros_map(options.localise_in), params.map),
+      localiser_(params, map_, options.T_map_start) {
+  if (map_.points().points().empty()) {
+    throw std::runtime_error(options.localise_in.string() +
+                             ": a map without any wall beside free space");
+  }
+  context_.bus.subscribe<nodmap::odometry_t>(
+      "ODOMETRY", [this](const nodmap::odometry_t& message) { on_odometry(message); });
+  context_.bus.subscribe<nodmap::scan_t>(
+      "SCAN", [this](const nodmap::scan_t& message) { on_scan(message); });
+}
+
+void LocaliserNode::on_odometry(const nodmap::odometry_t& message) {
+  const auto T_odom_base = input_.read(message);
+  if (!T_odom_base) {
+    return;
+  }
+  if (input_.odometry_restarted()) {
+    localiser_.change_odometry_frame(*T_odom_base);
+  }
+  localiser_.add_odometry(message.utime, *T_odom_base);
+  context_.counts.use();
+}
+
+void LocaliserNode::on_scan(const nodmap::scan_t& message) {
+  if (!input_.read(message, scan_)) {
+    return;
+  }
+  const std::int64_t without_odometry = localiser_.scan_counts().without_odometry;
+  const std::optional<PoseUpdate> update = localiser_.add_scan(scan_);
+  if (localiser_.scan_counts().without_odometry > without_odometry) {
+    context_.counts.reject("no_odometry");
+  }
+  if (!update) {
+    return;
+  }
+  context_.counts.use();
+  context_.bus.publish("POSE_2D", write_pose(*update));
+  updates_.push_back(*update);
+}
+
+void LocaliserNode::write_results(const std::filesystem::path& dir) {
+  formats::Trajectory trajectory;
+  for (const PoseUpdate& update : updates_) {
+    if (update.quality != PoseQuality::kLost) {
+      trajectory.push_back({update.utime_us, geometry::to_se3(update.T_map_base)});
+    }
+  }
+  formats::write_tum(dir / "trajectory.tum", trajectory);
+  formats::write_tum(dir / "online.tum", trajectory);
+}
+
+nlohmann::json LocaliserNode::metrics() const {
+  const LocaliserMetrics& metrics = localiser_.metrics();
+  return {{"scans_used", metrics.scans},
+          {"scans_not_level", localiser_.scan_counts().not_level},
+          {"map_points", map_.points().points().size()},
+          {"tracked", metrics.tracked},
+          {"partly", metrics.partly},
+          {"odometry_only", metrics.odometry_only},
+          {"lost", metrics.lost},
+          {"times_lost", metrics.times_lost},
+          {"relocalisations", metrics.relocalisations},
+          {"relocalisations_found", metrics.relocalisations_found}};
+}
+
+node::Health LocaliserNode::health() const {
+  if (updates_.empty()) {
+    return {};
+  }
+  switch (updates_.back().quality) {
+    case PoseQuality::kLost:
+      return {node::HealthState::kDegraded, "Lost: the place in the map is not known."};
+    case PoseQuality::kOdometry:
+      return {node::HealthState::kDegraded, "Odometry only: the scan does not fit the map."};
+    case PoseQuality::kTracked:
+    case PoseQuality::kPartly:
+      break;
+  }
+  return {};
+}
+
+}  // namespace nodmap::slam2d

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <vector>
+
+#include "common/node/map_options.hpp"
+#include "common/node/message_input.hpp"
+#include "common/node/node.hpp"
+#include "modules/slam2d/localiser.hpp"
+#include "nodmap/odometry_t.hpp"
+#include "nodmap/scan_t.hpp"
+
+namespace nodmap::slam2d {
+
+/// The shell of Localiser: reads a map that is only looked at, subscribes SCAN and ODOMETRY, and
+/// publishes POSE_2D.
+class LocaliserNode : public node::Node {
+ public:
+  /// Throws std::runtime_error for a map that cannot be read.
+  LocaliserNode(node::Context& context, const Slam2dParams& params,
+                const node::MapOptions& options);
+
+  void write_results(const std::filesystem::path& dir) override;
+  [[nodiscard]] nlohmann::json metrics() const override;
+  [[nodiscard]] node::Health health() const override;
+
+ private:
+  void on_odometry(const nodmap::odometry_t& message);
+  void on_scan(const nodmap::scan_t& message);
+
+  node::Context& context_;
+  node::SensorInput input_;
+  KnownMap map_;
+  Localiser localiser_;
+  scan::Scan scan_;  // the last one; a member to reuse its memory
+  std::vector<PoseUpdate> updates_;
+};
+
+}  // namespace nodmap::slam2d

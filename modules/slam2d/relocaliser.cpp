@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/slam2d/relocaliser.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace nodmap::slam2d {
+namespace {
+
+constexpr std::size_t kMaxPeaks = 24;                // more places mean that the scan tells nothing
+constexpr double kMaxCorrespondenceDistanceM = 0.4;  // the search is a cell of 10 cm off
+constexpr double kMinCorrespondenceDistanceM = 0.15;  // other places fit only roughly
+constexpr double kMinMargin =
+    0.02;  // of score: where nearly every point fits, one more means little
+// Poses nearer to each other are the same place.
+constexpr double kSamePlaceM = 0.5;
+constexpr double kSamePlaceRad = 0.2;
+
+LoopSearchParams search_params(const RelocaliserParams& params) {
+  return {.min_score = params.min_search_score, .max_runner_up_ratio = params.min_peak_ratio};
+}
+
+MatcherParams matcher_params(MatcherParams params) {
+  params.max_correspondence_distance_m =
+      std::min(params.max_correspondence_distance_m, kMaxCorrespondenceDistanceM);
+  params.min_correspondence_distance_m =
+      std::min(params.min_correspondence_distance_m, kMinCorrespondenceDistanceM);
+  return params;
+}
+
+bool is_same_place(const geometry::SE2& a, const geometry::SE2& b) {
+  return (a.translation() - b.translation()).norm() < kSamePlaceM &&
+         std::abs(geometry::angle_difference(a.yaw, b.yaw)) < kSamePlaceRad;
+}
+
+}  // namespace
+
+void RecentScans::add(const LevelScan& scan) {
+  scans_.push_back({scan.T_odom_base, {scan.points_base.begin(), scan.points_base.end()}});
+  if (scans_.size() > num_scans_) {
+    scans_.pop_front();
+  }
+}
+
+std::vector<OrientedPoint> RecentScans::points_base() const {
+  std::vector<OrientedPoint> points;
+  for (const PlacedScan& scan : scans_) {
+    const geometry::SE2 T_last_base = scans_.back().T_odom_base.inverse() * scan.T_odom_base;
+    for (const OrientedPoint& point : scan.points_base) {
+      points.push_back(T_last_base * point);
+    }
+  }
+  return points;
+}
+
+Relocaliser::Relocaliser(const RelocaliserParams& params, const MatcherParams& matcher)
+    : params_(params), correlative_(search_params(params)), matcher_(matcher_params(matcher)) {}
+
+Relocalisation Relocaliser::locate(const KnownMap& map, std::span<const OrientedPoint> scan,
+                                   const Eigen::Vector2d& sensor_origin_base) const {
+  const CorrelativeMatch search =
+      correlative_.search(map.likelihood(), points_to_search(scan), map.window(), kMaxPeaks);
+  std::vector<Peak> places;
+  for (const Peak& peak : search.peaks) {
+    const Match match = matcher_.match(map.points(), scan, peak.T_map_base);
+    if (!match.found()) {
+      continue;
+    }
+    const GridFit fit = map.fit(scan, sensor_origin_base, match.T_map_base);
+    places.push_back({match.T_map_base, match.score - fit.through_walls});
+  }
+  Relocalisation result;
+  const auto best = std::max_element(
+      places.begin(), places.end(), [](const Peak& a, const Peak& b) { return a.score < b.score; });
+  if (best == places.end()) {
+    return result;
+  }
+  result.T_map_base = best->T_map_base;
+  result.score = best->score;
+  for (const Peak& place : places) {
+    if (!is_same_place(place.T_map_base, best->T_map_base)) {
+      result.runner_up_score = std::max(result.runner_up_score, place.score);
+    }
+  }
+  const double rival_score = 1.0 - params_.min_misfit_ratio * (1.0 - result.score) - kMinMargin;
+  if (result.score < params_.min_score) {
+    result.status = Relocalisation::Status::kNowhere;
+  } else if (result.runner_up_score > rival_score || search.peaks.size() == kMaxPeaks ||
+             !search.complete) {
+    result.status = Relocalisation::Status::kAmbiguous;
+  } else {
+    result.status = Relocalisation::Status::kFound;
+  }
+  return result;
+}
+
+}  // namespace nodmap::slam2d

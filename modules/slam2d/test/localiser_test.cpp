@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/slam2d/localiser.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "modules/slam2d/test/drawn_world.hpp"
+
+namespace nodmap::slam2d {
+namespace {
+
+using geometry::SE2;
+
+/// The map of room().
+KnownMap map_of_room() {
+  return {trinary(test::drawn_grid(test::room(), test::poses_in_room())), {}};
+}
+
+/// A robot that drives with odometry 3 % too long, 5 scans a second.
+class Drive {
+ public:
+  Drive(const KnownMap& map, const std::optional<SE2>& start) : localiser_({}, map, start) {}
+
+  /// Drives one step and takes a scan; returns the pose that came of it.
+  PoseUpdate step(const SE2& motion) {
+    truth = truth * motion;
+    odom_ = odom_ * SE2{1.03 * motion.x, 1.03 * motion.y, motion.yaw};
+    return stand();
+  }
+  PoseUpdate stand() {
+    utime_us_ += 200'000;
+    localiser_.add_odometry(utime_us_, geometry::to_se3(odom_));
+    return localiser_.add_scan(scanner_.scan(plan, truth, utime_us_)).value_or(PoseUpdate{});
+  }
+  [[nodiscard]] double error_m(const PoseUpdate& update) const {
+    return (update.T_map_base.translation() - truth.translation()).norm();
+  }
+  [[nodiscard]] const LocaliserMetrics& metrics() const { return localiser_.metrics(); }
+
+  SE2 truth;
+  test::FloorPlan plan = test::room();
+
+ private:
+  Localiser localiser_;
+  test::Scanner scanner_;
+  SE2 odom_{7.0, -3.0, 1.0};  // odometry begins anywhere
+  std::int64_t utime_us_ = 0;
+};
+
+constexpr double kMaxErrorM = 0.05;  // a cell of the map
+
+TEST(Localiser, FollowsTheRobotFromAGivenPose) {
+  const KnownMap map = map_of_room();
+  Drive drive(map, SE2{0.1, -0.1, 0.05});  // roughly given
+  for (int i = 0; i < 100; ++i) {
+    const PoseUpdate update = drive.step({0.04, 0.0, 0.06});
+    EXPECT_EQ(update.quality, PoseQuality::kTracked);
+    EXPECT_LT(drive.error_m(update), kMaxErrorM) << i;
+  }
+  EXPECT_EQ(drive.metrics().relocalisations, 0);
+  EXPECT_EQ(drive.metrics().tracked, 100);
+}
+
+TEST(Localiser, FindsItsPlaceFromNothingAndTrustsItOnceItHasDriven) {
+  const KnownMap map = map_of_room();
+  Drive drive(map, std::nullopt);
+  drive.truth = {1.0, -0.5, 2.0};
+  const PoseUpdate first = drive.stand();
+  EXPECT_EQ(first.quality, PoseQuality::kPartly);
+  EXPECT_LT(drive.error_m(first), kMaxErrorM);
+  PoseUpdate update;
+  for (int i = 0; i < 15; ++i) {  // 0.6 m
+    update = drive.step({0.04, 0.0, 0.03});
+    EXPECT_LT(drive.error_m(update), kMaxErrorM);
+  }
+  EXPECT_EQ(update.quality, PoseQuality::kTracked);
+  EXPECT_EQ(drive.metrics().relocalisations, 1);
+}
+
+// Carried away without a word from odometry.
+TEST(Localiser, AKidnappedRobotSaysThatItIsLostAndFindsItsPlaceAgain) {
+  const KnownMap map = map_of_room();
+  int lost = 0;
+  for (const SE2& elsewhere : {SE2{1.0, -1.0, 2.6}, SE2{-2.0, 2.0, -1.0}, SE2{3.7, 2.5, 3.0}}) {
+    Drive drive(map, SE2{});
+    for (int i = 0; i < 10; ++i) {
+      ASSERT_EQ(drive.step({0.04, 0.0, 0.05}).quality, PoseQuality::kTracked);
+    }
+    drive.truth = elsewhere;
+    bool said_lost = false;
+    PoseUpdate update;
+    for (int i = 0; i < 50; ++i) {  // 10 s of driving in a circle of 0.4 m
+      update = drive.step({0.04, 0.0, 0.1});
+      const bool is_wrong = drive.error_m(update) > 0.25;
+      said_lost = said_lost || update.quality == PoseQuality::kLost;
+      // 3 s, as the poses that do not fit say from the first on.
+      EXPECT_FALSE(is_wrong && i >= 15 && update.quality != PoseQuality::kLost) << i;
+      EXPECT_FALSE(is_wrong && update.quality == PoseQuality::kTracked) << i;
+    }
+    lost += said_lost ? 1 : 0;
+    EXPECT_EQ(update.quality, PoseQuality::kTracked);
+    EXPECT_LT(drive.error_m(update), kMaxErrorM);
+  }
+  EXPECT_EQ(lost, 3);
+}
+
+// What it does not know it does not call its map.
+TEST(Localiser, InAnotherBuildingItStaysLost) {
+  const KnownMap map = map_of_room();
+  Drive drive(map, std::nullopt);
+  drive.plan = test::ring_corridor();
+  for (int i = 0; i < 50; ++i) {
+    EXPECT_NE(drive.step({0.1, 0.0, 0.0}).quality, PoseQuality::kTracked);
+  }
+  EXPECT_GT(drive.metrics().lost, 40);
+}
+
+TEST(Localiser, OdometryThatRestartsLeavesTheRobotWhereItWas) {
+  const KnownMap map = map_of_room();
+  Localiser localiser({}, map, SE2{});
+  test::Scanner scanner;
+  localiser.add_odometry(0, geometry::to_se3({}));
+  ASSERT_TRUE(localiser.add_scan(scanner.scan(test::room(), {}, 0)));
+  localiser.change_odometry_frame(geometry::to_se3({5.0, 5.0, 1.0}));
+  localiser.add_odometry(200'000, geometry::to_se3({5.0, 5.0, 1.0}));
+  const auto update = localiser.add_scan(scanner.scan(test::room(), {}, 200'000));
+  ASSERT_TRUE(update);
+  EXPECT_EQ(update->quality, PoseQuality::kTracked);
+  EXPECT_LT(update->T_map_base.translation().norm(), kMaxErrorM);
+}
+
+}  // namespace
+}  // namespace nodmap::slam2d

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/evaluate/relocalisation.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "common/bus/codec.hpp"
+#include "common/bus/event_log.hpp"
+#include "common/geometry/angle.hpp"
+#include "common/node/message_input.hpp"
+#include "modules/slam2d/known_map.hpp"
+#include "modules/slam2d/level_scan.hpp"
+#include "modules/slam2d/map_file.hpp"
+#include "modules/slam2d/relocaliser.hpp"
+#include "tools/evaluate/trajectory_error.hpp"
+
+namespace nodmap::evaluate {
+namespace {
+
+constexpr std::int64_t kToleranceUs = 50'000;
+constexpr double kRightM = 0.25;
+constexpr double kRightRad = geometry::deg_to_rad(3.0);
+constexpr std::size_t kDefaultGroups = 200;
+
+/// Calls `visit` with each level scan of a log.
+void for_each_level_scan(const std::filesystem::path& log,
+                         const std::function<void(const slam2d::LevelScan&)>& visit) {
+  bus::LogReader reader(log);
+  node::MessageCounts counts;
+  node::SensorInput messages(counts);
+  slam2d::LevelScanInput input({});
+  nodmap::scan_t scan_message;
+  nodmap::odometry_t odometry_message;
+  scan::Scan scan;
+  while (const bus::LogEvent* event = reader.next()) {
+    if (event->channel == "ODOMETRY" && bus::decode_into(odometry_message, event->data)) {
+      if (const auto T_odom_base = messages.read(odometry_message)) {
+        input.add_odometry(odometry_message.utime, *T_odom_base);
+      }
+    } else if (event->channel == "SCAN" && bus::decode_into(scan_message, event->data) &&
+               messages.read(scan_message, scan)) {
+      if (const auto level_scan = input.add_scan(scan)) {
+        visit(*level_scan);
+      }
+    }
+  }
+}
+
+int default_every(const std::filesystem::path& log, int num_scans) {
+  std::size_t scans = 0;
+  for_each_level_scan(log, [&scans](const slam2d::LevelScan&) { ++scans; });
+  const std::size_t groups = scans / static_cast<std::size_t>(num_scans);
+  return static_cast<int>(std::max<std::size_t>(1, groups / kDefaultGroups));
+}
+
+double cpu_ms() {
+  return 1e3 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
+}
+
+bool is_right(const geometry::SE2& found, const geometry::SE2& truth) {
+  return (found.translation() - truth.translation()).norm() <= kRightM &&
+         std::abs(geometry::angle_difference(found.yaw, truth.yaw)) <= kRightRad;
+}
+
+}  // namespace
+
+RelocalisationResult measure_relocalisation(const std::filesystem::path& map,
+                                            const std::filesystem::path& log,
+                                            const formats::Trajectory& truth,
+                                            const RelocalisationPlan& plan) {
+  const slam2d::Slam2dParams params;
+  const slam2d::KnownMap known(slam2d::read_ros_map(map), params.map);
+  const slam2d::Relocaliser relocaliser(params.relocalise, params.matcher);
+  const int every = plan.every > 0 ? plan.every : default_every(log, plan.num_scans);
+  slam2d::RecentScans group(static_cast<std::size_t>(plan.num_scans));
+  int groups = 0;
+  int scans_in_group = 0;
+  std::vector<double> ms;
+  RelocalisationResult result;
+  for_each_level_scan(log, [&](const slam2d::LevelScan& scan) {
+    if (scans_in_group == 0) {
+      group.clear();
+    }
+    group.add(scan);
+    scans_in_group = (scans_in_group + 1) % plan.num_scans;
+    if (scans_in_group != 0 || groups++ % every != 0) {
+      return;
+    }
+    const auto known_pose =
+        associate({{scan.utime_us, geometry::SE3::Identity()}}, truth, kToleranceUs);
+    if (known_pose.empty()) {
+      return;
+    }
+    const double begin_ms = cpu_ms();
+    const slam2d::Relocalisation found =
+        relocaliser.locate(known, group.points_base(), scan.sensor_origin_base);
+    ms.push_back(cpu_ms() - begin_ms);
+    ++result.n;
+    if (found.status != slam2d::Relocalisation::Status::kFound) {
+      ++result.said_lost;
+    } else if (is_right(found.T_map_base, geometry::to_se2(known_pose.front().T_truth_base))) {
+      ++result.right;
+    } else {
+      ++result.wrong;
+    }
+  });
+  if (!ms.empty()) {
+    std::sort(ms.begin(), ms.end());
+    result.ms_p50 = ms[ms.size() / 2];
+    result.ms_max = ms.back();
+  }
+  return result;
+}
+
+}  // namespace nodmap::evaluate
