@@ -429,16 +429,23 @@ std::vector<Eigen::Vector2d> points_to_search(std::span<const OrientedPoint> sca
       points.push_back(point.p);
     }
   }
-  if (points.size() > kMaxSearchPoints) {
-    const double stride = static_cast<double>(points.size()) / kMaxSearchPoints;
-    std::vector<Eigen::Vector2d> some;
-    for (std::size_t i = 0; i < kMaxSearchPoints; ++i) {
-      some.push_back(points[static_cast<std::size_t>(static_cast<double>(i) * stride)]);
-    }
-    return some;
-  }
   return points;
 }
+
+namespace {
+
+/// At most `kMaxSearchPoints` of the points, spread over all.
+std::vector<Eigen::Vector2d> some_of(std::span<const Eigen::Vector2d> points) {
+  const std::size_t num_points = std::min(points.size(), kMaxSearchPoints);
+  std::vector<Eigen::Vector2d> some;
+  some.reserve(num_points);
+  for (std::size_t i = 0; i < num_points; ++i) {
+    some.push_back(points[i * points.size() / num_points]);
+  }
+  return some;
+}
+
+}  // namespace
 
 double CorrelativeMatcher::rotation_step_rad(std::span<const Eigen::Vector2d> points_base,
                                              double cell_size_m) {
@@ -457,8 +464,9 @@ CorrelativeMatch CorrelativeMatcher::search(const LikelihoodGrid& grid,
   if (points_base.empty()) {
     return match;
   }
-  const double full = 255.0 * static_cast<double>(points_base.size());
-  Search search(grid, points_base, window);
+  const std::vector<Eigen::Vector2d> points = some_of(points_base);
+  const double full = 255.0 * static_cast<double>(points.size());
+  Search search(grid, points, window);
   search.begin(static_cast<int>(params_.min_score * full), params_.max_runner_up_ratio);
   const double near_cells = kPeakDistanceM / grid.cell_size_m();
   const double near_rotations = kPeakRotationRad / search.rotation_step_rad();

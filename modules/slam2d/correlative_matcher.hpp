@@ -86,7 +86,7 @@ class LikelihoodGrid {
 };
 
 /// The points of a scan that are worth searching with: at most one in each square of 0.2 m, no
-/// farther than 25 m, and 300 in all.
+/// farther than 25 m.
 [[nodiscard]] std::vector<Eigen::Vector2d> points_to_search(std::span<const OrientedPoint> scan);
 
 /// The poses to search: all in a square around the middle, up to `distance_m` in x and in y, and up

@@ -2,8 +2,8 @@
 #include "modules/slam2d/localiser_node.hpp"
 
 #include <nlohmann/json.hpp>
-#include <stdexcept>
 
+#include "common/formats/input_file.hpp"
 #include "common/formats/tum.hpp"
 #include "common/node/log.hpp"
 #include "modules/slam2d/map_file.hpp"
@@ -18,8 +18,8 @@ LocaliserNode::LocaliserNode(node::Context& context, const Slam2dParams& params,
       map_(read_ros_map(options.localise_in), params.map),
       localiser_(params, map_, options.T_map_start) {
   if (map_.points().points().empty()) {
-    throw std::runtime_error(options.localise_in.string() +
-                             ": a map without any wall beside free space");
+    throw formats::InputFileError(options.localise_in.string() +
+                                  ": a map without any wall beside free space");
   }
   context_.bus.subscribe<nodmap::odometry_t>(
       "ODOMETRY", [this](const nodmap::odometry_t& message) { on_odometry(message); });

@@ -17,7 +17,7 @@ namespace nodmap::slam2d {
 /// publishes POSE_2D.
 class LocaliserNode : public node::Node {
  public:
-  /// Throws std::runtime_error for a map that cannot be read.
+  /// Throws formats::InputFileError for a map that cannot be read.
   LocaliserNode(node::Context& context, const Slam2dParams& params,
                 const node::MapOptions& options);
 

@@ -16,6 +16,7 @@
 
 #include "common/drawing/plan_view.hpp"
 #include "common/formats/atomic_file.hpp"
+#include "common/formats/input_file.hpp"
 
 namespace nodmap::slam2d {
 namespace {
@@ -73,7 +74,7 @@ void write(const std::filesystem::path& file, const std::string& bytes) {
 }
 
 [[noreturn]] void refuse(const std::filesystem::path& file, const std::string& reason) {
-  throw std::runtime_error(file.string() + ": " + reason);
+  throw formats::InputFileError(file.string() + ": " + reason);
 }
 
 /// What map.yaml says.
@@ -89,7 +90,8 @@ struct MapHeader {
 MapHeader read_header(const std::filesystem::path& file) {
   MapHeader header;
   try {
-    const YAML::Node yaml = YAML::LoadFile(file.string());
+    std::ifstream in = formats::open_input(file);
+    const YAML::Node yaml = YAML::Load(in);
     header.image = file.parent_path() / yaml["image"].as<std::string>();
     header.cell_size_m = yaml["resolution"].as<double>();
     const YAML::Node origin = yaml["origin"];
@@ -129,10 +131,10 @@ struct GreyImage {
 };
 
 GreyImage read_pgm(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
+  std::ifstream in = formats::open_input(file);
   std::string magic(2, ' ');
-  if (!in || !in.read(magic.data(), 2) || (magic != "P5" && magic != "P2")) {
-    refuse(file, in ? "not a PGM image; only those are read" : "cannot be read");
+  if (!in.read(magic.data(), 2) || (magic != "P5" && magic != "P2")) {
+    refuse(file, "not a PGM image; only those are read");
   }
   GreyImage image;
   image.width = read_pgm_number(in, file);

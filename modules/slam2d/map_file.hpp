@@ -18,7 +18,8 @@ namespace nodmap::slam2d {
 void write_ros_map(const std::filesystem::path& dir, const OccupancyGrid& grid);
 
 /// Reads a map as the ROS map_server does: `path` is a map.yaml, or a folder with one. The image
-/// it names is a PGM file (P2 or P5). Throws std::runtime_error naming the file and what is wrong.
+/// it names is a PGM file (P2 or P5). Throws formats::InputFileError naming the file and what is
+/// wrong.
 [[nodiscard]] TrinaryGrid read_ros_map(const std::filesystem::path& path);
 
 /// Draws the map with the path on it, y up, 1200 pixels or a pixel for each cell along its longer
