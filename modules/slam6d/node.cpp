@@ -249,6 +249,10 @@ node::Health Slam6dNode::health() const {
   if (slam_.metrics().scans_in_sweeps > 0 && slam_.sweeps().empty()) {
     return {HealthState::kDegraded, "There are scans, but no odometry for them."};
   }
+  if (!slam_.sweeps().empty() && slam_.sweeps().back().num_points == 0) {
+    return {HealthState::kDegraded,
+            "The last sweep has no point between range.min_m and range.max_m."};
+  }
   if (!slam_.sweeps().empty() && pose_quality(slam_.sweeps().back()) == nodmap::pose_t::LOST) {
     return {HealthState::kDegraded, "The last sweep does not fit the map."};
   }

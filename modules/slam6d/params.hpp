@@ -2,6 +2,7 @@
 #pragma once
 
 #include "common/geometry/angle.hpp"
+#include "modules/slam6d/odometry_calibration.hpp"
 #include "modules/slam6d/odometry_prior.hpp"
 #include "modules/slam6d/registration.hpp"
 #include "modules/slam6d/sweep_cloud.hpp"
@@ -54,6 +55,7 @@ struct Slam6dParams {
   RangeLimits range{};
   bool assume_stationary = false;
   OdometryParams odometry{};
+  CalibrationParams calibration{};
   VoxelMapParams voxels{};
   RegistrationParams registration{};
   KeyframeParams keyframe{};
@@ -66,6 +68,7 @@ struct Slam6dParams {
     v.flag("assume_stationary", assume_stationary,
            "Takes the robot as stationary where a recording has no odometry at all.");
     v.section("odometry", odometry);
+    v.section("calibration", calibration);
     v.section("voxels", voxels);
     v.section("registration", registration);
     v.section("keyframe", keyframe);

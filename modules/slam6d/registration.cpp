@@ -188,9 +188,10 @@ class SweepRegistration {
                     const RegistrationParams& params)
       : sweep_(sweep), map_(map), prior_(prior), params_(params) {
     result_.T_map_base = prior.T_map_base;
-    prior_information_.H = motion_covariance<N>(prior, prior.T_map_base, sweep.half_path())
-                               .llt()
-                               .solve(Matrix::Identity());
+    const Matrix covariance = motion_covariance<N>(prior, prior.T_map_base, sweep.half_path());
+    prior_information_.H = covariance.llt().solve(Matrix::Identity());
+    prior_covariance_ = covariance.template topLeftCorner<6, 6>();
+    result_.prior_end_covariance = end_covariance(covariance);
   }
 
   Registration run() {
@@ -339,23 +340,26 @@ class SweepRegistration {
     const auto estimate = registration::solve_motion<N>(
         measurement, scale * sums.imitated_information(params_.normal_error_rad), prior_here());
     result_.degenerate_directions = degenerate_directions(estimate.covariance);
-    result_.covariance = result_.end_covariance =
-        estimate.covariance.template topLeftCorner<6, 6>();
-    if constexpr (N == 12) {
-      const Matrix6d cross = estimate.covariance.template topRightCorner<6, 6>();
-      result_.end_covariance +=
-          cross + cross.transpose() + estimate.covariance.template bottomRightCorner<6, 6>();
-    }
+    result_.covariance = estimate.covariance.template topLeftCorner<6, 6>();
+    result_.end_covariance = end_covariance(estimate.covariance);
     is_valid_ = estimate.is_valid;
     return estimate.x;
   }
 
+  // At the last beam: of m0 + m1.
+  [[nodiscard]] static Matrix6d end_covariance(const Matrix& covariance) {
+    Matrix6d end = covariance.template topLeftCorner<6, 6>();
+    if constexpr (N == 12) {
+      const Matrix6d cross = covariance.template topRightCorner<6, 6>();
+      end += cross + cross.transpose() + covariance.template bottomRightCorner<6, 6>();
+    }
+    return end;
+  }
+
   // About how many directions of the pose the map says less than the prior.
   [[nodiscard]] int degenerate_directions(const Matrix& covariance) const {
-    const Matrix6d prior =
-        prior_information_.H.llt().solve(Matrix::Identity()).template topLeftCorner<6, 6>();
     const Matrix6d pose = covariance.template topLeftCorner<6, 6>();
-    const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6d> eigen(pose, prior);
+    const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6d> eigen(pose, prior_covariance_);
     return static_cast<int>((eigen.eigenvalues().array() > 0.5).count());
   }
 
@@ -405,6 +409,7 @@ class SweepRegistration {
   const RegistrationParams& params_;
   Registration result_;
   Information<N> prior_information_;
+  Matrix6d prior_covariance_;      // of the pose in the middle of the sweep
   MotionCorrection since_deskew_;  // not yet in the sweep's voxels
   std::size_t level_ = 0;
   float scale_m_ = 0.0F;

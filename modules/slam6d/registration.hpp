@@ -87,7 +87,8 @@ struct Registration {
   MotionCorrection correction;  ///< of odometry's motion within the sweep; zero when lost
   /// Of the base's position (m) and rotation vector (rad), axes of map.
   Matrix6d covariance = Matrix6d::Identity();
-  Matrix6d end_covariance = Matrix6d::Identity();  ///< the same at the last beam
+  Matrix6d end_covariance = Matrix6d::Identity();        ///< the same at the last beam
+  Matrix6d prior_end_covariance = Matrix6d::Identity();  ///< the same by the prior alone
   int iterations = 0;
   double inlier_ratio = 0.0;    ///< part of the sweep's points that lie on the map's planes
   double residual_rms_m = 0.0;  ///< of the inliers, weighted by the robust kernel

@@ -119,6 +119,10 @@ nlohmann::json slam_figures(const Slam6d& slam) {
           {"sweeps_lost", metrics.sweeps_lost},
           {"scans_in_sweeps", metrics.scans_in_sweeps},
           {"scans_without_odometry", metrics.scans_without_pose},
+          {"odometry_errors",
+           {{"per_m", slam.calibration().errors()[0]},
+            {"per_rad", slam.calibration().errors()[1]},
+            {"yaw_per_m_deg", geometry::rad_to_deg(slam.calibration().errors()[2])}}},
           {"map_voxels", metrics.map_voxels},
           {"map_memory_bytes", metrics.map_memory_bytes},
           {"keyframes", keyframes}};

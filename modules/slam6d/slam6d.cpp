@@ -10,6 +10,7 @@ namespace nodmap::slam6d {
 namespace {
 
 using geometry::SE3;
+using Vector6d = Eigen::Matrix<double, 6, 1>;
 
 // Odometry is kept as long as a sweep may last, at 10 scans a second (the slowest device known).
 std::int64_t history_span_us(const SweepParams& params) {
@@ -74,6 +75,7 @@ Slam6d::Slam6d(const Slam6dParams& params)
     : params_(params),
       segmenter_(params.sweep),
       odometry_(history_span_us(params.sweep), kMaxExtrapolationUs),
+      calibration_(params.calibration),
       map_(params.voxels) {}
 
 bool Slam6d::add_odometry(std::int64_t utime_us, const SE3& T_odom_base) {
@@ -114,7 +116,8 @@ std::optional<PoseUpdate> Slam6d::process(const Sweep& sweep) {
   counts_.scans_in_sweeps += sweep.scans.size();
   is_interrupted_ = is_interrupted_ || sweep.follows_interruption;
   keyframe_is_due_ = keyframe_is_due_ || sweep.follows_interruption;
-  auto cloud = deskew(sweep.scans, pose_at, params_.range);
+  auto cloud = deskew(sweep.scans, pose_at, params_.range,
+                      [this](const SE3& motion) { return calibration_.calibrate(motion); });
   counts_.scans_without_pose += cloud ? cloud->scans_without_pose : sweep.scans.size();
   return cloud ? std::optional(add_cloud(std::move(*cloud))) : std::nullopt;
 }
@@ -143,15 +146,24 @@ PoseUpdate Slam6d::add_cloud(SweepCloud cloud) {
 // Reference [5]: odometry's motion since the last registered pose, in that pose's frame:
 // P_n+1 = P_n (odo_n^-1 odo_n+1).
 PoseUpdate Slam6d::extrapolate(const SweepCloud& cloud) const {
-  return {.utime_us = cloud.utime_us,
-          .T_odom_base = cloud.T_odom_base,
-          .T_first_odom = T_first_odom_,
-          .T_map_base = T_map_odom_ * cloud.T_odom_base,
-          .T_map_odom = T_map_odom_,
-          .scans_used = cloud.scans_used,
-          .scans_without_pose = cloud.scans_without_pose,
-          .num_points = cloud.points.size(),
-          .is_stationary = is_stationary(cloud)};
+  PoseUpdate update{.utime_us = cloud.utime_us,
+                    .T_odom_base = cloud.T_odom_base,
+                    .T_first_odom = T_first_odom_,
+                    .scans_used = cloud.scans_used,
+                    .scans_without_pose = cloud.scans_without_pose,
+                    .num_points = cloud.points.size(),
+                    .is_stationary = is_stationary(cloud)};
+  update.T_map_base =
+      last_accepted_
+          ? T_map_end_ * calibration_.calibrate(counted_since_accepted(cloud.T_odom_base))
+          : T_map_odom_ * cloud.T_odom_base;
+  update.T_map_odom = update.T_map_base * cloud.T_odom_base.inverse();
+  return update;
+}
+
+// The motion from the end of the last accepted sweep, as odometry counted it.
+SE3 Slam6d::counted_since_accepted(const SE3& T_odom_base) const {
+  return T_first_end_.inverse() * T_first_odom_ * T_odom_base;
 }
 
 bool Slam6d::is_usable(const PoseUpdate& update) const {
@@ -161,8 +173,8 @@ bool Slam6d::is_usable(const PoseUpdate& update) const {
 }
 
 OdometryMotion Slam6d::motion_since_accepted(const SweepCloud& cloud) const {
-  const SE3 T_first_begin = T_first_odom_ * cloud.T_odom_base * cloud.T_base_first;
-  OdometryMotion motion = motion_of(T_first_end_.inverse() * T_first_begin);
+  OdometryMotion motion =
+      motion_of(counted_since_accepted(cloud.T_odom_base * cloud.T_base_first_counted));
   motion.is_interrupted = is_interrupted_;
   motion.lost_sweeps = lost_sweeps_;
   return motion;
@@ -188,9 +200,11 @@ PosePrior Slam6d::predict(const SweepCloud& cloud, const PoseUpdate& update) con
 // IV B: "registered into an incrementally built 3D model"; IV: "the same transformation can be
 // applied [...] to correct the former pose estimation obtained via odometry".
 void Slam6d::track(VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate& update) {
+  const PoseUpdate predicted = update;
   update.registration = register_sweep(sweep, map_, predict(cloud, update), params_.registration);
   update.T_map_base = update.registration->T_map_base;
   update.covariance = update.registration->covariance;
+  calibrate(cloud, predicted, update);
   switch (update.registration->status) {
     case RegistrationStatus::kTracking:
       ++counts_.sweeps_tracked;
@@ -205,15 +219,47 @@ void Slam6d::track(VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate& update)
   }
 }
 
+// What the motion since the last sweep says of the wheels.
+void Slam6d::calibrate(const SweepCloud& cloud, const PoseUpdate& predicted,
+                       const PoseUpdate& update) {
+  const Registration& registration = *update.registration;
+  if (!registration.is_accepted() || is_interrupted_ || lost_sweeps_ > 0) {
+    return;
+  }
+  const SE3 T_map_predicted = predicted.T_map_base * cloud.T_base_last;
+  const SE3 T_map_end = update.T_map_base * registration.correction.correct(cloud.T_base_last, 1.0);
+  const SE3 deviation = T_map_predicted.inverse() * T_map_end;
+  const Matrix6d random_covariance =
+      0.1 * odometry_covariance(T_map_end, motion_of(cloud.motion()), params_.odometry);
+  const auto evidence = [&](double deviation_along, const Vector6d& axis) -> MotionEvidence {
+    const auto variance = [&axis](const Matrix6d& covariance) {
+      return axis.dot(covariance * axis);
+    };
+    return {.deviation = deviation_along,
+            .prior_variance = variance(registration.prior_end_covariance),
+            .posterior_variance = variance(registration.end_covariance),
+            .start_variance = variance(end_covariance_),
+            .random_variance = variance(random_covariance)};
+  };
+  Vector6d forward = Vector6d::Zero();
+  forward.head<3>() = T_map_end.linear().col(0);
+  Vector6d yaw = Vector6d::Zero();
+  yaw.tail<3>() = T_map_end.linear().col(2);
+  calibration_.learn(counted_since_accepted(cloud.T_odom_base * cloud.T_base_last_counted),
+                     evidence(deviation.translation().x(), forward),
+                     evidence(geometry::rotation_vector(deviation.linear()).z(), yaw));
+}
+
 // Only what was registered enters the map: a refused sweep leaves no trace.
 void Slam6d::accept(const VoxelMap& sweep, SweepCloud& cloud, PoseUpdate& update) {
   map_.add_sweep(sweep, update.T_map_base);
-  const SE3 T_odom_end = update.T_odom_base * cloud.T_base_last;
+  const SE3 T_odom_end = update.T_odom_base * cloud.T_base_last_counted;
   if (update.registration) {
     cloud.correct(update.registration->correction);
     end_covariance_ = update.registration->end_covariance;
   }
-  T_map_odom_ = update.T_map_base * cloud.T_base_last * T_odom_end.inverse();
+  T_map_end_ = update.T_map_base * cloud.T_base_last;
+  T_map_odom_ = T_map_end_ * T_odom_end.inverse();
   T_first_end_ = T_first_odom_ * T_odom_end;
   update.T_map_odom = T_map_odom_;
   last_accepted_ = sweeps_.size();

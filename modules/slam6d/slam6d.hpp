@@ -96,6 +96,7 @@ class Slam6d {
   [[nodiscard]] std::span<const PoseUpdate> sweeps() const { return sweeps_; }
   [[nodiscard]] std::span<const Keyframe> keyframes() const { return keyframes_; }
   [[nodiscard]] const VoxelMap& map() const { return map_; }
+  [[nodiscard]] const OdometryCalibration& calibration() const { return calibration_; }
   [[nodiscard]] Metrics metrics() const;
 
   /// The pose of every sweep, with all that is known now: tracked sweeps as registered, those
@@ -107,6 +108,8 @@ class Slam6d {
   [[nodiscard]] PoseUpdate extrapolate(const SweepCloud& cloud) const;
   [[nodiscard]] bool is_usable(const PoseUpdate& update) const;
   [[nodiscard]] OdometryMotion motion_since_accepted(const SweepCloud& cloud) const;
+  [[nodiscard]] geometry::SE3 counted_since_accepted(const geometry::SE3& T_odom_base) const;
+  void calibrate(const SweepCloud& cloud, const PoseUpdate& predicted, const PoseUpdate& update);
   [[nodiscard]] PosePrior predict(const SweepCloud& cloud, const PoseUpdate& update) const;
   void track(VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate& update);
   void accept(const VoxelMap& sweep, SweepCloud& cloud, PoseUpdate& update);
@@ -115,10 +118,12 @@ class Slam6d {
   Slam6dParams params_;
   SweepSegmenter segmenter_;
   geometry::PoseHistory odometry_;
+  OdometryCalibration calibration_;
   VoxelMap map_;
   /// P_n * odo_n^-1 at the last beam of the last accepted sweep: the correction, map from odom.
   geometry::SE3 T_map_odom_ = geometry::SE3::Identity();
-  /// Odometry at that beam, in the first odom frame, and the covariance of that pose.
+  /// That pose, in map and by odometry in the first odom frame, and its covariance.
+  geometry::SE3 T_map_end_ = geometry::SE3::Identity();
   geometry::SE3 T_first_end_ = geometry::SE3::Identity();
   Matrix6d end_covariance_ = Matrix6d::Zero();
   /// The present odom frame in the first one.

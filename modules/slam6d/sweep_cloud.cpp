@@ -13,6 +13,8 @@ struct PlacedScan {
   const scan::Scan* scan = nullptr;
   SE3 T_odom_first;
   SE3 T_odom_last;
+  SE3 T_base_first = SE3::Identity();
+  SE3 T_base_last = SE3::Identity();
 };
 
 std::vector<PlacedScan> place_scans(std::span<const scan::Scan> scans, const PoseLookup& pose_at) {
@@ -22,7 +24,7 @@ std::vector<PlacedScan> place_scans(std::span<const scan::Scan> scans, const Pos
     const auto T_odom_first = pose_at(scan.utime_us);
     const auto T_odom_last = pose_at(scan.utime_last_us());
     if (T_odom_first && T_odom_last) {
-      placed.push_back({&scan, *T_odom_first, *T_odom_last});
+      placed.push_back({.scan = &scan, .T_odom_first = *T_odom_first, .T_odom_last = *T_odom_last});
     }
   }
   return placed;
@@ -35,11 +37,11 @@ double time_in_sweep(const scan::Scan& scan, std::int64_t first_us, std::int64_t
                             : 0.0;
 }
 
-void append_scan(const PlacedScan& placed, const SE3& T_base_odom, const RangeLimits& range,
-                 scan::ScanProjector& projector, SweepCloud& cloud) {
+void append_scan(const PlacedScan& placed, const RangeLimits& range, scan::ScanProjector& projector,
+                 SweepCloud& cloud) {
   const scan::Scan& scan = *placed.scan;
-  const SE3 T_base_first = T_base_odom * placed.T_odom_first;
-  const SE3 T_base_last = T_base_odom * placed.T_odom_last;
+  const SE3& T_base_first = placed.T_base_first;
+  const SE3& T_base_last = placed.T_base_last;
   const bool is_stationary = T_base_first.isApprox(T_base_last, 1e-12);
   for (const auto& hit : projector.hits(scan)) {
     const auto range_m = static_cast<double>(scan.ranges_m[hit.beam]);
@@ -84,8 +86,8 @@ void SweepCloud::correct(const MotionCorrection& correction) {
 }
 
 std::optional<SweepCloud> deskew(std::span<const scan::Scan> scans, const PoseLookup& pose_at,
-                                 const RangeLimits& range) {
-  const std::vector<PlacedScan> placed = place_scans(scans, pose_at);
+                                 const RangeLimits& range, const Calibration& calibrate) {
+  std::vector<PlacedScan> placed = place_scans(scans, pose_at);
   if (placed.empty()) {
     return std::nullopt;
   }
@@ -100,11 +102,17 @@ std::optional<SweepCloud> deskew(std::span<const scan::Scan> scans, const PoseLo
   cloud.scans_used = placed.size();
   cloud.scans_without_pose = scans.size() - placed.size();
   const SE3 T_base_odom = cloud.T_odom_base.inverse();
-  cloud.T_base_first = T_base_odom * placed.front().T_odom_first;
-  cloud.T_base_last = T_base_odom * placed.back().T_odom_last;
+  for (PlacedScan& scan : placed) {
+    scan.T_base_first = calibrate(T_base_odom * scan.T_odom_first);
+    scan.T_base_last = calibrate(T_base_odom * scan.T_odom_last);
+  }
+  cloud.T_base_first = placed.front().T_base_first;
+  cloud.T_base_last = placed.back().T_base_last;
+  cloud.T_base_first_counted = T_base_odom * placed.front().T_odom_first;
+  cloud.T_base_last_counted = T_base_odom * placed.back().T_odom_last;
   scan::ScanProjector projector;
   for (const PlacedScan& scan : placed) {
-    append_scan(scan, T_base_odom, range, projector, cloud);
+    append_scan(scan, range, projector, cloud);
     cloud.lines.back().time =
         time_in_sweep(*scan.scan, begin_us, placed.back().scan->utime_last_us());
   }

@@ -44,6 +44,9 @@ struct SweepCloud {
   /// The poses of the base at the first and the last beam.
   geometry::SE3 T_base_first = geometry::SE3::Identity();
   geometry::SE3 T_base_last = geometry::SE3::Identity();
+  /// The same as odometry counted them, without its calibration.
+  geometry::SE3 T_base_first_counted = geometry::SE3::Identity();
+  geometry::SE3 T_base_last_counted = geometry::SE3::Identity();
 
   /// The robot's motion from the first to the last beam.
   [[nodiscard]] geometry::SE3 motion() const { return T_base_first.inverse() * T_base_last; }
@@ -58,6 +61,9 @@ struct SweepCloud {
 
 /// Answers with T_odom_base at a time (us), empty where it is not known.
 using PoseLookup = std::function<std::optional<geometry::SE3>(std::int64_t)>;
+
+/// Puts a motion right that odometry counted.
+using Calibration = std::function<geometry::SE3(const geometry::SE3&)>;
 
 /// Which points of a scan are used, by their distance from the mirror.
 struct RangeLimits {
@@ -75,7 +81,8 @@ struct RangeLimits {
 /// is placed with the pitch and the robot's pose at its own time, relative to the base pose P_b =
 /// the pose in the middle of the sweep's time (the choice that makes the longest motion to a beam
 /// shortest). Scans without a pose are left out and counted; empty when no scan has one.
-[[nodiscard]] std::optional<SweepCloud> deskew(std::span<const scan::Scan> scans,
-                                               const PoseLookup& pose_at, const RangeLimits& range);
+[[nodiscard]] std::optional<SweepCloud> deskew(
+    std::span<const scan::Scan> scans, const PoseLookup& pose_at, const RangeLimits& range,
+    const Calibration& calibrate = [](const geometry::SE3& motion) { return motion; });
 
 }  // namespace nodmap::slam6d

@@ -1,0 +1,56 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""How well 6D SLAM follows simulated drives, with one setting after the other.
+
+bench/slam6d_drives.py [--out DIR] [--bin DIR] [--choose] [--setting "key=value ..." ...]
+
+Drives for 100 s through office, cellar, loop and the corridor of Fig. 6, with the odometry noise of bench/seeds.py. Reports two seeds of
+each; --choose takes two others, with which parameters may be chosen. A drive that is in DIR already is taken from there. One table for each
+setting: error of all poses against the truth, the first agreeing, of 6D SLAM and of 2D SLAM on the same drive.
+"""
+import argparse
+import json
+import pathlib
+import tempfile
+
+import seeds
+from slam2d_drives import ROOT, Drives
+
+WORLDS = ("office", "cellar", "loop", "corridor30")
+DURATION_S = 100
+
+
+def errors(drives, folder, setting):
+    words = [word for value in setting.split() for word in ("--set", value)]
+    with tempfile.TemporaryDirectory() as made:
+        out = pathlib.Path(made) / "slam6d"
+        drives.call("nodmap-slam6d", "--replay", folder / "trial.lcmlog", "--out", out, *words)
+        measured = json.loads(drives.call("nodmap-evaluate", "trajectory", out / "trajectory.tum", folder / "truth.tum"))
+        return measured, json.loads((out / "result.json").read_text())["metrics"]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--out", type=pathlib.Path, help="folder for the drives (1 GB), to be kept; default a temporary one")
+    parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build" / "release" / "bin")
+    parser.add_argument("--choose", action="store_true", help="seeds with which parameters may be chosen")
+    parser.add_argument("--setting", nargs="+", default=[""], help="parameters of nodmap-slam6d, one table each")
+    options = parser.parse_args()
+    some_seeds = seeds.CHOOSING[1:3] if options.choose else seeds.REPORTING[101:103]
+    with tempfile.TemporaryDirectory(prefix="nodmap-drives-") as temporary:
+        drives = Drives(options.out or pathlib.Path(temporary), options.bin)
+        drives.out.mkdir(parents=True, exist_ok=True)
+        for setting in options.setting:
+            print(f"{setting or 'defaults'}:\n\n| drive | ATE | worst | rotation | 2D SLAM | sweeps | refused |\n|---|---|---|---|---|---|---|")
+            for world in WORLDS:
+                for seed in some_seeds:
+                    folder = drives.drive((world, seed, DURATION_S))
+                    flat = json.loads(drives.call("nodmap-evaluate", "trajectory", folder / "slam2d" / "trajectory.tum", folder / "truth.tum"))
+                    measured, metrics = errors(drives, folder, setting)
+                    print(f"| {world}, seed {seed} | {100 * measured['ate_rmse_m']:.2f} cm | {100 * measured['ate_max_m']:.1f} cm "
+                          f"| {measured['rot_rmse_deg']:.2f}° | {100 * flat['ate_rmse_m']:.2f} cm | {metrics['sweeps']} "
+                          f"| {metrics['sweeps_lost']} |", flush=True)
+
+
+if __name__ == "__main__":
+    main()
