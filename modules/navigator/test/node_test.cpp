@@ -173,8 +173,9 @@ TEST_F(NavigatorNodeTest, AStopHaltsWithTheNextOdometryUntilItIsReleased) {
   EXPECT_TRUE(drives());
 }
 
-// Somebody sends one ODOMETRY that counts anew and is stamped far ahead; later the clock is set back by
-// an hour, just after the base driver was started anew. Each costs a moment and not the drive.
+// Somebody sends one ODOMETRY that counts anew and is stamped far ahead; later the clock is set
+// back by an hour, just after the base driver was started anew. Each costs a moment and not the
+// drive.
 TEST_F(NavigatorNodeTest, AFarStampOfAnOdometryFrameDoesNotHaltItForGood) {
   run(1.5);
   ASSERT_TRUE(drives());
