@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "common/geometry/angle.hpp"
+#include "modules/navigator/local_map/local_map.hpp"
 
 namespace nodmap::navigator {
 namespace {
@@ -45,9 +46,10 @@ Approach::Sectors Approach::nearest(const geometry::SE2& T_odom_base,
 }
 
 void Approach::update(std::int64_t utime_us, const geometry::SE2& T_odom_base, double reach_m,
-                      const Points& points_base, const SeenDirections& seen) {
+                      const Points& points_base, const SeenDirections& seen,
+                      const LocalMap* local_map) {
   if (known_) {
-    compare(nearest(T_odom_base, points_base), utime_us, reach_m, seen);
+    compare(nearest(T_odom_base, points_base), utime_us, reach_m, seen, T_odom_base, local_map);
   }
   if (!known_ || (T_odom_base.translation() - reference_odom_).norm() > kReferenceM) {
     reference_odom_ = T_odom_base.translation();
@@ -56,7 +58,8 @@ void Approach::update(std::int64_t utime_us, const geometry::SE2& T_odom_base, d
 }
 
 void Approach::compare(const Sectors& now, std::int64_t utime_us, double reach_m,
-                       const SeenDirections& seen) {
+                       const SeenDirections& seen, const geometry::SE2& T_odom_base,
+                       const LocalMap* local_map) {
   const Sectors before = *known_;
   for (int i = 0; i < kSectors; ++i) {
     const auto known_m = [&](int beside) {
@@ -67,7 +70,8 @@ void Approach::compare(const Sectors& now, std::int64_t utime_us, double reach_m
     const double nearest_known_m = std::min({known_m(-1), known_m(0), known_m(1)});
     const bool is_nearer =
         there.distance_m < nearest_known_m - kNearerM && there.p_base.norm() < reach_m;
-    if (is_nearer && seen.is_seen(std::atan2(there.p_base.y(), there.p_base.x()), sweeps_)) {
+    if (is_nearer && seen.is_seen(std::atan2(there.p_base.y(), there.p_base.x()), sweeps_) &&
+        (local_map == nullptr || local_map->was_floor(T_odom_base * there.p_base))) {
       detected_us_ = utime_us;
     }
     // The distance of something slow is compared with where it started.

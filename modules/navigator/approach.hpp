@@ -11,6 +11,8 @@
 
 namespace nodmap::navigator {
 
+class LocalMap;
+
 /// Detects that something comes nearer by its own motion, not by the robot's. People walk at 1 m/s
 /// and more, and do not yield: the robot waits for them.
 ///
@@ -23,9 +25,11 @@ class Approach {
   explicit Approach(int sweeps_to_trust) : sweeps_(sweeps_to_trust) {}
 
   /// The obstacles at this moment; `seen` has been updated before. Obstacles farther than `reach_m`
-  /// from the origin of base are ignored.
+  /// from the origin of base are ignored. With a local map only what is where floor was seen before
+  /// has approached: what comes into view behind a corner was there.
   void update(std::int64_t utime_us, const geometry::SE2& T_odom_base, double reach_m,
-              const Points& points_base, const SeenDirections& seen);
+              const Points& points_base, const SeenDirections& seen,
+              const LocalMap* local_map = nullptr);
 
   /// Whether something has come nearer within the last second: it may still be moving, and the
   /// laser measures it about so often.
@@ -42,7 +46,8 @@ class Approach {
 
   [[nodiscard]] Sectors nearest(const geometry::SE2& T_odom_base, const Points& points_base) const;
   void compare(const Sectors& now, std::int64_t utime_us, double reach_m,
-               const SeenDirections& seen);
+               const SeenDirections& seen, const geometry::SE2& T_odom_base,
+               const LocalMap* local_map);
 
   int sweeps_;
   Eigen::Vector2d reference_odom_ = Eigen::Vector2d::Zero();

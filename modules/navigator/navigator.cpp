@@ -64,6 +64,12 @@ void Navigator::add_scan(const scan::Scan& scan, const geometry::SE2& T_odom_bas
   }
 }
 
+void Navigator::add_contact(const geometry::SE2& T_odom_base, bool at_front) {
+  if (local_map_.has_scan()) {
+    local_map_.add_contact(T_odom_base, at_front);
+  }
+}
+
 Decision Navigator::decide(Situation now) {
   observe(now);
   join_local_map(now);
@@ -101,7 +107,9 @@ void Navigator::observe(const Situation& now) {
   seen_.update(now.T_odom_base.yaw, now.sweep_count);
   const double reach_m =
       body_.turning_radius_m() + kApproachM + kApproachS * std::max(0.0, now.forward_mps);
-  approach_.update(now.utime_us, now.T_odom_base, reach_m, now.points_base, seen_);
+  const bool has_local_map = local_map_.has_scan() && !now.laser_is_held;
+  approach_.update(now.utime_us, now.T_odom_base, reach_m, now.points_base, seen_,
+                   has_local_map ? &local_map_ : nullptr);
   back_up_.record(now.T_odom_base);
 }
 

@@ -32,6 +32,9 @@ class Navigator {
   /// A scan for the local map, with the pose at its middle.
   void add_scan(const scan::Scan& scan, const geometry::SE2& T_odom_base);
 
+  /// The wheels turn and the robot does not move, see LocalMap::add_contact.
+  void add_contact(const geometry::SE2& T_odom_base, bool at_front);
+
   /// `now.points_base` are those of the obstacle map; the local map's are added.
   [[nodiscard]] Decision decide(Situation now);
 

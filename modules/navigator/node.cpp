@@ -121,6 +121,7 @@ void NavigatorNode::begin_odometry_frame(std::int64_t utime_us) {
   odometry_frame_began_us_ = utime_us;
   map_.reset();
   odometry_history_.clear();
+  slip_.reset();
   stamps_.map_us.reset();
   navigator_.reset();
 }
@@ -177,6 +178,21 @@ void NavigatorNode::on_pose(const nodmap::pose_t& message) {
   }
   context_.counts.use();
   T_map_odom_ = geometry::to_se2(*T_map_odom);
+  watch_slip(message);
+}
+
+/// Only while 2D SLAM is sure in all directions: along a bare corridor it follows the wheels.
+void NavigatorNode::watch_slip(const nodmap::pose_t& message) {
+  const auto T_odom_base = odometry_history_.at(message.utime);
+  if (message.pose_quality != nodmap::pose_t::TRACKED || !T_odom_base) {
+    slip_.reset();
+    return;
+  }
+  const geometry::SE2 T_odom_base_2d = geometry::to_se2(*T_odom_base);
+  if (slip_.update(message.utime, T_odom_base_2d, T_map_odom_ * T_odom_base_2d)) {
+    ++num_slips_;
+    navigator_.add_contact(T_odom_base_2d, odometry_->forward_mps >= 0.0);
+  }
 }
 
 /// Remains in force until a message releases it, even if the sender has ended.
@@ -261,7 +277,8 @@ nlohmann::json NavigatorNode::metrics() const {
             {"brake", decisions_[nodmap::navigation_t::BRAKE]},
             {"turn", decisions_[nodmap::navigation_t::TURN]},
             {"arrived", decisions_[nodmap::navigation_t::ARRIVED]},
-            {"halt", decisions_[nodmap::navigation_t::HALT]}}}};
+            {"halt", decisions_[nodmap::navigation_t::HALT]}}},
+          {"slips", num_slips_}};
 }
 
 node::Health NavigatorNode::health() const {

@@ -13,6 +13,7 @@
 #include "common/node/node.hpp"
 #include "common/node/sender_watch.hpp"
 #include "modules/navigator/navigator.hpp"
+#include "modules/navigator/slip.hpp"
 #include "modules/navigator/staleness.hpp"
 #include "nodmap/drive_t.hpp"
 #include "nodmap/egomap_t.hpp"
@@ -64,6 +65,7 @@ class NavigatorNode final : public node::Node {
   void on_pose(const nodmap::pose_t& message);
   void on_stop(const nodmap::stop_t& message);
 
+  void watch_slip(const nodmap::pose_t& message);
   void begin_odometry_frame(std::int64_t utime_us);
   [[nodiscard]] std::optional<std::string> reason_not_to_drive() const;
   [[nodiscard]] Situation situation() const;
@@ -73,6 +75,8 @@ class NavigatorNode final : public node::Node {
   Params params_;
   node::SensorInput input_;
   Navigator navigator_;
+  SlipMonitor slip_;
+  std::int64_t num_slips_ = 0;
 
   node::SequenceCounter pitch_commands_watch_;
   node::SenderWatch pitch_command_sender_;  // on odometry's clock

@@ -21,9 +21,9 @@ constexpr double kCertainM = 0.03;
 /// 1 m, both growing with the root.
 constexpr double kMetresPerRad = 4.0;
 /// No beam is followed farther: what lies beyond is looked at again when it is near.
-constexpr double kFarthestPassM = 4.0;
+constexpr double kFarthestPassM = 3.5;
 /// So near before the end of a beam nothing is passed: noise of the range, and the cell itself.
-constexpr double kBeforeEndM = 0.05;
+constexpr double kBeforeEndM = 0.03;
 /// So many columns, 5 cm apart, make a row unknown: one alone may lie between beams.
 constexpr int kUnknownColumns = 2;
 /// Floor points no farther apart contradict a hole between them: one so narrow does not matter.
@@ -226,6 +226,20 @@ void LocalMap::add_obstacle(const Eigen::Vector2d& p_odom, double height_m) {
   cell->seen_at_dm = static_cast<std::uint16_t>(std::lround(10.0 * travel_m_));
 }
 
+void LocalMap::add_contact(const geometry::SE2& T_odom_base, bool at_front) {
+  const double x = (at_front ? 1.0 : -1.0) * (body_.half_length_m + grid_.cell_size_m());
+  for (double y = -body_.half_width_m; y <= body_.half_width_m; y += 0.5 * grid_.cell_size_m()) {
+    LocalCell* cell = find(T_odom_base * Eigen::Vector2d(x, y));
+    if (cell != nullptr) {
+      cell->obstacle = kMostEvidence;
+      // No beam is between these heights.
+      cell->low_cm = 255;
+      cell->high_cm = 0;
+      cell->seen_at_dm = static_cast<std::uint16_t>(std::lround(10.0 * travel_m_));
+    }
+  }
+}
+
 void LocalMap::add_hole(const Eigen::Vector2d& p_odom, bool is_certain) {
   LocalCell* cell = find(p_odom);
   if (cell == nullptr) {
@@ -317,16 +331,22 @@ void LocalMap::pass(const Beam& beam, double until_m) {
   if (beam.direction.z() > 0.0) {
     end_m = std::min(end_m, (top_m_ - beam.origin.z()) / beam.direction.z());
   }
+  // In cells from the grid's first one: never negative, so that a cast rounds down. This loop is
+  // most of the time that a scan takes.
   const double step_m = grid_.cell_size_m() / flat;
+  const double cells_per_m = 1.0 / grid_.cell_size_m();
   const Eigen::Vector2d origin = R_odom_base_ * beam.origin.head<2>() + T_odom_base_->translation();
-  const Eigen::Vector2d direction = R_odom_base_ * beam.direction.head<2>();
-  for (double along_m = step_m; along_m < end_m; along_m += step_m) {
-    LocalCell& cell = grid_.at(grid_.index_of(origin + along_m * direction));
-    if (cell.obstacle == 0 || cell.scan == scan_) {
-      continue;
-    }
-    const double height_cm = 100.0 * (beam.origin.z() + along_m * beam.direction.z());
-    if (height_cm >= cell.low_cm && height_cm <= cell.high_cm) {
+  const Eigen::Vector2d step = step_m * cells_per_m * (R_odom_base_ * beam.direction.head<2>());
+  Eigen::Vector2d place = cells_per_m * origin - grid_.first().cast<double>();
+  const double rise_cm = 100.0 * step_m * beam.direction.z();
+  double height_cm = 100.0 * beam.origin.z();
+  const auto steps = static_cast<int>(end_m / step_m);
+  for (int i = 0; i < steps; ++i) {
+    place += step;
+    height_cm += rise_cm;
+    LocalCell& cell = grid_.at_offset(static_cast<int>(place.x()), static_cast<int>(place.y()));
+    if (cell.obstacle != 0 && cell.scan != scan_ && height_cm >= cell.low_cm &&
+        height_cm <= cell.high_cm) {
       cell.obstacle = less(cell.obstacle);
       cell.scan = scan_;
     }
@@ -352,6 +372,18 @@ Points LocalMap::points_base(const geometry::SE2& T_odom_base, double range_m) c
     }
   }
   return points;
+}
+
+bool LocalMap::was_floor(const Eigen::Vector2d& p_odom) const {
+  constexpr int kEnoughOfNine = 8;
+  int num_floor = 0;
+  for (int dx = -1; dx <= 1; ++dx) {
+    for (int dy = -1; dy <= 1; ++dy) {
+      const LocalCell* cell = cell_at(p_odom + grid_.cell_size_m() * Eigen::Vector2d(dx, dy));
+      num_floor += cell != nullptr && cell->is_floor && !cell->is_assumed ? 1 : 0;
+    }
+  }
+  return num_floor >= kEnoughOfNine;
 }
 
 double LocalMap::seen_distance(const geometry::SE2& T_odom_base, double curvature,

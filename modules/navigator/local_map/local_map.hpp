@@ -46,6 +46,10 @@ class LocalMap {
 
   [[nodiscard]] bool has_scan() const { return T_odom_base_.has_value(); }
 
+  /// The robot pushes against something at its front, or its rear, that beams do not show: it is an
+  /// obstacle there from now on, whatever passes through.
+  void add_contact(const geometry::SE2& T_odom_base, bool at_front);
+
   /// Obstacles and edges of holes within `range_m` of base, in base.
   [[nodiscard]] Points points_base(const geometry::SE2& T_odom_base, double range_m) const;
 
@@ -58,6 +62,10 @@ class LocalMap {
   /// The same for the body's rear, backwards. What the robot was set down on does not count.
   [[nodiscard]] double seen_distance_backwards(const geometry::SE2& T_odom_base, double curvature,
                                                double half_width_m, double max_m) const;
+
+  /// Whether floor was seen at a place and around it, whatever is there now: at the foot of
+  /// something that has always been there half of the cells around were never floor.
+  [[nodiscard]] bool was_floor(const Eigen::Vector2d& p_odom) const;
 
   /// Empty outside the grid.
   [[nodiscard]] const LocalCell* cell_at(const Eigen::Vector2d& p_odom) const;

@@ -41,6 +41,11 @@ class RollingGrid {
   [[nodiscard]] Cell& at(const Eigen::Vector2i& index) { return cells_[place(index)]; }
   [[nodiscard]] const Cell& at(const Eigen::Vector2i& index) const { return cells_[place(index)]; }
 
+  /// By column and row from the first ones on.
+  [[nodiscard]] Cell& at_offset(int column, int row) {
+    return at(Eigen::Vector2i(first_.x() + column, first_.y() + row));
+  }
+
   /// Moves the grid so that `p_odom` is in its middle; cells that come in are Cell{}.
   void center_on(const Eigen::Vector2d& p_odom) {
     const Eigen::Vector2i first = index_of(p_odom) - Eigen::Vector2i::Constant(size_ / 2);

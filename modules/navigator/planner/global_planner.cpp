@@ -64,7 +64,9 @@ double CostToGo::least_near(const Eigen::Vector2d& p_map, double radius_m) const
 }
 
 std::vector<Eigen::Vector2d> CostToGo::path_from(const Eigen::Vector2d& p_map, double max_m) const {
-  std::vector<Eigen::Vector2d> path{p_map};
+  // From the middle of a cell to that of the next: on a border rounding would decide which it is.
+  const Eigen::Vector2d cell = ((p_map - origin_) / cell_size_m_).array().floor();
+  std::vector<Eigen::Vector2d> path{origin_ + cell_size_m_ * (cell + Eigen::Vector2d(0.5, 0.5))};
   const auto max_points = static_cast<std::size_t>(max_m / cell_size_m_);
   while (path.size() < max_points) {
     Eigen::Vector2d next = path.back();
@@ -98,6 +100,13 @@ std::size_t GlobalPlanner::place(int column, int row) const {
 
 void GlobalPlanner::add_failure(const Eigen::Vector2d& p_map) {
   failures_.push_back({p_map, params_.failure_price});
+}
+
+void GlobalPlanner::forget_ground() {
+  grid_.center_on({1e6, 1e6});  // far away: every cell begins anew
+  is_empty_ = true;
+  started_us_.reset();
+  phase_ = Phase::kIdle;
 }
 
 void GlobalPlanner::step(std::int64_t utime_us, const LocalMap& local_map,

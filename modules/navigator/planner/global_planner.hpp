@@ -54,6 +54,9 @@ class GlobalPlanner {
   /// A place where the robot could not go on: paths through it cost more from now on.
   void add_failure(const Eigen::Vector2d& p_map);
 
+  /// Plans anew from what the local map holds.
+  void forget_ground();
+
   void reset();
 
  private:

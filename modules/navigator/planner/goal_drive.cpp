@@ -14,19 +14,25 @@ namespace {
 constexpr double kAroundM = 0.3;
 /// Progress, and how long the robot may make none before the way ahead is given up.
 constexpr double kProgressM = 0.15;
-constexpr double kPatienceS = 6.0;
-/// Two sweeps of the widest nod, and a reserve.
-constexpr double kLongestLookS = 2.5;
+constexpr double kPatienceS = 12.0;
+/// Three sweeps of the widest nod, and a reserve.
+constexpr double kLongestLookS = 4.0;
+/// After so long without a path what was seen long ago is looked at again, for it may be wrong.
+constexpr double kDoubtS = 3.0;
 /// The path is given up so far ahead of the robot.
 constexpr double kFailureAheadM = 0.4;
 /// Direction of an arc: where it is after so much of it.
 constexpr double kLookM = 0.5;
-/// Of the best rollouts so many are offered to Brake.
+/// Of the best rollouts forwards so many are offered to Brake.
 constexpr std::size_t kMostOffered = 40;
 /// Backwards the robot sees nothing but what it remembers.
 constexpr double kBackwardMarginM = 0.03;
 constexpr double kRotationMarginM = 0.02;
 constexpr double kLeastRotationRad = geometry::deg_to_rad(2.0);
+
+double seconds_since(const std::optional<std::int64_t>& utime_us, const Situation& now) {
+  return utime_us ? 1e-6 * std::abs(static_cast<double>(now.utime_us - *utime_us)) : 0.0;
+}
 
 }  // namespace
 
@@ -40,13 +46,22 @@ GoalDrive::GoalDrive(const NavigatorParams& params)
 void GoalDrive::reset() {
   global_.reset();
   progress_us_.reset();
+  looks_since_us_.reset();
+  no_path_since_us_.reset();
+  has_doubted_ = false;
 }
 
 Decision GoalDrive::decide(const Situation& now, const SeenDirections& seen,
                            const LocalMap& local_map) {
   const geometry::SE2 T_map_base = now.T_map_odom * now.T_odom_base;
-  global_.step(now.utime_us, local_map, now.T_map_odom, now.T_odom_base,
-               T_map_base * now.goal->p_base, now.goal->tolerance_m);
+  const Eigen::Vector2d goal_map = T_map_base * now.goal->p_base;
+  if ((goal_map - goal_map_).norm() > now.goal->tolerance_m) {
+    goal_map_ = goal_map;
+    has_doubted_ = false;
+    progress_us_.reset();
+  }
+  global_.step(now.utime_us, local_map, now.T_map_odom, now.T_odom_base, goal_map_,
+               now.goal->tolerance_m);
   Decision decision;
   decision.behaviour = Behaviour::kBrake;
   if (global_.cost_to_go() == nullptr) {
@@ -57,13 +72,22 @@ Decision GoalDrive::decide(const Situation& now, const SeenDirections& seen,
   const double cost_m = global_.cost_to_go()->least_near(T_map_base.translation(), kAroundM);
   if (!std::isfinite(cost_m)) {
     decision.reason = "There is no path to the goal.";
+    doubt(now);
     return decision;
   }
+  no_path_since_us_.reset();
   watch_progress(now, cost_m);
   const double max_forward_mps = brake_.speed_limit(0.0, now.max_forward_mps);
   const auto& rollouts = rollouts_.plan(now, *global_.cost_to_go(), max_forward_mps);
-  for (std::size_t i = 0; i < std::min(rollouts.size(), kMostOffered); ++i) {
-    if (const auto driven = drive(rollouts[i], now, seen)) {
+  std::size_t num_offered = 0;
+  for (const Rollout& rollout : rollouts) {
+    // Rotations and the way back cost next to nothing to check.
+    if (rollout.forward_mps > 0.0 && ++num_offered > kMostOffered) {
+      continue;
+    }
+    if (const auto driven = drive(rollout, now, seen)) {
+      const bool looks = driven->forward_mps == 0.0 && driven->yaw_rate_rad_s == 0.0;
+      looks_since_us_ = looks ? looks_since_us_.value_or(now.utime_us) : now.utime_us;
       return *driven;
     }
   }
@@ -78,13 +102,19 @@ std::vector<Eigen::Vector2d> GoalDrive::path(const geometry::SE2& T_map_base) co
              : global_.cost_to_go()->path_from(T_map_base.translation(), kLongestM);
 }
 
-double GoalDrive::seconds_without_progress(const Situation& now) const {
-  return progress_us_ ? 1e-6 * std::abs(static_cast<double>(now.utime_us - *progress_us_)) : 0.0;
+/// Without a path the plan is made once more from what the local map holds alone: where the robot
+/// has been is remembered no better than 2D SLAM knew its pose then.
+void GoalDrive::doubt(const Situation& now) {
+  no_path_since_us_ = no_path_since_us_.value_or(now.utime_us);
+  if (!has_doubted_ && seconds_since(no_path_since_us_, now) > kDoubtS) {
+    global_.forget_ground();
+    has_doubted_ = true;
+  }
 }
 
 /// Where the robot makes no progress the plan must be wrong about what is ahead.
 void GoalDrive::watch_progress(const Situation& now, double cost_m) {
-  const double waited_s = seconds_without_progress(now);
+  const double waited_s = seconds_since(progress_us_, now);
   if (progress_us_ && cost_m > least_cost_m_ - kProgressM && waited_s < kPatienceS) {
     return;
   }
@@ -161,7 +191,8 @@ std::optional<Decision> GoalDrive::rotate(const Rollout& rollout, const Situatio
     // To wait is best where the laser has not yet looked; not for long.
     decision.behaviour = Behaviour::kBrake;
     decision.reason = "Waits until the laser has looked.";
-    return seconds_without_progress(now) < kLongestLookS ? std::optional(decision) : std::nullopt;
+    return seconds_since(looks_since_us_, now) < kLongestLookS ? std::optional(decision)
+                                                               : std::nullopt;
   }
   const double side = std::copysign(1.0, rollout.yaw_rate_rad_s);
   const double free_rad = free_rotation(now.points_base, side, body_, kRotationMarginM);

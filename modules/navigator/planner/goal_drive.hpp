@@ -37,7 +37,7 @@ class GoalDrive {
   [[nodiscard]] std::optional<Decision> drive_backwards(const Rollout& rollout,
                                                         const Situation& now) const;
   [[nodiscard]] std::optional<Decision> rotate(const Rollout& rollout, const Situation& now) const;
-  [[nodiscard]] double seconds_without_progress(const Situation& now) const;
+  void doubt(const Situation& now);
   void watch_progress(const Situation& now, double cost_m);
 
   NavigatorParams params_;
@@ -45,8 +45,12 @@ class GoalDrive {
   Brake brake_;
   GlobalPlanner global_;
   Rollouts rollouts_;
+  Eigen::Vector2d goal_map_ = Eigen::Vector2d::Zero();
   double least_cost_m_ = 0.0;  // since the goal, or the last failure
   std::optional<std::int64_t> progress_us_;
+  std::optional<std::int64_t> looks_since_us_;  // last motion
+  std::optional<std::int64_t> no_path_since_us_;
+  bool has_doubted_ = false;
 };
 
 }  // namespace nodmap::navigator

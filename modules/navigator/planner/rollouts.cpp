@@ -31,7 +31,7 @@ constexpr std::array kSpeeds{1.0, 0.8, 0.6, 0.42, 0.27, 0.15};
 constexpr std::array kYawRates{-1.0, -0.75, -0.55, -0.38, -0.24, -0.13, -0.05, 0.0,
                                0.05, 0.13,  0.24,  0.38,  0.55,  0.75,  1.0};
 constexpr std::array kNextYawRates{-0.8, -0.4, -0.15, 0.0, 0.15, 0.4, 0.8};
-constexpr std::array kBackwardMps{-0.1, -0.25};
+constexpr std::array kBackwardMps{-0.08, -0.15};
 
 double approach(double from, double to, double most) {
   return from + std::clamp(to - from, -most, most);
@@ -84,7 +84,7 @@ double Rollouts::clearance_m(const geometry::SE2& pose_base) const {
                             pose_base.y + s * disc.center.x() + c * disc.center.y());
     clearance = std::min(clearance, obstacles_.at(p) - disc.radius_m);
   }
-  return clearance - 0.5 * kCellM;
+  return clearance;
 }
 
 const std::vector<Rollout>& Rollouts::plan(const Situation& now, const CostToGo& cost_to_go,

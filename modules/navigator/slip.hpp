@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <deque>
+
+#include "common/geometry/se2.hpp"
+
+namespace nodmap::navigator {
+
+/// Detects that the wheels turn and the robot does not move: it pushes against something that no
+/// beam shows, as glass. Odometry is compared with the pose of 2D SLAM over the last second.
+///
+/// Why these limits: below 12 cm in a second the errors of scan matching, 2 to 3 cm, are not small
+/// enough against the distance; odometry that counts 3 % too much, or slips on a smooth floor while
+/// it brakes, is far from counting three times the distance.
+class SlipMonitor {
+ public:
+  /// A pose that 2D SLAM is sure of, and odometry at the same time. True where the wheels have
+  /// turned for nothing; the comparison then begins anew.
+  [[nodiscard]] bool update(std::int64_t utime_us, const geometry::SE2& T_odom_base,
+                            const geometry::SE2& T_map_base);
+
+  void reset() { poses_.clear(); }
+
+ private:
+  struct Pose {
+    std::int64_t utime_us = 0;
+    Eigen::Vector2d p_odom;
+    Eigen::Vector2d p_map;
+  };
+  std::deque<Pose> poses_;  // of the last second
+};
+
+}  // namespace nodmap::navigator

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/navigator/slip.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace nodmap::navigator {
+namespace {
+
+/// Four poses a second at this speed by the wheels, of which a part is driven. Returns when it is
+/// noticed, seconds; negative: never within 10 s.
+double noticed_after_s(double wheels_mps, double driven_fraction) {
+  SlipMonitor monitor;
+  std::mt19937 random(11);
+  std::normal_distribution<double> error_m(0.0, 0.01);
+  for (int i = 0; i < 40; ++i) {
+    const double x = 0.25 * i * wheels_mps;
+    if (monitor.update(250'000 * i, {x, 0.0, 0.0},
+                       {driven_fraction * x + error_m(random), error_m(random), 0.0})) {
+      return 0.25 * i;
+    }
+  }
+  return -1.0;
+}
+
+TEST(SlipMonitor, NoticesWheelsThatTurnForNothing) {
+  for (const double mps : {0.15, 0.3, 1.0}) {
+    const double after_s = noticed_after_s(mps, 0.0);
+    EXPECT_GT(after_s, 0.0) << mps;
+    EXPECT_LE(after_s, 1.0) << mps;
+  }
+}
+
+TEST(SlipMonitor, IsSilentWhileTheRobotMovesOrIsStationary) {
+  for (const double mps : {0.0, 0.05, 0.3, 1.5}) {
+    EXPECT_LT(noticed_after_s(mps, 1.0), 0.0) << mps;
+    EXPECT_LT(noticed_after_s(mps, 0.6), 0.0) << mps;
+  }
+}
+
+TEST(SlipMonitor, AStampThatStepsBackBeginsAnew) {
+  SlipMonitor monitor;
+  EXPECT_FALSE(monitor.update(1'000'000, {}, {}));
+  EXPECT_FALSE(monitor.update(500'000, {0.5, 0.0, 0.0}, {}));
+  EXPECT_TRUE(monitor.update(900'000, {0.8, 0.0, 0.0}, {}));
+}
+
+}  // namespace
+}  // namespace nodmap::navigator
