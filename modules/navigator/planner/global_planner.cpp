@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
 
 namespace nodmap::navigator {
@@ -257,6 +258,14 @@ void GlobalPlanner::seed(const Eigen::Vector2d& goal_map, double tolerance_m) {
   }
   bucket_ = 0;
   num_queued_ = 0;
+  border_seeds_.clear();
+  const Eigen::Vector2d size = kCellM * Eigen::Vector2d(static_cast<double>(plan_.width_),
+                                                        static_cast<double>(plan_.height_));
+  const Eigen::Array2d from_corner = (goal_map - plan_.origin_).array();
+  if ((from_corner < 0.0).any() || (from_corner >= size.array()).any()) {
+    seed_border(goal_map);
+    return;
+  }
   const double radius_m = std::max(kCellM, 0.7 * tolerance_m);
   for (double dy = -radius_m; dy <= radius_m; dy += kCellM) {
     for (double dx = -radius_m; dx <= radius_m; dx += kCellM) {
@@ -272,6 +281,42 @@ void GlobalPlanner::seed(const Eigen::Vector2d& goal_map, double tolerance_m) {
   }
 }
 
+/// A goal beyond the grid is reached over its border; what lies outside is unknown.
+void GlobalPlanner::seed_border(const Eigen::Vector2d& goal_map) {
+  const auto add = [&](int column, int row) {
+    if (price_[place(column, row)] >= 0.0F) {
+      const Eigen::Vector2d p_map =
+          plan_.origin_ + kCellM * Eigen::Vector2d(column + 0.5, row + 0.5);
+      const double cost = (1.0 + params_.unknown_price) * (goal_map - p_map).norm();
+      border_seeds_.emplace_back(static_cast<float>(cost), place(column, row));
+    }
+  };
+  for (int column = 0; column < plan_.width_; ++column) {
+    add(column, 0);
+    add(column, plan_.height_ - 1);
+  }
+  for (int row = 1; row < plan_.height_ - 1; ++row) {
+    add(0, row);
+    add(plan_.width_ - 1, row);
+  }
+  std::ranges::sort(border_seeds_, std::greater());  // the cheapest is taken from the end
+}
+
+/// The buckets hold a short range of costs, so seeds wait until it is their turn.
+void GlobalPlanner::take_border_seeds() {
+  const auto bucket_of = [](float cost) { return static_cast<std::size_t>(cost / kBucketM); };
+  if (num_queued_ == 0 && !border_seeds_.empty()) {
+    bucket_ = std::max(bucket_, bucket_of(border_seeds_.back().first));
+  }
+  while (!border_seeds_.empty() && bucket_of(border_seeds_.back().first) <= bucket_) {
+    const auto [cost, cell] = border_seeds_.back();
+    border_seeds_.pop_back();
+    if (cost < plan_.cost_[cell]) {
+      push(cell, cost);
+    }
+  }
+}
+
 void GlobalPlanner::push(std::size_t cell, float cost) {
   plan_.cost_[cell] = cost;
   buckets_[static_cast<std::size_t>(cost / kBucketM) % kNumBuckets].push_back(
@@ -280,7 +325,11 @@ void GlobalPlanner::push(std::size_t cell, float cost) {
 }
 
 bool GlobalPlanner::spread(int max_cells) {
-  for (int count = 0; count < max_cells && num_queued_ > 0;) {
+  for (int count = 0; count < max_cells;) {
+    take_border_seeds();
+    if (num_queued_ == 0) {
+      break;
+    }
     auto& bucket = buckets_[bucket_ % kNumBuckets];
     if (bucket.empty()) {
       ++bucket_;
@@ -298,7 +347,7 @@ bool GlobalPlanner::spread(int max_cells) {
     const auto width = static_cast<std::uint32_t>(plan_.width_);
     spread_from(static_cast<int>(cell % width), static_cast<int>(cell / width), cost);
   }
-  return num_queued_ > 0;
+  return num_queued_ > 0 || !border_seeds_.empty();
 }
 
 void GlobalPlanner::spread_from(int column, int row, float cost) {

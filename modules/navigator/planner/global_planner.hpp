@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "common/geometry/se2.hpp"
@@ -73,6 +74,8 @@ class GlobalPlanner {
   void measure_clearance();
   void price_cells();
   void seed(const Eigen::Vector2d& goal_map, double tolerance_m);
+  void seed_border(const Eigen::Vector2d& goal_map);
+  void take_border_seeds();
   /// False when all is done.
   [[nodiscard]] bool spread(int max_cells);
   void spread_from(int column, int row, float cost);
@@ -97,6 +100,8 @@ class GlobalPlanner {
   std::vector<std::vector<std::uint32_t>> buckets_;
   std::size_t bucket_ = 0;
   std::size_t num_queued_ = 0;
+  /// Cells at the grid's border with their cost to a goal beyond it, the cheapest last.
+  std::vector<std::pair<float, std::size_t>> border_seeds_;
   std::optional<CostToGo> complete_;
 };
 

@@ -60,6 +60,30 @@ TEST(GlobalPlanner, LeadsAroundAWallAndKeepsOffIt) {
   }
 }
 
+TEST(GlobalPlanner, AGoalBeyondTheGridIsHeadedFor) {
+  GlobalPlanner planner(kBody, {});
+  const Eigen::Vector2d goal(80.0, 30.0);
+  plan(planner, LocalMap({}, {}), goal);
+  ASSERT_NE(planner.cost_to_go(), nullptr);
+  const double price = 1.0 + PlannerParams{}.unknown_price;
+  // The distance at the price of unknown ground; the grid's metric is 8 % too long at worst.
+  EXPECT_NEAR(planner.cost_to_go()->at({0.0, 0.0}), price * goal.norm(),
+              0.08 * price * goal.norm());
+  const auto path = planner.cost_to_go()->path_from({0.0, 0.0}, 100.0);
+  EXPECT_LT((goal - path.back()).norm(), goal.norm() - 20.0) << "up to the border, 25 m away";
+}
+
+TEST(GlobalPlanner, AGoalBeyondTheGridIsBehindAClosedFence) {
+  const Ground ground{{{{1.0, -1.1}, {1.1, 1.1}, 0.5},
+                       {{-1.1, -1.1}, {-1.0, 1.1}, 0.5},
+                       {{-1.1, 1.0}, {1.1, 1.1}, 0.5},
+                       {{-1.1, -1.1}, {1.1, -1.0}, 0.5}}};
+  GlobalPlanner planner(kBody, {});
+  plan(planner, look(ground, {}), {80.0, 0.0});
+  ASSERT_NE(planner.cost_to_go(), nullptr);
+  EXPECT_FALSE(std::isfinite(planner.cost_to_go()->least_near({0.0, 0.0}, 0.3)));
+}
+
 TEST(GlobalPlanner, SaysWhenThereIsNoPath) {
   // A fence all around the robot.
   const Ground ground{{{{1.0, -1.1}, {1.1, 1.1}, 0.5},
