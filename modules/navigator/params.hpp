@@ -113,7 +113,7 @@ struct LocalMapParams {
 
   template <class Visitor>
   void describe(Visitor& v) {
-    v.flag("use", use,
+    v.flag("use_local_map", use,
            "Drive by the local map, too; without it holes and low obstacles are not seen.");
     v.number("cell_size_m", cell_size_m, {0.01, 0.1}, "Edge of a cell.");
     v.number("range_m", range_m, {0.5, 5.0},
@@ -138,7 +138,7 @@ struct LocalMapParams {
 struct PlannerParams {
   bool use = true;
   double replan_s = 0.5;
-  double least_clearance_m = 0.03;
+  double least_clearance_m = 0.06;
   double wide_m = 0.35;
   double nearness_price = 3.0;
   double unknown_price = 0.7;
@@ -150,7 +150,7 @@ struct PlannerParams {
 
   template <class Visitor>
   void describe(Visitor& v) {
-    v.flag("use", use,
+    v.flag("use_planner", use,
            "Drive to a goal by plan and rollouts; without it by Steer, Brake and Turn.");
     v.number("replan_s", replan_s, {0.05, 10.0}, "From one global plan to the next.");
     v.number("least_clearance_m", least_clearance_m, {0.0, 0.5},

@@ -16,7 +16,7 @@ constexpr double kAroundM = 0.3;
 constexpr double kProgressM = 0.15;
 constexpr double kPatienceS = 12.0;
 /// Three sweeps of the widest nod, and a reserve.
-constexpr double kLongestLookS = 4.0;
+constexpr double kLongestLookS = 0.0;
 /// After so long without a path what was seen long ago is looked at again, for it may be wrong.
 constexpr double kDoubtS = 3.0;
 /// The path is given up so far ahead of the robot.
