@@ -66,6 +66,12 @@ geometry::PoseHistory history_of(const formats::Trajectory& trajectory) {
   return history;
 }
 
+/// At full speed: without the local map, which allows no more than the floor seen ahead does.
+void drive_as_in_the_paper(TrialSetup& trial) {
+  trial.params.set_assignment("navigator.local_map.use_local_map=false");
+  trial.params.set_assignment("navigator.planner.use_planner=false");
+}
+
 class MappingTest : public ::testing::Test {
  protected:
   test::TemporaryDir dir_;
@@ -86,6 +92,7 @@ TEST_F(MappingTest, R39_NoddingCostsNoQualityOfThe2dMap) {
     TrialSetup trial = setup("office", seed, 25.0);
     trial.without = {"slam6d"};
     trial.level_laser = true;
+    drive_as_in_the_paper(trial);
     trial.params.set_assignment("sim.odometry_scale_bias=0.03");
     const auto dir = folder(std::to_string(seed));
     const TrialOutcome outcome = run(trial, dir);
@@ -118,6 +125,7 @@ TEST_F(MappingTest, R46_OccupiedVoxelsAreAtTrueSurfaces) {
 TEST_F(MappingTest, R42_FiftyScansOnTheMoveLieOnTheSurfaces) {
   TrialSetup trial = setup("corridor30", 2, 12.0);
   trial.without = {"slam2d", "slam6d"};
+  drive_as_in_the_paper(trial);
   const TrialOutcome outcome = run(trial, dir_.path());
   const auto odometry = history_of(outcome.record.odometry);
   const auto truth = history_of(true_trajectory(outcome.record, false));
