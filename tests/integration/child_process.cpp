@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tests/integration/child_process.hpp"
 
+#include <fcntl.h>
 #include <poll.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -34,6 +35,9 @@ ChildProcess::ChildProcess(const std::vector<std::string>& command, const Option
   if (::pipe(pipe.data()) != 0) {
     throw std::system_error(errno, std::system_category(), "pipe");
   }
+  // Nobody reads while a test waits for something else: room for what a deputy says of 200 restarts.
+  constexpr int kPipeBytes = 1 << 20;
+  ::fcntl(pipe[1], F_SETPIPE_SZ, kPipeBytes);
   pid_ = ::fork();
   if (pid_ == 0) {
     ::dup2(pipe[1], STDERR_FILENO);
