@@ -67,7 +67,7 @@ page_answers() {
   python3 -c 'import sys, urllib.request as r; sys.exit(b"<title>nodmap" not in r.urlopen(sys.argv[1], timeout=5).read())' "$address" 2>/dev/null
 }
 
-scripts/demo_sim.sh --duration 10 --out "$work/done" >"$work/done.log" 2>&1 &
+scripts/demo_sim.sh --duration 20 --out "$work/done" >"$work/done.log" 2>&1 &
 demo=$!
 for _ in $(seq 150); do page_answers "$work/done.log" && break; sleep 0.1; done
 page_answers "$work/done.log" || fail "the demo's page does not answer"
