@@ -35,7 +35,8 @@ ChildProcess::ChildProcess(const std::vector<std::string>& command, const Option
   if (::pipe(pipe.data()) != 0) {
     throw std::system_error(errno, std::system_category(), "pipe");
   }
-  // Nobody reads while a test waits for something else: room for what a deputy says of 200 restarts.
+  // Nobody reads while a test waits for something else: room for what a deputy says of 200
+  // restarts.
   constexpr int kPipeBytes = 1 << 20;
   ::fcntl(pipe[1], F_SETPIPE_SZ, kPipeBytes);
   pid_ = ::fork();
