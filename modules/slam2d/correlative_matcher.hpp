@@ -2,88 +2,16 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
 #include <cstddef>
-#include <cstdint>
 #include <span>
 #include <vector>
 
 #include "common/geometry/se2.hpp"
+#include "modules/slam2d/likelihood_grid.hpp"
 #include "modules/slam2d/oriented_points.hpp"
 #include "modules/slam2d/params.hpp"
 
 namespace nodmap::slam2d {
-
-/// How likely a point is measured in each cell of a map, and for each power of two w the largest
-/// value in the window of w x w cells that begins at each cell: the upper bounds of a
-/// branch-and-bound search (Hess et al. 2016, section V-B).
-class LikelihoodGrid {
- public:
-  /// 2^(kLevels - 1) cells are the widest window. Wider ones hold a wall almost everywhere, and
-  /// rule nothing out.
-  static constexpr int kLevels = 4;
-  static constexpr int kTopLevel = kLevels - 1;
-  static constexpr int kTopCells = 1 << kTopLevel;
-
-  /// `points`: of walls and objects. What is not finite or farther than `max_range_m` from the
-  /// mean of the points is left out.
-  LikelihoodGrid(std::span<const Eigen::Vector2d> points, double cell_size_m, double max_range_m);
-
-  [[nodiscard]] double cell_size_m() const { return cell_size_m_; }
-  /// The cell that a coordinate lies in, relative to the first of the grid.
-  [[nodiscard]] Eigen::Vector2i cell_of(const Eigen::Vector2d& p) const;
-  /// The largest likelihood, 0..255, in the window of 2^level cells that begins at a cell.
-  [[nodiscard]] int largest(int level, int x, int y) const {
-    const bool inside = x >= 0 && y >= 0 && x < width_ && y < height_;
-    return inside ? levels_[static_cast<std::size_t>(level)]
-                           [static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
-                            static_cast<std::size_t>(x)]
-                  : 0;
-  }
-  /// The sum of largest() over many cells, all shifted by (x, y). Ends early, with any value below
-  /// `min_sum`, once that cannot be reached.
-  [[nodiscard]] int sum_of_largest(int level, std::span<const Eigen::Vector2i> cells, int x, int y,
-                                   int min_sum) const;
-
-  /// For kRowChunk windows of the top level side by side, an upper bound of the sum of largest()
-  /// over many cells, all shifted by (x, y) and by the place of the window. They are found all at
-  /// once, which takes a tenth of the time.
-  using RowChunk = std::array<std::uint16_t, 16>;
-  static constexpr int kRowChunk = 16;
-  [[nodiscard]] RowChunk top_bounds(std::span<const Eigen::Vector2i> cells, int x, int y) const;
-
-  /// Leaves only these places for the robot, points in the frame of the map: no pose outside of
-  /// their cells is found, nor outside of the rectangle around the points. Without a call every
-  /// place will do.
-  void set_allowed(std::span<const Eigen::Vector2d> places);
-  /// Whether a place is allowed in the window of 2^level cells that begins at a cell.
-  [[nodiscard]] bool is_allowed(int level, int x, int y) const {
-    return allowed_.empty() || is_set(allowed_[static_cast<std::size_t>(level)], x, y);
-  }
-
- private:
-  using Level = std::vector<std::uint8_t>;  // row by row, x fastest
-
-  [[nodiscard]] bool is_set(const Level& level, int x, int y) const {
-    return x >= 0 && y >= 0 && x < width_ && y < height_ &&
-           level[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
-                 static_cast<std::size_t>(x)] != 0;
-  }
-  void stamp(const Eigen::Vector2d& p);
-  void add_top_rows();
-  void add_windows(std::vector<Level>& levels) const;
-
-  double cell_size_m_;
-  Eigen::Vector2d origin_ = Eigen::Vector2d::Zero();
-  int width_ = 0;
-  int height_ = 0;
-  std::vector<Level> levels_;
-  /// The top level in 16 steps, rounded up: each row as kTopCells rows of every kTopCells-th cell,
-  /// with zeros before and after, `top_width_` long.
-  Level top_rows_;
-  int top_width_ = 0;
-  std::vector<Level> allowed_;  // empty: everywhere
-};
 
 /// The points of a scan that are worth searching with: at most one in each square of 0.2 m, no
 /// farther than 25 m.

@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/slam2d/likelihood_grid.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+namespace nodmap::slam2d {
+namespace {
+
+constexpr int kStampCells = 2;  // on each side of the one a point lies in
+constexpr double kStampSigmaCells = 1.0;
+constexpr int kTopLevel = LikelihoodGrid::kTopLevel;
+constexpr int kTopCells = LikelihoodGrid::kTopCells;
+
+/// 16 bytes that are added at once. Eigen has no such type of bytes.
+using Bytes = std::uint8_t __attribute__((vector_size(LikelihoodGrid::kRowChunk)));
+constexpr int kTopStep = 17;  // 255 in 15 steps
+
+}  // namespace
+
+LikelihoodGrid::LikelihoodGrid(std::span<const Eigen::Vector2d> points, double cell_size_m,
+                               double max_range_m)
+    : cell_size_m_(cell_size_m) {
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  double n = 0.0;
+  for (const Eigen::Vector2d& p : points) {
+    if (p.allFinite()) {
+      mean += p;
+      n += 1.0;
+    }
+  }
+  mean /= std::max(1.0, n);
+  Eigen::Vector2d low = mean;
+  Eigen::Vector2d high = mean;
+  const auto is_used = [&](const Eigen::Vector2d& p) {
+    return p.allFinite() && (p - mean).norm() <= max_range_m;
+  };
+  for (const Eigen::Vector2d& p : points) {
+    if (is_used(p)) {
+      low = low.cwiseMin(p);
+      high = high.cwiseMax(p);
+    }
+  }
+  // Windows that reach into the grid begin before it.
+  const double before = ((1 << kTopLevel) + kStampCells) * cell_size_m;
+  origin_ = low.array() - before;
+  const Eigen::Vector2i size = cell_of(high).array() + kStampCells + 1;
+  width_ = size.x();
+  height_ = size.y();
+  levels_.assign(1, std::vector<std::uint8_t>(static_cast<std::size_t>(width_) *
+                                              static_cast<std::size_t>(height_)));
+  for (const Eigen::Vector2d& p : points) {
+    if (is_used(p)) {
+      stamp(p);
+    }
+  }
+  add_windows(levels_);
+  add_top_rows();
+}
+
+Eigen::Vector2i LikelihoodGrid::cell_of(const Eigen::Vector2d& p) const {
+  constexpr double kFar = 1e6;  // cells: no grid reaches there
+  const Eigen::Vector2d cells = (p - origin_) / cell_size_m_;
+  return cells.array().floor().max(-kFar).min(kFar).cast<int>();
+}
+
+void LikelihoodGrid::stamp(const Eigen::Vector2d& p) {
+  const Eigen::Vector2i home = cell_of(p);
+  for (int y = home.y() - kStampCells; y <= home.y() + kStampCells; ++y) {
+    for (int x = home.x() - kStampCells; x <= home.x() + kStampCells; ++x) {
+      const Eigen::Vector2d middle = origin_ + cell_size_m_ * Eigen::Vector2d(x + 0.5, y + 0.5);
+      const double sigmas = (middle - p).norm() / (kStampSigmaCells * cell_size_m_);
+      const auto value = static_cast<std::uint8_t>(255.0 * std::exp(-0.5 * sigmas * sigmas));
+      std::uint8_t& cell =
+          levels_[0][static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
+                     static_cast<std::size_t>(x)];
+      cell = std::max(cell, value);
+    }
+  }
+}
+
+// A window is the four of half its width that begin in its quarters.
+void LikelihoodGrid::add_windows(std::vector<Level>& levels) const {
+  const auto width = static_cast<std::size_t>(width_);
+  const auto height = static_cast<std::size_t>(height_);
+  while (levels.size() < kLevels) {
+    const Level& below = levels.back();
+    const auto half = static_cast<std::size_t>(1) << (levels.size() - 1);
+    Level rows = below;  // the largest of two beside each other
+    for (std::size_t y = 0; y < height; ++y) {
+      std::uint8_t* row = rows.data() + y * width;
+      for (std::size_t x = 0; x + half < width; ++x) {
+        row[x] = std::max(row[x], below[y * width + x + half]);
+      }
+    }
+    Level level = rows;
+    for (std::size_t i = 0; i + half * width < level.size(); ++i) {
+      level[i] = std::max(rows[i], rows[i + half * width]);
+    }
+    levels.push_back(std::move(level));
+  }
+}
+
+void LikelihoodGrid::set_allowed(std::span<const Eigen::Vector2d> places) {
+  Level allowed(levels_[0].size());
+  for (const Eigen::Vector2d& place : places) {
+    const Eigen::Vector2i cell = cell_of(place);
+    // Windows that hold it begin in the grid, too.
+    constexpr int kFirst = 1 << kTopLevel;
+    if (cell.x() >= kFirst && cell.y() >= kFirst && cell.x() < width_ && cell.y() < height_) {
+      allowed[static_cast<std::size_t>(cell.y()) * static_cast<std::size_t>(width_) +
+              static_cast<std::size_t>(cell.x())] = 1;
+    }
+  }
+  allowed_.assign(1, std::move(allowed));
+  add_windows(allowed_);
+}
+
+void LikelihoodGrid::add_top_rows() {
+  const int columns = (width_ + kTopCells - 1) / kTopCells;
+  top_width_ = kRowChunk + columns + kRowChunk;
+  top_rows_.assign(
+      static_cast<std::size_t>(top_width_) * kTopCells * static_cast<std::size_t>(height_), 0);
+  for (int y = 0; y < height_; ++y) {
+    for (int x = 0; x < width_; ++x) {
+      const int row = y * kTopCells + x % kTopCells;
+      top_rows_[static_cast<std::size_t>(row) * static_cast<std::size_t>(top_width_) +
+                static_cast<std::size_t>(kRowChunk + x / kTopCells)] =
+          static_cast<std::uint8_t>((largest(kTopLevel, x, y) + kTopStep - 1) / kTopStep);
+    }
+  }
+}
+
+// Sums of as many values of 4 bits as a byte holds, then of 16 bits.
+LikelihoodGrid::RowChunk LikelihoodGrid::top_bounds(std::span<const Eigen::Vector2i> cells, int x,
+                                                    int y) const {
+  constexpr std::size_t kInByte = 17;  // times 15 is 255
+  RowChunk sums{};
+  for (std::size_t begin = 0; begin < cells.size(); begin += kInByte) {
+    Bytes bytes{};
+    for (const Eigen::Vector2i& cell :
+         cells.subspan(begin, std::min(kInByte, cells.size() - begin))) {
+      const int cell_x = cell.x() + x;
+      const int cell_y = cell.y() + y;
+      const int column = kRowChunk + (cell_x >> kTopLevel);  // rounds down, below zero too
+      if (cell_y < 0 || cell_y >= height_ || column < 0 || column > top_width_ - kRowChunk) {
+        continue;
+      }
+      const int row = cell_y * kTopCells + (cell_x & (kTopCells - 1));
+      Bytes values;
+      std::memcpy(&values,
+                  top_rows_.data() + static_cast<std::ptrdiff_t>(row) * top_width_ + column,
+                  sizeof(values));
+      bytes += values;
+    }
+    for (std::size_t i = 0; i < sums.size(); ++i) {
+      sums[i] = static_cast<std::uint16_t>(sums[i] + kTopStep * bytes[i]);
+    }
+  }
+  return sums;
+}
+
+int LikelihoodGrid::sum_of_largest(int level, std::span<const Eigen::Vector2i> cells, int x, int y,
+                                   int min_sum) const {
+  constexpr std::size_t kCheckEvery = 16;
+  const std::uint8_t* values = levels_[static_cast<std::size_t>(level)].data();
+  const auto width = static_cast<unsigned>(width_);
+  const auto height = static_cast<unsigned>(height_);
+  int sum = 0;
+  for (std::size_t begin = 0; begin < cells.size(); begin += kCheckEvery) {
+    const std::size_t end = std::min(begin + kCheckEvery, cells.size());
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto column = static_cast<unsigned>(cells[i].x() + x);
+      const auto row = static_cast<unsigned>(cells[i].y() + y);
+      sum += column < width && row < height ? values[std::size_t{row} * width + column] : 0;
+    }
+    if (sum + 255 * static_cast<int>(cells.size() - end) < min_sum) {
+      break;
+    }
+  }
+  return sum;
+}
+
+}  // namespace nodmap::slam2d
