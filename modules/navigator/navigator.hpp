@@ -19,9 +19,13 @@ namespace nodmap::navigator {
 
 /// Steer, Brake and Turn on the obstacle map (Holz et al. 2008, III C). One decision for each map:
 ///
-///   Steer   direction alpha from the free space; drives the arc towards it, as fast as Brake
-///   allows Brake   speed from the free distance in the virtual corridor along that arc Turn once
-///   Brake has stopped the robot: rotates on the spot until the direction ahead is free
+///   - Steer: direction alpha from the free space; drives the arc towards it.
+///   - Brake: speed from the free distance in the virtual corridor along that arc.
+///   - Turn, once Brake has stopped the robot: rotates on the spot until the direction ahead is
+///     free.
+///
+/// Obstacles and holes of the local map count like points of the obstacle map. To a goal it drives
+/// by plan instead (planner/goal_drive.hpp); Brake has the last word there, too.
 ///
 /// It waits while something approaches. Whether the inputs may be used at all is decided before
 /// (staleness.hpp): if not, halt() is called instead of decide().

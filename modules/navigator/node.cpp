@@ -87,6 +87,7 @@ void NavigatorNode::on_scan(const nodmap::scan_t& message) {
     return;
   }
   context_.counts.use();
+  stamps_.scan_us = scan_.utime_mid_us();
   navigator_.add_scan(scan_, geometry::to_se2(*T_odom_base));
 }
 
@@ -123,6 +124,7 @@ void NavigatorNode::begin_odometry_frame(std::int64_t utime_us) {
   odometry_history_.clear();
   slip_.reset();
   stamps_.map_us.reset();
+  stamps_.scan_us.reset();
   navigator_.reset();
 }
 
@@ -208,7 +210,7 @@ std::optional<std::string> NavigatorNode::reason_not_to_drive() const {
   if (stopped_by_) {
     return "Stopped by " + *stopped_by_ + ".";
   }
-  if (auto stale = reason_to_halt(stamps_, params_.staleness)) {
+  if (auto stale = reason_to_halt(stamps_, params_.staleness, params_.local_map.use)) {
     return stale;
   }
   if (pitch_command_sender_.is_contested(on_odometry_clock(*stamps_.odometry_us))) {

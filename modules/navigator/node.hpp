@@ -28,8 +28,8 @@
 
 namespace nodmap::navigator {
 
-/// OBSTACLE_MAP, ODOMETRY and the state of the scanner in, DRIVE and NAVIGATION out: one for each
-/// obstacle map and, while the robot halts, one for each odometry message.
+/// SCAN, OBSTACLE_MAP, ODOMETRY and the state of the scanner in, DRIVE and NAVIGATION out: one for
+/// each obstacle map and, while the robot halts, one for each odometry message.
 class NavigatorNode final : public node::Node {
  public:
   using Params = NavigatorParams;

@@ -90,7 +90,8 @@ struct StalenessParams {
 
   template <class Visitor>
   void describe(Visitor& v) {
-    v.number("map_s", map_s, {0.03, 0.25}, "The robot halts when the obstacle map is older.");
+    v.number("map_s", map_s, {0.03, 0.25},
+             "The robot halts when the obstacle map, or the last scan, is older.");
     v.number("odometry_s", odometry_s, {0.03, 0.25},
              "The robot halts when odometry is older than the map by more.");
     v.number("pitch_command_s", pitch_command_s, {0.03, 0.25},

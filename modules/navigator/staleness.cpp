@@ -10,8 +10,8 @@ double seconds(std::int64_t us) {
 
 }  // namespace
 
-std::optional<std::string> reason_to_halt(const InputStamps& stamps,
-                                          const StalenessParams& limits) {
+std::optional<std::string> reason_to_halt(const InputStamps& stamps, const StalenessParams& limits,
+                                          bool needs_scans) {
   if (!stamps.odometry_us) {
     return "There is no odometry.";
   }
@@ -19,12 +19,17 @@ std::optional<std::string> reason_to_halt(const InputStamps& stamps,
     const char* name = nullptr;
     std::optional<std::int64_t> utime_us;
     double limit_s = 0.0;
+    bool is_needed = true;
   };
   for (const Input& input :
        {Input{"obstacle map", stamps.map_us, limits.map_s},
+        Input{"scan for the local map", stamps.scan_us, limits.map_s, needs_scans},
         Input{"speed bound of the pitch controller", stamps.pitch_command_us,
               limits.pitch_command_s},
         Input{"reading of the pitch servo", stamps.pitch_state_us, limits.pitch_state_s}}) {
+    if (!input.is_needed) {
+      continue;
+    }
     if (!input.utime_us) {
       return std::string("There is no ") + input.name + ".";
     }

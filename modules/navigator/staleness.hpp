@@ -13,6 +13,7 @@ namespace nodmap::navigator {
 struct InputStamps {
   std::optional<std::int64_t> odometry_us;
   std::optional<std::int64_t> map_us;
+  std::optional<std::int64_t> scan_us;  ///< the middle of the last scan in the local map
   std::optional<std::int64_t> pitch_command_us;
   std::optional<std::int64_t> pitch_state_us;
 };
@@ -28,12 +29,15 @@ struct InputStamps {
 /// period (10 ms) after its last message. At 1.5 m/s that is 0.24 m for the longest limit, 150 ms,
 /// before the robot brakes; less than the 0.3 m and 300 ms that the whole robot is allowed. Each
 /// limit is several periods of its input, so that a late message does not stop the robot:
-///   map 100 ms: seven scans. Its stamp is the middle of the scan, normally 13 to 25 ms old.
+///   map and scan 100 ms: seven scans. The stamps are the middle of the scan, normally 13 to 25 ms
+///     old. Without scans the local map knows no new hole and no new obstacle.
 ///   odometry 100 ms: ten messages. Without any input no DRIVE goes out, and the driver stops the
 ///     wheels when the last one's validity (150 ms) is over.
 ///   speed bound of the pitch controller 150 ms: eleven messages.
 ///   pitch servo 150 ms: 30 readings.
+/// `needs_scans`: the robot drives by the local map, too.
 [[nodiscard]] std::optional<std::string> reason_to_halt(const InputStamps& stamps,
-                                                        const StalenessParams& limits);
+                                                        const StalenessParams& limits,
+                                                        bool needs_scans);
 
 }  // namespace nodmap::navigator

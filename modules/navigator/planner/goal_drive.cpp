@@ -15,8 +15,6 @@ constexpr double kAroundM = 0.3;
 /// Progress, and how long the robot may make none before the way ahead is given up.
 constexpr double kProgressM = 0.15;
 constexpr double kPatienceS = 12.0;
-/// Three sweeps of the widest nod, and a reserve.
-constexpr double kLongestLookS = 0.0;
 /// After so long without a path what was seen long ago is looked at again, for it may be wrong.
 constexpr double kDoubtS = 3.0;
 /// The path is given up so far ahead of the robot.
@@ -42,14 +40,6 @@ GoalDrive::GoalDrive(const NavigatorParams& params)
       brake_(params.robot, params.drive),
       global_(body_, params.planner),
       rollouts_(body_, params.planner, params.drive) {}
-
-void GoalDrive::reset() {
-  global_.reset();
-  progress_us_.reset();
-  looks_since_us_.reset();
-  no_path_since_us_.reset();
-  has_doubted_ = false;
-}
 
 Decision GoalDrive::decide(const Situation& now, const SeenDirections& seen,
                            const LocalMap& local_map) {
@@ -86,20 +76,11 @@ Decision GoalDrive::decide(const Situation& now, const SeenDirections& seen,
       continue;
     }
     if (const auto driven = drive(rollout, now, seen)) {
-      const bool looks = driven->forward_mps == 0.0 && driven->yaw_rate_rad_s == 0.0;
-      looks_since_us_ = looks ? looks_since_us_.value_or(now.utime_us) : now.utime_us;
       return *driven;
     }
   }
   decision.reason = rollouts.empty() ? "No motion is free." : "Waits until the laser has looked.";
   return decision;
-}
-
-std::vector<Eigen::Vector2d> GoalDrive::path(const geometry::SE2& T_map_base) const {
-  constexpr double kLongestM = 60.0;
-  return global_.cost_to_go() == nullptr
-             ? std::vector<Eigen::Vector2d>{}
-             : global_.cost_to_go()->path_from(T_map_base.translation(), kLongestM);
 }
 
 /// Without a path the plan is made once more from what the local map holds alone: where the robot
@@ -119,9 +100,9 @@ void GoalDrive::watch_progress(const Situation& now, double cost_m) {
     return;
   }
   if (progress_us_ && waited_s >= kPatienceS) {
-    const auto ahead = path(now.T_map_odom * now.T_odom_base);
-    const auto place = static_cast<std::size_t>(kFailureAheadM / 0.05);
-    global_.add_failure(ahead[std::min(place, ahead.size() - 1)]);
+    const geometry::SE2 T_map_base = now.T_map_odom * now.T_odom_base;
+    global_.add_failure(
+        global_.cost_to_go()->path_from(T_map_base.translation(), kFailureAheadM).back());
   }
   progress_us_ = now.utime_us;
   least_cost_m_ = cost_m;
@@ -186,19 +167,12 @@ std::optional<Decision> GoalDrive::drive_backwards(const Rollout& rollout,
 }
 
 std::optional<Decision> GoalDrive::rotate(const Rollout& rollout, const Situation& now) const {
-  Decision decision;
-  if (rollout.yaw_rate_rad_s == 0.0) {
-    // To wait is best where the laser has not yet looked; not for long.
-    decision.behaviour = Behaviour::kBrake;
-    decision.reason = "Waits until the laser has looked.";
-    return seconds_since(looks_since_us_, now) < kLongestLookS ? std::optional(decision)
-                                                               : std::nullopt;
-  }
   const double side = std::copysign(1.0, rollout.yaw_rate_rad_s);
   const double free_rad = free_rotation(now.points_base, side, body_, kRotationMarginM);
   if (free_rad < kLeastRotationRad) {
     return std::nullopt;
   }
+  Decision decision;
   decision.behaviour = Behaviour::kTurn;
   decision.reason = "Turns towards the path.";
   decision.yaw_rate_rad_s =

@@ -24,11 +24,6 @@ class GoalDrive {
   [[nodiscard]] Decision decide(const Situation& now, const SeenDirections& seen,
                                 const LocalMap& local_map);
 
-  /// From the robot to the goal, frame map; empty while there is none.
-  [[nodiscard]] std::vector<Eigen::Vector2d> path(const geometry::SE2& T_map_base) const;
-
-  void reset();
-
  private:
   [[nodiscard]] std::optional<Decision> drive(const Rollout& rollout, const Situation& now,
                                               const SeenDirections& seen) const;
@@ -48,7 +43,6 @@ class GoalDrive {
   Eigen::Vector2d goal_map_ = Eigen::Vector2d::Zero();
   double least_cost_m_ = 0.0;  // since the goal, or the last failure
   std::optional<std::int64_t> progress_us_;
-  std::optional<std::int64_t> looks_since_us_;  // last motion
   std::optional<std::int64_t> no_path_since_us_;
   bool has_doubted_ = false;
 };

@@ -106,7 +106,9 @@ const std::vector<Rollout>& Rollouts::plan(const Situation& now, const CostToGo&
   }
   for (const double yaw_rate : kYawRates) {
     const double yaw_rate_rad_s = yaw_rate * params_.rotation_rad_s;
-    consider({0.0, yaw_rate_rad_s}, yaw_rate_rad_s, now, cost_to_go);
+    if (yaw_rate != 0.0) {
+      consider({0.0, yaw_rate_rad_s}, yaw_rate_rad_s, now, cost_to_go);
+    }
     for (const double speed_mps : kBackwardMps) {
       consider({speed_mps, yaw_rate_rad_s}, yaw_rate_rad_s, now, cost_to_go);
     }

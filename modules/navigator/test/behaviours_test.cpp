@@ -337,24 +337,33 @@ TEST(Detour, NothingBeyondTheGoalBlocksThePath) {
 
 TEST(Staleness, EachInputHasItsLimit) {
   const StalenessParams limits;
-  const InputStamps fresh{1'000'000, 990'000, 990'000, 990'000};
-  EXPECT_FALSE(reason_to_halt(fresh, limits));
+  const InputStamps fresh{1'000'000, 990'000, 990'000, 990'000, 990'000};
+  EXPECT_FALSE(reason_to_halt(fresh, limits, true));
   const auto with = [&](auto member, std::optional<std::int64_t> utime_us) {
     InputStamps stamps = fresh;
     stamps.*member = utime_us;
-    return reason_to_halt(stamps, limits).has_value();
+    return reason_to_halt(stamps, limits, true).has_value();
   };
   EXPECT_FALSE(with(&InputStamps::map_us, 900'000));
   EXPECT_TRUE(with(&InputStamps::map_us, 899'999));
+  EXPECT_FALSE(with(&InputStamps::scan_us, 900'000));
+  EXPECT_TRUE(with(&InputStamps::scan_us, 899'999));
   EXPECT_TRUE(with(&InputStamps::pitch_command_us, 849'999));
   EXPECT_TRUE(with(&InputStamps::pitch_state_us, 849'999));
   // Odometry that stays behind, or an input from the future.
   EXPECT_TRUE(with(&InputStamps::odometry_us, 880'000));
   EXPECT_TRUE(with(&InputStamps::map_us, 1'100'001));
-  for (const auto member : {&InputStamps::odometry_us, &InputStamps::map_us,
+  for (const auto member : {&InputStamps::odometry_us, &InputStamps::map_us, &InputStamps::scan_us,
                             &InputStamps::pitch_command_us, &InputStamps::pitch_state_us}) {
     EXPECT_TRUE(with(member, std::nullopt));
   }
+}
+
+TEST(Staleness, WithoutTheLocalMapNoScanIsNeeded) {
+  InputStamps stamps{1'000'000, 990'000, 990'000, 990'000, 990'000};
+  stamps.scan_us.reset();
+  EXPECT_FALSE(reason_to_halt(stamps, {}, false));
+  EXPECT_EQ(reason_to_halt(stamps, {}, true), "There is no scan for the local map.");
 }
 
 TEST(ObstaclePoints, AnInconsistentMapIsRefused) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/node/messages.hpp"
+#include "modules/navigator/local_map/test/scanned_ground.hpp"
 #include "tests/support/memory_bus.hpp"
 
 namespace nodmap::navigator {
@@ -18,6 +19,15 @@ enum Input { kOdometry, kMap, kCommand, kState };
 
 class NavigatorNodeTest : public ::testing::Test {
  protected:
+  /// By the obstacle map alone, which these tests give; see NavigatorNodeScans.
+  explicit NavigatorNodeTest(bool use_local_map = false) : node_{context_, params(use_local_map)} {}
+
+  static NavigatorParams params(bool use_local_map) {
+    NavigatorParams params;
+    params.local_map.use = use_local_map;
+    return params;
+  }
+
   void give_odometry(std::int64_t utime_us) {
     auto message = node::write_odometry(utime_us, geometry::to_se3({x_, 0, 0}));
     message.odometry_seq = odometry_seq_++;
@@ -96,10 +106,10 @@ class NavigatorNodeTest : public ::testing::Test {
     return found == counts_.rejected().end() ? 0 : found->second;
   }
 
-  test::MemoryBus bus_;
+  nodmap::test::MemoryBus bus_;
   node::MessageCounts counts_;
   node::Context context_{bus_, counts_, {}};
-  NavigatorNode node_{context_, {}};
+  NavigatorNode node_;
   std::int64_t now_us_ = 1'000'000'000;
   std::int64_t odometry_seq_ = 0;
   std::int64_t command_seq_ = 0;
@@ -135,6 +145,37 @@ TEST_F(NavigatorNodeTest, EachLostInputHaltsTheRobotUntilItIsBack) {
     run(2.0);
     EXPECT_TRUE(drives()) << lost;
   }
+}
+
+/// Drives by the local map, too.
+class NavigatorNodeScans : public NavigatorNodeTest {
+ protected:
+  NavigatorNodeScans() : NavigatorNodeTest(true) {}
+
+  /// A scan of flat ground whose middle is at the next tick, then that tick.
+  void tick_with_scan() {
+    auto scan = test::scan_of({}, {}, geometry::deg_to_rad(-20.0));
+    scan.utime_us = now_us_ + 10'000 - scan.duration_us / 2;
+    tick();
+    bus_.deliver("SCAN", node::write_scan(scan));
+  }
+};
+
+TEST_F(NavigatorNodeScans, LostScansHaltTheRobotUntilTheyAreBack) {
+  run(0.5);
+  EXPECT_TRUE(halts());
+  EXPECT_EQ(navigation().reason, "There is no scan for the local map.");
+  tick_with_scan();
+  tick_with_scan();
+  EXPECT_FALSE(halts());
+  run(0.1);
+  EXPECT_FALSE(halts());
+  tick();
+  EXPECT_TRUE(halts());
+  EXPECT_EQ(navigation().reason, "The scan for the local map is stale.");
+  tick_with_scan();
+  tick_with_scan();
+  EXPECT_FALSE(halts());
 }
 
 TEST_F(NavigatorNodeTest, WithoutAnyMapItHaltsWithTheReason) {
