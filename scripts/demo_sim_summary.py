@@ -51,6 +51,9 @@ def main():
     wrong += [f"{name} has received {p['corrupt']} corrupt messages" for name, p in watch["processes"].items() if p["corrupt"]]
     if truth["distance_m"] < 1.0:
         wrong.append("the robot hardly moved")
+    sweeps = (read(out / "slam6d/result.json") or {}).get("metrics", {})
+    if sweeps.get("sweeps_lost", 0) >= max(1, sweeps.get("sweeps_tracked", 0)):
+        wrong.append(f"6D SLAM was lost: {sweeps['sweeps_lost']} of {sweeps['sweeps']} sweeps do not fit its map")
     wrong += [f"{c['command']}: {c['state']} {c['end']}" for c in status["commands"] if c["state"] != ENDED_WELL]
 
     print()
