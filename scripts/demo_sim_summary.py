@@ -17,8 +17,8 @@ FILES = [
 ENDED_WELL = "Stopped (OK)"
 # What is lost where, and what helps. A busy machine loses something, and the robot is made for that: it is said, and no failure.
 CAUSES = {
-    "nodmap-laser3d": "scans that did not become messages: the driver or the simulated devices were not run in time; the machine is too busy",
-    "": "messages that a receiver had no room for: raise net.core.rmem_max to 4194304 (nodmap-doctor tells how), or the machine is too busy",
+    "nodmap-laser3d": "scans that did not become messages: the driver or the simulated devices were not run in time; the machine is too busy (nodmap-doctor tells about real-time priority)",
+    "": "messages that it had no time for: the machine is too busy",
 }
 
 
