@@ -161,8 +161,8 @@ TEST(KurtNode, OtherSensorsArePublished) {
   ASSERT_TRUE(bench.stands_ready());
   ASSERT_TRUE(bench.step_until([&] { return bench.sensors.count() >= 2; }, 200ms));
   const nodmap::base_sensors_t& message = *bench.sensors.get();
-  EXPECT_EQ(message.sonar_raw, 500);
-  EXPECT_NEAR(message.sonar_m, 0.672491F, 1e-6F);
+  EXPECT_EQ(message.sonar_raw, 900);
+  EXPECT_NEAR(message.sonar_m, 1.115099F, 1e-6F);
   EXPECT_EQ(message.infrared_raw[static_cast<int>(Infrared::kRightFront)], 300);
   EXPECT_EQ(message.infrared_raw[static_cast<int>(Infrared::kBack)], -1);
   EXPECT_TRUE(std::isnan(message.infrared_m[static_cast<int>(Infrared::kBack)]));
@@ -178,6 +178,32 @@ TEST(KurtNode, WithoutDriveTheBaseIsTold_ZeroWithinTheTimeoutAndOneFrame) {
   ASSERT_TRUE(bench.step_until([&] { return bench.base.left_cm_s() == 0; }, 1s));
   EXPECT_LE(bench.now - last_drive, 210ms + 10ms);  // and a step for the terminal
   EXPECT_EQ(bench.node->health().state, node::HealthState::kDegraded);
+}
+
+TEST(KurtNode, ATouchedBumperStopsItUntilItIsToldToGo) {
+  Bench bench;
+  ASSERT_TRUE(bench.stands_ready());
+  bench.drive_for(1.0, 0.0, 1500ms);
+  ASSERT_EQ(bench.base.left_cm_s(), 100);
+  bench.base.bumper = true;
+  bench.drive_for(1.0, 0.0, 50ms);  // zero at once, without a ramp
+  EXPECT_EQ(bench.base.left_cm_s(), 0);
+  EXPECT_NE(bench.node->health().reason.find("bumper"), std::string::npos);
+  bench.base.bumper = false;
+  bench.drive_for(1.0, 0.0, 1s);
+  EXPECT_EQ(bench.base.left_cm_s(), 0);
+  bench.publish_stop(false);
+  bench.drive_for(0.5, 0.0, 1s);
+  EXPECT_EQ(bench.base.left_cm_s(), 50);
+}
+
+TEST(KurtNode, StalledMotorsAreNotLeftUnderCurrent) {
+  Bench bench;
+  ASSERT_TRUE(bench.stands_ready());
+  bench.base.stalled = true;
+  bench.drive_for(0.5, 0.0, 2500ms);  // 2 s from the first command of 5 cm/s on
+  EXPECT_EQ(bench.base.left_cm_s(), 0);
+  EXPECT_NE(bench.node->health().reason.find("stalled"), std::string::npos);
 }
 
 TEST(KurtNode, StoppedItStandsWhateverDriveAsksForUntilItIsFree) {
