@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/bus/live_bus.hpp"
+#include "common/geometry/time.hpp"
 #include "common/node/clock.hpp"
 #include "procman/config/config.hpp"
 #include "procman/protocol/fleet.hpp"
@@ -49,8 +50,8 @@ class Sheriff {
   [[nodiscard]] std::vector<ReportRow> report() const;
   /// What a command wrote since this sheriff listens; null where that is nothing.
   [[nodiscard]] const Console* console(const std::string& command) const;
-  /// Time as the fleet counts it, microseconds.
-  [[nodiscard]] static std::int64_t now_us();
+  /// Time as the fleet counts it.
+  [[nodiscard]] static time::SteadyTime now() { return time::steady_now(); }
 
  private:
   void subscribe();
@@ -66,7 +67,7 @@ class Sheriff {
   OutputHandler output_handler_;
   bool is_observer_ = true;
   bool orders_wanted_ = false;
-  std::int64_t orders_due_us_ = 0;
+  time::SteadyTime orders_due_{};
 };
 
 }  // namespace nodmap::procman

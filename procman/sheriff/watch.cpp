@@ -14,7 +14,7 @@ namespace nodmap::procman {
 namespace {
 
 constexpr std::chrono::milliseconds kWait(50);
-constexpr std::int64_t kReminderUs = 5'000'000;
+constexpr time::Duration kReminderPeriod = 5s;
 
 /// What a key orders for the selected command, or for its whole group.
 struct KeyOrder {
@@ -42,9 +42,9 @@ class Watch {
     if (Terminal::is_there()) {
       terminal_ = std::make_unique<Terminal>();
     }
-    begun_us_ = reminded_us_ = Sheriff::now_us();
+    begin_ = reminded_ = Sheriff::now();
     if (!options.observe) {
-      command_due_us_ = begun_us_ + std::chrono::microseconds(kSheriffTime).count();
+      command_due_ = begin_ + kSheriffTime;
     }
   }
 
@@ -80,9 +80,9 @@ class Watch {
   ViewState view_;
   std::map<std::string, std::string> printed_;
   std::optional<int> exit_code_;
-  std::optional<std::int64_t> command_due_us_;  // until then it listens for other sheriffs
-  std::int64_t begun_us_ = 0;
-  std::int64_t reminded_us_ = 0;
+  std::optional<time::SteadyTime> command_due_;  // until then it listens for other sheriffs
+  time::SteadyTime begin_{};
+  time::SteadyTime reminded_{};
   bool has_failed_ = false;  // the script
 };
 
@@ -95,12 +95,12 @@ void Watch::notify(const std::string& text) {
 }
 
 void Watch::step_script() {
-  const std::int64_t now_us = Sheriff::now_us();
+  const time::SteadyTime now = Sheriff::now();
   if (!runner_ || runner_->is_over() || sheriff_.is_observer()) {
     return;
   }
   const std::string waited_for = runner_->waiting_for();
-  runner_->step(sheriff_.fleet(), now_us);
+  runner_->step(sheriff_.fleet(), now);
   if (runner_->is_over()) {
     sheriff_.give_orders();
     end_script();
@@ -108,12 +108,12 @@ void Watch::step_script() {
   }
   if (runner_->waiting_for() != waited_for) {
     sheriff_.give_orders();
-    reminded_us_ = now_us;
-  } else if (now_us - reminded_us_ > kReminderUs) {
-    reminded_us_ = now_us;
+    reminded_ = now;
+  } else if (now - reminded_ > kReminderPeriod) {
+    reminded_ = now;
     notify("waiting for " + runner_->waiting_for());
   }
-  if (options_.timeout_s && static_cast<double>(now_us - begun_us_) > *options_.timeout_s * 1e6) {
+  if (options_.timeout_s && time::seconds(now - begin_) > *options_.timeout_s) {
     notify("the script has not ended in time: waiting for " + runner_->waiting_for());
     exit_code_ = kFailed;
   }
@@ -132,25 +132,25 @@ void Watch::end_script() {
 
 /// One of two must give way, or they pull the commands to and fro.
 void Watch::look_for_other_sheriff() {
-  const std::int64_t now_us = Sheriff::now_us();
-  const auto other = sheriff_.fleet().other_sheriff(now_us);
-  const bool is_new_here = command_due_us_.has_value();
-  if (other && (is_new_here || (!sheriff_.is_observer() && sheriff_.fleet().must_yield(now_us)))) {
-    command_due_us_.reset();
+  const time::SteadyTime now = Sheriff::now();
+  const auto other = sheriff_.fleet().other_sheriff(now);
+  const bool is_new_here = command_due_.has_value();
+  if (other && (is_new_here || (!sheriff_.is_observer() && sheriff_.fleet().must_yield(now)))) {
+    command_due_.reset();
     sheriff_.observe();
     notify("the sheriff " + *other + " gives orders here: observing only");
     if (runner_ && !runner_->is_over()) {
       exit_code_ = kOtherSheriff;
     }
-  } else if (is_new_here && now_us >= *command_due_us_) {
-    command_due_us_.reset();
+  } else if (is_new_here && now >= *command_due_) {
+    command_due_.reset();
     sheriff_.command();
   }
 }
 
 std::string Watch::title() const {
   std::string title = "nodmap-sheriff";
-  if (command_due_us_) {
+  if (command_due_) {
     title += ": looking for other sheriffs";
   } else if (sheriff_.is_observer()) {
     title += ": observing only";
@@ -181,7 +181,7 @@ void Watch::press(Key key, const std::vector<ReportRow>& rows) {
   } else if (key == Key::kQuit) {
     exit_code_ = kDone;
   } else if (sheriff_.is_observer()) {
-    notify(command_due_us_ ? "not yet: looking for other sheriffs" : "observing only: no orders");
+    notify(command_due_ ? "not yet: looking for other sheriffs" : "observing only: no orders");
   } else if (!rows.empty()) {
     order(key, rows);
   }
