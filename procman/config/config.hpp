@@ -19,10 +19,11 @@ struct Place {
 /// When a command that runs is to be restarted for what it says in STATUS. The extension of our
 /// tools: written in comments that begin with `#nodmap:`, which the existing tools skip.
 struct HealthRule {
-  std::string status_name;              ///< process_name in STATUS; empty: the exec's program
-  std::optional<int> restart_silent_s;  ///< after so long without a STATUS
-  std::optional<int> restart_failed_s;  ///< after being FAILED for so long
-  std::optional<int> restart_mute_s;    ///< after writing nothing (stdout, stderr) for so long
+  std::string status_name;                ///< process_name in STATUS; empty: the exec's program
+  std::optional<int> restart_silent_s;    ///< after so long without a STATUS
+  std::optional<int> restart_failed_s;    ///< after being FAILED for so long
+  std::optional<int> restart_degraded_s;  ///< after being DEGRADED or FAILED for so long
+  std::optional<int> restart_mute_s;      ///< after writing nothing (stdout, stderr) for so long
 };
 
 /// How a command competes for the processor. An extension of our tools, as the health rules.

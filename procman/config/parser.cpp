@@ -183,6 +183,8 @@ void Parser::parse_rule(Command& command) {
     command.health.restart_silent_s = reader_.expect_integer(2, kMaxSeconds);
   } else if (name == "restart_failed_s") {
     command.health.restart_failed_s = reader_.expect_integer(1, kMaxSeconds);
+  } else if (name == "restart_degraded_s") {
+    command.health.restart_degraded_s = reader_.expect_integer(1, kMaxSeconds);
   } else if (name == "restart_mute_s") {
     command.health.restart_mute_s = reader_.expect_integer(2, kMaxSeconds);
   } else if (name == "nice") {
@@ -190,9 +192,10 @@ void Parser::parse_rule(Command& command) {
   } else if (name == "realtime") {
     command.priority.realtime = reader_.expect_integer(1, 99);
   } else {
-    throw SyntaxError(place, "unrecognized rule " + name +
-                                 " (status_name, restart_silent_s, "
-                                 "restart_failed_s, restart_mute_s, nice, realtime)");
+    throw SyntaxError(place,
+                      "unrecognized rule " + name +
+                          " (status_name, restart_silent_s, "
+                          "restart_failed_s, restart_degraded_s, restart_mute_s, nice, realtime)");
   }
   reader_.expect(TokenKind::kSemicolon, "';'");
   reader_.expect_extension(false);

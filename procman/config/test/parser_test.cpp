@@ -303,7 +303,7 @@ TEST(Parser, ReadsAFileOrSaysEverythingThatIsWrong) {
 TEST(Parser, PriorityAndHealthAreOurs) {
   const ParsedConfig parsed = parse_config(R"(
     cmd "a" { exec = "x";
-      #nodmap: nice = 10; realtime = 20;
+      #nodmap: nice = 10; realtime = 20; restart_degraded_s = 30;
     }
     script "s" { start cmd "a";
       #nodmap: wait cmd "a" status "healthy";
@@ -312,6 +312,7 @@ TEST(Parser, PriorityAndHealthAreOurs) {
   ASSERT_TRUE(parsed.errors.empty()) << parsed.errors.front().text;
   EXPECT_EQ(parsed.config.commands[0].priority.nice, 10);
   EXPECT_EQ(parsed.config.commands[0].priority.realtime, 20);
+  EXPECT_EQ(parsed.config.commands[0].health.restart_degraded_s, 30);
   const auto& actions = parsed.config.find_script("s")->actions;
   ASSERT_EQ(actions.size(), 3U);
   EXPECT_EQ(std::get<WaitStatus>(actions[1].what).status, Wanted::kHealthy);
