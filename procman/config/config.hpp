@@ -26,10 +26,12 @@ struct HealthRule {
   std::optional<int> restart_mute_s;      ///< after writing nothing (stdout, stderr) for so long
 };
 
-/// How a command competes for the processor. An extension of our tools, as the health rules.
-struct Priority {
-  int nice = 0;      ///< 1 to 19: gives way to all others
-  int realtime = 0;  ///< 1 to 99: goes before all others (SCHED_RR)
+/// What of the host a command may take. An extension of our tools, as the health rules.
+struct Resources {
+  int nice = 0;           ///< 1 to 19: gives way to all others
+  int realtime = 0;       ///< 1 to 99: goes before all others (SCHED_RR)
+  int memory_mb = 0;      ///< most that each of its processes may allocate; 0: no limit
+  std::vector<int> cpus;  ///< the processors it may run on, from 0; empty: all
 };
 
 /// One command of the configuration.
@@ -45,7 +47,7 @@ struct Command {
   int stop_signal = kDefaultStopSignal;
   int stop_time_allowed_s = kDefaultStopTimeS;
   HealthRule health;
-  Priority priority;
+  Resources resources;
   Place place;
 };
 

@@ -305,8 +305,9 @@ void Deputy::start(const StartCommand& action) {
     return;
   }
   try {
-    const Priority priority = settings_.priority_of ? settings_.priority_of(action.id) : Priority{};
-    const pid_t pid = children_.start(action.id, action.exec, priority);
+    const Resources resources =
+        settings_.resources_of ? settings_.resources_of(action.id) : Resources{};
+    const pid_t pid = children_.start(action.id, action.exec, resources);
     supervisor_.started(action.id, pid, now);
     log::get().info("{} started (pid {})", action.id, pid);
     info_changed_ = true;
@@ -359,9 +360,9 @@ bool allow(DeputySettings& settings, const Config& config) {
   settings.may_run = [allowed = std::move(allowed)](const std::string& exec) {
     return allowed.contains(exec);
   };
-  settings.priority_of = [config](const std::string& id) {
+  settings.resources_of = [config](const std::string& id) {
     const Command* command = config.find_command(id);
-    return command == nullptr ? Priority{} : command->priority;
+    return command == nullptr ? Resources{} : command->resources;
   };
   return is_any;
 }
