@@ -71,6 +71,12 @@ Health StatusReporter::health_by_messages(const Health& node_health,
     return {HealthState::kDegraded, "messages of " + now.refused_host +
                                         " are refused: it is not among NODMAP_TRUSTED_HOSTS"};
   }
+  if (now.overrun > last_.overrun) {
+    return {
+        HealthState::kDegraded,
+        std::to_string(now.overrun - last_.overrun) +
+            " messages dropped: they came faster than they were handled; the machine is too busy"};
+  }
   if (now.corrupt - last_.corrupt > kCorruptByAccident) {
     return {HealthState::kDegraded, "corrupt messages: a fault, or an attack"};
   }
