@@ -4,7 +4,7 @@
 .lcm file, its JSON Schema, and the names of its constants.
 
 Left out are arrays of variable length and of more than MAX_ELEMENTS: scans, maps and covariances are for pictures, not for
-tables and plots. A type with constants has one field of their type; that field's constant goes besides, as <field>_name.
+tables and plots. A type with constants has one field of their type; that field's constant goes besides, as <field>_name, unless the field is an array.
 """
 import argparse
 import json
@@ -85,10 +85,12 @@ def told_fields(struct):
         told.append((name, schema, f"message.{name}" + (" != 0" if kind == "boolean" else "")))
     if struct.constants:
         kinds = {kind for kind, _, _ in struct.constants}
-        named = [name for kind, name, dimensions in struct.fields if kind in kinds and not dimensions]
+        named = [(name, dimensions) for kind, name, dimensions in struct.fields if kind in kinds]
         if len(named) != 1:
             raise ValueError(f"{struct.name}: it is not clear which field has the constants")
-        told.append((f"{named[0]}_name", {"type": "string"}, f"constant_name(message.{named[0]})"))
+        name, dimensions = named[0]
+        if not dimensions:
+            told.append((f"{name}_name", {"type": "string"}, f"constant_name(message.{name})"))
     return told
 
 

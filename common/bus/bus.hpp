@@ -24,8 +24,9 @@ struct BusCounts {
   std::int64_t corrupt = 0;   ///< messages and datagrams that were no valid ones, and dropped
   std::int64_t published = 0;
   std::int64_t not_published = 0;  ///< refused by the transport: too large, no route, disk full
-  std::int64_t refused = 0;        ///< datagrams of hosts that are not trusted, and dropped
-  std::string refused_host;        ///< address of the last of them; empty: none
+  std::int64_t overrun = 0;  ///< messages that came faster than they were handled, and dropped
+  std::int64_t refused = 0;  ///< datagrams of hosts that are not trusted, and dropped
+  std::string refused_host;  ///< address of the last of them; empty: none
 };
 
 /// Where messages come from and go to. The one interface a node sees; live and replay differ only
@@ -97,8 +98,9 @@ class Bus : private boost::noncopyable {
   std::vector<std::byte> encode_buffer_;
 };
 
-/// A reader that wants only the newest message of a channel. LCM's queues drop the NEWEST when they
-/// are full, so a short queue is no "latest only": this takes everything and keeps the last.
+/// A reader that wants only the newest message of a channel. The queues of memq:// and of other
+/// providers drop the NEWEST when they are full, so a short queue is no "latest only": this takes
+/// everything and keeps the last.
 template <class Message>
 class Latest {
  public:

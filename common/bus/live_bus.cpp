@@ -130,6 +130,7 @@ BusCounts LiveBus::counts() const {
   if (impl_->receiver) {
     ReceiverCounts receiver = impl_->receiver->counts();
     counts.corrupt += receiver.malformed;
+    counts.overrun = receiver.overrun;
     counts.refused = receiver.refused;
     counts.refused_host = std::move(receiver.refused_host);
   }

@@ -65,9 +65,12 @@ FileDescriptor open_socket(const UdpmUrl& url) {
   FileDescriptor socket(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0), "socket");
   set_option(socket.get(), SOL_SOCKET, SO_REUSEADDR, 1, "SO_REUSEADDR");
   set_option(socket.get(), SOL_SOCKET, SO_TIMESTAMP, 1, "SO_TIMESTAMP");
-  if (url.receive_buffer_bytes > 0) {
-    // The kernel gives less where net.core.rmem_max is lower; nodmap-doctor tells.
-    set_option(socket.get(), SOL_SOCKET, SO_RCVBUF, url.receive_buffer_bytes, "SO_RCVBUF");
+  set_option(socket.get(), SOL_SOCKET, SO_RXQ_OVFL, 1, "SO_RXQ_OVFL");
+  // Beyond net.core.rmem_max only with the right to; without it the kernel gives what it allows,
+  // and nodmap-doctor tells.
+  const int wanted = url.receive_buffer_bytes;
+  if (::setsockopt(socket.get(), SOL_SOCKET, SO_RCVBUFFORCE, &wanted, sizeof(wanted)) != 0) {
+    set_option(socket.get(), SOL_SOCKET, SO_RCVBUF, wanted, "SO_RCVBUF");
   }
   sockaddr_in address{};
   address.sin_family = AF_INET;
@@ -88,16 +91,17 @@ std::int64_t now_utime_us() {
       .count();
 }
 
-/// The kernel's time of arrival; now, where it gave none.
-std::int64_t arrival_utime_us(msghdr& header) {
+/// What the kernel says beside a datagram under `type`; nothing where it says nothing.
+template <class Value>
+std::optional<Value> read_control(msghdr& header, int type) {
   for (cmsghdr* part = CMSG_FIRSTHDR(&header); part != nullptr; part = CMSG_NXTHDR(&header, part)) {
-    if (part->cmsg_level == SOL_SOCKET && part->cmsg_type == SCM_TIMESTAMP) {
-      timeval time{};
-      std::memcpy(&time, CMSG_DATA(part), sizeof(time));
-      return std::int64_t{time.tv_sec} * 1'000'000 + time.tv_usec;
+    if (part->cmsg_level == SOL_SOCKET && part->cmsg_type == type) {
+      Value value{};
+      std::memcpy(&value, CMSG_DATA(part), sizeof(value));
+      return value;
     }
   }
-  return now_utime_us();
+  return std::nullopt;
 }
 
 /// Room for several datagrams, which one system call fills.
@@ -124,8 +128,14 @@ class DatagramBatch {
   [[nodiscard]] MessageAssembler::Sender sender(std::size_t i) const {
     return {ntohl(from_.at(i).sin_addr.s_addr), ntohs(from_.at(i).sin_port)};
   }
+  /// The kernel's time of arrival; now, where it gave none.
   [[nodiscard]] std::int64_t utime_us(std::size_t i) {
-    return arrival_utime_us(headers_.at(i).msg_hdr);
+    const auto time = read_control<timeval>(headers_.at(i).msg_hdr, SCM_TIMESTAMP);
+    return time ? std::int64_t{time->tv_sec} * 1'000'000 + time->tv_usec : now_utime_us();
+  }
+  /// Datagrams for which the socket's buffer had no room, since it was opened; they wrap at 2^32.
+  [[nodiscard]] std::uint32_t num_dropped(std::size_t i) {
+    return read_control<std::uint32_t>(headers_.at(i).msg_hdr, SO_RXQ_OVFL).value_or(0);
   }
 
  private:
@@ -206,6 +216,11 @@ struct UdpmReceiver::Impl {
         enqueue(*message, batch.utime_us(i));
       }
     }
+    if (count > 0) {
+      const std::uint32_t dropped = batch.num_dropped(count - 1);
+      counts.overrun += std::uint32_t{dropped - last_dropped};
+      last_dropped = dropped;
+    }
     counts.malformed = assembler.malformed();
     if (was_empty && !queue.empty()) {
       ::eventfd_write(waiting.get(), 1);
@@ -225,7 +240,10 @@ struct UdpmReceiver::Impl {
       if (!each.hears(message.channel)) {
         continue;
       }
-      if (each.num_queued >= each.capacity || queued_bytes + size > kMaxQueuedBytes) {
+      if (each.num_queued >= each.capacity) {
+        drop_oldest(each);
+      }
+      if (queued_bytes + size > kMaxQueuedBytes) {
         ++counts.overrun;
         continue;
       }
@@ -238,6 +256,14 @@ struct UdpmReceiver::Impl {
       queued_bytes += size;
       queue.push_back({&each, std::string(message.channel), bytes, size, utime_us});
     }
+  }
+
+  void drop_oldest(Subscription& subscription) {
+    const auto oldest = std::ranges::find(queue, &subscription, &Queued::subscription);
+    queued_bytes -= oldest->size;
+    queue.erase(oldest);
+    --subscription.num_queued;
+    ++counts.overrun;
   }
 
   std::optional<Queued> next() {
@@ -270,6 +296,7 @@ struct UdpmReceiver::Impl {
   std::size_t queued_bytes = 0;
   ReceiverCounts counts;
   std::uint32_t refused_address = 0;
+  std::uint32_t last_dropped = 0;
 
   std::thread thread;  // ends first
 };

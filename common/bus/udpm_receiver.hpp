@@ -27,7 +27,7 @@ using RawHandler = std::function<void(const RawMessage&)>;
 struct ReceiverCounts {
   std::int64_t malformed = 0;  ///< datagrams that are not LCM's
   std::int64_t refused = 0;    ///< datagrams of hosts that are not trusted
-  std::int64_t overrun = 0;    ///< messages for which a queue had no room
+  std::int64_t overrun = 0;    ///< messages for which a queue had no room, or the socket's buffer
   std::string refused_host;    ///< address of the last one refused; empty: none
 };
 
@@ -36,9 +36,10 @@ struct ReceiverCounts {
 ///
 /// A thread takes datagrams out of the socket as they come, so that a handler that takes long fills
 /// a queue here and not the socket's buffer; handlers run in handle() alone. Each subscription
-/// holds so many messages as was asked for, all together kMaxQueuedBytes; when that is full the
-/// newest are dropped. The socket is opened with the first subscription, and bound to the multicast
-/// group: LCM binds to every address, and so hears other groups, and single hosts, on its port.
+/// holds so many messages as was asked for, all together kMaxQueuedBytes; when its queue is full
+/// its oldest message is dropped: a process that has fallen behind goes on with what is new. The
+/// socket is opened with the first subscription, and bound to the multicast group: LCM binds to
+/// every address, and so hears other groups, and single hosts, on its port.
 class UdpmReceiver {
  public:
   static constexpr std::size_t kMaxQueuedBytes = std::size_t{64} << 20U;

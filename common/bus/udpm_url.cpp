@@ -57,8 +57,8 @@ std::optional<UdpmUrl> parse_udpm_url(const std::string& url) {
     parsed.ttl = parse_number(number[1], 255).value_or(0);
   }
   if (std::regex_search(options, number, kReceiveBuffer)) {
-    parsed.receive_buffer_bytes =
-        parse_number(number[1], std::numeric_limits<int>::max()).value_or(0);
+    parsed.receive_buffer_bytes = parse_number(number[1], std::numeric_limits<int>::max())
+                                      .value_or(parsed.receive_buffer_bytes);
   }
   return parsed;
 }

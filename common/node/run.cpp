@@ -48,6 +48,7 @@ nlohmann::json common_result(const ProgramInfo& info, bus::Bus& bus, const Messa
         {"rejected", rejected},
         {"corrupt", bus.counts().corrupt},
         {"lost", counts.lost()},
+        {"overrun", bus.counts().overrun},
         {"published", bus.counts().published},
         {"not_published", bus.counts().not_published}}},
       {"message_us", {{"p50", latency.p50_us}, {"p99", latency.p99_us}, {"max", latency.max_us}}}};

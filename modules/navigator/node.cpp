@@ -174,7 +174,7 @@ void NavigatorNode::on_goal(const nodmap::goal_t& message) {
 /// place, but not into an obstacle. So it is no reason to halt.
 void NavigatorNode::on_pose(const nodmap::pose_t& message) {
   const auto T_map_odom = node::read_pose(message.odom_position_m, message.odom_orientation);
-  if (!T_map_odom || message.pose_quality == nodmap::pose_t::LOST) {
+  if (!T_map_odom || message.state == nodmap::pose_t::LOST) {
     context_.counts.reject(T_map_odom ? "lost_pose" : "implausible_pose");
     return;
   }
@@ -186,7 +186,7 @@ void NavigatorNode::on_pose(const nodmap::pose_t& message) {
 /// Only while 2D SLAM is sure in all directions: along a bare corridor it follows the wheels.
 void NavigatorNode::watch_slip(const nodmap::pose_t& message) {
   const auto T_odom_base = odometry_history_.at(message.utime);
-  if (message.pose_quality != nodmap::pose_t::TRACKED || !T_odom_base) {
+  if (message.state != nodmap::pose_t::TRACKING || !T_odom_base) {
     slip_.reset();
     return;
   }
@@ -265,7 +265,7 @@ void NavigatorNode::publish(const Decision& decision) {
   navigation_.corridor_length_m =
       params_.robot.braking.stopping_distance_m(v, params_.drive.reaction_s);
   navigation_.corridor_width_m = params_.robot.body.width_m + 2.0 * params_.drive.side_margin_m;
-  navigation_.free_way_m = decision.free_distance_m;
+  navigation_.clear_distance_m = decision.free_distance_m;
   navigation_.max_forward_mps = decision.max_forward_mps;
   context_.bus.publish("NAVIGATION", navigation_);
 

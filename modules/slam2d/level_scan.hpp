@@ -24,7 +24,7 @@ struct LevelScan {
   [[nodiscard]] bool has_enough_points() const { return points_base.size() >= 10; }
 };
 
-/// How a pose was found; the values of nodmap.pose_t.
+/// How a pose was found.
 enum class PoseQuality : std::uint8_t {
   kTracked = 0,   ///< by matching
   kPartly = 1,    ///< by matching, and by odometry along degenerate directions

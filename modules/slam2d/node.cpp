@@ -15,10 +15,18 @@
 
 namespace nodmap::slam2d {
 
-static_assert(static_cast<int>(PoseQuality::kTracked) == nodmap::pose_t::TRACKED);
-static_assert(static_cast<int>(PoseQuality::kPartly) == nodmap::pose_t::PARTLY);
-static_assert(static_cast<int>(PoseQuality::kOdometry) == nodmap::pose_t::ODOMETRY);
-static_assert(static_cast<int>(PoseQuality::kLost) == nodmap::pose_t::LOST);
+std::int8_t pose_state(PoseQuality quality) {
+  switch (quality) {
+    case PoseQuality::kTracked:
+      return nodmap::pose_t::TRACKING;
+    case PoseQuality::kPartly:
+    case PoseQuality::kOdometry:
+      return nodmap::pose_t::DEGRADED;
+    case PoseQuality::kLost:
+      return nodmap::pose_t::LOST;
+  }
+  return nodmap::pose_t::LOST;
+}
 
 namespace {
 
@@ -53,9 +61,9 @@ void write_tile(const OccupancyGrid& grid, const GridTile& tile, nodmap::grid_ch
 nodmap::pose_t write_pose(const PoseUpdate& update) {
   nodmap::pose_t message = node::write_corrected_pose(
       update.utime_us, geometry::to_se3(update.T_map_base), geometry::to_se3(update.T_map_odom));
-  message.match_share = update.inlier_ratio;
-  message.match_rms_m = update.rms_m;
-  message.pose_quality = static_cast<std::int8_t>(update.quality);
+  message.inlier_ratio = update.inlier_ratio;
+  message.inlier_rms_m = update.rms_m;
+  message.state = pose_state(update.quality);
   return message;
 }
 

@@ -22,16 +22,16 @@ namespace {
 // 60 kB: with its head a part stays below 64 KiB.
 constexpr std::size_t kPointsPerChunk = 5000;
 
-std::int8_t pose_quality(const PoseUpdate& update) {
+std::int8_t pose_state(const PoseUpdate& update) {
   if (!update.registration) {
     // The first sweep is the map; what is too thin to be registered follows odometry.
-    return update.keyframe ? nodmap::pose_t::TRACKED : nodmap::pose_t::ODOMETRY;
+    return update.keyframe ? nodmap::pose_t::TRACKING : nodmap::pose_t::DEGRADED;
   }
   switch (update.registration->status) {
     case RegistrationStatus::kTracking:
-      return nodmap::pose_t::TRACKED;
+      return nodmap::pose_t::TRACKING;
     case RegistrationStatus::kDegraded:
-      return nodmap::pose_t::PARTLY;
+      return nodmap::pose_t::DEGRADED;
     case RegistrationStatus::kLost:
       return nodmap::pose_t::LOST;
   }
@@ -122,10 +122,10 @@ void Slam6dNode::publish(const PoseUpdate& update) {
   nodmap::pose_t message =
       node::write_corrected_pose(update.utime_us, update.T_map_base, update.T_map_odom);
   if (update.registration) {
-    message.match_share = update.registration->inlier_ratio;
-    message.match_rms_m = update.registration->residual_rms_m;
+    message.inlier_ratio = update.registration->inlier_ratio;
+    message.inlier_rms_m = update.registration->residual_rms_m;
   }
-  message.pose_quality = pose_quality(update);
+  message.state = pose_state(update);
   context_.bus.publish("POSE_6D", message);
   if (update.keyframe) {
     answer_keyframe(slam_.keyframes().back());
@@ -253,7 +253,7 @@ node::Health Slam6dNode::health() const {
     return {HealthState::kDegraded,
             "The last sweep has no point between range.min_m and range.max_m."};
   }
-  if (!slam_.sweeps().empty() && pose_quality(slam_.sweeps().back()) == nodmap::pose_t::LOST) {
+  if (!slam_.sweeps().empty() && pose_state(slam_.sweeps().back()) == nodmap::pose_t::LOST) {
     return {HealthState::kDegraded, "The last sweep does not fit the map."};
   }
   return {};

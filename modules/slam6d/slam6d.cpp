@@ -126,6 +126,9 @@ PoseUpdate Slam6d::add_cloud(SweepCloud cloud) {
   PoseUpdate update = extrapolate(cloud);
   if (is_usable(update)) {
     VoxelMap sweep = voxelize(cloud, params_.voxels);
+    if (is_better_beginning(sweep)) {
+      begin_anew(update);
+    }
     if (last_accepted_) {
       track(sweep, cloud, update);
     }
@@ -141,6 +144,24 @@ PoseUpdate Slam6d::add_cloud(SweepCloud cloud) {
   }
   sweeps_.push_back(update);
   return update;
+}
+
+// The scanner was already on its way when the first sweep began, or cut short: on such a sliver no
+// whole sweep would ever fit.
+bool Slam6d::is_better_beginning(const VoxelMap& sweep) const {
+  constexpr std::size_t kCutShort = 2;
+  return last_accepted_ && counts_.sweeps_tracked + counts_.sweeps_degraded == 0 &&
+         sweep.level(0).voxels().size() >= kCutShort * map_.level(0).voxels().size();
+}
+
+void Slam6d::begin_anew(PoseUpdate& update) {
+  sweeps_[*last_accepted_].keyframe.reset();
+  map_ = VoxelMap(params_.voxels);
+  keyframes_.clear();
+  last_accepted_.reset();
+  counts_.sweeps_lost = 0;
+  update.T_map_base = T_map_odom_ * update.T_odom_base;
+  update.T_map_odom = T_map_odom_;
 }
 
 // Reference [5]: odometry's motion since the last registered pose, in that pose's frame:

@@ -105,6 +105,8 @@ class Slam6d {
 
  private:
   [[nodiscard]] std::optional<PoseUpdate> process(const Sweep& sweep);
+  [[nodiscard]] bool is_better_beginning(const VoxelMap& sweep) const;
+  void begin_anew(PoseUpdate& update);
   [[nodiscard]] PoseUpdate extrapolate(const SweepCloud& cloud) const;
   [[nodiscard]] bool is_usable(const PoseUpdate& update) const;
   [[nodiscard]] OdometryMotion motion_since_accepted(const SweepCloud& cloud) const;

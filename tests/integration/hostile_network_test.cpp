@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <netinet/ip.h>
 #include <netinet/udp.h>
+#include <sched.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -184,6 +185,24 @@ TEST_F(HostileNetwork, ALargeMessageComesWhole) {
   bus_.publish_bytes("LARGE", large);
   EXPECT_EQ(bus_.handle(kPatience), 1);
   EXPECT_EQ(heard, large);
+}
+
+// What a robot that has fallen behind needs is what is new.
+TEST_F(HostileNetwork, AFullQueueDropsItsOldestMessages) {
+  std::vector<int> heard;
+  bus_.subscribe_bytes(
+      "COUNT",
+      [&](std::span<const std::byte> bytes) { heard.push_back(std::to_integer<int>(bytes[0])); },
+      4);
+  for (int i = 0; i < 100; ++i) {
+    bus_.publish_bytes("COUNT", std::vector<std::byte>{static_cast<std::byte>(i)});
+  }
+  const auto start = std::chrono::steady_clock::now();
+  while (bus_.counts().overrun < 96 && std::chrono::steady_clock::now() - start < kPatience) {
+    ::sched_yield();
+  }
+  EXPECT_EQ(bus_.handle(milliseconds(0)), 4);
+  EXPECT_EQ(heard, (std::vector<int>{96, 97, 98, 99}));
 }
 
 }  // namespace

@@ -41,7 +41,7 @@ const char* row_header(const nodmap::odometry_t& /*message*/) {
 }
 
 const char* row_header(const nodmap::pose_t& /*message*/) {
-  return ",x_m,y_m,z_m,qw,qx,qy,qz,match_share,match_rms_m,pose_quality";
+  return ",x_m,y_m,z_m,qw,qx,qy,qz,inlier_ratio,inlier_rms_m,state";
 }
 
 const char* row_header(const nodmap::truth_t& /*message*/) {
@@ -63,7 +63,7 @@ const char* row_header(const nodmap::pitch_command_t& /*message*/) {
 }
 
 const char* row_header(const nodmap::navigation_t& /*message*/) {
-  return ",behaviour,steering_angle_rad,corridor_length_m,corridor_width_m,free_way_m,"
+  return ",behaviour,steering_angle_rad,corridor_length_m,corridor_width_m,clear_distance_m,"
          "max_forward_mps";
 }
 
@@ -82,7 +82,7 @@ void put_row(std::ostream& out, const nodmap::odometry_t& message) {
 
 void put_row(std::ostream& out, const nodmap::pose_t& message) {
   put_pose(out, message);
-  put(out, message.match_share, message.match_rms_m, static_cast<int>(message.pose_quality));
+  put(out, message.inlier_ratio, message.inlier_rms_m, static_cast<int>(message.state));
 }
 
 void put_row(std::ostream& out, const nodmap::truth_t& message) {
@@ -114,7 +114,7 @@ void put_row(std::ostream& out, const nodmap::pitch_command_t& message) {
 
 void put_row(std::ostream& out, const nodmap::navigation_t& message) {
   put(out, static_cast<int>(message.behaviour), message.steering_angle_rad,
-      message.corridor_length_m, message.corridor_width_m, message.free_way_m,
+      message.corridor_length_m, message.corridor_width_m, message.clear_distance_m,
       message.max_forward_mps);
 }
 

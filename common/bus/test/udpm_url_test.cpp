@@ -23,7 +23,7 @@ TEST(UdpmUrl, TakesLcmsDefaultsForWhatIsMissing) {
     EXPECT_EQ(url->group_text(), "239.255.76.67");
     EXPECT_EQ(url->port, 7667);
     EXPECT_EQ(url->ttl, 0);
-    EXPECT_EQ(url->receive_buffer_bytes, 0);
+    EXPECT_EQ(url->receive_buffer_bytes, 4 << 20);
   }
 }
 

@@ -52,7 +52,7 @@ TEST_F(Slam2dNodeTest, PublishesAPoseForEachLevelScanAndTheMap) {
     ASSERT_EQ(poses.size(), static_cast<std::size_t>(i + 1));
     EXPECT_EQ(poses.back().utime, utime_us);
     EXPECT_NEAR(poses.back().position_m[0], truth.x, 0.03);  // scan noise 1 cm
-    EXPECT_EQ(poses.back().pose_quality, nodmap::pose_t::TRACKED);
+    EXPECT_EQ(poses.back().state, nodmap::pose_t::TRACKING);
     truth = truth * geometry::SE2{0.03, 0.0, 0.04};
   }
   node_.finish();
@@ -177,7 +177,7 @@ TEST_F(Slam2dNodeTest, GoesOnWhereItWasWhenOdometryBeginsAnew) {
     put_odometry(utime_us, odom);
     put_scan(utime_us, truth);
     const nodmap::pose_t pose = bus_.sent<nodmap::pose_t>("POSE_2D").back();
-    EXPECT_EQ(pose.pose_quality, nodmap::pose_t::TRACKED) << i;
+    EXPECT_EQ(pose.state, nodmap::pose_t::TRACKING) << i;
     // Scan noise is 1 cm; at the restart the guess is a step behind.
     EXPECT_NEAR(pose.position_m[0], truth.x, 0.03) << i;
     EXPECT_NEAR(pose.position_m[1], truth.y, 0.03) << i;

@@ -141,9 +141,9 @@ TEST(Slam6dNode, PublishesAPosePerSweepAndACloudPerKeyframe) {
   ASSERT_EQ(outcome.published["POSE_6D"].size(), 4U);
   nodmap::pose_t pose{};
   ASSERT_TRUE(bus::decode_into(pose, outcome.published["POSE_6D"][0]));
-  EXPECT_EQ(pose.pose_quality, nodmap::pose_t::TRACKED);
+  EXPECT_EQ(pose.state, nodmap::pose_t::TRACKING);
   ASSERT_TRUE(bus::decode_into(pose, outcome.published["POSE_6D"][1]));
-  EXPECT_EQ(pose.pose_quality, nodmap::pose_t::TRACKED);
+  EXPECT_EQ(pose.state, nodmap::pose_t::TRACKING);
   EXPECT_EQ(pose.utime % 1'000'000'000, pose.utime);
 
   std::size_t num_points = 0;

@@ -208,6 +208,26 @@ TEST(Slam6d, ARefusedSweepLeavesNoTrace) {
   EXPECT_TRUE(slam.add_cloud(sweep_of(Room::hall())).is_tracked());
 }
 
+// The scanner is on its way when the first scan comes: 18 of a sweep's 80 scans.
+TEST(Slam6d, TheMapBeginsWithAWholeSweep) {
+  Slam6d slam({});
+  std::mt19937 random(7);
+  const NoddingScanner scanner;
+  const auto stand = [](std::int64_t) { return SE3::Identity(); };
+  for (std::int64_t i = 62; i < 320; ++i) {
+    scan::Scan scan = scanner.scan(i, Room::hall(), stand, random);
+    slam.add_odometry(scan.utime_us, SE3::Identity());
+    (void)slam.add_scan(scan);
+  }
+  (void)slam.flush();
+  ASSERT_EQ(slam.keyframes().size(), 1U);
+  EXPECT_EQ(slam.keyframes()[0].sweep, 1U);
+  EXPECT_FALSE(slam.sweeps()[0].is_tracked());
+  EXPECT_EQ(slam.metrics().sweeps_lost, 0U);
+  EXPECT_EQ(slam.metrics().sweeps_tracked, slam.sweeps().size() - 2);
+  EXPECT_EQ(slam.metrics().map_voxels, slam.map().level(0).voxels().size());
+}
+
 TEST(Slam6d, R43_AnInterruptionMakesAKeyframe) {
   Slam6d slam({});
   std::mt19937 random(7);

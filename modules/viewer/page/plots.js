@@ -17,8 +17,8 @@ const PLOTS = [
   {caption: "pitch, °", lines: ["pitch"],
     from: {PITCH_STATE: (m) => ({pitch: DEGREES * m.pitch_rad}), SCAN: (m) => ({pitch: DEGREES * pitchOf(m.pose.orientation)})}},
   {caption: "sweep time, s", lines: ["sweep"], from: {PITCH_COMMAND: (m) => ({sweep: m.sweep_s})}},
-  {caption: "obstacles, m", lines: ["nearest", "free way"],
-    from: {OBSTACLE_MAP: (m, extra) => ({nearest: extra}), NAVIGATION: (m) => ({"free way": m.free_way_m})}},
+  {caption: "obstacles, m", lines: ["nearest", "clear distance"],
+    from: {OBSTACLE_MAP: (m, extra) => ({nearest: extra}), NAVIGATION: (m) => ({"clear distance": m.clear_distance_m})}},
   {caption: "latency (p99), ms", lines: Object.values(TIMED), logscale: true, from: {STATUS: latenciesOf}},
 ];
 

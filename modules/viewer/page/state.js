@@ -6,8 +6,8 @@ import {processList} from "./processes.js";
 const STALE_S = 2;
 // What processes say of themselves, the viewer among them: no sign that the robot is there.
 const NO_DATA = new Set(["STATUS", "PM_INFO", "STOP", "log"]);
-const QUALITY = ["tracked", "partly tracked", "by odometry only", "LOST"];
-const LOST = 3;
+const POSE_STATES = ["tracking", "degraded", "LOST"];
+const LOST = 2;
 const DEGREES = 180 / Math.PI;
 const LEVELS = ["note", "warning", "error"];
 
@@ -50,7 +50,7 @@ export class State {
       faults.push({level: 2, what: "No data", why: `since ${new Date(this.lastData).toLocaleTimeString()}: what is shown is old`});
     }
     for (const [topic, name] of [["POSE_2D", "2D SLAM"], ["POSE_6D", "6D SLAM"]]) {
-      if (this.latest[topic]?.pose_quality === LOST) {
+      if (this.latest[topic]?.state === LOST) {
         faults.push({level: 2, what: "LOST", why: `${name} does not know where the robot is`});
       }
     }
@@ -90,10 +90,10 @@ export class State {
       facts.push(["pitch", number(DEGREES * pitch.pitch_rad, 1, "°")]);
     }
     if (pose2d) {
-      facts.push(["2D SLAM", `${at(pose2d)}, ${QUALITY[pose2d.pose_quality] ?? "unknown"}`]);
+      facts.push(["2D SLAM", `${at(pose2d)}, ${POSE_STATES[pose2d.state] ?? "unknown"}`]);
     }
     if (pose6d) {
-      facts.push(["6D SLAM", `${at(pose6d)}, ${QUALITY[pose6d.pose_quality] ?? "unknown"}`]);
+      facts.push(["6D SLAM", `${at(pose6d)}, ${POSE_STATES[pose6d.state] ?? "unknown"}`]);
     }
     if (truth) {
       facts.push(["clearance", number(truth.clearance_m, 2, "m")], ["collisions", String(truth.collisions)]);

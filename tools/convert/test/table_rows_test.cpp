@@ -60,7 +60,7 @@ TEST(TableRows, Navigation) {
   message.steering_angle_rad = -1.0;
   message.corridor_length_m = 2.0;
   message.corridor_width_m = 0.5;
-  message.free_way_m = std::numeric_limits<double>::infinity();
+  message.clear_distance_m = std::numeric_limits<double>::infinity();
   message.max_forward_mps = 0.75;
   EXPECT_EQ(row_of(message), ",2,-1,2,0.5,inf,0.75");
 }

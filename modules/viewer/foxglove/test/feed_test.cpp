@@ -154,7 +154,7 @@ TEST_F(FeedTest, TheRestOfTheChannels) {
   EXPECT_DOUBLE_EQ(newest("PITCH_STATE")["pitch_rad"], 0.4);
   EXPECT_DOUBLE_EQ(newest("PITCH_COMMAND")["sweep_s"], 0.6);
   EXPECT_DOUBLE_EQ(newest("DRIVE")["forward_mps"], 0.5);
-  EXPECT_TRUE(newest("NAVIGATION")["free_way_m"].is_null());
+  EXPECT_TRUE(newest("NAVIGATION")["clear_distance_m"].is_null());
   EXPECT_EQ(newest("scene/corridor")["entities"].size(), 1U);
   EXPECT_EQ(newest("scene/area_of_interest")["entities"].size(), 1U);
   EXPECT_EQ(newest("scene/goal")["entities"].size(), 1U);

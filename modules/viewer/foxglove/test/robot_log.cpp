@@ -213,7 +213,7 @@ nodmap::navigation_t navigation_at(double time_s) {
   message.behaviour = nodmap::navigation_t::STEER;
   message.corridor_length_m = 1.5;
   message.corridor_width_m = 0.5;
-  message.free_way_m = std::numeric_limits<double>::infinity();
+  message.clear_distance_m = std::numeric_limits<double>::infinity();
   message.max_forward_mps = 0.8;
   return message;
 }
@@ -245,8 +245,8 @@ nodmap::pose_t pose_at(double time_s) {
   message.position_m[1] = 0.1 * time_s / 10.0;  // what odometry has missed
   message.odom_position_m[1] = message.position_m[1];
   message.odom_orientation[0] = 1.0;
-  message.match_share = 0.9;
-  message.pose_quality = nodmap::pose_t::TRACKED;
+  message.inlier_ratio = 0.9;
+  message.state = nodmap::pose_t::TRACKING;
   return message;
 }
 
