@@ -28,7 +28,7 @@ WORLD = re.compile(
     r"|fstream$|filesystem$|cstdio$|iostream$|unistd\.h$|fcntl\.h$|sys/)")
 TOOL_MAY_USE = {"evaluate": ("modules/slam2d/",)}
 ONE_PLACE = {"octomap/": "OctoMap", "nanoflann.hpp": "nanoflann", "libserialport.h": "libserialport"}
-TYPED_TIME = ("common/node/device_node", "drivers/kurt/", "drivers/laser3d/", "drivers/serial/")
+TYPED_TIME = ("common/node/clock", "common/node/device_node", "common/node/status", "drivers/", "procman/")
 MICROSECONDS = re.compile(r"\bint64_t>?[ &]+(\w+_us_?|k\w+Us)\b")
 BAD_NAME = re.compile(r"\b(base|map|odom|laser|mount|body|sensor|world)(_to_|2)(base|map|odom|laser|mount|body|sensor|world)\b")
 
