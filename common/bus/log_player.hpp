@@ -13,8 +13,8 @@
 
 namespace nodmap::bus {
 
-/// Plays event logs as a bus: several at once, merged by log time. Time is what the caller says
-/// has passed; nothing is published.
+/// A bus that plays one or more event logs, merged by log time. The caller says how much time
+/// passes; published messages are discarded.
 class LogPlayer : public Bus {
  public:
   static constexpr double kMinSpeed = 0.01;
@@ -24,18 +24,19 @@ class LogPlayer : public Bus {
   /// cannot be read or none holds an event.
   explicit LogPlayer(std::vector<std::filesystem::path> logs);
 
-  /// Lets `elapsed_us` pass at the present speed, and hands over what was logged meanwhile.
+  /// Advances by `elapsed_us` at the present speed, and delivers the events of this interval.
   void advance(std::int64_t elapsed_us);
 
-  /// Hands over events up to the present position, at most `max_events`. Whether all are handed
-  /// over: after a seek much can be waiting.
+  /// Delivers events up to the present position, at most `max_events`. Returns whether all have
+  /// been delivered: after a seek many may be waiting.
   bool catch_up(std::int64_t max_events);
 
   void set_paused(bool paused) { paused_ = paused; }
   /// Clamped to [kMinSpeed, kMaxSpeed].
   void set_speed(double speed);
-  /// Goes to this time of the log, microseconds from its begin, clamped to its length. True when
-  /// that is back: everything is handed over anew, and who keeps state must forget it.
+  /// Moves to a time of the log, microseconds from its start, clamped to its length. Returns true
+  /// if this is a step back: then all events are delivered again from the start, and subscribers
+  /// must clear their state.
   [[nodiscard]] bool seek(std::int64_t position_us);
 
   /// A sentence for each log that is damaged or cut off.
@@ -46,7 +47,7 @@ class LogPlayer : public Bus {
   [[nodiscard]] std::int64_t duration_us() const { return last_utime_us_ - first_utime_us_; }
   /// Log time at the present position.
   [[nodiscard]] std::int64_t utime_us() const { return first_utime_us_ + position_us_; }
-  /// Log time of the event being handed over; 0 before the first.
+  /// Log time of the event being delivered; 0 before the first.
   [[nodiscard]] std::int64_t event_utime_us() const { return event_utime_us_; }
   [[nodiscard]] bool at_end() const { return position_us_ >= duration_us(); }
 

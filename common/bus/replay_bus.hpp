@@ -12,9 +12,9 @@
 
 namespace nodmap::bus {
 
-/// The bus on a recording: no network, no clock. Events come in the order of the file, as fast as
-/// they are handled; what is published goes into another log, stamped with the log time of the
-/// event that caused it.
+/// A bus on a recording, without network or clock. Delivers the events in file order, as fast as
+/// they are handled, and writes published messages to another log, stamped with the log time of the
+/// event that caused them.
 class ReplayBus : public Bus {
  public:
   /// Throws std::runtime_error when the log cannot be read or the output not be made.
@@ -23,7 +23,7 @@ class ReplayBus : public Bus {
   /// Handles the next event; false at the end of the log.
   bool step();
 
-  /// Log time of the event being handled; 0 before the first.
+  /// Log time of the event being handled; 0 before the first event.
   [[nodiscard]] std::int64_t log_utime_us() const { return log_utime_us_; }
   [[nodiscard]] std::int64_t events_read() const { return events_read_; }
   [[nodiscard]] const LogReader& reader() const { return reader_; }
