@@ -20,7 +20,7 @@ class DepthCanvas {
   /// A square point, `radius_px` to each side of its middle.
   void splat(const Pixel& pixel, int radius_px, Rgb colour);
 
-  /// The colour of a pixel, darkened where near points are beside far ones (eye-dome lighting,
+  /// The colour of a pixel, darkened where near points are beside far ones (EDL shading,
   /// Boucheny 2009), which shows edges without normals. `shade_per_m` converts the difference in
   /// depth to shade.
   [[nodiscard]] Rgb shaded(int x, int y, double shade_per_m) const;
