@@ -52,7 +52,7 @@ void add_options(CLI::App& app, Options& options) {
                  "A fault: PART:KIND@FROM+DURATION[=AMOUNT]; repeatable");
   app.add_option("--duration", options.duration_s, "Seconds to run; without it until a signal")
       ->check(CLI::NonNegativeNumber);
-  app.add_option("--out", options.out, "Folder for result.json; where there is one already, DIR.2");
+  app.add_option("--out", options.out, "Folder for result.json; DIR.2 if it already contains one");
 }
 
 std::filesystem::path link_dir(const Options& options) {
@@ -138,7 +138,7 @@ int run_sim(int argc, char** argv) {
   return node::run_program(
       argc, argv,
       {.name = kName,
-       .summary = "The KURT3D in a simulated world, its devices on pseudo-terminals.",
+       .summary = "Simulates KURT3D in a world, with its devices on pseudo-terminals.",
        .params = &table,
        .uses_lcm = true,
        .add_options = [&options](CLI::App& app) { add_options(app, options); },

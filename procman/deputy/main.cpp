@@ -25,12 +25,13 @@ struct Options {
 
 void add_options(CLI::App& app, Options& options) {
   app.add_option("--config", options.config,
-                 "Configuration (.pmd): commands that it names for this deputy may be run");
+                 "Configuration (.pmd) with the commands that this deputy may run");
   app.add_option("-i,--id", options.id,
                  "Name of this deputy; else the only one in --config, else the host's name");
-  app.add_flag("--trust-network", options.trust_network,
-               "Run whatever anyone on the network orders, as the existing deputy does: LCM tells "
-               "nobody apart, so this gives everyone who reaches the network this account");
+  app.add_flag(
+      "--trust-network", options.trust_network,
+      "Run any command that arrives on the network, as the existing deputy does. LCM does not "
+      "authenticate senders: anyone on the network can then use this account");
 }
 
 std::string host_name() {
@@ -79,7 +80,7 @@ int run(int argc, char** argv) {
   return node::run_program(
       argc, argv,
       {.name = kProgram,
-       .summary = "Starts, watches and stops the processes of this host by a sheriff's orders.",
+       .summary = "Starts, watches and stops the processes of this host, as a sheriff orders.",
        .uses_lcm = true,
        .add_options = [&options](CLI::App& app) { add_options(app, options); },
        .check = [&] { settings = settings_of(options); },

@@ -49,17 +49,18 @@ void add_options(CLI::App& app, Options& options) {
       ->check(CLI::PositiveNumber)
       ->needs(script);
   auto* what = app.add_option_group("instead");
-  what->add_flag("--check", options.check, "Print what the configuration holds, or its errors");
-  auto* status = what->add_flag("--status", options.status, "Print how everything is, once");
+  what->add_flag("--check", options.check,
+                 "Check the configuration: print its contents or its errors");
+  auto* status = what->add_flag("--status", options.status, "Print the state of all commands");
   auto* start = what->add_option("--start", options.start, "Start a command or group, and end");
   auto* stop = what->add_option("--stop", options.stop, "Stop a command or group, and end");
   auto* restart =
       what->add_option("--restart", options.restart, "Restart a command or group, and end");
-  what->add_option("--output", options.output, "Print what a command writes");
+  what->add_option("--output", options.output, "Print the output of a command");
   what->require_option(0, 1);
   what->excludes(script);
-  app.add_flag("--json", options.json, "--status for programs")->needs(status);
-  app.add_flag("-o,--observe", options.observe, "Look only, give no orders")
+  app.add_flag("--json", options.json, "Print --status as JSON")->needs(status);
+  app.add_flag("-o,--observe", options.observe, "Only observe, give no orders")
       ->excludes(script)
       ->excludes(start)
       ->excludes(stop)
@@ -67,7 +68,7 @@ void add_options(CLI::App& app, Options& options) {
   auto* lone =
       app.add_flag(
              "--lone", options.lone,
-             "Run the configuration's deputies, too, on this host; at the end everything ends")
+             "Also run the deputies of the configuration, on this host; stop everything at the end")
           ->excludes("--observe");
   what->excludes(lone);
   app.footer(
@@ -141,7 +142,8 @@ int run(int argc, char** argv) {
   return node::run_program(
       argc, argv,
       {.name = kProgram,
-       .summary = "Tells deputies what is to run, by a configuration, and shows what does.",
+       .summary =
+           "Tells the deputies which commands to run, from a configuration, and shows their state.",
        .uses_lcm = true,
        .add_options = [&options](CLI::App& app) { add_options(app, options); },
        .run = [&options](const std::string& lcm_url) -> int {

@@ -134,7 +134,8 @@ int main(int argc, char** argv) {
   return node::run_program(
       argc, argv,
       {.name = "nodmap-doctor",
-       .summary = "Tells what would keep nodmap from working on this host, and what fixes it.",
+       .summary =
+           "Finds what keeps nodmap from working on this host, and the command that fixes it.",
        .uses_lcm = true,
        .add_options =
            [&arguments](CLI::App& app) {

@@ -145,7 +145,7 @@ CLI::App* add_against_truth(CLI::App& app, Arguments& arguments, const char* nam
   command->add_option("TRUTH", arguments.truth, "Truth (.tum)")->required();
   command
       ->add_option("--tolerance-s", arguments.tolerance_s,
-                   "A pose counts when a true one is this close in time")
+                   "Largest time difference to the nearest true pose, seconds")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   return command;
@@ -169,8 +169,8 @@ void add_commands(CLI::App& app, Arguments& arguments) {
       "Length, bow and heading of a corridor's map, from the way driven, as JSON");
   corridor->callback([&arguments] { arguments.work = [&] { print_corridor(arguments); }; });
 
-  CLI::App* cloud =
-      app.add_subcommand("cloud", "Distance of a map's points from a simulated world, as JSON");
+  CLI::App* cloud = app.add_subcommand(
+      "cloud", "Distance of a cloud's points from the surfaces of a simulated world, as JSON");
   cloud->add_option("CLOUD", arguments.cloud, "Registered points (.ply)")->required();
   cloud->add_option("WORLD", arguments.world, "The world (.yaml)")->required();
   cloud
@@ -180,7 +180,7 @@ void add_commands(CLI::App& app, Arguments& arguments) {
   cloud->callback([&arguments] { arguments.work = [&] { print_cloud(arguments); }; });
 
   CLI::App* relocalise =
-      app.add_subcommand("relocalise", "How often a place in a map is found from nothing, as JSON");
+      app.add_subcommand("relocalise", "How often a lost robot finds its place in a map, as JSON");
   relocalise->add_option("MAP", arguments.map, "map.yaml, or the folder with it")->required();
   relocalise->add_option("LOG", arguments.log, "LCM event log with SCAN and ODOMETRY")->required();
   relocalise->add_option("TRUTH", arguments.truth, "True poses in the map (.tum)")->required();
@@ -188,7 +188,8 @@ void add_commands(CLI::App& app, Arguments& arguments) {
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   relocalise
-      ->add_option("--every", arguments.plan.every, "Place each K-th group; default 200 in all")
+      ->add_option("--every", arguments.plan.every,
+                   "Use every K-th group; default: about 200 groups in all")
       ->check(CLI::PositiveNumber);
   relocalise->callback(
       [&arguments] { arguments.work = [&] { print_relocalisations(arguments); }; });
@@ -200,7 +201,7 @@ int main(int argc, char** argv) {
   Arguments arguments;
   return nodmap::node::run_program(argc, argv,
                                    {.name = "nodmap-evaluate",
-                                    .summary = "Measures results against the truth.",
+                                    .summary = "Compares results with ground truth.",
                                     .add_options =
                                         [&arguments](CLI::App& app) {
                                           app.require_subcommand(1);

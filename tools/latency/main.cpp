@@ -87,8 +87,8 @@ int main(int argc, char** argv) {
   return node::run_program(
       argc, argv,
       {.name = "nodmap-latency",
-       .summary = "Measures, as JSON, the time from each SCAN to the OBSTACLE_MAP with it and to "
-                  "the DRIVE that follows.",
+       .summary = "Measures the time from each SCAN to its OBSTACLE_MAP and to the next DRIVE, as "
+                  "JSON.",
        .uses_lcm = true,
        .add_options = [&arguments](CLI::App& app) { latency::add_options(app, arguments); },
        .run =

@@ -72,7 +72,8 @@ int main(int argc, char** argv) {
        .uses_lcm = true,
        .add_options =
            [&requested_by](CLI::App& app) {
-             app.add_option("--by", requested_by, "Who asks, for the log")->capture_default_str();
+             app.add_option("--by", requested_by, "Name of the requester, for the log")
+                 ->capture_default_str();
            },
        .run = [&requested_by](
                   const std::string& lcm_url) { return save::run(requested_by, lcm_url); }});

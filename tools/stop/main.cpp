@@ -72,17 +72,17 @@ int main(int argc, char** argv) {
   return node::run_program(
       argc, argv,
       {.name = "nodmap-stop",
-       .summary = "The robot stands until it is told to go on; with --go, it may drive.",
+       .summary = "Stops the robot until it is released; with --go, releases it.",
        .uses_lcm = true,
        .add_options =
            [&arguments](CLI::App& app) {
              app.add_flag("--go", arguments.is_go,
-                          "It may drive: after a STOP, and after each start of the base driver");
+                          "Release the robot, after a STOP or a start of the base driver");
              app.add_option("--wait", arguments.wait_s,
                             "With --go: how long to wait for the base driver, seconds")
                  ->check(CLI::Range(0.0, 3600.0))
                  ->capture_default_str();
-             app.add_option("--by", arguments.by, "Who says it, for the log")
+             app.add_option("--by", arguments.by, "Name of the requester, for the log")
                  ->capture_default_str();
            },
        .run = [&arguments](const std::string& lcm_url) { return run(arguments, lcm_url); }});

@@ -89,7 +89,7 @@ void add_options(CLI::App& app, Arguments& arguments) {
       "--appear", arguments.appear_s,
       "Let one obstacle appear at the end of the robot's stopping zone, from this second on");
   app.add_flag("--level-laser", arguments.level_laser,
-               "Also run 2D SLAM on what the laser would measure if it were held level");
+               "Also run 2D SLAM on the scans that the laser would measure if held level");
   app.add_option("--without", arguments.without, "Leave out this process; repeatable")
       ->allow_extra_args(false);
   app.add_flag_callback(

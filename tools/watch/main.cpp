@@ -120,7 +120,7 @@ void add_options(CLI::App& app, Arguments& arguments) {
   app.add_option("--patience", arguments.patience_s, "Seconds to wait for the first scan")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  app.add_option("--json", arguments.out, "Write what was seen into this file");
+  app.add_option("--json", arguments.out, "Write a summary to this file");
 }
 
 int run(const Arguments& arguments, const std::string& lcm_url) {
@@ -148,7 +148,7 @@ int main(int argc, char** argv) {
   return node::run_program(
       argc, argv,
       {.name = "nodmap-watch",
-       .summary = "Shows the robot at work on one line.",
+       .summary = "Shows the robot's state on one line.",
        .uses_lcm = true,
        .add_options = [&arguments](CLI::App& app) { watch::add_options(app, arguments); },
        .run = [&arguments](const std::string& lcm_url) { return watch::run(arguments, lcm_url); }});
