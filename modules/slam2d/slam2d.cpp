@@ -87,33 +87,38 @@ void Slam2d::change_odometry_frame(const geometry::SE3& T_new_odom_base) {
   T_map_odom_ = T_map_odom_ * T_old_new;
   T_odom_keyframe_ = T_old_new.inverse() * T_odom_keyframe_;
   T_odom_last_ = T_old_new.inverse() * T_odom_last_;
+  moving_points_.change_odometry_frame(T_old_new);
   T_odom_failed_search_.reset();  // the robot may have been carried: another search is worth it
 }
 
 std::optional<PoseUpdate> Slam2d::add_scan(const scan::Scan& scan) {
   // "... extracting exactly those 2D scans that have been taken in the horizontal position."
-  const std::optional<LevelScan> level_scan = input_.add_scan(scan);
-  if (!level_scan) {
+  const std::optional<LevelScan> all_points = input_.add_scan(scan);
+  if (!all_points) {
     return std::nullopt;
   }
   if (back_end_.empty()) {
-    return begin_map(*level_scan);
+    moving_points_.add_keyframe(*all_points);
+    return begin_map(*all_points);
   }
+  LevelScan level_scan = *all_points;
+  level_scan.points_base = moving_points_.stationary(*all_points);
   // "These can directly be used as data set D and matched against an incrementally built 2D map" M:
   // the transform that minimises Eq. 3, from the pose by odometry.
-  const Match match = match_or_search(*level_scan);
+  const Match match = match_or_search(level_scan);
   // The same transform corrects the pose.
-  PoseUpdate update = correct_pose(*level_scan, match);
-  update.covariance = estimate_covariance(*level_scan, match, update);
+  PoseUpdate update = correct_pose(level_scan, match);
+  update.covariance = estimate_covariance(level_scan, match, update);
   lost_since_us_ = update.quality == PoseQuality::kLost
                        ? std::optional(lost_since_us_.value_or(update.utime_us))
                        : std::nullopt;
   // "New scan points that do not show a correspondence to already existing points in M are added."
   // That may close a loop, which corrects the pose once more.
-  if (is_keyframe(update, level_scan->T_odom_base)) {
-    add_keyframe(*level_scan, match, update);
+  if (is_keyframe(update, level_scan.T_odom_base)) {
+    add_keyframe(level_scan, match, update);
+    moving_points_.add_keyframe(*all_points);
   }
-  correct_odometry(*level_scan, update);
+  correct_odometry(level_scan, update);
   record(update);
   return update;
 }

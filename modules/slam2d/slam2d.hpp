@@ -8,6 +8,7 @@
 
 #include "modules/slam2d/back_end.hpp"
 #include "modules/slam2d/level_scan.hpp"
+#include "modules/slam2d/moving_points.hpp"
 #include "modules/slam2d/occupancy_grid.hpp"
 #include "modules/slam2d/oriented_points.hpp"
 #include "modules/slam2d/params.hpp"
@@ -106,6 +107,7 @@ class Slam2d {
 
   Slam2dParams params_;
   LevelScanInput input_;
+  MovingPointFilter moving_points_;
   ScanMatcher matcher_;
   PoseSearch search_;
   BackEnd back_end_;
