@@ -15,17 +15,18 @@
 
 #include "common/bus/bus.hpp"
 #include "common/bus/event_log.hpp"
+#include "common/geometry/time.hpp"
 
 namespace nodmap::bus {
 
 class LoopBus;
 
-/// The time from the publishing of a message until a process handles it: `min_us`, plus an
-/// exponentially distributed part of mean `mean_jitter_us` (cut off at ten times the mean), drawn
+/// The time from the publishing of a message until a process handles it: `min`, plus an
+/// exponentially distributed part of mean `mean_jitter` (cut off at ten times the mean), drawn
 /// for each reader from a generator with this seed. It stands for the kernel and the scheduler.
 struct LoopDelay {
-  std::int64_t min_us = 0;
-  std::int64_t mean_jitter_us = 0;
+  time::Duration min{};
+  time::Duration mean_jitter{};
   std::uint64_t seed = 0;
 };
 
@@ -38,8 +39,8 @@ class LoopNetwork {
   /// Throws std::runtime_error when the log cannot be created.
   LoopNetwork(const std::filesystem::path& log, const LoopDelay& delay);
 
-  /// The time on which messages are logged and delivered, microseconds; never back.
-  void set_time(std::int64_t utime_us) { utime_us_ = utime_us; }
+  /// The time on which messages are logged and delivered; never back.
+  void set_time(time::Timestamp now) { now_ = now; }
 
   /// Delivers what is due, including what handlers publish meanwhile: each message after the
   /// handler that published it has returned. An exception of a handler comes out here; the message
@@ -65,7 +66,7 @@ class LoopNetwork {
   };
   /// Deliveries due at the same time are made in the order of publishing.
   struct Due {
-    std::int64_t utime_us = 0;
+    time::Timestamp stamp{};
     std::int64_t number = 0;
     auto operator<=>(const Due&) const = default;
   };
@@ -73,13 +74,13 @@ class LoopNetwork {
   [[nodiscard]] bool send(const std::string& channel, std::span<const std::byte> bytes);
   void listen(LoopBus* owner, const std::string& channel, Bus::BytesHandler handler);
   void leave(const LoopBus* owner);
-  [[nodiscard]] std::int64_t jitter_us();
+  [[nodiscard]] time::Duration jitter();
 
   LogWriter log_;
   bool log_complete_ = true;
   LoopDelay delay_;
   std::mt19937_64 engine_;
-  std::int64_t utime_us_ = 0;
+  time::Timestamp now_{};
   std::int64_t num_deliveries_ = 0;
   std::map<Due, Delivery> deliveries_;
   // Lists, so that a delivery's handler stays where it is.
@@ -104,7 +105,7 @@ class LoopBus : public Bus {
   friend class LoopNetwork;
 
   LoopNetwork& network_;
-  std::int64_t last_due_us_ = 0;
+  time::Timestamp last_due_{};
 };
 
 }  // namespace nodmap::bus
