@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Checks the include rules of the house (ARCHITECTURE.md, "What is deliberately absent").
+"""Checks the include rules of the house (ARCHITECTURE.md, "Rules").
 
 1. An algorithm sees no LCM, generated type, clock, thread, file, environment or stdout.
 2. A module includes no other module.

@@ -80,7 +80,7 @@ Children::Children(const std::string& deputy_id, const std::string& own_folder)
 }
 
 pid_t Children::start(const std::string& id, const std::string& exec_line,
-                      const Priority& priority) {
+                      const Resources& resources) {
   const ExecLine exec = parse_exec_line(exec_line, own_variable);
   if (exec.arguments.empty()) {
     throw std::runtime_error("the exec names no program: " + exec_line);
@@ -88,7 +88,7 @@ pid_t Children::start(const std::string& id, const std::string& exec_line,
   Run run;
   run.mark = own_mark_ + std::to_string(++num_started_);
   Child child = start_child({exec.arguments, environment_of(exec, search_path_, run.mark),
-                             path_of(exec, search_path_), priority});
+                             path_of(exec, search_path_), resources});
   run.pid = child.pid;
   run.terminal = std::move(child.terminal);
   runs_.insert_or_assign(id, std::move(run));

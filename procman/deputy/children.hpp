@@ -37,7 +37,7 @@ class Children : boost::noncopyable {
 
   /// Starts an exec line for a command that does not run. Throws std::runtime_error.
   [[nodiscard]] pid_t start(const std::string& id, const std::string& exec,
-                            const Priority& priority);
+                            const Resources& resources);
 
   /// Sends a signal to a command and all that descends from it.
   void signal(const std::string& id, int signal);

@@ -10,6 +10,7 @@
 #include <chrono>
 #include <csignal>
 #include <filesystem>
+#include <set>
 #include <sstream>
 #include <system_error>
 #include <utility>
@@ -19,6 +20,7 @@
 #include "common/node/clock.hpp"
 #include "common/node/log.hpp"
 #include "common/node/status.hpp"
+#include "procman/config/config_watch.hpp"
 #include "procman/deputy/children.hpp"
 #include "procman/deputy/output_collector.hpp"
 #include "procman/deputy/supervisor.hpp"
@@ -32,6 +34,7 @@ constexpr time::Duration kDiscoveryTime = 500ms;
 constexpr time::Duration kDiscoverPeriod = 200ms;
 constexpr time::Duration kInfoPeriod = 1s;
 constexpr time::Duration kLongestWait = 200ms;
+constexpr time::Duration kConfigSettles = 500ms;
 
 /// Signals as readable events: no handler, hence nothing that a child could inherit between fork
 /// and exec. To be made before any thread.
@@ -65,7 +68,11 @@ class Deputy {
         supervisor_(settings.id, settings.trusts_orders),
         status_("nodmap-deputy", bus_, counts_, clock_),
         nonce_((time::to_utime(clock_.now()) << 22U) + ::getpid()),
-        started_(time::steady_now()) {}
+        started_(time::steady_now()) {
+    if (!settings.config_file.empty()) {
+      config_watch_.emplace(settings.config_file, kConfigSettles, started_);
+    }
+  }
 
   int run() {
     subscribe();
@@ -73,6 +80,7 @@ class Deputy {
     while (!exit_code_) {
       wait();
       handle_signals();
+      reload_config();
       bus_.handle(0ms);  // bounded: a flood of orders keeps nobody waiting
       work();
     }
@@ -87,6 +95,7 @@ class Deputy {
   void subscribe();
   void wait();
   void handle_signals();
+  void reload_config();
   void work();
   void work_discovery(time::SteadyTime now);
   void begin_service(time::SteadyTime now);
@@ -100,6 +109,7 @@ class Deputy {
   [[nodiscard]] std::vector<pid_t> pids() const;
 
   DeputySettings settings_;
+  std::optional<ConfigWatch> config_watch_;
   Descriptor signals_;
   time::SystemClock clock_;
   node::MessageCounts counts_;
@@ -185,6 +195,22 @@ void Deputy::handle_signals() {
     log::get().info("signal {}: stopping everything{}", info.ssi_signo,
                     supervisor_.is_shutting_down() ? ", at once" : "");
     carry_out(supervisor_.shut_down(time::steady_now()));
+  }
+}
+
+/// What runs goes on: the sheriff says what is to become of it.
+void Deputy::reload_config() {
+  const auto parsed = config_watch_ ? config_watch_->poll(time::steady_now()) : std::nullopt;
+  if (!parsed) {
+    return;
+  }
+  for (const ConfigError& error : parsed->errors) {
+    log::get().error("{} (going on as before)", describe(settings_.config_file, error));
+  }
+  if (parsed->errors.empty()) {
+    const bool names_any = allow(settings_, parsed->config);
+    log::get().info("{} was edited{}", settings_.config_file,
+                    names_any ? "" : " and names no command for this deputy any more");
   }
 }
 
@@ -279,8 +305,9 @@ void Deputy::start(const StartCommand& action) {
     return;
   }
   try {
-    const Priority priority = settings_.priority_of ? settings_.priority_of(action.id) : Priority{};
-    const pid_t pid = children_.start(action.id, action.exec, priority);
+    const Resources resources =
+        settings_.resources_of ? settings_.resources_of(action.id) : Resources{};
+    const pid_t pid = children_.start(action.id, action.exec, resources);
     supervisor_.started(action.id, pid, now);
     log::get().info("{} started (pid {})", action.id, pid);
     info_changed_ = true;
@@ -321,6 +348,24 @@ std::vector<pid_t> Deputy::pids() const {
 }
 
 }  // namespace
+
+bool allow(DeputySettings& settings, const Config& config) {
+  std::set<std::string> allowed;
+  for (const Command& command : config.commands) {
+    if (command.deputy == settings.id) {
+      allowed.insert(command.exec);
+    }
+  }
+  const bool is_any = !allowed.empty();
+  settings.may_run = [allowed = std::move(allowed)](const std::string& exec) {
+    return allowed.contains(exec);
+  };
+  settings.resources_of = [config](const std::string& id) {
+    const Command* command = config.find_command(id);
+    return command == nullptr ? Resources{} : command->resources;
+  };
+  return is_any;
+}
 
 int run_deputy(const DeputySettings& settings) {
   return Deputy(settings).run();

@@ -105,14 +105,43 @@ std::string sheriff_id_prefix() {
 }
 
 Fleet::Fleet(const Config& config, std::string sheriff_id) : sheriff_id_(std::move(sheriff_id)) {
+  (void)reconfigure(config);
+}
+
+std::vector<std::string> Fleet::reconfigure(const Config& config) {
+  std::vector<std::string> changes;
+  std::vector<Item> before = std::exchange(items_, {});
   for (const Command& command : config.commands) {
+    const auto known = std::ranges::find_if(before, [&command](const Item& item) {
+      return item.spec.id == command.id && item.deputy == command.deputy;
+    });
     Item item;
+    if (known == before.end()) {
+      item.deputy = command.deputy;
+      changes.push_back(command.id + " is new");
+    } else {
+      item = std::move(*known);
+      before.erase(known);
+      if (item.spec.exec != command.exec) {
+        changes.push_back(command.id + " has changed");
+        if (item.desired_run != 0 && !item.force_quit) {
+          begin_run(item);
+        }
+      }
+    }
     item.spec = spec_of(command);
-    item.deputy = command.deputy;
     item.configured = true;
     items_.push_back(std::move(item));
     deputies_.try_emplace(command.deputy);
   }
+  for (Item& item : before) {
+    if (item.configured && !item.stop_ordered) {
+      changes.push_back(item.spec.id + " is not named any more: stopping it");
+      item.force_quit = item.stop_ordered = true;
+    }
+    items_.push_back(std::move(item));
+  }
+  return changes;
 }
 
 const Fleet::Item* Fleet::find(const std::string& id) const {

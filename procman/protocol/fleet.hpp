@@ -67,6 +67,11 @@ class Fleet {
 
   Fleet(const Config& config, std::string sheriff_id);
 
+  /// The configuration was edited: what it does not name any more is stopped, what is new waits to
+  /// be started, a command that runs by another exec line is restarted, and all else goes on. What
+  /// has changed, for people, a line each.
+  std::vector<std::string> reconfigure(const Config& config);
+
   // What is wanted from now on. Unknown names do nothing.
   void order(Verb verb, const std::string& id);
   void start(const std::string& id);

@@ -34,11 +34,11 @@ void HealthWatch::take_status(const std::string& process_name, const ProcessHeal
   }
   Process& process = processes_[process_name];
   process.last = {health, now};
-  if (health.state != ProcessHealth::State::kFailed) {
-    process.failed_since.reset();
-  } else if (!process.failed_since) {
-    process.failed_since = now;
-  }
+  const auto keep_since = [now](std::optional<time::SteadyTime>& since, bool holds) {
+    since = holds ? std::optional(since.value_or(now)) : std::nullopt;
+  };
+  keep_since(process.failed_since, health.state == ProcessHealth::State::kFailed);
+  keep_since(process.degraded_since, health.state != ProcessHealth::State::kOk);
 }
 
 void HealthWatch::take_output(const std::string& command_id, time::SteadyTime now) {
@@ -75,16 +75,23 @@ std::string HealthWatch::restart_reason(const Command& command, Span observed, i
   if (too_long(silent, rule.restart_silent_s)) {
     return "no STATUS for " + whole_seconds(silent);
   }
-  if (!has_status || !found->second.failed_since) {
+  if (!has_status) {
     return {};
   }
   const Process& process = found->second;
-  const time::Duration failed_for =
-      process.last.received - std::max(observed.since, *process.failed_since);
-  if (!too_long(failed_for, rule.restart_failed_s)) {
-    return {};
+  const auto lasting = [&](std::optional<time::SteadyTime> since) {
+    return since ? process.last.received - std::max(observed.since, *since) : time::Duration{};
+  };
+  const auto reason = [&process](const char* state, time::Duration duration) {
+    return state + whole_seconds(duration) + ": " + process.last.health.reason;
+  };
+  if (too_long(lasting(process.failed_since), rule.restart_failed_s)) {
+    return reason("FAILED for ", lasting(process.failed_since));
   }
-  return "FAILED for " + whole_seconds(failed_for) + ": " + process.last.health.reason;
+  if (too_long(lasting(process.degraded_since), rule.restart_degraded_s)) {
+    return reason("DEGRADED for ", lasting(process.degraded_since));
+  }
+  return {};
 }
 
 std::vector<HealthWatch::Restart> HealthWatch::due_restarts(const Fleet& fleet,

@@ -62,6 +62,7 @@ class HealthWatch {
   struct Process {
     LastStatus last;
     std::optional<time::SteadyTime> failed_since;
+    std::optional<time::SteadyTime> degraded_since;  // or failed
   };
   struct Patience {
     int doublings = 0;

@@ -29,11 +29,11 @@ ProcessHealth health_of(const nodmap::status_t& message) {
 
 }  // namespace
 
-Sheriff::Sheriff(const Config& config, const std::string& lcm_url)
-    : config_(config),
+Sheriff::Sheriff(Config config, const std::string& lcm_url)
+    : config_(std::move(config)),
       bus_(lcm_url),
-      fleet_(config, sheriff_id_prefix() + std::to_string(time::to_utime(clock_.now()))),
-      health_(config) {
+      fleet_(config_, sheriff_id_prefix() + std::to_string(time::to_utime(clock_.now()))),
+      health_(config_) {
   subscribe();
   discover();
 }
@@ -100,6 +100,13 @@ std::vector<HealthWatch::Restart> Sheriff::apply_health_rules() {
     give_orders();
   }
   return restarts;
+}
+
+std::vector<std::string> Sheriff::reconfigure(Config config) {
+  config_ = std::move(config);
+  std::vector<std::string> changes = fleet_.reconfigure(config_);
+  give_orders();
+  return changes;
 }
 
 bool Sheriff::is_healthy(const std::string& command) const {

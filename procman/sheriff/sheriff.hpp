@@ -24,9 +24,8 @@ class Sheriff {
  public:
   using OutputHandler = std::function<void(const std::string& command, const std::string& text)>;
 
-  /// `config` must outlive it.
   /// An observer at first: whoever wants to command looks for other sheriffs before.
-  Sheriff(const Config& config, const std::string& lcm_url);
+  Sheriff(Config config, const std::string& lcm_url);
 
   /// Listens for a moment, and gives the orders that are due.
   void work(std::chrono::milliseconds wait);
@@ -39,6 +38,9 @@ class Sheriff {
 
   /// Restarts what the configuration's health rules ask for; their reasons.
   std::vector<HealthWatch::Restart> apply_health_rules();
+
+  /// The configuration was edited; see Fleet::reconfigure(). Not while a script of the former runs.
+  std::vector<std::string> reconfigure(Config config);
 
   /// Whether a command's process has said OK since it runs, and lately.
   [[nodiscard]] bool is_healthy(const std::string& command) const;
@@ -58,7 +60,7 @@ class Sheriff {
   void discover();
   void take_output(const Output& output);
 
-  const Config& config_;
+  Config config_;
   time::SystemClock clock_;
   bus::LiveBus bus_;
   Fleet fleet_;

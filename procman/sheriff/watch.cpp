@@ -6,6 +6,7 @@
 
 #include "common/node/log.hpp"
 #include "common/node/program.hpp"
+#include "procman/config/config_watch.hpp"
 #include "procman/sheriff/script_runner.hpp"
 #include "procman/sheriff/tasks.hpp"
 #include "procman/sheriff/terminal.hpp"
@@ -15,6 +16,8 @@ namespace {
 
 constexpr std::chrono::milliseconds kWait(50);
 constexpr time::Duration kReminderPeriod = 5s;
+/// The deputies read the same file, and are to know of a new exec line before it is ordered.
+constexpr time::Duration kConfigSettles = 2s;
 
 /// What a key orders for the selected command, or for its whole group.
 struct KeyOrder {
@@ -34,7 +37,10 @@ constexpr std::array<KeyOrder, 6> kKeyOrders{
 /// The sheriff that stays: script, health rules, the other sheriff; on a terminal or line by line.
 class Watch {
  public:
-  Watch(Sheriff& sheriff, const WatchOptions& options) : sheriff_(sheriff), options_(options) {
+  Watch(Sheriff& sheriff, const WatchOptions& options)
+      : sheriff_(sheriff),
+        options_(options),
+        config_watch_(options.config_file, kConfigSettles, Sheriff::now()) {
     if (options.script != nullptr) {
       runner_.emplace(sheriff.config(), *options.script,
                       [&sheriff](const std::string& id) { return sheriff.is_healthy(id); });
@@ -53,6 +59,7 @@ class Watch {
       sheriff_.work(kWait);
       look_for_other_sheriff();
       step_script();
+      reload_config();
       for (const HealthWatch::Restart& restart : sheriff_.apply_health_rules()) {
         notify("restarting " + restart.command_id + ": " + restart.reason);
       }
@@ -65,6 +72,7 @@ class Watch {
  private:
   void step_script();
   void end_script();
+  void reload_config();
   void look_for_other_sheriff();
   void notify(const std::string& text);
   void show();
@@ -75,6 +83,7 @@ class Watch {
 
   Sheriff& sheriff_;
   WatchOptions options_;
+  ConfigWatch config_watch_;
   std::optional<ScriptRunner> runner_;
   std::unique_ptr<Terminal> terminal_;
   ViewState view_;
@@ -127,6 +136,25 @@ void Watch::end_script() {
     exit_code_ = has_failed_ ? kFailed : kDone;
   } else if (options_.after_script == AfterScript::kObserve) {
     sheriff_.observe();
+  }
+}
+
+/// Not under a script that names what was there when it began.
+void Watch::reload_config() {
+  if (runner_ && !runner_->is_over()) {
+    return;
+  }
+  std::optional<ParsedConfig> parsed = config_watch_.poll(Sheriff::now());
+  if (!parsed) {
+    return;
+  }
+  if (!parsed->errors.empty()) {
+    notify(describe(options_.config_file, parsed->errors.front()) + " (going on as before)");
+    return;
+  }
+  notify(options_.config_file + " was edited");
+  for (const std::string& change : sheriff_.reconfigure(std::move(parsed->config))) {
+    notify(change);
   }
 }
 

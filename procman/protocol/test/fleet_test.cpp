@@ -64,6 +64,39 @@ TEST_F(FleetTest, SaysNothingToADeputyThatWasNotHeard) {
   EXPECT_EQ(state("a"), "Stopped (OK)");
 }
 
+TEST_F(FleetTest, AnEditedConfigurationTouchesOnlyWhatHasChanged) {
+  hear({status("a", 7, 1), status("r", 8, 1)});
+  const Config edited = parse_config(R"(
+      cmd "new" { exec = "n"; host = "h"; }
+      cmd "r" { exec = "y --faster"; host = "h"; auto_respawn = "true"; }
+      cmd "far" { exec = "z"; host = "other"; })")
+                            .config;
+  EXPECT_THAT(fleet_.reconfigure(edited),
+              ::testing::UnorderedElementsAre("new is new", "r has changed",
+                                              "a is not named any more: stopping it"));
+  EXPECT_TRUE(order("a").force_quit);
+  EXPECT_EQ(order("r").desired_run, 2) << "restarted";
+  EXPECT_EQ(order("r").spec.exec, "y --faster");
+  EXPECT_EQ(order("new").desired_run, 0) << "waits to be started";
+  EXPECT_EQ(fleet_.items().front().spec.id, "new") << "in the order of the file";
+  EXPECT_THAT(fleet_.reconfigure(edited), ::testing::IsEmpty());
+  EXPECT_EQ(order("r").desired_run, 2);
+}
+
+// What does not run is not started by an edit, and a move to another host stops it on the first.
+TEST_F(FleetTest, AnEditStartsNothing) {
+  hear({status("a", 0, 0), status("r", 8, 1)});
+  const Config edited = parse_config(R"(
+      cmd "a" { exec = "x --new"; host = "h"; }
+      cmd "r" { exec = "y"; host = "other"; })")
+                            .config;
+  (void)fleet_.reconfigure(edited);
+  EXPECT_EQ(order("a").desired_run, 0);
+  EXPECT_TRUE(order("r").force_quit);
+  hear({}, "other");
+  EXPECT_EQ(fleet_.orders_for("other", {})->commands.front().desired_run, 0);
+}
+
 TEST_F(FleetTest, StartsRestartsAndStops) {
   hear({});
   fleet_.start("a");

@@ -71,6 +71,18 @@ TEST_F(HealthWatchTest, KnowsACommandByItsProgram) {
   EXPECT_EQ(watch_.last_status_of("a")->received, now_);
 }
 
+TEST_F(HealthWatchTest, RestartsWhatStaysDegradedWhereARuleSaysSo) {
+  hear_deputy();
+  const auto degraded = [this] { speak(ProcessHealth::State::kDegraded); };
+  EXPECT_EQ(seconds_to_verdict(60, degraded), 0) << "no rule";
+  config_.commands[0].health.restart_degraded_s = 20;
+  EXPECT_EQ(seconds_to_verdict(1, degraded), 1) << "it has been so for a minute";
+  EXPECT_THAT(reason_, HasSubstr("DEGRADED for"));
+  EXPECT_THAT(reason_, HasSubstr("no scans"));
+  speak(ProcessHealth::State::kOk);
+  EXPECT_EQ(seconds_to_verdict(41, degraded), 0) << "twice as long after a restart";
+}
+
 TEST_F(HealthWatchTest, RestartsWhatFallsSilent) {
   hear_deputy();
   EXPECT_EQ(seconds_to_verdict(60, [this] { speak(ProcessHealth::State::kOk); }), 0);
