@@ -17,8 +17,8 @@ FILES = [
 ENDED_WELL = "Stopped (OK)"
 # What is lost where, and what helps. A busy machine loses something, and the robot is made for that: it is said, and no failure.
 CAUSES = {
-    "nodmap-laser3d": "scans that did not become messages: the driver or the simulated devices were not run in time; the machine is too busy",
-    "": "messages that a receiver had no room for: raise net.core.rmem_max to 4194304 (nodmap-doctor tells how), or the machine is too busy",
+    "nodmap-laser3d": "scans that did not become messages: the driver or the simulated devices were not run in time; the machine is too busy (nodmap-doctor tells about real-time priority)",
+    "": "messages that it had no time for: the machine is too busy",
 }
 
 
@@ -51,6 +51,9 @@ def main():
     wrong += [f"{name} has received {p['corrupt']} corrupt messages" for name, p in watch["processes"].items() if p["corrupt"]]
     if truth["distance_m"] < 1.0:
         wrong.append("the robot hardly moved")
+    sweeps = (read(out / "slam6d/result.json") or {}).get("metrics", {})
+    if sweeps.get("sweeps_lost", 0) >= max(1, sweeps.get("sweeps_tracked", 0)):
+        wrong.append(f"6D SLAM was lost: {sweeps['sweeps_lost']} of {sweeps['sweeps']} sweeps do not fit its map")
     wrong += [f"{c['command']}: {c['state']} {c['end']}" for c in status["commands"] if c["state"] != ENDED_WELL]
 
     print()

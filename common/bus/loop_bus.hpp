@@ -15,38 +15,39 @@
 
 #include "common/bus/bus.hpp"
 #include "common/bus/event_log.hpp"
+#include "common/geometry/time.hpp"
 
 namespace nodmap::bus {
 
 class LoopBus;
 
-/// The time from the publishing of a message until a process handles it: `min_us`, plus an
-/// exponentially distributed part of mean `mean_jitter_us` (cut off at ten times the mean), drawn
-/// for each reader from a generator with this seed. It stands for the kernel and the scheduler.
+/// Delay from publishing a message until a process handles it, which models kernel and scheduler:
+/// `min` plus an exponentially distributed part with mean `mean_jitter` (limited to ten times the
+/// mean), drawn for each subscriber from a random generator with this seed.
 struct LoopDelay {
-  std::int64_t min_us = 0;
-  std::int64_t mean_jitter_us = 0;
+  time::Duration min{};
+  time::Duration mean_jitter{};
   std::uint64_t seed = 0;
 };
 
-/// A network within one thread, on a time that its owner sets: what one LoopBus publishes is
-/// delivered to all of them, itself included, after a delay. A LoopBus receives its messages in the
-/// order of publishing, as from one socket. Everything published also goes into an event log. The
-/// same calls give the same deliveries and the same log.
+/// A simulated network within one thread; its owner sets the time. A message published by one
+/// LoopBus is delivered to all of them, including itself, after a delay. Each LoopBus receives its
+/// messages in the order of publishing, as from one socket. All messages are also written to an
+/// event log. The same calls give the same deliveries and the same log.
 class LoopNetwork {
  public:
   /// Throws std::runtime_error when the log cannot be created.
   LoopNetwork(const std::filesystem::path& log, const LoopDelay& delay);
 
-  /// The time on which messages are logged and delivered, microseconds; never back.
-  void set_time(std::int64_t utime_us) { utime_us_ = utime_us; }
+  /// Sets the time for logging and delivery; must not step back.
+  void set_time(time::Timestamp now) { now_ = now; }
 
-  /// Delivers what is due, including what handlers publish meanwhile: each message after the
-  /// handler that published it has returned. An exception of a handler comes out here; the message
-  /// is not delivered to that handler again.
+  /// Delivers all messages that are due, including those that handlers publish meanwhile, each
+  /// after the handler that published it has returned. Rethrows the exception of a handler; the
+  /// message is not delivered to this handler again.
   void deliver();
 
-  /// False when the log has not taken everything.
+  /// False if some messages could not be written to the log.
   [[nodiscard]] bool flush() { return log_.flush() && log_complete_; }
   [[nodiscard]] std::int64_t num_messages() const { return log_.num_events(); }
 
@@ -65,7 +66,7 @@ class LoopNetwork {
   };
   /// Deliveries due at the same time are made in the order of publishing.
   struct Due {
-    std::int64_t utime_us = 0;
+    time::Timestamp stamp{};
     std::int64_t number = 0;
     auto operator<=>(const Due&) const = default;
   };
@@ -73,21 +74,21 @@ class LoopNetwork {
   [[nodiscard]] bool send(const std::string& channel, std::span<const std::byte> bytes);
   void listen(LoopBus* owner, const std::string& channel, Bus::BytesHandler handler);
   void leave(const LoopBus* owner);
-  [[nodiscard]] std::int64_t jitter_us();
+  [[nodiscard]] time::Duration jitter();
 
   LogWriter log_;
   bool log_complete_ = true;
   LoopDelay delay_;
   std::mt19937_64 engine_;
-  std::int64_t utime_us_ = 0;
+  time::Timestamp now_{};
   std::int64_t num_deliveries_ = 0;
   std::map<Due, Delivery> deliveries_;
   // Lists, so that a delivery's handler stays where it is.
   std::map<std::string, std::list<Listener>, std::less<>> listeners_;
 };
 
-/// One process's place on a LoopNetwork, which outlives it. When it ends, nothing comes any more to
-/// who subscribed through it. Not to be ended from within a handler.
+/// The bus of one process on a LoopNetwork, which must outlive it. Its destructor ends its
+/// subscriptions; do not destroy it within a handler.
 class LoopBus : public Bus {
  public:
   explicit LoopBus(LoopNetwork& network) : network_(network) {}
@@ -104,7 +105,7 @@ class LoopBus : public Bus {
   friend class LoopNetwork;
 
   LoopNetwork& network_;
-  std::int64_t last_due_us_ = 0;
+  time::Timestamp last_due_{};
 };
 
 }  // namespace nodmap::bus

@@ -146,7 +146,7 @@ struct PlannerParams {
   double failure_price = 3.0;
   double clearance_weight = 0.5;
   double smoothness_weight = 0.03;
-  double reverse_price = 1.0;
+  double reverse_price = 0.3;
   double rotation_rad_s = geometry::deg_to_rad(60.0);
 
   template <class Visitor>

@@ -69,6 +69,13 @@ std::vector<OrientedPoint> oriented_points(const VoxelGrid& grid) {
   return points;
 }
 
+// The robot's pitch, positive upwards, among the six directions of a covariance.
+Vector6d pitch_axis(const SE3& T_map_base) {
+  Vector6d axis = Vector6d::Zero();
+  axis.tail<3>() = -T_map_base.linear().col(1);
+  return axis;
+}
+
 }  // namespace
 
 Slam6d::Slam6d(const Slam6dParams& params)
@@ -76,6 +83,7 @@ Slam6d::Slam6d(const Slam6dParams& params)
       segmenter_(params.sweep),
       odometry_(history_span_us(params.sweep), kMaxExtrapolationUs),
       calibration_(params.calibration),
+      pitch_latency_(params.pitch_latency),
       map_(params.voxels) {}
 
 bool Slam6d::add_odometry(std::int64_t utime_us, const SE3& T_odom_base) {
@@ -94,38 +102,71 @@ std::optional<PoseUpdate> Slam6d::change_odometry_frame(const SE3& T_new_odom_ba
   return update;
 }
 
-// IV B: "segment the continuous data flow to reflect one complete pitch movement per point cloud".
 std::optional<PoseUpdate> Slam6d::add_scan(scan::Scan scan) {
-  const auto sweep = segmenter_.add(std::move(scan));
-  return sweep ? process(*sweep) : std::nullopt;
+  const auto sweep = collect(std::move(scan));
+  return sweep ? std::optional(add_sweep(*sweep)) : std::nullopt;
 }
 
 std::optional<PoseUpdate> Slam6d::flush() {
-  const auto sweep = segmenter_.flush();
-  return sweep ? process(*sweep) : std::nullopt;
+  const auto sweep = collect_rest();
+  return sweep ? std::optional(add_sweep(*sweep)) : std::nullopt;
 }
 
-// IV B: "the robot's movement [...] during the pitching movement is stripped from the point cloud".
-std::optional<PoseUpdate> Slam6d::process(const Sweep& sweep) {
+// IV B: "segment the continuous data flow to reflect one complete pitch movement per point cloud".
+std::optional<PlacedSweep> Slam6d::collect(scan::Scan scan) {
+  auto sweep = segmenter_.add(std::move(scan));
+  return sweep ? place_sweep(std::move(*sweep)) : std::nullopt;
+}
+
+std::optional<PlacedSweep> Slam6d::collect_rest() {
+  auto sweep = segmenter_.flush();
+  return sweep ? place_sweep(std::move(*sweep)) : std::nullopt;
+}
+
+std::optional<PlacedSweep> Slam6d::place_sweep(Sweep sweep) {
   const auto pose_at = [this](std::int64_t utime_us) -> std::optional<SE3> {
     if (odometry_.empty() && params_.assume_stationary) {
       return SE3::Identity();
     }
     return odometry_.at(utime_us);
   };
-  counts_.scans_in_sweeps += sweep.scans.size();
-  is_interrupted_ = is_interrupted_ || sweep.follows_interruption;
-  keyframe_is_due_ = keyframe_is_due_ || sweep.follows_interruption;
-  auto cloud = deskew(sweep.scans, pose_at, params_.range,
-                      [this](const SE3& motion) { return calibration_.calibrate(motion); });
-  counts_.scans_without_pose += cloud ? cloud->scans_without_pose : sweep.scans.size();
-  return cloud ? std::optional(add_cloud(std::move(*cloud))) : std::nullopt;
+  const std::size_t num_scans = sweep.scans.size();
+  scan_counts_.in_sweeps += num_scans;
+  stream_was_interrupted_ = stream_was_interrupted_ || sweep.follows_interruption;
+  auto placed = place(std::move(sweep.scans), pose_at);
+  scan_counts_.without_pose += placed ? placed->scans_without_pose : num_scans;
+  if (placed) {
+    placed->follows_interruption = std::exchange(stream_was_interrupted_, false);
+  }
+  return placed;
+}
+
+// IV B: "the robot's movement [...] during the pitching movement is stripped from the point cloud".
+PoseUpdate Slam6d::add_sweep(const PlacedSweep& sweep) {
+  if (first_sweep_) {
+    learn_pitch_latency_at_start(sweep);
+    first_sweep_.reset();
+  } else if (sweeps_.empty()) {
+    first_sweep_ = sweep;
+  }
+  return add_cloud(deskew_now(sweep));
+}
+
+SweepCloud Slam6d::deskew_now(const PlacedSweep& sweep) const {
+  return deskew(
+      sweep, params_.range, [this](const SE3& motion) { return calibration_.calibrate(motion); },
+      pitch_latency_.seconds());
 }
 
 PoseUpdate Slam6d::add_cloud(SweepCloud cloud) {
+  is_interrupted_ = is_interrupted_ || cloud.follows_interruption;
+  keyframe_is_due_ = keyframe_is_due_ || cloud.follows_interruption;
   PoseUpdate update = extrapolate(cloud);
   if (is_usable(update)) {
     VoxelMap sweep = voxelize(cloud, params_.voxels);
+    if (is_better_beginning(sweep)) {
+      begin_anew(update);
+    }
     if (last_accepted_) {
       track(sweep, cloud, update);
     }
@@ -143,6 +184,24 @@ PoseUpdate Slam6d::add_cloud(SweepCloud cloud) {
   return update;
 }
 
+// The scanner was already on its way when the first sweep began, or cut short: on such a sliver no
+// whole sweep would ever fit.
+bool Slam6d::is_better_beginning(const VoxelMap& sweep) const {
+  constexpr std::size_t kCutShort = 2;
+  return last_accepted_ && counts_.sweeps_tracked + counts_.sweeps_degraded == 0 &&
+         sweep.level(0).voxels().size() >= kCutShort * map_.level(0).voxels().size();
+}
+
+void Slam6d::begin_anew(PoseUpdate& update) {
+  sweeps_[*last_accepted_].keyframe.reset();
+  map_ = VoxelMap(params_.voxels);
+  keyframes_.clear();
+  last_accepted_.reset();
+  counts_.sweeps_lost = 0;
+  update.T_map_base = T_map_odom_ * update.T_odom_base;
+  update.T_map_odom = T_map_odom_;
+}
+
 // Reference [5]: odometry's motion since the last registered pose, in that pose's frame:
 // P_n+1 = P_n (odo_n^-1 odo_n+1).
 PoseUpdate Slam6d::extrapolate(const SweepCloud& cloud) const {
@@ -158,6 +217,9 @@ PoseUpdate Slam6d::extrapolate(const SweepCloud& cloud) const {
           ? T_map_end_ * calibration_.calibrate(counted_since_accepted(cloud.T_odom_base))
           : T_map_odom_ * cloud.T_odom_base;
   update.T_map_odom = update.T_map_base * cloud.T_odom_base.inverse();
+  if (last_accepted_) {
+    update.covariance = predict(cloud, update).covariance;
+  }
   return update;
 }
 
@@ -205,6 +267,7 @@ void Slam6d::track(VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate& update)
   update.T_map_base = update.registration->T_map_base;
   update.covariance = update.registration->covariance;
   calibrate(cloud, predicted, update);
+  learn_pitch_latency(cloud, update);
   switch (update.registration->status) {
     case RegistrationStatus::kTracking:
       ++counts_.sweeps_tracked;
@@ -248,6 +311,66 @@ void Slam6d::calibrate(const SweepCloud& cloud, const PoseUpdate& predicted,
   calibration_.learn(counted_since_accepted(cloud.T_odom_base * cloud.T_base_last_counted),
                      evidence(deviation.translation().x(), forward),
                      evidence(geometry::rotation_vector(deviation.linear()).z(), yaw));
+}
+
+// What the robot's pitch did from the last sweep to this one that level ground does not explain.
+void Slam6d::learn_pitch_latency(const SweepCloud& cloud, const PoseUpdate& update) {
+  const Registration& registration = *update.registration;
+  if (!registration.is_accepted() || !is_planar(cloud.T_odom_base)) {
+    last_nod_.reset();
+    return;
+  }
+  const Vector6d axis = pitch_axis(update.T_map_base);
+  const NoddingSweep nod{
+      .T_map_base = update.T_map_base,
+      .T_first_base = T_first_odom_ * cloud.T_odom_base,
+      .pitch_rate_rad_s = axis.dot(registration.response * axis) * cloud.pitch_rate_rad_s,
+      .pitch_variance = axis.dot(registration.covariance * axis),
+      .latency_s = pitch_latency_.seconds(),
+      .is_stationary = update.is_stationary};
+  if (last_nod_ && !is_interrupted_ && lost_sweeps_ == 0) {
+    const SE3 motion = calibration_.calibrate(last_nod_->T_first_base.inverse() * nod.T_first_base);
+    const SE3 deviation = (last_nod_->T_map_base * motion).inverse() * nod.T_map_base;
+    // The last sweep, had it been deskewed as this one.
+    const double learned_s = nod.latency_s - last_nod_->latency_s;
+    const double pitch_rad = -geometry::rotation_vector(deviation.linear()).y() +
+                             learned_s * last_nod_->pitch_rate_rad_s;
+    const bool is_same_ground = nod.is_stationary && last_nod_->is_stationary;
+    const double level_sigma_rad = params_.odometry.level_tilt_rad;
+    pitch_latency_.learn(nod.pitch_rate_rad_s - last_nod_->pitch_rate_rad_s, pitch_rad,
+                         nod.pitch_variance + last_nod_->pitch_variance +
+                             (is_same_ground ? 0.0 : 2.0 * level_sigma_rad * level_sigma_rad));
+  }
+  last_nod_ = nod;
+}
+
+// A robot that is stationary at first tells the latency at once, by its second sweep. Then the map
+// begins anew with the first one, which else would tilt all that follows.
+void Slam6d::learn_pitch_latency_at_start(const PlacedSweep& sweep) {
+  const SweepCloud cloud = deskew_now(sweep);
+  const PoseUpdate update = extrapolate(cloud);
+  if (!last_accepted_ || keyframes_.size() != 1 || !is_usable(update) || !update.is_stationary ||
+      !sweeps_.front().is_stationary || sweep.follows_interruption ||
+      !is_planar(cloud.T_odom_base)) {
+    return;
+  }
+  VoxelMap voxels = voxelize(cloud, params_.voxels);
+  const Registration found =
+      register_sweep(voxels, map_, predict(cloud, update), params_.registration);
+  if (!found.is_accepted()) {
+    return;
+  }
+  Keyframe& first = keyframes_.front();
+  const Vector6d axis = pitch_axis(found.T_map_base);
+  const SE3 deviation = update.T_map_base.inverse() * found.T_map_base;
+  pitch_latency_.learn(
+      axis.dot(found.response * axis) * (cloud.pitch_rate_rad_s - first.cloud.pitch_rate_rad_s),
+      -geometry::rotation_vector(deviation.linear()).y(), axis.dot(found.covariance * axis));
+  first.cloud = deskew_now(*first_sweep_);
+  const VoxelMap first_voxels = voxelize(first.cloud, params_.voxels);
+  first.points = oriented_points(first_voxels.level(0));
+  map_ = VoxelMap(params_.voxels);
+  map_.add_sweep(first_voxels, first.T_map_base);
 }
 
 // Only what was registered enters the map: a refused sweep leaves no trace.

@@ -48,6 +48,17 @@ Finding check_disk(const std::string& dir, std::int64_t available_bytes) {
   return {"disk", Status::kOk, sentence, ""};
 }
 
+Finding check_realtime(bool is_permitted) {
+  if (is_permitted) {
+    return {"realtime", Status::kOk, "Real-time priority is permitted.", ""};
+  }
+  return {
+      "realtime", Status::kWarn,
+      "Real-time priority is not permitted: on a busy machine the robot halts for want of scans.",
+      "echo \"$USER - rtprio 50\" | sudo tee /etc/security/limits.d/nodmap.conf  # then log in "
+      "anew"};
+}
+
 Finding check_clock(bool is_synchronized) {
   if (is_synchronized) {
     return {"clock", Status::kOk, "The clock follows a reference.", ""};

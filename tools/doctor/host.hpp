@@ -22,6 +22,9 @@ namespace nodmap::doctor {
 /// Room for recordings, with how long it lasts at our rates.
 [[nodiscard]] Finding check_disk(const std::string& dir, std::int64_t available_bytes);
 
+/// Whether programs may go before all others (SCHED_RR), as the drivers and the navigator want to.
+[[nodiscard]] Finding check_realtime(bool is_permitted);
+
 /// Whether the clock follows a reference: stamps of several hosts must agree.
 [[nodiscard]] Finding check_clock(bool is_synchronized);
 

@@ -72,6 +72,7 @@ std::vector<Finding> examine_host(const std::string& logs) {
       check_present("types jar", "build/java/lcmtypes_nodmap.jar",
                     file_exists("build/java/lcmtypes_nodmap.jar"),
                     "with it lcm-spy looks into our messages", "./nodmap spy"),
+      check_realtime(realtime_is_permitted()),
       check_clock(clock_is_synchronized()),
   };
 }

@@ -2,6 +2,7 @@
 #include "tools/doctor/probe.hpp"
 
 #include <ifaddrs.h>
+#include <pthread.h>
 #include <sys/timex.h>
 #include <unistd.h>
 
@@ -12,6 +13,7 @@
 #include <iterator>
 #include <sstream>
 #include <system_error>
+#include <thread>
 
 namespace nodmap::doctor {
 namespace {
@@ -108,6 +110,16 @@ bool clock_is_synchronized() {
   struct timex state {};
   const int result = ::adjtimex(&state);  // modes 0: only asks
   return result != -1 && result != TIME_ERROR && (state.status & STA_UNSYNC) == 0;
+}
+
+bool realtime_is_permitted() {
+  bool is_permitted = false;
+  // A thread, which takes the priority with it when it ends.
+  std::thread([&is_permitted] {
+    const sched_param highest{30};
+    is_permitted = ::pthread_setschedparam(::pthread_self(), SCHED_RR, &highest) == 0;
+  }).join();
+  return is_permitted;
 }
 
 }  // namespace nodmap::doctor

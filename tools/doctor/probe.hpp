@@ -28,4 +28,7 @@ namespace nodmap::doctor {
 /// Whether the kernel's clock is being steered by a time service.
 [[nodiscard]] bool clock_is_synchronized();
 
+/// Whether we may take the highest real-time priority of our configurations (procman/*.pmd).
+[[nodiscard]] bool realtime_is_permitted();
+
 }  // namespace nodmap::doctor

@@ -33,6 +33,12 @@ TEST(Host, DiskIsJudgedByHowLongItLasts) {
   EXPECT_THAT(check_disk("logs", 1'000'000'000).sentence, ::testing::HasSubstr("1000 MB"));
 }
 
+TEST(Host, WithoutRealTimePriorityTheRobotHaltsOnABusyMachine) {
+  EXPECT_EQ(check_realtime(true).status, Status::kOk);
+  EXPECT_EQ(check_realtime(false).status, Status::kWarn);
+  EXPECT_THAT(check_realtime(false).command, ::testing::HasSubstr("rtprio"));
+}
+
 TEST(Host, AnUnsteeredClockIsNoFailure) {
   EXPECT_EQ(check_clock(true).status, Status::kOk);
   EXPECT_EQ(check_clock(false).status, Status::kWarn);
