@@ -18,25 +18,25 @@
 
 namespace nodmap::bus {
 
-/// What went over a bus since it was made.
+/// Message counts of a bus since its construction.
 struct BusCounts {
   std::int64_t received = 0;  ///< messages handed to a handler
-  std::int64_t corrupt = 0;   ///< messages and datagrams that were no valid ones, and dropped
+  std::int64_t corrupt = 0;   ///< invalid messages and datagrams, dropped
   std::int64_t published = 0;
   std::int64_t not_published = 0;  ///< refused by the transport: too large, no route, disk full
-  std::int64_t overrun = 0;  ///< messages that came faster than they were handled, and dropped
-  std::int64_t refused = 0;  ///< datagrams of hosts that are not trusted, and dropped
-  std::string refused_host;  ///< address of the last of them; empty: none
+  std::int64_t overrun = 0;        ///< messages dropped because the process was too slow
+  std::int64_t refused = 0;        ///< datagrams dropped because their sender is not trusted
+  std::string refused_host;        ///< address of the last refused sender; empty: none
 };
 
-/// Where messages come from and go to. The one interface a node sees; live and replay differ only
-/// in which bus it is given. Not thread safe: one bus belongs to one thread.
+/// The interface through which a node subscribes and publishes. Live operation and replay differ
+/// only in the implementation of this interface. Not thread safe: a bus belongs to one thread.
 class Bus : private boost::noncopyable {
  public:
   using BytesHandler = std::function<void(std::span<const std::byte>)>;
 
-  /// More than the bursts of any of our publishers; a reader that falls this far behind has a
-  /// problem that a longer queue would hide.
+  /// Default queue capacity, in messages: longer than the bursts of any of our publishers. A
+  /// subscriber that falls farther behind has a problem that a longer queue would only hide.
   static constexpr int kDefaultQueue = 64;
 
   virtual ~Bus() = default;
@@ -47,7 +47,7 @@ class Bus : private boost::noncopyable {
     count_publish(send(channel, encode_buffer_));
   }
 
-  /// Bytes as they are, for what forwards messages without looking into them.
+  /// Publishes encoded bytes unchanged, for programs that forward messages without decoding them.
   void publish_bytes(const std::string& channel, std::span<const std::byte> bytes) {
     count_publish(send(channel, bytes));
   }
@@ -73,7 +73,7 @@ class Bus : private boost::noncopyable {
         queue_capacity);
   }
 
-  /// Messages as they are on exactly this channel.
+  /// Calls `handler` with the encoded bytes of each message on exactly this channel.
   void subscribe_bytes(const std::string& channel, BytesHandler handler,
                        int queue_capacity = kDefaultQueue) {
     listen(channel, std::move(handler), queue_capacity);
@@ -81,11 +81,11 @@ class Bus : private boost::noncopyable {
 
   [[nodiscard]] virtual BusCounts counts() const { return counts_; }
 
-  /// How long handlers took. Wall clock: for reports, never for results.
+  /// Durations of the handlers, by the wall clock: for reports only, never for results.
   [[nodiscard]] LatencyMeter& latency() { return latency_; }
 
  protected:
-  /// Hands bytes to the transport; false when it refuses them.
+  /// Passes bytes to the transport; false if it refuses them.
   virtual bool send(const std::string& channel, std::span<const std::byte> bytes) = 0;
   virtual void listen(const std::string& channel, BytesHandler handler, int queue_capacity) = 0;
   void count_received() { ++counts_.received; }
@@ -98,9 +98,8 @@ class Bus : private boost::noncopyable {
   std::vector<std::byte> encode_buffer_;
 };
 
-/// A reader that wants only the newest message of a channel. The queues of memq:// and of other
-/// providers drop the NEWEST when they are full, so a short queue is no "latest only": this takes
-/// everything and keeps the last.
+/// Subscribes to a channel and keeps only its newest message. A short queue would not do that,
+/// because the queues of memq:// and other providers drop the NEWEST message when they are full.
 template <class Message>
 class Latest {
  public:
@@ -113,7 +112,7 @@ class Latest {
 
   /// The newest message so far, if any.
   [[nodiscard]] const std::optional<Message>& get() const { return state_->message; }
-  /// How many have come.
+  /// Number of messages received.
   [[nodiscard]] std::int64_t count() const { return state_->count; }
 
  private:

@@ -14,7 +14,7 @@ namespace nodmap::bus {
 
 inline constexpr std::size_t kFingerprintBytes = 8;
 
-/// The fingerprint in front of a message, or 0 where there is none.
+/// The fingerprint at the start of an encoded message, or 0 if there is none.
 [[nodiscard]] inline std::int64_t fingerprint_of(std::span<const std::byte> bytes) {
   if (bytes.size() < kFingerprintBytes) {
     return 0;
@@ -26,9 +26,9 @@ inline constexpr std::size_t kFingerprintBytes = 8;
   return static_cast<std::int64_t>(value);
 }
 
-/// Decodes what is exactly one valid message; false (and `message` untouched) for anything else:
-/// another fingerprint, too short, trailing bytes, counts or strings that do not add up. Never
-/// throws on data and never allocates more than the bytes at hand can fill.
+/// Decodes bytes that are exactly one valid message. Returns false and leaves `message` unchanged
+/// for anything else: wrong fingerprint, too few or too many bytes, counts or strings that do not
+/// fit. Never throws because of the data, and never allocates more than the given bytes can fill.
 template <class Message>
 [[nodiscard]] bool decode_into(Message& message, std::span<const std::byte> bytes) {
   if (bytes.size() > static_cast<std::size_t>(std::numeric_limits<int>::max()) ||
@@ -41,8 +41,8 @@ template <class Message>
   return message.decode(bytes.data(), 0, size) == size;
 }
 
-/// Encodes into a buffer that keeps its capacity from call to call. The counts in the message must
-/// match its arrays, as lcm-gen asks.
+/// Encodes into a buffer that keeps its capacity between calls. The counts in the message must
+/// match its arrays, as lcm-gen requires.
 template <class Message>
 void encode_into(std::vector<std::byte>& buffer, const Message& message) {
   buffer.resize(static_cast<std::size_t>(message.getEncodedSize()));

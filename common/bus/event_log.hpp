@@ -23,9 +23,9 @@ struct LogEvent {
   std::span<const std::byte> data;
 };
 
-/// Reads the event log format of lcm-logger. LCM's own reader allocates whatever a damaged header
-/// claims and ends at the first damage; this one looks for the next event and counts what it
-/// skipped.
+/// Reads the event log format of lcm-logger. After damage it continues with the next valid event
+/// and counts the skipped bytes. (LCM's own reader allocates any size that a damaged header claims,
+/// and stops at the first damage.)
 class LogReader : private boost::noncopyable {
  public:
   /// Throws formats::InputFileError when it cannot be opened.
@@ -35,10 +35,10 @@ class LogReader : private boost::noncopyable {
   /// The next event, or nothing at the end. The event is valid until the next call.
   [[nodiscard]] const LogEvent* next();
 
-  /// Throws formats::InputFileError when the file holds no event at all: it is something else.
+  /// Throws formats::InputFileError if the file contains no event at all: then it is not a log.
   void require_event() const;
 
-  /// Bytes that belonged to no whole event: damage, or a cut-off end.
+  /// Number of bytes that belong to no complete event: damage, or a truncated end.
   [[nodiscard]] std::int64_t skipped_bytes() const { return skipped_bytes_; }
   /// The same as a sentence for the user; empty when there were none.
   [[nodiscard]] std::string damage() const;
@@ -66,27 +66,27 @@ class LogWriter : private boost::noncopyable {
   explicit LogWriter(const std::filesystem::path& path);
   ~LogWriter();
 
-  /// Appends one event. False when the disk takes no more; the file then ends with the last event
-  /// that was written whole.
+  /// Appends one event. False if the disk is full; the file then ends with the last event that was
+  /// written completely.
   [[nodiscard]] bool write(std::int64_t log_utime_us, const std::string& channel,
                            std::span<const std::byte> data);
 
-  /// Hands everything to the operating system. False as for write().
+  /// Flushes everything to the operating system. False as for write().
   [[nodiscard]] bool flush();
 
-  /// Waits until what was handed to the operating system is on the disk: a cut of the power takes
-  /// nothing of it. False as for write().
+  /// Waits until everything flushed is on the disk, so that it survives a power cut. False as for
+  /// write().
   [[nodiscard]] bool sync();
 
-  /// What an event takes in a file.
+  /// Number of bytes that an event takes in a file.
   [[nodiscard]] static std::int64_t event_bytes(const std::string& channel,
                                                 std::span<const std::byte> data);
 
   /// Why the last write() or flush() was false.
   [[nodiscard]] const std::error_code& failure() const { return failure_; }
 
-  /// Bytes of whole events so far, flushed or not; after a failure those that reached the file,
-  /// with a torn event at their end.
+  /// Number of bytes of all complete events, flushed or not; after a failure the number of bytes
+  /// that reached the file, including an incomplete event at the end.
   [[nodiscard]] std::int64_t size_bytes() const { return size_bytes_; }
   [[nodiscard]] std::int64_t num_events() const { return num_events_; }
 

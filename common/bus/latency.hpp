@@ -9,8 +9,8 @@
 
 namespace nodmap::bus {
 
-/// Durations in a histogram of fixed size: bins a sixteenth of an octave wide, so that a percentile
-/// is right to 5 %. Recording costs a few nanoseconds and never allocates.
+/// Collects durations in a histogram of fixed size. The bins are a sixteenth of an octave wide, so
+/// percentiles are accurate to 5 %. Recording takes a few nanoseconds and never allocates.
 class LatencyMeter {
  public:
   struct Summary {
@@ -35,7 +35,7 @@ class LatencyMeter {
 
   [[nodiscard]] Summary summary() const;
 
-  /// The summary since the last call, and a fresh start.
+  /// Returns the summary since the last call and clears the histogram.
   [[nodiscard]] Summary take();
 
  private:

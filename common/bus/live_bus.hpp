@@ -14,37 +14,36 @@ namespace nodmap::bus {
 /// host (ttl=0).
 [[nodiscard]] std::string resolve_url(const std::string& url);
 
-/// A channel name as the regular expression that matches it and nothing else: LCM takes the name
-/// given to subscribe for an (anchored) regular expression, so that "LASER.1" would also match
-/// "LASER_1".
+/// A regular expression that matches exactly this channel name. LCM interprets the name given to
+/// subscribe as an (anchored) regular expression: "LASER.1" would also match "LASER_1".
 [[nodiscard]] std::string literal_channel(const std::string& channel);
 
-/// The bus on a network (or memq://, within this object only). udpm:// is received by UdpmReceiver:
-/// from this host, and from those that $NODMAP_TRUSTED_HOSTS names ("10.0.0.2,10.0.1.0/24"). All
-/// the rest is liblcm's.
+/// The bus on a network (or memq://, within this object only). For udpm://, UdpmReceiver receives
+/// the messages of this host and of the hosts in $NODMAP_TRUSTED_HOSTS ("10.0.0.2,10.0.1.0/24").
+/// liblcm does everything else.
 class LiveBus : public Bus {
  public:
-  /// Longer messages reach nobody but who subscribes to all: ours stay under 64 KiB, and those of
-  /// the process manager under this.
+  /// Longer messages are delivered only to subscribe_all(). Messages of package nodmap are smaller
+  /// than 64 KiB, those of the process manager smaller than this.
   static constexpr std::size_t kMaxMessageBytes = std::size_t{256} << 10U;
 
   /// Throws std::runtime_error, naming the URL and what to try, when LCM cannot use it.
   explicit LiveBus(const std::string& url);
   ~LiveBus() override;
 
-  /// Waits up to `timeout` for a message, then handles all that are waiting (bounded, so that a
-  /// flood cannot keep the caller for ever). Returns how many. An exception from a handler comes
-  /// out here, after LCM has been left in order.
+  /// Waits up to `timeout` for a message, then handles all waiting messages and returns their
+  /// number. This number is limited, so that a flood cannot block the caller forever. Rethrows the
+  /// exception of a handler after LCM has returned in a consistent state.
   int handle(std::chrono::milliseconds timeout);
 
-  /// Readable when a message waits, for a loop that also watches other descriptors; then call
-  /// handle(0).
+  /// A descriptor that is readable while a message waits, for loops that also wait for other
+  /// descriptors; then call handle(0).
   [[nodiscard]] int poll_handle();
 
   using RawMessage = bus::RawMessage;
   using AnyHandler = RawHandler;
 
-  /// Hears every channel, without decoding: for a logger.
+  /// Subscribes to every channel without decoding the messages: for a logger.
   void subscribe_all(AnyHandler handler, int queue_capacity);
 
   [[nodiscard]] BusCounts counts() const override;

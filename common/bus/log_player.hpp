@@ -14,8 +14,8 @@
 
 namespace nodmap::bus {
 
-/// Plays event logs as a bus: several at once, merged by log time. Time is what the caller says
-/// has passed; nothing is published.
+/// A bus that plays one or more event logs, merged by log time. The caller says how much time
+/// passes; published messages are discarded.
 class LogPlayer : public Bus {
  public:
   static constexpr double kMinSpeed = 0.01;
@@ -25,18 +25,19 @@ class LogPlayer : public Bus {
   /// cannot be read or none holds an event.
   explicit LogPlayer(std::vector<std::filesystem::path> logs);
 
-  /// Lets time pass at the present speed.
+  /// Advances by `elapsed` at the present speed, and delivers the events of this interval.
   void advance(time::Duration elapsed);
 
-  /// Hands over events up to the present position, at most `max_events`. Whether all are handed
-  /// over: after a seek much can be waiting.
+  /// Delivers events up to the present position, at most `max_events`. Returns whether all have
+  /// been delivered: after a seek many may be waiting.
   bool catch_up(std::int64_t max_events);
 
   void set_paused(bool paused) { paused_ = paused; }
   /// Clamped to [kMinSpeed, kMaxSpeed].
   void set_speed(double speed);
-  /// Goes to this time after the log's begin, clamped to its length. True when that is back:
-  /// everything is handed over anew, and who keeps state must forget it.
+  /// Moves to a time of the log, counted from its start, clamped to its length. Returns true if this
+  /// is a step back: then all events are delivered again from the start, and subscribers must clear
+  /// their state.
   [[nodiscard]] bool seek(time::Duration position);
 
   /// A sentence for each log that is damaged or cut off.
@@ -47,7 +48,7 @@ class LogPlayer : public Bus {
   [[nodiscard]] time::Duration duration() const { return last_ - first_; }
   /// Log time at the present position.
   [[nodiscard]] time::Timestamp now() const { return first_ + position_; }
-  /// Log time of the event being handed over; the epoch before the first.
+  /// Log time of the event being delivered; the epoch before the first.
   [[nodiscard]] time::Timestamp event_time() const { return event_time_; }
   [[nodiscard]] bool at_end() const { return position_ >= duration(); }
 

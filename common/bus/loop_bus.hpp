@@ -21,33 +21,33 @@ namespace nodmap::bus {
 
 class LoopBus;
 
-/// The time from the publishing of a message until a process handles it: `min`, plus an
-/// exponentially distributed part of mean `mean_jitter` (cut off at ten times the mean), drawn
-/// for each reader from a generator with this seed. It stands for the kernel and the scheduler.
+/// Delay from publishing a message until a process handles it, which models kernel and scheduler:
+/// `min` plus an exponentially distributed part with mean `mean_jitter` (limited to ten times the
+/// mean), drawn for each subscriber from a random generator with this seed.
 struct LoopDelay {
   time::Duration min{};
   time::Duration mean_jitter{};
   std::uint64_t seed = 0;
 };
 
-/// A network within one thread, on a time that its owner sets: what one LoopBus publishes is
-/// delivered to all of them, itself included, after a delay. A LoopBus receives its messages in the
-/// order of publishing, as from one socket. Everything published also goes into an event log. The
-/// same calls give the same deliveries and the same log.
+/// A simulated network within one thread; its owner sets the time. A message published by one
+/// LoopBus is delivered to all of them, including itself, after a delay. Each LoopBus receives its
+/// messages in the order of publishing, as from one socket. All messages are also written to an
+/// event log. The same calls give the same deliveries and the same log.
 class LoopNetwork {
  public:
   /// Throws std::runtime_error when the log cannot be created.
   LoopNetwork(const std::filesystem::path& log, const LoopDelay& delay);
 
-  /// The time on which messages are logged and delivered; never back.
+  /// Sets the time for logging and delivery; must not step back.
   void set_time(time::Timestamp now) { now_ = now; }
 
-  /// Delivers what is due, including what handlers publish meanwhile: each message after the
-  /// handler that published it has returned. An exception of a handler comes out here; the message
-  /// is not delivered to that handler again.
+  /// Delivers all messages that are due, including those that handlers publish meanwhile, each
+  /// after the handler that published it has returned. Rethrows the exception of a handler; the
+  /// message is not delivered to this handler again.
   void deliver();
 
-  /// False when the log has not taken everything.
+  /// False if some messages could not be written to the log.
   [[nodiscard]] bool flush() { return log_.flush() && log_complete_; }
   [[nodiscard]] std::int64_t num_messages() const { return log_.num_events(); }
 
@@ -87,8 +87,8 @@ class LoopNetwork {
   std::map<std::string, std::list<Listener>, std::less<>> listeners_;
 };
 
-/// One process's place on a LoopNetwork, which outlives it. When it ends, nothing comes any more to
-/// who subscribed through it. Not to be ended from within a handler.
+/// The bus of one process on a LoopNetwork, which must outlive it. Its destructor ends its
+/// subscriptions; do not destroy it within a handler.
 class LoopBus : public Bus {
  public:
   explicit LoopBus(LoopNetwork& network) : network_(network) {}

@@ -16,21 +16,24 @@
 
 namespace nodmap::bus {
 
-/// LCM's UDP datagrams as messages: a datagram holds a whole message (magic LC02) or a fragment of
-/// one (LC03).
+/// Assembles LCM's UDP datagrams to messages. A datagram contains a whole message or a fragment of
+/// one, all numbers big-endian:
 ///
-///     LC02: magic, sequence number                            then the channel with its NUL, the
-///     data LC03: magic, sequence number, size of the message's data, offset of this fragment's
-///     data in it
-///           (32 bits each), number of this fragment, number of fragments (16 bits each); the first
-///           fragment has the channel with its NUL before its data
+///     whole message:  magic "LC02", sequence number (32 bits each);
+///                     channel with terminating NUL; data
+///     fragment:       magic "LC03", sequence number, size of the message's data,
+///                     offset of this fragment's data (32 bits each);
+///                     number of this fragment, number of fragments (16 bits each);
+///                     in the first fragment only: channel with terminating NUL;
+///                     data of this fragment
 ///
-/// All big-endian. Nothing that a datagram says of itself is believed: a channel ends within it, a
-/// fragment lies within its message, and a message is handed out when each of its fragments has
-/// come once and they follow each other without gap and overlap. What waits for its other fragments
-/// is bounded in number and in bytes; beyond that the oldest is dropped.
+/// Every value in a datagram is checked: the channel must end within the datagram and the fragment
+/// within its message. A message is returned when each fragment has been received once, without
+/// gaps or overlaps. Incomplete messages are limited in number and bytes; beyond that the oldest is
+/// dropped.
 ///
-/// No fragment is taken before the first of its message, which alone names the channel.
+/// Fragments received before the first one of their message are dropped, because only the first one
+/// names the channel.
 class MessageAssembler {
  public:
   struct Sender {
@@ -51,18 +54,18 @@ class MessageAssembler {
   static constexpr std::size_t kMaxPendingBytes = std::size_t{32} << 20U;
   static constexpr std::size_t kMaxPending = 64;
 
-  /// Messages of channels that are not wanted are dropped at once.
+  /// Messages on channels for which `is_wanted` returns false are dropped at once.
   explicit MessageAssembler(std::function<bool(std::string_view)> is_wanted)
       : is_wanted_(std::move(is_wanted)) {}
 
-  /// A datagram has come. The message that it completes, if any.
+  /// Adds a datagram; returns the message that it completes, if any.
   [[nodiscard]] std::optional<Message> take(const Sender& sender,
                                             std::span<const std::byte> datagram);
 
-  /// Datagrams that were nothing of LCM's, or fragments that cannot belong to their message.
+  /// Number of datagrams that are not LCM's, or that do not fit their message.
   [[nodiscard]] std::int64_t malformed() const { return malformed_; }
 
-  /// What the messages that wait for fragments hold.
+  /// Number of bytes held for incomplete messages.
   [[nodiscard]] std::size_t pending_bytes() const { return pending_bytes_; }
 
  private:
@@ -88,7 +91,7 @@ class MessageAssembler {
     std::size_t size = 0;
     std::vector<Range> fragments;
     std::size_t num_come = 0;
-    std::int64_t order = 0;  ///< of its first fragment, among all
+    std::int64_t order = 0;  ///< position of its first fragment among those of all messages
 
     [[nodiscard]] bool is_message_of(const Fragment& fragment) const;
     [[nodiscard]] bool is_without_gap() const;
@@ -98,7 +101,7 @@ class MessageAssembler {
 
   std::optional<Message> take_whole(std::span<const std::byte> after_header);
   std::optional<Message> take_fragment(const Sender& sender, Fragment fragment);
-  /// The first fragment of a message: a place for it, when it is wanted and can be one.
+  /// Makes an entry for a message from its first fragment, if the message is wanted and valid.
   PendingOfSender begin_message(const Sender& sender, Fragment& fragment);
   std::optional<Message> finish(PendingOfSender pending);
   void drop(PendingOfSender pending);
@@ -110,7 +113,7 @@ class MessageAssembler {
   std::size_t pending_bytes_ = 0;
   std::int64_t num_begun_ = 0;
   std::int64_t malformed_ = 0;
-  Pending complete_;  // what the last call handed out
+  Pending complete_;  // the message that the last call returned
 };
 
 }  // namespace nodmap::bus

@@ -13,9 +13,9 @@
 
 namespace nodmap::bus {
 
-/// The bus on a recording: no network, no clock. Events come in the order of the file, as fast as
-/// they are handled; what is published goes into another log, stamped with the log time of the
-/// event that caused it.
+/// A bus on a recording, without network or clock. Delivers the events in file order, as fast as
+/// they are handled, and writes published messages to another log, stamped with the log time of the
+/// event that caused them.
 class ReplayBus : public Bus {
  public:
   /// Throws std::runtime_error when the log cannot be read or the output not be made.
@@ -24,7 +24,7 @@ class ReplayBus : public Bus {
   /// Handles the next event; false at the end of the log.
   bool step();
 
-  /// Log time of the event being handled; the epoch before the first.
+  /// Log time of the event being handled; the epoch before the first event.
   [[nodiscard]] time::Timestamp log_time() const { return log_time_; }
   [[nodiscard]] std::int64_t events_read() const { return events_read_; }
   [[nodiscard]] const LogReader& reader() const { return reader_; }

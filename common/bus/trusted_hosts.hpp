@@ -10,26 +10,27 @@
 
 namespace nodmap::bus {
 
-/// An IPv4 address as a number, the first octet highest, as text.
+/// Converts an IPv4 address to text; the first octet is the most significant byte of the number.
 [[nodiscard]] std::string address_text(std::uint32_t address);
 
 /// The IPv4 addresses of this host's interfaces.
 [[nodiscard]] std::vector<std::uint32_t> addresses_of_this_host();
 
-/// Whose datagrams are taken: those of this host, and those of the hosts that are named. ttl=0
-/// keeps our messages on the host; it keeps nobody else's out.
+/// The hosts whose datagrams are accepted: this host, and the hosts that are named. (ttl=0 keeps
+/// our messages on this host, but does not keep the messages of other hosts out.)
 ///
-/// This host's messages bear an address of one of its interfaces, or 0.0.0.0 when multicast goes
-/// over the loopback. Nobody else's can: Linux drops what comes from outside with such a source (as
-/// "martian") before a socket sees it. The addresses of other hosts can be forged by whoever
-/// is on the same network.
+/// Datagrams of this host have the address of one of its interfaces as their source, or 0.0.0.0 if
+/// multicast uses the loopback. Other hosts cannot forge this: Linux drops datagrams from outside
+/// with such a source ("martians") before a socket receives them. The address of a named host can
+/// be forged by any host on the same network.
 class TrustedHosts {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
   /// `hosts`: addresses and networks, separated by commas: "10.0.0.2,10.0.1.0/24". Throws
-  /// std::runtime_error that names the part it cannot read. `own_addresses` is asked again, once a
-  /// second at most, when an unknown address appears: interfaces come and go.
+  /// std::runtime_error, naming the part that is invalid. `own_addresses` returns the addresses of
+  /// this host; because interfaces come and go, it is called again when an unknown address appears,
+  /// at most once a second.
   explicit TrustedHosts(
       const std::string& hosts,
       std::function<std::vector<std::uint32_t>()> own_addresses = &addresses_of_this_host);

@@ -16,7 +16,7 @@
 
 namespace nodmap::bus {
 
-/// A message as it came.
+/// A message as received, not decoded.
 struct RawMessage {
   std::string channel;
   std::span<const std::byte> data;  ///< valid during the call
@@ -24,28 +24,29 @@ struct RawMessage {
 };
 using RawHandler = std::function<void(const RawMessage&)>;
 
-/// What a receiver did not hand over.
+/// Numbers of messages and datagrams that a receiver did not deliver.
 struct ReceiverCounts {
   std::int64_t malformed = 0;  ///< datagrams that are not LCM's
   std::int64_t refused = 0;    ///< datagrams of hosts that are not trusted
-  std::int64_t overrun = 0;    ///< messages for which a queue had no room, or the socket's buffer
+  std::int64_t overrun = 0;    ///< messages dropped because a queue or the socket's buffer was full
   std::string refused_host;    ///< address of the last one refused; empty: none
 };
 
-/// Receives LCM's UDP multicast in place of liblcm, which two datagrams can crash (1.3.1, and 1.5.2
-/// too): fragment offset and size are added in 32 bits. See MessageAssembler for what is checked.
+/// Receives LCM's UDP multicast instead of liblcm, which two datagrams can crash (1.3.1 and 1.5.2),
+/// because it adds fragment offset and size in 32 bits. MessageAssembler describes the checks.
 ///
-/// A thread takes datagrams out of the socket as they come, so that a handler that takes long fills
-/// a queue here and not the socket's buffer; handlers run in handle() alone. Each subscription
-/// holds so many messages as was asked for, all together kMaxQueuedBytes; when its queue is full
-/// its oldest message is dropped: a process that has fallen behind goes on with what is new. The
-/// socket is opened with the first subscription, and bound to the multicast group: LCM binds to
-/// every address, and so hears other groups, and single hosts, on its port.
+/// A thread reads datagrams from the socket as they arrive, so a slow handler fills a queue here
+/// and not the socket's buffer. Handlers run in handle() only. Each subscription has a queue of the
+/// requested capacity. When it is full, its oldest message is dropped, so that a process that has
+/// fallen behind continues with recent messages; when all queues together hold kMaxQueuedBytes, the
+/// new message is dropped. The socket is opened with the first subscription and bound to the
+/// multicast group. (LCM binds to every address, and so also receives other groups and unicast on
+/// its port.)
 class UdpmReceiver {
  public:
   static constexpr std::size_t kMaxQueuedBytes = std::size_t{64} << 20U;
 
-  /// `trusted_hosts` as TrustedHosts takes it.
+  /// `trusted_hosts`: see TrustedHosts.
   UdpmReceiver(const UdpmUrl& url, const std::string& trusted_hosts);
   ~UdpmReceiver();
   UdpmReceiver(const UdpmReceiver&) = delete;
@@ -53,14 +54,14 @@ class UdpmReceiver {
   UdpmReceiver(UdpmReceiver&&) = delete;
   UdpmReceiver& operator=(UdpmReceiver&&) = delete;
 
-  /// Hears this channel, or every one. Throws std::system_error when there is no such socket.
+  /// Subscribes to a channel, or to all. Throws std::system_error if the socket cannot be opened.
   void subscribe(std::optional<std::string> channel, RawHandler handler, int queue_capacity);
 
-  /// Waits up to `timeout` for a message, then hands over what waits, `max` at most. Returns how
-  /// many. What a handler throws comes out here.
+  /// Waits up to `timeout` for a message, then delivers the waiting messages, at most `max`, and
+  /// returns their number. Rethrows the exception of a handler.
   int handle(std::chrono::milliseconds timeout, int max);
 
-  /// Readable while a message waits.
+  /// A descriptor that is readable while a message waits.
   [[nodiscard]] int poll_handle() const;
 
   [[nodiscard]] ReceiverCounts counts() const;

@@ -10,13 +10,13 @@ namespace nodmap::bus {
 
 enum class WireForm : std::uint8_t { kPlain, kString, kStruct };
 
-/// How one member of a message lies on the wire.
+/// The wire layout of one member of a message.
 struct WireField {
   WireForm form = WireForm::kPlain;
-  std::uint32_t size_bytes = 0;            ///< of one element, for kPlain
+  std::uint32_t size_bytes = 0;            ///< size of one element, for kPlain
   std::uint32_t fixed_count = 1;           ///< product of the literal dimensions
-  std::int32_t count_slots[2] = {-1, -1};  ///< counts that give the variable dimensions; -1: none
-  std::int32_t stores_count = -1;     ///< slot in which this integer is a count; -1: it is none
+  std::int32_t count_slots[2] = {-1, -1};  ///< slots of the variable dimensions; -1: none
+  std::int32_t stores_count = -1;     ///< slot that stores this integer as a count; -1: not a count
   std::span<const WireField> nested;  ///< members, for kStruct
 };
 
@@ -31,8 +31,8 @@ struct MessageType {
   std::span<const WireField> fields;
 };
 
-/// Whether `bytes` (without the fingerprint) hold exactly one message of this layout: no negative
-/// count, no array or string that reaches beyond the end, nothing left over.
+/// Whether `bytes` (without the fingerprint) are exactly one message of this layout: no negative
+/// count, no array or string beyond the end, no bytes left over.
 [[nodiscard]] bool fits_layout(std::span<const WireField> fields, std::span<const std::byte> bytes);
 
 }  // namespace nodmap::bus

@@ -9,14 +9,14 @@
 
 namespace nodmap::drawing {
 
-/// A place in an image; its depth (m) orders what covers what.
+/// A point in an image, with its depth (m), which decides what covers what.
 struct Pixel {
   double x = 0.0;
   double y = 0.0;
   double depth = 0.0;
 };
 
-/// Turns places in map into places in an image.
+/// Projects points in map into an image.
 struct Camera {
   Eigen::Vector3d p_map_camera = Eigen::Vector3d::Zero();
   Eigen::Matrix3d R_camera_map = Eigen::Matrix3d::Identity();  ///< rows: right, down, ahead
@@ -25,14 +25,14 @@ struct Camera {
   double centre_x = 0.0;
   double centre_y = 0.0;
 
-  /// Empty for what lies behind the camera.
+  /// Projects a point; empty if it is behind the camera.
   [[nodiscard]] std::optional<Pixel> project(const Eigen::Vector3d& p_map) const;
 
   [[nodiscard]] double pixels_per_m(double depth) const {
     return is_perspective ? focal_px / depth : focal_px;
   }
 
-  /// Whether the front of the point's surface is seen; true for points without a surface.
+  /// Whether the camera sees the front of the point's surface; true for points without a normal.
   [[nodiscard]] bool faces(const DrawnPoint& point) const;
 };
 
@@ -41,10 +41,11 @@ struct ImageSize {
   int height = 0;
 };
 
-/// From obliquely above, across the building, so that nearly all points fill the image.
+/// A camera that looks at the building obliquely from above, so that nearly all points fill the
+/// image.
 [[nodiscard]] Camera oblique_camera(std::span<const DrawnPoint> points, const ImageSize& size);
 
-/// From straight above, the building's long axis to the right.
+/// A camera that looks straight down, with the building's long axis to the right.
 [[nodiscard]] Camera top_camera(std::span<const DrawnPoint> points, const ImageSize& size);
 
 }  // namespace nodmap::drawing

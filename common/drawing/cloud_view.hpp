@@ -9,18 +9,18 @@
 
 namespace nodmap::drawing {
 
-/// Where the robot was, in map.
+/// The trajectory of the robot, positions in map.
 struct DrawnPath {
-  std::span<const Eigen::Vector3d> corrected;  ///< all sweeps
-  std::span<const Eigen::Vector3d> odometry;   ///< the same by odometry alone
+  std::span<const Eigen::Vector3d> corrected;  ///< one position per sweep, corrected by SLAM
+  std::span<const Eigen::Vector3d> odometry;   ///< the same, by odometry alone
   std::span<const Eigen::Vector3d> keyframes;
 };
 
-/// The registered cloud, coloured by height: seen from obliquely above, and below that from the
-/// top. Surfaces seen from behind are left out, which opens rooms like a doll's house.
+/// Draws the registered cloud, coloured by height: an oblique view, and a top view below it. Leaves
+/// out surfaces seen from behind, so that one can look into rooms as into a doll's house.
 [[nodiscard]] Image draw_cloud(std::span<const DrawnPoint> points, const DrawnPath& path);
 
-/// The path from above, corrected and by odometry, on the pale cloud.
+/// Draws the corrected path and the odometry path from above, on the cloud in pale colours.
 [[nodiscard]] Image draw_path_on_cloud(std::span<const DrawnPoint> points, const DrawnPath& path);
 
 }  // namespace nodmap::drawing

@@ -20,9 +20,9 @@ class DepthCanvas {
   /// A square point, `radius_px` to each side of its middle.
   void splat(const Pixel& pixel, int radius_px, Rgb colour);
 
-  /// The colour of a pixel, darkened where something near stands beside something far (shading by
-  /// depth, Boucheny 2009): edges show without any surface being known. `shade_per_m` turns the
-  /// difference in depth into shade.
+  /// The colour of a pixel, darkened where near points are beside far ones (EDL shading,
+  /// Boucheny 2009), which shows edges without normals. `shade_per_m` converts the difference in
+  /// depth to shade.
   [[nodiscard]] Rgb shaded(int x, int y, double shade_per_m) const;
 
   [[nodiscard]] const ImageSize& size() const { return size_; }

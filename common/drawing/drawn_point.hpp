@@ -13,7 +13,8 @@ struct DrawnPoint {
   Eigen::Vector3f normal_map;  ///< of its surface, facing the sensor; zero where none is known
 };
 
-/// The heights between which most points lie, for colours: a few stray points must not use them up.
+/// The interval of heights that contains most points, for colour scales. A few stray points would
+/// otherwise take up most of the scale.
 struct HeightRange {
   float low_m = 0.0F;
   float high_m = 1.0F;

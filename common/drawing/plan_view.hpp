@@ -30,8 +30,8 @@ struct Extent {
   [[nodiscard]] Eigen::Vector2d size() const { return high - low; }
 };
 
-/// Pixels per metre at which the longer side of the extent has `max_px` pixels, but no more than
-/// `max_px_per_m`.
+/// The scale, in pixels per metre, at which the longer side of the extent has `max_px` pixels; at
+/// most `max_px_per_m`.
 [[nodiscard]] double fitting_scale(const Extent& extent, double max_px, double max_px_per_m);
 
 /// A rectangular grid of cells; cell (0, 0) is at the lower left.

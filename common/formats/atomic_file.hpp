@@ -7,9 +7,9 @@
 
 namespace nodmap::formats {
 
-/// Writes a file so that at any moment, whatever fails, there is the old one or the new one, whole:
-/// written under a temporary name beside it, brought to the disk, renamed. An error leaves the old
-/// file as it was and no temporary one.
+/// Replaces a file atomically: at any moment, whatever fails, either the complete old file or the
+/// complete new file exists. Writes a temporary file in the same folder, syncs it to the disk and
+/// renames it. After an error the old file is unchanged and the temporary one is removed.
 [[nodiscard]] std::error_code replace_file(const std::filesystem::path& file,
                                            std::string_view bytes);
 

@@ -8,14 +8,15 @@
 
 namespace nodmap::formats {
 
-/// A file that was named cannot be used at all: "FILE: cannot open: REASON", for one. A program
-/// ends with 2 for it, as for any other wrong command line.
+/// Thrown when a file named by the user cannot be used, with a message such as "FILE: cannot open:
+/// REASON". Programs end with exit code 2, as for any wrong command line.
 class InputFileError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// What to throw for a file that the operating system does not open, for `error` of errno.
+/// The exception for a file that the operating system could not open; `error` is the value of
+/// errno.
 [[nodiscard]] InputFileError cannot_open(const std::filesystem::path& file, int error);
 
 /// Opens a file to read its bytes. Throws InputFileError, also for a folder.

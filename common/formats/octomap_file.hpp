@@ -10,7 +10,7 @@
 
 namespace nodmap::formats {
 
-/// What an OctoMap file (.bt) says is occupied: the leaves of its tree.
+/// The occupied leaves of the tree in an OctoMap file (.bt).
 struct OccupiedSpace {
   /// Levels of an octree below its root, and the key of the voxel whose lower corner is the origin.
   static constexpr unsigned kLevels = 16;
@@ -26,10 +26,9 @@ struct OccupiedSpace {
   std::vector<Cube> cubes;
 };
 
-/// Reads the bytes of a .bt file, which may be anything: empty where they are none. Takes 32 bytes
-/// of memory for each byte of the file at most.
-/// Source: https://octomap.github.io, OcTreeBase writeBinary(): a text head, then the inner nodes
-/// from the root on, two bits for each child.
+/// Parses the bytes of a .bt file; empty if they are not valid. Needs at most 32 bytes of memory
+/// for each byte of the file. Source: https://octomap.github.io, OcTreeBase writeBinary(): a text
+/// head, then the inner nodes from the root on, two bits for each child.
 [[nodiscard]] std::optional<OccupiedSpace> read_octomap(std::string_view bytes);
 
 }  // namespace nodmap::formats

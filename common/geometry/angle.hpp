@@ -21,7 +21,7 @@ inline constexpr double kPi = std::numbers::pi;
   return wrapped <= -kPi ? kPi : wrapped;
 }
 
-/// The shortest turn that leads from `from_rad` to `to_rad`, in (-pi, pi].
+/// The shortest rotation from `from_rad` to `to_rad`, in (-pi, pi].
 [[nodiscard]] inline double angle_difference(double to_rad, double from_rad) {
   return normalize_angle(to_rad - from_rad);
 }

@@ -9,29 +9,30 @@
 
 namespace nodmap::geometry {
 
-/// The odometry of the last seconds, to be asked for the pose at the time of a measurement.
+/// Stores the odometry of the last seconds and interpolates the pose at the time of a measurement.
 ///
-/// Samples are kept in the order they arrive. A sample whose stamp steps back (a clock was set, or
-/// two hosts stamped one log) takes the place of everything it contradicts: the newest word wins.
+/// If the stamp of a new sample steps back (a clock was set, or two hosts stamped one log), the
+/// sample replaces all stored samples with later stamps: the newest information wins.
 class PoseHistory {
  public:
-  /// `span_us`: how far back poses are kept. `max_extrapolation_us`: how far beyond the newest (or
-  /// before the oldest) sample a pose is still answered.
+  /// `span_us`: how long poses are kept. `max_extrapolation_us`: how far beyond the newest (or
+  /// before the oldest) sample at() still returns a pose.
   explicit PoseHistory(std::int64_t span_us = 60'000'000,
                        std::int64_t max_extrapolation_us = 50'000)
       : span_us_(span_us), max_extrapolation_us_(max_extrapolation_us) {}
 
-  /// Non-finite poses are refused; returns whether the sample was taken.
+  /// Adds a sample; returns false if the pose is not finite.
   bool add(std::int64_t utime_us, const SE3& T_odom_base);
 
-  /// The pose at a time: interpolated between samples, extrapolated at the velocity of the last two
-  /// for at most `max_extrapolation_us`, otherwise empty.
+  /// The pose at a time: interpolated between samples; after the newest sample extrapolated at the
+  /// velocity of the last two; before the oldest sample the oldest pose. Empty if the time is more
+  /// than `max_extrapolation_us` outside the samples.
   [[nodiscard]] std::optional<SE3> at(std::int64_t utime_us) const;
 
   /// The sample with the latest stamp.
   [[nodiscard]] std::optional<SE3> newest() const;
 
-  /// Forgets all: what comes is in another frame, and nothing is interpolated between the two.
+  /// Removes all samples: to be called when following samples are in another frame.
   void clear() { samples_.clear(); }
 
   [[nodiscard]] bool empty() const { return samples_.empty(); }

@@ -10,25 +10,26 @@ namespace nodmap {
 
 using namespace std::chrono_literals;  // a constant is written 300ms
 
-/// Stamps and durations. Outside of this file nobody multiplies by a million: messages, logs and
-/// files hold microseconds as 64-bit integers, parameters hold seconds, and both become these types
-/// where they are read.
+/// Types for stamps and durations. Messages, logs and files contain microseconds as 64-bit
+/// integers, parameters contain seconds; both are converted to these types where they are read, so
+/// that no other code needs factors of a million.
 namespace time {
 
-/// Microseconds inside. Write `{}` behind a member or variable: it is not zero by itself.
+/// Stores microseconds. Initialise members and variables with `{}`: the default is not zero.
 using Duration = std::chrono::microseconds;
-/// For what is no whole number of microseconds: a byte on a line, a degree of a mirror.
+/// For durations that are not a whole number of microseconds: of a byte on a serial line, of a
+/// degree of the mirror.
 using FineDuration = std::chrono::duration<double, std::micro>;
 
-/// The two clocks, as tags: neither can be asked for the time here. Stamps of messages are of the
-/// wall clock, which may be set; intervals are measured on the steady clock, which never steps. The
-/// difference between stamps of one clock is a Duration; stamps of two clocks do not mix.
+/// The two clocks, as tags without a now(). Stamps of messages are on the wall clock, which may be
+/// set; intervals are measured on the steady clock, which never steps. The difference of two times
+/// on the same clock is a Duration; times on different clocks cannot be mixed.
 struct WallClock {};
 struct SteadyClock {};
 
 /// Wall time since the epoch.
 using Timestamp = std::chrono::time_point<WallClock, Duration>;
-/// Steady time since some moment of its own.
+/// Steady time since an arbitrary moment.
 using SteadyTime = std::chrono::time_point<SteadyClock, Duration>;
 using FineSteadyTime = std::chrono::time_point<SteadyClock, FineDuration>;
 
@@ -37,15 +38,16 @@ struct Moment {
   Timestamp wall;
   SteadyTime steady;
 
-  /// What the wall clock showed, or will, at another moment, unless it is set in between.
+  /// The wall-clock time at another steady time, provided that the wall clock is not set in
+  /// between.
   [[nodiscard]] Timestamp wall_at(SteadyTime other) const { return wall + (other - steady); }
 };
 
-/// What comes from outside is brought within this: 73,000 years. A message may say anything; three
-/// such values can be added and subtracted without overflow.
+/// Times read from outside are limited to this, 73,000 years, because a message may contain any
+/// number. Three such values can be added and subtracted without overflow.
 inline constexpr Duration kLimit{std::int64_t{1} << 61};
 
-/// Seconds as the numbers of an algorithm.
+/// Converts to seconds, for the computations of an algorithm.
 [[nodiscard]] constexpr double seconds(Duration duration) {
   return 1e-6 * static_cast<double>(duration.count());
 }
@@ -67,23 +69,23 @@ template <class Clock>
   return std::chrono::time_point<Clock, Duration>(rounded(stamp.time_since_epoch()));
 }
 
-/// A duration of a message, log or file, brought within kLimit.
+/// Converts a duration of a message, log or file; limited to kLimit.
 [[nodiscard]] constexpr Duration from_us(std::int64_t duration_us) {
   return std::clamp(Duration(duration_us), -kLimit, kLimit);
 }
 
-/// A duration for a message, log or file.
+/// Converts a duration to that of a message, log or file.
 [[nodiscard]] constexpr std::int64_t to_us(Duration duration) {
   return duration.count();
 }
 
-/// The stamp of a message, log or file (`utime`: microseconds since the epoch), brought within
+/// Converts the stamp of a message, log or file (`utime`: microseconds since the epoch); limited to
 /// kLimit.
 [[nodiscard]] constexpr Timestamp from_utime(std::int64_t utime_us) {
   return Timestamp(from_us(utime_us));
 }
 
-/// A stamp for a message, log or file.
+/// Converts a stamp to that of a message, log or file.
 [[nodiscard]] constexpr std::int64_t to_utime(Timestamp stamp) {
   return stamp.time_since_epoch().count();
 }

@@ -8,8 +8,8 @@
 
 namespace nodmap::time {
 
-/// The clock of a shell: for stamping status messages and log events and for pacing, never to know
-/// when something was measured (that is in the message).
+/// The clock of a process: to stamp status messages and log events, and for periods. It must not be
+/// used to determine when something was measured: that time is in the message.
 class Clock : private boost::noncopyable {
  public:
   virtual ~Clock() = default;

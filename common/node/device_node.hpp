@@ -10,21 +10,21 @@
 
 namespace nodmap::node {
 
-/// A node that also talks to devices. It never blocks on them: its process calls spin_once() when
+/// A node that also communicates with devices. It never blocks: its process calls spin_once() when
 /// there is something to do.
 class DeviceNode : public Node {
  public:
-  /// Reads what the devices have sent and does what is due.
+  /// Reads the bytes that the devices have sent, and performs all actions that are due.
   virtual void spin_once() = 0;
 
-  /// The descriptors of its devices; -1 while there is none.
+  /// The descriptors of its devices; -1 for a device that is not open.
   [[nodiscard]] virtual std::array<int, 2> poll_handles() = 0;
 
   /// Time until spin_once() has something to do without new input.
   [[nodiscard]] virtual time::Duration wait() const = 0;
 
-  /// The process was asked to end: starts to send the devices their last commands. spin_once() is
-  /// called until is_shut_down(), for half a second at most, then finish().
+  /// Starts to send the devices their last commands, because the process must end. Then spin_once()
+  /// is called until is_shut_down(), for at most half a second, and finally finish().
   virtual void shut_down() {}
   [[nodiscard]] virtual bool is_shut_down() const { return true; }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The logger, for .cpp files of shells only: `log::get().warn("...")`. Levels say who must act:
-// error (the process cannot do its work), warn (somebody should look), info (milestones), debug
-// (developers).
+// The logger, for .cpp files of nodes and programs only: `log::get().warn("...")`. Levels: error
+// (the process cannot do its work), warn (somebody should look), info (milestones), debug (for
+// developers).
 #pragma once
 
 #include <spdlog/spdlog.h>
@@ -19,12 +19,12 @@ void start(const std::string& process_name, const std::string& level);
   return *spdlog::default_logger_raw();
 }
 
-/// Lets a repeated complaint through once in a while.
+/// Limits how often a repeated message is logged.
 class Throttle {
  public:
   explicit Throttle(std::chrono::seconds period = std::chrono::seconds(5)) : period_(period) {}
 
-  /// Whether the period has passed since this was last true.
+  /// Whether the period has passed since this last returned true.
   [[nodiscard]] bool ready() {
     const auto now = std::chrono::steady_clock::now();
     if (used_ && now - last_ < period_) {

@@ -11,15 +11,15 @@
 
 namespace nodmap::node {
 
-/// The map a process is to work in.
+/// The known map in which a process localises, if any.
 struct MapOptions {
-  std::filesystem::path localise_in;         ///< --localise; empty: none, the map is new
+  std::filesystem::path localise_in;         ///< --localise; empty: none, build a new map
   std::optional<geometry::SE2> T_map_start;  ///< --start-pose
 };
 
 using MapNodeFactory = std::function<std::unique_ptr<Node>(Context&, const MapOptions&)>;
 
-/// run_node() for a process that has the options --localise and --start-pose, too.
+/// run_node() for a process that also has the options --localise and --start-pose.
 int run_map_node(int argc, char** argv, const ProgramInfo& info, params::Table& table,
                  const MapNodeFactory& make_node);
 

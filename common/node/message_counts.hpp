@@ -10,12 +10,12 @@
 
 namespace nodmap::node {
 
-/// What became of the messages a node was given: used, rejected and why, lost on the way.
+/// Counts the messages of a node: used, rejected (by cause) and lost.
 class MessageCounts {
  public:
   void use() { ++used_; }
 
-  /// A message that was valid but could not be used; `cause` is a snake_case word.
+  /// Counts a message that was valid but could not be used; `cause` is a snake_case word.
   void reject(std::string_view cause) {
     const auto found = rejected_.find(cause);
     if (found != rejected_.end()) {
@@ -26,7 +26,7 @@ class MessageCounts {
     ++total_rejected_;
   }
 
-  /// Numbers of others' messages may claim any loss: the count stays at the greatest there is.
+  /// Saturates at the greatest number, because foreign sequence numbers may claim any loss.
   void lose(std::int64_t count) {
     lost_ += std::min(count, std::numeric_limits<std::int64_t>::max() - lost_);
   }
@@ -45,12 +45,12 @@ class MessageCounts {
   std::map<std::string, std::int64_t, std::less<>> rejected_;
 };
 
-/// Notices gaps in a stream of sequence numbers.
+/// Detects gaps in a stream of sequence numbers.
 class SequenceCounter {
  public:
-  /// How many messages were lost just before this one. A number that does not go up is a publisher
-  /// that started again: no loss is claimed. Nobody counts below zero: after such a number, too,
-  /// counting starts again (and the difference of what is left cannot overflow).
+  /// Number of messages lost immediately before this one. A number that does not increase means
+  /// that the publisher has restarted, so nothing counts as lost. After a negative number, which no
+  /// publisher sends, counting also starts again (so that no difference can overflow).
   [[nodiscard]] std::int64_t lost_before(std::int64_t seq) {
     const std::int64_t gap = started_ && last_ >= 0 && seq > last_ ? seq - last_ - 1 : 0;
     started_ = true;
@@ -58,7 +58,7 @@ class SequenceCounter {
     return gap;
   }
 
-  /// Whether a publisher that now sends `seq` has begun to count anew since the last message.
+  /// Whether a publisher that now sends `seq` has restarted since the last message.
   [[nodiscard]] bool falls_back(std::int64_t seq) const { return started_ && seq < last_; }
 
  private:

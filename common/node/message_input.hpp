@@ -13,8 +13,8 @@
 
 namespace nodmap::node {
 
-/// Turns SCAN and ODOMETRY messages into values, for every module alike: counts lost messages, and
-/// rejects those that cannot be used. Accepting a message does not yet count it as used.
+/// Converts SCAN and ODOMETRY messages to values, in the same way for every module. Counts lost
+/// messages and rejects unusable ones. An accepted message is not yet counted as used.
 ///
 /// Causes of rejection: `implausible_scan` (geometry, stamp or counts that make no sense),
 /// `empty_scan` (no beams), `implausible_odometry`.
@@ -28,9 +28,9 @@ class SensorInput {
   /// T_odom_base at the message's utime; empty when the message was rejected.
   [[nodiscard]] std::optional<geometry::SE3> read(const nodmap::odometry_t& message);
 
-  /// Whether the last accepted odometry is the first of a new odom frame: its sequence number fell,
-  /// so the driver was restarted and its pose begins at the origin again. The new frame is related
-  /// to the old one only by the robot's own pose; do not interpolate between them.
+  /// Whether the last accepted odometry is the first of a new odom frame. Its sequence number has
+  /// decreased, so the driver has restarted, and the pose starts at the origin again. Do not
+  /// interpolate between poses of the two frames: the transform between them is unknown.
   [[nodiscard]] bool odometry_restarted() const { return odometry_restarted_; }
 
  private:
@@ -41,8 +41,8 @@ class SensorInput {
   bool odometry_restarted_ = false;
 };
 
-/// Whether a SAVE_REQUEST is to be carried out: the process must have a folder for its map, else
-/// the request is rejected (`save_request_without_out_dir`). Logs who asked.
+/// Whether to carry out a SAVE_REQUEST. If the process has no folder for its map, the request is
+/// rejected (`save_request_without_out_dir`). Logs the requester.
 [[nodiscard]] bool accept_save_request(const nodmap::save_request_t& request,
                                        const Context& context);
 

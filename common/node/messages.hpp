@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Messages to values and back, one function pair per type. Reading checks everything a decoded
-// message can still get wrong: numbers that are not finite, quaternions of no length, counts that
-// do not match.
+// Conversion of messages to values and back, one pair of functions per type. Reading checks what
+// can still be wrong in a decoded message: numbers that are not finite, quaternions of wrong
+// length, counts that do not match.
 #pragma once
 
 #include <optional>
@@ -14,23 +14,23 @@
 
 namespace nodmap::node {
 
-/// A pose from position (m) and quaternion (w, x, y, z); empty when not finite or the quaternion is
-/// not of length 1 (to 1 %).
+/// Reads a pose from position (m) and quaternion (w, x, y, z). Empty if a number is not finite or
+/// the length of the quaternion differs from 1 by more than 1 %.
 [[nodiscard]] std::optional<geometry::SE3> read_pose(const double (&position_m)[3],
                                                      const double (&orientation)[4]);
 
-/// Position (m) and quaternion (w, x, y, z, with w >= 0) of a pose.
+/// Writes the position (m) and the quaternion (w, x, y, z, with w >= 0) of a pose.
 void write_pose(const geometry::SE3& pose, double (&position_m)[3], double (&orientation)[4]);
 
-/// Reads into `scan`, reusing its memory. False, and `scan` unspecified, when the message is no
-/// plausible scan.
+/// Reads a message into `scan`, reusing its memory. Returns false and leaves `scan` unspecified if
+/// the message is not a plausible scan.
 [[nodiscard]] bool read_scan(const nodmap::scan_t& message, scan::Scan& scan);
 [[nodiscard]] nodmap::scan_t write_scan(const scan::Scan& scan);
 
-/// Where the robot was by its odometry: T_odom_base at the message's utime.
+/// Reads the odometry pose T_odom_base at the message's utime.
 [[nodiscard]] std::optional<geometry::SE3> read_odometry(const nodmap::odometry_t& message);
 
-/// An odometry message with unknown covariance; speed and turn rate are left at zero.
+/// Makes an odometry message with unknown covariance; speed and yaw rate are zero.
 [[nodiscard]] nodmap::odometry_t write_odometry(std::int64_t utime_us,
                                                 const geometry::SE3& T_odom_base);
 

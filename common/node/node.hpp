@@ -14,7 +14,7 @@
 
 namespace nodmap::node {
 
-/// What a node works with. run_node() makes it; it outlives the node.
+/// The environment of a node. run_node() creates it; it outlives the node.
 struct Context {
   bus::Bus& bus;
   MessageCounts& counts;
@@ -27,23 +27,24 @@ enum class HealthState : std::uint8_t { kOk, kDegraded, kFailed };
 struct Health {
   HealthState state = HealthState::kOk;
   std::string reason;  ///< one sentence; empty when OK
-  /// Whether a second without a message is a fault. False for a driver, whose input is a device.
+  /// Whether a second without messages is a fault. False for drivers, whose input is a device.
   bool needs_messages = true;
 };
 
-/// The shell around an algorithm: messages in, messages out, nothing else. The same object runs
-/// live and on a recording and cannot tell which: it takes the time from its messages.
+/// The layer around an algorithm that receives and publishes its messages. The same class runs live
+/// and on a recording, and cannot tell the difference: it takes the time from its messages.
 class Node : boost::noncopyable {
  public:
   virtual ~Node() = default;
 
-  /// Called once when the input has ended, before write_results(): processes what is still queued.
+  /// Processes the remaining queued data. Called once when the input has ended, before
+  /// write_results().
   virtual void finish() {}
 
   /// Writes the module's files into `dir`, which exists. Throws std::runtime_error.
   virtual void write_results(const std::filesystem::path& dir) = 0;
 
-  /// What the module measured of its own work, for result.json.
+  /// What the module has measured about its own work, for result.json.
   [[nodiscard]] virtual nlohmann::json metrics() const = 0;
 
   /// How well the module can do its work right now, for STATUS.
@@ -51,14 +52,15 @@ class Node : boost::noncopyable {
 };
 
 struct ProgramInfo {
-  std::string name;     ///< of the program: nodmap-slam2d
+  std::string name;     ///< name of the program: nodmap-slam2d
   std::string summary;  ///< one sentence for --help
 };
 
 using NodeFactory = std::function<std::unique_ptr<Node>(Context&)>;
 
-/// main() of a process that handles messages, live on LCM or with --replay: parameters, message
-/// loop, STATUS, results. Returns the exit code of run_program().
+/// main() of a process that handles messages, live on LCM or with --replay: reads the parameters,
+/// runs the message loop, publishes STATUS and writes the results. Returns the exit code of
+/// run_program().
 int run_node(int argc, char** argv, const ProgramInfo& info, params::Table& table,
              const NodeFactory& make_node);
 

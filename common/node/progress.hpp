@@ -8,11 +8,11 @@
 
 namespace nodmap::node {
 
-/// One line: a bar, how much is done (`share` of 1), and how long it will take at the pace so far
-/// as soon as that can be told.
+/// Formats one line: a bar, the completed fraction (`share`, 0 to 1) and, once it can be estimated,
+/// the remaining time.
 [[nodiscard]] std::string progress_line(const std::string& what, double share, double elapsed_s);
 
-/// A bar on stderr for work that takes a while; silent where stderr is no terminal.
+/// Shows a progress bar on stderr; silent if stderr is not a terminal.
 class Progress : private boost::noncopyable {
  public:
   Progress(std::string what, std::int64_t total);

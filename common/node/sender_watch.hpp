@@ -8,29 +8,29 @@
 
 namespace nodmap::node {
 
-/// Follows one sender of commands, and notices a second one.
+/// Accepts the commands of one sender, and detects a second sender.
 ///
-/// The numbers of one sender go up, with small gaps where messages were lost. While the sender is
-/// alive, a message whose number does not continue its sequence is a stranger's. One stranger may
-/// be a message that was duplicated or overtaken on the network. Several within a second, while the
-/// sender that is followed goes on, are two senders at once; which of them is the right one cannot
-/// be known from the numbers. A sender that starts anew is followed as soon as the former has been
+/// The sequence numbers of one sender increase, with small gaps where messages were lost. While the
+/// accepted sender is alive, a message whose number does not continue its sequence is from a
+/// stranger. A single one may have been duplicated or overtaken on the network. Several within a
+/// second, while the accepted sender continues, mean that there are two senders; the numbers do not
+/// tell which one is legitimate. A new or restarted sender is accepted once the old one has been
 /// silent for kSilence.
 ///
-/// Times are of one clock; when it is set back, what was heard before is forgotten.
-/// Not protected against: a sender that is alone, and one that stops the right sender first.
+/// All times must be of one clock; if it steps back, the watch starts again. It does not protect
+/// against a sender that is alone, or one that stops the legitimate sender first.
 class SenderWatch {
  public:
-  /// A sender that is silent for so long is gone, and another may be followed.
+  /// After this much silence the accepted sender is gone, and another one may be accepted.
   static constexpr time::Duration kSilence = 200ms;
-  /// More messages cannot be lost from a sender that is alive: 0.2 s of 500 a second.
+  /// Largest gap in the numbers of a living sender: 0.2 s at 500 messages per second.
   static constexpr std::int64_t kLargestStep = 100;
-  /// So many strangers in a second are no accident of the network.
+  /// Number of strangers in a second that the network cannot explain.
   static constexpr int kStrangersOfASecondSender = 3;
-  /// So long after two senders were last heard they count as two.
+  /// For this long after the last conflict there still are two senders.
   static constexpr time::Duration kContested = 1s;
 
-  /// A message has come. Whether it is of the sender that is followed.
+  /// Adds a message; returns whether it is from the accepted sender.
   [[nodiscard]] bool follow(std::int64_t seq, time::SteadyTime now);
 
   /// Whether two senders are alive, or were a moment ago.
@@ -46,8 +46,8 @@ class SenderWatch {
 
   void count_stranger(time::SteadyTime now);
 
-  std::optional<Heard> followed_;  // the last message of the sender that is followed
-  int strangers_ = 0;              // since the begin of this window of a second
+  std::optional<Heard> followed_;  // the last message of the accepted sender
+  int strangers_ = 0;              // since the start of the present one-second window
   time::SteadyTime window_begin_;
   std::optional<time::SteadyTime> contested_since_;
 };

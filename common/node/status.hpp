@@ -9,19 +9,22 @@
 
 namespace nodmap::node {
 
-/// Publishes STATUS once a second: the node's health; or, while that is OK, DEGRADED when no
-/// message came in, or some that may be an attack.
+/// Publishes STATUS once a second. It contains the node's health or, if that is OK, DEGRADED when
+/// no message arrived, messages were dropped, or received messages may be an attack.
 class StatusReporter {
  public:
   StatusReporter(std::string process_name, bus::Bus& bus, const MessageCounts& counts,
                  const time::Clock& clock);
 
-  void publish_if_due(const Node& node) { publish_if_due(node.health()); }
-  /// For a process that is no Node.
-  void publish_if_due(const Health& node_health);
+  /// Asks for the health only when STATUS is due: it may have to wait for work in the background.
+  void publish_if_due(const Node& node);
+  /// For a process that is not a Node.
+  void publish_if_due(const Health& health);
 
  private:
-  /// What the messages of the last second say of the node that calls itself OK.
+  [[nodiscard]] bool is_due() const;
+  void publish(const Health& node_health);
+  /// The health of the node, or DEGRADED if it is OK but the messages of the last second are not.
   [[nodiscard]] Health health_by_messages(const Health& node_health,
                                           const bus::BusCounts& now) const;
 

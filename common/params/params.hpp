@@ -14,8 +14,8 @@
 
 namespace nodmap::params {
 
-/// A configuration that cannot be used; what() is one line naming source, key, value and what is
-/// allowed.
+/// Thrown for an invalid configuration; what() is one line with source, key, value and allowed
+/// values.
 class ParamError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -36,12 +36,12 @@ struct Entry {
   std::string allowed;  ///< "a number from 0.01 to 5"
   Kind kind = Kind::kValue;
   std::function<std::string()> get;
-  /// Takes the value; false, and nothing changed, when it is not allowed.
+  /// Sets the value. Returns false and changes nothing if the value is not allowed.
   std::function<bool(std::string_view)> set;
 };
 
-/// The parameters of one struct. A struct describes itself once, and from that come loading,
-/// checking, --help, --dump-params and the table in the module's README:
+/// The parameters of one struct. The struct describes its parameters once; loading, checks, --help,
+/// --dump-params and the table in the module's README are generated from this description:
 ///
 ///     struct MatcherParams {
 ///       double max_range_m = 20.0;
@@ -51,7 +51,7 @@ struct Entry {
 ///     };
 class Table {
  public:
-  /// Binds to `params`, which must outlive the table. Its present values are the defaults.
+  /// Binds the table to `params`, which must outlive it. The present values are the defaults.
   template <class Params>
   explicit Table(Params& params) {
     params.describe(*this);
@@ -65,8 +65,8 @@ class Table {
   void flag(const std::string& name, bool& value, std::string help);
   void text(const std::string& name, std::string& value, std::string help);
 
-  /// The parameters of a part, which describes itself: their keys become `name.key`, in YAML a map
-  /// called `name`.
+  /// Adds the parameters of a nested struct, which describes itself. Their keys become `name.key`,
+  /// in YAML a map called `name`.
   template <class Params>
   void section(const std::string& name, Params& params) {
     const std::string outer = prefix_;
@@ -75,7 +75,8 @@ class Table {
     prefix_ = outer;
   }
 
-  /// A key that was renamed, both with their sections: who still sets the old one is told the new.
+  /// Declares a renamed key, both names with their sections: setting the old key gives an error
+  /// that names the new one.
   void renamed(std::string old_name, std::string new_name) {
     renamed_.emplace_back(std::move(old_name), std::move(new_name));
   }
@@ -113,11 +114,11 @@ class Table {
   /// Sets one parameter. `source` names where the value comes from. Throws ParamError.
   void set(std::string_view name, std::string_view value, const std::string& source);
 
-  /// "key=value", as given to --set. Throws ParamError.
+  /// Sets one parameter from "key=value", as given to --set. Throws ParamError.
   void set_assignment(std::string_view assignment);
 
-  /// A YAML map of parameters, sections as nested maps or as dotted keys; keys that are missing
-  /// keep their defaults. Throws ParamError, and formats::InputFileError where there is no file.
+  /// Loads a YAML map of parameters; sections are nested maps or dotted keys. Missing keys keep
+  /// their defaults. Throws ParamError, or formats::InputFileError if the file cannot be read.
   void load_yaml(const std::filesystem::path& file);
 
   /// The effective parameters as YAML, sections as nested maps, with sentence, unit and range as
@@ -133,7 +134,7 @@ class Table {
   std::vector<std::pair<std::string, std::string>> renamed_;  // old key, new key
 };
 
-/// The unit a name's suffix stands for ("m", "deg", "m/s"), or empty.
+/// The unit that a name's suffix denotes ("m", "deg", "m/s"); empty if there is none.
 [[nodiscard]] std::string_view unit_of(std::string_view name);
 
 }  // namespace nodmap::params

@@ -7,10 +7,10 @@
 
 namespace nodmap::params {
 
-/// For a word that is unknown: "; did you mean 'X'?" with the known word that is the fewest typing
-/// errors away (a letter more, less, another one, or two swapped), at most one in three letters.
-/// Empty where none is that near. Of a nested name, matcher.max_iterations, the last part is
-/// enough.
+/// Returns "; did you mean 'X'?" for an unknown word. X is the known word with the fewest typing
+/// errors (letter added, missing, replaced, or two swapped), at most one per three letters. Empty
+/// if no known word is that similar. For a nested name (matcher.max_iterations) the last part is
+/// sufficient.
 [[nodiscard]] std::string did_you_mean(std::string_view word,
                                        const std::vector<std::string>& known);
 

@@ -8,8 +8,8 @@
 
 namespace nodmap::registration {
 
-/// A normal distribution of N unknowns in information form: `H` is the inverse covariance, `H^-1 b`
-/// the mean.
+/// A normal distribution of N unknowns in information form: inverse covariance `H` and mean `H^-1
+/// b`.
 template <int N>
 struct Information {
   Eigen::Matrix<double, N, N> H = Eigen::Matrix<double, N, N>::Zero();
@@ -20,19 +20,19 @@ template <int N>
 struct MotionEstimate {
   Eigen::Matrix<double, N, 1> x = Eigen::Matrix<double, N, 1>::Zero();
   Eigen::Matrix<double, N, N> covariance = Eigen::Matrix<double, N, N>::Zero();
-  /// How many directions the measurement holds less than the prior does.
+  /// Number of directions about which the measurement gives less information than the prior.
   int degenerate_directions = N;
-  bool is_valid = false;  ///< false, and nothing moved: not finite, or the prior is not positive
+  bool is_valid = false;  ///< false (motion zero): not finite, or prior not positive definite
 };
 
-/// The motion that is most probable under a measurement and a prior. The prior must be positive
-/// definite; it is what holds the directions that the measurement leaves open, softly and without a
-/// threshold, in the units of its covariance.
+/// Computes the most probable motion, given a measurement and a prior. The prior must be positive
+/// definite. It determines the directions that the measurement does not constrain, without a
+/// threshold, weighted by its covariance.
 ///
-/// `imitated` is the information that the errors of the measurement's directions make up where
-/// there is none: normals of a bare corridor, each a little wrong, seem to hold it lengthwise.
-/// Along each eigenvector of the measurement (relative to the prior) that part is taken off its
-/// evidence. Directions about which less is left than the prior knows are called degenerate.
+/// `imitated` is false information caused by errors of the measured normals: normals of a bare
+/// corridor, each slightly wrong, appear to constrain the position along the corridor. Along each
+/// eigenvector of the measurement (relative to the prior) this part is subtracted. Directions with
+/// less remaining information than the prior are degenerate.
 template <int N>
 [[nodiscard]] MotionEstimate<N> solve_motion(const Information<N>& measurement,
                                              const Eigen::Matrix<double, N, N>& imitated,

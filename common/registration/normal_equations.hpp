@@ -5,10 +5,10 @@
 
 namespace nodmap::registration {
 
-/// The least-squares problem of Eq. 3 in the plane with distances counted across lines only,
-/// linearised at the present pose; and which directions of (x, y, yaw) it determines. Degenerate
-/// directions, those that the correspondences say too little about, are left out of the solution
-/// (solution remapping: Zhang, Kaess, Singh 2016).
+/// The least-squares problem of Eq. 3 in the plane with point-to-line distances, linearised at the
+/// present pose. Detects the degenerate directions of (x, y, yaw), which the correspondences
+/// constrain too little, and leaves them out of the solution (solution remapping: Zhang, Kaess,
+/// Singh 2016).
 class NormalEquations {
  public:
   struct Observability {

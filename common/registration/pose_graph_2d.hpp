@@ -19,21 +19,22 @@ struct PoseEdge2d {
   geometry::SE2 T_from_to;
   /// Inverse covariance of (x, y in m, yaw in rad) of T_from_to, in the frame of `from`.
   Eigen::Matrix3d information = Eigen::Matrix3d::Identity();
-  /// A loop may be wrong, and loses its weight where it contradicts the others; odometry may not.
+  /// True for a loop closure: it may be wrong, and loses its weight if it contradicts the other
+  /// edges.
   bool may_be_wrong = false;
 };
 
-/// How far an edge is from the poses of its nodes: (x, y, yaw) in the frame of `edge.from`.
+/// The residual of an edge at the poses of its nodes: (x, y, yaw) in the frame of `edge.from`.
 [[nodiscard]] Eigen::Vector3d residual(const PoseEdge2d& edge, const geometry::SE2& T_map_from,
                                        const geometry::SE2& T_map_to);
 
-/// The robust pose graph in the plane: the poses that agree best with all relative poses measured
-/// (Lu and Milios 1997), found by Gauss-Newton on sparse normal equations (Grisetti et al. 2010).
+/// Robust pose graph in the plane. Computes the poses that fit all measured relative poses best (Lu
+/// and Milios 1997), by Gauss-Newton on sparse normal equations (Grisetti et al. 2010).
 ///
-/// Edges that may be wrong count by the kernel of Geman and McClure. Its width begins where all
-/// residuals are inliers and shrinks to the true one (graduated non-convexity: Yang et al. 2020,
-/// section IV), so that a good loop is not thrown away for closing a large drift. The first node
-/// stays where it is.
+/// Edges that may be wrong are weighted by the kernel of Geman and McClure. The width of the kernel
+/// starts where all residuals are inliers and shrinks to the true one (graduated non-convexity:
+/// Yang et al. 2020, section IV), so that a correct loop closure is not rejected because the drift
+/// is large. The first node is fixed.
 class PoseGraph2d {
  public:
   struct Report {
@@ -42,12 +43,12 @@ class PoseGraph2d {
   };
 
   std::size_t add_node(const geometry::SE2& T_map_node);
-  /// Throws std::invalid_argument for a node that is not there, an edge from a node to itself, and
-  /// for what is not finite.
+  /// Throws std::invalid_argument for an unknown node, an edge from a node to itself, and numbers
+  /// that are not finite.
   void add_edge(const PoseEdge2d& edge);
 
-  /// Moves the nodes to the minimum. `graduated`: from the widest kernel on; otherwise with the
-  /// true one at once, which takes fewer iterations and is right where little has changed.
+  /// Moves the nodes to the minimum. `graduated`: starts with the widest kernel; otherwise uses the
+  /// true one at once, which takes fewer iterations and suffices if little has changed.
   Report optimise(bool graduated, int max_iterations = 60);
 
   [[nodiscard]] std::span<const geometry::SE2> nodes() const { return nodes_; }
@@ -64,7 +65,7 @@ class PoseGraph2d {
   [[nodiscard]] double widest_kernel() const;
   void build_normal_equations(double width);
   void add_edge_terms(const PoseEdge2d& edge, double weight);
-  /// One Gauss-Newton step; its largest change of a pose (m or rad).
+  /// Performs one Gauss-Newton step; returns the largest change of a pose (m or rad).
   double step(double width);
 
   std::vector<geometry::SE2> nodes_;

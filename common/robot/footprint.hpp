@@ -6,12 +6,13 @@
 
 namespace nodmap::robot {
 
-/// The robot from above: a rectangle around the origin of base, half extents in metres.
+/// The robot's outline seen from above: a rectangle centred on base, half extents in metres.
 struct Footprint {
   double half_length_m = 0.0;
   double half_width_m = 0.0;
 
-  /// With this much more at the front and the back, and on each side; negative: less.
+  /// The footprint enlarged by these lengths at front and back, and on each side; negative:
+  /// reduced.
   [[nodiscard]] Footprint grown(double length_m, double width_m) const {
     return {half_length_m + length_m, half_width_m + width_m};
   }
@@ -21,7 +22,7 @@ struct Footprint {
     return std::abs(p_base.x()) < half_length_m && std::abs(p_base.y()) < half_width_m;
   }
 
-  /// Radius of the circle that the corners describe when the robot turns on the spot.
+  /// Radius of the circle on which the corners move when the robot rotates on the spot.
   [[nodiscard]] double turning_radius_m() const { return std::hypot(half_length_m, half_width_m); }
 };
 

@@ -50,7 +50,7 @@ struct PitchInterval {
   [[nodiscard]] double range_rad() const { return max_rad - min_rad; }
 };
 
-/// What the nodding head can do: constant rate within a sweep, constant acceleration at its ends.
+/// The limits of the nodding head: constant rate within a sweep, constant acceleration at its ends.
 struct HeadLimits {
   double pitch_min_rad = geometry::deg_to_rad(-60.0);
   double pitch_max_rad = geometry::deg_to_rad(60.0);
@@ -64,8 +64,8 @@ struct HeadLimits {
     return range_rad / rate_rad_s + rate_rad_s / pitch_acceleration_rad_s2;
   }
 
-  /// The rate of the shortest sweep: beyond sqrt(range * acceleration) the reversals take more time
-  /// than the rate saves.
+  /// The pitch rate that gives the shortest sweep: above sqrt(range * acceleration) the reversals
+  /// cost more time than the higher rate saves.
   [[nodiscard]] double best_rate_rad_s(double range_rad) const {
     return std::min(pitch_rate_rad_s, std::sqrt(range_rad * pitch_acceleration_rad_s2));
   }
@@ -80,8 +80,8 @@ struct HeadLimits {
   }
 };
 
-/// What the heights of the virtual corridor add to the body's (paper, II). The ranges keep the
-/// bottom below the top whatever is configured.
+/// Margins of the virtual corridor below and above the body (paper, II). The permitted ranges keep
+/// the bottom below the top for any configuration.
 struct CorridorHeights {
   double floor_tolerance_m = 0.05;
   double head_clearance_m = 0.03;
@@ -101,7 +101,7 @@ struct Braking {
   double emergency_deceleration_mps2 = 3.0;
   double stop_margin_m = 0.15;
 
-  /// Distance to an obstacle at which a robot of this speed has to begin to react.
+  /// Distance to an obstacle at which a robot at this speed must begin to react.
   [[nodiscard]] double stopping_distance_m(double forward_mps, double reaction_s) const {
     return stopping_distance(forward_mps, reaction_s, deceleration_mps2) + stop_margin_m;
   }
@@ -123,8 +123,9 @@ struct Braking {
   }
 };
 
-/// The robot as built: KURT3D (paper, II), unless configured otherwise. Every process that needs
-/// any of it takes all of it, so that one file (config/kurt3d/robot.yaml) tells all of them.
+/// Describes the robot; the defaults are KURT3D (paper, II). Every process that needs any of these
+/// parameters has all of them, so that all processes can read the same file
+/// (config/kurt3d/robot.yaml).
 struct RobotParams {
   Body body;
   Mount mount;
@@ -132,7 +133,8 @@ struct RobotParams {
   CorridorHeights corridor;
   Braking braking;
 
-  /// Heights above the floor between which the robot needs free space, metres.
+  /// Bottom and top of the virtual corridor: the robot needs free space between them, metres above
+  /// the floor.
   [[nodiscard]] double corridor_bottom_m() const { return corridor.floor_tolerance_m; }
   [[nodiscard]] double corridor_top_m() const { return body.height_m + corridor.head_clearance_m; }
 

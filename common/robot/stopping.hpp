@@ -3,18 +3,19 @@
 
 namespace nodmap::robot {
 
-// Reaction at constant speed, then even braking:
+// Stopping distance and its inverse, for constant speed v during the reaction time T and then
+// constant deceleration a:
 //
 //     d(v) = v T + v^2 / (2 a),      v(d) = -a T + sqrt((a T)^2 + 2 a d).
 //
 // Units: metres and m/s, or radians and rad/s for a rotation.
 //
-// Why a robot that never exceeds v(d - margin) stops `margin` before an obstacle at distance d:
-// T covers everything between the obstacle's appearance and the first braking wheel. Where the
-// laser may have passed just before, that is a full period of the nod: T = 2 T_sweep +
-// T_processing. a is the deceleration the base is trusted with (Braking::deceleration_mps2), half
-// of what it does on command. Driving on, the bound falls at a v / (v + a T) < a: the robot can
-// always follow it.
+// A robot that never exceeds v(d - margin) stops `margin` before an obstacle at distance d. T is
+// the time from the obstacle's appearance until the wheels brake. The laser may have passed the
+// obstacle just before it appeared, so T contains a full period of the nod: T = 2 T_sweep +
+// T_processing. a is Braking::deceleration_mps2, half of the deceleration that the base reaches on
+// command. As the robot approaches the obstacle, the bound falls at a v / (v + a T) < a, so the
+// robot can always follow it.
 
 /// The distance the robot covers until it is stationary. `speed` >= 0, `deceleration` > 0.
 [[nodiscard]] double stopping_distance(double speed, double reaction_s, double deceleration);

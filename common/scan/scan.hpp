@@ -11,37 +11,37 @@
 
 namespace nodmap::scan {
 
-/// One turn of the mirror of a pitched 2D laser, as a value: everything that is needed to place its
-/// beams on the robot. Frames: `base` (x forward, y left, z up, ground projection of the robot's
-/// centre of rotation), `mount` (the pitch axis), `laser` (mirror centre, pitched).
+/// A scan: the ranges of one mirror revolution of a pitched 2D laser, with everything needed to
+/// compute its points in base. Frames: `base` (x forward, y left, z up; the robot's centre of
+/// rotation projected onto the ground), `mount` (the pitch axis), `laser` (mirror centre, pitched).
 struct Scan {
   std::int64_t utime_us = 0;     ///< when the first beam was measured
-  std::int64_t duration_us = 0;  ///< from the first to the last beam; 0: taken as one instant
-  std::int64_t seq = 0;          ///< counts the scans of one scanner, to notice losses
+  std::int64_t duration_us = 0;  ///< from the first to the last beam; 0: all beams simultaneous
+  std::int64_t seq = 0;          ///< counts the scans of one scanner, to detect losses
 
   double angle_first_rad = 0.0;  ///< first beam in the laser plane; 0 ahead, positive to the left
   double angle_step_rad = 0.0;   ///< from beam to beam
 
   double pitch_first_rad = 0.0;  ///< at the first beam; positive looks up
   double pitch_last_rad = 0.0;   ///< at the last beam
-  bool pitch_measured = true;    ///< false: open loop, only commanded
+  bool pitch_measured = true;    ///< false: no feedback, the pitch is the commanded one
 
-  double range_min_m = 0.0;  ///< readings below are the robot itself or the housing
-  double range_max_m = 0.0;  ///< how far the sensor reaches
+  double range_min_m = 0.0;  ///< shortest valid range; shorter ones are of the robot or the housing
+  double range_max_m = 0.0;  ///< longest valid range
 
   geometry::SE3 T_base_mount = geometry::SE3::Identity();
   Eigen::Vector3d mirror_offset_m =
       Eigen::Vector3d::Zero();  ///< pitch axis to mirror, pitched frame
 
-  /// Metres along each beam. +infinity: nothing came back (free up to `range_max_m`); NaN or
-  /// anything else outside [range_min_m, range_max_m]: no measurement.
+  /// Range along each beam, metres. +infinity: no echo, free up to `range_max_m`. NaN, or any other
+  /// value outside [range_min_m, range_max_m]: no measurement.
   std::vector<float> ranges_m;
 
   [[nodiscard]] double angle_rad(std::size_t beam) const {
     return angle_first_rad + angle_step_rad * static_cast<double>(beam);
   }
 
-  /// How far through the scan a beam was measured: 0 the first, 1 the last.
+  /// When a beam was measured, as a fraction of the scan: 0 the first beam, 1 the last.
   [[nodiscard]] double fraction(std::size_t beam) const {
     return ranges_m.size() < 2
                ? 0.0
@@ -62,8 +62,8 @@ struct Scan {
   }
 };
 
-/// Whether the geometry of a scan is usable: finite angles, pitch within half a turn, a step and a
-/// range interval that make sense. Readings are judged one by one, not here.
+/// Whether the geometry of a scan is usable: finite angles, valid pitch, angle step and range
+/// limits. Does not check the single readings.
 [[nodiscard]] bool is_plausible(const Scan& scan);
 
 /// The direction of one beam in the mount frame (before the mount's own pose): Eq. 1 without its
@@ -73,17 +73,18 @@ struct Scan {
 /// Eq. 1: a point at `range_m` along a beam, in the base frame.
 [[nodiscard]] Eigen::Vector3d point_in_base(const Scan& scan, std::size_t beam, double range_m);
 
-/// Eq. 1 for whole scans, with the trigonometry of the fan computed once per sensor set-up and the
-/// pitch interpolated over the beams. Does not allocate while the set-up stays the same.
+/// Computes the points of whole scans (Eq. 1), with the pitch interpolated over the beams. Computes
+/// the sines and cosines of the beam angles once per sensor configuration, and does not allocate
+/// while this configuration stays the same.
 class ScanProjector {
  public:
-  /// A beam's end in the base frame, with the place in the scan it came from.
+  /// The end point of a beam in base, with the index of the beam.
   struct Point {
     Eigen::Vector3d p_base;
     std::uint32_t beam = 0;
   };
 
-  /// The points of all beams that hit something, in beam order. Valid until the next call.
+  /// The points of all beams with a valid range, in beam order. Valid until the next call.
   [[nodiscard]] std::span<const Point> hits(const Scan& scan);
 
  private:

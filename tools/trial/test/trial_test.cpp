@@ -164,7 +164,7 @@ TEST_F(TrialTest, SlamsKeepTheirPlaceWhenTheBaseDriverIsStartedAnew) {
   EXPECT_LE(result["slam6d"]["end_error_m"], 0.5);
 }
 
-// R48: stairs down, the edge of a dock, and a ramp.
+// Stairs down, the edge of a dock, and a ramp.
 TEST_F(TrialTest, StairsAreDrivenWithoutAFall) {
   const DriveMetrics drive = drive_metrics(run(setup("stairs", 1, 30.0)).record);
   EXPECT_EQ(drive.falls, 0);
