@@ -29,7 +29,7 @@ class Simulator {
 
   [[nodiscard]] node::Health health() const;
   /// Starts a new interval for the lag that health() reports.
-  void reset_lag() { max_lag_ = 0; }
+  void reset_lag() { max_lag_ = {}; }
 
   /// For result.json.
   [[nodiscard]] nlohmann::json metrics() const;

@@ -60,7 +60,7 @@ void print_relations(const Arguments& arguments) {
 
 std::vector<evaluate::PosePair> read_pairs(const Arguments& arguments) {
   const auto estimate = nodmap::formats::read_tum(arguments.trajectory);
-  const time::Duration tolerance = time::from_seconds(arguments.tolerance_s);
+  const auto tolerance = nodmap::time::from_seconds(arguments.tolerance_s);
   auto pairs = evaluate::associate(estimate, nodmap::formats::read_tum(arguments.truth), tolerance);
   if (pairs.empty()) {
     throw std::runtime_error(arguments.trajectory + ": none of its " +
