@@ -155,7 +155,7 @@ INSTANTIATE_TEST_SUITE_P(
 TEST_F(TrialTest, SlamsKeepTheirPlaceWhenTheBaseDriverIsStartedAnew) {
   TrialSetup trial = setup("corridor30", 1, 16.0);
   trial.without.clear();
-  trial.kills.push_back({"kurt", 8'000'000, 2'000'000});
+  trial.kills.push_back({"kurt", time::SteadyTime(8s), 2s});
   const auto result = summarise(trial, run(trial), dir_.path());
   // Odometry does not know of the way before; the way on which the robot brakes without it is
   // unknown to all, and along a corridor nothing tells of it.
