@@ -15,29 +15,30 @@ namespace {
 
 using geometry::deg_to_rad;
 
-constexpr std::int64_t kScanUs = 13'320;
+constexpr time::Duration kScanPeriod = 13'320us;
 
 World world(const char* name) {
   return load_world(std::string(NODMAP_SOURCE_DIR "/sim/worlds/") + name + ".yaml");
 }
 
-void scan(RobotModel& model, std::int64_t end_us) {
+void scan(RobotModel& model, time::SteadyTime end) {
   for (int beam = -90; beam <= 90; ++beam) {
-    benchmark::DoNotOptimize(model.measure(deg_to_rad(beam), end_us - 6'660 + 37 * beam));
+    benchmark::DoNotOptimize(model.measure(deg_to_rad(beam), end - 6'660us + 37us * beam));
   }
 }
 
 /// The laser nods through the usual sweep while the robot stands.
 void Scan(benchmark::State& state, const char* name) {
   RobotModel model(world(name), {}, 1);
-  std::int64_t now_us = 0;
+  time::SteadyTime now{};
   for (auto _ : state) {
     state.PauseTiming();
-    now_us += kScanUs;
-    model.set_pitch_goal({now_us / kScanUs / 60 % 2 == 0 ? -0.7 : 0.26, 1.2, 40.0});
-    model.advance_to(now_us);
+    now += kScanPeriod;
+    model.set_pitch_goal(
+        {now.time_since_epoch() / kScanPeriod / 60 % 2 == 0 ? -0.7 : 0.26, 1.2, 40.0});
+    model.advance_to(now);
     state.ResumeTiming();
-    scan(model, now_us);
+    scan(model, now);
   }
 }
 
@@ -45,13 +46,14 @@ void Scan(benchmark::State& state, const char* name) {
 void RobotSecond(benchmark::State& state, const char* name) {
   RobotModel model(world(name), {}, 1);
   model.set_wheel_speeds({-0.3, 0.3});
-  std::int64_t now_us = 0;
+  time::SteadyTime now{};
   for (auto _ : state) {
     for (int i = 0; i < 75; ++i) {
-      now_us += kScanUs;
-      model.set_pitch_goal({now_us / kScanUs / 60 % 2 == 0 ? -0.7 : 0.26, 1.2, 40.0});
-      model.advance_to(now_us);
-      scan(model, now_us);
+      now += kScanPeriod;
+      model.set_pitch_goal(
+          {now.time_since_epoch() / kScanPeriod / 60 % 2 == 0 ? -0.7 : 0.26, 1.2, 40.0});
+      model.advance_to(now);
+      scan(model, now);
     }
   }
 }

@@ -24,7 +24,7 @@ namespace nodmap::sim {
 namespace {
 
 constexpr const char* kName = "nodmap-sim";
-constexpr std::int64_t kMaxSleepUs = 2000;
+constexpr time::Duration kMaxSleep = 2ms;
 
 struct Options {
   std::string world;
@@ -34,12 +34,6 @@ struct Options {
   double duration_s = 0.0;  // 0: until a signal
   std::string out;
 };
-
-std::int64_t steady_us() {
-  using std::chrono::duration_cast;
-  using std::chrono::microseconds;
-  return duration_cast<microseconds>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 void add_options(CLI::App& app, Options& options) {
   app.add_option("--world", options.world, "The world: WORLD.yaml");
@@ -65,10 +59,10 @@ std::filesystem::path link_dir(const Options& options) {
 }
 
 /// Waits until bytes arrive from the host, or a device has something to do.
-void wait_for_work(const Simulator& simulator, std::int64_t now_us) {
-  const std::int64_t wait_us =
-      std::clamp<std::int64_t>(simulator.next_us() - now_us, 0, kMaxSleepUs);
-  const timespec wait{0, 1000 * wait_us};
+void wait_for_work(const Simulator& simulator, time::SteadyTime now) {
+  const time::Duration timeout =
+      std::clamp<time::Duration>(simulator.next_due() - now, 0s, kMaxSleep);
+  const timespec wait{0, timeout / 1ns};
   std::array<pollfd, 3> entries{};
   const std::array<int, 3> handles = simulator.poll_handles();
   std::transform(handles.begin(), handles.end(), entries.begin(), [](int handle) {
@@ -83,19 +77,21 @@ nlohmann::json run_loop(const Options& options, const std::string& lcm_url, Simu
   const time::SystemClock clock;
   node::StatusReporter status(kName, bus, counts, clock);
   const LinkDir dir(link_dir(options));
-  const std::int64_t start_us = steady_us();
-  Simulator simulator(robot, dir, bus, time::to_utime(clock.now()));
+  const time::SteadyTime start = time::steady_now();
+  const auto simulated_now = [start] { return time::SteadyTime(time::steady_now() - start); };
+  Simulator simulator(robot, dir, bus, clock.now());
   log::get().info("on {}, devices in {}", bus.url(), dir.path().string());
-  const auto end_us = options.duration_s > 0.0 ? std::llround(1e6 * options.duration_s) : kNever;
+  const time::SteadyTime end =
+      options.duration_s > 0.0 ? time::SteadyTime(time::from_seconds(options.duration_s)) : kNever;
   std::int64_t second = 0;
-  for (std::int64_t now_us = 0; !node::stop_requested() && now_us < end_us;
-       now_us = steady_us() - start_us) {
-    simulator.spin_once(now_us);
+  for (time::SteadyTime now{}; !node::stop_requested() && now < end; now = simulated_now()) {
+    simulator.spin_once(now);
     status.publish_if_due(simulator.health());
-    if (now_us / 1'000'000 != std::exchange(second, now_us / 1'000'000)) {
+    if (const std::int64_t passed = now.time_since_epoch() / 1s; passed != second) {
+      second = passed;
       simulator.reset_lag();
     }
-    wait_for_work(simulator, steady_us() - start_us);
+    wait_for_work(simulator, simulated_now());
   }
   return simulator.metrics();
 }

@@ -13,9 +13,9 @@ namespace nodmap::sim {
 namespace {
 
 constexpr std::array kNames = {"laser", "servo", "base"};
-constexpr std::int64_t kTruthPeriodUs = 20'000;
+constexpr time::Duration kTruthPeriod = 20ms;
 /// The robot model keeps 100 ms for the laser to measure; well before, scans are late.
-constexpr std::int64_t kMaxLagUs = 20'000;
+constexpr time::Duration kMaxLag = 20ms;
 
 nodmap::truth_t to_message(const GroundTruth& truth) {
   nodmap::truth_t message{};
@@ -44,70 +44,70 @@ nodmap::truth_t to_message(const GroundTruth& truth) {
 }  // namespace
 
 Simulator::Simulator(SimulatedRobot& robot, const LinkDir& dir, bus::Bus& bus,
-                     std::int64_t start_utime_us)
+                     time::Timestamp start)
     : robot_(robot),
       bus_(bus),
-      start_utime_us_(start_utime_us),
+      start_{start, {}},
       min_clearance_m_(robot.model().ground_truth().clearance_m),
       last_position_(robot.model().ground_truth().T_world_base.translation()) {
   for (const Part part : SimulatedRobot::kParts) {
     const auto at = static_cast<std::size_t>(part);
     lines_[at] = std::make_unique<PtyLine>(dir, kNames[at]);
   }
-  update_plugs(0);
+  update_plugs({});
 }
 
-void Simulator::spin_once(std::int64_t now_us) {
-  max_lag_us_ = std::max(max_lag_us_, now_us - next_us());
-  while (next_us() < now_us) {
-    update_devices(next_us());
+void Simulator::spin_once(time::SteadyTime now) {
+  max_lag_ = std::max(max_lag_, now - next_due());
+  while (next_due() < now) {
+    update_devices(next_due());
   }
-  now_us_ = std::max(now_us, now_us_);
-  robot_.advance_to(now_us_);
-  read_lines(now_us_);
-  update_devices(now_us_);
+  now_ = std::max(now, now_);
+  robot_.advance_to(now_);
+  read_lines(now_);
+  update_devices(now_);
 }
 
-std::int64_t Simulator::next_us() const {
-  return std::max(now_us_ + 1, std::min(robot_.next_us(), next_truth_us_));
+time::SteadyTime Simulator::next_due() const {
+  return std::max(now_ + 1us, std::min(robot_.next_due(), next_truth_));
 }
 
 /// Everything that is due at one moment.
-void Simulator::update_devices(std::int64_t now_us) {
-  now_us_ = now_us;
-  robot_.advance_to(now_us);
-  update_plugs(now_us);
+void Simulator::update_devices(time::SteadyTime now) {
+  now_ = now;
+  robot_.advance_to(now);
+  update_plugs(now);
   for (const Part part : SimulatedRobot::kParts) {
     const PtyLine& line = *lines_[static_cast<std::size_t>(part)];
-    if (robot_.device(part).next_us() > now_us) {
+    if (robot_.device(part).next_due() > now) {
       continue;
     }
     Bytes bytes;
-    robot_.device(part).transmit(now_us, line.plugged_in() ? line.host_baud() : 0, bytes);
+    robot_.device(part).transmit(now, line.plugged_in() ? line.host_baud() : 0, bytes);
     if (line.plugged_in() && !bytes.empty()) {
       line.write(bytes);
     }
   }
-  if (now_us >= next_truth_us_) {
-    next_truth_us_ += kTruthPeriodUs;
+  if (now >= next_truth_) {
+    next_truth_ += kTruthPeriod;
     publish_truth();
   }
 }
 
-void Simulator::read_lines(std::int64_t now_us) {
+void Simulator::read_lines(time::SteadyTime now) {
   for (const Part part : SimulatedRobot::kParts) {
     const PtyLine& line = *lines_[static_cast<std::size_t>(part)];
     const Bytes bytes = line.plugged_in() ? line.read() : Bytes{};
     if (!bytes.empty()) {
-      robot_.device(part).receive(bytes, line.host_baud(), now_us);
+      robot_.device(part).receive(bytes, line.host_baud(), now);
     }
   }
 }
 
-void Simulator::update_plugs(std::int64_t now_us) {
+void Simulator::update_plugs(time::SteadyTime now) {
   for (const Part part : SimulatedRobot::kParts) {
     PtyLine& line = *lines_[static_cast<std::size_t>(part)];
-    const bool wanted = robot_.device(part).plugged_in(now_us);
+    const bool wanted = robot_.device(part).plugged_in(now);
     if (wanted && !line.plugged_in()) {
       line.plug_in();
     } else if (!wanted) {
@@ -123,7 +123,7 @@ void Simulator::publish_truth() {
   last_position_ = position;
   min_clearance_m_ = std::min(min_clearance_m_, truth.clearance_m);
   nodmap::truth_t message = to_message(truth);
-  message.utime = start_utime_us_ + now_us_;
+  message.utime = time::to_utime(start_.wall_at(now_));
   message.truth_seq = truth_seq_++;
   bus_.publish("TRUTH", message);
 }
@@ -133,9 +133,9 @@ std::array<int, 3> Simulator::poll_handles() const {
 }
 
 node::Health Simulator::health() const {
-  if (max_lag_us_ > kMaxLagUs) {
+  if (max_lag_ > kMaxLag) {
     return {node::HealthState::kDegraded,
-            "behind real time by up to " + std::to_string(max_lag_us_ / 1000) + " ms", false};
+            "behind real time by up to " + std::to_string(max_lag_ / 1ms) + " ms", false};
   }
   return {node::HealthState::kOk, "", false};
 }
@@ -144,7 +144,7 @@ nlohmann::json Simulator::metrics() const {
   const GroundTruth truth = robot_.model().ground_truth();
   const Eigen::Vector3d position = truth.T_world_base.translation();
   const Eigen::Vector3d ahead = truth.T_world_base.linear().col(0);
-  return {{"duration_s", 1e-6 * static_cast<double>(now_us_)},
+  return {{"duration_s", time::seconds(now_.time_since_epoch())},
           {"collisions", truth.collisions},
           {"bumps", truth.bumps},
           {"distance_m", distance_m_},

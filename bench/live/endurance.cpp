@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "common/bus/codec.hpp"
+#include "common/node/clock.hpp"
 
 namespace nodmap::bench {
 namespace {
@@ -23,50 +24,47 @@ constexpr std::uint16_t kViewerPort = 8765;
 constexpr std::chrono::seconds kSamplePeriod(1);
 constexpr double kMaxStartS = 60.0;  // until the robot reacts; then it is measured as it is
 // What is asked of the robot.
-constexpr std::int64_t kScanToMapUs = 2'000;
-constexpr std::int64_t kScanToDriveUs = 10'000;
+constexpr time::Duration kScanToMap = 2ms;
+constexpr time::Duration kScanToDrive = 10ms;
 
-std::int64_t now_us() {
-  return std::chrono::duration_cast<std::chrono::microseconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
+time::Timestamp now() {
+  return time::SystemClock().now();
 }
 
-std::int64_t after(std::int64_t time_us, double seconds) {
-  return time_us + std::llround(1e6 * seconds);
+time::Timestamp after(time::Timestamp begin, double duration_s) {
+  return begin + time::from_seconds(duration_s);
 }
 
 double to_tenths(double value) {
   return std::round(10.0 * value) / 10.0;
 }
 
-std::vector<Sample> within(const std::vector<Sample>& samples, std::int64_t from_us,
-                           std::int64_t to_us) {
+std::vector<Sample> within(const std::vector<Sample>& samples, time::Timestamp from,
+                           time::Timestamp to) {
   std::vector<Sample> part;
-  std::ranges::copy_if(samples, std::back_inserter(part), [&](const Sample& sample) {
-    return sample.at_us >= from_us && sample.at_us < to_us;
-  });
+  std::ranges::copy_if(samples, std::back_inserter(part),
+                       [&](const Sample& sample) { return sample.at >= from && sample.at < to; });
   return part;
 }
 
 Json to_json(const std::vector<Sample>& samples) {
   const latency::Summary summary = latency::summarize(samples);
   return {{"n", summary.n},
-          {"p50_us", summary.p50_us},
-          {"p99_us", summary.p99_us},
-          {"max_us", summary.max_us}};
+          {"p50_us", time::to_us(summary.p50)},
+          {"p99_us", time::to_us(summary.p99)},
+          {"max_us", time::to_us(summary.max)}};
 }
 
 /// Every message of ours begins with the time of what it tells: after the eight bytes of its type,
-/// in network order. 0 where it is too short.
-std::int64_t utime_of(std::span<const std::byte> data) {
+/// in network order. The epoch where it is too short.
+time::Timestamp stamp_of(std::span<const std::byte> data) {
   constexpr std::size_t kBegin = 8;
   constexpr std::size_t kEnd = 16;
   std::uint64_t utime = 0;
   for (std::size_t i = kBegin; i < std::min(data.size(), kEnd); ++i) {
     utime = utime << 8U | std::to_integer<std::uint64_t>(data[i]);
   }
-  return data.size() < kEnd ? 0 : static_cast<std::int64_t>(utime);
+  return time::from_utime(data.size() < kEnd ? 0 : static_cast<std::int64_t>(utime));
 }
 
 }  // namespace
@@ -74,8 +72,8 @@ std::int64_t utime_of(std::span<const std::byte> data) {
 Endurance::Endurance(const RobotProcesses::Options& robot, const Options& options)
     : robot_options_(robot), options_(options) {}
 
-bool Endurance::is_measured(std::int64_t at_us) const {
-  return at_us >= begin_us_ && at_us < end_us_;
+bool Endurance::is_measured(time::Timestamp at) const {
+  return at >= begin_ && at < end_;
 }
 
 bool Endurance::is_anything_lost() const {
@@ -91,26 +89,25 @@ bool Endurance::is_anything_lost() const {
          });
 }
 
-bool Endurance::is_in_time(const std::vector<Sample>& samples, std::int64_t target_us) const {
-  const auto summary = latency::summarize(within(samples, begin_us_, end_us_));
-  return summary.n > 0 && summary.p99_us <= target_us;
+bool Endurance::is_in_time(const std::vector<Sample>& samples, time::Duration target) const {
+  const auto summary = latency::summarize(within(samples, begin_, end_));
+  return summary.n > 0 && summary.p99 <= target;
 }
 
 bool Endurance::is_sound() const {
-  const bool fast_enough = is_in_time(reaction_.scan_to_map(), kScanToMapUs) &&
-                           is_in_time(reaction_.scan_to_drive(), kScanToDriveUs);
+  const bool fast_enough = is_in_time(reaction_.scan_to_map(), kScanToMap) &&
+                           is_in_time(reaction_.scan_to_drive(), kScanToDrive);
   return ended_badly_.empty() && collisions_ == 0 && !is_anything_lost() &&
          (fast_enough || options_.any_timing);
 }
 
 void Endurance::on_message(const bus::LiveBus::RawMessage& message) {
-  reaction_.hear(message.channel, message.data, message.receive_utime_us);
+  reaction_.hear(message.channel, message.data, message.received);
   constexpr std::string_view kNotOurs = "LCM_SELF_TEST";  // LCM's, when a process starts
-  if (!is_measured(message.receive_utime_us) || message.channel == kNotOurs) {
+  if (!is_measured(message.received) || message.channel == kNotOurs) {
     return;
   }
-  lags_[message.channel].push_back(
-      {message.receive_utime_us, message.receive_utime_us - utime_of(message.data)});
+  lags_[message.channel].push_back({message.received, message.received - stamp_of(message.data)});
   if (message.channel == "STATUS") {
     on_status(message.data);
   } else if (message.channel == "TRUTH" && bus::decode_into(truth_, message.data)) {
@@ -140,8 +137,8 @@ void Endurance::start_viewer(RobotProcesses& robot) {
 }
 
 void Endurance::wait_for_first_reaction(bus::LiveBus& bus) {
-  const std::int64_t latest_us = after(now_us(), kMaxStartS);
-  while (reaction_.scan_to_drive().empty() && now_us() < latest_us) {
+  const time::Timestamp latest = after(now(), kMaxStartS);
+  while (reaction_.scan_to_drive().empty() && now() < latest) {
     bus.handle(std::chrono::milliseconds(20));
   }
 }
@@ -151,16 +148,16 @@ Json Endurance::run() {
   bus.subscribe_all([this](const auto& message) { on_message(message); }, kQueue);
   RobotProcesses robot(robot_options_);
   wait_for_first_reaction(bus);
-  begin_us_ = after(now_us(), options_.warm_up_s);
-  half_us_ = after(begin_us_, 0.5 * options_.duration_s);
-  end_us_ = after(begin_us_, options_.duration_s);
+  begin_ = after(now(), options_.warm_up_s);
+  half_ = after(begin_, 0.5 * options_.duration_s);
+  end_ = after(begin_, options_.duration_s);
   auto next_sample = std::chrono::steady_clock::now();
-  while (now_us() < end_us_) {
+  while (now() < end_) {
     bus.handle(std::chrono::milliseconds(20));
-    if (options_.viewer && !viewer_client_ && now_us() >= half_us_) {
+    if (options_.viewer && !viewer_client_ && now() >= half_) {
       start_viewer(robot);
     }
-    if (is_measured(now_us()) && std::chrono::steady_clock::now() >= next_sample) {
+    if (is_measured(now()) && std::chrono::steady_clock::now() >= next_sample) {
       sample_loads(robot);
       next_sample = std::chrono::steady_clock::now() + kSamplePeriod;
     }
@@ -177,36 +174,36 @@ Json Endurance::run() {
 void Endurance::sample_loads(const RobotProcesses& robot) {
   for (const auto& [name, pid] : robot.pids()) {
     if (const auto load = read_load(pid)) {
-      processes_["nodmap-" + name].loads.push_back({now_us(), *load});
+      processes_["nodmap-" + name].loads.push_back({now(), *load});
     }
   }
   udp_.push_back(read_udp_queues());
 }
 
-Json Endurance::report_reaction(const std::vector<Sample>& samples, std::int64_t target_us) const {
-  const auto measured = within(samples, begin_us_, end_us_);
+Json Endurance::report_reaction(const std::vector<Sample>& samples, time::Duration target) const {
+  const auto measured = within(samples, begin_, end_);
   Json json = to_json(measured);
-  json["target_p99_us"] = target_us;
-  json["p99_us_over_time"] = latency::p99_over_time(measured, kParts);
+  json["target_p99_us"] = time::to_us(target);
+  json["p99_us_over_time"] = latency::p99_us_over_time(measured, kParts);
   if (options_.viewer) {
-    json["without_viewer"] = to_json(within(samples, begin_us_, half_us_));
-    json["with_viewer"] = to_json(within(samples, half_us_, end_us_));
+    json["without_viewer"] = to_json(within(samples, begin_, half_));
+    json["with_viewer"] = to_json(within(samples, half_, end_));
   }
   return json;
 }
 
 /// Percent of one core between two moments; nothing where the process did not run.
-Json Endurance::cpu_percent(const Process& process, std::int64_t from_us, std::int64_t to_us) {
+Json Endurance::cpu_percent(const Process& process, time::Timestamp from, time::Timestamp to) {
   const auto is_within = [&](const LoadSample& sample) {
-    return sample.at_us >= from_us && sample.at_us < to_us;
+    return sample.at >= from && sample.at < to;
   };
   const auto first = std::ranges::find_if(process.loads, is_within);
   const auto last = std::find_if(process.loads.rbegin(), process.loads.rend(), is_within);
-  if (first == process.loads.end() || last->at_us <= first->at_us) {
+  if (first == process.loads.end() || last->at <= first->at) {
     return nullptr;
   }
-  const double percent = 1e8 * (last->load.cpu_s - first->load.cpu_s) /
-                         static_cast<double>(last->at_us - first->at_us);
+  const double percent =
+      100.0 * (last->load.cpu_s - first->load.cpu_s) / time::seconds(last->at - first->at);
   return to_tenths(percent);
 }
 
@@ -219,7 +216,7 @@ Json Endurance::report_process(const Process& process) const {
   const auto& first = process.first_status;
   const auto& last = process.last_status;
   return {{"cpu_percent_by_half",
-           {cpu_percent(process, begin_us_, half_us_), cpu_percent(process, half_us_, end_us_)}},
+           {cpu_percent(process, begin_, half_), cpu_percent(process, half_, end_)}},
           {"resident_mib_over_time", resident_mib},
           {"handled", last.total_handled - first.total_handled},
           {"slowest_handling_p99_us", process.slowest_p99_us},
@@ -233,7 +230,7 @@ Json Endurance::report() const {
   Json lags;
   for (const auto& [channel, samples] : lags_) {
     lags[channel] = {{"n", samples.size()},
-                     {"p99_us_over_time", latency::p99_over_time(samples, kParts)}};
+                     {"p99_us_over_time", latency::p99_us_over_time(samples, kParts)}};
   }
   Json processes;
   for (const auto& [name, process] : processes_) {
@@ -249,8 +246,8 @@ Json Endurance::report() const {
           {"lost", reaction_.lost()},
           {"collisions", collisions_},
           {"bumps", bumps_},
-          {"scan_to_obstacle_map", report_reaction(reaction_.scan_to_map(), kScanToMapUs)},
-          {"scan_to_drive", report_reaction(reaction_.scan_to_drive(), kScanToDriveUs)},
+          {"scan_to_obstacle_map", report_reaction(reaction_.scan_to_map(), kScanToMap)},
+          {"scan_to_drive", report_reaction(reaction_.scan_to_drive(), kScanToDrive)},
           {"from_measurement_to_message", lags},
           {"processes", processes},
           {"kernel_queues", {{"most_waiting_bytes", most_waiting_bytes}, {"dropped", dropped}}},

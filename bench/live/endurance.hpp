@@ -13,6 +13,7 @@
 #include "bench/live/robot_processes.hpp"
 #include "bench/live/viewer_client.hpp"
 #include "common/bus/live_bus.hpp"
+#include "common/geometry/time.hpp"
 #include "nodmap/status_t.hpp"
 #include "nodmap/truth_t.hpp"
 #include "tools/latency/reaction.hpp"
@@ -42,7 +43,7 @@ class Endurance {
 
  private:
   struct LoadSample {
-    std::int64_t at_us = 0;
+    time::Timestamp at{};
     ProcessLoad load;
   };
   struct Process {
@@ -65,22 +66,22 @@ class Endurance {
   void start_viewer(RobotProcesses& robot);
   /// A busy machine takes its time to start twelve processes.
   void wait_for_first_reaction(bus::LiveBus& bus);
-  [[nodiscard]] bool is_measured(std::int64_t at_us) const;
+  [[nodiscard]] bool is_measured(time::Timestamp at) const;
   [[nodiscard]] bool is_anything_lost() const;
   [[nodiscard]] bool is_in_time(const std::vector<latency::Sample>& samples,
-                                std::int64_t target_us) const;
+                                time::Duration target) const;
   [[nodiscard]] nlohmann::ordered_json report_reaction(const std::vector<latency::Sample>& samples,
-                                                       std::int64_t target_us) const;
+                                                       time::Duration target) const;
   [[nodiscard]] static nlohmann::ordered_json cpu_percent(const Process& process,
-                                                          std::int64_t from_us, std::int64_t to_us);
+                                                          time::Timestamp from, time::Timestamp to);
   [[nodiscard]] nlohmann::ordered_json report_process(const Process& process) const;
   [[nodiscard]] nlohmann::ordered_json report() const;
 
   RobotProcesses::Options robot_options_;
   Options options_;
-  std::int64_t begin_us_ = 0;
-  std::int64_t half_us_ = 0;
-  std::int64_t end_us_ = 0;
+  time::Timestamp begin_{};
+  time::Timestamp half_{};
+  time::Timestamp end_{};
   latency::Reaction reaction_;
   std::map<std::string, std::vector<latency::Sample>> lags_;  // by channel
   std::map<std::string, Process> processes_;

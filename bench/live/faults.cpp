@@ -10,6 +10,7 @@
 
 #include "bench/live/ground_truth_monitor.hpp"
 #include "bench/live/stop_metrics.hpp"
+#include "common/node/clock.hpp"
 
 namespace nodmap::bench {
 namespace {
@@ -20,12 +21,6 @@ constexpr double kMaxExcessM = 0.3;
 constexpr double kFaultAtS = 12.0;  // after the simulator's start: the robot is on its way
 constexpr double kFaultForS = 3.0;
 constexpr double kDrivingMps = 1.2;
-
-std::int64_t now_us() {
-  return std::chrono::duration_cast<std::chrono::microseconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
 
 struct Case {
   std::string name;
@@ -51,27 +46,26 @@ struct Outcome {
 };
 
 /// Kills the process while the robot drives, waits, starts it anew. The moment of the kill.
-std::optional<std::int64_t> kill_and_restart(RobotProcesses& robot, GroundTruthMonitor& monitor,
-                                             const std::string& process) {
+std::optional<time::Timestamp> kill_and_restart(RobotProcesses& robot, GroundTruthMonitor& monitor,
+                                                const std::string& process) {
   monitor.listen(5.0);
   if (!monitor.listen(30.0, [&] { return monitor.driving(kDrivingMps); })) {
     return std::nullopt;
   }
-  const std::int64_t at_us = now_us();
+  const time::Timestamp at = time::SystemClock().now();
   robot.kill(process);
   monitor.listen(kFaultForS);
   robot.start(process);
-  return at_us;
+  return at;
 }
 
-std::optional<std::int64_t> wait_for_fault(GroundTruthMonitor& monitor) {
+std::optional<time::Timestamp> wait_for_fault(GroundTruthMonitor& monitor) {
   if (!monitor.listen(10.0, [&] { return !monitor.motions().empty(); })) {
     return std::nullopt;
   }
-  const auto at_us =
-      monitor.motions().front().utime_us + static_cast<std::int64_t>(1e6 * kFaultAtS);
+  const time::Timestamp at = monitor.motions().front().stamp + time::from_seconds(kFaultAtS);
   monitor.listen(kFaultAtS + kFaultForS);
-  return at_us;
+  return at;
 }
 
 Outcome examine(const Case& what, RobotProcesses::Options options) {
@@ -82,11 +76,11 @@ Outcome examine(const Case& what, RobotProcesses::Options options) {
   }
   GroundTruthMonitor monitor;
   RobotProcesses robot(options);
-  const auto at_us = what.process.empty() ? wait_for_fault(monitor)
-                                          : kill_and_restart(robot, monitor, what.process);
+  const auto at = what.process.empty() ? wait_for_fault(monitor)
+                                       : kill_and_restart(robot, monitor, what.process);
   Outcome outcome;
-  if (at_us) {
-    outcome.stop = stop_metrics(monitor.motions(), *at_us);
+  if (at) {
+    outcome.stop = stop_metrics(monitor.motions(), *at);
     outcome.goes_on = monitor.listen(20.0, [&] { return monitor.driving(0.1); });
   }
   outcome.collisions = monitor.collisions();

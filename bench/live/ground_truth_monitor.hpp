@@ -17,8 +17,8 @@ class GroundTruthMonitor {
   GroundTruthMonitor() : bus_("") {
     bus_.subscribe<nodmap::truth_t>("TRUTH", [this](const nodmap::truth_t& truth) {
       collisions_ = truth.collisions;
-      motions_.push_back({truth.utime, truth.position_m[0], truth.position_m[1], truth.forward_mps,
-                          truth.yaw_rate_rad_s});
+      motions_.push_back({time::from_utime(truth.utime), truth.position_m[0], truth.position_m[1],
+                          truth.forward_mps, truth.yaw_rate_rad_s});
     });
   }
 

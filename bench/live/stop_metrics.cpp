@@ -17,8 +17,8 @@ bool is_stationary(const Motion& motion) {
 
 }  // namespace
 
-std::optional<StopMetrics> stop_metrics(const std::vector<Motion>& motions, std::int64_t from_us) {
-  auto at = std::ranges::lower_bound(motions, from_us, {}, &Motion::utime_us);
+std::optional<StopMetrics> stop_metrics(const std::vector<Motion>& motions, time::Timestamp from) {
+  auto at = std::ranges::lower_bound(motions, from, {}, &Motion::stamp);
   if (at == motions.end()) {
     return std::nullopt;
   }
@@ -32,7 +32,7 @@ std::optional<StopMetrics> stop_metrics(const std::vector<Motion>& motions, std:
   if (at == motions.end()) {
     return std::nullopt;
   }
-  stop.time_s = 1e-6 * static_cast<double>(at->utime_us - from_us);
+  stop.time_s = time::seconds(at->stamp - from);
   return stop;
 }
 

@@ -5,11 +5,13 @@
 #include <optional>
 #include <vector>
 
+#include "common/geometry/time.hpp"
+
 namespace nodmap::bench {
 
 /// The true motion of the robot at one moment.
 struct Motion {
-  std::int64_t utime_us = 0;
+  time::Timestamp stamp{};
   double x_m = 0.0;
   double y_m = 0.0;
   double forward_mps = 0.0;
@@ -30,8 +32,8 @@ struct StopMetrics {
   }
 };
 
-/// How the robot stopped after `from_us`; empty when it did not. `motions` ascend in time.
+/// How the robot stopped after `from`; empty when it did not. `motions` ascend in time.
 [[nodiscard]] std::optional<StopMetrics> stop_metrics(const std::vector<Motion>& motions,
-                                                      std::int64_t from_us);
+                                                      time::Timestamp from);
 
 }  // namespace nodmap::bench

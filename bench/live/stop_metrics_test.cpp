@@ -6,21 +6,25 @@
 namespace nodmap::bench {
 namespace {
 
+time::Timestamp at(time::Duration since_epoch) {
+  return time::Timestamp(since_epoch);
+}
+
 // 1.5 m/s until 1 s + 100 ms, then 3 m/s^2: stands 500 ms later.
 std::vector<Motion> braking() {
   std::vector<Motion> motions;
   double x_m = 0.0;
-  for (std::int64_t t_us = 0; t_us <= 2'000'000; t_us += 1000) {
-    const double braked_s = 1e-6 * static_cast<double>(t_us - 1'100'000);
+  for (time::Timestamp t{}; t <= at(2s); t += 1ms) {
+    const double braked_s = time::seconds(t - at(1100ms));
     const double v_mps = braked_s < 0.0 ? 1.5 : std::max(0.0, 1.5 - 3.0 * braked_s);
-    motions.push_back({t_us, x_m, 1.0, v_mps, 0.0});
+    motions.push_back({t, x_m, 1.0, v_mps, 0.0});
     x_m += 1e-3 * v_mps;
   }
   return motions;
 }
 
 TEST(StopMetrics, AreTimeAndDistanceBeyondBrakingAtOnce) {
-  const auto stop = stop_metrics(braking(), 1'000'000);
+  const auto stop = stop_metrics(braking(), at(1s));
   ASSERT_TRUE(stop);
   EXPECT_DOUBLE_EQ(stop->speed_mps, 1.5);
   // Below 2 cm/s is stationary: 7 ms early; a step of 1 ms.
@@ -33,19 +37,19 @@ TEST(StopMetrics, ARobotThatRotatesOnTheSpotHasNotStopped) {
   for (Motion& motion : motions) {
     motion.yaw_rate_rad_s = 0.5;
   }
-  EXPECT_FALSE(stop_metrics(motions, 1'000'000));
+  EXPECT_FALSE(stop_metrics(motions, at(1s)));
 }
 
 TEST(StopMetrics, NeedTheEnd) {
   std::vector<Motion> motions = braking();
   motions.resize(1300);
-  EXPECT_FALSE(stop_metrics(motions, 1'000'000));
-  EXPECT_FALSE(stop_metrics(motions, 5'000'000));
-  EXPECT_FALSE(stop_metrics({}, 0));
+  EXPECT_FALSE(stop_metrics(motions, at(1s)));
+  EXPECT_FALSE(stop_metrics(motions, at(5s)));
+  EXPECT_FALSE(stop_metrics({}, at(0s)));
 }
 
 TEST(StopMetrics, OfAStationaryRobotAreZero) {
-  const auto stop = stop_metrics(braking(), 1'900'000);
+  const auto stop = stop_metrics(braking(), at(1900ms));
   ASSERT_TRUE(stop);
   EXPECT_EQ(stop->time_s, 0.0);
   EXPECT_EQ(stop->distance_m, 0.0);

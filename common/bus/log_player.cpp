@@ -3,20 +3,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 #include <utility>
 
 namespace nodmap::bus {
 
 LogPlayer::LogPlayer(std::vector<std::filesystem::path> logs) : logs_(std::move(logs)) {
-  first_utime_us_ = std::numeric_limits<std::int64_t>::max();
-  last_utime_us_ = std::numeric_limits<std::int64_t>::min();
   for (const std::filesystem::path& log : logs_) {
     LogReader reader(log);
     while (const LogEvent* event = reader.next()) {
-      first_utime_us_ = std::min(first_utime_us_, event->log_utime_us);
-      last_utime_us_ = std::max(last_utime_us_, event->log_utime_us);
+      first_ = std::min(first_, time::from_utime(event->log_utime_us));
+      last_ = std::max(last_, time::from_utime(event->log_utime_us));
     }
     if (std::string damage = reader.damage(); !damage.empty()) {
       damages_.push_back(std::move(damage));
@@ -25,7 +22,7 @@ LogPlayer::LogPlayer(std::vector<std::filesystem::path> logs) : logs_(std::move(
   if (logs_.empty()) {
     throw std::runtime_error("no log to play");
   }
-  if (first_utime_us_ > last_utime_us_) {
+  if (first_ > last_) {
     LogReader(logs_.front()).require_event();
   }
   rewind();
@@ -40,10 +37,10 @@ void LogPlayer::rewind() {
   }
 }
 
-void LogPlayer::advance(std::int64_t elapsed_us) {
+void LogPlayer::advance(time::Duration elapsed) {
   if (!paused_) {
-    position_us_ += std::llround(speed_ * static_cast<double>(elapsed_us));
-    position_us_ = std::min(position_us_, duration_us());
+    position_ += time::rounded(speed_ * time::FineDuration(elapsed));
+    position_ = std::min(position_, duration());
   }
 }
 
@@ -61,7 +58,7 @@ LogPlayer::Source* LogPlayer::earliest() {
 bool LogPlayer::catch_up(std::int64_t max_events) {
   for (std::int64_t i = 0; i < max_events; ++i) {
     Source* source = earliest();
-    if (source == nullptr || source->event->log_utime_us > utime_us()) {
+    if (source == nullptr || time::from_utime(source->event->log_utime_us) > now()) {
       return true;
     }
     hand_over(*source->event);
@@ -71,7 +68,7 @@ bool LogPlayer::catch_up(std::int64_t max_events) {
 }
 
 void LogPlayer::hand_over(const LogEvent& event) {
-  event_utime_us_ = event.log_utime_us;
+  event_time_ = time::from_utime(event.log_utime_us);
   const auto found = handlers_.find(event.channel);
   if (found == handlers_.end()) {
     return;
@@ -85,10 +82,10 @@ void LogPlayer::set_speed(double speed) {
   speed_ = std::clamp(speed, kMinSpeed, kMaxSpeed);
 }
 
-bool LogPlayer::seek(std::int64_t position_us) {
-  const std::int64_t target_us = std::clamp<std::int64_t>(position_us, 0, duration_us());
-  const bool back = target_us < position_us_;
-  position_us_ = target_us;
+bool LogPlayer::seek(time::Duration position) {
+  const time::Duration target = std::clamp<time::Duration>(position, 0s, duration());
+  const bool back = target < position_;
+  position_ = target;
   if (back) {
     rewind();
   }

@@ -10,6 +10,7 @@
 
 #include "common/bus/bus.hpp"
 #include "common/bus/event_log.hpp"
+#include "common/geometry/time.hpp"
 
 namespace nodmap::bus {
 
@@ -24,8 +25,8 @@ class LogPlayer : public Bus {
   /// cannot be read or none holds an event.
   explicit LogPlayer(std::vector<std::filesystem::path> logs);
 
-  /// Advances by `elapsed_us` at the present speed, and delivers the events of this interval.
-  void advance(std::int64_t elapsed_us);
+  /// Advances by `elapsed` at the present speed, and delivers the events of this interval.
+  void advance(time::Duration elapsed);
 
   /// Delivers events up to the present position, at most `max_events`. Returns whether all have
   /// been delivered: after a seek many may be waiting.
@@ -34,22 +35,22 @@ class LogPlayer : public Bus {
   void set_paused(bool paused) { paused_ = paused; }
   /// Clamped to [kMinSpeed, kMaxSpeed].
   void set_speed(double speed);
-  /// Moves to a time of the log, microseconds from its start, clamped to its length. Returns true
-  /// if this is a step back: then all events are delivered again from the start, and subscribers
-  /// must clear their state.
-  [[nodiscard]] bool seek(std::int64_t position_us);
+  /// Moves to a time of the log, counted from its start, clamped to its length. Returns true if this
+  /// is a step back: then all events are delivered again from the start, and subscribers must clear
+  /// their state.
+  [[nodiscard]] bool seek(time::Duration position);
 
   /// A sentence for each log that is damaged or cut off.
   [[nodiscard]] const std::vector<std::string>& damages() const { return damages_; }
   [[nodiscard]] bool paused() const { return paused_; }
   [[nodiscard]] double speed() const { return speed_; }
-  [[nodiscard]] std::int64_t position_us() const { return position_us_; }
-  [[nodiscard]] std::int64_t duration_us() const { return last_utime_us_ - first_utime_us_; }
+  [[nodiscard]] time::Duration position() const { return position_; }
+  [[nodiscard]] time::Duration duration() const { return last_ - first_; }
   /// Log time at the present position.
-  [[nodiscard]] std::int64_t utime_us() const { return first_utime_us_ + position_us_; }
-  /// Log time of the event being delivered; 0 before the first.
-  [[nodiscard]] std::int64_t event_utime_us() const { return event_utime_us_; }
-  [[nodiscard]] bool at_end() const { return position_us_ >= duration_us(); }
+  [[nodiscard]] time::Timestamp now() const { return first_ + position_; }
+  /// Log time of the event being delivered; the epoch before the first.
+  [[nodiscard]] time::Timestamp event_time() const { return event_time_; }
+  [[nodiscard]] bool at_end() const { return position_ >= duration(); }
 
  private:
   struct Source {
@@ -67,10 +68,10 @@ class LogPlayer : public Bus {
   std::vector<Source> sources_;
   std::vector<std::string> damages_;
   std::map<std::string, std::vector<BytesHandler>, std::less<>> handlers_;
-  std::int64_t first_utime_us_ = 0;
-  std::int64_t last_utime_us_ = 0;
-  std::int64_t position_us_ = 0;
-  std::int64_t event_utime_us_ = 0;
+  time::Timestamp first_ = time::Timestamp::max();
+  time::Timestamp last_ = time::Timestamp::min();
+  time::Duration position_{};
+  time::Timestamp event_time_{};
   double speed_ = 1.0;
   bool paused_ = false;
 };

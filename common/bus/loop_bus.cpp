@@ -11,7 +11,7 @@ LoopNetwork::LoopNetwork(const std::filesystem::path& log, const LoopDelay& dela
     : log_(log), delay_(delay), engine_(delay.seed) {}
 
 void LoopNetwork::deliver() {
-  while (!deliveries_.empty() && deliveries_.begin()->first.utime_us <= utime_us_) {
+  while (!deliveries_.empty() && deliveries_.begin()->first.stamp <= now_) {
     const Delivery delivery = std::move(deliveries_.begin()->second);
     deliveries_.erase(deliveries_.begin());
     (*delivery.handler)(*delivery.bytes);
@@ -19,29 +19,28 @@ void LoopNetwork::deliver() {
 }
 
 bool LoopNetwork::send(const std::string& channel, std::span<const std::byte> bytes) {
-  log_complete_ = log_.write(utime_us_, channel, bytes) && log_complete_;
+  log_complete_ = log_.write(time::to_utime(now_), channel, bytes) && log_complete_;
   const auto found = listeners_.find(channel);
   if (found == listeners_.end()) {
     return log_complete_;
   }
   const auto copy = std::make_shared<const std::vector<std::byte>>(bytes.begin(), bytes.end());
   for (const Listener& listener : found->second) {
-    std::int64_t& last_due_us = listener.owner->last_due_us_;
-    last_due_us = std::max(last_due_us, utime_us_ + delay_.min_us + jitter_us());
-    deliveries_.emplace(Due{last_due_us, num_deliveries_++},
+    time::Timestamp& last_due = listener.owner->last_due_;
+    last_due = std::max(last_due, now_ + delay_.min + jitter());
+    deliveries_.emplace(Due{last_due, num_deliveries_++},
                         Delivery{listener.owner, &listener.handler, copy});
   }
   return log_complete_;
 }
 
-std::int64_t LoopNetwork::jitter_us() {
+time::Duration LoopNetwork::jitter() {
   constexpr double kMaxMultiple = 10.0;
-  if (delay_.mean_jitter_us == 0) {
-    return 0;
+  if (delay_.mean_jitter == 0s) {
+    return 0s;
   }
   const double multiple = std::exponential_distribution<double>()(engine_);
-  return std::llround(std::min(multiple, kMaxMultiple) *
-                      static_cast<double>(delay_.mean_jitter_us));
+  return time::rounded(std::min(multiple, kMaxMultiple) * time::FineDuration(delay_.mean_jitter));
 }
 
 void LoopNetwork::listen(LoopBus* owner, const std::string& channel, Bus::BytesHandler handler) {

@@ -15,17 +15,18 @@
 
 #include "common/bus/bus.hpp"
 #include "common/bus/event_log.hpp"
+#include "common/geometry/time.hpp"
 
 namespace nodmap::bus {
 
 class LoopBus;
 
 /// Delay from publishing a message until a process handles it, which models kernel and scheduler:
-/// `min_us` plus an exponentially distributed part with mean `mean_jitter_us` (limited to ten times
-/// the mean), drawn for each subscriber from a random generator with this seed.
+/// `min` plus an exponentially distributed part with mean `mean_jitter` (limited to ten times the
+/// mean), drawn for each subscriber from a random generator with this seed.
 struct LoopDelay {
-  std::int64_t min_us = 0;
-  std::int64_t mean_jitter_us = 0;
+  time::Duration min{};
+  time::Duration mean_jitter{};
   std::uint64_t seed = 0;
 };
 
@@ -38,8 +39,8 @@ class LoopNetwork {
   /// Throws std::runtime_error when the log cannot be created.
   LoopNetwork(const std::filesystem::path& log, const LoopDelay& delay);
 
-  /// Sets the time for logging and delivery, microseconds; must not step back.
-  void set_time(std::int64_t utime_us) { utime_us_ = utime_us; }
+  /// Sets the time for logging and delivery; must not step back.
+  void set_time(time::Timestamp now) { now_ = now; }
 
   /// Delivers all messages that are due, including those that handlers publish meanwhile, each
   /// after the handler that published it has returned. Rethrows the exception of a handler; the
@@ -65,7 +66,7 @@ class LoopNetwork {
   };
   /// Deliveries due at the same time are made in the order of publishing.
   struct Due {
-    std::int64_t utime_us = 0;
+    time::Timestamp stamp{};
     std::int64_t number = 0;
     auto operator<=>(const Due&) const = default;
   };
@@ -73,13 +74,13 @@ class LoopNetwork {
   [[nodiscard]] bool send(const std::string& channel, std::span<const std::byte> bytes);
   void listen(LoopBus* owner, const std::string& channel, Bus::BytesHandler handler);
   void leave(const LoopBus* owner);
-  [[nodiscard]] std::int64_t jitter_us();
+  [[nodiscard]] time::Duration jitter();
 
   LogWriter log_;
   bool log_complete_ = true;
   LoopDelay delay_;
   std::mt19937_64 engine_;
-  std::int64_t utime_us_ = 0;
+  time::Timestamp now_{};
   std::int64_t num_deliveries_ = 0;
   std::map<Due, Delivery> deliveries_;
   // Lists, so that a delivery's handler stays where it is.
@@ -104,7 +105,7 @@ class LoopBus : public Bus {
   friend class LoopNetwork;
 
   LoopNetwork& network_;
-  std::int64_t last_due_us_ = 0;
+  time::Timestamp last_due_{};
 };
 
 }  // namespace nodmap::bus

@@ -12,7 +12,7 @@ bool ReplayBus::step() {
     return false;
   }
   ++events_read_;
-  log_utime_us_ = event->log_utime_us;
+  log_time_ = time::from_utime(event->log_utime_us);
   const auto found = handlers_.find(event->channel);
   if (found != handlers_.end()) {
     for (const BytesHandler& handler : found->second) {
@@ -23,7 +23,7 @@ bool ReplayBus::step() {
 }
 
 bool ReplayBus::send(const std::string& channel, std::span<const std::byte> bytes) {
-  return writer_.write(log_utime_us_, channel, bytes);
+  return writer_.write(time::to_utime(log_time_), channel, bytes);
 }
 
 void ReplayBus::listen(const std::string& channel, BytesHandler handler, int /*queue_capacity*/) {

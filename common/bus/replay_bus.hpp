@@ -9,6 +9,7 @@
 
 #include "common/bus/bus.hpp"
 #include "common/bus/event_log.hpp"
+#include "common/geometry/time.hpp"
 
 namespace nodmap::bus {
 
@@ -23,8 +24,8 @@ class ReplayBus : public Bus {
   /// Handles the next event; false at the end of the log.
   bool step();
 
-  /// Log time of the event being handled; 0 before the first event.
-  [[nodiscard]] std::int64_t log_utime_us() const { return log_utime_us_; }
+  /// Log time of the event being handled; the epoch before the first event.
+  [[nodiscard]] time::Timestamp log_time() const { return log_time_; }
   [[nodiscard]] std::int64_t events_read() const { return events_read_; }
   [[nodiscard]] const LogReader& reader() const { return reader_; }
   /// Whether everything published so far has reached the disk.
@@ -37,7 +38,7 @@ class ReplayBus : public Bus {
   LogReader reader_;
   LogWriter writer_;
   std::map<std::string, std::vector<BytesHandler>, std::less<>> handlers_;
-  std::int64_t log_utime_us_ = 0;
+  time::Timestamp log_time_{};
   std::int64_t events_read_ = 0;
 };
 

@@ -85,10 +85,9 @@ FileDescriptor open_socket(const UdpmUrl& url) {
   return socket;
 }
 
-std::int64_t now_utime_us() {
-  return std::chrono::duration_cast<std::chrono::microseconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
+time::Timestamp wall_now() {
+  return time::Timestamp(std::chrono::duration_cast<time::Duration>(
+      std::chrono::system_clock::now().time_since_epoch()));
 }
 
 /// What the kernel says beside a datagram under `type`; nothing where it says nothing.
@@ -129,9 +128,9 @@ class DatagramBatch {
     return {ntohl(from_.at(i).sin_addr.s_addr), ntohs(from_.at(i).sin_port)};
   }
   /// The kernel's time of arrival; now, where it gave none.
-  [[nodiscard]] std::int64_t utime_us(std::size_t i) {
-    const auto time = read_control<timeval>(headers_.at(i).msg_hdr, SCM_TIMESTAMP);
-    return time ? std::int64_t{time->tv_sec} * 1'000'000 + time->tv_usec : now_utime_us();
+  [[nodiscard]] time::Timestamp received(std::size_t i) {
+    const auto stamp = read_control<timeval>(headers_.at(i).msg_hdr, SCM_TIMESTAMP);
+    return stamp ? time::Timestamp(stamp->tv_sec * 1s + stamp->tv_usec * 1us) : wall_now();
   }
   /// Datagrams for which the socket's buffer had no room, since it was opened; they wrap at 2^32.
   [[nodiscard]] std::uint32_t num_dropped(std::size_t i) {
@@ -165,7 +164,7 @@ struct UdpmReceiver::Impl {
     std::shared_ptr<const std::byte[]>
         bytes;  // NOLINT(modernize-avoid-c-arrays): sized at run time
     std::size_t size = 0;
-    std::int64_t utime_us = 0;
+    time::Timestamp received{};
   };
 
   Impl(const UdpmUrl& its_url, const std::string& trusted_hosts)
@@ -213,7 +212,7 @@ struct UdpmReceiver::Impl {
         continue;
       }
       if (const auto message = assembler.take(sender, batch.datagram(i))) {
-        enqueue(*message, batch.utime_us(i));
+        enqueue(*message, batch.received(i));
       }
     }
     if (count > 0) {
@@ -233,7 +232,7 @@ struct UdpmReceiver::Impl {
   }
 
   /// For each subscription that hears it; the bytes are there once.
-  void enqueue(const MessageAssembler::Message& message, std::int64_t utime_us) {
+  void enqueue(const MessageAssembler::Message& message, time::Timestamp received) {
     const std::size_t size = message.data.size();
     std::shared_ptr<std::byte[]> bytes;  // NOLINT(modernize-avoid-c-arrays): sized at run time
     for (Subscription& each : subscriptions) {
@@ -254,7 +253,7 @@ struct UdpmReceiver::Impl {
       }
       ++each.num_queued;
       queued_bytes += size;
-      queue.push_back({&each, std::string(message.channel), bytes, size, utime_us});
+      queue.push_back({&each, std::string(message.channel), bytes, size, received});
     }
   }
 
@@ -334,7 +333,7 @@ int UdpmReceiver::handle(std::chrono::milliseconds timeout, int max) {
     }
     ++handled;
     message->subscription->handler(
-        {message->channel, {message->bytes.get(), message->size}, message->utime_us});
+        {message->channel, {message->bytes.get(), message->size}, message->received});
   }
   return handled;
 }

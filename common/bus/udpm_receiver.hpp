@@ -12,14 +12,15 @@
 #include <string>
 
 #include "common/bus/udpm_url.hpp"
+#include "common/geometry/time.hpp"
 
 namespace nodmap::bus {
 
 /// A message as received, not decoded.
 struct RawMessage {
   std::string channel;
-  std::span<const std::byte> data;    ///< valid during the call
-  std::int64_t receive_utime_us = 0;  ///< when this host received it, before it was queued
+  std::span<const std::byte> data;  ///< valid during the call
+  time::Timestamp received{};       ///< when this host received it, before it was queued
 };
 using RawHandler = std::function<void(const RawMessage&)>;
 

@@ -3,27 +3,28 @@
 
 #include <utility>
 
+#include "common/geometry/time.hpp"
 #include "common/node/log.hpp"
 #include "common/node/messages.hpp"
 
 namespace nodmap::node {
 namespace {
 
-// In microseconds since the epoch: the year 38000. Sums and differences of smaller stamps never
-// overflow.
-constexpr std::int64_t kLatestUtimeUs = std::int64_t{1} << 60;
+// The year 38000. Sums and differences of smaller stamps never overflow.
+constexpr time::Timestamp kLatestStamp(time::kLimit / 2);
 // No laser's mirror takes a minute for one revolution.
-constexpr std::int64_t kLongestScanUs = 60'000'000;
+constexpr time::Duration kLongestScan = 60s;
 
-bool is_time(std::int64_t utime_us) {
-  return utime_us >= 0 && utime_us < kLatestUtimeUs;
+bool is_plausible(time::Timestamp stamp) {
+  return stamp >= time::Timestamp{} && stamp < kLatestStamp;
 }
 
 }  // namespace
 
 bool SensorInput::read(const nodmap::scan_t& message, scan::Scan& scan) {
   counts_.lose(scans_.lost_before(message.scan_seq));
-  if (!read_scan(message, scan) || !is_time(scan.utime_us) || scan.duration_us > kLongestScanUs) {
+  if (!read_scan(message, scan) || !is_plausible(time::from_utime(scan.utime_us)) ||
+      time::from_us(scan.duration_us) > kLongestScan) {
     counts_.reject("implausible_scan");
     return false;
   }
@@ -38,7 +39,7 @@ std::optional<geometry::SE3> SensorInput::read(const nodmap::odometry_t& message
   sequence_fell_ = sequence_fell_ || odometry_.falls_back(message.odometry_seq);
   counts_.lose(odometry_.lost_before(message.odometry_seq));
   auto T_odom_base = read_odometry(message);
-  if (!T_odom_base || !is_time(message.utime)) {
+  if (!T_odom_base || !is_plausible(time::from_utime(message.utime))) {
     counts_.reject("implausible_odometry");
     return std::nullopt;
   }

@@ -64,17 +64,17 @@ void run_replay(const ProgramInfo& info, const Options& options, const NodeFacto
   const std::unique_ptr<Node> node = make_node(context);
 
   const auto start = SteadyClock::now();
-  std::int64_t first_utime_us = 0;
+  time::Timestamp first{};
   {
     Progress progress(info.name, bus.reader().size_bytes());
     while (!stop_requested() && bus.step()) {
-      first_utime_us = bus.events_read() == 1 ? bus.log_utime_us() : first_utime_us;
+      first = bus.events_read() == 1 ? bus.log_time() : first;
       progress.show(bus.reader().position_bytes());
     }
   }
   node->finish();
   const double wall_s = seconds_since(start);
-  const double log_s = 1e-6 * static_cast<double>(bus.log_utime_us() - first_utime_us);
+  const double log_s = time::seconds(bus.log_time() - first);
 
   node->write_results(dir);
   nlohmann::json result = common_result(info, bus, counts);

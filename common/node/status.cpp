@@ -32,13 +32,27 @@ StatusReporter::StatusReporter(std::string process_name, bus::Bus& bus, const Me
       clock_(clock),
       last_(clock.now()) {}
 
-void StatusReporter::publish_if_due(const Health& node_health) {
+void StatusReporter::publish_if_due(const Node& node) {
+  if (is_due()) {
+    publish(node.health());
+  }
+}
+
+void StatusReporter::publish_if_due(const Health& health) {
+  if (is_due()) {
+    publish(health);
+  }
+}
+
+bool StatusReporter::is_due() const {
+  const time::Duration elapsed = clock_.now() - last_;
+  // A clock set back must not silence the process until it has caught up.
+  return elapsed < 0s || elapsed >= kPeriod;
+}
+
+void StatusReporter::publish(const Health& node_health) {
   const time::Timestamp now = clock_.now();
   const time::Duration elapsed = now - last_;
-  // A clock set back must not silence the process until it has caught up.
-  if (elapsed >= 0s && elapsed < kPeriod) {
-    return;
-  }
   const bus::BusCounts bus_counts = bus_.counts();
   const Health health = health_by_messages(node_health, bus_counts);
   const bus::LatencyMeter::Summary latency = bus_.latency().take();

@@ -16,11 +16,14 @@ class StatusReporter {
   StatusReporter(std::string process_name, bus::Bus& bus, const MessageCounts& counts,
                  const time::Clock& clock);
 
-  void publish_if_due(const Node& node) { publish_if_due(node.health()); }
+  /// Asks for the health only when STATUS is due: it may have to wait for work in the background.
+  void publish_if_due(const Node& node);
   /// For a process that is not a Node.
-  void publish_if_due(const Health& node_health);
+  void publish_if_due(const Health& health);
 
  private:
+  [[nodiscard]] bool is_due() const;
+  void publish(const Health& node_health);
   /// The health of the node, or DEGRADED if it is OK but the messages of the last second are not.
   [[nodiscard]] Health health_by_messages(const Health& node_health,
                                           const bus::BusCounts& now) const;

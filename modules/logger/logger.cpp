@@ -133,13 +133,13 @@ class Logger {
   }
 
   void take(const bus::LiveBus::RawMessage& message) {
-    newest_utime_us_ = message.receive_utime_us;
+    newest_utime_us_ = time::to_utime(message.received);
     counts_.lose(losses_.lost_before(message.channel, message.data));
     if (!filter_.wants(message.channel)) {
       return;
     }
     const std::int64_t dropped_before = recorder_.counts().dropped;
-    recorder_.record(message.receive_utime_us, message.channel, message.data);
+    recorder_.record(time::to_utime(message.received), message.channel, message.data);
     for (std::int64_t i = dropped_before; i < recorder_.counts().dropped; ++i) {
       counts_.reject("no_room");
     }

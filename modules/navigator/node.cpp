@@ -18,6 +18,9 @@ constexpr double kHeldRad = geometry::deg_to_rad(0.1);
 /// The base cannot drive faster; a map farther away than that belongs to another odom frame.
 constexpr double kTopSpeedMps = 5.2;
 
+/// Of the fastest speed, while the pose to a goal rests on odometry in a direction or in all.
+constexpr double kDegradedSpeedRatio = 0.5;
+
 bool is_time(std::int64_t utime_us) {
   return utime_us >= 0 && utime_us < kLatestUtimeUs;
 }
@@ -170,10 +173,14 @@ void NavigatorNode::on_goal(const nodmap::goal_t& message) {
   }
 }
 
-/// Moves the goal in odom, and nothing else: a stale or missing pose leads the robot to another
-/// place, but not into an obstacle. So it is no reason to halt.
+/// Moves the goal in odom. A stale or missing pose leads the robot to another place, but not into
+/// an obstacle: it is no reason to halt. A pose that says LOST is one while the robot drives to a
+/// goal, for the goal could be anywhere.
 void NavigatorNode::on_pose(const nodmap::pose_t& message) {
   const auto T_map_odom = node::read_pose(message.odom_position_m, message.odom_orientation);
+  if (T_map_odom) {
+    pose_state_ = message.state;
+  }
   if (!T_map_odom || message.state == nodmap::pose_t::LOST) {
     context_.counts.reject(T_map_odom ? "lost_pose" : "implausible_pose");
     return;
@@ -210,6 +217,9 @@ std::optional<std::string> NavigatorNode::reason_not_to_drive() const {
   if (stopped_by_) {
     return "Stopped by " + *stopped_by_ + ".";
   }
+  if (goal_ && pose_state_ == nodmap::pose_t::LOST) {
+    return "2D SLAM is lost: where the goal lies is not known.";
+  }
   if (auto stale = reason_to_halt(stamps_, params_.staleness, params_.local_map.use)) {
     return stale;
   }
@@ -237,7 +247,7 @@ Situation NavigatorNode::situation() const {
   now.points_base = move_to_base(map_->points_map, map_->T_odom_map, odometry_->T_odom_base);
   now.forward_mps = odometry_->forward_mps;
   now.yaw_rate_rad_s = odometry_->yaw_rate_rad_s;
-  now.max_forward_mps = pitch_command_.max_forward_mps;
+  now.max_forward_mps = max_forward_mps();
   now.sweep_count = pitch_state_.sweep_count;
   now.laser_is_held = pitch_command_.pitch_max_rad - pitch_command_.pitch_min_rad < kHeldRad;
   if (goal_) {
@@ -245,6 +255,14 @@ Situation NavigatorNode::situation() const {
     now.goal = goal_in_base(T_base_map * goal_->p_map, goal_->tolerance_m);
   }
   return now;
+}
+
+double NavigatorNode::max_forward_mps() const {
+  if (goal_ && pose_state_ == nodmap::pose_t::DEGRADED) {
+    return std::min(pitch_command_.max_forward_mps,
+                    kDegradedSpeedRatio * params_.drive.max_forward_mps);
+  }
+  return pitch_command_.max_forward_mps;
 }
 
 void NavigatorNode::publish(const Decision& decision) {

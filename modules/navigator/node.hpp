@@ -66,6 +66,8 @@ class NavigatorNode final : public node::Node {
   void on_stop(const nodmap::stop_t& message);
 
   void watch_slip(const nodmap::pose_t& message);
+  /// The fastest speed that the pitch controller and the pose allow.
+  [[nodiscard]] double max_forward_mps() const;
   void begin_odometry_frame(std::int64_t utime_us);
   [[nodiscard]] std::optional<std::string> reason_not_to_drive() const;
   [[nodiscard]] Situation situation() const;
@@ -92,6 +94,7 @@ class NavigatorNode final : public node::Node {
   std::optional<Goal> goal_;
   std::optional<std::string> stopped_by_;
   geometry::SE2 T_map_odom_;
+  std::int8_t pose_state_ = nodmap::pose_t::TRACKING;  // of the last POSE_2D
 
   nodmap::drive_t drive_{};
   nodmap::navigation_t navigation_{};

@@ -105,6 +105,7 @@ void BackEnd::insert_into_submaps(const geometry::SE2& T_local_keyframe) {
   submaps_[local_].add(T_local_keyframe, points);
   if (submaps_.size() == local_ + 1 && is_full(submaps_[local_], 0.5)) {
     submaps_.emplace_back(added, keyframes_[added].T_map_base, map_params_);
+    ++graph_revision_;
     submaps_.back().add({}, points);
     graph_.add_chain_edge(chain_of_submaps(local_ + 1));
   } else if (submaps_.size() > local_ + 1) {
@@ -168,13 +169,17 @@ std::vector<BackEnd::Nearby> BackEnd::nearest_submaps(std::size_t keyframe, doub
 
 void BackEnd::close_loops() {
   ++keyframes_since_optimised_;
-  if (local_ < 3) {
-    return;
-  }
   const std::size_t last = keyframes_.size() - 1;
   const bool is_search_due = last % kSearchEvery == 0;
   if (is_search_due || uncertainty_.size() != submaps_.size()) {
     uncertainty_ = graph_.uncertainties(submaps_, local_);
+    // The same relative pose, seen from its other end.
+    const Eigen::Matrix3d J = moment_arm_jacobian(submaps_[local_].T_map_submap.translation() -
+                                                  submaps_[0].T_map_submap.translation());
+    drift_covariance_ = J * uncertainty_[0] * J.transpose();
+  }
+  if (local_ < 3) {
+    return;
   }
   const double match_distance_m = params_.loop.match.max_distance_m;
   const std::vector<OrientedPoint> scan = some_points(keyframes_[last]);
@@ -208,25 +213,27 @@ void BackEnd::close_loops() {
 void BackEnd::track_loop(std::size_t submap_index, std::span<const OrientedPoint> scan) {
   const Submap& submap = submaps_[submap_index];
   const geometry::SE2 T_submap_guess = submap.T_map_submap.inverse() * keyframes_.back().T_map_base;
-  auto loop = closer_.track(submap, scan, T_submap_guess);
-  if (!loop) {
+  LoopAttempt attempt = closer_.track(submap, scan, T_submap_guess);
+  Loop& loop = attempt.loop;
+  loop.submap = submap_index;
+  loop.keyframe = keyframes_.size() - 1;
+  if (attempt.state != LoopState::kAccepted) {
     ++metrics_.refused_match;
+    record(loop, attempt.state);
     return;
   }
-  loop->submap = submap_index;
-  loop->keyframe = keyframes_.size() - 1;
   const Eigen::Vector3d off(
-      loop->T_submap_keyframe.x - T_submap_guess.x, loop->T_submap_keyframe.y - T_submap_guess.y,
-      geometry::angle_difference(loop->T_submap_keyframe.yaw, T_submap_guess.yaw));
+      loop.T_submap_keyframe.x - T_submap_guess.x, loop.T_submap_keyframe.y - T_submap_guess.y,
+      geometry::angle_difference(loop.T_submap_keyframe.yaw, T_submap_guess.yaw));
   const Eigen::Matrix3d expected = rotated(uncertainty_[submap_index], -submap.T_map_submap.yaw) +
-                                   covariance_of(loop->information);
+                                   covariance_of(loop.information);
   if (off.dot(expected.inverse() * off) > kMaxLoopChiSquared) {
     ++metrics_.refused_by_graph;
-    accept_by_consensus(*loop);
+    accept_by_consensus(loop);
     return;
   }
   ++metrics_.loops_tracked;
-  accept(*loop);
+  accept(loop);
 }
 
 void BackEnd::search_loop(std::size_t submap_index, std::span<const OrientedPoint> scan,
@@ -237,17 +244,20 @@ void BackEnd::search_loop(std::size_t submap_index, std::span<const OrientedPoin
       std::min(reach_m + kTrackDistanceM, params_.loop.search.max_distance_m),
       std::min(reach_rad + kTrackRotationRad, params_.loop.search.max_rotation_rad)};
   ++metrics_.searches;
-  LoopRefusal refusal = LoopRefusal::kNone;
-  auto loop = closer_.search(submap_index, submap, scan, window, refusal);
-  metrics_.refused_ambiguous += refusal == LoopRefusal::kAmbiguous ? 1 : 0;
-  metrics_.refused_match += refusal == LoopRefusal::kPoorMatch ? 1 : 0;
-  if (loop) {
-    loop->keyframe = keyframes_.size() - 1;
-    accept_by_consensus(*loop);
+  LoopAttempt attempt = closer_.search(submap_index, submap, scan, window);
+  attempt.loop.submap = submap_index;
+  attempt.loop.keyframe = keyframes_.size() - 1;
+  if (attempt.state == LoopState::kAccepted) {
+    accept_by_consensus(attempt.loop);
+    return;
   }
+  metrics_.refused_ambiguous += attempt.state == LoopState::kAmbiguous ? 1 : 0;
+  metrics_.refused_match += attempt.state == LoopState::kLowScore ? 1 : 0;
+  record(attempt.loop, attempt.state);
 }
 
 void BackEnd::accept_by_consensus(const Loop& loop) {
+  record(loop, LoopState::kInconsistent);  // until others agree
   for (const Loop& accepted : closer_.add_pending(loop, submaps_, keyframes_)) {
     ++metrics_.loops_searched;
     accept(accepted);
@@ -265,12 +275,33 @@ void BackEnd::accept(const Loop& loop) {
   const Eigen::Matrix3d information = J.transpose() * loop.information * J;
   graph_.add_loop(loop.submap, own, T_from_to, information);
   has_new_loops_ = true;
+  record(loop, LoopState::kAccepted);
+}
+
+void BackEnd::record(const Loop& loop, LoopState state) {
+  const std::size_t own = submap_of_[loop.keyframe];
+  const auto [place, is_new] = loops_.try_emplace({loop.submap, own});
+  SubmapLoop& known = place->second;
+  if (is_new || state == LoopState::kAccepted || known.state != LoopState::kAccepted) {
+    graph_revision_ += is_new || known.state != state ? 1 : 0;
+    known = {loop.submap, own, state, loop.score};
+  }
+}
+
+std::vector<SubmapLoop> BackEnd::loops() const {
+  std::vector<SubmapLoop> loops;
+  loops.reserve(loops_.size());
+  for (const auto& [submaps, loop] : loops_) {
+    loops.push_back(loop);
+  }
+  return loops;
 }
 
 void BackEnd::optimise() {
   graph_.optimise(submaps_, has_searched_loops_);
   move_keyframes();
   ++metrics_.optimisations;
+  ++graph_revision_;
   keyframes_since_optimised_ = 0;
   has_new_loops_ = false;
   has_searched_loops_ = false;
@@ -317,10 +348,10 @@ std::vector<PoseEdge2d> BackEnd::matches_all_around() const {
         continue;
       }
       ++matched;
-      const auto loop =
+      const LoopAttempt attempt =
           closer_.track(submap, scan, submap.T_map_submap.inverse() * keyframes_[k].T_map_base);
-      if (loop) {
-        edges.push_back(edge_to_nearest(submap, *loop, k));
+      if (attempt.state == LoopState::kAccepted) {
+        edges.push_back(edge_to_nearest(submap, attempt.loop, k));
       }
     }
   }

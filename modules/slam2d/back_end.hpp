@@ -5,7 +5,9 @@
 #include <compare>
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "common/registration/pose_graph_2d.hpp"
@@ -28,6 +30,15 @@ struct BackEndMetrics {
   std::int64_t optimisations = 0;
 };
 
+/// What became of the loops between two submaps: of the one that was accepted last or, if none was,
+/// of the last one.
+struct SubmapLoop {
+  std::size_t from = 0;  ///< submaps
+  std::size_t to = 0;
+  LoopState state = LoopState::kLowScore;
+  double score = 0.0;
+};
+
 /// Keeps the map consistent: submaps of consecutive keyframes, joined by odometry and by loops in a
 /// pose graph.
 ///
@@ -41,6 +52,10 @@ class BackEnd {
   [[nodiscard]] const Submap& local() const { return submaps_[local_]; }
   [[nodiscard]] bool empty() const { return keyframes_.empty(); }
 
+  /// The covariance (x, y in m, yaw in rad, in the axes of map) of the local submap's pose relative
+  /// to the first one: the drift since the map began, as far as loops have not taken it back.
+  [[nodiscard]] const Eigen::Matrix3d& drift_covariance() const { return drift_covariance_; }
+
   /// Adds a keyframe at its place in the local submap, closes loops with older submaps, and moves
   /// all submaps if that changed anything. `information` (x, y, yaw in the frame of the submap): of
   /// the match that found the place, zero where there was none.
@@ -53,6 +68,10 @@ class BackEnd {
   [[nodiscard]] const std::vector<Keyframe>& keyframes() const { return keyframes_; }
   [[nodiscard]] std::span<const Submap> submaps() const { return submaps_; }
   [[nodiscard]] const BackEndMetrics& metrics() const { return metrics_; }
+  /// By the submaps they join.
+  [[nodiscard]] std::vector<SubmapLoop> loops() const;
+  /// Counts the changes of submaps and loops.
+  [[nodiscard]] std::int64_t graph_revision() const { return graph_revision_; }
   [[nodiscard]] std::size_t num_points() const;
 
  private:
@@ -77,6 +96,7 @@ class BackEnd {
                    double reach_rad);
   void accept_by_consensus(const Loop& loop);
   void accept(const Loop& loop);
+  void record(const Loop& loop, LoopState state);
   void optimise();
   void move_keyframes();
   [[nodiscard]] std::vector<registration::PoseEdge2d> matches_all_around() const;
@@ -97,7 +117,10 @@ class BackEnd {
   std::size_t keyframes_since_optimised_ = 0;
   bool has_new_loops_ = false;
   bool has_searched_loops_ = false;
-  std::vector<Eigen::Matrix3d> uncertainty_;  ///< as it was at the last search
+  std::vector<Eigen::Matrix3d> uncertainty_;                    ///< as it was at the last search
+  Eigen::Matrix3d drift_covariance_ = Eigen::Matrix3d::Zero();  ///< likewise
+  std::map<std::pair<std::size_t, std::size_t>, SubmapLoop> loops_;
+  std::int64_t graph_revision_ = 0;
   BackEndMetrics metrics_;
 };
 

@@ -40,6 +40,9 @@ struct PoseUpdate {
   double inlier_ratio = 0.0;      ///< of the match, as the next two; 0 where there was none
   double score = 0.0;
   double rms_m = 0.0;
+  /// Of T_map_base: position (m) and heading (rad) of base in the axes of map. Zero where it is not
+  /// known: the robot is lost.
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   PoseQuality quality = PoseQuality::kOdometry;
   bool is_keyframe = false;
 };

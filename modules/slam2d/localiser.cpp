@@ -40,6 +40,7 @@ void Localiser::change_odometry_frame(const geometry::SE3& T_new_odom_base) {
   const geometry::SE2 T_old_new = input_.change_odometry_frame(T_new_odom_base);
   T_map_odom_ = T_map_odom_ * T_old_new;
   T_odom_found_ = T_old_new.inverse() * T_odom_found_;
+  T_odom_last_ = T_old_new.inverse() * T_odom_last_;
   failed_search_.reset();
 }
 
@@ -53,8 +54,14 @@ std::optional<PoseUpdate> Localiser::add_scan(const scan::Scan& scan) {
     T_map_start_.reset();
     state_ = State::kLocated;
   }
+  covariance_.move(T_map_odom_.yaw + T_odom_last_.yaw,
+                   T_odom_last_.inverse() * level_scan->T_odom_base);
+  T_odom_last_ = level_scan->T_odom_base;
   PoseUpdate update = state_ == State::kLost ? search_whole_map(*level_scan) : track(*level_scan);
   update.T_map_odom = T_map_odom_;
+  if (update.quality != PoseQuality::kLost) {
+    update.covariance = covariance_.matrix();
+  }
   count(update);
   return update;
 }
@@ -72,6 +79,7 @@ PoseUpdate Localiser::track(const LevelScan& scan) {
   update.score = match->score;
   update.rms_m = match->rms_m;
   T_map_odom_ = update.T_map_base * scan.T_odom_base.inverse();
+  covariance_.match(match->information);
   confirm(scan);
   update.quality = state_ == State::kLocated && match->degenerate_directions == 0
                        ? PoseQuality::kTracked

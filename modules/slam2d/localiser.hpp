@@ -7,6 +7,7 @@
 #include "modules/slam2d/known_map.hpp"
 #include "modules/slam2d/level_scan.hpp"
 #include "modules/slam2d/params.hpp"
+#include "modules/slam2d/pose_covariance.hpp"
 #include "modules/slam2d/pose_search.hpp"
 #include "modules/slam2d/relocaliser.hpp"
 #include "modules/slam2d/scan_matcher.hpp"
@@ -77,6 +78,8 @@ class Localiser {
   State state_ = State::kLost;
   std::optional<geometry::SE2> T_map_start_;
   geometry::SE2 T_map_odom_;
+  PoseCovariance covariance_;
+  geometry::SE2 T_odom_last_;   // of the last level scan
   geometry::SE2 T_odom_found_;  // where the place was found
   std::optional<std::int64_t> misfit_since_us_;
   /// Of the last search that found nothing, in the whole map or around odometry.

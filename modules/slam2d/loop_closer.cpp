@@ -36,19 +36,25 @@ MatcherParams from_near(MatcherParams params) {
 LoopCloser::LoopCloser(const LoopParams& params, const MatcherParams& matcher)
     : params_(params), matcher_(from_near(matcher)), correlative_(params.search) {}
 
-std::optional<Loop> LoopCloser::track(const Submap& submap, std::span<const OrientedPoint> scan,
-                                      const geometry::SE2& T_submap_base_guess) const {
-  const Match match = matcher_.match(submap.points, scan, T_submap_base_guess);
-  if (!match.found() || match.inlier_ratio < params_.match.min_inlier_ratio ||
-      match.score < params_.match.min_score * match.inlier_ratio ||
-      distance(match.T_map_base, T_submap_base_guess) > kTrackDistanceM ||
-      rotation_between(match.T_map_base, T_submap_base_guess) > kTrackRotationRad) {
-    return std::nullopt;
+LoopAttempt LoopCloser::attempt(const Match& match, const geometry::SE2& T_submap_base_start,
+                                double min_inlier_ratio) const {
+  LoopAttempt attempt;
+  attempt.loop.score = match.score;
+  attempt.loop.T_submap_keyframe = match.T_map_base;
+  attempt.loop.information = match.information;
+  if (match.found() && match.inlier_ratio >= min_inlier_ratio &&
+      match.score >= params_.match.min_score * match.inlier_ratio &&
+      distance(match.T_map_base, T_submap_base_start) <= kTrackDistanceM &&
+      rotation_between(match.T_map_base, T_submap_base_start) <= kTrackRotationRad) {
+    attempt.state = LoopState::kAccepted;
   }
-  Loop loop;
-  loop.T_submap_keyframe = match.T_map_base;
-  loop.information = match.information;
-  return loop;
+  return attempt;
+}
+
+LoopAttempt LoopCloser::track(const Submap& submap, std::span<const OrientedPoint> scan,
+                              const geometry::SE2& T_submap_base_guess) const {
+  return attempt(matcher_.match(submap.points, scan, T_submap_base_guess), T_submap_base_guess,
+                 params_.match.min_inlier_ratio);
 }
 
 const LikelihoodGrid& LoopCloser::grid_of(std::size_t submap_index, const Submap& submap) {
@@ -76,36 +82,25 @@ const LikelihoodGrid& LoopCloser::grid_of(std::size_t submap_index, const Submap
       .first->second.grid;
 }
 
-std::optional<Loop> LoopCloser::search(std::size_t submap_index, const Submap& submap,
-                                       std::span<const OrientedPoint> scan,
-                                       const SearchWindow& window, LoopRefusal& refusal) {
+LoopAttempt LoopCloser::search(std::size_t submap_index, const Submap& submap,
+                               std::span<const OrientedPoint> scan, const SearchWindow& window) {
   const std::vector<Eigen::Vector2d> points = points_to_search(scan);
   const CorrelativeMatch found = correlative_.search(grid_of(submap_index, submap), points, window);
   if (found.complete && found.peaks.empty()) {
-    refusal = LoopRefusal::kNoPeak;
-    return std::nullopt;
+    return {};
   }
   if (!found.is_unique()) {
-    refusal = LoopRefusal::kAmbiguous;
-    return std::nullopt;
+    return {.loop = {}, .state = LoopState::kAmbiguous};
   }
   const geometry::SE2& T_submap_found = found.peaks.front().T_map_base;
   const Match match = matcher_.match(submap.points, scan, T_submap_found);
+  LoopAttempt attempt = this->attempt(match, T_submap_found, params_.search.min_inlier_ratio);
+  attempt.loop.submap = submap_index;
   // Along a degenerate direction the loop could be anywhere.
-  if (!match.found() || match.degenerate_directions > 0 ||
-      match.inlier_ratio < params_.search.min_inlier_ratio ||
-      match.score < params_.match.min_score * match.inlier_ratio ||
-      distance(match.T_map_base, T_submap_found) > kTrackDistanceM ||
-      rotation_between(match.T_map_base, T_submap_found) > kTrackRotationRad) {
-    refusal = LoopRefusal::kPoorMatch;
-    return std::nullopt;
+  if (match.degenerate_directions > 0) {
+    attempt.state = LoopState::kLowScore;
   }
-  refusal = LoopRefusal::kNone;
-  Loop loop;
-  loop.submap = submap_index;
-  loop.T_submap_keyframe = match.T_map_base;
-  loop.information = match.information;
-  return loop;
+  return attempt;
 }
 
 std::vector<Loop> LoopCloser::add_pending(const Loop& loop, std::span<const Submap> submaps,

@@ -21,9 +21,22 @@ struct Loop {
   std::size_t keyframe = 0;
   geometry::SE2 T_submap_keyframe;
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  ///< in the frame of the submap
+  double score = 0.0;                                     ///< of the match, 0..1
 };
 
-enum class LoopRefusal : std::uint8_t { kNone, kNoPeak, kAmbiguous, kPoorMatch };
+/// What became of a loop; the values of nodmap.pose_graph_t.
+enum class LoopState : std::uint8_t {
+  kAccepted = 0,
+  kAmbiguous = 1,     ///< another place fits as well
+  kLowScore = 2,      ///< the scan fits nowhere near
+  kInconsistent = 3,  ///< with the graph, and no other keyframes have said the same yet
+};
+
+/// A loop that was tried, and how it went. Without a match the loop is empty.
+struct LoopAttempt {
+  Loop loop;
+  LoopState state = LoopState::kLowScore;
+};
 
 /// Recognises places: where a scan lies in a submap, with which information, and which of several
 /// loops agree with each other.
@@ -32,13 +45,12 @@ class LoopCloser {
   LoopCloser(const LoopParams& params, const MatcherParams& matcher);
 
   /// Matches from a pose that is known to be near.
-  [[nodiscard]] std::optional<Loop> track(const Submap& submap, std::span<const OrientedPoint> scan,
-                                          const geometry::SE2& T_submap_base_guess) const;
+  [[nodiscard]] LoopAttempt track(const Submap& submap, std::span<const OrientedPoint> scan,
+                                  const geometry::SE2& T_submap_base_guess) const;
 
-  /// Finds the best match within a window. `refusal` says why there is none.
-  [[nodiscard]] std::optional<Loop> search(std::size_t submap_index, const Submap& submap,
-                                           std::span<const OrientedPoint> scan,
-                                           const SearchWindow& window, LoopRefusal& refusal);
+  /// Finds the best match within a window.
+  [[nodiscard]] LoopAttempt search(std::size_t submap_index, const Submap& submap,
+                                   std::span<const OrientedPoint> scan, const SearchWindow& window);
 
   /// Keeps a loop that was searched for. Each loop puts the newest keyframe somewhere in the map,
   /// by the present pose of its submap; loops that agree on the place agree on the drift. When
@@ -53,6 +65,9 @@ class LoopCloser {
     std::size_t last_use = 0;
     LikelihoodGrid grid;
   };
+  /// Accepts a match that fits, and is not far from the pose it started from.
+  [[nodiscard]] LoopAttempt attempt(const Match& match, const geometry::SE2& T_submap_base_start,
+                                    double min_inlier_ratio) const;
   const LikelihoodGrid& grid_of(std::size_t submap_index, const Submap& submap);
 
   LoopParams params_;

@@ -2,6 +2,7 @@
 #include "modules/slam2d/node.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -15,6 +16,11 @@
 #include "nodmap/grid_chunk_t.hpp"
 
 namespace nodmap::slam2d {
+
+static_assert(static_cast<int>(LoopState::kAccepted) == nodmap::pose_graph_t::ACCEPTED);
+static_assert(static_cast<int>(LoopState::kAmbiguous) == nodmap::pose_graph_t::AMBIGUOUS);
+static_assert(static_cast<int>(LoopState::kLowScore) == nodmap::pose_graph_t::LOW_SCORE);
+static_assert(static_cast<int>(LoopState::kInconsistent) == nodmap::pose_graph_t::INCONSISTENT);
 
 std::int8_t pose_state(PoseQuality quality) {
   switch (quality) {
@@ -34,6 +40,17 @@ namespace {
 // Bounds the work on the grid with each scan.
 constexpr std::size_t kMaxCheckedPerScan = 100;
 constexpr std::size_t kMaxRedrawnPerScan = 2;
+
+constexpr double kGraphPeriodS = 1.0;
+constexpr std::size_t kMaxGraphLoops = 2000;  // 26 kB
+
+/// Whether the last message is old enough for another. By the magnitude, so that a stamp that steps
+/// far back does not silence the channel.
+bool is_due(std::int64_t utime_us, const std::optional<std::int64_t>& last_utime_us,
+            double period_s) {
+  return !last_utime_us || std::abs(static_cast<double>(utime_us) -
+                                    static_cast<double>(*last_utime_us)) >= 1e6 * period_s;
+}
 
 /// Whether what is seen from there falls into other cells of the grid.
 bool has_moved(const geometry::SE2& from, const geometry::SE2& to, double cell_size_m) {
@@ -67,6 +84,38 @@ nodmap::pose_t write_pose(const PoseUpdate& update) {
   message.inlier_ratio = update.inlier_ratio;
   message.inlier_rms_m = update.rms_m;
   message.state = pose_state(update.quality);
+  constexpr std::array kAxes{0, 1, 5};  // x, y, yaw
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) {
+      message.covariance[kAxes[row]][kAxes[column]] = update.covariance(row, column);
+    }
+  }
+  return message;
+}
+
+nodmap::pose_graph_t write_graph(std::int64_t utime_us, const BackEnd& back_end) {
+  nodmap::pose_graph_t message{};
+  message.utime = utime_us;
+  for (const Submap& submap : back_end.submaps()) {
+    message.x_m.push_back(submap.T_map_submap.x);
+    message.y_m.push_back(submap.T_map_submap.y);
+    message.yaw_rad.push_back(submap.T_map_submap.yaw);
+  }
+  message.num_submaps = static_cast<std::int32_t>(message.x_m.size());
+  std::vector<SubmapLoop> loops = back_end.loops();
+  if (loops.size() > kMaxGraphLoops) {
+    std::stable_sort(loops.begin(), loops.end(), [](const SubmapLoop& a, const SubmapLoop& b) {
+      return a.to > b.to;  // the newest first
+    });
+    loops.resize(kMaxGraphLoops);
+  }
+  for (const SubmapLoop& loop : loops) {
+    message.from_submap.push_back(static_cast<std::int32_t>(loop.from));
+    message.to_submap.push_back(static_cast<std::int32_t>(loop.to));
+    message.loop_state.push_back(static_cast<std::int8_t>(loop.state));
+    message.loop_score.push_back(static_cast<float>(loop.score));
+  }
+  message.num_loops = static_cast<std::int32_t>(message.from_submap.size());
   return message;
 }
 
@@ -113,10 +162,10 @@ void Slam2dNode::on_scan(const nodmap::scan_t& message) {
   context_.bus.publish("POSE_2D", write_pose(*update));
   draw_new_keyframes();
   redraw_moved_keyframes(kMaxCheckedPerScan, kMaxRedrawnPerScan);
-  // The magnitude, so that a stamp that steps far back does not silence the map.
-  if (!last_map_utime_us_ ||
-      std::abs(static_cast<double>(update->utime_us - *last_map_utime_us_)) >=
-          1e6 * params_.grid.publish_period_s) {
+  if (is_due(update->utime_us, last_graph_utime_us_, kGraphPeriodS)) {
+    publish_graph(update->utime_us);
+  }
+  if (is_due(update->utime_us, last_map_utime_us_, params_.grid.publish_period_s)) {
     publish_map(update->utime_us, tile_selector_.choose(grid_));
   }
 }
@@ -148,6 +197,7 @@ void Slam2dNode::finish() {
   slam_.polish();
   redraw_moved_keyframes(drawn_at_.size(), drawn_at_.size());
   publish_map(last_utime_us_, tile_selector_.choose_rest(grid_));
+  publish_graph(last_utime_us_);
   const BackEndMetrics& loops = slam_.back_end().metrics();
   log::get().info(
       "{} loops closed between {} submaps: {} by a match, {} by {} searches; refused: {} fitted "
@@ -179,6 +229,15 @@ void Slam2dNode::redraw_moved_keyframes(std::size_t max_checked, std::size_t max
     drawn_at = keyframe.T_map_base;
     ++drawn;
   }
+}
+
+void Slam2dNode::publish_graph(std::int64_t utime_us) {
+  if (graph_revision_published_ == slam_.back_end().graph_revision()) {
+    return;
+  }
+  context_.bus.publish("POSE_GRAPH", write_graph(utime_us, slam_.back_end()));
+  graph_revision_published_ = slam_.back_end().graph_revision();
+  last_graph_utime_us_ = utime_us;
 }
 
 void Slam2dNode::publish_map(std::int64_t utime_us, std::vector<GridTile> tiles) {

@@ -11,6 +11,7 @@
 #include "modules/slam2d/params.hpp"
 #include "modules/slam2d/slam2d.hpp"
 #include "nodmap/odometry_t.hpp"
+#include "nodmap/pose_graph_t.hpp"
 #include "nodmap/pose_t.hpp"
 #include "nodmap/save_request_t.hpp"
 #include "nodmap/scan_t.hpp"
@@ -19,8 +20,10 @@ namespace nodmap::slam2d {
 
 [[nodiscard]] nodmap::pose_t write_pose(const PoseUpdate& update);
 
-/// The shell of Slam2d: subscribes SCAN and ODOMETRY, publishes POSE_2D and MAP_2D, and saves the
-/// map at SAVE_REQUEST.
+[[nodiscard]] nodmap::pose_graph_t write_graph(std::int64_t utime_us, const BackEnd& back_end);
+
+/// The shell of Slam2d: subscribes SCAN and ODOMETRY, publishes POSE_2D, MAP_2D and POSE_GRAPH, and
+/// saves the map at SAVE_REQUEST.
 class Slam2dNode : public node::Node {
  public:
   using Params = Slam2dParams;
@@ -41,6 +44,7 @@ class Slam2dNode : public node::Node {
   /// Draws keyframes again that the back end has moved: looks at `max_checked` of them, and draws
   /// `max_drawn` at most.
   void redraw_moved_keyframes(std::size_t max_checked, std::size_t max_drawn);
+  void publish_graph(std::int64_t utime_us);
   /// `utime_us`: of the newest measurement in the map.
   void publish_map(std::int64_t utime_us, std::vector<GridTile> tiles);
 
@@ -56,6 +60,8 @@ class Slam2dNode : public node::Node {
   std::int64_t maps_published_ = 0;
   std::optional<std::int64_t> last_map_utime_us_;
   std::int64_t last_utime_us_ = 0;
+  std::optional<std::int64_t> last_graph_utime_us_;
+  std::int64_t graph_revision_published_ = 0;
   PoseQuality last_quality_ = PoseQuality::kTracked;
   std::string save_error_;  // of the last attempt; empty when it succeeded
 };

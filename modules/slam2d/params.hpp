@@ -85,6 +85,7 @@ struct KeyframeParams {
 struct LostParams {
   double score_threshold = 0.2;
   double distance_m = 1.0;
+  double max_s = 10.0;
 
   template <class Visitor>
   void describe(Visitor& v) {
@@ -93,6 +94,7 @@ struct LostParams {
     v.number("distance_m", distance_m, {0.0, 100.0},
              "When lost, the map is continued from odometry beyond this distance from the last "
              "keyframe.");
+    v.number("max_s", max_s, {0.0, 3600.0}, "Or after this time.");
   }
 };
 

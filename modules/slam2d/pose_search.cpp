@@ -15,8 +15,9 @@ constexpr std::size_t kMaxCandidates = 10;
 constexpr double kDistinctM = 0.4;
 constexpr double kDistinctRad = 0.1;
 // Of two poses with the same score the one nearer to odometry is more likely. This much score makes
-// up for a rotation of 90 degrees, or for twice the search distance.
-constexpr double kDeviationCost = 0.1;
+// up for a rotation of 90 degrees, or for twice the search distance. People around the robot take
+// half of the score at the true pose; with 0.1 it is then found anywhere.
+constexpr double kDeviationCost = 0.25;
 constexpr double kMinGain = 0.05;  // of score, for a match to replace the one from odometry
 
 struct Candidate {
@@ -57,7 +58,8 @@ std::optional<Match> PoseSearch::find_better(const ScanMatcher& matcher, const P
   for (const geometry::SE2& start : candidates(map, scan, T_map_base_guess)) {
     const Match match = matcher.match(map, scan, start);
     const double value = match.score - cost(match.T_map_base, T_map_base_guess);
-    if (match.found() && value > best_value) {
+    // Along a degenerate direction the match could be anywhere: no better than odometry.
+    if (match.degenerate_directions == 0 && value > best_value) {
       best_value = value;
       best = match;
     }

@@ -86,29 +86,39 @@ void Slam2d::change_odometry_frame(const geometry::SE3& T_new_odom_base) {
   const geometry::SE2 T_old_new = input_.change_odometry_frame(T_new_odom_base);
   T_map_odom_ = T_map_odom_ * T_old_new;
   T_odom_keyframe_ = T_old_new.inverse() * T_odom_keyframe_;
+  T_odom_last_ = T_old_new.inverse() * T_odom_last_;
+  moving_points_.change_odometry_frame(T_old_new);
   T_odom_failed_search_.reset();  // the robot may have been carried: another search is worth it
 }
 
 std::optional<PoseUpdate> Slam2d::add_scan(const scan::Scan& scan) {
   // "... extracting exactly those 2D scans that have been taken in the horizontal position."
-  const std::optional<LevelScan> level_scan = input_.add_scan(scan);
-  if (!level_scan) {
+  const std::optional<LevelScan> all_points = input_.add_scan(scan);
+  if (!all_points) {
     return std::nullopt;
   }
   if (back_end_.empty()) {
-    return begin_map(*level_scan);
+    moving_points_.add_keyframe(*all_points);
+    return begin_map(*all_points);
   }
+  LevelScan level_scan = *all_points;
+  level_scan.points_base = moving_points_.stationary(*all_points);
   // "These can directly be used as data set D and matched against an incrementally built 2D map" M:
   // the transform that minimises Eq. 3, from the pose by odometry.
-  const Match match = match_or_search(*level_scan);
+  const Match match = match_or_search(level_scan);
   // The same transform corrects the pose.
-  PoseUpdate update = correct_pose(*level_scan, match);
+  PoseUpdate update = correct_pose(level_scan, match);
+  update.covariance = estimate_covariance(level_scan, match, update);
+  lost_since_us_ = update.quality == PoseQuality::kLost
+                       ? std::optional(lost_since_us_.value_or(update.utime_us))
+                       : std::nullopt;
   // "New scan points that do not show a correspondence to already existing points in M are added."
   // That may close a loop, which corrects the pose once more.
-  if (is_keyframe(update, level_scan->T_odom_base)) {
-    add_keyframe(*level_scan, match, update);
+  if (is_keyframe(update, level_scan.T_odom_base)) {
+    add_keyframe(level_scan, match, update);
+    moving_points_.add_keyframe(*all_points);
   }
-  correct_odometry(*level_scan, update);
+  correct_odometry(level_scan, update);
   record(update);
   return update;
 }
@@ -174,6 +184,23 @@ PoseUpdate Slam2d::correct_pose(const LevelScan& scan, const Match& match) const
   return update;
 }
 
+// Of the pose in the local submap, and of the submap's own pose at the end of its moment arm.
+Eigen::Matrix3d Slam2d::estimate_covariance(const LevelScan& scan, const Match& match,
+                                            const PoseUpdate& update) {
+  pose_covariance_.move(T_map_odom_.yaw + T_odom_last_.yaw,
+                        T_odom_last_.inverse() * scan.T_odom_base);
+  if (update.quality == PoseQuality::kLost) {
+    return Eigen::Matrix3d::Zero();
+  }
+  const geometry::SE2& T_map_submap = back_end_.local().T_map_submap;
+  if (update.quality <= PoseQuality::kPartly) {
+    pose_covariance_.match(rotated(match.information, T_map_submap.yaw));
+  }
+  const Eigen::Matrix3d J =
+      moment_arm_jacobian(update.T_map_base.translation() - T_map_submap.translation());
+  return pose_covariance_.matrix() + J * back_end_.drift_covariance() * J.transpose();
+}
+
 PoseQuality Slam2d::classify(const LevelScan& scan, const Match& match) const {
   if (!scan.has_enough_points()) {
     return PoseQuality::kOdometry;
@@ -196,12 +223,20 @@ bool Slam2d::is_keyframe(const PoseUpdate& update, const geometry::SE2& T_odom_b
     case PoseQuality::kPartly:
       return has_moved(T_odom_keyframe_, T_odom_base);
     case PoseQuality::kLost:
-      // Nothing here is on the map: it is continued from odometry, once that is far enough away.
-      return distance_m(T_odom_keyframe_, T_odom_base) > params_.lost.distance_m;
+      return continues_lost(update, T_odom_base);
     case PoseQuality::kOdometry:
       break;
   }
   return false;
+}
+
+// Nothing here is on the map: it is continued from odometry, once that is far enough away, or after
+// a while: a robot that waits until it is found again would wait for ever.
+bool Slam2d::continues_lost(const PoseUpdate& update, const geometry::SE2& T_odom_base) const {
+  return distance_m(T_odom_keyframe_, T_odom_base) > params_.lost.distance_m ||
+         1e-6 * std::abs(static_cast<double>(update.utime_us) -
+                         static_cast<double>(lost_since_us_.value_or(update.utime_us))) >
+             params_.lost.max_s;
 }
 
 void Slam2d::add_keyframe(const LevelScan& scan, const Match& match, PoseUpdate& update) {
@@ -228,6 +263,7 @@ void Slam2d::add_keyframe(const LevelScan& scan, const Match& match, PoseUpdate&
 
 void Slam2d::correct_odometry(const LevelScan& scan, PoseUpdate& update) {
   T_map_odom_ = update.T_map_base * scan.T_odom_base.inverse();
+  T_odom_last_ = scan.T_odom_base;
   update.T_map_odom = T_map_odom_;
 }
 

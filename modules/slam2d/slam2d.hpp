@@ -8,10 +8,12 @@
 
 #include "modules/slam2d/back_end.hpp"
 #include "modules/slam2d/level_scan.hpp"
+#include "modules/slam2d/moving_points.hpp"
 #include "modules/slam2d/occupancy_grid.hpp"
 #include "modules/slam2d/oriented_points.hpp"
 #include "modules/slam2d/params.hpp"
 #include "modules/slam2d/point_map.hpp"
+#include "modules/slam2d/pose_covariance.hpp"
 #include "modules/slam2d/pose_search.hpp"
 #include "modules/slam2d/scan_matcher.hpp"
 
@@ -91,8 +93,12 @@ class Slam2d {
   [[nodiscard]] std::optional<PoseUpdate> begin_map(const LevelScan& scan);
   [[nodiscard]] Match match_or_search(const LevelScan& scan);
   [[nodiscard]] PoseUpdate correct_pose(const LevelScan& scan, const Match& match) const;
+  [[nodiscard]] Eigen::Matrix3d estimate_covariance(const LevelScan& scan, const Match& match,
+                                                    const PoseUpdate& update);
   [[nodiscard]] PoseQuality classify(const LevelScan& scan, const Match& match) const;
   [[nodiscard]] bool is_keyframe(const PoseUpdate& update, const geometry::SE2& T_odom_base) const;
+  [[nodiscard]] bool continues_lost(const PoseUpdate& update,
+                                    const geometry::SE2& T_odom_base) const;
   [[nodiscard]] bool has_moved(const geometry::SE2& T_odom_before,
                                const geometry::SE2& T_odom_now) const;
   void add_keyframe(const LevelScan& scan, const Match& match, PoseUpdate& update);
@@ -101,11 +107,15 @@ class Slam2d {
 
   Slam2dParams params_;
   LevelScanInput input_;
+  MovingPointFilter moving_points_;
   ScanMatcher matcher_;
   PoseSearch search_;
   BackEnd back_end_;
   geometry::SE2 T_map_odom_;
-  geometry::SE2 T_odom_keyframe_;  // the last one, in the present odom frame
+  PoseCovariance pose_covariance_;  // in the local submap, but in the axes of map
+  geometry::SE2 T_odom_last_;       // of the last level scan
+  geometry::SE2 T_odom_keyframe_;   // the last one, in the present odom frame
+  std::optional<std::int64_t> lost_since_us_;
   std::optional<geometry::SE2> T_odom_failed_search_;
   std::vector<TrackedScan> tracked_scans_;
   Metrics metrics_;

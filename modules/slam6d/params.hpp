@@ -4,6 +4,7 @@
 #include "common/geometry/angle.hpp"
 #include "modules/slam6d/odometry_calibration.hpp"
 #include "modules/slam6d/odometry_prior.hpp"
+#include "modules/slam6d/pitch_latency.hpp"
 #include "modules/slam6d/registration.hpp"
 #include "modules/slam6d/sweep_cloud.hpp"
 #include "modules/slam6d/sweep_segmenter.hpp"
@@ -56,6 +57,7 @@ struct Slam6dParams {
   bool assume_stationary = false;
   OdometryParams odometry{};
   CalibrationParams calibration{};
+  PitchLatencyParams pitch_latency{};
   VoxelMapParams voxels{};
   RegistrationParams registration{};
   KeyframeParams keyframe{};
@@ -69,6 +71,7 @@ struct Slam6dParams {
            "Takes the robot as stationary where a recording has no odometry at all.");
     v.section("odometry", odometry);
     v.section("calibration", calibration);
+    v.section("pitch_latency", pitch_latency);
     v.section("voxels", voxels);
     v.section("registration", registration);
     v.section("keyframe", keyframe);

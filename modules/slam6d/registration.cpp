@@ -28,6 +28,13 @@ constexpr float kMaxCorrespondenceVoxels = 1.5F;
 constexpr float kRoundingVariance = 0.1F;
 // Scale of the kernel that says how far the ground is believed to be level, in standard deviations.
 constexpr double kLevelKernel = 3.0;
+// Headings from which registration starts in doubt: it finds its way from some 10 degrees, and
+// looks for it as far as the prior may be wrong, at most a quarter turn.
+constexpr double kHeadingStepRad = geometry::deg_to_rad(12.0);
+constexpr double kHeadingSigmas = 3.0;
+constexpr double kMaxHeadingSteps = 7.0;
+// By how much its inlier ratio must be the higher one for another start's result to be taken.
+constexpr double kClearlyBetter = 0.1;
 // Residuals below this are the rounding of voxel means, not knowledge.
 constexpr double kMinResidualM = 2e-3;
 
@@ -180,14 +187,30 @@ class ResidualSums {
   int in_part_ = 0;
 };
 
+// Fewer upright points than this tell nothing of their own.
+constexpr std::size_t kMinUprightPoints = 100;
+
+bool is_upright(float normal_up) {
+  return std::abs(normal_up) < 0.5F;
+}
+
+struct InlierCount {
+  std::size_t points = 0;
+  std::size_t inliers = 0;
+
+  [[nodiscard]] double ratio() const {
+    return static_cast<double>(inliers) / static_cast<double>(std::max<std::size_t>(1, points));
+  }
+};
+
 // Of a stationary sweep (N = 6) or one on the move (N = 12).
 template <int N>
 class SweepRegistration {
  public:
   SweepRegistration(VoxelMap& sweep, const VoxelMap& map, const PosePrior& prior,
-                    const RegistrationParams& params)
+                    const SE3& T_map_start, const RegistrationParams& params)
       : sweep_(sweep), map_(map), prior_(prior), params_(params) {
-    result_.T_map_base = prior.T_map_base;
+    result_.T_map_base = T_map_start;
     const Matrix covariance = motion_covariance<N>(prior, prior.T_map_base, sweep.half_path());
     prior_information_.H = covariance.llt().solve(Matrix::Identity());
     prior_covariance_ = covariance.template topLeftCorner<6, 6>();
@@ -198,6 +221,7 @@ class SweepRegistration {
     for (std::size_t l = VoxelMap::kLevels; l-- > 0;) {
       run_level(l);
     }
+    count_inliers();
     classify();
     return result_;
   }
@@ -315,7 +339,6 @@ class SweepRegistration {
         result_.T_map_base.linear().cast<float>() * sweep_.half_path();
     const float per_sq_scale = 1.0F / (scale_m_ * scale_m_);
     ResidualSums<N> sums;
-    std::size_t num_inliers = 0;
     for_each_correspondence(selection, [&](const OrientedPoint& point, const Eigen::Vector3f& p_map,
                                            const Eigen::Vector3f& normal_map, const Voxel& voxel) {
       const Eigen::Vector3f normal = (normal_map + voxel.normal).normalized();
@@ -327,18 +350,18 @@ class SweepRegistration {
       // From where the base was at that time.
       const Eigen::Vector3f arm = p_map - p_base - point.time * half_path;
       sums.add(normal, arm, residual_m, point.time, root_kernel * root_kernel, 1.0F / variance);
-      num_inliers += relative_sq < 4.0F ? 1 : 0;
     });
     sums.flush();
-    result_.inlier_ratio = static_cast<double>(num_inliers) /
-                           static_cast<double>(std::max<std::size_t>(1, selection.points.size()));
     result_.residual_rms_m = std::sqrt(sums.mean_square_m2());
     const double scale = sums.scale(params_.residual_correlation);
     Information<N> measurement = sums.information();
     measurement.H *= scale;
     measurement.b *= scale;
+    const Information<N> prior = prior_here();
     const auto estimate = registration::solve_motion<N>(
-        measurement, scale * sums.imitated_information(params_.normal_error_rad), prior_here());
+        measurement, scale * sums.imitated_information(params_.normal_error_rad), prior);
+    result_.response =
+        Matrix6d::Identity() - (estimate.covariance * prior.H).template topLeftCorner<6, 6>();
     result_.degenerate_directions = degenerate_directions(estimate.covariance);
     result_.covariance = estimate.covariance.template topLeftCorner<6, 6>();
     result_.end_covariance = end_covariance(estimate.covariance);
@@ -375,8 +398,6 @@ class SweepRegistration {
     });
     const auto fit = registration::fit_rigid(points);
     is_valid_ = fit.status == registration::FitStatus::kOk;
-    result_.inlier_ratio = static_cast<double>(points.size()) /
-                           static_cast<double>(std::max<std::size_t>(1, selection.points.size()));
     result_.residual_rms_m =
         std::sqrt(sq_sum / static_cast<double>(std::max<std::size_t>(1, points.size())));
     result_.degenerate_directions = is_valid_ ? 0 : 6;
@@ -386,11 +407,36 @@ class SweepRegistration {
     return motion;
   }
 
+  // How much of the sweep lies on the map's planes. Floor and ceiling do at any place and heading:
+  // upright planes are counted by themselves, too.
+  void count_inliers() {
+    const VoxelMap::Selection selection = sweep_.select(0);
+    const Eigen::RowVector3f up_base = result_.T_map_base.linear().row(2).cast<float>();
+    InlierCount all;
+    InlierCount upright;
+    for (const OrientedPoint& point : selection.points) {
+      ++all.points;
+      upright.points += is_upright(up_base.dot(point.normal)) ? 1 : 0;
+    }
+    const auto max_m = static_cast<float>(2.0 * params_.fine_residual_scale_m);
+    for_each_correspondence(selection, [&](const OrientedPoint& point, const Eigen::Vector3f& p_map,
+                                           const Eigen::Vector3f&, const Voxel& voxel) {
+      if (std::abs(voxel.normal.dot(voxel.mean - p_map)) < max_m) {
+        ++all.inliers;
+        upright.inliers += is_upright(up_base.dot(point.normal)) ? 1 : 0;
+      }
+    });
+    result_.inlier_ratio = all.ratio();
+    result_.upright_inlier_ratio =
+        upright.points < kMinUprightPoints ? all.ratio() : upright.ratio();
+  }
+
   void classify() {
     const Vector deviation = prior_motion();
     result_.prior_distance =
         std::sqrt(std::max(0.0, deviation.dot(prior_information_.H * deviation)));
-    const bool is_refused = !is_valid_ || result_.inlier_ratio < params_.min_inlier_ratio ||
+    const bool is_refused = !is_valid_ ||
+                            !(result_.lowest_inlier_ratio() >= params_.min_inlier_ratio) ||
                             !(result_.prior_distance <= params_.max_prior_distance);
     if (is_refused) {
       result_.status = RegistrationStatus::kLost;
@@ -418,10 +464,40 @@ class SweepRegistration {
 
 }  // namespace
 
+Registration register_sweep_from(VoxelMap& sweep_base, const VoxelMap& map, const PosePrior& prior,
+                                 const SE3& T_map_start, const RegistrationParams& params) {
+  return sweep_base.is_moving()
+             ? SweepRegistration<12>(sweep_base, map, prior, T_map_start, params).run()
+             : SweepRegistration<6>(sweep_base, map, prior, T_map_start, params).run();
+}
+
 Registration register_sweep(VoxelMap& sweep_base, const VoxelMap& map, const PosePrior& prior,
                             const RegistrationParams& params) {
-  return sweep_base.is_moving() ? SweepRegistration<12>(sweep_base, map, prior, params).run()
-                                : SweepRegistration<6>(sweep_base, map, prior, params).run();
+  // Registration deskews what it registers.
+  const auto as_measured = sweep_base.is_moving() ? std::optional(sweep_base) : std::nullopt;
+  Registration best = register_sweep_from(sweep_base, map, prior, prior.T_map_base, params);
+  if (best.is_accepted() && best.lowest_inlier_ratio() >= params.good_inlier_ratio) {
+    return best;
+  }
+  const Eigen::Vector3d up_map = prior.T_map_base.linear().col(2);
+  const double heading_sigma_rad =
+      std::sqrt(up_map.dot(prior.covariance.bottomRightCorner<3, 3>() * up_map));
+  const int num_steps = static_cast<int>(std::min(
+      kMaxHeadingSteps, std::ceil(kHeadingSigmas * heading_sigma_rad / kHeadingStepRad - 0.5)));
+  for (int i = 1; i <= 2 * num_steps; ++i) {
+    // 1, -1, 2, -2, ...
+    const double offset_rad = kHeadingStepRad * ((i + 1) / 2) * (i % 2 == 1 ? 1.0 : -1.0);
+    SE3 T_map_start = prior.T_map_base;
+    T_map_start.linear() = geometry::rotation_of(offset_rad * up_map) * T_map_start.linear();
+    VoxelMap sweep = as_measured.value_or(sweep_base);
+    const Registration other = register_sweep_from(sweep, map, prior, T_map_start, params);
+    const double to_beat = best.is_accepted() ? best.lowest_inlier_ratio() + kClearlyBetter : 0.0;
+    if (other.is_accepted() && other.lowest_inlier_ratio() > to_beat) {
+      best = other;
+      sweep_base = std::move(sweep);
+    }
+  }
+  return best;
 }
 
 }  // namespace nodmap::slam6d

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <optional>
 
 #include "common/geometry/angle.hpp"
@@ -33,7 +34,8 @@ struct RegistrationParams {
   double min_normal_cosine = 0.8;
   double normal_error_rad = geometry::deg_to_rad(2.0);
   double residual_correlation = 10.0;
-  double min_inlier_ratio = 0.15;
+  double min_inlier_ratio = 0.2;
+  double good_inlier_ratio = 0.4;
   double max_prior_distance = 6.0;
 
   template <class Visitor>
@@ -56,7 +58,10 @@ struct RegistrationParams {
              "Neighbouring points share their errors: so many of them count as one measurement in "
              "the covariance.");
     v.number("min_inlier_ratio", min_inlier_ratio, {0.0, 1.0},
-             "A sweep of whose points a smaller part lies on the map's planes is refused.");
+             "A sweep of whose points, or of whose points on walls, a smaller part lies on the "
+             "map's planes is refused.");
+    v.number("good_inlier_ratio", good_inlier_ratio, {0.0, 1.0},
+             "Below it other headings are tried as well, as far as odometry may be wrong.");
     v.number("max_prior_distance", max_prior_distance, {0.0, 1000.0},
              "A pose farther from odometry than this many standard deviations (Mahalanobis) is "
              "refused.");
@@ -89,8 +94,17 @@ struct Registration {
   Matrix6d covariance = Matrix6d::Identity();
   Matrix6d end_covariance = Matrix6d::Identity();        ///< the same at the last beam
   Matrix6d prior_end_covariance = Matrix6d::Identity();  ///< the same by the prior alone
+  /// How far the estimate follows the sweep: the identity where the prior says nothing, zero where
+  /// it says all.
+  Matrix6d response = Matrix6d::Identity();
   int iterations = 0;
-  double inlier_ratio = 0.0;    ///< part of the sweep's points that lie on the map's planes
+  double inlier_ratio = 0.0;  ///< part of the sweep's points that lie on the map's planes
+  /// The same of the points of upright planes, which alone tell place and heading; of all points
+  /// where there are hardly any.
+  double upright_inlier_ratio = 0.0;
+  [[nodiscard]] double lowest_inlier_ratio() const {
+    return std::min(inlier_ratio, upright_inlier_ratio);
+  }
   double residual_rms_m = 0.0;  ///< of the inliers, weighted by the robust kernel
   double prior_distance = 0.0;  ///< of the result from the prior, in standard deviations
   int degenerate_directions = 6;
@@ -108,6 +122,9 @@ struct Registration {
 /// Of a sweep on the move the motion within it is estimated, too, as odometry with a correction
 /// that grows evenly with time (two-pose elastic: Dellenbach 2022), and the sweep is deskewed with
 /// it.
+///
+/// Where too few points fit, other headings are tried: wheels that spin against something count a
+/// rotation that never was.
 [[nodiscard]] Registration register_sweep(VoxelMap& sweep_base, const VoxelMap& map,
                                           const PosePrior& prior, const RegistrationParams& params);
 

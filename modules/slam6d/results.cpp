@@ -123,6 +123,7 @@ nlohmann::json slam_figures(const Slam6d& slam) {
            {{"per_m", slam.calibration().errors()[0]},
             {"per_rad", slam.calibration().errors()[1]},
             {"yaw_per_m_deg", geometry::rad_to_deg(slam.calibration().errors()[2])}}},
+          {"pitch_latency_s", slam.pitch_latency_s()},
           {"map_voxels", metrics.map_voxels},
           {"map_memory_bytes", metrics.map_memory_bytes},
           {"keyframes", keyframes}};

@@ -69,6 +69,13 @@ std::vector<OrientedPoint> oriented_points(const VoxelGrid& grid) {
   return points;
 }
 
+// The robot's pitch, positive upwards, among the six directions of a covariance.
+Vector6d pitch_axis(const SE3& T_map_base) {
+  Vector6d axis = Vector6d::Zero();
+  axis.tail<3>() = -T_map_base.linear().col(1);
+  return axis;
+}
+
 }  // namespace
 
 Slam6d::Slam6d(const Slam6dParams& params)
@@ -76,6 +83,7 @@ Slam6d::Slam6d(const Slam6dParams& params)
       segmenter_(params.sweep),
       odometry_(history_span_us(params.sweep), kMaxExtrapolationUs),
       calibration_(params.calibration),
+      pitch_latency_(params.pitch_latency),
       map_(params.voxels) {}
 
 bool Slam6d::add_odometry(std::int64_t utime_us, const SE3& T_odom_base) {
@@ -135,8 +143,19 @@ std::optional<PlacedSweep> Slam6d::place_sweep(Sweep sweep) {
 
 // IV B: "the robot's movement [...] during the pitching movement is stripped from the point cloud".
 PoseUpdate Slam6d::add_sweep(const PlacedSweep& sweep) {
-  return add_cloud(deskew(sweep, params_.range,
-                          [this](const SE3& motion) { return calibration_.calibrate(motion); }));
+  if (first_sweep_) {
+    learn_pitch_latency_at_start(sweep);
+    first_sweep_.reset();
+  } else if (sweeps_.empty()) {
+    first_sweep_ = sweep;
+  }
+  return add_cloud(deskew_now(sweep));
+}
+
+SweepCloud Slam6d::deskew_now(const PlacedSweep& sweep) const {
+  return deskew(
+      sweep, params_.range, [this](const SE3& motion) { return calibration_.calibrate(motion); },
+      pitch_latency_.seconds());
 }
 
 PoseUpdate Slam6d::add_cloud(SweepCloud cloud) {
@@ -248,6 +267,7 @@ void Slam6d::track(VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate& update)
   update.T_map_base = update.registration->T_map_base;
   update.covariance = update.registration->covariance;
   calibrate(cloud, predicted, update);
+  learn_pitch_latency(cloud, update);
   switch (update.registration->status) {
     case RegistrationStatus::kTracking:
       ++counts_.sweeps_tracked;
@@ -291,6 +311,66 @@ void Slam6d::calibrate(const SweepCloud& cloud, const PoseUpdate& predicted,
   calibration_.learn(counted_since_accepted(cloud.T_odom_base * cloud.T_base_last_counted),
                      evidence(deviation.translation().x(), forward),
                      evidence(geometry::rotation_vector(deviation.linear()).z(), yaw));
+}
+
+// What the robot's pitch did from the last sweep to this one that level ground does not explain.
+void Slam6d::learn_pitch_latency(const SweepCloud& cloud, const PoseUpdate& update) {
+  const Registration& registration = *update.registration;
+  if (!registration.is_accepted() || !is_planar(cloud.T_odom_base)) {
+    last_nod_.reset();
+    return;
+  }
+  const Vector6d axis = pitch_axis(update.T_map_base);
+  const NoddingSweep nod{
+      .T_map_base = update.T_map_base,
+      .T_first_base = T_first_odom_ * cloud.T_odom_base,
+      .pitch_rate_rad_s = axis.dot(registration.response * axis) * cloud.pitch_rate_rad_s,
+      .pitch_variance = axis.dot(registration.covariance * axis),
+      .latency_s = pitch_latency_.seconds(),
+      .is_stationary = update.is_stationary};
+  if (last_nod_ && !is_interrupted_ && lost_sweeps_ == 0) {
+    const SE3 motion = calibration_.calibrate(last_nod_->T_first_base.inverse() * nod.T_first_base);
+    const SE3 deviation = (last_nod_->T_map_base * motion).inverse() * nod.T_map_base;
+    // The last sweep, had it been deskewed as this one.
+    const double learned_s = nod.latency_s - last_nod_->latency_s;
+    const double pitch_rad = -geometry::rotation_vector(deviation.linear()).y() +
+                             learned_s * last_nod_->pitch_rate_rad_s;
+    const bool is_same_ground = nod.is_stationary && last_nod_->is_stationary;
+    const double level_sigma_rad = params_.odometry.level_tilt_rad;
+    pitch_latency_.learn(nod.pitch_rate_rad_s - last_nod_->pitch_rate_rad_s, pitch_rad,
+                         nod.pitch_variance + last_nod_->pitch_variance +
+                             (is_same_ground ? 0.0 : 2.0 * level_sigma_rad * level_sigma_rad));
+  }
+  last_nod_ = nod;
+}
+
+// A robot that is stationary at first tells the latency at once, by its second sweep. Then the map
+// begins anew with the first one, which else would tilt all that follows.
+void Slam6d::learn_pitch_latency_at_start(const PlacedSweep& sweep) {
+  const SweepCloud cloud = deskew_now(sweep);
+  const PoseUpdate update = extrapolate(cloud);
+  if (!last_accepted_ || keyframes_.size() != 1 || !is_usable(update) || !update.is_stationary ||
+      !sweeps_.front().is_stationary || sweep.follows_interruption ||
+      !is_planar(cloud.T_odom_base)) {
+    return;
+  }
+  VoxelMap voxels = voxelize(cloud, params_.voxels);
+  const Registration found =
+      register_sweep(voxels, map_, predict(cloud, update), params_.registration);
+  if (!found.is_accepted()) {
+    return;
+  }
+  Keyframe& first = keyframes_.front();
+  const Vector6d axis = pitch_axis(found.T_map_base);
+  const SE3 deviation = update.T_map_base.inverse() * found.T_map_base;
+  pitch_latency_.learn(
+      axis.dot(found.response * axis) * (cloud.pitch_rate_rad_s - first.cloud.pitch_rate_rad_s),
+      -geometry::rotation_vector(deviation.linear()).y(), axis.dot(found.covariance * axis));
+  first.cloud = deskew_now(*first_sweep_);
+  const VoxelMap first_voxels = voxelize(first.cloud, params_.voxels);
+  first.points = oriented_points(first_voxels.level(0));
+  map_ = VoxelMap(params_.voxels);
+  map_.add_sweep(first_voxels, first.T_map_base);
 }
 
 // Only what was registered enters the map: a refused sweep leaves no trace.

@@ -109,6 +109,7 @@ class Slam6d {
   [[nodiscard]] std::span<const Keyframe> keyframes() const { return keyframes_; }
   [[nodiscard]] const VoxelMap& map() const { return map_; }
   [[nodiscard]] const OdometryCalibration& calibration() const { return calibration_; }
+  [[nodiscard]] double pitch_latency_s() const { return pitch_latency_.seconds(); }
   [[nodiscard]] const ScanCounts& scan_counts() const { return scan_counts_; }
   [[nodiscard]] Metrics metrics() const;
 
@@ -125,6 +126,9 @@ class Slam6d {
   [[nodiscard]] OdometryMotion motion_since_accepted(const SweepCloud& cloud) const;
   [[nodiscard]] geometry::SE3 counted_since_accepted(const geometry::SE3& T_odom_base) const;
   void calibrate(const SweepCloud& cloud, const PoseUpdate& predicted, const PoseUpdate& update);
+  [[nodiscard]] SweepCloud deskew_now(const PlacedSweep& sweep) const;
+  void learn_pitch_latency(const SweepCloud& cloud, const PoseUpdate& update);
+  void learn_pitch_latency_at_start(const PlacedSweep& sweep);
   [[nodiscard]] PosePrior predict(const SweepCloud& cloud, const PoseUpdate& update) const;
   void track(VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate& update);
   void accept(const VoxelMap& sweep, SweepCloud& cloud, PoseUpdate& update);
@@ -137,6 +141,19 @@ class Slam6d {
   bool stream_was_interrupted_ = false;  // since the last sweep that could be placed
 
   OdometryCalibration calibration_;
+  PitchLatency pitch_latency_;
+  /// What pitch_latency_ compares the next sweep with: the last accepted one.
+  struct NoddingSweep {
+    geometry::SE3 T_map_base = geometry::SE3::Identity();
+    geometry::SE3 T_first_base =
+        geometry::SE3::Identity();  ///< as counted, in the first odom frame
+    double pitch_rate_rad_s = 0.0;  ///< as far as the estimate follows it
+    double pitch_variance = 0.0;
+    double latency_s = 0.0;  ///< with which it was deskewed
+    bool is_stationary = false;
+  };
+  std::optional<NoddingSweep> last_nod_;
+  std::optional<PlacedSweep> first_sweep_;  // until the second
   VoxelMap map_;
   /// P_n * odo_n^-1 at the last beam of the last accepted sweep: the correction, map from odom.
   geometry::SE3 T_map_odom_ = geometry::SE3::Identity();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "modules/slam6d/sweep_cloud.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "common/geometry/pose_history.hpp"
@@ -43,6 +44,18 @@ void append_scan(const scan::Scan& scan, const ScanMotion& motion, const RangeLi
       scan.T_base_mount * (geometry::pitch_rotation(scan.pitch_mid_rad()) * scan.mirror_offset_m);
   const SE3 T_base_mid = geometry::interpolate(T_base_first, T_base_last, 0.5);
   cloud.lines.push_back({(T_base_mid * p_mirror).cast<float>(), cloud.points.size()});
+}
+
+// Over two scans the steps of the servo's reading hardly matter.
+void find_pitch_rates(std::vector<PlacedScan>& scans) {
+  for (std::size_t i = 0; i < scans.size(); ++i) {
+    const scan::Scan& before = scans[i > 0 ? i - 1 : 0].scan;
+    const scan::Scan& after = scans[std::min(i + 1, scans.size() - 1)].scan;
+    const auto between_us = static_cast<double>(after.utime_mid_us() - before.utime_mid_us());
+    scans[i].pitch_rate_rad_s =
+        between_us > 0.0 ? 1e6 * (after.pitch_mid_rad() - before.pitch_mid_rad()) / between_us
+                         : 0.0;
+  }
 }
 
 }  // namespace
@@ -93,11 +106,12 @@ std::optional<PlacedSweep> place(std::vector<scan::Scan> scans, const PoseLookup
     return std::nullopt;
   }
   sweep.T_odom_base = *T_odom_base;
+  find_pitch_rates(sweep.scans);
   return sweep;
 }
 
-SweepCloud deskew(const PlacedSweep& sweep, const RangeLimits& range,
-                  const Calibration& calibrate) {
+SweepCloud deskew(const PlacedSweep& sweep, const RangeLimits& range, const Calibration& calibrate,
+                  double pitch_latency_s) {
   SweepCloud cloud;
   cloud.utime_us = sweep.utime_us;
   cloud.T_odom_base = sweep.T_odom_base;
@@ -111,8 +125,12 @@ SweepCloud deskew(const PlacedSweep& sweep, const RangeLimits& range,
   cloud.T_base_last = calibrate(cloud.T_base_last_counted);
   scan::ScanProjector projector;
   for (const PlacedScan& placed : sweep.scans) {
+    scan::Scan scan = placed.scan;
+    scan.pitch_first_rad += pitch_latency_s * placed.pitch_rate_rad_s;
+    scan.pitch_last_rad += pitch_latency_s * placed.pitch_rate_rad_s;
+    cloud.pitch_rate_rad_s += placed.pitch_rate_rad_s / static_cast<double>(sweep.scans.size());
     append_scan(
-        placed.scan,
+        scan,
         {calibrate(T_base_odom * placed.T_odom_first), calibrate(T_base_odom * placed.T_odom_last)},
         range, projector, cloud);
     cloud.lines.back().time = time_in_sweep(placed.scan, sweep.scans.front().scan.utime_us,
@@ -124,7 +142,7 @@ SweepCloud deskew(const PlacedSweep& sweep, const RangeLimits& range,
 std::optional<SweepCloud> deskew(std::span<const scan::Scan> scans, const PoseLookup& pose_at,
                                  const RangeLimits& range, const Calibration& calibrate) {
   const auto sweep = place({scans.begin(), scans.end()}, pose_at);
-  return sweep ? std::optional(deskew(*sweep, range, calibrate)) : std::nullopt;
+  return sweep ? std::optional(deskew(*sweep, range, calibrate, 0.0)) : std::nullopt;
 }
 
 }  // namespace nodmap::slam6d

@@ -31,6 +31,7 @@ struct PlacedSweep {
     scan::Scan scan;
     geometry::SE3 T_odom_first = geometry::SE3::Identity();
     geometry::SE3 T_odom_last = geometry::SE3::Identity();
+    double pitch_rate_rad_s = 0.0;  ///< from the scan before to the one after
   };
 
   std::vector<PlacedScan> scans;  ///< at least one
@@ -57,6 +58,7 @@ struct SweepCloud {
   std::size_t scans_used = 0;
   std::size_t scans_without_pose = 0;
   bool follows_interruption = false;  ///< of the stream
+  double pitch_rate_rad_s = 0.0;      ///< of the head, on average; positive: upwards
   /// The poses of the base at the first and the last beam.
   geometry::SE3 T_base_first = geometry::SE3::Identity();
   geometry::SE3 T_base_last = geometry::SE3::Identity();
@@ -101,9 +103,9 @@ struct RangeLimits {
 /// Deskews a sweep (IV B: the robot's movement during the pitching movement is stripped): each beam
 /// is placed with the pitch and the robot's pose at its own time, relative to the base pose P_b =
 /// the pose in the middle of the sweep's time (the choice that makes the longest motion to a beam
-/// shortest).
+/// shortest). The pitch is later by `pitch_latency_s` than its stamps say.
 [[nodiscard]] SweepCloud deskew(const PlacedSweep& sweep, const RangeLimits& range,
-                                const Calibration& calibrate);
+                                const Calibration& calibrate, double pitch_latency_s);
 
 /// The same for scans whose poses are to be looked up.
 [[nodiscard]] std::optional<SweepCloud> deskew(

@@ -157,7 +157,7 @@ void run_replay(const Options& options, const ViewerParams& params) {
     log::get().warn("{}", damage);
   }
   const std::vector<std::string> events =
-      playback_events(options.replay, player.utime_us() - player.position_us());
+      playback_events(options.replay, time::to_utime(player.now() - player.position()));
   node::MessageCounts counts;
   bool changed = false;
   bool went_back = false;
@@ -186,7 +186,7 @@ void run_replay(const Options& options, const ViewerParams& params) {
   while (!node::stop_requested()) {
     viewer.server->run_for(milliseconds(params.update_ms));
     const auto now = std::chrono::steady_clock::now();
-    player.advance(std::chrono::duration_cast<std::chrono::microseconds>(now - last).count());
+    player.advance(std::chrono::duration_cast<time::Duration>(now - last));
     last = now;
     if (went_back) {
       viewer.store.clear();
@@ -194,7 +194,7 @@ void run_replay(const Options& options, const ViewerParams& params) {
       went_back = false;
     }
     player.catch_up(kEventsPerTurn);
-    viewer.server->send_time(player.utime_us());
+    viewer.server->send_time(time::to_utime(player.now()));
     if (changed) {
       viewer.server->send_changed_parameters();
       changed = false;

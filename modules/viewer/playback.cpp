@@ -62,10 +62,10 @@ Json playback_parameters(const bus::LogPlayer& player) {
     return {{"name", name}, {"value", std::move(value)}};
   };
   return Json::array(
-      {parameter("playback.position_s", 1e-6 * static_cast<double>(player.position_us())),
-       parameter("playback.duration_s", 1e-6 * static_cast<double>(player.duration_us())),
+      {parameter("playback.position_s", time::seconds(player.position())),
+       parameter("playback.duration_s", time::seconds(player.duration())),
        parameter("playback.begin_s",
-                 1e-6 * static_cast<double>(player.utime_us() - player.position_us())),
+                 time::seconds((player.now() - player.position()).time_since_epoch())),
        parameter("playback.speed", player.speed()), parameter("playback.paused", player.paused())});
 }
 
@@ -105,7 +105,7 @@ PlaybackChange set_playback_parameter(bus::LogPlayer& player, const std::string&
   }
   if (name == "playback.position_s" && value.is_number() &&
       std::abs(value.get<double>()) < kMaxPositionS) {
-    return {.refusal = {}, .went_back = player.seek(std::llround(1e6 * value.get<double>()))};
+    return {.refusal = {}, .went_back = player.seek(time::from_seconds(value.get<double>()))};
   }
   return {.refusal = "no such parameter, or not such a value", .went_back = false};
 }

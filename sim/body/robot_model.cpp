@@ -16,8 +16,8 @@
 namespace nodmap::sim {
 namespace {
 
-constexpr std::int64_t kStepUs = 1000;
-constexpr double kStepS = 1e-6 * kStepUs;
+constexpr time::Duration kStep = 1ms;
+constexpr double kStepS = time::seconds(kStep);
 /// More than 100 ms, and what a device may lag behind.
 constexpr std::size_t kHistory = 128;
 /// Below, the robot is stationary: an actor that touches it has walked into it.
@@ -27,7 +27,7 @@ constexpr std::uint64_t kSlipStream = 0x9e3779b97f4a7c15;
 
 /// Everything that changes, at the end of one step.
 struct Step {
-  std::int64_t time_us = 0;
+  time::SteadyTime instant{};
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
   Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();
   PitchState pitch;
@@ -74,9 +74,13 @@ struct RobotModel::State {
   // Contacts are numbered: obstacles, the edge of the ground that the robot drives on, actors.
   [[nodiscard]] std::size_t edge() const { return collision.size(); }
   [[nodiscard]] double distance(std::size_t contact) const;
-  [[nodiscard]] double newest_s() const { return 1e-6 * static_cast<double>(newest_us); }
-  [[nodiscard]] const Step& step_at(std::int64_t time_us) const {
-    return history[static_cast<std::size_t>(time_us / kStepUs) % kHistory];
+  [[nodiscard]] double newest_s() const { return time::seconds(newest.time_since_epoch()); }
+  /// Of the last step that ended by then; the start is number 0.
+  [[nodiscard]] static std::int64_t number(time::SteadyTime instant) {
+    return instant.time_since_epoch() / kStep;
+  }
+  [[nodiscard]] const Step& step_at(time::SteadyTime instant) const {
+    return history[static_cast<std::size_t>(number(instant)) % kHistory];
   }
   [[nodiscard]] double corner_m() const {
     return 0.5 * std::hypot(params.body.length_m, params.body.width_m);
@@ -96,7 +100,7 @@ struct RobotModel::State {
     const Step& to;
     double fraction;
   };
-  [[nodiscard]] Moment moment(std::int64_t time_us) const;
+  [[nodiscard]] Moment moment(time::SteadyTime instant) const;
 
   World world;
   RobotModelParams params;
@@ -115,14 +119,14 @@ struct RobotModel::State {
   std::int64_t bumps = 0;
   std::int64_t contacts_caused = 0;
   std::int64_t falls = 0;
-  std::int64_t now_us = 0;
-  std::int64_t newest_us = 0;  // the first full millisecond that is not before now
+  time::SteadyTime now{};
+  time::SteadyTime newest{};  // the first full millisecond that is not before now
   WheelTravel travel_now;
   std::array<Step, kHistory> history;
 };
 
 void RobotModel::State::step() {
-  newest_us += kStepUs;
+  newest += kStep;
   crowd.advance(newest_s(), base.T_world_base());
   drive();
   contacts.end_separated([this](std::size_t contact) { return distance(contact); });
@@ -229,9 +233,9 @@ Eigen::Quaterniond RobotModel::State::orientation() const {
 }
 
 void RobotModel::State::save_step() {
-  Step& step = history[static_cast<std::size_t>(newest_us / kStepUs) % kHistory];
+  Step& step = history[static_cast<std::size_t>(number(newest)) % kHistory];
   const geometry::SE2& T_world_base = base.T_world_base();
-  step.time_us = newest_us;
+  step.instant = newest;
   step.position = {T_world_base.x, T_world_base.y, support.height_m};
   step.orientation = orientation();
   step.pitch = servo.at(newest_s());
@@ -239,11 +243,11 @@ void RobotModel::State::save_step() {
   crowd.copy_present(step.actors);
 }
 
-RobotModel::State::Moment RobotModel::State::moment(std::int64_t time_us) const {
-  const std::int64_t after_us = std::min(newest_us, (time_us / kStepUs + 1) * kStepUs);
-  const Step& to = step_at(after_us);
-  const Step& from = after_us > 0 ? step_at(after_us - kStepUs) : to;
-  const double fraction = 1e-3 * static_cast<double>(time_us - from.time_us);
+RobotModel::State::Moment RobotModel::State::moment(time::SteadyTime instant) const {
+  const time::SteadyTime after = std::min(newest, time::SteadyTime((number(instant) + 1) * kStep));
+  const Step& to = step_at(after);
+  const Step& from = after > time::SteadyTime{} ? step_at(after - kStep) : to;
+  const double fraction = 1e-3 * time::FineDuration(instant - from.instant).count();
   return {from, to, fraction};
 }
 
@@ -252,30 +256,30 @@ RobotModel::RobotModel(const World& world, const RobotModelParams& params, std::
 
 RobotModel::~RobotModel() = default;
 
-void RobotModel::advance_to(std::int64_t now_us) {
-  if (now_us < state_->now_us) {
+void RobotModel::advance_to(time::SteadyTime now) {
+  if (now < state_->now) {
     throw std::invalid_argument("simulated time does not go back");
   }
-  state_->now_us = now_us;
-  while (state_->newest_us < now_us) {
+  state_->now = now;
+  while (state_->newest < now) {
     state_->step();
   }
-  const State::Moment now = state_->moment(now_us);
-  state_->travel_now = {interpolate(now.from.travel.left_m, now.to.travel.left_m, now.fraction),
-                        interpolate(now.from.travel.right_m, now.to.travel.right_m, now.fraction)};
+  const auto [from, to, fraction] = state_->moment(now);
+  state_->travel_now = {interpolate(from.travel.left_m, to.travel.left_m, fraction),
+                        interpolate(from.travel.right_m, to.travel.right_m, fraction)};
 }
 
-std::int64_t RobotModel::now_us() const {
-  return state_->now_us;
+time::SteadyTime RobotModel::now() const {
+  return state_->now;
 }
 
-Echo RobotModel::measure(double angle_rad, std::int64_t time_us) {
-  constexpr std::int64_t kOldestUs = static_cast<std::int64_t>(kHistory - 2) * kStepUs;
-  if (time_us > state_->now_us || time_us < state_->newest_us - kOldestUs) {
+Echo RobotModel::measure(double angle_rad, time::SteadyTime fired) {
+  constexpr time::Duration kMaxAge = (kHistory - 2) * kStep;
+  if (fired > state_->now || fired < state_->newest - kMaxAge) {
     throw std::out_of_range("a beam is measured up to 100 ms after it was fired");
   }
   // Before the start everything was as at the start.
-  const State::Moment at = state_->moment(std::max<std::int64_t>(time_us, 0));
+  const State::Moment at = state_->moment(std::max(fired, time::SteadyTime{}));
   const double pitch_rad = interpolate(at.from.pitch.pitch_rad, at.to.pitch.pitch_rad, at.fraction);
   const ServoParams& servo = state_->params.servo;
   geometry::SE3 T_base_laser = geometry::SE3::Identity();
@@ -299,12 +303,12 @@ void RobotModel::set_pitch_jammed(bool jammed) {
 }
 
 double RobotModel::pitch_rad() const {
-  const State::Moment now = state_->moment(state_->now_us);
+  const State::Moment now = state_->moment(state_->now);
   return interpolate(now.from.pitch.pitch_rad, now.to.pitch.pitch_rad, now.fraction);
 }
 
 double RobotModel::pitch_rate_rad_s() const {
-  const State::Moment now = state_->moment(state_->now_us);
+  const State::Moment now = state_->moment(state_->now);
   return interpolate(now.from.pitch.rate_rad_s, now.to.pitch.rate_rad_s, now.fraction);
 }
 
@@ -325,7 +329,7 @@ WheelSpeeds RobotModel::wheel_speeds() const {
 }
 
 GroundTruth RobotModel::ground_truth() const {
-  const State::Moment now = state_->moment(state_->now_us);
+  const State::Moment now = state_->moment(state_->now);
   GroundTruth truth;
   truth.T_world_base = interpolate_pose(now.from, now.to, now.fraction);
   truth.forward_mps = state_->base.forward_mps();

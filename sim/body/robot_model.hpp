@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/geometry/se3.hpp"
+#include "common/geometry/time.hpp"
 #include "sim/body/params.hpp"
 #include "sim/body/pitch_servo.hpp"
 #include "sim/body/rangefinder.hpp"
@@ -31,22 +32,22 @@ struct GroundTruth {
 };
 
 /// The robot in its world without any electronics: what the devices measure or move goes through
-/// here, and no protocol is known here. Times are microseconds since the start of the simulation;
+/// here, and no protocol is known here. Time begins at 0 with the simulation;
 /// the same world, parameters, seed and calls give the same numbers.
 class RobotModel {
  public:
   RobotModel(const World& world, const RobotModelParams& params, std::uint64_t seed);
   ~RobotModel();
 
-  /// Moves robot, laser and actors on to `now_us`, in steps of a millisecond. Throws
+  /// Moves robot, laser and actors on to `now`, in steps of a millisecond. Throws
   /// std::invalid_argument when the time goes back.
-  void advance_to(std::int64_t now_us);
-  [[nodiscard]] std::int64_t now_us() const;
+  void advance_to(time::SteadyTime now);
+  [[nodiscard]] time::SteadyTime now() const;
 
-  /// One beam at `angle_rad` in the laser's plane (0 ahead, positive left), fired at `time_us`: up
-  /// to 100 ms ago, so that a whole revolution of the mirror can be measured beam by beam after it.
-  /// Throws std::out_of_range for other times.
-  [[nodiscard]] Echo measure(double angle_rad, std::int64_t time_us);
+  /// One beam at `angle_rad` in the laser's plane (0 ahead, positive left), at the time at which it
+  /// was fired: up to 100 ms ago, so that a whole revolution of the mirror can be measured beam by
+  /// beam after it. Throws std::out_of_range for other times.
+  [[nodiscard]] Echo measure(double angle_rad, time::SteadyTime fired);
 
   void set_pitch_goal(const PitchGoal& goal);
   void set_pitch_torque(bool on);

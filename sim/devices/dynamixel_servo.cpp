@@ -16,7 +16,7 @@ constexpr double kRadPerStep = 2.0 * geometry::kPi / 4096.0;
 constexpr double kRpm = 2.0 * geometry::kPi / 60.0;
 constexpr double kVelocityUnitRadS = 0.229 * kRpm;
 constexpr double kAccelerationUnitRadS2 = 214.577 * kRpm / 60.0;
-constexpr std::int64_t kWatchdogUnitUs = 20'000;
+constexpr time::Duration kWatchdogUnit = 20ms;
 constexpr std::int32_t kWatchdogFired = 0xFF;
 
 constexpr std::uint8_t kPing = 0x01;
@@ -27,77 +27,77 @@ constexpr std::uint8_t kReboot = 0x08;
 }  // namespace
 
 DynamixelServo::DynamixelServo(const DynamixelParams& params, RobotModel& model,
-                               std::int64_t power_on_us)
+                               time::SteadyTime power_on)
     : params_(params), model_(model) {
   registers_.set(kId, params.id);
-  restart(power_on_us);
+  restart(power_on);
 }
 
-void DynamixelServo::restart(std::int64_t now_us) {
+void DynamixelServo::restart(time::SteadyTime now) {
   registers_.restart();
-  booted_us_ = now_us + std::llround(1e6 * params_.boot_s);
+  booted_ = now + time::from_seconds(params_.boot_s);
   model_.set_pitch_torque(false);
 }
 
-void DynamixelServo::receive(ByteView bytes, int baud, std::int64_t now_us) {
-  update(now_us);
+void DynamixelServo::receive(ByteView bytes, int baud, time::SteadyTime now) {
+  update(now);
   if (params_.echo) {
-    output_.send({bytes.begin(), bytes.end()}, baud, now_us);
+    output_.send({bytes.begin(), bytes.end()}, baud, now);
   }
-  if (now_us < booted_us_) {
+  if (now < booted_) {
     return;
   }
   reader_.feed(received_bytes(params_.baud, bytes, baud));
   while (const auto instruction = reader_.next()) {
-    handle(*instruction, now_us);
+    handle(*instruction, now);
   }
 }
 
-void DynamixelServo::transmit(std::int64_t now_us, int baud, Bytes& line) {
-  update(now_us);
-  output_.take(now_us, baud, line);
+void DynamixelServo::transmit(time::SteadyTime now, int baud, Bytes& line) {
+  update(now);
+  output_.take(now, baud, line);
 }
 
-std::int64_t DynamixelServo::next_us() const {
+time::SteadyTime DynamixelServo::next_due() const {
   const std::int32_t watchdog = registers_.get(kBusWatchdog);
   const bool watched = watchdog > 0 && watchdog != kWatchdogFired;
-  return std::min(output_.next_us(),
-                  watched ? last_instruction_us_ + kWatchdogUnitUs * watchdog : kNever);
+  return std::min(output_.next_due(),
+                  watched ? last_instruction_ + kWatchdogUnit * watchdog : kNever);
 }
 
 /// The bus watchdog: without instructions the servo stops.
-void DynamixelServo::update(std::int64_t now_us) {
+void DynamixelServo::update(time::SteadyTime now) {
   const std::int32_t watchdog = registers_.get(kBusWatchdog);
   if (watchdog > 0 && watchdog != kWatchdogFired &&
-      now_us >= last_instruction_us_ + kWatchdogUnitUs * watchdog) {
+      now >= last_instruction_ + kWatchdogUnit * watchdog) {
     registers_.set(kBusWatchdog, kWatchdogFired);
     registers_.set(kGoalPosition, position());
     move();
   }
 }
 
-void DynamixelServo::handle(const DynamixelInstruction& instruction, std::int64_t now_us) {
+void DynamixelServo::handle(const DynamixelInstruction& instruction, time::SteadyTime now) {
   const auto id = static_cast<std::uint8_t>(registers_.get(kId));
   const bool for_all = instruction.id == kDynamixelBroadcast;
   if (instruction.id != id && !for_all) {
     return;
   }
-  last_instruction_us_ = now_us;
-  const std::int64_t delay_us = std::int64_t{2} * registers_.get(kReturnDelay);
+  last_instruction_ = now;
+  const time::Duration delay = 2us * registers_.get(kReturnDelay);
   const std::int32_t level = registers_.get(kStatusReturnLevel);
   Bytes values;
   const DynamixelError error =
-      instruction.damaged ? DynamixelError::kChecksum : execute(instruction, now_us, values);
+      instruction.damaged ? DynamixelError::kChecksum : execute(instruction, now, values);
   const bool answers = instruction.code == kPing ||
                        (!for_all && (level == 2 || (level == 1 && instruction.code == kRead)));
   if (answers) {
     const bool alert = registers_.get(kHardwareError) != 0;
-    output_.send(dynamixel_status(id, error, alert, values), params_.baud, now_us + delay_us);
+    output_.send(dynamixel_status(id, error, alert, values), params_.baud, now + delay);
   }
 }
 
-DynamixelError DynamixelServo::execute(const DynamixelInstruction& instruction, std::int64_t now_us,
-                                       Bytes& values) {
+DynamixelError DynamixelServo::execute(const DynamixelInstruction& instruction,
+                                       time::SteadyTime now, Bytes& values) {
   const ByteView parameters = instruction.parameters;
   switch (instruction.code) {
     case kPing:
@@ -108,20 +108,20 @@ DynamixelError DynamixelServo::execute(const DynamixelInstruction& instruction, 
       if (parameters.size() != 4) {
         return DynamixelError::kLength;
       }
-      measure(now_us);
+      measure(now);
       return registers_.read(static_cast<std::uint16_t>(little_endian(parameters.first(2))),
                              little_endian(parameters.last(2)), values);
     case kWrite:
-      return write(parameters, now_us);
+      return write(parameters, now);
     case kReboot:
-      restart(now_us);
+      restart(now);
       return DynamixelError::kNone;
     default:
       return DynamixelError::kInstruction;
   }
 }
 
-DynamixelError DynamixelServo::write(ByteView parameters, std::int64_t now_us) {
+DynamixelError DynamixelServo::write(ByteView parameters, time::SteadyTime now) {
   if (parameters.size() < 3) {
     return DynamixelError::kLength;
   }
@@ -132,7 +132,7 @@ DynamixelError DynamixelServo::write(ByteView parameters, std::int64_t now_us) {
     return DynamixelError::kRange;  // goals can be read only until the watchdog is cleared
   }
   const bool torque_before = registers_.get(kTorqueEnable) != 0;
-  measure(now_us);
+  measure(now);
   const DynamixelError error = registers_.write(address, bytes);
   if (error != DynamixelError::kNone) {
     return error;
@@ -180,14 +180,14 @@ std::int32_t DynamixelServo::position() const {
          static_cast<std::int32_t>(std::lround(sign * model_.pitch_rad() / kRadPerStep));
 }
 
-void DynamixelServo::measure(std::int64_t now_us) {
+void DynamixelServo::measure(time::SteadyTime now) {
   const double sign = params_.inverted ? -1.0 : 1.0;
   const auto velocity =
       static_cast<std::int32_t>(std::lround(sign * model_.pitch_rate_rad_s() / kVelocityUnitRadS));
-  const double running_us =
-      static_cast<double>(now_us - booted_us_) * (1.0 + 1e-6 * params_.clock_ppm);
-  registers_.set(kRealtimeTick,
-                 static_cast<std::int32_t>(static_cast<std::int64_t>(1e-3 * running_us) % 32'768));
+  const time::FineDuration running =
+      time::FineDuration(now - booted_) * (1.0 + 1e-6 * params_.clock_ppm);
+  registers_.set(kRealtimeTick, static_cast<std::int32_t>(
+                                    static_cast<std::int64_t>(1e-3 * running.count()) % 32'768));
   registers_.set(kPresentPosition, position());
   registers_.set(kPresentVelocity, velocity);
   // The trajectory inside the servo is not modelled; its registers show the present state.

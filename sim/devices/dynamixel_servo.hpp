@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "common/geometry/time.hpp"
 #include "sim/body/robot_model.hpp"
 #include "sim/devices/dynamixel_packet.hpp"
 #include "sim/devices/dynamixel_registers.hpp"
@@ -32,23 +33,23 @@ struct DynamixelParams {
 /// modes can be set and do nothing.
 class DynamixelServo final : public SerialDevice {
  public:
-  DynamixelServo(const DynamixelParams& params, RobotModel& model, std::int64_t power_on_us = 0);
+  DynamixelServo(const DynamixelParams& params, RobotModel& model, time::SteadyTime power_on = {});
 
-  void receive(ByteView bytes, int baud, std::int64_t now_us) override;
-  void transmit(std::int64_t now_us, int baud, Bytes& line) override;
-  [[nodiscard]] std::int64_t next_us() const override;
+  void receive(ByteView bytes, int baud, time::SteadyTime now) override;
+  void transmit(time::SteadyTime now, int baud, Bytes& line) override;
+  [[nodiscard]] time::SteadyTime next_due() const override;
 
   /// Switches the servo off with these error bits (register 70) until it is restarted.
   void raise_hardware_error(std::uint8_t bits);
 
  private:
-  void update(std::int64_t now_us);
-  void handle(const DynamixelInstruction& instruction, std::int64_t now_us);
-  [[nodiscard]] DynamixelError execute(const DynamixelInstruction& instruction, std::int64_t now_us,
-                                       Bytes& values);
-  [[nodiscard]] DynamixelError write(ByteView parameters, std::int64_t now_us);
-  void restart(std::int64_t now_us);
-  void measure(std::int64_t now_us);
+  void update(time::SteadyTime now);
+  void handle(const DynamixelInstruction& instruction, time::SteadyTime now);
+  [[nodiscard]] DynamixelError execute(const DynamixelInstruction& instruction,
+                                       time::SteadyTime now, Bytes& values);
+  [[nodiscard]] DynamixelError write(ByteView parameters, time::SteadyTime now);
+  void restart(time::SteadyTime now);
+  void measure(time::SteadyTime now);
   void move();
   void set_torque(bool on);
   [[nodiscard]] std::int32_t position() const;
@@ -58,8 +59,8 @@ class DynamixelServo final : public SerialDevice {
   DynamixelRegisters registers_;
   DynamixelReader reader_;
   SerialOutput output_;
-  std::int64_t booted_us_ = 0;
-  std::int64_t last_instruction_us_ = 0;
+  time::SteadyTime booted_{};
+  time::SteadyTime last_instruction_{};
 };
 
 }  // namespace nodmap::sim

@@ -75,22 +75,18 @@ std::optional<double> max_amount(FaultKind kind) {
   }
 }
 
-std::int64_t microseconds(double time_s) {
-  return std::llround(1e6 * time_s);
-}
-
 }  // namespace
 
-std::int64_t Fault::begin_us() const {
-  return microseconds(from_s);
+time::SteadyTime Fault::begin() const {
+  return time::SteadyTime(time::from_seconds(from_s));
 }
 
-std::int64_t Fault::end_us() const {
-  return microseconds(from_s + duration_s);
+time::SteadyTime Fault::end() const {
+  return time::SteadyTime(time::from_seconds(from_s + duration_s));
 }
 
-bool Fault::active(std::int64_t now_us) const {
-  return now_us >= begin_us() && now_us < end_us();
+bool Fault::active(time::SteadyTime now) const {
+  return now >= begin() && now < end();
 }
 
 Fault parse_fault(std::string_view text) {
@@ -115,10 +111,9 @@ Fault parse_fault(std::string_view text) {
   return fault;
 }
 
-bool is_any_active(FaultKind kind, const std::vector<Fault>& faults, std::int64_t now_us) {
-  return std::any_of(faults.begin(), faults.end(), [&](const Fault& fault) {
-    return fault.kind == kind && fault.active(now_us);
-  });
+bool is_any_active(FaultKind kind, const std::vector<Fault>& faults, time::SteadyTime now) {
+  return std::any_of(faults.begin(), faults.end(),
+                     [&](const Fault& fault) { return fault.kind == kind && fault.active(now); });
 }
 
 std::vector<Fault> faults_of(Part part, const std::vector<Fault>& faults) {
@@ -134,59 +129,58 @@ std::vector<Fault> faults_of(Part part, const std::vector<Fault>& faults) {
 FaultyDevice::FaultyDevice(SerialDevice& device, std::vector<Fault> faults, std::uint64_t seed)
     : device_(device), faults_(std::move(faults)), engine_(seed) {}
 
-void FaultyDevice::receive(ByteView bytes, int baud, std::int64_t now_us) {
-  if (!plugged_in(now_us)) {
+void FaultyDevice::receive(ByteView bytes, int baud, time::SteadyTime now) {
+  if (!plugged_in(now)) {
     return;
   }
-  const Bytes arrived = damaged(bytes, now_us);
+  const Bytes arrived = damaged(bytes, now);
   if (!arrived.empty()) {
-    device_.receive(arrived, baud, now_us);
+    device_.receive(arrived, baud, now);
   }
 }
 
-void FaultyDevice::transmit(std::int64_t now_us, int baud, Bytes& line) {
-  now_us_ = now_us;
+void FaultyDevice::transmit(time::SteadyTime now, int baud, Bytes& line) {
+  now_ = now;
   Bytes sent;
-  device_.transmit(now_us, baud, sent);
-  if (!plugged_in(now_us)) {
+  device_.transmit(now, baud, sent);
+  if (!plugged_in(now)) {
     delayed_.clear();
     return;
   }
-  if (!sent.empty() && active(FaultKind::kSilent, now_us) == nullptr) {
-    const Fault* delay = active(FaultKind::kDelay, now_us);
-    const std::int64_t delay_us = delay == nullptr ? 0 : std::llround(1e6 * delay->amount);
-    const std::int64_t after_us =
-        delayed_.empty() ? now_us : delayed_.back().due_us;  // none overtakes
-    delayed_.push_back({std::max(now_us + delay_us, after_us), damaged(sent, now_us)});
+  if (!sent.empty() && active(FaultKind::kSilent, now) == nullptr) {
+    const Fault* fault = active(FaultKind::kDelay, now);
+    const time::SteadyTime due = now + time::from_seconds(fault == nullptr ? 0.0 : fault->amount);
+    const time::SteadyTime before = delayed_.empty() ? now : delayed_.back().due;
+    delayed_.push_back({std::max(due, before), damaged(sent, now)});  // none overtakes
   }
-  while (!delayed_.empty() && delayed_.front().due_us <= now_us) {
+  while (!delayed_.empty() && delayed_.front().due <= now) {
     append(line, delayed_.front().bytes);
     delayed_.pop_front();
   }
 }
 
-std::int64_t FaultyDevice::next_us() const {
-  std::int64_t next = device_.next_us();
+time::SteadyTime FaultyDevice::next_due() const {
+  time::SteadyTime next = device_.next_due();
   if (!delayed_.empty()) {
-    next = std::min(next, delayed_.front().due_us);
+    next = std::min(next, delayed_.front().due);
   }
   for (const Fault& fault : faults_) {
-    for (const std::int64_t edge_us : {fault.begin_us(), fault.end_us()}) {
-      if (edge_us > now_us_) {
-        next = std::min(next, edge_us);
+    for (const time::SteadyTime edge : {fault.begin(), fault.end()}) {
+      if (edge > now_) {
+        next = std::min(next, edge);
       }
     }
   }
   return next;
 }
 
-bool FaultyDevice::plugged_in(std::int64_t now_us) const {
-  return active(FaultKind::kUnplug, now_us) == nullptr && device_.plugged_in(now_us);
+bool FaultyDevice::plugged_in(time::SteadyTime now) const {
+  return active(FaultKind::kUnplug, now) == nullptr && device_.plugged_in(now);
 }
 
-const Fault* FaultyDevice::active(FaultKind kind, std::int64_t now_us) const {
+const Fault* FaultyDevice::active(FaultKind kind, time::SteadyTime now) const {
   const auto found = std::find_if(faults_.begin(), faults_.end(), [&](const Fault& fault) {
-    return fault.kind == kind && fault.active(now_us);
+    return fault.kind == kind && fault.active(now);
   });
   return found == faults_.end() ? nullptr : &*found;
 }
@@ -196,9 +190,9 @@ bool FaultyDevice::happens(const Fault* fault) {
   return fault != nullptr && static_cast<double>(engine_()) * kScale < fault->amount;
 }
 
-Bytes FaultyDevice::damaged(ByteView bytes, std::int64_t now_us) {
-  const Fault* drop = active(FaultKind::kDrop, now_us);
-  const Fault* corrupt = active(FaultKind::kCorrupt, now_us);
+Bytes FaultyDevice::damaged(ByteView bytes, time::SteadyTime now) {
+  const Fault* drop = active(FaultKind::kDrop, now);
+  const Fault* corrupt = active(FaultKind::kCorrupt, now);
   Bytes arrived;
   for (const std::uint8_t byte : bytes) {
     if (happens(drop)) {

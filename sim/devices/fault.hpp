@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "common/geometry/time.hpp"
 #include "sim/devices/serial_device.hpp"
 
 namespace nodmap::sim {
@@ -33,9 +34,9 @@ struct Fault {
   double duration_s = 0.0;
   double amount = 0.0;  ///< of drop, corrupt and delay
 
-  [[nodiscard]] std::int64_t begin_us() const;
-  [[nodiscard]] std::int64_t end_us() const;
-  [[nodiscard]] bool active(std::int64_t now_us) const;
+  [[nodiscard]] time::SteadyTime begin() const;
+  [[nodiscard]] time::SteadyTime end() const;
+  [[nodiscard]] bool active(time::SteadyTime now) const;
 };
 
 /// A text that describes no fault; what() is one line that says what is allowed.
@@ -49,7 +50,7 @@ class FaultError : public std::runtime_error {
 [[nodiscard]] Fault parse_fault(std::string_view text);
 
 [[nodiscard]] bool is_any_active(FaultKind kind, const std::vector<Fault>& faults,
-                                 std::int64_t now_us);
+                                 time::SteadyTime now);
 
 /// The faults of one part.
 [[nodiscard]] std::vector<Fault> faults_of(Part part, const std::vector<Fault>& faults);
@@ -61,26 +62,26 @@ class FaultyDevice final : public SerialDevice {
   /// `device` must outlive this.
   FaultyDevice(SerialDevice& device, std::vector<Fault> faults, std::uint64_t seed);
 
-  void receive(ByteView bytes, int baud, std::int64_t now_us) override;
-  void transmit(std::int64_t now_us, int baud, Bytes& line) override;
-  [[nodiscard]] std::int64_t next_us() const override;
-  [[nodiscard]] bool plugged_in(std::int64_t now_us) const override;
+  void receive(ByteView bytes, int baud, time::SteadyTime now) override;
+  void transmit(time::SteadyTime now, int baud, Bytes& line) override;
+  [[nodiscard]] time::SteadyTime next_due() const override;
+  [[nodiscard]] bool plugged_in(time::SteadyTime now) const override;
 
  private:
   struct Delayed {
-    std::int64_t due_us = 0;
+    time::SteadyTime due{};
     Bytes bytes;
   };
 
-  [[nodiscard]] const Fault* active(FaultKind kind, std::int64_t now_us) const;
-  [[nodiscard]] Bytes damaged(ByteView bytes, std::int64_t now_us);
+  [[nodiscard]] const Fault* active(FaultKind kind, time::SteadyTime now) const;
+  [[nodiscard]] Bytes damaged(ByteView bytes, time::SteadyTime now);
   [[nodiscard]] bool happens(const Fault* fault);
 
   SerialDevice& device_;
   std::vector<Fault> faults_;
   std::mt19937_64 engine_;
   std::deque<Delayed> delayed_;
-  std::int64_t now_us_ = 0;
+  time::SteadyTime now_{};
 };
 
 }  // namespace nodmap::sim

@@ -29,10 +29,10 @@ constexpr int kModeSpeedCm = 2;
 constexpr int kModeGyroReset = 0xFF03;
 constexpr int kModeReset = 0xFFFF;
 
-constexpr double kHalfPeriodUs = 5000.0;
+constexpr time::FineDuration kHalfPeriod = 5ms;
 constexpr double kPeriodS = 0.01;
-constexpr std::int64_t kCommandTimeoutUs = 100'000;
-constexpr std::int64_t kResetUs = 200'000;
+constexpr time::Duration kCommandTimeout = 100ms;
+constexpr time::Duration kResetTime = 200ms;
 
 constexpr double kTopSpeedMps = 5.2;
 constexpr int kFullPwm = 1023;
@@ -83,20 +83,20 @@ double yaw_of(const GroundTruth& truth) {
 
 }  // namespace
 
-KurtBase::KurtBase(const KurtBaseParams& params, RobotModel& model, std::int64_t power_on_us)
+KurtBase::KurtBase(const KurtBaseParams& params, RobotModel& model, time::SteadyTime power_on)
     : params_(params),
       model_(model),
-      start_us_(power_on_us),
-      last_command_us_(power_on_us),
+      start_(power_on),
+      last_command_(power_on),
       gyro_zero_rad_(yaw_of(model.ground_truth())) {}
 
-std::int64_t KurtBase::next_frame_us() const {
-  const double slot_us = kHalfPeriodUs * (1.0 + 1e-6 * params_.clock_ppm);
-  return start_us_ + std::llround(static_cast<double>(slot_) * slot_us);
+time::SteadyTime KurtBase::frame_due() const {
+  const time::FineDuration slot = kHalfPeriod * (1.0 + 1e-6 * params_.clock_ppm);
+  return start_ + time::rounded(static_cast<double>(slot_) * slot);
 }
 
-std::int64_t KurtBase::next_us() const {
-  return std::min(next_frame_us(), timed_out_ ? kNever : last_command_us_ + kCommandTimeoutUs);
+time::SteadyTime KurtBase::next_due() const {
+  return std::min(frame_due(), timed_out_ ? kNever : last_command_ + kCommandTimeout);
 }
 
 CanFrame KurtBase::next_frame() {
@@ -104,21 +104,21 @@ CanFrame KurtBase::next_frame() {
   return slot % 2 == 0 ? encoder_frame() : sensor_frame(slot / 2);
 }
 
-void KurtBase::check_command_timeout(std::int64_t now_us) {
-  if (!timed_out_ && now_us >= last_command_us_ + kCommandTimeoutUs) {
+void KurtBase::check_command_timeout(time::SteadyTime now) {
+  if (!timed_out_ && now >= last_command_ + kCommandTimeout) {
     timed_out_ = true;
     model_.set_wheel_speeds({});
   }
 }
 
-void KurtBase::receive(const CanFrame& frame, std::int64_t now_us) {
+void KurtBase::receive(const CanFrame& frame, time::SteadyTime now) {
   if (frame.id != kControl || frame.length != 8) {
     return;
   }
-  last_command_us_ = now_us;
+  last_command_ = now;
   timed_out_ = false;
   if (u16(frame, 0) == kModeReset) {
-    reset(now_us);
+    reset(now);
   } else {
     control(frame);
   }
@@ -167,10 +167,10 @@ void KurtBase::control_raw(const CanFrame& frame) {
 }
 
 /// Motors off, and no frames until it has started again.
-void KurtBase::reset(std::int64_t now_us) {
+void KurtBase::reset(time::SteadyTime now) {
   model_.set_wheel_speeds({});
   timed_out_ = true;
-  start_us_ = now_us + kResetUs;
+  start_ = now + kResetTime;
   slot_ = 1;
   left_reported_ = ticks(model_.wheel_travel().left_m);
   right_reported_ = ticks(model_.wheel_travel().right_m);
@@ -230,34 +230,34 @@ CanFrame KurtBase::sensor_frame(std::int64_t period) const {
 }
 
 SlcanKurtBase::SlcanKurtBase(const SlcanKurtParams& params, RobotModel& model,
-                             std::int64_t power_on_us)
+                             time::SteadyTime power_on)
     : baud_(params.baud),
-      base_(params.base, model, power_on_us),
-      now_us_(power_on_us),
-      adapter_([this](const CanFrame& frame) { base_.receive(frame, now_us_); }) {}
+      base_(params.base, model, power_on),
+      now_(power_on),
+      adapter_([this](const CanFrame& frame) { base_.receive(frame, now_); }) {}
 
-void SlcanKurtBase::receive(ByteView bytes, int baud, std::int64_t now_us) {
-  now_us_ = now_us;
+void SlcanKurtBase::receive(ByteView bytes, int baud, time::SteadyTime now) {
+  now_ = now;
   for (const std::uint8_t byte : received_bytes(baud_, bytes, baud)) {
-    send(adapter_.take(static_cast<char>(byte)), now_us);
+    send(adapter_.take(static_cast<char>(byte)), now);
   }
 }
 
-void SlcanKurtBase::transmit(std::int64_t now_us, int baud, Bytes& line) {
-  base_.check_command_timeout(now_us);
-  while (base_.next_frame_us() <= now_us) {
-    const std::int64_t sent_us = base_.next_frame_us();
-    send(adapter_.from_bus(base_.next_frame(), sent_us), sent_us);
+void SlcanKurtBase::transmit(time::SteadyTime now, int baud, Bytes& line) {
+  base_.check_command_timeout(now);
+  while (base_.frame_due() <= now) {
+    const time::SteadyTime sent = base_.frame_due();
+    send(adapter_.from_bus(base_.next_frame(), sent), sent);
   }
-  output_.take(now_us, baud, line);
+  output_.take(now, baud, line);
 }
 
-std::int64_t SlcanKurtBase::next_us() const {
-  return std::min(base_.next_us(), output_.next_us());
+time::SteadyTime SlcanKurtBase::next_due() const {
+  return std::min(base_.next_due(), output_.next_due());
 }
 
-void SlcanKurtBase::send(const std::string& text, std::int64_t from_us) {
-  output_.send({text.begin(), text.end()}, baud_, from_us);
+void SlcanKurtBase::send(const std::string& text, time::SteadyTime from) {
+  output_.send({text.begin(), text.end()}, baud_, from);
 }
 
 }  // namespace nodmap::sim

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "common/geometry/time.hpp"
 #include "sim/body/robot_model.hpp"
 #include "sim/devices/serial_device.hpp"
 #include "sim/devices/slcan_adapter.hpp"
@@ -17,32 +18,32 @@ struct KurtBaseParams {
 /// of its other readings in between, and stops when no command arrives for 100 ms.
 class KurtBase {
  public:
-  KurtBase(const KurtBaseParams& params, RobotModel& model, std::int64_t power_on_us);
+  KurtBase(const KurtBaseParams& params, RobotModel& model, time::SteadyTime power_on);
 
-  void receive(const CanFrame& frame, std::int64_t now_us);
+  void receive(const CanFrame& frame, time::SteadyTime now);
 
   /// The next frame or command timeout.
-  [[nodiscard]] std::int64_t next_us() const;
+  [[nodiscard]] time::SteadyTime next_due() const;
   /// When the next frame is sent.
-  [[nodiscard]] std::int64_t next_frame_us() const;
+  [[nodiscard]] time::SteadyTime frame_due() const;
   /// That frame; to be called with the robot model at that time.
   [[nodiscard]] CanFrame next_frame();
   /// Stops the motors when no command has arrived for 100 ms.
-  void check_command_timeout(std::int64_t now_us);
+  void check_command_timeout(time::SteadyTime now);
 
  private:
   void control(const CanFrame& frame);
   void control_raw(const CanFrame& frame);
-  void reset(std::int64_t now_us);
+  void reset(time::SteadyTime now);
   [[nodiscard]] CanFrame encoder_frame();
   [[nodiscard]] CanFrame sensor_frame(std::int64_t period) const;
   [[nodiscard]] std::int64_t ticks(double distance_m) const;
 
   KurtBaseParams params_;
   RobotModel& model_;
-  std::int64_t start_us_;
+  time::SteadyTime start_;
   std::int64_t slot_ = 1;  // two in each period: encoders, then something else
-  std::int64_t last_command_us_;
+  time::SteadyTime last_command_;
   bool timed_out_ = true;
   std::int64_t left_reported_ = 0;  // ticks since the start
   std::int64_t right_reported_ = 0;
@@ -63,18 +64,18 @@ struct SlcanKurtParams {
 /// A KURT2 behind an SLCAN adapter, at the end of a serial line.
 class SlcanKurtBase final : public SerialDevice {
  public:
-  SlcanKurtBase(const SlcanKurtParams& params, RobotModel& model, std::int64_t power_on_us = 0);
+  SlcanKurtBase(const SlcanKurtParams& params, RobotModel& model, time::SteadyTime power_on = {});
 
-  void receive(ByteView bytes, int baud, std::int64_t now_us) override;
-  void transmit(std::int64_t now_us, int baud, Bytes& line) override;
-  [[nodiscard]] std::int64_t next_us() const override;
+  void receive(ByteView bytes, int baud, time::SteadyTime now) override;
+  void transmit(time::SteadyTime now, int baud, Bytes& line) override;
+  [[nodiscard]] time::SteadyTime next_due() const override;
 
  private:
-  void send(const std::string& text, std::int64_t from_us);
+  void send(const std::string& text, time::SteadyTime from);
 
   int baud_;
   KurtBase base_;
-  std::int64_t now_us_;  // of the bytes being received
+  time::SteadyTime now_;  // of the bytes being received
   SlcanAdapter adapter_;
   SerialOutput output_;
 };

@@ -11,87 +11,82 @@
 namespace nodmap::sim {
 namespace {
 
-constexpr double kNominalRevolutionUs = 13'320.0;
+constexpr time::FineDuration kNominalRevolution(13'320.0);
 constexpr std::uint8_t kAck = 0x06;
 constexpr std::uint8_t kNak = 0x15;
-constexpr std::int64_t kAckUs = 5000;
+constexpr time::Duration kAckDelay = 5ms;
 /// The robot model keeps 100 ms; older revolutions cannot be measured any more.
-constexpr std::int64_t kMemoryUs = 80'000;
+constexpr time::Duration kMemory = 80ms;
 
-double revolution_us(const Lms200Params& params) {
-  return kNominalRevolutionUs * (1.0 + 1e-6 * params.mirror_ppm);
-}
-
-std::int64_t microseconds(double duration_s) {
-  return std::llround(1e6 * duration_s);
+time::FineDuration revolution(const Lms200Params& params) {
+  return kNominalRevolution * (1.0 + 1e-6 * params.mirror_ppm);
 }
 
 }  // namespace
 
-Lms200::Lms200(const Lms200Params& params, Beam beam, std::int64_t power_on_us)
+Lms200::Lms200(const Lms200Params& params, Beam beam, time::SteadyTime power_on)
     : params_(params),
       beam_(std::move(beam)),
       controller_(params.config, params.baud),
       baud_(params.baud),
-      power_on_us_(power_on_us),
-      booted_us_(power_on_us + microseconds(params.boot_s)),
+      power_on_(power_on),
+      booted_(power_on + time::from_seconds(params.boot_s)),
       next_baud_(params.baud) {}
 
-std::int64_t Lms200::half_revolution_end_us(std::int64_t revolution) const {
-  return power_on_us_ +
-         std::llround((static_cast<double>(revolution) + 0.5) * revolution_us(params_));
+time::SteadyTime Lms200::half_revolution_end(std::int64_t number) const {
+  return power_on_ + time::rounded((static_cast<double>(number) + 0.5) * revolution(params_));
 }
 
-void Lms200::receive(ByteView bytes, int baud, std::int64_t now_us) {
-  update(now_us);
+void Lms200::receive(ByteView bytes, int baud, time::SteadyTime now) {
+  update(now);
   if (booting_) {
     return;
   }
-  reader_.feed(received_bytes(baud_, bytes, baud), now_us);
+  reader_.feed(received_bytes(baud_, bytes, baud), now);
   while (const auto event = reader_.next()) {
     if (const auto* request = std::get_if<LmsRequest>(&*event)) {
-      handle(*request, now_us);
+      handle(*request, now);
     } else {
-      output_.send({kNak}, baud_, now_us + kAckUs);
+      output_.send({kNak}, baud_, now + kAckDelay);
     }
   }
 }
 
-void Lms200::transmit(std::int64_t now_us, int baud, Bytes& line) {
-  update(now_us);
-  while (half_revolution_end_us(revolution_) <= now_us) {
-    end_revolution(now_us);
+void Lms200::transmit(time::SteadyTime now, int baud, Bytes& line) {
+  update(now);
+  while (half_revolution_end(revolution_) <= now) {
+    end_revolution(now);
     ++revolution_;
   }
-  output_.take(now_us, baud, line);
+  output_.take(now, baud, line);
 }
 
-std::int64_t Lms200::next_us() const {
-  std::int64_t next = std::min(output_.next_us(), next_baud_us_);
+time::SteadyTime Lms200::next_due() const {
+  time::SteadyTime next = std::min(output_.next_due(), baud_due_);
   if (booting_) {
-    next = std::min(next, booted_us_);
+    next = std::min(next, booted_);
   } else if (measures()) {
-    next = std::min(next, half_revolution_end_us(revolution_));
+    next = std::min(next, half_revolution_end(revolution_));
   }
   return next;
 }
 
 /// Changes the rate and ends the start-up when they are due.
-void Lms200::update(std::int64_t now_us) {
-  if (now_us >= next_baud_us_) {
+void Lms200::update(time::SteadyTime now) {
+  if (now >= baud_due_) {
     baud_ = next_baud_;
-    next_baud_us_ = kNever;
+    baud_due_ = kNever;
     reader_.reset();
   }
-  if (booting_ && now_us >= booted_us_) {
+  if (booting_ && now >= booted_) {
     booting_ = false;
     const Bytes greeting = controller_.start();
     baud_ = controller_.power_on_baud();
-    send(greeting, booted_us_);
+    send(greeting, booted_);
   }
 }
 
-void Lms200::handle(const LmsRequest& request, std::int64_t now_us) {
+void Lms200::handle(const LmsRequest& request, time::SteadyTime now) {
   if (request.address != 0 && request.address != params_.address) {
     return;
   }
@@ -99,26 +94,26 @@ void Lms200::handle(const LmsRequest& request, std::int64_t now_us) {
   const LmsAnswer answer = controller_.answer(request.body);
   phase_ = 0;
   collecting_ = false;
-  output_.send({kAck}, baud_, now_us + kAckUs);
+  output_.send({kAck}, baud_, now + kAckDelay);
   if (!answer.body.empty()) {
-    send(answer.body, now_us + answer.delay_us);
+    send(answer.body, now + answer.delay);
   }
   if (answer.baud) {
     next_baud_ = *answer.baud;
-    next_baud_us_ = output_.idle_from_us();
+    baud_due_ = output_.idle_from();
   }
   if (answer.restart) {
     booting_ = true;
-    booted_us_ = output_.idle_from_us() + microseconds(params_.boot_s);
+    booted_ = output_.idle_from() + time::from_seconds(params_.boot_s);
   }
 }
 
-void Lms200::send(ByteView body, std::int64_t from_us) {
+void Lms200::send(ByteView body, time::SteadyTime from) {
   constexpr std::uint8_t kFromTheSensor = 0x10;
   constexpr std::uint8_t kPolluted = 0x80;
   const auto status =
       static_cast<std::uint8_t>(kFromTheSensor | (params_.polluted ? kPolluted : 0));
-  output_.send(lms_telegram(params_.address, body, status), baud_, from_us);
+  output_.send(lms_telegram(params_.address, body, status), baud_, from);
 }
 
 bool Lms200::measures() const {
@@ -131,7 +126,7 @@ bool Lms200::sends_partial_scans() const {
   return controller_.mode() == LmsMode::kStreamPartial || controller_.partial_scan_requested();
 }
 
-void Lms200::end_revolution(std::int64_t now_us) {
+void Lms200::end_revolution(time::SteadyTime now) {
   if (booting_ || !measures()) {
     return;
   }
@@ -140,10 +135,10 @@ void Lms200::end_revolution(std::int64_t now_us) {
     // A line that is still busy when the scan is complete drops the whole scan.
     const std::int64_t last_revolution =
         sends_partial_scans() ? revolution_ : revolution_ + num_revolutions - 1;
-    collecting_ = output_.idle_from_us() <= half_revolution_end_us(last_revolution);
+    collecting_ = output_.idle_from() <= half_revolution_end(last_revolution);
     words_.clear();
   }
-  collecting_ = collecting_ && half_revolution_end_us(revolution_) >= now_us - kMemoryUs;
+  collecting_ = collecting_ && half_revolution_end(revolution_) >= now - kMemory;
   if (collecting_) {
     measure_revolution();
     if (sends_partial_scans() || phase_ == num_revolutions - 1) {
@@ -167,12 +162,12 @@ void Lms200::measure_revolution() {
   if (partial) {
     format.measuring_mode = kLmsPartialMode;
   }
-  const auto end_us = static_cast<double>(half_revolution_end_us(revolution_));
-  const double degree_us = revolution_us(params_) / 360.0;
+  const time::FineSteadyTime end = half_revolution_end(revolution_);
+  const time::FineDuration degree = revolution(params_) / 360.0;
   for (int i = 0; i < count; ++i) {
     const double from_right_deg = first_deg + i;
-    const std::int64_t fired_us = std::llround(end_us - (180.0 - from_right_deg) * degree_us);
-    const Echo echo = beam_(geometry::deg_to_rad(from_right_deg - 90.0), fired_us);
+    const time::SteadyTime fired = time::rounded(end - (180.0 - from_right_deg) * degree);
+    const Echo echo = beam_(geometry::deg_to_rad(from_right_deg - 90.0), fired);
     words_[offset + stride * static_cast<std::size_t>(i)] = lms_word(echo, format);
   }
 }
@@ -193,7 +188,7 @@ void Lms200::send_scan() {
     body.push_back(static_cast<std::uint8_t>(revolution_ & 0xFF));
     body.push_back(telegram_index_++);
   }
-  send(body, half_revolution_end_us(revolution_));
+  send(body, half_revolution_end(revolution_));
   controller_.scan_sent();
 }
 

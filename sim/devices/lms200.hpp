@@ -3,6 +3,7 @@
 
 #include <functional>
 
+#include "common/geometry/time.hpp"
 #include "sim/devices/lms_controller.hpp"
 #include "sim/devices/lms_telegram.hpp"
 #include "sim/devices/serial_device.hpp"
@@ -10,8 +11,8 @@
 namespace nodmap::sim {
 
 /// One beam of the laser's optics: RobotModel::measure, or a substitute in tests. `angle_rad`: 0
-/// ahead, positive left; `time_us`: when the beam was fired.
-using Beam = std::function<Echo(double angle_rad, std::int64_t time_us)>;
+/// ahead, positive left; `fired`: when the beam was fired.
+using Beam = std::function<Echo(double angle_rad, time::SteadyTime fired)>;
 
 struct Lms200Params {
   int baud = 9600;
@@ -41,24 +42,24 @@ struct Lms200Params {
 /// measures beam by beam from right to left; the telegram's first byte leaves at its end.
 class Lms200 final : public SerialDevice {
  public:
-  Lms200(const Lms200Params& params, Beam beam, std::int64_t power_on_us = 0);
+  Lms200(const Lms200Params& params, Beam beam, time::SteadyTime power_on = {});
 
-  void receive(ByteView bytes, int baud, std::int64_t now_us) override;
-  void transmit(std::int64_t now_us, int baud, Bytes& line) override;
-  [[nodiscard]] std::int64_t next_us() const override;
+  void receive(ByteView bytes, int baud, time::SteadyTime now) override;
+  void transmit(time::SteadyTime now, int baud, Bytes& line) override;
+  [[nodiscard]] time::SteadyTime next_due() const override;
 
   [[nodiscard]] int baud() const { return baud_; }
   /// End of the measuring half of a revolution, counted from power-on.
-  [[nodiscard]] std::int64_t half_revolution_end_us(std::int64_t revolution) const;
+  [[nodiscard]] time::SteadyTime half_revolution_end(std::int64_t number) const;
 
  private:
-  void update(std::int64_t now_us);
-  void handle(const LmsRequest& request, std::int64_t now_us);
-  void send(ByteView body, std::int64_t from_us);
+  void update(time::SteadyTime now);
+  void handle(const LmsRequest& request, time::SteadyTime now);
+  void send(ByteView body, time::SteadyTime from);
 
   [[nodiscard]] bool measures() const;
   [[nodiscard]] bool sends_partial_scans() const;
-  void end_revolution(std::int64_t now_us);
+  void end_revolution(time::SteadyTime now);
   void measure_revolution();
   void send_scan();
 
@@ -68,11 +69,11 @@ class Lms200 final : public SerialDevice {
   LmsRequestReader reader_;
   SerialOutput output_;
   int baud_;
-  std::int64_t power_on_us_;
-  std::int64_t booted_us_;
+  time::SteadyTime power_on_;
+  time::SteadyTime booted_;
   bool booting_ = true;
   int next_baud_;  // after the answer has left
-  std::int64_t next_baud_us_ = kNever;
+  time::SteadyTime baud_due_ = kNever;
 
   std::int64_t revolution_ = 0;  // the next to end
   int phase_ = 0;                // within the revolutions that make a scan

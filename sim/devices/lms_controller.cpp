@@ -20,9 +20,9 @@ constexpr std::size_t kUnitAt = 6;
 constexpr std::uint8_t kIndicesBit = 0x02;
 
 // Within what the listing allows (60 ms; 3 s for a mode; 7 s for the memory).
-constexpr std::int64_t kAnswerUs = 15'000;
-constexpr std::int64_t kModeUs = 50'000;
-constexpr std::int64_t kMemoryUs = 1'000'000;
+constexpr time::Duration kAnswerDelay = 15ms;
+constexpr time::Duration kModeDelay = 50ms;
+constexpr time::Duration kMemory = 1s;
 
 Bytes with_text(std::uint8_t code, std::string_view text) {
   Bytes body = {code};
@@ -32,8 +32,8 @@ Bytes with_text(std::uint8_t code, std::string_view text) {
   return body;
 }
 
-LmsAnswer answer_with(Bytes body, std::int64_t delay_us = kAnswerUs) {
-  return {std::move(body), delay_us, std::nullopt, false};
+LmsAnswer answer_with(Bytes body, time::Duration delay = kAnswerDelay) {
+  return {std::move(body), delay, std::nullopt, false};
 }
 
 LmsAnswer refusal() {
@@ -89,7 +89,7 @@ LmsAnswer LmsController::answer(ByteView request) {
   const ByteView parameters = request.subspan(1);
   switch (request.front()) {
     case 0x10:
-      return {{0x91}, kAnswerUs, power_on_baud(), true};
+      return {{0x91}, kAnswerDelay, power_on_baud(), true};
     case 0x20:
       return set_mode(parameters);
     case 0x30:
@@ -127,7 +127,7 @@ LmsAnswer LmsController::set_mode(ByteView parameters) {
   switch (parameters[0]) {
     case 0x00:
       if (!is_text(parameters.subspan(1), kPassword)) {
-        return answer_with({0xA0, 0x01}, kModeUs);
+        return answer_with({0xA0, 0x01}, kModeDelay);
       }
       break;
     case 0x10:
@@ -148,12 +148,12 @@ LmsAnswer LmsController::set_mode(ByteView parameters) {
   }
   mode_ = static_cast<LmsMode>(parameters[0]);
   scan_sent();
-  return answer_with({0xA0, 0x00}, kModeUs);
+  return answer_with({0xA0, 0x00}, kModeDelay);
 }
 
 LmsAnswer LmsController::set_baud(int baud) {
   baud_ = baud;
-  return {{0xA0, 0x00}, kModeUs, baud, false};
+  return {{0xA0, 0x00}, kModeDelay, baud, false};
 }
 
 LmsAnswer LmsController::set_variant(ByteView parameters) {
@@ -170,7 +170,7 @@ LmsAnswer LmsController::set_variant(ByteView parameters) {
   Bytes body = {0xBB, accepted ? std::uint8_t{1} : std::uint8_t{0}};
   append_little_endian(body, static_cast<std::uint32_t>(variant_.field_deg), 2);
   append_little_endian(body, static_cast<std::uint32_t>(variant_.resolution_cdeg), 2);
-  return answer_with(body, kModeUs);
+  return answer_with(body, kModeDelay);
 }
 
 LmsAnswer LmsController::set_baud_permanent(ByteView parameters) {
@@ -195,7 +195,7 @@ LmsAnswer LmsController::request_scan(ByteView parameters) {
     default:
       return refusal();
   }
-  return answer_with({}, 0);
+  return answer_with({}, 0s);
 }
 
 LmsAnswer LmsController::write_config(ByteView parameters) {
@@ -209,7 +209,7 @@ LmsAnswer LmsController::write_config(ByteView parameters) {
   }
   Bytes body = {0xF7, accepted ? std::uint8_t{1} : std::uint8_t{0}};
   append(body, config_);
-  return answer_with(body, kMemoryUs);
+  return answer_with(body, kMemory);
 }
 
 Bytes LmsController::status() const {

@@ -3,6 +3,7 @@
 
 #include <optional>
 
+#include "common/geometry/time.hpp"
 #include "sim/devices/lms_telegram.hpp"
 #include "sim/devices/serial_device.hpp"
 
@@ -26,10 +27,10 @@ struct LmsVariant {
 
 /// The reaction to a request.
 struct LmsAnswer {
-  Bytes body;                 ///< reply code and data; empty when the answer is a scan
-  std::int64_t delay_us = 0;  ///< from the request to the answer
-  std::optional<int> baud;    ///< the rate after the answer
-  bool restart = false;       ///< as after power-on, after the answer
+  Bytes body;               ///< reply code and data; empty when the answer is a scan
+  time::Duration delay{};   ///< from the request to the answer
+  std::optional<int> baud;  ///< the rate after the answer
+  bool restart = false;     ///< as after power-on, after the answer
 };
 
 /// State of the sensor (mode, variant, configuration) and its answers to requests.

@@ -12,7 +12,7 @@ constexpr std::size_t kHeaderBytes = 4;
 constexpr std::size_t kChecksumBytes = 2;
 constexpr std::size_t kLongestRequest = 64;  // the configuration has 35 bytes
 /// A longer pause within a request, and the sensor drops it (3.2.2).
-constexpr std::int64_t kLongestPauseUs = 6000;
+constexpr time::Duration kLongestPause = 6ms;
 
 // How far below the top of the range the codes lie (telegram listing, 10.1).
 constexpr int kDazzled = 1;
@@ -52,11 +52,11 @@ Bytes lms_telegram(std::uint8_t address, ByteView body, std::uint8_t status) {
   return bytes;
 }
 
-void LmsRequestReader::feed(ByteView bytes, std::int64_t now_us) {
-  if (now_us - last_us_ > kLongestPauseUs) {
+void LmsRequestReader::feed(ByteView bytes, time::SteadyTime now) {
+  if (now - last_ > kLongestPause) {
     buffer_.clear();
   }
-  last_us_ = now_us;
+  last_ = now;
   append(buffer_, bytes);
 }
 

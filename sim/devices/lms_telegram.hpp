@@ -6,6 +6,7 @@
 #include <optional>
 #include <variant>
 
+#include "common/geometry/time.hpp"
 #include "sim/body/rangefinder.hpp"
 #include "sim/devices/serial_device.hpp"
 
@@ -29,13 +30,13 @@ struct LmsDamaged {};
 /// Finds requests in the bytes from the host.
 class LmsRequestReader {
  public:
-  void feed(ByteView bytes, std::int64_t now_us);
+  void feed(ByteView bytes, time::SteadyTime now);
   [[nodiscard]] std::optional<std::variant<LmsRequest, LmsDamaged>> next();
   void reset() { buffer_.clear(); }
 
  private:
   Bytes buffer_;
-  std::int64_t last_us_ = 0;
+  time::SteadyTime last_{};
 };
 
 /// How ranges are encoded: the measuring mode (byte 5 of the configuration) and the unit.

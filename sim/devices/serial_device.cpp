@@ -8,7 +8,7 @@
 namespace nodmap::sim {
 namespace {
 
-constexpr std::int64_t kPortionUs = 1000;
+constexpr time::Duration kPortion = 1ms;
 constexpr std::int64_t kBitsPerByte = 10;  // start, eight, stop
 
 /// The line as the sender drives it; times in bits of the sender.
@@ -62,25 +62,24 @@ std::uint32_t little_endian(ByteView bytes) {
   return value;
 }
 
-std::int64_t SerialOutput::Telegram::sent_us(std::size_t count) const {
-  constexpr std::int64_t kBitsPerByteUs = 10'000'000;
-  const auto bits = kBitsPerByteUs * static_cast<std::int64_t>(count);
-  return start_us + (bits + baud - 1) / baud;
+time::SteadyTime SerialOutput::Telegram::sent(std::size_t count) const {
+  const time::Duration at_one_baud = kBitsPerByte * static_cast<std::int64_t>(count) * 1s;
+  return start + (at_one_baud + time::Duration(baud - 1)) / baud;  // rounded up
 }
 
-void SerialOutput::send(Bytes bytes, int baud, std::int64_t from_us) {
+void SerialOutput::send(Bytes bytes, int baud, time::SteadyTime from) {
   if (bytes.empty()) {
     return;
   }
-  const std::int64_t start_us = queue_.empty() ? from_us : std::max(from_us, idle_from_us());
-  queue_.push_back({std::move(bytes), baud, start_us, 0});
+  const time::SteadyTime start = queue_.empty() ? from : std::max(from, idle_from());
+  queue_.push_back({std::move(bytes), baud, start, 0});
 }
 
-void SerialOutput::take(std::int64_t now_us, int host_baud, Bytes& line) {
+void SerialOutput::take(time::SteadyTime now, int host_baud, Bytes& line) {
   while (!queue_.empty()) {
     Telegram& telegram = queue_.front();
     std::size_t num_sent = telegram.num_taken;
-    while (num_sent < telegram.bytes.size() && telegram.sent_us(num_sent + 1) <= now_us) {
+    while (num_sent < telegram.bytes.size() && telegram.sent(num_sent + 1) <= now) {
       ++num_sent;
     }
     const ByteView sent =
@@ -94,18 +93,17 @@ void SerialOutput::take(std::int64_t now_us, int host_baud, Bytes& line) {
   }
 }
 
-std::int64_t SerialOutput::next_us() const {
+time::SteadyTime SerialOutput::next_due() const {
   if (queue_.empty()) {
     return kNever;
   }
   const Telegram& telegram = queue_.front();
-  return std::min(telegram.sent_us(telegram.num_taken + 1) + kPortionUs,
-                  telegram.sent_us(telegram.bytes.size()));
+  return std::min(telegram.sent(telegram.num_taken + 1) + kPortion,
+                  telegram.sent(telegram.bytes.size()));
 }
 
-std::int64_t SerialOutput::idle_from_us() const {
-  return queue_.empty() ? std::numeric_limits<std::int64_t>::min()
-                        : queue_.back().sent_us(queue_.back().bytes.size());
+time::SteadyTime SerialOutput::idle_from() const {
+  return queue_.empty() ? time::SteadyTime::min() : queue_.back().sent(queue_.back().bytes.size());
 }
 
 Bytes received_bytes(int receiver_baud, ByteView bytes, int sender_baud) {

@@ -1,23 +1,24 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What all emulated devices share: bytes, the device at the far end of a serial line, and the
-// sending half of its port. Times are microseconds since the start of the simulation.
+// sending half of its port. Time begins at 0 with the simulation.
 #pragma once
 
 #include <boost/core/noncopyable.hpp>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
-#include <limits>
 #include <span>
 #include <vector>
+
+#include "common/geometry/time.hpp"
 
 namespace nodmap::sim {
 
 using Bytes = std::vector<std::uint8_t>;
 using ByteView = std::span<const std::uint8_t>;
 
-/// Returned by next_us() when nothing is scheduled.
-inline constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
+/// Returned by next_due() when nothing is scheduled.
+inline constexpr time::SteadyTime kNever = time::SteadyTime::max();
 
 void append(Bytes& bytes, ByteView more);
 
@@ -33,50 +34,50 @@ class SerialDevice : private boost::noncopyable {
  public:
   virtual ~SerialDevice() = default;
 
-  /// Takes bytes from the host, the last of which arrived at `now_us`. `baud` is the rate at which
+  /// Takes bytes from the host, the last of which arrived at `now`. `baud` is the rate at which
   /// the host sent them; at another rate than its own the device receives noise.
-  virtual void receive(ByteView bytes, int baud, std::int64_t now_us) = 0;
+  virtual void receive(ByteView bytes, int baud, time::SteadyTime now) = 0;
 
-  /// Does what is due, and appends to `line` the bytes that have left the device up to `now_us`: a
+  /// Does what is due, and appends to `line` the bytes that have left the device up to `now`: a
   /// telegram of 372 bytes at 500 kbaud takes 7.4 ms and arrives in portions. `baud` is the rate at
   /// which the host listens; at another rate than the device's it receives noise.
-  virtual void transmit(std::int64_t now_us, int baud, Bytes& line) = 0;
+  virtual void transmit(time::SteadyTime now, int baud, Bytes& line) = 0;
 
   /// The next time at which transmit() has something to do, unless bytes arrive before.
-  [[nodiscard]] virtual std::int64_t next_us() const = 0;
+  [[nodiscard]] virtual time::SteadyTime next_due() const = 0;
 
   /// False while the device is unplugged: its port is gone.
-  [[nodiscard]] virtual bool plugged_in(std::int64_t /*now_us*/) const { return true; }
+  [[nodiscard]] virtual bool plugged_in(time::SteadyTime /*now*/) const { return true; }
 };
 
 /// The sending half of a device's serial port: bytes leave one after the other at the line's rate,
 /// 8N1.
 class SerialOutput {
  public:
-  /// Sends at `baud` from `from_us` on, or as soon as all bytes sent before have left.
-  void send(Bytes bytes, int baud, std::int64_t from_us);
+  /// Sends at `baud` from `from` on, or as soon as all bytes sent before have left.
+  void send(Bytes bytes, int baud, time::SteadyTime from);
   /// Discards all bytes that have not left yet.
   void clear() { queue_.clear(); }
 
-  /// Appends to `line` the bytes that have left up to `now_us`, as a host receives them that
+  /// Appends to `line` the bytes that have left up to `now`, as a host receives them that
   /// listens at `host_baud`.
-  void take(std::int64_t now_us, int host_baud, Bytes& line);
+  void take(time::SteadyTime now, int host_baud, Bytes& line);
 
   /// When the next portion will have left: bytes arrive in portions, as from a USB adapter that
   /// waits a millisecond for more.
-  [[nodiscard]] std::int64_t next_us() const;
-  /// When all bytes will have left; the smallest number when none wait.
-  [[nodiscard]] std::int64_t idle_from_us() const;
+  [[nodiscard]] time::SteadyTime next_due() const;
+  /// When all bytes will have left; the earliest of all times when none wait.
+  [[nodiscard]] time::SteadyTime idle_from() const;
 
  private:
   struct Telegram {
     Bytes bytes;
     int baud = 0;
-    std::int64_t start_us = 0;
+    time::SteadyTime start{};
     std::size_t num_taken = 0;
 
     /// When the first `count` bytes have left.
-    [[nodiscard]] std::int64_t sent_us(std::size_t count) const;
+    [[nodiscard]] time::SteadyTime sent(std::size_t count) const;
   };
 
   std::deque<Telegram> queue_;

@@ -13,8 +13,8 @@ SimulatedRobot::SimulatedRobot(const World& world, const SimulatedRobotParams& p
     : model_(world, params.model, seed),
       faults_(faults),
       laser_(params.laser, with_freeze_faults(
-                               [this](double angle_rad, std::int64_t time_us) {
-                                 return model_.measure(angle_rad, time_us);
+                               [this](double angle_rad, time::SteadyTime fired) {
+                                 return model_.measure(angle_rad, fired);
                                },
                                faults)),
       servo_(params.servo, model_),
@@ -23,18 +23,18 @@ SimulatedRobot::SimulatedRobot(const World& world, const SimulatedRobotParams& p
              std::make_unique<FaultyDevice>(servo_, faults_of(Part::kServo, faults), seed + 2),
              std::make_unique<FaultyDevice>(base_, faults_of(Part::kBase, faults), seed + 3)} {}
 
-void SimulatedRobot::advance_to(std::int64_t now_us) {
-  const bool stalled = is_any_active(FaultKind::kStall, faults_, now_us);
+void SimulatedRobot::advance_to(time::SteadyTime now) {
+  const bool stalled = is_any_active(FaultKind::kStall, faults_, now);
   if (stalled != std::exchange(stalled_, stalled)) {
     model_.set_pitch_jammed(stalled);
   }
-  model_.advance_to(now_us);
+  model_.advance_to(now);
 }
 
-std::int64_t SimulatedRobot::next_us() const {
-  std::int64_t next = kNever;
+time::SteadyTime SimulatedRobot::next_due() const {
+  time::SteadyTime next = kNever;
   for (const auto& line : lines_) {
-    next = std::min(next, line->next_us());
+    next = std::min(next, line->next_due());
   }
   return next;
 }
@@ -46,13 +46,13 @@ Beam with_freeze_faults(Beam beam, std::vector<Fault> faults) {
   }
   return [beam = std::move(beam), faults = std::move(faults),
           last_echoes = std::map<std::int64_t, Echo>()](double angle_rad,
-                                                        std::int64_t time_us) mutable {
+                                                        time::SteadyTime fired) mutable {
     const std::int64_t key = std::lround(1e5 * angle_rad);
     const auto last = last_echoes.find(key);
-    if (last != last_echoes.end() && is_any_active(FaultKind::kFreeze, faults, time_us)) {
+    if (last != last_echoes.end() && is_any_active(FaultKind::kFreeze, faults, fired)) {
       return last->second;
     }
-    return last_echoes[key] = beam(angle_rad, time_us);
+    return last_echoes[key] = beam(angle_rad, fired);
   };
 }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <memory>
 
+#include "common/geometry/time.hpp"
 #include "sim/body/robot_model.hpp"
 #include "sim/devices/dynamixel_servo.hpp"
 #include "sim/devices/fault.hpp"
@@ -42,9 +43,9 @@ class SimulatedRobot {
   [[nodiscard]] const RobotModel& model() const { return model_; }
 
   /// Moves the robot model on; to be called before the devices' transmit() at the same time.
-  void advance_to(std::int64_t now_us);
+  void advance_to(time::SteadyTime now);
   /// The next time at which a device has something to do.
-  [[nodiscard]] std::int64_t next_us() const;
+  [[nodiscard]] time::SteadyTime next_due() const;
 
  private:
   RobotModel model_;

@@ -72,7 +72,7 @@ std::string SlcanAdapter::take(char c) {
   return std::exchange(overlong_, false) ? kRefused : handle(line);
 }
 
-std::string SlcanAdapter::from_bus(const CanFrame& frame, std::int64_t now_us) {
+std::string SlcanAdapter::from_bus(const CanFrame& frame, time::SteadyTime now) {
   if (!on_the_bus()) {
     return "";
   }
@@ -83,8 +83,8 @@ std::string SlcanAdapter::from_bus(const CanFrame& frame, std::int64_t now_us) {
     append_hex(text, frame.data[i], 2);
   }
   if (stamps_) {
-    constexpr std::int64_t kStampWrapMs = 60'000;
-    append_hex(text, static_cast<unsigned>(now_us / 1000 % kStampWrapMs), 4);
+    constexpr time::Duration kStampWrap = 60s;
+    append_hex(text, static_cast<unsigned>(now.time_since_epoch() % kStampWrap / 1ms), 4);
   }
   return text + "\r";
 }

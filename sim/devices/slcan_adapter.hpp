@@ -7,6 +7,8 @@
 #include <string>
 #include <string_view>
 
+#include "common/geometry/time.hpp"
+
 namespace nodmap::sim {
 
 /// A data frame with 11-bit identifier.
@@ -26,7 +28,7 @@ class SlcanAdapter {
   /// Takes a character from the host and returns the answer.
   [[nodiscard]] std::string take(char c);
   /// The line that reports a frame on the bus to the host; empty while the channel is closed.
-  [[nodiscard]] std::string from_bus(const CanFrame& frame, std::int64_t now_us);
+  [[nodiscard]] std::string from_bus(const CanFrame& frame, time::SteadyTime now);
 
   [[nodiscard]] bool is_open() const { return channel_ != Channel::kClosed; }
 

@@ -29,8 +29,8 @@ const Bytes kAtLevel = hex("FF FF FD 00 01 08 00 55 00 00 08 00 00 1C 38");
 const Bytes kReadTickToPosition = hex("FF FF FD 00 01 07 00 02 78 00 10 00 35 5D");
 const Bytes kGoalMinusOne = hex("FF FF FD 00 01 09 00 03 74 00 FF FF FF FF C8 89");
 
-constexpr std::int64_t kBootUs = 500'000;
-constexpr std::int64_t kAnswerUs = 5000;
+constexpr time::Duration kBootTime = 500ms;
+constexpr time::Duration kAnswerTime = 5ms;
 
 /// Any instruction, with its checksum; nothing in it needs stuffing.
 Bytes instruction(std::uint8_t code, const Bytes& parameters, std::uint8_t id = 1) {
@@ -93,11 +93,11 @@ class DynamixelTest : public ::testing::Test {
  protected:
   explicit DynamixelTest(const DynamixelParams& params = {})
       : servo_(params, model_), host_(servo_, params.baud) {
-    host_.before_each([this](std::int64_t now_us) { model_.advance_to(now_us); });
-    host_.bytes_for(kBootUs);
+    host_.before_each([this](time::SteadyTime now) { model_.advance_to(now); });
+    host_.bytes_for(kBootTime);
   }
 
-  Bytes ask(const Bytes& bytes) { return host_.ask(bytes, kAnswerUs); }
+  Bytes ask(const Bytes& bytes) { return host_.ask(bytes, kAnswerTime); }
 
   std::uint32_t read(std::uint16_t address, std::uint16_t count) {
     Bytes parameters;
@@ -134,10 +134,10 @@ TEST_F(DynamixelTest, AnswersAsPrinted) {
 
 TEST_F(DynamixelTest, WaitsItsReturnDelayBeforeItAnswers) {
   host_.send(kPing);
-  const auto portions = host_.portions_until(host_.now_us() + kAnswerUs);
+  const auto portions = host_.portions_until(host_.now() + kAnswerTime);
   ASSERT_EQ(portions.size(), 1U);
   // 500 us as delivered, and 14 bytes of 10 us.
-  EXPECT_EQ(portions[0].time_us, kBootUs + 500 + 140);
+  EXPECT_EQ(portions[0].received, test::at(kBootTime + 500us + 140us));
 }
 
 TEST_F(DynamixelTest, MovesAsItsProfileSays) {
@@ -145,11 +145,11 @@ TEST_F(DynamixelTest, MovesAsItsProfileSays) {
   // 60 units of 0.229 rpm are 1.439 rad/s; 40 degrees up are 455 steps.
   EXPECT_THAT(ask(write_u32(112, 60)), ElementsAreArray(kOk));
   EXPECT_THAT(ask(write_u32(116, 2048 + 455)), ElementsAreArray(kOk));
-  host_.bytes_for(200'000);
+  host_.bytes_for(200ms);
   EXPECT_GT(model_.pitch_rad(), 0.0) << "larger positions look up";
   EXPECT_EQ(read(122, 1), 1U) << "moving";
   EXPECT_NEAR(read(128, 4), 60.0, 2.0) << "rounding of rate and register";
-  host_.bytes_for(1'000'000);
+  host_.bytes_for(1s);
   EXPECT_EQ(read(122, 1), 0U);
   EXPECT_NEAR(read(132, 4), 2048.0 + 455.0, 1.0) << "a step";
   EXPECT_NEAR(model_.pitch_rad(), geometry::deg_to_rad(40.0), 2.0 * geometry::kPi / 4096.0);
@@ -157,9 +157,9 @@ TEST_F(DynamixelTest, MovesAsItsProfileSays) {
 
 TEST_F(DynamixelTest, ItsClockCountsMilliseconds) {
   const std::uint32_t first = read(120, 2);
-  host_.bytes_for(1'000'000 - kAnswerUs);
+  host_.bytes_for(1s - kAnswerTime);
   EXPECT_NEAR(read(120, 2), first + 1000.0, 1.0);
-  host_.bytes_for(32'768'000 - 1'000'000 - kAnswerUs);
+  host_.bytes_for(32'768ms - 1s - kAnswerTime);
   EXPECT_NEAR(read(120, 2), first, 3.0) << "wraps at 32768; 30 ppm of 33 s are 1 ms";
 }
 
@@ -199,9 +199,9 @@ TEST_F(DynamixelTest, TheWatchdogStopsAHeadNobodySteers) {
   ask(write_u32(112, 20));
   ask(hex("FF FF FD 00 01 06 00 03 62 00 0A 4A E4"));  // 200 ms
   ask(write_u32(116, 2048 + 600));
-  host_.bytes_for(190'000);
+  host_.bytes_for(190ms);
   EXPECT_GT(model_.pitch_rate_rad_s(), 0.1);
-  host_.bytes_for(200'000);
+  host_.bytes_for(200ms);
   EXPECT_NEAR(model_.pitch_rate_rad_s(), 0.0, 1e-6);
   EXPECT_EQ(read(98, 1), 0xFFU);
   EXPECT_EQ(error_of(ask(write_u32(116, 2048))), 4) << "goals are locked";
@@ -217,7 +217,7 @@ TEST_F(DynamixelTest, AnAlertEndsOnlyWithARestart) {
   ask(kReadPosition);
   EXPECT_EQ(ask(hex("FF FF FD 00 01 03 00 08 2F 4E")).size(), kOk.size());
   EXPECT_THAT(ask(kPing), IsEmpty()) << "restarting";
-  host_.bytes_for(kBootUs);
+  host_.bytes_for(kBootTime);
   EXPECT_THAT(ask(kPing), ElementsAreArray(kPingAnswer));
   EXPECT_EQ(read(64, 1), 0U) << "without torque";
   EXPECT_EQ(read(11, 1), 3U) << "memory outlives it";
@@ -239,7 +239,7 @@ TEST_F(InvertedDynamixelTest, LargerPositionsLookDownAndRequestsComeBack) {
   EXPECT_THAT(Bytes(heard.begin() + 10, heard.end()), ElementsAreArray(kPingAnswer));
   ask(kTorqueOn);
   ask(write_u32(116, 2048 + 200));
-  host_.bytes_for(1'000'000);
+  host_.bytes_for(1s);
   EXPECT_NEAR(model_.pitch_rad(), -200.0 * 2.0 * geometry::kPi / 4096.0, 1e-3);
 }
 

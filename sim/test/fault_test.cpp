@@ -12,6 +12,7 @@
 namespace nodmap::sim {
 namespace {
 
+using test::at;
 using test::Host;
 using ::testing::ElementsAreArray;
 using ::testing::HasSubstr;
@@ -21,14 +22,14 @@ TEST(Fault, IsReadFromText) {
   const Fault unplug = parse_fault("laser:unplug@10+2");
   EXPECT_EQ(unplug.part, Part::kLaser);
   EXPECT_EQ(unplug.kind, FaultKind::kUnplug);
-  EXPECT_FALSE(unplug.active(9'999'999));
-  EXPECT_TRUE(unplug.active(10'000'000));
-  EXPECT_TRUE(unplug.active(11'999'999));
-  EXPECT_FALSE(unplug.active(12'000'000));
+  EXPECT_FALSE(unplug.active(at(9'999'999us)));
+  EXPECT_TRUE(unplug.active(at(10s)));
+  EXPECT_TRUE(unplug.active(at(11'999'999us)));
+  EXPECT_FALSE(unplug.active(at(12s)));
   const Fault corrupt = parse_fault("base:corrupt@5+10.5=0.01");
   EXPECT_EQ(corrupt.part, Part::kBase);
   EXPECT_EQ(corrupt.kind, FaultKind::kCorrupt);
-  EXPECT_EQ(corrupt.end_us(), 15'500'000);
+  EXPECT_EQ(corrupt.end(), at(15'500ms));
   EXPECT_EQ(corrupt.amount, 0.01);
 }
 
@@ -64,18 +65,18 @@ class Counter : public SerialDevice {
   Bytes heard;
 
   void receive(std::span<const std::uint8_t> bytes, int /*baud*/,
-               std::int64_t /*now_us*/) override {
+               time::SteadyTime /*now*/) override {
     append(heard, bytes);
   }
-  void transmit(std::int64_t now_us, int /*baud*/, std::vector<std::uint8_t>& line) override {
-    for (; next_us_ <= now_us; next_us_ += 1000) {
-      line.push_back(static_cast<std::uint8_t>(next_us_ / 1000));
+  void transmit(time::SteadyTime now, int /*baud*/, std::vector<std::uint8_t>& line) override {
+    for (; next_ <= now; next_ += 1ms) {
+      line.push_back(static_cast<std::uint8_t>(next_.time_since_epoch() / 1ms));
     }
   }
-  std::int64_t next_us() const override { return next_us_; }
+  time::SteadyTime next_due() const override { return next_; }
 
  private:
-  std::int64_t next_us_ = 1000;
+  time::SteadyTime next_ = at(1ms);
 };
 
 Bytes numbers(int from, int to) {
@@ -97,16 +98,16 @@ class FaultyDeviceTest : public ::testing::Test {
 TEST_F(FaultyDeviceTest, OutsideOfItsTimeNothingIsAmiss) {
   start("base:drop@0.1+0.05=1");
   Host host(*line_, 9600);
-  EXPECT_THAT(host.bytes_for(99'999), ElementsAreArray(numbers(1, 99)));
-  EXPECT_THAT(host.bytes_for(50'000), IsEmpty());
-  EXPECT_THAT(host.bytes_for(50'001), ElementsAreArray(numbers(150, 200)));
+  EXPECT_THAT(host.bytes_for(99'999us), ElementsAreArray(numbers(1, 99)));
+  EXPECT_THAT(host.bytes_for(50ms), IsEmpty());
+  EXPECT_THAT(host.bytes_for(50'001us), ElementsAreArray(numbers(150, 200)));
 }
 
 TEST_F(FaultyDeviceTest, DropsAShareInBothDirections) {
   start("base:drop@0+100=0.25");
   Host host(*line_, 9600);
   // 10000 draws: the standard deviation is 43.
-  EXPECT_NEAR(static_cast<double>(host.bytes_for(10'000'000).size()), 7500.0, 200.0);
+  EXPECT_NEAR(static_cast<double>(host.bytes_for(10s).size()), 7500.0, 200.0);
   host.send(Bytes(10'000, 7));
   EXPECT_NEAR(static_cast<double>(counter_.heard.size()), 7500.0, 200.0);
 }
@@ -114,7 +115,7 @@ TEST_F(FaultyDeviceTest, DropsAShareInBothDirections) {
 TEST_F(FaultyDeviceTest, CorruptsABitInAShare) {
   start("base:corrupt@0+100=0.1");
   Host host(*line_, 9600);
-  const Bytes heard = host.bytes_for(10'000'000);
+  const Bytes heard = host.bytes_for(10s);
   ASSERT_EQ(heard.size(), 10'000U);
   int wrong = 0;
   for (std::size_t i = 0; i < heard.size(); ++i) {
@@ -128,24 +129,24 @@ TEST_F(FaultyDeviceTest, CorruptsABitInAShare) {
 TEST_F(FaultyDeviceTest, DelaysWithoutOvertaking) {
   start("base:delay@0.05+0.05=0.02");
   Host host(*line_, 9600);
-  EXPECT_THAT(host.bytes_for(49'999), ElementsAreArray(numbers(1, 49)));
-  EXPECT_THAT(host.bytes_for(20'000), IsEmpty());
-  EXPECT_THAT(host.bytes_for(10'001), ElementsAreArray(numbers(50, 60)));
+  EXPECT_THAT(host.bytes_for(49'999us), ElementsAreArray(numbers(1, 49)));
+  EXPECT_THAT(host.bytes_for(20ms), IsEmpty());
+  EXPECT_THAT(host.bytes_for(10'001us), ElementsAreArray(numbers(50, 60)));
   // Those of after the fault wait for the last late one, of 99 ms.
-  EXPECT_THAT(host.bytes_for(38'000), ElementsAreArray(numbers(61, 98)));
-  EXPECT_THAT(host.bytes_for(2'000), ElementsAreArray(numbers(99, 120)));
+  EXPECT_THAT(host.bytes_for(38ms), ElementsAreArray(numbers(61, 98)));
+  EXPECT_THAT(host.bytes_for(2ms), ElementsAreArray(numbers(99, 120)));
 }
 
 TEST_F(FaultyDeviceTest, UnpluggedNothingPassesEitherWay) {
   start("base:unplug@0.1+0.1");
   Host host(*line_, 9600);
-  host.bytes_for(99'999);
-  EXPECT_TRUE(line_->plugged_in(host.now_us()));
-  EXPECT_THAT(host.bytes_for(100'000), IsEmpty());
-  EXPECT_FALSE(line_->plugged_in(host.now_us()));
+  host.bytes_for(99'999us);
+  EXPECT_TRUE(line_->plugged_in(host.now()));
+  EXPECT_THAT(host.bytes_for(100ms), IsEmpty());
+  EXPECT_FALSE(line_->plugged_in(host.now()));
   host.send(Bytes{1, 2, 3});
   EXPECT_THAT(counter_.heard, IsEmpty());
-  EXPECT_THAT(host.bytes_for(10'001), ElementsAreArray(numbers(200, 210)));
+  EXPECT_THAT(host.bytes_for(10'001us), ElementsAreArray(numbers(200, 210)));
   host.send(Bytes{4});
   EXPECT_THAT(counter_.heard, ElementsAreArray(Bytes{4}));
 }
@@ -153,33 +154,33 @@ TEST_F(FaultyDeviceTest, UnpluggedNothingPassesEitherWay) {
 TEST_F(FaultyDeviceTest, SilentItStillReceives) {
   start("base:silent@0+1");
   Host host(*line_, 9600);
-  EXPECT_THAT(host.bytes_for(500'000), IsEmpty());
+  EXPECT_THAT(host.bytes_for(500ms), IsEmpty());
   host.send(Bytes{1, 2, 3});
   EXPECT_THAT(counter_.heard, ElementsAreArray(Bytes{1, 2, 3}));
 }
 
 TEST(FreezeFault, RepeatsTheLastMeasurementOfEachAngle) {
-  const Beam clock = [](double angle_rad, std::int64_t time_us) {
-    return Echo{Echo::Kind::kRange, angle_rad + 1e-6 * static_cast<double>(time_us), 0.5};
+  const Beam clock = [](double angle_rad, time::SteadyTime fired) {
+    return Echo{Echo::Kind::kRange, angle_rad + time::seconds(fired.time_since_epoch()), 0.5};
   };
   const Beam beam = with_freeze_faults(clock, {parse_fault("laser:freeze@1+1")});
-  EXPECT_EQ(beam(0.5, 900'000).range_m, 0.5 + 0.9);
-  EXPECT_EQ(beam(0.6, 900'000).range_m, 0.6 + 0.9);
-  EXPECT_EQ(beam(0.5, 1'500'000).range_m, 0.5 + 0.9);
-  EXPECT_EQ(beam(0.6, 1'900'000).range_m, 0.6 + 0.9);
-  EXPECT_EQ(beam(0.5, 2'000'000).range_m, 2.5);
+  EXPECT_EQ(beam(0.5, at(900ms)).range_m, 0.5 + 0.9);
+  EXPECT_EQ(beam(0.6, at(900ms)).range_m, 0.6 + 0.9);
+  EXPECT_EQ(beam(0.5, at(1500ms)).range_m, 0.5 + 0.9);
+  EXPECT_EQ(beam(0.6, at(1900ms)).range_m, 0.6 + 0.9);
+  EXPECT_EQ(beam(0.5, at(2s)).range_m, 2.5);
 }
 
 TEST(SimulatedRobot, AStalledServoStays) {
   SimulatedRobot robot(World{}, {}, {parse_fault("servo:stall@1+1")}, 1);
   Host host(robot.device(Part::kServo), 1'000'000);
-  host.before_each([&robot](std::int64_t now_us) { robot.advance_to(now_us); });
-  host.bytes_for(900'000);
-  host.ask(test::hex("FF FF FD 00 01 06 00 03 40 00 01 DB 66"), 200'000);     // torque
-  host.ask(test::hex("FF FF FD 00 01 09 00 03 74 00 00 02 00 00 CA 89"), 0);  // far down
-  host.bytes_for(800'000);
+  host.before_each([&robot](time::SteadyTime now) { robot.advance_to(now); });
+  host.bytes_for(900ms);
+  host.ask(test::hex("FF FF FD 00 01 06 00 03 40 00 01 DB 66"), 200ms);        // torque
+  host.ask(test::hex("FF FF FD 00 01 09 00 03 74 00 00 02 00 00 CA 89"), 0s);  // far down
+  host.bytes_for(800ms);
   EXPECT_NEAR(robot.model().pitch_rad(), 0.0, 1e-3);
-  host.bytes_for(2'000'000);
+  host.bytes_for(2s);
   EXPECT_LT(robot.model().pitch_rad(), -0.5);
 }
 

@@ -18,9 +18,14 @@ inline Bytes text_bytes(const std::string& text) {
   return {text.begin(), text.end()};
 }
 
+/// A time of the simulation.
+constexpr time::SteadyTime at(time::Duration since_start) {
+  return time::SteadyTime(since_start);
+}
+
 /// A burst of bytes that left a device, and when transmit() gave it.
 struct Portion {
-  std::int64_t time_us = 0;
+  time::SteadyTime received{};
   Bytes bytes;
 };
 
@@ -32,52 +37,52 @@ class Host {
 
   int baud() const { return baud_; }
   void set_baud(int baud) { baud_ = baud; }
-  std::int64_t now_us() const { return now_us_; }
+  time::SteadyTime now() const { return now_; }
 
-  void send(ByteView bytes) { device_.receive(bytes, baud_, now_us_); }
+  void send(ByteView bytes) { device_.receive(bytes, baud_, now_); }
 
   /// What comes up to a time, in portions.
-  std::vector<Portion> portions_until(std::int64_t end_us) {
+  std::vector<Portion> portions_until(time::SteadyTime end) {
     std::vector<Portion> portions;
     while (true) {
-      const std::int64_t next_us = std::max(now_us_, device_.next_us());
-      now_us_ = std::min(next_us, end_us);
+      const time::SteadyTime next = std::max(now_, device_.next_due());
+      now_ = std::min(next, end);
       if (before_) {
-        before_(now_us_);
+        before_(now_);
       }
-      Portion portion{now_us_, {}};
-      device_.transmit(now_us_, baud_, portion.bytes);
+      Portion portion{now_, {}};
+      device_.transmit(now_, baud_, portion.bytes);
       if (!portion.bytes.empty()) {
         portions.push_back(portion);
       }
-      if (next_us >= end_us) {
+      if (next >= end) {
         return portions;
       }
     }
   }
 
-  Bytes bytes_for(std::int64_t duration_us) {
+  Bytes bytes_for(time::Duration duration) {
     Bytes all;
-    for (const Portion& portion : portions_until(now_us_ + duration_us)) {
+    for (const Portion& portion : portions_until(now_ + duration)) {
       append(all, portion.bytes);
     }
     return all;
   }
 
   /// What comes within a time after these bytes.
-  Bytes ask(ByteView bytes, std::int64_t duration_us = 1'500'000) {
+  Bytes ask(ByteView bytes, time::Duration duration = 1500ms) {
     send(bytes);
-    return bytes_for(duration_us);
+    return bytes_for(duration);
   }
 
   /// Called before each transmit(), as a simulation moves its world on.
-  void before_each(std::function<void(std::int64_t)> before) { before_ = std::move(before); }
+  void before_each(std::function<void(time::SteadyTime)> before) { before_ = std::move(before); }
 
  private:
   SerialDevice& device_;
   int baud_;
-  std::int64_t now_us_ = 0;
-  std::function<void(std::int64_t)> before_;
+  time::SteadyTime now_{};
+  std::function<void(time::SteadyTime)> before_;
 };
 
 }  // namespace nodmap::sim::test

@@ -11,6 +11,7 @@
 namespace nodmap::sim {
 namespace {
 
+using test::at;
 using test::Host;
 using test::text_bytes;
 
@@ -58,45 +59,45 @@ TEST(SlcanAdapter, RefusesBrokenLines) {
 TEST(SlcanAdapter, AListenerSendsNothing) {
   SlcanAdapter adapter([](const CanFrame& /*frame*/) { ADD_FAILURE(); });
   EXPECT_EQ(answers(adapter, "S8\rL\rt1230\r"), "\r\r\a");
-  EXPECT_EQ(adapter.from_bus({0x009, 0, {}}, 0), "t0090\r");
+  EXPECT_EQ(adapter.from_bus({0x009, 0, {}}, at(0s)), "t0090\r");
 }
 
 TEST(SlcanAdapter, AtAnotherRateTheBusIsMute) {
   SlcanAdapter adapter([](const CanFrame& /*frame*/) { ADD_FAILURE(); });
   EXPECT_EQ(answers(adapter, std::string("S6\rO\r") + kZero + "F\r"), "\r\rz\rF80\r");
-  EXPECT_EQ(adapter.from_bus({}, 0), "");
+  EXPECT_EQ(adapter.from_bus({}, at(0s)), "");
 }
 
 TEST(SlcanAdapter, TellsFramesAsPrinted) {
   SlcanAdapter adapter([](const CanFrame& /*frame*/) {});
   const CanFrame encoders{0x009, 8, {0x00, 0x64, 0xFF, 0x9C, 0, 0, 0, 0}};
-  EXPECT_EQ(adapter.from_bus(encoders, 0), "") << "closed";
+  EXPECT_EQ(adapter.from_bus(encoders, at(0s)), "") << "closed";
   answers(adapter, "S8\rO\r");
-  EXPECT_EQ(adapter.from_bus(encoders, 1'234'000), "t00980064FF9C00000000\r");
+  EXPECT_EQ(adapter.from_bus(encoders, at(1234ms)), "t00980064FF9C00000000\r");
   answers(adapter, "C\rZ1\rO\r");
-  EXPECT_EQ(adapter.from_bus(encoders, 1'234'000), "t00980064FF9C0000000004D2\r");
-  EXPECT_EQ(adapter.from_bus({0x009, 0, {}}, 60'001'000), "t00900001\r") << "wraps at a minute";
+  EXPECT_EQ(adapter.from_bus(encoders, at(1234ms)), "t00980064FF9C0000000004D2\r");
+  EXPECT_EQ(adapter.from_bus({0x009, 0, {}}, at(60'001ms)), "t00900001\r") << "wraps at a minute";
 }
 
 class KurtTest : public ::testing::Test {
  protected:
   KurtTest() {
-    host_.before_each([this](std::int64_t now_us) { model_.advance_to(now_us); });
+    host_.before_each([this](time::SteadyTime now) { model_.advance_to(now); });
     say("S8\rO\r");
   }
 
   void say(const std::string& text) { host_.send(text_bytes(text)); }
 
   /// Says a line every 10 ms, as the driver does.
-  void drive(const std::string& line, std::int64_t duration_us) {
-    for (std::int64_t i = 0; i < duration_us / 10'000; ++i) {
+  void drive(const std::string& line, time::Duration duration) {
+    for (std::int64_t i = 0; i < duration / 10ms; ++i) {
       say(line);
-      listen(10'000);
+      listen(10ms);
     }
   }
 
-  void listen(std::int64_t duration_us) {
-    const Bytes bytes = host_.bytes_for(duration_us);
+  void listen(time::Duration duration) {
+    const Bytes bytes = host_.bytes_for(duration);
     heard_.append(bytes.begin(), bytes.end());
   }
 
@@ -127,7 +128,7 @@ class KurtTest : public ::testing::Test {
 };
 
 TEST_F(KurtTest, SendsItsEncodersEveryTenMilliseconds) {
-  drive(kZero, 10'000'000);
+  drive(kZero, 10s);
   EXPECT_EQ(frames("009").size(), 999U) << "a clock 20 ppm slow misses the end by 0.2 ms";
   for (const char* id : {"005", "006", "007", "008", "00C", "00D", "00E"}) {
     EXPECT_NEAR(static_cast<double>(frames(id).size()), 1000.0 / 7.0, 1.0) << id;
@@ -136,7 +137,7 @@ TEST_F(KurtTest, SendsItsEncodersEveryTenMilliseconds) {
 
 // No tick is lost, none invented: the sum of what was told is the way the wheels went.
 TEST_F(KurtTest, EncodersCarryTheRemainder) {
-  drive("t00180002000700030001\r", 5'000'000);  // 7 and 3 cm/s: parts of a tick in each period
+  drive("t00180002000700030001\r", 5s);  // 7 and 3 cm/s: parts of a tick in each period
   std::int64_t left = 0;
   std::int64_t right = 0;
   std::set<int> deltas;
@@ -153,47 +154,47 @@ TEST_F(KurtTest, EncodersCarryTheRemainder) {
 }
 
 TEST_F(KurtTest, GoesAsFastAsItIsTold) {
-  drive(kHalfMps, 3'000'000);
+  drive(kHalfMps, 3s);
   EXPECT_NEAR(model_.wheel_speeds().left_mps, 0.5, 0.01);
   EXPECT_NEAR(model_.wheel_speeds().right_mps, 0.5, 0.01);
-  drive(kTurn, 3'000'000);
+  drive(kTurn, 3s);
   EXPECT_NEAR(model_.wheel_speeds().left_mps, -0.2, 0.01);
   EXPECT_NEAR(model_.wheel_speeds().right_mps, 0.2, 0.01);
-  drive("t00180001001D001D0000\r", 3'000'000);  // 29 ticks in a period
+  drive("t00180001001D001D0000\r", 3s);  // 29 ticks in a period
   EXPECT_NEAR(model_.wheel_speeds().left_mps, 29 * kMPerTick / 0.01, 0.01);
   // Duty 103 of 1023 backward on the left, forward on the right: a tenth of 5.2 m/s.
-  drive("t00180000020398000398\r", 3'000'000);
+  drive("t00180000020398000398\r", 3s);
   EXPECT_NEAR(model_.wheel_speeds().left_mps, -0.52, 0.02);
   EXPECT_NEAR(model_.wheel_speeds().right_mps, 0.52, 0.02);
 }
 
 TEST_F(KurtTest, BrakesOnTheHardStop) {
-  drive(kHalfMps, 2'000'000);
-  drive(kHardStop, 1'000'000);
+  drive(kHalfMps, 2s);
+  drive(kHardStop, 1s);
   EXPECT_NEAR(model_.wheel_speeds().left_mps, 0.0, 1e-3);
 }
 
 TEST_F(KurtTest, DropsOutWhenNobodySteersIt) {
-  drive(kHalfMps, 2'000'000);
-  listen(80'000);  // 90 ms since the last word
+  drive(kHalfMps, 2s);
+  listen(80ms);  // 90 ms since the last word
   EXPECT_NEAR(model_.wheel_speeds().left_mps, 0.5, 0.01);
-  listen(1'500'000);
+  listen(1500ms);
   EXPECT_NEAR(model_.wheel_speeds().left_mps, 0.0, 1e-3);
 }
 
 TEST_F(KurtTest, AResetStopsTheMotorsAndSilencesTheBaseForAWhile) {
-  drive(kHalfMps, 1'000'000);
+  drive(kHalfMps, 1s);
   heard_.clear();
   say(kReset);
-  listen(200'000);
+  listen(200ms);
   EXPECT_TRUE(frames("009").empty());
-  listen(800'000);
+  listen(800ms);
   EXPECT_EQ(frames("009").size(), 79U);
   EXPECT_NEAR(model_.wheel_speeds().left_mps, 0.0, 1e-3);
 }
 
 TEST_F(KurtTest, ReadingsOfAQuietRobot) {
-  drive(kZero, 1'000'000);
+  drive(kZero, 1s);
   for (const auto& tilt : frames("00D")) {
     EXPECT_EQ(tilt[0], 32'768);
     EXPECT_EQ(tilt[1], 32'768);
@@ -205,7 +206,7 @@ TEST_F(KurtTest, ReadingsOfAQuietRobot) {
 }
 
 TEST_F(KurtTest, TheGyroTurnsWithTheRobot) {
-  drive(kTurn, 1'000'000);
+  drive(kTurn, 1s);
   const auto angle = frames("00E").back();
   const auto raw = static_cast<std::int32_t>(static_cast<std::uint32_t>(angle[0]) << 16U |
                                              static_cast<std::uint32_t>(angle[1]));
@@ -219,12 +220,12 @@ TEST_F(KurtTest, TheGyroTurnsWithTheRobot) {
 TEST_F(KurtTest, AnotherRateIsNoise) {
   host_.set_baud(115'200);
   heard_.clear();
-  listen(100'000);
+  listen(100ms);
   EXPECT_TRUE(frames("009").empty());
   say("C\r");
   host_.set_baud(1'000'000);
   heard_.clear();
-  listen(100'000);
+  listen(100ms);
   EXPECT_EQ(frames("009").size(), 10U) << "the channel is still open";
 }
 
@@ -233,10 +234,10 @@ TEST(Kurt, TheSameSaidTwiceGivesTheSameTwice) {
     RobotModel model(World{}, {}, 7);
     SlcanKurtBase kurt({}, model);
     Host host(kurt, 1'000'000);
-    host.before_each([&model](std::int64_t now_us) { model.advance_to(now_us); });
-    Bytes all = host.ask(text_bytes("S8\rO\r"), 10'000);
+    host.before_each([&model](time::SteadyTime now) { model.advance_to(now); });
+    Bytes all = host.ask(text_bytes("S8\rO\r"), 10ms);
     for (int i = 0; i < 200; ++i) {
-      append(all, host.ask(text_bytes(kTurn), 10'000));
+      append(all, host.ask(text_bytes(kTurn), 10ms));
     }
     return all;
   };

@@ -33,16 +33,16 @@ const Bytes kPowerOn =
     hex("02 80 17 00 90 4C 4D 53 32 30 30 3B 33 30 31 30 36 33 3B 56 30 32 2E 31 30 20 10 63 5E");
 const Bytes kWriteConfig = hex("02 00 23 00 77 00 00 70 00 02 06 01 00 00 02 02 00x21 02 00 51 49");
 
-constexpr std::int64_t kBootUs = 1'000'000;
+constexpr time::Duration kBootTime = 1s;
 /// The answer to a mode begins after 50 ms, and no scan before its nine bytes have left.
-constexpr std::int64_t kModeUs = 50'190;
+constexpr time::Duration kModeTime = 50'190us;
 
-Echo flat(double /*angle_rad*/, std::int64_t /*time_us*/) {
+Echo flat(double /*angle_rad*/, time::SteadyTime /*fired*/) {
   return {Echo::Kind::kRange, 1.0, 0.5};
 }
 
 /// Millimetres that grow by one with each degree, from 1000 at the right.
-Echo ramp(double angle_rad, std::int64_t /*time_us*/) {
+Echo ramp(double angle_rad, time::SteadyTime /*fired*/) {
   return {Echo::Kind::kRange, 1.0 + 0.001 * (geometry::rad_to_deg(angle_rad) + 90.0), 0.5};
 }
 
@@ -67,24 +67,24 @@ class Lms200Test : public ::testing::Test {
   void start(const Lms200Params& params, Beam beam) {
     laser_ = std::make_unique<Lms200>(params, std::move(beam));
     host_ = std::make_unique<Host>(*laser_, params.baud);
-    EXPECT_THAT(host_->bytes_for(2 * kBootUs), ElementsAreArray(kPowerOn));
+    EXPECT_THAT(host_->bytes_for(2 * kBootTime), ElementsAreArray(kPowerOn));
   }
   void start() { start(params(), flat); }
 
-  Bytes ask(const std::string& request, std::int64_t duration_us = 1'500'000) {
-    return host_->ask(hex(request), duration_us);
+  Bytes ask(const std::string& request, time::Duration duration = 1500ms) {
+    return host_->ask(hex(request), duration);
   }
 
   /// First-byte times of the telegrams that come in a time, from a stream that is going on.
-  std::vector<std::int64_t> telegram_starts(std::size_t size, std::int64_t duration_us) {
-    std::vector<std::int64_t> starts;
+  std::vector<time::SteadyTime> telegram_starts(std::size_t size, time::Duration duration) {
+    std::vector<time::SteadyTime> starts;
     std::size_t count = 0;
-    for (const auto& portion : host_->portions_until(host_->now_us() + duration_us)) {
+    for (const auto& portion : host_->portions_until(host_->now() + duration)) {
       const std::size_t before = (count + size - 1) / size;
       count += portion.bytes.size();
       if ((count + size - 1) / size > before) {
         const auto into = static_cast<double>(count - before * size);
-        starts.push_back(portion.time_us - std::llround(into * 1e7 / host_->baud()));
+        starts.push_back(portion.received - time::from_seconds(into * 10.0 / host_->baud()));
       }
     }
     return starts;
@@ -97,8 +97,8 @@ class Lms200Test : public ::testing::Test {
 TEST_F(Lms200Test, SaysNothingBeforeItHasStarted) {
   Lms200 laser(params(), flat);
   Host host(laser, 500'000);
-  EXPECT_THAT(host.ask(kStop, kBootUs - 1), IsEmpty());
-  EXPECT_THAT(host.bytes_for(10'000), ElementsAreArray(kPowerOn));
+  EXPECT_THAT(host.ask(kStop, kBootTime - 1us), IsEmpty());
+  EXPECT_THAT(host.bytes_for(10ms), ElementsAreArray(kPowerOn));
 }
 
 TEST_F(Lms200Test, AnswersAsPrinted) {
@@ -166,7 +166,7 @@ TEST_F(Lms200Test, AnswersUnderItsOwnAddress) {
   first.address = 1;
   laser_ = std::make_unique<Lms200>(first, flat);
   host_ = std::make_unique<Host>(*laser_, 500'000);
-  host_->bytes_for(2 * kBootUs);
+  host_->bytes_for(2 * kBootTime);
   EXPECT_THAT(host_->ask(kStop), ElementsAreArray(kAck + hex("02 81 03 00 A0 00 10 36 1A")));
 }
 
@@ -179,7 +179,7 @@ TEST_F(Lms200Test, HearsAndIsHeardOnlyAtItsRate) {
   host_->set_baud(9600);
   host_->send(kStop);
   host_->set_baud(500'000);
-  const Bytes noise = host_->bytes_for(1'000'000);
+  const Bytes noise = host_->bytes_for(1s);
   EXPECT_FALSE(noise.empty());
   EXPECT_THAT(noise, ::testing::Not(ElementsAreArray(kAck + kModeOk)));
 }
@@ -193,10 +193,10 @@ TEST_F(Lms200Test, ChangesItsRateAfterAnsweringAtTheOldOne) {
   host_->set_baud(500'000);
   EXPECT_THAT(host_->ask(kStop), ElementsAreArray(kAck + kModeOk));
   // A restart takes it back to 9600, for nobody made the rate permanent.
-  EXPECT_THAT(ask("02 00 01 00 10 34 12", 500'000),
+  EXPECT_THAT(ask("02 00 01 00 10 34 12", 500ms),
               ElementsAreArray(kAck + hex("02 80 02 00 91 10 79 30")));
   host_->set_baud(9600);
-  EXPECT_THAT(host_->bytes_for(2 * kBootUs), ElementsAreArray(kPowerOn));
+  EXPECT_THAT(host_->bytes_for(2 * kBootTime), ElementsAreArray(kPowerOn));
 }
 
 TEST_F(Lms200Test, APermanentRateOutlivesARestart) {
@@ -206,25 +206,25 @@ TEST_F(Lms200Test, APermanentRateOutlivesARestart) {
   ask("02 00 02 00 20 40 50 08");
   host_->set_baud(38'400);
   ask("02 00 02 00 66 01 9D 4E");
-  ask("02 00 01 00 10 34 12", 200'000);
-  EXPECT_THAT(host_->bytes_for(2 * kBootUs), ElementsAreArray(kPowerOn));
+  ask("02 00 01 00 10 34 12", 200ms);
+  EXPECT_THAT(host_->bytes_for(2 * kBootTime), ElementsAreArray(kPowerOn));
 }
 
 TEST_F(Lms200Test, SendsMeasuredValuesAsComputed) {
   Lms200Params no_indices = params();
   no_indices.config[4] = 0;
   start(no_indices, flat);
-  const Bytes scan = ask("02 00 02 00 30 01 31 18", 60'000);
+  const Bytes scan = ask("02 00 02 00 30 01 31 18", 60ms);
   EXPECT_THAT(scan, ElementsAreArray(kAck + hex("02 80 6E 01 B0 B5 40") + words(181, 1000, 0) +
                                      hex("10 95 6D")));
   start(no_indices, ramp);
   EXPECT_THAT(
-      ask("02 00 02 00 30 01 31 18", 60'000),
+      ask("02 00 02 00 30 01 31 18", 60ms),
       ElementsAreArray(kAck + hex("02 80 6E 01 B0 B5 40") + words(181, 1000, 1) + hex("10 B3 BE")));
   start(no_indices, flat);
   host_->ask(kVariant180x050);
   EXPECT_THAT(
-      ask("02 00 02 00 30 01 31 18", 100'000),
+      ask("02 00 02 00 30 01 31 18", 100ms),
       ElementsAreArray(kAck + hex("02 80 D6 02 B0 69 41") + words(361, 1000, 0) + hex("10 55 F1")));
 }
 
@@ -251,53 +251,54 @@ TEST_F(Lms200Test, CodesWhatIsNoRange) {
 // R1: 75 turns a second; the first byte leaves when the last beam has been measured.
 TEST_F(Lms200Test, StreamsEachTurnAtTheEndOfItsHalf) {
   start();
-  EXPECT_THAT(host_->ask(kStream, kModeUs), ElementsAreArray(kAck + kModeOk));
-  const std::vector<std::int64_t> starts = telegram_starts(374, 10'000'000);
+  EXPECT_THAT(host_->ask(kStream, kModeTime), ElementsAreArray(kAck + kModeOk));
+  const std::vector<time::SteadyTime> starts = telegram_starts(374, 10s);
   ASSERT_GT(starts.size(), 700U);
-  const double mean_us =
-      static_cast<double>(starts.back() - starts.front()) / static_cast<double>(starts.size() - 1);
+  const double mean_us = time::FineDuration(starts.back() - starts.front()).count() /
+                         static_cast<double>(starts.size() - 1);
   EXPECT_NEAR(mean_us, 13'320.0, 1.0);
-  for (const std::int64_t start_us : starts) {
+  for (const time::SteadyTime start : starts) {
     // Turns begin every 13.32 ms from power-on at 0; their measuring half lasts 6.66 ms. Rounding
     // to whole microseconds, of the byte's duration and of the turn, costs up to 2.
-    EXPECT_NEAR(std::remainder(static_cast<double>(start_us) - 6660.0, 13'320.0), 0.0, 2.0);
+    EXPECT_NEAR(std::remainder(time::FineDuration(start - test::at(6660us)).count(), 13'320.0), 0.0,
+                2.0);
   }
 }
 
 TEST_F(Lms200Test, HalfDegreesTakeTwoTurns) {
   start();
   host_->ask(kVariant180x050);
-  host_->ask(kStream, kModeUs);
-  const std::vector<std::int64_t> starts = telegram_starts(734, 5'000'000);
+  host_->ask(kStream, kModeTime);
+  const std::vector<time::SteadyTime> starts = telegram_starts(734, 5s);
   ASSERT_GT(starts.size(), 150U);
-  const double mean_us =
-      static_cast<double>(starts.back() - starts.front()) / static_cast<double>(starts.size() - 1);
+  const double mean_us = time::FineDuration(starts.back() - starts.front()).count() /
+                         static_cast<double>(starts.size() - 1);
   EXPECT_NEAR(mean_us, 26'640.0, 1.0);
 }
 
 TEST_F(Lms200Test, EachBeamIsMeasuredAtItsOwnTime) {
-  std::vector<std::pair<double, std::int64_t>> fired;
-  start(params(), [&fired](double angle_rad, std::int64_t time_us) {
-    fired.emplace_back(geometry::rad_to_deg(angle_rad), time_us);
+  std::vector<std::pair<double, time::SteadyTime>> beams;
+  start(params(), [&beams](double angle_rad, time::SteadyTime fired) {
+    beams.emplace_back(geometry::rad_to_deg(angle_rad), fired);
     return Echo{Echo::Kind::kRange, 1.0, 0.5};
   });
   host_->ask(kVariant180x050);
-  fired.clear();
-  ask("02 00 02 00 30 01 31 18", 100'000);
-  ASSERT_EQ(fired.size(), 361U);
-  EXPECT_NEAR(fired.front().first, -90.0, 1e-9);
-  EXPECT_NEAR(fired[180].first, 90.0, 1e-9);
-  EXPECT_NEAR(fired[181].first, -89.5, 1e-9);
-  EXPECT_NEAR(fired.back().first, 89.5, 1e-9);
-  EXPECT_EQ(fired[180].second - fired[0].second, 6660) << "half a turn";
+  beams.clear();
+  ask("02 00 02 00 30 01 31 18", 100ms);
+  ASSERT_EQ(beams.size(), 361U);
+  EXPECT_NEAR(beams.front().first, -90.0, 1e-9);
+  EXPECT_NEAR(beams[180].first, 90.0, 1e-9);
+  EXPECT_NEAR(beams[181].first, -89.5, 1e-9);
+  EXPECT_NEAR(beams.back().first, 89.5, 1e-9);
+  EXPECT_EQ(beams[180].second - beams[0].second, 6660us) << "half a turn";
   // The second turn begins 13.32 ms after the first, half a degree (18.5 us) into it.
-  EXPECT_NEAR(static_cast<double>(fired[181].second - fired[0].second), 13'338.5, 1.0);
+  EXPECT_NEAR(time::FineDuration(beams[181].second - beams[0].second).count(), 13'338.5, 1.0);
 }
 
 TEST_F(Lms200Test, CountsTurnsAndTelegrams) {
   start();
-  host_->ask(kStream, kModeUs);
-  const Bytes stream = host_->bytes_for(4'000'000);
+  host_->ask(kStream, kModeTime);
+  const Bytes stream = host_->bytes_for(4s);
   for (std::size_t i = 1; (i + 1) * 374 <= stream.size(); ++i) {
     const auto index = [&stream](std::size_t telegram, std::size_t which) {
       return stream[telegram * 374 + 7 + 362 + which];
@@ -311,13 +312,13 @@ TEST_F(Lms200Test, SlowLinesSkipTurns) {
   Lms200Params slow = params();
   slow.baud = 38'400;
   start(slow, flat);
-  host_->ask(kStream, 54'000);
+  host_->ask(kStream, 54ms);
   std::set<int> steps;
-  const std::vector<std::int64_t> starts = telegram_starts(374, 5'000'000);
+  const std::vector<time::SteadyTime> starts = telegram_starts(374, 5s);
   ASSERT_GT(starts.size(), 40U);
   for (std::size_t i = 1; i < starts.size(); ++i) {
     steps.insert(
-        static_cast<int>(std::lround(static_cast<double>(starts[i] - starts[i - 1]) / 13'320.0)));
+        static_cast<int>(std::lround((starts[i] - starts[i - 1]) / time::FineDuration(13'320.0))));
   }
   // 374 bytes take 97.4 ms: the line is free again within the eighth turn.
   EXPECT_THAT(steps, ::testing::ElementsAre(8));
@@ -326,8 +327,8 @@ TEST_F(Lms200Test, SlowLinesSkipTurns) {
 TEST_F(Lms200Test, PartialScansComeEveryTurnShiftedInTurn) {
   start(params(), ramp);
   ask("02 00 05 00 3B 64 00 19 00 E7 72");
-  ask("02 00 02 00 20 2A 3A 08", kModeUs);
-  const Bytes stream = host_->bytes_for(200'000);
+  ask("02 00 02 00 20 2A 3A 08", kModeTime);
+  const Bytes stream = host_->bytes_for(200ms);
   std::vector<std::uint32_t> headers;
   std::vector<std::uint32_t> firsts;
   for (std::size_t at = 0; at + 7 < stream.size();) {
@@ -346,10 +347,10 @@ TEST_F(Lms200Test, PartialScansComeEveryTurnShiftedInTurn) {
 
 TEST_F(Lms200Test, ARequestInterruptsATelegram) {
   start();
-  host_->ask(kStream, kModeUs);
-  host_->bytes_for(13'320 * 10);
-  const Bytes partly = host_->bytes_for(2000);
-  const Bytes last = host_->ask(kStop, 200'000);
+  host_->ask(kStream, kModeTime);
+  host_->bytes_for(10 * 13'320us);
+  const Bytes partly = host_->bytes_for(2ms);
+  const Bytes last = host_->ask(kStop, 200ms);
   ASSERT_GT(last.size(), kModeOk.size());
   EXPECT_THAT(Bytes(last.end() - static_cast<std::ptrdiff_t>(kModeOk.size()), last.end()),
               ElementsAreArray(kModeOk));
@@ -361,7 +362,7 @@ TEST_F(Lms200Test, TellsThatItsWindowIsDirty) {
   dirty.polluted = true;
   laser_ = std::make_unique<Lms200>(dirty, flat);
   host_ = std::make_unique<Host>(*laser_, 500'000);
-  host_->bytes_for(2 * kBootUs);
+  host_->bytes_for(2 * kBootTime);
   EXPECT_EQ(host_->ask(kStop)[7], 0x90);
 }
 

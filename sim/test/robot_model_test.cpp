@@ -7,12 +7,13 @@
 #include <cmath>
 #include <vector>
 
+#include "sim/test/host.hpp"
+
 namespace nodmap::sim {
 namespace {
 
 using geometry::deg_to_rad;
-
-constexpr std::int64_t kSecond = 1'000'000;
+using test::at;
 
 /// A robot without noise or slip, in a world of its own.
 RobotModelParams exact_params() {
@@ -44,10 +45,10 @@ std::vector<double> drive(std::uint64_t seed) {
   model.set_wheel_speeds({0.8, 1.0});
   model.set_pitch_goal({0.2, 1.0, 20.0});
   std::vector<double> numbers;
-  for (std::int64_t t = 0; t < 2 * kSecond; t += 13'320) {
-    model.advance_to(t);
+  for (time::SteadyTime now{}; now < at(2s); now += 13'320us) {
+    model.advance_to(now);
     for (int beam = -90; beam <= 90; beam += 30) {
-      numbers.push_back(model.measure(deg_to_rad(beam), t - 5'000).range_m);
+      numbers.push_back(model.measure(deg_to_rad(beam), now - 5ms).range_m);
     }
     const GroundTruth truth = model.ground_truth();
     numbers.push_back(truth.T_world_base.translation().x());
@@ -64,7 +65,7 @@ TEST(RobotModel, SameSeedSameNumbersOtherSeedOthers) {
 
 TEST(RobotModel, StandingRobotStaysAndCountsNothing) {
   RobotModel model(wall_ahead(2.0), {}, 1);
-  model.advance_to(10 * kSecond);
+  model.advance_to(at(10s));
   EXPECT_EQ(model.wheel_travel().left_m, 0.0);
   EXPECT_EQ(model.wheel_travel().right_m, 0.0);
   EXPECT_TRUE(model.ground_truth().T_world_base.isApprox(geometry::SE3::Identity()));
@@ -73,37 +74,37 @@ TEST(RobotModel, StandingRobotStaysAndCountsNothing) {
 
 TEST(RobotModel, MeasuresFromThePitchAxis) {
   RobotModel model(wall_ahead(3.0), exact_params(), 1);
-  model.advance_to(100'000);
+  model.advance_to(at(100ms));
   // 2.85 m from the axis; the spot's rim is further by 2.85 * (0.25 / 2 degrees)^2 / 2 = 7 um.
-  EXPECT_NEAR(model.measure(0.0, 100'000).range_m, 2.85, 1e-4);
-  EXPECT_NEAR(model.measure(deg_to_rad(60.0), 100'000).range_m, 5.7, 1e-3);
+  EXPECT_NEAR(model.measure(0.0, at(100ms)).range_m, 2.85, 1e-4);
+  EXPECT_NEAR(model.measure(deg_to_rad(60.0), at(100ms)).range_m, 5.7, 1e-3);
   model.set_pitch_goal({deg_to_rad(-20.0), 0.0, 0.0});
-  model.advance_to(kSecond);
+  model.advance_to(at(1s));
   // The floor; the range is the mean over a spot that lies flat.
-  EXPECT_NEAR(model.measure(0.0, kSecond).range_m, 0.38 / std::sin(deg_to_rad(20.0)), 1e-3);
+  EXPECT_NEAR(model.measure(0.0, at(1s)).range_m, 0.38 / std::sin(deg_to_rad(20.0)), 1e-3);
 }
 
 TEST(RobotModel, MeasuresThePast) {
   RobotModel model(wall_ahead(10.0), exact_params(), 1);
   model.set_wheel_speeds({1.0, 1.0});
-  model.advance_to(3 * kSecond);
-  const double now_m = model.measure(0.0, 3 * kSecond).range_m;
+  model.advance_to(at(3s));
+  const double now_m = model.measure(0.0, at(3s)).range_m;
   // 1 m/s, long after the motors' lag.
-  EXPECT_NEAR(model.measure(0.0, 3 * kSecond - 100'000).range_m, now_m + 0.1, 1e-4);
-  EXPECT_NEAR(model.measure(0.0, 3 * kSecond - 12'345).range_m, now_m + 0.012345, 1e-4);
-  EXPECT_THROW(static_cast<void>(model.measure(0.0, 3 * kSecond + 1)), std::out_of_range);
-  EXPECT_THROW(static_cast<void>(model.measure(0.0, 2 * kSecond)), std::out_of_range);
-  EXPECT_THROW(model.advance_to(kSecond), std::invalid_argument);
+  EXPECT_NEAR(model.measure(0.0, at(3s - 100ms)).range_m, now_m + 0.1, 1e-4);
+  EXPECT_NEAR(model.measure(0.0, at(3s - 12'345us)).range_m, now_m + 0.012345, 1e-4);
+  EXPECT_THROW(static_cast<void>(model.measure(0.0, at(3s + 1us))), std::out_of_range);
+  EXPECT_THROW(static_cast<void>(model.measure(0.0, at(2s))), std::out_of_range);
+  EXPECT_THROW(model.advance_to(at(1s)), std::invalid_argument);
 }
 
 TEST(RobotModel, SeesActorsWhereTheyWere) {
   World world;
   world.actors.push_back(walker({{0.0, {4.0, -2.0}}, {4.0, {4.0, 2.0}}}));
   RobotModel model(world, exact_params(), 1);
-  model.advance_to(2 * kSecond);
-  EXPECT_NEAR(model.measure(0.0, 2 * kSecond).range_m, 4.0 - 0.25 - 0.15, 1e-3);
-  model.advance_to(2 * kSecond + 500'000);
-  EXPECT_EQ(model.measure(0.0, 2 * kSecond + 500'000).kind, Echo::Kind::kNothing);
+  model.advance_to(at(2s));
+  EXPECT_NEAR(model.measure(0.0, at(2s)).range_m, 4.0 - 0.25 - 0.15, 1e-3);
+  model.advance_to(at(2s + 500ms));
+  EXPECT_EQ(model.measure(0.0, at(2s + 500ms)).kind, Echo::Kind::kNothing);
 }
 
 TEST(RobotModel, WallStopsTheRobotAndCountsOnce) {
@@ -111,7 +112,7 @@ TEST(RobotModel, WallStopsTheRobotAndCountsOnce) {
   params.drive.tilt_per_mps2_rad = deg_to_rad(0.1);
   RobotModel model(wall_ahead(1.0), params, 1);
   model.set_wheel_speeds({0.5, 0.5});
-  model.advance_to(5 * kSecond);
+  model.advance_to(at(5s));
   const GroundTruth truth = model.ground_truth();
   EXPECT_EQ(truth.collisions, 1);
   // A step at 0.5 m/s is half a millimetre.
@@ -122,10 +123,10 @@ TEST(RobotModel, WallStopsTheRobotAndCountsOnce) {
   EXPECT_NEAR(truth.T_world_base.linear()(2, 2), 1.0, 1e-6);  // and the body stands level
 
   model.set_wheel_speeds({-0.5, -0.5});
-  model.advance_to(7 * kSecond);
+  model.advance_to(at(7s));
   EXPECT_GT(model.ground_truth().clearance_m, 0.5);
   model.set_wheel_speeds({0.5, 0.5});
-  model.advance_to(12 * kSecond);
+  model.advance_to(at(12s));
   EXPECT_EQ(model.ground_truth().collisions, 2);
 }
 
@@ -133,13 +134,13 @@ TEST(RobotModel, ActorWhoWalksIntoTheStandingRobotBumps) {
   World world;
   world.actors.push_back(walker({{1.0, {2.0, 0.0}}, {4.0, {0.3, 0.0}}, {7.0, {2.0, 0.0}}}));
   RobotModel standing(world, exact_params(), 1);
-  standing.advance_to(8 * kSecond);
+  standing.advance_to(at(8s));
   EXPECT_EQ(standing.ground_truth().bumps, 1);
   EXPECT_EQ(standing.ground_truth().collisions, 0);
 
   RobotModel driving(world, exact_params(), 1);
   driving.set_wheel_speeds({0.1, 0.1});
-  driving.advance_to(5 * kSecond);
+  driving.advance_to(at(5s));
   EXPECT_EQ(driving.ground_truth().bumps, 0);
   EXPECT_EQ(driving.ground_truth().collisions, 1);
 }
@@ -151,12 +152,12 @@ TEST(RobotModel, ActorsAppearAndVanish) {
   actor.vanish_s = 2.0;
   world.actors.push_back(actor);
   RobotModel model(world, exact_params(), 1);
-  model.advance_to(kSecond - 10'000);
+  model.advance_to(at(1s - 10ms));
   EXPECT_TRUE(model.ground_truth().actors.empty());
-  model.advance_to(kSecond + 10'000);
+  model.advance_to(at(1s + 10ms));
   ASSERT_EQ(model.ground_truth().actors.size(), 1U);
   EXPECT_NEAR(model.ground_truth().clearance_m, 2.0 - 0.225 - 0.25, 1e-12);
-  model.advance_to(2 * kSecond + 10'000);
+  model.advance_to(at(2s + 10ms));
   EXPECT_TRUE(model.ground_truth().actors.empty());
 }
 
@@ -165,7 +166,7 @@ TEST(RobotModel, PitStopsTheRobotAsACollision) {
   world.pits.push_back({{1.0, -1.0}, {3.0, 1.0}, 0.5});
   RobotModel model(world, exact_params(), 1);
   model.set_wheel_speeds({0.5, 0.5});
-  model.advance_to(5 * kSecond);
+  model.advance_to(at(5s));
   EXPECT_EQ(model.ground_truth().collisions, 1);
   EXPECT_EQ(model.ground_truth().falls, 1);
   EXPECT_EQ(model.ground_truth().contacts_caused, 1);
@@ -177,14 +178,14 @@ TEST(RobotModel, FollowsARampAndDoesNotFallOffItsEnd) {
   world.objects.push_back({Ramp{{1.0, 0.0, 0.0}, {4.0, 0.0, 0.5}, 2.0}});
   RobotModel model(world, exact_params(), 1);
   model.set_wheel_speeds({1.0, 1.0});
-  model.advance_to(2'500'000);
+  model.advance_to(at(2500ms));
   const GroundTruth truth = model.ground_truth();
   EXPECT_EQ(truth.collisions, 0);
   const Eigen::Vector3d p = truth.T_world_base.translation();
   // On the slope, and tilted with it. Chord and ramp differ only at its foot.
   EXPECT_NEAR(p.z(), (p.x() - 1.0) / 6.0, 1e-6);
   EXPECT_NEAR(truth.T_world_base.linear()(2, 0), 0.5 / std::hypot(3.0, 0.5), 1e-6);
-  model.advance_to(10 * kSecond);
+  model.advance_to(at(10s));
   EXPECT_EQ(model.ground_truth().falls, 1);
   // The front wheels, half of the wheelbase ahead of base, stop at the edge.
   EXPECT_NEAR(model.ground_truth().T_world_base.translation().x(), 4.0 - 0.15, 2e-3);
@@ -198,9 +199,9 @@ TEST(RobotModel, PitchGrowsWhileTheWheelsRollOntoARamp) {
   world.objects.push_back({Ramp{{1.0, 0.0, 0.0}, {4.0, 0.0, 3.0 * slope}, 2.0}});
   RobotModel model(world, exact_params(), 1);
   model.set_wheel_speeds({0.2, 0.2});
-  std::int64_t t = 0;
+  time::Duration t{};
   while (model.ground_truth().T_world_base.translation().x() < 1.0) {
-    model.advance_to(t += 1000);
+    model.advance_to(at(t += 1ms));
   }
   const GroundTruth truth = model.ground_truth();
   const double front_m = slope * (truth.T_world_base.translation().x() + 0.15 - 1.0);
@@ -214,9 +215,9 @@ TEST(RobotModel, AWheelOverTheSideOfARampIsAFall) {
   world.objects.push_back({Ramp{{1.0, 0.0, 0.0}, {5.0, 0.0, 0.7}, 1.0}});
   RobotModel model(world, exact_params(), 1);
   model.set_wheel_speeds({0.5, 0.5});
-  model.advance_to(5 * kSecond);
+  model.advance_to(at(5s));
   model.set_wheel_speeds({0.4, 0.5});
-  model.advance_to(12 * kSecond);
+  model.advance_to(at(12s));
   EXPECT_EQ(model.ground_truth().falls, 1);
 }
 
@@ -227,7 +228,7 @@ TEST(RobotModel, TheSideOfARampIsAnObstacle) {
   world.T_world_start.yaw = 0.5 * geometry::kPi;
   RobotModel model(world, exact_params(), 1);
   model.set_wheel_speeds({0.5, 0.5});
-  model.advance_to(4 * kSecond);
+  model.advance_to(at(4s));
   EXPECT_EQ(model.ground_truth().collisions, 1);
   EXPECT_EQ(model.ground_truth().falls, 0);
   EXPECT_LT(model.ground_truth().T_world_base.translation().y(), 0.5);
@@ -244,11 +245,11 @@ TEST(RobotModel, BrakingTakesLongerDownhill) {
     world.T_world_start.yaw = direction > 0.0 ? 0.0 : geometry::kPi;
     RobotModel model(world, exact_params(), 1);
     model.set_wheel_speeds({1.0, 1.0});
-    model.advance_to(3 * kSecond);
+    model.advance_to(at(3s));
     const Eigen::Vector3d before = model.ground_truth().T_world_base.translation();
     const double speed_mps = model.ground_truth().forward_mps;
     model.brake_wheels();
-    model.advance_to(5 * kSecond);
+    model.advance_to(at(5s));
     const double mps2 = 9.81 * (0.6 * std::cos(slope_rad) + direction * std::sin(slope_rad));
     EXPECT_NEAR((model.ground_truth().T_world_base.translation() - before).norm(),
                 speed_mps * speed_mps / (2.0 * mps2), 1e-3);  // a step at 1 m/s
@@ -259,12 +260,12 @@ TEST(RobotModel, GlassReturnsNothing) {
   World world = wall_ahead(3.0);
   world.objects.push_back({Box{{2.0, 0.0, 1.0}, {0.02, 0.5, 2.0}, 0.0}, 0.0});
   RobotModel model(world, exact_params(), 1);
-  model.advance_to(100'000);
-  EXPECT_EQ(model.measure(0.0, 100'000).kind, Echo::Kind::kNothing);
+  model.advance_to(at(100ms));
+  EXPECT_EQ(model.measure(0.0, at(100ms)).kind, Echo::Kind::kNothing);
   // Past its edge, at 0.25 / 1.84 = 8 degrees, the wall is seen.
-  EXPECT_EQ(model.measure(deg_to_rad(10.0), 100'000).kind, Echo::Kind::kRange);
+  EXPECT_EQ(model.measure(deg_to_rad(10.0), at(100ms)).kind, Echo::Kind::kRange);
   model.set_wheel_speeds({0.5, 0.5});
-  model.advance_to(6 * kSecond);
+  model.advance_to(at(6s));
   EXPECT_EQ(model.ground_truth().collisions, 1);
 }
 
@@ -274,10 +275,10 @@ TEST(RobotModel, MeasuresIntoAPit) {
   world.pits.push_back({{1.0, -2.0}, {1.6, 2.0}, 1.0});
   RobotModel model(world, exact_params(), 1);
   model.set_pitch_goal({deg_to_rad(-20.0), 0.0, 0.0});
-  model.advance_to(kSecond);
+  model.advance_to(at(1s));
   // The floor would be met 1.04 m ahead of the axis, at x = 1.19: over the pit. The far wall is at
   // 1.6 - 0.15 = 1.45 m, lower than the floor by 1.45 tan 20 - 0.38 = 0.15 m.
-  EXPECT_NEAR(model.measure(0.0, kSecond).range_m, 1.45 / std::cos(deg_to_rad(20.0)), 1e-3);
+  EXPECT_NEAR(model.measure(0.0, at(1s)).range_m, 1.45 / std::cos(deg_to_rad(20.0)), 1e-3);
 }
 
 TEST(RobotModel, NodsBackWhenItGainsSpeed) {
@@ -285,10 +286,10 @@ TEST(RobotModel, NodsBackWhenItGainsSpeed) {
   params.drive.tilt_per_mps2_rad = deg_to_rad(0.1);
   RobotModel model({}, params, 1);
   model.set_wheel_speeds({2.0, 2.0});
-  model.advance_to(200'000);
+  model.advance_to(at(200ms));
   EXPECT_GT(model.ground_truth().T_world_base.linear()(2, 0), 1e-3);  // the front points up
   model.brake_wheels();
-  model.advance_to(400'000);
+  model.advance_to(at(400ms));
   EXPECT_LT(model.ground_truth().T_world_base.linear()(2, 0), -1e-3);
 }
 

@@ -14,6 +14,7 @@
 
 #include "sim/body/robot_model.hpp"
 #include "sim/body/shortest_path.hpp"
+#include "sim/test/host.hpp"
 #include "sim/world/barn_file.hpp"
 #include "sim/world/pedestrian_file.hpp"
 #include "sim/world/ray_caster.hpp"
@@ -22,8 +23,6 @@
 
 namespace nodmap::sim {
 namespace {
-
-constexpr std::int64_t kSecond = 1'000'000;
 
 /// A body as wide as the circle that KURT3D turns in.
 BodyParams turning_circle() {
@@ -53,7 +52,7 @@ class Holes : public ::testing::TestWithParam<std::uint64_t> {};
 TEST_P(Holes, WhoDrivesStraightOnFalls) {
   RobotModel model(looking_at_hole(make_holes(GetParam())), {}, 1);
   model.set_wheel_speeds({0.5, 0.5});
-  model.advance_to(10 * kSecond);
+  model.advance_to(test::at(10s));
   EXPECT_EQ(model.ground_truth().falls, 1);
   EXPECT_EQ(model.ground_truth().collisions, 1);
 }
@@ -83,8 +82,8 @@ TEST_P(Ramps, WhoDrivesStraightOnArrives) {
   const auto to_goal_m = [&] {
     return (model.ground_truth().T_world_base.translation().head<2>() - world.goals.back()).norm();
   };
-  for (std::int64_t t = 0; t < 40 * kSecond && to_goal_m() > 0.1; t += 10'000) {
-    model.advance_to(t);
+  for (time::SteadyTime now{}; now < test::at(40s) && to_goal_m() > 0.1; now += 10ms) {
+    model.advance_to(now);
     steepest = std::max(steepest, std::abs(model.ground_truth().T_world_base.linear()(2, 0)));
   }
   EXPECT_LE(to_goal_m(), 0.1);
@@ -101,7 +100,7 @@ TEST_P(Scenarios, StartIsFreeAndGoalsCanBeReached) {
   for (std::uint64_t seed = 0; seed < 12; ++seed) {
     const World world = GetParam().make(seed);
     RobotModel model(world, {}, 1);
-    model.advance_to(10'000);
+    model.advance_to(test::at(10ms));
     EXPECT_EQ(model.ground_truth().collisions, 0) << seed;
     EXPECT_GT(model.ground_truth().clearance_m, 0.0) << seed;
     BodyParams body;
@@ -188,7 +187,7 @@ class BarnFile : public ::testing::Test {
     std::ofstream(file) << text;
     return file;
   }
-  test::TemporaryDir dir_;
+  nodmap::test::TemporaryDir dir_;
 };
 
 TEST_F(BarnFile, ReadsCylindersAndRules) {

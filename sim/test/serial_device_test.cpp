@@ -9,6 +9,7 @@
 namespace nodmap::sim {
 namespace {
 
+using test::at;
 using test::hex;
 using ::testing::ElementsAre;
 using ::testing::ElementsAreArray;
@@ -47,19 +48,19 @@ TEST(Uart, SlowBytesAreBreaksToAFastReceiver) {
 
 TEST(SerialOutput, BytesLeaveAtTheRateOfTheLine) {
   SerialOutput output;
-  output.send(Bytes(372, 0x55), 500'000, 1000);
-  EXPECT_EQ(output.idle_from_us(), 1000 + 7440) << "372 bytes take 7.44 ms";
+  output.send(Bytes(372, 0x55), 500'000, at(1ms));
+  EXPECT_EQ(output.idle_from(), at(1ms + 7440us)) << "372 bytes take 7.44 ms";
   Bytes line;
-  output.take(1019, 500'000, line);
+  output.take(at(1019us), 500'000, line);
   EXPECT_THAT(line, IsEmpty());
-  output.take(1020, 500'000, line);
+  output.take(at(1020us), 500'000, line);
   EXPECT_EQ(line.size(), 1U);
-  output.take(1000 + 3720, 500'000, line);
+  output.take(at(1ms + 3720us), 500'000, line);
   EXPECT_EQ(line.size(), 186U);
-  output.send(Bytes(1, 0x55), 500'000, 2000);
-  EXPECT_EQ(output.idle_from_us(), 1000 + 7460) << "one after the other";
+  output.send(Bytes(1, 0x55), 500'000, at(2ms));
+  EXPECT_EQ(output.idle_from(), at(1ms + 7460us)) << "one after the other";
   output.clear();
-  EXPECT_EQ(output.next_us(), kNever);
+  EXPECT_EQ(output.next_due(), kNever);
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 
 #include "sim/body/collision.hpp"
 #include "sim/body/robot_model.hpp"
+#include "sim/test/host.hpp"
 #include "sim/world/random_world.hpp"
 #include "sim/world/world_file.hpp"
 
@@ -76,7 +77,7 @@ TEST(Worlds, AllLoadAndLeaveTheStartFree) {
     const World world = load_world(entry.path());
     EXPECT_EQ(world.name, entry.path().stem());
     RobotModel model(world, {}, 1);
-    model.advance_to(1000);
+    model.advance_to(test::at(1ms));
     EXPECT_GT(model.ground_truth().clearance_m, 0.2) << world.name;
     const Reached reached(world);
     EXPECT_GT(reached.area_m2(), 5.0) << world.name;
@@ -110,7 +111,7 @@ TEST(Worlds, RampOfTheStairsLeadsToThePlatform) {
   world.T_world_start = {2.0, -2.8, 0.0};
   RobotModel model(world, {}, 1);
   model.set_wheel_speeds({0.5, 0.5});
-  model.advance_to(11'000'000);
+  model.advance_to(test::at(11s));
   EXPECT_EQ(model.ground_truth().collisions, 0);
   EXPECT_NEAR(model.ground_truth().T_world_base.translation().z(), 0.4, 1e-9);
 }
@@ -151,7 +152,7 @@ TEST(RandomWorld, HasItsNumberOfObstaclesAndRoomBetweenThem) {
     EXPECT_GE(obstacles_of(world), 25) << seed;
     EXPECT_LE(obstacles_of(world), 40) << seed;
     RobotModel model(world, {}, 1);
-    model.advance_to(1000);
+    model.advance_to(test::at(1ms));
     EXPECT_GT(model.ground_truth().clearance_m, 0.6 - 0.28) << seed;
     if (seed < 10) {
       // Of 100 m^2, the obstacles and a rim of the robot's half width about each are gone.

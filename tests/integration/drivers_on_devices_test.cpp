@@ -17,7 +17,8 @@
 namespace nodmap {
 namespace {
 
-constexpr std::int64_t kPollUs = 2000;  // how often a driver's process looks after its time-outs
+constexpr time::Duration kPollPeriod =
+    2ms;  // how often a driver's process looks after its time-outs
 
 /// Four walls, so that every level beam has something to hit, at ranges that vary.
 sim::World room() {
@@ -29,8 +30,8 @@ sim::World room() {
   return world;
 }
 
-time::SteadyTime steady(std::int64_t now_us) {
-  return time::SteadyTime(time::from_us(now_us));
+time::SteadyTime at(time::Duration since_start) {
+  return time::SteadyTime(since_start);
 }
 
 /// A driver's line, as the adapter's driver gives it: at `baud`, bytes as soon as they have left.
@@ -38,9 +39,9 @@ struct Cable {
   sim::SerialDevice& device;
   int baud;
 
-  sim::Bytes read(std::int64_t now_us) {
+  sim::Bytes read(time::SteadyTime now) {
     sim::Bytes bytes;
-    device.transmit(now_us, baud, bytes);
+    device.transmit(now, baud, bytes);
     return bytes;
   }
 };
@@ -53,55 +54,62 @@ class ScannerRun {
       : model_(world, {}, 1),
         driver_(params),
         lms_(laser,
-             [this](double angle_rad, std::int64_t time_us) { return fire(angle_rad, time_us); }) {
+             [this](double angle_rad, time::SteadyTime now) { return fire(angle_rad, now); }) {
     execute(driver_.laser_opened({}));
     execute(driver_.servo_opened({}));
   }
 
-  void run_until(std::int64_t end_us) {
-    while (now_us_ < end_us) {
-      now_us_ = std::min({lms_.next_us(), dynamixel_.next_us(), next_poll_us_, end_us});
-      model_.advance_to(now_us_);
-      true_pitch_rad_[now_us_] = model_.pitch_rad();
-      if (const sim::Bytes bytes = laser_.read(now_us_); !bytes.empty()) {
-        execute(driver_.receive_laser(bytes, steady(now_us_)));
+  void run_until(time::SteadyTime end) {
+    while (now_ < end) {
+      now_ = std::min({lms_.next_due(), dynamixel_.next_due(), next_poll_, end});
+      model_.advance_to(now_);
+      true_pitch_rad_[now_] = model_.pitch_rad();
+      if (const sim::Bytes bytes = laser_.read(now_); !bytes.empty()) {
+        execute(driver_.receive_laser(bytes, now_));
       }
-      if (const sim::Bytes bytes = servo_.read(now_us_); !bytes.empty()) {
-        execute(driver_.receive_servo(bytes, steady(now_us_)));
+      if (const sim::Bytes bytes = servo_.read(now_); !bytes.empty()) {
+        execute(driver_.receive_servo(bytes, now_));
       }
-      if (now_us_ >= next_poll_us_) {
-        next_poll_us_ = now_us_ + kPollUs;
-        execute(driver_.poll(steady(now_us_)));
+      if (now_ >= next_poll_) {
+        next_poll_ = now_ + kPollPeriod;
+        execute(driver_.poll(now_));
       }
     }
   }
 
   /// How far the stamp of a scan is from the time its first beam was fired.
-  [[nodiscard]] std::int64_t stamp_error_us(const scan::Scan& scan) const {
-    const std::vector<std::int64_t>& fired = fired_us_.at(std::lround(1e4 * scan.angle_first_rad));
-    const auto after = std::lower_bound(fired.begin(), fired.end(), scan.utime_us);
-    std::int64_t error = after == fired.end() ? INT64_MAX : *after - scan.utime_us;
+  [[nodiscard]] time::Duration stamp_error(const scan::Scan& scan) const {
+    const std::vector<time::SteadyTime>& fired = fired_.at(std::lround(1e4 * scan.angle_first_rad));
+    const time::SteadyTime stamp = first_beam(scan);
+    const auto after = std::lower_bound(fired.begin(), fired.end(), stamp);
+    time::Duration error = after == fired.end() ? time::Duration::max() : *after - stamp;
     if (after != fired.begin()) {
-      error = std::min(error, scan.utime_us - *(after - 1));
+      error = std::min(error, stamp - *(after - 1));
     }
     return error;
   }
 
-  [[nodiscard]] double true_pitch_rad(std::int64_t time_us) const {
-    const auto after = true_pitch_rad_.lower_bound(time_us);
+  [[nodiscard]] double true_pitch_rad(const scan::Scan& scan) const {
+    const time::SteadyTime stamp = first_beam(scan);
+    const auto after = true_pitch_rad_.lower_bound(stamp);
     const auto before = std::prev(after);
-    const double share = static_cast<double>(time_us - before->first) /
-                         static_cast<double>(after->first - before->first);
-    return before->second + share * (after->second - before->second);
+    const double fraction = time::FineDuration(stamp - before->first) /
+                            time::FineDuration(after->first - before->first);
+    return before->second + fraction * (after->second - before->second);
   }
 
   std::vector<scan::Scan> scans;
   const laser3d::Laser3d& driver() const { return driver_; }
 
  private:
-  sim::Echo fire(double angle_rad, std::int64_t time_us) {
-    fired_us_[std::lround(1e4 * angle_rad)].push_back(time_us);
-    return model_.measure(angle_rad, time_us);
+  /// The scans' stamps are of the devices' clock here.
+  static time::SteadyTime first_beam(const scan::Scan& scan) {
+    return at(time::from_us(scan.utime_us));
+  }
+
+  sim::Echo fire(double angle_rad, time::SteadyTime now) {
+    fired_[std::lround(1e4 * angle_rad)].push_back(now);
+    return model_.measure(angle_rad, now);
   }
 
   void execute(laser3d::Laser3dOutput output) {
@@ -114,16 +122,16 @@ class ScannerRun {
       for (const laser3d::LineAction& action : *actions) {
         cable->baud = action.baud.value_or(cable->baud);
         if (!action.send.empty()) {
-          cable->device.receive(action.send, cable->baud, now_us_);
+          cable->device.receive(action.send, cable->baud, now_);
         }
       }
     }
   }
 
-  std::int64_t now_us_ = 0;
-  std::int64_t next_poll_us_ = 0;
-  std::map<std::int64_t, std::vector<std::int64_t>> fired_us_;  // by angle in 1e-4 rad
-  std::map<std::int64_t, double> true_pitch_rad_;
+  time::SteadyTime now_{};
+  time::SteadyTime next_poll_{};
+  std::map<std::int64_t, std::vector<time::SteadyTime>> fired_;  // by angle in 1e-4 rad
+  std::map<time::SteadyTime, double> true_pitch_rad_;
   sim::RobotModel model_;
   laser3d::Laser3d driver_;
   sim::Lms200 lms_;
@@ -151,13 +159,11 @@ class DriversOnDevices : public ::testing::TestWithParam<Case> {};
 // R1, and the passive synchronisation: the mirror is 50 ppm slow, the servo's clock 30 ppm fast.
 TEST_P(DriversOnDevices, ScansTellWhenAndWhereTheyWereMeasured) {
   ScannerRun run(GetParam().params, sim::Lms200Params{});
-  constexpr std::int64_t kStartedUs = 15'000'000;
-  constexpr std::int64_t kEndUs = 45'000'000;
-  run.run_until(kStartedUs);
-  ASSERT_EQ(run.driver().health(steady(kStartedUs)).reason, "");
+  run.run_until(at(15s));
+  ASSERT_EQ(run.driver().health(at(15s)).reason, "");
   run.scans.clear();
-  run.run_until(kEndUs);
-  const double rate = static_cast<double>(run.scans.size()) * 1e6 / (kEndUs - kStartedUs);
+  run.run_until(at(45s));
+  const double rate = static_cast<double>(run.scans.size()) / 30.0;
   EXPECT_NEAR(rate, GetParam().scans_per_s, 0.1) << "a scan or two at the ends";
   ASSERT_GT(run.scans.size(), 1000U);
   const double period_ms =
@@ -167,18 +173,18 @@ TEST_P(DriversOnDevices, ScansTellWhenAndWhereTheyWereMeasured) {
   EXPECT_EQ(
       std::ranges::adjacent_find(run.scans, std::ranges::greater_equal{}, &scan::Scan::utime_us),
       run.scans.end());
-  std::int64_t worst_us = 0;
+  time::Duration worst{};
   double worst_pitch_rad = 0.0;
   for (const scan::Scan& scan : run.scans) {
-    worst_us = std::max(worst_us, run.stamp_error_us(scan));
-    worst_pitch_rad = std::max(worst_pitch_rad,
-                               std::abs(scan.pitch_first_rad - run.true_pitch_rad(scan.utime_us)));
+    worst = std::max(worst, run.stamp_error(scan));
+    worst_pitch_rad =
+        std::max(worst_pitch_rad, std::abs(scan.pitch_first_rad - run.true_pitch_rad(scan)));
   }
-  EXPECT_LT(worst_us, 1000);
+  EXPECT_LT(worst, 1ms);
   // Half a step of the servo is 0.04 degrees; at 70 degrees/s a millisecond is 0.07 more.
   EXPECT_LT(geometry::rad_to_deg(worst_pitch_rad), 0.25);
   EXPECT_EQ(run.driver().counts().telegrams_missed, 0);
-  RecordProperty("worst_stamp_error_us", std::to_string(worst_us));
+  RecordProperty("worst_stamp_error_us", std::to_string(worst.count()));
   RecordProperty("worst_pitch_error_deg", std::to_string(geometry::rad_to_deg(worst_pitch_rad)));
 }
 
@@ -226,9 +232,9 @@ std::vector<scan::Scan> scans_of_the_wall(double pitch_min_deg, double pitch_max
   params.nod.fallback.max_rad = geometry::deg_to_rad(pitch_max_deg);
   params.nod.fallback.sweep_s = sweep_s;
   ScannerRun run(params, sim::Lms200Params{}, wall());
-  run.run_until(15'000'000);
+  run.run_until(at(15s));
   run.scans.clear();
-  run.run_until(25'000'000);
+  run.run_until(at(25s));
   return run.scans;
 }
 
@@ -259,11 +265,11 @@ TEST(LaserOnDevice, R3_ThePitchThatIsHeldIsThePitchThatWasAskedFor) {
     laser3d::Laser3dParams params;
     params.nod.fallback.min_rad = params.nod.fallback.max_rad = geometry::deg_to_rad(pitch_deg);
     ScannerRun run(params, sim::Lms200Params{});
-    run.run_until(15'000'000);
+    run.run_until(at(15s));
     ASSERT_FALSE(run.scans.empty());
     const scan::Scan& last = run.scans.back();
     EXPECT_NEAR(geometry::rad_to_deg(last.pitch_mid_rad()), pitch_deg, 0.125);
-    EXPECT_NEAR(geometry::rad_to_deg(run.true_pitch_rad(last.utime_us)), pitch_deg, 0.125);
+    EXPECT_NEAR(geometry::rad_to_deg(run.true_pitch_rad(last)), pitch_deg, 0.125);
   }
 }
 
@@ -272,8 +278,8 @@ TEST(LaserOnDevice, AFactoryNewSensorAt9600IsConfiguredOnce) {
   factory.config = {0, 0, 0x46, 0, 0, 0, 1, 0, 0, 2, 2, 0, 0, 0, 0, 0, 0,
                     0, 0, 0,    0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 2, 0};
   ScannerRun run(laser3d::Laser3dParams{}, factory);
-  run.run_until(20'000'000);
-  EXPECT_EQ(run.driver().health(steady(20'000'000)).reason, "");
+  run.run_until(at(20s));
+  EXPECT_EQ(run.driver().health(at(20s)).reason, "");
   EXPECT_EQ(run.driver().laser_counts().config_writes, 1);
   EXPECT_GT(run.scans.size(), 100U);
 }
@@ -285,20 +291,20 @@ class BaseRun {
 
   BaseRun() { driver_.connected({}); }
 
-  void run_until(std::int64_t end_us, double forward_mps) {
-    while (now_us_ < end_us) {
-      now_us_ = std::min({device_.next_us(), next_control_us_, end_us});
-      model_.advance_to(now_us_);
-      if (const sim::Bytes bytes = cable_.read(now_us_); !bytes.empty()) {
+  void run_until(time::SteadyTime end, double forward_mps) {
+    while (now_ < end) {
+      now_ = std::min({device_.next_due(), next_control_, end});
+      model_.advance_to(now_);
+      if (const sim::Bytes bytes = cable_.read(now_); !bytes.empty()) {
         for (const kurt::OdometrySample& sample : driver_.receive(bytes, moment())) {
           samples.push_back(sample);
         }
       }
-      if (now_us_ >= next_control_us_) {
-        next_control_us_ += 10'000;
+      if (now_ >= next_control_) {
+        next_control_ += 10ms;
         driver_.drive({{forward_mps, 0.0}, moment().wall, kValidity, drive_seq_++}, moment());
         const std::string line = driver_.control(moment());
-        device_.receive(sim::Bytes(line.begin(), line.end()), cable_.baud, now_us_);
+        device_.receive(sim::Bytes(line.begin(), line.end()), cable_.baud, now_);
       }
     }
   }
@@ -308,10 +314,12 @@ class BaseRun {
   const sim::RobotModel& model() const { return model_; }
 
  private:
-  [[nodiscard]] time::Moment moment() const { return {time::from_utime(now_us_), steady(now_us_)}; }
+  [[nodiscard]] time::Moment moment() const {
+    return {time::Timestamp(now_.time_since_epoch()), now_};
+  }
 
-  std::int64_t now_us_ = 0;
-  std::int64_t next_control_us_ = 0;
+  time::SteadyTime now_{};
+  time::SteadyTime next_control_{};
   std::int64_t drive_seq_ = 0;
   sim::RobotModel model_{sim::World{}, {}, 1};
   kurt::Kurt driver_{kurt::KurtParams{}};
@@ -321,7 +329,7 @@ class BaseRun {
 
 TEST(BaseOnDevice, OdometryComesEveryTenMillisecondsAndMeasuresTheWay) {
   BaseRun run;
-  run.run_until(10'000'000, 0.5);
+  run.run_until(at(10s), 0.5);
   EXPECT_NEAR(static_cast<double>(run.samples.size()), 990.0, 15.0) << "after the adapter's start";
   EXPECT_NEAR(run.samples.back().state.forward_mps, 0.5, 0.02);
   const double way_m =

@@ -40,10 +40,11 @@ void export_mcap(const std::filesystem::path& log, const std::filesystem::path& 
     writer.add_channel({topic.name, topic.schema_name, foxglove::schema_text(topic.schema_name)});
   }
   store.listen([&](std::size_t topic, foxglove::Post& post) {
-    writer.write(static_cast<std::uint16_t>(topic), nanoseconds(player.event_utime_us()),
-                 nanoseconds(post.utime_us()), post.text());
+    writer.write(static_cast<std::uint16_t>(topic),
+                 nanoseconds(time::to_utime(player.event_time())), nanoseconds(post.utime_us()),
+                 post.text());
   });
-  (void)player.seek(player.duration_us());
+  (void)player.seek(player.duration());
   (void)player.catch_up(std::numeric_limits<std::int64_t>::max());
   if (writer.num_messages() == 0) {
     throw std::runtime_error(log.string() + ": holds no message of ours");

@@ -60,9 +60,8 @@ void print_relations(const Arguments& arguments) {
 
 std::vector<evaluate::PosePair> read_pairs(const Arguments& arguments) {
   const auto estimate = nodmap::formats::read_tum(arguments.trajectory);
-  const auto tolerance_us = static_cast<std::int64_t>(std::llround(arguments.tolerance_s * 1e6));
-  auto pairs =
-      evaluate::associate(estimate, nodmap::formats::read_tum(arguments.truth), tolerance_us);
+  const auto tolerance = nodmap::time::from_seconds(arguments.tolerance_s);
+  auto pairs = evaluate::associate(estimate, nodmap::formats::read_tum(arguments.truth), tolerance);
   if (pairs.empty()) {
     throw std::runtime_error(arguments.trajectory + ": none of its " +
                              std::to_string(estimate.size()) + " poses has a true one at its time");

@@ -21,7 +21,7 @@
 namespace nodmap::evaluate {
 namespace {
 
-constexpr std::int64_t kToleranceUs = 50'000;
+constexpr time::Duration kTolerance = 50ms;
 constexpr double kRightM = 0.25;
 constexpr double kRightRad = geometry::deg_to_rad(3.0);
 constexpr std::size_t kDefaultGroups = 200;
@@ -91,7 +91,7 @@ RelocalisationResult measure_relocalisation(const std::filesystem::path& map,
       return;
     }
     const auto known_pose =
-        associate({{scan.utime_us, geometry::SE3::Identity()}}, truth, kToleranceUs);
+        associate({{scan.utime_us, geometry::SE3::Identity()}}, truth, kTolerance);
     if (known_pose.empty()) {
       return;
     }

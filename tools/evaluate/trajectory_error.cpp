@@ -17,15 +17,16 @@ bool is_earlier(const StampedPose& a, const StampedPose& b) {
 
 /// The true pose at a time, if a sample is close enough.
 std::optional<geometry::SE3> pose_at(const formats::Trajectory& truth, std::int64_t utime_us,
-                                     std::int64_t tolerance_us) {
+                                     time::Duration tolerance) {
   const auto after =
       std::lower_bound(truth.begin(), truth.end(), StampedPose{utime_us, {}}, is_earlier);
-  const bool close_after = after != truth.end() && after->utime_us - utime_us <= tolerance_us;
+  const bool close_after =
+      after != truth.end() && time::from_us(after->utime_us - utime_us) <= tolerance;
   if (close_after && after->utime_us == utime_us) {
     return after->pose;
   }
   const bool close_before =
-      after != truth.begin() && utime_us - std::prev(after)->utime_us <= tolerance_us;
+      after != truth.begin() && time::from_us(utime_us - std::prev(after)->utime_us) <= tolerance;
   if (!close_after && !close_before) {
     return std::nullopt;
   }
@@ -69,11 +70,11 @@ double true_length_m(const std::vector<PosePair>& pairs) {
 }  // namespace
 
 std::vector<PosePair> associate(const formats::Trajectory& estimate, formats::Trajectory truth,
-                                std::int64_t tolerance_us) {
+                                time::Duration tolerance) {
   std::stable_sort(truth.begin(), truth.end(), is_earlier);
   std::vector<PosePair> pairs;
   for (const StampedPose& stamped : estimate) {
-    if (const auto true_pose = pose_at(truth, stamped.utime_us, tolerance_us)) {
+    if (const auto true_pose = pose_at(truth, stamped.utime_us, tolerance)) {
       pairs.push_back({stamped.pose, *true_pose});
     }
   }

@@ -9,6 +9,7 @@
 
 #include "common/formats/tum.hpp"
 #include "common/geometry/se3.hpp"
+#include "common/geometry/time.hpp"
 
 namespace nodmap::evaluate {
 
@@ -19,10 +20,10 @@ struct PosePair {
 };
 
 /// Pairs each estimated pose with the true one of its time, interpolated between the two samples
-/// around it. Poses without a true sample within `tolerance_us` get no partner. The truth may come
+/// around it. Poses without a true sample within `tolerance` get no partner. The truth may come
 /// in any order; where it has a stamp more than once, the first counts.
 [[nodiscard]] std::vector<PosePair> associate(const formats::Trajectory& estimate,
-                                              formats::Trajectory truth, std::int64_t tolerance_us);
+                                              formats::Trajectory truth, time::Duration tolerance);
 
 enum class Alignment : std::uint8_t {
   kFirstPose,     ///< the first pair agrees: what a robot that starts at a known place gets

@@ -24,7 +24,7 @@ void listen(const std::string& url, double duration_s, Reaction& reaction) {
   bus::LiveBus bus(url);
   bus.subscribe_all(
       [&reaction](const bus::LiveBus::RawMessage& message) {
-        reaction.hear(message.channel, message.data, message.receive_utime_us);
+        reaction.hear(message.channel, message.data, message.received);
       },
       kQueue);
   const auto end = Clock::now() + std::chrono::duration<double>(duration_s);
@@ -37,7 +37,7 @@ void read_log(const std::string& file, Reaction& reaction) {
   bus::LogReader reader(file);
   reader.require_event();
   while (const bus::LogEvent* event = reader.next()) {
-    reaction.hear(event->channel, event->data, event->log_utime_us);
+    reaction.hear(event->channel, event->data, time::from_utime(event->log_utime_us));
   }
   if (reader.skipped_bytes() > 0) {
     log::get().warn("{}", reader.damage());
@@ -47,10 +47,10 @@ void read_log(const std::string& file, Reaction& reaction) {
 nlohmann::ordered_json to_json(const std::vector<Sample>& samples) {
   const Summary summary = summarize(samples);
   return {{"n", summary.n},
-          {"p50_us", summary.p50_us},
-          {"p99_us", summary.p99_us},
-          {"max_us", summary.max_us},
-          {"p99_us_over_time", p99_over_time(samples, kParts)}};
+          {"p50_us", time::to_us(summary.p50)},
+          {"p99_us", time::to_us(summary.p99)},
+          {"max_us", time::to_us(summary.max)},
+          {"p99_us_over_time", p99_us_over_time(samples, kParts)}};
 }
 
 struct Arguments {

@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kMaxOpen = 256;  // 3.4 s of scans: whoever is later has lost them
 
-std::int64_t nearest_rank(const std::vector<std::int64_t>& sorted, double share) {
+time::Duration nearest_rank(const std::vector<time::Duration>& sorted, double share) {
   const auto rank = static_cast<std::size_t>(std::ceil(share * static_cast<double>(sorted.size())));
   return sorted[std::clamp<std::size_t>(rank, 1, sorted.size()) - 1];
 }
@@ -30,83 +30,82 @@ Summary summarize(std::span<const Sample> samples) {
   if (samples.empty()) {
     return {};
   }
-  std::vector<std::int64_t> waits;
+  std::vector<time::Duration> waits;
   waits.reserve(samples.size());
   for (const Sample& sample : samples) {
-    waits.push_back(sample.wait_us);
+    waits.push_back(sample.wait);
   }
   std::ranges::sort(waits);
   return {waits.size(), nearest_rank(waits, 0.50), nearest_rank(waits, 0.99), waits.back()};
 }
 
-std::vector<std::int64_t> p99_over_time(std::span<const Sample> samples, std::size_t parts) {
+std::vector<std::int64_t> p99_us_over_time(std::span<const Sample> samples, std::size_t parts) {
   std::vector<std::int64_t> p99(parts, 0);
   std::vector<std::vector<Sample>> split(parts);
   if (samples.empty() || parts == 0) {
     return p99;
   }
-  const std::int64_t first_us = samples.front().at_us;
-  const std::int64_t span_us = std::max<std::int64_t>(samples.back().at_us - first_us, 1);
+  const time::Timestamp first = samples.front().at;
+  const time::Duration span = std::max<time::Duration>(samples.back().at - first, 1us);
   for (const Sample& sample : samples) {
-    const double share =
-        static_cast<double>(sample.at_us - first_us) / static_cast<double>(span_us);
+    const double share = time::FineDuration(sample.at - first) / time::FineDuration(span);
     const double part =
         std::clamp(share * static_cast<double>(parts), 0.0, static_cast<double>(parts) - 1.0);
     split[static_cast<std::size_t>(part)].push_back(sample);
   }
   std::ranges::transform(split, p99.begin(),
-                         [](const auto& part) { return summarize(part).p99_us; });
+                         [](const auto& part) { return time::to_us(summarize(part).p99); });
   return p99;
 }
 
 void Reaction::hear(std::string_view channel, std::span<const std::byte> data,
-                    std::int64_t received_us) {
+                    time::Timestamp received) {
   if (channel == "SCAN") {
-    hear_scan(data, received_us);
+    hear_scan(data, received);
   } else if (channel == "OBSTACLE_MAP") {
-    hear_map(data, received_us);
+    hear_map(data, received);
   } else if (channel == "DRIVE") {
-    hear_drive(data, received_us);
+    hear_drive(data, received);
   } else if (channel == "ODOMETRY") {
     hear_odometry(data);
   }
 }
 
-void Reaction::hear_scan(std::span<const std::byte> data, std::int64_t received_us) {
+void Reaction::hear_scan(std::span<const std::byte> data, time::Timestamp received) {
   if (!bus::decode_into(scan_, data)) {
     ++corrupt_;
     return;
   }
   ++scans_;
   count_gap("SCAN", scan_.scan_seq);
-  push_bounded(open_scans_, {scan_.scan_seq, received_us});
+  push_bounded(open_scans_, {scan_.scan_seq, received});
 }
 
-void Reaction::hear_map(std::span<const std::byte> data, std::int64_t received_us) {
+void Reaction::hear_map(std::span<const std::byte> data, time::Timestamp received) {
   if (!bus::decode_into(map_, data)) {
     ++corrupt_;
     return;
   }
-  const auto scan =
-      std::ranges::find(open_scans_, map_.scan_seq, &std::pair<std::int64_t, std::int64_t>::first);
+  const auto scan = std::ranges::find(open_scans_, map_.scan_seq,
+                                      &std::pair<std::int64_t, time::Timestamp>::first);
   if (scan == open_scans_.end()) {
     return;  // its scan was before our time
   }
-  const std::int64_t scan_received_us = scan->second;
+  const time::Timestamp scan_received = scan->second;
   // A scan that was skipped before it will not be answered either.
   open_scans_.erase(open_scans_.begin(), std::next(scan));
-  scan_to_map_.push_back({received_us, received_us - scan_received_us});
-  push_bounded(open_maps_, {map_.utime, scan_received_us});
+  scan_to_map_.push_back({received, received - scan_received});
+  push_bounded(open_maps_, {time::from_utime(map_.utime), scan_received});
 }
 
-void Reaction::hear_drive(std::span<const std::byte> data, std::int64_t received_us) {
+void Reaction::hear_drive(std::span<const std::byte> data, time::Timestamp received) {
   if (!bus::decode_into(drive_, data)) {
     ++corrupt_;
     return;
   }
   count_gap("DRIVE", drive_.drive_seq);
-  while (!open_maps_.empty() && open_maps_.front().utime_us <= drive_.utime) {
-    scan_to_drive_.push_back({received_us, received_us - open_maps_.front().scan_received_us});
+  while (!open_maps_.empty() && open_maps_.front().stamp <= time::from_utime(drive_.utime)) {
+    scan_to_drive_.push_back({received, received - open_maps_.front().scan_received});
     open_maps_.pop_front();
   }
 }

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/geometry/time.hpp"
 #include "nodmap/drive_t.hpp"
 #include "nodmap/egomap_t.hpp"
 #include "nodmap/odometry_t.hpp"
@@ -21,24 +22,24 @@ namespace nodmap::latency {
 
 /// A waiting time that was seen, and when in the run.
 struct Sample {
-  std::int64_t at_us = 0;
-  std::int64_t wait_us = 0;
+  time::Timestamp at{};
+  time::Duration wait{};
 };
 
-/// Percentiles of waiting times, microseconds, by nearest rank.
+/// Percentiles of waiting times, by nearest rank.
 struct Summary {
   std::size_t n = 0;
-  std::int64_t p50_us = 0;
-  std::int64_t p99_us = 0;
-  std::int64_t max_us = 0;
+  time::Duration p50{};
+  time::Duration p99{};
+  time::Duration max{};
 };
 
 [[nodiscard]] Summary summarize(std::span<const Sample> samples);
 
-/// The 99th percentile in each of `parts` equal parts of the time from the first sample to the
-/// last. A queue that grows shows as a row that climbs. A part without a sample is 0.
-[[nodiscard]] std::vector<std::int64_t> p99_over_time(std::span<const Sample> samples,
-                                                      std::size_t parts);
+/// The 99th percentile, in microseconds, in each of `parts` equal parts of the time from the first
+/// sample to the last. A queue that grows shows as a row that climbs. A part without a sample is 0.
+[[nodiscard]] std::vector<std::int64_t> p99_us_over_time(std::span<const Sample> samples,
+                                                         std::size_t parts);
 
 /// How long the robot takes from a scan on the bus to the map with it and to the command that
 /// follows, from the times at which a bystander received the messages. Both ends are received by
@@ -49,7 +50,7 @@ struct Summary {
 class Reaction {
  public:
   /// One message as it came. Channels and types that play no part are ignored.
-  void hear(std::string_view channel, std::span<const std::byte> data, std::int64_t received_us);
+  void hear(std::string_view channel, std::span<const std::byte> data, time::Timestamp received);
 
   [[nodiscard]] const std::vector<Sample>& scan_to_map() const { return scan_to_map_; }
   [[nodiscard]] const std::vector<Sample>& scan_to_drive() const { return scan_to_drive_; }
@@ -61,13 +62,13 @@ class Reaction {
 
  private:
   struct Map {
-    std::int64_t utime_us = 0;
-    std::int64_t scan_received_us = 0;
+    time::Timestamp stamp{};
+    time::Timestamp scan_received{};
   };
 
-  void hear_scan(std::span<const std::byte> data, std::int64_t received_us);
-  void hear_map(std::span<const std::byte> data, std::int64_t received_us);
-  void hear_drive(std::span<const std::byte> data, std::int64_t received_us);
+  void hear_scan(std::span<const std::byte> data, time::Timestamp received);
+  void hear_map(std::span<const std::byte> data, time::Timestamp received);
+  void hear_drive(std::span<const std::byte> data, time::Timestamp received);
   void hear_odometry(std::span<const std::byte> data);
   void count_gap(const std::string& channel, std::int64_t seq);
 
@@ -76,7 +77,7 @@ class Reaction {
   nodmap::drive_t drive_{};
   nodmap::odometry_t odometry_{};
   // A map refers to the scan by its number. Older ones than these are never answered any more.
-  std::deque<std::pair<std::int64_t, std::int64_t>> open_scans_;  // scan_seq, received
+  std::deque<std::pair<std::int64_t, time::Timestamp>> open_scans_;  // scan_seq, received
   std::deque<Map> open_maps_;
   std::map<std::string, std::int64_t> last_seq_;
   std::map<std::string, std::int64_t> lost_;

@@ -30,7 +30,7 @@ bool is_driving_straight(const TruthSample& sample) {
 TruthSample find_appearance(Trial& trial, double from_s) {
   while (trial.step()) {
     const TruthSample& sample = trial.record().truth.back();
-    if (trial.record().started_us && 1e-6 * static_cast<double>(sample.time_us) >= from_s &&
+    if (trial.record().started && time::seconds(sample.instant.time_since_epoch()) >= from_s &&
         is_driving_straight(sample)) {
       return sample;
     }
@@ -48,7 +48,7 @@ sim::Actor make_actor(const TrialSetup& setup, const TruthSample& sample, double
   actor.radius_m = shape.radius_m;
   actor.height_m = shape.height_m;
   actor.path = {{0.0, place}};
-  actor.appear_s = 1e-6 * static_cast<double>(sample.time_us);
+  actor.appear_s = time::seconds(sample.instant.time_since_epoch());
   return actor;
 }
 

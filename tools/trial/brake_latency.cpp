@@ -37,7 +37,7 @@ void BrakeLatencyMonitor::update(const State& state) {
                                       length_m, 0.5 * zone_.body_width_m);
     if (now && !tracked.in_zone && state.forward_mps >= kMinSpeedMps) {
       tracked.open_event =
-          BrakeEvent{state.time_us, state.forward_mps, state.sweep_s, std::nullopt};
+          BrakeEvent{state.instant, state.forward_mps, state.sweep_s, std::nullopt};
     } else if (!now && tracked.open_event) {
       ++num_evaded_;
       tracked.open_event.reset();
@@ -46,11 +46,11 @@ void BrakeLatencyMonitor::update(const State& state) {
   }
 }
 
-void BrakeLatencyMonitor::add_drive_command(std::int64_t time_us, double forward_mps) {
+void BrakeLatencyMonitor::add_drive_command(time::SteadyTime received, double forward_mps) {
   for (TrackedActor& tracked : actors_) {
-    if (tracked.open_event && time_us > tracked.open_event->started_us &&
+    if (tracked.open_event && received > tracked.open_event->started &&
         brakes(forward_mps, tracked.open_event->speed_mps)) {
-      tracked.open_event->answered_us = time_us;
+      tracked.open_event->answered = received;
       answered_.push_back(*tracked.open_event);
       tracked.open_event.reset();
     }
@@ -59,9 +59,8 @@ void BrakeLatencyMonitor::add_drive_command(std::int64_t time_us, double forward
 
 std::vector<BrakeEvent> BrakeLatencyMonitor::events() const {
   std::vector<BrakeEvent> events = answered_;
-  std::stable_sort(events.begin(), events.end(), [](const BrakeEvent& a, const BrakeEvent& b) {
-    return a.started_us < b.started_us;
-  });
+  std::stable_sort(events.begin(), events.end(),
+                   [](const BrakeEvent& a, const BrakeEvent& b) { return a.started < b.started; });
   for (const TrackedActor& tracked : actors_) {
     if (tracked.open_event) {
       events.push_back(*tracked.open_event);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/geometry/se2.hpp"
+#include "common/geometry/time.hpp"
 #include "sim/world/world.hpp"
 
 namespace nodmap::trial {
@@ -26,10 +27,10 @@ struct StoppingZone {
 
 /// An obstacle that entered the stopping zone.
 struct BrakeEvent {
-  std::int64_t started_us = 0;
+  time::SteadyTime started{};
   double speed_mps = 0.0;
-  double sweep_s = 0.0;                     ///< duration of the last sweep at that time
-  std::optional<std::int64_t> answered_us;  ///< empty: not before the end of the trial
+  double sweep_s = 0.0;                      ///< duration of the last sweep at that time
+  std::optional<time::SteadyTime> answered;  ///< empty: not before the end of the trial
 };
 
 /// Measures the time from the moment at which an obstacle enters the stopping zone until the robot
@@ -47,7 +48,7 @@ class BrakeLatencyMonitor {
   explicit BrakeLatencyMonitor(const StoppingZone& zone) : zone_(zone) {}
 
   struct State {
-    std::int64_t time_us = 0;
+    time::SteadyTime instant{};
     geometry::SE2 T_world_base;
     double forward_mps = 0.0;
     double sweep_s = 0.0;  ///< duration of the last sweep
@@ -56,7 +57,7 @@ class BrakeLatencyMonitor {
   };
   void update(const State& state);
   /// A DRIVE arrives at the base.
-  void add_drive_command(std::int64_t time_us, double forward_mps);
+  void add_drive_command(time::SteadyTime received, double forward_mps);
 
   /// In the order of their start, the unanswered ones last.
   [[nodiscard]] std::vector<BrakeEvent> events() const;

@@ -29,8 +29,8 @@ std::optional<Number> parse(std::string_view text) {
 }
 
 /// Whole milliseconds: the loop's step.
-std::int64_t to_step_us(double time_s) {
-  return 1000 * std::llround(1e3 * time_s);
+time::Duration whole_steps(double duration_s) {
+  return 1ms * std::llround(1e3 * duration_s);
 }
 
 }  // namespace
@@ -61,7 +61,7 @@ Kill parse_kill(const std::string& text) {
       !(*duration_s >= 0.001 && *duration_s <= kLongestS)) {
     throw CommandError(source + ": T and D must be seconds, T from 0, D from 0.001");
   }
-  return {text.substr(0, at), to_step_us(*time_s), to_step_us(*duration_s)};
+  return {text.substr(0, at), time::SteadyTime(whole_steps(*time_s)), whole_steps(*duration_s)};
 }
 
 namespace {

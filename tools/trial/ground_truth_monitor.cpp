@@ -13,8 +13,8 @@
 namespace nodmap::trial {
 namespace {
 
-constexpr std::int64_t kRecordPeriodUs = 10'000;
-constexpr std::int64_t kTruthPeriodUs = 20'000;
+constexpr time::Duration kRecordPeriod = 10ms;
+constexpr time::Duration kTruthPeriod = 20ms;
 /// Height of the mirror, for the line of sight to an actor.
 constexpr double kMirrorHeightM = 0.38;
 
@@ -30,7 +30,7 @@ void GroundTruthMonitor::subscribe() {
   bus_.subscribe<nodmap::scan_t>("SCAN",
                                  [this](const nodmap::scan_t& message) { on_scan(message); });
   bus_.subscribe<nodmap::drive_t>("DRIVE", [this](const nodmap::drive_t& message) {
-    brake_latency_.add_drive_command(model_.now_us(), message.forward_mps);
+    brake_latency_.add_drive_command(model_.now(), message.forward_mps);
   });
   bus_.subscribe<nodmap::pitch_state_t>(
       "PITCH_STATE", [this](const nodmap::pitch_state_t& message) { on_pitch_state(message); });
@@ -42,14 +42,14 @@ void GroundTruthMonitor::subscribe() {
   bus_.subscribe<nodmap::navigation_t>("NAVIGATION", [this](const nodmap::navigation_t& message) {
     const bool at_goal = message.behaviour == nodmap::navigation_t::ARRIVED;
     if (at_goal && !std::exchange(at_goal_, at_goal)) {
-      record_.arrivals_us.push_back(model_.now_us());
+      record_.arrivals.push_back(model_.now());
     }
     at_goal_ = at_goal;
   });
 }
 
 void GroundTruthMonitor::on_scan(const nodmap::scan_t& message) {
-  record_.started_us = record_.started_us.value_or(model_.now_us());
+  record_.started = record_.started.value_or(model_.now());
   scan::Scan scan;
   if (!node::read_scan(message, scan)) {
     return;
@@ -64,26 +64,26 @@ void GroundTruthMonitor::on_scan(const nodmap::scan_t& message) {
 
 void GroundTruthMonitor::on_pitch_state(const nodmap::pitch_state_t& message) {
   if (sweep_ && message.sweep_count != *sweep_) {
-    record_.sweep_ends_us.push_back(message.utime - kEpochUs);
+    record_.sweep_ends.push_back(kStart.steady + (time::from_utime(message.utime) - kStart.wall));
   }
   sweep_ = message.sweep_count;
 }
 
 void GroundTruthMonitor::update() {
-  const std::int64_t now_us = model_.now_us();
-  const bool recorded = now_us % kRecordPeriodUs == 0;
+  const time::SteadyTime now = model_.now();
+  const bool recorded = now.time_since_epoch() % kRecordPeriod == 0s;
   if (!recorded && world_.actors.empty()) {
     return;
   }
   const sim::GroundTruth truth = model_.ground_truth();
   if (recorded) {
-    record_.truth.push_back({now_us, truth.T_world_base, truth.forward_mps, truth.yaw_rate_rad_s,
+    record_.truth.push_back({now, truth.T_world_base, truth.forward_mps, truth.yaw_rate_rad_s,
                              truth.clearance_m, truth.person_clearance_m, truth.collisions,
                              truth.bumps, truth.contacts_caused, truth.falls});
     record_progress(truth.T_world_base.translation().head<2>());
-    T_world_base_.add(kEpochUs + now_us, truth.T_world_base);
+    T_world_base_.add(utime_at(now), truth.T_world_base);
   }
-  if (now_us % kTruthPeriodUs == 0) {
+  if (now.time_since_epoch() % kTruthPeriod == 0s) {
     publish(truth);
   }
   if (!world_.actors.empty()) {
@@ -94,20 +94,20 @@ void GroundTruthMonitor::update() {
 /// The first motion, and the arrival by the rules of a task that does not ask the robot.
 void GroundTruthMonitor::record_progress(const Eigen::Vector2d& position) {
   constexpr double kMovedM = 0.1;
-  if (!record_.moved_us && (position - world_.T_world_start.translation()).norm() >= kMovedM) {
-    record_.moved_us = model_.now_us();
+  if (!record_.moved && (position - world_.T_world_start.translation()).norm() >= kMovedM) {
+    record_.moved = model_.now();
   }
   const std::optional<double>& radius_m = world_.task.arrival_radius_m;
-  if (radius_m && !record_.reached_us && !world_.goals.empty() &&
-      record_.arrivals_us.size() + 1 >= world_.goals.size() &&
+  if (radius_m && !record_.reached && !world_.goals.empty() &&
+      record_.arrivals.size() + 1 >= world_.goals.size() &&
       (position - world_.goals.back()).norm() <= *radius_m) {
-    record_.reached_us = model_.now_us();
+    record_.reached = model_.now();
   }
 }
 
 void GroundTruthMonitor::publish(const sim::GroundTruth& truth) {
   nodmap::truth_t message{};
-  message.utime = kEpochUs + model_.now_us();
+  message.utime = utime_at(model_.now());
   message.truth_seq = truth_seq_++;
   node::write_pose(truth.T_world_base, message.position_m, message.orientation);
   message.forward_mps = truth.forward_mps;
@@ -127,14 +127,12 @@ void GroundTruthMonitor::publish(const sim::GroundTruth& truth) {
 
 void GroundTruthMonitor::update_brake_latency(const sim::GroundTruth& truth) {
   BrakeLatencyMonitor::State state;
-  state.time_us = model_.now_us();
+  state.instant = model_.now();
   state.T_world_base = geometry::to_se2(truth.T_world_base);
   state.forward_mps = truth.forward_mps;
-  const std::size_t n = record_.sweep_ends_us.size();
+  const std::size_t n = record_.sweep_ends.size();
   state.sweep_s =
-      n < 2
-          ? 0.0
-          : 1e-6 * static_cast<double>(record_.sweep_ends_us[n - 1] - record_.sweep_ends_us[n - 2]);
+      n < 2 ? 0.0 : time::seconds(record_.sweep_ends[n - 1] - record_.sweep_ends[n - 2]);
   state.visible_actors.resize(world_.actors.size());
   for (const sim::ActorState& actor : truth.actors) {
     if (is_visible(actor, truth)) {

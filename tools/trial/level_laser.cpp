@@ -22,7 +22,7 @@ LevelLaserSlam::LevelLaserSlam(const sim::World& world, const AllParams& params,
         return std::make_unique<slam2d::Slam2dNode>(context, params);
       }) {
   input_.subscribe<nodmap::odometry_t>("ODOMETRY", [this](const nodmap::odometry_t& message) {
-    network_.set_time(message.utime);
+    network_.set_time(time::from_utime(message.utime));
     output_.publish("ODOMETRY", message);
     network_.deliver();
   });
@@ -41,7 +41,7 @@ void LevelLaserSlam::forward_scan(const nodmap::scan_t& message) {
     return;
   }
   scan.pitch_first_rad = scan.pitch_last_rad = 0.0;
-  const std::vector<sim::ActorState> actors = actors_at(scan.utime_mid_us());
+  const std::vector<sim::ActorState> actors = actors_at(time::from_utime(scan.utime_mid_us()));
   for (std::size_t beam = 0; beam < scan.ranges_m.size(); ++beam) {
     const geometry::SE3 T_world_laser =
         geometry::interpolate(*T_world_first, *T_world_last, scan.fraction(beam)) *
@@ -56,8 +56,8 @@ void LevelLaserSlam::forward_scan(const nodmap::scan_t& message) {
   network_.deliver();
 }
 
-std::vector<sim::ActorState> LevelLaserSlam::actors_at(std::int64_t utime_us) const {
-  const double time_s = 1e-6 * static_cast<double>(utime_us - kEpochUs);
+std::vector<sim::ActorState> LevelLaserSlam::actors_at(time::Timestamp stamp) const {
+  const double time_s = time::seconds(stamp - kStart.wall);
   std::vector<sim::ActorState> states;
   for (const sim::Actor& actor : world_.actors) {
     if (actor.is_present(time_s)) {

@@ -30,7 +30,7 @@ class LevelLaserSlam : private boost::noncopyable {
 
  private:
   void forward_scan(const nodmap::scan_t& message);
-  [[nodiscard]] std::vector<sim::ActorState> actors_at(std::int64_t utime_us) const;
+  [[nodiscard]] std::vector<sim::ActorState> actors_at(time::Timestamp stamp) const;
 
   sim::World world_;
   sim::RayCaster caster_;

@@ -130,7 +130,7 @@ void run(const Arguments& arguments, TrialSetup setup) {
   if (arguments.no_actors) {
     setup.world.actors.clear();
   }
-  setup.duration_us = std::llround(1e6 * duration_s(arguments, setup.world));
+  setup.duration = time::from_seconds(duration_s(arguments, setup.world));
   if (setup.level_laser &&
       std::ranges::any_of(setup.world.actors, [](const sim::Actor& a) { return a.reacts; })) {
     throw node::UsageError("--level-laser: not in a world with actors that react");
@@ -143,9 +143,9 @@ void run(const Arguments& arguments, TrialSetup setup) {
   const auto start = std::chrono::steady_clock::now();
   Trial trial(setup, dir);
   {
-    node::Progress progress(kName, setup.duration_us);
+    node::Progress progress(kName, setup.duration.count());
     while (trial.step()) {
-      progress.show(trial.now_us() - trial.record().started_us.value_or(trial.now_us()));
+      progress.show((trial.now() - trial.record().started.value_or(trial.now())).count());
     }
   }
   const TrialOutcome outcome = trial.finish();
@@ -157,7 +157,7 @@ void run(const Arguments& arguments, TrialSetup setup) {
   formats::write_tum(dir / "truth.tum", true_trajectory(outcome.record, false));
   formats::write_tum(dir / "odometry.tum", outcome.record.odometry);
   // All that is not the same in the next run.
-  const double simulated_s = 1e-6 * static_cast<double>(outcome.record.truth.back().time_us);
+  const double simulated_s = time::seconds(outcome.record.truth.back().instant.time_since_epoch());
   result["realtime_factor"] = simulated_s / wall_s;
   result["wall_s"] = wall_s;
   result["cpu_s"] = cpu_s;

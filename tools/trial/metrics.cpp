@@ -10,9 +10,7 @@
 namespace nodmap::trial {
 namespace {
 
-double seconds(std::int64_t duration_us) {
-  return 1e-6 * static_cast<double>(duration_us);
-}
+using time::seconds;
 
 double distance_between(const TruthSample& a, const TruthSample& b) {
   return (b.T_world_base.translation() - a.T_world_base.translation()).head<2>().norm();
@@ -29,9 +27,9 @@ bool is_moving(const TruthSample& sample) {
   return std::abs(sample.forward_mps) >= kMinMps || std::abs(sample.yaw_rate_rad_s) > kMinRadS;
 }
 
-auto first_from(const TrialRecord& record, std::int64_t time_us) {
+auto first_from(const TrialRecord& record, time::SteadyTime instant) {
   return std::find_if(record.truth.begin(), record.truth.end(),
-                      [time_us](const TruthSample& sample) { return sample.time_us >= time_us; });
+                      [instant](const TruthSample& sample) { return sample.instant >= instant; });
 }
 
 }  // namespace
@@ -51,10 +49,10 @@ Quantiles quantiles(std::vector<double> values) {
 
 DriveMetrics drive_metrics(const TrialRecord& record) {
   DriveMetrics metrics;
-  if (!record.started_us) {
+  if (!record.started) {
     return metrics;
   }
-  const auto first = first_from(record, *record.started_us);
+  const auto first = first_from(record, *record.started);
   if (first == record.truth.end()) {
     return metrics;
   }
@@ -64,13 +62,13 @@ DriveMetrics drive_metrics(const TrialRecord& record) {
     metrics.min_clearance_m = std::min(metrics.min_clearance_m, sample->clearance_m);
     metrics.distance_m += sample == first ? 0.0 : distance_between(*std::prev(sample), *sample);
     metrics.close_to_person_s += sample != first && sample->person_clearance_m < kPersonalSpaceM
-                                     ? seconds(sample->time_us - std::prev(sample)->time_us)
+                                     ? seconds(sample->instant - std::prev(sample)->instant)
                                      : 0.0;
     if (!metrics.first_motion_s && is_moving(*sample)) {
-      metrics.first_motion_s = seconds(sample->time_us - *record.started_us);
+      metrics.first_motion_s = seconds(sample->instant - *record.started);
     }
     if (sample->collisions > 0 && !metrics.first_collision_s) {
-      metrics.first_collision_s = seconds(sample->time_us - *record.started_us);
+      metrics.first_collision_s = seconds(sample->instant - *record.started);
     }
   }
   const TruthSample& last = record.truth.back();
@@ -78,25 +76,25 @@ DriveMetrics drive_metrics(const TrialRecord& record) {
   metrics.bumped = last.bumps;
   metrics.contacts_caused = last.contacts_caused;
   metrics.falls = last.falls;
-  metrics.duration_s = seconds(last.time_us - first->time_us);
+  metrics.duration_s = seconds(last.instant - first->instant);
   metrics.mean_speed_mps = metrics.duration_s > 0.0 ? metrics.distance_m / metrics.duration_s : 0.0;
   return metrics;
 }
 
 namespace {
 
-std::optional<std::int64_t> reached_us(const TrialRecord& record, const sim::World& world,
-                                       double tolerance_m) {
+std::optional<time::SteadyTime> reached(const TrialRecord& record, const sim::World& world,
+                                        double tolerance_m) {
   if (world.task.arrival_radius_m) {
-    return record.reached_us;
+    return record.reached;
   }
   const std::size_t num_goals = world.goals.size();
-  if (num_goals == 0 || record.arrivals_us.size() < num_goals) {
+  if (num_goals == 0 || record.arrivals.size() < num_goals) {
     return std::nullopt;
   }
   const Eigen::Vector2d end = record.truth.back().T_world_base.translation().head<2>();
   const bool is_there = (end - world.goals.back()).norm() <= 2.0 * tolerance_m;
-  return is_there ? std::optional(record.arrivals_us[num_goals - 1]) : std::nullopt;
+  return is_there ? std::optional(record.arrivals[num_goals - 1]) : std::nullopt;
 }
 
 }  // namespace
@@ -104,13 +102,13 @@ std::optional<std::int64_t> reached_us(const TrialRecord& record, const sim::Wor
 GoalMetrics goal_metrics(const TrialRecord& record, const sim::World& world, double tolerance_m,
                          std::optional<double> shortest_path_m) {
   GoalMetrics metrics;
-  if (!record.started_us || record.truth.empty()) {
+  if (!record.started || record.truth.empty()) {
     return metrics;
   }
-  metrics.reached_us = reached_us(record, world, tolerance_m);
-  const auto first = first_from(record, *record.started_us);
+  metrics.reached = reached(record, world, tolerance_m);
+  const auto first = first_from(record, *record.started);
   for (auto sample = first; sample != record.truth.end(); ++sample) {
-    if (metrics.reached_us && sample->time_us > *metrics.reached_us) {
+    if (metrics.reached && sample->instant > *metrics.reached) {
       break;
     }
     metrics.path_m += sample == first ? 0.0 : distance_between(*std::prev(sample), *sample);
@@ -120,14 +118,14 @@ GoalMetrics goal_metrics(const TrialRecord& record, const sim::World& world, dou
     metrics.start_to_goal_m = (world.T_world_start.translation() - world.goals.back()).norm();
     metrics.remaining_m = (end - world.goals.back()).norm();
   }
-  if (metrics.reached_us) {
-    metrics.time_s = seconds(*metrics.reached_us - *record.started_us);
-    metrics.after_motion_s = seconds(*metrics.reached_us - record.moved_us.value_or(0));
+  if (metrics.reached) {
+    metrics.time_s = seconds(*metrics.reached - *record.started);
+    metrics.after_motion_s = seconds(*metrics.reached - record.moved.value_or(time::SteadyTime{}));
   }
   if (shortest_path_m) {
     const double radius_m = world.task.arrival_radius_m.value_or(tolerance_m);
     const double shortest_m = std::max(0.0, *shortest_path_m - radius_m);
-    metrics.spl = metrics.reached_us && shortest_m > 0.0
+    metrics.spl = metrics.reached && shortest_m > 0.0
                       ? shortest_m / std::max(metrics.path_m, shortest_m)
                       : 0.0;
   }
@@ -136,8 +134,8 @@ GoalMetrics goal_metrics(const TrialRecord& record, const sim::World& world, dou
 
 std::vector<double> sweep_times_s(const TrialRecord& record) {
   std::vector<double> times;
-  for (std::size_t i = 1; i < record.sweep_ends_us.size(); ++i) {
-    times.push_back(seconds(record.sweep_ends_us[i] - record.sweep_ends_us[i - 1]));
+  for (std::size_t i = 1; i < record.sweep_ends.size(); ++i) {
+    times.push_back(seconds(record.sweep_ends[i] - record.sweep_ends[i - 1]));
   }
   return times;
 }
@@ -145,8 +143,8 @@ std::vector<double> sweep_times_s(const TrialRecord& record) {
 StopMetrics stop_metrics(const TrialRecord& record, const Disturbance& disturbance,
                          double deceleration_mps2) {
   StopMetrics stop;
-  const auto first = first_from(record, disturbance.started_us);
-  const auto end = first_from(record, disturbance.ended_us);
+  const auto first = first_from(record, disturbance.started);
+  const auto end = first_from(record, disturbance.ended);
   if (first == record.truth.end()) {
     return stop;
   }
@@ -155,7 +153,7 @@ StopMetrics stop_metrics(const TrialRecord& record, const Disturbance& disturban
   for (auto sample = first; sample != end; ++sample) {
     stop.distance_m += sample == first ? 0.0 : distance_between(*std::prev(sample), *sample);
     if (is_stationary(*sample)) {
-      stop.stopped_after_s = seconds(sample->time_us - disturbance.started_us);
+      stop.stopped_after_s = seconds(sample->instant - disturbance.started);
       break;
     }
   }
@@ -164,7 +162,7 @@ StopMetrics stop_metrics(const TrialRecord& record, const Disturbance& disturban
     return !is_stationary(sample) || std::abs(sample.yaw_rate_rad_s) > 0.05;
   });
   if (resumed != record.truth.end()) {
-    stop.resumed_after_s = seconds(resumed->time_us - disturbance.ended_us);
+    stop.resumed_after_s = seconds(resumed->instant - disturbance.ended);
   }
   return stop;
 }
@@ -173,7 +171,7 @@ formats::Trajectory true_trajectory(const TrialRecord& record, bool planar) {
   formats::Trajectory trajectory;
   for (const TruthSample& sample : record.truth) {
     trajectory.push_back(
-        {kEpochUs + sample.time_us,
+        {utime_at(sample.instant),
          planar ? geometry::to_se3(geometry::to_se2(sample.T_world_base)) : sample.T_world_base});
   }
   return trajectory;

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "common/geometry/time.hpp"
 #include "sim/world/world.hpp"
 #include "tools/trial/record.hpp"
 
@@ -47,12 +48,12 @@ inline constexpr double kPersonalSpaceM = 0.45;
 
 /// How the robot drove to the goals of its world.
 struct GoalMetrics {
-  std::optional<std::int64_t> reached_us;  ///< the last one
-  double path_m = 0.0;                     ///< driven from the first scan until then, or the end
-  std::optional<double> time_s;            ///< from the first scan until then
-  std::optional<double> after_motion_s;    ///< from the moment at which it had moved by 0.1 m
-  double start_to_goal_m = 0.0;            ///< in a straight line
-  double remaining_m = 0.0;                ///< the same at the end
+  std::optional<time::SteadyTime> reached;  ///< the last one
+  double path_m = 0.0;                      ///< driven from the first scan until then, or the end
+  std::optional<double> time_s;             ///< from the first scan until then
+  std::optional<double> after_motion_s;     ///< from the moment at which it had moved by 0.1 m
+  double start_to_goal_m = 0.0;             ///< in a straight line
+  double remaining_m = 0.0;                 ///< the same at the end
   /// Success weighted by path length (Anderson et al., On Evaluation of Embodied Navigation
   /// Agents, 2018), by the path to where the goal counts as reached. Empty where the shortest path
   /// is not known.
@@ -70,8 +71,8 @@ struct GoalMetrics {
 /// A fault or kill that must stop the robot.
 struct Disturbance {
   std::string what;
-  std::int64_t started_us = 0;
-  std::int64_t ended_us = 0;
+  time::SteadyTime started{};
+  time::SteadyTime ended{};
 };
 
 /// How the robot stopped.

@@ -7,16 +7,21 @@
 
 #include "common/formats/tum.hpp"
 #include "common/geometry/se3.hpp"
+#include "common/geometry/time.hpp"
 
 namespace nodmap::trial {
 
-/// Start of the simulation in microseconds since the Unix epoch: 2008-07-01 in UTC, when the paper
-/// was presented.
-inline constexpr std::int64_t kEpochUs = 1'214'870'400'000'000;
+/// Start of the simulation: 2008-07-01 in UTC, when the paper was presented.
+inline constexpr time::Moment kStart{time::Timestamp(1'214'870'400s), {}};
 
-/// The true state at one moment. Times are microseconds since the start of the simulation.
+/// The stamp of a message at a time of the simulation.
+[[nodiscard]] inline std::int64_t utime_at(time::SteadyTime now) {
+  return time::to_utime(kStart.wall_at(now));
+}
+
+/// The true state at one moment. Times begin at 0 with the simulation.
 struct TruthSample {
-  std::int64_t time_us = 0;
+  time::SteadyTime instant{};
   geometry::SE3 T_world_base = geometry::SE3::Identity();
   double forward_mps = 0.0;
   double yaw_rate_rad_s = 0.0;
@@ -30,13 +35,13 @@ struct TruthSample {
 
 /// What is recorded of a trial to compute its metrics from.
 struct TrialRecord {
-  std::vector<TruthSample> truth;           ///< every 10 ms from 0 on
-  std::vector<std::int64_t> sweep_ends_us;  ///< when the pitch reversed
-  formats::Trajectory odometry;             ///< as published
-  std::optional<std::int64_t> started_us;   ///< the first SCAN; metrics count from here
-  std::optional<std::int64_t> moved_us;     ///< when it had moved by 0.1 m from its start
-  std::vector<std::int64_t> arrivals_us;    ///< when the navigator reported its arrival at a goal
-  std::optional<std::int64_t> reached_us;   ///< within Task::arrival_radius_m of the last goal
+  std::vector<TruthSample> truth;            ///< every 10 ms from 0 on
+  std::vector<time::SteadyTime> sweep_ends;  ///< when the pitch reversed
+  formats::Trajectory odometry;              ///< as published
+  std::optional<time::SteadyTime> started;   ///< the first SCAN; metrics count from here
+  std::optional<time::SteadyTime> moved;     ///< when it had moved by 0.1 m from its start
+  std::vector<time::SteadyTime> arrivals;    ///< when the navigator reported its arrival at a goal
+  std::optional<time::SteadyTime> reached;   ///< within Task::arrival_radius_m of the last goal
 };
 
 }  // namespace nodmap::trial

@@ -21,7 +21,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 /// Twice the time between two samples of the truth.
-constexpr std::int64_t kToleranceUs = 20'000;
+constexpr time::Duration kTolerance = 20ms;
 
 Json number_or_null(std::optional<double> value) {
   return value && std::isfinite(*value) ? Json(*value) : Json(nullptr);
@@ -37,7 +37,7 @@ Json write(const Quantiles& quantiles) {
 
 Json trajectory_errors(const formats::Trajectory& estimate, const TrialRecord& record,
                        bool planar) {
-  const auto pairs = evaluate::associate(estimate, true_trajectory(record, planar), kToleranceUs);
+  const auto pairs = evaluate::associate(estimate, true_trajectory(record, planar), kTolerance);
   if (pairs.empty()) {
     return {{"n", 0}};
   }
@@ -77,14 +77,14 @@ Json brake_latency(const TrialOutcome& outcome) {
   std::size_t too_late = 0;
   Json events = Json::array();
   for (const BrakeEvent& event : outcome.brake_events) {
-    if (event.answered_us) {
+    if (event.answered) {
       const double limit_ms = latency_limit_ms(event);
-      latencies_ms.push_back(1e-3 * static_cast<double>(*event.answered_us - event.started_us));
+      latencies_ms.push_back(1e-3 * time::FineDuration(*event.answered - event.started).count());
       too_late += latencies_ms.back() > limit_ms ? 1 : 0;
       events.push_back({{"latency_ms", latencies_ms.back()},
                         {"limit_ms", limit_ms},
                         {"speed_mps", event.speed_mps},
-                        {"at_s", 1e-6 * static_cast<double>(event.started_us)}});
+                        {"at_s", time::seconds(event.started.time_since_epoch())}});
     }
   }
   Json result = write(quantiles(latencies_ms));
@@ -97,7 +97,7 @@ Json brake_latency(const TrialOutcome& outcome) {
 
 Json write(const Disturbance& disturbance, const StopMetrics& stop, double deceleration_mps2) {
   Json json = {{"what", disturbance.what},
-               {"at_s", 1e-6 * static_cast<double>(disturbance.started_us)},
+               {"at_s", time::seconds(disturbance.started.time_since_epoch())},
                {"speed_mps", stop.speed_mps},
                {"stopped_after_s", number_or_null(stop.stopped_after_s)},
                {"reaction_s", nullptr},
@@ -120,10 +120,10 @@ std::string describe(const sim::Fault& fault) {
 std::vector<Disturbance> disturbances(const TrialSetup& setup) {
   std::vector<Disturbance> all;
   for (const Kill& kill : setup.kills) {
-    all.push_back({"kill " + kill.process, kill.at_us, kill.at_us + kill.duration_us});
+    all.push_back({"kill " + kill.process, kill.begin, kill.begin + kill.duration});
   }
   for (const sim::Fault& fault : setup.faults) {
-    all.push_back({describe(fault), fault.begin_us(), fault.end_us()});
+    all.push_back({describe(fault), fault.begin(), fault.end()});
   }
   return all;
 }
@@ -141,7 +141,7 @@ Json stops(const TrialSetup& setup, const TrialRecord& record) {
 
 Json write(const GoalMetrics& goal, const std::optional<double>& shortest_m,
            const sim::Task& task) {
-  return {{"reached", goal.reached_us.has_value()},
+  return {{"reached", goal.reached.has_value()},
           {"time_s", number_or_null(goal.time_s)},
           {"after_motion_s", number_or_null(goal.after_motion_s)},
           {"path_m", goal.path_m},
@@ -179,7 +179,7 @@ Json summarise(const TrialSetup& setup, const TrialOutcome& outcome,
   const GoalMetrics goal =
       goal_metrics(record, setup.world, setup.params.loop.goal_tolerance_m, shortest_m);
   const std::size_t num_goals = setup.world.goals.size();
-  const std::int64_t started_us = record.started_us.value_or(0);
+  const time::SteadyTime started = record.started.value_or(time::SteadyTime{});
   Json result = {
       {"world", setup.world.name},
       {"seed", setup.seed},
@@ -188,16 +188,15 @@ Json summarise(const TrialSetup& setup, const TrialOutcome& outcome,
       {"bumped", drive.bumped},
       {"distance_m", drive.distance_m},
       {"duration_s", drive.duration_s},
-      {"first_scan_s", 1e-6 * static_cast<double>(started_us)},
+      {"first_scan_s", time::seconds(started.time_since_epoch())},
       {"mean_speed_mps", drive.mean_speed_mps},
       {"max_speed_mps", drive.max_speed_mps},
       {"min_clearance_m", number_or_null(drive.min_clearance_m)},
       {"first_motion_s", number_or_null(drive.first_motion_s)},
       {"contacts_caused", drive.contacts_caused},
       {"falls", drive.falls},
-      {"goals",
-       {{"asked", num_goals}, {"reached", std::min(record.arrivals_us.size(), num_goals)}}},
-      {"goal_reached", goal.reached_us.has_value()},
+      {"goals", {{"asked", num_goals}, {"reached", std::min(record.arrivals.size(), num_goals)}}},
+      {"goal_reached", goal.reached.has_value()},
       {"goal_time_s", number_or_null(goal.time_s)},
       {"goal", num_goals > 0 ? write(goal, shortest_m, setup.world.task) : Json(nullptr)},
       {"close_to_person_s", drive.close_to_person_s},

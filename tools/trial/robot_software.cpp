@@ -56,9 +56,8 @@ RobotSoftware::RobotSoftware(sim::SimulatedRobot& hardware, bus::LoopNetwork& ne
       servo_line_(hardware.device(sim::Part::kServo)),
       base_line_(hardware.device(sim::Part::kBase)) {
   const auto clock = [this] {
-    const std::int64_t now_us = hardware_.model().now_us();
-    return time::Moment{time::from_utime(kEpochUs + now_us),
-                        time::SteadyTime(time::Duration(now_us))};
+    const time::SteadyTime now = hardware_.model().now();
+    return time::Moment{kStart.wall_at(now), now};
   };
   processes_.reserve(7);
   add("kurt", [this, clock](node::Context& context) {
@@ -110,7 +109,7 @@ void RobotSoftware::add(const std::string& name, node::NodeFactory make_node) {
 
 void RobotSoftware::give_go() {
   nodmap::stop_t message{};
-  message.utime = kEpochUs + hardware_.model().now_us();
+  message.utime = utime_at(hardware_.model().now());
   message.stop_seq = stop_seq_++;
   message.requested_by = "nodmap-trial";
   person_.publish("STOP", message);
@@ -121,7 +120,7 @@ void RobotSoftware::step() {
     give_go();
   }
   for (SimulatedLine* line : {&base_line_, &laser_line_, &servo_line_}) {
-    line->move_bytes(hardware_.model().now_us());
+    line->move_bytes(hardware_.model().now());
   }
   for (Process& process : processes_) {
     process.spin_once();

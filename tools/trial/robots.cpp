@@ -13,14 +13,14 @@ namespace nodmap::trial {
 namespace {
 
 /// A Hokuyo UST-10LX: 40 revolutions a second, three quarters of each measure.
-constexpr std::int64_t kScanPeriodUs = 25'000;
-constexpr std::int64_t kMeasuringUs = 18'750;
+constexpr time::Duration kScanPeriod = 25ms;
+constexpr time::Duration kMeasuringTime = 18'750us;
 constexpr std::size_t kBeams = 720;
 constexpr double kApertureRad = geometry::deg_to_rad(270.0);
 constexpr double kRangeMinM = 0.06;
 constexpr double kRangeMaxM = 30.0;
 /// It answers after the first revolutions.
-constexpr std::int64_t kBootUs = 1'000'000;
+constexpr time::Duration kBootTime = 1s;
 
 // Clearpath Robotics' data sheet and its description for Gazebo.
 constexpr double kLengthM = 0.508;
@@ -67,28 +67,28 @@ void set_robot(Robot robot, AllParams& params) {
   params.kurt.limits.max_speed_mps = kTopSpeedMps;
   params.navigator.drive.max_forward_mps = kTopSpeedMps;
   params.pitch_controller.mode = pitch_controller::Mode::kFixed;
-  params.pitch_controller.detection.scan_period_s = 1e-6 * kScanPeriodUs;
+  params.pitch_controller.detection.scan_period_s = time::seconds(kScanPeriod);
 }
 
 LevelScannerNode::LevelScannerNode(node::Context& context, const robot::Mount& mount,
                                    sim::RobotModel& model)
-    : context_(context), mount_(mount), model_(model), next_scan_us_(model.now_us() + kBootUs) {}
+    : context_(context), mount_(mount), model_(model), next_scan_(model.now() + kBootTime) {}
 
 void LevelScannerNode::spin_once() {
-  const std::int64_t now_us = model_.now_us();
-  if (now_us < next_scan_us_) {
+  const time::SteadyTime now = model_.now();
+  if (now < next_scan_) {
     return;
   }
-  publish_pitch(now_us);
-  publish_scan(now_us);
+  publish_pitch(now);
+  publish_scan(now);
   ++seq_;
-  next_scan_us_ += kScanPeriodUs;
+  next_scan_ += kScanPeriod;
 }
 
-void LevelScannerNode::publish_scan(std::int64_t end_us) {
+void LevelScannerNode::publish_scan(time::SteadyTime end) {
   scan::Scan scan;
-  scan.utime_us = kEpochUs + end_us - kMeasuringUs;
-  scan.duration_us = kMeasuringUs;
+  scan.utime_us = utime_at(end - kMeasuringTime);
+  scan.duration_us = time::to_us(kMeasuringTime);
   scan.seq = seq_;
   scan.angle_first_rad = -0.5 * kApertureRad;
   scan.angle_step_rad = kApertureRad / static_cast<double>(kBeams - 1);
@@ -97,9 +97,9 @@ void LevelScannerNode::publish_scan(std::int64_t end_us) {
   scan.T_base_mount.translation() << mount_.x_m, mount_.y_m, mount_.z_m;
   scan.ranges_m.resize(kBeams);
   for (std::size_t beam = 0; beam < kBeams; ++beam) {
-    const auto since_us =
-        static_cast<std::int64_t>(scan.fraction(beam) * static_cast<double>(kMeasuringUs));
-    const sim::Echo echo = model_.measure(scan.angle_rad(beam), end_us - kMeasuringUs + since_us);
+    const auto since_first = std::chrono::duration_cast<time::Duration>(
+        scan.fraction(beam) * time::FineDuration(kMeasuringTime));
+    const sim::Echo echo = model_.measure(scan.angle_rad(beam), end - kMeasuringTime + since_first);
     scan.ranges_m[beam] = echo.kind == sim::Echo::Kind::kRange
                               ? static_cast<float>(echo.range_m)
                               : std::numeric_limits<float>::infinity();
@@ -107,9 +107,9 @@ void LevelScannerNode::publish_scan(std::int64_t end_us) {
   context_.bus.publish("SCAN", node::write_scan(scan));
 }
 
-void LevelScannerNode::publish_pitch(std::int64_t time_us) {
+void LevelScannerNode::publish_pitch(time::SteadyTime now) {
   nodmap::pitch_state_t message{};
-  message.utime = kEpochUs + time_us;
+  message.utime = utime_at(now);
   message.state_seq = seq_;
   message.pitch_is_measured = 1;
   context_.bus.publish("PITCH_STATE", message);

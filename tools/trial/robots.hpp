@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 
+#include "common/geometry/time.hpp"
 #include "common/node/device_node.hpp"
 #include "common/robot/robot_params.hpp"
 #include "sim/body/robot_model.hpp"
@@ -31,13 +32,13 @@ class LevelScannerNode final : public node::DeviceNode {
   [[nodiscard]] nlohmann::json metrics() const override;
 
  private:
-  void publish_scan(std::int64_t end_us);
-  void publish_pitch(std::int64_t time_us);
+  void publish_scan(time::SteadyTime end);
+  void publish_pitch(time::SteadyTime now);
 
   node::Context& context_;
   robot::Mount mount_;
   sim::RobotModel& model_;
-  std::int64_t next_scan_us_;
+  time::SteadyTime next_scan_;
   std::int64_t seq_ = 0;
 };
 

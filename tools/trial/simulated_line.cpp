@@ -47,7 +47,7 @@ class SimulatedLine::Stream final : public serial::ByteStream {
     if (line_ == nullptr) {
       return IoStatus::kDisconnected;
     }
-    line_->device_.receive(bytes, line_->baud_, line_->now_us_);
+    line_->device_.receive(bytes, line_->baud_, line_->now_);
     return IoStatus::kOk;
   }
 
@@ -71,22 +71,22 @@ class SimulatedLine::Stream final : public serial::ByteStream {
   SimulatedLine* line_;
 };
 
-void SimulatedLine::move_bytes(std::int64_t now_us) {
-  now_us_ = now_us;
-  if (!device_.plugged_in(now_us)) {
+void SimulatedLine::move_bytes(time::SteadyTime now) {
+  now_ = now;
+  if (!device_.plugged_in(now)) {
     cut();
   }
-  if (device_.next_us() > now_us) {
+  if (device_.next_due() > now) {
     return;
   }
-  device_.transmit(now_us, baud_, inbox_);
+  device_.transmit(now, baud_, inbox_);
   if (stream_ == nullptr) {
     inbox_.clear();  // nobody listens
   }
 }
 
 serial::OpenResult SimulatedLine::open(int baud) {
-  if (!device_.plugged_in(now_us_)) {
+  if (!device_.plugged_in(now_)) {
     return {nullptr, "no such device"};
   }
   if (stream_ != nullptr) {

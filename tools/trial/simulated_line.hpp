@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "common/geometry/time.hpp"
 #include "drivers/serial/serial_port.hpp"
 #include "sim/devices/serial_device.hpp"
 
@@ -17,7 +18,7 @@ class SimulatedLine {
   explicit SimulatedLine(sim::SerialDevice& device) : device_(device) {}
 
   /// Carries what the device has sent up to now.
-  void move_bytes(std::int64_t now_us);
+  void move_bytes(time::SteadyTime now);
 
   /// Opens the port for the driver; refused while the device is unplugged or the port is open.
   [[nodiscard]] serial::OpenResult open(int baud);
@@ -29,7 +30,7 @@ class SimulatedLine {
   class Stream;
 
   sim::SerialDevice& device_;
-  std::int64_t now_us_ = 0;
+  time::SteadyTime now_{};
   int baud_ = 9600;
   std::vector<std::uint8_t> inbox_;
   Stream* stream_ = nullptr;  // of the driver, while it is connected

@@ -14,15 +14,11 @@ namespace nodmap::trial {
 namespace {
 
 /// Laser and servo are searched at several baud rates, and the laser takes a while to boot.
-constexpr std::int64_t kMaxStartUs = 60'000'000;
+constexpr time::SteadyTime kLatestStart(60s);
 /// The level laser has the same noise as the nodding one, but not the same numbers.
 constexpr std::uint64_t kLevelLaserSeed = 1'000'000;
-constexpr std::int64_t kGoalPeriodUs = 1'000'000;
-constexpr std::int64_t kAfterArrivalUs = 1'000'000;
-
-std::int64_t microseconds(double duration_s) {
-  return std::llround(1e6 * duration_s);
-}
+constexpr time::Duration kGoalPeriod = 1s;
+constexpr time::Duration kTimeAfterArrival = 1s;
 
 /// Publishes the world's goals one after the other, and repeats the present one for processes that
 /// are started later.
@@ -35,17 +31,18 @@ class GoalPublisher {
   }
 
   /// `num_reached`: the goals that the robot has arrived at.
-  void publish(std::int64_t now_us, std::size_t num_reached) {
+  void publish(time::SteadyTime now, std::size_t num_reached) {
     const bool is_next = num_reached > num_reached_;
     num_reached_ = num_reached;
-    if (num_reached_ >= world_.goals.size() || (!is_next && now_us % kGoalPeriodUs != 0)) {
+    if (num_reached_ >= world_.goals.size() ||
+        (!is_next && now.time_since_epoch() % kGoalPeriod != 0s)) {
       return;
     }
     // The map begins where the robot starts.
     const Eigen::Vector2d p_map = world_.T_world_start.inverse() * world_.goals[num_reached_];
     message_.position_m[0] = p_map.x();
     message_.position_m[1] = p_map.y();
-    message_.utime = kEpochUs + now_us;
+    message_.utime = utime_at(now);
     bus_.publish("GOAL", message_);
     ++message_.goal_seq;
   }
@@ -62,8 +59,8 @@ class GoalPublisher {
 struct Trial::Parts {
   Parts(const TrialSetup& setup, const std::filesystem::path& log)
       : hardware(setup.world, setup.params.sim, setup.faults, setup.seed),
-        network(log, {.min_us = microseconds(setup.params.loop.message_delay_s),
-                      .mean_jitter_us = microseconds(setup.params.loop.message_jitter_s),
+        network(log, {.min = time::from_seconds(setup.params.loop.message_delay_s),
+                      .mean_jitter = time::from_seconds(setup.params.loop.message_jitter_s),
                       .seed = setup.seed}),
         monitor(setup.world, hardware.model(), network, stopping_zone(setup)),
         goal(setup.world, setup.params.loop, network),
@@ -89,14 +86,14 @@ Trial::Trial(const TrialSetup& setup, const std::filesystem::path& dir)
 Trial::~Trial() = default;
 
 bool Trial::step() {
-  parts_->hardware.advance_to(now_us_);
-  parts_->network.set_time(kEpochUs + now_us_);
+  parts_->hardware.advance_to(now_);
+  parts_->network.set_time(kStart.wall_at(now_));
   apply_kills();
   parts_->robot.step();
   parts_->monitor.update();
-  parts_->goal.publish(now_us_, record().arrivals_us.size());
+  parts_->goal.publish(now_, record().arrivals.size());
   parts_->network.deliver();
-  now_us_ += kStepUs;
+  now_ += kStep;
   return !is_over();
 }
 
@@ -105,38 +102,38 @@ const TrialRecord& Trial::record() const {
 }
 
 bool Trial::is_over() const {
-  if (!record().started_us) {
-    if (now_us_ >= kMaxStartUs) {
+  if (!record().started) {
+    if (now_ >= kLatestStart) {
       throw std::runtime_error("the scanner gave no scan within a minute");
     }
     return false;
   }
-  return now_us_ > *record().started_us + setup_.duration_us || has_arrived() || has_failed();
+  return now_ > *record().started + setup_.duration || has_arrived() || has_failed();
 }
 
 bool Trial::has_arrived() const {
   const std::size_t num_goals = setup_.world.goals.size();
   if (setup_.world.task.arrival_radius_m) {
-    return record().reached_us.has_value();
+    return record().reached.has_value();
   }
-  return num_goals > 0 && record().arrivals_us.size() >= num_goals &&
-         now_us_ > record().arrivals_us[num_goals - 1] + kAfterArrivalUs;
+  return num_goals > 0 && record().arrivals.size() >= num_goals &&
+         now_ > record().arrivals[num_goals - 1] + kTimeAfterArrival;
 }
 
 /// By the rules of the world's task.
 bool Trial::has_failed() const {
   const sim::Task& task = setup_.world.task;
   const TruthSample& last = record().truth.back();
-  const bool is_late = task.time_limit_s && record().moved_us &&
-                       now_us_ > *record().moved_us + microseconds(*task.time_limit_s);
+  const bool is_late = task.time_limit_s && record().moved &&
+                       now_ > *record().moved + time::from_seconds(*task.time_limit_s);
   return is_late || (task.ends_at_contact && last.collisions + last.bumps > 0);
 }
 
 void Trial::apply_kills() {
   for (const Kill& kill : setup_.kills) {
-    if (now_us_ == kill.at_us) {
+    if (now_ == kill.begin) {
       parts_->robot.kill(kill.process);
-    } else if (now_us_ == kill.at_us + kill.duration_us) {
+    } else if (now_ == kill.begin + kill.duration) {
       parts_->robot.start(kill.process);
     }
   }

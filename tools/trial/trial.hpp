@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "common/geometry/time.hpp"
 #include "sim/devices/fault.hpp"
 #include "sim/world/world.hpp"
 #include "tools/trial/brake_latency.hpp"
@@ -22,8 +23,8 @@ namespace nodmap::trial {
 /// A process is killed at this time after power-on and started again after a while.
 struct Kill {
   std::string process;
-  std::int64_t at_us = 0;
-  std::int64_t duration_us = 0;
+  time::SteadyTime begin{};
+  time::Duration duration{};
 };
 
 struct TrialSetup {
@@ -31,7 +32,7 @@ struct TrialSetup {
   Robot robot = Robot::kKurt3d;  ///< whose values `params` hold: set_robot()
   AllParams params;
   std::uint64_t seed = 0;
-  std::int64_t duration_us = 0;  ///< from the first SCAN on
+  time::Duration duration{};  ///< from the first SCAN on
   std::set<std::string> without;
   std::vector<Kill> kills;
   std::vector<sim::Fault> faults;
@@ -52,7 +53,7 @@ struct TrialOutcome {
 class Trial {
  public:
   /// Step of the loop: a USB adapter delivers bytes once a millisecond, and nothing is faster.
-  static constexpr std::int64_t kStepUs = 1000;
+  static constexpr time::Duration kStep = 1ms;
 
   /// Logs into `dir`/trial.lcmlog. Throws std::runtime_error when it cannot be made.
   Trial(const TrialSetup& setup, const std::filesystem::path& dir);
@@ -63,7 +64,7 @@ class Trial {
   /// Throws std::runtime_error when no scan comes within a minute.
   bool step();
 
-  [[nodiscard]] std::int64_t now_us() const { return now_us_; }
+  [[nodiscard]] time::SteadyTime now() const { return now_; }
   [[nodiscard]] const TrialRecord& record() const;
 
   /// Ends the processes, which write their results into `dir`. Throws std::runtime_error.
@@ -80,7 +81,7 @@ class Trial {
   TrialSetup setup_;
   std::filesystem::path dir_;
   std::unique_ptr<Parts> parts_;
-  std::int64_t now_us_ = 0;
+  time::SteadyTime now_{};
 };
 
 /// The stopping zone by which the brake latency is measured.

@@ -17,12 +17,8 @@
 namespace nodmap::watch {
 namespace {
 
-std::int64_t steady_us() {
-  return time::to_us(time::steady_now().time_since_epoch());
-}
-
-constexpr std::int64_t kTerminalPeriodUs = 100'000;
-constexpr std::int64_t kFilePeriodUs = 5'000'000;
+constexpr time::Duration kTerminalPeriod = 100ms;
+constexpr time::Duration kFilePeriod = 5s;
 
 struct Arguments {
   double duration_s = 0.0;
@@ -33,7 +29,7 @@ struct Arguments {
 template <class Message>
 void listen(bus::Bus& bus, const char* channel, Overview& overview) {
   bus.subscribe<Message>(
-      channel, [&overview](const Message& message) { overview.hear(message, steady_us()); });
+      channel, [&overview](const Message& message) { overview.hear(message, time::steady_now()); });
 }
 
 void listen_to_all(bus::Bus& bus, Overview& overview) {
@@ -50,12 +46,12 @@ void listen_to_all(bus::Bus& bus, Overview& overview) {
 /// Redraws one line on a terminal; elsewhere writes a line now and then.
 class Display {
  public:
-  void show(const Overview& overview, std::int64_t now_us) {
-    if (now_us < next_us_) {
+  void show(const Overview& overview, time::SteadyTime now) {
+    if (now < next_) {
       return;
     }
-    next_us_ = now_us + (is_terminal_ ? kTerminalPeriodUs : kFilePeriodUs);
-    std::cout << (is_terminal_ ? "\r\033[K" : "") << status_line(overview, now_us)
+    next_ = now + (is_terminal_ ? kTerminalPeriod : kFilePeriod);
+    std::cout << (is_terminal_ ? "\r\033[K" : "") << status_line(overview, now)
               << (is_terminal_ ? "" : "\n") << std::flush;
   }
   void end() const {
@@ -66,7 +62,7 @@ class Display {
 
  private:
   bool is_terminal_ = ::isatty(STDOUT_FILENO) == 1;
-  std::int64_t next_us_ = 0;
+  time::SteadyTime next_{};
 };
 
 /// True when it has watched for as long as it should; false when no scan came, or it was stopped
@@ -75,19 +71,19 @@ bool watch(const Arguments& arguments, const std::string& lcm_url, Overview& ove
   bus::LiveBus bus(lcm_url);
   listen_to_all(bus, overview);
   Display display;
-  const auto in_us = [](double seconds) { return static_cast<std::int64_t>(1e6 * seconds); };
-  std::int64_t end_us = steady_us() + in_us(arguments.patience_s);
+
+  time::SteadyTime end = time::steady_now() + time::from_seconds(arguments.patience_s);
   bool scans_came = false;
   bool in_time = true;
   while (in_time && !node::stop_requested()) {
-    bus.handle(std::chrono::milliseconds(20));
-    const std::int64_t now_us = steady_us();
+    bus.handle(20ms);
+    const time::SteadyTime now = time::steady_now();
     if (!scans_came && overview.scans().total() > 0) {
       scans_came = true;
-      end_us = now_us + in_us(arguments.duration_s);
+      end = now + time::from_seconds(arguments.duration_s);
     }
-    display.show(overview, now_us);
-    in_time = now_us < end_us || (scans_came && arguments.duration_s == 0.0);
+    display.show(overview, now);
+    in_time = now < end || (scans_came && arguments.duration_s == 0.0);
   }
   display.end();
   return scans_came && !in_time;

@@ -12,31 +12,30 @@
 namespace nodmap::watch {
 namespace {
 
-constexpr std::int64_t kSecondUs = 1'000'000;
 constexpr double kJumpM = 1.0;  // odometry that began anew is no way driven
 constexpr std::size_t kLineLength = 120;
 
 }  // namespace
 
-void Rate::add(std::int64_t now_us) {
+void Rate::add(time::SteadyTime now) {
   ++total_;
-  times_us_.push_back(now_us);
-  while (times_us_.front() <= now_us - kSecondUs) {
-    times_us_.pop_front();
+  received_.push_back(now);
+  while (received_.front() <= now - 1s) {
+    received_.pop_front();
   }
 }
 
-double Rate::per_second(std::int64_t now_us) const {
-  return static_cast<double>(std::ranges::count_if(
-      times_us_, [now_us](std::int64_t time_us) { return time_us > now_us - kSecondUs; }));
+double Rate::per_second(time::SteadyTime now) const {
+  return static_cast<double>(
+      std::ranges::count_if(received_, [now](time::SteadyTime stamp) { return stamp > now - 1s; }));
 }
 
-void Overview::hear(const nodmap::scan_t& /*message*/, std::int64_t now_us) {
-  scans_.add(now_us);
+void Overview::hear(const nodmap::scan_t& /*message*/, time::SteadyTime now) {
+  scans_.add(now);
 }
 
-void Overview::hear(const nodmap::odometry_t& message, std::int64_t now_us) {
-  odometry_.add(now_us);
+void Overview::hear(const nodmap::odometry_t& message, time::SteadyTime now) {
+  odometry_.add(now);
   forward_mps_ = message.forward_mps;
   max_forward_mps_ = std::max(max_forward_mps_, std::abs(message.forward_mps));
   const double step_m =
@@ -49,33 +48,33 @@ void Overview::hear(const nodmap::odometry_t& message, std::int64_t now_us) {
   last_y_m_ = message.position_m[1];
 }
 
-void Overview::hear(const nodmap::pitch_state_t& message, std::int64_t /*now_us*/) {
+void Overview::hear(const nodmap::pitch_state_t& message, time::SteadyTime /*now*/) {
   pitch_rad_ = message.pitch_rad;
 }
 
-void Overview::hear(const nodmap::egomap_t& obstacle_map, std::int64_t /*now_us*/) {
+void Overview::hear(const nodmap::egomap_t& obstacle_map, time::SteadyTime /*now*/) {
   nearest_m_ = std::numeric_limits<double>::infinity();
   for (const float distance_m : obstacle_map.distance_m) {
     nearest_m_ = std::min(nearest_m_, static_cast<double>(distance_m));
   }
 }
 
-void Overview::hear(const nodmap::navigation_t& message, std::int64_t /*now_us*/) {
+void Overview::hear(const nodmap::navigation_t& message, time::SteadyTime /*now*/) {
   behaviour_ = message.behaviour;
   reason_ = message.reason;
 }
 
-void Overview::hear(const nodmap::cloud_chunk_t& message, std::int64_t /*now_us*/) {
+void Overview::hear(const nodmap::cloud_chunk_t& message, time::SteadyTime /*now*/) {
   keyframes_ = std::max(keyframes_, message.keyframe_id + 1);
 }
 
-void Overview::hear(const nodmap::status_t& message, std::int64_t now_us) {
+void Overview::hear(const nodmap::status_t& message, time::SteadyTime now) {
   processes_[message.process_name] = {
       message.health,        message.health_reason,  message.total_handled,  message.total_lost,
-      message.total_corrupt, message.total_rejected, message.latency_p99_us, now_us};
+      message.total_corrupt, message.total_rejected, message.latency_p99_us, now};
 }
 
-void Overview::hear(const nodmap::truth_t& message, std::int64_t /*now_us*/) {
+void Overview::hear(const nodmap::truth_t& message, time::SteadyTime /*now*/) {
   collisions_ = message.collisions;
   bumps_ = message.bumps;
 }
@@ -95,13 +94,13 @@ std::string behaviour_name(std::int8_t behaviour) {
   return index < kNames.size() ? kNames.at(index) : "?";
 }
 
-std::string status_line(const Overview& overview, std::int64_t now_us) {
+std::string status_line(const Overview& overview, time::SteadyTime now) {
   std::string line = fmt::format(
       "{:<7} {:5.2f} m/s  pitch {:+5.1f} deg  nearest {:5.2f} m  keyframes {:<3} scans {:3.0f}/s  "
       "odometry {:3.0f}/s  lost {}",
       behaviour_name(overview.behaviour()), overview.forward_mps(),
       geometry::rad_to_deg(overview.pitch_rad()), overview.nearest_m(), overview.keyframes(),
-      overview.scans().per_second(now_us), overview.odometry().per_second(now_us), overview.lost());
+      overview.scans().per_second(now), overview.odometry().per_second(now), overview.lost());
   if (overview.collisions() >= 0) {
     line += fmt::format("  collisions {}", overview.collisions());
   }

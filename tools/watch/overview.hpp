@@ -7,6 +7,7 @@
 #include <map>
 #include <string>
 
+#include "common/geometry/time.hpp"
 #include "nodmap/cloud_chunk_t.hpp"
 #include "nodmap/egomap_t.hpp"
 #include "nodmap/navigation_t.hpp"
@@ -21,12 +22,12 @@ namespace nodmap::watch {
 /// Counts events and how many of them came in the last second.
 class Rate {
  public:
-  void add(std::int64_t now_us);
-  [[nodiscard]] double per_second(std::int64_t now_us) const;
+  void add(time::SteadyTime now);
+  [[nodiscard]] double per_second(time::SteadyTime now) const;
   [[nodiscard]] std::int64_t total() const { return total_; }
 
  private:
-  std::deque<std::int64_t> times_us_;
+  std::deque<time::SteadyTime> received_;
   std::int64_t total_ = 0;
 };
 
@@ -39,20 +40,20 @@ struct ProcessView {
   std::int64_t corrupt = 0;
   std::int64_t rejected = 0;
   double p99_us = 0.0;
-  std::int64_t heard_us = 0;
+  time::SteadyTime received{};
 };
 
 /// The robot at a glance, from its messages. Times are those at which they were received.
 class Overview {
  public:
-  void hear(const nodmap::scan_t& message, std::int64_t now_us);
-  void hear(const nodmap::odometry_t& message, std::int64_t now_us);
-  void hear(const nodmap::pitch_state_t& message, std::int64_t now_us);
-  void hear(const nodmap::egomap_t& obstacle_map, std::int64_t now_us);
-  void hear(const nodmap::navigation_t& message, std::int64_t now_us);
-  void hear(const nodmap::cloud_chunk_t& message, std::int64_t now_us);
-  void hear(const nodmap::status_t& message, std::int64_t now_us);
-  void hear(const nodmap::truth_t& message, std::int64_t now_us);
+  void hear(const nodmap::scan_t& message, time::SteadyTime now);
+  void hear(const nodmap::odometry_t& message, time::SteadyTime now);
+  void hear(const nodmap::pitch_state_t& message, time::SteadyTime now);
+  void hear(const nodmap::egomap_t& obstacle_map, time::SteadyTime now);
+  void hear(const nodmap::navigation_t& message, time::SteadyTime now);
+  void hear(const nodmap::cloud_chunk_t& message, time::SteadyTime now);
+  void hear(const nodmap::status_t& message, time::SteadyTime now);
+  void hear(const nodmap::truth_t& message, time::SteadyTime now);
 
   [[nodiscard]] double forward_mps() const { return forward_mps_; }
   [[nodiscard]] double pitch_rad() const { return pitch_rad_; }
@@ -93,7 +94,7 @@ class Overview {
 };
 
 /// One line for people, at most 120 characters.
-[[nodiscard]] std::string status_line(const Overview& overview, std::int64_t now_us);
+[[nodiscard]] std::string status_line(const Overview& overview, time::SteadyTime now);
 
 /// STEER, BRAKE, TURN, ARRIVED, HALT; "?" for what is none of them.
 [[nodiscard]] std::string behaviour_name(std::int8_t behaviour);

@@ -22,11 +22,10 @@ constexpr std::int64_t kMany = 1'000'000;
 class LogPlayerTest : public ::testing::Test {
  protected:
   /// A log of one-byte messages on channel A at these times after the common begin.
-  std::filesystem::path log(const std::string& name, const std::vector<std::int64_t>& times_us,
-                            char first) {
+  std::filesystem::path log(const std::string& name, const std::vector<int>& times_us, char first) {
     const std::filesystem::path path = dir_.path() / name;
     LogWriter writer(path);
-    for (const std::int64_t time_us : times_us) {
+    for (const int time_us : times_us) {
       const std::string text(1, first++);
       EXPECT_TRUE(writer.write(1'000'000 + time_us, "A", std::as_bytes(std::span(text))));
     }
@@ -48,23 +47,23 @@ TEST_F(LogPlayerTest, HandsOverWhatHasBeenReached) {
   hear(player);
   EXPECT_TRUE(player.catch_up(kMany));
   EXPECT_EQ(heard_, "a");
-  player.advance(99);
+  player.advance(99us);
   player.catch_up(kMany);
   EXPECT_EQ(heard_, "a");
-  player.advance(1);
+  player.advance(1us);
   player.catch_up(kMany);
   EXPECT_EQ(heard_, "ab");
-  player.advance(10'000);
+  player.advance(10ms);
   player.catch_up(kMany);
   EXPECT_EQ(heard_, "abc");
   EXPECT_TRUE(player.at_end());
-  EXPECT_EQ(player.utime_us(), 1'000'200);
+  EXPECT_EQ(player.now(), time::Timestamp(1'000'200us));
 }
 
 TEST_F(LogPlayerTest, MergesLogsByTime) {
   LogPlayer player({log("a", {0, 100, 200}, 'a'), log("b", {50, 100, 150}, 'x')});
   hear(player);
-  player.advance(200);
+  player.advance(200us);
   player.catch_up(kMany);
   EXPECT_EQ(heard_, "axbyzc");
 }
@@ -72,11 +71,11 @@ TEST_F(LogPlayerTest, MergesLogsByTime) {
 TEST_F(LogPlayerTest, SpeedAndPause) {
   LogPlayer player({log("a", {0, 1000}, 'a')});
   player.set_speed(2.0);
-  player.advance(100);
-  EXPECT_EQ(player.position_us(), 200);
+  player.advance(100us);
+  EXPECT_EQ(player.position(), 200us);
   player.set_paused(true);
-  player.advance(100);
-  EXPECT_EQ(player.position_us(), 200);
+  player.advance(100us);
+  EXPECT_EQ(player.position(), 200us);
   player.set_speed(1e9);
   EXPECT_EQ(player.speed(), LogPlayer::kMaxSpeed);
   player.set_speed(-1.0);
@@ -86,20 +85,20 @@ TEST_F(LogPlayerTest, SpeedAndPause) {
 TEST_F(LogPlayerTest, SeekingBackBeginsAnew) {
   LogPlayer player({log("a", {0, 100, 200}, 'a')});
   hear(player);
-  EXPECT_FALSE(player.seek(200));
+  EXPECT_FALSE(player.seek(200us));
   player.catch_up(kMany);
   EXPECT_EQ(heard_, "abc");
-  EXPECT_TRUE(player.seek(100));
+  EXPECT_TRUE(player.seek(100us));
   player.catch_up(kMany);
   EXPECT_EQ(heard_, "abcab");
-  EXPECT_FALSE(player.seek(5000));
-  EXPECT_EQ(player.position_us(), 200);
+  EXPECT_FALSE(player.seek(5ms));
+  EXPECT_EQ(player.position(), 200us);
 }
 
 TEST_F(LogPlayerTest, MuchIsHandedOverInParts) {
   LogPlayer player({log("a", {0, 1, 2, 3}, 'a')});
   hear(player);
-  player.advance(10);
+  player.advance(10us);
   EXPECT_FALSE(player.catch_up(3));
   EXPECT_EQ(heard_, "abc");
   EXPECT_TRUE(player.catch_up(3));

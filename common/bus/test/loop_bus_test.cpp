@@ -16,6 +16,10 @@
 namespace nodmap::bus {
 namespace {
 
+time::Timestamp at(time::Duration since_epoch) {
+  return time::Timestamp(since_epoch);
+}
+
 nodmap::drive_t drive(std::int64_t seq) {
   nodmap::drive_t message{};
   message.drive_seq = seq;
@@ -26,7 +30,7 @@ class LoopBusTest : public ::testing::Test {
  protected:
   test::TemporaryDir dir_;
   std::filesystem::path log_ = dir_.path() / "loop.lcmlog";
-  LoopNetwork network_{log_, {.min_us = 1000}};
+  LoopNetwork network_{log_, {.min = 1ms}};
   LoopBus sender_{network_};
   LoopBus receiver_{network_};
   std::vector<std::int64_t> got_;
@@ -39,13 +43,13 @@ class LoopBusTest : public ::testing::Test {
 
 TEST_F(LoopBusTest, DeliversAfterTheDelayAndNotBefore) {
   note(receiver_);
-  network_.set_time(5000);
+  network_.set_time(at(5ms));
   sender_.publish("DRIVE", drive(1));
   network_.deliver();
-  network_.set_time(5999);
+  network_.set_time(at(5999us));
   network_.deliver();
   EXPECT_TRUE(got_.empty());
-  network_.set_time(6000);
+  network_.set_time(at(6ms));
   network_.deliver();
   EXPECT_EQ(got_, (std::vector<std::int64_t>{1}));
 }
@@ -57,7 +61,7 @@ TEST_F(LoopBusTest, KeepsTheOrderAcrossChannels) {
   sender_.publish("DRIVE", drive(1));
   sender_.publish("OTHER", drive(2));
   sender_.publish("DRIVE", drive(3));
-  network_.set_time(1000);
+  network_.set_time(at(1ms));
   network_.deliver();
   EXPECT_EQ(got_, (std::vector<std::int64_t>{1, -2, 3}));
 }
@@ -84,37 +88,37 @@ TEST_F(LoopBusTest, AnAnswerWaitsUntilTheHandlerHasReturned) {
 // Each reader has delays of its own, and still receives everything in the order of publishing.
 TEST_F(LoopBusTest, JitterDelaysEachReaderWithoutOvertaking) {
   constexpr int kMessages = 2000;
-  LoopNetwork network(dir_.path() / "jitter.lcmlog",
-                      {.min_us = 2000, .mean_jitter_us = 1000, .seed = 1});
+  LoopNetwork network(dir_.path() / "jitter.lcmlog", {.min = 2ms, .mean_jitter = 1ms, .seed = 1});
   LoopBus sender(network);
   LoopBus first(network);
   LoopBus second(network);
-  std::array<std::vector<std::int64_t>, 2> delays_us;
-  std::int64_t now_us = 0;
+  std::array<std::vector<time::Duration>, 2> delays_of;
+  time::Duration now{};
   for (int i = 0; i < 2; ++i) {
     (i == 0 ? first : second)
         .subscribe<nodmap::drive_t>("DRIVE", [&, i](const nodmap::drive_t& message) {
-          auto& delays = delays_us.at(static_cast<std::size_t>(i));
+          auto& delays = delays_of.at(static_cast<std::size_t>(i));
           EXPECT_EQ(message.drive_seq, static_cast<std::int64_t>(delays.size()));
-          delays.push_back(now_us - 20'000 * message.drive_seq);
+          delays.push_back(now - 20ms * message.drive_seq);
         });
   }
-  for (; now_us < 20'000 * (kMessages + 1); now_us += 100) {
-    network.set_time(now_us);
-    if (now_us % 20'000 == 0 && now_us < 20'000 * kMessages) {
-      sender.publish("DRIVE", drive(now_us / 20'000));
+  for (; now < 20ms * (kMessages + 1); now += 100us) {
+    network.set_time(at(now));
+    if (now % 20ms == 0s && now < 20ms * kMessages) {
+      sender.publish("DRIVE", drive(now / 20ms));
     }
     network.deliver();
   }
-  EXPECT_NE(delays_us[0], delays_us[1]);
-  for (const auto& delays : delays_us) {
+  EXPECT_NE(delays_of[0], delays_of[1]);
+  for (const auto& delays : delays_of) {
     ASSERT_EQ(delays.size(), static_cast<std::size_t>(kMessages));
-    EXPECT_GE(*std::ranges::min_element(delays), 2000);
-    EXPECT_LE(*std::ranges::max_element(delays), 12'000);
+    EXPECT_GE(*std::ranges::min_element(delays), 2ms);
+    EXPECT_LE(*std::ranges::max_element(delays), 12ms);
     // 2 ms + 1 ms + half a step of 0.1 ms; the mean of 2000 is uncertain by 1 ms / sqrt(2000) = 22
     // us, four times that.
-    const double mean_us = std::accumulate(delays.begin(), delays.end(), 0.0) / kMessages;
-    EXPECT_NEAR(mean_us, 3050.0, 90.0);
+    const time::FineDuration sum =
+        std::accumulate(delays.begin(), delays.end(), time::FineDuration{});
+    EXPECT_NEAR(sum.count() / kMessages, 3050.0, 90.0);
   }
 }
 
@@ -124,7 +128,7 @@ TEST_F(LoopBusTest, WhoHasLeftHearsNothing) {
   note(receiver_);
   sender_.publish("DRIVE", drive(1));
   leaving.reset();  // with a message under way
-  network_.set_time(1000);
+  network_.set_time(at(1ms));
   network_.deliver();
   EXPECT_EQ(got_, (std::vector<std::int64_t>{1}));
 }
@@ -132,7 +136,7 @@ TEST_F(LoopBusTest, WhoHasLeftHearsNothing) {
 TEST_F(LoopBusTest, CountsAndDropsWhatIsNoMessageOfTheType) {
   note(receiver_);
   sender_.publish("DRIVE", nodmap::save_request_t{});
-  network_.set_time(1000);
+  network_.set_time(at(1ms));
   network_.deliver();
   EXPECT_TRUE(got_.empty());
   EXPECT_EQ(receiver_.counts().corrupt, 1);
@@ -147,16 +151,16 @@ TEST_F(LoopBusTest, AnExceptionComesOutAndTheNextMessageIsDelivered) {
   });
   sender_.publish("DRIVE", drive(1));
   sender_.publish("DRIVE", drive(2));
-  network_.set_time(1000);
+  network_.set_time(at(1ms));
   EXPECT_THROW(network_.deliver(), std::runtime_error);
   network_.deliver();
   EXPECT_EQ(got_, (std::vector<std::int64_t>{2}));
 }
 
 TEST_F(LoopBusTest, LogsEverythingWhenItWasSent) {
-  network_.set_time(7);
+  network_.set_time(at(7us));
   sender_.publish("DRIVE", drive(1));
-  network_.set_time(8);
+  network_.set_time(at(8us));
   sender_.publish("NOBODY", drive(2));
   ASSERT_TRUE(network_.flush());
   LogReader reader(log_);

@@ -376,5 +376,35 @@ TEST_F(NavigatorNodeTest, GoesToAGoalInTheCorrectedMap) {
   EXPECT_TRUE(drives());
 }
 
+// Without a goal the place in the map does not matter.
+TEST_F(NavigatorNodeTest, ToAGoalItSlowsWhenThePoseIsDegradedAndHaltsWhenItIsLost) {
+  const auto give_pose = [this](std::int8_t state) {
+    auto pose =
+        node::write_corrected_pose(now_us_, geometry::SE3::Identity(), geometry::SE3::Identity());
+    pose.state = state;
+    bus_.deliver("POSE_2D", pose);
+    tick();
+  };
+  run(1.5);
+  give_pose(nodmap::pose_t::LOST);
+  EXPECT_TRUE(drives());
+  nodmap::goal_t goal{};
+  goal.is_active = true;
+  goal.tolerance_m = 0.2;
+  goal.position_m[0] = 100.0;
+  bus_.deliver("GOAL", goal);
+  tick();
+  EXPECT_TRUE(halts());
+  EXPECT_NE(navigation().reason.find("lost"), std::string::npos) << navigation().reason;
+  give_pose(nodmap::pose_t::TRACKING);
+  run(2.0);
+  const double fast_mps = navigation().max_forward_mps;
+  give_pose(nodmap::pose_t::DEGRADED);
+  run(2.0);
+  EXPECT_GT(drive().forward_mps, 0.0);
+  EXPECT_LE(drive().forward_mps, 0.5 * DriveParams{}.max_forward_mps);
+  EXPECT_LT(navigation().max_forward_mps, fast_mps);
+}
+
 }  // namespace
 }  // namespace nodmap::navigator

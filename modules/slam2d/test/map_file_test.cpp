@@ -27,6 +27,7 @@ TEST(MapFile, RosMapHasTheRobotsLeftAtTheTop) {
   const nodmap::test::TemporaryDir dir;
   OccupancyGrid grid(0.5);
   ASSERT_TRUE(grid.add_ray({0.25, 0.25}, {0.25, 1.25}));  // a wall to the left; y is up
+  ASSERT_TRUE(grid.add_ray({-1.25, 0.25}, {-1.25, 0.75}));
   write_ros_map(dir.path(), grid);
 
   const std::string pgm = slurp(dir.path() / "map.pgm");
@@ -47,7 +48,7 @@ TEST(MapFile, RosMapHasTheRobotsLeftAtTheTop) {
   const std::string yaml = slurp(dir.path() / "map.yaml");
   EXPECT_NE(yaml.find("image: map.pgm\n"), std::string::npos);
   EXPECT_NE(yaml.find("resolution: 0.5\n"), std::string::npos);
-  EXPECT_NE(yaml.find("origin: [-50, -50, 0]\n"), std::string::npos);
+  EXPECT_NE(yaml.find("origin: [-64, 0, 0]\n"), std::string::npos);
 }
 
 TEST(MapFile, WhatWasWrittenIsReadAgain) {

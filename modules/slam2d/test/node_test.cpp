@@ -13,6 +13,7 @@
 #include "common/node/messages.hpp"
 #include "modules/slam2d/test/drawn_world.hpp"
 #include "nodmap/grid_chunk_t.hpp"
+#include "nodmap/pose_graph_t.hpp"
 #include "nodmap/save_request_t.hpp"
 #include "tests/support/data_dir.hpp"
 #include "tests/support/memory_bus.hpp"
@@ -70,6 +71,49 @@ TEST_F(Slam2dNodeTest, PublishesAPoseForEachLevelScanAndTheMap) {
   EXPECT_EQ(counts_.used(), 60);
   EXPECT_EQ(node_.metrics()["scans_used"], 30);
   EXPECT_EQ(node_.health().state, node::HealthState::kOk);
+}
+
+TEST_F(Slam2dNodeTest, APoseSaysHowUncertainItIs) {
+  put_odometry(0, {});
+  put_scan(0, {});
+  put_odometry(200'000, {0.1, 0.0, 0.0});
+  put_scan(200'000, {0.1, 0.0, 0.0});
+  const auto pose = bus_.last<nodmap::pose_t>("POSE_2D");
+  EXPECT_GT(pose.covariance[0][0], 0.0);
+  EXPECT_LT(pose.covariance[0][0], 0.05 * 0.05);  // a room: centimetres
+  EXPECT_GT(pose.covariance[5][5], 0.0);
+  EXPECT_NEAR(pose.covariance[0][1], pose.covariance[1][0], 1e-12);
+  EXPECT_EQ(pose.covariance[2][2], 0.0);  // z
+  EXPECT_EQ(pose.covariance[3][3], 0.0);  // roll
+}
+
+// Twice round a room: submaps that see the same, joined by loops.
+TEST_F(Slam2dNodeTest, PublishesThePoseGraphWhenItChangesButOnceASecondAtMost) {
+  geometry::SE2 truth;
+  for (std::int64_t i = 0; i < 400; ++i) {
+    put_odometry(200'000 * i, truth);
+    put_scan(200'000 * i, truth);
+    truth = truth * geometry::SE2{0.03, 0.0, 0.04};
+  }
+  node_.finish();
+  const auto graphs = bus_.sent<nodmap::pose_graph_t>("POSE_GRAPH");
+  ASSERT_GT(graphs.size(), 2U);
+  for (std::size_t i = 1; i + 1 < graphs.size(); ++i) {
+    EXPECT_GE(graphs[i].utime - graphs[i - 1].utime, 1'000'000);
+  }
+  const nodmap::pose_graph_t& last = graphs.back();
+  EXPECT_GT(last.num_submaps, 3);
+  ASSERT_GT(last.num_loops, 0);
+  int accepted = 0;
+  for (std::size_t i = 0; i < last.from_submap.size(); ++i) {
+    EXPECT_LT(last.from_submap[i], last.to_submap[i]);
+    EXPECT_LT(last.to_submap[i], last.num_submaps);
+    accepted += last.loop_state[i] == nodmap::pose_graph_t::ACCEPTED ? 1 : 0;
+  }
+  EXPECT_GT(accepted, 0);
+  const std::size_t count = graphs.size();
+  node_.finish();
+  EXPECT_EQ(bus_.sent<nodmap::pose_graph_t>("POSE_GRAPH").size(), count) << "nothing has changed";
 }
 
 TEST_F(Slam2dNodeTest, SavesItsMapWhenAsked) {

@@ -70,10 +70,10 @@ TEST(OccupancyGrid, GrowingKeepsWhatWasDrawn) {
   OccupancyGrid grid(kCell);
   ASSERT_TRUE(grid.add_ray({0.05, 0.05}, {1.05, 0.05}));
   ASSERT_TRUE(grid.add_ray({-40.0, -70.0}, {-41.0, -70.0}));
-  ASSERT_TRUE(grid.add_ray({90.0, 30.0}, {90.0, 31.0}));
+  ASSERT_TRUE(grid.add_ray({90.05, 30.05}, {90.05, 31.05}));
   EXPECT_EQ(occupancy_at(grid, 1.05, 0.05), 100);
   EXPECT_EQ(occupancy_at(grid, 0.55, 0.05), 0);
-  EXPECT_EQ(occupancy_at(grid, 90.0, 31.0), 100);
+  EXPECT_EQ(occupancy_at(grid, 90.05, 31.05), 100);
 }
 
 TEST(OccupancyGrid, RefusesWhatNoGridCanHold) {

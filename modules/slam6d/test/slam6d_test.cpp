@@ -228,6 +228,50 @@ TEST(Slam6d, TheMapBeginsWithAWholeSweep) {
   EXPECT_EQ(slam.metrics().map_voxels, slam.map().level(0).voxels().size());
 }
 
+// Wheels that spin against something: odometry turns by 31 degrees, the robot does not. Floor and
+// ceiling fit at any heading; the walls say that it is wrong, and the search finds the right one.
+TEST(Slam6d, ARotationThatNeverWasIsFoundOut) {
+  Slam6d slam({});
+  std::mt19937 random(12);
+  const auto stand = [](std::int64_t) { return SE3::Identity(); };
+  const NoddingScanner scanner{.noise_m = 0.01};
+  for (const double counted_deg : {0.0, 0.0, 31.0}) {
+    std::vector<scan::Scan> scans;
+    for (std::int64_t i = 0; i < 80; ++i) {
+      scans.push_back(scanner.scan(i, Room::hall(), stand, random));
+    }
+    SweepCloud cloud = deskew(scans, [](std::int64_t) { return SE3::Identity(); }, {}).value();
+    cloud.T_odom_base.linear() =
+        geometry::rotation_of(Eigen::Vector3d(0.0, 0.0, deg_to_rad(counted_deg)));
+    const PoseUpdate update = slam.add_cloud(std::move(cloud));
+    ASSERT_TRUE(update.is_tracked());
+    // As the sweeps of a stationary robot agree elsewhere.
+    EXPECT_LT(geometry::rotation_angle(update.T_map_base), deg_to_rad(0.2));
+    EXPECT_LT(update.T_map_base.translation().norm(), 0.005);
+  }
+}
+
+// The pitch is stamped 2 ms late: 0.15 degrees at 75 degrees a second, up and down.
+TEST(Slam6d, LearnsHowLateThePitchIs) {
+  constexpr double kLatencyS = 0.002;
+  Slam6d slam({});
+  std::mt19937 random(13);
+  const auto stand = [](std::int64_t) { return SE3::Identity(); };
+  const NoddingScanner scanner{.noise_m = 0.01};
+  for (std::int64_t i = 1; i < 800; ++i) {
+    scan::Scan scan = scanner.scan(i, Room::hall(), stand, random);
+    const auto late_us = static_cast<std::int64_t>(1e6 * kLatencyS);
+    scan.pitch_first_rad = scanner.pitch_rad(scan.utime_us - late_us);
+    scan.pitch_last_rad = scanner.pitch_rad(scan.utime_last_us() - late_us);
+    slam.add_odometry(scan.utime_us, SE3::Identity());
+    slam.add_odometry(scan.utime_last_us(), SE3::Identity());
+    (void)slam.add_scan(std::move(scan));
+  }
+  // A pitch is registered to 0.02 degrees, which the head passes in 0.3 ms.
+  EXPECT_NEAR(slam.pitch_latency_s(), kLatencyS, 0.0003);
+  EXPECT_LT(geometry::rotation_angle(slam.trajectory().back()), deg_to_rad(0.1));
+}
+
 TEST(Slam6d, R43_AnInterruptionMakesAKeyframe) {
   Slam6d slam({});
   std::mt19937 random(7);

@@ -257,6 +257,11 @@ void Feed::subscribe_maps(bus::Bus& bus) {
       post(map_2d, message.utime, [view = std::move(*view)] { return grid(view); });
     }
   });
+  subscribe<nodmap::pose_graph_t>(
+      bus, "POSE_GRAPH", [this, graph = add_scene_topic("pose_graph")](const auto& message) {
+        counts_.use();
+        post(graph, message.utime, [message] { return pose_graph_scene(message); });
+      });
   const std::size_t octomap = store_.add({"OCTOMAP", "foxglove.VoxelGrid"});
   subscribe<nodmap::octomap_chunk_t>(bus, "OCTOMAP", [this, octomap](const auto& message) {
     if (auto view = take(octomap_.add(message), "octomap_part_not_valid")) {

@@ -16,6 +16,9 @@ constexpr Color kPersonColor{0.85, 0.2, 0.6, 0.9};
 constexpr Color kGoalColor{0.1, 0.8, 0.3, 0.7};
 constexpr Color kTextColor{1.0, 1.0, 1.0, 1.0};
 constexpr Color kAreaColor{0.3, 0.7, 1.0, 0.8};
+constexpr Color kGraphColor{0.37, 0.7, 1.0, 0.8};
+constexpr Color kLoopColor{0.4, 0.9, 0.5, 0.8};
+constexpr Color kRefusedLoopColor{0.9, 0.4, 0.2, 0.5};
 constexpr int kLineStrip = 0;
 constexpr int kLineList = 2;
 
@@ -165,6 +168,31 @@ Json goal_scene(const nodmap::goal_t& goal) {
       Json::array({cylinder(pose, std::max(goal.tolerance_m, 0.05), 0.1, kGoalColor)});
   json["texts"] =
       Json::array({text(at(goal.position_m[0], goal.position_m[1], 0.4), "goal", kTextColor)});
+  return one(std::move(json));
+}
+
+Json pose_graph_scene(const nodmap::pose_graph_t& graph) {
+  constexpr double kHeightM = 0.03;
+  std::vector<Eigen::Vector3d> submaps;
+  for (std::size_t i = 0; i < graph.x_m.size(); ++i) {
+    submaps.emplace_back(graph.x_m[i], graph.y_m[i], kHeightM);
+  }
+  std::vector<Eigen::Vector3d> accepted;
+  std::vector<Eigen::Vector3d> refused;
+  for (std::size_t i = 0; i < graph.from_submap.size(); ++i) {
+    const auto from = static_cast<std::size_t>(graph.from_submap[i]);
+    const auto to = static_cast<std::size_t>(graph.to_submap[i]);
+    if (from >= submaps.size() || to >= submaps.size()) {
+      continue;  // negative ones, too
+    }
+    auto& ends = graph.loop_state[i] == nodmap::pose_graph_t::ACCEPTED ? accepted : refused;
+    ends.push_back(submaps[from]);
+    ends.push_back(submaps[to]);
+  }
+  Json json = entity(graph.utime, frames::kMap, "pose_graph");
+  json["lines"] =
+      Json::array({lines(kLineStrip, submaps, kGraphColor), lines(kLineList, accepted, kLoopColor),
+                   lines(kLineList, refused, kRefusedLoopColor)});
   return one(std::move(json));
 }
 

@@ -6,6 +6,7 @@
 #include "nodmap/goal_t.hpp"
 #include "nodmap/navigation_t.hpp"
 #include "nodmap/pitch_command_t.hpp"
+#include "nodmap/pose_graph_t.hpp"
 #include "nodmap/truth_t.hpp"
 
 namespace nodmap::foxglove {
@@ -30,6 +31,10 @@ struct Body {
 
 /// The goal, in map; a deletion where there is none.
 [[nodiscard]] Json goal_scene(const nodmap::goal_t& goal);
+
+/// The pose graph of 2D SLAM, in map: submaps joined in their order, and loops between them by what
+/// became of them.
+[[nodiscard]] Json pose_graph_scene(const nodmap::pose_graph_t& graph);
 
 /// The simulated people, in world.
 [[nodiscard]] Json people_scene(const nodmap::truth_t& truth);

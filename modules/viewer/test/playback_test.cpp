@@ -29,7 +29,7 @@ TEST(Playback, ParametersSteerIt) {
   EXPECT_EQ(player.speed(), 4.0);
   EXPECT_FALSE(set_playback_parameter(player, "playback.position_s", 1.5).went_back);
   EXPECT_TRUE(set_playback_parameter(player, "playback.position_s", 0.5).went_back);
-  EXPECT_EQ(player.position_us(), 500'000);
+  EXPECT_EQ(player.position(), 500ms);
   EXPECT_NE(set_playback_parameter(player, "playback.position_s", "x").refusal, "");
   EXPECT_NE(set_playback_parameter(player, "playback.position_s", 1e300).refusal, "");
   EXPECT_NE(set_playback_parameter(player, "playback.duration_s", 1).refusal, "");

@@ -36,7 +36,7 @@ formats::Trajectory moved(const SE3& T_a_b, formats::Trajectory trajectory) {
 }
 
 TEST(TrajectoryError, IsZeroForTheTruthInAnotherFrame) {
-  const auto pairs = associate(moved(kElsewhere, circle(40)), circle(40), 0);
+  const auto pairs = associate(moved(kElsewhere, circle(40)), circle(40), 0s);
   ASSERT_EQ(pairs.size(), 40U);
   for (const Alignment alignment : {Alignment::kFirstPose, Alignment::kLeastSquares}) {
     const TrajectoryErrors errors = measure_trajectory(pairs, alignment);
@@ -67,7 +67,7 @@ TEST(TrajectoryError, LeastSquaresIsNeverWorseAndForgivesABadStart) {
     stamped.pose.translation() += Eigen::Vector3d(noise_m(random), noise_m(random), 0.0);
   }
   estimate.front().pose = estimate.front().pose * to_se3({0.0, 0.0, 0.2});
-  const auto pairs = associate(moved(kElsewhere, estimate), circle(60), 0);
+  const auto pairs = associate(moved(kElsewhere, estimate), circle(60), 0s);
   const TrajectoryErrors first = measure_trajectory(pairs, Alignment::kFirstPose);
   const TrajectoryErrors best = measure_trajectory(pairs, Alignment::kLeastSquares);
   EXPECT_GT(first.ate_rmse_m, 0.5);  // 0.2 rad at up to 10 m
@@ -78,7 +78,7 @@ TEST(TrajectoryError, LeastSquaresIsNeverWorseAndForgivesABadStart) {
 TEST(TrajectoryError, InterpolatesTheTruth) {
   const formats::Trajectory truth = {{0, to_se3({0.0, 0.0, 0.0})},
                                      {100'000, to_se3({1.0, 0.0, 0.2})}};
-  const auto pairs = associate({{25'000, to_se3({})}}, truth, 50'000);
+  const auto pairs = associate({{25'000, to_se3({})}}, truth, 50ms);
   ASSERT_EQ(pairs.size(), 1U);
   EXPECT_TRUE(pairs[0].T_truth_base.isApprox(to_se3({0.25, 0.0, 0.05}), 1e-12));
 }
@@ -88,7 +88,7 @@ TEST(TrajectoryError, AssociatesWithinToleranceOnly) {
                                      {1 * kSecondUs, to_se3({1.0, 0.0, 0.0})},
                                      {1 * kSecondUs, to_se3({9.0, 0.0, 0.0})}};
   const auto partners = [&](std::int64_t utime_us) {
-    return associate({{utime_us, to_se3({})}}, truth, 50'000);
+    return associate({{utime_us, to_se3({})}}, truth, 50ms);
   };
   EXPECT_EQ(partners(949'999).size(), 0U);
   EXPECT_EQ(partners(950'000).size(), 1U);  // before the first: the first
@@ -99,8 +99,8 @@ TEST(TrajectoryError, AssociatesWithinToleranceOnly) {
 }
 
 TEST(TrajectoryError, DegenerateInput) {
-  EXPECT_TRUE(associate({}, circle(3), 0).empty());
-  EXPECT_TRUE(associate(circle(3), {}, 0).empty());
+  EXPECT_TRUE(associate({}, circle(3), 0s).empty());
+  EXPECT_TRUE(associate(circle(3), {}, 0s).empty());
   EXPECT_EQ(measure_trajectory({}, Alignment::kLeastSquares).n, 0U);
   for (const Alignment alignment : {Alignment::kFirstPose, Alignment::kLeastSquares}) {
     const TrajectoryErrors one = measure_trajectory({{kElsewhere, to_se3({})}}, alignment);

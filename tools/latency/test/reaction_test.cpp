@@ -15,34 +15,34 @@ using ::testing::IsEmpty;
 class ReactionTest : public ::testing::Test {
  protected:
   template <class Message>
-  void hear(const char* channel, const Message& message, std::int64_t received_us) {
+  void hear(const char* channel, const Message& message, std::int64_t received_utime) {
     std::vector<std::byte> bytes;
     bus::encode_into(bytes, message);
-    reaction_.hear(channel, bytes, received_us);
+    reaction_.hear(channel, bytes, time::from_utime(received_utime));
   }
 
-  void hear_scan(std::int64_t seq, std::int64_t received_us) {
+  void hear_scan(std::int64_t seq, std::int64_t received_utime) {
     scan_t scan{};
     scan.scan_seq = seq;
-    hear("SCAN", scan, received_us);
+    hear("SCAN", scan, received_utime);
   }
-  void hear_map(std::int64_t seq, std::int64_t utime_us, std::int64_t received_us) {
+  void hear_map(std::int64_t seq, std::int64_t utime, std::int64_t received_utime) {
     egomap_t map{};
     map.scan_seq = seq;
-    map.utime = utime_us;
-    hear("OBSTACLE_MAP", map, received_us);
+    map.utime = utime;
+    hear("OBSTACLE_MAP", map, received_utime);
   }
-  void hear_drive(std::int64_t seq, std::int64_t utime_us, std::int64_t received_us) {
+  void hear_drive(std::int64_t seq, std::int64_t utime, std::int64_t received_utime) {
     drive_t drive{};
     drive.drive_seq = seq;
-    drive.utime = utime_us;
-    hear("DRIVE", drive, received_us);
+    drive.utime = utime;
+    hear("DRIVE", drive, received_utime);
   }
 
   static std::vector<std::int64_t> waits(const std::vector<Sample>& samples) {
     std::vector<std::int64_t> result;
     for (const Sample& sample : samples) {
-      result.push_back(sample.wait_us);
+      result.push_back(time::to_us(sample.wait));
     }
     return result;
   }
@@ -94,7 +94,7 @@ TEST_F(ReactionTest, CountsWhatIsMissingAndWhatIsBroken) {
   hear_scan(0, 2);  // started anew: nothing was lost
   hear_drive(3, 0, 3);
   hear_drive(5, 0, 4);
-  reaction_.hear("SCAN", {}, 5);
+  reaction_.hear("SCAN", {}, time::from_utime(5));
   EXPECT_EQ(reaction_.lost().at("SCAN"), 2);
   EXPECT_EQ(reaction_.lost().at("DRIVE"), 1);
   EXPECT_EQ(reaction_.corrupt(), 1);
@@ -104,25 +104,25 @@ TEST_F(ReactionTest, CountsWhatIsMissingAndWhatIsBroken) {
 TEST(Summary, IsByNearestRank) {
   std::vector<Sample> samples;
   for (std::int64_t i = 200; i >= 1; --i) {
-    samples.push_back({0, i});
+    samples.push_back({{}, time::Duration(i)});
   }
   const Summary summary = summarize(samples);
   EXPECT_EQ(summary.n, 200U);
-  EXPECT_EQ(summary.p50_us, 100);
-  EXPECT_EQ(summary.p99_us, 198);
-  EXPECT_EQ(summary.max_us, 200);
+  EXPECT_EQ(summary.p50, 100us);
+  EXPECT_EQ(summary.p99, 198us);
+  EXPECT_EQ(summary.max, 200us);
   EXPECT_EQ(summarize({}).n, 0U);
 }
 
 TEST(P99OverTime, ShowsAQueueThatGrows) {
   std::vector<Sample> samples;
   for (std::int64_t i = 0; i < 100; ++i) {
-    samples.push_back({1000 * i, i});
+    samples.push_back({time::from_utime(1000 * i), time::Duration(i)});
   }
-  EXPECT_THAT(p99_over_time(samples, 4), ElementsAre(24, 49, 74, 99));
-  EXPECT_THAT(p99_over_time({}, 2), ElementsAre(0, 0));
-  const std::vector<Sample> one = {{5, 6}};
-  EXPECT_THAT(p99_over_time(one, 2), ElementsAre(6, 0));
+  EXPECT_THAT(p99_us_over_time(samples, 4), ElementsAre(24, 49, 74, 99));
+  EXPECT_THAT(p99_us_over_time({}, 2), ElementsAre(0, 0));
+  const std::vector<Sample> one = {{time::from_utime(5), 6us}};
+  EXPECT_THAT(p99_us_over_time(one, 2), ElementsAre(6, 0));
 }
 
 }  // namespace

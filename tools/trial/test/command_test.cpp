@@ -22,8 +22,8 @@ std::string error_of(const Call& call) {
 TEST(Command, ReadsAKill) {
   const Kill kill = parse_kill("pitch_controller@10.5+2");
   EXPECT_EQ(kill.process, "pitch_controller");
-  EXPECT_EQ(kill.at_us, 10'500'000);
-  EXPECT_EQ(kill.duration_us, 2'000'000);
+  EXPECT_EQ(kill.begin, time::SteadyTime(10'500ms));
+  EXPECT_EQ(kill.duration, 2s);
 }
 
 TEST(Command, RefusesWhatIsNoKill) {

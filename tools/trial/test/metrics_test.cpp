@@ -8,15 +8,19 @@
 namespace nodmap::trial {
 namespace {
 
+time::SteadyTime at(time::Duration since_start) {
+  return time::SteadyTime(since_start);
+}
+
 /// 1 m/s for a second, then braking at 2 m/s2, standing from 1.5 s on, and off again at 2.5 s.
 TrialRecord braking_record() {
   TrialRecord record;
-  record.started_us = 0;
+  record.started = at(0s);
   for (int i = 0; i <= 300; ++i) {
     const double t = 0.01 * i;
     const double brake_s = std::clamp(t - 1.0, 0.0, 0.5);
     TruthSample sample;
-    sample.time_us = 10'000LL * i;
+    sample.instant = at(i * 10ms);
     sample.forward_mps = i < 250 ? 1.0 - 2.0 * brake_s : 0.5;
     sample.T_world_base.translation().x() =
         std::min(t, 1.0) + brake_s - brake_s * brake_s + 0.5 * std::max(0.0, t - 2.5);
@@ -41,7 +45,7 @@ TEST(TrialMetrics, QuantilesByNearestRank) {
 
 TEST(TrialMetrics, DriveCountsFromTheFirstScan) {
   TrialRecord record = braking_record();
-  record.started_us = 500'000;
+  record.started = at(500ms);
   for (std::size_t i = 120; i < record.truth.size(); ++i) {
     record.truth[i].collisions = 1;
   }
@@ -62,8 +66,8 @@ TEST(TrialMetrics, DriveCountsFromTheFirstScan) {
 TrialRecord arriving_record(sim::World& world) {
   TrialRecord record = braking_record();
   record.truth.resize(101);
-  record.moved_us = 100'000;
-  record.arrivals_us = {1'000'000};
+  record.moved = at(100ms);
+  record.arrivals = {at(1s)};
   world.goals = {{1.0, 0.0}};
   return record;
 }
@@ -72,7 +76,7 @@ TEST(TrialMetrics, SplIsTheShortestPathOverTheDriven) {
   sim::World world;
   const TrialRecord record = arriving_record(world);
   const GoalMetrics goal = goal_metrics(record, world, 0.3, 0.8);
-  EXPECT_EQ(goal.reached_us, 1'000'000);
+  EXPECT_EQ(goal.reached, at(1s));
   EXPECT_NEAR(goal.path_m, 1.0, 1e-9);
   EXPECT_NEAR(*goal.time_s, 1.0, 1e-9);
   EXPECT_NEAR(*goal.after_motion_s, 0.9, 1e-9);
@@ -88,11 +92,11 @@ TEST(TrialMetrics, WhoReportsHisArrivalElsewhereHasNotArrived) {
   TrialRecord record = arriving_record(world);
   world.goals = {{1.7, 0.0}};
   EXPECT_EQ(goal_metrics(record, world, 0.3, 1.7).spl, 0.0);
-  EXPECT_FALSE(goal_metrics(record, world, 0.3, 1.7).reached_us);
+  EXPECT_FALSE(goal_metrics(record, world, 0.3, 1.7).reached);
   // By the rules of a task its word does not count.
   world.task.arrival_radius_m = 1.0;
-  record.reached_us = 700'000;
-  EXPECT_EQ(goal_metrics(record, world, 0.3, 1.7).reached_us, 700'000);
+  record.reached = at(700ms);
+  EXPECT_EQ(goal_metrics(record, world, 0.3, 1.7).reached, at(700ms));
   EXPECT_NEAR(goal_metrics(record, world, 0.3, 1.7).path_m, 0.7, 1e-9);
 }
 
@@ -106,13 +110,13 @@ TEST(TrialMetrics, TimeCloseToAPerson) {
 
 TEST(TrialMetrics, WithoutAScanThereIsNoDrive) {
   TrialRecord record = braking_record();
-  record.started_us.reset();
+  record.started.reset();
   EXPECT_EQ(drive_metrics(record).duration_s, 0.0);
 }
 
 // By hand: 0.1 s at 1 m/s, then 0.5 s and 0.25 m of brakes.
 TEST(TrialMetrics, StopIsTimedFromTheDisturbance) {
-  const StopMetrics stop = stop_metrics(braking_record(), {"test", 900'000, 2'000'000}, 2.0);
+  const StopMetrics stop = stop_metrics(braking_record(), {"test", at(900ms), at(2s)}, 2.0);
   EXPECT_EQ(stop.speed_mps, 1.0);
   EXPECT_NEAR(*stop.stopped_after_s, 0.6, 0.011);  // below 0.02 m/s one sample early
   EXPECT_NEAR(stop.distance_m, 0.35, 0.001);
@@ -121,7 +125,7 @@ TEST(TrialMetrics, StopIsTimedFromTheDisturbance) {
 }
 
 TEST(TrialMetrics, ARobotThatDrivesOnHasNotStopped) {
-  EXPECT_FALSE(stop_metrics(braking_record(), {"test", 100'000, 800'000}, 2.0).stopped_after_s);
+  EXPECT_FALSE(stop_metrics(braking_record(), {"test", at(100ms), at(800ms)}, 2.0).stopped_after_s);
 }
 
 }  // namespace

@@ -53,9 +53,9 @@ TEST(Robots, LevelScannerMeasures720BeamsOver270Degrees) {
   node::MessageCounts counts;
   node::Context context{bus, counts, {}};
   LevelScannerNode scanner(context, params.navigator.robot.mount, model);
-  for (std::int64_t t = 0; t <= 2'000'000; t += 1000) {
-    model.advance_to(t);
-    network.set_time(kEpochUs + t);
+  for (time::SteadyTime now{}; now <= time::SteadyTime(2s); now += 1ms) {
+    model.advance_to(now);
+    network.set_time(kStart.wall_at(now));
     scanner.spin_once();
     network.deliver();
   }

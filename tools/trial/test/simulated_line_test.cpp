@@ -16,23 +16,23 @@ constexpr std::array<std::uint8_t, 2> kWord{7, 8};
 /// Sends one byte each millisecond: the time.
 class Ticker : public sim::SerialDevice {
  public:
-  void receive(std::span<const std::uint8_t> bytes, int baud, std::int64_t now_us) override {
+  void receive(std::span<const std::uint8_t> bytes, int baud, time::SteadyTime now) override {
     heard.insert(heard.end(), bytes.begin(), bytes.end());
     heard_baud = baud;
-    heard_us = now_us;
+    received = now;
   }
-  void transmit(std::int64_t now_us, int /*baud*/, std::vector<std::uint8_t>& line) override {
-    for (; next <= now_us; next += 1000) {
-      line.push_back(static_cast<std::uint8_t>(next / 1000));
+  void transmit(time::SteadyTime now, int /*baud*/, std::vector<std::uint8_t>& line) override {
+    for (; next <= now; next += 1ms) {
+      line.push_back(static_cast<std::uint8_t>(next.time_since_epoch() / 1ms));
     }
   }
-  [[nodiscard]] std::int64_t next_us() const override { return next; }
-  [[nodiscard]] bool plugged_in(std::int64_t /*now_us*/) const override { return plugged; }
+  [[nodiscard]] time::SteadyTime next_due() const override { return next; }
+  [[nodiscard]] bool plugged_in(time::SteadyTime /*now*/) const override { return plugged; }
 
   std::vector<std::uint8_t> heard;
   int heard_baud = 0;
-  std::int64_t heard_us = 0;
-  std::int64_t next = 1000;
+  time::SteadyTime received{};
+  time::SteadyTime next{1ms};
   bool plugged = true;
 };
 
@@ -49,21 +49,21 @@ class SimulatedLineTest : public ::testing::Test {
 
 TEST_F(SimulatedLineTest, CarriesBytesBothWaysAtTheHostsRate) {
   const auto stream = line_.open(38400).stream;
-  line_.move_bytes(2000);
+  line_.move_bytes(time::SteadyTime(2ms));
   ASSERT_TRUE(stream->set_baud(500000));
   EXPECT_EQ(stream->write(kWord, microseconds(0)), IoStatus::kOk);
   EXPECT_EQ(device_.heard, (std::vector<std::uint8_t>{7, 8}));
   EXPECT_EQ(device_.heard_baud, 500000);
-  EXPECT_EQ(device_.heard_us, 2000);
+  EXPECT_EQ(device_.received, time::SteadyTime(2ms));
   EXPECT_EQ(read(*stream).count, 2U);
   EXPECT_EQ(buffer_[1], 2);
   EXPECT_EQ(read(*stream).status, IoStatus::kTimeout);
 }
 
 TEST_F(SimulatedLineTest, WhatNobodyListensToIsLost) {
-  line_.move_bytes(5000);
+  line_.move_bytes(time::SteadyTime(5ms));
   const auto stream = line_.open(9600).stream;
-  line_.move_bytes(6000);
+  line_.move_bytes(time::SteadyTime(6ms));
   EXPECT_EQ(read(*stream).count, 1U);
   EXPECT_EQ(buffer_[0], 6);
 }
@@ -71,10 +71,10 @@ TEST_F(SimulatedLineTest, WhatNobodyListensToIsLost) {
 TEST_F(SimulatedLineTest, AnUnpluggedDeviceDisconnectsForGood) {
   const auto stream = line_.open(9600).stream;
   device_.plugged = false;
-  line_.move_bytes(1000);
+  line_.move_bytes(time::SteadyTime(1ms));
   EXPECT_EQ(line_.open(9600).stream, nullptr);
   device_.plugged = true;  // back before the driver has looked
-  line_.move_bytes(2000);
+  line_.move_bytes(time::SteadyTime(2ms));
   EXPECT_EQ(read(*stream).status, IoStatus::kDisconnected);
   EXPECT_FALSE(stream->connected());
   EXPECT_NE(line_.open(9600).stream, nullptr);

@@ -26,7 +26,7 @@ class TrialTest : public ::testing::Test {
                       ? make_world(world)
                       : sim::load_world(std::string(NODMAP_WORLDS) + "/" + world + ".yaml");
     setup.seed = seed;
-    setup.duration_us = static_cast<std::int64_t>(1e6 * duration_s);
+    setup.duration = time::from_seconds(duration_s);
     setup.without = {"slam6d"};
     return setup;
   }
@@ -124,11 +124,11 @@ class Losing : public TrialTest, public ::testing::WithParamInterface<Loss> {};
 
 TEST_P(Losing, APartStopsTheRobotAndItGoesOnAfterwards) {
   TrialSetup trial = setup("corridor30", 3, 20.0);
-  const Disturbance loss{"", 10'000'000, 12'000'000};
+  const Disturbance loss{"", time::SteadyTime(10s), time::SteadyTime(12s)};
   if (GetParam().fault != nullptr) {
     trial.faults.push_back(sim::parse_fault(std::string(GetParam().fault) + "@10+2"));
   } else {
-    trial.kills.push_back({GetParam().process, loss.started_us, loss.ended_us - loss.started_us});
+    trial.kills.push_back({GetParam().process, loss.started, loss.ended - loss.started});
   }
   const TrialOutcome outcome = run(trial);
   const double deceleration_mps2 = trial.params.kurt.limits.max_deceleration_mps2;
@@ -155,7 +155,7 @@ INSTANTIATE_TEST_SUITE_P(
 TEST_F(TrialTest, SlamsKeepTheirPlaceWhenTheBaseDriverIsStartedAnew) {
   TrialSetup trial = setup("corridor30", 1, 16.0);
   trial.without.clear();
-  trial.kills.push_back({"kurt", 8'000'000, 2'000'000});
+  trial.kills.push_back({"kurt", time::SteadyTime(8s), 2s});
   const auto result = summarise(trial, run(trial), dir_.path());
   // Odometry does not know of the way before; the way on which the robot brakes without it is
   // unknown to all, and along a corridor nothing tells of it.

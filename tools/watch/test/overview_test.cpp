@@ -20,23 +20,27 @@ odometry_t odometry_at(double x_m, double y_m, double forward_mps) {
   return message;
 }
 
+time::SteadyTime at(time::Duration since_start) {
+  return time::SteadyTime(since_start);
+}
+
 TEST(Rate, CountsTheLastSecond) {
   Rate rate;
-  for (std::int64_t i = 0; i < 300; ++i) {
-    rate.add(10'000 * i);  // 100 per second
+  for (int i = 0; i < 300; ++i) {
+    rate.add(at(i * 10ms));  // 100 per second
   }
   EXPECT_EQ(rate.total(), 300);
-  EXPECT_DOUBLE_EQ(rate.per_second(2'990'000), 100.0);
-  EXPECT_DOUBLE_EQ(rate.per_second(3'490'000), 50.0);
-  EXPECT_DOUBLE_EQ(rate.per_second(9'000'000), 0.0);
+  EXPECT_DOUBLE_EQ(rate.per_second(at(2990ms)), 100.0);
+  EXPECT_DOUBLE_EQ(rate.per_second(at(3490ms)), 50.0);
+  EXPECT_DOUBLE_EQ(rate.per_second(at(9s)), 0.0);
 }
 
 TEST(Overview, AddsUpTheWayButNoJump) {
   Overview overview;
-  overview.hear(odometry_at(5.0, 5.0, 0.0), 0);  // where it starts is no way
-  overview.hear(odometry_at(5.3, 5.4, -1.5), 1);
-  overview.hear(odometry_at(0.0, 0.0, 0.0), 2);  // the driver was started anew
-  overview.hear(odometry_at(0.0, 0.1, 0.5), 3);
+  overview.hear(odometry_at(5.0, 5.0, 0.0), at(0s));  // where it starts is no way
+  overview.hear(odometry_at(5.3, 5.4, -1.5), at(1us));
+  overview.hear(odometry_at(0.0, 0.0, 0.0), at(2us));  // the driver was started anew
+  overview.hear(odometry_at(0.0, 0.1, 0.5), at(3us));
   EXPECT_NEAR(overview.distance_m(), 0.6, 1e-12);
   EXPECT_DOUBLE_EQ(overview.forward_mps(), 0.5);
   EXPECT_DOUBLE_EQ(overview.max_forward_mps(), 1.5);
@@ -47,10 +51,10 @@ TEST(Overview, NearestIsOfTheNewestMap) {
   EXPECT_TRUE(std::isinf(overview.nearest_m()));
   egomap_t map{};
   map.distance_m = {INFINITY, 0.5F, 2.0F};
-  overview.hear(map, 0);
+  overview.hear(map, at(0s));
   EXPECT_DOUBLE_EQ(overview.nearest_m(), 0.5);
   map.distance_m = {INFINITY, INFINITY, 2.0F};
-  overview.hear(map, 1);
+  overview.hear(map, at(1us));
   EXPECT_DOUBLE_EQ(overview.nearest_m(), 2.0);
 }
 
@@ -59,12 +63,12 @@ TEST(Overview, SumsWhatTheProcessesLostByTheirNewestWord) {
   status_t status{};
   status.process_name = std::string("nodmap-a");
   status.total_lost = 3;
-  overview.hear(status, 0);
+  overview.hear(status, at(0s));
   status.total_lost = 5;
-  overview.hear(status, 1);
+  overview.hear(status, at(1us));
   status.process_name = std::string("nodmap-b");
   status.total_corrupt = 1;
-  overview.hear(status, 2);
+  overview.hear(status, at(2us));
   EXPECT_EQ(overview.lost(), 11);
 }
 
@@ -73,7 +77,7 @@ TEST(Overview, CountsKeyframesNotTheirParts) {
   cloud_chunk_t chunk{};
   for (const std::int64_t id : {0, 0, 1, 1, 1}) {
     chunk.keyframe_id = id;
-    overview.hear(chunk, 0);
+    overview.hear(chunk, at(0s));
   }
   EXPECT_EQ(overview.keyframes(), 2);
 }
@@ -82,20 +86,20 @@ TEST(StatusLine, SaysWhatTheRobotDoes) {
   Overview overview;
   navigation_t navigation{};
   navigation.behaviour = navigation_t::TURN;
-  overview.hear(navigation, 0);
+  overview.hear(navigation, at(0s));
   pitch_state_t pitch{};
   pitch.pitch_rad = -0.5;
-  overview.hear(pitch, 0);
-  overview.hear(odometry_at(0, 0, 1.25), 0);
-  EXPECT_THAT(status_line(overview, 0), HasSubstr("TURN"));
-  EXPECT_THAT(status_line(overview, 0), HasSubstr("1.25 m/s"));
-  EXPECT_THAT(status_line(overview, 0), HasSubstr("-28.6 deg"));
-  EXPECT_THAT(status_line(overview, 0), Not(HasSubstr("collisions")));
+  overview.hear(pitch, at(0s));
+  overview.hear(odometry_at(0, 0, 1.25), at(0s));
+  EXPECT_THAT(status_line(overview, at(0s)), HasSubstr("TURN"));
+  EXPECT_THAT(status_line(overview, at(0s)), HasSubstr("1.25 m/s"));
+  EXPECT_THAT(status_line(overview, at(0s)), HasSubstr("-28.6 deg"));
+  EXPECT_THAT(status_line(overview, at(0s)), Not(HasSubstr("collisions")));
   truth_t truth{};
   truth.collisions = 2;
-  overview.hear(truth, 0);
-  EXPECT_THAT(status_line(overview, 0), HasSubstr("collisions 2"));
-  EXPECT_LE(status_line(overview, 0).size(), 120U);
+  overview.hear(truth, at(0s));
+  EXPECT_THAT(status_line(overview, at(0s)), HasSubstr("collisions 2"));
+  EXPECT_LE(status_line(overview, at(0s)).size(), 120U);
 }
 
 TEST(BehaviourName, OfWhatIsNone) {

@@ -80,6 +80,7 @@ void note_scan_channels(std::vector<Event>& events, double duration_s) {
 
 void note_slow_channels(std::vector<Event>& events, const RobotLog& settings) {
   note(events, "GOAL", goal());
+  note(events, "POSE_GRAPH", pose_graph());
   note(events, "STOP", stop());
   for (int i = 0; i < static_cast<int>(20.0 * settings.duration_s); ++i) {
     note(events, "BASE_SENSORS", base_sensors_at(i / 20.0));
@@ -269,6 +270,21 @@ nodmap::goal_t goal() {
   message.is_active = 1;
   message.position_m[0] = 8.0;
   message.tolerance_m = 0.3;
+  return message;
+}
+
+nodmap::pose_graph_t pose_graph() {
+  nodmap::pose_graph_t message{};
+  message.utime = kBeginUs;
+  message.num_submaps = 3;
+  message.x_m = {0.0, 1.0, 2.0};
+  message.y_m = {0.0, 0.1, 0.2};
+  message.yaw_rad = {0.0, 0.0, 0.0};
+  message.num_loops = 2;
+  message.from_submap = {0, 1};
+  message.to_submap = {2, 2};
+  message.loop_state = {nodmap::pose_graph_t::ACCEPTED, nodmap::pose_graph_t::AMBIGUOUS};
+  message.loop_score = {0.9F, 0.6F};
   return message;
 }
 

@@ -242,6 +242,26 @@ TEST(Scene, AnEndedGoalIsDeleted) {
   EXPECT_EQ(goal_scene(goal)["deletions"][0]["id"], "goal");
 }
 
+TEST(Scene, ThePoseGraphShowsItsLoopsByWhatBecameOfThem) {
+  const Json entity = pose_graph_scene(foxglove::test::pose_graph())["entities"][0];
+  ASSERT_EQ(entity["lines"].size(), 3U);
+  EXPECT_EQ(entity["lines"][0]["points"].size(), 3U);  // the submaps
+  const Json& accepted = entity["lines"][1]["points"];
+  ASSERT_EQ(accepted.size(), 2U);
+  EXPECT_EQ(accepted[0]["x"], 0.0);
+  EXPECT_EQ(accepted[1]["x"], 2.0);
+  EXPECT_EQ(entity["lines"][2]["points"].size(), 2U);  // the one refused
+}
+
+TEST(Scene, ALoopBetweenSubmapsThatAreNotThereIsNotDrawn) {
+  nodmap::pose_graph_t graph = foxglove::test::pose_graph();
+  graph.from_submap[0] = -1;
+  graph.to_submap[1] = 3;
+  const Json entity = pose_graph_scene(graph)["entities"][0];
+  EXPECT_TRUE(entity["lines"][1]["points"].empty());
+  EXPECT_TRUE(entity["lines"][2]["points"].empty());
+}
+
 /// Checks a value against the part of JSON Schema that our schemas use. Empty: it fits, and nothing
 /// that the schema names is missing.
 std::string misfit(const Json& value, const Json& schema, const std::string& path = "$") {
@@ -301,6 +321,7 @@ TEST(Schemas, DescribeWhatIsSent) {
        area_of_interest_scene(robot::pitch_command_at(0.0), {0, 0, 0.4}, Body{}));
   fits("foxglove.SceneUpdate", goal_scene(robot::goal()));
   fits("foxglove.SceneUpdate", goal_scene(nodmap::goal_t{}));
+  fits("foxglove.SceneUpdate", pose_graph_scene(robot::pose_graph()));
   fits("foxglove.SceneUpdate", people_scene(robot::truth_at(0.0)));
   fits("foxglove.Log", health_log(robot::status_at(0.0)));
   fits("nodmap.processes", table.processes());

@@ -1,0 +1,96 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""How much 2D SLAM's error depends on its parameters: each by -10 % and +10 %, one at a time, on the three public logs.
+
+bench/slam2d_stability.py --data DIR [--bin DIR] [--only KEY ...] [--logs NAME ...]
+
+DIR holds NAME.clf and NAME.relations of intel, fr079 and mit-csail (docs/benchmark-2d.md). One process at a time, so that it may run beside other
+work; a row takes as long as the three logs. Prints a table: relative error of translation against the defaults' for each log, the worst in
+bold where it is above 1.25. Whole numbers change by one at least.
+"""
+import argparse
+import json
+import pathlib
+import subprocess
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+LOGS = ("intel", "fr079", "mit-csail")
+# Not of the trajectory: how often the map goes out, its cells, and what only --localise uses.
+WITHOUT_EFFECT = ("grid.", "localise.", "relocalise.")
+
+
+class Stability:
+    def __init__(self, programs, data, logs, folder):
+        self.programs, self.data, self.logs, self.folder = programs, data, logs, folder
+        for name in logs:
+            self.call("nodmap-convert", "carmen", data / f"{name}.clf", folder / f"{name}.lcmlog")
+
+    def call(self, program, *arguments):
+        done = subprocess.run([str(self.programs / program), *map(str, arguments)], capture_output=True, text=True)
+        if done.returncode != 0:
+            raise RuntimeError(f"{program}: {done.stderr.strip()}")
+        return done.stdout
+
+    def parameters(self):
+        """Numeric parameters and their defaults, by name: int where only whole numbers are allowed."""
+        found, sections, kind = {}, [], ""
+        for line in self.call("nodmap-slam2d", "--dump-params").splitlines():
+            words = line.strip()
+            if words.startswith("#"):
+                kind = words[2:]
+                continue
+            key, _, value = words.partition(":")
+            sections = sections[:(len(line) - len(line.lstrip())) // 2] + [key]
+            name = ".".join(sections)
+            if value.strip() and kind.startswith(("a number", "a whole number")) and not name.startswith(WITHOUT_EFFECT):
+                found[name] = (int if kind.startswith("a whole") else float)(value)
+        return found
+
+    def errors_m(self, setting=()):
+        errors = []
+        for name in self.logs:
+            with tempfile.TemporaryDirectory() as made:
+                out = pathlib.Path(made) / "out"
+                self.call("nodmap-slam2d", "--replay", self.folder / f"{name}.lcmlog", "--out", out, *setting)
+                relations = self.call("nodmap-evaluate", "relations", out / "trajectory.tum", self.data / f"{name}.relations")
+                errors.append(json.loads(relations)["trans_mean_m"])
+        return errors
+
+
+def changed(value, factor):
+    if isinstance(value, int):
+        return value + (1 if factor > 1.0 else -1) * max(1, round(abs(factor - 1.0) * value))
+    return float(f"{factor * value:.6g}")
+
+
+def main():
+    options = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    options.add_argument("--data", type=pathlib.Path, required=True)
+    options.add_argument("--bin", type=pathlib.Path, default=ROOT / "build" / "release" / "bin")
+    options.add_argument("--only", nargs="*", help="these parameters; default: all numeric ones")
+    options.add_argument("--logs", nargs="*", default=LOGS, choices=LOGS)
+    options = options.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        bench = Stability(options.bin, options.data, options.logs, pathlib.Path(folder))
+        parameters = bench.parameters()
+        base_m = bench.errors_m()
+        print("| parameter | value | " + " | ".join(options.logs) + " |\n|---|---|" + "---|" * len(options.logs), flush=True)
+        print("| defaults | | " + " | ".join(f"{error_m:.4f} m" for error_m in base_m) + " |", flush=True)
+        for key in options.only or parameters:
+            for factor in (0.9, 1.1):
+                value = changed(parameters[key], factor)
+                try:
+                    ratios = [error_m / reference_m for error_m, reference_m in
+                              zip(bench.errors_m(("--set", f"{key}={value}")), base_m)]
+                except RuntimeError as error:  # beyond what is allowed
+                    print(f"| `{key}` | {value} | not allowed |" + " |" * (len(options.logs) - 1), flush=True)
+                    if "allowed" not in str(error):
+                        raise
+                    continue
+                cells = [f"**{ratio:.2f}**" if ratio > 1.25 else f"{ratio:.2f}" for ratio in ratios]
+                print(f"| `{key}` | {value} | " + " | ".join(cells) + " |", flush=True)
+
+
+if __name__ == "__main__":
+    main()

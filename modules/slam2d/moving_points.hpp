@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <deque>
+#include <span>
+#include <vector>
+
+#include "modules/slam2d/level_scan.hpp"
+
+namespace nodmap::slam2d {
+
+/// Tells what moves: points of a scan that lie where an earlier keyframe, from nearly the same
+/// place, saw free space. People who walk through the view of the robot are neither to shape its
+/// pose nor to enter the map.
+///
+/// A scan is compared with the last keyframe and, for what comes slowly, with the oldest one near.
+/// Not noticed: what walks straight away from the robot, or comes out from behind something.
+class MovingPointFilter {
+ public:
+  /// The next keyframe to compare with: all of its points.
+  void add_keyframe(const LevelScan& scan);
+
+  /// The points of a scan without those that moved there, valid until the next call. All points
+  /// when more than half of them would be left out: then it is the robot that is elsewhere.
+  [[nodiscard]] std::span<const OrientedPoint> stationary(const LevelScan& scan);
+
+  /// Odometry continues in another frame.
+  void change_odometry_frame(const geometry::SE2& T_old_new);
+
+ private:
+  /// How far a keyframe saw free space, by direction.
+  struct View {
+    static constexpr std::size_t kNumBins = 360;
+
+    explicit View(const LevelScan& scan);
+    [[nodiscard]] bool saw_free(const Eigen::Vector2d& p_base) const;
+
+    geometry::SE2 T_odom_base;
+    Eigen::Vector2d sensor_origin_base;
+    std::array<double, kNumBins> free_m{};  ///< from the sensor origin; 0: not known
+  };
+
+  [[nodiscard]] const View& oldest_near(const geometry::SE2& T_odom_base) const;
+
+  std::deque<View> views_;  ///< oldest first
+  std::vector<OrientedPoint> stationary_;
+};
+
+}  // namespace nodmap::slam2d

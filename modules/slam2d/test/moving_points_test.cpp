@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/slam2d/moving_points.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <list>
+#include <vector>
+
+#include "modules/slam2d/slam2d.hpp"
+#include "modules/slam2d/test/drawn_world.hpp"
+
+namespace nodmap::slam2d {
+namespace {
+
+using geometry::SE2;
+
+/// A room of 12 m x 8 m with the robot in its middle, and people of 40 cm x 40 cm.
+test::FloorPlan hall(const std::vector<Eigen::Vector2d>& people) {
+  test::FloorPlan plan{
+      {{-6, -4}, {6, -4}}, {{6, -4}, {6, 4}}, {{6, 4}, {-6, 4}}, {{-6, 4}, {-6, -4}}};
+  for (const Eigen::Vector2d& p : people) {
+    const Eigen::Vector2d x(0.2, 0.0);
+    const Eigen::Vector2d y(0.0, 0.2);
+    plan.insert(plan.end(), {{p - x - y, p + x - y},
+                             {p + x - y, p + x + y},
+                             {p + x + y, p - x + y},
+                             {p - x + y, p - x - y}});
+  }
+  return plan;
+}
+
+class MovingPoints : public testing::Test {
+ protected:
+  /// What the robot sees; odometry measures from the middle of the hall.
+  LevelScan look(const std::vector<Eigen::Vector2d>& people, const SE2& T_world_base = {}) {
+    points_.emplace_back();
+    for (const OrientedPoint& point :
+         extractor_.extract(scanner_.scan(hall(people), T_world_base), {})) {
+      points_.back().push_back(point);
+    }
+    return {.T_odom_base = T_world_base, .points_base = points_.back()};
+  }
+  /// Points of a scan within 40 cm of a place in base.
+  static std::size_t near(std::span<const OrientedPoint> points, const Eigen::Vector2d& p) {
+    std::size_t count = 0;
+    for (const OrientedPoint& point : points) {
+      count += (point.p - p).norm() < 0.4 ? 1 : 0;
+    }
+    return count;
+  }
+
+  test::Scanner scanner_;
+  OrientedPointExtractor extractor_;
+  std::list<std::vector<OrientedPoint>> points_;
+  MovingPointFilter filter_;
+};
+
+TEST_F(MovingPoints, WhoWalksIntoTheViewIsLeftOut) {
+  filter_.add_keyframe(look({{3.0, 1.0}}));
+  const LevelScan later = look({{2.2, -1.0}});
+  ASSERT_GT(near(later.points_base, {2.2, -1.0}), 5U);
+  const auto stationary = filter_.stationary(later);
+  EXPECT_EQ(near(stationary, {2.2, -1.0}), 0U);
+  // The wall that was behind the first place is seen now for the first time.
+  EXPECT_EQ(stationary.size() + near(later.points_base, {2.2, -1.0}), later.points_base.size());
+}
+
+TEST_F(MovingPoints, WhatStandsStaysAlsoWhenTheRobotMoves) {
+  const std::vector<Eigen::Vector2d> people{{2.0, 1.0}, {3.5, -1.5}};
+  filter_.add_keyframe(look(people));
+  const SE2 motion{0.3, 0.05, 0.2};
+  const LevelScan later = look(people, motion);
+  EXPECT_EQ(filter_.stationary(later).size(), later.points_base.size());
+}
+
+// Less than the margin since the last keyframe, but not since the one before.
+TEST_F(MovingPoints, WhoComesSlowlyIsLeftOutToo) {
+  filter_.add_keyframe(look({{3.0, 0.0}}));
+  filter_.add_keyframe(look({{2.6, 0.0}}));
+  const LevelScan later = look({{2.4, 0.0}});
+  EXPECT_EQ(near(filter_.stationary(later), {2.4, 0.0}), 0U);
+}
+
+TEST_F(MovingPoints, AThinThingBetweenTwoBeamsStays) {
+  filter_.add_keyframe(look({}));
+  LevelScan later = look({});
+  points_.back()[90].p *= 0.5;  // one beam hits something at half the distance
+  points_.back()[91].p *= 0.5;
+  EXPECT_EQ(filter_.stationary(later).size(), later.points_base.size());
+}
+
+TEST_F(MovingPoints, WhereMostHasChangedTheRobotIsElsewhere) {
+  filter_.add_keyframe(look({}, {-5.0, 0.0, 0.0}));
+  LevelScan later = look({}, {4.0, 0.0, 0.0});
+  later.T_odom_base = {-5.0, 0.0, 0.0};  // it was carried
+  EXPECT_EQ(filter_.stationary(later).size(), later.points_base.size());
+}
+
+TEST_F(MovingPoints, WithoutAReferenceNothingMoves) {
+  const LevelScan scan = look({{2.0, 0.0}});
+  EXPECT_EQ(filter_.stationary(scan).size(), scan.points_base.size());
+  EXPECT_TRUE(filter_.stationary({}).empty());
+}
+
+// Six people cross a hall to and fro before a robot that drives through it.
+TEST(Slam2dAmongPeople, TheyShapeNeitherThePoseNorTheMap) {
+  Slam2d slam{Slam2dParams{}};
+  test::Scanner scanner;
+  SE2 truth{-4.5, -1.0, 0.0};
+  const SE2 T_world_map = truth;
+  SE2 odom;
+  const SE2 step{0.04, 0.0, 0.006};
+  double worst_m = 0.0;
+  for (int i = 0; i < 180; ++i) {
+    std::vector<Eigen::Vector2d> people;
+    for (int person = 0; person < 6; ++person) {
+      const double t = 0.2 * i;
+      people.emplace_back(-3.0 + 1.6 * person, 3.3 * std::sin(0.35 * t + 1.3 * person));
+    }
+    scan::Scan scan = scanner.scan(hall(people), truth, 200'000 * i);
+    slam.add_odometry(scan.utime_us, geometry::to_se3(odom));
+    const auto update = slam.add_scan(scan);
+    ASSERT_TRUE(update);
+    const SE2 expected = T_world_map.inverse() * truth;
+    worst_m = std::max(
+        worst_m, std::hypot(update->T_map_base.x - expected.x, update->T_map_base.y - expected.y));
+    truth = truth * step;
+    odom = odom * SE2{1.02 * step.x, 0.0, step.yaw + 0.0003};
+  }
+  EXPECT_LT(worst_m, 0.03);
+  // Map points inside of the hall are people.
+  std::size_t inside = 0;
+  std::size_t all = 0;
+  for (const Submap& submap : slam.back_end().submaps()) {
+    for (const MapPoint& point : submap.points.points()) {
+      const Eigen::Vector2d p = T_world_map * (submap.T_map_submap * point.point.p);
+      inside += std::abs(p.x()) < 5.7 && std::abs(p.y()) < 3.7 ? 1 : 0;
+      ++all;
+    }
+  }
+  EXPECT_LT(static_cast<double>(inside), 0.1 * static_cast<double>(all));
+}
+
+}  // namespace
+}  // namespace nodmap::slam2d
