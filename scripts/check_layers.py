@@ -4,7 +4,7 @@
 
 1. An algorithm sees no LCM, generated type, clock, thread, file, environment or stdout.
 2. A module includes no other module.
-3. Only common/bus includes <lcm/...>; OctoMap, nanoflann and libserialport are included by one .cpp each.
+3. Only common/bus includes <lcm/...>; OctoMap and libserialport are included by one .cpp each.
 4. The simulator includes no driver.
 5. Of the tools only trial, the closed loop, includes drivers and modules, and evaluate the relocalisation of slam2d, which it measures;
    the others may use what turns messages into Foxglove's schemas (modules/viewer/foxglove).
@@ -27,7 +27,7 @@ WORLD = re.compile(
     r"|chrono$|ctime$|thread$|mutex$|atomic$|future$|condition_variable$|shared_mutex$"
     r"|fstream$|filesystem$|cstdio$|iostream$|unistd\.h$|fcntl\.h$|sys/)")
 TOOL_MAY_USE = {"evaluate": ("modules/slam2d/",)}
-ONE_PLACE = {"octomap/": "OctoMap", "nanoflann.hpp": "nanoflann", "libserialport.h": "libserialport"}
+ONE_PLACE = {"octomap/": "OctoMap", "libserialport.h": "libserialport"}
 TYPED_TIME = ("bench/", "common/", "drivers/", "procman/", "sim/", "tests/", "tools/")
 # What messages, logs and files hold as it is, and values that modules still take as integers.
 INTEGER_TIME = ("common/bus/event_log", "common/formats/", "common/geometry/", "common/node/messages", "common/scan/",
