@@ -46,32 +46,5 @@ TEST(Rollouts, ClearanceIsThatOfTheRectangle) {
   EXPECT_GT(near, 500);
 }
 
-// In a corridor of 0.7 m the corners of the body keep 7 cm: it can turn there, though the paths
-// ahead keep 6 cm and the measured clearance is up to 3.5 cm too small.
-TEST(Rollouts, TurnsRoundInADeadEnd) {
-  PlannerParams params;
-  GlobalPlanner planner(kBody, params);
-  const LocalMap nothing({}, {});
-  for (int i = 0; i < 400 && planner.cost_to_go() == nullptr; ++i) {
-    planner.step(13'320 * i, nothing, {}, {}, {-4.0, 0.0}, 0.2);
-  }
-  ASSERT_NE(planner.cost_to_go(), nullptr);
-  Situation now;
-  for (double x = -2.0; x < 0.5; x += 0.01) {
-    now.points_base.emplace_back(x, 0.35);
-    now.points_base.emplace_back(x, -0.35);
-  }
-  for (double y = -0.35; y < 0.35; y += 0.01) {
-    now.points_base.emplace_back(0.5, y);
-  }
-  Rollouts rollouts(kBody, params, {});
-  const auto& found = rollouts.plan(now, *planner.cost_to_go(), 1.0);
-  ASSERT_FALSE(found.empty());
-  EXPECT_EQ(found.front().forward_mps, 0.0);
-  EXPECT_NEAR(std::abs(found.front().yaw_rate_rad_s), params.rotation_rad_s,
-              0.26 * params.rotation_rad_s)
-      << "one of the two fastest rates";
-}
-
 }  // namespace
 }  // namespace nodmap::navigator
