@@ -30,8 +30,9 @@ constexpr double kFailureM = 0.3;
 /// place that looks too narrow is gone to and looked at when there is no other path. The rollouts
 /// measure what is really free.
 constexpr double kTightPrice = 4.0;
-/// Nearer to the middle of an occupied cell than this is inside.
-constexpr double kOccupiedM = 0.03;
+/// The last resort keeps this off the middle of an occupied cell: enough not to slip through a wall
+/// whose cells touch at their corners only, or miss one or two.
+constexpr double kOccupiedM = 0.1;
 /// The robot may be where no path leads through: the plan is asked so far around.
 constexpr double kAroundRobotM = 0.3;
 constexpr float kNever = std::numeric_limits<float>::infinity();
@@ -156,7 +157,7 @@ void GlobalPlanner::step(std::int64_t utime_us, const LocalMap& local_map,
   }
 }
 
-/// Without a path the plan is made once more, over all that is not occupied itself.
+/// Without a path the plan is made once more, over all that is not next to something occupied.
 void GlobalPlanner::finish(const Eigen::Vector2d& p_map) {
   if (!is_last_resort_ && !std::isfinite(plan_.least_near(p_map, kAroundRobotM))) {
     is_last_resort_ = true;

@@ -31,6 +31,11 @@ constexpr double kBackwardMarginM = 0.03;
 constexpr double kRotationMarginM = 0.02;
 constexpr double kLeastRotationRad = geometry::deg_to_rad(2.0);
 
+/// Of a rollout forwards.
+double direction_rad(const Rollout& rollout) {
+  return std::clamp(0.5 * kLookM * rollout.yaw_rate_rad_s / rollout.forward_mps, -1.2, 1.2);
+}
+
 double seconds_since(const std::optional<std::int64_t>& utime_us, const Situation& now) {
   return utime_us ? 1e-6 * std::abs(static_cast<double>(now.utime_us - *utime_us)) : 0.0;
 }
@@ -135,6 +140,12 @@ void GoalDrive::watch_progress(const Situation& now, double cost_m) {
   least_cost_m_ = cost_m;
 }
 
+bool GoalDrive::is_seen(const Rollout& rollout, const Situation& now,
+                        const SeenDirections& seen) const {
+  return seen.is_seen(direction_rad(rollout),
+                      now.laser_is_held ? 0 : params_.steer.sweeps_to_trust);
+}
+
 std::optional<Decision> GoalDrive::drive(const Rollout& rollout, const Situation& now,
                                          const SeenDirections& seen) const {
   if (rollout.forward_mps > 0.0) {
@@ -146,8 +157,7 @@ std::optional<Decision> GoalDrive::drive(const Rollout& rollout, const Situation
 std::optional<Decision> GoalDrive::drive_forwards(const Rollout& rollout, const Situation& now,
                                                   const SeenDirections& seen) const {
   const double curvature = rollout.yaw_rate_rad_s / rollout.forward_mps;
-  const double direction_rad = std::clamp(0.5 * kLookM * curvature, -1.2, 1.2);
-  if (!seen.is_seen(direction_rad, now.laser_is_held ? 0 : params_.steer.sweeps_to_trust)) {
+  if (!is_seen(rollout, now, seen)) {
     return std::nullopt;
   }
   const Arc arc = brake_.measure_arc(curvature, now);
@@ -165,7 +175,7 @@ std::optional<Decision> GoalDrive::drive_forwards(const Rollout& rollout, const 
   decision.behaviour = is_slowed ? Behaviour::kBrake : Behaviour::kSteer;
   decision.reason = is_slowed ? "Slows down for an obstacle." : "";
   decision.yaw_rate_rad_s = decision.forward_mps * curvature;
-  decision.steering_angle_rad = direction_rad;
+  decision.steering_angle_rad = direction_rad(rollout);
   decision.free_distance_m = arc.free_distance_m;
   decision.max_forward_mps = std::min(limit_mps, safe_mps);
   return decision;

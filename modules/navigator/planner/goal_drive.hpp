@@ -32,6 +32,8 @@ class GoalDrive {
   [[nodiscard]] std::optional<Decision> drive_backwards(const Rollout& rollout,
                                                         const Situation& now) const;
   [[nodiscard]] std::optional<Decision> rotate(const Rollout& rollout, const Situation& now) const;
+  [[nodiscard]] bool is_seen(const Rollout& rollout, const Situation& now,
+                             const SeenDirections& seen) const;
   [[nodiscard]] Decision without_path(const Situation& now);
   void watch_progress(const Situation& now, double cost_m);
 

@@ -60,6 +60,7 @@ class Rollouts {
   DistanceField obstacles_;
   double least_clearance_m_ = 0.0;
   double least_slow_clearance_m_ = 0.0;  // on the spot and backwards
+  double reverse_price_m_ = 0.0;
   std::vector<Rollout> rollouts_;
 };
 

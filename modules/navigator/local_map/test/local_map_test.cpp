@@ -44,7 +44,7 @@ TEST(LocalMap, FlatFloorHasNoPointsAndIsSeen) {
 }
 
 // Every obstacle cell is within half a cell's diagonal of a block that rises from the floor, every
-// hole within that of a pit, and the near edge of each is found.
+// hole within that of a pit or on its edge, two cells wide, and the near edge of each is found.
 TEST(LocalMap, FindsSillsBoxesAndPitsWhereTheyAre) {
   struct Case {
     Block block;
@@ -61,8 +61,23 @@ TEST(LocalMap, FindsSillsBoxesAndPitsWhereTheyAre) {
     EXPECT_NEAR(nearest_m(points), c.nearest_m, 0.05) << c.block.height_m;
     for (const Eigen::Vector2d& p : points) {
       const Eigen::Vector2d nearest = p.cwiseMax(c.block.min).cwiseMin(c.block.max);
-      EXPECT_LE((p - nearest).norm(), 0.5 * std::sqrt(2.0) * kCellM + 0.002) << p.transpose();
+      const double edge_m = c.block.height_m < 0.0 ? 2.0 * kCellM : 0.0;
+      EXPECT_LE((p - nearest).norm(), 0.5 * std::sqrt(2.0) * kCellM + edge_m + 0.002)
+          << p.transpose();
     }
+  }
+}
+
+// Beams pass through the floor beyond the edge, by up to the 4 cm between two lines: what is
+// blocked must begin before it, so that a body that keeps its clearance from points keeps it from
+// the edge.
+TEST(LocalMap, AHoleIsBlockedFromItsEdgeOn) {
+  for (const double edge_m : {0.900, 0.907, 0.914, 0.921}) {
+    LocalMap map({}, {});
+    sweep(map, {{{{edge_m, -1.0}, {2.0, 1.0}, -0.5}}}, {});
+    EXPECT_LE(nearest_m(map.points_base({}, 2.0)), edge_m + 0.5 * kCellM);
+    EXPECT_TRUE(map.is_blocked_at(Eigen::Vector2d(edge_m + 0.01, 0.0)));
+    EXPECT_FALSE(map.is_blocked_at(Eigen::Vector2d(edge_m - 0.1, 0.0)));
   }
 }
 

@@ -96,6 +96,41 @@ TEST(GlobalPlanner, SaysWhenThereIsNoPath) {
   EXPECT_FALSE(std::isfinite(planner.cost_to_go()->least_near({0.0, 0.0}, 0.3)));
 }
 
+/// A fence all around the robot but for a gap ahead.
+Ground fence_with_gap(double gap_m) {
+  return {{{{1.0, -1.1}, {1.1, -0.5 * gap_m}, 0.5},
+           {{1.0, 0.5 * gap_m}, {1.1, 1.1}, 0.5},
+           {{-1.1, -1.1}, {-1.0, 1.1}, 0.5},
+           {{-1.1, 1.0}, {1.1, 1.1}, 0.5},
+           {{-1.1, -1.1}, {1.1, -1.0}, 0.5}}};
+}
+
+// The body is 33 cm wide: through 55 cm it fits with its clearance, and through 36 cm it would with
+// none. What is so narrow cannot be told from afar, so it is a path as long as it was not tried.
+TEST(GlobalPlanner, ANarrowGapIsAPathUntilTheRobotCouldNotGoOnThere) {
+  for (const double gap_m : {0.36, 0.45, 0.55}) {
+    const LocalMap map = look(fence_with_gap(gap_m), {});
+    for (const double yaw_rad : {0.0, 0.3, 0.7}) {  // of the planner's cells against the walls
+      const geometry::SE2 T_map_odom{0.01, 0.02, yaw_rad};
+      const Eigen::Vector2d goal = T_map_odom * Eigen::Vector2d(3.0, 0.0);
+      GlobalPlanner planner(kBody, {});
+      for (int i = 0; i < 400; ++i) {
+        planner.step(13'320 * i, map, T_map_odom, {}, goal, kToleranceM);
+      }
+      ASSERT_NE(planner.cost_to_go(), nullptr);
+      EXPECT_TRUE(std::isfinite(planner.cost_to_go()->at(T_map_odom.translation()))) << gap_m;
+      if (gap_m < 0.4) {
+        planner.add_failure(T_map_odom * Eigen::Vector2d(1.05, 0.0));
+        for (int i = 0; i < 400; ++i) {
+          planner.step(10'000'000 + 13'320 * i, map, T_map_odom, {}, goal, kToleranceM);
+        }
+        EXPECT_FALSE(
+            std::isfinite(planner.cost_to_go()->least_near(T_map_odom.translation(), 0.3)));
+      }
+    }
+  }
+}
+
 TEST(GlobalPlanner, AFailureMakesItTakeTheOtherSide) {
   const Ground ground{{{{1.5, -0.9}, {1.6, 1.0}, 0.5}}};
   const LocalMap map = look(ground, {});
