@@ -40,7 +40,7 @@ TEST(LocalMap, FlatFloorHasNoPointsAndIsSeen) {
   sweep(map, {}, {});
   EXPECT_TRUE(map.points_base({}, 3.0).empty());
   // At 1.5 degrees between lines they are 15 cm apart 1.5 m ahead: so far it is filled.
-  EXPECT_GT(map.seen_distance({}, 0.0, 0.165, 1.0), 0.7);
+  EXPECT_GT(map.seen_distance({}, 0.0, 0.165, 1.0, 0.15), 0.7);
 }
 
 // Every obstacle cell is within half a cell's diagonal of a block that rises from the floor, every
@@ -74,7 +74,7 @@ TEST(LocalMap, WhatTheLaserDidNotSeeIsUnknown) {
   ASSERT_NE(behind, nullptr);
   EXPECT_FALSE(behind->is_floor);
   EXPECT_FALSE(LocalMap::is_obstacle(*behind));
-  EXPECT_LT(map.seen_distance({}, 0.0, 0.165, 2.0), 1.0 - 0.225);
+  EXPECT_LT(map.seen_distance({}, 0.0, 0.165, 2.0, 0.15), 1.0 - 0.225);
 }
 
 TEST(LocalMap, RemembersWhatIsBesideAndBehindTheRobot) {
