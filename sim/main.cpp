@@ -84,7 +84,7 @@ nlohmann::json run_loop(const Options& options, const std::string& lcm_url, Simu
   node::StatusReporter status(kName, bus, counts, clock);
   const LinkDir dir(link_dir(options));
   const std::int64_t start_us = steady_us();
-  Simulator simulator(robot, dir, bus, clock.now_utime_us());
+  Simulator simulator(robot, dir, bus, time::to_utime(clock.now()));
   log::get().info("on {}, devices in {}", bus.url(), dir.path().string());
   const auto end_us = options.duration_s > 0.0 ? std::llround(1e6 * options.duration_s) : kNever;
   std::int64_t second = 0;

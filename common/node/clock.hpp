@@ -3,7 +3,6 @@
 
 #include <boost/core/noncopyable.hpp>
 #include <chrono>
-#include <cstdint>
 
 #include "common/geometry/time.hpp"
 
@@ -15,36 +14,38 @@ class Clock : private boost::noncopyable {
  public:
   virtual ~Clock() = default;
 
-  /// Microseconds since the epoch.
-  [[nodiscard]] virtual std::int64_t now_utime_us() const = 0;
+  [[nodiscard]] virtual Timestamp now() const = 0;
 };
 
 class SystemClock : public Clock {
  public:
-  [[nodiscard]] std::int64_t now_utime_us() const override {
-    return std::chrono::duration_cast<std::chrono::microseconds>(
-               std::chrono::system_clock::now().time_since_epoch())
-        .count();
+  [[nodiscard]] Timestamp now() const override {
+    return Timestamp(
+        std::chrono::duration_cast<Duration>(std::chrono::system_clock::now().time_since_epoch()));
   }
 };
 
+/// For periods and delays: goes on when the wall clock is set.
+inline SteadyTime steady_now() {
+  return SteadyTime(
+      std::chrono::duration_cast<Duration>(std::chrono::steady_clock::now().time_since_epoch()));
+}
+
 /// For a shell whose devices' time must not step with the wall clock.
 inline Moment now_on_both_clocks() {
-  return {from_utime(SystemClock().now_utime_us()),
-          SteadyTime(std::chrono::duration_cast<Duration>(
-              std::chrono::steady_clock::now().time_since_epoch()))};
+  return {SystemClock().now(), steady_now()};
 }
 
 /// Stands where a test puts it.
 class ManualClock : public Clock {
  public:
-  explicit ManualClock(std::int64_t utime_us) : utime_us_(utime_us) {}
-  [[nodiscard]] std::int64_t now_utime_us() const override { return utime_us_; }
-  void set(std::int64_t utime_us) { utime_us_ = utime_us; }
-  void advance(std::int64_t duration_us) { utime_us_ += duration_us; }
+  explicit ManualClock(Timestamp now) : now_(now) {}
+  [[nodiscard]] Timestamp now() const override { return now_; }
+  void set(Timestamp now) { now_ = now; }
+  void advance(Duration duration) { now_ += duration; }
 
  private:
-  std::int64_t utime_us_;
+  Timestamp now_;
 };
 
 }  // namespace nodmap::time

@@ -29,9 +29,9 @@ void wait_for_work(int bus_handle, DeviceNode& node) {
 }
 
 void shut_down(DeviceNode& node) {
-  const time::SteadyTime end = time::now_on_both_clocks().steady + kShutdownTimeout;
+  const time::SteadyTime end = time::steady_now() + kShutdownTimeout;
   node.shut_down();
-  while (!node.is_shut_down() && time::now_on_both_clocks().steady < end) {
+  while (!node.is_shut_down() && time::steady_now() < end) {
     wait_for_work(-1, node);
     node.spin_once();
   }

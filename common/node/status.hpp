@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <cstdint>
 #include <string>
 
 #include "common/bus/bus.hpp"
@@ -30,8 +29,8 @@ class StatusReporter {
   bus::Bus& bus_;
   const MessageCounts& counts_;
   const time::Clock& clock_;
-  std::int64_t last_utime_us_;
-  bus::BusCounts last_;
+  time::Timestamp last_;  // STATUS
+  bus::BusCounts last_counts_;
 };
 
 }  // namespace nodmap::node

@@ -20,7 +20,8 @@ static_assert(kBridgedInARow * kEncoderPeriod < kBlind);
 Kurt::Kurt(const KurtParams& params)
     : odometry_(params.wheels, params.odometry),
       limiter_(params.wheels, params.limits),
-      watchdog_(time::from_seconds(params.drive_timeout_s)) {}
+      watchdog_(time::from_seconds(params.drive_timeout_s)),
+      guard_(params.guard, params.limits) {}
 
 void Kurt::connected(const time::Moment& now) {
   line_open_ = true;
@@ -65,6 +66,7 @@ std::span<const OdometrySample> Kurt::receive(std::span<const std::uint8_t> byte
 void Kurt::take_encoder(const EncoderTicks& ticks, time::SteadyTime arrival,
                         const time::Moment& now) {
   ++counts_.encoder_frames;
+  guard_.add(ticks, limiter_.current(), arrival);
   if (!is_of_use(ticks, arrival)) {
     return;
   }
@@ -97,7 +99,10 @@ void Kurt::take_sensor(const Report& report, time::SteadyTime now) {
   std::visit(
       [this, now](const auto& value) {
         using Value = std::decay_t<decltype(value)>;
-        if constexpr (std::is_same_v<Value, RangeReadings>) {
+        if constexpr (std::is_same_v<Value, Bumpers>) {
+          guard_.add(value);
+        } else if constexpr (std::is_same_v<Value, RangeReadings>) {
+          guard_.add(value, now);
           for (std::size_t i = 0; i < kInfraredCount; ++i) {
             if (value.infrared_raw[i]) {
               sensors_.infrared_raw[i] = {*value.infrared_raw[i], now};
@@ -107,6 +112,7 @@ void Kurt::take_sensor(const Report& report, time::SteadyTime now) {
             sensors_.sonar_raw = {*value.sonar_raw, now};
           }
         } else if constexpr (std::is_same_v<Value, Tilt>) {
+          guard_.add(value, now);
           sensors_.tilt = {value, now};
         } else if constexpr (std::is_same_v<Value, Gyro>) {
           sensors_.gyro = {value, now};
@@ -119,6 +125,14 @@ void Kurt::take_sensor(const Report& report, time::SteadyTime now) {
 
 DriveStatus Kurt::drive(const DriveRequest& request, const time::Moment& now) {
   return watchdog_.offer(request, now.wall, now.steady);
+}
+
+std::optional<Alarm> Kurt::take_alarm() {
+  const std::optional<Alarm> alarm = guard_.take_alarm();
+  if (alarm) {
+    watchdog_.revoke();
+  }
+  return alarm;
 }
 
 KurtState Kurt::state(time::SteadyTime steady) const {
@@ -138,7 +152,7 @@ std::string Kurt::control(const time::Moment& now) {
   std::string text = session_.poll(now.steady);
   const KurtState state_now = state(now.steady);
   if (state_now == KurtState::kDriving) {
-    limiter_.step(*watchdog_.command(now.steady), kControlPeriodS);
+    limiter_.step(guard_.limit(*watchdog_.command(now.steady), now.steady), kControlPeriodS);
   } else {
     limiter_.stop();
   }

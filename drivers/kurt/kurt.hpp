@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/geometry/time.hpp"
+#include "drivers/kurt/base_guard.hpp"
 #include "drivers/kurt/drive_watchdog.hpp"
 #include "drivers/kurt/encoder_clock.hpp"
 #include "drivers/kurt/kurt_frames.hpp"
@@ -89,6 +90,10 @@ class Kurt {
     return watchdog_.is_contested(steady);
   }
 
+  /// Why the base's own senses have stopped the robot since the last call, if they have; it stays
+  /// stationary until a new DRIVE comes.
+  [[nodiscard]] std::optional<Alarm> take_alarm();
+
   [[nodiscard]] const BaseSensors& sensors() const { return sensors_; }
   [[nodiscard]] const KurtCounts& counts() const { return counts_; }
   [[nodiscard]] const SlcanCounts& slcan_counts() const { return parser_.counts(); }
@@ -106,6 +111,7 @@ class Kurt {
   Odometry odometry_;
   SpeedLimiter limiter_;
   DriveWatchdog watchdog_;
+  BaseGuard guard_;
   BaseSensors sensors_;
   KurtCounts counts_;
   std::optional<time::SteadyTime> last_encoder_;  ///< of the last ticks that wheels can have made

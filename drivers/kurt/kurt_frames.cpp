@@ -21,6 +21,7 @@ constexpr std::uint32_t kAdc4To7Id = 0x006;
 constexpr std::uint32_t kAdc8To11Id = 0x007;
 constexpr std::uint32_t kAdc12To15Id = 0x008;
 constexpr std::uint32_t kEncoderId = 0x009;
+constexpr std::uint32_t kBumperId = 0x00A;
 constexpr std::uint32_t kTiltId = 0x00D;
 constexpr std::uint32_t kGyroId = 0x00E;
 
@@ -76,6 +77,15 @@ Gyro decode_gyro(const CanFrame& frame) {
           load_big_s32(&frame.data[4]) / 10000.0 * to_rad * to_rad};
 }
 
+/// The encoder's two numbers fill half of its frame, the bumpers one byte; every other kind needs
+/// all of it.
+std::size_t bytes_needed(std::uint32_t id) {
+  if (id == kBumperId) {
+    return 1;
+  }
+  return id == kEncoderId ? 4 : 8;
+}
+
 Report decode_full(const CanFrame& frame) {
   switch (frame.id) {
     case kAdc0To3Id:
@@ -89,6 +99,8 @@ Report decode_full(const CanFrame& frame) {
                            1e-3 * load_big_u16(&frame.data[0])};  // right comes first, in mA
     case kEncoderId:
       return EncoderTicks{load_big_s16(&frame.data[0]), load_big_s16(&frame.data[2])};
+    case kBumperId:
+      return Bumpers{frame.data[0] != 0};
     case kTiltId:
       return Tilt{tilt_rad(load_big_u16(&frame.data[0])), tilt_rad(load_big_u16(&frame.data[2]))};
     case kGyroId:
@@ -123,9 +135,7 @@ CanFrame hard_stop() {
 }
 
 Report decode(const CanFrame& frame) {
-  // The encoder's two numbers fill half of its frame; every other kind needs all of it.
-  const std::size_t needed = frame.id == kEncoderId ? 4 : 8;
-  if (frame.extended || frame.remote || frame.length < needed) {
+  if (frame.extended || frame.remote || frame.length < bytes_needed(frame.id)) {
     return std::monostate{};
   }
   return decode_full(frame);

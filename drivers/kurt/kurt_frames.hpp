@@ -49,6 +49,10 @@ struct RangeReadings {
   std::optional<int> sonar_raw;
 };
 
+struct Bumpers {
+  bool is_touched = false;
+};
+
 struct Tilt {
   double roll_rad = 0.0;
   double pitch_rad = 0.0;
@@ -64,7 +68,8 @@ struct MotorCurrents {
   double right_a = 0.0;
 };
 
-using Report = std::variant<std::monostate, EncoderTicks, RangeReadings, Tilt, Gyro, MotorCurrents>;
+using Report =
+    std::variant<std::monostate, EncoderTicks, RangeReadings, Bumpers, Tilt, Gyro, MotorCurrents>;
 
 /// What a frame from the base says; std::monostate for those that say nothing of use to us, and
 /// for those shorter than their kind.

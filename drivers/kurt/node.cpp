@@ -131,6 +131,7 @@ void KurtNode::finish() {
 void KurtNode::spin_once() {
   const time::Moment now = clock_();
   link_.poll(now);
+  stop_on_alarm();
   if (now.steady >= next_control_) {
     // In step with its own clock, unless it has fallen behind it.
     next_control_ = std::max(next_control_, now.steady - kControlPeriod) + kControlPeriod;
@@ -195,6 +196,14 @@ void KurtNode::on_stop(const nodmap::stop_t& message) {
   stopped_by_ = message.is_stopped != 0 ? std::optional(by) : std::nullopt;
   if (stopped_by_.has_value() != was_stopped) {
     log::get().info("{} by {}", stopped_by_ ? "stopped" : "free to drive", by);
+  }
+}
+
+/// As if somebody had sent STOP: it drives on after a "go".
+void KurtNode::stop_on_alarm() {
+  if (const std::optional<Alarm> alarm = kurt_.take_alarm(); alarm && !stopped_by_) {
+    stopped_by_ = name_of(*alarm);
+    log::get().warn("stopped by {}", *stopped_by_);
   }
 }
 

@@ -51,6 +51,7 @@ class KurtNode final : public node::DeviceNode {
   void publish_odometry(const OdometrySample& sample);
   void publish_sensors(const time::Moment& now);
   /// Says each second that the robot is stopped, to who has been started since.
+  void stop_on_alarm();
   void repeat_stop(const time::Moment& now);
   void log_change(const time::Moment& now);
 

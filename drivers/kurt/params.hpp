@@ -76,12 +76,38 @@ struct SpeedLimits {
   }
 };
 
+/// When the base's own senses slow or stop the robot.
+struct GuardParams {
+  bool use_ranges = true;
+  double near_m = 0.25;
+  double creep_mps = 0.1;
+  bool use_bumper = true;
+  double max_tilt_rad = geometry::deg_to_rad(25.0);
+  double stall_s = 2.0;
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.flag("use_ranges", use_ranges,
+           "Slow down before what the sonar sees ahead, and the infrared range finder behind.");
+    v.number("near_m", near_m, {0.1, 1.0},
+             "Nearer than this to what they see the robot only creeps; the sonar measures from "
+             "0.23 m on.");
+    v.number("creep_mps", creep_mps, {0.0, 1.0}, "Speed there.");
+    v.flag("use_bumper", use_bumper, "Stop when a bumper is touched.");
+    v.angle("max_tilt_deg", max_tilt_rad, {5.0, 90.0},
+            "Stop when the base is tilted by more for half a second: it falls, or is carried.");
+    v.number("stall_s", stall_s, {0.1, 60.0},
+             "Stop when no wheel turns for so long although both should.");
+  }
+};
+
 struct KurtParams {
   std::string device;
   int baud = 1'000'000;
   WheelParams wheels;
   OdometryNoiseParams odometry;
   SpeedLimits limits;
+  GuardParams guard;
   double drive_timeout_s = 0.2;
 
   template <class Visitor>
@@ -93,6 +119,7 @@ struct KurtParams {
     v.section("wheels", wheels);
     v.section("odometry", odometry);
     v.section("limits", limits);
+    v.section("guard", guard);
     v.number("drive_timeout_s", drive_timeout_s, {0.02, 0.2},
              "The robot stops when no DRIVE has come for so long.");
     describe_renamed(v);

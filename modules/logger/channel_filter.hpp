@@ -8,11 +8,12 @@
 
 namespace nodmap::logger {
 
-/// Which channels are recorded. Expressions (ECMAScript) must match the whole name, as in LCM.
+/// Selects the channels to record. Regular expressions (ECMAScript) must match the whole name, as
+/// in LCM.
 class ChannelFilter {
  public:
-  /// An empty `exclude` excludes nothing. Throws node::UsageError naming an expression that
-  /// is none.
+  /// An empty `exclude` excludes nothing. Throws node::UsageError, naming the expression, for an
+  /// invalid one.
   ChannelFilter(const std::string& include, const std::string& exclude);
 
   [[nodiscard]] bool wants(const std::string& channel);
@@ -22,7 +23,7 @@ class ChannelFilter {
 
   std::regex include_;
   std::optional<std::regex> exclude_;
-  std::map<std::string, bool> decided_;  // matching costs microseconds, looking up does not
+  std::map<std::string, bool> decided_;  // cache: matching takes microseconds
 };
 
 }  // namespace nodmap::logger

@@ -147,7 +147,7 @@ class Logger {
 
   /// Takes everything this host received before the signal.
   void drain() {
-    const std::int64_t stop_utime_us = clock_.now_utime_us();
+    const std::int64_t stop_utime_us = time::to_utime(clock_.now());
     const auto deadline =
         std::chrono::steady_clock::now() + std::chrono::microseconds(kDrainLimitUs);
     while (std::chrono::steady_clock::now() < deadline && work(kSilence) > 0 &&

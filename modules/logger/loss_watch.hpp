@@ -11,11 +11,11 @@
 
 namespace nodmap::logger {
 
-/// Notices messages that never arrived, by the sequence numbers of scans and odometry: they come
-/// most often, so that a loss on the way shows in them first. Other messages are not looked into.
+/// Detects lost messages by gaps in the sequence numbers of scans and odometry. These are the most
+/// frequent messages, so losses show in them first. Other messages are not decoded.
 class LossWatch {
  public:
-  /// How many messages of this channel were lost just before this one.
+  /// Number of messages of this channel that were lost immediately before this one.
   [[nodiscard]] std::int64_t lost_before(const std::string& channel,
                                          std::span<const std::byte> data);
 

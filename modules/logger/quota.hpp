@@ -15,9 +15,9 @@ struct SizedFile {
   std::int64_t size_bytes = 0;
 };
 
-/// Which of the files in a folder to delete, oldest first, so that those of the family keep
-/// together within `quota_bytes`. Files of other names are neither counted nor deleted, and
-/// `current`, which is being written, is counted but never deleted.
+/// Selects the files of a folder to delete, oldest first, so that all files of the family `names`
+/// together take at most `quota_bytes`. Files with other names are neither counted nor deleted;
+/// `current`, the file being written, is counted but never deleted.
 [[nodiscard]] std::vector<std::string> files_over_quota(const LogNames& names,
                                                         const std::vector<SizedFile>& files,
                                                         std::string_view current,

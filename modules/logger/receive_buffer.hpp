@@ -6,8 +6,9 @@
 
 namespace nodmap::logger {
 
-/// The URL asking for a socket buffer of this size; as it is when it names one already, when it is
-/// no udpm URL (no other provider has such a buffer), or for 0.
+/// Adds a request for a socket buffer of `size_bytes` to the URL. Returns the URL unchanged if the
+/// size is 0, if it already names a buffer size, or if it is not a udpm URL (other providers have
+/// no such buffer).
 [[nodiscard]] std::string with_receive_buffer(const std::string& url, std::int64_t size_bytes);
 
 }  // namespace nodmap::logger

@@ -56,7 +56,7 @@ void Recorder::record(std::int64_t utime_us, const std::string& channel,
 }
 
 void Recorder::tick() {
-  const std::int64_t now_us = clock_.now_utime_us();
+  const std::int64_t now_us = time::to_utime(clock_.now());
   if (writer_ && has_passed(kFlushPeriodUs, flushed_utime_us_, now_us)) {
     if (flush() && has_passed(kSyncPeriodUs, synced_utime_us_, now_us)) {
       sync();
@@ -87,7 +87,7 @@ void Recorder::begin_file() {
   for (const auto& entry : std::filesystem::directory_iterator(settings_.dir)) {
     existing.push_back(entry.path().filename().string());
   }
-  const std::int64_t now_us = clock_.now_utime_us();
+  const std::int64_t now_us = time::to_utime(clock_.now());
   file_ = settings_.dir / settings_.names.next(now_us, existing);
   writer_.reset();
   writer_ = std::make_unique<bus::LogWriter>(file_);
@@ -103,7 +103,7 @@ bool Recorder::flush() {
   if (!writer_) {
     return false;
   }
-  flushed_utime_us_ = clock_.now_utime_us();
+  flushed_utime_us_ = time::to_utime(clock_.now());
   if (!writer_->flush()) {
     fail(writer_->failure().message());
     return false;
@@ -123,7 +123,7 @@ bool Recorder::flush() {
 
 /// What is written survives a cut of the power from here on, and the disk keeps its reserve.
 void Recorder::sync() {
-  synced_utime_us_ = clock_.now_utime_us();
+  synced_utime_us_ = time::to_utime(clock_.now());
   if (!writer_->sync()) {
     fail(writer_->failure().message());
     return;
@@ -160,7 +160,7 @@ void Recorder::fail(const std::string& cause) {
   if (writer_) {
     keep_what_is_whole();
   }
-  failed_utime_us_ = clock_.now_utime_us();
+  failed_utime_us_ = time::to_utime(clock_.now());
   failure_ = "cannot record into " + settings_.dir.string() + ": " + cause;
   log::get().error("{}; {} events dropped so far, next try in {} s", failure_, counts_.dropped,
                    back_off_us_ / 1'000'000);

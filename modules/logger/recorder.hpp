@@ -19,7 +19,7 @@
 
 namespace nodmap::logger {
 
-/// What is free on the disk of a folder; the greatest number where that cannot be known.
+/// Free bytes on the disk that contains a folder; the greatest number if this is unknown.
 [[nodiscard]] std::int64_t free_bytes(const std::filesystem::path& dir);
 
 struct RecorderSettings {
@@ -27,21 +27,21 @@ struct RecorderSettings {
   LogNames names = LogNames::dated("lcmlog");
   std::int64_t split_bytes = 0;  ///< 0: never
   std::int64_t quota_bytes = 0;  ///< 0: none
-  /// What is to stay free on the disk; the oldest logs go for it, too.
+  /// Bytes to keep free on the disk; the oldest logs are deleted for this, too.
   std::int64_t reserve_bytes = 0;
   std::function<std::int64_t(const std::filesystem::path&)> available_bytes = &free_bytes;
 };
 
 struct RecorderCounts {
-  std::int64_t written = 0;  ///< events that reached a file, or will with the next flush
-  std::int64_t dropped = 0;  ///< events that found no room on the disk
+  std::int64_t written = 0;  ///< events written to a file, or buffered until the next flush
+  std::int64_t dropped = 0;  ///< events for which the disk had no room
   std::int64_t files = 0;
-  std::int64_t deleted_files = 0;  ///< for the quota
+  std::int64_t deleted_files = 0;  ///< to keep quota and reserve
 };
 
-/// Writes events into one log after the other, and outlives a full disk: what is written stays,
-/// what comes is counted as dropped, and after a while (1 s, doubled up to 30 s) a new file is
-/// tried.
+/// Writes events into a sequence of log files. If the disk is full, the complete events written so
+/// far stay readable, further events are counted as dropped, and the recorder tries to start a new
+/// file after 1 s, doubling up to 30 s.
 class Recorder : private boost::noncopyable {
  public:
   static constexpr std::int64_t kFlushPeriodUs = 40'000;
@@ -49,18 +49,18 @@ class Recorder : private boost::noncopyable {
   static constexpr std::int64_t kFirstBackOffUs = 1'000'000;
   static constexpr std::int64_t kMaxBackOffUs = 30'000'000;
 
-  /// Begins the first file. Throws std::runtime_error when it cannot, as nobody should believe that
-  /// a mistyped folder is being recorded into.
+  /// Begins the first file. Throws std::runtime_error if it cannot, for instance because the
+  /// folder's name is mistyped: otherwise users would believe that they are recording.
   Recorder(RecorderSettings settings, const time::Clock& clock);
   ~Recorder() = default;
 
   void record(std::int64_t utime_us, const std::string& channel, std::span<const std::byte> data);
 
-  /// To be called every few 10 ms: hands what is written to the system, once a second to the disk,
-  /// and tries again after a failure.
+  /// Flushes to the operating system and once a second to the disk, and retries after a failure. To
+  /// be called every few tens of milliseconds.
   void tick();
 
-  /// Hands the last event to the system and ends the file.
+  /// Flushes the last event and closes the file.
   void close();
 
   [[nodiscard]] node::Health health() const;
@@ -83,14 +83,14 @@ class Recorder : private boost::noncopyable {
   const time::Clock& clock_;
   std::filesystem::path file_;
   std::unique_ptr<bus::LogWriter> writer_;          // none after a failure
-  std::vector<std::int64_t> unflushed_ends_bytes_;  // where events end that may not be in the file
+  std::vector<std::int64_t> unflushed_ends_bytes_;  // file offsets at which unflushed events end
   std::int64_t flushed_bytes_ = 0;
-  std::int64_t deletable_bytes_ = 0;  // of the family's other files, when there is a quota
+  std::int64_t deletable_bytes_ = 0;  // size of the family's other files, if there is a quota
   std::int64_t flushed_utime_us_ = 0;
   std::int64_t synced_utime_us_ = 0;
   std::int64_t failed_utime_us_ = 0;
   std::int64_t back_off_us_ = kFirstBackOffUs;
-  std::string failure_;  // until events reach a file again
+  std::string failure_;  // reason; empty once events reach a file again
   RecorderCounts counts_;
 };
 

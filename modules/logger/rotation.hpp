@@ -10,15 +10,15 @@
 
 namespace nodmap::logger {
 
-/// Where a log stands among those of its family: later files compare greater.
+/// The position of a log file in the order of its family: later files compare greater.
 struct LogOrder {
-  std::string date;  ///< YYYY-MM-DD, or empty where names bear none
+  std::string date;  ///< YYYY-MM-DD; empty for names without a date
   int number = 0;
   // NOLINTNEXTLINE(modernize-use-nullptr): takes the 0 inside of <=> for a pointer
   auto operator<=>(const LogOrder&) const = default;
 };
 
-/// The family of names a logger gives to its files, one after the other.
+/// The family of names that a logger gives to its successive files.
 class LogNames {
  public:
   /// lcmlog-YYYY-MM-DD.NN: the day in UTC, so that names never step back, and numbers from 00.
@@ -27,12 +27,12 @@ class LogNames {
   /// `name` itself, then name.01, name.02, ...
   [[nodiscard]] static LogNames fixed(std::string name) { return {std::move(name), false}; }
 
-  /// The order of a file of this family; nothing for any other name.
+  /// The position of a file in this family; nothing for any other name.
   [[nodiscard]] std::optional<LogOrder> order_of(std::string_view name) const;
 
-  /// A name for a file begun at `utime_us` that comes after all of `existing`, so that the order of
-  /// names is the order of recording. (A day before the newest one, by a clock set back, counts on
-  /// from that one.)
+  /// The name of a new file begun at `utime_us`. It comes after all of `existing`, so the order of
+  /// names is the order of recording, even if the clock was set back: then the name continues the
+  /// numbers of the newest date.
   [[nodiscard]] std::string next(std::int64_t utime_us,
                                  std::span<const std::string> existing) const;
 
@@ -45,12 +45,12 @@ class LogNames {
   bool is_dated_;
 };
 
-/// Whether the next event belongs into a new file. An event larger than the limit gets a file of
-/// its own; `split_bytes` 0: never.
+/// Whether to begin a new file before the next event. An event larger than `split_bytes` gets a
+/// file of its own; 0: never split.
 [[nodiscard]] bool must_split(std::int64_t size_bytes, std::int64_t next_event_bytes,
                               std::int64_t split_bytes);
 
-/// The day of a time, YYYY-MM-DD in UTC.
+/// The UTC date of a time, YYYY-MM-DD.
 [[nodiscard]] std::string utc_date(std::int64_t utime_us);
 
 }  // namespace nodmap::logger

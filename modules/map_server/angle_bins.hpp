@@ -10,8 +10,9 @@
 
 namespace nodmap::map_server {
 
-/// The discretised angles of the extended scan (III B): bins of one width, centred ahead. An open
-/// fan has a bin on each of its borders, so one more than the paper's N = aperture / resolution.
+/// Maps bearings to the bins of an extended scan (III B). All bins have the same width and are
+/// centred straight ahead. A full circle has N = aperture / resolution bins, as in the paper; a
+/// smaller aperture has one more, because there is a bin on each of its borders.
 class AngleBins {
  public:
   AngleBins(double aperture_rad, double resolution_rad) {
@@ -36,7 +37,7 @@ class AngleBins {
 
   /// The bin of a bearing in [-pi, pi]; empty outside the aperture and for NaN.
   [[nodiscard]] std::optional<std::size_t> index(double bearing_rad) const {
-    // Cut off after half a step: a bearing on a border belongs to the bin to its left.
+    // Adding a half makes truncation round: a bearing between two bins belongs to the left one.
     const double place = (bearing_rad - first_rad_) * bins_per_rad_ + 0.5;
     if (!(place >= 0.0 && place < static_cast<double>(size_ + 1))) {
       return std::nullopt;

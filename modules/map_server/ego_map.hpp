@@ -10,16 +10,16 @@
 
 namespace nodmap::map_server {
 
-/// A 2D obstacle map or structure map (paper, III A): an extended scan with the heights that count
-/// in it and the rule by which points are removed and replaced.
+/// A 2D obstacle map or structure map (paper, III A): an extended scan, the heights of points that
+/// it accepts, and the rule that removes and replaces points.
 class EgoMap {
  public:
   EgoMap(ExtendedScan scan, const HeightBand& band, std::unique_ptr<UpdateRule> rule)
       : scan_(std::move(scan)), band_(band), rule_(std::move(rule)) {}
 
-  /// The three steps of III B in the paper's order, for every scan. `T_now_last` is the pose shift
-  /// since the last update. Without a shift it is empty, and steps 1 and 2 are skipped, except for
-  /// a rule that removes while stationary.
+  /// Runs the three steps of III B, in the paper's order, for one scan. `T_now_last` transforms
+  /// points from the base frame of the last update to the present one; empty if the robot has not
+  /// moved. Then step 1 is skipped, and step 2 unless the rule also removes while stationary.
   void update(const std::optional<geometry::SE2>& T_now_last, const ScanView& view) {
     if (T_now_last) {
       scan_.transform(*T_now_last);  // 1) transformation
@@ -34,7 +34,7 @@ class EgoMap {
 
   [[nodiscard]] const ExtendedScan& scan() const { return scan_; }
 
-  /// How many points step 2 has removed since the start.
+  /// Number of points that step 2 has removed since the start.
   [[nodiscard]] std::size_t removed() const { return removed_; }
 
  private:
@@ -44,10 +44,10 @@ class EgoMap {
   std::size_t removed_ = 0;
 };
 
-/// The nearest point of each direction within the virtual corridor's heights.
+/// A map of the nearest point in each direction within the heights of the virtual corridor.
 [[nodiscard]] EgoMap make_obstacle_map(const MapServerParams& params);
 
-/// The farthest point of each direction above the floor.
+/// A map of the farthest point in each direction above the floor.
 [[nodiscard]] EgoMap make_structure_map(const MapServerParams& params);
 
 }  // namespace nodmap::map_server

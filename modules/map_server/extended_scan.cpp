@@ -6,7 +6,7 @@
 namespace nodmap::map_server {
 namespace {
 
-/// Eq. 2 for one point, cartesian and polar.
+/// Applies Eq. 2 to single points, to their cartesian and polar coordinates.
 class Motion {
  public:
   explicit Motion(const geometry::SE2& T_now_last)
@@ -15,8 +15,8 @@ class Motion {
   void apply(EgoPoint& point) const {
     const Eigen::Vector2d rotated = R_ * point.p_base;
     const Eigen::Vector2d p = rotated + t_;
-    // The bearing changes by the rotation and by the small angle between `rotated` and `p`: its
-    // series costs a fifth of an atan2, which would be half the time of a map update.
+    // The bearing changes by the yaw and by the small angle between `rotated` and `p`. The series
+    // of that angle's arctangent costs a fifth of an atan2, which would take half of a map update.
     const double along = rotated.dot(p);
     const double ratio = (rotated.x() * t_.y() - rotated.y() * t_.x()) / along;
     if (along > 0.0 && std::abs(ratio) < kSmall) {
@@ -33,7 +33,7 @@ class Motion {
   }
 
  private:
-  static constexpr double kSmall = 0.02;  // the series is then exact to kSmall^7 / 7: 2e-13
+  static constexpr double kSmall = 0.02;  // error of the series up to here: kSmall^7 / 7 = 2e-13
 
   Eigen::Matrix2d R_;
   Eigen::Vector2d t_;

@@ -16,27 +16,27 @@ namespace nodmap::map_server {
 /// Which of two points in one direction a map keeps.
 enum class Relevance { kNearest, kFarthest };
 
-/// Where beams have passed through a point since it was last measured.
+/// Records that beams have passed through a point since it was last measured.
 struct Search {
-  double lowest_m = std::numeric_limits<double>::infinity();  ///< heights at which they passed
+  double lowest_m = std::numeric_limits<double>::infinity();  ///< heights at which beams passed
   double highest_m = -std::numeric_limits<double>::infinity();
   std::int64_t last_missed_sweep = -1;
   int missed_sweeps = 0;
 };
 
-/// A point of an egocentric map, cartesian and polar at once (III B), in the base frame.
+/// A point of an egocentric map, in base, with both cartesian and polar coordinates (III B).
 struct EgoPoint {
   Eigen::Vector2d p_base = Eigen::Vector2d::Zero();
-  double bearing_rad = 0.0;  ///< atan2(y, x): as seen from the base, not the mirror's angle
+  double bearing_rad = 0.0;  ///< atan2(y, x) in base; not the beam's angle at the mirror
   double distance_m = 0.0;   ///< hypot(x, y)
 
-  double height_m = 0.0;  ///< above the ground, of the measurement the point stands for
-  double lowest_m = 0.0;  ///< heights at which something was measured here
-  double highest_m = 0.0;
+  double height_m = 0.0;   ///< of the measurement stored here, above the ground
+  double lowest_m = 0.0;   ///< lowest height at which this point was measured
+  double highest_m = 0.0;  ///< highest height at which this point was measured
 
-  double confirmed_at_s = 0.0;       ///< when last measured, on the map's clock
-  double aged_s = 0.0;               ///< towards expiry, as the update rule counts
-  std::int64_t confirmed_sweep = 0;  ///< in which it was last measured
+  double confirmed_at_s = 0.0;       ///< time of its last measurement, on the map server's clock
+  double aged_s = 0.0;               ///< age that counts towards expiry, as the update rule defines
+  std::int64_t confirmed_sweep = 0;  ///< sweep in which it was last measured
   Search search;                     ///< used by the visibility rule only
   bool valid = false;                ///< false: a dummy
 
@@ -55,9 +55,9 @@ struct EgoPoint {
   }
 };
 
-/// The paper's extension of a laser scan (III B): a vector of points, indexed by the discretised
-/// angle at which the base sees them. A direction without a point holds a dummy, whose distance
-/// loses against any measurement: +infinity where the nearest counts, -infinity where the farthest.
+/// The paper's extended laser scan (III B): one point per angle bin, in the bin of its bearing in
+/// base. A bin without a point contains a dummy, whose distance every measurement replaces:
+/// +infinity if the map keeps the nearest points, -infinity if it keeps the farthest.
 class ExtendedScan {
  public:
   ExtendedScan(const AngleBins& bins, Relevance relevance);
@@ -71,7 +71,8 @@ class ExtendedScan {
   [[nodiscard]] EgoPoint& operator[](std::size_t bin) { return points_[bin]; }
   [[nodiscard]] const EgoPoint& dummy() const { return dummy_; }
 
-  /// The replacement test of III B, <= for the nearest and >= for the farthest.
+  /// Whether a point at `distance_m` replaces the stored one (III B): <= if the map keeps the
+  /// nearest points, >= if it keeps the farthest.
   [[nodiscard]] bool prefers(double distance_m, double stored_distance_m) const {
     return relevance_ == Relevance::kNearest ? distance_m <= stored_distance_m
                                              : distance_m >= stored_distance_m;
@@ -79,12 +80,13 @@ class ExtendedScan {
 
   void clear() { points_.assign(points_.size(), dummy_); }
 
-  /// Step 1, Eq. 2: transforms every point into the present base frame. Of two points in one bin
-  /// the more relevant stays; bins left empty get dummies; points outside the aperture are dropped.
+  /// Step 1 (Eq. 2): transforms every point to the present base frame, p_now = T_now_last * p_last.
+  /// If two points fall into one bin, the more relevant one is kept. Empty bins get dummies; points
+  /// outside the aperture are dropped.
   ///
-  /// The paper's angles are positive clockwise in a left-handed frame, so the matrix printed in
-  /// Eq. 2 is the inverse of the robot's own rotation, and its (dx, dz) is the shift of the map,
-  /// not of the robot. In one line: p_now = T_now_last * p_last.
+  /// The paper's angles are positive clockwise, in a left-handed frame. The matrix printed in Eq. 2
+  /// is therefore the inverse of the robot's rotation, and its (dx, dz) is the shift of the map,
+  /// not of the robot.
   void transform(const geometry::SE2& T_now_last);
 
  private:
@@ -92,7 +94,7 @@ class ExtendedScan {
   Relevance relevance_;
   EgoPoint dummy_;
   std::vector<EgoPoint> points_;
-  std::vector<EgoPoint> moved_;  // the other half of a double buffer: no allocation per scan
+  std::vector<EgoPoint> moved_;  // second buffer of transform(), kept to avoid allocations
 };
 
 }  // namespace nodmap::map_server

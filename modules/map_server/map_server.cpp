@@ -32,7 +32,8 @@ void MapServer::reset() {
   last_utime_us_.reset();
 }
 
-// A shift too small to count is not lost: the last pose stays until the sum counts.
+// Returns the motion since the last update, or nothing below 1e-6. Small motions are not lost: the
+// reference pose stays the same until they add up.
 std::optional<geometry::SE2> MapServer::pose_shift(const geometry::SE2& T_odom_base) {
   constexpr double kStationary = 1e-6;  // metres, radians
   if (!T_odom_last_) {
@@ -73,9 +74,9 @@ ScanView MapServer::view_of(const scan::Scan& scan, double elapsed_s) {
   return view;
 }
 
-// Eq. 1 for the beams, then the angle and distance at which the BASE sees each point: at a pitch of
-// -60 degrees the mirror's own angle is up to 19 degrees off. Points inside the robot's body are
-// dropped: looking far down, the scanner sees its own mount.
+// Computes the point of each beam (Eq. 1) and its bin, by the bearing from the BASE: at a pitch of
+// -60 degrees the beam's angle at the mirror differs from it by up to 19 degrees. Points inside the
+// robot's body are dropped, because the scanner measures its own mount when it looks far down.
 void MapServer::project(const scan::Scan& scan) {
   hits_.clear();
   hits_.reserve(scan.ranges_m.size());

@@ -15,26 +15,26 @@
 
 namespace nodmap::map_server {
 
-/// What became of a scan.
+/// Whether a scan was used, or why not.
 enum class ScanStatus { kUsed, kImplausibleScan, kImplausiblePose };
 
-/// The two egocentric maps of the paper, III A and B, updated with every scan. Does not allocate
-/// after the first scan of a scanner.
+/// Maintains the paper's two egocentric maps (III A and B) and updates them with every scan. Does
+/// not allocate memory after the first scan.
 class MapServer {
  public:
   explicit MapServer(const MapServerParams& params);
 
-  /// Updates both maps. `T_odom_base` is the pose at the middle of the scan; its planar part moves
-  /// the maps. An implausible scan or pose leaves them unchanged.
+  /// Updates both maps with a scan. `T_odom_base` is the odometry pose at the middle of the scan;
+  /// its x, y and yaw move the maps. An implausible scan or pose leaves the maps unchanged.
   ScanStatus add_scan(const scan::Scan& scan, const geometry::SE3& T_odom_base);
 
-  /// Clears both maps, for when odometry has started anew and the shift is not known.
+  /// Clears both maps: to be called when odometry has restarted and the motion is unknown.
   void reset();
 
   [[nodiscard]] const EgoMap& obstacle_map() const { return obstacle_map_; }
   [[nodiscard]] const EgoMap& structure_map() const { return structure_map_; }
 
-  /// Seconds since a point was last measured, by the stamps of the scans.
+  /// Seconds since a point was last measured, from the stamps of the scans.
   [[nodiscard]] double age_s(const EgoPoint& point) const {
     return clock_s_ - point.confirmed_at_s;
   }
@@ -53,7 +53,7 @@ class MapServer {
   std::vector<Hit> hits_;
   std::optional<geometry::SE2> T_odom_last_;
   std::optional<std::int64_t> last_utime_us_;
-  double clock_s_ = 0.0;  // the time between scans, summed; a stamp that steps back counts 0
+  double clock_s_ = 0.0;  // sum of the times between scans; a stamp that steps back adds 0
 };
 
 }  // namespace nodmap::map_server

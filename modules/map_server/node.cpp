@@ -46,7 +46,7 @@ void MapServerNode::on_odometry(const nodmap::odometry_t& message) {
   if (!T_odom_base) {
     return;
   }
-  // The shift from the old odom frame to the new one is not known.
+  // The motion between the old odom frame and the new one is unknown.
   if (input_.odometry_restarted()) {
     server_.reset();
     odometry_.clear();
@@ -65,7 +65,7 @@ void MapServerNode::on_scan(const nodmap::scan_t& message) {
     context_.counts.reject("no_odometry");
     return;
   }
-  // From here on heights in base are heights above the ground.
+  // From here on, heights in base are heights above the ground.
   scan_.T_base_mount.translation().z() += params_.base_height_m;
   switch (server_.add_scan(scan_, *T_odom_base)) {
     case ScanStatus::kImplausibleScan:

@@ -17,9 +17,9 @@
 
 namespace nodmap::map_server {
 
-/// SCAN and ODOMETRY in, OBSTACLE_MAP and STRUCTURE_MAP out, both after every scan that was used.
-/// Nothing is published for a scan that could not be used, so that a map never has a newer stamp
-/// than its points.
+/// Subscribes to SCAN and ODOMETRY, and publishes OBSTACLE_MAP and STRUCTURE_MAP after every scan
+/// that was used. For a scan that cannot be used it publishes nothing, so a map never has a newer
+/// stamp than its points.
 class MapServerNode final : public node::Node {
  public:
   using Params = MapServerParams;
@@ -42,8 +42,8 @@ class MapServerNode final : public node::Node {
   node::SensorInput input_;
   MapServer server_;
   geometry::PoseHistory odometry_;
-  scan::Scan scan_;             // both reused from message to message:
-  nodmap::egomap_t message_{};  // no allocation
+  scan::Scan scan_;             // reused for every message, to avoid allocations
+  nodmap::egomap_t message_{};  // reused likewise
   std::int64_t scans_used_ = 0;
   bool last_scan_had_odometry_ = true;
 };

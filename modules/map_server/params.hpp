@@ -8,7 +8,7 @@
 
 namespace nodmap::map_server {
 
-/// The directions of a map (paper, III B).
+/// The angle bins of a map (paper, III B).
 struct BinParams {
   double aperture_rad = geometry::deg_to_rad(360.0);
   double resolution_rad = geometry::deg_to_rad(1.0);
@@ -16,8 +16,8 @@ struct BinParams {
   template <class Visitor>
   void describe(Visitor& v) {
     v.angle("aperture_deg", aperture_rad, {1.0, 360.0},
-            "Apex angle of both maps, centred ahead (paper, III B).");
-    v.angle("resolution_deg", resolution_rad, {0.1, 10.0}, "Angle from bin to bin.");
+            "Aperture of both maps, centred ahead (paper, III B).");
+    v.angle("resolution_deg", resolution_rad, {0.1, 10.0}, "Width of a bin.");
   }
 };
 
@@ -27,14 +27,15 @@ struct NoiseParams {
 
   template <class Visitor>
   void describe(Visitor& v) {
-    v.number("range_sigma_m", range_sigma_m, {0.0, 0.5}, "Standard deviation of a range.");
+    v.number("range_sigma_m", range_sigma_m, {0.0, 0.5},
+             "Standard deviation of a range measurement.");
     v.angle("pitch_sigma_deg", pitch_sigma_rad, {0.0, 5.0},
-            "Standard deviation of the pitch; widens the floor tolerance with distance.");
+            "Standard deviation of the pitch; raises the floor tolerance with distance.");
   }
 };
 
-/// How stored points are removed: `kPaper` by age, as printed; `kVisibility` when beams pass
-/// through the place where they were.
+/// How stored points are removed: `kPaper` by age, as in the paper; `kVisibility` when beams pass
+/// through them.
 enum class RemovalRule { kPaper, kVisibility };
 
 struct UpdateParams {
@@ -47,16 +48,17 @@ struct UpdateParams {
   void describe(Visitor& v) {
     v.choice("rule", rule,
              {{"paper", RemovalRule::kPaper}, {"visibility", RemovalRule::kVisibility}},
-             "How points are removed: by age as in the paper, or when the scanner sees through "
-             "their place.");
-    v.number("expiry_s", expiry_s, {0.1, 600.0},
-             "Age at which a point is removed. paper: time in motion; visibility: time in full "
-             "view without being measured again.");
+             "How stored points are removed: by age as in the paper, or when beams pass through "
+             "them.");
+    v.number(
+        "expiry_s", expiry_s, {0.1, 600.0},
+        "Age at which a point is removed. paper: counts the time in motion; visibility: counts "
+        "the time in full view without a new measurement.");
     v.number("height_tolerance_m", height_tolerance_m, {0.0, 0.5},
-             "Heights nearer than this belong to the same part of an object (visibility only).");
+             "Heights that differ by less belong to the same part of an object (visibility only).");
     v.integer("misses_to_remove", misses_to_remove, {1, 100},
-              "A point is removed when beams passed through its place in this many sweeps since it "
-              "was last measured (visibility only).");
+              "A point is removed when beams have passed through it in this many sweeps since its "
+              "last measurement (visibility only).");
   }
 };
 
@@ -73,8 +75,8 @@ struct MapServerParams {
     v.section("bins", bins);
     robot.describe(v);
     v.number("base_height_m", base_height_m, {-0.5, 5.0},
-             "Height of the base frame above the ground; not 0 only for recordings whose base is "
-             "the scanner.");
+             "Height of the base frame above the ground; 0 unless the base of a recording is the "
+             "scanner.");
     v.section("noise", noise);
     v.section("update", update);
     v.flag("assume_stationary", assume_stationary,

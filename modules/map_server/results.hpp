@@ -7,8 +7,8 @@
 
 namespace nodmap::map_server {
 
-/// Draws both maps around the robot: ahead is up, structure blue, obstacles red on top, a ring for
-/// each metre (a darker one for each fifth), the body in the middle.
+/// Draws both maps around the robot's body: ahead is up, structure is blue, obstacles are red and
+/// on top. There is a ring every metre, and a darker one every five metres.
 [[nodiscard]] drawing::Image draw_maps(const ExtendedScan& obstacles, const ExtendedScan& structure,
                                        const robot::Footprint& robot);
 

@@ -7,12 +7,12 @@
 namespace nodmap::map_server {
 namespace {
 
-// Two neighbouring readings belong to one surface if it is seen at more than 3 degrees: below that
-// they are taken for an edge.
+// Two neighbouring readings belong to one surface if the beams meet it at more than 3 degrees.
+// Otherwise they are treated as an edge.
 const double kCotangentOfGrazing = 1.0 / std::tan(geometry::deg_to_rad(3.0));
 
-/// atan2 to 2e-6 rad, the ten-thousandth part of a beam. The library's is a quarter of the time of
-/// a map update (bench/map_server_bench).
+/// atan2 with an error below 2e-6 rad, a ten-thousandth of the angle between beams. The library's
+/// atan2 would take a quarter of the time of a map update (bench/map_server_bench).
 double quick_atan2(double y, double x) {
   const double ax = std::abs(x);
   const double ay = std::abs(y);
@@ -64,7 +64,7 @@ std::optional<ScanLine::Crossing> ScanLine::crossing_at(const Eigen::Vector2d& p
   const double angle = quick_atan2(sight.dot(left_), sight.dot(forward_));
   const double first = scan_->angle_first_rad;
   double from_first_rad = scan_->angle_step_rad > 0.0 ? angle - first : first - angle;
-  while (from_first_rad < 0.0) {  // twice at most: the first beam is within 2 pi of 0
+  while (from_first_rad < 0.0) {  // at most twice: the first beam is within 2 pi of 0
     from_first_rad += 2.0 * geometry::kPi;
   }
   const double place = from_first_rad * beams_per_rad_;
@@ -94,7 +94,7 @@ std::optional<double> ScanLine::measured_range_m(const Crossing& crossing) const
   if (!one_surface) {
     return static_cast<double>(scan_->ranges_m[nearer]);
   }
-  // The straight line through two points is harmonic in the range (for a small angle between them).
+  // Along a straight line the inverse of the range is linear in a small angle.
   return r1 * r2 / (r1 * crossing.between + r2 * (1.0 - crossing.between));
 }
 

@@ -9,7 +9,7 @@
 
 namespace nodmap::map_server {
 
-/// A plane that is not vertical: z as a function of the place on the ground.
+/// A plane that is not vertical, as a height above each point (x, y) of base.
 struct SlantedPlane {
   double offset_m = 0.0;
   Eigen::Vector2d slope = Eigen::Vector2d::Zero();
@@ -17,39 +17,38 @@ struct SlantedPlane {
   [[nodiscard]] double height_m(const Eigen::Vector2d& p) const { return offset_m + slope.dot(p); }
 };
 
-/// The plane of the beams at a pitch, in the base frame; empty where it is so near to vertical that
-/// it has no height over a place on the ground.
+/// The plane of the beams at a pitch, in base; empty if the plane is almost vertical.
 [[nodiscard]] std::optional<SlantedPlane> laser_plane(const scan::Scan& scan, double pitch_rad);
 
-/// One scan seen from a place on the ground: at which height the beams cross that place, and
-/// whether they end there or reach beyond.
+/// The beams of one scan as a line that sweeps over the ground. Tells for a point p_base on the
+/// ground at which height the beams cross it, and whether they end there or reach beyond.
 class ScanLine {
  public:
-  /// The beams on either side of a place, and how they cross it.
+  /// Where the scan crosses a point on the ground: between which beams, and at which height.
   struct Crossing {
-    std::size_t beam = 0;   ///< the place lies between this beam and the next
-    double between = 0.0;   ///< 0 on this beam, 1 on the next
-    double range_m = 0.0;   ///< from the mirror to the place, in the laser plane
-    double height_m = 0.0;  ///< of the laser plane over the place, base frame
+    std::size_t beam = 0;   ///< the point is between this beam and the next
+    double between = 0.0;   ///< fraction: 0 on this beam, 1 on the next
+    double range_m = 0.0;   ///< from the mirror to the point, in the laser plane
+    double height_m = 0.0;  ///< of the laser plane above the point, in base
   };
 
-  /// Refers to the scan, which must outlive the line.
+  /// Keeps a reference to `scan`, which must outlive this object.
   explicit ScanLine(const scan::Scan& scan);
 
-  /// Empty outside the fan.
+  /// The crossing at a point on the ground; empty outside the scan's field of view.
   [[nodiscard]] std::optional<Crossing> crossing_at(const Eigen::Vector2d& p_base) const;
 
-  /// The range measured towards the place: interpolated where both beams hit one surface, else the
-  /// reading of the beam next to it; empty where that beam has none.
+  /// The range measured in the direction of the crossing: interpolated if both beams hit the same
+  /// surface, else the reading of the nearer beam; empty if that beam has no reading.
   [[nodiscard]] std::optional<double> measured_range_m(const Crossing& crossing) const;
 
-  /// Whether the beams on BOTH sides reach farther than `range_m`. One alone is no proof: it may
-  /// graze a wall that the place belongs to.
+  /// Whether the beams on BOTH sides reach farther than `range_m`. One beam alone proves nothing:
+  /// it may graze the wall that the point belongs to.
   [[nodiscard]] bool both_reach_beyond(const Crossing& crossing, double range_m) const {
     return reaches_beyond(crossing.beam, range_m) && reaches_beyond(crossing.beam + 1, range_m);
   }
 
-  /// Whether of the two beams one ends before the place and one reaches beyond.
+  /// Whether one of the two beams ends before the point and the other reaches beyond it.
   [[nodiscard]] bool ends_on_either_side(const Crossing& crossing) const {
     return scan_->is_hit(crossing.beam) && scan_->is_hit(crossing.beam + 1) &&
            reaches_beyond(crossing.beam, crossing.range_m) !=
@@ -63,8 +62,8 @@ class ScanLine {
   Eigen::Vector3d sensor_origin_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d forward_ = Eigen::Vector3d::UnitX();  // axes of the laser frame in base
   Eigen::Vector3d left_ = Eigen::Vector3d::UnitY();
-  std::optional<SlantedPlane> first_plane_;  // the pitch moves during a scan
-  std::optional<SlantedPlane> last_plane_;
+  std::optional<SlantedPlane> first_plane_;  // at the pitch of the first beam,
+  std::optional<SlantedPlane> last_plane_;   // and of the last: the pitch changes during a scan
   double beams_per_rad_ = 0.0;
   double last_beam_ = 0.0;
 };

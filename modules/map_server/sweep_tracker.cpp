@@ -8,9 +8,11 @@
 namespace nodmap::map_server {
 namespace {
 
-// More than the jitter of the servo, less than the finest step (0.25 degrees a scan; paper, II).
+// More than the jitter of the servo, less than the smallest step between scans (0.25 degrees;
+// paper, II).
 constexpr double kReversedRad = geometry::deg_to_rad(0.2);
-// At the finest step the pitch has moved by kReversedRad after one scan, or two at a reversal.
+// The head is held still when its pitch stays within kReversedRad for this many scans. At the
+// smallest step a nodding head leaves this interval after one scan, or two at a reversal.
 constexpr int kStillScans = 10;
 
 }  // namespace
@@ -51,7 +53,7 @@ std::optional<PitchInterval> SweepTracker::covered() const {
   }
   const PitchInterval both{std::max(last_->min_rad, before_last_->min_rad),
                            std::min(last_->max_rad, before_last_->max_rad)};
-  // Scans of a head that is held still differ by its jitter: the intervals need not overlap.
+  // The scans of a head that is held still differ by its jitter, so the intervals may not overlap.
   if (both.min_rad > both.max_rad + kReversedRad) {
     return std::nullopt;
   }

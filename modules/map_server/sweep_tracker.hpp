@@ -11,19 +11,20 @@ namespace nodmap::map_server {
 
 using robot::PitchInterval;
 
-/// Derives from the pitches of the scans alone how the head nods: counts the sweeps, and keeps the
-/// interval of pitches they cover. A head that is held still makes every scan a sweep.
+/// Counts the sweeps of the head and keeps the pitch interval that they cover, from the pitches of
+/// the scans alone. If the head is held still, every scan counts as a sweep.
 class SweepTracker {
  public:
+  /// Adds the pitches of the first and last beam of the next scan.
   void add(double pitch_first_rad, double pitch_last_rad);
 
-  /// Counts up at each reversal of the head.
+  /// The number of the present sweep; increases at each reversal of the head.
   [[nodiscard]] std::int64_t sweep() const { return sweep_; }
 
-  /// The pitches covered by EACH of the last two complete sweeps; empty before. The smaller
-  /// interval is the safe one: a point outside of it neither ages nor is removed. After the head
-  /// has narrowed its sweeps one of them is still compared with the old interval; removal needs
-  /// two.
+  /// The pitches that BOTH of the last two complete sweeps have covered; empty before the second
+  /// one. The intersection is the safe choice, because a point outside it neither ages nor is
+  /// removed. When the head narrows its sweeps, one sweep is still compared with the old interval;
+  /// that is harmless, because removal needs two sweeps.
   [[nodiscard]] std::optional<PitchInterval> covered() const;
 
  private:
@@ -31,9 +32,9 @@ class SweepTracker {
 
   std::int64_t sweep_ = 0;
   int scans_ = 0;
-  int still_scans_ = 0;  // for how many the pitch has stayed near still_rad_
+  int still_scans_ = 0;  // number of scans for which the pitch has stayed near still_rad_
   double still_rad_ = 0.0;
-  double direction_ = 0.0;     // +1 up, -1 down, 0 not known yet
+  double direction_ = 0.0;     // +1 up, -1 down, 0 unknown
   double farthest_rad_ = 0.0;  // in this direction
   PitchInterval current_;
   std::optional<PitchInterval> last_;

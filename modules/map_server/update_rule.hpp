@@ -15,12 +15,12 @@
 
 namespace nodmap::map_server {
 
-/// The heights that count in a map (paper, III A), in metres above flat ground. The lower limit
-/// rises with distance by what the pitch may be wrong, so that far floor stays floor; near the
-/// robot only the fixed part is left.
+/// The heights of points that a map accepts (paper, III A), in metres above flat ground. The lower
+/// limit rises with distance, to allow for the error of the pitch: otherwise distant floor would
+/// become an obstacle.
 struct HeightBand {
-  double floor_m = 0.0;
-  double floor_rise = 0.0;
+  double floor_m = 0.0;     ///< lower limit at distance 0
+  double floor_rise = 0.0;  ///< rise of the lower limit, metres per metre of distance
   double ceiling_m = std::numeric_limits<double>::infinity();
 
   [[nodiscard]] bool contains(double height_m, double distance_m) const {
@@ -28,48 +28,49 @@ struct HeightBand {
   }
 };
 
-/// A measured point and the bin in which the base sees it.
+/// A measured point, and the bin of its bearing.
 struct Hit {
   EgoPoint point;
   std::size_t bin = 0;
 };
 
-/// What one update knows of the new scan, the same for both maps.
+/// The new scan as an update needs it, shared by both maps.
 struct ScanView {
   std::span<const Hit> hits;
   ScanLine line;
-  std::int64_t sweep = 0;  ///< counts the sweeps of the head
-  /// The laser plane at the lowest and highest pitch of the last two sweeps; empty before.
+  std::int64_t sweep = 0;  ///< number of the present sweep
+  /// The laser plane at the lowest and highest pitch that both of the last two sweeps covered;
+  /// empty before the second one.
   std::optional<SlantedPlane> lowest_plane;
   std::optional<SlantedPlane> highest_plane;
-  double elapsed_s = 0.0;  ///< since the last scan
-  double clock_s = 0.0;    ///< the sum of these
+  double elapsed_s = 0.0;  ///< time since the last scan
+  double clock_s = 0.0;    ///< time since the first scan: the sum of all elapsed_s
 };
 
-/// Steps 2 and 3 of the map update (paper, III B); step 1 is the same for every rule. Both keep the
-/// size of the map and leave every point in the bin of its bearing.
+/// Steps 2 and 3 of the map update (paper, III B); step 1 is the same for every rule. Neither step
+/// changes the number of bins, and every point stays in the bin of its bearing.
 class UpdateRule : boost::noncopyable {
  public:
   virtual ~UpdateRule() = default;
 
-  /// Whether step 2 has anything to do while the robot is stationary. The paper skips it then.
+  /// Whether step 2 also runs while the robot is stationary. The paper skips it then.
   [[nodiscard]] virtual bool removes_while_stationary() const = 0;
 
-  /// Step 2: obsolete points become dummies; returns how many.
+  /// Step 2: replaces obsolete points by dummies; returns their number.
   virtual std::size_t remove_obsolete(ExtendedScan& map, const HeightBand& band,
                                       const ScanView& view) = 0;
 
-  /// Step 3: more relevant points of the scan replace stored ones.
+  /// Step 3: replaces stored points by more relevant points of the scan.
   virtual void replace(ExtendedScan& map, const HeightBand& band, const ScanView& view) = 0;
 };
 
-/// Steps 2 and 3 as printed: every transformation ages every point, and only a nearer (farther)
-/// measurement renews it.
+/// Steps 2 and 3 as in the paper: every transformation ages every point, and only a measurement
+/// that replaces the point resets its age.
 ///
-/// The paper counts transformations, "e.g. 500, about 5 s". At its 75 scans a second 500 take
-/// 6.7 s, so the authors' count was of odometry at 100 Hz. Here each transformation counts with the
-/// time it spans: the same 5 s at every rate. While the robot is stationary nothing is transformed
-/// and nothing ages.
+/// The paper expires points after a number of transformations, "e.g. 500, about 5 s". At its 75
+/// scans per second 500 take 6.7 s, so the authors probably counted odometry at 100 Hz. Here a
+/// transformation counts with the time since the last one, which gives 5 s at any rate. While the
+/// robot is stationary nothing is transformed, so nothing ages.
 class PaperRule final : public UpdateRule {
  public:
   explicit PaperRule(double expiry_s) : expiry_s_(expiry_s) {}

@@ -7,10 +7,11 @@
 namespace nodmap::map_server {
 namespace {
 
-// After a gap in the scans a point has not been looked for during all of the gap.
+// Longest time that one scan can add to a point's age: during a gap in the scans the point was not
+// in view.
 constexpr double kLongestLookS = 0.5;
-// A point counts as inside the robot only at a depth that the odometry error of the last metres
-// cannot explain.
+// A point counts as inside the robot only if it is deeper inside than the odometry error of the
+// last metres can explain.
 constexpr double kSkinM = 0.05;
 
 }  // namespace
@@ -36,7 +37,7 @@ std::size_t VisibilityRule::remove_obsolete(ExtendedScan& map, const HeightBand&
 
 bool VisibilityRule::is_obsolete(EgoPoint& point, const ExtendedScan& map, const HeightBand& band,
                                  const ScanView& view) const {
-  // No obstacle can be inside the body; kept, the point would hide what is behind it.
+  // No obstacle can be inside the body, and such a point would hide the obstacles behind it.
   if (inner_body_.contains(point.p_base)) {
     return true;
   }
@@ -54,7 +55,7 @@ bool VisibilityRule::is_obsolete(EgoPoint& point, const ExtendedScan& map, const
   note_passing_beams(point, view, *crossing);
   point.aged_s += std::min(view.elapsed_s, kLongestLookS);
   if (is_at_its_heights(point, *crossing) && view.line.ends_on_either_side(*crossing)) {
-    point.aged_s = 0.0;  // an edge or a corner between two beams: not decided by them
+    point.aged_s = 0.0;  // an edge or corner between the two beams: they prove nothing
   }
   return is_contradicted(point) || has_expired(point, view);
 }
@@ -65,10 +66,10 @@ bool VisibilityRule::is_measured_again(const ScanView& view,
   return range_m && std::abs(*range_m - crossing.range_m) <= same_surface_m_;
 }
 
-// Safe because a point that the sweeps could not measure is never in view: all heights at which an
-// obstacle was measured must lie between the ends of the sweeps. Before the wheels the laser passes
-// over a low box, and before the scanner under a table top: neither is a sign that they are gone.
-// In the structure map, which steers no wheels, one height will do.
+// Whether the sweeps could measure the point again. This is safe because it requires that ALL
+// heights at which an obstacle was measured lie between the ends of the sweeps. Right in front of
+// the robot the laser looks over a low box and under a table top; neither means that they are gone.
+// In the structure map, which does not control the robot, one height suffices.
 bool VisibilityRule::is_in_view(const EgoPoint& point, Relevance relevance,
                                 const ScanView& view) const {
   if (!view.lowest_plane || !view.highest_plane) {
@@ -85,7 +86,7 @@ bool VisibilityRule::is_in_view(const EgoPoint& point, Relevance relevance,
 /// Whether an interval of heights contains all those at which a point was measured, up to the
 /// tolerance at either end.
 bool VisibilityRule::spans(const EgoPoint& point, double lowest_m, double highest_m) const {
-  // A stationary scanner looks at one height only; a millimetre is for rounding.
+  // A stationary scanner sees a single height; one millimetre absorbs rounding errors.
   constexpr double kRoundingM = 1e-3;
   const double middle = 0.5 * (point.lowest_m + point.highest_m);
   return lowest_m <= std::min(point.lowest_m + params_.height_tolerance_m, middle) + kRoundingM &&
@@ -98,9 +99,9 @@ bool VisibilityRule::is_at_its_heights(const EgoPoint& point,
          crossing.height_m <= point.highest_m + params_.height_tolerance_m;
 }
 
-// Safe because both neighbouring beams must pass: a wall seen at a grazing angle or the corner of a
-// cupboard is no contradiction; and because a beam without a reading (dirt, sun) counts for
-// nothing.
+// Records that beams have passed through the point. This is safe because the beams on both sides
+// must pass, so that a wall at a grazing angle or the corner of a cupboard does not count, and
+// because a beam without a reading (dirt, sun) does not count either.
 void VisibilityRule::note_passing_beams(EgoPoint& point, const ScanView& view,
                                         const ScanLine::Crossing& crossing) const {
   if (!view.line.both_reach_beyond(crossing, crossing.range_m + passing_m_)) {
@@ -115,16 +116,17 @@ void VisibilityRule::note_passing_beams(EgoPoint& point, const ScanView& view,
   }
 }
 
-// Safe because beams must have passed at ALL of its heights since it was last measured: beams under
-// a table top, or just over a box, do not remove it. And because a sweep counts once: the next
-// sweep makes up for a reading that was lost by chance.
+// Whether passing beams prove that the point is gone. This is safe because beams must have passed
+// at ALL of its heights since its last measurement: beams under a table top, or just above a box,
+// do not remove it. And because each sweep counts once: a single lost reading does not remove a
+// point, since the next sweep can measure it again.
 bool VisibilityRule::is_contradicted(const EgoPoint& point) const {
   return point.search.missed_sweeps >= params_.misses_to_remove &&
          spans(point, point.search.lowest_m, point.search.highest_m);
 }
 
 bool VisibilityRule::has_expired(const EgoPoint& point, const ScanView& view) const {
-  // The sweep in which it was measured and the present one are not whole.
+  // Two complete sweeps: the sweep of its last measurement and the present one are incomplete.
   return point.aged_s > params_.expiry_s && view.sweep - point.confirmed_sweep > 2;
 }
 
@@ -137,10 +139,10 @@ void VisibilityRule::confirm(EgoPoint& point, double height_m, const ScanView& v
   point.search = {};
 }
 
-// A nearer reading replaces the point at once, without a second one to confirm it: that is the safe
-// side. The distance stays the extreme of many readings, as in the paper: noise keeps it some two
-// sigma on the safe side. Averaging the readings would not be safe: the lowest beam slides along
-// the top of a box as the robot approaches, and would carry the point away with it.
+// In the obstacle map a single nearer reading replaces the point at once, which is the safe choice.
+// As in the paper, the stored distance is the extreme of many readings, which noise keeps about two
+// sigma on the safe side. Averaging would not be safe: as the robot approaches a box, the lowest
+// beam moves along its top away from the robot, and would take the averaged point along.
 void VisibilityRule::replace(ExtendedScan& map, const HeightBand& band, const ScanView& view) {
   for (const Hit& hit : view.hits) {
     if (!band.contains(hit.point.height_m, hit.point.distance_m)) {
@@ -153,8 +155,7 @@ void VisibilityRule::replace(ExtendedScan& map, const HeightBand& band, const Sc
       const EgoPoint before = stored;
       stored = hit.point;
       stored.confirmed_sweep = view.sweep;
-      if (is_same_surface) {  // another reading of the same object: it keeps the heights it was
-                              // measured at
+      if (is_same_surface) {  // another reading of the same object: keep its measured heights
         stored.lowest_m = std::min(stored.lowest_m, before.lowest_m);
         stored.highest_m = std::max(stored.highest_m, before.highest_m);
       }

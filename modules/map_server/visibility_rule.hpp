@@ -6,19 +6,22 @@
 
 namespace nodmap::map_server {
 
-/// Steps 2 and 3 by visibility: a point is kept for as long as the scanner keeps measuring it,
-/// removed when the scanner sees through its place, and kept when the scanner cannot tell.
+/// Steps 2 and 3 by visibility: keeps a point while the scanner measures it or cannot see it, and
+/// removes it when beams pass through it.
 ///
-/// Every stored point is compared with the scan line that crosses it:
-/// - confirmed: the line of sight ends within max(3 sigma, 5 cm) of it. Its age starts anew.
-/// - contradicted: the beams on both sides of it, at a height at which it was measured, reach more
-///   than 3 sigma + 5 cm beyond. It is removed when that happened in two sweeps, and at all of its
-///   heights, without a confirmation in between; also while the robot is stationary.
-/// - neither, for instance occluded: it ages, by message time, and is removed after `expiry_s`, but
-///   not before the scanner has looked for it in two whole sweeps: at 500 scans a sweep takes
-///   longer than that, and crosses a point once.
-/// - out of view, because the fan does not reach its bearing or the sweeps not its heights: it is
-///   left unchanged. A low box before the wheels is remembered for as long as it is there.
+/// Compares every stored point with the scan line that crosses it. The point is
+/// - confirmed if the measured range ends within max(3 sigma, 5 cm) of it: its age is reset.
+/// - contradicted if the beams on both sides of it, at a height at which it was measured, reach
+/// more
+///   than 3 sigma + 5 cm beyond it. It is removed when this has happened in `misses_to_remove`
+///   sweeps and at all of its heights without a confirmation in between, also while the robot is
+///   stationary.
+/// - undecided otherwise, for instance occluded: it ages, by message time, and is removed after
+///   `expiry_s`, but not before two complete sweeps. (A sweep of 500 scans takes longer than
+///   `expiry_s` and crosses each point once.)
+/// - out of view if its bearing is outside the field of view, or its heights are outside the
+/// sweeps:
+///   it does not change. A low box right in front of the wheels is therefore remembered.
 class VisibilityRule final : public UpdateRule {
  public:
   VisibilityRule(const UpdateParams& params, double range_sigma_m, const robot::Footprint& body);
@@ -45,9 +48,9 @@ class VisibilityRule final : public UpdateRule {
   static void confirm(EgoPoint& point, double height_m, const ScanView& view);
 
   UpdateParams params_;
-  double same_surface_m_;        // readings this near are of the same surface
-  double passing_m_;             // beams that reach this far beyond have passed
-  robot::Footprint inner_body_;  // without the skin that odometry's error may reach into
+  double same_surface_m_;        // readings closer together than this are of the same surface
+  double passing_m_;             // beams that reach this far beyond a point have passed it
+  robot::Footprint inner_body_;  // the body without an outer margin for the odometry error
 };
 
 }  // namespace nodmap::map_server

@@ -158,7 +158,7 @@ struct PlannerParams {
   double ample_clearance_s = 0.15;
   double clearance_weight = 2.5;
   double smoothness_weight = 0.03;
-  double reverse_price = 1.0;
+  double reverse_price = 0.3;
   double rotation_rad_s = geometry::deg_to_rad(60.0);
 
   template <class Visitor>

@@ -13,9 +13,10 @@
 
 namespace nodmap::pitch_controller {
 
-/// ODOMETRY and PITCH_STATE in, PITCH_COMMAND out, with each of either: when one input ends, the
-/// other still triggers commands with a speed bound of 0. When both end, no PITCH_COMMAND goes out,
-/// and the navigator stops the robot by the age of the last one.
+/// Subscribes to ODOMETRY and PITCH_STATE, and publishes PITCH_COMMAND. Either input triggers
+/// commands: when one input stops, the other still triggers commands, with a speed bound of 0. When
+/// both stop, no PITCH_COMMAND is published, and the navigator stops the robot because the last one
+/// is too old.
 class PitchControllerNode final : public node::Node {
  public:
   using Params = PitchControllerParams;

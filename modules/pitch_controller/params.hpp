@@ -8,29 +8,30 @@
 
 namespace nodmap::pitch_controller {
 
-/// `kNodding` as in the paper; `kFixed` holds the laser level: blind to everything above and below.
+/// `kNodding` nods as in the paper; `kFixed` holds the laser level, blind above and below its
+/// plane.
 enum class Mode : std::uint8_t { kNodding, kFixed };
 
-/// What the laser has to find, and how soon the robot reacts to it.
+/// The obstacles that the laser must detect, and how soon the robot reacts to them.
 struct DetectionParams {
   double visible_obstacle_m = 0.05;
   double look_ahead_m = 4.0;
   double scan_period_s = 0.01332;
   double processing_s = 0.05;
 
-  /// Time from the appearance of an obstacle to wheels that slow down. At its ends the head looks
-  /// at a place only once in two sweeps.
+  /// Time from the appearance of an obstacle until the wheels slow down, seconds. At the ends of
+  /// the sweep the laser sees a place only once in two sweeps.
   [[nodiscard]] double reaction_s(double sweep_s) const { return 2.0 * sweep_s + processing_s; }
 
   template <class Visitor>
   void describe(Visitor& v) {
     v.number("visible_obstacle_m", visible_obstacle_m, {0.01, 1.0},
-             "Smallest obstacle that has to be found, by its height above floor_tolerance_m.");
+             "Smallest obstacle that must be detected, by its height above floor_tolerance_m.");
     v.number("look_ahead_m", look_ahead_m, {0.5, 30.0},
-             "Farthest distance ahead of the robot's front at which it has to be found.");
-    v.number("scan_period_s", scan_period_s, {0.002, 0.2}, "From one scan to the next.");
+             "Farthest distance ahead of the robot's front at which it must be detected.");
+    v.number("scan_period_s", scan_period_s, {0.002, 0.2}, "Time between scans.");
     v.number("processing_s", processing_s, {0.0, 1.0},
-             "From a beam that hits an obstacle to wheels that slow down.");
+             "Time from a beam that hits an obstacle until the wheels slow down.");
   }
 };
 
@@ -42,14 +43,14 @@ struct SpeedParams {
   template <class Visitor>
   void describe(Visitor& v) {
     v.number("fast_mps", fast_mps, {0.1, 5.0},
-             "From this speed on the area of interest is the virtual corridor and no more.");
-    v.number("top_mps", top_mps, {0.0, 5.0}, "The speed bound is never above.");
+             "Speed from which on the area of interest is only the virtual corridor.");
+    v.number("top_mps", top_mps, {0.0, 5.0}, "Upper limit of the speed bound.");
     v.number("acceleration_mps2", acceleration_mps2, {0.05, 10.0},
-             "How fast the speed bound rises; slow enough for two sweeps to look ahead.");
+             "How fast the speed bound may rise; slow enough for two sweeps to look ahead.");
   }
 };
 
-/// Gains of the PI controller of the sweep time, relative to its error.
+/// Gains of the PI controller of the sweep duration.
 struct RegulatorParams {
   double p = 0.1;
   double i = 0.6;
@@ -74,13 +75,14 @@ struct PitchControllerParams {
   template <class Visitor>
   void describe(Visitor& v) {
     v.choice("mode", mode, {{"nodding", Mode::kNodding}, {"fixed", Mode::kFixed}},
-             "Nod, or hold the laser level: UNSAFE, sees one plane only, for comparisons.");
+             "Nod, or hold the laser level. Fixed is UNSAFE and for comparisons only: it sees one "
+             "plane.");
     robot.describe(v);
     v.section("detection", detection);
     v.section("speed", speed);
     v.section("regulator", regulator);
     v.number("input_timeout_s", input_timeout_s, {0.03, 0.2},
-             "Driving is inhibited when ODOMETRY or PITCH_STATE is older.");
+             "Driving is inhibited when ODOMETRY or PITCH_STATE is older than this.");
     describe_former_names(v);
   }
 

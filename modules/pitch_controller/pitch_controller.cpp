@@ -11,15 +11,15 @@ constexpr std::int64_t kPeriodUs = 20'000;
 // Beyond what KURT can do (5.2 m/s); keeps the arithmetic finite.
 constexpr double kImpossibleMps = 20.0;
 
-// A sweep that takes this much longer than commanded is no sweep any more.
+// A sweep that takes this much longer than commanded counts as not nodding.
 constexpr double kLateFactor = 2.0;
 constexpr double kLateS = 0.2;
 
-// Plans that differ by less are the same to the regulator.
+// Plans that differ by less count as the same for the regulator.
 constexpr double kSameTime = 0.05;
 constexpr double kSameRad = geometry::deg_to_rad(1.0);
 
-// Fixed mode: held within this, the plane meets neither floor nor ceiling within 10 m.
+// Fixed mode: within this pitch the laser plane meets neither floor nor ceiling within 10 m.
 constexpr double kLevelRad = geometry::deg_to_rad(2.0);
 constexpr double kHoldS = 1.0;
 
@@ -83,13 +83,14 @@ std::optional<PitchDecision> PitchController::decide(std::int64_t now_us) {
 }
 
 void PitchController::plan_for_present_speed(std::int64_t now_us) {
-  // Without odometry the robot may well still roll: the plan stays what it was.
+  // Without odometry the plan stays as it is, because the robot may still be rolling.
   if (speed_ && is_fresh(speed_->time_us, now_us)) {
     const double dt_s =
         decided_us_ ? std::clamp(1e-6 * static_cast<double>(now_us - *decided_us_), 0.0, 1.0) : 1.0;
-    // A robot that backs up is slow, and the laser looks the other way: planned as at standstill.
-    // While it brakes hard, the nod widens only as fast as the brakes are trusted: a wide nod does
-    // not look far enough ahead for the speed the robot may still have.
+    // Driving backwards is planned like standstill: the robot is slow, and the laser looks the
+    // other way. While the robot brakes, the planned speed falls no faster than the assumed
+    // deceleration: a wide nod does not look far enough ahead for the speed that the robot may
+    // still have.
     const double forward_mps = std::clamp(speed_->forward_mps, 0.0, kImpossibleMps);
     planned_mps_ =
         std::max(forward_mps, planned_mps_ - params_.robot.braking.deceleration_mps2 * dt_s);
@@ -109,7 +110,7 @@ void PitchController::count(const MeasuredSweep& sweep) {
 }
 
 void PitchController::regulate(const MeasuredSweep& sweep) {
-  // Had the plan changed during the sweep, its set point would not be known.
+  // If the plan has changed during the sweep, the sweep had no single set point.
   const bool as_planned = sweep.is_complete && plan_held_ &&
                           std::abs(sweep.span.range_rad() - plan_.sweep.range_rad()) < kSameRad;
   if (as_planned) {
@@ -120,7 +121,7 @@ void PitchController::regulate(const MeasuredSweep& sweep) {
 }
 
 bool PitchController::is_fresh(std::int64_t time_us, std::int64_t now_us) const {
-  // A stamp from the future is as little trusted: one of the two clocks is wrong.
+  // A stamp from the future is not trusted either: one of the two clocks is wrong.
   return std::abs(1e-6 * static_cast<double>(now_us - time_us)) <= params_.input_timeout_s;
 }
 
@@ -148,13 +149,13 @@ double PitchController::bound_of_measured_sweeps() const {
   ClearView view =
       clear_view(corridor_, period.span, period.peak_rate_rad_s * detection.scan_period_s,
                  detection.visible_obstacle_m, detection.look_ahead_m);
-  // Where the nod has narrowed since, what was seen will not be seen again.
+  // If the nod has narrowed since, the next sweeps no longer see what the last ones saw.
   view.near_m = std::max(view.near_m, corridor_.covered_from_m(plan_.area));
   return std::min(speed_bound(view, period.duration_s, params_.robot.braking, detection),
                   params_.speed.top_mps);
 }
 
-/// Of a 2D scanner, which is blind to all above and below its plane.
+/// The speed bound of a 2D scanner, which is blind above and below its plane.
 double PitchController::bound_of_level_laser() const {
   const DetectionParams& detection = params_.detection;
   const double reaction_s = detection.scan_period_s + detection.processing_s;

@@ -11,17 +11,17 @@
 
 namespace nodmap::pitch_controller {
 
-/// Why driving is inhibited: the speed bound is 0.
+/// Why driving is inhibited. The speed bound is 0 unless the reason is kNone.
 enum class InhibitReason : std::uint8_t {
   kNone,
-  kNoOdometry,  ///< or it is stale
-  kNoPitch,     ///< or it is stale
+  kNoOdometry,  ///< odometry is missing or stale
+  kNoPitch,     ///< the pitch is missing or stale
   kStalled,
-  kNotNodding,  ///< or not for two complete sweeps yet
+  kNotNodding,  ///< not nodding, or fewer than two complete sweeps so far
   kNotLevel,    ///< fixed mode only
 };
 
-/// How to nod from now on, and how fast the robot may drive meanwhile.
+/// The sweep to command from now on, and the speed at which the robot may drive meanwhile.
 struct PitchDecision {
   std::int64_t time_us = 0;
   PitchInterval sweep;
@@ -30,35 +30,36 @@ struct PitchDecision {
   InhibitReason inhibited = InhibitReason::kNone;
 };
 
-/// Sweeps that were seen from end to end, and those of them that took less than 15 or more than 500
-/// scan periods (paper, IV B).
+/// Number of sweeps measured from end to end, and of those among them that took less than 15 or
+/// more than 500 scan periods (paper, IV B).
 struct SweepCounts {
   std::int64_t complete = 0;
   std::int64_t too_short = 0;
   std::int64_t too_long = 0;
 };
 
-/// Fits the nod to the speed (paper, II), and bounds the speed by the nod:
+/// Adapts the sweeps to the robot's speed (paper, II), and limits the speed to what the sweeps can
+/// detect in time:
 ///
 ///     speed ──> SweepPlanner ──T*──> SweepRegulator ──> command
 ///     pitch ──> SweepMeter ──T──────────^   └──> speed_bound ──> max_forward_mps
 ///
-/// The plan follows the speed, the bound follows what was MEASURED of the sweeps. They cannot lock
-/// each other at a low speed: a sweep planned for a speed always allows a greater one, for its
-/// lines are dense enough for about twice d_min. So the robot speeds up as the nod narrows, and not
-/// before.
+/// The plan depends on the speed, the bound on the sweeps as MEASURED. They cannot hold each other
+/// at a low speed: a sweep planned for a speed always allows a greater one, because its lines are
+/// dense enough for 1.3 times the stopping distance. So the robot accelerates as the nod narrows,
+/// and not earlier.
 ///
 /// Times are the stamps of the messages, microseconds; no clock is read.
 class PitchController {
  public:
   explicit PitchController(const PitchControllerParams& params);
 
-  /// Forward speed by odometry, metres per second, finite.
+  /// Adds a forward speed measured by odometry, metres per second, finite.
   void add_speed(std::int64_t time_us, double forward_mps);
   void add_pitch(const PitchReading& reading);
 
-  /// To be called with the time of each new measurement. Decides every 20 ms, and at each reversal
-  /// of the head.
+  /// To be called with the time of each new measurement. Returns a decision every 20 ms and at each
+  /// reversal of the head.
   [[nodiscard]] std::optional<PitchDecision> decide(std::int64_t now_us);
 
   [[nodiscard]] const SweepPlan& plan() const { return plan_; }
@@ -92,8 +93,8 @@ class PitchController {
   double planned_mps_ = 0.0;
   SweepPlan plan_;
   double commanded_s_ = 0.0;
-  SweepPlan plan_at_reversal_;  // of the present sweep,
-  bool plan_held_ = false;      // and whether it has not changed since
+  SweepPlan plan_at_reversal_;  // the plan at the start of the present sweep
+  bool plan_held_ = false;      // the plan has not changed since then
   bool has_reversed_ = false;   // since the last decision
 };
 

@@ -6,7 +6,7 @@
 namespace nodmap::pitch_controller {
 namespace {
 
-// What the wheels need to follow, for they lag behind.
+// Allows for the lag of the wheels behind the command.
 constexpr double kHeadroomMps = 0.2;
 
 }  // namespace

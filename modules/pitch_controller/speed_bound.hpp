@@ -6,25 +6,26 @@
 
 namespace nodmap::pitch_controller {
 
-/// The speed up to which the robot stops in time before whatever the sweeps find, metres per
-/// second, >= 0. `sweep_s` is the duration of the longest of them.
+/// The greatest speed at which the robot can stop in time before any obstacle that the sweeps
+/// detect, metres per second, >= 0. `sweep_s` is the duration of the longest sweep.
 ///
 /// In the worst case an obstacle appears at the far end of the clear view just after the laser has
-/// passed there. It is hit one period, two sweeps, later, if by then the robot has not carried its
-/// view past it; the distance that is left then must suffice for reaction and braking.
+/// passed. The laser hits it one period (two sweeps) later, unless the robot has moved so far that
+/// the obstacle is no longer in the clear view. The remaining distance must suffice to react and
+/// brake.
 [[nodiscard]] double speed_bound(const ClearView& view, double sweep_s,
                                  const robot::Braking& braking, const DetectionParams& detection);
 
-/// Lets the bound that driving is told fall at once, but rise slowly. What appeared while the robot
-/// was slower did so at the end of a shorter stopping distance, and may not have been looked at
-/// since: accelerating no faster than this over a period of the nod, the robot can still stop
-/// before it, with the full force of the brakes.
+/// Limits how fast the speed bound rises; it may fall at once. An obstacle that appeared while the
+/// robot was slower may be at the end of a shorter stopping distance, and the laser may not have
+/// seen it yet. If the robot accelerates no faster than this during a period of the nod, it can
+/// still stop before the obstacle with full braking.
 class RisingBound {
  public:
   explicit RisingBound(double acceleration_mps2) : acceleration_mps2_(acceleration_mps2) {}
 
-  /// The bound to be told now: `bound_mps`, if it has not risen too fast since `dt_s` ago, and no
-  /// more than 0.2 m/s above the present speed.
+  /// Returns `bound_mps`, limited to a rise of `acceleration_mps2` since the last call, `dt_s` ago,
+  /// and to 0.2 m/s above the present speed.
   double limit(double bound_mps, double present_mps, double dt_s);
 
  private:

@@ -11,8 +11,8 @@ namespace {
 // missed.
 constexpr std::int64_t kGapUs = 60'000;
 
-// A servo that is off by more than this is broken, not mistuned; and one odd sweep is no reason for
-// a jump.
+// A servo that deviates by more than this is broken, not mistuned. The limit also prevents a jump
+// after a single unusual sweep.
 constexpr double kMostTrim = 0.5;
 constexpr double kMostError = 0.5;
 
@@ -69,7 +69,7 @@ void SweepMeter::extend(const PitchReading& reading) {
 
 void SweepRegulator::add(double wanted_s, double measured_s) {
   error_ = std::clamp((wanted_s - measured_s) / wanted_s, -kMostError, kMostError);
-  // Anti-windup: at the limit of the servo the integral does not grow towards what it cannot do.
+  // Anti-windup: at the limit of the servo the integral does not grow beyond the limit.
   const bool beyond =
       (limit_ == Limit::kFastest && error_ < 0.0) || (limit_ == Limit::kSlowest && error_ > 0.0);
   if (!beyond) {

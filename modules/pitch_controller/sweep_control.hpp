@@ -10,36 +10,36 @@ namespace nodmap::pitch_controller {
 
 using robot::PitchInterval;
 
-/// What PITCH_STATE tells of the head.
+/// The state of the head, as in PITCH_STATE.
 struct PitchReading {
   std::int64_t time_us = 0;
   double pitch_rad = 0.0;
   double rate_rad_s = 0.0;
-  std::int64_t sweep = 0;  ///< counts the reversals at the ends
+  std::int64_t sweep = 0;  ///< number of the sweep; increases at each reversal
   bool is_stalled = false;
 };
 
-/// One monotone movement from end to end, or what has been seen of it.
+/// A sweep, or the measured part of it.
 struct MeasuredSweep {
   double duration_s = 0.0;
   PitchInterval span;
   double peak_rate_rad_s = 0.0;  ///< >= 0
-  bool is_complete = false;      ///< both its ends were seen as they happened
+  bool is_complete = false;      ///< both ends were measured
 };
 
-/// Measures the sweeps as they are, not as they were commanded.
+/// Measures the duration, pitches and rate of the actual sweeps, as opposed to the commanded ones.
 class SweepMeter {
  public:
-  /// The sweep that ended with this reading, if one did. When time or count steps back, the driver
-  /// has started anew, and so does the measurement.
+  /// Adds a reading and returns the sweep that it ends, if any. If time or sweep number steps back,
+  /// the driver has restarted, and the measurement starts again.
   std::optional<MeasuredSweep> add(const PitchReading& reading);
 
-  /// The last period of the nod: the pitches that the last two sweeps covered together, with the
-  /// longest duration and the highest rate of these and of the present one. Empty before two
+  /// The last period of the nod: the pitches that the last two sweeps covered together, and the
+  /// longest duration and highest rate of the last two and the present sweep. Empty before two
   /// complete sweeps.
   [[nodiscard]] std::optional<MeasuredSweep> period() const;
 
-  /// How long the present sweep has lasted, seconds.
+  /// Duration of the present sweep so far, seconds.
   [[nodiscard]] double present_sweep_s() const { return present_.duration_s; }
 
  private:
@@ -53,9 +53,9 @@ class SweepMeter {
   std::optional<MeasuredSweep> before_last_;
 };
 
-/// Proportional-integral control of the sweep time (paper, II). The set point itself is fed
-/// forward; what is regulated is a factor on it, so that what is learnt of the servo holds at every
-/// speed.
+/// Proportional-integral control of the sweep duration (paper, II). The set point is fed forward,
+/// and the controller adjusts a factor on it, so that what it learns about the servo applies at
+/// every speed.
 ///
 /// A sweep follows its command with a gain g and a delay of one sweep. With e the relative error,
 /// z^2 - (1 - g (p + i)) z - g p = 0; for p = 0.1, i = 0.6 and any g from 0.5 to 1.5 both roots
@@ -64,19 +64,19 @@ class SweepRegulator {
  public:
   explicit SweepRegulator(const RegulatorParams& gains) : gains_(gains) {}
 
-  /// A sweep has ended whose set point was `wanted_s` (> 0) all along, and that took `measured_s`.
+  /// Adds a complete sweep that took `measured_s`; its set point was `wanted_s` (> 0) throughout.
   void add(double wanted_s, double measured_s);
 
-  /// The sweep time to be commanded for `wanted_s` to come out, within the limits.
+  /// The duration to command so that sweeps take `wanted_s`, within the limits.
   [[nodiscard]] double command_s(double wanted_s, double fastest_s, double slowest_s);
 
  private:
   enum class Limit { kNone, kFastest, kSlowest };
 
   RegulatorParams gains_;
-  double error_ = 0.0;  // of the last sweep, relative; negative: it was too slow
+  double error_ = 0.0;  // relative error of the last sweep; negative: it was too slow
   double integral_ = 0.0;
-  Limit limit_ = Limit::kNone;  // met by the last command
+  Limit limit_ = Limit::kNone;  // the limit that the last command reached
 };
 
 }  // namespace nodmap::pitch_controller

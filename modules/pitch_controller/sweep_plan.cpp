@@ -7,17 +7,17 @@
 namespace nodmap::pitch_controller {
 namespace {
 
-// At d_min, where the obstacle is hit for the last time.
+// Number of lines on the smallest obstacle at d_min, where it is hit for the last time.
 constexpr int kLinesOnObstacle = 2;
-// One line at the end of the stopping distance, and this much beyond: the bound of a sweep has to
-// be above the speed it is planned for, or the robot would never get faster.
+// One line hits the smallest obstacle out to this many stopping distances. The speed bound of a
+// sweep is then above the speed that it is planned for; otherwise the robot could never accelerate.
 constexpr double kReserve = 1.3;
 
 // The finest step of the scanner (paper, II).
 constexpr double kFinestSpacingRad = geometry::deg_to_rad(0.25);
 
-// The step from sweep time to d_min and back contracts to a third or better over the speeds of the
-// robot; this often it is exact to a microsecond.
+// Each iteration reduces the error of the sweep duration to a third or less at all speeds of the
+// robot; this many iterations are exact to a microsecond.
 constexpr int kIterations = 16;
 
 }  // namespace
@@ -35,8 +35,7 @@ SweepPlanner::SweepPlanner(const robot::RobotParams& robot, const DetectionParam
       corridor_(VirtualCorridor::of(robot)) {}
 
 SweepPlan SweepPlanner::plan(double forward_mps) const {
-  // The stopping distance depends on the sweep time, which depends on the stopping distance: a
-  // fixed point.
+  // Fixed-point iteration: stopping distance and sweep duration depend on each other.
   SweepPlan plan;
   for (int i = 0; i < kIterations; ++i) {
     const double reaction_s = detection_.reaction_s(plan.sweep_s);

@@ -10,37 +10,37 @@ namespace nodmap::pitch_controller {
 inline constexpr double kFewestScans = 15.0;
 inline constexpr double kMostScans = 500.0;
 
-/// The sweep that suits a speed.
+/// The planned sweep for a speed.
 struct SweepPlan {
-  double d_min_m = 0.0;  ///< ahead of the front: the corridor is covered from here on
-  PitchInterval area;    ///< of interest
-  PitchInterval sweep;   ///< the area and one line beyond at both ends, as the mechanics allow
-  double line_spacing_rad = 0.0;  ///< from one scan to the next, at most
+  double d_min_m = 0.0;  ///< distance ahead of the front from which on the corridor is covered
+  PitchInterval area;    ///< area of interest
+  PitchInterval sweep;   ///< the area and one line more at both ends, within the mechanical range
+  double line_spacing_rad = 0.0;  ///< largest permitted angle between neighbouring scans
   double sweep_s = 0.0;           ///< T*: the shortest duration of `sweep`
 
-  double fastest_s = 0.0;  ///< duration of `sweep` at the head's fastest,
-  double slowest_s = 0.0;  ///< and at 0.25 degrees a scan, or 500 scans
+  double fastest_s = 0.0;  ///< duration of `sweep` at the head's highest rate
+  double slowest_s = 0.0;  ///< duration of `sweep` at 0.25 degrees per scan, at most 500 scans
 };
 
-/// The angle between scans that puts `lines` of them on an upright obstacle of this height:
-/// neighbouring lines lie dp (d^2 + h^2) / d apart at distance d from the axis, which is h above
-/// the floor.
+/// The angle dp between scans at which `lines` scan lines hit an upright obstacle of height
+/// `obstacle_m` at distance `distance_m` from the pitch axis: at distance d neighbouring lines are
+/// dp (d^2 + h^2) / d apart, where h is the height of the axis above the floor.
 [[nodiscard]] double spacing_for(double obstacle_m, int lines, double distance_m,
                                  double axis_height_m);
 
-/// Plans sweeps by the stopping distance: at its end an obstacle must be hit by at least one line.
-/// One that appears there just after the laser has passed is hit a period, 2 T, later, when the
-/// robot is nearer by that much: from there on,
+/// Plans sweeps from the stopping distance, at whose end at least one line must hit an obstacle. If
+/// an obstacle appears there just after the laser has passed, the laser hits it one period (2 T)
+/// later, when the robot is nearer by 2 v T. Therefore the sweep covers the corridor from bottom to
+/// top from
 ///
-///     d_min = v T_processing + v^2 / 2a + margin,
+///     d_min = v T_processing + v^2 / 2a + margin
 ///
-/// the corridor is looked at from bottom to top, with two lines on the smallest obstacle. The sweep
-/// takes as short as head and line spacing allow.
+/// on, with two lines on the smallest obstacle. It is as short as head and line spacing allow.
 class SweepPlanner {
  public:
   SweepPlanner(const robot::RobotParams& robot, const DetectionParams& detection, double fast_mps);
 
-  /// For a forward speed in metres per second, >= 0.
+  /// Plans the sweep for a forward speed, metres per second, >= 0.
   [[nodiscard]] SweepPlan plan(double forward_mps) const;
 
  private:

@@ -8,13 +8,13 @@
 namespace nodmap::pitch_controller {
 namespace {
 
-// Where the front is at the axis or behind it: near enough to be covered by any steep pitch, and no
-// division by zero.
+// Smallest distance, used where the front is at the axis or behind it: any steep pitch covers it,
+// and there is no division by zero.
 constexpr double kNearestM = 0.05;
 constexpr double kSteepestRad = geometry::deg_to_rad(89.9);
 
-/// The distance from which on a line `angle_rad` off the horizontal is at least `height_m` off the
-/// axis.
+/// The distance from which on a line at `angle_rad` to the horizontal is at least `height_m` above
+/// or below the axis.
 double reaches_from_m(double height_m, double angle_rad) {
   if (height_m <= 0.0) {
     return angle_rad >= 0.0 ? 0.0 : std::numeric_limits<double>::infinity();
@@ -59,9 +59,9 @@ PitchInterval area_of_interest(double forward_mps, double fast_mps,
 
 ClearView clear_view(const VirtualCorridor& corridor, const PitchInterval& seen,
                      double line_spacing_rad, double obstacle_m, double look_ahead_m) {
-  // Neighbouring lines are dp (d^2 + h^2) / d apart on an upright surface at distance d: as much as
-  // the obstacle is high at
-  //   d = (o -+ sqrt(o^2 - 4 dp^2 h^2)) / 2 dp, and less between.
+  // On an upright surface at distance d neighbouring lines are dp (d^2 + h^2) / d apart. This
+  // equals the height o of the obstacle at
+  //   d = (o -+ sqrt(o^2 - 4 dp^2 h^2)) / 2 dp, and is less in between.
   const double spacing_at_axis_height_m = 2.0 * line_spacing_rad * corridor.axis_height_m;
   const double root_sq =
       obstacle_m * obstacle_m - spacing_at_axis_height_m * spacing_at_axis_height_m;

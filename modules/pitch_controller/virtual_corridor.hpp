@@ -7,20 +7,20 @@ namespace nodmap::pitch_controller {
 
 using robot::PitchInterval;
 
-/// The space the robot is about to drive through (paper, II and Fig. 2), from the side, with the
-/// pitch axis of the laser in it. One scan is the plane through that axis (Eq. 1), so the height at
-/// which it cuts the corridor depends on the distance ahead alone, not on the width.
+/// The virtual corridor (paper, II and Fig. 2) seen from the side, with the pitch axis of the
+/// laser. One scan is a plane through this axis (Eq. 1), so the height at which it crosses the
+/// corridor depends on the distance ahead only, not on the width.
 ///
 /// Distances are measured from the robot's FRONT, heights from the floor, metres.
 struct VirtualCorridor {
-  double bottom_m = 0.0;       ///< what is lower can be driven over
-  double top_m = 0.0;          ///< what is higher can be driven under
-  double axis_height_m = 0.0;  ///< of the pitch axis
+  double bottom_m = 0.0;       ///< the robot can drive over lower obstacles
+  double top_m = 0.0;          ///< the robot can drive under higher obstacles
+  double axis_height_m = 0.0;  ///< height of the pitch axis
   double axis_behind_front_m = 0.0;
 
   [[nodiscard]] static VirtualCorridor of(const robot::RobotParams& robot);
 
-  /// Distance from the pitch axis of a place ahead of the front; never less than 5 cm.
+  /// Converts a distance from the front to a distance from the pitch axis; at least 5 cm.
   [[nodiscard]] double from_axis_m(double distance_m) const;
 
   /// The pitches that cover the corridor from bottom to top at this distance and beyond:
@@ -30,30 +30,31 @@ struct VirtualCorridor {
   /// with z the distance from the axis.
   [[nodiscard]] PitchInterval area_from(double distance_m) const;
 
-  /// The inverse, d_min: the distance from which on these pitches cover the corridor. Infinite
-  /// where they never do.
+  /// The inverse, d_min: the distance from which on these pitches cover the corridor; infinite if
+  /// they never do.
   [[nodiscard]] double covered_from_m(const PitchInterval& area) const;
 };
 
-/// The area of interest at a speed (paper, II): all the mechanics allow at standstill, exactly
-/// `corridor_area` from `fast_mps` on. In between the surplus falls with the square of the missing
-/// speed: each degree outside the corridor takes sweep time that the corridor needs more.
+/// The area of interest for a speed (paper, II): the whole mechanical range at standstill, exactly
+/// `corridor_area` from `fast_mps` on. In between the surplus shrinks with (1 - v / fast_mps)^2,
+/// because each degree outside the corridor costs sweep time that the corridor needs more.
 ///
-/// Never wider at a greater speed, as long as `corridor_area` is not.
+/// Never wider at a greater speed, provided that `corridor_area` is not.
 [[nodiscard]] PitchInterval area_of_interest(double forward_mps, double fast_mps,
                                              const PitchInterval& corridor_area,
                                              const PitchInterval& mechanics);
 
 /// The part of the corridor in which every sweep hits even the smallest obstacle, metres ahead of
-/// the front. Empty when far_m <= near_m.
+/// the front. Empty if far_m <= near_m.
 struct ClearView {
   double near_m = 0.0;
   double far_m = 0.0;
 };
 
-/// The clear view of sweeps over the pitches `seen` with this angle between neighbouring scans.
-/// Nearer, the pitches no longer reach bottom or top of the corridor; farther, neighbouring scans
-/// lie more than `obstacle_m` apart, or `look_ahead_m` ends it.
+/// The clear view of sweeps over the pitches `seen` with `line_spacing_rad` between neighbouring
+/// scans. Nearer than near_m the pitches do not reach bottom or top of the corridor. Farther than
+/// far_m neighbouring scans are more than `obstacle_m` apart, or the distance exceeds
+/// `look_ahead_m`.
 [[nodiscard]] ClearView clear_view(const VirtualCorridor& corridor, const PitchInterval& seen,
                                    double line_spacing_rad, double obstacle_m, double look_ahead_m);
 

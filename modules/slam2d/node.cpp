@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <utility>
 #include <vector>
 
 #include "common/formats/tum.hpp"
@@ -42,7 +43,8 @@ bool has_moved(const geometry::SE2& from, const geometry::SE2& to, double cell_s
          0.5 * cell_size_m;
 }
 
-void write_tile(const OccupancyGrid& grid, const GridTile& tile, nodmap::grid_chunk_t& message) {
+nodmap::grid_chunk_t write_tile(const OccupancyGrid& grid, GridTile tile) {
+  nodmap::grid_chunk_t message{};
   message.cell_size_m = grid.cell_size_m();
   message.origin_x_m = grid.origin().x();
   message.origin_y_m = grid.origin().y();
@@ -50,10 +52,11 @@ void write_tile(const OccupancyGrid& grid, const GridTile& tile, nodmap::grid_ch
   message.grid_height = grid.height();
   message.tile_x = tile.x;
   message.tile_y = tile.y;
-  message.tile_width = tile.width;
-  message.tile_height = tile.height;
+  message.tile_width = OccupancyGrid::kTileCells;
+  message.tile_height = OccupancyGrid::kTileCells;
   message.num_cells = static_cast<std::int32_t>(tile.cells.size());
-  message.cells = tile.cells;
+  message.cells = std::move(tile.cells);
+  return message;
 }
 
 }  // namespace
@@ -65,20 +68,6 @@ nodmap::pose_t write_pose(const PoseUpdate& update) {
   message.inlier_rms_m = update.rms_m;
   message.state = pose_state(update.quality);
   return message;
-}
-
-void publish_grid(const OccupancyGrid& grid, std::int64_t utime_us, std::int64_t revision,
-                  bus::Bus& bus) {
-  const std::vector<GridTile> tiles = cut_into_tiles(grid);
-  nodmap::grid_chunk_t message{};
-  message.utime = utime_us;
-  message.map_revision = revision;
-  message.num_chunks = static_cast<std::int32_t>(tiles.size());
-  for (const GridTile& tile : tiles) {
-    write_tile(grid, tile, message);
-    bus.publish("MAP_2D", message);
-    ++message.chunk_index;
-  }
 }
 
 Slam2dNode::Slam2dNode(node::Context& context, const Params& params)
@@ -128,7 +117,7 @@ void Slam2dNode::on_scan(const nodmap::scan_t& message) {
   if (!last_map_utime_us_ ||
       std::abs(static_cast<double>(update->utime_us - *last_map_utime_us_)) >=
           1e6 * params_.grid.publish_period_s) {
-    publish_map(update->utime_us);
+    publish_map(update->utime_us, tile_selector_.choose(grid_));
   }
 }
 
@@ -158,7 +147,7 @@ void Slam2dNode::on_save_request(const nodmap::save_request_t& message) {
 void Slam2dNode::finish() {
   slam_.polish();
   redraw_moved_keyframes(drawn_at_.size(), drawn_at_.size());
-  publish_map(last_utime_us_);
+  publish_map(last_utime_us_, tile_selector_.choose_rest(grid_));
   const BackEndMetrics& loops = slam_.back_end().metrics();
   log::get().info(
       "{} loops closed between {} submaps: {} by a match, {} by {} searches; refused: {} fitted "
@@ -173,7 +162,6 @@ void Slam2dNode::draw_new_keyframes() {
     const Keyframe& keyframe = slam_.keyframes()[drawn_at_.size()];
     draw(keyframe, keyframe.T_map_base, grid_);
     drawn_at_.push_back(keyframe.T_map_base);
-    grid_changed_ = true;
   }
 }
 
@@ -189,18 +177,24 @@ void Slam2dNode::redraw_moved_keyframes(std::size_t max_checked, std::size_t max
     erase(keyframe, drawn_at, grid_);
     draw(keyframe, keyframe.T_map_base, grid_);
     drawn_at = keyframe.T_map_base;
-    grid_changed_ = true;
     ++drawn;
   }
 }
 
-void Slam2dNode::publish_map(std::int64_t utime_us) {
-  if (!grid_changed_) {
+void Slam2dNode::publish_map(std::int64_t utime_us, std::vector<GridTile> tiles) {
+  if (tiles.empty()) {
     return;
   }
-  publish_grid(grid_, utime_us, maps_published_, context_.bus);
+  std::int32_t index = 0;
+  for (GridTile& tile : tiles) {
+    nodmap::grid_chunk_t message = write_tile(grid_, std::move(tile));
+    message.utime = utime_us;
+    message.map_revision = maps_published_;
+    message.chunk_index = index++;
+    message.num_chunks = static_cast<std::int32_t>(tiles.size());
+    context_.bus.publish("MAP_2D", message);
+  }
   ++maps_published_;
-  grid_changed_ = false;
   last_map_utime_us_ = utime_us;
 }
 

@@ -19,10 +19,6 @@ namespace nodmap::slam2d {
 
 [[nodiscard]] nodmap::pose_t write_pose(const PoseUpdate& update);
 
-/// Publishes a grid as MAP_2D; `utime_us`: of the newest measurement in it.
-void publish_grid(const OccupancyGrid& grid, std::int64_t utime_us, std::int64_t revision,
-                  bus::Bus& bus);
-
 /// The shell of Slam2d: subscribes SCAN and ODOMETRY, publishes POSE_2D and MAP_2D, and saves the
 /// map at SAVE_REQUEST.
 class Slam2dNode : public node::Node {
@@ -45,17 +41,18 @@ class Slam2dNode : public node::Node {
   /// Draws keyframes again that the back end has moved: looks at `max_checked` of them, and draws
   /// `max_drawn` at most.
   void redraw_moved_keyframes(std::size_t max_checked, std::size_t max_drawn);
-  void publish_map(std::int64_t utime_us);
+  /// `utime_us`: of the newest measurement in the map.
+  void publish_map(std::int64_t utime_us, std::vector<GridTile> tiles);
 
   node::Context& context_;
   Params params_;
   node::SensorInput input_;
   Slam2d slam_;
   OccupancyGrid grid_;
+  TileSelector tile_selector_;
   scan::Scan scan_;                      // the last one; a member to reuse its memory
   std::vector<geometry::SE2> drawn_at_;  // T_map_base of each keyframe in the grid
   std::size_t next_redrawn_ = 0;
-  bool grid_changed_ = false;  // since it was published
   std::int64_t maps_published_ = 0;
   std::optional<std::int64_t> last_map_utime_us_;
   std::int64_t last_utime_us_ = 0;

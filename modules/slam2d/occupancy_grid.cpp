@@ -5,11 +5,11 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <utility>
 
 namespace nodmap::slam2d {
 namespace {
 
-constexpr int kMarginCells = 100;               // added on top of what is needed now
 constexpr std::int64_t kMaxCells = 64'000'000;  // 400 m x 400 m at 5 cm
 constexpr double kMaxCoordinateCells = 1'000'000'000.0;
 
@@ -35,42 +35,50 @@ struct Axis {
   }
 };
 
-constexpr int kTileCells = 240;
+// Tiles that go out with each choice, if no more have changed: a small map is whole soon.
+constexpr std::size_t kMinChosenTiles = 4;
 
-GridTile cut_tile(const OccupancyGrid& grid, int x, int y) {
-  GridTile tile;
-  tile.x = x;
-  tile.y = y;
-  tile.width = std::min(kTileCells, grid.width() - x);
-  tile.height = std::min(kTileCells, grid.height() - y);
-  tile.cells.reserve(static_cast<std::size_t>(tile.width) * static_cast<std::size_t>(tile.height));
-  for (int row = y; row < y + tile.height; ++row) {
-    for (int column = x; column < x + tile.width; ++column) {
-      tile.cells.push_back(grid.occupancy(column, row));
-    }
-  }
-  return tile;
+constexpr int kTileCells = OccupancyGrid::kTileCells;
+constexpr std::size_t kCellsPerTile = std::size_t{kTileCells} * kTileCells;
+constexpr std::uint32_t kOneLess = std::numeric_limits<std::uint32_t>::max();  // modulo 2^32
+
+Eigen::Vector2i tile_of(const Eigen::Vector2i& cell) {
+  const auto floor_divided = [](int index) {
+    return index >= 0 ? index / kTileCells : -1 - (-1 - index) / kTileCells;
+  };
+  return {floor_divided(cell.x()), floor_divided(cell.y())};
+}
+
+/// Whether a map that tells free from occupied from unknown looks the same.
+bool looks_alike(const std::vector<std::int8_t>& a, const std::vector<std::int8_t>& b) {
+  const auto is_alike = [](std::int8_t left, std::int8_t right) {
+    return left == right || (left != OccupancyGrid::kUnknown && right != OccupancyGrid::kUnknown &&
+                             OccupancyGrid::is_occupied(left) == OccupancyGrid::is_occupied(right));
+  };
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), is_alike);
 }
 
 }  // namespace
 
-OccupancyGrid::Cell& OccupancyGrid::at(const Eigen::Vector2i& cell) {
-  const Eigen::Vector2i offset = cell - first_cell_;
-  return cells_[static_cast<std::size_t>(offset.y()) * static_cast<std::size_t>(width_) +
-                static_cast<std::size_t>(offset.x())];
-}
-
 bool OccupancyGrid::add_ray(const Eigen::Vector2d& sensor_origin, const Eigen::Vector2d& end) {
-  return count_ray(sensor_origin, end, 1);
+  return count_ray(sensor_origin, end, 1, 1);
 }
 
 void OccupancyGrid::remove_ray(const Eigen::Vector2d& sensor_origin, const Eigen::Vector2d& end) {
-  // One less, modulo 2^32.
-  count_ray(sensor_origin, end, std::numeric_limits<std::uint32_t>::max());
+  count_ray(sensor_origin, end, kOneLess, kOneLess);
+}
+
+bool OccupancyGrid::add_free_ray(const Eigen::Vector2d& sensor_origin, const Eigen::Vector2d& end) {
+  return count_ray(sensor_origin, end, 1, 0);
+}
+
+void OccupancyGrid::remove_free_ray(const Eigen::Vector2d& sensor_origin,
+                                    const Eigen::Vector2d& end) {
+  count_ray(sensor_origin, end, kOneLess, 0);
 }
 
 bool OccupancyGrid::count_ray(const Eigen::Vector2d& sensor_origin, const Eigen::Vector2d& end,
-                              std::uint32_t change) {
+                              std::uint32_t passed, std::uint32_t ended) {
   const Eigen::Vector2d from = sensor_origin / cell_size_m_;
   const Eigen::Vector2d to = end / cell_size_m_;
   if (!is_drawable(from) || !is_drawable(to)) {
@@ -83,67 +91,147 @@ bool OccupancyGrid::count_ray(const Eigen::Vector2d& sensor_origin, const Eigen:
   }
   Axis x(from.x(), to.x());
   Axis y(from.y(), to.y());
+  Tile* tile = &enter_tile(cell);
+  // In the tile; outside of it one is negative or too large, as an unsigned number always too
+  // large.
+  Eigen::Vector2i at = cell - kTileCells * tile->position;
   // One step for each grid line crossed, so that rounding cannot lead past the end.
   for (int steps = (last - cell).cwiseAbs().sum(); steps > 0; --steps) {
-    at(cell).passed += change;
+    tile->cells[static_cast<std::size_t>(at.y() * kTileCells + at.x())].passed += passed;
     const bool along_x = cell.y() == last.y() || (cell.x() != last.x() && x.next < y.next);
     Axis& axis = along_x ? x : y;
     (along_x ? cell.x() : cell.y()) += axis.direction;
+    (along_x ? at.x() : at.y()) += axis.direction;
     axis.next += axis.step;
+    if (static_cast<unsigned>(along_x ? at.x() : at.y()) >= unsigned{kTileCells}) {
+      tile = &enter_tile(cell);
+      at = cell - kTileCells * tile->position;
+    }
   }
-  at(last).ended += change;
+  tile->cells[static_cast<std::size_t>(at.y() * kTileCells + at.x())].ended += ended;
   return true;
+}
+
+std::int32_t& OccupancyGrid::tile_at(const Eigen::Vector2i& position) {
+  const Eigen::Vector2i offset = position - first_tile_;
+  return tile_numbers_[static_cast<std::size_t>(offset.y()) *
+                           static_cast<std::size_t>(size_tiles_.x()) +
+                       static_cast<std::size_t>(offset.x())];
+}
+
+OccupancyGrid::Tile& OccupancyGrid::enter_tile(const Eigen::Vector2i& cell) {
+  const Eigen::Vector2i position = tile_of(cell);
+  std::int32_t& number = tile_at(position);
+  if (number == kNoTile) {
+    number = static_cast<std::int32_t>(tiles_.size());
+    tiles_.push_back({.position = position, .cells = std::vector<Cell>(kCellsPerTile)});
+  }
+  Tile& tile = tiles_[static_cast<std::size_t>(number)];
+  ++tile.num_changes;
+  return tile;
 }
 
 bool OccupancyGrid::make_room(const Eigen::Vector2i& low, const Eigen::Vector2i& high) {
-  const Eigen::Vector2i end(first_cell_.x() + width_, first_cell_.y() + height_);
-  const bool is_empty = cells_.empty();
-  if (!is_empty && (low.array() >= first_cell_.array()).all() &&
-      (high.array() < end.array()).all()) {
+  const bool is_empty = tiles_.empty();
+  const Eigen::Vector2i low_tile = tile_of(low);
+  const Eigen::Vector2i end_tile = tile_of(high) + Eigen::Vector2i::Ones();
+  const Eigen::Vector2i end = first_tile_ + size_tiles_;
+  if (!is_empty && (low_tile.array() >= first_tile_.array()).all() &&
+      (end_tile.array() <= end.array()).all()) {
     return true;
   }
-  const Eigen::Vector2i margin = Eigen::Vector2i::Constant(kMarginCells);
-  const Eigen::Vector2i new_low =
-      is_empty
-          ? Eigen::Vector2i(low - margin)
-          : Eigen::Vector2i((low.array() < first_cell_.array()).select(low - margin, first_cell_));
-  const Eigen::Vector2i new_end =
-      is_empty ? Eigen::Vector2i(high + margin)
-               : Eigen::Vector2i((high.array() >= end.array()).select(high + margin, end));
-  const Eigen::Vector2i size = new_end - new_low;
-  if (static_cast<std::int64_t>(size.x()) * size.y() > kMaxCells) {
+  const Eigen::Vector2i new_first = is_empty ? low_tile : low_tile.cwiseMin(first_tile_);
+  const Eigen::Vector2i new_end = is_empty ? end_tile : end_tile.cwiseMax(end);
+  const Eigen::Vector2i size = new_end - new_first;
+  if (static_cast<std::int64_t>(size.x()) * size.y() >
+      kMaxCells / static_cast<std::int64_t>(kCellsPerTile)) {
     return false;
   }
-  std::vector<Cell> grown(static_cast<std::size_t>(size.x()) * static_cast<std::size_t>(size.y()));
-  const Eigen::Vector2i shift = first_cell_ - new_low;
-  for (std::ptrdiff_t row = 0; row < height_; ++row) {
-    std::copy_n(cells_.begin() + row * width_, width_,
-                grown.begin() + (row + shift.y()) * size.x() + shift.x());
+  first_tile_ = new_first;
+  size_tiles_ = size;
+  tile_numbers_.assign(static_cast<std::size_t>(size.x()) * static_cast<std::size_t>(size.y()),
+                       kNoTile);
+  for (std::size_t number = 0; number < tiles_.size(); ++number) {
+    tile_at(tiles_[number].position) = static_cast<std::int32_t>(number);
   }
-  cells_ = std::move(grown);
-  first_cell_ = new_low;
-  width_ = size.x();
-  height_ = size.y();
   return true;
 }
 
-std::int8_t OccupancyGrid::occupancy(int x, int y) const {
-  const Cell& cell = cells_[static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) +
-                            static_cast<std::size_t>(x)];
+std::int8_t OccupancyGrid::occupancy(const Cell& cell) {
   const std::uint64_t rays = std::uint64_t{cell.ended} + cell.passed;
   return rays == 0
              ? kUnknown
              : static_cast<std::int8_t>((std::uint64_t{200} * cell.ended + rays) / (2 * rays));
 }
 
-std::vector<GridTile> cut_into_tiles(const OccupancyGrid& grid) {
-  std::vector<GridTile> tiles;
-  for (int y = 0; y < grid.height(); y += kTileCells) {
-    for (int x = 0; x < grid.width(); x += kTileCells) {
-      tiles.push_back(cut_tile(grid, x, y));
+std::int8_t OccupancyGrid::occupancy(int x, int y) const {
+  const std::int32_t number = tile_numbers_[static_cast<std::size_t>(y / kTileCells) *
+                                                static_cast<std::size_t>(size_tiles_.x()) +
+                                            static_cast<std::size_t>(x / kTileCells)];
+  return number == kNoTile
+             ? kUnknown
+             : occupancy(tiles_[static_cast<std::size_t>(number)].cells[static_cast<std::size_t>(
+                   (y % kTileCells) * kTileCells + x % kTileCells)]);
+}
+
+GridTile OccupancyGrid::cut_tile(std::size_t number) const {
+  const Tile& tile = tiles_[number];
+  const Eigen::Vector2i first = kTileCells * (tile.position - first_tile_);
+  GridTile cut{.number = number, .x = first.x(), .y = first.y(), .cells = {}};
+  cut.cells.reserve(kCellsPerTile);
+  for (const Cell& cell : tile.cells) {
+    cut.cells.push_back(occupancy(cell));
+  }
+  return cut;
+}
+
+std::vector<GridTile> TileSelector::choose(const OccupancyGrid& grid) {
+  sent_.resize(grid.num_tiles());
+  std::vector<GridTile> chosen;
+  for (std::size_t number = 0; number < sent_.size(); ++number) {
+    Sent& sent = sent_[number];
+    if (sent.num_changes_seen == grid.num_changes(number)) {
+      continue;
+    }
+    sent.num_changes_seen = grid.num_changes(number);
+    GridTile tile = grid.cut_tile(number);
+    if (!looks_alike(tile.cells, sent.cells)) {
+      sent.cells = tile.cells;
+      chosen.push_back(std::move(tile));
     }
   }
-  return tiles;
+  add_others_in_turn(grid, chosen);
+  return chosen;
+}
+
+void TileSelector::add_others_in_turn(const OccupancyGrid& grid, std::vector<GridTile>& chosen) {
+  const std::size_t changed = chosen.size();
+  const std::size_t others =
+      std::max<std::size_t>(1, kMinChosenTiles - std::min(kMinChosenTiles, changed));
+  const auto is_chosen = [&](std::size_t number) {
+    return std::any_of(chosen.begin(), chosen.end(),
+                       [number](const GridTile& tile) { return tile.number == number; });
+  };
+  for (std::size_t i = 0; i < sent_.size() && chosen.size() < changed + others; ++i) {
+    next_repeated_ = (next_repeated_ + 1) % sent_.size();
+    if (!is_chosen(next_repeated_)) {
+      chosen.push_back(grid.cut_tile(next_repeated_));
+      sent_[next_repeated_].cells = chosen.back().cells;
+    }
+  }
+}
+
+std::vector<GridTile> TileSelector::choose_rest(const OccupancyGrid& grid) {
+  sent_.resize(grid.num_tiles());
+  std::vector<GridTile> chosen;
+  for (std::size_t number = 0; number < sent_.size(); ++number) {
+    GridTile tile = grid.cut_tile(number);
+    if (tile.cells != sent_[number].cells) {
+      sent_[number].cells = tile.cells;
+      chosen.push_back(std::move(tile));
+    }
+  }
+  return chosen;
 }
 
 }  // namespace nodmap::slam2d

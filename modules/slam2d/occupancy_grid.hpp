@@ -2,16 +2,28 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
 namespace nodmap::slam2d {
 
+/// A square of a grid.
+struct GridTile {
+  std::size_t number = 0;
+  int x = 0;  ///< its first cell in the grid
+  int y = 0;
+  std::vector<std::int8_t> cells;  ///< occupancy row by row, x fastest
+};
+
 /// A 2D grid in the map frame. Counts for each cell the rays that ended in it and those that passed
-/// through. Grows to hold whatever is drawn.
+/// through. Grows to hold whatever is drawn, tile by tile: its memory follows the area that was
+/// seen, not the rectangle around it.
 class OccupancyGrid {
  public:
   static constexpr std::int8_t kUnknown = -1;
+  /// Edge of a tile in cells. The message of a tile stays far below 64 KiB.
+  static constexpr int kTileCells = 128;
 
   explicit OccupancyGrid(double cell_size_m) : cell_size_m_(cell_size_m) {}
 
@@ -22,45 +34,81 @@ class OccupancyGrid {
   /// Takes back a ray that add_ray() has drawn.
   void remove_ray(const Eigen::Vector2d& sensor_origin, const Eigen::Vector2d& end);
 
+  /// As add_ray() does, but only the free space: nothing was hit at its end.
+  bool add_free_ray(const Eigen::Vector2d& sensor_origin, const Eigen::Vector2d& end);
+
+  /// Takes back a ray that add_free_ray() has drawn.
+  void remove_free_ray(const Eigen::Vector2d& sensor_origin, const Eigen::Vector2d& end);
+
   [[nodiscard]] double cell_size_m() const { return cell_size_m_; }
-  [[nodiscard]] int width() const { return width_; }
-  [[nodiscard]] int height() const { return height_; }
+  [[nodiscard]] int width() const { return kTileCells * size_tiles_.x(); }
+  [[nodiscard]] int height() const { return kTileCells * size_tiles_.y(); }
   /// Outer corner of cell (0, 0) in map, metres.
-  [[nodiscard]] Eigen::Vector2d origin() const { return cell_size_m_ * first_cell_.cast<double>(); }
+  [[nodiscard]] Eigen::Vector2d origin() const {
+    return cell_size_m_ * kTileCells * first_tile_.cast<double>();
+  }
   /// Per cent of the cell's rays that ended in it, or kUnknown where there were none.
   [[nodiscard]] std::int8_t occupancy(int x, int y) const;
   /// Whether at least a quarter of the rays ended here: many only graze the cell of a wall.
-  [[nodiscard]] bool is_occupied(int x, int y) const { return occupancy(x, y) >= 25; }
+  [[nodiscard]] bool is_occupied(int x, int y) const { return is_occupied(occupancy(x, y)); }
+  [[nodiscard]] static bool is_occupied(std::int8_t occupancy) { return occupancy >= 25; }
+
+  /// Tiles through which a ray has gone. They are numbered as they were first seen.
+  [[nodiscard]] std::size_t num_tiles() const { return tiles_.size(); }
+  /// How many rays have entered a tile: what it was when nothing has changed since.
+  [[nodiscard]] std::uint64_t num_changes(std::size_t tile) const {
+    return tiles_[tile].num_changes;
+  }
+  [[nodiscard]] GridTile cut_tile(std::size_t tile) const;
 
  private:
   struct Cell {
     std::uint32_t ended = 0;
     std::uint32_t passed = 0;
   };
+  struct Tile {
+    Eigen::Vector2i position;  ///< in tiles from the map's origin
+    std::vector<Cell> cells;   ///< row by row, x fastest
+    std::uint64_t num_changes = 0;
+  };
+  static constexpr std::int32_t kNoTile = -1;
 
   bool count_ray(const Eigen::Vector2d& sensor_origin, const Eigen::Vector2d& end,
-                 std::uint32_t change);
+                 std::uint32_t passed, std::uint32_t ended);
   [[nodiscard]] bool make_room(const Eigen::Vector2i& low, const Eigen::Vector2i& high);
-  [[nodiscard]] Cell& at(const Eigen::Vector2i& cell);
+  /// The number of the tile at a position within the grid, or kNoTile.
+  [[nodiscard]] std::int32_t& tile_at(const Eigen::Vector2i& position);
+  [[nodiscard]] Tile& enter_tile(const Eigen::Vector2i& cell);
+  [[nodiscard]] static std::int8_t occupancy(const Cell& cell);
 
   double cell_size_m_;
-  Eigen::Vector2i first_cell_ = Eigen::Vector2i::Zero();
-  int width_ = 0;
-  int height_ = 0;
-  std::vector<Cell> cells_;  // row by row, x fastest
+  Eigen::Vector2i first_tile_ = Eigen::Vector2i::Zero();  ///< from the map's origin
+  Eigen::Vector2i size_tiles_ = Eigen::Vector2i::Zero();
+  std::vector<std::int32_t> tile_numbers_;  ///< by position, row by row, x fastest
+  std::vector<Tile> tiles_;
 };
 
-/// A rectangle of a grid.
-struct GridTile {
-  int x = 0;  ///< its first cell in the grid
-  int y = 0;
-  int width = 0;
-  int height = 0;
-  std::vector<std::int8_t> cells;  ///< occupancy row by row, x fastest
-};
+/// Chooses the tiles of a grid that are to be published: those that have changed, and a few others
+/// in turn, so that a receiver that has come late, or lost a tile, has the whole grid after a
+/// while. The cost depends on what has changed, not on the size of the grid.
+class TileSelector {
+ public:
+  /// Tiles in which a cell became known, unknown, free or occupied since they were chosen last,
+  /// and at least one other.
+  [[nodiscard]] std::vector<GridTile> choose(const OccupancyGrid& grid);
 
-/// Cuts a grid into tiles of at most 240 x 240 cells, so that the message of each stays below
-/// 64 KiB.
-[[nodiscard]] std::vector<GridTile> cut_into_tiles(const OccupancyGrid& grid);
+  /// All tiles that differ from what was chosen last.
+  [[nodiscard]] std::vector<GridTile> choose_rest(const OccupancyGrid& grid);
+
+ private:
+  struct Sent {
+    std::uint64_t num_changes_seen = 0;
+    std::vector<std::int8_t> cells;  ///< as they were chosen last
+  };
+  void add_others_in_turn(const OccupancyGrid& grid, std::vector<GridTile>& chosen);
+
+  std::vector<Sent> sent_;  ///< of each tile
+  std::size_t next_repeated_ = 0;
+};
 
 }  // namespace nodmap::slam2d

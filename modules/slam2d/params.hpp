@@ -113,13 +113,14 @@ struct MapParams {
 
 struct GridParams {
   double cell_size_m = 0.05;
-  double publish_period_s = 20.0;
+  double publish_period_s = 5.0;
 
   template <class Visitor>
   void describe(Visitor& v) {
     v.number("cell_size_m", cell_size_m, {0.01, 1.0}, "Edge length of an occupancy grid cell.");
     v.number("publish_period_s", publish_period_s, {0.1, 3600.0},
-             "MAP_2D is published at most this often, when the map has changed.");
+             "MAP_2D is published at most this often: the tiles that have changed, and some of the "
+             "others in turn.");
   }
 };
 

@@ -17,7 +17,13 @@
 
 namespace nodmap::slam2d {
 
-/// Draws the rays of a keyframe, seen from a pose in the map.
+/// How far each ray of a keyframe is believed to be free, metres: what is narrower than three
+/// neighbouring rays (the morphological opening of their lengths) is a look through a gap, or a
+/// range that is wrong. One value for each point; the length of the ray where it is believed.
+[[nodiscard]] std::vector<double> believed_lengths(const Keyframe& keyframe);
+
+/// Draws the rays of a keyframe, seen from a pose in the map: whole where their lengths are
+/// believed, otherwise only their free space as far as that is.
 void draw(const Keyframe& keyframe, const geometry::SE2& T_map_base, OccupancyGrid& grid);
 
 /// Takes back what draw() has drawn from the same pose.

@@ -22,6 +22,11 @@ namespace {
 // 60 kB: with its head a part stays below 64 KiB.
 constexpr std::size_t kPointsPerChunk = 5000;
 
+// How many scans after its last one a sweep's pose is published, and a keyframe's map: 50 ms at 75
+// Hz for what takes 10 ms, and a second.
+constexpr int kScansUntilRegistered = 4;
+constexpr int kScansUntilMapped = 75;
+
 std::int8_t pose_state(const PoseUpdate& update) {
   if (!update.registration) {
     // The first sweep is the map; what is too thin to be registered follows odometry.
@@ -50,7 +55,7 @@ Slam6dNode::Slam6dNode(node::Context& context, const Params& params)
       input_(context.counts),
       slam_(params),
       occupancy_(map_options(params.occupancy)) {
-  // While a keyframe is registered a second may pass: 75 scans and 100 odometry messages.
+  // On a busy machine a second may pass: 75 scans and 100 odometry messages.
   constexpr int kQueue = 256;
   context.bus.subscribe<nodmap::odometry_t>(
       "ODOMETRY", [this](const nodmap::odometry_t& message) { on_odometry(message); }, kQueue);
@@ -66,7 +71,9 @@ void Slam6dNode::on_odometry(const nodmap::odometry_t& message) {
     return;
   }
   if (input_.odometry_restarted()) {
+    answer(registering_.take());
     answer(slam_.change_odometry_frame(*T_odom_base));
+    count_scans();
   }
   slam_.add_odometry(message.utime, *T_odom_base);
   context_.counts.use();
@@ -77,13 +84,27 @@ void Slam6dNode::on_scan(const nodmap::scan_t& message) {
   if (!input_.read(message, scan)) {
     return;
   }
-  answer(slam_.add_scan(std::move(scan)));
+  answer(registering_.count_message());
+  answer(mapping_.count_message());
+  if (auto sweep = slam_.collect(std::move(scan))) {
+    register_sweep(std::move(*sweep));
+  }
+  count_scans();
   publish_octomap_part();
 }
 
+void Slam6dNode::register_sweep(PlacedSweep sweep) {
+  answer(registering_.take());
+  registering_.start([this, sweep = std::move(sweep)] { return slam_.add_sweep(sweep); },
+                     kScansUntilRegistered);
+}
+
 void Slam6dNode::finish() {
+  answer(registering_.take());
   answer(slam_.flush());
+  count_scans();
   const auto publish_rest = [this] {
+    answer(mapping_.take());
     while (!octomap_.is_empty()) {
       publish_octomap_part();
     }
@@ -91,28 +112,27 @@ void Slam6dNode::finish() {
   publish_rest();
   // What came within the period since the last map.
   if (params_.occupancy.publish_period_s > 0.0 && octomap_keyframes_ < slam_.keyframes().size()) {
-    begin_octomap();
+    octomap_utime_us_ = slam_.keyframes().back().cloud.utime_us;
+    answer(MapWork{.bt_file = occupancy_.encode(OccupancyMap::Format::kBt)});
     publish_rest();
   }
 }
 
 // What becomes of a scan is known when its sweep is complete.
 void Slam6dNode::count_scans() {
-  const Metrics metrics = slam_.metrics();
-  const std::size_t without_pose = metrics.scans_without_pose - counted_without_pose_;
-  const std::size_t used = metrics.scans_in_sweeps - counted_scans_ - without_pose;
+  const ScanCounts& scans = slam_.scan_counts();
+  const std::size_t without_pose = scans.without_pose - counted_.without_pose;
+  const std::size_t used = scans.in_sweeps - counted_.in_sweeps - without_pose;
   for (std::size_t i = 0; i < used; ++i) {
     context_.counts.use();
   }
   for (std::size_t i = 0; i < without_pose; ++i) {
     context_.counts.reject("no_odometry");
   }
-  counted_scans_ = metrics.scans_in_sweeps;
-  counted_without_pose_ = metrics.scans_without_pose;
+  counted_ = scans;
 }
 
 void Slam6dNode::answer(const std::optional<PoseUpdate>& update) {
-  count_scans();
   if (update) {
     publish(*update);
   }
@@ -126,25 +146,15 @@ void Slam6dNode::publish(const PoseUpdate& update) {
     message.inlier_rms_m = update.registration->residual_rms_m;
   }
   message.state = pose_state(update);
+  for (int row = 0; row < 6; ++row) {
+    for (int column = 0; column < 6; ++column) {
+      message.covariance[row][column] = update.covariance(row, column);
+    }
+  }
   context_.bus.publish("POSE_6D", message);
   if (update.keyframe) {
-    answer_keyframe(slam_.keyframes().back());
-  }
-}
-
-void Slam6dNode::answer_keyframe(const Keyframe& keyframe) {
-  publish_cloud(keyframe);
-  occupancy_.insert(keyframe.cloud, keyframe.T_map_base);
-  const double age_s = 1e-6 * static_cast<double>(keyframe.cloud.utime_us - octomap_utime_us_);
-  // A clock set back must not silence it until it has caught up.
-  const bool is_due =
-      octomap_keyframes_ == 0 || age_s < 0.0 || age_s >= params_.occupancy.publish_period_s;
-  if (params_.occupancy.publish_period_s > 0.0 && is_due && octomap_.is_empty()) {
-    begin_octomap();
-  }
-  const auto every = static_cast<std::size_t>(params_.occupancy.save_every_keyframes);
-  if (every > 0 && slam_.keyframes().size() % every == 0 && !context_.out_dir.empty()) {
-    save_map_while_running();
+    publish_cloud(slam_.keyframes().back());
+    update_map(slam_.keyframes().back());
   }
 }
 
@@ -169,11 +179,52 @@ void Slam6dNode::publish_cloud(const Keyframe& keyframe) {
   }
 }
 
-void Slam6dNode::begin_octomap() {
-  octomap_utime_us_ = slam_.keyframes().back().cloud.utime_us;
-  octomap_keyframes_ = slam_.keyframes().size();
-  if (auto file = occupancy_.encode(OccupancyMap::Format::kBt)) {
-    octomap_.begin(octomap_utime_us_, std::move(*file));
+void Slam6dNode::update_map(const Keyframe& keyframe) {
+  answer(mapping_.take());
+  const std::int64_t utime_us = keyframe.cloud.utime_us;
+  const double age_s = 1e-6 * static_cast<double>(utime_us - octomap_utime_us_);
+  // A clock set back must not silence it until it has caught up.
+  const bool is_due =
+      octomap_keyframes_ == 0 || age_s < 0.0 || age_s >= params_.occupancy.publish_period_s;
+  const bool is_published =
+      params_.occupancy.publish_period_s > 0.0 && is_due && octomap_.is_empty();
+  if (is_published) {
+    octomap_utime_us_ = utime_us;
+    octomap_keyframes_ = slam_.keyframes().size();
+  }
+  const auto every = static_cast<std::size_t>(params_.occupancy.save_every_keyframes);
+  const bool is_saved =
+      every > 0 && slam_.keyframes().size() % every == 0 && !context_.out_dir.empty();
+  // A copy of the cloud: meanwhile there may be another keyframe.
+  mapping_.start(
+      [this, cloud = keyframe.cloud, T_map_base = keyframe.T_map_base, is_published, is_saved] {
+        MapWork work;
+        occupancy_.insert(cloud, T_map_base);
+        if (is_published) {
+          work.bt_file = occupancy_.encode(OccupancyMap::Format::kBt);
+        }
+        if (is_saved) {
+          work.save_error = save_map(context_.out_dir);
+        }
+        return work;
+      },
+      kScansUntilMapped);
+}
+
+void Slam6dNode::answer(const std::optional<MapWork>& work) {
+  if (!work) {
+    return;
+  }
+  if (work->bt_file) {
+    octomap_.begin(octomap_utime_us_, *work->bt_file);
+  }
+  // A full disk does not end the mapping: the last map that was whole stays, and STATUS says so.
+  if (work->save_error) {
+    save_error_ = *work->save_error;
+    maps_saved_ += save_error_ ? 0 : 1;
+    if (save_error_) {
+      log::get().warn("{}: map not saved: {}", context_.out_dir.string(), save_error_.message());
+    }
   }
 }
 
@@ -194,19 +245,13 @@ void Slam6dNode::publish_octomap_part() {
 
 void Slam6dNode::on_save_request(const nodmap::save_request_t& message) {
   if (node::accept_save_request(message, context_)) {
-    save_map_while_running();
+    answer(mapping_.take());
+    mapping_.start([this] { return MapWork{.save_error = save_map(context_.out_dir)}; },
+                   kScansUntilMapped);
   }
 }
 
-// A full disk does not end the mapping: the last map that was whole stays, and STATUS says so.
-void Slam6dNode::save_map_while_running() {
-  save_error_ = save_map(context_.out_dir);
-  if (save_error_) {
-    log::get().warn("{}: map not saved: {}", context_.out_dir.string(), save_error_.message());
-  }
-}
-
-std::error_code Slam6dNode::save_map(const std::filesystem::path& dir) {
+std::error_code Slam6dNode::save_map(const std::filesystem::path& dir) const {
   using Format = OccupancyMap::Format;
   std::vector<std::pair<Format, const char*>> files{{Format::kBt, "map.bt"}};
   if (params_.occupancy.save_ot) {
@@ -221,7 +266,6 @@ std::error_code Slam6dNode::save_map(const std::filesystem::path& dir) {
       return error;
     }
   }
-  ++maps_saved_;
   return {};
 }
 
@@ -229,11 +273,14 @@ void Slam6dNode::write_results(const std::filesystem::path& dir) {
   if (const auto error = save_map(dir)) {
     throw std::runtime_error((dir / "map.bt").string() + ": " + error.message());
   }
+  ++maps_saved_;
   write_trajectories(slam_, dir);
   write_cloud(slam_, dir);
 }
 
 nlohmann::json Slam6dNode::metrics() const {
+  registering_.wait();
+  mapping_.wait();
   nlohmann::json figures = slam_figures(slam_);
   figures["occupancy_map"] = {{"nodes", occupancy_.num_nodes()},
                               {"memory_bytes", occupancy_.memory_bytes()},
@@ -243,10 +290,11 @@ nlohmann::json Slam6dNode::metrics() const {
 
 node::Health Slam6dNode::health() const {
   using node::HealthState;
+  registering_.wait();
   if (save_error_) {
     return {HealthState::kDegraded, "The map cannot be saved: " + save_error_.message() + "."};
   }
-  if (slam_.metrics().scans_in_sweeps > 0 && slam_.sweeps().empty()) {
+  if (slam_.scan_counts().in_sweeps > 0 && slam_.sweeps().empty()) {
     return {HealthState::kDegraded, "There are scans, but no odometry for them."};
   }
   if (!slam_.sweeps().empty() && slam_.sweeps().back().num_points == 0) {

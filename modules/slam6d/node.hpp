@@ -6,8 +6,10 @@
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
+#include <string>
 #include <system_error>
 
+#include "common/node/background_job.hpp"
 #include "common/node/message_counts.hpp"
 #include "common/node/message_input.hpp"
 #include "common/node/node.hpp"
@@ -22,7 +24,8 @@
 namespace nodmap::slam6d {
 
 /// SCAN and ODOMETRY in, POSE_6D for each sweep, CLOUD for each keyframe and OCTOMAP now and then
-/// out; SAVE_REQUEST writes the map.
+/// out; SAVE_REQUEST writes the map. Sweeps are registered, and the occupancy map is kept, beside
+/// the messages: a scan is handled within microseconds.
 class Slam6dNode : public node::Node {
  public:
   using Params = Slam6dParams;
@@ -39,28 +42,37 @@ class Slam6dNode : public node::Node {
   void on_scan(const nodmap::scan_t& message);
   void on_save_request(const nodmap::save_request_t& message);
 
+  /// What became of the occupancy map beside the messages.
+  struct MapWork {
+    std::optional<std::string> bt_file = std::nullopt;         ///< to be published
+    std::optional<std::error_code> save_error = std::nullopt;  ///< where it was to be saved
+  };
+
+  void register_sweep(PlacedSweep sweep);
   void answer(const std::optional<PoseUpdate>& update);
   void publish(const PoseUpdate& update);
-  void answer_keyframe(const Keyframe& keyframe);
   void publish_cloud(const Keyframe& keyframe);
-  void begin_octomap();
+  void update_map(const Keyframe& keyframe);
+  void answer(const std::optional<MapWork>& work);
   void publish_octomap_part();
   void count_scans();
-  void save_map_while_running();
-  [[nodiscard]] std::error_code save_map(const std::filesystem::path& dir);
+  [[nodiscard]] std::error_code save_map(const std::filesystem::path& dir) const;
 
   node::Context& context_;
   Params params_;
   node::SensorInput input_;
   Slam6d slam_;
   OccupancyMap occupancy_;
-  std::size_t counted_scans_ = 0;
-  std::size_t counted_without_pose_ = 0;
+  ScanCounts counted_;
   std::int64_t maps_saved_ = 0;
   OctomapParts octomap_;
   std::size_t octomap_keyframes_ = 0;  // in the map that was begun last
   std::int64_t octomap_utime_us_ = 0;  // of that map
   std::error_code save_error_;         // of the last try
+  // Last: they end before what they work on. `registering_` works on `slam_`, `mapping_` on
+  // `occupancy_`.
+  node::BackgroundJob<PoseUpdate> registering_;
+  node::BackgroundJob<MapWork> mapping_;
 };
 
 }  // namespace nodmap::slam6d

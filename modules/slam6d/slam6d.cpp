@@ -94,35 +94,54 @@ std::optional<PoseUpdate> Slam6d::change_odometry_frame(const SE3& T_new_odom_ba
   return update;
 }
 
-// IV B: "segment the continuous data flow to reflect one complete pitch movement per point cloud".
 std::optional<PoseUpdate> Slam6d::add_scan(scan::Scan scan) {
-  const auto sweep = segmenter_.add(std::move(scan));
-  return sweep ? process(*sweep) : std::nullopt;
+  const auto sweep = collect(std::move(scan));
+  return sweep ? std::optional(add_sweep(*sweep)) : std::nullopt;
 }
 
 std::optional<PoseUpdate> Slam6d::flush() {
-  const auto sweep = segmenter_.flush();
-  return sweep ? process(*sweep) : std::nullopt;
+  const auto sweep = collect_rest();
+  return sweep ? std::optional(add_sweep(*sweep)) : std::nullopt;
 }
 
-// IV B: "the robot's movement [...] during the pitching movement is stripped from the point cloud".
-std::optional<PoseUpdate> Slam6d::process(const Sweep& sweep) {
+// IV B: "segment the continuous data flow to reflect one complete pitch movement per point cloud".
+std::optional<PlacedSweep> Slam6d::collect(scan::Scan scan) {
+  auto sweep = segmenter_.add(std::move(scan));
+  return sweep ? place_sweep(std::move(*sweep)) : std::nullopt;
+}
+
+std::optional<PlacedSweep> Slam6d::collect_rest() {
+  auto sweep = segmenter_.flush();
+  return sweep ? place_sweep(std::move(*sweep)) : std::nullopt;
+}
+
+std::optional<PlacedSweep> Slam6d::place_sweep(Sweep sweep) {
   const auto pose_at = [this](std::int64_t utime_us) -> std::optional<SE3> {
     if (odometry_.empty() && params_.assume_stationary) {
       return SE3::Identity();
     }
     return odometry_.at(utime_us);
   };
-  counts_.scans_in_sweeps += sweep.scans.size();
-  is_interrupted_ = is_interrupted_ || sweep.follows_interruption;
-  keyframe_is_due_ = keyframe_is_due_ || sweep.follows_interruption;
-  auto cloud = deskew(sweep.scans, pose_at, params_.range,
-                      [this](const SE3& motion) { return calibration_.calibrate(motion); });
-  counts_.scans_without_pose += cloud ? cloud->scans_without_pose : sweep.scans.size();
-  return cloud ? std::optional(add_cloud(std::move(*cloud))) : std::nullopt;
+  const std::size_t num_scans = sweep.scans.size();
+  scan_counts_.in_sweeps += num_scans;
+  stream_was_interrupted_ = stream_was_interrupted_ || sweep.follows_interruption;
+  auto placed = place(std::move(sweep.scans), pose_at);
+  scan_counts_.without_pose += placed ? placed->scans_without_pose : num_scans;
+  if (placed) {
+    placed->follows_interruption = std::exchange(stream_was_interrupted_, false);
+  }
+  return placed;
+}
+
+// IV B: "the robot's movement [...] during the pitching movement is stripped from the point cloud".
+PoseUpdate Slam6d::add_sweep(const PlacedSweep& sweep) {
+  return add_cloud(deskew(sweep, params_.range,
+                          [this](const SE3& motion) { return calibration_.calibrate(motion); }));
 }
 
 PoseUpdate Slam6d::add_cloud(SweepCloud cloud) {
+  is_interrupted_ = is_interrupted_ || cloud.follows_interruption;
+  keyframe_is_due_ = keyframe_is_due_ || cloud.follows_interruption;
   PoseUpdate update = extrapolate(cloud);
   if (is_usable(update)) {
     VoxelMap sweep = voxelize(cloud, params_.voxels);
@@ -179,6 +198,9 @@ PoseUpdate Slam6d::extrapolate(const SweepCloud& cloud) const {
           ? T_map_end_ * calibration_.calibrate(counted_since_accepted(cloud.T_odom_base))
           : T_map_odom_ * cloud.T_odom_base;
   update.T_map_odom = update.T_map_base * cloud.T_odom_base.inverse();
+  if (last_accepted_) {
+    update.covariance = predict(cloud, update).covariance;
+  }
   return update;
 }
 

@@ -30,7 +30,8 @@ struct PoseUpdate {
   geometry::SE3 T_map_base = geometry::SE3::Identity();  ///< as known when the sweep was complete
   /// The correction of odometry as known at the sweep's last beam, for what comes after it.
   geometry::SE3 T_map_odom = geometry::SE3::Identity();
-  /// Of the base's position (m) and rotation vector (rad), axes of map; zero for the first sweep.
+  /// Of the base's position (m) and rotation vector (rad), axes of map: of the match where the map
+  /// tells the pose, else of odometry since then. Zero for the first sweep, which is the map.
   Matrix6d covariance = Matrix6d::Zero();
   std::size_t scans_used = 0;
   std::size_t scans_without_pose = 0;
@@ -57,10 +58,14 @@ struct Keyframe {
   std::vector<OrientedPoint> points;  ///< the voxel means of the cloud; normal zero where no plane
 };
 
+/// The scans of complete sweeps.
+struct ScanCounts {
+  std::size_t in_sweeps = 0;
+  std::size_t without_pose = 0;  ///< among them, left out
+};
+
 /// Counts of everything so far.
 struct Metrics {
-  std::size_t scans_in_sweeps = 0;
-  std::size_t scans_without_pose = 0;  ///< among them, left out
   std::size_t sweeps_tracked = 0;
   std::size_t sweeps_degraded = 0;
   std::size_t sweeps_lost = 0;
@@ -90,6 +95,13 @@ class Slam6d {
   /// The unfinished sweep at the end of the stream.
   [[nodiscard]] std::optional<PoseUpdate> flush();
 
+  /// What add_scan() and flush() do, in two steps: to collect the scans of a sweep, which takes
+  /// microseconds, and to register it. collect(), collect_rest(), add_odometry() and scan_counts()
+  /// share nothing with add_sweep(), add_cloud() and what they change.
+  [[nodiscard]] std::optional<PlacedSweep> collect(scan::Scan scan);
+  [[nodiscard]] std::optional<PlacedSweep> collect_rest();
+  PoseUpdate add_sweep(const PlacedSweep& sweep);
+
   /// The same for a cloud that is one already: everything after deskewing.
   PoseUpdate add_cloud(SweepCloud cloud);
 
@@ -97,6 +109,7 @@ class Slam6d {
   [[nodiscard]] std::span<const Keyframe> keyframes() const { return keyframes_; }
   [[nodiscard]] const VoxelMap& map() const { return map_; }
   [[nodiscard]] const OdometryCalibration& calibration() const { return calibration_; }
+  [[nodiscard]] const ScanCounts& scan_counts() const { return scan_counts_; }
   [[nodiscard]] Metrics metrics() const;
 
   /// The pose of every sweep, with all that is known now: tracked sweeps as registered, those
@@ -104,7 +117,7 @@ class Slam6d {
   [[nodiscard]] std::vector<geometry::SE3> trajectory() const;
 
  private:
-  [[nodiscard]] std::optional<PoseUpdate> process(const Sweep& sweep);
+  [[nodiscard]] std::optional<PlacedSweep> place_sweep(Sweep sweep);
   [[nodiscard]] bool is_better_beginning(const VoxelMap& sweep) const;
   void begin_anew(PoseUpdate& update);
   [[nodiscard]] PoseUpdate extrapolate(const SweepCloud& cloud) const;
@@ -120,6 +133,9 @@ class Slam6d {
   Slam6dParams params_;
   SweepSegmenter segmenter_;
   geometry::PoseHistory odometry_;
+  ScanCounts scan_counts_;
+  bool stream_was_interrupted_ = false;  // since the last sweep that could be placed
+
   OdometryCalibration calibration_;
   VoxelMap map_;
   /// P_n * odo_n^-1 at the last beam of the last accepted sweep: the correction, map from odom.

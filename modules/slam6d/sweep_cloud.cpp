@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "modules/slam6d/sweep_cloud.hpp"
 
+#include <utility>
+
 #include "common/geometry/pose_history.hpp"
 
 namespace nodmap::slam6d {
@@ -8,27 +10,13 @@ namespace {
 
 using geometry::SE3;
 
-// A scan with the robot's poses at its first and last beam.
-struct PlacedScan {
-  const scan::Scan* scan = nullptr;
-  SE3 T_odom_first;
-  SE3 T_odom_last;
-  SE3 T_base_first = SE3::Identity();
-  SE3 T_base_last = SE3::Identity();
-};
+using PlacedScan = PlacedSweep::PlacedScan;
 
-std::vector<PlacedScan> place_scans(std::span<const scan::Scan> scans, const PoseLookup& pose_at) {
-  std::vector<PlacedScan> placed;
-  placed.reserve(scans.size());
-  for (const scan::Scan& scan : scans) {
-    const auto T_odom_first = pose_at(scan.utime_us);
-    const auto T_odom_last = pose_at(scan.utime_last_us());
-    if (T_odom_first && T_odom_last) {
-      placed.push_back({.scan = &scan, .T_odom_first = *T_odom_first, .T_odom_last = *T_odom_last});
-    }
-  }
-  return placed;
-}
+// The robot at the first and the last beam of a scan, relative to the base pose of the sweep.
+struct ScanMotion {
+  SE3 T_base_first;
+  SE3 T_base_last;
+};
 
 // When the middle of a scan was measured: -1 at the sweep's first beam, 1 at its last.
 double time_in_sweep(const scan::Scan& scan, std::int64_t first_us, std::int64_t last_us) {
@@ -37,11 +25,9 @@ double time_in_sweep(const scan::Scan& scan, std::int64_t first_us, std::int64_t
                             : 0.0;
 }
 
-void append_scan(const PlacedScan& placed, const RangeLimits& range, scan::ScanProjector& projector,
-                 SweepCloud& cloud) {
-  const scan::Scan& scan = *placed.scan;
-  const SE3& T_base_first = placed.T_base_first;
-  const SE3& T_base_last = placed.T_base_last;
+void append_scan(const scan::Scan& scan, const ScanMotion& motion, const RangeLimits& range,
+                 scan::ScanProjector& projector, SweepCloud& cloud) {
+  const auto& [T_base_first, T_base_last] = motion;
   const bool is_stationary = T_base_first.isApprox(T_base_last, 1e-12);
   for (const auto& hit : projector.hits(scan)) {
     const auto range_m = static_cast<double>(scan.ranges_m[hit.beam]);
@@ -85,38 +71,60 @@ void SweepCloud::correct(const MotionCorrection& correction) {
   T_base_last = correction.correct(T_base_last, 1.0);
 }
 
-std::optional<SweepCloud> deskew(std::span<const scan::Scan> scans, const PoseLookup& pose_at,
-                                 const RangeLimits& range, const Calibration& calibrate) {
-  std::vector<PlacedScan> placed = place_scans(scans, pose_at);
-  if (placed.empty()) {
+std::optional<PlacedSweep> place(std::vector<scan::Scan> scans, const PoseLookup& pose_at) {
+  PlacedSweep sweep;
+  sweep.scans.reserve(scans.size());
+  for (scan::Scan& scan : scans) {
+    const auto T_odom_first = pose_at(scan.utime_us);
+    const auto T_odom_last = pose_at(scan.utime_last_us());
+    if (T_odom_first && T_odom_last) {
+      sweep.scans.push_back({std::move(scan), *T_odom_first, *T_odom_last});
+    } else {
+      ++sweep.scans_without_pose;
+    }
+  }
+  if (sweep.scans.empty()) {
     return std::nullopt;
   }
-  SweepCloud cloud;
-  const std::int64_t begin_us = placed.front().scan->utime_us;
-  cloud.utime_us = begin_us + (placed.back().scan->utime_last_us() - begin_us) / 2;
-  const auto T_odom_base = pose_at(cloud.utime_us);
+  const std::int64_t begin_us = sweep.scans.front().scan.utime_us;
+  sweep.utime_us = begin_us + (sweep.scans.back().scan.utime_last_us() - begin_us) / 2;
+  const auto T_odom_base = pose_at(sweep.utime_us);
   if (!T_odom_base) {
     return std::nullopt;
   }
-  cloud.T_odom_base = *T_odom_base;
-  cloud.scans_used = placed.size();
-  cloud.scans_without_pose = scans.size() - placed.size();
-  const SE3 T_base_odom = cloud.T_odom_base.inverse();
-  for (PlacedScan& scan : placed) {
-    scan.T_base_first = calibrate(T_base_odom * scan.T_odom_first);
-    scan.T_base_last = calibrate(T_base_odom * scan.T_odom_last);
-  }
-  cloud.T_base_first = placed.front().T_base_first;
-  cloud.T_base_last = placed.back().T_base_last;
-  cloud.T_base_first_counted = T_base_odom * placed.front().T_odom_first;
-  cloud.T_base_last_counted = T_base_odom * placed.back().T_odom_last;
+  sweep.T_odom_base = *T_odom_base;
+  return sweep;
+}
+
+SweepCloud deskew(const PlacedSweep& sweep, const RangeLimits& range,
+                  const Calibration& calibrate) {
+  SweepCloud cloud;
+  cloud.utime_us = sweep.utime_us;
+  cloud.T_odom_base = sweep.T_odom_base;
+  cloud.scans_used = sweep.scans.size();
+  cloud.scans_without_pose = sweep.scans_without_pose;
+  cloud.follows_interruption = sweep.follows_interruption;
+  const SE3 T_base_odom = sweep.T_odom_base.inverse();
+  cloud.T_base_first_counted = T_base_odom * sweep.scans.front().T_odom_first;
+  cloud.T_base_last_counted = T_base_odom * sweep.scans.back().T_odom_last;
+  cloud.T_base_first = calibrate(cloud.T_base_first_counted);
+  cloud.T_base_last = calibrate(cloud.T_base_last_counted);
   scan::ScanProjector projector;
-  for (const PlacedScan& scan : placed) {
-    append_scan(scan, range, projector, cloud);
-    cloud.lines.back().time =
-        time_in_sweep(*scan.scan, begin_us, placed.back().scan->utime_last_us());
+  for (const PlacedScan& placed : sweep.scans) {
+    append_scan(
+        placed.scan,
+        {calibrate(T_base_odom * placed.T_odom_first), calibrate(T_base_odom * placed.T_odom_last)},
+        range, projector, cloud);
+    cloud.lines.back().time = time_in_sweep(placed.scan, sweep.scans.front().scan.utime_us,
+                                            sweep.scans.back().scan.utime_last_us());
   }
   return cloud;
+}
+
+std::optional<SweepCloud> deskew(std::span<const scan::Scan> scans, const PoseLookup& pose_at,
+                                 const RangeLimits& range, const Calibration& calibrate) {
+  const auto sweep = place({scans.begin(), scans.end()}, pose_at);
+  return sweep ? std::optional(deskew(*sweep, range, calibrate)) : std::nullopt;
 }
 
 }  // namespace nodmap::slam6d

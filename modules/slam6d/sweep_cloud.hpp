@@ -25,6 +25,21 @@ struct MotionCorrection {
   [[nodiscard]] geometry::SE3 correct(const geometry::SE3& T_base_then, double time) const;
 };
 
+/// A sweep's scans with the robot's poses, by odometry, at the first and the last beam of each.
+struct PlacedSweep {
+  struct PlacedScan {
+    scan::Scan scan;
+    geometry::SE3 T_odom_first = geometry::SE3::Identity();
+    geometry::SE3 T_odom_last = geometry::SE3::Identity();
+  };
+
+  std::vector<PlacedScan> scans;  ///< at least one
+  std::int64_t utime_us = 0;      ///< of the base pose P_b: the middle of the sweep's time
+  geometry::SE3 T_odom_base = geometry::SE3::Identity();
+  std::size_t scans_without_pose = 0;  ///< left out
+  bool follows_interruption = false;   ///< of the stream
+};
+
 /// One 3D point cloud with one pose: what a scanner standing at the base pose would have seen
 /// (IV B). Points in the base frame at that pose.
 struct SweepCloud {
@@ -41,6 +56,7 @@ struct SweepCloud {
   std::vector<Line> lines;
   std::size_t scans_used = 0;
   std::size_t scans_without_pose = 0;
+  bool follows_interruption = false;  ///< of the stream
   /// The poses of the base at the first and the last beam.
   geometry::SE3 T_base_first = geometry::SE3::Identity();
   geometry::SE3 T_base_last = geometry::SE3::Identity();
@@ -77,10 +93,19 @@ struct RangeLimits {
   }
 };
 
+/// Looks up where the robot was at each scan. Scans without a pose are left out and counted; empty
+/// when no scan has one.
+[[nodiscard]] std::optional<PlacedSweep> place(std::vector<scan::Scan> scans,
+                                               const PoseLookup& pose_at);
+
 /// Deskews a sweep (IV B: the robot's movement during the pitching movement is stripped): each beam
 /// is placed with the pitch and the robot's pose at its own time, relative to the base pose P_b =
 /// the pose in the middle of the sweep's time (the choice that makes the longest motion to a beam
-/// shortest). Scans without a pose are left out and counted; empty when no scan has one.
+/// shortest).
+[[nodiscard]] SweepCloud deskew(const PlacedSweep& sweep, const RangeLimits& range,
+                                const Calibration& calibrate);
+
+/// The same for scans whose poses are to be looked up.
 [[nodiscard]] std::optional<SweepCloud> deskew(
     std::span<const scan::Scan> scans, const PoseLookup& pose_at, const RangeLimits& range,
     const Calibration& calibrate = [](const geometry::SE3& motion) { return motion; });

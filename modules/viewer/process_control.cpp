@@ -9,10 +9,6 @@
 namespace nodmap::viewer {
 namespace {
 
-std::int64_t steady_us(const time::Moment& now) {
-  return time::to_us(now.steady.time_since_epoch());
-}
-
 using procman::Fleet;
 using procman::Verb;
 using procman::Wanted;
@@ -47,8 +43,8 @@ void ProcessControl::on_info(const procman::DeputyInfo& info) {
     return;
   }
   const time::Moment now = clock_();
-  heard_[info.deputy_id] = {info, steady_us(now)};
-  if (fleet_ && fleet_->take_info(info, steady_us(now))) {
+  heard_[info.deputy_id] = {info, now.steady};
+  if (fleet_ && fleet_->take_info(info, now.steady)) {
     give_orders(now);
   }
 }
@@ -58,21 +54,21 @@ void ProcessControl::on_orders(const procman::Orders& orders) {
     return;
   }
   other_sheriff_ = orders.sheriff_id;
-  other_heard_us_ = steady_us(clock_());
+  other_heard_ = clock_().steady;
   fleet_.reset();  // whoever comes while we are at it knows nothing of us, and stays longer
 }
 
-bool ProcessControl::is_heard(const std::string& deputy, std::int64_t steady_us) const {
+bool ProcessControl::is_heard(const std::string& deputy, time::SteadyTime now) const {
   const auto found = heard_.find(deputy);
-  return found != heard_.end() && steady_us - found->second.steady_us <= Fleet::kMaxInfoAgeUs;
+  return found != heard_.end() && now - found->second.received <= Fleet::kMaxInfoAge;
 }
 
 void ProcessControl::begin(const time::Moment& now) {
   fleet_.emplace(config_, id_ + std::to_string(time::to_utime(now.wall)));
   open_.clear();
   for (const auto& [deputy, heard] : heard_) {
-    if (is_heard(deputy, steady_us(now))) {
-      (void)fleet_->take_info(heard.info, heard.steady_us);
+    if (is_heard(deputy, now.steady)) {
+      (void)fleet_->take_info(heard.info, heard.received);
     }
   }
 }
@@ -83,10 +79,10 @@ Answer ProcessControl::change(Verb verb, const std::string& command) {
     return {.ok = false, .text = "There is no command \"" + command + "\"."};
   }
   const time::Moment now = clock_();
-  if (!other_sheriff_.empty() && steady_us(now) - other_heard_us_ <= Fleet::kOtherSheriffUs) {
+  if (!other_sheriff_.empty() && now.steady - other_heard_ <= Fleet::kOtherSheriffTime) {
     return {.ok = false, .text = "The sheriff " + other_sheriff_ + " is at work: use that one."};
   }
-  if (!is_heard(found->deputy, steady_us(now))) {
+  if (!is_heard(found->deputy, now.steady)) {
     return {.ok = false, .text = "The deputy " + found->deputy + " does not answer."};
   }
   if (!fleet_) {
@@ -94,8 +90,7 @@ Answer ProcessControl::change(Verb verb, const std::string& command) {
   }
   fleet_->order(verb, command);
   open_[command] = verb == Verb::kStop ? Wanted::kStopped : Wanted::kRunning;
-  leave_us_ = std::max(leave_us_, steady_us(now) + kPatienceUs +
-                                      std::int64_t{1'000'000} * found->stop_time_allowed_s);
+  leave_ = std::max(leave_, now.steady + kPatience + 1s * found->stop_time_allowed_s);
   give_orders(now);
   return {.ok = true, .text = command + ": " + name_of(verb) + " asked."};
 }
@@ -115,20 +110,20 @@ void ProcessControl::turn() {
   }
   const time::Moment now = clock_();
   std::erase_if(open_, [&](const auto& wish) {
-    return fleet_->has_reached(wish.first, wish.second, steady_us(now));
+    return fleet_->has_reached(wish.first, wish.second, now.steady);
   });
-  if (open_.empty() || steady_us(now) >= leave_us_) {
+  if (open_.empty() || now.steady >= leave_) {
     fleet_.reset();
-    leave_us_ = 0;
-  } else if (steady_us(now) >= orders_due_us_) {
+    leave_ = {};
+  } else if (now.steady >= orders_due_) {
     give_orders(now);
   }
 }
 
 void ProcessControl::give_orders(const time::Moment& now) {
-  orders_due_us_ = steady_us(now) + kOrdersPeriodUs;
+  orders_due_ = now.steady + kOrdersPeriod;
   for (const auto& [deputy, heard] : fleet_->deputies()) {
-    if (const auto orders = fleet_->orders_for(deputy, time::to_utime(now.wall))) {
+    if (const auto orders = fleet_->orders_for(deputy, now.wall)) {
       bus_.publish(procman::kOrdersChannel, procman::to_message(*orders));
     }
   }

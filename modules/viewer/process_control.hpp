@@ -23,8 +23,8 @@ namespace nodmap::viewer {
 class ProcessControl {
  public:
   /// Longest time as a sheriff for one request, beside the command's own grace time.
-  static constexpr std::int64_t kPatienceUs = 10'000'000;
-  static constexpr std::int64_t kOrdersPeriodUs = 1'000'000;
+  static constexpr time::Duration kPatience = 10s;
+  static constexpr time::Duration kOrdersPeriod = 1s;
 
   using Clock = std::function<time::Moment()>;
 
@@ -46,14 +46,14 @@ class ProcessControl {
  private:
   struct Heard {
     procman::DeputyInfo info;
-    std::int64_t steady_us = 0;
+    time::SteadyTime received{};
   };
 
   void on_info(const procman::DeputyInfo& info);
   void on_orders(const procman::Orders& orders);
   void begin(const time::Moment& now);
   void give_orders(const time::Moment& now);
-  [[nodiscard]] bool is_heard(const std::string& deputy, std::int64_t steady_us) const;
+  [[nodiscard]] bool is_heard(const std::string& deputy, time::SteadyTime now) const;
 
   bus::Bus& bus_;
   procman::Config config_;
@@ -61,11 +61,11 @@ class ProcessControl {
   std::string id_;  // ours as a sheriff, up to the time at which we begin
   std::map<std::string, Heard> heard_;
   std::string other_sheriff_;
-  std::int64_t other_heard_us_ = 0;
+  time::SteadyTime other_heard_{};
   std::optional<procman::Fleet> fleet_;  // while we are a sheriff
   std::map<std::string, procman::Wanted> open_;
-  std::int64_t leave_us_ = 0;
-  std::int64_t orders_due_us_ = 0;
+  time::SteadyTime leave_{};
+  time::SteadyTime orders_due_{};
 };
 
 }  // namespace nodmap::viewer

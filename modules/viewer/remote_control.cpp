@@ -91,7 +91,7 @@ Answer RemoteControl::do_stop(bool is_stopped) {
 
 Answer RemoteControl::do_save_maps() {
   nodmap::save_request_t message{};
-  message.utime = clock_.now_utime_us();
+  message.utime = time::to_utime(clock_.now());
   message.requested_by = kName;
   bus_.publish("SAVE_REQUEST", message);
   return {.ok = true, .text = "Maps are to be saved."};
@@ -132,20 +132,20 @@ void RemoteControl::on_map(const nodmap::grid_chunk_t& tile) {
 }
 
 void RemoteControl::turn() {
-  if (stop_.is_stopped != 0 && std::abs(clock_.now_utime_us() - stop_.utime) >= kRepeatUs) {
+  if (stop_.is_stopped != 0 && std::abs(time::to_utime(clock_.now()) - stop_.utime) >= kRepeatUs) {
     send_stop();
   }
 }
 
 void RemoteControl::send_stop() {
-  stop_.utime = clock_.now_utime_us();
+  stop_.utime = time::to_utime(clock_.now());
   ++stop_.stop_seq;
   bus_.publish("STOP", stop_);
 }
 
 void RemoteControl::send_goal(bool is_active, double x_m, double y_m, double tolerance_m) {
   nodmap::goal_t message{};
-  message.utime = clock_.now_utime_us();
+  message.utime = time::to_utime(clock_.now());
   message.goal_seq = goal_seq_++;
   message.is_active = static_cast<std::int8_t>(is_active);
   message.position_m[0] = x_m;

@@ -19,16 +19,19 @@ struct Place {
 /// When a command that runs is to be restarted for what it says in STATUS. The extension of our
 /// tools: written in comments that begin with `#nodmap:`, which the existing tools skip.
 struct HealthRule {
-  std::string status_name;              ///< process_name in STATUS; empty: the exec's program
-  std::optional<int> restart_silent_s;  ///< after so long without a STATUS
-  std::optional<int> restart_failed_s;  ///< after being FAILED for so long
-  std::optional<int> restart_mute_s;    ///< after writing nothing (stdout, stderr) for so long
+  std::string status_name;                ///< process_name in STATUS; empty: the exec's program
+  std::optional<int> restart_silent_s;    ///< after so long without a STATUS
+  std::optional<int> restart_failed_s;    ///< after being FAILED for so long
+  std::optional<int> restart_degraded_s;  ///< after being DEGRADED or FAILED for so long
+  std::optional<int> restart_mute_s;      ///< after writing nothing (stdout, stderr) for so long
 };
 
-/// How a command competes for the processor. An extension of our tools, as the health rules.
-struct Priority {
-  int nice = 0;      ///< 1 to 19: gives way to all others
-  int realtime = 0;  ///< 1 to 99: goes before all others (SCHED_RR)
+/// What of the host a command may take. An extension of our tools, as the health rules.
+struct Resources {
+  int nice = 0;           ///< 1 to 19: gives way to all others
+  int realtime = 0;       ///< 1 to 99: goes before all others (SCHED_RR)
+  int memory_mb = 0;      ///< most that each of its processes may allocate; 0: no limit
+  std::vector<int> cpus;  ///< the processors it may run on, from 0; empty: all
 };
 
 /// One command of the configuration.
@@ -44,7 +47,7 @@ struct Command {
   int stop_signal = kDefaultStopSignal;
   int stop_time_allowed_s = kDefaultStopTimeS;
   HealthRule health;
-  Priority priority;
+  Resources resources;
   Place place;
 };
 

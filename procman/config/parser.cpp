@@ -2,6 +2,7 @@
 #include "procman/config/parser.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <stdexcept>
 #include <utility>
 
@@ -15,6 +16,8 @@ namespace {
 constexpr int kMaxGroupDepth = 64;
 constexpr int kMaxSignal = 64;          // SIGRTMAX on Linux
 constexpr int kMaxSeconds = 24 * 3600;  // a longer grace time than a day is a slip of the pen
+constexpr int kMaxMegabytes = 1'000'000;
+constexpr int kMaxCpu = 1023;  // what sched_setaffinity's cpu_set_t can name
 constexpr int kMaxWaitMs = 24 * 3600 * 1000;
 
 /// Only "true" and "yes" do, in any case.
@@ -22,6 +25,45 @@ bool says_yes(std::string word) {
   std::transform(word.begin(), word.end(), word.begin(),
                  [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
   return word == "true" || word == "yes";
+}
+
+/// Processors as `taskset` writes them: "0,2-3".
+std::vector<int> parse_cpus(const std::string& text, Place place) {
+  const auto fail = [&] {
+    return SyntaxError(place, "\"" + text + "\" is no list of processors like 0,2-3");
+  };
+  std::vector<int> cpus;
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  const auto number = [&] {
+    int value = -1;
+    const auto [rest, error] = std::from_chars(at, end, value);
+    if (error != std::errc() || value < 0 || value > kMaxCpu) {
+      throw fail();
+    }
+    at = rest;
+    return value;
+  };
+  while (true) {
+    const int first = number();
+    int last = first;
+    if (at != end && *at == '-') {
+      ++at;
+      last = number();
+    }
+    if (last < first) {
+      throw fail();
+    }
+    for (int cpu = first; cpu <= last; ++cpu) {
+      cpus.push_back(cpu);
+    }
+    if (at == end) {
+      return cpus;
+    }
+    if (*at++ != ',') {
+      throw fail();
+    }
+  }
 }
 
 class Parser {
@@ -183,16 +225,25 @@ void Parser::parse_rule(Command& command) {
     command.health.restart_silent_s = reader_.expect_integer(2, kMaxSeconds);
   } else if (name == "restart_failed_s") {
     command.health.restart_failed_s = reader_.expect_integer(1, kMaxSeconds);
+  } else if (name == "restart_degraded_s") {
+    command.health.restart_degraded_s = reader_.expect_integer(1, kMaxSeconds);
   } else if (name == "restart_mute_s") {
     command.health.restart_mute_s = reader_.expect_integer(2, kMaxSeconds);
   } else if (name == "nice") {
-    command.priority.nice = reader_.expect_integer(1, 19);
+    command.resources.nice = reader_.expect_integer(1, 19);
   } else if (name == "realtime") {
-    command.priority.realtime = reader_.expect_integer(1, 99);
+    command.resources.realtime = reader_.expect_integer(1, 99);
+  } else if (name == "memory_mb") {
+    command.resources.memory_mb = reader_.expect_integer(1, kMaxMegabytes);
+  } else if (name == "cpus") {
+    const Place value_place = reader_.token().place;
+    command.resources.cpus =
+        parse_cpus(reader_.expect(TokenKind::kString, "a text in quotes"), value_place);
   } else {
     throw SyntaxError(place, "unrecognized rule " + name +
                                  " (status_name, restart_silent_s, "
-                                 "restart_failed_s, restart_mute_s, nice, realtime)");
+                                 "restart_failed_s, restart_degraded_s, restart_mute_s, nice, "
+                                 "realtime, memory_mb, cpus)");
   }
   reader_.expect(TokenKind::kSemicolon, "';'");
   reader_.expect_extension(false);

@@ -157,7 +157,7 @@ struct Launch {
   char* const* arguments;
   char* const* environment;
   pid_t parent;
-  Priority priority;
+  Resources resources;
 };
 
 void write_error(const char* text) noexcept {
@@ -167,13 +167,30 @@ void write_error(const char* text) noexcept {
 }
 
 /// Where the system refuses, the program runs as any other and its output says so.
-void take_priority(const Priority& priority) noexcept {
-  if (priority.nice != 0 && ::setpriority(PRIO_PROCESS, 0, priority.nice) != 0) {
+void take_resources(const Resources& resources) noexcept {
+  if (resources.nice != 0 && ::setpriority(PRIO_PROCESS, 0, resources.nice) != 0) {
     write_error("nodmap-deputy: cannot be nice\n");
   }
-  const sched_param realtime{priority.realtime};
-  if (priority.realtime != 0 && ::sched_setscheduler(0, SCHED_RR, &realtime) != 0) {
+  const sched_param realtime{resources.realtime};
+  if (resources.realtime != 0 && ::sched_setscheduler(0, SCHED_RR, &realtime) != 0) {
     write_error("nodmap-deputy: no right to real-time priority (see RLIMIT_RTPRIO)\n");
+  }
+  if (resources.memory_mb != 0) {
+    const rlim_t bytes = rlim_t{1'000'000} * static_cast<rlim_t>(resources.memory_mb);
+    const rlimit limit{bytes, bytes};
+    if (::setrlimit(RLIMIT_DATA, &limit) != 0) {
+      write_error("nodmap-deputy: cannot limit the memory\n");
+    }
+  }
+  if (!resources.cpus.empty()) {
+    cpu_set_t cpus;
+    CPU_ZERO(&cpus);
+    for (const int cpu : resources.cpus) {
+      CPU_SET(cpu, &cpus);
+    }
+    if (::sched_setaffinity(0, sizeof(cpus), &cpus) != 0) {
+      write_error("nodmap-deputy: this host has none of these cpus\n");
+    }
   }
 }
 
@@ -195,7 +212,7 @@ void take_priority(const Priority& priority) noexcept {
   ::dup2(fd, STDERR_FILENO);
   // LCM opens its sockets without CLOEXEC.
   ::close_range(STDERR_FILENO + 1, UINT_MAX, 0);
-  take_priority(launch.priority);
+  take_resources(launch.resources);
   struct sigaction standard {};
   standard.sa_handler = SIG_DFL;
   for (int signal = 1; signal < NSIG; ++signal) {
@@ -253,7 +270,7 @@ Child start_child(const Program& program) {
   const std::string file = find_program(words.at(0), program.search_path);
   Terminal terminal = open_terminal();
   const Launch launch{terminal.name.data(), file.c_str(), arguments.data(),
-                      environment.data(),   ::getpid(),   program.priority};
+                      environment.data(),   ::getpid(),   program.resources};
   // No signal may reach the child while it still has the deputy's ways to handle it.
   sigset_t all;
   sigset_t before;

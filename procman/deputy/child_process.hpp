@@ -51,7 +51,7 @@ struct Program {
   std::vector<std::string> arguments;    ///< the program first, looked up in `path` without a slash
   std::vector<std::string> environment;  ///< NAME=VALUE
   std::string search_path;               ///< folders, joined by ':'
-  Priority priority;
+  Resources resources;
 };
 
 struct Child {

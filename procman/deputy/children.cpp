@@ -80,7 +80,7 @@ Children::Children(const std::string& deputy_id, const std::string& own_folder)
 }
 
 pid_t Children::start(const std::string& id, const std::string& exec_line,
-                      const Priority& priority) {
+                      const Resources& resources) {
   const ExecLine exec = parse_exec_line(exec_line, own_variable);
   if (exec.arguments.empty()) {
     throw std::runtime_error("the exec names no program: " + exec_line);
@@ -88,7 +88,7 @@ pid_t Children::start(const std::string& id, const std::string& exec_line,
   Run run;
   run.mark = own_mark_ + std::to_string(++num_started_);
   Child child = start_child({exec.arguments, environment_of(exec, search_path_, run.mark),
-                             path_of(exec, search_path_), priority});
+                             path_of(exec, search_path_), resources});
   run.pid = child.pid;
   run.terminal = std::move(child.terminal);
   runs_.insert_or_assign(id, std::move(run));
@@ -147,14 +147,14 @@ void Children::kill_tree(const Run& run) const {
   }
 }
 
-void Children::collect_exits(std::int64_t now_us) {
+void Children::collect_exits(time::SteadyTime now) {
   int status = 0;
   pid_t pid = 0;
   while ((pid = ::waitpid(-1, &status, WNOHANG)) > 0) {
     for (auto& [id, run] : runs_) {
       if (run.pid == pid && !run.wait_status) {
         run.wait_status = status;
-        run.ended_us = now_us;
+        run.ended = now;
       }
     }
   }
@@ -175,8 +175,8 @@ bool Children::is_gone(Run& run) const {
   return tree(run, table).empty() && (!is_unclear || was_looked_at);
 }
 
-std::vector<Children::Ended> Children::reap(std::int64_t now_us) {
-  collect_exits(now_us);
+std::vector<Children::Ended> Children::reap(time::SteadyTime now) {
+  collect_exits(now);
   std::vector<Ended> ended;
   for (auto at = runs_.begin(); at != runs_.end();) {
     Run& run = at->second;
@@ -184,13 +184,13 @@ std::vector<Children::Ended> Children::reap(std::int64_t now_us) {
       ++at;
       continue;
     }
-    if (now_us < run.sweep_us) {
+    if (now < run.next_sweep) {
       ++at;
       continue;
     }
-    if (!is_gone(run) && now_us - run.ended_us < kMaxSweepUs) {
+    if (!is_gone(run) && now - run.ended < kMaxSweepTime) {
       kill_tree(run);
-      run.sweep_us = now_us + kSweepPeriodUs;
+      run.next_sweep = now + kSweepPeriod;
       ++at;
       continue;
     }
@@ -222,34 +222,32 @@ bool Children::read_some(const std::string& id, Run& run, const OutputHandler& h
   return true;
 }
 
-void Children::read_output(const OutputHandler& handler, std::int64_t now_us) {
+void Children::read_output(const OutputHandler& handler, time::SteadyTime now) {
   last_words_ = handler;
   for (auto& [id, run] : runs_) {
-    if (!run.hung_up && now_us >= run.next_read_us && read_some(id, run, handler)) {
-      run.next_read_us = now_us + kReadPeriodUs;
+    if (!run.hung_up && now >= run.next_read && read_some(id, run, handler)) {
+      run.next_read = now + kReadPeriod;
     }
   }
 }
 
-void Children::add_to_poll(std::vector<pollfd>& waiting, std::int64_t now_us) const {
+void Children::add_to_poll(std::vector<pollfd>& waiting, time::SteadyTime now) const {
   for (const auto& [id, run] : runs_) {
-    if (!run.hung_up && now_us >= run.next_read_us) {
+    if (!run.hung_up && now >= run.next_read) {
       waiting.push_back({run.terminal.get(), POLLIN, 0});
     }
   }
 }
 
-std::optional<std::int64_t> Children::due_us(std::int64_t now_us) const {
-  std::optional<std::int64_t> due;
-  const auto take = [&due](std::int64_t time_us) {
-    due = std::min(due.value_or(time_us), time_us);
-  };
+std::optional<time::SteadyTime> Children::due(time::SteadyTime now) const {
+  std::optional<time::SteadyTime> due;
+  const auto take = [&due](time::SteadyTime stamp) { due = std::min(due.value_or(stamp), stamp); };
   for (const auto& [id, run] : runs_) {
-    if (!run.hung_up && run.next_read_us > now_us) {  // later it is waited for by poll()
-      take(run.next_read_us);
+    if (!run.hung_up && run.next_read > now) {  // later it is waited for by poll()
+      take(run.next_read);
     }
     if (run.wait_status) {
-      take(run.sweep_us);
+      take(run.next_sweep);
     }
   }
   return due;

@@ -12,6 +12,7 @@
 #include <string_view>
 #include <vector>
 
+#include "common/geometry/time.hpp"
 #include "procman/deputy/child_process.hpp"
 #include "procman/deputy/process_table.hpp"
 
@@ -23,10 +24,10 @@ namespace nodmap::procman {
 class Children : boost::noncopyable {
  public:
   /// How long a killed tree may take to vanish before its command counts as ended anyway.
-  static constexpr std::int64_t kMaxSweepUs = 2'000'000;
-  static constexpr std::int64_t kSweepPeriodUs = 10'000;
+  static constexpr time::Duration kMaxSweepTime = 2s;
+  static constexpr time::Duration kSweepPeriod = 10ms;
   /// A terminal is read so often, and so much of it at once: what writes more waits for a moment.
-  static constexpr std::int64_t kReadPeriodUs = 10'000;
+  static constexpr time::Duration kReadPeriod = 10ms;
   static constexpr std::size_t kMaxReadBytes = std::size_t{64} * 1024;
 
   /// Prepends `own_folder` to the PATH of what is started.
@@ -36,7 +37,7 @@ class Children : boost::noncopyable {
 
   /// Starts an exec line for a command that does not run. Throws std::runtime_error.
   [[nodiscard]] pid_t start(const std::string& id, const std::string& exec,
-                            const Priority& priority);
+                            const Resources& resources);
 
   /// Sends a signal to a command and all that descends from it.
   void signal(const std::string& id, int signal);
@@ -47,16 +48,16 @@ class Children : boost::noncopyable {
   };
   /// Collects what has ended. A command is reported when nothing of its tree is left: what outlives
   /// its first process is killed.
-  [[nodiscard]] std::vector<Ended> reap(std::int64_t now_us);
+  [[nodiscard]] std::vector<Ended> reap(time::SteadyTime now);
 
   using OutputHandler = std::function<void(const std::string& id, std::string_view text)>;
   /// Reads what has been written, within the limits.
-  void read_output(const OutputHandler& handler, std::int64_t now_us);
+  void read_output(const OutputHandler& handler, time::SteadyTime now);
 
   /// What to wait on for output, now.
-  void add_to_poll(std::vector<pollfd>& waiting, std::int64_t now_us) const;
+  void add_to_poll(std::vector<pollfd>& waiting, time::SteadyTime now) const;
   /// When to come back even if nothing is to be read.
-  [[nodiscard]] std::optional<std::int64_t> due_us(std::int64_t now_us) const;
+  [[nodiscard]] std::optional<time::SteadyTime> due(time::SteadyTime now) const;
 
   /// Kills what belongs to a run that is over, should something have slipped away from it. To be
   /// called once in a while.
@@ -76,14 +77,14 @@ class Children : boost::noncopyable {
     std::string mark;
     Descriptor terminal;
     bool hung_up = false;
-    std::int64_t next_read_us = 0;
+    time::SteadyTime next_read{};
     std::optional<int> wait_status;  // the first process has ended
-    std::int64_t ended_us = 0;
-    std::int64_t sweep_us = 0;  // when its tree is looked at again
-    bool looked_at = false;     // and found empty, but for what was not clear
+    time::SteadyTime ended{};
+    time::SteadyTime next_sweep{};  // when its tree is looked at again
+    bool looked_at = false;         // and found empty, but for what was not clear
   };
 
-  void collect_exits(std::int64_t now_us);
+  void collect_exits(time::SteadyTime now);
   [[nodiscard]] bool is_first_process(pid_t pid) const;
   [[nodiscard]] bool is_orphan(const ProcessRow& row) const;
   [[nodiscard]] bool is_gone(Run& run) const;

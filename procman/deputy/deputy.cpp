@@ -10,6 +10,7 @@
 #include <chrono>
 #include <csignal>
 #include <filesystem>
+#include <set>
 #include <sstream>
 #include <system_error>
 #include <utility>
@@ -19,6 +20,7 @@
 #include "common/node/clock.hpp"
 #include "common/node/log.hpp"
 #include "common/node/status.hpp"
+#include "procman/config/config_watch.hpp"
 #include "procman/deputy/children.hpp"
 #include "procman/deputy/output_collector.hpp"
 #include "procman/deputy/supervisor.hpp"
@@ -28,17 +30,11 @@
 namespace nodmap::procman {
 namespace {
 
-constexpr std::int64_t kDiscoveryUs = 500'000;
-constexpr std::int64_t kDiscoverPeriodUs = 200'000;
-constexpr std::int64_t kInfoPeriodUs = 1'000'000;
-constexpr std::int64_t kLongestWaitUs = 200'000;
-
-// Time for periods and delays: goes on when the wall clock is set.
-std::int64_t steady_us() {
-  return std::chrono::duration_cast<std::chrono::microseconds>(
-             std::chrono::steady_clock::now().time_since_epoch())
-      .count();
-}
+constexpr time::Duration kDiscoveryTime = 500ms;
+constexpr time::Duration kDiscoverPeriod = 200ms;
+constexpr time::Duration kInfoPeriod = 1s;
+constexpr time::Duration kLongestWait = 200ms;
+constexpr time::Duration kConfigSettles = 500ms;
 
 /// Signals as readable events: no handler, hence nothing that a child could inherit between fork
 /// and exec. To be made before any thread.
@@ -71,8 +67,12 @@ class Deputy {
         children_(settings.id, own_folder()),
         supervisor_(settings.id, settings.trusts_orders),
         status_("nodmap-deputy", bus_, counts_, clock_),
-        nonce_((clock_.now_utime_us() << 22U) + ::getpid()),
-        started_us_(steady_us()) {}
+        nonce_((time::to_utime(clock_.now()) << 22U) + ::getpid()),
+        started_(time::steady_now()) {
+    if (!settings.config_file.empty()) {
+      config_watch_.emplace(settings.config_file, kConfigSettles, started_);
+    }
+  }
 
   int run() {
     subscribe();
@@ -80,12 +80,13 @@ class Deputy {
     while (!exit_code_) {
       wait();
       handle_signals();
-      bus_.handle(std::chrono::milliseconds(0));  // bounded: a flood of orders keeps nobody waiting
+      reload_config();
+      bus_.handle(0ms);  // bounded: a flood of orders keeps nobody waiting
       work();
     }
     Children::kill_everything();  // before the last words, so that they are true
-    while (const auto due_us = output_.due_us()) {
-      publish_output(*due_us);  // the last words, due or not
+    while (const auto due = output_.due()) {
+      publish_output(*due);  // the last words, due or not
     }
     return *exit_code_;
   }
@@ -94,19 +95,21 @@ class Deputy {
   void subscribe();
   void wait();
   void handle_signals();
+  void reload_config();
   void work();
-  void work_discovery(std::int64_t now_us);
-  void begin_service(std::int64_t now_us);
+  void work_discovery(time::SteadyTime now);
+  void begin_service(time::SteadyTime now);
   void meet(const Discovery& discovery);
   void repeat_last_words();
   void log_end(const Children::Ended& end);
   void carry_out(const SupervisorActions& actions);
   void start(const StartCommand& action);
-  void publish_output(std::int64_t now_us);
+  void publish_output(time::SteadyTime now);
   void publish_info();
   [[nodiscard]] std::vector<pid_t> pids() const;
 
   DeputySettings settings_;
+  std::optional<ConfigWatch> config_watch_;
   Descriptor signals_;
   time::SystemClock clock_;
   node::MessageCounts counts_;
@@ -117,9 +120,9 @@ class Deputy {
   SystemLoad load_;
   node::StatusReporter status_;
   std::int64_t nonce_;
-  std::int64_t started_us_;
-  std::int64_t discover_due_us_ = 0;
-  std::int64_t info_due_us_ = 0;
+  time::SteadyTime started_;
+  time::SteadyTime discover_due_{};
+  time::SteadyTime info_due_{};
   bool serving_ = false;
   bool info_changed_ = false;
   std::optional<int> exit_code_;
@@ -137,13 +140,12 @@ void Deputy::subscribe() {
   bus_.subscribe<procman_lcm::orders_t>(kOrdersChannel, [this](const auto& message) {
     if (serving_) {
       counts_.use();
-      // No stamp of ours is negative; the difference must not overflow.
-      const std::int64_t age_us = clock_.now_utime_us() - std::max<std::int64_t>(0, message.utime);
+      const time::Duration age = clock_.now() - time::from_utime(message.utime);
       if (message.ncmds > static_cast<int>(Supervisor::kMaxCommands)) {
         counts_.reject("too_many_commands");
         return;
       }
-      carry_out(supervisor_.take_orders(from_message(message), age_us, steady_us()));
+      carry_out(supervisor_.take_orders(from_message(message), age, time::steady_now()));
     }
   });
 }
@@ -167,22 +169,21 @@ void Deputy::meet(const Discovery& discovery) {
 void Deputy::repeat_last_words() {
   for (const CommandStatus& status : supervisor_.statuses()) {
     if (status.pid == 0) {
-      output_.repeat(status.spec.id, steady_us());
+      output_.repeat(status.spec.id, time::steady_now());
     }
   }
 }
 
 void Deputy::wait() {
-  const std::int64_t now_us = steady_us();
+  const time::SteadyTime now = time::steady_now();
   std::vector<pollfd> waiting{{signals_.get(), POLLIN, 0}, {bus_.poll_handle(), POLLIN, 0}};
-  children_.add_to_poll(waiting, now_us);
-  std::int64_t due_us = now_us + kLongestWaitUs;
-  for (const auto& due : {supervisor_.next_due_us(), output_.due_us(), children_.due_us(now_us)}) {
-    due_us = std::min(due_us, due.value_or(due_us));
+  children_.add_to_poll(waiting, now);
+  time::SteadyTime next = std::min(now + kLongestWait, serving_ ? info_due_ : discover_due_);
+  for (const auto& due : {supervisor_.next_due(), output_.due(), children_.due(now)}) {
+    next = std::min(next, due.value_or(next));
   }
-  due_us = std::min(due_us, serving_ ? info_due_us_ : discover_due_us_);
-  const std::int64_t wait_us = std::max<std::int64_t>(0, due_us - now_us);
-  ::poll(waiting.data(), waiting.size(), static_cast<int>((wait_us + 999) / 1000));
+  const auto timeout = std::chrono::ceil<std::chrono::milliseconds>(std::max(next, now) - now);
+  ::poll(waiting.data(), waiting.size(), static_cast<int>(timeout.count()));
 }
 
 void Deputy::handle_signals() {
@@ -193,31 +194,49 @@ void Deputy::handle_signals() {
     }
     log::get().info("signal {}: stopping everything{}", info.ssi_signo,
                     supervisor_.is_shutting_down() ? ", at once" : "");
-    carry_out(supervisor_.shut_down(steady_us()));
+    carry_out(supervisor_.shut_down(time::steady_now()));
+  }
+}
+
+/// What runs goes on: the sheriff says what is to become of it.
+void Deputy::reload_config() {
+  const auto parsed = config_watch_ ? config_watch_->poll(time::steady_now()) : std::nullopt;
+  if (!parsed) {
+    return;
+  }
+  for (const ConfigError& error : parsed->errors) {
+    log::get().error("{} (going on as before)", describe(settings_.config_file, error));
+  }
+  if (parsed->errors.empty()) {
+    const bool names_any = allow(settings_, parsed->config);
+    log::get().info("{} was edited{}", settings_.config_file,
+                    names_any ? "" : " and names no command for this deputy any more");
   }
 }
 
 void Deputy::work() {
-  const std::int64_t now_us = steady_us();
+  const time::SteadyTime now = time::steady_now();
   children_.read_output(
-      [this](const std::string& id, std::string_view text) { output_.add(id, text, steady_us()); },
-      now_us);
-  for (const Children::Ended& end : children_.reap(now_us)) {
+      [this](const std::string& id, std::string_view text) {
+        output_.add(id, text, time::steady_now());
+      },
+      now);
+  for (const Children::Ended& end : children_.reap(now)) {
     log_end(end);
-    carry_out(supervisor_.ended(end.id, end.wait_status, now_us));
+    carry_out(supervisor_.ended(end.id, end.wait_status, now));
   }
-  carry_out(supervisor_.poll(now_us));
+  carry_out(supervisor_.poll(now));
   if (!serving_) {
-    work_discovery(now_us);
-  } else if (info_changed_ || now_us >= info_due_us_) {
-    if (now_us >= info_due_us_) {
+    work_discovery(now);
+  } else if (info_changed_ || now >= info_due_) {
+    if (now >= info_due_) {
       load_.sample(pids());
       children_.kill_strays();
-      info_due_us_ = std::max(info_due_us_ + kInfoPeriodUs, now_us);
+      info_due_ = std::max(info_due_ + kInfoPeriod, now);
     }
     publish_info();
   }
-  publish_output(now_us);
+  publish_output(now);
   node::Health health;
   health.needs_messages = false;  // a deputy without a sheriff is well
   status_.publish_if_due(health);
@@ -240,30 +259,29 @@ void Deputy::log_end(const Children::Ended& end) {
   }
 }
 
-void Deputy::work_discovery(std::int64_t now_us) {
-  if (now_us >= started_us_ + kDiscoveryUs && discover_due_us_ != 0) {
-    begin_service(now_us);
-  } else if (now_us >= discover_due_us_) {
-    discover_due_us_ = now_us + kDiscoverPeriodUs;
-    bus_.publish(kDiscoverChannel,
-                 to_message(Discovery{clock_.now_utime_us(), settings_.id, nonce_}));
+void Deputy::work_discovery(time::SteadyTime now) {
+  if (now >= started_ + kDiscoveryTime && discover_due_ != time::SteadyTime{}) {
+    begin_service(now);
+  } else if (now >= discover_due_) {
+    discover_due_ = now + kDiscoverPeriod;
+    bus_.publish(kDiscoverChannel, to_message(Discovery{clock_.now(), settings_.id, nonce_}));
   }
 }
 
-void Deputy::begin_service(std::int64_t now_us) {
+void Deputy::begin_service(time::SteadyTime now) {
   const int leftovers = children_.kill_leftovers();
   if (leftovers > 0) {
     log::get().warn("killed {} processes that a killed deputy had left behind", leftovers);
   }
   serving_ = true;
-  info_due_us_ = now_us;
+  info_due_ = now;
   log::get().info("serving");
 }
 
 void Deputy::carry_out(const SupervisorActions& actions) {
   for (const SupervisorAction& action : actions) {
     if (const auto* say = std::get_if<WriteOutput>(&action)) {
-      output_.add(say->id, say->text, steady_us());
+      output_.add(say->id, say->text, time::steady_now());
     } else if (const auto* signal = std::get_if<SignalCommand>(&action)) {
       log::get().info("{}: signal {}", signal->id, signal->signal);
       children_.signal(signal->id, signal->signal);
@@ -279,27 +297,28 @@ void Deputy::carry_out(const SupervisorActions& actions) {
 }
 
 void Deputy::start(const StartCommand& action) {
-  const std::int64_t now_us = steady_us();
+  const time::SteadyTime now = time::steady_now();
   if (!settings_.may_run(action.exec)) {
     log::get().warn("{}: refused: {}", action.id, action.exec);
     counts_.reject("not_allowed");
-    carry_out(supervisor_.not_started(action.id, settings_.refusal, now_us));
+    carry_out(supervisor_.not_started(action.id, settings_.refusal, now));
     return;
   }
   try {
-    const Priority priority = settings_.priority_of ? settings_.priority_of(action.id) : Priority{};
-    const pid_t pid = children_.start(action.id, action.exec, priority);
-    supervisor_.started(action.id, pid, now_us);
+    const Resources resources =
+        settings_.resources_of ? settings_.resources_of(action.id) : Resources{};
+    const pid_t pid = children_.start(action.id, action.exec, resources);
+    supervisor_.started(action.id, pid, now);
     log::get().info("{} started (pid {})", action.id, pid);
     info_changed_ = true;
   } catch (const std::exception& error) {
     log::get().error("{}: {}", action.id, error.what());
-    carry_out(supervisor_.not_started(action.id, error.what(), now_us));
+    carry_out(supervisor_.not_started(action.id, error.what(), now));
   }
 }
 
-void Deputy::publish_output(std::int64_t now_us) {
-  Output output{clock_.now_utime_us(), settings_.id, output_.take(now_us)};
+void Deputy::publish_output(time::SteadyTime now) {
+  Output output{clock_.now(), settings_.id, output_.take(now)};
   if (!output.outputs.empty()) {
     bus_.publish(kOutputChannel, to_message(output));
   }
@@ -308,7 +327,7 @@ void Deputy::publish_output(std::int64_t now_us) {
 void Deputy::publish_info() {
   info_changed_ = false;
   DeputyInfo info;
-  info.utime_us = clock_.now_utime_us();
+  info.stamp = clock_.now();
   info.deputy_id = settings_.id;
   load_.describe_host(info);
   info.commands = supervisor_.statuses();
@@ -329,6 +348,24 @@ std::vector<pid_t> Deputy::pids() const {
 }
 
 }  // namespace
+
+bool allow(DeputySettings& settings, const Config& config) {
+  std::set<std::string> allowed;
+  for (const Command& command : config.commands) {
+    if (command.deputy == settings.id) {
+      allowed.insert(command.exec);
+    }
+  }
+  const bool is_any = !allowed.empty();
+  settings.may_run = [allowed = std::move(allowed)](const std::string& exec) {
+    return allowed.contains(exec);
+  };
+  settings.resources_of = [config](const std::string& id) {
+    const Command* command = config.find_command(id);
+    return command == nullptr ? Resources{} : command->resources;
+  };
+  return is_any;
+}
 
 int run_deputy(const DeputySettings& settings) {
   return Deputy(settings).run();

@@ -15,9 +15,15 @@ struct DeputySettings {
   std::function<bool(const std::string& exec)> may_run;
   std::string refusal;         ///< why not, for who ordered it
   bool trusts_orders = false;  ///< see Supervisor
-  /// How a command is to compete for the processor; null: as the deputy does.
-  std::function<Priority(const std::string& id)> priority_of;
+  /// Where `may_run` and `resources_of` are from; read anew whenever it was edited. Empty: nowhere.
+  std::string config_file;
+  /// What a command may take of the host; null: as much as the deputy.
+  std::function<Resources(const std::string& id)> resources_of;
 };
+
+/// Lets run what `config` names for the deputy, with the resources it says. Whether that is
+/// anything.
+bool allow(DeputySettings& settings, const Config& config);
 
 /// Serves until SIGINT, SIGTERM, SIGHUP or SIGQUIT. Returns the exit code: 0 after a clean end, 1
 /// when another deputy of this name is being started, 2 when there is one. Throws

@@ -63,21 +63,11 @@ DeputySettings settings_of(const Options& options) {
     settings.trusts_orders = true;
     return settings;
   }
-  std::set<std::string> allowed;
-  for (const Command& command : config.commands) {
-    if (command.deputy == settings.id) {
-      allowed.insert(command.exec);
-    }
-  }
-  if (allowed.empty()) {
+  settings.config_file = options.config;
+  if (!allow(settings, config)) {
     throw node::UsageError(options.config + " names no command for the deputy " + settings.id +
                            " (--id)");
   }
-  settings.may_run = [allowed](const std::string& exec) { return allowed.contains(exec); };
-  settings.priority_of = [config](const std::string& id) {
-    const Command* command = config.find_command(id);
-    return command == nullptr ? Priority{} : command->priority;
-  };
   settings.refusal = "nodmap-deputy: refused: " + options.config +
                      " names no such exec for the deputy " + settings.id;
   return settings;

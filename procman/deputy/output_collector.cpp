@@ -7,29 +7,29 @@
 
 namespace nodmap::procman {
 
-std::size_t TokenBucket::take(std::size_t wanted, std::int64_t now_us) {
-  const std::int64_t elapsed_us = now_us - filled_us_.value_or(now_us);
-  filled_us_ = now_us;
-  tokens_ = std::min(burst_bytes_, tokens_ + bytes_per_s_ * static_cast<double>(elapsed_us) * 1e-6);
+std::size_t TokenBucket::take(std::size_t wanted, time::SteadyTime now) {
+  const time::Duration elapsed = now - filled_.value_or(now);
+  filled_ = now;
+  tokens_ = std::min(burst_bytes_, tokens_ + bytes_per_s_ * time::seconds(elapsed));
   const std::size_t taken = std::min(wanted, static_cast<std::size_t>(std::max(0.0, tokens_)));
   tokens_ -= static_cast<double>(taken);
   return taken;
 }
 
-void OutputCollector::add(const std::string& id, std::string_view text, std::int64_t now_us) {
+void OutputCollector::add(const std::string& id, std::string_view text, time::SteadyTime now) {
   // Orders may name commands without end: those over the limit are limited together.
   const bool is_too_many = streams_.size() >= kMaxStreams && !streams_.contains(id);
   const std::string& name = is_too_many ? std::string() : id;
   Stream& stream = streams_[name];
   stream.is_forgotten = false;
   keep_newest(stream.recent, text);
-  pass(name, stream, text, now_us);
+  pass(name, stream, text, now);
 }
 
-void OutputCollector::repeat(const std::string& id, std::int64_t now_us) {
+void OutputCollector::repeat(const std::string& id, time::SteadyTime now) {
   const auto found = streams_.find(id);
   if (found != streams_.end()) {
-    pass(id, found->second, std::string(found->second.recent), now_us);
+    pass(id, found->second, std::string(found->second.recent), now);
   }
 }
 
@@ -39,12 +39,12 @@ std::string_view OutputCollector::recent(const std::string& id) const {
 }
 
 void OutputCollector::pass(const std::string& name, Stream& stream, std::string_view text,
-                           std::int64_t now_us) {
-  if (stream.release_us) {
+                           time::SteadyTime now) {
+  if (stream.release) {
     hold(stream, text);
     return;
   }
-  std::size_t passing = take_tokens(stream, text.size(), now_us);
+  std::size_t passing = take_tokens(stream, text.size(), now);
   if (passing < text.size()) {
     // Up to the end of a line; of a line that is longer than that as much as passes.
     const std::size_t line_end = text.substr(0, passing).rfind('\n');
@@ -52,7 +52,7 @@ void OutputCollector::pass(const std::string& name, Stream& stream, std::string_
     stream.bucket.give_back(passing - whole_lines);
     total_.give_back(passing - whole_lines);
     passing = whole_lines;
-    stream.release_us = now_us + kHoldUs;
+    stream.release = now + kHoldTime;
     hold(stream, text.substr(passing));
   }
   if (passing > 0) {
@@ -61,9 +61,9 @@ void OutputCollector::pass(const std::string& name, Stream& stream, std::string_
   }
 }
 
-std::size_t OutputCollector::take_tokens(Stream& stream, std::size_t wanted, std::int64_t now_us) {
-  const std::size_t of_command = stream.bucket.take(wanted, now_us);
-  const std::size_t passing = total_.take(of_command, now_us);
+std::size_t OutputCollector::take_tokens(Stream& stream, std::size_t wanted, time::SteadyTime now) {
+  const std::size_t of_command = stream.bucket.take(wanted, now);
+  const std::size_t passing = total_.take(of_command, now);
   stream.bucket.give_back(of_command - passing);
   return passing;
 }
@@ -92,7 +92,7 @@ void OutputCollector::hold(Stream& stream, std::string_view text) {
 
 void OutputCollector::forget(const std::string& id) {
   const auto found = streams_.find(id);
-  if (found != streams_.end() && found->second.release_us) {
+  if (found != streams_.end() && found->second.release) {
     found->second.is_forgotten = true;
   } else if (found != streams_.end()) {
     streams_.erase(found);
@@ -100,18 +100,18 @@ void OutputCollector::forget(const std::string& id) {
 }
 
 /// Publishes the newest lines of those that were held back long enough.
-void OutputCollector::release(std::int64_t now_us) {
+void OutputCollector::release(time::SteadyTime now) {
   for (auto at = streams_.begin(); at != streams_.end();) {
     auto& [id, stream] = *at;
-    if (!stream.release_us || now_us < *stream.release_us) {
+    if (!stream.release || now < *stream.release) {
       ++at;
       continue;
     }
-    const std::size_t passing = take_tokens(stream, stream.tail.size(), now_us);
+    const std::size_t passing = take_tokens(stream, stream.tail.size(), now);
     if (passing < stream.tail.size()) {
       stream.bucket.give_back(passing);
       total_.give_back(passing);
-      stream.release_us = now_us + kHoldUs;
+      stream.release = now + kHoldTime;
       ++at;
       continue;
     }
@@ -122,7 +122,7 @@ void OutputCollector::release(std::int64_t now_us) {
     }
     stream.is_line_open = !stream.tail.ends_with('\n');
     append(id, std::exchange(stream.tail, {}));
-    stream.release_us.reset();
+    stream.release.reset();
     at = stream.is_forgotten ? streams_.erase(at) : std::next(at);
   }
 }
@@ -143,13 +143,13 @@ void OutputCollector::append(const std::string& id, std::string_view text) {
   pending_bytes_ += found->text.size() - before;
 }
 
-std::vector<CommandOutput> OutputCollector::take(std::int64_t now_us) {
-  release(now_us);
+std::vector<CommandOutput> OutputCollector::take(time::SteadyTime now) {
+  release(now);
   const bool is_prompt = pending_bytes_ > kPromptBytes && !is_rest_;
-  if (pending_.empty() || (now_us - published_us_ < kPeriodUs && !is_prompt)) {
+  if (pending_.empty() || (now - published_ < kPeriod && !is_prompt)) {
     return {};
   }
-  published_us_ = now_us;
+  published_ = now;
   std::vector<CommandOutput> message = take_front(kMaxMessageBytes);
   is_rest_ = !pending_.empty();
   return message;
@@ -178,14 +178,14 @@ std::vector<CommandOutput> OutputCollector::take_front(std::size_t room) {
   return front;
 }
 
-std::optional<std::int64_t> OutputCollector::due_us() const {
-  std::optional<std::int64_t> due;
+std::optional<time::SteadyTime> OutputCollector::due() const {
+  std::optional<time::SteadyTime> due;
   if (!pending_.empty()) {
-    due = published_us_ + kPeriodUs;
+    due = published_ + kPeriod;
   }
   for (const auto& [id, stream] : streams_) {
-    if (stream.release_us) {
-      due = std::min(due.value_or(*stream.release_us), *stream.release_us);
+    if (stream.release) {
+      due = std::min(due.value_or(*stream.release), *stream.release);
     }
   }
   return due;

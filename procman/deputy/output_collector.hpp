@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "common/geometry/time.hpp"
 #include "procman/protocol/values.hpp"
 
 namespace nodmap::procman {
@@ -19,7 +20,7 @@ class TokenBucket {
       : bytes_per_s_(bytes_per_s), burst_bytes_(burst_bytes), tokens_(burst_bytes) {}
 
   /// How many of `wanted` may pass now.
-  [[nodiscard]] std::size_t take(std::size_t wanted, std::int64_t now_us);
+  [[nodiscard]] std::size_t take(std::size_t wanted, time::SteadyTime now);
   /// Gives back what was taken and not used.
   void give_back(std::size_t bytes) { tokens_ += static_cast<double>(bytes); }
 
@@ -27,7 +28,7 @@ class TokenBucket {
   double bytes_per_s_;
   double burst_bytes_;
   double tokens_;
-  std::optional<std::int64_t> filled_us_;
+  std::optional<time::SteadyTime> filled_;
 };
 
 /// Gathers what commands write into messages: one at most each 10 ms unless more than 4 KiB wait,
@@ -38,7 +39,7 @@ class TokenBucket {
 /// every line arrives whole, and the last line of a command always does.
 class OutputCollector {
  public:
-  static constexpr std::int64_t kPeriodUs = 10'000;
+  static constexpr time::Duration kPeriod = 10ms;
   static constexpr std::size_t kPromptBytes = 4096;
   /// A message stays below LCM's 64 KiB for one datagram; the rest of a burst follows it each 10
   /// ms.
@@ -50,23 +51,23 @@ class OutputCollector {
   static constexpr double kTotalBytesPerS = 512.0 * 1024.0;
   static constexpr double kTotalBurstBytes = 1024.0 * 1024.0;
   static constexpr std::size_t kMaxStreams = 10'000;
-  static constexpr std::int64_t kHoldUs = 1'000'000;
+  static constexpr time::Duration kHoldTime = 1s;
   /// Of a command that is held back, or has ended; some fifty lines.
   static constexpr std::size_t kTailBytes = 4096;
 
   /// What a command wrote; with the empty id what the deputy says.
-  void add(const std::string& id, std::string_view text, std::int64_t now_us);
+  void add(const std::string& id, std::string_view text, time::SteadyTime now);
 
   /// Publishes the newest lines of a command once more, for who was not there to hear them.
-  void repeat(const std::string& id, std::int64_t now_us);
+  void repeat(const std::string& id, time::SteadyTime now);
   /// Those lines; empty where nothing was written.
   [[nodiscard]] std::string_view recent(const std::string& id) const;
 
   /// What is to be published now, if anything.
-  [[nodiscard]] std::vector<CommandOutput> take(std::int64_t now_us);
+  [[nodiscard]] std::vector<CommandOutput> take(time::SteadyTime now);
 
   /// When take() will next have something.
-  [[nodiscard]] std::optional<std::int64_t> due_us() const;
+  [[nodiscard]] std::optional<time::SteadyTime> due() const;
 
   /// Bytes dropped so far, of all commands.
   [[nodiscard]] std::int64_t dropped_bytes() const { return dropped_bytes_; }
@@ -78,20 +79,20 @@ class OutputCollector {
   /// What one command writes.
   struct Stream {
     TokenBucket bucket{kCommandBytesPerS, kCommandBurstBytes};
-    std::optional<std::int64_t> release_us;  // it is held back until then
-    std::string tail;                        // the newest lines since it is held back
-    std::string recent;                      // the newest lines of all
-    std::int64_t dropped_bytes = 0;          // before the tail, and not yet reported
-    bool is_line_open = false;               // what has passed ends within a line
+    std::optional<time::SteadyTime> release;  // it is held back until then
+    std::string tail;                         // the newest lines since it is held back
+    std::string recent;                       // the newest lines of all
+    std::int64_t dropped_bytes = 0;           // before the tail, and not yet reported
+    bool is_line_open = false;                // what has passed ends within a line
     bool is_forgotten = false;
   };
 
   /// How many of `wanted` bytes of a stream may pass now, by its own limit and the common one.
-  [[nodiscard]] std::size_t take_tokens(Stream& stream, std::size_t wanted, std::int64_t now_us);
-  void pass(const std::string& name, Stream& stream, std::string_view text, std::int64_t now_us);
+  [[nodiscard]] std::size_t take_tokens(Stream& stream, std::size_t wanted, time::SteadyTime now);
+  void pass(const std::string& name, Stream& stream, std::string_view text, time::SteadyTime now);
   static std::size_t keep_newest(std::string& tail, std::string_view text);
   void hold(Stream& stream, std::string_view text);
-  void release(std::int64_t now_us);
+  void release(time::SteadyTime now);
   void append(const std::string& id, std::string_view text);
   [[nodiscard]] std::vector<CommandOutput> take_front(std::size_t room);
 
@@ -101,7 +102,7 @@ class OutputCollector {
   std::size_t pending_bytes_ = 0;
   bool is_rest_ = false;  // what is pending did not fit into the message before
   std::int64_t dropped_bytes_ = 0;
-  std::int64_t published_us_ = 0;
+  time::SteadyTime published_{};
 };
 
 }  // namespace nodmap::procman

@@ -26,26 +26,26 @@ bool is_end(int signal) {
 
 }  // namespace
 
-SupervisorActions Supervisor::take_orders(const Orders& orders, std::int64_t age_us,
-                                          std::int64_t now_us) {
+SupervisorActions Supervisor::take_orders(const Orders& orders, time::Duration age,
+                                          time::SteadyTime now) {
   SupervisorActions actions;
   if (shutting_down_ || orders.deputy_id != deputy_id_ || orders.commands.size() > kMaxCommands) {
     return actions;
   }
-  if (age_us > kMaxOrdersAgeUs) {
+  if (age > kMaxOrdersAge) {
     for (const CommandOrder& order : orders.commands) {
-      actions.emplace_back(WriteOutput{
-          order.spec.id, "ignoring stale orders (utime " + std::to_string(age_us / 1'000'000) +
-                             " seconds ago). You may want to check the system "
-                             "clocks!\n"});
+      actions.emplace_back(
+          WriteOutput{order.spec.id, "ignoring stale orders (utime " + std::to_string(age / 1s) +
+                                         " seconds ago). You may want to check the system "
+                                         "clocks!\n"});
     }
     return actions;
   }
   for (const CommandOrder& order : orders.commands) {
-    carry_out(order, now_us, actions);
+    carry_out(order, now, actions);
   }
   if (trusts_orders_) {
-    remove_missing(orders, now_us, actions);
+    remove_missing(orders, now, actions);
   }
   if (!actions.empty()) {
     actions.emplace_back(PublishInfo{});
@@ -53,7 +53,7 @@ SupervisorActions Supervisor::take_orders(const Orders& orders, std::int64_t age
   return actions;
 }
 
-void Supervisor::carry_out(const CommandOrder& order, std::int64_t now_us,
+void Supervisor::carry_out(const CommandOrder& order, time::SteadyTime now,
                            SupervisorActions& actions) {
   const auto [found, is_new] = commands_.try_emplace(order.spec.id);
   Entry& entry = found->second;
@@ -63,14 +63,14 @@ void Supervisor::carry_out(const CommandOrder& order, std::int64_t now_us,
   entry.removed = false;
   entry.wanted = !order.force_quit;
   if (!entry.wanted) {
-    entry.respawn_us.reset();
+    entry.respawn_due.reset();
   }
   const bool runs = entry.pid != 0;
   if (!runs && entry.wanted && entry.actual_run != order.desired_run) {
-    start(entry, order.desired_run, now_us, actions);
+    start(entry, order.desired_run, now, actions);
   } else if (runs &&
              (!entry.wanted || (order.desired_run != entry.actual_run && order.desired_run != 0))) {
-    stop(entry, now_us, actions);
+    stop(entry, now, actions);
   } else if (order.desired_run != 0) {
     entry.actual_run = order.desired_run;
   }
@@ -101,7 +101,7 @@ bool Supervisor::update_spec(Entry& entry, const CommandSpec& spec) {
   return true;
 }
 
-void Supervisor::remove_missing(const Orders& orders, std::int64_t now_us,
+void Supervisor::remove_missing(const Orders& orders, time::SteadyTime now,
                                 SupervisorActions& actions) {
   std::set<std::string_view> ordered;
   for (const CommandOrder& order : orders.commands) {
@@ -115,7 +115,7 @@ void Supervisor::remove_missing(const Orders& orders, std::int64_t now_us,
     } else if (entry.pid != 0) {
       entry.removed = true;
       entry.wanted = false;
-      stop(entry, now_us, actions);
+      stop(entry, now, actions);
       ++at;
     } else {
       actions.emplace_back(ForgetCommand{at->first});
@@ -124,46 +124,46 @@ void Supervisor::remove_missing(const Orders& orders, std::int64_t now_us,
   }
 }
 
-void Supervisor::start(Entry& entry, std::int32_t run, std::int64_t now_us,
+void Supervisor::start(Entry& entry, std::int32_t run, time::SteadyTime now,
                        SupervisorActions& actions) {
-  entry.respawn_us.reset();
-  entry.started_us = now_us;
+  entry.respawn_due.reset();
+  entry.started = now;
   entry.actual_run = run;
   entry.wait_status = 0;
-  entry.kill_us.reset();
+  entry.kill_due.reset();
   actions.emplace_back(StartCommand{entry.spec.id, entry.spec.exec});
 }
 
-void Supervisor::stop(Entry& entry, std::int64_t now_us, SupervisorActions& actions) {
+void Supervisor::stop(Entry& entry, time::SteadyTime now, SupervisorActions& actions) {
   entry.wanted = false;  // until an order says otherwise: what is being stopped does not respawn
-  entry.respawn_us.reset();
-  if (entry.kill_us) {
+  entry.respawn_due.reset();
+  if (entry.kill_due) {
     return;  // it stops already, and poll() sees to its end
   }
-  entry.kill_us = now_us + static_cast<std::int64_t>(entry.spec.stop_time_allowed_s * 1e6);
+  entry.kill_due = now + time::from_seconds(entry.spec.stop_time_allowed_s);
   actions.emplace_back(SignalCommand{entry.spec.id, entry.spec.stop_signal});
 }
 
-void Supervisor::started(const std::string& id, std::int32_t pid, std::int64_t now_us) {
+void Supervisor::started(const std::string& id, std::int32_t pid, time::SteadyTime now) {
   Entry& entry = commands_.at(id);
   entry.pid = pid;
-  entry.started_us = now_us;
+  entry.started = now;
 }
 
 SupervisorActions Supervisor::not_started(const std::string& id, const std::string& reason,
-                                          std::int64_t now_us) {
+                                          time::SteadyTime now) {
   SupervisorActions actions{WriteOutput{id, reason + "\n"}};
-  SupervisorActions end = ended(id, kCannotRun, now_us);
+  SupervisorActions end = ended(id, kCannotRun, now);
   actions.insert(actions.end(), end.begin(), end.end());
   return actions;
 }
 
-SupervisorActions Supervisor::ended(const std::string& id, int wait_status, std::int64_t now_us) {
+SupervisorActions Supervisor::ended(const std::string& id, int wait_status, time::SteadyTime now) {
   SupervisorActions actions;
   Entry& entry = commands_.at(id);
   entry.pid = 0;
   entry.wait_status = wait_status;
-  entry.kill_us.reset();
+  entry.kill_due.reset();
   if (WIFSIGNALED(wait_status)) {
     const char* name = ::sigdescr_np(WTERMSIG(wait_status));
     const std::string unknown = "Signal " + std::to_string(WTERMSIG(wait_status));
@@ -176,42 +176,42 @@ SupervisorActions Supervisor::ended(const std::string& id, int wait_status, std:
     actions.emplace_back(ForgetCommand{id});
     commands_.erase(id);
   } else if (entry.spec.auto_respawn && entry.wanted && !shutting_down_) {
-    schedule_respawn(entry, now_us);
+    schedule_respawn(entry, now);
   }
   actions.emplace_back(PublishInfo{});
   return actions;
 }
 
 /// What lives shorter than a second comes back ever later; each second of life forgives.
-void Supervisor::schedule_respawn(Entry& entry, std::int64_t now_us) {
-  const std::int64_t lived_us = now_us - entry.started_us;
-  const auto halvings = std::clamp<std::int64_t>(lived_us / kMaxRespawnDelayUs, 0, 30);
-  entry.respawn_delay_us = std::max(kMinRespawnDelayUs, entry.respawn_delay_us >> halvings);
-  entry.respawn_us = now_us + entry.respawn_delay_us;
+void Supervisor::schedule_respawn(Entry& entry, time::SteadyTime now) {
+  const time::Duration lived = now - entry.started;
+  const auto halvings = std::clamp<std::int64_t>(lived / kMaxRespawnDelay, 0, 30);
+  entry.respawn_delay = std::max(kMinRespawnDelay, entry.respawn_delay / (1 << halvings));
+  entry.respawn_due = now + entry.respawn_delay;
   if (halvings == 0) {
-    entry.respawn_delay_us = std::min(kMaxRespawnDelayUs, 2 * entry.respawn_delay_us);
+    entry.respawn_delay = std::min(kMaxRespawnDelay, 2 * entry.respawn_delay);
   }
 }
 
-SupervisorActions Supervisor::poll(std::int64_t now_us) {
+SupervisorActions Supervisor::poll(time::SteadyTime now) {
   SupervisorActions actions;
   for (auto& [id, entry] : commands_) {
-    if (entry.kill_us && *entry.kill_us <= now_us) {
-      entry.kill_us = now_us + kKillPeriodUs;
+    if (entry.kill_due && *entry.kill_due <= now) {
+      entry.kill_due = now + kKillPeriod;
       actions.emplace_back(SignalCommand{id, SIGKILL});
     }
-    if (entry.respawn_us && *entry.respawn_us <= now_us) {
-      start(entry, entry.actual_run, now_us, actions);
+    if (entry.respawn_due && *entry.respawn_due <= now) {
+      start(entry, entry.actual_run, now, actions);
       actions.emplace_back(PublishInfo{});
     }
   }
   return actions;
 }
 
-std::optional<std::int64_t> Supervisor::next_due_us() const {
-  std::optional<std::int64_t> next;
+std::optional<time::SteadyTime> Supervisor::next_due() const {
+  std::optional<time::SteadyTime> next;
   for (const auto& [id, entry] : commands_) {
-    for (const std::optional<std::int64_t>& due : {entry.kill_us, entry.respawn_us}) {
+    for (const std::optional<time::SteadyTime>& due : {entry.kill_due, entry.respawn_due}) {
       if (due && (!next || *due < *next)) {
         next = due;
       }
@@ -220,17 +220,17 @@ std::optional<std::int64_t> Supervisor::next_due_us() const {
   return next;
 }
 
-SupervisorActions Supervisor::shut_down(std::int64_t now_us) {
+SupervisorActions Supervisor::shut_down(time::SteadyTime now) {
   SupervisorActions actions;
   for (auto& [id, entry] : commands_) {
     entry.wanted = false;
-    entry.respawn_us.reset();
+    entry.respawn_due.reset();
     if (entry.pid == 0) {
       continue;
     }
-    stop(entry, now_us, actions);
+    stop(entry, now, actions);
     if (shutting_down_) {
-      entry.kill_us = now_us;
+      entry.kill_due = now;
     }
   }
   shutting_down_ = true;

@@ -8,6 +8,7 @@
 #include <variant>
 #include <vector>
 
+#include "common/geometry/time.hpp"
 #include "procman/protocol/values.hpp"
 
 namespace nodmap::procman {
@@ -36,15 +37,15 @@ using SupervisorActions = std::vector<SupervisorAction>;
 
 /// What a deputy does, as a pure machine: orders, ends of processes and time in, actions out. The
 /// shell carries actions out in their order, and answers each StartCommand by started() or
-/// not_started(). Times are of a steady clock, in microseconds.
+/// not_started().
 class Supervisor {
  public:
-  static constexpr std::int64_t kMaxOrdersAgeUs = 60'000'000;
-  static constexpr std::int64_t kMinRespawnDelayUs = 10'000;
-  static constexpr std::int64_t kMaxRespawnDelayUs = 1'000'000;
+  static constexpr time::Duration kMaxOrdersAge = 60s;
+  static constexpr time::Duration kMinRespawnDelay = 10ms;
+  static constexpr time::Duration kMaxRespawnDelay = 1s;
   /// A tree that SIGKILL did not empty is struck again so often; only what sleeps in the kernel
   /// takes longer.
-  static constexpr std::int64_t kKillPeriodUs = 100'000;
+  static constexpr time::Duration kKillPeriod = 100ms;
 
   /// More commands than a robot has processes: orders that name more are ignored.
   static constexpr std::size_t kMaxCommands = 1000;
@@ -55,28 +56,28 @@ class Supervisor {
   Supervisor(std::string deputy_id, bool trusts_orders)
       : deputy_id_(std::move(deputy_id)), trusts_orders_(trusts_orders) {}
 
-  /// `age_us` is how long ago the orders were sent, by the wall clocks.
-  [[nodiscard]] SupervisorActions take_orders(const Orders& orders, std::int64_t age_us,
-                                              std::int64_t now_us);
+  /// `age` is how long ago the orders were sent, by the wall clocks.
+  [[nodiscard]] SupervisorActions take_orders(const Orders& orders, time::Duration age,
+                                              time::SteadyTime now);
 
-  void started(const std::string& id, std::int32_t pid, std::int64_t now_us);
+  void started(const std::string& id, std::int32_t pid, time::SteadyTime now);
   /// The process could not even be made; counts as an end with code 127.
   [[nodiscard]] SupervisorActions not_started(const std::string& id, const std::string& reason,
-                                              std::int64_t now_us);
+                                              time::SteadyTime now);
 
   /// The process of a command has ended, and nothing that descends from it is left to wait for.
   [[nodiscard]] SupervisorActions ended(const std::string& id, int wait_status,
-                                        std::int64_t now_us);
+                                        time::SteadyTime now);
 
   /// What is due: SIGKILL after a grace time, respawns.
-  [[nodiscard]] SupervisorActions poll(std::int64_t now_us);
+  [[nodiscard]] SupervisorActions poll(time::SteadyTime now);
 
   /// When poll() is next worth calling.
-  [[nodiscard]] std::optional<std::int64_t> next_due_us() const;
+  [[nodiscard]] std::optional<time::SteadyTime> next_due() const;
 
   /// Stops everything, each with its signal and grace time; from now on no orders are taken. A
   /// second call kills at once.
-  [[nodiscard]] SupervisorActions shut_down(std::int64_t now_us);
+  [[nodiscard]] SupervisorActions shut_down(time::SteadyTime now);
 
   [[nodiscard]] bool is_idle() const;  ///< no process runs
   [[nodiscard]] bool is_shutting_down() const { return shutting_down_; }
@@ -92,20 +93,20 @@ class Supervisor {
     int wait_status = 0;
     bool wanted = false;   // should run, hence respawns
     bool removed = false;  // to be forgotten when it has ended
-    std::int64_t started_us = 0;
-    std::int64_t respawn_delay_us = kMinRespawnDelayUs;
-    std::optional<std::int64_t> respawn_us;
-    std::optional<std::int64_t> kill_us;  // while it stops: when SIGKILL is due
+    time::SteadyTime started{};
+    time::Duration respawn_delay = kMinRespawnDelay;
+    std::optional<time::SteadyTime> respawn_due;
+    std::optional<time::SteadyTime> kill_due;  // while it stops: when SIGKILL is due
   };
 
-  void carry_out(const CommandOrder& order, std::int64_t now_us, SupervisorActions& actions);
+  void carry_out(const CommandOrder& order, time::SteadyTime now, SupervisorActions& actions);
   [[nodiscard]] CommandSpec checked(CommandSpec spec) const;
   bool update_spec(Entry& entry, const CommandSpec& spec);
-  void remove_missing(const Orders& orders, std::int64_t now_us, SupervisorActions& actions);
-  static void start(Entry& entry, std::int32_t run, std::int64_t now_us,
+  void remove_missing(const Orders& orders, time::SteadyTime now, SupervisorActions& actions);
+  static void start(Entry& entry, std::int32_t run, time::SteadyTime now,
                     SupervisorActions& actions);
-  static void schedule_respawn(Entry& entry, std::int64_t now_us);
-  static void stop(Entry& entry, std::int64_t now_us, SupervisorActions& actions);
+  static void schedule_respawn(Entry& entry, time::SteadyTime now);
+  static void stop(Entry& entry, time::SteadyTime now, SupervisorActions& actions);
 
   std::string deputy_id_;
   bool trusts_orders_;

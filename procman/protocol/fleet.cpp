@@ -53,14 +53,14 @@ CommandState state_of_running(const Fleet::Item& item) {
 }
 
 /// When a sheriff began, by the end of its id (host:process:microseconds), as ours and the existing
-/// ones name themselves; 0 where it does not say.
-std::int64_t beginning_of(const std::string& sheriff_id) {
+/// ones name themselves; the epoch where it does not say.
+time::Timestamp beginning_of(const std::string& sheriff_id) {
   const std::size_t colon = sheriff_id.rfind(':');
-  std::int64_t utime_us = 0;
+  std::int64_t number = 0;
   if (colon != std::string::npos) {
-    std::from_chars(sheriff_id.data() + colon + 1, sheriff_id.data() + sheriff_id.size(), utime_us);
+    std::from_chars(sheriff_id.data() + colon + 1, sheriff_id.data() + sheriff_id.size(), number);
   }
-  return utime_us;
+  return time::from_utime(number);
 }
 
 }  // namespace
@@ -105,14 +105,43 @@ std::string sheriff_id_prefix() {
 }
 
 Fleet::Fleet(const Config& config, std::string sheriff_id) : sheriff_id_(std::move(sheriff_id)) {
+  (void)reconfigure(config);
+}
+
+std::vector<std::string> Fleet::reconfigure(const Config& config) {
+  std::vector<std::string> changes;
+  std::vector<Item> before = std::exchange(items_, {});
   for (const Command& command : config.commands) {
+    const auto known = std::ranges::find_if(before, [&command](const Item& item) {
+      return item.spec.id == command.id && item.deputy == command.deputy;
+    });
     Item item;
+    if (known == before.end()) {
+      item.deputy = command.deputy;
+      changes.push_back(command.id + " is new");
+    } else {
+      item = std::move(*known);
+      before.erase(known);
+      if (item.spec.exec != command.exec) {
+        changes.push_back(command.id + " has changed");
+        if (item.desired_run != 0 && !item.force_quit) {
+          begin_run(item);
+        }
+      }
+    }
     item.spec = spec_of(command);
-    item.deputy = command.deputy;
     item.configured = true;
     items_.push_back(std::move(item));
     deputies_.try_emplace(command.deputy);
   }
+  for (Item& item : before) {
+    if (item.configured && !item.stop_ordered) {
+      changes.push_back(item.spec.id + " is not named any more: stopping it");
+      item.force_quit = item.stop_ordered = true;
+    }
+    items_.push_back(std::move(item));
+  }
+  return changes;
 }
 
 const Fleet::Item* Fleet::find(const std::string& id) const {
@@ -171,13 +200,13 @@ void Fleet::begin_run(Item& item) {
   item.failed_status.reset();
 }
 
-bool Fleet::take_info(const DeputyInfo& info, std::int64_t now_us) {
+bool Fleet::take_info(const DeputyInfo& info, time::SteadyTime now) {
   if (!deputies_.contains(info.deputy_id) && deputies_.size() >= kMaxDeputies) {
     return false;
   }
   std::optional<DeputyItem>& deputy = deputies_[info.deputy_id];
-  const bool is_gap = !deputy || now_us - deputy->heard_us > kInfoGapUs;
-  deputy = DeputyItem{info, now_us, is_gap ? now_us : deputy->heard_since_us};
+  const bool is_gap = !deputy || now - deputy->heard > kInfoGap;
+  deputy = DeputyItem{info, now, is_gap ? now : deputy->heard_since};
   for (Item& item : items_) {
     const bool is_listed = std::any_of(
         info.commands.begin(), info.commands.end(),
@@ -202,7 +231,7 @@ bool Fleet::take_info(const DeputyInfo& info, std::int64_t now_us) {
     if (item->deputy != info.deputy_id) {
       continue;  // another host runs one of this name; it is told of by its own deputy
     }
-    take_status(*item, status, now_us);
+    take_status(*item, status, now);
     is_urgent |= status.pid == 0 && !item->force_quit && item->desired_run != status.actual_run;
   }
   return is_urgent;
@@ -220,7 +249,7 @@ void Fleet::adopt(Item& item, const CommandStatus& status) {
   item.adopted = true;
 }
 
-void Fleet::take_status(Item& item, const CommandStatus& status, std::int64_t now_us) {
+void Fleet::take_status(Item& item, const CommandStatus& status, time::SteadyTime now) {
   if (!item.adopted) {
     adopt(item, status);
   }
@@ -229,8 +258,8 @@ void Fleet::take_status(Item& item, const CommandStatus& status, std::int64_t no
                                status.actual_run == item.desired_run && !item.force_quit &&
                                !item.spec.auto_respawn;
   if (status.pid != 0 && status.pid != pid_before) {
-    item.num_restarts += item.running_since_us != 0 ? 1 : 0;
-    item.running_since_us = now_us;
+    item.num_restarts += item.running_since != time::SteadyTime{} ? 1 : 0;
+    item.running_since = now;
   }
   // So that a deputy that is started anew does not run it a second time. An end so quick that no
   // INFO told of the process is told by the run.
@@ -245,10 +274,10 @@ void Fleet::take_status(Item& item, const CommandStatus& status, std::int64_t no
   item.force_quit |= ended_by_itself || ended_unseen;
 }
 
-void Fleet::take_orders(const Orders& orders, std::int64_t now_us) {
+void Fleet::take_orders(const Orders& orders, time::SteadyTime now) {
   if (orders.sheriff_id != sheriff_id_ && commands(orders.deputy_id)) {
     other_sheriff_ = orders.sheriff_id;
-    other_heard_us_ = now_us;
+    other_heard_ = now;
   }
 }
 
@@ -258,12 +287,12 @@ bool Fleet::commands(const std::string& deputy) const {
   });
 }
 
-std::optional<Orders> Fleet::orders_for(const std::string& deputy, std::int64_t utime_us) const {
+std::optional<Orders> Fleet::orders_for(const std::string& deputy, time::Timestamp stamp) const {
   const auto found = deputies_.find(deputy);
   if (found == deputies_.end() || !found->second || !commands(deputy)) {
     return std::nullopt;
   }
-  Orders orders{utime_us, deputy, sheriff_id_, {}};
+  Orders orders{stamp, deputy, sheriff_id_, {}};
   for (const Item& item : items_) {
     if (item.deputy == deputy) {
       orders.commands.push_back({item.spec, item.desired_run, item.force_quit});
@@ -272,15 +301,14 @@ std::optional<Orders> Fleet::orders_for(const std::string& deputy, std::int64_t 
   return orders;
 }
 
-bool Fleet::is_heard(const std::string& deputy, std::int64_t now_us) const {
+bool Fleet::is_heard(const std::string& deputy, time::SteadyTime now) const {
   const auto found = deputies_.find(deputy);
-  return found != deputies_.end() && found->second &&
-         now_us - found->second->heard_us <= kMaxInfoAgeUs;
+  return found != deputies_.end() && found->second && now - found->second->heard <= kMaxInfoAge;
 }
 
-CommandState Fleet::state_of(const std::string& id, std::int64_t now_us) const {
+CommandState Fleet::state_of(const std::string& id, time::SteadyTime now) const {
   const Item* item = find(id);
-  if (item == nullptr || !is_heard(item->deputy, now_us)) {
+  if (item == nullptr || !is_heard(item->deputy, now)) {
     return CommandState::kUnknown;
   }
   if (item->status && item->status->pid != 0) {
@@ -295,23 +323,23 @@ CommandState Fleet::state_of(const std::string& id, std::int64_t now_us) const {
   return is_good ? CommandState::kStoppedOk : CommandState::kStoppedError;
 }
 
-bool Fleet::has_reached(const std::string& id, Wanted wanted, std::int64_t now_us) const {
-  const CommandState state = state_of(id, now_us);
+bool Fleet::has_reached(const std::string& id, Wanted wanted, time::SteadyTime now) const {
+  const CommandState state = state_of(id, now);
   if (wanted == Wanted::kRunning) {
     return state == CommandState::kRunning;
   }
   return state == CommandState::kStoppedOk || state == CommandState::kStoppedError;
 }
 
-std::optional<std::string> Fleet::other_sheriff(std::int64_t now_us) const {
-  if (other_sheriff_.empty() || now_us - other_heard_us_ > kOtherSheriffUs) {
+std::optional<std::string> Fleet::other_sheriff(time::SteadyTime now) const {
+  if (other_sheriff_.empty() || now - other_heard_ > kOtherSheriffTime) {
     return std::nullopt;
   }
   return other_sheriff_;
 }
 
-bool Fleet::must_yield(std::int64_t now_us) const {
-  const auto other = other_sheriff(now_us);
+bool Fleet::must_yield(time::SteadyTime now) const {
+  const auto other = other_sheriff(now);
   return other && beginning_of(*other) <= beginning_of(sheriff_id_);
 }
 

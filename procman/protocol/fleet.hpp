@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "common/geometry/time.hpp"
 #include "procman/config/config.hpp"
 #include "procman/protocol/values.hpp"
 
@@ -32,16 +33,16 @@ enum class CommandState : std::uint8_t {
 [[nodiscard]] std::string sheriff_id_prefix();
 
 /// A sheriff's side of the protocol: what it wants of the commands, against what their deputies
-/// report. Pure: times in microseconds, of one clock.
+/// report. Pure.
 class Fleet {
  public:
   /// An INFO that is older says nothing any more (30 s in the existing sheriff; here the three that
   /// can be lost, so that a dead host is seen before anyone waits for it).
-  static constexpr std::int64_t kMaxInfoAgeUs = 5'000'000;
+  static constexpr time::Duration kMaxInfoAge = 5s;
   /// Two INFOs so far apart have a gap between them, in which STATUS may have been lost, too.
-  static constexpr std::int64_t kInfoGapUs = 1'500'000;
+  static constexpr time::Duration kInfoGap = 1500ms;
   /// So long after its orders another sheriff counts as being there.
-  static constexpr std::int64_t kOtherSheriffUs = 3'000'000;
+  static constexpr time::Duration kOtherSheriffTime = 3s;
 
   struct Item {
     CommandSpec spec;
@@ -52,7 +53,7 @@ class Fleet {
     bool adopted = false;       ///< a first INFO has told what ran before us
     bool configured = false;    ///< in our file; others are the deputies' and left as they are
     std::optional<CommandStatus> status;
-    std::int64_t running_since_us = 0;
+    time::SteadyTime running_since{};
     std::int64_t num_restarts = 0;  ///< seen by this sheriff: each new process after the first
     /// Wait status of the newest end with an error that nobody ordered, since the last start order.
     std::optional<std::int32_t> failed_status;
@@ -60,11 +61,16 @@ class Fleet {
 
   struct DeputyItem {
     DeputyInfo info;
-    std::int64_t heard_us = 0;        ///< the newest INFO
-    std::int64_t heard_since_us = 0;  ///< since then without a gap
+    time::SteadyTime heard{};        ///< the newest INFO
+    time::SteadyTime heard_since{};  ///< since then without a gap
   };
 
   Fleet(const Config& config, std::string sheriff_id);
+
+  /// The configuration was edited: what it does not name any more is stopped, what is new waits to
+  /// be started, a command that runs by another exec line is restarted, and all else goes on. What
+  /// has changed, for people, a line each.
+  std::vector<std::string> reconfigure(const Config& config);
 
   // What is wanted from now on. Unknown names do nothing.
   void order(Verb verb, const std::string& id);
@@ -73,9 +79,9 @@ class Fleet {
   void restart(const std::string& id);
 
   /// What a deputy says. Whether there are new orders for it that should not wait.
-  bool take_info(const DeputyInfo& info, std::int64_t now_us);
+  bool take_info(const DeputyInfo& info, time::SteadyTime now);
   /// Orders as heard on the network: ours, or another sheriff's.
-  void take_orders(const Orders& orders, std::int64_t now_us);
+  void take_orders(const Orders& orders, time::SteadyTime now);
 
   /// Whether the configuration has commands for a deputy. Others on the same network are not ours.
   [[nodiscard]] bool commands(const std::string& deputy) const;
@@ -83,18 +89,18 @@ class Fleet {
   /// All that is wanted of a deputy of ours; nothing before it was heard, for then it is not known
   /// what runs there.
   [[nodiscard]] std::optional<Orders> orders_for(const std::string& deputy,
-                                                 std::int64_t utime_us) const;
+                                                 time::Timestamp stamp) const;
 
-  [[nodiscard]] CommandState state_of(const std::string& id, std::int64_t now_us) const;
+  [[nodiscard]] CommandState state_of(const std::string& id, time::SteadyTime now) const;
   /// Whether a script's wait for this is over.
-  [[nodiscard]] bool has_reached(const std::string& id, Wanted wanted, std::int64_t now_us) const;
+  [[nodiscard]] bool has_reached(const std::string& id, Wanted wanted, time::SteadyTime now) const;
 
   /// The other sheriff, if one gave orders lately.
-  [[nodiscard]] std::optional<std::string> other_sheriff(std::int64_t now_us) const;
+  [[nodiscard]] std::optional<std::string> other_sheriff(time::SteadyTime now) const;
 
   /// Whether it is we who give way to it: the one that began later does, and always we to one whose
   /// beginning is not known.
-  [[nodiscard]] bool must_yield(std::int64_t now_us) const;
+  [[nodiscard]] bool must_yield(time::SteadyTime now) const;
   [[nodiscard]] const std::string& sheriff_id() const { return sheriff_id_; }
 
   [[nodiscard]] const std::vector<Item>& items() const { return items_; }
@@ -103,19 +109,19 @@ class Fleet {
   [[nodiscard]] const std::map<std::string, std::optional<DeputyItem>>& deputies() const {
     return deputies_;
   }
-  [[nodiscard]] bool is_heard(const std::string& deputy, std::int64_t now_us) const;
+  [[nodiscard]] bool is_heard(const std::string& deputy, time::SteadyTime now) const;
 
  private:
   [[nodiscard]] Item* find_mutable(const std::string& id);
   static void begin_run(Item& item);
   static void adopt(Item& item, const CommandStatus& status);
-  static void take_status(Item& item, const CommandStatus& status, std::int64_t now_us);
+  static void take_status(Item& item, const CommandStatus& status, time::SteadyTime now);
 
   std::string sheriff_id_;
   std::vector<Item> items_;
   std::map<std::string, std::optional<DeputyItem>> deputies_;
   std::string other_sheriff_;
-  std::int64_t other_heard_us_ = 0;
+  time::SteadyTime other_heard_{};
 };
 
 }  // namespace nodmap::procman

@@ -27,11 +27,11 @@ procman_lcm::cmd_t message_of(const CommandSpec& spec) {
 }  // namespace
 
 Discovery from_message(const procman_lcm::discovery_t& message) {
-  return {message.utime, message.transmitter_id, message.nonce};
+  return {time::from_utime(message.utime), message.transmitter_id, message.nonce};
 }
 
 DeputyInfo from_message(const procman_lcm::deputy_info_t& message) {
-  DeputyInfo info{.utime_us = message.utime,
+  DeputyInfo info{.stamp = time::from_utime(message.utime),
                   .deputy_id = message.deputy_id,
                   .cpu_load = message.cpu_load,
                   .memory_total_bytes = message.phys_mem_total_bytes,
@@ -48,7 +48,7 @@ DeputyInfo from_message(const procman_lcm::deputy_info_t& message) {
 }
 
 Orders from_message(const procman_lcm::orders_t& message) {
-  Orders orders{message.utime, message.deputy_id, message.sheriff_id, {}};
+  Orders orders{time::from_utime(message.utime), message.deputy_id, message.sheriff_id, {}};
   for (const procman_lcm::cmd_desired_t& command : message.cmds) {
     orders.commands.push_back(
         {spec_of(command.cmd), command.desired_runid, command.force_quit != 0});
@@ -57,7 +57,7 @@ Orders from_message(const procman_lcm::orders_t& message) {
 }
 
 Output from_message(const procman_lcm::output_t& message) {
-  Output output{message.utime, message.deputy_id, {}};
+  Output output{time::from_utime(message.utime), message.deputy_id, {}};
   for (std::size_t i = 0; i < message.command_ids.size(); ++i) {
     output.outputs.push_back({message.command_ids[i], message.text[i]});
   }
@@ -66,7 +66,7 @@ Output from_message(const procman_lcm::output_t& message) {
 
 procman_lcm::discovery_t to_message(const Discovery& discovery) {
   procman_lcm::discovery_t message{};
-  message.utime = discovery.utime_us;
+  message.utime = time::to_utime(discovery.stamp);
   message.transmitter_id = discovery.transmitter_id;
   message.nonce = discovery.nonce;
   return message;
@@ -74,7 +74,7 @@ procman_lcm::discovery_t to_message(const Discovery& discovery) {
 
 procman_lcm::deputy_info_t to_message(const DeputyInfo& info) {
   procman_lcm::deputy_info_t message{};
-  message.utime = info.utime_us;
+  message.utime = time::to_utime(info.stamp);
   message.deputy_id = info.deputy_id;
   message.cpu_load = info.cpu_load;
   message.phys_mem_total_bytes = info.memory_total_bytes;
@@ -98,7 +98,7 @@ procman_lcm::deputy_info_t to_message(const DeputyInfo& info) {
 
 procman_lcm::orders_t to_message(const Orders& orders) {
   procman_lcm::orders_t message{};
-  message.utime = orders.utime_us;
+  message.utime = time::to_utime(orders.stamp);
   message.deputy_id = orders.deputy_id;
   message.sheriff_id = orders.sheriff_id;
   for (const CommandOrder& command : orders.commands) {
@@ -114,7 +114,7 @@ procman_lcm::orders_t to_message(const Orders& orders) {
 
 procman_lcm::output_t to_message(const Output& output) {
   procman_lcm::output_t message{};
-  message.utime = output.utime_us;
+  message.utime = time::to_utime(output.stamp);
   message.deputy_id = output.deputy_id;
   for (const CommandOutput& part : output.outputs) {
     message.command_ids.push_back(part.command_id);

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "common/geometry/time.hpp"
+
 namespace nodmap::procman {
 
 /// The channels of the protocol.
@@ -36,7 +38,7 @@ struct CommandOrder {
 
 /// All that a sheriff wants of a deputy: a command that is not here is to go.
 struct Orders {
-  std::int64_t utime_us = 0;
+  time::Timestamp stamp{};
   std::string deputy_id;
   std::string sheriff_id;
   std::vector<CommandOrder> commands;
@@ -59,7 +61,7 @@ struct CommandStatus {
 
 /// How a deputy and its host are.
 struct DeputyInfo {
-  std::int64_t utime_us = 0;
+  time::Timestamp stamp{};
   std::string deputy_id;
   float cpu_load = -1.0F;  ///< 0 to 1; negative before it is known
   std::int64_t memory_total_bytes = 0;
@@ -72,7 +74,7 @@ struct DeputyInfo {
 };
 
 struct Discovery {
-  std::int64_t utime_us = 0;
+  time::Timestamp stamp{};
   std::string transmitter_id;
   std::int64_t nonce = 0;  ///< a deputy's process id; 0 from a sheriff
 
@@ -88,7 +90,7 @@ struct CommandOutput {
 };
 
 struct Output {
-  std::int64_t utime_us = 0;
+  time::Timestamp stamp{};
   std::string deputy_id;
   std::vector<CommandOutput> outputs;
 

@@ -6,7 +6,10 @@
 namespace nodmap::procman {
 namespace {
 
-constexpr std::int64_t kSecondUs = 1'000'000;
+/// As a sentence has it.
+std::string whole_seconds(time::Duration duration) {
+  return std::to_string(duration / 1s) + " s";
+}
 
 }  // namespace
 
@@ -22,7 +25,7 @@ const char* name_of(ProcessHealth::State state) {
 }
 
 void HealthWatch::take_status(const std::string& process_name, const ProcessHealth& health,
-                              std::int64_t now_us) {
+                              time::SteadyTime now) {
   const bool is_ours =
       std::any_of(config_.commands.begin(), config_.commands.end(),
                   [&](const Command& command) { return status_name(command) == process_name; });
@@ -30,17 +33,17 @@ void HealthWatch::take_status(const std::string& process_name, const ProcessHeal
     return;
   }
   Process& process = processes_[process_name];
-  process.last = {health, now_us};
-  if (health.state != ProcessHealth::State::kFailed) {
-    process.failed_since_us.reset();
-  } else if (!process.failed_since_us) {
-    process.failed_since_us = now_us;
-  }
+  process.last = {health, now};
+  const auto keep_since = [now](std::optional<time::SteadyTime>& since, bool holds) {
+    since = holds ? std::optional(since.value_or(now)) : std::nullopt;
+  };
+  keep_since(process.failed_since, health.state == ProcessHealth::State::kFailed);
+  keep_since(process.degraded_since, health.state != ProcessHealth::State::kOk);
 }
 
-void HealthWatch::take_output(const std::string& command_id, std::int64_t now_us) {
+void HealthWatch::take_output(const std::string& command_id, time::SteadyTime now) {
   if (config_.find_command(command_id) != nullptr) {
-    written_us_[command_id] = now_us;
+    written_[command_id] = now;
   }
 }
 
@@ -54,56 +57,61 @@ std::optional<HealthWatch::LastStatus> HealthWatch::last_status_of(
 /// Why a command is to be restarted; empty where it is not.
 std::string HealthWatch::restart_reason(const Command& command, Span observed, int factor) const {
   const HealthRule& rule = command.health;
-  const auto too_long = [factor](std::int64_t duration_us, std::optional<int> limit_s) {
-    return limit_s && duration_us > kSecondUs * *limit_s * factor;
+  const auto too_long = [factor](time::Duration duration, std::optional<int> limit_s) {
+    return limit_s && duration > 1s * *limit_s * factor;
   };
-  const auto written = written_us_.find(command.id);
-  const std::int64_t mute_us =
-      observed.until_us -
-      std::max(observed.since_us, written == written_us_.end() ? 0 : written->second);
-  if (too_long(mute_us, rule.restart_mute_s)) {
-    return "no output for " + std::to_string(mute_us / kSecondUs) + " s";
+  const auto written = written_.find(command.id);
+  const time::Duration mute =
+      observed.until -
+      std::max(observed.since, written == written_.end() ? time::SteadyTime{} : written->second);
+  if (too_long(mute, rule.restart_mute_s)) {
+    return "no output for " + whole_seconds(mute);
   }
   const auto found = processes_.find(status_name(command));
   const bool has_status =
-      found != processes_.end() && found->second.last.received_us >= observed.since_us;
-  const std::int64_t silent_us =
-      observed.until_us - (has_status ? found->second.last.received_us : observed.since_us);
-  if (too_long(silent_us, rule.restart_silent_s)) {
-    return "no STATUS for " + std::to_string(silent_us / kSecondUs) + " s";
+      found != processes_.end() && found->second.last.received >= observed.since;
+  const time::Duration silent =
+      observed.until - (has_status ? found->second.last.received : observed.since);
+  if (too_long(silent, rule.restart_silent_s)) {
+    return "no STATUS for " + whole_seconds(silent);
   }
-  if (!has_status || !found->second.failed_since_us) {
+  if (!has_status) {
     return {};
   }
   const Process& process = found->second;
-  const std::int64_t failed_us =
-      process.last.received_us - std::max(observed.since_us, *process.failed_since_us);
-  if (!too_long(failed_us, rule.restart_failed_s)) {
-    return {};
+  const auto lasting = [&](std::optional<time::SteadyTime> since) {
+    return since ? process.last.received - std::max(observed.since, *since) : time::Duration{};
+  };
+  const auto reason = [&process](const char* state, time::Duration duration) {
+    return state + whole_seconds(duration) + ": " + process.last.health.reason;
+  };
+  if (too_long(lasting(process.failed_since), rule.restart_failed_s)) {
+    return reason("FAILED for ", lasting(process.failed_since));
   }
-  return "FAILED for " + std::to_string(failed_us / kSecondUs) +
-         " s: " + process.last.health.reason;
+  if (too_long(lasting(process.degraded_since), rule.restart_degraded_s)) {
+    return reason("DEGRADED for ", lasting(process.degraded_since));
+  }
+  return {};
 }
 
 std::vector<HealthWatch::Restart> HealthWatch::due_restarts(const Fleet& fleet,
-                                                            std::int64_t now_us) {
+                                                            time::SteadyTime now) {
   std::vector<Restart> all;
   for (const Command& command : config_.commands) {
     const Fleet::Item* item = fleet.find(command.id);
-    if (item == nullptr || fleet.state_of(command.id, now_us) != CommandState::kRunning) {
+    if (item == nullptr || fleet.state_of(command.id, now) != CommandState::kRunning) {
       continue;
     }
     const Fleet::DeputyItem& deputy = fleet.deputies().at(item->deputy).value();
     Patience& patience = patience_[command.id];
-    const Span observed{
-        std::max({item->running_since_us, patience.restarted_us, deputy.heard_since_us}),
-        deputy.heard_us};
+    const Span observed{std::max({item->running_since, patience.restarted, deputy.heard_since}),
+                        deputy.heard};
     std::string reason = restart_reason(command, observed, 1 << patience.doublings);
     if (!reason.empty()) {
       patience.doublings = std::min(kMaxDoublings, patience.doublings + 1);
-      patience.restarted_us = now_us;
+      patience.restarted = now;
       all.push_back({command.id, std::move(reason)});
-    } else if (now_us - observed.since_us > kForgiveUs &&
+    } else if (now - observed.since > kForgiveTime &&
                restart_reason(command, observed, 1).empty()) {
       patience.doublings = 0;
     }

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "common/geometry/time.hpp"
 #include "procman/config/config.hpp"
 #include "procman/protocol/fleet.hpp"
 
@@ -34,18 +35,18 @@ class HealthWatch {
   /// no restart mends does not keep the robot busy. After a minute without a fault they are as at
   /// first.
   static constexpr int kMaxDoublings = 5;
-  static constexpr std::int64_t kForgiveUs = 60'000'000;
+  static constexpr time::Duration kForgiveTime = 60s;
 
   explicit HealthWatch(const Config& config) : config_(config) {}
 
   void take_status(const std::string& process_name, const ProcessHealth& health,
-                   std::int64_t now_us);
+                   time::SteadyTime now);
   /// A command has written something.
-  void take_output(const std::string& command_id, std::int64_t now_us);
+  void take_output(const std::string& command_id, time::SteadyTime now);
 
   struct LastStatus {
     ProcessHealth health;
-    std::int64_t received_us = 0;
+    time::SteadyTime received{};
   };
   /// The newest STATUS of a command's process; nothing when none came.
   [[nodiscard]] std::optional<LastStatus> last_status_of(const std::string& command_id) const;
@@ -55,28 +56,29 @@ class HealthWatch {
     std::string reason;
   };
   /// What is to be restarted now, of what runs. Counts as done: the next restart is due later.
-  [[nodiscard]] std::vector<Restart> due_restarts(const Fleet& fleet, std::int64_t now_us);
+  [[nodiscard]] std::vector<Restart> due_restarts(const Fleet& fleet, time::SteadyTime now);
 
  private:
   struct Process {
     LastStatus last;
-    std::optional<std::int64_t> failed_since_us;
+    std::optional<time::SteadyTime> failed_since;
+    std::optional<time::SteadyTime> degraded_since;  // or failed
   };
   struct Patience {
     int doublings = 0;
-    std::int64_t restarted_us = 0;
+    time::SteadyTime restarted{};
   };
   /// The time over which a rule looks at a command: only while its deputy is received, since a
   /// broken link is no fault of the process.
   struct Span {
-    std::int64_t since_us = 0;
-    std::int64_t until_us = 0;
+    time::SteadyTime since{};
+    time::SteadyTime until{};
   };
   [[nodiscard]] std::string restart_reason(const Command& command, Span observed, int factor) const;
 
   const Config& config_;
-  std::map<std::string, Process> processes_;        // by process name
-  std::map<std::string, std::int64_t> written_us_;  // by command: when it last wrote something
+  std::map<std::string, Process> processes_;         // by process name
+  std::map<std::string, time::SteadyTime> written_;  // by command: when it last wrote something
   std::map<std::string, Patience> patience_;
 };
 

@@ -109,6 +109,7 @@ int serve(const Options& options, const Config& config) {
     watching.timeout_s = options.timeout_s;
   }
   watching.observe = options.observe;
+  watching.config_file = options.config;
   Sheriff sheriff(config, options.lcm_url);
   if (options.status) {
     return print_status(sheriff, options.json);

@@ -10,7 +10,7 @@
 namespace nodmap::procman {
 namespace {
 
-constexpr std::int64_t kSilentUs = 3'500'000;  // three STATUS have not come
+constexpr time::Duration kMaxStatusAge = 3500ms;  // three STATUS have not come
 
 std::string health_text(const ProcessHealth& health) {
   std::string text = name_of(health.state);
@@ -25,14 +25,13 @@ std::string health_text(const ProcessHealth& health) {
 
 /// What a process that runs says; what its predecessor status does not count.
 std::string health_of(const std::optional<HealthWatch::LastStatus>& status, const Fleet::Item& item,
-                      std::int64_t now_us) {
-  if (!status || status->received_us < item.running_since_us) {
+                      time::SteadyTime now) {
+  if (!status || status->received < item.running_since) {
     return {};
   }
-  const std::int64_t silent_us = now_us - status->received_us;
-  return silent_us > kSilentUs
-             ? "SILENT: no STATUS for " + std::to_string(silent_us / 1'000'000) + " s"
-             : printable(health_text(status->health));
+  const time::Duration silent = now - status->received;
+  return silent > kMaxStatusAge ? "SILENT: no STATUS for " + std::to_string(silent / 1s) + " s"
+                                : printable(health_text(status->health));
 }
 
 /// How many bytes the UTF-8 sequence takes that begins with this one; 0: none does.
@@ -118,23 +117,24 @@ std::string printable(const std::string& text) {
 }
 
 std::vector<ReportRow> report(const Fleet& fleet, const HealthWatch& health,
-                              const std::map<std::string, Console>& consoles, std::int64_t now_us) {
+                              const std::map<std::string, Console>& consoles,
+                              time::SteadyTime now) {
   std::vector<ReportRow> rows;
   for (const Fleet::Item& item : fleet.items()) {
     ReportRow row;
     row.id = item.spec.id;
     row.group = item.spec.group;
     row.deputy = item.deputy;
-    row.state = fleet.state_of(row.id, now_us);
+    row.state = fleet.state_of(row.id, now);
     row.restarts = item.num_restarts;
     if (item.status && row.state != CommandState::kUnknown) {
       row.pid = item.status->pid;
       row.end = row.pid == 0 ? describe_end(item.status->wait_status) : "";
       row.cpu_percent = 100.0 * static_cast<double>(item.status->cpu_share);
       row.memory_mb = static_cast<double>(item.status->rss_bytes) * 1e-6;
-      row.uptime_s = row.pid != 0 ? static_cast<double>(now_us - item.running_since_us) * 1e-6 : 0;
+      row.uptime_s = row.pid != 0 ? time::seconds(now - item.running_since) : 0;
     }
-    row.health = row.pid != 0 ? health_of(health.last_status_of(row.id), item, now_us) : "";
+    row.health = row.pid != 0 ? health_of(health.last_status_of(row.id), item, now) : "";
     const auto console = consoles.find(row.id);
     row.last_output = console == consoles.end() ? "" : printable(console->second.last());
     rows.push_back(std::move(row));
@@ -167,7 +167,7 @@ std::vector<std::string> to_table(const std::vector<ReportRow>& rows) {
 }
 
 nlohmann::json to_json(const std::vector<ReportRow>& rows, const Fleet& fleet,
-                       std::int64_t now_us) {
+                       time::SteadyTime now) {
   nlohmann::json commands = nlohmann::json::array();
   for (const ReportRow& row : rows) {
     commands.push_back({{"command", printable(row.id)},
@@ -182,7 +182,7 @@ nlohmann::json to_json(const std::vector<ReportRow>& rows, const Fleet& fleet,
   }
   nlohmann::json hosts = nlohmann::json::array();
   for (const auto& [id, deputy] : fleet.deputies()) {
-    nlohmann::json host{{"host", printable(id)}, {"heard", fleet.is_heard(id, now_us)}};
+    nlohmann::json host{{"host", printable(id)}, {"heard", fleet.is_heard(id, now)}};
     if (deputy) {
       host["cpu_load"] = deputy->info.cpu_load;
       host["memory_total_mb"] = static_cast<double>(deputy->info.memory_total_bytes) * 1e-6;
@@ -192,7 +192,7 @@ nlohmann::json to_json(const std::vector<ReportRow>& rows, const Fleet& fleet,
   }
   return {{"commands", std::move(commands)},
           {"hosts", std::move(hosts)},
-          {"other_sheriff", printable(fleet.other_sheriff(now_us).value_or(""))}};
+          {"other_sheriff", printable(fleet.other_sheriff(now).value_or(""))}};
 }
 
 }  // namespace nodmap::procman

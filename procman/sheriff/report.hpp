@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "common/geometry/time.hpp"
 #include "procman/protocol/fleet.hpp"
 #include "procman/sheriff/console.hpp"
 #include "procman/sheriff/health_watch.hpp"
@@ -32,14 +33,14 @@ struct ReportRow {
 /// What is known now. `consoles` hold what the commands wrote.
 [[nodiscard]] std::vector<ReportRow> report(const Fleet& fleet, const HealthWatch& health,
                                             const std::map<std::string, Console>& consoles,
-                                            std::int64_t now_us);
+                                            time::SteadyTime now);
 
 /// As a table for people, a line for each command.
 [[nodiscard]] std::vector<std::string> to_table(const std::vector<ReportRow>& rows);
 
 /// For programs.
 [[nodiscard]] nlohmann::json to_json(const std::vector<ReportRow>& rows, const Fleet& fleet,
-                                     std::int64_t now_us);
+                                     time::SteadyTime now);
 
 /// Text that a terminal may be given: control characters and what is not UTF-8 become '?'.
 [[nodiscard]] std::string printable(const std::string& text);

@@ -49,10 +49,10 @@ void give_order(Fleet& fleet, const Config& config, Verb verb, const Target& tar
 }
 
 bool has_reached(const Fleet& fleet, const Config& config, const Target& target, Wanted wanted,
-                 std::int64_t now_us) {
+                 time::SteadyTime now) {
   const auto commands = config.commands_of(target);
   return std::all_of(commands.begin(), commands.end(), [&](const Command* command) {
-    return fleet.has_reached(command->id, wanted, now_us);
+    return fleet.has_reached(command->id, wanted, now);
   });
 }
 
@@ -73,25 +73,25 @@ void ScriptRunner::append(const Script& script) {
   }
 }
 
-void ScriptRunner::step(Fleet& fleet, std::int64_t now_us) {
+void ScriptRunner::step(Fleet& fleet, time::SteadyTime now) {
   while (!is_over() && at_ < actions_.size()) {
     const Action& action = *actions_[at_];
     if (!begun_) {
       begun_ = true;
-      begun_us_ = now_us;
+      begin_ = now;
       if (const auto* order = std::get_if<Order>(&action.what)) {
         give_order(fleet, config_, order->verb, order->target);
         note_order(*order);
       }
     }
-    if (!is_done(action, fleet, now_us)) {
+    if (!is_done(action, fleet, now)) {
       return;
     }
     begun_ = false;
     ++at_;
   }
   if (!is_over()) {
-    settle(fleet, now_us);
+    settle(fleet, now);
   }
 }
 
@@ -105,38 +105,37 @@ void ScriptRunner::note_order(const Order& order) {
   }
 }
 
-bool ScriptRunner::is_done(const Action& action, const Fleet& fleet, std::int64_t now_us) {
+bool ScriptRunner::is_done(const Action& action, const Fleet& fleet, time::SteadyTime now) {
   if (const auto* pause = std::get_if<WaitTime>(&action.what)) {
-    return now_us - begun_us_ >= pause->duration_ms * 1000;
+    return now - begin_ >= std::chrono::milliseconds(pause->duration_ms);
   }
   const std::optional<WaitStatus> wait = wait_of(action);
   if (!wait) {
     return true;
   }
   if (wait->status != Wanted::kStopped) {
-    failure_ = dead_commands(wait->target, fleet, now_us);
+    failure_ = dead_commands(wait->target, fleet, now);
   }
-  return has_arrived(*wait, fleet, now_us);
+  return has_arrived(*wait, fleet, now);
 }
 
 bool ScriptRunner::has_arrived(const WaitStatus& wait, const Fleet& fleet,
-                               std::int64_t now_us) const {
+                               time::SteadyTime now) const {
   if (wait.status != Wanted::kHealthy) {
-    return has_reached(fleet, config_, wait.target, wait.status, now_us);
+    return has_reached(fleet, config_, wait.target, wait.status, now);
   }
   const auto commands = config_.commands_of(wait.target);
-  return has_reached(fleet, config_, wait.target, Wanted::kRunning, now_us) &&
+  return has_reached(fleet, config_, wait.target, Wanted::kRunning, now) &&
          std::all_of(commands.begin(), commands.end(),
                      [this](const Command* command) { return is_healthy_(command->id); });
 }
 
 /// The commands that have ended with an error and are not started anew, and how they ended.
 std::string ScriptRunner::dead_commands(const Target& target, const Fleet& fleet,
-                                        std::int64_t now_us) const {
+                                        time::SteadyTime now) const {
   std::string dead;
   for (const Command* command : config_.commands_of(target)) {
-    if (fleet.state_of(command->id, now_us) == CommandState::kStoppedError &&
-        !command->auto_respawn) {
+    if (fleet.state_of(command->id, now) == CommandState::kStoppedError && !command->auto_respawn) {
       dead += (dead.empty() ? "" : ", ") + describe_failure(*fleet.find(command->id));
     }
   }
@@ -144,22 +143,22 @@ std::string ScriptRunner::dead_commands(const Target& target, const Fleet& fleet
 }
 
 /// After the last action: whether all that was started keeps running, or has ended well.
-void ScriptRunner::settle(const Fleet& fleet, std::int64_t now_us) {
-  done_us_ = done_us_.value_or(now_us);
+void ScriptRunner::settle(const Fleet& fleet, time::SteadyTime now) {
+  done_ = done_.value_or(now);
   std::string failed;
   bool is_clear = true;
   for (const std::string& id : started_) {
     const Fleet::Item& item = *fleet.find(id);
-    const CommandState state = fleet.state_of(id, now_us);
+    const CommandState state = fleet.state_of(id, now);
     const bool has_lasted =
-        state == CommandState::kRunning && now_us - item.running_since_us >= kLastingUs;
+        state == CommandState::kRunning && now - item.running_since >= kLastingTime;
     const bool is_dead = state == CommandState::kStoppedError && !item.spec.auto_respawn;
     is_clear = is_clear && (has_lasted || is_dead || state == CommandState::kStoppedOk);
     if (item.failed_status && !has_lasted) {
       failed += (failed.empty() ? "" : ", ") + describe_failure(item);
     }
   }
-  if (is_clear || now_us - *done_us_ >= kSettleUs) {
+  if (is_clear || now - *done_ >= kSettleTimeout) {
     is_settled_ = true;
     failure_ = failed;
   }

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "common/geometry/time.hpp"
 #include "procman/config/config.hpp"
 #include "procman/protocol/fleet.hpp"
 
@@ -18,7 +19,7 @@ void give_order(Fleet& fleet, const Config& config, Verb verb, const Target& tar
 
 /// Whether all that a target means has reached a status.
 [[nodiscard]] bool has_reached(const Fleet& fleet, const Config& config, const Target& target,
-                               Wanted wanted, std::int64_t now_us);
+                               Wanted wanted, time::SteadyTime now);
 
 /// Runs a script of a configuration, action by action. A wait has no end of its own, as in the
 /// existing tools, but where it has become hopeless; and commands that the script has started must
@@ -26,9 +27,9 @@ void give_order(Fleet& fleet, const Config& config, Verb verb, const Target& tar
 class ScriptRunner {
  public:
   /// A command that has run for so long counts as started.
-  static constexpr std::int64_t kLastingUs = 1'000'000;
+  static constexpr time::Duration kLastingTime = 1s;
   /// So long after the last action it is waited for that.
-  static constexpr std::int64_t kSettleUs = 4'000'000;
+  static constexpr time::Duration kSettleTimeout = 4s;
 
   using HealthTest = std::function<bool(const std::string& command)>;
 
@@ -37,7 +38,7 @@ class ScriptRunner {
   ScriptRunner(const Config& config, const Script& script, HealthTest is_healthy);
 
   /// Does what can be done by now. To be called again and again until is_over().
-  void step(Fleet& fleet, std::int64_t now_us);
+  void step(Fleet& fleet, time::SteadyTime now);
   /// Whether the script is done or has failed.
   [[nodiscard]] bool is_over() const { return is_settled_ || !failure_.empty(); }
   /// Why it has failed: which commands have ended, and how. Empty: it has not.
@@ -47,23 +48,23 @@ class ScriptRunner {
 
  private:
   void append(const Script& script);
-  [[nodiscard]] bool is_done(const Action& action, const Fleet& fleet, std::int64_t now_us);
+  [[nodiscard]] bool is_done(const Action& action, const Fleet& fleet, time::SteadyTime now);
   void note_order(const Order& order);
   [[nodiscard]] std::string dead_commands(const Target& target, const Fleet& fleet,
-                                          std::int64_t now_us) const;
-  void settle(const Fleet& fleet, std::int64_t now_us);
+                                          time::SteadyTime now) const;
+  void settle(const Fleet& fleet, time::SteadyTime now);
 
   [[nodiscard]] bool has_arrived(const WaitStatus& wait, const Fleet& fleet,
-                                 std::int64_t now_us) const;
+                                 time::SteadyTime now) const;
 
   const Config& config_;
   HealthTest is_healthy_;
   std::vector<const Action*> actions_;  // with those of called scripts in their places
   std::size_t at_ = 0;
   bool begun_ = false;  // the action at at_ has been given, and is waited for
-  std::int64_t begun_us_ = 0;
+  time::SteadyTime begin_{};
   std::set<std::string> started_;  // commands that are to run after the script
-  std::optional<std::int64_t> done_us_;
+  std::optional<time::SteadyTime> done_;
   bool is_settled_ = false;
   std::string failure_;
 };

@@ -10,8 +10,8 @@
 namespace nodmap::procman {
 namespace {
 
-constexpr std::int64_t kOrdersPeriodUs = 1'000'000;
-constexpr std::int64_t kFreshStatusUs = 3'000'000;  // STATUS comes once a second
+constexpr time::Duration kOrdersPeriod = 1s;
+constexpr time::Duration kMaxStatusAge = 3s;  // STATUS comes once a second
 
 ProcessHealth health_of(const nodmap::status_t& message) {
   ProcessHealth health;
@@ -29,38 +29,31 @@ ProcessHealth health_of(const nodmap::status_t& message) {
 
 }  // namespace
 
-Sheriff::Sheriff(const Config& config, const std::string& lcm_url)
-    : config_(config),
+Sheriff::Sheriff(Config config, const std::string& lcm_url)
+    : config_(std::move(config)),
       bus_(lcm_url),
-      fleet_(config, sheriff_id_prefix() + std::to_string(clock_.now_utime_us())),
-      health_(config) {
+      fleet_(config_, sheriff_id_prefix() + std::to_string(time::to_utime(clock_.now()))),
+      health_(config_) {
   subscribe();
   discover();
 }
 
-std::int64_t Sheriff::now_us() {
-  return std::chrono::duration_cast<std::chrono::microseconds>(
-             std::chrono::steady_clock::now().time_since_epoch())
-      .count();
-}
-
 void Sheriff::subscribe() {
   bus_.subscribe<procman_lcm::deputy_info_t>(kInfoChannel, [this](const auto& message) {
-    orders_wanted_ |= fleet_.take_info(from_message(message), now_us());
+    orders_wanted_ |= fleet_.take_info(from_message(message), now());
   });
   bus_.subscribe<procman_lcm::orders_t>(kOrdersChannel, [this](const auto& message) {
-    fleet_.take_orders(from_message(message), now_us());
+    fleet_.take_orders(from_message(message), now());
   });
   bus_.subscribe<procman_lcm::output_t>(
       kOutputChannel, [this](const auto& message) { take_output(from_message(message)); });
   bus_.subscribe<nodmap::status_t>("STATUS", [this](const auto& message) {
-    health_.take_status(message.process_name, health_of(message), now_us());
+    health_.take_status(message.process_name, health_of(message), now());
   });
 }
 
 void Sheriff::discover() {
-  bus_.publish(kDiscoverChannel,
-               to_message(Discovery{clock_.now_utime_us(), fleet_.sheriff_id(), 0}));
+  bus_.publish(kDiscoverChannel, to_message(Discovery{clock_.now(), fleet_.sheriff_id(), 0}));
 }
 
 void Sheriff::take_output(const Output& output) {
@@ -70,26 +63,26 @@ void Sheriff::take_output(const Output& output) {
     }
     if (fleet_.find(part.command_id) != nullptr) {  // anyone may say anything of any name
       consoles_[part.command_id].take(part.text);
-      health_.take_output(part.command_id, now_us());
+      health_.take_output(part.command_id, now());
     }
   }
 }
 
 void Sheriff::work(std::chrono::milliseconds wait) {
   bus_.handle(wait);
-  if (orders_wanted_ || now_us() >= orders_due_us_) {
+  if (orders_wanted_ || now() >= orders_due_) {
     give_orders();
   }
 }
 
 void Sheriff::give_orders() {
   orders_wanted_ = false;
-  orders_due_us_ = now_us() + kOrdersPeriodUs;
+  orders_due_ = now() + kOrdersPeriod;
   if (is_observer_) {
     return;
   }
   for (const auto& [id, deputy] : fleet_.deputies()) {
-    if (const auto orders = fleet_.orders_for(id, clock_.now_utime_us())) {
+    if (const auto orders = fleet_.orders_for(id, clock_.now())) {
       bus_.publish(kOrdersChannel, to_message(*orders));
     }
   }
@@ -99,7 +92,7 @@ std::vector<HealthWatch::Restart> Sheriff::apply_health_rules() {
   if (is_observer_) {
     return {};
   }
-  std::vector<HealthWatch::Restart> restarts = health_.due_restarts(fleet_, now_us());
+  std::vector<HealthWatch::Restart> restarts = health_.due_restarts(fleet_, now());
   for (const HealthWatch::Restart& restart : restarts) {
     fleet_.restart(restart.command_id);
   }
@@ -109,12 +102,18 @@ std::vector<HealthWatch::Restart> Sheriff::apply_health_rules() {
   return restarts;
 }
 
+std::vector<std::string> Sheriff::reconfigure(Config config) {
+  config_ = std::move(config);
+  std::vector<std::string> changes = fleet_.reconfigure(config_);
+  give_orders();
+  return changes;
+}
+
 bool Sheriff::is_healthy(const std::string& command) const {
   const Fleet::Item* item = fleet_.find(command);
   const auto status = health_.last_status_of(command);
   return item != nullptr && status && status->health.state == ProcessHealth::State::kOk &&
-         status->received_us >= item->running_since_us &&
-         now_us() - status->received_us < kFreshStatusUs;
+         status->received >= item->running_since && now() - status->received < kMaxStatusAge;
 }
 
 const Console* Sheriff::console(const std::string& command) const {
@@ -123,7 +122,7 @@ const Console* Sheriff::console(const std::string& command) const {
 }
 
 std::vector<ReportRow> Sheriff::report() const {
-  return procman::report(fleet_, health_, consoles_, now_us());
+  return procman::report(fleet_, health_, consoles_, now());
 }
 
 }  // namespace nodmap::procman

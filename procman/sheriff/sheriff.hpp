@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/bus/live_bus.hpp"
+#include "common/geometry/time.hpp"
 #include "common/node/clock.hpp"
 #include "procman/config/config.hpp"
 #include "procman/protocol/fleet.hpp"
@@ -23,9 +24,8 @@ class Sheriff {
  public:
   using OutputHandler = std::function<void(const std::string& command, const std::string& text)>;
 
-  /// `config` must outlive it.
   /// An observer at first: whoever wants to command looks for other sheriffs before.
-  Sheriff(const Config& config, const std::string& lcm_url);
+  Sheriff(Config config, const std::string& lcm_url);
 
   /// Listens for a moment, and gives the orders that are due.
   void work(std::chrono::milliseconds wait);
@@ -39,6 +39,9 @@ class Sheriff {
   /// Restarts what the configuration's health rules ask for; their reasons.
   std::vector<HealthWatch::Restart> apply_health_rules();
 
+  /// The configuration was edited; see Fleet::reconfigure(). Not while a script of the former runs.
+  std::vector<std::string> reconfigure(Config config);
+
   /// Whether a command's process has said OK since it runs, and lately.
   [[nodiscard]] bool is_healthy(const std::string& command) const;
 
@@ -49,15 +52,15 @@ class Sheriff {
   [[nodiscard]] std::vector<ReportRow> report() const;
   /// What a command wrote since this sheriff listens; null where that is nothing.
   [[nodiscard]] const Console* console(const std::string& command) const;
-  /// Time as the fleet counts it, microseconds.
-  [[nodiscard]] static std::int64_t now_us();
+  /// Time as the fleet counts it.
+  [[nodiscard]] static time::SteadyTime now() { return time::steady_now(); }
 
  private:
   void subscribe();
   void discover();
   void take_output(const Output& output);
 
-  const Config& config_;
+  Config config_;
   time::SystemClock clock_;
   bus::LiveBus bus_;
   Fleet fleet_;
@@ -66,7 +69,7 @@ class Sheriff {
   OutputHandler output_handler_;
   bool is_observer_ = true;
   bool orders_wanted_ = false;
-  std::int64_t orders_due_us_ = 0;
+  time::SteadyTime orders_due_{};
 };
 
 }  // namespace nodmap::procman

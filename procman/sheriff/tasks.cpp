@@ -22,23 +22,19 @@ constexpr double kStartTimeS = 10.0;
 // What ends sooner was not really started.
 constexpr milliseconds kSettleTime(500);
 
-std::int64_t in_us(milliseconds duration) {
-  return std::chrono::microseconds(duration).count();
-}
-
 /// Listens until all of the deputies have been heard. Those that were not in time.
 std::vector<std::string> missing_deputies(Sheriff& sheriff, const std::set<std::string>& wanted) {
-  const std::int64_t deadline_us = Sheriff::now_us() + in_us(kAnswerTime);
+  const time::SteadyTime deadline = Sheriff::now() + kAnswerTime;
   std::vector<std::string> missing;
   do {
     sheriff.work(kWait);
     missing.clear();
     for (const std::string& id : wanted) {
-      if (!sheriff.fleet().is_heard(id, Sheriff::now_us())) {
+      if (!sheriff.fleet().is_heard(id, Sheriff::now())) {
         missing.push_back(id);
       }
     }
-  } while (!missing.empty() && Sheriff::now_us() < deadline_us && !node::stop_requested());
+  } while (!missing.empty() && Sheriff::now() < deadline && !node::stop_requested());
   for (const std::string& id : missing) {
     std::cerr << "nodmap-sheriff: the deputy " << printable(id) << " does not answer\n";
   }
@@ -55,10 +51,10 @@ std::set<std::string> deputies_of(const std::vector<const Command*>& commands) {
 
 /// Two sheriffs would pull the commands to and fro: whoever comes second leaves.
 bool is_alone(Sheriff& sheriff) {
-  const std::int64_t deadline_us = Sheriff::now_us() + in_us(kSheriffTime);
-  while (Sheriff::now_us() < deadline_us && !node::stop_requested()) {
+  const time::SteadyTime deadline = Sheriff::now() + kSheriffTime;
+  while (Sheriff::now() < deadline && !node::stop_requested()) {
     sheriff.work(kWait);
-    if (const auto other = sheriff.fleet().other_sheriff(Sheriff::now_us())) {
+    if (const auto other = sheriff.fleet().other_sheriff(Sheriff::now())) {
       std::cerr << "nodmap-sheriff: the sheriff " << printable(*other)
                 << " gives orders here already (use that one, or --observe)\n";
       return false;
@@ -68,30 +64,30 @@ bool is_alone(Sheriff& sheriff) {
 }
 
 /// How long a change may take: a start some seconds, a stop its grace time, too.
-std::int64_t patience_us(Verb verb, const std::vector<const Command*>& commands) {
+time::Duration patience(Verb verb, const std::vector<const Command*>& commands) {
   double seconds = kStartTimeS;
   if (verb != Verb::kStart) {
     for (const Command* command : commands) {
       seconds = std::max(seconds, kStartTimeS + command->stop_time_allowed_s);
     }
   }
-  return static_cast<std::int64_t>(seconds * 1e6);
+  return time::from_seconds(seconds);
 }
 
 /// Whether a command is where the verb sends it. One that has been started and ended well is, too.
 bool is_settled(const Fleet& fleet, const Command& command, Verb verb) {
-  const std::int64_t now_us = Sheriff::now_us();
-  const CommandState state = fleet.state_of(command.id, now_us);
+  const time::SteadyTime now = Sheriff::now();
+  const CommandState state = fleet.state_of(command.id, now);
   if (verb == Verb::kStop) {
-    return fleet.has_reached(command.id, Wanted::kStopped, now_us);
+    return fleet.has_reached(command.id, Wanted::kStopped, now);
   }
-  const bool has_lasted = now_us - fleet.find(command.id)->running_since_us >= in_us(kSettleTime);
+  const bool has_lasted = now - fleet.find(command.id)->running_since >= kSettleTime;
   return (state == CommandState::kRunning && has_lasted) || state == CommandState::kStoppedOk ||
          state == CommandState::kStoppedError;
 }
 
 bool is_as_wanted(const Fleet& fleet, const Command& command, Verb verb) {
-  const CommandState state = fleet.state_of(command.id, Sheriff::now_us());
+  const CommandState state = fleet.state_of(command.id, Sheriff::now());
   return verb == Verb::kStop ? is_settled(fleet, command, verb)
                              : state == CommandState::kRunning || state == CommandState::kStoppedOk;
 }
@@ -131,13 +127,13 @@ std::vector<std::string> command_names(const Config& config) {
 int print_status(Sheriff& sheriff, bool as_json) {
   const auto missing = missing_deputies(sheriff, deputies_of(sheriff.config().commands_of({})));
   // Health comes once a second, and another sheriff's orders too.
-  const std::int64_t deadline_us = Sheriff::now_us() + in_us(kSheriffTime);
-  while (Sheriff::now_us() < deadline_us && !node::stop_requested()) {
+  const time::SteadyTime deadline = Sheriff::now() + kSheriffTime;
+  while (Sheriff::now() < deadline && !node::stop_requested()) {
     sheriff.work(kWait);
   }
   std::vector<ReportRow> rows = sheriff.report();
   if (as_json) {
-    std::cout << to_json(rows, sheriff.fleet(), Sheriff::now_us())
+    std::cout << to_json(rows, sheriff.fleet(), Sheriff::now())
                      .dump(2, ' ', false, nlohmann::json::error_handler_t::replace)
               << "\n";
   } else {
@@ -172,13 +168,13 @@ int change(Sheriff& sheriff, Verb verb, const std::string& name) {
   sheriff.command();
   give_order(sheriff.fleet(), config, verb, target);
   sheriff.give_orders();
-  const std::int64_t deadline_us = Sheriff::now_us() + patience_us(verb, commands);
+  const time::SteadyTime deadline = Sheriff::now() + patience(verb, commands);
   const auto all_settled = [&] {
     return std::all_of(commands.begin(), commands.end(), [&](const Command* command) {
       return is_settled(sheriff.fleet(), *command, verb);
     });
   };
-  while (!all_settled() && Sheriff::now_us() < deadline_us && !node::stop_requested()) {
+  while (!all_settled() && Sheriff::now() < deadline && !node::stop_requested()) {
     sheriff.work(kWait);
   }
   int code = kDone;
@@ -186,7 +182,7 @@ int change(Sheriff& sheriff, Verb verb, const std::string& name) {
     const bool is_good = is_as_wanted(sheriff.fleet(), *command, verb);
     code = is_good ? code : kFailed;
     std::cout << command->id << ": "
-              << name_of(sheriff.fleet().state_of(command->id, Sheriff::now_us())) << "\n";
+              << name_of(sheriff.fleet().state_of(command->id, Sheriff::now())) << "\n";
   }
   return code;
 }

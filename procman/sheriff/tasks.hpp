@@ -43,6 +43,7 @@ struct WatchOptions {
   AfterScript after_script = AfterScript::kStay;
   std::optional<double> timeout_s;  ///< for the script
   bool observe = false;             ///< look only, give no orders
+  std::string config_file;          ///< read anew whenever it was edited
 };
 
 /// Runs a script and applies the health rules: in the live view on a terminal, else with a line on

@@ -6,6 +6,7 @@
 
 #include "common/node/log.hpp"
 #include "common/node/program.hpp"
+#include "procman/config/config_watch.hpp"
 #include "procman/sheriff/script_runner.hpp"
 #include "procman/sheriff/tasks.hpp"
 #include "procman/sheriff/terminal.hpp"
@@ -14,7 +15,9 @@ namespace nodmap::procman {
 namespace {
 
 constexpr std::chrono::milliseconds kWait(50);
-constexpr std::int64_t kReminderUs = 5'000'000;
+constexpr time::Duration kReminderPeriod = 5s;
+/// The deputies read the same file, and are to know of a new exec line before it is ordered.
+constexpr time::Duration kConfigSettles = 2s;
 
 /// What a key orders for the selected command, or for its whole group.
 struct KeyOrder {
@@ -34,7 +37,10 @@ constexpr std::array<KeyOrder, 6> kKeyOrders{
 /// The sheriff that stays: script, health rules, the other sheriff; on a terminal or line by line.
 class Watch {
  public:
-  Watch(Sheriff& sheriff, const WatchOptions& options) : sheriff_(sheriff), options_(options) {
+  Watch(Sheriff& sheriff, const WatchOptions& options)
+      : sheriff_(sheriff),
+        options_(options),
+        config_watch_(options.config_file, kConfigSettles, Sheriff::now()) {
     if (options.script != nullptr) {
       runner_.emplace(sheriff.config(), *options.script,
                       [&sheriff](const std::string& id) { return sheriff.is_healthy(id); });
@@ -42,9 +48,9 @@ class Watch {
     if (Terminal::is_there()) {
       terminal_ = std::make_unique<Terminal>();
     }
-    begun_us_ = reminded_us_ = Sheriff::now_us();
+    begin_ = reminded_ = Sheriff::now();
     if (!options.observe) {
-      command_due_us_ = begun_us_ + std::chrono::microseconds(kSheriffTime).count();
+      command_due_ = begin_ + kSheriffTime;
     }
   }
 
@@ -53,6 +59,7 @@ class Watch {
       sheriff_.work(kWait);
       look_for_other_sheriff();
       step_script();
+      reload_config();
       for (const HealthWatch::Restart& restart : sheriff_.apply_health_rules()) {
         notify("restarting " + restart.command_id + ": " + restart.reason);
       }
@@ -65,6 +72,7 @@ class Watch {
  private:
   void step_script();
   void end_script();
+  void reload_config();
   void look_for_other_sheriff();
   void notify(const std::string& text);
   void show();
@@ -75,14 +83,15 @@ class Watch {
 
   Sheriff& sheriff_;
   WatchOptions options_;
+  ConfigWatch config_watch_;
   std::optional<ScriptRunner> runner_;
   std::unique_ptr<Terminal> terminal_;
   ViewState view_;
   std::map<std::string, std::string> printed_;
   std::optional<int> exit_code_;
-  std::optional<std::int64_t> command_due_us_;  // until then it listens for other sheriffs
-  std::int64_t begun_us_ = 0;
-  std::int64_t reminded_us_ = 0;
+  std::optional<time::SteadyTime> command_due_;  // until then it listens for other sheriffs
+  time::SteadyTime begin_{};
+  time::SteadyTime reminded_{};
   bool has_failed_ = false;  // the script
 };
 
@@ -95,12 +104,12 @@ void Watch::notify(const std::string& text) {
 }
 
 void Watch::step_script() {
-  const std::int64_t now_us = Sheriff::now_us();
+  const time::SteadyTime now = Sheriff::now();
   if (!runner_ || runner_->is_over() || sheriff_.is_observer()) {
     return;
   }
   const std::string waited_for = runner_->waiting_for();
-  runner_->step(sheriff_.fleet(), now_us);
+  runner_->step(sheriff_.fleet(), now);
   if (runner_->is_over()) {
     sheriff_.give_orders();
     end_script();
@@ -108,12 +117,12 @@ void Watch::step_script() {
   }
   if (runner_->waiting_for() != waited_for) {
     sheriff_.give_orders();
-    reminded_us_ = now_us;
-  } else if (now_us - reminded_us_ > kReminderUs) {
-    reminded_us_ = now_us;
+    reminded_ = now;
+  } else if (now - reminded_ > kReminderPeriod) {
+    reminded_ = now;
     notify("waiting for " + runner_->waiting_for());
   }
-  if (options_.timeout_s && static_cast<double>(now_us - begun_us_) > *options_.timeout_s * 1e6) {
+  if (options_.timeout_s && time::seconds(now - begin_) > *options_.timeout_s) {
     notify("the script has not ended in time: waiting for " + runner_->waiting_for());
     exit_code_ = kFailed;
   }
@@ -130,27 +139,46 @@ void Watch::end_script() {
   }
 }
 
+/// Not under a script that names what was there when it began.
+void Watch::reload_config() {
+  if (runner_ && !runner_->is_over()) {
+    return;
+  }
+  std::optional<ParsedConfig> parsed = config_watch_.poll(Sheriff::now());
+  if (!parsed) {
+    return;
+  }
+  if (!parsed->errors.empty()) {
+    notify(describe(options_.config_file, parsed->errors.front()) + " (going on as before)");
+    return;
+  }
+  notify(options_.config_file + " was edited");
+  for (const std::string& change : sheriff_.reconfigure(std::move(parsed->config))) {
+    notify(change);
+  }
+}
+
 /// One of two must give way, or they pull the commands to and fro.
 void Watch::look_for_other_sheriff() {
-  const std::int64_t now_us = Sheriff::now_us();
-  const auto other = sheriff_.fleet().other_sheriff(now_us);
-  const bool is_new_here = command_due_us_.has_value();
-  if (other && (is_new_here || (!sheriff_.is_observer() && sheriff_.fleet().must_yield(now_us)))) {
-    command_due_us_.reset();
+  const time::SteadyTime now = Sheriff::now();
+  const auto other = sheriff_.fleet().other_sheriff(now);
+  const bool is_new_here = command_due_.has_value();
+  if (other && (is_new_here || (!sheriff_.is_observer() && sheriff_.fleet().must_yield(now)))) {
+    command_due_.reset();
     sheriff_.observe();
     notify("the sheriff " + *other + " gives orders here: observing only");
     if (runner_ && !runner_->is_over()) {
       exit_code_ = kOtherSheriff;
     }
-  } else if (is_new_here && now_us >= *command_due_us_) {
-    command_due_us_.reset();
+  } else if (is_new_here && now >= *command_due_) {
+    command_due_.reset();
     sheriff_.command();
   }
 }
 
 std::string Watch::title() const {
   std::string title = "nodmap-sheriff";
-  if (command_due_us_) {
+  if (command_due_) {
     title += ": looking for other sheriffs";
   } else if (sheriff_.is_observer()) {
     title += ": observing only";
@@ -181,7 +209,7 @@ void Watch::press(Key key, const std::vector<ReportRow>& rows) {
   } else if (key == Key::kQuit) {
     exit_code_ = kDone;
   } else if (sheriff_.is_observer()) {
-    notify(command_due_us_ ? "not yet: looking for other sheriffs" : "observing only: no orders");
+    notify(command_due_ ? "not yet: looking for other sheriffs" : "observing only: no orders");
   } else if (!rows.empty()) {
     order(key, rows);
   }

@@ -26,9 +26,9 @@ DeputyClient::DeputyClient(std::string deputy_id) : deputy_id_(std::move(deputy_
 }
 
 void DeputyClient::order(std::vector<procman::CommandOrder> commands) {
-  bus_.publish(procman::kOrdersChannel,
-               procman::to_message(procman::Orders{clock_.now_utime_us(), deputy_id_, "test",
-                                                   std::move(commands)}));
+  bus_.publish(
+      procman::kOrdersChannel,
+      procman::to_message(procman::Orders{clock_.now(), deputy_id_, "test", std::move(commands)}));
 }
 
 bool DeputyClient::wait_until(const std::function<bool()>& condition, milliseconds timeout) {

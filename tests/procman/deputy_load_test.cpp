@@ -96,7 +96,7 @@ TEST_F(DeputyLoad, OrdersAndInfoOfMoreThanADatagramArriveWhole) {
     orders.push_back(wanted(std::string(100, 'n') + std::to_string(i),
                             marked("sleep 1000 " + std::string(100, '0')), 0, true));
   }
-  const procman::Orders message{0, "rover", "test", orders};
+  const procman::Orders message{{}, "rover", "test", orders};
   ASSERT_GT(procman::to_message(message).getEncodedSize(), static_cast<int>(kDatagramBytes));
   client_.order(orders);
   ASSERT_TRUE(client_.wait_until([&] { return client_.infos().back().commands.size() == 300; }));

@@ -45,6 +45,22 @@ TEST_F(DeputyProcess, StartAndStopWithinFourMilliseconds200Times) {
   end_cleanly();
 }
 
+TEST_F(DeputyProcess, GivesACommandTheResourcesOfItsConfiguration) {
+  const test::TemporaryDir dir;
+  const std::string exec = marked("bash -c 'ulimit -d; grep Cpus_allowed_list /proc/self/status'");
+  std::ofstream(dir.path() / "robot.pmd")
+      << R"(cmd "a" { exec = ")" << exec << R"("; host = "rover";
+      #nodmap: memory_mb = 512; cpus = "0";
+  })";
+  begin({"--config", dir.path() / "robot.pmd"});
+  client_.order({wanted("a", exec, 1)});
+  EXPECT_TRUE(client_.wait_until([&] {
+    return client_.output("a").find("Cpus_allowed_list:\t0\r") != std::string::npos;
+  })) << client_.output("a");
+  EXPECT_THAT(client_.output("a"), HasSubstr("500000\r"));  // of 1024 bytes
+  end_cleanly();
+}
+
 TEST_F(DeputyProcess, RestartWithinFourMilliseconds200Times) {
   begin();
   const std::string exec = marked("sleep 1000");

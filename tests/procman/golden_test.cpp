@@ -19,7 +19,7 @@ namespace {
 
 using procman::CommandStatus;
 using procman::DeputyInfo;
-using std::chrono::microseconds;
+
 using SteadyClock = std::chrono::steady_clock;
 
 struct Seen {
@@ -74,7 +74,7 @@ std::vector<std::string> lines_of(const std::string& text) {
 
 struct Recording {
   struct Sent {
-    std::int64_t utime_us = 0;
+    time::Timestamp received{};
     procman::Orders orders;
     std::size_t num_infos = 0;  ///< INFOs recorded before
   };
@@ -90,8 +90,8 @@ Recording read(const std::filesystem::path& file) {
     if (event->channel == procman::kOrdersChannel) {
       procman_lcm::orders_t message{};
       EXPECT_TRUE(bus::decode_into(message, event->data));
-      recording.orders.push_back(
-          {event->log_utime_us, procman::from_message(message), recording.infos.size()});
+      recording.orders.push_back({time::from_utime(event->log_utime_us),
+                                  procman::from_message(message), recording.infos.size()});
     } else if (event->channel == procman::kInfoChannel) {
       procman_lcm::deputy_info_t message{};
       EXPECT_TRUE(bus::decode_into(message, event->data));
@@ -119,10 +119,10 @@ TEST(Golden, OurDeputyGoesThroughTheRecordedStates) {
   ASSERT_TRUE(client.wait_until([&] { return !client.infos().empty(); }));
   // Each order as long after the one before as was recorded, and not before the deputy is where the
   // existing one was by then.
-  std::int64_t sent_utime_us = recording.orders.front().utime_us;
+  time::Timestamp before = recording.orders.front().received;
   auto sent = SteadyClock::now();
-  for (const auto& [utime_us, orders, num_infos] : recording.orders) {
-    const auto due = sent + microseconds(utime_us - sent_utime_us);
+  for (const auto& [received, orders, num_infos] : recording.orders) {
+    const auto due = sent + (received - before);
     const std::vector<DeputyInfo> infos_before(
         recording.infos.begin(), recording.infos.begin() + static_cast<std::ptrdiff_t>(num_infos));
     ASSERT_TRUE(client.wait_until([&] {
@@ -132,7 +132,7 @@ TEST(Golden, OurDeputyGoesThroughTheRecordedStates) {
     }));
     client.order(orders.commands);
     sent = SteadyClock::now();
-    sent_utime_us = utime_us;
+    before = received;
   }
   EXPECT_TRUE(client.wait_until([&] { return has_reached(client.infos(), recording.infos); }));
   EXPECT_EQ(histories(client.infos()), histories(recording.infos));

@@ -205,6 +205,29 @@ TEST_F(SheriffProcess, ItsViolentEndStopsNothing) {
   EXPECT_EQ(client_.status("sleeper").pid, pid) << "adopted, not started anew";
 }
 
+TEST_F(SheriffProcess, AnEditedConfigurationIsTakenUpWithoutStoppingWhatHasNotChanged) {
+  begin_deputy();
+  begin_sheriff({"--script", "up", "--on-script-complete", "stay"});
+  ASSERT_TRUE(
+      client_.wait_until([this] { return client_.runs("sleeper") && client_.runs("talker"); }));
+  const int sleeper = client_.status("sleeper").pid;
+  const int talker = client_.status("talker").pid;
+  std::ofstream(file_) << R"(cmd "sleeper" { exec = ")" << marked("sleep 1000")
+                       << R"("; host = "rover"; auto_respawn = "true"; }
+      cmd "talker" { exec = ")"
+                       << marked("sleep 2000") << R"("; host = "rover"; }
+      cmd "new" { exec = ")"
+                       << marked("sleep 3000") << R"("; host = "rover"; })";
+  EXPECT_TRUE(client_.wait_until(
+      [&] { return client_.runs("talker") && client_.status("talker").pid != talker; }));
+  EXPECT_THAT(client_.status("talker").spec.exec, HasSubstr("sleep 2000"));
+  EXPECT_EQ(client_.status("sleeper").pid, sleeper) << "it has not changed";
+  EXPECT_FALSE(client_.runs("new"));
+  sheriff_->send_signal(SIGTERM);
+  EXPECT_EQ(sheriff_->wait_for_end(kPatience), 0);
+  EXPECT_EQ(sheriff({"--start", "new"}).exit_code, 0) << "the deputy has read it, too";
+}
+
 TEST_F(SheriffProcess, RestartsWhatSaysThatItHasFailed) {
   begin_deputy();
   begin_sheriff({"--script", "up", "--on-script-complete", "stay"});

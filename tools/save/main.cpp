@@ -38,7 +38,7 @@ std::set<std::string> listeners(bus::LiveBus& bus) {
 int run(const std::string& requested_by, const std::string& lcm_url) {
   bus::LiveBus bus(lcm_url);
   save_request_t request{};
-  request.utime = time::SystemClock().now_utime_us();
+  request.utime = time::to_utime(time::SystemClock().now());
   request.requested_by = requested_by;
   bus.publish("SAVE_REQUEST", request);
   if (bus.counts().not_published > 0) {

@@ -43,7 +43,7 @@ void say(bus::LiveBus& bus, const Arguments& arguments) {
   message.is_stopped = static_cast<std::int8_t>(!arguments.is_go);
   message.requested_by = arguments.by;
   for (int i = 0; i < kTimes; ++i) {
-    message.utime = time::SystemClock().now_utime_us();
+    message.utime = time::to_utime(time::SystemClock().now());
     message.stop_seq = i;
     bus.publish("STOP", message);
     const auto end = std::chrono::steady_clock::now() + kPause;

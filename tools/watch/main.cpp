@@ -18,7 +18,7 @@ namespace nodmap::watch {
 namespace {
 
 std::int64_t steady_us() {
-  return time::to_us(time::now_on_both_clocks().steady.time_since_epoch());
+  return time::to_us(time::steady_now().time_since_epoch());
 }
 
 constexpr std::int64_t kTerminalPeriodUs = 100'000;

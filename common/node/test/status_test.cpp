@@ -28,7 +28,7 @@ class StatusTest : public ::testing::Test {
 
   bus::LiveBus bus_{"memq://"};
   MessageCounts counts_;
-  time::ManualClock clock_{1'000'000};
+  time::ManualClock clock_{time::Timestamp(1s)};
   FakeNode node_;
   bus::Latest<nodmap::status_t> status_{bus_, "STATUS"};
 };
@@ -36,13 +36,13 @@ class StatusTest : public ::testing::Test {
 TEST_F(StatusTest, ComesOnceASecondEvenWhenTheClockStepsBack) {
   StatusReporter reporter("nodmap-test", bus_, counts_, clock_);
   reporter.publish_if_due(node_);
-  clock_.advance(999'999);
+  clock_.advance(999'999us);
   reporter.publish_if_due(node_);
   handle_all();
   EXPECT_EQ(status_.count(), 0);
-  clock_.advance(1);
+  clock_.advance(1us);
   reporter.publish_if_due(node_);
-  clock_.set(500'000);
+  clock_.set(time::Timestamp(500ms));
   reporter.publish_if_due(node_);
   handle_all();
   EXPECT_EQ(status_.count(), 2);
@@ -50,7 +50,7 @@ TEST_F(StatusTest, ComesOnceASecondEvenWhenTheClockStepsBack) {
 
 TEST_F(StatusTest, SilenceOfTheInputIsDegraded) {
   StatusReporter reporter("nodmap-test", bus_, counts_, clock_);
-  clock_.advance(1'000'000);
+  clock_.advance(1s);
   reporter.publish_if_due(node_);
   handle_all();
   ASSERT_TRUE(status_.get().has_value());
@@ -61,7 +61,7 @@ TEST_F(StatusTest, SilenceOfTheInputIsDegraded) {
 TEST_F(StatusTest, ADriverNeedsNoMessages) {
   StatusReporter reporter("nodmap-test", bus_, counts_, clock_);
   node_.health_.needs_messages = false;
-  clock_.advance(1'000'000);
+  clock_.advance(1s);
   reporter.publish_if_due(node_);
   handle_all();
   ASSERT_TRUE(status_.get().has_value());
@@ -76,7 +76,7 @@ TEST_F(StatusTest, CorruptMessagesAreTold) {
   }
   handle_all();
   for (const auto health : {nodmap::status_t::DEGRADED, nodmap::status_t::OK}) {
-    clock_.advance(1'000'000);
+    clock_.advance(1s);
     reporter.publish_if_due(node_);
     handle_all();
     ASSERT_TRUE(status_.get().has_value());
@@ -90,7 +90,7 @@ TEST_F(StatusTest, TheNodesOwnWordGoesThrough) {
   node_.health_ = {HealthState::kFailed, "the disk is full"};
   counts_.reject("x");
   counts_.lose(2);
-  clock_.advance(2'000'000);
+  clock_.advance(2s);
   reporter.publish_if_due(node_);
   handle_all();
   EXPECT_EQ(status_.get()->health, nodmap::status_t::FAILED);

@@ -89,12 +89,13 @@ std::string KurtEmulator::tick() {
     left_cm_s_ = 0;
     right_cm_s_ = 0;
   }
-  const int left = ticks_of(left_cm_s_, left_rest_);
-  const int right = ticks_of(right_cm_s_, right_rest_);
+  const int left = stalled ? 0 : ticks_of(left_cm_s_, left_rest_);
+  const int right = stalled ? 0 : ticks_of(right_cm_s_, right_rest_);
   if (base_off || mute_adapter || !open_) {
     return "";
   }
-  std::string frames = "t0068012C01F400640064\r";  // sonar 500
+  std::string frames = "t0068012C038400640064\r";  // sonar 900
+  frames += bumper ? "t00A20400\r" : "t00A20000\r";
   if (drop_encoders > 0) {
     --drop_encoders;
     return frames;

@@ -24,6 +24,8 @@ class KurtEmulator {
   bool base_off = false;      ///< sends no frames
   int drop_encoders = 0;      ///< so many encoder frames get lost
   int wild_encoders = 0;      ///< so many encoder frames hold ticks that no wheel can make
+  bool bumper = false;        ///< a bumper is touched
+  bool stalled = false;       ///< no wheel turns, whatever it is told
 
   [[nodiscard]] bool channel_open() const { return open_; }
   /// Adapter reset: the channel is closed.

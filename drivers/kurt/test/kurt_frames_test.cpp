@@ -48,6 +48,13 @@ TEST(KurtFrames, EncoderTicksAreSigned) {
   EXPECT_TRUE(std::holds_alternative<EncoderTicks>(decode(frame(9, {0, 0, 0, 0}))));
 }
 
+TEST(KurtFrames, AnyBumperIsATouch) {
+  EXPECT_FALSE(std::get<Bumpers>(decode(frame(10, {0, 0xFF})))
+                   .is_touched);  // the other byte: remote control
+  EXPECT_TRUE(std::get<Bumpers>(decode(frame(10, {0x04, 0}))).is_touched);
+  EXPECT_TRUE(std::holds_alternative<std::monostate>(decode(frame(10, {}))));
+}
+
 TEST(KurtFrames, EachRangeFinderHasItsPlace) {
   const auto back = std::get<RangeReadings>(decode(frame(5, {0, 101, 0, 102, 0, 103, 0, 104})));
   EXPECT_EQ(back.infrared_raw[static_cast<int>(Infrared::kBack)], 101);

@@ -277,7 +277,7 @@ TEST(Kurt, OtherSensorsAreKeptWithTheirTime) {
   robot.run_for(500ms);
   const BaseSensors& sensors = robot.kurt.sensors();
   ASSERT_TRUE(sensors.sonar_raw.has_value());
-  EXPECT_EQ(sensors.sonar_raw->value, 500);
+  EXPECT_EQ(sensors.sonar_raw->value, 900);
   EXPECT_EQ(sensors.sonar_raw->at, robot.now);
   EXPECT_EQ(sensors.infrared_raw[static_cast<int>(Infrared::kRightFront)]->value, 300);
   EXPECT_FALSE(sensors.infrared_raw[static_cast<int>(Infrared::kBack)].has_value());

@@ -40,7 +40,7 @@ class Network {
       bus.handle(std::chrono::milliseconds(0));
       if (drives) {
         nodmap::drive_t message{};
-        message.utime = time::SystemClock().now_utime_us();
+        message.utime = time::to_utime(time::SystemClock().now());
         message.drive_seq = drive_seq++;
         message.forward_mps = 0.5;
         message.valid_us = 200'000;

@@ -46,7 +46,7 @@ class Bench {
 
   void step() {
     now += 10ms;
-    clock.advance(10'000);
+    clock.advance(10ms);
     const std::string to_driver = answer_ + (pty ? base.tick() : "");
     answer_.clear();
     if (pty && node->poll_handles()[0] >= 0 && !to_driver.empty()) {
@@ -75,7 +75,7 @@ class Bench {
 
   void publish_drive(double forward_mps, double yaw_rate_rad_s) {
     nodmap::drive_t message{};
-    message.utime = clock.now_utime_us();
+    message.utime = time::to_utime(clock.now());
     message.drive_seq = drive_seq++;
     message.forward_mps = forward_mps;
     message.yaw_rate_rad_s = yaw_rate_rad_s;
@@ -100,9 +100,7 @@ class Bench {
   void restart() {
     node.reset();
     base = {};
-    node.emplace(context, KurtParams{}, open, [this] {
-      return time::Moment{time::from_utime(clock.now_utime_us()), now};
-    });
+    node.emplace(context, KurtParams{}, open, [this] { return time::Moment{clock.now(), now}; });
   }
 
   /// The line is open, and the robot is free to drive.
@@ -113,7 +111,7 @@ class Bench {
 
   time::SteadyTime now;
   std::int64_t drive_seq = 0;
-  time::ManualClock clock{time::to_utime(kStart)};
+  time::ManualClock clock{kStart};
   std::optional<test::PtyPair> pty{std::in_place};
   test::KurtEmulator base;
   bus::LiveBus bus{"memq://"};
@@ -129,7 +127,7 @@ class Bench {
     return serial::open_serial_port({pty->name()});
   };
   std::optional<KurtNode> node{std::in_place, context, KurtParams{}, open, [this] {
-                                 return time::Moment{time::from_utime(clock.now_utime_us()), now};
+                                 return time::Moment{clock.now(), now};
                                }};
   node::StatusReporter reporter{"nodmap-kurt", bus, counts, clock};
 
@@ -152,7 +150,7 @@ TEST(KurtNode, DriveMovesTheBaseAndOdometryComesBack) {
   EXPECT_GT(odometry.pose_covariance[0][0], 0.0);
   EXPECT_GT(odometry.pose_covariance[5][5], 0.0);
   EXPECT_EQ(odometry.pose_covariance[0][5], odometry.pose_covariance[5][0]);
-  EXPECT_EQ(odometry.utime, bench.clock.now_utime_us());
+  EXPECT_EQ(odometry.utime, time::to_utime(bench.clock.now()));
   EXPECT_EQ(odometry.odometry_seq, bench.odometry.count() - 1);
 }
 
@@ -161,8 +159,8 @@ TEST(KurtNode, OtherSensorsArePublished) {
   ASSERT_TRUE(bench.stands_ready());
   ASSERT_TRUE(bench.step_until([&] { return bench.sensors.count() >= 2; }, 200ms));
   const nodmap::base_sensors_t& message = *bench.sensors.get();
-  EXPECT_EQ(message.sonar_raw, 500);
-  EXPECT_NEAR(message.sonar_m, 0.672491F, 1e-6F);
+  EXPECT_EQ(message.sonar_raw, 900);
+  EXPECT_NEAR(message.sonar_m, 1.115099F, 1e-6F);
   EXPECT_EQ(message.infrared_raw[static_cast<int>(Infrared::kRightFront)], 300);
   EXPECT_EQ(message.infrared_raw[static_cast<int>(Infrared::kBack)], -1);
   EXPECT_TRUE(std::isnan(message.infrared_m[static_cast<int>(Infrared::kBack)]));
@@ -178,6 +176,32 @@ TEST(KurtNode, WithoutDriveTheBaseIsTold_ZeroWithinTheTimeoutAndOneFrame) {
   ASSERT_TRUE(bench.step_until([&] { return bench.base.left_cm_s() == 0; }, 1s));
   EXPECT_LE(bench.now - last_drive, 210ms + 10ms);  // and a step for the terminal
   EXPECT_EQ(bench.node->health().state, node::HealthState::kDegraded);
+}
+
+TEST(KurtNode, ATouchedBumperStopsItUntilItIsToldToGo) {
+  Bench bench;
+  ASSERT_TRUE(bench.stands_ready());
+  bench.drive_for(1.0, 0.0, 1500ms);
+  ASSERT_EQ(bench.base.left_cm_s(), 100);
+  bench.base.bumper = true;
+  bench.drive_for(1.0, 0.0, 50ms);  // zero at once, without a ramp
+  EXPECT_EQ(bench.base.left_cm_s(), 0);
+  EXPECT_NE(bench.node->health().reason.find("bumper"), std::string::npos);
+  bench.base.bumper = false;
+  bench.drive_for(1.0, 0.0, 1s);
+  EXPECT_EQ(bench.base.left_cm_s(), 0);
+  bench.publish_stop(false);
+  bench.drive_for(0.5, 0.0, 1s);
+  EXPECT_EQ(bench.base.left_cm_s(), 50);
+}
+
+TEST(KurtNode, StalledMotorsAreNotLeftUnderCurrent) {
+  Bench bench;
+  ASSERT_TRUE(bench.stands_ready());
+  bench.base.stalled = true;
+  bench.drive_for(0.5, 0.0, 2500ms);  // 2 s from the first command of 5 cm/s on
+  EXPECT_EQ(bench.base.left_cm_s(), 0);
+  EXPECT_NE(bench.node->health().reason.find("stalled"), std::string::npos);
 }
 
 TEST(KurtNode, StoppedItStandsWhateverDriveAsksForUntilItIsFree) {
@@ -242,7 +266,7 @@ TEST(KurtNode, ASecondSenderOfDriveStopsTheRobotAndIsTold) {
   forged.forward_mps = 5.0;
   forged.valid_us = 1'000'000;
   for (int i = 0; i < 100; ++i) {
-    forged.utime = bench.clock.now_utime_us() + 4'000;
+    forged.utime = time::to_utime(bench.clock.now()) + 4'000;
     ++forged.drive_seq;
     bench.bus.publish("DRIVE", forged);
     bench.drive_for(0.5, 0.0, 10ms);
@@ -263,7 +287,7 @@ TEST(KurtNode, WhatIsNotObeyedIsCountedByCause) {
   bench.publish_drive(std::numeric_limits<double>::quiet_NaN(), 0.0);
   bench.publish_drive(1000.0, 0.0);
   nodmap::drive_t stale{};
-  stale.utime = bench.clock.now_utime_us() - 300'000;
+  stale.utime = time::to_utime(bench.clock.now()) - 300'000;
   stale.drive_seq = bench.drive_seq++;
   stale.valid_us = 1'000'000;
   bench.bus.publish("DRIVE", stale);
@@ -356,7 +380,7 @@ TEST(KurtNode, ALineThatTakesNoBytesIsGivenUp) {
   // Nobody reads on the device's side: the terminal fills up.
   for (int i = 0; i < 5000 && bench.node->poll_handles()[0] >= 0; ++i) {
     bench.now += 10ms;
-    bench.clock.advance(10'000);
+    bench.clock.advance(10ms);
     bench.pty->send(bench.base.tick());
     await_input(bench.node->poll_handles()[0], 1);
     bench.node->spin_once();

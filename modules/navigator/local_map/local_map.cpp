@@ -31,6 +31,10 @@ constexpr double kColumnM = 0.05;
 constexpr int kUnknownColumns = 2;
 /// Floor points no farther apart contradict a hole between them: one so narrow does not matter.
 constexpr double kDenseM = 0.05;
+/// So many cells around a hole belong to it: a beam that passes through the floor does so beyond
+/// the edge, by up to the distance between two lines, and one that ends half on the edge has seen
+/// floor where there is none.
+constexpr int kEdgeCells = 2;
 
 /// Pose of base after `distance_m` of an arc, negative backwards, in base at its beginning.
 geometry::SE2 along_arc(double curvature, double distance_m) {
@@ -83,6 +87,28 @@ bool LocalMap::is_cleared(const LocalCell& cell) {
 
 bool LocalMap::is_blocked(const LocalCell& cell) const {
   return (is_obstacle(cell) && !is_forgotten(cell)) || is_hole(cell);
+}
+
+bool LocalMap::is_blocked_at(const Eigen::Vector2d& p_odom) const {
+  return is_blocked_at(grid_.index_of(p_odom));
+}
+
+/// By what is in the cell, or by a hole whose edge it may be.
+bool LocalMap::is_blocked_at(const Eigen::Vector2i& index) const {
+  if (!grid_.contains(index)) {
+    return false;
+  }
+  if (is_blocked(grid_.at(index))) {
+    return true;
+  }
+  for (const Eigen::Vector2i& step :
+       {Eigen::Vector2i(kEdgeCells, 0), Eigen::Vector2i(-kEdgeCells, 0),
+        Eigen::Vector2i(0, kEdgeCells), Eigen::Vector2i(0, -kEdgeCells)}) {
+    if (grid_.contains(index + step) && is_hole(grid_.at(index + step))) {
+      return true;
+    }
+  }
+  return false;
 }
 
 /// How far from 0 the height of a floor point may be measured: noise of range and pitch, uneven
@@ -393,8 +419,7 @@ Points LocalMap::points_base(const geometry::SE2& T_odom_base, double range_m) c
       if (dx * dx + dy * dy > reach * reach || !grid_.contains(index)) {
         continue;
       }
-      const LocalCell& cell = grid_.at(index);
-      if (is_blocked(cell)) {
+      if (is_blocked_at(index)) {
         points.emplace_back(R_base_odom * grid_.center_of(index) + T_base_odom.translation());
       }
     }

@@ -77,6 +77,8 @@ class LocalMap {
   [[nodiscard]] static bool is_cleared(const LocalCell& cell);
   /// By a hole, or an obstacle that is not forgotten.
   [[nodiscard]] bool is_blocked(const LocalCell& cell) const;
+  /// By the same, or because it is the edge of a hole. False outside the grid.
+  [[nodiscard]] bool is_blocked_at(const Eigen::Vector2d& p_odom) const;
   [[nodiscard]] const RollingGrid<LocalCell>& grid() const { return grid_; }
 
   /// The odom frame began anew.
@@ -110,6 +112,7 @@ class LocalMap {
   [[nodiscard]] bool is_row_seen(const geometry::SE2& T_odom_row, double half_width_m,
                                  bool assumed_counts) const;
   [[nodiscard]] double tolerance_m(double range_m) const;
+  [[nodiscard]] bool is_blocked_at(const Eigen::Vector2i& index) const;
   [[nodiscard]] bool is_forgotten(const LocalCell& cell) const;
   [[nodiscard]] LocalCell* find(const Eigen::Vector2d& p_odom);
 

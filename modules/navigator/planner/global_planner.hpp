@@ -39,8 +39,10 @@ class CostToGo {
 /// around the robot. Unknown ground can be crossed at a price. Costs are found from the goal
 /// outwards (Dijkstra with buckets), in small portions, so that no decision waits for them.
 ///
-/// The robot's centre keeps half its width and a little more off what blocks; nearer than twice
-/// that a cell costs more. Where it cannot turn the local planner finds out.
+/// The robot's centre keeps half its width off what blocks; with less than the least clearance a
+/// cell costs much more, and with little more still a little. Where it cannot turn, or a place is
+/// narrower than the grid can tell, the local planner finds out: a narrow place in which the robot
+/// could not go on is closed.
 class GlobalPlanner {
  public:
   GlobalPlanner(const robot::Footprint& body, const PlannerParams& params);
@@ -72,7 +74,9 @@ class GlobalPlanner {
                    const geometry::SE2& T_odom_base);
   void begin_window(const Eigen::Vector2d& p_map, const Eigen::Vector2d& goal_map);
   void measure_clearance();
+  void finish(const Eigen::Vector2d& p_map);
   void price_cells();
+  void price_failures();
   void seed(const Eigen::Vector2d& goal_map, double tolerance_m);
   void seed_border(const Eigen::Vector2d& goal_map);
   void take_border_seeds();
@@ -91,6 +95,7 @@ class GlobalPlanner {
   std::vector<Failure> failures_;
 
   Phase phase_ = Phase::kIdle;
+  bool is_last_resort_ = false;  // only occupied cells block, for there is no other path
   std::optional<std::int64_t> started_us_;
   Eigen::Vector2d goal_map_ = Eigen::Vector2d::Zero();
   double tolerance_m_ = 0.0;

@@ -15,8 +15,11 @@ constexpr double kAroundM = 0.3;
 /// Progress, and how long the robot may make none before the way ahead is given up.
 constexpr double kProgressM = 0.15;
 constexpr double kPatienceS = 12.0;
-/// After so long without a path what was seen long ago is looked at again, for it may be wrong.
-constexpr double kDoubtS = 3.0;
+/// A plan that costs so much more than the last one leads elsewhere.
+constexpr double kNewPathM = 1.0;
+/// After so long without a path the robot looks around, and again after so long.
+constexpr double kDoubtS = 1.0;
+constexpr double kLookAgainS = 30.0;
 /// The path is given up so far ahead of the robot.
 constexpr double kFailureAheadM = 0.4;
 /// Direction of an arc: where it is after so much of it.
@@ -47,7 +50,6 @@ Decision GoalDrive::decide(const Situation& now, const SeenDirections& seen,
   const Eigen::Vector2d goal_map = T_map_base * now.goal->p_base;
   if ((goal_map - goal_map_).norm() > now.goal->tolerance_m) {
     goal_map_ = goal_map;
-    has_doubted_ = false;
     progress_us_.reset();
   }
   global_.step(now.utime_us, local_map, now.T_map_odom, now.T_odom_base, goal_map_,
@@ -61,11 +63,10 @@ Decision GoalDrive::decide(const Situation& now, const SeenDirections& seen,
   }
   const double cost_m = global_.cost_to_go()->least_near(T_map_base.translation(), kAroundM);
   if (!std::isfinite(cost_m)) {
-    decision.reason = "There is no path to the goal.";
-    doubt(now);
-    return decision;
+    return without_path(now);
   }
   no_path_since_us_.reset();
+  looked_rad_ = 0.0;
   watch_progress(now, cost_m);
   const double max_forward_mps = brake_.speed_limit(0.0, now.max_forward_mps);
   const auto& rollouts = rollouts_.plan(now, *global_.cost_to_go(), max_forward_mps);
@@ -104,18 +105,44 @@ std::optional<Decision> GoalDrive::choose(const std::vector<Rollout>& rollouts,
   return best;
 }
 
-/// Without a path the plan is made once more from what the local map holds alone: where the robot
-/// has been is remembered no better than 2D SLAM knew its pose then.
-void GoalDrive::doubt(const Situation& now) {
-  no_path_since_us_ = no_path_since_us_.value_or(now.utime_us);
-  if (!has_doubted_ && seconds_since(no_path_since_us_, now) > kDoubtS) {
+/// Without a path the robot looks around once more, as far as it can turn, and the plan is made
+/// anew from what the local map holds then: where the robot has been is remembered no better than
+/// 2D SLAM knew its pose, and what was seen from afar may have been wrong.
+Decision GoalDrive::without_path(const Situation& now) {
+  if (!no_path_since_us_ || seconds_since(no_path_since_us_, now) > kLookAgainS) {
+    no_path_since_us_ = now.utime_us;
+    looked_rad_ = 0.0;
+    has_doubted_ = false;
+    last_yaw_rad_ = now.T_odom_base.yaw;
+  }
+  looked_rad_ += std::abs(geometry::angle_difference(now.T_odom_base.yaw, last_yaw_rad_));
+  last_yaw_rad_ = now.T_odom_base.yaw;
+  if (looked_rad_ < 2.0 * geometry::kPi && seconds_since(no_path_since_us_, now) > kDoubtS) {
+    Rollout around;
+    around.yaw_rate_rad_s = 0.5 * params_.planner.rotation_rad_s;
+    if (auto decision = rotate(around, now)) {
+      decision->reason = "There is no path to the goal: looks around.";
+      return *decision;
+    }
+    looked_rad_ = 2.0 * geometry::kPi;
+  }
+  if (looked_rad_ >= 2.0 * geometry::kPi && !has_doubted_) {
     global_.forget_ground();
     has_doubted_ = true;
   }
+  Decision decision;
+  decision.behaviour = Behaviour::kBrake;
+  decision.reason = "There is no path to the goal.";
+  return decision;
 }
 
-/// Where the robot makes no progress the plan must be wrong about what is ahead.
+/// Where the robot makes no progress the plan must be wrong about what is ahead. A path that has
+/// become longer because of what was seen begins anew.
 void GoalDrive::watch_progress(const Situation& now, double cost_m) {
+  if (cost_m > last_cost_m_ + kNewPathM) {
+    progress_us_.reset();
+  }
+  last_cost_m_ = cost_m;
   const double waited_s = seconds_since(progress_us_, now);
   if (progress_us_ && cost_m > least_cost_m_ - kProgressM && waited_s < kPatienceS) {
     return;

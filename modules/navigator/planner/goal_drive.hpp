@@ -35,7 +35,7 @@ class GoalDrive {
   [[nodiscard]] std::optional<Decision> drive_backwards(const Rollout& rollout,
                                                         const Situation& now) const;
   [[nodiscard]] std::optional<Decision> rotate(const Rollout& rollout, const Situation& now) const;
-  void doubt(const Situation& now);
+  [[nodiscard]] Decision without_path(const Situation& now);
   void watch_progress(const Situation& now, double cost_m);
 
   NavigatorParams params_;
@@ -45,9 +45,12 @@ class GoalDrive {
   Rollouts rollouts_;
   Eigen::Vector2d goal_map_ = Eigen::Vector2d::Zero();
   double least_cost_m_ = 0.0;  // since the goal, or the last failure
+  double last_cost_m_ = 0.0;
   std::optional<std::int64_t> progress_us_;
   std::optional<std::int64_t> no_path_since_us_;
-  bool has_doubted_ = false;
+  bool has_doubted_ = false;  // the ground was forgotten since
+  double looked_rad_ = 0.0;   // rotated since there is no path
+  double last_yaw_rad_ = 0.0;
 };
 
 }  // namespace nodmap::navigator

@@ -61,6 +61,7 @@ class Rollouts {
   std::vector<Disc> discs_;
   DistanceField obstacles_;
   double least_clearance_m_ = 0.0;
+  double least_slow_clearance_m_ = 0.0;  // on the spot and backwards
   std::vector<Rollout> rollouts_;
 };
 

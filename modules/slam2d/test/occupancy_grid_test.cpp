@@ -86,32 +86,111 @@ TEST(OccupancyGrid, RefusesWhatNoGridCanHold) {
   EXPECT_EQ(grid.width(), 0);
 }
 
-TEST(GridTiles, CoverTheGridOnce) {
-  OccupancyGrid grid(0.05);
-  ASSERT_TRUE(grid.add_ray({0.0, 0.0}, {20.0, 11.0}));
-  const std::vector<GridTile> tiles = cut_into_tiles(grid);
-  ASSERT_GT(tiles.size(), 1U);
-  std::vector<int> covered(
-      static_cast<std::size_t>(grid.width()) * static_cast<std::size_t>(grid.height()), 0);
+TEST(OccupancyGrid, AFreeRayHitsNothing) {
+  OccupancyGrid grid(kCell);
+  ASSERT_TRUE(grid.add_free_ray({0.05, 0.05}, {1.05, 0.05}));
+  EXPECT_EQ(occupancy_at(grid, 0.95, 0.05), 0);
+  EXPECT_EQ(occupancy_at(grid, 1.05, 0.05), OccupancyGrid::kUnknown);
+  grid.remove_free_ray({0.05, 0.05}, {1.05, 0.05});
+  EXPECT_EQ(occupancy_at(grid, 0.95, 0.05), OccupancyGrid::kUnknown);
+}
+
+TEST(OccupancyGrid, HoldsTilesOnlyWhereRaysWent) {
+  OccupancyGrid grid(kCell);
+  ASSERT_TRUE(grid.add_ray({1.0, 1.0}, {2.0, 1.0}));
+  ASSERT_TRUE(grid.add_ray({200.0, 200.0}, {201.0, 200.0}));
+  EXPECT_EQ(grid.num_tiles(), 2U);
+  EXPECT_GE(grid.width(), 16 * OccupancyGrid::kTileCells);  // 200 m
+}
+
+// Each cell of the grid as a receiver has it that puts the tiles it hears into their places.
+using Received = std::vector<std::int8_t>;
+
+void receive(const OccupancyGrid& grid, const std::vector<GridTile>& tiles, Received& received) {
+  const auto width = static_cast<std::size_t>(grid.width());
+  received.resize(width * static_cast<std::size_t>(grid.height()), OccupancyGrid::kUnknown);
   for (const GridTile& tile : tiles) {
-    ASSERT_EQ(tile.cells.size(), static_cast<std::size_t>(tile.width * tile.height));
-    EXPECT_LE(tile.cells.size(), 240U * 240U);
-    std::size_t cell = 0;
-    for (int y = tile.y; y < tile.y + tile.height; ++y) {
-      for (int x = tile.x; x < tile.x + tile.width; ++x) {
-        EXPECT_EQ(tile.cells[cell++], grid.occupancy(x, y));
-        ++covered[static_cast<std::size_t>(y) * static_cast<std::size_t>(grid.width()) +
-                  static_cast<std::size_t>(x)];
-      }
+    ASSERT_EQ(tile.cells.size(),
+              std::size_t{OccupancyGrid::kTileCells} * OccupancyGrid::kTileCells);
+    for (std::size_t i = 0; i < tile.cells.size(); ++i) {
+      const std::size_t x = static_cast<std::size_t>(tile.x) + i % OccupancyGrid::kTileCells;
+      const std::size_t y = static_cast<std::size_t>(tile.y) + i / OccupancyGrid::kTileCells;
+      received[y * width + x] = tile.cells[i];
     }
-  }
-  for (const int times : covered) {
-    EXPECT_EQ(times, 1);
   }
 }
 
-TEST(GridTiles, AnEmptyGridHasNone) {
-  EXPECT_TRUE(cut_into_tiles(OccupancyGrid(0.05)).empty());
+Received whole(const OccupancyGrid& grid) {
+  Received cells;
+  for (int y = 0; y < grid.height(); ++y) {
+    for (int x = 0; x < grid.width(); ++x) {
+      cells.push_back(grid.occupancy(x, y));
+    }
+  }
+  return cells;
+}
+
+/// Rays all over 60 m x 60 m: 100 tiles.
+OccupancyGrid large_grid() {
+  OccupancyGrid grid(kCell);
+  for (double y = -64.0; y < 64.0; y += 6.4) {
+    EXPECT_TRUE(grid.add_ray({-63.9, y}, {63.9, y + 3.0}));
+  }
+  return grid;
+}
+
+TEST(TileSelector, TheFirstChoiceIsTheWholeGrid) {
+  const OccupancyGrid grid = large_grid();
+  TileSelector selector;
+  Received received;
+  receive(grid, selector.choose(grid), received);
+  EXPECT_EQ(received, whole(grid));
+}
+
+TEST(TileSelector, ChoosesWhatChangedAndAFewOthersHoweverLargeTheGridIs) {
+  OccupancyGrid grid = large_grid();
+  ASSERT_GE(grid.num_tiles(), 100U);
+  TileSelector selector;
+  (void)selector.choose(grid);
+  EXPECT_EQ(selector.choose(grid).size(), 4U);
+  ASSERT_TRUE(grid.add_ray({1.05, 1.05}, {2.05, 1.05}));  // within one tile
+  const std::vector<GridTile> chosen = selector.choose(grid);
+  EXPECT_EQ(chosen.size(), 4U);
+  EXPECT_EQ(grid.cut_tile(chosen.front().number).cells, chosen.front().cells);
+  EXPECT_EQ(chosen.front().cells[10U * OccupancyGrid::kTileCells + 20U], 100);  // (2.05, 1.05)
+}
+
+TEST(TileSelector, AReceiverThatCameLateHasTheWholeGridAfterATurn) {
+  const OccupancyGrid grid = large_grid();
+  TileSelector selector;
+  (void)selector.choose(grid);
+  Received received;
+  for (std::size_t sent = 0; sent < grid.num_tiles();) {
+    const std::vector<GridTile> tiles = selector.choose(grid);
+    sent += tiles.size();
+    receive(grid, tiles, received);
+  }
+  EXPECT_EQ(received, whole(grid));
+}
+
+TEST(TileSelector, CellsThatLookAlikeWaitForTheEnd) {
+  OccupancyGrid grid = large_grid();
+  ASSERT_TRUE(grid.add_ray({1.05, 1.05}, {2.05, 1.05}));
+  TileSelector selector;
+  Received received;
+  receive(grid, selector.choose(grid), received);
+  // A ray goes through the wall: it is still one, though of half of the rays.
+  ASSERT_TRUE(grid.add_free_ray({1.05, 1.05}, {2.15, 1.05}));
+  EXPECT_EQ(selector.choose(grid).size(), 4U);
+  receive(grid, selector.choose_rest(grid), received);
+  EXPECT_EQ(received, whole(grid));
+  EXPECT_TRUE(selector.choose_rest(grid).empty());
+}
+
+TEST(TileSelector, AnEmptyGridHasNoTiles) {
+  TileSelector selector;
+  EXPECT_TRUE(selector.choose(OccupancyGrid(kCell)).empty());
+  EXPECT_TRUE(selector.choose_rest(OccupancyGrid(kCell)).empty());
 }
 
 }  // namespace

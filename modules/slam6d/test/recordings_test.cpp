@@ -103,7 +103,7 @@ TEST(Recordings, R44_Kurt3dEqualsThe3dtkResult) {
   }
   static_cast<void>(slam.flush());
   ASSERT_EQ(slam.keyframes().size(), 3U);
-  EXPECT_EQ(slam.metrics().scans_in_sweeps, 3U * 226U);
+  EXPECT_EQ(slam.scan_counts().in_sweeps, 3U * 226U);
   for (std::size_t k = 0; k < 3; ++k) {
     const SE3 T_reference = read_frames(dir / ("scan00" + std::to_string(k) + ".frames.4cc29d4c"));
     const SE3 error = T_reference.inverse() * slam.keyframes()[k].T_map_base;

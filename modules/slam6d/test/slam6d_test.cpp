@@ -46,8 +46,8 @@ TEST(Slam6d, R40_EveryScanIsInOneSweep) {
   Slam6d slam({});
   const std::size_t num_records = Drive{}.run(slam, 500);
   EXPECT_EQ(num_records, slam.sweeps().size());
-  EXPECT_EQ(slam.metrics().scans_in_sweeps, 500U);
-  EXPECT_EQ(slam.metrics().scans_without_pose, 0U);
+  EXPECT_EQ(slam.scan_counts().in_sweeps, 500U);
+  EXPECT_EQ(slam.scan_counts().without_pose, 0U);
   std::size_t scans_used = 0;
   for (const PoseUpdate& sweep : slam.sweeps()) {
     scans_used += sweep.scans_used;
@@ -257,15 +257,15 @@ TEST(Slam6d, ScansWithoutOdometryAreCounted) {
     EXPECT_FALSE(slam.add_scan(NoddingScanner{}.scan(i, Room::hall(), stand, random)));
   }
   EXPECT_FALSE(slam.flush());
-  EXPECT_EQ(slam.metrics().scans_in_sweeps, 100U);
-  EXPECT_EQ(slam.metrics().scans_without_pose, 100U);
+  EXPECT_EQ(slam.scan_counts().in_sweeps, 100U);
+  EXPECT_EQ(slam.scan_counts().without_pose, 100U);
 
   Slam6d standing({.assume_stationary = true});
   for (std::int64_t i = 0; i < 100; ++i) {
     (void)standing.add_scan(NoddingScanner{}.scan(i, Room::hall(), stand, random));
   }
   EXPECT_EQ(standing.keyframes().size(), 1U);
-  EXPECT_EQ(standing.metrics().scans_without_pose, 0U);
+  EXPECT_EQ(standing.scan_counts().without_pose, 0U);
 }
 
 TEST(Slam6d, ASweepOfOneScanAndEmptyScansAreNoKeyframes) {
@@ -297,7 +297,7 @@ TEST(Slam6d, StampsThatStepBack) {
   Slam6d slam({});
   Drive{}.run(slam, 200);
   Drive{}.run(slam, 200);
-  EXPECT_EQ(slam.metrics().scans_in_sweeps, 400U);
+  EXPECT_EQ(slam.scan_counts().in_sweeps, 400U);
   EXPECT_EQ(slam.trajectory().size(), slam.sweeps().size());
 }
 

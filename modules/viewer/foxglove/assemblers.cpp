@@ -30,20 +30,47 @@ bool is_part(std::int32_t index, std::int32_t count, std::int32_t max_count) {
 
 }  // namespace
 
-void GridAssembler::begin(const nodmap::grid_chunk_t& tile) {
-  begun_ = true;
+void GridAssembler::begin_revision(const nodmap::grid_chunk_t& tile) {
+  // A mapper that was started again counts from zero: nothing of the old map holds.
+  if (tile.map_revision < revision_ || tile.cell_size_m != grid_.cell_size_m) {
+    grid_ = {};
+  }
   revision_ = tile.map_revision;
   missing_ = tile.num_chunks;
   seen_.assign(static_cast<std::size_t>(tile.num_chunks), false);
-  grid_ = {.utime_us = tile.utime,
-           .cell_size_m = tile.cell_size_m,
-           .origin_x_m = tile.origin_x_m,
-           .origin_y_m = tile.origin_y_m,
-           .width = tile.grid_width,
-           .height = tile.grid_height,
-           .cells = std::vector<std::int8_t>(static_cast<std::size_t>(tile.grid_width) *
-                                                 static_cast<std::size_t>(tile.grid_height),
-                                             -1)};
+  resize_grid(tile);
+}
+
+/// Makes the grid as large as the tile says, and keeps what both grids hold.
+void GridAssembler::resize_grid(const nodmap::grid_chunk_t& tile) {
+  GridView old = std::exchange(grid_, {.utime_us = tile.utime,
+                                       .cell_size_m = tile.cell_size_m,
+                                       .origin_x_m = tile.origin_x_m,
+                                       .origin_y_m = tile.origin_y_m,
+                                       .width = tile.grid_width,
+                                       .height = tile.grid_height,
+                                       .cells = {}});
+  if (old.width == grid_.width && old.height == grid_.height &&
+      old.origin_x_m == grid_.origin_x_m && old.origin_y_m == grid_.origin_y_m) {
+    grid_.cells = std::move(old.cells);
+    return;
+  }
+  grid_.cells.assign(static_cast<std::size_t>(grid_.width) * static_cast<std::size_t>(grid_.height),
+                     -1);
+  const double shift_x = std::round((old.origin_x_m - grid_.origin_x_m) / grid_.cell_size_m);
+  const double shift_y = std::round((old.origin_y_m - grid_.origin_y_m) / grid_.cell_size_m);
+  if (!(std::abs(shift_x) < kMaxCells && std::abs(shift_y) < kMaxCells)) {
+    return;
+  }
+  const auto dx = static_cast<std::int64_t>(shift_x);
+  const auto dy = static_cast<std::int64_t>(shift_y);
+  const std::int64_t begin_x = std::max<std::int64_t>(0, dx);
+  const std::int64_t end_x = std::min<std::int64_t>(grid_.width, dx + old.width);
+  const std::int64_t end_y = std::min<std::int64_t>(grid_.height, dy + old.height);
+  for (std::int64_t y = std::max<std::int64_t>(0, dy); y < end_y && begin_x < end_x; ++y) {
+    std::copy_n(old.cells.begin() + (y - dy) * old.width + begin_x - dx, end_x - begin_x,
+                grid_.cells.begin() + y * grid_.width + begin_x);
+  }
 }
 
 Assembled<GridView> GridAssembler::add(const nodmap::grid_chunk_t& tile) {
@@ -52,9 +79,9 @@ Assembled<GridView> GridAssembler::add(const nodmap::grid_chunk_t& tile) {
     result.refused = true;
     return result;
   }
-  if (!begun_ || tile.map_revision != revision_) {
-    result.lost = begun_;
-    begin(tile);
+  if (tile.map_revision != revision_) {
+    result.lost = missing_ > 0;
+    begin_revision(tile);
   }
   const auto index = static_cast<std::size_t>(tile.chunk_index);
   if (tile.grid_width != grid_.width || tile.grid_height != grid_.height || index >= seen_.size() ||
@@ -70,8 +97,7 @@ Assembled<GridView> GridAssembler::add(const nodmap::grid_chunk_t& tile) {
   }
   seen_[index] = true;
   if (--missing_ == 0) {
-    begun_ = false;
-    result.whole = std::move(grid_);
+    result.whole = grid_;
   }
   return result;
 }

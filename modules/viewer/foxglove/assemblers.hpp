@@ -23,20 +23,23 @@ struct Assembled {
   bool lost = false;           ///< the one before it was given up incomplete
 };
 
-/// Puts MAP_2D together, tile by tile.
+/// Puts MAP_2D together. A revision brings the tiles that have changed and some of the others in
+/// turn, so the grid is whole once each tile was heard; until then what has not come is unknown.
 class GridAssembler {
  public:
   /// The largest grid taken: 4096 x 4096 cells, 200 m at 5 cm. A part may claim any size.
   static constexpr std::int64_t kMaxCells = std::int64_t{1} << 24U;
 
+  /// Returns the grid as it is known when a revision is complete. A lost tile comes again in its
+  /// turn.
   [[nodiscard]] Assembled<GridView> add(const nodmap::grid_chunk_t& tile);
 
  private:
-  void begin(const nodmap::grid_chunk_t& tile);
+  void begin_revision(const nodmap::grid_chunk_t& tile);
+  void resize_grid(const nodmap::grid_chunk_t& tile);
 
-  bool begun_ = false;
-  std::int64_t revision_ = 0;
-  std::vector<bool> seen_;
+  std::int64_t revision_ = -1;
+  std::vector<bool> seen_;  ///< of the revision
   std::int32_t missing_ = 0;
   GridView grid_;
 };

@@ -18,8 +18,6 @@ using procman::DeputyInfo;
 using procman::Orders;
 using procman::Verb;
 
-constexpr std::int64_t kSecondUs = 1'000'000;
-
 procman::Config config() {
   return procman::parse_config(R"(
     cmd "slam" { exec = "nodmap-slam2d"; host = "robot"; stop_time_allowed = 2; }
@@ -58,14 +56,14 @@ class ProcessControlTest : public ::testing::Test {
   }
 
   void other_sheriff_orders() {
-    bus_.publish(procman::kOrdersChannel, procman::to_message(Orders{0, "robot", "far:1:1", {}}));
+    bus_.publish(procman::kOrdersChannel, procman::to_message(Orders{{}, "robot", "far:1:1", {}}));
     handle();
     orders_.clear();
   }
 
-  void pass(std::int64_t duration_us) {
-    now_.wall += time::Duration(duration_us);
-    now_.steady += time::Duration(duration_us);
+  void pass(time::Duration duration) {
+    now_.wall += duration;
+    now_.steady += duration;
     control_.turn();
     handle();
   }
@@ -95,14 +93,14 @@ TEST_F(ProcessControlTest, ARestartIsOrderedUntilItHasHappenedAndTheRestGoesOn) 
   // A command that is not in the orders would be stopped.
   EXPECT_EQ(ordered("other").desired_run, 3);
   EXPECT_FALSE(ordered("other").force_quit);
-  pass(kSecondUs);
+  pass(1s);
   EXPECT_EQ(orders_.size(), 2U);
   tell(4, false);  // stopped: the deputy starts it with the next orders, which do not wait
   EXPECT_EQ(orders_.size(), 3U);
   tell(5);
-  pass(1);
+  pass(1us);
   EXPECT_FALSE(control_.is_sheriff());
-  pass(5 * kSecondUs);
+  pass(5s);
   EXPECT_EQ(orders_.size(), 3U);
 }
 
@@ -112,7 +110,7 @@ TEST_F(ProcessControlTest, StopsAndStarts) {
   handle();
   EXPECT_TRUE(ordered("slam").force_quit);
   tell(4, false);
-  pass(1);
+  pass(1us);
   EXPECT_FALSE(control_.is_sheriff());
   EXPECT_TRUE(control_.change(Verb::kStart, "slam").ok);
   handle();
@@ -125,10 +123,10 @@ TEST_F(ProcessControlTest, BeginsFromWhatTheDeputySays) {
   tell(4);
   EXPECT_TRUE(control_.change(Verb::kRestart, "slam").ok);
   tell(5);
-  pass(1);
+  pass(1us);
   other_sheriff_orders();
   tell(8);
-  pass(4 * kSecondUs);
+  pass(4s);
   tell(8);
   EXPECT_TRUE(control_.change_recording(Verb::kStart).ok);
   handle();
@@ -140,7 +138,7 @@ TEST_F(ProcessControlTest, GivesWayToAnotherSheriff) {
   tell(4);
   other_sheriff_orders();
   EXPECT_FALSE(control_.change(Verb::kStop, "slam").ok);
-  pass(procman::Fleet::kOtherSheriffUs + 1);
+  pass(procman::Fleet::kOtherSheriffTime + 1us);
   EXPECT_TRUE(control_.change(Verb::kStop, "slam").ok);
   EXPECT_TRUE(control_.is_sheriff());
   other_sheriff_orders();
@@ -151,11 +149,11 @@ TEST_F(ProcessControlTest, LeavesInTimeWhenNothingHappens) {
   tell(4);
   EXPECT_TRUE(control_.change(Verb::kStop, "slam").ok);
   for (int i = 0; i < 11; ++i) {
-    pass(kSecondUs);
+    pass(1s);
     tell(4);
     EXPECT_TRUE(control_.is_sheriff());
   }
-  pass(kSecondUs);  // ten seconds and the grace time
+  pass(1s);  // ten seconds and the grace time
   EXPECT_FALSE(control_.is_sheriff());
 }
 
@@ -165,7 +163,7 @@ TEST_F(ProcessControlTest, RefusesWhatItCannotDo) {
   EXPECT_FALSE(control_.change(Verb::kStart, "slam6d").ok);
   EXPECT_FALSE(control_.change(Verb::kStart, "").ok);
   EXPECT_FALSE(control_.change(Verb::kStart, "other").ok);  // not in the configuration
-  pass(procman::Fleet::kMaxInfoAgeUs + 1);
+  pass(procman::Fleet::kMaxInfoAge + 1us);
   EXPECT_FALSE(control_.change(Verb::kStart, "slam").ok);
   EXPECT_TRUE(orders_.empty());
 }

@@ -30,7 +30,7 @@ class RemoteControlTest : public ::testing::Test {
   }
 
   void pass(std::int64_t duration_us) {
-    clock_.advance(duration_us);
+    clock_.advance(time::from_us(duration_us));
     control_.turn();
     handle();
   }
@@ -39,7 +39,7 @@ class RemoteControlTest : public ::testing::Test {
   bus::Latest<nodmap::goal_t> goal_{bus_, "GOAL"};
   bus::Latest<nodmap::stop_t> stop_{bus_, "STOP"};
   bus::Latest<nodmap::save_request_t> save_{bus_, "SAVE_REQUEST"};
-  time::ManualClock clock_{77};
+  time::ManualClock clock_{time::from_utime(77)};
   RemoteControl control_{bus_, clock_, nullptr};
   std::string answer_;
 };
@@ -108,7 +108,7 @@ TEST_F(RemoteControlTest, WhenAnotherLetsTheRobotGoItIsNotContradicted) {
   handle();
   pass(RemoteControl::kRepeatUs);
   EXPECT_TRUE(stop_.get()->is_stopped);
-  other.utime = clock_.now_utime_us() + 1;
+  other.utime = time::to_utime(clock_.now()) + 1;
   bus_.publish("STOP", other);
   handle();
   pass(10 * RemoteControl::kRepeatUs);

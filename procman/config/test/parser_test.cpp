@@ -303,19 +303,32 @@ TEST(Parser, ReadsAFileOrSaysEverythingThatIsWrong) {
 TEST(Parser, PriorityAndHealthAreOurs) {
   const ParsedConfig parsed = parse_config(R"(
     cmd "a" { exec = "x";
-      #nodmap: nice = 10; realtime = 20;
+      #nodmap: nice = 10; realtime = 20; restart_degraded_s = 30;
+      #nodmap: memory_mb = 500; cpus = "0,2-3";
     }
     script "s" { start cmd "a";
       #nodmap: wait cmd "a" status "healthy";
       wait ms 5;
     })");
   ASSERT_TRUE(parsed.errors.empty()) << parsed.errors.front().text;
-  EXPECT_EQ(parsed.config.commands[0].priority.nice, 10);
-  EXPECT_EQ(parsed.config.commands[0].priority.realtime, 20);
+  EXPECT_EQ(parsed.config.commands[0].resources.nice, 10);
+  EXPECT_EQ(parsed.config.commands[0].resources.realtime, 20);
+  EXPECT_EQ(parsed.config.commands[0].health.restart_degraded_s, 30);
+  EXPECT_EQ(parsed.config.commands[0].resources.memory_mb, 500);
+  EXPECT_EQ(parsed.config.commands[0].resources.cpus, (std::vector<int>{0, 2, 3}));
   const auto& actions = parsed.config.find_script("s")->actions;
   ASSERT_EQ(actions.size(), 3U);
   EXPECT_EQ(std::get<WaitStatus>(actions[1].what).status, Wanted::kHealthy);
   EXPECT_EQ(std::get<WaitStatus>(actions[1].what).target.name, "a");
+}
+
+TEST(Parser, RefusesWhatIsNoListOfProcessors) {
+  for (const char* cpus : {"", "a", "1,", "3-1", "-1", "1024", "0-", "0 1"}) {
+    const ParsedConfig parsed = parse_config(
+        std::string("cmd \"a\" { exec = \"x\";\n#nodmap: cpus = \"") + cpus + "\";\n}");
+    ASSERT_EQ(parsed.errors.size(), 1U) << cpus;
+    EXPECT_EQ(parsed.errors[0].place.line, 2) << cpus;
+  }
 }
 
 // The existing tools would not read them.

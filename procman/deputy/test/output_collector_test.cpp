@@ -12,11 +12,15 @@ namespace {
 
 using ::testing::ElementsAre;
 
+time::SteadyTime at(time::Duration since_start) {
+  return time::SteadyTime(since_start);
+}
+
 /// All that is still to be published, of all commands.
 std::string everything_of(OutputCollector& output) {
   std::string text;
-  while (const auto due_us = output.due_us()) {
-    for (const CommandOutput& part : output.take(*due_us)) {
+  while (const auto due = output.due()) {
+    for (const CommandOutput& part : output.take(*due)) {
       text += part.text;
     }
   }
@@ -25,24 +29,24 @@ std::string everything_of(OutputCollector& output) {
 
 TEST(OutputCollector, JoinsWhatComesWithinTenMilliseconds) {
   OutputCollector output;
-  output.add("a", "1", 1'000'000);
-  EXPECT_THAT(output.take(1'000'000), ElementsAre(CommandOutput{"a", "1"}));
-  output.add("a", "2", 1'001'000);
-  output.add("b", "x", 1'002'000);
-  output.add("a", "3", 1'003'000);
-  EXPECT_TRUE(output.take(1'009'999).empty());
-  EXPECT_EQ(output.due_us(), 1'010'000);
-  EXPECT_THAT(output.take(1'010'000),
+  output.add("a", "1", at(1s));
+  EXPECT_THAT(output.take(at(1s)), ElementsAre(CommandOutput{"a", "1"}));
+  output.add("a", "2", at(1001ms));
+  output.add("b", "x", at(1002ms));
+  output.add("a", "3", at(1003ms));
+  EXPECT_TRUE(output.take(at(1'009'999us)).empty());
+  EXPECT_EQ(output.due(), at(1010ms));
+  EXPECT_THAT(output.take(at(1010ms)),
               ElementsAre(CommandOutput{"a", "23"}, CommandOutput{"b", "x"}));
-  EXPECT_FALSE(output.due_us().has_value());
+  EXPECT_FALSE(output.due().has_value());
 }
 
 TEST(OutputCollector, DoesNotWaitWithMoreThanFourKilobytes) {
   OutputCollector output;
-  output.add("a", "1", 1'000'000);
-  static_cast<void>(output.take(1'000'000));
-  output.add("a", std::string(OutputCollector::kPromptBytes + 1, 'x'), 1'001'000);
-  EXPECT_EQ(output.take(1'001'000).size(), 1U);
+  output.add("a", "1", at(1s));
+  static_cast<void>(output.take(at(1s)));
+  output.add("a", std::string(OutputCollector::kPromptBytes + 1, 'x'), at(1001ms));
+  EXPECT_EQ(output.take(at(1001ms)).size(), 1U);
 }
 
 // 100 MB/s for ten seconds, in pieces as they are read.
@@ -54,9 +58,9 @@ TEST(OutputCollector, LimitsAFloodCountsItAndSaysSo) {
   int reports = 0;
   constexpr std::int64_t kSteps = 10'000;
   for (std::int64_t step = 0; step < kSteps; ++step) {
-    const std::int64_t now_us = 1'000'000 + step * 1'000;
-    output.add("flood", piece, now_us);
-    for (const CommandOutput& part : output.take(now_us)) {
+    const time::SteadyTime now = at(1s + step * 1ms);
+    output.add("flood", piece, now);
+    for (const CommandOutput& part : output.take(now)) {
       const auto size = static_cast<std::int64_t>(part.text.size());
       published += size;
       largest = std::max(largest, size);
@@ -76,10 +80,10 @@ TEST(OutputCollector, AFloodTakesNothingFromTheOthers) {
   OutputCollector output;
   int heard = 0;
   for (std::int64_t step = 0; step < 1'000; ++step) {
-    const std::int64_t now_us = 1'000'000 + step * 10'000;
-    output.add("flood", std::string(100'000, 'x'), now_us);
-    output.add("quiet", "tick\n", now_us);
-    for (const CommandOutput& part : output.take(now_us)) {
+    const time::SteadyTime now = at(1s + step * 10ms);
+    output.add("flood", std::string(100'000, 'x'), now);
+    output.add("quiet", "tick\n", now);
+    for (const CommandOutput& part : output.take(now)) {
       heard += part.command_id == "quiet" ? 1 : 0;
     }
   }
@@ -90,11 +94,11 @@ TEST(OutputCollector, AllTogetherHaveALimitToo) {
   OutputCollector output;
   std::size_t published = 0;
   for (std::int64_t step = 0; step < 1'000; ++step) {
-    const std::int64_t now_us = 1'000'000 + step * 10'000;
+    const time::SteadyTime now = at(1s + step * 10ms);
     for (int command = 0; command < 50; ++command) {
-      output.add(std::to_string(command), std::string(5'000, 'x'), now_us);
+      output.add(std::to_string(command), std::string(5'000, 'x'), now);
     }
-    for (const CommandOutput& part : output.take(now_us)) {
+    for (const CommandOutput& part : output.take(now)) {
       published += part.text.size();
     }
   }
@@ -110,15 +114,15 @@ TEST(OutputCollector, ABurstGoesInMessagesOfOneDatagramEach) {
   for (int i = 0; i < 20'000; ++i) {
     burst += std::to_string(i % 10);
   }
-  output.add("a", burst + burst + burst + burst, 1'000'000);
-  output.add("b", "short", 1'000'000);
+  output.add("a", burst + burst + burst + burst, at(1s));
+  output.add("b", "short", at(1s));
   std::string got;
   int messages = 0;
-  std::int64_t now_us = 1'000'000;
-  while (const auto due_us = output.due_us()) {
-    now_us = std::max(now_us, *due_us);
+  time::SteadyTime now = at(1s);
+  while (const auto due = output.due()) {
+    now = std::max(now, *due);
     std::size_t size = 0;
-    for (const CommandOutput& part : output.take(now_us)) {
+    for (const CommandOutput& part : output.take(now)) {
       EXPECT_TRUE(part.command_id == "a" || messages == 0) << "the short text goes first";
       got += part.command_id == "a" ? part.text : "";
       size += part.text.size();
@@ -127,19 +131,19 @@ TEST(OutputCollector, ABurstGoesInMessagesOfOneDatagramEach) {
     ++messages;
   }
   EXPECT_EQ(messages, 3) << "80 kB in pieces of 32";
-  EXPECT_EQ(now_us, 1'000'000 + 2 * OutputCollector::kPeriodUs);
+  EXPECT_EQ(now, at(1s) + 2 * OutputCollector::kPeriod);
   EXPECT_EQ(got, burst + burst + burst + burst) << "whole, in order";
 }
 
 TEST(OutputCollector, AForgottenCommandBeginsAnew) {
   OutputCollector output;
   const auto limit = static_cast<std::size_t>(OutputCollector::kCommandBurstBytes);
-  output.add("a", std::string(limit, 'x') + "last\n", 1'000'000);
+  output.add("a", std::string(limit, 'x') + "last\n", at(1s));
   output.forget("a");
   const std::string all = everything_of(output);
   EXPECT_TRUE(all.ends_with("last\n")) << "what was held back is not lost";
   // Its limit has not filled up again by now: what passes is a new command's burst.
-  output.add("a", std::string(limit, 'y'), 2'000'001);
+  output.add("a", std::string(limit, 'y'), at(2'000'001us));
   EXPECT_EQ(everything_of(output), std::string(limit, 'y'));
 }
 
@@ -153,10 +157,10 @@ TEST(OutputCollector, EveryLineArrivesWholeAndTheLastOneAlways) {
     written += std::string(13 - number.size(), '0') + number + " line\n";
   }
   std::string got;
-  for (std::size_t at = 0; at < written.size(); at += 6'007) {
-    const auto now_us = static_cast<std::int64_t>(1'000'000 + at / 6);
-    output.add("a", written.substr(at, 6'007), now_us);
-    for (const CommandOutput& part : output.take(now_us)) {
+  for (std::size_t begin = 0; begin < written.size(); begin += 6'007) {
+    const time::SteadyTime now = at(1s + 1us * (begin / 6));
+    output.add("a", written.substr(begin, 6'007), now);
+    for (const CommandOutput& part : output.take(now)) {
       got += part.text;
     }
   }
@@ -184,8 +188,8 @@ TEST(OutputCollector, EveryLineArrivesWholeAndTheLastOneAlways) {
 
 TEST(OutputCollector, DropsZeroBytesWhichWouldEndTheText) {
   OutputCollector output;
-  output.add("a", std::string_view("a\0b", 3), 1'000'000);
-  EXPECT_THAT(output.take(1'000'000), ElementsAre(CommandOutput{"a", "ab"}));
+  output.add("a", std::string_view("a\0b", 3), at(1s));
+  EXPECT_THAT(output.take(at(1s)), ElementsAre(CommandOutput{"a", "ab"}));
 }
 
 TEST(OutputCollector, RepeatsTheNewestLinesOnce) {
@@ -194,17 +198,17 @@ TEST(OutputCollector, RepeatsTheNewestLinesOnce) {
   for (int i = 0; i < 1000; ++i) {
     all += "line " + std::to_string(i) + "\n";
   }
-  output.add("a", all, 1'000'000);
+  output.add("a", all, at(1s));
   EXPECT_EQ(everything_of(output), all);
   for (int i = 0; i < 2; ++i) {  // what is repeated does not count as written
-    output.repeat("a", 2'000'000);
+    output.repeat("a", at(2s));
     const std::string repeated = everything_of(output);
     EXPECT_TRUE(repeated.starts_with("line "));
     EXPECT_TRUE(repeated.ends_with("line 998\nline 999\n"));
     EXPECT_LE(repeated.size(), OutputCollector::kTailBytes);
     EXPECT_EQ(repeated, output.recent("a"));
   }
-  output.repeat("nobody", 2'000'000);
+  output.repeat("nobody", at(2s));
   EXPECT_EQ(everything_of(output), "");
   output.forget("a");
   EXPECT_EQ(output.recent("a"), "");

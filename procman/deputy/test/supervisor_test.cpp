@@ -13,7 +13,6 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-constexpr std::int64_t kSecond = 1'000'000;
 constexpr int kExit3 = 3 << 8;
 
 /// The actions as words, without PublishInfo.
@@ -50,17 +49,17 @@ CommandOrder order(int run, bool force_quit = false, const std::string& id = "a"
 
 class SupervisorTest : public ::testing::Test {
  protected:
-  SupervisorActions take(std::vector<CommandOrder> commands, std::int64_t age_us = 0) {
-    return supervisor_.take_orders({0, "rover", "sheriff", std::move(commands)}, age_us, now_us_);
+  SupervisorActions take(std::vector<CommandOrder> commands, time::Duration age = {}) {
+    return supervisor_.take_orders({{}, "rover", "sheriff", std::move(commands)}, age, now_);
   }
   void start_a(CommandOrder wanted = order(1)) {
     ASSERT_THAT(words(take({std::move(wanted)})), ElementsAre("start a: prog"));
-    supervisor_.started("a", 100, now_us_);
+    supervisor_.started("a", 100, now_);
   }
   [[nodiscard]] CommandStatus status() const { return supervisor_.statuses().at(0); }
 
   Supervisor supervisor_{"rover", true};
-  std::int64_t now_us_ = 1000 * kSecond;
+  time::SteadyTime now_{1000s};
 };
 
 TEST_F(SupervisorTest, StartsWhatIsWantedOnce) {
@@ -86,16 +85,16 @@ TEST_F(SupervisorTest, StopsAndKillsByItsOwnTimer) {
   wanted.force_quit = true;
   EXPECT_THAT(words(take({wanted})), ElementsAre("signal a 15"));
   EXPECT_THAT(words(take({wanted})), IsEmpty()) << "once";
-  EXPECT_EQ(supervisor_.next_due_us(), now_us_ + 3 * kSecond);
-  EXPECT_THAT(words(supervisor_.poll(now_us_ + 3 * kSecond - 1)), IsEmpty());
-  EXPECT_THAT(words(supervisor_.poll(now_us_ + 3 * kSecond)), ElementsAre("signal a 9"));
-  EXPECT_THAT(words(supervisor_.poll(now_us_ + 3 * kSecond + Supervisor::kKillPeriodUs)),
+  EXPECT_EQ(supervisor_.next_due(), now_ + 3s);
+  EXPECT_THAT(words(supervisor_.poll(now_ + 3s - 1us)), IsEmpty());
+  EXPECT_THAT(words(supervisor_.poll(now_ + 3s)), ElementsAre("signal a 9"));
+  EXPECT_THAT(words(supervisor_.poll(now_ + 3s + Supervisor::kKillPeriod)),
               ElementsAre("signal a 9"))
       << "again, while it lives";
-  EXPECT_THAT(words(supervisor_.ended("a", SIGKILL, now_us_)), ElementsAre("say a: Killed\n"));
+  EXPECT_THAT(words(supervisor_.ended("a", SIGKILL, now_)), ElementsAre("say a: Killed\n"));
   EXPECT_EQ(status().wait_status, SIGKILL);
   EXPECT_EQ(status().pid, 0);
-  EXPECT_FALSE(supervisor_.next_due_us().has_value());
+  EXPECT_FALSE(supervisor_.next_due().has_value());
 }
 
 TEST_F(SupervisorTest, RestartStopsNowAndStartsByALaterOrder) {
@@ -104,16 +103,16 @@ TEST_F(SupervisorTest, RestartStopsNowAndStartsByALaterOrder) {
   start_a(wanted);
   wanted.desired_run = 2;
   EXPECT_THAT(words(take({wanted})), ElementsAre("signal a 2"));
-  EXPECT_THAT(words(supervisor_.ended("a", SIGINT, now_us_)), ElementsAre("say a: Interrupt\n"));
+  EXPECT_THAT(words(supervisor_.ended("a", SIGINT, now_)), ElementsAre("say a: Interrupt\n"));
   EXPECT_EQ(status().actual_run, 1);
-  EXPECT_THAT(words(supervisor_.poll(now_us_ + 10 * kSecond)), IsEmpty()) << "no respawn of run 1";
+  EXPECT_THAT(words(supervisor_.poll(now_ + 10s)), IsEmpty()) << "no respawn of run 1";
   EXPECT_THAT(words(take({wanted})), ElementsAre("start a: prog"));
   EXPECT_EQ(status().actual_run, 2);
 }
 
 TEST_F(SupervisorTest, KeepsAnEndThatNobodyOrdered) {
   start_a();
-  EXPECT_THAT(words(supervisor_.ended("a", kExit3, now_us_)), IsEmpty());
+  EXPECT_THAT(words(supervisor_.ended("a", kExit3, now_)), IsEmpty());
   EXPECT_EQ(status().wait_status, 768);
   EXPECT_THAT(words(take({order(1)})), IsEmpty()) << "this run has been";
 }
@@ -124,35 +123,35 @@ TEST_F(SupervisorTest, RespawnsEverSlower) {
   start_a(wanted);
   std::vector<std::int64_t> delays_ms;
   for (int i = 0; i < 10; ++i) {
-    static_cast<void>(supervisor_.ended("a", kExit3, now_us_));
-    const std::int64_t due_us = supervisor_.next_due_us().value();
-    delays_ms.push_back((due_us - now_us_) / 1000);
-    EXPECT_THAT(words(supervisor_.poll(due_us - 1)), IsEmpty());
-    now_us_ = due_us;
-    EXPECT_THAT(words(supervisor_.poll(now_us_)), ElementsAre("start a: prog"));
-    supervisor_.started("a", 101 + i, now_us_);
+    static_cast<void>(supervisor_.ended("a", kExit3, now_));
+    const time::SteadyTime due = supervisor_.next_due().value();
+    delays_ms.push_back((due - now_) / 1ms);
+    EXPECT_THAT(words(supervisor_.poll(due - 1us)), IsEmpty());
+    now_ = due;
+    EXPECT_THAT(words(supervisor_.poll(now_)), ElementsAre("start a: prog"));
+    supervisor_.started("a", 101 + i, now_);
   }
   EXPECT_THAT(delays_ms, ElementsAre(10, 20, 40, 80, 160, 320, 640, 1000, 1000, 1000));
   EXPECT_EQ(status().actual_run, 1);
-  now_us_ += 3 * kSecond;  // three seconds of life forgive three doublings
-  static_cast<void>(supervisor_.ended("a", kExit3, now_us_));
-  EXPECT_EQ(supervisor_.next_due_us().value() - now_us_, 1'000'000 / 8);
+  now_ += 3s;  // three seconds of life forgive three doublings
+  static_cast<void>(supervisor_.ended("a", kExit3, now_));
+  EXPECT_EQ(supervisor_.next_due().value() - now_, 125ms);
 }
 
 TEST_F(SupervisorTest, WhatIsStoppedDoesNotRespawn) {
   CommandOrder wanted = order(1);
   wanted.spec.auto_respawn = true;
   start_a(wanted);
-  static_cast<void>(supervisor_.ended("a", kExit3, now_us_));
+  static_cast<void>(supervisor_.ended("a", kExit3, now_));
   wanted.force_quit = true;
   static_cast<void>(take({wanted}));
-  EXPECT_FALSE(supervisor_.next_due_us().has_value());
+  EXPECT_FALSE(supervisor_.next_due().has_value());
 }
 
 TEST_F(SupervisorTest, ForgetsWhatIsNotInTheOrders) {
   start_a();
   EXPECT_THAT(words(take({})), ElementsAre("signal a 2"));
-  EXPECT_THAT(words(supervisor_.ended("a", 0, now_us_)), ElementsAre("forget a"));
+  EXPECT_THAT(words(supervisor_.ended("a", 0, now_)), ElementsAre("forget a"));
   EXPECT_THAT(supervisor_.statuses(), IsEmpty());
   static_cast<void>(take({order(0)}));
   EXPECT_THAT(words(take({})), ElementsAre("forget a")) << "at once, where nothing runs";
@@ -166,19 +165,19 @@ TEST_F(SupervisorTest, AChangedExecWaitsForTheNextStart) {
   EXPECT_THAT(words(actions), IsEmpty());
   EXPECT_TRUE(tells(actions));
   EXPECT_EQ(status().spec.exec, "other");
-  static_cast<void>(supervisor_.ended("a", 0, now_us_));
+  static_cast<void>(supervisor_.ended("a", 0, now_));
   changed.desired_run = 2;
   EXPECT_THAT(words(take({changed})), ElementsAre("start a: other"));
 }
 
 TEST_F(SupervisorTest, IgnoresOrdersForOthersAndOldOnes) {
-  EXPECT_THAT(words(supervisor_.take_orders({0, "other", "s", {order(1)}}, 0, now_us_)), IsEmpty());
-  const SupervisorActions actions = take({order(1)}, Supervisor::kMaxOrdersAgeUs + 1);
+  EXPECT_THAT(words(supervisor_.take_orders({{}, "other", "s", {order(1)}}, 0s, now_)), IsEmpty());
+  const SupervisorActions actions = take({order(1)}, Supervisor::kMaxOrdersAge + 1us);
   EXPECT_THAT(words(actions),
               ElementsAre("say a: ignoring stale orders (utime 60 seconds ago). You may want to "
                           "check the system clocks!\n"));
   EXPECT_THAT(supervisor_.statuses(), IsEmpty());
-  EXPECT_THAT(words(take({order(1)}, Supervisor::kMaxOrdersAgeUs)), ElementsAre("start a: prog"));
+  EXPECT_THAT(words(take({order(1)}, Supervisor::kMaxOrdersAge)), ElementsAre("start a: prog"));
 }
 
 TEST_F(SupervisorTest, MakesWildNumbersHarmless) {
@@ -188,7 +187,7 @@ TEST_F(SupervisorTest, MakesWildNumbersHarmless) {
   start_a(wild);
   wild.force_quit = true;
   EXPECT_THAT(words(take({wild})), ElementsAre("signal a 2"));
-  EXPECT_EQ(supervisor_.next_due_us(), now_us_) << "no grace time is none";
+  EXPECT_EQ(supervisor_.next_due(), now_) << "no grace time is none";
 }
 
 // Somebody's empty orders, a signal that freezes, a grace time of a day: a running robot's process
@@ -203,8 +202,8 @@ TEST_F(SupervisorTest, OrdersThatAreNotTrustedDoNotStopByLeavingOut) {
   freeze.spec.stop_signal = SIGSTOP;
   freeze.spec.stop_time_allowed_s = 86'400.0;
   EXPECT_THAT(words(take({freeze})), ElementsAre("signal a " + std::to_string(SIGINT)));
-  now_us_ += 60'000'000;
-  EXPECT_THAT(words(supervisor_.poll(now_us_)), ElementsAre("signal a " + std::to_string(SIGKILL)));
+  now_ += 60s;
+  EXPECT_THAT(words(supervisor_.poll(now_)), ElementsAre("signal a " + std::to_string(SIGKILL)));
 }
 
 TEST_F(SupervisorTest, OrdersOfMoreCommandsThanARobotHasAreIgnored) {
@@ -219,7 +218,7 @@ TEST_F(SupervisorTest, OrdersOfMoreCommandsThanARobotHasAreIgnored) {
 
 TEST_F(SupervisorTest, WhatCannotBeStartedHasEndedWith127) {
   ASSERT_THAT(words(take({order(1)})), ElementsAre("start a: prog"));
-  EXPECT_THAT(words(supervisor_.not_started("a", "no such file", now_us_)),
+  EXPECT_THAT(words(supervisor_.not_started("a", "no such file", now_)),
               ElementsAre("say a: no such file\n"));
   EXPECT_EQ(status().wait_status, 127 << 8);
   EXPECT_EQ(status().actual_run, 1);
@@ -228,19 +227,19 @@ TEST_F(SupervisorTest, WhatCannotBeStartedHasEndedWith127) {
 
 TEST_F(SupervisorTest, ShutsDownEachByItsGraceTimeAndTakesNoMoreOrders) {
   start_a();
-  EXPECT_THAT(words(supervisor_.shut_down(now_us_)), ElementsAre("signal a 2"));
+  EXPECT_THAT(words(supervisor_.shut_down(now_)), ElementsAre("signal a 2"));
   EXPECT_THAT(words(take({order(2)})), IsEmpty());
   EXPECT_FALSE(supervisor_.is_idle());
-  EXPECT_THAT(words(supervisor_.poll(now_us_ + 7 * kSecond)), ElementsAre("signal a 9"));
-  static_cast<void>(supervisor_.ended("a", SIGKILL, now_us_));
+  EXPECT_THAT(words(supervisor_.poll(now_ + 7s)), ElementsAre("signal a 9"));
+  static_cast<void>(supervisor_.ended("a", SIGKILL, now_));
   EXPECT_TRUE(supervisor_.is_idle());
 }
 
 TEST_F(SupervisorTest, ASecondShutDownKillsAtOnce) {
   start_a();
-  static_cast<void>(supervisor_.shut_down(now_us_));
-  static_cast<void>(supervisor_.shut_down(now_us_));
-  EXPECT_THAT(words(supervisor_.poll(now_us_)), ElementsAre("signal a 9"));
+  static_cast<void>(supervisor_.shut_down(now_));
+  static_cast<void>(supervisor_.shut_down(now_));
+  EXPECT_THAT(words(supervisor_.poll(now_)), ElementsAre("signal a 9"));
 }
 
 }  // namespace

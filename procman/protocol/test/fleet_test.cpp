@@ -12,8 +12,6 @@
 namespace nodmap::procman {
 namespace {
 
-constexpr std::int64_t kSecond = 1'000'000;
-
 class FleetTest : public ::testing::Test {
  protected:
   Config config_ = parse_config(R"(
@@ -22,7 +20,7 @@ class FleetTest : public ::testing::Test {
       cmd "far" { exec = "z"; host = "other"; })")
                        .config;
   Fleet fleet_{config_, "me:1:1000"};
-  std::int64_t now_us_ = 100 * kSecond;
+  time::SteadyTime now_{100s};
 
   static CommandStatus status(const std::string& id, int pid, int run, int wait_status = 0) {
     CommandStatus made;
@@ -36,10 +34,10 @@ class FleetTest : public ::testing::Test {
     DeputyInfo info;
     info.deputy_id = deputy;
     info.commands = std::move(commands);
-    return fleet_.take_info(info, now_us_);
+    return fleet_.take_info(info, now_);
   }
   [[nodiscard]] CommandOrder order(const std::string& id) const {
-    const Orders orders = fleet_.orders_for("h", 0).value();
+    const Orders orders = fleet_.orders_for("h", {}).value();
     for (const CommandOrder& found : orders.commands) {
       if (found.spec.id == id) {
         return found;
@@ -48,22 +46,55 @@ class FleetTest : public ::testing::Test {
     return {};
   }
   [[nodiscard]] std::string state(const std::string& id) const {
-    return name_of(fleet_.state_of(id, now_us_));
+    return name_of(fleet_.state_of(id, now_));
   }
 };
 
 TEST_F(FleetTest, SaysNothingToADeputyThatWasNotHeard) {
-  EXPECT_FALSE(fleet_.orders_for("h", 0).has_value());
+  EXPECT_FALSE(fleet_.orders_for("h", {}).has_value());
   EXPECT_EQ(state("a"), "Unknown");
   hear({});
-  const auto orders = fleet_.orders_for("h", 42);
+  const auto orders = fleet_.orders_for("h", time::Timestamp(42us));
   ASSERT_TRUE(orders.has_value());
-  EXPECT_EQ(orders->utime_us, 42);
+  EXPECT_EQ(orders->stamp, time::Timestamp(42us));
   EXPECT_EQ(orders->deputy_id, "h");
   EXPECT_EQ(orders->sheriff_id, "me:1:1000");
   EXPECT_EQ(orders->commands.size(), 2U) << "those of this host";
   EXPECT_EQ(order("a").desired_run, 0);
   EXPECT_EQ(state("a"), "Stopped (OK)");
+}
+
+TEST_F(FleetTest, AnEditedConfigurationTouchesOnlyWhatHasChanged) {
+  hear({status("a", 7, 1), status("r", 8, 1)});
+  const Config edited = parse_config(R"(
+      cmd "new" { exec = "n"; host = "h"; }
+      cmd "r" { exec = "y --faster"; host = "h"; auto_respawn = "true"; }
+      cmd "far" { exec = "z"; host = "other"; })")
+                            .config;
+  EXPECT_THAT(fleet_.reconfigure(edited),
+              ::testing::UnorderedElementsAre("new is new", "r has changed",
+                                              "a is not named any more: stopping it"));
+  EXPECT_TRUE(order("a").force_quit);
+  EXPECT_EQ(order("r").desired_run, 2) << "restarted";
+  EXPECT_EQ(order("r").spec.exec, "y --faster");
+  EXPECT_EQ(order("new").desired_run, 0) << "waits to be started";
+  EXPECT_EQ(fleet_.items().front().spec.id, "new") << "in the order of the file";
+  EXPECT_THAT(fleet_.reconfigure(edited), ::testing::IsEmpty());
+  EXPECT_EQ(order("r").desired_run, 2);
+}
+
+// What does not run is not started by an edit, and a move to another host stops it on the first.
+TEST_F(FleetTest, AnEditStartsNothing) {
+  hear({status("a", 0, 0), status("r", 8, 1)});
+  const Config edited = parse_config(R"(
+      cmd "a" { exec = "x --new"; host = "h"; }
+      cmd "r" { exec = "y"; host = "other"; })")
+                            .config;
+  (void)fleet_.reconfigure(edited);
+  EXPECT_EQ(order("a").desired_run, 0);
+  EXPECT_TRUE(order("r").force_quit);
+  hear({}, "other");
+  EXPECT_EQ(fleet_.orders_for("other", {})->commands.front().desired_run, 0);
 }
 
 TEST_F(FleetTest, StartsRestartsAndStops) {
@@ -153,7 +184,7 @@ TEST_F(FleetTest, HostsAndCommandsWithoutEndAreNotKept) {
     hear(std::move(commands), std::to_string(i));
   }
   EXPECT_LE(fleet_.items().size(), 10'000U);
-  EXPECT_FALSE(fleet_.orders_for("299", 0).has_value());
+  EXPECT_FALSE(fleet_.orders_for("299", {}).has_value());
 }
 
 TEST_F(FleetTest, WishesBeforeTheFirstInfoCountFromThere) {
@@ -177,11 +208,11 @@ TEST_F(FleetTest, ADeputyThatLostItsMemoryGetsBackWhatRan) {
 
 TEST_F(FleetTest, NothingIsKnownOfASilentHost) {
   hear({status("a", 7, 1)});
-  now_us_ += Fleet::kMaxInfoAgeUs;
+  now_ += Fleet::kMaxInfoAge;
   EXPECT_EQ(state("a"), "Running");
-  now_us_ += 1;
+  now_ += 1us;
   EXPECT_EQ(state("a"), "Unknown");
-  EXPECT_FALSE(fleet_.has_reached("a", Wanted::kStopped, now_us_));
+  EXPECT_FALSE(fleet_.has_reached("a", Wanted::kStopped, now_));
 }
 
 TEST_F(FleetTest, ACommandOfTheSameNameElsewhereIsNotOurs) {
@@ -191,22 +222,22 @@ TEST_F(FleetTest, ACommandOfTheSameNameElsewhereIsNotOurs) {
 
 TEST_F(FleetTest, LeavesTheHostsOfOthersAlone) {
   hear({status("b", 7, 1)}, "stranger");
-  EXPECT_FALSE(fleet_.orders_for("stranger", 0).has_value());
-  fleet_.take_orders({0, "stranger", "you:2:1", {}}, now_us_);
-  EXPECT_FALSE(fleet_.other_sheriff(now_us_).has_value()) << "who commands there is their business";
+  EXPECT_FALSE(fleet_.orders_for("stranger", {}).has_value());
+  fleet_.take_orders({{}, "stranger", "you:2:1", {}}, now_);
+  EXPECT_FALSE(fleet_.other_sheriff(now_).has_value()) << "who commands there is their business";
 }
 
 TEST_F(FleetTest, NoticesAnotherSheriffForAWhile) {
-  fleet_.take_orders({0, "h", "me:1:1000", {}}, now_us_);
-  EXPECT_FALSE(fleet_.other_sheriff(now_us_).has_value()) << "that is us";
-  fleet_.take_orders({0, "h", "you:2:999", {}}, now_us_);
-  EXPECT_EQ(fleet_.other_sheriff(now_us_), "you:2:999");
-  EXPECT_TRUE(fleet_.must_yield(now_us_)) << "it was there first";
-  EXPECT_FALSE(fleet_.other_sheriff(now_us_ + Fleet::kOtherSheriffUs + 1).has_value());
-  fleet_.take_orders({0, "h", "you:2:1001", {}}, now_us_);
-  EXPECT_FALSE(fleet_.must_yield(now_us_));
-  fleet_.take_orders({0, "h", "who", {}}, now_us_);
-  EXPECT_TRUE(fleet_.must_yield(now_us_));
+  fleet_.take_orders({{}, "h", "me:1:1000", {}}, now_);
+  EXPECT_FALSE(fleet_.other_sheriff(now_).has_value()) << "that is us";
+  fleet_.take_orders({{}, "h", "you:2:999", {}}, now_);
+  EXPECT_EQ(fleet_.other_sheriff(now_), "you:2:999");
+  EXPECT_TRUE(fleet_.must_yield(now_)) << "it was there first";
+  EXPECT_FALSE(fleet_.other_sheriff(now_ + Fleet::kOtherSheriffTime + 1us).has_value());
+  fleet_.take_orders({{}, "h", "you:2:1001", {}}, now_);
+  EXPECT_FALSE(fleet_.must_yield(now_));
+  fleet_.take_orders({{}, "h", "who", {}}, now_);
+  EXPECT_TRUE(fleet_.must_yield(now_));
 }
 
 TEST(DescribeEnd, TellsExitsFromSignals) {

@@ -11,7 +11,6 @@ namespace {
 
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-constexpr std::int64_t kSecond = 1'000'000;
 
 class HealthWatchTest : public ::testing::Test {
  protected:
@@ -22,7 +21,7 @@ class HealthWatchTest : public ::testing::Test {
                        .config;
   Fleet fleet_{config_, "me:1:1"};
   HealthWatch watch_{config_};
-  std::int64_t now_us_ = 1000 * kSecond;
+  time::SteadyTime now_{1000s};
 
   void hear_deputy(int pid = 7) {
     DeputyInfo info;
@@ -32,22 +31,22 @@ class HealthWatchTest : public ::testing::Test {
     status.pid = pid;
     status.actual_run = 1;
     info.commands = {status};
-    fleet_.take_info(info, now_us_);
+    fleet_.take_info(info, now_);
   }
   void speak(ProcessHealth::State state) {
     ProcessHealth health;
     health.state = state;
     health.reason = "no scans";
-    watch_.take_status("nodmap-a", health, now_us_);
+    watch_.take_status("nodmap-a", health, now_);
   }
   /// Seconds up to the restart, of at most `limit`; 0 when there is none.
   template <class Each>
   int seconds_to_verdict(int limit, Each each) {
     for (int second = 1; second <= limit; ++second) {
-      now_us_ += kSecond;
+      now_ += 1s;
       each();
       hear_deputy();
-      const auto restarts = watch_.due_restarts(fleet_, now_us_);
+      const auto restarts = watch_.due_restarts(fleet_, now_);
       if (!restarts.empty()) {
         reason_ = restarts[0].reason;
         return second;
@@ -69,7 +68,19 @@ TEST_F(HealthWatchTest, KnowsACommandByItsProgram) {
   EXPECT_FALSE(watch_.last_status_of("a").has_value());
   speak(ProcessHealth::State::kDegraded);
   EXPECT_EQ(watch_.last_status_of("a")->health.state, ProcessHealth::State::kDegraded);
-  EXPECT_EQ(watch_.last_status_of("a")->received_us, now_us_);
+  EXPECT_EQ(watch_.last_status_of("a")->received, now_);
+}
+
+TEST_F(HealthWatchTest, RestartsWhatStaysDegradedWhereARuleSaysSo) {
+  hear_deputy();
+  const auto degraded = [this] { speak(ProcessHealth::State::kDegraded); };
+  EXPECT_EQ(seconds_to_verdict(60, degraded), 0) << "no rule";
+  config_.commands[0].health.restart_degraded_s = 20;
+  EXPECT_EQ(seconds_to_verdict(1, degraded), 1) << "it has been so for a minute";
+  EXPECT_THAT(reason_, HasSubstr("DEGRADED for"));
+  EXPECT_THAT(reason_, HasSubstr("no scans"));
+  speak(ProcessHealth::State::kOk);
+  EXPECT_EQ(seconds_to_verdict(41, degraded), 0) << "twice as long after a restart";
 }
 
 TEST_F(HealthWatchTest, RestartsWhatFallsSilent) {
@@ -91,6 +102,7 @@ TEST(HealthWatchMute, RestartsWhatWritesNothing) {
                             .config;
   Fleet fleet(config, "me:1:1");
   HealthWatch watch(config);
+  const auto at = [](int second) { return time::SteadyTime(second * 1s); };
   const auto verdicts_at = [&](int second) {
     DeputyInfo info;
     info.deputy_id = "h";
@@ -98,15 +110,15 @@ TEST(HealthWatchMute, RestartsWhatWritesNothing) {
     info.commands[0].spec.id = "a";
     info.commands[0].pid = 7;
     info.commands[0].actual_run = 1;
-    fleet.take_info(info, second * kSecond);
-    return watch.due_restarts(fleet, second * kSecond);
+    fleet.take_info(info, at(second));
+    return watch.due_restarts(fleet, at(second));
   };
   for (int second = 1; second <= 20; ++second) {
-    watch.take_output("a", second * kSecond);
+    watch.take_output("a", at(second));
     EXPECT_THAT(verdicts_at(second), IsEmpty());
   }
   for (int second = 21; second <= 25; ++second) {
-    watch.take_output("b", second * kSecond);  // of another, and of nobody we know
+    watch.take_output("b", at(second));  // of another, and of nobody we know
     EXPECT_THAT(verdicts_at(second), IsEmpty());
   }
   const auto restarts = verdicts_at(26);
@@ -148,19 +160,19 @@ TEST_F(HealthWatchTest, ABrokenLinkIsNoFaultOfTheProcess) {
   hear_deputy();
   EXPECT_EQ(seconds_to_verdict(10, [this] { speak(ProcessHealth::State::kOk); }), 0);
   for (int second = 0; second < 10; ++second) {
-    now_us_ += kSecond;
-    EXPECT_THAT(watch_.due_restarts(fleet_, now_us_), IsEmpty());
+    now_ += 1s;
+    EXPECT_THAT(watch_.due_restarts(fleet_, now_), IsEmpty());
   }
   hear_deputy();
-  EXPECT_THAT(watch_.due_restarts(fleet_, now_us_), IsEmpty()) << "INFO came before STATUS";
+  EXPECT_THAT(watch_.due_restarts(fleet_, now_), IsEmpty()) << "INFO came before STATUS";
   EXPECT_EQ(seconds_to_verdict(10, [this] { speak(ProcessHealth::State::kOk); }), 0);
 }
 
 TEST_F(HealthWatchTest, LeavesAloneWhatDoesNotRun) {
   hear_deputy(0);
-  now_us_ += 100 * kSecond;
+  now_ += 100s;
   hear_deputy(0);
-  EXPECT_THAT(watch_.due_restarts(fleet_, now_us_), IsEmpty());
+  EXPECT_THAT(watch_.due_restarts(fleet_, now_), IsEmpty());
 }
 
 }  // namespace

@@ -30,16 +30,16 @@ class ReportTest : public ::testing::Test {
     ended.actual_run = 1;
     ended.wait_status = 3 << 8;
     info.commands = {status, ended};
-    fleet_.take_info(info, 0);
+    fleet_.take_info(info, {});
     ProcessHealth health;
     health.state = ProcessHealth::State::kFailed;
     health.reason = "no\x1B[2J scans";
-    health_.take_status("prog", health, 1'000'000);
+    health_.take_status("prog", health, time::SteadyTime(1s));
   }
-  [[nodiscard]] std::vector<ReportRow> rows(std::int64_t now_us) const {
+  [[nodiscard]] std::vector<ReportRow> rows(time::Duration now) const {
     Console console;
     console.take("last\tline\r\n");
-    return report(fleet_, health_, {{"a", console}}, now_us);
+    return report(fleet_, health_, {{"a", console}}, time::SteadyTime(now));
   }
 
   Config config_ = parse_config(R"(
@@ -51,7 +51,7 @@ class ReportTest : public ::testing::Test {
 };
 
 TEST_F(ReportTest, ShowsWhatIsKnown) {
-  const auto table = to_table(rows(3'725'000'000 / 1000));
+  const auto table = to_table(rows(3725ms));
   ASSERT_EQ(table.size(), 4U);
   EXPECT_THAT(table[1], HasSubstr("Stopped (Error), exit 3"));
   EXPECT_THAT(table[2], ::testing::AllOf(HasSubstr("far"), HasSubstr("Unknown")));
@@ -62,12 +62,12 @@ TEST_F(ReportTest, ShowsWhatIsKnown) {
 }
 
 TEST_F(ReportTest, WhatWasSaidLongAgoIsNoHealth) {
-  EXPECT_THAT(rows(4'400'000).back().health, HasSubstr("FAILED"));
-  EXPECT_EQ(rows(4'600'000).back().health, "SILENT: no STATUS for 3 s");
+  EXPECT_THAT(rows(4400ms).back().health, HasSubstr("FAILED"));
+  EXPECT_EQ(rows(4600ms).back().health, "SILENT: no STATUS for 3 s");
 }
 
 TEST_F(ReportTest, IsJsonForPrograms) {
-  const nlohmann::json json = to_json(rows(0), fleet_, 0);
+  const nlohmann::json json = to_json(rows(0s), fleet_, {});
   EXPECT_EQ(json["commands"].size(), 3U);
   EXPECT_EQ(json["commands"][2]["command"], "a");
   EXPECT_EQ(json["commands"][2]["state"], "Running");

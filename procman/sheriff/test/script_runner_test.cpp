@@ -13,8 +13,6 @@
 namespace nodmap::procman {
 namespace {
 
-constexpr std::int64_t kMs = 1'000;
-
 /// A fleet on one host whose deputy does at once what it is told.
 class ScriptRunnerTest : public ::testing::Test {
  protected:
@@ -38,7 +36,7 @@ class ScriptRunnerTest : public ::testing::Test {
       })")
                        .config;
   Fleet fleet_{config_, "me:1:1"};
-  std::int64_t now_us_ = 1'000'000;
+  time::SteadyTime now_{1s};
   std::map<std::string, CommandStatus> host_;
   std::set<std::string> healthy_;
   ScriptRunner::HealthTest is_healthy_ = [this](const std::string& id) {
@@ -47,7 +45,7 @@ class ScriptRunnerTest : public ::testing::Test {
 
   /// Carries the orders out, for the commands that are named.
   void obey(const std::vector<std::string>& ids) {
-    const Orders orders = fleet_.orders_for("h", 0).value();
+    const Orders orders = fleet_.orders_for("h", {}).value();
     for (const CommandOrder& order : orders.commands) {
       CommandStatus& status = host_[order.spec.id];
       status.spec = order.spec;
@@ -75,48 +73,48 @@ class ScriptRunnerTest : public ::testing::Test {
     for (const auto& [id, status] : host_) {
       info.commands.push_back(status);
     }
-    fleet_.take_info(info, now_us_);
+    fleet_.take_info(info, now_);
   }
 };
 
 TEST_F(ScriptRunnerTest, GoesOnWhenWhatItWaitsForIsSo) {
   ScriptRunner runner(config_, *config_.find_script("all"), is_healthy_);
   tell();
-  runner.step(fleet_, now_us_);
+  runner.step(fleet_, now_);
   EXPECT_EQ(runner.waiting_for(), "group \"g\" to be running");
   obey({"a"});
-  runner.step(fleet_, now_us_);
+  runner.step(fleet_, now_);
   EXPECT_EQ(runner.waiting_for(), "group \"g\" to be running") << "not all of it runs";
   obey({"b"});
-  runner.step(fleet_, now_us_);
+  runner.step(fleet_, now_);
   EXPECT_EQ(runner.waiting_for(), "a moment") << "in the inner script";
   obey({"c"});
-  EXPECT_TRUE(fleet_.has_reached("c", Wanted::kRunning, now_us_));
-  now_us_ += 100 * kMs - 1;
-  runner.step(fleet_, now_us_);
+  EXPECT_TRUE(fleet_.has_reached("c", Wanted::kRunning, now_));
+  now_ += 100ms - 1us;
+  runner.step(fleet_, now_);
   EXPECT_EQ(runner.waiting_for(), "a moment");
-  now_us_ += 1;
-  runner.step(fleet_, now_us_);
+  now_ += 1us;
+  runner.step(fleet_, now_);
   EXPECT_EQ(runner.waiting_for(), "cmd \"a\" to be running");
-  runner.step(fleet_, now_us_);
+  runner.step(fleet_, now_);
   EXPECT_EQ(runner.waiting_for(), "cmd \"a\" to be running") << "the old run does not count";
   obey({"a"});
   obey({"a"});
-  runner.step(fleet_, now_us_);
+  runner.step(fleet_, now_);
   EXPECT_EQ(runner.waiting_for(), "group \"g\" to be stopped");
   obey({"a", "b"});
-  runner.step(fleet_, now_us_);
+  runner.step(fleet_, now_);
   EXPECT_EQ(runner.waiting_for(), "everything to be stopped");
   EXPECT_FALSE(runner.is_over());
   obey({"c"});
-  runner.step(fleet_, now_us_);
+  runner.step(fleet_, now_);
   EXPECT_TRUE(runner.is_over());
 }
 
 TEST_F(ScriptRunnerTest, AnEmptyScriptIsDone) {
   const Script empty;
   ScriptRunner runner(config_, empty, is_healthy_);
-  runner.step(fleet_, now_us_);
+  runner.step(fleet_, now_);
   EXPECT_TRUE(runner.is_over());
   EXPECT_EQ(runner.failure(), "");
 }
@@ -124,12 +122,12 @@ TEST_F(ScriptRunnerTest, AnEmptyScriptIsDone) {
 TEST_F(ScriptRunnerTest, IsOverWhenAllThatItStartedKeepsRunning) {
   ScriptRunner runner(config_, *config_.find_script("up"), is_healthy_);
   tell();
-  runner.step(fleet_, now_us_);
+  runner.step(fleet_, now_);
   obey({"a", "b"});
-  runner.step(fleet_, now_us_);
+  runner.step(fleet_, now_);
   EXPECT_EQ(runner.waiting_for(), "what it has started to keep running");
-  now_us_ += ScriptRunner::kLastingUs;
-  runner.step(fleet_, now_us_);
+  now_ += ScriptRunner::kLastingTime;
+  runner.step(fleet_, now_);
   EXPECT_TRUE(runner.is_over());
   EXPECT_EQ(runner.failure(), "");
 }
@@ -137,12 +135,12 @@ TEST_F(ScriptRunnerTest, IsOverWhenAllThatItStartedKeepsRunning) {
 TEST_F(ScriptRunnerTest, FailsWhenSomethingThatItStartedEndsWithAnError) {
   ScriptRunner runner(config_, *config_.find_script("up"), is_healthy_);
   tell();
-  runner.step(fleet_, now_us_);
+  runner.step(fleet_, now_);
   obey({"a", "b"});
-  runner.step(fleet_, now_us_);
+  runner.step(fleet_, now_);
   end("b", 2 << 8);
-  now_us_ += ScriptRunner::kLastingUs;
-  runner.step(fleet_, now_us_);
+  now_ += ScriptRunner::kLastingTime;
+  runner.step(fleet_, now_);
   EXPECT_TRUE(runner.is_over());
   EXPECT_EQ(runner.failure(), "b has ended (exit 2)");
 }
@@ -150,10 +148,10 @@ TEST_F(ScriptRunnerTest, FailsWhenSomethingThatItStartedEndsWithAnError) {
 TEST_F(ScriptRunnerTest, DoesNotWaitForWhatHasEndedToRun) {
   ScriptRunner runner(config_, *config_.find_script("up"), is_healthy_);
   tell();
-  runner.step(fleet_, now_us_);
+  runner.step(fleet_, now_);
   obey({"a", "b"});
   end("a", SIGSEGV);
-  runner.step(fleet_, now_us_);
+  runner.step(fleet_, now_);
   EXPECT_TRUE(runner.is_over());
   EXPECT_EQ(runner.failure(), "a has ended (killed by signal 11 (Segmentation fault))");
 }
@@ -162,17 +160,17 @@ TEST_F(ScriptRunnerTest, DoesNotWaitForWhatHasEndedToRun) {
 TEST_F(ScriptRunnerTest, FailsWhenARespawnedCommandNeverLasts) {
   ScriptRunner runner(config_, *config_.find_script("respawned"), is_healthy_);
   tell();
-  runner.step(fleet_, now_us_);
+  runner.step(fleet_, now_);
   obey({"d"});
-  const std::int64_t end_us = now_us_ + ScriptRunner::kSettleUs;
-  for (; now_us_ <= end_us; now_us_ += 300 * kMs) {
+  const time::SteadyTime stop = now_ + ScriptRunner::kSettleTimeout;
+  for (; now_ <= stop; now_ += 300ms) {
     end("d", 2 << 8);
-    runner.step(fleet_, now_us_);
+    runner.step(fleet_, now_);
     host_["d"].pid = 500;
     tell();
-    runner.step(fleet_, now_us_);
+    runner.step(fleet_, now_);
   }
-  runner.step(fleet_, now_us_);
+  runner.step(fleet_, now_);
   EXPECT_TRUE(runner.is_over());
   EXPECT_EQ(runner.failure(), "d does not keep running (exit 2)");
 }
@@ -180,11 +178,11 @@ TEST_F(ScriptRunnerTest, FailsWhenARespawnedCommandNeverLasts) {
 TEST_F(ScriptRunnerTest, WhatEndsWellIsNoFailure) {
   ScriptRunner runner(config_, *config_.find_script("inner"), is_healthy_);
   tell();
-  runner.step(fleet_, now_us_);
+  runner.step(fleet_, now_);
   obey({"c"});
   end("c", 0);
-  now_us_ += 100 * kMs;
-  runner.step(fleet_, now_us_);
+  now_ += 100ms;
+  runner.step(fleet_, now_);
   EXPECT_TRUE(runner.is_over());
   EXPECT_EQ(runner.failure(), "");
 }
@@ -193,14 +191,14 @@ TEST_F(ScriptRunnerTest, WaitsUntilWhatRunsIsHealthy) {
   ScriptRunner runner(config_, *config_.find_script("healthy"), is_healthy_);
   healthy_ = {"d"};  // an old STATUS: it does not run yet
   tell();
-  runner.step(fleet_, now_us_);
+  runner.step(fleet_, now_);
   EXPECT_EQ(runner.waiting_for(), "cmd \"d\" to be healthy");
   healthy_.clear();
   obey({"d"});
-  runner.step(fleet_, now_us_);
+  runner.step(fleet_, now_);
   EXPECT_EQ(runner.waiting_for(), "cmd \"d\" to be healthy");
   healthy_ = {"d"};
-  runner.step(fleet_, now_us_);
+  runner.step(fleet_, now_);
   EXPECT_NE(runner.waiting_for(), "cmd \"d\" to be healthy");
 }
 

@@ -27,7 +27,62 @@ TEST(GridAssembler, PutsTilesInTheirPlaces) {
   EXPECT_EQ(result.whole->cells[20 * 120 + 110], 100);
 }
 
-TEST(GridAssembler, GivesUpAMapWhoseTilesWereLost) {
+TEST(GridAssembler, ARevisionBringsOnlyWhatHasChanged) {
+  GridAssembler assembler;
+  for (const auto& tile : foxglove::test::map_at(0.0, 1)) {
+    (void)assembler.add(tile);
+  }
+  nodmap::grid_chunk_t changed = foxglove::test::map_at(1.0, 2)[1];
+  changed.chunk_index = 0;
+  changed.num_chunks = 1;
+  changed.cells[0] = 55;
+  const auto result = assembler.add(changed);
+  ASSERT_TRUE(result.whole);
+  EXPECT_EQ(result.whole->cells[60], 55);
+  EXPECT_EQ(result.whole->cells[20 * 120 + 10], 100);  // of the tile that came before
+  EXPECT_EQ(result.whole->utime_us, changed.utime);
+}
+
+TEST(GridAssembler, WhatIsKnownStaysWhereItIsWhenTheGridGrows) {
+  GridAssembler assembler;
+  auto tiles = foxglove::test::map_at(0.0, 1);
+  tiles[0].cells[0] = 33;  // at x = -2.0 m, y = -4.0 m
+  for (const auto& tile : tiles) {
+    (void)assembler.add(tile);
+  }
+  nodmap::grid_chunk_t grown = tiles[1];
+  grown.map_revision = 2;
+  grown.chunk_index = 0;
+  grown.num_chunks = 1;
+  grown.origin_x_m -= 3.0;  // by 30 columns and 10 rows
+  grown.origin_y_m -= 1.0;
+  grown.grid_width += 50;
+  grown.grid_height += 10;
+  grown.tile_x += 30;
+  grown.tile_y += 10;
+  const auto result = assembler.add(grown);
+  ASSERT_TRUE(result.whole);
+  EXPECT_EQ(result.whole->width, 170);
+  EXPECT_EQ(result.whole->cells[10 * 170 + 30], 33);
+  EXPECT_EQ(result.whole->cells[0], -1);
+  EXPECT_EQ(result.whole->cells[30 * 170 + 40], 100);   // the wall, in the tile from before
+  EXPECT_EQ(result.whole->cells[30 * 170 + 140], 100);  // and in the one that came now
+}
+
+TEST(GridAssembler, AMapThatBeginsAnewHoldsNothingOfTheOldOne) {
+  GridAssembler assembler;
+  for (const auto& tile : foxglove::test::map_at(0.0, 7)) {
+    (void)assembler.add(tile);
+  }
+  nodmap::grid_chunk_t first = foxglove::test::map_at(1.0, 0)[1];
+  first.chunk_index = 0;
+  first.num_chunks = 1;
+  const auto result = assembler.add(first);
+  ASSERT_TRUE(result.whole);
+  EXPECT_EQ(result.whole->cells[20 * 120 + 10], -1);
+}
+
+TEST(GridAssembler, SaysThatTilesWereLost) {
   GridAssembler assembler;
   EXPECT_FALSE(assembler.add(foxglove::test::map_at(0.0, 1)[0]).lost);
   const auto next = foxglove::test::map_at(1.0, 2);

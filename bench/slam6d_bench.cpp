@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// How long 6D SLAM keeps the messages of a recording waiting: processor time of the thread that
+// handles them, for each SCAN. Prints JSON.
+#include <time.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "common/bus/replay_bus.hpp"
+#include "modules/slam6d/node.hpp"
+
+namespace nodmap::slam6d {
+namespace {
+
+double thread_ms() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
+}
+
+std::vector<double> scan_durations_ms(const std::filesystem::path& log) {
+  const std::filesystem::path out_log =
+      std::filesystem::temp_directory_path() / ("slam6d_bench." + std::to_string(getpid()));
+  bus::ReplayBus bus(log, out_log);
+  std::filesystem::remove(out_log);  // what is published goes nowhere
+  node::MessageCounts counts;
+  node::Context context{bus, counts, {}};
+  bool is_scan = false;
+  bus.subscribe_bytes("SCAN", [&is_scan](std::span<const std::byte>) { is_scan = true; });
+  Slam6dNode slam(context, {});
+  std::vector<double> durations_ms;
+  for (bool goes_on = true; goes_on;) {
+    is_scan = false;
+    const double start_ms = thread_ms();
+    goes_on = bus.step();
+    if (is_scan) {
+      durations_ms.push_back(thread_ms() - start_ms);
+    }
+  }
+  slam.finish();
+  return durations_ms;
+}
+
+}  // namespace
+}  // namespace nodmap::slam6d
+
+int main(int argc, char** argv) {
+  CLI::App app{"Measures how long 6D SLAM takes for each SCAN of a recording."};
+  std::string log;
+  app.add_option("LOG", log, "LCM event log")->required()->check(CLI::ExistingFile);
+  CLI11_PARSE(app, argc, argv);
+  std::vector<double> durations_ms = nodmap::slam6d::scan_durations_ms(log);
+  if (durations_ms.empty()) {
+    std::fputs("no SCAN in the log\n", stderr);
+    return 1;
+  }
+  std::ranges::sort(durations_ms);
+  const auto percentile = [&durations_ms](double share) {
+    return durations_ms[static_cast<std::size_t>(share *
+                                                 static_cast<double>(durations_ms.size() - 1))];
+  };
+  const nlohmann::json figures{{"scans", durations_ms.size()},
+                               {"p50_ms", percentile(0.50)},
+                               {"p99_ms", percentile(0.99)},
+                               {"max_ms", durations_ms.back()}};
+  std::puts(figures.dump(2).c_str());
+}

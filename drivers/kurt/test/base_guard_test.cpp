@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "drivers/kurt/base_guard.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace nodmap::kurt {
+namespace {
+
+constexpr DriveCommand kFast{1.5, 0.5};
+
+RangeReadings sonar(int raw) {
+  return {.infrared_raw = {}, .sonar_raw = raw};
+}
+
+RangeReadings infrared_back(int raw) {
+  RangeReadings readings;
+  readings.infrared_raw[static_cast<std::size_t>(Infrared::kBack)] = raw;
+  return readings;
+}
+
+/// The raw reading of the sonar at this range, by the sensor's own formula the other way round.
+int sonar_raw(double range_m) {
+  return static_cast<int>(std::lround((100.0 * range_m - 11.9231) / 0.110652));
+}
+
+class BaseGuardTest : public ::testing::Test {
+ protected:
+  GuardParams params_;
+  SpeedLimits limits_;
+  BaseGuard guard_{params_, limits_};
+  time::SteadyTime now_{10s};
+};
+
+TEST_F(BaseGuardTest, WithoutReadingsNothingIsSlowed) {
+  EXPECT_EQ(guard_.limit(kFast, now_).forward_mps, kFast.forward_mps);
+  guard_.add(sonar(1100), now_);  // nothing within its range
+  EXPECT_EQ(guard_.limit(kFast, now_).forward_mps, kFast.forward_mps);
+}
+
+// The oracle drives: at the limit for one reaction, then braking at half of what the wheels can.
+TEST_F(BaseGuardTest, FromTheSpeedItAllowsTheRobotStopsBeforeWhatIsNear) {
+  for (const double range_m : {0.3, 0.4, 0.6, 0.9, 1.2}) {
+    guard_.add(sonar(sonar_raw(range_m)), now_);
+    const double speed_mps = guard_.limit({5.0, 0.0}, now_).forward_mps;
+    const double deceleration = 0.5 * limits_.max_deceleration_mps2;
+    double driven_m = 0.1 * speed_mps;
+    for (double v = speed_mps; v > 0.0; v -= 1e-4 * deceleration) {
+      driven_m += 1e-4 * v;
+    }
+    // 1 mm: a raw reading is 1.1 mm, rounded.
+    EXPECT_NEAR(driven_m, range_m - params_.near_m, 1e-3) << range_m;
+  }
+}
+
+TEST_F(BaseGuardTest, TheCurvatureStays) {
+  guard_.add(sonar(sonar_raw(0.5)), now_);
+  const DriveCommand limited = guard_.limit(kFast, now_);
+  EXPECT_LT(limited.forward_mps, kFast.forward_mps);
+  EXPECT_NEAR(limited.yaw_rate_rad_s / limited.forward_mps,
+              kFast.yaw_rate_rad_s / kFast.forward_mps, 1e-12);
+}
+
+TEST_F(BaseGuardTest, NearItCreepsAndMayStillRotateAndBackOut) {
+  guard_.add(sonar(sonar_raw(0.24)), now_);
+  EXPECT_EQ(guard_.limit(kFast, now_).forward_mps, params_.creep_mps);
+  EXPECT_EQ(guard_.limit({0.0, 2.0}, now_).yaw_rate_rad_s, 2.0);
+  EXPECT_EQ(guard_.limit({-0.5, 0.0}, now_).forward_mps, -0.5);
+  // Nearer than the sonar can measure it reads less.
+  guard_.add(sonar(50), now_);
+  EXPECT_EQ(guard_.limit(kFast, now_).forward_mps, params_.creep_mps);
+  guard_.add(sonar(1100), now_);
+  EXPECT_EQ(guard_.limit(kFast, now_).forward_mps, kFast.forward_mps);
+}
+
+TEST_F(BaseGuardTest, BehindTheInfraredCounts) {
+  guard_.add(infrared_back(900), now_);  // nearer than it can measure
+  EXPECT_EQ(guard_.limit({-1.0, 0.0}, now_).forward_mps, -params_.creep_mps);
+  EXPECT_EQ(guard_.limit(kFast, now_).forward_mps, kFast.forward_mps);
+  guard_.add(infrared_back(60), now_);  // nothing there
+  EXPECT_EQ(guard_.limit({-1.0, 0.0}, now_).forward_mps, -1.0);
+}
+
+TEST_F(BaseGuardTest, AnOldReadingIsNone) {
+  guard_.add(sonar(sonar_raw(0.24)), now_);
+  EXPECT_EQ(guard_.limit(kFast, now_ + 501ms).forward_mps, kFast.forward_mps);
+}
+
+TEST_F(BaseGuardTest, ABumperRaisesTheAlarmOnce) {
+  guard_.add(Bumpers{false});
+  EXPECT_FALSE(guard_.take_alarm());
+  guard_.add(Bumpers{true});
+  EXPECT_EQ(guard_.take_alarm(), Alarm::kBumper);
+  EXPECT_FALSE(guard_.take_alarm());
+  GuardParams without = params_;
+  without.use_bumper = false;
+  BaseGuard deaf(without, limits_);
+  deaf.add(Bumpers{true});
+  EXPECT_FALSE(deaf.take_alarm());
+}
+
+TEST_F(BaseGuardTest, ShakingIsNoTilt) {
+  guard_.add(Tilt{0.0, 1.2}, now_);
+  guard_.add(Tilt{0.0, 0.1}, now_ + 300ms);
+  guard_.add(Tilt{-1.2, 0.0}, now_ + 400ms);
+  EXPECT_FALSE(guard_.take_alarm());
+  guard_.add(Tilt{-1.2, 0.0}, now_ + 900ms);
+  EXPECT_EQ(guard_.take_alarm(), Alarm::kTilt);
+}
+
+TEST_F(BaseGuardTest, WheelsThatShouldTurnAndDoNotAreStalled) {
+  const WheelSpeeds fast{0.5, 0.5};
+  guard_.add(EncoderTicks{0, 0}, fast, now_);
+  guard_.add(EncoderTicks{0, 1}, fast, now_ + 1500ms);  // they turn after all
+  guard_.add(EncoderTicks{0, 0}, fast, now_ + 1600ms);
+  guard_.add(EncoderTicks{0, 0}, {0.5, 0.0}, now_ + 2s);  // one is not to turn
+  guard_.add(EncoderTicks{0, 0}, fast, now_ + 2100ms);
+  guard_.add(EncoderTicks{0, 0}, fast, now_ + 4s);
+  EXPECT_FALSE(guard_.take_alarm());
+  guard_.add(EncoderTicks{0, 0}, fast, now_ + 4100ms);
+  EXPECT_EQ(guard_.take_alarm(), Alarm::kStall);
+}
+
+}  // namespace
+}  // namespace nodmap::kurt

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "procman/config/config_watch.hpp"
+
+#include <system_error>
+#include <utility>
+
+#include "common/formats/input_file.hpp"
+
+namespace nodmap::procman {
+namespace {
+
+constexpr time::Duration kLookPeriod = 250ms;
+
+}  // namespace
+
+ConfigWatch::ConfigWatch(std::filesystem::path file, time::Duration settle, time::SteadyTime now)
+    : file_(std::move(file)), settle_(settle), in_use_(look()), seen_(in_use_), seen_since_(now) {}
+
+std::optional<ConfigWatch::Stamp> ConfigWatch::look() const {
+  std::error_code error;
+  const auto written = std::filesystem::last_write_time(file_, error);
+  if (error) {
+    return std::nullopt;
+  }
+  const std::uintmax_t size = std::filesystem::file_size(file_, error);
+  return error ? std::nullopt : std::optional(Stamp{written, size});
+}
+
+std::optional<ParsedConfig> ConfigWatch::poll(time::SteadyTime now) {
+  if (now < look_due_) {
+    return std::nullopt;
+  }
+  look_due_ = now + kLookPeriod;
+  const std::optional<Stamp> stamp = look();
+  if (stamp != seen_) {
+    seen_ = stamp;
+    seen_since_ = now;
+  }
+  if (!stamp || stamp == in_use_ || now - seen_since_ < settle_) {
+    return std::nullopt;
+  }
+  in_use_ = stamp;
+  try {
+    return parse_config(formats::read_input(file_));
+  } catch (const formats::InputFileError&) {
+    return std::nullopt;  // gone, or not ours to read, since we looked
+  }
+}
+
+}  // namespace nodmap::procman
