@@ -21,8 +21,13 @@ struct Arc {
 /// corridor along its arc; common/robot/stopping.hpp has the formula.
 class Brake {
  public:
-  Brake(const robot::RobotParams& robot, const DriveParams& drive)
-      : body_(robot.body.footprint()), braking_(robot.braking), drive_(drive) {}
+  /// `creeps`: it passes slowly what is within the side margin, but not within the creep margin.
+  explicit Brake(const NavigatorParams& params, bool creeps = false)
+      : creeps_(creeps),
+        body_(params.robot.body.footprint()),
+        braking_(params.robot.braking),
+        drive_(params.drive),
+        local_map_(params.local_map) {}
 
   /// Within the stopping distance what was not seen blocks, as an obstacle does.
   [[nodiscard]] Arc measure_arc(double curvature, const Situation& now) const;
@@ -39,9 +44,17 @@ class Brake {
   [[nodiscard]] double stoppable_mps(double distance_m) const;
 
  private:
+  [[nodiscard]] Arc measure_corridor(double curvature, double side_margin_m,
+                                     const Situation& now) const;
+  /// At most `max_mps`.
+  [[nodiscard]] double speed_on_seen_floor(double curvature, double max_mps,
+                                           const Situation& now) const;
+
+  bool creeps_;
   Footprint body_;
   robot::Braking braking_;
   DriveParams drive_;
+  LocalMapParams local_map_;
 };
 
 }  // namespace nodmap::navigator

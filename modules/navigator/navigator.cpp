@@ -41,7 +41,7 @@ Navigator::Navigator(const NavigatorParams& params)
       seen_(params.steer.view_half_rad),
       approach_(params.steer.sweeps_to_trust),
       steering_(params),
-      brake_(params.robot, params.drive),
+      brake_(params),
       turn_(params.turn, params.drive.reaction_s),
       back_up_(params),
       local_map_(params.robot, params.local_map),

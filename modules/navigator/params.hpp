@@ -14,6 +14,8 @@ struct DriveParams {
   double max_forward_mps = 1.5;
   double max_yaw_rate_rad_s = geometry::deg_to_rad(80.0);
   double max_lateral_mps2 = 0.8;
+  double creep_margin_m = 0.03;
+  double creep_mps = 0.25;
   double reaction_s = 0.1;
 
   template <class Visitor>
@@ -26,6 +28,10 @@ struct DriveParams {
             "Fastest yaw rate while driving.");
     v.number("max_lateral_mps2", max_lateral_mps2, {0.1, 5.0},
              "Largest lateral acceleration: forward speed times yaw rate.");
+    v.number("creep_margin_m", creep_margin_m, {0.0, 0.5},
+             "To a goal it passes obstacles that are within side_margin_m, but not within this, at "
+             "creep_mps.");
+    v.number("creep_mps", creep_mps, {0.0, 1.0}, "Speed past obstacles within side_margin_m.");
     v.number("reaction_s", reaction_s, {0.02, 1.0},
              "From the middle of a scan until the robot slows down.");
   }
@@ -110,6 +116,7 @@ struct LocalMapParams {
   double tilt_tolerance_rad = geometry::deg_to_rad(0.4);
   double floor_return_m = 2.0;
   double max_gap_m = 0.15;
+  double wide_gap_m = 0.3;
   double forget_after_m = 20.0;
 
   template <class Visitor>
@@ -128,7 +135,10 @@ struct LocalMapParams {
              "hole.");
     v.number("max_gap_m", max_gap_m, {0.02, 1.0},
              "Between floor points of neighbouring beams and scans no farther apart there is "
-             "floor.");
+             "floor. Before what was not seen as densely an emergency stop is kept possible.");
+    v.number("wide_gap_m", wide_gap_m, {0.02, 2.0},
+             "Before floor that was seen with gaps wider than this an ordinary stop is kept "
+             "possible.");
     v.number("forget_after_m", forget_after_m, {1.0, 1000.0},
              "An obstacle not measured again is forgotten after so much driving; a rotation of "
              "1 rad counts as 4 m.");
@@ -139,12 +149,14 @@ struct LocalMapParams {
 struct PlannerParams {
   bool use = true;
   double replan_s = 0.5;
-  double least_clearance_m = 0.06;
+  double least_clearance_m = 0.03;
   double wide_m = 0.35;
   double nearness_price = 3.0;
   double unknown_price = 0.7;
   double failure_price = 3.0;
-  double clearance_weight = 0.5;
+  double ample_clearance_m = 0.1;
+  double ample_clearance_s = 0.15;
+  double clearance_weight = 2.5;
   double smoothness_weight = 0.03;
   double reverse_price = 0.3;
   double rotation_rad_s = geometry::deg_to_rad(60.0);
@@ -164,8 +176,12 @@ struct PlannerParams {
              "What a metre of ground that was not seen costs more, metres.");
     v.number("failure_price", failure_price, {0.0, 10.0},
              "What a metre costs more where the robot could not go on, metres.");
+    v.number("ample_clearance_m", ample_clearance_m, {0.01, 1.0},
+             "Clearance of a slow rollout from which on more of it gains nothing.");
+    v.number("ample_clearance_s", ample_clearance_s, {0.0, 1.0},
+             "So much more clearance is ample for each m/s of a rollout's speed, metres.");
     v.number("clearance_weight", clearance_weight, {0.0, 10.0},
-             "Cost of a rollout that passes obstacles at no distance, metres.");
+             "Cost of a metre that a rollout drives at no clearance, metres.");
     v.number("smoothness_weight", smoothness_weight, {0.0, 2.0},
              "Cost of a change of 1 m/s or 1 rad/s, metres.");
     v.number("reverse_price", reverse_price, {0.0, 5.0}, "Cost of driving backwards, metres.");

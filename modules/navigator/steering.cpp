@@ -18,7 +18,7 @@ double longest_distance(const FreeSpace& space) {
 
 Steering::Steering(const NavigatorParams& params)
     : body_(params.robot.body.footprint()),
-      brake_(params.robot, params.drive),
+      brake_(params),
       stop_margin_m_(params.robot.braking.stop_margin_m),
       side_margin_m_(params.drive.side_margin_m),
       params_(params.steer),

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace nodmap::navigator {
 namespace {
@@ -24,7 +25,9 @@ constexpr double kMetresPerRad = 4.0;
 constexpr double kFarthestPassM = 3.5;
 /// So near before the end of a beam nothing is passed: noise of the range, and the cell itself.
 constexpr double kBeforeEndM = 0.03;
-/// So many columns, 5 cm apart, make a row unknown: one alone may lie between beams.
+/// Across the body the floor is looked at in columns so far apart; so many of them make it unknown,
+/// for one alone may lie between beams.
+constexpr double kColumnM = 0.05;
 constexpr int kUnknownColumns = 2;
 /// Floor points no farther apart contradict a hole between them: one so narrow does not matter.
 constexpr double kDenseM = 0.05;
@@ -76,6 +79,10 @@ bool LocalMap::is_obstacle(const LocalCell& cell) {
 
 bool LocalMap::is_hole(const LocalCell& cell) {
   return cell.hole >= kEnough;
+}
+
+bool LocalMap::is_cleared(const LocalCell& cell) {
+  return cell.scan != 0 && !is_obstacle(cell) && !is_hole(cell);
 }
 
 bool LocalMap::is_blocked(const LocalCell& cell) const {
@@ -301,14 +308,34 @@ void LocalMap::add_floor(std::size_t index, const Eigen::Vector2d& p_odom) {
 /// there is floor: what is high enough to matter would have been hit, and a hole wider than the
 /// gap, too.
 void LocalMap::fill_floor() {
-  if (floor_before_.size() != floor_.size()) {
-    return;
-  }
+  const bool has_before = floor_before_.size() == floor_.size();
   for (std::size_t i = 1; i < floor_.size(); ++i) {
+    if (floor_[i - 1].is_valid && floor_[i].is_valid) {
+      fill_line(floor_[i - 1].p_odom, floor_[i].p_odom);
+    }
+    if (!has_before) {
+      continue;
+    }
     const FloorPoint corners[4] = {floor_before_[i - 1], floor_before_[i], floor_[i - 1],
                                    floor_[i]};
     if (std::ranges::all_of(corners, &FloorPoint::is_valid)) {
       fill_between(corners);
+    }
+  }
+}
+
+/// Between two beams of one scan.
+void LocalMap::fill_line(const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
+  const double length_m = (to - from).norm();
+  if (length_m > params_.max_gap_m) {
+    return;
+  }
+  const int steps = static_cast<int>(length_m / grid_.cell_size_m()) + 1;
+  for (int step = 1; step < steps; ++step) {
+    LocalCell* cell = find(from + (to - from) * step / steps);
+    if (cell != nullptr && !is_hole(*cell)) {
+      cell->is_floor = true;
+      cell->is_assumed = false;
     }
   }
 }
@@ -371,8 +398,9 @@ void LocalMap::pass(const Beam& beam, double until_m) {
     place += step;
     height_cm += rise_cm;
     LocalCell& cell = grid_.at_offset(static_cast<int>(place.x()), static_cast<int>(place.y()));
+    // Heights are kept in whole centimetres, rounded down: a level laser hits and passes at one.
     if (cell.obstacle != 0 && cell.scan != scan_ && height_cm >= cell.low_cm &&
-        height_cm <= cell.high_cm) {
+        height_cm < cell.high_cm + 1.0) {
       cell.obstacle = less(cell.obstacle);
       cell.scan = scan_;
     }
@@ -412,15 +440,34 @@ bool LocalMap::was_floor(const Eigen::Vector2d& p_odom) const {
 }
 
 double LocalMap::seen_distance(const geometry::SE2& T_odom_base, double curvature,
-                               double half_width_m, double max_m) const {
-  const double blind_m = std::max(0.0, blind_m_ - body_.half_length_m);
-  for (double s = blind_m; s < blind_m + max_m; s += grid_.cell_size_m()) {
-    const geometry::SE2 T_base_front{body_.half_length_m, 0.0, 0.0};
-    if (!is_row_seen(T_odom_base * along_arc(curvature, s) * T_base_front, half_width_m, true)) {
-      return s - blind_m;
-    }
+                               double half_width_m, double max_m, double max_gap_m) const {
+  const double step_m = grid_.cell_size_m();
+  const double first_m = std::max(0.0, blind_m_ - body_.half_length_m);
+  // Where the middle of the front passes, and what is to the left there.
+  std::vector<std::pair<Eigen::Vector2d, Eigen::Vector2d>> rows;
+  for (double s = first_m; s < first_m + max_m + max_gap_m; s += step_m) {
+    const geometry::SE2 T_odom_row = T_odom_base * along_arc(curvature, s);
+    const Eigen::Matrix2d R = T_odom_row.rotation();
+    rows.emplace_back(T_odom_row.translation() + body_.half_length_m * R.col(0), R.col(1));
   }
-  return max_m;
+  const auto side = static_cast<int>(std::ceil(half_width_m / kColumnM));
+  std::vector<double> seen_m;  // by column
+  for (int column = -side; column <= side; ++column) {
+    double seen = 0.0;
+    for (std::size_t row = 0; row < rows.size(); ++row) {
+      const double s = step_m * static_cast<double>(row);
+      const LocalCell* cell =
+          cell_at(rows[row].first + half_width_m * column / side * rows[row].second);
+      if (cell != nullptr && cell->is_floor) {
+        seen = s;
+      } else if (s - seen > max_gap_m) {
+        break;
+      }
+    }
+    seen_m.push_back(seen);
+  }
+  std::ranges::nth_element(seen_m, seen_m.begin() + kUnknownColumns - 1);
+  return std::min(seen_m[kUnknownColumns - 1], max_m);
 }
 
 double LocalMap::seen_distance_backwards(const geometry::SE2& T_odom_base, double curvature,

@@ -55,9 +55,11 @@ class LocalMap {
 
   /// How far the body's front, `half_width_m` to both sides, can move along an arc (curvature in
   /// 1/m, positive left) until floor that was not seen is nearer than the laser can look down, and
-  /// cannot be looked at any more; at most `max_m`.
+  /// cannot be looked at any more; at most `max_m`. Not seen is what is longer than `max_gap_m`
+  /// along the arc between places where floor was seen, whenever that was: a hole as long would
+  /// have had a beam in it.
   [[nodiscard]] double seen_distance(const geometry::SE2& T_odom_base, double curvature,
-                                     double half_width_m, double max_m) const;
+                                     double half_width_m, double max_m, double max_gap_m) const;
 
   /// The same for the body's rear, backwards. What the robot was set down on does not count.
   [[nodiscard]] double seen_distance_backwards(const geometry::SE2& T_odom_base, double curvature,
@@ -71,6 +73,8 @@ class LocalMap {
   [[nodiscard]] const LocalCell* cell_at(const Eigen::Vector2d& p_odom) const;
   [[nodiscard]] static bool is_obstacle(const LocalCell& cell);
   [[nodiscard]] static bool is_hole(const LocalCell& cell);
+  /// Beams have passed through what was measured there.
+  [[nodiscard]] static bool is_cleared(const LocalCell& cell);
   /// By a hole, or an obstacle that is not forgotten.
   [[nodiscard]] bool is_blocked(const LocalCell& cell) const;
   /// By the same, or because it is the edge of a hole. False outside the grid.
@@ -102,6 +106,7 @@ class LocalMap {
   void add_hole(const Eigen::Vector2d& p_odom, bool is_certain);
   void add_floor(std::size_t index, const Eigen::Vector2d& p_odom);
   void fill_floor();
+  void fill_line(const Eigen::Vector2d& from, const Eigen::Vector2d& to);
   void fill_between(const FloorPoint (&corners)[4]);
   void pass(const Beam& beam, double until_m);
   [[nodiscard]] bool is_row_seen(const geometry::SE2& T_odom_row, double half_width_m,

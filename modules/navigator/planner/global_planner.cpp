@@ -192,6 +192,7 @@ void GlobalPlanner::update_grid(const LocalMap& local_map, const geometry::SE2& 
       }
       bool is_floor = false;
       bool is_blocked = false;
+      bool is_cleared = false;
       for (const double x : {-0.25, 0.25}) {
         for (const double y : {-0.25, 0.25}) {
           const Eigen::Vector2d q_map = grid_.center_of(index) + kCellM * Eigen::Vector2d(x, y);
@@ -199,6 +200,7 @@ void GlobalPlanner::update_grid(const LocalMap& local_map, const geometry::SE2& 
           const LocalCell* cell = local_map.cell_at(q_odom);
           is_blocked = is_blocked || (cell != nullptr && local_map.is_blocked_at(q_odom));
           is_floor = is_floor || (cell != nullptr && cell->is_floor);
+          is_cleared = is_cleared || (cell != nullptr && LocalMap::is_cleared(*cell));
         }
       }
       if (is_blocked || is_floor) {
@@ -206,6 +208,9 @@ void GlobalPlanner::update_grid(const LocalMap& local_map, const geometry::SE2& 
         known_min_ = known_min_.cwiseMin(q_map);
         known_max_ = known_max_.cwiseMax(q_map);
         grid_.at(index) = is_blocked ? Ground::kBlocked : Ground::kFloor;
+      } else if (is_cleared && grid_.at(index) == Ground::kBlocked) {
+        // A level laser sees no floor, but it does see through where something was.
+        grid_.at(index) = Ground::kUnknown;
       }
     }
   }

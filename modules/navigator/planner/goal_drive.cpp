@@ -45,7 +45,7 @@ double seconds_since(const std::optional<std::int64_t>& utime_us, const Situatio
 GoalDrive::GoalDrive(const NavigatorParams& params)
     : params_(params),
       body_(params.robot.body.footprint()),
-      brake_(params.robot, params.drive),
+      brake_(params, true),
       global_(body_, params.planner),
       rollouts_(body_, params.planner, params.drive) {}
 
@@ -75,18 +75,39 @@ Decision GoalDrive::decide(const Situation& now, const SeenDirections& seen,
   watch_progress(now, cost_m);
   const double max_forward_mps = brake_.speed_limit(0.0, now.max_forward_mps);
   const auto& rollouts = rollouts_.plan(now, *global_.cost_to_go(), max_forward_mps);
-  std::size_t num_offered = 0;
-  for (const Rollout& rollout : rollouts) {
-    // Rotations and the way back cost next to nothing to check.
-    if (rollout.forward_mps > 0.0 && ++num_offered > kMostOffered) {
-      continue;
-    }
-    if (const auto driven = drive(rollout, now, seen)) {
-      return *driven;
-    }
+  if (const auto best = choose(rollouts, now, seen)) {
+    return *best;
   }
   decision.reason = rollouts.empty() ? "No motion is free." : "Waits until the laser has looked.";
   return decision;
+}
+
+/// The best rollout once Brake has slowed it down: what it then falls short counts as cost.
+std::optional<Decision> GoalDrive::choose(const std::vector<Rollout>& rollouts,
+                                          const Situation& now, const SeenDirections& seen) const {
+  std::optional<Decision> best;
+  double least_cost_m = std::numeric_limits<double>::infinity();
+  std::size_t num_offered = 0;
+  for (const Rollout& rollout : rollouts) {
+    if (rollout.cost >= least_cost_m) {
+      break;
+    }
+    // Rotations and the path back cost next to nothing to check.
+    if (rollout.forward_mps > 0.0 && ++num_offered > kMostOffered) {
+      continue;
+    }
+    const auto driven = drive(rollout, now, seen);
+    if (!driven) {
+      continue;
+    }
+    const double slower_mps = std::max(0.0, rollout.forward_mps - driven->max_forward_mps);
+    const double cost_m = rollout.cost + Rollouts::kDurationS * slower_mps;
+    if (cost_m < least_cost_m) {
+      least_cost_m = cost_m;
+      best = driven;
+    }
+  }
+  return best;
 }
 
 /// Without a path the robot looks around once more, as far as it can turn, and the plan is made
@@ -177,7 +198,7 @@ std::optional<Decision> GoalDrive::drive_forwards(const Rollout& rollout, const 
   decision.yaw_rate_rad_s = decision.forward_mps * curvature;
   decision.steering_angle_rad = direction_rad(rollout);
   decision.free_distance_m = arc.free_distance_m;
-  decision.max_forward_mps = std::min(limit_mps, safe_mps);
+  decision.max_forward_mps = std::min(limit_mps, arc.speed_mps);
   return decision;
 }
 

@@ -25,6 +25,9 @@ class GoalDrive {
                                 const LocalMap& local_map);
 
  private:
+  [[nodiscard]] std::optional<Decision> choose(const std::vector<Rollout>& rollouts,
+                                               const Situation& now,
+                                               const SeenDirections& seen) const;
   [[nodiscard]] std::optional<Decision> drive(const Rollout& rollout, const Situation& now,
                                               const SeenDirections& seen) const;
   [[nodiscard]] std::optional<Decision> drive_forwards(const Rollout& rollout, const Situation& now,

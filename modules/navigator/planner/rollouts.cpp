@@ -14,7 +14,7 @@ namespace {
 constexpr double kCellM = 0.025;
 constexpr double kReachM = 2.5;
 constexpr double kStepS = 0.1;
-constexpr int kSteps = 16;
+constexpr int kSteps = static_cast<int>(Rollouts::kDurationS / kStepS + 0.5);
 constexpr int kFirstSteps = 8;
 /// What the base does on command, with a reserve.
 constexpr double kAccelerationMps2 = 1.5;
@@ -27,8 +27,10 @@ constexpr double kBlockedAheadM = 0.6;
 /// A place that no path leads through, but from which one is near, is worse by this.
 constexpr double kOffPathM = 0.5;
 constexpr double kNearM = 0.2;
-/// Farther from obstacles than this nothing is gained.
-constexpr double kAmpleM = 0.25;
+/// A rotation of 1 rad moves the corners about so far.
+constexpr double kCornerM = 0.25;
+/// The clearance is that of cells: from one moment to the next it may differ by so much.
+constexpr double kNoiseM = 0.01;
 /// The least clearance on the spot and backwards, where the robot is slow and its exact free
 /// rotation is measured besides: a corridor of 0.7 m leaves 7 cm at the corners of a body that
 /// turns in it.
@@ -41,6 +43,8 @@ constexpr double kCannotTurnReversePriceM = 0.2;
 constexpr std::array kSpeeds{1.0, 0.8, 0.6, 0.42, 0.27, 0.15};
 constexpr std::array kYawRates{-1.0, -0.75, -0.55, -0.38, -0.24, -0.13, -0.05, 0.0,
                                0.05, 0.13,  0.24,  0.38,  0.55,  0.75,  1.0};
+/// Slower on the spot it would rather wait than rotate.
+constexpr double kSlowestRotation = 0.2;
 constexpr std::array kNextYawRates{-0.8, -0.4, -0.15, 0.0, 0.15, 0.4, 0.8};
 constexpr std::array kBackwardMps{-0.08, -0.15};
 
@@ -102,7 +106,7 @@ const std::vector<Rollout>& Rollouts::plan(const Situation& now, const CostToGo&
                                            double max_forward_mps) {
   measure_clearance(now.points_base);
   // Where the robot is nearer already it may drive on, but not nearer.
-  const double clearance_now_m = clearance_m({}) - 0.005;
+  const double clearance_now_m = clearance_m({}) - kNoiseM;
   least_clearance_m_ = std::min(params_.least_clearance_m, clearance_now_m);
   least_slow_clearance_m_ = std::min({params_.least_clearance_m, kSlowClearanceM, clearance_now_m});
   const double free_rad = std::max(free_rotation(now.points_base, 1.0, body_, kSlowClearanceM),
@@ -123,7 +127,7 @@ const std::vector<Rollout>& Rollouts::plan(const Situation& now, const CostToGo&
   }
   for (const double yaw_rate : kYawRates) {
     const double yaw_rate_rad_s = yaw_rate * params_.rotation_rad_s;
-    if (yaw_rate != 0.0) {
+    if (std::abs(yaw_rate) >= kSlowestRotation) {
       consider({0.0, yaw_rate_rad_s}, yaw_rate_rad_s, now, cost_to_go);
     }
     for (const double speed_mps : kBackwardMps) {
@@ -139,7 +143,7 @@ void Rollouts::consider(const Motion& first, double next_yaw_rate_rad_s, const S
   geometry::SE2 pose;  // in base, now
   double v = now.forward_mps;
   double w = now.yaw_rate_rad_s;
-  double nearness = 0.0;
+  double nearness_m = 0.0;  // metres driven, each the more the nearer it is to obstacles
   const double least_m = first.forward_mps > 0.0 ? least_clearance_m_ : least_slow_clearance_m_;
   for (int step = 0; step < kSteps; ++step) {
     const double yaw_rate_rad_s = step < kFirstSteps ? first.yaw_rate_rad_s : next_yaw_rate_rad_s;
@@ -152,12 +156,13 @@ void Rollouts::consider(const Motion& first, double next_yaw_rate_rad_s, const S
     if (clearance < least_m) {
       return;
     }
-    const double near = std::max(0.0, 1.0 - clearance / kAmpleM);
-    nearness += near * near / kSteps;
+    const double ample_m = params_.ample_clearance_m + params_.ample_clearance_s * std::abs(v);
+    const double near = std::max(0.0, 1.0 - clearance / ample_m);
+    nearness_m += kStepS * std::hypot(v, kCornerM * w) * near * near;
   }
   Rollout rollout{first.forward_mps, first.yaw_rate_rad_s, next_yaw_rate_rad_s, 0.0};
   rollout.cost = end_cost(now.T_map_odom * now.T_odom_base * pose, cost_to_go) +
-                 params_.clearance_weight * nearness +
+                 params_.clearance_weight * nearness_m +
                  params_.smoothness_weight * (std::abs(first.yaw_rate_rad_s - now.yaw_rate_rad_s) +
                                               std::abs(first.forward_mps - now.forward_mps)) +
                  (first.forward_mps < 0.0 ? reverse_price_m_ : 0.0);

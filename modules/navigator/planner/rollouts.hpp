@@ -25,6 +25,8 @@ struct Rollout {
 /// near they pass obstacles, and by how much they differ from what the robot does.
 class Rollouts {
  public:
+  static constexpr double kDurationS = 1.6;
+
   Rollouts(const robot::Footprint& body, const PlannerParams& params, const DriveParams& drive);
 
   /// Those that touch nothing, best first. Valid until the next call.

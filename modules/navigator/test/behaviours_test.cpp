@@ -25,11 +25,11 @@ constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr double kReactionS = 0.1;
 
 TEST(Brake, YawRateAndLateralAccelerationLimitTheSpeedOnAnArc) {
-  DriveParams drive;
-  drive.max_forward_mps = 1.5;
-  drive.max_yaw_rate_rad_s = 1.4;
-  drive.max_lateral_mps2 = 0.8;
-  const Brake brake({}, drive);
+  NavigatorParams params;
+  params.drive.max_forward_mps = 1.5;
+  params.drive.max_yaw_rate_rad_s = 1.4;
+  params.drive.max_lateral_mps2 = 0.8;
+  const Brake brake(params);
   EXPECT_EQ(brake.speed_limit(0.0, 2.0), 1.5);
   EXPECT_EQ(brake.speed_limit(0.0, 0.3), 0.3);
   EXPECT_NEAR(brake.speed_limit(0.5, 2.0), std::sqrt(1.6), 1e-12);
@@ -37,9 +37,20 @@ TEST(Brake, YawRateAndLateralAccelerationLimitTheSpeedOnAnArc) {
   EXPECT_EQ(brake.speed_limit(0.0, -0.5), 0.0);
 }
 
+// 4.5 cm beside the body: within the side margin of 6 cm, outside the creep margin of 3 cm.
+TEST(Brake, CreepsPastWhatIsWithinTheSideMargin) {
+  const NavigatorParams params;
+  Situation now;
+  now.points_base = {{0.4, 0.5 * params.robot.body.width_m + 0.045}};
+  EXPECT_EQ(Brake(params, true).measure_arc(0.0, now).speed_mps, params.drive.creep_mps);
+  EXPECT_LT(Brake(params).measure_arc(0.0, now).speed_mps, params.drive.creep_mps);
+  now.points_base = {{0.4, 0.5 * params.robot.body.width_m + 0.02}};
+  EXPECT_LT(Brake(params, true).measure_arc(0.0, now).speed_mps, params.drive.creep_mps);
+}
+
 // The front is 0.225 m ahead, 0.15 m are left; from 2 m/s an emergency stop takes 0.67 m.
 TEST(Brake, StopsAtOnceNearerThanAnEmergencyStopNeeds) {
-  const Brake brake({}, {});
+  const Brake brake(NavigatorParams{});
   const auto speed = [&](double forward_mps, double x_m) {
     Situation now;
     now.forward_mps = forward_mps;
