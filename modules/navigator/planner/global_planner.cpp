@@ -30,8 +30,6 @@ constexpr double kFailureM = 0.3;
 /// place that looks too narrow is gone to and looked at when there is no other path. The rollouts
 /// measure what is really free.
 constexpr double kTightPrice = 4.0;
-/// The least clearance, as far as the grid can tell: twice what the rollouts keep.
-constexpr double kLeastClearanceM = 0.06;
 /// The last resort keeps this off the middle of an occupied cell: enough not to slip through a wall
 /// whose cells touch at their corners only, or miss one or two.
 constexpr double kOccupiedM = 0.1;
@@ -248,7 +246,7 @@ void GlobalPlanner::measure_clearance() {
 
 void GlobalPlanner::price_cells() {
   const Eigen::Vector2i low = grid_.index_of(plan_.origin_ + Eigen::Vector2d(0.01, 0.01));
-  const double least_m = body_.half_width_m + kLeastClearanceM;
+  const double least_m = body_.half_width_m + params_.least_clearance_m;
   price_.resize(static_cast<std::size_t>(plan_.width_) * static_cast<std::size_t>(plan_.height_));
   for (int row = 0; row < plan_.height_; ++row) {
     for (int column = 0; column < plan_.width_; ++column) {
@@ -269,7 +267,7 @@ void GlobalPlanner::price_cells() {
 /// Where the robot could not go on a metre costs more. A place that looked too narrow, too, is
 /// closed.
 void GlobalPlanner::price_failures() {
-  const double least_m = body_.half_width_m + kLeastClearanceM;
+  const double least_m = body_.half_width_m + params_.least_clearance_m;
   const int reach = static_cast<int>(kFailureM / kCellM);
   for (const Failure& failure : failures_) {
     const Eigen::Vector2d offset = (failure.p_map - plan_.origin_) / kCellM;
