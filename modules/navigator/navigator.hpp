@@ -42,6 +42,12 @@ class Navigator {
   /// `now.points_base` are those of the obstacle map; the local map's are added.
   [[nodiscard]] Decision decide(Situation now);
 
+  /// GoalDrive::path_map(), for people to see; empty while it does not drive by plan.
+  [[nodiscard]] std::optional<std::vector<Eigen::Vector2d>> path_map(
+      const geometry::SE2& T_map_base) const {
+    return params_.planner.use ? goal_drive_.path_map(T_map_base) : std::nullopt;
+  }
+
   /// Stops. What was seen so far may have changed when the robot drives again: it is forgotten.
   [[nodiscard]] Decision halt(std::string reason);
 

@@ -265,6 +265,50 @@ double NavigatorNode::max_forward_mps() const {
   return pitch_command_.max_forward_mps;
 }
 
+/// The path to the goal and, from the robot on, the arc that was chosen.
+void NavigatorNode::publish_path(const Decision& decision) {
+  constexpr std::int64_t kPeriodUs = 100'000;
+  constexpr double kArcS = 1.6;
+  constexpr int kArcSteps = 8;
+  const bool is_old = !path_us_ || std::abs(drive_.utime - *path_us_) >= kPeriodUs;
+  if (!odometry_ || (goal_ ? !is_old : !path_us_)) {
+    return;
+  }
+  path_us_.reset();
+  path_ = {};
+  path_.utime = drive_.utime;
+  path_.state = nodmap::path_t::NO_GOAL;
+  const geometry::SE2& T_odom_base = odometry_->T_odom_base;
+  if (goal_) {
+    const auto path_map = navigator_.path_map(T_map_odom_ * T_odom_base);
+    if (!path_map) {
+      return;  // not yet planned, or not by plan
+    }
+    path_us_ = drive_.utime;
+    path_.state = path_map->empty() ? nodmap::path_t::NO_PATH : nodmap::path_t::PLANNED;
+    const geometry::SE2 T_odom_map = T_map_odom_.inverse();
+    for (const Eigen::Vector2d& p_map : *path_map) {
+      const Eigen::Vector2d p_odom = T_odom_map * p_map;
+      path_.x_m.push_back(p_odom.x());
+      path_.y_m.push_back(p_odom.y());
+    }
+    geometry::SE2 T_odom_ahead = T_odom_base;
+    for (int step = 0; step <= kArcSteps; ++step) {
+      path_.arc_x_m.push_back(T_odom_ahead.x);
+      path_.arc_y_m.push_back(T_odom_ahead.y);
+      const double dt_s = kArcS / kArcSteps;
+      const double half_rotation_rad = 0.5 * dt_s * decision.yaw_rate_rad_s;
+      const double length_m = dt_s * decision.forward_mps;
+      T_odom_ahead = T_odom_ahead * geometry::SE2{length_m * std::cos(half_rotation_rad),
+                                                  length_m * std::sin(half_rotation_rad),
+                                                  2.0 * half_rotation_rad};
+    }
+  }
+  path_.num_points = static_cast<std::int32_t>(path_.x_m.size());
+  path_.num_arc_points = static_cast<std::int32_t>(path_.arc_x_m.size());
+  context_.bus.publish("PATH", path_);
+}
+
 void NavigatorNode::publish(const Decision& decision) {
   // Odometry comes from the host of the base driver: its stamps are the driver's own clock.
   drive_.utime = stamps_.odometry_us ? *stamps_.odometry_us : stamps_.map_us.value_or(0);
@@ -287,6 +331,7 @@ void NavigatorNode::publish(const Decision& decision) {
   navigation_.max_forward_mps = decision.max_forward_mps;
   context_.bus.publish("NAVIGATION", navigation_);
 
+  publish_path(decision);
   ++decisions_[static_cast<std::size_t>(decision.behaviour)];
   halted_because_ = decision.behaviour == Behaviour::kHalt ? decision.reason : "";
 }

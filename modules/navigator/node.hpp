@@ -20,6 +20,7 @@
 #include "nodmap/goal_t.hpp"
 #include "nodmap/navigation_t.hpp"
 #include "nodmap/odometry_t.hpp"
+#include "nodmap/path_t.hpp"
 #include "nodmap/pitch_command_t.hpp"
 #include "nodmap/pitch_state_t.hpp"
 #include "nodmap/pose_t.hpp"
@@ -72,6 +73,7 @@ class NavigatorNode final : public node::Node {
   [[nodiscard]] std::optional<std::string> reason_not_to_drive() const;
   [[nodiscard]] Situation situation() const;
   void publish(const Decision& decision);
+  void publish_path(const Decision& decision);
 
   node::Context& context_;
   Params params_;
@@ -98,6 +100,8 @@ class NavigatorNode final : public node::Node {
 
   nodmap::drive_t drive_{};
   nodmap::navigation_t navigation_{};
+  nodmap::path_t path_{};
+  std::optional<std::int64_t> path_us_;  // when one with a goal was published last
   std::int64_t next_drive_seq_ = 0;
   std::array<std::int64_t, 5> decisions_{};  // by behaviour
   std::string halted_because_ = "There is no odometry.";

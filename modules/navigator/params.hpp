@@ -149,7 +149,7 @@ struct LocalMapParams {
 struct PlannerParams {
   bool use = true;
   double replan_s = 0.5;
-  double least_clearance_m = 0.03;
+  double least_clearance_m = 0.06;
   double wide_m = 0.35;
   double nearness_price = 3.0;
   double unknown_price = 0.7;

@@ -82,6 +82,28 @@ Decision GoalDrive::decide(const Situation& now, const SeenDirections& seen,
   return decision;
 }
 
+std::optional<std::vector<Eigen::Vector2d>> GoalDrive::path_map(
+    const geometry::SE2& T_map_base) const {
+  constexpr double kLongestM = 100.0;
+  constexpr std::size_t kStep = 4;  // cells
+  const CostToGo* cost_to_go = global_.cost_to_go();
+  if (cost_to_go == nullptr) {
+    return std::nullopt;
+  }
+  std::vector<Eigen::Vector2d> path;
+  if (!std::isfinite(cost_to_go->least_near(T_map_base.translation(), kAroundM))) {
+    return path;
+  }
+  const auto cells = cost_to_go->path_from(T_map_base.translation(), kLongestM);
+  for (std::size_t i = 0; i < cells.size(); i += kStep) {
+    path.push_back(cells[i]);
+  }
+  if (cells.size() % kStep != 1) {
+    path.push_back(cells.back());
+  }
+  return path;
+}
+
 /// The best rollout once Brake has slowed it down: what it then falls short counts as cost.
 std::optional<Decision> GoalDrive::choose(const std::vector<Rollout>& rollouts,
                                           const Situation& now, const SeenDirections& seen) const {

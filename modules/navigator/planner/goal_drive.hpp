@@ -24,6 +24,11 @@ class GoalDrive {
   [[nodiscard]] Decision decide(const Situation& now, const SeenDirections& seen,
                                 const LocalMap& local_map);
 
+  /// The planned path from the robot to the goal, frame map, a point each 20 cm, as far as the grid
+  /// reaches; without points where there is no path, empty before the first plan is complete.
+  [[nodiscard]] std::optional<std::vector<Eigen::Vector2d>> path_map(
+      const geometry::SE2& T_map_base) const;
+
  private:
   [[nodiscard]] std::optional<Decision> choose(const std::vector<Rollout>& rollouts,
                                                const Situation& now,

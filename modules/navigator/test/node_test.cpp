@@ -178,6 +178,31 @@ TEST_F(NavigatorNodeScans, LostScansHaltTheRobotUntilTheyAreBack) {
   EXPECT_FALSE(halts());
 }
 
+TEST_F(NavigatorNodeScans, ThePathToAGoalIsPublishedUntilThereIsNone) {
+  nodmap::goal_t goal{};
+  goal.is_active = true;
+  goal.tolerance_m = 0.2;
+  goal.position_m[0] = 3.0;
+  bus_.deliver("GOAL", goal);
+  for (int i = 0; i < 60; ++i) {
+    tick_with_scan();
+  }
+  const auto path = bus_.last<nodmap::path_t>("PATH");
+  EXPECT_EQ(path.state, nodmap::path_t::PLANNED);
+  ASSERT_GT(path.num_points, 10);
+  // From the robot on; to the nearest of the cells that are the goal, 0.7 tolerances around it.
+  EXPECT_NEAR(path.x_m.front(), 0.0, 0.1);
+  EXPECT_NEAR(path.x_m.back(), 3.0, 0.2);
+  EXPECT_NEAR(path.y_m.back(), 0.0, 0.2);
+  ASSERT_EQ(path.num_arc_points, 9);
+  EXPECT_EQ(path.arc_x_m.front(), 0.0);
+  goal.is_active = false;
+  bus_.deliver("GOAL", goal);
+  tick_with_scan();
+  tick();
+  EXPECT_EQ(bus_.last<nodmap::path_t>("PATH").state, nodmap::path_t::NO_GOAL);
+}
+
 TEST_F(NavigatorNodeTest, WithoutAnyMapItHaltsWithTheReason) {
   give_odometry(now_us_);
   EXPECT_TRUE(halts());

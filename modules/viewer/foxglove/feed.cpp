@@ -257,6 +257,11 @@ void Feed::subscribe_maps(bus::Bus& bus) {
       post(map_2d, message.utime, [view = std::move(*view)] { return grid(view); });
     }
   });
+  subscribe<nodmap::path_t>(bus, "PATH",
+                            [this, path = add_scene_topic("path")](const auto& message) {
+                              counts_.use();
+                              post(path, message.utime, [message] { return path_scene(message); });
+                            });
   subscribe<nodmap::pose_graph_t>(
       bus, "POSE_GRAPH", [this, graph = add_scene_topic("pose_graph")](const auto& message) {
         counts_.use();

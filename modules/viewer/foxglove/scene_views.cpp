@@ -14,6 +14,8 @@ namespace {
 constexpr Color kBodyColor{0.95, 0.55, 0.1, 1.0};
 constexpr Color kPersonColor{0.85, 0.2, 0.6, 0.9};
 constexpr Color kGoalColor{0.1, 0.8, 0.3, 0.7};
+constexpr Color kPathColor{0.1, 0.8, 0.3, 0.9};
+constexpr Color kArcColor{1.0, 0.85, 0.2, 1.0};
 constexpr Color kTextColor{1.0, 1.0, 1.0, 1.0};
 constexpr Color kAreaColor{0.3, 0.7, 1.0, 0.8};
 constexpr Color kGraphColor{0.37, 0.7, 1.0, 0.8};
@@ -168,6 +170,24 @@ Json goal_scene(const nodmap::goal_t& goal) {
       Json::array({cylinder(pose, std::max(goal.tolerance_m, 0.05), 0.1, kGoalColor)});
   json["texts"] =
       Json::array({text(at(goal.position_m[0], goal.position_m[1], 0.4), "goal", kTextColor)});
+  return one(std::move(json));
+}
+
+Json path_scene(const nodmap::path_t& path) {
+  if (path.state == nodmap::path_t::NO_GOAL) {
+    return update(Json::array(), Json::array({deletion(path.utime, "path")}));
+  }
+  static constexpr double kHeightM = 0.04;
+  const auto points = [](const std::vector<double>& x_m, const std::vector<double>& y_m) {
+    std::vector<Eigen::Vector3d> all;
+    for (std::size_t i = 0; i < x_m.size(); ++i) {
+      all.emplace_back(x_m[i], y_m[i], kHeightM);
+    }
+    return all;
+  };
+  Json json = entity(path.utime, frames::kOdom, "path");
+  json["lines"] = Json::array({lines(kLineStrip, points(path.x_m, path.y_m), kPathColor),
+                               lines(kLineStrip, points(path.arc_x_m, path.arc_y_m), kArcColor)});
   return one(std::move(json));
 }
 

@@ -5,6 +5,7 @@
 #include "modules/viewer/foxglove/foxglove.hpp"
 #include "nodmap/goal_t.hpp"
 #include "nodmap/navigation_t.hpp"
+#include "nodmap/path_t.hpp"
 #include "nodmap/pitch_command_t.hpp"
 #include "nodmap/pose_graph_t.hpp"
 #include "nodmap/truth_t.hpp"
@@ -34,6 +35,9 @@ struct Body {
 
 /// The pose graph of 2D SLAM, in map: submaps joined in their order, and loops between them by what
 /// became of them.
+/// The path to the goal, and the arc that is driven; nothing without a goal.
+[[nodiscard]] Json path_scene(const nodmap::path_t& path);
+
 [[nodiscard]] Json pose_graph_scene(const nodmap::pose_graph_t& graph);
 
 /// The simulated people, in world.

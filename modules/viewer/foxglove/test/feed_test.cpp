@@ -145,6 +145,7 @@ TEST_F(FeedTest, TheRestOfTheChannels) {
   send("DRIVE", robot::drive_at(0.0));
   send("NAVIGATION", robot::navigation_at(0.0));
   send("GOAL", robot::goal());
+  send("PATH", robot::path());
   send("POSE_GRAPH", robot::pose_graph());
   send("TRUTH", robot::truth_at(0.0));
   send("STATUS", robot::status_at(0.0));
@@ -159,6 +160,7 @@ TEST_F(FeedTest, TheRestOfTheChannels) {
   EXPECT_EQ(newest("scene/corridor")["entities"].size(), 1U);
   EXPECT_EQ(newest("scene/area_of_interest")["entities"].size(), 1U);
   EXPECT_EQ(newest("scene/goal")["entities"].size(), 1U);
+  EXPECT_EQ(newest("scene/path")["entities"].size(), 1U);
   EXPECT_EQ(newest("scene/pose_graph")["entities"].size(), 1U);
   EXPECT_EQ(newest("scene/people")["entities"][0]["cylinders"].size(), 1U);
   EXPECT_DOUBLE_EQ(newest("tf/world")["translation"]["x"], -3.0);

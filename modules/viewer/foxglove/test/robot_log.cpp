@@ -80,6 +80,7 @@ void note_scan_channels(std::vector<Event>& events, double duration_s) {
 
 void note_slow_channels(std::vector<Event>& events, const RobotLog& settings) {
   note(events, "GOAL", goal());
+  note(events, "PATH", path());
   note(events, "POSE_GRAPH", pose_graph());
   note(events, "STOP", stop());
   for (int i = 0; i < static_cast<int>(20.0 * settings.duration_s); ++i) {
@@ -270,6 +271,19 @@ nodmap::goal_t goal() {
   message.is_active = 1;
   message.position_m[0] = 8.0;
   message.tolerance_m = 0.3;
+  return message;
+}
+
+nodmap::path_t path() {
+  nodmap::path_t message{};
+  message.utime = kBeginUs;
+  message.num_points = 3;
+  message.x_m = {0.0, 1.0, 2.0};
+  message.y_m = {0.0, 0.0, 0.5};
+  message.num_arc_points = 2;
+  message.arc_x_m = {0.0, 0.8};
+  message.arc_y_m = {0.0, 0.1};
+  message.state = nodmap::path_t::PLANNED;
   return message;
 }
 

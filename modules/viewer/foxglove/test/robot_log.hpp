@@ -18,6 +18,7 @@
 #include "nodmap/odometry_t.hpp"
 #include "nodmap/pitch_command_t.hpp"
 #include "nodmap/pitch_state_t.hpp"
+#include "nodmap/path_t.hpp"
 #include "nodmap/pose_graph_t.hpp"
 #include "nodmap/pose_t.hpp"
 #include "nodmap/scan_t.hpp"
@@ -42,6 +43,7 @@ inline constexpr std::int64_t kBeginUs = 1'700'000'000'000'000;
 [[nodiscard]] nodmap::pose_t pose_at(double time_s);
 [[nodiscard]] nodmap::truth_t truth_at(double time_s);
 [[nodiscard]] nodmap::goal_t goal();
+[[nodiscard]] nodmap::path_t path();
 [[nodiscard]] nodmap::pose_graph_t pose_graph();
 [[nodiscard]] nodmap::stop_t stop();
 [[nodiscard]] nodmap::base_sensors_t base_sensors_at(double time_s);

@@ -242,6 +242,18 @@ TEST(Scene, AnEndedGoalIsDeleted) {
   EXPECT_EQ(goal_scene(goal)["deletions"][0]["id"], "goal");
 }
 
+TEST(Scene, APathGoesWithTheGoal) {
+  nodmap::path_t path = foxglove::test::path();
+  const Json entity = path_scene(path)["entities"][0];
+  ASSERT_EQ(entity["lines"].size(), 2U);
+  EXPECT_EQ(entity["lines"][0]["points"].size(), 3U);
+  EXPECT_EQ(entity["lines"][0]["points"][2]["y"], 0.5);
+  EXPECT_EQ(entity["lines"][1]["points"].size(), 2U);  // the arc
+  path.state = nodmap::path_t::NO_GOAL;
+  EXPECT_TRUE(path_scene(path)["entities"].empty());
+  EXPECT_EQ(path_scene(path)["deletions"][0]["id"], "path");
+}
+
 TEST(Scene, ThePoseGraphShowsItsLoopsByWhatBecameOfThem) {
   const Json entity = pose_graph_scene(foxglove::test::pose_graph())["entities"][0];
   ASSERT_EQ(entity["lines"].size(), 3U);
@@ -321,6 +333,7 @@ TEST(Schemas, DescribeWhatIsSent) {
        area_of_interest_scene(robot::pitch_command_at(0.0), {0, 0, 0.4}, Body{}));
   fits("foxglove.SceneUpdate", goal_scene(robot::goal()));
   fits("foxglove.SceneUpdate", goal_scene(nodmap::goal_t{}));
+  fits("foxglove.SceneUpdate", path_scene(robot::path()));
   fits("foxglove.SceneUpdate", pose_graph_scene(robot::pose_graph()));
   fits("foxglove.SceneUpdate", people_scene(robot::truth_at(0.0)));
   fits("foxglove.Log", health_log(robot::status_at(0.0)));
