@@ -35,9 +35,9 @@ class LogPlayer : public Bus {
   void set_paused(bool paused) { paused_ = paused; }
   /// Clamped to [kMinSpeed, kMaxSpeed].
   void set_speed(double speed);
-  /// Moves to a time of the log, counted from its start, clamped to its length. Returns true if this
-  /// is a step back: then all events are delivered again from the start, and subscribers must clear
-  /// their state.
+  /// Moves to a time of the log, counted from its start, clamped to its length. Returns true if
+  /// this is a step back: then all events are delivered again from the start, and subscribers must
+  /// clear their state.
   [[nodiscard]] bool seek(time::Duration position);
 
   /// A sentence for each log that is damaged or cut off.
