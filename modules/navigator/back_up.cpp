@@ -61,6 +61,27 @@ std::optional<Trail::PathBack> Trail::path_back(const geometry::SE2& T_odom_base
   return PathBack{0.0, -T_base_past.yaw / distance_m(*past)};
 }
 
+double Trail::distance_backwards(const geometry::SE2& T_odom_base, double curvature) const {
+  constexpr double kLongestM = 0.6;
+  // Beside the strip the body keeps less than its margin, and its corners sweep 4 cm.
+  constexpr double kAsideM = 0.05;
+  constexpr double kObliqueHereRad = geometry::deg_to_rad(10.0);
+  geometry::SE2 T_odom_back = T_odom_base;
+  double distance_m = 0.0;
+  while (distance_m < kLongestM) {
+    T_odom_back = T_odom_back * geometry::SE2{-kSpacingM, 0.0, -kSpacingM * curvature};
+    const bool was_here = std::ranges::any_of(poses_, [&](const geometry::SE2& past) {
+      return std::hypot(past.x - T_odom_back.x, past.y - T_odom_back.y) < kAsideM &&
+             std::abs(geometry::angle_difference(past.yaw, T_odom_back.yaw)) < kObliqueHereRad;
+    });
+    if (!was_here) {
+      break;
+    }
+    distance_m += kSpacingM;
+  }
+  return distance_m;
+}
+
 void Trail::forget_ahead(const geometry::SE2& T_odom_base) {
   while (!poses_.empty() && (T_odom_base.inverse() * poses_.back()).x > 0.01) {
     poses_.pop_back();

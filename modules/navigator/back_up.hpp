@@ -27,6 +27,10 @@ class Trail {
   /// Empty where the trail has ended, or jumped.
   [[nodiscard]] std::optional<PathBack> path_back(const geometry::SE2& T_odom_base) const;
 
+  /// How far the body stays on the strip it has driven, when it drives backwards on an arc of this
+  /// curvature (1/m, positive left when driven forwards); metres, at most 0.6.
+  [[nodiscard]] double distance_backwards(const geometry::SE2& T_odom_base, double curvature) const;
+
   /// Forgets the poses ahead of a robot that backs up: its path forwards is seen by the laser.
   void forget_ahead(const geometry::SE2& T_odom_base);
 

@@ -28,6 +28,8 @@ constexpr double kLookM = 0.5;
 constexpr std::size_t kMostOffered = 40;
 /// Backwards the robot sees nothing but what it remembers.
 constexpr double kBackwardMarginM = 0.03;
+/// Odometry's noise is slower.
+constexpr double kReversingMps = 0.02;
 constexpr double kRotationMarginM = 0.02;
 constexpr double kLeastRotationRad = geometry::deg_to_rad(2.0);
 
@@ -51,6 +53,9 @@ GoalDrive::GoalDrive(const NavigatorParams& params)
 
 Decision GoalDrive::decide(const Situation& now, const SeenDirections& seen,
                            const LocalMap& local_map) {
+  if (now.forward_mps > -kReversingMps) {
+    trail_.record(now.T_odom_base);
+  }
   const geometry::SE2 T_map_base = now.T_map_odom * now.T_odom_base;
   const Eigen::Vector2d goal_map = T_map_base * now.goal->p_base;
   if ((goal_map - goal_map_).norm() > now.goal->tolerance_m) {
@@ -224,12 +229,14 @@ std::optional<Decision> GoalDrive::drive_forwards(const Rollout& rollout, const 
   return decision;
 }
 
-/// Only where floor was seen, and slowly: the laser does not look there.
+/// Only over floor that was seen and on the strip the body has driven, and slowly: the laser does
+/// not look there.
 std::optional<Decision> GoalDrive::drive_backwards(const Rollout& rollout,
                                                    const Situation& now) const {
   const double curvature = rollout.yaw_rate_rad_s / rollout.forward_mps;
   double distance_m = free_distance_backwards(now.points_base, curvature, body_, kBackwardMarginM) -
                       kBackwardMarginM;
+  distance_m = std::min(distance_m, trail_.distance_backwards(now.T_odom_base, curvature));
   if (now.local_map != nullptr) {
     distance_m = std::min(distance_m, now.local_map->seen_distance_backwards(
                                           now.T_odom_base, curvature, body_.half_width_m, 0.3));

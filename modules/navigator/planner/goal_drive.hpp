@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "modules/navigator/back_up.hpp"
 #include "modules/navigator/brake.hpp"
 #include "modules/navigator/decision.hpp"
 #include "modules/navigator/params.hpp"
@@ -50,6 +51,7 @@ class GoalDrive {
   Brake brake_;
   GlobalPlanner global_;
   Rollouts rollouts_;
+  Trail trail_;
   Eigen::Vector2d goal_map_ = Eigen::Vector2d::Zero();
   double least_cost_m_ = 0.0;  // since the goal, or the last failure
   double last_cost_m_ = 0.0;

@@ -194,6 +194,23 @@ TEST(Trail, LeadsBackAlongThePathOfTheRobot) {
   EXPECT_NEAR(back->curvature, 1.0, 0.02);  // chord for arc
 }
 
+TEST(Trail, BackwardsTheBodyStaysOnTheStripItHasDriven) {
+  Trail trail;
+  for (int i = 0; i <= 30; ++i) {
+    trail.record({0.01 * i, 0.0, 0.0});  // 0.3 m straight ahead
+  }
+  // 5 cm beyond the first pose the body may still be; the steps are of 3 cm.
+  EXPECT_NEAR(trail.distance_backwards({0.3, 0.0, 0.0}, 0.0), 0.33, 0.031);
+  // A radius of 0.2 m turns by 10 degrees within 3.5 cm.
+  EXPECT_LE(trail.distance_backwards({0.3, 0.0, 0.0}, 5.0), 0.05);
+  // It has rotated: the way back is another one.
+  for (int i = 0; i <= 18; ++i) {
+    trail.record({0.3, 0.0, geometry::deg_to_rad(5.0 * i)});
+  }
+  EXPECT_LE(trail.distance_backwards({0.3, 0.0, geometry::deg_to_rad(90.0)}, 0.0), 0.05);
+  EXPECT_EQ(Trail().distance_backwards({}, 0.0), 0.0);
+}
+
 TEST(Trail, FirstRotatesToTheHeadingAtWhichItCame) {
   Trail trail;
   for (int i = 0; i <= 10; ++i) {
