@@ -11,15 +11,17 @@
 
 namespace nodmap::node {
 
-/// The known map in which a process localises, if any.
+/// The known map in which a process localises, or with which it carries on; none: it builds a new
+/// one.
 struct MapOptions {
-  std::filesystem::path localise_in;         ///< --localise; empty: none, build a new map
+  std::filesystem::path localise_in;         ///< --localise; empty: none
+  std::filesystem::path map_in;              ///< --map-in; empty: none
   std::optional<geometry::SE2> T_map_start;  ///< --start-pose
 };
 
 using MapNodeFactory = std::function<std::unique_ptr<Node>(Context&, const MapOptions&)>;
 
-/// run_node() for a process that also has the options --localise and --start-pose.
+/// run_node() for a process that also has the options --localise, --map-in and --start-pose.
 int run_map_node(int argc, char** argv, const ProgramInfo& info, params::Table& table,
                  const MapNodeFactory& make_node);
 

@@ -161,19 +161,28 @@ int run_node(int argc, char** argv, const ProgramInfo& info, params::Table& tabl
 int run_map_node(int argc, char** argv, const ProgramInfo& info, params::Table& table,
                  const MapNodeFactory& make_node) {
   std::string localise_in;
+  std::string map_in;
   std::vector<double> start_pose;  // x, y in m, yaw in degrees
   const auto add_options = [&](CLI::App& app) {
     auto* localise = app.add_option("--localise", localise_in,
                                     "Localise in this map, and leave it as it is: map.yaml, or the "
                                     "folder with it");
+    app.add_option("--map-in", map_in,
+                   "Carry on with this map, which --out or a save request has written: a folder "
+                   "with keyframes.lcmlog; written anew only where --out says")
+        ->excludes(localise);
     app.add_option("--start-pose", start_pose,
-                   "X Y YAW_DEG: where the robot is at the first scan; without, it is searched for "
-                   "in the whole map")
-        ->expected(3)
-        ->needs(localise);
+                   "X Y YAW_DEG: where the robot is in the map at the first scan; without, it is "
+                   "searched for in the whole map")
+        ->expected(3);
+    app.parse_complete_callback([&] {
+      if (!start_pose.empty() && localise_in.empty() && map_in.empty()) {
+        throw CLI::RequiresError("--start-pose", "--localise or --map-in");
+      }
+    });
   };
   return run_with(argc, argv, info, table, add_options, [&](Context& context) {
-    MapOptions options{localise_in, std::nullopt};
+    MapOptions options{localise_in, map_in, std::nullopt};
     if (!start_pose.empty()) {
       options.T_map_start =
           geometry::SE2{start_pose[0], start_pose[1], geometry::deg_to_rad(start_pose[2])};

@@ -33,6 +33,10 @@ constexpr double kMaxLoopChiSquared = 16.3;
 // this factor the standard deviation over half a submap is twice that of one match.
 constexpr double kStepInformationFactor = 5.0;
 
+// A robot that was found in a saved map is known to a cell or two of the map: x, y in m, yaw in
+// rad.
+const Eigen::Vector3d kFoundSigmas(0.1, 0.1, 0.02);
+
 double distance(const geometry::SE2& a, const geometry::SE2& b) {
   return std::hypot(a.x - b.x, a.y - b.y);
 }
@@ -62,8 +66,39 @@ std::vector<OrientedPoint> some_points(const Keyframe& keyframe) {
 }  // namespace
 
 BackEnd::BackEnd(const BackEndParams& params, const MapParams& map, const MatcherParams& matcher)
-    : params_(params), map_params_(map), closer_(params.loop, matcher) {
-  submaps_.emplace_back(0, geometry::SE2{}, map);
+    : params_(params), map_params_(map), closer_(params.loop, matcher) {}
+
+SavedMap BackEnd::save() const {
+  SavedMap map;
+  map.keyframes = keyframes_;
+  map.steps = chain_;
+  for (const Submap& submap : submaps_) {
+    map.submaps.push_back({submap.first_keyframe, submap.end_keyframe()});
+  }
+  for (const PoseEdge2d& edge : graph_.loops()) {
+    map.loops.push_back({edge, loops_.at({edge.from, edge.to}).score});
+  }
+  return map;
+}
+
+void BackEnd::restore(SavedMap map) {
+  keyframes_ = std::move(map.keyframes);
+  chain_ = std::move(map.steps);
+  for (const SavedMap::Submap& submap : map.submaps) {
+    submap_of_.resize(submap.end_keyframe, submaps_.size());
+    submaps_.push_back(build_submap(submap.first_keyframe, submap.end_keyframe));
+    if (submaps_.size() > 1) {
+      graph_.add_chain_edge(chain_of_submaps(submaps_.size() - 1));
+    }
+  }
+  for (const SavedMap::Loop& loop : map.loops) {
+    const PoseEdge2d& edge = loop.edge;
+    graph_.add_loop(edge.from, edge.to, edge.T_from_to, edge.information);
+    loops_[{edge.from, edge.to}] = {edge.from, edge.to, LoopState::kAccepted, loop.score};
+  }
+  local_ = submaps_.size();
+  num_restored_ = submaps_.size();
+  ++graph_revision_;
 }
 
 std::size_t BackEnd::num_points() const {
@@ -83,18 +118,37 @@ void BackEnd::add_keyframe(Keyframe keyframe, const geometry::SE2& T_local_keyfr
                            const Eigen::Matrix3d& information) {
   const std::size_t added = keyframes_.size();
   keyframes_.push_back(std::move(keyframe));
-  if (added == 0) {
-    submaps_[0].T_map_submap = keyframes_[0].T_map_base;
+  submap_of_.push_back(local_);
+  if (!has_local()) {
+    begin_local();
   } else {
     keyframes_[added].T_map_base = submaps_[local_].T_map_submap * T_local_keyframe;
     add_chain_edge(added, T_local_keyframe, information);
+    insert_into_submaps(T_local_keyframe);
   }
-  submap_of_.push_back(local_);
-  insert_into_submaps(T_local_keyframe);
   if (is_full(submaps_[local_], 1.0)) {
     ++local_;
   }
   close_loops();
+}
+
+void BackEnd::begin_local() {
+  const std::size_t added = keyframes_.size() - 1;
+  const Keyframe& keyframe = keyframes_[added];
+  if (added > 0) {
+    PoseEdge2d edge;
+    edge.from = added - 1;
+    edge.to = added;
+    edge.T_from_to = keyframes_[added - 1].T_map_base.inverse() * keyframe.T_map_base;
+    edge.information = kFoundSigmas.cwiseAbs2().cwiseInverse().asDiagonal();
+    chain_.push_back(edge);
+  }
+  submaps_.emplace_back(added, keyframe.T_map_base, map_params_);
+  submaps_.back().add({}, oriented_points(keyframe));
+  if (local_ > 0) {
+    graph_.add_chain_edge(chain_of_submaps(local_));
+    ++graph_revision_;
+  }
 }
 
 // Places within the submaps follow from the match alone: what the graph does to the submaps does
@@ -134,12 +188,16 @@ registration::PoseEdge2d BackEnd::chain_of_submaps(std::size_t submap) const {
   PoseEdge2d edge;
   edge.from = submap - 1;
   edge.to = submap;
-  edge.T_from_to = from.pose_of(submaps_[submap].first_keyframe);
+  // A submap that begins where the robot was found in a saved map shares no keyframe with the last.
+  const auto pose_in_from = [this, &from](std::size_t k) {
+    return from.has(k) ? from.pose_of(k) : from.pose_of(k - 1) * chain_[k - 1].T_from_to;
+  };
+  edge.T_from_to = pose_in_from(submaps_[submap].first_keyframe);
   // The covariances of the steps between, at the end of their moment arms.
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   for (std::size_t k = from.first_keyframe; k < submaps_[submap].first_keyframe; ++k) {
     const Eigen::Vector2d moment_arm =
-        edge.T_from_to.translation() - from.pose_of(k + 1).translation();
+        edge.T_from_to.translation() - pose_in_from(k + 1).translation();
     const Eigen::Matrix3d J = moment_arm_jacobian(moment_arm);
     const Eigen::Matrix3d step = rotated(chain_[k].information.inverse(), from.pose_of(k).yaw);
     covariance += J * step * J.transpose();
@@ -152,8 +210,13 @@ std::vector<BackEnd::Nearby> BackEnd::nearest_submaps(std::size_t keyframe, doub
                                                       std::size_t end_submap) const {
   std::vector<Nearby> found;
   const Eigen::Vector2d here = keyframes_[keyframe].T_map_base.translation();
-  // Overlapping submaps see the same: every other one is enough.
-  for (std::size_t s = 0; s < end_submap; s += 2) {
+  // Overlapping submaps see the same: those that do not overlap the one before are enough.
+  std::size_t end_keyframe = 0;
+  for (std::size_t s = 0; s < end_submap; ++s) {
+    if (submaps_[s].first_keyframe < end_keyframe) {
+      continue;
+    }
+    end_keyframe = submaps_[s].end_keyframe();
     double nearest_m2 = std::numeric_limits<double>::infinity();
     for (std::size_t k = submaps_[s].first_keyframe; k < submaps_[s].end_keyframe(); ++k) {
       nearest_m2 =
@@ -178,7 +241,9 @@ void BackEnd::close_loops() {
                                                   submaps_[0].T_map_submap.translation());
     drift_covariance_ = J * uncertainty_[0] * J.transpose();
   }
-  if (local_ < 3) {
+  // The two submaps before the local one were made along with it.
+  const std::size_t end_submap = std::max(num_restored_, std::max<std::size_t>(local_, 2) - 2);
+  if (end_submap == 0) {
     return;
   }
   const double match_distance_m = params_.loop.match.max_distance_m;
@@ -186,7 +251,7 @@ void BackEnd::close_loops() {
   std::size_t tracked = 0;
   std::size_t searched = 0;
   for (const Nearby& near :
-       nearest_submaps(last, match_distance_m + params_.loop.search.max_distance_m, local_ - 2)) {
+       nearest_submaps(last, match_distance_m + params_.loop.search.max_distance_m, end_submap)) {
     const Eigen::Matrix3d& covariance = uncertainty_[near.submap];
     const double reach_m = kSigmas * std::sqrt(std::max(covariance(0, 0), covariance(1, 1)));
     const double reach_rad = kSigmas * std::sqrt(covariance(2, 2));
@@ -378,13 +443,17 @@ PoseEdge2d BackEnd::edge_to_nearest(const Submap& submap, const Loop& loop, std:
 
 void BackEnd::rebuild_submaps() {
   for (Submap& submap : submaps_) {
-    Submap anew(submap.first_keyframe, keyframes_[submap.first_keyframe].T_map_base, map_params_);
-    for (std::size_t k = submap.first_keyframe; k < submap.end_keyframe(); ++k) {
-      anew.add(anew.T_map_submap.inverse() * keyframes_[k].T_map_base,
-               oriented_points(keyframes_[k]));
-    }
-    submap = std::move(anew);
+    submap = build_submap(submap.first_keyframe, submap.end_keyframe());
   }
+}
+
+Submap BackEnd::build_submap(std::size_t first_keyframe, std::size_t end_keyframe) const {
+  Submap submap(first_keyframe, keyframes_[first_keyframe].T_map_base, map_params_);
+  for (std::size_t k = first_keyframe; k < end_keyframe; ++k) {
+    submap.add(submap.T_map_submap.inverse() * keyframes_[k].T_map_base,
+               oriented_points(keyframes_[k]));
+  }
+  return submap;
 }
 
 }  // namespace nodmap::slam2d

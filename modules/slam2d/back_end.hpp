@@ -13,6 +13,7 @@
 #include "common/registration/pose_graph_2d.hpp"
 #include "modules/slam2d/loop_closer.hpp"
 #include "modules/slam2d/params.hpp"
+#include "modules/slam2d/saved_map.hpp"
 #include "modules/slam2d/scan_matcher.hpp"
 #include "modules/slam2d/submap.hpp"
 #include "modules/slam2d/submap_graph.hpp"
@@ -48,9 +49,17 @@ class BackEnd {
  public:
   BackEnd(const BackEndParams& params, const MapParams& map, const MatcherParams& matcher);
 
+  /// Everything that restore() needs.
+  [[nodiscard]] SavedMap save() const;
+
+  /// Takes over a saved map; to be called before the first keyframe. The next keyframe begins a
+  /// submap of its own at its T_map_base, which is taken as known to a few centimetres.
+  void restore(SavedMap map);
+
+  /// Whether there is a submap to match scans against: once a keyframe was added.
+  [[nodiscard]] bool has_local() const { return local_ < submaps_.size(); }
   /// The submap that scans are matched against. Valid until the next keyframe is added.
   [[nodiscard]] const Submap& local() const { return submaps_[local_]; }
-  [[nodiscard]] bool empty() const { return keyframes_.empty(); }
 
   /// The covariance (x, y in m, yaw in rad, in the axes of map) of the local submap's pose relative
   /// to the first one: the drift since the map began, as far as loops have not taken it back.
@@ -58,7 +67,8 @@ class BackEnd {
 
   /// Adds a keyframe at its place in the local submap, closes loops with older submaps, and moves
   /// all submaps if that changed anything. `information` (x, y, yaw in the frame of the submap): of
-  /// the match that found the place, zero where there was none.
+  /// the match that found the place, zero where there was none. Without a local submap the keyframe
+  /// begins one at its T_map_base, and the other arguments are not used.
   void add_keyframe(Keyframe keyframe, const geometry::SE2& T_local_keyframe,
                     const Eigen::Matrix3d& information);
 
@@ -83,6 +93,8 @@ class BackEnd {
   };
 
   [[nodiscard]] bool is_full(const Submap& submap, double ratio) const;
+  void begin_local();
+  [[nodiscard]] Submap build_submap(std::size_t first_keyframe, std::size_t end_keyframe) const;
   void insert_into_submaps(const geometry::SE2& T_local_keyframe);
   void add_chain_edge(std::size_t keyframe, const geometry::SE2& T_last_keyframe,
                       const Eigen::Matrix3d& information);
@@ -112,6 +124,7 @@ class BackEnd {
   std::vector<std::size_t> submap_of_;  ///< the one each keyframe was matched against
   std::vector<Submap> submaps_;
   std::size_t local_ = 0;
+  std::size_t num_restored_ = 0;                 ///< submaps that restore() has brought
   std::vector<registration::PoseEdge2d> chain_;  ///< from keyframe k to k + 1
   SubmapGraph graph_;
   std::size_t keyframes_since_optimised_ = 0;

@@ -14,9 +14,12 @@ int main(int argc, char** argv) {
       table,
       [&values](node::Context& context,
                 const node::MapOptions& options) -> std::unique_ptr<node::Node> {
-        if (options.localise_in.empty()) {
-          return std::make_unique<slam2d::Slam2dNode>(context, values);
+        if (!options.localise_in.empty()) {
+          return std::make_unique<slam2d::LocaliserNode>(context, values, options);
         }
-        return std::make_unique<slam2d::LocaliserNode>(context, values, options);
+        if (!options.map_in.empty()) {
+          return std::make_unique<slam2d::Slam2dNode>(context, values, options);
+        }
+        return std::make_unique<slam2d::Slam2dNode>(context, values);
       });
 }

@@ -13,6 +13,7 @@
 #include "common/node/message_input.hpp"
 #include "common/node/messages.hpp"
 #include "modules/slam2d/map_file.hpp"
+#include "modules/slam2d/saved_map_file.hpp"
 #include "nodmap/grid_chunk_t.hpp"
 
 namespace nodmap::slam2d {
@@ -133,6 +134,17 @@ Slam2dNode::Slam2dNode(node::Context& context, const Params& params)
       "SAVE_REQUEST", [this](const nodmap::save_request_t& message) { on_save_request(message); });
 }
 
+Slam2dNode::Slam2dNode(node::Context& context, const Params& params,
+                       const node::MapOptions& options)
+    : Slam2dNode(context, params) {
+  slam_.restore(read_saved_map(options.map_in));
+  num_restored_ = slam_.keyframes().size();
+  draw_new_keyframes();
+  search_ = std::make_unique<Search>(grid_, params, options.T_map_start);
+  log::get().info("carries on with {} keyframes in {} submaps", num_restored_,
+                  slam_.back_end().submaps().size());
+}
+
 void Slam2dNode::on_odometry(const nodmap::odometry_t& message) {
   const auto T_odom_base = input_.read(message);
   if (!T_odom_base) {
@@ -140,13 +152,23 @@ void Slam2dNode::on_odometry(const nodmap::odometry_t& message) {
   }
   if (input_.odometry_restarted()) {
     slam_.change_odometry_frame(*T_odom_base);
+    if (search_) {
+      search_->localiser.change_odometry_frame(*T_odom_base);
+    }
   }
   slam_.add_odometry(message.utime, *T_odom_base);
+  if (search_) {
+    search_->localiser.add_odometry(message.utime, *T_odom_base);
+  }
   context_.counts.use();
 }
 
 void Slam2dNode::on_scan(const nodmap::scan_t& message) {
   if (!input_.read(message, scan_)) {
+    return;
+  }
+  if (search_) {
+    find_in_saved_map();
     return;
   }
   const ScanCounts before = slam_.scan_counts();
@@ -170,6 +192,26 @@ void Slam2dNode::on_scan(const nodmap::scan_t& message) {
   }
 }
 
+// The pose counts for the map once it is confirmed: a wrong place would be built into the map.
+void Slam2dNode::find_in_saved_map() {
+  const std::int64_t without_odometry = search_->localiser.scan_counts().without_odometry;
+  const std::optional<PoseUpdate> update = search_->localiser.add_scan(scan_);
+  if (search_->localiser.scan_counts().without_odometry > without_odometry) {
+    context_.counts.reject("no_odometry");
+  }
+  if (!update) {
+    return;
+  }
+  context_.counts.use();
+  last_quality_ = update->quality;
+  last_utime_us_ = update->utime_us;
+  context_.bus.publish("POSE_2D", write_pose(*update));
+  if (update->quality == PoseQuality::kTracked) {
+    slam_.begin_at(update->T_map_odom);
+    search_.reset();
+  }
+}
+
 void Slam2dNode::count_rejected(const ScanCounts& before, std::int64_t without_points_before) {
   if (slam_.scan_counts().without_odometry > before.without_odometry) {
     context_.counts.reject("no_odometry");
@@ -185,11 +227,18 @@ void Slam2dNode::on_save_request(const nodmap::save_request_t& message) {
     return;
   }
   try {
-    write_ros_map(context_.out_dir, grid_);
+    save(context_.out_dir);
     save_error_.clear();
   } catch (const std::runtime_error& error) {
     save_error_ = error.what();
     log::get().warn("map not saved: {}", save_error_);
+  }
+}
+
+void Slam2dNode::save(const std::filesystem::path& dir) const {
+  write_ros_map(dir, grid_);
+  if (!slam_.keyframes().empty()) {
+    write_saved_map(dir, slam_.back_end().save());
   }
 }
 
@@ -267,12 +316,12 @@ void Slam2dNode::write_results(const std::filesystem::path& dir) {
     online.push_back({scan.utime_us, geometry::to_se3(scan.T_map_base_online)});
   }
   std::vector<geometry::SE2> odometry;
-  for (const Keyframe& keyframe : slam_.keyframes()) {
+  for (const Keyframe& keyframe : slam_.keyframes().subspan(num_restored_)) {
     odometry.push_back(keyframe.T_odom_base);
   }
   formats::write_tum(dir / "trajectory.tum", corrected);
   formats::write_tum(dir / "online.tum", online);
-  write_ros_map(dir, grid_);
+  save(dir);
   draw_map(grid_, path).write_png(dir / "map.png");
   draw_paths(path, odometry).write_png(dir / "path.png");
 }
@@ -285,6 +334,7 @@ nlohmann::json Slam2dNode::metrics() const {
           {"scans_not_level", slam_.scan_counts().not_level},
           {"map_points", slam_.back_end().num_points()},
           {"keyframes", slam_.keyframes().size()},
+          {"keyframes_restored", num_restored_},
           {"tracked", metrics.tracked},
           {"partly", metrics.partly},
           {"odometry_only", metrics.odometry_only},
@@ -307,6 +357,9 @@ nlohmann::json Slam2dNode::metrics() const {
 node::Health Slam2dNode::health() const {
   if (!save_error_.empty()) {
     return {node::HealthState::kDegraded, "The map cannot be saved: " + save_error_ + "."};
+  }
+  if (search_ && last_quality_ != PoseQuality::kTracked) {
+    return {node::HealthState::kDegraded, "The robot has not been found in the saved map yet."};
   }
   if (last_quality_ == PoseQuality::kLost) {
     return {node::HealthState::kDegraded, "Lost: the scan does not fit the map."};

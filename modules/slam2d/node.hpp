@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <memory>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <vector>
 
+#include "common/node/map_options.hpp"
 #include "common/node/message_input.hpp"
 #include "common/node/node.hpp"
+#include "modules/slam2d/known_map.hpp"
+#include "modules/slam2d/localiser.hpp"
 #include "modules/slam2d/occupancy_grid.hpp"
 #include "modules/slam2d/params.hpp"
 #include "modules/slam2d/slam2d.hpp"
@@ -23,12 +27,16 @@ namespace nodmap::slam2d {
 [[nodiscard]] nodmap::pose_graph_t write_graph(std::int64_t utime_us, const BackEnd& back_end);
 
 /// The shell of Slam2d: subscribes SCAN and ODOMETRY, publishes POSE_2D, MAP_2D and POSE_GRAPH, and
-/// saves the map at SAVE_REQUEST.
+/// saves the map at SAVE_REQUEST. Carries on with a saved map once a Localiser has found the robot
+/// in it; nothing is added to the map before.
 class Slam2dNode : public node::Node {
  public:
   using Params = Slam2dParams;
 
   Slam2dNode(node::Context& context, const Params& params);
+  /// Carries on with the map in `options.map_in`. Throws formats::InputFileError for one that
+  /// cannot be read.
+  Slam2dNode(node::Context& context, const Params& params, const node::MapOptions& options);
 
   void finish() override;
   void write_results(const std::filesystem::path& dir) override;
@@ -39,6 +47,8 @@ class Slam2dNode : public node::Node {
   void on_odometry(const nodmap::odometry_t& message);
   void on_scan(const nodmap::scan_t& message);
   void on_save_request(const nodmap::save_request_t& message);
+  void find_in_saved_map();
+  void save(const std::filesystem::path& dir) const;
   void count_rejected(const ScanCounts& before, std::int64_t without_points_before);
   void draw_new_keyframes();
   /// Draws keyframes again that the back end has moved: looks at `max_checked` of them, and draws
@@ -48,10 +58,21 @@ class Slam2dNode : public node::Node {
   /// `utime_us`: of the newest measurement in the map.
   void publish_map(std::int64_t utime_us, std::vector<GridTile> tiles);
 
+  /// The search for the robot in the saved map.
+  struct Search {
+    Search(const OccupancyGrid& grid, const Slam2dParams& params,
+           const std::optional<geometry::SE2>& T_map_start)
+        : map(trinary(grid), params.map), localiser(params, map, T_map_start) {}
+    KnownMap map;
+    Localiser localiser;  // refers to `map`
+  };
+
   node::Context& context_;
   Params params_;
   node::SensorInput input_;
   Slam2d slam_;
+  std::size_t num_restored_ = 0;    // keyframes of the saved map
+  std::unique_ptr<Search> search_;  // until the robot is found; none with a new map
   OccupancyGrid grid_;
   TileSelector tile_selector_;
   scan::Scan scan_;                      // the last one; a member to reuse its memory

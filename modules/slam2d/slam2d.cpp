@@ -97,7 +97,7 @@ std::optional<PoseUpdate> Slam2d::add_scan(const scan::Scan& scan) {
   if (!all_points) {
     return std::nullopt;
   }
-  if (back_end_.empty()) {
+  if (!back_end_.has_local()) {
     moving_points_.add_keyframe(*all_points);
     return begin_map(*all_points);
   }
@@ -251,8 +251,8 @@ void Slam2d::add_keyframe(const LevelScan& scan, const Match& match, PoseUpdate&
     keyframe.normals_base.emplace_back(point.normal.cast<float>());
   }
   const geometry::SE2 T_submap_base =
-      back_end_.empty() ? geometry::SE2{}
-                        : back_end_.local().T_map_submap.inverse() * update.T_map_base;
+      back_end_.has_local() ? back_end_.local().T_map_submap.inverse() * update.T_map_base
+                            : geometry::SE2{};
   const bool is_matched = update.quality <= PoseQuality::kPartly;
   back_end_.add_keyframe(std::move(keyframe), T_submap_base,
                          is_matched ? match.information : Eigen::Matrix3d::Zero());

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "modules/slam2d/back_end.hpp"
@@ -54,10 +55,18 @@ struct Metrics {
 
 /// 3DOF-SLAM (section IV A): level scans are matched against an incrementally built point map, and
 /// what is new in them is added to it. That map is a submap; the back end joins the submaps and
-/// closes loops between them. The map frame is the odom frame of the first scan.
+/// closes loops between them. The map frame is the odom frame of the first scan, or that of the
+/// saved map.
 class Slam2d {
  public:
   explicit Slam2d(const Slam2dParams& params);
+
+  /// Takes over a saved map; to be called before the first scan, and followed by begin_at(): the
+  /// next level scan is added where that says the robot is.
+  void restore(SavedMap map) { back_end_.restore(std::move(map)); }
+
+  /// Where odom is in map, as the robot was found in a saved map.
+  void begin_at(const geometry::SE2& T_map_odom) { T_map_odom_ = T_map_odom; }
 
   /// Takes a pose of base by odometry. Returns false, and ignores it, when it is not finite.
   bool add_odometry(std::int64_t utime_us, const geometry::SE3& T_odom_base) {
@@ -81,7 +90,7 @@ class Slam2d {
   /// Corrects all poses once more by all that is known; to be called after the last scan.
   void polish() { back_end_.polish(); }
 
-  /// The submap that scans are matched against.
+  /// The submap that scans are matched against; there is one once a scan has a pose.
   [[nodiscard]] const PointMap& map() const { return back_end_.local().points; }
   [[nodiscard]] const BackEnd& back_end() const { return back_end_; }
   [[nodiscard]] std::span<const Keyframe> keyframes() const { return back_end_.keyframes(); }

@@ -97,14 +97,9 @@ std::vector<Eigen::Matrix3d> SubmapGraph::uncertainties(std::span<const Submap> 
   return found;
 }
 
-void SubmapGraph::optimise(std::span<Submap> submaps, bool graduated) const {
-  PoseGraph2d graph;
-  for (const Submap& submap : submaps) {
-    graph.add_node(submap.T_map_submap);
-  }
-  for (const PoseEdge2d& edge : chain_) {
-    graph.add_edge(edge);
-  }
+std::vector<PoseEdge2d> SubmapGraph::loops() const {
+  std::vector<PoseEdge2d> edges;
+  edges.reserve(loops_.size());
   for (const auto& [pair, loop] : loops_) {
     const Eigen::Vector3d offset = covariance_of(loop.information) * loop.weighted_offset;
     PoseEdge2d edge;
@@ -114,6 +109,20 @@ void SubmapGraph::optimise(std::span<Submap> submaps, bool graduated) const {
                       geometry::normalize_angle(loop.T_from_to.yaw + offset.z())};
     edge.information = loop.information;
     edge.may_be_wrong = true;
+    edges.push_back(edge);
+  }
+  return edges;
+}
+
+void SubmapGraph::optimise(std::span<Submap> submaps, bool graduated) const {
+  PoseGraph2d graph;
+  for (const Submap& submap : submaps) {
+    graph.add_node(submap.T_map_submap);
+  }
+  for (const PoseEdge2d& edge : chain_) {
+    graph.add_edge(edge);
+  }
+  for (const PoseEdge2d& edge : loops()) {
     graph.add_edge(edge);
   }
   graph.optimise(graduated, graduated ? 60 : 2);

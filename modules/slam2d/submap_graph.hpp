@@ -35,6 +35,9 @@ class SubmapGraph {
   void add_loop(std::size_t from, std::size_t to, const geometry::SE2& T_from_to,
                 const Eigen::Matrix3d& information);
 
+  /// The loops, one edge for each pair of submaps.
+  [[nodiscard]] std::vector<registration::PoseEdge2d> loops() const;
+
   /// The covariance in map, (x, y in m, yaw in rad), of the pose of each submap relative to that of
   /// submap `local`, along the most certain path.
   [[nodiscard]] std::vector<Eigen::Matrix3d> uncertainties(std::span<const Submap> submaps,

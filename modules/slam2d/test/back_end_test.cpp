@@ -191,7 +191,7 @@ TEST(BackEnd, ASecondRoundOfPolishingIsNoWorse) {
 TEST(BackEnd, ThePolishOfNothingIsNothing) {
   BackEnd back_end({}, {}, {});
   back_end.polish();
-  EXPECT_TRUE(back_end.empty());
+  EXPECT_FALSE(back_end.has_local());
   EXPECT_TRUE(back_end.keyframes().empty());
 }
 

@@ -1,0 +1,70 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Maps each public log in one session, and in two: the second half of the log with --map-in on the map of the first.
+
+bench/slam2d_sessions.py --data DIR [--bin DIR]
+
+DIR holds NAME.clf and NAME.relations of intel, fr079 and mit-csail (docs/benchmark-2d.md). Prints a table of the errors over all relations, also those
+between the sessions, and of how many have no pose: those of the seconds until the robot is found.
+"""
+import argparse
+import json
+import pathlib
+import subprocess
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+LOGS = ("intel", "fr079", "mit-csail")
+
+
+def run(*command):
+    done = subprocess.run([str(part) for part in command], capture_output=True, text=True)
+    if done.returncode != 0:
+        raise RuntimeError(f"{command[0]}: {done.stderr.strip()}")
+    return done.stdout
+
+
+def split(log, first, second):
+    """Each half with the PARAM lines, which a CARMEN log begins with."""
+    lines = log.read_text(errors="replace").splitlines(keepends=True)
+    head = [line for line in lines if line.startswith("PARAM")]
+    middle = len(lines) // 2
+    first.write_text("".join(lines[:middle]))
+    second.write_text("".join(head + [line for line in lines[middle:] if not line.startswith("PARAM")]))
+
+
+def map_session(programs, clf, out, *options):
+    log = clf.with_suffix(".lcmlog")
+    run(programs / "nodmap-convert", "carmen", clf, log)
+    run(programs / "nodmap-slam2d", "--replay", log, "--out", out, *options)
+    return (out / "trajectory.tum").read_text()
+
+
+def errors(programs, trajectory, relations, folder):
+    file = folder / "all.tum"
+    file.write_text(trajectory)
+    return json.loads(run(programs / "nodmap-evaluate", "relations", file, relations))
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--data", type=pathlib.Path, required=True)
+    parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build" / "release" / "bin")
+    arguments = parser.parse_args()
+    print("| log | one session | two sessions | without a pose |\n|---|---|---|---|")
+    for name in LOGS:
+        with tempfile.TemporaryDirectory() as work:
+            folder = pathlib.Path(work)
+            clf, relations = arguments.data / f"{name}.clf", arguments.data / f"{name}.relations"
+            split(clf, folder / "first.clf", folder / "second.clf")
+            (folder / "whole.clf").write_bytes(clf.read_bytes())
+            whole = map_session(arguments.bin, folder / "whole.clf", folder / "whole")
+            first = map_session(arguments.bin, folder / "first.clf", folder / "first")
+            second = map_session(arguments.bin, folder / "second.clf", folder / "second", "--map-in", folder / "first")
+            one, two = (errors(arguments.bin, text, relations, folder) for text in (whole, first + second))
+            print(f"| {name} | {one['trans_mean_m']:.4f} m, {one['rot_mean_deg']:.3f}° | {two['trans_mean_m']:.4f} m, {two['rot_mean_deg']:.3f}° "
+                  f"| {two['missing']} of {two['n'] + two['missing']} |", flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/slam2d/saved_map_file.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include "common/bus/codec.hpp"
+#include "common/bus/event_log.hpp"
+#include "common/formats/input_file.hpp"
+#include "nodmap/keyframe_2d_t.hpp"
+#include "nodmap/loop_2d_t.hpp"
+
+namespace nodmap::slam2d {
+namespace {
+
+using registration::PoseEdge2d;
+
+constexpr const char* kFileName = "keyframes.lcmlog";
+constexpr const char* kKeyframeChannel = "KEYFRAME_2D";
+constexpr const char* kLoopChannel = "LOOP_2D";
+
+void write_pose(const geometry::SE2& pose, double (&out)[3]) {
+  out[0] = pose.x;
+  out[1] = pose.y;
+  out[2] = pose.yaw;
+}
+
+geometry::SE2 read_pose(const double (&in)[3]) {
+  return {in[0], in[1], in[2]};
+}
+
+using RowMajor3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+
+void write_matrix(const Eigen::Matrix3d& matrix, double (&out)[3][3]) {
+  Eigen::Map<RowMajor3d> rows(&out[0][0]);
+  rows = matrix;
+}
+
+Eigen::Matrix3d read_matrix(const double (&in)[3][3]) {
+  return Eigen::Map<const RowMajor3d>(&in[0][0]);
+}
+
+void write_points(const std::vector<Eigen::Vector2f>& points,
+                  std::vector<std::vector<float>>& out) {
+  out.reserve(points.size());
+  for (const Eigen::Vector2f& p : points) {
+    out.push_back({p.x(), p.y()});
+  }
+}
+
+nodmap::keyframe_2d_t write_keyframe(const SavedMap& map, std::size_t k) {
+  const Keyframe& keyframe = map.keyframes[k];
+  nodmap::keyframe_2d_t message{};
+  message.utime = keyframe.utime_us;
+  const auto has_k = [k](const SavedMap::Submap& submap) {
+    return submap.first_keyframe <= k && k < submap.end_keyframe;
+  };
+  const auto first = std::find_if(map.submaps.begin(), map.submaps.end(), has_k);
+  const auto end = std::find_if_not(first, map.submaps.end(), has_k);
+  message.first_submap = static_cast<std::int32_t>(first - map.submaps.begin());
+  message.last_submap = static_cast<std::int32_t>(end - map.submaps.begin()) - 1;
+  write_pose(keyframe.T_map_base, message.map_from_base);
+  write_pose(keyframe.T_odom_base, message.odom_from_base);
+  if (k > 0) {
+    write_pose(map.steps[k - 1].T_from_to, message.step);
+    write_matrix(map.steps[k - 1].information, message.step_information);
+  }
+  message.sensor_origin_m[0] = keyframe.sensor_origin_base.x();
+  message.sensor_origin_m[1] = keyframe.sensor_origin_base.y();
+  message.num_points = static_cast<std::int32_t>(keyframe.points_base.size());
+  write_points(keyframe.points_base, message.points_m);
+  write_points(keyframe.normals_base, message.normals);
+  return message;
+}
+
+nodmap::loop_2d_t write_loop(const SavedMap::Loop& loop) {
+  nodmap::loop_2d_t message{};
+  message.from_submap = static_cast<std::int32_t>(loop.edge.from);
+  message.to_submap = static_cast<std::int32_t>(loop.edge.to);
+  write_pose(loop.edge.T_from_to, message.from_to);
+  write_matrix(loop.edge.information, message.information);
+  message.score = loop.score;
+  return message;
+}
+
+/// Puts a map together from messages, and throws for what cannot be part of one.
+class Reader {
+ public:
+  explicit Reader(std::filesystem::path file) : file_(std::move(file)) {}
+
+  void add(const bus::LogEvent& event) {
+    if (event.channel == kKeyframeChannel) {
+      add_keyframe(decode<nodmap::keyframe_2d_t>(event));
+    } else if (event.channel == kLoopChannel) {
+      add_loop(decode<nodmap::loop_2d_t>(event));
+    }
+  }
+
+  SavedMap finish() {
+    require(!map_.keyframes.empty(), "no keyframe");
+    for (const SavedMap::Loop& loop : map_.loops) {
+      require(loop.edge.to < map_.submaps.size(), "a loop to a submap that does not exist");
+    }
+    return std::move(map_);
+  }
+
+  void require(bool holds, const std::string& problem) const {
+    if (!holds) {
+      throw formats::InputFileError(file_.string() + ": " + problem);
+    }
+  }
+
+ private:
+  template <typename Message>
+  [[nodiscard]] Message decode(const bus::LogEvent& event) const {
+    Message message;
+    require(bus::decode_into(message, event.data),
+            "event " + std::to_string(event.event_number) + " is not a valid " + event.channel);
+    return message;
+  }
+
+  void require_finite(double value) const {
+    // Beyond 10^7 m, 10 000 km, it is no pose of a building, and cells no longer fit 32 bits.
+    require(std::abs(value) < 1e7,
+            "keyframe " + std::to_string(map_.keyframes.size()) + " holds an impossible number");
+  }
+
+  void add_keyframe(const nodmap::keyframe_2d_t& message) {
+    for (const auto* pose : {&message.map_from_base, &message.odom_from_base, &message.step}) {
+      std::for_each(std::begin(*pose), std::end(*pose), [this](double v) { require_finite(v); });
+    }
+    Keyframe keyframe{
+        .utime_us = message.utime,
+        .T_odom_base = read_pose(message.odom_from_base),
+        .T_map_base = read_pose(message.map_from_base),
+        .sensor_origin_base = {message.sensor_origin_m[0], message.sensor_origin_m[1]}};
+    for (std::size_t i = 0; i < message.points_m.size(); ++i) {
+      keyframe.points_base.emplace_back(message.points_m[i][0], message.points_m[i][1]);
+      keyframe.normals_base.emplace_back(message.normals[i][0], message.normals[i][1]);
+      require_finite(keyframe.points_base.back().norm());
+      require_finite(keyframe.normals_base.back().norm());
+    }
+    add_to_submaps(message.first_submap, message.last_submap);
+    if (!map_.keyframes.empty()) {
+      add_step(message);
+    }
+    map_.keyframes.push_back(std::move(keyframe));
+  }
+
+  // Each submap begins with the keyframe at which it is first named, and none may be left out.
+  void add_to_submaps(std::int32_t first, std::int32_t last) {
+    const std::size_t k = map_.keyframes.size();
+    require(first >= 0 && first <= last && static_cast<std::size_t>(last) <= map_.submaps.size() &&
+                (k == 0 || static_cast<std::size_t>(last) + 1 >= map_.submaps.size()),
+            "keyframe " + std::to_string(k) + " is in impossible submaps");
+    for (auto s = static_cast<std::size_t>(first); s <= static_cast<std::size_t>(last); ++s) {
+      if (s == map_.submaps.size()) {
+        map_.submaps.push_back({k, k});
+      }
+      require(map_.submaps[s].end_keyframe == k,
+              "submap " + std::to_string(s) + " has a gap before keyframe " + std::to_string(k));
+      map_.submaps[s].end_keyframe = k + 1;
+    }
+  }
+
+  void add_step(const nodmap::keyframe_2d_t& message) {
+    PoseEdge2d step;
+    step.to = map_.keyframes.size();
+    step.from = step.to - 1;
+    step.T_from_to = read_pose(message.step);
+    step.information = read_information(message.step_information);
+    map_.steps.push_back(step);
+  }
+
+  void add_loop(const nodmap::loop_2d_t& message) {
+    require(message.from_submap >= 0 && message.from_submap < message.to_submap,
+            "a loop between impossible submaps");
+    SavedMap::Loop loop;
+    loop.edge.from = static_cast<std::size_t>(message.from_submap);
+    loop.edge.to = static_cast<std::size_t>(message.to_submap);
+    loop.edge.T_from_to = read_pose(message.from_to);
+    std::for_each(std::begin(message.from_to), std::end(message.from_to),
+                  [this](double v) { require_finite(v); });
+    loop.edge.information = read_information(message.information);
+    loop.edge.may_be_wrong = true;
+    loop.score = message.score;
+    map_.loops.push_back(loop);
+  }
+
+  [[nodiscard]] Eigen::Matrix3d read_information(const double (&in)[3][3]) const {
+    const Eigen::Matrix3d information = read_matrix(in);
+    require(information.allFinite() && information.isApprox(information.transpose(), 1e-6) &&
+                (information.diagonal().array() > 0.0).all(),
+            "an edge without a valid information matrix");
+    return information;
+  }
+
+  std::filesystem::path file_;
+  SavedMap map_;
+};
+
+template <typename Message>
+void write_event(bus::LogWriter& writer, std::int64_t utime_us, const char* channel,
+                 const Message& message, const std::filesystem::path& file) {
+  std::vector<std::byte> bytes;
+  bus::encode_into(bytes, message);
+  if (!writer.write(utime_us, channel, bytes)) {
+    throw std::runtime_error(file.string() + ": " + writer.failure().message());
+  }
+}
+
+}  // namespace
+
+void write_saved_map(const std::filesystem::path& dir, const SavedMap& map) {
+  const std::filesystem::path file = dir / kFileName;
+  const std::filesystem::path unfinished = file.string() + ".tmp";
+  std::filesystem::remove(unfinished);  // left behind by a process that was killed
+  try {
+    bus::LogWriter writer(unfinished);
+    for (std::size_t k = 0; k < map.keyframes.size(); ++k) {
+      write_event(writer, map.keyframes[k].utime_us, kKeyframeChannel, write_keyframe(map, k),
+                  file);
+    }
+    for (const SavedMap::Loop& loop : map.loops) {
+      write_event(writer, map.keyframes.back().utime_us, kLoopChannel, write_loop(loop), file);
+    }
+    if (!writer.flush() || !writer.sync()) {
+      throw std::runtime_error(file.string() + ": " + writer.failure().message());
+    }
+    std::filesystem::rename(unfinished, file);
+  } catch (const std::exception&) {
+    std::error_code ignored;
+    std::filesystem::remove(unfinished, ignored);
+    throw;
+  }
+}
+
+SavedMap read_saved_map(const std::filesystem::path& path) {
+  const std::filesystem::path file = std::filesystem::is_directory(path) ? path / kFileName : path;
+  bus::LogReader log(file);
+  Reader reader(file);
+  while (const bus::LogEvent* event = log.next()) {
+    reader.add(*event);
+  }
+  if (!log.damage().empty()) {
+    throw formats::InputFileError(log.damage());
+  }
+  return reader.finish();
+}
+
+}  // namespace nodmap::slam2d

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <filesystem>
+
+#include "modules/slam2d/saved_map.hpp"
+
+namespace nodmap::slam2d {
+
+/// Writes keyframes.lcmlog into a folder: an LCM event log with a keyframe_2d_t for each keyframe
+/// and a loop_2d_t for each pair of submaps that a loop joins. An existing file stays in place
+/// until the new one is complete. Throws std::runtime_error naming the file.
+void write_saved_map(const std::filesystem::path& dir, const SavedMap& map);
+
+/// Reads it. `path` is a keyframes.lcmlog, or a folder with one. Throws formats::InputFileError,
+/// naming the file and what is wrong, also for a damaged or truncated file and for one without
+/// keyframes: half a map is worse than none.
+[[nodiscard]] SavedMap read_saved_map(const std::filesystem::path& path);
+
+}  // namespace nodmap::slam2d

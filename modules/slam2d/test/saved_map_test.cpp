@@ -1,0 +1,266 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <functional>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "common/bus/codec.hpp"
+#include "common/bus/event_log.hpp"
+#include "common/formats/input_file.hpp"
+#include "common/node/messages.hpp"
+#include "modules/slam2d/node.hpp"
+#include "modules/slam2d/saved_map_file.hpp"
+#include "modules/slam2d/test/drawn_world.hpp"
+#include "nodmap/keyframe_2d_t.hpp"
+#include "tests/support/data_dir.hpp"
+#include "tests/support/memory_bus.hpp"
+
+namespace nodmap::slam2d {
+namespace {
+
+using geometry::SE2;
+
+double distance(const SE2& a, const SE2& b) {
+  return (a.translation() - b.translation()).norm();
+}
+
+/// One run of the process in room(), with odometry that begins anywhere and is 3 % too long.
+class Session {
+ public:
+  Session() : node_(context_, Slam2dParams{}) {}
+  explicit Session(const std::filesystem::path& map_in,
+                   const std::optional<SE2>& T_map_start = std::nullopt)
+      : node_(context_, Slam2dParams{}, {{}, map_in, T_map_start}) {}
+
+  void drive(SE2& truth, int num_scans, const SE2& step) {
+    for (int i = 0; i < num_scans; ++i) {
+      utime_us_ += 200'000;
+      auto odometry = node::write_odometry(utime_us_, geometry::to_se3(odom_));
+      odometry.odometry_seq = seq_;
+      bus_.deliver("ODOMETRY", odometry);
+      scan::Scan scan = scanner_.scan(test::room(), truth, utime_us_);
+      scan.seq = seq_++;
+      bus_.deliver("SCAN", node::write_scan(scan));
+      truth = truth * step;
+      odom_ = odom_ * SE2{1.03 * step.x, 1.03 * step.y, step.yaw};
+    }
+  }
+  void finish_into(const std::filesystem::path& dir) {
+    node_.finish();
+    node_.write_results(dir);
+  }
+  [[nodiscard]] nodmap::pose_t last_pose() const { return bus_.last<nodmap::pose_t>("POSE_2D"); }
+  [[nodiscard]] std::size_t num_poses() const {
+    return bus_.sent<nodmap::pose_t>("POSE_2D").size();
+  }
+  Slam2dNode& node() { return node_; }
+
+ private:
+  nodmap::test::MemoryBus bus_;
+  node::MessageCounts counts_;
+  node::Context context_{bus_, counts_, {}};
+  Slam2dNode node_;
+  test::Scanner scanner_;
+  SE2 odom_{4.0, -7.0, 2.0};
+  std::int64_t utime_us_ = 0;
+  std::int64_t seq_ = 0;
+};
+
+// Map: where the first run began, at the origin of room(), in the direction of odometry.
+constexpr SE2 kMapOfRoom{4.0, -7.0, 2.0};
+
+/// Half a circle of 0.75 m radius, from the origin of room().
+void map_room(const std::filesystem::path& dir) {
+  Session run;
+  SE2 truth;
+  run.drive(truth, 160, {0.03, 0.0, 0.04});
+  run.finish_into(dir);
+}
+
+std::vector<nodmap::keyframe_2d_t> keyframes_in(const std::filesystem::path& file) {
+  std::vector<nodmap::keyframe_2d_t> keyframes;
+  bus::LogReader log(file);
+  while (const bus::LogEvent* event = log.next()) {
+    nodmap::keyframe_2d_t message;
+    if (bus::decode_into(message, event->data)) {
+      keyframes.push_back(message);
+    }
+  }
+  return keyframes;
+}
+
+TEST(SavedMap, IsReadAsItWasWritten) {
+  const nodmap::test::TemporaryDir dir;
+  Slam2d slam{Slam2dParams{}};
+  test::Scanner scanner;
+  SE2 truth;
+  for (std::int64_t i = 0; i < 600; ++i) {
+    slam.add_odometry(200'000 * i, geometry::to_se3(truth));
+    slam.add_scan(scanner.scan(test::room(), truth, 200'000 * i));
+    truth = truth * SE2{0.03, 0.0, 0.04};
+  }
+  const SavedMap written = slam.back_end().save();
+  ASSERT_GT(written.submaps.size(), 3U);
+  ASSERT_FALSE(written.loops.empty());
+  write_saved_map(dir.path(), written);
+  const SavedMap read = read_saved_map(dir.path());
+
+  ASSERT_EQ(read.keyframes.size(), written.keyframes.size());
+  ASSERT_EQ(read.steps.size(), written.steps.size());
+  for (std::size_t k = 0; k < read.keyframes.size(); ++k) {
+    EXPECT_EQ(read.keyframes[k].utime_us, written.keyframes[k].utime_us);
+    EXPECT_EQ(read.keyframes[k].points_base, written.keyframes[k].points_base);
+    EXPECT_EQ(read.keyframes[k].normals_base, written.keyframes[k].normals_base);
+    EXPECT_EQ(distance(read.keyframes[k].T_map_base, written.keyframes[k].T_map_base), 0.0);
+  }
+  for (std::size_t k = 0; k < read.steps.size(); ++k) {
+    EXPECT_EQ(read.steps[k].from, k);
+    EXPECT_EQ(read.steps[k].to, k + 1);
+    EXPECT_EQ(read.steps[k].information, written.steps[k].information);
+  }
+  ASSERT_EQ(read.submaps.size(), written.submaps.size());
+  for (std::size_t s = 0; s < read.submaps.size(); ++s) {
+    EXPECT_EQ(read.submaps[s].first_keyframe, written.submaps[s].first_keyframe);
+    EXPECT_EQ(read.submaps[s].end_keyframe, written.submaps[s].end_keyframe);
+  }
+  ASSERT_EQ(read.loops.size(), written.loops.size());
+  for (std::size_t i = 0; i < read.loops.size(); ++i) {
+    EXPECT_EQ(read.loops[i].edge.to, written.loops[i].edge.to);
+    EXPECT_EQ(read.loops[i].edge.information, written.loops[i].edge.information);
+  }
+}
+
+TEST(SavedMap, IsTheSameAfterItWasRestored) {
+  const nodmap::test::TemporaryDir dir;
+  map_room(dir.path());
+  const SavedMap read = read_saved_map(dir.path());
+  const Slam2dParams params;
+  BackEnd back_end(params.back_end, params.map, params.matcher);
+  back_end.restore(read);
+  EXPECT_FALSE(back_end.has_local());
+  const SavedMap again = back_end.save();
+  EXPECT_EQ(again.keyframes.size(), read.keyframes.size());
+  EXPECT_EQ(again.submaps.size(), read.submaps.size());
+  ASSERT_EQ(again.loops.size(), read.loops.size());
+  for (std::size_t i = 0; i < read.loops.size(); ++i) {
+    EXPECT_EQ(again.loops[i].edge.from, read.loops[i].edge.from);
+    // Its mean was rounded once.
+    EXPECT_LT(distance(again.loops[i].edge.T_from_to, read.loops[i].edge.T_from_to), 1e-9);
+  }
+}
+
+// The second run begins elsewhere in the room, turned, with odometry of its own.
+TEST(SavedMap, IsCarriedOnWithFromAPlaceThatIsNotTold) {
+  const nodmap::test::TemporaryDir first;
+  const nodmap::test::TemporaryDir second;
+  map_room(first.path());
+  const std::size_t saved = read_saved_map(first.path()).keyframes.size();
+
+  Session run(first.path());
+  SE2 truth{1.0, -0.7, 2.0};
+  run.drive(truth, 1, {0.03, 0.0, -0.04});
+  EXPECT_NE(run.last_pose().state, nodmap::pose_t::TRACKING) << "not confirmed yet";
+  EXPECT_EQ(run.node().metrics()["keyframes"], saved) << "nothing is added before";
+  for (int i = 0; i < 120; ++i) {
+    const SE2 now = truth;
+    run.drive(truth, 1, {0.03, 0.0, -0.04});
+    if (i > 40) {
+      const nodmap::pose_t pose = run.last_pose();
+      EXPECT_EQ(pose.state, nodmap::pose_t::TRACKING);
+      const SE2 expected = kMapOfRoom * now;
+      // A cell of the grid that it was found in.
+      EXPECT_NEAR(pose.position_m[0], expected.x, 0.05) << i;
+      EXPECT_NEAR(pose.position_m[1], expected.y, 0.05) << i;
+    }
+  }
+  run.finish_into(second.path());
+  const SavedMap carried_on = read_saved_map(second.path());
+  EXPECT_GT(carried_on.keyframes.size(), saved + 5);
+  bool has_loop_between_runs = false;
+  const std::size_t submaps_before = read_saved_map(first.path()).submaps.size();
+  for (const SavedMap::Loop& loop : carried_on.loops) {
+    has_loop_between_runs |= loop.edge.from < submaps_before && loop.edge.to >= submaps_before;
+  }
+  EXPECT_TRUE(has_loop_between_runs);
+  // The keyframes of the first run stay where they were.
+  EXPECT_LT(distance(carried_on.keyframes[0].T_map_base, kMapOfRoom), 1e-9);
+}
+
+TEST(SavedMap, IsCarriedOnWithAtOnceFromAGivenPose) {
+  const nodmap::test::TemporaryDir dir;
+  map_room(dir.path());
+  const std::size_t saved = read_saved_map(dir.path()).keyframes.size();
+  SE2 truth{1.0, -0.7, 2.0};
+  Session run(dir.path(), kMapOfRoom * truth);
+  run.drive(truth, 2, {0.03, 0.0, -0.04});
+  EXPECT_EQ(run.last_pose().state, nodmap::pose_t::TRACKING);
+  EXPECT_EQ(run.node().metrics()["keyframes"], saved + 1);
+}
+
+TEST(SavedMap, ThatTheRobotIsNotInStaysAsItIs) {
+  const nodmap::test::TemporaryDir dir;
+  map_room(dir.path());
+  Session run(dir.path());
+  SE2 truth{50.0, 50.0, 0.0};  // nothing in view
+  run.drive(truth, 20, {0.03, 0.0, 0.0});
+  EXPECT_EQ(run.last_pose().state, nodmap::pose_t::LOST);
+  EXPECT_EQ(run.node().metrics()["keyframes"], read_saved_map(dir.path()).keyframes.size());
+  EXPECT_EQ(run.node().health().state, node::HealthState::kDegraded);
+}
+
+/// Writes the keyframes of a good map after `spoil` has changed them, and returns the error.
+std::string error_after(const std::function<void(std::vector<nodmap::keyframe_2d_t>&)>& spoil) {
+  const nodmap::test::TemporaryDir good;
+  const nodmap::test::TemporaryDir bad;
+  map_room(good.path());
+  std::vector<nodmap::keyframe_2d_t> keyframes = keyframes_in(good.path() / "keyframes.lcmlog");
+  spoil(keyframes);
+  const std::filesystem::path file = bad.path() / "keyframes.lcmlog";
+  {
+    bus::LogWriter writer(file);
+    std::vector<std::byte> bytes;
+    for (const nodmap::keyframe_2d_t& keyframe : keyframes) {
+      bus::encode_into(bytes, keyframe);
+      EXPECT_TRUE(writer.write(keyframe.utime, "KEYFRAME_2D", bytes));
+    }
+    EXPECT_TRUE(writer.flush());
+  }
+  try {
+    (void)read_saved_map(file);
+  } catch (const formats::InputFileError& error) {
+    EXPECT_EQ(std::string(error.what()).find(file.string()), 0U) << error.what();
+    return std::string(error.what()).substr(file.string().size());
+  }
+  return "";
+}
+
+TEST(SavedMap, ThatIsImpossibleIsRefused) {
+  using Keyframes = std::vector<nodmap::keyframe_2d_t>;
+  EXPECT_EQ(error_after([](Keyframes&) {}), "");
+  EXPECT_NE(error_after([](Keyframes& k) { k.resize(1), k[0].first_submap = 1; }), "");
+  EXPECT_NE(error_after([](Keyframes& k) { k[3].last_submap = 2'000'000'000; }), "");
+  EXPECT_NE(error_after([](Keyframes& k) { k[3].first_submap = -1; }), "");
+  EXPECT_NE(error_after([](Keyframes& k) { k[3].map_from_base[0] = 5e8; }), "");
+  EXPECT_NE(error_after([](Keyframes& k) { k[3].points_m[7][1] = std::nanf(""); }), "");
+  EXPECT_NE(error_after([](Keyframes& k) { k[3].step_information[1][1] = -1.0; }), "");
+  EXPECT_NE(
+      error_after([](Keyframes& k) { k[3].step[2] = std::numeric_limits<double>::infinity(); }),
+      "");
+}
+
+TEST(SavedMap, ThatWasCutOffIsRefused) {
+  const nodmap::test::TemporaryDir dir;
+  map_room(dir.path());
+  const std::filesystem::path file = dir.path() / "keyframes.lcmlog";
+  std::filesystem::resize_file(file, std::filesystem::file_size(file) - 10);
+  EXPECT_THROW((void)read_saved_map(dir.path()), formats::InputFileError);
+  EXPECT_THROW((void)read_saved_map(dir.path() / "nowhere"), formats::InputFileError);
+}
+
+}  // namespace
+}  // namespace nodmap::slam2d
