@@ -43,6 +43,7 @@ constexpr std::size_t kMaxCheckedPerScan = 100;
 constexpr std::size_t kMaxRedrawnPerScan = 2;
 
 constexpr double kGraphPeriodS = 1.0;
+constexpr double kSaveRetryPeriodS = 10.0;
 constexpr std::size_t kMaxGraphLoops = 2000;  // 26 kB
 
 /// Whether the last message is old enough for another. By the magnitude, so that a stamp that steps
@@ -190,6 +191,9 @@ void Slam2dNode::on_scan(const nodmap::scan_t& message) {
   if (is_due(update->utime_us, last_map_utime_us_, params_.grid.publish_period_s)) {
     publish_map(update->utime_us, tile_selector_.choose(grid_));
   }
+  if (!save_error_.empty() && is_due(update->utime_us, last_save_utime_us_, kSaveRetryPeriodS)) {
+    try_to_save();
+  }
 }
 
 // The pose counts for the map once it is confirmed: a wrong place would be built into the map.
@@ -221,11 +225,16 @@ void Slam2dNode::count_rejected(const ScanCounts& before, std::int64_t without_p
   }
 }
 
-// A full disk does not end the mapping: the last complete map stays, and STATUS reports the error.
 void Slam2dNode::on_save_request(const nodmap::save_request_t& message) {
-  if (!node::accept_save_request(message, context_)) {
-    return;
+  if (node::accept_save_request(message, context_)) {
+    try_to_save();
   }
+}
+
+// A full disk does not end the mapping: the last complete map stays, STATUS reports the error, and
+// it is tried again.
+void Slam2dNode::try_to_save() {
+  last_save_utime_us_ = last_utime_us_;
   try {
     save(context_.out_dir);
     save_error_.clear();

@@ -48,6 +48,7 @@ class Slam2dNode : public node::Node {
   void on_scan(const nodmap::scan_t& message);
   void on_save_request(const nodmap::save_request_t& message);
   void find_in_saved_map();
+  void try_to_save();
   void save(const std::filesystem::path& dir) const;
   void count_rejected(const ScanCounts& before, std::int64_t without_points_before);
   void draw_new_keyframes();
@@ -84,7 +85,8 @@ class Slam2dNode : public node::Node {
   std::optional<std::int64_t> last_graph_utime_us_;
   std::int64_t graph_revision_published_ = 0;
   PoseQuality last_quality_ = PoseQuality::kTracked;
-  std::string save_error_;  // of the last attempt; empty when it succeeded
+  std::optional<std::int64_t> last_save_utime_us_;  // when it was tried
+  std::string save_error_;                          // of the last attempt; empty when it succeeded
 };
 
 }  // namespace nodmap::slam2d

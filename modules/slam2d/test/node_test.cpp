@@ -116,6 +116,23 @@ TEST_F(Slam2dNodeTest, PublishesThePoseGraphWhenItChangesButOnceASecondAtMost) {
   EXPECT_EQ(bus_.sent<nodmap::pose_graph_t>("POSE_GRAPH").size(), count) << "nothing has changed";
 }
 
+TEST_F(Slam2dNodeTest, TriesAgainToSaveAMapThatCouldNotBeSaved) {
+  const nodmap::test::TemporaryDir dir;
+  context_.out_dir = dir.path() / "not_there_yet";
+  put_odometry(0, {});
+  put_scan(0, {});
+  bus_.deliver("SAVE_REQUEST", nodmap::save_request_t{});
+  EXPECT_EQ(node_.health().state, node::HealthState::kDegraded);
+  std::filesystem::create_directory(context_.out_dir);
+  put_odometry(9'000'000, {});
+  put_scan(9'000'000, {});
+  EXPECT_FALSE(std::filesystem::exists(context_.out_dir / "map.pgm")) << "not at once";
+  put_odometry(10'000'000, {});
+  put_scan(10'000'000, {});
+  EXPECT_TRUE(std::filesystem::exists(context_.out_dir / "map.pgm"));
+  EXPECT_EQ(node_.health().state, node::HealthState::kOk);
+}
+
 TEST_F(Slam2dNodeTest, SavesItsMapWhenAsked) {
   const nodmap::test::TemporaryDir dir;
   put_odometry(0, {});
