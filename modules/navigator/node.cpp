@@ -25,11 +25,6 @@ bool is_time(std::int64_t utime_us) {
   return utime_us >= 0 && utime_us < kLatestUtimeUs;
 }
 
-/// Odometry comes all the time: its stamps are a clock, to which a step back is a new beginning.
-time::SteadyTime on_odometry_clock(std::int64_t utime_us) {
-  return time::SteadyTime(time::from_us(utime_us));
-}
-
 std::int8_t code_of(Behaviour behaviour) {
   switch (behaviour) {
     case Behaviour::kSteer:
@@ -89,6 +84,10 @@ void NavigatorNode::on_scan(const nodmap::scan_t& message) {
     context_.counts.reject("scan_without_odometry");
     return;
   }
+  if (!senders_.scan.follow(message.scan_seq, on_odometry_clock(message.utime))) {
+    context_.counts.reject("other_sender_of_scan");
+    return;
+  }
   context_.counts.use();
   stamps_.scan_us = scan_.utime_mid_us();
   navigator_.add_scan(scan_, geometry::to_se2(*T_odom_base));
@@ -101,6 +100,10 @@ void NavigatorNode::on_odometry(const nodmap::odometry_t& message) {
   }
   if (!std::isfinite(message.forward_mps) || !std::isfinite(message.yaw_rate_rad_s)) {
     context_.counts.reject("implausible_odometry");
+    return;
+  }
+  if (!senders_.odometry.follow(message.odometry_seq, on_pitch_clock(message.utime))) {
+    context_.counts.reject("other_sender_of_odometry");
     return;
   }
   if (odometry_ && message.odometry_seq < odometry_->seq) {
@@ -138,8 +141,7 @@ void NavigatorNode::on_pitch_command(const nodmap::pitch_command_t& message) {
     context_.counts.reject("implausible_pitch_command");
     return;
   }
-  if (!pitch_command_sender_.follow(
-          message.command_seq, on_odometry_clock(stamps_.odometry_us.value_or(message.utime)))) {
+  if (!senders_.pitch_command.follow(message.command_seq, on_odometry_clock(message.utime))) {
     context_.counts.reject("other_sender_of_pitch_command");
     return;
   }
@@ -152,6 +154,10 @@ void NavigatorNode::on_pitch_state(const nodmap::pitch_state_t& message) {
   context_.counts.lose(pitch_states_watch_.lost_before(message.state_seq));
   if (!is_time(message.utime)) {
     context_.counts.reject("implausible_pitch_state");
+    return;
+  }
+  if (!senders_.pitch_state.follow(message.state_seq, on_odometry_clock(message.utime))) {
+    context_.counts.reject("other_sender_of_pitch_state");
     return;
   }
   context_.counts.use();
@@ -213,6 +219,34 @@ void NavigatorNode::on_stop(const nodmap::stop_t& message) {
   }
 }
 
+/// Odometry comes all the time: its stamps are a clock, to which a step back is a new beginning.
+time::SteadyTime NavigatorNode::on_odometry_clock(std::int64_t utime_us) const {
+  return time::SteadyTime(time::from_us(stamps_.odometry_us.value_or(utime_us)));
+}
+
+/// Of odometry's own senders another clock tells who is alive: the servo's readings.
+time::SteadyTime NavigatorNode::on_pitch_clock(std::int64_t utime_us) const {
+  return time::SteadyTime(time::from_us(stamps_.pitch_state_us.value_or(utime_us)));
+}
+
+/// Of two senders one is forged, or a process runs twice: which one tells the truth is not known.
+std::optional<std::string> NavigatorNode::contested_input() const {
+  const time::SteadyTime now = on_odometry_clock(0);
+  if (senders_.pitch_command.is_contested(now)) {
+    return "PITCH_COMMAND";
+  }
+  if (senders_.pitch_state.is_contested(now)) {
+    return "PITCH_STATE";
+  }
+  if (senders_.scan.is_contested(now)) {
+    return "SCAN";
+  }
+  if (senders_.odometry.is_contested(on_pitch_clock(0))) {
+    return "ODOMETRY";
+  }
+  return std::nullopt;
+}
+
 std::optional<std::string> NavigatorNode::reason_not_to_drive() const {
   if (stopped_by_) {
     return "Stopped by " + *stopped_by_ + ".";
@@ -223,8 +257,8 @@ std::optional<std::string> NavigatorNode::reason_not_to_drive() const {
   if (auto stale = reason_to_halt(stamps_, params_.staleness, params_.local_map.use)) {
     return stale;
   }
-  if (pitch_command_sender_.is_contested(on_odometry_clock(*stamps_.odometry_us))) {
-    return "Two processes send PITCH_COMMAND.";
+  if (const auto channel = contested_input()) {
+    return "Two processes send " + *channel + ".";
   }
   if (pitch_state_.is_stalled != 0) {
     return "The pitch servo is stalled.";

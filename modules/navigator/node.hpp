@@ -70,10 +70,21 @@ class NavigatorNode final : public node::Node {
   /// The fastest speed that the pitch controller and the pose allow.
   [[nodiscard]] double max_forward_mps() const;
   void begin_odometry_frame(std::int64_t utime_us);
+  [[nodiscard]] time::SteadyTime on_odometry_clock(std::int64_t utime_us) const;
+  [[nodiscard]] time::SteadyTime on_pitch_clock(std::int64_t utime_us) const;
+  [[nodiscard]] std::optional<std::string> contested_input() const;
   [[nodiscard]] std::optional<std::string> reason_not_to_drive() const;
   [[nodiscard]] Situation situation() const;
   void publish(const Decision& decision);
   void publish_path(const Decision& decision);
+
+  /// The one process from which each input is taken.
+  struct Senders {
+    node::SenderWatch scan;
+    node::SenderWatch odometry;
+    node::SenderWatch pitch_command;
+    node::SenderWatch pitch_state;
+  };
 
   node::Context& context_;
   Params params_;
@@ -83,7 +94,7 @@ class NavigatorNode final : public node::Node {
   std::int64_t num_slips_ = 0;
 
   node::SequenceCounter pitch_commands_watch_;
-  node::SenderWatch pitch_command_sender_;  // on odometry's clock
+  Senders senders_;
   node::SequenceCounter pitch_states_watch_;
   InputStamps stamps_;
   std::int64_t odometry_frame_began_us_ = 0;

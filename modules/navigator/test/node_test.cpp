@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <limits>
 #include <map>
 #include <string>
@@ -61,6 +62,7 @@ class NavigatorNodeTest : public ::testing::Test {
   void give_state(std::int64_t utime_us, bool stalled = false) {
     nodmap::pitch_state_t message{};
     message.utime = utime_us;
+    message.state_seq = state_seq_++;
     message.sweep_count = utime_us / 350'000;
     message.is_stalled = stalled;
     bus_.deliver("PITCH_STATE", message);
@@ -113,6 +115,7 @@ class NavigatorNodeTest : public ::testing::Test {
   std::int64_t now_us_ = 1'000'000'000;
   std::int64_t odometry_seq_ = 0;
   std::int64_t command_seq_ = 0;
+  std::int64_t state_seq_ = 0;
   double x_ = 0.0;
 };
 
@@ -156,9 +159,12 @@ class NavigatorNodeScans : public NavigatorNodeTest {
   void tick_with_scan() {
     auto scan = test::scan_of({}, {}, geometry::deg_to_rad(-20.0));
     scan.utime_us = now_us_ + 10'000 - scan.duration_us / 2;
+    scan.seq = scan_seq_++;
     tick();
     bus_.deliver("SCAN", node::write_scan(scan));
   }
+
+  std::int64_t scan_seq_ = 0;
 };
 
 TEST_F(NavigatorNodeScans, LostScansHaltTheRobotUntilTheyAreBack) {
@@ -282,6 +288,50 @@ TEST_F(NavigatorNodeTest, TwoSendersOfPitchCommandHaltItUntilOneHasEnded) {
   EXPECT_TRUE(drives());
 }
 
+// Odometry that tells of a robot that stands would let it drive on for ever.
+TEST_F(NavigatorNodeTest, ASecondSenderOfAnySensorHaltsItUntilItHasEnded) {
+  run(1.5);
+  ASSERT_TRUE(drives());
+  const std::map<std::string, std::function<void(std::int64_t)>> forgers{
+      {"ODOMETRY",
+       [this](std::int64_t seq) {
+         auto forged = node::write_odometry(now_us_, geometry::SE3::Identity());
+         forged.odometry_seq = seq;
+         bus_.deliver("ODOMETRY", forged);
+       }},
+      {"PITCH_STATE",
+       [this](std::int64_t seq) {
+         nodmap::pitch_state_t forged{};
+         forged.utime = now_us_;
+         forged.state_seq = seq;
+         bus_.deliver("PITCH_STATE", forged);
+       }},
+      {"SCAN", [this](std::int64_t seq) {
+         scan::Scan scan;
+         scan.utime_us = now_us_ - 10'000;
+         scan.angle_step_rad = 0.01;
+         scan.range_max_m = 30.0;
+         scan.ranges_m.assign(181, 30.0F);
+         for (const std::int64_t own_or_forged : {seq - 100'000, seq}) {
+           scan.seq = own_or_forged;
+           bus_.deliver("SCAN", node::write_scan(scan));
+         }
+       }}};
+  for (const auto& [channel, forge] : forgers) {
+    for (std::int64_t i = 0; i < 50; ++i) {
+      forge(100'000 + i);
+      tick();
+      EXPECT_TRUE(i < 5 || halts()) << channel << " " << i;
+    }
+    EXPECT_EQ(navigation().reason, "Two processes send " + channel + ".");
+    run(3.0);
+    EXPECT_TRUE(drives()) << channel;
+  }
+  EXPECT_EQ(rejected("other_sender_of_odometry"), 50);
+  EXPECT_EQ(rejected("other_sender_of_pitch_state"), 50);
+  EXPECT_EQ(rejected("other_sender_of_scan"), 50);
+}
+
 TEST_F(NavigatorNodeTest, ACorruptMapIsRefused) {
   run(1.5);
   const auto count = bus_.count("DRIVE");
@@ -337,6 +387,7 @@ TEST_F(NavigatorNodeTest, ObeysThePitchControllersBound) {
 
 TEST_F(NavigatorNodeTest, OdometryThatBeganAnewNeedsANewMap) {
   run(1.5);
+  run(0.3, kOdometry);  // a process takes longer to start
   odometry_seq_ = 0;
   x_ = 100.0;
   give_odometry(now_us_ + 10'000);
@@ -347,14 +398,14 @@ TEST_F(NavigatorNodeTest, OdometryThatBeganAnewNeedsANewMap) {
   EXPECT_TRUE(drives());
 }
 
-// As from somebody else on the network: the robot halts until the next odometry and its map.
-TEST_F(NavigatorNodeTest, OneOdometryThatBeginsAnewInTheFutureHaltsOnlyUntilTheNext) {
+// As from somebody else on the network, while the base driver is alive.
+TEST_F(NavigatorNodeTest, OneOdometryThatBeginsAnewInTheFutureIsRefused) {
   run(1.5);
   auto forged = node::write_odometry(now_us_ + 3'600'000'000, geometry::SE3::Identity());
   forged.odometry_seq = 0;
   bus_.deliver("ODOMETRY", forged);
-  EXPECT_TRUE(halts());
-  run(1.5);
+  EXPECT_EQ(rejected("other_sender_of_odometry"), 1);
+  tick();
   EXPECT_TRUE(drives());
 }
 
