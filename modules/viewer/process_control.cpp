@@ -20,6 +20,10 @@ const char* name_of(Verb verb) {
   return verb == Verb::kStart ? "start" : verb == Verb::kStop ? "stop" : "restart";
 }
 
+Answer no_such_command(const std::string& command) {
+  return {.ok = false, .text = "There is no command \"" + command + "\"."};
+}
+
 }  // namespace
 
 ProcessControl::ProcessControl(bus::Bus& bus, procman::Config config, Clock clock)
@@ -32,6 +36,9 @@ ProcessControl::ProcessControl(bus::Bus& bus, procman::Config config, Clock cloc
   });
   bus.subscribe<procman_lcm::orders_t>(procman::kOrdersChannel, [this](const auto& message) {
     on_orders(procman::from_message(message));
+  });
+  bus.subscribe<procman_lcm::output_t>(procman::kOutputChannel, [this](const auto& message) {
+    on_output(procman::from_message(message));
   });
 }
 
@@ -58,6 +65,30 @@ void ProcessControl::on_orders(const procman::Orders& orders) {
   fleet_.reset();  // whoever comes while we are at it knows nothing of us, and stays longer
 }
 
+/// Of commands that the configuration names: made-up ones take no memory.
+void ProcessControl::on_output(const procman::Output& output) {
+  for (const procman::CommandOutput& piece : output.outputs) {
+    const procman::Command* command = config_.find_command(piece.command_id);
+    if (command != nullptr && command->deputy == output.deputy_id) {
+      consoles_[piece.command_id].take(piece.text);
+    }
+  }
+}
+
+Answer ProcessControl::output(const std::string& command) const {
+  if (config_.find_command(command) == nullptr) {
+    return no_such_command(command);
+  }
+  const auto console = consoles_.find(command);
+  Answer answer{.ok = true, .text = ""};
+  if (console != consoles_.end()) {
+    for (const std::string& line : console->second.lines()) {
+      answer.text += line + "\n";
+    }
+  }
+  return answer;
+}
+
 bool ProcessControl::is_heard(const std::string& deputy, time::SteadyTime now) const {
   const auto found = heard_.find(deputy);
   return found != heard_.end() && now - found->second.received <= Fleet::kMaxInfoAge;
@@ -76,7 +107,7 @@ void ProcessControl::begin(const time::Moment& now) {
 Answer ProcessControl::change(Verb verb, const std::string& command) {
   const procman::Command* found = config_.find_command(command);
   if (found == nullptr) {
-    return {.ok = false, .text = "There is no command \"" + command + "\"."};
+    return no_such_command(command);
   }
   const time::Moment now = clock_();
   if (!other_sheriff_.empty() && now.steady - other_heard_ <= Fleet::kOtherSheriffTime) {

@@ -11,6 +11,7 @@
 #include "common/geometry/time.hpp"
 #include "modules/viewer/session.hpp"
 #include "procman/config/config.hpp"
+#include "procman/protocol/console.hpp"
 #include "procman/protocol/fleet.hpp"
 #include "procman/protocol/values.hpp"
 
@@ -19,7 +20,7 @@ namespace nodmap::viewer {
 /// Starts and stops commands of the process manager. For each request it becomes a sheriff: it
 /// begins from what the deputies report at that moment, gives orders until the request is
 /// fulfilled, and then gives no more; what runs goes on. It does not stay a sheriff, since two of
-/// them would give contradicting orders.
+/// them would give contradicting orders. What the commands write is kept, the last lines of each.
 class ProcessControl {
  public:
   /// Longest time as a sheriff for one request, beside the command's own grace time.
@@ -36,6 +37,9 @@ class ProcessControl {
   /// The same for the command that runs nodmap-logger.
   [[nodiscard]] Answer change_recording(procman::Verb verb);
 
+  /// The last lines that a command wrote since this object exists. Refused: unknown names.
+  [[nodiscard]] Answer output(const std::string& command) const;
+
   /// To be called often: gives the orders that are due, and ends being a sheriff when nothing is
   /// open.
   void turn();
@@ -51,6 +55,7 @@ class ProcessControl {
 
   void on_info(const procman::DeputyInfo& info);
   void on_orders(const procman::Orders& orders);
+  void on_output(const procman::Output& output);
   void begin(const time::Moment& now);
   void give_orders(const time::Moment& now);
   [[nodiscard]] bool is_heard(const std::string& deputy, time::SteadyTime now) const;
@@ -60,6 +65,7 @@ class ProcessControl {
   Clock clock_;
   std::string id_;  // ours as a sheriff, up to the time at which we begin
   std::map<std::string, Heard> heard_;
+  std::map<std::string, procman::Console> consoles_;  // by command, ours only
   std::string other_sheriff_;
   time::SteadyTime other_heard_{};
   std::optional<procman::Fleet> fleet_;  // while we are a sheriff

@@ -101,9 +101,12 @@ Answer RemoteControl::do_process(const std::string& what, const Json& request) {
   using procman::Verb;
   const std::string command = text_in(request, "command");
   if (what == "start_process" || what == "start_recording" || what == "stop_process" ||
-      what == "stop_recording" || what == "restart_process") {
+      what == "stop_recording" || what == "restart_process" || what == "process_output") {
     if (processes_ == nullptr) {
       return {.ok = false, .text = "No control over processes: start the viewer with --procman."};
+    }
+    if (what == "process_output") {
+      return processes_->output(command);
     }
     const Verb verb = what.starts_with("start")  ? Verb::kStart
                       : what.starts_with("stop") ? Verb::kStop

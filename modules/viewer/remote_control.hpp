@@ -23,6 +23,7 @@ namespace nodmap::viewer {
 ///   save_maps                       write the maps
 ///   start_process, stop_process, restart_process  command
 ///   start_recording, stop_recording
+///   process_output  command: the last lines that it wrote
 class RemoteControl {
  public:
   /// A STOP is published again so often: base driver and navigator keep it, this is for one that

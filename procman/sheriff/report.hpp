@@ -9,7 +9,7 @@
 
 #include "common/geometry/time.hpp"
 #include "procman/protocol/fleet.hpp"
-#include "procman/sheriff/console.hpp"
+#include "procman/protocol/console.hpp"
 #include "procman/sheriff/health_watch.hpp"
 
 namespace nodmap::procman {

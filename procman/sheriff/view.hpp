@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "procman/sheriff/console.hpp"
+#include "procman/protocol/console.hpp"
 #include "procman/sheriff/report.hpp"
 
 namespace nodmap::procman {

@@ -7,10 +7,10 @@ Environment: NODMAP_VIEWER, NODMAP_DEPUTY, NODMAP_SHERIFF (programs).
 import os
 import subprocess
 import sys
-import tempfile
 import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from deputy_process import Deputy  # noqa: E402
 from foxglove_client import Client  # noqa: E402
 from viewer_process import Viewer  # noqa: E402
 from websocket import PATIENCE_S, Refused, WebSocket  # noqa: E402
@@ -23,7 +23,8 @@ script "begin" { start cmd "sleeper"; }
 """
 REQUESTS = [{"do": "goal", "x_m": 1, "y_m": 1}, {"do": "roam"}, {"do": "stop"}, {"do": "go"}, {"do": "save_maps"},
             {"do": "start_process", "command": "sleeper"}, {"do": "stop_process", "command": "sleeper"},
-            {"do": "restart_process", "command": "sleeper"}, {"do": "start_recording"}, {"do": "stop_recording"}]
+            {"do": "restart_process", "command": "sleeper"}, {"do": "start_recording"}, {"do": "stop_recording"},
+            {"do": "process_output", "command": "sleeper"}]
 
 
 def master(viewer):
@@ -92,27 +93,15 @@ class Requests(unittest.TestCase):
 
 class Processes(unittest.TestCase):
     def setUp(self):
-        self.folder = tempfile.TemporaryDirectory()
-        self.addCleanup(self.folder.cleanup)
-        self.config = os.path.join(self.folder.name, "test.pmd")
-        self.logs = os.path.join(self.folder.name, "logs")
-        with open(self.config, "w", encoding="ascii") as out:
-            out.write(CONFIG.replace("OUT", self.logs))
-        path = os.pathsep.join([os.path.dirname(os.environ["NODMAP_DEPUTY"]), os.environ["PATH"]])
-        self.deputy = subprocess.Popen([os.environ["NODMAP_DEPUTY"], "--config", self.config, "--id", "here"], stdout=subprocess.DEVNULL,
-                                       stderr=subprocess.DEVNULL, env={**os.environ, "PATH": path})
-        self.addCleanup(self.end_deputy)
-        self.viewer = Viewer("--control", "--procman", self.config)
+        self.deputy = Deputy(CONFIG)
+        self.addCleanup(self.deputy.stop)
+        self.viewer = Viewer("--control", "--procman", self.deputy.config)
         self.addCleanup(self.viewer.stop)
         self.driver = master(self.viewer)
         self.assertEqual(self.driver.info["metadata"]["process_control"], "true")
         self.driver.subscribe("PM_INFO")
         # The deputy is heard: until then nothing can be asked of it.
         self.driver.collect(lambda m: m and m["PM_INFO"][-1][1]["hosts"])
-
-    def end_deputy(self):
-        self.deputy.terminate()
-        self.deputy.wait(timeout=PATIENCE_S)
 
     def ask(self, **request):
         answer = self.driver.call(request)
@@ -150,10 +139,10 @@ class Processes(unittest.TestCase):
         self.ask(do="save_maps")
         self.ask(do="stop_recording")
         self.await_command("logger", lambda row: row["state"] == "stopped" and row["pid"] == 0)
-        self.assertTrue(os.listdir(self.logs))
+        self.assertTrue(os.listdir(self.deputy.logs))
 
     def test_another_sheriff_has_precedence(self):
-        sheriff = subprocess.Popen([os.environ["NODMAP_SHERIFF"], self.config, "--script", "begin", "--on-script-complete", "stay"],
+        sheriff = subprocess.Popen([os.environ["NODMAP_SHERIFF"], self.deputy.config, "--script", "begin", "--on-script-complete", "stay"],
                                    stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         self.addCleanup(sheriff.wait, PATIENCE_S)
         self.addCleanup(sheriff.terminate)

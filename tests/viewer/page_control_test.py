@@ -10,6 +10,7 @@ import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import webdriver  # noqa: E402
+from deputy_process import Deputy  # noqa: E402
 from page_case import main  # noqa: E402
 from viewer_process import Viewer  # noqa: E402
 
@@ -34,7 +35,9 @@ KEY = """
 """
 
 
-class Control(unittest.TestCase):
+class Page(unittest.TestCase):
+    """A live viewer with control, and its page."""
+
     def setUp(self):
         self.viewer = Viewer("--control")
         self.addCleanup(self.viewer.stop)
@@ -55,6 +58,8 @@ class Control(unittest.TestCase):
         self.assertIsNotNone(self.browser.wait_for(f"{ANSWER} && {ANSWER} !== 'Asked.'"), button)
         return self.browser.run(f"return {ANSWER}")
 
+
+class Control(Page):
     def test_without_a_token_there_is_nothing_to_press(self):
         self.open("")
         self.assertIsNone(self.browser.wait_for("!document.getElementById('control').hidden", 1))
@@ -148,6 +153,32 @@ class Control(unittest.TestCase):
         nameless = self.browser.run("""return [...document.querySelectorAll('#stop-bar button, #control button, #control input')]
             .filter((e) => !(e.textContent.trim() || e.labels?.[0]?.textContent.trim())).map((e) => e.outerHTML)""")
         self.assertEqual(nameless, [])
+
+
+class ProcessOutput(Page):
+    """With a process manager, one of whose commands says something and then ends."""
+
+    def setUp(self):
+        super().setUp()
+        self.viewer.stop()
+        self.deputy = Deputy('cmd "talker" { exec = "sh -c \'echo the laser is warm; sleep 1; echo farther; sleep 1000\'"; host = "here"; stop_signal = 15; }')
+        self.addCleanup(self.deputy.stop)
+        self.viewer = Viewer("--control", "--procman", self.deputy.config)
+        self.addCleanup(self.viewer.stop)
+
+    def test_what_a_process_wrote_is_shown_on_a_click(self):
+        self.open_with_token()
+        row = "document.querySelector('#processes tr[data-command=talker]')"
+        self.assertIsNotNone(self.browser.wait_for(f"{row} && !{row}.querySelector('.buttons').hidden"))
+        self.assertFalse(self.press("#processes [data-do=start]").startswith("Refused"))
+        self.browser.run(f"{row}.querySelector('[data-do=output]').click()")
+        text = "document.querySelector('#output pre').textContent"
+        self.assertIsNotNone(self.browser.wait_for(f"document.getElementById('output').open && {text}.includes('the laser is warm')"))
+        self.assertIn("talker", self.browser.run("return document.getElementById('output-title').textContent"))
+        # It follows the process while it is open.
+        self.assertIsNotNone(self.browser.wait_for(f"{text}.includes('farther')"))
+        self.browser.run("document.querySelector('#output button').click()")
+        self.assertIsNotNone(self.browser.wait_for("!document.getElementById('output').open"))
 
 
 class WithoutWebGl(Control):

@@ -7,6 +7,7 @@ import {Detail} from "./detail.js";
 import {makeLayers} from "./layers.js";
 import {applyCamera, isLink, makeLink, readLink} from "./link.js";
 import {makeLayerList, makeLook, makeTheme} from "./look.js";
+import {Output} from "./output.js";
 import {Playback} from "./playback.js";
 import {Plots} from "./plots.js";
 import {Processes} from "./processes.js";
@@ -30,7 +31,8 @@ const plots = new Plots(byId("plots"));
 const state = new State({banner: byId("banner"), announcement: byId("announcement"), facts: byId("facts")});
 const playback = new Playback(byId("playback"), () => connection);
 const control = new Control(byId("stop-bar"), byId("control"), view, () => connection);
-const processes = new Processes(byId("processes").tBodies[0], (what, command) => control.ask({do: what, command}));
+const output = new Output(byId("output"), (command) => connection.call("control", {do: "process_output", command}));
+const processes = new Processes(byId("processes").tBodies[0], (what, command) => control.ask({do: what, command}), (command) => output.show(command));
 const pending = new Map();  // the newest message of each topic since the last image
 const keyframes = [];       // each counts
 let connected = false;
@@ -151,7 +153,7 @@ const keys = {
   r: () => document.querySelector("[data-camera=free]").click(),
 };
 document.addEventListener("keydown", (event) => {
-  if (!event.ctrlKey && !event.altKey && !event.metaKey && !byId("help").open && !event.target.closest?.("select")) {
+  if (!event.ctrlKey && !event.altKey && !event.metaKey && !document.querySelector("dialog[open]") && !event.target.closest?.("select")) {
     keys[event.key.toLowerCase()]?.();
   }
 });

@@ -43,11 +43,12 @@ function refused({total_corrupt: corrupt, total_rejected: rejected}) {
   return [[corrupt, "corrupt"], [rejected, "rejected"]].filter(([count]) => count > 0).map(([count, what]) => `${count} ${what}`).join(", ");
 }
 
-/** The table's body. `ask(what, command)` starts, stops and restarts; the buttons are there while `canControl`. */
+/** The table's body. `ask(what, command)` starts, stops and restarts, `showOutput(command)` shows what it wrote; the buttons are there while `canControl`. */
 export class Processes {
-  constructor(body, ask) {
+  constructor(body, ask, showOutput) {
     this.body = body;
     this.ask = ask;
+    this.showOutput = showOutput;
     this.rows = new Map();
     this.canControl = false;
   }
@@ -93,6 +94,9 @@ export class Processes {
       button.addEventListener("click", () => this.ask(`${what}_process`, row.dataset.command));
       buttons.append(button);
     }
+    const output = element("button", "≡", {type: "button", "data-do": "output", "aria-label": `output of ${name}`, title: `what ${name} wrote`});
+    output.addEventListener("click", () => this.showOutput(row.dataset.command));
+    buttons.append(output);
     head.append(buttons);
     row.append(head);
     return row;

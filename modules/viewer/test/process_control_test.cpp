@@ -82,6 +82,26 @@ class ProcessControlTest : public ::testing::Test {
   ProcessControl control_{bus_, config(), [this] { return now_; }};
 };
 
+TEST_F(ProcessControlTest, TheLastLinesThatACommandWroteAreKept) {
+  EXPECT_EQ(control_.output("slam").text, "");
+  const auto say = [this](const std::string& deputy, const std::string& command,
+                          const std::string& text) {
+    procman::Output output;
+    output.deputy_id = deputy;
+    output.outputs.push_back({command, text});
+    bus_.publish(procman::kOutputChannel, procman::to_message(output));
+    handle();
+  };
+  say("robot", "slam", "first\nsec");
+  say("robot", "slam", "ond\n");
+  say("elsewhere", "slam", "forged\n");
+  say("robot", "nobody", "made up\n");
+  EXPECT_TRUE(control_.output("slam").ok);
+  EXPECT_EQ(control_.output("slam").text, "first\nsecond\n");
+  EXPECT_EQ(control_.output("log").text, "");
+  EXPECT_FALSE(control_.output("nobody").ok);
+}
+
 TEST_F(ProcessControlTest, ARestartIsOrderedUntilItHasHappenedAndTheRestGoesOn) {
   tell(4);
   EXPECT_TRUE(control_.change(Verb::kRestart, "slam").ok);

@@ -135,8 +135,8 @@ TEST_F(RemoteControlTest, NonsenseIsRefused) {
 }
 
 TEST_F(RemoteControlTest, WithoutAConfigurationThereIsNoControlOverProcesses) {
-  for (const char* what :
-       {"start_process", "stop_process", "restart_process", "start_recording", "stop_recording"}) {
+  for (const char* what : {"start_process", "stop_process", "restart_process", "start_recording",
+                           "stop_recording", "process_output"}) {
     EXPECT_FALSE(ask({{"do", what}, {"command", "slam2d"}})) << what;
   }
 }
@@ -151,6 +151,8 @@ TEST_F(RemoteControlTest, ProcessesAreAskedFor) {
   EXPECT_EQ(control.answer({{"do", "restart_process"}, {"command", "slam2d"}}).text,
             "The deputy robot does not answer.");
   EXPECT_EQ(control.answer({{"do", "start_process"}, {"command", "nobody"}}).text,
+            "There is no command \"nobody\".");
+  EXPECT_EQ(control.answer({{"do", "process_output"}, {"command", "nobody"}}).text,
             "There is no command \"nobody\".");
   EXPECT_EQ(control.answer({{"do", "start_recording"}}).text,
             "The process configuration has no nodmap-logger.");

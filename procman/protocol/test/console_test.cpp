@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "procman/sheriff/console.hpp"
+#include "procman/protocol/console.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
