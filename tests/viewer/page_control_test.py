@@ -170,14 +170,17 @@ class ProcessOutput(Page):
         self.open_with_token()
         row = "document.querySelector('#processes tr[data-command=talker]')"
         self.assertIsNotNone(self.browser.wait_for(f"{row} && !{row}.querySelector('.buttons').hidden"))
-        self.assertFalse(self.press("#processes [data-do=start]").startswith("Refused"))
+        self.assertEqual(self.press("#processes tr[data-command=talker] [data-do=start]"), "talker: start asked.")
         self.browser.run(f"{row}.querySelector('[data-do=output]').click()")
         text = "document.querySelector('#output pre').textContent"
         self.assertIsNotNone(self.browser.wait_for(f"document.getElementById('output').open && {text}.includes('the laser is warm')"))
         self.assertIn("talker", self.browser.run("return document.getElementById('output-title').textContent"))
         # It follows the process while it is open.
         self.assertIsNotNone(self.browser.wait_for(f"{text}.includes('farther')"))
-        self.browser.run("document.querySelector('#output button').click()")
+        # STOP stays within reach.
+        self.assertTrue(self.browser.run("""const box = document.getElementById('stop').getBoundingClientRect();
+            return document.elementFromPoint((box.left + box.right) / 2, (box.top + box.bottom) / 2).id === 'stop'"""))
+        self.browser.run(KEY, "Escape", "#output pre")
         self.assertIsNotNone(self.browser.wait_for("!document.getElementById('output').open"))
 
 

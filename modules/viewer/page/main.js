@@ -144,16 +144,17 @@ byId("link").addEventListener("click", () => {
   navigator.clipboard?.writeText(link).catch(() => {});  // it also stands in the address
 });
 
-// Letters by themselves: no field of the page takes any.
+// Letters by themselves: no field of the page takes any. Dialogs are not modal: STOP can be pressed beside them.
 const keys = {
-  "?": () => byId("help").showModal(),
+  "?": () => byId("help").show(),
+  escape: () => document.querySelector("dialog[open]")?.close(),
   m: () => byId("measure").click(),
   f: () => document.querySelector("[data-camera=follow]").click(),
   t: () => document.querySelector("[data-camera=top]").click(),
   r: () => document.querySelector("[data-camera=free]").click(),
 };
 document.addEventListener("keydown", (event) => {
-  if (!event.ctrlKey && !event.altKey && !event.metaKey && !document.querySelector("dialog[open]") && !event.target.closest?.("select")) {
+  if (!event.ctrlKey && !event.altKey && !event.metaKey && !event.target.closest?.("select")) {
     keys[event.key.toLowerCase()]?.();
   }
 });

@@ -14,7 +14,7 @@ export class Output {
   async show(command) {
     this.dialog.querySelector("h2").textContent = `What ${command} wrote`;
     this.text.textContent = "";
-    this.dialog.showModal();
+    this.dialog.show();
     while (this.dialog.open) {
       await this.update(command);
       await new Promise((done) => setTimeout(done, PERIOD_MS));
