@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "common/registration/pose_graph_2d.hpp"
+#include "common/registration/pose_graph.hpp"
 #include "modules/slam2d/loop_closer.hpp"
 #include "modules/slam2d/params.hpp"
 #include "modules/slam2d/saved_map.hpp"

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "common/registration/pose_graph_2d.hpp"
+#include "common/registration/pose_graph.hpp"
 #include "modules/slam2d/submap.hpp"
 
 namespace nodmap::slam2d {

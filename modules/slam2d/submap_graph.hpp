@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "common/registration/pose_graph_2d.hpp"
+#include "common/registration/pose_graph.hpp"
 #include "modules/slam2d/submap.hpp"
 
 namespace nodmap::slam2d {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "common/registration/pose_graph_2d.hpp"
+#include "common/registration/pose_graph.hpp"
 
 #include <gtest/gtest.h>
 
