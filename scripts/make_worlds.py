@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Writes the simulator's larger worlds, sim/worlds/{corridor30,cellar,office,crowd,loop,warehouse}.yaml; the same bytes on every run.
+"""Writes the simulator's larger worlds, sim/worlds/{corridor30,cellar,office,crowd,loop,ring,warehouse}.yaml; the same bytes on every run.
 
 usage: scripts/make_worlds.py
 """
@@ -289,6 +289,42 @@ def loop():
     w.write()
 
 
+def ring():
+    """Corridors 4 m wide round a block of 56 x 36 m, a hall in the south, 25 m without any object in the north. The goals lead twice round."""
+    w = World("ring", "A ring of 200 m with a hall and a bare corridor, driven twice round: does the map close, and is it straight?")
+    rng = random.Random(60)
+    w.note("The outer walls, with a hall of 20 x 8 m in the south; the block in the middle.")
+    corners = ((-32, -22), (-10, -22), (-10, -30), (10, -30), (10, -22), (32, -22), (32, 22), (-32, 22), (-32, -22))
+    for a, b in zip(corners, corners[1:]):
+        w.wall(*a, *b)
+    w.ceiling(-32, -30, 32, 22)
+    w.box(0, 0, 0, CEILING, 56, 36)
+    w.note("Along the outer walls: cabinets, boxes, shelves, pipes, door frames.")
+    for x0, y0, x1, y1, yaw in ((-30, -22, -11, -22, 0), (11, -22, 30, -22, 0), (32, -20, 32, 20, 90), (30, 22, 14, 22, 180), (-12, 22, -30, 22, 180),
+                                (-32, 20, -32, -20, 270)):
+        length = math.dist((x0, y0), (x1, y1))
+        along = rng.uniform(1, 3)
+        while along < length - 1.5:
+            kind, depth = rng.randrange(4), rng.uniform(0.2, 0.6)
+            width = rng.uniform(0.4, 1.8)
+            x, y = x0 + (x1 - x0) * along / length, y0 + (y1 - y0) * along / length
+            x, y = w.placed(x, y, yaw, 0, depth / 2)
+            if kind == 0:
+                w.shelf(x, y, max(width, 0.8), max(depth, 0.3), yaw=yaw)
+            elif kind == 1:
+                w.cylinder(x, y, 0, rng.choice((0.9, CEILING)), 0.5 * min(depth, 0.4))
+            else:
+                w.box(x, y, 0, rng.uniform(0.3, 2.2), width, depth, yaw)
+            along += width + rng.uniform(1.5, 4.5)
+    w.note("In the hall: pillars, tables.")
+    for x in (-6, 0, 6):
+        w.box(x, -25, 0, CEILING, 0.4, 0.4, 0)
+        w.table(x + 2.5, -28, 1.6, 0.8, yaw=rng.uniform(-20, 20))
+    once = "[26, -20], [30, -16], [30, 16], [26, 20], [-26, 20], [-30, 16], [-30, -16], [-26, -20], [-5, -20]"
+    w.tail = ["robot: {start: [-12, -20, 0]}", f"goals: [{once}, {once}]"]
+    w.write()
+
+
 def warehouse():
     """A hall longer than the laser sees, with things that it hardly sees or that dazzle it."""
     w = World("warehouse", "A hall of 70 m with dark and dazzling things on the way; its far end is out of the laser's range.")
@@ -327,4 +363,5 @@ if __name__ == "__main__":
     office()
     crowd()
     loop()
+    ring()
     warehouse()
