@@ -169,7 +169,7 @@ class ProcessOutput(Page):
     def test_what_a_process_wrote_is_shown_on_a_click(self):
         self.open_with_token()
         row = "document.querySelector('#processes tr[data-command=talker]')"
-        self.assertIsNotNone(self.browser.wait_for(f"{row} && !{row}.querySelector('.buttons').hidden"))
+        self.assertIsNotNone(self.browser.wait_for(f"{row} && !{row}.querySelector('.buttons').hidden && !{row}.querySelector('[data-do=start]').disabled"))
         self.assertEqual(self.press("#processes tr[data-command=talker] [data-do=start]"), "talker: start asked.")
         self.browser.run(f"{row}.querySelector('[data-do=output]').click()")
         text = "document.querySelector('#output pre').textContent"

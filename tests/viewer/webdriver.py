@@ -7,6 +7,7 @@ import base64
 import json
 import re
 import shutil
+import socket
 import subprocess
 import tempfile
 import time
@@ -21,12 +22,21 @@ def is_installed():
     return bool(shutil.which("chromium") and shutil.which("chromedriver"))
 
 
+def free_port():
+    """A port that is free for IPv4 and IPv6. chromedriver needs both, and ends when the one it has chosen itself is free for IPv4 alone."""
+    if socket.has_dualstack_ipv6():
+        with socket.create_server(("", 0), family=socket.AF_INET6, dualstack_ipv6=True) as server:
+            return server.getsockname()[1]
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        return server.getsockname()[1]
+
+
 class Browser:
     """One window of one browser; a context manager. `more_flags`: besides those that all have."""
 
     def __init__(self, width=1280, height=720, more_flags=()):
         self.profile = tempfile.TemporaryDirectory(prefix="nodmap-chromium-")
-        self.driver = subprocess.Popen(["chromedriver", "--port=0"], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+        self.driver = subprocess.Popen(["chromedriver", f"--port={free_port()}"], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
         self.base = f"http://127.0.0.1:{self._port()}"
         self.session = ""
         flags = [*FLAGS, *more_flags, f"--user-data-dir={self.profile.name}"]
@@ -37,11 +47,13 @@ class Browser:
         self.resize(width, height)
 
     def _port(self):
+        said = []
         for line in self.driver.stdout:
+            said.append(line)
             found = re.search(r"started successfully on port (\d+)", line)
             if found:
                 return int(found.group(1))
-        raise RuntimeError("chromedriver did not start")
+        raise RuntimeError("chromedriver did not start: " + "".join(said))
 
     def _call(self, method, path, body=None):
         data = None if body is None else json.dumps(body).encode()

@@ -131,6 +131,9 @@ Json CommandTable::commands() const {
   for (const procman::Command& command : configured_) {
     if (!told.contains({command.deputy, command.id})) {
       commands.push_back(command_json(command.deputy, never_run(command)));
+      if (!hosts_.contains(command.deputy)) {
+        commands.back()["state"] = "no deputy";
+      }
     }
   }
   std::sort(commands.begin(), commands.end(), [](const Json& a, const Json& b) {

@@ -27,7 +27,7 @@ export function processList(statuses, commands) {
 
 function stateOf({status, manager}, newestUs) {
   if (manager && manager.state !== "running") {
-    return {state: manager.state, level: manager.state === "failed" ? 2 : 0, reason: manager.end};
+    return {state: manager.state, level: {failed: 2, "no deputy": 1}[manager.state] ?? 0, reason: manager.end};
   }
   if (!status) {
     return {state: "running", level: 0, reason: ""};
@@ -106,7 +106,7 @@ export class Processes {
     head.parentElement.dataset.command = command ?? "";
     head.querySelector(".buttons").hidden = !this.canControl || !command;
     const running = manager?.state === "running";
-    head.querySelector("[data-do=start]").disabled = running;
+    head.querySelector("[data-do=start]").disabled = running || manager?.state === "no deputy";
     head.querySelector("[data-do=restart]").disabled = !running;
     head.querySelector("[data-do=stop]").disabled = !running;
   }

@@ -61,6 +61,7 @@ TEST(CommandTable, ListsConfiguredCommandsOnce) {
     command.deputy = "robot";
   }
   table.set_configured(config);
+  EXPECT_EQ(table.commands()["commands"][0]["state"], "no deputy") << "not heard yet";
   ASSERT_TRUE(table.update(info("robot", {command("a", 17, 0)})));
   const Json list = table.commands()["commands"];
   ASSERT_EQ(list.size(), 2U);
