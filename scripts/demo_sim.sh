@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: BSD-3-Clause
-# The whole robot in a simulated building, every process by the process manager. Called by ./nodmap demo.
-#   scripts/demo_sim.sh [--check-arguments] [--world WORLD.yaml] [--duration SECONDS] [--out DIR]
+# The whole robot in a simulated building, every process by the process manager. Called by ./nodmap demo and ./nodmap explore.
+#   scripts/demo_sim.sh [--check-arguments] [--explore] [--world WORLD.yaml] [--duration SECONDS] [--out DIR]
 set -euo pipefail
 cd "$(dirname "$(readlink -f "$0")")/.."
 bin=$PWD/build/release/bin
@@ -21,16 +21,32 @@ Drives the robot through a simulated building, every process as on the robot, an
   --version           print the version
 TEXT
 }
+usage_explore() {
+  cat <<'TEXT'
+usage: ./nodmap explore [--world WORLD.yaml] [--duration SECONDS] [--out DIR]
+
+Lets the robot explore a simulated building, every process as on the robot: it drives until its 2D map shows all that it
+can reach, and back to where it began.
+
+  --world WORLD.yaml  the building (sim/worlds/office.yaml)
+  --duration SECONDS  the longest time (900)
+  --out DIR           a new folder for the results (logs/explore-DATE-TIME)
+  --version           print the version
+TEXT
+}
 
 arguments=("$@")
 check_only=0
-world=sim/worlds/cellar.yaml
-duration=60
-out=logs/demo-$(date +%Y%m%d-%H%M%S)
+what=demo world=sim/worlds/cellar.yaml duration=60
+if [[ " $* " == *" --explore "* ]]; then
+  what=explore world=sim/worlds/office.yaml duration=900
+fi
+out=logs/$what-$(date +%Y%m%d-%H%M%S)
 while [[ $# -gt 0 ]]; do
   case "$1" in
     --check-arguments) check_only=1; shift ;;
-    --help | -h) usage; exit 0 ;;
+    --explore) shift ;;
+    --help | -h) [[ $what == demo ]] && usage || usage_explore; exit 0 ;;
     --version) print_version; exit 0 ;;
     --world) need_value "$1" $#; world=$2; shift 2 ;;
     --duration) need_value "$1" $#; need_number "$1" "$2"; duration=$2; shift 2 ;;
@@ -88,13 +104,23 @@ if [[ -n "$token" ]]; then
   say "the same with the controls: http://127.0.0.1:$NODMAP_PORT/$token"
 fi
 open_page "$token"
-say "driving for $duration s in $world"
+watch=(--duration "$duration" --json "$out/watch.json")
+if [[ $what == explore ]]; then
+  run "$bin/nodmap-explore" --by "./nodmap explore" || die "the explorer does not answer; see $out/deputy.log"
+  say "exploring $world, for $duration s at most"
+  watch+=(--until-home)
+else
+  say "driving for $duration s in $world"
+fi
 watched=0
-run "$bin/nodmap-watch" --duration "$duration" --json "$out/watch.json" || watched=$?
+run "$bin/nodmap-watch" "${watch[@]}" || watched=$?
 
 say "stopping the processes"
 run "$bin/nodmap-sheriff" "$config" --script stop_all --on-script-complete exit --timeout 30 >>"$out/sheriff.log" || die "not every process stopped; see $out/sheriff.log"
 "$bin/nodmap-sheriff" "$config" --status --json >"$out/status.json" || true
 end_deputy || die "the deputy did not end cleanly; see $out/deputy.log"
-[[ $watched -eq 0 ]] || die "no scan came"
+if [[ $watched -ne 0 ]]; then
+  [[ $what == demo ]] && die "no scan came"
+  say "the robot was not back home within $duration s"
+fi
 python3 scripts/demo_sim_summary.py "$out"

@@ -45,6 +45,8 @@ def main():
     print(f"\n{truth['distance_m']:.1f} m driven, {watch['max_forward_mps']:.2f} m/s at most, never nearer than "
           f"{100 * truth['min_clearance_m']:.0f} cm to anything; {truth['collisions']} collisions, "
           f"{truth['bumps']} bumps, {watch['keyframes']} keyframes, {sum(lost.values())} scans or messages lost")
+    if watch["seen_m2"]:
+        print(f"{watch['seen_m2']:.0f} m2 of floor in the 2D map{'; all is seen, and the robot is back home' if watch['is_home'] else ''}")
     if truth["collisions"]:
         wrong.append(f"the robot has hit something {truth['collisions']} times")
     warnings += [f"{name} lost {n} {CAUSES.get(name, CAUSES[''])}" for name, n in lost.items()]

@@ -115,7 +115,7 @@ struct MapParams {
 
 struct GridParams {
   double cell_size_m = 0.05;
-  double publish_period_s = 5.0;
+  double publish_period_s = 1.0;
 
   template <class Visitor>
   void describe(Visitor& v) {

@@ -27,6 +27,8 @@ constexpr const char* kPrograms[] = {
     "nodmap-deputy",
     "nodmap-doctor",
     "nodmap-evaluate",
+    "nodmap-explore",
+    "nodmap-explorer",
     "nodmap-kurt",
     "nodmap-laser3d",
     "nodmap-latency",
@@ -46,6 +48,7 @@ constexpr const char* kPrograms[] = {
 };
 // of that, what runs on the robot, with parameters,
 constexpr const char* kProcesses[] = {
+    "nodmap-explorer",
     "nodmap-kurt",
     "nodmap-laser3d",
     "nodmap-logger",
@@ -59,6 +62,7 @@ constexpr const char* kProcesses[] = {
 };
 // and of that, what works on a recording, too.
 constexpr const char* kModules[] = {
+    "nodmap-explorer",
     "nodmap-map-server",
     "nodmap-navigator",
     "nodmap-pitch-controller",
@@ -132,7 +136,7 @@ TEST_P(EveryProcessThatKnowsTheRobot, TakesTheFileOfTheRobot) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, EveryProcessThatKnowsTheRobot,
-                         ::testing::Values("nodmap-laser3d", "nodmap-map-server",
+                         ::testing::Values("nodmap-explorer", "nodmap-laser3d", "nodmap-map-server",
                                            "nodmap-navigator", "nodmap-pitch-controller"));
 
 class EveryModule : public ::testing::TestWithParam<const char*> {};

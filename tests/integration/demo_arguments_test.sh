@@ -28,6 +28,10 @@ echo "a,b" >"$work/table.csv"
 expect 2 "table.csv: is neither a folder" "$work/table.csv"
 expect 2 "none.clf: cannot open: No such file or directory" "$work/none.clf"
 expect 2 "--speed: 'fast' is no number above 0" "$work/table.csv" --speed fast
+timeout 10 ./nodmap explore --help | grep -qF "sim/worlds/office.yaml" || fail "explore does not say which world"
+code=0
+timeout 10 ./nodmap explore --duration 0 >"$work/out" 2>&1 || code=$?
+[[ $code -eq 2 ]] || fail "explore takes a duration of 0"
 # An event log is known by what is in it.
 printf '\xed\xa1\xda\x01' >"$work/recording"
 scripts/demo.sh --check-arguments "$work/recording" --out "$work/new"

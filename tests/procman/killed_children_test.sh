@@ -50,7 +50,7 @@ wait_until_well() {
 }
 "$bin/nodmap-stop" --go
 wait_until_well "the robot does not come to work"
-for name in kurt laser3d pitch-controller map-server slam2d slam6d navigator logger viewer; do
+for name in kurt laser3d pitch-controller map-server slam2d slam6d navigator explorer logger viewer; do
   cp "$work/now" "$work/before"
   kill -KILL "$(field $name 2 <"$work/before")"
   [[ "$name" != kurt ]] || "$bin/nodmap-stop" --go # it stands after each start

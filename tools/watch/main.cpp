@@ -23,6 +23,7 @@ constexpr time::Duration kFilePeriod = 5s;
 struct Arguments {
   double duration_s = 0.0;
   double patience_s = 30.0;
+  bool until_home = false;
   std::string out;
 };
 
@@ -39,6 +40,7 @@ void listen_to_all(bus::Bus& bus, Overview& overview) {
   listen<nodmap::egomap_t>(bus, "OBSTACLE_MAP", overview);
   listen<nodmap::navigation_t>(bus, "NAVIGATION", overview);
   listen<nodmap::cloud_chunk_t>(bus, "CLOUD", overview);
+  listen<nodmap::exploration_t>(bus, "EXPLORATION", overview);
   listen<nodmap::status_t>(bus, "STATUS", overview);
   listen<nodmap::truth_t>(bus, "TRUTH", overview);
 }
@@ -65,8 +67,8 @@ class Display {
   time::SteadyTime next_{};
 };
 
-/// True when it has watched for as long as it should; false when no scan came, or it was stopped
-/// before.
+/// True when it has watched for as long as it should; false when no scan came, it was stopped
+/// before, or the robot is not home.
 bool watch(const Arguments& arguments, const std::string& lcm_url, Overview& overview) {
   bus::LiveBus bus(lcm_url);
   listen_to_all(bus, overview);
@@ -83,10 +85,11 @@ bool watch(const Arguments& arguments, const std::string& lcm_url, Overview& ove
       end = now + time::from_seconds(arguments.duration_s);
     }
     display.show(overview, now);
-    in_time = now < end || (scans_came && arguments.duration_s == 0.0);
+    in_time = (now < end || (scans_came && arguments.duration_s == 0.0)) &&
+              !(arguments.until_home && overview.is_home());
   }
   display.end();
-  return scans_came && !in_time;
+  return scans_came && !in_time && (!arguments.until_home || overview.is_home());
 }
 
 nlohmann::ordered_json summary(const Overview& overview) {
@@ -102,6 +105,8 @@ nlohmann::ordered_json summary(const Overview& overview) {
           {"scans", overview.scans().total()},
           {"odometry", overview.odometry().total()},
           {"keyframes", overview.keyframes()},
+          {"is_home", overview.is_home()},
+          {"seen_m2", overview.seen_m2()},
           {"lost", overview.lost()},
           {"collisions", overview.collisions()},
           {"bumps", overview.bumps()},
@@ -113,6 +118,8 @@ void add_options(CLI::App& app, Arguments& arguments) {
                  "Seconds from the first scan on; 0: until stopped")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
+  app.add_flag("--until-home", arguments.until_home,
+               "End when the explorer says that the robot is home; exit code 1 if it never does");
   app.add_option("--patience", arguments.patience_s, "Seconds to wait for the first scan")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();

@@ -48,6 +48,11 @@ void Overview::hear(const nodmap::odometry_t& message, time::SteadyTime now) {
   last_y_m_ = message.position_m[1];
 }
 
+void Overview::hear(const nodmap::exploration_t& message, time::SteadyTime /*now*/) {
+  is_home_ = message.state == nodmap::exploration_t::HOME;
+  seen_m2_ = message.seen_m2;
+}
+
 void Overview::hear(const nodmap::pitch_state_t& message, time::SteadyTime /*now*/) {
   pitch_rad_ = message.pitch_rad;
 }

@@ -10,6 +10,7 @@
 #include "common/geometry/time.hpp"
 #include "nodmap/cloud_chunk_t.hpp"
 #include "nodmap/egomap_t.hpp"
+#include "nodmap/exploration_t.hpp"
 #include "nodmap/navigation_t.hpp"
 #include "nodmap/odometry_t.hpp"
 #include "nodmap/pitch_state_t.hpp"
@@ -52,6 +53,7 @@ class Overview {
   void hear(const nodmap::egomap_t& obstacle_map, time::SteadyTime now);
   void hear(const nodmap::navigation_t& message, time::SteadyTime now);
   void hear(const nodmap::cloud_chunk_t& message, time::SteadyTime now);
+  void hear(const nodmap::exploration_t& message, time::SteadyTime now);
   void hear(const nodmap::status_t& message, time::SteadyTime now);
   void hear(const nodmap::truth_t& message, time::SteadyTime now);
 
@@ -65,6 +67,10 @@ class Overview {
   [[nodiscard]] std::int8_t behaviour() const { return behaviour_; }
   [[nodiscard]] const std::string& reason() const { return reason_; }
   [[nodiscard]] std::int64_t keyframes() const { return keyframes_; }
+  /// All is seen, and the robot is back where it began to explore.
+  [[nodiscard]] bool is_home() const { return is_home_; }
+  /// Free ground in the 2D map, m2, as the explorer says.
+  [[nodiscard]] double seen_m2() const { return seen_m2_; }
   [[nodiscard]] const Rate& scans() const { return scans_; }
   [[nodiscard]] const Rate& odometry() const { return odometry_; }
   [[nodiscard]] const std::map<std::string, ProcessView>& processes() const { return processes_; }
@@ -88,6 +94,8 @@ class Overview {
   std::int8_t behaviour_ = nodmap::navigation_t::HALT;
   std::string reason_;
   std::int64_t keyframes_ = 0;
+  bool is_home_ = false;
+  double seen_m2_ = 0.0;
   std::int64_t collisions_ = -1;
   std::int64_t bumps_ = 0;
   std::map<std::string, ProcessView> processes_;

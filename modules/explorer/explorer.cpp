@@ -1,0 +1,297 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/explorer/explorer.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "modules/explorer/tour.hpp"
+
+namespace nodmap::explorer {
+namespace {
+
+/// Viewpoints nearer to each other than this are the same one, found anew.
+constexpr double kSameViewpointM = 0.8;
+/// The robot has come nearer to its target.
+constexpr double kProgressM = 0.2;
+/// Time that passes without a decision does not count as time without progress.
+constexpr double kPauseS = 2.0;
+/// From so far off the frontier is looked at: beyond, the view through a door is a slit.
+constexpr double kLookoutM = 2.0;
+constexpr double kAtFrontierM = 0.4;
+/// On the way home only a viewpoint that shows so many times the least gain is worth going back.
+constexpr double kWorthGoingBack = 2.0;
+/// A waypoint is kept until the robot is this near, so that it never brakes for one.
+constexpr double kNextWaypointM = 1.0;
+constexpr double kSameWaypointM = 0.5;
+/// Of the path at a corner: a goal within its tolerance would be no goal.
+constexpr double kLeastAheadM = 0.8;
+
+/// The robot may be within the clearance of something.
+constexpr double kAroundRobotM = 0.4;
+/// The navigator's pose is newer than the one that a decision is made with.
+constexpr double kArrivalM = 0.1;
+constexpr const char* kAtHome = "All is seen, and the robot is back home.";
+
+/// Whether a waypoint is on the path, and so far ahead that the robot need not brake for it yet.
+bool is_ahead(const std::vector<Eigen::Vector2d>& path_map, const Eigen::Vector2d& waypoint_map,
+              const Eigen::Vector2d& p_map) {
+  return (waypoint_map - p_map).norm() > kNextWaypointM &&
+         std::ranges::any_of(path_map, [&](const Eigen::Vector2d& p) {
+           return (p - waypoint_map).norm() < 0.5 * kSameWaypointM;
+         });
+}
+
+double seconds_between(std::int64_t a_us, std::int64_t b_us) {
+  return 1e-6 * std::abs(static_cast<double>(a_us) - static_cast<double>(b_us));
+}
+
+/// Straight lines stand for paths that are not known.
+std::vector<double> lengths_m(const GroundGrid& grid, const Reach& reach,
+                              const Eigen::Vector2d& from_map, const std::vector<Cell>& cells) {
+  std::vector<double> lengths;
+  for (const Cell& cell : cells) {
+    lengths.push_back(reach.is_reached(cell) ? reach.length_m(cell)
+                                             : (grid.center_of(cell) - from_map).norm());
+  }
+  return lengths;
+}
+
+}  // namespace
+
+Explorer::Explorer(const ExplorerParams& params)
+    : params_(params),
+      grid_(0.5 * params.robot.body.width_m + params.clearance_m),
+      chooser_(params),
+      failures_(params.patience) {}
+
+void Explorer::start() {
+  stop();
+  state_ = State::kExploring;
+}
+
+void Explorer::stop() {
+  state_ = State::kIdle;
+  home_map_.reset();
+  target_map_.reset();
+  waypoint_map_.reset();
+  failures_.clear();
+}
+
+Decision Explorer::decide(const Situation& now) {
+  Decision decision;
+  decision.seen_m2 =
+      grid_.cell_size_m() * grid_.cell_size_m() * static_cast<double>(grid_.num_free());
+  if (state_ == State::kIdle || state_ == State::kHome || grid_.is_empty()) {
+    decision.state = state_;
+    decision.reason = state_ == State::kIdle   ? "Waits to be started."
+                      : state_ == State::kHome ? kAtHome
+                                               : "There is no 2D map yet.";
+    return decision;
+  }
+  const Eigen::Vector2d p_map = now.T_map_base.translation();
+  home_map_ = home_map_.value_or(p_map);
+  reach_.compute(grid_, p_map);
+  watch_target(now);
+  std::vector<Viewpoint> tour = find_tour(now);
+  if (tour.empty() && failures_.forgive()) {
+    tour = find_tour(now);
+  }
+  if (tour.empty()) {
+    drive_home(now, decision);
+  } else {
+    drive_tour(now, std::move(tour), decision);
+  }
+  for (const Cell& cell : frontiers_.cells()) {
+    decision.frontier_map.emplace_back(grid_.center_of(cell).cast<float>());
+  }
+  decision.state = state_;
+  return decision;
+}
+
+/// A target that is not reached, or from which nothing new is seen, has failed.
+void Explorer::watch_target(const Situation& now) {
+  const bool has_paused =
+      seconds_between(now.utime_us, std::exchange(decided_us_, now.utime_us)) > kPauseS;
+  if (state_ != State::kExploring || !target_map_) {
+    return;
+  }
+  const Eigen::Vector2d p_map = now.T_map_base.translation();
+  const double length_m = reach_.length_m(grid_.cell_of(*target_map_));
+  if (has_paused || length_m < least_length_m_ - kProgressM) {
+    least_length_m_ = std::min(least_length_m_, length_m);
+    progress_us_ = now.utime_us;
+  }
+  if (has_paused ||
+      (!now.has_arrived && (p_map - *target_map_).norm() > params_.goal_tolerance_m)) {
+    there_since_us_ = now.utime_us;
+  }
+  const double patience_s = now.has_no_path ? params_.patience.no_path_s : params_.patience.stuck_s;
+  if (seconds_between(now.utime_us, progress_us_) > patience_s ||
+      seconds_between(now.utime_us, there_since_us_) > params_.patience.look_s) {
+    failures_.add(*target_map_, now.utime_us);
+    target_map_.reset();
+  }
+}
+
+std::vector<Viewpoint> Explorer::find_tour(const Situation& now) {
+  frontiers_.find(grid_, reach_);
+  const bool by_tour = params_.policy == Policy::kTour;
+  std::vector<Cell> lookouts =
+      frontiers_.lookouts(grid_, reach_, by_tour ? kLookoutM : kAtFrontierM);
+  // What can be seen from here has been seen, unless the robot has just come to look.
+  const Eigen::Vector2d p_robot_map = now.T_map_base.translation();
+  std::erase_if(lookouts, [&](const Cell& cell) {
+    const Eigen::Vector2d p_map = grid_.center_of(cell);
+    const bool is_target = target_map_ && (p_map - *target_map_).norm() < params_.goal_tolerance_m;
+    return ((p_map - p_robot_map).norm() < params_.goal_tolerance_m && !is_target) ||
+           failures_.is_left_out(p_map, now.utime_us);
+  });
+  std::vector<Viewpoint> found = by_tour
+                                     ? chooser_.choose(grid_, reach_, lookouts, now.T_map_base.yaw)
+                                     : nearest_frontier(now, lookouts);
+  const double least_m2 =
+      params_.view.min_gain_m2 * (state_ == State::kReturning ? kWorthGoingBack : 1.0);
+  std::erase_if(found, [&](const Viewpoint& v) { return v.gain_m2 < least_m2; });
+  return by_tour && !found.empty() ? in_order(std::move(found)) : found;
+}
+
+/// The nearest one; until the robot is there, or nothing is left to be seen from it, the last one.
+std::vector<Viewpoint> Explorer::nearest_frontier(const Situation& now,
+                                                  const std::vector<Cell>& lookouts) {
+  const Eigen::Vector2d p_map = now.T_map_base.translation();
+  if (target_map_ && (p_map - *target_map_).norm() > params_.goal_tolerance_m &&
+      reach_.is_reached(grid_.cell_of(*target_map_))) {
+    if (const auto same = chooser_.nearest(grid_, reach_, {grid_.cell_of(*target_map_)})) {
+      return {*same};
+    }
+  }
+  const auto nearest = chooser_.nearest(grid_, reach_, lookouts);
+  return nearest ? std::vector<Viewpoint>{*nearest} : std::vector<Viewpoint>{};
+}
+
+/// The shortest tour over the viewpoints, which begins with the present target unless another one
+/// is clearly better.
+std::vector<Viewpoint> Explorer::in_order(std::vector<Viewpoint> viewpoints) {
+  TourProblem problem;
+  problem.length_weight = params_.tour.home_weight_m2;
+  std::vector<Cell> cells;
+  std::optional<std::size_t> present;
+  for (const Viewpoint& viewpoint : viewpoints) {
+    if (target_map_ && !present && (viewpoint.p_map - *target_map_).norm() < kSameViewpointM) {
+      present = cells.size();
+    }
+    cells.push_back(viewpoint.cell);
+    problem.weight.push_back(viewpoint.gain_m2);
+    problem.from_start.push_back(viewpoint.length_m);
+  }
+  for (const Viewpoint& viewpoint : viewpoints) {
+    reach_between_.compute(grid_, viewpoint.p_map, cells);
+    problem.between.push_back(lengths_m(grid_, reach_between_, viewpoint.p_map, cells));
+  }
+  reach_between_.compute(grid_, *home_map_, cells);
+  problem.to_end = lengths_m(grid_, reach_between_, *home_map_, cells);
+  Tour tour = shortest_tour(problem);
+  if (present && tour.order.front() != *present) {
+    const Tour same = shortest_tour(problem, present);
+    if (same.cost < (1.0 + params_.tour.hysteresis_ratio) * tour.cost) {
+      tour = same;
+    }
+  }
+  std::vector<Viewpoint> ordered;
+  for (const std::size_t stop : tour.order) {
+    ordered.push_back(viewpoints[stop]);
+  }
+  return ordered;
+}
+
+void Explorer::set_target(const Eigen::Vector2d& p_map, double length_m, const Situation& now) {
+  if (!target_map_ || (*target_map_ - p_map).norm() > kSameViewpointM) {
+    least_length_m_ = length_m;
+    progress_us_ = now.utime_us;
+    there_since_us_ = now.utime_us;
+  }
+  target_map_ = p_map;
+}
+
+void Explorer::drive_tour(const Situation& now, std::vector<Viewpoint> tour, Decision& decision) {
+  state_ = State::kExploring;
+  set_target(tour.front().p_map, tour.front().length_m, now);
+  decision.reason = "Drives to where it sees more.";
+  decision.path_map = path_to(tour.front().cell);
+  decision.goal = next_goal(decision.path_map, now, params_.goal_tolerance_m);
+  for (const Viewpoint& viewpoint : tour) {
+    decision.waiting_m2 += viewpoint.gain_m2;
+  }
+  decision.tour = std::move(tour);
+}
+
+void Explorer::drive_home(const Situation& now, Decision& decision) {
+  const double distance_m = (now.T_map_base.translation() - *home_map_).norm();
+  if (distance_m <= params_.home_tolerance_m ||
+      (now.has_arrived && distance_m <= params_.home_tolerance_m + kArrivalM)) {
+    state_ = State::kHome;
+    decision.reason = kAtHome;
+    return;
+  }
+  state_ = State::kReturning;
+  target_map_.reset();
+  decision.reason = "All is seen: drives home.";
+  // Where the robot was when it began was in no beam: its cell may still be unknown.
+  const auto near_home = std::ranges::min_element(reach_.cells(), {}, [&](const Cell& cell) {
+    return (grid_.center_of(cell) - *home_map_).squaredNorm();
+  });
+  if (near_home != reach_.cells().end()) {
+    decision.path_map = path_to(*near_home);
+  }
+  decision.path_map.push_back(*home_map_);
+  decision.goal = next_goal(decision.path_map, now, params_.home_tolerance_m);
+}
+
+std::vector<Eigen::Vector2d> Explorer::path_to(const Cell& cell) const {
+  std::vector<Eigen::Vector2d> path_map;
+  for (const Cell& on_path : reach_.path_to(cell)) {
+    path_map.push_back(grid_.center_of(on_path));
+  }
+  return path_map;
+}
+
+/// The farthest place of the path to which a straight line is free, or which is some way ahead. The
+/// navigator knows the surroundings of where it has been; led around corners it need not guess what
+/// is behind walls.
+Goal Explorer::next_goal(const std::vector<Eigen::Vector2d>& path_map, const Situation& now,
+                         double last_tolerance_m) {
+  const Eigen::Vector2d p_map = now.T_map_base.translation();
+  const Eigen::Vector2d& last = path_map.back();
+  const auto farthest = std::find_if(path_map.rbegin(), path_map.rend(), [&](const auto& p) {
+    return is_line_passable(p_map, p) || (p - p_map).norm() < kLeastAheadM;
+  });
+  if (farthest == path_map.rbegin() || farthest == path_map.rend()) {
+    waypoint_map_.reset();
+    return {last, last_tolerance_m};
+  }
+  const bool is_kept = waypoint_map_ && ((*waypoint_map_ - *farthest).norm() < kSameWaypointM ||
+                                         is_ahead(path_map, *waypoint_map_, p_map));
+  if (!is_kept) {
+    waypoint_map_ = *farthest;
+  }
+  return {*waypoint_map_, params_.goal_tolerance_m};
+}
+
+/// Samples a planning cell apart; the robot itself may be within the clearance of something.
+bool Explorer::is_line_passable(const Eigen::Vector2d& from_map,
+                                const Eigen::Vector2d& to_map) const {
+  const double length_m = (to_map - from_map).norm();
+  const int num_steps = static_cast<int>(length_m / grid_.cell_size_m());
+  for (int i = 1; i <= num_steps; ++i) {
+    const double ratio = i * grid_.cell_size_m() / length_m;
+    const Eigen::Vector2d p_map = from_map + ratio * (to_map - from_map);
+    if (ratio * length_m > kAroundRobotM && !grid_.is_passable(grid_.cell_of(p_map))) {
+      return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace nodmap::explorer

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "modules/explorer/params.hpp"
+
+namespace nodmap::explorer {
+
+/// Places that the robot did not get to, or from which it did not see what it should have. Each is
+/// left out for a time that doubles with each failure, until it is given up.
+class Failures {
+ public:
+  explicit Failures(const PatienceParams& params) : params_(params) {}
+
+  void add(const Eigen::Vector2d& p_map, std::int64_t utime_us);
+  /// Whether a place near this one has failed lately, or for good.
+  [[nodiscard]] bool is_left_out(const Eigen::Vector2d& p_map, std::int64_t utime_us) const;
+  /// Those that are not given up may be tried again at once; false when there are none.
+  bool forgive();
+  [[nodiscard]] std::size_t size() const { return places_.size(); }
+  void clear() { places_.clear(); }
+
+ private:
+  struct Place {
+    Eigen::Vector2d p_map;
+    int num_failures = 0;
+    std::int64_t until_us = 0;
+  };
+
+  PatienceParams params_;
+  std::vector<Place> places_;
+};
+
+}  // namespace nodmap::explorer

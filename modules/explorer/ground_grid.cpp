@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/explorer/ground_grid.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace nodmap::explorer {
+namespace {
+
+/// As the map's own images have it: many rays only graze the cell of a wall.
+constexpr std::int8_t kOccupiedPercent = 25;
+/// The grid grows by blocks of so many map cells, so that it seldom grows.
+constexpr int kBlockCells = 256;
+/// Map cells farther from the origin than this are refused: numbers must stay exact.
+constexpr int kFarthestCell = 1 << 20;
+
+int round_down(int index, int step) {
+  return index >= 0 ? index / step * step : -((step - 1 - index) / step * step);
+}
+
+Cell halved(const Cell& map_cell) {
+  return {round_down(map_cell.x(), 2) / 2, round_down(map_cell.y(), 2) / 2};
+}
+
+Ground ground_of(std::int8_t occupancy) {
+  if (occupancy < 0) {
+    return Ground::kUnknown;
+  }
+  return occupancy >= kOccupiedPercent ? Ground::kOccupied : Ground::kFree;
+}
+
+bool is_plausible(const MapTile& tile) {
+  return tile.width > 0 && tile.height > 0 && tile.cell_size_m > 0.0 &&
+         std::isfinite(tile.cell_size_m) &&
+         tile.cells.size() ==
+             static_cast<std::size_t>(tile.width) * static_cast<std::size_t>(tile.height) &&
+         tile.first.cwiseAbs().maxCoeff() < kFarthestCell && tile.width < kFarthestCell &&
+         tile.height < kFarthestCell;
+}
+
+}  // namespace
+
+void GroundGrid::clear() {
+  *this = GroundGrid(clearance_m_);
+}
+
+bool GroundGrid::add(const MapTile& tile) {
+  if (!is_plausible(tile)) {
+    return false;
+  }
+  if (2.0 * tile.cell_size_m != cell_size_m_) {
+    clear();
+    cell_size_m_ = 2.0 * tile.cell_size_m;
+    find_near_offsets();
+  }
+  if (!make_room(tile)) {
+    return false;
+  }
+  Cell low = Cell::Constant(kFarthestCell);
+  Cell high = -low;
+  for (int row = 0; row < tile.height; ++row) {
+    for (int column = 0; column < tile.width; ++column) {
+      const Cell cell = tile.first + Cell(column, row);
+      const Ground now = ground_of(
+          tile.cells[static_cast<std::size_t>(row) * static_cast<std::size_t>(tile.width) +
+                     static_cast<std::size_t>(column)]);
+      Ground& before = map_.at(cell);
+      if (now == before) {
+        continue;
+      }
+      if ((now == Ground::kOccupied) != (before == Ground::kOccupied)) {
+        occupy(cell, now == Ground::kOccupied ? 1 : -1);
+      }
+      before = now;
+      low = low.cwiseMin(cell);
+      high = high.cwiseMax(cell);
+    }
+  }
+  if (low.x() <= high.x()) {
+    // What lies within the clearance, and beside it where gaps are filled.
+    const Cell margin = Cell::Constant(near_cells_ + 2);
+    summarise(halved(low - margin), halved(high + margin));
+  }
+  return true;
+}
+
+bool GroundGrid::make_room(const MapTile& tile) {
+  const Cell margin = Cell::Constant(near_cells_ + 4);
+  Cell low = tile.first - margin;
+  Cell high = tile.first + Cell(tile.width - 1, tile.height - 1) + margin;
+  if (map_.contains(low) && map_.contains(high)) {
+    return true;
+  }
+  if (!map_.is_empty()) {
+    low = low.cwiseMin(map_.first());
+    high = high.cwiseMax(map_.first() + Cell(map_.width() - 1, map_.height() - 1));
+  }
+  low = {round_down(low.x(), kBlockCells), round_down(low.y(), kBlockCells)};
+  high = {round_down(high.x(), kBlockCells), round_down(high.y(), kBlockCells)};
+  const Cell size = high - low + Cell::Constant(kBlockCells);
+  if (std::int64_t{size.x()} * size.y() / 4 > kMaxCells) {
+    return false;
+  }
+  map_.grow(low, size.x(), size.y(), Ground::kUnknown);
+  num_near_.grow(low, size.x(), size.y(), 0);
+  raw_.grow(low / 2, size.x() / 2, size.y() / 2, Ground::kUnknown);
+  ground_.grow(low / 2, size.x() / 2, size.y() / 2, Ground::kUnknown);
+  passable_.grow(low / 2, size.x() / 2, size.y() / 2, 0);
+  return true;
+}
+
+void GroundGrid::find_near_offsets() {
+  const double map_cell_m = 0.5 * cell_size_m_;
+  near_cells_ = static_cast<int>(clearance_m_ / map_cell_m);
+  for (int dy = -near_cells_; dy <= near_cells_; ++dy) {
+    for (int dx = -near_cells_; dx <= near_cells_; ++dx) {
+      if (map_cell_m * std::hypot(dx, dy) < clearance_m_) {
+        near_offsets_.emplace_back(dx, dy);
+      }
+    }
+  }
+}
+
+/// `change`: +1 when the cell becomes occupied, -1 when it no longer is.
+void GroundGrid::occupy(const Cell& map_cell, int change) {
+  for (const Cell& offset : near_offsets_) {
+    std::uint16_t& count = num_near_.at(map_cell + offset);
+    count = static_cast<std::uint16_t>(count + change);
+  }
+}
+
+/// Works the planning cells out anew from the map's cells.
+void GroundGrid::summarise(const Cell& low, const Cell& high) {
+  for (int y = low.y(); y <= high.y(); ++y) {
+    for (int x = low.x(); x <= high.x(); ++x) {
+      raw_.at({x, y}) = raw_ground({x, y});
+    }
+  }
+  for (int y = low.y(); y <= high.y(); ++y) {
+    for (int x = low.x(); x <= high.x(); ++x) {
+      Ground& ground = ground_.at({x, y});
+      num_free_ -= ground == Ground::kFree ? 1 : 0;
+      ground = filled_ground({x, y});
+      num_free_ += ground == Ground::kFree ? 1 : 0;
+      passable_.at({x, y}) = ground == Ground::kFree && has_room({x, y}) ? 1 : 0;
+    }
+  }
+}
+
+Ground GroundGrid::raw_ground(const Cell& cell) const {
+  Ground ground = Ground::kUnknown;
+  for (int i = 0; i < 4; ++i) {
+    ground = std::max(ground, map_.at(2 * cell + Cell(i % 2, i / 2)));
+  }
+  return ground;
+}
+
+Ground GroundGrid::filled_ground(const Cell& cell) const {
+  const Ground raw = raw_.at(cell);
+  if (raw != Ground::kUnknown) {
+    return raw;
+  }
+  static const std::array<Cell, 4> kDirections{Cell(1, 0), Cell(0, 1), Cell(1, 1), Cell(1, -1)};
+  Ground filled = Ground::kUnknown;
+  for (const Cell& direction : kDirections) {
+    if (!raw_.contains(cell + direction) || !raw_.contains(cell - direction)) {
+      continue;
+    }
+    const Ground one = raw_.at(cell + direction);
+    if (one == raw_.at(cell - direction)) {
+      filled = std::max(filled, one);
+    }
+  }
+  return filled;
+}
+
+/// One of the map's four cells suffices: planning must not close a door that the body fits through.
+bool GroundGrid::has_room(const Cell& cell) const {
+  for (int i = 0; i < 4; ++i) {
+    if (num_near_.at(2 * cell + Cell(i % 2, i / 2)) == 0) {
+      return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace nodmap::explorer

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "modules/explorer/raster.hpp"
+
+namespace nodmap::explorer {
+
+/// A rectangle of the 2D map, as MAP_2D brings it. Cells are numbered from the origin of map: cell
+/// (0, 0) lies between 0 and one cell's edge in x and y.
+struct MapTile {
+  double cell_size_m = 0.05;
+  Cell first = Cell::Zero();
+  int width = 0;
+  int height = 0;
+  std::span<const std::int8_t>
+      cells;  ///< row by row, x fastest; 0 free .. 100 occupied, -1 unknown
+};
+
+enum class Ground : std::uint8_t { kUnknown, kFree, kOccupied };
+
+/// The 2D map as exploration looks at it: planning cells of 2 x 2 cells of the map, each unknown,
+/// free or occupied, and whether the robot's centre can be there. Everything is kept up to date
+/// with each tile, at a cost that depends on the tile, not on the building. Frame map.
+///
+/// Gaps one planning cell wide count as what lies on both sides of them: the beams of a scan are
+/// 14 cm apart at 8 m, and a wall seen at a flat angle has cells that no beam ended in.
+class GroundGrid {
+ public:
+  /// The largest map, in planning cells: 410 m x 410 m at 10 cm.
+  static constexpr std::int64_t kMaxCells = std::int64_t{1} << 24;
+
+  /// `clearance_m`: distance that the robot's centre keeps from the middles of occupied map cells.
+  explicit GroundGrid(double clearance_m) : clearance_m_(clearance_m) {}
+
+  /// Takes over a tile. A tile with other cells than those before begins a new map. False, and
+  /// nothing is changed, where the map would become too large or the tile contradicts itself.
+  bool add(const MapTile& tile);
+  void clear();
+
+  [[nodiscard]] bool is_empty() const { return ground_.is_empty(); }
+  /// Edge of a planning cell.
+  [[nodiscard]] double cell_size_m() const { return cell_size_m_; }
+  [[nodiscard]] const Raster<Ground>& ground() const { return ground_; }
+  [[nodiscard]] Ground ground_at(const Cell& cell) const {
+    return ground_.contains(cell) ? ground_.at(cell) : Ground::kUnknown;
+  }
+  /// Whether the robot's centre can be here.
+  [[nodiscard]] bool is_passable(const Cell& cell) const {
+    return passable_.contains(cell) && passable_.at(cell) != 0;
+  }
+  [[nodiscard]] Cell cell_of(const Eigen::Vector2d& p_map) const {
+    return (p_map / cell_size_m_).array().floor().cast<int>();
+  }
+  [[nodiscard]] Eigen::Vector2d center_of(const Cell& cell) const {
+    return cell_size_m_ * (cell.cast<double>() + Eigen::Vector2d(0.5, 0.5));
+  }
+  /// Free planning cells.
+  [[nodiscard]] std::int64_t num_free() const { return num_free_; }
+
+ private:
+  [[nodiscard]] bool make_room(const MapTile& tile);
+  void find_near_offsets();
+  void occupy(const Cell& map_cell, int change);
+  void summarise(const Cell& low, const Cell& high);
+  [[nodiscard]] Ground raw_ground(const Cell& cell) const;
+  [[nodiscard]] Ground filled_ground(const Cell& cell) const;
+  [[nodiscard]] bool has_room(const Cell& cell) const;
+
+  double clearance_m_;
+  double cell_size_m_ = 0.0;
+  std::vector<Cell> near_offsets_;  // map cells within the clearance
+  int near_cells_ = 0;              // the farthest of them along an axis
+  Raster<Ground> map_;              // the map's own cells
+  Raster<std::uint16_t> num_near_;  // occupied map cells within the clearance, by map cell
+  Raster<Ground> raw_;              // planning cells before gaps are filled
+  Raster<Ground> ground_;
+  Raster<std::uint8_t> passable_;
+  std::int64_t num_free_ = 0;
+};
+
+}  // namespace nodmap::explorer

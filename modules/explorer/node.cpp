@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/explorer/node.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "common/node/log.hpp"
+#include "common/node/messages.hpp"
+
+namespace nodmap::explorer {
+namespace {
+
+constexpr double kDecisionPeriodS = 0.5;
+/// The goal is sent again after so long, for a navigator that has missed it or was started since.
+constexpr double kGoalPeriodS = 1.0;
+/// A goal within this of the last one is the same.
+constexpr double kSameGoalM = 0.05;
+/// Own goals that are kept to be told from others'.
+constexpr std::size_t kOwnGoals = 16;
+/// With these EXPLORATION stays far below 64 KiB.
+constexpr std::size_t kMaxPathPoints = 500;
+constexpr std::size_t kMaxFrontierPoints = 2000;
+/// Tiles farther away than this are refused; cell numbers stay exact.
+constexpr double kFarthestM = 10'000.0;
+
+bool is_due(std::int64_t utime_us, const std::optional<std::int64_t>& last_us, double period_s) {
+  return !last_us ||
+         std::abs(static_cast<double>(utime_us) - static_cast<double>(*last_us)) >= 1e6 * period_s;
+}
+
+std::int8_t code_of(State state) {
+  switch (state) {
+    case State::kIdle:
+      break;
+    case State::kExploring:
+      return nodmap::exploration_t::EXPLORING;
+    case State::kReturning:
+      return nodmap::exploration_t::RETURNING;
+    case State::kHome:
+      return nodmap::exploration_t::HOME;
+  }
+  return nodmap::exploration_t::IDLE;
+}
+
+/// Empty where the numbers make no sense.
+std::optional<MapTile> read_tile(const nodmap::grid_chunk_t& message) {
+  const Eigen::Vector2d origin_m(message.origin_x_m, message.origin_y_m);
+  if (!(message.cell_size_m > 0.001) || !std::isfinite(message.cell_size_m) ||
+      !origin_m.allFinite() || origin_m.cwiseAbs().maxCoeff() > kFarthestM || message.tile_x < 0 ||
+      message.tile_y < 0 || message.tile_x > message.grid_width ||
+      message.tile_y > message.grid_height) {
+    return std::nullopt;
+  }
+  const Cell origin = (origin_m / message.cell_size_m).array().round().cast<int>();
+  return MapTile{message.cell_size_m, origin + Cell(message.tile_x, message.tile_y),
+                 message.tile_width, message.tile_height, message.cells};
+}
+
+/// Each n-th of `count`, so that at most `most` are taken.
+std::size_t stride(std::size_t count, std::size_t most) {
+  return (count + most - 1) / most;
+}
+
+}  // namespace
+
+ExplorerNode::ExplorerNode(node::Context& context, const Params& params)
+    : context_(context), params_(params), explorer_(params) {
+  bus::Bus& bus = context.bus;
+  bus.subscribe<nodmap::grid_chunk_t>("MAP_2D", [this](const auto& m) { on_map(m); });
+  bus.subscribe<nodmap::pose_t>("POSE_2D", [this](const auto& m) { on_pose(m); });
+  bus.subscribe<nodmap::navigation_t>("NAVIGATION", [this](const auto& m) { on_navigation(m); });
+  bus.subscribe<nodmap::path_t>("PATH", [this](const auto& m) { on_path(m); });
+  bus.subscribe<nodmap::explore_t>("EXPLORE", [this](const auto& m) { on_explore(m); });
+  bus.subscribe<nodmap::goal_t>("GOAL", [this](const auto& m) { on_goal(m); });
+  bus.subscribe<nodmap::stop_t>("STOP", [this](const auto& m) { on_stop(m); });
+  if (params.start) {
+    start();
+  }
+}
+
+void ExplorerNode::on_map(const nodmap::grid_chunk_t& message) {
+  const auto tile = read_tile(message);
+  // 2D SLAM has begun anew: where home is in its new map is not known.
+  if (tile && message.map_revision < map_revision_) {
+    explorer_.forget_map();
+    if (explorer_.state() != State::kIdle && num_decisions_ > 0) {
+      end("The 2D map began anew.");
+    }
+  }
+  if (!tile || !explorer_.add(*tile)) {
+    context_.counts.reject("implausible_map_tile");
+    return;
+  }
+  context_.counts.use();
+  map_revision_ = message.map_revision;
+}
+
+void ExplorerNode::on_pose(const nodmap::pose_t& message) {
+  const auto T_map_base = node::read_pose(message.position_m, message.orientation);
+  if (!T_map_base) {
+    context_.counts.reject("implausible_pose");
+    return;
+  }
+  context_.counts.use();
+  is_lost_ = message.state == nodmap::pose_t::LOST;
+  if (is_lost_) {
+    return;
+  }
+  T_map_base_ = geometry::to_se2(*T_map_base);
+  if (is_due(message.utime, decided_us_, kDecisionPeriodS)) {
+    decided_us_ = message.utime;
+    decide(message.utime);
+  }
+}
+
+void ExplorerNode::on_navigation(const nodmap::navigation_t& message) {
+  context_.counts.use();
+  has_arrived_ = message.behaviour == nodmap::navigation_t::ARRIVED;
+}
+
+void ExplorerNode::on_path(const nodmap::path_t& message) {
+  context_.counts.use();
+  has_no_path_ = message.state == nodmap::path_t::NO_PATH;
+}
+
+void ExplorerNode::on_explore(const nodmap::explore_t& message) {
+  context_.counts.use();
+  if (message.is_active != 0 && explorer_.state() == State::kIdle) {
+    log::get().info("{} starts the exploration", message.requested_by);
+    start();
+  } else if (message.is_active != 0 && explorer_.state() == State::kHome) {
+    start();
+  } else if (message.is_active == 0 && explorer_.state() != State::kIdle) {
+    end("Ended by " + message.requested_by + ".");
+    if (T_map_base_) {
+      // Without a goal the robot would roam.
+      send_goal({T_map_base_->translation(), params_.goal_tolerance_m}, message.utime);
+    }
+  }
+}
+
+/// Whoever else sends a goal, or cancels one, has taken over.
+void ExplorerNode::on_goal(const nodmap::goal_t& message) {
+  context_.counts.use();
+  if (explorer_.state() != State::kIdle && !is_own(message)) {
+    end("Yields to a goal of somebody else.");
+  }
+}
+
+/// The robot stands until it is released, and then goes on: a STOP is not the end of what it does.
+void ExplorerNode::on_stop(const nodmap::stop_t& message) {
+  context_.counts.use();
+  is_stopped_ = message.is_stopped != 0;
+}
+
+void ExplorerNode::start() {
+  explorer_.start();
+  goal_us_.reset();
+  num_decisions_ = 0;
+}
+
+void ExplorerNode::end(const std::string& reason) {
+  log::get().info("the exploration ends: {}", reason);
+  idle_reason_ = reason;
+  explorer_.stop();
+}
+
+void ExplorerNode::decide(std::int64_t utime_us) {
+  if (is_stopped_ && explorer_.state() != State::kIdle) {
+    Decision waits;
+    waits.state = explorer_.state();
+    waits.reason = "The robot is stopped.";
+    waits.seen_m2 = seen_m2_;
+    publish(waits, utime_us);
+    return;
+  }
+  Decision decision = explorer_.decide({.utime_us = utime_us,
+                                        .T_map_base = *T_map_base_,
+                                        .has_no_path = has_no_path_,
+                                        .has_arrived = has_arrived_});
+  if (decision.state == State::kIdle) {
+    decision.reason = idle_reason_;
+  } else {
+    ++num_decisions_;
+  }
+  seen_m2_ = decision.seen_m2;
+  if (decision.goal) {
+    send_goal(*decision.goal, utime_us);
+  }
+  publish(decision, utime_us);
+}
+
+void ExplorerNode::send_goal(const Goal& goal, std::int64_t utime_us) {
+  const Eigen::Vector2d last_map(goal_.position_m[0], goal_.position_m[1]);
+  const bool is_new = (goal.p_map - last_map).norm() > kSameGoalM ||
+                      goal.tolerance_m != goal_.tolerance_m || !goal_us_;
+  if (is_new) {
+    goal_.position_m[0] = goal.p_map.x();
+    goal_.position_m[1] = goal.p_map.y();
+    goal_.tolerance_m = goal.tolerance_m;
+    // What the navigator says is about the last one until it has heard of this one.
+    has_no_path_ = false;
+    has_arrived_ = false;
+  } else if (!is_due(utime_us, goal_us_, kGoalPeriodS)) {
+    return;
+  }
+  goal_us_ = utime_us;
+  goal_.utime = utime_us;
+  goal_.is_active = 1;
+  own_goals_.push_back(goal_);
+  if (own_goals_.size() > kOwnGoals) {
+    own_goals_.pop_front();
+  }
+  context_.bus.publish("GOAL", goal_);
+  ++goal_.goal_seq;
+}
+
+bool ExplorerNode::is_own(const nodmap::goal_t& message) const {
+  return std::ranges::any_of(own_goals_, [&](const nodmap::goal_t& own) {
+    return own.utime == message.utime && own.goal_seq == message.goal_seq &&
+           own.is_active == message.is_active && own.position_m[0] == message.position_m[0] &&
+           own.position_m[1] == message.position_m[1];
+  });
+}
+
+void ExplorerNode::publish(const Decision& decision, std::int64_t utime_us) {
+  nodmap::exploration_t message{};
+  message.utime = utime_us;
+  message.state = code_of(decision.state);
+  message.reason = decision.reason;
+  message.seen_m2 = decision.seen_m2;
+  message.waiting_m2 = decision.waiting_m2;
+  for (const Viewpoint& viewpoint : decision.tour) {
+    message.viewpoint_x_m.push_back(viewpoint.p_map.x());
+    message.viewpoint_y_m.push_back(viewpoint.p_map.y());
+    message.gain_m2.push_back(viewpoint.gain_m2);
+  }
+  message.num_viewpoints = static_cast<std::int32_t>(decision.tour.size());
+  const auto& path = decision.path_map;
+  for (std::size_t i = 0; i < path.size(); i += stride(path.size(), kMaxPathPoints)) {
+    message.x_m.push_back(path[i].x());
+    message.y_m.push_back(path[i].y());
+  }
+  message.num_points = static_cast<std::int32_t>(message.x_m.size());
+  const auto& frontier = decision.frontier_map;
+  for (std::size_t i = 0; i < frontier.size(); i += stride(frontier.size(), kMaxFrontierPoints)) {
+    message.frontier_x_m.push_back(frontier[i].x());
+    message.frontier_y_m.push_back(frontier[i].y());
+  }
+  message.num_frontier_points = static_cast<std::int32_t>(message.frontier_x_m.size());
+  context_.bus.publish("EXPLORATION", message);
+}
+
+nlohmann::json ExplorerNode::metrics() const {
+  return {{"decisions", num_decisions_},
+          {"goals", goal_.goal_seq},
+          {"failures", explorer_.num_failures()},
+          {"seen_m2", seen_m2_}};
+}
+
+node::Health ExplorerNode::health() const {
+  if (is_lost_ && explorer_.state() != State::kIdle) {
+    return {node::HealthState::kDegraded, "2D SLAM is lost: where to go is not known."};
+  }
+  return {};
+}
+
+}  // namespace nodmap::explorer

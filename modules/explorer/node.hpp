@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+
+#include "common/node/node.hpp"
+#include "modules/explorer/explorer.hpp"
+#include "nodmap/exploration_t.hpp"
+#include "nodmap/explore_t.hpp"
+#include "nodmap/goal_t.hpp"
+#include "nodmap/grid_chunk_t.hpp"
+#include "nodmap/navigation_t.hpp"
+#include "nodmap/path_t.hpp"
+#include "nodmap/pose_t.hpp"
+#include "nodmap/stop_t.hpp"
+
+namespace nodmap::explorer {
+
+/// MAP_2D, POSE_2D and what the navigator says in, GOAL and EXPLORATION out, twice a second. Begins
+/// and ends at EXPLORE. Yields to a GOAL of anybody else; while the robot is stopped it waits.
+class ExplorerNode final : public node::Node {
+ public:
+  using Params = ExplorerParams;
+
+  ExplorerNode(node::Context& context, const Params& params);
+
+  void write_results(const std::filesystem::path& /*dir*/) override {}
+  [[nodiscard]] nlohmann::json metrics() const override;
+  [[nodiscard]] node::Health health() const override;
+
+ private:
+  void on_map(const nodmap::grid_chunk_t& message);
+  void on_pose(const nodmap::pose_t& message);
+  void on_navigation(const nodmap::navigation_t& message);
+  void on_path(const nodmap::path_t& message);
+  void on_explore(const nodmap::explore_t& message);
+  void on_goal(const nodmap::goal_t& message);
+  void on_stop(const nodmap::stop_t& message);
+
+  void start();
+  void end(const std::string& reason);
+  void decide(std::int64_t utime_us);
+  void send_goal(const Goal& goal, std::int64_t utime_us);
+  [[nodiscard]] bool is_own(const nodmap::goal_t& message) const;
+  void publish(const Decision& decision, std::int64_t utime_us);
+
+  node::Context& context_;
+  Params params_;
+  Explorer explorer_;
+
+  std::int64_t map_revision_ = -1;
+  std::optional<geometry::SE2> T_map_base_;
+  bool is_lost_ = false;
+  bool is_stopped_ = false;
+  bool has_no_path_ = false;
+  bool has_arrived_ = false;
+  std::string idle_reason_ = "Waits to be started.";
+
+  std::optional<std::int64_t> decided_us_;
+  nodmap::goal_t goal_{};  // the last one sent
+  std::optional<std::int64_t> goal_us_;
+  std::deque<nodmap::goal_t> own_goals_;  // sent lately: they come back
+  std::int64_t num_decisions_ = 0;
+  double seen_m2_ = 0.0;
+};
+
+}  // namespace nodmap::explorer

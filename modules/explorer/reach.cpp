@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/explorer/reach.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+namespace nodmap::explorer {
+namespace {
+
+constexpr double kAroundM = 0.4;
+constexpr std::uint8_t kBegins = 8;
+constexpr std::uint32_t kStraight = 5;
+constexpr std::uint32_t kDiagonal = 7;
+/// The heading of a path is that of its last cells.
+constexpr int kHeadingCells = 4;
+
+const std::array<Cell, 8> kNeighbours{Cell(1, 0), Cell(-1, 0), Cell(0, 1),  Cell(0, -1),
+                                      Cell(1, 1), Cell(-1, 1), Cell(1, -1), Cell(-1, -1)};
+
+}  // namespace
+
+void Reach::compute(const GroundGrid& grid, const Eigen::Vector2d& from_map,
+                    std::span<const Cell> targets) {
+  const Raster<Ground>& ground = grid.ground();
+  cell_size_m_ = grid.cell_size_m();
+  steps_.reset(ground.first(), ground.width(), ground.height(), kNever);
+  from_.reset(ground.first(), ground.width(), ground.height(), kBegins);
+  cells_.clear();
+  for (auto& bucket : buckets_) {
+    bucket.clear();
+  }
+  num_queued_ = 0;
+  seed(grid, from_map);
+  std::size_t num_missing = targets.size();
+  std::vector<Cell> open;
+  for (std::uint32_t length = 0; num_queued_ > 0; ++length) {
+    open.swap(buckets_[length % kNumBuckets]);
+    buckets_[length % kNumBuckets].clear();
+    num_queued_ -= open.size();
+    for (const Cell& cell : open) {
+      if (steps_.at(cell) != length) {
+        continue;  // reached by a shorter path since
+      }
+      cells_.push_back(cell);
+      for (std::uint8_t i = 0; i < kNeighbours.size(); ++i) {
+        const Cell next = cell + kNeighbours.at(i);
+        if (grid.is_passable(next)) {
+          push(next, length + (i < 4 ? kStraight : kDiagonal), i);
+        }
+      }
+    }
+    num_missing -= static_cast<std::size_t>(std::ranges::count_if(targets, [&](const Cell& target) {
+      return steps_.contains(target) && steps_.at(target) == length;
+    }));
+    open.clear();
+    if (!targets.empty() && num_missing == 0) {
+      break;
+    }
+  }
+}
+
+void Reach::seed(const GroundGrid& grid, const Eigen::Vector2d& from_map) {
+  const Cell middle = grid.cell_of(from_map);
+  const auto around = static_cast<int>(kAroundM / cell_size_m_);
+  std::optional<Cell> nearest;
+  for (int dy = -around; dy <= around; ++dy) {
+    for (int dx = -around; dx <= around; ++dx) {
+      const Cell offset(dx, dy);
+      if (grid.is_passable(middle + offset) &&
+          (!nearest || offset.squaredNorm() < nearest->squaredNorm())) {
+        nearest = offset;
+      }
+    }
+  }
+  if (nearest) {
+    push(middle + *nearest, 0, kBegins);
+  }
+}
+
+void Reach::push(const Cell& cell, std::uint32_t length, std::uint8_t from) {
+  std::uint32_t& known = steps_.at(cell);
+  if (length < known) {
+    known = length;
+    from_.at(cell) = from;
+    buckets_[length % kNumBuckets].push_back(cell);
+    ++num_queued_;
+  }
+}
+
+double Reach::length_m(const Cell& cell) const {
+  return is_reached(cell) ? cell_size_m_ / kStraight * steps_.at(cell)
+                          : std::numeric_limits<double>::infinity();
+}
+
+std::vector<Cell> Reach::path_to(const Cell& cell) const {
+  std::vector<Cell> path{cell};
+  while (from_.at(path.back()) != kBegins) {
+    path.push_back(path.back() - kNeighbours.at(from_.at(path.back())));
+  }
+  std::ranges::reverse(path);
+  return path;
+}
+
+double Reach::heading_rad(const Cell& cell, double otherwise_rad) const {
+  Cell before = cell;
+  for (int i = 0; i < kHeadingCells && from_.at(before) != kBegins; ++i) {
+    before -= kNeighbours.at(from_.at(before));
+  }
+  const Cell along = cell - before;
+  return along.isZero() ? otherwise_rad : std::atan2(along.y(), along.x());
+}
+
+}  // namespace nodmap::explorer

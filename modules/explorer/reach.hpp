@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "modules/explorer/ground_grid.hpp"
+
+namespace nodmap::explorer {
+
+/// Lengths of the shortest paths from one place to all others over passable cells (Dijkstra with
+/// buckets on the 8-neighbourhood: up to 8 % longer than the straight line). Frame map.
+class Reach {
+ public:
+  /// Where the robot is may lie within the clearance of an obstacle: paths begin at the nearest
+  /// passable cell within 0.4 m. With `targets` the search ends when all of them have been reached.
+  void compute(const GroundGrid& grid, const Eigen::Vector2d& from_map,
+               std::span<const Cell> targets = {});
+
+  /// The passable cells that can be reached, the nearest first.
+  [[nodiscard]] const std::vector<Cell>& cells() const { return cells_; }
+  [[nodiscard]] bool is_reached(const Cell& cell) const {
+    return steps_.contains(cell) && steps_.at(cell) != kNever;
+  }
+  /// Metres; +infinity where there is no path.
+  [[nodiscard]] double length_m(const Cell& cell) const;
+  /// The cells of the path to a reached cell, the first one near the robot.
+  [[nodiscard]] std::vector<Cell> path_to(const Cell& cell) const;
+  /// Direction in which the path arrives there, radians in map; `otherwise_rad` where it is too
+  /// short to tell.
+  [[nodiscard]] double heading_rad(const Cell& cell, double otherwise_rad) const;
+
+ private:
+  static constexpr std::uint32_t kNever = 0xFFFFFFFFU;
+  /// Lengths are counted in fifths of a cell: 5 along an axis, 7 along a diagonal.
+  static constexpr int kNumBuckets = 8;
+
+  void push(const Cell& cell, std::uint32_t length, std::uint8_t from);
+  void seed(const GroundGrid& grid, const Eigen::Vector2d& from_map);
+
+  double cell_size_m_ = 0.1;
+  Raster<std::uint32_t> steps_;
+  Raster<std::uint8_t> from_;  // the neighbour that the path comes from; 8: it begins here
+  std::array<std::vector<Cell>, kNumBuckets> buckets_;
+  std::size_t num_queued_ = 0;
+  std::vector<Cell> cells_;
+};
+
+}  // namespace nodmap::explorer

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/explorer/explorer.hpp"
+
+#include <gtest/gtest.h>
+
+#include "modules/explorer/test/grid_world.hpp"
+
+namespace nodmap::explorer {
+namespace {
+
+using test::Exploration;
+using test::explore;
+using test::GridWorld;
+using test::make_office;
+
+ExplorerParams with(Policy policy) {
+  ExplorerParams params;
+  params.policy = policy;
+  return params;
+}
+
+class Offices : public ::testing::TestWithParam<int> {};
+
+// Four rooms on each side of a corridor of 16 m.
+TEST_P(Offices, AreSeenAndTheRobotIsBackHome) {
+  GridWorld office = make_office(4, static_cast<std::uint64_t>(GetParam()));
+  const Exploration exploration = explore(office, with(Policy::kTour), 900.0);
+  EXPECT_EQ(exploration.state, State::kHome);
+  EXPECT_GE(exploration.seen_ratio, 0.98);
+  EXPECT_LE(exploration.from_home_m, 0.05);
+}
+INSTANTIATE_TEST_SUITE_P(Seeds, Offices, ::testing::Range(1000, 1003));
+
+// What the tour is compared with (bench/exploration.py) must do its work, too.
+TEST(Explorer, ByTheNearestFrontierAnOfficeIsSeenAsWell) {
+  GridWorld office = make_office(4, 1000);
+  const Exploration exploration = explore(office, with(Policy::kNearestFrontier), 900.0);
+  EXPECT_EQ(exploration.state, State::kHome);
+  EXPECT_GE(exploration.seen_ratio, 0.98);
+}
+
+/// A closed room of 4 m x 3 m, all of it known.
+GridWorld known_room() {
+  GridWorld room({-2.5, -2.0}, {2.5, 2.0});
+  room.add_wall({-2.0, -1.5}, {2.0, -1.5});
+  room.add_wall({-2.0, 1.5}, {2.0, 1.5});
+  room.add_wall({-2.0, -1.5}, {-2.0, 1.5});
+  room.add_wall({2.0, -1.5}, {2.0, 1.5});
+  for (int i = 0; i < 4; ++i) {
+    room.scan({0.0, 0.0, 0.5 * geometry::kPi * i});
+  }
+  return room;
+}
+
+TEST(Explorer, InAKnownRoomItIsHomeAtOnce) {
+  const GridWorld room = known_room();
+  Explorer explorer{ExplorerParams{}};
+  EXPECT_EQ(explorer.decide({}).state, State::kIdle);
+  explorer.start();
+  EXPECT_FALSE(explorer.decide({}).goal) << "there is no map yet";
+  ASSERT_TRUE(explorer.add(room.map()));
+  const Decision decision = explorer.decide({.utime_us = 1'000'000, .T_map_base = {}});
+  EXPECT_EQ(decision.state, State::kHome);
+  EXPECT_FALSE(decision.goal);
+  EXPECT_NEAR(decision.seen_m2, 3.9 * 2.9, 0.8);  // walls take up to a planning cell more
+}
+
+TEST(Explorer, ReturnsToWhereItBegan) {
+  const GridWorld room = known_room();
+  GridWorld unknown({-2.5, -2.0}, {2.5, 2.0});
+  unknown.scan({-1.0, 0.0, 0.0});
+  Explorer explorer{ExplorerParams{}};
+  explorer.start();
+  ASSERT_TRUE(explorer.add(unknown.map()));
+  EXPECT_EQ(explorer.decide({.utime_us = 0, .T_map_base = {-1.0, 0.0, 0.0}}).state,
+            State::kExploring);
+  ASSERT_TRUE(explorer.add(room.map()));
+  const Decision decision = explorer.decide({.utime_us = 500'000, .T_map_base = {1.0, 0.5, 0.0}});
+  EXPECT_EQ(decision.state, State::kReturning);
+  ASSERT_TRUE(decision.goal);
+  EXPECT_EQ(decision.goal->p_map, Eigen::Vector2d(-1.0, 0.0));
+  EXPECT_EQ(decision.goal->tolerance_m, ExplorerParams{}.home_tolerance_m);
+  EXPECT_EQ(explorer.decide({.utime_us = 1'000'000, .T_map_base = {-0.97, 0.0, 0.0}}).state,
+            State::kHome);
+}
+
+/// A robot that cannot move, at the beginning of a corridor with much to see at its end.
+class Stuck : public ::testing::Test {
+ protected:
+  Stuck() : world_({-8.0, -8.0}, {8.0, 8.0}) {
+    world_.add_wall({-0.5, -1.0}, {4.0, -1.0});
+    world_.add_wall({-0.5, 1.0}, {4.0, 1.0});
+    world_.scan({0.0, 0.0, 0.0});
+    EXPECT_TRUE(explorer_.add(world_.map()));
+    explorer_.start();
+  }
+  Decision decide(double time_s, bool has_no_path = false) {
+    return explorer_.decide({.utime_us = static_cast<std::int64_t>(1e6 * time_s),
+                             .T_map_base = {},
+                             .has_no_path = has_no_path});
+  }
+
+  GridWorld world_;
+  Explorer explorer_{ExplorerParams{}};
+};
+
+TEST_F(Stuck, GivesAViewpointUpForAnotherOne) {
+  const Eigen::Vector2d first = decide(0.0).tour.front().p_map;
+  const double stuck_s = ExplorerParams{}.patience.stuck_s;
+  for (double time_s = 0.5; time_s <= stuck_s; time_s += 0.5) {
+    ASSERT_EQ(decide(time_s).tour.front().p_map, first) << time_s;
+  }
+  const Decision decision = decide(stuck_s + 0.5);
+  ASSERT_FALSE(decision.tour.empty());
+  EXPECT_GT((decision.tour.front().p_map - first).norm(), 0.5);
+  EXPECT_EQ(explorer_.num_failures(), 1U);
+}
+
+TEST_F(Stuck, WithoutAPathItGivesUpSooner) {
+  (void)decide(0.0);
+  const double no_path_s = ExplorerParams{}.patience.no_path_s;
+  for (double time_s = 0.5; time_s <= no_path_s + 0.5; time_s += 0.5) {
+    (void)decide(time_s, true);
+  }
+  EXPECT_EQ(explorer_.num_failures(), 1U);
+}
+
+// While the robot is stopped nothing is decided.
+TEST_F(Stuck, APauseIsNoFailure) {
+  const Eigen::Vector2d first = decide(0.0).tour.front().p_map;
+  EXPECT_EQ(decide(100.0).tour.front().p_map, first);
+  EXPECT_EQ(explorer_.num_failures(), 0U);
+}
+
+TEST_F(Stuck, ComesToAnEnd) {
+  double time_s = 0.0;
+  while (explorer_.state() == State::kExploring && time_s < 1e5) {
+    time_s += 1.0;
+    (void)decide(time_s);
+  }
+  EXPECT_EQ(explorer_.state(), State::kHome);
+}
+
+}  // namespace
+}  // namespace nodmap::explorer

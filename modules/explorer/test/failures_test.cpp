@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/explorer/failures.hpp"
+
+#include <gtest/gtest.h>
+
+namespace nodmap::explorer {
+namespace {
+
+const Eigen::Vector2d kPlace(3.0, 1.0);
+const Eigen::Vector2d kBeside(3.5, 1.0);
+const Eigen::Vector2d kElsewhere(4.0, 1.0);
+
+constexpr std::int64_t at_s(int seconds) {
+  return 1'000'000LL * seconds;
+}
+
+TEST(Failures, APlaceIsLeftOutForATimeThatDoubles) {
+  Failures failures({.retry_s = 30.0, .max_failures = 3});
+  failures.add(kPlace, at_s(100));
+  EXPECT_TRUE(failures.is_left_out(kBeside, at_s(129)));
+  EXPECT_FALSE(failures.is_left_out(kElsewhere, at_s(129)));
+  EXPECT_FALSE(failures.is_left_out(kPlace, at_s(130)));
+  failures.add(kBeside, at_s(200));
+  EXPECT_EQ(failures.size(), 1U) << "it is the same place";
+  EXPECT_TRUE(failures.is_left_out(kPlace, at_s(259)));
+  EXPECT_FALSE(failures.is_left_out(kPlace, at_s(260)));
+  failures.add(kPlace, at_s(300));
+  EXPECT_TRUE(failures.is_left_out(kPlace, at_s(1'000'000))) << "given up";
+}
+
+TEST(Failures, WhatIsNotGivenUpIsForgivenOnce) {
+  Failures failures({.retry_s = 30.0, .max_failures = 2});
+  EXPECT_FALSE(failures.forgive()) << "there is nothing";
+  failures.add(kPlace, at_s(100));
+  EXPECT_TRUE(failures.forgive());
+  EXPECT_FALSE(failures.is_left_out(kPlace, at_s(101)));
+  EXPECT_FALSE(failures.forgive()) << "it is forgiven already";
+  failures.add(kPlace, at_s(102));
+  EXPECT_FALSE(failures.forgive());
+  EXPECT_TRUE(failures.is_left_out(kPlace, at_s(103)));
+}
+
+}  // namespace
+}  // namespace nodmap::explorer

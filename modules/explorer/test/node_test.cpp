@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/explorer/node.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "common/node/messages.hpp"
+#include "modules/explorer/test/grid_world.hpp"
+#include "tests/support/memory_bus.hpp"
+
+namespace nodmap::explorer {
+namespace {
+
+class ExplorerNodeTest : public ::testing::Test {
+ protected:
+  ExplorerNodeTest() : world_({-4.0, -4.0}, {8.0, 4.0}), node_(context_, {}) {
+    world_.add_wall({-0.5, -1.0}, {5.0, -1.0});
+    world_.add_wall({-0.5, 1.0}, {5.0, 1.0});
+    world_.scan({0.0, 0.0, 0.0});
+  }
+
+  void give_map(std::int64_t revision = 0) {
+    const MapTile tile = world_.map();
+    nodmap::grid_chunk_t message{};
+    message.map_revision = revision;
+    message.num_chunks = 1;
+    message.cell_size_m = tile.cell_size_m;
+    message.origin_x_m = tile.cell_size_m * tile.first.x();
+    message.origin_y_m = tile.cell_size_m * tile.first.y();
+    message.grid_width = message.tile_width = tile.width;
+    message.grid_height = message.tile_height = tile.height;
+    message.num_cells = static_cast<std::int32_t>(tile.cells.size());
+    message.cells.assign(tile.cells.begin(), tile.cells.end());
+    bus_.deliver("MAP_2D", message);
+  }
+  /// Half a second later.
+  nodmap::exploration_t give_pose(std::int8_t state = nodmap::pose_t::TRACKING) {
+    utime_us_ += 500'000;
+    nodmap::pose_t pose =
+        node::write_corrected_pose(utime_us_, geometry::SE3::Identity(), geometry::SE3::Identity());
+    pose.state = state;
+    bus_.deliver("POSE_2D", pose);
+    return bus_.last<nodmap::exploration_t>("EXPLORATION");
+  }
+  void ask(bool is_active) {
+    nodmap::explore_t message{};
+    message.is_active = static_cast<std::int8_t>(is_active);
+    message.requested_by = "somebody";
+    bus_.deliver("EXPLORE", message);
+  }
+  void stop(bool is_stopped) {
+    nodmap::stop_t message{};
+    message.is_stopped = static_cast<std::int8_t>(is_stopped);
+    bus_.deliver("STOP", message);
+  }
+
+  test::GridWorld world_;
+  ::nodmap::test::MemoryBus bus_;
+  node::MessageCounts counts_;
+  node::Context context_{bus_, counts_, {}};
+  ExplorerNode node_;
+  std::int64_t utime_us_ = 0;
+};
+
+TEST_F(ExplorerNodeTest, SendsNoGoalUntilItIsAskedTo) {
+  give_map();
+  EXPECT_EQ(give_pose().state, nodmap::exploration_t::IDLE);
+  EXPECT_EQ(bus_.count("GOAL"), 0U);
+  ask(true);
+  const auto exploration = give_pose();
+  EXPECT_EQ(exploration.state, nodmap::exploration_t::EXPLORING);
+  EXPECT_GT(exploration.num_viewpoints, 0);
+  EXPECT_GT(exploration.num_points, 0);
+  EXPECT_GT(exploration.num_frontier_points, 0);
+  EXPECT_GT(exploration.seen_m2, 5.0);
+  ASSERT_EQ(bus_.count("GOAL"), 1U);
+  const auto goal = bus_.last<nodmap::goal_t>("GOAL");
+  EXPECT_TRUE(goal.is_active);
+  EXPECT_GT(std::hypot(goal.position_m[0], goal.position_m[1]), ExplorerParams{}.goal_tolerance_m);
+}
+
+TEST_F(ExplorerNodeTest, RepeatsItsGoalOnceASecondAndKnowsItAgain) {
+  give_map();
+  ask(true);
+  (void)give_pose();
+  for (int i = 0; i < 4; ++i) {
+    bus_.deliver("GOAL", bus_.last<nodmap::goal_t>("GOAL"));
+    EXPECT_EQ(give_pose().state, nodmap::exploration_t::EXPLORING);
+  }
+  EXPECT_EQ(bus_.count("GOAL"), 3U);
+}
+
+TEST_F(ExplorerNodeTest, YieldsToAGoalOfSomebodyElse) {
+  give_map();
+  ask(true);
+  (void)give_pose();
+  auto goal = bus_.last<nodmap::goal_t>("GOAL");
+  goal.position_m[0] += 1.0;
+  bus_.deliver("GOAL", goal);
+  EXPECT_EQ(give_pose().state, nodmap::exploration_t::IDLE);
+  EXPECT_EQ(bus_.count("GOAL"), 1U) << "nothing is sent against it";
+}
+
+TEST_F(ExplorerNodeTest, AStopMakesItWaitAndGoOn) {
+  give_map();
+  ask(true);
+  (void)give_pose();
+  stop(true);
+  for (int i = 0; i < 100; ++i) {
+    EXPECT_EQ(give_pose().reason, "The robot is stopped.");
+  }
+  EXPECT_EQ(bus_.count("GOAL"), 1U);
+  stop(false);
+  EXPECT_EQ(give_pose().state, nodmap::exploration_t::EXPLORING);
+  EXPECT_EQ(bus_.count("GOAL"), 2U);
+  EXPECT_EQ(node_.metrics()["failures"], 0);
+}
+
+TEST_F(ExplorerNodeTest, EndedItLeavesTheRobotWhereItIs) {
+  give_map();
+  ask(true);
+  (void)give_pose();
+  ask(false);
+  const auto goal = bus_.last<nodmap::goal_t>("GOAL");
+  EXPECT_TRUE(goal.is_active);
+  EXPECT_EQ(goal.position_m[0], 0.0);
+  const auto exploration = give_pose();
+  EXPECT_EQ(exploration.state, nodmap::exploration_t::IDLE);
+  EXPECT_EQ(exploration.reason, "Ended by somebody.");
+}
+
+TEST_F(ExplorerNodeTest, WithoutAPoseToTrustNothingIsDecided) {
+  give_map();
+  ask(true);
+  (void)give_pose();
+  const std::size_t num_decisions = bus_.count("EXPLORATION");
+  (void)give_pose(nodmap::pose_t::LOST);
+  EXPECT_EQ(bus_.count("EXPLORATION"), num_decisions);
+  EXPECT_EQ(node_.health().state, node::HealthState::kDegraded);
+}
+
+TEST_F(ExplorerNodeTest, ANewMapEndsIt) {
+  give_map(7);
+  ask(true);
+  (void)give_pose();
+  give_map(8);
+  EXPECT_EQ(give_pose().state, nodmap::exploration_t::EXPLORING);
+  give_map(0);
+  EXPECT_EQ(give_pose().reason, "The 2D map began anew.");
+}
+
+TEST_F(ExplorerNodeTest, ImplausibleMessagesAreCounted) {
+  nodmap::grid_chunk_t tile{};
+  tile.cell_size_m = 0.05;
+  tile.tile_width = tile.tile_height = 4;
+  tile.num_cells = 1;
+  tile.cells = {0};
+  bus_.deliver("MAP_2D", tile);
+  tile.origin_x_m = std::numeric_limits<double>::infinity();
+  bus_.deliver("MAP_2D", tile);
+  bus_.deliver("POSE_2D", nodmap::pose_t{});
+  EXPECT_EQ(counts_.rejected().at("implausible_map_tile"), 2);
+  EXPECT_EQ(counts_.rejected().at("implausible_pose"), 1);
+}
+
+}  // namespace
+}  // namespace nodmap::explorer

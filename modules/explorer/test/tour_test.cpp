@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/explorer/tour.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <numeric>
+#include <random>
+#include <stdexcept>
+
+namespace nodmap::explorer {
+namespace {
+
+/// Stops anywhere in a square, straight lines between them, and back to the start.
+TourProblem random_problem(std::size_t num_stops, double length_weight, std::uint64_t seed) {
+  std::mt19937_64 engine(seed);
+  std::uniform_real_distribution<double> place(0.0, 10.0);
+  std::vector<Eigen::Vector2d> stops;
+  TourProblem problem;
+  problem.length_weight = length_weight;
+  for (std::size_t i = 0; i < num_stops; ++i) {
+    stops.emplace_back(place(engine), place(engine));
+    problem.weight.push_back(place(engine));
+    problem.from_start.push_back(stops.back().norm());
+    problem.to_end.push_back(stops.back().norm());
+  }
+  for (const Eigen::Vector2d& a : stops) {
+    problem.between.emplace_back();
+    for (const Eigen::Vector2d& b : stops) {
+      problem.between.back().push_back((a - b).norm());
+    }
+  }
+  return problem;
+}
+
+double cost_of(const TourProblem& problem, const std::vector<std::size_t>& order) {
+  double waiting = std::accumulate(problem.weight.begin(), problem.weight.end(), 0.0);
+  double cost = 0.0;
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const double length_m =
+        i == 0 ? problem.from_start[order[0]] : problem.between[order[i - 1]][order[i]];
+    cost += (problem.length_weight + waiting) * length_m;
+    waiting -= problem.weight[order[i]];
+  }
+  return cost + problem.length_weight * problem.to_end[order.back()];
+}
+
+class ShortestTour : public ::testing::TestWithParam<int> {};
+
+// Against all orders of seven stops.
+TEST_P(ShortestTour, IsTheBestOfAllOrders) {
+  const auto seed = static_cast<std::uint64_t>(GetParam());
+  const TourProblem problem = random_problem(7, seed % 2 == 0 ? 0.0 : 20.0, seed);
+  std::vector<std::size_t> order(7);
+  std::iota(order.begin(), order.end(), 0U);
+  double least = cost_of(problem, order);
+  double least_from_3 = 1e9;
+  while (std::next_permutation(order.begin(), order.end())) {
+    least = std::min(least, cost_of(problem, order));
+    least_from_3 = order[0] == 3 ? std::min(least_from_3, cost_of(problem, order)) : least_from_3;
+  }
+  const Tour tour = shortest_tour(problem);
+  // The sums are the same numbers in another order.
+  EXPECT_NEAR(tour.cost, least, 1e-9 * least);
+  EXPECT_NEAR(cost_of(problem, tour.order), tour.cost, 1e-9 * least);
+  const Tour from_3 = shortest_tour(problem, 3);
+  EXPECT_EQ(from_3.order.front(), 3U);
+  EXPECT_NEAR(from_3.cost, least_from_3, 1e-9 * least_from_3);
+}
+INSTANTIATE_TEST_SUITE_P(Seeds, ShortestTour, ::testing::Range(0, 6));
+
+TEST(ShortestTourDegenerate, NoStopOneStopAndTooMany) {
+  EXPECT_TRUE(shortest_tour({}).order.empty());
+  const Tour one = shortest_tour(random_problem(1, 1.0, 1));
+  EXPECT_EQ(one.order, std::vector<std::size_t>{0});
+  EXPECT_EQ(shortest_tour(random_problem(kMaxStops, 1.0, 1)).order.size(), kMaxStops);
+  EXPECT_THROW((void)shortest_tour(random_problem(kMaxStops + 1, 1.0, 1)), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace nodmap::explorer

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/explorer/view.hpp"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+namespace nodmap::explorer {
+namespace {
+
+constexpr int kCells = 400;  // of the map: 20 m x 20 m, the origin in its middle
+
+/// Unknown ground but for a rectangle that is free, and others that are occupied; in map cells.
+struct Scene {
+  Scene() : cells(kCells * kCells, -1) {}
+  void fill(double x_min, double y_min, double x_max, double y_max, std::int8_t occupancy) {
+    for (int y = static_cast<int>(20.0 * y_min) + 200; y < static_cast<int>(20.0 * y_max) + 200;
+         ++y) {
+      for (int x = static_cast<int>(20.0 * x_min) + 200; x < static_cast<int>(20.0 * x_max) + 200;
+           ++x) {
+        cells[static_cast<std::size_t>(y * kCells + x)] = occupancy;
+      }
+    }
+  }
+  [[nodiscard]] GroundGrid grid() const {
+    GroundGrid grid(0.2);
+    EXPECT_TRUE(grid.add({0.05, Cell(-200, -200), kCells, kCells, cells}));
+    return grid;
+  }
+  std::vector<std::int8_t> cells;
+};
+
+double seen_m2(const GroundGrid& grid, const ViewParams& params, double heading_rad) {
+  View view(params, 0.0);
+  const auto& cells = view.unknown_cells(grid, {0.0, 0.0}, heading_rad);
+  EXPECT_EQ(std::set<std::uint32_t>(cells.begin(), cells.end()).size(), cells.size());
+  return 0.01 * static_cast<double>(cells.size());
+}
+
+// Nothing is known: a half disc of the depth that a beam may pass through.
+TEST(View, OpenUnknownGroundIsSeenAsFarAsItsDepth) {
+  Scene scene;
+  scene.fill(-0.1, -0.1, 0.1, 0.1, 0);
+  ViewParams params;
+  params.unknown_depth_m = 3.0;
+  // Cells of 10 cm at the border of the half disc: half its length of 15.4 m, half a cell wide.
+  EXPECT_NEAR(seen_m2(scene.grid(), params, 0.3), 0.5 * 3.1 * 3.1 * geometry::kPi, 0.4);
+}
+
+// A wall with a gap of 1 m, a metre ahead: a wedge is seen behind it.
+TEST(View, WhatIsBehindAWallIsHidden) {
+  Scene scene;
+  scene.fill(-2.0, -3.0, 1.0, 3.0, 0);
+  scene.fill(1.0, -9.0, 1.1, 9.0, 100);
+  ViewParams params;
+  params.range_m = 5.0;
+  params.unknown_depth_m = 50.0;
+  params.half_angle_rad = geometry::deg_to_rad(60.0);
+  // 3 m and more to the side the beams leave the free rectangle and reach the wall's unknown foot.
+  const double walled = seen_m2(scene.grid(), params, 0.0);
+  EXPECT_EQ(walled, 0.0);
+  scene.fill(1.0, -0.5, 1.1, 0.5, 0);
+  const double half_angle_rad = std::atan2(0.5, 1.05);
+  const double wedge_m2 = half_angle_rad * 25.0 - std::tan(half_angle_rad) * 1.1 * 1.1;
+  EXPECT_NEAR(seen_m2(scene.grid(), params, 0.0) / wedge_m2, 1.0, 0.1);
+}
+
+TEST(View, OnlyWhatIsWithinTheLasersAngleIsSeen) {
+  Scene scene;
+  scene.fill(-10.0, -10.0, 1.0, 10.0, 0);
+  ViewParams params;
+  EXPECT_GT(seen_m2(scene.grid(), params, 0.0), 5.0);
+  EXPECT_EQ(seen_m2(scene.grid(), params, geometry::kPi), 0.0);
+}
+
+}  // namespace
+}  // namespace nodmap::explorer

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/explorer/view.hpp"
+
+#include <cmath>
+
+namespace nodmap::explorer {
+namespace {
+
+/// Neighbouring beams are a cell apart at this distance; farther away some cells are missed.
+constexpr double kFullDensityM = 4.0;
+
+}  // namespace
+
+const std::vector<std::uint32_t>& View::unknown_cells(const GroundGrid& grid,
+                                                      const Eigen::Vector2d& p_map,
+                                                      double heading_rad) {
+  cells_.clear();
+  if (counted_in_.size() != grid.ground().size()) {
+    counted_in_.assign(grid.ground().size(), 0);
+    num_views_ = 0;
+  }
+  ++num_views_;
+  const Eigen::Vector2d ahead(std::cos(heading_rad), std::sin(heading_rad));
+  Eigen::Vector2d from_map = p_map + sensor_ahead_m_ * ahead;
+  if (grid.ground_at(grid.cell_of(from_map)) != Ground::kFree) {
+    from_map = p_map;
+  }
+  const double step_rad = grid.cell_size_m() / kFullDensityM;
+  const int num_beams = static_cast<int>(params_.half_angle_rad / step_rad);
+  for (int i = -num_beams; i <= num_beams; ++i) {
+    cast(grid, from_map, heading_rad + step_rad * i);
+  }
+  return cells_;
+}
+
+void View::cast(const GroundGrid& grid, const Eigen::Vector2d& from_map, double angle_rad) {
+  const Raster<Ground>& ground = grid.ground();
+  const Eigen::Vector2d step(std::cos(angle_rad), std::sin(angle_rad));
+  Eigen::Vector2d p = from_map / grid.cell_size_m();
+  const int num_steps = static_cast<int>(params_.range_m / grid.cell_size_m());
+  int unknown_left = static_cast<int>(params_.unknown_depth_m / grid.cell_size_m());
+  for (int i = 0; i < num_steps && unknown_left > 0; ++i) {
+    p += step;
+    const Cell cell(static_cast<int>(std::floor(p.x())), static_cast<int>(std::floor(p.y())));
+    if (!ground.contains(cell)) {
+      return;
+    }
+    const std::size_t index = ground.index_of(cell);
+    if (ground[index] == Ground::kOccupied) {
+      return;
+    }
+    if (ground[index] == Ground::kUnknown) {
+      --unknown_left;
+      if (counted_in_[index] != num_views_) {
+        counted_in_[index] = num_views_;
+        cells_.push_back(static_cast<std::uint32_t>(index));
+      }
+    }
+  }
+}
+
+}  // namespace nodmap::explorer

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "modules/explorer/ground_grid.hpp"
+#include "modules/explorer/params.hpp"
+#include "modules/explorer/reach.hpp"
+#include "modules/explorer/view.hpp"
+
+namespace nodmap::explorer {
+
+/// A place from which the robot would see unknown ground.
+struct Viewpoint {
+  Cell cell = Cell::Zero();
+  Eigen::Vector2d p_map = Eigen::Vector2d::Zero();
+  double gain_m2 = 0.0;   ///< that no viewpoint chosen before it shows
+  double length_m = 0.0;  ///< of the path from the robot
+};
+
+/// Chooses viewpoints among lookouts.
+class ViewpointChooser {
+ public:
+  explicit ViewpointChooser(const ExplorerParams& params);
+
+  /// At most tour.max_viewpoints, the best first: by gain, discounted with the length of the path,
+  /// where what a viewpoint shows no longer counts for the next (greedy set cover). `lookouts`:
+  /// reached cells, the nearest first. `yaw_rad`: of the robot.
+  [[nodiscard]] std::vector<Viewpoint> choose(const GroundGrid& grid, const Reach& reach,
+                                              const std::vector<Cell>& lookouts, double yaw_rad);
+
+  /// The first lookout that shows enough, looking in all directions.
+  [[nodiscard]] std::optional<Viewpoint> nearest(const GroundGrid& grid, const Reach& reach,
+                                                 const std::vector<Cell>& lookouts);
+
+ private:
+  struct Candidate {
+    Viewpoint viewpoint;
+    std::vector<std::uint32_t> shows;  // unknown cells
+  };
+  [[nodiscard]] std::vector<Candidate> evaluate(const GroundGrid& grid, const Reach& reach,
+                                                const std::vector<Cell>& lookouts, double yaw_rad);
+
+  ExplorerParams params_;
+  View view_;
+  View view_around_;  // in all directions
+};
+
+}  // namespace nodmap::explorer
