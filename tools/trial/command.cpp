@@ -17,8 +17,9 @@
 namespace nodmap::trial {
 namespace {
 
-constexpr std::array<std::string_view, 7> kProcesses{
-    "kurt", "laser3d", "pitch_controller", "map_server", "navigator", "slam2d", "slam6d"};
+constexpr std::array<std::string_view, 8> kProcesses{"kurt",       "laser3d",   "pitch_controller",
+                                                     "map_server", "navigator", "explorer",
+                                                     "slam2d",     "slam6d"};
 
 template <class Number>
 std::optional<Number> parse(std::string_view text) {

@@ -39,6 +39,7 @@ struct Arguments {
   std::vector<std::string> kills;
   std::vector<std::string> without;
   std::optional<double> appear_s;
+  bool explore = false;
   bool level_laser = false;
   bool no_actors = false;
   bool dump_params = false;
@@ -88,6 +89,8 @@ void add_options(CLI::App& app, Arguments& arguments) {
   app.add_option(
       "--appear", arguments.appear_s,
       "Let one obstacle appear at the end of the robot's stopping zone, from this second on");
+  app.add_flag("--explore", arguments.explore,
+               "Also run the explorer; the trial ends when all is seen and the robot is home");
   app.add_flag("--level-laser", arguments.level_laser,
                "Also run 2D SLAM on the scans that the laser would measure if held level");
   app.add_option("--without", arguments.without, "Leave out this process; repeatable")
@@ -119,6 +122,7 @@ TrialSetup make_setup(const Arguments& arguments) {
     check_process(process, "--without " + process);
     setup.without.insert(process);
   }
+  setup.explores = arguments.explore;
   setup.level_laser = arguments.level_laser;
   setup.seed = arguments.seed;
   return setup;

@@ -99,6 +99,31 @@ std::optional<time::SteadyTime> reached(const TrialRecord& record, const sim::Wo
 
 }  // namespace
 
+ExplorationMetrics exploration_metrics(const TrialRecord& record,
+                                       const ExplorationRecord& exploration) {
+  constexpr double kMost = 0.9;
+  ExplorationMetrics metrics;
+  if (!record.started || record.truth.empty() || exploration.seen.empty()) {
+    return metrics;
+  }
+  metrics.seen_ratio = exploration.seen.back().ratio;
+  const auto most = std::ranges::find_if(
+      exploration.seen, [](const SeenSample& sample) { return sample.ratio >= kMost; });
+  const auto first = first_from(record, *record.started);
+  for (auto sample = first; sample != record.truth.end(); ++sample) {
+    metrics.path_m += sample == first ? 0.0 : distance_between(*std::prev(sample), *sample);
+    if (most != exploration.seen.end() && sample->instant <= most->instant) {
+      metrics.to_90_m = metrics.path_m;
+      metrics.to_90_s = seconds(most->instant - *record.started);
+    }
+  }
+  if (exploration.home) {
+    metrics.home_s = seconds(*exploration.home - *record.started);
+  }
+  metrics.from_start_m = distance_between(*first, record.truth.back());
+  return metrics;
+}
+
 GoalMetrics goal_metrics(const TrialRecord& record, const sim::World& world, double tolerance_m,
                          std::optional<double> shortest_path_m) {
   GoalMetrics metrics;

@@ -10,6 +10,7 @@
 
 #include "common/geometry/time.hpp"
 #include "sim/world/world.hpp"
+#include "tools/trial/exploration_monitor.hpp"
 #include "tools/trial/record.hpp"
 
 namespace nodmap::trial {
@@ -59,6 +60,19 @@ struct GoalMetrics {
   /// is not known.
   std::optional<double> spl;
 };
+
+/// How an exploration went. Paths and times count from the first scan.
+struct ExplorationMetrics {
+  double seen_ratio = 0.0;        ///< at the end
+  std::optional<double> to_90_m;  ///< driven until 90 % of the floor had been seen
+  std::optional<double> to_90_s;
+  std::optional<double> home_s;  ///< until the explorer said that it is home
+  double path_m = 0.0;           ///< driven in all
+  double from_start_m = 0.0;     ///< at the end
+};
+
+[[nodiscard]] ExplorationMetrics exploration_metrics(const TrialRecord& record,
+                                                     const ExplorationRecord& exploration);
 
 /// The robot is at the last goal when it has reported so for each and is not farther from it than
 /// twice `tolerance_m`; under a Task with an arrival radius, as soon as it is so near.

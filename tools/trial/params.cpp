@@ -16,6 +16,7 @@ void for_each_part(AllParams& all, const Visit& visit) {
   visit("pitch_controller", all.pitch_controller);
   visit("map_server", all.map_server);
   visit("navigator", all.navigator);
+  visit("explorer", all.explorer);
   visit("slam2d", all.slam2d);
   visit("slam6d", all.slam6d);
 }

@@ -6,6 +6,7 @@
 
 #include "drivers/kurt/node.hpp"
 #include "drivers/laser3d/node.hpp"
+#include "modules/explorer/node.hpp"
 #include "modules/map_server/node.hpp"
 #include "modules/navigator/node.hpp"
 #include "modules/pitch_controller/node.hpp"
@@ -46,6 +47,7 @@ struct AllParams {
   pitch_controller::PitchControllerNode::Params pitch_controller;
   map_server::MapServerNode::Params map_server;
   navigator::NavigatorNode::Params navigator;
+  explorer::ExplorerNode::Params explorer;
   slam2d::Slam2dNode::Params slam2d;
   slam6d::Slam6dNode::Params slam6d;
 

@@ -152,6 +152,20 @@ Json write(const GoalMetrics& goal, const std::optional<double>& shortest_m,
           {"spl", number_or_null(goal.spl)}};
 }
 
+/// Null without the explorer.
+Json exploration(const TrialOutcome& outcome) {
+  if (!outcome.exploration) {
+    return nullptr;
+  }
+  const ExplorationMetrics metrics = exploration_metrics(outcome.record, *outcome.exploration);
+  return {{"seen_ratio", metrics.seen_ratio},
+          {"to_90_m", number_or_null(metrics.to_90_m)},
+          {"to_90_s", number_or_null(metrics.to_90_s)},
+          {"home_s", number_or_null(metrics.home_s)},
+          {"path_m", metrics.path_m},
+          {"from_start_m", metrics.from_start_m}};
+}
+
 /// Null without a map.
 Json occupancy(const TrialSetup& setup, const TrialOutcome& outcome,
                const std::filesystem::path& file) {
@@ -199,6 +213,7 @@ Json summarise(const TrialSetup& setup, const TrialOutcome& outcome,
       {"goal_reached", goal.reached.has_value()},
       {"goal_time_s", number_or_null(goal.time_s)},
       {"goal", num_goals > 0 ? write(goal, shortest_m, setup.world.task) : Json(nullptr)},
+      {"exploration", exploration(outcome)},
       {"close_to_person_s", drive.close_to_person_s},
       {"brake_latency_ms", brake_latency(outcome)},
       {"sweep_s", write(quantiles(sweep_times_s(record)))},

@@ -59,7 +59,7 @@ RobotSoftware::RobotSoftware(sim::SimulatedRobot& hardware, bus::LoopNetwork& ne
     const time::SteadyTime now = hardware_.model().now();
     return time::Moment{kStart.wall_at(now), now};
   };
-  processes_.reserve(7);
+  processes_.reserve(8);
   add("kurt", [this, clock](node::Context& context) {
     return std::make_unique<kurt::KurtNode>(
         context, params_.kurt, [this] { return base_line_.open(params_.kurt.baud); }, clock);
@@ -74,6 +74,9 @@ RobotSoftware::RobotSoftware(sim::SimulatedRobot& hardware, bus::LoopNetwork& ne
   });
   add("navigator", [this](node::Context& context) {
     return std::make_unique<navigator::NavigatorNode>(context, params_.navigator);
+  });
+  add("explorer", [this](node::Context& context) {
+    return std::make_unique<explorer::ExplorerNode>(context, params_.explorer);
   });
   add("slam2d", [this](node::Context& context) {
     return std::make_unique<slam2d::Slam2dNode>(context, params_.slam2d);

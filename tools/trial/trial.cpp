@@ -54,6 +54,21 @@ class GoalPublisher {
   std::size_t num_reached_ = 0;
 };
 
+/// The explorer runs where it is asked for only, and then begins at once.
+std::set<std::string> without(const TrialSetup& setup) {
+  std::set<std::string> names = setup.without;
+  if (!setup.explores) {
+    names.insert("explorer");
+  }
+  return names;
+}
+
+AllParams params_of(const TrialSetup& setup) {
+  AllParams params = setup.params;
+  params.explorer.start = true;
+  return params;
+}
+
 }  // namespace
 
 struct Trial::Parts {
@@ -64,11 +79,14 @@ struct Trial::Parts {
                       .seed = setup.seed}),
         monitor(setup.world, hardware.model(), network, stopping_zone(setup)),
         goal(setup.world, setup.params.loop, network),
-        robot(hardware, network, setup.params, setup.robot, setup.without) {
+        robot(hardware, network, params_of(setup), setup.robot, without(setup)) {
     if (setup.level_laser) {
       level_laser.emplace(setup.world, setup.params, setup.seed + kLevelLaserSeed,
                           monitor.T_world_base(), network,
                           std::filesystem::path(log).replace_filename("level-laser.lcmlog"));
+    }
+    if (setup.explores) {
+      exploration.emplace(setup.world, hardware.model(), setup.params.sim.model.body, network);
     }
   }
 
@@ -78,6 +96,7 @@ struct Trial::Parts {
   GoalPublisher goal;
   RobotSoftware robot;
   std::optional<LevelLaserSlam> level_laser;
+  std::optional<ExplorationMonitor> exploration;
 };
 
 Trial::Trial(const TrialSetup& setup, const std::filesystem::path& dir)
@@ -108,7 +127,8 @@ bool Trial::is_over() const {
     }
     return false;
   }
-  return now_ > *record().started + setup_.duration || has_arrived() || has_failed();
+  return now_ > *record().started + setup_.duration || has_arrived() || has_explored() ||
+         has_failed();
 }
 
 bool Trial::has_arrived() const {
@@ -118,6 +138,11 @@ bool Trial::has_arrived() const {
   }
   return num_goals > 0 && record().arrivals.size() >= num_goals &&
          now_ > record().arrivals[num_goals - 1] + kTimeAfterArrival;
+}
+
+bool Trial::has_explored() const {
+  return parts_->exploration && parts_->exploration->record().home &&
+         now_ > *parts_->exploration->record().home + kTimeAfterArrival;
 }
 
 /// By the rules of the world's task.
@@ -148,8 +173,13 @@ TrialOutcome Trial::finish() {
   if (!parts_->network.flush()) {
     throw std::runtime_error((dir_ / "trial.lcmlog").string() + ": the disk takes no more");
   }
-  return {record(), parts_->monitor.observed_voxels(), parts_->monitor.brake_latency().events(),
-          parts_->monitor.brake_latency().num_evaded(), parts_->robot.report()};
+  return {.record = record(),
+          .observed_voxels = parts_->monitor.observed_voxels(),
+          .brake_events = parts_->monitor.brake_latency().events(),
+          .exploration =
+              parts_->exploration ? std::optional(parts_->exploration->record()) : std::nullopt,
+          .num_evaded = parts_->monitor.brake_latency().num_evaded(),
+          .processes = parts_->robot.report()};
 }
 
 StoppingZone stopping_zone(const TrialSetup& setup) {

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -13,6 +14,7 @@
 #include "sim/devices/fault.hpp"
 #include "sim/world/world.hpp"
 #include "tools/trial/brake_latency.hpp"
+#include "tools/trial/exploration_monitor.hpp"
 #include "tools/trial/occupancy_metrics.hpp"
 #include "tools/trial/params.hpp"
 #include "tools/trial/record.hpp"
@@ -36,6 +38,7 @@ struct TrialSetup {
   std::set<std::string> without;
   std::vector<Kill> kills;
   std::vector<sim::Fault> faults;
+  bool explores = false;     ///< the explorer runs, and ends the trial when it is home
   bool level_laser = false;  ///< also map with the laser held level on the same drive
 };
 
@@ -44,6 +47,7 @@ struct TrialOutcome {
   TrialRecord record;
   ObservedVoxels observed_voxels;
   std::vector<BrakeEvent> brake_events;
+  std::optional<ExplorationRecord> exploration;  ///< where the explorer ran
   std::int64_t num_evaded = 0;  ///< obstacles that the robot steered past instead of braking
   nlohmann::json processes;     ///< by process: message counts and metrics
 };
@@ -60,7 +64,8 @@ class Trial {
   ~Trial();
 
   /// One step of simulated time; false when the trial is over: after the duration, a second after
-  /// the robot has reported its arrival at the world's last goal, or as the world's task says.
+  /// the robot has reported its arrival at the world's last goal, or that it has seen all and is
+  /// home, or as the world's task says.
   /// Throws std::runtime_error when no scan comes within a minute.
   bool step();
 
@@ -75,6 +80,7 @@ class Trial {
 
   [[nodiscard]] bool is_over() const;
   [[nodiscard]] bool has_arrived() const;
+  [[nodiscard]] bool has_explored() const;
   [[nodiscard]] bool has_failed() const;
   void apply_kills();
 

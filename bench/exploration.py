@@ -1,0 +1,93 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Explores generated office buildings of ten rooms, by the tour and by the nearest frontier, and prints one table: what docs/benchmark-navigation.md shows.
+
+    bench/exploration.py [--seeds N] [--first SEED] [--duration S] [--jobs N] [--set KEY=VALUE ...] [--json] [--out DIR] [--bin DIR]
+
+Seeds 0 to 999 are for reporting, 1000 to 1999 for choosing parameters (bench/seeds.py). The columns: metres driven and seconds until 90 % of the floor was in
+the 2D map; the share of the floor in it at the end; seconds until the robot said that it is home, metres driven in all, and its true distance from the
+start then; collisions. The last lines: the mean of the ways to 90 % of both, and their ratio.
+"""
+import argparse
+import json
+import pathlib
+import shutil
+import sys
+import tempfile
+
+from seeds import CHOOSING, REPORTING
+from trials import ROOT, Trial, run_all
+
+POLICIES = ["tour", "nearest_frontier"]
+COLUMNS = ["seed", "policy", "to_90_m", "to_90_s", "seen", "home_s", "path_m", "from_start_m", "collisions"]
+
+
+def make_trials(seeds, duration_s, settings):
+    options = ["--explore", "--no-slam6d", *(word for setting in settings for word in ("--set", setting))]
+    return [(seed, policy, Trial(f"building-{seed}-{policy}", f"building:{seed}", seed, duration_s, *options, "--set", f"explorer.policy={policy}"))
+            for seed in seeds for policy in POLICIES]
+
+
+def rounded(value, digits):
+    return None if value is None else round(value, digits)
+
+
+def row_of(seed, policy, result):
+    exploration = result["exploration"]
+    row = {"seed": seed, "policy": policy, "seen": rounded(exploration["seen_ratio"], 3), "collisions": result["collisions"]}
+    for key, digits in (("to_90_m", 1), ("to_90_s", 0), ("home_s", 0), ("path_m", 1), ("from_start_m", 3)):
+        row[key] = rounded(exploration[key], digits)
+    return row
+
+
+def show(rows):
+    """As rows of Markdown, to be pasted into the document."""
+    print("| " + " | ".join(COLUMNS) + " |")
+    print("|---" * len(COLUMNS) + "|")
+    for row in rows:
+        print("| " + " | ".join("" if row[column] is None else str(row[column]) for column in COLUMNS) + " |")
+
+
+def show_ratio(rows):
+    """Over the buildings of which both have seen 90 %."""
+    to_90_m = {policy: {row["seed"]: row["to_90_m"] for row in rows if row["policy"] == policy and row["to_90_m"]} for policy in POLICIES}
+    both = sorted(set(to_90_m["tour"]) & set(to_90_m["nearest_frontier"]))
+    means = [sum(to_90_m[policy][seed] for seed in both) / max(1, len(both)) for policy in POLICIES]
+    if both:
+        print(f"\nway to 90 % in {len(both)} buildings: tour {means[0]:.1f} m, nearest frontier {means[1]:.1f} m, ratio {means[0] / means[1]:.2f}")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--seeds", type=int, default=10)
+    parser.add_argument("--first", type=int, default=REPORTING[0], help=f"first seed; {CHOOSING[0]} and more to choose parameters")
+    parser.add_argument("--duration", type=float, default=600.0, help="longest exploration, seconds")
+    parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--set", action="append", default=[], help="a parameter, as nodmap-trial's --set")
+    parser.add_argument("--json", action="store_true", help="one JSON object for each exploration instead of the table")
+    parser.add_argument("--out", type=pathlib.Path, help="keep the results here")
+    parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build" / "release" / "bin")
+    arguments = parser.parse_args()
+    out = arguments.out or pathlib.Path(tempfile.mkdtemp(prefix="nodmap-exploration-"))
+    out.mkdir(parents=True, exist_ok=True)
+    trials = make_trials(range(arguments.first, arguments.first + arguments.seeds), arguments.duration, arguments.set)
+    try:
+        run_all([trial for _, _, trial in trials], arguments.bin, out, arguments.jobs)
+        rows = [row_of(seed, policy, trial.result) for seed, policy, trial in trials if trial.result]
+        if arguments.json:
+            for row in rows:
+                print(json.dumps(row))
+        else:
+            show(rows)
+            show_ratio(rows)
+        failed = [trial for _, _, trial in trials if not trial.result]
+        for trial in failed:
+            print(f"{trial.name}: {trial.error[-200:]}", file=sys.stderr)
+    finally:
+        if not arguments.out:
+            shutil.rmtree(out)
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
