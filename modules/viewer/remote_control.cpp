@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <optional>
 
+#include "nodmap/explore_t.hpp"
 #include "nodmap/goal_t.hpp"
 #include "nodmap/save_request_t.hpp"
 
@@ -56,6 +57,9 @@ Answer RemoteControl::answer(const Json& request) {
     send_goal(false, 0.0, 0.0, kToleranceM);
     return {.ok = true, .text = "No goal any more: the robot roams."};
   }
+  if (what == "explore" || what == "end_exploration") {
+    return do_explore(what == "explore");
+  }
   if (what == "stop" || what == "go") {
     return do_stop(what == "stop");
   }
@@ -87,6 +91,17 @@ Answer RemoteControl::do_stop(bool is_stopped) {
   stop_.is_stopped = static_cast<std::int8_t>(is_stopped);
   send_stop();
   return {.ok = true, .text = is_stopped ? "Stopped until you say go." : "The robot may drive."};
+}
+
+Answer RemoteControl::do_explore(bool is_active) {
+  nodmap::explore_t message{};
+  message.utime = time::to_utime(clock_.now());
+  message.is_active = static_cast<std::int8_t>(is_active);
+  message.requested_by = kName;
+  bus_.publish("EXPLORE", message);
+  return {.ok = true,
+          .text = is_active ? "Exploration: it ends when all is seen and the robot is back here."
+                            : "The exploration ends, the robot stays where it is."};
 }
 
 Answer RemoteControl::do_save_maps() {

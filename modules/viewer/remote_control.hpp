@@ -18,6 +18,7 @@ namespace nodmap::viewer {
 /// What a client with control may ask for, by `do`:
 ///   goal  x_m, y_m, tolerance_m?    drive there (map)
 ///   roam                            no goal any more
+///   explore, end_exploration        the explorer drives, until all is seen and it is home
 ///   stop                            the robot stands, whatever comes, until
 ///   go
 ///   save_maps                       write the maps
@@ -43,6 +44,7 @@ class RemoteControl {
   Answer do_goal(const Json& request);
   Answer do_stop(bool is_stopped);
   Answer do_save_maps();
+  Answer do_explore(bool is_active);
   Answer do_process(const std::string& what, const Json& request);
   void on_stop(const nodmap::stop_t& message);
   void on_map(const nodmap::grid_chunk_t& tile);

@@ -21,7 +21,7 @@ cmd "other" { exec = "sleep 1001"; host = "here"; stop_signal = 15; stop_time_al
 cmd "logger" { exec = "nodmap-logger --out OUT"; host = "here"; stop_signal = 15; stop_time_allowed = 2; }
 script "begin" { start cmd "sleeper"; }
 """
-REQUESTS = [{"do": "goal", "x_m": 1, "y_m": 1}, {"do": "roam"}, {"do": "stop"}, {"do": "go"}, {"do": "save_maps"},
+REQUESTS = [{"do": "goal", "x_m": 1, "y_m": 1}, {"do": "roam"}, {"do": "explore"}, {"do": "end_exploration"}, {"do": "stop"}, {"do": "go"}, {"do": "save_maps"},
             {"do": "start_process", "command": "sleeper"}, {"do": "stop_process", "command": "sleeper"},
             {"do": "restart_process", "command": "sleeper"}, {"do": "start_recording"}, {"do": "stop_recording"},
             {"do": "process_output", "command": "sleeper"}]

@@ -93,6 +93,11 @@ class Control(Page):
         self.assertFalse(self.press("#roam").startswith("Refused"))
         self.assertIsNotNone(self.browser.wait_for("nodmap.layers.get('scene/goal').layer.group.children.length === 0"))
 
+    def test_an_exploration_is_begun_and_ended(self):
+        self.open_with_token()
+        self.assertTrue(self.press("#explore").startswith("Exploration"))
+        self.assertIn("stays", self.press("#explore-end"))
+
     def test_an_empty_field_is_no_goal(self):
         self.open_with_token()
         for x, y in (("", "1"), ("1", ""), ("", "")):

@@ -262,6 +262,13 @@ void Feed::subscribe_maps(bus::Bus& bus) {
                               counts_.use();
                               post(path, message.utime, [message] { return path_scene(message); });
                             });
+  subscribe<nodmap::exploration_t>(
+      bus, "EXPLORATION",
+      [this, post_fields = add_fields_topic<nodmap::exploration_t>("EXPLORATION"),
+       scene = add_scene_topic("exploration")](const auto& message) {
+        post_fields(message);
+        post(scene, message.utime, [message] { return exploration_scene(message); });
+      });
   subscribe<nodmap::pose_graph_t>(
       bus, "POSE_GRAPH", [this, graph = add_scene_topic("pose_graph")](const auto& message) {
         counts_.use();

@@ -2,7 +2,9 @@
 #include "modules/viewer/foxglove/scene_views.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <string>
 #include <utility>
 
@@ -18,6 +20,8 @@ constexpr Color kPathColor{0.1, 0.8, 0.3, 0.9};
 constexpr Color kArcColor{1.0, 0.85, 0.2, 1.0};
 constexpr Color kTextColor{1.0, 1.0, 1.0, 1.0};
 constexpr Color kAreaColor{0.3, 0.7, 1.0, 0.8};
+constexpr Color kFrontierColor{1.0, 0.3, 0.9, 0.9};
+constexpr Color kTourColor{0.75, 0.55, 1.0, 0.9};
 constexpr Color kGraphColor{0.37, 0.7, 1.0, 0.8};
 constexpr Color kLoopColor{0.4, 0.9, 0.5, 0.8};
 constexpr Color kRefusedLoopColor{0.9, 0.4, 0.2, 0.5};
@@ -188,6 +192,39 @@ Json path_scene(const nodmap::path_t& path) {
   Json json = entity(path.utime, frames::kOdom, "path");
   json["lines"] = Json::array({lines(kLineStrip, points(path.x_m, path.y_m), kPathColor),
                                lines(kLineStrip, points(path.arc_x_m, path.arc_y_m), kArcColor)});
+  return one(std::move(json));
+}
+
+Json exploration_scene(const nodmap::exploration_t& exploration) {
+  if (exploration.state == nodmap::exploration_t::IDLE ||
+      exploration.state == nodmap::exploration_t::HOME) {
+    return update(Json::array(), Json::array({deletion(exploration.utime, "exploration")}));
+  }
+  static constexpr double kHeightM = 0.05;
+  // A short upright stroke for each frontier cell.
+  static constexpr double kStrokeM = 0.15;
+  std::vector<Eigen::Vector3d> frontier;
+  for (std::size_t i = 0; i < exploration.frontier_x_m.size(); ++i) {
+    const Eigen::Vector2d p(exploration.frontier_x_m[i], exploration.frontier_y_m[i]);
+    frontier.emplace_back(p.x(), p.y(), kHeightM);
+    frontier.emplace_back(p.x(), p.y(), kHeightM + kStrokeM);
+  }
+  std::vector<Eigen::Vector3d> path;
+  for (std::size_t i = 0; i < exploration.x_m.size(); ++i) {
+    path.emplace_back(exploration.x_m[i], exploration.y_m[i], kHeightM);
+  }
+  Json json = entity(exploration.utime, frames::kMap, "exploration");
+  for (std::size_t i = 0; i < exploration.viewpoint_x_m.size(); ++i) {
+    const double x_m = exploration.viewpoint_x_m[i];
+    const double y_m = exploration.viewpoint_y_m[i];
+    path.emplace_back(x_m, y_m, kHeightM);
+    std::array<char, 32> words{};
+    (void)std::snprintf(words.data(), words.size(), "%zu: %.1f m2", i + 1, exploration.gain_m2[i]);
+    json["cylinders"].push_back(cylinder(at(x_m, y_m, kHeightM), 0.1, 0.1, kTourColor));
+    json["texts"].push_back(text(at(x_m, y_m, 0.4), words.data(), kTextColor));
+  }
+  json["lines"] = Json::array(
+      {lines(kLineList, frontier, kFrontierColor), lines(kLineStrip, path, kTourColor)});
   return one(std::move(json));
 }
 

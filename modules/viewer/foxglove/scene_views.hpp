@@ -3,6 +3,7 @@
 #pragma once
 
 #include "modules/viewer/foxglove/foxglove.hpp"
+#include "nodmap/exploration_t.hpp"
 #include "nodmap/goal_t.hpp"
 #include "nodmap/navigation_t.hpp"
 #include "nodmap/path_t.hpp"
@@ -33,11 +34,15 @@ struct Body {
 /// The goal, in map; a deletion where there is none.
 [[nodiscard]] Json goal_scene(const nodmap::goal_t& goal);
 
-/// The pose graph of 2D SLAM, in map: submaps joined in their order, and loops between them by what
-/// became of them.
 /// The path to the goal, and the arc that is driven; nothing without a goal.
 [[nodiscard]] Json path_scene(const nodmap::path_t& path);
 
+/// Frontiers, the viewpoints with what each would show, and the tour over them, in map; nothing
+/// while there is no exploration.
+[[nodiscard]] Json exploration_scene(const nodmap::exploration_t& exploration);
+
+/// The pose graph of 2D SLAM, in map: submaps joined in their order, and loops between them by what
+/// became of them.
 [[nodiscard]] Json pose_graph_scene(const nodmap::pose_graph_t& graph);
 
 /// The simulated people, in world.

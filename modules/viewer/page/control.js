@@ -12,7 +12,7 @@ export class Control {
     this.answer = form.querySelector("#answer");
     this.pick = form.querySelector("#pick");
     this.view = view;
-    const simple = {stop: "stop", go: "go", roam: "roam", save: "save_maps", record: "start_recording", "record-end": "stop_recording"};
+    const simple = {stop: "stop", go: "go", roam: "roam", explore: "explore", "explore-end": "end_exploration", save: "save_maps", record: "start_recording", "record-end": "stop_recording"};
     Object.entries(simple).forEach(([id, what]) => document.getElementById(id).addEventListener("click", () => this.ask({do: what})));
     document.addEventListener("keydown", (event) => this.onKey(event));
     this.takeGoals();

@@ -109,6 +109,7 @@ export function makeLayers(frames, software) {
     ["trail/6d", {name: "6D SLAM trail", swatch: "#ffe082", layer: layer(drawTrail(0xffe082))}],
     ["keyframes", {name: "keyframes", swatch: "radial-gradient(circle, #ffe082 45%, transparent 50%)", layer: layer(drawKeyframes)}],
     ["scene/path", {name: "path", swatch: "#1acc4d", layer: entities()}],
+    ["scene/exploration", {name: "exploration", swatch: "linear-gradient(to right, #ff4de6 50%, #bf8cff 50%)", layer: entities()}],
     ["scene/pose_graph", {name: "pose graph", swatch: "linear-gradient(to right, #5fb3ff 50%, #66e680 50%)", layer: entities(), off: true}],
     ["scene/goal", {name: "goal", swatch: "#1acc4d", layer: entities()}],
     ["scene/people", {name: "people", swatch: "#d9339a", layer: entities()}],

@@ -79,12 +79,15 @@ export class State {
   }
 
   showFacts(extra) {
-    const {ODOMETRY: odometry, NAVIGATION: navigation, PITCH_STATE: pitch, POSE_2D: pose2d, POSE_6D: pose6d, TRUTH: truth} = this.latest;
+    const {ODOMETRY: odometry, NAVIGATION: navigation, EXPLORATION: exploration, PITCH_STATE: pitch, POSE_2D: pose2d, POSE_6D: pose6d, TRUTH: truth} = this.latest;
     const number = (value, digits, unit) => (Number.isFinite(value) ? `${value.toFixed(digits)} ${unit}` : "-");
     const at = (pose) => `x ${number(pose.position_m[0], 2, "m")}, y ${number(pose.position_m[1], 2, "m")}`;
     const facts = [["speed", number(odometry?.forward_mps, 2, "m/s")]];
     if (navigation) {
       facts.push(["behaviour", navigation.behaviour_name], ["bound", number(navigation.max_forward_mps, 2, "m/s")]);
+    }
+    if (exploration) {
+      facts.push(["exploration", `${exploration.state_name.toLowerCase()}, ${number(exploration.seen_m2, 0, "m²")} seen`]);
     }
     if (pitch) {
       facts.push(["pitch", number(DEGREES * pitch.pitch_rad, 1, "°")]);

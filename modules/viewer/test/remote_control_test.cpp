@@ -7,6 +7,7 @@
 #include <string>
 
 #include "common/bus/live_bus.hpp"
+#include "nodmap/explore_t.hpp"
 #include "nodmap/goal_t.hpp"
 #include "nodmap/save_request_t.hpp"
 #include "procman/config/parser.hpp"
@@ -37,6 +38,7 @@ class RemoteControlTest : public ::testing::Test {
 
   bus::LiveBus bus_{"memq://"};
   bus::Latest<nodmap::goal_t> goal_{bus_, "GOAL"};
+  bus::Latest<nodmap::explore_t> explore_{bus_, "EXPLORE"};
   bus::Latest<nodmap::stop_t> stop_{bus_, "STOP"};
   bus::Latest<nodmap::save_request_t> save_{bus_, "SAVE_REQUEST"};
   time::ManualClock clock_{time::from_utime(77)};
@@ -55,6 +57,16 @@ TEST_F(RemoteControlTest, AGoalGoesOut) {
   EXPECT_TRUE(ask({{"do", "roam"}}));
   EXPECT_FALSE(goal_.get()->is_active);
   EXPECT_EQ(goal_.get()->goal_seq, 1);
+}
+
+TEST_F(RemoteControlTest, AnExplorationIsBegunAndEnded) {
+  EXPECT_TRUE(ask({{"do", "explore"}}));
+  ASSERT_TRUE(explore_.get());
+  EXPECT_TRUE(explore_.get()->is_active);
+  EXPECT_EQ(explore_.get()->utime, 77);
+  EXPECT_TRUE(ask({{"do", "end_exploration"}}));
+  EXPECT_FALSE(explore_.get()->is_active);
+  EXPECT_FALSE(goal_.get()) << "the explorer sends the goals";
 }
 
 TEST_F(RemoteControlTest, AGoalFarAwayIsRefusedAndOneOutsideOfTheMapIsSaidToBe) {

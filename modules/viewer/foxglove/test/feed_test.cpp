@@ -146,6 +146,7 @@ TEST_F(FeedTest, TheRestOfTheChannels) {
   send("NAVIGATION", robot::navigation_at(0.0));
   send("GOAL", robot::goal());
   send("PATH", robot::path());
+  send("EXPLORATION", robot::exploration());
   send("POSE_GRAPH", robot::pose_graph());
   send("TRUTH", robot::truth_at(0.0));
   send("STATUS", robot::status_at(0.0));
@@ -161,6 +162,8 @@ TEST_F(FeedTest, TheRestOfTheChannels) {
   EXPECT_EQ(newest("scene/area_of_interest")["entities"].size(), 1U);
   EXPECT_EQ(newest("scene/goal")["entities"].size(), 1U);
   EXPECT_EQ(newest("scene/path")["entities"].size(), 1U);
+  EXPECT_EQ(newest("EXPLORATION")["state_name"], "EXPLORING");
+  EXPECT_EQ(newest("scene/exploration")["entities"].size(), 1U);
   EXPECT_EQ(newest("scene/pose_graph")["entities"].size(), 1U);
   EXPECT_EQ(newest("scene/people")["entities"][0]["cylinders"].size(), 1U);
   EXPECT_DOUBLE_EQ(newest("tf/world")["translation"]["x"], -3.0);

@@ -81,6 +81,7 @@ void note_scan_channels(std::vector<Event>& events, double duration_s) {
 void note_slow_channels(std::vector<Event>& events, const RobotLog& settings) {
   note(events, "GOAL", goal());
   note(events, "PATH", path());
+  note(events, "EXPLORATION", exploration());
   note(events, "POSE_GRAPH", pose_graph());
   note(events, "STOP", stop());
   for (int i = 0; i < static_cast<int>(20.0 * settings.duration_s); ++i) {
@@ -284,6 +285,26 @@ nodmap::path_t path() {
   message.arc_x_m = {0.0, 0.8};
   message.arc_y_m = {0.0, 0.1};
   message.state = nodmap::path_t::PLANNED;
+  return message;
+}
+
+nodmap::exploration_t exploration() {
+  nodmap::exploration_t message{};
+  message.utime = kBeginUs;
+  message.state = nodmap::exploration_t::EXPLORING;
+  message.reason = "Drives to where it sees more.";
+  message.seen_m2 = 40.0;
+  message.waiting_m2 = 13.5;
+  message.num_viewpoints = 2;
+  message.viewpoint_x_m = {2.0, 5.0};
+  message.viewpoint_y_m = {0.5, -1.0};
+  message.gain_m2 = {10.0, 3.5};
+  message.num_points = 3;
+  message.x_m = {0.0, 1.0, 2.0};
+  message.y_m = {0.0, 0.0, 0.5};
+  message.num_frontier_points = 1;
+  message.frontier_x_m = {2.5F};
+  message.frontier_y_m = {0.5F};
   return message;
 }
 

@@ -11,6 +11,7 @@
 #include "nodmap/cloud_chunk_t.hpp"
 #include "nodmap/drive_t.hpp"
 #include "nodmap/egomap_t.hpp"
+#include "nodmap/exploration_t.hpp"
 #include "nodmap/goal_t.hpp"
 #include "nodmap/grid_chunk_t.hpp"
 #include "nodmap/navigation_t.hpp"
@@ -44,6 +45,7 @@ inline constexpr std::int64_t kBeginUs = 1'700'000'000'000'000;
 [[nodiscard]] nodmap::truth_t truth_at(double time_s);
 [[nodiscard]] nodmap::goal_t goal();
 [[nodiscard]] nodmap::path_t path();
+[[nodiscard]] nodmap::exploration_t exploration();
 [[nodiscard]] nodmap::pose_graph_t pose_graph();
 [[nodiscard]] nodmap::stop_t stop();
 [[nodiscard]] nodmap::base_sensors_t base_sensors_at(double time_s);

@@ -254,6 +254,20 @@ TEST(Scene, APathGoesWithTheGoal) {
   EXPECT_EQ(path_scene(path)["deletions"][0]["id"], "path");
 }
 
+TEST(Scene, AnExplorationShowsFrontiersAndTourUntilItEnds) {
+  nodmap::exploration_t exploration = foxglove::test::exploration();
+  const Json entity = exploration_scene(exploration)["entities"][0];
+  ASSERT_EQ(entity["lines"].size(), 2U);
+  EXPECT_EQ(entity["lines"][0]["points"].size(), 2U);  // a stroke
+  EXPECT_EQ(entity["lines"][1]["points"].size(), 5U);  // path, then the viewpoints
+  EXPECT_EQ(entity["lines"][1]["points"][4]["x"], 5.0);
+  EXPECT_EQ(entity["cylinders"].size(), 2U);
+  EXPECT_EQ(entity["texts"][1]["text"], "2: 3.5 m2");
+  exploration.state = nodmap::exploration_t::HOME;
+  EXPECT_TRUE(exploration_scene(exploration)["entities"].empty());
+  EXPECT_EQ(exploration_scene(exploration)["deletions"][0]["id"], "exploration");
+}
+
 TEST(Scene, ThePoseGraphShowsItsLoopsByWhatBecameOfThem) {
   const Json entity = pose_graph_scene(foxglove::test::pose_graph())["entities"][0];
   ASSERT_EQ(entity["lines"].size(), 3U);
@@ -334,6 +348,7 @@ TEST(Schemas, DescribeWhatIsSent) {
   fits("foxglove.SceneUpdate", goal_scene(robot::goal()));
   fits("foxglove.SceneUpdate", goal_scene(nodmap::goal_t{}));
   fits("foxglove.SceneUpdate", path_scene(robot::path()));
+  fits("foxglove.SceneUpdate", exploration_scene(robot::exploration()));
   fits("foxglove.SceneUpdate", pose_graph_scene(robot::pose_graph()));
   fits("foxglove.SceneUpdate", people_scene(robot::truth_at(0.0)));
   fits("foxglove.Log", health_log(robot::status_at(0.0)));
@@ -343,6 +358,7 @@ TEST(Schemas, DescribeWhatIsSent) {
   };
   message_fits(robot::base_sensors_at(0.0));
   message_fits(robot::drive_at(0.0));
+  message_fits(robot::exploration());
   message_fits(robot::goal());
   message_fits(robot::navigation_at(0.0));
   message_fits(robot::odometry_at(0.0));
