@@ -6,8 +6,15 @@
 #include <limits>
 
 #include "modules/navigator/local_map/local_map.hpp"
+#include "modules/navigator/turn.hpp"
 
 namespace nodmap::navigator {
+namespace {
+
+/// The corners of KURT3D then move at 5 cm/s: what they touch stays where it is.
+constexpr double kCreepRadS = geometry::deg_to_rad(10.0);
+
+}  // namespace
 
 Arc Brake::measure_arc(double curvature, const Situation& now) const {
   Arc arc = measure_corridor(curvature, drive_.side_margin_m, now);
@@ -69,6 +76,49 @@ double Brake::speed_on_present_arc(const Situation& now) const {
   const double emergency_mps = robot::stoppable_speed(arc.free_distance_m - braking_.stop_margin_m,
                                                       0.0, braking_.emergency_deceleration_mps2);
   return forward_mps > emergency_mps ? 0.0 : arc.speed_mps;
+}
+
+/// The laser does not look where a rotation leads the rear: there counts what the robot remembers.
+/// Ground ahead is Brake's other rule's, and backwards its trail's.
+void Brake::keep_to_known_ground(Decision& decision, const Situation& now) const {
+  const double yaw_rate_rad_s = std::abs(decision.yaw_rate_rad_s);
+  if (yaw_rate_rad_s <= kCreepRadS || decision.forward_mps < 0.0 || now.doubtful_base.empty()) {
+    return;
+  }
+  // A cell's centre stands for all of it: the body keeps off those that are in it by half.
+  const Footprint inner = body_.grown(-0.5 * local_map_.cell_size_m, -0.5 * local_map_.cell_size_m);
+  double allowed_rad_s = 0.0;
+  if (decision.forward_mps == 0.0) {
+    const double side = std::copysign(1.0, decision.yaw_rate_rad_s);
+    allowed_rad_s = yaw_rate_on_the_spot(free_rotation(now.doubtful_base, side, inner, 0.0), turn_,
+                                         drive_.reaction_s);
+  } else {
+    const double curvature = decision.yaw_rate_rad_s / decision.forward_mps;
+    Points beside = now.doubtful_base;
+    std::erase_if(beside, [&](const Eigen::Vector2d& p) { return p.x() > body_.half_length_m; });
+    allowed_rad_s =
+        std::abs(curvature) * stoppable_mps(free_distance(beside, curvature, inner, 0.0));
+  }
+  const double factor = std::min(1.0, std::max(kCreepRadS, allowed_rad_s) / yaw_rate_rad_s);
+  decision.forward_mps *= factor;
+  decision.yaw_rate_rad_s *= factor;
+  decision.max_forward_mps *= factor;
+}
+
+void Brake::give_way(Decision& decision, const Situation& now) const {
+  const Twist commanded{decision.forward_mps, decision.yaw_rate_rad_s};
+  const bool is_late = !passive_safety_.is_safe({now.forward_mps, now.yaw_rate_rad_s}, now.people);
+  const double factor = is_late ? 0.0 : passive_safety_.safe_factor(commanded, now.people);
+  if (factor == 1.0) {
+    return;
+  }
+  decision.behaviour =
+      decision.behaviour == Behaviour::kSteer ? Behaviour::kBrake : decision.behaviour;
+  decision.reason = "Gives way to somebody.";
+  decision.forward_mps *= factor;
+  decision.yaw_rate_rad_s *= factor;
+  decision.max_forward_mps =
+      std::min(decision.max_forward_mps, std::max(0.0, decision.forward_mps));
 }
 
 double Brake::speed_limit(double curvature, double max_forward_mps) const {

@@ -4,6 +4,7 @@
 #include "modules/navigator/corridor.hpp"
 #include "modules/navigator/decision.hpp"
 #include "modules/navigator/params.hpp"
+#include "modules/navigator/people/passive_safety.hpp"
 
 namespace nodmap::navigator {
 
@@ -27,7 +28,9 @@ class Brake {
         body_(params.robot.body.footprint()),
         braking_(params.robot.braking),
         drive_(params.drive),
-        local_map_(params.local_map) {}
+        local_map_(params.local_map),
+        turn_(params.turn),
+        passive_safety_(params.robot, params.drive, params.people) {}
 
   /// Within the stopping distance what was not seen blocks, as an obstacle does.
   [[nodiscard]] Arc measure_arc(double curvature, const Situation& now) const;
@@ -35,6 +38,14 @@ class Brake {
   /// What the arc allows that the robot is on now, for on that it would brake. 0 when it is nearer
   /// to an obstacle than even an emergency stop needs; +infinity while it is hardly moving.
   [[nodiscard]] double speed_on_present_arc(const Situation& now) const;
+
+  /// Slows a rotation down, and an arc that swings the body's rear aside, over ground that is not
+  /// known to be free: to so slow a rotation that the corners count as stationary.
+  void keep_to_known_ground(Decision& decision, const Situation& now) const;
+
+  /// Slows a motion down, on whatever path, so far that the robot is stationary before anyone who
+  /// walks touches it; to 0 where the motion that it is in is not safe any more.
+  void give_way(Decision& decision, const Situation& now) const;
 
   /// The speed that yaw rate and lateral acceleration allow on an arc, at most `max_forward_mps`:
   /// |v curvature| <= yaw rate and v |v curvature| <= lateral acceleration.
@@ -55,6 +66,8 @@ class Brake {
   robot::Braking braking_;
   DriveParams drive_;
   LocalMapParams local_map_;
+  TurnParams turn_;
+  PassiveSafety passive_safety_;
 };
 
 }  // namespace nodmap::navigator

@@ -8,6 +8,7 @@
 #include "common/geometry/se2.hpp"
 #include "modules/navigator/goal.hpp"
 #include "modules/navigator/obstacle_points.hpp"
+#include "modules/navigator/people/person.hpp"
 
 namespace nodmap::navigator {
 
@@ -17,6 +18,8 @@ class LocalMap;
 struct Situation {
   std::int64_t utime_us = 0;
   Points points_base;         ///< obstacles, now; of the obstacle map, and of the local map
+  Points doubtful_base;       ///< near the body and not known to be free, see LocalMap
+  People people;              ///< who walks, in base
   geometry::SE2 T_odom_base;  ///< now
   geometry::SE2 T_map_odom;   ///< by 2D SLAM; identity without
   double forward_mps = 0.0;

@@ -22,6 +22,11 @@ constexpr double kApproachS = 0.5;
 /// slips a little.
 constexpr double kRoomToTurnM = 0.03;
 
+/// Ground so far beyond the turning circle is asked for, for arcs swing the rear out of it.
+constexpr double kDoubtfulM = 0.1;
+/// A point so near to a walker's disc is his: the error of his track.
+constexpr double kHisM = 0.25;
+
 constexpr double kEndless = std::numeric_limits<double>::infinity();
 
 /// The nearer of two free directions, positive left; empty when they are as near, or there is none.
@@ -31,6 +36,16 @@ std::optional<double> nearer_direction(const FreeNeighbours& near) {
   }
   const bool is_left = near.left_rad && (!near.right_rad || *near.left_rad < -*near.right_rad);
   return is_left ? near.left_rad : near.right_rad;
+}
+
+/// The points that belong to nobody who is tracked.
+Points without(const People& people, Points points_base) {
+  std::erase_if(points_base, [&](const Eigen::Vector2d& p_base) {
+    return std::ranges::any_of(people, [&](const Person& person) {
+      return (p_base - person.position).norm() < person.radius_m + kHisM;
+    });
+  });
+  return points_base;
 }
 
 }  // namespace
@@ -59,8 +74,11 @@ Decision Navigator::halt(std::string reason) {
 }
 
 void Navigator::add_scan(const scan::Scan& scan, const geometry::SE2& T_odom_base) {
+  if (params_.people.use) {
+    people_.add_scan(scan, T_odom_base);
+  }
   if (params_.local_map.use) {
-    local_map_.add_scan(scan, T_odom_base);
+    local_map_.add_scan(scan, T_odom_base, people_.is_walker());
   }
 }
 
@@ -73,6 +91,13 @@ void Navigator::add_contact(const geometry::SE2& T_odom_base, bool at_front) {
 Decision Navigator::decide(Situation now) {
   observe(now);
   join_local_map(now);
+  Decision decision = behave(now);
+  brake_.keep_to_known_ground(decision, now);
+  brake_.give_way(decision, now);
+  return decision;
+}
+
+Decision Navigator::behave(const Situation& now) {
   arrived_ = now.goal && has_arrived(*now.goal, arrived_);
   if (arrived_) {
     turn_.end();
@@ -103,13 +128,14 @@ Decision Navigator::decide(Situation now) {
   return turn(space, now);
 }
 
-void Navigator::observe(const Situation& now) {
+void Navigator::observe(Situation& now) {
+  now.people = people_.people_base(now.utime_us, now.T_odom_base);
   seen_.update(now.T_odom_base.yaw, now.sweep_count);
   const double reach_m =
       body_.turning_radius_m() + kApproachM + kApproachS * std::max(0.0, now.forward_mps);
   const bool has_local_map = local_map_.has_scan() && !now.laser_is_held;
-  approach_.update(now.utime_us, now.T_odom_base, reach_m, now.points_base, seen_,
-                   has_local_map ? &local_map_ : nullptr);
+  approach_.update(now.utime_us, now.T_odom_base, reach_m, without(now.people, now.points_base),
+                   seen_, has_local_map ? &local_map_ : nullptr);
   back_up_.record(now.T_odom_base);
 }
 
@@ -123,6 +149,10 @@ void Navigator::join_local_map(Situation& now) const {
   now.local_map = now.laser_is_held ? nullptr : &local_map_;
   const Points more = local_map_.points_base(now.T_odom_base, params_.local_map.range_m);
   now.points_base.insert(now.points_base.end(), more.begin(), more.end());
+  if (now.local_map != nullptr) {
+    now.doubtful_base =
+        local_map_.doubtful_points_base(now.T_odom_base, body_.turning_radius_m() + kDoubtfulM);
+  }
 }
 
 Decision Navigator::brake(const Situation& now, std::string reason) const {

@@ -10,6 +10,7 @@
 #include "modules/navigator/decision.hpp"
 #include "modules/navigator/local_map/local_map.hpp"
 #include "modules/navigator/params.hpp"
+#include "modules/navigator/people/people_tracker.hpp"
 #include "modules/navigator/planner/goal_drive.hpp"
 #include "modules/navigator/seen_directions.hpp"
 #include "modules/navigator/steering.hpp"
@@ -27,7 +28,8 @@ namespace nodmap::navigator {
 /// Obstacles and holes of the local map count like points of the obstacle map. To a goal it drives
 /// by plan instead (planner/goal_drive.hpp); Brake has the last word there, too.
 ///
-/// It waits while something approaches. Whether the inputs may be used at all is decided before
+/// It gives way to people who walk: whatever was decided, it is stationary before they touch it. It
+/// waits while something else approaches. Whether the inputs may be used at all is decided before
 /// (staleness.hpp): if not, halt() is called instead of decide().
 class Navigator {
  public:
@@ -55,7 +57,8 @@ class Navigator {
   void reset();
 
  private:
-  void observe(const Situation& now);
+  void observe(Situation& now);
+  [[nodiscard]] Decision behave(const Situation& now);
   void join_local_map(Situation& now) const;
   [[nodiscard]] Decision brake(const Situation& now, std::string reason) const;
   [[nodiscard]] Decision wait_for_approaching(const Situation& now) const;
@@ -73,6 +76,7 @@ class Navigator {
   Turn turn_;
   BackUp back_up_;
   LocalMap local_map_;
+  PeopleTracker people_;
   GoalDrive goal_drive_;
   bool arrived_ = false;
   std::optional<geometry::SE2> turn_ended_at_;  ///< T_odom_base

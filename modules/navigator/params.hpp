@@ -190,6 +190,30 @@ struct PlannerParams {
   }
 };
 
+/// People who walk.
+struct PeopleParams {
+  bool use = true;
+  double margin_m = 0.08;
+  double comfort_m = 0.45;
+  double ahead_s = 1.2;
+  double weight_mps = 4.0;
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.flag("use_people", use,
+           "Track people and give way to them; without it only what comes near.");
+    v.number(
+        "margin_m", margin_m, {0.0, 0.5},
+        "Distance to a walker, beside the errors of his track, at which the robot is stationary.");
+    v.number(
+        "comfort_m", comfort_m, {0.05, 2.0},
+        "A rollout that keeps more distance to a walker, and to where he goes, costs nothing.");
+    v.number("ahead_s", ahead_s, {0.0, 5.0}, "Where a walker goes: his path of so much time.");
+    v.number("weight_mps", weight_mps, {0.0, 50.0},
+             "Cost of a second of a rollout in the middle of a walker's path, metres.");
+  }
+};
+
 struct NavigatorParams {
   robot::RobotParams robot;
   DriveParams drive;
@@ -199,6 +223,7 @@ struct NavigatorParams {
   StalenessParams staleness;
   LocalMapParams local_map;
   PlannerParams planner;
+  PeopleParams people;
   double drive_valid_s = 0.15;
 
   template <class Visitor>
@@ -211,6 +236,7 @@ struct NavigatorParams {
     v.section("staleness", staleness);
     v.section("local_map", local_map);
     v.section("planner", planner);
+    v.section("people", people);
     v.number("drive_valid_s", drive_valid_s, {0.05, 0.2}, "How long a DRIVE may be obeyed.");
     describe_former_names(v);
   }

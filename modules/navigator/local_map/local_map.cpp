@@ -21,6 +21,9 @@ constexpr double kCertainM = 0.03;
 /// A rotation of 1 rad costs the heading as much as 4 m of driving: 2 degrees against 1 degree at
 /// 1 m, both growing with the root.
 constexpr double kMetresPerRad = 4.0;
+/// So near to base an obstacle is remembered so much longer.
+constexpr double kNearM = 0.5;
+constexpr double kNearFactor = 5.0;
 /// No beam is followed farther: what lies beyond is looked at again when it is near.
 constexpr double kFarthestPassM = 3.5;
 /// So near before the end of a beam nothing is passed: noise of the range, and the cell itself.
@@ -118,8 +121,18 @@ double LocalMap::tolerance_m(double range_m) const {
 }
 
 bool LocalMap::is_forgotten(const LocalCell& cell) const {
+  return travel_since_hit_m(cell) > params_.forget_after_m;
+}
+
+double LocalMap::travel_since_hit_m(const LocalCell& cell) const {
   const auto travel_dm = static_cast<std::uint16_t>(std::lround(10.0 * travel_m_));
-  return 0.1 * static_cast<std::uint16_t>(travel_dm - cell.seen_at_dm) > params_.forget_after_m;
+  return 0.1 * static_cast<std::uint16_t>(travel_dm - cell.seen_at_dm);
+}
+
+/// The laser does not look beside and behind the body, and the heading's error moves what is there
+/// by next to nothing: it is remembered for longer, however the robot rotates on the spot.
+bool LocalMap::is_remembered_near(const LocalCell& cell) const {
+  return is_obstacle(cell) && travel_since_hit_m(cell) <= kNearFactor * params_.forget_after_m;
 }
 
 LocalCell* LocalMap::find(const Eigen::Vector2d& p_odom) {
@@ -132,7 +145,8 @@ const LocalCell* LocalMap::cell_at(const Eigen::Vector2d& p_odom) const {
   return grid_.contains(index) ? &grid_.at(index) : nullptr;
 }
 
-void LocalMap::add_scan(const scan::Scan& scan, const geometry::SE2& T_odom_base) {
+void LocalMap::add_scan(const scan::Scan& scan, const geometry::SE2& T_odom_base,
+                        const std::vector<bool>& is_walker) {
   prepare_fan(scan);
   move(T_odom_base);
   ++scan_;
@@ -144,6 +158,9 @@ void LocalMap::add_scan(const scan::Scan& scan, const geometry::SE2& T_odom_base
     const double c = std::cos(pitch_rad);
     const double s = std::sin(pitch_rad);
     const Eigen::Vector3d& offset = scan.mirror_offset_m;
+    if (is_walker.size() == n && is_walker[i]) {
+      continue;
+    }
     const auto range_m = static_cast<double>(scan.ranges_m[i]);
     const Beam beam{scan.T_base_mount * Eigen::Vector3d(c * offset.x() - s * offset.z(), offset.y(),
                                                         s * offset.x() + c * offset.z()),
@@ -412,6 +429,7 @@ Points LocalMap::points_base(const geometry::SE2& T_odom_base, double range_m) c
   const geometry::SE2 T_base_odom = T_odom_base.inverse();
   const Eigen::Matrix2d R_base_odom = T_base_odom.rotation();
   const auto reach = static_cast<int>(range_m / grid_.cell_size_m());
+  const auto near = static_cast<int>(kNearM / grid_.cell_size_m());
   const Eigen::Vector2i middle = grid_.index_of(T_odom_base.translation());
   for (int dy = -reach; dy <= reach; ++dy) {
     for (int dx = -reach; dx <= reach; ++dx) {
@@ -419,8 +437,45 @@ Points LocalMap::points_base(const geometry::SE2& T_odom_base, double range_m) c
       if (dx * dx + dy * dy > reach * reach || !grid_.contains(index)) {
         continue;
       }
-      if (is_blocked_at(index)) {
+      const bool is_near = dx * dx + dy * dy < near * near;
+      if (is_blocked_at(index) || (is_near && is_remembered_near(grid_.at(index)))) {
         points.emplace_back(R_base_odom * grid_.center_of(index) + T_base_odom.translation());
+      }
+    }
+  }
+  return points;
+}
+
+/// Floor there, or so near that nothing fits in between.
+bool LocalMap::is_floor_near(const Eigen::Vector2i& index) const {
+  for (const Eigen::Vector2i& step :
+       {Eigen::Vector2i(0, 0), Eigen::Vector2i(kEdgeCells, 0), Eigen::Vector2i(-kEdgeCells, 0),
+        Eigen::Vector2i(0, kEdgeCells), Eigen::Vector2i(0, -kEdgeCells)}) {
+    if (grid_.contains(index + step) && grid_.at(index + step).is_floor) {
+      return true;
+    }
+  }
+  return false;
+}
+
+Points LocalMap::doubtful_points_base(const geometry::SE2& T_odom_base, double range_m) const {
+  Points points;
+  const geometry::SE2 T_base_odom = T_odom_base.inverse();
+  const Eigen::Matrix2d R_base_odom = T_base_odom.rotation();
+  const auto reach = static_cast<int>(range_m / grid_.cell_size_m());
+  const Eigen::Vector2i middle = grid_.index_of(T_odom_base.translation());
+  for (int dy = -reach; dy <= reach; ++dy) {
+    for (int dx = -reach; dx <= reach; ++dx) {
+      const Eigen::Vector2i index = middle + Eigen::Vector2i(dx, dy);
+      if (dx * dx + dy * dy > reach * reach || !grid_.contains(index)) {
+        continue;
+      }
+      const bool is_known =
+          is_floor_near(index) && !(is_obstacle(grid_.at(index)) && is_forgotten(grid_.at(index)));
+      const Eigen::Vector2d p_base =
+          R_base_odom * grid_.center_of(index) + T_base_odom.translation();
+      if (!is_known && !body_.contains(p_base)) {
+        points.push_back(p_base);
       }
     }
   }

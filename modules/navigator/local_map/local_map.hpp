@@ -41,8 +41,10 @@ class LocalMap {
  public:
   LocalMap(const robot::RobotParams& robot, const LocalMapParams& params);
 
-  /// `T_odom_base` at the middle of the scan.
-  void add_scan(const scan::Scan& scan, const geometry::SE2& T_odom_base);
+  /// `T_odom_base` at the middle of the scan. Beams for which `is_walker` is true, where there are
+  /// as many of these as beams, have hit somebody who walks: he is no part of the ground.
+  void add_scan(const scan::Scan& scan, const geometry::SE2& T_odom_base,
+                const std::vector<bool>& is_walker = {});
 
   [[nodiscard]] bool has_scan() const { return T_odom_base_.has_value(); }
 
@@ -64,6 +66,11 @@ class LocalMap {
   /// The same for the body's rear, backwards. What the robot was set down on does not count.
   [[nodiscard]] double seen_distance_backwards(const geometry::SE2& T_odom_base, double curvature,
                                                double half_width_m, double max_m) const;
+
+  /// Places within `range_m` of base, but not under the body, that are not known to be free: floor
+  /// was never seen there, or an obstacle was and is forgotten, but no beam has passed through it
+  /// since. In base. What the robot was set down on counts as seen.
+  [[nodiscard]] Points doubtful_points_base(const geometry::SE2& T_odom_base, double range_m) const;
 
   /// Whether floor was seen at a place and around it, whatever is there now: at the foot of
   /// something that has always been there half of the cells around were never floor.
@@ -113,7 +120,10 @@ class LocalMap {
                                  bool assumed_counts) const;
   [[nodiscard]] double tolerance_m(double range_m) const;
   [[nodiscard]] bool is_blocked_at(const Eigen::Vector2i& index) const;
+  [[nodiscard]] bool is_floor_near(const Eigen::Vector2i& index) const;
   [[nodiscard]] bool is_forgotten(const LocalCell& cell) const;
+  [[nodiscard]] bool is_remembered_near(const LocalCell& cell) const;
+  [[nodiscard]] double travel_since_hit_m(const LocalCell& cell) const;
   [[nodiscard]] LocalCell* find(const Eigen::Vector2d& p_odom);
 
   robot::Footprint body_;

@@ -49,7 +49,7 @@ GoalDrive::GoalDrive(const NavigatorParams& params)
       body_(params.robot.body.footprint()),
       brake_(params, true),
       global_(body_, params.planner),
-      rollouts_(body_, params.planner, params.drive) {}
+      rollouts_(body_, params) {}
 
 Decision GoalDrive::decide(const Situation& now, const SeenDirections& seen,
                            const LocalMap& local_map) {
@@ -194,12 +194,35 @@ bool GoalDrive::is_seen(const Rollout& rollout, const Situation& now,
                       now.laser_is_held ? 0 : params_.steer.sweeps_to_trust);
 }
 
+/// A rollout as Brake allows it; empty where it does not.
 std::optional<Decision> GoalDrive::drive(const Rollout& rollout, const Situation& now,
                                          const SeenDirections& seen) const {
+  if (rollout.forward_mps == 0.0 && rollout.yaw_rate_rad_s == 0.0) {
+    Decision decision;
+    decision.behaviour = Behaviour::kBrake;
+    decision.reason = "Gives way to somebody.";
+    return decision;
+  }
+  std::optional<Decision> decision = move(rollout, now, seen);
+  if (decision) {
+    brake_.keep_to_known_ground(*decision, now);
+    brake_.give_way(*decision, now);
+    if (decision->forward_mps == 0.0 && decision->yaw_rate_rad_s == 0.0) {
+      return std::nullopt;
+    }
+  }
+  return decision;
+}
+
+std::optional<Decision> GoalDrive::move(const Rollout& rollout, const Situation& now,
+                                        const SeenDirections& seen) const {
   if (rollout.forward_mps > 0.0) {
     return drive_forwards(rollout, now, seen);
   }
-  return rollout.forward_mps < 0.0 ? drive_backwards(rollout, now) : rotate(rollout, now);
+  if (rollout.forward_mps < 0.0) {
+    return drive_backwards(rollout, now);
+  }
+  return rotate(rollout, now);
 }
 
 std::optional<Decision> GoalDrive::drive_forwards(const Rollout& rollout, const Situation& now,

@@ -36,6 +36,8 @@ class GoalDrive {
                                                const SeenDirections& seen) const;
   [[nodiscard]] std::optional<Decision> drive(const Rollout& rollout, const Situation& now,
                                               const SeenDirections& seen) const;
+  [[nodiscard]] std::optional<Decision> move(const Rollout& rollout, const Situation& now,
+                                             const SeenDirections& seen) const;
   [[nodiscard]] std::optional<Decision> drive_forwards(const Rollout& rollout, const Situation& now,
                                                        const SeenDirections& seen) const;
   [[nodiscard]] std::optional<Decision> drive_backwards(const Rollout& rollout,

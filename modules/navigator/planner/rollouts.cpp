@@ -54,9 +54,8 @@ double approach(double from, double to, double most) {
 
 }  // namespace
 
-Rollouts::Rollouts(const robot::Footprint& body, const PlannerParams& params,
-                   const DriveParams& drive)
-    : body_(body), params_(params), drive_(drive) {
+Rollouts::Rollouts(const robot::Footprint& body, const NavigatorParams& params)
+    : body_(body), params_(params.planner), drive_(params.drive), people_(params.people) {
   const double length_m = body.half_length_m;
   const double width_m = body.half_width_m;
   const double radius_m = std::min(length_m, width_m);
@@ -134,6 +133,9 @@ const std::vector<Rollout>& Rollouts::plan(const Situation& now, const CostToGo&
       consider({speed_mps, yaw_rate_rad_s}, yaw_rate_rad_s, now, cost_to_go);
     }
   }
+  if (!now.people.empty()) {
+    consider({}, 0.0, now, cost_to_go);
+  }
   std::ranges::sort(rollouts_, {}, &Rollout::cost);
   return rollouts_;
 }
@@ -143,6 +145,7 @@ void Rollouts::consider(const Motion& first, double next_yaw_rate_rad_s, const S
   geometry::SE2 pose;  // in base, now
   double v = now.forward_mps;
   double w = now.yaw_rate_rad_s;
+  double obstruction_s = 0.0;
   double nearness_m = 0.0;  // metres driven, each the more the nearer it is to obstacles
   const double least_m = first.forward_mps > 0.0 ? least_clearance_m_ : least_slow_clearance_m_;
   for (int step = 0; step < kSteps; ++step) {
@@ -159,16 +162,35 @@ void Rollouts::consider(const Motion& first, double next_yaw_rate_rad_s, const S
     const double ample_m = params_.ample_clearance_m + params_.ample_clearance_s * std::abs(v);
     const double near = std::max(0.0, 1.0 - clearance / ample_m);
     nearness_m += kStepS * std::hypot(v, kCornerM * w) * near * near;
+    obstruction_s += kStepS * obstruction(pose, kStepS * (step + 1), now.people);
   }
   Rollout rollout{first.forward_mps, first.yaw_rate_rad_s, next_yaw_rate_rad_s, 0.0};
   rollout.cost = end_cost(now.T_map_odom * now.T_odom_base * pose, cost_to_go) +
-                 params_.clearance_weight * nearness_m +
+                 params_.clearance_weight * nearness_m + people_.weight_mps * obstruction_s +
                  params_.smoothness_weight * (std::abs(first.yaw_rate_rad_s - now.yaw_rate_rad_s) +
                                               std::abs(first.forward_mps - now.forward_mps)) +
                  (first.forward_mps < 0.0 ? reverse_price_m_ : 0.0);
   if (std::isfinite(rollout.cost)) {
     rollouts_.push_back(rollout);
   }
+}
+
+double Rollouts::obstruction(const geometry::SE2& pose_base, double time_s,
+                             const People& people) const {
+  double most = 0.0;
+  for (const Person& person : people) {
+    // Where he is then, and where he goes from there.
+    const Eigen::Vector2d from = person.position_after(time_s);
+    const Eigen::Vector2d along = people_.ahead_s * person.velocity;
+    const Eigen::Vector2d offset = pose_base.translation() - from;
+    const double share =
+        std::clamp(offset.dot(along) / std::max(along.squaredNorm(), 1e-9), 0.0, 1.0);
+    const double distance_m =
+        (offset - share * along).norm() - person.radius_m - body_.half_width_m;
+    const double near = std::clamp(1.0 - distance_m / people_.comfort_m, 0.0, 1.0);
+    most = std::max(most, near * near);
+  }
+  return most;
 }
 
 double Rollouts::end_cost(const geometry::SE2& T_map_end, const CostToGo& cost_to_go) const {

@@ -22,12 +22,13 @@ struct Rollout {
 /// The local planner: some thousand motions of the next 1.6 s, each an arc followed by another one,
 /// with the accelerations of the base, forwards, backwards and on the spot. Those that touch
 /// something are left out; the others cost by what the global plan says of where they end, by how
-/// near they pass obstacles, and by how much they differ from what the robot does.
+/// near they pass obstacles, by how much they lie in the way of people, and by how much they differ
+/// from what the robot does. Where people are, to stand is one of them: speed and yaw rate are 0.
 class Rollouts {
  public:
   static constexpr double kDurationS = 1.6;
 
-  Rollouts(const robot::Footprint& body, const PlannerParams& params, const DriveParams& drive);
+  Rollouts(const robot::Footprint& body, const NavigatorParams& params);
 
   /// Those that touch nothing, best first. Valid until the next call.
   [[nodiscard]] const std::vector<Rollout>& plan(const Situation& now, const CostToGo& cost_to_go,
@@ -53,11 +54,15 @@ class Rollouts {
 
   void consider(const Motion& first, double next_yaw_rate_rad_s, const Situation& now,
                 const CostToGo& cost_to_go);
+  /// How much a pose at a time is in the way of people: 1 in the middle of somebody's path.
+  [[nodiscard]] double obstruction(const geometry::SE2& pose_base, double time_s,
+                                   const People& people) const;
   [[nodiscard]] double end_cost(const geometry::SE2& T_map_end, const CostToGo& cost_to_go) const;
 
   robot::Footprint body_;
   PlannerParams params_;
   DriveParams drive_;
+  PeopleParams people_;
   std::vector<Disc> discs_;
   DistanceField obstacles_;
   double least_clearance_m_ = 0.0;

@@ -63,6 +63,45 @@ TEST(Brake, StopsAtOnceNearerThanAnEmergencyStopNeeds) {
   EXPECT_EQ(speed(0.05, 0.3), kInf);
 }
 
+// The rear left corner of KURT3D, at 143 degrees and 0.279 m, reaches a place at 180 - 26 degrees
+// after 9 to 18 degrees to the left: within what a rotation of 60 deg/s needs to stop.
+TEST(Brake, RotatesSlowlyOverGroundThatIsNotKnownToBeFree) {
+  const Brake brake(NavigatorParams{});
+  const auto rotate = [&](double yaw_rate_rad_s, const Points& doubtful_base) {
+    Situation now;
+    now.doubtful_base = doubtful_base;
+    Decision decision;
+    decision.yaw_rate_rad_s = yaw_rate_rad_s;
+    brake.keep_to_known_ground(decision, now);
+    return decision.yaw_rate_rad_s;
+  };
+  const Points behind{{-0.24, 0.11}};
+  EXPECT_EQ(rotate(1.0, {}), 1.0);
+  EXPECT_EQ(rotate(1.0, {{-0.3, 0.1}}), 1.0);  // outside the circle of the corners
+  const double left = rotate(1.0, behind);
+  EXPECT_LT(left, 0.9);
+  EXPECT_GE(left, deg_to_rad(10.0) - 1e-12);
+  EXPECT_EQ(rotate(-1.0, {{0.1, -0.17}}), -deg_to_rad(10.0));  // touches it at once
+}
+
+// An arc to the left swings the rear to the right.
+TEST(Brake, SwingsItsRearSlowlyOverGroundThatIsNotKnownToBeFree) {
+  const Brake brake(NavigatorParams{});
+  const auto drive = [&](double curvature, const Eigen::Vector2d& doubtful_base) {
+    Situation now;
+    now.doubtful_base = {doubtful_base};
+    Decision decision;
+    decision.forward_mps = 0.3;
+    decision.yaw_rate_rad_s = 0.3 * curvature;
+    brake.keep_to_known_ground(decision, now);
+    EXPECT_NEAR(decision.yaw_rate_rad_s, curvature * decision.forward_mps, 1e-12);
+    return decision.forward_mps;
+  };
+  EXPECT_LT(drive(4.0, {-0.15, -0.17}), 0.06);
+  EXPECT_EQ(drive(4.0, {-0.15, 0.25}), 0.3);
+  EXPECT_EQ(drive(0.0, {-0.15, -0.17}), 0.3);
+}
+
 TEST(SeenDirections, ADirectionIsSeenAfterTwoSweeps) {
   SeenDirections view(deg_to_rad(70));
   view.update(0.0, 10);

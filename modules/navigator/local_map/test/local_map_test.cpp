@@ -141,6 +141,61 @@ TEST(LocalMap, RemembersWhatIsBesideAndBehindTheRobot) {
   }
 }
 
+// A wall that was seen on the way in, and lies behind and beside the robot now. It rotates to and
+// fro before it, 20 rad in all, and never looks there again: as much as 80 m of driving.
+TEST(LocalMap, AWallBesideARobotThatRotatesOnTheSpotIsRemembered) {
+  LocalMap map({}, {});
+  const Ground ground{{{{-0.5, -1.0}, {-0.4, 1.0}, 0.5}}};
+  sweep(map, ground, {0.0, 0.0, geometry::kPi});
+  const auto behind = [&] {
+    const Points points = map.points_base({}, 1.0);
+    return std::ranges::count_if(
+        points, [](const Eigen::Vector2d& p) { return p.x() < -0.35 && p.norm() < 0.48; });
+  };
+  const auto before = behind();
+  ASSERT_GT(before, 0);
+  const scan::Scan none = [] {
+    scan::Scan scan = test::scan_of({}, {}, 0.0);
+    std::ranges::fill(scan.ranges_m, std::numeric_limits<float>::quiet_NaN());
+    return scan;
+  }();
+  for (int i = 0; i <= 160; ++i) {
+    map.add_scan(none, {0.0, 0.0, 0.5 * std::sin(geometry::kPi * i / 8.0)});
+  }
+  EXPECT_EQ(behind(), before);
+}
+
+// A disc of 0.4 m around the robot, by the definition: what is not under the body and is neither
+// floor nor as near to floor as two cells.
+TEST(LocalMap, GroundThatWasNotSeenIsDoubtful) {
+  LocalMap map({}, {});
+  sweep(map, {}, {});
+  EXPECT_TRUE(map.doubtful_points_base({}, 0.4).empty());  // it was set down there
+  // 2 m to the left of everything that was seen.
+  const Points points = map.doubtful_points_base({-2.0, 2.0, 0.3}, 0.4);
+  const robot::Footprint body = robot::Body{}.footprint();
+  const double area_m2 = geometry::kPi * 0.16 - 4.0 * body.half_length_m * body.half_width_m;
+  EXPECT_NEAR(static_cast<double>(points.size()) * kCellM * kCellM, area_m2, 0.05 * area_m2);
+  for (const Eigen::Vector2d& p : points) {
+    EXPECT_FALSE(body.contains(p));
+    EXPECT_LT(p.norm(), 0.4 + kCellM);
+  }
+}
+
+TEST(LocalMap, SomebodyWhoWalksIsNoPartOfTheGround) {
+  LocalMap map({}, {});
+  const Ground ground{{{{0.9, -0.2}, {1.1, 0.2}, 0.45}}};
+  for (double deg = -60.0; deg <= 5.0; deg += 1.5) {
+    const scan::Scan scan = test::scan_of(ground, {}, deg_to_rad(deg));
+    std::vector<bool> is_walker(scan.ranges_m.size());
+    for (std::size_t i = 0; i < is_walker.size(); ++i) {
+      is_walker[i] = scan::point_in_base(scan, i, scan.ranges_m[i]).z() > 0.02;
+    }
+    map.add_scan(scan, {}, is_walker);
+  }
+  EXPECT_TRUE(map.points_base({}, 2.0).empty());
+}
+
 TEST(LocalMap, ForgetsWhatBeamsPassThrough) {
   LocalMap map({}, {});
   sweep(map, {{{{0.9, -0.2}, {1.1, 0.2}, 0.4}}}, {});

@@ -26,7 +26,7 @@ TEST(Rollouts, ClearanceIsThatOfTheRectangle) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> place_m(-1.0, 1.0);
   std::uniform_real_distribution<double> yaw_rad(-3.1, 3.1);
-  Rollouts rollouts(kBody, {}, {});
+  Rollouts rollouts(kBody, {});
   int near = 0;
   for (int i = 0; i < 3000; ++i) {
     const Eigen::Vector2d p(place_m(random), place_m(random));

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/navigator/people/ever_free.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace nodmap::navigator {
+namespace {
+
+constexpr double kCellM = 0.1;
+constexpr double kLayerM = 0.1;
+constexpr int kLog2Size = 7;
+constexpr std::uint8_t kMostFree = 12;
+/// Scans with a pass that make a layer free. At 3 m a sweep has about one line in each layer.
+constexpr std::uint8_t kEnough = 2;
+
+}  // namespace
+
+EverFree::EverFree() : grid_(kCellM, kLog2Size) {}
+
+int EverFree::layer_of(double height_m) {
+  return static_cast<int>(std::floor((height_m - kLowestM) / kLayerM)) + 1;
+}
+
+void EverFree::begin_scan(const Eigen::Vector2d& p_odom) {
+  grid_.center_on(p_odom);
+  ++scan_;
+}
+
+void EverFree::hit(const Eigen::Vector2d& p_odom, double height_m) {
+  const int layer = layer_of(height_m);
+  const Eigen::Vector2i index = grid_.index_of(p_odom);
+  if (layer < 0 || layer >= kLayers || !grid_.contains(index)) {
+    return;
+  }
+  Column& column = grid_.at(index);
+  if (column.changed != scan_) {
+    std::uint8_t& free = column.free[static_cast<std::size_t>(layer)];
+    free = free == 0 ? std::uint8_t{0} : static_cast<std::uint8_t>(free - 1);
+    column.changed = scan_;
+  }
+}
+
+void EverFree::pass(const Eigen::Vector2d& from_odom, double from_height_m,
+                    const Eigen::Vector2d& to_odom, double to_height_m) {
+  const int steps = static_cast<int>((to_odom - from_odom).norm() / kCellM) + 1;
+  const Eigen::Vector2d step = (to_odom - from_odom) / steps;
+  const double rise_m = (to_height_m - from_height_m) / steps;
+  for (int i = 0; i <= steps; ++i) {
+    const int layer = layer_of(from_height_m + i * rise_m);
+    const Eigen::Vector2i index = grid_.index_of(from_odom + i * step);
+    if (layer < 0 || layer >= kLayers || !grid_.contains(index)) {
+      continue;
+    }
+    Column& column = grid_.at(index);
+    if (column.changed == scan_) {
+      continue;
+    }
+    std::uint8_t& free = column.free[static_cast<std::size_t>(layer)];
+    free = std::min<std::uint8_t>(kMostFree, static_cast<std::uint8_t>(free + 1));
+    column.changed = column.passed = scan_;
+  }
+}
+
+bool EverFree::is_free(const Eigen::Vector2i& index, int layer) const {
+  if (!grid_.contains(index)) {
+    return false;
+  }
+  const Column& column = grid_.at(index);
+  return std::all_of(column.free.begin() + layer - 1, column.free.begin() + layer + 2,
+                     [](std::uint8_t free) { return free >= kEnough; });
+}
+
+bool EverFree::is_free(const Eigen::Vector2d& p_odom, double height_m) const {
+  const int layer = std::clamp(layer_of(height_m), 1, kLayers - 2);
+  const Eigen::Vector2i middle = grid_.index_of(p_odom);
+  for (int dx = -1; dx <= 1; ++dx) {
+    for (int dy = -1; dy <= 1; ++dy) {
+      if (!is_free(middle + Eigen::Vector2i(dx, dy), layer)) {
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
+bool EverFree::is_passed_now(const Eigen::Vector2d& p_odom) const {
+  const Eigen::Vector2i index = grid_.index_of(p_odom);
+  return grid_.contains(index) && grid_.at(index).passed == scan_;
+}
+
+}  // namespace nodmap::navigator

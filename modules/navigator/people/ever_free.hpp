@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+
+#include "modules/navigator/local_map/rolling_grid.hpp"
+
+namespace nodmap::navigator {
+
+/// Which space around the robot beams have passed through, in scan after scan: what is measured
+/// there now has moved there. After the ever-free space of Dynablox (Schmid et al., RA-L 2023),
+/// here in columns of 10 cm x 10 cm with layers of 10 cm, 12.8 m x 12.8 m in odom.
+///
+/// A low box is passed over before it is hit, and a table passed under: so a place is free only
+/// where the layers below and above it are, and the columns around it.
+class EverFree {
+ public:
+  /// Heights that are answered for: of shins and thighs.
+  static constexpr double kLowestM = 0.2;
+  static constexpr double kHighestM = 0.5;
+
+  EverFree();
+
+  /// Begins a scan, made from about `p_odom`.
+  void begin_scan(const Eigen::Vector2d& p_odom);
+
+  /// A beam of this scan has ended at a place. All its hits come before its passes.
+  void hit(const Eigen::Vector2d& p_odom, double height_m);
+
+  /// A beam of this scan has passed from one place to another; heights in metres.
+  void pass(const Eigen::Vector2d& from_odom, double from_height_m, const Eigen::Vector2d& to_odom,
+            double to_height_m);
+
+  /// Whether a place, which lies between kLowestM and kHighestM, was free before.
+  [[nodiscard]] bool is_free(const Eigen::Vector2d& p_odom, double height_m) const;
+
+  /// Whether a beam of this scan has passed there at such heights.
+  [[nodiscard]] bool is_passed_now(const Eigen::Vector2d& p_odom) const;
+
+ private:
+  static constexpr int kLayers = 5;  // one below kLowestM, one above kHighestM
+  struct Column {
+    std::array<std::uint8_t, kLayers> free{};  ///< scans with a pass, less those with a hit
+    std::uint32_t changed = 0;                 ///< the scan of the last change
+    std::uint32_t passed = 0;                  ///< the scan of the last pass
+  };
+
+  [[nodiscard]] static int layer_of(double height_m);
+  [[nodiscard]] bool is_free(const Eigen::Vector2i& index, int layer) const;
+
+  RollingGrid<Column> grid_;
+  std::uint32_t scan_ = 0;
+};
+
+}  // namespace nodmap::navigator

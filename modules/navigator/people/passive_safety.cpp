@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/navigator/people/passive_safety.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "common/geometry/se2.hpp"
+
+namespace nodmap::navigator {
+namespace {
+
+constexpr double kStepS = 0.05;
+/// No point of a stationary robot moves faster.
+constexpr double kStationaryMps = 0.05;
+/// From fastest to slowest; slower than that it rather stands.
+constexpr std::array kFactors{1.0, 0.85, 0.7, 0.55, 0.4, 0.27, 0.15};
+
+}  // namespace
+
+double distance_to_body(const Eigen::Vector2d& p_base, const robot::Footprint& body) {
+  return std::hypot(std::max(0.0, std::abs(p_base.x()) - body.half_length_m),
+                    std::max(0.0, std::abs(p_base.y()) - body.half_width_m));
+}
+
+PassiveSafety::PassiveSafety(const robot::RobotParams& robot, const DriveParams& drive,
+                             const PeopleParams& params)
+    : body_(robot.body.footprint()),
+      deceleration_mps2_(robot.braking.deceleration_mps2),
+      reaction_s_(drive.reaction_s),
+      margin_m_(params.margin_m) {}
+
+bool PassiveSafety::is_safe(const Twist& twist, const Person& person) const {
+  const double corner_m = body_.turning_radius_m();
+  const double speed_mps = std::abs(twist.forward_mps) + corner_m * std::abs(twist.yaw_rate_rad_s);
+  // Linear and angular speed decrease together; the faster of the wheels takes the longest.
+  const double braking_s = speed_mps / deceleration_mps2_;
+  geometry::SE2 pose;
+  for (double t = 0.0;; t += kStepS) {
+    const double factor =
+        t <= reaction_s_ ? 1.0 : 1.0 - (t - reaction_s_) / std::max(braking_s, 1e-6);
+    if (factor * speed_mps < kStationaryMps) {
+      return true;
+    }
+    const Eigen::Vector2d p = pose.inverse() * person.position_after(t);
+    const double error_m = std::hypot(person.position_sigma_m, person.velocity_sigma_mps * t);
+    if (distance_to_body(p, body_) < person.radius_m + margin_m_ + error_m) {
+      return false;
+    }
+    const double yaw_rad = kStepS * factor * twist.yaw_rate_rad_s;
+    pose = pose * geometry::SE2{kStepS * factor * twist.forward_mps, 0.0, yaw_rad};
+  }
+}
+
+bool PassiveSafety::is_safe(const Twist& twist, const People& people) const {
+  return std::ranges::all_of(people, [&](const Person& person) { return is_safe(twist, person); });
+}
+
+double PassiveSafety::safe_factor(const Twist& twist, const People& people) const {
+  if (people.empty()) {
+    return 1.0;
+  }
+  for (const double factor : kFactors) {
+    if (is_safe(twist.scaled(factor), people)) {
+      return factor;
+    }
+  }
+  return 0.0;
+}
+
+}  // namespace nodmap::navigator

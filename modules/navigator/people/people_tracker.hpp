@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "common/geometry/se2.hpp"
+#include "common/scan/scan.hpp"
+#include "modules/navigator/people/motion_detector.hpp"
+#include "modules/navigator/people/person.hpp"
+
+namespace nodmap::navigator {
+
+/// Position and velocity of a walker by a Kalman filter: constant velocity, driven by white
+/// acceleration. The nodding laser sees a person for a few scans of each sweep; in between the
+/// covariance grows.
+class Track {
+ public:
+  /// Spectral density of the acceleration: in a second the velocity changes by about 0.5 m/s.
+  static constexpr double kAccelerationDensity = 0.3;  // m^2/s^3
+  /// Of a detection's centre: noise, and that beams do not show where a body's middle is. The scans
+  /// of one sweep have that in common, so that it counts for more than in one alone.
+  static constexpr double kPositionSigmaM = 0.08;
+  /// Before it is known: people walk at 1.4 m/s and less, in any direction.
+  static constexpr double kVelocitySigmaMps = 1.0;
+
+  Track(std::int64_t utime_us, const Detection& detection);
+
+  void predict(std::int64_t utime_us);
+  /// After predict() to the time of the detection.
+  void update(const Detection& detection);
+
+  /// How many standard deviations a detection lies from the prediction, squared.
+  [[nodiscard]] double distance_squared(const Detection& detection) const;
+
+  /// At the time of the last prediction, in odom.
+  [[nodiscard]] Person person() const;
+
+  [[nodiscard]] std::int64_t seen_us() const { return seen_us_; }
+  /// Beams of this many scans since then have passed through its middle.
+  [[nodiscard]] int num_contradictions() const { return num_contradictions_; }
+  void contradict() { ++num_contradictions_; }
+  /// Seen in two sweeps at least, and its velocity is more than its error.
+  [[nodiscard]] bool moves() const { return moves_; }
+
+ private:
+  Eigen::Vector4d state_;  // position, velocity; odom
+  Eigen::Matrix4d covariance_;
+  double radius_m_;
+  std::int64_t utime_us_;
+  std::int64_t first_us_;
+  std::int64_t seen_us_;
+  int num_sightings_ = 1;
+  int num_contradictions_ = 0;
+  bool moves_ = false;
+};
+
+/// Tracks everybody who moves in view of the laser. Somebody who stands is no track after a while,
+/// but an obstacle like any other.
+class PeopleTracker {
+ public:
+  /// `T_odom_base` at the middle of the scan.
+  void add_scan(const scan::Scan& scan, const geometry::SE2& T_odom_base);
+
+  /// For each beam of the last scan, whether it has hit somebody who moves.
+  [[nodiscard]] const std::vector<bool>& is_walker() const { return is_walker_; }
+
+  /// Those who move, where they are at this time; in odom.
+  [[nodiscard]] People people_odom(std::int64_t utime_us) const;
+
+  /// The same in the axes of base now.
+  [[nodiscard]] People people_base(std::int64_t utime_us, const geometry::SE2& T_odom_base) const;
+
+ private:
+  void associate(const std::vector<Detection>& detections, std::int64_t utime_us);
+  void drop_lost(std::int64_t utime_us);
+
+  MotionDetector detector_;
+  std::vector<Track> tracks_;
+  std::vector<bool> is_walker_;
+};
+
+}  // namespace nodmap::navigator

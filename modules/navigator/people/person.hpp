@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+namespace nodmap::navigator {
+
+/// Somebody, or something, that moves: a disc on the ground. In odom as the tracker gives it, in
+/// base (the axes of base now; the velocity is that over ground) in a Situation.
+struct Person {
+  Eigen::Vector2d position = Eigen::Vector2d::Zero();  ///< of the disc's centre, metres
+  Eigen::Vector2d velocity = Eigen::Vector2d::Zero();  ///< m/s
+  double radius_m = 0.0;
+  double position_sigma_m = 0.0;    ///< standard deviation, of the worse direction
+  double velocity_sigma_mps = 0.0;  ///< likewise
+
+  [[nodiscard]] Eigen::Vector2d position_after(double seconds) const {
+    return position + seconds * velocity;
+  }
+};
+
+using People = std::vector<Person>;
+
+}  // namespace nodmap::navigator
