@@ -25,8 +25,10 @@ constexpr double kWorthGoingBack = 2.0;
 /// A waypoint is kept until the robot is this near, so that it never brakes for one.
 constexpr double kNextWaypointM = 1.0;
 constexpr double kSameWaypointM = 0.5;
-/// Of the path at a corner: a goal within its tolerance would be no goal.
-constexpr double kLeastAheadM = 0.8;
+/// Beyond a waypoint's tolerance: nearer, the navigator may have arrived there and would stay.
+constexpr double kReachedM = 0.2;
+/// Beyond the tolerance: at a corner the waypoint is at least so far along the path.
+constexpr double kLeastAheadM = 0.5;
 
 /// The robot may be within the clearance of something.
 constexpr double kAroundRobotM = 0.4;
@@ -265,14 +267,17 @@ Goal Explorer::next_goal(const std::vector<Eigen::Vector2d>& path_map, const Sit
   const Eigen::Vector2d p_map = now.T_map_base.translation();
   const Eigen::Vector2d& last = path_map.back();
   const auto farthest = std::find_if(path_map.rbegin(), path_map.rend(), [&](const auto& p) {
-    return is_line_passable(p_map, p) || (p - p_map).norm() < kLeastAheadM;
+    return is_line_passable(p_map, p) ||
+           (p - p_map).norm() < params_.goal_tolerance_m + kLeastAheadM;
   });
   if (farthest == path_map.rbegin() || farthest == path_map.rend()) {
     waypoint_map_.reset();
     return {last, last_tolerance_m};
   }
-  const bool is_kept = waypoint_map_ && ((*waypoint_map_ - *farthest).norm() < kSameWaypointM ||
-                                         is_ahead(path_map, *waypoint_map_, p_map));
+  const bool is_kept = waypoint_map_ &&
+                       (*waypoint_map_ - p_map).norm() > params_.goal_tolerance_m + kReachedM &&
+                       ((*waypoint_map_ - *farthest).norm() < kSameWaypointM ||
+                        is_ahead(path_map, *waypoint_map_, p_map));
   if (!is_kept) {
     waypoint_map_ = *farthest;
   }

@@ -184,10 +184,11 @@ inline Exploration explore(GridWorld& world, const ExplorerParams& params, doubl
       decision = explorer.decide({.utime_us = 100'000LL * step, .T_map_base = T_map_base});
       result.seen_ratio = world.seen_ratio(floor);
     }
-    if (!decision.goal) {
+    const Eigen::Vector2d p = T_map_base.translation();
+    // As the navigator does: at a goal it stays until there is another one.
+    if (!decision.goal || (decision.goal->p_map - p).norm() <= decision.goal->tolerance_m) {
       continue;
     }
-    const Eigen::Vector2d p = T_map_base.translation();
     auto ahead = std::ranges::min_element(decision.path_map, {},
                                           [&](const auto& q) { return (q - p).norm(); });
     while (std::next(ahead) != decision.path_map.end() && (*ahead - p).norm() < kAheadM) {
