@@ -63,8 +63,9 @@ TEST(Brake, StopsAtOnceNearerThanAnEmergencyStopNeeds) {
   EXPECT_EQ(speed(0.05, 0.3), kInf);
 }
 
-// The rear left corner of KURT3D, at 143 degrees and 0.279 m, reaches a place at 180 - 26 degrees
-// after 9 to 18 degrees to the left: within what a rotation of 60 deg/s needs to stop.
+// A body smaller by half a cell, 0.2125 m x 0.1525 m to each side, touches a place behind it at
+// radius r once that is at the angle acos(-0.2125 / r). From there on the rate is that of a
+// rotation which stops in time: 5 rad/s^2 after 0.1 s.
 TEST(Brake, RotatesSlowlyOverGroundThatIsNotKnownToBeFree) {
   const Brake brake(NavigatorParams{});
   const auto rotate = [&](double yaw_rate_rad_s, const Points& doubtful_base) {
@@ -75,13 +76,12 @@ TEST(Brake, RotatesSlowlyOverGroundThatIsNotKnownToBeFree) {
     brake.keep_to_known_ground(decision, now);
     return decision.yaw_rate_rad_s;
   };
-  const Points behind{{-0.24, 0.11}};
+  const Eigen::Vector2d behind(-0.2234, 0.1158);
+  const double free_rad = std::atan2(behind.y(), behind.x()) - std::acos(-0.2125 / behind.norm());
   EXPECT_EQ(rotate(1.0, {}), 1.0);
   EXPECT_EQ(rotate(1.0, {{-0.3, 0.1}}), 1.0);  // outside the circle of the corners
-  const double left = rotate(1.0, behind);
-  EXPECT_LT(left, 0.9);
-  EXPECT_GE(left, deg_to_rad(10.0) - 1e-12);
-  EXPECT_EQ(rotate(-1.0, {{0.1, -0.17}}), -deg_to_rad(10.0));  // touches it at once
+  EXPECT_NEAR(rotate(1.0, {behind}), std::sqrt(0.25 + 10.0 * free_rad) - 0.5, 1e-9);
+  EXPECT_NEAR(rotate(-1.0, {{0.1, -0.153}}), -deg_to_rad(10.0), 1e-12);  // 0.3 degrees
 }
 
 // An arc to the left swings the rear to the right.
@@ -97,7 +97,8 @@ TEST(Brake, SwingsItsRearSlowlyOverGroundThatIsNotKnownToBeFree) {
     EXPECT_NEAR(decision.yaw_rate_rad_s, curvature * decision.forward_mps, 1e-12);
     return decision.forward_mps;
   };
-  EXPECT_LT(drive(4.0, {-0.15, -0.17}), 0.06);
+  EXPECT_NEAR(drive(4.0, {-0.15, -0.153}), deg_to_rad(10.0) / 4.0,
+              1e-12);  // touches it within 1 mm
   EXPECT_EQ(drive(4.0, {-0.15, 0.25}), 0.3);
   EXPECT_EQ(drive(0.0, {-0.15, -0.17}), 0.3);
 }
