@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "common/geometry/time.hpp"
-#include "procman/protocol/fleet.hpp"
 #include "procman/protocol/console.hpp"
+#include "procman/protocol/fleet.hpp"
 #include "procman/sheriff/health_watch.hpp"
 
 namespace nodmap::procman {

@@ -11,8 +11,8 @@
 #include "common/geometry/time.hpp"
 #include "common/node/clock.hpp"
 #include "procman/config/config.hpp"
-#include "procman/protocol/fleet.hpp"
 #include "procman/protocol/console.hpp"
+#include "procman/protocol/fleet.hpp"
 #include "procman/sheriff/health_watch.hpp"
 #include "procman/sheriff/report.hpp"
 

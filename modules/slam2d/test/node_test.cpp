@@ -61,12 +61,12 @@ TEST_F(Slam2dNodeTest, PublishesAPoseForEachLevelScanAndTheMap) {
   const auto tiles = bus_.sent<nodmap::grid_chunk_t>("MAP_2D");
   ASSERT_FALSE(tiles.empty());
   EXPECT_EQ(tiles.front().map_revision, 0);
-  EXPECT_EQ(tiles.back().map_revision, 2);  // at the start, after five seconds, at the end
+  EXPECT_EQ(tiles.back().map_revision, 6);  // at the start, after each second, at the end
   EXPECT_EQ(tiles.back().chunk_index, tiles.back().num_chunks - 1);
   for (const nodmap::grid_chunk_t& tile : tiles) {
     EXPECT_LT(tile.getEncodedSize(), 65'536);
     EXPECT_EQ(tile.num_cells, tile.tile_width * tile.tile_height);
-    EXPECT_EQ(tile.utime, (std::array{0, 25, 29}.at(tile.map_revision)) * 200'000);
+    EXPECT_EQ(tile.utime, (std::array{0, 5, 10, 15, 20, 25, 29}.at(tile.map_revision)) * 200'000);
   }
   EXPECT_EQ(counts_.used(), 60);
   EXPECT_EQ(node_.metrics()["scans_used"], 30);
