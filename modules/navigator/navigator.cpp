@@ -74,11 +74,14 @@ Decision Navigator::halt(std::string reason) {
 }
 
 void Navigator::add_scan(const scan::Scan& scan, const geometry::SE2& T_odom_base) {
-  if (params_.people.use) {
+  // Where the robot tilts, what stands still seems to move: nobody is tracked near ramps.
+  const bool tracks_people = params_.people.use && local_map_.ground().is_level();
+  if (tracks_people) {
     people_.add_scan(scan, T_odom_base);
   }
   if (params_.local_map.use) {
-    local_map_.add_scan(scan, T_odom_base, people_.is_walker());
+    local_map_.add_scan(scan, T_odom_base,
+                        tracks_people ? people_.is_walker() : std::vector<bool>{});
   }
 }
 
@@ -89,6 +92,7 @@ void Navigator::add_contact(const geometry::SE2& T_odom_base, bool at_front) {
 }
 
 Decision Navigator::decide(Situation now) {
+  respect_slopes(now);
   observe(now);
   join_local_map(now);
   Decision decision = behave(now);
@@ -111,6 +115,12 @@ Decision Navigator::behave(const Situation& now) {
   }
   if (now.goal && params_.planner.use && local_map_.has_scan()) {
     turn_.end();
+    // What the first scans show of a ramp is an obstacle: it must not turn away from that.
+    has_looked_ =
+        has_looked_ || now.laser_is_held || seen_.is_seen(0.0, params_.steer.sweeps_to_trust);
+    if (!has_looked_) {
+      return brake(now, "Waits until the laser has looked.");
+    }
     return goal_drive_.decide(now, seen_, local_map_);
   }
   const FreeSpace space = measure_free_space(now.points_base, body_, params_.drive.side_margin_m);
@@ -137,6 +147,19 @@ void Navigator::observe(Situation& now) {
   approach_.update(now.utime_us, now.T_odom_base, reach_m, without(now.people, now.points_base),
                    seen_, has_local_map ? &local_map_ : nullptr);
   back_up_.record(now.T_odom_base);
+}
+
+/// Where the ground is not level the obstacle map takes it for obstacles, for its heights are those
+/// above the plane the robot stands on. What the local map, made from the same scans, knows to be
+/// ground is none.
+void Navigator::respect_slopes(Situation& now) const {
+  if (!local_map_.has_scan() || local_map_.ground().is_level()) {
+    return;
+  }
+  now.max_forward_mps = std::min(now.max_forward_mps, params_.local_map.ground.sloped_mps);
+  std::erase_if(now.points_base, [&](const Eigen::Vector2d& p_base) {
+    return local_map_.is_free_floor(now.T_odom_base * p_base);
+  });
 }
 
 /// After approaching things were looked for: a low sill that is seen for the first time when it is

@@ -57,6 +57,7 @@ class Navigator {
   void reset();
 
  private:
+  void respect_slopes(Situation& now) const;
   void observe(Situation& now);
   [[nodiscard]] Decision behave(const Situation& now);
   void join_local_map(Situation& now) const;
@@ -79,6 +80,7 @@ class Navigator {
   PeopleTracker people_;
   GoalDrive goal_drive_;
   bool arrived_ = false;
+  bool has_looked_ = false;                     ///< since the start
   std::optional<geometry::SE2> turn_ended_at_;  ///< T_odom_base
 };
 

@@ -107,6 +107,32 @@ struct StalenessParams {
   }
 };
 
+/// Ramps as ground.
+struct GroundParams {
+  double max_slope_rad = geometry::deg_to_rad(14.0);
+  double wheelbase_m = 0.30;
+  double track_m = 0.28;
+  double tilt_tolerance_rad = geometry::deg_to_rad(1.0);
+  double sloped_mps = 0.5;
+  double doubt_from_m = 1.5;
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.angle("max_slope_deg", max_slope_rad, {0.0, 25.0},
+            "Steeper ground is an obstacle, or a hole: ramps of 12 degrees, and the error of the "
+            "measured slope.");
+    v.number("wheelbase_m", wheelbase_m, {0.05, 5.0},
+             "From the front to the rear wheels: where the body rests on the ground.");
+    v.number("track_m", track_m, {0.05, 5.0}, "From the left to the right wheels.");
+    v.angle("tilt_tolerance_deg", tilt_tolerance_rad, {0.0, 5.0},
+            "Error of the tilt near a ramp, in place of local_map.tilt_tolerance_deg.");
+    v.number("sloped_mps", sloped_mps, {0.05, 5.2}, "Fastest speed on and near ramps.");
+    v.number("doubt_from_m", doubt_from_m, {0.5, 10.0},
+             "On slopes, what is farther away and could be a ramp up is unknown, and no obstacle "
+             "yet; on level floor local_map.range_m.");
+  }
+};
+
 /// The grid of the ground around the robot.
 struct LocalMapParams {
   bool use = true;
@@ -118,6 +144,7 @@ struct LocalMapParams {
   double max_gap_m = 0.15;
   double wide_gap_m = 0.3;
   double forget_after_m = 20.0;
+  GroundParams ground;
 
   template <class Visitor>
   void describe(Visitor& v) {
@@ -142,6 +169,7 @@ struct LocalMapParams {
     v.number("forget_after_m", forget_after_m, {1.0, 1000.0},
              "An obstacle not measured again is forgotten after so much driving; a rotation of "
              "1 rad counts as 4 m.");
+    v.section("ground", ground);
   }
 };
 

@@ -47,8 +47,9 @@ geometry::SE2 along_arc(double curvature, double distance_m) {
                                                     (1.0 - std::cos(yaw_rad)) / curvature, yaw_rad};
 }
 
-std::uint8_t centimetres(double height_m) {
-  return static_cast<std::uint8_t>(std::clamp(100.0 * height_m, 0.0, 255.0));
+/// Whole centimetres, rounded down.
+std::int16_t centimetres(double height_m) {
+  return static_cast<std::int16_t>(std::floor(std::clamp(100.0 * height_m, -3e4, 3e4)));
 }
 
 std::uint8_t more(std::uint8_t evidence, std::uint8_t by) {
@@ -68,10 +69,14 @@ LocalMap::LocalMap(const robot::RobotParams& robot, const LocalMapParams& params
       blind_m_(robot.mount.x_m + 1.1 * robot.mount.z_m / std::tan(-robot.head.pitch_min_rad) +
                0.05),
       params_(params),
-      grid_(params.cell_size_m, 9) {}
+      grid_(params.cell_size_m, 9),
+      ground_(params.ground),
+      finder_(params) {}
 
 void LocalMap::reset() {
   T_odom_base_.reset();
+  ground_.reset();
+  finder_.reset();
   floor_before_.clear();
   grid_.center_on({1e6, 1e6});  // far away: every cell begins anew
 }
@@ -117,7 +122,9 @@ bool LocalMap::is_blocked_at(const Eigen::Vector2i& index) const {
 /// How far from 0 the height of a floor point may be measured: noise of range and pitch, uneven
 /// floor and the body's tilt; the latter grow with the distance.
 double LocalMap::tolerance_m(double range_m) const {
-  return params_.floor_tolerance_m + params_.tilt_tolerance_rad * range_m;
+  const double tilt_rad =
+      ground_.is_level() ? params_.tilt_tolerance_rad : params_.ground.tilt_tolerance_rad;
+  return params_.floor_tolerance_m + tilt_rad * range_m;
 }
 
 bool LocalMap::is_forgotten(const LocalCell& cell) const {
@@ -152,7 +159,8 @@ void LocalMap::add_scan(const scan::Scan& scan, const geometry::SE2& T_odom_base
   ++scan_;
   const std::size_t n = scan.ranges_m.size();
   floor_.assign(n, {});
-  const Eigen::Matrix3d& R = scan.T_base_mount.linear();
+  const geometry::SE3 T_odom_mount = ground_.T_odom_base() * scan.T_base_mount;
+  const Eigen::Matrix3d R = T_odom_mount.linear();
   for (std::size_t i = 0; i < n; ++i) {
     const double pitch_rad = scan.pitch_rad(i);
     const double c = std::cos(pitch_rad);
@@ -162,13 +170,17 @@ void LocalMap::add_scan(const scan::Scan& scan, const geometry::SE2& T_odom_base
       continue;
     }
     const auto range_m = static_cast<double>(scan.ranges_m[i]);
-    const Beam beam{scan.T_base_mount * Eigen::Vector3d(c * offset.x() - s * offset.z(), offset.y(),
-                                                        s * offset.x() + c * offset.z()),
+    const Beam beam{T_odom_mount * Eigen::Vector3d(c * offset.x() - s * offset.z(), offset.y(),
+                                                   s * offset.x() + c * offset.z()),
                     R * Eigen::Vector3d(c * fan_[i].x(), fan_[i].y(), s * fan_[i].x()), range_m,
                     scan.is_hit(i)};
     if (beam.is_hit || range_m == std::numeric_limits<double>::infinity()) {
       classify(beam, i);
     }
+  }
+  finder_.end_scan(ground_, T_odom_base);
+  for (const TrackedGround::Joined& joined : ground_.take_joined()) {
+    look_again(joined);
   }
   fill_floor();
   std::swap(floor_, floor_before_);
@@ -199,7 +211,8 @@ void LocalMap::move(const geometry::SE2& T_odom_base) {
     travel_m_ = std::fmod(travel_m_, 6553.6);
   }
   grid_.center_on(T_odom_base.translation());
-  R_odom_base_ = T_odom_base.rotation();
+  R_base_odom_ = T_odom_base.rotation().transpose();
+  ground_.move(T_odom_base);
   const bool is_first = !T_odom_base_;
   T_odom_base_ = T_odom_base;
   if (is_first) {
@@ -227,51 +240,142 @@ void LocalMap::clear_under_body(const geometry::SE2& T_odom_base) {
 }
 
 void LocalMap::classify(const Beam& beam, std::size_t index) {
-  const auto to_odom = [this](const Eigen::Vector3d& p_base) -> Eigen::Vector2d {
-    return R_odom_base_ * p_base.head<2>() + T_odom_base_->translation();
-  };
-  const double to_floor_m = beam.direction.z() < 0.0 ? -beam.origin.z() / beam.direction.z()
-                                                     : std::numeric_limits<double>::infinity();
   if (!beam.is_hit) {
-    const bool should_return = to_floor_m < params_.floor_return_m;
-    if (should_return) {
-      add_hole(to_odom(beam.origin + to_floor_m * beam.direction), true);
+    // It should have met the ground within floor_return_m: where it would be 1 m farther counts.
+    constexpr double kBeyondM = 1.0;
+    const std::size_t facet = ground_.facet_under_base();
+    const double to_floor_m = range_to(ground_.plane(facet), beam);
+    if (to_floor_m < params_.floor_return_m) {
+      classify_below(beam, to_floor_m + kBeyondM, facet, true);
+    } else {
+      pass(beam, kFarthestPassM);
     }
-    pass(beam, should_return ? to_floor_m : kFarthestPassM);
     return;
   }
-  const Eigen::Vector3d p_base = beam.origin + beam.range_m * beam.direction;
-  const double height_m = p_base.z();
+  using Kind = TrackedGround::Place::Kind;
+  const Eigen::Vector3d p_odom = beam.origin + beam.range_m * beam.direction;
   const double tolerance = tolerance_m(beam.range_m);
-  if (height_m < -tolerance) {
-    add_hole(to_odom(beam.origin + to_floor_m * beam.direction), height_m < -tolerance - kCertainM);
-    pass(beam, to_floor_m);
+  const TrackedGround::Place place = ground_.look(p_odom, tolerance);
+  finder_.add(p_odom, R_base_odom_ * (p_odom.head<2>() - T_odom_base_->translation()));
+  if (place.kind == Kind::kBelow) {
+    classify_below(beam, beam.range_m, place.facet, place.height_m < -tolerance - kCertainM);
     return;
   }
   pass(beam, beam.range_m);
-  if (height_m <= tolerance) {
-    add_floor(index, to_odom(p_base));
-  } else if (height_m <= top_m_) {
-    add_obstacle(to_odom(p_base), height_m);
+  if (place.kind == Kind::kGround) {
+    ground_.grow(p_odom.head<2>(), place.facet);
+    add_floor(index, p_odom.head<2>(), p_odom.z() - place.height_m);
+  } else if (place.height_m <= top_m_ && !may_be_ramp_up(p_odom, place.height_m)) {
+    add_obstacle(p_odom, place.height_m);
   }
 }
 
-void LocalMap::add_obstacle(const Eigen::Vector2d& p_odom, double height_m) {
-  LocalCell* cell = find(p_odom);
+/// Range at which a beam passes down through a plane; +infinity if it does not.
+double LocalMap::range_to(const Plane& plane, const Beam& beam) {
+  const double above_m = beam.origin.z() - plane.at(beam.origin.head<2>());
+  const double sinking = plane.slope.dot(beam.direction.head<2>()) - beam.direction.z();
+  return above_m > 0.0 && sinking > 0.0 ? above_m / sinking
+                                        : std::numeric_limits<double>::infinity();
+}
+
+/// A beam that is below a facet at `range_m`: it saw a hole where it passed through, unless there
+/// may be a ramp down.
+void LocalMap::classify_below(const Beam& beam, double range_m, std::size_t facet,
+                              bool is_certain) {
+  const double to_floor_m = range_to(ground_.plane(facet), beam);
+  pass(beam, std::min(to_floor_m, range_m));
+  if (to_floor_m > range_m) {
+    return;
+  }
+  const Eigen::Vector2d crossing_odom = (beam.origin + to_floor_m * beam.direction).head<2>();
+  if (!may_be_ramp_down(beam.origin + range_m * beam.direction, crossing_odom)) {
+    add_hole(crossing_odom, is_certain);
+  }
+}
+
+/// Whether a point far away, `height_m` above the known ground, could be on a ramp that begins
+/// behind the last floor seen before it. From nearer a ramp is known as one, and everything else is
+/// an obstacle. On level floor all that counts for driving does so at once: a sill is in view of
+/// the narrow nod of a fast robot for a short time only. On slopes the robot is slow.
+bool LocalMap::may_be_ramp_up(const Eigen::Vector3d& p_odom, double height_m) const {
+  const Eigen::Vector2d p = p_odom.head<2>();
+  const double distance_m = (p - T_odom_base_->translation()).norm();
+  const double known_m = ground_.is_level() ? params_.range_m : params_.ground.doubt_from_m;
+  if (distance_m < known_m || cell_at(p) == nullptr) {
+    return false;
+  }
+  // A ramp that is as high has begun no later than there.
+  const double ramp_m = height_m / ground_.max_slope() + grid_.cell_size_m();
+  const Eigen::Vector2d floor_odom = last_floor_before(p, std::min(ramp_m, distance_m));
+  return p_odom.z() < ground_.height_m(floor_odom) + ground_.max_slope() * (p - floor_odom).norm();
+}
+
+/// Whether ground could lead down to a point from the last floor that was seen before the place
+/// where the beam passed below it. Such a place is unknown until the laser looks down there more
+/// steeply than the steepest ramp; before what is unknown the robot stops (seen_distance).
+bool LocalMap::may_be_ramp_down(const Eigen::Vector3d& p_odom,
+                                const Eigen::Vector2d& crossing_odom) const {
+  constexpr double kFarthestM = 0.6;  // two lines on the floor at 2 m
+  const Eigen::Vector2d floor_odom = last_floor_before(crossing_odom, kFarthestM);
+  return p_odom.z() > ground_.height_m(floor_odom) - params_.floor_tolerance_m -
+                          ground_.max_slope() * (p_odom.head<2>() - floor_odom).norm();
+}
+
+/// The nearest floor that was seen before a place, towards the robot; `farthest_m` before it if
+/// there is none.
+Eigen::Vector2d LocalMap::last_floor_before(const Eigen::Vector2d& p_odom,
+                                            double farthest_m) const {
+  const Eigen::Vector2d back = T_odom_base_->translation() - p_odom;
+  const Eigen::Vector2d step = grid_.cell_size_m() / std::max(1e-3, back.norm()) * back;
+  Eigen::Vector2d floor_odom = p_odom;
+  for (double s = 0.0; s < std::min(farthest_m, back.norm()); s += grid_.cell_size_m()) {
+    const LocalCell* cell = cell_at(floor_odom);
+    if (cell != nullptr && cell->is_floor) {
+      break;
+    }
+    floor_odom += step;
+  }
+  return floor_odom;
+}
+
+/// A cell joins a facet: an obstacle there that is no higher than that was this ground. So was a
+/// hole, if it is on a facet ahead, which was not known before; it is looked at again from nearer.
+void LocalMap::look_again(const TrackedGround::Joined& joined) {
+  const double half_m = 0.5 * (ground_.cell_size_m() - grid_.cell_size_m());
+  for (double dx = -half_m; dx <= half_m + 1e-6; dx += grid_.cell_size_m()) {
+    for (double dy = -half_m; dy <= half_m + 1e-6; dy += grid_.cell_size_m()) {
+      const Eigen::Vector2d p_odom = joined.middle_odom + Eigen::Vector2d(dx, dy);
+      LocalCell* cell = find(p_odom);
+      if (cell == nullptr) {
+        continue;
+      }
+      if (joined.is_ahead) {
+        cell->hole = 0;
+      }
+      const double range_m = (p_odom - T_odom_base_->translation()).norm();
+      if (cell->high_cm <= centimetres(ground_.height_m(p_odom) + tolerance_m(range_m))) {
+        cell->obstacle = 0;
+      }
+    }
+  }
+}
+
+void LocalMap::add_obstacle(const Eigen::Vector3d& p_odom, double height_m) {
+  LocalCell* cell = find(p_odom.head<2>());
   if (cell == nullptr) {
     return;
   }
   if (cell->obstacle == 0 || is_forgotten(*cell)) {
     cell->obstacle = 0;
-    cell->low_cm = cell->high_cm = centimetres(height_m);
+    cell->low_cm = cell->high_cm = centimetres(p_odom.z());
   }
   const bool is_certain = height_m > params_.floor_tolerance_m + 2.0 * kCertainM;
   // The beams of one scan have their errors of pitch and tilt in common: they count once.
   if (is_certain || cell->scan != scan_) {
     cell->obstacle = more(cell->obstacle, is_certain ? kCertain : kHit);
   }
-  cell->low_cm = std::min(cell->low_cm, centimetres(height_m));
-  cell->high_cm = std::max(cell->high_cm, centimetres(height_m));
+  cell->low_cm = std::min(cell->low_cm, centimetres(p_odom.z()));
+  cell->high_cm = std::max(cell->high_cm, centimetres(p_odom.z()));
   cell->scan = scan_;
   cell->seen_at_dm = static_cast<std::uint16_t>(std::lround(10.0 * travel_m_));
 }
@@ -283,8 +387,8 @@ void LocalMap::add_contact(const geometry::SE2& T_odom_base, bool at_front) {
     if (cell != nullptr) {
       cell->obstacle = kMostEvidence;
       // No beam is between these heights.
-      cell->low_cm = 255;
-      cell->high_cm = 0;
+      cell->low_cm = std::numeric_limits<std::int16_t>::max();
+      cell->high_cm = std::numeric_limits<std::int16_t>::min();
       cell->seen_at_dm = static_cast<std::uint16_t>(std::lround(10.0 * travel_m_));
     }
   }
@@ -303,7 +407,7 @@ void LocalMap::add_hole(const Eigen::Vector2d& p_odom, bool is_certain) {
   cell->seen_at_dm = static_cast<std::uint16_t>(std::lround(10.0 * travel_m_));
 }
 
-void LocalMap::add_floor(std::size_t index, const Eigen::Vector2d& p_odom) {
+void LocalMap::add_floor(std::size_t index, const Eigen::Vector2d& p_odom, double ground_m) {
   LocalCell* cell = find(p_odom);
   if (cell == nullptr) {
     return;
@@ -313,7 +417,7 @@ void LocalMap::add_floor(std::size_t index, const Eigen::Vector2d& p_odom) {
   if (cell->scan != scan_) {
     cell->hole = less(cell->hole);
     // Floor below a table top is no contradiction.
-    if (100.0 * params_.floor_tolerance_m + 3.0 > cell->low_cm) {
+    if (0.01 * cell->low_cm - ground_m < params_.floor_tolerance_m + kCertainM) {
       cell->obstacle = less(cell->obstacle);
     }
     cell->scan = scan_;
@@ -399,15 +503,17 @@ void LocalMap::pass(const Beam& beam, double until_m) {
   }
   double end_m = std::min(until_m - kBeforeEndM, kFarthestPassM);
   if (beam.direction.z() > 0.0) {
-    end_m = std::min(end_m, (top_m_ - beam.origin.z()) / beam.direction.z());
+    // Nothing that is remembered is higher.
+    const double highest_m = ground_.T_odom_base().translation().z() + top_m_ +
+                             (ground_.is_level() ? 0.0 : kFarthestPassM * ground_.max_slope());
+    end_m = std::min(end_m, (highest_m - beam.origin.z()) / beam.direction.z());
   }
   // In cells from the grid's first one: never negative, so that a cast rounds down. This loop is
   // most of the time that a scan takes.
   const double step_m = grid_.cell_size_m() / flat;
   const double cells_per_m = 1.0 / grid_.cell_size_m();
-  const Eigen::Vector2d origin = R_odom_base_ * beam.origin.head<2>() + T_odom_base_->translation();
-  const Eigen::Vector2d step = step_m * cells_per_m * (R_odom_base_ * beam.direction.head<2>());
-  Eigen::Vector2d place = cells_per_m * origin - grid_.first().cast<double>();
+  const Eigen::Vector2d step = step_m * cells_per_m * beam.direction.head<2>();
+  Eigen::Vector2d place = cells_per_m * beam.origin.head<2>() - grid_.first().cast<double>();
   const double rise_cm = 100.0 * step_m * beam.direction.z();
   double height_cm = 100.0 * beam.origin.z();
   const auto steps = static_cast<int>(end_m / step_m);
@@ -480,6 +586,20 @@ Points LocalMap::doubtful_points_base(const geometry::SE2& T_odom_base, double r
     }
   }
   return points;
+}
+
+bool LocalMap::is_free_floor(const Eigen::Vector2d& p_odom) const {
+  bool is_floor = false;
+  for (int dx = -1; dx <= 1; ++dx) {
+    for (int dy = -1; dy <= 1; ++dy) {
+      const LocalCell* cell = cell_at(p_odom + grid_.cell_size_m() * Eigen::Vector2d(dx, dy));
+      if (cell == nullptr || is_blocked(*cell)) {
+        return false;
+      }
+      is_floor = is_floor || cell->is_floor;
+    }
+  }
+  return is_floor;
 }
 
 bool LocalMap::was_floor(const Eigen::Vector2d& p_odom) const {

@@ -8,6 +8,8 @@
 
 #include "common/geometry/se2.hpp"
 #include "common/scan/scan.hpp"
+#include "modules/navigator/ground/facet_finder.hpp"
+#include "modules/navigator/ground/tracked_ground.hpp"
 #include "modules/navigator/local_map/rolling_grid.hpp"
 #include "modules/navigator/obstacle_points.hpp"
 #include "modules/navigator/params.hpp"
@@ -20,8 +22,8 @@ struct LocalCell {
   std::uint8_t hole = 0;      ///< evidence of a drop
   bool is_floor = false;      ///< was seen, itself or between two beams that hit the floor
   bool is_assumed = false;    ///< not seen, but floor: the robot was set down there
-  std::uint8_t low_cm = 0;    ///< lowest and highest point measured of the obstacle
-  std::uint8_t high_cm = 0;
+  std::int16_t low_cm = 0;    ///< lowest and highest point measured of the obstacle, in odom
+  std::int16_t high_cm = 0;
   std::uint16_t scan = 0;        ///< the last one in which evidence changed
   std::uint16_t seen_at_dm = 0;  ///< travel at the last hit, see LocalMap::travel
 };
@@ -32,6 +34,9 @@ struct LocalCell {
 ///   obstacle  a beam ended between the floor and the top of the virtual corridor
 ///   hole      a beam passed through the floor, or did not come back from where floor should be
 ///   floor     a beam ended on it, or it lies between beams that did
+///
+/// Floor is the ground that is tracked (ground/tracked_ground.hpp): ramps, too. What could be a
+/// ramp that is not known yet, down from the last floor seen or far away up, stays "not seen".
 ///
 /// The obstacle map of the paper has one point for each degree. This one keeps what is beside and
 /// behind the robot, what is behind the nearest thing, what is lower than the floor tolerance of
@@ -88,11 +93,15 @@ class LocalMap {
   [[nodiscard]] bool is_blocked_at(const Eigen::Vector2d& p_odom) const;
   [[nodiscard]] const RollingGrid<LocalCell>& grid() const { return grid_; }
 
+  [[nodiscard]] const TrackedGround& ground() const { return ground_; }
+  /// Whether floor is all that was seen in a place and in the cells around it.
+  [[nodiscard]] bool is_free_floor(const Eigen::Vector2d& p_odom) const;
+
   /// The odom frame began anew.
   void reset();
 
  private:
-  /// One beam in base: where it starts, its direction, and its reading.
+  /// One beam in odom: where it starts, its direction, and its reading.
   struct Beam {
     Eigen::Vector3d origin;
     Eigen::Vector3d direction;
@@ -109,9 +118,17 @@ class LocalMap {
   void move(const geometry::SE2& T_odom_base);
   void clear_under_body(const geometry::SE2& T_odom_base);
   void classify(const Beam& beam, std::size_t index);
-  void add_obstacle(const Eigen::Vector2d& p_odom, double height_m);
+  void classify_below(const Beam& beam, double range_m, std::size_t facet, bool is_certain);
+  [[nodiscard]] bool may_be_ramp_up(const Eigen::Vector3d& p_odom, double height_m) const;
+  [[nodiscard]] bool may_be_ramp_down(const Eigen::Vector3d& p_odom,
+                                      const Eigen::Vector2d& crossing_odom) const;
+  [[nodiscard]] Eigen::Vector2d last_floor_before(const Eigen::Vector2d& p_odom,
+                                                  double farthest_m) const;
+  [[nodiscard]] static double range_to(const Plane& plane, const Beam& beam);
+  void look_again(const TrackedGround::Joined& joined);
+  void add_obstacle(const Eigen::Vector3d& p_odom, double height_m);
   void add_hole(const Eigen::Vector2d& p_odom, bool is_certain);
-  void add_floor(std::size_t index, const Eigen::Vector2d& p_odom);
+  void add_floor(std::size_t index, const Eigen::Vector2d& p_odom, double ground_m);
   void fill_floor();
   void fill_line(const Eigen::Vector2d& from, const Eigen::Vector2d& to);
   void fill_between(const FloorPoint (&corners)[4]);
@@ -132,7 +149,9 @@ class LocalMap {
   LocalMapParams params_;
   RollingGrid<LocalCell> grid_;
   std::optional<geometry::SE2> T_odom_base_;
-  Eigen::Matrix2d R_odom_base_ = Eigen::Matrix2d::Identity();
+  Eigen::Matrix2d R_base_odom_ = Eigen::Matrix2d::Identity();
+  TrackedGround ground_;
+  FacetFinder finder_;
   double travel_m_ = 0.0;  // path, and rotation by what it costs of accuracy
   std::uint16_t scan_ = 0;
   std::vector<Eigen::Vector2d> fan_;  // cos and sin of each beam's angle

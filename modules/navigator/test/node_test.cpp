@@ -190,7 +190,7 @@ TEST_F(NavigatorNodeScans, ThePathToAGoalIsPublishedUntilThereIsNone) {
   goal.tolerance_m = 0.2;
   goal.position_m[0] = 3.0;
   bus_.deliver("GOAL", goal);
-  for (int i = 0; i < 60; ++i) {
+  for (int i = 0; i < 150; ++i) {  // it plans once the laser has looked: two sweeps of 0.35 s
     tick_with_scan();
   }
   const auto path = bus_.last<nodmap::path_t>("PATH");

@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/navigator/ground/facet_finder.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "common/geometry/angle.hpp"
+
+namespace nodmap::navigator {
+namespace {
+
+/// The strip ahead of base.
+constexpr double kNearestM = 0.3;
+constexpr double kFarthestM = 3.0;
+constexpr double kHalfWidthM = 0.35;
+/// A patch has so many points, and they lie on a line: not on a face, nor before and behind an
+/// edge.
+constexpr int kLeastPoints = 4;
+constexpr double kLongestPatchM = 0.25;
+constexpr double kHighestPatchM = 0.04;
+/// The mean of a patch is measured twice as well as a point: this, and the tilt's error, off the
+/// ground.
+constexpr double kPatchToleranceM = 0.012;
+/// Some ten sweeps: of a flat ramp 2 m ahead each sweep sees two lines.
+constexpr int kOldestScans = 600;
+constexpr std::size_t kMostPatches = 256;
+/// What makes a surface: its extent ahead, which is twice that of a plank, without gaps, in scans
+/// of several pitches, across the width of the body.
+constexpr double kLeastLengthM = 0.4;
+constexpr double kWidestGapM = 0.25;
+constexpr std::size_t kLeastPatches = 12;
+constexpr std::size_t kLeastScans = 6;
+constexpr std::size_t kLeastColumns = 3;
+/// And its flatness: a step of 3 cm in the middle of 0.4 m leaves 0.75 cm even along the best
+/// plane.
+constexpr double kFirstResidualM = 0.02;
+constexpr double kResidualM = 0.015;
+constexpr double kRmsM = 0.007;
+constexpr double kLeastShare = 0.8;
+/// The kink lies so far before the first patch: a ramp of 5 degrees is 3 cm high there, and lines
+/// are up to 0.25 m apart. A plank of 6 cm would have to slope by 6 degrees.
+constexpr double kFarthestKinkM = 0.6;
+/// Less than the flattest ramp by the error of a measured slope.
+const double kLeastKink = std::tan(geometry::deg_to_rad(4.0));
+/// A surface reaches so far above or below the ground before it: farther than sills and planks do,
+/// which together with the floor around them may look like one that is flat.
+constexpr double kLeastRiseM = 0.07;
+
+}  // namespace
+
+FacetFinder::FacetFinder(const LocalMapParams& params) : params_(params) {}
+
+void FacetFinder::reset() {
+  columns_ = {};
+  patches_.clear();
+}
+
+void FacetFinder::add(const Eigen::Vector3d& p_odom, const Eigen::Vector2d& p_base) {
+  if (p_base.x() < kNearestM || p_base.x() > kFarthestM || std::abs(p_base.y()) >= kHalfWidthM) {
+    return;
+  }
+  const double share = 0.5 + 0.5 * p_base.y() / kHalfWidthM;
+  Column& column = columns_[static_cast<std::size_t>(share * static_cast<double>(kColumns))];
+  if (column.num_points == 0) {
+    column.min_odom = column.max_odom = p_odom;
+  }
+  ++column.num_points;
+  column.sum_odom += p_odom;
+  column.min_odom = column.min_odom.cwiseMin(p_odom);
+  column.max_odom = column.max_odom.cwiseMax(p_odom);
+}
+
+void FacetFinder::end_scan(TrackedGround& ground, const geometry::SE2& T_odom_base) {
+  ++scan_;
+  bool has_new = false;
+  for (std::size_t i = 0; i < kColumns; ++i) {
+    has_new |= add_patch(columns_[i], i, ground, T_odom_base);
+  }
+  columns_ = {};
+  while (!patches_.empty() &&
+         (patches_.size() > kMostPatches || patches_.front().scan < scan_ - kOldestScans)) {
+    patches_.pop_front();
+  }
+  if (has_new && patches_.size() >= kLeastPatches &&
+      (find(true, ground, T_odom_base) || find(false, ground, T_odom_base))) {
+    patches_.clear();  // they were compared with the ground as it was known before
+  }
+}
+
+/// Whether it is no known ground, but could be ground.
+bool FacetFinder::add_patch(const Column& column, std::size_t number, TrackedGround& ground,
+                            const geometry::SE2& T_odom_base) {
+  const Eigen::Vector3d size = column.max_odom - column.min_odom;
+  if (column.num_points < kLeastPoints || size.z() > kHighestPatchM ||
+      size.head<2>().norm() > kLongestPatchM) {
+    return false;
+  }
+  const Eigen::Vector3d p_odom = column.sum_odom / column.num_points;
+  const double range_m = (p_odom.head<2>() - T_odom_base.translation()).norm();
+  const double rise_m = p_odom.z() - ground.T_odom_base().translation().z();
+  if (std::abs(rise_m) > kPatchToleranceM + ground.max_slope() * range_m) {
+    return false;
+  }
+  using Kind = TrackedGround::Place::Kind;
+  const TrackedGround::Place place =
+      ground.look(p_odom, kPatchToleranceM + params_.tilt_tolerance_rad * range_m);
+  if (place.kind == Kind::kGround) {
+    ground.refine(place.facet, p_odom);
+    return false;
+  }
+  patches_.push_back({p_odom, number, scan_, place.kind == Kind::kAbove, 0.0});
+  return true;
+}
+
+/// Whether a facet was found; the nearest counts.
+bool FacetFinder::find(bool is_above, TrackedGround& ground, const geometry::SE2& T_odom_base) {
+  const Eigen::Vector2d ahead = T_odom_base.rotation().col(0);
+  std::vector<Patch> patches;
+  for (const Patch& patch : patches_) {
+    if (patch.is_above == is_above) {
+      patches.push_back(patch);
+      patches.back().ahead_m = ahead.dot(patch.p_odom.head<2>() - T_odom_base.translation());
+    }
+  }
+  std::ranges::sort(patches, {}, &Patch::ahead_m);
+  // What lies before the ramp may be anything: it is tried from several places on.
+  for (std::size_t eighth = 0; eighth < 4; ++eighth) {
+    const auto surface = surface_from(patches, eighth * patches.size() / 8);
+    const auto before = surface ? facet_before(*surface, is_above, ground, T_odom_base)
+                                : std::optional<std::size_t>{};
+    if (before) {
+      const std::size_t facet = ground.add_facet(surface->fit, *before, is_above);
+      for (const Patch& patch : surface->patches) {
+        ground.join(patch.p_odom.head<2>(), facet);
+      }
+      return true;
+    }
+  }
+  return false;
+}
+
+/// The plane through the patches from `first` on, if they are one surface.
+std::optional<FacetFinder::Surface> FacetFinder::surface_from(const std::vector<Patch>& patches,
+                                                              std::size_t first) {
+  Surface surface;
+  for (std::size_t i = first;
+       i < patches.size() && patches[i].ahead_m <= patches[first].ahead_m + kLeastLengthM; ++i) {
+    surface.fit.add(patches[i].p_odom);
+  }
+  std::size_t num_within = 0;
+  double sum_square = 0.0;
+  for (const double residual_m : {kFirstResidualM, kResidualM}) {
+    const auto plane = surface.fit.solve();
+    if (!plane) {
+      return std::nullopt;
+    }
+    surface = {};
+    num_within = 0;
+    sum_square = 0.0;
+    std::size_t num_others = 0;
+    for (std::size_t i = first; i < patches.size(); ++i) {
+      const Patch& patch = patches[i];
+      if (!surface.patches.empty() &&
+          patch.ahead_m > surface.patches.back().ahead_m + kWidestGapM) {
+        break;
+      }
+      const double off_m = patch.p_odom.z() - plane->at(patch.p_odom.head<2>());
+      if (std::abs(off_m) > residual_m) {
+        ++num_others;
+        continue;
+      }
+      num_within = surface.patches.size() + 1 + num_others;
+      sum_square += off_m * off_m;
+      surface.fit.add(patch.p_odom);
+      surface.patches.push_back(patch);
+    }
+  }
+  std::set<int> scans;
+  std::set<std::size_t> columns;
+  for (const Patch& patch : surface.patches) {
+    scans.insert(patch.scan);
+    columns.insert(patch.column);
+  }
+  const auto num_patches = static_cast<double>(surface.patches.size());
+  if (surface.patches.size() < kLeastPatches || scans.size() < kLeastScans ||
+      columns.size() < kLeastColumns ||
+      surface.patches.back().ahead_m - surface.patches.front().ahead_m < kLeastLengthM ||
+      sum_square > kRmsM * kRmsM * num_patches ||
+      num_patches < kLeastShare * static_cast<double>(num_within) || !surface.fit.solve()) {
+    return std::nullopt;
+  }
+  return surface;
+}
+
+/// The facet that a surface meets in a kink before it; empty if it is no ground, or too steep.
+std::optional<std::size_t> FacetFinder::facet_before(const Surface& surface, bool is_above,
+                                                     const TrackedGround& ground,
+                                                     const geometry::SE2& T_odom_base) {
+  constexpr double kStepM = 0.02;
+  const Plane plane = *surface.fit.solve();
+  if (plane.slope.norm() > ground.max_slope()) {
+    return std::nullopt;
+  }
+  Eigen::Vector2d nearest = Eigen::Vector2d::Zero();
+  double num_nearest = 0.0;
+  for (const Patch& patch : surface.patches) {
+    if (patch.ahead_m < surface.patches.front().ahead_m + 0.1) {
+      nearest += patch.p_odom.head<2>();
+      num_nearest += 1.0;
+    }
+  }
+  nearest /= num_nearest;
+  const Eigen::Vector2d back = -T_odom_base.rotation().col(0);
+  for (double s = 0.0; s < kFarthestKinkM; s += kStepM) {
+    const Eigen::Vector2d p = nearest + s * back;
+    if ((plane.at(p) > ground.height_m(p)) != is_above) {
+      const std::size_t before = ground.look({p.x(), p.y(), ground.height_m(p)}, 0.0).facet;
+      const double kink = (plane.slope - ground.plane(before).slope).norm();
+      const Eigen::Vector2d farthest = surface.patches.back().p_odom.head<2>();
+      const double rise_m = plane.at(farthest) - ground.plane(before).at(farthest);
+      const bool is_ramp = kink > kLeastKink && std::abs(rise_m) > kLeastRiseM;
+      return s > 0.0 && ground.is_known(p) && is_ramp ? std::optional(before) : std::nullopt;
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace nodmap::navigator

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <deque>
+#include <optional>
+#include <vector>
+
+#include "common/geometry/se2.hpp"
+#include "modules/navigator/ground/tracked_ground.hpp"
+#include "modules/navigator/params.hpp"
+
+namespace nodmap::navigator {
+
+/// Finds the facets ahead of the robot: ramps up and down, and what is level behind them.
+///
+/// In a strip ahead, twice as wide as the robot, the points of each scan are averaged to patches in
+/// four columns. Patches that are no known ground make a facet where a plane fits them, long and
+/// wide enough and without steps, that is not too steep and meets the known ground in a kink before
+/// them. A sill is too short, a kerb's floor and a plank meet the ground nowhere, the face of a box
+/// is too steep.
+class FacetFinder {
+ public:
+  explicit FacetFinder(const LocalMapParams& params);
+
+  void reset();
+  /// A hit of the present scan. `p_base` only says where in the strip.
+  void add(const Eigen::Vector3d& p_odom, const Eigen::Vector2d& p_base);
+  /// The scan is complete: facets that are seen again are improved, a new one joins the ground.
+  void end_scan(TrackedGround& ground, const geometry::SE2& T_odom_base);
+
+ private:
+  static constexpr std::size_t kColumns = 4;
+  /// Sums of a scan's points in one column.
+  struct Column {
+    int num_points = 0;
+    Eigen::Vector3d sum_odom = Eigen::Vector3d::Zero();
+    Eigen::Vector3d min_odom = Eigen::Vector3d::Zero();
+    Eigen::Vector3d max_odom = Eigen::Vector3d::Zero();
+  };
+  struct Patch {
+    Eigen::Vector3d p_odom;
+    std::size_t column = 0;
+    int scan = 0;
+    bool is_above = false;
+    double ahead_m = 0.0;  ///< of base, when last sorted
+  };
+  struct Surface {
+    PlaneFit fit;
+    std::vector<Patch> patches;  ///< nearest first
+  };
+
+  [[nodiscard]] bool add_patch(const Column& column, std::size_t number, TrackedGround& ground,
+                               const geometry::SE2& T_odom_base);
+  [[nodiscard]] bool find(bool is_above, TrackedGround& ground, const geometry::SE2& T_odom_base);
+  [[nodiscard]] static std::optional<Surface> surface_from(const std::vector<Patch>& patches,
+                                                           std::size_t first);
+  [[nodiscard]] static std::optional<std::size_t> facet_before(const Surface& surface,
+                                                               bool is_above,
+                                                               const TrackedGround& ground,
+                                                               const geometry::SE2& T_odom_base);
+
+  LocalMapParams params_;
+  std::array<Column, kColumns> columns_;
+  std::deque<Patch> patches_;  // that are no known ground, oldest first
+  int scan_ = 0;
+};
+
+}  // namespace nodmap::navigator

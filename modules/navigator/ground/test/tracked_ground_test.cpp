@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The ground as the local map tracks it, on profiles whose heights are known in closed form.
+#include "modules/navigator/ground/tracked_ground.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "modules/navigator/ground/test/profile.hpp"
+#include "modules/navigator/local_map/local_map.hpp"
+
+namespace nodmap::navigator {
+namespace {
+
+using geometry::deg_to_rad;
+using test::NoddingRobot;
+using test::Profile;
+
+constexpr double kRangeSigmaM = 0.01;  // of the LMS200
+constexpr int kTwoSweeps = 146;
+constexpr double kFar = 40.0;
+
+/// What went on while the robot drove over a profile.
+struct Drive {
+  double tilt_error_rad = 0.0;   // worst
+  double height_error_m = 0.0;   // worst
+  std::size_t points_ahead = 0;  // obstacles and holes in the way, summed over the last sweeps
+  std::size_t facets = 0;
+};
+
+/// Stands for two sweeps, and drives on to `end_x`.
+Drive drive(NoddingRobot robot, double end_x) {
+  LocalMap map({}, {});
+  Drive result;
+  for (int i = 0; robot.x() < end_x; ++i) {
+    const scan::Scan scan = robot.step(i < kTwoSweeps ? 0.0 : 0.3);
+    map.add_scan(scan, robot.T_odom_base());
+    const geometry::SE3 off = robot.true_pose().inverse() * map.ground().T_odom_base();
+    result.tilt_error_rad = std::max(result.tilt_error_rad, geometry::rotation_angle(off));
+    result.height_error_m = std::max(result.height_error_m, std::abs(off.translation().z()));
+    for (const Eigen::Vector2d& p : map.points_base(robot.T_odom_base(), 0.8)) {
+      result.points_ahead += i > kTwoSweeps && p.x() > 0.0 && std::abs(p.y()) < 0.3 ? 1 : 0;
+    }
+  }
+  result.facets = map.ground().num_facets();
+  return result;
+}
+
+Profile ramp_up(double slope_deg) {
+  const double rise = 2.0 * std::tan(deg_to_rad(slope_deg));
+  return {{{-kFar, 0.0}, {1.4, 0.0}, {3.4, rise}, {kFar, rise}}};
+}
+
+Profile hill(double slope_deg) {
+  const double rise = 2.0 * std::tan(deg_to_rad(slope_deg));
+  return {{{-kFar, 0.0}, {1.4, 0.0}, {3.4, rise}, {5.4, 0.0}, {kFar, 0.0}}};
+}
+
+Profile ramp_down(double slope_deg) {
+  const double rise = 2.0 * std::tan(deg_to_rad(slope_deg));
+  return {{{-kFar, 0.0}, {1.4, 0.0}, {3.4, -rise}, {kFar, -rise}}};
+}
+
+TEST(TrackedGround, RampsAreGround) {
+  struct Case {
+    const char* name;
+    Profile (*make)(double);
+    std::size_t facets;
+  };
+  for (const Case& c : {Case{"up", ramp_up, 3}, {"over", hill, 4}, {"down", ramp_down, 3}}) {
+    for (const double slope_deg : {5.0, 10.0, 12.0}) {
+      const Drive result = drive({c.make(slope_deg), kRangeSigmaM}, 6.5);
+      EXPECT_EQ(result.facets, c.facets) << c.name << slope_deg;
+      EXPECT_LT(result.tilt_error_rad, deg_to_rad(1.0)) << c.name << slope_deg;
+      EXPECT_LT(result.height_error_m, 0.03) << c.name << slope_deg;
+      EXPECT_EQ(result.points_ahead, 0U) << c.name << slope_deg;
+    }
+  }
+}
+
+TEST(TrackedGround, FlatFloorIsExactlyFlat) {
+  const Drive result = drive({{{{-kFar, 0.0}, {kFar, 0.0}}}, kRangeSigmaM}, 3.0);
+  EXPECT_EQ(result.facets, 1U);
+  EXPECT_EQ(result.tilt_error_rad, 0.0);
+  EXPECT_EQ(result.height_error_m, 0.0);
+  EXPECT_EQ(result.points_ahead, 0U);
+}
+
+// All of these block the way before the robot is there, and are no ground.
+TEST(TrackedGround, SillsKerbsStairsAndSteepRampsAreNoGround) {
+  const double steep = std::tan(deg_to_rad(20.0));
+  struct Case {
+    const char* name;
+    Profile profile;
+  };
+  for (const Case& c :
+       {Case{"sill of 3.1 cm",
+             {{{-kFar, 0.0}, {1.5, 0.0}, {1.5, 0.031}, {1.6, 0.031}, {1.6, 0.0}, {kFar, 0.0}}}},
+        {"plank of 6 cm",
+         {{{-kFar, 0.0}, {1.5, 0.0}, {1.5, 0.06}, {1.75, 0.06}, {1.75, 0.0}, {kFar, 0.0}}}},
+        {"platform of 6 cm", {{{-kFar, 0.0}, {1.5, 0.0}, {1.5, 0.06}, {kFar, 0.06}}}},
+        {"kerb of 8 cm up", {{{-kFar, 0.0}, {1.5, 0.0}, {1.5, 0.08}, {kFar, 0.08}}}},
+        {"kerb of 8 cm down", {{{-kFar, 0.0}, {1.5, 0.0}, {1.5, -0.08}, {kFar, -0.08}}}},
+        {"stairs down",
+         {{{-kFar, 0.0},
+           {1.5, 0.0},
+           {1.5, -0.17},
+           {1.8, -0.17},
+           {1.8, -0.34},
+           {2.1, -0.34},
+           {2.1, -0.51},
+           {kFar, -0.51}}}},
+        {"stairs up",
+         {{{-kFar, 0.0},
+           {1.5, 0.0},
+           {1.5, 0.17},
+           {1.8, 0.17},
+           {1.8, 0.34},
+           {2.1, 0.34},
+           {2.1, 0.51},
+           {kFar, 0.51}}}},
+        {"20 degrees up", {{{-kFar, 0.0}, {1.5, 0.0}, {2.5, steep}, {kFar, steep}}}},
+        {"20 degrees down", {{{-kFar, 0.0}, {1.5, 0.0}, {2.5, -steep}, {kFar, -steep}}}}}) {
+    // The body's front is 0.25 m before it then.
+    const Drive result = drive({c.profile, kRangeSigmaM}, 1.0);
+    EXPECT_EQ(result.facets, 1U) << c.name;
+    EXPECT_GT(result.points_ahead, 0U) << c.name;
+  }
+}
+
+/// A ramp of 0.2 m a metre from x = 1 to 3, y within 0.5, on ground that is known around it.
+TrackedGround ground_with_ramp() {
+  TrackedGround ground{GroundParams{}};
+  ground.move({});
+  PlaneFit fit;
+  for (const Eigen::Vector2d& p :
+       {Eigen::Vector2d(1.0, -0.5), {3.0, -0.5}, Eigen::Vector2d(1.0, 0.5), {3.0, 0.5}}) {
+    fit.add({p.x(), p.y(), 0.2 * (p.x() - 1.0)});
+  }
+  const std::size_t ramp = ground.add_facet(fit, 0, true);
+  for (double x = -0.9; x < 3.0; x += 0.1) {
+    for (double y = -0.9; y < 1.0; y += 0.1) {
+      ground.join({x, y}, x > 1.0 && std::abs(y) < 0.5 ? ramp : 0);
+    }
+  }
+  return ground;
+}
+
+// The wheels' heights in closed form: with the front wheels 0.1 m behind the foot they are 2 cm
+// high, over a wheelbase of 0.3 m.
+TEST(TrackedGround, TheBodyStandsOnItsWheels) {
+  TrackedGround ground = ground_with_ramp();
+  for (int cm = 0; cm <= 95; ++cm) {
+    ground.move({0.01 * cm, 0.0, 0.0});
+  }
+  const double front_m = 0.2 * 0.1;
+  EXPECT_NEAR(ground.T_odom_base().translation().z(), 0.5 * front_m, 1e-9);
+  const Eigen::Vector3d forward = ground.T_odom_base().linear().col(0);
+  EXPECT_NEAR(forward.z() / forward.x(), front_m / 0.3, 1e-9);
+  // Across the slope it rolls: its left side, downhill, is lower.
+  for (int cm = 95; cm <= 200; ++cm) {
+    ground.move({0.01 * cm, 0.0, 0.0});
+  }
+  for (int step = 0; step <= 10; ++step) {
+    ground.move({2.0, 0.0, 0.05 * step * geometry::kPi});
+  }
+  const Eigen::Vector3d left = ground.T_odom_base().linear().col(1);
+  EXPECT_NEAR(left.z() / left.head<2>().norm(), -0.2, 1e-9);
+  EXPECT_NEAR(ground.T_odom_base().linear().col(0).z(), 0.0, 1e-9);
+}
+
+// Beside a ramp of 0.2 m: from the floor, the floor is ground and the ramp's side an obstacle; from
+// the ramp, both are a drop.
+TEST(TrackedGround, TheSideOfARampIsAnObstacleFromBelowAndADropFromAbove) {
+  using Kind = TrackedGround::Place::Kind;
+  TrackedGround ground = ground_with_ramp();
+  const Eigen::Vector3d floor(2.0, 0.6, 0.0);
+  const Eigen::Vector3d side(2.0, 0.5, 0.1);
+  EXPECT_EQ(ground.look(floor, 0.02).kind, Kind::kGround);
+  EXPECT_EQ(ground.look(side, 0.02).kind, Kind::kAbove);
+  for (int cm = 0; cm <= 200; ++cm) {
+    ground.move({0.01 * cm, 0.0, 0.0});
+  }
+  EXPECT_EQ(ground.look(floor, 0.02).kind, Kind::kBelow);
+  EXPECT_EQ(ground.look(side, 0.02).kind, Kind::kBelow);
+  EXPECT_EQ(ground.look({2.0, 0.0, 0.2}, 0.02).kind, Kind::kGround);
+}
+
+TEST(PlaneFit, IsExactOnAPlaneAndEmptyOnALine) {
+  PlaneFit fit;
+  for (const Eigen::Vector2d& p :
+       {Eigen::Vector2d(5.0, 1.0), {5.4, 1.0}, Eigen::Vector2d(5.0, 1.3), {5.4, 1.3}}) {
+    fit.add({p.x(), p.y(), 0.1 * p.x() - 0.2 * p.y() + 3.0});
+  }
+  const auto plane = fit.solve();
+  ASSERT_TRUE(plane);
+  EXPECT_NEAR(plane->at({7.0, -2.0}), 0.7 + 0.4 + 3.0, 1e-9);
+  EXPECT_NEAR(fit.level().at({7.0, -2.0}), 0.52 - 0.23 + 3.0, 1e-9);
+  PlaneFit line;
+  for (double x = 0.0; x < 1.0; x += 0.1) {
+    line.add({x, 2.0 * x, 0.5});
+  }
+  EXPECT_FALSE(line.solve());
+}
+
+TEST(TrackedGround, SurvivesPosesThatMakeNoSense) {
+  TrackedGround ground{GroundParams{}};
+  ground.move({1e12, -1e12, 1.0});
+  EXPECT_TRUE(ground.is_level());
+  EXPECT_EQ(ground.height_m({5.0, 5.0}), 0.0);
+}
+
+}  // namespace
+}  // namespace nodmap::navigator

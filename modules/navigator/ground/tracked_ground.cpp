@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/navigator/ground/tracked_ground.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "common/geometry/angle.hpp"
+
+namespace nodmap::navigator {
+namespace {
+
+constexpr double kCellM = 0.2;
+constexpr int kLog2Size = 6;
+constexpr std::size_t kMostFacets = 16;
+/// A facet flatter than this is level: twice what the tilt of a ramp is wrong by.
+const double kLevelSlope = std::tan(geometry::deg_to_rad(2.0));
+/// Ground within so many cells counts as where the robot is.
+constexpr int kAroundCells = 8;
+/// The ground under a wheel changes by no more from scan to scan: 2 cm of travel on the steepest
+/// ramp are 5 mm. What differs by more is beside the ramp that the wheel is on.
+constexpr double kWheelStepM = 0.03;
+
+}  // namespace
+
+TrackedGround::TrackedGround(const GroundParams& params)
+    : params_(params),
+      max_slope_(std::tan(params.max_slope_rad)),
+      facets_(1),
+      cells_(kCellM, kLog2Size) {
+  facets_.front().is_fixed = true;
+}
+
+void TrackedGround::reset() {
+  *this = TrackedGround(params_);
+}
+
+void TrackedGround::move(const geometry::SE2& T_odom_base) {
+  cells_.center_on(T_odom_base.translation());
+  if (facets_.size() == 1) {
+    join(T_odom_base.translation(), 0);
+    T_odom_base_ = geometry::to_se3(T_odom_base);
+    return;
+  }
+  for (std::size_t i = 0; i < wheel_heights_m_.size(); ++i) {
+    const Eigen::Vector2d wheel(i < 2 ? 0.5 : -0.5, i % 2 == 0 ? 0.5 : -0.5);
+    const Eigen::Vector2d p_odom =
+        T_odom_base * Eigen::Vector2d(params_.wheelbase_m * wheel.x(), params_.track_m * wheel.y());
+    const Ground ground = under_wheel(p_odom, wheel_heights_m_[i]);
+    wheel_heights_m_[i] = ground.height_m;
+    facets_[ground.facet].is_fixed = true;
+    join(p_odom, ground.facet);
+  }
+  const auto& [front_left, front_right, rear_left, rear_right] = wheel_heights_m_;
+  const Eigen::Vector2d rise_base(
+      0.5 * (front_left + front_right - rear_left - rear_right) / params_.wheelbase_m,
+      0.5 * (front_left + rear_left - front_right - rear_right) / params_.track_m);
+  const Eigen::Vector2d rise = T_odom_base.rotation() * rise_base;
+  const double height_m = 0.25 * (front_left + front_right + rear_left + rear_right);
+  const Eigen::Vector3d up(-rise.x(), -rise.y(), 1.0);
+  T_odom_base_ = geometry::make_se3(
+      {T_odom_base.x, T_odom_base.y, height_m},
+      Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), up) *
+          Eigen::Quaterniond(Eigen::AngleAxisd(T_odom_base.yaw, Eigen::Vector3d::UnitZ())));
+  under_base_ = under_wheel(T_odom_base.translation(), height_m).facet;
+  is_level_ = level_around(T_odom_base.translation());
+}
+
+bool TrackedGround::level_around(const Eigen::Vector2d& p_odom) const {
+  unsigned mask = 1U << under_base_;
+  const Eigen::Vector2i middle = cells_.index_of(p_odom);
+  for (int dx = -kAroundCells; dx <= kAroundCells; ++dx) {
+    for (int dy = -kAroundCells; dy <= kAroundCells; ++dy) {
+      mask |= cells_.at(middle + Eigen::Vector2i(dx, dy));
+    }
+  }
+  return mask == 1U << under_base_ && facets_[under_base_].plane.slope.isZero();
+}
+
+/// The facets seen in the cell of a place and the eight around it.
+TrackedGround::Mask TrackedGround::mask_at(const Eigen::Vector2d& p_odom) const {
+  const Eigen::Vector2i middle = cells_.index_of(p_odom);
+  unsigned mask = 0;
+  for (int dx = -1; dx <= 1; ++dx) {
+    for (int dy = -1; dy <= 1; ++dy) {
+      const Eigen::Vector2i index = middle + Eigen::Vector2i(dx, dy);
+      mask |= cells_.contains(index) ? cells_.at(index) : 0U;
+    }
+  }
+  return static_cast<Mask>(mask);
+}
+
+/// Facets in the order in which they were found. At the kink where one begins it is the ground
+/// where it is higher, if it rises, or lower. Facets that meet otherwise do so at the foot of a
+/// ramp.
+TrackedGround::Ground TrackedGround::ground_of(Mask mask, const Eigen::Vector2d& p_odom) const {
+  if (mask == 0) {
+    return {facets_[under_base_].plane.at(p_odom), under_base_};
+  }
+  Ground ground{0.0, facets_.size()};
+  for (std::size_t i = 0; i < facets_.size(); ++i) {
+    if ((mask >> i & 1U) == 0) {
+      continue;
+    }
+    const Facet& facet = facets_[i];
+    const double height_m = facet.plane.at(p_odom);
+    const bool is_first = ground.facet == facets_.size();
+    const bool rises = facet.rises || (mask >> facet.before & 1U) == 0;
+    if (is_first || (height_m > ground.height_m) == rises) {
+      ground = {height_m, i};
+    }
+  }
+  return ground;
+}
+
+TrackedGround::Ground TrackedGround::under_wheel(const Eigen::Vector2d& p_odom,
+                                                 double last_m) const {
+  const Mask mask = mask_at(p_odom);
+  Ground ground = ground_of(mask, p_odom);
+  if (std::abs(ground.height_m - last_m) <= kWheelStepM) {
+    return ground;
+  }
+  for (std::size_t i = 0; i < facets_.size(); ++i) {
+    const double height_m = facets_[i].plane.at(p_odom);
+    if ((mask >> i & 1U) != 0 && std::abs(height_m - last_m) < std::abs(ground.height_m - last_m)) {
+      ground = {height_m, i};
+    }
+  }
+  return ground;
+}
+
+TrackedGround::Place TrackedGround::look(const Eigen::Vector3d& p_odom, double tolerance_m) const {
+  using Kind = Place::Kind;
+  const Eigen::Vector2d p = p_odom.head<2>();
+  const Mask mask = facets_.size() == 1 ? Mask{1} : mask_at(p);
+  const Ground ground = ground_of(mask, p);
+  const double height_m = p_odom.z() - ground.height_m;
+  if (std::abs(height_m) <= tolerance_m) {
+    return {Kind::kGround, height_m, ground.facet};
+  }
+  if (height_m > 0.0) {
+    return {Kind::kAbove, height_m, ground.facet};
+  }
+  // Beside a ramp: the floor that the robot stands on, and the side of the ramp.
+  if ((mask >> under_base_ & 1U) != 0 && under_base_ != ground.facet) {
+    const double above_own_m = p_odom.z() - facets_[under_base_].plane.at(p);
+    if (above_own_m >= -tolerance_m) {
+      return {above_own_m <= tolerance_m ? Kind::kGround : Kind::kAbove, above_own_m, under_base_};
+    }
+  }
+  return {Kind::kBelow, height_m, ground.facet};
+}
+
+double TrackedGround::height_m(const Eigen::Vector2d& p_odom) const {
+  return facets_.size() == 1 ? 0.0 : ground_of(mask_at(p_odom), p_odom).height_m;
+}
+
+void TrackedGround::grow(const Eigen::Vector2d& p_odom, std::size_t facet) {
+  if ((mask_at(p_odom) >> facet & 1U) != 0) {
+    join(p_odom, facet);
+  }
+}
+
+void TrackedGround::join(const Eigen::Vector2d& p_odom, std::size_t facet) {
+  const Eigen::Vector2i index = cells_.index_of(p_odom);
+  if (!cells_.contains(index) || (cells_.at(index) >> facet & 1U) != 0) {
+    return;
+  }
+  cells_.at(index) = static_cast<Mask>(cells_.at(index) | 1U << facet);
+  if (facets_.size() > 1) {
+    joined_.push_back({cells_.center_of(index), !facets_[facet].is_fixed});
+  }
+}
+
+std::vector<TrackedGround::Joined> TrackedGround::take_joined() {
+  return std::exchange(joined_, {});
+}
+
+void TrackedGround::refine(std::size_t facet, const Eigen::Vector3d& p_odom) {
+  Facet& f = facets_[facet];
+  if (f.is_fixed) {
+    return;
+  }
+  f.fit.add(p_odom);
+  if (const auto plane = f.fit.solve()) {
+    f.plane = *plane;
+    if (plane->slope.norm() < kLevelSlope) {
+      f.plane = f.fit.level();
+    }
+  }
+}
+
+std::size_t TrackedGround::add_facet(const PlaneFit& fit, std::size_t before, bool rises) {
+  if (facets_.size() == kMostFacets) {
+    const std::size_t dropped = drop_facet_other_than(before);
+    before -= before > dropped ? 1 : 0;
+  }
+  if (facets_.size() == 1) {
+    wheel_heights_m_.fill(0.0);
+  }
+  Facet facet;
+  facet.fit = fit;
+  facet.before = before;
+  facet.plane = *fit.solve();
+  facet.rises = rises;
+  if (facet.plane.slope.norm() < kLevelSlope) {
+    facet.plane = fit.level();
+  }
+  facets_.push_back(facet);
+  is_level_ = false;
+  return facets_.size() - 1;
+}
+
+/// The oldest one that the robot is not on, nor about to go to. Its cells are no ground any more
+/// until they are seen as such again.
+std::size_t TrackedGround::drop_facet_other_than(std::size_t kept) {
+  std::size_t dropped = 0;
+  while (dropped == under_base_ || dropped == kept) {
+    ++dropped;
+  }
+  facets_.erase(facets_.begin() + static_cast<std::ptrdiff_t>(dropped));
+  const auto close_up = [&](std::size_t& facet) { facet -= facet > dropped ? 1 : 0; };
+  close_up(under_base_);
+  for (Facet& facet : facets_) {
+    close_up(facet.before);
+  }
+  for (int row = 0; row < cells_.size(); ++row) {
+    for (int column = 0; column < cells_.size(); ++column) {
+      Mask& mask = cells_.at_offset(column, row);
+      const unsigned lower = mask & ((1U << dropped) - 1U);
+      const unsigned higher = static_cast<unsigned>(mask) >> (dropped + 1) << dropped;
+      mask = static_cast<Mask>(lower | higher);
+    }
+  }
+  return dropped;
+}
+
+}  // namespace nodmap::navigator

@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "common/geometry/se2.hpp"
+#include "common/geometry/se3.hpp"
+#include "modules/navigator/ground/plane.hpp"
+#include "modules/navigator/local_map/rolling_grid.hpp"
+#include "modules/navigator/params.hpp"
+
+namespace nodmap::navigator {
+
+/// The ground that is connected with the floor under the wheels: planes (facets) that meet in
+/// kinks. Frame odom, with z from the floor that the robot was set down on, which counts as level.
+///
+///                     ______  kink at the top: the lower of two facets is the ground
+///                    /
+///     _______ ______/         kink at the foot: the higher one
+///
+/// A grid of 20 cm cells says where each facet was seen. The body stands on the ground under its
+/// four outermost wheels, so the ground gives the robot's height and tilt: on a facet the body's
+/// own plane is that facet, and over a kink it tilts gradually.
+///
+/// A facet flatter than 2 degrees is taken as level: errors of the tilt end with each ramp.
+class TrackedGround {
+ public:
+  explicit TrackedGround(const GroundParams& params);
+
+  /// What a point is to the robot where it stands.
+  struct Place {
+    enum class Kind : std::uint8_t { kGround, kAbove, kBelow };
+    Kind kind = Kind::kGround;
+    double height_m = 0.0;  ///< above the ground
+    std::size_t facet = 0;  ///< the ground at this place
+  };
+
+  /// The odom frame began anew: level floor.
+  void reset();
+  /// The robot has moved. Height and tilt follow from the ground under its wheels.
+  void move(const geometry::SE2& T_odom_base);
+  [[nodiscard]] const geometry::SE3& T_odom_base() const { return T_odom_base_; }
+
+  /// All the ground within 1.6 m is one level plane.
+  [[nodiscard]] bool is_level() const { return is_level_; }
+  /// Ground and everything else: a point nearer to the ground than `tolerance_m` is ground.
+  [[nodiscard]] Place look(const Eigen::Vector3d& p_odom, double tolerance_m) const;
+  /// The ground at a place; where none is known, that under the robot, continued.
+  [[nodiscard]] double height_m(const Eigen::Vector2d& p_odom) const;
+  [[nodiscard]] std::size_t facet_under_base() const { return under_base_; }
+  [[nodiscard]] const Plane& plane(std::size_t facet) const { return facets_[facet].plane; }
+  [[nodiscard]] bool is_known(const Eigen::Vector2d& p_odom) const { return mask_at(p_odom) != 0; }
+  /// The steepest ground that the robot drives on, metres for each metre.
+  [[nodiscard]] double max_slope() const { return max_slope_; }
+
+  /// The facet was seen at a place: it reaches as far as there if it was seen next to it, too.
+  void grow(const Eigen::Vector2d& p_odom, std::size_t facet);
+  /// The facet is the ground at a place.
+  void join(const Eigen::Vector2d& p_odom, std::size_t facet);
+  /// Improves a facet that the robot is not on yet by one more of its points.
+  void refine(std::size_t facet, const Eigen::Vector3d& p_odom);
+  /// New ground: it `rises` from the facet `before` it, or falls off. Gives its facet.
+  std::size_t add_facet(const PlaneFit& fit, std::size_t before, bool rises);
+
+  /// A cell that has joined a facet.
+  struct Joined {
+    Eigen::Vector2d middle_odom;
+    bool is_ahead = false;  ///< the robot has not been on this facet yet
+  };
+  /// Those since the last call, once there is more than the first facet.
+  [[nodiscard]] std::vector<Joined> take_joined();
+  [[nodiscard]] double cell_size_m() const { return cells_.cell_size_m(); }
+  [[nodiscard]] std::size_t num_facets() const { return facets_.size(); }
+
+ private:
+  using Mask = std::uint16_t;
+  struct Facet {
+    Plane plane;
+    PlaneFit fit;
+    std::size_t before = 0;  ///< the facet it begins at
+    bool rises = true;       ///< from that
+    bool is_fixed = false;   ///< the robot was on it, and it gives the tilt
+  };
+  struct Ground {
+    double height_m;
+    std::size_t facet;
+  };
+
+  [[nodiscard]] Mask mask_at(const Eigen::Vector2d& p_odom) const;
+  [[nodiscard]] Ground ground_of(Mask mask, const Eigen::Vector2d& p_odom) const;
+  [[nodiscard]] Ground under_wheel(const Eigen::Vector2d& p_odom, double last_m) const;
+  [[nodiscard]] bool level_around(const Eigen::Vector2d& p_odom) const;
+  std::size_t drop_facet_other_than(std::size_t kept);
+
+  GroundParams params_;
+  double max_slope_;
+  std::vector<Facet> facets_;
+  RollingGrid<Mask> cells_;
+  std::array<double, 4> wheel_heights_m_{};
+  std::size_t under_base_ = 0;
+  geometry::SE3 T_odom_base_ = geometry::SE3::Identity();
+  bool is_level_ = true;
+  std::vector<Joined> joined_;
+};
+
+}  // namespace nodmap::navigator
