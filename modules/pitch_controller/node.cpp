@@ -55,8 +55,8 @@ void PitchControllerNode::on_odometry(const nodmap::odometry_t& message) {
     return;
   }
   context_.counts.use();
-  controller_.add_speed(message.utime, message.forward_mps);
-  decide(message.utime);
+  controller_.add_speed(time::from_utime(message.utime), message.forward_mps);
+  decide(time::from_utime(message.utime));
 }
 
 void PitchControllerNode::on_pitch_state(const nodmap::pitch_state_t& message) {
@@ -67,19 +67,19 @@ void PitchControllerNode::on_pitch_state(const nodmap::pitch_state_t& message) {
   }
   context_.counts.use();
   pitch_is_measured_ = message.pitch_is_measured != 0;
-  controller_.add_pitch({message.utime, message.pitch_rad, message.pitch_rate_rad_s,
-                         message.sweep_count, message.is_stalled != 0});
-  decide(message.utime);
+  controller_.add_pitch({time::from_utime(message.utime), message.pitch_rad,
+                         message.pitch_rate_rad_s, message.sweep_count, message.is_stalled != 0});
+  decide(time::from_utime(message.utime));
 }
 
-void PitchControllerNode::decide(std::int64_t now_us) {
-  const auto decision = controller_.decide(now_us);
+void PitchControllerNode::decide(time::Timestamp now) {
+  const auto decision = controller_.decide(now);
   if (!decision) {
     return;
   }
   inhibited_ = decision->inhibited;
   nodmap::pitch_command_t message{};
-  message.utime = decision->time_us;
+  message.utime = time::to_utime(decision->stamp);
   message.command_seq = commands_++;
   message.pitch_min_rad = decision->sweep.min_rad;
   message.pitch_max_rad = decision->sweep.max_rad;

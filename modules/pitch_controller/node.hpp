@@ -30,7 +30,7 @@ class PitchControllerNode final : public node::Node {
  private:
   void on_odometry(const nodmap::odometry_t& message);
   void on_pitch_state(const nodmap::pitch_state_t& message);
-  void decide(std::int64_t now_us);
+  void decide(time::Timestamp now);
 
   node::Context& context_;
   Params params_;

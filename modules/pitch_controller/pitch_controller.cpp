@@ -7,7 +7,7 @@
 namespace nodmap::pitch_controller {
 namespace {
 
-constexpr std::int64_t kPeriodUs = 20'000;
+constexpr time::Duration kPeriod = 20ms;
 // Beyond what KURT can do (5.2 m/s); keeps the arithmetic finite.
 constexpr double kImpossibleMps = 20.0;
 
@@ -41,8 +41,8 @@ PitchController::PitchController(const PitchControllerParams& params)
       commanded_s_(plan_.sweep_s),
       plan_at_reversal_(plan_) {}
 
-void PitchController::add_speed(std::int64_t time_us, double forward_mps) {
-  speed_ = Speed{time_us, forward_mps};
+void PitchController::add_speed(time::Timestamp stamp, double forward_mps) {
+  speed_ = Speed{stamp, forward_mps};
 }
 
 void PitchController::add_pitch(const PitchReading& reading) {
@@ -54,25 +54,25 @@ void PitchController::add_pitch(const PitchReading& reading) {
   }
 }
 
-std::optional<PitchDecision> PitchController::decide(std::int64_t now_us) {
-  const std::int64_t since_us = decided_us_ ? now_us - *decided_us_ : kPeriodUs;
-  if (since_us >= 0 && since_us < kPeriodUs && !has_reversed_) {
+std::optional<PitchDecision> PitchController::decide(time::Timestamp now) {
+  const time::Duration since = decided_ ? now - *decided_ : kPeriod;
+  if (since >= 0us && since < kPeriod && !has_reversed_) {
     return std::nullopt;
   }
-  plan_for_present_speed(now_us);
-  decided_us_ = now_us;
+  plan_for_present_speed(now);
+  decided_ = now;
   has_reversed_ = false;
 
   PitchDecision decision;
-  decision.time_us = now_us;
-  decision.inhibited = inhibit_reason(now_us);
+  decision.stamp = now;
+  decision.inhibited = inhibit_reason(now);
   const bool may_drive = decision.inhibited == InhibitReason::kNone;
   if (params_.mode == Mode::kFixed) {
     decision.max_forward_mps = may_drive ? bound_of_level_laser() : 0.0;
     decision.sweep_s = kHoldS;
     return decision;
   }
-  const double dt_s = std::clamp(1e-6 * static_cast<double>(since_us), 0.0, 1.0);
+  const double dt_s = std::clamp(time::seconds(since), 0.0, 1.0);
   const double present_mps = speed_ ? std::clamp(speed_->forward_mps, 0.0, kImpossibleMps) : 0.0;
   decision.max_forward_mps =
       rising_.limit(may_drive ? bound_of_measured_sweeps() : 0.0, present_mps, dt_s);
@@ -82,11 +82,10 @@ std::optional<PitchDecision> PitchController::decide(std::int64_t now_us) {
   return decision;
 }
 
-void PitchController::plan_for_present_speed(std::int64_t now_us) {
+void PitchController::plan_for_present_speed(time::Timestamp now) {
   // Without odometry the plan stays as it is, because the robot may still be rolling.
-  if (speed_ && is_fresh(speed_->time_us, now_us)) {
-    const double dt_s =
-        decided_us_ ? std::clamp(1e-6 * static_cast<double>(now_us - *decided_us_), 0.0, 1.0) : 1.0;
+  if (speed_ && is_fresh(speed_->stamp, now)) {
+    const double dt_s = decided_ ? std::clamp(time::seconds(now - *decided_), 0.0, 1.0) : 1.0;
     // Driving backwards is planned like standstill: the robot is slow, and the laser looks the
     // other way. While the robot brakes, the planned speed falls no faster than the assumed
     // deceleration: a wide nod does not look far enough ahead for the speed that the robot may
@@ -120,16 +119,16 @@ void PitchController::regulate(const MeasuredSweep& sweep) {
   plan_held_ = true;
 }
 
-bool PitchController::is_fresh(std::int64_t time_us, std::int64_t now_us) const {
+bool PitchController::is_fresh(time::Timestamp stamp, time::Timestamp now) const {
   // A stamp from the future is not trusted either: one of the two clocks is wrong.
-  return std::abs(1e-6 * static_cast<double>(now_us - time_us)) <= params_.input_timeout_s;
+  return std::abs(time::seconds(now - stamp)) <= params_.input_timeout_s;
 }
 
-InhibitReason PitchController::inhibit_reason(std::int64_t now_us) const {
-  if (!speed_ || !is_fresh(speed_->time_us, now_us)) {
+InhibitReason PitchController::inhibit_reason(time::Timestamp now) const {
+  if (!speed_ || !is_fresh(speed_->stamp, now)) {
     return InhibitReason::kNoOdometry;
   }
-  if (!pitch_ || !is_fresh(pitch_->time_us, now_us)) {
+  if (!pitch_ || !is_fresh(pitch_->stamp, now)) {
     return InhibitReason::kNoPitch;
   }
   if (pitch_->is_stalled) {

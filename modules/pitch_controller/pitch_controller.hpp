@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "common/geometry/time.hpp"
 #include "modules/pitch_controller/params.hpp"
 #include "modules/pitch_controller/speed_bound.hpp"
 #include "modules/pitch_controller/sweep_control.hpp"
@@ -23,7 +24,7 @@ enum class InhibitReason : std::uint8_t {
 
 /// The sweep to command from now on, and the speed at which the robot may drive meanwhile.
 struct PitchDecision {
-  std::int64_t time_us = 0;
+  time::Timestamp stamp{};
   PitchInterval sweep;
   double sweep_s = 0.0;
   double max_forward_mps = 0.0;
@@ -49,33 +50,33 @@ struct SweepCounts {
 /// dense enough for 1.3 times the stopping distance. So the robot accelerates as the nod narrows,
 /// and not earlier.
 ///
-/// Times are the stamps of the messages, microseconds; no clock is read.
+/// Times are the stamps of the messages; no clock is read.
 class PitchController {
  public:
   explicit PitchController(const PitchControllerParams& params);
 
   /// Adds a forward speed measured by odometry, metres per second, finite.
-  void add_speed(std::int64_t time_us, double forward_mps);
+  void add_speed(time::Timestamp stamp, double forward_mps);
   void add_pitch(const PitchReading& reading);
 
   /// To be called with the time of each new measurement. Returns a decision every 20 ms and at each
   /// reversal of the head.
-  [[nodiscard]] std::optional<PitchDecision> decide(std::int64_t now_us);
+  [[nodiscard]] std::optional<PitchDecision> decide(time::Timestamp now);
 
   [[nodiscard]] const SweepPlan& plan() const { return plan_; }
   [[nodiscard]] const SweepCounts& sweep_counts() const { return counts_; }
 
  private:
   struct Speed {
-    std::int64_t time_us = 0;
+    time::Timestamp stamp{};
     double forward_mps = 0.0;
   };
 
-  void plan_for_present_speed(std::int64_t now_us);
+  void plan_for_present_speed(time::Timestamp now);
   void count(const MeasuredSweep& sweep);
   void regulate(const MeasuredSweep& sweep);
-  [[nodiscard]] bool is_fresh(std::int64_t time_us, std::int64_t now_us) const;
-  [[nodiscard]] InhibitReason inhibit_reason(std::int64_t now_us) const;
+  [[nodiscard]] bool is_fresh(time::Timestamp stamp, time::Timestamp now) const;
+  [[nodiscard]] InhibitReason inhibit_reason(time::Timestamp now) const;
   [[nodiscard]] double bound_of_measured_sweeps() const;
   [[nodiscard]] double bound_of_level_laser() const;
 
@@ -89,7 +90,7 @@ class PitchController {
 
   std::optional<Speed> speed_;
   std::optional<PitchReading> pitch_;
-  std::optional<std::int64_t> decided_us_;
+  std::optional<time::Timestamp> decided_;
   double planned_mps_ = 0.0;
   SweepPlan plan_;
   double commanded_s_ = 0.0;

@@ -9,7 +9,7 @@ namespace {
 
 // Readings come every 5 ms, every 50 ms at worst: after a longer gap a reversal may have been
 // missed.
-constexpr std::int64_t kGapUs = 60'000;
+constexpr time::Duration kGap = 60ms;
 
 // A servo that deviates by more than this is broken, not mistuned. The limit also prevents a jump
 // after a single unusual sweep.
@@ -19,7 +19,7 @@ constexpr double kMostError = 0.5;
 }  // namespace
 
 std::optional<MeasuredSweep> SweepMeter::add(const PitchReading& reading) {
-  if (newest_ && (reading.time_us < newest_->time_us || reading.sweep < newest_->sweep)) {
+  if (newest_ && (reading.stamp < newest_->stamp || reading.sweep < newest_->sweep)) {
     *this = SweepMeter();
   }
   if (!newest_) {
@@ -27,8 +27,7 @@ std::optional<MeasuredSweep> SweepMeter::add(const PitchReading& reading) {
     return std::nullopt;
   }
   const bool reversed = reading.sweep != newest_->sweep;
-  const bool no_gap =
-      reading.time_us - newest_->time_us <= kGapUs && reading.sweep - newest_->sweep <= 1;
+  const bool no_gap = reading.stamp - newest_->stamp <= kGap && reading.sweep - newest_->sweep <= 1;
   present_.is_complete = present_.is_complete && no_gap;
   extend(reading);
   newest_ = reading;
@@ -55,13 +54,13 @@ std::optional<MeasuredSweep> SweepMeter::period() const {
 
 void SweepMeter::begin(const PitchReading& reading, bool at_its_end) {
   newest_ = reading;
-  began_us_ = reading.time_us;
+  began_ = reading.stamp;
   present_ = {0.0, {reading.pitch_rad, reading.pitch_rad}, 0.0, at_its_end};
   extend(reading);
 }
 
 void SweepMeter::extend(const PitchReading& reading) {
-  present_.duration_s = 1e-6 * static_cast<double>(reading.time_us - began_us_);
+  present_.duration_s = time::seconds(reading.stamp - began_);
   present_.span.min_rad = std::min(present_.span.min_rad, reading.pitch_rad);
   present_.span.max_rad = std::max(present_.span.max_rad, reading.pitch_rad);
   present_.peak_rate_rad_s = std::max(present_.peak_rate_rad_s, std::abs(reading.rate_rad_s));

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "common/geometry/time.hpp"
 #include "modules/pitch_controller/params.hpp"
 
 namespace nodmap::pitch_controller {
@@ -12,7 +13,7 @@ using robot::PitchInterval;
 
 /// The state of the head, as in PITCH_STATE.
 struct PitchReading {
-  std::int64_t time_us = 0;
+  time::Timestamp stamp{};
   double pitch_rad = 0.0;
   double rate_rad_s = 0.0;
   std::int64_t sweep = 0;  ///< number of the sweep; increases at each reversal
@@ -47,7 +48,7 @@ class SweepMeter {
   void extend(const PitchReading& reading);
 
   std::optional<PitchReading> newest_;
-  std::int64_t began_us_ = 0;
+  time::Timestamp began_{};
   MeasuredSweep present_;
   std::optional<MeasuredSweep> last_;
   std::optional<MeasuredSweep> before_last_;

@@ -15,13 +15,13 @@ class NoddingHead {
   double speed_gain = 1.0;  ///< a fault: the servo moves at this multiple of the commanded rate
   bool jammed = false;
 
-  /// Simulates until `time_us` in steps of a millisecond; returns a reading as the driver gives it.
-  PitchReading advance_to(std::int64_t time_us) {
-    for (; time_us_ < time_us; time_us_ += 1000) {
+  /// Simulates until `stamp` in steps of a millisecond; returns a reading as the driver gives it.
+  PitchReading advance_to(time::Timestamp stamp) {
+    for (; stamp_ < stamp; stamp_ += 1ms) {
       step(1e-3);
     }
     aim_ = nod_.step({now(), pitch_rad_, rate_rad_s_}, now());
-    return {time_us_, pitch_rad_, rate_rad_s_, nod_.sweep(), nod_.stalled()};
+    return {stamp_, pitch_rad_, rate_rad_s_, nod_.sweep(), nod_.stalled()};
   }
 
   void obey(const PitchDecision& decision) {
@@ -31,7 +31,7 @@ class NoddingHead {
   [[nodiscard]] double goal_speed_rad_s() const { return aim_.speed_rad_s; }
 
  private:
-  [[nodiscard]] time::SteadyTime now() const { return time::SteadyTime(time::from_us(time_us_)); }
+  [[nodiscard]] time::SteadyTime now() const { return time::SteadyTime(stamp_.time_since_epoch()); }
 
   static constexpr double kAccelerationRadS2 = 40.0;
 
@@ -65,7 +65,7 @@ class NoddingHead {
 
   laser3d::Nod nod_{params(), robot()};
   laser3d::Nod::Aim aim_;
-  std::int64_t time_us_ = 0;
+  time::Timestamp stamp_{};
   double pitch_rad_ = 0.0;
   double rate_rad_s_ = 0.0;
 };

@@ -28,19 +28,19 @@ class Loop {
 
   /// Runs for `seconds`; `speed_mps` is called for each odometry.
   void run(double seconds, const std::function<double()>& speed_mps) {
-    const std::int64_t end_us = now_us + std::llround(1e6 * seconds);
-    while (now_us < end_us) {
-      now_us += 5000;
-      if (give_speed && now_us % 10'000 == 0) {
+    const time::Timestamp end = now + time::from_seconds(seconds);
+    while (now < end) {
+      now += 5ms;
+      if (give_speed && now.time_since_epoch() % 10ms == 0us) {
         speed = speed_mps();
-        dut.add_speed(now_us, speed);
-        take(dut.decide(now_us));
+        dut.add_speed(now, speed);
+        take(dut.decide(now));
       }
       if (give_pitch) {
-        const PitchReading reading = head.advance_to(now_us);
+        const PitchReading reading = head.advance_to(now);
         watch(reading);
         dut.add_pitch(reading);
-        take(dut.decide(now_us));
+        take(dut.decide(now));
       }
     }
   }
@@ -54,15 +54,15 @@ class Loop {
   };
 
   /// Between the last two readings.
-  [[nodiscard]] double pitch_at(std::int64_t time_us) const {
-    const double share = static_cast<double>(time_us - before_.time_us) /
-                         static_cast<double>(last_.time_us - before_.time_us);
+  [[nodiscard]] double pitch_at(time::Timestamp stamp) const {
+    const double share =
+        time::seconds(stamp - before_.stamp) / time::seconds(last_.stamp - before_.stamp);
     return before_.pitch_rad + share * (last_.pitch_rad - before_.pitch_rad);
   }
 
   PitchController dut;
   test::NoddingHead head;
-  std::int64_t now_us = 0;
+  time::Timestamp now{};
   double speed = 0.0;
   bool give_speed = true;
   bool give_pitch = true;
@@ -85,15 +85,15 @@ class Loop {
     ++readings;
     slow_readings += std::abs(reading.rate_rad_s) < 0.1 * head.goal_speed_rad_s() ? 1 : 0;
     if (reading.sweep != sweep_) {
-      sweeps.push_back({dut.plan().sweep_s, 1e-6 * static_cast<double>(now_us - reversed_us_)});
+      sweeps.push_back({dut.plan().sweep_s, time::seconds(now - reversed_)});
       sweep_ = reading.sweep;
-      reversed_us_ = now_us;
+      reversed_ = now;
     }
   }
   PitchReading before_;
   PitchReading last_;
   std::int64_t sweep_ = 0;
-  std::int64_t reversed_us_ = 0;
+  time::Timestamp reversed_{};
 };
 
 double mean_error(const std::vector<Loop::Sweep>& sweeps, std::size_t last) {
@@ -143,20 +143,20 @@ TEST(PitchController, SweepsOutsideThatNumberOfScansAreCounted) {
 /// The longest time for which no scan line hits a strip of 2 cm at this height and distance from
 /// the pitch axis, in 20 s at that speed; in sweeps.
 double longest_unseen(Loop& loop, double speed_mps, double height_m, double from_axis_m) {
-  constexpr std::int64_t kScanUs = 13'320;
+  constexpr time::Duration kScan = 13'320us;
   const double axis_m = robot::Mount{}.z_m;
-  std::int64_t next_scan_us = loop.now_us;
-  std::int64_t hit_us = loop.now_us;
-  std::int64_t longest_us = 0;
-  for (const std::int64_t end_us = loop.now_us + 20'000'000; loop.now_us < end_us;) {
+  time::Timestamp next_scan = loop.now;
+  time::Timestamp hit = loop.now;
+  time::Duration longest{};
+  for (const time::Timestamp end = loop.now + 20s; loop.now < end;) {
     loop.run(0.005, speed_mps);
-    for (; next_scan_us <= loop.now_us; next_scan_us += kScanUs) {
-      const double line_m = axis_m + from_axis_m * std::tan(loop.pitch_at(next_scan_us));
-      hit_us = std::abs(line_m - height_m) <= kHalfStripM ? next_scan_us : hit_us;
-      longest_us = std::max(longest_us, next_scan_us - hit_us);
+    for (; next_scan <= loop.now; next_scan += kScan) {
+      const double line_m = axis_m + from_axis_m * std::tan(loop.pitch_at(next_scan));
+      hit = std::abs(line_m - height_m) <= kHalfStripM ? next_scan : hit;
+      longest = std::max(longest, next_scan - hit);
     }
   }
-  return 1e-6 * static_cast<double>(longest_us) / loop.dut.plan().sweep_s;
+  return time::seconds(longest) / loop.dut.plan().sweep_s;
 }
 
 // Strips at the corridor's very bottom and top are hit whenever the head comes to that end, once in
@@ -342,7 +342,7 @@ TEST(PitchController, AStampFromTheFutureIsNotFresh) {
   Loop loop;
   loop.run(5.0, 0.5);
   loop.give_speed = false;
-  loop.dut.add_speed(loop.now_us + 60'000'000, 0.5);
+  loop.dut.add_speed(loop.now + 60s, 0.5);
   loop.run(0.1, 0.5);
   EXPECT_EQ(loop.decision.inhibited, InhibitReason::kNoOdometry);
 }
@@ -360,12 +360,12 @@ TEST(PitchController, AHeadThatMovesButNeverReversesInhibitsDriving) {
   loop.run(5.0, 1.0);
   ASSERT_GT(loop.decision.max_forward_mps, 0.0);
   loop.give_pitch = false;  // from here on by hand, without is_stalled
-  const PitchReading reading = loop.head.advance_to(loop.now_us);
+  const PitchReading reading = loop.head.advance_to(loop.now);
   for (int i = 1; i <= 200; ++i) {
-    const std::int64_t now_us = loop.now_us + i * 5000;
-    loop.dut.add_speed(now_us, 1.0);
-    loop.dut.add_pitch({now_us, 0.0, 0.1, reading.sweep, false});
-    if (const auto decision = loop.dut.decide(now_us)) {
+    const time::Timestamp now = loop.now + i * 5ms;
+    loop.dut.add_speed(now, 1.0);
+    loop.dut.add_pitch({now, 0.0, 0.1, reading.sweep, false});
+    if (const auto decision = loop.dut.decide(now)) {
       loop.decision = *decision;
     }
   }
@@ -395,8 +395,8 @@ TEST(PitchController, FixedHoldsTheLaserLevel) {
   EXPECT_GT(loop.decision.sweep_s, 0.0);
   EXPECT_EQ(loop.decision.inhibited, InhibitReason::kNone);
   EXPECT_NEAR(loop.decision.max_forward_mps, 3.30, 0.01);  // the reference's table, 4 m
-  loop.dut.add_pitch({loop.now_us + 5000, 0.1, 0.0, 0, false});
-  EXPECT_EQ(loop.dut.decide(loop.now_us + 30'000)->inhibited, InhibitReason::kNotLevel);
+  loop.dut.add_pitch({loop.now + 5ms, 0.1, 0.0, 0, false});
+  EXPECT_EQ(loop.dut.decide(loop.now + 30ms)->inhibited, InhibitReason::kNotLevel);
 }
 
 }  // namespace

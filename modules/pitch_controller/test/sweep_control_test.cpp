@@ -16,16 +16,16 @@ class Feeder {
     std::optional<MeasuredSweep> ended;
     const int readings = static_cast<int>(std::lround(seconds / 0.005));
     for (int i = 1; i <= readings; ++i) {
-      time_us += 5000;
+      stamp += 5ms;
       const double pitch = from + (to - from) * i / readings;
       number += i == readings ? 1 : 0;
-      ended = dut.add({time_us, pitch, (to - from) / seconds, number, false});
+      ended = dut.add({stamp, pitch, (to - from) / seconds, number, false});
     }
     return ended;
   }
 
   SweepMeter dut;
-  std::int64_t time_us = 1'000'000;
+  time::Timestamp stamp{1s};
   std::int64_t number = 0;
 };
 
@@ -62,11 +62,11 @@ TEST(SweepMeter, APresentSweepThatTakesLongerCountsAtOnce) {
   for (int i = 0; i < 3; ++i) {
     feeder.sweep(-0.2, 0.2, 0.3);
   }
-  feeder.time_us += 55'000;
-  feeder.dut.add({feeder.time_us, 0.0, 9.0, feeder.number, false});
+  feeder.stamp += 55ms;
+  feeder.dut.add({feeder.stamp, 0.0, 9.0, feeder.number, false});
   for (int i = 0; i < 100; ++i) {
-    feeder.time_us += 5000;
-    feeder.dut.add({feeder.time_us, 0.0, 0.0, feeder.number, false});
+    feeder.stamp += 5ms;
+    feeder.dut.add({feeder.stamp, 0.0, 0.0, feeder.number, false});
   }
   EXPECT_NEAR(feeder.dut.period()->duration_s, 0.555, 1e-9);
   EXPECT_EQ(feeder.dut.period()->peak_rate_rad_s, 9.0);
@@ -76,7 +76,7 @@ TEST(SweepMeter, ASweepWithAGapIsNotComplete) {
   Feeder feeder;
   feeder.sweep(-0.2, 0.2, 0.3);
   feeder.sweep(0.2, -0.2, 0.3);
-  feeder.time_us += 200'000;
+  feeder.stamp += 200ms;
   const auto sweep = feeder.sweep(-0.2, 0.2, 0.3);
   EXPECT_FALSE(sweep->is_complete);
   EXPECT_FALSE(feeder.dut.period());
@@ -96,7 +96,7 @@ TEST(SweepMeter, ADriverThatStartedAnewIsMeasuredAnew) {
   feeder.sweep(-0.2, 0.2, 0.3);
   feeder.sweep(-0.2, 0.2, 0.3);
   ASSERT_TRUE(feeder.dut.period());
-  feeder.time_us = 0;
+  feeder.stamp = {};
   feeder.sweep(-0.2, 0.2, 0.3);
   EXPECT_FALSE(feeder.dut.period());
 }
