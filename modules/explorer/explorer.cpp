@@ -16,7 +16,7 @@ constexpr double kSameViewpointM = 0.8;
 /// The robot has come nearer to its target.
 constexpr double kProgressM = 0.2;
 /// Time that passes without a decision does not count as time without progress.
-constexpr double kPauseS = 2.0;
+constexpr time::Duration kPause = 2s;
 /// From so far off the frontier is looked at: beyond, the view through a door is a slit.
 constexpr double kLookoutM = 2.0;
 constexpr double kAtFrontierM = 0.4;
@@ -43,10 +43,6 @@ bool is_ahead(const std::vector<Eigen::Vector2d>& path_map, const Eigen::Vector2
          std::ranges::any_of(path_map, [&](const Eigen::Vector2d& p) {
            return (p - waypoint_map).norm() < 0.5 * kSameWaypointM;
          });
-}
-
-double seconds_between(std::int64_t a_us, std::int64_t b_us) {
-  return 1e-6 * std::abs(static_cast<double>(a_us) - static_cast<double>(b_us));
 }
 
 /// Straight lines stand for paths that are not known.
@@ -114,8 +110,7 @@ Decision Explorer::decide(const Situation& now) {
 
 /// A target that is not reached, or from which nothing new is seen, has failed.
 void Explorer::watch_target(const Situation& now) {
-  const bool has_paused =
-      seconds_between(now.utime_us, std::exchange(decided_us_, now.utime_us)) > kPauseS;
+  const bool has_paused = std::chrono::abs(now.stamp - std::exchange(decided_, now.stamp)) > kPause;
   if (state_ != State::kExploring || !target_map_) {
     return;
   }
@@ -123,16 +118,17 @@ void Explorer::watch_target(const Situation& now) {
   const double length_m = reach_.length_m(grid_.cell_of(*target_map_));
   if (has_paused || length_m < least_length_m_ - kProgressM) {
     least_length_m_ = std::min(least_length_m_, length_m);
-    progress_us_ = now.utime_us;
+    progressed_ = now.stamp;
   }
   if (has_paused ||
       (!now.has_arrived && (p_map - *target_map_).norm() > params_.goal_tolerance_m)) {
-    there_since_us_ = now.utime_us;
+    there_since_ = now.stamp;
   }
-  const double patience_s = now.has_no_path ? params_.patience.no_path_s : params_.patience.stuck_s;
-  if (seconds_between(now.utime_us, progress_us_) > patience_s ||
-      seconds_between(now.utime_us, there_since_us_) > params_.patience.look_s) {
-    failures_.add(*target_map_, now.utime_us);
+  const time::Duration patience =
+      time::from_seconds(now.has_no_path ? params_.patience.no_path_s : params_.patience.stuck_s);
+  if (std::chrono::abs(now.stamp - progressed_) > patience ||
+      std::chrono::abs(now.stamp - there_since_) > time::from_seconds(params_.patience.look_s)) {
+    failures_.add(*target_map_, now.stamp);
     target_map_.reset();
   }
 }
@@ -148,7 +144,7 @@ std::vector<Viewpoint> Explorer::find_tour(const Situation& now) {
     const Eigen::Vector2d p_map = grid_.center_of(cell);
     const bool is_target = target_map_ && (p_map - *target_map_).norm() < params_.goal_tolerance_m;
     return ((p_map - p_robot_map).norm() < params_.goal_tolerance_m && !is_target) ||
-           failures_.is_left_out(p_map, now.utime_us);
+           failures_.is_left_out(p_map, now.stamp);
   });
   std::vector<Viewpoint> found = by_tour
                                      ? chooser_.choose(grid_, reach_, lookouts, now.T_map_base.yaw)
@@ -211,8 +207,8 @@ std::vector<Viewpoint> Explorer::in_order(std::vector<Viewpoint> viewpoints) {
 void Explorer::set_target(const Eigen::Vector2d& p_map, double length_m, const Situation& now) {
   if (!target_map_ || (*target_map_ - p_map).norm() > kSameViewpointM) {
     least_length_m_ = length_m;
-    progress_us_ = now.utime_us;
-    there_since_us_ = now.utime_us;
+    progressed_ = now.stamp;
+    there_since_ = now.stamp;
   }
   target_map_ = p_map;
 }

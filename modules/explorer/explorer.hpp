@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/geometry/se2.hpp"
+#include "common/geometry/time.hpp"
 #include "modules/explorer/failures.hpp"
 #include "modules/explorer/frontiers.hpp"
 #include "modules/explorer/ground_grid.hpp"
@@ -26,7 +27,7 @@ enum class State : std::uint8_t {
 
 /// All that a decision needs, at one moment.
 struct Situation {
-  std::int64_t utime_us = 0;
+  time::Timestamp stamp{};
   geometry::SE2 T_map_base;
   bool has_no_path = false;  ///< the navigator finds no path to its goal
   bool has_arrived = false;  ///< the navigator is at its goal
@@ -97,10 +98,10 @@ class Explorer {
   State state_ = State::kIdle;
   std::optional<Eigen::Vector2d> home_map_;
   std::optional<Eigen::Vector2d> target_map_;  ///< the viewpoint
-  double least_length_m_ = 0.0;                ///< of the path to it, at progress_us_
-  std::int64_t progress_us_ = 0;
-  std::int64_t there_since_us_ = 0;
-  std::int64_t decided_us_ = 0;
+  double least_length_m_ = 0.0;                ///< of the path to it, at progressed_
+  time::Timestamp progressed_{};
+  time::Timestamp there_since_{};
+  time::Timestamp decided_{};
   std::optional<Eigen::Vector2d> waypoint_map_;
 };
 

@@ -12,28 +12,28 @@ constexpr double kSamePlaceM = 0.7;
 
 }  // namespace
 
-void Failures::add(const Eigen::Vector2d& p_map, std::int64_t utime_us) {
+void Failures::add(const Eigen::Vector2d& p_map, time::Timestamp now) {
   auto place = std::ranges::find_if(
       places_, [&](const Place& known) { return (known.p_map - p_map).norm() < kSamePlaceM; });
   if (place == places_.end()) {
-    place = places_.insert(places_.end(), {p_map, 0, 0});
+    place = places_.insert(places_.end(), {p_map, 0, {}});
   }
   const double pause_s = params_.retry_s * std::exp2(place->num_failures++);
-  place->until_us = utime_us + static_cast<std::int64_t>(1e6 * pause_s);
+  place->until = now + time::from_seconds(pause_s);
 }
 
-bool Failures::is_left_out(const Eigen::Vector2d& p_map, std::int64_t utime_us) const {
+bool Failures::is_left_out(const Eigen::Vector2d& p_map, time::Timestamp now) const {
   return std::ranges::any_of(places_, [&](const Place& place) {
     return (place.p_map - p_map).norm() < kSamePlaceM &&
-           (utime_us < place.until_us || place.num_failures >= params_.max_failures);
+           (now < place.until || place.num_failures >= params_.max_failures);
   });
 }
 
 bool Failures::forgive() {
   bool any = false;
   for (Place& place : places_) {
-    any = any || (place.num_failures < params_.max_failures && place.until_us != 0);
-    place.until_us = 0;
+    any = any || (place.num_failures < params_.max_failures && place.until != time::Timestamp{});
+    place.until = {};
   }
   return any;
 }

@@ -2,9 +2,9 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cstdint>
 #include <vector>
 
+#include "common/geometry/time.hpp"
 #include "modules/explorer/params.hpp"
 
 namespace nodmap::explorer {
@@ -15,9 +15,9 @@ class Failures {
  public:
   explicit Failures(const PatienceParams& params) : params_(params) {}
 
-  void add(const Eigen::Vector2d& p_map, std::int64_t utime_us);
+  void add(const Eigen::Vector2d& p_map, time::Timestamp now);
   /// Whether a place near this one has failed lately, or for good.
-  [[nodiscard]] bool is_left_out(const Eigen::Vector2d& p_map, std::int64_t utime_us) const;
+  [[nodiscard]] bool is_left_out(const Eigen::Vector2d& p_map, time::Timestamp now) const;
   /// Those that are not given up may be tried again at once; false when there are none.
   bool forgive();
   [[nodiscard]] std::size_t size() const { return places_.size(); }
@@ -27,7 +27,7 @@ class Failures {
   struct Place {
     Eigen::Vector2d p_map;
     int num_failures = 0;
-    std::int64_t until_us = 0;
+    time::Timestamp until{};
   };
 
   PatienceParams params_;

@@ -11,9 +11,9 @@
 namespace nodmap::explorer {
 namespace {
 
-constexpr double kDecisionPeriodS = 0.5;
+constexpr time::Duration kDecisionPeriod = 500ms;
 /// The goal is sent again after so long, for a navigator that has missed it or was started since.
-constexpr double kGoalPeriodS = 1.0;
+constexpr time::Duration kGoalPeriod = 1s;
 /// A goal within this of the last one is the same.
 constexpr double kSameGoalM = 0.05;
 /// Own goals that are kept to be told from others'.
@@ -24,9 +24,9 @@ constexpr std::size_t kMaxFrontierPoints = 2000;
 /// Tiles farther away than this are refused; cell numbers stay exact.
 constexpr double kFarthestM = 10'000.0;
 
-bool is_due(std::int64_t utime_us, const std::optional<std::int64_t>& last_us, double period_s) {
-  return !last_us ||
-         std::abs(static_cast<double>(utime_us) - static_cast<double>(*last_us)) >= 1e6 * period_s;
+bool is_due(time::Timestamp now, const std::optional<time::Timestamp>& last,
+            time::Duration period) {
+  return !last || std::chrono::abs(now - *last) >= period;
 }
 
 std::int8_t code_of(State state) {
@@ -108,9 +108,10 @@ void ExplorerNode::on_pose(const nodmap::pose_t& message) {
     return;
   }
   T_map_base_ = geometry::to_se2(*T_map_base);
-  if (is_due(message.utime, decided_us_, kDecisionPeriodS)) {
-    decided_us_ = message.utime;
-    decide(message.utime);
+  const time::Timestamp now = time::from_utime(message.utime);
+  if (is_due(now, decided_, kDecisionPeriod)) {
+    decided_ = now;
+    decide(now);
   }
 }
 
@@ -135,7 +136,8 @@ void ExplorerNode::on_explore(const nodmap::explore_t& message) {
     end("Ended by " + message.requested_by + ".");
     if (T_map_base_) {
       // Without a goal the robot would roam.
-      send_goal({T_map_base_->translation(), params_.goal_tolerance_m}, message.utime);
+      send_goal({T_map_base_->translation(), params_.goal_tolerance_m},
+                time::from_utime(message.utime));
     }
   }
 }
@@ -156,7 +158,7 @@ void ExplorerNode::on_stop(const nodmap::stop_t& message) {
 
 void ExplorerNode::start() {
   explorer_.start();
-  goal_us_.reset();
+  goal_sent_.reset();
   num_decisions_ = 0;
 }
 
@@ -166,16 +168,16 @@ void ExplorerNode::end(const std::string& reason) {
   explorer_.stop();
 }
 
-void ExplorerNode::decide(std::int64_t utime_us) {
+void ExplorerNode::decide(time::Timestamp now) {
   if (is_stopped_ && explorer_.state() != State::kIdle) {
     Decision waits;
     waits.state = explorer_.state();
     waits.reason = "The robot is stopped.";
     waits.seen_m2 = seen_m2_;
-    publish(waits, utime_us);
+    publish(waits, now);
     return;
   }
-  Decision decision = explorer_.decide({.utime_us = utime_us,
+  Decision decision = explorer_.decide({.stamp = now,
                                         .T_map_base = *T_map_base_,
                                         .has_no_path = has_no_path_,
                                         .has_arrived = has_arrived_});
@@ -186,15 +188,15 @@ void ExplorerNode::decide(std::int64_t utime_us) {
   }
   seen_m2_ = decision.seen_m2;
   if (decision.goal) {
-    send_goal(*decision.goal, utime_us);
+    send_goal(*decision.goal, now);
   }
-  publish(decision, utime_us);
+  publish(decision, now);
 }
 
-void ExplorerNode::send_goal(const Goal& goal, std::int64_t utime_us) {
+void ExplorerNode::send_goal(const Goal& goal, time::Timestamp now) {
   const Eigen::Vector2d last_map(goal_.position_m[0], goal_.position_m[1]);
   const bool is_new = (goal.p_map - last_map).norm() > kSameGoalM ||
-                      goal.tolerance_m != goal_.tolerance_m || !goal_us_;
+                      goal.tolerance_m != goal_.tolerance_m || !goal_sent_;
   if (is_new) {
     goal_.position_m[0] = goal.p_map.x();
     goal_.position_m[1] = goal.p_map.y();
@@ -202,11 +204,11 @@ void ExplorerNode::send_goal(const Goal& goal, std::int64_t utime_us) {
     // What the navigator says is about the last one until it has heard of this one.
     has_no_path_ = false;
     has_arrived_ = false;
-  } else if (!is_due(utime_us, goal_us_, kGoalPeriodS)) {
+  } else if (!is_due(now, goal_sent_, kGoalPeriod)) {
     return;
   }
-  goal_us_ = utime_us;
-  goal_.utime = utime_us;
+  goal_sent_ = now;
+  goal_.utime = time::to_utime(now);
   goal_.is_active = 1;
   own_goals_.push_back(goal_);
   if (own_goals_.size() > kOwnGoals) {
@@ -224,9 +226,9 @@ bool ExplorerNode::is_own(const nodmap::goal_t& message) const {
   });
 }
 
-void ExplorerNode::publish(const Decision& decision, std::int64_t utime_us) {
+void ExplorerNode::publish(const Decision& decision, time::Timestamp now) {
   nodmap::exploration_t message{};
-  message.utime = utime_us;
+  message.utime = time::to_utime(now);
   message.state = code_of(decision.state);
   message.reason = decision.reason;
   message.seen_m2 = decision.seen_m2;

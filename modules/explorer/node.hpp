@@ -44,10 +44,10 @@ class ExplorerNode final : public node::Node {
 
   void start();
   void end(const std::string& reason);
-  void decide(std::int64_t utime_us);
-  void send_goal(const Goal& goal, std::int64_t utime_us);
+  void decide(time::Timestamp now);
+  void send_goal(const Goal& goal, time::Timestamp now);
   [[nodiscard]] bool is_own(const nodmap::goal_t& message) const;
-  void publish(const Decision& decision, std::int64_t utime_us);
+  void publish(const Decision& decision, time::Timestamp now);
 
   node::Context& context_;
   Params params_;
@@ -61,9 +61,9 @@ class ExplorerNode final : public node::Node {
   bool has_arrived_ = false;
   std::string idle_reason_ = "Waits to be started.";
 
-  std::optional<std::int64_t> decided_us_;
+  std::optional<time::Timestamp> decided_;
   nodmap::goal_t goal_{};  // the last one sent
-  std::optional<std::int64_t> goal_us_;
+  std::optional<time::Timestamp> goal_sent_;
   std::deque<nodmap::goal_t> own_goals_;  // sent lately: they come back
   std::int64_t num_decisions_ = 0;
   double seen_m2_ = 0.0;

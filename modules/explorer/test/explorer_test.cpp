@@ -59,7 +59,7 @@ TEST(Explorer, InAKnownRoomItIsHomeAtOnce) {
   explorer.start();
   EXPECT_FALSE(explorer.decide({}).goal) << "there is no map yet";
   ASSERT_TRUE(explorer.add(room.map()));
-  const Decision decision = explorer.decide({.utime_us = 1'000'000, .T_map_base = {}});
+  const Decision decision = explorer.decide({.stamp = time::Timestamp(1s), .T_map_base = {}});
   EXPECT_EQ(decision.state, State::kHome);
   EXPECT_FALSE(decision.goal);
   EXPECT_NEAR(decision.seen_m2, 3.9 * 2.9, 0.8);  // walls take up to a planning cell more
@@ -72,15 +72,16 @@ TEST(Explorer, ReturnsToWhereItBegan) {
   Explorer explorer{ExplorerParams{}};
   explorer.start();
   ASSERT_TRUE(explorer.add(unknown.map()));
-  EXPECT_EQ(explorer.decide({.utime_us = 0, .T_map_base = {-1.0, 0.0, 0.0}}).state,
+  EXPECT_EQ(explorer.decide({.stamp = {}, .T_map_base = {-1.0, 0.0, 0.0}}).state,
             State::kExploring);
   ASSERT_TRUE(explorer.add(room.map()));
-  const Decision decision = explorer.decide({.utime_us = 500'000, .T_map_base = {1.0, 0.5, 0.0}});
+  const Decision decision =
+      explorer.decide({.stamp = time::Timestamp(500ms), .T_map_base = {1.0, 0.5, 0.0}});
   EXPECT_EQ(decision.state, State::kReturning);
   ASSERT_TRUE(decision.goal);
   EXPECT_EQ(decision.goal->p_map, Eigen::Vector2d(-1.0, 0.0));
   EXPECT_EQ(decision.goal->tolerance_m, ExplorerParams{}.home_tolerance_m);
-  EXPECT_EQ(explorer.decide({.utime_us = 1'000'000, .T_map_base = {-0.97, 0.0, 0.0}}).state,
+  EXPECT_EQ(explorer.decide({.stamp = time::Timestamp(1s), .T_map_base = {-0.97, 0.0, 0.0}}).state,
             State::kHome);
 }
 
@@ -95,7 +96,7 @@ class Stuck : public ::testing::Test {
     explorer_.start();
   }
   Decision decide(double time_s, bool has_no_path = false) {
-    return explorer_.decide({.utime_us = static_cast<std::int64_t>(1e6 * time_s),
+    return explorer_.decide({.stamp = time::Timestamp(time::from_seconds(time_s)),
                              .T_map_base = {},
                              .has_no_path = has_no_path});
   }

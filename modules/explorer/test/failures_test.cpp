@@ -10,8 +10,8 @@ const Eigen::Vector2d kPlace(3.0, 1.0);
 const Eigen::Vector2d kBeside(3.5, 1.0);
 const Eigen::Vector2d kElsewhere(4.0, 1.0);
 
-constexpr std::int64_t at_s(int seconds) {
-  return 1'000'000LL * seconds;
+constexpr time::Timestamp at_s(int seconds) {
+  return time::Timestamp(seconds * 1s);
 }
 
 TEST(Failures, APlaceIsLeftOutForATimeThatDoubles) {

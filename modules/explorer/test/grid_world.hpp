@@ -181,7 +181,8 @@ inline Exploration explore(GridWorld& world, const ExplorerParams& params, doubl
     }
     if (step % 5 == 0) {
       explorer.add(world.map());
-      decision = explorer.decide({.utime_us = 100'000LL * step, .T_map_base = T_map_base});
+      decision =
+          explorer.decide({.stamp = time::Timestamp(100ms * step), .T_map_base = T_map_base});
       result.seen_ratio = world.seen_ratio(floor);
     }
     const Eigen::Vector2d p = T_map_base.translation();
