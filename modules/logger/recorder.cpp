@@ -15,9 +15,9 @@ constexpr const char* kReserveReached = "the disk is full but for its reserve";
 
 /// Whether a period has passed. A clock that was set back must not stop the work until it has
 /// caught up.
-bool has_passed(std::int64_t period_us, std::int64_t since_utime_us, std::int64_t now_utime_us) {
-  const std::int64_t elapsed_us = now_utime_us - since_utime_us;
-  return elapsed_us < 0 || elapsed_us >= period_us;
+bool has_passed(time::Duration period, time::Timestamp since, time::Timestamp now) {
+  const time::Duration elapsed = now - since;
+  return elapsed < 0us || elapsed >= period;
 }
 
 }  // namespace
@@ -56,13 +56,13 @@ void Recorder::record(std::int64_t utime_us, const std::string& channel,
 }
 
 void Recorder::tick() {
-  const std::int64_t now_us = time::to_utime(clock_.now());
-  if (writer_ && has_passed(kFlushPeriodUs, flushed_utime_us_, now_us)) {
-    if (flush() && has_passed(kSyncPeriodUs, synced_utime_us_, now_us)) {
+  const time::Timestamp now = clock_.now();
+  if (writer_ && has_passed(kFlushPeriod, flushed_, now)) {
+    if (flush() && has_passed(kSyncPeriod, synced_, now)) {
       sync();
     }
-  } else if (!writer_ && has_passed(back_off_us_, failed_utime_us_, now_us)) {
-    back_off_us_ = std::min(2 * back_off_us_, kMaxBackOffUs);
+  } else if (!writer_ && has_passed(back_off_, failed_, now)) {
+    back_off_ = std::min(2 * back_off_, kMaxBackOff);
     try_again();
   }
 }
@@ -87,13 +87,13 @@ void Recorder::begin_file() {
   for (const auto& entry : std::filesystem::directory_iterator(settings_.dir)) {
     existing.push_back(entry.path().filename().string());
   }
-  const std::int64_t now_us = time::to_utime(clock_.now());
-  file_ = settings_.dir / settings_.names.next(now_us, existing);
+  const time::Timestamp now = clock_.now();
+  file_ = settings_.dir / settings_.names.next(now, existing);
   writer_.reset();
   writer_ = std::make_unique<bus::LogWriter>(file_);
   unflushed_ends_bytes_.clear();
   flushed_bytes_ = 0;
-  flushed_utime_us_ = now_us;
+  flushed_ = now;
   ++counts_.files;
   keep_quota();
   log::get().info("recording into {}", file_.string());
@@ -103,7 +103,7 @@ bool Recorder::flush() {
   if (!writer_) {
     return false;
   }
-  flushed_utime_us_ = time::to_utime(clock_.now());
+  flushed_ = clock_.now();
   if (!writer_->flush()) {
     fail(writer_->failure().message());
     return false;
@@ -111,7 +111,7 @@ bool Recorder::flush() {
   if (!unflushed_ends_bytes_.empty()) {
     unflushed_ends_bytes_.clear();
     flushed_bytes_ = writer_->size_bytes();
-    back_off_us_ = kFirstBackOffUs;
+    back_off_ = kFirstBackOff;
     failure_.clear();
   }
   if (settings_.quota_bytes > 0 && deletable_bytes_ > 0 &&
@@ -123,7 +123,7 @@ bool Recorder::flush() {
 
 /// What is written survives a cut of the power from here on, and the disk keeps its reserve.
 void Recorder::sync() {
-  synced_utime_us_ = time::to_utime(clock_.now());
+  synced_ = clock_.now();
   if (!writer_->sync()) {
     fail(writer_->failure().message());
     return;
@@ -160,10 +160,10 @@ void Recorder::fail(const std::string& cause) {
   if (writer_) {
     keep_what_is_whole();
   }
-  failed_utime_us_ = time::to_utime(clock_.now());
+  failed_ = clock_.now();
   failure_ = "cannot record into " + settings_.dir.string() + ": " + cause;
   log::get().error("{}; {} events dropped so far, next try in {} s", failure_, counts_.dropped,
-                   back_off_us_ / 1'000'000);
+                   back_off_ / 1s);
 }
 
 /// Ends the file behind its last whole event, and takes the events that did not reach it for

@@ -44,10 +44,10 @@ struct RecorderCounts {
 /// file after 1 s, doubling up to 30 s.
 class Recorder : private boost::noncopyable {
  public:
-  static constexpr std::int64_t kFlushPeriodUs = 40'000;
-  static constexpr std::int64_t kSyncPeriodUs = 1'000'000;
-  static constexpr std::int64_t kFirstBackOffUs = 1'000'000;
-  static constexpr std::int64_t kMaxBackOffUs = 30'000'000;
+  static constexpr time::Duration kFlushPeriod = 40ms;
+  static constexpr time::Duration kSyncPeriod = 1s;
+  static constexpr time::Duration kFirstBackOff = 1s;
+  static constexpr time::Duration kMaxBackOff = 30s;
 
   /// Begins the first file. Throws std::runtime_error if it cannot, for instance because the
   /// folder's name is mistyped: otherwise users would believe that they are recording.
@@ -86,10 +86,10 @@ class Recorder : private boost::noncopyable {
   std::vector<std::int64_t> unflushed_ends_bytes_;  // file offsets at which unflushed events end
   std::int64_t flushed_bytes_ = 0;
   std::int64_t deletable_bytes_ = 0;  // size of the family's other files, if there is a quota
-  std::int64_t flushed_utime_us_ = 0;
-  std::int64_t synced_utime_us_ = 0;
-  std::int64_t failed_utime_us_ = 0;
-  std::int64_t back_off_us_ = kFirstBackOffUs;
+  time::Timestamp flushed_{};
+  time::Timestamp synced_{};
+  time::Timestamp failed_{};
+  time::Duration back_off_ = kFirstBackOff;
   std::string failure_;  // reason; empty once events reach a file again
   RecorderCounts counts_;
 };

@@ -50,9 +50,9 @@ std::optional<int> parse_suffix(std::string_view text) {
 
 }  // namespace
 
-std::string utc_date(std::int64_t utime_us) {
-  const std::chrono::sys_time<std::chrono::microseconds> time{std::chrono::microseconds(utime_us)};
-  const std::chrono::year_month_day day(std::chrono::floor<std::chrono::days>(time));
+std::string utc_date(time::Timestamp stamp) {
+  const std::chrono::sys_time<time::Duration> utc(stamp.time_since_epoch());
+  const std::chrono::year_month_day day(std::chrono::floor<std::chrono::days>(utc));
   std::array<char, 32> text{};
   std::snprintf(text.data(), text.size(), "%04d-%02u-%02u", static_cast<int>(day.year()),
                 static_cast<unsigned>(day.month()), static_cast<unsigned>(day.day()));
@@ -82,8 +82,8 @@ std::optional<LogOrder> LogNames::order_of(std::string_view name) const {
   return order;
 }
 
-std::string LogNames::next(std::int64_t utime_us, std::span<const std::string> existing) const {
-  LogOrder order{is_dated_ ? utc_date(utime_us) : std::string(), 0};
+std::string LogNames::next(time::Timestamp begin, std::span<const std::string> existing) const {
+  LogOrder order{is_dated_ ? utc_date(begin) : std::string(), 0};
   for (const std::string& name : existing) {
     const std::optional<LogOrder> taken = order_of(name);
     if (taken && *taken >= order) {

@@ -8,6 +8,8 @@
 #include <string>
 #include <string_view>
 
+#include "common/geometry/time.hpp"
+
 namespace nodmap::logger {
 
 /// The position of a log file in the order of its family: later files compare greater.
@@ -30,10 +32,10 @@ class LogNames {
   /// The position of a file in this family; nothing for any other name.
   [[nodiscard]] std::optional<LogOrder> order_of(std::string_view name) const;
 
-  /// The name of a new file begun at `utime_us`. It comes after all of `existing`, so the order of
+  /// The name of a new file begun at `begin`. It comes after all of `existing`, so the order of
   /// names is the order of recording, even if the clock was set back: then the name continues the
   /// numbers of the newest date.
-  [[nodiscard]] std::string next(std::int64_t utime_us,
+  [[nodiscard]] std::string next(time::Timestamp begin,
                                  std::span<const std::string> existing) const;
 
  private:
@@ -51,6 +53,6 @@ class LogNames {
                               std::int64_t split_bytes);
 
 /// The UTC date of a time, YYYY-MM-DD.
-[[nodiscard]] std::string utc_date(std::int64_t utime_us);
+[[nodiscard]] std::string utc_date(time::Timestamp stamp);
 
 }  // namespace nodmap::logger

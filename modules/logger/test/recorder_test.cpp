@@ -82,7 +82,7 @@ TEST_F(RecorderTest, AnEventIsInTheFileWithinTheFlushPeriod) {
   record(recorder);
   recorder.tick();
   EXPECT_THAT(stamps("lcmlog-2026-11-21.00"), ElementsAre());
-  clock_.advance(time::from_us(Recorder::kFlushPeriodUs));
+  clock_.advance(Recorder::kFlushPeriod);
   recorder.tick();
   EXPECT_THAT(stamps("lcmlog-2026-11-21.00"), ElementsAre(0));
 }
@@ -131,7 +131,7 @@ TEST_F(RecorderTest, TheQuotaHoldsAtEveryMoment) {
   Recorder recorder({.dir = dir_.path(), .split_bytes = 3000, .quota_bytes = 9000}, clock_);
   for (int i = 0; i < 100; ++i) {
     record(recorder);
-    clock_.advance(time::from_us(Recorder::kFlushPeriodUs));
+    clock_.advance(Recorder::kFlushPeriod);
     recorder.tick();
     std::uintmax_t total_bytes = 0;
     for (const std::string& name : names()) {
@@ -154,7 +154,7 @@ TEST_F(RecorderTest, AFullDiskKeepsWhatIsWrittenAndIsReported) {
   for (int i = 0; i < 4; ++i) {
     record(recorder);
   }
-  clock_.advance(time::from_us(Recorder::kFlushPeriodUs));
+  clock_.advance(Recorder::kFlushPeriod);
   recorder.tick();
   EXPECT_EQ(recorder.health().state, node::HealthState::kFailed);
   EXPECT_THAT(recorder.health().reason, ::testing::HasSubstr("File too large"));
@@ -170,17 +170,17 @@ TEST_F(RecorderTest, GoesOnInANewFileWhenThereIsRoomAgain) {
   for (int i = 0; i < 3; ++i) {
     record(recorder);
   }
-  clock_.advance(time::from_us(Recorder::kFlushPeriodUs));
+  clock_.advance(Recorder::kFlushPeriod);
   recorder.tick();  // 0 and 1 are in the file, 2 is dropped
   full.lift();
-  clock_.advance(time::from_us(Recorder::kFirstBackOffUs - 1));
+  clock_.advance(Recorder::kFirstBackOff - 1us);
   recorder.tick();
   record(recorder);  // 3: too early
   clock_.advance(1us);
   recorder.tick();
   record(recorder);  // 4
   EXPECT_EQ(recorder.health().state, node::HealthState::kFailed) << "until it is in the file";
-  clock_.advance(time::from_us(Recorder::kFlushPeriodUs));
+  clock_.advance(Recorder::kFlushPeriod);
   recorder.tick();
   EXPECT_EQ(recorder.health().state, node::HealthState::kOk);
   EXPECT_EQ(recorder.counts().dropped, 2);
@@ -200,7 +200,7 @@ TEST_F(RecorderTest, BacksOffAndLeavesNoEmptyFilesWhileTheDiskStaysFull) {
     recorder.tick();
     num_tries += std::filesystem::exists(recorder.current_file()) ? 1 : 0;
     record(recorder);
-    clock_.advance(time::from_us(Recorder::kFlushPeriodUs));
+    clock_.advance(Recorder::kFlushPeriod);
     recorder.tick();
     EXPECT_THAT(names(), ElementsAre());
   }
@@ -254,7 +254,7 @@ TEST_F(RecorderTest, TheOldestLogsGoForTheReserveOfTheDisk) {
                     clock_);
   for (int i = 0; i < 30; ++i) {
     record(recorder);
-    clock_.advance(time::from_us(Recorder::kSyncPeriodUs));
+    clock_.advance(Recorder::kSyncPeriod);
     recorder.tick();
     EXPECT_GE(available({}), 5000) << i;
   }
@@ -274,12 +274,12 @@ TEST_F(RecorderTest, RecordingPausesWhenNothingOfOursFillsTheDisk) {
        .available_bytes = [&](const std::filesystem::path&) { return available_bytes; }},
       clock_);
   record(recorder);
-  clock_.advance(time::from_us(Recorder::kSyncPeriodUs));
+  clock_.advance(Recorder::kSyncPeriod);
   recorder.tick();
   EXPECT_EQ(recorder.health().state, node::HealthState::kOk);
   available_bytes = 4000;
   for (int i = 0; i < 20; ++i) {
-    clock_.advance(time::from_us(Recorder::kSyncPeriodUs));
+    clock_.advance(Recorder::kSyncPeriod);
     recorder.tick();
     record(recorder);
   }
@@ -287,10 +287,10 @@ TEST_F(RecorderTest, RecordingPausesWhenNothingOfOursFillsTheDisk) {
   EXPECT_NE(recorder.health().reason.find("reserve"), std::string::npos);
   EXPECT_LE(names().size(), 1U);
   available_bytes = 6000;
-  clock_.advance(time::from_us(Recorder::kMaxBackOffUs));
+  clock_.advance(Recorder::kMaxBackOff);
   recorder.tick();
   record(recorder);
-  clock_.advance(time::from_us(Recorder::kFlushPeriodUs));
+  clock_.advance(Recorder::kFlushPeriod);
   recorder.tick();
   EXPECT_EQ(recorder.health().state, node::HealthState::kOk);
 }

@@ -9,48 +9,48 @@
 namespace nodmap::logger {
 namespace {
 
-constexpr std::int64_t kDayUs = 86'400'000'000;
-constexpr std::int64_t kNoonUs = 1'795'262'400'000'000;  // 2026-11-21 12:00:00 UTC, by date(1)
+constexpr time::Duration kDay = 24h;
+constexpr time::Timestamp kNoon(1'795'262'400s);  // 2026-11-21 12:00:00 UTC, by date(1)
 
 TEST(Rotation, DatesAreUtcDays) {
-  EXPECT_EQ(utc_date(kNoonUs), "2026-11-21");
-  EXPECT_EQ(utc_date(kNoonUs + kDayUs / 2 - 1), "2026-11-21");
-  EXPECT_EQ(utc_date(kNoonUs + kDayUs / 2), "2026-11-22");
-  EXPECT_EQ(utc_date(0), "1970-01-01");
-  EXPECT_EQ(utc_date(-1), "1969-12-31");
+  EXPECT_EQ(utc_date(kNoon), "2026-11-21");
+  EXPECT_EQ(utc_date(kNoon + kDay / 2 - 1us), "2026-11-21");
+  EXPECT_EQ(utc_date(kNoon + kDay / 2), "2026-11-22");
+  EXPECT_EQ(utc_date({}), "1970-01-01");
+  EXPECT_EQ(utc_date(time::Timestamp(-1us)), "1969-12-31");
 }
 
 TEST(Rotation, TheFirstNamesOfADay) {
   const LogNames names = LogNames::dated("lcmlog");
-  EXPECT_EQ(names.next(kNoonUs, {}), "lcmlog-2026-11-21.00");
+  EXPECT_EQ(names.next(kNoon, {}), "lcmlog-2026-11-21.00");
   const std::vector<std::string> existing{"lcmlog-2026-11-21.00", "notes.txt"};
-  EXPECT_EQ(names.next(kNoonUs, existing), "lcmlog-2026-11-21.01");
-  EXPECT_EQ(names.next(kNoonUs + kDayUs, existing), "lcmlog-2026-11-22.00");
+  EXPECT_EQ(names.next(kNoon, existing), "lcmlog-2026-11-21.01");
+  EXPECT_EQ(names.next(kNoon + kDay, existing), "lcmlog-2026-11-22.00");
 }
 
 TEST(Rotation, ANameThatWasDeletedIsNotTakenAgain) {
   const std::vector<std::string> existing{"lcmlog-2026-11-21.07", "lcmlog-2026-11-21.03"};
-  EXPECT_EQ(LogNames::dated("lcmlog").next(kNoonUs, existing), "lcmlog-2026-11-21.08");
+  EXPECT_EQ(LogNames::dated("lcmlog").next(kNoon, existing), "lcmlog-2026-11-21.08");
 }
 
 TEST(Rotation, NumbersGoBeyondTwoDigits) {
   const std::vector<std::string> existing{"lcmlog-2026-11-21.99"};
   const LogNames names = LogNames::dated("lcmlog");
-  const std::string next = names.next(kNoonUs, existing);
+  const std::string next = names.next(kNoon, existing);
   EXPECT_EQ(next, "lcmlog-2026-11-21.100");
   EXPECT_GT(names.order_of(next), names.order_of(existing[0]));
 }
 
 TEST(Rotation, AClockSetBackDoesNotTurnTheOrderRound) {
   const std::vector<std::string> existing{"lcmlog-2026-11-21.02"};
-  EXPECT_EQ(LogNames::dated("lcmlog").next(0, existing), "lcmlog-2026-11-21.03");
+  EXPECT_EQ(LogNames::dated("lcmlog").next({}, existing), "lcmlog-2026-11-21.03");
 }
 
 TEST(Rotation, AGivenNameIsTheFirst) {
   const LogNames names = LogNames::fixed("run.lcmlog");
   std::vector<std::string> existing;
   for (const char* expected : {"run.lcmlog", "run.lcmlog.01", "run.lcmlog.02"}) {
-    existing.push_back(names.next(kNoonUs, existing));
+    existing.push_back(names.next(kNoon, existing));
     EXPECT_EQ(existing.back(), expected);
   }
 }
