@@ -19,7 +19,7 @@ ScanStatus MapServer::add_scan(const scan::Scan& scan, const geometry::SE3& T_od
     return ScanStatus::kImplausiblePose;
   }
   const auto T_now_last = pose_shift(geometry::to_se2(T_odom_base));
-  const ScanView view = view_of(scan, advance_clock(scan.utime_mid_us()));
+  const ScanView view = view_of(scan, advance_clock(time::from_utime(scan.utime_mid_us())));
   obstacle_map_.update(T_now_last, view);
   structure_map_.update(T_now_last, view);
   return ScanStatus::kUsed;
@@ -29,7 +29,7 @@ void MapServer::reset() {
   obstacle_map_.clear();
   structure_map_.clear();
   T_odom_last_.reset();
-  last_utime_us_.reset();
+  last_stamp_.reset();
 }
 
 // Returns the motion since the last update, or nothing below 1e-6. Small motions are not lost: the
@@ -48,13 +48,11 @@ std::optional<geometry::SE2> MapServer::pose_shift(const geometry::SE2& T_odom_b
   return T_now_last;
 }
 
-double MapServer::advance_clock(std::int64_t utime_us) {
-  const double elapsed_s =
-      last_utime_us_ ? 1e-6 * (static_cast<double>(utime_us) - static_cast<double>(*last_utime_us_))
-                     : 0.0;
-  last_utime_us_ = utime_us;
-  clock_s_ += std::max(0.0, elapsed_s);
-  return std::max(0.0, elapsed_s);
+double MapServer::advance_clock(time::Timestamp stamp) {
+  const time::Duration elapsed = last_stamp_ ? std::max(0us, stamp - *last_stamp_) : 0us;
+  last_stamp_ = stamp;
+  clock_s_ += time::seconds(elapsed);
+  return time::seconds(elapsed);
 }
 
 ScanView MapServer::view_of(const scan::Scan& scan, double elapsed_s) {

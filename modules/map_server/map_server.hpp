@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/geometry/se3.hpp"
+#include "common/geometry/time.hpp"
 #include "common/robot/footprint.hpp"
 #include "common/scan/scan.hpp"
 #include "modules/map_server/ego_map.hpp"
@@ -41,7 +42,7 @@ class MapServer {
 
  private:
   [[nodiscard]] std::optional<geometry::SE2> pose_shift(const geometry::SE2& T_odom_base);
-  [[nodiscard]] double advance_clock(std::int64_t utime_us);
+  [[nodiscard]] double advance_clock(time::Timestamp stamp);
   [[nodiscard]] ScanView view_of(const scan::Scan& scan, double elapsed_s);
   void project(const scan::Scan& scan);
 
@@ -52,7 +53,7 @@ class MapServer {
   SweepTracker sweeps_;
   std::vector<Hit> hits_;
   std::optional<geometry::SE2> T_odom_last_;
-  std::optional<std::int64_t> last_utime_us_;
+  std::optional<time::Timestamp> last_stamp_;
   double clock_s_ = 0.0;  // sum of the times between scans; a stamp that steps back adds 0
 };
 
