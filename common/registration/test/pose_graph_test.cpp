@@ -1,0 +1,320 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "common/registration/pose_graph.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <random>
+#include <stdexcept>
+#include <vector>
+
+namespace nodmap::registration {
+namespace {
+
+using geometry::SE2;
+using geometry::SE3;
+
+/// A side of the square that is driven round, and all of it, in steps of a metre.
+constexpr std::size_t kSideSteps = 10;
+constexpr std::size_t kRound = 4 * kSideSteps;
+
+double distance(const SE2& a, const SE2& b) {
+  return (a.translation() - b.translation()).norm();
+}
+double distance(const SE3& a, const SE3& b) {
+  return (a.translation() - b.translation()).norm();
+}
+
+double angle(const SE2& a, const SE2& b) {
+  return std::abs(geometry::angle_difference(a.yaw, b.yaw));
+}
+double angle(const SE3& a, const SE3& b) {
+  return geometry::rotation_angle(a.inverse() * b);
+}
+
+SE2 moved(const SE2& T, const PoseVector<SE2>& motion) {
+  return {T.x + motion[0], T.y + motion[1], T.yaw + motion[2]};
+}
+SE3 moved(const SE3& T, const PoseVector<SE3>& motion) {
+  SE3 result = T;
+  result.translation() += motion.head<3>();
+  result.linear() = geometry::rotation_of(motion.tail<3>()) * T.linear();
+  return result;
+}
+
+/// Node `k` of a drive round a square of 10 m x 10 m, a metre a step.
+void on_square(std::size_t k, SE2& T) {
+  const Eigen::Vector2d corners[] = {{0, 0}, {10, 0}, {10, 10}, {0, 10}};
+  const std::size_t side = k % kRound / kSideSteps;
+  const double yaw = 0.5 * geometry::kPi * static_cast<double>(side);
+  const auto along = static_cast<double>(k % kSideSteps);
+  T = {corners[side].x() + along * std::cos(yaw), corners[side].y() + along * std::sin(yaw), yaw};
+}
+/// The same on ground that climbs 10 cm a metre on the first side and falls on the third.
+void on_square(std::size_t k, SE3& T) {
+  SE2 flat;
+  on_square(k, flat);
+  const std::size_t side = k % kRound / kSideSteps;
+  const auto along = static_cast<double>(k % kSideSteps);
+  T = geometry::to_se3(flat);
+  T.translation().z() = side == 0   ? 0.1 * along
+                        : side == 1 ? 1.0
+                        : side == 2 ? 1.0 - 0.1 * along
+                                    : 0.0;
+}
+
+/// Standard deviations of a pose: of each translation, of each rotation.
+template <class Pose>
+PoseVector<Pose> sigmas(double sigma_m, double sigma_rad) {
+  constexpr int kTranslations = PoseSpace<Pose>::kDimensions == 3 ? 2 : 3;
+  PoseVector<Pose> sigma = PoseVector<Pose>::Constant(sigma_rad);
+  sigma.template head<kTranslations>().setConstant(sigma_m);
+  return sigma;
+}
+
+template <class Pose>
+PoseMatrix<Pose> information(double sigma_m, double sigma_rad) {
+  return sigmas<Pose>(sigma_m, sigma_rad).cwiseAbs2().cwiseInverse().asDiagonal();
+}
+
+/// Twice round the square: noisy odometry, and a true loop from each node of the second round to
+/// that of the first.
+template <class Pose>
+struct Drive {
+  std::vector<Pose> truth;
+  PoseGraph<Pose> graph;
+
+  explicit Drive(unsigned seed) {
+    std::mt19937 random(seed);
+    std::normal_distribution<double> unit;
+    const auto measured = [&](const Pose& from, const Pose& to, double sigma_m, double sigma_rad) {
+      PoseVector<Pose> error = sigmas<Pose>(sigma_m, sigma_rad);
+      for (double& value : error) {
+        value *= unit(random);
+      }
+      return moved(from.inverse() * to, error);
+    };
+    for (std::size_t k = 0; k < 2 * kRound; ++k) {
+      on_square(k, truth.emplace_back(PoseSpace<Pose>::identity()));
+    }
+    graph.add_node(truth[0]);
+    for (std::size_t k = 1; k < truth.size(); ++k) {
+      const Pose T = measured(truth[k - 1], truth[k], 0.02, 0.01);
+      graph.add_node(graph.nodes()[k - 1] * T);
+      graph.add_edge({k - 1, k, T, information<Pose>(0.02, 0.01)});
+    }
+    for (std::size_t k = 0; k < kRound; ++k) {
+      const Pose T = measured(truth[k], truth[k + kRound], 0.01, 0.005);
+      graph.add_edge({k, k + kRound, T, information<Pose>(0.01, 0.005), true});
+    }
+  }
+
+  [[nodiscard]] double worst_m() const {
+    double worst = 0.0;
+    for (std::size_t k = 0; k < truth.size(); ++k) {
+      worst = std::max(worst, distance(graph.nodes()[k], truth[k]));
+    }
+    return worst;
+  }
+};
+
+/// The same cost without structure: numeric Jacobian, dense equations.
+template <class Pose>
+std::vector<Pose> dense_gauss_newton(const PoseGraph<Pose>& graph) {
+  constexpr Eigen::Index kSize = PoseSpace<Pose>::kDimensions;
+  const auto first_unknown = [](std::size_t node) {
+    return kSize * (static_cast<Eigen::Index>(node) - 1);
+  };
+  std::vector<Pose> nodes(graph.nodes().begin(), graph.nodes().end());
+  const Eigen::Index unknowns = first_unknown(nodes.size());
+  for (int iteration = 0; iteration < 20; ++iteration) {
+    Eigen::MatrixXd H = Eigen::MatrixXd::Zero(unknowns, unknowns);
+    Eigen::VectorXd b = Eigen::VectorXd::Zero(unknowns);
+    for (const PoseEdge<Pose>& edge : graph.edges()) {
+      Eigen::MatrixXd J = Eigen::MatrixXd::Zero(kSize, unknowns);
+      constexpr double kStep = 1e-6;
+      for (Eigen::Index axis = 0; axis < kSize; ++axis) {
+        for (const double sign : {1.0, -1.0}) {
+          const double scale = sign / (2.0 * kStep);
+          const PoseVector<Pose> motion = sign * kStep * PoseVector<Pose>::Unit(axis);
+          if (edge.from > 0) {
+            J.col(first_unknown(edge.from) + axis) +=
+                scale * residual(edge, moved(nodes[edge.from], motion), nodes[edge.to]);
+          }
+          J.col(first_unknown(edge.to) + axis) +=
+              scale * residual(edge, nodes[edge.from], moved(nodes[edge.to], motion));
+        }
+      }
+      H += J.transpose() * edge.information * J;
+      b += J.transpose() * edge.information * residual(edge, nodes[edge.from], nodes[edge.to]);
+    }
+    const Eigen::VectorXd step = H.ldlt().solve(-b);
+    for (std::size_t k = 1; k < nodes.size(); ++k) {
+      nodes[k] = moved(nodes[k], step.segment<kSize>(first_unknown(k)));
+    }
+  }
+  return nodes;
+}
+
+template <class Pose>
+class PoseGraphTest : public testing::Test {};
+using Poses = testing::Types<SE2, SE3>;
+TYPED_TEST_SUITE(PoseGraphTest, Poses);
+
+TYPED_TEST(PoseGraphTest, EqualsDenseGaussNewton) {
+  using Pose = TypeParam;
+  Drive<Pose> drive(1);
+  PoseGraph<Pose> plain;
+  for (const Pose& node : drive.graph.nodes()) {
+    plain.add_node(node);
+  }
+  for (PoseEdge<Pose> edge : drive.graph.edges()) {
+    edge.may_be_wrong = false;
+    plain.add_edge(edge);
+  }
+  const std::vector<Pose> expected = dense_gauss_newton(plain);
+  EXPECT_TRUE(plain.optimise(false).converged);
+  for (std::size_t k = 1; k < plain.nodes().size(); ++k) {
+    // The step at which both stop.
+    EXPECT_LT(distance(plain.nodes()[k], expected[k]), 1e-5) << k;
+    EXPECT_LT(angle(plain.nodes()[k], expected[k]), 1e-5) << k;
+  }
+}
+
+TYPED_TEST(PoseGraphTest, LoopsTakeTheDriftOut) {
+  for (const unsigned seed : {1U, 2U, 3U}) {
+    Drive<TypeParam> drive(seed);
+    const double before_m = drive.worst_m();
+    // Reweighting converges linearly: it takes more steps than a map needs.
+    EXPECT_TRUE(drive.graph.optimise(true, 300).converged);
+    EXPECT_LT(drive.worst_m(), before_m) << seed;
+  }
+}
+
+// As many wrong loops as 30 % of all, from anywhere to anywhere.
+TYPED_TEST(PoseGraphTest, WrongLoopsMoveNothing) {
+  for (const unsigned seed : {1U, 2U, 3U}) {
+    Drive<TypeParam> clean(seed);
+    clean.graph.optimise(true);
+    Drive<TypeParam> spoilt(seed);
+    std::mt19937 random(100 + seed);
+    std::uniform_int_distribution<std::size_t> node(0, 2 * kRound - 1);
+    std::uniform_real_distribution<double> share(-1.0, 1.0);
+    for (std::size_t added = 0; added < kRound * 3 / 7;) {
+      const std::size_t from = node(random);
+      const std::size_t to = node(random);
+      if (from == to) {
+        continue;
+      }
+      PoseVector<TypeParam> wrong = sigmas<TypeParam>(5.0, 1.5);
+      for (double& value : wrong) {
+        value *= share(random);
+      }
+      spoilt.graph.add_edge({from, to, moved(PoseSpace<TypeParam>::identity(), wrong),
+                             information<TypeParam>(0.01, 0.005), true});
+      ++added;
+    }
+    spoilt.graph.optimise(true);
+    for (std::size_t k = 0; k < clean.truth.size(); ++k) {
+      EXPECT_LT(distance(spoilt.graph.nodes()[k], clean.graph.nodes()[k]), 0.05) << seed;
+    }
+  }
+}
+
+TYPED_TEST(PoseGraphTest, BadEdgesAreRefused) {
+  using Pose = TypeParam;
+  const Pose identity = PoseSpace<Pose>::identity();
+  PoseGraph<Pose> graph;
+  graph.add_node(identity);
+  graph.add_node(identity);
+  EXPECT_THROW(graph.add_edge({.from = 0, .to = 0}), std::invalid_argument);
+  EXPECT_THROW(graph.add_edge({.from = 0, .to = 2}), std::invalid_argument);
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  const Pose bad = moved(identity, kNan * PoseVector<Pose>::Unit(0));
+  EXPECT_THROW(graph.add_edge({.from = 0, .to = 1, .T_from_to = bad}), std::invalid_argument);
+  EXPECT_TRUE(graph.edges().empty());
+}
+
+TYPED_TEST(PoseGraphTest, ANodeThatHangsOnNothingStays) {
+  using Pose = TypeParam;
+  Pose loose = PoseSpace<Pose>::identity();
+  on_square(17, loose);
+  PoseGraph<Pose> graph;
+  graph.add_node(PoseSpace<Pose>::identity());
+  graph.add_node(loose);
+  EXPECT_TRUE(graph.optimise(true).converged);
+  EXPECT_EQ(distance(graph.nodes()[1], loose), 0.0);
+  EXPECT_TRUE(PoseGraph<Pose>().optimise(true).converged);
+}
+
+// On a line all is linear: two measurements of one pose meet at their weighted mean.
+TEST(PoseGraph, TwoEdgesMeetAtTheirWeightedMean) {
+  PoseGraph2d graph;
+  graph.add_node({});
+  graph.add_node({5.0, 0.0, 0.0});
+  graph.add_edge({0, 1, {1.0, 0.0, 0.0}, information<SE2>(0.1, 0.1)});
+  graph.add_edge({0, 1, {2.0, 0.0, 0.0}, information<SE2>(0.2, 0.1)});
+  EXPECT_TRUE(graph.optimise(false).converged);
+  EXPECT_NEAR(graph.nodes()[1].x, (1.0 / 0.01 + 2.0 / 0.04) / (1.0 / 0.01 + 1.0 / 0.04), 1e-6);
+  EXPECT_EQ(graph.nodes()[0].x, 0.0);
+}
+
+// The information is that of the frame of `from`: sure along x there, open across.
+TEST(PoseGraph, InformationTurnsWithTheFirstNode) {
+  PoseGraph2d graph;
+  graph.add_node({0.0, 0.0, 0.5 * geometry::kPi});
+  graph.add_node({0.0, 0.0, 0.5 * geometry::kPi});
+  graph.add_edge({0, 1, {1.0, 0.0, 0.0}, Eigen::Vector3d(1e4, 0.0, 1e4).asDiagonal()});
+  graph.add_edge({0, 1, {3.0, 3.0, 0.0}, information<SE2>(1.0, 1.0)});
+  graph.optimise(false);
+  EXPECT_NEAR(graph.nodes()[1].y, 1.0, 1e-3);   // x of the first node
+  EXPECT_NEAR(graph.nodes()[1].x, -3.0, 1e-3);  // its y
+}
+
+// A good loop that closes 3 m of drift looks worse than a wrong one at the first step.
+TEST(PoseGraph, AGoodLoopIsKeptThoughItClosesALargeDrift) {
+  PoseGraph2d graph;
+  graph.add_node({});
+  const double drift_rad = 0.01;
+  for (std::size_t k = 1; k <= 60; ++k) {
+    const SE2 step{0.5, 0.0, geometry::kPi / 30.0 + drift_rad};
+    graph.add_node(graph.nodes()[k - 1] * step);
+    graph.add_edge({k - 1, k, step, information<SE2>(0.01, 0.01)});
+  }
+  EXPECT_GT(distance(graph.nodes()[60], graph.nodes()[0]), 2.0);
+  graph.add_edge({0, 60, {}, information<SE2>(0.01, 0.005), true});
+  graph.optimise(true);
+  EXPECT_GT(graph.weight(graph.edges().back()), 0.5);
+  EXPECT_LT(distance(graph.nodes()[60], graph.nodes()[0]), 0.05);
+}
+
+// Closed form: where rotations are known, a drift of equal steps is taken back evenly.
+TEST(PoseGraph, ASquareLoopTakesItsDriftBackEvenly) {
+  const Eigen::Vector3d drift_m(0.01, -0.004, 0.006);  // of each step, in map
+  const auto place = [](std::size_t k) {
+    SE2 T;
+    on_square(k, T);
+    return Eigen::Vector3d(T.x, T.y, 0.0);
+  };
+  PoseGraph3d graph;
+  graph.add_node(SE3::Identity());
+  for (std::size_t k = 1; k <= kRound; ++k) {
+    SE3 T = SE3::Identity();
+    T.translation() = place(k) - place(k - 1) + drift_m;
+    graph.add_node(graph.nodes()[k - 1] * T);
+    graph.add_edge({k - 1, k, T, information<SE3>(0.02, 1e-6)});
+  }
+  graph.add_edge({0, kRound, SE3::Identity(), information<SE3>(1e-5, 1e-6), true});
+  EXPECT_TRUE(graph.optimise(true, 200).converged);
+  for (std::size_t k = 0; k <= kRound; ++k) {
+    // The rotations give way by a millionth of a radian, at up to 10 m.
+    EXPECT_LT((graph.nodes()[k].translation() - place(k)).norm(), 1e-4) << k;
+  }
+}
+
+}  // namespace
+}  // namespace nodmap::registration
