@@ -16,15 +16,19 @@ find_package(tsl-robin-map REQUIRED)
 find_package(Python3 REQUIRED COMPONENTS Interpreter)
 pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)
 pkg_check_modules(LIBSERIALPORT REQUIRED IMPORTED_TARGET libserialport)
-find_program(NODMAP_LCM_GEN lcm-gen REQUIRED)
 
-# LCM 1.4 and newer bring a CMake package, Debian's 1.3.1 only a pkg-config file.
-find_package(lcm CONFIG QUIET)
-if(NOT TARGET lcm)
+# LCM 1.4 and newer bring a CMake package, Debian's 1.3.1 only a pkg-config file. A mere build folder of LCM registers itself with
+# CMake for the user: it is not looked for, because it holds no whole LCM.
+find_package(lcm CONFIG QUIET NO_CMAKE_PACKAGE_REGISTRY)
+if(TARGET lcm)
+  set(lcm_prefix ${lcm_DIR}/../../..)  # its package lies in lib/lcm/cmake
+else()
   pkg_check_modules(LCM REQUIRED IMPORTED_TARGET lcm)
   add_library(lcm ALIAS PkgConfig::LCM)
   set(lcm_VERSION ${LCM_VERSION})
+  set(lcm_prefix ${LCM_PREFIX})
 endif()
+find_program(NODMAP_LCM_GEN lcm-gen HINTS ${lcm_prefix}/bin REQUIRED)
 # A generator of another installation writes code that these headers do not compile, with errors that do not say why.
 execute_process(COMMAND ${NODMAP_LCM_GEN} --version OUTPUT_VARIABLE lcm_gen_version ERROR_QUIET)
 string(REGEX MATCH "[0-9]+\\.[0-9]+" lcm_gen_version "${lcm_gen_version}")
