@@ -30,6 +30,8 @@ namespace {
 
 constexpr std::size_t kMaxDatagramBytes = 65'536;  // UDP's largest is shorter
 constexpr std::size_t kBatch = 16;
+// So many in a row, though none of it is wanted: a flood keeps nobody for long.
+constexpr int kMaxBatches = 100;
 
 class FileDescriptor {
  public:
@@ -194,14 +196,25 @@ struct UdpmReceiver::Impl {
     std::array<pollfd, 2> entries{{{socket->get(), POLLIN, 0}, {stop.get(), POLLIN, 0}}};
     while (entries[1].revents == 0) {
       if (::poll(entries.data(), entries.size(), -1) > 0 && entries[0].revents != 0) {
-        const int count = batch.receive(socket->get());
-        take_batch(static_cast<std::size_t>(std::max(0, count)));
+        const std::lock_guard lock(mutex);
+        (void)take_batch();
       }
     }
   }
 
-  void take_batch(std::size_t count) {
+  /// Takes what waits in the socket now, because the thread may not have had a processor yet.
+  /// Whether any message waits for its handler then.
+  bool catch_up() {
     const std::lock_guard lock(mutex);
+    for (int i = 0; i < kMaxBatches && socket && queue.empty() && take_batch() > 0; ++i) {
+    }
+    return !queue.empty();
+  }
+
+  /// From the socket into the queue, without waiting; how many datagrams. With the mutex locked, so
+  /// that each datagram is seen either in the socket or in the queue.
+  std::size_t take_batch() {
+    const auto count = static_cast<std::size_t>(std::max(0, batch.receive(socket->get())));
     const bool was_empty = queue.empty();
     const auto now = std::chrono::steady_clock::now();
     for (std::size_t i = 0; i < count; ++i) {
@@ -224,6 +237,7 @@ struct UdpmReceiver::Impl {
     if (was_empty && !queue.empty()) {
       ::eventfd_write(waiting.get(), 1);
     }
+    return count;
   }
 
   [[nodiscard]] bool is_wanted(std::string_view channel) const {
@@ -285,9 +299,9 @@ struct UdpmReceiver::Impl {
   FileDescriptor waiting{::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK), "eventfd"};
   FileDescriptor stop{::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK), "eventfd"};
   std::optional<FileDescriptor> socket;
-  DatagramBatch batch;  // the thread's
 
   std::mutex mutex;  // guards what follows
+  DatagramBatch batch;
   TrustedHosts hosts;
   MessageAssembler assembler;
   std::list<Subscription> subscriptions;  // the queue keeps pointers to them
@@ -322,7 +336,7 @@ void UdpmReceiver::subscribe(std::optional<std::string> channel, RawHandler hand
 
 int UdpmReceiver::handle(std::chrono::milliseconds timeout, int max) {
   pollfd entry{impl_->waiting.get(), POLLIN, 0};
-  if (::poll(&entry, 1, static_cast<int>(timeout.count())) <= 0) {
+  if (::poll(&entry, 1, static_cast<int>(timeout.count())) <= 0 && !impl_->catch_up()) {
     return 0;
   }
   int handled = 0;
