@@ -228,6 +228,9 @@ void Slam2dNode::count_rejected(const ScanCounts& before, std::int64_t without_p
 void Slam2dNode::on_save_request(const nodmap::save_request_t& message) {
   if (node::accept_save_request(message, context_)) {
     try_to_save();
+    if (save_error_.empty()) {
+      log::get().info("map saved in {}", context_.out_dir.string());
+    }
   }
 }
 

@@ -224,6 +224,8 @@ void Slam6dNode::answer(const std::optional<MapWork>& work) {
     maps_saved_ += save_error_ ? 0 : 1;
     if (save_error_) {
       log::get().warn("{}: map not saved: {}", context_.out_dir.string(), save_error_.message());
+    } else {
+      log::get().info("map saved in {}", context_.out_dir.string());
     }
   }
 }

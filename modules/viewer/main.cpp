@@ -13,11 +13,14 @@
 #include "common/bus/live_bus.hpp"
 #include "common/bus/log_player.hpp"
 #include "common/node/clock.hpp"
+#include "common/node/cpu_load.hpp"
 #include "common/node/log.hpp"
 #include "common/node/program.hpp"
 #include "common/node/status.hpp"
 #include "common/params/params.hpp"
 #include "modules/viewer/foxglove/feed.hpp"
+#include "modules/viewer/log_history.hpp"
+#include "modules/viewer/pace.hpp"
 #include "modules/viewer/params.hpp"
 #include "modules/viewer/playback.hpp"
 #include "modules/viewer/process_control.hpp"
@@ -33,6 +36,7 @@ using std::chrono::milliseconds;
 constexpr const char* kProgram = "nodmap-viewer";
 /// Events handed over in one turn: some ten milliseconds of work.
 constexpr std::int64_t kEventsPerTurn = 5000;
+constexpr time::Duration kLoadPeriod = 1s;
 
 struct Options {
   std::string lcm_url;
@@ -68,7 +72,25 @@ struct Viewer : private boost::noncopyable {
             .policy = {.loopback_only = is_loopback(options.bind),
                        .token = options.control ? make_token() : std::string()},
             .max_connections = params.max_clients,
-            .idle_timeout_s = params.idle_timeout_s} {}
+            .idle_timeout_s = params.idle_timeout_s},
+        pace(milliseconds(params.update_ms)) {}
+
+  /// One turn with all clients.
+  void turn() {
+    const time::SteadyTime now = time::steady_now();
+    if (now >= load_due) {
+      load_due = now + kLoadPeriod;
+      load.sample();
+      const bool was_slowed = pace.is_slowed();
+      pace.note_load(load.share());
+      if (pace.is_slowed() != was_slowed) {
+        log::get().info(was_slowed ? "clients get all that is new again"
+                                   : "the machine is busy: clients get what is new less often");
+      }
+    }
+    hub.sends_topics = pace.is_due(now);
+    server->turn();
+  }
 
   void open(const Options& options) {
     server.emplace(hub, options.bind, options.port);
@@ -94,6 +116,9 @@ struct Viewer : private boost::noncopyable {
   Services services;
   Hub hub;
   std::optional<Server> server;
+  node::CpuLoad load;
+  Pace pace;
+  time::SteadyTime load_due{};
 };
 
 /// The configuration of the processes that may be controlled, if any. Throws node::UsageError.
@@ -145,7 +170,7 @@ void run_live(const Options& options, const ViewerParams& params) {
     if (processes) {
       processes->turn();
     }
-    viewer.server->turn();
+    viewer.turn();
     status.publish_if_due(node::Health{});
   }
   viewer.server.reset();
@@ -180,6 +205,8 @@ void run_replay(const Options& options, const ViewerParams& params) {
                      },
                  .control = {},
                  .controls_processes = false});
+  viewer.site.add("/history.json", {.content_type = "application/json; charset=utf-8",
+                                    .content = foxglove::to_text(log_history(options.replay))});
   foxglove::Feed feed(player, viewer.store, counts, params.feed);
   viewer.open(options);
   auto last = std::chrono::steady_clock::now();
@@ -199,7 +226,7 @@ void run_replay(const Options& options, const ViewerParams& params) {
       viewer.server->send_changed_parameters();
       changed = false;
     }
-    viewer.server->turn();
+    viewer.turn();
   }
   viewer.server.reset();
 }

@@ -250,11 +250,14 @@ void Session::send_changed_parameters() {
   }
 }
 
-std::optional<Frame> Session::next() {
+std::optional<Frame> Session::next(bool with_topics) {
   if (!waiting_.empty()) {
     Frame frame = std::move(waiting_.front());
     waiting_.pop_front();
     return frame;
+  }
+  if (!with_topics) {
+    return std::nullopt;
   }
   if (time_us_) {
     Frame frame{.is_binary = true, .head = {kTime}, .post = nullptr};

@@ -70,8 +70,9 @@ class Session {
   void receive_text(std::string_view text);
   void receive_binary(std::span<const std::byte> bytes);
 
-  /// The next frame to send, if any. Subscribed topics are served one after the other.
-  [[nodiscard]] std::optional<Frame> next();
+  /// The next frame to send, if any. Subscribed topics are served one after the other; without
+  /// them only what answers the client goes out.
+  [[nodiscard]] std::optional<Frame> next(bool with_topics = true);
 
   /// Sends the client the time of the recording, with the next frames.
   void send_time(std::int64_t utime_us);

@@ -4,6 +4,7 @@
 #include <map>
 #include <string>
 #include <string_view>
+#include <utility>
 
 namespace nodmap::viewer {
 
@@ -23,6 +24,9 @@ class Site {
 
   /// Null when there is no such file. `target` is the target of a request, with or without a query.
   [[nodiscard]] const SiteFile* find(std::string_view target) const;
+
+  /// Adds a file that was made up at the start.
+  void add(const std::string& path, SiteFile file) { files_[path] = std::move(file); }
 
   [[nodiscard]] std::size_t size() const { return files_.size(); }
 

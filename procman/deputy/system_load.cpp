@@ -4,10 +4,10 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <fstream>
 #include <iterator>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -33,23 +33,6 @@ std::optional<std::uint64_t> take_number(std::string_view& text) {
 
 }  // namespace
 
-std::optional<CpuTicks> parse_cpu_ticks(std::string_view proc_stat) {
-  if (!proc_stat.starts_with("cpu ")) {
-    return std::nullopt;
-  }
-  proc_stat.remove_prefix(4);
-  std::array<std::uint64_t, 4> ticks{};  // user, nice, system, idle
-  for (std::uint64_t& value : ticks) {
-    const std::optional<std::uint64_t> number = take_number(proc_stat);
-    if (!number) {
-      return std::nullopt;
-    }
-    value = *number;
-  }
-  const std::uint64_t busy = ticks[0] + ticks[1] + ticks[2];
-  return CpuTicks{busy, busy + ticks[3]};
-}
-
 std::int64_t parse_memory_bytes(std::string_view meminfo, std::string_view name) {
   std::size_t at = 0;
   while (at < meminfo.size()) {
@@ -63,25 +46,13 @@ std::int64_t parse_memory_bytes(std::string_view meminfo, std::string_view name)
   return 0;
 }
 
-float share_of(std::uint64_t part, std::uint64_t total) {
-  return total == 0 || part > total
-             ? 0.0F
-             : static_cast<float>(static_cast<double>(part) / static_cast<double>(total));
-}
-
 void SystemLoad::sample(const std::vector<pid_t>& pids) {
   const std::string meminfo = read_text("/proc/meminfo");
   memory_.memory_total_bytes = parse_memory_bytes(meminfo, "MemTotal");
   memory_.memory_free_bytes = parse_memory_bytes(meminfo, "MemFree");
   memory_.swap_total_bytes = parse_memory_bytes(meminfo, "SwapTotal");
   memory_.swap_free_bytes = parse_memory_bytes(meminfo, "SwapFree");
-  const std::optional<CpuTicks> now = parse_cpu_ticks(read_text("/proc/stat"));
-  std::uint64_t elapsed = 0;
-  if (now && cpu_ && now->total >= cpu_->total && now->busy >= cpu_->busy) {
-    elapsed = now->total - cpu_->total;
-    load_ = share_of(now->busy - cpu_->busy, elapsed);
-  }
-  cpu_ = now;
+  cpu_.sample();
   std::vector<Usage> usages;
   const std::int64_t page_bytes = ::sysconf(_SC_PAGESIZE);
   for (const pid_t pid : pids) {
@@ -93,7 +64,7 @@ void SystemLoad::sample(const std::vector<pid_t>& pids) {
                 0.0F, row->vsize_bytes, row->rss_pages * page_bytes};
     const Usage* before = find(pid);
     if (before != nullptr && before->start_ticks == row->start_ticks) {
-      usage.share = share_of(row->cpu_ticks - before->cpu_ticks, elapsed);
+      usage.share = node::share_of(row->cpu_ticks - before->cpu_ticks, cpu_.elapsed_ticks());
     }
     usages.push_back(usage);
   }
@@ -107,7 +78,7 @@ const SystemLoad::Usage* SystemLoad::find(pid_t pid) const {
 }
 
 void SystemLoad::describe_host(DeputyInfo& info) const {
-  info.cpu_load = load_;
+  info.cpu_load = cpu_.share();
   info.memory_total_bytes = memory_.memory_total_bytes;
   info.memory_free_bytes = memory_.memory_free_bytes;
   info.swap_total_bytes = memory_.swap_total_bytes;

@@ -2,27 +2,17 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <string_view>
 #include <vector>
 
+#include "common/node/cpu_load.hpp"
 #include "procman/deputy/process_table.hpp"
 #include "procman/protocol/values.hpp"
 
 namespace nodmap::procman {
 
-/// The processors' time so far (/proc/stat), in ticks.
-struct CpuTicks {
-  std::uint64_t busy = 0;
-  std::uint64_t total = 0;
-};
-[[nodiscard]] std::optional<CpuTicks> parse_cpu_ticks(std::string_view proc_stat);
-
 /// The value of a line of /proc/meminfo in bytes; 0 where it is missing.
 [[nodiscard]] std::int64_t parse_memory_bytes(std::string_view meminfo, std::string_view name);
-
-/// The share of `total` that `part` is, 0 where that makes no sense.
-[[nodiscard]] float share_of(std::uint64_t part, std::uint64_t total);
 
 /// What the system and the processes use, measured from one sample to the next.
 class SystemLoad {
@@ -46,8 +36,7 @@ class SystemLoad {
   };
   [[nodiscard]] const Usage* find(pid_t pid) const;
 
-  std::optional<CpuTicks> cpu_;
-  float load_ = -1.0F;
+  node::CpuLoad cpu_;
   DeputyInfo memory_;
   std::vector<Usage> usages_;
 };

@@ -189,6 +189,61 @@ class ProcessOutput(Page):
         self.assertIsNotNone(self.browser.wait_for("!document.getElementById('output').open"))
 
 
+class WhatThisPageDependsOn(Page):
+    """With a process manager that has a logger and another viewer."""
+
+    def setUp(self):
+        super().setUp()
+        self.viewer.stop()
+        self.deputy = Deputy('''
+            cmd "viewer" { exec = "nodmap-viewer --port 0"; host = "here"; stop_signal = 15; }
+            cmd "logger" { exec = "nodmap-logger --out OUT"; host = "here"; stop_signal = 15; }''')
+        self.addCleanup(self.deputy.stop)
+        self.viewer = Viewer("--control", "--procman", self.deputy.config)
+        self.addCleanup(self.viewer.stop)
+
+    def start(self, command):
+        row = f"document.querySelector('#processes tr[data-command={command}]')"
+        self.assertIsNotNone(self.browser.wait_for(f"{row} && !{row}.querySelector('.buttons').hidden && !{row}.querySelector('[data-do=start]').disabled"))
+        self.press(f"#processes tr[data-command={command}] [data-do=start]")
+        self.assertIsNotNone(self.browser.wait_for(f"!{row}.querySelector('[data-do=stop]').disabled"))
+
+    def test_to_stop_the_viewer_is_asked_for_once_more(self):
+        self.open_with_token()
+        self.start("viewer")
+        stop = "document.querySelector('#processes tr[data-command=viewer] [data-do=stop]')"
+        question = "document.getElementById('confirm')"
+        self.browser.run(f"{ANSWER} = ''; {stop}.click()")
+        self.assertIsNotNone(self.browser.wait_for(f"{question}.open"))
+        self.assertIn("STOP", self.browser.run(f"return {question}.querySelector('p').textContent"))
+        # STOP stays within reach; No asks the viewer for nothing.
+        self.assertTrue(self.browser.run("""const box = document.getElementById('stop').getBoundingClientRect();
+            return document.elementFromPoint((box.left + box.right) / 2, (box.top + box.bottom) / 2).id === 'stop'"""))
+        self.browser.run(f"{question}.querySelector('[value=no]').click()")
+        self.assertIsNone(self.browser.wait_for(ANSWER, 1))
+        self.browser.run(f"{stop}.click(); {question}.querySelector('[value=yes]').click()")
+        self.assertIsNotNone(self.browser.wait_for(f"{ANSWER} === 'viewer: stop asked.'"))
+        self.assertIsNotNone(self.browser.wait_for(f"{stop}.disabled"))
+
+    def test_recording_shows_state_path_and_result(self):
+        self.open_with_token()
+        results = "document.getElementById('results').textContent"
+        self.assertIsNotNone(self.browser.wait_for(f"{results}.startsWith('logger ')"))
+        self.assertIsNotNone(self.browser.wait_for("!document.querySelector('#processes tr[data-command=logger] [data-do=start]').disabled"))
+        self.assertEqual(self.press("#record"), "logger: start asked.")
+        self.assertIsNotNone(self.browser.wait_for(f"{results}.includes('recording into {self.deputy.logs}')"))
+        self.assertEqual(self.press("#record-end"), "logger: stop asked.")
+        self.assertIsNotNone(self.browser.wait_for(f"/^logger stopped: \\d+ events in 1 files/.test({results})"))
+
+    def test_of_saved_maps_the_last_word_counts(self):
+        self.open_with_token()
+        said = self.browser.run("""return import("./results.js").then(({lastTold}) => [
+            lastTold("nodmap-slam2d", ["12:00 info: nodmap-viewer asked to save the map", "12:00 info: map saved in logs/slam2d", "later"]),
+            lastTold("nodmap-slam6d", ["map saved in a", "12:01 warn: a: map not saved: no space"]),
+            lastTold("nodmap-kurt", ["map saved in a"]), lastTold("nodmap-logger", [""])])""")
+        self.assertEqual(said, ["map saved in logs/slam2d", "map not saved: no space", "", ""])
+
+
 class WithoutWebGl(Control):
     """The same page in a browser that draws no 3D scene."""
 

@@ -6,6 +6,7 @@ Environment: NODMAP_VIEWER, NODMAP_MAKE_ROBOT_LOG (programs).
 """
 import base64
 import os
+import re
 import sys
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
@@ -163,6 +164,93 @@ class SceneExplainsItself(PageCase):
         browser.run("document.dispatchEvent(new KeyboardEvent('keydown', {key: 'Escape'}))")
         self.assertEqual(browser.run("return document.getElementById('measured').value"), "")
         self.assertEqual(browser.run("return document.getElementById('measure').getAttribute('aria-pressed')"), "false")
+
+    def test_a_click_tells_what_a_point_is_and_when_it_was_seen(self):
+        browser = self.browse(self.play())
+        self.pause(browser)
+        self.show_only(browser, "CLOUD")
+        # Pressed on a point of the cloud, in the left half of the image; where it is, by the page's own matrices.
+        place, point, seen = browser.run("""
+            const {view, cloud, playback} = nodmap;
+            view.scene.updateMatrixWorld(true);
+            const box = view.canvas.getBoundingClientRect();
+            for (const object of cloud.keyframes.values()) {
+              for (let i = 0; i < object.geometry.attributes.position.count; ++i) {
+                const at = view.robot.clone().fromBufferAttribute(object.geometry.attributes.position, i).applyMatrix4(object.matrixWorld);
+                const on = at.clone().project(view.camera);
+                if (Math.abs(on.x + 0.3) < 0.1 && Math.abs(on.y) < 0.2 && on.z < 1 && at.z < 2) {
+                  return [[box.left + (on.x + 1) / 2 * box.width, box.top + (1 - on.y) / 2 * box.height], at.toArray(), object.timeS - playback.beginS];
+                }
+              }
+            }""")
+        self.click(browser, *place)
+        words = re.fullmatch(r"point cloud: x (\S+), y (\S+), z (\S+) m, seen at (\d+):(\d\d)", browser.run("return document.getElementById('told').value"))
+        self.assertIsNotNone(words)
+        # Another point may lie before it, on nearly the same line of sight: the walls are 2 m away.
+        told = [float(words[i]) for i in (1, 2, 3)]
+        self.assertLess(sum((a - b) ** 2 for a, b in zip(told, point)) ** 0.5, 1)
+        self.assertLessEqual(60 * int(words[4]) + int(words[5]), browser.run("return nodmap.playback.positionS"))
+        self.assertGreaterEqual(seen, 0)
+        self.show_only(browser)
+        self.click(browser, *place)
+        self.assertTrue(browser.run("return document.getElementById('told').value").startswith("floor: "))
+        # A click that measures is no question.
+        browser.run("document.getElementById('told').value = ''; document.getElementById('measure').click()")
+        self.click(browser, *place)
+        self.assertEqual(browser.run("return document.getElementById('told').value"), "")
+        self.assert_quiet(browser)
+
+    def click(self, browser, x, y):
+        browser.run("""
+            for (const type of ['pointerdown', 'pointerup']) {
+              nodmap.view.canvas.dispatchEvent(new PointerEvent(type, {clientX: arguments[0], clientY: arguments[1], pointerId: 1, bubbles: true}));
+            }""", x, y)
+
+    def test_labels_are_as_large_from_afar(self):
+        browser = self.browse(self.play())
+        self.pause(browser)
+        self.show_only(browser)
+        height = """
+            return Promise.all([import("/drawings.js"), import("/three/build/three.module.js")]).then(([{drawEntity}, {Box3, Vector3}]) => {
+              const {view} = nodmap;
+              const entity = {cubes: [], cylinders: [], lines: [], texts: [{text: "label", color: {r: 1, g: 1, b: 1, a: 1},
+                pose: {position: {x: view.robot.x, y: view.robot.y, z: 0.5}, orientation: {x: 0, y: 0, z: 0, w: 1}}}]};
+              const [sprite] = drawEntity(entity);
+              const rows = (pixels, width) => new Set(pixels.flatMap((pixel, i) => (pixel ? [Math.floor(i / width)] : []))).size;
+              view.camera.position.copy(view.robot).add(new Vector3(-arguments[0], 0, 1));
+              view.controls.target.copy(view.robot);
+              view.controls.update();
+              const image = () => {
+                view.renderer.render(view.scene, view.camera);
+                const gl = view.renderer.getContext();
+                const bytes = new Uint8Array(4 * gl.drawingBufferWidth * gl.drawingBufferHeight);
+                gl.readPixels(0, 0, gl.drawingBufferWidth, gl.drawingBufferHeight, gl.RGBA, gl.UNSIGNED_BYTE, bytes);
+                return [new Uint32Array(bytes.buffer), gl.drawingBufferWidth];
+              };
+              const [bare] = image();
+              view.scene.add(sprite);
+              const [labelled, width] = image();
+              view.scene.remove(sprite);
+              return rows([...labelled].map((pixel, i) => pixel !== bare[i]), width);
+            })"""
+        near, far = browser.run(height, 3), browser.run(height, 15)
+        self.assertGreater(near, 10)
+        self.assertAlmostEqual(near, far, delta=2)  # whole pixels
+
+    def test_voxels_do_not_hide_the_robot(self):
+        browser = self.browse(self.play())
+        self.pause(browser)
+        browser.run("nodmap.connection.handlers.message = () => {}; document.querySelector('[data-topic=OCTOMAP]').click()")
+        # A block of voxels around robot and camera's line of sight.
+        grid = voxel_grid(30, 30, [1] * (30 * 30 * 12))
+        at = browser.run("return nodmap.view.robot.toArray()")
+        grid["pose"]["position"] = {"x": at[0] - 1.5, "y": at[1] - 1.5, "z": 0}
+        browser.run("nodmap.layers.get('OCTOMAP').layer.clear(); nodmap.take('OCTOMAP', arguments[0], 1)", grid)
+        self.assertIsNotNone(browser.wait_for("nodmap.layers.get('OCTOMAP').layer.group.children.length > 0"))
+        self.show_only(browser, "OCTOMAP")
+        browser.run(PIXELS + "window.kept = pixels();")
+        self.show_only(browser, "OCTOMAP", "scene/robot")
+        self.assertGreater(browser.run(PIXELS + "return pixels().reduce((count, pixel, i) => count + (pixel !== window.kept[i]), 0);"), 500)
 
     def test_help_names_every_key(self):
         browser = self.browse(self.play())

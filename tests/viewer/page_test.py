@@ -112,6 +112,48 @@ class Page(PageCase):
         self.assertIsNotNone(browser.wait_for("Math.abs(nodmap.playback.positionS - 29) < 0.05"))
         self.assert_quiet(browser)
 
+    def test_plots_show_the_whole_recording_with_a_cursor(self):
+        browser = self.browse(self.play())
+        self.pause(browser)
+        speed = "nodmap.plots.plots[0]"
+        self.assertIsNotNone(browser.wait_for(f"{speed}.graph && {speed}.window"))
+        begin, end = browser.run(f"return {speed}.graph.xAxisRange()")
+        self.assertAlmostEqual((end - begin) / 1000, browser.run("return nodmap.playback.durationS"), delta=1e-3)
+        # Samples to the end, though only the first seconds have been played; and they stay when it goes back.
+        last = f"return {speed}.samples[0][{speed}.samples[0].length - 1]"
+        for position_s in (50, 3):
+            self.seek(browser, position_s)
+            self.assertIsNotNone(browser.wait_for(f"Math.abs(nodmap.playback.positionS - {position_s}) < 0.01"))
+            time_s, speed_mps = browser.run(last)
+            self.assertAlmostEqual(time_s, end / 1000, delta=0.2)
+            self.assertEqual(speed_mps, 0.5)
+            # The cursor is at its share of the time axis, which begins right of the numbers.
+            area = f"{speed}.graph.getArea()"
+            self.assertIsNotNone(browser.wait_for(
+                f"Math.abs(parseFloat({speed}.cursor.style.left) - {area}.x - {position_s} / nodmap.playback.durationS * {area}.w) < 1"))
+        self.assert_quiet(browser)
+
+    def test_gaps_are_gaps_in_the_plots(self):
+        browser = self.browse(self.play())
+        live, recorded = browser.run("""
+            return import("./plots.js").then(({Plots}) => {
+              const rows = (fill) => {
+                const box = document.createElement("div");
+                document.body.append(box);
+                const plots = new Plots(box);
+                fill(plots);
+                plots.draw();
+                const {graph} = plots.plots[0];
+                const lines = [...Array(graph.numRows()).keys()].map((row) => [graph.getValue(row, 0) / 1000, String(graph.getValue(row, 1))]);
+                box.remove();
+                return lines;
+              };
+              return [rows((plots) => [1, 1.5, 4, 4.5].forEach((timeS) => plots.add("ODOMETRY", {forward_mps: 0.5}, timeS))),
+                      rows((plots) => plots.showHistory({forward_mps: [[1, 0.5], [1.5, 0.25], [1.5, null], [4, 0.5]]}, 0, 10))];
+            });""")
+        self.assertEqual(live, [[1, "0.5"], [1.5, "0.5"], [1.5, "NaN"], [4, "0.5"], [4.5, "0.5"]])
+        self.assertEqual(recorded, [[1, "0.5"], [1.5, "0.25"], [1.5, "NaN"], [4, "0.5"]])
+
     def test_play_at_the_end_begins_anew(self):
         browser = self.browse(self.play(duration_s=20))
         self.seek(browser, 19.9)

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Stop, goals, processes, recordings and saving, for who has the token. Every request is answered by the server in words.
 
-const DRAG_PX = 4;
-
 export class Control {
   /** `stopBar` holds STOP and "Go on", `form` everything else. */
   constructor(stopBar, form, view, connection) {
@@ -42,13 +40,8 @@ export class Control {
       this.ask({do: "goal", x_m: x.valueAsNumber, y_m: y.valueAsNumber});
     });
     this.pick.addEventListener("click", () => this.setPicking(!this.isPicking));
-    const {canvas} = this.view;
-    let down = null;
-    canvas.addEventListener("pointerdown", (event) => { down = event; });
-    // Not "click": the camera's controls keep it from coming on touch screens.
-    canvas.addEventListener("pointerup", (event) => {
-      const dragged = !down || Math.hypot(event.clientX - down.clientX, event.clientY - down.clientY) > DRAG_PX;
-      const at = this.isPicking && !dragged ? this.view.floorAt(event) : null;
+    this.view.onClick((event) => {
+      const at = this.isPicking ? this.view.floorAt(event) : null;
       if (at) {
         this.setPicking(false);
         [x.value, y.value] = [at.x.toFixed(2), at.y.toFixed(2)];
@@ -81,7 +74,7 @@ export class Control {
   open({capabilities, metadata}) {
     this.form.hidden = this.stopBar.hidden = !capabilities.includes("services");
     const processes = !this.form.hidden && metadata?.process_control === "true";
-    this.form.querySelectorAll(".process-control").forEach((button) => { button.hidden = !processes; });
+    this.form.querySelectorAll(".process-control").forEach((part) => { part.hidden = !processes; });
     document.body.classList.toggle("has-control", !this.form.hidden);
     return processes;
   }

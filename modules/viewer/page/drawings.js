@@ -10,6 +10,8 @@ import {lineMaterial, pointMaterial, solidMaterial, wordsMaterial} from "./mater
 
 const LASER_COLOR = 0xff5252;
 const KEYFRAME_COLOR = 0xffe082;
+// Of the canvas, whatever the distance.
+const WORDS_HEIGHT = 0.05;
 const LINE_LIST = 2;  // of foxglove.LinePrimitive
 
 function geometryOf(points) {
@@ -95,7 +97,7 @@ function drawLine({type, points, color}) {
 
 function drawText({text, color, pose}) {
   const sprite = new Sprite(wordsMaterial(text, color));
-  sprite.scale.set(3.2, 0.4, 1);
+  sprite.scale.set(8 * WORDS_HEIGHT, WORDS_HEIGHT, 1);
   setPose(sprite, pose);
   return sprite;
 }

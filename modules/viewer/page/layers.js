@@ -3,6 +3,7 @@
 import {Group} from "./three/build/three.module.js";
 import {Cloud} from "./cloud.js";
 import {drawEntity, drawGrid, drawKeyframes, drawPoints, drawScan, drawTrail} from "./drawings.js";
+import {hiddenMaterial} from "./materials.js";
 import {drawVoxels} from "./voxels.js";
 
 /** Empties a group and gives back what the graphics card held for it; materials are kept. */
@@ -43,9 +44,15 @@ class Layer {
   }
 
   place(message) {
+    this.timeS = message.timestamp.sec + 1e-9 * message.timestamp.nsec;
     empty(this.group);
     this.draw(message).forEach((object) => this.group.add(object));
     this.frames.group(this.frame ?? message.frame_id).add(this.group);
+  }
+
+  /** What a click can meet: [{object, timeS}]; when it was seen. */
+  touchable() {
+    return this.group.children.filter((object) => object.isPoints || object.isMesh).map((object) => ({object, timeS: this.timeS}));
   }
 
   clear() {
@@ -68,6 +75,20 @@ class EntityLayer extends Layer {
   }
 }
 
+/** The robot is seen through what hides it, voxels for example: its largest part is drawn there, too. */
+class RobotLayer extends EntityLayer {
+  place(update) {
+    super.place(update);
+    const volume = ({scale}) => scale.x * scale.y * scale.z;
+    const [body] = this.group.children.filter(({isMesh}) => isMesh).sort((a, b) => volume(b) - volume(a));
+    if (body) {
+      const hidden = body.clone();
+      hidden.material = hiddenMaterial(body.material);
+      this.group.add(hidden);
+    }
+  }
+}
+
 class CloudLayer {
   constructor(frames, software) {
     this.frames = frames;
@@ -84,6 +105,10 @@ class CloudLayer {
     this.frames.group(message.frame_id).add(this.group);
   }
 
+  touchable() {
+    return [...this.cloud.keyframes.values()].map((object) => ({object, timeS: object.timeS}));
+  }
+
   clear() {
     this.cloud.clear();
   }
@@ -94,7 +119,7 @@ export function makeLayers(frames, software) {
   const entities = () => new EntityLayer(frames);
   const layer = (draw, frame) => new Layer(frames, draw, frame);
   return new Map([
-    ["scene/robot", {name: "robot", swatch: "#f28c1a", layer: entities()}],
+    ["scene/robot", {name: "robot", swatch: "#f28c1a", layer: new RobotLayer(frames)}],
     ["SCAN", {name: "laser fan", swatch: "#ff5252", layer: layer(drawScan)}],
     ["CLOUD", {name: "point cloud", swatch: "ramp", layer: new CloudLayer(frames, software)}],
     ["OCTOMAP", {name: "voxels", swatch: "ramp", layer: layer(drawVoxels(software ? 12000 : 200000)), off: true}],

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The page: messages in, images and words out.
 import {Connection} from "./connection.js";
+import {confirmed} from "./confirm.js";
 import {Control} from "./control.js";
 import {pointsOf} from "./decode.js";
 import {Detail} from "./detail.js";
@@ -10,7 +11,9 @@ import {makeLayerList, makeLook, makeTheme} from "./look.js";
 import {Output} from "./output.js";
 import {Playback} from "./playback.js";
 import {Plots} from "./plots.js";
+import {tellOnClick} from "./probe.js";
 import {Processes} from "./processes.js";
+import {Results} from "./results.js";
 import {Measuring, ScaleBar} from "./ruler.js";
 import {View} from "./scene.js";
 import {isSoftware} from "./splat.js";
@@ -30,13 +33,18 @@ const detail = new Detail(software ? 100000 : 20000);
 const plots = new Plots(byId("plots"));
 const state = new State({banner: byId("banner"), announcement: byId("announcement"), facts: byId("facts")});
 const playback = new Playback(byId("playback"), () => connection);
+tellOnClick(view, layers, {
+  isFree: () => !control.isPicking && !measuring.isOn, timeText: (timeS) => playback.timeText(timeS), say: (text) => { byId("told").textContent = text; },
+});
 const control = new Control(byId("stop-bar"), byId("control"), view, () => connection);
 const output = new Output(byId("output"), (command) => connection.call("control", {do: "process_output", command}));
-const processes = new Processes(byId("processes").tBodies[0], (what, command) => control.ask({do: what, command}), (command) => output.show(command));
+const processes = new Processes(byId("processes").tBodies[0], askProcess, (command) => output.show(command));
+new Results(byId("results"), () => state.processes, (command) => connection.call("control", {do: "process_output", command}));
 const pending = new Map();  // the newest message of each topic since the last image
 const keyframes = [];       // each counts
 let connected = false;
 let received = 0;
+let hasHistory = false;     // whether the plots have been given that of the recording
 
 makeLayerList(byId("layers"), layers, () => view.touch());
 makeLook({color: byId("color"), ceiling: byId("ceiling"), low: byId("low"), high: byId("high"), ramp: byId("ramp")}, () => view.touch());
@@ -44,6 +52,14 @@ makeLook({color: byId("color"), ceiling: byId("ceiling"), low: byId("low"), high
 makeTheme(byId("theme"), view);
 const scaleBar = new ScaleBar(byId("scale-bar"), view);
 const measuring = new Measuring(byId("measure"), view, (text) => { byId("measured").textContent = text; });
+
+/** Starts, stops or restarts a process; asks before this page loses its own. */
+async function askProcess(what, command, program) {
+  const isOurs = program === "nodmap-viewer" && what !== "start";
+  if (!isOurs || await confirmed(byId("confirm"), `Really ${what} the viewer? This page, and its STOP, come from it; a new viewer prints a new address.`)) {
+    control.ask({do: `${what}_process`, command});
+  }
+}
 
 function forgetAll() {
   pending.clear();
@@ -96,6 +112,8 @@ function show(topic, {read, timeS}) {
 const connection = new Connection({
   open(info) {
     connected = true;
+    hasHistory = false;
+    plots.follow();
     forgetAll();
     byId("summary").textContent = `Connected to ${info.name}.`;
     connection.send({op: "subscribeParameterUpdates", parameterNames: []});
@@ -115,8 +133,20 @@ const connection = new Connection({
       forgetAll();
     }
   },
-  parameters: (values) => playback.set(values),
+  parameters(values) {
+    playback.set(values);
+    if (playback.durationS > 0 && !hasHistory) {
+      hasHistory = true;
+      showHistory();
+    }
+  },
 });
+
+/** Of a recording the plots show all, from the beginning. */
+async function showHistory() {
+  const history = await fetch("history.json").then((answer) => answer.json());
+  plots.showHistory(history, playback.beginS, playback.durationS);
+}
 
 byId("read-only").addEventListener("click", () => {
   byId("token-refused").hidden = true;
@@ -185,10 +215,13 @@ setInterval(() => {
   state.showBanner(connected, playback.isRunning);
   state.showFacts([["points", `${cloud.drawn} of ${cloud.total}`], ["drawn", `${(1000 / detail.frameMs).toFixed(0)} per s`]]);
 }, WORDS_MS);
-setInterval(() => plots.draw(), PLOT_MS);
+setInterval(() => {
+  plots.draw();
+  plots.showCursor(playback.beginS + playback.positionS);
+}, PLOT_MS);
 
 // For tests and for images of the documentation: what is on the page, as numbers.
 window.nodmap = {
-  connection, view, layers, cloud, detail, playback, measuring, received: () => received,
+  connection, view, layers, cloud, detail, playback, plots, measuring, received: () => received,
   take: (topic, message, timeS) => take(topic, () => message, timeS),
 };

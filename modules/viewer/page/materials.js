@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What surfaces, lines, points and words are drawn with. Each is made once and kept: a new one may cost a compilation of shaders.
 import {
-  CanvasTexture, Color, LineBasicMaterial, MeshLambertMaterial, PointsMaterial, SpriteMaterial,
+  CanvasTexture, Color, GreaterDepth, LineBasicMaterial, MeshLambertMaterial, PointsMaterial, SpriteMaterial,
 } from "./three/build/three.module.js";
 
 // Words change all the time (numbers in them); so many are kept.
@@ -33,6 +33,14 @@ export function solidMaterial({r, g, b, a}) {
     color: new Color(r, g, b), transparent: a < 1, opacity: a, depthWrite: a >= 1}));
 }
 
+/** The same where something stands before it: faint. */
+export function hiddenMaterial(material) {
+  return once(`hidden ${material.uuid}`, () => {
+    const hidden = material.clone();
+    return Object.assign(hidden, {transparent: true, opacity: 0.4, depthFunc: GreaterDepth, depthWrite: false});
+  });
+}
+
 /** Words on a dark plate, in an image eight times as wide as high. */
 export function wordsMaterial(text, {r, g, b}) {
   const color = `rgb(${255 * r}, ${255 * g}, ${255 * b})`;
@@ -43,7 +51,7 @@ export function wordsMaterial(text, {r, g, b}) {
       words.get(oldest).map.dispose();
       words.delete(oldest);
     }
-    words.set(key, new SpriteMaterial({map: new CanvasTexture(written(text, color)), depthTest: false}));
+    words.set(key, new SpriteMaterial({map: new CanvasTexture(written(text, color)), depthTest: false, sizeAttenuation: false}));
   }
   return words.get(key);
 }

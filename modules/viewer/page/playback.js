@@ -116,6 +116,11 @@ export class Playback {
     }));
   }
 
+  /** A time of a message in words: of a recording its place on the time line, live the time of day. */
+  timeText(timeS) {
+    return this.beginS === undefined ? `at ${new Date(1000 * timeS).toLocaleTimeString()}` : `at ${clockText(timeS - this.beginS)}`;
+  }
+
   /** Goes to the time of a link, once, and pauses there. */
   seekWanted() {
     if (this.wantedS !== undefined && this.durationS > 0) {

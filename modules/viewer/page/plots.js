@@ -1,31 +1,36 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A strip of plots over the last minute, by dygraphs (a global: Debian's package has no module of it).
+// A strip of plots, by dygraphs (a global: Debian's package has no module of it): live over the last minute, of a recording over
+// all of it, with a cursor at the present time. Where nothing came there is a gap.
 
 import {element} from "./element.js";
 
 const WINDOW_S = 60;
 const DEGREES = 180 / Math.PI;
 const SAMPLE_S = 0.1;
+// What comes ten times a second and more is missing after this; STATUS comes once a second.
+const GAP_S = 1;
+const STATUS_GAP_S = 3.5;
 const COLORS = ["#5fb3ff", "#ffb74d", "#8bd17c", "#ff8fd0"];
 // Those whose time the robot's reaction depends on, and the two that take long; with short names.
 const TIMED = {"nodmap-map-server": "maps", "nodmap-navigator": "navigator", "nodmap-slam2d": "2D", "nodmap-slam6d": "6D"};
 
-/** The plots: a caption, the names of their lines, and for each topic what it adds to which line. */
+/** The plots: a caption, their lines (name, quantity in a recording's history, factor to the plot's unit), and for each topic what it adds to which line. */
 const PLOTS = [
-  {caption: "speed, m/s", lines: ["speed", "bound"],
+  {caption: "speed, m/s", lines: [["speed", "forward_mps", 1], ["bound", "max_forward_mps", 1]],
     from: {ODOMETRY: (m) => ({speed: m.forward_mps}), NAVIGATION: (m) => ({bound: m.max_forward_mps})}},
-  {caption: "pitch, °", lines: ["pitch"],
+  {caption: "pitch, °", lines: [["pitch", "pitch_rad", DEGREES]],
     from: {PITCH_STATE: (m) => ({pitch: DEGREES * m.pitch_rad}), SCAN: (m) => ({pitch: DEGREES * pitchOf(m.pose.orientation)})}},
-  {caption: "sweep time, s", lines: ["sweep"], from: {PITCH_COMMAND: (m) => ({sweep: m.sweep_s})}},
-  {caption: "obstacles, m", lines: ["nearest", "clear distance"],
+  {caption: "sweep time, s", lines: [["sweep", "sweep_s", 1]], from: {PITCH_COMMAND: (m) => ({sweep: m.sweep_s})}},
+  {caption: "obstacles, m", lines: [["nearest", "nearest_m", 1], ["clear distance", "clear_distance_m", 1]],
     from: {OBSTACLE_MAP: (m, extra) => ({nearest: extra}), NAVIGATION: (m) => ({"clear distance": m.clear_distance_m})}},
-  {caption: "latency (p99), ms", lines: Object.values(TIMED), logscale: true, from: {STATUS: latenciesOf}},
+  {caption: "latency (p99), ms", lines: Object.entries(TIMED).map(([process, name]) => [name, `latency_p99_us ${process}`, 1e-3]), logscale: true,
+    gapS: STATUS_GAP_S, from: {STATUS: latenciesOf}},
 ];
 
 /** The latencies of a STATUS, by process. A process that has handled nothing has none. */
 function latenciesOf(status) {
-  const timed = status.processes.filter((p) => p.process_name in TIMED);
-  return Object.fromEntries(timed.map((p) => [TIMED[p.process_name], p.latency_p99_us > 0 ? p.latency_p99_us / 1000 : null]));
+  const timed = status.processes.filter((p) => p.process_name in TIMED && p.latency_p99_us > 0);
+  return Object.fromEntries(timed.map((p) => [TIMED[p.process_name], p.latency_p99_us / 1000]));
 }
 
 /** How far up the x axis of an orientation looks, radians. */
@@ -39,59 +44,105 @@ function shortNumber(value) {
 
 /** One plot; not on the page before it has something to show. */
 class Plot {
-  constructor(parent, {caption, lines, from, logscale = false}) {
-    Object.assign(this, {lines, from, logscale});
-    this.rows = [];
-    this.newest = lines.map(() => null);
+  constructor(parent, {caption, lines, from, logscale = false, gapS = GAP_S}) {
+    Object.assign(this, {lines, from, logscale, gapS});
+    this.samples = lines.map(() => []);  // of each line [seconds, value]; NaN where a gap begins
+    this.window = null;                  // of a recording, seconds; none: the last minute
     this.figure = element("figure", "", {hidden: ""});
     this.box = element("div", "", {class: "plot", role: "img", "aria-label": `plot: ${caption}`});
+    this.cursor = element("div", "", {class: "cursor", hidden: ""});
     this.names = element("span", "", {class: "lines", "aria-hidden": "true"});
     const title = element("figcaption", caption);
     title.append(this.names);
-    this.figure.append(title, this.box);
+    const place = element("div", "", {class: "place"});
+    place.append(this.box, this.cursor);
+    this.figure.append(title, place);
     parent.append(this.figure);
   }
 
-  /** With the first rows: dygraphs takes its size from its box, which is on the page by now, and a log scale needs values. */
+  /** With the first samples: dygraphs takes its size from its box, which is on the page by now, and a log scale needs values. */
   open() {
     this.figure.hidden = false;
-    this.graph = new Dygraph(this.box, this.rows, {
-      labels: ["time", ...this.lines], connectSeparatedPoints: true, legend: "always", labelsDiv: this.names, strokeWidth: 1.5, drawGrid: true,
-      logscale: this.logscale, gridLineColor: "#2c343c", axisLineColor: "#39424c", colors: COLORS,
-      axes: {x: {pixelsPerLabel: 70}, y: {axisLabelWidth: 34, axisLabelFormatter: shortNumber}}, interactionModel: {},
+    this.graph = new Dygraph(this.box, this.rows(), {
+      labels: ["time", ...this.lines.map(([name]) => name)], connectSeparatedPoints: true, legend: "always", labelsDiv: this.names, strokeWidth: 1.5,
+      drawGrid: true, logscale: this.logscale, gridLineColor: "#2c343c", axisLineColor: "#39424c", colors: COLORS,
+      axes: {x: {pixelsPerLabel: 70}, y: {axisLabelWidth: 34, axisLabelFormatter: shortNumber}}, interactionModel: {}, dateWindow: this.window,
     });
     new ResizeObserver(() => this.graph.resize()).observe(this.box);
   }
 
+  /** A line of dygraphs' table for each sample: null where another line has one, NaN where the line is interrupted. */
+  rows() {
+    const all = this.samples.flatMap((samples, line) => samples.map(([timeS, value]) => ({timeS, value, line})));
+    return all.sort((a, b) => a.timeS - b.timeS).map(({timeS, value, line}) => {
+      const row = [new Date(1000 * timeS), ...this.lines.map(() => null)];
+      row[1 + line] = value;
+      return row;
+    });
+  }
+
   add(topic, message, timeS, extra) {
-    if (!(topic in this.from)) {
+    if (this.window || !(topic in this.from)) {
       return;
     }
-    for (const [line, value] of Object.entries(this.from[topic](message, extra))) {
-      this.newest[this.lines.indexOf(line)] = Number.isFinite(value) ? value : null;
+    for (const [name, value] of Object.entries(this.from[topic](message, extra))) {
+      this.addSample(this.samples[this.lines.findIndex(([line]) => line === name)], timeS, value);
     }
-    const last = this.rows[this.rows.length - 1];
-    if (this.newest.some((value) => value !== null) && (!last || timeS - last[0].getTime() / 1000 >= SAMPLE_S)) {
-      this.rows.push([new Date(1000 * timeS), ...this.newest]);
-      this.changed = true;
+    this.samples.forEach((samples) => {
+      while (samples.length && timeS - samples[0][0] > WINDOW_S) {
+        samples.shift();
+      }
+    });
+  }
+
+  addSample(samples, timeS, value) {
+    const lastS = samples.length ? samples[samples.length - 1][0] : -Infinity;
+    if (!Number.isFinite(value) || timeS - lastS < SAMPLE_S) {
+      return;
     }
-    while (this.rows.length && timeS - this.rows[0][0].getTime() / 1000 > WINDOW_S) {
-      this.rows.shift();
+    if (timeS - lastS > this.gapS && samples.length) {
+      samples.push([lastS, NaN]);
+    }
+    samples.push([timeS, value]);
+    this.changed = true;
+  }
+
+  /** Shows a recording's history: {quantity: [[seconds, value or null]]}. */
+  showHistory(history, beginS, durationS) {
+    this.samples = this.lines.map(([, quantity, factor]) => (history[quantity] ?? []).map(([timeS, value]) => [timeS, value === null ? NaN : factor * value]));
+    this.window = [1000 * beginS, 1000 * (beginS + durationS)];
+    this.graph?.updateOptions({dateWindow: this.window});
+    this.changed = true;
+  }
+
+  showCursor(timeS) {
+    if (this.graph) {
+      this.cursor.hidden = !this.window;
+      this.cursor.style.left = `${this.graph.toDomXCoord(new Date(1000 * timeS))}px`;
     }
   }
 
   clear() {
-    this.rows = [];
-    this.newest.fill(null);
+    if (!this.window) {
+      this.samples = this.lines.map(() => []);
+    }
+  }
+
+  /** From now on the last minute of what comes. */
+  follow() {
+    this.window = null;
+    this.cursor.hidden = true;
+    this.graph?.updateOptions({dateWindow: null});
+    this.clear();
   }
 
   draw() {
-    if (!this.changed || this.rows.length < 2) {
+    if (!this.changed || !this.samples.some((samples) => samples.length > 1)) {
       return;
     }
     this.changed = false;
     if (this.graph) {
-      this.graph.updateOptions({file: this.rows});
+      this.graph.updateOptions({file: this.rows()});
     } else {
       this.open();
     }
@@ -107,6 +158,19 @@ export class Plots {
   /** `extra` is what has been worked out of the message already: the nearest obstacle. */
   add(topic, message, timeS, extra) {
     this.plots.forEach((plot) => plot.add(topic, message, timeS, extra));
+  }
+
+  /** Shows all of a recording, whatever of it is being played. */
+  showHistory(history, beginS, durationS) {
+    this.plots.forEach((plot) => plot.showHistory(history, beginS, durationS));
+  }
+
+  showCursor(timeS) {
+    this.plots.forEach((plot) => plot.showCursor(timeS));
+  }
+
+  follow() {
+    this.plots.forEach((plot) => plot.follow());
   }
 
   /** Draws the next of them: all at once would be felt. */

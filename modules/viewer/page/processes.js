@@ -17,7 +17,7 @@ export function processList(statuses, commands) {
     const program = programOf(manager);
     // Several commands may run one program, as loggers on two hosts do: each is a row, by its own name.
     const isAlone = commands.filter((other) => programOf(other) === program).length === 1;
-    return {key: `${host}/${command}`, name: isAlone ? program : `${command} on ${host}`, command, manager, cpu_share, status: statusOf.get(program)};
+    return {key: `${host}/${command}`, name: isAlone ? program : `${command} on ${host}`, command, program, manager, cpu_share, status: statusOf.get(program)};
   });
   const known = new Set(commands.map(programOf));
   const others = statuses.filter(({process_name: name}) => !known.has(name)).map((status) => ({key: status.process_name, name: status.process_name, status}));
@@ -43,7 +43,7 @@ function refused({total_corrupt: corrupt, total_rejected: rejected}) {
   return [[corrupt, "corrupt"], [rejected, "rejected"]].filter(([count]) => count > 0).map(([count, what]) => `${count} ${what}`).join(", ");
 }
 
-/** The table's body. `ask(what, command)` starts, stops and restarts, `showOutput(command)` shows what it wrote; the buttons are there while `canControl`. */
+/** The table's body. `ask(what, command, program)` starts, stops and restarts, `showOutput(command)` shows what it wrote; the buttons are there while `canControl`. */
 export class Processes {
   constructor(body, ask, showOutput) {
     this.body = body;
@@ -85,13 +85,13 @@ export class Processes {
     return row;
   }
 
-  makeRow({name}) {
+  makeRow({name, program}) {
     const row = element("tr", "");
     const head = element("th", name.replace(/^nodmap-/, ""), {scope: "row"});
     const buttons = element("span", "", {class: "buttons"});
     for (const [what, sign] of [["start", "▶"], ["restart", "↻"], ["stop", "■"]]) {
       const button = element("button", sign, {type: "button", "data-do": what, "aria-label": `${what} ${name}`, title: `${what} ${name}`});
-      button.addEventListener("click", () => this.ask(`${what}_process`, row.dataset.command));
+      button.addEventListener("click", () => this.ask(what, row.dataset.command, program));
       buttons.append(button);
     }
     const output = element("button", "≡", {type: "button", "data-do": "output", "aria-label": `output of ${name}`, title: `what ${name} wrote`});

@@ -4,7 +4,6 @@ import {BufferAttribute, BufferGeometry, Line, LineBasicMaterial} from "./three/
 import {shared} from "./colors.js";
 
 const MAX_BAR_PX = 120;
-const DRAG_PX = 4;
 const LIFT_M = 0.03;
 
 /** The longest of 1, 2 and 5 times a power of ten that is at most `metres`. */
@@ -46,11 +45,8 @@ export class Measuring {
         this.set(false);
       }
     });
-    let down = null;
-    view.canvas.addEventListener("pointerdown", (event) => { down = event; });
-    view.canvas.addEventListener("pointerup", (event) => {
-      const dragged = !down || Math.hypot(event.clientX - down.clientX, event.clientY - down.clientY) > DRAG_PX;
-      if (this.isOn && !dragged) {
+    view.onClick((event) => {
+      if (this.isOn) {
         this.take(view.floorAt(event));
       }
     });

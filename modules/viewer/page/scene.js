@@ -19,6 +19,7 @@ const FOLLOW_OFFSET = new Vector3(-4, -2.5, 4);
 const TOP_OFFSET = new Vector3(0, -0.01, 14);
 const KEY_TURN_RAD = 0.08;
 const KEY_DISTANCE = 0.9;
+const DRAG_PX = 4;
 
 /** Null where the browser has no WebGL: then there is no scene, and the rest of the page works. */
 function makeRenderer(canvas) {
@@ -51,6 +52,17 @@ export class View {
     canvas.addEventListener("keydown", (event) => this.onKey(event));
     this.robot = new Vector3();
     this.setMode("follow");
+  }
+
+  /** Calls `act(event)` for each click that is no drag. Not "click": the camera's controls keep it from coming on touch screens. */
+  onClick(act) {
+    let down = null;
+    this.canvas.addEventListener("pointerdown", (event) => { down = event; });
+    this.canvas.addEventListener("pointerup", (event) => {
+      if (down && Math.hypot(event.clientX - down.clientX, event.clientY - down.clientY) <= DRAG_PX) {
+        act(event);
+      }
+    });
   }
 
   /** Says that the next image differs from the last one. */

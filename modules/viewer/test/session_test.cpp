@@ -117,6 +117,22 @@ TEST_F(SessionTest, TopicsTakeTurns) {
   EXPECT_NE(first, second);
 }
 
+TEST_F(SessionTest, BetweenTwoSendingsOnlyAnswersGoOut) {
+  Session session = greeted();
+  session.receive_text(R"({"op":"subscribe","subscriptions":[{"id":0,"channelId":1}]})");
+  post(scan_, 1, "old");
+  session.receive_text("nonsense");
+  const auto answer = session.next(false);
+  ASSERT_TRUE(answer);
+  EXPECT_FALSE(answer->is_binary);
+  EXPECT_FALSE(session.next(false));
+  post(scan_, 2, "new");
+  const auto frame = session.next(true);
+  ASSERT_TRUE(frame && frame->post);
+  EXPECT_EQ(frame->post->text(), "new");
+  EXPECT_FALSE(session.next(true)) << "what was replaced meanwhile is not sent";
+}
+
 TEST_F(SessionTest, UnsubscribedIsSilent) {
   Session session = greeted();
   session.receive_text(R"({"op":"subscribe","subscriptions":[{"id":7,"channelId":1}]})");

@@ -7,16 +7,6 @@
 namespace nodmap::procman {
 namespace {
 
-TEST(SystemLoad, ReadsTheFirstFourColumns) {
-  const auto ticks = parse_cpu_ticks("cpu  10 20 30 940 5 6 7 8 9 10\ncpu0 1 2 3 4\n");
-  ASSERT_TRUE(ticks.has_value());
-  EXPECT_EQ(ticks->busy, 60U);
-  EXPECT_EQ(ticks->total, 1000U);
-  for (const char* text : {"", "cpu", "cpu  1 2 3", "cpu0 1 2 3 4", "cpu a b c d"}) {
-    EXPECT_FALSE(parse_cpu_ticks(text).has_value()) << text;
-  }
-}
-
 TEST(SystemLoad, ReadsMemoryLines) {
   const char* text = "MemTotal:       24000 kB\nMemFree:  1 kB\nSwapTotal:       0 kB";
   EXPECT_EQ(parse_memory_bytes(text, "MemTotal"), 24000 * 1024);
@@ -24,12 +14,6 @@ TEST(SystemLoad, ReadsMemoryLines) {
   EXPECT_EQ(parse_memory_bytes(text, "SwapTotal"), 0);
   EXPECT_EQ(parse_memory_bytes(text, "Mem"), 0);
   EXPECT_EQ(parse_memory_bytes("", "MemFree"), 0);
-}
-
-TEST(SystemLoad, AShareIsBetweenZeroAndOne) {
-  EXPECT_FLOAT_EQ(share_of(1, 4), 0.25F);
-  EXPECT_FLOAT_EQ(share_of(0, 0), 0.0F);
-  EXPECT_FLOAT_EQ(share_of(5, 4), 0.0F) << "counters that do not fit each other";
 }
 
 TEST(SystemLoad, KnowsTheMemoryOfThisProcess) {
