@@ -335,6 +335,8 @@ void Deputy::publish_info() {
     load_.describe_process(status);
   }
   bus_.publish(kInfoChannel, to_message(info));
+  bus_.publish(kRunsChannel,
+               to_message(Runs{info.stamp, settings_.id, supervisor_.runs(time::steady_now())}));
 }
 
 std::vector<pid_t> Deputy::pids() const {

@@ -148,6 +148,7 @@ void Supervisor::started(const std::string& id, std::int32_t pid, time::SteadyTi
   Entry& entry = commands_.at(id);
   entry.pid = pid;
   entry.started = now;
+  ++entry.num_starts;
 }
 
 SupervisorActions Supervisor::not_started(const std::string& id, const std::string& reason,
@@ -254,6 +255,16 @@ std::vector<CommandStatus> Supervisor::statuses() const {
     all.push_back(std::move(status));
   }
   return all;
+}
+
+std::vector<CommandRun> Supervisor::runs(time::SteadyTime now) const {
+  std::vector<CommandRun> runs;
+  for (const auto& [id, entry] : commands_) {
+    if (entry.pid != 0) {
+      runs.push_back({id, entry.pid, now - entry.started, entry.num_starts - 1});
+    }
+  }
+  return runs;
 }
 
 }  // namespace nodmap::procman

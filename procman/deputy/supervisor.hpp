@@ -84,6 +84,8 @@ class Supervisor {
 
   /// Every command, by its id: those never started, too. Without what only the system knows.
   [[nodiscard]] std::vector<CommandStatus> statuses() const;
+  /// Of those that run.
+  [[nodiscard]] std::vector<CommandRun> runs(time::SteadyTime now) const;
 
  private:
   struct Entry {
@@ -94,6 +96,7 @@ class Supervisor {
     bool wanted = false;   // should run, hence respawns
     bool removed = false;  // to be forgotten when it has ended
     time::SteadyTime started{};
+    std::int64_t num_starts = 0;
     time::Duration respawn_delay = kMinRespawnDelay;
     std::optional<time::SteadyTime> respawn_due;
     std::optional<time::SteadyTime> kill_due;  // while it stops: when SIGKILL is due

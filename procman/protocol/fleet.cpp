@@ -274,6 +274,21 @@ void Fleet::take_status(Item& item, const CommandStatus& status, time::SteadyTim
   item.force_quit |= ended_by_itself || ended_unseen;
 }
 
+void Fleet::take_runs(const Runs& runs, time::SteadyTime now) {
+  for (const CommandRun& run : runs.runs) {
+    Item* item = find_mutable(run.command_id);
+    if (item != nullptr && item->deputy == runs.deputy_id) {
+      item->reported_run = Run{run.pid, now - run.uptime, run.num_restarts};
+    }
+  }
+}
+
+Fleet::Run Fleet::run_of(const Item& item) {
+  const std::int32_t pid = item.status ? item.status->pid : 0;
+  const bool is_reported = item.reported_run && item.reported_run->pid == pid;
+  return is_reported ? *item.reported_run : Run{pid, item.running_since, item.num_restarts};
+}
+
 void Fleet::take_orders(const Orders& orders, time::SteadyTime now) {
   if (orders.sheriff_id != sheriff_id_ && commands(orders.deputy_id)) {
     other_sheriff_ = orders.sheriff_id;

@@ -44,6 +44,13 @@ class Fleet {
   /// So long after its orders another sheriff counts as being there.
   static constexpr time::Duration kOtherSheriffTime = 3s;
 
+  /// What its deputy says of a run.
+  struct Run {
+    std::int32_t pid = 0;
+    time::SteadyTime started{};
+    std::int64_t num_restarts = 0;
+  };
+
   struct Item {
     CommandSpec spec;
     std::string deputy;
@@ -54,7 +61,8 @@ class Fleet {
     bool configured = false;    ///< in our file; others are the deputies' and left as they are
     std::optional<CommandStatus> status;
     time::SteadyTime running_since{};
-    std::int64_t num_restarts = 0;  ///< seen by this sheriff: each new process after the first
+    std::int64_t num_restarts = 0;    ///< seen by this sheriff: each new process after the first
+    std::optional<Run> reported_run;  ///< by deputies of ours; of the process that runs
     /// Wait status of the newest end with an error that nobody ordered, since the last start order.
     std::optional<std::int32_t> failed_status;
   };
@@ -80,6 +88,8 @@ class Fleet {
 
   /// What a deputy says. Whether there are new orders for it that should not wait.
   bool take_info(const DeputyInfo& info, time::SteadyTime now);
+  /// What a deputy of ours says besides, after its INFO.
+  void take_runs(const Runs& runs, time::SteadyTime now);
   /// Orders as heard on the network: ours, or another sheriff's.
   void take_orders(const Orders& orders, time::SteadyTime now);
 
@@ -110,6 +120,10 @@ class Fleet {
     return deputies_;
   }
   [[nodiscard]] bool is_heard(const std::string& deputy, time::SteadyTime now) const;
+
+  /// The present run of a command as its deputy reports it, else as far as this sheriff has seen
+  /// it.
+  [[nodiscard]] static Run run_of(const Item& item);
 
  private:
   [[nodiscard]] Item* find_mutable(const std::string& id);

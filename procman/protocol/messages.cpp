@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "procman/protocol/messages.hpp"
 
+#include <algorithm>
+#include <sstream>
+#include <string>
+
 namespace nodmap::procman {
 namespace {
 
@@ -122,6 +126,32 @@ procman_lcm::output_t to_message(const Output& output) {
   }
   message.num_commands = static_cast<std::int16_t>(message.command_ids.size());
   return message;
+}
+
+Runs runs_from_message(const procman_lcm::output_t& message) {
+  const Output texts = from_message(message);
+  Runs runs{texts.stamp, texts.deputy_id, {}};
+  for (const CommandOutput& part : texts.outputs) {
+    CommandRun run{.command_id = part.command_id};
+    std::int64_t microseconds = 0;
+    std::istringstream in(part.text);
+    if (in >> run.pid >> microseconds >> run.num_restarts && run.pid > 0 && microseconds >= 0 &&
+        run.num_restarts >= 0) {
+      run.uptime = std::min(time::Duration(microseconds), time::kLimit);
+      runs.runs.push_back(std::move(run));
+    }
+  }
+  return runs;
+}
+
+procman_lcm::output_t to_message(const Runs& runs) {
+  Output texts{runs.stamp, runs.deputy_id, {}};
+  for (const CommandRun& run : runs.runs) {
+    texts.outputs.push_back({run.command_id, std::to_string(run.pid) + " " +
+                                                 std::to_string(run.uptime.count()) + " " +
+                                                 std::to_string(run.num_restarts)});
+  }
+  return to_message(texts);
 }
 
 }  // namespace nodmap::procman

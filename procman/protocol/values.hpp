@@ -14,6 +14,8 @@ inline constexpr const char* kDiscoverChannel = "PM_DISCOVER";
 inline constexpr const char* kInfoChannel = "PM_INFO";
 inline constexpr const char* kOrdersChannel = "PM_ORDERS";
 inline constexpr const char* kOutputChannel = "PM_OUTPUT";
+/// Ours: the existing tools do not know it.
+inline constexpr const char* kRunsChannel = "PM_RUNS";
 
 /// A command as sheriff and deputy speak of it.
 struct CommandSpec {
@@ -71,6 +73,24 @@ struct DeputyInfo {
   std::vector<CommandStatus> commands;
 
   bool operator==(const DeputyInfo&) const = default;
+};
+
+/// How a command that runs came to run: only its deputy knows.
+struct CommandRun {
+  std::string command_id;
+  std::int32_t pid = 0;
+  time::Duration uptime{};
+  std::int64_t num_restarts = 0;  ///< ordered or not, since its deputy knows the command
+
+  bool operator==(const CommandRun&) const = default;
+};
+
+struct Runs {
+  time::Timestamp stamp{};
+  std::string deputy_id;
+  std::vector<CommandRun> runs;
+
+  bool operator==(const Runs&) const = default;
 };
 
 struct Discovery {

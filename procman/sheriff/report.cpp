@@ -126,13 +126,14 @@ std::vector<ReportRow> report(const Fleet& fleet, const HealthWatch& health,
     row.group = item.spec.group;
     row.deputy = item.deputy;
     row.state = fleet.state_of(row.id, now);
-    row.restarts = item.num_restarts;
+    const Fleet::Run run = Fleet::run_of(item);
+    row.restarts = run.num_restarts;
     if (item.status && row.state != CommandState::kUnknown) {
       row.pid = item.status->pid;
       row.end = row.pid == 0 ? describe_end(item.status->wait_status) : "";
       row.cpu_percent = 100.0 * static_cast<double>(item.status->cpu_share);
       row.memory_mb = static_cast<double>(item.status->rss_bytes) * 1e-6;
-      row.uptime_s = row.pid != 0 ? time::seconds(now - item.running_since) : 0;
+      row.uptime_s = row.pid != 0 ? time::seconds(now - run.started) : 0;
     }
     row.health = row.pid != 0 ? health_of(health.last_status_of(row.id), item, now) : "";
     const auto console = consoles.find(row.id);
@@ -178,6 +179,8 @@ nlohmann::json to_json(const std::vector<ReportRow>& rows, const Fleet& fleet,
                         {"pid", row.pid},
                         {"cpu_percent", row.cpu_percent},
                         {"memory_mb", row.memory_mb},
+                        {"uptime_s", row.uptime_s},
+                        {"restarts", row.restarts},
                         {"health", row.health}});
   }
   nlohmann::json hosts = nlohmann::json::array();

@@ -24,7 +24,7 @@ struct ReportRow {
   std::int32_t pid = 0;
   double cpu_percent = 0.0;  ///< of the whole host
   double memory_mb = 0.0;
-  double uptime_s = 0.0;  ///< as long as this sheriff has seen it
+  double uptime_s = 0.0;  ///< as its deputy says, or as long as this sheriff has seen it
   std::int64_t restarts = 0;
   std::string health;  ///< of STATUS; empty where none came
   std::string last_output;

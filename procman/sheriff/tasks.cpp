@@ -131,15 +131,12 @@ int print_status(Sheriff& sheriff, bool as_json) {
   while (Sheriff::now() < deadline && !node::stop_requested()) {
     sheriff.work(kWait);
   }
-  std::vector<ReportRow> rows = sheriff.report();
+  const std::vector<ReportRow> rows = sheriff.report();
   if (as_json) {
     std::cout << to_json(rows, sheriff.fleet(), Sheriff::now())
                      .dump(2, ' ', false, nlohmann::json::error_handler_t::replace)
               << "\n";
   } else {
-    for (ReportRow& row : rows) {
-      row.uptime_s = 0.0;  // not known from one look
-    }
     for (const std::string& line : to_table(rows)) {
       std::cout << line << "\n";
     }

@@ -159,6 +159,29 @@ TEST_F(SheriffProcess, TellsTheStatusToPeopleAndPrograms) {
   }
 }
 
+// A sheriff that comes later has seen neither the start nor the restart.
+TEST_F(SheriffProcess, KnowsSinceWhenACommandRunsAndHowOftenItWasStartedAnew) {
+  begin_deputy();
+  ASSERT_EQ(sheriff({"--start", "talker"}).exit_code, 0);
+  const auto before_restart = std::chrono::steady_clock::now();
+  ASSERT_EQ(sheriff({"--restart", "talker"}).exit_code, 0);
+  const auto after_restart = std::chrono::steady_clock::now();
+  const auto seconds_since = [](std::chrono::steady_clock::time_point moment) {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - moment).count();
+  };
+  ASSERT_EQ(sheriff({"--status"}).exit_code, 1);  // some seconds go by, unseen by the next one
+  const double least_s = seconds_since(after_restart);
+  const auto json = nlohmann::json::parse(sheriff({"--status", "--json"}).out);
+  const double most_s = seconds_since(before_restart);
+  for (const auto& command : json["commands"]) {
+    if (command["command"] == "talker") {
+      EXPECT_EQ(command["restarts"], 1);
+      EXPECT_GE(command["uptime_s"], least_s);
+      EXPECT_LE(command["uptime_s"], most_s);
+    }
+  }
+}
+
 TEST_F(SheriffProcess, FollowsOutput) {
   begin_deputy();
   ASSERT_EQ(sheriff({"--start", "talker"}).exit_code, 0);

@@ -138,6 +138,19 @@ TEST_F(SupervisorTest, RespawnsEverSlower) {
   EXPECT_EQ(supervisor_.next_due().value() - now_, 125ms);
 }
 
+TEST_F(SupervisorTest, ARunHasItsAgeAndTheNumberOfStartsBefore) {
+  EXPECT_THAT(supervisor_.runs(now_), IsEmpty());
+  CommandOrder wanted = order(1);
+  wanted.spec.auto_respawn = true;
+  start_a(wanted);
+  EXPECT_THAT(supervisor_.runs(now_ + 5s), ElementsAre(CommandRun{"a", 100, 5s, 0}));
+  static_cast<void>(supervisor_.ended("a", kExit3, now_ + 6s));
+  EXPECT_THAT(supervisor_.runs(now_ + 6s), IsEmpty());
+  static_cast<void>(supervisor_.poll(now_ + 7s));
+  supervisor_.started("a", 101, now_ + 7s);
+  EXPECT_THAT(supervisor_.runs(now_ + 9s), ElementsAre(CommandRun{"a", 101, 2s, 1}));
+}
+
 TEST_F(SupervisorTest, WhatIsStoppedDoesNotRespawn) {
   CommandOrder wanted = order(1);
   wanted.spec.auto_respawn = true;

@@ -246,5 +246,22 @@ TEST(DescribeEnd, TellsExitsFromSignals) {
   EXPECT_EQ(describe_end(SIGKILL), "killed by signal 9 (Killed)");
 }
 
+TEST_F(FleetTest, ARunIsAsOldAsItsDeputySays) {
+  hear({status("a", 10, 1)});
+  const auto run = [this] { return Fleet::run_of(*fleet_.find("a")); };
+  EXPECT_EQ(run().started, now_) << "as far as this sheriff has seen";
+  fleet_.take_runs({{}, "h", {{"a", 10, 3600s, 4}, {"unknown", 1, 1s, 1}}}, now_);
+  EXPECT_EQ(run().started, now_ - 3600s);
+  EXPECT_EQ(run().num_restarts, 4);
+  fleet_.take_runs({{}, "elsewhere", {{"a", 10, 1s, 9}}}, now_);
+  EXPECT_EQ(run().num_restarts, 4) << "what another deputy says of this name";
+  // The next process is another run, until its deputy says more.
+  now_ += 1s;
+  hear({status("a", 11, 1)});
+  EXPECT_EQ(run().started, now_);
+  fleet_.take_runs({{}, "h", {{"a", 11, 0s, 5}}}, now_);
+  EXPECT_EQ(run().num_restarts, 5);
+}
+
 }  // namespace
 }  // namespace nodmap::procman

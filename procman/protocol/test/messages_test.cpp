@@ -61,5 +61,22 @@ TEST(ProcmanMessages, OfTheExistingToolsComeBackByteByByte) {
   EXPECT_EQ(counts[kOutputChannel], 8);
 }
 
+TEST(ProcmanMessages, RunsComeBackAndWhatIsNoneIsLeftOut) {
+  const Runs runs{time::Timestamp(5us), "h", {{"a", 17, 90s, 2}, {"b", 18, 1us, 0}}};
+  EXPECT_EQ(runs_from_message(to_message(runs)), runs);
+  const Output nonsense{{},
+                        "h",
+                        {{"a", ""},
+                         {"b", "1 2"},
+                         {"c", "-1 2 3"},
+                         {"d", "1 -2 3"},
+                         {"e", "1 2 -3"},
+                         {"f", "x"},
+                         {"g", "1 9223372036854775807 3"}}};
+  const Runs read = runs_from_message(to_message(nonsense));
+  ASSERT_EQ(read.runs.size(), 1U);
+  EXPECT_EQ(read.runs[0], (CommandRun{"g", 1, time::kLimit, 3}));
+}
+
 }  // namespace
 }  // namespace nodmap::procman
