@@ -10,6 +10,8 @@ install(DIRECTORY ${PROJECT_BINARY_DIR}/lcmtypes/include/nodmap ${PROJECT_BINARY
 install(FILES procman/robot.pmd procman/replay.pmd procman/sim.pmd procman/two_hosts.pmd
   DESTINATION ${CMAKE_INSTALL_DATADIR}/nodmap/procman)
 install(DIRECTORY config/ DESTINATION ${CMAKE_INSTALL_DATADIR}/nodmap/config)
+# With procman/sim.pmd: the simulated robot without the sources.
+install(DIRECTORY sim/worlds DESTINATION ${CMAKE_INSTALL_DATADIR}/nodmap/sim)
 install(FILES README.md docs/frames.md docs/multi-host.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
 # As Debian wants them: the licence as "copyright", the changes in its own format.
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright)
