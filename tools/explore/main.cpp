@@ -9,18 +9,18 @@
 #include "common/bus/live_bus.hpp"
 #include "common/node/clock.hpp"
 #include "common/node/program.hpp"
+#include "common/node/request.hpp"
 #include "nodmap/exploration_t.hpp"
 #include "nodmap/explore_t.hpp"
 
 namespace nodmap {
 namespace {
 
-using std::chrono::milliseconds;
+constexpr std::chrono::seconds kRepeat(1);
 
 struct Arguments {
   bool is_end = false;
-  double wait_s = 10.0;
-  std::string by = "nodmap-explore";
+  node::RequestOptions request{.by = "nodmap-explore"};
 };
 
 /// Asks until the explorer says that it does what it was asked for: what is said before it listens
@@ -30,26 +30,28 @@ int run(const Arguments& arguments, const std::string& lcm_url) {
   const bus::Latest<exploration_t> exploration(bus, "EXPLORATION");
   explore_t message{};
   message.is_active = static_cast<std::int8_t>(!arguments.is_end);
-  message.requested_by = arguments.by;
-  const auto end =
-      std::chrono::steady_clock::now() + std::chrono::duration<double>(arguments.wait_s);
-  while (!node::stop_requested() && std::chrono::steady_clock::now() < end) {
-    bus.handle(milliseconds(100));
+  message.requested_by = arguments.request.by;
+  auto request_due = std::chrono::steady_clock::now();
+  const auto is_done = [&] {
     if (!exploration.get()) {
-      continue;
+      return false;
     }
     const std::int8_t state = exploration.get()->state;
     const bool explores = state == exploration_t::EXPLORING || state == exploration_t::RETURNING;
-    if (explores != arguments.is_end) {
-      return 0;
+    const bool is_as_asked = explores != arguments.is_end;
+    if (!is_as_asked && std::chrono::steady_clock::now() >= request_due) {
+      request_due = std::chrono::steady_clock::now() + kRepeat;
+      message.utime = time::to_utime(time::SystemClock().now());
+      bus.publish("EXPLORE", message);
     }
-    message.utime = time::to_utime(time::SystemClock().now());
-    bus.publish("EXPLORE", message);
-    bus.handle(milliseconds(1000));
+    return is_as_asked;
+  };
+  if (node::handle_until(bus, arguments.request.wait_s, is_done)) {
+    return 0;
   }
   std::cerr << "nodmap-explore: "
             << (exploration.get() ? "the explorer does not do it" : "no nodmap-explorer")
-            << " within " << arguments.wait_s << " s\n";
+            << " within " << arguments.request.wait_s << " s\n";
   return 1;
 }
 
@@ -69,12 +71,8 @@ int main(int argc, char** argv) {
            [&arguments](CLI::App& app) {
              app.add_flag("--end", arguments.is_end,
                           "End the exploration; the robot stays where it is");
-             app.add_option("--wait", arguments.wait_s,
-                            "How long to wait for the explorer, seconds")
-                 ->check(CLI::Range(0.0, 3600.0))
-                 ->capture_default_str();
-             app.add_option("--by", arguments.by, "Name of the requester, for the log")
-                 ->capture_default_str();
+             node::add_request_options(app, arguments.request,
+                                       "How long to wait for the explorer, seconds");
            },
        .run = [&arguments](const std::string& lcm_url) { return run(arguments, lcm_url); }});
 }

@@ -8,6 +8,7 @@
 #include "common/bus/live_bus.hpp"
 #include "common/node/clock.hpp"
 #include "common/node/program.hpp"
+#include "common/node/request.hpp"
 #include "nodmap/status_t.hpp"
 #include "nodmap/stop_t.hpp"
 
@@ -22,8 +23,7 @@ constexpr milliseconds kPause(300);
 
 struct Arguments {
   bool is_go = false;
-  double wait_s = 10.0;
-  std::string by = "nodmap-stop";
+  node::RequestOptions request{.by = "nodmap-stop"};
 };
 
 /// Whether nodmap-kurt is heard in time: what is said before it listens is lost.
@@ -31,17 +31,13 @@ bool await_base(bus::LiveBus& bus, double wait_s) {
   bool is_heard = false;
   bus.subscribe<status_t>(
       "STATUS", [&](const status_t& status) { is_heard |= status.process_name == "nodmap-kurt"; });
-  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(wait_s);
-  while (!is_heard && !node::stop_requested() && std::chrono::steady_clock::now() < end) {
-    bus.handle(milliseconds(100));
-  }
-  return is_heard;
+  return node::handle_until(bus, wait_s, [&is_heard] { return is_heard; });
 }
 
 void say(bus::LiveBus& bus, const Arguments& arguments) {
   stop_t message{};
   message.is_stopped = static_cast<std::int8_t>(!arguments.is_go);
-  message.requested_by = arguments.by;
+  message.requested_by = arguments.request.by;
   for (int i = 0; i < kTimes; ++i) {
     message.utime = time::to_utime(time::SystemClock().now());
     message.stop_seq = i;
@@ -55,8 +51,8 @@ void say(bus::LiveBus& bus, const Arguments& arguments) {
 
 int run(const Arguments& arguments, const std::string& lcm_url) {
   bus::LiveBus bus(lcm_url);
-  if (arguments.is_go && !await_base(bus, arguments.wait_s)) {
-    std::cerr << "nodmap-stop: no nodmap-kurt within " << arguments.wait_s << " s\n";
+  if (arguments.is_go && !await_base(bus, arguments.request.wait_s)) {
+    std::cerr << "nodmap-stop: no nodmap-kurt within " << arguments.request.wait_s << " s\n";
     return 1;
   }
   say(bus, arguments);
@@ -78,12 +74,8 @@ int main(int argc, char** argv) {
            [&arguments](CLI::App& app) {
              app.add_flag("--go", arguments.is_go,
                           "Release the robot, after a STOP or a start of the base driver");
-             app.add_option("--wait", arguments.wait_s,
-                            "With --go: how long to wait for the base driver, seconds")
-                 ->check(CLI::Range(0.0, 3600.0))
-                 ->capture_default_str();
-             app.add_option("--by", arguments.by, "Name of the requester, for the log")
-                 ->capture_default_str();
+             node::add_request_options(app, arguments.request,
+                                       "With --go: how long to wait for the base driver, seconds");
            },
        .run = [&arguments](const std::string& lcm_url) { return run(arguments, lcm_url); }});
 }

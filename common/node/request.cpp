@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "common/node/request.hpp"
+
+#include <chrono>
+
+#include "common/node/program.hpp"
+
+namespace nodmap::node {
+
+void add_request_options(CLI::App& app, RequestOptions& options, const std::string& wait_help) {
+  app.add_option("--wait", options.wait_s, wait_help)
+      ->check(CLI::Range(0.0, 3600.0))
+      ->capture_default_str();
+  app.add_option("--by", options.by, "Name of the requester, for the log")->capture_default_str();
+}
+
+bool handle_until(bus::LiveBus& bus, double wait_s, const std::function<bool()>& is_done) {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(wait_s);
+  while (!stop_requested() && std::chrono::steady_clock::now() < end) {
+    bus.handle(std::chrono::milliseconds(100));
+    if (is_done()) {
+      return true;
+    }
+  }
+  return false;
+}
+
+}  // namespace nodmap::node
