@@ -42,7 +42,7 @@ struct Binding {
   std::string_view typed;
   Key key;
 };
-constexpr std::array<Binding, 14> kBindings{{{"\x1B[A", Key::kUp},
+constexpr std::array<Binding, 16> kBindings{{{"\x1B[A", Key::kUp},
                                              {"\x1BOA", Key::kUp},
                                              {"k", Key::kUp},
                                              {"\x1B[B", Key::kDown},
@@ -54,8 +54,30 @@ constexpr std::array<Binding, 14> kBindings{{{"\x1B[A", Key::kUp},
                                              {"S", Key::kStartGroup},
                                              {"T", Key::kStopGroup},
                                              {"R", Key::kRestartGroup},
+                                             {"\x1B[5~", Key::kPageUp},
+                                             {"\x1B[6~", Key::kPageDown},
                                              {"q", Key::kQuit},
                                              {"\x03", Key::kQuit}}};
+
+/// Bytes of the first key, whatever it means: a function key sends several, among which letters and
+/// digits are no keys. 0: it is not whole yet.
+std::size_t length_of_first(std::string_view typed) {
+  if (typed.front() != '\x1B') {
+    return 1;
+  }
+  if (typed.size() < 2) {
+    return 0;
+  }
+  if (typed[1] == 'O') {
+    return typed.size() < 3 ? 0 : 3;
+  }
+  if (typed[1] != '[') {
+    return 1;
+  }
+  const auto* end = std::find_if(typed.begin() + 2, typed.end(),
+                                 [](char c) { return c >= '\x40' && c <= '\x7E'; });
+  return end == typed.end() ? 0 : static_cast<std::size_t>(end - typed.begin()) + 1;
+}
 
 }  // namespace
 
@@ -67,7 +89,15 @@ std::optional<Key> take_key(std::string& typed) {
         return binding.key;
       }
     }
-    typed.erase(0, 1);
+    const char first = typed.front();
+    const std::size_t length = length_of_first(typed);
+    if (length == 0) {
+      return std::nullopt;
+    }
+    typed.erase(0, length);
+    if (first >= '1' && first <= '9') {
+      return static_cast<Key>(static_cast<int>(Key::kFirstScript) + (first - '1'));
+    }
   }
   return std::nullopt;
 }

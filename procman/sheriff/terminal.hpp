@@ -23,7 +23,11 @@ enum class Key : std::uint8_t {
   kStartGroup,
   kStopGroup,
   kRestartGroup,
-  kQuit
+  kPageUp,
+  kPageDown,
+  kQuit,
+  kFirstScript,  ///< and eight more
+  kLastScript = kFirstScript + 8
 };
 
 /// The terminal as a full screen, given back as it was at the end.

@@ -7,7 +7,7 @@
 namespace nodmap::procman {
 namespace {
 
-constexpr std::size_t kFrameLines = 3;  // title, message, keys
+constexpr std::size_t kFrameLines = 4;  // title, message, scripts, keys
 constexpr std::size_t kMinPaneLines = 4;
 
 enum class Side : std::uint8_t { kLeft, kRight };
@@ -134,8 +134,9 @@ std::vector<ViewLine> window_of(const std::vector<ViewLine>& table, std::size_t 
   return window;
 }
 
-/// What is known of one command, and the end of its output.
-std::vector<ViewLine> pane_of(const ReportRow& row, const Console* console, std::size_t room) {
+/// What is known of one command, and its output up to `lines_back` before its end.
+std::vector<ViewLine> pane_of(const ReportRow& row, const Console* console, std::size_t lines_back,
+                              std::size_t room) {
   if (room == 0) {
     return {};
   }
@@ -145,12 +146,25 @@ std::vector<ViewLine> pane_of(const ReportRow& row, const Console* console, std:
   std::vector<ViewLine> pane{{about, Tone::kStrong}};
   if (console != nullptr) {
     const auto& lines = console->lines();
-    for (std::size_t i = lines.size() - std::min(lines.size(), room - 1); i < lines.size(); ++i) {
+    const std::size_t first_end = std::min(lines.size(), room - 1);  // scrolled to the beginning
+    const std::size_t end = std::max(first_end, lines.size() - std::min(lines.size(), lines_back));
+    for (std::size_t i = end - first_end; i < end; ++i) {
       pane.push_back({printable(lines[i])});
+    }
+    if (end < lines.size()) {
+      pane.front().text += "; " + std::to_string(lines.size() - end) + " lines below";
     }
   }
   pane.resize(room);
   return pane;
+}
+
+std::string scripts_line(const std::vector<std::string>& scripts) {
+  std::string line = scripts.empty() ? "" : "scripts:";
+  for (std::size_t i = 0; i < scripts.size(); ++i) {
+    line += "  " + std::to_string(i + 1) + " " + printable(scripts[i]);
+  }
+  return line;
 }
 
 }  // namespace
@@ -168,10 +182,11 @@ std::vector<ViewLine> to_view(const std::vector<ReportRow>& rows, const Console*
   };
   append(window_of(table, selected_line, body - pane_room));
   if (state.selected < rows.size()) {
-    append(pane_of(rows[state.selected], console, pane_room));
+    append(pane_of(rows[state.selected], console, state.lines_back, pane_room));
   }
   view.push_back({state.message, Tone::kWarning});
-  view.push_back({"up/down  s start  t stop  r restart  S T R its group  q quit, all goes on"});
+  view.push_back({scripts_line(state.scripts)});
+  view.push_back({"up/down PgUp/PgDn  s start  t stop  r restart  S T R its group  q quit"});
   view.resize(std::min(view.size(), height));
   for (ViewLine& line : view) {
     // The last column stays free: what a terminal does after writing there differs.

@@ -23,10 +23,12 @@ struct ViewState {
   std::size_t selected = 0;
   std::string title;
   std::string message;
+  std::size_t lines_back = 0;             ///< the output is shown up to so far from its end
+  std::vector<std::string> scripts = {};  ///< that the keys 1 to 9 start
 };
 
 /// The live view, at most `height` lines of fewer than `width` characters: a title, the commands by
-/// their groups, what is known of the selected one with the end of its output, a message, the keys.
+/// their groups, what is known of the selected one with its output, a message, scripts and keys.
 /// `console` is the selected command's, or null.
 [[nodiscard]] std::vector<ViewLine> to_view(const std::vector<ReportRow>& rows,
                                             const Console* console, const ViewState& state,

@@ -15,6 +15,8 @@ namespace nodmap::procman {
 namespace {
 
 constexpr std::chrono::milliseconds kWait(50);
+constexpr std::size_t kScrollLines = 5;
+constexpr std::size_t kMaxScripts = 9;  // as many as there are keys
 constexpr time::Duration kReminderPeriod = 5s;
 /// The deputies read the same file, and are to know of a new exec line before it is ordered.
 constexpr time::Duration kConfigSettles = 2s;
@@ -42,8 +44,7 @@ class Watch {
         options_(options),
         config_watch_(options.config_file, kConfigSettles, Sheriff::now()) {
     if (options.script != nullptr) {
-      runner_.emplace(sheriff.config(), *options.script,
-                      [&sheriff](const std::string& id) { return sheriff.is_healthy(id); });
+      begin_script(*options.script);
     }
     if (Terminal::is_there()) {
       terminal_ = std::make_unique<Terminal>();
@@ -70,6 +71,8 @@ class Watch {
   }
 
  private:
+  void begin_script(const Script& script);
+  void begin_script_of(Key key);
   void step_script();
   void end_script();
   void reload_config();
@@ -77,6 +80,7 @@ class Watch {
   void notify(const std::string& text);
   void show();
   void press(Key key, const std::vector<ReportRow>& rows);
+  void scroll(Key key, const std::vector<ReportRow>& rows);
   void order(Key key, const std::vector<ReportRow>& rows);
   [[nodiscard]] std::string title() const;
   void print_changes();
@@ -85,6 +89,8 @@ class Watch {
   WatchOptions options_;
   ConfigWatch config_watch_;
   std::optional<ScriptRunner> runner_;
+  std::string script_name_;
+  bool is_script_of_key_ = false;  // whatever becomes of it, the watch goes on
   std::unique_ptr<Terminal> terminal_;
   ViewState view_;
   std::map<std::string, std::string> printed_;
@@ -100,6 +106,26 @@ void Watch::notify(const std::string& text) {
     view_.message = printable(text);
   } else {
     std::cout << printable(text) << std::endl;  // NOLINT(performance-avoid-endl): read as it comes
+  }
+}
+
+void Watch::begin_script(const Script& script) {
+  script_name_ = script.name;
+  runner_.emplace(sheriff_.config(), script,
+                  [this](const std::string& id) { return sheriff_.is_healthy(id); });
+}
+
+void Watch::begin_script_of(Key key) {
+  const auto& scripts = sheriff_.config().scripts;
+  const auto index = static_cast<std::size_t>(key) - static_cast<std::size_t>(Key::kFirstScript);
+  if (index >= scripts.size()) {
+    notify("there is no script " + std::to_string(index + 1));
+  } else if (runner_ && !runner_->is_over()) {
+    notify("not now: the script " + script_name_ + " is still running");
+  } else {
+    is_script_of_key_ = true;
+    begin_script(scripts[index]);
+    notify("script " + script_name_);
   }
 }
 
@@ -122,16 +148,21 @@ void Watch::step_script() {
     reminded_ = now;
     notify("waiting for " + runner_->waiting_for());
   }
-  if (options_.timeout_s && time::seconds(now - begin_) > *options_.timeout_s) {
+  if (options_.timeout_s && !is_script_of_key_ &&
+      time::seconds(now - begin_) > *options_.timeout_s) {
     notify("the script has not ended in time: waiting for " + runner_->waiting_for());
     exit_code_ = kFailed;
   }
 }
 
 void Watch::end_script() {
-  has_failed_ = !runner_->failure().empty();
-  notify("script " + options_.script->name +
-         (has_failed_ ? " has failed: " + runner_->failure() : " is done"));
+  const bool has_failed = !runner_->failure().empty();
+  notify("script " + script_name_ +
+         (has_failed ? " has failed: " + runner_->failure() : " is done"));
+  if (is_script_of_key_) {
+    return;
+  }
+  has_failed_ = has_failed;
   if (options_.after_script == AfterScript::kExit) {
     exit_code_ = has_failed_ ? kFailed : kDone;
   } else if (options_.after_script == AfterScript::kObserve) {
@@ -184,7 +215,7 @@ std::string Watch::title() const {
     title += ": observing only";
   }
   if (runner_ && !runner_->is_over()) {
-    title += "; script " + options_.script->name + ": waiting for " + runner_->waiting_for();
+    title += "; script " + script_name_ + ": waiting for " + runner_->waiting_for();
   }
   return printable(title);
 }
@@ -196,6 +227,12 @@ void Watch::show() {
     press(*key, rows);
   }
   view_.title = title();
+  view_.scripts.clear();
+  for (const Script& script : sheriff_.config().scripts) {
+    if (view_.scripts.size() < kMaxScripts) {
+      view_.scripts.push_back(script.name);
+    }
+  }
   const Console* console = rows.empty() ? nullptr : sheriff_.console(rows[view_.selected].id);
   const Terminal::Size size = Terminal::size();
   terminal_->draw(to_view(rows, console, view_, size.width, size.height), size);
@@ -204,15 +241,30 @@ void Watch::show() {
 void Watch::press(Key key, const std::vector<ReportRow>& rows) {
   if (key == Key::kUp) {
     view_.selected -= view_.selected > 0 ? 1 : 0;
+    view_.lines_back = 0;
   } else if (key == Key::kDown) {
     view_.selected += view_.selected + 1 < rows.size() ? 1 : 0;
+    view_.lines_back = 0;
+  } else if (key == Key::kPageUp || key == Key::kPageDown) {
+    scroll(key, rows);
   } else if (key == Key::kQuit) {
     exit_code_ = kDone;
   } else if (sheriff_.is_observer()) {
     notify(command_due_ ? "not yet: looking for other sheriffs" : "observing only: no orders");
+  } else if (key >= Key::kFirstScript && key <= Key::kLastScript) {
+    begin_script_of(key);
   } else if (!rows.empty()) {
     order(key, rows);
   }
+}
+
+/// Through what the selected command wrote.
+void Watch::scroll(Key key, const std::vector<ReportRow>& rows) {
+  const Console* console = rows.empty() ? nullptr : sheriff_.console(rows[view_.selected].id);
+  const std::size_t most = console == nullptr ? 0 : console->lines().size();
+  view_.lines_back = key == Key::kPageUp
+                         ? std::min(view_.lines_back + kScrollLines, most)
+                         : view_.lines_back - std::min(view_.lines_back, kScrollLines);
 }
 
 void Watch::order(Key key, const std::vector<ReportRow>& rows) {

@@ -346,6 +346,10 @@ TEST_F(SheriffProcess, TheLiveViewTakesKeysAndGivesTheTerminalBack) {
   view.type("j");
   EXPECT_TRUE(shows("--- talker: Running"));
   EXPECT_TRUE(shows("word")) << "its output";
+  EXPECT_TRUE(becomes([&] {
+    view.type("\x1B[5~");  // until there is more output than room
+    return view.drawn().find("lines below") != std::string::npos;
+  })) << "scrolled back";
   const int pid = client_.status("talker").pid;
   view.type("r");
   EXPECT_TRUE(
@@ -353,6 +357,9 @@ TEST_F(SheriffProcess, TheLiveViewTakesKeysAndGivesTheTerminalBack) {
   view.type("t");
   EXPECT_TRUE(becomes([&] { return !client_.runs("talker"); }));
   EXPECT_TRUE(client_.runs("sleeper"));
+  view.type("1");
+  EXPECT_TRUE(becomes([&] { return client_.runs("talker"); })) << "the first script starts it";
+  EXPECT_TRUE(shows("script up is done"));
   view.type("q");
   EXPECT_TRUE(becomes([&] { return view.has_ended_with(0); }));
   EXPECT_THAT(view.drawn(), ::testing::EndsWith("\x1B[?25h\x1B[?1049l"));

@@ -17,5 +17,28 @@ TEST(Keys, AreTakenOneByOne) {
   EXPECT_FALSE(take_key(typed).has_value());
 }
 
+TEST(Keys, DigitsAreScriptsAndPagesScroll) {
+  std::string typed = "1\x1B[5~9\x1B[6~0";
+  EXPECT_EQ(take_key(typed), Key::kFirstScript);
+  EXPECT_EQ(take_key(typed), Key::kPageUp);
+  EXPECT_EQ(take_key(typed), Key::kLastScript);
+  EXPECT_EQ(take_key(typed), Key::kPageDown);
+  EXPECT_FALSE(take_key(typed).has_value());
+}
+
+// Or F5 would start scripts 1 and 5, also when its bytes come one by one.
+TEST(Keys, AFunctionKeyIsNotTheDigitsThatItSends) {
+  std::string typed;
+  for (const char* key : {"\x1B[15~", "\x1B[1;5A", "\x1BOS", "\x1B[3~"}) {
+    for (const char* byte = key; *byte != '\0'; ++byte) {
+      typed += *byte;
+      EXPECT_FALSE(take_key(typed).has_value()) << key + 1;
+    }
+    EXPECT_TRUE(typed.empty()) << key + 1;
+  }
+  typed = "\x1Bq";  // Escape, then q
+  EXPECT_EQ(take_key(typed), Key::kQuit);
+}
+
 }  // namespace
 }  // namespace nodmap::procman

@@ -53,7 +53,7 @@ TEST(View, ShowsEverythingOfARunningCommandOn80Columns) {
   }
   EXPECT_EQ(count(view, "10.drivers"), 1) << "a group's name once";
   EXPECT_EQ(count(view, "--- laser3d: Running; DEGRADED: no scans (75/s, p50 100 us)"), 1);
-  EXPECT_EQ(view[22].text, "message");
+  EXPECT_EQ(view[21].text, "message");
   EXPECT_THAT(view[23].text, HasSubstr("q quit"));
 }
 
@@ -63,8 +63,30 @@ TEST(View, ShowsTheEndOfTheSelectedCommandsOutput) {
     console.take("line " + std::to_string(i) + "\r\n");
   }
   const auto view = to_view(robot(), &console, {0, "", ""}, 80, 24);
-  EXPECT_THAT(view[21].text, "line 99") << "the newest above the message";
-  EXPECT_EQ(count(view, "line "), 24 - 3 - 7 - 1) << "all the room that the table leaves";
+  EXPECT_THAT(view[20].text, "line 99") << "the newest above the message";
+  EXPECT_EQ(count(view, "line "), 24 - 4 - 7 - 1) << "all the room that the table leaves";
+}
+
+TEST(View, ScrollsThroughTheOutput) {
+  Console console;
+  for (int i = 0; i < 100; ++i) {
+    console.take("line " + std::to_string(i) + "\r\n");
+  }
+  const auto last_shown = [&](std::size_t lines_back) {
+    return to_view(robot(), &console, {0, "", "", lines_back}, 80, 24)[20].text;
+  };
+  EXPECT_EQ(last_shown(0), "line 99");
+  EXPECT_EQ(last_shown(30), "line 69");
+  EXPECT_EQ(last_shown(1000), "line 11") << "the first twelve: no farther";
+  EXPECT_EQ(count(to_view(robot(), &console, {0, "", "", 30}, 80, 24), "30 lines below"), 1);
+  EXPECT_EQ(count(to_view(robot(), nullptr, {0, "", "", 30}, 80, 24), "lines below"), 0);
+}
+
+TEST(View, NamesTheScriptsByTheirKeys) {
+  ViewState state;
+  state.scripts = {"start_robot", "stop\x1B_all"};
+  const auto view = to_view(robot(), nullptr, state, 80, 24);
+  EXPECT_EQ(view[22].text, "scripts:  1 start_robot  2 stop?_all");
 }
 
 TEST(View, FitsAnySizeAndFollowsTheSelection) {
