@@ -27,7 +27,7 @@ struct Hub {
   AccessPolicy policy;
   int max_connections = 0;
   int idle_timeout_s = 0;
-  bool sends_topics = true;  ///< in this turn; answers always go out
+  bool sends_news = true;  ///< in this turn; see Session::next()
   node::MessageCounts counts{};
   log::Throttle throttle{};
   int connections = 0;

@@ -88,7 +88,7 @@ struct Viewer : private boost::noncopyable {
                                    : "the machine is busy: clients get what is new less often");
       }
     }
-    hub.sends_topics = pace.is_due(now);
+    hub.sends_news = pace.is_due(now);
     server->turn();
   }
 

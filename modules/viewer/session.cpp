@@ -250,16 +250,13 @@ void Session::send_changed_parameters() {
   }
 }
 
-std::optional<Frame> Session::next(bool with_topics) {
+std::optional<Frame> Session::next(bool with_news) {
   if (!waiting_.empty()) {
     Frame frame = std::move(waiting_.front());
     waiting_.pop_front();
     return frame;
   }
-  if (!with_topics) {
-    return std::nullopt;
-  }
-  if (time_us_) {
+  if (time_us_ && with_news) {
     Frame frame{.is_binary = true, .head = {kTime}, .post = nullptr};
     append_little_endian(frame.head, nanoseconds(*time_us_));
     time_us_.reset();
@@ -268,6 +265,10 @@ std::optional<Frame> Session::next(bool with_topics) {
   for (std::size_t i = 0; i < subscriptions_.size(); ++i) {
     turn_ = (turn_ + 1) % subscriptions_.size();
     Subscription& subscription = subscriptions_[turn_];
+    const bool is_once = store_.topics()[subscription.topic].keep == foxglove::Keep::kAll;
+    if (!with_news && !is_once) {
+      continue;
+    }
     if (auto post = store_.next(subscription.topic, subscription.cursor)) {
       Frame frame{.is_binary = true, .head = {kMessageData}, .post = std::move(post)};
       append_little_endian(frame.head, subscription.id);

@@ -71,8 +71,8 @@ class Session {
   void receive_binary(std::span<const std::byte> bytes);
 
   /// The next frame to send, if any. Subscribed topics are served one after the other; without
-  /// them only what answers the client goes out.
-  [[nodiscard]] std::optional<Frame> next(bool with_topics = true);
+  /// news only answers go out and what is sent once: of CLOUD and log all messages.
+  [[nodiscard]] std::optional<Frame> next(bool with_news = true);
 
   /// Sends the client the time of the recording, with the next frames.
   void send_time(std::int64_t utime_us);

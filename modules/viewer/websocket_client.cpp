@@ -106,7 +106,7 @@ void WebSocketClient::write() {
   if (!is_open_ || frame_) {
     return;
   }
-  frame_ = session_.next(hub_.sends_topics);
+  frame_ = session_.next(hub_.sends_news);
   if (!frame_) {
     return;
   }

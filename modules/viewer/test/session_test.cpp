@@ -117,7 +117,7 @@ TEST_F(SessionTest, TopicsTakeTurns) {
   EXPECT_NE(first, second);
 }
 
-TEST_F(SessionTest, BetweenTwoSendingsOnlyAnswersGoOut) {
+TEST_F(SessionTest, NewsWaitBetweenTwoSendingsButAnswersDoNot) {
   Session session = greeted();
   session.receive_text(R"({"op":"subscribe","subscriptions":[{"id":0,"channelId":1}]})");
   post(scan_, 1, "old");
@@ -131,6 +131,21 @@ TEST_F(SessionTest, BetweenTwoSendingsOnlyAnswersGoOut) {
   ASSERT_TRUE(frame && frame->post);
   EXPECT_EQ(frame->post->text(), "new");
   EXPECT_FALSE(session.next(true)) << "what was replaced meanwhile is not sent";
+}
+
+TEST_F(SessionTest, AHistoryIsSentBetweenTwoSendingsToo) {
+  Session session = greeted();
+  session.receive_text(
+      R"({"op":"subscribe","subscriptions":[{"id":0,"channelId":1},{"id":1,"channelId":2}]})");
+  post(scan_, 1, "scan");
+  for (int i = 0; i < 3; ++i) {
+    post(cloud_, i, "cloud" + std::to_string(i));
+  }
+  std::vector<std::string> sent;
+  while (const auto frame = session.next(false)) {
+    sent.push_back(frame->post->text());
+  }
+  EXPECT_THAT(sent, ::testing::ElementsAre("cloud0", "cloud1", "cloud2"));
 }
 
 TEST_F(SessionTest, UnsubscribedIsSilent) {

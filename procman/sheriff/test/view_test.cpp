@@ -154,7 +154,8 @@ TEST(View, NamesThatSteerATerminalDoNot) {
 }
 
 TEST(View, NothingIsAViewToo) {
-  EXPECT_EQ(to_view({}, nullptr, {0, "title", "message"}, 80, 24).size(), 4U);
+  EXPECT_EQ(to_view({}, nullptr, {0, "title", "message"}, 80, 24).size(), 5U)
+      << "title, columns, message, scripts, keys";
 }
 
 }  // namespace
