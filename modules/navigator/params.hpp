@@ -128,8 +128,8 @@ struct GroundParams {
             "Error of the tilt near a ramp, in place of local_map.tilt_tolerance_deg.");
     v.number("sloped_mps", sloped_mps, {0.05, 5.2}, "Fastest speed on and near ramps.");
     v.number("doubt_from_m", doubt_from_m, {0.5, 10.0},
-             "On slopes, what is farther away and could be a ramp up is unknown, and no obstacle "
-             "yet; on level floor local_map.range_m.");
+             "Near slopes, what is farther away and could be a ramp up is unknown, and no obstacle "
+             "yet.");
   }
 };
 

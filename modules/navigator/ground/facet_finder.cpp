@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <utility>
 
 #include "common/geometry/angle.hpp"
 
@@ -25,6 +26,8 @@ constexpr double kPatchToleranceM = 0.012;
 /// Some ten sweeps: of a flat ramp 2 m ahead each sweep sees two lines.
 constexpr int kOldestScans = 600;
 constexpr std::size_t kMostPatches = 256;
+/// From scan to scan: rounding.
+constexpr double kSteadyRad = 1e-6;
 /// What makes a surface: its extent ahead, which is twice that of a plank, without gaps, in scans
 /// of several pitches, across the width of the body.
 constexpr double kLeastLengthM = 0.4;
@@ -52,8 +55,7 @@ constexpr double kLeastRiseM = 0.07;
 FacetFinder::FacetFinder(const LocalMapParams& params) : params_(params) {}
 
 void FacetFinder::reset() {
-  columns_ = {};
-  patches_.clear();
+  *this = FacetFinder(params_);
 }
 
 void FacetFinder::add(const Eigen::Vector3d& p_odom, const Eigen::Vector2d& p_base) {
@@ -73,11 +75,17 @@ void FacetFinder::add(const Eigen::Vector3d& p_odom, const Eigen::Vector2d& p_ba
 
 void FacetFinder::end_scan(TrackedGround& ground, const geometry::SE2& T_odom_base) {
   ++scan_;
+  const std::array<Column, kColumns> columns = std::exchange(columns_, {});
+  const Eigen::Vector3d up_odom = ground.T_odom_base().linear().col(2);
+  const double tilted_rad = (up_odom - std::exchange(up_odom_, up_odom)).norm();
+  // Over a kink the tilt is as wrong as the place of the kink; on a facet it does not change.
+  if (tilted_rad > kSteadyRad) {
+    return;
+  }
   bool has_new = false;
   for (std::size_t i = 0; i < kColumns; ++i) {
-    has_new |= add_patch(columns_[i], i, ground, T_odom_base);
+    has_new |= add_patch(columns[i], i, ground, T_odom_base);
   }
-  columns_ = {};
   while (!patches_.empty() &&
          (patches_.size() > kMostPatches || patches_.front().scan < scan_ - kOldestScans)) {
     patches_.pop_front();

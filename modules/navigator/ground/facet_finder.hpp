@@ -63,7 +63,8 @@ class FacetFinder {
 
   LocalMapParams params_;
   std::array<Column, kColumns> columns_;
-  std::deque<Patch> patches_;  // that are no known ground, oldest first
+  std::deque<Patch> patches_;                           // that are no known ground, oldest first
+  Eigen::Vector3d up_odom_ = Eigen::Vector3d::UnitZ();  // of the body, in the last scan
   int scan_ = 0;
 };
 

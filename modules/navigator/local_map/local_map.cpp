@@ -295,13 +295,12 @@ void LocalMap::classify_below(const Beam& beam, double range_m, std::size_t face
 
 /// Whether a point far away, `height_m` above the known ground, could be on a ramp that begins
 /// behind the last floor seen before it. From nearer a ramp is known as one, and everything else is
-/// an obstacle. On level floor all that counts for driving does so at once: a sill is in view of
-/// the narrow nod of a fast robot for a short time only. On slopes the robot is slow.
+/// an obstacle. So it is at once on level floor, where the robot is fast: a low sill is in view of
+/// the narrow nod for a short time only.
 bool LocalMap::may_be_ramp_up(const Eigen::Vector3d& p_odom, double height_m) const {
   const Eigen::Vector2d p = p_odom.head<2>();
   const double distance_m = (p - T_odom_base_->translation()).norm();
-  const double known_m = ground_.is_level() ? params_.range_m : params_.ground.doubt_from_m;
-  if (distance_m < known_m || cell_at(p) == nullptr) {
+  if (ground_.is_level() || distance_m < params_.ground.doubt_from_m || cell_at(p) == nullptr) {
     return false;
   }
   // A ramp that is as high has begun no later than there.
