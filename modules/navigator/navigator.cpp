@@ -86,7 +86,8 @@ void Navigator::add_scan(const scan::Scan& scan, const geometry::SE2& T_odom_bas
 }
 
 void Navigator::add_contact(const geometry::SE2& T_odom_base, bool at_front) {
-  if (local_map_.has_scan()) {
+  // On slopes level scans meet the floor: 2D SLAM may stand still while the robot moves.
+  if (local_map_.has_scan() && local_map_.ground().is_level()) {
     local_map_.add_contact(T_odom_base, at_front);
   }
 }

@@ -306,7 +306,9 @@ bool LocalMap::may_be_ramp_up(const Eigen::Vector3d& p_odom, double height_m) co
   // A ramp that is as high has begun no later than there.
   const double ramp_m = height_m / ground_.max_slope() + grid_.cell_size_m();
   const Eigen::Vector2d floor_odom = last_floor_before(p, std::min(ramp_m, distance_m));
-  return p_odom.z() < ground_.height_m(floor_odom) + ground_.max_slope() * (p - floor_odom).norm();
+  // What counts as floor may be higher by the tolerance, and the point by as much again.
+  return p_odom.z() < ground_.height_m(floor_odom) + 2.0 * tolerance_m(distance_m) +
+                          ground_.max_slope() * (p - floor_odom).norm();
 }
 
 /// Whether ground could lead down to a point from the last floor that was seen before the place
