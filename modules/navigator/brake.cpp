@@ -11,15 +11,19 @@
 namespace nodmap::navigator {
 namespace {
 
+/// Creeping at 0.25 m/s the robot is stationary after 5 cm: so much is left, no more. With the stop
+/// margin of a fast robot it would stand before each bend of a narrow place.
+constexpr double kCreepStopMarginM = 0.05;
 /// The corners of KURT3D then move at 5 cm/s: what they touch stays where it is.
 constexpr double kCreepRadS = geometry::deg_to_rad(10.0);
 
 }  // namespace
 
 Arc Brake::measure_arc(double curvature, const Situation& now) const {
-  Arc arc = measure_corridor(curvature, drive_.side_margin_m, now);
+  Arc arc = measure_corridor(curvature, drive_.side_margin_m, braking_.stop_margin_m, now);
   if (creeps_ && arc.speed_mps < drive_.creep_mps) {
-    Arc narrow = measure_corridor(curvature, drive_.creep_margin_m, now);
+    Arc narrow = measure_corridor(curvature, drive_.creep_margin_m,
+                                  std::min(kCreepStopMarginM, braking_.stop_margin_m), now);
     narrow.speed_mps = std::min(narrow.speed_mps, drive_.creep_mps);
     if (narrow.speed_mps > arc.speed_mps) {
       arc = narrow;
@@ -32,9 +36,10 @@ Arc Brake::measure_arc(double curvature, const Situation& now) const {
   return arc;
 }
 
-Arc Brake::measure_corridor(double curvature, double side_margin_m, const Situation& now) const {
+Arc Brake::measure_corridor(double curvature, double side_margin_m, double stop_margin_m,
+                            const Situation& now) const {
   const double distance_m = free_distance(now.points_base, curvature, body_, side_margin_m);
-  return {curvature, distance_m, braking_.stoppable_mps(distance_m, drive_.reaction_s)};
+  return {curvature, distance_m, stop_margin_m, stoppable_mps(distance_m - stop_margin_m)};
 }
 
 /// Why the robot never drives faster than it can stop on floor that was seen. Let F(g) be how far
@@ -73,8 +78,8 @@ double Brake::speed_on_present_arc(const Situation& now) const {
     return std::numeric_limits<double>::infinity();
   }
   const Arc arc = measure_arc(now.yaw_rate_rad_s / forward_mps, now);
-  const double emergency_mps = robot::stoppable_speed(arc.free_distance_m - braking_.stop_margin_m,
-                                                      0.0, braking_.emergency_deceleration_mps2);
+  const double emergency_mps = robot::stoppable_speed(arc.free_distance_m - arc.stop_margin_m, 0.0,
+                                                      braking_.emergency_deceleration_mps2);
   return forward_mps > emergency_mps ? 0.0 : arc.speed_mps;
 }
 

@@ -15,7 +15,8 @@ inline constexpr double kLeastSpeedMps = 0.06;
 struct Arc {
   double curvature = 0.0;
   double free_distance_m = 0.0;
-  double speed_mps = 0.0;  ///< from which the robot stops in time on it
+  double stop_margin_m = 0.0;  ///< of that is left when the robot has stopped
+  double speed_mps = 0.0;      ///< from which the robot stops in time on it
 };
 
 /// Brake (paper, III C): the speed from which the robot stops before what is in the virtual
@@ -55,7 +56,7 @@ class Brake {
   [[nodiscard]] double stoppable_mps(double distance_m) const;
 
  private:
-  [[nodiscard]] Arc measure_corridor(double curvature, double side_margin_m,
+  [[nodiscard]] Arc measure_corridor(double curvature, double side_margin_m, double stop_margin_m,
                                      const Situation& now) const;
   /// At most `max_mps`.
   [[nodiscard]] double speed_on_seen_floor(double curvature, double max_mps,

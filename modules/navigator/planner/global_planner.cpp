@@ -34,7 +34,7 @@ constexpr double kTightPrice = 4.0;
 /// whose cells touch at their corners only, or miss one or two.
 constexpr double kOccupiedM = 0.1;
 /// The robot may be where no path leads through: the plan is asked so far around.
-constexpr double kAroundRobotM = 0.3;
+constexpr double kNearM = 0.3;
 constexpr float kNever = std::numeric_limits<float>::infinity();
 
 struct Neighbour {
@@ -64,10 +64,10 @@ double CostToGo::at(const Eigen::Vector2d& p_map) const {
   return static_cast<double>(cost_[static_cast<std::size_t>(row * width_ + column)]);
 }
 
-double CostToGo::least_near(const Eigen::Vector2d& p_map, double radius_m) const {
+double CostToGo::least_near(const Eigen::Vector2d& p_map) const {
   double least = std::numeric_limits<double>::infinity();
-  for (double dx = -radius_m; dx <= radius_m; dx += cell_size_m_) {
-    for (double dy = -radius_m; dy <= radius_m; dy += cell_size_m_) {
+  for (double dx = -kNearM; dx <= kNearM; dx += cell_size_m_) {
+    for (double dy = -kNearM; dy <= kNearM; dy += cell_size_m_) {
       least = std::min(least, at(p_map + Eigen::Vector2d(dx, dy)) + std::hypot(dx, dy));
     }
   }
@@ -159,7 +159,7 @@ void GlobalPlanner::step(std::int64_t utime_us, const LocalMap& local_map,
 
 /// Without a path the plan is made once more, over all that is not next to something occupied.
 void GlobalPlanner::finish(const Eigen::Vector2d& p_map) {
-  if (!is_last_resort_ && !std::isfinite(plan_.least_near(p_map, kAroundRobotM))) {
+  if (!is_last_resort_ && !std::isfinite(plan_.least_near(p_map))) {
     is_last_resort_ = true;
     price_cells();
     seed(goal_map_, tolerance_m_);

@@ -20,8 +20,9 @@ class CostToGo {
  public:
   /// +infinity where there is no path, and outside.
   [[nodiscard]] double at(const Eigen::Vector2d& p_map) const;
-  /// The least cost within `radius_m` of a place: the robot may stand where no path leads through.
-  [[nodiscard]] double least_near(const Eigen::Vector2d& p_map, double radius_m) const;
+  /// The least cost within 0.3 m of a place, and the way there: the robot may stand where no path
+  /// leads through.
+  [[nodiscard]] double least_near(const Eigen::Vector2d& p_map) const;
   /// Downhill from a place to the goal, at most `max_m` long, a point for each cell.
   [[nodiscard]] std::vector<Eigen::Vector2d> path_from(const Eigen::Vector2d& p_map,
                                                        double max_m) const;

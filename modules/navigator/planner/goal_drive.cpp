@@ -10,8 +10,6 @@
 namespace nodmap::navigator {
 namespace {
 
-/// The robot may be where no path leads through: the plan is asked so far around.
-constexpr double kAroundM = 0.3;
 /// Progress, and how long the robot may make none before the way ahead is given up.
 constexpr double kProgressM = 0.15;
 constexpr double kPatienceS = 12.0;
@@ -71,7 +69,7 @@ Decision GoalDrive::decide(const Situation& now, const SeenDirections& seen,
     decision.reason = "Plans the path to the goal.";
     return decision;
   }
-  const double cost_m = global_.cost_to_go()->least_near(T_map_base.translation(), kAroundM);
+  const double cost_m = global_.cost_to_go()->least_near(T_map_base.translation());
   if (!std::isfinite(cost_m)) {
     return without_path(now);
   }
@@ -96,7 +94,7 @@ std::optional<std::vector<Eigen::Vector2d>> GoalDrive::path_map(
     return std::nullopt;
   }
   std::vector<Eigen::Vector2d> path;
-  if (!std::isfinite(cost_to_go->least_near(T_map_base.translation(), kAroundM))) {
+  if (!std::isfinite(cost_to_go->least_near(T_map_base.translation()))) {
     return path;
   }
   const auto cells = cost_to_go->path_from(T_map_base.translation(), kLongestM);

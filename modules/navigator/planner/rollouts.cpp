@@ -19,6 +19,8 @@ constexpr int kFirstSteps = 8;
 /// What the base does on command, with a reserve.
 constexpr double kAccelerationMps2 = 1.5;
 constexpr double kYawAccelerationRadS2 = 6.0;
+/// A step of the base's speed command.
+constexpr double kStepMps = 0.01;
 /// The heading at the end is rated by the plan so far ahead of the robot.
 constexpr double kAheadM = 0.3;
 constexpr double kAheadWeight = 0.6;
@@ -26,7 +28,6 @@ constexpr double kAheadWeight = 0.6;
 constexpr double kBlockedAheadM = 0.6;
 /// A place that no path leads through, but from which one is near, is worse by this.
 constexpr double kOffPathM = 0.5;
-constexpr double kNearM = 0.2;
 /// A rotation of 1 rad moves the corners about so far.
 constexpr double kCornerM = 0.25;
 /// The clearance is that of cells: from one moment to the next it may differ by so much.
@@ -107,7 +108,8 @@ const std::vector<Rollout>& Rollouts::plan(const Situation& now, const CostToGo&
   // Where the robot is nearer already it may drive on, but not nearer.
   const double clearance_now_m = clearance_m({}) - kNoiseM;
   least_clearance_m_ = std::min(params_.least_clearance_m, clearance_now_m);
-  least_slow_clearance_m_ = std::min({params_.least_clearance_m, kSlowClearanceM, clearance_now_m});
+  least_creeping_clearance_m_ = std::min(least_clearance_m_, drive_.creep_margin_m);
+  least_slow_clearance_m_ = std::min(least_clearance_m_, kSlowClearanceM);
   const double free_rad = std::max(free_rotation(now.points_base, 1.0, body_, kSlowClearanceM),
                                    free_rotation(now.points_base, -1.0, body_, kSlowClearanceM));
   reverse_price_m_ = free_rad < kTurnRad ? std::min(params_.reverse_price, kCannotTurnReversePriceM)
@@ -147,7 +149,6 @@ void Rollouts::consider(const Motion& first, double next_yaw_rate_rad_s, const S
   double w = now.yaw_rate_rad_s;
   double obstruction_s = 0.0;
   double nearness_m = 0.0;  // metres driven, each the more the nearer it is to obstacles
-  const double least_m = first.forward_mps > 0.0 ? least_clearance_m_ : least_slow_clearance_m_;
   for (int step = 0; step < kSteps; ++step) {
     const double yaw_rate_rad_s = step < kFirstSteps ? first.yaw_rate_rad_s : next_yaw_rate_rad_s;
     v = approach(v, first.forward_mps, kStepS * kAccelerationMps2);
@@ -156,7 +157,7 @@ void Rollouts::consider(const Motion& first, double next_yaw_rate_rad_s, const S
     pose = {pose.x + kStepS * v * std::cos(middle_yaw_rad),
             pose.y + kStepS * v * std::sin(middle_yaw_rad), pose.yaw + kStepS * w};
     const double clearance = clearance_m(pose);
-    if (clearance < least_m) {
+    if (clearance < least_clearance_m(first, v)) {
       return;
     }
     const double ample_m = params_.ample_clearance_m + params_.ample_clearance_s * std::abs(v);
@@ -173,6 +174,15 @@ void Rollouts::consider(const Motion& first, double next_yaw_rate_rad_s, const S
   if (std::isfinite(rollout.cost)) {
     rollouts_.push_back(rollout);
   }
+}
+
+/// For a motion that is at `forward_mps` by now.
+double Rollouts::least_clearance_m(const Motion& motion, double forward_mps) const {
+  if (motion.forward_mps <= 0.0) {
+    return least_slow_clearance_m_;
+  }
+  return forward_mps > drive_.creep_mps + kStepMps ? least_clearance_m_
+                                                   : least_creeping_clearance_m_;
 }
 
 double Rollouts::obstruction(const geometry::SE2& pose_base, double time_s,
@@ -196,7 +206,7 @@ double Rollouts::obstruction(const geometry::SE2& pose_base, double time_s,
 double Rollouts::end_cost(const geometry::SE2& T_map_end, const CostToGo& cost_to_go) const {
   double here = cost_to_go.at(T_map_end.translation());
   if (!std::isfinite(here)) {
-    here = kOffPathM + cost_to_go.least_near(T_map_end.translation(), kNearM);
+    here = kOffPathM + cost_to_go.least_near(T_map_end.translation());
   }
   const double ahead = cost_to_go.at(T_map_end * Eigen::Vector2d(kAheadM, 0.0));
   return here + kAheadWeight * std::min(ahead, here + kBlockedAheadM);

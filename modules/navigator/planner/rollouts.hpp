@@ -54,6 +54,7 @@ class Rollouts {
 
   void consider(const Motion& first, double next_yaw_rate_rad_s, const Situation& now,
                 const CostToGo& cost_to_go);
+  [[nodiscard]] double least_clearance_m(const Motion& motion, double forward_mps) const;
   /// How much a pose at a time is in the way of people: 1 in the middle of somebody's path.
   [[nodiscard]] double obstruction(const geometry::SE2& pose_base, double time_s,
                                    const People& people) const;
@@ -66,7 +67,8 @@ class Rollouts {
   std::vector<Disc> discs_;
   DistanceField obstacles_;
   double least_clearance_m_ = 0.0;
-  double least_slow_clearance_m_ = 0.0;  // on the spot and backwards
+  double least_creeping_clearance_m_ = 0.0;  // forwards, no faster than Brake creeps
+  double least_slow_clearance_m_ = 0.0;      // on the spot and backwards
   double reverse_price_m_ = 0.0;
   std::vector<Rollout> rollouts_;
 };

@@ -41,11 +41,32 @@ TEST(Brake, YawRateAndLateralAccelerationLimitTheSpeedOnAnArc) {
 TEST(Brake, CreepsPastWhatIsWithinTheSideMargin) {
   const NavigatorParams params;
   Situation now;
-  now.points_base = {{0.4, 0.5 * params.robot.body.width_m + 0.045}};
+  now.points_base = {{0.3, 0.5 * params.robot.body.width_m + 0.045}};
   EXPECT_EQ(Brake(params, true).measure_arc(0.0, now).speed_mps, params.drive.creep_mps);
   EXPECT_LT(Brake(params).measure_arc(0.0, now).speed_mps, params.drive.creep_mps);
-  now.points_base = {{0.4, 0.5 * params.robot.body.width_m + 0.02}};
+  now.points_base = {{0.3, 0.5 * params.robot.body.width_m + 0.02}};
   EXPECT_LT(Brake(params, true).measure_arc(0.0, now).speed_mps, params.drive.creep_mps);
+}
+
+// 5 cm are left before what is ahead. From v it is stationary after v * 0.1 s + v^2 / 2 / 1.5; at
+// 0.2 m/s an emergency stop of 3 m/s^2 takes 6.7 mm.
+TEST(Brake, CreepsUpToFiveCentimetresBeforeAnObstacle) {
+  const NavigatorParams params;
+  const Brake brake(params, true);
+  Situation now;
+  now.forward_mps = 0.2;
+  const auto put_ahead = [&](double distance_m) {
+    now.points_base = {{0.5 * params.robot.body.length_m + 0.05 + distance_m, 0.0}};
+  };
+  put_ahead(0.02);
+  const double v = brake.measure_arc(0.0, now).speed_mps;
+  EXPECT_NEAR(v * 0.1 + v * v / 3.0, 0.02, 1e-9);
+  put_ahead(0.008);
+  EXPECT_GT(brake.speed_on_present_arc(now), 0.0);
+  put_ahead(0.006);
+  EXPECT_EQ(brake.speed_on_present_arc(now), 0.0);
+  put_ahead(-0.001);
+  EXPECT_EQ(brake.measure_arc(0.0, now).speed_mps, 0.0);
 }
 
 // The front is 0.225 m ahead, 0.15 m are left; from 2 m/s an emergency stop takes 0.67 m.

@@ -81,7 +81,7 @@ TEST(GlobalPlanner, AGoalBeyondTheGridIsBehindAClosedFence) {
   GlobalPlanner planner(kBody, {});
   plan(planner, look(ground, {}), {80.0, 0.0});
   ASSERT_NE(planner.cost_to_go(), nullptr);
-  EXPECT_FALSE(std::isfinite(planner.cost_to_go()->least_near({0.0, 0.0}, 0.3)));
+  EXPECT_FALSE(std::isfinite(planner.cost_to_go()->least_near({0.0, 0.0})));
 }
 
 TEST(GlobalPlanner, SaysWhenThereIsNoPath) {
@@ -93,7 +93,7 @@ TEST(GlobalPlanner, SaysWhenThereIsNoPath) {
   GlobalPlanner planner(kBody, {});
   plan(planner, look(ground, {}), {3.0, 0.0});
   ASSERT_NE(planner.cost_to_go(), nullptr);
-  EXPECT_FALSE(std::isfinite(planner.cost_to_go()->least_near({0.0, 0.0}, 0.3)));
+  EXPECT_FALSE(std::isfinite(planner.cost_to_go()->least_near({0.0, 0.0})));
 }
 
 /// A fence all around the robot but for a gap ahead.
@@ -124,8 +124,7 @@ TEST(GlobalPlanner, ANarrowGapIsAPathUntilTheRobotCouldNotGoOnThere) {
         for (int i = 0; i < 400; ++i) {
           planner.step(10'000'000 + 13'320 * i, map, T_map_odom, {}, goal, kToleranceM);
         }
-        EXPECT_FALSE(
-            std::isfinite(planner.cost_to_go()->least_near(T_map_odom.translation(), 0.3)));
+        EXPECT_FALSE(std::isfinite(planner.cost_to_go()->least_near(T_map_odom.translation())));
       }
     }
   }

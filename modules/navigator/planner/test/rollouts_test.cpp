@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -44,6 +45,32 @@ TEST(Rollouts, ClearanceIsThatOfTheRectangle) {
     }
   }
   EXPECT_GT(near, 500);
+}
+
+// Walls 4.75 cm beside the body on both sides, by cells 3.5 cm: less than the 6 cm of fast
+// rollouts, more than the 3 cm of those that creep. In the open nothing forbids to be fast.
+TEST(Rollouts, PassANarrowPlaceOnlyCreeping) {
+  GlobalPlanner planner(kBody, {});
+  for (int i = 0; i < 400 && planner.cost_to_go() == nullptr; ++i) {
+    planner.step(13'320 * i, LocalMap({}, {}), {}, {}, {6.0, 0.0}, 0.2);
+  }
+  ASSERT_NE(planner.cost_to_go(), nullptr);
+  Rollouts rollouts(kBody, {});
+  Situation now;
+  const auto fastest_mps = [&] {
+    double fastest = 0.0;
+    for (const Rollout& rollout : rollouts.plan(now, *planner.cost_to_go(), 1.0)) {
+      fastest = std::max(fastest, rollout.forward_mps);
+    }
+    return fastest;
+  };
+  EXPECT_EQ(fastest_mps(), 1.0);
+  for (double x = 0.3; x < 2.4; x += 0.02) {
+    now.points_base.emplace_back(x, kBody.half_width_m + 0.0475);
+    now.points_base.emplace_back(x, -kBody.half_width_m - 0.0475);
+  }
+  EXPECT_GT(fastest_mps(), 0.0);
+  EXPECT_LE(fastest_mps(), DriveParams{}.creep_mps);
 }
 
 }  // namespace
