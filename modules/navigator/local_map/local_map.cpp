@@ -21,9 +21,9 @@ constexpr double kCertainM = 0.03;
 /// A rotation of 1 rad costs the heading as much as 4 m of driving: 2 degrees against 1 degree at
 /// 1 m, both growing with the root.
 constexpr double kMetresPerRad = 4.0;
-/// So near to base an obstacle is remembered so much longer.
+/// So near to base an obstacle ages by one decimetre in so many of travel.
 constexpr double kNearM = 0.5;
-constexpr double kNearFactor = 5.0;
+constexpr int kNearFactor = 5;
 /// No beam is followed farther: what lies beyond is looked at again when it is near.
 constexpr double kFarthestPassM = 3.5;
 /// So near before the end of a beam nothing is passed: noise of the range, and the cell itself.
@@ -50,6 +50,11 @@ geometry::SE2 along_arc(double curvature, double distance_m) {
 /// Whole centimetres, rounded down.
 std::int16_t centimetres(double height_m) {
   return static_cast<std::int16_t>(std::floor(std::clamp(100.0 * height_m, -3e4, 3e4)));
+}
+
+/// Decimetres of travel; they begin anew after 6.5 km.
+std::uint16_t to_dm(double travel_m) {
+  return static_cast<std::uint16_t>(std::lround(10.0 * travel_m));
 }
 
 std::uint8_t more(std::uint8_t evidence, std::uint8_t by) {
@@ -132,14 +137,7 @@ bool LocalMap::is_forgotten(const LocalCell& cell) const {
 }
 
 double LocalMap::travel_since_hit_m(const LocalCell& cell) const {
-  const auto travel_dm = static_cast<std::uint16_t>(std::lround(10.0 * travel_m_));
-  return 0.1 * static_cast<std::uint16_t>(travel_dm - cell.seen_at_dm);
-}
-
-/// The laser does not look beside and behind the body, and the heading's error moves what is there
-/// by next to nothing: it is remembered for longer, however the robot rotates on the spot.
-bool LocalMap::is_remembered_near(const LocalCell& cell) const {
-  return is_obstacle(cell) && travel_since_hit_m(cell) <= kNearFactor * params_.forget_after_m;
+  return 0.1 * static_cast<std::uint16_t>(to_dm(travel_m_) - cell.seen_at_dm);
 }
 
 LocalCell* LocalMap::find(const Eigen::Vector2d& p_odom) {
@@ -211,6 +209,7 @@ void LocalMap::move(const geometry::SE2& T_odom_base) {
     travel_m_ = std::fmod(travel_m_, 6553.6);
   }
   grid_.center_on(T_odom_base.translation());
+  keep_near(T_odom_base.translation());
   R_base_odom_ = T_odom_base.rotation().transpose();
   ground_.move(T_odom_base);
   const bool is_first = !T_odom_base_;
@@ -221,6 +220,31 @@ void LocalMap::move(const geometry::SE2& T_odom_base) {
       for (double y = -blind_m_; y <= blind_m_; y += 0.5 * grid_.cell_size_m()) {
         LocalCell& cell = *find(T_odom_base * Eigen::Vector2d(x, y));
         cell.is_floor = cell.is_assumed = true;
+      }
+    }
+  }
+}
+
+/// The laser does not look beside and behind the body, and the heading's error moves what is there
+/// by next to nothing: it is remembered for longer, however the robot rotates on the spot. What is
+/// forgotten stays so: its place is off by what odometry has drifted since.
+void LocalMap::keep_near(const Eigen::Vector2d& p_odom) {
+  const std::uint16_t travel_dm = to_dm(travel_m_);
+  const int travelled_dm = static_cast<std::uint16_t>(travel_dm - kept_near_at_dm_);
+  if (travelled_dm < kNearFactor) {
+    return;
+  }
+  kept_near_at_dm_ = travel_dm;
+  const int younger_dm = travelled_dm - travelled_dm / kNearFactor;
+  const auto reach = static_cast<int>(kNearM / grid_.cell_size_m());
+  const Eigen::Vector2i middle = grid_.index_of(p_odom);
+  for (int dy = -reach; dy <= reach; ++dy) {
+    for (int dx = -reach; dx <= reach; ++dx) {
+      LocalCell& cell = grid_.at(middle + Eigen::Vector2i(dx, dy));
+      if (dx * dx + dy * dy < reach * reach && is_obstacle(cell) && !is_forgotten(cell)) {
+        const int age_dm = static_cast<std::uint16_t>(travel_dm - cell.seen_at_dm);
+        cell.seen_at_dm =
+            static_cast<std::uint16_t>(cell.seen_at_dm + std::min(younger_dm, age_dm));
       }
     }
   }
@@ -378,7 +402,7 @@ void LocalMap::add_obstacle(const Eigen::Vector3d& p_odom, double height_m) {
   cell->low_cm = std::min(cell->low_cm, centimetres(p_odom.z()));
   cell->high_cm = std::max(cell->high_cm, centimetres(p_odom.z()));
   cell->scan = scan_;
-  cell->seen_at_dm = static_cast<std::uint16_t>(std::lround(10.0 * travel_m_));
+  cell->seen_at_dm = to_dm(travel_m_);
 }
 
 void LocalMap::add_contact(const geometry::SE2& T_odom_base, bool at_front) {
@@ -390,7 +414,7 @@ void LocalMap::add_contact(const geometry::SE2& T_odom_base, bool at_front) {
       // No beam is between these heights.
       cell->low_cm = std::numeric_limits<std::int16_t>::max();
       cell->high_cm = std::numeric_limits<std::int16_t>::min();
-      cell->seen_at_dm = static_cast<std::uint16_t>(std::lround(10.0 * travel_m_));
+      cell->seen_at_dm = to_dm(travel_m_);
     }
   }
 }
@@ -405,7 +429,7 @@ void LocalMap::add_hole(const Eigen::Vector2d& p_odom, bool is_certain) {
   }
   cell->is_floor = false;
   cell->scan = scan_;
-  cell->seen_at_dm = static_cast<std::uint16_t>(std::lround(10.0 * travel_m_));
+  cell->seen_at_dm = to_dm(travel_m_);
 }
 
 void LocalMap::add_floor(std::size_t index, const Eigen::Vector2d& p_odom, double ground_m) {
@@ -536,7 +560,6 @@ Points LocalMap::points_base(const geometry::SE2& T_odom_base, double range_m) c
   const geometry::SE2 T_base_odom = T_odom_base.inverse();
   const Eigen::Matrix2d R_base_odom = T_base_odom.rotation();
   const auto reach = static_cast<int>(range_m / grid_.cell_size_m());
-  const auto near = static_cast<int>(kNearM / grid_.cell_size_m());
   const Eigen::Vector2i middle = grid_.index_of(T_odom_base.translation());
   for (int dy = -reach; dy <= reach; ++dy) {
     for (int dx = -reach; dx <= reach; ++dx) {
@@ -544,8 +567,7 @@ Points LocalMap::points_base(const geometry::SE2& T_odom_base, double range_m) c
       if (dx * dx + dy * dy > reach * reach || !grid_.contains(index)) {
         continue;
       }
-      const bool is_near = dx * dx + dy * dy < near * near;
-      if (is_blocked_at(index) || (is_near && is_remembered_near(grid_.at(index)))) {
+      if (is_blocked_at(index)) {
         points.emplace_back(R_base_odom * grid_.center_of(index) + T_base_odom.translation());
       }
     }

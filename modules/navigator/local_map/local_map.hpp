@@ -116,6 +116,7 @@ class LocalMap {
 
   void prepare_fan(const scan::Scan& scan);
   void move(const geometry::SE2& T_odom_base);
+  void keep_near(const Eigen::Vector2d& p_odom);
   void clear_under_body(const geometry::SE2& T_odom_base);
   void classify(const Beam& beam, std::size_t index);
   void classify_below(const Beam& beam, double range_m, std::size_t facet, bool is_certain);
@@ -139,7 +140,6 @@ class LocalMap {
   [[nodiscard]] bool is_blocked_at(const Eigen::Vector2i& index) const;
   [[nodiscard]] bool is_floor_near(const Eigen::Vector2i& index) const;
   [[nodiscard]] bool is_forgotten(const LocalCell& cell) const;
-  [[nodiscard]] bool is_remembered_near(const LocalCell& cell) const;
   [[nodiscard]] double travel_since_hit_m(const LocalCell& cell) const;
   [[nodiscard]] LocalCell* find(const Eigen::Vector2d& p_odom);
 
@@ -152,7 +152,8 @@ class LocalMap {
   Eigen::Matrix2d R_base_odom_ = Eigen::Matrix2d::Identity();
   TrackedGround ground_;
   FacetFinder finder_;
-  double travel_m_ = 0.0;  // path, and rotation by what it costs of accuracy
+  double travel_m_ = 0.0;              // path, and rotation by what it costs of accuracy
+  std::uint16_t kept_near_at_dm_ = 0;  // travel
   std::uint16_t scan_ = 0;
   std::vector<Eigen::Vector2d> fan_;  // cos and sin of each beam's angle
   double fan_first_rad_ = 0.0;

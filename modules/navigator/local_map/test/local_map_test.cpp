@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -33,6 +34,13 @@ double nearest_m(const Points& points) {
     nearest = std::min(nearest, p.norm());
   }
   return nearest;
+}
+
+/// Nothing was measured.
+scan::Scan blind_scan() {
+  scan::Scan scan = test::scan_of({}, {}, 0.0);
+  std::ranges::fill(scan.ranges_m, std::numeric_limits<float>::quiet_NaN());
+  return scan;
 }
 
 TEST(LocalMap, FlatFloorHasNoPointsAndIsSeen) {
@@ -154,15 +162,27 @@ TEST(LocalMap, AWallBesideARobotThatRotatesOnTheSpotIsRemembered) {
   };
   const auto before = behind();
   ASSERT_GT(before, 0);
-  const scan::Scan none = [] {
-    scan::Scan scan = test::scan_of({}, {}, 0.0);
-    std::ranges::fill(scan.ranges_m, std::numeric_limits<float>::quiet_NaN());
-    return scan;
-  }();
+  const scan::Scan none = blind_scan();
   for (int i = 0; i <= 160; ++i) {
     map.add_scan(none, {0.0, 0.0, 0.5 * std::sin(geometry::kPi * i / 8.0)});
   }
   EXPECT_EQ(behind(), before);
+}
+
+// A wall that was last seen 40 m of driving ago, twice as far as obstacles are remembered: where it
+// is by odometry says nothing any more, also for a robot that comes near.
+TEST(LocalMap, WhatIsForgottenDoesNotComeBackNearTheRobot) {
+  LocalMap map({}, {});
+  sweep(map, {{{{1.5, -1.0}, {1.6, 1.0}, 0.5}}}, {});
+  ASSERT_FALSE(map.points_base({}, 2.0).empty());
+  for (int i = 0; i <= 100; ++i) {
+    map.add_scan(blind_scan(), {-0.4 * (i % 2), 0.0, 0.0});
+  }
+  for (double x = 0.0; x < 1.2; x += 0.05) {
+    const geometry::SE2 T_odom_base{x, 0.0, 0.0};
+    map.add_scan(blind_scan(), T_odom_base);
+    EXPECT_TRUE(map.points_base(T_odom_base, 2.0).empty()) << x;
+  }
 }
 
 // A disc of 0.4 m around the robot, by the definition: what is not under the body and is neither
