@@ -9,8 +9,10 @@
 namespace nodmap::navigator {
 namespace {
 
-/// Evidence: a hit counts more than a beam that passes, for a thin leg fills its cell only in part.
-constexpr std::uint8_t kHit = 3;
+/// Evidence: a hit counts more than a beam that passes, for a thin leg fills its cell only in part,
+/// and before the face of a sill, and close above it, beams meet the floor: a sweep of a fast robot
+/// has one line on a low sill.
+constexpr std::uint8_t kHit = 4;
 constexpr std::uint8_t kMostEvidence = 12;
 /// One hit suffices for what is clearly higher or lower than the floor; two for what may be noise.
 constexpr std::uint8_t kEnough = 5;

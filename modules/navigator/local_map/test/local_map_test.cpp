@@ -169,6 +169,27 @@ TEST(LocalMap, AWallBesideARobotThatRotatesOnTheSpotIsRemembered) {
   EXPECT_EQ(behind(), before);
 }
 
+// A low sill is hit by a line of one sweep and of the next; in between lines meet the floor in the
+// cells of its face. Three of those are outweighed, for good the floor wins.
+TEST(LocalMap, ALowSillThatWasHitTwiceOutweighsThreeLinesOnTheFloor) {
+  LocalMap map({}, {});
+  const Ground sill{{{{0.9, -0.6}, {1.0, 0.6}, 0.05}}};
+  for (const double deg : {-24.0, -24.5}) {
+    map.add_scan(test::scan_of(sill, {}, deg_to_rad(deg)), {});
+  }
+  const auto points = [&] { return map.points_base({}, 2.0).size(); };
+  const auto before = points();
+  ASSERT_GT(before, 20U);
+  for (int i = 0; i < 3; ++i) {
+    map.add_scan(test::scan_of({}, {}, deg_to_rad(-26.5)), {});
+  }
+  EXPECT_EQ(points(), before);
+  for (int i = 0; i < 12; ++i) {
+    map.add_scan(test::scan_of({}, {}, deg_to_rad(-26.5)), {});
+  }
+  EXPECT_LT(points(), before);
+}
+
 // A wall that was last seen 40 m of driving ago, twice as far as obstacles are remembered: where it
 // is by odometry says nothing any more, also for a robot that comes near.
 TEST(LocalMap, WhatIsForgottenDoesNotComeBackNearTheRobot) {
