@@ -43,12 +43,14 @@ MovingPointFilter::View::View(const LevelScan& scan)
     const double nearest = std::min(
         {nearest_m[(i + kNumBins - 1) % kNumBins], nearest_m[i], nearest_m[(i + 1) % kNumBins]});
     free_m[i] = nearest == kNothing ? 0.0 : nearest;
+    farthest_free_m = std::max(farthest_free_m, free_m[i]);
   }
 }
 
 bool MovingPointFilter::View::saw_free(const Eigen::Vector2d& p_base) const {
   const Eigen::Vector2d ray = p_base - sensor_origin_base;
-  return ray.norm() + kMarginM < free_m[bin_of(ray, kNumBins)];
+  const double needed_m = ray.norm() + kMarginM;
+  return needed_m < farthest_free_m && needed_m < free_m[bin_of(ray, kNumBins)];
 }
 
 void MovingPointFilter::add_keyframe(const LevelScan& scan) {
@@ -81,9 +83,11 @@ std::span<const OrientedPoint> MovingPointFilter::stationary(const LevelScan& sc
   const View& old = oldest_near(scan.T_odom_base);
   const geometry::SE2 T_last_base = last.T_odom_base.inverse() * scan.T_odom_base;
   const geometry::SE2 T_old_base = old.T_odom_base.inverse() * scan.T_odom_base;
+  const Eigen::Matrix2d R_last_base = T_last_base.rotation();
+  const Eigen::Matrix2d R_old_base = T_old_base.rotation();
   const auto has_moved_there = [&](const Eigen::Vector2d& p_base) {
-    return last.saw_free(T_last_base * p_base) ||
-           (&old != &last && old.saw_free(T_old_base * p_base));
+    return last.saw_free(R_last_base * p_base + T_last_base.translation()) ||
+           (&old != &last && old.saw_free(R_old_base * p_base + T_old_base.translation()));
   };
   stationary_.clear();
   std::size_t moving = 0;

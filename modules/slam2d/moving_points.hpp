@@ -39,6 +39,7 @@ class MovingPointFilter {
     geometry::SE2 T_odom_base;
     Eigen::Vector2d sensor_origin_base;
     std::array<double, kNumBins> free_m{};  ///< from the sensor origin; 0: not known
+    double farthest_free_m = 0.0;
   };
 
   [[nodiscard]] const View& oldest_near(const geometry::SE2& T_odom_base) const;

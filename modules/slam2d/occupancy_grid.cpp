@@ -158,10 +158,11 @@ bool OccupancyGrid::make_room(const Eigen::Vector2i& low, const Eigen::Vector2i&
 }
 
 std::int8_t OccupancyGrid::occupancy(const Cell& cell) {
+  if (cell.ended == 0) {  // most are free or unknown
+    return cell.passed == 0 ? kUnknown : 0;
+  }
   const std::uint64_t rays = std::uint64_t{cell.ended} + cell.passed;
-  return rays == 0
-             ? kUnknown
-             : static_cast<std::int8_t>((std::uint64_t{200} * cell.ended + rays) / (2 * rays));
+  return static_cast<std::int8_t>((std::uint64_t{200} * cell.ended + rays) / (2 * rays));
 }
 
 std::int8_t OccupancyGrid::occupancy(int x, int y) const {
@@ -178,10 +179,9 @@ GridTile OccupancyGrid::cut_tile(std::size_t number) const {
   const Tile& tile = tiles_[number];
   const Eigen::Vector2i first = kTileCells * (tile.position - first_tile_);
   GridTile cut{.number = number, .x = first.x(), .y = first.y(), .cells = {}};
-  cut.cells.reserve(kCellsPerTile);
-  for (const Cell& cell : tile.cells) {
-    cut.cells.push_back(occupancy(cell));
-  }
+  cut.cells.resize(kCellsPerTile);
+  std::transform(tile.cells.begin(), tile.cells.end(), cut.cells.begin(),
+                 [](const Cell& cell) { return occupancy(cell); });
   return cut;
 }
 

@@ -23,6 +23,12 @@ double distance_to_cell(double coordinate_m, std::int32_t index) {
   return std::max({0.0, -from_first_m, from_first_m - kCellSizeM});
 }
 
+/// std::floor is a dozen instructions without SSE4.
+std::int32_t floor_to_int(double value) {
+  const auto truncated = static_cast<std::int32_t>(value);
+  return truncated - (static_cast<double>(truncated) > value ? 1 : 0);
+}
+
 bool is_finite(const OrientedPoint& point) {
   return point.p.allFinite() && point.normal.allFinite();
 }
@@ -47,13 +53,58 @@ std::size_t PointMap::CellHash::operator()(const CellIndex& index) const {
 }
 
 PointMap::CellIndex PointMap::cell_index(const Eigen::Vector2d& p) {
-  return {static_cast<std::int32_t>(std::floor(p.x() / kCellSizeM)),
-          static_cast<std::int32_t>(std::floor(p.y() / kCellSizeM))};
+  return {floor_to_int(p.x() / kCellSizeM), floor_to_int(p.y() / kCellSizeM)};
 }
 
-const PointMap::Cell* PointMap::find_cell(CellIndex index) const {
-  const auto found = cells_.find(index);
-  return found == cells_.end() ? nullptr : &found->second;
+// Shifts and masks round down for negative indices, too.
+PointMap::CellIndex PointMap::tile_index(CellIndex cell) {
+  static_assert(kTileCells == 8);
+  return {cell.x >> 3, cell.y >> 3};
+}
+
+std::size_t PointMap::place_in_tile(CellIndex cell) {
+  return static_cast<std::size_t>((cell.y & (kTileCells - 1)) * kTileCells +
+                                  (cell.x & (kTileCells - 1)));
+}
+
+const PointMap::Tile* PointMap::find_tile(CellIndex tile) const {
+  const auto found = tile_numbers_.find(tile);
+  return found == tile_numbers_.end() ? nullptr : &tiles_[found->second];
+}
+
+PointMap::Cell& PointMap::enter_cell(CellIndex index) {
+  const auto [tile, is_new] =
+      tile_numbers_.try_emplace(tile_index(index), static_cast<std::uint32_t>(tiles_.size()));
+  if (is_new) {
+    tiles_.emplace_back().fill(kNoCell);
+  }
+  std::uint32_t& cell = tiles_[tile->second][place_in_tile(index)];
+  if (cell == kNoCell) {
+    cells_.emplace_back();
+    cell = static_cast<std::uint32_t>(cells_.size());
+  }
+  return cells_[cell - 1];
+}
+
+template <typename Visit>
+void PointMap::for_each_cell(CellIndex low, CellIndex high, Visit visit) const {
+  CellIndex last = tile_index(low);
+  const Tile* tile = find_tile(last);
+  for (std::int32_t y = low.y; y <= high.y; ++y) {
+    for (std::int32_t x = low.x; x <= high.x; ++x) {
+      const CellIndex index{x, y};
+      if (const CellIndex at = tile_index(index); at != last) {
+        last = at;
+        tile = find_tile(at);
+      }
+      if (tile == nullptr) {
+        continue;
+      }
+      if (const std::uint32_t cell = (*tile)[place_in_tile(index)]; cell != kNoCell) {
+        visit(cells_[cell - 1], index);
+      }
+    }
+  }
 }
 
 template <typename Visit>
@@ -61,20 +112,14 @@ void PointMap::for_each_neighbour(const OrientedPoint& point, Visit visit) const
   const double radius_m = params_.line_radius_m;
   const CellIndex low = cell_index(point.p.array() - radius_m);
   const CellIndex high = cell_index(point.p.array() + radius_m);
-  for (std::int32_t y = low.y; y <= high.y; ++y) {
-    for (std::int32_t x = low.x; x <= high.x; ++x) {
-      const Cell* cell = find_cell({x, y});
-      if (cell == nullptr) {
-        continue;
-      }
-      for (const Entry& entry : *cell) {
-        if ((point.p - entry.p).squaredNorm() <= radius_m * radius_m &&
-            have_similar_normals(point.normal, entry.normal)) {
-          visit(entry.index);
-        }
+  for_each_cell(low, high, [&](const Cell& cell, CellIndex) {
+    for (const Entry& entry : cell) {
+      if ((point.p - entry.p).squaredNorm() <= radius_m * radius_m &&
+          have_similar_normals(point.normal, entry.normal)) {
+        visit(entry.index);
       }
     }
-  }
+  });
 }
 
 void PointMap::insert(const OrientedPoint& point) {
@@ -103,7 +148,7 @@ void PointMap::add(const OrientedPoint& point) {
     fit_line(neighbour);
   });
   fit_line(added);
-  cells_[cell_index(point.p)].push_back({point.p, point.normal, added});
+  enter_cell(cell_index(point.p)).push_back({point.p, point.normal, added});
 }
 
 void PointMap::refine(const OrientedPoint& point) {
@@ -143,12 +188,8 @@ void PointMap::fit_line(std::uint32_t index) {
   }
 }
 
-void PointMap::search_cell(CellIndex index, const OrientedPoint& point, Nearest& nearest) const {
-  const Cell* cell = find_cell(index);
-  if (cell == nullptr) {
-    return;
-  }
-  for (const Entry& entry : *cell) {
+void PointMap::search_cell(const Cell& cell, const OrientedPoint& point, Nearest& nearest) {
+  for (const Entry& entry : cell) {
     const double squared_m2 = (entry.p - point.p).squaredNorm();
     if (squared_m2 <= nearest.squared_m2 && have_similar_normals(point.normal, entry.normal)) {
       nearest = {squared_m2, &entry};
@@ -160,20 +201,20 @@ const MapPoint* PointMap::nearest(const OrientedPoint& point, double max_distanc
   Nearest nearest{max_distance_m * max_distance_m, nullptr};
   // The point's own cell first: what is found there mostly rules the others out.
   const CellIndex home = cell_index(point.p);
-  search_cell(home, point, nearest);
+  for_each_cell(home, home, [&](const Cell& cell, CellIndex) { search_cell(cell, point, nearest); });
   const double radius_m = std::sqrt(nearest.squared_m2);
   const CellIndex low = cell_index(point.p.array() - radius_m);
   const CellIndex high = cell_index(point.p.array() + radius_m);
-  for (std::int32_t y = low.y; y <= high.y; ++y) {
-    const double dy_m = distance_to_cell(point.p.y(), y);
-    for (std::int32_t x = low.x; x <= high.x; ++x) {
-      const double dx_m = distance_to_cell(point.p.x(), x);
-      const CellIndex index{x, y};
-      if (index != home && dx_m * dx_m + dy_m * dy_m <= nearest.squared_m2) {
-        search_cell(index, point, nearest);
-      }
-    }
+  if (low == home && high == home) {
+    return nearest.entry == nullptr ? nullptr : &points_[nearest.entry->index];
   }
+  for_each_cell(low, high, [&](const Cell& cell, CellIndex index) {
+    const double dx_m = distance_to_cell(point.p.x(), index.x);
+    const double dy_m = distance_to_cell(point.p.y(), index.y);
+    if (index != home && dx_m * dx_m + dy_m * dy_m <= nearest.squared_m2) {
+      search_cell(cell, point, nearest);
+    }
+  });
   return nearest.entry == nullptr ? nullptr : &points_[nearest.entry->index];
 }
 

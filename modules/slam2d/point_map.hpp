@@ -4,6 +4,8 @@
 #include <tsl/robin_map.h>
 
 #include <Eigen/Core>
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -60,6 +62,10 @@ class PointMap {
     std::uint32_t index = 0;  ///< in points_
   };
   using Cell = std::vector<Entry>;
+  static constexpr std::uint32_t kNoCell = 0;
+  /// A square of cells that are looked up together: one plus the number of each, row by row.
+  static constexpr std::int32_t kTileCells = 8;
+  using Tile = std::array<std::uint32_t, std::size_t{kTileCells} * kTileCells>;
   struct CellIndex {
     std::int32_t x = 0;
     std::int32_t y = 0;
@@ -85,8 +91,15 @@ class PointMap {
   };
 
   [[nodiscard]] static CellIndex cell_index(const Eigen::Vector2d& p);
-  [[nodiscard]] const Cell* find_cell(CellIndex index) const;
-  void search_cell(CellIndex index, const OrientedPoint& point, Nearest& nearest) const;
+  [[nodiscard]] static CellIndex tile_index(CellIndex cell);
+  /// The place of a cell within its tile.
+  [[nodiscard]] static std::size_t place_in_tile(CellIndex cell);
+  [[nodiscard]] const Tile* find_tile(CellIndex tile) const;
+  [[nodiscard]] Cell& enter_cell(CellIndex index);
+  /// Calls `visit` with each cell of a rectangle that holds a point, and its index: row by row.
+  template <typename Visit>
+  void for_each_cell(CellIndex low, CellIndex high, Visit visit) const;
+  static void search_cell(const Cell& cell, const OrientedPoint& point, Nearest& nearest);
   /// Calls `visit` with the index of each map point whose line the point belongs to.
   template <typename Visit>
   void for_each_neighbour(const OrientedPoint& point, Visit visit) const;
@@ -94,8 +107,11 @@ class PointMap {
 
   MapParams params_;
   std::vector<MapPoint> points_;
-  std::vector<Moments> moments_;                     // of each point
-  tsl::robin_map<CellIndex, Cell, CellHash> cells_;  // never iterated: its order is arbitrary
+  std::vector<Moments> moments_;  // of each point
+  std::vector<Cell> cells_;
+  std::vector<Tile> tiles_;
+  // Of each tile by its index; never iterated: its order is arbitrary.
+  tsl::robin_map<CellIndex, std::uint32_t, CellHash> tile_numbers_;
 };
 
 }  // namespace nodmap::slam2d
