@@ -4,20 +4,20 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <iterator>
+#include <utility>
+
+#include "modules/slam2d/keyframe_graph.hpp"
 
 namespace nodmap::slam2d {
 namespace {
 
 using registration::PoseEdge2d;
-using registration::PoseGraph2d;
 
-constexpr std::size_t kNeighbours = 3;  // submaps that a keyframe is matched against
 // The work on one keyframe is bounded.
 constexpr std::size_t kMaxTracked = 2;
 constexpr std::size_t kMaxSearches = 2;
-constexpr std::size_t kSearchEvery = 3;      // keyframes
-constexpr std::size_t kMaxScanPoints = 120;  // enough to match one scan
+constexpr std::size_t kSearchEvery = 3;  // keyframes
 // The graph is solved every few keyframes, and less often as it grows: its solution takes a time in
 // proportion to its submaps.
 constexpr std::size_t kMinOptimiseEvery = 3;
@@ -37,10 +37,6 @@ constexpr double kStepInformationFactor = 5.0;
 // rad.
 const Eigen::Vector3d kFoundSigmas(0.1, 0.1, 0.02);
 
-double distance(const geometry::SE2& a, const geometry::SE2& b) {
-  return std::hypot(a.x - b.x, a.y - b.y);
-}
-
 /// The information of odometry on a step, in the frame of its start. The errors of wheels are
 /// systematic, not white noise: the numbers hold for 30 m.
 Eigen::Matrix3d odometry_information(const geometry::SE2& step) {
@@ -50,17 +46,6 @@ Eigen::Matrix3d odometry_information(const geometry::SE2& step) {
   return Eigen::Vector3d(1.0 / (sigma_m * sigma_m), 1.0 / (sigma_m * sigma_m),
                          1.0 / (sigma_rad * sigma_rad))
       .asDiagonal();
-}
-
-/// At most `kMaxScanPoints` of the points of a keyframe, spread over the scan.
-std::vector<OrientedPoint> some_points(const Keyframe& keyframe) {
-  const std::vector<OrientedPoint> all = oriented_points(keyframe);
-  const std::size_t stride = (all.size() + kMaxScanPoints - 1) / kMaxScanPoints;
-  std::vector<OrientedPoint> some;
-  for (std::size_t i = 0; i < all.size(); i += stride) {
-    some.push_back(all[i]);
-  }
-  return some;
 }
 
 }  // namespace
@@ -126,10 +111,15 @@ void BackEnd::add_keyframe(Keyframe keyframe, const geometry::SE2& T_local_keyfr
     add_chain_edge(added, T_local_keyframe, information);
     insert_into_submaps(T_local_keyframe);
   }
-  if (is_full(submaps_[local_], 1.0)) {
-    ++local_;
-  }
+  const bool is_finished = is_full(submaps_[local_], 1.0);
+  local_ += is_finished ? 1 : 0;
   close_loops();
+  // One at a time; as long as there are more, with the next keyframe.
+  const bool may_be_more = dropped_.has_value();
+  dropped_.reset();
+  if (is_finished || may_be_more) {
+    drop_replaced_submap();
+  }
 }
 
 void BackEnd::begin_local() {
@@ -206,28 +196,9 @@ registration::PoseEdge2d BackEnd::chain_of_submaps(std::size_t submap) const {
   return edge;
 }
 
-std::vector<BackEnd::Nearby> BackEnd::nearest_submaps(std::size_t keyframe, double distance_m,
-                                                      std::size_t end_submap) const {
-  std::vector<Nearby> found;
-  const Eigen::Vector2d here = keyframes_[keyframe].T_map_base.translation();
-  // Overlapping submaps see the same: those that do not overlap the one before are enough.
-  std::size_t end_keyframe = 0;
-  for (std::size_t s = 0; s < end_submap; ++s) {
-    if (submaps_[s].first_keyframe < end_keyframe) {
-      continue;
-    }
-    end_keyframe = submaps_[s].end_keyframe();
-    double nearest_m2 = std::numeric_limits<double>::infinity();
-    for (std::size_t k = submaps_[s].first_keyframe; k < submaps_[s].end_keyframe(); ++k) {
-      nearest_m2 =
-          std::min(nearest_m2, (keyframes_[k].T_map_base.translation() - here).squaredNorm());
-    }
-    if (nearest_m2 < distance_m * distance_m) {
-      found.push_back({std::sqrt(nearest_m2), s});
-    }
-  }
-  std::sort(found.begin(), found.end());
-  return found;
+// The two submaps before the local one were made along with it.
+std::size_t BackEnd::end_finished() const {
+  return std::max(num_restored_, std::max<std::size_t>(local_, 2) - 2);
 }
 
 void BackEnd::close_loops() {
@@ -241,8 +212,7 @@ void BackEnd::close_loops() {
                                                   submaps_[0].T_map_submap.translation());
     drift_covariance_ = J * uncertainty_[0] * J.transpose();
   }
-  // The two submaps before the local one were made along with it.
-  const std::size_t end_submap = std::max(num_restored_, std::max<std::size_t>(local_, 2) - 2);
+  const std::size_t end_submap = end_finished();
   if (end_submap == 0) {
     return;
   }
@@ -250,8 +220,9 @@ void BackEnd::close_loops() {
   const std::vector<OrientedPoint> scan = some_points(keyframes_[last]);
   std::size_t tracked = 0;
   std::size_t searched = 0;
-  for (const Nearby& near :
-       nearest_submaps(last, match_distance_m + params_.loop.search.max_distance_m, end_submap)) {
+  for (const NearbySubmap& near :
+       nearest_submaps(submaps_, keyframes_, keyframes_[last].T_map_base.translation(),
+                       match_distance_m + params_.loop.search.max_distance_m, end_submap)) {
     const Eigen::Matrix3d& covariance = uncertainty_[near.submap];
     const double reach_m = kSigmas * std::sqrt(std::max(covariance(0, 0), covariance(1, 1)));
     const double reach_rad = kSigmas * std::sqrt(covariance(2, 2));
@@ -354,12 +325,99 @@ void BackEnd::record(const Loop& loop, LoopState state) {
 }
 
 std::vector<SubmapLoop> BackEnd::loops() const {
+  auto known = loops_;
+  for (const PoseEdge2d& edge : graph_.loops()) {
+    if (SubmapGraph::is_outlier(edge, submaps_)) {
+      known.at({edge.from, edge.to}).state = LoopState::kOutlier;
+    }
+  }
   std::vector<SubmapLoop> loops;
-  loops.reserve(loops_.size());
-  for (const auto& [submaps, loop] : loops_) {
+  loops.reserve(known.size());
+  for (const auto& [submaps, loop] : known) {
     loops.push_back(loop);
   }
   return loops;
+}
+
+void BackEnd::drop_replaced_submap() {
+  const int num_newer = params_.submap.max_keyframes_per_place;
+  if (num_newer == 0) {
+    return;
+  }
+  if (const auto replaced =
+          oldest_replaced_submap(submaps_, keyframes_, end_finished(), num_newer)) {
+    drop_submap(*replaced);
+  }
+}
+
+void BackEnd::drop_submap(std::size_t dropped) {
+  graph_.drop_submap(dropped, submaps_);
+  // Neighbours overlap: only keyframes that are in neither go with it.
+  const std::size_t end_before = dropped > 0 ? submaps_[dropped - 1].end_keyframe() : 0;
+  const std::size_t first = std::max(submaps_[dropped].first_keyframe, end_before);
+  const std::size_t end = std::max(
+      first, std::min(submaps_[dropped].end_keyframe(), submaps_[dropped + 1].first_keyframe));
+  for (std::size_t k = submaps_[dropped].first_keyframe; k < submap_of_.size(); ++k) {
+    const bool goes_to_next = submap_of_[k] == dropped && submaps_[dropped + 1].has(k);
+    if (submap_of_[k] > 0 && submap_of_[k] >= dropped && !goes_to_next) {
+      --submap_of_[k];
+    }
+  }
+  dropped_ = drop_keyframes(first, end);
+  submaps_.erase(submaps_.begin() + static_cast<std::ptrdiff_t>(dropped));
+  for (std::size_t s = dropped; s < submaps_.size(); ++s) {
+    submaps_[s].first_keyframe -= end - first;
+  }
+  --local_;
+  num_restored_ -= dropped < num_restored_ ? 1 : 0;
+  closer_.drop_submap(dropped, first, end);
+  drop_from_loops(dropped);
+  uncertainty_.clear();
+  move_keyframes();
+  ++graph_revision_;
+  ++metrics_.submaps_dropped;
+}
+
+DroppedKeyframes BackEnd::drop_keyframes(std::size_t first, std::size_t end) {
+  const auto at = [](auto& values, std::size_t index) {
+    return values.begin() + static_cast<std::ptrdiff_t>(index);
+  };
+  // The steps over the gap become one.
+  for (std::size_t k = first; first > 0 && k < end; ++k) {
+    chain_[first - 1] = composed(chain_[first - 1], chain_[k]);
+  }
+  chain_.erase(at(chain_, first), at(chain_, end));
+  for (std::size_t k = 0; k < chain_.size(); ++k) {
+    chain_[k].from = k;
+    chain_[k].to = k + 1;
+  }
+  DroppedKeyframes dropped{first,
+                           {std::make_move_iterator(at(keyframes_, first)),
+                            std::make_move_iterator(at(keyframes_, end))}};
+  keyframes_.erase(at(keyframes_, first), at(keyframes_, end));
+  submap_of_.erase(at(submap_of_, first), at(submap_of_, end));
+  return dropped;
+}
+
+void BackEnd::drop_from_loops(std::size_t dropped) {
+  std::map<std::pair<std::size_t, std::size_t>, SubmapLoop> kept;
+  double score = 0.0;  // of the loops that have got a new end
+  for (auto [pair, loop] : loops_) {
+    if (loop.from == dropped || loop.to == dropped) {
+      score = std::max(score, loop.state == LoopState::kAccepted ? loop.score : 0.0);
+      continue;
+    }
+    loop.from -= loop.from > dropped ? 1 : 0;
+    loop.to -= loop.to > dropped ? 1 : 0;
+    kept[{loop.from, loop.to}] = loop;
+  }
+  for (const PoseEdge2d& edge : graph_.loops()) {
+    SubmapLoop& loop = kept[{edge.from, edge.to}];
+    if (loop.state != LoopState::kAccepted) {
+      loop = {edge.from, edge.to, LoopState::kAccepted, score};
+    }
+  }
+  loops_ = std::move(kept);
 }
 
 void BackEnd::optimise() {
@@ -384,61 +442,13 @@ void BackEnd::polish() {
     if (round > 0) {
       rebuild_submaps();
     }
-    PoseGraph2d graph;
-    for (const Keyframe& keyframe : keyframes_) {
-      graph.add_node(keyframe.T_map_base);
-    }
-    for (const PoseEdge2d& edge : chain_) {
-      graph.add_edge(edge);
-    }
-    for (const PoseEdge2d& edge : matches_all_around()) {
-      graph.add_edge(edge);
-    }
-    graph.optimise(false, 20);
+    const KeyframeGraph graph{keyframes_, submaps_, chain_};
+    const std::vector<geometry::SE2> poses =
+        graph.polished(closer_, params_.loop.match.max_distance_m);
     for (std::size_t k = 0; k < keyframes_.size(); ++k) {
-      keyframes_[k].T_map_base = graph.nodes()[k];
+      keyframes_[k].T_map_base = poses[k];
     }
   }
-}
-
-std::vector<PoseEdge2d> BackEnd::matches_all_around() const {
-  std::vector<PoseEdge2d> edges;
-  for (std::size_t k = 0; k < keyframes_.size(); ++k) {
-    const std::vector<OrientedPoint> scan = some_points(keyframes_[k]);
-    std::size_t matched = 0;
-    for (const Nearby& near :
-         nearest_submaps(k, params_.loop.match.max_distance_m, submaps_.size())) {
-      const Submap& submap = submaps_[near.submap];
-      if (submap.has(k) || matched == kNeighbours) {
-        continue;
-      }
-      ++matched;
-      const LoopAttempt attempt =
-          closer_.track(submap, scan, submap.T_map_submap.inverse() * keyframes_[k].T_map_base);
-      if (attempt.state == LoopState::kAccepted) {
-        edges.push_back(edge_to_nearest(submap, attempt.loop, k));
-      }
-    }
-  }
-  return edges;
-}
-
-// From the nearest keyframe of the submap: what lies between may bend.
-PoseEdge2d BackEnd::edge_to_nearest(const Submap& submap, const Loop& loop, std::size_t keyframe) {
-  std::size_t nearest = submap.first_keyframe;
-  for (std::size_t k = nearest; k < submap.end_keyframe(); ++k) {
-    if (distance(submap.pose_of(k), loop.T_submap_keyframe) <
-        distance(submap.pose_of(nearest), loop.T_submap_keyframe)) {
-      nearest = k;
-    }
-  }
-  PoseEdge2d edge;
-  edge.from = nearest;
-  edge.to = keyframe;
-  edge.T_from_to = submap.pose_of(nearest).inverse() * loop.T_submap_keyframe;
-  edge.information = rotated(loop.information, -submap.pose_of(nearest).yaw);
-  edge.may_be_wrong = true;
-  return edge;
 }
 
 void BackEnd::rebuild_submaps() {

@@ -2,10 +2,10 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <compare>
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -29,6 +29,7 @@ struct BackEndMetrics {
   std::int64_t refused_match = 0;
   std::int64_t refused_by_graph = 0;  ///< contradicts the pose of the graph
   std::int64_t optimisations = 0;
+  std::int64_t submaps_dropped = 0;  ///< newer ones have replaced them
 };
 
 /// What became of the loops between two submaps: of the one that was accepted last or, if none was,
@@ -40,11 +41,20 @@ struct SubmapLoop {
   double score = 0.0;
 };
 
+/// Keyframes in a row that newer ones have replaced.
+struct DroppedKeyframes {
+  std::size_t first = 0;  ///< index before they were dropped; those after them have moved up
+  std::vector<Keyframe> keyframes;
+};
+
 /// Keeps the map consistent: submaps of consecutive keyframes, joined by odometry and by loops in a
 /// pose graph.
 ///
 /// Two submaps grow at a time, each begun when the other is half full, so that there is always one
 /// with enough in it to match against (Hess et al. 2016, section IV).
+///
+/// A robot that drives in the same place day after day does not need more and more of them: old
+/// submaps are dropped, and their keyframes with them, once newer ones show the same.
 class BackEnd {
  public:
   BackEnd(const BackEndParams& params, const MapParams& map, const MatcherParams& matcher);
@@ -72,6 +82,9 @@ class BackEnd {
   void add_keyframe(Keyframe keyframe, const geometry::SE2& T_local_keyframe,
                     const Eigen::Matrix3d& information);
 
+  /// What the last add_keyframe() has dropped, if anything. The newest keyframes always stay.
+  [[nodiscard]] const std::optional<DroppedKeyframes>& dropped() const { return dropped_; }
+
   /// Matches every keyframe anew against the submaps around it, and optimises all their poses.
   void polish();
 
@@ -85,13 +98,6 @@ class BackEnd {
   [[nodiscard]] std::size_t num_points() const;
 
  private:
-  /// A submap, and how near its keyframes come.
-  struct Nearby {
-    double distance_m = 0.0;
-    std::size_t submap = 0;
-    auto operator<=>(const Nearby&) const = default;
-  };
-
   [[nodiscard]] bool is_full(const Submap& submap, double ratio) const;
   void begin_local();
   [[nodiscard]] Submap build_submap(std::size_t first_keyframe, std::size_t end_keyframe) const;
@@ -100,8 +106,8 @@ class BackEnd {
                       const Eigen::Matrix3d& information);
   [[nodiscard]] registration::PoseEdge2d chain_of_submaps(std::size_t submap) const;
 
-  [[nodiscard]] std::vector<Nearby> nearest_submaps(std::size_t keyframe, double distance_m,
-                                                    std::size_t end_submap) const;
+  /// The submaps before it are finished: loops are closed with them.
+  [[nodiscard]] std::size_t end_finished() const;
   void close_loops();
   void track_loop(std::size_t submap_index, std::span<const OrientedPoint> scan);
   void search_loop(std::size_t submap_index, std::span<const OrientedPoint> scan, double reach_m,
@@ -109,12 +115,12 @@ class BackEnd {
   void accept_by_consensus(const Loop& loop);
   void accept(const Loop& loop);
   void record(const Loop& loop, LoopState state);
+  void drop_replaced_submap();
+  void drop_submap(std::size_t dropped);
+  [[nodiscard]] DroppedKeyframes drop_keyframes(std::size_t first, std::size_t end);
+  void drop_from_loops(std::size_t dropped);
   void optimise();
   void move_keyframes();
-  [[nodiscard]] std::vector<registration::PoseEdge2d> matches_all_around() const;
-  [[nodiscard]] static registration::PoseEdge2d edge_to_nearest(const Submap& submap,
-                                                                const Loop& loop,
-                                                                std::size_t keyframe);
   void rebuild_submaps();
 
   BackEndParams params_;
@@ -127,6 +133,7 @@ class BackEnd {
   std::size_t num_restored_ = 0;                 ///< submaps that restore() has brought
   std::vector<registration::PoseEdge2d> chain_;  ///< from keyframe k to k + 1
   SubmapGraph graph_;
+  std::optional<DroppedKeyframes> dropped_;
   std::size_t keyframes_since_optimised_ = 0;
   bool has_new_loops_ = false;
   bool has_searched_loops_ = false;

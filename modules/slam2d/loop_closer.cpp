@@ -135,4 +135,17 @@ std::vector<Loop> LoopCloser::add_pending(const Loop& loop, std::span<const Subm
   return consensus;
 }
 
+void LoopCloser::drop_submap(std::size_t dropped, std::size_t first_keyframe,
+                             std::size_t end_keyframe) {
+  grids_.clear();  // they are made again when they are needed
+  std::erase_if(pending_, [&](const Loop& loop) {
+    return loop.submap == dropped ||
+           (loop.keyframe >= first_keyframe && loop.keyframe < end_keyframe);
+  });
+  for (Loop& loop : pending_) {
+    loop.submap -= loop.submap > dropped ? 1 : 0;
+    loop.keyframe -= loop.keyframe >= end_keyframe ? end_keyframe - first_keyframe : 0;
+  }
+}
+
 }  // namespace nodmap::slam2d

@@ -30,6 +30,7 @@ enum class LoopState : std::uint8_t {
   kAmbiguous = 1,     ///< another place fits as well
   kLowScore = 2,      ///< the scan fits nowhere near
   kInconsistent = 3,  ///< with the graph, and no other keyframes have said the same yet
+  kOutlier = 4,       ///< accepted, but it contradicts the graph and has lost its weight
 };
 
 /// A loop that was tried, and how it went. Without a match the loop is empty.
@@ -58,6 +59,10 @@ class LoopCloser {
   /// otherwise returns none.
   [[nodiscard]] std::vector<Loop> add_pending(const Loop& loop, std::span<const Submap> submaps,
                                               std::span<const Keyframe> keyframes);
+
+  /// The submap no longer exists, nor do the keyframes from `first_keyframe` to before
+  /// `end_keyframe`; all after them have moved up.
+  void drop_submap(std::size_t dropped, std::size_t first_keyframe, std::size_t end_keyframe);
 
  private:
   struct CachedGrid {

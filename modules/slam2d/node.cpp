@@ -22,6 +22,7 @@ static_assert(static_cast<int>(LoopState::kAccepted) == nodmap::pose_graph_t::AC
 static_assert(static_cast<int>(LoopState::kAmbiguous) == nodmap::pose_graph_t::AMBIGUOUS);
 static_assert(static_cast<int>(LoopState::kLowScore) == nodmap::pose_graph_t::LOW_SCORE);
 static_assert(static_cast<int>(LoopState::kInconsistent) == nodmap::pose_graph_t::INCONSISTENT);
+static_assert(static_cast<int>(LoopState::kOutlier) == nodmap::pose_graph_t::OUTLIER);
 
 std::int8_t pose_state(PoseQuality quality) {
   switch (quality) {
@@ -183,6 +184,9 @@ void Slam2dNode::on_scan(const nodmap::scan_t& message) {
   last_quality_ = update->quality;
   last_utime_us_ = update->utime_us;
   context_.bus.publish("POSE_2D", write_pose(*update));
+  if (update->is_keyframe && slam_.dropped_keyframes()) {
+    erase_dropped_keyframes(*slam_.dropped_keyframes());
+  }
   draw_new_keyframes();
   redraw_moved_keyframes(kMaxCheckedPerScan, kMaxRedrawnPerScan);
   if (is_due(update->utime_us, last_graph_utime_us_, kGraphPeriodS)) {
@@ -266,6 +270,18 @@ void Slam2dNode::finish() {
       loops.loops_tracked + loops.loops_searched, slam_.back_end().submaps().size(),
       loops.loops_tracked, loops.loops_searched, loops.searches, loops.refused_match,
       loops.refused_ambiguous, loops.refused_by_graph);
+}
+
+// What has vanished vanishes from the grid with them.
+void Slam2dNode::erase_dropped_keyframes(const DroppedKeyframes& dropped) {
+  const auto first = drawn_at_.begin() + static_cast<std::ptrdiff_t>(dropped.first);
+  const auto end = first + static_cast<std::ptrdiff_t>(dropped.keyframes.size());
+  auto drawn_at = first;
+  for (const Keyframe& keyframe : dropped.keyframes) {
+    erase(keyframe, *drawn_at++, grid_);
+    num_restored_ -= dropped.first < num_restored_ ? 1 : 0;
+  }
+  drawn_at_.erase(first, end);
 }
 
 void Slam2dNode::draw_new_keyframes() {
@@ -363,6 +379,7 @@ nlohmann::json Slam2dNode::metrics() const {
           {"loops_refused_match", back_end.refused_match},
           {"loops_refused_by_graph", back_end.refused_by_graph},
           {"optimisations", back_end.optimisations},
+          {"submaps_dropped", back_end.submaps_dropped},
           {"maps_published", maps_published_}};
 }
 

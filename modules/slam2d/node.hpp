@@ -51,6 +51,7 @@ class Slam2dNode : public node::Node {
   void try_to_save();
   void save(const std::filesystem::path& dir) const;
   void count_rejected(const ScanCounts& before, std::int64_t without_points_before);
+  void erase_dropped_keyframes(const DroppedKeyframes& dropped);
   void draw_new_keyframes();
   /// Draws keyframes again that the back end has moved: looks at `max_checked` of them, and draws
   /// `max_drawn` at most.

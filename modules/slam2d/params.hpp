@@ -203,10 +203,14 @@ struct LoopParams {
 
 struct SubmapParams {
   int num_keyframes = 20;
+  int max_keyframes_per_place = 20;
 
   template <class Visitor>
   void describe(Visitor& v) {
     v.integer("num_keyframes", num_keyframes, {4, 1000}, "Number of keyframes in a submap.");
+    v.integer("max_keyframes_per_place", max_keyframes_per_place, {0, 10000},
+              "A submap is dropped once each of its keyframes has this many newer ones at its "
+              "place: within 0.75 m and 30 degrees. 0: none is dropped.");
   }
 };
 

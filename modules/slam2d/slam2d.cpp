@@ -15,6 +15,9 @@ double distance_m(const geometry::SE2& a, const geometry::SE2& b) {
 // A ray may be longer than its neighbours by this factor: walls seen at a flat angle are.
 constexpr double kMaxLengthRatio = 1.5;
 
+// Bounds the memory of a robot that is on for days: 11 hours at 13 scans a second, 40 MB.
+constexpr std::size_t kMaxTrackedScans = 524'288;
+
 /// Calls `visit` with both ends of each ray in map, and whether something was hit at the second.
 template <typename Visit>
 void for_each_ray(const Keyframe& keyframe, const geometry::SE2& T_map_base, Visit visit) {
@@ -257,6 +260,9 @@ void Slam2d::add_keyframe(const LevelScan& scan, const Match& match, PoseUpdate&
   back_end_.add_keyframe(std::move(keyframe), T_submap_base,
                          is_matched ? match.information : Eigen::Matrix3d::Zero());
   update.T_map_base = keyframes().back().T_map_base;
+  if (back_end_.dropped()) {
+    attach_to_others(*back_end_.dropped());
+  }
   T_odom_keyframe_ = scan.T_odom_base;
   update.is_keyframe = true;
 }
@@ -267,10 +273,33 @@ void Slam2d::correct_odometry(const LevelScan& scan, PoseUpdate& update) {
   update.T_map_odom = T_map_odom_;
 }
 
+// Scans of keyframes that are no more follow the keyframe before, or else the one after them.
+void Slam2d::attach_to_others(const DroppedKeyframes& dropped) {
+  const std::size_t end = dropped.first + dropped.keyframes.size();
+  const std::size_t other = std::max<std::size_t>(dropped.first, 1) - 1;
+  for (TrackedScan& scan : tracked_scans_) {
+    if (scan.keyframe >= end) {
+      scan.keyframe -= dropped.keyframes.size();
+    } else if (scan.keyframe >= dropped.first) {
+      const geometry::SE2 T_map_base =
+          dropped.keyframes[scan.keyframe - dropped.first].T_map_base * scan.T_keyframe_base;
+      scan.keyframe = other;
+      scan.T_keyframe_base = keyframes()[other].T_map_base.inverse() * T_map_base;
+    }
+  }
+}
+
 void Slam2d::record(const PoseUpdate& update) {
   const geometry::SE2 T_keyframe_base = keyframes().back().T_map_base.inverse() * update.T_map_base;
-  tracked_scans_.push_back(
-      {update.utime_us, keyframes().size() - 1, T_keyframe_base, update.T_map_base});
+  if (tracked_scans_.size() == kMaxTrackedScans) {
+    std::size_t index = 0;
+    std::erase_if(tracked_scans_, [&index](const TrackedScan&) { return index++ % 2 == 1; });
+    record_every_ *= 2;
+  }
+  if (metrics_.scans % record_every_ == 0) {
+    tracked_scans_.push_back(
+        {update.utime_us, keyframes().size() - 1, T_keyframe_base, update.T_map_base});
+  }
   ++metrics_.scans;
   metrics_.tracked += update.quality == PoseQuality::kTracked ? 1 : 0;
   metrics_.partly += update.quality == PoseQuality::kPartly ? 1 : 0;

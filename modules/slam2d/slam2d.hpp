@@ -32,7 +32,7 @@ void draw(const Keyframe& keyframe, const geometry::SE2& T_map_base, OccupancyGr
 /// Takes back what draw() has drawn from the same pose.
 void erase(const Keyframe& keyframe, const geometry::SE2& T_map_base, OccupancyGrid& grid);
 
-/// A level scan, relative to the keyframe before it, with which its pose is corrected.
+/// A level scan, relative to a keyframe near it, with which its pose is corrected.
 struct TrackedScan {
   std::int64_t utime_us = 0;
   std::size_t keyframe = 0;  ///< index
@@ -94,6 +94,11 @@ class Slam2d {
   [[nodiscard]] const PointMap& map() const { return back_end_.local().points; }
   [[nodiscard]] const BackEnd& back_end() const { return back_end_; }
   [[nodiscard]] std::span<const Keyframe> keyframes() const { return back_end_.keyframes(); }
+  /// What the last scan that became a keyframe has dropped from keyframes().
+  [[nodiscard]] const std::optional<DroppedKeyframes>& dropped_keyframes() const {
+    return back_end_.dropped();
+  }
+  /// All level scans; of a drive that goes on for hours every second, fourth ... one.
   [[nodiscard]] std::span<const TrackedScan> tracked_scans() const { return tracked_scans_; }
   [[nodiscard]] const Metrics& metrics() const { return metrics_; }
   [[nodiscard]] const ScanCounts& scan_counts() const { return input_.counts(); }
@@ -112,6 +117,7 @@ class Slam2d {
                                const geometry::SE2& T_odom_now) const;
   void add_keyframe(const LevelScan& scan, const Match& match, PoseUpdate& update);
   void correct_odometry(const LevelScan& scan, PoseUpdate& update);
+  void attach_to_others(const DroppedKeyframes& dropped);
   void record(const PoseUpdate& update);
 
   Slam2dParams params_;
@@ -127,6 +133,7 @@ class Slam2d {
   std::optional<std::int64_t> lost_since_us_;
   std::optional<geometry::SE2> T_odom_failed_search_;
   std::vector<TrackedScan> tracked_scans_;
+  std::int64_t record_every_ = 1;  // level scans
   Metrics metrics_;
 };
 

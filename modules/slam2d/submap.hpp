@@ -2,8 +2,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <compare>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -27,6 +29,9 @@ struct Keyframe {
 
 /// The points of a keyframe with their normals, in base.
 [[nodiscard]] std::vector<OrientedPoint> oriented_points(const Keyframe& keyframe);
+
+/// A part of them that is enough to match the scan, spread over it.
+[[nodiscard]] std::vector<OrientedPoint> some_points(const Keyframe& keyframe);
 
 /// The map of some consecutive keyframes, few enough that drift among them does not matter. Its
 /// frame is that of its first keyframe: when the pose graph moves the submap, its points stay.
@@ -52,5 +57,26 @@ struct Submap {
   std::vector<geometry::SE2> T_submap_keyframe;
   PointMap points;
 };
+
+/// A submap, and how near its keyframes come.
+struct NearbySubmap {
+  double distance_m = 0.0;
+  std::size_t submap = 0;
+  auto operator<=>(const NearbySubmap&) const = default;
+};
+
+/// The submaps before `end_submap` that have a keyframe within `distance_m` of a place, the nearest
+/// first. Overlapping submaps see the same: none that overlaps the one before it is among them.
+[[nodiscard]] std::vector<NearbySubmap> nearest_submaps(std::span<const Submap> submaps,
+                                                        std::span<const Keyframe> keyframes,
+                                                        const Eigen::Vector2d& place_map,
+                                                        double distance_m, std::size_t end_submap);
+
+/// The oldest submap before `end_submap`, of those near the newest keyframe, that newer keyframes
+/// replace: each of its own has at least `num_newer` newer ones within 0.75 m and 30 degrees.
+[[nodiscard]] std::optional<std::size_t> oldest_replaced_submap(std::span<const Submap> submaps,
+                                                                std::span<const Keyframe> keyframes,
+                                                                std::size_t end_submap,
+                                                                int num_newer);
 
 }  // namespace nodmap::slam2d

@@ -2,6 +2,7 @@
 #include "modules/slam2d/submap_graph.hpp"
 
 #include <Eigen/Dense>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <functional>
 #include <limits>
@@ -10,6 +11,15 @@ namespace nodmap::slam2d {
 
 using registration::PoseEdge2d;
 using registration::PoseGraph2d;
+namespace {
+
+/// One number for how uncertain a pose is, m^2: also by where it puts what is 5 m away.
+double size_of(const Eigen::Matrix3d& covariance) {
+  constexpr double kYawMomentArmM = 5.0;
+  return covariance(0, 0) + covariance(1, 1) + kYawMomentArmM * kYawMomentArmM * covariance(2, 2);
+}
+
+}  // namespace
 
 Eigen::Matrix3d rotated(const Eigen::Matrix3d& matrix, double yaw_rad) {
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
@@ -26,6 +36,47 @@ Eigen::Matrix3d moment_arm_jacobian(const Eigen::Vector2d& moment_arm) {
   J(0, 2) = -moment_arm.y();
   J(1, 2) = moment_arm.x();
   return J;
+}
+
+namespace {
+
+/// The inverse of covariance_of(): what was not known before is not known now.
+Eigen::Matrix3d information_of(const Eigen::Matrix3d& covariance) {
+  constexpr double kUnknown = 1e4;  // covariance_of() makes 1e6 of it
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
+  Eigen::Vector3d information = Eigen::Vector3d::Zero();
+  for (int k = 0; k < 3; ++k) {
+    const double variance = solver.eigenvalues()[k];
+    information[k] = variance < kUnknown ? 1.0 / std::max(variance, 1e-9) : 0.0;
+  }
+  return solver.eigenvectors() * information.asDiagonal() * solver.eigenvectors().transpose();
+}
+
+}  // namespace
+
+PoseEdge2d composed(const PoseEdge2d& a_b, const PoseEdge2d& b_c) {
+  PoseEdge2d edge;
+  edge.from = a_b.from;
+  edge.to = b_c.to;
+  edge.T_from_to = a_b.T_from_to * b_c.T_from_to;
+  edge.may_be_wrong = a_b.may_be_wrong || b_c.may_be_wrong;
+  const Eigen::Matrix3d J =
+      moment_arm_jacobian(edge.T_from_to.translation() - a_b.T_from_to.translation());
+  edge.information = information_of(J * covariance_of(a_b.information) * J.transpose() +
+                                    rotated(covariance_of(b_c.information), a_b.T_from_to.yaw));
+  return edge;
+}
+
+PoseEdge2d reversed(const PoseEdge2d& edge) {
+  PoseEdge2d back = edge;
+  back.from = edge.to;
+  back.to = edge.from;
+  back.T_from_to = edge.T_from_to.inverse();
+  // A motion of `from`, as `to` sees it.
+  const Eigen::Matrix3d J = moment_arm_jacobian(-edge.T_from_to.translation());
+  back.information = rotated(information_of(J * covariance_of(edge.information) * J.transpose()),
+                             -edge.T_from_to.yaw);
+  return back;
 }
 
 void SubmapGraph::add_loop(std::size_t from, std::size_t to, const geometry::SE2& T_from_to,
@@ -62,10 +113,6 @@ std::vector<Eigen::Matrix3d> SubmapGraph::uncertainties(std::span<const Submap> 
   for (const auto& [pair, loop] : loops_) {
     join(pair.first, pair.second, loop.information);
   }
-  constexpr double kYawMomentArmM = 5.0;
-  const auto size_of = [](const Eigen::Matrix3d& covariance) {
-    return covariance(0, 0) + covariance(1, 1) + kYawMomentArmM * kYawMomentArmM * covariance(2, 2);
-  };
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   std::vector<Eigen::Matrix3d> found(submaps.size(), Eigen::Matrix3d::Identity() * 1e6);
   std::vector<double> size(submaps.size(), kInfinity);
@@ -112,6 +159,76 @@ std::vector<PoseEdge2d> SubmapGraph::loops() const {
     edges.push_back(edge);
   }
   return edges;
+}
+
+bool SubmapGraph::is_outlier(const PoseEdge2d& edge, std::span<const Submap> submaps) {
+  const Eigen::Vector3d error =
+      registration::residual(edge, submaps[edge.from].T_map_submap, submaps[edge.to].T_map_submap);
+  return error.dot(edge.information * error) >
+         registration::PoseSpace<geometry::SE2>::kInlierChiSquared;
+}
+
+// All loops of a submap, each from it to the other; they are no longer in the graph.
+std::vector<PoseEdge2d> SubmapGraph::take_loops_of(std::size_t submap) {
+  std::vector<PoseEdge2d> taken;
+  for (const PoseEdge2d& edge : loops()) {
+    if (edge.from == submap || edge.to == submap) {
+      taken.push_back(edge.from == submap ? edge : reversed(edge));
+      loops_.erase({edge.from, edge.to});
+    }
+  }
+  return taken;
+}
+
+// Covariances only add up on the way, so no edge becomes too sure; and of two edges between the
+// same submaps the surer one is kept, so that none becomes too sure by being counted again and
+// again.
+void SubmapGraph::join(const PoseEdge2d& edge) {
+  const PoseEdge2d forward = edge.from < edge.to ? edge : reversed(edge);
+  LoopSum& loop = loops_[{forward.from, forward.to}];
+  if (size_of(covariance_of(forward.information)) < size_of(covariance_of(loop.information))) {
+    loop = {forward.T_from_to, forward.information, Eigen::Vector3d::Zero()};
+  }
+}
+
+void SubmapGraph::drop_submap(std::size_t dropped, std::span<const Submap> submaps) {
+  std::vector<PoseEdge2d> loops = take_loops_of(dropped);
+  std::erase_if(loops, [&](const PoseEdge2d& edge) { return is_outlier(edge, submaps); });
+  PoseEdge2d surest = chain_[dropped];  // the last submap is never dropped
+  const auto is_surer = [&](const PoseEdge2d& edge) {
+    return size_of(covariance_of(edge.information)) < size_of(covariance_of(surest.information));
+  };
+  if (dropped > 0 && is_surer(reversed(chain_[dropped - 1]))) {
+    surest = reversed(chain_[dropped - 1]);
+  }
+  for (const PoseEdge2d& edge : loops) {
+    surest = is_surer(edge) ? edge : surest;
+  }
+  for (const PoseEdge2d& edge : loops) {
+    if (edge.to != surest.to) {
+      join(composed(reversed(surest), edge));
+    }
+  }
+  if (dropped > 0) {
+    chain_[dropped - 1] = composed(chain_[dropped - 1], chain_[dropped]);
+  }
+  chain_.erase(chain_.begin() + static_cast<std::ptrdiff_t>(dropped));
+  renumber_without(dropped);
+}
+
+void SubmapGraph::renumber_without(std::size_t dropped) {
+  const auto moved_up = [dropped](std::size_t submap) {
+    return submap - (submap > dropped ? 1 : 0);
+  };
+  for (PoseEdge2d& edge : chain_) {
+    edge.from = moved_up(edge.from);
+    edge.to = moved_up(edge.to);
+  }
+  std::map<std::pair<std::size_t, std::size_t>, LoopSum> renumbered;
+  for (const auto& [pair, loop] : loops_) {
+    renumbered[{moved_up(pair.first), moved_up(pair.second)}] = loop;
+  }
+  loops_ = std::move(renumbered);
 }
 
 void SubmapGraph::optimise(std::span<Submap> submaps, bool graduated) const {

@@ -23,6 +23,13 @@ namespace nodmap::slam2d {
 /// How a change of a pose (x, y, yaw) moves what is attached to it at the end of a moment arm.
 [[nodiscard]] Eigen::Matrix3d moment_arm_jacobian(const Eigen::Vector2d& moment_arm);
 
+/// The edge from a to c by way of b: `a_b` from a to b, `b_c` from b to c.
+[[nodiscard]] registration::PoseEdge2d composed(const registration::PoseEdge2d& a_b,
+                                                const registration::PoseEdge2d& b_c);
+
+/// The same edge, seen from its other end.
+[[nodiscard]] registration::PoseEdge2d reversed(const registration::PoseEdge2d& edge);
+
 /// The submaps as nodes of a pose graph: each is joined to the next by odometry and matches, and
 /// to others by loops.
 class SubmapGraph {
@@ -34,6 +41,16 @@ class SubmapGraph {
   /// inverse covariance of (x, y in m, yaw in rad) in the frame of `from`.
   void add_loop(std::size_t from, std::size_t to, const geometry::SE2& T_from_to,
                 const Eigen::Matrix3d& information);
+
+  /// Takes a submap, not the last, out of the graph; those after it move up by one. The one before
+  /// and the one after it are joined directly. Its loops go to the submap it is joined to most
+  /// surely, except those that contradict the graph. `submaps`: still with the one that is taken
+  /// out.
+  void drop_submap(std::size_t dropped, std::span<const Submap> submaps);
+
+  /// Whether an edge contradicts the poses of the submaps.
+  [[nodiscard]] static bool is_outlier(const registration::PoseEdge2d& edge,
+                                       std::span<const Submap> submaps);
 
   /// The loops, one edge for each pair of submaps.
   [[nodiscard]] std::vector<registration::PoseEdge2d> loops() const;
@@ -48,6 +65,11 @@ class SubmapGraph {
   void optimise(std::span<Submap> submaps, bool graduated) const;
 
  private:
+  [[nodiscard]] std::vector<registration::PoseEdge2d> take_loops_of(std::size_t submap);
+  /// Adds a loop, or replaces one that is less sure.
+  void join(const registration::PoseEdge2d& edge);
+  void renumber_without(std::size_t dropped);
+
   /// All loops between two submaps, as a mean that is weighted by their information.
   struct LoopSum {
     geometry::SE2 T_from_to;

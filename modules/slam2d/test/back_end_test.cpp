@@ -150,6 +150,10 @@ TEST(BackEnd, ClosesTheLoopRoundABlock) {
   mapping.drive(drive_along({{-1, -1}, {13, -1}, {13, 9}, {-1, 9}, {-1, -1}, {13, -1}, {13, 9}}));
   EXPECT_GT(mapping.loops(), 112);             // measured: 140
   EXPECT_LT(mapping.worst_error_m(), 0.0195);  // measured: 15.9 mm
+  const std::vector<SubmapLoop> loops = mapping.slam().back_end().loops();
+  EXPECT_EQ(std::count_if(loops.begin(), loops.end(),
+                          [](const SubmapLoop& loop) { return loop.state == LoopState::kOutlier; }),
+            0);
   mapping.slam().polish();
   EXPECT_LT(mapping.worst_error_m(), 0.016);  // measured: 12.9 mm
 }
@@ -176,6 +180,52 @@ TEST(BackEnd, AFeaturelessCorridorIsNoLoop) {
   mapping.slam().polish();
   // As long as odometry says, which is 3 % too much. Measured: 44 mm less.
   EXPECT_NEAR(mapping.slam().keyframes().back().T_map_base.x, 60.0 * 1.03, 0.055);
+}
+
+/// Round the block of ring(), from the lower left corner and back to it.
+std::vector<SE2> rounds(int count) {
+  std::vector<Eigen::Vector2d> places{{-1, -1}};
+  for (int round = 0; round < count; ++round) {
+    places.insert(places.end(), {{13, -1}, {13, 9}, {-1, 9}, {-1, -1}});
+  }
+  return drive_along(places);
+}
+
+// Round after round the map stays as large as it is, and as good.
+TEST(BackEnd, ReplacedSubmapsAreDropped) {
+  Slam2dParams params;
+  params.back_end.submap.max_keyframes_per_place = 4;
+  Mapping three(ring(), params);
+  three.drive(rounds(3));
+  Mapping six(ring(), params);
+  six.drive(rounds(6));
+  EXPECT_GT(six.slam().back_end().metrics().submaps_dropped, 0);
+  // A submap that is not replaced yet, more or less.
+  EXPECT_LE(six.slam().keyframes().size(), three.slam().keyframes().size() + 20);
+  EXPECT_EQ(six.slam().tracked_scans().size(), rounds(6).size());  // no pose is lost
+  six.slam().polish();
+  EXPECT_LT(six.worst_error_m(), 0.047);  // measured: 37 mm after eight rounds
+}
+
+// What is left is a map like any other: it is saved, and carried on with.
+TEST(BackEnd, AMapWithDroppedSubmapsIsCarriedOnWith) {
+  Slam2dParams params;
+  params.back_end.submap.max_keyframes_per_place = 4;
+  Mapping mapping(ring(), params);
+  mapping.drive(rounds(5));
+  const BackEnd& before = mapping.slam().back_end();
+  ASSERT_GT(before.metrics().submaps_dropped, 0);
+  BackEnd after(params.back_end, params.map, params.matcher);
+  after.restore(before.save());
+  EXPECT_EQ(after.submaps().size(), before.submaps().size());
+  ASSERT_EQ(after.keyframes().size(), before.keyframes().size());
+  for (std::size_t k = 0; k < before.keyframes().size(); ++k) {
+    EXPECT_LT(distance(after.keyframes()[k].T_map_base, before.keyframes()[k].T_map_base), 1e-9);
+  }
+  after.polish();
+  for (std::size_t k = 0; k < before.keyframes().size(); ++k) {
+    EXPECT_LT(distance(after.keyframes()[k].T_map_base, before.keyframes()[k].T_map_base), 0.03);
+  }
 }
 
 // The submaps are built anew from the polished poses.

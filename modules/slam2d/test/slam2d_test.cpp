@@ -98,6 +98,7 @@ TEST_P(Slam2dMetric, R36_AStationaryRobotAddsNoKeyframe) {
 TEST_P(Slam2dMetric, R36_PointsWithACorrespondenceDoNotGrowTheMap) {
   Slam2dParams params = this->params();
   params.keyframe.distance_m = 0.0;
+  params.back_end.submap.max_keyframes_per_place = 0;
   Slam2d first{params};
   ASSERT_TRUE(track(first, Scanner().scan(test::room(), {}), {}));
   Slam2d slam{params};
