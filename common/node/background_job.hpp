@@ -20,6 +20,9 @@ class BackgroundJob {
     messages_until_due_ = messages_until_due;
   }
 
+  /// Whether there is work whose result has not been taken.
+  [[nodiscard]] bool is_running() const { return result_.valid(); }
+
   /// Counts one message. Returns the result when it is due, waiting for it if need be.
   [[nodiscard]] std::optional<Result> count_message() {
     return result_.valid() && --messages_until_due_ <= 0 ? take() : std::nullopt;

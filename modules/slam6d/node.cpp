@@ -2,10 +2,13 @@
 #include "modules/slam6d/node.hpp"
 
 #include <algorithm>
+#include <memory>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "common/formats/atomic_file.hpp"
 #include "common/node/log.hpp"
@@ -23,9 +26,12 @@ namespace {
 constexpr std::size_t kPointsPerChunk = 5000;
 
 // How many scans after its last one a sweep's pose is published, and a keyframe's map: 50 ms at 75
-// Hz for what takes 10 ms, and a second.
+// Hz for what takes 10 ms, and 0.8 s, before the next sweep.
 constexpr int kScansUntilRegistered = 4;
-constexpr int kScansUntilMapped = 75;
+constexpr int kScansUntilMapped = 60;
+// Keyframes that have moved by less leave the occupancy map as it is, until the end.
+constexpr double kMinMapMotionM = 0.03;
+constexpr double kMinMapMotionAtEndM = 0.005;
 
 std::int8_t pose_state(const PoseUpdate& update) {
   if (!update.registration) {
@@ -103,6 +109,9 @@ void Slam6dNode::finish() {
   answer(registering_.take());
   answer(slam_.flush());
   count_scans();
+  slam_.polish();
+  answer(mapping_.take());
+  update_map(kMinMapMotionAtEndM);
   const auto publish_rest = [this] {
     answer(mapping_.take());
     while (!octomap_.is_empty()) {
@@ -112,7 +121,7 @@ void Slam6dNode::finish() {
   publish_rest();
   // What came within the period since the last map.
   if (params_.occupancy.publish_period_s > 0.0 && octomap_keyframes_ < slam_.keyframes().size()) {
-    octomap_utime_us_ = slam_.keyframes().back().cloud.utime_us;
+    octomap_utime_us_ = slam_.keyframes().back().cloud->utime_us;
     answer(MapWork{.bt_file = occupancy_.encode(OccupancyMap::Format::kBt)});
     publish_rest();
   }
@@ -154,14 +163,14 @@ void Slam6dNode::publish(const PoseUpdate& update) {
   context_.bus.publish("POSE_6D", message);
   if (update.keyframe) {
     publish_cloud(slam_.keyframes().back());
-    update_map(slam_.keyframes().back());
   }
+  update_map(kMinMapMotionM);
 }
 
 void Slam6dNode::publish_cloud(const Keyframe& keyframe) {
   const std::vector<OrientedPoint>& points = keyframe.points;
   nodmap::cloud_chunk_t message{};
-  message.utime = keyframe.cloud.utime_us;
+  message.utime = keyframe.cloud->utime_us;
   message.keyframe_id = static_cast<std::int64_t>(slam_.keyframes().size()) - 1;
   message.num_chunks =
       static_cast<std::int32_t>((points.size() + kPointsPerChunk - 1) / kPointsPerChunk);
@@ -179,27 +188,52 @@ void Slam6dNode::publish_cloud(const Keyframe& keyframe) {
   }
 }
 
-void Slam6dNode::update_map(const Keyframe& keyframe) {
-  answer(mapping_.take());
-  const std::int64_t utime_us = keyframe.cloud.utime_us;
-  const double age_s = 1e-6 * static_cast<double>(utime_us - octomap_utime_us_);
-  // A clock set back must not silence it until it has caught up.
-  const bool is_due =
-      octomap_keyframes_ == 0 || age_s < 0.0 || age_s >= params_.occupancy.publish_period_s;
-  const bool is_published =
-      params_.occupancy.publish_period_s > 0.0 && is_due && octomap_.is_empty();
-  if (is_published) {
-    octomap_utime_us_ = utime_us;
-    octomap_keyframes_ = slam_.keyframes().size();
+bool Slam6dNode::has_moved(double min_motion_m) const {
+  for (std::size_t k = 0; k < T_map_mapped_.size(); ++k) {
+    const geometry::SE3& T_map_base = slam_.keyframes()[k].T_map_base;
+    if ((T_map_base.translation() - T_map_mapped_[k].translation()).norm() > min_motion_m) {
+      return true;
+    }
   }
+  return false;
+}
+
+// One piece of work at a time: what comes meanwhile waits for its end. A map whose keyframes have
+// moved is made anew.
+void Slam6dNode::update_map(double min_motion_m) {
+  if (mapping_.is_running()) {
+    return;
+  }
+  const std::span<const Keyframe> all = slam_.keyframes();
+  const bool is_anew =
+      T_map_mapped_.empty() || all.size() < T_map_mapped_.size() || has_moved(min_motion_m);
+  if (is_anew) {
+    T_map_mapped_.clear();
+  }
+  const std::span<const Keyframe> added = all.subspan(T_map_mapped_.size());
+  if (added.empty()) {
+    return;
+  }
+  const bool is_published = begin_octomap(added.back().cloud->utime_us);
   const auto every = static_cast<std::size_t>(params_.occupancy.save_every_keyframes);
   const bool is_saved =
-      every > 0 && slam_.keyframes().size() % every == 0 && !context_.out_dir.empty();
-  // A copy of the cloud: meanwhile there may be another keyframe.
+      every > 0 && all.size() / every > T_map_mapped_.size() / every && !context_.out_dir.empty();
+  std::vector<std::pair<std::shared_ptr<const SweepCloud>, geometry::SE3>> clouds;
+  for (const Keyframe& keyframe : added) {
+    clouds.emplace_back(keyframe.cloud, keyframe.T_map_base);
+    T_map_mapped_.push_back(keyframe.T_map_base);
+  }
+  // A scan more for each cloud.
+  const int scans_until_due = kScansUntilMapped + static_cast<int>(clouds.size());
   mapping_.start(
-      [this, cloud = keyframe.cloud, T_map_base = keyframe.T_map_base, is_published, is_saved] {
+      [this, clouds = std::move(clouds), is_anew, is_published, is_saved] {
         MapWork work;
-        occupancy_.insert(cloud, T_map_base);
+        if (is_anew) {
+          occupancy_ = OccupancyMap(map_options(params_.occupancy));
+        }
+        for (const auto& [cloud, T_map_base] : clouds) {
+          occupancy_.insert(*cloud, T_map_base);
+        }
         if (is_published) {
           work.bt_file = occupancy_.encode(OccupancyMap::Format::kBt);
         }
@@ -208,7 +242,21 @@ void Slam6dNode::update_map(const Keyframe& keyframe) {
         }
         return work;
       },
-      kScansUntilMapped);
+      scans_until_due);
+}
+
+// Returns whether the next map is to be published, which then is of `utime_us`.
+bool Slam6dNode::begin_octomap(std::int64_t utime_us) {
+  const double age_s = 1e-6 * static_cast<double>(utime_us - octomap_utime_us_);
+  // A clock set back must not silence it until it has caught up.
+  const bool is_due =
+      octomap_keyframes_ == 0 || age_s < 0.0 || age_s >= params_.occupancy.publish_period_s;
+  if (params_.occupancy.publish_period_s <= 0.0 || !is_due || !octomap_.is_empty()) {
+    return false;
+  }
+  octomap_utime_us_ = utime_us;
+  octomap_keyframes_ = slam_.keyframes().size();
+  return true;
 }
 
 void Slam6dNode::answer(const std::optional<MapWork>& work) {
@@ -284,6 +332,7 @@ nlohmann::json Slam6dNode::metrics() const {
   registering_.wait();
   mapping_.wait();
   nlohmann::json figures = slam_figures(slam_);
+  figures["loops"] = loop_figures(slam_.back_end());
   figures["occupancy_map"] = {{"nodes", occupancy_.num_nodes()},
                               {"memory_bytes", occupancy_.memory_bytes()},
                               {"times_saved", maps_saved_}};

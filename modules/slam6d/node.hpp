@@ -24,8 +24,8 @@
 namespace nodmap::slam6d {
 
 /// SCAN and ODOMETRY in, POSE_6D for each sweep, CLOUD for each keyframe and OCTOMAP now and then
-/// out; SAVE_REQUEST writes the map. Sweeps are registered, and the occupancy map is kept, beside
-/// the messages: a scan is handled within microseconds.
+/// out; SAVE_REQUEST writes the map. Sweeps are registered, loops are closed and the occupancy map
+/// is kept beside the messages: a scan is handled within microseconds.
 class Slam6dNode : public node::Node {
  public:
   using Params = Slam6dParams;
@@ -52,7 +52,9 @@ class Slam6dNode : public node::Node {
   void answer(const std::optional<PoseUpdate>& update);
   void publish(const PoseUpdate& update);
   void publish_cloud(const Keyframe& keyframe);
-  void update_map(const Keyframe& keyframe);
+  [[nodiscard]] bool has_moved(double min_motion_m) const;
+  void update_map(double min_motion_m);
+  [[nodiscard]] bool begin_octomap(std::int64_t utime_us);
   void answer(const std::optional<MapWork>& work);
   void publish_octomap_part();
   void count_scans();
@@ -63,6 +65,8 @@ class Slam6dNode : public node::Node {
   node::SensorInput input_;
   Slam6d slam_;
   OccupancyMap occupancy_;
+  /// Of the keyframes that are in it, or on their way into it, the poses with which they are.
+  std::vector<geometry::SE3> T_map_mapped_;
   ScanCounts counted_;
   std::int64_t maps_saved_ = 0;
   OctomapParts octomap_;

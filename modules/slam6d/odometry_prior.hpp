@@ -76,11 +76,7 @@ struct OdometryMotion {
   Eigen::Matrix<double, 6, 1> sigma;
   sigma << Eigen::Vector3d::Constant(translation_m), tilt_rad, tilt_rad, yaw_rad;
   sigma *= growth;
-  // From the axes of base to those of map.
-  Matrix6d to_map = Matrix6d::Zero();
-  to_map.topLeftCorner<3, 3>() = T_map_base.linear();
-  to_map.bottomRightCorner<3, 3>() = T_map_base.linear();
-  return to_map * sigma.cwiseAbs2().asDiagonal() * to_map.transpose();
+  return rotated(sigma.cwiseAbs2().asDiagonal(), T_map_base.linear());
 }
 
 }  // namespace nodmap::slam6d

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "common/geometry/angle.hpp"
+#include "modules/slam6d/loop_closer.hpp"
 #include "modules/slam6d/odometry_calibration.hpp"
 #include "modules/slam6d/odometry_prior.hpp"
 #include "modules/slam6d/pitch_latency.hpp"
@@ -61,6 +62,7 @@ struct Slam6dParams {
   VoxelMapParams voxels{};
   RegistrationParams registration{};
   KeyframeParams keyframe{};
+  LoopParams loop{};
   OccupancyParams occupancy{};
 
   template <class Visitor>
@@ -75,6 +77,7 @@ struct Slam6dParams {
     v.section("voxels", voxels);
     v.section("registration", registration);
     v.section("keyframe", keyframe);
+    v.section("loop", loop);
     v.section("occupancy", occupancy);
     describe_renamed(v);
   }

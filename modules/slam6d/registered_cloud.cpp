@@ -21,7 +21,7 @@ std::vector<drawing::DrawnPoint> registered_cloud(std::span<const Keyframe> keyf
         means.add_normal(place, point.normal, 1.0F);
       }
     }
-    for (const Eigen::Vector3f& p : keyframe.cloud.points) {
+    for (const Eigen::Vector3f& p : keyframe.cloud->points) {
       const std::uint32_t nearest = means.nearest(p, static_cast<float>(kVoxelSizeM));
       const Eigen::Vector3f normal_base =
           nearest == VoxelGrid::kNone ? Eigen::Vector3f::Zero() : means.voxels()[nearest].normal;

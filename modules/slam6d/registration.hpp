@@ -7,11 +7,10 @@
 
 #include "common/geometry/angle.hpp"
 #include "common/geometry/se3.hpp"
+#include "modules/slam6d/pose_covariance.hpp"
 #include "modules/slam6d/voxel_map.hpp"
 
 namespace nodmap::slam6d {
-
-using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
 /// What the registration makes small.
 enum class Metric {
@@ -113,7 +112,7 @@ struct Registration {
 };
 
 /// Finds the pose at which a sweep lies on the map: iterative closest points from coarse to fine
-/// voxels, starting from the prior. Per iteration each point of the sweep corresponds to the
+/// voxels. Per iteration each point of the sweep corresponds to the
 /// nearest map voxel of its size. With Metric::kPlanes the residual is taken along the mean of both
 /// normals (symmetric objective, Rusinkiewicz 2019), weighted by a Geman-McClure kernel that
 /// narrows from level to level; a Gauss-Newton step joins the residuals with the prior as evidence
@@ -123,8 +122,14 @@ struct Registration {
 /// that grows evenly with time (two-pose elastic: Dellenbach 2022), and the sweep is deskewed with
 /// it.
 ///
-/// Where too few points fit, other headings are tried: wheels that spin against something count a
-/// rotation that never was.
+/// Starts at `T_map_start`, which may lie away from the prior.
+[[nodiscard]] Registration register_sweep_from(VoxelMap& sweep_base, const VoxelMap& map,
+                                               const PosePrior& prior,
+                                               const geometry::SE3& T_map_start,
+                                               const RegistrationParams& params);
+
+/// The same from where the prior is. Where too few points fit, other headings are tried: wheels
+/// that spin against something count a rotation that never was.
 [[nodiscard]] Registration register_sweep(VoxelMap& sweep_base, const VoxelMap& map,
                                           const PosePrior& prior, const RegistrationParams& params);
 

@@ -107,6 +107,19 @@ void write_cloud(const Slam6d& slam, const std::filesystem::path& dir) {
   drawing::draw_path_on_cloud(points, path).write_png(dir / "path.png");
 }
 
+nlohmann::json loop_figures(const BackEnd& back_end) {
+  const BackEndMetrics& metrics = back_end.metrics();
+  return {{"tracked", metrics.loops_tracked},
+          {"searched", metrics.loops_searched},
+          {"searches", metrics.searches},
+          {"refused_ambiguous", metrics.refused_ambiguous},
+          {"refused_match", metrics.refused_match},
+          {"contradicted", back_end.graph().num_contradicted()},
+          {"corrections", metrics.corrections},
+          {"largest_correction_m", metrics.largest_correction_m},
+          {"maps_arranged", metrics.maps_arranged}};
+}
+
 nlohmann::json slam_figures(const Slam6d& slam) {
   nlohmann::json keyframes = nlohmann::json::array();
   for (const Keyframe& keyframe : slam.keyframes()) {

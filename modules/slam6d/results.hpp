@@ -15,6 +15,9 @@ void write_trajectories(const Slam6d& slam, const std::filesystem::path& dir);
 /// cloud.ply, map.png and path.png. Throws std::runtime_error.
 void write_cloud(const Slam6d& slam, const std::filesystem::path& dir);
 
+/// What became of loops.
+[[nodiscard]] nlohmann::json loop_figures(const BackEnd& back_end);
+
 /// Sweeps, scans and keyframes with why and how well they were registered.
 [[nodiscard]] nlohmann::json slam_figures(const Slam6d& slam);
 

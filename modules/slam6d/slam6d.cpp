@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "modules/slam6d/slam6d.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <memory>
 #include <utility>
 
 #include "modules/slam6d/odometry_prior.hpp"
@@ -34,6 +36,13 @@ bool is_planar(const SE3& T_odom_base) {
   return std::abs(T_odom_base.translation().z()) < 1e-6 && T_odom_base.linear()(2, 2) > 1.0 - 1e-12;
 }
 
+// Not a ramp, nor another storey.
+bool is_level(const SE3& T_map_base, const OdometryParams& odometry) {
+  constexpr double kSigmas = 4.0;
+  return std::abs(T_map_base.translation().z()) < kSigmas * odometry.level_height_m &&
+         T_map_base.linear().col(2).head<2>().norm() < kSigmas * odometry.level_tilt_rad;
+}
+
 bool is_stationary(const SweepCloud& cloud) {
   const SE3 motion = cloud.motion();
   return motion.translation().norm() < kStationaryM &&
@@ -53,11 +62,7 @@ PointTimes point_times(const SweepCloud& cloud) {
 }
 
 VoxelMap voxelize(const SweepCloud& cloud, const VoxelMapParams& params) {
-  // The mirror moves little within a sweep: its middle place tells the two sides of a wall apart.
-  const Eigen::Vector3f p_base_mirror = cloud.lines.empty()
-                                            ? Eigen::Vector3f::Zero()
-                                            : cloud.lines[cloud.lines.size() / 2].p_base_mirror;
-  return VoxelMap::from_points(cloud.points, p_base_mirror, params, point_times(cloud));
+  return VoxelMap::from_points(cloud.points, cloud.p_base_mirror(), params, point_times(cloud));
 }
 
 std::vector<OrientedPoint> oriented_points(const VoxelGrid& grid) {
@@ -84,7 +89,8 @@ Slam6d::Slam6d(const Slam6dParams& params)
       odometry_(history_span_us(params.sweep), kMaxExtrapolationUs),
       calibration_(params.calibration),
       pitch_latency_(params.pitch_latency),
-      map_(params.voxels) {}
+      map_(params.voxels),
+      back_end_(params.loop, params.registration, params.odometry, params.voxels) {}
 
 bool Slam6d::add_odometry(std::int64_t utime_us, const SE3& T_odom_base) {
   return odometry_.add(utime_us, T_odom_base);
@@ -162,26 +168,39 @@ PoseUpdate Slam6d::add_cloud(SweepCloud cloud) {
   is_interrupted_ = is_interrupted_ || cloud.follows_interruption;
   keyframe_is_due_ = keyframe_is_due_ || cloud.follows_interruption;
   PoseUpdate update = extrapolate(cloud);
-  if (is_usable(update)) {
-    VoxelMap sweep = voxelize(cloud, params_.voxels);
-    if (is_better_beginning(sweep)) {
-      begin_anew(update);
-    }
-    if (last_accepted_) {
-      track(sweep, cloud, update);
-    }
-    update.keyframe = keyframe_reason(update);
-    if (update.is_tracked()) {
-      accept(sweep, cloud, update);
-    }
-    if (update.keyframe) {
-      keyframes_.push_back(
-          {sweeps_.size(), update.T_map_base, std::move(cloud), oriented_points(sweep.level(0))});
-      keyframe_is_due_ = false;
-    }
+  if (!is_usable(update)) {
+    keep(update);
+    return update;
   }
+  VoxelMap sweep = voxelize(cloud, params_.voxels);
+  if (is_better_beginning(sweep)) {
+    begin_anew(update);
+  }
+  if (last_accepted_) {
+    track(sweep, cloud, update);
+  }
+  update.keyframe = keyframe_reason(update);
+  if (update.is_tracked()) {
+    accept(sweep, cloud, update);
+  }
+  keep(update);
+  if (update.keyframe) {
+    keep_keyframe(sweep, std::move(cloud));
+    close_loops(sweep);
+  }
+  return sweeps_.back();
+}
+
+void Slam6d::keep(const PoseUpdate& update) {
   sweeps_.push_back(update);
-  return update;
+  corrected_.add(update.T_map_base);
+}
+
+void Slam6d::keep_keyframe(const VoxelMap& sweep, SweepCloud cloud) {
+  keyframes_.push_back({sweeps_.size() - 1, sweeps_.back().T_map_base,
+                        std::make_shared<const SweepCloud>(std::move(cloud)),
+                        oriented_points(sweep.level(0))});
+  keyframe_is_due_ = false;
 }
 
 // The scanner was already on its way when the first sweep began, or cut short: on such a sliver no
@@ -196,6 +215,7 @@ void Slam6d::begin_anew(PoseUpdate& update) {
   sweeps_[*last_accepted_].keyframe.reset();
   map_ = VoxelMap(params_.voxels);
   keyframes_.clear();
+  back_end_ = BackEnd(params_.loop, params_.registration, params_.odometry, params_.voxels);
   last_accepted_.reset();
   counts_.sweeps_lost = 0;
   update.T_map_base = T_map_odom_ * update.T_odom_base;
@@ -364,10 +384,10 @@ void Slam6d::learn_pitch_latency_at_start(const PlacedSweep& sweep) {
   const Vector6d axis = pitch_axis(found.T_map_base);
   const SE3 deviation = update.T_map_base.inverse() * found.T_map_base;
   pitch_latency_.learn(
-      axis.dot(found.response * axis) * (cloud.pitch_rate_rad_s - first.cloud.pitch_rate_rad_s),
+      axis.dot(found.response * axis) * (cloud.pitch_rate_rad_s - first.cloud->pitch_rate_rad_s),
       -geometry::rotation_vector(deviation.linear()).y(), axis.dot(found.covariance * axis));
-  first.cloud = deskew_now(*first_sweep_);
-  const VoxelMap first_voxels = voxelize(first.cloud, params_.voxels);
+  first.cloud = std::make_shared<const SweepCloud>(deskew_now(*first_sweep_));
+  const VoxelMap first_voxels = voxelize(*first.cloud, params_.voxels);
   first.points = oriented_points(first_voxels.level(0));
   map_ = VoxelMap(params_.voxels);
   map_.add_sweep(first_voxels, first.T_map_base);
@@ -375,7 +395,7 @@ void Slam6d::learn_pitch_latency_at_start(const PlacedSweep& sweep) {
 
 // Only what was registered enters the map: a refused sweep leaves no trace.
 void Slam6d::accept(const VoxelMap& sweep, SweepCloud& cloud, PoseUpdate& update) {
-  map_.add_sweep(sweep, update.T_map_base);
+  map_.add_sweep(sweep, update.T_map_base, keyframes_.size() - (update.keyframe ? 0 : 1));
   const SE3 T_odom_end = update.T_odom_base * cloud.T_base_last_counted;
   if (update.registration) {
     cloud.correct(update.registration->correction);
@@ -421,29 +441,46 @@ Metrics Slam6d::metrics() const {
   return metrics;
 }
 
-std::vector<SE3> Slam6d::trajectory() const {
-  const auto first_base = [this](std::size_t i) -> SE3 {
-    return sweeps_[i].T_first_odom * sweeps_[i].T_odom_base;
-  };
-  std::vector<SE3> poses;
-  poses.reserve(sweeps_.size());
-  std::optional<std::size_t> tracked;  // the last one so far
-  for (std::size_t i = 0; i < sweeps_.size(); ++i) {
-    poses.push_back(sweeps_[i].T_map_base);
-    if (!sweeps_[i].is_tracked()) {
-      continue;
-    }
-    for (std::size_t j = tracked.value_or(i) + 1; j < i; ++j) {
-      // What the registration of the later sweep put right, in its base frame.
-      const SE3 T_map_first = sweeps_[*tracked].T_map_base * first_base(*tracked).inverse();
-      const SE3 correction = (T_map_first * first_base(i)).inverse() * sweeps_[i].T_map_base;
-      const double fraction = static_cast<double>(j - *tracked) / static_cast<double>(i - *tracked);
-      poses[j] = T_map_first * first_base(j) *
-                 geometry::interpolate(SE3::Identity(), correction, fraction);
-    }
-    tracked = i;
+void Slam6d::close_loops(const VoxelMap& sweep) {
+  if (!params_.loop.enabled) {
+    return;
   }
-  return poses;
+  const Keyframe& keyframe = keyframes_.back();
+  PoseUpdate& update = sweeps_.back();
+  TrackedKeyframe tracked{.T_map_base = keyframe.T_map_base,
+                          .follows_interruption = update.keyframe == KeyframeReason::kInterruption,
+                          .is_level = is_planar(keyframe.cloud->T_odom_base) &&
+                                      is_level(keyframe.T_map_base, params_.odometry)};
+  if (update.registration) {
+    tracked.information = update.covariance.inverse();
+  }
+  if (const auto T_map_keyframes = back_end_.add_keyframe(tracked, sweep, map_)) {
+    move_keyframes(*T_map_keyframes);
+    update.T_map_base = keyframe.T_map_base;
+    update.T_map_odom = T_map_odom_;
+  }
+}
+
+void Slam6d::polish() {
+  if (back_end_.has_loops()) {
+    move_keyframes(back_end_.polish());
+  }
+}
+
+void Slam6d::move_keyframes(std::span<const SE3> T_map_keyframes) {
+  const SE3 T_new_old = normalized(T_map_keyframes.back() * keyframes_.back().T_map_base.inverse());
+  std::vector<CorrectedPoses::Correction> corrections;
+  for (std::size_t k = 0; k < keyframes_.size(); ++k) {
+    keyframes_[k].T_map_base = T_map_keyframes[k];
+    corrections.push_back({keyframes_[k].sweep, T_map_keyframes[k]});
+  }
+  corrected_.move(corrections);
+  T_map_odom_ = normalized(T_new_old * T_map_odom_);
+  T_map_end_ = normalized(T_new_old * T_map_end_);
+  end_covariance_ = rotated(end_covariance_, T_new_old.linear());
+  if (last_nod_) {
+    last_nod_->T_map_base = normalized(T_new_old * last_nod_->T_map_base);
+  }
 }
 
 }  // namespace nodmap::slam6d

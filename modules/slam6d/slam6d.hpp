@@ -10,53 +10,17 @@
 #include "common/geometry/pose_history.hpp"
 #include "common/geometry/se3.hpp"
 #include "common/scan/scan.hpp"
+#include "modules/slam6d/back_end.hpp"
+#include "modules/slam6d/corrected_poses.hpp"
+#include "modules/slam6d/keyframe.hpp"
 #include "modules/slam6d/params.hpp"
+#include "modules/slam6d/pose_update.hpp"
 #include "modules/slam6d/registration.hpp"
 #include "modules/slam6d/sweep_cloud.hpp"
 #include "modules/slam6d/sweep_segmenter.hpp"
 #include "modules/slam6d/voxel_map.hpp"
 
 namespace nodmap::slam6d {
-
-/// Why the map keeps a sweep.
-enum class KeyframeReason { kFirst, kInterruption, kDistance, kRotation };
-
-/// The robot's pose in the middle of one sweep, and how it was found.
-struct PoseUpdate {
-  std::int64_t utime_us = 0;  ///< of the base pose
-  geometry::SE3 T_odom_base = geometry::SE3::Identity();
-  /// The odom frame of `T_odom_base` in the first one: identity until odometry begins anew.
-  geometry::SE3 T_first_odom = geometry::SE3::Identity();
-  geometry::SE3 T_map_base = geometry::SE3::Identity();  ///< as known when the sweep was complete
-  /// The correction of odometry as known at the sweep's last beam, for what comes after it.
-  geometry::SE3 T_map_odom = geometry::SE3::Identity();
-  /// Of the base's position (m) and rotation vector (rad), axes of map: of the match where the map
-  /// tells the pose, else of odometry since then. Zero for the first sweep, which is the map.
-  Matrix6d covariance = Matrix6d::Zero();
-  std::size_t scans_used = 0;
-  std::size_t scans_without_pose = 0;
-  std::size_t num_points = 0;
-  bool is_stationary = false;  ///< the robot, during the whole sweep
-  /// From the last keyframe's base pose to this one (0 for the first).
-  double distance_m = 0.0;
-  double rotation_rad = 0.0;
-  /// Empty: too thin a sweep, which follows odometry, or the first, which is the map.
-  std::optional<Registration> registration = std::nullopt;
-  std::optional<KeyframeReason> keyframe = std::nullopt;  ///< empty: not kept
-
-  /// Whether the map tells this pose, not odometry alone.
-  [[nodiscard]] bool is_tracked() const {
-    return registration ? registration->is_accepted() : keyframe == KeyframeReason::kFirst;
-  }
-};
-
-/// A sweep that the map keeps; whole, so that the occupancy map can be built anew from other poses.
-struct Keyframe {
-  std::size_t sweep = 0;  ///< place of its update
-  geometry::SE3 T_map_base = geometry::SE3::Identity();
-  SweepCloud cloud;                   ///< in base
-  std::vector<OrientedPoint> points;  ///< the voxel means of the cloud; normal zero where no plane
-};
 
 /// The scans of complete sweeps.
 struct ScanCounts {
@@ -113,9 +77,16 @@ class Slam6d {
   [[nodiscard]] const ScanCounts& scan_counts() const { return scan_counts_; }
   [[nodiscard]] Metrics metrics() const;
 
-  /// The pose of every sweep, with all that is known now: tracked sweeps as registered, those
-  /// between two of them with a correction that goes over evenly from one to the next.
-  [[nodiscard]] std::vector<geometry::SE3> trajectory() const;
+  /// The pose of every sweep, with all that is known now: tracked sweeps as registered and moved
+  /// with their keyframes, those between two of them with a correction that goes over evenly from
+  /// one to the next.
+  [[nodiscard]] std::vector<geometry::SE3> trajectory() const {
+    return corrected_.trajectory(sweeps_);
+  }
+
+  /// Moves the newest poses, too, to where they agree best with all loops: at the end.
+  void polish();
+  [[nodiscard]] const BackEnd& back_end() const { return back_end_; }
 
  private:
   [[nodiscard]] std::optional<PlacedSweep> place_sweep(Sweep sweep);
@@ -133,6 +104,10 @@ class Slam6d {
   void track(VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate& update);
   void accept(const VoxelMap& sweep, SweepCloud& cloud, PoseUpdate& update);
   [[nodiscard]] std::optional<KeyframeReason> keyframe_reason(PoseUpdate& update) const;
+  void keep(const PoseUpdate& update);
+  void keep_keyframe(const VoxelMap& sweep, SweepCloud cloud);
+  void close_loops(const VoxelMap& sweep);
+  void move_keyframes(std::span<const geometry::SE3> T_map_keyframes);
 
   Slam6dParams params_;
   SweepSegmenter segmenter_;
@@ -168,7 +143,9 @@ class Slam6d {
   bool is_interrupted_ = false;               // since the last accepted one
   bool keyframe_is_due_ = false;              // there was an interruption since the last keyframe
   std::vector<PoseUpdate> sweeps_;
+  CorrectedPoses corrected_;  // of sweeps_
   std::vector<Keyframe> keyframes_;
+  BackEnd back_end_;
   Metrics counts_;
 };
 

@@ -66,6 +66,10 @@ struct SweepCloud {
   geometry::SE3 T_base_first_counted = geometry::SE3::Identity();
   geometry::SE3 T_base_last_counted = geometry::SE3::Identity();
 
+  /// The mirror in the middle of the sweep, within which it moves little; zero where no line is.
+  [[nodiscard]] Eigen::Vector3f p_base_mirror() const {
+    return lines.empty() ? Eigen::Vector3f::Zero() : lines[lines.size() / 2].p_base_mirror;
+  }
   /// The robot's motion from the first to the last beam.
   [[nodiscard]] geometry::SE3 motion() const { return T_base_first.inverse() * T_base_last; }
   /// From the base's place in the middle of the sweep to that at the last beam, on average over

@@ -56,6 +56,13 @@ VoxelMap VoxelMap::from_points(std::span<const Eigen::Vector3f> points,
   return map;
 }
 
+void VoxelMap::hold() {
+  for (std::vector<float>& times : times_) {
+    times.clear();
+  }
+  half_path_.setZero();
+}
+
 void VoxelMap::correct(const MotionCorrection& correction) {
   if (!is_moving()) {
     return;
@@ -75,7 +82,13 @@ void VoxelMap::correct(const MotionCorrection& correction) {
   half_path_ += correction.translation_m.cast<float>();
 }
 
-void VoxelMap::add_sweep(const VoxelMap& sweep_base, const geometry::SE3& T_map_base) {
+void VoxelMap::assign(std::size_t level, std::uint32_t place, std::size_t keyframe) {
+  keyframes_[level].resize(levels_[level].voxels().size());
+  keyframes_[level][place] = static_cast<std::uint32_t>(keyframe);
+}
+
+void VoxelMap::add_sweep(const VoxelMap& sweep_base, const geometry::SE3& T_map_base,
+                         std::size_t keyframe) {
   const Eigen::Matrix3f R = T_map_base.linear().cast<float>();
   const Eigen::Vector3f t = T_map_base.translation().cast<float>();
   const auto trusted_sq_m2 = static_cast<float>(params_.trusted_range_m * params_.trusted_range_m);
@@ -84,8 +97,39 @@ void VoxelMap::add_sweep(const VoxelMap& sweep_base, const geometry::SE3& T_map_
       const float sq_range_m2 = (voxel.mean - sweep_base.p_sensor_).squaredNorm();
       const float weight = voxel.weight / (1.0F + sq_range_m2 / trusted_sq_m2);
       const std::uint32_t place = levels_[l].add(R * voxel.mean + t, weight);
-      if (place != VoxelGrid::kNone && voxel.has_plane()) {
+      if (place == VoxelGrid::kNone) {
+        continue;
+      }
+      assign(l, place, keyframe);
+      if (voxel.has_plane()) {
         levels_[l].add_normal(place, R * voxel.normal, weight);
+      }
+    }
+  }
+}
+
+void VoxelMap::add_keyframes(const VoxelMap& map, std::span<const geometry::SE3> T_new_old,
+                             const std::vector<bool>& is_chosen) {
+  std::vector<Eigen::Isometry3f> motions;
+  motions.reserve(T_new_old.size());
+  for (const geometry::SE3& motion : T_new_old) {
+    motions.push_back(motion.cast<float>());
+  }
+  for (std::size_t l = 0; l < kLevels; ++l) {
+    const auto voxels = map.levels_[l].voxels();
+    for (std::size_t i = 0; i < voxels.size(); ++i) {
+      const std::uint32_t keyframe = map.keyframes_[l][i];
+      if (!is_chosen[keyframe]) {
+        continue;
+      }
+      const Eigen::Isometry3f& motion = motions[keyframe];
+      const std::uint32_t place = levels_[l].add(motion * voxels[i].mean, voxels[i].weight);
+      if (place == VoxelGrid::kNone) {
+        continue;
+      }
+      assign(l, place, keyframe);
+      if (voxels[i].has_plane()) {
+        levels_[l].add_normal(place, motion.linear() * voxels[i].normal, voxels[i].normal_weight);
       }
     }
   }
@@ -120,6 +164,9 @@ std::size_t VoxelMap::memory_bytes() const {
   std::size_t bytes = 0;
   for (const VoxelGrid& level : levels_) {
     bytes += level.memory_bytes();
+  }
+  for (const std::vector<std::uint32_t>& keyframes : keyframes_) {
+    bytes += keyframes.capacity() * sizeof(std::uint32_t);
   }
   return bytes;
 }

@@ -64,13 +64,23 @@ class VoxelMap {
   [[nodiscard]] bool is_moving() const { return !times_[0].empty(); }
   [[nodiscard]] const Eigen::Vector3f& half_path() const { return half_path_; }
 
+  /// Takes the motion within the cloud as it is: it is not corrected from now on.
+  void hold();
+
   /// Deskews the cloud again, and finds its planes anew.
   void correct(const MotionCorrection& correction);
 
-  /// Joins a sweep's voxels into this map. Means and normals are weighted by inverse variance,
-  /// which grows with the range from which they were seen: what is seen from near by corrects what
-  /// was seen from far away.
-  void add_sweep(const VoxelMap& sweep_base, const geometry::SE3& T_map_base);
+  /// Joins a sweep's voxels into this map, as part of a keyframe. Means and normals are weighted by
+  /// inverse variance, which grows with the range from which they were seen: what is seen from near
+  /// by corrects what was seen from far away.
+  void add_sweep(const VoxelMap& sweep_base, const geometry::SE3& T_map_base,
+                 std::size_t keyframe = 0);
+
+  /// Joins those voxels of another map whose keyframe is chosen; each moves with its keyframe, by
+  /// `T_new_old`. Both have an entry for every keyframe. A voxel belongs to the keyframe that saw
+  /// it last.
+  void add_keyframes(const VoxelMap& map, std::span<const geometry::SE3> T_new_old,
+                     const std::vector<bool>& is_chosen);
 
   [[nodiscard]] const VoxelGrid& level(std::size_t l) const { return levels_[l]; }
 
@@ -85,8 +95,12 @@ class VoxelMap {
   [[nodiscard]] std::size_t memory_bytes() const;
 
  private:
+  void assign(std::size_t level, std::uint32_t place, std::size_t keyframe);
+
   VoxelMapParams params_;
   std::array<VoxelGrid, kLevels> levels_;
+  /// Of each voxel; only of a map.
+  std::array<std::vector<std::uint32_t>, kLevels> keyframes_;
   Eigen::Vector3f p_sensor_ = Eigen::Vector3f::Zero();
   /// For each voxel of level l its place in level l + 1; only of a single cloud.
   std::array<std::vector<std::uint32_t>, kLevels - 1> coarser_;

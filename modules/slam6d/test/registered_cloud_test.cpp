@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <memory>
 #include <vector>
 
 namespace nodmap::slam6d {
@@ -13,7 +14,9 @@ TEST(RegisteredCloud, PointsAndNormalsAreInMap) {
   keyframe.T_map_base.translation() = Eigen::Vector3d(10, 0, 0);
   keyframe.T_map_base.linear() =
       Eigen::AngleAxisd(geometry::kPi / 2, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-  keyframe.cloud.points = {{1.0F, 0.0F, 0.0F}, {5.0F, 0.0F, 0.0F}};
+  SweepCloud cloud;
+  cloud.points = {{1.0F, 0.0F, 0.0F}, {5.0F, 0.0F, 0.0F}};
+  keyframe.cloud = std::make_shared<const SweepCloud>(cloud);
   keyframe.points = {{.p = {1.05F, 0.0F, 0.0F}, .normal = {-1.0F, 0.0F, 0.0F}, .num_points = 1.0F}};
   const auto points = registered_cloud(std::vector<Keyframe>{keyframe});
   ASSERT_EQ(points.size(), 2U);

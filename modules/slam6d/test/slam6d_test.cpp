@@ -96,15 +96,15 @@ TEST(Slam6d, R43_KeyframesBeyond45Degrees) {
 /// Share of a cloud's points that have a voxel mean of the other's within 0.15 m.
 double overlap(const Keyframe& one, const Keyframe& other) {
   VoxelGrid others(0.1);
-  for (const Eigen::Vector3f& p : other.cloud.points) {
+  for (const Eigen::Vector3f& p : other.cloud->points) {
     others.add((other.T_map_base * p.cast<double>()).cast<float>(), 1.0F);
   }
   std::size_t shared = 0;
-  for (const Eigen::Vector3f& p : one.cloud.points) {
+  for (const Eigen::Vector3f& p : one.cloud->points) {
     const Eigen::Vector3f p_map = (one.T_map_base * p.cast<double>()).cast<float>();
     shared += others.nearest(p_map, 0.15F) == VoxelGrid::kNone ? 0 : 1;
   }
-  return static_cast<double>(shared) / static_cast<double>(one.cloud.points.size());
+  return static_cast<double>(shared) / static_cast<double>(one.cloud->points.size());
 }
 
 // R43: 40 %, so that there is enough to register by. At a walking pace, the nod 80 degrees wide;

@@ -78,6 +78,36 @@ TEST(VoxelMap, MemoryIsBoundedByTheVolume) {
   EXPECT_LE(map.memory_bytes(), bytes);
 }
 
+// Two walls, of two keyframes: each goes where its keyframe goes, and only the chosen one.
+TEST(VoxelMap, VoxelsMoveWithTheirKeyframes) {
+  const VoxelMapParams params;
+  VoxelMap map(params);
+  for (std::size_t k = 0; k < 2; ++k) {
+    const float x_m = k == 0 ? 2.05F : 4.05F;
+    map.add_sweep(VoxelMap::from_points(wall(x_m, 0.05F, 0.0F, 1), Vector3f::Zero(), params),
+                  SE3::Identity(), k);
+  }
+  std::vector<SE3> motions(2, SE3::Identity());
+  motions[1].translation().x() = 0.5;
+  const auto walls = [&](const std::vector<bool>& is_chosen) {
+    VoxelMap moved(params);
+    moved.add_keyframes(map, motions, is_chosen);
+    std::vector<float> found;
+    for (const float x_m : {2.05F, 4.05F, 4.55F}) {
+      const auto place = moved.level(0).nearest({x_m, 0.05F, 0.05F}, 0.05F);
+      if (place != VoxelGrid::kNone) {
+        EXPECT_NEAR(moved.level(0).voxels()[place].mean.x(), x_m, 1e-5F);
+        EXPECT_NEAR(moved.level(0).voxels()[place].normal.x(), -1.0F, 1e-5F);
+        found.push_back(x_m);
+      }
+    }
+    return found;
+  };
+  EXPECT_EQ(walls({true, true}), (std::vector<float>{2.05F, 4.55F}));
+  EXPECT_EQ(walls({true, false}), (std::vector<float>{2.05F}));
+  EXPECT_EQ(walls({false, true}), (std::vector<float>{4.55F}));
+}
+
 TEST(VoxelMap, NothingIsMadeOfNothing) {
   const VoxelMap empty = VoxelMap::from_points({}, Vector3f::Zero(), {});
   EXPECT_TRUE(empty.select(0).points.empty());

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "common/geometry/se3.hpp"
+#include "modules/slam6d/pose_update.hpp"
+
+namespace nodmap::slam6d {
+
+/// The pose with a rotation that is exactly one: each change of poses multiplies their rounding.
+[[nodiscard]] inline geometry::SE3 normalized(const geometry::SE3& pose) {
+  return geometry::make_se3(pose.translation(), Eigen::Quaterniond(pose.linear()).normalized());
+}
+
+/// The poses of all sweeps as they are known now, while each PoseUpdate keeps what was known when
+/// its sweep was complete.
+class CorrectedPoses {
+ public:
+  void add(const geometry::SE3& T_map_base) { poses_.push_back(T_map_base); }
+
+  /// The new pose of a sweep.
+  struct Correction {
+    std::size_t sweep = 0;
+    geometry::SE3 T_map_base = geometry::SE3::Identity();
+  };
+  /// Moves these sweeps (in the order of time) to their new poses, and those between two of them
+  /// with corrections that go over evenly from one to the next.
+  void move(std::span<const Correction> corrections);
+
+  /// Tracked sweeps as above; those between two of them by odometry, with a correction that goes
+  /// over evenly. `sweeps`: as many as were added.
+  [[nodiscard]] std::vector<geometry::SE3> trajectory(std::span<const PoseUpdate> sweeps) const;
+
+ private:
+  std::vector<geometry::SE3> poses_;
+};
+
+}  // namespace nodmap::slam6d

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+#include "common/geometry/se3.hpp"
+#include "modules/slam6d/pose_covariance.hpp"
+#include "modules/slam6d/sweep_cloud.hpp"
+#include "modules/slam6d/voxel_map.hpp"
+
+namespace nodmap::slam6d {
+
+/// Why the map keeps a sweep.
+enum class KeyframeReason { kFirst, kInterruption, kDistance, kRotation };
+
+/// A sweep that the map keeps; whole, so that the maps can be built anew from other poses.
+struct Keyframe {
+  std::size_t sweep = 0;  ///< place of its update
+  geometry::SE3 T_map_base = geometry::SE3::Identity();
+  std::shared_ptr<const SweepCloud> cloud;  ///< in base; shared with what works beside the messages
+  std::vector<OrientedPoint> points;  ///< the voxel means of the cloud; normal zero where no plane
+};
+
+}  // namespace nodmap::slam6d

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "common/geometry/se3.hpp"
+#include "common/registration/pose_graph.hpp"
+#include "modules/slam6d/pose_covariance.hpp"
+
+namespace nodmap::slam6d {
+
+/// How level the ground is where it is level: one standard deviation.
+struct LevelGround {
+  double height_m = 0.005;
+  double tilt_rad = 0.002;
+};
+
+/// The keyframes as nodes of a pose graph: each is joined to the next by odometry and its match,
+/// and to others by loop closures. Those on level ground are held at the height, roll and pitch of
+/// the map: no loop that matches badly can bend it upwards.
+class KeyframeGraph {
+ public:
+  explicit KeyframeGraph(const LevelGround& ground) : ground_(ground) {}
+
+  void add_keyframe(bool is_level) { is_level_.push_back(is_level); }
+  /// The edge from a keyframe to the next one.
+  void add_step(const registration::PoseEdge3d& edge) { steps_.push_back(edge); }
+  /// A loop closure. It has its weight from the next optimise() on.
+  void add_loop(const registration::PoseEdge3d& edge) { loops_.push_back({edge}); }
+
+  /// The poses that fit all edges best, starting from `T_map_keyframes`; the first one stays.
+  /// `graduated`: the drift may be large.
+  [[nodiscard]] std::vector<geometry::SE3> optimise(std::span<const geometry::SE3> T_map_keyframes,
+                                                    bool graduated);
+
+  /// The covariance (position in m, rotation vector in rad, axes of map) of the pose of each
+  /// keyframe relative to that of keyframe `from`, along the most certain path. Loops that the
+  /// graph contradicts are no path.
+  [[nodiscard]] std::vector<Matrix6d> uncertainties(std::span<const geometry::SE3> T_map_keyframes,
+                                                    std::size_t from) const;
+
+  /// Loops, and how many of them the graph contradicts.
+  [[nodiscard]] std::size_t num_loops() const { return loops_.size(); }
+  [[nodiscard]] std::size_t num_contradicted() const;
+
+ private:
+  [[nodiscard]] Matrix6d level_information() const;
+  [[nodiscard]] registration::PoseEdge3d level_edge(std::span<const geometry::SE3> T_map_keyframes,
+                                                    std::size_t keyframe) const;
+
+  struct WeightedLoop {
+    registration::PoseEdge3d edge;
+    std::optional<double> weight = std::nullopt;  ///< in the graph, 0..1, once optimised
+    [[nodiscard]] bool holds() const { return weight && *weight > 0.5; }
+    [[nodiscard]] bool is_contradicted() const { return weight && !holds(); }
+  };
+
+  LevelGround ground_;
+  std::vector<bool> is_level_;  // each keyframe
+  std::vector<registration::PoseEdge3d> steps_;
+  std::vector<WeightedLoop> loops_;
+};
+
+}  // namespace nodmap::slam6d

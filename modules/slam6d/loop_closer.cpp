@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/slam6d/loop_closer.hpp"
+
+#include <Eigen/Dense>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+namespace nodmap::slam6d {
+namespace {
+
+using geometry::SE3;
+
+constexpr double kSigmas = 3.0;
+// From so far away registration finds its way without a search.
+constexpr double kReachM = 0.3;
+constexpr double kReachRad = geometry::deg_to_rad(6.0);
+// Steps of the search, and the voxels in which it looks: those of 40 cm.
+constexpr double kStepM = 0.4;
+constexpr double kStepRad = geometry::deg_to_rad(6.0);
+constexpr std::size_t kSearchLevel = 2;
+constexpr std::size_t kMaxSearchPoints = 300;
+// The best starts, none within this of a better one.
+constexpr std::size_t kMaxStarts = 8;
+constexpr double kApartM = 0.7;
+constexpr double kApartRad = geometry::deg_to_rad(10.0);
+// Another place whose inlier ratio is less than this below the best one's fits as well.
+constexpr double kAmbiguity = 0.1;
+// What two maps of one place differ by, however well they match.
+constexpr double kLoopSigmaM = 0.003;
+constexpr double kLoopSigmaRad = geometry::deg_to_rad(0.03);
+constexpr std::size_t kMaxPendingAge = 15;  // keyframes
+
+bool is_apart(const SE3& a, const SE3& b, double distance_m, double rotation_rad) {
+  const SE3 motion = a.inverse() * b;
+  return motion.translation().norm() > distance_m ||
+         geometry::rotation_angle(motion) > rotation_rad;
+}
+
+struct Reach {
+  double distance_m;
+  double heading_rad;
+};
+
+Reach reach_of(const PosePrior& prior) {
+  const auto variance = prior.covariance.diagonal();
+  return {kSigmas * std::sqrt(std::max(variance[0], variance[1])),
+          kSigmas * std::sqrt(variance[5])};
+}
+
+// What a match says by itself: without its prior, and no better than two maps of one place agree.
+Matrix6d information_of_match(const Registration& found, const PosePrior& prior) {
+  const Matrix6d difference = found.covariance.inverse() - prior.covariance.inverse();
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(0.5 * (difference + difference.transpose()));
+  const Matrix6d information = eigen.eigenvectors() *
+                               eigen.eigenvalues().cwiseMax(0.0).asDiagonal() *
+                               eigen.eigenvectors().transpose();
+  Matrix6d floor = Matrix6d::Zero();
+  floor.diagonal() << Eigen::Vector3d::Constant(kLoopSigmaM * kLoopSigmaM),
+      Eigen::Vector3d::Constant(kLoopSigmaRad * kLoopSigmaRad);
+  const Matrix6d bounded =
+      (Matrix6d::Identity() + information * floor).partialPivLu().solve(information);
+  return 0.5 * (bounded + bounded.transpose());
+}
+
+}  // namespace
+
+LoopCloser::LoopCloser(const LoopParams& params, const RegistrationParams& registration)
+    : params_(params), registration_(registration) {}
+
+bool LoopCloser::needs_search(const PosePrior& prior) {
+  const Reach reach = reach_of(prior);
+  return reach.distance_m > kReachM || reach.heading_rad > kReachRad;
+}
+
+LoopAttempt LoopCloser::match(VoxelMap& keyframe, const VoxelMap& place,
+                              const PosePrior& prior) const {
+  return needs_search(prior)
+             ? search(keyframe, place, prior)
+             : attempt(register_sweep_from(keyframe, place, prior, prior.T_map_base, registration_),
+                       prior);
+}
+
+LoopAttempt LoopCloser::attempt(const Registration& found, const PosePrior& prior) const {
+  if (!found.is_accepted() || found.lowest_inlier_ratio() < params_.min_inlier_ratio) {
+    return {};
+  }
+  return {.loop = Loop{.T_from_to = found.T_map_base,
+                       .information = information_of_match(found, prior),
+                       .inlier_ratio = found.lowest_inlier_ratio()}};
+}
+
+LoopAttempt LoopCloser::search(VoxelMap& keyframe, const VoxelMap& place,
+                               const PosePrior& prior) const {
+  std::vector<Registration> found;
+  for (const Start& start : starts(keyframe, place, prior)) {
+    const Registration registration =
+        register_sweep_from(keyframe, place, prior, start.T_place_base, registration_);
+    if (registration.is_accepted()) {
+      found.push_back(registration);
+    }
+  }
+  const auto ratio = [](const Registration& one) { return one.lowest_inlier_ratio(); };
+  const auto best = std::ranges::max_element(found, {}, ratio);
+  if (best == found.end()) {
+    return {};
+  }
+  for (const Registration& other : found) {
+    if (ratio(other) > ratio(*best) - kAmbiguity &&
+        is_apart(best->T_map_base, other.T_map_base, 0.5 * kApartM, 0.5 * kApartRad)) {
+      return {.refusal = LoopRefusal::kAmbiguous};
+    }
+  }
+  return attempt(*best, prior);
+}
+
+// All poses within reach, by how many of some points have a correspondence among the place's
+// coarse voxels. Height, roll and pitch are the prior's: registration finds them.
+std::vector<LoopCloser::Start> LoopCloser::starts(const VoxelMap& keyframe, const VoxelMap& place,
+                                                  const PosePrior& prior) const {
+  const Reach reach = reach_of(prior);
+  const auto steps = [](double length, double step) {
+    return static_cast<int>(std::ceil(length / step));
+  };
+  const int steps_m = steps(std::min(reach.distance_m, params_.max_search_m), kStepM);
+  const int steps_rad = steps(std::min(reach.heading_rad, params_.max_search_rad), kStepRad);
+  const std::vector<OrientedPoint> all = keyframe.select(kSearchLevel).points;
+  const std::size_t stride = (all.size() + kMaxSearchPoints - 1) / kMaxSearchPoints;
+  const VoxelGrid& grid = place.level(kSearchLevel);
+  const auto max_m = static_cast<float>(grid.voxel_size_m());
+  const auto min_cosine = static_cast<float>(registration_.min_normal_cosine);
+  const Eigen::Vector3d up = prior.T_map_base.linear().col(2);
+  std::vector<Start> tried;
+  for (int h = -steps_rad; h <= steps_rad; ++h) {
+    SE3 T = prior.T_map_base;
+    T.linear() = geometry::rotation_of(h * kStepRad * up) * T.linear();
+    const Eigen::Matrix3f R = T.linear().cast<float>();
+    for (int x = -steps_m; x <= steps_m; ++x) {
+      for (int y = -steps_m; y <= steps_m; ++y) {
+        T.translation() = prior.T_map_base.translation() + Eigen::Vector3d(x, y, 0.0) * kStepM;
+        const Eigen::Vector3f t = T.translation().cast<float>();
+        std::size_t hits = 0;
+        for (std::size_t i = 0; i < all.size(); i += stride) {
+          const std::uint32_t nearest = grid.nearest(R * all[i].p + t, max_m);
+          hits += nearest != VoxelGrid::kNone &&
+                          (R * all[i].normal).dot(grid.voxels()[nearest].normal) >= min_cosine
+                      ? 1
+                      : 0;
+        }
+        tried.push_back({T, static_cast<double>(hits)});
+      }
+    }
+  }
+  std::ranges::stable_sort(tried, std::ranges::greater{}, &Start::score);
+  std::vector<Start> best;
+  for (const Start& start : tried) {
+    if (best.size() == kMaxStarts) {
+      break;
+    }
+    if (std::ranges::all_of(best, [&](const Start& better) {
+          return is_apart(better.T_place_base, start.T_place_base, kApartM, kApartRad);
+        })) {
+      best.push_back(start);
+    }
+  }
+  return best;
+}
+
+std::vector<Loop> LoopCloser::add_pending(const Loop& loop, std::span<const SE3> T_map_keyframes) {
+  pending_.push_back(loop);
+  std::erase_if(pending_, [&](const Loop& old) { return old.to + kMaxPendingAge < loop.to; });
+  const SE3& T_map_last = T_map_keyframes[loop.to];
+  // Where a loop puts the newest keyframe in the map.
+  const auto consequence = [&](const Loop& other) -> SE3 {
+    return T_map_keyframes[other.from] * other.T_from_to *
+           (T_map_keyframes[other.to].inverse() * T_map_last);
+  };
+  std::vector<Loop> consensus;
+  std::set<std::size_t> keyframes;
+  const SE3 here = consequence(loop);
+  for (const Loop& other : pending_) {
+    const double between_m =
+        (T_map_keyframes[other.to].translation() - T_map_last.translation()).norm();
+    if (!is_apart(here, consequence(other), params_.max_disagreement_m + 0.02 * between_m,
+                  params_.max_disagreement_rad)) {
+      consensus.push_back(other);
+      keyframes.insert(other.to);
+    }
+  }
+  if (keyframes.size() < static_cast<std::size_t>(params_.min_keyframes)) {
+    return {};
+  }
+  pending_.clear();
+  return consensus;
+}
+
+}  // namespace nodmap::slam6d

@@ -1,0 +1,83 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/slam6d/keyframe_graph.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <vector>
+
+namespace nodmap::slam6d {
+namespace {
+
+using geometry::SE3;
+
+Matrix6d information(double sigma_m, double sigma_rad) {
+  Eigen::Matrix<double, 6, 1> sigma;
+  sigma << Eigen::Vector3d::Constant(sigma_m), Eigen::Vector3d::Constant(sigma_rad);
+  return sigma.cwiseAbs2().cwiseInverse().asDiagonal();
+}
+
+/// Three rounds on a circle of 25 m, a keyframe for each metre.
+std::vector<SE3> rounds() {
+  std::vector<SE3> poses;
+  for (int k = 0; k < 75; ++k) {
+    const double angle = k / 4.0;
+    SE3 T = SE3::Identity();
+    T.translation() = Eigen::Vector3d(4.0 * std::sin(angle), -4.0 * std::cos(angle), 0.0);
+    T.linear() = geometry::rotation_of({0.0, 0.0, angle});
+    poses.push_back(T);
+  }
+  return poses;
+}
+
+// Steps that drift by 2 % and 0.3 degrees, 50 true loops and 22 that are metres off: 30 %. Compared
+// with the same graph without these.
+TEST(KeyframeGraph, WrongLoopsDoNotMoveTheMap) {
+  const std::vector<SE3> truth = rounds();
+  SE3 step_error = SE3::Identity();
+  step_error.translation().x() = 0.02;
+  step_error.linear() = geometry::rotation_of({0.0, 0.0, 0.005});
+  KeyframeGraph graph({});
+  std::vector<SE3> start{truth[0]};
+  graph.add_keyframe(true);
+  for (std::size_t k = 1; k < truth.size(); ++k) {
+    const SE3 step = truth[k - 1].inverse() * truth[k] * step_error;
+    start.push_back(start.back() * step);
+    graph.add_keyframe(true);
+    graph.add_step(
+        {.from = k - 1, .to = k, .T_from_to = step, .information = information(0.02, 0.005)});
+  }
+  const Matrix6d loop_information = information(0.005, 0.001);
+  const auto add_loop = [&](std::size_t from, std::size_t to, const SE3& error) {
+    graph.add_loop({.from = from,
+                    .to = to,
+                    .T_from_to = truth[from].inverse() * truth[to] * error,
+                    .information = loop_information,
+                    .may_be_wrong = true});
+  };
+  for (std::size_t k = 25; k < truth.size(); ++k) {
+    add_loop(k - 25, k, SE3::Identity());
+  }
+  const std::vector<SE3> expected = graph.optimise(start, true);
+  EXPECT_EQ(graph.num_contradicted(), 0U);
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> offset_m(1.0, 5.0);
+  std::uniform_int_distribution<std::size_t> old(0, 40);
+  for (std::size_t i = 0; i < 22; ++i) {
+    SE3 error = SE3::Identity();
+    error.translation() = Eigen::Vector3d(offset_m(random), -offset_m(random), 0.0);
+    add_loop(old(random), 45 + i, error);
+  }
+  const std::vector<SE3> moved = graph.optimise(start, true);
+  EXPECT_EQ(graph.num_contradicted(), 22U);
+  double worst_m = 0.0;
+  for (std::size_t k = 0; k < truth.size(); ++k) {
+    worst_m = std::max(worst_m, (moved[k].translation() - expected[k].translation()).norm());
+  }
+  EXPECT_LT(worst_m, 0.05);
+}
+
+}  // namespace
+}  // namespace nodmap::slam6d
