@@ -201,7 +201,8 @@ const MapPoint* PointMap::nearest(const OrientedPoint& point, double max_distanc
   Nearest nearest{max_distance_m * max_distance_m, nullptr};
   // The point's own cell first: what is found there mostly rules the others out.
   const CellIndex home = cell_index(point.p);
-  for_each_cell(home, home, [&](const Cell& cell, CellIndex) { search_cell(cell, point, nearest); });
+  for_each_cell(home, home,
+                [&](const Cell& cell, CellIndex) { search_cell(cell, point, nearest); });
   const double radius_m = std::sqrt(nearest.squared_m2);
   const CellIndex low = cell_index(point.p.array() - radius_m);
   const CellIndex high = cell_index(point.p.array() + radius_m);

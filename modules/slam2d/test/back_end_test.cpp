@@ -204,7 +204,7 @@ TEST(BackEnd, ReplacedSubmapsAreDropped) {
   EXPECT_LE(six.slam().keyframes().size(), three.slam().keyframes().size() + 20);
   EXPECT_EQ(six.slam().tracked_scans().size(), rounds(6).size());  // no pose is lost
   six.slam().polish();
-  EXPECT_LT(six.worst_error_m(), 0.047);  // measured: 37 mm after eight rounds
+  EXPECT_LT(six.worst_error_m(), 0.045);  // measured: 36 mm
 }
 
 // What is left is a map like any other: it is saved, and carried on with.
