@@ -256,7 +256,8 @@ std::optional<Frame> Session::next(bool with_news) {
     waiting_.pop_front();
     return frame;
   }
-  if (time_us_ && with_news) {
+  // Never later than what follows it: a client forgets all of a recording that goes back.
+  if (time_us_) {
     Frame frame{.is_binary = true, .head = {kTime}, .post = nullptr};
     append_little_endian(frame.head, nanoseconds(*time_us_));
     time_us_.reset();

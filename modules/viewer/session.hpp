@@ -71,7 +71,7 @@ class Session {
   void receive_binary(std::span<const std::byte> bytes);
 
   /// The next frame to send, if any. Subscribed topics are served one after the other; without
-  /// news only answers go out and what is sent once: of CLOUD and log all messages.
+  /// news only answers go out, the time, and what is sent once: of CLOUD and log all messages.
   [[nodiscard]] std::optional<Frame> next(bool with_news = true);
 
   /// Sends the client the time of the recording, with the next frames.

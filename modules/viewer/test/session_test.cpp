@@ -133,6 +133,20 @@ TEST_F(SessionTest, NewsWaitBetweenTwoSendingsButAnswersDoNot) {
   EXPECT_FALSE(session.next(true)) << "what was replaced meanwhile is not sent";
 }
 
+// A client forgets all when the time goes back: a history that came before it would be lost.
+TEST_F(SessionTest, TheTimeGoesBeforeAHistory) {
+  Session session = greeted();
+  session.receive_text(R"({"op":"subscribe","subscriptions":[{"id":1,"channelId":2}]})");
+  post(cloud_, 1, "cloud");
+  session.send_time(2);
+  const auto time = session.next(false);
+  ASSERT_TRUE(time);
+  EXPECT_FALSE(time->post);
+  const auto cloud = session.next(false);
+  ASSERT_TRUE(cloud && cloud->post);
+  EXPECT_EQ(cloud->post->text(), "cloud");
+}
+
 TEST_F(SessionTest, AHistoryIsSentBetweenTwoSendingsToo) {
   Session session = greeted();
   session.receive_text(
