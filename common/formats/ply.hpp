@@ -14,11 +14,23 @@ struct ColouredPoint {
   std::array<std::uint8_t, 3> rgb{};
 };
 
+/// Vertices in the frame and unit of the file; triangles as indices of vertices, turned as in the
+/// file.
+struct TriangleMesh {
+  std::vector<Eigen::Vector3d> vertices;
+  std::vector<Eigen::Vector3i> triangles;
+};
+
 /// Writes a binary little-endian PLY with x, y, z, red, green, blue. Throws std::runtime_error.
 void write_ply(const std::filesystem::path& file, const std::vector<ColouredPoint>& points);
 
 /// Reads the vertices of a PLY, binary little-endian or ASCII, with any properties beside x, y, z.
 /// Throws std::runtime_error naming the file and what is wrong.
 [[nodiscard]] std::vector<Eigen::Vector3f> read_ply(const std::filesystem::path& file);
+
+/// Reads the vertices and faces of a PLY, binary little-endian or ASCII. A face of more than three
+/// corners becomes a fan of triangles. Throws std::runtime_error naming the file and what is wrong:
+/// also where a vertex is not finite, or where there is no face.
+[[nodiscard]] TriangleMesh read_ply_mesh(const std::filesystem::path& file);
 
 }  // namespace nodmap::formats

@@ -7,10 +7,11 @@
 #include <cmath>
 #include <initializer_list>
 #include <string_view>
+#include <utility>
 
 #include "common/formats/input_file.hpp"
+#include "common/formats/ply.hpp"
 #include "common/geometry/angle.hpp"
-#include "sim/world/mesh_file.hpp"
 
 namespace nodmap::sim {
 namespace {
@@ -227,12 +228,12 @@ Mesh Reader::load_mesh(const YAML::Node& map) const {
   const Eigen::Vector3d position = vector_of<3>(map, "position");
   const geometry::SE2 turn{0.0, 0.0, deg_to_rad(number_or(map, "yaw_deg", 0.0))};
   try {
-    Mesh mesh = read_mesh(file_.parent_path() / name.Scalar());
+    formats::TriangleMesh mesh = formats::read_ply_mesh(file_.parent_path() / name.Scalar());
     for (Eigen::Vector3d& vertex : mesh.vertices) {
       vertex.head<2>() = turn * Eigen::Vector2d(vertex.head<2>());
       vertex += position;
     }
-    return mesh;
+    return {std::move(mesh.vertices), std::move(mesh.triangles)};
   } catch (const std::runtime_error& error) {
     fail(name, error.what());
   }

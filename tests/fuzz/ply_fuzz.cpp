@@ -6,7 +6,6 @@
 #include <stdexcept>
 
 #include "common/formats/ply.hpp"
-#include "sim/world/mesh_file.hpp"
 #include "tests/fuzz/memory_file.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -18,7 +17,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   } catch (const std::runtime_error&) {
   }
   try {
-    static_cast<void>(nodmap::sim::read_mesh(file.path()));
+    static_cast<void>(nodmap::formats::read_ply_mesh(file.path()));
   } catch (const std::runtime_error&) {
   }
   return 0;

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <string>
 
 #include "tests/support/data_dir.hpp"
 
@@ -42,6 +43,27 @@ TEST(Ply, EmptyCutOffAndForeignFiles) {
   EXPECT_THROW((void)read_ply(dir.path() / "endless.ply"), std::runtime_error);
   std::ofstream(dir.path() / "text.ply") << "hello\n";
   EXPECT_THROW((void)read_ply(dir.path() / "text.ply"), std::runtime_error);
+}
+
+TEST(Ply, FacesBecomeFansOfTriangles) {
+  const test::TemporaryDir dir;
+  const std::string head =
+      "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float "
+      "z\n"
+      "element face 1\nproperty list uchar int vertex_indices\nend_header\n";
+  const std::string square = "0 0 0\n1 0 0\n1 1 0\n0 1 0.5\n";
+  std::ofstream(dir.path() / "m.ply") << head << square << "4 0 1 2 3\n";
+  const TriangleMesh mesh = read_ply_mesh(dir.path() / "m.ply");
+  ASSERT_EQ(mesh.vertices.size(), 4U);
+  EXPECT_EQ(mesh.vertices[3], Eigen::Vector3d(0.0, 1.0, 0.5));
+  ASSERT_EQ(mesh.triangles.size(), 2U);
+  EXPECT_EQ(mesh.triangles[0], Eigen::Vector3i(0, 1, 2));
+  EXPECT_EQ(mesh.triangles[1], Eigen::Vector3i(0, 2, 3));
+  EXPECT_EQ(read_ply(dir.path() / "m.ply").size(), 4U);  // the same vertices without the faces
+  for (const std::string face : {"3 0 1 4", "2 0 1", "3 0 1 -1", "3 0 1", "2000 1", "3 0 1 x"}) {
+    std::ofstream(dir.path() / "bad.ply") << head << square << face << '\n';
+    EXPECT_THROW((void)read_ply_mesh(dir.path() / "bad.ply"), std::runtime_error) << face;
+  }
 }
 
 }  // namespace
