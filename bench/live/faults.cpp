@@ -56,6 +56,9 @@ std::optional<time::Timestamp> kill_and_restart(RobotProcesses& robot, GroundTru
   robot.kill(process);
   monitor.listen(kFaultForS);
   robot.start(process);
+  if (process == "kurt") {
+    robot.release();
+  }
   return at;
 }
 

@@ -3,15 +3,19 @@
 
 #include <chrono>
 #include <cstdint>
+#include <map>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "bench/live/stop_metrics.hpp"
 #include "common/bus/live_bus.hpp"
+#include "nodmap/status_t.hpp"
 #include "nodmap/truth_t.hpp"
 
 namespace nodmap::bench {
 
-/// Records TRUTH, the true state of the simulated robot.
+/// Records TRUTH, the true state of the simulated robot, and what its processes complain of.
 class GroundTruthMonitor {
  public:
   GroundTruthMonitor() : bus_("") {
@@ -19,6 +23,11 @@ class GroundTruthMonitor {
       collisions_ = truth.collisions;
       motions_.push_back({time::from_utime(truth.utime), truth.position_m[0], truth.position_m[1],
                           truth.forward_mps, truth.yaw_rate_rad_s});
+    });
+    bus_.subscribe<nodmap::status_t>("STATUS", [this](const nodmap::status_t& status) {
+      if (status.health != nodmap::status_t::OK) {
+        complaints_.try_emplace(status.process_name, status.health_reason);
+      }
     });
   }
 
@@ -43,11 +52,16 @@ class GroundTruthMonitor {
   }
   [[nodiscard]] const std::vector<Motion>& motions() const { return motions_; }
   [[nodiscard]] std::int64_t collisions() const { return collisions_; }
+  /// By process the first reason for which it was not OK, since the last call.
+  [[nodiscard]] std::map<std::string, std::string> take_complaints() {
+    return std::exchange(complaints_, {});
+  }
 
  private:
   bus::LiveBus bus_;
   std::vector<Motion> motions_;
   std::int64_t collisions_ = 0;
+  std::map<std::string, std::string> complaints_;
 };
 
 }  // namespace nodmap::bench

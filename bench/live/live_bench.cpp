@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The whole robot as processes in real time: how fast it reacts over a long run, and how it stops
-// when a part of it is killed, unplugged or broken. Run by `./nodmap bench`, on a network of its
-// own.
+// The whole robot as processes in real time: how fast it reacts over a long run, how it stops when
+// a part of it is killed, unplugged or broken, and what it does when it is attacked. Run by
+// `./nodmap bench`, on a network of its own.
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "bench/live/attacks.hpp"
 #include "bench/live/endurance.hpp"
 #include "bench/live/faults.hpp"
 
@@ -52,6 +53,13 @@ int run(int argc, char** argv) {
   CLI::App* faults =
       app.add_subcommand("faults", "Kills and breaks each part while the robot drives");
   faults->add_option("--only", only, "Cases with this in their name");
+  double attack_s = 60.0;
+  CLI::App* attacks = app.add_subcommand(
+      "attacks", "Forges messages and datagrams while the robot drives, and prints a table");
+  attacks->add_option("--only", only, "Attacks with this in their name");
+  attacks->add_option("--duration", attack_s, "Seconds of each attack")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
   CLI::App* latency = app.add_subcommand(
       "latency",
       "Measures how fast the robot reacts and what it takes, as JSON; 1 when it is too slow, "
@@ -69,6 +77,9 @@ int run(int argc, char** argv) {
   if (std::filesystem::exists(robot.out)) {
     std::cerr << robot.out << " exists; results are never overwritten\n";
     return 2;
+  }
+  if (attacks->parsed()) {
+    return run_attacks(robot, only, attack_s);
   }
   return faults->parsed() ? run_faults(robot, only) : run_latency(robot, options);
 }

@@ -9,6 +9,7 @@
 #include <array>
 #include <chrono>
 #include <csignal>
+#include <iterator>
 #include <stdexcept>
 #include <thread>
 
@@ -34,6 +35,7 @@ RobotProcesses::RobotProcesses(Options options) : options_(std::move(options)) {
   for (const char* name : kRobot) {
     start(name);
   }
+  release();
 }
 
 RobotProcesses::~RobotProcesses() {
@@ -84,10 +86,22 @@ void RobotProcesses::start(const std::string& name) {
     throw std::runtime_error(words[0] + ": cannot be started");
   }
   pids_[name] = pid;
-  if (name == "kurt") {
-    // The base driver stands after each start until somebody says so. Ends by itself.
-    start("stop");
+}
+
+void RobotProcesses::release() {
+  start("stop");  // ends by itself
+}
+
+std::vector<std::string> RobotProcesses::take_dead() {
+  std::vector<std::string> dead;
+  for (auto process = pids_.begin(); process != pids_.end();) {
+    const bool has_ended = ::waitpid(process->second, nullptr, WNOHANG) == process->second;
+    if (has_ended && process->first != "stop") {
+      dead.push_back(process->first);
+    }
+    process = has_ended ? pids_.erase(process) : std::next(process);
   }
+  return dead;
 }
 
 void RobotProcesses::kill(const std::string& name) {

@@ -22,12 +22,17 @@ class RobotProcesses : private boost::noncopyable {
     std::vector<std::string> faults;
   };
 
-  /// Starts the simulator and, once its links are there, everything else.
+  /// Starts the simulator and, once its links are there, everything else; releases the robot.
   explicit RobotProcesses(Options options);
   ~RobotProcesses();
 
   void start(const std::string& name);
   void kill(const std::string& name);
+  /// Lets the robot drive, which it does not after each start of the base driver ("kurt").
+  void release();
+
+  /// The names of those that have ended by themselves since the last call.
+  [[nodiscard]] std::vector<std::string> take_dead();
 
   /// SIGINT to all, the simulator last. The names of those that did not end with 0 within ten
   /// seconds.

@@ -2,24 +2,19 @@
 // What somebody on the network can do with single datagrams: nodmap-logger hears every channel, so
 // it stands for all that receive. Run by tests/support/private_network.sh, whose user may forge
 // sources.
-#include <arpa/inet.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <netinet/ip.h>
-#include <netinet/udp.h>
 #include <sched.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
 #include <csignal>
 #include <cstdlib>
-#include <cstring>
 #include <map>
 
 #include "common/bus/event_log.hpp"
 #include "common/bus/live_bus.hpp"
 #include "nodmap/status_t.hpp"
 #include "tests/integration/child_process.hpp"
+#include "tests/support/attacker.hpp"
 #include "tests/support/data_dir.hpp"
 
 namespace nodmap {
@@ -28,82 +23,8 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr const char* kUrl = "udpm://239.255.76.67:7692?ttl=0&recv_buf_size=4000000";
-constexpr const char* kGroup = "239.255.76.67";
 constexpr std::uint16_t kPort = 7692;
 constexpr milliseconds kPatience(10'000);  // for what takes milliseconds, on a machine in use
-
-std::string big_endian(std::uint32_t value, int size) {
-  std::string bytes;
-  for (int i = size - 1; i >= 0; --i) {
-    bytes += static_cast<char>(value >> (8 * i) & 0xFFU);
-  }
-  return bytes;
-}
-
-std::string whole(const std::string& channel_and_data) {
-  return "LC02" + big_endian(0, 4) + channel_and_data;
-}
-
-std::string fragment(std::uint32_t message_bytes, std::uint32_t offset, std::uint32_t number,
-                     const std::string& payload) {
-  return "LC03" + big_endian(0, 4) + big_endian(message_bytes, 4) + big_endian(offset, 4) +
-         big_endian(number, 2) + big_endian(2, 2) + payload;
-}
-
-sockaddr_in address_of(const char* host, std::uint16_t port) {
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_port = htons(port);
-  EXPECT_EQ(::inet_pton(AF_INET, host, &address.sin_addr), 1);
-  return address;
-}
-
-/// Sends bytes to the group as they are: as a datagram of this host, or in an IP packet whose
-/// source says that it comes from another.
-class Attacker {
- public:
-  ~Attacker() {
-    ::close(udp_);
-    ::close(raw_);
-  }
-  Attacker() = default;
-  Attacker(const Attacker&) = delete;
-  Attacker& operator=(const Attacker&) = delete;
-  Attacker(Attacker&&) = delete;
-  Attacker& operator=(Attacker&&) = delete;
-
-  void send(const std::string& datagram) const { send_on(udp_, datagram); }
-
-  void send_as(const char* source, const std::string& datagram) const {
-    udphdr udp{};
-    udp.source = htons(40'000);
-    udp.dest = htons(kPort);
-    udp.len = htons(static_cast<std::uint16_t>(sizeof(udp) + datagram.size()));
-    iphdr ip{};  // the kernel fills in length and checksum
-    ip.version = 4;
-    ip.ihl = 5;
-    ip.ttl = 1;
-    ip.protocol = IPPROTO_UDP;
-    ip.saddr = address_of(source, 0).sin_addr.s_addr;
-    ip.daddr = group_.sin_addr.s_addr;
-    std::string packet(sizeof(ip) + sizeof(udp), '\0');
-    std::memcpy(packet.data(), &ip, sizeof(ip));
-    std::memcpy(packet.data() + sizeof(ip), &udp, sizeof(udp));
-    send_on(raw_, packet + datagram);
-  }
-
- private:
-  void send_on(int socket, const std::string& bytes) const {
-    EXPECT_EQ(::sendto(socket, bytes.data(), bytes.size(), 0,
-                       reinterpret_cast<const sockaddr*>(&group_), sizeof(group_)),
-              static_cast<ssize_t>(bytes.size()))
-        << std::strerror(errno);
-  }
-
-  sockaddr_in group_ = address_of(kGroup, kPort);
-  int udp_ = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-  int raw_ = ::socket(AF_INET, SOCK_RAW | SOCK_CLOEXEC, IPPROTO_RAW);
-};
 
 class HostileNetwork : public ::testing::Test {
  protected:
@@ -135,16 +56,16 @@ class HostileNetwork : public ::testing::Test {
   }
 
   test::TemporaryDir dir_;
-  Attacker attacker_;
+  test::Attacker attacker_{kPort};
   bus::LiveBus bus_{kUrl};
   bus::Latest<nodmap::status_t> status_{bus_, "STATUS"};
 };
 
-// liblcm 1.3.1 and 1.5.2 write 260 bytes in front of the message's 1000: offset + size wraps to 4.
 TEST_F(HostileNetwork, TwoFragmentsDoNotEndAProcess) {
   const std::map<std::string, int> recorded = record([&] {
-    attacker_.send(fragment(1000, 0, 0, std::string("SCAN\0", 5)));
-    attacker_.send(fragment(1000, 0xFFFFFF00, 1, std::string(260, 'x')));
+    for (const std::string& datagram : test::two_fragments_that_wrap("SCAN")) {
+      attacker_.send(datagram);
+    }
   });
   EXPECT_EQ(recorded.count("SCAN"), 0U);
   EXPECT_EQ(recorded.at("OURS"), 1);
@@ -153,14 +74,15 @@ TEST_F(HostileNetwork, TwoFragmentsDoNotEndAProcess) {
 
 // liblcm takes the data of such a datagram for 2^32 - 1 bytes long.
 TEST_F(HostileNetwork, AChannelWithoutEndDoesNotEndALogger) {
-  const std::map<std::string, int> recorded = record([&] { attacker_.send(whole("SCAN")); });
+  const std::map<std::string, int> recorded =
+      record([&] { attacker_.send(test::datagram("SCAN")); });
   EXPECT_EQ(recorded.count("SCAN"), 0U);
   EXPECT_EQ(recorded.at("OURS"), 1);
 }
 
 TEST_F(HostileNetwork, AnotherHostIsNotHeardAndIsNamed) {
-  const std::map<std::string, int> recorded =
-      record([&] { attacker_.send_as("10.9.9.9", whole(std::string("DRIVE\0data", 10))); });
+  const std::map<std::string, int> recorded = record(
+      [&] { attacker_.send_as("10.9.9.9", test::datagram(std::string("DRIVE\0data", 10))); });
   EXPECT_EQ(recorded.count("DRIVE"), 0U);
   EXPECT_EQ(recorded.at("OURS"), 1);
   EXPECT_GT(status_.get()->total_rejected, 0);
@@ -168,8 +90,8 @@ TEST_F(HostileNetwork, AnotherHostIsNotHeardAndIsNamed) {
 
 TEST_F(HostileNetwork, AHostThatIsTrustedIsHeard) {
   ::setenv("NODMAP_TRUSTED_HOSTS", "10.9.9.0/24", 1);
-  const std::map<std::string, int> recorded =
-      record([&] { attacker_.send_as("10.9.9.9", whole(std::string("DRIVE\0data", 10))); });
+  const std::map<std::string, int> recorded = record(
+      [&] { attacker_.send_as("10.9.9.9", test::datagram(std::string("DRIVE\0data", 10))); });
   EXPECT_EQ(recorded.at("DRIVE"), 1);
 }
 

@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "bench/live/attacks.hpp"
+
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <functional>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "bench/live/ground_truth_monitor.hpp"
+#include "bench/live/stop_metrics.hpp"
+#include "common/bus/live_bus.hpp"
+#include "common/node/clock.hpp"
+#include "nodmap/drive_t.hpp"
+#include "nodmap/odometry_t.hpp"
+#include "nodmap/pitch_command_t.hpp"
+#include "nodmap/stop_t.hpp"
+#include "tests/support/attacker.hpp"
+
+namespace nodmap::bench {
+namespace {
+
+constexpr std::uint16_t kPort = 7667;  // of LCM, where nothing else is said
+constexpr double kRateHz = 100.0;
+constexpr time::Duration kAhead = 45ms;  // the forged stamp, of a DRIVE that is to look newest
+constexpr double kDrivingMps = 0.5;      // the robot is on its way
+constexpr double kTimeToStopS = 2.0;     // to notice the attack and to brake
+constexpr double kStationaryM = 0.05;    // farther it does not move after that
+constexpr double kTimeToGoOnS = 20.0;    // after the attack
+constexpr const char* kNeighbour = "10.9.9.9";
+
+/// Sends what a process of the robot would send, and datagrams as they are.
+class Forger {
+ public:
+  [[nodiscard]] std::int64_t next_seq() { return seq_++; }
+
+  template <class Message>
+  void publish(const std::string& channel, const Message& message) {
+    bus_.publish(channel, message);
+  }
+
+  template <class Message>
+  void publish_as_neighbour(const std::string& channel, const Message& message) {
+    std::vector<std::byte> bytes;
+    bus::encode_into(bytes, message);
+    attacker_.send_as(
+        kNeighbour,
+        test::datagram(channel + '\0' +
+                       std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size())));
+  }
+
+  void send_fragments(const std::string& channel) {
+    for (const std::string& datagram : test::two_fragments_that_wrap(channel)) {
+      attacker_.send(datagram);
+    }
+  }
+
+ private:
+  bus::LiveBus bus_{""};
+  test::Attacker attacker_{kPort};
+  std::int64_t seq_ = 0;
+};
+
+time::Timestamp now() {
+  return time::SystemClock().now();
+}
+
+/// Full speed ahead.
+nodmap::drive_t forged_drive(Forger& forger, time::Duration ahead) {
+  nodmap::drive_t drive{};
+  drive.utime = time::to_utime(now() + ahead);
+  drive.drive_seq = forger.next_seq();
+  drive.forward_mps = 5.0;
+  drive.valid_us = 200'000;
+  return drive;
+}
+
+/// The laser looks up, and the way is said to be free at any speed.
+nodmap::pitch_command_t forged_pitch_command(Forger& forger) {
+  nodmap::pitch_command_t command{};
+  command.utime = time::to_utime(now());
+  command.command_seq = forger.next_seq();
+  command.pitch_min_rad = 0.4;
+  command.pitch_max_rad = 0.4;
+  command.sweep_s = 0.5;
+  command.max_forward_mps = 5.0;
+  return command;
+}
+
+/// The robot has not moved since its start.
+nodmap::odometry_t forged_odometry(Forger& forger, time::Duration ahead) {
+  nodmap::odometry_t odometry{};
+  odometry.utime = time::to_utime(now() + ahead);
+  odometry.odometry_seq = forger.next_seq();
+  odometry.orientation[0] = 1.0;
+  return odometry;
+}
+
+enum class Promise { kStationary, kDrivesOn };
+
+struct Attack {
+  std::string name;
+  Promise promise = Promise::kStationary;
+  std::string teller;  ///< the process that tells of it on STATUS; empty: nobody has to
+  std::function<void(Forger&)> strike;
+  double rate_hz = kRateHz;            ///< 0: once
+  bool restarts_stopped_pair = false;  ///< STOP, then base driver and navigator are killed
+};
+
+std::vector<Attack> attacks() {
+  const auto one_odometry = [](Forger& forger) {
+    forger.publish("ODOMETRY", forged_odometry(forger, 24h));
+  };
+  const auto fragments = [](Forger& forger) {
+    for (const char* channel : {"SCAN", "ODOMETRY", "DRIVE", "PITCH_COMMAND", "STATUS"}) {
+      forger.send_fragments(channel);
+    }
+  };
+  const auto neighbour = [](Forger& forger) {
+    forger.publish_as_neighbour("DRIVE", forged_drive(forger, 0us));
+    forger.publish_as_neighbour("ODOMETRY", forged_odometry(forger, 0us));
+  };
+  return {
+      {"DRIVE, 45 ms ahead", Promise::kStationary, "nodmap-kurt",
+       [](Forger& forger) { forger.publish("DRIVE", forged_drive(forger, kAhead)); }},
+      {"DRIVE, stamped rightly", Promise::kStationary, "nodmap-kurt",
+       [](Forger& forger) { forger.publish("DRIVE", forged_drive(forger, 0us)); }},
+      {"PITCH_COMMAND", Promise::kStationary, "nodmap-laser3d",
+       [](Forger& forger) { forger.publish("PITCH_COMMAND", forged_pitch_command(forger)); }},
+      {"ODOMETRY", Promise::kStationary, "nodmap-navigator",
+       [](Forger& forger) { forger.publish("ODOMETRY", forged_odometry(forger, 0us)); }},
+      {"one ODOMETRY, a day ahead", Promise::kDrivesOn, "", one_odometry, 0.0},
+      {"two datagrams that wrap", Promise::kDrivesOn, "nodmap-navigator", fragments},
+      {"a neighbour's DRIVE, ODOMETRY", Promise::kDrivesOn, "nodmap-kurt", neighbour},
+      {"base and navigator killed", Promise::kStationary, "", {}, 0.0, true},
+  };
+}
+
+struct Outcome {
+  bool drove_before = false;
+  bool drove_after = false;
+  std::int64_t collisions = 0;
+  double driven_m = 0.0;  ///< later than kTimeToStopS after the beginning
+  std::map<std::string, std::string> complaints;
+  std::vector<std::string> dead;
+};
+
+double driven_m(const std::vector<Motion>& motions, time::Timestamp from) {
+  double sum_m = 0.0;
+  for (std::size_t i = 1; i < motions.size(); ++i) {
+    if (motions[i - 1].stamp >= from) {
+      sum_m += std::hypot(motions[i].x_m - motions[i - 1].x_m, motions[i].y_m - motions[i - 1].y_m);
+    }
+  }
+  return sum_m;
+}
+
+void strike_for(const Attack& attack, GroundTruthMonitor& monitor, double duration_s) {
+  using Clock = std::chrono::steady_clock;
+  Forger forger;
+  auto next = Clock::now();
+  const auto period = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(
+      attack.rate_hz > 0.0 ? 1.0 / attack.rate_hz : 2.0 * duration_s));
+  monitor.listen(duration_s, [&] {
+    for (; attack.strike && next <= Clock::now(); next += period) {
+      attack.strike(forger);
+    }
+    return false;
+  });
+}
+
+void stop_and_restart_pair(RobotProcesses& robot, GroundTruthMonitor& monitor) {
+  Forger forger;
+  nodmap::stop_t stop{};
+  stop.utime = time::to_utime(now());
+  stop.is_stopped = 1;
+  stop.requested_by = "the bench";
+  forger.publish("STOP", stop);
+  monitor.listen(1.0);
+  for (const char* name : {"kurt", "navigator"}) {
+    robot.kill(name);
+  }
+  for (const char* name : {"kurt", "navigator"}) {
+    robot.start(name);
+  }
+}
+
+Outcome examine(const Attack& attack, const RobotProcesses::Options& options, double duration_s) {
+  GroundTruthMonitor monitor;
+  RobotProcesses robot(options);
+  monitor.listen(5.0);
+  Outcome outcome;
+  outcome.drove_before = monitor.listen(30.0, [&] { return monitor.driving(kDrivingMps); });
+  static_cast<void>(monitor.take_complaints());  // of the start
+  const time::Timestamp from = now() + time::from_seconds(kTimeToStopS);
+  if (attack.restarts_stopped_pair) {
+    stop_and_restart_pair(robot, monitor);
+  }
+  strike_for(attack, monitor, duration_s);
+  outcome.driven_m = driven_m(monitor.motions(), from);
+  outcome.complaints = monitor.take_complaints();
+  if (attack.restarts_stopped_pair) {
+    robot.release();
+  }
+  outcome.drove_after = monitor.listen(kTimeToGoOnS, [&] { return monitor.driving(0.1); });
+  outcome.collisions = monitor.collisions();
+  outcome.dead = robot.take_dead();
+  return outcome;
+}
+
+bool keeps_promise(const Attack& attack, const Outcome& outcome) {
+  const bool is_stationary = outcome.driven_m < kStationaryM;
+  return outcome.drove_before && outcome.drove_after && outcome.collisions == 0 &&
+         outcome.dead.empty() && is_stationary == (attack.promise == Promise::kStationary) &&
+         (attack.teller.empty() || outcome.complaints.contains(attack.teller));
+}
+
+/// What the processes complained of: each reason with who gave it, or how many.
+std::string summarize(const std::map<std::string, std::string>& complaints) {
+  std::map<std::string, std::vector<std::string>> names_by_reason;
+  for (const auto& [name, reason] : complaints) {
+    names_by_reason[reason].push_back(name);
+  }
+  std::string text;
+  for (const auto& [reason, names] : names_by_reason) {
+    text += text.empty() ? "" : "; ";
+    text += names.size() == 1 ? names.front() : std::to_string(names.size()) + " processes";
+    text += ": " + reason;
+  }
+  return text;
+}
+
+void print(const Attack& attack, const Outcome& outcome) {
+  std::printf("| %s | %lld | %.2f m | %s | %s", attack.name.c_str(),
+              static_cast<long long>(outcome.collisions), outcome.driven_m,
+              outcome.drove_after ? "yes" : "no", outcome.dead.empty() ? "none" : "");
+  for (const std::string& name : outcome.dead) {
+    std::printf("%s ", name.c_str());
+  }
+  std::printf(" | %s | %s |\n", summarize(outcome.complaints).c_str(),
+              keeps_promise(attack, outcome) ? "ok" : "MISS");
+  std::fflush(stdout);
+}
+
+}  // namespace
+
+int run_attacks(RobotProcesses::Options options, const std::string& only, double duration_s) {
+  std::printf(
+      "| attack | collisions | driven later than %.0f s | goes on | ended | STATUS | |\n"
+      "|---|---|---|---|---|---|---|\n",
+      kTimeToStopS);
+  int missed = 0;
+  const auto root = options.out;
+  int number = 0;
+  for (const Attack& attack : attacks()) {
+    options.out = root / ("attack" + std::to_string(number++));
+    if (attack.name.find(only) == std::string::npos) {
+      continue;
+    }
+    const Outcome outcome = examine(attack, options, duration_s);
+    print(attack, outcome);
+    missed += keeps_promise(attack, outcome) ? 0 : 1;
+  }
+  return missed == 0 ? 0 : 1;
+}
+
+}  // namespace nodmap::bench
