@@ -8,8 +8,11 @@ set -euo pipefail
 cd "$(dirname "$(readlink -f "$0")")/../.."
 bin=$(readlink -f "$1")
 if [[ "${NODMAP_HOST_A:-}" != 1 ]]; then
-  unshare -rn unshare -n true 2>/dev/null || { echo "skipped: this machine gives users no networks of their own"; exit 77; }
-  exec env NODMAP_HOST_A=1 unshare -rn "$0" "$bin"
+  # As in tests/support/private_network.sh.
+  own_network="unshare -n"
+  $own_network unshare -n true 2>/dev/null || own_network="unshare -rn"
+  $own_network unshare -n true 2>/dev/null || { echo "skipped: this machine gives users no networks of their own"; exit 77; }
+  exec env NODMAP_HOST_A=1 $own_network "$0" "$bin"
 fi
 
 work=$(mktemp -d)
