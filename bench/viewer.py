@@ -35,7 +35,7 @@ class Robot:
     def __init__(self, programs, world, folder):
         environment = {**os.environ, "NODMAP_WORLD": world, "NODMAP_RUN": folder, "NODMAP_PORT": "0", "PATH": programs + os.pathsep + os.environ["PATH"]}
         config = os.path.join(ROOT, "procman", "sim.pmd")
-        self.deputy = subprocess.Popen([f"{programs}/nodmap-deputy", "--config", config], env=environment, cwd=ROOT,
+        self.deputy = subprocess.Popen([f"{programs}/nodmap-deputy", config], env=environment, cwd=ROOT,
                                        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         try:
             subprocess.run([f"{programs}/nodmap-sheriff", config, "--script", "start_robot", "--on-script-complete", "exit", "--timeout", "60"],

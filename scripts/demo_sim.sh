@@ -89,7 +89,7 @@ trap 'trap - EXIT INT TERM HUP; end_deputy' EXIT
 run() { setpriv --pdeathsig TERM "$@" & wait $!; }
 
 say "starting the processes (LCM: $LCM_DEFAULT_URL)"
-setpriv --pdeathsig TERM "$bin/nodmap-deputy" --config "$config" >"$out/deputy.log" 2>&1 &
+setpriv --pdeathsig TERM "$bin/nodmap-deputy" "$config" >"$out/deputy.log" 2>&1 &
 deputy=$!
 # The viewer says the token of the page by its output, and the deputy hands that on.
 setpriv --pdeathsig TERM "$bin/nodmap-sheriff" "$config" --output viewer >"$out/viewer.log" 2>&1 &

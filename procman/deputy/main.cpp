@@ -24,10 +24,10 @@ struct Options {
 };
 
 void add_options(CLI::App& app, Options& options) {
-  app.add_option("--config", options.config,
+  app.add_option("CONFIG", options.config,
                  "Configuration (.pmd) with the commands that this deputy may run");
   app.add_option("-i,--id", options.id,
-                 "Name of this deputy; else the only one in --config, else the host's name");
+                 "Name of this deputy; else the only one in CONFIG, else the host's name");
   app.add_flag(
       "--trust-network", options.trust_network,
       "Run any command that arrives on the network, as the existing deputy does. LCM does not "
@@ -54,7 +54,8 @@ std::string deputy_id(const Options& options, const Config& config) {
 DeputySettings settings_of(const Options& options) {
   if (options.config.empty() && !options.trust_network) {
     throw node::UsageError(
-        "name the commands that may be run by --config FILE.pmd (or --trust-network: see --help)");
+        "name the commands that may be run: nodmap-deputy CONFIG.pmd (or --trust-network: see "
+        "--help)");
   }
   const Config config = options.config.empty() ? Config{} : load_config(options.config);
   DeputySettings settings;

@@ -51,7 +51,7 @@ LoneDeputies::LoneDeputies(const std::string& config_file, const Config& config,
     ids.insert(command.deputy);
   }
   for (const std::string& id : ids) {
-    std::vector<std::string> words = {deputy_program(), "--config", config_file, "--id", id,
+    std::vector<std::string> words = {deputy_program(), config_file, "--id", id,
                                       "--log-level",    "warn"};
     if (!lcm_url.empty()) {
       words.insert(words.end(), {"--lcm-url", lcm_url});

@@ -3,10 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/bus/event_log.hpp"
@@ -18,6 +20,7 @@ namespace {
 
 using test::run_program;
 using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::StartsWith;
 
 // clang-format off
@@ -95,6 +98,18 @@ TEST_P(EveryProgram, RefusesAnUnknownOptionInOneLine) {
   const auto result = run_program(GetParam(), {"--no-such-option"});
   EXPECT_EQ(result.exit_code, 2) << result.err;
   EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+}
+
+// Wherever there are parameters, and nowhere else: --config names no file of another kind.
+TEST_P(EveryProgram, TakesConfigAndSetForParametersOnly) {
+  const bool has_parameters = std::ranges::count(kProcesses, std::string_view(GetParam())) > 0;
+  const std::string help = run_program(GetParam(), {"--help"}).out;
+  // The parameters of the closed loop are those of the processes in it.
+  EXPECT_EQ(help.find("--set TEXT") != std::string::npos,
+            has_parameters || std::string_view(GetParam()) == "nodmap-trial");
+  EXPECT_EQ(help.find("--config TEXT ...           YAML file with parameters") != std::string::npos,
+            has_parameters);
+  EXPECT_EQ(help.find("--config TEXT") != std::string::npos, has_parameters);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, EveryProgram, ::testing::ValuesIn(kPrograms));
@@ -177,6 +192,7 @@ TEST_P(EveryModule, ACutRecordingIsUsedWithAWarning) {
   const auto result = run_program(GetParam(), {"--replay", log, "--out", dir.path() / "out"});
   EXPECT_EQ(result.exit_code, 0);
   EXPECT_THAT(result.err, HasSubstr("bytes belong to no whole event: damaged or cut off"));
+  EXPECT_THAT(result.err, Not(HasSubstr("\033"))) << "colours, and this is no terminal";
 }
 
 INSTANTIATE_TEST_SUITE_P(All, EveryModule, ::testing::ValuesIn(kModules));
@@ -215,13 +231,53 @@ INSTANTIATE_TEST_SUITE_P(
                       ReadingCommand{"nodmap-evaluate", {"trajectory"}, {"x"}},
                       ReadingCommand{"nodmap-evaluate", {"relations", "/dev/null"}, {}},
                       ReadingCommand{"nodmap-evaluate", {"cloud", "/dev/null"}, {}},
-                      ReadingCommand{"nodmap-deputy", {"--config"}, {}},
+                      ReadingCommand{"nodmap-deputy", {}, {}},
                       ReadingCommand{"nodmap-latency", {"--log"}, {}},
                       ReadingCommand{"nodmap-sheriff", {}, {}},
                       ReadingCommand{"nodmap-sim", {"--world"}, {}},
                       ReadingCommand{"nodmap-slam2d", {"--config"}, {}},
                       ReadingCommand{"nodmap-trial", {"--world"}, {"--out", "new.d"}},
                       ReadingCommand{"nodmap-viewer", {"--replay"}, {}}));
+
+class EveryCommandThatReadsLogs : public ::testing::TestWithParam<ReadingCommand> {
+ protected:
+  /// Runs the command on `file`.
+  test::ProgramResult run_on(const std::string& file) {
+    std::vector<std::string> arguments = GetParam().before;
+    arguments.push_back(file);
+    for (const std::string& word : GetParam().after) {
+      arguments.push_back(word.starts_with("new.") ? (dir_.path() / word).string() : word);
+    }
+    return run_program(GetParam().program, arguments);
+  }
+
+  test::TemporaryDir dir_;
+};
+
+TEST_P(EveryCommandThatReadsLogs, WarnsOfACutOne) {
+  const std::filesystem::path log = dir_.path() / "cut.lcmlog";
+  write_log(log, 3);
+  std::filesystem::resize_file(log, std::filesystem::file_size(log) - 1);
+  EXPECT_THAT(run_on(log).err, HasSubstr("bytes belong to no whole event: damaged or cut off"));
+}
+
+TEST_P(EveryCommandThatReadsLogs, RefusesATextFileAndLeavesNothing) {
+  const std::filesystem::path text = dir_.path() / "notes.txt";
+  std::ofstream(text) << "Nothing that LCM has written.\n";
+  const auto result = run_on(text);
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.err, HasSubstr("notes.txt: holds no event of an LCM event log"));
+  const std::filesystem::directory_iterator files(dir_.path());
+  EXPECT_EQ(std::distance(begin(files), end(files)), 1);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, EveryCommandThatReadsLogs,
+    ::testing::Values(ReadingCommand{"nodmap-convert", {"info"}, {}},
+                      ReadingCommand{"nodmap-convert", {"mcap"}, {"new.mcap"}},
+                      ReadingCommand{"nodmap-convert", {"export", "--channel", "A"}, {"new.csv"}},
+                      ReadingCommand{"nodmap-convert", {"export"}, {"new.ply"}},
+                      ReadingCommand{"nodmap-latency", {"--log"}, {}}));
 
 TEST(CommandLine, NamesTheSubcommandAndTheNearestWord) {
   EXPECT_EQ(run_program("nodmap-convert", {"infoo", "x"}).err,
@@ -233,6 +289,9 @@ TEST(CommandLine, NamesTheSubcommandAndTheNearestWord) {
   EXPECT_THAT(run_program("nodmap-convert", {"export", "--chanel", "X", "in", "out.csv"}).err,
               StartsWith("nodmap-convert export: '--chanel' is no option; did you mean "
                          "'--channel'?"));
+  EXPECT_THAT(run_program("nodmap-evaluate", {"trajectory", "--aling", "x", "y"}).err,
+              StartsWith("nodmap-evaluate trajectory: '--aling' is no option; did you mean "
+                         "'--align'?"));
   EXPECT_THAT(run_program("nodmap-sheriff", {"--chek", "x"}).err,
               HasSubstr("did you mean '--check'?"));
   EXPECT_THAT(run_program("nodmap-sheriff", {NODMAP_KURT3D "/../../procman/robot.pmd", "--script",

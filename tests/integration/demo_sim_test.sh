@@ -74,6 +74,12 @@ page_answers "$work/done.log" || fail "the demo's page does not answer"
 wait "$demo" || { cat "$work/done.log"; fail "the demo failed"; }
 grep -q '/#token=' "$work/done.log" || fail "the demo does not name its controls"
 expect_nothing_left "$work/done" "the demo"
+# What it says last can be copied: its own programs, its own recording.
+again=$(sed -n 's/^to see it again: \(.*\), and a browser on.*/\1/p' "$work/done.log")
+[[ "$again" == "build/release/bin/nodmap-viewer --replay $work/done/logger/lcmlog-"* ]] || fail "the demo does not name how to replay it"
+# shellcheck disable=SC2086  # a command line
+timeout --signal=INT 2 $again --port 0 >"$work/again.log" 2>&1 || true
+grep -q "page on http" "$work/again.log" || { cat "$work/again.log"; fail "that does not replay it"; }
 
 for seconds in 0 0.1 0.3 0.6 1 1.5 2 3 4 5 6 8; do
   start_demo "interrupted-$seconds" 30

@@ -62,7 +62,7 @@ fi
 set -a
 source /etc/nodmap/deputy.conf
 set +a
-setpriv --reuid nodmap --regid nodmap --init-groups nodmap-deputy --config "$NODMAP_CONFIG" --id "$NODMAP_DEPUTY_ID" >deputy.log 2>&1 &
+setpriv --reuid nodmap --regid nodmap --init-groups nodmap-deputy "$NODMAP_CONFIG" --id "$NODMAP_DEPUTY_ID" >deputy.log 2>&1 &
 deputy=$!
 for _ in $(seq 100); do grep -q serving deputy.log && break; sleep 0.1; done
 nodmap-sheriff "$NODMAP_CONFIG" --status >log || { cat log deputy.log; fail "the deputy does not answer"; }

@@ -52,7 +52,7 @@ TEST_F(DeputyProcess, GivesACommandTheResourcesOfItsConfiguration) {
       << R"(cmd "a" { exec = ")" << exec << R"("; host = "rover";
       #nodmap: memory_mb = 512; cpus = "0";
   })";
-  begin({"--config", dir.path() / "robot.pmd"});
+  begin({dir.path() / "robot.pmd"});
   client_.order({wanted("a", exec, 1)});
   EXPECT_TRUE(client_.wait_until([&] {
     return client_.output("a").find("Cpus_allowed_list:\t0\r") != std::string::npos;
@@ -189,7 +189,7 @@ TEST_F(DeputyProcess, RunsOnlyWhatItsConfigurationNames) {
   const std::string good = marked("sleep 1000");
   std::ofstream(file) << "cmd \"good\" { exec = \"" << good << "\"; host = \"rover\"; }\n"
                       << "cmd \"far\" { exec = \"" << good << " 1\"; host = \"other\"; }\n";
-  begin({"--config", file});
+  begin({file});
   client_.order(
       {wanted("good", good, 1), wanted("bad", good + " ; rm", 1), wanted("far", good + " 1", 1)});
   ASSERT_TRUE(client_.wait_until([this] {
@@ -204,7 +204,8 @@ TEST_F(DeputyProcess, RunsOnlyWhatItsConfigurationNames) {
 }
 
 TEST_F(DeputyProcess, RefusesToServeNobodyOrTwice) {
-  EXPECT_EQ(launch({})->wait_for_end(kPatience), 2) << "neither --config nor --trust-network";
+  EXPECT_EQ(launch({})->wait_for_end(kPatience), 2)
+      << "neither a configuration nor --trust-network";
   begin();
   const auto second = launch({"--trust-network"});
   EXPECT_EQ(second->wait_for_end(kPatience), 2) << second->said();

@@ -114,7 +114,7 @@ TEST(Golden, OurDeputyGoesThroughTheRecordedStates) {
   ASSERT_EQ(recording.orders.size(), 15U);
   test::DeputyClient client("rover");
   test::ChildProcess deputy(
-      {NODMAP_BIN "/nodmap-deputy", "--lcm-url", test::kProcmanUrl, "--config", config.string()});
+      {NODMAP_BIN "/nodmap-deputy", "--lcm-url", test::kProcmanUrl, config.string()});
   ASSERT_TRUE(deputy.wait_for_stderr("serving", test::kPatience)) << deputy.said();
   ASSERT_TRUE(client.wait_until([&] { return !client.infos().empty(); }));
   // Each order as long after the one before as was recorded, and not before the deputy is where the

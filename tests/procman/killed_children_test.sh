@@ -31,7 +31,7 @@ for c in json.load(sys.stdin)["commands"]:
 }
 field() { awk -v name="$1" -v n="$2" '$1 == name {print $n}'; }
 
-"$bin/nodmap-deputy" --config procman/sim.pmd >"$work/deputy.log" 2>&1 & pids+=($!)
+"$bin/nodmap-deputy" procman/sim.pmd >"$work/deputy.log" 2>&1 & pids+=($!)
 "$bin/nodmap-sheriff" procman/sim.pmd --script demo --on-script-complete stay >"$work/sheriff.log" 2>&1 & pids+=($!)
 # wait_for TEXT: the sheriff says it.
 wait_for() {

@@ -44,7 +44,7 @@ for signal in INT TERM KILL; do
   echo "SIG$signal: everything has ended"
 done
 
-"$bin/nodmap-deputy" --config "$work/a.pmd" --id here 2>"$work/deputy.log" &
+"$bin/nodmap-deputy" "$work/a.pmd" --id here 2>"$work/deputy.log" &
 deputy=$!
 wait_for grep -q serving "$work/deputy.log"
 # A sheriff that stays gives its orders again to a deputy that was killed and started anew.
@@ -54,7 +54,7 @@ wait_for grep -q "script up is done" "$work/stay.log"
 kill -KILL "$deputy"
 wait "$deputy" 2>/dev/null || true
 wait_for is_asleep_no_more
-"$bin/nodmap-deputy" --config "$work/a.pmd" --id here 2>"$work/deputy.log" &
+"$bin/nodmap-deputy" "$work/a.pmd" --id here 2>"$work/deputy.log" &
 deputy=$!
 wait_for is_up
 kill -TERM "$sheriff"

@@ -66,7 +66,7 @@ class SheriffProcess : public ::testing::Test {
   }
   void begin_deputy() {
     deputy_ = std::make_unique<ChildProcess>(std::vector<std::string>{
-        NODMAP_BIN "/nodmap-deputy", "--lcm-url", kProcmanUrl, "--config", file_, "--id", "rover"});
+        NODMAP_BIN "/nodmap-deputy", "--lcm-url", kProcmanUrl, file_, "--id", "rover"});
     ASSERT_TRUE(deputy_->wait_for_stderr("serving", kPatience)) << deputy_->said();
     ASSERT_TRUE(client_.wait_until([this] { return !client_.infos().empty(); }));
   }

@@ -64,8 +64,8 @@ export LCM_DEFAULT_URL='udpm://239.255.76.67:7694?ttl=1&recv_buf_size=2000000' N
 awk '/cmd "(slam6d|logger)"/ {far = 1} /deputy = / && far {sub(/"sim"/, "\"mapper\""); far = 0} {print}' procman/sim.pmd |
   sed 's/"sim";/"robot";/' >"$work/two.pmd"
 export NODMAP_WORLD=sim/worlds/cellar.yaml NODMAP_RUN=$work NODMAP_PORT=8765
-"$bin/nodmap-deputy" --config "$work/two.pmd" --id robot >"$work/robot.log" 2>&1 & pids+=($!)
-nsenter -t "$host_b" -n -- "$bin/nodmap-deputy" --config "$work/two.pmd" --id mapper >"$work/mapper.log" 2>&1 & pids+=($!)
+"$bin/nodmap-deputy" "$work/two.pmd" --id robot >"$work/robot.log" 2>&1 & pids+=($!)
+nsenter -t "$host_b" -n -- "$bin/nodmap-deputy" "$work/two.pmd" --id mapper >"$work/mapper.log" 2>&1 & pids+=($!)
 "$bin/nodmap-sheriff" "$work/two.pmd" --script demo --on-script-complete stay >"$work/sheriff.log" 2>&1 & sheriff=$!; pids+=($sheriff)
 
 # state COMMAND KEY: by a second look from host A

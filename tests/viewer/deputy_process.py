@@ -17,7 +17,7 @@ class Deputy:
         with open(self.config, "w", encoding="ascii") as out:
             out.write(commands.replace("OUT", self.logs))
         path = os.pathsep.join([os.path.dirname(os.environ["NODMAP_DEPUTY"]), os.environ["PATH"]])
-        self.process = subprocess.Popen([os.environ["NODMAP_DEPUTY"], "--config", self.config, "--id", "here"], stdout=subprocess.DEVNULL,
+        self.process = subprocess.Popen([os.environ["NODMAP_DEPUTY"], self.config, "--id", "here"], stdout=subprocess.DEVNULL,
                                         stderr=subprocess.DEVNULL, env={**os.environ, "PATH": path})
 
     def stop(self):
