@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <zstd.h>
 
+#include <algorithm>
 #include <fstream>
 #include <iterator>
 #include <map>
@@ -222,6 +223,44 @@ TEST(McapExport, HoldsEveryMessageOfTheLog) {
   EXPECT_EQ(file.messages.at("ODOMETRY")[100].first,
             1000U * (foxglove::test::kBeginUs + 1'000'000));
   EXPECT_EQ(file.messages.at("ODOMETRY")[100].second["position_m"][0], 0.5);
+  // A reader that goes by the summary, as Foxglove does, finds every one of them.
+  std::uint64_t num_messages = 0;
+  for (const auto& [topic, messages] : file.messages) {
+    num_messages += messages.size();
+  }
+  EXPECT_EQ(file.count_in_statistics, num_messages);
+  EXPECT_EQ(file.num_indexed, num_messages);
+}
+
+// The field of a message that a panel of a layout names: "SCAN.angle_step_rad".
+void expect_field(const File& file, const std::string& path) {
+  const std::size_t dot = path.find('.');
+  const std::string topic = path.substr(0, dot);
+  ASSERT_TRUE(file.messages.contains(topic)) << path;
+  if (dot != std::string::npos) {
+    EXPECT_TRUE(file.messages.at(topic).front().second.contains(path.substr(dot + 1))) << path;
+  }
+}
+
+TEST(McapExport, HoldsWhatTheLayoutForFoxgloveNames) {
+  const nodmap::test::TemporaryDir dir;
+  foxglove::test::write_robot_log(dir.path() / "robot.lcmlog", {.duration_s = 2.0});
+  export_mcap(dir.path() / "robot.lcmlog", dir.path() / "robot.mcap");
+  const File file = read(dir.path() / "robot.mcap");
+  std::ifstream in(NODMAP_FOXGLOVE_LAYOUT);
+  const Json panels = Json::parse(in).at("configById");
+  for (const auto& [topic, settings] : panels.at("3D!nodmap").at("topics").items()) {
+    EXPECT_TRUE(std::ranges::any_of(file.topics, [&topic](const auto& entry) {
+      return entry.second.first == topic;
+    })) << topic;
+  }
+  for (const char* plot : {"Plot!speed", "Plot!pitch"}) {
+    for (const Json& path : panels.at(plot).at("paths")) {
+      expect_field(file, path.at("value"));
+    }
+  }
+  expect_field(file, panels.at("RawMessages!navigation").at("topicPath"));
+  expect_field(file, panels.at("Table!processes").at("topicPath"));
 }
 
 TEST(McapExport, NeverOverwrites) {
