@@ -29,6 +29,8 @@ constexpr std::size_t kPointsPerChunk = 5000;
 // Hz for what takes 10 ms, and 0.8 s, before the next sweep.
 constexpr int kScansUntilRegistered = 4;
 constexpr int kScansUntilMapped = 60;
+// A disk that was full may have room again: 10 s.
+constexpr int kScansUntilSavedAgain = 750;
 // Keyframes that have moved by less leave the occupancy map as it is, until the end.
 constexpr double kMinMapMotionM = 0.03;
 constexpr double kMinMapMotionAtEndM = 0.005;
@@ -92,6 +94,9 @@ void Slam6dNode::on_scan(const nodmap::scan_t& message) {
   }
   answer(registering_.count_message());
   answer(mapping_.count_message());
+  if (save_error_ && --scans_until_saved_again_ <= 0 && !mapping_.is_running()) {
+    start_saving();
+  }
   if (auto sweep = slam_.collect(std::move(scan))) {
     register_sweep(std::move(*sweep));
   }
@@ -269,6 +274,7 @@ void Slam6dNode::answer(const std::optional<MapWork>& work) {
   // A full disk does not end the mapping: the last map that was whole stays, and STATUS says so.
   if (work->save_error) {
     save_error_ = *work->save_error;
+    scans_until_saved_again_ = kScansUntilSavedAgain;
     maps_saved_ += save_error_ ? 0 : 1;
     if (save_error_) {
       log::get().warn("{}: map not saved: {}", context_.out_dir.string(), save_error_.message());
@@ -296,9 +302,13 @@ void Slam6dNode::publish_octomap_part() {
 void Slam6dNode::on_save_request(const nodmap::save_request_t& message) {
   if (node::accept_save_request(message, context_)) {
     answer(mapping_.take());
-    mapping_.start([this] { return MapWork{.save_error = save_map(context_.out_dir)}; },
-                   kScansUntilMapped);
+    start_saving();
   }
+}
+
+void Slam6dNode::start_saving() {
+  mapping_.start([this] { return MapWork{.save_error = save_map(context_.out_dir)}; },
+                 kScansUntilMapped);
 }
 
 std::error_code Slam6dNode::save_map(const std::filesystem::path& dir) const {

@@ -58,6 +58,7 @@ class Slam6dNode : public node::Node {
   void answer(const std::optional<MapWork>& work);
   void publish_octomap_part();
   void count_scans();
+  void start_saving();
   [[nodiscard]] std::error_code save_map(const std::filesystem::path& dir) const;
 
   node::Context& context_;
@@ -73,6 +74,7 @@ class Slam6dNode : public node::Node {
   std::size_t octomap_keyframes_ = 0;  // in the map that was begun last
   std::int64_t octomap_utime_us_ = 0;  // of that map
   std::error_code save_error_;         // of the last try
+  int scans_until_saved_again_ = 0;    // after an error
   // Last: they end before what they work on. `registering_` works on `slam_`, `mapping_` on
   // `occupancy_`.
   node::BackgroundJob<PoseUpdate> registering_;

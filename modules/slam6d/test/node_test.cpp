@@ -22,7 +22,9 @@
 #include "nodmap/cloud_chunk_t.hpp"
 #include "nodmap/octomap_chunk_t.hpp"
 #include "nodmap/pose_t.hpp"
+#include "nodmap/save_request_t.hpp"
 #include "tests/support/data_dir.hpp"
+#include "tests/support/memory_bus.hpp"
 
 namespace nodmap::slam6d {
 namespace {
@@ -277,6 +279,32 @@ TEST(Slam6dNode, SavesOnRequestAndEveryFewKeyframes) {
              {.keyframe = {.distance_m = 2.0}, .occupancy = {.save_every_keyframes = 1}});
   // The second sweep beyond 2 m is complete before the end; on request; at the end.
   EXPECT_EQ(outcome.metrics["occupancy_map"]["times_saved"], 4);
+}
+
+TEST(Slam6dNode, TriesAgainToSaveAMapThatCouldNotBeSaved) {
+  const test::TemporaryDir dir;
+  test::MemoryBus bus;
+  node::MessageCounts counts;
+  node::Context context{bus, counts, dir.path() / "not_there_yet"};
+  Slam6dNode slam(context, {.assume_stationary = true});
+  std::mt19937 random(9);
+  std::int64_t next = 0;
+  const auto put_scans = [&](int number) {
+    for (int i = 0; i < number; ++i) {
+      const auto still = [](std::int64_t) { return geometry::SE3(); };
+      bus.deliver("SCAN",
+                  node::write_scan(NoddingScanner{}.scan(next++, Room::hall(), still, random)));
+    }
+  };
+  bus.deliver("SAVE_REQUEST", nodmap::save_request_t{});
+  put_scans(75);  // within a second it has been tried
+  EXPECT_EQ(slam.health().state, node::HealthState::kDegraded);
+  fs::create_directory(context.out_dir);
+  put_scans(600);
+  EXPECT_FALSE(fs::exists(context.out_dir / "map.bt")) << "not at once";
+  put_scans(225);  // 12 s after the request
+  EXPECT_TRUE(fs::exists(context.out_dir / "map.bt"));
+  EXPECT_EQ(slam.health().state, node::HealthState::kOk);
 }
 
 }  // namespace
