@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace nodmap::slam2d {
 namespace {
@@ -51,13 +52,13 @@ bool are_distinct(const geometry::SE2& a, const geometry::SE2& b) {
 
 std::optional<Match> PoseSearch::find_better(const ScanMatcher& matcher, const PointMap& map,
                                              std::span<const OrientedPoint> scan,
-                                             const geometry::SE2& T_map_base_guess,
+                                             std::span<const geometry::SE2> guesses,
                                              const Match& tracked) const {
   std::optional<Match> best;
   double best_value = tracked.score + kMinGain;
-  for (const geometry::SE2& start : candidates(map, scan, T_map_base_guess)) {
+  for (const geometry::SE2& start : candidates(map, scan, guesses)) {
     const Match match = matcher.match(map, scan, start);
-    const double value = match.score - cost(match.T_map_base, T_map_base_guess);
+    const double value = match.score - cost(match.T_map_base, guesses);
     // Along a degenerate direction the match could be anywhere: no better than odometry.
     if (match.degenerate_directions == 0 && value > best_value) {
       best_value = value;
@@ -67,16 +68,21 @@ std::optional<Match> PoseSearch::find_better(const ScanMatcher& matcher, const P
   return best;
 }
 
-double PoseSearch::cost(const geometry::SE2& pose, const geometry::SE2& guess) const {
-  const double distance_m = std::hypot(pose.x - guess.x, pose.y - guess.y);
-  const double rotation_rad = std::abs(geometry::angle_difference(pose.yaw, guess.yaw));
-  return kDeviationCost * (rotation_rad / (0.5 * geometry::kPi) +
-                           distance_m / std::max(2.0 * params_.distance_m, kStepM));
+double PoseSearch::cost(const geometry::SE2& pose, std::span<const geometry::SE2> guesses) const {
+  double least = std::numeric_limits<double>::infinity();
+  for (const geometry::SE2& guess : guesses) {
+    const double distance_m = std::hypot(pose.x - guess.x, pose.y - guess.y);
+    const double rotation_rad = std::abs(geometry::angle_difference(pose.yaw, guess.yaw));
+    least = std::min(least, rotation_rad / (0.5 * geometry::kPi) +
+                                distance_m / std::max(2.0 * params_.distance_m, kStepM));
+  }
+  return kDeviationCost * least;
 }
 
 std::vector<geometry::SE2> PoseSearch::candidates(const PointMap& map,
                                                   std::span<const OrientedPoint> scan,
-                                                  const geometry::SE2& T_map_base_guess) const {
+                                                  std::span<const geometry::SE2> guesses) const {
+  const geometry::SE2& T_map_base_guess = guesses.front();
   const std::size_t stride = std::max<std::size_t>(1, scan.size() / kNumPoints);
   const int steps = static_cast<int>(params_.distance_m / kStepM);
   const int rotations = static_cast<int>(params_.rotation_rad / kStepRad);
@@ -87,7 +93,7 @@ std::vector<geometry::SE2> PoseSearch::candidates(const PointMap& map,
         const geometry::SE2 pose{T_map_base_guess.x + ix * kStepM, T_map_base_guess.y + iy * kStepM,
                                  geometry::normalize_angle(T_map_base_guess.yaw + iyaw * kStepRad)};
         const double score = quick_score(map, scan, stride, pose);
-        tried.push_back({score - cost(pose, T_map_base_guess), pose});
+        tried.push_back({score - cost(pose, guesses), pose});
       }
     }
   }

@@ -17,21 +17,22 @@ class PoseSearch {
  public:
   explicit PoseSearch(const SearchParams& params) : params_(params) {}
 
-  /// Matches from many start poses around `T_map_base_guess`, and returns the best match that
-  /// scores clearly more than `tracked`, the match from the guess itself. A match far from the
-  /// guess needs a higher score.
+  /// Matches from many start poses around the first of some guesses of T_map_base, and returns the
+  /// best match that scores clearly more than `tracked`, the match from the first guess itself. A
+  /// match far from all guesses needs a higher score.
   [[nodiscard]] std::optional<Match> find_better(const ScanMatcher& matcher, const PointMap& map,
                                                  std::span<const OrientedPoint> scan,
-                                                 const geometry::SE2& T_map_base_guess,
+                                                 std::span<const geometry::SE2> guesses,
                                                  const Match& tracked) const;
 
   /// The most promising start poses, best first, all clearly different.
   [[nodiscard]] std::vector<geometry::SE2> candidates(const PointMap& map,
                                                       std::span<const OrientedPoint> scan,
-                                                      const geometry::SE2& T_map_base_guess) const;
+                                                      std::span<const geometry::SE2> guesses) const;
 
  private:
-  [[nodiscard]] double cost(const geometry::SE2& pose, const geometry::SE2& guess) const;
+  [[nodiscard]] double cost(const geometry::SE2& pose,
+                            std::span<const geometry::SE2> guesses) const;
 
   SearchParams params_;
 };

@@ -91,6 +91,7 @@ void Slam2d::change_odometry_frame(const geometry::SE3& T_new_odom_base) {
   T_odom_keyframe_ = T_old_new.inverse() * T_odom_keyframe_;
   T_odom_last_ = T_old_new.inverse() * T_odom_last_;
   moving_points_.change_odometry_frame(T_old_new);
+  start_poses_.change_odometry_frame(T_old_new);
   T_odom_failed_search_.reset();  // the robot may have been carried: another search is worth it
 }
 
@@ -104,17 +105,25 @@ std::optional<PoseUpdate> Slam2d::add_scan(const scan::Scan& scan) {
     moving_points_.add_keyframe(*all_points);
     return begin_map(*all_points);
   }
+  const Start start = choose_start(*all_points);
   LevelScan level_scan = *all_points;
-  level_scan.points_base = moving_points_.stationary(*all_points);
+  if (start.is_by_odometry) {
+    level_scan.points_base = moving_points_.stationary(*all_points);
+  }
   // "These can directly be used as data set D and matched against an incrementally built 2D map" M:
   // the transform that minimises Eq. 3, from the pose by odometry.
-  const Match match = match_or_search(level_scan);
+  const Match match = match_or_search(level_scan, start.guesses);
   // The same transform corrects the pose.
   PoseUpdate update = correct_pose(level_scan, match);
   update.covariance = estimate_covariance(level_scan, match, update);
   lost_since_us_ = update.quality == PoseQuality::kLost
                        ? std::optional(lost_since_us_.value_or(update.utime_us))
                        : std::nullopt;
+  start_poses_.add_scan(update.utime_us,
+                        (T_map_odom_ * T_odom_last_).inverse() * update.T_map_base);
+  if (update.quality == PoseQuality::kLost) {
+    start_poses_.forget_motion();
+  }
   // "New scan points that do not show a correspondence to already existing points in M are added."
   // That may close a loop, which corrects the pose once more.
   if (is_keyframe(update, level_scan.T_odom_base)) {
@@ -149,11 +158,35 @@ std::optional<PoseUpdate> Slam2d::begin_map(const LevelScan& scan) {
   return update;
 }
 
-Match Slam2d::match_or_search(const LevelScan& scan) {
+// Where odometry contradicts the motion of the robot, the guess from which the scan fits clearly
+// better. All of its points count: what has moved is told by odometry, which is in doubt.
+Slam2d::Start Slam2d::choose_start(const LevelScan& scan) const {
   const Submap& submap = back_end_.local();
-  const geometry::SE2 T_submap_base_guess =
-      submap.T_map_submap.inverse() * (T_map_odom_ * scan.T_odom_base);
-  const Match tracked = matcher_.match(submap.points, scan.points_base, T_submap_base_guess);
+  Start start{start_poses_.guesses(scan, T_map_odom_, T_odom_last_)};
+  for (geometry::SE2& guess : start.guesses) {
+    guess = submap.T_map_submap.inverse() * guess;
+  }
+  if (start.guesses.size() == 1) {
+    return start;
+  }
+  constexpr double kMinGain = 0.05;  // of score
+  std::size_t best = 0;
+  double best_score = -kMinGain;
+  for (std::size_t i = 0; i < start.guesses.size(); ++i) {
+    const Match match = matcher_.match(submap.points, scan.points_base, start.guesses[i]);
+    if (match.score > best_score + kMinGain) {
+      best = i;
+      best_score = match.score;
+    }
+  }
+  std::swap(start.guesses[0], start.guesses[best]);
+  start.is_by_odometry = best == 0;
+  return start;
+}
+
+Match Slam2d::match_or_search(const LevelScan& scan, std::span<const geometry::SE2> guesses) {
+  const Submap& submap = back_end_.local();
+  const Match tracked = matcher_.match(submap.points, scan.points_base, guesses.front());
   if (tracked.score >= params_.search.score_threshold || !scan.has_enough_points()) {
     T_odom_failed_search_.reset();
     return tracked;
@@ -164,7 +197,7 @@ Match Slam2d::match_or_search(const LevelScan& scan) {
   }
   ++metrics_.searches;
   const auto found =
-      search_.find_better(matcher_, submap.points, scan.points_base, T_submap_base_guess, tracked);
+      search_.find_better(matcher_, submap.points, scan.points_base, guesses, tracked);
   if (!found) {
     T_odom_failed_search_ = scan.T_odom_base;
     return tracked;
@@ -271,6 +304,9 @@ void Slam2d::correct_odometry(const LevelScan& scan, PoseUpdate& update) {
   T_map_odom_ = update.T_map_base * scan.T_odom_base.inverse();
   T_odom_last_ = scan.T_odom_base;
   update.T_map_odom = T_map_odom_;
+  if (update.is_keyframe) {
+    start_poses_.add_keyframe(T_map_odom_);
+  }
 }
 
 // Scans of keyframes that are no more follow the keyframe before, or else the one after them.

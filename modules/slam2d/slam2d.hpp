@@ -17,6 +17,7 @@
 #include "modules/slam2d/pose_covariance.hpp"
 #include "modules/slam2d/pose_search.hpp"
 #include "modules/slam2d/scan_matcher.hpp"
+#include "modules/slam2d/start_poses.hpp"
 
 namespace nodmap::slam2d {
 
@@ -105,7 +106,14 @@ class Slam2d {
 
  private:
   [[nodiscard]] std::optional<PoseUpdate> begin_map(const LevelScan& scan);
-  [[nodiscard]] Match match_or_search(const LevelScan& scan);
+  /// Where matching begins.
+  struct Start {
+    std::vector<geometry::SE2> guesses;  ///< of T_submap_base, in the local submap; the best first
+    bool is_by_odometry = true;
+  };
+  [[nodiscard]] Start choose_start(const LevelScan& scan) const;
+  [[nodiscard]] Match match_or_search(const LevelScan& scan,
+                                      std::span<const geometry::SE2> guesses);
   [[nodiscard]] PoseUpdate correct_pose(const LevelScan& scan, const Match& match) const;
   [[nodiscard]] Eigen::Matrix3d estimate_covariance(const LevelScan& scan, const Match& match,
                                                     const PoseUpdate& update);
@@ -123,6 +131,7 @@ class Slam2d {
   Slam2dParams params_;
   LevelScanInput input_;
   MovingPointFilter moving_points_;
+  StartPoses start_poses_;
   ScanMatcher matcher_;
   PoseSearch search_;
   BackEnd back_end_;

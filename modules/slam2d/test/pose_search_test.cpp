@@ -22,7 +22,7 @@ TEST(PoseSearch, FindsThePoseAfterALargeRotation) {
   const auto points = extractor.extract(scanner.scan(test::room(), {}), {});
   const PoseSearch search{SearchParams{}};
   const SE2 guess{0.4, -0.3, geometry::deg_to_rad(70.0)};
-  const auto candidates = search.candidates(map, points, guess);
+  const auto candidates = search.candidates(map, points, {&guess, 1});
   ASSERT_FALSE(candidates.empty());
   // The step between candidates is 0.25 m and 4 degrees; ICP does the rest.
   EXPECT_TRUE(std::any_of(candidates.begin(), candidates.end(), [](const SE2& pose) {
@@ -32,7 +32,8 @@ TEST(PoseSearch, FindsThePoseAfterALargeRotation) {
 
 TEST(PoseSearch, CandidatesAreDistinctAndWithinReach) {
   const SearchParams params;
-  const auto candidates = PoseSearch(params).candidates(PointMap(MapParams{}), {}, {1.0, 2.0, 3.0});
+  const SE2 guess{1.0, 2.0, 3.0};
+  const auto candidates = PoseSearch(params).candidates(PointMap(MapParams{}), {}, {&guess, 1});
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     EXPECT_LE(std::abs(candidates[i].x - 1.0), params.distance_m);
     EXPECT_LE(std::abs(candidates[i].y - 2.0), params.distance_m);
@@ -51,7 +52,8 @@ TEST(PoseSearch, WithoutASearchAreaTheGuessIsTheOnlyCandidate) {
   SearchParams params;
   params.distance_m = 0.0;
   params.rotation_rad = 0.0;
-  EXPECT_EQ(PoseSearch(params).candidates(PointMap(MapParams{}), {}, {}).size(), 1U);
+  const SE2 guess;
+  EXPECT_EQ(PoseSearch(params).candidates(PointMap(MapParams{}), {}, {&guess, 1}).size(), 1U);
 }
 
 }  // namespace

@@ -1,0 +1,142 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""2D SLAM on recordings that were damaged: what it does when odometry stands still, jumps or is missing for a while.
+
+bench/slam2d_damage.py --data DIR [--bin DIR] [--logs NAME ...] [--kinds KIND ...] [--seeds N ...] [--set KEY=VALUE ...]
+
+DIR holds NAME.clf and NAME.relations (docs/benchmark-2d.md). About twice a minute, at a moment at which the robot moves, a log is damaged in one way:
+  stall   odometry repeats a pose for 0.5 to 1.5 s, and then catches up: a driver that hangs
+  gap     nothing is recorded for 1 to 5 s
+  kick    odometry jumps by up to 0.5 m and 60 degrees, and never takes it back: wheels that slip
+  pause   nothing is recorded for 0.5 to 1.5 s, and odometry does not count what the robot has moved meanwhile
+Prints a row for each log and kind: error of translation and rotation over all relations for each seed, first of the log as it is. Seeds below
+1000 report, others are for choosing parameters (bench/seeds.py).
+"""
+import argparse
+import json
+import math
+import pathlib
+import random
+import subprocess
+import tempfile
+
+import seeds
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+LOGS = ("intel", "fr079", "mit-csail")
+KINDS = {"stall": (0.5, 1.5), "gap": (1.0, 5.0), "kick": (0.0, 0.0), "pause": (0.5, 1.5)}  # durations, s
+PERIOD_S = 30.0
+
+
+def run(*command):
+    done = subprocess.run([str(part) for part in command], capture_output=True, text=True)
+    if done.returncode != 0:
+        raise RuntimeError(f"{command[0]}: {done.stderr.strip()}")
+    return done.stdout
+
+
+def compose(a, b):
+    """SE(2): (x, y, yaw) of b, given in the frame of a."""
+    c, s = math.cos(a[2]), math.sin(a[2])
+    return (a[0] + c * b[0] - s * b[1], a[1] + s * b[0] + c * b[1], a[2] + b[2])
+
+
+def inverse(a):
+    c, s = math.cos(a[2]), math.sin(a[2])
+    return (-c * a[0] - s * a[1], s * a[0] - c * a[1], -a[2])
+
+
+class Line:
+    """A line of a CARMEN log with a pose by odometry: fields `first` to `first` + 2."""
+    def __init__(self, text):
+        self.words = text.split()
+        self.first = int(self.words[1]) + 5 if self.words[0] == "FLASER" else 1
+        self.time_s = float(self.words[-3])
+        self.pose = tuple(map(float, self.words[self.first:self.first + 3]))
+
+    def text(self, pose):
+        words = list(self.words)
+        words[self.first:self.first + 3] = [f"{value:.6f}" for value in pose]
+        return " ".join(words) + "\n"
+
+
+def moments(lines, kind, generator):
+    """(begin, end) of each damage, seconds: one in each period in which the robot moves."""
+    found, begin_s = [], lines[0].time_s
+    moving = [a.time_s for a, b in zip(lines, lines[10:])
+              if math.dist(a.pose[:2], b.pose[:2]) > 0.05 or abs(math.remainder(b.pose[2] - a.pose[2], 2.0 * math.pi)) > 0.1]
+    while begin_s < lines[-1].time_s:
+        choice = [time_s for time_s in moving if begin_s + 2.0 <= time_s < begin_s + PERIOD_S - 7.0]
+        begin_s += PERIOD_S
+        if choice:
+            time_s = generator.choice(choice)
+            found.append((time_s, time_s + generator.uniform(*KINDS[kind])))
+    return found
+
+
+def damaged(lines, kind, seed):
+    """The lines of a log with a pose, damaged."""
+    generator = random.Random(f"{kind} {seed}")
+    places = moments(lines, kind, generator)
+    correction, before, out = (0.0, 0.0, 0.0), lines[0].pose, []
+    for line in lines:
+        if places and line.time_s > places[0][1]:
+            jump = (0.0, 0.0, 0.0)
+            if kind == "kick":
+                jump = (generator.uniform(-0.5, 0.5), generator.uniform(-0.2, 0.2), math.radians(generator.uniform(-60.0, 60.0)))
+            if kind == "pause":
+                jump = compose(inverse(line.pose), before)
+            correction = compose(correction, compose(line.pose, compose(jump, inverse(line.pose))))
+            places.pop(0)
+        if places and places[0][0] < line.time_s:
+            if kind == "stall":
+                out.append(line.text(compose(correction, before)))
+            continue
+        before = line.pose
+        out.append(line.text(compose(correction, line.pose)))
+    return out
+
+
+class Bench:
+    def __init__(self, programs, data, settings):
+        self.programs, self.data = programs, data
+        self.settings = [word for value in settings for word in ("--set", value)]
+
+    def errors(self, name, text):
+        with tempfile.TemporaryDirectory() as made:
+            folder = pathlib.Path(made)
+            (folder / "log.clf").write_text(text)
+            run(self.programs / "nodmap-convert", "carmen", folder / "log.clf", folder / "log.lcmlog")
+            run(self.programs / "nodmap-slam2d", "--replay", folder / "log.lcmlog", "--out", folder / "out", *self.settings)
+            return json.loads(run(self.programs / "nodmap-evaluate", "relations", folder / "out" / "trajectory.tum",
+                                  self.data / f"{name}.relations"))
+
+    def row(self, name, kind, numbers):
+        every = (self.data / f"{name}.clf").read_text(errors="replace").splitlines(keepends=True)
+        head = "".join(line for line in every if line.startswith("PARAM"))
+        texts = [line for line in every if line.startswith(("ODOM", "FLASER"))]
+        if kind == "as it is":
+            return [self.errors(name, head + "".join(texts))]
+        lines = [Line(text) for text in texts]
+        return [self.errors(name, head + "".join(damaged(lines, kind, seed))) for seed in numbers]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--data", type=pathlib.Path, required=True)
+    parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build" / "release" / "bin")
+    parser.add_argument("--logs", nargs="*", default=LOGS)
+    parser.add_argument("--kinds", nargs="*", default=["as it is", *KINDS])
+    parser.add_argument("--seeds", nargs="*", type=int, default=seeds.REPORTING[:3])
+    parser.add_argument("--set", nargs="*", default=[], dest="settings", help="parameters of nodmap-slam2d")
+    options = parser.parse_args()
+    bench = Bench(options.bin, options.data, options.settings)
+    print("| log | damage | error of each seed: translation, rotation |\n|---|---|---|")
+    for name in options.logs:
+        for kind in options.kinds:
+            cells = [f"{errors['trans_mean_m']:.4f} m, {errors['rot_mean_deg']:.3f}°" for errors in bench.row(name, kind, options.seeds)]
+            print(f"| {name} | {kind} | {'; '.join(cells)} |", flush=True)
+
+
+if __name__ == "__main__":
+    main()

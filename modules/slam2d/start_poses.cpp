@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/slam2d/start_poses.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace nodmap::slam2d {
+namespace {
+
+// For so long a robot goes on as it did. The level scans of a nodding laser are farther apart.
+constexpr double kMaxStepS = 0.5;
+// Stamps that come in bursts, some close together and then none, tell no speed.
+constexpr double kMaxStepRatio = 2.0;
+// From guesses nearer than this ICP finds the same pose. A robot that brakes with 2 m/s^2, or
+// begins to rotate with 3 rad/s^2, is off by as much after a quarter of a second.
+constexpr double kSameM = 0.12;
+constexpr double kSameRad = 0.12;
+
+double distance_m(const geometry::SE2& a, const geometry::SE2& b) {
+  return std::hypot(a.x - b.x, a.y - b.y);
+}
+
+double rotation_rad(const geometry::SE2& a, const geometry::SE2& b) {
+  return std::abs(geometry::angle_difference(a.yaw, b.yaw));
+}
+
+bool are_same(const geometry::SE2& a, const geometry::SE2& b) {
+  return distance_m(a, b) <= kSameM && rotation_rad(a, b) <= kSameRad;
+}
+
+/// How far one pose is from another, in what makes two different.
+double difference(const geometry::SE2& a, const geometry::SE2& b) {
+  return distance_m(a, b) / kSameM + rotation_rad(a, b) / kSameRad;
+}
+
+}  // namespace
+
+void StartPoses::add_scan(std::int64_t utime_us, const geometry::SE2& T_last_base) {
+  step_.reset();
+  if (last_utime_us_ && utime_us > *last_utime_us_) {
+    step_ = Step{T_last_base, 1e-6 * static_cast<double>(utime_us - *last_utime_us_)};
+  }
+  last_utime_us_ = utime_us;
+}
+
+void StartPoses::change_odometry_frame(const geometry::SE2& T_old_new) {
+  T_map_odom_keyframe_ = T_map_odom_keyframe_ * T_old_new;
+}
+
+std::vector<geometry::SE2> StartPoses::guesses(const LevelScan& scan,
+                                               const geometry::SE2& T_map_odom,
+                                               const geometry::SE2& T_odom_last) const {
+  geometry::SE2 by_odometry = T_map_odom * scan.T_odom_base;
+  if (!step_ || step_->duration_s > kMaxStepS) {
+    return {by_odometry};
+  }
+  const double ratio =
+      1e-6 * static_cast<double>(scan.utime_us - *last_utime_us_) / step_->duration_s;
+  if (!(ratio >= 1.0 / kMaxStepRatio && ratio <= kMaxStepRatio)) {
+    return {by_odometry};
+  }
+  const geometry::SE2& step = step_->T_last_base;
+  const geometry::SE2 by_motion =
+      T_map_odom * T_odom_last * geometry::SE2{ratio * step.x, ratio * step.y, ratio * step.yaw};
+  geometry::SE2 since_keyframe = T_map_odom_keyframe_ * scan.T_odom_base;
+  if (are_same(by_odometry, by_motion)) {
+    return {by_odometry};
+  }
+  // What odometry has caught up with is in one of its two guesses twice.
+  if (difference(since_keyframe, by_motion) < difference(by_odometry, by_motion)) {
+    std::swap(by_odometry, since_keyframe);
+  }
+  std::vector<geometry::SE2> guesses{by_odometry};
+  for (const geometry::SE2& other : {since_keyframe, by_motion}) {
+    if (std::none_of(guesses.begin(), guesses.end(),
+                     [&](const geometry::SE2& guess) { return are_same(guess, other); })) {
+      guesses.push_back(other);
+    }
+  }
+  return guesses;
+}
+
+}  // namespace nodmap::slam2d

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "common/geometry/se2.hpp"
+#include "modules/slam2d/level_scan.hpp"
+
+namespace nodmap::slam2d {
+
+/// Guesses of where the next scan was taken, before it is matched.
+///
+/// Mostly odometry tells. But its driver may hang: it repeats a pose while the robot drives on, and
+/// catches up later in one jump. The robot itself does not jump: where odometry contradicts its
+/// motion so far, that is a guess as well, and so is odometry since the last keyframe, which takes
+/// in what was caught up.
+class StartPoses {
+ public:
+  /// The pose of a scan has been found: `T_last_base`, relative to the scan before, as measured.
+  void add_scan(std::int64_t utime_us, const geometry::SE2& T_last_base);
+  /// The last scan has become a keyframe, and odom lies there in map.
+  void add_keyframe(const geometry::SE2& T_map_odom) { T_map_odom_keyframe_ = T_map_odom; }
+  /// The pose of the last scan is not known: nor is the motion up to it.
+  void forget_motion() { step_.reset(); }
+  /// Odometry continues in another frame; T_old_new is the new one in the old one.
+  void change_odometry_frame(const geometry::SE2& T_old_new);
+
+  /// T_map_base of a scan, the likeliest guess first; only one where all agree to within what
+  /// matching takes back. `T_map_odom` and `T_odom_last`: as of the last scan.
+  [[nodiscard]] std::vector<geometry::SE2> guesses(const LevelScan& scan,
+                                                   const geometry::SE2& T_map_odom,
+                                                   const geometry::SE2& T_odom_last) const;
+
+ private:
+  struct Step {
+    geometry::SE2 T_last_base;
+    double duration_s = 0.0;
+  };
+  std::optional<Step> step_;  // between the last two scans
+  std::optional<std::int64_t> last_utime_us_;
+  geometry::SE2 T_map_odom_keyframe_;
+};
+
+}  // namespace nodmap::slam2d
