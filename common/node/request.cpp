@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include "common/node/program.hpp"
+#include "nodmap/status_t.hpp"
 
 namespace nodmap::node {
 
@@ -23,6 +24,18 @@ bool handle_until(bus::LiveBus& bus, double wait_s, const std::function<bool()>&
     }
   }
   return false;
+}
+
+std::set<std::string> heard_processes(bus::LiveBus& bus, const std::set<std::string>& names,
+                                      double wait_s) {
+  std::set<std::string> heard;
+  bus.subscribe<nodmap::status_t>("STATUS", [&](const nodmap::status_t& status) {
+    if (names.contains(status.process_name)) {
+      heard.insert(status.process_name);
+    }
+  });
+  (void)handle_until(bus, wait_s, [&] { return heard == names; });
+  return heard;
 }
 
 }  // namespace nodmap::node

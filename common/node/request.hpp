@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <functional>
+#include <set>
 #include <string>
 
 #include "common/bus/live_bus.hpp"
@@ -22,5 +23,12 @@ void add_request_options(CLI::App& app, RequestOptions& options, const std::stri
 /// Whether it became so within `wait_s` seconds, and before this process was to stop.
 [[nodiscard]] bool handle_until(bus::LiveBus& bus, double wait_s,
                                 const std::function<bool()>& is_done);
+
+/// Those of the processes `names` whose STATUS comes within `wait_s` seconds, which is once a
+/// second from each; returns early when all have been heard. LCM gives no receipt: who listens is
+/// known by this alone.
+[[nodiscard]] std::set<std::string> heard_processes(bus::LiveBus& bus,
+                                                    const std::set<std::string>& names,
+                                                    double wait_s);
 
 }  // namespace nodmap::node

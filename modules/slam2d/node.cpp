@@ -55,14 +55,6 @@ bool is_due(std::int64_t utime_us, const std::optional<std::int64_t>& last_utime
                                     static_cast<double>(*last_utime_us)) >= 1e6 * period_s;
 }
 
-/// Whether what is seen from there falls into other cells of the grid.
-bool has_moved(const geometry::SE2& from, const geometry::SE2& to, double cell_size_m) {
-  constexpr double kTypicalRangeM = 5.0;
-  return std::hypot(to.x - from.x, to.y - from.y) +
-             kTypicalRangeM * std::abs(geometry::angle_difference(to.yaw, from.yaw)) >
-         0.5 * cell_size_m;
-}
-
 nodmap::grid_chunk_t write_tile(const OccupancyGrid& grid, GridTile tile) {
   nodmap::grid_chunk_t message{};
   message.cell_size_m = grid.cell_size_m();
@@ -127,11 +119,14 @@ Slam2dNode::Slam2dNode(node::Context& context, const Params& params)
       params_(params),
       input_(context.counts),
       slam_(params),
-      grid_(params.grid.cell_size_m) {
+      map_(params.grid.cell_size_m) {
   context_.bus.subscribe<nodmap::odometry_t>(
       "ODOMETRY", [this](const nodmap::odometry_t& message) { on_odometry(message); });
   context_.bus.subscribe<nodmap::scan_t>(
       "SCAN", [this](const nodmap::scan_t& message) { on_scan(message); });
+  context_.bus.subscribe<nodmap::clear_request_t>(
+      "CLEAR_REQUEST",
+      [this](const nodmap::clear_request_t& message) { on_clear_request(message); });
   context_.bus.subscribe<nodmap::save_request_t>(
       "SAVE_REQUEST", [this](const nodmap::save_request_t& message) { on_save_request(message); });
 }
@@ -139,10 +134,12 @@ Slam2dNode::Slam2dNode(node::Context& context, const Params& params)
 Slam2dNode::Slam2dNode(node::Context& context, const Params& params,
                        const node::MapOptions& options)
     : Slam2dNode(context, params) {
-  slam_.restore(read_saved_map(options.map_in));
+  SavedMap saved = read_saved_map(options.map_in);
+  map_.restore_cleared(saved.cleared);
+  slam_.restore(std::move(saved));
   num_restored_ = slam_.keyframes().size();
-  draw_new_keyframes();
-  search_ = std::make_unique<Search>(grid_, params, options.T_map_start);
+  map_.draw_new(slam_.keyframes());
+  search_ = std::make_unique<Search>(map_.grid(), params, options.T_map_start);
   log::get().info("carries on with {} keyframes in {} submaps", num_restored_,
                   slam_.back_end().submaps().size());
 }
@@ -184,20 +181,28 @@ void Slam2dNode::on_scan(const nodmap::scan_t& message) {
   last_quality_ = update->quality;
   last_utime_us_ = update->utime_us;
   context_.bus.publish("POSE_2D", write_pose(*update));
-  if (update->is_keyframe && slam_.dropped_keyframes()) {
-    erase_dropped_keyframes(*slam_.dropped_keyframes());
-  }
-  draw_new_keyframes();
-  redraw_moved_keyframes(kMaxCheckedPerScan, kMaxRedrawnPerScan);
+  update_grid(*update);
   if (is_due(update->utime_us, last_graph_utime_us_, kGraphPeriodS)) {
     publish_graph(update->utime_us);
   }
   if (is_due(update->utime_us, last_map_utime_us_, params_.grid.publish_period_s)) {
-    publish_map(update->utime_us, tile_selector_.choose(grid_));
+    publish_map(update->utime_us, tile_selector_.choose(map_.grid()));
   }
   if (!save_error_.empty() && is_due(update->utime_us, last_save_utime_us_, kSaveRetryPeriodS)) {
     try_to_save();
   }
+}
+
+void Slam2dNode::update_grid(const PoseUpdate& update) {
+  if (update.is_keyframe && slam_.dropped_keyframes()) {
+    const DroppedKeyframes& dropped = *slam_.dropped_keyframes();
+    map_.drop(dropped);
+    num_restored_ -=
+        std::clamp(num_restored_, dropped.first, dropped.first + dropped.keyframes.size()) -
+        dropped.first;
+  }
+  map_.draw_new(slam_.keyframes());
+  map_.redraw_moved(slam_.keyframes(), kMaxCheckedPerScan, kMaxRedrawnPerScan);
 }
 
 // The pose counts for the map once it is confirmed: a wrong place would be built into the map.
@@ -229,6 +234,20 @@ void Slam2dNode::count_rejected(const ScanCounts& before, std::int64_t without_p
   }
 }
 
+void Slam2dNode::on_clear_request(const nodmap::clear_request_t& message) {
+  const Region region{Eigen::Map<const Eigen::Vector2d>(message.low_m),
+                      Eigen::Map<const Eigen::Vector2d>(message.high_m)};
+  if (!is_plausible(region)) {
+    context_.counts.reject("implausible_clear_request");
+    return;
+  }
+  context_.counts.use();
+  map_.clear(region);
+  log::get().info("{} cleared the map from ({:.2f}, {:.2f}) to ({:.2f}, {:.2f}) m",
+                  message.requested_by, region.low.x(), region.low.y(), region.high.x(),
+                  region.high.y());
+}
+
 void Slam2dNode::on_save_request(const nodmap::save_request_t& message) {
   if (node::accept_save_request(message, context_)) {
     try_to_save();
@@ -252,16 +271,18 @@ void Slam2dNode::try_to_save() {
 }
 
 void Slam2dNode::save(const std::filesystem::path& dir) const {
-  write_ros_map(dir, grid_);
+  write_ros_map(dir, map_.grid());
   if (!slam_.keyframes().empty()) {
-    write_saved_map(dir, slam_.back_end().save());
+    SavedMap saved = slam_.back_end().save();
+    saved.cleared = map_.cleared();
+    write_saved_map(dir, saved);
   }
 }
 
 void Slam2dNode::finish() {
   slam_.polish();
-  redraw_moved_keyframes(drawn_at_.size(), drawn_at_.size());
-  publish_map(last_utime_us_, tile_selector_.choose_rest(grid_));
+  map_.redraw_all_moved(slam_.keyframes());
+  publish_map(last_utime_us_, tile_selector_.choose_rest(map_.grid()));
   publish_graph(last_utime_us_);
   const BackEndMetrics& loops = slam_.back_end().metrics();
   log::get().info(
@@ -270,42 +291,6 @@ void Slam2dNode::finish() {
       loops.loops_tracked + loops.loops_searched, slam_.back_end().submaps().size(),
       loops.loops_tracked, loops.loops_searched, loops.searches, loops.refused_match,
       loops.refused_ambiguous, loops.refused_by_graph);
-}
-
-// What has vanished vanishes from the grid with them.
-void Slam2dNode::erase_dropped_keyframes(const DroppedKeyframes& dropped) {
-  const auto first = drawn_at_.begin() + static_cast<std::ptrdiff_t>(dropped.first);
-  const auto end = first + static_cast<std::ptrdiff_t>(dropped.keyframes.size());
-  auto drawn_at = first;
-  for (const Keyframe& keyframe : dropped.keyframes) {
-    erase(keyframe, *drawn_at++, grid_);
-    num_restored_ -= dropped.first < num_restored_ ? 1 : 0;
-  }
-  drawn_at_.erase(first, end);
-}
-
-void Slam2dNode::draw_new_keyframes() {
-  while (drawn_at_.size() < slam_.keyframes().size()) {
-    const Keyframe& keyframe = slam_.keyframes()[drawn_at_.size()];
-    draw(keyframe, keyframe.T_map_base, grid_);
-    drawn_at_.push_back(keyframe.T_map_base);
-  }
-}
-
-void Slam2dNode::redraw_moved_keyframes(std::size_t max_checked, std::size_t max_drawn) {
-  std::size_t drawn = 0;
-  for (std::size_t i = 0; i < std::min(max_checked, drawn_at_.size()) && drawn < max_drawn; ++i) {
-    next_redrawn_ = (next_redrawn_ + 1) % drawn_at_.size();
-    const Keyframe& keyframe = slam_.keyframes()[next_redrawn_];
-    geometry::SE2& drawn_at = drawn_at_[next_redrawn_];
-    if (!has_moved(drawn_at, keyframe.T_map_base, params_.grid.cell_size_m)) {
-      continue;
-    }
-    erase(keyframe, drawn_at, grid_);
-    draw(keyframe, keyframe.T_map_base, grid_);
-    drawn_at = keyframe.T_map_base;
-    ++drawn;
-  }
 }
 
 void Slam2dNode::publish_graph(std::int64_t utime_us) {
@@ -323,7 +308,7 @@ void Slam2dNode::publish_map(std::int64_t utime_us, std::vector<GridTile> tiles)
   }
   std::int32_t index = 0;
   for (GridTile& tile : tiles) {
-    nodmap::grid_chunk_t message = write_tile(grid_, std::move(tile));
+    nodmap::grid_chunk_t message = write_tile(map_.grid(), std::move(tile));
     message.utime = utime_us;
     message.map_revision = maps_published_;
     message.chunk_index = index++;
@@ -350,7 +335,7 @@ void Slam2dNode::write_results(const std::filesystem::path& dir) {
   formats::write_tum(dir / "trajectory.tum", corrected);
   formats::write_tum(dir / "online.tum", online);
   save(dir);
-  draw_map(grid_, path).write_png(dir / "map.png");
+  draw_map(map_.grid(), path).write_png(dir / "map.png");
   draw_paths(path, odometry).write_png(dir / "path.png");
 }
 

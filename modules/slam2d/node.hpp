@@ -9,11 +9,13 @@
 #include "common/node/map_options.hpp"
 #include "common/node/message_input.hpp"
 #include "common/node/node.hpp"
+#include "modules/slam2d/keyframe_grid.hpp"
 #include "modules/slam2d/known_map.hpp"
 #include "modules/slam2d/localiser.hpp"
 #include "modules/slam2d/occupancy_grid.hpp"
 #include "modules/slam2d/params.hpp"
 #include "modules/slam2d/slam2d.hpp"
+#include "nodmap/clear_request_t.hpp"
 #include "nodmap/odometry_t.hpp"
 #include "nodmap/pose_graph_t.hpp"
 #include "nodmap/pose_t.hpp"
@@ -27,8 +29,8 @@ namespace nodmap::slam2d {
 [[nodiscard]] nodmap::pose_graph_t write_graph(std::int64_t utime_us, const BackEnd& back_end);
 
 /// The shell of Slam2d: subscribes SCAN and ODOMETRY, publishes POSE_2D, MAP_2D and POSE_GRAPH, and
-/// saves the map at SAVE_REQUEST. Carries on with a saved map once a Localiser has found the robot
-/// in it; nothing is added to the map before.
+/// saves the map at SAVE_REQUEST and clears a region of it at CLEAR_REQUEST. Carries on with a
+/// saved map once a Localiser has found the robot in it; nothing is added to the map before.
 class Slam2dNode : public node::Node {
  public:
   using Params = Slam2dParams;
@@ -46,16 +48,13 @@ class Slam2dNode : public node::Node {
  private:
   void on_odometry(const nodmap::odometry_t& message);
   void on_scan(const nodmap::scan_t& message);
+  void on_clear_request(const nodmap::clear_request_t& message);
   void on_save_request(const nodmap::save_request_t& message);
   void find_in_saved_map();
   void try_to_save();
   void save(const std::filesystem::path& dir) const;
   void count_rejected(const ScanCounts& before, std::int64_t without_points_before);
-  void erase_dropped_keyframes(const DroppedKeyframes& dropped);
-  void draw_new_keyframes();
-  /// Draws keyframes again that the back end has moved: looks at `max_checked` of them, and draws
-  /// `max_drawn` at most.
-  void redraw_moved_keyframes(std::size_t max_checked, std::size_t max_drawn);
+  void update_grid(const PoseUpdate& update);
   void publish_graph(std::int64_t utime_us);
   /// `utime_us`: of the newest measurement in the map.
   void publish_map(std::int64_t utime_us, std::vector<GridTile> tiles);
@@ -75,11 +74,9 @@ class Slam2dNode : public node::Node {
   Slam2d slam_;
   std::size_t num_restored_ = 0;    // keyframes of the saved map
   std::unique_ptr<Search> search_;  // until the robot is found; none with a new map
-  OccupancyGrid grid_;
+  KeyframeGrid map_;
   TileSelector tile_selector_;
-  scan::Scan scan_;                      // the last one; a member to reuse its memory
-  std::vector<geometry::SE2> drawn_at_;  // T_map_base of each keyframe in the grid
-  std::size_t next_redrawn_ = 0;
+  scan::Scan scan_;  // the last one; a member to reuse its memory
   std::int64_t maps_published_ = 0;
   std::optional<std::int64_t> last_map_utime_us_;
   std::int64_t last_utime_us_ = 0;

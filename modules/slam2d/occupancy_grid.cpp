@@ -60,25 +60,29 @@ bool looks_alike(const std::vector<std::int8_t>& a, const std::vector<std::int8_
 
 }  // namespace
 
-bool OccupancyGrid::add_ray(const Eigen::Vector2d& sensor_origin, const Eigen::Vector2d& end) {
-  return count_ray(sensor_origin, end, 1, 1);
+bool OccupancyGrid::add_ray(const Eigen::Vector2d& sensor_origin, const Eigen::Vector2d& end,
+                            std::span<const CellRange> left_out) {
+  return count_ray(sensor_origin, end, {1, 1}, left_out);
 }
 
-void OccupancyGrid::remove_ray(const Eigen::Vector2d& sensor_origin, const Eigen::Vector2d& end) {
-  count_ray(sensor_origin, end, kOneLess, kOneLess);
+void OccupancyGrid::remove_ray(const Eigen::Vector2d& sensor_origin, const Eigen::Vector2d& end,
+                               std::span<const CellRange> left_out) {
+  count_ray(sensor_origin, end, {kOneLess, kOneLess}, left_out);
 }
 
-bool OccupancyGrid::add_free_ray(const Eigen::Vector2d& sensor_origin, const Eigen::Vector2d& end) {
-  return count_ray(sensor_origin, end, 1, 0);
+bool OccupancyGrid::add_free_ray(const Eigen::Vector2d& sensor_origin, const Eigen::Vector2d& end,
+                                 std::span<const CellRange> left_out) {
+  return count_ray(sensor_origin, end, {1, 0}, left_out);
 }
 
 void OccupancyGrid::remove_free_ray(const Eigen::Vector2d& sensor_origin,
-                                    const Eigen::Vector2d& end) {
-  count_ray(sensor_origin, end, kOneLess, 0);
+                                    const Eigen::Vector2d& end,
+                                    std::span<const CellRange> left_out) {
+  count_ray(sensor_origin, end, {kOneLess, 0}, left_out);
 }
 
 bool OccupancyGrid::count_ray(const Eigen::Vector2d& sensor_origin, const Eigen::Vector2d& end,
-                              std::uint32_t passed, std::uint32_t ended) {
+                              const Counted& counted, std::span<const CellRange> left_out) {
   const Eigen::Vector2d from = sensor_origin / cell_size_m_;
   const Eigen::Vector2d to = end / cell_size_m_;
   if (!is_drawable(from) || !is_drawable(to)) {
@@ -92,12 +96,19 @@ bool OccupancyGrid::count_ray(const Eigen::Vector2d& sensor_origin, const Eigen:
   Axis x(from.x(), to.x());
   Axis y(from.y(), to.y());
   Tile* tile = &enter_tile(cell);
+  const bool are_all_counted = left_out.empty();  // mostly
+  const auto is_counted = [&] {
+    return are_all_counted || std::none_of(left_out.begin(), left_out.end(),
+                                           [&](const CellRange& range) { return range.has(cell); });
+  };
   // In the tile; outside of it one is negative or too large, as an unsigned number always too
   // large.
   Eigen::Vector2i at = cell - kTileCells * tile->position;
   // One step for each grid line crossed, so that rounding cannot lead past the end.
   for (int steps = (last - cell).cwiseAbs().sum(); steps > 0; --steps) {
-    tile->cells[static_cast<std::size_t>(at.y() * kTileCells + at.x())].passed += passed;
+    if (is_counted()) {
+      tile->cells[static_cast<std::size_t>(at.y() * kTileCells + at.x())].passed += counted.passed;
+    }
     const bool along_x = cell.y() == last.y() || (cell.x() != last.x() && x.next < y.next);
     Axis& axis = along_x ? x : y;
     (along_x ? cell.x() : cell.y()) += axis.direction;
@@ -108,8 +119,32 @@ bool OccupancyGrid::count_ray(const Eigen::Vector2d& sensor_origin, const Eigen:
       at = cell - kTileCells * tile->position;
     }
   }
-  tile->cells[static_cast<std::size_t>(at.y() * kTileCells + at.x())].ended += ended;
+  if (is_counted()) {
+    tile->cells[static_cast<std::size_t>(at.y() * kTileCells + at.x())].ended += counted.ended;
+  }
   return true;
+}
+
+CellRange OccupancyGrid::cells_of(const Region& region) const {
+  const auto cells = [this](const Eigen::Vector2d& p) {
+    return (p / cell_size_m_).array().max(-kMaxCoordinateCells).min(kMaxCoordinateCells).eval();
+  };
+  return {cells(region.low).floor().cast<int>().matrix(),
+          cells(region.high).ceil().cast<int>().matrix() - Eigen::Vector2i::Ones()};
+}
+
+void OccupancyGrid::clear(const CellRange& cells) {
+  for (Tile& tile : tiles_) {
+    const Eigen::Vector2i first = kTileCells * tile.position;
+    const Eigen::Vector2i low = (cells.low - first).cwiseMax(0);
+    const Eigen::Vector2i high = (cells.high - first).cwiseMin(kTileCells - 1);
+    for (int y = low.y(); y <= high.y(); ++y) {
+      for (int x = low.x(); x <= high.x(); ++x) {
+        tile.cells[static_cast<std::size_t>(y * kTileCells + x)] = {};
+      }
+    }
+    tile.num_changes += (low.array() <= high.array()).all() ? 1 : 0;
+  }
 }
 
 std::int32_t& OccupancyGrid::tile_at(const Eigen::Vector2i& position) {

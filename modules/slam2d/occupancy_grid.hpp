@@ -4,7 +4,10 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
+
+#include "modules/slam2d/cleared_region.hpp"
 
 namespace nodmap::slam2d {
 
@@ -14,6 +17,16 @@ struct GridTile {
   int x = 0;  ///< its first cell in the grid
   int y = 0;
   std::vector<std::int8_t> cells;  ///< occupancy row by row, x fastest
+};
+
+/// A rectangle of cells, counted from the map's origin; both corners are part of it.
+struct CellRange {
+  Eigen::Vector2i low = Eigen::Vector2i::Zero();
+  Eigen::Vector2i high = Eigen::Vector2i::Zero();
+
+  [[nodiscard]] bool has(const Eigen::Vector2i& cell) const {
+    return (cell.array() >= low.array()).all() && (cell.array() <= high.array()).all();
+  }
 };
 
 /// A 2D grid in the map frame. Counts for each cell the rays that ended in it and those that passed
@@ -28,17 +41,28 @@ class OccupancyGrid {
   explicit OccupancyGrid(double cell_size_m) : cell_size_m_(cell_size_m) {}
 
   /// Draws a ray from the scanner to the point it hit, both in map, metres. Returns false, and
-  /// draws nothing, for a ray that is not finite or needs a grid of more than 64 million cells.
-  bool add_ray(const Eigen::Vector2d& sensor_origin, const Eigen::Vector2d& end);
+  /// draws nothing, for a ray that is not finite or needs a grid of more than 64 million cells. The
+  /// cells `left_out` are passed by.
+  bool add_ray(const Eigen::Vector2d& sensor_origin, const Eigen::Vector2d& end,
+               std::span<const CellRange> left_out = {});
 
   /// Takes back a ray that add_ray() has drawn.
-  void remove_ray(const Eigen::Vector2d& sensor_origin, const Eigen::Vector2d& end);
+  void remove_ray(const Eigen::Vector2d& sensor_origin, const Eigen::Vector2d& end,
+                  std::span<const CellRange> left_out = {});
 
   /// As add_ray() does, but only the free space: nothing was hit at its end.
-  bool add_free_ray(const Eigen::Vector2d& sensor_origin, const Eigen::Vector2d& end);
+  bool add_free_ray(const Eigen::Vector2d& sensor_origin, const Eigen::Vector2d& end,
+                    std::span<const CellRange> left_out = {});
 
   /// Takes back a ray that add_free_ray() has drawn.
-  void remove_free_ray(const Eigen::Vector2d& sensor_origin, const Eigen::Vector2d& end);
+  void remove_free_ray(const Eigen::Vector2d& sensor_origin, const Eigen::Vector2d& end,
+                       std::span<const CellRange> left_out = {});
+
+  /// The cells that a region touches; those of a region far outside of any grid are moved to where
+  /// none is either.
+  [[nodiscard]] CellRange cells_of(const Region& region) const;
+  /// Forgets all rays in these cells.
+  void clear(const CellRange& cells);
 
   [[nodiscard]] double cell_size_m() const { return cell_size_m_; }
   [[nodiscard]] int width() const { return kTileCells * size_tiles_.x(); }
@@ -55,7 +79,8 @@ class OccupancyGrid {
 
   /// Tiles through which a ray has gone. They are numbered as they were first seen.
   [[nodiscard]] std::size_t num_tiles() const { return tiles_.size(); }
-  /// How many rays have entered a tile: what it was when nothing has changed since.
+  /// How often rays have entered a tile, or it was cleared: what it was when nothing has changed
+  /// since.
   [[nodiscard]] std::uint64_t num_changes(std::size_t tile) const {
     return tiles_[tile].num_changes;
   }
@@ -73,8 +98,13 @@ class OccupancyGrid {
   };
   static constexpr std::int32_t kNoTile = -1;
 
+  /// What a ray adds to the counts of the cells it passes through, and of the one it ends in.
+  struct Counted {
+    std::uint32_t passed = 0;
+    std::uint32_t ended = 0;
+  };
   bool count_ray(const Eigen::Vector2d& sensor_origin, const Eigen::Vector2d& end,
-                 std::uint32_t passed, std::uint32_t ended);
+                 const Counted& counted, std::span<const CellRange> left_out);
   [[nodiscard]] bool make_room(const Eigen::Vector2i& low, const Eigen::Vector2i& high);
   /// The number of the tile at a position within the grid, or kNoTile.
   [[nodiscard]] std::int32_t& tile_at(const Eigen::Vector2i& position);

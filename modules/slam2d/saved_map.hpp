@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/registration/pose_graph.hpp"
+#include "modules/slam2d/cleared_region.hpp"
 #include "modules/slam2d/submap.hpp"
 
 namespace nodmap::slam2d {
@@ -26,6 +27,7 @@ struct SavedMap {
   std::vector<registration::PoseEdge2d> steps;  ///< from keyframe k to k + 1
   std::vector<Submap> submaps;
   std::vector<Loop> loops;
+  std::vector<ClearedRegion> cleared;
 };
 
 }  // namespace nodmap::slam2d

@@ -11,6 +11,7 @@
 #include "common/bus/codec.hpp"
 #include "common/bus/event_log.hpp"
 #include "common/formats/input_file.hpp"
+#include "nodmap/cleared_region_2d_t.hpp"
 #include "nodmap/keyframe_2d_t.hpp"
 #include "nodmap/loop_2d_t.hpp"
 
@@ -22,6 +23,7 @@ using registration::PoseEdge2d;
 constexpr const char* kFileName = "keyframes.lcmlog";
 constexpr const char* kKeyframeChannel = "KEYFRAME_2D";
 constexpr const char* kLoopChannel = "LOOP_2D";
+constexpr const char* kClearedChannel = "CLEARED_REGION_2D";
 
 void write_pose(const geometry::SE2& pose, double (&out)[3]) {
   out[0] = pose.x;
@@ -87,6 +89,14 @@ nodmap::loop_2d_t write_loop(const SavedMap::Loop& loop) {
   return message;
 }
 
+nodmap::cleared_region_2d_t write_cleared(const ClearedRegion& cleared) {
+  nodmap::cleared_region_2d_t message{};
+  message.num_keyframes = static_cast<std::int32_t>(cleared.num_keyframes);
+  Eigen::Map<Eigen::Vector2d>(message.low_m) = cleared.region.low;
+  Eigen::Map<Eigen::Vector2d>(message.high_m) = cleared.region.high;
+  return message;
+}
+
 /// Puts a map together from messages, and throws for what cannot be part of one.
 class Reader {
  public:
@@ -97,6 +107,8 @@ class Reader {
       add_keyframe(decode<nodmap::keyframe_2d_t>(event));
     } else if (event.channel == kLoopChannel) {
       add_loop(decode<nodmap::loop_2d_t>(event));
+    } else if (event.channel == kClearedChannel) {
+      add_cleared(decode<nodmap::cleared_region_2d_t>(event));
     }
   }
 
@@ -191,6 +203,13 @@ class Reader {
     map_.loops.push_back(loop);
   }
 
+  void add_cleared(const nodmap::cleared_region_2d_t& message) {
+    const Region region{Eigen::Map<const Eigen::Vector2d>(message.low_m),
+                        Eigen::Map<const Eigen::Vector2d>(message.high_m)};
+    require(message.num_keyframes >= 0 && is_plausible(region), "an impossible cleared region");
+    map_.cleared.push_back({region, static_cast<std::size_t>(message.num_keyframes)});
+  }
+
   [[nodiscard]] Eigen::Matrix3d read_information(const double (&in)[3][3]) const {
     const Eigen::Matrix3d information = read_matrix(in);
     require(information.allFinite() && information.isApprox(information.transpose(), 1e-6) &&
@@ -227,6 +246,10 @@ void write_saved_map(const std::filesystem::path& dir, const SavedMap& map) {
     }
     for (const SavedMap::Loop& loop : map.loops) {
       write_event(writer, map.keyframes.back().utime_us, kLoopChannel, write_loop(loop), file);
+    }
+    for (const ClearedRegion& cleared : map.cleared) {
+      write_event(writer, map.keyframes.back().utime_us, kClearedChannel, write_cleared(cleared),
+                  file);
     }
     if (!writer.flush() || !writer.sync()) {
       throw std::runtime_error(file.string() + ": " + writer.failure().message());

@@ -12,71 +12,10 @@ double distance_m(const geometry::SE2& a, const geometry::SE2& b) {
   return std::hypot(a.x - b.x, a.y - b.y);
 }
 
-// A ray may be longer than its neighbours by this factor: walls seen at a flat angle are.
-constexpr double kMaxLengthRatio = 1.5;
-
 // Bounds the memory of a robot that is on for days: 11 hours at 13 scans a second, 40 MB.
 constexpr std::size_t kMaxTrackedScans = 524'288;
 
-/// Calls `visit` with both ends of each ray in map, and whether something was hit at the second.
-template <typename Visit>
-void for_each_ray(const Keyframe& keyframe, const geometry::SE2& T_map_base, Visit visit) {
-  const std::vector<double> believed_m = believed_lengths(keyframe);
-  const Eigen::Vector2d sensor_origin = T_map_base * keyframe.sensor_origin_base;
-  for (std::size_t i = 0; i < believed_m.size(); ++i) {
-    const Eigen::Vector2d ray =
-        keyframe.points_base[i].cast<double>() - keyframe.sensor_origin_base;
-    const double length_m = ray.norm();
-    const bool is_whole = believed_m[i] >= length_m;
-    const double ratio = is_whole ? 1.0 : believed_m[i] / length_m;
-    visit(sensor_origin, Eigen::Vector2d(T_map_base * (keyframe.sensor_origin_base + ratio * ray)),
-          is_whole);
-  }
-}
-
 }  // namespace
-
-std::vector<double> believed_lengths(const Keyframe& keyframe) {
-  const std::size_t count = keyframe.points_base.size();
-  std::vector<double> lengths_m;
-  for (const Eigen::Vector2f& point : keyframe.points_base) {
-    lengths_m.push_back((point.cast<double>() - keyframe.sensor_origin_base).norm());
-  }
-  // The shortest of each three in a row; then the longest of the rows that a ray is part of.
-  std::vector<double> opened_m(count, 0.0);
-  for (std::size_t i = 1; i + 1 < count; ++i) {
-    const double shortest_m = std::min({lengths_m[i - 1], lengths_m[i], lengths_m[i + 1]});
-    for (std::size_t k = i - 1; k <= i + 1; ++k) {
-      opened_m[k] = std::max(opened_m[k], shortest_m);
-    }
-  }
-  for (std::size_t i = 0; i < count; ++i) {
-    if (lengths_m[i] > kMaxLengthRatio * opened_m[i]) {
-      lengths_m[i] = opened_m[i];
-    }
-  }
-  return lengths_m;
-}
-
-void draw(const Keyframe& keyframe, const geometry::SE2& T_map_base, OccupancyGrid& grid) {
-  for_each_ray(keyframe, T_map_base, [&grid](const auto& from, const auto& to, bool is_whole) {
-    if (is_whole) {
-      grid.add_ray(from, to);
-    } else {
-      grid.add_free_ray(from, to);
-    }
-  });
-}
-
-void erase(const Keyframe& keyframe, const geometry::SE2& T_map_base, OccupancyGrid& grid) {
-  for_each_ray(keyframe, T_map_base, [&grid](const auto& from, const auto& to, bool is_whole) {
-    if (is_whole) {
-      grid.remove_ray(from, to);
-    } else {
-      grid.remove_free_ray(from, to);
-    }
-  });
-}
 
 Slam2d::Slam2d(const Slam2dParams& params)
     : params_(params),

@@ -10,7 +10,6 @@
 #include "modules/slam2d/back_end.hpp"
 #include "modules/slam2d/level_scan.hpp"
 #include "modules/slam2d/moving_points.hpp"
-#include "modules/slam2d/occupancy_grid.hpp"
 #include "modules/slam2d/oriented_points.hpp"
 #include "modules/slam2d/params.hpp"
 #include "modules/slam2d/point_map.hpp"
@@ -20,18 +19,6 @@
 #include "modules/slam2d/start_poses.hpp"
 
 namespace nodmap::slam2d {
-
-/// How far each ray of a keyframe is believed to be free, metres: what is narrower than three
-/// neighbouring rays (the morphological opening of their lengths) is a look through a gap, or a
-/// range that is wrong. One value for each point; the length of the ray where it is believed.
-[[nodiscard]] std::vector<double> believed_lengths(const Keyframe& keyframe);
-
-/// Draws the rays of a keyframe, seen from a pose in the map: whole where their lengths are
-/// believed, otherwise only their free space as far as that is.
-void draw(const Keyframe& keyframe, const geometry::SE2& T_map_base, OccupancyGrid& grid);
-
-/// Takes back what draw() has drawn from the same pose.
-void erase(const Keyframe& keyframe, const geometry::SE2& T_map_base, OccupancyGrid& grid);
 
 /// A level scan, relative to a keyframe near it, with which its pose is corrected.
 struct TrackedScan {

@@ -26,6 +26,7 @@ using ::testing::StartsWith;
 // clang-format off
 // Everything that is installed,
 constexpr const char* kPrograms[] = {
+    "nodmap-clear",
     "nodmap-convert",
     "nodmap-deputy",
     "nodmap-doctor",
@@ -306,6 +307,18 @@ TEST(Save, SaysWhenNobodyListens) {
   const auto result = run_program("nodmap-save", {"--lcm-url", "memq://"});
   EXPECT_EQ(result.exit_code, 1);
   EXPECT_THAT(result.err, HasSubstr("nobody listens"));
+}
+
+TEST(Clear, SaysWhenNobodyListens) {
+  const auto result =
+      run_program("nodmap-clear", {"--lcm-url", "memq://", "--wait", "0.1", "1", "-2", "0", "3"});
+  EXPECT_EQ(result.exit_code, 1);
+  EXPECT_THAT(result.err, HasSubstr("nodmap-slam2d does not run"));
+}
+
+TEST(Clear, NeedsTwoCorners) {
+  const auto result = run_program("nodmap-clear", {"--lcm-url", "memq://", "1", "-2", "0"});
+  EXPECT_EQ(result.exit_code, 2);
 }
 
 }  // namespace

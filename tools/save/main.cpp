@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // nodmap-save: asks 2D SLAM and 6D SLAM to write their maps now.
 #include <CLI/CLI.hpp>
-#include <chrono>
 #include <iostream>
 #include <set>
 #include <string>
@@ -10,30 +9,13 @@
 #include "common/node/clock.hpp"
 #include "common/node/log.hpp"
 #include "common/node/program.hpp"
+#include "common/node/request.hpp"
 #include "nodmap/save_request_t.hpp"
-#include "nodmap/status_t.hpp"
 
 namespace nodmap::save {
 namespace {
 
-/// LCM gives no receipt: who listens is known by STATUS, which comes once a second.
-constexpr std::chrono::milliseconds kPatience(2500);
-
-/// The processes that write maps and have been heard, until all are or the patience is over.
-std::set<std::string> listeners(bus::LiveBus& bus) {
-  const std::set<std::string> mappers = {"nodmap-slam2d", "nodmap-slam6d"};
-  std::set<std::string> heard;
-  bus.subscribe<nodmap::status_t>("STATUS", [&](const nodmap::status_t& status) {
-    if (mappers.contains(status.process_name)) {
-      heard.insert(status.process_name);
-    }
-  });
-  const auto end = std::chrono::steady_clock::now() + kPatience;
-  while (heard != mappers && !node::stop_requested() && std::chrono::steady_clock::now() < end) {
-    bus.handle(std::chrono::milliseconds(50));
-  }
-  return heard;
-}
+constexpr double kWaitS = 2.5;
 
 int run(const std::string& requested_by, const std::string& lcm_url) {
   bus::LiveBus bus(lcm_url);
@@ -45,7 +27,8 @@ int run(const std::string& requested_by, const std::string& lcm_url) {
     log::get().error("the request could not be sent on {}", bus.url());
     return 1;
   }
-  const std::set<std::string> heard = listeners(bus);
+  const std::set<std::string> heard =
+      node::heard_processes(bus, {"nodmap-slam2d", "nodmap-slam6d"}, kWaitS);
   if (heard.empty()) {
     log::get().error("nobody listens on {}: neither nodmap-slam2d nor nodmap-slam6d runs there",
                      bus.url());

@@ -5,13 +5,17 @@
 
 #include <array>
 #include <filesystem>
+#include <limits>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/formats/tum.hpp"
 #include "common/node/messages.hpp"
 #include "modules/slam2d/test/drawn_world.hpp"
+#include "nodmap/clear_request_t.hpp"
 #include "nodmap/grid_chunk_t.hpp"
 #include "nodmap/pose_graph_t.hpp"
 #include "nodmap/save_request_t.hpp"
@@ -144,6 +148,53 @@ TEST_F(Slam2dNodeTest, SavesItsMapWhenAsked) {
   EXPECT_EQ(node_.health().state, node::HealthState::kOk);
   EXPECT_GT(std::filesystem::file_size(context_.out_dir / "map.pgm"), 1000U);
   EXPECT_TRUE(std::filesystem::exists(context_.out_dir / "map.yaml"));
+}
+
+/// Cells of the newest tiles that are known, in a rectangle of map.
+int num_known(const std::vector<nodmap::grid_chunk_t>& chunks, const Region& region) {
+  std::map<std::pair<int, int>, nodmap::grid_chunk_t> newest;
+  for (const nodmap::grid_chunk_t& chunk : chunks) {
+    newest[{chunk.tile_x, chunk.tile_y}] = chunk;
+  }
+  int known = 0;
+  for (const auto& [place, tile] : newest) {
+    for (int i = 0; i < tile.num_cells; ++i) {
+      const double x_m = tile.origin_x_m + tile.cell_size_m * (tile.tile_x + i % tile.tile_width);
+      const double y_m = tile.origin_y_m + tile.cell_size_m * (tile.tile_y + i / tile.tile_width);
+      const bool is_in = x_m >= region.low.x() && x_m < region.high.x() && y_m >= region.low.y() &&
+                         y_m < region.high.y();
+      known += is_in && tile.cells[static_cast<std::size_t>(i)] != OccupancyGrid::kUnknown ? 1 : 0;
+    }
+  }
+  return known;
+}
+
+TEST_F(Slam2dNodeTest, ClearsARegionWhenAskedAndSavesThatItDid) {
+  const nodmap::test::TemporaryDir dir;
+  context_.out_dir = dir.path();
+  put_odometry(0, {});
+  put_scan(0, {});
+  const Region region{{1.0, -1.0}, {2.0, 0.0}};  // in front of the robot
+  ASSERT_GT(num_known(bus_.sent<nodmap::grid_chunk_t>("MAP_2D"), region), 300);
+  nodmap::clear_request_t request{};
+  Eigen::Map<Eigen::Vector2d>(request.low_m) = region.low;
+  Eigen::Map<Eigen::Vector2d>(request.high_m) = region.high;
+  bus_.deliver("CLEAR_REQUEST", request);
+  put_odometry(1'100'000, {});
+  put_scan(1'100'000, {});
+  EXPECT_EQ(num_known(bus_.sent<nodmap::grid_chunk_t>("MAP_2D"), region), 0);
+  bus_.deliver("SAVE_REQUEST", nodmap::save_request_t{});
+  node::MessageCounts counts;
+  nodmap::test::MemoryBus bus;
+  node::Context context{bus, counts, {}};
+  Slam2dNode next{context, Slam2dParams{}, {{}, dir.path(), std::nullopt}};
+  next.finish();
+  EXPECT_EQ(num_known(bus.sent<nodmap::grid_chunk_t>("MAP_2D"), region), 0);
+  EXPECT_GT(num_known(bus.sent<nodmap::grid_chunk_t>("MAP_2D"), {{0.0, 0.5}, {2.0, 2.0}}), 300);
+
+  request.low_m[0] = std::numeric_limits<double>::quiet_NaN();
+  bus_.deliver("CLEAR_REQUEST", request);
+  EXPECT_EQ(counts_.rejected().at("implausible_clear_request"), 1);
 }
 
 TEST_F(Slam2dNodeTest, AMapThatCannotBeSavedLeavesTheOldOneAndSaysSo) {

@@ -104,7 +104,8 @@ TEST(SavedMap, IsReadAsItWasWritten) {
     slam.add_scan(scanner.scan(test::room(), truth, 200'000 * i));
     truth = truth * SE2{0.03, 0.0, 0.04};
   }
-  const SavedMap written = slam.back_end().save();
+  SavedMap written = slam.back_end().save();
+  written.cleared = {{{{-1.5, 2.0}, {0.25, 3.0}}, 7}};
   ASSERT_GT(written.submaps.size(), 3U);
   ASSERT_FALSE(written.loops.empty());
   write_saved_map(dir.path(), written);
@@ -133,6 +134,10 @@ TEST(SavedMap, IsReadAsItWasWritten) {
     EXPECT_EQ(read.loops[i].edge.to, written.loops[i].edge.to);
     EXPECT_EQ(read.loops[i].edge.information, written.loops[i].edge.information);
   }
+  ASSERT_EQ(read.cleared.size(), 1U);
+  EXPECT_EQ(read.cleared[0].region.low, written.cleared[0].region.low);
+  EXPECT_EQ(read.cleared[0].region.high, written.cleared[0].region.high);
+  EXPECT_EQ(read.cleared[0].num_keyframes, 7U);
 }
 
 TEST(SavedMap, IsTheSameAfterItWasRestored) {

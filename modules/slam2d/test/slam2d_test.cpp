@@ -313,57 +313,5 @@ TEST(Slam2d, TheSameScansGiveTheSamePoses) {
   EXPECT_EQ(a.yaw, b.yaw);
 }
 
-// Rays of a fan at every degree, of these lengths.
-Keyframe fan(const std::vector<double>& lengths_m) {
-  Keyframe keyframe;
-  for (std::size_t i = 0; i < lengths_m.size(); ++i) {
-    const double angle_rad = geometry::deg_to_rad(static_cast<double>(i));
-    keyframe.points_base.emplace_back(
-        (lengths_m[i] * Eigen::Vector2d(std::cos(angle_rad), std::sin(angle_rad))).cast<float>());
-  }
-  return keyframe;
-}
-
-TEST(BelievedLengths, ALookThroughAGapIsCutToWhatItsNeighboursSee) {
-  // A wall, a gap of two rays, a chair leg, and an opening of three rays.
-  const std::vector<double> lengths_m{3, 3, 3, 80, 40, 3, 3, 1, 3, 3, 9, 9, 9, 3, 3};
-  const std::vector<double> believed_m = believed_lengths(fan(lengths_m));
-  ASSERT_EQ(believed_m.size(), lengths_m.size());
-  for (std::size_t i = 0; i < lengths_m.size(); ++i) {
-    EXPECT_NEAR(believed_m[i], i == 3 || i == 4 ? 3.0 : lengths_m[i], 1e-5) << i;  // float points
-  }
-}
-
-TEST(BelievedLengths, AWallSeenAtAFlatAngleIsBelieved) {
-  std::vector<double> lengths_m;
-  for (int degrees = 85; degrees > 3; --degrees) {
-    lengths_m.push_back(1.2 / std::sin(geometry::deg_to_rad(degrees)));  // to 17 m
-  }
-  const std::vector<double> believed_m = believed_lengths(fan(lengths_m));
-  for (std::size_t i = 0; i < lengths_m.size(); ++i) {
-    EXPECT_NEAR(believed_m[i], lengths_m[i], 1e-5) << i;
-  }
-}
-
-TEST(BelievedLengths, OfAFewRaysNothingIsBelieved) {
-  EXPECT_TRUE(believed_lengths({}).empty());
-  EXPECT_EQ(believed_lengths(fan({2.0, 2.0})), std::vector<double>(2, 0.0));
-}
-
-// What is drawn from a pose is taken back from it, the rays that are cut short, too.
-TEST(BelievedLengths, ErasingTakesBackWhatWasDrawn) {
-  const Keyframe keyframe = fan({3, 3, 3, 80, 40, 3, 3, 1, 3, 3});
-  const geometry::SE2 T_map_base{1.0, -2.0, 0.7};
-  OccupancyGrid grid(0.05);
-  draw(keyframe, T_map_base, grid);
-  EXPECT_LT(0.05 * std::max(grid.width(), grid.height()), 20.0);  // not 80 m
-  erase(keyframe, T_map_base, grid);
-  for (int y = 0; y < grid.height(); ++y) {
-    for (int x = 0; x < grid.width(); ++x) {
-      ASSERT_EQ(grid.occupancy(x, y), OccupancyGrid::kUnknown);
-    }
-  }
-}
-
 }  // namespace
 }  // namespace nodmap::slam2d
