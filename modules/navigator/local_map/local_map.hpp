@@ -10,23 +10,14 @@
 #include "common/scan/scan.hpp"
 #include "modules/navigator/ground/facet_finder.hpp"
 #include "modules/navigator/ground/tracked_ground.hpp"
-#include "modules/navigator/local_map/rolling_grid.hpp"
+#include "modules/navigator/local_map/floor_evidence.hpp"
+#include "modules/navigator/local_map/local_cell.hpp"
+#include "modules/navigator/local_map/obstacle_memory.hpp"
+#include "modules/navigator/local_map/seen_floor.hpp"
 #include "modules/navigator/obstacle_points.hpp"
 #include "modules/navigator/params.hpp"
 
 namespace nodmap::navigator {
-
-/// What is known of one cell of the ground.
-struct LocalCell {
-  std::uint8_t obstacle = 0;  ///< evidence of something the body would hit
-  std::uint8_t hole = 0;      ///< evidence of a drop
-  bool is_floor = false;      ///< was seen, itself or between two beams that hit the floor
-  bool is_assumed = false;    ///< not seen, but floor: the robot was set down there
-  std::int16_t low_cm = 0;    ///< lowest and highest point measured of the obstacle, in odom
-  std::int16_t high_cm = 0;
-  std::uint16_t scan = 0;        ///< the last one in which evidence changed
-  std::uint16_t seen_at_dm = 0;  ///< travel at the last hit, see LocalMap::travel
-};
 
 /// The ground around the robot as the nodding laser has seen it: a grid in odom, robot-centred,
 /// that tells floor, obstacle, hole and "not seen" apart.
@@ -82,16 +73,14 @@ class LocalMap {
   [[nodiscard]] bool was_floor(const Eigen::Vector2d& p_odom) const;
 
   /// Empty outside the grid.
-  [[nodiscard]] const LocalCell* cell_at(const Eigen::Vector2d& p_odom) const;
-  [[nodiscard]] static bool is_obstacle(const LocalCell& cell);
-  [[nodiscard]] static bool is_hole(const LocalCell& cell);
-  /// Beams have passed through what was measured there.
-  [[nodiscard]] static bool is_cleared(const LocalCell& cell);
+  [[nodiscard]] const LocalCell* cell_at(const Eigen::Vector2d& p_odom) const {
+    return grid_.find(p_odom);
+  }
   /// By a hole, or an obstacle that is not forgotten.
   [[nodiscard]] bool is_blocked(const LocalCell& cell) const;
   /// By the same, or because it is the edge of a hole. False outside the grid.
   [[nodiscard]] bool is_blocked_at(const Eigen::Vector2d& p_odom) const;
-  [[nodiscard]] const RollingGrid<LocalCell>& grid() const { return grid_; }
+  [[nodiscard]] const LocalGrid& grid() const { return grid_; }
 
   [[nodiscard]] const TrackedGround& ground() const { return ground_; }
   /// Whether floor is all that was seen in a place and in the cells around it.
@@ -101,65 +90,36 @@ class LocalMap {
   void reset();
 
  private:
-  /// One beam in odom: where it starts, its direction, and its reading.
-  struct Beam {
-    Eigen::Vector3d origin;
-    Eigen::Vector3d direction;
-    double range_m = 0.0;  ///< +infinity: nothing came back
-    bool is_hit = false;
-  };
-  /// Where a beam of the last scan met the floor.
-  struct FloorPoint {
-    Eigen::Vector2d p_odom = Eigen::Vector2d::Zero();
-    bool is_valid = false;
-  };
-
   void prepare_fan(const scan::Scan& scan);
   void move(const geometry::SE2& T_odom_base);
-  void keep_near(const Eigen::Vector2d& p_odom);
   void clear_under_body(const geometry::SE2& T_odom_base);
   void classify(const Beam& beam, std::size_t index);
   void classify_below(const Beam& beam, double range_m, std::size_t facet, bool is_certain);
-  [[nodiscard]] bool may_be_ramp_up(const Eigen::Vector3d& p_odom, double height_m) const;
-  [[nodiscard]] bool may_be_ramp_down(const Eigen::Vector3d& p_odom,
-                                      const Eigen::Vector2d& crossing_odom) const;
-  [[nodiscard]] Eigen::Vector2d last_floor_before(const Eigen::Vector2d& p_odom,
-                                                  double farthest_m) const;
+  void pass(const Beam& beam, double until_m);
   [[nodiscard]] static double range_to(const Plane& plane, const Beam& beam);
   void look_again(const TrackedGround::Joined& joined);
-  void add_obstacle(const Eigen::Vector3d& p_odom, double height_m);
-  void add_hole(const Eigen::Vector2d& p_odom, bool is_certain);
-  void add_floor(std::size_t index, const Eigen::Vector2d& p_odom, double ground_m);
-  void fill_floor();
-  void fill_line(const Eigen::Vector2d& from, const Eigen::Vector2d& to);
-  void fill_between(const FloorPoint (&corners)[4]);
-  void pass(const Beam& beam, double until_m);
-  [[nodiscard]] bool is_row_seen(const geometry::SE2& T_odom_row, double half_width_m,
-                                 bool assumed_counts) const;
   [[nodiscard]] double tolerance_m(double range_m) const;
   [[nodiscard]] bool is_blocked_at(const Eigen::Vector2i& index) const;
-  [[nodiscard]] bool is_floor_near(const Eigen::Vector2i& index) const;
-  [[nodiscard]] bool is_forgotten(const LocalCell& cell) const;
-  [[nodiscard]] double travel_since_hit_m(const LocalCell& cell) const;
-  [[nodiscard]] LocalCell* find(const Eigen::Vector2d& p_odom);
+  /// `visit(index, p_base)` for the cells within `range_m` of base; p_base() is its middle there.
+  template <class Visit>
+  void visit_cells(const geometry::SE2& T_odom_base, double range_m, const Visit& visit) const;
+  [[nodiscard]] SeenFloor seen_floor() const { return {grid_, body_, blind_m_}; }
 
   robot::Footprint body_;
   double top_m_;
   double blind_m_;
   LocalMapParams params_;
-  RollingGrid<LocalCell> grid_;
+  LocalGrid grid_;
   std::optional<geometry::SE2> T_odom_base_;
   Eigen::Matrix2d R_base_odom_ = Eigen::Matrix2d::Identity();
   TrackedGround ground_;
   FacetFinder finder_;
-  double travel_m_ = 0.0;              // path, and rotation by what it costs of accuracy
-  std::uint16_t kept_near_at_dm_ = 0;  // travel
+  FloorEvidence floor_;
+  ObstacleMemory obstacles_;
   std::uint16_t scan_ = 0;
   std::vector<Eigen::Vector2d> fan_;  // cos and sin of each beam's angle
   double fan_first_rad_ = 0.0;
   double fan_step_rad_ = 0.0;
-  std::vector<FloorPoint> floor_;         // of this scan, by beam
-  std::vector<FloorPoint> floor_before_;  // of the last one
 };
 
 }  // namespace nodmap::navigator

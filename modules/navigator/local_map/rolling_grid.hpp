@@ -41,6 +41,16 @@ class RollingGrid {
   [[nodiscard]] Cell& at(const Eigen::Vector2i& index) { return cells_[place(index)]; }
   [[nodiscard]] const Cell& at(const Eigen::Vector2i& index) const { return cells_[place(index)]; }
 
+  /// The cell at a place; null outside.
+  [[nodiscard]] Cell* find(const Eigen::Vector2d& p_odom) {
+    const Eigen::Vector2i index = index_of(p_odom);
+    return contains(index) ? &at(index) : nullptr;
+  }
+  [[nodiscard]] const Cell* find(const Eigen::Vector2d& p_odom) const {
+    const Eigen::Vector2i index = index_of(p_odom);
+    return contains(index) ? &at(index) : nullptr;
+  }
+
   /// By column and row from the first ones on.
   [[nodiscard]] Cell& at_offset(int column, int row) {
     return at(Eigen::Vector2i(first_.x() + column, first_.y() + row));

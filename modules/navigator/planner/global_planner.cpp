@@ -200,7 +200,7 @@ void GlobalPlanner::update_grid(const LocalMap& local_map, const geometry::SE2& 
           const LocalCell* cell = local_map.cell_at(q_odom);
           is_blocked = is_blocked || (cell != nullptr && local_map.is_blocked_at(q_odom));
           is_floor = is_floor || (cell != nullptr && cell->is_floor);
-          is_cleared = is_cleared || (cell != nullptr && LocalMap::is_cleared(*cell));
+          is_cleared = is_cleared || (cell != nullptr && cell->is_cleared());
         }
       }
       if (is_blocked || is_floor) {

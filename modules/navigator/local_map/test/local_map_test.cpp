@@ -105,7 +105,7 @@ TEST(LocalMap, ALevelLaserClearsWhatItSeesThrough) {
   // Evidence is 12 at most; each scan takes one from it.
   look({{{{3.0, -3.0}, {3.2, 3.0}, 0.5}}}, 12);
   EXPECT_TRUE(map.points_base({}, 1.5).empty());
-  EXPECT_TRUE(LocalMap::is_cleared(*map.cell_at({1.01, 0.0})));
+  EXPECT_TRUE(map.cell_at({1.01, 0.0})->is_cleared());
 }
 
 // Sweeps up and down put their lines at other pitches: half of 1.5 degrees apart in places, that is
@@ -128,7 +128,7 @@ TEST(LocalMap, WhatTheLaserDidNotSeeIsUnknown) {
   const LocalCell* behind = map.cell_at({1.5, 0.0});
   ASSERT_NE(behind, nullptr);
   EXPECT_FALSE(behind->is_floor);
-  EXPECT_FALSE(LocalMap::is_obstacle(*behind));
+  EXPECT_FALSE(behind->is_obstacle());
   EXPECT_LT(map.seen_distance({}, 0.0, 0.165, 2.0, 0.15), 1.0 - 0.225);
 }
 

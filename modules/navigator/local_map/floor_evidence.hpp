@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "modules/navigator/local_map/local_cell.hpp"
+#include "modules/navigator/params.hpp"
+
+namespace nodmap::navigator {
+
+/// The floor that beams have met, and what lies between them. Between beams that are side by side,
+/// in one scan and the one before, and all meet the floor no farther apart than `max_gap_m`, there
+/// is floor: what is high enough to matter would have been hit, and a hole wider than the gap, too.
+class FloorEvidence {
+ public:
+  explicit FloorEvidence(const LocalMapParams& params)
+      : floor_tolerance_m_(params.floor_tolerance_m), max_gap_m_(params.max_gap_m) {}
+
+  void begin_scan(std::size_t num_beams) { points_.assign(num_beams, {}); }
+
+  /// A beam met the floor, which is `ground_m` high in odom; of the scan with this number.
+  void add(LocalGrid& grid, std::size_t beam, const Eigen::Vector2d& p_odom, double ground_m,
+           std::uint16_t scan);
+
+  /// Fills what lies between the beams of this scan, and of this one and the last one.
+  void end_scan(LocalGrid& grid, std::uint16_t scan);
+
+  /// The next scan has nothing in common with the last one.
+  void forget_last_scan() { points_before_.clear(); }
+
+ private:
+  struct Point {
+    Eigen::Vector2d p_odom = Eigen::Vector2d::Zero();
+    bool is_valid = false;
+  };
+
+  void fill_line(LocalGrid& grid, const Eigen::Vector2d& from, const Eigen::Vector2d& to) const;
+  void fill_between(LocalGrid& grid, const Point (&corners)[4], std::uint16_t scan) const;
+
+  double floor_tolerance_m_;
+  double max_gap_m_;
+  std::vector<Point> points_;         // of this scan, by beam
+  std::vector<Point> points_before_;  // of the last one
+};
+
+}  // namespace nodmap::navigator

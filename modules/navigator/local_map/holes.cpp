@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/navigator/local_map/holes.hpp"
+
+#include <algorithm>
+
+namespace nodmap::navigator {
+
+void add_hole(LocalGrid& grid, const Eigen::Vector2d& p_odom, bool is_certain, std::uint16_t scan,
+              std::uint16_t travel_dm) {
+  LocalCell* cell = grid.find(p_odom);
+  if (cell == nullptr) {
+    return;
+  }
+  if (is_certain || cell->scan != scan) {
+    cell->hole = evidence::more(cell->hole, is_certain);
+  }
+  cell->is_floor = false;
+  cell->scan = scan;
+  cell->seen_at_dm = travel_dm;
+}
+
+bool is_edge_of_hole(const LocalGrid& grid, const Eigen::Vector2i& index) {
+  return std::ranges::any_of(kAcrossEdge, [&](const Eigen::Vector2i& step) {
+    return grid.contains(index + step) && grid.at(index + step).is_hole();
+  });
+}
+
+}  // namespace nodmap::navigator

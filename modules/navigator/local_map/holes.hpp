@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+
+#include "modules/navigator/local_map/local_cell.hpp"
+
+namespace nodmap::navigator {
+
+/// So many cells around a hole belong to it: a beam that passes through the floor does so beyond
+/// the edge, by up to the distance between two lines, and one that ends half on the edge has seen
+/// floor where there is none.
+inline constexpr int kEdgeCells = 2;
+/// From a cell to those at the other side of such an edge.
+inline const std::array<Eigen::Vector2i, 4> kAcrossEdge{
+    Eigen::Vector2i(kEdgeCells, 0), Eigen::Vector2i(-kEdgeCells, 0), Eigen::Vector2i(0, kEdgeCells),
+    Eigen::Vector2i(0, -kEdgeCells)};
+
+/// A beam of the scan with this number passed through the floor there. The beams of one scan have
+/// their errors of pitch and tilt in common: they count once, but for those that are certain.
+void add_hole(LocalGrid& grid, const Eigen::Vector2d& p_odom, bool is_certain, std::uint16_t scan,
+              std::uint16_t travel_dm);
+
+/// Whether a hole is so near that a cell of the grid may be its edge.
+[[nodiscard]] bool is_edge_of_hole(const LocalGrid& grid, const Eigen::Vector2i& index);
+
+}  // namespace nodmap::navigator

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/navigator/local_map/seen_floor.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "modules/navigator/local_map/holes.hpp"
+
+namespace nodmap::navigator {
+namespace {
+
+/// Across the body the floor is looked at in columns so far apart; so many of them make it unknown,
+/// for one alone may lie between beams.
+constexpr double kColumnM = 0.05;
+constexpr int kUnknownColumns = 2;
+
+/// Pose of base after `distance_m` of an arc, negative backwards, in base at its beginning.
+geometry::SE2 along_arc(double curvature, double distance_m) {
+  const double yaw_rad = curvature * distance_m;
+  return std::abs(curvature) < 1e-3 ? geometry::SE2{distance_m, 0.0, 0.0}
+                                    : geometry::SE2{std::sin(yaw_rad) / curvature,
+                                                    (1.0 - std::cos(yaw_rad)) / curvature, yaw_rad};
+}
+
+}  // namespace
+
+double SeenFloor::distance(const geometry::SE2& T_odom_base, double curvature, double half_width_m,
+                           double max_m, double max_gap_m) const {
+  const double step_m = grid_.cell_size_m();
+  const double first_m = std::max(0.0, blind_m_ - body_.half_length_m);
+  // Where the middle of the front passes, and what is to the left there.
+  std::vector<std::pair<Eigen::Vector2d, Eigen::Vector2d>> rows;
+  for (double s = first_m; s < first_m + max_m + max_gap_m; s += step_m) {
+    const geometry::SE2 T_odom_row = T_odom_base * along_arc(curvature, s);
+    const Eigen::Matrix2d R = T_odom_row.rotation();
+    rows.emplace_back(T_odom_row.translation() + body_.half_length_m * R.col(0), R.col(1));
+  }
+  const auto side = static_cast<int>(std::ceil(half_width_m / kColumnM));
+  std::vector<double> seen_m;  // by column
+  for (int column = -side; column <= side; ++column) {
+    double seen = 0.0;
+    for (std::size_t row = 0; row < rows.size(); ++row) {
+      const double s = step_m * static_cast<double>(row);
+      const LocalCell* cell =
+          grid_.find(rows[row].first + half_width_m * column / side * rows[row].second);
+      if (cell != nullptr && cell->is_floor) {
+        seen = s;
+      } else if (s - seen > max_gap_m) {
+        break;
+      }
+    }
+    seen_m.push_back(seen);
+  }
+  std::ranges::nth_element(seen_m, seen_m.begin() + kUnknownColumns - 1);
+  return std::min(seen_m[kUnknownColumns - 1], max_m);
+}
+
+double SeenFloor::distance_backwards(const geometry::SE2& T_odom_base, double curvature,
+                                     double half_width_m, double max_m) const {
+  const double step_m = grid_.cell_size_m();
+  for (double s = step_m; s < max_m; s += step_m) {
+    const geometry::SE2 T_base_rear{-body_.half_length_m, 0.0, 0.0};
+    if (!is_row_seen(T_odom_base * along_arc(curvature, -s) * T_base_rear, half_width_m)) {
+      return s - step_m;
+    }
+  }
+  return max_m;
+}
+
+/// Whether floor was seen in a row across the body.
+bool SeenFloor::is_row_seen(const geometry::SE2& T_odom_row, double half_width_m) const {
+  const auto columns = static_cast<int>(std::ceil(half_width_m / (2.0 * grid_.cell_size_m())));
+  int unknown = 0;
+  for (int column = -columns; column <= columns; ++column) {
+    const LocalCell* cell =
+        grid_.find(T_odom_row * Eigen::Vector2d(0.0, half_width_m * column / columns));
+    unknown += cell != nullptr && cell->is_floor && !cell->is_assumed ? 0 : 1;
+  }
+  return unknown < kUnknownColumns;
+}
+
+bool SeenFloor::is_near(const Eigen::Vector2i& index) const {
+  const auto is_floor = [&](const Eigen::Vector2i& at) {
+    return grid_.contains(at) && grid_.at(at).is_floor;
+  };
+  return is_floor(index) || std::ranges::any_of(kAcrossEdge, [&](const Eigen::Vector2i& step) {
+           return is_floor(index + step);
+         });
+}
+
+bool SeenFloor::is_around(const Eigen::Vector2d& p_odom) const {
+  constexpr int kEnoughOfNine = 8;
+  int num_floor = 0;
+  for (int dx = -1; dx <= 1; ++dx) {
+    for (int dy = -1; dy <= 1; ++dy) {
+      const LocalCell* cell = grid_.find(p_odom + grid_.cell_size_m() * Eigen::Vector2d(dx, dy));
+      num_floor += cell != nullptr && cell->is_floor && !cell->is_assumed ? 1 : 0;
+    }
+  }
+  return num_floor >= kEnoughOfNine;
+}
+
+}  // namespace nodmap::navigator

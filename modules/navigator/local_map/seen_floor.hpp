@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+
+#include "common/geometry/se2.hpp"
+#include "common/robot/footprint.hpp"
+#include "modules/navigator/local_map/local_cell.hpp"
+
+namespace nodmap::navigator {
+
+/// How far the body can move over floor that was seen. A view of the map at one moment.
+class SeenFloor {
+ public:
+  /// The laser does not see floor nearer to base than `blind_m`.
+  SeenFloor(const LocalGrid& grid, const robot::Footprint& body, double blind_m)
+      : grid_(grid), body_(body), blind_m_(blind_m) {}
+
+  /// See LocalMap::seen_distance() and seen_distance_backwards().
+  [[nodiscard]] double distance(const geometry::SE2& T_odom_base, double curvature,
+                                double half_width_m, double max_m, double max_gap_m) const;
+  [[nodiscard]] double distance_backwards(const geometry::SE2& T_odom_base, double curvature,
+                                          double half_width_m, double max_m) const;
+
+  /// Floor there, or so near that nothing fits in between.
+  [[nodiscard]] bool is_near(const Eigen::Vector2i& index) const;
+  /// See LocalMap::was_floor().
+  [[nodiscard]] bool is_around(const Eigen::Vector2d& p_odom) const;
+
+ private:
+  [[nodiscard]] bool is_row_seen(const geometry::SE2& T_odom_row, double half_width_m) const;
+
+  const LocalGrid& grid_;
+  robot::Footprint body_;
+  double blind_m_;
+};
+
+}  // namespace nodmap::navigator

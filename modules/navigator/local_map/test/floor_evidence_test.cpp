@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/navigator/local_map/floor_evidence.hpp"
+
+#include <gtest/gtest.h>
+
+namespace nodmap::navigator {
+namespace {
+
+/// Two scans of two beams each, which meet the floor at the corners of a rectangle.
+LocalGrid floor_between(double length_m, double width_m) {
+  LocalGrid grid(0.025, 9);
+  grid.center_on({0.0, 0.0});
+  FloorEvidence floor(LocalMapParams{});
+  for (std::uint16_t scan = 1; scan <= 2; ++scan) {
+    const double x = 1.0 + length_m * (scan - 1);
+    floor.begin_scan(2);
+    floor.add(grid, 0, {x, 0.0}, 0.0, scan);
+    floor.add(grid, 1, {x, width_m}, 0.0, scan);
+    floor.end_scan(grid, scan);
+  }
+  return grid;
+}
+
+TEST(FloorEvidence, FillsWhatLiesBetweenFourBeams) {
+  const LocalGrid grid = floor_between(0.14, 0.1);
+  for (double x = 1.0; x <= 1.14; x += 0.01) {
+    for (double y = 0.0; y <= 0.1; y += 0.01) {
+      EXPECT_TRUE(grid.find({x, y})->is_floor) << x << ' ' << y;
+    }
+  }
+  EXPECT_FALSE(grid.find({0.97, 0.05})->is_floor);
+  EXPECT_FALSE(grid.find({1.17, 0.05})->is_floor);
+}
+
+TEST(FloorEvidence, LeavesAGapThatIsWiderThanAllowed) {
+  EXPECT_FALSE(floor_between(0.16, 0.1).find({1.08, 0.05})->is_floor);
+  EXPECT_TRUE(floor_between(0.16, 0.1).find({1.0, 0.05})->is_floor);  // of one scan
+  EXPECT_FALSE(floor_between(0.16, 0.16).find({1.0, 0.08})->is_floor);
+}
+
+TEST(FloorEvidence, ScansThatHaveNothingInCommonAreNotFilled) {
+  LocalGrid grid(0.025, 9);
+  grid.center_on({0.0, 0.0});
+  FloorEvidence floor(LocalMapParams{});
+  for (std::uint16_t scan = 1; scan <= 2; ++scan) {
+    floor.forget_last_scan();
+    floor.begin_scan(2);
+    floor.add(grid, 0, {0.9 + 0.1 * scan, 0.0}, 0.0, scan);
+    floor.add(grid, 1, {0.9 + 0.1 * scan, 0.1}, 0.0, scan);
+    floor.end_scan(grid, scan);
+  }
+  EXPECT_TRUE(grid.find({1.0, 0.05})->is_floor);
+  EXPECT_FALSE(grid.find({1.05, 0.05})->is_floor);
+}
+
+// Floor where an obstacle was measured speaks against it, below a table top it does not.
+TEST(FloorEvidence, SpeaksAgainstObstaclesOnTheFloorAlone) {
+  LocalGrid grid(0.025, 9);
+  grid.center_on({0.0, 0.0});
+  LocalCell& box = *grid.find({1.0, 0.0});
+  LocalCell& table = *grid.find({1.0, 0.1});
+  box.obstacle = table.obstacle = evidence::kCertain;
+  box.low_cm = 3;
+  table.low_cm = 30;
+  FloorEvidence floor(LocalMapParams{});
+  floor.begin_scan(2);
+  floor.add(grid, 0, {1.0, 0.0}, 0.0, 1);
+  floor.add(grid, 1, {1.0, 0.1}, 0.0, 1);
+  EXPECT_EQ(box.obstacle, evidence::kCertain - 1);
+  EXPECT_EQ(table.obstacle, evidence::kCertain);
+}
+
+}  // namespace
+}  // namespace nodmap::navigator

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/navigator/local_map/holes.hpp"
+
+#include <gtest/gtest.h>
+
+namespace nodmap::navigator {
+namespace {
+
+TEST(Holes, OneCertainBeamOrTwoInTwoScansMakeAHole) {
+  LocalGrid grid(0.025, 9);
+  grid.center_on({0.0, 0.0});
+  const Eigen::Vector2d p(1.0, 0.5);
+  grid.find(p)->set_floor();
+  add_hole(grid, p, false, 1, 0);
+  add_hole(grid, p, false, 1, 0);
+  EXPECT_FALSE(grid.find(p)->is_hole());
+  EXPECT_FALSE(grid.find(p)->is_floor);
+  add_hole(grid, p, false, 2, 0);
+  EXPECT_TRUE(grid.find(p)->is_hole());
+  add_hole(grid, -p, true, 1, 0);
+  EXPECT_TRUE(grid.find(-p)->is_hole());
+  add_hole(grid, {1e6, 0.0}, true, 1, 0);  // outside: nothing
+}
+
+// Around one hole those cells are its edge that lie two cells beside it, along the axes.
+TEST(Holes, TheEdgeIsTwoCellsWide) {
+  LocalGrid grid(0.025, 9);
+  grid.center_on({0.0, 0.0});
+  const Eigen::Vector2i hole(3, -4);
+  add_hole(grid, grid.center_of(hole), true, 1, 0);
+  for (int dx = -4; dx <= 4; ++dx) {
+    for (int dy = -4; dy <= 4; ++dy) {
+      const bool is_edge = (std::abs(dx) == 2 && dy == 0) || (dx == 0 && std::abs(dy) == 2);
+      EXPECT_EQ(is_edge_of_hole(grid, hole + Eigen::Vector2i(dx, dy)), is_edge) << dx << ' ' << dy;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace nodmap::navigator

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/navigator/local_map/obstacle_memory.hpp"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace nodmap::navigator {
+namespace {
+
+constexpr double kCellM = 0.025;
+constexpr double kTopM = 0.5;
+
+LocalGrid grid_around_origin() {
+  LocalGrid grid(kCellM, 9);
+  grid.center_on({0.0, 0.0});
+  return grid;
+}
+
+/// From a level laser at the origin, along x.
+Beam level_beam(double height_m) {
+  return {{0.0, 0.0, height_m}, {1.0, 0.0, 0.0}, std::numeric_limits<double>::infinity(), false};
+}
+
+// One certain hit, or two that may be noise, in two scans: those of one scan count once.
+TEST(ObstacleMemory, TwoUncertainHitsOrOneCertainMakeAnObstacle) {
+  const ObstacleMemory memory(20.0);
+  LocalGrid grid = grid_around_origin();
+  const Eigen::Vector3d p(1.0, 0.0, 0.04);
+  memory.add_hit(grid, p, false, 1);
+  memory.add_hit(grid, p, false, 1);
+  EXPECT_FALSE(grid.find(p.head<2>())->is_obstacle());
+  memory.add_hit(grid, p, false, 2);
+  EXPECT_TRUE(grid.find(p.head<2>())->is_obstacle());
+  memory.add_hit(grid, {-1.0, 0.0, 0.2}, true, 1);
+  EXPECT_TRUE(grid.find({-1.0, 0.0})->is_obstacle());
+}
+
+// Each scan takes one from the evidence; beams above what was measured take none.
+TEST(ObstacleMemory, BeamsTakeAwayWhatTheyPassThrough) {
+  const ObstacleMemory memory(20.0);
+  LocalGrid grid = grid_around_origin();
+  memory.add_hit(grid, {1.0, 0.0, 0.20}, true, 1);
+  const LocalCell& cell = *grid.find({1.0, 0.0});
+  ObstacleMemory::pass(grid, level_beam(0.30), 3.0, kTopM, 2);
+  EXPECT_EQ(cell.obstacle, evidence::kCertain);
+  ObstacleMemory::pass(grid, level_beam(0.205), 0.9, kTopM, 3);  // ends before it
+  EXPECT_EQ(cell.obstacle, evidence::kCertain);
+  ObstacleMemory::pass(grid, level_beam(0.205), 3.0, kTopM, 4);
+  ObstacleMemory::pass(grid, level_beam(0.205), 3.0, kTopM, 4);
+  EXPECT_EQ(cell.obstacle, evidence::kCertain - 1);
+}
+
+TEST(ObstacleMemory, NoBeamTakesAwayAContact) {
+  const ObstacleMemory memory(20.0);
+  LocalGrid grid = grid_around_origin();
+  const robot::Footprint body{0.225, 0.165};
+  memory.add_contact(grid, {0.5, 0.0, 0.0}, body, true);
+  const LocalCell& touched = *grid.find({0.5 + body.half_length_m + kCellM, 0.0});
+  ASSERT_TRUE(touched.is_obstacle());
+  for (std::uint16_t scan = 1; scan < 20; ++scan) {
+    ObstacleMemory::pass(grid, level_beam(0.2), 3.0, kTopM, scan);
+  }
+  EXPECT_TRUE(touched.is_obstacle());
+}
+
+// 1 m of driving counts as such, 1 rad of rotation as 4 m.
+TEST(ObstacleMemory, ForgetsAfterTravel) {
+  ObstacleMemory memory(20.0);
+  LocalGrid grid = grid_around_origin();
+  memory.add_hit(grid, {2.0, 0.0, 0.2}, true, 1);
+  const LocalCell& cell = *grid.find({2.0, 0.0});
+  memory.move({0.0, 0.0, 0.0}, {11.9, 0.0, 0.0});
+  memory.move({11.9, 0.0, 0.0}, {11.9, 0.0, 2.0});
+  EXPECT_FALSE(memory.is_forgotten(cell));  // 19.9 m
+  memory.move({11.9, 0.0, 2.0}, {12.1, 0.0, 2.0});
+  EXPECT_TRUE(memory.is_forgotten(cell));
+}
+
+// Near the robot a metre of travel ages an obstacle by a fifth, and by the last one in full: 95 m
+// are 18.8 m and 1 m.
+TEST(ObstacleMemory, WhatIsNearAgesFiveTimesMoreSlowly) {
+  ObstacleMemory memory(20.0);
+  LocalGrid grid = grid_around_origin();
+  memory.add_hit(grid, {0.4, 0.0, 0.2}, true, 1);
+  memory.add_hit(grid, {0.6, 0.0, 0.2}, true, 1);
+  const auto travel = [&](int metres) {
+    for (int i = 0; i < metres; ++i) {
+      memory.move({0.0, 0.0, 0.0}, {0.5, 0.0, 0.0});
+      memory.move({0.5, 0.0, 0.0}, {0.0, 0.0, 0.0});
+      memory.keep_near(grid, {0.0, 0.0});
+    }
+  };
+  travel(94);
+  EXPECT_FALSE(memory.is_forgotten(*grid.find({0.4, 0.0})));
+  EXPECT_TRUE(memory.is_forgotten(*grid.find({0.6, 0.0})));
+  travel(6);
+  EXPECT_TRUE(memory.is_forgotten(*grid.find({0.4, 0.0})));
+}
+
+}  // namespace
+}  // namespace nodmap::navigator

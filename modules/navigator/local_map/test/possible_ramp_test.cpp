@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/navigator/local_map/possible_ramp.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace nodmap::navigator {
+namespace {
+
+/// Floor was seen up to x = 1 m.
+class PossibleRampTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    grid_.center_on({0.0, 0.0});
+    for (double x = 0.0; x < 1.0; x += 0.5 * grid_.cell_size_m()) {
+      for (double y = -0.3; y < 0.3; y += 0.5 * grid_.cell_size_m()) {
+        grid_.find({x, y})->is_floor = true;
+      }
+    }
+    ground_.move({});
+  }
+
+  LocalMapParams params_;
+  LocalGrid grid_{0.025, 9};
+  TrackedGround ground_{params_.ground};
+};
+
+// A kerb of 8 cm is a hole from where the beam comes down more steeply than a ramp of 14 degrees;
+// what lies that much lower farther away may be at the end of one.
+TEST_F(PossibleRampTest, LeadsDownNoMoreSteeplyThanTheSteepestRamp) {
+  const PossibleRamp ramp(grid_, ground_, params_, {0.0, 0.0});
+  const double steepest = std::tan(params_.ground.max_slope_rad);
+  const Eigen::Vector2d crossing(1.1, 0.0);
+  for (const double beyond_m : {0.2, 0.4, 0.6}) {
+    // Floor ends within a cell of 1 m.
+    const double lowest_m = -params_.floor_tolerance_m - steepest * beyond_m;
+    EXPECT_TRUE(ramp.leads_down({1.0 + beyond_m, 0.0, lowest_m + 0.01}, crossing)) << beyond_m;
+    EXPECT_FALSE(ramp.leads_down({1.0 + beyond_m, 0.0, lowest_m - 0.01}, crossing)) << beyond_m;
+  }
+}
+
+// Away from slopes all that is higher is an obstacle at once.
+TEST_F(PossibleRampTest, LeadsUpNowhereOnLevelGround) {
+  const PossibleRamp ramp(grid_, ground_, params_, {0.0, 0.0});
+  ASSERT_TRUE(ground_.is_level());
+  EXPECT_FALSE(ramp.leads_up({2.0, 0.0, 0.05}, 0.05, 0.03));
+}
+
+}  // namespace
+}  // namespace nodmap::navigator

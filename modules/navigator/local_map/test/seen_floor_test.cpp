@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/navigator/local_map/seen_floor.hpp"
+
+#include <gtest/gtest.h>
+
+namespace nodmap::navigator {
+namespace {
+
+constexpr double kCellM = 0.025;
+const robot::Footprint kBody{0.225, 0.165};
+constexpr double kBlindM = 0.3;
+
+/// Floor everywhere but in a strip across the way ahead, or behind.
+LocalGrid floor_without(double from_x, double to_x) {
+  LocalGrid grid(kCellM, 8);
+  grid.center_on({0.0, 0.0});
+  for (double x = -3.0; x < 3.0; x += 0.5 * kCellM) {
+    for (double y = -1.0; y < 1.0; y += 0.5 * kCellM) {
+      grid.find({x, y})->is_floor = x < from_x || x > to_x;
+    }
+  }
+  return grid;
+}
+
+// Up to where the strip begins: the robot's front is at 0.225 m, floor counts from 0.3 m on.
+TEST(SeenFloor, EndsWhereAGapIsLongerThanAllowed) {
+  const LocalGrid grid = floor_without(1.3, 1.55);
+  const SeenFloor floor(grid, kBody, kBlindM);
+  EXPECT_NEAR(floor.distance({}, 0.0, 0.165, 2.0, 0.15), 1.3 - kBlindM, kCellM);
+  EXPECT_EQ(floor.distance({}, 0.0, 0.165, 2.0, 0.35), 2.0);
+  EXPECT_EQ(floor.distance({}, 0.0, 0.165, 0.5, 0.15), 0.5);
+}
+
+TEST(SeenFloor, BackwardsNothingMayBeMissing) {
+  const LocalGrid grid = floor_without(-0.5, -0.4);
+  const SeenFloor floor(grid, kBody, kBlindM);
+  EXPECT_NEAR(floor.distance_backwards({}, 0.0, 0.165, 0.3), 0.4 - 0.225, kCellM);
+  EXPECT_EQ(floor.distance_backwards({}, 0.0, 0.165, 0.1), 0.1);
+}
+
+TEST(SeenFloor, WhatTheRobotWasSetDownOnDoesNotCountBackwards) {
+  LocalGrid grid = floor_without(10.0, 10.0);
+  for (double x = -1.0; x < 0.0; x += 0.5 * kCellM) {
+    for (double y = -1.0; y < 1.0; y += 0.5 * kCellM) {
+      grid.find({x, y})->is_assumed = true;
+    }
+  }
+  EXPECT_EQ(SeenFloor(grid, kBody, kBlindM).distance_backwards({}, 0.0, 0.165, 0.3), 0.0);
+}
+
+TEST(SeenFloor, IsAroundWithinTheFloorAndNearUpToItsBorder) {
+  const LocalGrid grid = floor_without(1.0, 2.0);
+  const SeenFloor floor(grid, kBody, kBlindM);
+  EXPECT_TRUE(floor.is_around({0.9, 0.0}));
+  EXPECT_FALSE(floor.is_around({1.01, 0.0}));
+  EXPECT_TRUE(floor.is_near(grid.index_of({1.04, 0.0})));
+  EXPECT_FALSE(floor.is_near(grid.index_of({1.07, 0.0})));
+}
+
+}  // namespace
+}  // namespace nodmap::navigator
