@@ -78,7 +78,10 @@ expect_nothing_left "$work/done" "the demo"
 again=$(sed -n 's/^to see it again: \(.*\), and a browser on.*/\1/p' "$work/done.log")
 [[ "$again" == "build/release/bin/nodmap-viewer --replay $work/done/logger/lcmlog-"* ]] || fail "the demo does not name how to replay it"
 # shellcheck disable=SC2086  # a command line
-timeout --signal=INT 2 $again --port 0 >"$work/again.log" 2>&1 || true
+$again --port 0 >"$work/again.log" 2>&1 &
+viewer=$!
+for _ in $(seq 400); do grep -q "page on http" "$work/again.log" && break; sleep 0.05; done
+kill "$viewer" && wait "$viewer" || true
 grep -q "page on http" "$work/again.log" || { cat "$work/again.log"; fail "that does not replay it"; }
 
 for seconds in 0 0.1 0.3 0.6 1 1.5 2 3 4 5 6 8; do
