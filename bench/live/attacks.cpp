@@ -31,7 +31,7 @@ constexpr time::Duration kAhead = 45ms;  // the forged stamp, of a DRIVE that is
 constexpr double kDrivingMps = 0.5;      // the robot is on its way
 constexpr double kTimeToStopS = 2.0;     // to notice the attack and to brake
 constexpr double kStationaryM = 0.05;    // farther it does not move after that
-constexpr double kTimeToGoOnS = 20.0;    // after the attack
+constexpr double kPatienceS = 60.0;  // until it drives, before and after; a busy machine is slow
 constexpr const char* kNeighbour = "10.9.9.9";
 
 /// Sends what a process of the robot would send, and datagrams as they are.
@@ -195,7 +195,7 @@ Outcome examine(const Attack& attack, const RobotProcesses::Options& options, do
   RobotProcesses robot(options);
   monitor.listen(5.0);
   Outcome outcome;
-  outcome.drove_before = monitor.listen(30.0, [&] { return monitor.driving(kDrivingMps); });
+  outcome.drove_before = monitor.listen(kPatienceS, [&] { return monitor.driving(kDrivingMps); });
   static_cast<void>(monitor.take_complaints());  // of the start
   const time::Timestamp from = now() + time::from_seconds(kTimeToStopS);
   if (attack.restarts_stopped_pair) {
@@ -207,7 +207,7 @@ Outcome examine(const Attack& attack, const RobotProcesses::Options& options, do
   if (attack.restarts_stopped_pair) {
     robot.release();
   }
-  outcome.drove_after = monitor.listen(kTimeToGoOnS, [&] { return monitor.driving(0.1); });
+  outcome.drove_after = monitor.listen(kPatienceS, [&] { return monitor.driving(0.1); });
   outcome.collisions = monitor.collisions();
   outcome.dead = robot.take_dead();
   return outcome;
