@@ -164,9 +164,10 @@ int run_map_node(int argc, char** argv, const ProgramInfo& info, params::Table& 
   std::string map_in;
   std::vector<double> start_pose;  // x, y in m, yaw in degrees
   const auto add_options = [&](CLI::App& app) {
-    auto* localise = app.add_option("--localise", localise_in,
-                                    "Localise in this map, and leave it as it is: map.yaml, or the "
-                                    "folder with it");
+    auto* localise =
+        app.add_option("--localise", localise_in,
+                       "Localise in this map, and leave it as it is: a folder to which "
+                       "--out or a save request has written, or the map in it");
     app.add_option("--map-in", map_in,
                    "Carry on with this map, which --out or a save request has written: a folder "
                    "with keyframes.lcmlog; written anew only where --out says")

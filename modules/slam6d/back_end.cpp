@@ -47,9 +47,27 @@ BackEnd::BackEnd(const LoopParams& loops, const RegistrationParams& registration
       graph_({odometry.level_height_m, odometry.level_tilt_rad}),
       old_map_(voxels) {}
 
+void BackEnd::restore(const SavedMap& saved) {
+  for (const SavedMap::Keyframe& keyframe : saved.keyframes) {
+    T_map_keyframes_.push_back(keyframe.T_map_base);
+    graph_.add_keyframe(keyframe.is_level);
+  }
+  num_restored_ = T_map_keyframes_.size();
+  is_in_map_.assign(num_restored_, true);
+  path_m_.assign(num_restored_, -kRecentM);  // long ago
+  std::ranges::for_each(saved.steps, [this](const auto& step) { graph_.add_step(step); });
+  std::ranges::for_each(saved.loops, [this](const auto& loop) { graph_.add_loop(loop); });
+  ++graph_revision_;
+  (void)graph_.optimise(T_map_keyframes_, false);  // what the loops weigh at the saved poses
+}
+
 std::optional<std::vector<SE3>> BackEnd::add_keyframe(const TrackedKeyframe& keyframe,
                                                       const VoxelMap& sweep_base, VoxelMap& map) {
   add_step(keyframe);
+  ++graph_revision_;
+  if (!params_.enabled) {
+    return std::nullopt;
+  }
   uncertainty_ = graph_.uncertainties(T_map_keyframes_, newest());
   tie_to_map(keyframe);
   std::vector<SE3> moved = T_map_keyframes_;
@@ -57,23 +75,34 @@ std::optional<std::vector<SE3>> BackEnd::add_keyframe(const TrackedKeyframe& key
     moved = optimise();
     uncertainty_ = graph_.uncertainties(moved, newest());
   }
+  return correct(moved, map) ? std::optional(T_map_keyframes_) : std::nullopt;
+}
+
+// Moves keyframes and voxels to where they belong now, if that is worth it. Returns whether the
+// keyframes have moved.
+bool BackEnd::correct(std::span<const SE3> T_map_moved, VoxelMap& map) {
   double largest_m = 0.0;
-  for (std::size_t k = 0; k < moved.size(); ++k) {
-    largest_m = std::max(largest_m, distance(moved[k], T_map_keyframes_[k]));
+  for (std::size_t k = 0; k < T_map_moved.size(); ++k) {
+    largest_m = std::max(largest_m, distance(T_map_moved[k], T_map_keyframes_[k]));
   }
-  const bool is_moved = largest_m > kMinCorrectionM;
   std::vector<bool> certain = certain_keyframes();
-  if (is_moved) {
+  if (largest_m > kMinCorrectionM) {
     ++metrics_.corrections;
-    metrics_.largest_correction_m =
-        std::max(metrics_.largest_correction_m, distance(moved.back(), T_map_keyframes_.back()));
-    arrange(map, moved, std::move(certain));
-    return T_map_keyframes_;
+    metrics_.largest_correction_m = std::max(metrics_.largest_correction_m,
+                                             distance(T_map_moved.back(), T_map_keyframes_.back()));
+    arrange(map, T_map_moved, std::move(certain));
+    return true;
   }
   if (is_outdated(certain)) {
-    arrange(map, T_map_keyframes_, std::move(certain));
+    const std::vector<SE3> unmoved = T_map_keyframes_;
+    arrange(map, unmoved, std::move(certain));
   }
-  return std::nullopt;
+  return false;
+}
+
+std::vector<SE3> BackEnd::polish() {
+  ++graph_revision_;
+  return optimise();
 }
 
 std::vector<SE3> BackEnd::optimise() {
@@ -93,8 +122,9 @@ void BackEnd::add_step(const TrackedKeyframe& keyframe) {
   T_map_keyframes_.push_back(keyframe.T_map_base);
   is_in_map_.push_back(true);
   graph_.add_keyframe(keyframe.is_level);
-  if (newest() == 0) {
+  if (newest() == num_restored_) {
     path_m_.push_back(0.0);
+    join_to_restored(keyframe);
     return;
   }
   const SE3& T_map_last = T_map_keyframes_[newest() - 1];
@@ -110,6 +140,21 @@ void BackEnd::add_step(const TrackedKeyframe& keyframe) {
                                   odometry_covariance(T_map_last, motion, odometry_).inverse(),
                               T_map_last.linear().transpose())});
   path_m_.push_back(path_m_.back() + motion.distance_m);
+}
+
+// The first one after a restart: nobody knows how the robot came here from the last keyframe.
+void BackEnd::join_to_restored(const TrackedKeyframe& keyframe) {
+  const auto restored = std::span(T_map_keyframes_).first(num_restored_);
+  const auto nearest = std::ranges::min_element(restored, {}, [&](const SE3& T_map_base) {
+    return distance(T_map_base, keyframe.T_map_base);
+  });
+  if (nearest == restored.end()) {
+    return;
+  }
+  graph_.add_step({.from = static_cast<std::size_t>(nearest - restored.begin()),
+                   .to = newest(),
+                   .T_from_to = nearest->inverse() * keyframe.T_map_base,
+                   .information = rotated(keyframe.information, nearest->linear().transpose())});
 }
 
 // Where the map against which the keyframe was registered is of a place of before, this was a loop
@@ -153,39 +198,67 @@ bool BackEnd::close_loops(const VoxelMap& sweep_base) {
   if (!nearest) {
     return false;
   }
-  const SE3& T_map_old = T_map_keyframes_[*nearest];
-  const SE3& T_map_base = T_map_keyframes_.back();
-  // The same relative pose, seen from its other end.
-  const Matrix6d J = moment_arm_jacobian(T_map_base.translation() - T_map_old.translation());
-  const PosePrior prior{
-      .T_map_base = T_map_base,
-      .covariance = J * uncertainty_[*nearest] * J.transpose() + 1e-8 * Matrix6d::Identity()};
+  const PosePrior prior = prior_from(*nearest);
+  const LoopAttempt attempt = match_with_old_map(sweep_base, *nearest, prior);
   const bool is_search = LoopCloser::needs_search(prior);
   metrics_.searches += is_search ? 1 : 0;
+  if (!attempt.loop) {
+    refuse(*nearest, attempt.refusal);
+    return false;
+  }
+  const std::vector<Loop> believed =
+      is_search ? confirm(*attempt.loop) : std::vector{*attempt.loop};
+  (is_search ? metrics_.loops_searched : metrics_.loops_tracked) +=
+      static_cast<std::int64_t>(believed.size());
+  for (const Loop& loop : believed) {
+    add_loop(loop);
+  }
+  return !believed.empty();
+}
+
+// The newest keyframe as the graph knows it relative to the place of an old one.
+PosePrior BackEnd::prior_from(std::size_t old) const {
+  const SE3& T_map_base = T_map_keyframes_.back();
+  // The same relative pose, seen from its other end.
+  const Matrix6d J =
+      moment_arm_jacobian(T_map_base.translation() - T_map_keyframes_[old].translation());
+  return {.T_map_base = T_map_base,
+          .covariance = J * uncertainty_[old] * J.transpose() + 1e-8 * Matrix6d::Identity()};
+}
+
+// A loop to keyframe `old`, in whose place the newest one is looked for.
+LoopAttempt BackEnd::match_with_old_map(const VoxelMap& sweep_base, std::size_t old,
+                                        const PosePrior& prior) const {
   VoxelMap sweep = sweep_base;
   sweep.hold();
   LoopAttempt attempt = closer_.match(sweep, old_map_, prior);
-  if (!attempt.loop) {
-    ++(attempt.refusal == LoopRefusal::kAmbiguous ? metrics_.refused_ambiguous
-                                                  : metrics_.refused_match);
-    return false;
+  if (attempt.loop) {
+    const SE3& T_map_old = T_map_keyframes_[old];
+    attempt.loop->from = old;
+    attempt.loop->to = newest();
+    attempt.loop->T_from_to = T_map_old.inverse() * attempt.loop->T_from_to;
+    attempt.loop->information = rotated(attempt.loop->information, T_map_old.linear().transpose());
   }
-  Loop& loop = *attempt.loop;
-  loop.from = *nearest;
-  loop.to = newest();
-  loop.T_from_to = T_map_old.inverse() * loop.T_from_to;
-  loop.information = rotated(loop.information, T_map_old.linear().transpose());
-  std::vector<Loop> accepted{loop};
-  if (is_search) {
-    accepted = closer_.add_pending(loop, T_map_keyframes_);
-    has_searched_loops_ = has_searched_loops_ || !accepted.empty();
-  }
-  (is_search ? metrics_.loops_searched : metrics_.loops_tracked) +=
-      static_cast<std::int64_t>(accepted.size());
-  for (const Loop& one : accepted) {
-    add_loop(one);
-  }
-  return !accepted.empty();
+  return attempt;
+}
+
+void BackEnd::refuse(std::size_t old, LoopRefusal reason) {
+  refused_.push_back({.from = old, .to = newest(), .reason = reason});
+  ++(reason == LoopRefusal::kAmbiguous ? metrics_.refused_ambiguous : metrics_.refused_match);
+}
+
+// What was searched for waits until enough keyframes say the same; those that do are returned.
+std::vector<Loop> BackEnd::confirm(const Loop& loop) {
+  refused_.push_back({.from = loop.from, .to = loop.to, .reason = LoopRefusal::kUnconfirmed});
+  const std::vector<Loop> believed = closer_.add_pending(loop, T_map_keyframes_);
+  std::erase_if(refused_, [&believed](const RefusedLoop& refused) {
+    return refused.reason == LoopRefusal::kUnconfirmed &&
+           std::ranges::any_of(believed, [&refused](const Loop& one) {
+             return one.from == refused.from && one.to == refused.to;
+           });
+  });
+  has_searched_loops_ = has_searched_loops_ || !believed.empty();
+  return believed;
 }
 
 std::vector<bool> BackEnd::certain_keyframes() const {

@@ -17,7 +17,7 @@ enum class KeyframeReason { kFirst, kInterruption, kDistance, kRotation };
 
 /// A sweep that the map keeps; whole, so that the maps can be built anew from other poses.
 struct Keyframe {
-  std::size_t sweep = 0;  ///< place of its update
+  std::size_t sweep = 0;  ///< place of its update; 0 where a saved map has brought it
   geometry::SE3 T_map_base = geometry::SE3::Identity();
   std::shared_ptr<const SweepCloud> cloud;  ///< in base; shared with what works beside the messages
   std::vector<OrientedPoint> points;  ///< the voxel means of the cloud; normal zero where no plane

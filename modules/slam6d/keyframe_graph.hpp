@@ -42,6 +42,18 @@ class KeyframeGraph {
   [[nodiscard]] std::vector<Matrix6d> uncertainties(std::span<const geometry::SE3> T_map_keyframes,
                                                     std::size_t from) const;
 
+  [[nodiscard]] bool is_level(std::size_t keyframe) const { return is_level_[keyframe]; }
+  /// In the order in which they were added.
+  [[nodiscard]] std::span<const registration::PoseEdge3d> steps() const { return steps_; }
+
+  /// A loop closure, and what the other edges say of it.
+  struct WeightedLoop {
+    registration::PoseEdge3d edge;
+    std::optional<double> weight = std::nullopt;  ///< in the graph, 0..1, once optimised
+    [[nodiscard]] bool holds() const { return weight && *weight > 0.5; }
+    [[nodiscard]] bool is_contradicted() const { return weight && !holds(); }
+  };
+  [[nodiscard]] std::span<const WeightedLoop> loops() const { return loops_; }
   /// Loops, and how many of them the graph contradicts.
   [[nodiscard]] std::size_t num_loops() const { return loops_.size(); }
   [[nodiscard]] std::size_t num_contradicted() const;
@@ -50,13 +62,6 @@ class KeyframeGraph {
   [[nodiscard]] Matrix6d level_information() const;
   [[nodiscard]] registration::PoseEdge3d level_edge(std::span<const geometry::SE3> T_map_keyframes,
                                                     std::size_t keyframe) const;
-
-  struct WeightedLoop {
-    registration::PoseEdge3d edge;
-    std::optional<double> weight = std::nullopt;  ///< in the graph, 0..1, once optimised
-    [[nodiscard]] bool holds() const { return weight && *weight > 0.5; }
-    [[nodiscard]] bool is_contradicted() const { return weight && !holds(); }
-  };
 
   LevelGround ground_;
   std::vector<bool> is_level_;  // each keyframe

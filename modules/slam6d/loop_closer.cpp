@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <utility>
 
 namespace nodmap::slam6d {
 namespace {
@@ -21,22 +22,10 @@ constexpr double kStepM = 0.4;
 constexpr double kStepRad = geometry::deg_to_rad(6.0);
 constexpr std::size_t kSearchLevel = 2;
 constexpr std::size_t kMaxSearchPoints = 300;
-// The best starts, none within this of a better one.
-constexpr std::size_t kMaxStarts = 8;
-constexpr double kApartM = 0.7;
-constexpr double kApartRad = geometry::deg_to_rad(10.0);
-// Another place whose inlier ratio is less than this below the best one's fits as well.
-constexpr double kAmbiguity = 0.1;
 // What two maps of one place differ by, however well they match.
 constexpr double kLoopSigmaM = 0.003;
 constexpr double kLoopSigmaRad = geometry::deg_to_rad(0.03);
 constexpr std::size_t kMaxPendingAge = 15;  // keyframes
-
-bool is_apart(const SE3& a, const SE3& b, double distance_m, double rotation_rad) {
-  const SE3 motion = a.inverse() * b;
-  return motion.translation().norm() > distance_m ||
-         geometry::rotation_angle(motion) > rotation_rad;
-}
 
 struct Reach {
   double distance_m;
@@ -93,32 +82,19 @@ LoopAttempt LoopCloser::attempt(const Registration& found, const PosePrior& prio
 
 LoopAttempt LoopCloser::search(VoxelMap& keyframe, const VoxelMap& place,
                                const PosePrior& prior) const {
-  std::vector<Registration> found;
-  for (const Start& start : starts(keyframe, place, prior)) {
-    const Registration registration =
-        register_sweep_from(keyframe, place, prior, start.T_place_base, registration_);
-    if (registration.is_accepted()) {
-      found.push_back(registration);
-    }
+  const StartsResult result = register_from(
+      starts(keyframe, place, prior), keyframe, place,
+      [&prior](const SE3& /*T_map_start*/) { return prior; }, registration_);
+  if (!result.best) {
+    return {.refusal = result.is_ambiguous ? LoopRefusal::kAmbiguous : LoopRefusal::kLowScore};
   }
-  const auto ratio = [](const Registration& one) { return one.lowest_inlier_ratio(); };
-  const auto best = std::ranges::max_element(found, {}, ratio);
-  if (best == found.end()) {
-    return {};
-  }
-  for (const Registration& other : found) {
-    if (ratio(other) > ratio(*best) - kAmbiguity &&
-        is_apart(best->T_map_base, other.T_map_base, 0.5 * kApartM, 0.5 * kApartRad)) {
-      return {.refusal = LoopRefusal::kAmbiguous};
-    }
-  }
-  return attempt(*best, prior);
+  return attempt(*result.best, prior);
 }
 
 // All poses within reach, by how many of some points have a correspondence among the place's
 // coarse voxels. Height, roll and pitch are the prior's: registration finds them.
-std::vector<LoopCloser::Start> LoopCloser::starts(const VoxelMap& keyframe, const VoxelMap& place,
-                                                  const PosePrior& prior) const {
+std::vector<StartPose> LoopCloser::starts(const VoxelMap& keyframe, const VoxelMap& place,
+                                          const PosePrior& prior) const {
   const Reach reach = reach_of(prior);
   const auto steps = [](double length, double step) {
     return static_cast<int>(std::ceil(length / step));
@@ -131,7 +107,7 @@ std::vector<LoopCloser::Start> LoopCloser::starts(const VoxelMap& keyframe, cons
   const auto max_m = static_cast<float>(grid.voxel_size_m());
   const auto min_cosine = static_cast<float>(registration_.min_normal_cosine);
   const Eigen::Vector3d up = prior.T_map_base.linear().col(2);
-  std::vector<Start> tried;
+  std::vector<StartPose> tried;
   for (int h = -steps_rad; h <= steps_rad; ++h) {
     SE3 T = prior.T_map_base;
     T.linear() = geometry::rotation_of(h * kStepRad * up) * T.linear();
@@ -152,19 +128,7 @@ std::vector<LoopCloser::Start> LoopCloser::starts(const VoxelMap& keyframe, cons
       }
     }
   }
-  std::ranges::stable_sort(tried, std::ranges::greater{}, &Start::score);
-  std::vector<Start> best;
-  for (const Start& start : tried) {
-    if (best.size() == kMaxStarts) {
-      break;
-    }
-    if (std::ranges::all_of(best, [&](const Start& better) {
-          return is_apart(better.T_place_base, start.T_place_base, kApartM, kApartRad);
-        })) {
-      best.push_back(start);
-    }
-  }
-  return best;
+  return best_starts(std::move(tried));
 }
 
 std::vector<Loop> LoopCloser::add_pending(const Loop& loop, std::span<const SE3> T_map_keyframes) {

@@ -10,6 +10,7 @@
 #include "common/geometry/se3.hpp"
 #include "modules/slam6d/pose_covariance.hpp"
 #include "modules/slam6d/registration.hpp"
+#include "modules/slam6d/start_poses.hpp"
 #include "modules/slam6d/voxel_map.hpp"
 
 namespace nodmap::slam6d {
@@ -57,7 +58,11 @@ struct Loop {
 };
 
 /// Why there is no loop.
-enum class LoopRefusal { kLowScore, kAmbiguous };
+enum class LoopRefusal {
+  kLowScore,    ///< too few points fit
+  kAmbiguous,   ///< another place fits as well
+  kUnconfirmed  ///< too few other keyframes say the same so far
+};
 
 struct LoopAttempt {
   std::optional<Loop> loop = std::nullopt;
@@ -84,16 +89,11 @@ class LoopCloser {
                                               std::span<const geometry::SE3> T_map_keyframes);
 
  private:
-  struct Start {
-    geometry::SE3 T_place_base;
-    double score = 0.0;  ///< part of the points that have a correspondence, 0..1
-  };
-
   [[nodiscard]] LoopAttempt attempt(const Registration& found, const PosePrior& prior) const;
   [[nodiscard]] LoopAttempt search(VoxelMap& keyframe, const VoxelMap& place,
                                    const PosePrior& prior) const;
-  [[nodiscard]] std::vector<Start> starts(const VoxelMap& keyframe, const VoxelMap& place,
-                                          const PosePrior& prior) const;
+  [[nodiscard]] std::vector<StartPose> starts(const VoxelMap& keyframe, const VoxelMap& place,
+                                              const PosePrior& prior) const;
 
   LoopParams params_;
   RegistrationParams registration_;

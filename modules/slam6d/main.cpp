@@ -1,10 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "common/node/node.hpp"
+#include "common/node/map_options.hpp"
 #include "modules/slam6d/node.hpp"
 
 int main(int argc, char** argv) {
-  return nodmap::node::run<nodmap::slam6d::Slam6dNode>(
+  using namespace nodmap;
+  slam6d::Slam6dParams values;
+  params::Table table(values);
+  return node::run_map_node(
       argc, argv,
       {"nodmap-slam6d",
-       "Registers the sweeps of a nodding laser into a 3D model and an OctoMap (6DOF SLAM)."});
+       "Registers the sweeps of a nodding laser into a 3D model and an OctoMap (6DOF SLAM)."},
+      table,
+      [&values](node::Context& context,
+                const node::MapOptions& options) -> std::unique_ptr<node::Node> {
+        if (options.localise_in.empty() && options.map_in.empty()) {
+          return std::make_unique<slam6d::Slam6dNode>(context, values);
+        }
+        return std::make_unique<slam6d::Slam6dNode>(context, values, options);
+      });
 }

@@ -2,6 +2,7 @@
 #include "modules/slam6d/node.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <span>
@@ -13,17 +14,13 @@
 #include "common/formats/atomic_file.hpp"
 #include "common/node/log.hpp"
 #include "common/node/message_input.hpp"
-#include "common/node/messages.hpp"
+#include "modules/slam6d/messages.hpp"
 #include "modules/slam6d/results.hpp"
-#include "nodmap/cloud_chunk_t.hpp"
+#include "modules/slam6d/saved_map_file.hpp"
 #include "nodmap/octomap_chunk_t.hpp"
-#include "nodmap/pose_t.hpp"
 
 namespace nodmap::slam6d {
 namespace {
-
-// 60 kB: with its head a part stays below 64 KiB.
-constexpr std::size_t kPointsPerChunk = 5000;
 
 // How many scans after its last one a sweep's pose is published, and a keyframe's map: 50 ms at 75
 // Hz for what takes 10 ms, and 0.8 s, before the next sweep.
@@ -31,25 +28,14 @@ constexpr int kScansUntilRegistered = 4;
 constexpr int kScansUntilMapped = 60;
 // A disk that was full may have room again: 10 s.
 constexpr int kScansUntilSavedAgain = 750;
+// A search of a whole saved map takes up to half a second.
+constexpr int kScansUntilFound = 60;
+// Of a keyframe that is saved, 174 kB: 3 ms.
+constexpr std::size_t kSavedKeyframesPerScan = 4;
+constexpr std::int64_t kGraphPeriodUs = 1'000'000;
 // Keyframes that have moved by less leave the occupancy map as it is, until the end.
 constexpr double kMinMapMotionM = 0.03;
 constexpr double kMinMapMotionAtEndM = 0.005;
-
-std::int8_t pose_state(const PoseUpdate& update) {
-  if (!update.registration) {
-    // The first sweep is the map; what is too thin to be registered follows odometry.
-    return update.keyframe ? nodmap::pose_t::TRACKING : nodmap::pose_t::DEGRADED;
-  }
-  switch (update.registration->status) {
-    case RegistrationStatus::kTracking:
-      return nodmap::pose_t::TRACKING;
-    case RegistrationStatus::kDegraded:
-      return nodmap::pose_t::DEGRADED;
-    case RegistrationStatus::kLost:
-      return nodmap::pose_t::LOST;
-  }
-  return nodmap::pose_t::LOST;
-}
 
 OccupancyMap::Options map_options(const OccupancyParams& params) {
   return {.resolution_m = params.resolution_m, .max_range_m = params.max_range_m};
@@ -73,6 +59,20 @@ Slam6dNode::Slam6dNode(node::Context& context, const Params& params)
       "SAVE_REQUEST", [this](const nodmap::save_request_t& message) { on_save_request(message); });
 }
 
+Slam6dNode::Slam6dNode(node::Context& context, const Params& params,
+                       const node::MapOptions& options)
+    : Slam6dNode(context, params) {
+  only_localises_ = !options.localise_in.empty();
+  std::optional<geometry::SE3> T_map_start;
+  if (options.T_map_start) {
+    T_map_start = geometry::to_se3(*options.T_map_start);
+  }
+  slam_.restore(read_saved_map(only_localises_ ? options.localise_in : options.map_in), T_map_start,
+                only_localises_);
+  log::get().info("{} {} keyframes", only_localises_ ? "localises in" : "carries on with",
+                  slam_.num_restored());
+}
+
 void Slam6dNode::on_odometry(const nodmap::odometry_t& message) {
   const auto T_odom_base = input_.read(message);
   if (!T_odom_base) {
@@ -94,20 +94,23 @@ void Slam6dNode::on_scan(const nodmap::scan_t& message) {
   }
   answer(registering_.count_message());
   answer(mapping_.count_message());
-  if (save_error_ && --scans_until_saved_again_ <= 0 && !mapping_.is_running()) {
+  if (save_error_ && --scans_until_saved_again_ <= 0 && !mapping_.is_running() &&
+      !registering_.is_running()) {
     start_saving();
   }
   if (auto sweep = slam_.collect(std::move(scan))) {
     register_sweep(std::move(*sweep));
   }
   count_scans();
+  publish_restored_cloud();
   publish_octomap_part();
 }
 
 void Slam6dNode::register_sweep(PlacedSweep sweep) {
   answer(registering_.take());
+  const bool is_searching = slam_.localiser() && !slam_.localiser()->has_place();
   registering_.start([this, sweep = std::move(sweep)] { return slam_.add_sweep(sweep); },
-                     kScansUntilRegistered);
+                     is_searching ? kScansUntilFound : kScansUntilRegistered);
 }
 
 void Slam6dNode::finish() {
@@ -115,6 +118,15 @@ void Slam6dNode::finish() {
   answer(slam_.flush());
   count_scans();
   slam_.polish();
+  if (!slam_.keyframes().empty()) {
+    publish_graph(slam_.keyframes().back().cloud->utime_us);
+  }
+  if (slam_.back_end().has_loops()) {
+    log::get().info("{}", describe_loops(slam_.back_end()));
+  }
+  if (only_localises_) {
+    return;
+  }
   answer(mapping_.take());
   update_map(kMinMapMotionAtEndM);
   const auto publish_rest = [this] {
@@ -153,43 +165,35 @@ void Slam6dNode::answer(const std::optional<PoseUpdate>& update) {
 }
 
 void Slam6dNode::publish(const PoseUpdate& update) {
-  nodmap::pose_t message =
-      node::write_corrected_pose(update.utime_us, update.T_map_base, update.T_map_odom);
-  if (update.registration) {
-    message.inlier_ratio = update.registration->inlier_ratio;
-    message.inlier_rms_m = update.registration->residual_rms_m;
-  }
-  message.state = pose_state(update);
-  for (int row = 0; row < 6; ++row) {
-    for (int column = 0; column < 6; ++column) {
-      message.covariance[row][column] = update.covariance(row, column);
-    }
-  }
-  context_.bus.publish("POSE_6D", message);
+  context_.bus.publish("POSE_6D", write_pose(update));
   if (update.keyframe) {
-    publish_cloud(slam_.keyframes().back());
+    publish_cloud(slam_.keyframes().size() - 1);
+  }
+  if (std::abs(update.utime_us - graph_utime_us_) >= kGraphPeriodUs) {
+    publish_graph(update.utime_us);
   }
   update_map(kMinMapMotionM);
 }
 
-void Slam6dNode::publish_cloud(const Keyframe& keyframe) {
-  const std::vector<OrientedPoint>& points = keyframe.points;
-  nodmap::cloud_chunk_t message{};
-  message.utime = keyframe.cloud->utime_us;
-  message.keyframe_id = static_cast<std::int64_t>(slam_.keyframes().size()) - 1;
-  message.num_chunks =
-      static_cast<std::int32_t>((points.size() + kPointsPerChunk - 1) / kPointsPerChunk);
-  node::write_pose(keyframe.T_map_base, message.position_m, message.orientation);
-  for (; message.chunk_index < message.num_chunks; ++message.chunk_index) {
-    const std::size_t first = static_cast<std::size_t>(message.chunk_index) * kPointsPerChunk;
-    const std::size_t end = std::min(first + kPointsPerChunk, points.size());
-    message.num_points = static_cast<std::int32_t>(end - first);
-    message.points_m.clear();
-    for (std::size_t i = first; i < end; ++i) {
-      const Eigen::Vector3f& p = points[i].p;
-      message.points_m.push_back({p.x(), p.y(), p.z()});
-    }
-    context_.bus.publish("CLOUD", message);
+// One with each scan, so that no queue runs over.
+void Slam6dNode::publish_restored_cloud() {
+  if (restored_clouds_ < slam_.num_restored() && !registering_.is_running()) {
+    publish_cloud(restored_clouds_++);
+  }
+}
+
+void Slam6dNode::publish_graph(std::int64_t utime_us) {
+  if (graph_revision_ == slam_.back_end().graph_revision()) {
+    return;
+  }
+  context_.bus.publish("POSE_GRAPH_6D", write_graph(utime_us, slam_.keyframes(), slam_.back_end()));
+  graph_revision_ = slam_.back_end().graph_revision();
+  graph_utime_us_ = utime_us;
+}
+
+void Slam6dNode::publish_cloud(std::size_t k) {
+  for (const nodmap::cloud_chunk_t& chunk : write_cloud_chunks(slam_.keyframes()[k], k)) {
+    context_.bus.publish("CLOUD", chunk);
   }
 }
 
@@ -206,7 +210,7 @@ bool Slam6dNode::has_moved(double min_motion_m) const {
 // One piece of work at a time: what comes meanwhile waits for its end. A map whose keyframes have
 // moved is made anew.
 void Slam6dNode::update_map(double min_motion_m) {
-  if (mapping_.is_running()) {
+  if (mapping_.is_running() || only_localises_) {
     return;
   }
   const std::span<const Keyframe> all = slam_.keyframes();
@@ -228,10 +232,16 @@ void Slam6dNode::update_map(double min_motion_m) {
     clouds.emplace_back(keyframe.cloud, keyframe.T_map_base);
     T_map_mapped_.push_back(keyframe.T_map_base);
   }
+  std::optional<SavedMap> saved;
+  if (is_saved) {
+    saved = slam_.save();
+  }
   // A scan more for each cloud.
-  const int scans_until_due = kScansUntilMapped + static_cast<int>(clouds.size());
+  const int scans_until_due =
+      kScansUntilMapped +
+      static_cast<int>(clouds.size() + (is_saved ? all.size() / kSavedKeyframesPerScan : 0));
   mapping_.start(
-      [this, clouds = std::move(clouds), is_anew, is_published, is_saved] {
+      [this, clouds = std::move(clouds), saved = std::move(saved), is_anew, is_published] {
         MapWork work;
         if (is_anew) {
           occupancy_ = OccupancyMap(map_options(params_.occupancy));
@@ -242,8 +252,8 @@ void Slam6dNode::update_map(double min_motion_m) {
         if (is_published) {
           work.bt_file = occupancy_.encode(OccupancyMap::Format::kBt);
         }
-        if (is_saved) {
-          work.save_error = save_map(context_.out_dir);
+        if (saved) {
+          work.save_error = save_map(context_.out_dir, *saved);
         }
         return work;
       },
@@ -300,18 +310,23 @@ void Slam6dNode::publish_octomap_part() {
 }
 
 void Slam6dNode::on_save_request(const nodmap::save_request_t& message) {
-  if (node::accept_save_request(message, context_)) {
+  if (!only_localises_ && node::accept_save_request(message, context_)) {
+    answer(registering_.take());
     answer(mapping_.take());
     start_saving();
   }
 }
 
 void Slam6dNode::start_saving() {
-  mapping_.start([this] { return MapWork{.save_error = save_map(context_.out_dir)}; },
-                 kScansUntilMapped);
+  mapping_.start(
+      [this, saved = slam_.save()] {
+        return MapWork{.save_error = save_map(context_.out_dir, saved)};
+      },
+      kScansUntilMapped + static_cast<int>(slam_.keyframes().size() / kSavedKeyframesPerScan));
 }
 
-std::error_code Slam6dNode::save_map(const std::filesystem::path& dir) const {
+std::error_code Slam6dNode::save_map(const std::filesystem::path& dir,
+                                     const SavedMap& keyframes) const {
   using Format = OccupancyMap::Format;
   std::vector<std::pair<Format, const char*>> files{{Format::kBt, "map.bt"}};
   if (params_.occupancy.save_ot) {
@@ -326,15 +341,18 @@ std::error_code Slam6dNode::save_map(const std::filesystem::path& dir) const {
       return error;
     }
   }
-  return {};
+  return keyframes.keyframes.empty() ? std::error_code{} : write_saved_map(dir, keyframes);
 }
 
 void Slam6dNode::write_results(const std::filesystem::path& dir) {
-  if (const auto error = save_map(dir)) {
+  write_trajectories(slam_, dir);
+  if (only_localises_) {
+    return;
+  }
+  if (const auto error = save_map(dir, slam_.save())) {
     throw std::runtime_error((dir / "map.bt").string() + ": " + error.message());
   }
   ++maps_saved_;
-  write_trajectories(slam_, dir);
   write_cloud(slam_, dir);
 }
 
@@ -343,6 +361,9 @@ nlohmann::json Slam6dNode::metrics() const {
   mapping_.wait();
   nlohmann::json figures = slam_figures(slam_);
   figures["loops"] = loop_figures(slam_.back_end());
+  if (slam_.localiser()) {
+    figures["localisation"] = localisation_figures(slam_);
+  }
   figures["occupancy_map"] = {{"nodes", occupancy_.num_nodes()},
                               {"memory_bytes", occupancy_.memory_bytes()},
                               {"times_saved", maps_saved_}};
@@ -358,11 +379,14 @@ node::Health Slam6dNode::health() const {
   if (slam_.scan_counts().in_sweeps > 0 && slam_.sweeps().empty()) {
     return {HealthState::kDegraded, "There are scans, but no odometry for them."};
   }
+  if (!slam_.sweeps().empty() && !slam_.sweeps().back().is_place_known) {
+    return {HealthState::kDegraded, "The robot has not been found in the saved map yet."};
+  }
   if (!slam_.sweeps().empty() && slam_.sweeps().back().num_points == 0) {
     return {HealthState::kDegraded,
             "The last sweep has no point between range.min_m and range.max_m."};
   }
-  if (!slam_.sweeps().empty() && pose_state(slam_.sweeps().back()) == nodmap::pose_t::LOST) {
+  if (!slam_.sweeps().empty() && write_pose(slam_.sweeps().back()).state == nodmap::pose_t::LOST) {
     return {HealthState::kDegraded, "The last sweep does not fit the map."};
   }
   return {};

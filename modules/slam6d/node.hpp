@@ -10,6 +10,7 @@
 #include <system_error>
 
 #include "common/node/background_job.hpp"
+#include "common/node/map_options.hpp"
 #include "common/node/message_counts.hpp"
 #include "common/node/message_input.hpp"
 #include "common/node/node.hpp"
@@ -23,14 +24,20 @@
 
 namespace nodmap::slam6d {
 
-/// SCAN and ODOMETRY in, POSE_6D for each sweep, CLOUD for each keyframe and OCTOMAP now and then
-/// out; SAVE_REQUEST writes the map. Sweeps are registered, loops are closed and the occupancy map
-/// is kept beside the messages: a scan is handled within microseconds.
+/// SCAN and ODOMETRY in, POSE_6D for each sweep, CLOUD for each keyframe, POSE_GRAPH_6D when the
+/// graph has changed and OCTOMAP now and then out; SAVE_REQUEST writes the map. Sweeps are
+/// registered, loops are closed and the occupancy map is kept beside the messages: a scan is
+/// handled within microseconds.
+///
+/// In a saved map it carries on, or only localises: then nothing but poses and the clouds of that
+/// map is published, and nothing of it is written.
 class Slam6dNode : public node::Node {
  public:
   using Params = Slam6dParams;
 
   Slam6dNode(node::Context& context, const Params& params);
+  /// In a saved map. Throws formats::InputFileError for one that cannot be read.
+  Slam6dNode(node::Context& context, const Params& params, const node::MapOptions& options);
 
   void finish() override;
   void write_results(const std::filesystem::path& dir) override;
@@ -51,20 +58,28 @@ class Slam6dNode : public node::Node {
   void register_sweep(PlacedSweep sweep);
   void answer(const std::optional<PoseUpdate>& update);
   void publish(const PoseUpdate& update);
-  void publish_cloud(const Keyframe& keyframe);
+  void publish_cloud(std::size_t k);
+  void publish_restored_cloud();
+  void publish_graph(std::int64_t utime_us);
   [[nodiscard]] bool has_moved(double min_motion_m) const;
   void update_map(double min_motion_m);
   [[nodiscard]] bool begin_octomap(std::int64_t utime_us);
   void answer(const std::optional<MapWork>& work);
   void publish_octomap_part();
   void count_scans();
+  /// While neither job runs: it reads `slam_`.
   void start_saving();
-  [[nodiscard]] std::error_code save_map(const std::filesystem::path& dir) const;
+  [[nodiscard]] std::error_code save_map(const std::filesystem::path& dir,
+                                         const SavedMap& keyframes) const;
 
   node::Context& context_;
   Params params_;
   node::SensorInput input_;
   Slam6d slam_;
+  bool only_localises_ = false;
+  std::size_t restored_clouds_ = 0;  // published
+  std::int64_t graph_revision_ = 0;  // published
+  std::int64_t graph_utime_us_ = 0;
   OccupancyMap occupancy_;
   /// Of the keyframes that are in it, or on their way into it, the poses with which they are.
   std::vector<geometry::SE3> T_map_mapped_;

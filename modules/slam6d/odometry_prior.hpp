@@ -47,6 +47,18 @@ struct OdometryParams {
   }
 };
 
+/// Odometry of wheels alone: it knows neither height nor tilt.
+[[nodiscard]] inline bool is_planar(const geometry::SE3& T_odom_base) {
+  return std::abs(T_odom_base.translation().z()) < 1e-6 && T_odom_base.linear()(2, 2) > 1.0 - 1e-12;
+}
+
+/// Not on a ramp, nor on another storey.
+[[nodiscard]] inline bool is_level(const geometry::SE3& T_map_base, const OdometryParams& params) {
+  constexpr double kSigmas = 4.0;
+  return std::abs(T_map_base.translation().z()) < kSigmas * params.level_height_m &&
+         T_map_base.linear().col(2).head<2>().norm() < kSigmas * params.level_tilt_rad;
+}
+
 /// A motion as odometry tells it.
 struct OdometryMotion {
   double distance_m = 0.0;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "common/geometry/angle.hpp"
+#include "modules/slam6d/localiser.hpp"
 #include "modules/slam6d/loop_closer.hpp"
 #include "modules/slam6d/odometry_calibration.hpp"
 #include "modules/slam6d/odometry_prior.hpp"
@@ -63,6 +64,7 @@ struct Slam6dParams {
   RegistrationParams registration{};
   KeyframeParams keyframe{};
   LoopParams loop{};
+  LocaliseParams localise{};
   OccupancyParams occupancy{};
 
   template <class Visitor>
@@ -78,6 +80,7 @@ struct Slam6dParams {
     v.section("registration", registration);
     v.section("keyframe", keyframe);
     v.section("loop", loop);
+    v.section("localise", localise);
     v.section("occupancy", occupancy);
     describe_renamed(v);
   }

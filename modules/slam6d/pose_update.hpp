@@ -23,6 +23,9 @@ struct PoseUpdate {
   /// Of the base's position (m) and rotation vector (rad), axes of map: of the match where the map
   /// tells the pose, else of odometry since then. Zero for the first sweep, which is the map.
   Matrix6d covariance = Matrix6d::Zero();
+  /// False while a robot that was put into a known map has not been found in it: then the poses
+  /// mean nothing.
+  bool is_place_known = true;
   std::size_t scans_used = 0;
   std::size_t scans_without_pose = 0;
   std::size_t num_points = 0;

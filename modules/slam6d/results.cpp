@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "modules/slam6d/results.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <span>
+#include <sstream>
 #include <vector>
 
 #include "common/drawing/cloud_view.hpp"
@@ -65,6 +68,34 @@ nlohmann::json keyframe_figures(const PoseUpdate& update) {
   return figures;
 }
 
+/// Loops of successive keyframes with one stretch of the way.
+struct LoopRun {
+  registration::PoseEdge3d first;
+  registration::PoseEdge3d last;
+};
+
+std::vector<LoopRun> runs_of(std::span<const KeyframeGraph::WeightedLoop> loops) {
+  constexpr std::size_t kGap = 5;  // keyframes
+  const auto is_near = [](std::size_t a, std::size_t b) {
+    return std::max(a, b) - std::min(a, b) <= kGap;
+  };
+  std::vector<LoopRun> runs;
+  for (const KeyframeGraph::WeightedLoop& loop : loops) {
+    if (loop.is_contradicted()) {
+      continue;
+    }
+    const auto run = std::ranges::find_if(runs, [&](const LoopRun& one) {
+      return is_near(one.last.to, loop.edge.to) && is_near(one.last.from, loop.edge.from);
+    });
+    if (run == runs.end()) {
+      runs.push_back({loop.edge, loop.edge});
+    } else {
+      run->last = loop.edge;
+    }
+  }
+  return runs;
+}
+
 }  // namespace
 
 void write_trajectories(const Slam6d& slam, const std::filesystem::path& dir) {
@@ -73,6 +104,9 @@ void write_trajectories(const Slam6d& slam, const std::filesystem::path& dir) {
   formats::Trajectory online;
   for (std::size_t i = 0; i < corrected.size(); ++i) {
     const PoseUpdate& sweep = slam.sweeps()[i];
+    if (!sweep.is_place_known) {
+      continue;
+    }
     trajectory.push_back({sweep.utime_us, corrected[i]});
     online.push_back({sweep.utime_us, sweep.T_map_base});
   }
@@ -120,9 +154,34 @@ nlohmann::json loop_figures(const BackEnd& back_end) {
           {"maps_arranged", metrics.maps_arranged}};
 }
 
+std::string describe_loops(const BackEnd& back_end) {
+  const BackEndMetrics& metrics = back_end.metrics();
+  std::ostringstream text;
+  text << metrics.loops_tracked << " loops closed by a match, " << metrics.loops_searched << " by "
+       << metrics.searches << " searches; refused: " << metrics.refused_match << " fitted poorly, "
+       << metrics.refused_ambiguous << " fitted several places; "
+       << back_end.graph().num_contradicted()
+       << " contradict the graph; keyframes at places of before: ";
+  const char* separator = "";
+  for (const LoopRun& run : runs_of(back_end.graph().loops())) {
+    text << separator << run.first.to << ".." << run.last.to << " at " << run.first.from << ".."
+         << run.last.from;
+    separator = ", ";
+  }
+  return text.str();
+}
+
+nlohmann::json localisation_figures(const Slam6d& slam) {
+  const Localiser::Metrics& metrics = slam.localiser()->metrics();
+  return {{"keyframes_restored", slam.num_restored()},
+          {"searches", metrics.searches},
+          {"searches_found", metrics.found},
+          {"times_lost", metrics.times_lost}};
+}
+
 nlohmann::json slam_figures(const Slam6d& slam) {
   nlohmann::json keyframes = nlohmann::json::array();
-  for (const Keyframe& keyframe : slam.keyframes()) {
+  for (const Keyframe& keyframe : slam.keyframes().subspan(slam.num_restored())) {
     keyframes.push_back(keyframe_figures(slam.sweeps()[keyframe.sweep]));
   }
   const Metrics metrics = slam.metrics();

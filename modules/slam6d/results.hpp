@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
+#include <string>
 
 #include "modules/slam6d/slam6d.hpp"
 
@@ -17,6 +18,12 @@ void write_cloud(const Slam6d& slam, const std::filesystem::path& dir);
 
 /// What became of loops.
 [[nodiscard]] nlohmann::json loop_figures(const BackEnd& back_end);
+
+/// The same in a sentence: which keyframes were recognised where.
+[[nodiscard]] std::string describe_loops(const BackEnd& back_end);
+
+/// How a robot was found in a saved map; only for one that was put into it.
+[[nodiscard]] nlohmann::json localisation_figures(const Slam6d& slam);
 
 /// Sweeps, scans and keyframes with why and how well they were registered.
 [[nodiscard]] nlohmann::json slam_figures(const Slam6d& slam);

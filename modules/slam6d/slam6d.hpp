@@ -5,28 +5,24 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
-#include "common/geometry/pose_history.hpp"
 #include "common/geometry/se3.hpp"
 #include "common/scan/scan.hpp"
 #include "modules/slam6d/back_end.hpp"
 #include "modules/slam6d/corrected_poses.hpp"
 #include "modules/slam6d/keyframe.hpp"
+#include "modules/slam6d/localiser.hpp"
 #include "modules/slam6d/params.hpp"
 #include "modules/slam6d/pose_update.hpp"
-#include "modules/slam6d/registration.hpp"
+#include "modules/slam6d/saved_map.hpp"
 #include "modules/slam6d/sweep_cloud.hpp"
-#include "modules/slam6d/sweep_segmenter.hpp"
+#include "modules/slam6d/sweep_collector.hpp"
+#include "modules/slam6d/tracker.hpp"
 #include "modules/slam6d/voxel_map.hpp"
 
 namespace nodmap::slam6d {
-
-/// The scans of complete sweeps.
-struct ScanCounts {
-  std::size_t in_sweeps = 0;
-  std::size_t without_pose = 0;  ///< among them, left out
-};
 
 /// Counts of everything so far.
 struct Metrics {
@@ -42,8 +38,22 @@ class Slam6d {
  public:
   explicit Slam6d(const Slam6dParams& params);
 
+  /// Takes over a saved map, before the first scan. The robot is at `T_map_start` at the first
+  /// sweep, or is searched for. `is_fixed`: it is localised in the map, which is never changed;
+  /// else it is carried on with as soon as the place is confirmed.
+  void restore(const SavedMap& saved, const std::optional<geometry::SE3>& T_map_start,
+               bool is_fixed);
+  /// Everything that restore() needs.
+  [[nodiscard]] SavedMap save() const;
+  /// Whether nothing is added to the map: the robot has not been found in it, or it is fixed.
+  [[nodiscard]] bool is_map_closed() const { return is_map_closed_; }
+  /// Of a robot in a saved map.
+  [[nodiscard]] const std::optional<Localiser>& localiser() const { return localiser_; }
+
   /// The robot's pose by odometry; returns whether it was taken (finite).
-  bool add_odometry(std::int64_t utime_us, const geometry::SE3& T_odom_base);
+  bool add_odometry(std::int64_t utime_us, const geometry::SE3& T_odom_base) {
+    return collector_.add_odometry(utime_us, T_odom_base);
+  }
 
   /// Odometry goes on in another frame: its newest pose and `T_new_odom_base` are one place, as far
   /// as anybody knows, and the robot stays where it was in the map. The running sweep ends, and its
@@ -62,8 +72,10 @@ class Slam6d {
   /// What add_scan() and flush() do, in two steps: to collect the scans of a sweep, which takes
   /// microseconds, and to register it. collect(), collect_rest(), add_odometry() and scan_counts()
   /// share nothing with add_sweep(), add_cloud() and what they change.
-  [[nodiscard]] std::optional<PlacedSweep> collect(scan::Scan scan);
-  [[nodiscard]] std::optional<PlacedSweep> collect_rest();
+  [[nodiscard]] std::optional<PlacedSweep> collect(scan::Scan scan) {
+    return collector_.add_scan(std::move(scan));
+  }
+  [[nodiscard]] std::optional<PlacedSweep> collect_rest() { return collector_.flush(); }
   PoseUpdate add_sweep(const PlacedSweep& sweep);
 
   /// The same for a cloud that is one already: everything after deskewing.
@@ -71,10 +83,12 @@ class Slam6d {
 
   [[nodiscard]] std::span<const PoseUpdate> sweeps() const { return sweeps_; }
   [[nodiscard]] std::span<const Keyframe> keyframes() const { return keyframes_; }
+  /// The first of them, which a saved map has brought.
+  [[nodiscard]] std::size_t num_restored() const { return num_restored_; }
   [[nodiscard]] const VoxelMap& map() const { return map_; }
-  [[nodiscard]] const OdometryCalibration& calibration() const { return calibration_; }
-  [[nodiscard]] double pitch_latency_s() const { return pitch_latency_.seconds(); }
-  [[nodiscard]] const ScanCounts& scan_counts() const { return scan_counts_; }
+  [[nodiscard]] const OdometryCalibration& calibration() const { return tracker_.calibration(); }
+  [[nodiscard]] double pitch_latency_s() const { return tracker_.pitch_latency_s(); }
+  [[nodiscard]] const ScanCounts& scan_counts() const { return collector_.counts(); }
   [[nodiscard]] Metrics metrics() const;
 
   /// The pose of every sweep, with all that is known now: tracked sweeps as registered and moved
@@ -89,19 +103,14 @@ class Slam6d {
   [[nodiscard]] const BackEnd& back_end() const { return back_end_; }
 
  private:
-  [[nodiscard]] std::optional<PlacedSweep> place_sweep(Sweep sweep);
-  [[nodiscard]] bool is_better_beginning(const VoxelMap& sweep) const;
-  void begin_anew(PoseUpdate& update);
-  [[nodiscard]] PoseUpdate extrapolate(const SweepCloud& cloud) const;
   [[nodiscard]] bool is_usable(const PoseUpdate& update) const;
-  [[nodiscard]] OdometryMotion motion_since_accepted(const SweepCloud& cloud) const;
-  [[nodiscard]] geometry::SE3 counted_since_accepted(const geometry::SE3& T_odom_base) const;
-  void calibrate(const SweepCloud& cloud, const PoseUpdate& predicted, const PoseUpdate& update);
-  [[nodiscard]] SweepCloud deskew_now(const PlacedSweep& sweep) const;
-  void learn_pitch_latency(const SweepCloud& cloud, const PoseUpdate& update);
   void learn_pitch_latency_at_start(const PlacedSweep& sweep);
-  [[nodiscard]] PosePrior predict(const SweepCloud& cloud, const PoseUpdate& update) const;
+  [[nodiscard]] bool is_better_beginning(const VoxelMap& sweep) const;
+  void begin_anew();
+  void find_place(const VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate& update);
   void track(VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate& update);
+  void judge_place(PoseUpdate& update);
+  void count(RegistrationStatus status);
   void accept(const VoxelMap& sweep, SweepCloud& cloud, PoseUpdate& update);
   [[nodiscard]] std::optional<KeyframeReason> keyframe_reason(PoseUpdate& update) const;
   void keep(const PoseUpdate& update);
@@ -110,42 +119,19 @@ class Slam6d {
   void move_keyframes(std::span<const geometry::SE3> T_map_keyframes);
 
   Slam6dParams params_;
-  SweepSegmenter segmenter_;
-  geometry::PoseHistory odometry_;
-  ScanCounts scan_counts_;
-  bool stream_was_interrupted_ = false;  // since the last sweep that could be placed
-
-  OdometryCalibration calibration_;
-  PitchLatency pitch_latency_;
-  /// What pitch_latency_ compares the next sweep with: the last accepted one.
-  struct NoddingSweep {
-    geometry::SE3 T_map_base = geometry::SE3::Identity();
-    geometry::SE3 T_first_base =
-        geometry::SE3::Identity();  ///< as counted, in the first odom frame
-    double pitch_rate_rad_s = 0.0;  ///< as far as the estimate follows it
-    double pitch_variance = 0.0;
-    double latency_s = 0.0;  ///< with which it was deskewed
-    bool is_stationary = false;
-  };
-  std::optional<NoddingSweep> last_nod_;
+  SweepCollector collector_;
+  Tracker tracker_;
   std::optional<PlacedSweep> first_sweep_;  // until the second
   VoxelMap map_;
-  /// P_n * odo_n^-1 at the last beam of the last accepted sweep: the correction, map from odom.
-  geometry::SE3 T_map_odom_ = geometry::SE3::Identity();
-  /// That pose, in map and by odometry in the first odom frame, and its covariance.
-  geometry::SE3 T_map_end_ = geometry::SE3::Identity();
-  geometry::SE3 T_first_end_ = geometry::SE3::Identity();
-  Matrix6d end_covariance_ = Matrix6d::Zero();
-  /// The present odom frame in the first one.
-  geometry::SE3 T_first_odom_ = geometry::SE3::Identity();
-  std::optional<std::size_t> last_accepted_;  // sweep
-  int lost_sweeps_ = 0;                       // since the last accepted one
-  bool is_interrupted_ = false;               // since the last accepted one
-  bool keyframe_is_due_ = false;              // there was an interruption since the last keyframe
+  bool keyframe_is_due_ = false;  // there was an interruption since the last keyframe
   std::vector<PoseUpdate> sweeps_;
   CorrectedPoses corrected_;  // of sweeps_
   std::vector<Keyframe> keyframes_;
   BackEnd back_end_;
+  std::optional<Localiser> localiser_;  // in a saved map
+  std::size_t num_restored_ = 0;        // the first keyframes
+  bool is_map_fixed_ = false;
+  bool is_map_closed_ = false;
   Metrics counts_;
 };
 

@@ -58,7 +58,17 @@ void find_pitch_rates(std::vector<PlacedScan>& scans) {
   }
 }
 
+// Within a sweep. A tenth of the scanner's noise, near as well as at 10 m; more than wheels that
+// are held report.
+constexpr double kStationaryM = 1e-3;
+constexpr double kStationaryRad = 1e-4;
+
 }  // namespace
+
+bool SweepCloud::is_stationary() const {
+  return motion().translation().norm() < kStationaryM &&
+         geometry::rotation_angle(motion()) < kStationaryRad;
+}
 
 SE3 MotionCorrection::correct(const SE3& T_base_then, double time) const {
   SE3 corrected = T_base_then;

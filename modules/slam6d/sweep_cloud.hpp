@@ -77,6 +77,8 @@ struct SweepCloud {
   [[nodiscard]] Eigen::Vector3d half_path() const {
     return 0.5 * (T_base_last.translation() - T_base_first.translation());
   }
+  /// Whether the robot was stationary, as far as odometry tells.
+  [[nodiscard]] bool is_stationary() const;
   /// Deskews again: places each point anew with the motion as it is known now.
   void correct(const MotionCorrection& correction);
 };

@@ -5,62 +5,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <random>
 #include <vector>
 
-#include "modules/slam6d/test/room.hpp"
+#include "modules/slam6d/test/hall.hpp"
 
 namespace nodmap::slam6d {
 namespace {
 
 using geometry::deg_to_rad;
 using geometry::SE3;
-
-/// What a scanner 0.4 m above the base sees in all directions, 2 degrees apart; 5 mm of noise.
-VoxelMap sweep_at(const Room& room, const SE3& T_world_base, unsigned seed) {
-  std::mt19937 random(seed);
-  std::normal_distribution<double> noise_m(0.0, 0.005);
-  std::vector<Eigen::Vector3f> points;
-  const Eigen::Vector3d p_base_mirror(0.0, 0.0, 0.4);
-  for (double pitch_deg = -40.0; pitch_deg <= 40.0; pitch_deg += 2.0) {
-    for (double yaw_deg = 0.0; yaw_deg < 360.0; yaw_deg += 2.0) {
-      const double pitch = deg_to_rad(pitch_deg);
-      const double yaw = deg_to_rad(yaw_deg);
-      const Eigen::Vector3d direction(std::cos(pitch) * std::cos(yaw),
-                                      std::cos(pitch) * std::sin(yaw), std::sin(pitch));
-      const double range_m =
-          room.range_m(T_world_base * p_base_mirror, T_world_base.linear() * direction) +
-          noise_m(random);
-      if (range_m < 30.0) {
-        points.emplace_back((p_base_mirror + range_m * direction).cast<float>());
-      }
-    }
-  }
-  return VoxelMap::from_points(points, p_base_mirror.cast<float>(), {});
-}
-
-/// 32 m x 24 m, no two walls parallel: every pose looks different.
-Room slanting_hall() {
-  return {{{{0, 0, 1}, 0.0},
-           {{0, 0, 1}, 2.5},
-           {Eigen::Vector3d(1.0, 0.1, 0.0).normalized(), 16.0},
-           {Eigen::Vector3d(-1.0, 0.25, 0.0).normalized(), 16.0},
-           {Eigen::Vector3d(0.15, 1.0, 0.0).normalized(), 12.0},
-           {Eigen::Vector3d(-0.05, -1.0, 0.0).normalized(), 12.0}}};
-}
-
-/// `steps` steps of 1 m, round and round on a circle with a radius of 9 m: 57 m.
-std::vector<SE3> circle(std::size_t steps) {
-  std::vector<SE3> poses;
-  for (std::size_t k = 0; k < steps; ++k) {
-    const double angle = static_cast<double>(k) / 9.0;
-    SE3 T = SE3::Identity();
-    T.translation() = Eigen::Vector3d(9.0 * std::sin(angle), -9.0 * std::cos(angle), 0.0);
-    T.linear() = geometry::rotation_of({0.0, 0.0, angle});
-    poses.push_back(T);
-  }
-  return poses;
-}
 
 Matrix6d information(double sigma_m, double sigma_rad) {
   Eigen::Matrix<double, 6, 1> sigma;
@@ -156,6 +109,40 @@ TEST(BackEnd, EqualRoomsAreNotOne) {
   }
   EXPECT_EQ(run.back_end.graph().num_loops(), 0U);
   EXPECT_EQ(run.worst_m(), 0.0);
+}
+
+SavedMap saved(const Mapping& run) {
+  SavedMap map;
+  for (std::size_t k = 0; k < run.T_map_keyframes.size(); ++k) {
+    map.keyframes.push_back({.cloud = nullptr, .T_map_base = run.T_map_keyframes[k]});
+  }
+  const KeyframeGraph& graph = run.back_end.graph();
+  map.steps.assign(graph.steps().begin(), graph.steps().end());
+  for (const KeyframeGraph::WeightedLoop& loop : graph.loops()) {
+    map.loops.push_back(loop.edge);
+  }
+  return map;
+}
+
+// After a restart nobody knows how the robot came from the last keyframe to where it is now.
+TEST(BackEnd, ASavedMapIsCarriedOnFromTheNearestKeyframe) {
+  Mapping before;
+  before.drive(slanting_hall(), circle(75), SE3::Identity(), information(0.001, deg_to_rad(0.01)));
+  BackEnd after(LoopParams{}, RegistrationParams{}, OdometryParams{}, VoxelMapParams{});
+  after.restore(saved(before));
+  EXPECT_EQ(after.graph().num_loops(), before.back_end.graph().num_loops());
+  const SE3 T_map_base = circle(75)[20];
+  const VoxelMap sweep = sweep_at(slanting_hall(), T_map_base, 99);
+  before.map.add_sweep(sweep, T_map_base, 75);
+  EXPECT_FALSE(after.add_keyframe(
+      {.T_map_base = T_map_base, .information = information(0.001, deg_to_rad(0.01))}, sweep,
+      before.map));
+  ASSERT_EQ(after.graph().steps().size(), 75U);
+  const registration::PoseEdge3d& step = after.graph().steps().back();
+  EXPECT_EQ(step.from, 20U);
+  EXPECT_EQ(step.to, 75U);
+  // What the graph knew it knows still: the way round is certain, and stays in the map.
+  EXPECT_EQ(after.metrics().maps_arranged, 0);
 }
 
 // There and back in a bare corridor: that it is the same corridor tells nothing of its length.

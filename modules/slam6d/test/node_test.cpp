@@ -7,8 +7,11 @@
 #include <fstream>
 #include <iterator>
 #include <map>
+#include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <random>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -18,9 +21,11 @@
 #include "common/formats/ply.hpp"
 #include "common/formats/tum.hpp"
 #include "common/node/messages.hpp"
+#include "modules/slam6d/saved_map_file.hpp"
 #include "modules/slam6d/test/room.hpp"
 #include "nodmap/cloud_chunk_t.hpp"
 #include "nodmap/octomap_chunk_t.hpp"
+#include "nodmap/pose_graph_6d_t.hpp"
 #include "nodmap/pose_t.hpp"
 #include "nodmap/save_request_t.hpp"
 #include "tests/support/data_dir.hpp"
@@ -46,7 +51,9 @@ class LogFile {
   // apart two sweeps are registered.
   // From scan `restart` on odometry counts and measures from zero again, as after a restart of the
   // base driver.
-  void add_drive(bool with_odometry, std::int64_t restart = 0) {
+  // `T_odom_world`: where odometry begins.
+  void add_drive(bool with_odometry, std::int64_t restart = 0,
+                 const geometry::SE3& T_odom_world = geometry::SE3::Identity()) {
     std::mt19937 random(9);
     const NoddingScanner scanner{.noise_m = 0.01};
     const auto motion = [](std::int64_t t) { return drive_ahead(1.0, t); };
@@ -55,7 +62,8 @@ class LogFile {
       if (with_odometry) {
         const std::int64_t first = i < restart ? 0 : restart;
         const geometry::SE3 T_start_odom = motion(first * NoddingScanner::kPeriodUs);
-        auto odometry = node::write_odometry(utime_us, T_start_odom.inverse() * motion(utime_us));
+        auto odometry = node::write_odometry(
+            utime_us, T_odom_world * T_start_odom.inverse() * motion(utime_us));
         odometry.odometry_seq = i - first;
         add(utime_us, "ODOMETRY", odometry);
       }
@@ -77,20 +85,22 @@ struct Outcome {
   std::map<std::string, std::vector<std::vector<std::byte>>> published;
 };
 
-Outcome replay(const fs::path& dir, const std::string& name, const Slam6dParams& params) {
+Outcome replay(const fs::path& dir, const std::string& name, const Slam6dParams& params,
+               const std::optional<node::MapOptions>& map = std::nullopt) {
   Outcome outcome;
   const fs::path out = dir / ("out_" + name);
   fs::create_directories(out);
   {
     bus::ReplayBus bus(dir / (name + ".lcmlog"), out / "out.lcmlog");
     node::Context context{bus, outcome.counts, out};
-    Slam6dNode slam(context, params);
+    const auto slam = map ? std::make_unique<Slam6dNode>(context, params, *map)
+                          : std::make_unique<Slam6dNode>(context, params);
     while (bus.step()) {
     }
-    slam.finish();
-    slam.write_results(out);
-    outcome.metrics = slam.metrics();
-    outcome.health = slam.health();
+    slam->finish();
+    slam->write_results(out);
+    outcome.metrics = slam->metrics();
+    outcome.health = slam->health();
     EXPECT_TRUE(bus.flush());
   }
   bus::LogReader reader(out / "out.lcmlog");
@@ -229,6 +239,98 @@ TEST(Slam6dNode, GoesOnWhereItWasWhenOdometryBeginsAnew) {
   for (const auto& pose : formats::read_tum(dir.path() / "out_restart" / "trajectory.tum")) {
     EXPECT_NEAR(pose.pose.translation().x(), 1e-6 * static_cast<double>(pose.utime_us), 0.033);
   }
+}
+
+// A drive of 4 m is mapped; then the robot begins it anew, with odometry somewhere else.
+class Slam6dNodeInASavedMap : public ::testing::Test {
+ protected:
+  Slam6dNodeInASavedMap() {
+    LogFile first(dir_.path() / "first.lcmlog");
+    first.add_drive(true);
+    first.close();
+    first_ = replay(dir_.path(), "first", params_);
+    geometry::SE3 T_odom_world = geometry::SE3::Identity();
+    T_odom_world.translation() = Eigen::Vector3d(3.0, -7.0, 0.0);
+    T_odom_world.linear() = geometry::rotation_of({0.0, 0.0, 2.0});
+    LogFile second(dir_.path() / "second.lcmlog");
+    second.add_drive(true, 0, T_odom_world);
+    second.close();
+  }
+
+  // Both drives are registered to better than 2 cm (1 cm of scan noise).
+  static void expect_at_truth(const Outcome& outcome) {
+    ASSERT_EQ(outcome.published.at("POSE_6D").size(), 4U);
+    for (const auto& bytes : outcome.published.at("POSE_6D")) {
+      nodmap::pose_t pose{};
+      ASSERT_TRUE(bus::decode_into(pose, bytes));
+      EXPECT_EQ(pose.state, nodmap::pose_t::TRACKING);
+      EXPECT_NEAR(pose.position_m[0], 1e-6 * static_cast<double>(pose.utime), 0.04);
+      EXPECT_NEAR(pose.position_m[1], 0.0, 0.02);
+    }
+  }
+
+  test::TemporaryDir dir_;
+  Slam6dParams params_{.keyframe = {.distance_m = 1.0}};
+  Outcome first_;
+  fs::path saved_ = dir_.path() / "out_first";
+};
+
+TEST_F(Slam6dNodeInASavedMap, LocalisesAndLeavesItAsItIs) {
+  const std::string before = read(saved_ / "keyframes.lcmlog");
+  const Outcome second = replay(dir_.path(), "second", params_,
+                                node::MapOptions{saved_, {}, geometry::SE2{0.0, 0.0, 0.0}});
+  expect_at_truth(second);
+  EXPECT_EQ(second.metrics["localisation"]["keyframes_restored"],
+            first_.metrics["keyframes"].size());
+  EXPECT_TRUE(second.metrics["keyframes"].empty());
+  EXPECT_EQ(second.published.count("OCTOMAP"), 0U);
+  EXPECT_FALSE(fs::exists(dir_.path() / "out_second" / "keyframes.lcmlog"));
+  EXPECT_FALSE(fs::exists(dir_.path() / "out_second" / "map.bt"));
+  EXPECT_EQ(formats::read_tum(dir_.path() / "out_second" / "trajectory.tum").size(), 4U);
+  EXPECT_TRUE(read(saved_ / "keyframes.lcmlog") == before);
+  // The saved keyframes, of which the page makes the cloud.
+  std::set<std::int64_t> ids;
+  for (const auto& bytes : second.published.at("CLOUD")) {
+    nodmap::cloud_chunk_t part{};
+    ASSERT_TRUE(bus::decode_into(part, bytes));
+    ids.insert(part.keyframe_id);
+  }
+  EXPECT_EQ(ids.size(), first_.metrics["keyframes"].size());
+}
+
+TEST_F(Slam6dNodeInASavedMap, CarriesOnWithIt) {
+  const Outcome second = replay(dir_.path(), "second", params_,
+                                node::MapOptions{{}, saved_, geometry::SE2{0.0, 0.0, 0.0}});
+  expect_at_truth(second);
+  const std::size_t num_before = first_.metrics["keyframes"].size();
+  EXPECT_GT(second.metrics["keyframes"].size(), 1U);
+  EXPECT_EQ(second.metrics["keyframes"][0]["reason"], "interruption");
+  const SavedMap before = read_saved_map(saved_);
+  const SavedMap after = read_saved_map(dir_.path() / "out_second");
+  ASSERT_EQ(after.keyframes.size(), num_before + second.metrics["keyframes"].size());
+  for (std::size_t k = 0; k < num_before; ++k) {
+    EXPECT_EQ(after.keyframes[k].cloud->points, before.keyframes[k].cloud->points);
+  }
+  // The new drive is joined to the old one where it begins.
+  EXPECT_EQ(after.steps[num_before - 1].from, 0U);
+  nodmap::pose_graph_6d_t graph{};
+  ASSERT_TRUE(bus::decode_into(graph, second.published.at("POSE_GRAPH_6D").back()));
+  EXPECT_EQ(static_cast<std::size_t>(graph.num_keyframes), after.keyframes.size());
+  EXPECT_EQ(graph.first_keyframe_id, 0);
+}
+
+TEST_F(Slam6dNodeInASavedMap, ARobotThatIsNotFoundChangesNothing) {
+  params_.localise.min_inlier_ratio = 1.0;  // no place is good enough
+  const Outcome second = replay(dir_.path(), "second", params_, node::MapOptions{{}, saved_, {}});
+  EXPECT_EQ(second.metrics["sweeps_lost"], 4);
+  EXPECT_TRUE(second.metrics["keyframes"].empty());
+  EXPECT_EQ(second.health.state, node::HealthState::kDegraded);
+  EXPECT_TRUE(formats::read_tum(dir_.path() / "out_second" / "trajectory.tum").empty());
+  nodmap::pose_t pose{};
+  ASSERT_TRUE(bus::decode_into(pose, second.published.at("POSE_6D").back()));
+  EXPECT_EQ(pose.state, nodmap::pose_t::LOST);
+  EXPECT_EQ(read_saved_map(dir_.path() / "out_second").keyframes.size(),
+            first_.metrics["keyframes"].size());
 }
 
 TEST(Slam6dNode, BadMessagesAreCountedByCause) {

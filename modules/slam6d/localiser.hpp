@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "common/geometry/se3.hpp"
+#include "modules/slam6d/place_search.hpp"
+#include "modules/slam6d/pose_update.hpp"
+#include "modules/slam6d/voxel_map.hpp"
+
+namespace nodmap::slam6d {
+
+/// When the robot is found in a map that was made before, and when it no longer is.
+struct LocaliseParams {
+  double min_inlier_ratio = 0.5;
+  int max_lost_sweeps = 5;
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.number("min_inlier_ratio", min_inlier_ratio, {0.0, 1.0},
+             "A place in a known map of whose sweep, or of whose walls, a smaller part lies on the "
+             "map's planes is not believed.");
+    v.integer("max_lost_sweeps", max_lost_sweeps, {1, 1000},
+              "After so many sweeps in a row that do not fit the known map the robot is searched "
+              "for in the whole map.");
+  }
+};
+
+/// Whether it is known where the robot is in a map that was made before. Tells the place where
+/// tracking begins, and gives it up when sweeps do not fit.
+///
+/// A place that was searched for is confirmed by a sweep half a metre or half a radian farther on
+/// that fits, too: what it sees differs. Until then it is given up with the first that does not.
+class Localiser {
+ public:
+  /// `T_map_start`: where the robot is at the first sweep, if that is known. `T_map_keyframes`:
+  /// from where the map was made.
+  Localiser(const LocaliseParams& params, const RegistrationParams& registration,
+            std::span<const geometry::SE3> T_map_keyframes, const VoxelMap& map,
+            const std::optional<geometry::SE3>& T_map_start);
+
+  /// Whether it is known where the robot is, though perhaps not yet confirmed.
+  [[nodiscard]] bool has_place() const { return state_ != State::kUnknown; }
+  [[nodiscard]] bool is_confirmed() const { return state_ == State::kConfirmed; }
+
+  /// Where the robot is while it has no place: at its start, or where one place alone fits the
+  /// sweep. `by_odometry`: the sweep's pose, of which the one in odom counts.
+  [[nodiscard]] std::optional<geometry::SE3> find(const VoxelMap& sweep_base, const VoxelMap& map,
+                                                  const PoseUpdate& by_odometry);
+
+  /// Confirms or doubts the place by the registration of a sweep. A pose at a place that is not
+  /// confirmed is DEGRADED. `lost_sweeps`: refused in a row up to this one.
+  void judge(PoseUpdate& update, int lost_sweeps);
+
+  /// Odometry goes on in another frame: somebody may have carried the robot.
+  void change_odometry_frame() { failed_.reset(); }
+
+  struct Metrics {
+    std::int64_t searches = 0;
+    std::int64_t found = 0;
+    std::int64_t times_lost = 0;
+  };
+  [[nodiscard]] const Metrics& metrics() const { return metrics_; }
+
+ private:
+  enum class State { kUnknown, kUnconfirmed, kConfirmed };
+  struct Failure {
+    std::int64_t utime_us = 0;
+    geometry::SE3 T_odom_base = geometry::SE3::Identity();
+  };
+  [[nodiscard]] bool is_search_due(const PoseUpdate& by_odometry) const;
+
+  LocaliseParams params_;
+  PlaceSearch search_;
+  std::optional<geometry::SE3> T_map_start_;
+  State state_ = State::kUnknown;
+  geometry::SE3 T_map_found_ = geometry::SE3::Identity();
+  std::optional<Failure> failed_;  ///< the last search, if it found nothing
+  Metrics metrics_;
+};
+
+}  // namespace nodmap::slam6d

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/slam6d/start_poses.hpp"
+
+#include <algorithm>
+
+namespace nodmap::slam6d {
+namespace {
+
+using geometry::SE3;
+
+constexpr std::size_t kMaxStarts = 8;
+// None within this of a better one.
+constexpr double kApartM = 0.7;
+constexpr double kApartRad = geometry::deg_to_rad(10.0);
+// Another place whose inlier ratio is less than this below the best one's fits as well.
+constexpr double kAmbiguity = 0.1;
+
+}  // namespace
+
+bool is_apart(const SE3& a, const SE3& b, double distance_m, double rotation_rad) {
+  const SE3 motion = a.inverse() * b;
+  return motion.translation().norm() > distance_m ||
+         geometry::rotation_angle(motion) > rotation_rad;
+}
+
+std::vector<StartPose> best_starts(std::vector<StartPose> tried) {
+  std::ranges::stable_sort(tried, std::ranges::greater{}, &StartPose::score);
+  std::vector<StartPose> best;
+  for (const StartPose& start : tried) {
+    if (best.size() == kMaxStarts) {
+      break;
+    }
+    if (std::ranges::all_of(best, [&](const StartPose& better) {
+          return is_apart(better.T_map_base, start.T_map_base, kApartM, kApartRad);
+        })) {
+      best.push_back(start);
+    }
+  }
+  return best;
+}
+
+StartsResult register_from(std::span<const StartPose> starts, VoxelMap& sweep_base,
+                           const VoxelMap& map,
+                           const std::function<PosePrior(const SE3& T_map_start)>& prior_at,
+                           const RegistrationParams& params) {
+  std::vector<Registration> found;
+  for (const StartPose& start : starts) {
+    const Registration registration =
+        register_sweep_from(sweep_base, map, prior_at(start.T_map_base), start.T_map_base, params);
+    if (registration.is_accepted()) {
+      found.push_back(registration);
+    }
+  }
+  const auto ratio = [](const Registration& one) { return one.lowest_inlier_ratio(); };
+  const auto best = std::ranges::max_element(found, {}, ratio);
+  if (best == found.end()) {
+    return {};
+  }
+  const bool is_ambiguous = std::ranges::any_of(found, [&](const Registration& other) {
+    return ratio(other) > ratio(*best) - kAmbiguity &&
+           is_apart(best->T_map_base, other.T_map_base, 0.5 * kApartM, 0.5 * kApartRad);
+  });
+  return is_ambiguous ? StartsResult{.is_ambiguous = true} : StartsResult{.best = *best};
+}
+
+}  // namespace nodmap::slam6d

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "common/geometry/se3.hpp"
+#include "modules/slam6d/registration.hpp"
+#include "modules/slam6d/voxel_map.hpp"
+
+namespace nodmap::slam6d {
+
+/// A pose from which registration may start, and how well it looks from afar.
+struct StartPose {
+  geometry::SE3 T_map_base = geometry::SE3::Identity();
+  double score = 0.0;  ///< the more points fit, the higher
+};
+
+/// Whether two poses differ by more than this much.
+[[nodiscard]] bool is_apart(const geometry::SE3& a, const geometry::SE3& b, double distance_m,
+                            double rotation_rad);
+
+/// The eight best, none of them near a better one.
+[[nodiscard]] std::vector<StartPose> best_starts(std::vector<StartPose> tried);
+
+/// What became of registrations from several starts.
+struct StartsResult {
+  /// The one of which most points fit, unless another place fits as well.
+  std::optional<Registration> best = std::nullopt;
+  bool is_ambiguous = false;  ///< another place does
+};
+
+/// Registers a sweep from each start. `prior_at`: of the registration that begins there.
+[[nodiscard]] StartsResult register_from(
+    std::span<const StartPose> starts, VoxelMap& sweep_base, const VoxelMap& map,
+    const std::function<PosePrior(const geometry::SE3& T_map_start)>& prior_at,
+    const RegistrationParams& params);
+
+}  // namespace nodmap::slam6d

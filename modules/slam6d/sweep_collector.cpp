@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/slam6d/sweep_collector.hpp"
+
+#include <utility>
+
+namespace nodmap::slam6d {
+namespace {
+
+using geometry::SE3;
+
+// Odometry is kept as long as a sweep may last, at 10 scans a second (the slowest device known).
+std::int64_t history_span_us(const SweepParams& params) {
+  return std::int64_t{100'000} * (params.max_scans + 1);
+}
+
+constexpr std::int64_t kMaxExtrapolationUs = 50'000;
+
+}  // namespace
+
+SweepCollector::SweepCollector(const SweepParams& params, bool assume_stationary)
+    : assume_stationary_(assume_stationary),
+      segmenter_(params),
+      odometry_(history_span_us(params), kMaxExtrapolationUs) {}
+
+std::optional<SE3> SweepCollector::change_odometry_frame(const SE3& T_new_odom_base) {
+  const auto T_old_odom_base = odometry_.newest();
+  odometry_.clear();
+  return T_old_odom_base ? std::optional<SE3>(*T_old_odom_base * T_new_odom_base.inverse())
+                         : std::nullopt;
+}
+
+// IV B: "segment the continuous data flow to reflect one complete pitch movement per point cloud".
+std::optional<PlacedSweep> SweepCollector::add_scan(scan::Scan scan) {
+  auto sweep = segmenter_.add(std::move(scan));
+  return sweep ? place_sweep(std::move(*sweep)) : std::nullopt;
+}
+
+std::optional<PlacedSweep> SweepCollector::flush() {
+  auto sweep = segmenter_.flush();
+  return sweep ? place_sweep(std::move(*sweep)) : std::nullopt;
+}
+
+std::optional<PlacedSweep> SweepCollector::place_sweep(Sweep sweep) {
+  const auto pose_at = [this](std::int64_t utime_us) -> std::optional<SE3> {
+    if (odometry_.empty() && assume_stationary_) {
+      return SE3::Identity();
+    }
+    return odometry_.at(utime_us);
+  };
+  const std::size_t num_scans = sweep.scans.size();
+  counts_.in_sweeps += num_scans;
+  stream_was_interrupted_ = stream_was_interrupted_ || sweep.follows_interruption;
+  auto placed = place(std::move(sweep.scans), pose_at);
+  counts_.without_pose += placed ? placed->scans_without_pose : num_scans;
+  if (placed) {
+    placed->follows_interruption = std::exchange(stream_was_interrupted_, false);
+  }
+  return placed;
+}
+
+}  // namespace nodmap::slam6d

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "common/geometry/pose_history.hpp"
+#include "common/geometry/se3.hpp"
+#include "common/scan/scan.hpp"
+#include "modules/slam6d/sweep_cloud.hpp"
+#include "modules/slam6d/sweep_segmenter.hpp"
+
+namespace nodmap::slam6d {
+
+/// The scans of complete sweeps.
+struct ScanCounts {
+  std::size_t in_sweeps = 0;
+  std::size_t without_pose = 0;  ///< among them, left out
+};
+
+/// Collects the scans of a sweep, with where the robot was by odometry at each.
+class SweepCollector {
+ public:
+  /// `assume_stationary`: where there is no odometry at all the robot stands.
+  SweepCollector(const SweepParams& params, bool assume_stationary);
+
+  /// The robot's pose by odometry; returns whether it was taken (finite).
+  bool add_odometry(std::int64_t utime_us, const geometry::SE3& T_odom_base) {
+    return odometry_.add(utime_us, T_odom_base);
+  }
+
+  /// Odometry goes on in another frame; what was known of it is forgotten. Returns the pose of the
+  /// new frame in the old one, in which the robot stays where it was, if there was odometry.
+  std::optional<geometry::SE3> change_odometry_frame(const geometry::SE3& T_new_odom_base);
+
+  /// The next scan of the stream. Returns the sweep it completes, if it does, and if there was
+  /// odometry for it.
+  [[nodiscard]] std::optional<PlacedSweep> add_scan(scan::Scan scan);
+
+  /// The unfinished sweep at the end of the stream.
+  [[nodiscard]] std::optional<PlacedSweep> flush();
+
+  [[nodiscard]] const ScanCounts& counts() const { return counts_; }
+
+ private:
+  [[nodiscard]] std::optional<PlacedSweep> place_sweep(Sweep sweep);
+
+  bool assume_stationary_;
+  SweepSegmenter segmenter_;
+  geometry::PoseHistory odometry_;
+  bool stream_was_interrupted_ = false;  // since the last sweep that could be placed
+  ScanCounts counts_;
+};
+
+}  // namespace nodmap::slam6d

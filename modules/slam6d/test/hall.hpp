@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Whole sweeps of a hall in which every pose looks different.
+#pragma once
+
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "common/geometry/angle.hpp"
+#include "common/geometry/se3.hpp"
+#include "modules/slam6d/test/room.hpp"
+#include "modules/slam6d/voxel_map.hpp"
+
+namespace nodmap::slam6d {
+
+/// What a scanner 0.4 m above the base sees in all directions, 2 degrees apart; 5 mm of noise.
+inline VoxelMap sweep_at(const Room& room, const geometry::SE3& T_world_base, unsigned seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> noise_m(0.0, 0.005);
+  std::vector<Eigen::Vector3f> points;
+  const Eigen::Vector3d p_base_mirror(0.0, 0.0, 0.4);
+  for (double pitch_deg = -40.0; pitch_deg <= 40.0; pitch_deg += 2.0) {
+    for (double yaw_deg = 0.0; yaw_deg < 360.0; yaw_deg += 2.0) {
+      const double pitch = geometry::deg_to_rad(pitch_deg);
+      const double yaw = geometry::deg_to_rad(yaw_deg);
+      const Eigen::Vector3d direction(std::cos(pitch) * std::cos(yaw),
+                                      std::cos(pitch) * std::sin(yaw), std::sin(pitch));
+      const double range_m =
+          room.range_m(T_world_base * p_base_mirror, T_world_base.linear() * direction) +
+          noise_m(random);
+      if (range_m < 30.0) {
+        points.emplace_back((p_base_mirror + range_m * direction).cast<float>());
+      }
+    }
+  }
+  return VoxelMap::from_points(points, p_base_mirror.cast<float>(), {});
+}
+
+/// 32 m x 24 m, no two walls parallel: every pose looks different.
+inline Room slanting_hall() {
+  return {{{{0, 0, 1}, 0.0},
+           {{0, 0, 1}, 2.5},
+           {Eigen::Vector3d(1.0, 0.1, 0.0).normalized(), 16.0},
+           {Eigen::Vector3d(-1.0, 0.25, 0.0).normalized(), 16.0},
+           {Eigen::Vector3d(0.15, 1.0, 0.0).normalized(), 12.0},
+           {Eigen::Vector3d(-0.05, -1.0, 0.0).normalized(), 12.0}}};
+}
+
+/// `steps` steps of 1 m, round and round on a circle with a radius of 9 m: 57 m.
+inline std::vector<geometry::SE3> circle(std::size_t steps) {
+  std::vector<geometry::SE3> poses;
+  for (std::size_t k = 0; k < steps; ++k) {
+    const double angle = static_cast<double>(k) / 9.0;
+    geometry::SE3 T = geometry::SE3::Identity();
+    T.translation() = Eigen::Vector3d(9.0 * std::sin(angle), -9.0 * std::cos(angle), 0.0);
+    T.linear() = geometry::rotation_of({0.0, 0.0, angle});
+    poses.push_back(T);
+  }
+  return poses;
+}
+
+}  // namespace nodmap::slam6d
