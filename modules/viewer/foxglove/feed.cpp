@@ -22,8 +22,6 @@ namespace {
 /// fewer.
 constexpr int kQueue = 512;
 constexpr std::size_t kLogLines = 500;
-/// Poses of keyframes are all kept, however near to each other.
-constexpr double kEachKeyframe = 0.0;
 
 constexpr const char* kTransform = "foxglove.FrameTransform";
 constexpr const char* kPoses = "foxglove.PosesInFrame";
@@ -61,7 +59,6 @@ Feed::Feed(bus::Bus& bus, TopicStore& store, node::MessageCounts& counts, const 
       odometry_trail_(frames::kOdom, params.trail_spacing_m),
       trail_2d_(frames::kMap, params.trail_spacing_m),
       trail_6d_(frames::kMap6d, params.trail_spacing_m),
-      keyframes_(frames::kMap6d, kEachKeyframe),
       cloud_downsampler_(params.cloud_spacing_m, max_cloud_points(params)) {
   subscribe_sensors(bus);
   subscribe_odometry(bus);
@@ -92,9 +89,10 @@ Feed::Feed(bus::Bus& bus, TopicStore& store, node::MessageCounts& counts, const 
 }
 
 void Feed::reset() {
-  for (Trail* trail : {&odometry_trail_, &trail_2d_, &trail_6d_, &keyframes_}) {
+  for (Trail* trail : {&odometry_trail_, &trail_2d_, &trail_6d_}) {
     trail->clear();
   }
+  keyframes_.clear();
   grid_ = {};
   cloud_ = {};
   cloud_downsampler_.clear();
@@ -293,7 +291,7 @@ void Feed::subscribe_cloud(bus::Bus& bus) {
     if (!cloud) {
       return;
     }
-    keyframes_.add(message.utime, cloud->T_frame_points);
+    keyframes_.set(message.utime, cloud->T_frame_points);
     post(keyframes, message.utime, [this] { return keyframes_.poses_in_frame(); });
     cloud_downsampler_.downsample(*cloud);
     const std::size_t points = cloud->xyz_m.size() / 3;
@@ -302,6 +300,23 @@ void Feed::subscribe_cloud(bus::Bus& bus) {
           topic, message.utime, [view = std::move(*cloud)] { return point_cloud(view); }, points);
     }
   });
+  subscribe<nodmap::pose_graph_6d_t>(
+      bus, "POSE_GRAPH_6D",
+      [=, this, scene = add_scene_topic("pose_graph_6d")](const auto& message) {
+        counts_.use();
+        take_keyframe_poses(message);
+        post(keyframes, message.utime, [this] { return keyframes_.poses_in_frame(); });
+        post(scene, message.utime, [message] { return pose_graph_6d_scene(message); });
+      });
+}
+
+// A loop that was closed has moved them.
+void Feed::take_keyframe_poses(const nodmap::pose_graph_6d_t& graph) {
+  for (std::size_t i = 0; i < graph.keyframe_utime.size(); ++i) {
+    if (const auto T_map_base = keyframe_pose(graph, i)) {
+      keyframes_.set(graph.keyframe_utime[i], *T_map_base);
+    }
+  }
 }
 
 void Feed::subscribe_processes(bus::Bus& bus) {

@@ -60,6 +60,7 @@ class Feed {
   void subscribe_slam_pose(bus::Bus& bus, const SlamChannel& slam);
   void subscribe_maps(bus::Bus& bus);
   void subscribe_cloud(bus::Bus& bus);
+  void take_keyframe_poses(const nodmap::pose_graph_6d_t& graph);
   void subscribe_processes(bus::Bus& bus);
   void subscribe_truth(bus::Bus& bus);
 
@@ -86,7 +87,7 @@ class Feed {
   Trail odometry_trail_;
   Trail trail_2d_;
   Trail trail_6d_;
-  Trail keyframes_;
+  KeyframePoses keyframes_;
   GridAssembler grid_;
   CloudAssembler cloud_;
   CloudDownsampler cloud_downsampler_;

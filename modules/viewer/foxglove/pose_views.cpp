@@ -47,4 +47,24 @@ Json Trail::poses_in_frame() const {
       {"timestamp", time_json(utime_us_)}, {"frame_id", frame_id_}, {"poses", std::move(poses)}};
 }
 
+void KeyframePoses::set(std::int64_t utime_us, const geometry::SE3& T_map_base) {
+  poses_[utime_us] = T_map_base;
+  if (poses_.size() > kMaxPoses) {
+    poses_.erase(poses_.begin());
+  }
+}
+
+Json KeyframePoses::poses_in_frame() const {
+  Json times = Json::array();
+  Json poses = Json::array();
+  for (const auto& [utime_us, T_map_base] : poses_) {
+    times.push_back(time_json(utime_us));
+    poses.push_back(pose_json(T_map_base));
+  }
+  return {{"timestamp", time_json(poses_.empty() ? 0 : poses_.rbegin()->first)},
+          {"frame_id", frames::kMap6d},
+          {"poses", std::move(poses)},
+          {"times", std::move(times)}};
+}
+
 }  // namespace nodmap::foxglove

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <map>
 #include <optional>
 
 #include "modules/viewer/foxglove/foxglove.hpp"
@@ -43,6 +44,23 @@ class Trail {
   bool is_new_ = false;
   std::optional<std::int64_t> published_us_;
   std::deque<geometry::SE3> poses_;
+};
+
+/// Where the keyframes of CLOUD are, as far as is known now: they move when a loop is closed. The
+/// newest `kMaxPoses` of them.
+class KeyframePoses {
+ public:
+  static constexpr std::size_t kMaxPoses = 2000;
+
+  /// The pose of the keyframe of this time, known or new.
+  void set(std::int64_t utime_us, const geometry::SE3& T_map_base);
+  void clear() { poses_.clear(); }
+
+  /// foxglove.PosesInFrame, and besides `times`, by which a page finds the cloud of each pose.
+  [[nodiscard]] Json poses_in_frame() const;
+
+ private:
+  std::map<std::int64_t, geometry::SE3> poses_;  // by time
 };
 
 }  // namespace nodmap::foxglove

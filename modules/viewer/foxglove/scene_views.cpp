@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "common/node/messages.hpp"
 #include "nodmap/json_messages.hpp"
 
 namespace nodmap::foxglove {
@@ -104,6 +105,26 @@ Color behaviour_color(std::int8_t behaviour) {
     default:
       return {0.9, 0.2, 0.2, 0.35};
   }
+}
+
+// The nodes of a pose graph in their order, loops that were accepted (state 0), and those refused.
+Json graph_lines(const std::vector<Eigen::Vector3d>& nodes, const std::vector<std::int32_t>& from,
+                 const std::vector<std::int32_t>& to, const std::vector<std::int8_t>& state) {
+  static_assert(nodmap::pose_graph_t::ACCEPTED == 0 && nodmap::pose_graph_6d_t::ACCEPTED == 0);
+  std::vector<Eigen::Vector3d> accepted;
+  std::vector<Eigen::Vector3d> refused;
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    const auto a = static_cast<std::size_t>(from[i]);
+    const auto b = static_cast<std::size_t>(to[i]);
+    if (a >= nodes.size() || b >= nodes.size()) {
+      continue;  // negative ones, too
+    }
+    auto& ends = state[i] == nodmap::pose_graph_t::ACCEPTED ? accepted : refused;
+    ends.push_back(nodes[a]);
+    ends.push_back(nodes[b]);
+  }
+  return Json::array({lines(kLineStrip, nodes, kGraphColor), lines(kLineList, accepted, kLoopColor),
+                      lines(kLineList, refused, kRefusedLoopColor)});
 }
 
 }  // namespace
@@ -234,22 +255,24 @@ Json pose_graph_scene(const nodmap::pose_graph_t& graph) {
   for (std::size_t i = 0; i < graph.x_m.size(); ++i) {
     submaps.emplace_back(graph.x_m[i], graph.y_m[i], kHeightM);
   }
-  std::vector<Eigen::Vector3d> accepted;
-  std::vector<Eigen::Vector3d> refused;
-  for (std::size_t i = 0; i < graph.from_submap.size(); ++i) {
-    const auto from = static_cast<std::size_t>(graph.from_submap[i]);
-    const auto to = static_cast<std::size_t>(graph.to_submap[i]);
-    if (from >= submaps.size() || to >= submaps.size()) {
-      continue;  // negative ones, too
-    }
-    auto& ends = graph.loop_state[i] == nodmap::pose_graph_t::ACCEPTED ? accepted : refused;
-    ends.push_back(submaps[from]);
-    ends.push_back(submaps[to]);
-  }
   Json json = entity(graph.utime, frames::kMap, "pose_graph");
-  json["lines"] =
-      Json::array({lines(kLineStrip, submaps, kGraphColor), lines(kLineList, accepted, kLoopColor),
-                   lines(kLineList, refused, kRefusedLoopColor)});
+  json["lines"] = graph_lines(submaps, graph.from_submap, graph.to_submap, graph.loop_state);
+  return one(std::move(json));
+}
+
+std::optional<geometry::SE3> keyframe_pose(const nodmap::pose_graph_6d_t& graph, std::size_t i) {
+  const std::vector<double>& p = graph.position_m[i];
+  const std::vector<float>& q = graph.orientation[i];
+  return node::read_pose({p[0], p[1], p[2]}, {q[0], q[1], q[2], q[3]});
+}
+
+Json pose_graph_6d_scene(const nodmap::pose_graph_6d_t& graph) {
+  std::vector<Eigen::Vector3d> keyframes;
+  for (const std::vector<double>& p : graph.position_m) {
+    keyframes.emplace_back(p[0], p[1], p[2] + 0.03);
+  }
+  Json json = entity(graph.utime, frames::kMap6d, "pose_graph_6d");
+  json["lines"] = graph_lines(keyframes, graph.from_keyframe, graph.to_keyframe, graph.loop_state);
   return one(std::move(json));
 }
 

@@ -8,6 +8,7 @@
 #include "nodmap/navigation_t.hpp"
 #include "nodmap/path_t.hpp"
 #include "nodmap/pitch_command_t.hpp"
+#include "nodmap/pose_graph_6d_t.hpp"
 #include "nodmap/pose_graph_t.hpp"
 #include "nodmap/truth_t.hpp"
 
@@ -44,6 +45,13 @@ struct Body {
 /// The pose graph of 2D SLAM, in map: submaps joined in their order, and loops between them by what
 /// became of them.
 [[nodiscard]] Json pose_graph_scene(const nodmap::pose_graph_t& graph);
+
+/// The same of 6D SLAM, in map_6d: keyframes instead of submaps.
+[[nodiscard]] Json pose_graph_6d_scene(const nodmap::pose_graph_6d_t& graph);
+
+/// Keyframe `i` of the graph in map_6d, if that is a pose.
+[[nodiscard]] std::optional<geometry::SE3> keyframe_pose(const nodmap::pose_graph_6d_t& graph,
+                                                         std::size_t i);
 
 /// The simulated people, in world.
 [[nodiscard]] Json people_scene(const nodmap::truth_t& truth);

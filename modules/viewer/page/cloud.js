@@ -45,6 +45,8 @@ function shuffle(points) {
   }
 }
 
+const keyOf = ({sec, nsec}) => `${sec}.${nsec}`;
+
 /**
  * All keyframes received. Draws as many of their points as `budget` allows, each keyframe its share; by the processor where there
  * is no graphics card (`software`).
@@ -57,12 +59,23 @@ export class Cloud {
       this.group.add(new SplatQuad(() => this.keyframes.values()));
     }
     this.keyframes = new Map();  // by time: a keyframe sent again replaces itself
+    this.poses = new Map();  // by time, too: where keyframes are since a loop was closed
     this.total = 0;
     this.budget = Infinity;
   }
 
+  /** Moves keyframes, also those that have not come yet, to where they are known to be now. */
+  move({times, poses}) {
+    this.poses = new Map(times.map((time, i) => [keyOf(time), poses[i]]));
+    this.keyframes.forEach((object, key) => {
+      if (this.poses.has(key)) {
+        setPose(object, this.poses.get(key));
+      }
+    });
+  }
+
   add(message) {
-    const key = `${message.timestamp.sec}.${message.timestamp.nsec}`;
+    const key = keyOf(message.timestamp);
     this.remove(key);
     const points = pointsOf(message);
     shuffle(points);
@@ -72,7 +85,7 @@ export class Cloud {
       uniforms: {...shared, newness: {value: 1}}, vertexShader: VERTEX, fragmentShader: FRAGMENT}));
     object.timeS = message.timestamp.sec + 1e-9 * message.timestamp.nsec;
     object.visible = !this.software;
-    setPose(object, message.pose);
+    setPose(object, this.poses.get(key) ?? message.pose);
     this.keyframes.set(key, object);
     this.group.add(object);
     this.total += points.length / 3;
@@ -98,6 +111,7 @@ export class Cloud {
   }
 
   clear() {
+    this.poses.clear();
     [...this.keyframes.keys()].forEach((key) => this.remove(key));
   }
 

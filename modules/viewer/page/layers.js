@@ -114,14 +114,28 @@ class CloudLayer {
   }
 }
 
+/** The keyframes' places, to which their clouds are moved as well. */
+class KeyframeLayer extends Layer {
+  constructor(frames, cloud) {
+    super(frames, drawKeyframes);
+    this.cloud = cloud;
+  }
+
+  show(message) {
+    super.show(message);
+    this.cloud.move(message);
+  }
+}
+
 /** The layers by topic, with the name people see and the colour they know it by (CSS; "ramp": coloured by height or age). The order is that of the list on the page. `off`: hidden at first. `software`: there is no graphics card. */
 export function makeLayers(frames, software) {
   const entities = () => new EntityLayer(frames);
   const layer = (draw, frame) => new Layer(frames, draw, frame);
+  const cloud = new CloudLayer(frames, software);
   return new Map([
     ["scene/robot", {name: "robot", swatch: "#f28c1a", layer: new RobotLayer(frames)}],
     ["SCAN", {name: "laser fan", swatch: "#ff5252", layer: layer(drawScan)}],
-    ["CLOUD", {name: "point cloud", swatch: "ramp", layer: new CloudLayer(frames, software)}],
+    ["CLOUD", {name: "point cloud", swatch: "ramp", layer: cloud}],
     ["OCTOMAP", {name: "voxels", swatch: "ramp", layer: layer(drawVoxels(software ? 12000 : 200000)), off: true}],
     ["MAP_2D", {name: "2D map", swatch: "linear-gradient(to right, #5a697d 50%, #e62d2d 50%)", layer: layer(drawGrid)}],
     ["OBSTACLE_MAP", {name: "obstacle map", swatch: "#ffb74d", layer: layer(drawPoints(0xffb74d, 5))}],
@@ -132,10 +146,11 @@ export function makeLayers(frames, software) {
     ["trail/odometry", {name: "odometry trail", swatch: "#ff8fd0", layer: layer(drawTrail(0xff8fd0), "map")}],
     ["trail/2d", {name: "2D SLAM trail", swatch: "#5fb3ff", layer: layer(drawTrail(0x5fb3ff))}],
     ["trail/6d", {name: "6D SLAM trail", swatch: "#ffe082", layer: layer(drawTrail(0xffe082))}],
-    ["keyframes", {name: "keyframes", swatch: "radial-gradient(circle, #ffe082 45%, transparent 50%)", layer: layer(drawKeyframes)}],
+    ["keyframes", {name: "keyframes", swatch: "radial-gradient(circle, #ffe082 45%, transparent 50%)", layer: new KeyframeLayer(frames, cloud.cloud)}],
     ["scene/path", {name: "path", swatch: "#1acc4d", layer: entities()}],
     ["scene/exploration", {name: "exploration", swatch: "linear-gradient(to right, #ff4de6 50%, #bf8cff 50%)", layer: entities()}],
     ["scene/pose_graph", {name: "pose graph", swatch: "linear-gradient(to right, #5fb3ff 50%, #66e680 50%)", layer: entities(), off: true}],
+    ["scene/pose_graph_6d", {name: "6D pose graph", swatch: "linear-gradient(to right, #5fb3ff 50%, #66e680 50%)", layer: entities(), off: true}],
     ["scene/goal", {name: "goal", swatch: "#1acc4d", layer: entities()}],
     ["scene/people", {name: "people", swatch: "#d9339a", layer: entities()}],
   ]);

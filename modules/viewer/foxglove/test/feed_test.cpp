@@ -123,6 +123,22 @@ TEST_F(FeedTest, MapsAndClouds) {
   EXPECT_EQ(newest("STRUCTURE_MAP"), Json());
 }
 
+// What was shown before a loop was closed moves with it: pages find each cloud by its time.
+TEST_F(FeedTest, AClosedLoopMovesTheKeyframes) {
+  for (const auto& chunk : robot::keyframe_at(0.0, 0, 10)) {
+    send("CLOUD", chunk);
+  }
+  const Json before = newest("keyframes");
+  ASSERT_EQ(before["poses"].size(), 1U);
+  EXPECT_EQ(before["times"][0], newest("CLOUD")["timestamp"]);
+  send("POSE_GRAPH_6D", robot::pose_graph_6d());
+  const Json after = newest("keyframes");
+  ASSERT_EQ(after["poses"].size(), 2U);  // the second, whose cloud has not come yet, as well
+  EXPECT_EQ(after["times"][0], before["times"][0]);
+  EXPECT_EQ(after["poses"][0]["position"]["x"], 2.0);
+  EXPECT_EQ(newest("scene/pose_graph_6d")["entities"].size(), 1U);
+}
+
 TEST_F(FeedTest, AKeyframeOfAPlaceShownBeforeIsShownToo) {
   send_keyframe_twice();
   EXPECT_EQ(count_posts("CLOUD"), 2U);
@@ -148,6 +164,7 @@ TEST_F(FeedTest, TheRestOfTheChannels) {
   send("PATH", robot::path());
   send("EXPLORATION", robot::exploration());
   send("POSE_GRAPH", robot::pose_graph());
+  send("POSE_GRAPH_6D", robot::pose_graph_6d());
   send("TRUTH", robot::truth_at(0.0));
   send("STATUS", robot::status_at(0.0));
   send("STOP", robot::stop());

@@ -323,6 +323,20 @@ nodmap::pose_graph_t pose_graph() {
   return message;
 }
 
+nodmap::pose_graph_6d_t pose_graph_6d() {
+  nodmap::pose_graph_6d_t message{};
+  message.utime = kBeginUs;
+  message.num_keyframes = 2;
+  message.keyframe_utime = {keyframe_at(0.0, 0, 1)[0].utime, keyframe_at(1.0, 1, 1)[0].utime};
+  message.position_m = {{2.0, 0.0, 0.0}, {3.0, 0.0, 0.0}};
+  message.orientation = {{1.0F, 0.0F, 0.0F, 0.0F}, {1.0F, 0.0F, 0.0F, 0.0F}};
+  message.num_loops = 2;
+  message.from_keyframe = {0, -1};
+  message.to_keyframe = {1, 1};
+  message.loop_state = {nodmap::pose_graph_6d_t::ACCEPTED, nodmap::pose_graph_6d_t::OUTLIER};
+  return message;
+}
+
 nodmap::stop_t stop() {
   nodmap::stop_t message{};
   message.utime = kBeginUs;

@@ -20,6 +20,7 @@
 #include "nodmap/path_t.hpp"
 #include "nodmap/pitch_command_t.hpp"
 #include "nodmap/pitch_state_t.hpp"
+#include "nodmap/pose_graph_6d_t.hpp"
 #include "nodmap/pose_graph_t.hpp"
 #include "nodmap/pose_t.hpp"
 #include "nodmap/scan_t.hpp"
@@ -47,6 +48,8 @@ inline constexpr std::int64_t kBeginUs = 1'700'000'000'000'000;
 [[nodiscard]] nodmap::path_t path();
 [[nodiscard]] nodmap::exploration_t exploration();
 [[nodiscard]] nodmap::pose_graph_t pose_graph();
+/// Of two keyframes, the first that of keyframe_at(0.0, 0) two metres farther on.
+[[nodiscard]] nodmap::pose_graph_6d_t pose_graph_6d();
 [[nodiscard]] nodmap::stop_t stop();
 [[nodiscard]] nodmap::base_sensors_t base_sensors_at(double time_s);
 [[nodiscard]] nodmap::status_t status_at(double time_s);

@@ -288,6 +288,14 @@ TEST(Scene, ALoopBetweenSubmapsThatAreNotThereIsNotDrawn) {
   EXPECT_TRUE(entity["lines"][2]["points"].empty());
 }
 
+TEST(Scene, ThePoseGraphOf6dSlamShowsItsKeyframesInSpace) {
+  const Json entity = pose_graph_6d_scene(foxglove::test::pose_graph_6d())["entities"][0];
+  EXPECT_EQ(entity["frame_id"], "map_6d");
+  EXPECT_EQ(entity["lines"][0]["points"][1]["x"], 3.0);
+  EXPECT_EQ(entity["lines"][1]["points"].size(), 2U);
+  EXPECT_TRUE(entity["lines"][2]["points"].empty());  // from a keyframe that is not there
+}
+
 /// Checks a value against the part of JSON Schema that our schemas use. Empty: it fits, and nothing
 /// that the schema names is missing.
 std::string misfit(const Json& value, const Json& schema, const std::string& path = "$") {
@@ -350,6 +358,7 @@ TEST(Schemas, DescribeWhatIsSent) {
   fits("foxglove.SceneUpdate", path_scene(robot::path()));
   fits("foxglove.SceneUpdate", exploration_scene(robot::exploration()));
   fits("foxglove.SceneUpdate", pose_graph_scene(robot::pose_graph()));
+  fits("foxglove.SceneUpdate", pose_graph_6d_scene(robot::pose_graph_6d()));
   fits("foxglove.SceneUpdate", people_scene(robot::truth_at(0.0)));
   fits("foxglove.Log", health_log(robot::status_at(0.0)));
   fits("nodmap.processes", table.processes());
