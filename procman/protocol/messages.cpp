@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "procman/protocol/messages.hpp"
 
-#include <algorithm>
-#include <sstream>
-#include <string>
-
 namespace nodmap::procman {
 namespace {
 
@@ -128,30 +124,29 @@ procman_lcm::output_t to_message(const Output& output) {
   return message;
 }
 
-Runs runs_from_message(const procman_lcm::output_t& message) {
-  const Output texts = from_message(message);
-  Runs runs{texts.stamp, texts.deputy_id, {}};
-  for (const CommandOutput& part : texts.outputs) {
-    CommandRun run{.command_id = part.command_id};
-    std::int64_t microseconds = 0;
-    std::istringstream in(part.text);
-    if (in >> run.pid >> microseconds >> run.num_restarts && run.pid > 0 && microseconds >= 0 &&
-        run.num_restarts >= 0) {
-      run.uptime = std::min(time::Duration(microseconds), time::kLimit);
-      runs.runs.push_back(std::move(run));
+Runs from_message(const nodmap::runs_t& message) {
+  Runs runs{time::from_utime(message.utime), message.deputy_id, {}};
+  for (std::size_t i = 0; i < message.command_id.size(); ++i) {
+    if (message.pid[i] > 0 && message.uptime_us[i] >= 0 && message.num_restarts[i] >= 0) {
+      runs.runs.push_back({message.command_id[i], message.pid[i],
+                           time::from_us(message.uptime_us[i]), message.num_restarts[i]});
     }
   }
   return runs;
 }
 
-procman_lcm::output_t to_message(const Runs& runs) {
-  Output texts{runs.stamp, runs.deputy_id, {}};
+nodmap::runs_t to_message(const Runs& runs) {
+  nodmap::runs_t message{};
+  message.utime = time::to_utime(runs.stamp);
+  message.deputy_id = runs.deputy_id;
   for (const CommandRun& run : runs.runs) {
-    texts.outputs.push_back({run.command_id, std::to_string(run.pid) + " " +
-                                                 std::to_string(run.uptime.count()) + " " +
-                                                 std::to_string(run.num_restarts)});
+    message.command_id.push_back(run.command_id);
+    message.pid.push_back(run.pid);
+    message.uptime_us.push_back(time::to_us(run.uptime));
+    message.num_restarts.push_back(run.num_restarts);
   }
-  return to_message(texts);
+  message.num_commands = static_cast<std::int32_t>(message.command_id.size());
+  return message;
 }
 
 }  // namespace nodmap::procman

@@ -39,8 +39,8 @@ Sheriff::Sheriff(Config config, const std::string& lcm_url)
 }
 
 void Sheriff::subscribe() {
-  bus_.subscribe<procman_lcm::output_t>(kRunsChannel, [this](const auto& message) {
-    fleet_.take_runs(runs_from_message(message), now());
+  bus_.subscribe<nodmap::runs_t>(kRunsChannel, [this](const auto& message) {
+    fleet_.take_runs(from_message(message), now());
   });
   bus_.subscribe<procman_lcm::deputy_info_t>(kInfoChannel, [this](const auto& message) {
     orders_wanted_ |= fleet_.take_info(from_message(message), now());

@@ -5,7 +5,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <map>
+#include <vector>
 
 #include "common/bus/codec.hpp"
 #include "common/bus/event_log.hpp"
@@ -63,19 +65,16 @@ TEST(ProcmanMessages, OfTheExistingToolsComeBackByteByByte) {
 
 TEST(ProcmanMessages, RunsComeBackAndWhatIsNoneIsLeftOut) {
   const Runs runs{time::Timestamp(5us), "h", {{"a", 17, 90s, 2}, {"b", 18, 1us, 0}}};
-  EXPECT_EQ(runs_from_message(to_message(runs)), runs);
-  const Output nonsense{{},
-                        "h",
-                        {{"a", ""},
-                         {"b", "1 2"},
-                         {"c", "-1 2 3"},
-                         {"d", "1 -2 3"},
-                         {"e", "1 2 -3"},
-                         {"f", "x"},
-                         {"g", "1 9223372036854775807 3"}}};
-  const Runs read = runs_from_message(to_message(nonsense));
-  ASSERT_EQ(read.runs.size(), 1U);
-  EXPECT_EQ(read.runs[0], (CommandRun{"g", 1, time::kLimit, 3}));
+  nodmap::runs_t message = to_message(runs);
+  EXPECT_EQ(from_message(message), runs);
+  message.pid = {0, 1};
+  message.uptime_us[1] = std::numeric_limits<std::int64_t>::max();
+  EXPECT_EQ(from_message(message).runs, (std::vector<CommandRun>{{"b", 1, time::kLimit, 0}}));
+  message.uptime_us[1] = -1;
+  EXPECT_TRUE(from_message(message).runs.empty());
+  message.uptime_us[1] = 1;
+  message.num_restarts[1] = -1;
+  EXPECT_TRUE(from_message(message).runs.empty());
 }
 
 }  // namespace
