@@ -54,7 +54,7 @@ bool Localiser::is_search_due(const PoseUpdate& by_odometry) const {
          std::abs(by_odometry.utime_us - failed_->utime_us) >= kSearchAgainUs;
 }
 
-void Localiser::judge(PoseUpdate& update, int lost_sweeps) {
+void Localiser::classify(PoseUpdate& update, int lost_sweeps) {
   Registration& registration = *update.registration;
   // What was searched for must fit as well as when it was found.
   const bool fits = registration.is_accepted() &&

@@ -52,7 +52,7 @@ class Localiser {
 
   /// Confirms or doubts the place by the registration of a sweep. A pose at a place that is not
   /// confirmed is DEGRADED. `lost_sweeps`: refused in a row up to this one.
-  void judge(PoseUpdate& update, int lost_sweeps);
+  void classify(PoseUpdate& update, int lost_sweeps);
 
   /// Odometry goes on in another frame: somebody may have carried the robot.
   void change_odometry_frame() { failed_.reset(); }

@@ -166,14 +166,14 @@ void Slam6d::find_place(const VoxelMap& sweep, const SweepCloud& cloud, PoseUpda
 void Slam6d::track(VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate& update) {
   tracker_.track(sweep, map_, cloud, update);
   if (is_map_closed_) {
-    judge_place(update);
+    classify_place(update);
   }
   count(update.registration->status);
 }
 
 // A wrong place would be built into the map: it is opened when the place is confirmed.
-void Slam6d::judge_place(PoseUpdate& update) {
-  localiser_->judge(update, tracker_.lost_sweeps());
+void Slam6d::classify_place(PoseUpdate& update) {
+  localiser_->classify(update, tracker_.lost_sweeps());
   is_map_closed_ = is_map_fixed_ || !localiser_->is_confirmed() ||
                    update.registration->status != RegistrationStatus::kTracking;
 }

@@ -11,7 +11,7 @@ import math
 SCANS = 50
 SPEED_MPS = 1.5
 WINDOW_S = SCANS * 0.01332
-EVERY_S = 2.0  # from one cloud to the next that is judged
+EVERY_S = 2.0  # from one cloud to the next that is measured
 
 
 def read_poses(path):
