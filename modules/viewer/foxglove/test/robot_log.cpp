@@ -83,6 +83,9 @@ void note_slow_channels(std::vector<Event>& events, const RobotLog& settings) {
   note(events, "PATH", path());
   note(events, "EXPLORATION", exploration());
   note(events, "POSE_GRAPH", pose_graph());
+  nodmap::pose_graph_6d_t graph = pose_graph_6d();
+  graph.position_m = {{0.0, 0.0, 0.0}, {kSpeedMps, 0.0, 0.0}};  // where CLOUD has them
+  note(events, "POSE_GRAPH_6D", graph);
   note(events, "STOP", stop());
   for (int i = 0; i < static_cast<int>(20.0 * settings.duration_s); ++i) {
     note(events, "BASE_SENSORS", base_sensors_at(i / 20.0));
