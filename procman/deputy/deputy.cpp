@@ -19,6 +19,7 @@
 #include "common/bus/live_bus.hpp"
 #include "common/node/clock.hpp"
 #include "common/node/log.hpp"
+#include "common/node/serial_workers.hpp"
 #include "common/node/status.hpp"
 #include "procman/config/config_watch.hpp"
 #include "procman/deputy/children.hpp"
@@ -106,6 +107,7 @@ class Deputy {
   void start(const StartCommand& action);
   void publish_output(time::SteadyTime now);
   void publish_info();
+  void raise_serial_workers();
   [[nodiscard]] std::vector<pid_t> pids() const;
 
   DeputySettings settings_;
@@ -118,6 +120,8 @@ class Deputy {
   Supervisor supervisor_;
   OutputCollector output_;
   SystemLoad load_;
+  std::optional<node::SerialWorkers> serial_workers_;
+  bool serial_workers_refused_ = false;
   node::StatusReporter status_;
   std::int64_t nonce_;
   time::SteadyTime started_;
@@ -232,6 +236,7 @@ void Deputy::work() {
     if (now >= info_due_) {
       load_.sample(pids());
       children_.kill_strays();
+      raise_serial_workers();
       info_due_ = std::max(info_due_ + kInfoPeriod, now);
     }
     publish_info();
@@ -337,6 +342,27 @@ void Deputy::publish_info() {
   bus_.publish(kInfoChannel, to_message(info));
   bus_.publish(kRunsChannel,
                to_message(Runs{info.stamp, settings_.id, supervisor_.runs(time::steady_now())}));
+}
+
+/// While a command runs in real time: its devices' bytes must not wait either.
+void Deputy::raise_serial_workers() {
+  const std::vector<CommandStatus> statuses = supervisor_.statuses();
+  const bool wanted = std::any_of(statuses.begin(), statuses.end(), [this](const auto& status) {
+    return status.pid != 0 && settings_.resources_of &&
+           settings_.resources_of(status.spec.id).realtime != 0;
+  });
+  if (!wanted) {
+    serial_workers_.reset();
+    return;
+  }
+  if (!serial_workers_) {
+    serial_workers_.emplace();
+  }
+  if (!serial_workers_->raise() && !std::exchange(serial_workers_refused_, true)) {
+    log::get().warn(
+        "no right to raise the kernel's serial workers (CAP_SYS_NICE): on a busy machine bytes of "
+        "serial ports come late");
+  }
 }
 
 std::vector<pid_t> Deputy::pids() const {

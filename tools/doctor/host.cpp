@@ -59,6 +59,18 @@ Finding check_realtime(bool is_permitted) {
       "anew"};
 }
 
+Finding check_serial_workers(bool may_raise) {
+  if (may_raise) {
+    return {"serial workers", Status::kOk,
+            "The kernel's threads that carry the bytes of serial ports may be raised.", ""};
+  }
+  return {"serial workers", Status::kWarn,
+          "The kernel's threads that carry the bytes of serial ports may not be raised: on a busy "
+          "machine scans come late.",
+          "sudo systemctl start nodmap-deputy  # or run nodmap-deputy as root, or with "
+          "CAP_SYS_NICE"};
+}
+
 Finding check_clock(bool is_synchronized) {
   if (is_synchronized) {
     return {"clock", Status::kOk, "The clock follows a reference.", ""};

@@ -25,6 +25,9 @@ namespace nodmap::doctor {
 /// Whether programs may go before all others (SCHED_RR), as the drivers and the navigator want to.
 [[nodiscard]] Finding check_realtime(bool is_permitted);
 
+/// Whether the deputy may raise the kernel's threads that carry the bytes of serial ports.
+[[nodiscard]] Finding check_serial_workers(bool may_raise);
+
 /// Whether the clock follows a reference: stamps of several hosts must agree.
 [[nodiscard]] Finding check_clock(bool is_synchronized);
 

@@ -10,6 +10,7 @@
 #include "common/bus/codec.hpp"
 #include "common/bus/live_bus.hpp"
 #include "common/node/program.hpp"
+#include "common/node/serial_workers.hpp"
 #include "tools/doctor/host.hpp"
 #include "tools/doctor/network.hpp"
 #include "tools/doctor/probe.hpp"
@@ -73,6 +74,7 @@ std::vector<Finding> examine_host(const std::string& logs) {
                     file_exists("build/java/lcmtypes_nodmap.jar"),
                     "with it lcm-spy looks into our messages", "./nodmap spy"),
       check_realtime(realtime_is_permitted()),
+      check_serial_workers(node::may_raise_serial_workers()),
       check_clock(clock_is_synchronized()),
   };
 }

@@ -33,6 +33,12 @@ TEST(Host, DiskIsJudgedByHowLongItLasts) {
   EXPECT_THAT(check_disk("logs", 1'000'000'000).sentence, ::testing::HasSubstr("1000 MB"));
 }
 
+TEST(Host, SerialBytesComeLateWhereTheKernelsThreadsMayNotBeRaised) {
+  EXPECT_EQ(check_serial_workers(true).status, Status::kOk);
+  EXPECT_EQ(check_serial_workers(false).status, Status::kWarn);
+  EXPECT_THAT(check_serial_workers(false).command, ::testing::HasSubstr("CAP_SYS_NICE"));
+}
+
 TEST(Host, WithoutRealTimePriorityTheRobotHaltsOnABusyMachine) {
   EXPECT_EQ(check_realtime(true).status, Status::kOk);
   EXPECT_EQ(check_realtime(false).status, Status::kWarn);
