@@ -213,6 +213,8 @@ void take_resources(const Resources& resources) noexcept {
   // LCM opens its sockets without CLOEXEC.
   ::close_range(STDERR_FILENO + 1, UINT_MAX, 0);
   take_resources(launch.resources);
+  // What the service may change of other processes (CAP_SYS_NICE) is no business of its commands.
+  ::prctl(PR_CAP_AMBIENT, PR_CAP_AMBIENT_CLEAR_ALL, 0, 0, 0);
   struct sigaction standard {};
   standard.sa_handler = SIG_DFL;
   for (int signal = 1; signal < NSIG; ++signal) {

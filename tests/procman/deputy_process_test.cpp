@@ -2,9 +2,13 @@
 // nodmap-deputy as a process: what it must never leave behind, and what must never stop it.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <linux/capability.h>
+#include <sys/prctl.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <csignal>
 #include <fstream>
 
@@ -58,6 +62,32 @@ TEST_F(DeputyProcess, GivesACommandTheResourcesOfItsConfiguration) {
     return client_.output("a").find("Cpus_allowed_list:\t0\r") != std::string::npos;
   })) << client_.output("a");
   EXPECT_THAT(client_.output("a"), HasSubstr("500000\r"));  // of 1024 bytes
+  end_cleanly();
+}
+
+/// Gives this process, and what it starts, a right as the deputy's service does.
+bool take_ambient_right(unsigned capability) {
+  __user_cap_header_struct header{_LINUX_CAPABILITY_VERSION_3, 0};
+  std::array<__user_cap_data_struct, 2> rights{};
+  if (::syscall(SYS_capget, &header, rights.data()) != 0) {
+    return false;
+  }
+  rights[0].inheritable |= 1U << capability;
+  return ::syscall(SYS_capset, &header, rights.data()) == 0 &&
+         ::prctl(PR_CAP_AMBIENT, PR_CAP_AMBIENT_RAISE, capability, 0, 0) == 0;
+}
+
+TEST_F(DeputyProcess, KeepsItsRightOverOtherProcessesToItself) {
+  if (!take_ambient_right(CAP_SYS_NICE)) {
+    GTEST_SKIP() << "needs the right to change other processes' priority (CAP_SYS_NICE)";
+  }
+  begin();
+  ::prctl(PR_CAP_AMBIENT, PR_CAP_AMBIENT_CLEAR_ALL, 0, 0, 0);
+  const std::string exec = marked("bash -c 'grep CapAmb /proc/self/status'");
+  client_.order({wanted("a", exec, 1)});
+  EXPECT_TRUE(client_.wait_until([&] {
+    return client_.output("a").find("CapAmb:\t0000000000000000\r") != std::string::npos;
+  })) << client_.output("a");
   end_cleanly();
 }
 
