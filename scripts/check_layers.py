@@ -30,7 +30,7 @@ TOOL_MAY_USE = {"evaluate": ("modules/slam2d/",)}
 ONE_PLACE = {"octomap/": "OctoMap", "libserialport.h": "libserialport"}
 TYPED_TIME = ("bench/", "common/", "drivers/", "procman/", "sim/", "tests/", "tools/")
 # What messages, logs and files hold as it is, and values that modules still take as integers.
-INTEGER_TIME = ("common/bus/event_log", "common/formats/", "common/geometry/", "common/node/messages", "common/scan/",
+INTEGER_TIME = ("common/bus/event_log", "common/bus/message_log", "common/formats/", "common/geometry/", "common/node/messages", "common/scan/",
                 "tests/replay/", "tools/convert/", "tools/evaluate/")
 MICROSECONDS = re.compile(r"\bint64_t>?[ &]+(\w+_us_?|k\w+Us)\b")
 BAD_NAME = re.compile(r"\b(base|map|odom|laser|mount|body|sensor|world)(_to_|2)(base|map|odom|laser|mount|body|sensor|world)\b")

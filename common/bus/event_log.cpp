@@ -141,7 +141,7 @@ bool LogReader::read_event_here() {
 LogWriter::LogWriter(const std::filesystem::path& path)
     : fd_(::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666)) {
   if (fd_ < 0) {
-    throw file_error(path, "cannot create");
+    throw std::system_error(errno, std::system_category(), path.string() + ": cannot create");
   }
   pending_.reserve(2 * kPendingLimit);
 }

@@ -62,7 +62,7 @@ class LogReader : private boost::noncopyable {
 /// Writes the event log format that lcm-logplayer plays.
 class LogWriter : private boost::noncopyable {
  public:
-  /// Creates the file. Throws std::runtime_error when it exists or cannot be made.
+  /// Creates the file. Throws std::system_error when it exists or cannot be made.
   explicit LogWriter(const std::filesystem::path& path);
   ~LogWriter();
 

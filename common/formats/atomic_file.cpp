@@ -66,22 +66,33 @@ std::error_code write_new(const std::filesystem::path& path, std::string_view by
 
 }  // namespace
 
-std::error_code replace_file(const std::filesystem::path& file, std::string_view bytes) {
-  std::filesystem::path temporary = file;
-  temporary += ".part";
-  std::error_code error = write_new(temporary, bytes);
-  if (!error) {
-    std::filesystem::rename(temporary, file, error);
-  }
+std::filesystem::path unfinished_name(const std::filesystem::path& file) {
+  return file.string() + ".part";
+}
+
+std::error_code replace_file_by(const std::filesystem::path& file,
+                                const std::filesystem::path& unfinished) {
+  std::error_code error;
+  std::filesystem::rename(unfinished, file, error);
   if (error) {
     std::error_code ignored;
-    std::filesystem::remove(temporary, ignored);
+    std::filesystem::remove(unfinished, ignored);
     return error;
   }
   // The name is in the folder, which has to reach the disk, too.
   const File folder(file.has_parent_path() ? file.parent_path() : ".",
                     O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   return folder.is_open() ? folder.sync() : last_error();
+}
+
+std::error_code replace_file(const std::filesystem::path& file, std::string_view bytes) {
+  const std::filesystem::path unfinished = unfinished_name(file);
+  if (const std::error_code error = write_new(unfinished, bytes)) {
+    std::error_code ignored;
+    std::filesystem::remove(unfinished, ignored);
+    return error;
+  }
+  return replace_file_by(file, unfinished);
 }
 
 }  // namespace nodmap::formats

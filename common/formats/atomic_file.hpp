@@ -13,4 +13,10 @@ namespace nodmap::formats {
 [[nodiscard]] std::error_code replace_file(const std::filesystem::path& file,
                                            std::string_view bytes);
 
+/// The same in steps, for a file that is too large to be held: it is written under its unfinished
+/// name, in the same folder, and synced to the disk; then it takes the old one's place.
+[[nodiscard]] std::filesystem::path unfinished_name(const std::filesystem::path& file);
+[[nodiscard]] std::error_code replace_file_by(const std::filesystem::path& file,
+                                              const std::filesystem::path& unfinished);
+
 }  // namespace nodmap::formats

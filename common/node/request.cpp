@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "common/node/request.hpp"
 
-#include <chrono>
+#include <spdlog/fmt/fmt.h>
+#include <spdlog/fmt/ranges.h>
 
+#include <chrono>
+#include <iostream>
+
+#include "common/node/log.hpp"
 #include "common/node/program.hpp"
 #include "nodmap/status_t.hpp"
 
@@ -26,8 +31,11 @@ bool handle_until(bus::LiveBus& bus, double wait_s, const std::function<bool()>&
   return false;
 }
 
-std::set<std::string> heard_processes(bus::LiveBus& bus, const std::set<std::string>& names,
-                                      double wait_s) {
+int report_request(bus::LiveBus& bus, const std::set<std::string>& names, double wait_s) {
+  if (bus.counts().not_published > 0) {
+    log::get().error("the request could not be sent on {}", bus.url());
+    return 1;
+  }
   std::set<std::string> heard;
   bus.subscribe<nodmap::status_t>("STATUS", [&](const nodmap::status_t& status) {
     if (names.contains(status.process_name)) {
@@ -35,7 +43,12 @@ std::set<std::string> heard_processes(bus::LiveBus& bus, const std::set<std::str
     }
   });
   (void)handle_until(bus, wait_s, [&] { return heard == names; });
-  return heard;
+  if (heard.empty()) {
+    log::get().error("nobody listens on {}: no {} runs there", bus.url(), fmt::join(names, " or "));
+    return 1;
+  }
+  std::cout << fmt::format("asked {}\n", fmt::join(heard, " and "));
+  return 0;
 }
 
 }  // namespace nodmap::node

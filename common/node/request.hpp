@@ -24,11 +24,11 @@ void add_request_options(CLI::App& app, RequestOptions& options, const std::stri
 [[nodiscard]] bool handle_until(bus::LiveBus& bus, double wait_s,
                                 const std::function<bool()>& is_done);
 
-/// Those of the processes `names` whose STATUS comes within `wait_s` seconds, which is once a
-/// second from each; returns early when all have been heard. LCM gives no receipt: who listens is
-/// known by this alone.
-[[nodiscard]] std::set<std::string> heard_processes(bus::LiveBus& bus,
-                                                    const std::set<std::string>& names,
-                                                    double wait_s);
+/// Ends a program that has published its one request to the processes `names`: tells on stdout
+/// which of them are heard on STATUS within `wait_s` seconds, which comes once a second from each.
+/// LCM gives no receipt: who listens is known by this alone. Returns the exit code: 1, with the
+/// reason in the log, when the request was not sent or none of them was heard.
+[[nodiscard]] int report_request(bus::LiveBus& bus, const std::set<std::string>& names,
+                                 double wait_s);
 
 }  // namespace nodmap::node

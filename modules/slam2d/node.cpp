@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -275,7 +276,9 @@ void Slam2dNode::save(const std::filesystem::path& dir) const {
   if (!slam_.keyframes().empty()) {
     SavedMap saved = slam_.back_end().save();
     saved.cleared = map_.cleared();
-    write_saved_map(dir, saved);
+    if (const auto error = write_saved_map(dir, saved)) {
+      throw std::system_error(error, dir.string());
+    }
   }
 }
 

@@ -3,14 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 #include <string>
 #include <system_error>
 #include <vector>
 
-#include "common/bus/codec.hpp"
-#include "common/bus/event_log.hpp"
-#include "common/formats/input_file.hpp"
+#include "common/bus/message_log.hpp"
 #include "nodmap/cleared_region_2d_t.hpp"
 #include "nodmap/keyframe_2d_t.hpp"
 #include "nodmap/loop_2d_t.hpp"
@@ -100,15 +97,15 @@ nodmap::cleared_region_2d_t write_cleared(const ClearedRegion& cleared) {
 /// Puts a map together from messages, and throws for what cannot be part of one.
 class Reader {
  public:
-  explicit Reader(std::filesystem::path file) : file_(std::move(file)) {}
+  explicit Reader(const bus::MessageLogReader& log) : log_(log) {}
 
   void add(const bus::LogEvent& event) {
     if (event.channel == kKeyframeChannel) {
-      add_keyframe(decode<nodmap::keyframe_2d_t>(event));
+      add_keyframe(log_.decode<nodmap::keyframe_2d_t>(event));
     } else if (event.channel == kLoopChannel) {
-      add_loop(decode<nodmap::loop_2d_t>(event));
+      add_loop(log_.decode<nodmap::loop_2d_t>(event));
     } else if (event.channel == kClearedChannel) {
-      add_cleared(decode<nodmap::cleared_region_2d_t>(event));
+      add_cleared(log_.decode<nodmap::cleared_region_2d_t>(event));
     }
   }
 
@@ -120,21 +117,9 @@ class Reader {
     return std::move(map_);
   }
 
-  void require(bool holds, const std::string& problem) const {
-    if (!holds) {
-      throw formats::InputFileError(file_.string() + ": " + problem);
-    }
-  }
+  void require(bool holds, const std::string& problem) const { log_.require(holds, problem); }
 
  private:
-  template <typename Message>
-  [[nodiscard]] Message decode(const bus::LogEvent& event) const {
-    Message message;
-    require(bus::decode_into(message, event.data),
-            "event " + std::to_string(event.event_number) + " is not a valid " + event.channel);
-    return message;
-  }
-
   void require_finite(double value) const {
     // Beyond 10^7 m, 10 000 km, it is no pose of a building, and cells no longer fit 32 bits.
     require(std::abs(value) < 1e7,
@@ -218,59 +203,31 @@ class Reader {
     return information;
   }
 
-  std::filesystem::path file_;
+  const bus::MessageLogReader& log_;
   SavedMap map_;
 };
 
-template <typename Message>
-void write_event(bus::LogWriter& writer, std::int64_t utime_us, const char* channel,
-                 const Message& message, const std::filesystem::path& file) {
-  std::vector<std::byte> bytes;
-  bus::encode_into(bytes, message);
-  if (!writer.write(utime_us, channel, bytes)) {
-    throw std::runtime_error(file.string() + ": " + writer.failure().message());
-  }
-}
-
 }  // namespace
 
-void write_saved_map(const std::filesystem::path& dir, const SavedMap& map) {
-  const std::filesystem::path file = dir / kFileName;
-  const std::filesystem::path unfinished = file.string() + ".tmp";
-  std::filesystem::remove(unfinished);  // left behind by a process that was killed
-  try {
-    bus::LogWriter writer(unfinished);
-    for (std::size_t k = 0; k < map.keyframes.size(); ++k) {
-      write_event(writer, map.keyframes[k].utime_us, kKeyframeChannel, write_keyframe(map, k),
-                  file);
-    }
-    for (const SavedMap::Loop& loop : map.loops) {
-      write_event(writer, map.keyframes.back().utime_us, kLoopChannel, write_loop(loop), file);
-    }
-    for (const ClearedRegion& cleared : map.cleared) {
-      write_event(writer, map.keyframes.back().utime_us, kClearedChannel, write_cleared(cleared),
-                  file);
-    }
-    if (!writer.flush() || !writer.sync()) {
-      throw std::runtime_error(file.string() + ": " + writer.failure().message());
-    }
-    std::filesystem::rename(unfinished, file);
-  } catch (const std::exception&) {
-    std::error_code ignored;
-    std::filesystem::remove(unfinished, ignored);
-    throw;
+std::error_code write_saved_map(const std::filesystem::path& dir, const SavedMap& map) {
+  bus::MessageLogWriter writer(dir / kFileName);
+  for (std::size_t k = 0; k < map.keyframes.size(); ++k) {
+    writer.write(map.keyframes[k].utime_us, kKeyframeChannel, write_keyframe(map, k));
   }
+  for (const SavedMap::Loop& loop : map.loops) {
+    writer.write(map.keyframes.back().utime_us, kLoopChannel, write_loop(loop));
+  }
+  for (const ClearedRegion& cleared : map.cleared) {
+    writer.write(map.keyframes.back().utime_us, kClearedChannel, write_cleared(cleared));
+  }
+  return writer.replace();
 }
 
 SavedMap read_saved_map(const std::filesystem::path& path) {
-  const std::filesystem::path file = std::filesystem::is_directory(path) ? path / kFileName : path;
-  bus::LogReader log(file);
-  Reader reader(file);
+  bus::MessageLogReader log(std::filesystem::is_directory(path) ? path / kFileName : path);
+  Reader reader(log);
   while (const bus::LogEvent* event = log.next()) {
     reader.add(*event);
-  }
-  if (!log.damage().empty()) {
-    throw formats::InputFileError(log.damage());
   }
   return reader.finish();
 }

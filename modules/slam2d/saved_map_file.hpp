@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <system_error>
 
 #include "modules/slam2d/saved_map.hpp"
 
@@ -9,9 +10,10 @@ namespace nodmap::slam2d {
 
 /// Writes keyframes.lcmlog into a folder: an LCM event log with a keyframe_2d_t for each keyframe
 /// a loop_2d_t for each pair of submaps that a loop joins, and a cleared_region_2d_t for each
-/// region that was cleared. An existing file stays in place until the new one is complete. Throws
-/// std::runtime_error naming the file.
-void write_saved_map(const std::filesystem::path& dir, const SavedMap& map);
+/// region that was cleared. An existing file stays in place until the new one is complete and on
+/// the disk.
+[[nodiscard]] std::error_code write_saved_map(const std::filesystem::path& dir,
+                                              const SavedMap& map);
 
 /// Reads it. `path` is a keyframes.lcmlog, or a folder with one. Throws formats::InputFileError,
 /// naming the file and what is wrong, also for a damaged or truncated file and for one without

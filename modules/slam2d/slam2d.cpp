@@ -30,7 +30,7 @@ void Slam2d::change_odometry_frame(const geometry::SE3& T_new_odom_base) {
   T_odom_keyframe_ = T_old_new.inverse() * T_odom_keyframe_;
   T_odom_last_ = T_old_new.inverse() * T_odom_last_;
   moving_points_.change_odometry_frame(T_old_new);
-  start_poses_.change_odometry_frame(T_old_new);
+  pose_guesses_.change_odometry_frame(T_old_new);
   T_odom_failed_search_.reset();  // the robot may have been carried: another search is worth it
 }
 
@@ -58,10 +58,10 @@ std::optional<PoseUpdate> Slam2d::add_scan(const scan::Scan& scan) {
   lost_since_us_ = update.quality == PoseQuality::kLost
                        ? std::optional(lost_since_us_.value_or(update.utime_us))
                        : std::nullopt;
-  start_poses_.add_scan(update.utime_us,
-                        (T_map_odom_ * T_odom_last_).inverse() * update.T_map_base);
+  pose_guesses_.add_scan(update.utime_us,
+                         (T_map_odom_ * T_odom_last_).inverse() * update.T_map_base);
   if (update.quality == PoseQuality::kLost) {
-    start_poses_.forget_motion();
+    pose_guesses_.forget_motion();
   }
   // "New scan points that do not show a correspondence to already existing points in M are added."
   // That may close a loop, which corrects the pose once more.
@@ -101,7 +101,7 @@ std::optional<PoseUpdate> Slam2d::begin_map(const LevelScan& scan) {
 // better. All of its points count: what has moved is told by odometry, which is in doubt.
 Slam2d::Start Slam2d::choose_start(const LevelScan& scan) const {
   const Submap& submap = back_end_.local();
-  Start start{start_poses_.guesses(scan, T_map_odom_, T_odom_last_)};
+  Start start{pose_guesses_.guesses(scan, T_map_odom_, T_odom_last_)};
   for (geometry::SE2& guess : start.guesses) {
     guess = submap.T_map_submap.inverse() * guess;
   }
@@ -244,7 +244,7 @@ void Slam2d::correct_odometry(const LevelScan& scan, PoseUpdate& update) {
   T_odom_last_ = scan.T_odom_base;
   update.T_map_odom = T_map_odom_;
   if (update.is_keyframe) {
-    start_poses_.add_keyframe(T_map_odom_);
+    pose_guesses_.add_keyframe(T_map_odom_);
   }
 }
 

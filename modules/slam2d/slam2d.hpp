@@ -14,9 +14,9 @@
 #include "modules/slam2d/params.hpp"
 #include "modules/slam2d/point_map.hpp"
 #include "modules/slam2d/pose_covariance.hpp"
+#include "modules/slam2d/pose_guesses.hpp"
 #include "modules/slam2d/pose_search.hpp"
 #include "modules/slam2d/scan_matcher.hpp"
-#include "modules/slam2d/start_poses.hpp"
 
 namespace nodmap::slam2d {
 
@@ -118,7 +118,7 @@ class Slam2d {
   Slam2dParams params_;
   LevelScanInput input_;
   MovingPointFilter moving_points_;
-  StartPoses start_poses_;
+  PoseGuesses pose_guesses_;
   ScanMatcher matcher_;
   PoseSearch search_;
   BackEnd back_end_;

@@ -6,8 +6,8 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <span>
-#include <stdexcept>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -350,7 +350,7 @@ void Slam6dNode::write_results(const std::filesystem::path& dir) {
     return;
   }
   if (const auto error = save_map(dir, slam_.save())) {
-    throw std::runtime_error((dir / "map.bt").string() + ": " + error.message());
+    throw std::system_error(error, dir.string());
   }
   ++maps_saved_;
   write_cloud(slam_, dir);

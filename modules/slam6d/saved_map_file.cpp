@@ -8,9 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "common/bus/codec.hpp"
-#include "common/bus/event_log.hpp"
-#include "common/formats/input_file.hpp"
+#include "common/bus/message_log.hpp"
 #include "common/node/messages.hpp"
 #include "modules/slam6d/pose_covariance.hpp"
 #include "nodmap/keyframe_6d_t.hpp"
@@ -73,13 +71,13 @@ nodmap::loop_6d_t write_loop(const PoseEdge3d& loop) {
 /// Puts a map together from messages, and throws for what cannot be part of one.
 class Reader {
  public:
-  explicit Reader(std::filesystem::path file) : file_(std::move(file)) {}
+  explicit Reader(const bus::MessageLogReader& log) : log_(log) {}
 
   void add(const bus::LogEvent& event) {
     if (event.channel == kKeyframeChannel) {
-      add_keyframe(decode<nodmap::keyframe_6d_t>(event));
+      add_keyframe(log_.decode<nodmap::keyframe_6d_t>(event));
     } else if (event.channel == kLoopChannel) {
-      add_loop(decode<nodmap::loop_6d_t>(event));
+      add_loop(log_.decode<nodmap::loop_6d_t>(event));
     }
   }
 
@@ -92,19 +90,7 @@ class Reader {
   }
 
  private:
-  void require(bool holds, const std::string& problem) const {
-    if (!holds) {
-      throw formats::InputFileError(file_.string() + ": " + problem);
-    }
-  }
-
-  template <typename Message>
-  [[nodiscard]] Message decode(const bus::LogEvent& event) const {
-    Message message;
-    require(bus::decode_into(message, event.data),
-            "event " + std::to_string(event.event_number) + " is not a valid " + event.channel);
-    return message;
-  }
+  void require(bool holds, const std::string& problem) const { log_.require(holds, problem); }
 
   [[nodiscard]] std::string here() const {
     return "keyframe " + std::to_string(map_.keyframes.size());
@@ -175,69 +161,28 @@ class Reader {
                           .may_be_wrong = true});
   }
 
-  std::filesystem::path file_;
+  const bus::MessageLogReader& log_;
   SavedMap map_;
 };
-
-template <typename Message>
-[[nodiscard]] bool write_event(bus::LogWriter& writer, std::int64_t utime_us, const char* channel,
-                               const Message& message) {
-  std::vector<std::byte> bytes;
-  bus::encode_into(bytes, message);
-  return writer.write(utime_us, channel, bytes);
-}
-
-[[nodiscard]] bool write_events(bus::LogWriter& writer, const SavedMap& map) {
-  for (std::size_t k = 0; k < map.keyframes.size(); ++k) {
-    if (!write_event(writer, map.keyframes[k].cloud->utime_us, kKeyframeChannel,
-                     write_keyframe(map, k))) {
-      return false;
-    }
-  }
-  for (const PoseEdge3d& loop : map.loops) {
-    if (!write_event(writer, map.keyframes.back().cloud->utime_us, kLoopChannel,
-                     write_loop(loop))) {
-      return false;
-    }
-  }
-  return writer.flush() && writer.sync();
-}
-
-[[nodiscard]] std::error_code write_file(const std::filesystem::path& file, const SavedMap& map) {
-  try {
-    bus::LogWriter writer(file);
-    return write_events(writer, map) ? std::error_code{} : writer.failure();
-  } catch (const std::runtime_error&) {  // it cannot be made
-    return std::make_error_code(std::errc::io_error);
-  }
-}
 
 }  // namespace
 
 std::error_code write_saved_map(const std::filesystem::path& dir, const SavedMap& map) {
-  const std::filesystem::path file = dir / kFileName;
-  const std::filesystem::path unfinished = file.string() + ".tmp";
-  std::error_code ignored;
-  std::filesystem::remove(unfinished, ignored);  // left behind by a process that was killed
-  std::error_code error = write_file(unfinished, map);
-  if (!error) {
-    std::filesystem::rename(unfinished, file, error);
+  bus::MessageLogWriter writer(dir / kFileName);
+  for (std::size_t k = 0; k < map.keyframes.size(); ++k) {
+    writer.write(map.keyframes[k].cloud->utime_us, kKeyframeChannel, write_keyframe(map, k));
   }
-  if (error) {
-    std::filesystem::remove(unfinished, ignored);
+  for (const PoseEdge3d& loop : map.loops) {
+    writer.write(map.keyframes.back().cloud->utime_us, kLoopChannel, write_loop(loop));
   }
-  return error;
+  return writer.replace();
 }
 
 SavedMap read_saved_map(const std::filesystem::path& path) {
-  const std::filesystem::path file = std::filesystem::is_directory(path) ? path / kFileName : path;
-  bus::LogReader log(file);
-  Reader reader(file);
+  bus::MessageLogReader log(std::filesystem::is_directory(path) ? path / kFileName : path);
+  Reader reader(log);
   while (const bus::LogEvent* event = log.next()) {
     reader.add(*event);
-  }
-  if (!log.damage().empty()) {
-    throw formats::InputFileError(log.damage());
   }
   return reader.finish();
 }

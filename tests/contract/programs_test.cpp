@@ -313,7 +313,7 @@ TEST(Clear, SaysWhenNobodyListens) {
   const auto result =
       run_program("nodmap-clear", {"--lcm-url", "memq://", "--wait", "0.1", "1", "-2", "0", "3"});
   EXPECT_EQ(result.exit_code, 1);
-  EXPECT_THAT(result.err, HasSubstr("nodmap-slam2d does not run"));
+  EXPECT_THAT(result.err, HasSubstr("nobody listens"));
 }
 
 TEST(Clear, NeedsTwoCorners) {

@@ -2,13 +2,11 @@
 // nodmap-clear: asks 2D SLAM to forget what its map shows in a rectangle.
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <iostream>
 #include <string>
 #include <vector>
 
 #include "common/bus/live_bus.hpp"
 #include "common/node/clock.hpp"
-#include "common/node/log.hpp"
 #include "common/node/program.hpp"
 #include "common/node/request.hpp"
 #include "nodmap/clear_request_t.hpp"
@@ -37,16 +35,7 @@ clear_request_t write_request(const Arguments& arguments) {
 int run(const Arguments& arguments, const std::string& lcm_url) {
   bus::LiveBus bus(lcm_url);
   bus.publish("CLEAR_REQUEST", write_request(arguments));
-  if (bus.counts().not_published > 0) {
-    log::get().error("the request could not be sent on {}", bus.url());
-    return 1;
-  }
-  if (node::heard_processes(bus, {"nodmap-slam2d"}, arguments.request.wait_s).empty()) {
-    log::get().error("nodmap-slam2d does not run on {}", bus.url());
-    return 1;
-  }
-  std::cout << "asked nodmap-slam2d\n";
-  return 0;
+  return node::report_request(bus, {"nodmap-slam2d"}, arguments.request.wait_s);
 }
 
 }  // namespace

@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // nodmap-save: asks 2D SLAM and 6D SLAM to write their maps now.
 #include <CLI/CLI.hpp>
-#include <iostream>
-#include <set>
 #include <string>
 
 #include "common/bus/live_bus.hpp"
 #include "common/node/clock.hpp"
-#include "common/node/log.hpp"
 #include "common/node/program.hpp"
 #include "common/node/request.hpp"
 #include "nodmap/save_request_t.hpp"
@@ -23,23 +20,7 @@ int run(const std::string& requested_by, const std::string& lcm_url) {
   request.utime = time::to_utime(time::SystemClock().now());
   request.requested_by = requested_by;
   bus.publish("SAVE_REQUEST", request);
-  if (bus.counts().not_published > 0) {
-    log::get().error("the request could not be sent on {}", bus.url());
-    return 1;
-  }
-  const std::set<std::string> heard =
-      node::heard_processes(bus, {"nodmap-slam2d", "nodmap-slam6d"}, kWaitS);
-  if (heard.empty()) {
-    log::get().error("nobody listens on {}: neither nodmap-slam2d nor nodmap-slam6d runs there",
-                     bus.url());
-    return 1;
-  }
-  std::string names;
-  for (const std::string& name : heard) {
-    names += (names.empty() ? "" : " and ") + name;
-  }
-  std::cout << "asked " << names << "\n";
-  return 0;
+  return node::report_request(bus, {"nodmap-slam2d", "nodmap-slam6d"}, kWaitS);
 }
 
 }  // namespace

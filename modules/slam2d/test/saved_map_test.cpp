@@ -108,7 +108,7 @@ TEST(SavedMap, IsReadAsItWasWritten) {
   written.cleared = {{{{-1.5, 2.0}, {0.25, 3.0}}, 7}};
   ASSERT_GT(written.submaps.size(), 3U);
   ASSERT_FALSE(written.loops.empty());
-  write_saved_map(dir.path(), written);
+  ASSERT_FALSE(write_saved_map(dir.path(), written));
   const SavedMap read = read_saved_map(dir.path());
 
   ASSERT_EQ(read.keyframes.size(), written.keyframes.size());

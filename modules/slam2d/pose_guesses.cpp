@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "modules/slam2d/start_poses.hpp"
+#include "modules/slam2d/pose_guesses.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -36,7 +36,7 @@ double difference(const geometry::SE2& a, const geometry::SE2& b) {
 
 }  // namespace
 
-void StartPoses::add_scan(std::int64_t utime_us, const geometry::SE2& T_last_base) {
+void PoseGuesses::add_scan(std::int64_t utime_us, const geometry::SE2& T_last_base) {
   step_.reset();
   if (last_utime_us_ && utime_us > *last_utime_us_) {
     step_ = Step{T_last_base, 1e-6 * static_cast<double>(utime_us - *last_utime_us_)};
@@ -44,13 +44,13 @@ void StartPoses::add_scan(std::int64_t utime_us, const geometry::SE2& T_last_bas
   last_utime_us_ = utime_us;
 }
 
-void StartPoses::change_odometry_frame(const geometry::SE2& T_old_new) {
+void PoseGuesses::change_odometry_frame(const geometry::SE2& T_old_new) {
   T_map_odom_keyframe_ = T_map_odom_keyframe_ * T_old_new;
 }
 
-std::vector<geometry::SE2> StartPoses::guesses(const LevelScan& scan,
-                                               const geometry::SE2& T_map_odom,
-                                               const geometry::SE2& T_odom_last) const {
+std::vector<geometry::SE2> PoseGuesses::guesses(const LevelScan& scan,
+                                                const geometry::SE2& T_map_odom,
+                                                const geometry::SE2& T_odom_last) const {
   geometry::SE2 by_odometry = T_map_odom * scan.T_odom_base;
   if (!step_ || step_->duration_s > kMaxStepS) {
     return {by_odometry};

@@ -16,7 +16,7 @@ namespace nodmap::slam2d {
 /// catches up later in one jump. The robot itself does not jump: where odometry contradicts its
 /// motion so far, that is a guess as well, and so is odometry since the last keyframe, which takes
 /// in what was caught up.
-class StartPoses {
+class PoseGuesses {
  public:
   /// The pose of a scan has been found: `T_last_base`, relative to the scan before, as measured.
   void add_scan(std::int64_t utime_us, const geometry::SE2& T_last_base);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "modules/slam2d/start_poses.hpp"
+#include "modules/slam2d/pose_guesses.hpp"
 
 #include <gtest/gtest.h>
 
@@ -22,15 +22,15 @@ bool are_near(const SE2& a, const SE2& b) {
 class Drive {
  public:
   Drive() {
-    starts_.add_keyframe({});
-    starts_.add_scan(0, {});
+    pose_guesses_.add_keyframe({});
+    pose_guesses_.add_scan(0, {});
     go_on(kStep);
   }
   /// The next scan; odometry has counted `T_odom_step` since the last one.
   std::vector<SE2> guesses(const SE2& T_odom_step) {
     scan_.utime_us += kPeriodUs;
     scan_.T_odom_base = T_odom_last_ * T_odom_step;
-    return starts_.guesses(scan_, T_map_odom_, T_odom_last_);
+    return pose_guesses_.guesses(scan_, T_map_odom_, T_odom_last_);
   }
   /// Matching has found that the robot went on as ever.
   void go_on(const SE2& T_odom_step) {
@@ -38,35 +38,35 @@ class Drive {
     truth_ = truth_ * kStep;
     T_odom_last_ = scan_.T_odom_base;
     T_map_odom_ = truth_ * T_odom_last_.inverse();
-    starts_.add_scan(scan_.utime_us, kStep);
+    pose_guesses_.add_scan(scan_.utime_us, kStep);
   }
   [[nodiscard]] SE2 next_truth() const { return truth_ * kStep; }
-  StartPoses& starts() { return starts_; }
+  PoseGuesses& pose_guesses() { return pose_guesses_; }
   void wait(std::int64_t duration_us) { scan_.utime_us += duration_us; }
 
  private:
-  StartPoses starts_;
+  PoseGuesses pose_guesses_;
   LevelScan scan_;
   SE2 truth_;
   SE2 T_map_odom_;
   SE2 T_odom_last_;
 };
 
-TEST(StartPoses, OdometryThatAgreesWithTheMotionIsTheOnlyGuess) {
+TEST(PoseGuesses, OdometryThatAgreesWithTheMotionIsTheOnlyGuess) {
   Drive drive;
   const auto guesses = drive.guesses(kStep * SE2{0.05, 0.02, -0.05});
   ASSERT_EQ(guesses.size(), 1U);
   EXPECT_FALSE(are_near(guesses.front(), drive.next_truth()));  // by odometry, not by the motion
 }
 
-TEST(StartPoses, WhenOdometryStandsStillTheRobotMayHaveGoneOn) {
+TEST(PoseGuesses, WhenOdometryStandsStillTheRobotMayHaveGoneOn) {
   Drive drive;
   const auto guesses = drive.guesses({});
   ASSERT_EQ(guesses.size(), 2U);
   EXPECT_TRUE(are_near(guesses[1], drive.next_truth()));
 }
 
-TEST(StartPoses, WhatOdometryCatchesUpIsNotCountedTwice) {
+TEST(PoseGuesses, WhatOdometryCatchesUpIsNotCountedTwice) {
   Drive drive;
   drive.go_on({});
   drive.go_on({});
@@ -75,39 +75,39 @@ TEST(StartPoses, WhatOdometryCatchesUpIsNotCountedTwice) {
   EXPECT_TRUE(are_near(guesses.front(), drive.next_truth())) << "since the last keyframe";
 }
 
-TEST(StartPoses, AnotherOdometryFrameChangesNothing) {
+TEST(PoseGuesses, AnotherOdometryFrameChangesNothing) {
   Drive drive;
   drive.go_on({});
   const SE2 T_old_new{3.0, -1.0, 0.7};
-  StartPoses starts = drive.starts();
-  starts.change_odometry_frame(T_old_new);
+  PoseGuesses pose_guesses = drive.pose_guesses();
+  pose_guesses.change_odometry_frame(T_old_new);
   const SE2 T_odom_now = kStep * kStep * kStep;
   LevelScan old_frame;
   old_frame.utime_us = 4 * kPeriodUs;
   old_frame.T_odom_base = T_odom_now;
   LevelScan new_frame = old_frame;
   new_frame.T_odom_base = T_old_new.inverse() * T_odom_now;
-  const auto before = drive.starts().guesses(old_frame, {}, {});
-  const auto after = starts.guesses(new_frame, T_old_new, T_old_new.inverse());
+  const auto before = drive.pose_guesses().guesses(old_frame, {}, {});
+  const auto after = pose_guesses.guesses(new_frame, T_old_new, T_old_new.inverse());
   ASSERT_EQ(before.size(), after.size());
   for (std::size_t i = 0; i < before.size(); ++i) {
     EXPECT_TRUE(are_near(before[i], after[i])) << i;
   }
 }
 
-TEST(StartPoses, StampsInBurstsTellNoSpeed) {
+TEST(PoseGuesses, StampsInBurstsTellNoSpeed) {
   Drive drive;
   drive.wait(-kPeriodUs * 9 / 10);  // the next scan comes 20 ms after the last
   EXPECT_EQ(drive.guesses({}).size(), 1U);
 }
 
 // Half a second on, or after a scan that fitted nowhere, nobody knows how the robot moves.
-TEST(StartPoses, AMotionLongAgoTellsNothing) {
+TEST(PoseGuesses, AMotionLongAgoTellsNothing) {
   Drive drive;
   drive.wait(500'000);
   EXPECT_EQ(drive.guesses({}).size(), 1U);
   Drive lost;
-  lost.starts().forget_motion();
+  lost.pose_guesses().forget_motion();
   EXPECT_EQ(lost.guesses({}).size(), 1U);
   Drive back;
   back.wait(-1'000'000);  // stamps step back

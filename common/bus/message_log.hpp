@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <boost/core/noncopyable.hpp>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include "common/bus/codec.hpp"
+#include "common/bus/event_log.hpp"
+
+namespace nodmap::bus {
+
+/// Writes a file of messages that belong together, such as a saved map: an event log that takes the
+/// place of an existing file when it is complete and on the disk, and not before.
+class MessageLogWriter : private boost::noncopyable {
+ public:
+  explicit MessageLogWriter(std::filesystem::path file);
+  /// Without replace() the existing file stays, and nothing is left of the new one.
+  ~MessageLogWriter();
+
+  template <class Message>
+  void write(std::int64_t utime_us, const std::string& channel, const Message& message) {
+    encode_into(bytes_, message);
+    write_bytes(utime_us, channel);
+  }
+
+  /// Ends the file. Tells the first error of all that was done: the old file is there then.
+  [[nodiscard]] std::error_code replace();
+
+ private:
+  void write_bytes(std::int64_t utime_us, const std::string& channel);
+
+  std::filesystem::path file_;
+  std::optional<LogWriter> writer_;
+  std::error_code error_;
+  std::vector<std::byte> bytes_;
+};
+
+/// Reads such a file, of which no part may be missing. Every error is a formats::InputFileError
+/// that names the file.
+class MessageLogReader : private boost::noncopyable {
+ public:
+  explicit MessageLogReader(const std::filesystem::path& file) : file_(file), log_(file) {}
+
+  /// The next event, or nothing at the end. Throws there if any part of the file is damaged.
+  [[nodiscard]] const LogEvent* next();
+
+  /// Throws if the event is not a valid message.
+  template <class Message>
+  [[nodiscard]] Message decode(const LogEvent& event) const {
+    Message message;
+    require(decode_into(message, event.data),
+            "event " + std::to_string(event.event_number) + " is not a valid " + event.channel);
+    return message;
+  }
+
+  /// Throws, naming `problem`, unless `holds`: for what the messages say.
+  void require(bool holds, const std::string& problem) const;
+
+ private:
+  std::filesystem::path file_;
+  LogReader log_;
+};
+
+}  // namespace nodmap::bus

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "common/bus/message_log.hpp"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include "common/formats/input_file.hpp"
+#include "nodmap/save_request_t.hpp"
+#include "nodmap/stop_t.hpp"
+#include "tests/support/data_dir.hpp"
+
+namespace nodmap::bus {
+namespace {
+
+namespace fs = std::filesystem;
+
+class MessageLog : public testing::Test {
+ protected:
+  static save_request_t request_by(const std::string& name) {
+    save_request_t request{};
+    request.requested_by = name;
+    return request;
+  }
+
+  void write(const std::vector<std::string>& names) const {
+    MessageLogWriter writer(file_);
+    for (const std::string& name : names) {
+      writer.write(7, "SAVE_REQUEST", request_by(name));
+    }
+    ASSERT_FALSE(writer.replace());
+  }
+
+  [[nodiscard]] std::vector<std::string> read() const {
+    MessageLogReader log(file_);
+    std::vector<std::string> names;
+    while (const LogEvent* event = log.next()) {
+      names.push_back(log.decode<save_request_t>(*event).requested_by);
+    }
+    return names;
+  }
+
+  test::TemporaryDir dir_;
+  fs::path file_ = dir_.path() / "requests.lcmlog";
+};
+
+TEST_F(MessageLog, IsReadAsItWasWritten) {
+  write({"a", "b"});
+  EXPECT_EQ(read(), (std::vector<std::string>{"a", "b"}));
+  write({"c"});
+  EXPECT_EQ(read(), std::vector<std::string>{"c"});
+}
+
+TEST_F(MessageLog, TheOldFileStaysUntilTheNewOneIsComplete) {
+  write({"a"});
+  {
+    MessageLogWriter writer(file_);
+    writer.write(7, "SAVE_REQUEST", request_by("b"));
+    EXPECT_EQ(read(), std::vector<std::string>{"a"});
+  }
+  EXPECT_EQ(read(), std::vector<std::string>{"a"});
+  EXPECT_EQ(std::distance(fs::directory_iterator(dir_.path()), fs::directory_iterator()), 1);
+}
+
+TEST_F(MessageLog, WhatAKilledProcessLeftBehindIsReplaced) {
+  std::ofstream(file_.string() + ".part") << "half of one";
+  write({"a"});
+  EXPECT_EQ(read(), std::vector<std::string>{"a"});
+}
+
+TEST_F(MessageLog, ErrorsHaveACode) {
+  MessageLogWriter nowhere(dir_.path() / "none" / "file.lcmlog");
+  nowhere.write(7, "SAVE_REQUEST", request_by("a"));
+  EXPECT_EQ(nowhere.replace(), std::errc::no_such_file_or_directory);
+  fs::create_directories(file_ / "in the way");
+  MessageLogWriter folder(file_);
+  EXPECT_EQ(folder.replace(), std::errc::is_a_directory);
+  EXPECT_FALSE(fs::exists(file_.string() + ".part"));
+}
+
+TEST_F(MessageLog, HalfAFileIsNone) {
+  write({"a", "b"});
+  fs::resize_file(file_, fs::file_size(file_) - 1);
+  EXPECT_THROW((void)read(), formats::InputFileError);
+}
+
+TEST_F(MessageLog, AnotherMessageIsNamed) {
+  {
+    MessageLogWriter writer(file_);
+    writer.write(7, "SAVE_REQUEST", stop_t{});
+    ASSERT_FALSE(writer.replace());
+  }
+  try {
+    (void)read();
+    ADD_FAILURE() << "it was read";
+  } catch (const formats::InputFileError& error) {
+    EXPECT_EQ(error.what(), file_.string() + ": event 0 is not a valid SAVE_REQUEST");
+  }
+}
+
+}  // namespace
+}  // namespace nodmap::bus
