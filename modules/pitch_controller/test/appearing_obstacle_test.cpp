@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the speed bound is for, by brute force: a robot in closed loop with the nod drives as fast
+// as it may, and a box of 10 cm appears ahead at every moment, at the stopping distance or farther.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <vector>
+
+#include "modules/pitch_controller/pitch_controller.hpp"
+#include "modules/pitch_controller/test/nodding_head.hpp"
+
+namespace nodmap::pitch_controller {
+namespace {
+
+constexpr double kStepS = 0.005;
+/// KURT3D: drivers/kurt limits the wheels to a gain of 1.5 and a loss of 3 m/s2; they lag by 50 ms.
+constexpr double kGainMps2 = 1.5;
+constexpr double kLossMps2 = 3.0;
+constexpr double kLagS = 0.05;
+/// A robot that sets out meets what appears nearer than the stopping distance of this speed, 0.9 m,
+/// before the laser has looked again.
+constexpr double kLeastProtectedMps = 0.5;
+/// The box rises from the floor; above the floor tolerance it is as high as the smallest obstacle.
+constexpr double kBoxBottomM = 0.05;
+constexpr double kBoxTopM = 0.10;
+
+/// What the robot did: its place and speed every 5 ms, and where each scan was taken.
+struct Drive {
+  struct Moment {
+    double place_m;
+    double speed_mps;
+  };
+  struct Scan {
+    double time_s;
+    double pitch_rad;
+  };
+  std::vector<Moment> moments;
+  std::vector<Scan> scans;
+
+  [[nodiscard]] const Moment& at(double time_s) const {
+    const auto i = static_cast<std::size_t>(std::max(0.0, std::round(time_s / kStepS) - 1.0));
+    return moments[std::min(i, moments.size() - 1)];
+  }
+  [[nodiscard]] double mean_mps() const {
+    return moments.back().place_m / (kStepS * static_cast<double>(moments.size()));
+  }
+};
+
+/// Drives as fast as it may, but for random stops and slower stretches.
+Drive drive(const PitchControllerParams& params, unsigned seed, double seconds,
+            double fastest_mps) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> uniform(0.0, 1.0);
+  PitchController controller(params);
+  test::NoddingHead head;
+  Drive result;
+  double bound_mps = 0.0;
+  double command_mps = 0.0;
+  double speed_mps = 0.0;
+  double place_m = 0.0;
+  double wanted_mps = 0.0;
+  double wanted_until_s = 3.0;
+  double next_scan_s = 0.0;
+  PitchReading last;
+  const auto take = [&](const std::optional<PitchDecision>& decision) {
+    if (decision) {
+      bound_mps = decision->max_forward_mps;
+      head.obey(*decision);
+    }
+  };
+  time::Timestamp now{};
+  for (double t = kStepS; t < seconds; t += kStepS) {
+    now += 5ms;
+    if (t > wanted_until_s) {
+      const double kinds[] = {0.0, 0.3, 0.6, 1.0, fastest_mps, fastest_mps, fastest_mps};
+      wanted_mps = kinds[random() % std::size(kinds)];
+      wanted_until_s = t + 0.3 + 3.0 * uniform(random);
+    }
+    const bool is_odometry = now.time_since_epoch() % 10ms == 0us;
+    if (is_odometry) {
+      command_mps = std::clamp(std::min(bound_mps, wanted_mps), command_mps - 0.01 * kLossMps2,
+                               command_mps + 0.01 * kGainMps2);
+    }
+    const double before_mps = speed_mps;
+    speed_mps += (command_mps - speed_mps) * (1.0 - std::exp(-kStepS / kLagS));
+    place_m += 0.5 * (before_mps + speed_mps) * kStepS;
+    result.moments.push_back({place_m, speed_mps});
+    if (is_odometry) {
+      controller.add_speed(now, speed_mps);
+      take(controller.decide(now));
+    }
+    const PitchReading before = last;
+    last = head.advance_to(now);
+    controller.add_pitch(last);
+    take(controller.decide(now));
+    for (; next_scan_s <= t; next_scan_s += params.detection.scan_period_s) {
+      const double left = (t - next_scan_s) / kStepS;
+      result.scans.push_back(
+          {next_scan_s, last.pitch_rad + left * (before.pitch_rad - last.pitch_rad)});
+    }
+  }
+  return result;
+}
+
+/// The distance left before a box that appears at a place and moment, once the robot has braked as
+/// hard as it can; negative: it was hit; +infinity: the drive ends before.
+double left_before_box_m(const Drive& drive, const PitchControllerParams& params, double time_s,
+                         double box_m) {
+  const VirtualCorridor corridor = VirtualCorridor::of(params.robot);
+  auto scan = std::upper_bound(drive.scans.begin(), drive.scans.end(), time_s,
+                               [](double t, const Drive::Scan& s) { return t < s.time_s; });
+  for (; scan != drive.scans.end(); ++scan) {
+    const double ahead_m = box_m - drive.at(scan->time_s).place_m;
+    if (ahead_m <= 0.0) {
+      return ahead_m;
+    }
+    const double height_m = corridor.axis_height_m +
+                            (ahead_m + corridor.axis_behind_front_m) * std::tan(scan->pitch_rad);
+    if (height_m >= kBoxBottomM && height_m <= kBoxTopM) {
+      const Drive::Moment braked = drive.at(scan->time_s + params.detection.processing_s);
+      return box_m - braked.place_m -
+             braked.speed_mps * braked.speed_mps /
+                 (2.0 * params.robot.braking.emergency_deceleration_mps2);
+    }
+  }
+  return std::numeric_limits<double>::infinity();
+}
+
+/// The least distance left over all moments of a drive and all distances from the stopping distance
+/// on: a reaction time of two sweeps of the nod planned for the speed at that moment.
+double least_left_m(const Drive& drive, const PitchControllerParams& params) {
+  const SweepPlanner planner(params.robot, params.detection, params.speed.fast_mps);
+  double least_m = std::numeric_limits<double>::infinity();
+  for (double time_s = 4.0; time_s < kStepS * static_cast<double>(drive.moments.size());
+       time_s += 2.0 * kStepS) {
+    const Drive::Moment& now = drive.at(time_s);
+    const double speed_mps = std::max(kLeastProtectedMps, now.speed_mps);
+    const double protected_m = params.robot.braking.stopping_distance_m(
+        speed_mps, params.detection.reaction_s(planner.plan(speed_mps).sweep_s));
+    for (double distance_m = protected_m; distance_m < protected_m + 1.5; distance_m += 0.05) {
+      least_m =
+          std::min(least_m, left_before_box_m(drive, params, time_s, now.place_m + distance_m));
+    }
+  }
+  return least_m;
+}
+
+TEST(AppearingObstacle, OfTenCentimetresAtAnyMomentIsStoppedFor) {
+  const PitchControllerParams params;
+  for (unsigned seed = 1; seed <= 4; ++seed) {
+    const Drive driven = drive(params, seed, 60.0, 1.5);
+    EXPECT_GT(least_left_m(driven, params), 0.0) << seed;
+    // It does drive: 0.41 m/s in the slowest of these four drives.
+    EXPECT_GT(driven.mean_mps(), 0.33) << seed;
+  }
+}
+
+// The same check finds a robot that counts on better brakes than it has.
+TEST(AppearingObstacle, IsHitByARobotThatTrustsItsBrakesTooMuch) {
+  PitchControllerParams trusting;
+  trusting.robot.braking.deceleration_mps2 = 6.0;
+  const Drive driven = drive(trusting, 1, 60.0, 1.5);
+  EXPECT_LT(least_left_m(driven, PitchControllerParams{}), 0.0);
+}
+
+}  // namespace
+}  // namespace nodmap::pitch_controller
