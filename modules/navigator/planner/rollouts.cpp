@@ -13,6 +13,13 @@ namespace {
 
 constexpr double kCellM = 0.025;
 constexpr double kReachM = 2.5;
+/// Clearance by cells is wrong by up to so much: a cell of 2.5 cm stands for any point in it, and
+/// the discs do not cover all of the body.
+constexpr double kCellErrorM = 0.035;
+/// That is more than there is beside a body that creeps. Where cells say less than this, and the
+/// pose is so near that a slow motion comes there, the points themselves are measured.
+constexpr double kExactWithinM = 0.1;
+constexpr double kExactReachM = 0.5;
 constexpr double kStepS = 0.1;
 constexpr int kSteps = static_cast<int>(Rollouts::kDurationS / kStepS + 0.5);
 constexpr int kFirstSteps = 8;
@@ -30,7 +37,8 @@ constexpr double kBlockedAheadM = 0.6;
 constexpr double kOffPathM = 0.5;
 /// A rotation of 1 rad moves the corners about so far.
 constexpr double kCornerM = 0.25;
-/// The clearance is that of cells: from one moment to the next it may differ by so much.
+/// The points are cells of the local map, or noisy: from one moment to the next the clearance may
+/// differ by so much.
 constexpr double kNoiseM = 0.01;
 /// The least clearance on the spot and backwards, where the robot is slow and its exact free
 /// rotation is measured besides: a corridor of 0.7 m leaves 7 cm at the corners of a body that
@@ -41,7 +49,10 @@ constexpr double kSlowClearanceM = 0.025;
 constexpr double kTurnRad = geometry::deg_to_rad(60.0);
 constexpr double kCannotTurnReversePriceM = 0.2;
 
+/// Shares of the fastest speed, and of the speed at which it creeps: in a narrow place none of the
+/// first may be slow enough.
 constexpr std::array kSpeeds{1.0, 0.8, 0.6, 0.42, 0.27, 0.15};
+constexpr std::array kCreepSpeeds{1.0, 0.5};
 constexpr std::array kYawRates{-1.0, -0.75, -0.55, -0.38, -0.24, -0.13, -0.05, 0.0,
                                0.05, 0.13,  0.24,  0.38,  0.55,  0.75,  1.0};
 /// Slower on the spot it would rather wait than rotate.
@@ -51,6 +62,13 @@ constexpr std::array kBackwardMps{-0.08, -0.15};
 
 double approach(double from, double to, double most) {
   return from + std::clamp(to - from, -most, most);
+}
+
+/// From the border of a rectangle to a point, negative inside.
+double distance_m(const Eigen::Vector2d& p, const robot::Footprint& body) {
+  const double dx = std::abs(p.x()) - body.half_length_m;
+  const double dy = std::abs(p.y()) - body.half_width_m;
+  return dx > 0.0 && dy > 0.0 ? std::hypot(dx, dy) : std::max(dx, dy);
 }
 
 }  // namespace
@@ -75,17 +93,36 @@ Rollouts::Rollouts(const robot::Footprint& body, const NavigatorParams& params)
 void Rollouts::measure_clearance(const Points& points_base) {
   const int size = static_cast<int>(std::lround(2.0 * kReachM / kCellM));
   obstacles_.begin({-kReachM, -kReachM}, kCellM, size, size);
+  near_points_base_.clear();
+  const double near_m = kExactReachM + body_.turning_radius_m() + kExactWithinM + kCellErrorM;
   const robot::Footprint inside = body_.grown(-0.03, -0.03);
   for (const Eigen::Vector2d& p : points_base) {
     // So deep within the body a point is an error of the map.
     if (!inside.contains(p)) {
       obstacles_.occupy(p);
+      if (p.norm() < near_m) {
+        near_points_base_.push_back(p);
+      }
     }
   }
   obstacles_.compute();
 }
 
 double Rollouts::clearance_m(const geometry::SE2& pose_base) const {
+  const double by_cells_m = clearance_by_cells_m(pose_base);
+  if (by_cells_m > kExactWithinM || pose_base.translation().norm() > kExactReachM) {
+    return by_cells_m;
+  }
+  const Eigen::Matrix2d R_pose_base = pose_base.rotation().transpose();
+  double clearance = by_cells_m + kCellErrorM;
+  for (const Eigen::Vector2d& p_base : near_points_base_) {
+    clearance =
+        std::min(clearance, distance_m(R_pose_base * (p_base - pose_base.translation()), body_));
+  }
+  return clearance;
+}
+
+double Rollouts::clearance_by_cells_m(const geometry::SE2& pose_base) const {
   const double middle_m = obstacles_.at(pose_base.translation());
   const double circle_m = body_.turning_radius_m();
   if (middle_m > circle_m + 0.5) {
@@ -115,16 +152,11 @@ const std::vector<Rollout>& Rollouts::plan(const Situation& now, const CostToGo&
   reverse_price_m_ = free_rad < kTurnRad ? std::min(params_.reverse_price, kCannotTurnReversePriceM)
                                          : params_.reverse_price;
   rollouts_.clear();
-  for (const double speed : kSpeeds) {
-    for (const double yaw_rate : kYawRates) {
-      const Motion motion{speed * max_forward_mps, yaw_rate * drive_.max_yaw_rate_rad_s};
-      if (motion.forward_mps * std::abs(motion.yaw_rate_rad_s) > drive_.max_lateral_mps2) {
-        continue;
-      }
-      for (const double next : kNextYawRates) {
-        consider(motion, next * drive_.max_yaw_rate_rad_s, now, cost_to_go);
-      }
-    }
+  for (const double share : kSpeeds) {
+    consider_forwards(share * max_forward_mps, now, cost_to_go);
+  }
+  for (const double share : kCreepSpeeds) {
+    consider_forwards(share * std::min(max_forward_mps, drive_.creep_mps), now, cost_to_go);
   }
   for (const double yaw_rate : kYawRates) {
     const double yaw_rate_rad_s = yaw_rate * params_.rotation_rad_s;
@@ -140,6 +172,19 @@ const std::vector<Rollout>& Rollouts::plan(const Situation& now, const CostToGo&
   }
   std::ranges::sort(rollouts_, {}, &Rollout::cost);
   return rollouts_;
+}
+
+void Rollouts::consider_forwards(double forward_mps, const Situation& now,
+                                 const CostToGo& cost_to_go) {
+  for (const double yaw_rate : kYawRates) {
+    const Motion motion{forward_mps, yaw_rate * drive_.max_yaw_rate_rad_s};
+    if (motion.forward_mps * std::abs(motion.yaw_rate_rad_s) > drive_.max_lateral_mps2) {
+      continue;
+    }
+    for (const double next : kNextYawRates) {
+      consider(motion, next * drive_.max_yaw_rate_rad_s, now, cost_to_go);
+    }
+  }
 }
 
 void Rollouts::consider(const Motion& first, double next_yaw_rate_rad_s, const Situation& now,
