@@ -21,7 +21,7 @@ void CloudVoxels::clear() {
 }
 
 CloudVoxels::Cube& CloudVoxels::find_or_add(VoxelCode code) {
-  if (Slot& slot = slot_of(code); slot.code == code) {
+  if (const Slot& slot = slots_[slot_of(code)]; slot.code == code) {
     return *slot.cube;
   }
   if (2 * (num_cubes_ + 1) > slots_.size()) {
@@ -32,24 +32,24 @@ CloudVoxels::Cube& CloudVoxels::find_or_add(VoxelCode code) {
   }
   Cube& cube = *cubes_[num_cubes_++];
   cube.code = code;
-  slot_of(code) = {code, &cube};
+  slots_[slot_of(code)] = {code, &cube};
   return cube;
 }
 
 /// Where the cube is in the table, or the free slot where it would go.
-CloudVoxels::Slot& CloudVoxels::slot_of(VoxelCode code) {
+std::size_t CloudVoxels::slot_of(VoxelCode code) const {
   std::size_t at = code & mask_;
   while (slots_[at].code != code && slots_[at].code != kNoCode) {
     at = (at + 1) & mask_;
   }
-  return slots_[at];
+  return at;
 }
 
 void CloudVoxels::grow() {
   slots_.assign(2 * slots_.size(), {});
   mask_ = static_cast<std::uint32_t>(slots_.size() - 1);
   for (const auto& cube : cubes()) {
-    slot_of(cube->code) = {cube->code, cube.get()};
+    slots_[slot_of(cube->code)] = {cube->code, cube.get()};
   }
 }
 

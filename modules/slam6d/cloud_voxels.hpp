@@ -44,6 +44,15 @@ class CloudVoxels {
     return is_new;
   }
 
+  [[nodiscard]] bool is_free(VoxelCode voxel) const {
+    const Cube* cube = find(voxel >> 3U * kLevels);
+    return cube != nullptr && (cube->free[voxel / kBitsPerWord % kWords] & bit_of(voxel)) != 0U;
+  }
+  [[nodiscard]] bool is_occupied(VoxelCode voxel) const {
+    const Cube* cube = find(voxel >> 3U * kLevels);
+    return cube != nullptr && (cube->occupied[voxel / kBitsPerWord % kWords] & bit_of(voxel)) != 0U;
+  }
+
   /// The cubes in which a voxel was marked, in the order of their first one.
   [[nodiscard]] std::span<const std::unique_ptr<Cube>> cubes() const {
     return std::span(cubes_).first(num_cubes_);
@@ -70,8 +79,9 @@ class CloudVoxels {
     const Slot& slot = slots_[code & mask_];
     return slot.code == code ? *slot.cube : find_or_add(code);
   }
+  [[nodiscard]] const Cube* find(VoxelCode code) const { return slots_[slot_of(code)].cube; }
   Cube& find_or_add(VoxelCode code);
-  [[nodiscard]] Slot& slot_of(VoxelCode code);
+  [[nodiscard]] std::size_t slot_of(VoxelCode code) const;
   void grow();
 
   std::vector<Slot> slots_;                   // open addressing, 2^k slots

@@ -3,6 +3,7 @@
 
 #include <cstdlib>
 #include <utility>
+#include <vector>
 
 #include "common/geometry/angle.hpp"
 
@@ -11,33 +12,45 @@ namespace {
 
 using geometry::SE3;
 
-// A sweep from farther apart confirms a place: what it sees differs.
-constexpr double kConfirmM = 0.5;
-constexpr double kConfirmRad = 0.5;
+// A place is doubted by what the last ten sweeps or so say together: who walks by contradicts, too.
+constexpr double kMemory = 0.9;
+// By how much more a confirmed place may be contradicted.
+constexpr double kConfirmedTolerance = 3.0;
 // A failed search is not repeated from the same place, but things may have moved after a while.
 constexpr double kSearchAgainM = 0.1;
 constexpr double kSearchAgainRad = 0.2;
 constexpr std::int64_t kSearchAgainUs = 5'000'000;
 
+std::vector<SE3> poses_of(std::span<const Keyframe> keyframes) {
+  std::vector<SE3> poses;
+  for (const Keyframe& keyframe : keyframes) {
+    poses.push_back(keyframe.T_map_base);
+  }
+  return poses;
+}
+
 }  // namespace
 
 Localiser::Localiser(const LocaliseParams& params, const RegistrationParams& registration,
-                     std::span<const SE3> T_map_keyframes, const VoxelMap& map,
+                     std::span<const Keyframe> keyframes, const VoxelMap& map,
                      const std::optional<SE3>& T_map_start)
-    : params_(params), search_(registration, T_map_keyframes, map), T_map_start_(T_map_start) {}
+    : params_(params),
+      seen_(keyframes),
+      search_(params.place, registration, poses_of(keyframes), map),
+      T_map_start_(T_map_start) {}
 
 std::optional<SE3> Localiser::find(const VoxelMap& sweep_base, const VoxelMap& map,
                                    const PoseUpdate& by_odometry) {
   if (T_map_start_) {
-    state_ = State::kConfirmed;
+    state_ = State::kTold;
     return std::exchange(T_map_start_, std::nullopt);
   }
   if (!is_search_due(by_odometry)) {
     return std::nullopt;
   }
   ++metrics_.searches;
-  const StartsResult result = search_.find(sweep_base, map);
-  if (!result.best || result.best->lowest_inlier_ratio() < params_.min_inlier_ratio) {
+  const StartsResult result = search_.find(sweep_base, map, seen_);
+  if (!result.best || result.best->lowest_inlier_ratio() < params_.place.min_inlier_ratio) {
     failed_ = Failure{by_odometry.utime_us, by_odometry.T_odom_base};
     return std::nullopt;
   }
@@ -45,6 +58,7 @@ std::optional<SE3> Localiser::find(const VoxelMap& sweep_base, const VoxelMap& m
   failed_.reset();
   state_ = State::kUnconfirmed;
   T_map_found_ = result.best->T_map_base;
+  evidence_ = {};
   return T_map_found_;
 }
 
@@ -54,27 +68,49 @@ bool Localiser::is_search_due(const PoseUpdate& by_odometry) const {
          std::abs(by_odometry.utime_us - failed_->utime_us) >= kSearchAgainUs;
 }
 
-void Localiser::classify(PoseUpdate& update, int lost_sweeps) {
+void Localiser::classify(const VoxelMap& sweep_base, PoseUpdate& update, int lost_sweeps) {
   Registration& registration = *update.registration;
+  const bool is_known = registration.lowest_inlier_ratio() >= params_.place.min_inlier_ratio;
   // What was searched for must fit as well as when it was found.
-  const bool fits = registration.is_accepted() &&
-                    (state_ == State::kConfirmed ||
-                     registration.lowest_inlier_ratio() >= params_.min_inlier_ratio);
+  const bool fits = registration.is_accepted() && (state_ != State::kUnconfirmed || is_known);
   if (!fits) {
     registration.status = RegistrationStatus::kLost;
     if (state_ == State::kUnconfirmed || lost_sweeps >= params_.max_lost_sweeps) {
-      state_ = State::kUnknown;
-      ++metrics_.times_lost;
+      give_up();
     }
     return;
   }
+  add_evidence(seen_.compare(sweep_base, update.T_map_base));
+  if (is_contradicted()) {
+    registration.status = RegistrationStatus::kLost;
+    ++metrics_.times_contradicted;
+    give_up();
+    return;
+  }
   if (state_ == State::kUnconfirmed &&
-      is_apart(T_map_found_, update.T_map_base, kConfirmM, kConfirmRad)) {
+      (update.T_map_base.translation() - T_map_found_.translation()).norm() >
+          params_.confirm_distance_m) {
     state_ = State::kConfirmed;
   }
-  if (state_ == State::kUnconfirmed) {
+  if (state_ == State::kUnconfirmed || (state_ == State::kConfirmed && !is_known)) {
     registration.status = RegistrationStatus::kDegraded;
   }
+}
+
+void Localiser::add_evidence(const Evidence& evidence) {
+  evidence_.seen = kMemory * evidence_.seen + evidence.seen;
+  evidence_.contradicted = kMemory * evidence_.contradicted + evidence.contradicted;
+}
+
+bool Localiser::is_contradicted() const {
+  const double tolerance = state_ == State::kUnconfirmed ? 1.0 : kConfirmedTolerance;
+  return evidence_.contradiction_ratio() > tolerance * params_.place.max_contradiction_ratio;
+}
+
+void Localiser::give_up() {
+  state_ = State::kUnknown;
+  evidence_ = {};
+  ++metrics_.times_lost;
 }
 
 }  // namespace nodmap::slam6d

@@ -6,22 +6,26 @@
 #include <span>
 
 #include "common/geometry/se3.hpp"
+#include "modules/slam6d/keyframe.hpp"
 #include "modules/slam6d/place_search.hpp"
 #include "modules/slam6d/pose_update.hpp"
+#include "modules/slam6d/seen_space.hpp"
 #include "modules/slam6d/voxel_map.hpp"
 
 namespace nodmap::slam6d {
 
 /// When the robot is found in a map that was made before, and when it no longer is.
 struct LocaliseParams {
-  double min_inlier_ratio = 0.5;
+  PlaceSearchParams place{};
+  double confirm_distance_m = 3.0;
   int max_lost_sweeps = 5;
 
   template <class Visitor>
   void describe(Visitor& v) {
-    v.number("min_inlier_ratio", min_inlier_ratio, {0.0, 1.0},
-             "A place in a known map of whose sweep, or of whose walls, a smaller part lies on the "
-             "map's planes is not believed.");
+    place.describe(v);
+    v.number("confirm_distance_m", confirm_distance_m, {0.0, 100.0},
+             "A place that was searched for is confirmed by a sweep this far from where it was "
+             "found, if all sweeps on the way fit; until then poses are DEGRADED.");
     v.integer("max_lost_sweeps", max_lost_sweeps, {1, 1000},
               "After so many sweeps in a row that do not fit the known map the robot is searched "
               "for in the whole map.");
@@ -31,19 +35,20 @@ struct LocaliseParams {
 /// Whether it is known where the robot is in a map that was made before. Tells the place where
 /// tracking begins, and gives it up when sweeps do not fit.
 ///
-/// A place that was searched for is confirmed by a sweep half a metre or half a radian farther on
-/// that fits, too: what it sees differs. Until then it is given up with the first that does not.
+/// A place that was searched for is confirmed by a sweep farther on that fits, too: what it sees
+/// differs. Until then it is given up with the first that does not. A place, also a confirmed one,
+/// is given up when sweep after sweep sees surfaces where the map is known to be free.
 class Localiser {
  public:
-  /// `T_map_start`: where the robot is at the first sweep, if that is known. `T_map_keyframes`:
-  /// from where the map was made.
+  /// `T_map_start`: where the robot is at the first sweep, if that is known. `keyframes`: those of
+  /// `map`.
   Localiser(const LocaliseParams& params, const RegistrationParams& registration,
-            std::span<const geometry::SE3> T_map_keyframes, const VoxelMap& map,
+            std::span<const Keyframe> keyframes, const VoxelMap& map,
             const std::optional<geometry::SE3>& T_map_start);
 
   /// Whether it is known where the robot is, though perhaps not yet confirmed.
   [[nodiscard]] bool has_place() const { return state_ != State::kUnknown; }
-  [[nodiscard]] bool is_confirmed() const { return state_ == State::kConfirmed; }
+  [[nodiscard]] bool is_confirmed() const { return state_ >= State::kConfirmed; }
 
   /// Where the robot is while it has no place: at its start, or where one place alone fits the
   /// sweep. `by_odometry`: the sweep's pose, of which the one in odom counts.
@@ -51,8 +56,10 @@ class Localiser {
                                                   const PoseUpdate& by_odometry);
 
   /// Confirms or doubts the place by the registration of a sweep. A pose at a place that is not
-  /// confirmed is DEGRADED. `lost_sweeps`: refused in a row up to this one.
-  void classify(PoseUpdate& update, int lost_sweeps);
+  /// confirmed is DEGRADED, and so is that of a sweep which the map mostly does not know, unless
+  /// the place was told.
+  /// `lost_sweeps`: refused in a row up to this one.
+  void classify(const VoxelMap& sweep_base, PoseUpdate& update, int lost_sweeps);
 
   /// Odometry goes on in another frame: somebody may have carried the robot.
   void change_odometry_frame() { failed_.reset(); }
@@ -61,22 +68,28 @@ class Localiser {
     std::int64_t searches = 0;
     std::int64_t found = 0;
     std::int64_t times_lost = 0;
+    std::int64_t times_contradicted = 0;  ///< of those lost
   };
   [[nodiscard]] const Metrics& metrics() const { return metrics_; }
 
  private:
-  enum class State { kUnknown, kUnconfirmed, kConfirmed };
+  enum class State { kUnknown, kUnconfirmed, kConfirmed, kTold };
   struct Failure {
     std::int64_t utime_us = 0;
     geometry::SE3 T_odom_base = geometry::SE3::Identity();
   };
   [[nodiscard]] bool is_search_due(const PoseUpdate& by_odometry) const;
+  void add_evidence(const Evidence& evidence);
+  [[nodiscard]] bool is_contradicted() const;
+  void give_up();
 
   LocaliseParams params_;
+  SeenSpace seen_;
   PlaceSearch search_;
   std::optional<geometry::SE3> T_map_start_;
   State state_ = State::kUnknown;
   geometry::SE3 T_map_found_ = geometry::SE3::Identity();
+  Evidence evidence_;              // since then, the newest sweeps most
   std::optional<Failure> failed_;  ///< the last search, if it found nothing
   Metrics metrics_;
 };

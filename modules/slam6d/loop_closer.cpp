@@ -84,7 +84,8 @@ LoopAttempt LoopCloser::search(VoxelMap& keyframe, const VoxelMap& place,
                                const PosePrior& prior) const {
   const StartsResult result = register_from(
       starts(keyframe, place, prior), keyframe, place,
-      [&prior](const SE3& /*T_map_start*/) { return prior; }, registration_);
+      [&prior](const SE3& /*T_map_start*/) { return prior; },
+      [](const SE3& /*T_map_base*/) { return true; }, registration_);
   if (!result.best) {
     return {.refusal = result.is_ambiguous ? LoopRefusal::kAmbiguous : LoopRefusal::kLowScore};
   }

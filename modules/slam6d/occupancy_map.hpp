@@ -7,6 +7,7 @@
 #include <string>
 
 #include "common/geometry/se3.hpp"
+#include "modules/slam6d/cloud_tracer.hpp"
 #include "modules/slam6d/sweep_cloud.hpp"
 
 namespace nodmap::slam6d {
@@ -16,13 +17,7 @@ namespace nodmap::slam6d {
 /// outside: a map from corrected poses is a new one into which they are inserted again.
 class OccupancyMap {
  public:
-  struct Options {
-    double resolution_m = 0.05;  ///< edge of a voxel
-    double max_range_m = 10.0;  ///< beams enter up to this length; longer ones are free up to there
-    /// Of the beams into one voxel only the first is traced, and to its middle: what OctoMap calls
-    /// discretizing. Faster for dense clouds, and less exact.
-    bool discretize = false;
-  };
+  using Options = TraceOptions;
 
   enum class Format {
     kBt,  ///< occupied or free, compact
@@ -37,9 +32,7 @@ class OccupancyMap {
   OccupancyMap& operator=(const OccupancyMap&) = delete;
 
   /// Each voxel counts once for a cloud: occupied where a beam ends in it, else free where one goes
-  /// through, each beam from where the sensor was when it was measured. Where a beam is cut off, at
-  /// the range, nothing is occupied. Beams that end outside of the octree (65536 voxels wide) are
-  /// left out.
+  /// through.
   void insert(const SweepCloud& cloud, const geometry::SE3& T_map_base);
 
   /// The bytes of a map file. Goes through the whole map.

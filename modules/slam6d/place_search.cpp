@@ -6,64 +6,54 @@
 #include <cmath>
 #include <set>
 
-#include "common/geometry/angle.hpp"
-
 namespace nodmap::slam6d {
 namespace {
 
 using geometry::SE3;
 
-// A wall is seen within a cell and its neighbours: 20 to 40 cm away, which covers what half a step
-// of the search in position and heading moves a point 5 m away.
-constexpr float kCellM = 0.2F;
-constexpr double kStepM = 0.3;
-constexpr int kHeadings = 72;
-// So far beside the keyframes the robot may be: it drives where it drove before.
-constexpr double kReachM = 1.2;
+constexpr std::size_t kWallLevel = 1;
+constexpr float kMaxUprightNormal = 0.5F;  // height of the normal of a wall
+// So many points of walls are tried; on fewer than the least no place can be told.
 constexpr std::size_t kMaxPoints = 300;
-// Of the points near walls; with fewer no pose is looked at. And so many are, the best.
-constexpr double kLeastPart = 0.5;
-constexpr std::size_t kMaxCandidates = 5000;
-// On fewer points of walls no place can be told.
 constexpr std::size_t kMinPoints = 60;
 // A building of 200 m x 200 m x 5 m, 25 MB. Beyond it nothing is searched.
 constexpr double kMaxCells = 2.5e7;
-constexpr std::size_t kWallLevel = 1;
-constexpr float kMaxUprightNormal = 0.5F;  // height of the normal of a wall
-// How far a start may be off.
-constexpr double kSigmaM = 0.3;
+// From the smallest cells, of two thirds of a step in position, to those for walls 37 m away.
+constexpr std::size_t kCellLevels = 4;
+constexpr double kCellsPerStep = 1.5;
+// How far the robot may be from the height and the tilt it had when the map was made.
 constexpr double kSigmaHeightM = 0.05;
 constexpr double kSigmaTiltRad = geometry::deg_to_rad(2.0);
-constexpr double kSigmaHeadingRad = geometry::deg_to_rad(6.0);
 
-Eigen::Matrix3d heading(int step) {
-  return geometry::rotation_of({0.0, 0.0, 2.0 * geometry::kPi * step / kHeadings});
-}
-
-bool is_wall(const Voxel& voxel) {
-  return voxel.has_plane() && std::abs(voxel.normal.z()) < kMaxUprightNormal;
-}
-
-PosePrior prior_at(const SE3& T_map_start) {
-  Eigen::Matrix<double, 6, 1> sigma;
-  sigma << kSigmaM, kSigmaM, kSigmaHeightM, kSigmaTiltRad, kSigmaTiltRad, kSigmaHeadingRad;
-  return {.T_map_base = T_map_start, .covariance = sigma.cwiseAbs2().asDiagonal()};
+// Where the map has walls. Those that were seen from far away have planes in its coarsest voxels
+// only.
+std::vector<Eigen::Vector3f> wall_means(const VoxelMap& map) {
+  std::vector<Eigen::Vector3f> means;
+  for (std::size_t level = kWallLevel; level < VoxelMap::kLevels; ++level) {
+    for (const Voxel& voxel : map.level(level).voxels()) {
+      if (voxel.has_plane() && std::abs(voxel.normal.z()) < kMaxUprightNormal) {
+        means.push_back(voxel.mean);
+      }
+    }
+  }
+  return means;
 }
 
 // A grid of positions about the keyframes, each once, at the height of the keyframe next to it.
-std::vector<Eigen::Vector3d> places_about(std::span<const SE3> T_map_keyframes) {
-  const int reach = static_cast<int>(kReachM / kStepM);
+std::vector<Eigen::Vector3d> places_about(std::span<const SE3> T_map_keyframes, double reach_m,
+                                          double step_m) {
+  const int reach = static_cast<int>(reach_m / step_m);
   std::set<std::array<int, 3>> taken;
   std::vector<Eigen::Vector3d> places;
   for (const SE3& T_map_base : T_map_keyframes) {
     const Eigen::Vector3d& p = T_map_base.translation();
-    const int x = static_cast<int>(std::floor(p.x() / kStepM));
-    const int y = static_cast<int>(std::floor(p.y() / kStepM));
+    const int x = static_cast<int>(std::floor(p.x() / step_m));
+    const int y = static_cast<int>(std::floor(p.y() / step_m));
     const int storey = static_cast<int>(std::lround(p.z()));
     for (int dx = -reach; dx <= reach; ++dx) {
       for (int dy = -reach; dy <= reach; ++dy) {
         if (dx * dx + dy * dy <= reach * reach && taken.insert({x + dx, y + dy, storey}).second) {
-          places.emplace_back((x + dx + 0.5) * kStepM, (y + dy + 0.5) * kStepM, p.z());
+          places.emplace_back((x + dx + 0.5) * step_m, (y + dy + 0.5) * step_m, p.z());
         }
       }
     }
@@ -71,42 +61,22 @@ std::vector<Eigen::Vector3d> places_about(std::span<const SE3> T_map_keyframes) 
   return places;
 }
 
-// Some of the points of walls, spread over all of them.
-std::vector<Eigen::Vector3f> wall_points(const VoxelMap& sweep_base) {
-  std::vector<Eigen::Vector3f> all;
-  for (const OrientedPoint& point : sweep_base.select(kWallLevel).points) {
-    if (std::abs(point.normal.z()) < kMaxUprightNormal) {
-      all.push_back(point.p);
-    }
-  }
-  const std::size_t stride = (all.size() + kMaxPoints - 1) / kMaxPoints;
-  std::vector<Eigen::Vector3f> some;
-  for (std::size_t i = 0; i < all.size(); i += stride) {
-    some.push_back(all[i]);
-  }
-  return some;
-}
-
 }  // namespace
 
-PlaceSearch::WallCells::WallCells(const VoxelMap& map) {
+PlaceSearch::WallCells::WallCells(const VoxelMap& map, float edge_m) : cell_m(edge_m) {
   Eigen::AlignedBox3f box;
-  for (const Voxel& voxel : map.level(kWallLevel).voxels()) {
-    if (is_wall(voxel)) {
-      box.extend(voxel.mean);
-    }
+  const std::vector<Eigen::Vector3f> walls = wall_means(map);
+  for (const Eigen::Vector3f& mean : walls) {
+    box.extend(mean);
   }
-  if (box.isEmpty() || (box.sizes() / kCellM).cast<double>().prod() > kMaxCells) {
+  if (box.isEmpty() || (box.sizes() / cell_m).cast<double>().prod() > kMaxCells) {
     return;
   }
-  p_first = box.min().array() - 1.5F * kCellM;
-  size = (box.sizes() / kCellM).cast<int>().array() + 4;
+  p_first = box.min().array() - 1.5F * cell_m;
+  size = (box.sizes() / cell_m).cast<int>().array() + 4;
   near_wall.assign(static_cast<std::size_t>(size.prod()), 0);
-  for (const Voxel& voxel : map.level(kWallLevel).voxels()) {
-    if (!is_wall(voxel)) {
-      continue;
-    }
-    const Eigen::Vector3i cell = ((voxel.mean - p_first) / kCellM).cast<int>();
+  for (const Eigen::Vector3f& mean : walls) {
+    const Eigen::Vector3i cell = ((mean - p_first) / cell_m).cast<int>();
     for (int z = cell.z() - 1; z <= cell.z() + 1; ++z) {
       for (int y = cell.y() - 1; y <= cell.y() + 1; ++y) {
         for (int x = cell.x() - 1; x <= cell.x() + 1; ++x) {
@@ -118,7 +88,7 @@ PlaceSearch::WallCells::WallCells(const VoxelMap& map) {
 }
 
 bool PlaceSearch::WallCells::is_near_wall(const Eigen::Vector3f& p_map) const {
-  const Eigen::Array3f at = (p_map - p_first).array() / kCellM;
+  const Eigen::Array3f at = (p_map - p_first).array() / cell_m;
   if ((at < 0.0F).any() || (at >= size.cast<float>().array()).any()) {
     return false;
   }
@@ -127,62 +97,96 @@ bool PlaceSearch::WallCells::is_near_wall(const Eigen::Vector3f& p_map) const {
                                             cell.x())] != 0;
 }
 
-PlaceSearch::PlaceSearch(const RegistrationParams& params, std::span<const SE3> T_map_keyframes,
-                         const VoxelMap& map)
-    : params_(params), cells_(map), places_(places_about(T_map_keyframes)) {}
+PlaceSearch::PlaceSearch(const PlaceSearchParams& params, const RegistrationParams& registration,
+                         std::span<const SE3> T_map_keyframes, const VoxelMap& map)
+    : params_(params),
+      registration_(registration),
+      places_(places_about(T_map_keyframes, params.reach_m, params.step_m)) {
+  for (std::size_t level = 0; level < kCellLevels; ++level) {
+    const double edge_m = params_.step_m / kCellsPerStep * std::exp2(level);
+    cells_.emplace_back(map, static_cast<float>(edge_m));
+  }
+}
 
-StartsResult PlaceSearch::find(const VoxelMap& sweep_base, const VoxelMap& map) const {
-  const std::vector<Eigen::Vector3f> walls_base = wall_points(sweep_base);
+StartsResult PlaceSearch::find(const VoxelMap& sweep_base, const VoxelMap& map,
+                               const SeenSpace& seen) const {
+  const std::vector<WallPoint> walls_base = wall_points(sweep_base);
   if (walls_base.size() < kMinPoints) {
     return {};
   }
   VoxelMap sweep = sweep_base;
   sweep.hold();
-  return register_from(best_starts(try_all(walls_base)), sweep, map, prior_at, params_);
+  return register_from(
+      best_starts(try_all(walls_base)), sweep, map,
+      [this](const SE3& T_map_start) { return prior_at(T_map_start); },
+      [&](const SE3& T_map_base) {
+        return seen.compare(sweep, T_map_base).contradiction_ratio() <=
+               params_.max_contradiction_ratio;
+      },
+      registration_);
+}
+
+// Some of the points of walls, spread over all of them.
+std::vector<PlaceSearch::WallPoint> PlaceSearch::wall_points(const VoxelMap& sweep_base) const {
+  std::vector<Eigen::Vector3f> all;
+  for (const OrientedPoint& point : sweep_base.select(kWallLevel).points) {
+    if (std::abs(point.normal.z()) < kMaxUprightNormal) {
+      all.push_back(point.p);
+    }
+  }
+  const std::size_t stride = (all.size() + kMaxPoints - 1) / kMaxPoints;
+  std::vector<WallPoint> some;
+  for (std::size_t i = 0; i < all.size(); i += stride) {
+    const double off_m = 0.5 * params_.heading_step_rad * static_cast<double>(all[i].norm());
+    std::size_t level = 0;
+    while (level + 1 < kCellLevels && static_cast<double>(cells_[level].cell_m) < off_m) {
+      ++level;
+    }
+    some.push_back({all[i], level});
+  }
+  return some;
+}
+
+PosePrior PlaceSearch::prior_at(const SE3& T_map_start) const {
+  Eigen::Matrix<double, 6, 1> sigma;
+  sigma << params_.step_m, params_.step_m, kSigmaHeightM, kSigmaTiltRad, kSigmaTiltRad,
+      params_.heading_step_rad;
+  return {.T_map_base = T_map_start, .covariance = sigma.cwiseAbs2().asDiagonal()};
 }
 
 // The poses at which most points are near a wall. Every fifth point says whether the others are
 // worth a look.
-std::vector<StartPose> PlaceSearch::try_all(std::span<const Eigen::Vector3f> walls_base) const {
-  struct Candidate {
-    int hits;
-    int heading;
-    std::size_t place;
-  };
-  std::vector<Candidate> candidates;
-  std::vector<Eigen::Vector3f> turned(walls_base.size());
-  for (int h = 0; h < kHeadings; ++h) {
-    const Eigen::Matrix3f R = heading(h).cast<float>();
-    std::ranges::transform(walls_base, turned.begin(),
-                           [&R](const Eigen::Vector3f& p) -> Eigen::Vector3f { return R * p; });
-    for (std::size_t place = 0; place < places_.size(); ++place) {
-      const Eigen::Vector3f t = places_[place].cast<float>();
-      const auto hits = [&](std::size_t stride) {
-        int count = 0;
-        for (std::size_t i = 0; i < turned.size(); i += stride) {
-          count += cells_.is_near_wall(turned[i] + t) ? 1 : 0;
+std::vector<StartPose> PlaceSearch::try_all(std::span<const WallPoint> walls_base) const {
+  constexpr std::size_t kFirstLook = 5;
+  std::vector<StartPose> tried;
+  std::vector<WallPoint> turned(walls_base.begin(), walls_base.end());
+  const int num_headings =
+      static_cast<int>(std::ceil(2.0 * geometry::kPi / params_.heading_step_rad));
+  for (int h = 0; h < num_headings; ++h) {
+    SE3 T = SE3::Identity();
+    T.linear() = geometry::rotation_of({0.0, 0.0, 2.0 * geometry::kPi * h / num_headings});
+    const Eigen::Matrix3f R = T.linear().cast<float>();
+    for (std::size_t i = 0; i < turned.size(); ++i) {
+      turned[i].p = R * walls_base[i].p;
+    }
+    for (const Eigen::Vector3d& place : places_) {
+      const Eigen::Vector3f t = place.cast<float>();
+      const auto part_near_walls = [&](std::size_t stride) {
+        std::size_t looked = 0;
+        std::size_t near = 0;
+        for (std::size_t i = 0; i < turned.size(); i += stride, ++looked) {
+          near += cells_[turned[i].level].is_near_wall(turned[i].p + t) ? 1 : 0;
         }
-        return count;
+        return static_cast<double>(near) / static_cast<double>(looked);
       };
-      const auto least = [&](std::size_t stride) {
-        return static_cast<int>(kLeastPart * static_cast<double>(turned.size() / stride));
-      };
-      if (hits(5) < least(5)) {
+      if (part_near_walls(kFirstLook) < params_.min_inlier_ratio) {
         continue;
       }
-      if (const int all = hits(1); all >= least(1)) {
-        candidates.push_back({all, h, place});
+      if (const double part = part_near_walls(1); part >= params_.min_inlier_ratio) {
+        T.translation() = place;
+        tried.push_back({T, part});
       }
     }
-  }
-  std::ranges::stable_sort(candidates, std::ranges::greater{}, &Candidate::hits);
-  candidates.resize(std::min(candidates.size(), kMaxCandidates));
-  std::vector<StartPose> tried;
-  for (const Candidate& candidate : candidates) {
-    SE3 T = SE3::Identity();
-    T.linear() = heading(candidate.heading);
-    T.translation() = places_[candidate.place];
-    tried.push_back({T, static_cast<double>(candidate.hits)});
   }
   return tried;
 }

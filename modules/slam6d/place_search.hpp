@@ -7,39 +7,77 @@
 #include <span>
 #include <vector>
 
+#include "common/geometry/angle.hpp"
 #include "common/geometry/se3.hpp"
+#include "modules/slam6d/seen_space.hpp"
 #include "modules/slam6d/start_poses.hpp"
 #include "modules/slam6d/voxel_map.hpp"
 
 namespace nodmap::slam6d {
+
+/// Where a robot is searched for in a map, and which place is believed.
+struct PlaceSearchParams {
+  double min_inlier_ratio = 0.5;
+  double max_contradiction_ratio = 0.02;
+  double reach_m = 1.2;
+  double step_m = 0.3;
+  double heading_step_rad = geometry::deg_to_rad(5.0);
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.number("min_inlier_ratio", min_inlier_ratio, {0.0, 1.0},
+             "A place in a known map of whose sweep, or of whose walls, a smaller part lies on the "
+             "map's planes is not believed.");
+    v.number("max_contradiction_ratio", max_contradiction_ratio, {0.0, 1.0},
+             "Nor is one where a larger part of the surfaces, of those of which the map can tell, "
+             "stands where the map's beams went through; once it is confirmed, three times as "
+             "many may.");
+    v.number("search_reach_m", reach_m, {0.0, 100.0},
+             "The robot is searched for up to so far from where the map was made.");
+    v.number("search_step_m", step_m, {0.05, 2.0}, "Distance between the positions tried.");
+    v.angle("search_heading_step_deg", heading_step_rad, {0.5, 45.0},
+            "Angle between the headings tried.");
+  }
+};
 
 /// Finds a sweep in a whole map without knowing anything: near all places from which the map was
 /// made, in all headings. The robot is taken to be as upright and as high as it was there.
 class PlaceSearch {
  public:
   /// `T_map_keyframes`: from where the map was made.
-  PlaceSearch(const RegistrationParams& params, std::span<const geometry::SE3> T_map_keyframes,
-              const VoxelMap& map);
+  PlaceSearch(const PlaceSearchParams& params, const RegistrationParams& registration,
+              std::span<const geometry::SE3> T_map_keyframes, const VoxelMap& map);
 
-  /// Where the sweep lies in that map.
-  [[nodiscard]] StartsResult find(const VoxelMap& sweep_base, const VoxelMap& map) const;
+  /// Where the sweep lies in that map, without contradicting what was seen there.
+  [[nodiscard]] StartsResult find(const VoxelMap& sweep_base, const VoxelMap& map,
+                                  const SeenSpace& seen) const;
 
  private:
-  /// The cells of space within about 30 cm of a wall of the map, one byte each. Only walls tell
-  /// place and heading: floor and ceiling fit everywhere.
+  /// The cells of space within about one and a half of their edges of a wall of the map, one byte
+  /// each. Only walls tell place and heading: floor and ceiling fit everywhere.
   struct WallCells {
-    explicit WallCells(const VoxelMap& map);
+    WallCells(const VoxelMap& map, float edge_m);
     [[nodiscard]] bool is_near_wall(const Eigen::Vector3f& p_map) const;
 
+    float cell_m;
     Eigen::Vector3f p_first = Eigen::Vector3f::Zero();  ///< lowest corner
     Eigen::Vector3i size = Eigen::Vector3i::Zero();     ///< cells
     std::vector<std::uint8_t> near_wall;
   };
+  struct WallPoint {
+    Eigen::Vector3f p;
+    std::size_t level;  ///< of `cells_` in which it is looked up
+  };
 
-  [[nodiscard]] std::vector<StartPose> try_all(std::span<const Eigen::Vector3f> walls_base) const;
+  [[nodiscard]] std::vector<WallPoint> wall_points(const VoxelMap& sweep_base) const;
+  [[nodiscard]] std::vector<StartPose> try_all(std::span<const WallPoint> walls_base) const;
+  [[nodiscard]] PosePrior prior_at(const geometry::SE3& T_map_start) const;
 
-  RegistrationParams params_;
-  WallCells cells_;
+  PlaceSearchParams params_;
+  RegistrationParams registration_;
+  /// Each twice as large as the one before: the farther a point, the farther half a step of heading
+  /// moves it.
+  std::vector<WallCells> cells_;
   std::vector<Eigen::Vector3d> places_;  ///< positions to be tried
 };
 

@@ -176,7 +176,8 @@ nlohmann::json localisation_figures(const Slam6d& slam) {
   return {{"keyframes_restored", slam.num_restored()},
           {"searches", metrics.searches},
           {"searches_found", metrics.found},
-          {"times_lost", metrics.times_lost}};
+          {"times_lost", metrics.times_lost},
+          {"times_contradicted", metrics.times_contradicted}};
 }
 
 nlohmann::json slam_figures(const Slam6d& slam) {

@@ -69,8 +69,7 @@ void Slam6d::restore(const SavedMap& saved, const std::optional<SE3>& T_map_star
                           .points = oriented_points(sweep.level(0))});
   }
   back_end_.restore(saved);
-  localiser_.emplace(params_.localise, params_.registration, back_end_.T_map_keyframes(), map_,
-                     T_map_start);
+  localiser_.emplace(params_.localise, params_.registration, keyframes_, map_, T_map_start);
   num_restored_ = keyframes_.size();
   is_map_fixed_ = is_fixed;
   is_map_closed_ = keyframe_is_due_ = true;
@@ -166,14 +165,14 @@ void Slam6d::find_place(const VoxelMap& sweep, const SweepCloud& cloud, PoseUpda
 void Slam6d::track(VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate& update) {
   tracker_.track(sweep, map_, cloud, update);
   if (is_map_closed_) {
-    classify_place(update);
+    classify_place(sweep, update);
   }
   count(update.registration->status);
 }
 
 // A wrong place would be built into the map: it is opened when the place is confirmed.
-void Slam6d::classify_place(PoseUpdate& update) {
-  localiser_->classify(update, tracker_.lost_sweeps());
+void Slam6d::classify_place(const VoxelMap& sweep, PoseUpdate& update) {
+  localiser_->classify(sweep, update, tracker_.lost_sweeps());
   is_map_closed_ = is_map_fixed_ || !localiser_->is_confirmed() ||
                    update.registration->status != RegistrationStatus::kTracking;
 }

@@ -109,7 +109,7 @@ class Slam6d {
   void begin_anew();
   void find_place(const VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate& update);
   void track(VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate& update);
-  void classify_place(PoseUpdate& update);
+  void classify_place(const VoxelMap& sweep, PoseUpdate& update);
   void count(RegistrationStatus status);
   void accept(const VoxelMap& sweep, SweepCloud& cloud, PoseUpdate& update);
   [[nodiscard]] std::optional<KeyframeReason> keyframe_reason(PoseUpdate& update) const;

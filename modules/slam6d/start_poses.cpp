@@ -42,12 +42,13 @@ std::vector<StartPose> best_starts(std::vector<StartPose> tried) {
 StartsResult register_from(std::span<const StartPose> starts, VoxelMap& sweep_base,
                            const VoxelMap& map,
                            const std::function<PosePrior(const SE3& T_map_start)>& prior_at,
+                           const std::function<bool(const SE3& T_map_base)>& is_possible,
                            const RegistrationParams& params) {
   std::vector<Registration> found;
   for (const StartPose& start : starts) {
     const Registration registration =
         register_sweep_from(sweep_base, map, prior_at(start.T_map_base), start.T_map_base, params);
-    if (registration.is_accepted()) {
+    if (registration.is_accepted() && is_possible(registration.T_map_base)) {
       found.push_back(registration);
     }
   }

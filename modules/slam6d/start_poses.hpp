@@ -32,10 +32,12 @@ struct StartsResult {
   bool is_ambiguous = false;  ///< another place does
 };
 
-/// Registers a sweep from each start. `prior_at`: of the registration that begins there.
+/// Registers a sweep from each start; `prior_at`: of the registration that begins there. Only those
+/// count whose place `is_possible`.
 [[nodiscard]] StartsResult register_from(
     std::span<const StartPose> starts, VoxelMap& sweep_base, const VoxelMap& map,
     const std::function<PosePrior(const geometry::SE3& T_map_start)>& prior_at,
+    const std::function<bool(const geometry::SE3& T_map_base)>& is_possible,
     const RegistrationParams& params);
 
 }  // namespace nodmap::slam6d

@@ -3,21 +3,25 @@
 #pragma once
 
 #include <cmath>
+#include <memory>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include "common/geometry/angle.hpp"
 #include "common/geometry/se3.hpp"
+#include "modules/slam6d/keyframe.hpp"
+#include "modules/slam6d/sweep_cloud.hpp"
 #include "modules/slam6d/test/room.hpp"
 #include "modules/slam6d/voxel_map.hpp"
 
 namespace nodmap::slam6d {
 
 /// What a scanner 0.4 m above the base sees in all directions, 2 degrees apart; 5 mm of noise.
-inline VoxelMap sweep_at(const Room& room, const geometry::SE3& T_world_base, unsigned seed) {
+inline SweepCloud cloud_at(const Room& room, const geometry::SE3& T_world_base, unsigned seed) {
   std::mt19937 random(seed);
   std::normal_distribution<double> noise_m(0.0, 0.005);
-  std::vector<Eigen::Vector3f> points;
+  SweepCloud cloud;
   const Eigen::Vector3d p_base_mirror(0.0, 0.0, 0.4);
   for (double pitch_deg = -40.0; pitch_deg <= 40.0; pitch_deg += 2.0) {
     for (double yaw_deg = 0.0; yaw_deg < 360.0; yaw_deg += 2.0) {
@@ -29,11 +33,58 @@ inline VoxelMap sweep_at(const Room& room, const geometry::SE3& T_world_base, un
           room.range_m(T_world_base * p_base_mirror, T_world_base.linear() * direction) +
           noise_m(random);
       if (range_m < 30.0) {
-        points.emplace_back((p_base_mirror + range_m * direction).cast<float>());
+        cloud.points.emplace_back((p_base_mirror + range_m * direction).cast<float>());
       }
     }
   }
-  return VoxelMap::from_points(points, p_base_mirror.cast<float>(), {});
+  cloud.lines.push_back({.p_base_mirror = p_base_mirror.cast<float>(), .end = cloud.points.size()});
+  return cloud;
+}
+
+inline VoxelMap sweep_at(const Room& room, const geometry::SE3& T_world_base, unsigned seed) {
+  const SweepCloud cloud = cloud_at(room, T_world_base, seed);
+  return VoxelMap::from_points(cloud.points, cloud.p_base_mirror(), {});
+}
+
+inline geometry::SE3 pose(double x_m, double y_m, double yaw_deg) {
+  geometry::SE3 T = geometry::SE3::Identity();
+  T.translation() = Eigen::Vector3d(x_m, y_m, 0.0);
+  T.linear() = geometry::rotation_of({0.0, 0.0, geometry::deg_to_rad(yaw_deg)});
+  return T;
+}
+
+/// A map of sweeps from some poses.
+struct TestMap {
+  TestMap(const Room& room, const std::vector<geometry::SE3>& poses) {
+    for (const geometry::SE3& T_map_base : poses) {
+      const auto seed = static_cast<unsigned>(keyframes.size());
+      voxels.add_sweep(sweep_at(room, T_map_base, seed), T_map_base, keyframes.size());
+      Keyframe keyframe;
+      keyframe.T_map_base = T_map_base;
+      keyframe.cloud = std::make_shared<const SweepCloud>(cloud_at(room, T_map_base, seed));
+      keyframes.push_back(std::move(keyframe));
+    }
+  }
+
+  std::vector<Keyframe> keyframes;
+  VoxelMap voxels{VoxelMapParams{}};
+};
+
+/// Room::hall() from -2.5 to 3.5 m along it.
+inline std::vector<geometry::SE3> along_hall() {
+  std::vector<geometry::SE3> poses;
+  for (double x_m = -2.5; x_m < 4.0; x_m += 1.0) {
+    poses.push_back(pose(x_m, 0.0, 0.0));
+  }
+  return poses;
+}
+
+/// The same hall elsewhere in the building: only a cabinet at each wall tells it from the first.
+inline Room look_alike_hall() {
+  Room room = Room::hall();
+  room.boxes = {{Eigen::Vector3d(1.0, 0.5, 0.0), Eigen::Vector3d(2.2, 1.1, 1.8)},
+                {Eigen::Vector3d(-1.2, -0.9, 0.0), Eigen::Vector3d(-0.2, -0.4, 1.8)}};
+  return room;
 }
 
 /// 32 m x 24 m, no two walls parallel: every pose looks different.

@@ -320,7 +320,7 @@ TEST_F(Slam6dNodeInASavedMap, CarriesOnWithIt) {
 }
 
 TEST_F(Slam6dNodeInASavedMap, ARobotThatIsNotFoundChangesNothing) {
-  params_.localise.min_inlier_ratio = 1.0;  // no place is good enough
+  params_.localise.place.min_inlier_ratio = 1.0;  // no place is good enough
   const Outcome second = replay(dir_.path(), "second", params_, node::MapOptions{{}, saved_, {}});
   EXPECT_EQ(second.metrics["sweeps_lost"], 4);
   EXPECT_TRUE(second.metrics["keyframes"].empty());
@@ -393,7 +393,7 @@ TEST(Slam6dNode, TriesAgainToSaveAMapThatCouldNotBeSaved) {
   std::int64_t next = 0;
   const auto put_scans = [&](int number) {
     for (int i = 0; i < number; ++i) {
-      const auto still = [](std::int64_t) { return geometry::SE3(); };
+      const auto still = [](std::int64_t) { return geometry::SE3::Identity(); };
       bus.deliver("SCAN",
                   node::write_scan(NoddingScanner{}.scan(next++, Room::hall(), still, random)));
     }
@@ -406,7 +406,7 @@ TEST(Slam6dNode, TriesAgainToSaveAMapThatCouldNotBeSaved) {
   EXPECT_FALSE(fs::exists(context.out_dir / "map.bt")) << "not at once";
   put_scans(225);  // 12 s after the request
   EXPECT_TRUE(fs::exists(context.out_dir / "map.bt"));
-  EXPECT_EQ(slam.health().state, node::HealthState::kOk);
+  EXPECT_EQ(slam.health().state, node::HealthState::kOk) << slam.health().reason;
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <limits>
@@ -20,6 +22,7 @@ struct Room {
   };
 
   std::vector<Wall> walls;
+  std::vector<Eigen::AlignedBox3d> boxes = {};  ///< seen from outside
 
   [[nodiscard]] double range_m(const Eigen::Vector3d& p, const Eigen::Vector3d& direction) const {
     double nearest = std::numeric_limits<double>::infinity();
@@ -29,7 +32,21 @@ struct Room {
         nearest = r;
       }
     }
+    for (const Eigen::AlignedBox3d& box : boxes) {
+      nearest = std::min(nearest, range_to_box_m(box, p, direction));
+    }
     return nearest;
+  }
+
+  [[nodiscard]] static double range_to_box_m(const Eigen::AlignedBox3d& box,
+                                             const Eigen::Vector3d& p,
+                                             const Eigen::Vector3d& direction) {
+    const Eigen::Array3d a = (box.min() - p).array() / direction.array();
+    const Eigen::Array3d b = (box.max() - p).array() / direction.array();
+    const double enters_m = a.min(b).maxCoeff();
+    return enters_m > 0.0 && enters_m < a.max(b).minCoeff()
+               ? enters_m
+               : std::numeric_limits<double>::infinity();
   }
 
   /// Floor, ceiling and two side walls along x: nothing tells where along the corridor one is.

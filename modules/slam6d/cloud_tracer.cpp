@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/slam6d/cloud_tracer.hpp"
+
+namespace nodmap::slam6d {
+namespace {
+
+using geometry::SE3;
+
+// Beyond this, where no octree reaches, OctoMap's integers would overflow.
+constexpr float kFarthestM = 1e6F;
+
+// As many as are near each other in the processor's cache.
+constexpr std::size_t kBeamsAtOnce = 1024;
+
+bool is_near(const Eigen::Vector3f& p) {
+  return (p.array().abs() < kFarthestM).all();
+}
+
+}  // namespace
+
+CloudTracer::CloudTracer(const TraceOptions& options)
+    : options_(options), grid_(options.resolution_m) {
+  beams_.reserve(kBeamsAtOnce);
+}
+
+void CloudTracer::trace(const SweepCloud& cloud, const SE3& T_map_base, CloudVoxels& voxels) {
+  ends_.clear();
+  std::size_t i = 0;
+  for (const SweepCloud::Line& line : cloud.lines) {
+    p_map_origin_ = (T_map_base * line.p_base_mirror.cast<double>()).cast<float>();
+    if (!is_near(p_map_origin_)) {
+      i = line.end;
+      continue;
+    }
+    origin_ = grid_.key_of(p_map_origin_);
+    for (; i < line.end; ++i) {
+      const Eigen::Vector3f p_map = (T_map_base * cloud.points[i].cast<double>()).cast<float>();
+      if (!is_near(p_map)) {
+        continue;
+      }
+      if (!options_.discretize) {
+        add_beam(p_map, voxels);
+      } else if (const VoxelKey end = grid_.wrapped_key_of(p_map);
+                 ends_.mark_occupied(code_of(end))) {
+        add_beam(grid_.center_of(end), voxels);
+      }
+    }
+  }
+  walk_beams(voxels);
+}
+
+// As in OctoMap's computeUpdate().
+void CloudTracer::add_beam(const Eigen::Vector3f& p_map, CloudVoxels& voxels) {
+  const Eigen::Vector3f beam = p_map - p_map_origin_;
+  const double length_m = length_of(beam);
+  const bool ends_inside = length_m <= options_.max_range_m;
+  const Eigen::Vector3f p_map_end =
+      ends_inside ? p_map
+                  : p_map_origin_ + beam / static_cast<float>(length_m) *
+                                        static_cast<float>(options_.max_range_m);
+  const auto end = grid_.key_of(p_map_end);
+  if (!end) {
+    return;
+  }
+  if (ends_inside) {
+    voxels.mark_occupied(code_of(*end));
+  }
+  if (!origin_ || *origin_ == *end) {
+    return;
+  }
+  beams_.push_back(make_beam(grid_, p_map_origin_, *origin_, p_map_end, *end));
+  if (beams_.size() == kBeamsAtOnce) {
+    walk_beams(voxels);
+  }
+}
+
+void CloudTracer::walk_beams(CloudVoxels& voxels) {
+  walk(beams_, voxels);
+  beams_.clear();
+}
+
+std::size_t CloudTracer::memory_bytes() const {
+  return ends_.memory_bytes() + beams_.capacity() * sizeof(Beam);
+}
+
+}  // namespace nodmap::slam6d

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "common/geometry/se3.hpp"
+#include "modules/slam6d/beam.hpp"
+#include "modules/slam6d/cloud_voxels.hpp"
+#include "modules/slam6d/octree_grid.hpp"
+#include "modules/slam6d/sweep_cloud.hpp"
+
+namespace nodmap::slam6d {
+
+/// How clouds become voxels.
+struct TraceOptions {
+  double resolution_m = 0.05;  ///< edge of a voxel
+  double max_range_m = 10.0;   ///< beams enter up to this length; longer ones are free up to there
+  /// Of the beams into one voxel only the first is traced, and to its middle: what OctoMap calls
+  /// discretizing. Faster for dense clouds, and less exact.
+  bool discretize = false;
+};
+
+/// Marks the voxels that the beams of a cloud go through as free, and those in which they end as
+/// occupied; each beam from where the sensor was when it was measured. Where a beam is cut off, at
+/// the range, nothing is occupied. Beams that end outside of the octree (65536 voxels wide) are
+/// left out.
+class CloudTracer {
+ public:
+  explicit CloudTracer(const TraceOptions& options);
+
+  void trace(const SweepCloud& cloud, const geometry::SE3& T_map_base, CloudVoxels& voxels);
+
+  [[nodiscard]] const OctreeGrid& grid() const { return grid_; }
+  [[nodiscard]] std::size_t memory_bytes() const;
+
+ private:
+  void add_beam(const Eigen::Vector3f& p_map, CloudVoxels& voxels);
+  void walk_beams(CloudVoxels& voxels);
+
+  TraceOptions options_;
+  OctreeGrid grid_;
+  CloudVoxels ends_;                                        // of the beams of this cloud
+  std::vector<Beam> beams_;                                 // not yet walked
+  Eigen::Vector3f p_map_origin_ = Eigen::Vector3f::Zero();  // of the sensor, for these beams
+  std::optional<VoxelKey> origin_;
+};
+
+}  // namespace nodmap::slam6d

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/slam6d/seen_space.hpp"
+
+#include <cmath>
+
+namespace nodmap::slam6d {
+namespace {
+
+// Surfaces contradict from 10 to 20 cm beside what was seen on: beyond all errors of registration
+// and deskewing.
+constexpr double kVoxelM = 0.1;
+// Beams of neighbouring scans are 1 degree apart: farther away there are voxels between them.
+constexpr float kMaxRangeM = 8.0F;
+constexpr float kMaxUprightNormal = 0.5F;  // height of the normal of a wall
+
+}  // namespace
+
+SeenSpace::SeenSpace(std::span<const Keyframe> keyframes)
+    : tracer_({.resolution_m = kVoxelM, .max_range_m = kMaxRangeM}) {
+  for (const Keyframe& keyframe : keyframes) {
+    tracer_.trace(*keyframe.cloud, keyframe.T_map_base, voxels_);
+  }
+}
+
+SeenSpace::Content SeenSpace::at(const Eigen::Vector3f& p_map) const {
+  const auto here = tracer_.grid().key_of(p_map);
+  if (!here) {
+    return Content::kUnknown;
+  }
+  bool is_free = true;
+  for (int i = 0; i < 27; ++i) {
+    const auto beside = [&here](std::size_t axis, int offset) {
+      return static_cast<std::uint16_t>((*here)[axis] + offset - 1);
+    };
+    const VoxelCode voxel = code_of({beside(0, i % 3), beside(1, i / 3 % 3), beside(2, i / 9)});
+    if (voxels_.is_occupied(voxel)) {
+      return Content::kOccupied;
+    }
+    is_free = is_free && voxels_.is_free(voxel);
+  }
+  return is_free ? Content::kFree : Content::kUnknown;
+}
+
+Evidence SeenSpace::compare(const VoxelMap& sweep_base, const geometry::SE3& T_map_base) const {
+  Evidence evidence;
+  const Eigen::Isometry3f to_map = T_map_base.cast<float>();
+  for (const Voxel& voxel : sweep_base.level(0).voxels()) {
+    if (voxel.mean.squaredNorm() > kMaxRangeM * kMaxRangeM) {
+      continue;
+    }
+    const Content content = at(to_map * voxel.mean);
+    if (content == Content::kFree) {
+      evidence.contradicted += 1.0;
+    } else if (content == Content::kOccupied && std::abs(voxel.normal.z()) < kMaxUprightNormal) {
+      evidence.seen += 1.0;
+    }
+  }
+  return evidence;
+}
+
+}  // namespace nodmap::slam6d

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/slam6d/seen_space.hpp"
+
+#include <gtest/gtest.h>
+
+#include "modules/slam6d/test/hall.hpp"
+
+namespace nodmap::slam6d {
+namespace {
+
+using Content = SeenSpace::Content;
+
+// The left wall of the hall is at y = 1.1 m.
+TEST(SeenSpace, TellsFreeFromOccupiedFromUnknown) {
+  const TestMap map(Room::hall(), along_hall());
+  const SeenSpace seen(map.keyframes);
+  EXPECT_EQ(seen.at({1.0F, 0.0F, 1.0F}), Content::kFree);
+  EXPECT_EQ(seen.at({1.0F, 1.1F, 1.0F}), Content::kOccupied);
+  EXPECT_EQ(seen.at({1.0F, 0.95F, 1.0F}), Content::kOccupied) << "in the voxel beside";
+  EXPECT_EQ(seen.at({1.0F, 2.0F, 1.0F}), Content::kUnknown) << "behind it";
+  EXPECT_EQ(seen.at({1e9F, 0.0F, 0.0F}), Content::kUnknown) << "outside of all grids";
+}
+
+TEST(SeenSpace, ASweepOfTheSamePlaceContradictsNothing) {
+  const TestMap map(Room::hall(), along_hall());
+  const geometry::SE3 T_map_base = pose(0.4, 0.2, 40.0);
+  const Evidence evidence =
+      SeenSpace(map.keyframes).compare(sweep_at(Room::hall(), T_map_base, 99), T_map_base);
+  EXPECT_GT(evidence.seen, 500.0);
+  EXPECT_EQ(evidence.contradicted, 0.0);
+}
+
+// Of the cabinets 1.2 m x 1.8 m and 1 m x 1.8 m of their fronts and 1.1 m x 1.8 m of their sides
+// are seen, 594 voxels of 10 cm. Those within 20 cm of wall and floor do not contradict.
+TEST(SeenSpace, WhatStandsInFreeSpaceContradicts) {
+  const TestMap map(Room::hall(), along_hall());
+  const geometry::SE3 T_map_base = pose(0.0, 0.0, 0.0);
+  const Evidence evidence =
+      SeenSpace(map.keyframes).compare(sweep_at(look_alike_hall(), T_map_base, 99), T_map_base);
+  EXPECT_GT(evidence.contradicted, 100.0);
+  EXPECT_LT(evidence.contradicted, 594.0);
+  EXPECT_GT(evidence.contradiction_ratio(), 0.06);
+}
+
+TEST(SeenSpace, WhereTheMapKnowsNothingNothingCounts) {
+  const TestMap map(Room::hall(), along_hall());
+  const Evidence evidence =
+      SeenSpace(map.keyframes)
+          .compare(sweep_at(look_alike_hall(), pose(0.0, 0.0, 0.0), 99), pose(100.0, 0.0, 0.0));
+  EXPECT_EQ(evidence.seen, 0.0);
+  EXPECT_EQ(evidence.contradicted, 0.0);
+  EXPECT_EQ(evidence.contradiction_ratio(), 0.0);
+}
+
+}  // namespace
+}  // namespace nodmap::slam6d
