@@ -24,8 +24,14 @@ constexpr double kRoomToTurnM = 0.03;
 
 /// Ground so far beyond the turning circle is asked for, for arcs swing the rear out of it.
 constexpr double kDoubtfulM = 0.1;
-/// A point so near to a walker's disc is his: the error of his track.
+/// A point so near to a walker's disc is his: the error of his track. The obstacle map still has
+/// him where he was seen in the sweeps before.
 constexpr double kHisM = 0.25;
+constexpr double kHisWakeS = 1.0;
+/// Where he walks nothing stands: so much more is the noise of a track that is seen.
+constexpr double kOnHimM = 0.1;
+/// So long after somebody walked the obstacle map may still hold him.
+constexpr std::int64_t kPassedUs = 20'000'000;
 
 constexpr double kEndless = std::numeric_limits<double>::infinity();
 
@@ -38,11 +44,20 @@ std::optional<double> nearer_direction(const FreeNeighbours& near) {
   return is_left ? near.left_rad : near.right_rad;
 }
 
-/// The points that belong to nobody who is tracked.
+/// From a point to where somebody is now, and was within the last second.
+double distance_to_wake(const Eigen::Vector2d& p_base, const Person& person) {
+  const Eigen::Vector2d back = -kHisWakeS * person.velocity;
+  const Eigen::Vector2d offset = p_base - person.position;
+  const double share = std::clamp(offset.dot(back) / std::max(back.squaredNorm(), 1e-9), 0.0, 1.0);
+  return (offset - share * back).norm();
+}
+
+/// The points that belong to nobody who is tracked: where he is in the way, and for how long, his
+/// track says.
 Points without(const People& people, Points points_base) {
   std::erase_if(points_base, [&](const Eigen::Vector2d& p_base) {
     return std::ranges::any_of(people, [&](const Person& person) {
-      return (p_base - person.position).norm() < person.radius_m + kHisM;
+      return person.is_in_sight && distance_to_wake(p_base, person) < person.radius_m + kHisM;
     });
   });
   return points_base;
@@ -77,11 +92,26 @@ void Navigator::add_scan(const scan::Scan& scan, const geometry::SE2& T_odom_bas
   // Where the robot tilts, what stands still seems to move: nobody is tracked near ramps.
   const bool tracks_people = params_.people.use && local_map_.ground().is_level();
   if (tracks_people) {
-    people_.add_scan(scan, T_odom_base);
+    people_.add_scan(scan, T_odom_base, [this](const Eigen::Vector2d& p_odom) {
+      const LocalCell* cell = local_map_.cell_at(p_odom);
+      return cell != nullptr && cell->is_obstacle();
+    });
   }
   if (params_.local_map.use) {
     local_map_.add_scan(scan, T_odom_base,
                         tracks_people ? people_.is_walker() : std::vector<bool>{});
+    forget_wakes(scan.utime_mid_us());
+  }
+}
+
+/// Before somebody was known to walk he was an obstacle: that is taken back along his path of the
+/// last second, while he is in sight.
+void Navigator::forget_wakes(std::int64_t utime_us) {
+  constexpr double kStepS = 0.2;
+  for (const Person& person : people_.people_odom(utime_us)) {
+    for (double ago_s = 0.0; ago_s <= kHisWakeS && person.is_in_sight; ago_s += kStepS) {
+      local_map_.forget_walker(person.position_after(-ago_s), person.radius_m + kOnHimM);
+    }
   }
 }
 
@@ -145,8 +175,18 @@ void Navigator::observe(Situation& now) {
   const double reach_m =
       body_.turning_radius_m() + kApproachM + kApproachS * std::max(0.0, now.forward_mps);
   const bool has_local_map = local_map_.has_scan() && !now.laser_is_held;
-  approach_.update(now.utime_us, now.T_odom_base, reach_m, without(now.people, now.points_base),
-                   seen_, has_local_map ? &local_map_ : nullptr);
+  if (!now.people.empty()) {
+    saw_people_us_ = now.utime_us;
+  }
+  if (has_local_map && saw_people_us_ && std::abs(now.utime_us - *saw_people_us_) < kPassedUs) {
+    erase_free_floor(now);
+  }
+  const Points nobodys = without(now.people, now.points_base);
+  approach_.update(now.utime_us, now.T_odom_base, reach_m, nobodys, seen_,
+                   has_local_map ? &local_map_ : nullptr);
+  if (has_local_map) {
+    now.points_base = nobodys;  // what stands beside a walker is in the local map, too
+  }
   back_up_.record(now.T_odom_base);
 }
 
@@ -158,6 +198,12 @@ void Navigator::respect_slopes(Situation& now) const {
     return;
   }
   now.max_forward_mps = std::min(now.max_forward_mps, params_.local_map.ground.sloped_mps);
+  erase_free_floor(now);
+}
+
+/// What the obstacle map holds where the local map, made from the same scans, knows floor alone: a
+/// slope, or somebody who has passed beside or behind the robot.
+void Navigator::erase_free_floor(Situation& now) const {
   std::erase_if(now.points_base, [&](const Eigen::Vector2d& p_base) {
     return local_map_.is_free_floor(now.T_odom_base * p_base);
   });

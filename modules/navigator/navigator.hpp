@@ -58,7 +58,9 @@ class Navigator {
 
  private:
   void respect_slopes(Situation& now) const;
+  void erase_free_floor(Situation& now) const;
   void observe(Situation& now);
+  void forget_wakes(std::int64_t utime_us);
   [[nodiscard]] Decision behave(const Situation& now);
   void join_local_map(Situation& now) const;
   [[nodiscard]] Decision brake(const Situation& now, std::string reason) const;
@@ -79,6 +81,7 @@ class Navigator {
   LocalMap local_map_;
   PeopleTracker people_;
   GoalDrive goal_drive_;
+  std::optional<std::int64_t> saw_people_us_;
   bool arrived_ = false;
   bool has_looked_ = false;                     ///< since the start
   std::optional<geometry::SE2> turn_ended_at_;  ///< T_odom_base

@@ -229,6 +229,20 @@ void LocalMap::add_contact(const geometry::SE2& T_odom_base, bool at_front) {
   obstacles_.add_contact(grid_, T_odom_base, body_, at_front);
 }
 
+void LocalMap::forget_walker(const Eigen::Vector2d& p_odom, double radius_m) {
+  const auto reach = static_cast<int>(radius_m / grid_.cell_size_m());
+  const Eigen::Vector2i middle = grid_.index_of(p_odom);
+  for (int dy = -reach; dy <= reach; ++dy) {
+    for (int dx = -reach; dx <= reach; ++dx) {
+      const Eigen::Vector2i index = middle + Eigen::Vector2i(dx, dy);
+      if (dx * dx + dy * dy <= reach * reach && grid_.contains(index) &&
+          grid_.at(index).is_obstacle() && was_floor(grid_.center_of(index))) {
+        grid_.at(index).obstacle = 0;
+      }
+    }
+  }
+}
+
 template <class Visit>
 void LocalMap::visit_cells(const geometry::SE2& T_odom_base, double range_m,
                            const Visit& visit) const {

@@ -44,6 +44,9 @@ class LocalMap {
 
   [[nodiscard]] bool has_scan() const { return T_odom_base_.has_value(); }
 
+  /// Somebody walks there, or did a moment ago: what was measured where floor is known was he.
+  void forget_walker(const Eigen::Vector2d& p_odom, double radius_m);
+
   /// The robot pushes against something at its front, or its rear, that beams do not show: it is an
   /// obstacle there from now on, whatever passes through.
   void add_contact(const geometry::SE2& T_odom_base, bool at_front);

@@ -11,8 +11,8 @@ namespace nodmap::navigator {
 namespace {
 
 constexpr double kStepS = 0.05;
-/// No point of a stationary robot moves faster.
-constexpr double kStationaryMps = 0.05;
+/// No point of a stationary robot moves faster than 0.05 m/s; the base follows a command to 2 cm/s.
+constexpr double kStationaryMps = 0.03;
 /// From fastest to slowest; slower than that it rather stands.
 constexpr std::array kFactors{1.0, 0.85, 0.7, 0.55, 0.4, 0.27, 0.15};
 
@@ -42,8 +42,12 @@ bool PassiveSafety::is_safe(const Twist& twist, const Person& person) const {
     if (factor * speed_mps < kStationaryMps) {
       return true;
     }
-    const Eigen::Vector2d p = pose.inverse() * person.position_after(t);
-    const double error_m = std::hypot(person.position_sigma_m, person.velocity_sigma_mps * t);
+    const Eigen::Vector2d p =
+        pose.inverse() * (person.is_in_sight ? person.position_after(t) : person.position);
+    // Out of sight he may turn round, or aside: he is anywhere within what he walks meanwhile.
+    const double error_m = person.is_in_sight
+                               ? std::hypot(person.position_sigma_m, person.velocity_sigma_mps * t)
+                               : person.position_sigma_m + person.velocity.norm() * t;
     if (distance_to_body(p, body_) < person.radius_m + margin_m_ + error_m) {
       return false;
     }
@@ -59,6 +63,10 @@ bool PassiveSafety::is_safe(const Twist& twist, const People& people) const {
 double PassiveSafety::safe_factor(const Twist& twist, const People& people) const {
   if (people.empty()) {
     return 1.0;
+  }
+  if (twist.forward_mps < 0.0) {
+    // Nobody looks there, and where somebody walks others may, too.
+    return 0.0;
   }
   for (const double factor : kFactors) {
     if (is_safe(twist.scaled(factor), people)) {

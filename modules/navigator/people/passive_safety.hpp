@@ -28,7 +28,7 @@ class PassiveSafety {
 
   /// Whether a robot that moves like this for the reaction time and then brakes along its arc is
   /// stationary before anyone touches it. People are discs that go on at their velocity; with
-  /// time they grow by the error of it. In base.
+  /// time they grow by the error of it, and those who are out of sight by what they walk. In base.
   [[nodiscard]] bool is_safe(const Twist& twist, const People& people) const;
 
   /// The greatest factor from 0 to 1 with which the motion is safe.

@@ -18,8 +18,23 @@ constexpr double kLeastMps = 0.25;
 constexpr double kSigmas = 2.0;
 /// Slower than this a walker stands.
 constexpr double kStandsMps = 0.15;
+/// What ends so near to a walker's disc is his: the error of his track.
+constexpr double kHisM = 0.2;
+constexpr double kFloorM = 0.03;
 /// A track is kept so long without being seen, and so often with beams through its middle.
 constexpr std::int64_t kLostUs = 1'500'000;
+/// Beside and behind the laser he is not looked for: kept for longer. People who pace through a
+/// room of 8 m at 1 m/s are back by then.
+constexpr std::int64_t kUnseenUs = 12'000'000;
+/// He turns round so far before a wall.
+constexpr double kTurnsBeforeM = 0.5;
+/// With a greater error of his place there the robot would not move at all; it is his path that is
+/// known, and about when he comes along it.
+constexpr double kMostUnseenSigmaM = 0.5;
+/// In sight is who was seen in one of the last two sweeps.
+constexpr std::int64_t kInSightUs = 800'000;
+/// So near to the laser he may be below its beams, or beside them.
+constexpr double kBesideM = 0.5;
 constexpr int kMostContradictions = 4;
 
 double seconds_between(std::int64_t from_us, std::int64_t to_us) {
@@ -84,12 +99,23 @@ double Track::distance_squared(const Detection& detection) const {
 }
 
 Person Track::person() const {
-  return {state_.head<2>(), state_.tail<2>(), radius_m_,
-          worse_sigma(covariance_.topLeftCorner<2, 2>()),
-          worse_sigma(covariance_.bottomRightCorner<2, 2>())};
+  const double sigma_m = worse_sigma(covariance_.topLeftCorner<2, 2>());
+  return {state_.head<2>(),
+          state_.tail<2>(),
+          radius_m_,
+          hidden_us_ > seen_us_ ? std::min(kMostUnseenSigmaM, sigma_m) : sigma_m,
+          worse_sigma(covariance_.bottomRightCorner<2, 2>()),
+          utime_us_ - seen_us_ < kInSightUs};
 }
 
-void PeopleTracker::add_scan(const scan::Scan& scan, const geometry::SE2& T_odom_base) {
+void Track::turn_round() {
+  state_.tail<2>() *= -1.0;
+  covariance_.topRightCorner<2, 2>() *= -1.0;
+  covariance_.bottomLeftCorner<2, 2>() *= -1.0;
+}
+
+void PeopleTracker::add_scan(const scan::Scan& scan, const geometry::SE2& T_odom_base,
+                             const IsBlocked& is_blocked) {
   const std::vector<Detection> detections = detector_.add_scan(scan, T_odom_base);
   const std::int64_t utime_us = scan.utime_mid_us();
   is_walker_.assign(scan.ranges_m.size(), false);
@@ -97,6 +123,8 @@ void PeopleTracker::add_scan(const scan::Scan& scan, const geometry::SE2& T_odom
     track.predict(utime_us);
   }
   associate(detections, utime_us);
+  mark_walkers(scan, T_odom_base);
+  follow_unseen(scan, T_odom_base, is_blocked);
   drop_lost(utime_us);
 }
 
@@ -115,11 +143,47 @@ void PeopleTracker::associate(const std::vector<Detection>& detections, std::int
     }
     if (nearest != nullptr) {
       nearest->update(detection);
-      std::fill(is_walker_.begin() + static_cast<std::ptrdiff_t>(detection.first_beam),
-                is_walker_.begin() + static_cast<std::ptrdiff_t>(detection.last_beam) + 1,
-                nearest->moves());
     } else {
       tracks_.emplace_back(utime_us, detection);
+    }
+  }
+}
+
+/// Whatever ends on a walker above the floor, at any height, is his.
+void PeopleTracker::mark_walkers(const scan::Scan& scan, const geometry::SE2& T_odom_base) {
+  const People people = people_base(scan.utime_mid_us(), T_odom_base);
+  for (std::size_t beam = 0; beam < scan.ranges_m.size() && !people.empty(); ++beam) {
+    if (!scan.is_hit(beam)) {
+      continue;
+    }
+    const Eigen::Vector3d p =
+        scan::point_in_base(scan, beam, static_cast<double>(scan.ranges_m[beam]));
+    is_walker_[beam] = p.z() > kFloorM && std::ranges::any_of(people, [&](const Person& person) {
+                         return person.is_in_sight &&
+                                (p.head<2>() - person.position).norm() < person.radius_m + kHisM;
+                       });
+  }
+}
+
+/// Somebody beside or behind the robot cannot be seen.
+void PeopleTracker::follow_unseen(const scan::Scan& scan, const geometry::SE2& T_odom_base,
+                                  const IsBlocked& is_blocked) {
+  constexpr double kStepM = 0.1;
+  const geometry::SE2 T_base_odom = T_odom_base.inverse();
+  const Eigen::Vector2d mount_base = scan.T_base_mount.translation().head<2>();
+  for (Track& track : tracks_) {
+    const Person person = track.person();
+    const Eigen::Vector2d p = T_base_odom * person.position - mount_base;
+    if (p.x() > 0.0 && p.norm() > kBesideM) {
+      continue;
+    }
+    track.hide(scan.utime_mid_us());
+    const Eigen::Vector2d ahead = person.velocity.normalized();
+    for (double d = 0.0; is_blocked && d <= kTurnsBeforeM; d += kStepM) {
+      if (is_blocked(person.position + d * ahead)) {
+        track.turn_round();
+        break;
+      }
     }
   }
 }
@@ -131,7 +195,8 @@ void PeopleTracker::drop_lost(std::int64_t utime_us) {
     }
   }
   std::erase_if(tracks_, [&](const Track& track) {
-    return std::abs(utime_us - track.seen_us()) > kLostUs ||
+    return std::abs(utime_us - track.missed_since_us()) > kLostUs ||
+           std::abs(utime_us - track.seen_us()) > (track.moves() ? kUnseenUs : kLostUs) ||
            track.num_contradictions() > kMostContradictions;
   });
 }

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "common/geometry/se2.hpp"
@@ -37,10 +39,16 @@ class Track {
   /// At the time of the last prediction, in odom.
   [[nodiscard]] Person person() const;
 
+  /// He turns round, at the same speed.
+  void turn_round();
+
   [[nodiscard]] std::int64_t seen_us() const { return seen_us_; }
   /// Beams of this many scans since then have passed through its middle.
   [[nodiscard]] int num_contradictions() const { return num_contradictions_; }
   void contradict() { ++num_contradictions_; }
+  /// When he was seen last, or could not be: beside or behind the robot.
+  [[nodiscard]] std::int64_t missed_since_us() const { return std::max(seen_us_, hidden_us_); }
+  void hide(std::int64_t utime_us) { hidden_us_ = utime_us; }
   /// Seen in two sweeps at least, and its velocity is more than its error.
   [[nodiscard]] bool moves() const { return moves_; }
 
@@ -51,6 +59,7 @@ class Track {
   std::int64_t utime_us_;
   std::int64_t first_us_;
   std::int64_t seen_us_;
+  std::int64_t hidden_us_ = 0;
   int num_sightings_ = 1;
   int num_contradictions_ = 0;
   bool moves_ = false;
@@ -58,12 +67,19 @@ class Track {
 
 /// Tracks everybody who moves in view of the laser. Somebody who stands is no track after a while,
 /// but an obstacle like any other.
+///
+/// Who has walked out of view, beside or behind the robot, is taken to walk on as he did, and to
+/// turn round before what he cannot walk through.
 class PeopleTracker {
  public:
-  /// `T_odom_base` at the middle of the scan.
-  void add_scan(const scan::Scan& scan, const geometry::SE2& T_odom_base);
+  /// Whether something stands at a place in odom.
+  using IsBlocked = std::function<bool(const Eigen::Vector2d& p_odom)>;
 
-  /// For each beam of the last scan, whether it has hit somebody who moves.
+  /// `T_odom_base` at the middle of the scan. Without `is_blocked` nobody turns round.
+  void add_scan(const scan::Scan& scan, const geometry::SE2& T_odom_base,
+                const IsBlocked& is_blocked = {});
+
+  /// For each beam of the last scan, whether it has hit somebody who moves, at any height.
   [[nodiscard]] const std::vector<bool>& is_walker() const { return is_walker_; }
 
   /// Those who move, where they are at this time; in odom.
@@ -74,6 +90,9 @@ class PeopleTracker {
 
  private:
   void associate(const std::vector<Detection>& detections, std::int64_t utime_us);
+  void mark_walkers(const scan::Scan& scan, const geometry::SE2& T_odom_base);
+  void follow_unseen(const scan::Scan& scan, const geometry::SE2& T_odom_base,
+                     const IsBlocked& is_blocked);
   void drop_lost(std::int64_t utime_us);
 
   MotionDetector detector_;

@@ -14,6 +14,7 @@ struct Person {
   double radius_m = 0.0;
   double position_sigma_m = 0.0;    ///< standard deviation, of the worse direction
   double velocity_sigma_mps = 0.0;  ///< likewise
+  bool is_in_sight = true;          ///< else his place is not measured but guessed
 
   [[nodiscard]] Eigen::Vector2d position_after(double seconds) const {
     return position + seconds * velocity;

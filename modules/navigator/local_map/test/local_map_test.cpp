@@ -237,6 +237,22 @@ TEST(LocalMap, SomebodyWhoWalksIsNoPartOfTheGround) {
   EXPECT_TRUE(map.points_base({}, 2.0).empty());
 }
 
+// Somebody who has come onto floor that was seen; and a box that has always been there.
+TEST(LocalMap, WhatAWalkerLeftOnKnownFloorIsTakenBack) {
+  const Ground ground{{{{0.9, -0.2}, {1.1, 0.2}, 0.45}}};
+  LocalMap came({}, {});
+  sweep(came, {}, {});
+  sweep(came, ground, {});
+  ASSERT_FALSE(came.points_base({}, 2.0).empty());
+  came.forget_walker({1.0, 0.0}, 0.35);
+  EXPECT_TRUE(came.points_base({}, 2.0).empty());
+  LocalMap always_there({}, {});
+  sweep(always_there, ground, {});
+  const std::size_t num_points = always_there.points_base({}, 2.0).size();
+  always_there.forget_walker({1.0, 0.0}, 0.35);
+  EXPECT_EQ(always_there.points_base({}, 2.0).size(), num_points);
+}
+
 TEST(LocalMap, ForgetsWhatBeamsPassThrough) {
   LocalMap map({}, {});
   sweep(map, {{{{0.9, -0.2}, {1.1, 0.2}, 0.4}}}, {});

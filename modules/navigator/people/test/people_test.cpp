@@ -123,6 +123,84 @@ TEST(PeopleTracker, FollowsAWalkerFromSweepToSweep) {
   }
 }
 
+/// A walker passes the robot and goes on behind it, where nobody looks; `check(time_s, p, people)`
+/// for each scan from then on, until `duration_s` after it.
+template <class Check>
+void walk_out_of_view(const PeopleTracker::IsBlocked& is_blocked, double duration_s,
+                      const Check& check) {
+  PeopleTracker tracker;
+  const Eigen::Vector2d start(6.5, 0.9);
+  const Eigen::Vector2d velocity(-1.3, 0.0);
+  WalkingScene scene{{{start, 0.25, 1.7}}, 8.0};
+  const double seen_until_s = (start.x() + 0.25 - 0.15) / 1.3;
+  for (double time_s = 0.0; time_s < seen_until_s + duration_s; time_s += kScanS) {
+    scene.pillars[0].center = start + time_s * velocity;
+    tracker.add_scan(scene.scan(at_us(time_s), {}, test::nodding_pitch_rad(time_s)), {},
+                     is_blocked);
+    if (time_s > seen_until_s) {
+      check(time_s - seen_until_s, scene.pillars[0].center, tracker.people_odom(at_us(time_s)));
+    }
+  }
+}
+
+// Measured: 0.5 m, 2.5 s after he was seen last.
+TEST(PeopleTracker, WhoWalksOutOfViewGoesOnForTwelveSeconds) {
+  walk_out_of_view({}, 13.0, [](double time_s, const Eigen::Vector2d& p, const People& people) {
+    if (time_s < 2.5) {
+      ASSERT_EQ(people.size(), 1U) << time_s;
+      EXPECT_LT((people[0].position - p).norm(), 0.6) << time_s;
+    } else if (time_s < 11.5) {
+      EXPECT_EQ(people.size(), 1U) << time_s;
+    } else if (time_s > 12.2) {
+      EXPECT_TRUE(people.empty()) << time_s;
+    }
+  });
+}
+
+// A wall at x = -3, before which he turns by 0.5 m: then he is where the mirror image of his walk
+// is. Twice the error of 10 cm of the wall's steps, and that of the track.
+TEST(PeopleTracker, WhoIsOutOfViewTurnsRoundBeforeAWall) {
+  int num_back = 0;
+  walk_out_of_view([](const Eigen::Vector2d& p_odom) { return p_odom.x() < -3.0; }, 3.2,
+                   [&](double time_s, const Eigen::Vector2d& p, const People& people) {
+                     ASSERT_EQ(people.size(), 1U) << time_s;
+                     const double x = p.x() < -2.5 ? -5.0 - p.x() : p.x();
+                     EXPECT_LT((people[0].position - Eigen::Vector2d(x, p.y())).norm(), 0.8);
+                     num_back += people[0].velocity.x() > 1.0 ? 1 : 0;
+                   });
+  EXPECT_GT(num_back, 30);
+}
+
+// At all heights, and the floor around him is nobody.
+TEST(PeopleTracker, WhatEndsOnAWalkerIsHis) {
+  PeopleTracker tracker;
+  WalkingScene scene{{{{5.0, -3.0}, 0.25, 1.7}}, 6.0};
+  std::size_t num_low = 0;
+  std::size_t num_his = 0;
+  std::size_t num_found = 0;
+  for (double time_s = 0.0; time_s < 4.5; time_s += kScanS) {
+    scene.pillars[0].center = Eigen::Vector2d(2.0 + 0.1 * time_s, -3.0 + time_s);
+    const scan::Scan scan = scene.scan(at_us(time_s), {}, test::nodding_pitch_rad(time_s));
+    tracker.add_scan(scan, {});
+    if (time_s < 3.0 || tracker.people_odom(at_us(time_s)).size() != 1) {
+      continue;
+    }
+    for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
+      if (!scan.is_hit(i)) {
+        continue;
+      }
+      const Eigen::Vector3d p = scan::point_in_base(scan, i, static_cast<double>(scan.ranges_m[i]));
+      const bool is_his = p.z() > 0.03 && (p.head<2>() - scene.pillars[0].center).norm() < 0.26;
+      num_his += is_his ? 1 : 0;
+      num_found += is_his && tracker.is_walker()[i] ? 1 : 0;
+      num_low += is_his && p.z() < 0.2 ? 1 : 0;
+      EXPECT_TRUE(is_his || !tracker.is_walker()[i]) << p.transpose();
+    }
+  }
+  EXPECT_GT(num_low, 100U);
+  EXPECT_GT(static_cast<double>(num_found), 0.95 * static_cast<double>(num_his));
+}
+
 // A low box is passed over before it is hit, a pillar stands, and the robot turns before a wall.
 TEST(PeopleTracker, WhatStandsIsNobody) {
   PeopleTracker tracker;
@@ -167,6 +245,37 @@ TEST(PassiveSafety, StandingIsSafeAndAWalkerWhoLeavesIsNoReasonToStop) {
   // The corners of a robot that rotates beside somebody count, too.
   const double factor = safety.safe_factor({0.0, 1.0}, {{{0.0, 0.5}, {0.0, -0.8}, 0.2, 0.0, 0.0}});
   EXPECT_LT(factor * params.robot.body.footprint().turning_radius_m(), 0.05);  // stationary
+}
+
+// A rotation at w is over after T + (r w - 0.05) / a, r to the corners: by then somebody out of
+// sight has walked his speed times that, in whatever direction. Steps of 50 ms at 1.5 m/s: 8 cm.
+TEST(PassiveSafety, WhoIsOutOfSightMayComeBackFromWhereHeIs) {
+  const NavigatorParams params;
+  const PassiveSafety safety(params.robot, params.drive, params.people);
+  const double corner_m = params.robot.body.footprint().turning_radius_m();
+  for (const double w : {0.5, 1.0}) {
+    for (const double direction : {-1.0, 1.0}) {
+      const double needed_m =
+          0.5 * params.robot.body.length_m + 0.25 + params.people.margin_m + 0.3 +
+          1.5 * (params.drive.reaction_s +
+                 (corner_m * w - 0.05) / params.robot.braking.deceleration_mps2);
+      const auto is_safe = [&](double distance_m, bool is_in_sight) {
+        return safety.is_safe(
+            {0.0, w}, {{{-distance_m, 0.0}, {1.5 * direction, 0.0}, 0.25, 0.3, 0.0, is_in_sight}});
+      };
+      // The corners reach farther than half the length, by the body's half diagonal at most.
+      EXPECT_TRUE(is_safe(needed_m + 0.15, false)) << w;
+      EXPECT_FALSE(is_safe(needed_m - 0.08, false)) << w;
+      EXPECT_EQ(is_safe(needed_m - 0.15, true), direction < 0.0) << "in sight he goes on";
+    }
+  }
+}
+
+TEST(PassiveSafety, WhereSomebodyWalksTheRobotDoesNotBackUp) {
+  const NavigatorParams params;
+  const PassiveSafety safety(params.robot, params.drive, params.people);
+  EXPECT_EQ(safety.safe_factor({-0.15, 0.0}, {}), 1.0);
+  EXPECT_EQ(safety.safe_factor({-0.15, 0.0}, {{{4.0, 0.0}, {0.0, 1.0}, 0.25, 0.0, 0.0}}), 0.0);
 }
 
 // Whatever is near, a slower motion is no less safe.
