@@ -67,7 +67,7 @@ TEST(Messages, NothingFartherOrLargerThanARobotAndALaser) {
   message.ranges_m.resize(1'000'000);
   EXPECT_FALSE(read_scan(message, scan));
   message = write_scan(sample_scan());
-  message.range_max_m = 1e30F;
+  message.range_max_m = 1e30;
   EXPECT_FALSE(read_scan(message, scan));
   nodmap::odometry_t odometry = write_odometry(1, SE3::Identity());
   odometry.position_m[1] = -5e8;
