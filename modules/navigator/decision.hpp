@@ -12,6 +12,7 @@
 
 namespace nodmap::navigator {
 
+class Geofence;
 class LocalMap;
 
 /// All that the navigator knows at one moment.
@@ -28,6 +29,7 @@ struct Situation {
   std::int64_t sweep_count = 0;  ///< reversals of the head
   bool laser_is_held = false;    ///< it does not nod: waiting brings nothing new into view
   std::optional<GoalInBase> goal;
+  const Geofence* geofence = nullptr;   ///< null: none
   const LocalMap* local_map = nullptr;  ///< where floor was seen; null: all ground counts as floor
 };
 

@@ -6,6 +6,8 @@
 #include <limits>
 #include <utility>
 
+#include "modules/navigator/geofence.hpp"
+
 namespace nodmap::navigator {
 namespace {
 
@@ -126,6 +128,7 @@ Decision Navigator::decide(Situation now) {
   respect_slopes(now);
   observe(now);
   join_local_map(now);
+  join_geofence(now);
   Decision decision = behave(now);
   brake_.keep_to_known_ground(decision, now);
   brake_.give_way(decision, now);
@@ -222,6 +225,22 @@ void Navigator::join_local_map(Situation& now) const {
   if (now.local_map != nullptr) {
     now.doubtful_base =
         local_map_.doubtful_points_base(now.T_odom_base, body_.turning_radius_m() + kDoubtfulM);
+  }
+}
+
+/// After approaching things were looked for: the boundary moves when the pose is corrected.
+void Navigator::join_geofence(Situation& now) const {
+  if (now.geofence == nullptr) {
+    return;
+  }
+  // Far enough to stop before it from the fastest speed.
+  const double reach_m = body_.turning_radius_m() + params_.local_map.range_m +
+                         params_.robot.braking.stopping_distance_m(params_.drive.max_forward_mps,
+                                                                   params_.drive.reaction_s);
+  const geometry::SE2 T_map_base = now.T_map_odom * now.T_odom_base;
+  const geometry::SE2 T_base_map = T_map_base.inverse();
+  for (const auto& p_map : now.geofence->boundary_near(T_map_base.translation(), reach_m)) {
+    now.points_base.push_back(T_base_map * p_map);
   }
 }
 

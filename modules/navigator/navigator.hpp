@@ -25,7 +25,8 @@ namespace nodmap::navigator {
 ///   - Turn, once Brake has stopped the robot: rotates on the spot until the direction ahead is
 ///     free.
 ///
-/// Obstacles and holes of the local map count like points of the obstacle map. To a goal it drives
+/// Obstacles and holes of the local map and the boundary of the geofence count like points of the
+/// obstacle map. To a goal it drives
 /// by plan instead (planner/goal_drive.hpp); Brake has the last word there, too.
 ///
 /// It gives way to people who walk: whatever was decided, it is stationary before they touch it. It
@@ -63,6 +64,7 @@ class Navigator {
   void forget_wakes(std::int64_t utime_us);
   [[nodiscard]] Decision behave(const Situation& now);
   void join_local_map(Situation& now) const;
+  void join_geofence(Situation& now) const;
   [[nodiscard]] Decision brake(const Situation& now, std::string reason) const;
   [[nodiscard]] Decision wait_for_approaching(const Situation& now) const;
   [[nodiscard]] Decision turn(const FreeSpace& space, const Situation& now);

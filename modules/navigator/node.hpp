@@ -12,6 +12,7 @@
 #include "common/node/message_input.hpp"
 #include "common/node/node.hpp"
 #include "common/node/sender_watch.hpp"
+#include "modules/navigator/geofence.hpp"
 #include "modules/navigator/navigator.hpp"
 #include "modules/navigator/slip.hpp"
 #include "modules/navigator/staleness.hpp"
@@ -74,6 +75,8 @@ class NavigatorNode final : public node::Node {
   [[nodiscard]] time::SteadyTime on_pitch_clock(std::int64_t utime_us) const;
   [[nodiscard]] std::optional<std::string> contested_input() const;
   [[nodiscard]] std::optional<std::string> reason_not_to_drive() const;
+  [[nodiscard]] std::optional<std::string> reason_by_geofence() const;
+  [[nodiscard]] bool goal_is_fenced_off() const;
   [[nodiscard]] Situation situation() const;
   void publish(const Decision& decision);
   void publish_path(const Decision& decision);
@@ -89,6 +92,7 @@ class NavigatorNode final : public node::Node {
   node::Context& context_;
   Params params_;
   node::SensorInput input_;
+  std::optional<Geofence> geofence_;
   Navigator navigator_;
   SlipMonitor slip_;
   std::int64_t num_slips_ = 0;
@@ -108,6 +112,7 @@ class NavigatorNode final : public node::Node {
   std::optional<std::string> stopped_by_;
   geometry::SE2 T_map_odom_;
   std::int8_t pose_state_ = nodmap::pose_t::TRACKING;  // of the last POSE_2D
+  std::optional<std::int64_t> pose_us_;                // by odometry, when it was used
 
   nodmap::drive_t drive_{};
   nodmap::navigation_t navigation_{};

@@ -252,6 +252,7 @@ struct NavigatorParams {
   LocalMapParams local_map;
   PlannerParams planner;
   PeopleParams people;
+  std::string geofence;
   double drive_valid_s = 0.15;
 
   template <class Visitor>
@@ -265,6 +266,9 @@ struct NavigatorParams {
     v.section("local_map", local_map);
     v.section("planner", planner);
     v.section("people", people);
+    v.text("geofence", geofence,
+           "The area that the robot does not leave: a polygon in the frame map, metres, such as "
+           "POLYGON((-1 -2, 8 -2, 8 5, -1 5)); further rings are holes in it. Empty: none.");
     v.number("drive_valid_s", drive_valid_s, {0.05, 0.2}, "How long a DRIVE may be obeyed.");
     describe_former_names(v);
   }

@@ -122,7 +122,8 @@ void GlobalPlanner::forget_ground() {
 
 void GlobalPlanner::step(std::int64_t utime_us, const LocalMap& local_map,
                          const geometry::SE2& T_map_odom, const geometry::SE2& T_odom_base,
-                         const Eigen::Vector2d& goal_map, double tolerance_m) {
+                         const Eigen::Vector2d& goal_map, double tolerance_m,
+                         const Geofence* geofence) {
   const Eigen::Vector2d p_map = T_map_odom * T_odom_base.translation();
   if ((goal_map - goal_map_).norm() > 0.5 * tolerance_m || tolerance_m != tolerance_m_) {
     complete_.reset();
@@ -145,7 +146,7 @@ void GlobalPlanner::step(std::int64_t utime_us, const LocalMap& local_map,
       phase_ = Phase::kMeasureClearance;
       return;
     case Phase::kMeasureClearance:
-      measure_clearance();
+      measure_clearance(geofence);
       price_cells();
       seed(goal_map_, tolerance_m_);
       phase_ = Phase::kSpread;
@@ -231,7 +232,7 @@ void GlobalPlanner::begin_window(const Eigen::Vector2d& p_map, const Eigen::Vect
   plan_.height_ = std::max(1, high.y() - low.y() + 1);
 }
 
-void GlobalPlanner::measure_clearance() {
+void GlobalPlanner::measure_clearance(const Geofence* geofence) {
   const Eigen::Vector2i low = grid_.index_of(plan_.origin_ + Eigen::Vector2d(0.01, 0.01));
   clearance_.begin(plan_.origin_, kCellM, plan_.width_, plan_.height_);
   for (int row = 0; row < plan_.height_; ++row) {
@@ -241,7 +242,24 @@ void GlobalPlanner::measure_clearance() {
       }
     }
   }
+  if (geofence != nullptr) {
+    occupy_boundary(*geofence);
+  }
   clearance_.compute();
+}
+
+void GlobalPlanner::occupy_boundary(const Geofence& geofence) {
+  const Eigen::Vector2d half_size =
+      0.5 * kCellM * Eigen::Vector2i(plan_.width_, plan_.height_).cast<double>();
+  const Eigen::Vector2d middle_map = plan_.origin_ + half_size;
+  for (const auto& p_map : geofence.boundary_near(middle_map, half_size.norm())) {
+    const Eigen::Vector2d offset = (p_map - plan_.origin_) / kCellM;
+    const auto column = static_cast<int>(std::floor(offset.x()));
+    const auto row = static_cast<int>(std::floor(offset.y()));
+    if (column >= 0 && row >= 0 && column < plan_.width_ && row < plan_.height_) {
+      clearance_.occupy(column, row);
+    }
+  }
 }
 
 void GlobalPlanner::price_cells() {

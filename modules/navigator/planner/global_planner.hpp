@@ -9,6 +9,7 @@
 
 #include "common/geometry/se2.hpp"
 #include "common/robot/footprint.hpp"
+#include "modules/navigator/geofence.hpp"
 #include "modules/navigator/local_map/local_map.hpp"
 #include "modules/navigator/params.hpp"
 #include "modules/navigator/planner/distance_field.hpp"
@@ -48,9 +49,11 @@ class GlobalPlanner {
  public:
   GlobalPlanner(const robot::Footprint& body, const PlannerParams& params);
 
-  /// One portion of work. Starts anew every `replan_s`.
+  /// One portion of work. Starts anew every `replan_s`. No path crosses the boundary of
+  /// `geofence`; null: none.
   void step(std::int64_t utime_us, const LocalMap& local_map, const geometry::SE2& T_map_odom,
-            const geometry::SE2& T_odom_base, const Eigen::Vector2d& goal_map, double tolerance_m);
+            const geometry::SE2& T_odom_base, const Eigen::Vector2d& goal_map, double tolerance_m,
+            const Geofence* geofence = nullptr);
 
   /// Null before the first plan to this goal is complete.
   [[nodiscard]] const CostToGo* cost_to_go() const { return complete_ ? &*complete_ : nullptr; }
@@ -74,7 +77,8 @@ class GlobalPlanner {
   void update_grid(const LocalMap& local_map, const geometry::SE2& T_map_odom,
                    const geometry::SE2& T_odom_base);
   void begin_window(const Eigen::Vector2d& p_map, const Eigen::Vector2d& goal_map);
-  void measure_clearance();
+  void measure_clearance(const Geofence* geofence);
+  void occupy_boundary(const Geofence& geofence);
   void finish(const Eigen::Vector2d& p_map);
   void price_cells();
   void price_failures();

@@ -61,7 +61,7 @@ Decision GoalDrive::decide(const Situation& now, const SeenDirections& seen,
     progress_us_.reset();
   }
   global_.step(now.utime_us, local_map, now.T_map_odom, now.T_odom_base, goal_map_,
-               now.goal->tolerance_m);
+               now.goal->tolerance_m, now.geofence);
   Decision decision;
   decision.behaviour = Behaviour::kBrake;
   if (global_.cost_to_go() == nullptr) {

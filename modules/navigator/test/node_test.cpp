@@ -21,11 +21,13 @@ enum Input { kOdometry, kMap, kCommand, kState };
 class NavigatorNodeTest : public ::testing::Test {
  protected:
   /// By the obstacle map alone, which these tests give; see NavigatorNodeScans.
-  explicit NavigatorNodeTest(bool use_local_map = false) : node_{context_, params(use_local_map)} {}
+  explicit NavigatorNodeTest(bool use_local_map = false, const char* geofence = "")
+      : node_{context_, params(use_local_map, geofence)} {}
 
-  static NavigatorParams params(bool use_local_map) {
+  static NavigatorParams params(bool use_local_map, const char* geofence) {
     NavigatorParams params;
     params.local_map.use = use_local_map;
+    params.geofence = geofence;
     return params;
   }
 
@@ -207,6 +209,68 @@ TEST_F(NavigatorNodeScans, ThePathToAGoalIsPublishedUntilThereIsNone) {
   tick_with_scan();
   tick();
   EXPECT_EQ(bus_.last<nodmap::path_t>("PATH").state, nodmap::path_t::NO_GOAL);
+}
+
+/// May not leave a square of 8 m.
+class NavigatorNodeGeofence : public NavigatorNodeTest {
+ protected:
+  NavigatorNodeGeofence() : NavigatorNodeTest(false, "POLYGON((-4 -4, 4 -4, 4 4, -4 4))") {}
+
+  void give_pose(double x_m, std::int8_t state = nodmap::pose_t::TRACKING) {
+    nodmap::pose_t pose{};
+    pose.utime = now_us_;
+    pose.state = state;
+    pose.orientation[0] = pose.odom_orientation[0] = 1.0;
+    pose.odom_position_m[0] = x_m;
+    bus_.deliver("POSE_2D", pose);
+  }
+
+  void run_with_poses(double duration_s, double x_m = 0.0) {
+    for (double t = 0.0; t < duration_s - 0.05; t += 0.1) {
+      give_pose(x_m);
+      run(0.1);
+    }
+  }
+};
+
+TEST_F(NavigatorNodeGeofence, ItDrivesOnlyWhileItKnowsWhereItIs) {
+  run(2.0);
+  EXPECT_TRUE(halts());
+  EXPECT_EQ(navigation().reason, "There is a geofence, and no pose by 2D SLAM.");
+  run_with_poses(2.0);
+  EXPECT_TRUE(drives());
+  run(1.9);
+  EXPECT_TRUE(drives()) << "the last pose is not older than 2 s";
+  run(0.2);
+  EXPECT_TRUE(halts());
+  run_with_poses(2.0);
+  EXPECT_TRUE(drives());
+  give_pose(0.0, nodmap::pose_t::LOST);
+  tick();
+  EXPECT_TRUE(halts());
+  EXPECT_EQ(navigation().reason, "There is a geofence, and no pose by 2D SLAM.");
+}
+
+TEST_F(NavigatorNodeGeofence, ItBrakesBeforeTheBoundaryAndStandsOutside) {
+  run_with_poses(2.0, 1.0);
+  ASSERT_TRUE(drives());
+  const double front_m = robot::Body{}.footprint().half_length_m;
+  EXPECT_NEAR(navigation().clear_distance_m, 4.0 - 1.0 - front_m, 0.02) << "a point each 2 cm";
+  run_with_poses(0.1, 4.1);
+  EXPECT_TRUE(halts());
+  EXPECT_EQ(navigation().reason, "The robot is outside of the geofence.");
+}
+
+TEST_F(NavigatorNodeGeofence, AGoalOutsideIsNotDrivenTo) {
+  nodmap::goal_t goal{};
+  goal.is_active = 1;
+  goal.position_m[0] = 5.0;
+  goal.tolerance_m = 0.3;
+  bus_.deliver("GOAL", goal);
+  run_with_poses(2.0);
+  EXPECT_TRUE(halts());
+  EXPECT_EQ(navigation().reason, "The goal is outside of the geofence.");
+  EXPECT_EQ(bus_.last<nodmap::path_t>("PATH").state, nodmap::path_t::NO_PATH);
 }
 
 TEST_F(NavigatorNodeTest, WithoutAnyMapItHaltsWithTheReason) {

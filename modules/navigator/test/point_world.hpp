@@ -135,6 +135,7 @@ class ClosedLoop {
     now.forward_mps = robot.forward_mps;
     now.yaw_rate_rad_s = robot.yaw_rate_rad_s;
     now.max_forward_mps = max_forward_mps;
+    now.geofence = geofence;
     now.sweep_count = static_cast<std::int64_t>(time_s / 0.35);
     if (goal_odom) {
       now.goal = goal_in_base(robot.T_odom_base.inverse() * *goal_odom, 0.2);
@@ -158,6 +159,7 @@ class ClosedLoop {
   Decision decision;
   std::optional<Eigen::Vector2d> goal_odom;
   std::function<void()> on_decision;
+  const Geofence* geofence = nullptr;
   double max_forward_mps = 1.2;
   double time_s = 0.0;
   double driven_m = 0.0;

@@ -172,6 +172,38 @@ TEST_F(TrialTest, StairsAreDrivenWithoutAFall) {
   EXPECT_GT(drive.distance_m, 3.0);
 }
 
+/// How far the robot's corners have been outside of a square around its start, metres.
+double farthest_outside_m(const TrialRecord& record, const robot::Footprint& body, double half_m) {
+  const geometry::SE2 T_map_world = geometry::to_se2(record.truth.front().T_world_base).inverse();
+  double outside_m = -half_m;
+  for (const TruthSample& sample : record.truth) {
+    const geometry::SE2 T_map_base = T_map_world * geometry::to_se2(sample.T_world_base);
+    for (const double x : {body.half_length_m, -body.half_length_m}) {
+      for (const double y : {body.half_width_m, -body.half_width_m}) {
+        const Eigen::Vector2d corner = T_map_base * Eigen::Vector2d(x, y);
+        outside_m = std::max(outside_m, corner.cwiseAbs().maxCoeff() - half_m);
+      }
+    }
+  }
+  return outside_m;
+}
+
+// In the open, where nothing else keeps it from leaving.
+TEST_F(TrialTest, TheGeofenceIsNotLeft) {
+  TrialSetup trial = setup("random:4", 4, 40.0);
+  trial.params.set_assignment("sim.odometry_scale_bias=0.03");
+  const robot::Footprint body = trial.params.navigator.robot.body.footprint();
+  std::filesystem::create_directory(dir_.path() / "without");
+  EXPECT_GT(farthest_outside_m(run(trial, dir_.path() / "without").record, body, 1.5), 0.5);
+  trial.params.set_assignment(
+      "navigator.geofence=POLYGON((-1.5 -1.5, 1.5 -1.5, 1.5 1.5, -1.5 1.5))");
+  std::filesystem::create_directory(dir_.path() / "with");
+  const TrialRecord record = run(trial, dir_.path() / "with").record;
+  EXPECT_GT(drive_metrics(record).distance_m, 2.0);
+  // 2D SLAM's error there.
+  EXPECT_LT(farthest_outside_m(record, body, 1.5), 0.05);
+}
+
 // R38, Fig. 7: once round a block, back to where it began.
 TEST_F(TrialTest, ALoopRoundABlockCloses) {
   TrialSetup trial = setup("loop", 3, 120.0);

@@ -84,6 +84,29 @@ TEST(GlobalPlanner, AGoalBeyondTheGridIsBehindAClosedFence) {
   EXPECT_FALSE(std::isfinite(planner.cost_to_go()->least_near({0.0, 0.0})));
 }
 
+TEST(GlobalPlanner, LeadsAroundAHoleInTheGeofenceAndNowhereOutOfIt) {
+  const Geofence fence("POLYGON((-2 -3, 6 -3, 6 3, -2 3), (1 -1, 2 -1, 2 2, 1 2))");
+  const LocalMap map({}, {});
+  GlobalPlanner planner(kBody, {});
+  const auto plan_within = [&](const Eigen::Vector2d& goal) {
+    planner.reset();
+    for (int i = 0; i < 400 && planner.cost_to_go() == nullptr; ++i) {
+      planner.step(13'320 * i, map, {}, {}, goal, kToleranceM, &fence);
+    }
+    return planner.cost_to_go()->path_from({0.0, 0.0}, 20.0);
+  };
+  const auto path = plan_within({3.0, 0.0});
+  EXPECT_LT((path.back() - Eigen::Vector2d(3.0, 0.0)).norm(), kToleranceM);
+  for (const Eigen::Vector2d& p : path) {
+    const Eigen::Vector2d nearest =
+        p.cwiseMax(Eigen::Vector2d(1, -1)).cwiseMin(Eigen::Vector2d(2, 2));
+    // A cell of the grid may be occupied by something in its farthest corner: 3.5 cm.
+    EXPECT_GT((p - nearest).norm(), kBody.half_width_m + PlannerParams{}.least_clearance_m - 0.035);
+  }
+  plan_within({8.0, 0.0});
+  EXPECT_FALSE(std::isfinite(planner.cost_to_go()->least_near({0.0, 0.0})));
+}
+
 TEST(GlobalPlanner, SaysWhenThereIsNoPath) {
   // A fence all around the robot.
   const Ground ground{{{{1.0, -1.1}, {1.1, 1.1}, 0.5},

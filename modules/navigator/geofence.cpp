@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/navigator/geofence.hpp"
+
+#include <algorithm>
+#include <boost/geometry.hpp>
+#include <boost/geometry/geometries/point_xy.hpp>
+#include <boost/geometry/geometries/polygon.hpp>
+#include <cmath>
+#include <utility>
+
+#include "common/params/params.hpp"
+
+namespace nodmap::navigator {
+namespace {
+
+namespace bg = boost::geometry;
+using Corner = bg::model::d2::point_xy<double>;
+
+constexpr double kSpacingM = 0.02;
+/// Poses farther out are refused as well, see node::read_pose.
+constexpr double kFarthestM = 1e6;
+
+/// The points of one edge within a circle; its end is the next one's beginning.
+void append_edge(const Eigen::Vector2d& from, const Eigen::Vector2d& to,
+                 const Eigen::Vector2d& middle, double radius_m, Points& points) {
+  const double length_m = (to - from).norm();
+  if (length_m == 0.0) {
+    return;  // a corner that is there twice
+  }
+  const Eigen::Vector2d direction = (to - from) / length_m;
+  const double along_m = direction.dot(middle - from);
+  const double aside_m = (middle - from - along_m * direction).norm();
+  if (aside_m > radius_m) {
+    return;
+  }
+  const double half_m = std::sqrt(radius_m * radius_m - aside_m * aside_m);
+  // The same places of the edge each time: the boundary does not move with the robot.
+  const double first = std::ceil(std::max(0.0, along_m - half_m) / kSpacingM);
+  for (double i = first; i * kSpacingM < std::min(length_m, along_m + half_m); ++i) {
+    points.emplace_back(from + i * kSpacingM * direction);
+  }
+}
+
+}  // namespace
+
+struct Geofence::Polygon : bg::model::polygon<Corner> {};
+
+Geofence::Geofence(const std::string& wkt) {
+  const std::string where = "geofence '" + wkt + "': ";
+  auto polygon = std::make_shared<Polygon>();
+  auto& shape = static_cast<bg::model::polygon<Corner>&>(*polygon);
+  try {
+    bg::read_wkt(wkt, shape);
+  } catch (const bg::exception& error) {
+    throw params::ParamError(where + error.what());
+  }
+  bg::correct(shape);
+  bg::for_each_point(shape, [&](const Corner& corner) {
+    if (!(std::hypot(corner.x(), corner.y()) <= kFarthestM)) {
+      throw params::ParamError(where + "a corner is farther than 1000 km from the origin");
+    }
+  });
+  std::string failure;
+  if (!bg::is_valid(shape, failure)) {
+    throw params::ParamError(where + failure);
+  }
+  polygon_ = std::move(polygon);
+}
+
+bool Geofence::contains(const Eigen::Vector2d& p_map) const {
+  const bg::model::polygon<Corner>& shape = *polygon_;
+  return bg::within(Corner(p_map.x(), p_map.y()), shape);
+}
+
+Points Geofence::boundary_near(const Eigen::Vector2d& p_map, double radius_m) const {
+  const bg::model::polygon<Corner>& shape = *polygon_;
+  Points points_map;
+  bg::for_each_segment(shape, [&](const auto& edge) {
+    append_edge({bg::get<0, 0>(edge), bg::get<0, 1>(edge)},
+                {bg::get<1, 0>(edge), bg::get<1, 1>(edge)}, p_map, radius_m, points_map);
+  });
+  return points_map;
+}
+
+}  // namespace nodmap::navigator
