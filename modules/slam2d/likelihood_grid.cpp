@@ -10,8 +10,6 @@ namespace {
 
 constexpr int kStampCells = 2;  // on each side of the one a point lies in
 constexpr double kStampSigmaCells = 1.0;
-constexpr int kTopLevel = LikelihoodGrid::kTopLevel;
-constexpr int kTopCells = LikelihoodGrid::kTopCells;
 
 /// 16 bytes that are added at once. Eigen has no such type of bytes.
 using Bytes = std::uint8_t __attribute__((vector_size(LikelihoodGrid::kRowChunk)));

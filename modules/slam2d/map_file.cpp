@@ -194,7 +194,8 @@ TrinaryGrid read_ros_map(const std::filesystem::path& path) {
   grid.cells.reserve(image.values.size());
   for (int y = image.height - 1; y >= 0; --y) {
     for (int x = 0; x < image.width; ++x) {
-      const double value = image.values[static_cast<std::size_t>(y * image.width + x)];
+      const double value =
+          static_cast<double>(image.values[static_cast<std::size_t>(y * image.width + x)]);
       const double occupied = header.negate ? value : 1.0 - value;
       grid.cells.push_back(occupied > header.occupied_threshold ? CellState::kOccupied
                            : occupied < header.free_threshold   ? CellState::kFree

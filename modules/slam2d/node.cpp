@@ -80,10 +80,11 @@ nodmap::pose_t write_pose(const PoseUpdate& update) {
   message.inlier_ratio = update.inlier_ratio;
   message.inlier_rms_m = update.rms_m;
   message.state = pose_state(update.quality);
-  constexpr std::array kAxes{0, 1, 5};  // x, y, yaw
-  for (int row = 0; row < 3; ++row) {
-    for (int column = 0; column < 3; ++column) {
-      message.covariance[kAxes[row]][kAxes[column]] = update.covariance(row, column);
+  constexpr std::array<std::size_t, 3> kAxes{0, 1, 5};  // x, y, yaw
+  for (std::size_t row = 0; row < kAxes.size(); ++row) {
+    for (std::size_t column = 0; column < kAxes.size(); ++column) {
+      message.covariance[kAxes[row]][kAxes[column]] =
+          update.covariance(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(column));
     }
   }
   return message;

@@ -138,8 +138,8 @@ class Reader {
     for (std::size_t i = 0; i < message.points_m.size(); ++i) {
       keyframe.points_base.emplace_back(message.points_m[i][0], message.points_m[i][1]);
       keyframe.normals_base.emplace_back(message.normals[i][0], message.normals[i][1]);
-      require_finite(keyframe.points_base.back().norm());
-      require_finite(keyframe.normals_base.back().norm());
+      require_finite(static_cast<double>(keyframe.points_base.back().norm()));
+      require_finite(static_cast<double>(keyframe.normals_base.back().norm()));
     }
     add_to_submaps(message.first_submap, message.last_submap);
     if (!map_.keyframes.empty()) {

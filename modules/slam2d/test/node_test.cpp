@@ -70,7 +70,10 @@ TEST_F(Slam2dNodeTest, PublishesAPoseForEachLevelScanAndTheMap) {
   for (const nodmap::grid_chunk_t& tile : tiles) {
     EXPECT_LT(tile.getEncodedSize(), 65'536);
     EXPECT_EQ(tile.num_cells, tile.tile_width * tile.tile_height);
-    EXPECT_EQ(tile.utime, (std::array{0, 5, 10, 15, 20, 25, 29}.at(tile.map_revision)) * 200'000);
+    EXPECT_EQ(
+        tile.utime,
+        (std::array{0, 5, 10, 15, 20, 25, 29}.at(static_cast<std::size_t>(tile.map_revision))) *
+            200'000);
   }
   EXPECT_EQ(counts_.used(), 60);
   EXPECT_EQ(node_.metrics()["scans_used"], 30);
