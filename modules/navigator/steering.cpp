@@ -20,7 +20,6 @@ Steering::Steering(const NavigatorParams& params)
     : body_(params.robot.body.footprint()),
       brake_(params),
       stop_margin_m_(params.robot.braking.stop_margin_m),
-      side_margin_m_(params.drive.side_margin_m),
       params_(params.steer),
       turn_(params.turn) {}
 

@@ -42,7 +42,6 @@ class Steering {
   Footprint body_;
   Brake brake_;
   double stop_margin_m_;
-  double side_margin_m_;
   SteerParams params_;
   TurnParams turn_;
   Detour detour_;

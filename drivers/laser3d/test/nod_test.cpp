@@ -123,7 +123,6 @@ TEST(Nod, R11_MeanSweepTimeIsWithinFivePercent) {
 
 TEST(Nod, R3_WhatTheMechanicsCannotDoIsCutOff) {
   Nod dut(params(), robot());
-  Head head;
   time::SteadyTime now;
   EXPECT_TRUE(dut.command({-2.0, 2.0, 0.01}, now));
   const Nod::Aim aim = dut.step({now, 0.0, 0.0}, now);

@@ -69,7 +69,7 @@ TEST(FrameScanner, FindsTheSameFramesHoweverTheStreamIsCut) {
     std::vector<std::string> found;
     for (std::size_t at = 0; at < stream.size();) {
       const std::size_t count =
-          std::min<std::size_t>(stream.size() - at, std::uniform_int_distribution<>(1, 6)(random));
+          std::min(stream.size() - at, std::uniform_int_distribution<std::size_t>(1, 6)(random));
       scanner.feed(ByteView(stream).subspan(at, count), kStart);
       for (std::string& content : drain(scanner)) {
         found.push_back(std::move(content));

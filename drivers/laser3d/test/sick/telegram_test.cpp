@@ -67,7 +67,7 @@ TEST(SickParser, AnyCutGivesTheSameEvents) {
     std::vector<SickEvent> events;
     for (std::size_t at = 0; at < stream.size();) {
       const std::size_t count =
-          std::min<std::size_t>(stream.size() - at, std::uniform_int_distribution<>(1, 90)(random));
+          std::min(stream.size() - at, std::uniform_int_distribution<std::size_t>(1, 90)(random));
       dut.feed(ByteView(stream).subspan(at, count), kStart);
       for (SickEvent& event : drain(dut)) {
         events.push_back(std::move(event));
