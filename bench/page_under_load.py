@@ -1,0 +1,106 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""How the demo's robot drives while a browser opens the page on a busy machine.
+
+  python3 bench/page_under_load.py [--busy LOOPS] [--no-page] [--out DIR] [--bin DIR]
+
+Runs `./nodmap demo --duration 40` beside so many busy loops. 12 s after the robot was released headless Chromium opens the page and stays for 20 s.
+Prints one JSON object: what the robot drove in the 10 s before and the 22 s from then on, by TRUTH, and what was lost.
+"""
+import argparse
+import csv
+import json
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+import time
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT / "tests" / "viewer"))
+import webdriver  # noqa: E402
+
+UNTIL_OPENED_S = 12
+OPEN_S = 20
+STATIONARY = 0.02  # m/s, and rad/s
+
+
+def start_demo(out, log):
+    """Returns once the robot drives."""
+    environment = {key: value for key, value in os.environ.items() if key != "LCM_DEFAULT_URL"}
+    demo = subprocess.Popen([ROOT / "nodmap", "demo", "--duration", "40", "--out", out], cwd=ROOT, env=environment,
+                            stdout=log.open("w"), stderr=subprocess.STDOUT)
+    while "driving for" not in log.read_text():
+        if demo.poll() is not None:
+            sys.exit(f"page_under_load: the demo has ended; see {log}")
+        time.sleep(0.1)
+    return demo
+
+
+def open_page(log):
+    """For OPEN_S; returns after how many seconds the first data came."""
+    address = re.search(r"http://\S*/#token=[0-9a-f]*", log.read_text()).group(0)
+    began = time.monotonic()
+    with webdriver.Browser() as browser:
+        browser.open(address)
+        browser.wait_for("window.nodmap && nodmap.received() > 100")
+        first_s = time.monotonic() - began
+        time.sleep(OPEN_S)
+    return round(first_s, 1)
+
+
+def truth(out, programs):
+    recording = next((out / "logger").glob("*.lcmlog"))
+    table = out / "truth.csv"
+    subprocess.run([programs / "nodmap-convert", "export", recording, table, "--channel", "TRUTH"], check=True, stderr=subprocess.DEVNULL)
+    with table.open() as file:
+        return [{key: float(row[key]) for key in ("utime_us", "x_m", "y_m", "forward_mps", "yaw_rate_rad_s")} for row in csv.DictReader(file)]
+
+
+def driven(rows, begin_s, end_s):
+    """The demo's simulation runs on the wall clock."""
+    rows = [row for row in rows if begin_s <= 1e-6 * row["utime_us"] < end_s]
+    still = sum(abs(row["forward_mps"]) + abs(row["yaw_rate_rad_s"]) < STATIONARY for row in rows)
+    way_m = sum(((b["x_m"] - a["x_m"]) ** 2 + (b["y_m"] - a["y_m"]) ** 2) ** 0.5 for a, b in zip(rows, rows[1:]))
+    return {"driven_m": round(way_m, 1), "stationary_percent": round(100 * still / max(1, len(rows)))}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--busy", type=int, default=4, help="busy loops")
+    parser.add_argument("--no-page", action="store_true", help="for comparison")
+    parser.add_argument("--out", type=pathlib.Path, help="folder of the demo's results; made, and never overwritten")
+    parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build" / "release" / "bin")
+    arguments = parser.parse_args()
+    out = (arguments.out or pathlib.Path(tempfile.mkdtemp(prefix="nodmap-page-")) / "demo").resolve()
+    log = out.with_suffix(".log")
+
+    loops = [subprocess.Popen(["sh", "-c", "while :; do :; done"]) for _ in range(arguments.busy)]
+    demo = None
+    try:
+        demo = start_demo(out, log)
+        time.sleep(UNTIL_OPENED_S)
+        opened_s, load = time.time(), [os.getloadavg()[0]]
+        first_s = time.sleep(OPEN_S) if arguments.no_page else open_page(log)
+        load.append(os.getloadavg()[0])
+        demo.wait()
+    finally:
+        for loop in loops:
+            loop.kill()
+        if demo and demo.poll() is None:
+            demo.terminate()
+            demo.wait()
+
+    rows = truth(out, arguments.bin)
+    watched = json.loads((out / "watch.json").read_text())["processes"]
+    print(json.dumps({
+        "load": load, "first_data_s": first_s,
+        "before": driven(rows, opened_s - 10, opened_s), "with_page": driven(rows, opened_s, opened_s + 22),
+        "collisions": json.loads((out / "sim" / "result.json").read_text())["collisions"],
+        "lost": {name: process["lost"] for name, process in watched.items() if process["lost"]}}, indent=2))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// How late bytes come through a pseudo-terminal, held against a pipe, with the kernel's workers as
+// they are and raised. Prints one JSON object, times in microseconds: `wake_us` is how late the
+// writer was woken, the others are from write to read. What it is about shows on a busy machine:
+//   for i in 1 2 3 4 5 6; do while :; do :; done & done; nodmap-bench-serial 20
+#include <fcntl.h>
+#include <sched.h>
+#include <termios.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstdint>
+#include <cstdlib>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <thread>
+#include <vector>
+
+#include "common/node/serial_workers.hpp"
+
+namespace nodmap {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using Latencies = std::vector<double>;  // microseconds
+
+constexpr std::chrono::milliseconds kPeriod{5};  // of the servo's readings
+/// As the simulated device and its driver in procman/sim.pmd: the writer goes first.
+constexpr int kWriterPriority = 30;
+constexpr int kReaderPriority = 20;
+
+struct Line {
+  int write_fd = -1;
+  int read_fd = -1;
+};
+
+Line open_pipe() {
+  std::array<int, 2> fds{};
+  if (::pipe(fds.data()) != 0) {
+    throw std::runtime_error("cannot make a pipe");
+  }
+  return {fds[1], fds[0]};
+}
+
+Line open_pseudo_terminal() {
+  const int master = ::posix_openpt(O_RDWR | O_NOCTTY);
+  if (master < 0 || ::grantpt(master) != 0 || ::unlockpt(master) != 0) {
+    throw std::runtime_error("cannot make a pseudo-terminal");
+  }
+  const int slave = ::open(::ptsname(master), O_RDWR | O_NOCTTY);
+  termios raw{};
+  if (slave < 0 || ::tcgetattr(slave, &raw) != 0) {
+    throw std::runtime_error("cannot open the pseudo-terminal");
+  }
+  ::cfmakeraw(&raw);
+  ::tcsetattr(slave, TCSANOW, &raw);
+  return {master, slave};
+}
+
+void run_in_real_time(int priority) {
+  const sched_param param{priority};
+  if (::pthread_setschedparam(::pthread_self(), SCHED_FIFO, &param) != 0) {
+    throw std::runtime_error("needs the right to real-time priority");
+  }
+}
+
+double us_since(Clock::time_point before) {
+  return std::chrono::duration<double, std::micro>(Clock::now() - before).count();
+}
+
+nlohmann::json summary(Latencies latencies_us) {
+  std::sort(latencies_us.begin(), latencies_us.end());
+  const auto quantile = [&](std::size_t per_mille) {
+    return latencies_us[(latencies_us.size() - 1) * per_mille / 1000];
+  };
+  return {{"p50", quantile(500)}, {"p99", quantile(990)}, {"worst", latencies_us.back()}};
+}
+
+/// Writes the time each period, so that the reader knows when that was.
+void write_stamps(int fd, int count, Latencies& late_us) {
+  run_in_real_time(kWriterPriority);
+  Clock::time_point due = Clock::now();
+  for (int i = 0; i < count; ++i) {
+    due += kPeriod;
+    std::this_thread::sleep_until(due);
+    late_us.push_back(us_since(due));
+    const Clock::time_point now = Clock::now();
+    if (::write(fd, &now, sizeof now) != sizeof now) {
+      std::cerr << "cannot write\n";
+      std::exit(1);
+    }
+  }
+}
+
+nlohmann::json measure(const Line& line, int seconds) {
+  const int count = static_cast<int>(std::chrono::seconds(seconds) / kPeriod);
+  Latencies late_us;
+  Latencies latencies_us;
+  std::thread writer([&] { write_stamps(line.write_fd, count, late_us); });
+  std::thread reader([&] {
+    run_in_real_time(kReaderPriority);
+    for (int i = 0; i < count; ++i) {
+      Clock::time_point written;
+      std::size_t size = 0;
+      while (size < sizeof written) {
+        const ssize_t more =
+            ::read(line.read_fd, reinterpret_cast<char*>(&written) + size, sizeof written - size);
+        size += more > 0 ? static_cast<std::size_t>(more) : 0;
+      }
+      latencies_us.push_back(us_since(written));
+    }
+  });
+  writer.join();
+  reader.join();
+  ::close(line.write_fd);
+  ::close(line.read_fd);
+  return {{"wake_us", summary(late_us)}, {"us", summary(latencies_us)}};
+}
+
+}  // namespace
+}  // namespace nodmap
+
+int main(int argc, char** argv) {
+  const int seconds = argc == 2 ? std::atoi(argv[1]) : 0;
+  if (seconds <= 0) {
+    std::cerr << "Usage: nodmap-bench-serial SECONDS\n";
+    return 2;
+  }
+  nlohmann::json result;
+  result["pipe"] = nodmap::measure(nodmap::open_pipe(), seconds);
+  result["pseudo_terminal"] = nodmap::measure(nodmap::open_pseudo_terminal(), seconds);
+  nodmap::node::SerialWorkers workers;
+  if (workers.raise()) {
+    result["pseudo_terminal_raised_workers"] =
+        nodmap::measure(nodmap::open_pseudo_terminal(), seconds);
+  }
+  std::cout << result.dump(2) << "\n";
+  return 0;
+}
