@@ -33,6 +33,7 @@ constexpr const char* kPrograms[] = {
     "nodmap-evaluate",
     "nodmap-explore",
     "nodmap-explorer",
+    "nodmap-goal",
     "nodmap-kurt",
     "nodmap-laser3d",
     "nodmap-latency",

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// nodmap-goal: sends the robot to one place or through several.
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <iostream>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "common/bus/live_bus.hpp"
+#include "common/node/clock.hpp"
+#include "common/node/program.hpp"
+#include "nodmap/goal_t.hpp"
+#include "nodmap/navigation_t.hpp"
+#include "nodmap/path_t.hpp"
+#include "tools/goal/route.hpp"
+
+namespace nodmap {
+namespace {
+
+/// A goal is said again for a navigator that has missed it, or was started anew.
+constexpr std::chrono::seconds kRepeat(1);
+constexpr std::chrono::milliseconds kLongestWait(100);
+
+struct Arguments {
+  std::vector<double> coordinates_m;  ///< x and y of each waypoint
+  double tolerance_m = 0.2;
+  double patience_s = 20.0;
+  double wait_s = 10.0;
+  bool is_patrol = false;
+};
+
+std::vector<Eigen::Vector2d> read_waypoints(const std::vector<double>& coordinates_m) {
+  if (coordinates_m.size() % 2 != 0) {
+    throw node::UsageError("waypoints: an x and a y for each, not " +
+                           std::to_string(coordinates_m.size()) + " numbers");
+  }
+  std::vector<Eigen::Vector2d> waypoints_map;
+  for (std::size_t i = 0; i < coordinates_m.size(); i += 2) {
+    waypoints_map.emplace_back(coordinates_m[i], coordinates_m[i + 1]);
+    if (!waypoints_map.back().allFinite()) {
+      throw node::UsageError("waypoints: a coordinate is no finite number");
+    }
+  }
+  return waypoints_map;
+}
+
+/// Sends the robot along a route and tells what becomes of each waypoint.
+class Guide {
+ public:
+  Guide(const Arguments& arguments, bus::LiveBus& bus)
+      : arguments_(arguments),
+        bus_(bus),
+        route_(read_waypoints(arguments.coordinates_m), arguments.is_patrol,
+               time::from_seconds(arguments.patience_s), time::steady_now()) {
+    bus_.subscribe<navigation_t>("NAVIGATION", [this](const navigation_t& m) {
+      is_heard_ = true;
+      tell(route_.hear_arrival(m.behaviour == navigation_t::ARRIVED, time::steady_now()));
+    });
+    bus_.subscribe<path_t>("PATH", [this](const path_t& m) {
+      tell(route_.hear_path(m.state != path_t::NO_PATH, time::steady_now()));
+    });
+    bus_.subscribe<goal_t>(
+        "GOAL", [this](const goal_t& m) { is_overruled_ |= !own_stamps_.contains(m.utime); });
+  }
+
+  /// The exit code.
+  int run() {
+    const time::SteadyTime begin = time::steady_now();
+    while (!route_.is_over() && !is_overruled_ && !node::stop_requested()) {
+      if (!is_heard_ && time::steady_now() - begin > time::from_seconds(arguments_.wait_s)) {
+        std::cerr << "nodmap-goal: no nodmap-navigator within " << arguments_.wait_s << " s\n";
+        return 1;
+      }
+      if (time::steady_now() >= goal_due_) {
+        send_goal();
+      }
+      bus_.handle(kLongestWait);
+    }
+    if (is_overruled_) {
+      std::cerr << "nodmap-goal: somebody else has sent a goal, which the robot drives to now\n";
+    }
+    return route_.is_over() && route_.num_missed() == 0 ? 0 : 1;
+  }
+
+ private:
+  void send_goal() {
+    goal_due_ = time::steady_now() + kRepeat;
+    goal_t goal{};
+    goal.utime = time::to_utime(time::SystemClock().now());
+    goal.goal_seq = next_seq_++;
+    goal.is_active = 1;
+    goal.position_m[0] = route_.waypoint_map().x();
+    goal.position_m[1] = route_.waypoint_map().y();
+    goal.tolerance_m = arguments_.tolerance_m;
+    own_stamps_.insert(goal.utime);
+    bus_.publish("GOAL", goal);
+  }
+
+  void tell(Route::Event event) {
+    if (event == Route::Event::kNone) {
+      return;
+    }
+    std::cout << "waypoint " << told_index_ + 1 << " of " << route_.size()
+              << (event == Route::Event::kReached ? " reached" : " missed: there is no path")
+              << std::endl;
+    told_index_ = route_.index();
+    goal_due_ = time::steady_now();
+  }
+
+  Arguments arguments_;
+  bus::LiveBus& bus_;
+  Route route_;
+  time::SteadyTime goal_due_{};
+  std::set<std::int64_t> own_stamps_;  // of our goals, which we hear as well
+  std::int64_t next_seq_ = 0;
+  std::size_t told_index_ = 0;
+  bool is_heard_ = false;
+  bool is_overruled_ = false;
+};
+
+int run(const Arguments& arguments, const std::string& lcm_url) {
+  bus::LiveBus bus(lcm_url);
+  return Guide(arguments, bus).run();
+}
+
+}  // namespace
+}  // namespace nodmap
+
+int main(int argc, char** argv) {
+  using namespace nodmap;
+  Arguments arguments;
+  return node::run_program(
+      argc, argv,
+      {.name = "nodmap-goal",
+       .summary = "Sends the robot to one place or through several, one after the other, and ends "
+                  "when it is there.",
+       .uses_lcm = true,
+       .add_options =
+           [&arguments](CLI::App& app) {
+             app.add_option("waypoints", arguments.coordinates_m,
+                            "X Y of each waypoint in map, metres; 0 0 is where the map began")
+                 ->required();
+             app.add_flag("--patrol", arguments.is_patrol,
+                          "Begin again after the last, until Ctrl-C; the robot then stays at the "
+                          "waypoint it drives to");
+             app.add_option("--tolerance", arguments.tolerance_m,
+                            "Distance at which a waypoint is reached, metres")
+                 ->check(CLI::Range(0.02, 10.0));
+             app.add_option("--patience", arguments.patience_s,
+                            "Seconds without a path after which a waypoint is missed")
+                 ->check(CLI::Range(1.0, 3600.0));
+             app.add_option("--wait", arguments.wait_s,
+                            "How long to wait for the navigator, seconds")
+                 ->check(CLI::Range(0.1, 3600.0));
+           },
+       .run = [&arguments](const std::string& lcm_url) { return run(arguments, lcm_url); }});
+}

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/goal/route.hpp"
+
+#include <utility>
+
+namespace nodmap {
+namespace {
+
+/// By then the navigator has a goal that was sent, and what it said before has arrived.
+constexpr time::Duration kSettled = std::chrono::milliseconds(500);
+
+}  // namespace
+
+Route::Route(std::vector<Eigen::Vector2d> waypoints_map, bool is_patrol, time::Duration patience,
+             time::SteadyTime now)
+    : waypoints_map_(std::move(waypoints_map)),
+      is_patrol_(is_patrol),
+      patience_(patience),
+      target_since_(now) {}
+
+bool Route::is_settled(time::SteadyTime now) const {
+  return !is_over_ && now - target_since_ >= kSettled;
+}
+
+Route::Event Route::hear_arrival(bool has_arrived, time::SteadyTime now) {
+  if (!has_arrived || !is_settled(now)) {
+    return Event::kNone;
+  }
+  missed_in_turn_ = 0;
+  go_on(now);
+  return Event::kReached;
+}
+
+Route::Event Route::hear_path(bool has_path, time::SteadyTime now) {
+  if (has_path || !is_settled(now)) {
+    no_path_since_.reset();
+    return Event::kNone;
+  }
+  no_path_since_ = no_path_since_.value_or(now);
+  if (now - *no_path_since_ < patience_) {
+    return Event::kNone;
+  }
+  ++num_missed_;
+  ++missed_in_turn_;
+  go_on(now);
+  return Event::kMissed;
+}
+
+void Route::go_on(time::SteadyTime now) {
+  const bool is_last = index_ + 1 == waypoints_map_.size();
+  if (is_patrol_ ? missed_in_turn_ == waypoints_map_.size() : is_last) {
+    is_over_ = true;
+    return;
+  }
+  index_ = is_last ? 0 : index_ + 1;
+  target_since_ = now;
+  no_path_since_.reset();
+}
+
+}  // namespace nodmap
