@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -18,8 +19,20 @@ constexpr double kHeldRad = geometry::deg_to_rad(0.1);
 /// The base cannot drive faster; a map farther away than that belongs to another odom frame.
 constexpr double kTopSpeedMps = 5.2;
 
-/// Of the fastest speed, while the pose to a goal rests on odometry in a direction or in all.
+/// Of the fastest speed, while the pose is DEGRADED and the goal may be this near.
 constexpr double kDegradedSpeedRatio = 0.5;
+constexpr double kGoalSigmas = 3.0;
+
+/// The standard deviation of the position in its worst direction, metres; +infinity where the
+/// covariance is not known.
+double position_sigma_m(const nodmap::pose_t& message) {
+  const double xx = message.covariance[0][0];
+  const double xy = 0.5 * (message.covariance[0][1] + message.covariance[1][0]);
+  const double yy = message.covariance[1][1];
+  const double largest = 0.5 * (xx + yy) + std::hypot(0.5 * (xx - yy), xy);
+  return largest > 0.0 && std::isfinite(largest) ? std::sqrt(largest)
+                                                 : std::numeric_limits<double>::infinity();
+}
 
 /// POSE_2D comes once a sweep, which takes up to 1 s. A pose older than this is stale: by odometry
 /// alone, at 1.5 m/s and with wheels 3 % off, the robot is 9 cm elsewhere by then.
@@ -201,6 +214,7 @@ void NavigatorNode::on_pose(const nodmap::pose_t& message) {
   }
   context_.counts.use();
   T_map_odom_ = geometry::to_se2(*T_map_odom);
+  pose_sigma_m_ = position_sigma_m(message);
   pose_us_ = stamps_.odometry_us;
   watch_slip(message);
 }
@@ -327,8 +341,15 @@ Situation NavigatorNode::situation() const {
   return now;
 }
 
+/// By a pose that rests on odometry in a direction or in all, as along a bare corridor. Farther
+/// away its error is no reason to be slow: what stands in the way is measured, whatever the pose.
+bool NavigatorNode::may_be_at_goal() const {
+  const Eigen::Vector2d p_map = T_map_odom_ * odometry_->T_odom_base.translation();
+  return (goal_->p_map - p_map).norm() < goal_->tolerance_m + kGoalSigmas * pose_sigma_m_;
+}
+
 double NavigatorNode::max_forward_mps() const {
-  if (goal_ && pose_state_ == nodmap::pose_t::DEGRADED) {
+  if (goal_ && pose_state_ == nodmap::pose_t::DEGRADED && may_be_at_goal()) {
     return std::min(pitch_command_.max_forward_mps,
                     kDegradedSpeedRatio * params_.drive.max_forward_mps);
   }

@@ -68,6 +68,7 @@ class NavigatorNode final : public node::Node {
   void on_stop(const nodmap::stop_t& message);
 
   void watch_slip(const nodmap::pose_t& message);
+  [[nodiscard]] bool may_be_at_goal() const;
   /// The fastest speed that the pitch controller and the pose allow.
   [[nodiscard]] double max_forward_mps() const;
   void begin_odometry_frame(std::int64_t utime_us);
@@ -112,6 +113,7 @@ class NavigatorNode final : public node::Node {
   std::optional<std::string> stopped_by_;
   geometry::SE2 T_map_odom_;
   std::int8_t pose_state_ = nodmap::pose_t::TRACKING;  // of the last POSE_2D
+  double pose_sigma_m_ = 0.0;                          // in its worst direction
   std::optional<std::int64_t> pose_us_;                // by odometry, when it was used
 
   nodmap::drive_t drive_{};

@@ -518,10 +518,13 @@ TEST_F(NavigatorNodeTest, GoesToAGoalInTheCorrectedMap) {
 
 // Without a goal the place in the map does not matter.
 TEST_F(NavigatorNodeTest, ToAGoalItSlowsWhenThePoseIsDegradedAndHaltsWhenItIsLost) {
-  const auto give_pose = [this](std::int8_t state) {
+  const auto give_pose = [this](std::int8_t state, double variance_m2 = 0.0) {
     auto pose =
         node::write_corrected_pose(now_us_, geometry::SE3::Identity(), geometry::SE3::Identity());
     pose.state = state;
+    // Half a metre along a corridor that runs diagonally in map, nothing across.
+    pose.covariance[0][0] = pose.covariance[0][1] = variance_m2;
+    pose.covariance[1][0] = pose.covariance[1][1] = variance_m2;
     bus_.deliver("POSE_2D", pose);
     tick();
   };
@@ -543,7 +546,18 @@ TEST_F(NavigatorNodeTest, ToAGoalItSlowsWhenThePoseIsDegradedAndHaltsWhenItIsLos
   run(2.0);
   EXPECT_GT(drive().forward_mps, 0.0);
   EXPECT_LE(drive().forward_mps, 0.5 * DriveParams{}.max_forward_mps);
+  EXPECT_LT(navigation().max_forward_mps, fast_mps) << "the covariance is not known";
+  give_pose(nodmap::pose_t::DEGRADED, 0.125);
+  run(1.0);
+  EXPECT_EQ(navigation().max_forward_mps, fast_mps) << "the goal is farther than three sigmas";
+  goal.position_m[0] = 1.69;
+  bus_.deliver("GOAL", goal);
+  tick();
   EXPECT_LT(navigation().max_forward_mps, fast_mps);
+  goal.position_m[0] = 1.71;
+  bus_.deliver("GOAL", goal);
+  tick();
+  EXPECT_EQ(navigation().max_forward_mps, fast_mps);
 }
 
 }  // namespace
