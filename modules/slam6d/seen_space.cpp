@@ -16,7 +16,7 @@ constexpr float kMaxUprightNormal = 0.5F;  // height of the normal of a wall
 }  // namespace
 
 SeenSpace::SeenSpace(std::span<const Keyframe> keyframes)
-    : tracer_({.resolution_m = kVoxelM, .max_range_m = double{kMaxRangeM}}) {
+    : tracer_({.resolution_m = kVoxelM, .max_range_m = static_cast<double>(kMaxRangeM)}) {
   for (const Keyframe& keyframe : keyframes) {
     tracer_.trace(*keyframe.cloud, keyframe.T_map_base, voxels_);
   }

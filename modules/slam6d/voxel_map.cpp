@@ -70,7 +70,7 @@ void VoxelMap::correct(const MotionCorrection& correction) {
   const Eigen::Vector3d path = half_path_.cast<double>();
   for (std::size_t l = 0; l < kLevels; ++l) {
     levels_[l].move_means([&](std::uint32_t place, const Eigen::Vector3f& mean) {
-      const double time{times_[l][place]};
+      const auto time = static_cast<double>(times_[l][place]);
       geometry::SE3 T_base_then = geometry::SE3::Identity();
       T_base_then.translation() = time * path;
       return Eigen::Vector3f((correction.correct(T_base_then, time) *

@@ -23,7 +23,7 @@ clear_request_t write_request(const Arguments& arguments) {
   clear_request_t request{};
   request.utime = time::to_utime(time::SystemClock().now());
   request.requested_by = arguments.request.by;
-  for (int axis = 0; axis < 2; ++axis) {
+  for (std::size_t axis = 0; axis < 2; ++axis) {
     const auto [low_m, high_m] =
         std::minmax({arguments.corners_m.at(axis), arguments.corners_m.at(axis + 2)});
     request.low_m[axis] = low_m;

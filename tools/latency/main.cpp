@@ -15,7 +15,6 @@
 namespace nodmap::latency {
 namespace {
 
-constexpr const char* kProgram = "nodmap-latency";
 constexpr int kQueue = 1000;
 constexpr std::size_t kParts = 10;
 

@@ -262,9 +262,8 @@ Json pose_graph_scene(const nodmap::pose_graph_t& graph) {
 
 std::optional<geometry::SE3> keyframe_pose(const nodmap::pose_graph_6d_t& graph, std::size_t i) {
   const std::vector<double>& p = graph.position_m[i];
-  const std::vector<float>& q = graph.orientation[i];
-  return node::read_pose({p[0], p[1], p[2]},
-                         {double{q[0]}, double{q[1]}, double{q[2]}, double{q[3]}});
+  const std::vector<double> q(graph.orientation[i].begin(), graph.orientation[i].end());
+  return node::read_pose({p[0], p[1], p[2]}, {q[0], q[1], q[2], q[3]});
 }
 
 Json pose_graph_6d_scene(const nodmap::pose_graph_6d_t& graph) {

@@ -250,7 +250,7 @@ TEST(McapExport, HoldsWhatTheLayoutForFoxgloveNames) {
   std::ifstream in(NODMAP_FOXGLOVE_LAYOUT);
   const Json panels = Json::parse(in).at("configById");
   for (const auto& [topic, settings] : panels.at("3D!nodmap").at("topics").items()) {
-    EXPECT_TRUE(std::ranges::any_of(file.topics, [&topic](const auto& entry) {
+    EXPECT_TRUE(std::ranges::any_of(file.topics, [&topic = topic](const auto& entry) {
       return entry.second.first == topic;
     })) << topic;
   }

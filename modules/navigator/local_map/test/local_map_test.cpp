@@ -230,7 +230,8 @@ TEST(LocalMap, SomebodyWhoWalksIsNoPartOfTheGround) {
     const scan::Scan scan = test::scan_of(ground, {}, deg_to_rad(deg));
     std::vector<bool> is_walker(scan.ranges_m.size());
     for (std::size_t i = 0; i < is_walker.size(); ++i) {
-      is_walker[i] = scan::point_in_base(scan, i, double{scan.ranges_m[i]}).z() > 0.02;
+      const auto range_m = static_cast<double>(scan.ranges_m[i]);
+      is_walker[i] = scan::point_in_base(scan, i, range_m).z() > 0.02;
     }
     map.add_scan(scan, {}, is_walker);
   }
