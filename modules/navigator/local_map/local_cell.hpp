@@ -16,7 +16,8 @@ namespace evidence {
 
 inline constexpr std::uint8_t kHit = 4;
 inline constexpr std::uint8_t kMost = 12;
-/// One hit suffices for what is clearly higher or lower than the floor; two for what may be noise.
+/// One hit suffices for what is clearly higher or lower than the floor, and where the beam beside
+/// it says the same; two for what may be noise.
 inline constexpr std::uint8_t kEnough = 5;
 inline constexpr std::uint8_t kCertain = 6;
 /// Higher or lower than this by more than its tolerance no floor is measured, however the robot

@@ -9,6 +9,12 @@
 #include "modules/navigator/local_map/possible_ramp.hpp"
 
 namespace nodmap::navigator {
+namespace {
+
+/// Farther apart two beams have hit two things.
+constexpr double kSideBySideM = 0.1;
+
+}  // namespace
 
 LocalMap::LocalMap(const robot::RobotParams& robot, const LocalMapParams& params)
     : body_(robot.body.footprint()),
@@ -59,6 +65,7 @@ void LocalMap::add_scan(const scan::Scan& scan, const geometry::SE2& T_odom_base
   ++scan_;
   const std::size_t n = scan.ranges_m.size();
   floor_.begin_scan(n);
+  low_hits_.clear();
   const geometry::SE3 T_odom_mount = ground_.T_odom_base() * scan.T_base_mount;
   const Eigen::Matrix3d R = T_odom_mount.linear();
   for (std::size_t i = 0; i < n; ++i) {
@@ -78,6 +85,7 @@ void LocalMap::add_scan(const scan::Scan& scan, const geometry::SE2& T_odom_base
       classify(beam, i);
     }
   }
+  add_low_hits();
   finder_.end_scan(ground_, T_odom_base);
   for (const TrackedGround::Joined& joined : ground_.take_joined()) {
     look_again(joined);
@@ -168,7 +176,28 @@ void LocalMap::classify(const Beam& beam, std::size_t index) {
   const double distance_m = (p_odom.head<2>() - T_odom_base_->translation()).norm();
   if (place.height_m <= top_m_ && !ramp.leads_up(p_odom, place.height_m, tolerance_m(distance_m))) {
     const bool is_certain = place.height_m > params_.floor_tolerance_m + 2.0 * evidence::kCertainM;
-    obstacles_.add_hit(grid_, p_odom, is_certain, scan_);
+    if (is_certain) {
+      obstacles_.add_hit(grid_, p_odom, true, scan_);
+    } else {
+      low_hits_.push_back({index, p_odom});
+    }
+  }
+}
+
+/// Neighbouring beams have the noise of the range each for itself, and what they have in common,
+/// errors of pitch and tilt, is within the tolerance: where two side by side end above the floor,
+/// something is. So a low sill is known from a single line on it: the next one is a cell or more
+/// farther on.
+void LocalMap::add_low_hits() {
+  const auto are_side_by_side = [&](std::size_t a, std::size_t b) {
+    return b < low_hits_.size() && low_hits_[a].beam + 1 == low_hits_[b].beam &&
+           (low_hits_[b].p_odom - low_hits_[a].p_odom).norm() < kSideBySideM;
+  };
+  bool is_beside_last = false;
+  for (std::size_t i = 0; i < low_hits_.size(); ++i) {
+    const bool is_beside_next = are_side_by_side(i, i + 1);
+    obstacles_.add_hit(grid_, low_hits_[i].p_odom, is_beside_last || is_beside_next, scan_);
+    is_beside_last = is_beside_next;
   }
 }
 

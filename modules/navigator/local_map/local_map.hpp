@@ -98,6 +98,7 @@ class LocalMap {
   void clear_under_body(const geometry::SE2& T_odom_base);
   void classify(const Beam& beam, std::size_t index);
   void classify_below(const Beam& beam, double range_m, std::size_t facet, bool is_certain);
+  void add_low_hits();
   void pass(const Beam& beam, double until_m);
   [[nodiscard]] static double range_to(const Plane& plane, const Beam& beam);
   void look_again(const TrackedGround::Joined& joined);
@@ -119,6 +120,11 @@ class LocalMap {
   FacetFinder finder_;
   FloorEvidence floor_;
   ObstacleMemory obstacles_;
+  struct LowHit {
+    std::size_t beam;
+    Eigen::Vector3d p_odom;
+  };
+  std::vector<LowHit> low_hits_;  // of this scan: so little above the floor that it may be noise
   std::uint16_t scan_ = 0;
   std::vector<Eigen::Vector2d> fan_;  // cos and sin of each beam's angle
   double fan_first_rad_ = 0.0;

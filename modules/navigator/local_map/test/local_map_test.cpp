@@ -190,6 +190,43 @@ TEST(LocalMap, ALowSillThatWasHitTwiceOutweighsThreeLinesOnTheFloor) {
   EXPECT_LT(points(), before);
 }
 
+// The lines of one sweep at 1.3 m/s are farther apart than the cells, so that each cell of the sill
+// is hit by one: most of its width is known all the same.
+TEST(LocalMap, ALowSillIsKnownFromOneSweepOfAFastRobot) {
+  LocalMap map({}, {});
+  const Ground sill{{{{1.5, -0.6}, {1.6, 0.6}, 0.037}}};
+  double x_m = 0.0;
+  for (double deg = -22.0; deg < -12.0; deg += 1.3) {
+    const geometry::SE2 T_odom_base{x_m, 0.0, 0.0};
+    map.add_scan(test::scan_of(sill, T_odom_base, deg_to_rad(deg)), T_odom_base);
+    x_m += 0.0173;
+  }
+  // In strips of 5 cm: on the sill a beam is 2.5 cm beside the next one, and more aside.
+  int known = 0;
+  for (double y = -0.5; y < 0.44; y += 0.05) {
+    bool is_blocked = false;
+    for (double x = 1.49; x <= 1.61; x += 0.0125) {
+      for (const double aside_m : {0.005, 0.025, 0.045}) {
+        is_blocked = is_blocked || map.is_blocked_at(Eigen::Vector2d(x, y + aside_m));
+      }
+    }
+    known += is_blocked ? 1 : 0;
+  }
+  EXPECT_GE(known, 12);  // of 19 there are 14
+}
+
+// One beam alone that ends a little above the floor is noise until the next scan says the same.
+TEST(LocalMap, ASingleBeamAboveTheFloorIsNoObstacle) {
+  LocalMap map({}, {});
+  scan::Scan scan = test::scan_of({}, {}, deg_to_rad(-20.0));
+  scan.ranges_m[90] -= 0.1F;  // 3.4 cm above the floor
+  map.add_scan(scan, {});
+  EXPECT_TRUE(map.points_base({}, 2.0).empty());
+  scan.ranges_m[91] -= 0.1F;
+  map.add_scan(scan, {});
+  EXPECT_FALSE(map.points_base({}, 2.0).empty());
+}
+
 // A wall that was last seen 40 m of driving ago, twice as far as obstacles are remembered: where it
 // is by odometry says nothing any more, also for a robot that comes near.
 TEST(LocalMap, WhatIsForgottenDoesNotComeBackNearTheRobot) {
