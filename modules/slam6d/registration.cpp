@@ -113,7 +113,7 @@ class SweepRegistration {
 
   void run_level(std::size_t l) {
     level_ = l;
-    const VoxelMap::Selection selection = sweep_.select(l);
+    const VoxelMap::Selection selection = select(l);
     scale_m_ = static_cast<float>(
         params_.fine_residual_scale_m *
         std::pow(params_.coarse_residual_scale_m / params_.fine_residual_scale_m,
@@ -183,9 +183,27 @@ class SweepRegistration {
     return prior;
   }
 
+  VoxelMap::Selection select(std::size_t l) {
+    VoxelMap::Selection selection = sweep_.select(l);
+    matches_.assign(selection.points.size(), {});
+    return selection;
+  }
+
+  // The map's voxel nearest to a point of the selection. From step to step points hardly move, and
+  // the nearest stays the same.
+  std::uint32_t match(std::size_t i, const VoxelGrid& grid, const Eigen::Vector3f& p_map) {
+    Match& last = matches_[i];
+    if (!((p_map - last.p_map).squaredNorm() < last.sq_slack_m2)) {
+      const float max_m = kMaxCorrespondenceVoxels * static_cast<float>(grid.voxel_size_m());
+      const VoxelGrid::Nearest nearest = grid.find_nearest(p_map, max_m);
+      last = {p_map, nearest.slack_m * nearest.slack_m, nearest.place};
+    }
+    return last.place;
+  }
+
   // w_ij of Eq. 3: calls `use(point, p_map, normal_map, voxel)` for each correspondence.
   template <class Use>
-  void for_each_correspondence(const VoxelMap::Selection& selection, const Use& use) const {
+  void for_each_correspondence(const VoxelMap::Selection& selection, const Use& use) {
     const Eigen::Matrix3f R = result_.T_map_base.linear().cast<float>();
     const Eigen::Vector3f t = result_.T_map_base.translation().cast<float>();
     const Eigen::Vector3f step = since_deskew_.translation_m.cast<float>();
@@ -193,7 +211,6 @@ class SweepRegistration {
     const auto min_cosine = static_cast<float>(params_.min_normal_cosine);
     for (std::size_t l = 0; l < VoxelMap::kLevels; ++l) {
       const VoxelGrid& grid = map_.level(l);
-      const float max_m = kMaxCorrespondenceVoxels * static_cast<float>(grid.voxel_size_m());
       for (std::size_t i = selection.first_of_level[l]; i < selection.first_of_level[l + 1]; ++i) {
         const OrientedPoint& point = selection.points[i];
         Eigen::Vector3f p_base = point.p;
@@ -201,7 +218,7 @@ class SweepRegistration {
           p_base += point.time * (step + turn.cross(point.p - point.time * sweep_.half_path()));
         }
         const Eigen::Vector3f p_map = R * p_base + t;
-        const std::uint32_t place = grid.nearest(p_map, max_m);
+        const std::uint32_t place = match(i, grid, p_map);
         if (place == VoxelGrid::kNone) {
           continue;
         }
@@ -291,7 +308,7 @@ class SweepRegistration {
   // How much of the sweep lies on the map's planes. Floor and ceiling do at any place and heading:
   // upright planes are counted by themselves, too.
   void count_inliers() {
-    const VoxelMap::Selection selection = sweep_.select(0);
+    const VoxelMap::Selection selection = select(0);
     const Eigen::RowVector3f up_base = result_.T_map_base.linear().row(2).cast<float>();
     InlierCount all;
     InlierCount upright;
@@ -330,6 +347,13 @@ class SweepRegistration {
     }
   }
 
+  // What a point corresponded to when it was looked up, and how far it may move from there.
+  struct Match {
+    Eigen::Vector3f p_map = Eigen::Vector3f::Zero();
+    float sq_slack_m2 = 0.0F;
+    std::uint32_t place = VoxelGrid::kNone;
+  };
+
   VoxelMap& sweep_;
   const VoxelMap& map_;
   const PosePrior& prior_;
@@ -338,6 +362,7 @@ class SweepRegistration {
   Information<N> prior_information_;
   Matrix6d prior_covariance_;      // of the pose in the middle of the sweep
   MotionCorrection since_deskew_;  // not yet in the sweep's voxels
+  std::vector<Match> matches_;     // of the selection's points
   std::size_t level_ = 0;
   float scale_m_ = 0.0F;
   bool is_valid_ = false;

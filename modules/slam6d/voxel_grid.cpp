@@ -2,6 +2,7 @@
 #include "modules/slam6d/voxel_grid.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <bit>
 #include <cmath>
 
@@ -11,6 +12,7 @@ namespace {
 constexpr int kBits = 21;
 constexpr std::int32_t kHalfRange = 1 << (kBits - 1);
 constexpr std::size_t kMinSlots = 1024;
+constexpr float kMostSlackVoxels = 0.1F;
 
 constexpr std::uint64_t pack(std::int32_t x, std::int32_t y, std::int32_t z) {
   return (static_cast<std::uint64_t>(x) << (2 * kBits)) + (static_cast<std::uint64_t>(y) << kBits) +
@@ -206,10 +208,11 @@ void VoxelGrid::add_normal(std::uint32_t voxel, const Eigen::Vector3f& normal, f
   v.normal = length > 0.5F ? Eigen::Vector3f(v.normal / length) : Eigen::Vector3f::Zero();
 }
 
-std::uint32_t VoxelGrid::nearest(const Eigen::Vector3f& p, float max_distance_m) const {
+VoxelGrid::Nearest VoxelGrid::find_nearest(const Eigen::Vector3f& p, float max_distance_m) const {
+  const float most_slack_m = kMostSlackVoxels * static_cast<float>(voxel_size_m_);
   const auto key = key_of(p);
   if (!key) {
-    return kNone;
+    return {kNone, most_slack_m};
   }
   // Per axis the neighbour on the side to which `p` lies.
   const Eigen::Vector3f scaled = p * per_m_;
@@ -221,6 +224,7 @@ std::uint32_t VoxelGrid::nearest(const Eigen::Vector3f& p, float max_distance_m)
   }
   std::uint32_t best = kNone;
   float best_sq_m2 = max_distance_m * max_distance_m;
+  float second_sq_m2 = best_sq_m2;
   for (unsigned corner = 0; corner < 8; ++corner) {
     const Key neighbour = *key + ((corner & 1U) != 0 ? side[0] : 0) +
                           ((corner & 2U) != 0 ? side[1] : 0) + ((corner & 4U) != 0 ? side[2] : 0);
@@ -230,11 +234,19 @@ std::uint32_t VoxelGrid::nearest(const Eigen::Vector3f& p, float max_distance_m)
     }
     const float sq_m2 = (voxels_[voxel].mean - p).squaredNorm();
     if (sq_m2 < best_sq_m2) {
+      second_sq_m2 = best_sq_m2;
       best_sq_m2 = sq_m2;
       best = voxel;
+    } else if (sq_m2 < second_sq_m2) {
+      second_sq_m2 = sq_m2;
     }
   }
-  return best;
+  if (best == kNone) {
+    return {kNone, most_slack_m};
+  }
+  // Moved by half of the difference, `p` may be as near to the second one.
+  const float difference_m = std::sqrt(second_sq_m2) - std::sqrt(best_sq_m2);
+  return {best, std::min(0.5F * difference_m, most_slack_m)};
 }
 
 std::size_t VoxelGrid::memory_bytes() const {

@@ -74,7 +74,17 @@ class VoxelGrid {
 
   /// The voxel whose mean is nearest to `p` among the 8 voxels about it and nearer than
   /// `max_distance_m`; kNone when there is none. What is nearer than half a voxel is always found.
-  [[nodiscard]] std::uint32_t nearest(const Eigen::Vector3f& p, float max_distance_m) const;
+  [[nodiscard]] std::uint32_t nearest(const Eigen::Vector3f& p, float max_distance_m) const {
+    return find_nearest(p, max_distance_m).place;
+  }
+
+  /// What nearest() answers, and how far `p` may move from here until it would have to be asked
+  /// again: at most a tenth of a voxel.
+  struct Nearest {
+    std::uint32_t place = kNone;
+    float slack_m = 0.0F;
+  };
+  [[nodiscard]] Nearest find_nearest(const Eigen::Vector3f& p, float max_distance_m) const;
 
   [[nodiscard]] std::span<const Voxel> voxels() const { return voxels_; }
   [[nodiscard]] double voxel_size_m() const { return voxel_size_m_; }

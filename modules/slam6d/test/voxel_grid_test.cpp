@@ -89,6 +89,47 @@ TEST(VoxelGrid, NearestIsTheBruteForceNearest) {
   EXPECT_GT(num_found, 500U);
 }
 
+// Oracle: brute force. Within the slack the answer stays the nearest, complete up to 0.4 of a
+// voxel; beyond it others become the nearest.
+TEST(VoxelGrid, WithinTheSlackTheNearestStaysTheSame) {
+  VoxelGrid grid(0.2);
+  grid.add(random_points(4'000, 1.5F, 3));
+  const std::vector<Vector3f> directions = random_points(2'000, 1.0F, 5);
+  std::size_t num_checked = 0;
+  std::size_t num_changed_beyond = 0;
+  std::size_t i = 0;
+  for (const Vector3f& p : random_points(2'000, 1.6F, 4)) {
+    const VoxelGrid::Nearest found = grid.find_nearest(p, 0.3F);
+    EXPECT_EQ(found.place, grid.nearest(p, 0.3F));
+    EXPECT_GE(found.slack_m, 0.0F);
+    EXPECT_LE(found.slack_m, 0.1F * 0.2F);
+    const auto brute_nearest = [&grid](const Vector3f& q) {
+      std::uint32_t best = VoxelGrid::kNone;
+      float best_m = 0.4F * 0.2F;
+      for (std::uint32_t j = 0; j < grid.voxels().size(); ++j) {
+        const float distance_m = (grid.voxels()[j].mean - q).norm();
+        if (distance_m < best_m) {
+          best_m = distance_m;
+          best = j;
+        }
+      }
+      return best;
+    };
+    const Vector3f direction = directions[i++].normalized();
+    const std::uint32_t best = brute_nearest(p + 0.999F * found.slack_m * direction);
+    if (best != VoxelGrid::kNone) {
+      EXPECT_EQ(found.place, best);
+      ++num_checked;
+    }
+    num_changed_beyond += brute_nearest(p + 3.0F * found.slack_m * direction) != found.place &&
+                                  best != VoxelGrid::kNone
+                              ? 1
+                              : 0;
+  }
+  EXPECT_GT(num_checked, 200U);
+  EXPECT_GT(num_changed_beyond, 10U);
+}
+
 TEST(VoxelGrid, WhatIsNotFiniteOrTooFarIsLeftOut) {
   VoxelGrid grid(0.1);
   const float nan = std::numeric_limits<float>::quiet_NaN();
