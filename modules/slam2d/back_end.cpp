@@ -81,9 +81,14 @@ void BackEnd::restore(SavedMap map) {
     graph_.add_loop(edge.from, edge.to, edge.T_from_to, edge.information);
     loops_[{edge.from, edge.to}] = {edge.from, edge.to, LoopState::kAccepted, loop.score};
   }
-  local_ = submaps_.size();
-  num_restored_ = submaps_.size();
+  begin_anew(kFoundSigmas);
   ++graph_revision_;
+}
+
+void BackEnd::begin_anew(const Eigen::Vector3d& sigmas) {
+  local_ = submaps_.size();
+  num_separate_ = submaps_.size();
+  begin_sigmas_ = sigmas;
 }
 
 std::size_t BackEnd::num_points() const {
@@ -97,6 +102,14 @@ std::size_t BackEnd::num_points() const {
 bool BackEnd::is_full(const Submap& submap, double ratio) const {
   return static_cast<double>(submap.T_submap_keyframe.size()) >=
          ratio * params_.submap.num_keyframes;
+}
+
+std::optional<geometry::SE2> BackEnd::find_in_local(std::span<const OrientedPoint> scan,
+                                                    const SearchWindow& window) {
+  const LoopAttempt attempt = closer_.search(local_, submaps_[local_], scan, window);
+  // Much of the scan may show what is not in the submap yet: a loop's inliers are not asked for.
+  const bool is_found = attempt.state != LoopState::kAmbiguous && attempt.loop.score > 0.0;
+  return is_found ? std::optional(attempt.loop.T_submap_keyframe) : std::nullopt;
 }
 
 void BackEnd::add_keyframe(Keyframe keyframe, const geometry::SE2& T_local_keyframe,
@@ -130,7 +143,7 @@ void BackEnd::begin_local() {
     edge.from = added - 1;
     edge.to = added;
     edge.T_from_to = keyframes_[added - 1].T_map_base.inverse() * keyframe.T_map_base;
-    edge.information = kFoundSigmas.cwiseAbs2().cwiseInverse().asDiagonal();
+    edge.information = begin_sigmas_.cwiseAbs2().cwiseInverse().asDiagonal();
     chain_.push_back(edge);
   }
   submaps_.emplace_back(added, keyframe.T_map_base, map_params_);
@@ -178,7 +191,7 @@ registration::PoseEdge2d BackEnd::chain_of_submaps(std::size_t submap) const {
   PoseEdge2d edge;
   edge.from = submap - 1;
   edge.to = submap;
-  // A submap that begins where the robot was found in a saved map shares no keyframe with the last.
+  // A submap that begins anew shares no keyframe with the last.
   const auto pose_in_from = [this, &from](std::size_t k) {
     return from.has(k) ? from.pose_of(k) : from.pose_of(k - 1) * chain_[k - 1].T_from_to;
   };
@@ -198,7 +211,7 @@ registration::PoseEdge2d BackEnd::chain_of_submaps(std::size_t submap) const {
 
 // The two submaps before the local one were made along with it.
 std::size_t BackEnd::end_finished() const {
-  return std::max(num_restored_, std::max<std::size_t>(local_, 2) - 2);
+  return std::max(num_separate_, std::max<std::size_t>(local_, 2) - 2);
 }
 
 void BackEnd::close_loops() {
@@ -369,7 +382,7 @@ void BackEnd::drop_submap(std::size_t dropped) {
     submaps_[s].first_keyframe -= end - first;
   }
   --local_;
-  num_restored_ -= dropped < num_restored_ ? 1 : 0;
+  num_separate_ -= dropped < num_separate_ ? 1 : 0;
   closer_.drop_submap(dropped, first, end);
   drop_from_loops(dropped);
   uncertainty_.clear();

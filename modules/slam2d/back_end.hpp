@@ -66,6 +66,11 @@ class BackEnd {
   /// submap of its own at its T_map_base, which is taken as known to a few centimetres.
   void restore(SavedMap map);
 
+  /// The next keyframe begins a submap of its own at its T_map_base, which relative to the keyframe
+  /// before is known to `sigmas` (x, y in m, yaw in rad): what the robot saw until now and what it
+  /// sees from now on move as two rigid pieces, until loops join them.
+  void begin_anew(const Eigen::Vector3d& sigmas);
+
   /// Whether there is a submap to match scans against: once a keyframe was added.
   [[nodiscard]] bool has_local() const { return local_ < submaps_.size(); }
   /// The submap that scans are matched against. Valid until the next keyframe is added.
@@ -74,6 +79,11 @@ class BackEnd {
   /// The covariance (x, y in m, yaw in rad, in the axes of map) of the local submap's pose relative
   /// to the first one: the drift since the map began, as far as loops have not taken it back.
   [[nodiscard]] const Eigen::Matrix3d& drift_covariance() const { return drift_covariance_; }
+
+  /// Where a scan lies in the local submap, by a search of all poses within `window`, in the frame
+  /// of the submap; nothing where it fits several places, or none.
+  [[nodiscard]] std::optional<geometry::SE2> find_in_local(std::span<const OrientedPoint> scan,
+                                                           const SearchWindow& window);
 
   /// Adds a keyframe at its place in the local submap, closes loops with older submaps, and moves
   /// all submaps if that changed anything. `information` (x, y, yaw in the frame of the submap): of
@@ -130,7 +140,9 @@ class BackEnd {
   std::vector<std::size_t> submap_of_;  ///< the one each keyframe was matched against
   std::vector<Submap> submaps_;
   std::size_t local_ = 0;
-  std::size_t num_restored_ = 0;                 ///< submaps that restore() has brought
+  std::size_t num_separate_ = 0;  ///< submaps before the last begin_anew()
+  /// Of a submap that begins anew relative to the keyframe before: x, y in m, yaw in rad.
+  Eigen::Vector3d begin_sigmas_ = Eigen::Vector3d::Zero();
   std::vector<registration::PoseEdge2d> chain_;  ///< from keyframe k to k + 1
   SubmapGraph graph_;
   std::optional<DroppedKeyframes> dropped_;

@@ -1,10 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "modules/slam2d/level_scan.hpp"
 
+#include <algorithm>
+#include <utility>
+
 namespace nodmap::slam2d {
 
 bool LevelScanInput::add_odometry(std::int64_t utime_us, const geometry::SE3& T_odom_base) {
-  return odometry_.add(utime_us, T_odom_base);
+  if (!odometry_.add(utime_us, T_odom_base)) {
+    return false;
+  }
+  const auto gap_us = static_cast<double>(utime_us - odometry_utime_us_.value_or(utime_us));
+  odometry_gap_s_ = std::max(odometry_gap_s_, 1e-6 * gap_us);
+  odometry_utime_us_ = utime_us;
+  return true;
 }
 
 geometry::SE2 LevelScanInput::change_odometry_frame(const geometry::SE3& T_new_odom_base) {
@@ -37,7 +46,8 @@ std::optional<LevelScan> LevelScanInput::add_scan(const scan::Scan& scan) {
   return LevelScan{.utime_us = level->utime_us,
                    .T_odom_base = T_odom_base,
                    .sensor_origin_base = scan::point_in_base(*level, 0, 0.0).head<2>(),
-                   .points_base = extractor_.extract(*level, T_first_last)};
+                   .points_base = extractor_.extract(*level, T_first_last),
+                   .odometry_gap_s = std::exchange(odometry_gap_s_, 0.0)};
 }
 
 }  // namespace nodmap::slam2d

@@ -19,7 +19,12 @@ struct LevelScan {
   geometry::SE2 T_odom_base;
   Eigen::Vector2d sensor_origin_base = Eigen::Vector2d::Zero();
   std::span<const OrientedPoint> points_base;
+  /// The longest time without odometry since the level scan before.
+  double odometry_gap_s = 0.0;
 
+  /// Whether the robot may have moved by more than odometry has counted. Half a second is several
+  /// periods of any odometry.
+  [[nodiscard]] bool has_odometry_gap() const { return odometry_gap_s > 0.5; }
   /// Fewer determine no pose.
   [[nodiscard]] bool has_enough_points() const { return points_base.size() >= 10; }
 };
@@ -27,9 +32,9 @@ struct LevelScan {
 /// How a pose was found.
 enum class PoseQuality : std::uint8_t {
   kTracked = 0,   ///< by matching
-  kPartly = 1,    ///< by matching, and by odometry along degenerate directions
-  kOdometry = 2,  ///< by odometry: the scan has too few points
-  kLost = 3,      ///< by odometry: the scan does not fit the map
+  kPartly = 1,    ///< by matching, and by odometry along degenerate directions or since it was lost
+  kOdometry = 2,  ///< by odometry: the scan has too few points, or shows only what is new
+  kLost = 3,      ///< by odometry, in doubt: the scan contradicts the map
 };
 
 /// The robot's pose at the first beam of a level scan.
@@ -77,6 +82,8 @@ class LevelScanInput {
  private:
   LevelScanSelector selector_;
   geometry::PoseHistory odometry_;
+  std::optional<std::int64_t> odometry_utime_us_;  // the newest
+  double odometry_gap_s_ = 0.0;                    // the longest since the last level scan
   OrientedPointExtractor extractor_;
   ScanCounts counts_;
 };

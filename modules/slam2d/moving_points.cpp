@@ -12,6 +12,8 @@ namespace {
 // an error of odometry.
 constexpr double kMarginM = 0.3;
 constexpr double kMaxMovingRatio = 0.5;
+// People who come nearer, and edges, are as much of a scan at a place that is right.
+constexpr double kMaxDeniedRatio = 0.25;
 // From how far away an older keyframe still shows the same, and odometry still tells from where.
 constexpr double kNearM = 1.0;
 constexpr double kNearRad = 0.6;
@@ -35,6 +37,7 @@ MovingPointFilter::View::View(const LevelScan& scan)
   std::array<double, kNumBins> nearest_m;
   nearest_m.fill(kNothing);
   for (const OrientedPoint& point : scan.points_base) {
+    points_base.push_back(point.p);
     const Eigen::Vector2d ray = point.p - sensor_origin_base;
     double& nearest = nearest_m[bin_of(ray, kNumBins)];
     nearest = std::min(nearest, ray.norm());
@@ -51,6 +54,28 @@ bool MovingPointFilter::View::saw_free(const Eigen::Vector2d& p_base) const {
   const Eigen::Vector2d ray = p_base - sensor_origin_base;
   const double needed_m = ray.norm() + kMarginM;
   return needed_m < farthest_free_m && needed_m < free_m[bin_of(ray, kNumBins)];
+}
+
+// Of the points in directions in which this view knows how far it saw.
+bool MovingPointFilter::View::denies(const View& other) const {
+  const geometry::SE2 T_this_other = T_odom_base.inverse() * other.T_odom_base;
+  std::size_t compared = 0;
+  std::size_t denied = 0;
+  for (const Eigen::Vector2d& p_other : other.points_base) {
+    const Eigen::Vector2d p = T_this_other * p_other;
+    compared += free_m[bin_of(p - sensor_origin_base, kNumBins)] > 0.0 ? 1 : 0;
+    denied += saw_free(p) ? 1 : 0;
+  }
+  return denied >= kMinPoints &&
+         static_cast<double>(denied) > kMaxDeniedRatio * static_cast<double>(compared);
+}
+
+bool MovingPointFilter::contradicts(const LevelScan& scan) const {
+  if (views_.empty()) {
+    return false;
+  }
+  const View now(scan);
+  return now.denies(views_.back()) || views_.back().denies(now);
 }
 
 void MovingPointFilter::add_keyframe(const LevelScan& scan) {

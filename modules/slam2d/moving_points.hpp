@@ -25,6 +25,11 @@ class MovingPointFilter {
   /// when more than half of them would be left out: then it is the robot that is elsewhere.
   [[nodiscard]] std::span<const OrientedPoint> stationary(const LevelScan& scan);
 
+  /// Whether the last keyframe and a scan, placed by odometry, cannot both be right: more than a
+  /// quarter of what one of them measured lies where the other saw free space. A scan that shows
+  /// only what was never in view contradicts nothing.
+  [[nodiscard]] bool contradicts(const LevelScan& scan) const;
+
   /// Odometry continues in another frame.
   void change_odometry_frame(const geometry::SE2& T_old_new);
 
@@ -35,9 +40,12 @@ class MovingPointFilter {
 
     explicit View(const LevelScan& scan);
     [[nodiscard]] bool saw_free(const Eigen::Vector2d& p_base) const;
+    /// Whether too many points of another view lie in free space of this one.
+    [[nodiscard]] bool denies(const View& other) const;
 
     geometry::SE2 T_odom_base;
     Eigen::Vector2d sensor_origin_base;
+    std::vector<Eigen::Vector2d> points_base;
     std::array<double, kNumBins> free_m{};  ///< from the sensor origin; 0: not known
     double farthest_free_m = 0.0;
   };

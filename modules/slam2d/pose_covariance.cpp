@@ -30,6 +30,11 @@ void PoseCovariance::move(double yaw_rad, const geometry::SE2& T_before_now) {
       kYawVarianceRad2PerM * distance_m + kYawVarianceRad2PerRad * std::abs(T_before_now.yaw));
 }
 
+// Standard deviations of 1 m/s and 1 rad/s: a robot that drives on, or is carried.
+void PoseCovariance::lose_track(double duration_s) {
+  covariance_.diagonal().array() += duration_s * duration_s;
+}
+
 // Along the directions that the match determines its information counts; along the others, which
 // are the null space of the information, what was known before.
 void PoseCovariance::match(const Eigen::Matrix3d& information) {

@@ -22,6 +22,9 @@ class PoseCovariance {
   /// degenerate directions.
   void match(const Eigen::Matrix3d& information);
 
+  /// Nobody knows how the robot has moved for a while.
+  void lose_track(double duration_s);
+
   [[nodiscard]] const Eigen::Matrix3d& matrix() const { return covariance_; }
 
  private:

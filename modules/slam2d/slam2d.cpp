@@ -15,6 +15,19 @@ double distance_m(const geometry::SE2& a, const geometry::SE2& b) {
 // Bounds the memory of a robot that is on for days: 11 hours at 13 scans a second, 40 MB.
 constexpr std::size_t kMaxTrackedScans = 524'288;
 
+// After a while in which nobody knows how the robot has moved, a wrong place may fit by half: the
+// walls of other rooms do, over some of their length.
+constexpr double kSureScore = 0.5;
+// How far it is then looked for in the local submap, which is not much larger.
+constexpr double kFarM = 4.0;
+constexpr double kFarRad = geometry::deg_to_rad(120.0);
+// Farther than this by odometry alone a robot does not know where it is: after some 10 m.
+constexpr double kMaxSigmaM = 0.4;
+// How far a robot that was lost may be from where odometry says: as far as loops are searched for.
+const Eigen::Vector3d kLostSigmas(3.0, 3.0, 0.5);
+// Goals in map are off by as much: the pose is degraded until a loop has told where the robot is.
+constexpr double kMaxDriftSigmaM = 1.0;
+
 }  // namespace
 
 Slam2d::Slam2d(const Slam2dParams& params)
@@ -44,17 +57,25 @@ std::optional<PoseUpdate> Slam2d::add_scan(const scan::Scan& scan) {
     moving_points_.add_keyframe(*all_points);
     return begin_map(*all_points);
   }
+  pose_covariance_.move(T_map_odom_.yaw + T_odom_last_.yaw,
+                        T_odom_last_.inverse() * all_points->T_odom_base);
+  if (all_points->has_odometry_gap()) {
+    odometry_is_in_doubt_ = true;
+    pose_covariance_.lose_track(all_points->odometry_gap_s);
+  }
   const Start start = choose_start(*all_points);
   LevelScan level_scan = *all_points;
-  if (start.is_by_odometry) {
+  if (start.is_by_odometry && !odometry_is_in_doubt_) {
     level_scan.points_base = moving_points_.stationary(*all_points);
   }
   // "These can directly be used as data set D and matched against an incrementally built 2D map" M:
   // the transform that minimises Eq. 3, from the pose by odometry.
   const Match match = match_or_search(level_scan, start.guesses);
   // The same transform corrects the pose.
-  PoseUpdate update = correct_pose(level_scan, match);
-  update.covariance = estimate_covariance(level_scan, match, update);
+  PoseUpdate update = correct_pose(*all_points, match);
+  update.covariance = estimate_covariance(match, update);
+  odometry_is_in_doubt_ = update.quality == PoseQuality::kLost ||
+                          (odometry_is_in_doubt_ && update.quality == PoseQuality::kOdometry);
   lost_since_us_ = update.quality == PoseQuality::kLost
                        ? std::optional(lost_since_us_.value_or(update.utime_us))
                        : std::nullopt;
@@ -65,7 +86,7 @@ std::optional<PoseUpdate> Slam2d::add_scan(const scan::Scan& scan) {
   }
   // "New scan points that do not show a correspondence to already existing points in M are added."
   // That may close a loop, which corrects the pose once more.
-  if (is_keyframe(update, level_scan.T_odom_base)) {
+  if (is_keyframe(update, *all_points)) {
     add_keyframe(level_scan, match, update);
     moving_points_.add_keyframe(*all_points);
   }
@@ -126,7 +147,8 @@ Slam2d::Start Slam2d::choose_start(const LevelScan& scan) const {
 Match Slam2d::match_or_search(const LevelScan& scan, std::span<const geometry::SE2> guesses) {
   const Submap& submap = back_end_.local();
   const Match tracked = matcher_.match(submap.points, scan.points_base, guesses.front());
-  if (tracked.score >= params_.search.score_threshold || !scan.has_enough_points()) {
+  const bool is_good = tracked.score >= params_.search.score_threshold && !odometry_is_in_doubt_;
+  if (is_good || !scan.has_enough_points()) {
     T_odom_failed_search_.reset();
     return tracked;
   }
@@ -135,8 +157,10 @@ Match Slam2d::match_or_search(const LevelScan& scan, std::span<const geometry::S
     return tracked;
   }
   ++metrics_.searches;
-  const auto found =
-      search_.find_better(matcher_, submap.points, scan.points_base, guesses, tracked);
+  auto found = search_.find_better(matcher_, submap.points, scan.points_base, guesses, tracked);
+  if (odometry_is_in_doubt_) {
+    found = find_far(scan, guesses.front(), found.value_or(tracked));
+  }
   if (!found) {
     T_odom_failed_search_ = scan.T_odom_base;
     return tracked;
@@ -144,6 +168,24 @@ Match Slam2d::match_or_search(const LevelScan& scan, std::span<const geometry::S
   ++metrics_.searches_successful;
   T_odom_failed_search_.reset();
   return *found;
+}
+
+// By branch and bound, as loops are searched for. Returns the better one of what it finds and
+// `near`, a match found near the guess; nothing when neither fits surely.
+std::optional<Match> Slam2d::find_far(const LevelScan& scan, const geometry::SE2& guess,
+                                      const Match& near) {
+  std::optional<Match> best;
+  if (near.score >= kSureScore) {
+    best = near;
+  }
+  const auto place = back_end_.find_in_local(scan.points_base, {guess, kFarM, kFarRad});
+  if (place) {
+    const Match far = matcher_.match(back_end_.local().points, scan.points_base, *place);
+    if (far.degenerate_directions == 0 && far.score >= std::max(kSureScore, near.score)) {
+      best = far;
+    }
+  }
+  return best;
 }
 
 PoseUpdate Slam2d::correct_pose(const LevelScan& scan, const Match& match) const {
@@ -160,10 +202,7 @@ PoseUpdate Slam2d::correct_pose(const LevelScan& scan, const Match& match) const
 }
 
 // Of the pose in the local submap, and of the submap's own pose at the end of its moment arm.
-Eigen::Matrix3d Slam2d::estimate_covariance(const LevelScan& scan, const Match& match,
-                                            const PoseUpdate& update) {
-  pose_covariance_.move(T_map_odom_.yaw + T_odom_last_.yaw,
-                        T_odom_last_.inverse() * scan.T_odom_base);
+Eigen::Matrix3d Slam2d::estimate_covariance(const Match& match, const PoseUpdate& update) {
   if (update.quality == PoseQuality::kLost) {
     return Eigen::Matrix3d::Zero();
   }
@@ -180,10 +219,24 @@ PoseQuality Slam2d::classify(const LevelScan& scan, const Match& match) const {
   if (!scan.has_enough_points()) {
     return PoseQuality::kOdometry;
   }
-  if (!match.found() || match.score < params_.lost.score_threshold) {
-    return PoseQuality::kLost;
+  const double min_score = odometry_is_in_doubt_
+                               ? std::max(kSureScore, params_.lost.score_threshold)
+                               : params_.lost.score_threshold;
+  if (!match.found() || match.score < min_score) {
+    return is_lost(scan) ? PoseQuality::kLost : PoseQuality::kOdometry;
   }
-  return match.degenerate_directions > 0 ? PoseQuality::kPartly : PoseQuality::kTracked;
+  const Eigen::Matrix3d& drift = back_end_.drift_covariance();
+  const bool has_drifted = std::max(drift(0, 0), drift(1, 1)) > kMaxDriftSigmaM * kMaxDriftSigmaM;
+  return match.degenerate_directions > 0 || has_drifted ? PoseQuality::kPartly
+                                                        : PoseQuality::kTracked;
+}
+
+// Of a scan that does not fit the map. What was never in view before fits nowhere, and odometry
+// alone is good for a while: in the open, behind obstacles, it is all there is.
+bool Slam2d::is_lost(const LevelScan& scan) const {
+  const Eigen::Matrix3d& covariance = pose_covariance_.matrix();
+  return odometry_is_in_doubt_ || moving_points_.contradicts(scan) ||
+         std::max(covariance(0, 0), covariance(1, 1)) > kMaxSigmaM * kMaxSigmaM;
 }
 
 bool Slam2d::has_moved(const geometry::SE2& T_odom_before, const geometry::SE2& T_odom_now) const {
@@ -192,17 +245,11 @@ bool Slam2d::has_moved(const geometry::SE2& T_odom_before, const geometry::SE2& 
              params_.keyframe.rotation_rad;
 }
 
-bool Slam2d::is_keyframe(const PoseUpdate& update, const geometry::SE2& T_odom_base) const {
-  switch (update.quality) {
-    case PoseQuality::kTracked:
-    case PoseQuality::kPartly:
-      return has_moved(T_odom_keyframe_, T_odom_base);
-    case PoseQuality::kLost:
-      return continues_lost(update, T_odom_base);
-    case PoseQuality::kOdometry:
-      break;
+bool Slam2d::is_keyframe(const PoseUpdate& update, const LevelScan& scan) const {
+  if (update.quality == PoseQuality::kLost) {
+    return continues_lost(update, scan.T_odom_base);
   }
-  return false;
+  return scan.has_enough_points() && has_moved(T_odom_keyframe_, scan.T_odom_base);
 }
 
 // Nothing here is on the map: it is continued from odometry, once that is far enough away, or after
@@ -224,6 +271,10 @@ void Slam2d::add_keyframe(const LevelScan& scan, const Match& match, PoseUpdate&
   for (const OrientedPoint& point : scan.points_base) {
     keyframe.points_base.emplace_back(point.p.cast<float>());
     keyframe.normals_base.emplace_back(point.normal.cast<float>());
+  }
+  if (update.quality == PoseQuality::kLost) {
+    back_end_.begin_anew(kLostSigmas);
+    pose_covariance_ = {};  // the robot is where its submap begins
   }
   const geometry::SE2 T_submap_base =
       back_end_.has_local() ? back_end_.local().T_map_submap.inverse() * update.T_map_base

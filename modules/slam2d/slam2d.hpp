@@ -101,11 +101,13 @@ class Slam2d {
   [[nodiscard]] Start choose_start(const LevelScan& scan) const;
   [[nodiscard]] Match match_or_search(const LevelScan& scan,
                                       std::span<const geometry::SE2> guesses);
+  [[nodiscard]] std::optional<Match> find_far(const LevelScan& scan, const geometry::SE2& guess,
+                                              const Match& near);
   [[nodiscard]] PoseUpdate correct_pose(const LevelScan& scan, const Match& match) const;
-  [[nodiscard]] Eigen::Matrix3d estimate_covariance(const LevelScan& scan, const Match& match,
-                                                    const PoseUpdate& update);
+  [[nodiscard]] Eigen::Matrix3d estimate_covariance(const Match& match, const PoseUpdate& update);
   [[nodiscard]] PoseQuality classify(const LevelScan& scan, const Match& match) const;
-  [[nodiscard]] bool is_keyframe(const PoseUpdate& update, const geometry::SE2& T_odom_base) const;
+  [[nodiscard]] bool is_lost(const LevelScan& scan) const;
+  [[nodiscard]] bool is_keyframe(const PoseUpdate& update, const LevelScan& scan) const;
   [[nodiscard]] bool continues_lost(const PoseUpdate& update,
                                     const geometry::SE2& T_odom_base) const;
   [[nodiscard]] bool has_moved(const geometry::SE2& T_odom_before,
@@ -127,6 +129,7 @@ class Slam2d {
   geometry::SE2 T_odom_last_;       // of the last level scan
   geometry::SE2 T_odom_keyframe_;   // the last one, in the present odom frame
   std::optional<std::int64_t> lost_since_us_;
+  bool odometry_is_in_doubt_ = false;  // since a gap, or lost, until a scan fits surely
   std::optional<geometry::SE2> T_odom_failed_search_;
   std::vector<TrackedScan> tracked_scans_;
   std::int64_t record_every_ = 1;  // level scans

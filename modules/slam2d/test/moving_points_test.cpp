@@ -97,6 +97,23 @@ TEST_F(MovingPoints, WhereMostHasChangedTheRobotIsElsewhere) {
   EXPECT_EQ(filter_.stationary(later).size(), later.points_base.size());
 }
 
+TEST_F(MovingPoints, ACarriedRobotContradictsWhatItSaw) {
+  filter_.add_keyframe(look({}, {-5.0, 0.0, 0.0}));
+  LevelScan later = look({}, {4.0, 0.0, 0.0});
+  EXPECT_FALSE(filter_.contradicts(later));
+  later.T_odom_base = {-5.0, 0.0, 0.0};
+  EXPECT_TRUE(filter_.contradicts(later));
+}
+
+TEST_F(MovingPoints, WhatWasNeverInViewContradictsNothing) {
+  filter_.add_keyframe(look({{2.0, 0.0}}));
+  LevelScan later = look({}, {5.0, 3.0, 2.0});
+  const std::vector<OrientedPoint> few(later.points_base.begin(), later.points_base.begin() + 12);
+  later.points_base = few;
+  EXPECT_FALSE(filter_.contradicts(later));
+  EXPECT_FALSE(MovingPointFilter().contradicts(later));
+}
+
 TEST_F(MovingPoints, WithoutAReferenceNothingMoves) {
   const LevelScan scan = look({{2.0, 0.0}});
   EXPECT_EQ(filter_.stationary(scan).size(), scan.points_base.size());

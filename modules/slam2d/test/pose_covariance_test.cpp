@@ -31,6 +31,12 @@ TEST(PoseCovariance, GrowsWithTheDistanceByOdometry) {
   EXPECT_TRUE(stationary.matrix().isZero(0.0));
 }
 
+TEST(PoseCovariance, TimeWithoutOdometryAddsAMetreAndARadianASecond) {
+  PoseCovariance covariance;
+  covariance.lose_track(2.0);
+  EXPECT_TRUE(covariance.matrix().isApprox(4.0 * Eigen::Matrix3d::Identity()));
+}
+
 TEST(PoseCovariance, AMatchInAllDirectionsIsTheInverseOfItsInformation) {
   Eigen::Matrix3d information;
   information << 400.0, 20.0, -90.0, 20.0, 900.0, 50.0, -90.0, 50.0, 2500.0;

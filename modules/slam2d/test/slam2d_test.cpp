@@ -239,7 +239,61 @@ TEST(Slam2d, WhereNothingMatchesItIsLostAndContinuesTheMapFromOdometry) {
   EXPECT_EQ(lost->T_map_base.x, 50.0);
   const auto again = track(slam, scanner.scan(elsewhere, carried, 2 * kPeriodUs), carried);
   ASSERT_TRUE(again);
-  EXPECT_EQ(again->quality, PoseQuality::kTracked);
+  // Matched, but degraded: how what it saw before lies to what it sees now is not known.
+  EXPECT_EQ(again->quality, PoseQuality::kPartly);
+  EXPECT_GT(again->covariance(0, 0), 1.0);
+}
+
+// Behind an obstacle a robot sees its back, which nothing in the map fits: 1.2 m of it, of another
+// thing than before. Odometry alone is good for a while.
+TEST(Slam2d, WhatWasNeverInViewIsAddedByOdometry) {
+  Slam2d slam{Slam2dParams{}};
+  Scanner scanner;
+  const test::FloorPlan obstacles{{{3, -1}, {3, 0}}, {{7, 1.4}, {7, 2.6}}};
+  const SE2 before;
+  ASSERT_TRUE(track(slam, scanner.scan({obstacles[0]}, before), before));
+  const SE2 behind{4.0, 2.0, 0.0};
+  const auto first = track(slam, scanner.scan(obstacles, behind, kPeriodUs), behind);
+  ASSERT_TRUE(first);
+  EXPECT_EQ(first->quality, PoseQuality::kOdometry);
+  EXPECT_TRUE(first->is_keyframe);
+  EXPECT_GT(first->covariance(0, 0), 0.016 * std::hypot(4.0, 2.0) - 1e-9);
+  const auto again = track(slam, scanner.scan(obstacles, behind, 2 * kPeriodUs), behind);
+  ASSERT_TRUE(again);
+  EXPECT_LE(again->quality, PoseQuality::kPartly);
+  EXPECT_LT(distance_m(again->T_map_base, behind), 0.02);  // measured 0
+}
+
+// Nothing is recorded for a second, and odometry does not count what the robot moves meanwhile.
+TEST(Slam2d, APauseInOdometryIsTakenBackByTheScans) {
+  Slam2d slam{Slam2dParams{}};
+  Scanner scanner;
+  SE2 truth{-1.5, -0.5, 0.0};
+  const SE2 start = truth;
+  SE2 odom;
+  std::int64_t utime_us = 0;
+  const SE2 step{0.1, 0.0, 0.08};
+  for (int i = 0; i < 20; ++i) {
+    ASSERT_TRUE(track(slam, scanner.scan(test::room(), truth, utime_us), odom));
+    truth = truth * step;
+    odom = odom * step;
+    utime_us += kPeriodUs;
+  }
+  truth = truth * SE2{1.4, -0.6, 0.7};
+  utime_us += 1'000'000;
+  double worst_m = 0.0;
+  for (int i = 0; i < 20; ++i) {
+    const auto update = track(slam, scanner.scan(test::room(), truth, utime_us), odom);
+    ASSERT_TRUE(update);
+    if (update->quality != PoseQuality::kLost) {
+      worst_m = std::max(worst_m, distance_m(update->T_map_base, start.inverse() * truth));
+    }
+    EXPECT_TRUE(i < 5 || update->quality != PoseQuality::kLost) << i;
+    truth = truth * step;
+    odom = odom * step;
+    utime_us += kPeriodUs;
+  }
+  EXPECT_LT(worst_m, 0.05);
 }
 
 TEST(Slam2d, RejectsBadInputWithoutChangingTheMap) {
