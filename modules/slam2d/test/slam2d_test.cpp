@@ -279,7 +279,7 @@ TEST(Slam2d, APauseInOdometryIsTakenBackByTheScans) {
     odom = odom * step;
     utime_us += kPeriodUs;
   }
-  truth = truth * SE2{1.4, -0.6, 0.7};
+  truth = truth * SE2{-0.9, -2.6, -0.6};  // farther than start poses are tried
   utime_us += 1'000'000;
   double worst_m = 0.0;
   for (int i = 0; i < 20; ++i) {
@@ -289,11 +289,12 @@ TEST(Slam2d, APauseInOdometryIsTakenBackByTheScans) {
       worst_m = std::max(worst_m, distance_m(update->T_map_base, start.inverse() * truth));
     }
     EXPECT_TRUE(i < 5 || update->quality != PoseQuality::kLost) << i;
-    truth = truth * step;
-    odom = odom * step;
+    const SE2 back{step.x, 0.0, -step.yaw};
+    truth = truth * back;
+    odom = odom * back;
     utime_us += kPeriodUs;
   }
-  EXPECT_LT(worst_m, 0.05);
+  EXPECT_LT(worst_m, 0.0043);  // measured 3.5 mm, from scan noise of 1 cm
 }
 
 TEST(Slam2d, RejectsBadInputWithoutChangingTheMap) {
