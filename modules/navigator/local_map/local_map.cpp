@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "modules/navigator/local_map/holes.hpp"
+#include "modules/navigator/local_map/mixed_pixel.hpp"
 #include "modules/navigator/local_map/possible_ramp.hpp"
 
 namespace nodmap::navigator {
@@ -73,7 +74,7 @@ void LocalMap::add_scan(const scan::Scan& scan, const geometry::SE2& T_odom_base
     const double c = std::cos(pitch_rad);
     const double s = std::sin(pitch_rad);
     const Eigen::Vector3d& offset = scan.mirror_offset_m;
-    if (is_walker.size() == n && is_walker[i]) {
+    if ((is_walker.size() == n && is_walker[i]) || is_mixed_pixel(scan, i)) {
       continue;
     }
     const auto range_m = static_cast<double>(scan.ranges_m[i]);

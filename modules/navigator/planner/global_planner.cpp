@@ -14,6 +14,8 @@ constexpr double kCellM = 0.05;
 constexpr int kLog2Size = 10;
 /// What the local map knows within this distance of the robot is taken over.
 constexpr double kTakeOverM = 5.5;
+/// Nearer to the robot it also knows what the body has driven over, or has touched.
+constexpr double kBesideM = 0.6;
 /// Around robot, goal and all that is known, for detours over unknown ground.
 constexpr double kAroundM = 3.0;
 /// Costs are queued by buckets this wide: the error of a path is at most a bucket for each cell.
@@ -171,7 +173,8 @@ void GlobalPlanner::finish(const Eigen::Vector2d& p_map) {
 }
 
 /// Each cell from the four of the local map whose middles lie in it. What that does not know stays
-/// as it was.
+/// as it was; so does what it knows no better than before: what is behind the laser, for it keeps
+/// that where odometry has drifted since, and obstacles that it has forgotten for that reason.
 void GlobalPlanner::update_grid(const LocalMap& local_map, const geometry::SE2& T_map_odom,
                                 const geometry::SE2& T_odom_base) {
   const Eigen::Vector2d p_map = T_map_odom * T_odom_base.translation();
@@ -181,6 +184,7 @@ void GlobalPlanner::update_grid(const LocalMap& local_map, const geometry::SE2& 
     is_empty_ = false;
   }
   const geometry::SE2 T_odom_map = T_map_odom.inverse();
+  const geometry::SE2 T_base_map = (T_map_odom * T_odom_base).inverse();
   const Eigen::Matrix2d R_odom_map = T_odom_map.rotation();
   const Eigen::Vector2d t_odom_map = T_odom_map.translation();
   const int reach = static_cast<int>(kTakeOverM / kCellM);
@@ -191,20 +195,27 @@ void GlobalPlanner::update_grid(const LocalMap& local_map, const geometry::SE2& 
       if (dx * dx + dy * dy > reach * reach || !grid_.contains(index)) {
         continue;
       }
+      const Eigen::Vector2d p_base = T_base_map * grid_.center_of(index);
+      if (grid_.at(index) != Ground::kUnknown && p_base.x() < 0.0 && p_base.norm() > kBesideM) {
+        continue;
+      }
       bool is_floor = false;
       bool is_blocked = false;
       bool is_cleared = false;
+      bool is_forgotten = false;
       for (const double x : {-0.25, 0.25}) {
         for (const double y : {-0.25, 0.25}) {
           const Eigen::Vector2d q_map = grid_.center_of(index) + kCellM * Eigen::Vector2d(x, y);
           const Eigen::Vector2d q_odom = R_odom_map * q_map + t_odom_map;
           const LocalCell* cell = local_map.cell_at(q_odom);
           is_blocked = is_blocked || (cell != nullptr && local_map.is_blocked_at(q_odom));
+          is_forgotten = is_forgotten ||
+                         (cell != nullptr && cell->is_obstacle() && !local_map.is_blocked(*cell));
           is_floor = is_floor || (cell != nullptr && cell->is_floor);
           is_cleared = is_cleared || (cell != nullptr && cell->is_cleared());
         }
       }
-      if (is_blocked || is_floor) {
+      if (is_blocked || (is_floor && !is_forgotten)) {
         const Eigen::Vector2d q_map = grid_.center_of(index);
         known_min_ = known_min_.cwiseMin(q_map);
         known_max_ = known_max_.cwiseMax(q_map);

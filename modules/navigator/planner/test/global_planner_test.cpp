@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "modules/navigator/local_map/test/scanned_ground.hpp"
 
@@ -105,6 +107,77 @@ TEST(GlobalPlanner, LeadsAroundAHoleInTheGeofenceAndNowhereOutOfIt) {
   }
   plan_within({8.0, 0.0});
   EXPECT_FALSE(std::isfinite(planner.cost_to_go()->least_near({0.0, 0.0})));
+}
+
+/// Rotates on the spot without measuring anything, until the local map has forgotten all obstacles.
+void rotate_blindly(LocalMap& map) {
+  scan::Scan scan = test::scan_of({}, {}, 0.0);
+  std::ranges::fill(scan.ranges_m, std::numeric_limits<float>::quiet_NaN());
+  for (int degree = 0; degree <= 720; degree += 45) {
+    map.add_scan(scan, {0.0, 0.0, geometry::deg_to_rad(degree)});
+  }
+}
+
+/// Plans again with the robot looking to all sides, which is `start_s` later and more.
+void plan_looking_around(GlobalPlanner& planner, const LocalMap& map, const Eigen::Vector2d& goal,
+                         std::int64_t start_s) {
+  for (int i = 0; i < 400; ++i) {
+    const geometry::SE2 T_odom_base{0.0, 0.0, 0.5 * geometry::kPi * (i / 100)};
+    planner.step(1'000'000 * start_s + 13'320 * i, map, {}, T_odom_base, goal, kToleranceM);
+  }
+}
+
+// Odometry drifts, so the local map forgets what is not measured again; the pose in map does not.
+TEST(GlobalPlanner, WallsStayThatTheLocalMapHasForgotten) {
+  const Eigen::Vector2d goal(3.0, 0.0);
+  const Ground fence{{{{1.0, -1.1}, {1.1, 1.1}, 0.5},
+                      {{-1.1, -1.1}, {-1.0, 1.1}, 0.5},
+                      {{-1.1, 1.0}, {1.1, 1.1}, 0.5},
+                      {{-1.1, -1.1}, {1.1, -1.0}, 0.5}}};
+  LocalMap map = look(fence, {});
+  GlobalPlanner planner(kBody, {});
+  plan(planner, map, goal);
+  rotate_blindly(map);
+  ASSERT_TRUE(map.points_base({}, 3.0).empty());
+  plan_looking_around(planner, map, goal, 10);
+  EXPECT_FALSE(std::isfinite(planner.cost_to_go()->least_near({0.0, 0.0})));
+  // Who has not seen them before does not know of them.
+  GlobalPlanner other(kBody, {});
+  plan(other, map, goal);
+  EXPECT_TRUE(std::isfinite(other.cost_to_go()->least_near({0.0, 0.0})));
+  // Now the fence is gone, and is seen to be.
+  for (int i = 0; i < 3; ++i) {
+    for (double deg = -60.0; deg <= 0.0; deg += 0.5) {
+      map.add_scan(test::scan_of({}, {}, geometry::deg_to_rad(deg)), {});
+    }
+  }
+  plan_looking_around(planner, map, goal, 20);
+  EXPECT_TRUE(std::isfinite(planner.cost_to_go()->least_near({0.0, 0.0})));
+}
+
+// 2D SLAM turns odometry by 20 degrees. What is behind the robot stays where it was when it was
+// seen, until it is looked at again: then it is a quarter of a metre farther away here.
+TEST(GlobalPlanner, WhatIsBehindTheLaserDoesNotMoveWithOdometry) {
+  const Ground wall{{{{-1.3, -2.0}, {-1.2, 2.0}, 0.5}}};
+  const Eigen::Vector2d on_wall(-1.25, 0.6);
+  const Eigen::Vector2d goal(-4.0, 0.0);
+  LocalMap map = look(wall, {});
+  for (double deg = -60.0; deg <= -10.0; deg += 1.0) {
+    const geometry::SE2 T_odom_base{0.0, 0.0, geometry::kPi};
+    map.add_scan(test::scan_of(wall, T_odom_base, geometry::deg_to_rad(deg)), T_odom_base);
+  }
+  GlobalPlanner planner(kBody, {});
+  plan_looking_around(planner, map, goal, 0);
+  EXPECT_FALSE(std::isfinite(planner.cost_to_go()->at(on_wall)));
+  const geometry::SE2 T_map_odom{0.0, 0.0, geometry::deg_to_rad(20.0)};
+  for (const double yaw_rad : {0.0, geometry::kPi}) {
+    const geometry::SE2 T_odom_base = T_map_odom.inverse() * geometry::SE2{0.0, 0.0, yaw_rad};
+    const std::int64_t start_us = yaw_rad == 0.0 ? 10'000'000 : 20'000'000;
+    for (int i = 0; i < 100; ++i) {
+      planner.step(start_us + 13'320 * i, map, T_map_odom, T_odom_base, goal, kToleranceM);
+    }
+    EXPECT_EQ(std::isfinite(planner.cost_to_go()->at(on_wall)), yaw_rad != 0.0);
+  }
 }
 
 TEST(GlobalPlanner, SaysWhenThereIsNoPath) {
