@@ -46,7 +46,7 @@ struct SpeedParams {
              "Speed from which on the area of interest is only the virtual corridor.");
     v.number("top_mps", top_mps, {0.0, 5.0}, "Upper limit of the speed bound.");
     v.number("acceleration_mps2", acceleration_mps2, {0.05, 10.0},
-             "How fast the speed bound may rise; slow enough for two sweeps to look ahead.");
+             "How fast the speed bound may rise.");
   }
 };
 
