@@ -27,6 +27,8 @@ struct LevelScan {
   [[nodiscard]] bool has_odometry_gap() const { return odometry_gap_s > 0.5; }
   /// Fewer determine no pose.
   [[nodiscard]] bool has_enough_points() const { return points_base.size() >= 10; }
+  /// Fewer fit somewhere by chance, if they are looked for in a wide window.
+  [[nodiscard]] bool has_enough_to_search() const { return points_base.size() >= 30; }
 };
 
 /// How a pose was found.

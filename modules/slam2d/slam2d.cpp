@@ -148,7 +148,7 @@ Match Slam2d::match_or_search(const LevelScan& scan, std::span<const geometry::S
   const Submap& submap = back_end_.local();
   const Match tracked = matcher_.match(submap.points, scan.points_base, guesses.front());
   const bool is_good = tracked.score >= params_.search.score_threshold && !odometry_is_in_doubt_;
-  if (is_good || !scan.has_enough_points()) {
+  if (is_good || !scan.has_enough_to_search()) {
     T_odom_failed_search_.reset();
     return tracked;
   }

@@ -137,8 +137,10 @@ TEST(Golden, OurDeputyGoesThroughTheRecordedStates) {
   EXPECT_TRUE(client.wait_until([&] { return has_reached(client.infos(), recording.infos); }));
   EXPECT_EQ(histories(client.infos()), histories(recording.infos));
   for (const auto& [id, text] : recording.outputs) {
-    EXPECT_TRUE(client.wait_until([&] { return lines_of(client.output(id)) == lines_of(text); }))
-        << id << ": " << client.output(id);
+    EXPECT_TRUE(client.wait_until([&, id = id, text = text] {
+      return lines_of(client.output(id)) == lines_of(text);
+    })) << id
+        << ": " << client.output(id);
   }
   deputy.send_signal(SIGTERM);
   EXPECT_EQ(deputy.wait_for_end(test::kPatience), 0);

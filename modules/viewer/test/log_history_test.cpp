@@ -27,8 +27,8 @@ TEST(Series, KeepsTheExtremesOfEachInterval) {
   // Two intervals of 100 values.
   const Json samples = series.samples();
   ASSERT_EQ(samples.size(), 4U);
-  for (int k = 0; k < 2; ++k) {
-    const auto begin = values.begin() + 100 * k;
+  for (std::size_t k = 0; k < 2; ++k) {
+    const auto begin = values.begin() + static_cast<std::ptrdiff_t>(100 * k);
     const auto [least, greatest] = std::minmax_element(begin, begin + 100);
     const double a = samples[2 * k][1];
     const double b = samples[2 * k + 1][1];

@@ -38,14 +38,14 @@ using Beams = std::vector<std::size_t>;
 
 TEST(MixedPixel, LiesBetweenTwoSurfaces) {
   EXPECT_EQ(mixed_pixels(scan_of({1, 1, 1, 1.5, 2, 2, 2})), Beams{3});
-  EXPECT_EQ(mixed_pixels(scan_of({2, 2, 2, 1.1, 1, 1, 1})), Beams{3});
+  EXPECT_EQ(mixed_pixels(scan_of({2, 2, 2, 1.1F, 1, 1, 1})), Beams{3});
 }
 
 TEST(MixedPixel, ASurfaceIsNone) {
   EXPECT_EQ(mixed_pixels(scan_of({1, 1, 1, 2, 2, 2})), Beams{}) << "an edge";
   EXPECT_EQ(mixed_pixels(scan_of({2, 2, 2, 1, 2, 2, 2})), Beams{}) << "a post, one beam wide";
   EXPECT_EQ(mixed_pixels(scan_of({1, 1, 1, 1.5, 1.5, 2, 2})), Beams{}) << "two beams wide";
-  EXPECT_EQ(mixed_pixels(scan_of({1, 1, 1, 1.05, 2, 2, 2})), Beams{}) << "within the noise";
+  EXPECT_EQ(mixed_pixels(scan_of({1, 1, 1, 1.05F, 2, 2, 2})), Beams{}) << "within the noise";
 }
 
 TEST(MixedPixel, WithoutANeighbourNothingIsKnown) {

@@ -13,8 +13,8 @@ namespace {
 TEST(GridAssembler, PutsTilesInTheirPlaces) {
   GridAssembler assembler;
   auto tiles = foxglove::test::map_at(0.0, 7);
-  tiles[0].cells[0] = 33;                       // first cell of the grid
-  tiles[1].cells[tiles[1].num_cells - 1] = 44;  // last one
+  tiles[0].cells[0] = 33;      // first cell of the grid
+  tiles[1].cells.back() = 44;  // last one
   EXPECT_FALSE(assembler.add(tiles[1]).whole);
   const auto result = assembler.add(tiles[0]);
   ASSERT_TRUE(result.whole);
