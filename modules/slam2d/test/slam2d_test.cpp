@@ -226,6 +226,28 @@ TEST(Slam2d, ARotationThatOdometryMissedIsFound) {
   EXPECT_NEAR(update->T_map_base.yaw, truth.yaw, geometry::deg_to_rad(0.158));
 }
 
+// The same with a piece of a wall in view: that fits many places.
+TEST(Slam2d, FewPointsAreNotLookedForInAWideWindow) {
+  Slam2d slam{Slam2dParams{}};
+  Scanner scanner;
+  ASSERT_TRUE(track(slam, scanner.scan(test::room(), {}), {}));
+  const SE2 truth{0.1, 0.0, geometry::deg_to_rad(50.0)};
+  scan::Scan scan = scanner.scan(test::room(), truth, kPeriodUs);
+  constexpr std::size_t kFirst = 40;
+  constexpr std::size_t kLast = 65;
+  for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
+    if (i < kFirst || i > kLast) {
+      scan.ranges_m[i] = std::numeric_limits<float>::infinity();
+    }
+  }
+  const SE2 odom{0.1, 0.0, 0.0};
+  const auto update = track(slam, scan, odom);
+  ASSERT_TRUE(update);
+  EXPECT_EQ(slam.metrics().searches, 0);
+  EXPECT_NE(update->quality, PoseQuality::kTracked);
+  EXPECT_EQ(update->T_map_base.x, odom.x);
+}
+
 TEST(Slam2d, WhereNothingMatchesItIsLostAndContinuesTheMapFromOdometry) {
   Slam2d slam{Slam2dParams{}};
   Scanner scanner;
