@@ -2,6 +2,9 @@
 #include "modules/navigator/geofence.hpp"
 
 #include <algorithm>
+
+// Boost.Geometry includes a deprecated header itself.
+#define BOOST_ALLOW_DEPRECATED_HEADERS
 #include <boost/geometry.hpp>
 #include <boost/geometry/geometries/point_xy.hpp>
 #include <boost/geometry/geometries/polygon.hpp>
