@@ -50,33 +50,32 @@ TEST(SerialWorkersTest, AContainerHasNone) {
   EXPECT_TRUE(serial_workers(dir.path() / "nothing").empty());
 }
 
-TEST(SerialWorkersTest, AreRaisedAndGivenTheirOrdinaryPriorityBack) {
-  if (!may_raise_serial_workers()) {
-    SerialWorkers workers;
-    EXPECT_FALSE(workers.raise());
-    GTEST_SKIP() << "needs the right to change the kernel's threads (CAP_SYS_NICE)";
-  }
-  const std::map<pid_t, int> before = policies();
-  {
-    SerialWorkers workers;
-    EXPECT_TRUE(workers.raise());
-    EXPECT_TRUE(workers.raise());
-    for (const auto& [pid, policy] : policies()) {
-      // The kernel may have made another one since, or ended one.
-      EXPECT_TRUE(policy != SCHED_OTHER || !before.contains(pid)) << pid;
-    }
-  }
+// The kernel may have made another one since, or ended one.
+void expect_unchanged(const std::map<pid_t, int>& before) {
   for (const auto& [pid, policy] : policies()) {
     EXPECT_TRUE(!before.contains(pid) || policy == before.at(pid) || policy < 0) << pid;
   }
 }
 
-TEST(SerialWorkersTest, ToAskForTheRightChangesNothing) {
+// One test, because the kernel's workers are those of all tests that run at the same time.
+TEST(SerialWorkersTest, AreRaisedAndGivenTheirOrdinaryPriorityBack) {
   const std::map<pid_t, int> before = policies();
-  static_cast<void>(may_raise_serial_workers());
-  for (const auto& [pid, policy] : policies()) {
-    EXPECT_TRUE(!before.contains(pid) || policy == before.at(pid) || policy < 0) << pid;
+  const bool may_raise = may_raise_serial_workers();
+  expect_unchanged(before);
+  if (!may_raise) {
+    SerialWorkers workers;
+    EXPECT_FALSE(workers.raise());
+    GTEST_SKIP() << "needs the right to change the kernel's threads (CAP_SYS_NICE)";
   }
+  {
+    SerialWorkers workers;
+    EXPECT_TRUE(workers.raise());
+    EXPECT_TRUE(workers.raise());
+    for (const auto& [pid, policy] : policies()) {
+      EXPECT_TRUE(policy != SCHED_OTHER || !before.contains(pid)) << pid;
+    }
+  }
+  expect_unchanged(before);
 }
 
 }  // namespace
