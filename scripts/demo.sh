@@ -3,6 +3,8 @@
 # The system on a recording: every process by itself, the recording played over LCM. Called by ./nodmap demo.
 #   scripts/demo.sh [--check-arguments] RECORDING [--speed FACTOR] [--out DIR]
 set -euo pipefail
+# First of all: without a trap bash goes on after a Ctrl-C if the command that it waits for has just ended by itself.
+trap 'exit 130' INT
 cd "$(dirname "$(readlink -f "$0")")/.."
 bin=$PWD/build/release/bin
 source scripts/demo_common.sh
@@ -72,7 +74,7 @@ esac
 
 names=() pids=() player=
 stop_all() {
-  trap - EXIT INT TERM
+  trap - EXIT INT TERM HUP
   [[ -z "$player" ]] || kill "$player" 2>/dev/null || true
   local i
   for i in "${!pids[@]}"; do kill -INT "${pids[$i]}" 2>/dev/null || true; done
@@ -86,7 +88,7 @@ stop_all() {
   done
   return $failed
 }
-trap 'stop_all || true; exit 130' INT TERM
+trap 'stop_all || true; exit 130' INT TERM HUP
 trap 'stop_all || true' EXIT
 
 start() {

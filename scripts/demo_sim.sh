@@ -3,6 +3,8 @@
 # The whole robot in a simulated building, every process by the process manager. Called by ./nodmap demo and ./nodmap explore.
 #   scripts/demo_sim.sh [--check-arguments] [--explore] [--world WORLD.yaml] [--duration SECONDS] [--out DIR]
 set -euo pipefail
+# First of all: without a trap bash goes on after a Ctrl-C if the command that it waits for has just ended by itself.
+trap 'exit 130' INT
 cd "$(dirname "$(readlink -f "$0")")/.."
 bin=$PWD/build/release/bin
 config=procman/sim.pmd
@@ -67,8 +69,14 @@ name_page
 # sim.pmd names these and NODMAP_PORT; the deputy puts them in.
 export NODMAP_WORLD=$world NODMAP_RUN=$out
 
-deputy='' listener=''
+deputy='' listener='' running=''
 end_deputy() {
+  # Waited for, too: nothing is left when this has ended.
+  if [[ -n "$running" ]]; then
+    kill -TERM "$running" 2>/dev/null || true
+    wait "$running" || true
+    running=
+  fi
   if [[ -n "$listener" ]]; then
     kill "$listener" 2>/dev/null || true
     wait "$listener" || true
@@ -86,7 +94,14 @@ trap 'trap - EXIT INT TERM HUP; end_deputy || true; exit 130' INT TERM HUP
 trap 'trap - EXIT INT TERM HUP; end_deputy' EXIT
 
 # Waited for in the background: a trap runs at once then, and not after the command.
-run() { setpriv --pdeathsig TERM "$@" & wait $!; }
+run() {
+  local code=0
+  setpriv --pdeathsig TERM "$@" &
+  running=$!
+  wait "$running" || code=$?
+  running=
+  return $code
+}
 
 say "starting the processes (LCM: $LCM_DEFAULT_URL)"
 setpriv --pdeathsig TERM "$bin/nodmap-deputy" "$config" >"$out/deputy.log" 2>&1 &

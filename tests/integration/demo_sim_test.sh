@@ -84,6 +84,14 @@ for _ in $(seq 400); do grep -q "page on http" "$work/again.log" && break; sleep
 kill "$viewer" && wait "$viewer" || true
 grep -q "page on http" "$work/again.log" || { cat "$work/again.log"; fail "that does not replay it"; }
 
+# Ctrl-C in the moment in which a command of the script ends by itself.
+mkdir "$work/stub"
+printf '#!/bin/sh\n/bin/mkdir "$@"\nkill -INT "$PPID"\n' >"$work/stub/mkdir"
+chmod +x "$work/stub/mkdir"
+code=0
+PATH=$work/stub:$PATH env --default-signal=INT bash scripts/demo_sim.sh --duration 1 --out "$work/at-the-end-of-a-command" >"$work/log" 2>&1 || code=$?
+[[ $code -eq 130 ]] || fail "a Ctrl-C as a command of the script ends is not heard: exit code $code"
+
 for seconds in 0 0.1 0.3 0.6 1 1.5 2 3 4 5 6 8; do
   start_demo "interrupted-$seconds" 30
   sleep "$seconds"
