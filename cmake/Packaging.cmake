@@ -39,7 +39,8 @@ install(FILES lcmtypes/README.md DESTINATION share/lcmtypes RENAME nodmap.README
 # Another project: find_package(nodmap), then link nodmap::lcmtypes for the C++ types.
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/nodmapConfigVersion.cmake COMPATIBILITY SameMajorVersion
   ARCH_INDEPENDENT)
-install(FILES cmake/nodmapConfig.cmake ${PROJECT_BINARY_DIR}/nodmapConfigVersion.cmake
+configure_file(cmake/nodmapConfig.cmake.in ${PROJECT_BINARY_DIR}/nodmapConfig.cmake @ONLY)
+install(FILES ${PROJECT_BINARY_DIR}/nodmapConfig.cmake ${PROJECT_BINARY_DIR}/nodmapConfigVersion.cmake
   DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/nodmap)
 
 # The types for lcm-spy, where a Java compiler is: found by lcm-spy in share/java, as is the custom.

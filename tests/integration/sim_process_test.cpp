@@ -155,8 +155,14 @@ TEST_F(SimProcess, TheDriversFindTheirDevicesAndTheirRates) {
 }
 
 TEST_F(SimProcess, TheDriversRecoverWhenTheirPortsComeBack) {
-  ChildProcess sim(sim_command({"--fault", "laser:unplug@6+2", "--fault", "base:unplug@6+2",
-                                "--fault", "servo:unplug@6+2"}));
+  // Every ten seconds, for the drivers may need any number of seconds until they read.
+  std::vector<std::string> faults;
+  for (const char* window : {":unplug@6+2", ":unplug@16+2", ":unplug@26+2", ":unplug@36+2"}) {
+    for (const std::string part : {"laser", "base", "servo"}) {
+      faults.insert(faults.end(), {"--fault", part + window});
+    }
+  }
+  ChildProcess sim(sim_command(faults));
   ASSERT_TRUE(sim.wait_for_stderr("devices in", kPatience)) << sim.said();
   start_drivers();
   ASSERT_TRUE(listen_until([this] { return !scans_.utimes.empty() && !odometry_.utimes.empty(); }));

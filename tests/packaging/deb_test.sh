@@ -2,13 +2,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # The Debian package: built by CPack, installed by apt on top of this machine (an overlay that nobody else sees), used from
 # there, purged.
-#   deb_test.sh BUILD_DIR        exits 77 (skipped) without root, or where the machine gives no overlay
+#   deb_test.sh BUILD_DIR        exits 77 (skipped) without root, where the machine gives no overlay, and for another LCM than Debian's
 set -euo pipefail
 here=$(dirname "$(readlink -f "$0")")
 fail() { echo "FAILED: $*"; exit 1; }
 
 if [[ "${1:-}" != --inside ]]; then
   [[ "$(id -u)" -eq 0 ]] || { echo "skipped: to install a package takes root"; exit 77; }
+  generator=$(sed -n 's/^NODMAP_LCM_GEN:FILEPATH=//p' "$1/CMakeCache.txt")
+  dpkg -S "$generator" >/dev/null 2>&1 || { echo "skipped: a package for Debian takes Debian's LCM, and this build has that of $generator"; exit 77; }
   work=$(mktemp -d)
   trap 'rm -rf "$work"' EXIT
   mkdir "$work/upper" "$work/work" "$work/root" "$work/package"
