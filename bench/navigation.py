@@ -7,7 +7,7 @@
 Seeds 0 to 999 are for reporting, 1000 to 1999 for choosing parameters (bench/seeds.py). The columns: runs; collisions, and how many of them the robot
 caused (it moved at 0.05 m/s or more); falls; bumps by people into the standing robot; runs that reached the goal without a collision; SPL and median time of the
 goals reached; mean speed; least clearance; seconds nearer than 0.45 m to a person. `people` are families with their progress towards the goal relative
-to the same worlds without anybody.
+to the same worlds without anybody. `docks` have their median and worst distance and angle to the goal.
 """
 import argparse
 import json
@@ -27,10 +27,12 @@ FAMILIES = {"random": (["random"], 60), "dense": (["dense"], 60), "holes": (["ho
             "mazes": (["maze", "zigzag", "dead-end", "slot"], 180), "doors": (["doors", "office"], 180),
             "people": (["people"], 60), "reacting": (["reacting"], 60), "recorded": (["eth", "zara01"], 60),
             "ramps": (["ramps"], 60), "sills": (["sills"], 90), "glass": (["glass"], 90), "drums": (["drums"], 90),
-            "corridor": (["corridor"], 120)}
+            "corridor": (["corridor"], 120), "docks": (["dock"], 120)}
 WITH_PEOPLE = ["people", "reacting", "recorded"]
 FRAMES_PER_S = {"eth": 15, "zara01": 2.5}
 COLUMNS = ["family", "n", "collisions", "caused", "falls", "bumped", "reached", "spl", "time_s", "mean_mps", "clearance_m", "close_s", "progress"]
+# Of families with a heading at the goal.
+DOCKING_COLUMNS = ["off_cm", "worst_off_cm", "off_deg", "worst_off_deg"]
 
 
 def recorded_crowds(folder):
@@ -103,15 +105,27 @@ def row_of(family, trials, empty):
     row["close_s"] = rounded(sum(result["close_to_person_s"] for result in results), 1) if empty else None
     alone = progress([trial.result for trial in empty if trial.result]) if empty else None
     row["progress"] = rounded(progress(results) / alone, 2) if alone else None
+    add_docking(row, [result["goal"] for result in reached])
     return row
+
+
+def add_docking(row, goals):
+    """How far from its goal, and from its heading, the robot says that it has docked: median and worst."""
+    goals = [goal for goal in goals if goal["heading_error_deg"] is not None]
+    if goals:
+        off_cm = [100 * goal["remaining_m"] for goal in goals]
+        off_deg = [abs(goal["heading_error_deg"]) for goal in goals]
+        row["off_cm"], row["worst_off_cm"] = rounded(statistics.median(off_cm), 1), rounded(max(off_cm), 1)
+        row["off_deg"], row["worst_off_deg"] = rounded(statistics.median(off_deg), 2), rounded(max(off_deg), 2)
 
 
 def show(rows, label):
     """As rows of Markdown, to be pasted into the document."""
-    print(f"| {label} | " + " | ".join(COLUMNS[1:]) + " |")
-    print("|---|" + "---|" * (len(COLUMNS) - 1))
+    columns = COLUMNS + [column for column in DOCKING_COLUMNS if any(column in row for row in rows)]
+    print(f"| {label} | " + " | ".join(columns[1:]) + " |")
+    print("|---|" + "---|" * (len(columns) - 1))
     for row in rows:
-        print("| " + " | ".join("" if row[column] is None else str(row[column]) for column in COLUMNS) + " |")
+        print("| " + " | ".join("" if row.get(column) is None else str(row[column]) for column in columns) + " |")
 
 
 def main():

@@ -14,6 +14,10 @@ namespace {
 /// Creeping at 0.25 m/s the robot is stationary after 5 cm: so much is left, no more. With the stop
 /// margin of a fast robot it would stand before each bend of a narrow place.
 constexpr double kCreepStopMarginM = 0.05;
+/// Floor that an obstacle close ahead hides cannot be seen. Towards the obstacle the robot may
+/// creep so slowly that it is stationary after 1.5 cm, and it has 5 cm: that is how it docks.
+constexpr double kHiddenMps = 0.1;
+constexpr double kHiddenSeenM = 0.05;
 /// The corners of KURT3D then move at 5 cm/s: what they touch stays where it is.
 constexpr double kCreepRadS = geometry::deg_to_rad(10.0);
 
@@ -69,7 +73,12 @@ double Brake::speed_on_seen_floor(double curvature, double max_mps, const Situat
       speed_mps = robot::stoppable_speed(seen_m, drive_.reaction_s, rule.deceleration_mps2);
     }
   }
-  return speed_mps;
+  const double slow_mps = std::min(kHiddenMps, max_mps);
+  const bool may_creep =
+      creeps_ && speed_mps < slow_mps &&
+      now.local_map->seen_distance(now.T_odom_base, curvature, body_.half_width_m, kHiddenSeenM,
+                                   local_map_.max_gap_m, true) == kHiddenSeenM;
+  return may_creep ? slow_mps : speed_mps;
 }
 
 double Brake::speed_on_present_arc(const Situation& now) const {

@@ -40,7 +40,7 @@ std::optional<double> wall_direction(const Points& points_base, double side) {
 
 GoalInBase goal_in_base(const Eigen::Vector2d& p_goal_base, double tolerance_m) {
   return {std::atan2(p_goal_base.y(), p_goal_base.x()), p_goal_base.norm(), tolerance_m,
-          p_goal_base};
+          p_goal_base, std::nullopt};
 }
 
 bool has_arrived(const GoalInBase& goal, bool had_arrived) {

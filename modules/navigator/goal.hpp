@@ -14,6 +14,12 @@ struct GoalInBase {
   double distance_m = 0.0;
   double tolerance_m = 0.0;
   Eigen::Vector2d p_base = Eigen::Vector2d::Zero();
+  /// Of a goal to dock at.
+  struct Heading {
+    double yaw_rad = 0.0;  ///< of the goal in base
+    double tolerance_rad = 0.0;
+  };
+  std::optional<Heading> heading;
 };
 
 [[nodiscard]] GoalInBase goal_in_base(const Eigen::Vector2d& p_goal_base, double tolerance_m);

@@ -136,7 +136,7 @@ Decision Navigator::decide(Situation now) {
 }
 
 Decision Navigator::behave(const Situation& now) {
-  arrived_ = now.goal && has_arrived(*now.goal, arrived_);
+  arrived_ = now.goal && !now.goal->heading && has_arrived(*now.goal, arrived_);
   if (arrived_) {
     turn_.end();
     steering_.detour().end();

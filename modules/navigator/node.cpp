@@ -58,6 +58,14 @@ std::int8_t code_of(Behaviour behaviour) {
   return nodmap::navigation_t::HALT;
 }
 
+bool is_plausible(const nodmap::goal_t& goal) {
+  const auto is_tolerance = [](double value) { return std::isfinite(value) && value > 0.0; };
+  const bool is_place = std::isfinite(goal.position_m[0]) && std::isfinite(goal.position_m[1]) &&
+                        is_tolerance(goal.tolerance_m);
+  return is_place && (goal.has_heading == 0 || (std::isfinite(goal.heading_rad) &&
+                                                is_tolerance(goal.heading_tolerance_rad)));
+}
+
 }  // namespace
 
 NavigatorNode::NavigatorNode(node::Context& context, const Params& params)
@@ -187,16 +195,18 @@ void NavigatorNode::on_pitch_state(const nodmap::pitch_state_t& message) {
 }
 
 void NavigatorNode::on_goal(const nodmap::goal_t& message) {
-  const Eigen::Vector2d p_map(message.position_m[0], message.position_m[1]);
-  if (message.is_active != 0 &&
-      (!p_map.allFinite() || !(message.tolerance_m > 0.0) || !std::isfinite(message.tolerance_m))) {
+  if (message.is_active != 0 && !is_plausible(message)) {
     context_.counts.reject("implausible_goal");
     return;
   }
   context_.counts.use();
   goal_.reset();
   if (message.is_active != 0) {
-    goal_ = {p_map, message.tolerance_m};
+    goal_ = {{message.position_m[0], message.position_m[1], 0.0}, message.tolerance_m, {}};
+  }
+  if (goal_ && message.has_heading != 0) {
+    goal_->T_map_goal.yaw = geometry::normalize_angle(message.heading_rad);
+    goal_->heading_tolerance_rad = message.heading_tolerance_rad;
   }
 }
 
@@ -289,6 +299,9 @@ std::optional<std::string> NavigatorNode::reason_not_to_drive() const {
   if (auto reason = reason_by_geofence()) {
     return reason;
   }
+  if (goal_ && goal_->heading_tolerance_rad && !(params_.planner.use && params_.local_map.use)) {
+    return "Docks only with planner.use_planner and local_map.use_local_map.";
+  }
   const double age_s = 1e-6 * std::abs(static_cast<double>(*stamps_.odometry_us - *stamps_.map_us));
   const double shift_m =
       (odometry_->T_odom_base.translation() - map_->T_odom_map.translation()).norm();
@@ -319,7 +332,7 @@ std::optional<std::string> NavigatorNode::reason_by_geofence() const {
 }
 
 bool NavigatorNode::goal_is_fenced_off() const {
-  return goal_ && geofence_ && !geofence_->contains(goal_->p_map);
+  return goal_ && geofence_ && !geofence_->contains(goal_->T_map_goal.translation());
 }
 
 Situation NavigatorNode::situation() const {
@@ -335,8 +348,12 @@ Situation NavigatorNode::situation() const {
   now.geofence = geofence_ ? &*geofence_ : nullptr;
   now.laser_is_held = pitch_command_.pitch_max_rad - pitch_command_.pitch_min_rad < kHeldRad;
   if (goal_) {
-    const geometry::SE2 T_base_map = (T_map_odom_ * odometry_->T_odom_base).inverse();
-    now.goal = goal_in_base(T_base_map * goal_->p_map, goal_->tolerance_m);
+    const geometry::SE2 T_base_goal =
+        (T_map_odom_ * odometry_->T_odom_base).inverse() * goal_->T_map_goal;
+    now.goal = goal_in_base(T_base_goal.translation(), goal_->tolerance_m);
+    if (goal_->heading_tolerance_rad) {
+      now.goal->heading = {T_base_goal.yaw, *goal_->heading_tolerance_rad};
+    }
   }
   return now;
 }
@@ -345,7 +362,8 @@ Situation NavigatorNode::situation() const {
 /// away its error is no reason to be slow: what stands in the way is measured, whatever the pose.
 bool NavigatorNode::may_be_at_goal() const {
   const Eigen::Vector2d p_map = T_map_odom_ * odometry_->T_odom_base.translation();
-  return (goal_->p_map - p_map).norm() < goal_->tolerance_m + kGoalSigmas * pose_sigma_m_;
+  return (goal_->T_map_goal.translation() - p_map).norm() <
+         goal_->tolerance_m + kGoalSigmas * pose_sigma_m_;
 }
 
 double NavigatorNode::max_forward_mps() const {

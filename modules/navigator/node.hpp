@@ -54,8 +54,9 @@ class NavigatorNode final : public node::Node {
     Points points_map;
   };
   struct Goal {
-    Eigen::Vector2d p_map;
+    geometry::SE2 T_map_goal;  // its yaw counts with a heading tolerance only
     double tolerance_m = 0.0;
+    std::optional<double> heading_tolerance_rad;
   };
 
   void on_map(const nodmap::egomap_t& message);

@@ -218,6 +218,29 @@ struct PlannerParams {
   }
 };
 
+/// The last metre to a goal with a heading.
+struct DockingParams {
+  double staging_m = 0.8;
+  double line_m = 0.12;
+  double speed_mps = 0.15;
+  double settle_s = 1.5;
+  int tries = 5;
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.number("staging_m", staging_m, {0.3, 3.0},
+             "Straight behind the goal, so far from it, lies the place from which it docks.");
+    v.number("line_m", line_m, {0.05, 1.0},
+             "The distance to the line through the goal decays over so much of it.");
+    v.number("speed_mps", speed_mps, {0.05, 0.5}, "Fastest speed along the line.");
+    v.number("settle_s", settle_s, {0.1, 20.0},
+             "It is stationary for so long before its pose counts: 2D SLAM sees a level scan about "
+             "once a second.");
+    v.integer("tries", tries, {1, 100},
+              "After so many tries and corrections it says that it cannot dock.");
+  }
+};
+
 /// People who walk.
 struct PeopleParams {
   bool use = true;
@@ -251,6 +274,7 @@ struct NavigatorParams {
   StalenessParams staleness;
   LocalMapParams local_map;
   PlannerParams planner;
+  DockingParams docking;
   PeopleParams people;
   std::string geofence;
   double drive_valid_s = 0.15;
@@ -265,6 +289,7 @@ struct NavigatorParams {
     v.section("staleness", staleness);
     v.section("local_map", local_map);
     v.section("planner", planner);
+    v.section("docking", docking);
     v.section("people", people);
     v.text("geofence", geofence,
            "The area that the robot does not leave: a polygon in the frame map, metres, such as "

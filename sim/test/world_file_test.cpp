@@ -72,6 +72,7 @@ actors:
   - {cylinder: {radius: 0.25, height: 1.75}, path: [[0, 5, -2], [4, 5, 2]], loop: true, reacts: true, vanish_s: 60.0}
 robot: {start: [1, 2, 450]}
 goal: [12.0, 3.0]
+goal_heading: 90
 )");
   EXPECT_EQ(world.name, "all");
   ASSERT_EQ(world.objects.size(), 5U);
@@ -98,6 +99,7 @@ goal: [12.0, 3.0]
   EXPECT_EQ(world.actors[0].vanish_s, 60.0);
   EXPECT_NEAR(world.T_world_start.yaw, deg_to_rad(90.0), 1e-12);
   EXPECT_THAT(world.goals, testing::ElementsAre(Eigen::Vector2d(12.0, 3.0)));
+  EXPECT_NEAR(*world.goal_heading_rad, deg_to_rad(90.0), 1e-12);
 }
 
 TEST_F(WorldFile, ReadsBinaryMeshes) {
@@ -166,6 +168,7 @@ TEST_F(WorldFile, ErrorsNameTheLine) {
   EXPECT_EQ(error_of("name: x\ngoal: 3\n" + kTail), "2: 'goal': expected 2 numbers");
   EXPECT_EQ(error_of("name: x\ngoal: [3, 4]\ngoals: [[1, 2]]\n" + kTail),
             "3: 'goals': there is a 'goal' already");
+  EXPECT_EQ(error_of("name: x\ngoal_heading: 90\n" + kTail), "2: 'goal_heading': there is no goal");
   EXPECT_EQ(error_of("name: x\ngoals: [[1, 2], 3]\n" + kTail), "2: 'goals': expected 2 numbers");
   EXPECT_EQ(error_of("name: x\nobjects: 3\n" + kTail), "2: 'objects': expected a list");
   EXPECT_THAT(error_of("name: x\nobjects: [\n"), HasSubstr("3: "));

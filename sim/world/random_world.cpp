@@ -43,6 +43,8 @@ class Maker {
   World make();
   /// With the start anywhere, and a goal far from it.
   World make_with_goal();
+  /// The goal with a heading, and a box of 30 cm before it.
+  World make_with_dock();
 
  private:
   double between(double least, double most) {
@@ -60,6 +62,7 @@ class Maker {
   void fill(World& world);
   bool place(const Obstacle& obstacle, World& world);
   [[nodiscard]] Eigen::Vector2d free_place(double free_m);
+  [[nodiscard]] bool is_free(const Eigen::Vector2d& p, double free_m) const;
 
   struct Circle {
     Eigen::Vector2d center;
@@ -105,14 +108,42 @@ World Maker::make_with_goal() {
   }
 }
 
+World Maker::make_with_dock() {
+  constexpr double kRunUpM = 0.8;
+  const Eigen::Vector3d station_size(0.2, 0.4, 0.3);
+  constexpr double kToStationM = 0.35;  // 12 cm before the body: its corners pass when it rotates
+  World world = make_with_goal();
+  while (true) {
+    const Eigen::Vector2d goal = free_place(kGoalFreeM);
+    const double heading_rad = between(-geometry::kPi, geometry::kPi);
+    const Eigen::Vector2d ahead(std::cos(heading_rad), std::sin(heading_rad));
+    const double run_up_m = kRunUpM + kGoalFreeM;
+    if (is_free(goal - 0.5 * kRunUpM * ahead, kGoalFreeM) &&
+        is_free(goal - kRunUpM * ahead, kGoalFreeM) &&
+        (goal - world.T_world_start.translation()).norm() > run_up_m + kStartFreeM) {
+      const Eigen::Vector2d station = goal + (kToStationM + 0.5 * station_size.x()) * ahead;
+      world.objects.push_back(
+          {Box{{station.x(), station.y(), 0.5 * station_size.z()}, station_size, heading_rad}});
+      world.goals = {goal};
+      world.goal_heading_rad = heading_rad;
+      return world;
+    }
+  }
+}
+
+bool Maker::is_free(const Eigen::Vector2d& p, double free_m) const {
+  return p.cwiseAbs().maxCoeff() <= kHalfRoomM - free_m &&
+         std::ranges::all_of(taken_, [&](const Circle& other) {
+           return (p - other.center).norm() >= other.radius_m + free_m;
+         });
+}
+
 /// Passages between bounding circles connect all that is free.
 Eigen::Vector2d Maker::free_place(double free_m) {
   const double reach_m = kHalfRoomM - free_m;
   while (true) {
     const Eigen::Vector2d p(between(-reach_m, reach_m), between(-reach_m, reach_m));
-    if (std::ranges::all_of(taken_, [&](const Circle& other) {
-          return (p - other.center).norm() >= other.radius_m + free_m;
-        })) {
+    if (is_free(p, free_m)) {
       return p;
     }
   }
@@ -220,6 +251,10 @@ World dense_clutter(std::uint64_t seed) {
 
 World clutter_with_goal(std::uint64_t seed) {
   return Maker({"goals", kNarrowPassageM, 40, 60}, seed).make_with_goal();
+}
+
+World clutter_with_dock(std::uint64_t seed) {
+  return Maker({"dock", kNarrowPassageM, 25, 40}, seed).make_with_dock();
 }
 
 }  // namespace nodmap::sim

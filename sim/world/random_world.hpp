@@ -23,4 +23,8 @@ namespace nodmap::sim {
 /// robot can turn. A disc of 0.5 m reaches every goal.
 [[nodiscard]] World clutter_with_goal(std::uint64_t seed);
 
+/// Fewer obstacles, and a goal with a heading: a station stands 12 cm ahead of the body there, and
+/// the last 0.8 m to it are free.
+[[nodiscard]] World clutter_with_dock(std::uint64_t seed);
+
 }  // namespace nodmap::sim

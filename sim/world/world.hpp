@@ -112,8 +112,9 @@ struct World {
   std::vector<Pit> pits;
   std::vector<Actor> actors;
   geometry::SE2 T_world_start;
-  double start_height_m = 0.0;         ///< of the ramp or platform on which the robot starts
-  std::vector<Eigen::Vector2d> goals;  ///< to be reached one after the other; may be empty
+  double start_height_m = 0.0;             ///< of the ramp or platform on which the robot starts
+  std::vector<Eigen::Vector2d> goals;      ///< to be reached one after the other; may be empty
+  std::optional<double> goal_heading_rad;  ///< of base at the last goal; empty: any
   Task task;
 };
 

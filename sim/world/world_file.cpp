@@ -289,7 +289,8 @@ World Reader::read_world() const {
     throw WorldFileError(file_.string() + ":" + std::to_string(error.mark.line + 1) + ": " +
                          error.msg);
   }
-  check_keys(root, "world", {"name", "objects", "pits", "actors", "robot", "goal", "goals"});
+  check_keys(root, "world",
+             {"name", "objects", "pits", "actors", "robot", "goal", "goals", "goal_heading"});
   World world;
   const YAML::Node name = need(root, "name");
   if (!name.IsScalar()) {
@@ -317,6 +318,12 @@ World Reader::read_world() const {
   }
   for (const YAML::Node& item : list(root, "goals")) {
     world.goals.push_back(vector<2>(item, "goals"));
+  }
+  if (root["goal_heading"]) {
+    if (world.goals.empty()) {
+      fail(root["goal_heading"], "'goal_heading': there is no goal");
+    }
+    world.goal_heading_rad = deg_to_rad(number(root["goal_heading"], "goal_heading"));
   }
   return world;
 }

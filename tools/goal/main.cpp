@@ -3,11 +3,13 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <iostream>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
 
 #include "common/bus/live_bus.hpp"
+#include "common/geometry/angle.hpp"
 #include "common/node/clock.hpp"
 #include "common/node/program.hpp"
 #include "nodmap/goal_t.hpp"
@@ -21,10 +23,14 @@ namespace {
 /// A goal is said again for a navigator that has missed it, or was started anew.
 constexpr std::chrono::seconds kRepeat(1);
 constexpr std::chrono::milliseconds kLongestWait(100);
+constexpr double kToleranceM = 0.2;
+constexpr double kDockingToleranceM = 0.02;
 
 struct Arguments {
   std::vector<double> coordinates_m;  ///< x and y of each waypoint
-  double tolerance_m = 0.2;
+  std::optional<double> tolerance_m;
+  std::optional<double> heading_deg;
+  double heading_tolerance_deg = 1.0;
   double patience_s = 20.0;
   double wait_s = 10.0;
   bool is_patrol = false;
@@ -92,9 +98,23 @@ class Guide {
     goal.is_active = 1;
     goal.position_m[0] = route_.waypoint_map().x();
     goal.position_m[1] = route_.waypoint_map().y();
-    goal.tolerance_m = arguments_.tolerance_m;
+    const bool docks = arguments_.heading_deg && route_.index() + 1 == route_.size();
+    goal.tolerance_m = tolerance_m(docks);
+    if (docks) {
+      goal.has_heading = 1;
+      goal.heading_rad = geometry::deg_to_rad(*arguments_.heading_deg);
+      goal.heading_tolerance_rad = geometry::deg_to_rad(arguments_.heading_tolerance_deg);
+    }
     own_stamps_.insert(goal.utime);
     bus_.publish("GOAL", goal);
+  }
+
+  /// With a heading --tolerance is that of the last waypoint alone.
+  [[nodiscard]] double tolerance_m(bool docks) const {
+    if (docks) {
+      return arguments_.tolerance_m.value_or(kDockingToleranceM);
+    }
+    return arguments_.heading_deg ? kToleranceM : arguments_.tolerance_m.value_or(kToleranceM);
   }
 
   void tell(Route::Event event) {
@@ -102,7 +122,8 @@ class Guide {
       return;
     }
     std::cout << "waypoint " << told_index_ + 1 << " of " << route_.size()
-              << (event == Route::Event::kReached ? " reached" : " missed: there is no path")
+              << (event == Route::Event::kReached ? " reached"
+                                                  : " missed: there is no path, or it cannot dock")
               << std::endl;
     told_index_ = route_.index();
     goal_due_ = time::steady_now();
@@ -145,8 +166,16 @@ int main(int argc, char** argv) {
                           "Begin again after the last, until Ctrl-C; the robot then stays at the "
                           "waypoint it drives to");
              app.add_option("--tolerance", arguments.tolerance_m,
-                            "Distance at which a waypoint is reached, metres")
-                 ->check(CLI::Range(0.02, 10.0));
+                            "Distance at which a waypoint is reached, metres; 0.2, with --heading "
+                            "0.02 for the last one")
+                 ->check(CLI::Range(0.01, 10.0));
+             app.add_option("--heading", arguments.heading_deg,
+                            "Docks at the last waypoint: its heading in map, degrees, 0 along x, "
+                            "90 along y; it needs 0.8 m of free floor straight behind it")
+                 ->check(CLI::Range(-360.0, 360.0));
+             app.add_option("--heading-tolerance", arguments.heading_tolerance_deg,
+                            "Error of the heading with which the robot has docked, degrees")
+                 ->check(CLI::Range(0.1, 90.0));
              app.add_option("--patience", arguments.patience_s,
                             "Seconds without a path after which a waypoint is missed")
                  ->check(CLI::Range(1.0, 3600.0));

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "common/geometry/angle.hpp"
+#include "common/geometry/se3.hpp"
 #include "tools/trial/record.hpp"
 
 namespace nodmap::trial {
@@ -142,6 +144,10 @@ GoalMetrics goal_metrics(const TrialRecord& record, const sim::World& world, dou
     const Eigen::Vector2d end = record.truth.back().T_world_base.translation().head<2>();
     metrics.start_to_goal_m = (world.T_world_start.translation() - world.goals.back()).norm();
     metrics.remaining_m = (end - world.goals.back()).norm();
+    if (world.goal_heading_rad) {
+      const double yaw_rad = geometry::to_se2(record.truth.back().T_world_base).yaw;
+      metrics.heading_error_rad = geometry::angle_difference(yaw_rad, *world.goal_heading_rad);
+    }
   }
   if (metrics.reached) {
     metrics.time_s = seconds(*metrics.reached - *record.started);

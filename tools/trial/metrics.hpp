@@ -55,6 +55,7 @@ struct GoalMetrics {
   std::optional<double> after_motion_s;     ///< from the moment at which it had moved by 0.1 m
   double start_to_goal_m = 0.0;             ///< in a straight line
   double remaining_m = 0.0;                 ///< the same at the end
+  std::optional<double> heading_error_rad;  ///< at the end; empty where any heading will do
   /// Success weighted by path length (Anderson et al., On Evaluation of Embodied Navigation
   /// Agents, 2018), by the path to where the goal counts as reached. Empty where the shortest path
   /// is not known.

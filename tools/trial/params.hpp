@@ -4,6 +4,7 @@
 #include <string>
 #include <string_view>
 
+#include "common/geometry/angle.hpp"
 #include "drivers/kurt/node.hpp"
 #include "drivers/laser3d/node.hpp"
 #include "modules/explorer/node.hpp"
@@ -23,6 +24,8 @@ struct LoopParams {
   double message_delay_s = 0.002;
   double message_jitter_s = 0.001;
   double goal_tolerance_m = 0.3;
+  double docking_tolerance_m = 0.02;
+  double docking_tolerance_rad = geometry::deg_to_rad(1.0);
   double deceleration_mps2 = 1.5;
 
   template <class Visitor>
@@ -33,6 +36,10 @@ struct LoopParams {
              "Mean of the exponentially distributed delay that is added for each reader.");
     v.number("goal_tolerance_m", goal_tolerance_m, {0.05, 5.0},
              "Distance from the world's goal at which the robot is told to stop.");
+    v.number("docking_tolerance_m", docking_tolerance_m, {0.005, 1.0},
+             "The same of a goal with a heading.");
+    v.angle("docking_tolerance_deg", docking_tolerance_rad, {0.1, 45.0},
+            "Error of the heading with which it has docked there.");
     v.number("deceleration_mps2", deceleration_mps2, {0.1, 10.0},
              "Deceleration from which the length of the stopping zone is computed.");
   }

@@ -139,6 +139,10 @@ Json stops(const TrialSetup& setup, const TrialRecord& record) {
   return all;
 }
 
+Json heading_error_deg(const GoalMetrics& goal) {
+  return goal.heading_error_rad ? Json(geometry::rad_to_deg(*goal.heading_error_rad)) : Json();
+}
+
 Json write(const GoalMetrics& goal, const std::optional<double>& shortest_m,
            const sim::Task& task) {
   return {{"reached", goal.reached.has_value()},
@@ -147,6 +151,7 @@ Json write(const GoalMetrics& goal, const std::optional<double>& shortest_m,
           {"path_m", goal.path_m},
           {"start_to_goal_m", goal.start_to_goal_m},
           {"remaining_m", goal.remaining_m},
+          {"heading_error_deg", heading_error_deg(goal)},
           {"shortest_path_m", number_or_null(shortest_m)},
           {"reference_path_m", number_or_null(task.reference_path_m)},
           {"spl", number_or_null(goal.spl)}};
@@ -191,7 +196,10 @@ Json summarise(const TrialSetup& setup, const TrialOutcome& outcome,
   const DriveMetrics drive = drive_metrics(record);
   const auto shortest_m = sim::shortest_path_m(setup.world, setup.params.sim.model.body);
   const GoalMetrics goal =
-      goal_metrics(record, setup.world, setup.params.loop.goal_tolerance_m, shortest_m);
+      goal_metrics(record, setup.world,
+                   setup.world.goal_heading_rad ? setup.params.loop.docking_tolerance_m
+                                                : setup.params.loop.goal_tolerance_m,
+                   shortest_m);
   const std::size_t num_goals = setup.world.goals.size();
   const time::SteadyTime started = record.started.value_or(time::SteadyTime{});
   Json result = {

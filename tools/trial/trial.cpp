@@ -25,7 +25,7 @@ constexpr time::Duration kTimeAfterArrival = 1s;
 class GoalPublisher {
  public:
   GoalPublisher(const sim::World& world, const LoopParams& params, bus::LoopNetwork& network)
-      : world_(world), bus_(network) {
+      : world_(world), params_(params), bus_(network) {
     message_.is_active = 1;
     message_.tolerance_m = params.goal_tolerance_m;
   }
@@ -42,6 +42,12 @@ class GoalPublisher {
     const Eigen::Vector2d p_map = world_.T_world_start.inverse() * world_.goals[num_reached_];
     message_.position_m[0] = p_map.x();
     message_.position_m[1] = p_map.y();
+    if (world_.goal_heading_rad && num_reached_ + 1 == world_.goals.size()) {
+      message_.has_heading = 1;
+      message_.heading_rad = *world_.goal_heading_rad - world_.T_world_start.yaw;
+      message_.tolerance_m = params_.docking_tolerance_m;
+      message_.heading_tolerance_rad = params_.docking_tolerance_rad;
+    }
     message_.utime = utime_at(now);
     bus_.publish("GOAL", message_);
     ++message_.goal_seq;
@@ -49,6 +55,7 @@ class GoalPublisher {
 
  private:
   const sim::World& world_;
+  const LoopParams& params_;
   bus::LoopBus bus_;
   nodmap::goal_t message_{};
   std::size_t num_reached_ = 0;

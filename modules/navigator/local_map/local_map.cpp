@@ -335,8 +335,10 @@ bool LocalMap::was_floor(const Eigen::Vector2d& p_odom) const {
 }
 
 double LocalMap::seen_distance(const geometry::SE2& T_odom_base, double curvature,
-                               double half_width_m, double max_m, double max_gap_m) const {
-  return seen_floor().distance(T_odom_base, curvature, half_width_m, max_m, max_gap_m);
+                               double half_width_m, double max_m, double max_gap_m,
+                               bool ends_at_obstacles) const {
+  return seen_floor().distance(T_odom_base, curvature, half_width_m, max_m, max_gap_m,
+                               ends_at_obstacles);
 }
 
 double LocalMap::seen_distance_backwards(const geometry::SE2& T_odom_base, double curvature,

@@ -58,9 +58,12 @@ class LocalMap {
   /// 1/m, positive left) until floor that was not seen is nearer than the laser can look down, and
   /// cannot be looked at any more; at most `max_m`. Not seen is what is longer than `max_gap_m`
   /// along the arc between places where floor was seen, whenever that was: a hole as long would
-  /// have had a beam in it.
+  /// have had a beam in it. With
+  /// `ends_at_obstacles` nothing is asked for behind an obstacle that is hardly farther than the
+  /// laser sees floor: what that hides cannot be seen.
   [[nodiscard]] double seen_distance(const geometry::SE2& T_odom_base, double curvature,
-                                     double half_width_m, double max_m, double max_gap_m) const;
+                                     double half_width_m, double max_m, double max_gap_m,
+                                     bool ends_at_obstacles = false) const;
 
   /// The same for the body's rear, backwards. What the robot was set down on does not count.
   [[nodiscard]] double seen_distance_backwards(const geometry::SE2& T_odom_base, double curvature,
@@ -107,7 +110,7 @@ class LocalMap {
   /// `visit(index, p_base)` for the cells within `range_m` of base; p_base() is its middle there.
   template <class Visit>
   void visit_cells(const geometry::SE2& T_odom_base, double range_m, const Visit& visit) const;
-  [[nodiscard]] SeenFloor seen_floor() const { return {grid_, body_, blind_m_}; }
+  [[nodiscard]] SeenFloor seen_floor() const { return {grid_, obstacles_, body_, blind_m_}; }
 
   robot::Footprint body_;
   double top_m_;

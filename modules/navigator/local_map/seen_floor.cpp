@@ -15,6 +15,8 @@ namespace {
 /// for one alone may lie between beams.
 constexpr double kColumnM = 0.05;
 constexpr int kUnknownColumns = 2;
+/// Beyond the nearest floor that the laser sees.
+constexpr double kHiddenM = 0.05;
 
 /// Pose of base after `distance_m` of an arc, negative backwards, in base at its beginning.
 geometry::SE2 along_arc(double curvature, double distance_m) {
@@ -26,14 +28,18 @@ geometry::SE2 along_arc(double curvature, double distance_m) {
 
 }  // namespace
 
+/// In each column of the body's front floor must follow on floor.
 double SeenFloor::distance(const geometry::SE2& T_odom_base, double curvature, double half_width_m,
-                           double max_m, double max_gap_m) const {
+                           double max_m, double max_gap_m, bool ends_at_obstacles) const {
   const double step_m = grid_.cell_size_m();
   const double first_m = std::max(0.0, blind_m_ - body_.half_length_m);
+  // Rows nearer than the laser sees floor may hold an obstacle.
+  const int num_blind = ends_at_obstacles ? static_cast<int>(first_m / step_m) : 0;
+  const int num_rows = static_cast<int>(std::ceil((max_m + max_gap_m) / step_m));
   // Where the middle of the front passes, and what is to the left there.
   std::vector<std::pair<Eigen::Vector2d, Eigen::Vector2d>> rows;
-  for (double s = first_m; s < first_m + max_m + max_gap_m; s += step_m) {
-    const geometry::SE2 T_odom_row = T_odom_base * along_arc(curvature, s);
+  for (int row = -num_blind; row < num_rows; ++row) {
+    const geometry::SE2 T_odom_row = T_odom_base * along_arc(curvature, first_m + step_m * row);
     const Eigen::Matrix2d R = T_odom_row.rotation();
     rows.emplace_back(T_odom_row.translation() + body_.half_length_m * R.col(0), R.col(1));
   }
@@ -41,10 +47,17 @@ double SeenFloor::distance(const geometry::SE2& T_odom_base, double curvature, d
   std::vector<double> seen_m;  // by column
   for (int column = -side; column <= side; ++column) {
     double seen = 0.0;
-    for (std::size_t row = 0; row < rows.size(); ++row) {
-      const double s = step_m * static_cast<double>(row);
-      const LocalCell* cell =
-          grid_.find(rows[row].first + half_width_m * column / side * rows[row].second);
+    double s = -step_m * num_blind;  // from where the laser sees floor
+    for (auto row = rows.begin(); row != rows.end(); ++row, s += step_m) {
+      const LocalCell* cell = grid_.find(row->first + half_width_m * column / side * row->second);
+      if (ends_at_obstacles && s < kHiddenM && cell != nullptr && cell->is_obstacle() &&
+          !obstacles_.is_forgotten(*cell)) {
+        seen = max_m;
+        break;
+      }
+      if (s < 0.0) {
+        continue;
+      }
       if (cell != nullptr && cell->is_floor) {
         seen = s;
       } else if (s - seen > max_gap_m) {

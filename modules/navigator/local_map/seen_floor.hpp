@@ -6,6 +6,7 @@
 #include "common/geometry/se2.hpp"
 #include "common/robot/footprint.hpp"
 #include "modules/navigator/local_map/local_cell.hpp"
+#include "modules/navigator/local_map/obstacle_memory.hpp"
 
 namespace nodmap::navigator {
 
@@ -13,12 +14,14 @@ namespace nodmap::navigator {
 class SeenFloor {
  public:
   /// The laser does not see floor nearer to base than `blind_m`.
-  SeenFloor(const LocalGrid& grid, const robot::Footprint& body, double blind_m)
-      : grid_(grid), body_(body), blind_m_(blind_m) {}
+  SeenFloor(const LocalGrid& grid, const ObstacleMemory& obstacles, const robot::Footprint& body,
+            double blind_m)
+      : grid_(grid), obstacles_(obstacles), body_(body), blind_m_(blind_m) {}
 
   /// See LocalMap::seen_distance() and seen_distance_backwards().
   [[nodiscard]] double distance(const geometry::SE2& T_odom_base, double curvature,
-                                double half_width_m, double max_m, double max_gap_m) const;
+                                double half_width_m, double max_m, double max_gap_m,
+                                bool ends_at_obstacles) const;
   [[nodiscard]] double distance_backwards(const geometry::SE2& T_odom_base, double curvature,
                                           double half_width_m, double max_m) const;
 
@@ -31,6 +34,7 @@ class SeenFloor {
   [[nodiscard]] bool is_row_seen(const geometry::SE2& T_odom_row, double half_width_m) const;
 
   const LocalGrid& grid_;
+  const ObstacleMemory& obstacles_;
   robot::Footprint body_;
   double blind_m_;
 };

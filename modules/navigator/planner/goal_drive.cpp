@@ -36,6 +36,12 @@ double direction_rad(const Rollout& rollout) {
   return std::clamp(0.5 * kLookM * rollout.yaw_rate_rad_s / rollout.forward_mps, -1.2, 1.2);
 }
 
+/// Up to rounding: both are poses in the map, whatever the robot's pose is.
+bool is_same(const geometry::SE2& a, const geometry::SE2& b) {
+  return (a.translation() - b.translation()).norm() < 1e-3 &&
+         std::abs(geometry::angle_difference(a.yaw, b.yaw)) < 1e-3;
+}
+
 double seconds_since(const std::optional<std::int64_t>& utime_us, const Situation& now) {
   return utime_us ? 1e-6 * std::abs(static_cast<double>(now.utime_us - *utime_us)) : 0.0;
 }
@@ -47,13 +53,61 @@ GoalDrive::GoalDrive(const NavigatorParams& params)
       body_(params.robot.body.footprint()),
       brake_(params, true),
       global_(body_, params.planner),
-      rollouts_(body_, params) {}
+      rollouts_(body_, params),
+      docking_(params.docking) {}
 
 Decision GoalDrive::decide(const Situation& now, const SeenDirections& seen,
                            const LocalMap& local_map) {
   if (now.forward_mps > -kReversingMps) {
     trail_.record(now.T_odom_base);
   }
+  if (now.goal->heading) {
+    return dock(now, seen, local_map);
+  }
+  dock_map_.reset();
+  return drive_by_plan(now, seen, local_map);
+}
+
+Decision GoalDrive::dock(const Situation& now, const SeenDirections& seen,
+                         const LocalMap& local_map) {
+  const geometry::SE2 goal_base{now.goal->p_base.x(), now.goal->p_base.y(),
+                                now.goal->heading->yaw_rad};
+  const geometry::SE2 goal_map = now.T_map_odom * now.T_odom_base * goal_base;
+  if (!dock_map_ || !is_same(*dock_map_, goal_map)) {
+    docking_.reset();
+    dock_map_ = goal_map;
+  }
+  const DockingStep step = docking_.next(*now.goal, now.utime_us);
+  Decision decision;
+  decision.behaviour = Behaviour::kBrake;
+  decision.reason = step.reason;
+  switch (step.kind) {
+    case DockingStep::Kind::kPlan: {
+      Situation staging = now;
+      staging.goal = goal_in_base(step.staging_base, Docking::kStagingToleranceM);
+      return drive_by_plan(staging, seen, local_map);
+    }
+    case DockingStep::Kind::kMove: {
+      Rollout motion;
+      motion.forward_mps = step.forward_mps;
+      motion.yaw_rate_rad_s = step.yaw_rate_rad_s;
+      if (auto moved = drive(motion, now, seen)) {
+        moved->reason = step.reason;
+        return *moved;
+      }
+      decision.reason = "Docks: waits until the way is free.";
+      return decision;
+    }
+    case DockingStep::Kind::kDocked:
+      decision.behaviour = Behaviour::kArrived;
+      return decision;
+    default:
+      return decision;
+  }
+}
+
+Decision GoalDrive::drive_by_plan(const Situation& now, const SeenDirections& seen,
+                                  const LocalMap& local_map) {
   const geometry::SE2 T_map_base = now.T_map_odom * now.T_odom_base;
   const Eigen::Vector2d goal_map = T_map_base * now.goal->p_base;
   if ((goal_map - goal_map_).norm() > now.goal->tolerance_m) {
@@ -89,11 +143,17 @@ std::optional<std::vector<Eigen::Vector2d>> GoalDrive::path_map(
     const geometry::SE2& T_map_base) const {
   constexpr double kLongestM = 100.0;
   constexpr std::size_t kStep = 4;  // cells
+  if (dock_map_ && docking_.is_docking()) {
+    return std::vector{T_map_base.translation(), dock_map_->translation()};
+  }
   const CostToGo* cost_to_go = global_.cost_to_go();
   if (cost_to_go == nullptr) {
     return std::nullopt;
   }
   std::vector<Eigen::Vector2d> path;
+  if (dock_map_ && docking_.has_failed()) {
+    return path;
+  }
   if (!std::isfinite(cost_to_go->least_near(T_map_base.translation()))) {
     return path;
   }

@@ -9,6 +9,7 @@
 #include "modules/navigator/brake.hpp"
 #include "modules/navigator/decision.hpp"
 #include "modules/navigator/params.hpp"
+#include "modules/navigator/planner/docking.hpp"
 #include "modules/navigator/planner/global_planner.hpp"
 #include "modules/navigator/planner/rollouts.hpp"
 #include "modules/navigator/seen_directions.hpp"
@@ -17,7 +18,7 @@ namespace nodmap::navigator {
 
 /// Drives to a goal by plan: the global planner says what each place costs, the rollouts are rated
 /// by it, and Brake, which knows nothing of either, has the last word on the speed of the one that
-/// is driven.
+/// is driven. To a goal with a heading it docks (docking.hpp): Brake limits those motions as well.
 class GoalDrive {
  public:
   explicit GoalDrive(const NavigatorParams& params);
@@ -26,11 +27,16 @@ class GoalDrive {
                                 const LocalMap& local_map);
 
   /// The planned path from the robot to the goal, frame map, a point each 20 cm, as far as the grid
-  /// reaches; without points where there is no path, empty before the first plan is complete.
+  /// reaches; without points where there is no path or docking has failed, empty before the first
+  /// plan is complete.
   [[nodiscard]] std::optional<std::vector<Eigen::Vector2d>> path_map(
       const geometry::SE2& T_map_base) const;
 
  private:
+  [[nodiscard]] Decision drive_by_plan(const Situation& now, const SeenDirections& seen,
+                                       const LocalMap& local_map);
+  [[nodiscard]] Decision dock(const Situation& now, const SeenDirections& seen,
+                              const LocalMap& local_map);
   [[nodiscard]] std::optional<Decision> choose(const std::vector<Rollout>& rollouts,
                                                const Situation& now,
                                                const SeenDirections& seen) const;
@@ -54,6 +60,8 @@ class GoalDrive {
   GlobalPlanner global_;
   Rollouts rollouts_;
   Trail trail_;
+  Docking docking_;
+  std::optional<geometry::SE2> dock_map_;
   Eigen::Vector2d goal_map_ = Eigen::Vector2d::Zero();
   double least_cost_m_ = 0.0;  // since the goal, or the last failure
   double last_cost_m_ = 0.0;

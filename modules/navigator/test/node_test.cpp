@@ -516,6 +516,28 @@ TEST_F(NavigatorNodeTest, GoesToAGoalInTheCorrectedMap) {
   EXPECT_TRUE(drives());
 }
 
+TEST_F(NavigatorNodeTest, AGoalWithAHeadingNeedsTolerancesAndTheLocalMap) {
+  run(1.5);
+  nodmap::goal_t goal{};
+  goal.is_active = 1;
+  goal.tolerance_m = 0.02;
+  goal.has_heading = 1;
+  goal.heading_rad = std::numeric_limits<double>::quiet_NaN();
+  goal.heading_tolerance_rad = geometry::deg_to_rad(1.0);
+  bus_.deliver("GOAL", goal);
+  EXPECT_EQ(rejected("implausible_goal"), 1);
+  goal.heading_rad = 0.0;
+  goal.heading_tolerance_rad = 0.0;
+  bus_.deliver("GOAL", goal);
+  EXPECT_EQ(rejected("implausible_goal"), 2);
+  goal.heading_tolerance_rad = geometry::deg_to_rad(1.0);
+  bus_.deliver("GOAL", goal);
+  tick();
+  EXPECT_TRUE(halts());
+  EXPECT_EQ(navigation().reason,
+            "Docks only with planner.use_planner and local_map.use_local_map.");
+}
+
 // Without a goal the place in the map does not matter.
 TEST_F(NavigatorNodeTest, ToAGoalItSlowsWhenThePoseIsDegradedAndHaltsWhenItIsLost) {
   const auto give_pose = [this](std::int8_t state, double variance_m2 = 0.0) {

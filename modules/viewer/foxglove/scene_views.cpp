@@ -195,6 +195,12 @@ Json goal_scene(const nodmap::goal_t& goal) {
       Json::array({cylinder(pose, std::max(goal.tolerance_m, 0.05), 0.1, kGoalColor)});
   json["texts"] =
       Json::array({text(at(goal.position_m[0], goal.position_m[1], 0.4), "goal", kTextColor)});
+  if (goal.has_heading != 0) {
+    constexpr double kPointerM = 0.5;
+    const Eigen::Vector3d pointer(std::cos(goal.heading_rad), std::sin(goal.heading_rad), 0.0);
+    json["lines"] = Json::array({lines(
+        kLineStrip, {pose.translation(), pose.translation() + kPointerM * pointer}, kGoalColor)});
+  }
   return one(std::move(json));
 }
 

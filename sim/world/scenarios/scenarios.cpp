@@ -13,6 +13,7 @@ constexpr std::array kScenarios{
     Scenario{"corridor", "100 m, boxes of 10 cm", make_corridor},
     Scenario{"dead-end", "0.7 m wide", make_dead_end},
     Scenario{"dense", "clutter to roam in, passages of 0.5 m", dense_clutter},
+    Scenario{"dock", "clutter with a goal to dock at", clutter_with_dock},
     Scenario{"doors", "0.55 to 0.6 m wide, aside of the path", make_doors},
     Scenario{"drums", "of 12 and 16 cm, passed closely", make_drums},
     Scenario{"glass", "panes that return no light", make_glass},

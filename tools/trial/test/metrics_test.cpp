@@ -87,6 +87,14 @@ TEST(TrialMetrics, SplIsTheShortestPathOverTheDriven) {
   EXPECT_NEAR(goal.remaining_m, 0.0, 1e-9);
 }
 
+TEST(TrialMetrics, AHeadingIsComparedWhereTheGoalHasOne) {
+  sim::World world;
+  const TrialRecord record = arriving_record(world);
+  EXPECT_FALSE(goal_metrics(record, world, 0.3, 1.0).heading_error_rad);
+  world.goal_heading_rad = -0.1;
+  EXPECT_NEAR(*goal_metrics(record, world, 0.3, 1.0).heading_error_rad, 0.1, 1e-12);
+}
+
 TEST(TrialMetrics, WhoReportsHisArrivalElsewhereHasNotArrived) {
   sim::World world;
   TrialRecord record = arriving_record(world);

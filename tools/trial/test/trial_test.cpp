@@ -204,6 +204,16 @@ TEST_F(TrialTest, TheGeofenceIsNotLeft) {
   EXPECT_LT(farthest_outside_m(record, body, 1.5), 0.05);
 }
 
+// 12 cm before a box, in clutter.
+TEST_F(TrialTest, DocksWithinTwoCentimetresAndADegree) {
+  const TrialSetup trial = setup("dock:1002", 1, 90.0);
+  const auto result = summarise(trial, run(trial), dir_.path());
+  EXPECT_TRUE(result["goal_reached"]);
+  EXPECT_EQ(result["collisions"], 0);
+  EXPECT_LE(result["goal"]["remaining_m"], 0.02);
+  EXPECT_LE(std::abs(result["goal"]["heading_error_deg"].get<double>()), 1.0);
+}
+
 // R38, Fig. 7: once round a block, back to where it began.
 TEST_F(TrialTest, ALoopRoundABlockCloses) {
   TrialSetup trial = setup("loop", 3, 120.0);

@@ -9,6 +9,7 @@ namespace {
 constexpr double kCellM = 0.025;
 const robot::Footprint kBody{0.225, 0.165};
 constexpr double kBlindM = 0.3;
+const ObstacleMemory kObstacles(20.0);
 
 /// Floor everywhere but in a strip across the way ahead, or behind.
 LocalGrid floor_without(double from_x, double to_x) {
@@ -25,15 +26,54 @@ LocalGrid floor_without(double from_x, double to_x) {
 // Up to where the strip begins: the robot's front is at 0.225 m, floor counts from 0.3 m on.
 TEST(SeenFloor, EndsWhereAGapIsLongerThanAllowed) {
   const LocalGrid grid = floor_without(1.3, 1.55);
-  const SeenFloor floor(grid, kBody, kBlindM);
-  EXPECT_NEAR(floor.distance({}, 0.0, 0.165, 2.0, 0.15), 1.3 - kBlindM, kCellM);
-  EXPECT_EQ(floor.distance({}, 0.0, 0.165, 2.0, 0.35), 2.0);
-  EXPECT_EQ(floor.distance({}, 0.0, 0.165, 0.5, 0.15), 0.5);
+  const SeenFloor floor(grid, kObstacles, kBody, kBlindM);
+  EXPECT_NEAR(floor.distance({}, 0.0, 0.165, 2.0, 0.15, false), 1.3 - kBlindM, kCellM);
+  EXPECT_EQ(floor.distance({}, 0.0, 0.165, 2.0, 0.35, false), 2.0);
+  EXPECT_EQ(floor.distance({}, 0.0, 0.165, 0.5, 0.15, false), 0.5);
+}
+
+/// A wall across the way ahead, two cells thick: the noise of the laser.
+void add_wall(LocalGrid& grid, double x) {
+  for (double y = -1.0; y < 1.0; y += 0.5 * kCellM) {
+    grid.find({x, y})->obstacle = evidence::kMost;
+    grid.find({x + kCellM, y})->obstacle = evidence::kMost;
+  }
+}
+
+// The robot's front is at 0.225 m, floor counts from 0.3 m on, and what is hidden up to 0.35 m.
+TEST(SeenFloor, AnObstacleNearerThanTheLaserSeesFloorEndsTheColumn) {
+  for (const double wall_m : {0.28, 0.34}) {
+    LocalGrid grid = floor_without(wall_m - 0.01, 3.0);
+    EXPECT_LT(SeenFloor(grid, kObstacles, kBody, kBlindM).distance({}, 0.0, 0.165, 0.5, 0.15, true),
+              0.06);
+    add_wall(grid, wall_m);
+    EXPECT_EQ(SeenFloor(grid, kObstacles, kBody, kBlindM).distance({}, 0.0, 0.165, 0.5, 0.15, true),
+              0.5);
+    EXPECT_LT(
+        SeenFloor(grid, kObstacles, kBody, kBlindM).distance({}, 0.0, 0.165, 0.5, 0.15, false),
+        0.06);
+  }
+}
+
+TEST(SeenFloor, WhatAFartherObstacleHidesIsUnknown) {
+  LocalGrid grid = floor_without(0.41, 3.0);
+  add_wall(grid, 0.42);
+  EXPECT_NEAR(SeenFloor(grid, kObstacles, kBody, kBlindM).distance({}, 0.0, 0.165, 0.5, 0.15, true),
+              0.41 - kBlindM, kCellM);
+}
+
+TEST(SeenFloor, AForgottenObstacleCountsAsUnknown) {
+  LocalGrid grid = floor_without(0.27, 3.0);
+  add_wall(grid, 0.28);
+  ObstacleMemory obstacles(20.0);
+  obstacles.move({}, {21.0, 0.0, 0.0});
+  EXPECT_EQ(SeenFloor(grid, obstacles, kBody, kBlindM).distance({}, 0.0, 0.165, 0.5, 0.15, true),
+            0.0);
 }
 
 TEST(SeenFloor, BackwardsNothingMayBeMissing) {
   const LocalGrid grid = floor_without(-0.5, -0.4);
-  const SeenFloor floor(grid, kBody, kBlindM);
+  const SeenFloor floor(grid, kObstacles, kBody, kBlindM);
   EXPECT_NEAR(floor.distance_backwards({}, 0.0, 0.165, 0.3), 0.4 - 0.225, kCellM);
   EXPECT_EQ(floor.distance_backwards({}, 0.0, 0.165, 0.1), 0.1);
 }
@@ -45,12 +85,13 @@ TEST(SeenFloor, WhatTheRobotWasSetDownOnDoesNotCountBackwards) {
       grid.find({x, y})->is_assumed = true;
     }
   }
-  EXPECT_EQ(SeenFloor(grid, kBody, kBlindM).distance_backwards({}, 0.0, 0.165, 0.3), 0.0);
+  EXPECT_EQ(SeenFloor(grid, kObstacles, kBody, kBlindM).distance_backwards({}, 0.0, 0.165, 0.3),
+            0.0);
 }
 
 TEST(SeenFloor, IsAroundWithinTheFloorAndNearUpToItsBorder) {
   const LocalGrid grid = floor_without(1.0, 2.0);
-  const SeenFloor floor(grid, kBody, kBlindM);
+  const SeenFloor floor(grid, kObstacles, kBody, kBlindM);
   EXPECT_TRUE(floor.is_around({0.9, 0.0}));
   EXPECT_FALSE(floor.is_around({1.01, 0.0}));
   EXPECT_TRUE(floor.is_near(grid.index_of({1.04, 0.0})));

@@ -242,6 +242,17 @@ TEST(Scene, AnEndedGoalIsDeleted) {
   EXPECT_EQ(goal_scene(goal)["deletions"][0]["id"], "goal");
 }
 
+TEST(Scene, AGoalWithAHeadingPointsThere) {
+  nodmap::goal_t goal = foxglove::test::goal();
+  EXPECT_FALSE(goal_scene(goal)["entities"][0].contains("lines"));
+  goal.has_heading = 1;
+  goal.heading_rad = 0.5 * std::numbers::pi;
+  const Json update = goal_scene(goal);
+  const Json& points = update["entities"][0]["lines"][0]["points"];
+  EXPECT_NEAR(points[1]["x"].get<double>() - points[0]["x"].get<double>(), 0.0, 1e-12);
+  EXPECT_NEAR(points[1]["y"].get<double>() - points[0]["y"].get<double>(), 0.5, 1e-12);
+}
+
 TEST(Scene, APathGoesWithTheGoal) {
   nodmap::path_t path = foxglove::test::path();
   const Json entity = path_scene(path)["entities"][0];

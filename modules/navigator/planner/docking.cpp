@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/navigator/planner/docking.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "common/geometry/se2.hpp"
+
+namespace nodmap::navigator {
+namespace {
+
+using geometry::deg_to_rad;
+
+/// The line is followed from this heading on.
+constexpr double kAlignedRad = deg_to_rad(5.0);
+/// Steepest angle at which it drives back to the line.
+constexpr double kSteepestRad = deg_to_rad(30.0);
+constexpr double kMaxCurvature = 2.5;  // 1/m: the body's rear hardly swings aside
+/// Speed for each metre that is left, and the least: five steps of the base's speed command.
+constexpr double kSpeedPerMetre = 0.8;
+constexpr double kLeastMps = 0.05;
+/// What it still rolls at the least speed, half a reaction time after the command to stop.
+constexpr double kRollsM = 0.003;
+/// Of the tolerance: as near is the heading when it stops rotating.
+constexpr double kSquareRatio = 0.4;
+constexpr double kYawRatePerRad = 1.2;
+constexpr double kLeastYawRate = deg_to_rad(3.0);
+constexpr double kMostYawRate = deg_to_rad(25.0);
+constexpr double kBackOffMps = 0.1;
+/// Each phase after the staging place takes less; who needs longer is in somebody's way.
+constexpr double kPatienceS = 25.0;
+/// After it has failed.
+constexpr double kTryAgainS = 60.0;
+/// Docked, it leaves the goal only for an error of the pose that is not noise.
+constexpr double kLeaveM = 0.1;
+constexpr double kLeaveRad = deg_to_rad(10.0);
+
+geometry::SE2 T_goal_base(const GoalInBase& goal) {
+  return geometry::SE2{goal.p_base.x(), goal.p_base.y(), goal.heading->yaw_rad}.inverse();
+}
+
+}  // namespace
+
+DockingStep Docking::next(const GoalInBase& goal, std::int64_t utime_us) {
+  const double phase_s = 1e-6 * std::abs(static_cast<double>(utime_us - phase_began_us_));
+  if (phase_ == Phase::kFailed && phase_s > kTryAgainS) {
+    reset();
+  }
+  const Phase phase = next_phase(goal, phase_s);
+  if (phase != phase_) {
+    enter(phase, utime_us);
+  }
+  return step(goal);
+}
+
+void Docking::enter(Phase phase, std::int64_t utime_us) {
+  const bool is_correction = phase_ == Phase::kSettle && phase != Phase::kDocked;
+  num_tries_ += phase == Phase::kAlign || is_correction ? 1 : 0;
+  phase_ = num_tries_ > params_.tries ? Phase::kFailed : phase;
+  phase_began_us_ = utime_us;
+  if (phase_ == Phase::kDocked) {
+    num_tries_ = 0;
+  }
+}
+
+Docking::Phase Docking::next_phase(const GoalInBase& goal, double phase_s) const {
+  const geometry::SE2 T = T_goal_base(goal);
+  const bool is_late = phase_s > kPatienceS;
+  switch (phase_) {
+    case Phase::kStage: {
+      const bool is_there = std::hypot(T.x + params_.staging_m, T.y) <= kStagingToleranceM;
+      return is_there ? Phase::kAlign : Phase::kStage;
+    }
+    case Phase::kAlign:
+      return std::abs(T.yaw) <= kAlignedRad ? Phase::kFollowLine : is_late ? Phase::kStage : phase_;
+    case Phase::kFollowLine:
+      return -T.x <= kRollsM ? Phase::kSquare : is_late ? Phase::kStage : phase_;
+    case Phase::kSquare:
+      return std::abs(T.yaw) <= kSquareRatio * goal.heading->tolerance_rad || is_late
+                 ? Phase::kSettle
+                 : phase_;
+    case Phase::kSettle:
+      return phase_s < params_.settle_s ? phase_ : after_settling(goal);
+    case Phase::kBackOff:
+      return T.x <= -0.6 * params_.staging_m ? Phase::kAlign : is_late ? Phase::kStage : phase_;
+    case Phase::kDocked: {
+      const bool has_left = goal.distance_m > goal.tolerance_m + kLeaveM ||
+                            std::abs(T.yaw) > goal.heading->tolerance_rad + kLeaveRad;
+      return has_left ? Phase::kStage : phase_;
+    }
+    default:
+      return phase_;
+  }
+}
+
+Docking::Phase Docking::after_settling(const GoalInBase& goal) const {
+  const geometry::SE2 T = T_goal_base(goal);
+  if (goal.distance_m <= goal.tolerance_m) {
+    return std::abs(T.yaw) <= goal.heading->tolerance_rad ? Phase::kDocked : Phase::kSquare;
+  }
+  const bool is_short = T.x < -kRollsM && std::abs(T.y) <= 0.5 * goal.tolerance_m;
+  return is_short ? Phase::kFollowLine : Phase::kBackOff;
+}
+
+DockingStep Docking::step(const GoalInBase& goal) const {
+  using Kind = DockingStep::Kind;
+  const geometry::SE2 T = T_goal_base(goal);
+  DockingStep step;
+  switch (phase_) {
+    case Phase::kStage:
+      step.kind = Kind::kPlan;
+      step.staging_base = T.inverse() * Eigen::Vector2d(-params_.staging_m, 0.0);
+      return step;
+    case Phase::kAlign:
+    case Phase::kSquare:
+      step.kind = Kind::kMove;
+      step.yaw_rate_rad_s = -std::copysign(
+          std::clamp(kYawRatePerRad * std::abs(T.yaw), kLeastYawRate, kMostYawRate), T.yaw);
+      step.reason = "Docks: turns to the heading of the goal.";
+      return step;
+    case Phase::kFollowLine:
+      return follow_line(T);
+    case Phase::kBackOff:
+      step.kind = Kind::kMove;
+      step.forward_mps = -kBackOffMps;
+      step.reason = "Docks: backs off for another try.";
+      return step;
+    case Phase::kDocked:
+      step.kind = Kind::kDocked;
+      return step;
+    case Phase::kFailed:
+      step.kind = Kind::kFailed;
+      step.reason = "Cannot dock: the last of its tries was not exact enough, or in the way.";
+      return step;
+    default:
+      step.reason = "Docks: waits until its pose is sure.";
+      return step;
+  }
+}
+
+/// The distance y to the line and the angle to it decay critically damped, with s along the line:
+/// y'' = -y / L^2 - 2 y' / L, where y' is the angle and y'' the curvature.
+DockingStep Docking::follow_line(const geometry::SE2& T_goal_base) const {
+  const double wanted_rad =
+      std::clamp(-T_goal_base.y / (2.0 * params_.line_m), -kSteepestRad, kSteepestRad);
+  const double curvature = std::clamp(2.0 / params_.line_m * (wanted_rad - T_goal_base.yaw),
+                                      -kMaxCurvature, kMaxCurvature);
+  DockingStep step;
+  step.kind = DockingStep::Kind::kMove;
+  step.forward_mps = std::clamp(kSpeedPerMetre * -T_goal_base.x, kLeastMps, params_.speed_mps);
+  step.yaw_rate_rad_s = curvature * step.forward_mps;
+  step.reason = "Docks.";
+  return step;
+}
+
+}  // namespace nodmap::navigator

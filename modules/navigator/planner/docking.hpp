@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <string>
+
+#include "modules/navigator/goal.hpp"
+#include "modules/navigator/params.hpp"
+
+namespace nodmap::navigator {
+
+/// What docking asks for at one moment.
+struct DockingStep {
+  enum class Kind : std::uint8_t {
+    kPlan,    ///< drive to `staging_base` by plan
+    kMove,    ///< `forward_mps` and `yaw_rate_rad_s`
+    kStay,    ///< be stationary
+    kDocked,  ///< stationary at the goal
+    kFailed,  ///< stationary, and not at the goal
+  };
+  Kind kind = Kind::kStay;
+  Eigen::Vector2d staging_base = Eigen::Vector2d::Zero();
+  double forward_mps = 0.0;
+  double yaw_rate_rad_s = 0.0;
+  std::string reason;
+};
+
+/// Brings the robot to a goal with a heading, to centimetres and a degree: by plan to a staging
+/// place straight behind it, from there along the line through the goal, at the end on the spot to
+/// the heading. Its pose counts when it has been stationary for a while. What is off by too much
+/// then is tried again, from farther back where it is off sideways.
+class Docking {
+ public:
+  /// The staging place is reached within this, metres.
+  static constexpr double kStagingToleranceM = 0.15;
+
+  explicit Docking(const DockingParams& params) : params_(params) {}
+
+  /// A new goal.
+  void reset() { *this = Docking(params_); }
+
+  /// `goal` has a heading.
+  [[nodiscard]] DockingStep next(const GoalInBase& goal, std::int64_t utime_us);
+
+  /// Past the staging place, and not failed.
+  [[nodiscard]] bool is_docking() const {
+    return phase_ != Phase::kStage && phase_ != Phase::kFailed;
+  }
+  [[nodiscard]] bool has_failed() const { return phase_ == Phase::kFailed; }
+
+ private:
+  enum class Phase : std::uint8_t {
+    kStage,
+    kAlign,
+    kFollowLine,
+    kSquare,
+    kSettle,
+    kBackOff,
+    kDocked,
+    kFailed
+  };
+
+  [[nodiscard]] Phase next_phase(const GoalInBase& goal, double phase_s) const;
+  [[nodiscard]] Phase after_settling(const GoalInBase& goal) const;
+  void enter(Phase phase, std::int64_t utime_us);
+  [[nodiscard]] DockingStep step(const GoalInBase& goal) const;
+  [[nodiscard]] DockingStep follow_line(const geometry::SE2& T_goal_base) const;
+
+  DockingParams params_;
+  Phase phase_ = Phase::kStage;
+  std::int64_t phase_began_us_ = 0;
+  int num_tries_ = 0;
+};
+
+}  // namespace nodmap::navigator

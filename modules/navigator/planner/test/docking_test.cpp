@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Docking without obstacles, in closed loop with a unicycle whose speeds are those asked for.
+#include "modules/navigator/planner/docking.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+
+namespace nodmap::navigator {
+namespace {
+
+using geometry::deg_to_rad;
+using Kind = DockingStep::Kind;
+
+constexpr double kStepS = 0.01332;
+constexpr double kToleranceM = 0.02;
+constexpr double kToleranceRad = deg_to_rad(1.0);
+
+/// A robot at `T_goal_base`, and the docking that drives it. Where docking asks for a plan the
+/// robot is set to the border of the staging place: the plan is not under test.
+struct Dock {
+  explicit Dock(const geometry::SE2& start) : T_goal_base(start) {}
+
+  geometry::SE2 T_goal_base;
+  Docking docking{DockingParams{}};
+  DockingStep step;
+  double time_s = 0.0;
+  int num_plans = 0;
+  /// What the wheels make of a motion, as factors of both speeds.
+  double forward_ratio = 1.0;
+  double yaw_ratio = 1.0;
+  /// Of the pose that docking is told.
+  geometry::SE2 pose_error{};
+
+  void cycle() {
+    const geometry::SE2 T_base_goal = (T_goal_base * pose_error).inverse();
+    GoalInBase goal = goal_in_base(T_base_goal.translation(), kToleranceM);
+    goal.heading = {T_base_goal.yaw, kToleranceRad};
+    step = docking.next(goal, std::llround(1e6 * time_s));
+    if (step.kind == Kind::kPlan) {
+      ++num_plans;
+      const Eigen::Vector2d staging_goal = (T_goal_base * pose_error) * step.staging_base;
+      EXPECT_LT((staging_goal - Eigen::Vector2d(-DockingParams{}.staging_m, 0.0)).norm(), 1e-9);
+      T_goal_base =
+          geometry::SE2{staging_goal.x(), staging_goal.y() + 0.9 * Docking::kStagingToleranceM,
+                        deg_to_rad(60.0)} *
+          pose_error.inverse();
+    } else if (step.kind == Kind::kMove) {
+      const double rotation_rad = kStepS * yaw_ratio * step.yaw_rate_rad_s;
+      const double length_m = kStepS * forward_ratio * step.forward_mps;
+      T_goal_base =
+          T_goal_base * geometry::SE2{length_m * std::cos(0.5 * rotation_rad),
+                                      length_m * std::sin(0.5 * rotation_rad), rotation_rad};
+    }
+    time_s += kStepS;
+  }
+
+  void run_until(Kind kind, double at_most_s) {
+    for (cycle(); step.kind != kind && time_s < at_most_s; cycle()) {
+    }
+    EXPECT_EQ(step.kind, kind) << "after " << time_s << " s: " << step.reason;
+  }
+};
+
+TEST(Docking, DocksFromAnywhereAtItsFirstTry) {
+  for (const double yaw_deg : {0.0, 170.0, -90.0}) {
+    Dock dock({-3.0, 2.0, deg_to_rad(yaw_deg)});
+    // 0.8 m at 0.15 m/s, the last of it at 0.05, and two rotations.
+    dock.run_until(Kind::kDocked, 25.0);
+    EXPECT_EQ(dock.num_plans, 1);
+    // It ends 3 mm early; of 13 cm aside at the staging place (0.8 - 0.1) / 0.12 decay lengths
+    // leave less than 1 cm.
+    EXPECT_LT(dock.T_goal_base.translation().norm(), 0.01);
+    EXPECT_LT(std::abs(dock.T_goal_base.yaw), 0.5 * kToleranceRad);
+  }
+}
+
+TEST(Docking, BiasedWheelsAreCorrectedFor) {
+  Dock dock({-2.0, 0.0, 0.0});
+  dock.forward_ratio = 0.95;
+  dock.yaw_ratio = 1.1;
+  dock.run_until(Kind::kDocked, 25.0);
+  EXPECT_LT(dock.T_goal_base.translation().norm(), kToleranceM);
+}
+
+TEST(Docking, APoseThatTurnsOutToBeWrongSidewaysIsCorrectedFromFartherBack) {
+  Dock dock({-2.0, 0.0, 0.0});
+  dock.pose_error = {0.0, 0.06, 0.0};
+  while (std::abs(dock.T_goal_base.x) > 0.01 || dock.step.kind != Kind::kStay) {
+    dock.cycle();
+    ASSERT_LT(dock.time_s, 25.0);
+  }
+  dock.pose_error = {};
+  bool backed_off = false;
+  while (dock.step.kind != Kind::kDocked) {
+    dock.cycle();
+    backed_off |= dock.step.forward_mps < 0.0;
+    ASSERT_LT(dock.time_s, 60.0);
+  }
+  EXPECT_TRUE(backed_off);
+  EXPECT_LT(dock.T_goal_base.translation().norm(), kToleranceM);
+}
+
+TEST(Docking, DockedItStaysUntilItsPoseIsClearlyElsewhere) {
+  Dock dock({-2.0, 0.0, 0.0});
+  dock.run_until(Kind::kDocked, 25.0);
+  dock.pose_error = {0.0, 0.1, deg_to_rad(8.0)};
+  dock.cycle();
+  EXPECT_EQ(dock.step.kind, Kind::kDocked);
+  dock.pose_error = {0.0, 0.15, 0.0};
+  dock.cycle();
+  EXPECT_EQ(dock.step.kind, Kind::kPlan);
+}
+
+// Its corrections do not bring the robot any nearer: the wheels do not obey.
+TEST(Docking, GivesUpAfterItsTriesAndBeginsAgainLater) {
+  Dock dock({-2.0, 0.0, 0.0});
+  dock.run_until(Kind::kMove, 1.0);
+  dock.forward_ratio = 0.0;
+  dock.yaw_ratio = 0.0;
+  // Five tries, each until its patience of 25 s has ended.
+  dock.run_until(Kind::kFailed, 5 * 26.0 + 1.0);
+  EXPECT_TRUE(dock.docking.has_failed());
+  dock.forward_ratio = 1.0;
+  dock.yaw_ratio = 1.0;
+  dock.run_until(Kind::kDocked, dock.time_s + 60.0 + 25.0);
+}
+
+}  // namespace
+}  // namespace nodmap::navigator
