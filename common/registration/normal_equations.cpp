@@ -13,15 +13,6 @@ struct NormalEquations::Eigensystem {
   Eigen::Matrix3d vectors;
 };
 
-void NormalEquations::add(const Eigen::Vector2d& normal, const Eigen::Vector2d& moment_arm,
-                          double distance_m, double weight) {
-  const Eigen::Vector3d row(normal.x(), normal.y(),
-                            moment_arm.x() * normal.y() - moment_arm.y() * normal.x());
-  information_ += weight * row * row.transpose();
-  gradient_ += weight * distance_m * row;
-  weight_ += weight;
-}
-
 NormalEquations::Eigensystem NormalEquations::decompose() const {
   constexpr double kMinMomentArmM =
       0.1;  // keeps the scale finite when there is no information on yaw
@@ -36,38 +27,29 @@ NormalEquations::Eigensystem NormalEquations::decompose() const {
   return {to_metres, solver.eigenvalues(), solver.eigenvectors()};
 }
 
-NormalEquations::Observability NormalEquations::observability(double min_information_ratio) const {
+NormalEquations::Solution NormalEquations::solve(double min_information_ratio) const {
   const Eigensystem system = decompose();
-  Observability result;
+  const Eigen::Vector3d gradient = system.to_metres.cwiseInverse().cwiseProduct(gradient_);
+  Solution solution;
   Eigen::Matrix3d kept = Eigen::Matrix3d::Zero();
   for (int k = 0; k < 3; ++k) {
+    const auto direction = system.vectors.col(k);
     if (system.values[k] > min_information_ratio * weight_) {
-      kept += system.vectors.col(k) * system.vectors.col(k).transpose();
+      kept += direction * direction.transpose();
+      solution.step -= direction.dot(gradient) / system.values[k] * direction;
     } else {
-      ++result.degenerate_directions;
+      ++solution.degenerate_directions;
     }
   }
-  result.projector =
+  solution.step = system.to_metres.cwiseInverse().cwiseProduct(solution.step);
+  solution.projector =
       system.to_metres.cwiseInverse().asDiagonal() * kept * system.to_metres.asDiagonal();
-  return result;
+  return solution;
 }
 
 Eigen::Matrix3d NormalEquations::information(double min_information_ratio) const {
-  const Eigen::Matrix3d projector = observability(min_information_ratio).projector;
+  const Eigen::Matrix3d projector = solve(min_information_ratio).projector;
   return projector.transpose() * information_ * projector;
-}
-
-Eigen::Vector3d NormalEquations::step(double min_information_ratio) const {
-  const Eigensystem system = decompose();
-  const Eigen::Vector3d gradient = system.to_metres.cwiseInverse().cwiseProduct(gradient_);
-  Eigen::Vector3d step = Eigen::Vector3d::Zero();
-  for (int k = 0; k < 3; ++k) {
-    if (system.values[k] > min_information_ratio * weight_) {
-      const auto direction = system.vectors.col(k);
-      step -= direction.dot(gradient) / system.values[k] * direction;
-    }
-  }
-  return system.to_metres.cwiseInverse().cwiseProduct(step);
 }
 
 }  // namespace nodmap::registration

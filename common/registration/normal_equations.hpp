@@ -11,8 +11,10 @@ namespace nodmap::registration {
 /// Singh 2016).
 class NormalEquations {
  public:
-  struct Observability {
-    /// Projects a step (dx, dy in metres, dyaw in radians) onto the determined directions.
+  struct Solution {
+    /// To the minimum: dx, dy in metres, dyaw in radians; zero along degenerate directions.
+    Eigen::Vector3d step = Eigen::Vector3d::Zero();
+    /// Projects such a step onto the determined directions.
     Eigen::Matrix3d projector = Eigen::Matrix3d::Identity();
     int degenerate_directions = 0;
   };
@@ -21,20 +23,23 @@ class NormalEquations {
   /// `moment_arm`: from the robot to the point, metres; `distance_m`: of the point from the line,
   /// positive along the normal.
   void add(const Eigen::Vector2d& normal, const Eigen::Vector2d& moment_arm, double distance_m,
-           double weight);
+           double weight) {
+    const Eigen::Vector3d row(normal.x(), normal.y(),
+                              moment_arm.x() * normal.y() - moment_arm.y() * normal.x());
+    information_ += weight * row * row.transpose();
+    gradient_ += weight * distance_m * row;
+    weight_ += weight;
+  }
 
   /// A direction is degenerate when the information on it is below `min_information_ratio` of what
   /// the same correspondences would give if all their normals pointed along it. In a corridor that
   /// is the direction of its axis. Rotation is compared with translation in metres, by the root
   /// mean square moment arm.
-  [[nodiscard]] Observability observability(double min_information_ratio) const;
+  [[nodiscard]] Solution solve(double min_information_ratio) const;
 
   /// The information matrix of (x, y in m, yaw in rad): the sum of w J^T J, without degenerate
   /// directions. Divided by the variance of a distance it is the inverse covariance of the pose.
   [[nodiscard]] Eigen::Matrix3d information(double min_information_ratio) const;
-
-  /// The step (dx, dy in metres, dyaw in radians) to the minimum, zero along degenerate directions.
-  [[nodiscard]] Eigen::Vector3d step(double min_information_ratio) const;
 
  private:
   struct Eigensystem;

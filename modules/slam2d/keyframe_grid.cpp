@@ -16,14 +16,18 @@ template <typename Visit>
 void for_each_ray(const Keyframe& keyframe, const geometry::SE2& T_map_base, Visit visit) {
   const std::vector<double> believed_m = believed_lengths(keyframe);
   const Eigen::Vector2d sensor_origin = T_map_base * keyframe.sensor_origin_base;
+  const double c = std::cos(T_map_base.yaw);
+  const double s = std::sin(T_map_base.yaw);
   for (std::size_t i = 0; i < believed_m.size(); ++i) {
     const Eigen::Vector2d ray =
         keyframe.points_base[i].cast<double>() - keyframe.sensor_origin_base;
     const double length_m = ray.norm();
     const bool is_whole = believed_m[i] >= length_m;
     const double ratio = is_whole ? 1.0 : believed_m[i] / length_m;
-    visit(sensor_origin, Eigen::Vector2d(T_map_base * (keyframe.sensor_origin_base + ratio * ray)),
-          is_whole);
+    const Eigen::Vector2d end_base = keyframe.sensor_origin_base + ratio * ray;
+    const Eigen::Vector2d end(T_map_base.x + c * end_base.x() - s * end_base.y(),
+                              T_map_base.y + s * end_base.x() + c * end_base.y());
+    visit(sensor_origin, end, is_whole);
   }
 }
 

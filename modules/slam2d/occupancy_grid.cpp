@@ -22,16 +22,24 @@ bool is_drawable(const Eigen::Vector2d& cells) {
 struct Axis {
   int direction = 0;
   double next = std::numeric_limits<double>::infinity();  // parameter where it enters the next cell
-  double step = std::numeric_limits<double>::infinity();  // from cell to cell
+  double step = 0.0;                                      // from cell to cell
+  int left = 0;                                           // lines that are not crossed yet
 
-  Axis(double from, double to) {
-    if (from == to) {
+  Axis(double from, double to, int lines) : left(std::abs(lines)) {
+    if (left == 0) {
       return;
     }
-    direction = to > from ? 1 : -1;
+    direction = lines > 0 ? 1 : -1;
     const double border = std::floor(from) + (direction > 0 ? 1.0 : 0.0);
     next = (border - from) / (to - from);
     step = 1.0 / std::abs(to - from);
+  }
+
+  /// Crosses the next line, or does nothing; without a branch, for no processor can guess it.
+  void cross(bool is_crossed) {
+    next += is_crossed ? step : 0.0;
+    left -= is_crossed ? 1 : 0;
+    next = left == 0 ? std::numeric_limits<double>::infinity() : next;
   }
 };
 
@@ -88,33 +96,36 @@ bool OccupancyGrid::count_ray(const Eigen::Vector2d& sensor_origin, const Eigen:
   if (!is_drawable(from) || !is_drawable(to)) {
     return false;
   }
-  Eigen::Vector2i cell = from.array().floor().cast<int>();
+  const Eigen::Vector2i first = from.array().floor().cast<int>();
   const Eigen::Vector2i last = to.array().floor().cast<int>();
-  if (!make_room(cell.cwiseMin(last), cell.cwiseMax(last))) {
+  if (!make_room(first.cwiseMin(last), first.cwiseMax(last))) {
     return false;
   }
-  Axis x(from.x(), to.x());
-  Axis y(from.y(), to.y());
-  Tile* tile = &enter_tile(cell);
+  Axis x(from.x(), to.x(), last.x() - first.x());
+  Axis y(from.y(), to.y(), last.y() - first.y());
+  Tile* tile = &enter_tile(first);
+  // The cell, in the tile; outside of it one is negative or too large.
+  Eigen::Vector2i at = first - kTileCells * tile->position;
   const bool are_all_counted = left_out.empty();  // mostly
   const auto is_counted = [&] {
-    return are_all_counted || std::none_of(left_out.begin(), left_out.end(),
-                                           [&](const CellRange& range) { return range.has(cell); });
+    return are_all_counted ||
+           std::none_of(left_out.begin(), left_out.end(), [&](const CellRange& range) {
+             return range.has(at + kTileCells * tile->position);
+           });
   };
-  // In the tile; outside of it one is negative or too large, as an unsigned number always too
-  // large.
-  Eigen::Vector2i at = cell - kTileCells * tile->position;
   // One step for each grid line crossed, so that rounding cannot lead past the end.
-  for (int steps = (last - cell).cwiseAbs().sum(); steps > 0; --steps) {
+  for (int steps = x.left + y.left; steps > 0; --steps) {
     if (is_counted()) {
       tile->cells[static_cast<std::size_t>(at.y() * kTileCells + at.x())].passed += counted.passed;
     }
-    const bool along_x = cell.y() == last.y() || (cell.x() != last.x() && x.next < y.next);
-    Axis& axis = along_x ? x : y;
-    (along_x ? cell.x() : cell.y()) += axis.direction;
-    (along_x ? at.x() : at.y()) += axis.direction;
-    axis.next += axis.step;
-    if (static_cast<unsigned>(along_x ? at.x() : at.y()) >= unsigned{kTileCells}) {
+    const bool along_x = x.next < y.next;
+    at.x() += along_x ? x.direction : 0;
+    at.y() += along_x ? 0 : y.direction;
+    x.cross(along_x);
+    y.cross(!along_x);
+    static_assert((kTileCells & (kTileCells - 1)) == 0);
+    if (static_cast<unsigned>(at.x() | at.y()) >= unsigned{kTileCells}) {
+      const Eigen::Vector2i cell = at + kTileCells * tile->position;
       tile = &enter_tile(cell);
       at = cell - kTileCells * tile->position;
     }

@@ -36,6 +36,20 @@ geometry::SE2 interpolate(const geometry::SE2& motion, double fraction) {
 
 }  // namespace
 
+std::vector<OrientedPoint> transformed(const geometry::SE2& T_a_b,
+                                       std::span<const OrientedPoint> points_b) {
+  const Eigen::Matrix2d R = T_a_b.rotation();  // once: sine and cosine take longer than the rest
+  const double c = R(0, 0);
+  const double s = R(1, 0);
+  std::vector<OrientedPoint> points_a;
+  points_a.reserve(points_b.size());
+  for (const auto& [p, normal] : points_b) {
+    points_a.push_back(
+        {{T_a_b.x + c * p.x() - s * p.y(), T_a_b.y + s * p.x() + c * p.y()}, R * normal});
+  }
+  return points_a;
+}
+
 Eigen::Vector2d estimate_normal(std::span<const Eigen::Vector2d> points, std::size_t index,
                                 const Eigen::Vector2d& sensor_origin) {
   const Eigen::Vector2d& middle = points[index];

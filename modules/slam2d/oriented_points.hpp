@@ -20,10 +20,9 @@ struct OrientedPoint {
   [[nodiscard]] bool has_normal() const { return !normal.isZero(0.0); }
 };
 
-[[nodiscard]] inline OrientedPoint operator*(const geometry::SE2& T_a_b,
-                                             const OrientedPoint& point_b) {
-  return {T_a_b * point_b.p, T_a_b.rotation() * point_b.normal};
-}
+/// Points of frame b in frame a.
+[[nodiscard]] std::vector<OrientedPoint> transformed(const geometry::SE2& T_a_b,
+                                                     std::span<const OrientedPoint> points_b);
 
 /// Extracts the data set D of Eq. 3 from a level scan: its points deskewed and projected onto the
 /// floor, in base, each with its normal. Does not allocate while the number of beams stays the

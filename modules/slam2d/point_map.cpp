@@ -72,6 +72,11 @@ const PointMap::Tile* PointMap::find_tile(CellIndex tile) const {
   return found == tile_numbers_.end() ? nullptr : &tiles_[found->second];
 }
 
+const PointMap::Cell* PointMap::find_cell(const Tile* tile, CellIndex index) const {
+  const std::uint32_t cell = tile == nullptr ? kNoCell : (*tile)[place_in_tile(index)];
+  return cell == kNoCell ? nullptr : &cells_[cell - 1];
+}
+
 PointMap::Cell& PointMap::enter_cell(CellIndex index) {
   const auto [tile, is_new] =
       tile_numbers_.try_emplace(tile_index(index), static_cast<std::uint32_t>(tiles_.size()));
@@ -97,11 +102,8 @@ void PointMap::for_each_cell(CellIndex low, CellIndex high, Visit visit) const {
         last = at;
         tile = find_tile(at);
       }
-      if (tile == nullptr) {
-        continue;
-      }
-      if (const std::uint32_t cell = (*tile)[place_in_tile(index)]; cell != kNoCell) {
-        visit(cells_[cell - 1], index);
+      if (const Cell* cell = find_cell(tile, index)) {
+        visit(*cell, index);
       }
     }
   }
@@ -114,51 +116,80 @@ void PointMap::for_each_neighbour(const OrientedPoint& point, Visit visit) const
   const CellIndex high = cell_index(point.p.array() + radius_m);
   for_each_cell(low, high, [&](const Cell& cell, CellIndex) {
     for (const Entry& entry : cell) {
-      if ((point.p - entry.p).squaredNorm() <= radius_m * radius_m &&
-          have_similar_normals(point.normal, entry.normal)) {
+      const double dx_m = point.p.x() - entry.x_m;
+      const double dy_m = point.p.y() - entry.y_m;
+      if (dx_m * dx_m + dy_m * dy_m <= radius_m * radius_m &&
+          have_similar_normals(point.normal, points_[entry.index].point.normal)) {
         visit(entry.index);
       }
     }
   });
 }
 
-void PointMap::insert(const OrientedPoint& point) {
-  if (!is_finite(point)) {
-    return;
+// Lines are not read here: they are fitted once, after the last point.
+void PointMap::insert(std::span<const OrientedPoint> points) {
+  for (const OrientedPoint& point : points) {
+    if (!is_finite(point)) {
+      continue;
+    }
+    const OrientedPoint any_normal{point.p, Eigen::Vector2d::Zero()};
+    if (nearest(any_normal, params_.new_point_distance_m) == nullptr) {
+      add_point(point);
+    } else {
+      refine_neighbours(point);
+    }
   }
-  const OrientedPoint any_normal{point.p, Eigen::Vector2d::Zero()};
-  if (nearest(any_normal, params_.new_point_distance_m) == nullptr) {
-    add(point);
-  } else {
-    refine(point);
-  }
+  fit_changed_lines();
 }
 
 void PointMap::add(const OrientedPoint& point) {
-  if (!is_finite(point)) {
-    return;
+  if (is_finite(point)) {
+    add_point(point);
+    fit_changed_lines();
   }
-  const auto added = static_cast<std::uint32_t>(points_.size());
-  points_.push_back({point, point.p, Eigen::Vector2d::Zero()});
-  moments_.emplace_back().add(Eigen::Vector2d::Zero());
-  for_each_neighbour(point, [&](std::uint32_t neighbour) {
-    const Eigen::Vector2d d = point.p - points_[neighbour].point.p;
-    moments_[neighbour].add(d);
-    moments_[added].add(-d);
-    fit_line(neighbour);
-  });
-  fit_line(added);
-  enter_cell(cell_index(point.p)).push_back({point.p, point.normal, added});
 }
 
 void PointMap::refine(const OrientedPoint& point) {
-  if (!is_finite(point)) {
-    return;
+  if (is_finite(point)) {
+    refine_neighbours(point);
+    fit_changed_lines();
   }
+}
+
+void PointMap::add_point(const OrientedPoint& point) {
+  const auto added = static_cast<std::uint32_t>(points_.size());
+  points_.push_back({point, point.p, Eigen::Vector2d::Zero()});
+  moments_.emplace_back();
+  measure(added, Eigen::Vector2d::Zero());
   for_each_neighbour(point, [&](std::uint32_t neighbour) {
-    moments_[neighbour].add(point.p - points_[neighbour].point.p);
-    fit_line(neighbour);
+    const Eigen::Vector2d d = point.p - points_[neighbour].point.p;
+    measure(neighbour, d);
+    moments_[added].add(-d);
   });
+  enter_cell(cell_index(point.p)).push_back({point.p.x(), point.p.y(), added});
+}
+
+void PointMap::refine_neighbours(const OrientedPoint& point) {
+  for_each_neighbour(point, [&](std::uint32_t neighbour) {
+    measure(neighbour, point.p - points_[neighbour].point.p);
+  });
+}
+
+void PointMap::measure(std::uint32_t index, const Eigen::Vector2d& d) {
+  Moments& moments = moments_[index];
+  moments.add(d);
+  if (!moments.has_changed) {
+    moments.has_changed = true;
+    changed_.push_back(index);
+  }
+}
+
+void PointMap::fit_changed_lines() {
+  for (const std::uint32_t index : changed_) {
+    moments_[index].has_changed = false;
+    fit_line(index);
+  }
+  changed_.clear();
 }
 
 void PointMap::fit_line(std::uint32_t index) {
@@ -188,27 +219,42 @@ void PointMap::fit_line(std::uint32_t index) {
   }
 }
 
-void PointMap::search_cell(const Cell& cell, const OrientedPoint& point, Nearest& nearest) {
+void PointMap::search_cell(const Cell& cell, const OrientedPoint& point, Nearest& nearest) const {
   for (const Entry& entry : cell) {
-    const double squared_m2 = (entry.p - point.p).squaredNorm();
-    if (squared_m2 <= nearest.squared_m2 && have_similar_normals(point.normal, entry.normal)) {
-      nearest = {squared_m2, &entry};
+    const double dx_m = entry.x_m - point.p.x();
+    const double dy_m = entry.y_m - point.p.y();
+    const double squared_m2 = dx_m * dx_m + dy_m * dy_m;
+    if (squared_m2 <= nearest.squared_m2 &&
+        have_similar_normals(point.normal, points_[entry.index].point.normal)) {
+      nearest = {squared_m2, &points_[entry.index]};
     }
   }
 }
 
-const MapPoint* PointMap::nearest(const OrientedPoint& point, double max_distance_m) const {
+const MapPoint* PointMap::nearest(const OrientedPoint& point, double max_distance_m,
+                                  const MapPoint* hint) const {
   Nearest nearest{max_distance_m * max_distance_m, nullptr};
+  if (hint != nullptr) {
+    const double squared_m2 = (hint->point.p - point.p).squaredNorm();
+    if (squared_m2 <= nearest.squared_m2 &&
+        have_similar_normals(point.normal, hint->point.normal)) {
+      nearest = {squared_m2, hint};
+    }
+  }
   // The point's own cell first: what is found there mostly rules the others out.
   const CellIndex home = cell_index(point.p);
-  for_each_cell(home, home,
-                [&](const Cell& cell, CellIndex) { search_cell(cell, point, nearest); });
+  if (const Cell* cell = find_cell(find_tile(tile_index(home)), home)) {
+    search_cell(*cell, point, nearest);
+  }
+  const double border_m =
+      std::min({point.p.x() - kCellSizeM * home.x, kCellSizeM * (home.x + 1) - point.p.x(),
+                point.p.y() - kCellSizeM * home.y, kCellSizeM * (home.y + 1) - point.p.y()});
+  if (nearest.squared_m2 < border_m * border_m) {
+    return nearest.point;
+  }
   const double radius_m = std::sqrt(nearest.squared_m2);
   const CellIndex low = cell_index(point.p.array() - radius_m);
   const CellIndex high = cell_index(point.p.array() + radius_m);
-  if (low == home && high == home) {
-    return nearest.entry == nullptr ? nullptr : &points_[nearest.entry->index];
-  }
   for_each_cell(low, high, [&](const Cell& cell, CellIndex index) {
     const double dx_m = distance_to_cell(point.p.x(), index.x);
     const double dy_m = distance_to_cell(point.p.y(), index.y);
@@ -216,7 +262,7 @@ const MapPoint* PointMap::nearest(const OrientedPoint& point, double max_distanc
       search_cell(cell, point, nearest);
     }
   });
-  return nearest.entry == nullptr ? nullptr : &points_[nearest.entry->index];
+  return nearest.point;
 }
 
 }  // namespace nodmap::slam2d

@@ -36,10 +36,10 @@ class PointMap {
  public:
   explicit PointMap(const MapParams& params) : params_(params) {}
 
-  /// Takes a measured point by the rule of section IV A: adds it when no point of the map is within
-  /// d_new, whatever its normal. Otherwise adds nothing, but refines the lines around it; in the
-  /// paper such a point is neglected. Ignores a point that is not finite.
-  void insert(const OrientedPoint& point);
+  /// Takes measured points, one after the other, by the rule of section IV A: adds a point when no
+  /// point of the map is within d_new, whatever its normal. Otherwise adds nothing, but refines the
+  /// lines around it; in the paper such a point is neglected. Ignores points that are not finite.
+  void insert(std::span<const OrientedPoint> points);
 
   /// Adds a point, and updates the lines around it. Ignores a point that is not finite.
   void add(const OrientedPoint& point);
@@ -49,16 +49,18 @@ class PointMap {
 
   /// The nearest map point within `max_distance_m` whose normal differs by at most 60 degrees, so
   /// that the two sides of a thin wall stay apart; an unknown normal matches all. Null if there is
-  /// none. Valid until the next `add` or `insert`.
-  [[nodiscard]] const MapPoint* nearest(const OrientedPoint& point, double max_distance_m) const;
+  /// none. Valid until the next `add` or `insert`. `hint`: a point of this map that may be near, or
+  /// null; it changes the time that is taken, not what is found.
+  [[nodiscard]] const MapPoint* nearest(const OrientedPoint& point, double max_distance_m,
+                                        const MapPoint* hint = nullptr) const;
 
   [[nodiscard]] std::span<const MapPoint> points() const { return points_; }
 
  private:
   /// What a search reads, side by side in memory.
   struct Entry {
-    Eigen::Vector2d p = Eigen::Vector2d::Zero();
-    Eigen::Vector2d normal = Eigen::Vector2d::Zero();
+    double x_m = 0.0;
+    double y_m = 0.0;
     std::uint32_t index = 0;  ///< in points_
   };
   using Cell = std::vector<Entry>;
@@ -82,12 +84,13 @@ class PointMap {
     double xx = 0.0;
     double xy = 0.0;
     double yy = 0.0;
+    bool has_changed = false;  ///< since the line was fitted
     void add(const Eigen::Vector2d& d);
   };
   /// The nearest found so far in a search.
   struct Nearest {
     double squared_m2 = 0.0;
-    const Entry* entry = nullptr;
+    const MapPoint* point = nullptr;
   };
 
   [[nodiscard]] static CellIndex cell_index(const Eigen::Vector2d& p);
@@ -96,18 +99,26 @@ class PointMap {
   [[nodiscard]] static std::size_t place_in_tile(CellIndex cell);
   [[nodiscard]] const Tile* find_tile(CellIndex tile) const;
   [[nodiscard]] Cell& enter_cell(CellIndex index);
+  /// The cell in a tile, or null when it holds no point; without a tile null, too.
+  [[nodiscard]] const Cell* find_cell(const Tile* tile, CellIndex index) const;
   /// Calls `visit` with each cell of a rectangle that holds a point, and its index: row by row.
   template <typename Visit>
   void for_each_cell(CellIndex low, CellIndex high, Visit visit) const;
-  static void search_cell(const Cell& cell, const OrientedPoint& point, Nearest& nearest);
+  void search_cell(const Cell& cell, const OrientedPoint& point, Nearest& nearest) const;
   /// Calls `visit` with the index of each map point whose line the point belongs to.
   template <typename Visit>
   void for_each_neighbour(const OrientedPoint& point, Visit visit) const;
+  /// As add() and refine(), but leave the lines as they were until fit_changed_lines().
+  void add_point(const OrientedPoint& point);
+  void refine_neighbours(const OrientedPoint& point);
+  void measure(std::uint32_t index, const Eigen::Vector2d& d);
+  void fit_changed_lines();
   void fit_line(std::uint32_t index);
 
   MapParams params_;
   std::vector<MapPoint> points_;
-  std::vector<Moments> moments_;  // of each point
+  std::vector<Moments> moments_;         // of each point
+  std::vector<std::uint32_t> changed_;  // points whose moments have changed
   std::vector<Cell> cells_;
   std::vector<Tile> tiles_;
   // Of each tile by its index; never iterated: its order is arbitrary.

@@ -47,9 +47,8 @@ std::vector<OrientedPoint> RecentScans::points_base() const {
   std::vector<OrientedPoint> points;
   for (const PlacedScan& scan : scans_) {
     const geometry::SE2 T_last_base = scans_.back().T_odom_base.inverse() * scan.T_odom_base;
-    for (const OrientedPoint& point : scan.points_base) {
-      points.push_back(T_last_base * point);
-    }
+    const std::vector<OrientedPoint> placed = transformed(T_last_base, scan.points_base);
+    points.insert(points.end(), placed.begin(), placed.end());
   }
   return points;
 }

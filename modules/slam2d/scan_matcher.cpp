@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "common/registration/normal_equations.hpp"
 #include "common/registration/rigid_fit_2d.hpp"
 
 namespace nodmap::slam2d {
@@ -56,36 +55,45 @@ struct ScanMatcher::Correspondences {
 ScanMatcher::Correspondences ScanMatcher::find_correspondences(const PointMap& map,
                                                                std::span<const OrientedPoint> scan,
                                                                const geometry::SE2& T_map_base,
-                                                               double max_distance_m) {
+                                                               double max_distance_m,
+                                                               Hints& hints) const {
+  const bool fits_points = !uses_lines(max_distance_m);
   const double scale_m = kKernelScaleRatio * max_distance_m;
   const Eigen::Matrix2d R = T_map_base.rotation();
   const Eigen::Vector2d t = T_map_base.translation();
   Correspondences sums(t);
-  for (const OrientedPoint& point_base : scan) {
-    const Eigen::Vector2d moment_arm = R * point_base.p;
-    const OrientedPoint data{moment_arm + t, R * point_base.normal};
-    const MapPoint* model = map.nearest(data, max_distance_m);
+  for (std::size_t i = 0; i < scan.size(); ++i) {
+    const Eigen::Vector2d moment_arm = R * scan[i].p;
+    const OrientedPoint data{moment_arm + t, R * scan[i].normal};
+    const MapPoint* model = map.nearest(data, max_distance_m, hints[i]);
     if (model == nullptr) {
       continue;
     }
+    hints[i] = model;
     ++sums.count;
     const Eigen::Vector2d offset = data.p - model->point.p;
-    const double point_weight = kernel(offset.norm(), scale_m);
     if (model->has_line()) {
       const double distance_m = model->line_normal.dot(data.p - model->line_point);
       const double weight = kernel(distance_m, scale_m);
-      sums.points.add(model->point.p, data.p, point_weight);
+      if (fits_points) {
+        sums.points.add(model->point.p, data.p, kernel(offset.norm(), scale_m));
+      }
       sums.lines.add(model->line_normal, moment_arm, distance_m, weight);
       sums.score_sum += weight;
       sums.weight += weight;
       sums.squared_m2 += weight * distance_m * distance_m;
-    } else if (!data.has_normal() || !model->point.has_normal()) {
+      continue;
+    }
+    const double point_weight = kernel(offset.norm(), scale_m);
+    if (!data.has_normal() || !model->point.has_normal()) {
       // Isolated points count for the score, but not for the pose: the far ends of a corridor's
       // walls are isolated points that move with the robot, and would hold it back.
       sums.score_sum += point_weight;
     } else {
       const double weight = kNoLineWeight * point_weight;
-      sums.points.add(model->point.p, data.p, weight);
+      if (fits_points) {
+        sums.points.add(model->point.p, data.p, weight);
+      }
       sums.lines.add(Eigen::Vector2d::UnitX(), moment_arm, offset.x(), weight);
       sums.lines.add(Eigen::Vector2d::UnitY(), moment_arm, offset.y(), weight);
       sums.score_sum += point_weight;
@@ -96,6 +104,11 @@ ScanMatcher::Correspondences ScanMatcher::find_correspondences(const PointMap& m
   return sums;
 }
 
+bool ScanMatcher::uses_lines(double max_distance_m) const {
+  return params_.metric == Metric::kPointToLine &&
+         max_distance_m <= params_.min_correspondence_distance_m;
+}
+
 double ScanMatcher::last_distance_m() const {
   return params_.metric == Metric::kPointToLine
              ? std::min(params_.min_line_distance_m, params_.min_correspondence_distance_m)
@@ -104,16 +117,16 @@ double ScanMatcher::last_distance_m() const {
 
 // (dx, dy in metres, dyaw in radians) in map, without what degenerate directions add.
 Eigen::Vector3d ScanMatcher::step(const Correspondences& correspondences,
+                                  const registration::NormalEquations::Solution& lines,
                                   const geometry::SE2& T_map_base, double max_distance_m) const {
-  if (params_.metric == Metric::kPointToLine &&
-      max_distance_m <= params_.min_correspondence_distance_m) {
-    return correspondences.lines.step(params_.min_information_ratio);
+  if (uses_lines(max_distance_m)) {
+    return lines.step;
   }
   const auto fit = correspondences.points.solve();
   const geometry::SE2 T_next = fit.T_model_data * T_map_base;
   const Eigen::Vector3d step(T_next.x - T_map_base.x, T_next.y - T_map_base.y,
                              fit.T_model_data.yaw);
-  return correspondences.lines.observability(params_.min_information_ratio).projector * step;
+  return lines.projector * step;
 }
 
 Match ScanMatcher::match(const PointMap& map, std::span<const OrientedPoint> scan,
@@ -122,20 +135,22 @@ Match ScanMatcher::match(const PointMap& map, std::span<const OrientedPoint> sca
   match.T_map_base = T_map_base_guess;
   const double last_distance_m = this->last_distance_m();
   double max_distance_m = std::max(params_.max_correspondence_distance_m, last_distance_m);
+  Hints hints(scan.size(), nullptr);
   while (match.iterations < params_.max_iterations) {
     ++match.iterations;
     // w_ij of Eq. 3.
     const Correspondences correspondences =
-        find_correspondences(map, scan, match.T_map_base, max_distance_m);
+        find_correspondences(map, scan, match.T_map_base, max_distance_m, hints);
     if (correspondences.count < kMinCorrespondences) {
       match.T_map_base = T_map_base_guess;
       match.degenerate_directions = 3;
       return match;
     }
-    match.degenerate_directions =
-        correspondences.lines.observability(params_.min_information_ratio).degenerate_directions;
+    const auto lines = correspondences.lines.solve(params_.min_information_ratio);
+    match.degenerate_directions = lines.degenerate_directions;
     // The minimum of Eq. 3 for these correspondences.
-    const Eigen::Vector3d step = this->step(correspondences, match.T_map_base, max_distance_m);
+    const Eigen::Vector3d step =
+        this->step(correspondences, lines, match.T_map_base, max_distance_m);
     match.T_map_base = {match.T_map_base.x + step.x(), match.T_map_base.y + step.y(),
                         geometry::normalize_angle(match.T_map_base.yaw + step.z())};
     const double translation_m = step.head<2>().norm();
@@ -148,16 +163,16 @@ Match ScanMatcher::match(const PointMap& map, std::span<const OrientedPoint> sca
       max_distance_m = std::max(last_distance_m, kDistanceDecay * max_distance_m);
     }
   }
-  evaluate(map, scan, match);
+  evaluate(map, scan, hints, match);
   return match;
 }
 
 // Within d_max of the points: that of the lines is too narrow to tell a scan that is a little off
 // from one that is lost.
-void ScanMatcher::evaluate(const PointMap& map, std::span<const OrientedPoint> scan,
+void ScanMatcher::evaluate(const PointMap& map, std::span<const OrientedPoint> scan, Hints& hints,
                            Match& match) const {
-  const Correspondences correspondences =
-      find_correspondences(map, scan, match.T_map_base, params_.min_correspondence_distance_m);
+  const Correspondences correspondences = find_correspondences(
+      map, scan, match.T_map_base, params_.min_correspondence_distance_m, hints);
   const auto num_points = static_cast<double>(scan.size());
   match.num_correspondences = correspondences.count;
   match.inlier_ratio = correspondences.count / num_points;

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
+#include "common/registration/normal_equations.hpp"
 #include "modules/slam2d/params.hpp"
 #include "modules/slam2d/point_map.hpp"
 
@@ -38,15 +40,21 @@ class ScanMatcher {
 
  private:
   struct Correspondences;
-  [[nodiscard]] static Correspondences find_correspondences(const PointMap& map,
-                                                            std::span<const OrientedPoint> scan,
-                                                            const geometry::SE2& T_map_base,
-                                                            double max_distance_m);
+  /// The points of the map that the scan points had last, or null; changes only the time it takes.
+  using Hints = std::vector<const MapPoint*>;
+  [[nodiscard]] Correspondences find_correspondences(const PointMap& map,
+                                                     std::span<const OrientedPoint> scan,
+                                                     const geometry::SE2& T_map_base,
+                                                     double max_distance_m, Hints& hints) const;
+  /// Whether distances to lines are minimised, for this maximum correspondence distance.
+  [[nodiscard]] bool uses_lines(double max_distance_m) const;
   /// The distance to which the maximum correspondence distance shrinks.
   [[nodiscard]] double last_distance_m() const;
   [[nodiscard]] Eigen::Vector3d step(const Correspondences& correspondences,
+                                     const registration::NormalEquations::Solution& lines,
                                      const geometry::SE2& T_map_base, double max_distance_m) const;
-  void evaluate(const PointMap& map, std::span<const OrientedPoint> scan, Match& match) const;
+  void evaluate(const PointMap& map, std::span<const OrientedPoint> scan, Hints& hints,
+                Match& match) const;
 
   MatcherParams params_;
 };

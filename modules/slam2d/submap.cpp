@@ -50,9 +50,7 @@ std::vector<OrientedPoint> some_points(const Keyframe& keyframe) {
 }
 
 void Submap::add(const geometry::SE2& T_submap_base, std::span<const OrientedPoint> points_base) {
-  for (const OrientedPoint& point : points_base) {
-    points.insert(T_submap_base * point);
-  }
+  points.insert(transformed(T_submap_base, points_base));
   T_submap_keyframe.push_back(T_submap_base);
 }
 

@@ -34,14 +34,14 @@ NormalEquations correspondences_with_walls(bool beside, bool ahead, const Eigen:
 TEST(NormalEquations, StepLeadsToTheTruePoseWhenAllDirectionsAreDetermined) {
   const Eigen::Vector3d off(0.1, -0.2, 0.05);
   const NormalEquations equations = correspondences_with_walls(true, true, off);
-  EXPECT_EQ(equations.observability(kMinInformationRatio).degenerate_directions, 0);
-  EXPECT_LT((equations.step(kMinInformationRatio) + off).norm(), kExact);
+  EXPECT_EQ(equations.solve(kMinInformationRatio).degenerate_directions, 0);
+  EXPECT_LT((equations.solve(kMinInformationRatio).step + off).norm(), kExact);
 }
 
 TEST(NormalEquations, R37_TheAxisOfACorridorIsDegenerate) {
   const NormalEquations equations = correspondences_with_walls(true, false, {0.4, -0.2, 0.05});
-  EXPECT_EQ(equations.observability(kMinInformationRatio).degenerate_directions, 1);
-  const Eigen::Vector3d step = equations.step(kMinInformationRatio);
+  EXPECT_EQ(equations.solve(kMinInformationRatio).degenerate_directions, 1);
+  const Eigen::Vector3d step = equations.solve(kMinInformationRatio).step;
   EXPECT_NEAR(step.x(), 0.0, kExact);
   EXPECT_NEAR(step.y(), 0.2, kExact);
   EXPECT_NEAR(step.z(), -0.05, kExact);
@@ -49,19 +49,19 @@ TEST(NormalEquations, R37_TheAxisOfACorridorIsDegenerate) {
 
 TEST(NormalEquations, TheProjectorKeepsTheDeterminedDirections) {
   const auto in_corridor =
-      correspondences_with_walls(true, false, {0, 0, 0}).observability(kMinInformationRatio);
+      correspondences_with_walls(true, false, {0, 0, 0}).solve(kMinInformationRatio);
   const Eigen::Vector3d kept = in_corridor.projector * Eigen::Vector3d(0.4, -0.2, 0.05);
   EXPECT_LT((kept - Eigen::Vector3d(0.0, -0.2, 0.05)).norm(), kExact);
   const auto in_room =
-      correspondences_with_walls(true, true, {0, 0, 0}).observability(kMinInformationRatio);
+      correspondences_with_walls(true, true, {0, 0, 0}).solve(kMinInformationRatio);
   EXPECT_LT((in_room.projector - Eigen::Matrix3d::Identity()).norm(), kExact);
 }
 
 TEST(NormalEquations, WithoutCorrespondencesEveryDirectionIsDegenerate) {
   const NormalEquations equations;
-  EXPECT_EQ(equations.observability(kMinInformationRatio).degenerate_directions, 3);
-  EXPECT_TRUE(equations.step(kMinInformationRatio).isZero(0.0));
-  EXPECT_TRUE(equations.observability(kMinInformationRatio).projector.isZero(0.0));
+  EXPECT_EQ(equations.solve(kMinInformationRatio).degenerate_directions, 3);
+  EXPECT_TRUE(equations.solve(kMinInformationRatio).step.isZero(0.0));
+  EXPECT_TRUE(equations.solve(kMinInformationRatio).projector.isZero(0.0));
 }
 
 }  // namespace

@@ -14,8 +14,9 @@ PointMap map_of(const test::FloorPlan& plan, const SE2& seen_from) {
   test::Scanner scanner(0.0);
   OrientedPointExtractor extractor;
   PointMap map{{.line_radius_m = 0.25}};
-  for (const OrientedPoint& point : extractor.extract(scanner.scan(plan, seen_from), {})) {
-    map.add(seen_from * point);
+  const auto points = extractor.extract(scanner.scan(plan, seen_from), {});
+  for (const OrientedPoint& point : transformed(seen_from, points)) {
+    map.add(point);
   }
   return map;
 }
