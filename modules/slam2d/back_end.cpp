@@ -105,11 +105,9 @@ bool BackEnd::is_full(const Submap& submap, double ratio) const {
 }
 
 std::optional<geometry::SE2> BackEnd::find_in_local(std::span<const OrientedPoint> scan,
-                                                    const SearchWindow& window) {
-  const LoopAttempt attempt = closer_.search(local_, submaps_[local_], scan, window);
-  // Much of the scan may show what is not in the submap yet: a loop's inliers are not asked for.
-  const bool is_found = attempt.state != LoopState::kAmbiguous && attempt.loop.score > 0.0;
-  return is_found ? std::optional(attempt.loop.T_submap_keyframe) : std::nullopt;
+                                                    const SearchWindow& window, double min_score) {
+  const CorrelativeMatch found = closer_.find(local_, submaps_[local_], scan, window, min_score);
+  return found.is_unique() ? std::optional(found.peaks.front().T_map_base) : std::nullopt;
 }
 
 void BackEnd::add_keyframe(Keyframe keyframe, const geometry::SE2& T_local_keyframe,

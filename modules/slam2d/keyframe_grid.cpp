@@ -31,12 +31,12 @@ void for_each_ray(const Keyframe& keyframe, const geometry::SE2& T_map_base, Vis
   }
 }
 
-/// Whether what is seen from there falls into other cells of the grid.
-bool has_moved(const geometry::SE2& from, const geometry::SE2& to, double cell_size_m) {
+/// Whether what is seen from there has moved by more than a distance.
+bool has_moved(const geometry::SE2& from, const geometry::SE2& to, double distance_m) {
   constexpr double kTypicalRangeM = 5.0;
   return std::hypot(to.x - from.x, to.y - from.y) +
              kTypicalRangeM * std::abs(geometry::angle_difference(to.yaw, from.yaw)) >
-         0.5 * cell_size_m;
+         distance_m;
 }
 
 }  // namespace
@@ -98,17 +98,27 @@ void KeyframeGrid::redraw_moved(std::span<const Keyframe> keyframes, std::size_t
   std::size_t drawn = 0;
   for (std::size_t i = 0; i < std::min(max_checked, drawn_at_.size()) && drawn < max_drawn; ++i) {
     next_redrawn_ = (next_redrawn_ + 1) % drawn_at_.size();
-    const Keyframe& keyframe = keyframes[next_redrawn_];
-    geometry::SE2& drawn_at = drawn_at_[next_redrawn_];
-    if (!has_moved(drawn_at, keyframe.T_map_base, grid_.cell_size_m())) {
-      continue;
+    const geometry::SE2& T_map_base = keyframes[next_redrawn_].T_map_base;
+    if (has_moved(drawn_at_[next_redrawn_], T_map_base, grid_.cell_size_m())) {
+      redraw(keyframes, next_redrawn_);
+      ++drawn;
     }
-    const std::vector<CellRange> left_out = this->left_out(next_redrawn_);
-    erase(keyframe, drawn_at, grid_, left_out);
-    draw(keyframe, keyframe.T_map_base, grid_, left_out);
-    drawn_at = keyframe.T_map_base;
-    ++drawn;
   }
+}
+
+void KeyframeGrid::redraw_all_moved(std::span<const Keyframe> keyframes) {
+  for (std::size_t k = 0; k < drawn_at_.size(); ++k) {
+    if (has_moved(drawn_at_[k], keyframes[k].T_map_base, 0.5 * grid_.cell_size_m())) {
+      redraw(keyframes, k);
+    }
+  }
+}
+
+void KeyframeGrid::redraw(std::span<const Keyframe> keyframes, std::size_t keyframe) {
+  const std::vector<CellRange> left_out = this->left_out(keyframe);
+  erase(keyframes[keyframe], drawn_at_[keyframe], grid_, left_out);
+  draw(keyframes[keyframe], keyframes[keyframe].T_map_base, grid_, left_out);
+  drawn_at_[keyframe] = keyframes[keyframe].T_map_base;
 }
 
 void KeyframeGrid::drop(const DroppedKeyframes& dropped) {

@@ -37,13 +37,12 @@ class KeyframeGrid {
   /// Draws the keyframes that came since the last call.
   void draw_new(std::span<const Keyframe> keyframes);
 
-  /// Draws keyframes again that the back end has moved by more than half a cell: looks at
-  /// `max_checked` of them, in turn, and draws `max_drawn` at most.
+  /// Draws keyframes again that the back end has moved by more than a cell: looks at `max_checked`
+  /// of them, in turn, and draws `max_drawn` at most.
   void redraw_moved(std::span<const Keyframe> keyframes, std::size_t max_checked,
                     std::size_t max_drawn);
-  void redraw_all_moved(std::span<const Keyframe> keyframes) {
-    redraw_moved(keyframes, keyframes.size(), keyframes.size());
-  }
+  /// Draws all keyframes again that the back end has moved by more than half a cell.
+  void redraw_all_moved(std::span<const Keyframe> keyframes);
 
   /// Takes keyframes back that the back end has dropped: what has vanished goes with them.
   void drop(const DroppedKeyframes& dropped);
@@ -60,6 +59,7 @@ class KeyframeGrid {
  private:
   /// The cells in which a keyframe is not drawn.
   [[nodiscard]] std::vector<CellRange> left_out(std::size_t keyframe) const;
+  void redraw(std::span<const Keyframe> keyframes, std::size_t keyframe);
 
   OccupancyGrid grid_;
   std::vector<geometry::SE2> drawn_at_;  // T_map_base of each keyframe in the grid

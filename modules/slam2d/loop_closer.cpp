@@ -34,7 +34,7 @@ MatcherParams from_near(MatcherParams params) {
 }  // namespace
 
 LoopCloser::LoopCloser(const LoopParams& params, const MatcherParams& matcher)
-    : params_(params), matcher_(from_near(matcher)), correlative_(params.search) {}
+    : params_(params), matcher_(from_near(matcher)) {}
 
 LoopAttempt LoopCloser::attempt(const Match& match, const geometry::SE2& T_submap_base_start,
                                 double min_inlier_ratio) const {
@@ -82,10 +82,18 @@ const LikelihoodGrid& LoopCloser::grid_of(std::size_t submap_index, const Submap
       .first->second.grid;
 }
 
+CorrelativeMatch LoopCloser::find(std::size_t submap_index, const Submap& submap,
+                                  std::span<const OrientedPoint> scan, const SearchWindow& window,
+                                  double min_score) {
+  LoopSearchParams params = params_.search;
+  params.min_score = min_score;
+  return CorrelativeMatcher(params).search(grid_of(submap_index, submap), points_to_search(scan),
+                                           window);
+}
+
 LoopAttempt LoopCloser::search(std::size_t submap_index, const Submap& submap,
                                std::span<const OrientedPoint> scan, const SearchWindow& window) {
-  const std::vector<Eigen::Vector2d> points = points_to_search(scan);
-  const CorrelativeMatch found = correlative_.search(grid_of(submap_index, submap), points, window);
+  const CorrelativeMatch found = find(submap_index, submap, scan, window, params_.search.min_score);
   if (found.complete && found.peaks.empty()) {
     return {};
   }

@@ -49,6 +49,12 @@ class LoopCloser {
   [[nodiscard]] LoopAttempt track(const Submap& submap, std::span<const OrientedPoint> scan,
                                   const geometry::SE2& T_submap_base_guess) const;
 
+  /// The poses within a window at which a scan fits a submap, none with a mean likelihood below
+  /// `min_score`.
+  [[nodiscard]] CorrelativeMatch find(std::size_t submap_index, const Submap& submap,
+                                      std::span<const OrientedPoint> scan,
+                                      const SearchWindow& window, double min_score);
+
   /// Finds the best match within a window.
   [[nodiscard]] LoopAttempt search(std::size_t submap_index, const Submap& submap,
                                    std::span<const OrientedPoint> scan, const SearchWindow& window);
@@ -77,7 +83,6 @@ class LoopCloser {
 
   LoopParams params_;
   ScanMatcher matcher_;
-  CorrelativeMatcher correlative_;
   std::map<std::size_t, CachedGrid> grids_;
   std::size_t uses_ = 0;
   std::vector<Loop> pending_;

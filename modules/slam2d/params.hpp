@@ -18,6 +18,18 @@ struct LevelScanParams {
   }
 };
 
+/// What is kept of the robot's path.
+struct PathParams {
+  int max_scans = 524'288;
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.integer("max_scans", max_scans, {2, 100'000'000},
+              "Level scans whose poses are kept, 64 bytes each. Of more every second one is kept, "
+              "then every fourth.");
+  }
+};
+
 /// The distances that the last iterations of ICP minimise.
 enum class Metric : std::uint8_t {
   kPointToPoint,  ///< Eq. 3 as printed in the paper
@@ -56,6 +68,7 @@ struct SearchParams {
   double score_threshold = 0.7;
   double distance_m = 0.75;
   double rotation_rad = geometry::deg_to_rad(90.0);
+  double min_gain = 0.05;
 
   template <class Visitor>
   void describe(Visitor& v) {
@@ -65,6 +78,36 @@ struct SearchParams {
              "Start poses are tried up to this distance from odometry, in x and in y.");
     v.angle("rotation_deg", rotation_rad, {0.0, 180.0},
             "Start poses are tried up to this rotation from odometry.");
+    v.number("min_gain", min_gain, {0.0, 1.0},
+             "A match from another start pose, or another guess, replaces the one from odometry "
+             "when it scores more by at least this.");
+  }
+};
+
+/// What holds while odometry is in doubt: after a while without it, and while the robot is lost.
+struct DoubtParams {
+  double certain_score = 0.85;
+  double min_score = 0.5;
+  double search_distance_m = 4.0;
+  double search_rotation_rad = geometry::deg_to_rad(120.0);
+  double min_search_score = 0.35;
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.number("certain_score", certain_score, {0.0, 1.0},
+             "A match that scores at least this, with all directions determined, is believed "
+             "without a search.");
+    v.number("min_score", min_score, {0.0, 1.0},
+             "The robot is lost when no place scores at least this: a wrong one may fit by half, "
+             "for the walls of other rooms do over some of their length.");
+    v.number("search_distance_m", search_distance_m, {0.1, 100.0},
+             "The scan is searched for in the local submap up to this distance from odometry, in x "
+             "and in y.");
+    v.angle("search_rotation_deg", search_rotation_rad, {0.0, 180.0},
+            "And up to this rotation from odometry.");
+    v.number("min_search_score", min_search_score, {0.05, 1.0},
+             "The search finds nothing when the best mean likelihood is below this. It may be low: "
+             "much of the scan may show what is not in the local submap yet.");
   }
 };
 
@@ -86,6 +129,10 @@ struct LostParams {
   double score_threshold = 0.2;
   double distance_m = 1.0;
   double max_s = 10.0;
+  double max_sigma_m = 0.4;
+  double begin_sigma_m = 3.0;
+  double begin_sigma_rad = geometry::deg_to_rad(30.0);
+  double max_drift_sigma_m = 1.0;
 
   template <class Visitor>
   void describe(Visitor& v) {
@@ -95,6 +142,15 @@ struct LostParams {
              "When lost, the map is continued from odometry beyond this distance from the last "
              "keyframe.");
     v.number("max_s", max_s, {0.0, 3600.0}, "Or after this time.");
+    v.number("max_sigma_m", max_sigma_m, {0.01, 100.0},
+             "A scan that fits nothing makes the robot lost where the standard deviation of its "
+             "pose by odometry is above this, as after some 10 m.");
+    v.number("begin_sigma_m", begin_sigma_m, {0.1, 100.0},
+             "Standard deviation of the place at which a lost robot continues the map.");
+    v.angle("begin_sigma_deg", begin_sigma_rad, {1.0, 180.0}, "And of its heading there.");
+    v.number("max_drift_sigma_m", max_drift_sigma_m, {0.01, 100.0},
+             "The pose is DEGRADED as long as the standard deviation of the drift since the map "
+             "began is above this: goals in map are off by as much.");
   }
 };
 
@@ -281,8 +337,10 @@ struct Slam2dParams {
   LevelScanParams level_scans = {};
   MatcherParams matcher = {};
   SearchParams search = {};
+  DoubtParams doubt = {};
   KeyframeParams keyframe = {};
   LostParams lost = {};
+  PathParams path = {};
   MapParams map = {};
   BackEndParams back_end = {};
   GridParams grid = {};
@@ -294,8 +352,10 @@ struct Slam2dParams {
     v.section("level_scans", level_scans);
     v.section("matcher", matcher);
     v.section("search", search);
+    v.section("doubt", doubt);
     v.section("keyframe", keyframe);
     v.section("lost", lost);
+    v.section("path", path);
     v.section("map", map);
     v.section("back_end", back_end);
     v.section("grid", grid);

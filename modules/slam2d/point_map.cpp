@@ -2,6 +2,7 @@
 #include "modules/slam2d/point_map.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 namespace nodmap::slam2d {
@@ -72,38 +73,52 @@ const PointMap::Tile* PointMap::find_tile(CellIndex tile) const {
   return found == tile_numbers_.end() ? nullptr : &tiles_[found->second];
 }
 
-const PointMap::Cell* PointMap::find_cell(const Tile* tile, CellIndex index) const {
-  const std::uint32_t cell = tile == nullptr ? kNoCell : (*tile)[place_in_tile(index)];
-  return cell == kNoCell ? nullptr : &cells_[cell - 1];
-}
-
 PointMap::Cell& PointMap::enter_cell(CellIndex index) {
   const auto [tile, is_new] =
       tile_numbers_.try_emplace(tile_index(index), static_cast<std::uint32_t>(tiles_.size()));
   if (is_new) {
-    tiles_.emplace_back().fill(kNoCell);
+    tiles_.emplace_back();
   }
-  std::uint32_t& cell = tiles_[tile->second][place_in_tile(index)];
-  if (cell == kNoCell) {
+  Tile& entered = tiles_[tile->second];
+  const std::size_t place = place_in_tile(index);
+  if (((entered.used >> place) & 1U) == 0) {
+    entered.used |= std::uint64_t{1} << place;
+    entered.cells[place] = static_cast<std::uint32_t>(cells_.size());
     cells_.emplace_back();
-    cell = static_cast<std::uint32_t>(cells_.size());
   }
-  return cells_[cell - 1];
+  return cells_[entered.cells[place]];
+}
+
+std::uint64_t PointMap::mask_in_tile(CellIndex tile, CellIndex low, CellIndex high) {
+  const auto bits = [](std::int32_t first, std::int32_t last) {
+    const auto begin = static_cast<unsigned>(std::max(first, 0));
+    const auto end = static_cast<unsigned>(std::min(last, kTileCells - 1)) + 1;
+    return (std::uint64_t{1} << end) - (std::uint64_t{1} << begin);
+  };
+  constexpr std::uint64_t kFirstColumn = 0x0101010101010101ULL;
+  const std::uint64_t columns = bits(low.x - kTileCells * tile.x, high.x - kTileCells * tile.x);
+  const std::int32_t first_row = std::max(low.y - kTileCells * tile.y, 0);
+  const std::int32_t last_row = std::min(high.y - kTileCells * tile.y, kTileCells - 1);
+  const std::uint64_t rows = (kFirstColumn >> (8 * (kTileCells - 1 - last_row + first_row)))
+                             << (8 * first_row);
+  return columns * rows;
 }
 
 template <typename Visit>
 void PointMap::for_each_cell(CellIndex low, CellIndex high, Visit visit) const {
-  CellIndex last = tile_index(low);
-  const Tile* tile = find_tile(last);
-  for (std::int32_t y = low.y; y <= high.y; ++y) {
-    for (std::int32_t x = low.x; x <= high.x; ++x) {
-      const CellIndex index{x, y};
-      if (const CellIndex at = tile_index(index); at != last) {
-        last = at;
-        tile = find_tile(at);
+  const CellIndex first = tile_index(low);
+  const CellIndex last = tile_index(high);
+  for (std::int32_t y = first.y; y <= last.y; ++y) {
+    for (std::int32_t x = first.x; x <= last.x; ++x) {
+      const Tile* tile = find_tile({x, y});
+      if (tile == nullptr) {
+        continue;
       }
-      if (const Cell* cell = find_cell(tile, index)) {
-        visit(*cell, index);
+      for (std::uint64_t left = tile->used & mask_in_tile({x, y}, low, high); left != 0;
+           left &= left - 1) {
+        const int place = std::countr_zero(left);
+        visit(cells_[tile->cells[static_cast<std::size_t>(place)]],
+              CellIndex{kTileCells * x + place % kTileCells, kTileCells * y + place / kTileCells});
       }
     }
   }
@@ -243,8 +258,11 @@ const MapPoint* PointMap::nearest(const OrientedPoint& point, double max_distanc
   }
   // The point's own cell first: what is found there mostly rules the others out.
   const CellIndex home = cell_index(point.p);
-  if (const Cell* cell = find_cell(find_tile(tile_index(home)), home)) {
-    search_cell(*cell, point, nearest);
+  if (const Tile* tile = find_tile(tile_index(home))) {
+    const std::size_t place = place_in_tile(home);
+    if (((tile->used >> place) & 1U) != 0) {
+      search_cell(cells_[tile->cells[place]], point, nearest);
+    }
   }
   const double border_m =
       std::min({point.p.x() - kCellSizeM * home.x, kCellSizeM * (home.x + 1) - point.p.x(),

@@ -64,10 +64,12 @@ class PointMap {
     std::uint32_t index = 0;  ///< in points_
   };
   using Cell = std::vector<Entry>;
-  static constexpr std::uint32_t kNoCell = 0;
-  /// A square of cells that are looked up together: one plus the number of each, row by row.
+  /// A square of cells that are looked up together.
   static constexpr std::int32_t kTileCells = 8;
-  using Tile = std::array<std::uint32_t, std::size_t{kTileCells} * kTileCells>;
+  struct Tile {
+    std::uint64_t used = 0;  ///< a bit for each cell that holds a point, row by row
+    std::array<std::uint32_t, std::size_t{kTileCells} * kTileCells> cells{};  ///< numbers of those
+  };
   struct CellIndex {
     std::int32_t x = 0;
     std::int32_t y = 0;
@@ -97,11 +99,11 @@ class PointMap {
   [[nodiscard]] static CellIndex tile_index(CellIndex cell);
   /// The place of a cell within its tile.
   [[nodiscard]] static std::size_t place_in_tile(CellIndex cell);
+  /// The bits of the cells of a rectangle that lie in a tile.
+  [[nodiscard]] static std::uint64_t mask_in_tile(CellIndex tile, CellIndex low, CellIndex high);
   [[nodiscard]] const Tile* find_tile(CellIndex tile) const;
   [[nodiscard]] Cell& enter_cell(CellIndex index);
-  /// The cell in a tile, or null when it holds no point; without a tile null, too.
-  [[nodiscard]] const Cell* find_cell(const Tile* tile, CellIndex index) const;
-  /// Calls `visit` with each cell of a rectangle that holds a point, and its index: row by row.
+  /// Calls `visit` with each cell of a rectangle that holds a point, and its index.
   template <typename Visit>
   void for_each_cell(CellIndex low, CellIndex high, Visit visit) const;
   void search_cell(const Cell& cell, const OrientedPoint& point, Nearest& nearest) const;
@@ -117,7 +119,7 @@ class PointMap {
 
   MapParams params_;
   std::vector<MapPoint> points_;
-  std::vector<Moments> moments_;         // of each point
+  std::vector<Moments> moments_;        // of each point
   std::vector<std::uint32_t> changed_;  // points whose moments have changed
   std::vector<Cell> cells_;
   std::vector<Tile> tiles_;

@@ -19,7 +19,6 @@ constexpr double kDistinctRad = 0.1;
 // up for a rotation of 90 degrees, or for twice the search distance. People around the robot take
 // half of the score at the true pose; with 0.1 it is then found anywhere.
 constexpr double kDeviationCost = 0.25;
-constexpr double kMinGain = 0.05;  // of score, for a match to replace the one from odometry
 
 struct Candidate {
   double score = 0.0;
@@ -55,7 +54,7 @@ std::optional<Match> PoseSearch::find_better(const ScanMatcher& matcher, const P
                                              std::span<const geometry::SE2> guesses,
                                              const Match& tracked) const {
   std::optional<Match> best;
-  double best_value = tracked.score + kMinGain;
+  double best_value = tracked.score + params_.min_gain;
   for (const geometry::SE2& start : candidates(map, scan, guesses)) {
     const Match match = matcher.match(map, scan, start);
     const double value = match.score - cost(match.T_map_base, guesses);

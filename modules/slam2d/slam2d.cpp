@@ -12,22 +12,6 @@ double distance_m(const geometry::SE2& a, const geometry::SE2& b) {
   return std::hypot(a.x - b.x, a.y - b.y);
 }
 
-// Bounds the memory of a robot that is on for days: 11 hours at 13 scans a second, 40 MB.
-constexpr std::size_t kMaxTrackedScans = 524'288;
-
-// After a while in which nobody knows how the robot has moved, a wrong place may fit by half: the
-// walls of other rooms do, over some of their length.
-constexpr double kSureScore = 0.5;
-// How far it is then looked for in the local submap, which is not much larger.
-constexpr double kFarM = 4.0;
-constexpr double kFarRad = geometry::deg_to_rad(120.0);
-// Farther than this by odometry alone a robot does not know where it is: after some 10 m.
-constexpr double kMaxSigmaM = 0.4;
-// How far a robot that was lost may be from where odometry says: as far as loops are searched for.
-const Eigen::Vector3d kLostSigmas(3.0, 3.0, 0.5);
-// Goals in map are off by as much: the pose is degraded until a loop has told where the robot is.
-constexpr double kMaxDriftSigmaM = 1.0;
-
 }  // namespace
 
 Slam2d::Slam2d(const Slam2dParams& params)
@@ -129,12 +113,12 @@ Slam2d::Start Slam2d::choose_start(const LevelScan& scan) const {
   if (start.guesses.size() == 1) {
     return start;
   }
-  constexpr double kMinGain = 0.05;  // of score
+  const double min_gain = params_.search.min_gain;
   std::size_t best = 0;
-  double best_score = -kMinGain;
+  double best_score = -min_gain;
   for (std::size_t i = 0; i < start.guesses.size(); ++i) {
     const Match match = matcher_.match(submap.points, scan.points_base, start.guesses[i]);
-    if (match.score > best_score + kMinGain) {
+    if (match.score > best_score + min_gain) {
       best = i;
       best_score = match.score;
     }
@@ -147,7 +131,8 @@ Slam2d::Start Slam2d::choose_start(const LevelScan& scan) const {
 Match Slam2d::match_or_search(const LevelScan& scan, std::span<const geometry::SE2> guesses) {
   const Submap& submap = back_end_.local();
   const Match tracked = matcher_.match(submap.points, scan.points_base, guesses.front());
-  const bool is_good = tracked.score >= params_.search.score_threshold && !odometry_is_in_doubt_;
+  const bool is_good =
+      odometry_is_in_doubt_ ? is_certain(tracked) : tracked.score >= params_.search.score_threshold;
   if (is_good || !scan.has_enough_to_search()) {
     T_odom_failed_search_.reset();
     return tracked;
@@ -157,10 +142,10 @@ Match Slam2d::match_or_search(const LevelScan& scan, std::span<const geometry::S
     return tracked;
   }
   ++metrics_.searches;
-  auto found = search_.find_better(matcher_, submap.points, scan.points_base, guesses, tracked);
-  if (odometry_is_in_doubt_) {
-    found = find_far(scan, guesses.front(), found.value_or(tracked));
-  }
+  const auto found =
+      odometry_is_in_doubt_
+          ? find_anywhere(scan, guesses, tracked)
+          : search_.find_better(matcher_, submap.points, scan.points_base, guesses, tracked);
   if (!found) {
     T_odom_failed_search_ = scan.T_odom_base;
     return tracked;
@@ -170,22 +155,33 @@ Match Slam2d::match_or_search(const LevelScan& scan, std::span<const geometry::S
   return *found;
 }
 
-// By branch and bound, as loops are searched for. Returns the better one of what it finds and
-// `near`, a match found near the guess; nothing when neither fits surely.
-std::optional<Match> Slam2d::find_far(const LevelScan& scan, const geometry::SE2& guess,
-                                      const Match& near) {
-  std::optional<Match> best;
-  if (near.score >= kSureScore) {
-    best = near;
-  }
-  const auto place = back_end_.find_in_local(scan.points_base, {guess, kFarM, kFarRad});
-  if (place) {
-    const Match far = matcher_.match(back_end_.local().points, scan.points_base, *place);
-    if (far.degenerate_directions == 0 && far.score >= std::max(kSureScore, near.score)) {
-      best = far;
+bool Slam2d::is_certain(const Match& match) const {
+  return match.degenerate_directions == 0 && match.score >= params_.doubt.certain_score;
+}
+
+// First by branch and bound in the whole local submap, as loops are searched for. Where that is not
+// certain, the best of what it finds, `tracked` and what is found near the guesses; nothing when
+// none of them fits surely.
+std::optional<Match> Slam2d::find_anywhere(const LevelScan& scan,
+                                           std::span<const geometry::SE2> guesses,
+                                           const Match& tracked) {
+  const DoubtParams& params = params_.doubt;
+  const PointMap& map = back_end_.local().points;
+  std::optional<Match> far;
+  const SearchWindow window{guesses.front(), params.search_distance_m, params.search_rotation_rad};
+  if (const auto place =
+          back_end_.find_in_local(scan.points_base, window, params.min_search_score)) {
+    far = matcher_.match(map, scan.points_base, *place);
+    if (is_certain(*far)) {
+      return far;
     }
   }
-  return best;
+  Match best =
+      search_.find_better(matcher_, map, scan.points_base, guesses, tracked).value_or(tracked);
+  if (far && far->degenerate_directions == 0 && far->score >= best.score) {
+    best = *far;
+  }
+  return best.score >= params.min_score ? std::optional(best) : std::nullopt;
 }
 
 PoseUpdate Slam2d::correct_pose(const LevelScan& scan, const Match& match) const {
@@ -220,13 +216,14 @@ PoseQuality Slam2d::classify(const LevelScan& scan, const Match& match) const {
     return PoseQuality::kOdometry;
   }
   const double min_score = odometry_is_in_doubt_
-                               ? std::max(kSureScore, params_.lost.score_threshold)
+                               ? std::max(params_.doubt.min_score, params_.lost.score_threshold)
                                : params_.lost.score_threshold;
   if (!match.found() || match.score < min_score) {
     return is_lost(scan) ? PoseQuality::kLost : PoseQuality::kOdometry;
   }
   const Eigen::Matrix3d& drift = back_end_.drift_covariance();
-  const bool has_drifted = std::max(drift(0, 0), drift(1, 1)) > kMaxDriftSigmaM * kMaxDriftSigmaM;
+  const double max_sigma_m = params_.lost.max_drift_sigma_m;
+  const bool has_drifted = std::max(drift(0, 0), drift(1, 1)) > max_sigma_m * max_sigma_m;
   return match.degenerate_directions > 0 || has_drifted ? PoseQuality::kPartly
                                                         : PoseQuality::kTracked;
 }
@@ -235,8 +232,9 @@ PoseQuality Slam2d::classify(const LevelScan& scan, const Match& match) const {
 // alone is good for a while: in the open, behind obstacles, it is all there is.
 bool Slam2d::is_lost(const LevelScan& scan) const {
   const Eigen::Matrix3d& covariance = pose_covariance_.matrix();
+  const double max_sigma_m = params_.lost.max_sigma_m;
   return odometry_is_in_doubt_ || moving_points_.contradicts(scan) ||
-         std::max(covariance(0, 0), covariance(1, 1)) > kMaxSigmaM * kMaxSigmaM;
+         std::max(covariance(0, 0), covariance(1, 1)) > max_sigma_m * max_sigma_m;
 }
 
 bool Slam2d::has_moved(const geometry::SE2& T_odom_before, const geometry::SE2& T_odom_now) const {
@@ -273,7 +271,8 @@ void Slam2d::add_keyframe(const LevelScan& scan, const Match& match, PoseUpdate&
     keyframe.normals_base.emplace_back(point.normal.cast<float>());
   }
   if (update.quality == PoseQuality::kLost) {
-    back_end_.begin_anew(kLostSigmas);
+    const LostParams& lost = params_.lost;
+    back_end_.begin_anew({lost.begin_sigma_m, lost.begin_sigma_m, lost.begin_sigma_rad});
     pose_covariance_ = {};  // the robot is where its submap begins
   }
   const geometry::SE2 T_submap_base =
@@ -317,7 +316,7 @@ void Slam2d::attach_to_others(const DroppedKeyframes& dropped) {
 
 void Slam2d::record(const PoseUpdate& update) {
   const geometry::SE2 T_keyframe_base = keyframes().back().T_map_base.inverse() * update.T_map_base;
-  if (tracked_scans_.size() == kMaxTrackedScans) {
+  if (tracked_scans_.size() == static_cast<std::size_t>(params_.path.max_scans)) {
     std::size_t index = 0;
     std::erase_if(tracked_scans_, [&index](const TrackedScan&) { return index++ % 2 == 1; });
     record_every_ *= 2;

@@ -101,8 +101,10 @@ class Slam2d {
   [[nodiscard]] Start choose_start(const LevelScan& scan) const;
   [[nodiscard]] Match match_or_search(const LevelScan& scan,
                                       std::span<const geometry::SE2> guesses);
-  [[nodiscard]] std::optional<Match> find_far(const LevelScan& scan, const geometry::SE2& guess,
-                                              const Match& near);
+  [[nodiscard]] bool is_certain(const Match& match) const;
+  [[nodiscard]] std::optional<Match> find_anywhere(const LevelScan& scan,
+                                                   std::span<const geometry::SE2> guesses,
+                                                   const Match& tracked);
   [[nodiscard]] PoseUpdate correct_pose(const LevelScan& scan, const Match& match) const;
   [[nodiscard]] Eigen::Matrix3d estimate_covariance(const Match& match, const PoseUpdate& update);
   [[nodiscard]] PoseQuality classify(const LevelScan& scan, const Match& match) const;

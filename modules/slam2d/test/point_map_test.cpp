@@ -65,6 +65,38 @@ TEST(PointMap, NearestAgreesWithBruteForce) {
   }
 }
 
+TEST(PointMap, AHintDoesNotChangeWhatIsNearest) {
+  PointMap map(kParams);
+  for (const OrientedPoint& point : random_points(3000, 7, 5.0)) {
+    map.add(point);
+  }
+  std::mt19937 random(8);
+  std::uniform_int_distribution<std::size_t> any(0, map.points().size() - 1);
+  for (const double reach : {0.03, 0.25, 0.7, 3.0}) {
+    for (const OrientedPoint& query : random_points(300, 9, 7.0)) {
+      const MapPoint* expected = map.nearest(query, reach);
+      EXPECT_EQ(map.nearest(query, reach, &map.points()[any(random)]), expected);
+      EXPECT_EQ(map.nearest(query, reach, expected), expected);
+    }
+  }
+}
+
+TEST(PointMap, PointsTogetherMakeTheSameLinesAsOneByOne) {
+  constexpr MapParams kEveryPoint{.new_point_distance_m = 1e-9, .line_radius_m = 0.25};
+  const std::vector<OrientedPoint> points = random_points(500, 10, 1.0);
+  PointMap together(kEveryPoint);
+  PointMap one_by_one(kEveryPoint);
+  together.insert(points);
+  for (const OrientedPoint& point : points) {
+    one_by_one.add(point);
+  }
+  ASSERT_EQ(together.points().size(), points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    EXPECT_EQ(together.points()[i].line_point, one_by_one.points()[i].line_point);
+    EXPECT_EQ(together.points()[i].line_normal, one_by_one.points()[i].line_normal);
+  }
+}
+
 TEST(PointMap, EmptyMapHasNoNeighbour) {
   EXPECT_EQ(PointMap(kParams).nearest({{0, 0}, kNoNormal}, 10.0), nullptr);
 }

@@ -287,6 +287,18 @@ TEST(Slam2d, WhatWasNeverInViewIsAddedByOdometry) {
 }
 
 // Nothing is recorded for a second, and odometry does not count what the robot moves meanwhile.
+// As in logs whose stamps come in bursts: nothing has happened while odometry was missing.
+TEST(Slam2d, AScanThatFitsAfterAGapIsNotSearchedFor) {
+  Slam2d slam{Slam2dParams{}};
+  Scanner scanner;
+  for (int i = 0; i < 10; ++i) {
+    const auto update = track(slam, scanner.scan(test::room(), {}, 1'000'000 * i), {});
+    ASSERT_TRUE(update);
+    EXPECT_EQ(update->quality, PoseQuality::kTracked);
+  }
+  EXPECT_EQ(slam.metrics().searches, 0);
+}
+
 TEST(Slam2d, APauseInOdometryIsTakenBackByTheScans) {
   Slam2d slam{Slam2dParams{}};
   Scanner scanner;
