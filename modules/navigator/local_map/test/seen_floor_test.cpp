@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kCellM = 0.025;
 const robot::Footprint kBody{0.225, 0.165};
-constexpr double kBlindM = 0.3;
+constexpr double kBlindM = 0.31;  // no row of the front lies on a border of cells
 const ObstacleMemory kObstacles(20.0);
 
 /// Floor everywhere but in a strip across the way ahead, or behind.
@@ -23,7 +23,7 @@ LocalGrid floor_without(double from_x, double to_x) {
   return grid;
 }
 
-// Up to where the strip begins: the robot's front is at 0.225 m, floor counts from 0.3 m on.
+// Up to where the strip begins: the robot's front is at 0.225 m, floor counts from 0.31 m on.
 TEST(SeenFloor, EndsWhereAGapIsLongerThanAllowed) {
   const LocalGrid grid = floor_without(1.3, 1.55);
   const SeenFloor floor(grid, kObstacles, kBody, kBlindM);
@@ -40,7 +40,7 @@ void add_wall(LocalGrid& grid, double x) {
   }
 }
 
-// The robot's front is at 0.225 m, floor counts from 0.3 m on, and what is hidden up to 0.35 m.
+// The robot's front is at 0.225 m, floor counts from 0.31 m on, and what is hidden up to 0.36 m.
 TEST(SeenFloor, AnObstacleNearerThanTheLaserSeesFloorEndsTheColumn) {
   for (const double wall_m : {0.28, 0.34}) {
     LocalGrid grid = floor_without(wall_m - 0.01, 3.0);
