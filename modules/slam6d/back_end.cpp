@@ -13,11 +13,6 @@ namespace {
 using geometry::SE3;
 
 constexpr double kSigmas = 3.0;
-// What was driven so recently is in the map: the drift since then is in its walls already.
-constexpr double kRecentM = 40.0;
-// Farther apart than this by the drift, two walls would be entered for one.
-constexpr double kCertainM = 0.1;
-constexpr double kCertainRad = geometry::deg_to_rad(1.0);
 // Voxels are exchanged with the old map when there are so many keyframes to be exchanged, or one
 // that is within reach of the scanner.
 constexpr std::ptrdiff_t kExchangedAtOnce = 10;
@@ -31,9 +26,9 @@ double distance(const SE3& a, const SE3& b) {
   return (a.translation() - b.translation()).norm();
 }
 
-bool is_certain(const Matrix6d& covariance) {
-  return kSigmas * std::sqrt(covariance.diagonal().head<3>().maxCoeff()) < kCertainM &&
-         kSigmas * std::sqrt(covariance.diagonal().tail<3>().maxCoeff()) < kCertainRad;
+bool is_certain(const Matrix6d& covariance, const LoopParams& params) {
+  return kSigmas * std::sqrt(covariance.diagonal().head<3>().maxCoeff()) < params.certain_m &&
+         kSigmas * std::sqrt(covariance.diagonal().tail<3>().maxCoeff()) < params.certain_rad;
 }
 
 }  // namespace
@@ -54,7 +49,7 @@ void BackEnd::restore(const SavedMap& saved) {
   }
   num_restored_ = T_map_keyframes_.size();
   is_in_map_.assign(num_restored_, true);
-  path_m_.assign(num_restored_, -kRecentM);  // long ago
+  path_m_.assign(num_restored_, -params_.recent_m);  // long ago
   std::ranges::for_each(saved.steps, [this](const auto& step) { graph_.add_step(step); });
   std::ranges::for_each(saved.loops, [this](const auto& loop) { graph_.add_loop(loop); });
   ++graph_revision_;
@@ -178,7 +173,7 @@ std::optional<std::size_t> BackEnd::nearest_keyframe(bool is_old) const {
   double nearest_m = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < newest(); ++k) {
     const double distance_m = distance(T_map_keyframes_[k], T_map_keyframes_.back());
-    if (is_in_map_[k] == is_old || path_m_[k] > path_m_.back() - kRecentM ||
+    if (is_in_map_[k] == is_old || path_m_[k] > path_m_.back() - params_.recent_m ||
         distance_m >= nearest_m) {
       continue;
     }
@@ -264,7 +259,8 @@ std::vector<Loop> BackEnd::confirm(const Loop& loop) {
 std::vector<bool> BackEnd::certain_keyframes() const {
   std::vector<bool> certain(T_map_keyframes_.size());
   for (std::size_t k = 0; k < certain.size(); ++k) {
-    certain[k] = path_m_.back() - path_m_[k] < kRecentM || is_certain(uncertainty_[k]);
+    certain[k] =
+        path_m_.back() - path_m_[k] < params_.recent_m || is_certain(uncertainty_[k], params_);
   }
   return certain;
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/geometry/angle.hpp"
+#include "common/geometry/time.hpp"
 
 namespace nodmap::slam6d {
 namespace {
@@ -14,12 +15,6 @@ using geometry::SE3;
 
 // A place is doubted by what the last ten sweeps or so say together: who walks by contradicts, too.
 constexpr double kMemory = 0.9;
-// By how much more a confirmed place may be contradicted.
-constexpr double kConfirmedTolerance = 3.0;
-// A failed search is not repeated from the same place, but things may have moved after a while.
-constexpr double kSearchAgainM = 0.1;
-constexpr double kSearchAgainRad = 0.2;
-constexpr std::int64_t kSearchAgainUs = 5'000'000;
 
 std::vector<SE3> poses_of(std::span<const Keyframe> keyframes) {
   std::vector<SE3> poses;
@@ -35,7 +30,7 @@ Localiser::Localiser(const LocaliseParams& params, const RegistrationParams& reg
                      std::span<const Keyframe> keyframes, const VoxelMap& map,
                      const std::optional<SE3>& T_map_start)
     : params_(params),
-      seen_(keyframes),
+      seen_(params.seen, keyframes),
       search_(params.place, registration, poses_of(keyframes), map),
       T_map_start_(T_map_start) {}
 
@@ -64,8 +59,10 @@ std::optional<SE3> Localiser::find(const VoxelMap& sweep_base, const VoxelMap& m
 
 bool Localiser::is_search_due(const PoseUpdate& by_odometry) const {
   return !failed_ ||
-         is_apart(failed_->T_odom_base, by_odometry.T_odom_base, kSearchAgainM, kSearchAgainRad) ||
-         std::abs(by_odometry.utime_us - failed_->utime_us) >= kSearchAgainUs;
+         is_apart(failed_->T_odom_base, by_odometry.T_odom_base, params_.search_again_m,
+                  params_.search_again_rad) ||
+         std::abs(by_odometry.utime_us - failed_->utime_us) >=
+             time::from_seconds(params_.search_again_s).count();
 }
 
 void Localiser::classify(const VoxelMap& sweep_base, PoseUpdate& update, int lost_sweeps) {
@@ -103,7 +100,7 @@ void Localiser::add_evidence(const Evidence& evidence) {
 }
 
 bool Localiser::is_contradicted() const {
-  const double tolerance = state_ == State::kUnconfirmed ? 1.0 : kConfirmedTolerance;
+  const double tolerance = state_ == State::kUnconfirmed ? 1.0 : params_.confirmed_tolerance;
   return evidence_.contradiction_ratio() > tolerance * params_.place.max_contradiction_ratio;
 }
 

@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 
+#include "common/geometry/angle.hpp"
 #include "common/geometry/se3.hpp"
 #include "modules/slam6d/keyframe.hpp"
 #include "modules/slam6d/place_search.hpp"
@@ -17,18 +18,32 @@ namespace nodmap::slam6d {
 /// When the robot is found in a map that was made before, and when it no longer is.
 struct LocaliseParams {
   PlaceSearchParams place{};
+  SeenSpaceParams seen{};
+  double confirmed_tolerance = 3.0;
   double confirm_distance_m = 3.0;
   int max_lost_sweeps = 5;
+  double search_again_m = 0.1;
+  double search_again_rad = geometry::deg_to_rad(11.5);
+  double search_again_s = 5.0;
 
   template <class Visitor>
   void describe(Visitor& v) {
     place.describe(v);
+    seen.describe(v);
+    v.number("confirmed_tolerance", confirmed_tolerance, {1.0, 50.0},
+             "By how much more a place that is confirmed may be contradicted.");
     v.number("confirm_distance_m", confirm_distance_m, {0.0, 100.0},
              "A place that was searched for is confirmed by a sweep this far from where it was "
              "found, if all sweeps on the way fit; until then poses are DEGRADED.");
     v.integer("max_lost_sweeps", max_lost_sweeps, {1, 1000},
               "After so many sweeps in a row that do not fit the known map the robot is searched "
               "for in the whole map.");
+    v.number("search_again_m", search_again_m, {0.0, 100.0},
+             "A search that found nothing is repeated from so far away.");
+    v.angle("search_again_deg", search_again_rad, {0.0, 180.0},
+            "Or after a rotation by this much.");
+    v.number("search_again_s", search_again_s, {0.0, 3600.0},
+             "Or after so long: things may have moved.");
   }
 };
 

@@ -25,6 +25,9 @@ struct LoopParams {
   int min_keyframes = 3;
   double max_disagreement_m = 0.2;
   double max_disagreement_rad = geometry::deg_to_rad(2.0);
+  double recent_m = 40.0;
+  double certain_m = 0.1;
+  double certain_rad = geometry::deg_to_rad(1.0);
 
   template <class Visitor>
   void describe(Visitor& v) {
@@ -43,6 +46,13 @@ struct LoopParams {
     v.number("max_disagreement_m", max_disagreement_m, {0.001, 10.0},
              "How far they may put the robot apart, and 2 % of the distance driven between them.");
     v.angle("max_disagreement_deg", max_disagreement_rad, {0.1, 90.0}, "The same for rotations.");
+    v.number("recent_m", recent_m, {1.0, 10000.0},
+             "What was driven so recently stays in the map: the drift since then is in its walls "
+             "already.");
+    v.number("certain_m", certain_m, {0.001, 10.0},
+             "So does a place of before that is known, relative to the robot, to within this by "
+             "three standard deviations: farther apart, two walls would be entered for one.");
+    v.angle("certain_deg", certain_rad, {0.01, 90.0}, "The same for rotations.");
   }
 };
 

@@ -30,8 +30,7 @@ struct PlaceSearchParams {
              "map's planes is not believed.");
     v.number("max_contradiction_ratio", max_contradiction_ratio, {0.0, 1.0},
              "Nor is one where a larger part of the surfaces, of those of which the map can tell, "
-             "stands where the map's beams went through; once it is confirmed, three times as "
-             "many may.");
+             "stands where the map's beams went through.");
     v.number("search_reach_m", reach_m, {0.0, 100.0},
              "The robot is searched for up to so far from where the map was made.");
     v.number("search_step_m", step_m, {0.05, 2.0}, "Distance between the positions tried.");

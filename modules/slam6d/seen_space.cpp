@@ -6,17 +6,13 @@
 namespace nodmap::slam6d {
 namespace {
 
-// Surfaces contradict from 10 to 20 cm beside what was seen on: beyond all errors of registration
-// and deskewing.
-constexpr double kVoxelM = 0.1;
-// Beams of neighbouring scans are 1 degree apart: farther away there are voxels between them.
-constexpr float kMaxRangeM = 8.0F;
 constexpr float kMaxUprightNormal = 0.5F;  // height of the normal of a wall
 
 }  // namespace
 
-SeenSpace::SeenSpace(std::span<const Keyframe> keyframes)
-    : tracer_({.resolution_m = kVoxelM, .max_range_m = static_cast<double>(kMaxRangeM)}) {
+SeenSpace::SeenSpace(const SeenSpaceParams& params, std::span<const Keyframe> keyframes)
+    : sq_max_range_m2_(static_cast<float>(params.max_range_m * params.max_range_m)),
+      tracer_({.resolution_m = params.voxel_size_m, .max_range_m = params.max_range_m}) {
   for (const Keyframe& keyframe : keyframes) {
     tracer_.trace(*keyframe.cloud, keyframe.T_map_base, voxels_);
   }
@@ -45,7 +41,7 @@ Evidence SeenSpace::compare(const VoxelMap& sweep_base, const geometry::SE3& T_m
   Evidence evidence;
   const Eigen::Isometry3f to_map = T_map_base.cast<float>();
   for (const Voxel& voxel : sweep_base.level(0).voxels()) {
-    if (voxel.mean.squaredNorm() > kMaxRangeM * kMaxRangeM) {
+    if (voxel.mean.squaredNorm() > sq_max_range_m2_) {
       continue;
     }
     const Content content = at(to_map * voxel.mean);

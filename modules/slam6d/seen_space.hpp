@@ -13,6 +13,22 @@
 
 namespace nodmap::slam6d {
 
+/// How finely and how far it is remembered where a map's beams went through.
+struct SeenSpaceParams {
+  double voxel_size_m = 0.1;
+  double max_range_m = 8.0;
+
+  template <class Visitor>
+  void describe(Visitor& v) {
+    v.number("contradiction_voxel_m", voxel_size_m, {0.02, 1.0},
+             "A surface contradicts the map from one to two of these beside what was seen: beyond "
+             "all errors of registration and deskewing.");
+    v.number("contradiction_range_m", max_range_m, {0.5, 100.0},
+             "Only nearer than this: beams of neighbouring scans are 1 degree apart, and farther "
+             "away there are voxels between them.");
+  }
+};
+
 /// How a sweep at some place agrees with what was seen from the keyframes of a map. Where the map
 /// knows nothing, nothing counts.
 struct Evidence {
@@ -31,7 +47,7 @@ struct Evidence {
 /// looks alike; this asks whether they stand where there is nothing.
 class SeenSpace {
  public:
-  explicit SeenSpace(std::span<const Keyframe> keyframes);
+  SeenSpace(const SeenSpaceParams& params, std::span<const Keyframe> keyframes);
 
   enum class Content {
     kUnknown,  ///< all else
@@ -43,6 +59,7 @@ class SeenSpace {
   [[nodiscard]] Evidence compare(const VoxelMap& sweep_base, const geometry::SE3& T_map_base) const;
 
  private:
+  float sq_max_range_m2_;
   CloudTracer tracer_;
   CloudVoxels voxels_;
 };

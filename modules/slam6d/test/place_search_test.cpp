@@ -15,7 +15,7 @@ using geometry::SE3;
 StartsResult find(const TestMap& map, const std::vector<SE3>& poses, const VoxelMap& sweep,
                   const PlaceSearchParams& params = {}) {
   const PlaceSearch search(params, {}, poses, map.voxels);
-  return search.find(sweep, map.voxels, SeenSpace(map.keyframes));
+  return search.find(sweep, map.voxels, SeenSpace({}, map.keyframes));
 }
 
 // Walls up to 20 m away: half a step of heading moves what is seen of them by 0.9 m. With 5 mm of

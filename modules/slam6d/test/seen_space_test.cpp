@@ -13,7 +13,7 @@ using Content = SeenSpace::Content;
 // The left wall of the hall is at y = 1.1 m.
 TEST(SeenSpace, TellsFreeFromOccupiedFromUnknown) {
   const TestMap map(Room::hall(), along_hall());
-  const SeenSpace seen(map.keyframes);
+  const SeenSpace seen({}, map.keyframes);
   EXPECT_EQ(seen.at({1.0F, 0.0F, 1.0F}), Content::kFree);
   EXPECT_EQ(seen.at({1.0F, 1.1F, 1.0F}), Content::kOccupied);
   EXPECT_EQ(seen.at({1.0F, 0.95F, 1.0F}), Content::kOccupied) << "in the voxel beside";
@@ -25,7 +25,7 @@ TEST(SeenSpace, ASweepOfTheSamePlaceContradictsNothing) {
   const TestMap map(Room::hall(), along_hall());
   const geometry::SE3 T_map_base = pose(0.4, 0.2, 40.0);
   const Evidence evidence =
-      SeenSpace(map.keyframes).compare(sweep_at(Room::hall(), T_map_base, 99), T_map_base);
+      SeenSpace({}, map.keyframes).compare(sweep_at(Room::hall(), T_map_base, 99), T_map_base);
   EXPECT_GT(evidence.seen, 500.0);
   EXPECT_EQ(evidence.contradicted, 0.0);
 }
@@ -36,7 +36,7 @@ TEST(SeenSpace, WhatStandsInFreeSpaceContradicts) {
   const TestMap map(Room::hall(), along_hall());
   const geometry::SE3 T_map_base = pose(0.0, 0.0, 0.0);
   const Evidence evidence =
-      SeenSpace(map.keyframes).compare(sweep_at(look_alike_hall(), T_map_base, 99), T_map_base);
+      SeenSpace({}, map.keyframes).compare(sweep_at(look_alike_hall(), T_map_base, 99), T_map_base);
   EXPECT_GT(evidence.contradicted, 100.0);
   EXPECT_LT(evidence.contradicted, 594.0);
   EXPECT_GT(evidence.contradiction_ratio(), 0.06);
@@ -45,7 +45,7 @@ TEST(SeenSpace, WhatStandsInFreeSpaceContradicts) {
 TEST(SeenSpace, WhereTheMapKnowsNothingNothingCounts) {
   const TestMap map(Room::hall(), along_hall());
   const Evidence evidence =
-      SeenSpace(map.keyframes)
+      SeenSpace({}, map.keyframes)
           .compare(sweep_at(look_alike_hall(), pose(0.0, 0.0, 0.0), 99), pose(100.0, 0.0, 0.0));
   EXPECT_EQ(evidence.seen, 0.0);
   EXPECT_EQ(evidence.contradicted, 0.0);
