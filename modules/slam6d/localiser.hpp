@@ -37,7 +37,7 @@ struct LocaliseParams {
              "found, if all sweeps on the way fit; until then poses are DEGRADED.");
     v.integer("max_lost_sweeps", max_lost_sweeps, {1, 1000},
               "After so many sweeps in a row that do not fit the known map the robot is searched "
-              "for in the whole map.");
+              "for in the whole map; so many in a row also while the robot maps.");
     v.number("search_again_m", search_again_m, {0.0, 100.0},
              "A search that found nothing is repeated from so far away.");
     v.angle("search_again_deg", search_again_rad, {0.0, 180.0},
@@ -75,6 +75,13 @@ class Localiser {
   /// the place was told.
   /// `lost_sweeps`: refused in a row up to this one.
   void classify(const VoxelMap& sweep_base, PoseUpdate& update, int lost_sweeps);
+
+  /// Whether too many of a sweep's surfaces stand where the map's beams went through.
+  [[nodiscard]] bool is_contradicted_at(const VoxelMap& sweep_base,
+                                        const geometry::SE3& T_map_base) const {
+    return seen_.compare(sweep_base, T_map_base).contradiction_ratio() >
+           params_.place.max_contradiction_ratio;
+  }
 
   /// Odometry goes on in another frame: somebody may have carried the robot.
   void change_odometry_frame() { failed_.reset(); }

@@ -108,9 +108,8 @@ void Slam6dNode::on_scan(const nodmap::scan_t& message) {
 
 void Slam6dNode::register_sweep(PlacedSweep sweep) {
   answer(registering_.take());
-  const bool is_searching = slam_.localiser() && !slam_.localiser()->has_place();
   registering_.start([this, sweep = std::move(sweep)] { return slam_.add_sweep(sweep); },
-                     is_searching ? kScansUntilFound : kScansUntilRegistered);
+                     slam_.may_search() ? kScansUntilFound : kScansUntilRegistered);
 }
 
 void Slam6dNode::finish() {

@@ -51,6 +51,9 @@ std::optional<PoseUpdate> Slam6d::change_odometry_frame(const SE3& T_new_odom_ba
   auto update = flush();
   if (const auto T_old_new = collector_.change_odometry_frame(T_new_odom_base)) {
     tracker_.change_odometry_frame(*T_old_new);
+    if (by_odometry_) {
+      by_odometry_->change_odometry_frame(*T_old_new);
+    }
     keyframe_is_due_ = true;
   }
   if (localiser_) {
@@ -163,9 +166,19 @@ void Slam6d::find_place(const VoxelMap& sweep, const SweepCloud& cloud, PoseUpda
 
 // IV B: "registered into an incrementally built 3D model".
 void Slam6d::track(VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate& update) {
+  const int lost_before = tracker_.lost_sweeps();
   tracker_.track(sweep, map_, cloud, update);
+  if (!is_map_closed_ && lost_before > 0) {
+    if (lost_before == 1) {
+      localiser_.emplace(params_.localise, params_.registration, keyframes_, map_, std::nullopt);
+    }
+    recover(sweep, cloud, update);
+  }
   if (is_map_closed_) {
     classify_place(sweep, update);
+    if (by_odometry_ && !localiser_->has_place()) {
+      take_back_place(cloud, update);
+    }
   }
   count(update.registration->status);
 }
@@ -175,6 +188,47 @@ void Slam6d::classify_place(const VoxelMap& sweep, PoseUpdate& update) {
   localiser_->classify(sweep, update, tracker_.lost_sweeps());
   is_map_closed_ = is_map_fixed_ || !localiser_->is_confirmed() ||
                    update.registration->status != RegistrationStatus::kTracking;
+  if (!is_map_closed_) {
+    by_odometry_.reset();
+  }
+}
+
+// A robot that was lost while it maps, kicked or carried away. Odometry tells little of where it
+// is, and walls lie on walls in many places: what contradicts the space that was seen is refused.
+void Slam6d::recover(VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate& update) {
+  if (update.is_tracked() && localiser_->is_contradicted_at(sweep, update.T_map_base)) {
+    tracker_.refuse();
+    update = tracker_.extrapolate(cloud);
+    update.registration = Registration{};
+  }
+  if (tracker_.lost_sweeps() >= params_.localise.max_lost_sweeps) {
+    search_own_map(sweep, cloud, update);
+  }
+}
+
+// As in a saved map. The own one is closed until the place is confirmed.
+void Slam6d::search_own_map(VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate& update) {
+  VoxelMap as_measured = voxelize(cloud, params_.voxels);
+  const auto T_map_base = localiser_->find(as_measured, map_, update);
+  if (!T_map_base) {
+    return;
+  }
+  by_odometry_ = tracker_;
+  is_map_closed_ = keyframe_is_due_ = true;
+  tracker_.begin_at(*T_map_base, cloud);
+  update = tracker_.extrapolate(cloud);
+  sweep = std::move(as_measured);
+  tracker_.track(sweep, map_, cloud, update);
+}
+
+// The place that was found is wrong: odometry goes on from where the robot was lost, and the
+// search, too.
+void Slam6d::take_back_place(const SweepCloud& cloud, PoseUpdate& update) {
+  tracker_ = *std::exchange(by_odometry_, std::nullopt);
+  tracker_.interrupt();
+  is_map_closed_ = false;
+  update = tracker_.extrapolate(cloud);
+  update.registration = Registration{};
 }
 
 void Slam6d::count(RegistrationStatus status) {

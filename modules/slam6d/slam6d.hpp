@@ -47,8 +47,12 @@ class Slam6d {
   [[nodiscard]] SavedMap save() const;
   /// Whether nothing is added to the map: the robot has not been found in it, or it is fixed.
   [[nodiscard]] bool is_map_closed() const { return is_map_closed_; }
-  /// Of a robot in a saved map.
+  /// Of a robot in a saved map, or that was lost and is looked for in its own.
   [[nodiscard]] const std::optional<Localiser>& localiser() const { return localiser_; }
+  /// Whether the robot may be searched for with the next sweep, which takes longer.
+  [[nodiscard]] bool may_search() const {
+    return is_map_closed_ ? !localiser_->has_place() : tracker_.lost_sweeps() > 0;
+  }
 
   /// The robot's pose by odometry; returns whether it was taken (finite).
   bool add_odometry(std::int64_t utime_us, const geometry::SE3& T_odom_base) {
@@ -110,6 +114,9 @@ class Slam6d {
   void find_place(const VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate& update);
   void track(VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate& update);
   void classify_place(const VoxelMap& sweep, PoseUpdate& update);
+  void recover(VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate& update);
+  void search_own_map(VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate& update);
+  void take_back_place(const SweepCloud& cloud, PoseUpdate& update);
   void count(RegistrationStatus status);
   void accept(const VoxelMap& sweep, SweepCloud& cloud, PoseUpdate& update);
   [[nodiscard]] std::optional<KeyframeReason> keyframe_reason(PoseUpdate& update) const;
@@ -128,8 +135,10 @@ class Slam6d {
   CorrectedPoses corrected_;  // of sweeps_
   std::vector<Keyframe> keyframes_;
   BackEnd back_end_;
-  std::optional<Localiser> localiser_;  // in a saved map
-  std::size_t num_restored_ = 0;        // the first keyframes
+  std::optional<Localiser> localiser_;  // in a saved map, or in the own one after LOST
+  /// By odometry from where a robot was lost; until the place that was found instead is confirmed.
+  std::optional<Tracker> by_odometry_;
+  std::size_t num_restored_ = 0;  // the first keyframes
   bool is_map_fixed_ = false;
   bool is_map_closed_ = false;
   Metrics counts_;

@@ -181,6 +181,11 @@ bool Tracker::learn_pitch_latency_at_start(VoxelMap& sweep, const VoxelMap& map,
   return true;
 }
 
+void Tracker::refuse() {
+  ++lost_sweeps_;
+  last_nod_.reset();
+}
+
 void Tracker::accept(SweepCloud& cloud, PoseUpdate& update) {
   const SE3 T_odom_end = update.T_odom_base * cloud.T_base_last_counted;
   if (update.registration) {

@@ -36,6 +36,9 @@ class Tracker {
   /// Registers the sweep of an extrapolated pose with the map.
   void track(VoxelMap& sweep, const VoxelMap& map, const SweepCloud& cloud, PoseUpdate& update);
 
+  /// Takes it back that the sweep was tracked: the pose is wrong.
+  void refuse();
+
   /// Takes the pose as the one from which odometry goes on. The cloud is deskewed with the motion
   /// as it was found.
   void accept(SweepCloud& cloud, PoseUpdate& update);

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A robot that is kicked or carried away while it maps is looked for in its own map.
+#include <gtest/gtest.h>
+
+#include <cstdint>
+
+#include "modules/slam6d/slam6d.hpp"
+#include "modules/slam6d/test/hall.hpp"
+
+namespace nodmap::slam6d {
+namespace {
+
+using geometry::SE3;
+
+/// A robot that maps Room::hall() from -2.5 to 3.5 m, and then sees what it is shown.
+class RobotInAHall : public testing::Test {
+ protected:
+  RobotInAHall() {
+    for (const SE3& T_map_base : along_hall()) {
+      see(Room::hall(), T_map_base, T_map_base);
+    }
+  }
+
+  PoseUpdate see(const Room& room, const SE3& T_map_base, const SE3& T_odom_base,
+                 std::int64_t gap_us = 0) {
+    SweepCloud cloud = cloud_at(room, T_map_base, ++seed_);
+    utime_us_ += 1'000'000 + gap_us;
+    cloud.utime_us = utime_us_;
+    cloud.T_odom_base = T_odom_base;
+    cloud.scans_used = 80;
+    cloud.follows_interruption = gap_us > 0;
+    return slam_.add_cloud(std::move(cloud));
+  }
+
+  // The map's frame is the hall's: odometry was right when mapping began.
+  static void expect_right(const PoseUpdate& update, const SE3& T_hall_base) {
+    const SE3 error = T_hall_base.inverse() * update.T_map_base;
+    EXPECT_LT(error.translation().norm(), 0.01);
+    EXPECT_LT(geometry::rotation_angle(error), geometry::deg_to_rad(0.2));
+  }
+
+  Slam6d slam_{{}};
+  unsigned seed_ = 0;
+  std::int64_t utime_us_ = 0;
+};
+
+// 5 m away and turned by 100 degrees. The long walls fit nearly anywhere; the ends contradict.
+TEST_F(RobotInAHall, IsFoundWhereItWasCarried) {
+  const SE3 T_hall_carried = pose(-1.8, 0.1, 100.0);
+  const SE3 T_odom_hall = along_hall().back() * T_hall_carried.inverse();
+  const std::size_t num_voxels = slam_.metrics().map_voxels;
+  for (int i = 0; i < 4; ++i) {
+    const PoseUpdate lost = see(Room::hall(), T_hall_carried, T_odom_hall * T_hall_carried);
+    EXPECT_EQ(lost.registration->status, RegistrationStatus::kLost);
+    EXPECT_TRUE(slam_.may_search());
+  }
+  // The fifth sweep is searched for; the place is not sure until the robot was 3 m farther on.
+  for (const double x_m : {-1.8, -1.0, 0.0, 1.0}) {
+    const SE3 T_hall_base = pose(x_m, 0.1, 100.0);
+    const PoseUpdate found = see(Room::hall(), T_hall_base, T_odom_hall * T_hall_base);
+    EXPECT_EQ(found.registration->status, RegistrationStatus::kDegraded) << x_m;
+    expect_right(found, T_hall_base);
+    EXPECT_EQ(slam_.metrics().map_voxels, num_voxels);
+  }
+  const SE3 T_hall_base = pose(1.5, 0.1, 100.0);
+  const PoseUpdate confirmed = see(Room::hall(), T_hall_base, T_odom_hall * T_hall_base);
+  EXPECT_EQ(confirmed.registration->status, RegistrationStatus::kTracking);
+  EXPECT_EQ(confirmed.keyframe, KeyframeReason::kInterruption);
+  expect_right(confirmed, T_hall_base);
+  EXPECT_FALSE(slam_.is_map_closed());
+  EXPECT_FALSE(slam_.may_search());
+}
+
+// Elsewhere, where only cabinets tell the hall from the one that was mapped.
+TEST_F(RobotInAHall, IsNotFoundElsewhere) {
+  const std::size_t num_voxels = slam_.metrics().map_voxels;
+  for (int i = 0; i < 12; ++i) {
+    const PoseUpdate update = see(look_alike_hall(), pose(-1.8 + 0.3 * i, 0.1, 100.0),
+                                  along_hall().back() * pose(0.0, -0.3 * i, 0.0));
+    ASSERT_TRUE(update.registration);
+    EXPECT_EQ(update.registration->status, RegistrationStatus::kLost) << i;
+    EXPECT_EQ(slam_.metrics().map_voxels, num_voxels) << i;
+  }
+}
+
+// Turned by 30 degrees during a gap of 2 s, and from then on odometry counts 10 % too much.
+TEST_F(RobotInAHall, IsRightOrLostAfterAKick) {
+  SE3 T_odom_base = along_hall().back();
+  SE3 T_hall_base = along_hall().back() * pose(0.3, 0.1, 30.0);
+  PoseUpdate last;
+  for (int i = 0; i < 8; ++i) {
+    last = see(Room::hall(), T_hall_base, T_odom_base, i == 0 ? 2'000'000 : 0);
+    if (last.is_tracked()) {
+      expect_right(last, T_hall_base);
+    }
+    T_hall_base = T_hall_base * pose(0.0, 0.0, 20.0);
+    T_odom_base = T_odom_base * pose(0.0, 0.0, 22.0);
+  }
+  EXPECT_EQ(last.registration->status, RegistrationStatus::kTracking);
+}
+
+}  // namespace
+}  // namespace nodmap::slam6d
