@@ -85,6 +85,19 @@ void Navigator::reset() {
 
 Decision Navigator::halt(std::string reason) {
   seen_.forget();
+  is_in_gap_ = false;
+  gap_ended_at_sweep_.reset();
+  Decision decision;
+  decision.reason = std::move(reason);
+  return decision;
+}
+
+Decision Navigator::pause(std::string reason) {
+  if (!is_in_gap_ && gap_ended_at_sweep_) {
+    return halt(std::move(reason));
+  }
+  seen_.forget_unseen(params_.steer.sweeps_to_trust);
+  is_in_gap_ = true;
   Decision decision;
   decision.reason = std::move(reason);
   return decision;
@@ -125,6 +138,7 @@ void Navigator::add_contact(const geometry::SE2& T_odom_base, bool at_front) {
 }
 
 Decision Navigator::decide(Situation now) {
+  respect_gap(now);
   respect_slopes(now);
   observe(now);
   join_local_map(now);
@@ -191,6 +205,27 @@ void Navigator::observe(Situation& now) {
     now.points_base = nobodys;  // what stands beside a walker is in the local map, too
   }
   back_up_.record(now.T_odom_base);
+}
+
+/// Why the robot need not stand and look after a gap shorter than a sweep. What it had looked at
+/// before is in its maps, and where no floor was seen Brake stops it, as ever. Only what has come
+/// since may be missed: the gap takes one look away from each place, or the two of one end of the
+/// sweep, so that no place is unseen for longer than twice the time for which the pitch
+/// controller's bound holds. At half of the bound the robot drives no farther in that time than it
+/// may without a gap. After two sweeps every place has been looked at.
+void Navigator::respect_gap(Situation& now) {
+  constexpr double kShareOfBound = 0.5;
+  if (is_in_gap_) {
+    is_in_gap_ = false;
+    gap_ended_at_sweep_ = now.sweep_count;
+  }
+  if (gap_ended_at_sweep_ &&
+      std::abs(now.sweep_count - *gap_ended_at_sweep_) >= params_.steer.sweeps_to_trust) {
+    gap_ended_at_sweep_.reset();
+  }
+  if (gap_ended_at_sweep_) {
+    now.max_forward_mps *= kShareOfBound;
+  }
 }
 
 /// Where the ground is not level the obstacle map takes it for obstacles, for its heights are those

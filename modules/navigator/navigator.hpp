@@ -54,10 +54,15 @@ class Navigator {
   /// Stops. What was seen so far may have changed when the robot drives again: it is forgotten.
   [[nodiscard]] Decision halt(std::string reason);
 
+  /// Stops in a gap in the scans that is shorter than a sweep; see seen_directions.hpp for what is
+  /// still known after it. Where such gaps follow one another it is halt().
+  [[nodiscard]] Decision pause(std::string reason);
+
   /// The odom frame began anew: everything kept in it is forgotten.
   void reset();
 
  private:
+  void respect_gap(Situation& now);
   void respect_slopes(Situation& now) const;
   void erase_free_floor(Situation& now) const;
   void observe(Situation& now);
@@ -83,6 +88,8 @@ class Navigator {
   LocalMap local_map_;
   PeopleTracker people_;
   GoalDrive goal_drive_;
+  bool is_in_gap_ = false;
+  std::optional<std::int64_t> gap_ended_at_sweep_;  ///< until the laser has looked again
   std::optional<std::int64_t> saw_people_us_;
   bool arrived_ = false;
   bool has_looked_ = false;                     ///< since the start

@@ -38,6 +38,9 @@ double position_sigma_m(const nodmap::pose_t& message) {
 /// alone, at 1.5 m/s and with wheels 3 % off, the robot is 9 cm elsewhere by then.
 constexpr std::int64_t kFencePoseUs = 2'000'000;
 
+/// No sweep is shorter: 15 scans. A gap in the scans no longer than this is driven through slowly.
+constexpr double kShortGapS = 0.2;
+
 bool is_time(std::int64_t utime_us) {
   return utime_us >= 0 && utime_us < kLatestUtimeUs;
 }
@@ -99,8 +102,8 @@ void NavigatorNode::on_map(const nodmap::egomap_t& message) {
   context_.counts.use();
   map_ = {geometry::to_se2(*T_odom_map), std::move(*points_map)};
   stamps_.map_us = message.utime;
-  auto reason = reason_not_to_drive();
-  publish(reason ? navigator_.halt(std::move(*reason)) : navigator_.decide(situation()));
+  auto reason = reason_not_to_drive(params_.staleness);
+  publish(reason ? halt(std::move(*reason)) : navigator_.decide(situation()));
 }
 
 void NavigatorNode::on_scan(const nodmap::scan_t& message) {
@@ -145,8 +148,8 @@ void NavigatorNode::on_odometry(const nodmap::odometry_t& message) {
                message.yaw_rate_rad_s};
   stamps_.odometry_us = message.utime;
   odometry_history_.add(message.utime, *T_odom_base);
-  if (auto reason = reason_not_to_drive()) {
-    publish(navigator_.halt(std::move(*reason)));
+  if (auto reason = reason_not_to_drive(params_.staleness)) {
+    publish(halt(std::move(*reason)));
   }
 }
 
@@ -280,14 +283,22 @@ std::optional<std::string> NavigatorNode::contested_input() const {
   return std::nullopt;
 }
 
-std::optional<std::string> NavigatorNode::reason_not_to_drive() const {
+/// Where nothing but a short gap in the scans is the reason, the navigator keeps what it has seen.
+Decision NavigatorNode::halt(std::string reason) {
+  StalenessParams limits = params_.staleness;
+  limits.map_s = std::max(limits.map_s, kShortGapS);
+  return reason_not_to_drive(limits) ? navigator_.halt(std::move(reason))
+                                     : navigator_.pause(std::move(reason));
+}
+
+std::optional<std::string> NavigatorNode::reason_not_to_drive(const StalenessParams& limits) const {
   if (stopped_by_) {
     return "Stopped by " + *stopped_by_ + ".";
   }
   if (goal_ && pose_state_ == nodmap::pose_t::LOST) {
     return "2D SLAM is lost: where the goal lies is not known.";
   }
-  if (auto stale = reason_to_halt(stamps_, params_.staleness, params_.local_map.use)) {
+  if (auto stale = reason_to_halt(stamps_, limits, params_.local_map.use)) {
     return stale;
   }
   if (const auto channel = contested_input()) {

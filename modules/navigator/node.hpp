@@ -76,7 +76,8 @@ class NavigatorNode final : public node::Node {
   [[nodiscard]] time::SteadyTime on_odometry_clock(std::int64_t utime_us) const;
   [[nodiscard]] time::SteadyTime on_pitch_clock(std::int64_t utime_us) const;
   [[nodiscard]] std::optional<std::string> contested_input() const;
-  [[nodiscard]] std::optional<std::string> reason_not_to_drive() const;
+  [[nodiscard]] Decision halt(std::string reason);
+  [[nodiscard]] std::optional<std::string> reason_not_to_drive(const StalenessParams& limits) const;
   [[nodiscard]] std::optional<std::string> reason_by_geofence() const;
   [[nodiscard]] bool goal_is_fenced_off() const;
   [[nodiscard]] Situation situation() const;

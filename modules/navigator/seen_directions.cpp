@@ -35,6 +35,14 @@ void SeenDirections::update(double heading_rad, std::int64_t sweep_count) {
   }
 }
 
+void SeenDirections::forget_unseen(int sweeps) {
+  for (auto& since : in_view_since_) {
+    if (since && sweep_count_ - *since < sweeps) {
+      since.reset();
+    }
+  }
+}
+
 bool SeenDirections::is_seen(double direction_rad, int sweeps) const {
   if (std::abs(direction_rad) > view_half_rad_) {
     return false;

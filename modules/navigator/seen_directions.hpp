@@ -12,7 +12,9 @@ namespace nodmap::navigator {
 /// and the robot does not drive to directions it has not seen.
 ///
 /// Kept by compass direction in odom: while the robot drives on, what is ahead stays in view; a
-/// rotation brings new directions into view, and those that leave it are forgotten.
+/// rotation brings new directions into view, and those that leave it are forgotten. While no scans
+/// come sweeps end without a look: after a long gap all is forgotten, after one shorter than a
+/// sweep what had not been seen before (Navigator::respect_gap() says why that is safe).
 class SeenDirections {
  public:
   /// `view_half_rad`: directions up to so far from ahead are in view.
@@ -26,6 +28,9 @@ class SeenDirections {
   [[nodiscard]] bool is_seen(double direction_rad, int sweeps) const;
 
   void forget() { in_view_since_.fill(std::nullopt); }
+
+  /// Of a gap in the scans: what was in view for fewer sweeps before it has not been seen.
+  void forget_unseen(int sweeps);
 
  private:
   static constexpr int kBins = 360;  // a degree each

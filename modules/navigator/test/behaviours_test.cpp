@@ -136,6 +136,19 @@ TEST(SeenDirections, ADirectionIsSeenAfterTwoSweeps) {
   EXPECT_FALSE(view.is_seen(deg_to_rad(80), 2));
 }
 
+TEST(SeenDirections, AfterAShortGapOnlyWhatWasSeenBeforeIsStillSeen) {
+  SeenDirections view(deg_to_rad(70));
+  view.update(0.0, 0);
+  view.update(0.0, 1);
+  view.update(deg_to_rad(40), 2);
+  view.forget_unseen(2);
+  view.update(deg_to_rad(40), 3);
+  EXPECT_TRUE(view.is_seen(deg_to_rad(-40), 2));  // compass 0: for two sweeps before the gap
+  EXPECT_FALSE(view.is_seen(deg_to_rad(40), 2));  // compass 80: came into view just before it
+  view.update(deg_to_rad(40), 5);
+  EXPECT_TRUE(view.is_seen(deg_to_rad(40), 2));
+}
+
 TEST(SeenDirections, ARotationBringsNewDirectionsAndForgetsOldOnes) {
   SeenDirections view(deg_to_rad(70));
   view.update(0.0, 0);

@@ -152,6 +152,41 @@ TEST_F(NavigatorNodeTest, EachLostInputHaltsTheRobotUntilItIsBack) {
   }
 }
 
+// 0.13 s without a map: it stops for what is left of them and drives on, for two sweeps of 0.35 s
+// at half of the bound of 1 m/s.
+TEST_F(NavigatorNodeTest, AfterAShortGapInTheScansItDrivesOnSlowly) {
+  run(2.0);
+  ASSERT_EQ(drive().forward_mps, 1.0);
+  run(0.13, kMap);
+  EXPECT_TRUE(halts());
+  double slowly_s = 0.0;
+  for (tick(); drive().forward_mps < 1.0 && slowly_s < 2.0; tick()) {
+    ASSERT_EQ(drive().forward_mps, 0.5);
+    slowly_s += 0.01;
+  }
+  EXPECT_GT(slowly_s, 0.35);  // one sweep and what is left of another
+  EXPECT_LE(slowly_s, 0.7);
+}
+
+// 0.13 s each half second: each place may be missed again and again, so it stands and looks.
+TEST_F(NavigatorNodeTest, GapsThatFollowOneAnotherMakeItStandAndLook) {
+  run(2.0);
+  ASSERT_TRUE(drives());
+  run(0.13, kMap);
+  run(0.37);
+  run(0.13, kMap);
+  tick();
+  EXPECT_EQ(drive().forward_mps, 0.0);
+}
+
+TEST_F(NavigatorNodeTest, AfterALongGapInTheScansItStandsAndLooks) {
+  run(2.0);
+  ASSERT_TRUE(drives());
+  run(0.25, kMap);
+  run(0.35);
+  EXPECT_EQ(drive().forward_mps, 0.0);
+}
+
 /// Drives by the local map, too.
 class NavigatorNodeScans : public NavigatorNodeTest {
  protected:
