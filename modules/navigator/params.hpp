@@ -16,6 +16,8 @@ struct DriveParams {
   double max_lateral_mps2 = 0.8;
   double creep_margin_m = 0.03;
   double creep_mps = 0.25;
+  double squeeze_margin_m = 0.01;
+  double squeeze_mps = 0.1;
   double reaction_s = 0.1;
 
   template <class Visitor>
@@ -32,6 +34,10 @@ struct DriveParams {
              "To a goal it passes obstacles that are within side_margin_m, but not within this, at "
              "creep_mps.");
     v.number("creep_mps", creep_mps, {0.0, 1.0}, "Speed past obstacles within side_margin_m.");
+    v.number("squeeze_margin_m", squeeze_margin_m, {0.0, 0.5},
+             "To a goal, where no other motion is left, it passes obstacles that are within "
+             "creep_margin_m, but not within this, at squeeze_mps.");
+    v.number("squeeze_mps", squeeze_mps, {0.0, 1.0}, "Speed past obstacles within creep_margin_m.");
     v.number("reaction_s", reaction_s, {0.02, 1.0},
              "From the middle of a scan until the robot slows down.");
   }

@@ -37,14 +37,18 @@ class GoalDrive {
                                        const LocalMap& local_map);
   [[nodiscard]] Decision dock(const Situation& now, const SeenDirections& seen,
                               const LocalMap& local_map);
+  [[nodiscard]] std::optional<Decision> squeeze(const Situation& now, const SeenDirections& seen);
   [[nodiscard]] std::optional<Decision> choose(const std::vector<Rollout>& rollouts,
-                                               const Situation& now,
+                                               const Brake& brake, const Situation& now,
                                                const SeenDirections& seen) const;
-  [[nodiscard]] std::optional<Decision> drive(const Rollout& rollout, const Situation& now,
+  [[nodiscard]] std::optional<Decision> drive(const Rollout& rollout, const Brake& brake,
+                                              const Situation& now,
                                               const SeenDirections& seen) const;
-  [[nodiscard]] std::optional<Decision> move(const Rollout& rollout, const Situation& now,
+  [[nodiscard]] std::optional<Decision> move(const Rollout& rollout, const Brake& brake,
+                                             const Situation& now,
                                              const SeenDirections& seen) const;
-  [[nodiscard]] std::optional<Decision> drive_forwards(const Rollout& rollout, const Situation& now,
+  [[nodiscard]] std::optional<Decision> drive_forwards(const Rollout& rollout, const Brake& brake,
+                                                       const Situation& now,
                                                        const SeenDirections& seen) const;
   [[nodiscard]] std::optional<Decision> drive_backwards(const Rollout& rollout,
                                                         const Situation& now) const;
@@ -59,6 +63,8 @@ class GoalDrive {
   Brake brake_;
   GlobalPlanner global_;
   Rollouts rollouts_;
+  Brake squeezing_brake_;
+  Rollouts squeezing_rollouts_;
   Trail trail_;
   Docking docking_;
   std::optional<geometry::SE2> dock_map_;

@@ -53,5 +53,48 @@ TEST(GoalDrive, WithoutAPathItLooksAroundOnceAndThenSaysSoAndStays) {
   EXPECT_NEAR(rotated_rad, 2.0 * geometry::kPi, 0.05);
 }
 
+/// Of a robot on floor that it has seen, 2 m before its goal, between two rows of points that are
+/// `beside_m` beside its body and as long as that and half a metre more.
+Decision between_rows(double beside_m) {
+  LocalMap map({}, {});
+  for (double deg = -60.0; deg <= 2.0; deg += 3.0) {
+    map.add_scan(test::scan_of({}, {}, geometry::deg_to_rad(deg)), {});
+  }
+  const robot::Footprint body = NavigatorParams().robot.body.footprint();
+  Situation now;
+  now.local_map = &map;
+  now.max_forward_mps = 1.0;
+  now.goal = goal_in_base({2.0, 0.0}, 0.3);
+  for (double x = -body.half_length_m; x < body.half_length_m + 0.5; x += 0.01) {
+    for (const double side : {-1.0, 1.0}) {
+      now.points_base.emplace_back(x, side * (body.half_width_m + beside_m));
+    }
+  }
+  SeenDirections seen(geometry::deg_to_rad(70.0));
+  seen.update(0.0, 0);
+  seen.update(0.0, 2);
+  GoalDrive drive({});
+  Decision decision;
+  for (int i = 0; i < 40; ++i) {  // until there is a plan
+    now.utime_us = std::llround(1e6 * kStepS * i);
+    decision = drive.decide(now, seen, map);
+  }
+  return decision;
+}
+
+TEST(GoalDrive, ItDrivesTheMoreSlowlyTheNarrowerAPlaceIs) {
+  const DriveParams params;
+  const double creep_m = 0.5 * (params.side_margin_m + params.creep_margin_m);
+  const double squeeze_m = 0.5 * (params.creep_margin_m + params.squeeze_margin_m);
+  EXPECT_GT(between_rows(params.side_margin_m + 0.01).forward_mps, params.creep_mps);
+  const double creeping_mps = between_rows(creep_m).forward_mps;
+  EXPECT_GT(creeping_mps, params.squeeze_mps);
+  EXPECT_LE(creeping_mps, params.creep_mps);
+  const double squeezing_mps = between_rows(squeeze_m).forward_mps;
+  EXPECT_GT(squeezing_mps, 0.5 * params.squeeze_mps);
+  EXPECT_LE(squeezing_mps, params.squeeze_mps);
+  EXPECT_EQ(between_rows(0.5 * params.squeeze_margin_m).forward_mps, 0.0);
+}
+
 }  // namespace
 }  // namespace nodmap::navigator
