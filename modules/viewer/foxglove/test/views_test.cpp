@@ -244,7 +244,7 @@ TEST(Scene, AnEndedGoalIsDeleted) {
 
 TEST(Scene, AGoalWithAHeadingPointsThere) {
   nodmap::goal_t goal = foxglove::test::goal();
-  EXPECT_FALSE(goal_scene(goal)["entities"][0].contains("lines"));
+  EXPECT_TRUE(goal_scene(goal)["entities"][0]["lines"].empty());
   goal.has_heading = 1;
   goal.heading_rad = 0.5 * std::numbers::pi;
   const Json update = goal_scene(goal);
