@@ -58,9 +58,8 @@ class LocalMap {
   /// 1/m, positive left) until floor that was not seen is nearer than the laser can look down, and
   /// cannot be looked at any more; at most `max_m`. Not seen is what is longer than `max_gap_m`
   /// along the arc between places where floor was seen, whenever that was: a hole as long would
-  /// have had a beam in it. With
-  /// `ends_at_obstacles` nothing is asked for behind an obstacle that is hardly farther than the
-  /// laser sees floor: what that hides cannot be seen.
+  /// have had a beam in it. With `ends_at_obstacles` nothing is asked for behind an obstacle that
+  /// is hardly farther than the laser sees floor: what that hides cannot be seen.
   [[nodiscard]] double seen_distance(const geometry::SE2& T_odom_base, double curvature,
                                      double half_width_m, double max_m, double max_gap_m,
                                      bool ends_at_obstacles = false) const;

@@ -113,7 +113,10 @@ Decision GoalDrive::dock(const Situation& now, const SeenDirections& seen,
       motion.forward_mps = step.forward_mps;
       motion.yaw_rate_rad_s = step.yaw_rate_rad_s;
       if (auto moved = drive(motion, brake_, now, seen)) {
-        moved->reason = step.reason;
+        // What slows it down is said instead.
+        if (moved->behaviour != Behaviour::kBrake) {
+          moved->reason = step.reason;
+        }
         return *moved;
       }
       decision.reason = "Docks: waits until the way is free.";
