@@ -99,8 +99,8 @@ void decide(benchmark::State& state, const Points& points, bool has_goal,
   now.forward_mps = 0.5;
   now.yaw_rate_rad_s = 0.3;
   for (auto _ : state) {
-    now.utime_us += 13'320;
-    now.sweep_count = now.utime_us / 350'000;
+    now.stamp += 13'320us;
+    now.sweep_count = now.stamp.time_since_epoch() / 350ms;
     if (has_goal) {
       now.goal = goal_in_base({5.0, 1.0}, 0.2);
     }

@@ -34,9 +34,9 @@ const std::vector<PlacedCloud>& drive() {
       scans.reserve(kScansPerSweep);
       for (int i = 0; i < kScansPerSweep; ++i) {
         scans.push_back(scanner.scan(
-            i, Room::hall(), [&](std::int64_t) { return T_map_base; }, random));
+            i, Room::hall(), [&](time::Timestamp) { return T_map_base; }, random));
       }
-      const auto stand = [](std::int64_t) { return geometry::SE3::Identity(); };
+      const auto stand = [](time::Timestamp) { return geometry::SE3::Identity(); };
       made.push_back({deskew(scans, stand, {0.5, 30.0}).value(), T_map_base});
     }
     return made;

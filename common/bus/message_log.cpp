@@ -27,8 +27,8 @@ MessageLogWriter::~MessageLogWriter() {
   }
 }
 
-void MessageLogWriter::write_bytes(std::int64_t utime_us, const std::string& channel) {
-  if (!error_ && !writer_->write(utime_us, channel, bytes_)) {
+void MessageLogWriter::write_bytes(time::Timestamp stamp, const std::string& channel) {
+  if (!error_ && !writer_->write(time::to_utime(stamp), channel, bytes_)) {
     error_ = writer_->failure();
   }
 }

@@ -12,6 +12,7 @@
 
 #include "common/bus/codec.hpp"
 #include "common/bus/event_log.hpp"
+#include "common/geometry/time.hpp"
 
 namespace nodmap::bus {
 
@@ -24,16 +25,16 @@ class MessageLogWriter : private boost::noncopyable {
   ~MessageLogWriter();
 
   template <class Message>
-  void write(std::int64_t utime_us, const std::string& channel, const Message& message) {
+  void write(time::Timestamp stamp, const std::string& channel, const Message& message) {
     encode_into(bytes_, message);
-    write_bytes(utime_us, channel);
+    write_bytes(stamp, channel);
   }
 
   /// Ends the file. Tells the first error of all that was done: the old file is there then.
   [[nodiscard]] std::error_code replace();
 
  private:
-  void write_bytes(std::int64_t utime_us, const std::string& channel);
+  void write_bytes(time::Timestamp stamp, const std::string& channel);
 
   std::filesystem::path file_;
   std::optional<LogWriter> writer_;

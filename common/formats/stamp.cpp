@@ -15,7 +15,7 @@ bool all_digits(std::string_view text) {
 
 }  // namespace
 
-std::optional<std::int64_t> parse_stamp_us(std::string_view text) {
+std::optional<time::Timestamp> parse_stamp(std::string_view text) {
   const bool negative = text.starts_with('-');
   if (negative) {
     text.remove_prefix(1);
@@ -27,12 +27,12 @@ std::optional<std::int64_t> parse_stamp_us(std::string_view text) {
       !all_digits(decimals)) {
     return std::nullopt;
   }
-  std::int64_t stamp_us = 0;
-  std::from_chars(seconds.data(), seconds.data() + seconds.size(), stamp_us);
+  std::int64_t utime = 0;
+  std::from_chars(seconds.data(), seconds.data() + seconds.size(), utime);
   for (std::size_t i = 0; i < 6; ++i) {
-    stamp_us = 10 * stamp_us + (i < decimals.size() ? decimals[i] - '0' : 0);
+    utime = 10 * utime + (i < decimals.size() ? decimals[i] - '0' : 0);
   }
-  return negative ? -stamp_us : stamp_us;
+  return time::from_utime(negative ? -utime : utime);
 }
 
 }  // namespace nodmap::formats

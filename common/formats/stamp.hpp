@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <cstdint>
 #include <optional>
 #include <string_view>
 
+#include "common/geometry/time.hpp"
+
 namespace nodmap::formats {
 
-/// Microseconds from "seconds.decimals", exactly: a double holds today's epoch only to 0.2 us.
-/// Digits beyond the sixth are cut off. Empty for anything else, scientific notation included.
-[[nodiscard]] std::optional<std::int64_t> parse_stamp_us(std::string_view text);
+/// Reads "seconds.decimals" since the epoch, exactly to the microsecond: a double holds today's
+/// epoch only to 0.2 us. Digits beyond the sixth are cut off. Empty for anything else, scientific
+/// notation included.
+[[nodiscard]] std::optional<time::Timestamp> parse_stamp(std::string_view text);
 
 }  // namespace nodmap::formats

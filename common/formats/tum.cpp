@@ -22,11 +22,12 @@ void write_tum(const std::filesystem::path& file, const Trajectory& trajectory) 
     if (q.w() < 0.0) {
       q.coeffs() = -q.coeffs();
     }
+    const std::int64_t utime = time::to_utime(stamped.stamp);
     char line[256];
     const int length =
         std::snprintf(line, sizeof line, "%" PRId64 ".%06d %.9f %.9f %.9f %.9f %.9f %.9f %.9f\n",
-                      stamped.utime_us / 1'000'000, static_cast<int>(stamped.utime_us % 1'000'000),
-                      p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w());
+                      utime / 1'000'000, static_cast<int>(utime % 1'000'000), p.x(), p.y(), p.z(),
+                      q.x(), q.y(), q.z(), q.w());
     out.write(line, length);
   }
   out.flush();
@@ -46,16 +47,16 @@ Trajectory read_tum(const std::filesystem::path& file) {
       continue;
     }
     std::istringstream fields(line);
-    std::string stamp;
+    std::string stamp_text;
     Eigen::Vector3d p = Eigen::Vector3d::Zero();
     Eigen::Quaterniond q = Eigen::Quaterniond::Identity();
-    fields >> stamp >> p.x() >> p.y() >> p.z() >> q.x() >> q.y() >> q.z() >> q.w();
-    const auto utime_us = parse_stamp_us(stamp);
-    if (!fields || !utime_us || std::abs(q.norm() - 1.0) > 0.01) {
+    fields >> stamp_text >> p.x() >> p.y() >> p.z() >> q.x() >> q.y() >> q.z() >> q.w();
+    const auto stamp = parse_stamp(stamp_text);
+    if (!fields || !stamp || std::abs(q.norm() - 1.0) > 0.01) {
       throw std::runtime_error(file.string() + ":" + std::to_string(number) +
                                ": expected 'timestamp x y z qx qy qz qw', found '" + line + "'");
     }
-    trajectory.push_back({*utime_us, geometry::make_se3(p, q.normalized())});
+    trajectory.push_back({*stamp, geometry::make_se3(p, q.normalized())});
   }
   return trajectory;
 }

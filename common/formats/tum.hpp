@@ -6,11 +6,12 @@
 #include <vector>
 
 #include "common/geometry/se3.hpp"
+#include "common/geometry/time.hpp"
 
 namespace nodmap::formats {
 
 struct StampedPose {
-  std::int64_t utime_us = 0;
+  time::Timestamp stamp{};
   geometry::SE3 pose = geometry::SE3::Identity();
 };
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <cstdint>
 #include <deque>
 #include <optional>
 
 #include "common/geometry/se3.hpp"
+#include "common/geometry/time.hpp"
 
 namespace nodmap::geometry {
 
@@ -15,19 +15,18 @@ namespace nodmap::geometry {
 /// sample replaces all stored samples with later stamps: the newest information wins.
 class PoseHistory {
  public:
-  /// `span_us`: how long poses are kept. `max_extrapolation_us`: how far beyond the newest (or
+  /// `span`: how long poses are kept. `max_extrapolation`: how far beyond the newest (or
   /// before the oldest) sample at() still returns a pose.
-  explicit PoseHistory(std::int64_t span_us = 60'000'000,
-                       std::int64_t max_extrapolation_us = 50'000)
-      : span_us_(span_us), max_extrapolation_us_(max_extrapolation_us) {}
+  explicit PoseHistory(time::Duration span = 60s, time::Duration max_extrapolation = 50ms)
+      : span_(span), max_extrapolation_(max_extrapolation) {}
 
   /// Adds a sample; returns false if the pose is not finite.
-  bool add(std::int64_t utime_us, const SE3& T_odom_base);
+  bool add(time::Timestamp stamp, const SE3& T_odom_base);
 
   /// The pose at a time: interpolated between samples; after the newest sample extrapolated at the
   /// velocity of the last two; before the oldest sample the oldest pose. Empty if the time is more
-  /// than `max_extrapolation_us` outside the samples.
-  [[nodiscard]] std::optional<SE3> at(std::int64_t utime_us) const;
+  /// than `max_extrapolation` outside the samples.
+  [[nodiscard]] std::optional<SE3> at(time::Timestamp stamp) const;
 
   /// The sample with the latest stamp.
   [[nodiscard]] std::optional<SE3> newest() const;
@@ -39,14 +38,14 @@ class PoseHistory {
 
  private:
   struct Sample {
-    std::int64_t utime_us = 0;
+    time::Timestamp stamp{};
     SE3 T_odom_base = SE3::Identity();
   };
 
-  [[nodiscard]] SE3 extrapolate_beyond_newest(std::int64_t utime_us) const;
+  [[nodiscard]] SE3 extrapolate_beyond_newest(time::Timestamp stamp) const;
 
-  std::int64_t span_us_;
-  std::int64_t max_extrapolation_us_;
+  time::Duration span_;
+  time::Duration max_extrapolation_;
   std::deque<Sample> samples_;  // strictly increasing stamps
 };
 

@@ -52,6 +52,11 @@ inline constexpr Duration kLimit{std::int64_t{1} << 61};
   return 1e-6 * static_cast<double>(duration.count());
 }
 
+/// The quotient of two durations; the second is not zero.
+[[nodiscard]] constexpr double ratio(Duration part, Duration whole) {
+  return static_cast<double>(part.count()) / static_cast<double>(whole.count());
+}
+
 /// To the nearest microsecond and within kLimit; NaN is no time at all.
 [[nodiscard]] inline Duration from_seconds(double duration_s) {
   constexpr double kLimitUs = kLimit.count();  // a power of two: exact

@@ -23,8 +23,7 @@ bool is_plausible(time::Timestamp stamp) {
 
 bool SensorInput::read(const nodmap::scan_t& message, scan::Scan& scan) {
   counts_.lose(scans_.lost_before(message.scan_seq));
-  if (!read_scan(message, scan) || !is_plausible(time::from_utime(scan.utime_us)) ||
-      time::from_us(scan.duration_us) > kLongestScan) {
+  if (!read_scan(message, scan) || !is_plausible(scan.stamp) || scan.duration > kLongestScan) {
     counts_.reject("implausible_scan");
     return false;
   }

@@ -49,8 +49,8 @@ bool read_scan(const nodmap::scan_t& message, scan::Scan& scan) {
       message.ranges_m.size() > kMaxRanges) {
     return false;
   }
-  scan.utime_us = message.utime;
-  scan.duration_us = message.beam_duration_us;
+  scan.stamp = time::from_utime(message.utime);
+  scan.duration = time::from_us(message.beam_duration_us);
   scan.seq = message.scan_seq;
   scan.angle_first_rad = message.angle_first_rad;
   scan.angle_step_rad = message.angle_step_rad;
@@ -67,8 +67,8 @@ bool read_scan(const nodmap::scan_t& message, scan::Scan& scan) {
 
 nodmap::scan_t write_scan(const scan::Scan& scan) {
   nodmap::scan_t message{};
-  message.utime = scan.utime_us;
-  message.beam_duration_us = scan.duration_us;
+  message.utime = time::to_utime(scan.stamp);
+  message.beam_duration_us = time::to_us(scan.duration);
   message.scan_seq = scan.seq;
   message.angle_first_rad = scan.angle_first_rad;
   message.angle_step_rad = scan.angle_step_rad;
@@ -89,18 +89,18 @@ std::optional<geometry::SE3> read_odometry(const nodmap::odometry_t& message) {
   return read_pose(message.position_m, message.orientation);
 }
 
-nodmap::odometry_t write_odometry(std::int64_t utime_us, const geometry::SE3& T_odom_base) {
+nodmap::odometry_t write_odometry(time::Timestamp stamp, const geometry::SE3& T_odom_base) {
   nodmap::odometry_t message{};
-  message.utime = utime_us;
+  message.utime = time::to_utime(stamp);
   write_pose(T_odom_base, message.position_m, message.orientation);
   message.pose_covariance[0][0] = std::numeric_limits<double>::quiet_NaN();
   return message;
 }
 
-nodmap::pose_t write_corrected_pose(std::int64_t utime_us, const geometry::SE3& T_map_base,
+nodmap::pose_t write_corrected_pose(time::Timestamp stamp, const geometry::SE3& T_map_base,
                                     const geometry::SE3& T_map_odom) {
   nodmap::pose_t message{};
-  message.utime = utime_us;
+  message.utime = time::to_utime(stamp);
   write_pose(T_map_base, message.position_m, message.orientation);
   write_pose(T_map_odom, message.odom_position_m, message.odom_orientation);
   return message;

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "common/geometry/se3.hpp"
+#include "common/geometry/time.hpp"
 #include "common/scan/scan.hpp"
 #include "nodmap/odometry_t.hpp"
 #include "nodmap/pose_t.hpp"
@@ -31,11 +32,16 @@ void write_pose(const geometry::SE3& pose, double (&position_m)[3], double (&ori
 [[nodiscard]] std::optional<geometry::SE3> read_odometry(const nodmap::odometry_t& message);
 
 /// Makes an odometry message with unknown covariance; speed and yaw rate are zero.
-[[nodiscard]] nodmap::odometry_t write_odometry(std::int64_t utime_us,
+/// When it was measured, or sent.
+[[nodiscard]] time::Timestamp stamp_of(const auto& message) {
+  return time::from_utime(message.utime);
+}
+
+[[nodiscard]] nodmap::odometry_t write_odometry(time::Timestamp stamp,
                                                 const geometry::SE3& T_odom_base);
 
 /// A pose message with both frames' poses; the match and quality fields are the caller's.
-[[nodiscard]] nodmap::pose_t write_corrected_pose(std::int64_t utime_us,
+[[nodiscard]] nodmap::pose_t write_corrected_pose(time::Timestamp stamp,
                                                   const geometry::SE3& T_map_base,
                                                   const geometry::SE3& T_map_odom);
 

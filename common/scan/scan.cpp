@@ -13,7 +13,7 @@ bool is_plausible(const Scan& scan) {
          within(scan.pitch_first_rad, geometry::kPi) &&
          within(scan.pitch_last_rad, geometry::kPi) && scan.range_min_m >= 0.0 &&
          within(scan.range_max_m, kFarthestRangeM) && scan.range_max_m > scan.range_min_m &&
-         scan.duration_us >= 0 && scan.T_base_mount.matrix().allFinite() &&
+         scan.duration >= 0us && scan.T_base_mount.matrix().allFinite() &&
          scan.mirror_offset_m.allFinite();
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/geometry/se3.hpp"
+#include "common/geometry/time.hpp"
 
 namespace nodmap::scan {
 
@@ -15,9 +16,9 @@ namespace nodmap::scan {
 /// compute its points in base. Frames: `base` (x forward, y left, z up; the robot's centre of
 /// rotation projected onto the ground), `mount` (the pitch axis), `laser` (mirror centre, pitched).
 struct Scan {
-  std::int64_t utime_us = 0;     ///< when the first beam was measured
-  std::int64_t duration_us = 0;  ///< from the first to the last beam; 0: all beams simultaneous
-  std::int64_t seq = 0;          ///< counts the scans of one scanner, to detect losses
+  time::Timestamp stamp{};    ///< when the first beam was measured
+  time::Duration duration{};  ///< from the first to the last beam; 0: all beams simultaneous
+  std::int64_t seq = 0;       ///< counts the scans of one scanner, to detect losses
 
   double angle_first_rad = 0.0;  ///< first beam in the laser plane; 0 ahead, positive to the left
   double angle_step_rad = 0.0;   ///< from beam to beam
@@ -53,8 +54,8 @@ struct Scan {
   }
 
   [[nodiscard]] double pitch_mid_rad() const { return 0.5 * (pitch_first_rad + pitch_last_rad); }
-  [[nodiscard]] std::int64_t utime_mid_us() const { return utime_us + duration_us / 2; }
-  [[nodiscard]] std::int64_t utime_last_us() const { return utime_us + duration_us; }
+  [[nodiscard]] time::Timestamp mid_stamp() const { return stamp + duration / 2; }
+  [[nodiscard]] time::Timestamp last_stamp() const { return stamp + duration; }
 
   [[nodiscard]] bool is_hit(std::size_t beam) const {
     const auto r = static_cast<double>(ranges_m[beam]);

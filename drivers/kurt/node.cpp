@@ -229,7 +229,7 @@ void KurtNode::repeat_stop(const time::Moment& now) {
 void KurtNode::publish_odometry(const OdometrySample& sample) {
   const OdometryState& state = sample.state;
   nodmap::odometry_t message =
-      node::write_odometry(time::to_utime(sample.stamp), geometry::to_se3(state.T_odom_base));
+      node::write_odometry(sample.stamp, geometry::to_se3(state.T_odom_base));
   message.odometry_seq = odometry_seq_++;
   message.forward_mps = state.forward_mps;
   message.yaw_rate_rad_s = state.yaw_rate_rad_s;

@@ -203,7 +203,7 @@ void Laser3d::join(time::SteadyTime now, Laser3dOutput& result) {
 
 SteadyScan Laser3d::to_scan(PitchedRevolution pitched) {
   scan::Scan scan;
-  scan.duration_us = time::to_us(pitched.revolution.last_beam - pitched.revolution.first_beam);
+  scan.duration = pitched.revolution.last_beam - pitched.revolution.first_beam;
   scan.seq = scan_seq_++;
   const double sign = params_.laser.upside_down ? -1.0 : 1.0;
   scan.angle_first_rad = sign * pitched.revolution.angle_first_rad;

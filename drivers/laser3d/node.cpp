@@ -133,7 +133,7 @@ void Laser3dNode::publish(const PitchState& state, const time::Moment& now) {
 }
 
 void Laser3dNode::publish(SteadyScan scan, const time::Moment& now) {
-  scan.scan.utime_us = time::to_utime(now.wall_at(scan.first_beam));
+  scan.scan.stamp = now.wall_at(scan.first_beam);
   context_.bus.publish("SCAN", node::write_scan(scan.scan));
 }
 

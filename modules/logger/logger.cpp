@@ -29,13 +29,13 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr const char* kProgram = "nodmap-logger";
-// Bounds how long an event waits for its flush, together with Recorder::kFlushPeriodUs.
+// Bounds how long an event waits for its flush, together with Recorder::kFlushPeriod.
 constexpr milliseconds kWait(20);
 // A thread of the bus takes messages out of the socket; when none has come from it for so long
 // after the signal, none is on the way any more.
 constexpr milliseconds kSilence(100);
 // Others may go on sending: this ends the work within the second that a process has.
-constexpr std::int64_t kDrainLimitUs = 600'000;
+constexpr time::Duration kDrainLimit = 600ms;
 
 struct Options {
   std::string out;
@@ -133,13 +133,13 @@ class Logger {
   }
 
   void take(const bus::LiveBus::RawMessage& message) {
-    newest_utime_us_ = time::to_utime(message.received);
+    newest_ = message.received;
     counts_.lose(losses_.lost_before(message.channel, message.data));
     if (!filter_.wants(message.channel)) {
       return;
     }
     const std::int64_t dropped_before = recorder_.counts().dropped;
-    recorder_.record(time::to_utime(message.received), message.channel, message.data);
+    recorder_.record(message.received, message.channel, message.data);
     for (std::int64_t i = dropped_before; i < recorder_.counts().dropped; ++i) {
       counts_.reject("no_room");
     }
@@ -147,11 +147,9 @@ class Logger {
 
   /// Takes everything this host received before the signal.
   void drain() {
-    const std::int64_t stop_utime_us = time::to_utime(clock_.now());
-    const auto deadline =
-        std::chrono::steady_clock::now() + std::chrono::microseconds(kDrainLimitUs);
-    while (std::chrono::steady_clock::now() < deadline && work(kSilence) > 0 &&
-           newest_utime_us_ <= stop_utime_us) {
+    const time::Timestamp stop = clock_.now();
+    const auto deadline = std::chrono::steady_clock::now() + kDrainLimit;
+    while (std::chrono::steady_clock::now() < deadline && work(kSilence) > 0 && newest_ <= stop) {
     }
   }
 
@@ -162,7 +160,7 @@ class Logger {
   bus::LiveBus bus_;
   Recorder recorder_;
   node::StatusReporter status_;
-  std::int64_t newest_utime_us_ = 0;
+  time::Timestamp newest_{};  // when the newest event was received
 };
 
 int record_until_stopped(const Options& options, const LoggerParams& params,

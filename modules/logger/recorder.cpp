@@ -36,7 +36,7 @@ Recorder::Recorder(RecorderSettings settings, const time::Clock& clock)
   begin_file();
 }
 
-void Recorder::record(std::int64_t utime_us, const std::string& channel,
+void Recorder::record(time::Timestamp received, const std::string& channel,
                       std::span<const std::byte> data) {
   const std::int64_t event_bytes = bus::LogWriter::event_bytes(channel, data);
   if (writer_ && must_split(writer_->size_bytes(), event_bytes, settings_.split_bytes)) {
@@ -50,7 +50,7 @@ void Recorder::record(std::int64_t utime_us, const std::string& channel,
   }
   ++counts_.written;
   unflushed_ends_bytes_.push_back(writer_->size_bytes() + event_bytes);
-  if (!writer_->write(utime_us, channel, data)) {
+  if (!writer_->write(time::to_utime(received), channel, data)) {
     fail(writer_->failure().message());
   }
 }

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "common/bus/event_log.hpp"
+#include "common/geometry/time.hpp"
 #include "common/node/clock.hpp"
 #include "common/node/node.hpp"
 #include "modules/logger/quota.hpp"
@@ -54,7 +55,8 @@ class Recorder : private boost::noncopyable {
   Recorder(RecorderSettings settings, const time::Clock& clock);
   ~Recorder() = default;
 
-  void record(std::int64_t utime_us, const std::string& channel, std::span<const std::byte> data);
+  void record(time::Timestamp received, const std::string& channel,
+              std::span<const std::byte> data);
 
   /// Flushes to the operating system and once a second to the disk, and retries after a failure. To
   /// be called every few tens of milliseconds.

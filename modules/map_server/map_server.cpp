@@ -19,7 +19,7 @@ ScanStatus MapServer::add_scan(const scan::Scan& scan, const geometry::SE3& T_od
     return ScanStatus::kImplausiblePose;
   }
   const auto T_now_last = pose_shift(geometry::to_se2(T_odom_base));
-  const ScanView view = view_of(scan, advance_clock(time::from_utime(scan.utime_mid_us())));
+  const ScanView view = view_of(scan, advance_clock(scan.mid_stamp()));
   obstacle_map_.update(T_now_last, view);
   structure_map_.update(T_now_last, view);
   return ScanStatus::kUsed;

@@ -51,7 +51,7 @@ void MapServerNode::on_odometry(const nodmap::odometry_t& message) {
     server_.reset();
     odometry_.clear();
   }
-  odometry_.add(message.utime, *T_odom_base);
+  odometry_.add(node::stamp_of(message), *T_odom_base);
   context_.counts.use();
 }
 
@@ -59,7 +59,7 @@ void MapServerNode::on_scan(const nodmap::scan_t& message) {
   if (!input_.read(message, scan_)) {
     return;
   }
-  const auto T_odom_base = pose_at(scan_.utime_mid_us());
+  const auto T_odom_base = pose_at(scan_.mid_stamp());
   last_scan_had_odometry_ = T_odom_base.has_value();
   if (!T_odom_base) {
     context_.counts.reject("no_odometry");
@@ -82,11 +82,11 @@ void MapServerNode::on_scan(const nodmap::scan_t& message) {
   publish_maps(*T_odom_base);
 }
 
-std::optional<geometry::SE3> MapServerNode::pose_at(std::int64_t utime_us) const {
+std::optional<geometry::SE3> MapServerNode::pose_at(time::Timestamp stamp) const {
   if (params_.assume_stationary) {
     return geometry::SE3::Identity();
   }
-  return odometry_.at(utime_us);
+  return odometry_.at(stamp);
 }
 
 void MapServerNode::publish_maps(const geometry::SE3& T_odom_base) {
@@ -100,7 +100,7 @@ void MapServerNode::fill_message(const EgoMap& map, const geometry::SE3& T_odom_
   constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
   const ExtendedScan& scan = map.scan();
   const std::size_t n = scan.size();
-  message_.utime = scan_.utime_mid_us();
+  message_.utime = time::to_utime(scan_.mid_stamp());
   message_.scan_seq = scan_.seq;
   message_.bin_first_rad = scan.bins().first_rad();
   message_.bin_step_rad = scan.bins().step_rad();

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "common/geometry/pose_history.hpp"
+#include "common/geometry/time.hpp"
 #include "common/node/message_input.hpp"
 #include "common/node/node.hpp"
 #include "common/scan/scan.hpp"
@@ -33,7 +34,7 @@ class MapServerNode final : public node::Node {
  private:
   void on_scan(const nodmap::scan_t& message);
   void on_odometry(const nodmap::odometry_t& message);
-  [[nodiscard]] std::optional<geometry::SE3> pose_at(std::int64_t utime_us) const;
+  [[nodiscard]] std::optional<geometry::SE3> pose_at(time::Timestamp stamp) const;
   void publish_maps(const geometry::SE3& T_odom_base);
   void fill_message(const EgoMap& map, const geometry::SE3& T_odom_base);
 

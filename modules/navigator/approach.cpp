@@ -13,7 +13,7 @@ namespace {
 
 /// Nearer by less is noise of the laser and of odometry in a turn: 1 to 2 cm each.
 constexpr double kNearerM = 0.06;
-constexpr std::int64_t kWaitUs = 1'000'000;
+constexpr time::Duration kWait = 1s;
 /// From a reference point so far behind the robot everything is still seen from about the same
 /// side.
 constexpr double kReferenceM = 0.3;
@@ -45,11 +45,11 @@ Approach::Sectors Approach::nearest(const geometry::SE2& T_odom_base,
   return sectors;
 }
 
-void Approach::update(std::int64_t utime_us, const geometry::SE2& T_odom_base, double reach_m,
+void Approach::update(time::Timestamp stamp, const geometry::SE2& T_odom_base, double reach_m,
                       const Points& points_base, const SeenDirections& seen,
                       const LocalMap* local_map) {
   if (known_) {
-    compare(nearest(T_odom_base, points_base), utime_us, reach_m, seen, T_odom_base, local_map);
+    compare(nearest(T_odom_base, points_base), stamp, reach_m, seen, T_odom_base, local_map);
   }
   if (!known_ || (T_odom_base.translation() - reference_odom_).norm() > kReferenceM) {
     reference_odom_ = T_odom_base.translation();
@@ -57,7 +57,7 @@ void Approach::update(std::int64_t utime_us, const geometry::SE2& T_odom_base, d
   }
 }
 
-void Approach::compare(const Sectors& now, std::int64_t utime_us, double reach_m,
+void Approach::compare(const Sectors& now, time::Timestamp stamp, double reach_m,
                        const SeenDirections& seen, const geometry::SE2& T_odom_base,
                        const LocalMap* local_map) {
   const Sectors before = *known_;
@@ -72,7 +72,7 @@ void Approach::compare(const Sectors& now, std::int64_t utime_us, double reach_m
         there.distance_m < nearest_known_m - kNearerM && there.p_base.norm() < reach_m;
     if (is_nearer && seen.is_seen(std::atan2(there.p_base.y(), there.p_base.x()), sweeps_) &&
         (local_map == nullptr || local_map->was_floor(T_odom_base * there.p_base))) {
-      detected_us_ = utime_us;
+      detected_at_ = stamp;
     }
     // The distance of something slow is compared with where it started.
     Nearest& kept = (*known_)[static_cast<std::size_t>(i)];
@@ -82,9 +82,9 @@ void Approach::compare(const Sectors& now, std::int64_t utime_us, double reach_m
   }
 }
 
-bool Approach::is_detected(std::int64_t utime_us) const {
+bool Approach::is_detected(time::Timestamp stamp) const {
   // A stamp that stepped back must not prolong the wait.
-  return detected_us_ && std::abs(utime_us - *detected_us_) < kWaitUs;
+  return detected_at_ && std::chrono::abs(stamp - *detected_at_) < kWait;
 }
 
 }  // namespace nodmap::navigator

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "common/geometry/se2.hpp"
+#include "common/geometry/time.hpp"
 #include "modules/navigator/obstacle_points.hpp"
 #include "modules/navigator/seen_directions.hpp"
 
@@ -27,13 +28,13 @@ class Approach {
   /// The obstacles at this moment; `seen` has been updated before. Obstacles farther than `reach_m`
   /// from the origin of base are ignored. With a local map only what is where floor was seen before
   /// has approached: what comes into view behind a corner was there.
-  void update(std::int64_t utime_us, const geometry::SE2& T_odom_base, double reach_m,
+  void update(time::Timestamp stamp, const geometry::SE2& T_odom_base, double reach_m,
               const Points& points_base, const SeenDirections& seen,
               const LocalMap* local_map = nullptr);
 
   /// Whether something has come nearer within the last second: it may still be moving, and the
   /// laser measures it about so often.
-  [[nodiscard]] bool is_detected(std::int64_t utime_us) const;
+  [[nodiscard]] bool is_detected(time::Timestamp stamp) const;
 
  private:
   static constexpr int kSectors = 36;
@@ -45,14 +46,14 @@ class Approach {
   using Sectors = std::array<Nearest, kSectors>;
 
   [[nodiscard]] Sectors nearest(const geometry::SE2& T_odom_base, const Points& points_base) const;
-  void compare(const Sectors& now, std::int64_t utime_us, double reach_m,
+  void compare(const Sectors& now, time::Timestamp stamp, double reach_m,
                const SeenDirections& seen, const geometry::SE2& T_odom_base,
                const LocalMap* local_map);
 
   int sweeps_;
   Eigen::Vector2d reference_odom_ = Eigen::Vector2d::Zero();
   std::optional<Sectors> known_;
-  std::optional<std::int64_t> detected_us_;
+  std::optional<time::Timestamp> detected_at_;
 };
 
 }  // namespace nodmap::navigator

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "common/geometry/se2.hpp"
+#include "common/geometry/time.hpp"
 #include "modules/navigator/goal.hpp"
 #include "modules/navigator/obstacle_points.hpp"
 #include "modules/navigator/people/person.hpp"
@@ -17,7 +18,7 @@ class LocalMap;
 
 /// All that the navigator knows at one moment.
 struct Situation {
-  std::int64_t utime_us = 0;
+  time::Timestamp stamp{};
   Points points_base;         ///< obstacles, now; of the obstacle map, and of the local map
   Points doubtful_base;       ///< near the body and not known to be free, see LocalMap
   People people;              ///< who walks, in base

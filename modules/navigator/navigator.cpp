@@ -33,7 +33,7 @@ constexpr double kHisWakeS = 1.0;
 /// Where he walks nothing stands: so much more is the noise of a track that is seen.
 constexpr double kOnHimM = 0.1;
 /// So long after somebody walked the obstacle map may still hold him.
-constexpr std::int64_t kPassedUs = 20'000'000;
+constexpr time::Duration kPassed = 20s;
 
 constexpr double kEndless = std::numeric_limits<double>::infinity();
 
@@ -115,15 +115,15 @@ void Navigator::add_scan(const scan::Scan& scan, const geometry::SE2& T_odom_bas
   if (params_.local_map.use) {
     local_map_.add_scan(scan, T_odom_base,
                         tracks_people ? people_.is_walker() : std::vector<bool>{});
-    forget_wakes(scan.utime_mid_us());
+    forget_wakes(scan.mid_stamp());
   }
 }
 
 /// Before somebody was known to walk he was an obstacle: that is taken back along his path of the
 /// last second, while he is in sight.
-void Navigator::forget_wakes(std::int64_t utime_us) {
+void Navigator::forget_wakes(time::Timestamp stamp) {
   constexpr double kStepS = 0.2;
-  for (const Person& person : people_.people_odom(utime_us)) {
+  for (const Person& person : people_.people_odom(stamp)) {
     for (double ago_s = 0.0; ago_s <= kHisWakeS && person.is_in_sight; ago_s += kStepS) {
       local_map_.forget_walker(person.position_after(-ago_s), person.radius_m + kOnHimM);
     }
@@ -158,7 +158,7 @@ Decision Navigator::behave(const Situation& now) {
     decision.behaviour = Behaviour::kArrived;
     return decision;
   }
-  if (approach_.is_detected(now.utime_us)) {
+  if (approach_.is_detected(now.stamp)) {
     return wait_for_approaching(now);
   }
   if (now.goal && params_.planner.use && local_map_.has_scan()) {
@@ -187,19 +187,19 @@ Decision Navigator::behave(const Situation& now) {
 }
 
 void Navigator::observe(Situation& now) {
-  now.people = people_.people_base(now.utime_us, now.T_odom_base);
+  now.people = people_.people_base(now.stamp, now.T_odom_base);
   seen_.update(now.T_odom_base.yaw, now.sweep_count);
   const double reach_m =
       body_.turning_radius_m() + kApproachM + kApproachS * std::max(0.0, now.forward_mps);
   const bool has_local_map = local_map_.has_scan() && !now.laser_is_held;
   if (!now.people.empty()) {
-    saw_people_us_ = now.utime_us;
+    saw_people_at_ = now.stamp;
   }
-  if (has_local_map && saw_people_us_ && std::abs(now.utime_us - *saw_people_us_) < kPassedUs) {
+  if (has_local_map && saw_people_at_ && std::chrono::abs(now.stamp - *saw_people_at_) < kPassed) {
     erase_free_floor(now);
   }
   const Points nobodys = without(now.people, now.points_base);
-  approach_.update(now.utime_us, now.T_odom_base, reach_m, nobodys, seen_,
+  approach_.update(now.stamp, now.T_odom_base, reach_m, nobodys, seen_,
                    has_local_map ? &local_map_ : nullptr);
   if (has_local_map) {
     now.points_base = nobodys;  // what stands beside a walker is in the local map, too
@@ -331,7 +331,7 @@ TurnView Navigator::view_for_turn(const FreeSpace& space, const Situation& now) 
   const FreeNeighbours without_points = free_neighbours(space, 0.0, until_free_m);
   const double margin_m = params_.turn.margin_m + (turn_.backs_up() ? kRoomToTurnM : 0.0);
   TurnView view;
-  view.utime_us = now.utime_us;
+  view.stamp = now.stamp;
   view.heading_rad = now.T_odom_base.yaw;
   view.yaw_rate_rad_s = now.yaw_rate_rad_s;
   view.clear_direction_rad = nearer_direction(seen);
@@ -361,7 +361,7 @@ Decision Navigator::back_up(const Situation& now) {
   Decision decision = brake(now, "Cannot turn: backs up along its trail.");
   decision.behaviour = Behaviour::kTurn;
   if (!back_up_.step(now, decision)) {
-    turn_.pause(now.utime_us);
+    turn_.pause(now.stamp);
     decision.reason = "Cannot turn, and no path back is known to be free.";
   }
   return decision;

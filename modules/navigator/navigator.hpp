@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "common/geometry/time.hpp"
 #include "modules/navigator/approach.hpp"
 #include "modules/navigator/back_up.hpp"
 #include "modules/navigator/brake.hpp"
@@ -66,7 +67,7 @@ class Navigator {
   void respect_slopes(Situation& now) const;
   void erase_free_floor(Situation& now) const;
   void observe(Situation& now);
-  void forget_wakes(std::int64_t utime_us);
+  void forget_wakes(time::Timestamp stamp);
   [[nodiscard]] Decision behave(const Situation& now);
   void join_local_map(Situation& now) const;
   void join_geofence(Situation& now) const;
@@ -90,7 +91,7 @@ class Navigator {
   GoalDrive goal_drive_;
   bool is_in_gap_ = false;
   std::optional<std::int64_t> gap_ended_at_sweep_;  ///< until the laser has looked again
-  std::optional<std::int64_t> saw_people_us_;
+  std::optional<time::Timestamp> saw_people_at_;
   bool arrived_ = false;
   bool has_looked_ = false;                     ///< since the start
   std::optional<geometry::SE2> turn_ended_at_;  ///< T_odom_base

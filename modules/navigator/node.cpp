@@ -13,7 +13,7 @@ namespace nodmap::navigator {
 namespace {
 
 // A microsecond clock gets there in the year 38000; differences of stamps below never overflow.
-constexpr std::int64_t kLatestUtimeUs = std::int64_t{1} << 60;
+constexpr time::Timestamp kLatestStamp(time::kLimit / 2);
 /// A sweep shorter than this: the laser is held.
 constexpr double kHeldRad = geometry::deg_to_rad(0.1);
 /// The base cannot drive faster; a map farther away than that belongs to another odom frame.
@@ -36,13 +36,13 @@ double position_sigma_m(const nodmap::pose_t& message) {
 
 /// POSE_2D comes once a sweep, which takes up to 1 s. A pose older than this is stale: by odometry
 /// alone, at 1.5 m/s and with wheels 3 % off, the robot is 9 cm elsewhere by then.
-constexpr std::int64_t kFencePoseUs = 2'000'000;
+constexpr time::Duration kFencePose = 2s;
 
 /// No sweep is shorter: 15 scans. A gap in the scans no longer than this is driven through slowly.
 constexpr double kShortGapS = 0.2;
 
-bool is_time(std::int64_t utime_us) {
-  return utime_us >= 0 && utime_us < kLatestUtimeUs;
+bool is_time(time::Timestamp stamp) {
+  return stamp >= time::Timestamp{} && stamp < kLatestStamp;
 }
 
 std::int8_t code_of(Behaviour behaviour) {
@@ -91,17 +91,17 @@ NavigatorNode::NavigatorNode(node::Context& context, const Params& params)
 void NavigatorNode::on_map(const nodmap::egomap_t& message) {
   const auto T_odom_map = node::read_pose(message.position_m, message.orientation);
   auto points_map = read_points(message.distance_m, message.point_x_m, message.point_y_m);
-  if (!T_odom_map || !points_map || !is_time(message.utime)) {
+  if (!T_odom_map || !points_map || !is_time(node::stamp_of(message))) {
     context_.counts.reject("implausible_obstacle_map");
     return;
   }
-  if (message.utime < odometry_frame_began_us_) {
+  if (node::stamp_of(message) < odometry_frame_began_) {
     context_.counts.reject("map_of_former_odometry");
     return;
   }
   context_.counts.use();
   map_ = {geometry::to_se2(*T_odom_map), std::move(*points_map)};
-  stamps_.map_us = message.utime;
+  stamps_.map = node::stamp_of(message);
   auto reason = reason_not_to_drive(params_.staleness);
   publish(reason ? halt(std::move(*reason)) : navigator_.decide(situation()));
 }
@@ -110,17 +110,17 @@ void NavigatorNode::on_scan(const nodmap::scan_t& message) {
   if (!input_.read(message, scan_)) {
     return;
   }
-  const auto T_odom_base = odometry_history_.at(scan_.utime_mid_us());
+  const auto T_odom_base = odometry_history_.at(scan_.mid_stamp());
   if (!T_odom_base) {
     context_.counts.reject("scan_without_odometry");
     return;
   }
-  if (!senders_.scan.follow(message.scan_seq, on_odometry_clock(message.utime))) {
+  if (!senders_.scan.follow(message.scan_seq, on_odometry_clock(node::stamp_of(message)))) {
     context_.counts.reject("other_sender_of_scan");
     return;
   }
   context_.counts.use();
-  stamps_.scan_us = scan_.utime_mid_us();
+  stamps_.scan = scan_.mid_stamp();
   navigator_.add_scan(scan_, geometry::to_se2(*T_odom_base));
 }
 
@@ -133,21 +133,21 @@ void NavigatorNode::on_odometry(const nodmap::odometry_t& message) {
     context_.counts.reject("implausible_odometry");
     return;
   }
-  if (!senders_.odometry.follow(message.odometry_seq, on_pitch_clock(message.utime))) {
+  if (!senders_.odometry.follow(message.odometry_seq, on_pitch_clock(node::stamp_of(message)))) {
     context_.counts.reject("other_sender_of_odometry");
     return;
   }
   if (odometry_ && message.odometry_seq < odometry_->seq) {
-    begin_odometry_frame(message.utime);
+    begin_odometry_frame(node::stamp_of(message));
   }
   // The frame began no later than any of its odometry: an earlier stamp means that the first one
   // was wrong, or that the clock has been set back since.
-  odometry_frame_began_us_ = std::min(odometry_frame_began_us_, message.utime);
+  odometry_frame_began_ = std::min(odometry_frame_began_, node::stamp_of(message));
   context_.counts.use();
   odometry_ = {message.odometry_seq, geometry::to_se2(*T_odom_base), message.forward_mps,
                message.yaw_rate_rad_s};
-  stamps_.odometry_us = message.utime;
-  odometry_history_.add(message.utime, *T_odom_base);
+  stamps_.odometry = node::stamp_of(message);
+  odometry_history_.add(node::stamp_of(message), *T_odom_base);
   if (auto reason = reason_not_to_drive(params_.staleness)) {
     publish(halt(std::move(*reason)));
   }
@@ -155,46 +155,47 @@ void NavigatorNode::on_odometry(const nodmap::odometry_t& message) {
 
 /// The publisher counts anew, so its odom frame began anew. The map, what the navigator remembers
 /// and the correction to the map frame belong to the former one.
-void NavigatorNode::begin_odometry_frame(std::int64_t utime_us) {
-  odometry_frame_began_us_ = utime_us;
+void NavigatorNode::begin_odometry_frame(time::Timestamp stamp) {
+  odometry_frame_began_ = stamp;
   map_.reset();
   odometry_history_.clear();
   slip_.reset();
-  pose_us_.reset();
-  stamps_.map_us.reset();
-  stamps_.scan_us.reset();
+  pose_stamp_.reset();
+  stamps_.map.reset();
+  stamps_.scan.reset();
   navigator_.reset();
 }
 
 void NavigatorNode::on_pitch_command(const nodmap::pitch_command_t& message) {
   context_.counts.lose(pitch_commands_watch_.lost_before(message.command_seq));
-  if (!is_time(message.utime) || !std::isfinite(message.max_forward_mps) ||
+  if (!is_time(node::stamp_of(message)) || !std::isfinite(message.max_forward_mps) ||
       message.max_forward_mps < 0.0) {
     context_.counts.reject("implausible_pitch_command");
     return;
   }
-  if (!senders_.pitch_command.follow(message.command_seq, on_odometry_clock(message.utime))) {
+  if (!senders_.pitch_command.follow(message.command_seq,
+                                     on_odometry_clock(node::stamp_of(message)))) {
     context_.counts.reject("other_sender_of_pitch_command");
     return;
   }
   context_.counts.use();
   pitch_command_ = message;
-  stamps_.pitch_command_us = message.utime;
+  stamps_.pitch_command = node::stamp_of(message);
 }
 
 void NavigatorNode::on_pitch_state(const nodmap::pitch_state_t& message) {
   context_.counts.lose(pitch_states_watch_.lost_before(message.state_seq));
-  if (!is_time(message.utime)) {
+  if (!is_time(node::stamp_of(message))) {
     context_.counts.reject("implausible_pitch_state");
     return;
   }
-  if (!senders_.pitch_state.follow(message.state_seq, on_odometry_clock(message.utime))) {
+  if (!senders_.pitch_state.follow(message.state_seq, on_odometry_clock(node::stamp_of(message)))) {
     context_.counts.reject("other_sender_of_pitch_state");
     return;
   }
   context_.counts.use();
   pitch_state_ = message;
-  stamps_.pitch_state_us = message.utime;
+  stamps_.pitch_state = node::stamp_of(message);
 }
 
 void NavigatorNode::on_goal(const nodmap::goal_t& message) {
@@ -228,19 +229,19 @@ void NavigatorNode::on_pose(const nodmap::pose_t& message) {
   context_.counts.use();
   T_map_odom_ = geometry::to_se2(*T_map_odom);
   pose_sigma_m_ = position_sigma_m(message);
-  pose_us_ = stamps_.odometry_us;
+  pose_stamp_ = stamps_.odometry;
   watch_slip(message);
 }
 
 /// Only while 2D SLAM is sure in all directions: along a bare corridor it follows the wheels.
 void NavigatorNode::watch_slip(const nodmap::pose_t& message) {
-  const auto T_odom_base = odometry_history_.at(message.utime);
+  const auto T_odom_base = odometry_history_.at(node::stamp_of(message));
   if (message.state != nodmap::pose_t::TRACKING || !T_odom_base) {
     slip_.reset();
     return;
   }
   const geometry::SE2 T_odom_base_2d = geometry::to_se2(*T_odom_base);
-  if (slip_.update(message.utime, T_odom_base_2d, T_map_odom_ * T_odom_base_2d)) {
+  if (slip_.update(node::stamp_of(message), T_odom_base_2d, T_map_odom_ * T_odom_base_2d)) {
     ++num_slips_;
     navigator_.add_contact(T_odom_base_2d, odometry_->forward_mps >= 0.0);
   }
@@ -256,18 +257,18 @@ void NavigatorNode::on_stop(const nodmap::stop_t& message) {
 }
 
 /// Odometry comes all the time: its stamps are a clock, to which a step back is a new beginning.
-time::SteadyTime NavigatorNode::on_odometry_clock(std::int64_t utime_us) const {
-  return time::SteadyTime(time::from_us(stamps_.odometry_us.value_or(utime_us)));
+time::SteadyTime NavigatorNode::on_odometry_clock(time::Timestamp stamp) const {
+  return time::SteadyTime(stamps_.odometry.value_or(stamp).time_since_epoch());
 }
 
 /// Of odometry's own senders another clock tells who is alive: the servo's readings.
-time::SteadyTime NavigatorNode::on_pitch_clock(std::int64_t utime_us) const {
-  return time::SteadyTime(time::from_us(stamps_.pitch_state_us.value_or(utime_us)));
+time::SteadyTime NavigatorNode::on_pitch_clock(time::Timestamp stamp) const {
+  return time::SteadyTime(stamps_.pitch_state.value_or(stamp).time_since_epoch());
 }
 
 /// Of two senders one is forged, or a process runs twice: which one tells the truth is not known.
 std::optional<std::string> NavigatorNode::contested_input() const {
-  const time::SteadyTime now = on_odometry_clock(0);
+  const time::SteadyTime now = on_odometry_clock({});
   if (senders_.pitch_command.is_contested(now)) {
     return "PITCH_COMMAND";
   }
@@ -277,7 +278,7 @@ std::optional<std::string> NavigatorNode::contested_input() const {
   if (senders_.scan.is_contested(now)) {
     return "SCAN";
   }
-  if (senders_.odometry.is_contested(on_pitch_clock(0))) {
+  if (senders_.odometry.is_contested(on_pitch_clock({}))) {
     return "ODOMETRY";
   }
   return std::nullopt;
@@ -313,7 +314,7 @@ std::optional<std::string> NavigatorNode::reason_not_to_drive(const StalenessPar
   if (goal_ && goal_->heading_tolerance_rad && !(params_.planner.use && params_.local_map.use)) {
     return "Docks only with planner.use_planner and local_map.use_local_map.";
   }
-  const double age_s = 1e-6 * std::abs(static_cast<double>(*stamps_.odometry_us - *stamps_.map_us));
+  const double age_s = time::seconds(std::chrono::abs(*stamps_.odometry - *stamps_.map));
   const double shift_m =
       (odometry_->T_odom_base.translation() - map_->T_odom_map.translation()).norm();
   // 10 cm because the map's pose is interpolated.
@@ -329,8 +330,8 @@ std::optional<std::string> NavigatorNode::reason_by_geofence() const {
   if (!geofence_) {
     return std::nullopt;
   }
-  if (!pose_us_ || pose_state_ == nodmap::pose_t::LOST ||
-      std::abs(*stamps_.odometry_us - *pose_us_) > kFencePoseUs) {
+  if (!pose_stamp_ || pose_state_ == nodmap::pose_t::LOST ||
+      std::chrono::abs(*stamps_.odometry - *pose_stamp_) > kFencePose) {
     return "There is a geofence, and no pose by 2D SLAM.";
   }
   if (!geofence_->contains(T_map_odom_ * odometry_->T_odom_base.translation())) {
@@ -348,7 +349,7 @@ bool NavigatorNode::goal_is_fenced_off() const {
 
 Situation NavigatorNode::situation() const {
   Situation now;
-  now.utime_us = *stamps_.odometry_us;
+  now.stamp = *stamps_.odometry;
   now.T_odom_base = odometry_->T_odom_base;
   now.T_map_odom = T_map_odom_;
   now.points_base = move_to_base(map_->points_map, map_->T_odom_map, odometry_->T_odom_base);
@@ -387,14 +388,15 @@ double NavigatorNode::max_forward_mps() const {
 
 /// The path to the goal and, from the robot on, the arc that was chosen.
 void NavigatorNode::publish_path(const Decision& decision) {
-  constexpr std::int64_t kPeriodUs = 100'000;
+  constexpr time::Duration kPeriod = 100ms;
   constexpr double kArcS = 1.6;
   constexpr int kArcSteps = 8;
-  const bool is_old = !path_us_ || std::abs(drive_.utime - *path_us_) >= kPeriodUs;
-  if (!odometry_ || (goal_ ? !is_old : !path_us_)) {
+  const bool is_old =
+      !path_stamp_ || std::chrono::abs(time::from_utime(drive_.utime) - *path_stamp_) >= kPeriod;
+  if (!odometry_ || (goal_ ? !is_old : !path_stamp_)) {
     return;
   }
-  path_us_.reset();
+  path_stamp_.reset();
   path_ = {};
   path_.utime = drive_.utime;
   path_.state = nodmap::path_t::NO_GOAL;
@@ -405,7 +407,7 @@ void NavigatorNode::publish_path(const Decision& decision) {
     if (!path_map) {
       return;  // not yet planned, or not by plan
     }
-    path_us_ = drive_.utime;
+    path_stamp_ = time::from_utime(drive_.utime);
     path_.state = path_map->empty() ? nodmap::path_t::NO_PATH : nodmap::path_t::PLANNED;
     const geometry::SE2 T_odom_map = T_map_odom_.inverse();
     for (const Eigen::Vector2d& p_map : *path_map) {
@@ -432,11 +434,11 @@ void NavigatorNode::publish_path(const Decision& decision) {
 
 void NavigatorNode::publish(const Decision& decision) {
   // Odometry comes from the host of the base driver: its stamps are the driver's own clock.
-  drive_.utime = stamps_.odometry_us ? *stamps_.odometry_us : stamps_.map_us.value_or(0);
+  drive_.utime = time::to_utime(stamps_.odometry.value_or(stamps_.map.value_or(time::Timestamp{})));
   drive_.drive_seq = next_drive_seq_++;
   drive_.forward_mps = decision.forward_mps;
   drive_.yaw_rate_rad_s = decision.yaw_rate_rad_s;
-  drive_.valid_us = std::llround(1e6 * params_.drive_valid_s);
+  drive_.valid_us = time::to_us(time::from_seconds(params_.drive_valid_s));
   context_.bus.publish("DRIVE", drive_);
 
   navigation_.utime = drive_.utime;

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "common/geometry/pose_history.hpp"
+#include "common/geometry/time.hpp"
 #include "common/node/message_input.hpp"
 #include "common/node/node.hpp"
 #include "common/node/sender_watch.hpp"
@@ -72,9 +73,9 @@ class NavigatorNode final : public node::Node {
   [[nodiscard]] bool may_be_at_goal() const;
   /// The fastest speed that the pitch controller and the pose allow.
   [[nodiscard]] double max_forward_mps() const;
-  void begin_odometry_frame(std::int64_t utime_us);
-  [[nodiscard]] time::SteadyTime on_odometry_clock(std::int64_t utime_us) const;
-  [[nodiscard]] time::SteadyTime on_pitch_clock(std::int64_t utime_us) const;
+  void begin_odometry_frame(time::Timestamp stamp);
+  [[nodiscard]] time::SteadyTime on_odometry_clock(time::Timestamp stamp) const;
+  [[nodiscard]] time::SteadyTime on_pitch_clock(time::Timestamp stamp) const;
   [[nodiscard]] std::optional<std::string> contested_input() const;
   [[nodiscard]] Decision halt(std::string reason);
   [[nodiscard]] std::optional<std::string> reason_not_to_drive(const StalenessParams& limits) const;
@@ -104,10 +105,10 @@ class NavigatorNode final : public node::Node {
   Senders senders_;
   node::SequenceCounter pitch_states_watch_;
   InputStamps stamps_;
-  std::int64_t odometry_frame_began_us_ = 0;
+  time::Timestamp odometry_frame_began_{};
   std::optional<ObstacleMap> map_;
   std::optional<Odometry> odometry_;
-  geometry::PoseHistory odometry_history_{1'000'000};
+  geometry::PoseHistory odometry_history_{1s};
   scan::Scan scan_;  // reused from message to message
   nodmap::pitch_command_t pitch_command_{};
   nodmap::pitch_state_t pitch_state_{};
@@ -116,12 +117,12 @@ class NavigatorNode final : public node::Node {
   geometry::SE2 T_map_odom_;
   std::int8_t pose_state_ = nodmap::pose_t::TRACKING;  // of the last POSE_2D
   double pose_sigma_m_ = 0.0;                          // in its worst direction
-  std::optional<std::int64_t> pose_us_;                // by odometry, when it was used
+  std::optional<time::Timestamp> pose_stamp_;          // by odometry, when it was used
 
   nodmap::drive_t drive_{};
   nodmap::navigation_t navigation_{};
   nodmap::path_t path_{};
-  std::optional<std::int64_t> path_us_;  // when one with a goal was published last
+  std::optional<time::Timestamp> path_stamp_;  // when one with a goal was published last
   std::int64_t next_drive_seq_ = 0;
   std::array<std::int64_t, 5> decisions_{};  // by behaviour
   std::string halted_because_ = "There is no odometry.";

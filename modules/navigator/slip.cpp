@@ -4,20 +4,20 @@
 namespace nodmap::navigator {
 namespace {
 
-constexpr std::int64_t kWindowUs = 1'000'000;
+constexpr time::Duration kWindow = 1s;
 constexpr double kLeastDistanceM = 0.12;
 /// By 2D SLAM the robot has moved by less than this fraction of what the wheels say.
 constexpr double kMovedFraction = 0.33;
 
 }  // namespace
 
-bool SlipMonitor::update(std::int64_t utime_us, const geometry::SE2& T_odom_base,
+bool SlipMonitor::update(time::Timestamp stamp, const geometry::SE2& T_odom_base,
                          const geometry::SE2& T_map_base) {
-  if (!poses_.empty() && utime_us <= poses_.back().utime_us) {
+  if (!poses_.empty() && stamp <= poses_.back().stamp) {
     poses_.clear();
   }
-  poses_.push_back({utime_us, T_odom_base.translation(), T_map_base.translation()});
-  while (utime_us - poses_.front().utime_us > kWindowUs) {
+  poses_.push_back({stamp, T_odom_base.translation(), T_map_base.translation()});
+  while (stamp - poses_.front().stamp > kWindow) {
     poses_.pop_front();
   }
   const double by_wheels_m = (poses_.back().p_odom - poses_.front().p_odom).norm();

@@ -5,6 +5,7 @@
 #include <deque>
 
 #include "common/geometry/se2.hpp"
+#include "common/geometry/time.hpp"
 
 namespace nodmap::navigator {
 
@@ -18,14 +19,14 @@ class SlipMonitor {
  public:
   /// A pose that 2D SLAM is sure of, and odometry at the same time. True where the wheels have
   /// turned for nothing; the comparison then begins anew.
-  [[nodiscard]] bool update(std::int64_t utime_us, const geometry::SE2& T_odom_base,
+  [[nodiscard]] bool update(time::Timestamp stamp, const geometry::SE2& T_odom_base,
                             const geometry::SE2& T_map_base);
 
   void reset() { poses_.clear(); }
 
  private:
   struct Pose {
-    std::int64_t utime_us = 0;
+    time::Timestamp stamp{};
     Eigen::Vector2d p_odom;
     Eigen::Vector2d p_map;
   };

@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <cstdint>
 #include <optional>
 #include <string>
 
+#include "common/geometry/time.hpp"
 #include "modules/navigator/params.hpp"
 
 namespace nodmap::navigator {
 
-/// utime of the newest message of each input, microseconds; empty: none yet.
+/// The stamp of the newest message of each input; empty: none yet.
 struct InputStamps {
-  std::optional<std::int64_t> odometry_us;
-  std::optional<std::int64_t> map_us;
-  std::optional<std::int64_t> scan_us;  ///< the middle of the last scan in the local map
-  std::optional<std::int64_t> pitch_command_us;
-  std::optional<std::int64_t> pitch_state_us;
+  std::optional<time::Timestamp> odometry;
+  std::optional<time::Timestamp> map;
+  std::optional<time::Timestamp> scan;  ///< the middle of the last scan in the local map
+  std::optional<time::Timestamp> pitch_command;
+  std::optional<time::Timestamp> pitch_state;
 };
 
 /// Why the robot must halt with inputs of these stamps, in one sentence; empty when it need not.

@@ -37,7 +37,7 @@ void Turn::begin(const TurnView& view, double preferred_side) {
   rotated_rad_ = 0.0;
   least_rotation_rad_ = 0.0;
   last_heading_rad_ = view.heading_rad;
-  waits_since_us_.reset();
+  waits_since_.reset();
   if (preferred_side != 0.0) {
     side_ = preferred_side;
   } else if (view.clear_direction_rad) {
@@ -62,8 +62,7 @@ void Turn::consider_room(const TurnView& view) {
 
 TurnCommand Turn::step(const TurnView& view, double preferred_side) {
   const bool wants_retry =
-      waits_since_us_ &&
-      1e-6 * static_cast<double>(view.utime_us - *waits_since_us_) > params_.retry_s;
+      waits_since_ && time::seconds(view.stamp - *waits_since_) > params_.retry_s;
   if (!active_ || wants_retry) {
     begin(view, preferred_side);
   }
@@ -74,19 +73,19 @@ TurnCommand Turn::step(const TurnView& view, double preferred_side) {
     return {view.ahead_is_seen && is_stationary ? Kind::kFinished : Kind::kLook, 0.0};
   }
   // A stamp that stepped back must not prolong the pause.
-  if (waits_since_us_) {
-    waits_since_us_ = std::min(*waits_since_us_, view.utime_us);
+  if (waits_since_) {
+    waits_since_ = std::min(*waits_since_, view.stamp);
     return {Kind::kWait, 0.0};
   }
   if (std::abs(rotated_rad_) >= kFullRotationRad) {
-    pause(view.utime_us);
+    pause(view.stamp);
     return {Kind::kWait, 0.0};
   }
   return rotate(view);
 }
 
-void Turn::pause(std::int64_t utime_us) {
-  waits_since_us_ = utime_us;
+void Turn::pause(time::Timestamp stamp) {
+  waits_since_ = stamp;
   backs_up_ = false;
 }
 

@@ -4,13 +4,14 @@
 #include <cstdint>
 #include <optional>
 
+#include "common/geometry/time.hpp"
 #include "modules/navigator/params.hpp"
 
 namespace nodmap::navigator {
 
 /// What Turn needs to know at one moment.
 struct TurnView {
-  std::int64_t utime_us = 0;
+  time::Timestamp stamp{};
   double heading_rad = 0.0;  ///< of base in odom
   double yaw_rate_rad_s = 0.0;
   /// Nearest direction in view that is free, positive left; empty: none, or as near on both sides.
@@ -57,7 +58,7 @@ class Turn {
   TurnCommand step(const TurnView& view, double preferred_side);
 
   /// Waits before the next try, as after a full rotation.
-  void pause(std::int64_t utime_us);
+  void pause(time::Timestamp stamp);
 
   [[nodiscard]] bool is_active() const { return active_; }
   [[nodiscard]] bool backs_up() const { return backs_up_; }
@@ -78,7 +79,7 @@ class Turn {
   double last_heading_rad_ = 0.0;
   double rotated_rad_ = 0.0;
   double least_rotation_rad_ = 0.0;  ///< before ahead counts as free
-  std::optional<std::int64_t> waits_since_us_;
+  std::optional<time::Timestamp> waits_since_;
 };
 
 /// The yaw rate from which a rotation on the spot stops within an angle.

@@ -6,13 +6,13 @@
 
 namespace nodmap::slam2d {
 
-bool LevelScanInput::add_odometry(std::int64_t utime_us, const geometry::SE3& T_odom_base) {
-  if (!odometry_.add(utime_us, T_odom_base)) {
+bool LevelScanInput::add_odometry(time::Timestamp stamp, const geometry::SE3& T_odom_base) {
+  if (!odometry_.add(stamp, T_odom_base)) {
     return false;
   }
-  const auto gap_us = static_cast<double>(utime_us - odometry_utime_us_.value_or(utime_us));
-  odometry_gap_s_ = std::max(odometry_gap_s_, 1e-6 * gap_us);
-  odometry_utime_us_ = utime_us;
+  odometry_gap_s_ =
+      std::max(odometry_gap_s_, time::seconds(stamp - odometry_stamp_.value_or(stamp)));
+  odometry_stamp_ = stamp;
   return true;
 }
 
@@ -35,15 +35,15 @@ std::optional<LevelScan> LevelScanInput::add_scan(const scan::Scan& scan) {
     ++counts_.not_level;
     return std::nullopt;
   }
-  const auto T_odom_first = odometry_.at(level->utime_us);
+  const auto T_odom_first = odometry_.at(level->stamp);
   if (!T_odom_first) {
     ++counts_.without_odometry;
     return std::nullopt;
   }
-  const auto T_odom_last = odometry_.at(level->utime_last_us()).value_or(*T_odom_first);
+  const auto T_odom_last = odometry_.at(level->last_stamp()).value_or(*T_odom_first);
   const geometry::SE2 T_odom_base = geometry::to_se2(*T_odom_first);
   const geometry::SE2 T_first_last = T_odom_base.inverse() * geometry::to_se2(T_odom_last);
-  return LevelScan{.utime_us = level->utime_us,
+  return LevelScan{.stamp = level->stamp,
                    .T_odom_base = T_odom_base,
                    .sensor_origin_base = scan::point_in_base(*level, 0, 0.0).head<2>(),
                    .points_base = extractor_.extract(*level, T_first_last),

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "common/geometry/pose_history.hpp"
+#include "common/geometry/time.hpp"
 #include "common/scan/scan.hpp"
 #include "modules/slam2d/level_scan_selector.hpp"
 #include "modules/slam2d/oriented_points.hpp"
@@ -15,7 +16,7 @@ namespace nodmap::slam2d {
 
 /// A level scan as the data set D of Eq. 3, and where the robot was by odometry.
 struct LevelScan {
-  std::int64_t utime_us = 0;  ///< of the first beam
+  time::Timestamp stamp{};  ///< of the first beam
   geometry::SE2 T_odom_base;
   Eigen::Vector2d sensor_origin_base = Eigen::Vector2d::Zero();
   std::span<const OrientedPoint> points_base;
@@ -41,7 +42,7 @@ enum class PoseQuality : std::uint8_t {
 
 /// The robot's pose at the first beam of a level scan.
 struct PoseUpdate {
-  std::int64_t utime_us = 0;  ///< of the first beam
+  time::Timestamp stamp{};  ///< of the first beam
   geometry::SE2 T_map_base = {};
   geometry::SE2 T_map_odom = {};  ///< the correction of odometry, which itself never jumps
   double inlier_ratio = 0.0;      ///< of the match, as the next two; 0 where there was none
@@ -67,7 +68,7 @@ class LevelScanInput {
   explicit LevelScanInput(const LevelScanParams& params) : selector_(params) {}
 
   /// Takes a pose of base by odometry. Returns false, and ignores it, when it is not finite.
-  bool add_odometry(std::int64_t utime_us, const geometry::SE3& T_odom_base);
+  bool add_odometry(time::Timestamp stamp, const geometry::SE3& T_odom_base);
 
   /// Odometry continues in another frame: its newest pose and `T_new_odom_base` are the same place.
   /// Returns T_old_new, the new odom frame in the old one. Older odometry is dropped, so that no
@@ -84,7 +85,7 @@ class LevelScanInput {
  private:
   LevelScanSelector selector_;
   geometry::PoseHistory odometry_;
-  std::optional<std::int64_t> odometry_utime_us_;  // the newest
+  std::optional<time::Timestamp> odometry_stamp_;  // the newest
   double odometry_gap_s_ = 0.0;                    // the longest since the last level scan
   OrientedPointExtractor extractor_;
   ScanCounts counts_;

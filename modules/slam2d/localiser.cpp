@@ -20,8 +20,8 @@ bool is_beyond(const geometry::SE2& a, const geometry::SE2& b, double distance_m
          std::abs(geometry::angle_difference(a.yaw, b.yaw)) > rotation_rad;
 }
 
-double seconds_between(std::int64_t from_us, std::int64_t to_us) {
-  return 1e-6 * std::abs(static_cast<double>(to_us) - static_cast<double>(from_us));
+double seconds_between(time::Timestamp from, time::Timestamp to) {
+  return time::seconds(std::chrono::abs(to - from));
 }
 
 }  // namespace
@@ -67,13 +67,13 @@ std::optional<PoseUpdate> Localiser::add_scan(const scan::Scan& scan) {
 }
 
 PoseUpdate Localiser::track(const LevelScan& scan) {
-  PoseUpdate update{.utime_us = scan.utime_us, .T_map_base = T_map_odom_ * scan.T_odom_base};
+  PoseUpdate update{.stamp = scan.stamp, .T_map_base = T_map_odom_ * scan.T_odom_base};
   const std::optional<Match> match = scan.has_enough_points() ? this->match(scan) : std::nullopt;
   if (!match) {
     doubt(scan, update);
     return update;
   }
-  misfit_since_us_.reset();
+  misfit_since_.reset();
   update.T_map_base = match->T_map_base;
   update.inlier_ratio = match->inlier_ratio;
   update.score = match->score;
@@ -104,7 +104,7 @@ std::optional<Match> Localiser::match(const LevelScan& scan) {
     failed_search_.reset();
     return found;
   }
-  failed_search_ = FailedSearch{scan.utime_us, scan.T_odom_base};
+  failed_search_ = FailedSearch{scan.stamp, scan.T_odom_base};
   return std::nullopt;
 }
 
@@ -128,19 +128,19 @@ void Localiser::doubt(const LevelScan& scan, PoseUpdate& update) {
   if (!scan.has_enough_points()) {
     return;  // tells nothing, neither for nor against the pose
   }
-  misfit_since_us_ = misfit_since_us_.value_or(scan.utime_us);
+  misfit_since_ = misfit_since_.value_or(scan.stamp);
   if (state_ == State::kUnconfirmed ||
-      seconds_between(*misfit_since_us_, scan.utime_us) >= params_.localise.max_misfit_s) {
+      seconds_between(*misfit_since_, scan.stamp) >= params_.localise.max_misfit_s) {
     state_ = State::kLost;
     update.quality = PoseQuality::kLost;
     ++metrics_.times_lost;
-    misfit_since_us_.reset();
+    misfit_since_.reset();
     failed_search_.reset();
   }
 }
 
 PoseUpdate Localiser::search_whole_map(const LevelScan& scan) {
-  PoseUpdate update{.utime_us = scan.utime_us,
+  PoseUpdate update{.stamp = scan.stamp,
                     .T_map_base = T_map_odom_ * scan.T_odom_base,
                     .quality = PoseQuality::kLost};
   if (!scan.has_enough_points() || !is_search_due(scan)) {
@@ -149,7 +149,7 @@ PoseUpdate Localiser::search_whole_map(const LevelScan& scan) {
   ++metrics_.relocalisations;
   const Relocalisation found = relocaliser_.locate(map_, scan.points_base, scan.sensor_origin_base);
   if (found.status != Relocalisation::Status::kFound) {
-    failed_search_ = FailedSearch{scan.utime_us, scan.T_odom_base};
+    failed_search_ = FailedSearch{scan.stamp, scan.T_odom_base};
     return update;
   }
   ++metrics_.relocalisations_found;
@@ -162,7 +162,7 @@ PoseUpdate Localiser::search_whole_map(const LevelScan& scan) {
 bool Localiser::is_search_due(const LevelScan& scan) const {
   return !failed_search_ ||
          is_beyond(failed_search_->T_odom_base, scan.T_odom_base, kSearchAgainM, kSearchAgainRad) ||
-         seconds_between(failed_search_->utime_us, scan.utime_us) >= kSearchAgainS;
+         seconds_between(failed_search_->stamp, scan.stamp) >= kSearchAgainS;
 }
 
 void Localiser::count(const PoseUpdate& update) {

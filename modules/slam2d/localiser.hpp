@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "common/geometry/time.hpp"
 #include "modules/slam2d/known_map.hpp"
 #include "modules/slam2d/level_scan.hpp"
 #include "modules/slam2d/params.hpp"
@@ -39,8 +40,8 @@ class Localiser {
             const std::optional<geometry::SE2>& T_map_start);
 
   /// As Slam2d does.
-  bool add_odometry(std::int64_t utime_us, const geometry::SE3& T_odom_base) {
-    return input_.add_odometry(utime_us, T_odom_base);
+  bool add_odometry(time::Timestamp stamp, const geometry::SE3& T_odom_base) {
+    return input_.add_odometry(stamp, T_odom_base);
   }
   /// As Slam2d does.
   void change_odometry_frame(const geometry::SE3& T_new_odom_base);
@@ -56,7 +57,7 @@ class Localiser {
   enum class State : std::uint8_t { kLost, kUnconfirmed, kLocated };
 
   struct FailedSearch {
-    std::int64_t utime_us = 0;
+    time::Timestamp stamp{};
     geometry::SE2 T_odom_base;
   };
 
@@ -81,7 +82,7 @@ class Localiser {
   PoseCovariance covariance_;
   geometry::SE2 T_odom_last_;   // of the last level scan
   geometry::SE2 T_odom_found_;  // where the place was found
-  std::optional<std::int64_t> misfit_since_us_;
+  std::optional<time::Timestamp> misfit_since_;
   /// Of the last search that found nothing, in the whole map or around odometry.
   std::optional<FailedSearch> failed_search_;
   LocaliserMetrics metrics_;

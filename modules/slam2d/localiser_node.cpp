@@ -6,6 +6,7 @@
 #include "common/formats/input_file.hpp"
 #include "common/formats/tum.hpp"
 #include "common/node/log.hpp"
+#include "common/node/messages.hpp"
 #include "modules/slam2d/map_file.hpp"
 #include "modules/slam2d/node.hpp"
 
@@ -35,7 +36,7 @@ void LocaliserNode::on_odometry(const nodmap::odometry_t& message) {
   if (input_.odometry_restarted()) {
     localiser_.change_odometry_frame(*T_odom_base);
   }
-  localiser_.add_odometry(message.utime, *T_odom_base);
+  localiser_.add_odometry(node::stamp_of(message), *T_odom_base);
   context_.counts.use();
 }
 
@@ -60,7 +61,7 @@ void LocaliserNode::write_results(const std::filesystem::path& dir) {
   formats::Trajectory trajectory;
   for (const PoseUpdate& update : updates_) {
     if (update.quality != PoseQuality::kLost) {
-      trajectory.push_back({update.utime_us, geometry::to_se3(update.T_map_base)});
+      trajectory.push_back({update.stamp, geometry::to_se3(update.T_map_base)});
     }
   }
   formats::write_tum(dir / "trajectory.tum", trajectory);

@@ -50,10 +50,9 @@ constexpr std::size_t kMaxGraphLoops = 2000;  // 26 kB
 
 /// Whether the last message is old enough for another. By the magnitude, so that a stamp that steps
 /// far back does not silence the channel.
-bool is_due(std::int64_t utime_us, const std::optional<std::int64_t>& last_utime_us,
+bool is_due(time::Timestamp stamp, const std::optional<time::Timestamp>& last_stamp,
             double period_s) {
-  return !last_utime_us || std::abs(static_cast<double>(utime_us) -
-                                    static_cast<double>(*last_utime_us)) >= 1e6 * period_s;
+  return !last_stamp || time::seconds(std::chrono::abs(stamp - *last_stamp)) >= period_s;
 }
 
 nodmap::grid_chunk_t write_tile(const OccupancyGrid& grid, GridTile tile) {
@@ -76,7 +75,7 @@ nodmap::grid_chunk_t write_tile(const OccupancyGrid& grid, GridTile tile) {
 
 nodmap::pose_t write_pose(const PoseUpdate& update) {
   nodmap::pose_t message = node::write_corrected_pose(
-      update.utime_us, geometry::to_se3(update.T_map_base), geometry::to_se3(update.T_map_odom));
+      update.stamp, geometry::to_se3(update.T_map_base), geometry::to_se3(update.T_map_odom));
   message.inlier_ratio = update.inlier_ratio;
   message.inlier_rms_m = update.rms_m;
   message.state = pose_state(update.quality);
@@ -90,9 +89,9 @@ nodmap::pose_t write_pose(const PoseUpdate& update) {
   return message;
 }
 
-nodmap::pose_graph_t write_graph(std::int64_t utime_us, const BackEnd& back_end) {
+nodmap::pose_graph_t write_graph(time::Timestamp stamp, const BackEnd& back_end) {
   nodmap::pose_graph_t message{};
-  message.utime = utime_us;
+  message.utime = time::to_utime(stamp);
   for (const Submap& submap : back_end.submaps()) {
     message.x_m.push_back(submap.T_map_submap.x);
     message.y_m.push_back(submap.T_map_submap.y);
@@ -157,9 +156,9 @@ void Slam2dNode::on_odometry(const nodmap::odometry_t& message) {
       search_->localiser.change_odometry_frame(*T_odom_base);
     }
   }
-  slam_.add_odometry(message.utime, *T_odom_base);
+  slam_.add_odometry(node::stamp_of(message), *T_odom_base);
   if (search_) {
-    search_->localiser.add_odometry(message.utime, *T_odom_base);
+    search_->localiser.add_odometry(node::stamp_of(message), *T_odom_base);
   }
   context_.counts.use();
 }
@@ -181,16 +180,16 @@ void Slam2dNode::on_scan(const nodmap::scan_t& message) {
   }
   context_.counts.use();
   last_quality_ = update->quality;
-  last_utime_us_ = update->utime_us;
+  last_stamp_ = update->stamp;
   context_.bus.publish("POSE_2D", write_pose(*update));
   update_grid(*update);
-  if (is_due(update->utime_us, last_graph_utime_us_, kGraphPeriodS)) {
-    publish_graph(update->utime_us);
+  if (is_due(update->stamp, last_graph_stamp_, kGraphPeriodS)) {
+    publish_graph(update->stamp);
   }
-  if (is_due(update->utime_us, last_map_utime_us_, params_.grid.publish_period_s)) {
-    publish_map(update->utime_us, tile_selector_.choose(map_.grid()));
+  if (is_due(update->stamp, last_map_stamp_, params_.grid.publish_period_s)) {
+    publish_map(update->stamp, tile_selector_.choose(map_.grid()));
   }
-  if (!save_error_.empty() && is_due(update->utime_us, last_save_utime_us_, kSaveRetryPeriodS)) {
+  if (!save_error_.empty() && is_due(update->stamp, last_save_stamp_, kSaveRetryPeriodS)) {
     try_to_save();
   }
 }
@@ -219,7 +218,7 @@ void Slam2dNode::find_in_saved_map() {
   }
   context_.counts.use();
   last_quality_ = update->quality;
-  last_utime_us_ = update->utime_us;
+  last_stamp_ = update->stamp;
   context_.bus.publish("POSE_2D", write_pose(*update));
   if (update->quality == PoseQuality::kTracked) {
     slam_.begin_at(update->T_map_odom);
@@ -262,7 +261,7 @@ void Slam2dNode::on_save_request(const nodmap::save_request_t& message) {
 // A full disk does not end the mapping: the last complete map stays, STATUS reports the error, and
 // it is tried again.
 void Slam2dNode::try_to_save() {
-  last_save_utime_us_ = last_utime_us_;
+  last_save_stamp_ = last_stamp_;
   try {
     save(context_.out_dir);
     save_error_.clear();
@@ -286,8 +285,8 @@ void Slam2dNode::save(const std::filesystem::path& dir) const {
 void Slam2dNode::finish() {
   slam_.polish();
   map_.redraw_all_moved(slam_.keyframes());
-  publish_map(last_utime_us_, tile_selector_.choose_rest(map_.grid()));
-  publish_graph(last_utime_us_);
+  publish_map(last_stamp_, tile_selector_.choose_rest(map_.grid()));
+  publish_graph(last_stamp_);
   const BackEndMetrics& loops = slam_.back_end().metrics();
   log::get().info(
       "{} loops closed between {} submaps: {} by a match, {} by {} searches; refused: {} fitted "
@@ -297,30 +296,30 @@ void Slam2dNode::finish() {
       loops.refused_ambiguous, loops.refused_by_graph);
 }
 
-void Slam2dNode::publish_graph(std::int64_t utime_us) {
+void Slam2dNode::publish_graph(time::Timestamp stamp) {
   if (graph_revision_published_ == slam_.back_end().graph_revision()) {
     return;
   }
-  context_.bus.publish("POSE_GRAPH", write_graph(utime_us, slam_.back_end()));
+  context_.bus.publish("POSE_GRAPH", write_graph(stamp, slam_.back_end()));
   graph_revision_published_ = slam_.back_end().graph_revision();
-  last_graph_utime_us_ = utime_us;
+  last_graph_stamp_ = stamp;
 }
 
-void Slam2dNode::publish_map(std::int64_t utime_us, std::vector<GridTile> tiles) {
+void Slam2dNode::publish_map(time::Timestamp stamp, std::vector<GridTile> tiles) {
   if (tiles.empty()) {
     return;
   }
   std::int32_t index = 0;
   for (GridTile& tile : tiles) {
     nodmap::grid_chunk_t message = write_tile(map_.grid(), std::move(tile));
-    message.utime = utime_us;
+    message.utime = time::to_utime(stamp);
     message.map_revision = maps_published_;
     message.chunk_index = index++;
     message.num_chunks = static_cast<std::int32_t>(tiles.size());
     context_.bus.publish("MAP_2D", message);
   }
   ++maps_published_;
-  last_map_utime_us_ = utime_us;
+  last_map_stamp_ = stamp;
 }
 
 void Slam2dNode::write_results(const std::filesystem::path& dir) {
@@ -329,8 +328,8 @@ void Slam2dNode::write_results(const std::filesystem::path& dir) {
   formats::Trajectory online;
   for (std::size_t i = 0; i < path.size(); ++i) {
     const TrackedScan& scan = slam_.tracked_scans()[i];
-    corrected.push_back({scan.utime_us, geometry::to_se3(path[i])});
-    online.push_back({scan.utime_us, geometry::to_se3(scan.T_map_base_online)});
+    corrected.push_back({scan.stamp, geometry::to_se3(path[i])});
+    online.push_back({scan.stamp, geometry::to_se3(scan.T_map_base_online)});
   }
   std::vector<geometry::SE2> odometry;
   for (const Keyframe& keyframe : slam_.keyframes().subspan(num_restored_)) {

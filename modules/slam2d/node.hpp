@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "common/geometry/time.hpp"
 #include "common/node/map_options.hpp"
 #include "common/node/message_input.hpp"
 #include "common/node/node.hpp"
@@ -26,7 +27,7 @@ namespace nodmap::slam2d {
 
 [[nodiscard]] nodmap::pose_t write_pose(const PoseUpdate& update);
 
-[[nodiscard]] nodmap::pose_graph_t write_graph(std::int64_t utime_us, const BackEnd& back_end);
+[[nodiscard]] nodmap::pose_graph_t write_graph(time::Timestamp stamp, const BackEnd& back_end);
 
 /// The shell of Slam2d: subscribes SCAN and ODOMETRY, publishes POSE_2D, MAP_2D and POSE_GRAPH, and
 /// saves the map at SAVE_REQUEST and clears a region of it at CLEAR_REQUEST. Carries on with a
@@ -55,9 +56,9 @@ class Slam2dNode : public node::Node {
   void save(const std::filesystem::path& dir) const;
   void count_rejected(const ScanCounts& before, std::int64_t without_points_before);
   void update_grid(const PoseUpdate& update);
-  void publish_graph(std::int64_t utime_us);
-  /// `utime_us`: of the newest measurement in the map.
-  void publish_map(std::int64_t utime_us, std::vector<GridTile> tiles);
+  void publish_graph(time::Timestamp stamp);
+  /// `stamp`: of the newest measurement in the map.
+  void publish_map(time::Timestamp stamp, std::vector<GridTile> tiles);
 
   /// The search for the robot in the saved map.
   struct Search {
@@ -78,12 +79,12 @@ class Slam2dNode : public node::Node {
   TileSelector tile_selector_;
   scan::Scan scan_;  // the last one; a member to reuse its memory
   std::int64_t maps_published_ = 0;
-  std::optional<std::int64_t> last_map_utime_us_;
-  std::int64_t last_utime_us_ = 0;
-  std::optional<std::int64_t> last_graph_utime_us_;
+  std::optional<time::Timestamp> last_map_stamp_;
+  time::Timestamp last_stamp_{};
+  std::optional<time::Timestamp> last_graph_stamp_;
   std::int64_t graph_revision_published_ = 0;
   PoseQuality last_quality_ = PoseQuality::kTracked;
-  std::optional<std::int64_t> last_save_utime_us_;  // when it was tried
+  std::optional<time::Timestamp> last_save_stamp_;  // when it was tried
   std::string save_error_;                          // of the last attempt; empty when it succeeded
 };
 

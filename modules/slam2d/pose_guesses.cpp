@@ -36,12 +36,12 @@ double difference(const geometry::SE2& a, const geometry::SE2& b) {
 
 }  // namespace
 
-void PoseGuesses::add_scan(std::int64_t utime_us, const geometry::SE2& T_last_base) {
+void PoseGuesses::add_scan(time::Timestamp stamp, const geometry::SE2& T_last_base) {
   step_.reset();
-  if (last_utime_us_ && utime_us > *last_utime_us_) {
-    step_ = Step{T_last_base, 1e-6 * static_cast<double>(utime_us - *last_utime_us_)};
+  if (last_stamp_ && stamp > *last_stamp_) {
+    step_ = Step{T_last_base, time::seconds(stamp - *last_stamp_)};
   }
-  last_utime_us_ = utime_us;
+  last_stamp_ = stamp;
 }
 
 void PoseGuesses::change_odometry_frame(const geometry::SE2& T_old_new) {
@@ -55,8 +55,7 @@ std::vector<geometry::SE2> PoseGuesses::guesses(const LevelScan& scan,
   if (!step_ || step_->duration_s > kMaxStepS) {
     return {by_odometry};
   }
-  const double ratio =
-      1e-6 * static_cast<double>(scan.utime_us - *last_utime_us_) / step_->duration_s;
+  const double ratio = time::seconds(scan.stamp - *last_stamp_) / step_->duration_s;
   if (!(ratio >= 1.0 / kMaxStepRatio && ratio <= kMaxStepRatio)) {
     return {by_odometry};
   }

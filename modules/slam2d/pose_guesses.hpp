@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/geometry/se2.hpp"
+#include "common/geometry/time.hpp"
 #include "modules/slam2d/level_scan.hpp"
 
 namespace nodmap::slam2d {
@@ -19,7 +20,7 @@ namespace nodmap::slam2d {
 class PoseGuesses {
  public:
   /// The pose of a scan has been found: `T_last_base`, relative to the scan before, as measured.
-  void add_scan(std::int64_t utime_us, const geometry::SE2& T_last_base);
+  void add_scan(time::Timestamp stamp, const geometry::SE2& T_last_base);
   /// The last scan has become a keyframe, and odom lies there in map.
   void add_keyframe(const geometry::SE2& T_map_odom) { T_map_odom_keyframe_ = T_map_odom; }
   /// The pose of the last scan is not known: nor is the motion up to it.
@@ -39,7 +40,7 @@ class PoseGuesses {
     double duration_s = 0.0;
   };
   std::optional<Step> step_;  // between the last two scans
-  std::optional<std::int64_t> last_utime_us_;
+  std::optional<time::Timestamp> last_stamp_;
   geometry::SE2 T_map_odom_keyframe_;
 };
 

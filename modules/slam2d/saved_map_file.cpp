@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/bus/message_log.hpp"
+#include "common/node/messages.hpp"
 #include "nodmap/cleared_region_2d_t.hpp"
 #include "nodmap/keyframe_2d_t.hpp"
 #include "nodmap/loop_2d_t.hpp"
@@ -54,7 +55,7 @@ void write_points(const std::vector<Eigen::Vector2f>& points,
 nodmap::keyframe_2d_t write_keyframe(const SavedMap& map, std::size_t k) {
   const Keyframe& keyframe = map.keyframes[k];
   nodmap::keyframe_2d_t message{};
-  message.utime = keyframe.utime_us;
+  message.utime = time::to_utime(keyframe.stamp);
   const auto has_k = [k](const SavedMap::Submap& submap) {
     return submap.first_keyframe <= k && k < submap.end_keyframe;
   };
@@ -131,7 +132,7 @@ class Reader {
       std::for_each(std::begin(*pose), std::end(*pose), [this](double v) { require_finite(v); });
     }
     Keyframe keyframe{
-        .utime_us = message.utime,
+        .stamp = node::stamp_of(message),
         .T_odom_base = read_pose(message.odom_from_base),
         .T_map_base = read_pose(message.map_from_base),
         .sensor_origin_base = {message.sensor_origin_m[0], message.sensor_origin_m[1]}};
@@ -212,13 +213,13 @@ class Reader {
 std::error_code write_saved_map(const std::filesystem::path& dir, const SavedMap& map) {
   bus::MessageLogWriter writer(dir / kFileName);
   for (std::size_t k = 0; k < map.keyframes.size(); ++k) {
-    writer.write(map.keyframes[k].utime_us, kKeyframeChannel, write_keyframe(map, k));
+    writer.write(map.keyframes[k].stamp, kKeyframeChannel, write_keyframe(map, k));
   }
   for (const SavedMap::Loop& loop : map.loops) {
-    writer.write(map.keyframes.back().utime_us, kLoopChannel, write_loop(loop));
+    writer.write(map.keyframes.back().stamp, kLoopChannel, write_loop(loop));
   }
   for (const ClearedRegion& cleared : map.cleared) {
-    writer.write(map.keyframes.back().utime_us, kClearedChannel, write_cleared(cleared));
+    writer.write(map.keyframes.back().stamp, kClearedChannel, write_cleared(cleared));
   }
   return writer.replace();
 }

@@ -60,11 +60,10 @@ std::optional<PoseUpdate> Slam2d::add_scan(const scan::Scan& scan) {
   update.covariance = estimate_covariance(match, update);
   odometry_is_in_doubt_ = update.quality == PoseQuality::kLost ||
                           (odometry_is_in_doubt_ && update.quality == PoseQuality::kOdometry);
-  lost_since_us_ = update.quality == PoseQuality::kLost
-                       ? std::optional(lost_since_us_.value_or(update.utime_us))
-                       : std::nullopt;
-  pose_guesses_.add_scan(update.utime_us,
-                         (T_map_odom_ * T_odom_last_).inverse() * update.T_map_base);
+  lost_since_ = update.quality == PoseQuality::kLost
+                    ? std::optional(lost_since_.value_or(update.stamp))
+                    : std::nullopt;
+  pose_guesses_.add_scan(update.stamp, (T_map_odom_ * T_odom_last_).inverse() * update.T_map_base);
   if (update.quality == PoseQuality::kLost) {
     pose_guesses_.forget_motion();
   }
@@ -93,7 +92,7 @@ std::optional<PoseUpdate> Slam2d::begin_map(const LevelScan& scan) {
     ++metrics_.scans_without_points;
     return std::nullopt;
   }
-  PoseUpdate update{.utime_us = scan.utime_us,
+  PoseUpdate update{.stamp = scan.stamp,
                     .T_map_base = T_map_odom_ * scan.T_odom_base,
                     .quality = PoseQuality::kTracked};
   add_keyframe(scan, {}, update);
@@ -185,7 +184,7 @@ std::optional<Match> Slam2d::find_anywhere(const LevelScan& scan,
 }
 
 PoseUpdate Slam2d::correct_pose(const LevelScan& scan, const Match& match) const {
-  PoseUpdate update{.utime_us = scan.utime_us,
+  PoseUpdate update{.stamp = scan.stamp,
                     .T_map_base = T_map_odom_ * scan.T_odom_base,
                     .inlier_ratio = match.inlier_ratio,
                     .score = match.score,
@@ -254,13 +253,12 @@ bool Slam2d::is_keyframe(const PoseUpdate& update, const LevelScan& scan) const 
 // a while: a robot that waits until it is found again would wait for ever.
 bool Slam2d::continues_lost(const PoseUpdate& update, const geometry::SE2& T_odom_base) const {
   return distance_m(T_odom_keyframe_, T_odom_base) > params_.lost.distance_m ||
-         1e-6 * std::abs(static_cast<double>(update.utime_us) -
-                         static_cast<double>(lost_since_us_.value_or(update.utime_us))) >
+         time::seconds(std::chrono::abs(update.stamp - lost_since_.value_or(update.stamp))) >
              params_.lost.max_s;
 }
 
 void Slam2d::add_keyframe(const LevelScan& scan, const Match& match, PoseUpdate& update) {
-  Keyframe keyframe{.utime_us = scan.utime_us,
+  Keyframe keyframe{.stamp = scan.stamp,
                     .T_odom_base = scan.T_odom_base,
                     .T_map_base = update.T_map_base,
                     .sensor_origin_base = scan.sensor_origin_base};
@@ -323,7 +321,7 @@ void Slam2d::record(const PoseUpdate& update) {
   }
   if (metrics_.scans % record_every_ == 0) {
     tracked_scans_.push_back(
-        {update.utime_us, keyframes().size() - 1, T_keyframe_base, update.T_map_base});
+        {update.stamp, keyframes().size() - 1, T_keyframe_base, update.T_map_base});
   }
   ++metrics_.scans;
   metrics_.tracked += update.quality == PoseQuality::kTracked ? 1 : 0;

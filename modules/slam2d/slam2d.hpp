@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/geometry/time.hpp"
 #include "modules/slam2d/back_end.hpp"
 #include "modules/slam2d/level_scan.hpp"
 #include "modules/slam2d/moving_points.hpp"
@@ -22,7 +23,7 @@ namespace nodmap::slam2d {
 
 /// A level scan, relative to a keyframe near it, with which its pose is corrected.
 struct TrackedScan {
-  std::int64_t utime_us = 0;
+  time::Timestamp stamp{};
   std::size_t keyframe = 0;  ///< index
   geometry::SE2 T_keyframe_base;
   geometry::SE2 T_map_base_online;  ///< as it was known when the scan came
@@ -57,8 +58,8 @@ class Slam2d {
   void begin_at(const geometry::SE2& T_map_odom) { T_map_odom_ = T_map_odom; }
 
   /// Takes a pose of base by odometry. Returns false, and ignores it, when it is not finite.
-  bool add_odometry(std::int64_t utime_us, const geometry::SE3& T_odom_base) {
-    return input_.add_odometry(utime_us, T_odom_base);
+  bool add_odometry(time::Timestamp stamp, const geometry::SE3& T_odom_base) {
+    return input_.add_odometry(stamp, T_odom_base);
   }
 
   /// Odometry continues in another frame, because its publisher was restarted: its newest pose and
@@ -130,7 +131,7 @@ class Slam2d {
   PoseCovariance pose_covariance_;  // in the local submap, but in the axes of map
   geometry::SE2 T_odom_last_;       // of the last level scan
   geometry::SE2 T_odom_keyframe_;   // the last one, in the present odom frame
-  std::optional<std::int64_t> lost_since_us_;
+  std::optional<time::Timestamp> lost_since_;
   bool odometry_is_in_doubt_ = false;  // since a gap, or lost, until a scan fits surely
   std::optional<geometry::SE2> T_odom_failed_search_;
   std::vector<TrackedScan> tracked_scans_;

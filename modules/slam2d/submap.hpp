@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "common/geometry/se2.hpp"
+#include "common/geometry/time.hpp"
 #include "modules/slam2d/oriented_points.hpp"
 #include "modules/slam2d/params.hpp"
 #include "modules/slam2d/point_map.hpp"
@@ -19,7 +20,7 @@ namespace nodmap::slam2d {
 /// A scan that went into the map. Kept, so that its pose can be corrected later and grids be drawn
 /// from it.
 struct Keyframe {
-  std::int64_t utime_us = 0;
+  time::Timestamp stamp{};
   geometry::SE2 T_odom_base;
   geometry::SE2 T_map_base;
   Eigen::Vector2d sensor_origin_base = Eigen::Vector2d::Zero();

@@ -46,7 +46,7 @@ std::optional<SE3> Localiser::find(const VoxelMap& sweep_base, const VoxelMap& m
   ++metrics_.searches;
   const StartsResult result = search_.find(sweep_base, map, seen_);
   if (!result.best || result.best->lowest_inlier_ratio() < params_.place.min_inlier_ratio) {
-    failed_ = Failure{by_odometry.utime_us, by_odometry.T_odom_base};
+    failed_ = Failure{by_odometry.stamp, by_odometry.T_odom_base};
     return std::nullopt;
   }
   ++metrics_.found;
@@ -61,8 +61,8 @@ bool Localiser::is_search_due(const PoseUpdate& by_odometry) const {
   return !failed_ ||
          is_apart(failed_->T_odom_base, by_odometry.T_odom_base, params_.search_again_m,
                   params_.search_again_rad) ||
-         std::abs(by_odometry.utime_us - failed_->utime_us) >=
-             time::from_seconds(params_.search_again_s).count();
+         std::chrono::abs(by_odometry.stamp - failed_->stamp) >=
+             time::from_seconds(params_.search_again_s);
 }
 
 void Localiser::classify(const VoxelMap& sweep_base, PoseUpdate& update, int lost_sweeps) {

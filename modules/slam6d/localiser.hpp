@@ -7,6 +7,7 @@
 
 #include "common/geometry/angle.hpp"
 #include "common/geometry/se3.hpp"
+#include "common/geometry/time.hpp"
 #include "modules/slam6d/keyframe.hpp"
 #include "modules/slam6d/place_search.hpp"
 #include "modules/slam6d/pose_update.hpp"
@@ -97,7 +98,7 @@ class Localiser {
  private:
   enum class State { kUnknown, kUnconfirmed, kConfirmed, kTold };
   struct Failure {
-    std::int64_t utime_us = 0;
+    time::Timestamp stamp{};
     geometry::SE3 T_odom_base = geometry::SE3::Identity();
   };
   [[nodiscard]] bool is_search_due(const PoseUpdate& by_odometry) const;

@@ -78,7 +78,7 @@ std::vector<GraphLoop> newest_loops(const BackEnd& back_end, std::size_t first_k
 
 nodmap::pose_t write_pose(const PoseUpdate& update) {
   nodmap::pose_t message =
-      node::write_corrected_pose(update.utime_us, update.T_map_base, update.T_map_odom);
+      node::write_corrected_pose(update.stamp, update.T_map_base, update.T_map_odom);
   if (update.registration) {
     message.inlier_ratio = update.registration->inlier_ratio;
     message.inlier_rms_m = update.registration->residual_rms_m;
@@ -96,7 +96,7 @@ std::vector<nodmap::cloud_chunk_t> write_cloud_chunks(const Keyframe& keyframe, 
   const std::vector<OrientedPoint>& points = keyframe.points;
   std::vector<nodmap::cloud_chunk_t> chunks;
   nodmap::cloud_chunk_t message{};
-  message.utime = keyframe.cloud->utime_us;
+  message.utime = time::to_utime(keyframe.cloud->stamp);
   message.keyframe_id = static_cast<std::int64_t>(k);
   message.num_chunks =
       static_cast<std::int32_t>((points.size() + kPointsPerChunk - 1) / kPointsPerChunk);
@@ -115,16 +115,16 @@ std::vector<nodmap::cloud_chunk_t> write_cloud_chunks(const Keyframe& keyframe, 
   return chunks;
 }
 
-nodmap::pose_graph_6d_t write_graph(std::int64_t utime_us, std::span<const Keyframe> keyframes,
+nodmap::pose_graph_6d_t write_graph(time::Timestamp stamp, std::span<const Keyframe> keyframes,
                                     const BackEnd& back_end) {
   const std::size_t first = keyframes.size() - std::min(keyframes.size(), kMaxKeyframes);
   Graph message{};
-  message.utime = utime_us;
+  message.utime = time::to_utime(stamp);
   message.first_keyframe_id = static_cast<std::int64_t>(first);
   for (const Keyframe& keyframe : keyframes.subspan(first)) {
     const Eigen::Vector3d& p = keyframe.T_map_base.translation();
     const Eigen::Quaternionf q(keyframe.T_map_base.linear().cast<float>());
-    message.keyframe_utime.push_back(keyframe.cloud->utime_us);
+    message.keyframe_utime.push_back(time::to_utime(keyframe.cloud->stamp));
     message.position_m.push_back({p.x(), p.y(), p.z()});
     message.orientation.push_back({q.w(), q.x(), q.y(), q.z()});
   }

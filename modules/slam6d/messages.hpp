@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "common/geometry/time.hpp"
 #include "modules/slam6d/slam6d.hpp"
 #include "nodmap/cloud_chunk_t.hpp"
 #include "nodmap/pose_graph_6d_t.hpp"
@@ -20,7 +21,7 @@ namespace nodmap::slam6d {
                                                                     std::size_t k);
 
 /// All keyframes and loops, or the newest that fit into one message.
-[[nodiscard]] nodmap::pose_graph_6d_t write_graph(std::int64_t utime_us,
+[[nodiscard]] nodmap::pose_graph_6d_t write_graph(time::Timestamp stamp,
                                                   std::span<const Keyframe> keyframes,
                                                   const BackEnd& back_end);
 

@@ -14,6 +14,7 @@
 #include "common/formats/atomic_file.hpp"
 #include "common/node/log.hpp"
 #include "common/node/message_input.hpp"
+#include "common/node/messages.hpp"
 #include "modules/slam6d/messages.hpp"
 #include "modules/slam6d/results.hpp"
 #include "modules/slam6d/saved_map_file.hpp"
@@ -32,7 +33,7 @@ constexpr int kScansUntilSavedAgain = 750;
 constexpr int kScansUntilFound = 60;
 // Of a keyframe that is saved, 174 kB: 3 ms.
 constexpr std::size_t kSavedKeyframesPerScan = 4;
-constexpr std::int64_t kGraphPeriodUs = 1'000'000;
+constexpr time::Duration kGraphPeriod = 1s;
 // Keyframes that have moved by less leave the occupancy map as it is, until the end.
 constexpr double kMinMapMotionM = 0.03;
 constexpr double kMinMapMotionAtEndM = 0.005;
@@ -83,7 +84,7 @@ void Slam6dNode::on_odometry(const nodmap::odometry_t& message) {
     answer(slam_.change_odometry_frame(*T_odom_base));
     count_scans();
   }
-  slam_.add_odometry(message.utime, *T_odom_base);
+  slam_.add_odometry(node::stamp_of(message), *T_odom_base);
   context_.counts.use();
 }
 
@@ -118,7 +119,7 @@ void Slam6dNode::finish() {
   count_scans();
   slam_.polish();
   if (!slam_.keyframes().empty()) {
-    publish_graph(slam_.keyframes().back().cloud->utime_us);
+    publish_graph(slam_.keyframes().back().cloud->stamp);
   }
   if (slam_.back_end().has_loops()) {
     log::get().info("{}", describe_loops(slam_.back_end()));
@@ -137,7 +138,7 @@ void Slam6dNode::finish() {
   publish_rest();
   // What came within the period since the last map.
   if (params_.occupancy.publish_period_s > 0.0 && octomap_keyframes_ < slam_.keyframes().size()) {
-    octomap_utime_us_ = slam_.keyframes().back().cloud->utime_us;
+    octomap_stamp_ = slam_.keyframes().back().cloud->stamp;
     answer(MapWork{.bt_file = occupancy_.encode(OccupancyMap::Format::kBt)});
     publish_rest();
   }
@@ -168,8 +169,8 @@ void Slam6dNode::publish(const PoseUpdate& update) {
   if (update.keyframe) {
     publish_cloud(slam_.keyframes().size() - 1);
   }
-  if (std::abs(update.utime_us - graph_utime_us_) >= kGraphPeriodUs) {
-    publish_graph(update.utime_us);
+  if (std::chrono::abs(update.stamp - graph_stamp_) >= kGraphPeriod) {
+    publish_graph(update.stamp);
   }
   update_map(kMinMapMotionM);
 }
@@ -181,13 +182,13 @@ void Slam6dNode::publish_restored_cloud() {
   }
 }
 
-void Slam6dNode::publish_graph(std::int64_t utime_us) {
+void Slam6dNode::publish_graph(time::Timestamp stamp) {
   if (graph_revision_ == slam_.back_end().graph_revision()) {
     return;
   }
-  context_.bus.publish("POSE_GRAPH_6D", write_graph(utime_us, slam_.keyframes(), slam_.back_end()));
+  context_.bus.publish("POSE_GRAPH_6D", write_graph(stamp, slam_.keyframes(), slam_.back_end()));
   graph_revision_ = slam_.back_end().graph_revision();
-  graph_utime_us_ = utime_us;
+  graph_stamp_ = stamp;
 }
 
 void Slam6dNode::publish_cloud(std::size_t k) {
@@ -222,7 +223,7 @@ void Slam6dNode::update_map(double min_motion_m) {
   if (added.empty()) {
     return;
   }
-  const bool is_published = begin_octomap(added.back().cloud->utime_us);
+  const bool is_published = begin_octomap(added.back().cloud->stamp);
   const auto every = static_cast<std::size_t>(params_.occupancy.save_every_keyframes);
   const bool is_saved =
       every > 0 && all.size() / every > T_map_mapped_.size() / every && !context_.out_dir.empty();
@@ -259,16 +260,16 @@ void Slam6dNode::update_map(double min_motion_m) {
       scans_until_due);
 }
 
-// Returns whether the next map is to be published, which then is of `utime_us`.
-bool Slam6dNode::begin_octomap(std::int64_t utime_us) {
-  const double age_s = 1e-6 * static_cast<double>(utime_us - octomap_utime_us_);
+// Returns whether the next map is to be published, which then is of `stamp`.
+bool Slam6dNode::begin_octomap(time::Timestamp stamp) {
+  const double age_s = time::seconds(stamp - octomap_stamp_);
   // A clock set back must not silence it until it has caught up.
   const bool is_due =
       octomap_keyframes_ == 0 || age_s < 0.0 || age_s >= params_.occupancy.publish_period_s;
   if (params_.occupancy.publish_period_s <= 0.0 || !is_due || !octomap_.is_empty()) {
     return false;
   }
-  octomap_utime_us_ = utime_us;
+  octomap_stamp_ = stamp;
   octomap_keyframes_ = slam_.keyframes().size();
   return true;
 }
@@ -278,7 +279,7 @@ void Slam6dNode::answer(const std::optional<MapWork>& work) {
     return;
   }
   if (work->bt_file) {
-    octomap_.begin(octomap_utime_us_, *work->bt_file);
+    octomap_.begin(octomap_stamp_, *work->bt_file);
   }
   // A full disk does not end the mapping: the last map that was whole stays, and STATUS says so.
   if (work->save_error) {
@@ -299,7 +300,7 @@ void Slam6dNode::publish_octomap_part() {
   }
   const OctomapParts::Part part = octomap_.next();
   nodmap::octomap_chunk_t message{};
-  message.utime = part.utime_us;
+  message.utime = time::to_utime(part.stamp);
   message.map_revision = part.revision;
   message.chunk_index = part.index;
   message.num_chunks = part.count;

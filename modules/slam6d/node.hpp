@@ -9,6 +9,7 @@
 #include <string>
 #include <system_error>
 
+#include "common/geometry/time.hpp"
 #include "common/node/background_job.hpp"
 #include "common/node/map_options.hpp"
 #include "common/node/message_counts.hpp"
@@ -60,10 +61,10 @@ class Slam6dNode : public node::Node {
   void publish(const PoseUpdate& update);
   void publish_cloud(std::size_t k);
   void publish_restored_cloud();
-  void publish_graph(std::int64_t utime_us);
+  void publish_graph(time::Timestamp stamp);
   [[nodiscard]] bool has_moved(double min_motion_m) const;
   void update_map(double min_motion_m);
-  [[nodiscard]] bool begin_octomap(std::int64_t utime_us);
+  [[nodiscard]] bool begin_octomap(time::Timestamp stamp);
   void answer(const std::optional<MapWork>& work);
   void publish_octomap_part();
   void count_scans();
@@ -79,7 +80,7 @@ class Slam6dNode : public node::Node {
   bool only_localises_ = false;
   std::size_t restored_clouds_ = 0;  // published
   std::int64_t graph_revision_ = 0;  // published
-  std::int64_t graph_utime_us_ = 0;
+  time::Timestamp graph_stamp_{};
   OccupancyMap occupancy_;
   /// Of the keyframes that are in it, or on their way into it, the poses with which they are.
   std::vector<geometry::SE3> T_map_mapped_;
@@ -87,7 +88,7 @@ class Slam6dNode : public node::Node {
   std::int64_t maps_saved_ = 0;
   OctomapParts octomap_;
   std::size_t octomap_keyframes_ = 0;  // in the map that was begun last
-  std::int64_t octomap_utime_us_ = 0;  // of that map
+  time::Timestamp octomap_stamp_{};    // of that map
   std::error_code save_error_;         // of the last try
   int scans_until_saved_again_ = 0;    // after an error
   // Last: they end before what they work on. `registering_` works on `slam_`, `mapping_` on

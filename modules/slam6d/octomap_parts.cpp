@@ -5,9 +5,9 @@
 
 namespace nodmap::slam6d {
 
-void OctomapParts::begin(std::int64_t utime_us, std::string file) {
+void OctomapParts::begin(time::Timestamp stamp, std::string file) {
   file_ = std::move(file);
-  utime_us_ = utime_us;
+  stamp_ = stamp;
   ++revision_;
   index_ = 0;
   count_ = static_cast<std::int32_t>((file_.size() + kBytesPerPart - 1) / kBytesPerPart);
@@ -15,7 +15,7 @@ void OctomapParts::begin(std::int64_t utime_us, std::string file) {
 
 OctomapParts::Part OctomapParts::next() {
   const std::size_t first = static_cast<std::size_t>(index_) * kBytesPerPart;
-  return {.utime_us = utime_us_,
+  return {.stamp = stamp_,
           .revision = revision_,
           .index = index_++,
           .count = count_,

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "common/geometry/se3.hpp"
+#include "common/geometry/time.hpp"
 #include "modules/slam6d/keyframe.hpp"
 #include "modules/slam6d/registration.hpp"
 
@@ -13,7 +14,7 @@ namespace nodmap::slam6d {
 
 /// The robot's pose in the middle of one sweep, and how it was found.
 struct PoseUpdate {
-  std::int64_t utime_us = 0;  ///< of the base pose
+  time::Timestamp stamp{};  ///< of the base pose
   geometry::SE3 T_odom_base = geometry::SE3::Identity();
   /// The odom frame of `T_odom_base` in the first one: identity until odometry begins anew.
   geometry::SE3 T_first_odom = geometry::SE3::Identity();

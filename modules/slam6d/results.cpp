@@ -47,7 +47,7 @@ const char* name_of(RegistrationStatus status) {
 }
 
 nlohmann::json keyframe_figures(const PoseUpdate& update) {
-  nlohmann::json figures{{"utime", update.utime_us},
+  nlohmann::json figures{{"utime", time::to_utime(update.stamp)},
                          {"reason", name_of(*update.keyframe)},
                          {"distance_m", update.distance_m},
                          {"rotation_deg", geometry::rad_to_deg(update.rotation_rad)},
@@ -107,8 +107,8 @@ void write_trajectories(const Slam6d& slam, const std::filesystem::path& dir) {
     if (!sweep.is_place_known) {
       continue;
     }
-    trajectory.push_back({sweep.utime_us, corrected[i]});
-    online.push_back({sweep.utime_us, sweep.T_map_base});
+    trajectory.push_back({sweep.stamp, corrected[i]});
+    online.push_back({sweep.stamp, sweep.T_map_base});
   }
   formats::write_tum(dir / "trajectory.tum", trajectory);
   formats::write_tum(dir / "online.tum", online);

@@ -34,7 +34,7 @@ void write_matrix(const Matrix6d& matrix, double (&out)[6][6]) {
 nodmap::keyframe_6d_t write_keyframe(const SavedMap& map, std::size_t k) {
   const SavedMap::Keyframe& keyframe = map.keyframes[k];
   nodmap::keyframe_6d_t message{};
-  message.utime = keyframe.cloud->utime_us;
+  message.utime = time::to_utime(keyframe.cloud->stamp);
   node::write_pose(keyframe.T_map_base, message.position_m, message.orientation);
   message.is_level = keyframe.is_level ? 1 : 0;
   message.step_from = -1;
@@ -112,7 +112,7 @@ class Reader {
 
   void add_keyframe(const nodmap::keyframe_6d_t& message) {
     auto cloud = std::make_shared<SweepCloud>();
-    cloud->utime_us = message.utime;
+    cloud->stamp = node::stamp_of(message);
     cloud->points.reserve(message.x_m.size());
     for (std::size_t i = 0; i < message.x_m.size(); ++i) {
       cloud->points.emplace_back(message.x_m[i], message.y_m[i], message.z_m[i]);
@@ -170,10 +170,10 @@ class Reader {
 std::error_code write_saved_map(const std::filesystem::path& dir, const SavedMap& map) {
   bus::MessageLogWriter writer(dir / kFileName);
   for (std::size_t k = 0; k < map.keyframes.size(); ++k) {
-    writer.write(map.keyframes[k].cloud->utime_us, kKeyframeChannel, write_keyframe(map, k));
+    writer.write(map.keyframes[k].cloud->stamp, kKeyframeChannel, write_keyframe(map, k));
   }
   for (const PoseEdge3d& loop : map.loops) {
-    writer.write(map.keyframes.back().cloud->utime_us, kLoopChannel, write_loop(loop));
+    writer.write(map.keyframes.back().cloud->stamp, kLoopChannel, write_loop(loop));
   }
   return writer.replace();
 }

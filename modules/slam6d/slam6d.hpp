@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/geometry/se3.hpp"
+#include "common/geometry/time.hpp"
 #include "common/scan/scan.hpp"
 #include "modules/slam6d/back_end.hpp"
 #include "modules/slam6d/corrected_poses.hpp"
@@ -55,8 +56,8 @@ class Slam6d {
   }
 
   /// The robot's pose by odometry; returns whether it was taken (finite).
-  bool add_odometry(std::int64_t utime_us, const geometry::SE3& T_odom_base) {
-    return collector_.add_odometry(utime_us, T_odom_base);
+  bool add_odometry(time::Timestamp stamp, const geometry::SE3& T_odom_base) {
+    return collector_.add_odometry(stamp, T_odom_base);
   }
 
   /// Odometry goes on in another frame: its newest pose and `T_new_odom_base` are one place, as far

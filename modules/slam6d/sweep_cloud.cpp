@@ -20,10 +20,10 @@ struct ScanMotion {
 };
 
 // When the middle of a scan was measured: -1 at the sweep's first beam, 1 at its last.
-double time_in_sweep(const scan::Scan& scan, std::int64_t first_us, std::int64_t last_us) {
-  return last_us > first_us ? static_cast<double>(2 * scan.utime_mid_us() - first_us - last_us) /
-                                  static_cast<double>(last_us - first_us)
-                            : 0.0;
+double time_in_sweep(const scan::Scan& scan, time::Timestamp first, time::Timestamp last) {
+  return last > first
+             ? time::ratio((scan.mid_stamp() - first) - (last - scan.mid_stamp()), last - first)
+             : 0.0;
 }
 
 void append_scan(const scan::Scan& scan, const ScanMotion& motion, const RangeLimits& range,
@@ -51,10 +51,9 @@ void find_pitch_rates(std::vector<PlacedScan>& scans) {
   for (std::size_t i = 0; i < scans.size(); ++i) {
     const scan::Scan& before = scans[i > 0 ? i - 1 : 0].scan;
     const scan::Scan& after = scans[std::min(i + 1, scans.size() - 1)].scan;
-    const auto between_us = static_cast<double>(after.utime_mid_us() - before.utime_mid_us());
+    const double between_s = time::seconds(after.mid_stamp() - before.mid_stamp());
     scans[i].pitch_rate_rad_s =
-        between_us > 0.0 ? 1e6 * (after.pitch_mid_rad() - before.pitch_mid_rad()) / between_us
-                         : 0.0;
+        between_s > 0.0 ? (after.pitch_mid_rad() - before.pitch_mid_rad()) / between_s : 0.0;
   }
 }
 
@@ -98,8 +97,8 @@ std::optional<PlacedSweep> place(std::vector<scan::Scan> scans, const PoseLookup
   PlacedSweep sweep;
   sweep.scans.reserve(scans.size());
   for (scan::Scan& scan : scans) {
-    const auto T_odom_first = pose_at(scan.utime_us);
-    const auto T_odom_last = pose_at(scan.utime_last_us());
+    const auto T_odom_first = pose_at(scan.stamp);
+    const auto T_odom_last = pose_at(scan.last_stamp());
     if (T_odom_first && T_odom_last) {
       sweep.scans.push_back({std::move(scan), *T_odom_first, *T_odom_last});
     } else {
@@ -109,9 +108,9 @@ std::optional<PlacedSweep> place(std::vector<scan::Scan> scans, const PoseLookup
   if (sweep.scans.empty()) {
     return std::nullopt;
   }
-  const std::int64_t begin_us = sweep.scans.front().scan.utime_us;
-  sweep.utime_us = begin_us + (sweep.scans.back().scan.utime_last_us() - begin_us) / 2;
-  const auto T_odom_base = pose_at(sweep.utime_us);
+  const time::Timestamp begin = sweep.scans.front().scan.stamp;
+  sweep.stamp = begin + (sweep.scans.back().scan.last_stamp() - begin) / 2;
+  const auto T_odom_base = pose_at(sweep.stamp);
   if (!T_odom_base) {
     return std::nullopt;
   }
@@ -123,7 +122,7 @@ std::optional<PlacedSweep> place(std::vector<scan::Scan> scans, const PoseLookup
 SweepCloud deskew(const PlacedSweep& sweep, const RangeLimits& range, const Calibration& calibrate,
                   double pitch_latency_s) {
   SweepCloud cloud;
-  cloud.utime_us = sweep.utime_us;
+  cloud.stamp = sweep.stamp;
   cloud.T_odom_base = sweep.T_odom_base;
   cloud.scans_used = sweep.scans.size();
   cloud.scans_without_pose = sweep.scans_without_pose;
@@ -143,8 +142,8 @@ SweepCloud deskew(const PlacedSweep& sweep, const RangeLimits& range, const Cali
         scan,
         {calibrate(T_base_odom * placed.T_odom_first), calibrate(T_base_odom * placed.T_odom_last)},
         range, projector, cloud);
-    cloud.lines.back().time = time_in_sweep(placed.scan, sweep.scans.front().scan.utime_us,
-                                            sweep.scans.back().scan.utime_last_us());
+    cloud.lines.back().time = time_in_sweep(placed.scan, sweep.scans.front().scan.stamp,
+                                            sweep.scans.back().scan.last_stamp());
   }
   return cloud;
 }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "common/geometry/se3.hpp"
+#include "common/geometry/time.hpp"
 #include "common/scan/scan.hpp"
 
 namespace nodmap::slam6d {
@@ -35,7 +36,7 @@ struct PlacedSweep {
   };
 
   std::vector<PlacedScan> scans;  ///< at least one
-  std::int64_t utime_us = 0;      ///< of the base pose P_b: the middle of the sweep's time
+  time::Timestamp stamp{};        ///< of the base pose P_b: the middle of the sweep's time
   geometry::SE3 T_odom_base = geometry::SE3::Identity();
   std::size_t scans_without_pose = 0;  ///< left out
   bool follows_interruption = false;   ///< of the stream
@@ -51,7 +52,7 @@ struct SweepCloud {
     double time = 0.0;  ///< of the scan: from -1 (the sweep's first beam) to 1 (the last)
   };
 
-  std::int64_t utime_us = 0;  ///< of the base pose P_b
+  time::Timestamp stamp{};  ///< of the base pose P_b
   geometry::SE3 T_odom_base = geometry::SE3::Identity();
   std::vector<Eigen::Vector3f> points;
   std::vector<Line> lines;
@@ -84,7 +85,7 @@ struct SweepCloud {
 };
 
 /// Answers with T_odom_base at a time (us), empty where it is not known.
-using PoseLookup = std::function<std::optional<geometry::SE3>(std::int64_t)>;
+using PoseLookup = std::function<std::optional<geometry::SE3>(time::Timestamp stamp)>;
 
 /// Puts a motion right that odometry counted.
 using Calibration = std::function<geometry::SE3(const geometry::SE3&)>;

@@ -9,18 +9,18 @@ namespace {
 using geometry::SE3;
 
 // Odometry is kept as long as a sweep may last, at 10 scans a second (the slowest device known).
-std::int64_t history_span_us(const SweepParams& params) {
-  return std::int64_t{100'000} * (params.max_scans + 1);
+time::Duration history_span(const SweepParams& params) {
+  return 100ms * (params.max_scans + 1);
 }
 
-constexpr std::int64_t kMaxExtrapolationUs = 50'000;
+constexpr time::Duration kMaxExtrapolation = 50ms;
 
 }  // namespace
 
 SweepCollector::SweepCollector(const SweepParams& params, bool assume_stationary)
     : assume_stationary_(assume_stationary),
       segmenter_(params),
-      odometry_(history_span_us(params), kMaxExtrapolationUs) {}
+      odometry_(history_span(params), kMaxExtrapolation) {}
 
 std::optional<SE3> SweepCollector::change_odometry_frame(const SE3& T_new_odom_base) {
   const auto T_old_odom_base = odometry_.newest();
@@ -41,11 +41,11 @@ std::optional<PlacedSweep> SweepCollector::flush() {
 }
 
 std::optional<PlacedSweep> SweepCollector::place_sweep(Sweep sweep) {
-  const auto pose_at = [this](std::int64_t utime_us) -> std::optional<SE3> {
+  const auto pose_at = [this](time::Timestamp stamp) -> std::optional<SE3> {
     if (odometry_.empty() && assume_stationary_) {
       return SE3::Identity();
     }
-    return odometry_.at(utime_us);
+    return odometry_.at(stamp);
   };
   const std::size_t num_scans = sweep.scans.size();
   counts_.in_sweeps += num_scans;

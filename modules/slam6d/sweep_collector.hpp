@@ -7,6 +7,7 @@
 
 #include "common/geometry/pose_history.hpp"
 #include "common/geometry/se3.hpp"
+#include "common/geometry/time.hpp"
 #include "common/scan/scan.hpp"
 #include "modules/slam6d/sweep_cloud.hpp"
 #include "modules/slam6d/sweep_segmenter.hpp"
@@ -26,8 +27,8 @@ class SweepCollector {
   SweepCollector(const SweepParams& params, bool assume_stationary);
 
   /// The robot's pose by odometry; returns whether it was taken (finite).
-  bool add_odometry(std::int64_t utime_us, const geometry::SE3& T_odom_base) {
-    return odometry_.add(utime_us, T_odom_base);
+  bool add_odometry(time::Timestamp stamp, const geometry::SE3& T_odom_base) {
+    return odometry_.add(stamp, T_odom_base);
   }
 
   /// Odometry goes on in another frame; what was known of it is forgotten. Returns the pose of the

@@ -48,8 +48,7 @@ std::optional<Sweep::End> SweepSegmenter::end_before(const scan::Scan& next) con
     return std::nullopt;
   }
   const scan::Scan& last = running_.scans.back();
-  if (next.utime_us < last.utime_us ||
-      1e-6 * static_cast<double>(next.utime_us - last.utime_last_us()) > params_.gap_s) {
+  if (next.stamp < last.stamp || time::seconds(next.stamp - last.last_stamp()) > params_.gap_s) {
     return Sweep::End::kInterrupted;
   }
   const double step_rad = next.pitch_mid_rad() - last.pitch_mid_rad();

@@ -45,7 +45,7 @@ SweepCloud Tracker::deskew(const PlacedSweep& sweep) const {
 // Reference [5]: odometry's motion since the last registered pose, in that pose's frame:
 // P_n+1 = P_n (odo_n^-1 odo_n+1).
 PoseUpdate Tracker::extrapolate(const SweepCloud& cloud) const {
-  PoseUpdate update{.utime_us = cloud.utime_us,
+  PoseUpdate update{.stamp = cloud.stamp,
                     .T_odom_base = cloud.T_odom_base,
                     .T_first_odom = T_first_odom_,
                     .scans_used = cloud.scans_used,

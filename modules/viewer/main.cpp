@@ -182,7 +182,7 @@ void run_replay(const Options& options, const ViewerParams& params) {
     log::get().warn("{}", damage);
   }
   const std::vector<std::string> events =
-      playback_events(options.replay, time::to_utime(player.now() - player.position()));
+      playback_events(options.replay, player.now() - player.position());
   node::MessageCounts counts;
   bool changed = false;
   bool went_back = false;
@@ -221,7 +221,7 @@ void run_replay(const Options& options, const ViewerParams& params) {
       went_back = false;
     }
     player.catch_up(kEventsPerTurn);
-    viewer.server->send_time(time::to_utime(player.now()));
+    viewer.server->send_time(player.now());
     if (changed) {
       viewer.server->send_changed_parameters();
       changed = false;

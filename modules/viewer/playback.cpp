@@ -70,8 +70,8 @@ Json playback_parameters(const bus::LogPlayer& player) {
 }
 
 std::vector<std::string> playback_events(const std::vector<std::filesystem::path>& logs,
-                                         std::int64_t begin_utime_us) {
-  std::multimap<std::int64_t, std::string> events;
+                                         time::Timestamp begin) {
+  std::multimap<time::Duration, std::string> events;
   std::map<char, std::size_t> counts;  // by the first letter of the kind
   for (const std::filesystem::path& log : logs) {
     bus::LogReader reader(log);
@@ -79,15 +79,14 @@ std::vector<std::string> playback_events(const std::vector<std::filesystem::path
     while (const bus::LogEvent* event = reader.next()) {
       std::string what = finder.look_at(*event);
       if (!what.empty() && ++counts[what.front()] <= kMaxEventsOfAKind) {
-        events.emplace(event->log_utime_us - begin_utime_us, std::move(what));
+        events.emplace(time::from_utime(event->log_utime_us) - begin, std::move(what));
       }
     }
   }
   std::vector<std::string> lines;
-  for (const auto& [position_us, what] : events) {
+  for (const auto& [position, what] : events) {
     std::ostringstream line;
-    line << std::fixed << std::setprecision(3) << 1e-6 * static_cast<double>(position_us) << ' '
-         << what;
+    line << std::fixed << std::setprecision(3) << time::seconds(position) << ' ' << what;
     lines.push_back(line.str());
   }
   return lines;

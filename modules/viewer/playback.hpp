@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/bus/log_player.hpp"
+#include "common/geometry/time.hpp"
 #include "modules/viewer/foxglove/foxglove.hpp"
 
 namespace nodmap::viewer {
@@ -19,10 +20,10 @@ using foxglove::Json;
 [[nodiscard]] Json playback_parameters(const bus::LogPlayer& player);
 
 /// What happened in recordings, for marks on the time line: "12.345 stop by WHO", "12.345 fault
-/// PROCESS: REASON", "12.345 keyframe NUMBER"; seconds from `begin_utime_us`, in the order of time,
+/// PROCESS: REASON", "12.345 keyframe NUMBER"; seconds from `begin`, in the order of time,
 /// at most 1000 of each kind.
 [[nodiscard]] std::vector<std::string> playback_events(
-    const std::vector<std::filesystem::path>& logs, std::int64_t begin_utime_us);
+    const std::vector<std::filesystem::path>& logs, time::Timestamp begin);
 
 /// What setting a parameter did.
 struct PlaybackChange {

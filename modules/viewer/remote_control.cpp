@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <optional>
 
+#include "common/node/messages.hpp"
 #include "nodmap/explore_t.hpp"
 #include "nodmap/goal_t.hpp"
 #include "nodmap/save_request_t.hpp"
@@ -150,7 +151,7 @@ void RemoteControl::on_map(const nodmap::grid_chunk_t& tile) {
 }
 
 void RemoteControl::turn() {
-  if (stop_.is_stopped != 0 && std::abs(time::to_utime(clock_.now()) - stop_.utime) >= kRepeatUs) {
+  if (stop_.is_stopped != 0 && std::chrono::abs(clock_.now() - node::stamp_of(stop_)) >= kRepeat) {
     send_stop();
   }
 }

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "common/bus/bus.hpp"
+#include "common/geometry/time.hpp"
 #include "common/node/clock.hpp"
 #include "modules/viewer/process_control.hpp"
 #include "modules/viewer/session.hpp"
@@ -29,7 +30,7 @@ class RemoteControl {
  public:
   /// A STOP is published again so often: base driver and navigator keep it, this is for one that
   /// has missed it or was started since.
-  static constexpr std::int64_t kRepeatUs = 200'000;
+  static constexpr time::Duration kRepeat = 200ms;
 
   /// `processes` may be null: then there is no control over them. All must outlive this object.
   RemoteControl(bus::Bus& bus, const time::Clock& clock, ProcessControl* processes);

@@ -124,9 +124,8 @@ void Server::turn() {
   impl_->for_each_client([](WebSocketClient& client) { client.turn(); });
 }
 
-void Server::send_time(std::int64_t utime_us) {
-  impl_->for_each_client(
-      [utime_us](WebSocketClient& client) { client.session().send_time(utime_us); });
+void Server::send_time(time::Timestamp stamp) {
+  impl_->for_each_client([stamp](WebSocketClient& client) { client.session().send_time(stamp); });
 }
 
 void Server::send_changed_parameters() {

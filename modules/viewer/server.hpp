@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 
+#include "common/geometry/time.hpp"
 #include "modules/viewer/hub.hpp"
 
 namespace nodmap::viewer {
@@ -24,7 +25,7 @@ class Server : boost::noncopyable {
 
   /// Sends every client what is new in the topic store.
   void turn();
-  void send_time(std::int64_t utime_us);
+  void send_time(time::Timestamp stamp);
   void send_changed_parameters();
 
   [[nodiscard]] std::uint16_t port() const;

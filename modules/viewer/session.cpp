@@ -15,8 +15,8 @@ constexpr char kMessageData = 1;
 constexpr char kTime = 2;
 constexpr int kStatusError = 2;
 
-std::uint64_t nanoseconds(std::int64_t utime_us) {
-  return 1000U * static_cast<std::uint64_t>(std::max<std::int64_t>(utime_us, 0));
+std::uint64_t nanoseconds(time::Timestamp stamp) {
+  return 1000U * static_cast<std::uint64_t>(std::max<std::int64_t>(time::to_utime(stamp), 0));
 }
 
 /// A member that is a number of 32 bits without sign.
@@ -240,8 +240,8 @@ void Session::set_parameters(const Json& message) {
   }
 }
 
-void Session::send_time(std::int64_t utime_us) {
-  time_us_ = utime_us;
+void Session::send_time(time::Timestamp stamp) {
+  time_ = stamp;
 }
 
 void Session::send_changed_parameters() {
@@ -257,10 +257,10 @@ std::optional<Frame> Session::next(bool with_news) {
     return frame;
   }
   // Never later than what follows it: a client forgets all of a recording that goes back.
-  if (time_us_) {
+  if (time_) {
     Frame frame{.is_binary = true, .head = {kTime}, .post = nullptr};
-    append_little_endian(frame.head, nanoseconds(*time_us_));
-    time_us_.reset();
+    append_little_endian(frame.head, nanoseconds(*time_));
+    time_.reset();
     return frame;
   }
   for (std::size_t i = 0; i < subscriptions_.size(); ++i) {
@@ -273,7 +273,7 @@ std::optional<Frame> Session::next(bool with_news) {
     if (auto post = store_.next(subscription.topic, subscription.cursor)) {
       Frame frame{.is_binary = true, .head = {kMessageData}, .post = std::move(post)};
       append_little_endian(frame.head, subscription.id);
-      append_little_endian(frame.head, nanoseconds(frame.post->utime_us()));
+      append_little_endian(frame.head, nanoseconds(frame.post->stamp()));
       return frame;
     }
   }

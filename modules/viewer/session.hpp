@@ -13,6 +13,7 @@
 #include <string_view>
 #include <vector>
 
+#include "common/geometry/time.hpp"
 #include "modules/viewer/foxglove/foxglove.hpp"
 #include "modules/viewer/foxglove/topic_store.hpp"
 #include "modules/viewer/service_call.hpp"
@@ -75,7 +76,7 @@ class Session {
   [[nodiscard]] std::optional<Frame> next(bool with_news = true);
 
   /// Sends the client the time of the recording, with the next frames.
-  void send_time(std::int64_t utime_us);
+  void send_time(time::Timestamp stamp);
   /// Sends the parameters to a client that has subscribed to them.
   void send_changed_parameters();
 
@@ -108,7 +109,7 @@ class Session {
   std::vector<Subscription> subscriptions_;
   bool wants_parameters_ = false;
   std::size_t turn_ = 0;
-  std::optional<std::int64_t> time_us_;
+  std::optional<time::Timestamp> time_;
   std::int64_t refused_ = 0;
 };
 

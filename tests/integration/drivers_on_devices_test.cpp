@@ -104,7 +104,7 @@ class ScannerRun {
  private:
   /// The scans' stamps are of the devices' clock here.
   static time::SteadyTime first_beam(const scan::Scan& scan) {
-    return at(time::from_us(scan.utime_us));
+    return at(scan.stamp.time_since_epoch());
   }
 
   sim::Echo fire(double angle_rad, time::SteadyTime now) {
@@ -114,7 +114,7 @@ class ScannerRun {
 
   void execute(laser3d::Laser3dOutput output) {
     for (laser3d::SteadyScan& scan : output.scans) {
-      scan.scan.utime_us = time::to_us(scan.first_beam.time_since_epoch());
+      scan.scan.stamp = time::Timestamp(scan.first_beam.time_since_epoch());
       scans.push_back(std::move(scan.scan));
     }
     for (const auto& [actions, cable] :
@@ -166,13 +166,11 @@ TEST_P(DriversOnDevices, ScansTellWhenAndWhereTheyWereMeasured) {
   const double rate = static_cast<double>(run.scans.size()) / 30.0;
   EXPECT_NEAR(rate, GetParam().scans_per_s, 0.1) << "a scan or two at the ends";
   ASSERT_GT(run.scans.size(), 1000U);
-  const double period_ms =
-      1e-3 * static_cast<double>(run.scans.back().utime_us - run.scans.front().utime_us) /
-      static_cast<double>(run.scans.size() - 1);
+  const double period_ms = 1e3 * time::seconds(run.scans.back().stamp - run.scans.front().stamp) /
+                           static_cast<double>(run.scans.size() - 1);
   EXPECT_NEAR(period_ms, 13.32, 0.05) << "R1's own bound";
-  EXPECT_EQ(
-      std::ranges::adjacent_find(run.scans, std::ranges::greater_equal{}, &scan::Scan::utime_us),
-      run.scans.end());
+  EXPECT_EQ(std::ranges::adjacent_find(run.scans, std::ranges::greater_equal{}, &scan::Scan::stamp),
+            run.scans.end());
   time::Duration worst{};
   double worst_pitch_rad = 0.0;
   for (const scan::Scan& scan : run.scans) {

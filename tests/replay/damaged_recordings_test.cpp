@@ -18,14 +18,14 @@
 namespace nodmap {
 namespace {
 
-constexpr std::int64_t kScanPeriodUs = 13'320;
+constexpr time::Duration kScanPeriod = 13'320us;
 constexpr int kNumScans = 300;
 
 /// The scans of a nodding scanner in a square room of 8 m.
 scan::Scan scan_number(int i) {
   scan::Scan scan;
-  scan.utime_us = 1'000'000'000 + i * kScanPeriodUs;
-  scan.duration_us = 6'660;
+  scan.stamp = time::Timestamp(1000s + i * kScanPeriod);
+  scan.duration = 6'660us;
   scan.seq = i;
   scan.angle_first_rad = geometry::deg_to_rad(-90);
   scan.angle_step_rad = geometry::deg_to_rad(1);
@@ -52,8 +52,8 @@ void record(const std::filesystem::path& file,
   test::Recording recording(file);
   for (int i = 0; i < kNumScans; ++i) {
     scan::Scan scan = scan_number(i);
-    const double x_m = 0.5 * 1e-6 * static_cast<double>(i * kScanPeriodUs);  // 0.5 m/s
-    recording.odometry(scan.utime_us, geometry::to_se3({x_m, 0, 0}));
+    const double x_m = 0.5 * time::seconds(i * kScanPeriod);  // 0.5 m/s
+    recording.odometry(scan.stamp, geometry::to_se3({x_m, 0, 0}));
     damage(i, scan);
     recording.scan(scan);
   }
@@ -107,7 +107,7 @@ TEST_P(DamagedRecording, ScansOfNoBeams) {
 TEST_P(DamagedRecording, StampsThatStepBack) {
   record(log(), [](int i, scan::Scan& scan) {
     if (i % 50 == 49) {
-      scan.utime_us -= 900'000;
+      scan.stamp -= 900ms;
     }
   });
   const auto result = replay();
@@ -147,7 +147,7 @@ TEST_P(DamagedRecording, AMillionRandomBytesOnScan) {
       for (std::byte& b : noise) {
         b = static_cast<std::byte>(random() & 0xFFU);
       }
-      recording.bytes(i, "SCAN", noise);
+      recording.bytes(time::from_utime(i), "SCAN", noise);
     }
   }
   const auto result = replay();

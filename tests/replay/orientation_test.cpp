@@ -54,7 +54,7 @@ void record(const std::filesystem::path& file) {
   const auto pitch_deg = [](int n) { return n % 60 < 30 ? -15.0 + n % 60 : 45.0 - n % 60; };
   for (int i = 0; i < 120; ++i) {
     scan::Scan scan;
-    scan.utime_us = 1'000'000'000 + std::int64_t{13'320} * i;
+    scan.stamp = time::Timestamp(1000s + 13'320us * i);
     scan.seq = i;
     scan.angle_first_rad = geometry::deg_to_rad(-90);
     scan.angle_step_rad = geometry::deg_to_rad(0.5);
@@ -68,7 +68,7 @@ void record(const std::filesystem::path& file) {
       const double flat = ray.head<2>().norm();
       scan.ranges_m.push_back(static_cast<float>(cast(ray.head<2>() / flat) / flat));
     }
-    recording.odometry(scan.utime_us, geometry::SE3::Identity());
+    recording.odometry(scan.stamp, geometry::SE3::Identity());
     recording.scan(scan);
   }
 }

@@ -12,6 +12,7 @@
 
 #include "common/bus/codec.hpp"
 #include "common/bus/event_log.hpp"
+#include "common/geometry/time.hpp"
 #include "common/node/messages.hpp"
 
 namespace nodmap::test {
@@ -21,21 +22,21 @@ class Recording {
  public:
   explicit Recording(const std::filesystem::path& file) : writer_(file) {}
 
-  void odometry(std::int64_t utime_us, const geometry::SE3& T_odom_base) {
-    put(utime_us, "ODOMETRY", node::write_odometry(utime_us, T_odom_base));
+  void odometry(time::Timestamp stamp, const geometry::SE3& T_odom_base) {
+    put(stamp, "ODOMETRY", node::write_odometry(stamp, T_odom_base));
   }
 
-  void scan(const scan::Scan& scan) { put(scan.utime_us, "SCAN", node::write_scan(scan)); }
+  void scan(const scan::Scan& scan) { put(scan.stamp, "SCAN", node::write_scan(scan)); }
 
-  void bytes(std::int64_t utime_us, const std::string& channel, std::span<const std::byte> data) {
-    EXPECT_TRUE(writer_.write(utime_us, channel, data));
+  void bytes(time::Timestamp stamp, const std::string& channel, std::span<const std::byte> data) {
+    EXPECT_TRUE(writer_.write(time::to_utime(stamp), channel, data));
   }
 
  private:
   template <class Message>
-  void put(std::int64_t utime_us, const std::string& channel, const Message& message) {
+  void put(time::Timestamp stamp, const std::string& channel, const Message& message) {
     bus::encode_into(buffer_, message);
-    bytes(utime_us, channel, buffer_);
+    bytes(stamp, channel, buffer_);
   }
 
   bus::LogWriter writer_;

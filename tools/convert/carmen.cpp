@@ -19,11 +19,11 @@ geometry::SE2 read_pose(Fields& fields) {
 
 /// `ipc_timestamp host logger_timestamp` and nothing more: a count of readings that is wrong shows
 /// in what is left over.
-std::int64_t read_trailer_us(Fields& fields) {
-  const std::int64_t utime_us = fields.stamp_us();
+time::Timestamp read_trailer(Fields& fields) {
+  const time::Timestamp stamp = fields.stamp();
   fields.word();
   fields.finite();
-  return utime_us;
+  return stamp;
 }
 
 void mark_no_returns(std::vector<float>& ranges_m, double no_return_m) {
@@ -52,7 +52,7 @@ CarmenLine parse_odometry(Fields fields) {
   odometry.forward_mps = fields.finite();
   odometry.yaw_rate_rad_s = fields.finite();
   fields.finite();  // acceleration
-  odometry.utime_us = read_trailer_us(fields);
+  odometry.stamp = read_trailer(fields);
   return finished(fields, odometry);
 }
 
@@ -71,7 +71,7 @@ CarmenLine parse_plain_scan(Fields fields, LaserSide side) {
   mark_no_returns(scan.ranges_m, kCarmenNoReturnM);
   scan.T_odom_laser = read_pose(fields);
   scan.T_odom_base = read_pose(fields);
-  scan.utime_us = read_trailer_us(fields);
+  scan.stamp = read_trailer(fields);
   return finished(fields, std::move(scan));
 }
 
@@ -100,7 +100,7 @@ CarmenLine parse_described_scan(Fields fields) {
   for (int i = 0; i < 5; ++i) {
     fields.finite();
   }
-  scan.utime_us = read_trailer_us(fields);
+  scan.stamp = read_trailer(fields);
   if (fields.ok() && (scan.ranges_m.size() < 2 || scan.angle_step_rad <= 0.0)) {
     return CarmenUnreadable{"fewer than two beams, or no angle between them"};
   }

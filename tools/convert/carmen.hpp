@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "common/geometry/se2.hpp"
+#include "common/geometry/time.hpp"
 
 namespace nodmap::convert {
 
@@ -19,7 +20,7 @@ inline constexpr double kCarmenNoReturnM = 80.0;
 enum class LaserSide : std::uint8_t { kFront, kRear };
 
 struct CarmenOdometry {
-  std::int64_t utime_us = 0;
+  time::Timestamp stamp{};
   geometry::SE2 T_odom_base;
   double forward_mps = 0.0;
   double yaw_rate_rad_s = 0.0;
@@ -27,7 +28,7 @@ struct CarmenOdometry {
 
 /// FLASER, RLASER or ROBOTLASER1: a scan with the poses of scanner and robot.
 struct CarmenScan {
-  std::int64_t utime_us = 0;
+  time::Timestamp stamp{};
   LaserSide side = LaserSide::kFront;
   geometry::SE2 T_odom_laser;
   geometry::SE2 T_odom_base;

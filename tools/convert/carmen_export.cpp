@@ -46,9 +46,10 @@ class CarmenExport {
       ++num_left_out_;
       return;
     }
-    history_.add(message.utime, *T_odom_base);
+    history_.add(time::from_utime(message.utime), *T_odom_base);
     newest_ = geometry::to_se2(*T_odom_base);
-    held_ = CarmenOdometry{message.utime, newest_, message.forward_mps, message.yaw_rate_rad_s};
+    held_ = CarmenOdometry{time::from_utime(message.utime), newest_, message.forward_mps,
+                           message.yaw_rate_rad_s};
   }
 
   void handle(const nodmap::scan_t& message) {
@@ -58,11 +59,11 @@ class CarmenExport {
       return;
     }
     CarmenScan line;
-    line.utime_us = scan.utime_us;
+    line.stamp = scan.stamp;
     const geometry::SE2 T_base_laser = geometry::to_se2(scan.T_base_mount);
     line.side =
         std::abs(T_base_laser.yaw) > 0.5 * geometry::kPi ? LaserSide::kRear : LaserSide::kFront;
-    line.T_odom_base = pose_of(scan.utime_us);
+    line.T_odom_base = pose_of(scan.stamp);
     line.T_odom_laser = line.T_odom_base * T_base_laser;
     line.angle_first_rad = scan.angle_first_rad;
     line.angle_step_rad = scan.angle_step_rad;
@@ -74,14 +75,14 @@ class CarmenExport {
 
   /// A scan line holds the odometry of its time: an ODOMETRY right before the scan goes into it and
   /// makes no line of its own.
-  geometry::SE2 pose_of(std::int64_t utime_us) {
-    if (held_ && held_->utime_us == utime_us) {
+  geometry::SE2 pose_of(time::Timestamp stamp) {
+    if (held_ && held_->stamp == stamp) {
       const geometry::SE2 pose = held_->T_odom_base;
       held_.reset();
       return pose;
     }
     write_held();
-    const auto T_odom_base = history_.at(utime_us);
+    const auto T_odom_base = history_.at(stamp);
     return T_odom_base ? geometry::to_se2(*T_odom_base) : newest_;
   }
 
@@ -94,8 +95,8 @@ class CarmenExport {
 
   template <class Value>
   void write(const Value& value) {
-    start_us_ = start_us_.value_or(value.utime_us);
-    out_ << write_carmen_line(value, *start_us_) << "\n";
+    start_ = start_.value_or(value.stamp);
+    out_ << write_carmen_line(value, *start_) << "\n";
     ++num_lines_;
   }
 
@@ -105,7 +106,7 @@ class CarmenExport {
   geometry::PoseHistory history_;
   geometry::SE2 newest_;
   std::optional<CarmenOdometry> held_;
-  std::optional<std::int64_t> start_us_;
+  std::optional<time::Timestamp> start_;
   int num_lines_ = 0;
   int num_left_out_ = 0;
 };

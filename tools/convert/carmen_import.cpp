@@ -29,13 +29,13 @@ class CarmenImport {
   void operator()(const CarmenOdometry& odometry) {
     forward_mps_ = odometry.forward_mps;
     yaw_rate_rad_s_ = odometry.yaw_rate_rad_s;
-    add_odometry(odometry.utime_us, odometry.T_odom_base);
+    add_odometry(odometry.stamp, odometry.T_odom_base);
   }
 
   void operator()(const CarmenScan& scan) {
-    add_odometry(scan.utime_us, scan.T_odom_base);
+    add_odometry(scan.stamp, scan.T_odom_base);
     nodmap::scan_t message{};
-    message.utime = scan.utime_us;
+    message.utime = time::to_utime(scan.stamp);
     message.angle_first_rad = scan.angle_first_rad;
     message.angle_step_rad = scan.angle_step_rad;
     message.pitch_is_measured = 1;  // the scanner is fixed
@@ -63,8 +63,8 @@ class CarmenImport {
   [[nodiscard]] const std::map<std::string, int>& not_converted() const { return not_converted_; }
 
  private:
-  void add_odometry(std::int64_t utime_us, const geometry::SE2& T_odom_base) {
-    nodmap::odometry_t message = node::write_odometry(utime_us, geometry::to_se3(T_odom_base));
+  void add_odometry(time::Timestamp stamp, const geometry::SE2& T_odom_base) {
+    nodmap::odometry_t message = node::write_odometry(stamp, geometry::to_se3(T_odom_base));
     // A scan line has no speed: the last known one stands.
     message.forward_mps = forward_mps_;
     message.yaw_rate_rad_s = yaw_rate_rad_s_;

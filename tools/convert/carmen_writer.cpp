@@ -47,12 +47,13 @@ class LineWriter {
     }
   }
   /// `ipc_timestamp host logger_timestamp`
-  std::string finish(std::int64_t utime_us, std::int64_t start_us) && {
+  std::string finish(time::Timestamp stamp, time::Timestamp start) && {
+    const std::int64_t utime = time::to_utime(stamp);
     char trailer[64];
-    std::snprintf(trailer, sizeof trailer, " %" PRId64 ".%06d nodmap", utime_us / 1'000'000,
-                  static_cast<int>(utime_us % 1'000'000));
+    std::snprintf(trailer, sizeof trailer, " %" PRId64 ".%06d nodmap", utime / 1'000'000,
+                  static_cast<int>(utime % 1'000'000));
     text_.append(trailer);
-    rounded(1e-6 * static_cast<double>(utime_us - start_us));
+    rounded(time::seconds(stamp - start));
     return std::move(text_);
   }
 
@@ -71,22 +72,22 @@ bool fits_plain_line(const CarmenScan& scan) {
 
 }  // namespace
 
-std::string write_carmen_line(const CarmenOdometry& odometry, std::int64_t start_us) {
+std::string write_carmen_line(const CarmenOdometry& odometry, time::Timestamp start) {
   LineWriter line("ODOM");
   line.pose(odometry.T_odom_base);
   line.rounded(odometry.forward_mps);
   line.rounded(odometry.yaw_rate_rad_s);
   line.rounded(0.0);
-  return std::move(line).finish(odometry.utime_us, start_us);
+  return std::move(line).finish(odometry.stamp, start);
 }
 
-std::string write_carmen_line(const CarmenScan& scan, std::int64_t start_us) {
+std::string write_carmen_line(const CarmenScan& scan, time::Timestamp start) {
   if (fits_plain_line(scan)) {
     LineWriter line(scan.side == LaserSide::kFront ? "FLASER" : "RLASER");
     line.ranges(scan, kNoReturnMarkerM);
     line.pose(scan.T_odom_laser);
     line.pose(scan.T_odom_base);
-    return std::move(line).finish(scan.utime_us, start_us);
+    return std::move(line).finish(scan.stamp, start);
   }
   LineWriter line("ROBOTLASER1");
   line.exact(0);
@@ -106,7 +107,7 @@ std::string write_carmen_line(const CarmenScan& scan, std::int64_t start_us) {
   for (int i = 0; i < 5; ++i) {
     line.exact(0);
   }
-  return std::move(line).finish(scan.utime_us, start_us);
+  return std::move(line).finish(scan.stamp, start);
 }
 
 }  // namespace nodmap::convert

@@ -5,14 +5,15 @@
 
 #include <string>
 
+#include "common/geometry/time.hpp"
 #include "tools/convert/carmen.hpp"
 
 namespace nodmap::convert {
 
-/// An ODOM line, without its end. `start_us`: where the logger's own clock began.
-[[nodiscard]] std::string write_carmen_line(const CarmenOdometry& odometry, std::int64_t start_us);
+/// An ODOM line, without its end. `start`: where the logger's own clock began.
+[[nodiscard]] std::string write_carmen_line(const CarmenOdometry& odometry, time::Timestamp start);
 
 /// A FLASER or RLASER line where such a line can tell everything, else ROBOTLASER1.
-[[nodiscard]] std::string write_carmen_line(const CarmenScan& scan, std::int64_t start_us);
+[[nodiscard]] std::string write_carmen_line(const CarmenScan& scan, time::Timestamp start);
 
 }  // namespace nodmap::convert

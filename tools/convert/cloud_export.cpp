@@ -25,7 +25,7 @@ namespace {
 struct SensorLog {
   std::vector<scan::Scan> scans;
   /// Everything is kept: a window may lie anywhere.
-  geometry::PoseHistory odometry{std::numeric_limits<std::int64_t>::max() / 2};
+  geometry::PoseHistory odometry{time::kLimit};
 };
 
 SensorLog read_sensors(const std::filesystem::path& log) {
@@ -39,7 +39,7 @@ SensorLog read_sensors(const std::filesystem::path& log) {
       recording.scans.push_back(std::move(scan));
     } else if (event.channel == "ODOMETRY" && bus::decode_into(odometry_message, event.data)) {
       if (const auto T_odom_base = node::read_odometry(odometry_message)) {
-        recording.odometry.add(odometry_message.utime, *T_odom_base);
+        recording.odometry.add(node::stamp_of(odometry_message), *T_odom_base);
       }
     }
   });
@@ -51,10 +51,9 @@ std::span<const scan::Scan> choose(const std::vector<scan::Scan>& scans, const C
   if (scans.empty()) {
     throw std::runtime_error(log.string() + ": holds no scan");
   }
-  const std::int64_t start_us = scans.front().utime_us + std::llround(1e6 * window.start_s);
-  const auto first = std::find_if(scans.begin(), scans.end(), [start_us](const scan::Scan& scan) {
-    return scan.utime_us >= start_us;
-  });
+  const time::Timestamp start = scans.front().stamp + time::from_seconds(window.start_s);
+  const auto first = std::find_if(scans.begin(), scans.end(),
+                                  [start](const scan::Scan& scan) { return scan.stamp >= start; });
   if (static_cast<std::size_t>(scans.end() - first) < window.num_scans) {
     throw std::runtime_error(log.string() + ": has only " + std::to_string(scans.end() - first) +
                              " scans after the start that was asked for");
@@ -70,8 +69,8 @@ std::vector<Eigen::Vector3f> deskew(std::span<const scan::Scan> scans,
   std::vector<Eigen::Vector3f> points;
   scan::ScanProjector projector;
   for (const scan::Scan& scan : scans) {
-    const auto T_odom_first = odometry.at(scan.utime_us);
-    const auto T_odom_last = odometry.at(scan.utime_last_us());
+    const auto T_odom_first = odometry.at(scan.stamp);
+    const auto T_odom_last = odometry.at(scan.last_stamp());
     if (!T_odom_first || !T_odom_last) {
       continue;
     }
@@ -110,9 +109,9 @@ void export_cloud(const std::filesystem::path& log, const std::filesystem::path&
   NewFile pose_file(std::filesystem::path(out).replace_extension(".tum"));
   const SensorLog recording = read_sensors(log);
   const std::span<const scan::Scan> scans = choose(recording.scans, window, log);
-  const std::int64_t begin_us = scans.front().utime_us;
-  const std::int64_t middle_us = begin_us + (scans.back().utime_last_us() - begin_us) / 2;
-  const auto T_odom_base = recording.odometry.at(middle_us);
+  const time::Timestamp begin = scans.front().stamp;
+  const time::Timestamp middle = begin + (scans.back().last_stamp() - begin) / 2;
+  const auto T_odom_base = recording.odometry.at(middle);
   if (!T_odom_base) {
     throw std::runtime_error(log.string() + ": no odometry where the scans are");
   }
@@ -121,7 +120,7 @@ void export_cloud(const std::filesystem::path& log, const std::filesystem::path&
     throw std::runtime_error(log.string() + ": no point where the scans are");
   }
   formats::write_ply(cloud_file.partial_path(), colour_by_height(points));
-  formats::write_tum(pose_file.partial_path(), {{middle_us, *T_odom_base}});
+  formats::write_tum(pose_file.partial_path(), {{middle, *T_odom_base}});
   cloud_file.commit();
   pose_file.commit();
   log::get().info("{} points of {} scans", points.size(), scans.size());

@@ -50,10 +50,10 @@ std::size_t Fields::count() {
   return ok_ ? value : 0;
 }
 
-std::int64_t Fields::stamp_us() {
-  const auto stamp = formats::parse_stamp_us(word());
+time::Timestamp Fields::stamp() {
+  const auto stamp = formats::parse_stamp(word());
   ok_ = ok_ && stamp.has_value();
-  return ok_ ? *stamp : 0;
+  return ok_ ? *stamp : time::Timestamp{};
 }
 
 std::vector<float> Fields::numbers(std::size_t count) {

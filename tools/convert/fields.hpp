@@ -5,6 +5,8 @@
 #include <string_view>
 #include <vector>
 
+#include "common/geometry/time.hpp"
+
 namespace nodmap::convert {
 
 /// Reads the words of a line one after the other. Like a stream it remembers a failure: what comes
@@ -22,7 +24,7 @@ class Fields {
   /// The next word if it is a whole number >= 0.
   std::size_t count();
   /// The next word if it is a stamp in seconds, as exact microseconds.
-  std::int64_t stamp_us();
+  time::Timestamp stamp();
   /// The next `count` numbers.
   std::vector<float> numbers(std::size_t count);
 

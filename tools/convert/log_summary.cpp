@@ -5,7 +5,6 @@
 #include <cinttypes>
 #include <cstdio>
 #include <iomanip>
-#include <limits>
 #include <optional>
 #include <span>
 
@@ -35,8 +34,8 @@ std::string type_name(const bus::MessageType* type, std::span<const std::byte> m
 }
 
 /// Every message of ours begins with the time of its measurement.
-std::int64_t measured_us(std::span<const std::byte> message) {
-  return bus::fingerprint_of(message.subspan(bus::kFingerprintBytes));
+time::Timestamp measured(std::span<const std::byte> message) {
+  return time::from_utime(bus::fingerprint_of(message.subspan(bus::kFingerprintBytes)));
 }
 
 }  // namespace
@@ -44,16 +43,16 @@ std::int64_t measured_us(std::span<const std::byte> message) {
 void LogSummary::add(const bus::LogEvent& event) {
   ChannelSummary& channel = channels[event.channel];
   const bus::MessageType* type = find_type(event.data);
+  const time::Timestamp logged = time::from_utime(event.log_utime_us);
   if (channel.count++ == 0) {
     channel.type = type_name(type, event.data);
-    channel.first_utime_us = event.log_utime_us;
-    channel.last_utime_us = event.log_utime_us;
-    channel.last_measured_us = std::numeric_limits<std::int64_t>::min();
+    channel.first = logged;
+    channel.last = logged;
+    channel.last_measured = time::Timestamp(-time::kLimit);
   }
   channel.size_bytes += static_cast<std::int64_t>(event.data.size());
-  channel.longest_gap_us =
-      std::max(channel.longest_gap_us, event.log_utime_us - channel.last_utime_us);
-  channel.last_utime_us = event.log_utime_us;
+  channel.longest_gap = std::max(channel.longest_gap, logged - channel.last);
+  channel.last = logged;
   if (type_name(type, event.data) != channel.type) {
     ++channel.corrupt;  // a channel carries one type
     return;
@@ -65,8 +64,8 @@ void LogSummary::add(const bus::LogEvent& event) {
     ++channel.corrupt;
     return;
   }
-  channel.steps_back += measured_us(event.data) < channel.last_measured_us ? 1 : 0;
-  channel.last_measured_us = measured_us(event.data);
+  channel.steps_back += measured(event.data) < channel.last_measured ? 1 : 0;
+  channel.last_measured = measured(event.data);
 }
 
 LogSummary summarize_log(const std::filesystem::path& log) {
@@ -79,8 +78,8 @@ LogSummary summarize_log(const std::filesystem::path& log) {
 void print(std::ostream& out, const LogSummary& summary) {
   constexpr int kNameWidth = 18;
   constexpr int kWidth = 11;
-  std::int64_t first_us = std::numeric_limits<std::int64_t>::max();
-  std::int64_t last_us = std::numeric_limits<std::int64_t>::min();
+  time::Timestamp first(time::kLimit);
+  time::Timestamp last(-time::kLimit);
   out << std::left << std::setw(kNameWidth) << "channel" << std::setw(2 * kWidth) << "type"
       << std::right;
   for (const char* title : {"count", "rate Hz", "gap s", "kB", "corrupt", "steps back"}) {
@@ -91,14 +90,12 @@ void print(std::ostream& out, const LogSummary& summary) {
     out << std::left << std::setw(kNameWidth) << name << std::setw(2 * kWidth) << channel.type
         << std::right << std::setw(kWidth) << channel.count << std::setprecision(2)
         << std::setw(kWidth) << channel.rate_hz() << std::setprecision(3) << std::setw(kWidth)
-        << 1e-6 * static_cast<double>(channel.longest_gap_us) << std::setw(kWidth)
-        << channel.size_bytes / 1000 << std::setw(kWidth) << channel.corrupt << std::setw(kWidth)
-        << channel.steps_back << "\n";
-    first_us = std::min(first_us, channel.first_utime_us);
-    last_us = std::max(last_us, channel.last_utime_us);
+        << time::seconds(channel.longest_gap) << std::setw(kWidth) << channel.size_bytes / 1000
+        << std::setw(kWidth) << channel.corrupt << std::setw(kWidth) << channel.steps_back << "\n";
+    first = std::min(first, channel.first);
+    last = std::max(last, channel.last);
   }
-  const double duration_s =
-      summary.channels.empty() ? 0.0 : 1e-6 * static_cast<double>(last_us - first_us);
+  const double duration_s = summary.channels.empty() ? 0.0 : time::seconds(last - first);
   out << "duration " << std::setprecision(3) << duration_s << " s, " << summary.skipped_bytes
       << " bytes skipped\n";
 }

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "common/bus/event_log.hpp"
+#include "common/geometry/time.hpp"
 
 namespace nodmap::convert {
 
@@ -18,19 +19,17 @@ struct ChannelSummary {
   std::int64_t corrupt = 0;     ///< damaged, or of another type than the first
   std::int64_t steps_back = 0;  ///< messages measured before the one that precedes them
   std::int64_t size_bytes = 0;
-  std::int64_t first_utime_us = 0;
-  std::int64_t last_utime_us = 0;
-  std::int64_t longest_gap_us = 0;
+  time::Timestamp first{};
+  time::Timestamp last{};
+  time::Duration longest_gap{};
 
-  [[nodiscard]] double duration_s() const {
-    return 1e-6 * static_cast<double>(last_utime_us - first_utime_us);
-  }
+  [[nodiscard]] double duration_s() const { return time::seconds(last - first); }
   /// Messages per second; 0 for a single one.
   [[nodiscard]] double rate_hz() const {
     return duration_s() > 0.0 ? static_cast<double>(count - 1) / duration_s() : 0.0;
   }
 
-  std::int64_t last_measured_us = 0;
+  time::Timestamp last_measured{};
 };
 
 /// What is in an event log.

@@ -19,8 +19,9 @@ namespace {
 /// file.
 constexpr double kTrailSpacingM = 1.0;
 
-std::uint64_t nanoseconds(std::int64_t utime_us) {
-  return utime_us > 0 ? 1000U * static_cast<std::uint64_t>(utime_us) : 0U;
+std::uint64_t nanoseconds(time::Timestamp stamp) {
+  const std::int64_t utime = time::to_utime(stamp);
+  return utime > 0 ? 1000U * static_cast<std::uint64_t>(utime) : 0U;
 }
 
 }  // namespace
@@ -40,9 +41,8 @@ void export_mcap(const std::filesystem::path& log, const std::filesystem::path& 
     writer.add_channel({topic.name, topic.schema_name, foxglove::schema_text(topic.schema_name)});
   }
   store.listen([&](std::size_t topic, foxglove::Post& post) {
-    writer.write(static_cast<std::uint16_t>(topic),
-                 nanoseconds(time::to_utime(player.event_time())), nanoseconds(post.utime_us()),
-                 post.text());
+    writer.write(static_cast<std::uint16_t>(topic), nanoseconds(player.event_time()),
+                 nanoseconds(post.stamp()), post.text());
   });
   (void)player.seek(player.duration());
   (void)player.catch_up(std::numeric_limits<std::int64_t>::max());

@@ -33,7 +33,7 @@ NodLine checked(const Fields& fields, scan::Scan scan) {
 
 NodLine parse_nod(Fields fields) {
   scan::Scan scan;
-  scan.utime_us = fields.stamp_us();
+  scan.stamp = fields.stamp();
   scan.pitch_first_rad = -deg_to_rad(fields.finite());
   scan.pitch_last_rad = scan.pitch_first_rad;
   const std::size_t num_beams = fields.count();

@@ -17,7 +17,7 @@ class NodImport {
 
   void operator()(const NodScan& line) { add(line.scan); }
   void operator()(NodSlice& line) {
-    line.scan.utime_us = kUntimedStartUs + recording_.num_scans() * kSickFinePeriodUs;
+    line.scan.stamp = kUntimedStart + recording_.num_scans() * kSickFinePeriod;
     add(line.scan);
   }
   void operator()(const NodUnreadable& line) { lines_.skip_line(line.why); }
@@ -25,7 +25,7 @@ class NodImport {
 
  private:
   void add(const scan::Scan& scan) {
-    recording_.add_odometry(node::write_odometry(scan.utime_us, geometry::SE3::Identity()));
+    recording_.add_odometry(node::write_odometry(scan.stamp, geometry::SE3::Identity()));
     recording_.add_scan(node::write_scan(scan));
   }
 

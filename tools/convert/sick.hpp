@@ -4,6 +4,8 @@
 
 #include <cstdint>
 
+#include "common/geometry/time.hpp"
+
 namespace nodmap::convert {
 
 /// Readings below are no distances: a SICK sends small numbers for errors.
@@ -13,9 +15,9 @@ inline constexpr double kSickRangeMinM = 0.05;
 inline constexpr double kSickIndoorRangeMaxM = 32.76;
 
 /// At half-degree resolution the mirror turns twice at 75 Hz for one scan.
-inline constexpr std::int64_t kSickFinePeriodUs = 26'640;
+inline constexpr time::Duration kSickFinePeriod = 26'640us;
 
 /// Recordings without time begin on 2009-01-01: any constant does.
-inline constexpr std::int64_t kUntimedStartUs = 1'230'768'000'000'000;
+inline constexpr time::Timestamp kUntimedStart(1'230'768'000s);
 
 }  // namespace nodmap::convert

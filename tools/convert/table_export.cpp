@@ -56,18 +56,18 @@ std::optional<formats::StampedPose> read_stamped_pose(std::span<const std::byte>
   nodmap::odometry_t odometry{};
   nodmap::pose_t pose{};
   std::optional<geometry::SE3> T_frame_base;
-  std::int64_t utime_us = 0;
+  time::Timestamp stamp{};
   if (bus::decode_into(odometry, bytes)) {
-    utime_us = odometry.utime;
+    stamp = node::stamp_of(odometry);
     T_frame_base = node::read_odometry(odometry);
   } else if (bus::decode_into(pose, bytes)) {
-    utime_us = pose.utime;
+    stamp = node::stamp_of(pose);
     T_frame_base = node::read_pose(pose.position_m, pose.orientation);
   }
   if (!T_frame_base) {
     return std::nullopt;
   }
-  return formats::StampedPose{utime_us, *T_frame_base};
+  return formats::StampedPose{stamp, *T_frame_base};
 }
 
 void report(std::int64_t num_used, std::int64_t num_left_out, const std::filesystem::path& log,

@@ -22,7 +22,7 @@
 namespace nodmap::convert {
 namespace {
 
-constexpr std::int64_t kDrivePeriodUs = 10'000;
+constexpr time::Duration kDrivePeriod = 10ms;
 constexpr double kDriveSpeedMps = 0.5;
 constexpr double kDriveTurnRateRadS = 0.5;
 constexpr double kLeastDriveS = 2.0;
@@ -100,9 +100,9 @@ class StopAndGo {
   }
 
   void scan(const UosSlice& slice) {
-    recording_.add_odometry(node::write_odometry(utime_us_, *T_odom_base_));
+    recording_.add_odometry(node::write_odometry(stamp_, *T_odom_base_));
     scan::Scan scan;
-    scan.utime_us = utime_us_;
+    scan.stamp = stamp_;
     scan.angle_first_rad = slice.angle_first_rad;
     scan.angle_step_rad = slice.angle_step_rad;
     scan.pitch_first_rad = slice.pitch_rad;
@@ -111,7 +111,7 @@ class StopAndGo {
     scan.range_max_m = kSickIndoorRangeMaxM;
     scan.ranges_m = slice.ranges_m;
     recording_.add_scan(node::write_scan(scan));
-    utime_us_ += kSickFinePeriodUs;
+    stamp_ += kSickFinePeriod;
   }
 
  private:
@@ -124,21 +124,22 @@ class StopAndGo {
     }
     const double duration_s = std::max({kLeastDriveS, distance_m / kDriveSpeedMps,
                                         geometry::rotation_angle(T_from_to) / kDriveTurnRateRadS});
-    const auto num_steps = static_cast<std::int64_t>(std::ceil(duration_s * 1e6 / kDrivePeriodUs));
-    const double exact_s = 1e-6 * static_cast<double>(num_steps * kDrivePeriodUs);
+    const auto num_steps =
+        static_cast<std::int64_t>(std::ceil(duration_s / time::seconds(kDrivePeriod)));
+    const double exact_s = time::seconds(num_steps * kDrivePeriod);
     for (std::int64_t step = 0; step <= num_steps; ++step) {
       const double fraction = static_cast<double>(step) / static_cast<double>(num_steps);
       nodmap::odometry_t message =
-          node::write_odometry(utime_us_, geometry::interpolate(from, to, fraction));
+          node::write_odometry(stamp_, geometry::interpolate(from, to, fraction));
       message.forward_mps = std::copysign(distance_m, T_from_to.translation().x()) / exact_s;
       message.yaw_rate_rad_s = geometry::to_se2(T_from_to).yaw / exact_s;
       recording_.add_odometry(message);
-      utime_us_ += kDrivePeriodUs;
+      stamp_ += kDrivePeriod;
     }
   }
 
   Recording& recording_;
-  std::int64_t utime_us_ = kUntimedStartUs;
+  time::Timestamp stamp_ = kUntimedStart;
   std::optional<geometry::SE3> T_odom_base_;
 };
 

@@ -25,15 +25,15 @@ std::optional<Relation> parse_relation(const std::string& line) {
   double pitch = 0.0;
   double yaw = 0.0;
   fields >> from >> to >> p.x() >> p.y() >> p.z() >> roll >> pitch >> yaw;
-  const auto from_us = formats::parse_stamp_us(from);
-  const auto to_us = formats::parse_stamp_us(to);
-  if (!fields || !from_us || !to_us) {
+  const auto from_stamp = formats::parse_stamp(from);
+  const auto to_stamp = formats::parse_stamp(to);
+  if (!fields || !from_stamp || !to_stamp) {
     return std::nullopt;
   }
   const Eigen::Quaterniond q = Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) *
                                Eigen::AngleAxisd(pitch, Eigen::Vector3d::UnitY()) *
                                Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitX());
-  return Relation{*from_us, *to_us, geometry::make_se3(p, q)};
+  return Relation{*from_stamp, *to_stamp, geometry::make_se3(p, q)};
 }
 
 struct Moments {
@@ -82,16 +82,16 @@ std::vector<Relation> read_relations(const std::filesystem::path& file) {
 
 RelationErrors measure_relations(const formats::Trajectory& trajectory,
                                  std::span<const Relation> relations) {
-  std::map<std::int64_t, const geometry::SE3*> pose_at;
+  std::map<time::Timestamp, const geometry::SE3*> pose_at;
   for (const formats::StampedPose& stamped : trajectory) {
-    pose_at.emplace(stamped.utime_us, &stamped.pose);  // keeps the first
+    pose_at.emplace(stamped.stamp, &stamped.pose);  // keeps the first
   }
   RelationErrors errors;
   std::vector<double> trans_m;
   std::vector<double> rot_rad;
   for (const Relation& relation : relations) {
-    const auto from = pose_at.find(relation.from_us);
-    const auto to = pose_at.find(relation.to_us);
+    const auto from = pose_at.find(relation.from_stamp);
+    const auto to = pose_at.find(relation.to_stamp);
     if (from == pose_at.end() || to == pose_at.end()) {
       ++errors.missing;
       continue;

@@ -10,13 +10,14 @@
 
 #include "common/formats/tum.hpp"
 #include "common/geometry/se3.hpp"
+#include "common/geometry/time.hpp"
 
 namespace nodmap::evaluate {
 
-/// Where the robot really was at `to_us`, seen from where it was at `from_us`.
+/// Where the robot really was at `to_stamp`, seen from where it was at `from_stamp`.
 struct Relation {
-  std::int64_t from_us = 0;
-  std::int64_t to_us = 0;
+  time::Timestamp from_stamp{};
+  time::Timestamp to_stamp{};
   geometry::SE3 T_from_to = geometry::SE3::Identity();
 };
 

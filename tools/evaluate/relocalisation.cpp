@@ -12,6 +12,7 @@
 #include "common/bus/event_log.hpp"
 #include "common/geometry/angle.hpp"
 #include "common/node/message_input.hpp"
+#include "common/node/messages.hpp"
 #include "modules/slam2d/known_map.hpp"
 #include "modules/slam2d/level_scan.hpp"
 #include "modules/slam2d/map_file.hpp"
@@ -39,7 +40,7 @@ void for_each_level_scan(const std::filesystem::path& log,
   while (const bus::LogEvent* event = reader.next()) {
     if (event->channel == "ODOMETRY" && bus::decode_into(odometry_message, event->data)) {
       if (const auto T_odom_base = messages.read(odometry_message)) {
-        input.add_odometry(odometry_message.utime, *T_odom_base);
+        input.add_odometry(node::stamp_of(odometry_message), *T_odom_base);
       }
     } else if (event->channel == "SCAN" && bus::decode_into(scan_message, event->data) &&
                messages.read(scan_message, scan)) {
@@ -90,8 +91,7 @@ RelocalisationResult measure_relocalisation(const std::filesystem::path& map,
     if (scans_in_group != 0 || groups++ % every != 0) {
       return;
     }
-    const auto known_pose =
-        associate({{scan.utime_us, geometry::SE3::Identity()}}, truth, kTolerance);
+    const auto known_pose = associate({{scan.stamp, geometry::SE3::Identity()}}, truth, kTolerance);
     if (known_pose.empty()) {
       return;
     }

@@ -12,21 +12,19 @@ namespace {
 using formats::StampedPose;
 
 bool is_earlier(const StampedPose& a, const StampedPose& b) {
-  return a.utime_us < b.utime_us;
+  return a.stamp < b.stamp;
 }
 
 /// The true pose at a time, if a sample is close enough.
-std::optional<geometry::SE3> pose_at(const formats::Trajectory& truth, std::int64_t utime_us,
+std::optional<geometry::SE3> pose_at(const formats::Trajectory& truth, time::Timestamp stamp,
                                      time::Duration tolerance) {
   const auto after =
-      std::lower_bound(truth.begin(), truth.end(), StampedPose{utime_us, {}}, is_earlier);
-  const bool close_after =
-      after != truth.end() && time::from_us(after->utime_us - utime_us) <= tolerance;
-  if (close_after && after->utime_us == utime_us) {
+      std::lower_bound(truth.begin(), truth.end(), StampedPose{stamp, {}}, is_earlier);
+  const bool close_after = after != truth.end() && after->stamp - stamp <= tolerance;
+  if (close_after && after->stamp == stamp) {
     return after->pose;
   }
-  const bool close_before =
-      after != truth.begin() && time::from_us(utime_us - std::prev(after)->utime_us) <= tolerance;
+  const bool close_before = after != truth.begin() && stamp - std::prev(after)->stamp <= tolerance;
   if (!close_after && !close_before) {
     return std::nullopt;
   }
@@ -37,8 +35,7 @@ std::optional<geometry::SE3> pose_at(const formats::Trajectory& truth, std::int6
     return after->pose;
   }
   const StampedPose& before = *std::prev(after);
-  const double fraction = static_cast<double>(utime_us - before.utime_us) /
-                          static_cast<double>(after->utime_us - before.utime_us);
+  const double fraction = time::ratio(stamp - before.stamp, after->stamp - before.stamp);
   return geometry::interpolate(before.pose, after->pose, fraction);
 }
 
@@ -74,7 +71,7 @@ std::vector<PosePair> associate(const formats::Trajectory& estimate, formats::Tr
   std::stable_sort(truth.begin(), truth.end(), is_earlier);
   std::vector<PosePair> pairs;
   for (const StampedPose& stamped : estimate) {
-    if (const auto true_pose = pose_at(truth, stamped.utime_us, tolerance)) {
+    if (const auto true_pose = pose_at(truth, stamped.stamp, tolerance)) {
       pairs.push_back({stamped.pose, *true_pose});
     }
   }

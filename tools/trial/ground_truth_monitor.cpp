@@ -36,7 +36,7 @@ void GroundTruthMonitor::subscribe() {
       "PITCH_STATE", [this](const nodmap::pitch_state_t& message) { on_pitch_state(message); });
   bus_.subscribe<nodmap::odometry_t>("ODOMETRY", [this](const nodmap::odometry_t& message) {
     if (const auto T_odom_base = node::read_odometry(message)) {
-      record_.odometry.push_back({message.utime, *T_odom_base});
+      record_.odometry.push_back({time::from_utime(message.utime), *T_odom_base});
     }
   });
   bus_.subscribe<nodmap::navigation_t>("NAVIGATION", [this](const nodmap::navigation_t& message) {
@@ -54,8 +54,8 @@ void GroundTruthMonitor::on_scan(const nodmap::scan_t& message) {
   if (!node::read_scan(message, scan)) {
     return;
   }
-  const auto T_world_first = T_world_base_.at(scan.utime_us);
-  const auto T_world_last = T_world_base_.at(scan.utime_last_us());
+  const auto T_world_first = T_world_base_.at(scan.stamp);
+  const auto T_world_last = T_world_base_.at(scan.last_stamp());
   if (T_world_first && T_world_last) {
     const geometry::SE3 T_map_world = geometry::to_se3(world_.T_world_start.inverse());
     observed_voxels_.add(scan, T_map_world * *T_world_first, T_map_world * *T_world_last);
@@ -81,7 +81,7 @@ void GroundTruthMonitor::update() {
                              truth.clearance_m, truth.person_clearance_m, truth.collisions,
                              truth.bumps, truth.contacts_caused, truth.falls});
     record_progress(truth.T_world_base.translation().head<2>());
-    T_world_base_.add(utime_at(now), truth.T_world_base);
+    T_world_base_.add(stamp_at(now), truth.T_world_base);
   }
   if (now.time_since_epoch() % kTruthPeriod == 0s) {
     publish(truth);
@@ -107,7 +107,7 @@ void GroundTruthMonitor::record_progress(const Eigen::Vector2d& position) {
 
 void GroundTruthMonitor::publish(const sim::GroundTruth& truth) {
   nodmap::truth_t message{};
-  message.utime = utime_at(model_.now());
+  message.utime = time::to_utime(stamp_at(model_.now()));
   message.truth_seq = truth_seq_++;
   node::write_pose(truth.T_world_base, message.position_m, message.orientation);
   message.forward_mps = truth.forward_mps;

@@ -35,13 +35,13 @@ void LevelLaserSlam::forward_scan(const nodmap::scan_t& message) {
   if (!node::read_scan(message, scan)) {
     return;
   }
-  const auto T_world_first = T_world_base_.at(scan.utime_us);
-  const auto T_world_last = T_world_base_.at(scan.utime_last_us());
+  const auto T_world_first = T_world_base_.at(scan.stamp);
+  const auto T_world_last = T_world_base_.at(scan.last_stamp());
   if (!T_world_first || !T_world_last) {
     return;
   }
   scan.pitch_first_rad = scan.pitch_last_rad = 0.0;
-  const std::vector<sim::ActorState> actors = actors_at(time::from_utime(scan.utime_mid_us()));
+  const std::vector<sim::ActorState> actors = actors_at(scan.mid_stamp());
   for (std::size_t beam = 0; beam < scan.ranges_m.size(); ++beam) {
     const geometry::SE3 T_world_laser =
         geometry::interpolate(*T_world_first, *T_world_last, scan.fraction(beam)) *

@@ -202,7 +202,7 @@ formats::Trajectory true_trajectory(const TrialRecord& record, bool planar) {
   formats::Trajectory trajectory;
   for (const TruthSample& sample : record.truth) {
     trajectory.push_back(
-        {utime_at(sample.instant),
+        {stamp_at(sample.instant),
          planar ? geometry::to_se3(geometry::to_se2(sample.T_world_base)) : sample.T_world_base});
   }
   return trajectory;

@@ -15,8 +15,8 @@ namespace nodmap::trial {
 inline constexpr time::Moment kStart{time::Timestamp(1'214'870'400s), {}};
 
 /// The stamp of a message at a time of the simulation.
-[[nodiscard]] inline std::int64_t utime_at(time::SteadyTime now) {
-  return time::to_utime(kStart.wall_at(now));
+[[nodiscard]] inline time::Timestamp stamp_at(time::SteadyTime now) {
+  return kStart.wall_at(now);
 }
 
 /// The true state at one moment. Times begin at 0 with the simulation.

@@ -112,7 +112,7 @@ void RobotSoftware::add(const std::string& name, node::NodeFactory make_node) {
 
 void RobotSoftware::give_go() {
   nodmap::stop_t message{};
-  message.utime = utime_at(hardware_.model().now());
+  message.utime = time::to_utime(stamp_at(hardware_.model().now()));
   message.stop_seq = stop_seq_++;
   message.requested_by = "nodmap-trial";
   person_.publish("STOP", message);

@@ -87,8 +87,8 @@ void LevelScannerNode::spin_once() {
 
 void LevelScannerNode::publish_scan(time::SteadyTime end) {
   scan::Scan scan;
-  scan.utime_us = utime_at(end - kMeasuringTime);
-  scan.duration_us = time::to_us(kMeasuringTime);
+  scan.stamp = stamp_at(end - kMeasuringTime);
+  scan.duration = kMeasuringTime;
   scan.seq = seq_;
   scan.angle_first_rad = -0.5 * kApertureRad;
   scan.angle_step_rad = kApertureRad / static_cast<double>(kBeams - 1);
@@ -109,7 +109,7 @@ void LevelScannerNode::publish_scan(time::SteadyTime end) {
 
 void LevelScannerNode::publish_pitch(time::SteadyTime now) {
   nodmap::pitch_state_t message{};
-  message.utime = utime_at(now);
+  message.utime = time::to_utime(stamp_at(now));
   message.state_seq = seq_;
   message.pitch_is_measured = 1;
   context_.bus.publish("PITCH_STATE", message);

@@ -48,7 +48,7 @@ class GoalPublisher {
       message_.tolerance_m = params_.docking_tolerance_m;
       message_.heading_tolerance_rad = params_.docking_tolerance_rad;
     }
-    message_.utime = utime_at(now);
+    message_.utime = time::to_utime(stamp_at(now));
     bus_.publish("GOAL", message_);
     ++message_.goal_seq;
   }

@@ -31,7 +31,7 @@ class MessageLog : public testing::Test {
   void write(const std::vector<std::string>& names) const {
     MessageLogWriter writer(file_);
     for (const std::string& name : names) {
-      writer.write(7, "SAVE_REQUEST", request_by(name));
+      writer.write(time::from_utime(7), "SAVE_REQUEST", request_by(name));
     }
     ASSERT_FALSE(writer.replace());
   }
@@ -60,7 +60,7 @@ TEST_F(MessageLog, TheOldFileStaysUntilTheNewOneIsComplete) {
   write({"a"});
   {
     MessageLogWriter writer(file_);
-    writer.write(7, "SAVE_REQUEST", request_by("b"));
+    writer.write(time::from_utime(7), "SAVE_REQUEST", request_by("b"));
     EXPECT_EQ(read(), std::vector<std::string>{"a"});
   }
   EXPECT_EQ(read(), std::vector<std::string>{"a"});
@@ -75,7 +75,7 @@ TEST_F(MessageLog, WhatAKilledProcessLeftBehindIsReplaced) {
 
 TEST_F(MessageLog, ErrorsHaveACode) {
   MessageLogWriter nowhere(dir_.path() / "none" / "file.lcmlog");
-  nowhere.write(7, "SAVE_REQUEST", request_by("a"));
+  nowhere.write(time::from_utime(7), "SAVE_REQUEST", request_by("a"));
   EXPECT_EQ(nowhere.replace(), std::errc::no_such_file_or_directory);
   fs::create_directories(file_ / "in the way");
   MessageLogWriter folder(file_);
@@ -92,7 +92,7 @@ TEST_F(MessageLog, HalfAFileIsNone) {
 TEST_F(MessageLog, AnotherMessageIsNamed) {
   {
     MessageLogWriter writer(file_);
-    writer.write(7, "SAVE_REQUEST", stop_t{});
+    writer.write(time::from_utime(7), "SAVE_REQUEST", stop_t{});
     ASSERT_FALSE(writer.replace());
   }
   try {

@@ -13,14 +13,14 @@ namespace {
 TEST(Tum, StampsSurviveToTheMicrosecond) {
   const test::TemporaryDir dir;
   Trajectory trajectory;
-  for (const std::int64_t stamp : {0LL, 1LL, 999'999LL, 976052857337284LL, 1071078718462310LL}) {
-    trajectory.push_back({stamp, geometry::to_se3({1.0 / 3.0, -2, 3.0})});
+  for (const std::int64_t utime : {0LL, 1LL, 999'999LL, 976052857337284LL, 1071078718462310LL}) {
+    trajectory.push_back({time::from_utime(utime), geometry::to_se3({1.0 / 3.0, -2, 3.0})});
   }
   write_tum(dir.path() / "a.tum", trajectory);
   const Trajectory back = read_tum(dir.path() / "a.tum");
   ASSERT_EQ(back.size(), trajectory.size());
   for (std::size_t i = 0; i < back.size(); ++i) {
-    EXPECT_EQ(back[i].utime_us, trajectory[i].utime_us);
+    EXPECT_EQ(back[i].stamp, trajectory[i].stamp);
     EXPECT_TRUE(back[i].pose.isApprox(trajectory[i].pose, 1e-8));  // nine decimals are written
   }
 }
@@ -43,9 +43,9 @@ TEST(Tum, ReadsShortAndLongDecimals) {
   std::ofstream(dir.path() / "a.tum")
       << "1.5 0 0 0 0 0 0 1\n7 0 0 0 0 0 0 1\n1.1234567 0 0 0 0 0 0 1\n";
   const Trajectory back = read_tum(dir.path() / "a.tum");
-  EXPECT_EQ(back.at(0).utime_us, 1'500'000);
-  EXPECT_EQ(back.at(1).utime_us, 7'000'000);
-  EXPECT_EQ(back.at(2).utime_us, 1'123'456);
+  EXPECT_EQ(back.at(0).stamp, time::from_utime(1'500'000));
+  EXPECT_EQ(back.at(1).stamp, time::from_utime(7'000'000));
+  EXPECT_EQ(back.at(2).stamp, time::from_utime(1'123'456));
 }
 
 }  // namespace

@@ -12,68 +12,72 @@ SE3 at_x(double x) {
   return to_se3(SE2{x, 0, 0});
 }
 
+time::Timestamp at(time::Duration since_epoch) {
+  return time::Timestamp(since_epoch);
+}
+
 TEST(PoseHistory, EmptyAnswersNothing) {
-  EXPECT_FALSE(PoseHistory().at(0).has_value());
+  EXPECT_FALSE(PoseHistory().at(at(0s)).has_value());
 }
 
 TEST(PoseHistory, InterpolatesAndHitsSamplesExactly) {
   PoseHistory history;
-  history.add(1'000'000, at_x(1));
-  history.add(2'000'000, at_x(3));
-  EXPECT_EQ(history.at(1'000'000)->translation().x(), 1.0);
-  EXPECT_EQ(history.at(2'000'000)->translation().x(), 3.0);
-  EXPECT_DOUBLE_EQ(history.at(1'250'000)->translation().x(), 1.5);
+  history.add(at(1s), at_x(1));
+  history.add(at(2s), at_x(3));
+  EXPECT_EQ(history.at(at(1s))->translation().x(), 1.0);
+  EXPECT_EQ(history.at(at(2s))->translation().x(), 3.0);
+  EXPECT_DOUBLE_EQ(history.at(at(1250ms))->translation().x(), 1.5);
 }
 
 TEST(PoseHistory, ExtrapolatesOnlySoFar) {
-  PoseHistory history(10'000'000, 50'000);
-  history.add(0, at_x(0));
-  history.add(10'000, at_x(0.01));  // 1 m/s
-  EXPECT_NEAR(history.at(30'000)->translation().x(), 0.03, 1e-12);
-  EXPECT_TRUE(history.at(60'000).has_value());
-  EXPECT_FALSE(history.at(60'001).has_value());
-  EXPECT_TRUE(history.at(-50'000).has_value());
-  EXPECT_FALSE(history.at(-50'001).has_value());
+  PoseHistory history(10s, 50ms);
+  history.add(at(0s), at_x(0));
+  history.add(at(10ms), at_x(0.01));  // 1 m/s
+  EXPECT_NEAR(history.at(at(30ms))->translation().x(), 0.03, 1e-12);
+  EXPECT_TRUE(history.at(at(60ms)).has_value());
+  EXPECT_FALSE(history.at(at(60'001us)).has_value());
+  EXPECT_TRUE(history.at(at(-50ms)).has_value());
+  EXPECT_FALSE(history.at(at(-50'001us)).has_value());
 }
 
 TEST(PoseHistory, ExtrapolationHoldsThePoseWhereTheVelocityIsUnknown) {
-  PoseHistory history(60'000'000, 50'000);
-  history.add(0, at_x(0));
-  history.add(5'000'000, at_x(5));
-  EXPECT_EQ(history.at(5'040'000)->translation().x(), 5.0);
+  PoseHistory history(60s, 50ms);
+  history.add(at(0s), at_x(0));
+  history.add(at(5s), at_x(5));
+  EXPECT_EQ(history.at(at(5040ms))->translation().x(), 5.0);
 }
 
 TEST(PoseHistory, SteppingBackReplacesWhatItContradicts) {
   PoseHistory history;
-  history.add(1'000'000, at_x(1));
-  history.add(3'000'000, at_x(3));
-  history.add(2'000'000, at_x(7));  // the clock stepped back by a second
-  EXPECT_EQ(history.at(2'000'000)->translation().x(), 7.0);
-  EXPECT_DOUBLE_EQ(history.at(1'500'000)->translation().x(), 4.0);
-  EXPECT_FALSE(history.at(3'000'000).has_value());
+  history.add(at(1s), at_x(1));
+  history.add(at(3s), at_x(3));
+  history.add(at(2s), at_x(7));  // the clock stepped back by a second
+  EXPECT_EQ(history.at(at(2s))->translation().x(), 7.0);
+  EXPECT_DOUBLE_EQ(history.at(at(1500ms))->translation().x(), 4.0);
+  EXPECT_FALSE(history.at(at(3s)).has_value());
 }
 
 TEST(PoseHistory, ForgetsBeyondItsSpanAndRefusesNonsense) {
-  PoseHistory history(1'000'000, 0);
+  PoseHistory history(1s, 0s);
   for (int i = 0; i <= 100; ++i) {
-    history.add(std::int64_t{100'000} * i, at_x(i));
+    history.add(at(100ms * i), at_x(i));
   }
-  EXPECT_FALSE(history.at(8'000'000).has_value());
-  EXPECT_TRUE(history.at(9'000'000).has_value());
+  EXPECT_FALSE(history.at(at(8s)).has_value());
+  EXPECT_TRUE(history.at(at(9s)).has_value());
   SE3 broken = SE3::Identity();
   broken.translation().x() = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_FALSE(history.add(20'000'000, broken));
+  EXPECT_FALSE(history.add(at(20s), broken));
 }
 
 TEST(PoseHistory, KnowsItsNewestAndForgets) {
   PoseHistory history;
   EXPECT_FALSE(history.newest().has_value());
-  history.add(1'000'000, at_x(1));
-  history.add(2'000'000, at_x(3));
+  history.add(at(1s), at_x(1));
+  history.add(at(2s), at_x(3));
   EXPECT_EQ(history.newest()->translation().x(), 3.0);
   history.clear();
   EXPECT_FALSE(history.newest().has_value());
-  EXPECT_FALSE(history.at(2'000'000).has_value());
+  EXPECT_FALSE(history.at(at(2s)).has_value());
 }
 
 }  // namespace

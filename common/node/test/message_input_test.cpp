@@ -12,7 +12,7 @@ namespace {
 
 nodmap::scan_t good_scan(std::int64_t seq) {
   scan::Scan scan;
-  scan.utime_us = 1'000'000;
+  scan.stamp = time::from_utime(1'000'000);
   scan.seq = seq;
   scan.angle_step_rad = 0.1;
   scan.range_max_m = 10.0;
@@ -30,7 +30,8 @@ class SensorInputTest : public ::testing::Test {
 TEST_F(SensorInputTest, GoodMessagesPassUncounted) {
   EXPECT_TRUE(input_.read(good_scan(0), scan_));
   EXPECT_EQ(scan_.ranges_m.size(), 2U);
-  EXPECT_TRUE(input_.read(node::write_odometry(1, geometry::SE3::Identity())).has_value());
+  EXPECT_TRUE(input_.read(node::write_odometry(time::from_utime(1), geometry::SE3::Identity()))
+                  .has_value());
   EXPECT_EQ(counts_.total_rejected(), 0);
   EXPECT_EQ(counts_.used(), 0);
 }
@@ -59,7 +60,8 @@ TEST_F(SensorInputTest, GapsInEitherStreamAreLosses) {
   EXPECT_TRUE(input_.read(good_scan(5), scan_));
   EXPECT_TRUE(input_.read(good_scan(8), scan_));
   EXPECT_EQ(counts_.lost(), 2);
-  nodmap::odometry_t odometry = node::write_odometry(1, geometry::SE3::Identity());
+  nodmap::odometry_t odometry =
+      node::write_odometry(time::from_utime(1), geometry::SE3::Identity());
   EXPECT_TRUE(input_.read(odometry).has_value());
   odometry.odometry_seq = 2;
   EXPECT_TRUE(input_.read(odometry).has_value());
@@ -68,7 +70,8 @@ TEST_F(SensorInputTest, GapsInEitherStreamAreLosses) {
 
 TEST_F(SensorInputTest, OdometryThatFallsBackBeganAnew) {
   const auto began_anew = [this](std::int64_t seq) {
-    nodmap::odometry_t odometry = node::write_odometry(1, geometry::SE3::Identity());
+    nodmap::odometry_t odometry =
+        node::write_odometry(time::from_utime(1), geometry::SE3::Identity());
     odometry.odometry_seq = seq;
     EXPECT_TRUE(input_.read(odometry).has_value());
     return input_.odometry_restarted();

@@ -12,8 +12,8 @@ using geometry::SE3;
 
 scan::Scan sample_scan() {
   scan::Scan scan;
-  scan.utime_us = 1;
-  scan.duration_us = 6667;
+  scan.stamp = time::from_utime(1);
+  scan.duration = 6667us;
   scan.seq = 9;
   scan.angle_first_rad = -1.5;
   scan.angle_step_rad = 0.0175;
@@ -33,8 +33,8 @@ TEST(Messages, ScanRoundTrip) {
   const scan::Scan scan = sample_scan();
   scan::Scan back;
   ASSERT_TRUE(read_scan(write_scan(scan), back));
-  EXPECT_EQ(back.utime_us, scan.utime_us);
-  EXPECT_EQ(back.duration_us, scan.duration_us);
+  EXPECT_EQ(back.stamp, scan.stamp);
+  EXPECT_EQ(back.duration, scan.duration);
   EXPECT_EQ(back.seq, scan.seq);
   EXPECT_EQ(back.pitch_first_rad, scan.pitch_first_rad);
   EXPECT_EQ(back.pitch_last_rad, scan.pitch_last_rad);
@@ -69,7 +69,7 @@ TEST(Messages, NothingFartherOrLargerThanARobotAndALaser) {
   message = write_scan(sample_scan());
   message.range_max_m = 1e30;
   EXPECT_FALSE(read_scan(message, scan));
-  nodmap::odometry_t odometry = write_odometry(1, SE3::Identity());
+  nodmap::odometry_t odometry = write_odometry(time::from_utime(1), SE3::Identity());
   odometry.position_m[1] = -5e8;
   EXPECT_FALSE(read_odometry(odometry));
   odometry.position_m[1] = -1e6;
@@ -87,7 +87,7 @@ TEST(Messages, ScanOfNoBeamsIsAScan) {
 TEST(Messages, OdometryRoundTripAndRefusal) {
   const SE3 pose = geometry::make_se3(
       {1, 2, 3}, Eigen::Quaterniond(Eigen::AngleAxisd(3.0, Eigen::Vector3d(1, 1, 0).normalized())));
-  nodmap::odometry_t message = write_odometry(77, pose);
+  nodmap::odometry_t message = write_odometry(time::from_utime(77), pose);
   EXPECT_EQ(message.utime, 77);
   EXPECT_TRUE(std::isnan(message.pose_covariance[0][0]));
   ASSERT_TRUE(read_odometry(message).has_value());
@@ -100,7 +100,7 @@ TEST(Messages, OdometryRoundTripAndRefusal) {
 TEST(Messages, CorrectedPoseCarriesBothFrames) {
   const SE3 T_map_base = geometry::to_se3({1, 2, 0.5});
   const SE3 T_map_odom = geometry::to_se3({0.1, 0, 0.01});
-  const nodmap::pose_t message = write_corrected_pose(5, T_map_base, T_map_odom);
+  const nodmap::pose_t message = write_corrected_pose(time::from_utime(5), T_map_base, T_map_odom);
   EXPECT_TRUE(read_pose(message.position_m, message.orientation)->isApprox(T_map_base, 1e-12));
   EXPECT_TRUE(
       read_pose(message.odom_position_m, message.odom_orientation)->isApprox(T_map_odom, 1e-12));

@@ -115,7 +115,7 @@ TEST(Scan, PlausibilityRefusesNonsense) {
   scan.range_max_m = scan.range_min_m;
   EXPECT_FALSE(is_plausible(scan));
   scan = sick_scan(0, 0);
-  scan.duration_us = -1;
+  scan.duration = -1us;
   EXPECT_FALSE(is_plausible(scan));
 }
 

@@ -14,7 +14,7 @@ namespace {
 constexpr time::Duration kRevolution = 13'320us;
 
 time::SteadyTime last_beam(const scan::Scan& scan) {
-  return time::SteadyTime(time::from_us(scan.utime_last_us()));
+  return time::SteadyTime(scan.last_stamp().time_since_epoch());
 }
 
 using test::FakeSensor;
@@ -65,7 +65,7 @@ class Rig {
     }
     for (const SteadyScan& steady : output.scans) {
       scans.push_back(steady.scan);
-      scans.back().utime_us = time::to_us(steady.first_beam.time_since_epoch());
+      scans.back().stamp = time::Timestamp(steady.first_beam.time_since_epoch());
     }
     pitch.insert(pitch.end(), output.pitch.begin(), output.pitch.end());
   }
@@ -99,9 +99,9 @@ TEST(Laser3d, R1_PublishesPitchedScansAt75Hz) {
     const scan::Scan& scan = rig.scans[i];
     EXPECT_TRUE(scan::is_plausible(scan));
     EXPECT_EQ(scan.ranges_m.size(), 181U);
-    EXPECT_EQ(scan.duration_us, 6660);
+    EXPECT_EQ(scan.duration, 6660us);
     EXPECT_EQ(scan.seq, static_cast<std::int64_t>(i));
-    EXPECT_GT(scan.utime_us, rig.scans[i - 1].utime_us);
+    EXPECT_GT(scan.stamp, rig.scans[i - 1].stamp);
     EXPECT_TRUE(scan.pitch_measured);
   }
 }

@@ -39,8 +39,8 @@ class ExplorerNodeTest : public ::testing::Test {
   /// Half a second later.
   nodmap::exploration_t give_pose(std::int8_t state = nodmap::pose_t::TRACKING) {
     utime_us_ += 500'000;
-    nodmap::pose_t pose =
-        node::write_corrected_pose(utime_us_, geometry::SE3::Identity(), geometry::SE3::Identity());
+    nodmap::pose_t pose = node::write_corrected_pose(
+        time::from_utime(utime_us_), geometry::SE3::Identity(), geometry::SE3::Identity());
     pose.state = state;
     bus_.deliver("POSE_2D", pose);
     return bus_.last<nodmap::exploration_t>("EXPLORATION");

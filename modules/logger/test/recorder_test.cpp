@@ -47,7 +47,9 @@ class FileSizeLimit {
 class RecorderTest : public ::testing::Test {
  protected:
   /// An event of 1000 bytes; its stamp is its number.
-  void record(Recorder& recorder) { recorder.record(num_recorded_++, "DATA", data_); }
+  void record(Recorder& recorder) {
+    recorder.record(time::from_utime(num_recorded_++), "DATA", data_);
+  }
 
   [[nodiscard]] std::vector<std::string> names() const {
     std::vector<std::string> found;

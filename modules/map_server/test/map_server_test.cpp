@@ -195,17 +195,17 @@ TEST(MapServer, StampsThatStepBack) {
   const test::World world = test::room(-2, 5, -3, 3);
   for (int i = 0; i < 200; ++i) {
     scan::Scan scan = scanner.scan(world, {});
-    scan.utime_us -= (i / 50) * 3'600'000'000;
+    scan.stamp -= (i / 50) * 1h;
     ASSERT_EQ(server.add_scan(scan, SE3::Identity()), ScanStatus::kUsed);
     for (const EgoPoint& p : server.obstacle_map().scan().points()) {
       ASSERT_TRUE(!p.valid || (server.age_s(p) >= 0.0 && server.age_s(p) < 3.0));
     }
   }
   scan::Scan scan = scanner.scan(world, {});
-  scan.utime_us = std::numeric_limits<std::int64_t>::min();
-  scan.duration_us = 0;
+  scan.stamp = time::from_utime(std::numeric_limits<std::int64_t>::min());
+  scan.duration = 0s;
   EXPECT_EQ(server.add_scan(scan, SE3::Identity()), ScanStatus::kUsed);
-  scan.utime_us = std::numeric_limits<std::int64_t>::max();
+  scan.stamp = time::from_utime(std::numeric_limits<std::int64_t>::max());
   EXPECT_EQ(server.add_scan(scan, SE3::Identity()), ScanStatus::kUsed);
 }
 

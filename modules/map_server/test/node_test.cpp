@@ -25,7 +25,7 @@ class MapServerNodeTest : public ::testing::Test {
   nodmap::scan_t next_scan() { return node::write_scan(scanner_.scan(world_, {})); }
 
   void give_odometry(std::int64_t utime_us, std::int64_t seq, double x = 0.0) {
-    auto message = node::write_odometry(utime_us, geometry::to_se3({x, 0, 0}));
+    auto message = node::write_odometry(time::from_utime(utime_us), geometry::to_se3({x, 0, 0}));
     message.odometry_seq = seq;
     bus_.deliver("ODOMETRY", message);
   }
@@ -147,7 +147,8 @@ TEST_F(MapServerNodeTest, BadScansAreCountedAndNothingElse) {
   EXPECT_EQ(rejected("implausible_scan"), 2);
   EXPECT_EQ(rejected("empty_scan"), 1);
   EXPECT_TRUE(maps_on("OBSTACLE_MAP").empty());
-  nodmap::odometry_t nowhere = node::write_odometry(1'010'000, geometry::SE3::Identity());
+  nodmap::odometry_t nowhere =
+      node::write_odometry(time::from_utime(1'010'000), geometry::SE3::Identity());
   nowhere.position_m[0] = std::numeric_limits<double>::quiet_NaN();
   bus_.deliver("ODOMETRY", nowhere);
   EXPECT_EQ(rejected("implausible_odometry"), 1);

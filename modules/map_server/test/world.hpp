@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/geometry/se3.hpp"
+#include "common/geometry/time.hpp"
 #include "common/scan/scan.hpp"
 
 /// A world of boxes, cylinders and a floor with exact ray casting, and a nodding scanner in it:
@@ -102,15 +103,15 @@ class NoddingScanner {
   double height_m = 0.38;
   double range_sigma_m = 0.0;
   double pitch_sigma_rad = 0.0;
-  std::int64_t period_us = 13'320;
+  time::Duration period = 13'320us;
 
   static constexpr double kPeriodS = 0.01332;
 
   /// The next scan, taken from one pose.
   scan::Scan scan(const World& world, const SE2& T_world_base) {
     scan::Scan scan;
-    scan.utime_us = utime_us_;
-    scan.duration_us = period_us / 2;
+    scan.stamp = stamp_;
+    scan.duration = period / 2;
     scan.seq = seq_++;
     scan.angle_first_rad = deg_to_rad(-90);
     scan.angle_step_rad = deg_to_rad(1);
@@ -121,7 +122,7 @@ class NoddingScanner {
     nod();
     scan.pitch_last_rad = 0.5 * (scan.pitch_first_rad + pitch_rad_);
     measure(world, T_world_base, scan);
-    utime_us_ += period_us;
+    stamp_ += period;
     return scan;
   }
 
@@ -164,7 +165,7 @@ class NoddingScanner {
 
   double pitch_rad_ = 0.0;
   double direction_ = 1.0;
-  std::int64_t utime_us_ = 1'000'000;
+  time::Timestamp stamp_ = time::from_utime(1'000'000);
   std::int64_t seq_ = 0;
 };
 

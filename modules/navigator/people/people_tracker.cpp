@@ -13,7 +13,7 @@ constexpr double kGate = 9.2;
 constexpr double kFarthestM = 1.0;
 /// Evidence for a motion: seen so often, over so long (more than one sweep), and so fast.
 constexpr int kFewestSightings = 4;
-constexpr std::int64_t kShortestUs = 150'000;
+constexpr time::Duration kShortest = 150ms;
 constexpr double kLeastMps = 0.25;
 constexpr double kSigmas = 2.0;
 /// Slower than this a walker stands.
@@ -22,23 +22,23 @@ constexpr double kStandsMps = 0.15;
 constexpr double kHisM = 0.2;
 constexpr double kFloorM = 0.03;
 /// A track is kept so long without being seen, and so often with beams through its middle.
-constexpr std::int64_t kLostUs = 1'500'000;
+constexpr time::Duration kLost = 1500ms;
 /// Beside and behind the laser he is not looked for: kept for longer. People who pace through a
 /// room of 8 m at 1 m/s are back by then.
-constexpr std::int64_t kUnseenUs = 12'000'000;
+constexpr time::Duration kUnseen = 12s;
 /// He turns round so far before a wall.
 constexpr double kTurnsBeforeM = 0.5;
 /// With a greater error of his place there the robot would not move at all; it is his path that is
 /// known, and about when he comes along it.
 constexpr double kMostUnseenSigmaM = 0.5;
 /// In sight is who was seen in one of the last two sweeps.
-constexpr std::int64_t kInSightUs = 800'000;
+constexpr time::Duration kInSight = 800ms;
 /// So near to the laser he may be below its beams, or beside them.
 constexpr double kBesideM = 0.5;
 constexpr int kMostContradictions = 4;
 
-double seconds_between(std::int64_t from_us, std::int64_t to_us) {
-  return 1e-6 * static_cast<double>(to_us - from_us);
+double seconds_between(time::Timestamp from, time::Timestamp to) {
+  return time::seconds(to - from);
 }
 
 double worse_sigma(const Eigen::Matrix2d& covariance) {
@@ -50,17 +50,17 @@ double worse_sigma(const Eigen::Matrix2d& covariance) {
 
 }  // namespace
 
-Track::Track(std::int64_t utime_us, const Detection& detection)
-    : radius_m_(detection.radius_m), utime_us_(utime_us), first_us_(utime_us), seen_us_(utime_us) {
+Track::Track(time::Timestamp stamp, const Detection& detection)
+    : radius_m_(detection.radius_m), stamp_(stamp), first_seen_(stamp), seen_at_(stamp) {
   state_ << detection.p_odom, Eigen::Vector2d::Zero();
   const double p = kPositionSigmaM * kPositionSigmaM;
   const double v = kVelocitySigmaMps * kVelocitySigmaMps;
   covariance_ = Eigen::Vector4d(p, p, v, v).asDiagonal();
 }
 
-void Track::predict(std::int64_t utime_us) {
-  const double dt = std::max(0.0, seconds_between(utime_us_, utime_us));
-  utime_us_ = std::max(utime_us_, utime_us);
+void Track::predict(time::Timestamp stamp) {
+  const double dt = std::max(0.0, seconds_between(stamp_, stamp));
+  stamp_ = std::max(stamp_, stamp);
   Eigen::Matrix4d F = Eigen::Matrix4d::Identity();
   F.topRightCorner<2, 2>().diagonal().setConstant(dt);
   Eigen::Matrix4d Q = Eigen::Matrix4d::Zero();
@@ -80,12 +80,12 @@ void Track::update(const Detection& detection) {
   covariance_ -= K * covariance_.topRows<2>();
   covariance_ = 0.5 * (covariance_ + covariance_.transpose()).eval();
   radius_m_ = std::max(radius_m_, detection.radius_m);
-  seen_us_ = utime_us_;
+  seen_at_ = stamp_;
   num_contradictions_ = 0;
   ++num_sightings_;
   const double speed_mps = state_.tail<2>().norm();
   const double sigma_mps = worse_sigma(covariance_.bottomRightCorner<2, 2>());
-  const bool is_known = num_sightings_ >= kFewestSightings && seen_us_ - first_us_ >= kShortestUs;
+  const bool is_known = num_sightings_ >= kFewestSightings && seen_at_ - first_seen_ >= kShortest;
   moves_ = moves_ ? speed_mps > kStandsMps
                   : is_known && speed_mps > std::max(kLeastMps, kSigmas * sigma_mps);
 }
@@ -103,9 +103,9 @@ Person Track::person() const {
   return {state_.head<2>(),
           state_.tail<2>(),
           radius_m_,
-          hidden_us_ > seen_us_ ? std::min(kMostUnseenSigmaM, sigma_m) : sigma_m,
+          hidden_at_ > seen_at_ ? std::min(kMostUnseenSigmaM, sigma_m) : sigma_m,
           worse_sigma(covariance_.bottomRightCorner<2, 2>()),
-          utime_us_ - seen_us_ < kInSightUs};
+          stamp_ - seen_at_ < kInSight};
 }
 
 void Track::turn_round() {
@@ -117,19 +117,19 @@ void Track::turn_round() {
 void PeopleTracker::add_scan(const scan::Scan& scan, const geometry::SE2& T_odom_base,
                              const IsBlocked& is_blocked) {
   const std::vector<Detection> detections = detector_.add_scan(scan, T_odom_base);
-  const std::int64_t utime_us = scan.utime_mid_us();
+  const time::Timestamp stamp = scan.mid_stamp();
   is_walker_.assign(scan.ranges_m.size(), false);
   for (Track& track : tracks_) {
-    track.predict(utime_us);
+    track.predict(stamp);
   }
-  associate(detections, utime_us);
+  associate(detections, stamp);
   mark_walkers(scan, T_odom_base);
   follow_unseen(scan, T_odom_base, is_blocked);
-  drop_lost(utime_us);
+  drop_lost(stamp);
 }
 
 /// Each detection goes to the track that expects it most; one that none expects begins a track.
-void PeopleTracker::associate(const std::vector<Detection>& detections, std::int64_t utime_us) {
+void PeopleTracker::associate(const std::vector<Detection>& detections, time::Timestamp stamp) {
   const std::size_t num_known = tracks_.size();
   for (const Detection& detection : detections) {
     Track* nearest = nullptr;
@@ -144,14 +144,14 @@ void PeopleTracker::associate(const std::vector<Detection>& detections, std::int
     if (nearest != nullptr) {
       nearest->update(detection);
     } else {
-      tracks_.emplace_back(utime_us, detection);
+      tracks_.emplace_back(stamp, detection);
     }
   }
 }
 
 /// Whatever ends on a walker above the floor, at any height, is his.
 void PeopleTracker::mark_walkers(const scan::Scan& scan, const geometry::SE2& T_odom_base) {
-  const People people = people_base(scan.utime_mid_us(), T_odom_base);
+  const People people = people_base(scan.mid_stamp(), T_odom_base);
   for (std::size_t beam = 0; beam < scan.ranges_m.size() && !people.empty(); ++beam) {
     if (!scan.is_hit(beam)) {
       continue;
@@ -177,7 +177,7 @@ void PeopleTracker::follow_unseen(const scan::Scan& scan, const geometry::SE2& T
     if (p.x() > 0.0 && p.norm() > kBesideM) {
       continue;
     }
-    track.hide(scan.utime_mid_us());
+    track.hide(scan.mid_stamp());
     const Eigen::Vector2d ahead = person.velocity.normalized();
     for (double d = 0.0; is_blocked && d <= kTurnsBeforeM; d += kStepM) {
       if (is_blocked(person.position + d * ahead)) {
@@ -188,32 +188,32 @@ void PeopleTracker::follow_unseen(const scan::Scan& scan, const geometry::SE2& T
   }
 }
 
-void PeopleTracker::drop_lost(std::int64_t utime_us) {
+void PeopleTracker::drop_lost(time::Timestamp stamp) {
   for (Track& track : tracks_) {
     if (detector_.space().is_passed_now(track.person().position)) {
       track.contradict();
     }
   }
   std::erase_if(tracks_, [&](const Track& track) {
-    return std::abs(utime_us - track.missed_since_us()) > kLostUs ||
-           std::abs(utime_us - track.seen_us()) > (track.moves() ? kUnseenUs : kLostUs) ||
+    return std::chrono::abs(stamp - track.missed_since()) > kLost ||
+           std::chrono::abs(stamp - track.seen_at()) > (track.moves() ? kUnseen : kLost) ||
            track.num_contradictions() > kMostContradictions;
   });
 }
 
-People PeopleTracker::people_odom(std::int64_t utime_us) const {
+People PeopleTracker::people_odom(time::Timestamp stamp) const {
   People people;
   for (Track track : tracks_) {
     if (track.moves()) {
-      track.predict(utime_us);
+      track.predict(stamp);
       people.push_back(track.person());
     }
   }
   return people;
 }
 
-People PeopleTracker::people_base(std::int64_t utime_us, const geometry::SE2& T_odom_base) const {
-  People people = people_odom(utime_us);
+People PeopleTracker::people_base(time::Timestamp stamp, const geometry::SE2& T_odom_base) const {
+  People people = people_odom(stamp);
   const geometry::SE2 T_base_odom = T_odom_base.inverse();
   const Eigen::Matrix2d R_base_odom = T_base_odom.rotation();
   for (Person& person : people) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/geometry/se2.hpp"
+#include "common/geometry/time.hpp"
 #include "common/scan/scan.hpp"
 #include "modules/navigator/people/motion_detector.hpp"
 #include "modules/navigator/people/person.hpp"
@@ -27,9 +28,9 @@ class Track {
   /// Before it is known: people walk at 1.4 m/s and less, in any direction.
   static constexpr double kVelocitySigmaMps = 1.0;
 
-  Track(std::int64_t utime_us, const Detection& detection);
+  Track(time::Timestamp stamp, const Detection& detection);
 
-  void predict(std::int64_t utime_us);
+  void predict(time::Timestamp stamp);
   /// After predict() to the time of the detection.
   void update(const Detection& detection);
 
@@ -42,13 +43,13 @@ class Track {
   /// He turns round, at the same speed.
   void turn_round();
 
-  [[nodiscard]] std::int64_t seen_us() const { return seen_us_; }
+  [[nodiscard]] time::Timestamp seen_at() const { return seen_at_; }
   /// Beams of this many scans since then have passed through its middle.
   [[nodiscard]] int num_contradictions() const { return num_contradictions_; }
   void contradict() { ++num_contradictions_; }
   /// When he was seen last, or could not be: beside or behind the robot.
-  [[nodiscard]] std::int64_t missed_since_us() const { return std::max(seen_us_, hidden_us_); }
-  void hide(std::int64_t utime_us) { hidden_us_ = utime_us; }
+  [[nodiscard]] time::Timestamp missed_since() const { return std::max(seen_at_, hidden_at_); }
+  void hide(time::Timestamp stamp) { hidden_at_ = stamp; }
   /// Seen in two sweeps at least, and its velocity is more than its error.
   [[nodiscard]] bool moves() const { return moves_; }
 
@@ -56,10 +57,10 @@ class Track {
   Eigen::Vector4d state_;  // position, velocity; odom
   Eigen::Matrix4d covariance_;
   double radius_m_;
-  std::int64_t utime_us_;
-  std::int64_t first_us_;
-  std::int64_t seen_us_;
-  std::int64_t hidden_us_ = 0;
+  time::Timestamp stamp_;
+  time::Timestamp first_seen_;
+  time::Timestamp seen_at_;
+  time::Timestamp hidden_at_{};
   int num_sightings_ = 1;
   int num_contradictions_ = 0;
   bool moves_ = false;
@@ -83,17 +84,17 @@ class PeopleTracker {
   [[nodiscard]] const std::vector<bool>& is_walker() const { return is_walker_; }
 
   /// Those who move, where they are at this time; in odom.
-  [[nodiscard]] People people_odom(std::int64_t utime_us) const;
+  [[nodiscard]] People people_odom(time::Timestamp stamp) const;
 
   /// The same in the axes of base now.
-  [[nodiscard]] People people_base(std::int64_t utime_us, const geometry::SE2& T_odom_base) const;
+  [[nodiscard]] People people_base(time::Timestamp stamp, const geometry::SE2& T_odom_base) const;
 
  private:
-  void associate(const std::vector<Detection>& detections, std::int64_t utime_us);
+  void associate(const std::vector<Detection>& detections, time::Timestamp stamp);
   void mark_walkers(const scan::Scan& scan, const geometry::SE2& T_odom_base);
   void follow_unseen(const scan::Scan& scan, const geometry::SE2& T_odom_base,
                      const IsBlocked& is_blocked);
-  void drop_lost(std::int64_t utime_us);
+  void drop_lost(time::Timestamp stamp);
 
   MotionDetector detector_;
   std::vector<Track> tracks_;

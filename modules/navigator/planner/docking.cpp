@@ -41,23 +41,23 @@ geometry::SE2 T_goal_base(const GoalInBase& goal) {
 
 }  // namespace
 
-DockingStep Docking::next(const GoalInBase& goal, std::int64_t utime_us) {
-  const double phase_s = 1e-6 * std::abs(static_cast<double>(utime_us - phase_began_us_));
+DockingStep Docking::next(const GoalInBase& goal, time::Timestamp stamp) {
+  const double phase_s = time::seconds(std::chrono::abs(stamp - phase_began_));
   if (phase_ == Phase::kFailed && phase_s > kTryAgainS) {
     reset();
   }
   const Phase phase = next_phase(goal, phase_s);
   if (phase != phase_) {
-    enter(phase, utime_us);
+    enter(phase, stamp);
   }
   return step(goal);
 }
 
-void Docking::enter(Phase phase, std::int64_t utime_us) {
+void Docking::enter(Phase phase, time::Timestamp stamp) {
   const bool is_correction = phase_ == Phase::kSettle && phase != Phase::kDocked;
   num_tries_ += phase == Phase::kAlign || is_correction ? 1 : 0;
   phase_ = num_tries_ > params_.tries ? Phase::kFailed : phase;
-  phase_began_us_ = utime_us;
+  phase_began_ = stamp;
   if (phase_ == Phase::kDocked) {
     num_tries_ = 0;
   }

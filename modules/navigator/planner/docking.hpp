@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <string>
 
+#include "common/geometry/time.hpp"
 #include "modules/navigator/goal.hpp"
 #include "modules/navigator/params.hpp"
 
@@ -41,7 +42,7 @@ class Docking {
   void reset() { *this = Docking(params_); }
 
   /// `goal` has a heading.
-  [[nodiscard]] DockingStep next(const GoalInBase& goal, std::int64_t utime_us);
+  [[nodiscard]] DockingStep next(const GoalInBase& goal, time::Timestamp stamp);
 
   /// Past the staging place, and not failed.
   [[nodiscard]] bool is_docking() const {
@@ -63,13 +64,13 @@ class Docking {
 
   [[nodiscard]] Phase next_phase(const GoalInBase& goal, double phase_s) const;
   [[nodiscard]] Phase after_settling(const GoalInBase& goal) const;
-  void enter(Phase phase, std::int64_t utime_us);
+  void enter(Phase phase, time::Timestamp stamp);
   [[nodiscard]] DockingStep step(const GoalInBase& goal) const;
   [[nodiscard]] DockingStep follow_line(const geometry::SE2& T_goal_base) const;
 
   DockingParams params_;
   Phase phase_ = Phase::kStage;
-  std::int64_t phase_began_us_ = 0;
+  time::Timestamp phase_began_{};
   int num_tries_ = 0;
 };
 

@@ -118,11 +118,11 @@ void GlobalPlanner::add_failure(const Eigen::Vector2d& p_map) {
 void GlobalPlanner::forget_ground() {
   grid_.center_on({1e6, 1e6});  // far away: every cell begins anew
   is_empty_ = true;
-  started_us_.reset();
+  started_at_.reset();
   phase_ = Phase::kIdle;
 }
 
-void GlobalPlanner::step(std::int64_t utime_us, const LocalMap& local_map,
+void GlobalPlanner::step(time::Timestamp stamp, const LocalMap& local_map,
                          const geometry::SE2& T_map_odom, const geometry::SE2& T_odom_base,
                          const Eigen::Vector2d& goal_map, double tolerance_m,
                          const Geofence* geofence) {
@@ -131,17 +131,16 @@ void GlobalPlanner::step(std::int64_t utime_us, const LocalMap& local_map,
     complete_.reset();
     failures_.clear();
     phase_ = Phase::kIdle;
-    started_us_.reset();
+    started_at_.reset();
     goal_map_ = goal_map;
     tolerance_m_ = tolerance_m;
   }
   switch (phase_) {
     case Phase::kIdle:
-      if (started_us_ &&
-          std::abs(static_cast<double>(utime_us - *started_us_)) < 1e6 * params_.replan_s) {
+      if (started_at_ && time::seconds(std::chrono::abs(stamp - *started_at_)) < params_.replan_s) {
         return;
       }
-      started_us_ = utime_us;
+      started_at_ = stamp;
       update_grid(local_map, T_map_odom, T_odom_base);
       begin_window(p_map, goal_map_);
       is_last_resort_ = false;

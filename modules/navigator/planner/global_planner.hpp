@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/geometry/se2.hpp"
+#include "common/geometry/time.hpp"
 #include "common/robot/footprint.hpp"
 #include "modules/navigator/geofence.hpp"
 #include "modules/navigator/local_map/local_map.hpp"
@@ -51,7 +52,7 @@ class GlobalPlanner {
 
   /// One portion of work. Starts anew every `replan_s`. No path crosses the boundary of
   /// `geofence`; null: none.
-  void step(std::int64_t utime_us, const LocalMap& local_map, const geometry::SE2& T_map_odom,
+  void step(time::Timestamp stamp, const LocalMap& local_map, const geometry::SE2& T_map_odom,
             const geometry::SE2& T_odom_base, const Eigen::Vector2d& goal_map, double tolerance_m,
             const Geofence* geofence = nullptr);
 
@@ -101,7 +102,7 @@ class GlobalPlanner {
 
   Phase phase_ = Phase::kIdle;
   bool is_last_resort_ = false;  // only occupied cells block, for there is no other path
-  std::optional<std::int64_t> started_us_;
+  std::optional<time::Timestamp> started_at_;
   Eigen::Vector2d goal_map_ = Eigen::Vector2d::Zero();
   double tolerance_m_ = 0.0;
   DistanceField clearance_;

@@ -61,8 +61,8 @@ bool is_same(const geometry::SE2& a, const geometry::SE2& b) {
          std::abs(geometry::angle_difference(a.yaw, b.yaw)) < 1e-3;
 }
 
-double seconds_since(const std::optional<std::int64_t>& utime_us, const Situation& now) {
-  return utime_us ? 1e-6 * std::abs(static_cast<double>(now.utime_us - *utime_us)) : 0.0;
+double seconds_since(const std::optional<time::Timestamp>& stamp, const Situation& now) {
+  return stamp ? time::seconds(std::chrono::abs(now.stamp - *stamp)) : 0.0;
 }
 
 }  // namespace
@@ -98,7 +98,7 @@ Decision GoalDrive::dock(const Situation& now, const SeenDirections& seen,
     docking_.reset();
     dock_map_ = goal_map;
   }
-  const DockingStep step = docking_.next(*now.goal, now.utime_us);
+  const DockingStep step = docking_.next(*now.goal, now.stamp);
   Decision decision;
   decision.behaviour = Behaviour::kBrake;
   decision.reason = step.reason;
@@ -136,14 +136,14 @@ Decision GoalDrive::drive_by_plan(const Situation& now, const SeenDirections& se
   const Eigen::Vector2d goal_map = T_map_base * now.goal->p_base;
   if ((goal_map - goal_map_).norm() > now.goal->tolerance_m) {
     goal_map_ = goal_map;
-    progress_us_.reset();
+    progress_at_.reset();
   }
-  global_.step(now.utime_us, local_map, now.T_map_odom, now.T_odom_base, goal_map_,
+  global_.step(now.stamp, local_map, now.T_map_odom, now.T_odom_base, goal_map_,
                now.goal->tolerance_m, now.geofence);
   Decision decision;
   decision.behaviour = Behaviour::kBrake;
   if (global_.cost_to_go() == nullptr) {
-    progress_us_.reset();
+    progress_at_.reset();
     decision.reason = "Plans the path to the goal.";
     return decision;
   }
@@ -151,7 +151,7 @@ Decision GoalDrive::drive_by_plan(const Situation& now, const SeenDirections& se
   if (!std::isfinite(cost_m)) {
     return without_path(now);
   }
-  no_path_since_us_.reset();
+  no_path_since_.reset();
   looked_rad_ = 0.0;
   watch_progress(now, cost_m);
   const double max_forward_mps = brake_.speed_limit(0.0, now.max_forward_mps);
@@ -240,15 +240,15 @@ std::optional<Decision> GoalDrive::choose(const std::vector<Rollout>& rollouts, 
 /// anew from what the local map holds then: where the robot has been is remembered no better than
 /// 2D SLAM knew its pose, and what was seen from afar may have been wrong.
 Decision GoalDrive::without_path(const Situation& now) {
-  if (!no_path_since_us_ || seconds_since(no_path_since_us_, now) > kLookAgainS) {
-    no_path_since_us_ = now.utime_us;
+  if (!no_path_since_ || seconds_since(no_path_since_, now) > kLookAgainS) {
+    no_path_since_ = now.stamp;
     looked_rad_ = 0.0;
     has_doubted_ = false;
     last_yaw_rad_ = now.T_odom_base.yaw;
   }
   looked_rad_ += std::abs(geometry::angle_difference(now.T_odom_base.yaw, last_yaw_rad_));
   last_yaw_rad_ = now.T_odom_base.yaw;
-  if (looked_rad_ < 2.0 * geometry::kPi && seconds_since(no_path_since_us_, now) > kDoubtS) {
+  if (looked_rad_ < 2.0 * geometry::kPi && seconds_since(no_path_since_, now) > kDoubtS) {
     Rollout around;
     around.yaw_rate_rad_s = 0.5 * params_.planner.rotation_rad_s;
     if (auto decision = rotate(around, now)) {
@@ -271,19 +271,19 @@ Decision GoalDrive::without_path(const Situation& now) {
 /// become longer because of what was seen begins anew.
 void GoalDrive::watch_progress(const Situation& now, double cost_m) {
   if (cost_m > last_cost_m_ + kNewPathM) {
-    progress_us_.reset();
+    progress_at_.reset();
   }
   last_cost_m_ = cost_m;
-  const double waited_s = seconds_since(progress_us_, now);
-  if (progress_us_ && cost_m > least_cost_m_ - kProgressM && waited_s < kPatienceS) {
+  const double waited_s = seconds_since(progress_at_, now);
+  if (progress_at_ && cost_m > least_cost_m_ - kProgressM && waited_s < kPatienceS) {
     return;
   }
-  if (progress_us_ && waited_s >= kPatienceS) {
+  if (progress_at_ && waited_s >= kPatienceS) {
     const geometry::SE2 T_map_base = now.T_map_odom * now.T_odom_base;
     global_.add_failure(
         global_.cost_to_go()->path_from(T_map_base.translation(), kFailureAheadM).back());
   }
-  progress_us_ = now.utime_us;
+  progress_at_ = now.stamp;
   least_cost_m_ = cost_m;
 }
 

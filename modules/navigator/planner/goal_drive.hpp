@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "common/geometry/time.hpp"
 #include "modules/navigator/back_up.hpp"
 #include "modules/navigator/brake.hpp"
 #include "modules/navigator/decision.hpp"
@@ -71,8 +72,8 @@ class GoalDrive {
   Eigen::Vector2d goal_map_ = Eigen::Vector2d::Zero();
   double least_cost_m_ = 0.0;  // since the goal, or the last failure
   double last_cost_m_ = 0.0;
-  std::optional<std::int64_t> progress_us_;
-  std::optional<std::int64_t> no_path_since_us_;
+  std::optional<time::Timestamp> progress_at_;
+  std::optional<time::Timestamp> no_path_since_;
   bool has_doubted_ = false;  // the ground was forgotten since
   double looked_rad_ = 0.0;   // rotated since there is no path
   double last_yaw_rad_ = 0.0;

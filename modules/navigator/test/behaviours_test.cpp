@@ -173,20 +173,20 @@ SeenDirections seen_ahead() {
 TEST(Approach, DetectsWhatComesNearerAndOnlyWhileItDoes) {
   Approach approach(2);
   const SeenDirections view = seen_ahead();
-  std::int64_t utime_us = 0;
-  for (double x_m = 2.0; x_m > 0.3; x_m -= 0.01, utime_us += 10'000) {  // 1 m/s
-    approach.update(utime_us, {}, 0.9, {{x_m, 0.1}, {0.0, 0.4}}, view);
+  time::Timestamp stamp{};
+  for (double x_m = 2.0; x_m > 0.3; x_m -= 0.01, stamp += 10ms) {  // 1 m/s
+    approach.update(stamp, {}, 0.9, {{x_m, 0.1}, {0.0, 0.4}}, view);
     // Detected 6 cm nearer than before, so up to 6 cm within the reach.
     if (x_m > 0.91) {
-      EXPECT_FALSE(approach.is_detected(utime_us)) << x_m;
+      EXPECT_FALSE(approach.is_detected(stamp)) << x_m;
     } else if (x_m < 0.83) {
-      EXPECT_TRUE(approach.is_detected(utime_us)) << x_m;
+      EXPECT_TRUE(approach.is_detected(stamp)) << x_m;
     }
   }
-  for (int i = 0; i < 101; ++i, utime_us += 10'000) {
-    approach.update(utime_us, {}, 0.9, {{0.3, 0.1}, {0.0, 0.4}}, view);
+  for (int i = 0; i < 101; ++i, stamp += 10ms) {
+    approach.update(stamp, {}, 0.9, {{0.3, 0.1}, {0.0, 0.4}}, view);
   }
-  EXPECT_FALSE(approach.is_detected(utime_us));  // it stays
+  EXPECT_FALSE(approach.is_detected(stamp));  // it stays
 }
 
 TEST(Approach, ARotationOfTheRobotIsNoApproach) {
@@ -205,20 +205,21 @@ TEST(Approach, ARotationOfTheRobotIsNoApproach) {
     for (Eigen::Vector2d& p : points_base) {
       p = geometry::SE2{0.0, 0.0, -heading_rad}.rotation() * p;
     }
-    approach.update(i * 10'000, {0.0, 0.0, heading_rad}, 0.9, points_base, view);
-    EXPECT_FALSE(approach.is_detected(i * 10'000)) << i;
+    approach.update(time::Timestamp(i * 10ms), {0.0, 0.0, heading_rad}, 0.9, points_base, view);
+    EXPECT_FALSE(approach.is_detected(time::Timestamp(i * 10ms))) << i;
   }
 }
 
 TEST(Approach, WhatComesIntoViewIsNoApproach) {
   Approach approach(2);
   const SeenDirections view = seen_ahead();
-  approach.update(0, {}, 0.9, {}, view);
-  approach.update(10'000, {}, 0.9, {{-0.1, 0.5}},
+  approach.update(time::Timestamp(0s), {}, 0.9, {}, view);
+  approach.update(time::Timestamp(10ms), {}, 0.9, {{-0.1, 0.5}},
                   view);  // beside it, where the laser had not looked
-  EXPECT_FALSE(approach.is_detected(10'000));
-  approach.update(20'000, {}, 0.9, {{-0.1, 0.5}, {0.5, 0.0}}, view);  // ahead, where it had
-  EXPECT_TRUE(approach.is_detected(20'000));
+  EXPECT_FALSE(approach.is_detected(time::Timestamp(10ms)));
+  approach.update(time::Timestamp(20ms), {}, 0.9, {{-0.1, 0.5}, {0.5, 0.0}},
+                  view);  // ahead, where it had
+  EXPECT_TRUE(approach.is_detected(time::Timestamp(20ms)));
 }
 
 // A wall, a pole and a doorway that is looked through, passed at 1 m/s with 1 cm of noise.
@@ -236,8 +237,8 @@ TEST(Approach, DrivingIsNotAnApproach) {
     for (Eigen::Vector2d& p : points_base) {
       p *= 1.0 + 0.01 * ((i * 7) % 5 - 2) / 2.0 / p.norm();
     }
-    approach.update(i * 10'000, T_odom_base, 1.5, points_base, view);
-    EXPECT_FALSE(approach.is_detected(i * 10'000)) << i;
+    approach.update(time::Timestamp(i * 10ms), T_odom_base, 1.5, points_base, view);
+    EXPECT_FALSE(approach.is_detected(time::Timestamp(i * 10ms))) << i;
   }
 }
 
@@ -249,9 +250,9 @@ TEST(Approach, APersonWhoCrossesThePathIsDetected) {
     const geometry::SE2 T_odom_base{0.5 * time_s, 0.0, 0.0};
     const Eigen::Vector2d walker_odom(1.5, 1.5 - 1.0 * time_s);  // crosses its path
     const Points points_base{T_odom_base.inverse() * walker_odom};
-    approach.update(i * 10'000, T_odom_base, 1.5, points_base, view);
+    approach.update(time::Timestamp(i * 10ms), T_odom_base, 1.5, points_base, view);
   }
-  EXPECT_TRUE(approach.is_detected(990'000));
+  EXPECT_TRUE(approach.is_detected(time::Timestamp(990ms)));
 }
 
 TEST(Trail, LeadsBackAlongThePathOfTheRobot) {
@@ -362,9 +363,9 @@ TEST(Turn, AfterAFullRotationItWaitsAndTriesAgain) {
     ++steps;
   }
   EXPECT_NEAR(steps, 360, 1);
-  view.utime_us = 4'900'000;
+  view.stamp = time::from_utime(4'900'000);
   EXPECT_EQ(turn.step(view, 0.0).kind, Kind::kWait);
-  view.utime_us = 5'100'000;
+  view.stamp = time::from_utime(5'100'000);
   EXPECT_EQ(turn.step(view, 0.0).kind, Kind::kTurn);
 }
 
@@ -439,31 +440,33 @@ TEST(Detour, NothingBeyondTheGoalBlocksThePath) {
 
 TEST(Staleness, EachInputHasItsLimit) {
   const StalenessParams limits;
-  const InputStamps fresh{1'000'000, 990'000, 990'000, 990'000, 990'000};
+  const time::Timestamp now(1s);
+  const InputStamps fresh{now, now - 10ms, now - 10ms, now - 10ms, now - 10ms};
   EXPECT_FALSE(reason_to_halt(fresh, limits, true));
-  const auto with = [&](auto member, std::optional<std::int64_t> utime_us) {
+  const auto with = [&](auto member, std::optional<time::Timestamp> stamp) {
     InputStamps stamps = fresh;
-    stamps.*member = utime_us;
+    stamps.*member = stamp;
     return reason_to_halt(stamps, limits, true).has_value();
   };
-  EXPECT_FALSE(with(&InputStamps::map_us, 900'000));
-  EXPECT_TRUE(with(&InputStamps::map_us, 899'999));
-  EXPECT_FALSE(with(&InputStamps::scan_us, 900'000));
-  EXPECT_TRUE(with(&InputStamps::scan_us, 899'999));
-  EXPECT_TRUE(with(&InputStamps::pitch_command_us, 849'999));
-  EXPECT_TRUE(with(&InputStamps::pitch_state_us, 849'999));
+  EXPECT_FALSE(with(&InputStamps::map, time::from_utime(900'000)));
+  EXPECT_TRUE(with(&InputStamps::map, time::from_utime(899'999)));
+  EXPECT_FALSE(with(&InputStamps::scan, time::from_utime(900'000)));
+  EXPECT_TRUE(with(&InputStamps::scan, time::from_utime(899'999)));
+  EXPECT_TRUE(with(&InputStamps::pitch_command, time::from_utime(849'999)));
+  EXPECT_TRUE(with(&InputStamps::pitch_state, time::from_utime(849'999)));
   // Odometry that stays behind, or an input from the future.
-  EXPECT_TRUE(with(&InputStamps::odometry_us, 880'000));
-  EXPECT_TRUE(with(&InputStamps::map_us, 1'100'001));
-  for (const auto member : {&InputStamps::odometry_us, &InputStamps::map_us, &InputStamps::scan_us,
-                            &InputStamps::pitch_command_us, &InputStamps::pitch_state_us}) {
+  EXPECT_TRUE(with(&InputStamps::odometry, time::from_utime(880'000)));
+  EXPECT_TRUE(with(&InputStamps::map, time::from_utime(1'100'001)));
+  for (const auto member : {&InputStamps::odometry, &InputStamps::map, &InputStamps::scan,
+                            &InputStamps::pitch_command, &InputStamps::pitch_state}) {
     EXPECT_TRUE(with(member, std::nullopt));
   }
 }
 
 TEST(Staleness, WithoutTheLocalMapNoScanIsNeeded) {
-  InputStamps stamps{1'000'000, 990'000, 990'000, 990'000, 990'000};
-  stamps.scan_us.reset();
+  const time::Timestamp now(1s);
+  InputStamps stamps{now, now - 10ms, now - 10ms, now - 10ms, now - 10ms};
+  stamps.scan.reset();
   EXPECT_FALSE(reason_to_halt(stamps, {}, false));
   EXPECT_EQ(reason_to_halt(stamps, {}, true), "There is no scan for the local map.");
 }

@@ -32,7 +32,7 @@ class NavigatorNodeTest : public ::testing::Test {
   }
 
   void give_odometry(std::int64_t utime_us) {
-    auto message = node::write_odometry(utime_us, geometry::to_se3({x_, 0, 0}));
+    auto message = node::write_odometry(time::from_utime(utime_us), geometry::to_se3({x_, 0, 0}));
     message.odometry_seq = odometry_seq_++;
     bus_.deliver("ODOMETRY", message);
   }
@@ -195,7 +195,7 @@ class NavigatorNodeScans : public NavigatorNodeTest {
   /// A scan of flat ground whose middle is at the next tick, then that tick.
   void tick_with_scan() {
     auto scan = test::scan_of({}, {}, geometry::deg_to_rad(-20.0));
-    scan.utime_us = now_us_ + 10'000 - scan.duration_us / 2;
+    scan.stamp = time::from_utime(now_us_) + 10ms - scan.duration / 2;
     scan.seq = scan_seq_++;
     tick();
     bus_.deliver("SCAN", node::write_scan(scan));
@@ -350,7 +350,8 @@ TEST_F(NavigatorNodeTest, AStopHaltsWithTheNextOdometryUntilItIsReleased) {
 TEST_F(NavigatorNodeTest, AFarStampOfAnOdometryFrameDoesNotHaltItForGood) {
   run(1.5);
   ASSERT_TRUE(drives());
-  auto forged = node::write_odometry(std::int64_t{1} << 59, geometry::SE3::Identity());
+  auto forged =
+      node::write_odometry(time::from_utime(std::int64_t{1} << 59), geometry::SE3::Identity());
   forged.odometry_seq = 0;
   bus_.deliver("ODOMETRY", forged);
   run(2.0);
@@ -394,7 +395,7 @@ TEST_F(NavigatorNodeTest, ASecondSenderOfAnySensorHaltsItUntilItHasEnded) {
   const std::map<std::string, std::function<void(std::int64_t)>> forgers{
       {"ODOMETRY",
        [this](std::int64_t seq) {
-         auto forged = node::write_odometry(now_us_, geometry::SE3::Identity());
+         auto forged = node::write_odometry(time::from_utime(now_us_), geometry::SE3::Identity());
          forged.odometry_seq = seq;
          bus_.deliver("ODOMETRY", forged);
        }},
@@ -407,7 +408,7 @@ TEST_F(NavigatorNodeTest, ASecondSenderOfAnySensorHaltsItUntilItHasEnded) {
        }},
       {"SCAN", [this](std::int64_t seq) {
          scan::Scan scan;
-         scan.utime_us = now_us_ - 10'000;
+         scan.stamp = time::from_utime(now_us_) - 10ms;
          scan.angle_step_rad = 0.01;
          scan.range_max_m = 30.0;
          scan.ranges_m.assign(181, 30.0F);
@@ -500,7 +501,8 @@ TEST_F(NavigatorNodeTest, OdometryThatBeganAnewNeedsANewMap) {
 // As from somebody else on the network, while the base driver is alive.
 TEST_F(NavigatorNodeTest, OneOdometryThatBeginsAnewInTheFutureIsRefused) {
   run(1.5);
-  auto forged = node::write_odometry(now_us_ + 3'600'000'000, geometry::SE3::Identity());
+  auto forged =
+      node::write_odometry(time::from_utime(now_us_ + 3'600'000'000), geometry::SE3::Identity());
   forged.odometry_seq = 0;
   bus_.deliver("ODOMETRY", forged);
   EXPECT_EQ(rejected("other_sender_of_odometry"), 1);
@@ -533,8 +535,9 @@ TEST_F(NavigatorNodeTest, GoesToAGoalInTheCorrectedMap) {
   goal.position_m[1] = 1.0;
   bus_.deliver("GOAL", goal);
   // The map is 1 m to the left of odom: in odom the goal is straight ahead.
-  bus_.deliver("POSE_2D", node::write_corrected_pose(now_us_, geometry::to_se3({0, 1, 0}),
-                                                     geometry::to_se3({0, 1, 0})));
+  bus_.deliver("POSE_2D",
+               node::write_corrected_pose(time::from_utime(now_us_), geometry::to_se3({0, 1, 0}),
+                                          geometry::to_se3({0, 1, 0})));
   tick();
   EXPECT_NEAR(navigation().steering_angle_rad, 0.0, 1e-9);
   x_ = 2.9;
@@ -576,8 +579,8 @@ TEST_F(NavigatorNodeTest, AGoalWithAHeadingNeedsTolerancesAndTheLocalMap) {
 // Without a goal the place in the map does not matter.
 TEST_F(NavigatorNodeTest, ToAGoalItSlowsWhenThePoseIsDegradedAndHaltsWhenItIsLost) {
   const auto give_pose = [this](std::int8_t state, double variance_m2 = 0.0) {
-    auto pose =
-        node::write_corrected_pose(now_us_, geometry::SE3::Identity(), geometry::SE3::Identity());
+    auto pose = node::write_corrected_pose(time::from_utime(now_us_), geometry::SE3::Identity(),
+                                           geometry::SE3::Identity());
     pose.state = state;
     // Half a metre along a corridor that runs diagonally in map, nothing across.
     pose.covariance[0][0] = pose.covariance[0][1] = variance_m2;

@@ -9,6 +9,7 @@
 #include <limits>
 #include <vector>
 
+#include "common/geometry/time.hpp"
 #include "modules/navigator/navigator.hpp"
 
 namespace nodmap::navigator::test {
@@ -125,7 +126,7 @@ class ClosedLoop {
   /// One decision, and the motion until the next.
   void cycle() {
     Situation now;
-    now.utime_us = static_cast<std::int64_t>(time_s * 1e6);
+    now.stamp = time::Timestamp(time::from_seconds(time_s));
     now.points_base =
         move_to_base(ideal_map(world, robot.T_odom_base), robot.T_odom_base, robot.T_odom_base);
     const geometry::SE2 T_odom_map = robot.T_odom_base;

@@ -17,7 +17,7 @@ double noticed_after_s(double wheels_mps, double driven_fraction) {
   std::normal_distribution<double> error_m(0.0, 0.01);
   for (int i = 0; i < 40; ++i) {
     const double x = 0.25 * i * wheels_mps;
-    if (monitor.update(250'000 * i, {x, 0.0, 0.0},
+    if (monitor.update(time::Timestamp(250ms * i), {x, 0.0, 0.0},
                        {driven_fraction * x + error_m(random), error_m(random), 0.0})) {
       return 0.25 * i;
     }
@@ -42,9 +42,9 @@ TEST(SlipMonitor, IsSilentWhileTheRobotMovesOrIsStationary) {
 
 TEST(SlipMonitor, AStampThatStepsBackBeginsAnew) {
   SlipMonitor monitor;
-  EXPECT_FALSE(monitor.update(1'000'000, {}, {}));
-  EXPECT_FALSE(monitor.update(500'000, {0.5, 0.0, 0.0}, {}));
-  EXPECT_TRUE(monitor.update(900'000, {0.8, 0.0, 0.0}, {}));
+  EXPECT_FALSE(monitor.update(time::Timestamp(1s), {}, {}));
+  EXPECT_FALSE(monitor.update(time::Timestamp(500ms), {0.5, 0.0, 0.0}, {}));
+  EXPECT_TRUE(monitor.update(time::Timestamp(900ms), {0.8, 0.0, 0.0}, {}));
 }
 
 }  // namespace

@@ -22,7 +22,7 @@ class PitchControllerNodeTest : public ::testing::Test {
       : node_(context_, params) {}
 
   void give_odometry(double forward_mps) {
-    auto message = node::write_odometry(now_us_, geometry::SE3::Identity());
+    auto message = node::write_odometry(time::from_utime(now_us_), geometry::SE3::Identity());
     message.odometry_seq = odometry_seq_++;
     message.forward_mps = forward_mps;
     bus_.deliver("ODOMETRY", message);

@@ -113,9 +113,9 @@ class Mapping {
         const SE2 step = poses[i - 1].inverse() * poses[i];
         odom = odom * SE2{1.03 * step.x, 1.03 * step.y, step.yaw + 0.009 * std::abs(step.x)};
       }
-      const auto utime_us = static_cast<std::int64_t>(200'000 * i);
-      slam_.add_odometry(utime_us, geometry::to_se3(odom));
-      slam_.add_scan(scanner_.scan(plan_, poses[i], utime_us));
+      const auto stamp = time::Timestamp(200ms * i);
+      slam_.add_odometry(stamp, geometry::to_se3(odom));
+      slam_.add_scan(scanner_.scan(plan_, poses[i], stamp));
       truth_.push_back(start_.inverse() * poses[i]);
     }
   }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/geometry/se2.hpp"
+#include "common/geometry/time.hpp"
 #include "common/scan/scan.hpp"
 #include "modules/slam2d/occupancy_grid.hpp"
 #include "modules/slam2d/oriented_points.hpp"
@@ -75,9 +76,9 @@ class Scanner {
   explicit Scanner(double noise_m = 0.01) : noise_(0.0, noise_m) {}
 
   scan::Scan scan(const FloorPlan& plan, const geometry::SE2& T_world_base,
-                  std::int64_t utime_us = 0) {
+                  time::Timestamp stamp = {}) {
     scan::Scan scan;
-    scan.utime_us = utime_us;
+    scan.stamp = stamp;
     scan.angle_first_rad = -geometry::kPi / 2;
     scan.angle_step_rad = geometry::deg_to_rad(1.0);
     scan.range_min_m = 0.05;

@@ -29,9 +29,9 @@ class Drive {
     return stand();
   }
   PoseUpdate stand() {
-    utime_us_ += 200'000;
-    localiser_.add_odometry(utime_us_, geometry::to_se3(odom_));
-    return localiser_.add_scan(scanner_.scan(plan, truth, utime_us_)).value_or(PoseUpdate{});
+    stamp_ += 200ms;
+    localiser_.add_odometry(stamp_, geometry::to_se3(odom_));
+    return localiser_.add_scan(scanner_.scan(plan, truth, stamp_)).value_or(PoseUpdate{});
   }
   [[nodiscard]] double error_m(const PoseUpdate& update) const {
     return (update.T_map_base.translation() - truth.translation()).norm();
@@ -45,7 +45,7 @@ class Drive {
   Localiser localiser_;
   test::Scanner scanner_;
   SE2 odom_{7.0, -3.0, 1.0};  // odometry begins anywhere
-  std::int64_t utime_us_ = 0;
+  time::Timestamp stamp_{};
 };
 
 constexpr double kMaxErrorM = 0.05;  // a cell of the map
@@ -120,11 +120,11 @@ TEST(Localiser, OdometryThatRestartsLeavesTheRobotWhereItWas) {
   const KnownMap map = map_of_room();
   Localiser localiser({}, map, SE2{});
   test::Scanner scanner;
-  localiser.add_odometry(0, geometry::to_se3({}));
-  ASSERT_TRUE(localiser.add_scan(scanner.scan(test::room(), {}, 0)));
+  localiser.add_odometry(time::Timestamp{}, geometry::to_se3({}));
+  ASSERT_TRUE(localiser.add_scan(scanner.scan(test::room(), {})));
   localiser.change_odometry_frame(geometry::to_se3({5.0, 5.0, 1.0}));
-  localiser.add_odometry(200'000, geometry::to_se3({5.0, 5.0, 1.0}));
-  const auto update = localiser.add_scan(scanner.scan(test::room(), {}, 200'000));
+  localiser.add_odometry(time::Timestamp(200ms), geometry::to_se3({5.0, 5.0, 1.0}));
+  const auto update = localiser.add_scan(scanner.scan(test::room(), {}, time::Timestamp(200ms)));
   ASSERT_TRUE(update);
   EXPECT_EQ(update->quality, PoseQuality::kTracked);
   EXPECT_LT(update->T_map_base.translation().norm(), kMaxErrorM);

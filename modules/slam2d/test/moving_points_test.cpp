@@ -135,8 +135,8 @@ TEST(Slam2dAmongPeople, TheyShapeNeitherThePoseNorTheMap) {
       const double t = 0.2 * i;
       people.emplace_back(-3.0 + 1.6 * person, 3.3 * std::sin(0.35 * t + 1.3 * person));
     }
-    scan::Scan scan = scanner.scan(hall(people), truth, 200'000 * i);
-    slam.add_odometry(scan.utime_us, geometry::to_se3(odom));
+    scan::Scan scan = scanner.scan(hall(people), truth, time::Timestamp(200ms * i));
+    slam.add_odometry(scan.stamp, geometry::to_se3(odom));
     const auto update = slam.add_scan(scan);
     ASSERT_TRUE(update);
     const SE2 expected = T_world_map.inverse() * truth;

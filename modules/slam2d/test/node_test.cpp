@@ -27,13 +27,13 @@ namespace {
 
 class Slam2dNodeTest : public testing::Test {
  protected:
-  void put_scan(std::int64_t utime_us, const geometry::SE2& truth) {
-    scan::Scan scan = scanner_.scan(test::room(), truth, utime_us);
+  void put_scan(time::Duration since_epoch, const geometry::SE2& truth) {
+    scan::Scan scan = scanner_.scan(test::room(), truth, time::Timestamp(since_epoch));
     scan.seq = seq_++;
     bus_.deliver("SCAN", node::write_scan(scan));
   }
-  void put_odometry(std::int64_t utime_us, const geometry::SE2& pose) {
-    auto message = node::write_odometry(utime_us, geometry::to_se3(pose));
+  void put_odometry(time::Duration since_epoch, const geometry::SE2& pose) {
+    auto message = node::write_odometry(time::Timestamp(since_epoch), geometry::to_se3(pose));
     message.odometry_seq = odometry_seq_++;
     bus_.deliver("ODOMETRY", message);
   }
@@ -50,13 +50,13 @@ class Slam2dNodeTest : public testing::Test {
 TEST_F(Slam2dNodeTest, PublishesAPoseForEachLevelScanAndTheMap) {
   geometry::SE2 truth;
   for (std::int64_t i = 0; i < 30; ++i) {
-    const std::int64_t utime_us = 200'000 * i;
+    const time::Duration since_epoch = 200ms * i;
     const geometry::SE2 odom{1.05 * truth.x, truth.y, truth.yaw};
-    put_odometry(utime_us, odom);
-    put_scan(utime_us, truth);
+    put_odometry(since_epoch, odom);
+    put_scan(since_epoch, truth);
     const auto poses = bus_.sent<nodmap::pose_t>("POSE_2D");
     ASSERT_EQ(poses.size(), static_cast<std::size_t>(i + 1));
-    EXPECT_EQ(poses.back().utime, utime_us);
+    EXPECT_EQ(poses.back().utime, time::to_us(since_epoch));
     EXPECT_NEAR(poses.back().position_m[0], truth.x, 0.03);  // scan noise 1 cm
     EXPECT_EQ(poses.back().state, nodmap::pose_t::TRACKING);
     truth = truth * geometry::SE2{0.03, 0.0, 0.04};
@@ -81,10 +81,10 @@ TEST_F(Slam2dNodeTest, PublishesAPoseForEachLevelScanAndTheMap) {
 }
 
 TEST_F(Slam2dNodeTest, APoseSaysHowUncertainItIs) {
-  put_odometry(0, {});
-  put_scan(0, {});
-  put_odometry(200'000, {0.1, 0.0, 0.0});
-  put_scan(200'000, {0.1, 0.0, 0.0});
+  put_odometry(0s, {});
+  put_scan(0s, {});
+  put_odometry(200ms, {0.1, 0.0, 0.0});
+  put_scan(200ms, {0.1, 0.0, 0.0});
   const auto pose = bus_.last<nodmap::pose_t>("POSE_2D");
   EXPECT_GT(pose.covariance[0][0], 0.0);
   EXPECT_LT(pose.covariance[0][0], 0.05 * 0.05);  // a room: centimetres
@@ -98,8 +98,8 @@ TEST_F(Slam2dNodeTest, APoseSaysHowUncertainItIs) {
 TEST_F(Slam2dNodeTest, PublishesThePoseGraphWhenItChangesButOnceASecondAtMost) {
   geometry::SE2 truth;
   for (std::int64_t i = 0; i < 400; ++i) {
-    put_odometry(200'000 * i, truth);
-    put_scan(200'000 * i, truth);
+    put_odometry(200ms * i, truth);
+    put_scan(200ms * i, truth);
     truth = truth * geometry::SE2{0.03, 0.0, 0.04};
   }
   node_.finish();
@@ -126,24 +126,24 @@ TEST_F(Slam2dNodeTest, PublishesThePoseGraphWhenItChangesButOnceASecondAtMost) {
 TEST_F(Slam2dNodeTest, TriesAgainToSaveAMapThatCouldNotBeSaved) {
   const nodmap::test::TemporaryDir dir;
   context_.out_dir = dir.path() / "not_there_yet";
-  put_odometry(0, {});
-  put_scan(0, {});
+  put_odometry(0s, {});
+  put_scan(0s, {});
   bus_.deliver("SAVE_REQUEST", nodmap::save_request_t{});
   EXPECT_EQ(node_.health().state, node::HealthState::kDegraded);
   std::filesystem::create_directory(context_.out_dir);
-  put_odometry(9'000'000, {});
-  put_scan(9'000'000, {});
+  put_odometry(9s, {});
+  put_scan(9s, {});
   EXPECT_FALSE(std::filesystem::exists(context_.out_dir / "map.pgm")) << "not at once";
-  put_odometry(10'000'000, {});
-  put_scan(10'000'000, {});
+  put_odometry(10s, {});
+  put_scan(10s, {});
   EXPECT_TRUE(std::filesystem::exists(context_.out_dir / "map.pgm"));
   EXPECT_EQ(node_.health().state, node::HealthState::kOk);
 }
 
 TEST_F(Slam2dNodeTest, SavesItsMapWhenAsked) {
   const nodmap::test::TemporaryDir dir;
-  put_odometry(0, {});
-  put_scan(0, {});
+  put_odometry(0s, {});
+  put_scan(0s, {});
   bus_.deliver("SAVE_REQUEST", nodmap::save_request_t{});
   EXPECT_EQ(counts_.rejected().at("save_request_without_out_dir"), 1);
   context_.out_dir = dir.path();
@@ -175,16 +175,16 @@ int num_known(const std::vector<nodmap::grid_chunk_t>& chunks, const Region& reg
 TEST_F(Slam2dNodeTest, ClearsARegionWhenAskedAndSavesThatItDid) {
   const nodmap::test::TemporaryDir dir;
   context_.out_dir = dir.path();
-  put_odometry(0, {});
-  put_scan(0, {});
+  put_odometry(0s, {});
+  put_scan(0s, {});
   const Region region{{1.0, -1.0}, {2.0, 0.0}};  // in front of the robot
   ASSERT_GT(num_known(bus_.sent<nodmap::grid_chunk_t>("MAP_2D"), region), 300);
   nodmap::clear_request_t request{};
   Eigen::Map<Eigen::Vector2d>(request.low_m) = region.low;
   Eigen::Map<Eigen::Vector2d>(request.high_m) = region.high;
   bus_.deliver("CLEAR_REQUEST", request);
-  put_odometry(1'100'000, {});
-  put_scan(1'100'000, {});
+  put_odometry(1100ms, {});
+  put_scan(1100ms, {});
   EXPECT_EQ(num_known(bus_.sent<nodmap::grid_chunk_t>("MAP_2D"), region), 0);
   bus_.deliver("SAVE_REQUEST", nodmap::save_request_t{});
   node::MessageCounts counts;
@@ -202,8 +202,8 @@ TEST_F(Slam2dNodeTest, ClearsARegionWhenAskedAndSavesThatItDid) {
 
 TEST_F(Slam2dNodeTest, AMapThatCannotBeSavedLeavesTheOldOneAndSaysSo) {
   const nodmap::test::TemporaryDir dir;
-  put_odometry(0, {});
-  put_scan(0, {});
+  put_odometry(0s, {});
+  put_scan(0s, {});
   context_.out_dir = dir.path();
   bus_.deliver("SAVE_REQUEST", nodmap::save_request_t{});
   const auto size = std::filesystem::file_size(dir.path() / "map.pgm");
@@ -218,19 +218,19 @@ TEST_F(Slam2dNodeTest, AMapThatCannotBeSavedLeavesTheOldOneAndSaysSo) {
 
 TEST_F(Slam2dNodeTest, WritesALineForEachUsedScanWithItsOwnStamp) {
   // Stamps step back as in one of the recordings: file order counts, each keeps its stamp.
-  const std::vector<std::int64_t> stamps{1'000'001, 1'200'000, 900'003, 1'400'000};
-  for (const std::int64_t utime_us : stamps) {
-    put_odometry(utime_us, {});
-    put_scan(utime_us, {});
+  const std::vector<time::Duration> since_epoch{1'000'001us, 1200ms, 900'003us, 1400ms};
+  for (const time::Duration duration : since_epoch) {
+    put_odometry(duration, {});
+    put_scan(duration, {});
   }
   node_.finish();
   const nodmap::test::TemporaryDir dir;
   node_.write_results(dir.path());
   for (const char* name : {"trajectory.tum", "online.tum"}) {
     const formats::Trajectory trajectory = formats::read_tum(dir.path() / name);
-    ASSERT_EQ(trajectory.size(), stamps.size());
-    for (std::size_t i = 0; i < stamps.size(); ++i) {
-      EXPECT_EQ(trajectory[i].utime_us, stamps[i]);
+    ASSERT_EQ(trajectory.size(), since_epoch.size());
+    for (std::size_t i = 0; i < since_epoch.size(); ++i) {
+      EXPECT_EQ(trajectory[i].stamp, time::Timestamp(since_epoch[i]));
     }
   }
   for (const char* name : {"map.pgm", "map.yaml", "map.png", "path.png"}) {
@@ -239,11 +239,11 @@ TEST_F(Slam2dNodeTest, WritesALineForEachUsedScanWithItsOwnStamp) {
 }
 
 TEST_F(Slam2dNodeTest, CountsWhatItCannotUse) {
-  put_scan(0, {});  // before any odometry
+  put_scan(0s, {});  // before any odometry
   nodmap::scan_t broken = node::write_scan(scanner_.scan(test::room(), {}));
   broken.angle_step_rad = 0.0;
   bus_.deliver("SCAN", broken);
-  put_odometry(0, {});
+  put_odometry(0s, {});
   nodmap::odometry_t no_pose{};
   bus_.deliver("ODOMETRY", no_pose);
   scan::Scan blind = scanner_.scan({}, {});
@@ -272,10 +272,10 @@ TEST_F(Slam2dNodeTest, ResultsOfNothingAreWrittenToo) {
 }
 
 TEST_F(Slam2dNodeTest, SaysWhenItIsLost) {
-  put_odometry(0, {});
-  put_scan(0, {});
-  put_odometry(1, {500.0, 0.0, 0.0});
-  put_scan(1, {});
+  put_odometry(0s, {});
+  put_scan(0s, {});
+  put_odometry(1us, {500.0, 0.0, 0.0});
+  put_scan(1us, {});
   EXPECT_EQ(node_.health().state, node::HealthState::kDegraded);
 }
 
@@ -285,13 +285,13 @@ TEST_F(Slam2dNodeTest, GoesOnWhereItWasWhenOdometryBeginsAnew) {
   geometry::SE2 truth;
   geometry::SE2 odom;
   for (std::int64_t i = 0; i < 30; ++i) {
-    const std::int64_t utime_us = 200'000 * i;
+    const time::Duration since_epoch = 200ms * i;
     if (i == 15) {
       odometry_seq_ = 0;
       odom = {};
     }
-    put_odometry(utime_us, odom);
-    put_scan(utime_us, truth);
+    put_odometry(since_epoch, odom);
+    put_scan(since_epoch, truth);
     const nodmap::pose_t pose = bus_.sent<nodmap::pose_t>("POSE_2D").back();
     EXPECT_EQ(pose.state, nodmap::pose_t::TRACKING) << i;
     // Scan noise is 1 cm; at the restart the guess is a step behind.
@@ -307,12 +307,12 @@ TEST_F(Slam2dNodeTest, GoesOnWhereItWasWhenOdometryBeginsAnew) {
 // A scan between the last odometry of the old frame and the first of the new has no pose: one
 // interpolated would lie anywhere between the two.
 TEST_F(Slam2dNodeTest, PlacesNoScanBetweenTwoOdometryFrames) {
-  put_odometry(0, {3.0, 0.0, 0.0});
-  put_odometry(10'000, {3.0, 0.0, 0.0});
-  put_scan(0, {});
+  put_odometry(0s, {3.0, 0.0, 0.0});
+  put_odometry(10ms, {3.0, 0.0, 0.0});
+  put_scan(0s, {});
   odometry_seq_ = 0;
-  put_odometry(400'000, {});
-  put_scan(200'000, {});
+  put_odometry(400ms, {});
+  put_scan(200ms, {});
   EXPECT_EQ(counts_.rejected().at("no_odometry"), 1);
   EXPECT_EQ(bus_.sent<nodmap::pose_t>("POSE_2D").size(), 1U);
 }

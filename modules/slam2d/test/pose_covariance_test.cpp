@@ -72,8 +72,8 @@ Outcome drive(const test::FloorPlan& plan, const SE2& step, int steps) {
   Outcome outcome;
   SE2 odom;
   for (int i = 0; i < steps; ++i) {
-    scan::Scan scan = scanner.scan(plan, outcome.truth, 200'000 * i);
-    slam.add_odometry(scan.utime_us, geometry::to_se3(odom));
+    scan::Scan scan = scanner.scan(plan, outcome.truth, time::Timestamp(200ms * i));
+    slam.add_odometry(scan.stamp, geometry::to_se3(odom));
     outcome.update = slam.add_scan(scan).value();
     if (i + 1 < steps) {
       outcome.truth = outcome.truth * step;

@@ -10,7 +10,7 @@ namespace {
 
 using geometry::SE2;
 
-constexpr std::int64_t kPeriodUs = 200'000;
+constexpr time::Duration kPeriod = 200ms;
 const SE2 kStep{0.2, 0.0, 0.1};  // 1 m/s on a circle of 2 m
 
 bool are_near(const SE2& a, const SE2& b) {
@@ -23,12 +23,12 @@ class Drive {
  public:
   Drive() {
     pose_guesses_.add_keyframe({});
-    pose_guesses_.add_scan(0, {});
+    pose_guesses_.add_scan(time::Timestamp{}, {});
     go_on(kStep);
   }
   /// The next scan; odometry has counted `T_odom_step` since the last one.
   std::vector<SE2> guesses(const SE2& T_odom_step) {
-    scan_.utime_us += kPeriodUs;
+    scan_.stamp += kPeriod;
     scan_.T_odom_base = T_odom_last_ * T_odom_step;
     return pose_guesses_.guesses(scan_, T_map_odom_, T_odom_last_);
   }
@@ -38,11 +38,11 @@ class Drive {
     truth_ = truth_ * kStep;
     T_odom_last_ = scan_.T_odom_base;
     T_map_odom_ = truth_ * T_odom_last_.inverse();
-    pose_guesses_.add_scan(scan_.utime_us, kStep);
+    pose_guesses_.add_scan(scan_.stamp, kStep);
   }
   [[nodiscard]] SE2 next_truth() const { return truth_ * kStep; }
   PoseGuesses& pose_guesses() { return pose_guesses_; }
-  void wait(std::int64_t duration_us) { scan_.utime_us += duration_us; }
+  void wait(time::Duration duration) { scan_.stamp += duration; }
 
  private:
   PoseGuesses pose_guesses_;
@@ -83,7 +83,7 @@ TEST(PoseGuesses, AnotherOdometryFrameChangesNothing) {
   pose_guesses.change_odometry_frame(T_old_new);
   const SE2 T_odom_now = kStep * kStep * kStep;
   LevelScan old_frame;
-  old_frame.utime_us = 4 * kPeriodUs;
+  old_frame.stamp = time::Timestamp(4 * kPeriod);
   old_frame.T_odom_base = T_odom_now;
   LevelScan new_frame = old_frame;
   new_frame.T_odom_base = T_old_new.inverse() * T_odom_now;
@@ -97,20 +97,20 @@ TEST(PoseGuesses, AnotherOdometryFrameChangesNothing) {
 
 TEST(PoseGuesses, StampsInBurstsTellNoSpeed) {
   Drive drive;
-  drive.wait(-kPeriodUs * 9 / 10);  // the next scan comes 20 ms after the last
+  drive.wait(-kPeriod * 9 / 10);  // the next scan comes 20 ms after the last
   EXPECT_EQ(drive.guesses({}).size(), 1U);
 }
 
 // Half a second on, or after a scan that fitted nowhere, nobody knows how the robot moves.
 TEST(PoseGuesses, AMotionLongAgoTellsNothing) {
   Drive drive;
-  drive.wait(500'000);
+  drive.wait(500ms);
   EXPECT_EQ(drive.guesses({}).size(), 1U);
   Drive lost;
   lost.pose_guesses().forget_motion();
   EXPECT_EQ(lost.guesses({}).size(), 1U);
   Drive back;
-  back.wait(-1'000'000);  // stamps step back
+  back.wait(-1s);  // stamps step back
   EXPECT_EQ(back.guesses({}).size(), 1U);
 }
 

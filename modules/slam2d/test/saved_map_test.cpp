@@ -39,11 +39,11 @@ class Session {
 
   void drive(SE2& truth, int num_scans, const SE2& step) {
     for (int i = 0; i < num_scans; ++i) {
-      utime_us_ += 200'000;
-      auto odometry = node::write_odometry(utime_us_, geometry::to_se3(odom_));
+      stamp_ += 200ms;
+      auto odometry = node::write_odometry(stamp_, geometry::to_se3(odom_));
       odometry.odometry_seq = seq_;
       bus_.deliver("ODOMETRY", odometry);
-      scan::Scan scan = scanner_.scan(test::room(), truth, utime_us_);
+      scan::Scan scan = scanner_.scan(test::room(), truth, stamp_);
       scan.seq = seq_++;
       bus_.deliver("SCAN", node::write_scan(scan));
       truth = truth * step;
@@ -67,7 +67,7 @@ class Session {
   Slam2dNode node_;
   test::Scanner scanner_;
   SE2 odom_{4.0, -7.0, 2.0};
-  std::int64_t utime_us_ = 0;
+  time::Timestamp stamp_{};
   std::int64_t seq_ = 0;
 };
 
@@ -100,8 +100,8 @@ TEST(SavedMap, IsReadAsItWasWritten) {
   test::Scanner scanner;
   SE2 truth;
   for (std::int64_t i = 0; i < 600; ++i) {
-    slam.add_odometry(200'000 * i, geometry::to_se3(truth));
-    slam.add_scan(scanner.scan(test::room(), truth, 200'000 * i));
+    slam.add_odometry(time::Timestamp(200ms * i), geometry::to_se3(truth));
+    slam.add_scan(scanner.scan(test::room(), truth, time::Timestamp(200ms * i)));
     truth = truth * SE2{0.03, 0.0, 0.04};
   }
   SavedMap written = slam.back_end().save();
@@ -114,7 +114,7 @@ TEST(SavedMap, IsReadAsItWasWritten) {
   ASSERT_EQ(read.keyframes.size(), written.keyframes.size());
   ASSERT_EQ(read.steps.size(), written.steps.size());
   for (std::size_t k = 0; k < read.keyframes.size(); ++k) {
-    EXPECT_EQ(read.keyframes[k].utime_us, written.keyframes[k].utime_us);
+    EXPECT_EQ(read.keyframes[k].stamp, written.keyframes[k].stamp);
     EXPECT_EQ(read.keyframes[k].points_base, written.keyframes[k].points_base);
     EXPECT_EQ(read.keyframes[k].normals_base, written.keyframes[k].normals_base);
     EXPECT_EQ(distance(read.keyframes[k].T_map_base, written.keyframes[k].T_map_base), 0.0);

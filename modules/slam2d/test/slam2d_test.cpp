@@ -17,7 +17,7 @@ namespace {
 using geometry::SE2;
 using test::Scanner;
 
-constexpr std::int64_t kPeriodUs = 200'000;  // of level scans
+constexpr time::Duration kPeriod = 200ms;  // of level scans
 
 double distance_m(const SE2& a, const SE2& b) {
   return std::hypot(a.x - b.x, a.y - b.y);
@@ -25,7 +25,7 @@ double distance_m(const SE2& a, const SE2& b) {
 
 /// Adds a scan together with the odometry of the same time.
 std::optional<PoseUpdate> track(Slam2d& slam, const scan::Scan& scan, const SE2& T_odom_base) {
-  slam.add_odometry(scan.utime_us, geometry::to_se3(T_odom_base));
+  slam.add_odometry(scan.stamp, geometry::to_se3(T_odom_base));
   return slam.add_scan(scan);
 }
 
@@ -55,7 +55,8 @@ TEST_P(Slam2dMetric, R34_TheCorrectionAbsorbsDriftAndJumpsOfOdometry) {
   double worst_m = 0.0;
   double worst_between_m = 0.0;
   for (int i = 0; i < 150; ++i) {
-    const auto update = track(slam, scanner.scan(test::room(), truth, kPeriodUs * i), odom);
+    const auto update =
+        track(slam, scanner.scan(test::room(), truth, time::Timestamp(kPeriod * i)), odom);
     ASSERT_TRUE(update);
     EXPECT_EQ(update->quality, PoseQuality::kTracked);
     worst_m = std::max(worst_m, distance_m(update->T_map_base, truth));
@@ -81,7 +82,7 @@ void stay_in_place(Slam2d& slam) {
   Scanner scanner;
   for (int i = 0; i < 60 * 5; ++i) {
     const SE2 odom{0.001 * (i % 2), 0.0, 0.0};
-    ASSERT_TRUE(track(slam, scanner.scan(test::room(), {}, kPeriodUs * i), odom));
+    ASSERT_TRUE(track(slam, scanner.scan(test::room(), {}, time::Timestamp(kPeriod * i)), odom));
   }
 }
 
@@ -113,7 +114,8 @@ TEST(Slam2d, R36_NoTwoPointsOfTheMapAreNearerThanDNew) {
   Scanner scanner;
   SE2 truth;
   for (int i = 0; i < 200; ++i) {
-    ASSERT_TRUE(track(slam, scanner.scan(test::room(), truth, kPeriodUs * i), truth));
+    ASSERT_TRUE(
+        track(slam, scanner.scan(test::room(), truth, time::Timestamp(kPeriod * i)), truth));
     truth = truth * SE2{0.03, 0.0, 0.04};
   }
   EXPECT_GT(slam.keyframes().size(), 10U);
@@ -132,7 +134,7 @@ TEST(Slam2d, R37_ACorridorFollowsOdometryAlongAndTheWallsAcross) {
   SE2 odom;
   std::optional<PoseUpdate> update;
   for (int i = 0; i <= 300; ++i) {
-    update = track(slam, scanner.scan(test::corridor(), truth, kPeriodUs * i), odom);
+    update = track(slam, scanner.scan(test::corridor(), truth, time::Timestamp(kPeriod * i)), odom);
     ASSERT_TRUE(update);
     truth.x += 0.1;
     odom = odom * SE2{0.103, 0.0, 0.002};  // 3 % too long, rotates by 1.1 degrees per metre
@@ -155,8 +157,8 @@ double worst_heading_rad(const Slam2dParams& params) {
   for (int i = 0; i < 75; ++i) {
     const SE2 truth{0.36 * i, 0.0, 0.0};  // 1.5 m/s, a level scan each 0.24 s
     const SE2 odom{1.03 * truth.x, 0.0, 0.0005 * i};
-    const auto update =
-        track(slam, scanner.scan(test::corridor_with_doors(), truth, kPeriodUs * i), odom);
+    const auto update = track(
+        slam, scanner.scan(test::corridor_with_doors(), truth, time::Timestamp(kPeriod * i)), odom);
     worst_rad = std::max(worst_rad, std::abs(update.value().T_map_base.yaw));
   }
   return worst_rad;
@@ -191,14 +193,14 @@ TEST(Slam2d, R38_ALoopOf48MetresEndsWhereItBegan) {
   SE2 truth = start;
   SE2 odom = start;
   std::optional<PoseUpdate> update;
-  std::int64_t utime_us = 0;
+  time::Timestamp stamp{};
   for (const SE2& step : steps_around_ring()) {
     truth = truth * step;
     const double walk_rad = geometry::deg_to_rad(1.0) * std::sqrt(step.x) * unit(random);
     odom = odom * SE2{1.03 * step.x, 0.0, step.yaw + walk_rad};
-    update = track(slam, scanner.scan(test::ring_corridor(), truth, utime_us), odom);
+    update = track(slam, scanner.scan(test::ring_corridor(), truth, stamp), odom);
     ASSERT_TRUE(update);
-    utime_us += kPeriodUs;
+    stamp += kPeriod;
   }
   ASSERT_LT(distance_m(truth, start), 1e-9);
   // R38 allows 0.10 m and 1 degree. Measured: 16.8 mm and 0.23 degrees; by odometry alone 1.39 m.
@@ -218,7 +220,8 @@ TEST(Slam2d, ARotationThatOdometryMissedIsFound) {
   Scanner scanner;
   ASSERT_TRUE(track(slam, scanner.scan(test::room(), {}), {}));
   const SE2 truth{0.1, 0.0, geometry::deg_to_rad(50.0)};
-  const auto update = track(slam, scanner.scan(test::room(), truth, kPeriodUs), {0.1, 0.0, 0.0});
+  const auto update =
+      track(slam, scanner.scan(test::room(), truth, time::Timestamp(kPeriod)), {0.1, 0.0, 0.0});
   ASSERT_TRUE(update);
   EXPECT_EQ(slam.metrics().searches_successful, 1);
   // Measured against a map of a single scan: 5.2 mm and 0.127 degrees.
@@ -232,7 +235,7 @@ TEST(Slam2d, FewPointsAreNotLookedForInAWideWindow) {
   Scanner scanner;
   ASSERT_TRUE(track(slam, scanner.scan(test::room(), {}), {}));
   const SE2 truth{0.1, 0.0, geometry::deg_to_rad(50.0)};
-  scan::Scan scan = scanner.scan(test::room(), truth, kPeriodUs);
+  scan::Scan scan = scanner.scan(test::room(), truth, time::Timestamp(kPeriod));
   constexpr std::size_t kFirst = 40;
   constexpr std::size_t kLast = 65;
   for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
@@ -255,11 +258,13 @@ TEST(Slam2d, WhereNothingMatchesItIsLostAndContinuesTheMapFromOdometry) {
   // Carried to where nothing of the map is in sight.
   const test::FloorPlan elsewhere{{{52, -2}, {52, 2}}, {{52, 2}, {48, 3}}, {{48, -2}, {52, -2}}};
   const SE2 carried{50.0, 0.0, 0.0};
-  const auto lost = track(slam, scanner.scan(elsewhere, carried, kPeriodUs), carried);
+  const auto lost =
+      track(slam, scanner.scan(elsewhere, carried, time::Timestamp(kPeriod)), carried);
   ASSERT_TRUE(lost);
   EXPECT_EQ(lost->quality, PoseQuality::kLost);
   EXPECT_EQ(lost->T_map_base.x, 50.0);
-  const auto again = track(slam, scanner.scan(elsewhere, carried, 2 * kPeriodUs), carried);
+  const auto again =
+      track(slam, scanner.scan(elsewhere, carried, time::Timestamp(2 * kPeriod)), carried);
   ASSERT_TRUE(again);
   // Matched, but degraded: how what it saw before lies to what it sees now is not known.
   EXPECT_EQ(again->quality, PoseQuality::kPartly);
@@ -275,12 +280,13 @@ TEST(Slam2d, WhatWasNeverInViewIsAddedByOdometry) {
   const SE2 before;
   ASSERT_TRUE(track(slam, scanner.scan({obstacles[0]}, before), before));
   const SE2 behind{4.0, 2.0, 0.0};
-  const auto first = track(slam, scanner.scan(obstacles, behind, kPeriodUs), behind);
+  const auto first = track(slam, scanner.scan(obstacles, behind, time::Timestamp(kPeriod)), behind);
   ASSERT_TRUE(first);
   EXPECT_EQ(first->quality, PoseQuality::kOdometry);
   EXPECT_TRUE(first->is_keyframe);
   EXPECT_GT(first->covariance(0, 0), 0.016 * std::hypot(4.0, 2.0) - 1e-9);
-  const auto again = track(slam, scanner.scan(obstacles, behind, 2 * kPeriodUs), behind);
+  const auto again =
+      track(slam, scanner.scan(obstacles, behind, time::Timestamp(2 * kPeriod)), behind);
   ASSERT_TRUE(again);
   EXPECT_LE(again->quality, PoseQuality::kPartly);
   EXPECT_LT(distance_m(again->T_map_base, behind), 0.02);  // measured 0
@@ -292,7 +298,7 @@ TEST(Slam2d, AScanThatFitsAfterAGapIsNotSearchedFor) {
   Slam2d slam{Slam2dParams{}};
   Scanner scanner;
   for (int i = 0; i < 10; ++i) {
-    const auto update = track(slam, scanner.scan(test::room(), {}, 1'000'000 * i), {});
+    const auto update = track(slam, scanner.scan(test::room(), {}, time::Timestamp(1s * i)), {});
     ASSERT_TRUE(update);
     EXPECT_EQ(update->quality, PoseQuality::kTracked);
   }
@@ -305,19 +311,19 @@ TEST(Slam2d, APauseInOdometryIsTakenBackByTheScans) {
   SE2 truth{-1.5, -0.5, 0.0};
   const SE2 start = truth;
   SE2 odom;
-  std::int64_t utime_us = 0;
+  time::Timestamp stamp{};
   const SE2 step{0.1, 0.0, 0.08};
   for (int i = 0; i < 20; ++i) {
-    ASSERT_TRUE(track(slam, scanner.scan(test::room(), truth, utime_us), odom));
+    ASSERT_TRUE(track(slam, scanner.scan(test::room(), truth, stamp), odom));
     truth = truth * step;
     odom = odom * step;
-    utime_us += kPeriodUs;
+    stamp += kPeriod;
   }
   truth = truth * SE2{-0.9, -2.6, -0.6};  // farther than start poses are tried
-  utime_us += 1'000'000;
+  stamp += 1s;
   double worst_m = 0.0;
   for (int i = 0; i < 20; ++i) {
-    const auto update = track(slam, scanner.scan(test::room(), truth, utime_us), odom);
+    const auto update = track(slam, scanner.scan(test::room(), truth, stamp), odom);
     ASSERT_TRUE(update);
     if (update->quality != PoseQuality::kLost) {
       worst_m = std::max(worst_m, distance_m(update->T_map_base, start.inverse() * truth));
@@ -326,7 +332,7 @@ TEST(Slam2d, APauseInOdometryIsTakenBackByTheScans) {
     const SE2 back{step.x, 0.0, -step.yaw};
     truth = truth * back;
     odom = odom * back;
-    utime_us += kPeriodUs;
+    stamp += kPeriod;
   }
   EXPECT_LT(worst_m, 0.0043);  // measured 3.5 mm, from scan noise of 1 cm
 }
@@ -338,7 +344,7 @@ TEST(Slam2d, RejectsBadInputWithoutChangingTheMap) {
   empty.ranges_m.clear();
   EXPECT_FALSE(track(slam, empty, {}));  // no points to begin a map with
 
-  const scan::Scan good = scanner.scan(test::room(), {}, kPeriodUs);
+  const scan::Scan good = scanner.scan(test::room(), {}, time::Timestamp(kPeriod));
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_FALSE(track(slam, good, {kNan, 0.0, 0.0}));
   scan::Scan broken = good;
@@ -360,11 +366,12 @@ TEST(Slam2d, RejectsBadInputWithoutChangingTheMap) {
 TEST(Slam2d, ScansKeepTheirOrderAndStampsWhenTimeStepsBack) {
   Slam2d slam{Slam2dParams{}};
   Scanner scanner;
-  for (const std::int64_t utime_us : {1'000'000, 1'200'000, 300'000, 1'400'000}) {
-    const auto update = track(slam, scanner.scan(test::room(), {}, utime_us), {});
+  for (const time::Duration since_start : {1000ms, 1200ms, 300ms, 1400ms}) {
+    const time::Timestamp stamp(since_start);
+    const auto update = track(slam, scanner.scan(test::room(), {}, stamp), {});
     ASSERT_TRUE(update);
-    EXPECT_EQ(update->utime_us, utime_us);
-    EXPECT_EQ(slam.tracked_scans().back().utime_us, utime_us);
+    EXPECT_EQ(update->stamp, stamp);
+    EXPECT_EQ(slam.tracked_scans().back().stamp, stamp);
   }
 }
 
@@ -373,7 +380,8 @@ TEST(Slam2d, TheTrajectoryIsTheOnlineOneWhileNoKeyframeHasMoved) {
   Scanner scanner;
   SE2 truth;
   for (int i = 0; i < 50; ++i) {
-    ASSERT_TRUE(track(slam, scanner.scan(test::room(), truth, kPeriodUs * i), truth));
+    ASSERT_TRUE(
+        track(slam, scanner.scan(test::room(), truth, time::Timestamp(kPeriod * i)), truth));
     truth = truth * SE2{0.03, 0.0, 0.04};
   }
   const std::vector<SE2> trajectory = slam.trajectory();
@@ -389,7 +397,7 @@ TEST(Slam2d, TheSameScansGiveTheSamePoses) {
     Scanner scanner;
     SE2 truth;
     for (int i = 0; i < 60; ++i) {
-      track(slam, scanner.scan(test::room(), truth, kPeriodUs * i),
+      track(slam, scanner.scan(test::room(), truth, time::Timestamp(kPeriod * i)),
             {0.9 * truth.x, truth.y, truth.yaw});
       truth = truth * SE2{0.03, 0.0, 0.04};
     }

@@ -41,10 +41,10 @@ class LogFile {
   explicit LogFile(const fs::path& file) : writer_(file) {}
 
   template <class Message>
-  void add(std::int64_t utime_us, const std::string& channel, const Message& message) {
+  void add(time::Timestamp stamp, const std::string& channel, const Message& message) {
     std::vector<std::byte> bytes;
     bus::encode_into(bytes, message);
-    ASSERT_TRUE(writer_.write(utime_us, channel, bytes));
+    ASSERT_TRUE(writer_.write(time::to_utime(stamp), channel, bytes));
   }
 
   // 320 scans (4 sweeps) of a drive through a hall at 1 m/s: 4.3 m, so that with keyframes 2 m
@@ -56,18 +56,18 @@ class LogFile {
                  const geometry::SE3& T_odom_world = geometry::SE3::Identity()) {
     std::mt19937 random(9);
     const NoddingScanner scanner{.noise_m = 0.01};
-    const auto motion = [](std::int64_t t) { return drive_ahead(1.0, t); };
+    const auto motion = [](time::Timestamp t) { return drive_ahead(1.0, t); };
     for (std::int64_t i = 0; i < 320; ++i) {
-      const std::int64_t utime_us = i * NoddingScanner::kPeriodUs;
+      const time::Timestamp stamp(i * NoddingScanner::kPeriod);
       if (with_odometry) {
         const std::int64_t first = i < restart ? 0 : restart;
-        const geometry::SE3 T_start_odom = motion(first * NoddingScanner::kPeriodUs);
-        auto odometry = node::write_odometry(
-            utime_us, T_odom_world * T_start_odom.inverse() * motion(utime_us));
+        const geometry::SE3 T_start_odom = motion(time::Timestamp(first * NoddingScanner::kPeriod));
+        auto odometry =
+            node::write_odometry(stamp, T_odom_world * T_start_odom.inverse() * motion(stamp));
         odometry.odometry_seq = i - first;
-        add(utime_us, "ODOMETRY", odometry);
+        add(stamp, "ODOMETRY", odometry);
       }
-      add(utime_us, "SCAN", node::write_scan(scanner.scan(i, Room::hall(), motion, random)));
+      add(stamp, "SCAN", node::write_scan(scanner.scan(i, Room::hall(), motion, random)));
     }
   }
 
@@ -232,12 +232,14 @@ TEST(Slam6dNode, GoesOnWhereItWasWhenOdometryBeginsAnew) {
     EXPECT_NEAR(pose.position_m[0], truth_m, 0.033) << i;
     // The correction leads from the odometry of its time: from the new one after the restart.
     const double start_m =
-        pose.utime < kRestart * NoddingScanner::kPeriodUs ? 0.0 : 1e-6 * kRestart * 13'320;
+        node::stamp_of(pose) < time::Timestamp(kRestart * NoddingScanner::kPeriod)
+            ? 0.0
+            : time::seconds(kRestart * NoddingScanner::kPeriod);
     EXPECT_NEAR(pose.odom_position_m[0], start_m, 0.033) << i;
   }
   // With all that is known, too.
   for (const auto& pose : formats::read_tum(dir.path() / "out_restart" / "trajectory.tum")) {
-    EXPECT_NEAR(pose.pose.translation().x(), 1e-6 * static_cast<double>(pose.utime_us), 0.033);
+    EXPECT_NEAR(pose.pose.translation().x(), time::seconds(pose.stamp.time_since_epoch()), 0.033);
   }
 }
 
@@ -338,15 +340,15 @@ TEST(Slam6dNode, BadMessagesAreCountedByCause) {
   LogFile log(dir.path() / "bad.lcmlog");
   log.add_drive(true);
   nodmap::scan_t scan{};  // no orientation, no step: nothing is filled in
-  log.add(5'000'000, "SCAN", scan);
+  log.add(time::Timestamp(5s), "SCAN", scan);
   std::mt19937 random(10);
   scan = node::write_scan(NoddingScanner{}.scan(
-      320, Room::hall(), [](std::int64_t) { return geometry::SE3::Identity(); }, random));
+      320, Room::hall(), [](time::Timestamp) { return geometry::SE3::Identity(); }, random));
   scan.utime = -1;
-  log.add(5'000'000, "SCAN", scan);
+  log.add(time::Timestamp(5s), "SCAN", scan);
   scan.utime = std::numeric_limits<std::int64_t>::max();
-  log.add(5'000'000, "SCAN", scan);
-  log.add(5'000'000, "ODOMETRY", nodmap::odometry_t{});
+  log.add(time::Timestamp(5s), "SCAN", scan);
+  log.add(time::Timestamp(5s), "ODOMETRY", nodmap::odometry_t{});
   log.close();
   const Outcome outcome = replay(dir.path(), "bad", {});
   EXPECT_EQ(outcome.counts.rejected().at("implausible_scan"), 3);
@@ -374,7 +376,7 @@ TEST(Slam6dNode, SavesOnRequestAndEveryFewKeyframes) {
   log.add_drive(true);
   nodmap::save_request_t request{};
   request.requested_by = "test";
-  log.add(6'000'000, "SAVE_REQUEST", request);
+  log.add(time::Timestamp(6s), "SAVE_REQUEST", request);
   log.close();
   const Outcome outcome =
       replay(dir.path(), "save",
@@ -393,7 +395,7 @@ TEST(Slam6dNode, TriesAgainToSaveAMapThatCouldNotBeSaved) {
   std::int64_t next = 0;
   const auto put_scans = [&](int number) {
     for (int i = 0; i < number; ++i) {
-      const auto still = [](std::int64_t) { return geometry::SE3::Identity(); };
+      const auto still = [](time::Timestamp) { return geometry::SE3::Identity(); };
       bus.deliver("SCAN",
                   node::write_scan(NoddingScanner{}.scan(next++, Room::hall(), still, random)));
     }

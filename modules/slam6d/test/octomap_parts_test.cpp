@@ -15,13 +15,13 @@ TEST(OctomapParts, TogetherAreTheFile) {
       file[i] = static_cast<char>(i % 251);
     }
     OctomapParts parts;
-    parts.begin(7, file);
+    parts.begin(time::from_utime(7), file);
     std::string joined;
     for (std::int32_t index = 0; !parts.is_empty(); ++index) {
       const OctomapParts::Part part = parts.next();
       EXPECT_EQ(part.index, index);
       EXPECT_EQ(part.count, static_cast<std::int32_t>((size + kPart - 1) / kPart));
-      EXPECT_EQ(part.utime_us, 7);
+      EXPECT_EQ(part.stamp, time::from_utime(7));
       EXPECT_EQ(part.revision, 0);
       EXPECT_LE(part.bytes.size(), kPart);
       joined += part.bytes;
@@ -33,12 +33,12 @@ TEST(OctomapParts, TogetherAreTheFile) {
 TEST(OctomapParts, AreNoneBeforeAndOfANewRevisionAfterwards) {
   OctomapParts parts;
   EXPECT_TRUE(parts.is_empty());
-  parts.begin(1, std::string(2 * kPart, 'a'));
+  parts.begin(time::from_utime(1), std::string(2 * kPart, 'a'));
   (void)parts.next();
-  parts.begin(2, "b");  // in the middle of the other one
+  parts.begin(time::from_utime(2), "b");  // in the middle of the other one
   EXPECT_EQ(parts.next().revision, 1);
   EXPECT_TRUE(parts.is_empty());
-  parts.begin(3, "");
+  parts.begin(time::from_utime(3), "");
   EXPECT_TRUE(parts.is_empty());
 }
 

@@ -22,13 +22,13 @@ class RobotInAHall : public testing::Test {
   }
 
   PoseUpdate see(const Room& room, const SE3& T_map_base, const SE3& T_odom_base,
-                 std::int64_t gap_us = 0) {
+                 time::Duration gap = {}) {
     SweepCloud cloud = cloud_at(room, T_map_base, ++seed_);
-    utime_us_ += 1'000'000 + gap_us;
-    cloud.utime_us = utime_us_;
+    stamp_ += 1s + gap;
+    cloud.stamp = stamp_;
     cloud.T_odom_base = T_odom_base;
     cloud.scans_used = 80;
-    cloud.follows_interruption = gap_us > 0;
+    cloud.follows_interruption = gap > 0s;
     return slam_.add_cloud(std::move(cloud));
   }
 
@@ -41,7 +41,7 @@ class RobotInAHall : public testing::Test {
 
   Slam6d slam_{{}};
   unsigned seed_ = 0;
-  std::int64_t utime_us_ = 0;
+  time::Timestamp stamp_{};
 };
 
 // 5 m away and turned by 100 degrees. The long walls fit nearly anywhere; the ends contradict.
@@ -89,7 +89,7 @@ TEST_F(RobotInAHall, IsRightOrLostAfterAKick) {
   SE3 T_hall_base = along_hall().back() * pose(0.3, 0.1, 30.0);
   PoseUpdate last;
   for (int i = 0; i < 8; ++i) {
-    last = see(Room::hall(), T_hall_base, T_odom_base, i == 0 ? 2'000'000 : 0);
+    last = see(Room::hall(), T_hall_base, T_odom_base, i == 0 ? 2s : 0s);
     if (last.is_tracked()) {
       expect_right(last, T_hall_base);
     }

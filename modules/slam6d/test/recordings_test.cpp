@@ -62,7 +62,7 @@ SE3 read_frames(const fs::path& file) {
   return from_left_handed(m.topLeftCorner<3, 3>(), m.topRightCorner<3, 1>());
 }
 
-void add_slices(const fs::path& file, std::int64_t first_us, const SE3& T_odom_base, Slam6d& slam) {
+void add_slices(const fs::path& file, time::Timestamp first, const SE3& T_odom_base, Slam6d& slam) {
   std::ifstream in(file);
   std::string line;
   for (std::int64_t i = 0; std::getline(in, line);) {
@@ -78,7 +78,7 @@ void add_slices(const fs::path& file, std::int64_t first_us, const SE3& T_odom_b
       continue;
     }
     scan::Scan scan;
-    scan.utime_us = first_us + 26'667 * i++;
+    scan.stamp = first + 26'667us * i++;
     scan.angle_first_rad = deg_to_rad(first_deg - 90.0);
     scan.angle_step_rad = deg_to_rad(step_deg);
     scan.pitch_first_rad = scan.pitch_last_rad = deg_to_rad(pitch_deg);
@@ -86,7 +86,7 @@ void add_slices(const fs::path& file, std::int64_t first_us, const SE3& T_odom_b
     for (double range_cm = 0.0; scan.ranges_m.size() < num_ranges && words >> range_cm;) {
       scan.ranges_m.push_back(static_cast<float>(0.01 * range_cm));
     }
-    slam.add_odometry(scan.utime_us, T_odom_base);
+    slam.add_odometry(scan.stamp, T_odom_base);
     static_cast<void>(slam.add_scan(scan));
   }
 }
@@ -98,7 +98,7 @@ TEST(Recordings, R44_Kurt3dEqualsThe3dtkResult) {
   Slam6d slam({});
   for (int k = 0; k < 3; ++k) {
     const std::string name = "scan00" + std::to_string(k);
-    add_slices(dir / (name + ".nod"), 1'000'000'000 + 10'000'000LL * k,
+    add_slices(dir / (name + ".nod"), time::Timestamp(1000s + 10s * k),
                read_pose(dir / (name + ".pose")), slam);
   }
   static_cast<void>(slam.flush());

@@ -24,7 +24,7 @@ VoxelMap see(const Room& room, const SE3& T_world_base, unsigned seed) {
   std::vector<Eigen::Vector3f> points;
   for (int i = 0; i < 80; ++i) {
     const scan::Scan scan = scanner.scan(
-        i, room, [&](std::int64_t) { return T_world_base; }, random);
+        i, room, [&](time::Timestamp) { return T_world_base; }, random);
     for (std::size_t beam = 0; beam < scan.ranges_m.size(); ++beam) {
       if (scan.ranges_m[beam] < 15.0F) {
         points.push_back(
@@ -155,11 +155,11 @@ TEST(Registration, R41_TheMotionWithinASweepIsCorrected) {
   const Room room = Room::hall();
   const NoddingScanner scanner{.noise_m = 0.01};
   std::mt19937 random(8);
-  const auto drive = [](std::int64_t t) {
-    return drive_ahead(0.5, t) * pose(0, 0, 0, 0, 0, 30e-6 * static_cast<double>(t));
+  const auto drive = [](time::Timestamp t) {
+    return drive_ahead(0.5, t) * pose(0, 0, 0, 0, 0, 30.0 * time::seconds(t.time_since_epoch()));
   };
-  const auto odometry = [](std::int64_t t) {
-    return drive_ahead(0.547, t) * pose(0, 0, 0, 0, 0, 32.8e-6 * static_cast<double>(t));
+  const auto odometry = [](time::Timestamp t) {
+    return drive_ahead(0.547, t) * pose(0, 0, 0, 0, 0, 32.8 * time::seconds(t.time_since_epoch()));
   };
   std::vector<scan::Scan> scans;
   for (int i = 0; i < 80; ++i) {
@@ -171,14 +171,15 @@ TEST(Registration, R41_TheMotionWithinASweepIsCorrected) {
     times.times.resize(line.end, static_cast<float>(line.time));
   }
   VoxelMap sweep = VoxelMap::from_points(cloud.points, kMirror, {}, times);
-  const SE3 T_truth = drive(cloud.utime_us);
-  PosePrior prior = loose_prior(odometry(cloud.utime_us));
+  const SE3 T_truth = drive(cloud.stamp);
+  PosePrior prior = loose_prior(odometry(cloud.stamp));
   prior.motion_covariance = prior.covariance;
   const Registration found = register_sweep(sweep, map_of(room), prior, {});
   ASSERT_EQ(found.status, RegistrationStatus::kTracking);
   cloud.correct(found.correction);
-  const std::int64_t end_us = 79 * NoddingScanner::kPeriodUs + NoddingScanner::kPeriodUs / 2;
-  const SE3 motion_error = (drive(0).inverse() * drive(end_us)).inverse() * cloud.motion();
+  const time::Timestamp end(79 * NoddingScanner::kPeriod + NoddingScanner::kPeriod / 2);
+  const SE3 motion_error =
+      (drive(time::Timestamp{}).inverse() * drive(end)).inverse() * cloud.motion();
   // Measured 4.5 mm, 0.074 degrees; the motion 4.6 mm, 0.18 degrees.
   EXPECT_LT(error_of(found, T_truth).translation().norm(), 1.25 * 0.0045);
   EXPECT_LT(geometry::rotation_angle(error_of(found, T_truth)), deg_to_rad(1.25 * 0.074));

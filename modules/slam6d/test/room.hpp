@@ -10,6 +10,7 @@
 #include <random>
 #include <vector>
 
+#include "common/geometry/time.hpp"
 #include "common/scan/scan.hpp"
 
 namespace nodmap::slam6d {
@@ -63,7 +64,7 @@ struct Room {
   }
 };
 
-using Motion = std::function<geometry::SE3(std::int64_t utime_us)>;
+using Motion = std::function<geometry::SE3(time::Timestamp stamp)>;
 
 /// A SICK that nods between two pitches: 181 beams in half a mirror turn, 75 scans a second.
 struct NoddingScanner {
@@ -72,11 +73,11 @@ struct NoddingScanner {
   double step_rad = geometry::deg_to_rad(1.0);  ///< pitch from scan to scan
   double noise_m = 0.0;
 
-  static constexpr std::int64_t kPeriodUs = 13'320;
+  static constexpr time::Duration kPeriod = 13'320us;
 
   /// Triangle wave that starts at the lowest pitch.
-  [[nodiscard]] double pitch_rad(std::int64_t utime_us) const {
-    const double way = step_rad * static_cast<double>(utime_us) / static_cast<double>(kPeriodUs);
+  [[nodiscard]] double pitch_rad(time::Timestamp stamp) const {
+    const double way = step_rad * time::ratio(stamp.time_since_epoch(), kPeriod);
     const double span = highest_rad - lowest_rad;
     const double phase = std::fmod(way, 2.0 * span);
     return phase < span ? lowest_rad + phase : highest_rad - (phase - span);
@@ -85,23 +86,22 @@ struct NoddingScanner {
   [[nodiscard]] scan::Scan scan(std::int64_t index, const Room& room, const Motion& T_world_base,
                                 std::mt19937& random) const {
     scan::Scan scan;
-    scan.utime_us = index * kPeriodUs;
-    scan.duration_us = kPeriodUs / 2;
+    scan.stamp = time::Timestamp(index * kPeriod);
+    scan.duration = kPeriod / 2;
     scan.seq = index;
     scan.angle_first_rad = geometry::deg_to_rad(-90.0);
     scan.angle_step_rad = geometry::deg_to_rad(1.0);
-    scan.pitch_first_rad = pitch_rad(scan.utime_us);
-    scan.pitch_last_rad = pitch_rad(scan.utime_last_us());
+    scan.pitch_first_rad = pitch_rad(scan.stamp);
+    scan.pitch_last_rad = pitch_rad(scan.last_stamp());
     scan.range_min_m = 0.05;
     scan.range_max_m = 80.0;
     scan.T_base_mount.translation() = Eigen::Vector3d(0.1, 0.0, 0.4);
     scan.ranges_m.assign(181, 0.0F);
     std::normal_distribution<double> noise(0.0, 1.0);
     for (std::size_t beam = 0; beam < scan.ranges_m.size(); ++beam) {
-      const std::int64_t beam_us =
-          scan.utime_us +
-          static_cast<std::int64_t>(scan.fraction(beam) * static_cast<double>(scan.duration_us));
-      const geometry::SE3 T_world_mount = T_world_base(beam_us) * scan.T_base_mount;
+      const time::Timestamp beam_stamp = scan.stamp + std::chrono::duration_cast<time::Duration>(
+                                                          scan.fraction(beam) * scan.duration);
+      const geometry::SE3 T_world_mount = T_world_base(beam_stamp) * scan.T_base_mount;
       const Eigen::Vector3d direction =
           T_world_mount.linear() * scan::beam_direction(scan.angle_rad(beam), scan.pitch_rad(beam));
       scan.ranges_m[beam] = static_cast<float>(
@@ -111,9 +111,9 @@ struct NoddingScanner {
   }
 };
 
-inline geometry::SE3 drive_ahead(double speed_mps, std::int64_t utime_us) {
+inline geometry::SE3 drive_ahead(double speed_mps, time::Timestamp stamp) {
   geometry::SE3 T_world_base = geometry::SE3::Identity();
-  T_world_base.translation().x() = speed_mps * static_cast<double>(utime_us) * 1e-6;
+  T_world_base.translation().x() = speed_mps * time::seconds(stamp.time_since_epoch());
   return T_world_base;
 }
 

@@ -22,7 +22,7 @@ SavedMap three_keyframes() {
   SavedMap map;
   for (int k = 0; k < 3; ++k) {
     auto cloud = std::make_shared<SweepCloud>();
-    cloud->utime_us = 1'000'000 * k;
+    cloud->stamp = time::Timestamp(1s * k);
     cloud->points = {{1.0F, 2.0F, 0.1F * static_cast<float>(k)}, {-3.0F, 0.25F, 1.0F}};
     cloud->lines = {{Eigen::Vector3f(0.1F, 0.0F, 0.4F), 1},
                     {Eigen::Vector3f(0.1F, 0.0F, 0.41F), 2}};
@@ -56,7 +56,7 @@ TEST(SavedMapFile, IsReadAsItWasWritten) {
   const SavedMap map = read_saved_map(dir.path());
   ASSERT_EQ(map.keyframes.size(), 3U);
   for (std::size_t k = 0; k < 3; ++k) {
-    EXPECT_EQ(map.keyframes[k].cloud->utime_us, written.keyframes[k].cloud->utime_us);
+    EXPECT_EQ(map.keyframes[k].cloud->stamp, written.keyframes[k].cloud->stamp);
     EXPECT_EQ(map.keyframes[k].cloud->points, written.keyframes[k].cloud->points);
     ASSERT_EQ(map.keyframes[k].cloud->lines.size(), 2U);
     EXPECT_EQ(map.keyframes[k].cloud->lines[1].end, 2U);

@@ -22,7 +22,7 @@ using geometry::SE3;
 struct Drive {
   Room room = Room::hall();
   NoddingScanner scanner{.noise_m = 0.01};
-  Motion motion = [](std::int64_t t) { return drive_ahead(0.5, t); };
+  Motion motion = [](time::Timestamp t) { return drive_ahead(0.5, t); };
   double odometry_scale = 1.0;
 
   std::size_t run(Slam6d& slam, std::int64_t num_scans) const {
@@ -30,10 +30,10 @@ struct Drive {
     std::size_t num_records = 0;
     for (std::int64_t i = 0; i < num_scans; ++i) {
       for (const std::int64_t part : {0, 1}) {
-        const std::int64_t utime_us = i * NoddingScanner::kPeriodUs + part * 6'660;
-        SE3 T_odom_base = motion(utime_us);
+        const time::Timestamp stamp(i * NoddingScanner::kPeriod + part * 6'660us);
+        SE3 T_odom_base = motion(stamp);
         T_odom_base.translation() *= odometry_scale;
-        slam.add_odometry(utime_us, T_odom_base);
+        slam.add_odometry(stamp, T_odom_base);
       }
       num_records += slam.add_scan(scanner.scan(i, room, motion, random)) ? 1U : 0U;
     }
@@ -82,10 +82,11 @@ TEST(Slam6d, R43_KeyframesBeyondTwoMetres) {
 
 TEST(Slam6d, R43_KeyframesBeyond45Degrees) {
   Slam6d slam({});
-  const auto turn = [](std::int64_t t) {
+  const auto turn = [](time::Timestamp t) {
     SE3 T = SE3::Identity();
-    T.linear() = Eigen::AngleAxisd(0.3e-6 * static_cast<double>(t), Eigen::Vector3d::UnitZ())
-                     .toRotationMatrix();
+    T.linear() =
+        Eigen::AngleAxisd(0.3 * time::seconds(t.time_since_epoch()), Eigen::Vector3d::UnitZ())
+            .toRotationMatrix();
     return T;
   };
   Drive{.motion = turn}.run(slam, 800);  // 183 deg, 18.3 from sweep to sweep
@@ -121,8 +122,8 @@ TEST(Slam6d, R43_ConsecutiveKeyframesOverlap) {
 // R45: stop, scan and go, as before there was scanning on the move. Stands 3 s, drives 3 m in 6 s.
 TEST(Slam6d, R45_StandingOnlyPassesOverSweepsOnTheMove) {
   Slam6d slam({.keyframe = {.stationary_only = true}});
-  const auto stop_and_go = [](std::int64_t t) {
-    const double time_s = 1e-6 * static_cast<double>(t);
+  const auto stop_and_go = [](time::Timestamp t) {
+    const double time_s = time::seconds(t.time_since_epoch());
     const double round = std::floor(time_s / 9.0);
     SE3 T = SE3::Identity();
     T.translation().x() = 3.0 * round + 0.5 * std::max(0.0, time_s - 9.0 * round - 3.0);
@@ -148,12 +149,11 @@ TEST(Slam6d, R44_CorrectsOdometryAgainstTheMap) {
   EXPECT_EQ(slam.metrics().sweeps_lost, 0U);
   EXPECT_EQ(slam.metrics().sweeps_tracked + 1, slam.sweeps().size());
   const SE3 T_world_map =
-      drive.motion(slam.sweeps()[0].utime_us) * slam.sweeps()[0].T_map_base.inverse();
+      drive.motion(slam.sweeps()[0].stamp) * slam.sweeps()[0].T_map_base.inverse();
   const auto trajectory = slam.trajectory();
   ASSERT_EQ(trajectory.size(), slam.sweeps().size());
   for (std::size_t i = 0; i < trajectory.size(); ++i) {
-    const SE3 error =
-        drive.motion(slam.sweeps()[i].utime_us).inverse() * T_world_map * trajectory[i];
+    const SE3 error = drive.motion(slam.sweeps()[i].stamp).inverse() * T_world_map * trajectory[i];
     // Measured 2.7 mm and 0.031 degrees.
     EXPECT_LT(error.translation().norm(), 1.25 * 0.0027) << i;
     EXPECT_LT(geometry::rotation_angle(error), deg_to_rad(1.25 * 0.031)) << i;
@@ -165,7 +165,7 @@ TEST(Slam6d, R44_CorrectsOdometryAgainstTheMap) {
 // fewer of these voxels are new.
 TEST(Slam6d, R36_StandingSaturates) {
   Slam6d slam({.keyframe = {.distance_m = 0.2}});
-  const auto stand = [](std::int64_t) { return SE3::Identity(); };
+  const auto stand = [](time::Timestamp) { return SE3::Identity(); };
   std::vector<std::size_t> num_voxels;
   for (const std::int64_t num_scans : {160, 800, 800}) {
     Drive{.motion = stand}.run(slam, num_scans);
@@ -185,14 +185,14 @@ TEST(Slam6d, R36_StandingSaturates) {
 TEST(Slam6d, ARefusedSweepLeavesNoTrace) {
   Slam6d slam({});
   std::mt19937 random(11);
-  const auto stand = [](std::int64_t) { return SE3::Identity(); };
+  const auto stand = [](time::Timestamp) { return SE3::Identity(); };
   const NoddingScanner scanner{.noise_m = 0.01};
   const auto sweep_of = [&](const Room& room) {
     std::vector<scan::Scan> scans;
     for (std::int64_t i = 0; i < 80; ++i) {
       scans.push_back(scanner.scan(i, room, stand, random));
     }
-    return deskew(scans, [](std::int64_t) { return SE3::Identity(); }, {}).value();
+    return deskew(scans, [](time::Timestamp) { return SE3::Identity(); }, {}).value();
   };
   ASSERT_TRUE(slam.add_cloud(sweep_of(Room::hall())).is_tracked());
   ASSERT_TRUE(slam.add_cloud(sweep_of(Room::hall())).is_tracked());
@@ -213,10 +213,10 @@ TEST(Slam6d, TheMapBeginsWithAWholeSweep) {
   Slam6d slam({});
   std::mt19937 random(7);
   const NoddingScanner scanner;
-  const auto stand = [](std::int64_t) { return SE3::Identity(); };
+  const auto stand = [](time::Timestamp) { return SE3::Identity(); };
   for (std::int64_t i = 62; i < 320; ++i) {
     scan::Scan scan = scanner.scan(i, Room::hall(), stand, random);
-    slam.add_odometry(scan.utime_us, SE3::Identity());
+    slam.add_odometry(scan.stamp, SE3::Identity());
     (void)slam.add_scan(scan);
   }
   (void)slam.flush();
@@ -233,14 +233,14 @@ TEST(Slam6d, TheMapBeginsWithAWholeSweep) {
 TEST(Slam6d, ARotationThatNeverWasIsFoundOut) {
   Slam6d slam({});
   std::mt19937 random(12);
-  const auto stand = [](std::int64_t) { return SE3::Identity(); };
+  const auto stand = [](time::Timestamp) { return SE3::Identity(); };
   const NoddingScanner scanner{.noise_m = 0.01};
   for (const double counted_deg : {0.0, 0.0, 31.0}) {
     std::vector<scan::Scan> scans;
     for (std::int64_t i = 0; i < 80; ++i) {
       scans.push_back(scanner.scan(i, Room::hall(), stand, random));
     }
-    SweepCloud cloud = deskew(scans, [](std::int64_t) { return SE3::Identity(); }, {}).value();
+    SweepCloud cloud = deskew(scans, [](time::Timestamp) { return SE3::Identity(); }, {}).value();
     cloud.T_odom_base.linear() =
         geometry::rotation_of(Eigen::Vector3d(0.0, 0.0, deg_to_rad(counted_deg)));
     const PoseUpdate update = slam.add_cloud(std::move(cloud));
@@ -256,15 +256,15 @@ TEST(Slam6d, LearnsHowLateThePitchIs) {
   constexpr double kLatencyS = 0.002;
   Slam6d slam({});
   std::mt19937 random(13);
-  const auto stand = [](std::int64_t) { return SE3::Identity(); };
+  const auto stand = [](time::Timestamp) { return SE3::Identity(); };
   const NoddingScanner scanner{.noise_m = 0.01};
   for (std::int64_t i = 1; i < 800; ++i) {
     scan::Scan scan = scanner.scan(i, Room::hall(), stand, random);
-    const auto late_us = static_cast<std::int64_t>(1e6 * kLatencyS);
-    scan.pitch_first_rad = scanner.pitch_rad(scan.utime_us - late_us);
-    scan.pitch_last_rad = scanner.pitch_rad(scan.utime_last_us() - late_us);
-    slam.add_odometry(scan.utime_us, SE3::Identity());
-    slam.add_odometry(scan.utime_last_us(), SE3::Identity());
+    const time::Duration late = time::from_seconds(kLatencyS);
+    scan.pitch_first_rad = scanner.pitch_rad(scan.stamp - late);
+    scan.pitch_last_rad = scanner.pitch_rad(scan.last_stamp() - late);
+    slam.add_odometry(scan.stamp, SE3::Identity());
+    slam.add_odometry(scan.last_stamp(), SE3::Identity());
     (void)slam.add_scan(std::move(scan));
   }
   // A pitch is registered to 0.02 degrees, which the head passes in 0.3 ms.
@@ -276,13 +276,13 @@ TEST(Slam6d, R43_AnInterruptionMakesAKeyframe) {
   Slam6d slam({});
   std::mt19937 random(7);
   const NoddingScanner scanner;
-  const auto stand = [](std::int64_t) { return SE3::Identity(); };
+  const auto stand = [](time::Timestamp) { return SE3::Identity(); };
   for (int stop = 0; stop < 3; ++stop) {
-    const std::int64_t pause_us = stop * 10'000'000LL;
+    const time::Duration pause = stop * 10s;
     for (std::int64_t i = 0; i < 80; ++i) {
       scan::Scan scan = scanner.scan(i, Room::hall(), stand, random);
-      scan.utime_us += pause_us;
-      slam.add_odometry(scan.utime_us, SE3::Identity());
+      scan.stamp += pause;
+      slam.add_odometry(scan.stamp, SE3::Identity());
       (void)slam.add_scan(scan);
     }
   }
@@ -296,7 +296,7 @@ TEST(Slam6d, R43_AnInterruptionMakesAKeyframe) {
 TEST(Slam6d, ScansWithoutOdometryAreCounted) {
   Slam6d slam({});
   std::mt19937 random(8);
-  const auto stand = [](std::int64_t) { return SE3::Identity(); };
+  const auto stand = [](time::Timestamp) { return SE3::Identity(); };
   for (std::int64_t i = 0; i < 100; ++i) {
     EXPECT_FALSE(slam.add_scan(NoddingScanner{}.scan(i, Room::hall(), stand, random)));
   }
@@ -317,7 +317,7 @@ TEST(Slam6d, ASweepOfOneScanAndEmptyScansAreNoKeyframes) {
   scan::Scan scan;
   scan.angle_step_rad = 0.01;
   scan.range_max_m = 30.0;
-  slam.add_odometry(0, SE3::Identity());
+  slam.add_odometry(time::Timestamp{}, SE3::Identity());
   (void)slam.add_scan(scan);
   const auto one = slam.flush();
   ASSERT_TRUE(one);
@@ -325,7 +325,7 @@ TEST(Slam6d, ASweepOfOneScanAndEmptyScansAreNoKeyframes) {
   EXPECT_FALSE(one->keyframe);
   scan.ranges_m.assign(181, std::numeric_limits<float>::quiet_NaN());
   for (std::int64_t i = 0; i < 40; ++i) {
-    scan.utime_us = i * 1000;
+    scan.stamp = time::Timestamp(i * 1ms);
     (void)slam.add_scan(scan);
   }
   const auto nothing_seen = slam.flush();

@@ -46,13 +46,14 @@ double plane_rms_m(const std::vector<Eigen::Vector3f>& points) {
 TEST(SweepCloud, R41_MotionIsStrippedFromAWall) {
   const Room wall{{{Eigen::Vector3d(1.0, 0.2, 0.1).normalized(), 6.0}}};
   const NoddingScanner scanner{.noise_m = 0.01};
-  const auto drive = [](std::int64_t t) {
+  const auto drive = [](time::Timestamp t) {
     SE3 T = drive_ahead(1.5, t);
-    T.linear() = Eigen::AngleAxisd(0.3e-6 * static_cast<double>(t), Eigen::Vector3d::UnitZ())
-                     .toRotationMatrix();
+    T.linear() =
+        Eigen::AngleAxisd(0.3 * time::seconds(t.time_since_epoch()), Eigen::Vector3d::UnitZ())
+            .toRotationMatrix();
     return T;
   };
-  const auto stand = [](std::int64_t) { return SE3::Identity(); };
+  const auto stand = [](time::Timestamp) { return SE3::Identity(); };
   const RangeLimits limits{.min_m = 0.0, .max_m = 12.0};
   const auto moving_scans = record(scanner, wall, drive, 50);
 
@@ -68,12 +69,12 @@ TEST(SweepCloud, R41_MotionIsStrippedFromAWall) {
 // Every point back in the world is on the wall that was seen, beam by beam (float points: 1e-5).
 TEST(SweepCloud, R41_PointsAreInTheFrameOfThePoseAtMidTime) {
   const Room room = Room::hall();
-  const auto drive = [](std::int64_t t) { return drive_ahead(1.5, t); };
+  const auto drive = [](time::Timestamp t) { return drive_ahead(1.5, t); };
   const auto cloud = deskew(record({}, room, drive, 50), drive, kAnyRange);
   ASSERT_TRUE(cloud);
-  const std::int64_t end_us = 49 * NoddingScanner::kPeriodUs + NoddingScanner::kPeriodUs / 2;
-  EXPECT_EQ(cloud->utime_us, end_us / 2);
-  EXPECT_DOUBLE_EQ(cloud->T_odom_base.translation().x(), 1.5e-6 * static_cast<double>(end_us / 2));
+  const time::Duration end = 49 * NoddingScanner::kPeriod + NoddingScanner::kPeriod / 2;
+  EXPECT_EQ(cloud->stamp, time::Timestamp(end / 2));
+  EXPECT_DOUBLE_EQ(cloud->T_odom_base.translation().x(), 1.5 * time::seconds(end / 2));
   ASSERT_EQ(cloud->points.size(), 50U * 181U);
   for (const Eigen::Vector3f& p : cloud->points) {
     const Eigen::Vector3d p_world = cloud->T_odom_base * p.cast<double>();
@@ -86,7 +87,7 @@ TEST(SweepCloud, R41_PointsAreInTheFrameOfThePoseAtMidTime) {
 }
 
 TEST(SweepCloud, LinesTellWhereTheMirrorWas) {
-  const auto drive = [](std::int64_t t) { return drive_ahead(1.5, t); };
+  const auto drive = [](time::Timestamp t) { return drive_ahead(1.5, t); };
   const auto cloud = deskew(record({}, Room::hall(), drive, 50), drive, kAnyRange);
   ASSERT_TRUE(cloud);
   ASSERT_EQ(cloud->lines.size(), 50U);
@@ -99,22 +100,23 @@ TEST(SweepCloud, LinesTellWhereTheMirrorWas) {
 }
 
 TEST(SweepCloud, ScansWithoutAPoseAreCountedAndLeftOut) {
-  const auto stand = [](std::int64_t) { return SE3::Identity(); };
+  const auto stand = [](time::Timestamp) { return SE3::Identity(); };
   const auto scans = record({}, Room::hall(), stand, 20);
-  const auto until = [](std::int64_t t) -> std::optional<SE3> {
-    return t < 10 * NoddingScanner::kPeriodUs ? std::optional(SE3::Identity()) : std::nullopt;
+  const auto until = [](time::Timestamp t) -> std::optional<SE3> {
+    return t < time::Timestamp(10 * NoddingScanner::kPeriod) ? std::optional(SE3::Identity())
+                                                             : std::nullopt;
   };
   const auto cloud = deskew(scans, until, kAnyRange);
   ASSERT_TRUE(cloud);
   EXPECT_EQ(cloud->scans_used, 10U);
   EXPECT_EQ(cloud->scans_without_pose, 10U);
-  const auto never = [](std::int64_t) -> std::optional<SE3> { return std::nullopt; };
+  const auto never = [](time::Timestamp) -> std::optional<SE3> { return std::nullopt; };
   EXPECT_FALSE(deskew(scans, never, kAnyRange));
   EXPECT_FALSE(deskew({}, stand, kAnyRange));
 }
 
 TEST(SweepCloud, BeamsWithoutAMeasurementGiveNoPoint) {
-  const auto stand = [](std::int64_t) { return SE3::Identity(); };
+  const auto stand = [](time::Timestamp) { return SE3::Identity(); };
   auto scans = record({}, Room::hall(), stand, 3);
   scans[0].ranges_m.assign(181, std::numeric_limits<float>::quiet_NaN());
   scans[1].ranges_m.assign(181, std::numeric_limits<float>::infinity());

@@ -13,10 +13,10 @@ namespace {
 using geometry::deg_to_rad;
 using End = Sweep::End;
 
-scan::Scan scan_at(std::int64_t seq, std::int64_t utime_us, double pitch_deg) {
+scan::Scan scan_at(std::int64_t seq, time::Timestamp stamp, double pitch_deg) {
   scan::Scan scan;
   scan.seq = seq;
-  scan.utime_us = utime_us;
+  scan.stamp = stamp;
   scan.pitch_first_rad = scan.pitch_last_rad = deg_to_rad(pitch_deg);
   return scan;
 }
@@ -39,7 +39,7 @@ std::vector<scan::Scan> stream(const std::vector<double>& pitches_deg) {
   std::vector<scan::Scan> scans;
   for (const double pitch_deg : pitches_deg) {
     const auto seq = static_cast<std::int64_t>(scans.size());
-    scans.push_back(scan_at(seq, seq * 13'320, pitch_deg));
+    scans.push_back(scan_at(seq, time::Timestamp(seq * 13'320us), pitch_deg));
   }
   return scans;
 }
@@ -117,7 +117,7 @@ TEST(SweepSegmenter, R40_OneWaySweepsWithPauses) {
   for (int sweep = 0; sweep < 3; ++sweep) {
     for (int i = 0; i < 226; ++i) {
       const auto seq = static_cast<std::int64_t>(scans.size());
-      scans.push_back(scan_at(seq, sweep * 15'000'000LL + i * 26'667LL, -48.7 + 0.517 * i));
+      scans.push_back(scan_at(seq, time::Timestamp(sweep * 15s + i * 26'667us), -48.7 + 0.517 * i));
     }
   }
   const auto sweeps = segment(scans);
@@ -150,7 +150,7 @@ TEST(SweepSegmenter, R40_OneWaySweepsWithoutPauses) {
 TEST(SweepSegmenter, R40_StampsThatStepBackInterrupt) {
   auto scans = stream({0, 1, 2, 3, 4, 5, 6, 7});
   for (std::size_t i = 4; i < scans.size(); ++i) {
-    scans[i].utime_us -= 30'000;
+    scans[i].stamp -= 30ms;
   }
   const auto sweeps = segment(scans);
   expect_all_once(sweeps, scans.size());
@@ -178,13 +178,13 @@ TEST(SweepSegmenter, R40_NoScanLostOrDoubledInAnyStream) {
   std::uniform_int_distribution<int> chance(0, 30);
   for (int run = 0; run < 50; ++run) {
     std::vector<scan::Scan> scans;
-    std::int64_t utime_us = 0;
+    time::Timestamp stamp{};
     double pitch = 0.0;
     for (int i = 0; i < 400; ++i) {
       const int event = chance(random);
-      utime_us += event == 0 ? 3'000'000 : event == 1 ? -50'000 : 13'320;
+      stamp += event == 0 ? time::Duration(3s) : event == 1 ? -50ms : 13'320us;
       pitch = event == 2 ? pitch_deg(random) : pitch + step_deg(random);
-      scans.push_back(scan_at(i, utime_us, pitch));
+      scans.push_back(scan_at(i, stamp, pitch));
     }
     expect_all_once(segment(scans, {.max_scans = 60}), scans.size());
   }

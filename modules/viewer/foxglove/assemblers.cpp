@@ -43,7 +43,7 @@ void GridAssembler::begin_revision(const nodmap::grid_chunk_t& tile) {
 
 /// Makes the grid as large as the tile says, and keeps what both grids hold.
 void GridAssembler::resize_grid(const nodmap::grid_chunk_t& tile) {
-  GridView old = std::exchange(grid_, {.utime_us = tile.utime,
+  GridView old = std::exchange(grid_, {.stamp = time::from_utime(tile.utime),
                                        .cell_size_m = tile.cell_size_m,
                                        .origin_x_m = tile.origin_x_m,
                                        .origin_y_m = tile.origin_y_m,
@@ -138,7 +138,7 @@ Assembled<CloudView> CloudAssembler::add(const nodmap::cloud_chunk_t& chunk) {
     return result;
   }
   if (place.is_first) {
-    cloud_ = {chunk.utime, frames::kMap6d, *pose, {}};
+    cloud_ = {time::from_utime(chunk.utime), frames::kMap6d, *pose, {}};
   }
   for (const std::vector<float>& p : chunk.points_m) {
     if (std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2])) {
@@ -171,7 +171,7 @@ Assembled<OctomapView> OctomapAssembler::add(const nodmap::octomap_chunk_t& chun
     auto space = formats::read_octomap(std::exchange(file_, {}));
     result.refused = !space;
     if (space) {
-      result.whole = OctomapView{chunk.utime, std::move(*space)};
+      result.whole = OctomapView{time::from_utime(chunk.utime), std::move(*space)};
     }
   }
   return result;

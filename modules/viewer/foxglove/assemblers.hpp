@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/formats/octomap_file.hpp"
+#include "common/geometry/time.hpp"
 #include "modules/viewer/foxglove/sensor_views.hpp"
 #include "nodmap/cloud_chunk_t.hpp"
 #include "nodmap/grid_chunk_t.hpp"
@@ -79,7 +80,7 @@ class CloudAssembler {
 
 /// An OctoMap as it came.
 struct OctomapView {
-  std::int64_t utime_us = 0;
+  time::Timestamp stamp{};
   formats::OccupiedSpace space;  ///< in frame map_6d
 };
 

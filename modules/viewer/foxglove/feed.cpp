@@ -49,7 +49,7 @@ struct Feed::SlamChannel {
   const char* frame_topic;
   const char* trail_topic;
   Trail& trail;
-  Json (*frame)(std::int64_t utime_us, const geometry::SE3& T_map_odom);
+  Json (*frame)(time::Timestamp stamp, const geometry::SE3& T_map_odom);
 };
 
 Feed::Feed(bus::Bus& bus, TopicStore& store, node::MessageCounts& counts, const FeedParams& params)
@@ -69,8 +69,8 @@ Feed::Feed(bus::Bus& bus, TopicStore& store, node::MessageCounts& counts, const 
                             .frame_topic = "tf/map",
                             .trail_topic = "trail/2d",
                             .trail = trail_2d_,
-                            .frame = [](std::int64_t utime_us, const geometry::SE3& T_map_odom) {
-                              return frame_transform(utime_us, frames::kMap, frames::kOdom,
+                            .frame = [](time::Timestamp stamp, const geometry::SE3& T_map_odom) {
+                              return frame_transform(stamp, frames::kMap, frames::kOdom,
                                                      T_map_odom);
                             }});
   // The other way round: a frame has one parent, and odom's is map.
@@ -78,8 +78,8 @@ Feed::Feed(bus::Bus& bus, TopicStore& store, node::MessageCounts& counts, const 
                             .frame_topic = "tf/map_6d",
                             .trail_topic = "trail/6d",
                             .trail = trail_6d_,
-                            .frame = [](std::int64_t utime_us, const geometry::SE3& T_map_odom) {
-                              return frame_transform(utime_us, frames::kOdom, frames::kMap6d,
+                            .frame = [](time::Timestamp stamp, const geometry::SE3& T_map_odom) {
+                              return frame_transform(stamp, frames::kOdom, frames::kMap6d,
                                                      T_map_odom.inverse());
                             }});
   subscribe_maps(bus);
@@ -104,13 +104,13 @@ void Feed::reset() {
 
 void Feed::set_configured_commands(const procman::Config& config) {
   commands_.set_configured(config);
-  post(commands_topic_, 0, [this] { return commands_.commands(); });
+  post(commands_topic_, {}, [this] { return commands_.commands(); });
 }
 
 template <class Make>
-void Feed::post(std::size_t topic, std::int64_t utime_us, Make make, std::size_t weight) {
+void Feed::post(std::size_t topic, time::Timestamp stamp, Make make, std::size_t weight) {
   store_.post(
-      topic, utime_us, [make = std::move(make)] { return to_text(make()); }, weight);
+      topic, stamp, [make = std::move(make)] { return to_text(make()); }, weight);
 }
 
 template <class Message>
@@ -118,7 +118,8 @@ auto Feed::add_fields_topic(const char* channel) {
   const std::size_t topic = store_.add({channel, JsonMessage<Message>::kName});
   return [this, topic](const Message& message) {
     counts_.use();
-    post(topic, message.utime, [message] { return JsonMessage<Message>::fields(message); });
+    post(topic, node::stamp_of(message),
+         [message] { return JsonMessage<Message>::fields(message); });
   };
 }
 
@@ -126,12 +127,12 @@ std::size_t Feed::add_scene_topic(const char* name) {
   return store_.add({std::string("scene/") + name, "foxglove.SceneUpdate"});
 }
 
-void Feed::post_trail(std::size_t topic, Trail& trail, std::int64_t utime_us,
+void Feed::post_trail(std::size_t topic, Trail& trail, time::Timestamp stamp,
                       const geometry::SE3& T_frame_base) {
-  trail.add(utime_us, T_frame_base);
-  if (trail.is_due(utime_us)) {
+  trail.add(stamp, T_frame_base);
+  if (trail.is_due(stamp)) {
     // By reference: the trail lives as long as the store's readers, and only grows.
-    post(topic, utime_us, [&trail] { return trail.poses_in_frame(); });
+    post(topic, stamp, [&trail] { return trail.poses_in_frame(); });
   }
 }
 
@@ -156,7 +157,8 @@ void Feed::subscribe_sensors(bus::Bus& bus) {
     }
     counts_.use();
     p_base_mount_ = scan.T_base_mount.translation();
-    post(scan_topic, message.utime, [scan = std::move(scan)] { return laser_scan(scan); });
+    post(scan_topic, node::stamp_of(message),
+         [scan = std::move(scan)] { return laser_scan(scan); });
   });
   subscribe<nodmap::pitch_state_t>(bus, "PITCH_STATE",
                                    add_fields_topic<nodmap::pitch_state_t>("PITCH_STATE"));
@@ -175,14 +177,14 @@ void Feed::subscribe_odometry(bus::Bus& bus) {
       counts_.reject("pose_not_valid");
       return;
     }
-    const std::int64_t utime_us = message.utime;
+    const time::Timestamp stamp = node::stamp_of(message);
     post_fields(message);
-    post(frame, utime_us, [utime_us, pose = *T_odom_base] {
-      return frame_transform(utime_us, frames::kOdom, frames::kBase, pose);
+    post(frame, stamp, [stamp, pose = *T_odom_base] {
+      return frame_transform(stamp, frames::kOdom, frames::kBase, pose);
     });
-    post_trail(trail, odometry_trail_, utime_us, *T_odom_base);
+    post_trail(trail, odometry_trail_, stamp, *T_odom_base);
     if (!std::exchange(body_posted_, true)) {
-      post(robot, utime_us, [utime_us, body = body_] { return body_scene(utime_us, body); });
+      post(robot, stamp, [stamp, body = body_] { return body_scene(stamp, body); });
     }
   });
 }
@@ -195,7 +197,7 @@ void Feed::subscribe_decisions(bus::Bus& bus) {
       [this, post_fields = add_fields_topic<nodmap::navigation_t>("NAVIGATION"),
        corridor = add_scene_topic("corridor")](const auto& message) {
         post_fields(message);
-        post(corridor, message.utime,
+        post(corridor, node::stamp_of(message),
              [message, body = body_] { return corridor_scene(message, body); });
       });
   subscribe<nodmap::pitch_command_t>(
@@ -203,7 +205,7 @@ void Feed::subscribe_decisions(bus::Bus& bus) {
       [this, post_fields = add_fields_topic<nodmap::pitch_command_t>("PITCH_COMMAND"),
        area = add_scene_topic("area_of_interest")](const auto& message) {
         post_fields(message);
-        post(area, message.utime, [message, p = p_base_mount_, body = body_] {
+        post(area, node::stamp_of(message), [message, p = p_base_mount_, body = body_] {
           return area_of_interest_scene(message, p, body);
         });
       });
@@ -211,7 +213,8 @@ void Feed::subscribe_decisions(bus::Bus& bus) {
                             [this, post_fields = add_fields_topic<nodmap::goal_t>("GOAL"),
                              mark = add_scene_topic("goal")](const auto& message) {
                               post_fields(message);
-                              post(mark, message.utime, [message] { return goal_scene(message); });
+                              post(mark, node::stamp_of(message),
+                                   [message] { return goal_scene(message); });
                             });
 }
 
@@ -224,7 +227,7 @@ void Feed::subscribe_egomap(bus::Bus& bus, const char* channel) {
       return;
     }
     counts_.use();
-    post(topic, message.utime,
+    post(topic, node::stamp_of(message),
          [message, pose = *T_odom_base] { return egomap_cloud(message, pose); });
   });
 }
@@ -241,10 +244,11 @@ void Feed::subscribe_slam_pose(bus::Bus& bus, const SlamChannel& slam) {
       return;
     }
     post_fields(message);
-    post(frame, message.utime, [make = slam.frame, utime_us = message.utime, pose = *T_map_odom] {
-      return make(utime_us, pose);
-    });
-    post_trail(trail, slam.trail, message.utime, *T_map_base);
+    post(frame, node::stamp_of(message),
+         [make = slam.frame, stamp = node::stamp_of(message), pose = *T_map_odom] {
+           return make(stamp, pose);
+         });
+    post_trail(trail, slam.trail, node::stamp_of(message), *T_map_base);
   });
 }
 
@@ -252,32 +256,31 @@ void Feed::subscribe_maps(bus::Bus& bus) {
   const std::size_t map_2d = store_.add({"MAP_2D", "foxglove.Grid"});
   subscribe<nodmap::grid_chunk_t>(bus, "MAP_2D", [this, map_2d](const auto& message) {
     if (auto view = take(grid_.add(message), "map_tile_not_valid")) {
-      post(map_2d, message.utime, [view = std::move(*view)] { return grid(view); });
+      post(map_2d, node::stamp_of(message), [view = std::move(*view)] { return grid(view); });
     }
   });
-  subscribe<nodmap::path_t>(bus, "PATH",
-                            [this, path = add_scene_topic("path")](const auto& message) {
-                              counts_.use();
-                              post(path, message.utime, [message] { return path_scene(message); });
-                            });
+  subscribe<nodmap::path_t>(
+      bus, "PATH", [this, path = add_scene_topic("path")](const auto& message) {
+        counts_.use();
+        post(path, node::stamp_of(message), [message] { return path_scene(message); });
+      });
   subscribe<nodmap::exploration_t>(
       bus, "EXPLORATION",
       [this, post_fields = add_fields_topic<nodmap::exploration_t>("EXPLORATION"),
        scene = add_scene_topic("exploration")](const auto& message) {
         post_fields(message);
-        post(scene, message.utime, [message] { return exploration_scene(message); });
+        post(scene, node::stamp_of(message), [message] { return exploration_scene(message); });
       });
   subscribe<nodmap::pose_graph_t>(
       bus, "POSE_GRAPH", [this, graph = add_scene_topic("pose_graph")](const auto& message) {
         counts_.use();
-        post(graph, message.utime, [message] { return pose_graph_scene(message); });
+        post(graph, node::stamp_of(message), [message] { return pose_graph_scene(message); });
       });
   const std::size_t octomap = store_.add({"OCTOMAP", "foxglove.VoxelGrid"});
   subscribe<nodmap::octomap_chunk_t>(bus, "OCTOMAP", [this, octomap](const auto& message) {
     if (auto view = take(octomap_.add(message), "octomap_part_not_valid")) {
-      post(octomap, message.utime, [view = std::move(*view)] {
-        return voxel_grid(view.utime_us, to_voxel_grid(view.space));
-      });
+      post(octomap, node::stamp_of(message),
+           [view = std::move(*view)] { return voxel_grid(view.stamp, to_voxel_grid(view.space)); });
     }
   });
 }
@@ -291,13 +294,14 @@ void Feed::subscribe_cloud(bus::Bus& bus) {
     if (!cloud) {
       return;
     }
-    keyframes_.set(message.utime, cloud->T_frame_points);
-    post(keyframes, message.utime, [this] { return keyframes_.poses_in_frame(); });
+    keyframes_.set(node::stamp_of(message), cloud->T_frame_points);
+    post(keyframes, node::stamp_of(message), [this] { return keyframes_.poses_in_frame(); });
     cloud_downsampler_.downsample(*cloud);
     const std::size_t points = cloud->xyz_m.size() / 3;
     if (points > 0) {
       post(
-          topic, message.utime, [view = std::move(*cloud)] { return point_cloud(view); }, points);
+          topic, node::stamp_of(message), [view = std::move(*cloud)] { return point_cloud(view); },
+          points);
     }
   });
   subscribe<nodmap::pose_graph_6d_t>(
@@ -305,8 +309,8 @@ void Feed::subscribe_cloud(bus::Bus& bus) {
       [=, this, scene = add_scene_topic("pose_graph_6d")](const auto& message) {
         counts_.use();
         take_keyframe_poses(message);
-        post(keyframes, message.utime, [this] { return keyframes_.poses_in_frame(); });
-        post(scene, message.utime, [message] { return pose_graph_6d_scene(message); });
+        post(keyframes, node::stamp_of(message), [this] { return keyframes_.poses_in_frame(); });
+        post(scene, node::stamp_of(message), [message] { return pose_graph_6d_scene(message); });
       });
 }
 
@@ -314,7 +318,7 @@ void Feed::subscribe_cloud(bus::Bus& bus) {
 void Feed::take_keyframe_poses(const nodmap::pose_graph_6d_t& graph) {
   for (std::size_t i = 0; i < graph.keyframe_utime.size(); ++i) {
     if (const auto T_map_base = keyframe_pose(graph, i)) {
-      keyframes_.set(graph.keyframe_utime[i], *T_map_base);
+      keyframes_.set(time::from_utime(graph.keyframe_utime[i]), *T_map_base);
     }
   }
 }
@@ -329,9 +333,9 @@ void Feed::subscribe_processes(bus::Bus& bus) {
       return;
     }
     counts_.use();
-    post(status, message.utime, [this] { return processes_.processes(); });
+    post(status, node::stamp_of(message), [this] { return processes_.processes(); });
     if (change.health_changed) {
-      post(log, message.utime, [message] { return health_log(message); });
+      post(log, node::stamp_of(message), [message] { return health_log(message); });
     }
   });
   commands_topic_ = store_.add({"PM_INFO", "nodmap.commands"});
@@ -341,7 +345,7 @@ void Feed::subscribe_processes(bus::Bus& bus) {
       return;
     }
     counts_.use();
-    post(commands_topic_, message.utime, [this] { return commands_.commands(); });
+    post(commands_topic_, node::stamp_of(message), [this] { return commands_.commands(); });
   });
 }
 
@@ -356,10 +360,11 @@ void Feed::subscribe_truth(bus::Bus& bus) {
       return;
     }
     post_fields(message);
-    post(frame, message.utime, [utime_us = message.utime, pose = T_world_base->inverse()] {
-      return frame_transform(utime_us, frames::kBase, frames::kWorld, pose);
-    });
-    post(people, message.utime, [message] { return people_scene(message); });
+    post(frame, node::stamp_of(message),
+         [stamp = node::stamp_of(message), pose = T_world_base->inverse()] {
+           return frame_transform(stamp, frames::kBase, frames::kWorld, pose);
+         });
+    post(people, node::stamp_of(message), [message] { return people_scene(message); });
   });
 }
 

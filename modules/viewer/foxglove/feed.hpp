@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/bus/bus.hpp"
+#include "common/geometry/time.hpp"
 #include "common/node/message_counts.hpp"
 #include "modules/viewer/foxglove/assemblers.hpp"
 #include "modules/viewer/foxglove/cloud_downsampler.hpp"
@@ -73,8 +74,8 @@ class Feed {
 
   /// Posts what `make()` returns, a Json, when the first reader wants it.
   template <class Make>
-  void post(std::size_t topic, std::int64_t utime_us, Make make, std::size_t weight = 1);
-  void post_trail(std::size_t topic, Trail& trail, std::int64_t utime_us,
+  void post(std::size_t topic, time::Timestamp stamp, Make make, std::size_t weight = 1);
+  void post_trail(std::size_t topic, Trail& trail, time::Timestamp stamp,
                   const geometry::SE3& T_frame_base);
   /// Counts a part of a map or cloud; the whole if this part made it complete.
   template <class Whole>

@@ -8,8 +8,8 @@ namespace nodmap::foxglove {
 
 static_assert(std::endian::native == std::endian::little, "packed data are little-endian");
 
-Json time_json(std::int64_t utime_us) {
-  const std::int64_t us = std::max<std::int64_t>(utime_us, 0);
+Json time_json(time::Timestamp stamp) {
+  const std::int64_t us = std::max<std::int64_t>(time::to_utime(stamp), 0);
   return {{"sec", us / 1'000'000}, {"nsec", us % 1'000'000 * 1000}};
 }
 

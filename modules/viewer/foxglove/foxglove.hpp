@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "common/geometry/se3.hpp"
+#include "common/geometry/time.hpp"
 
 namespace nodmap::foxglove {
 
@@ -27,7 +28,7 @@ inline constexpr const char* kWorld = "world";
 }  // namespace frames
 
 /// {sec, nsec} of microseconds since the epoch; times before it are taken as the epoch.
-[[nodiscard]] Json time_json(std::int64_t utime_us);
+[[nodiscard]] Json time_json(time::Timestamp stamp);
 
 [[nodiscard]] Json vector_json(const Eigen::Vector3d& v);
 [[nodiscard]] Json quaternion_json(const Eigen::Quaterniond& q);

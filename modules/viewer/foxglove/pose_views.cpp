@@ -3,21 +3,21 @@
 
 namespace nodmap::foxglove {
 
-Json frame_transform(std::int64_t utime_us, const char* parent, const char* child,
+Json frame_transform(time::Timestamp stamp, const char* parent, const char* child,
                      const geometry::SE3& T_parent_child) {
-  return {{"timestamp", time_json(utime_us)},
+  return {{"timestamp", time_json(stamp)},
           {"parent_frame_id", parent},
           {"child_frame_id", child},
           {"translation", vector_json(T_parent_child.translation())},
           {"rotation", quaternion_json(Eigen::Quaterniond(T_parent_child.linear()))}};
 }
 
-bool Trail::add(std::int64_t utime_us, const geometry::SE3& T_frame_base) {
+bool Trail::add(time::Timestamp stamp, const geometry::SE3& T_frame_base) {
   if (!poses_.empty() &&
       (T_frame_base.translation() - poses_.back().translation()).norm() < spacing_m_) {
     return false;
   }
-  utime_us_ = utime_us;
+  stamp_ = stamp;
   is_new_ = true;
   poses_.push_back(T_frame_base);
   if (poses_.size() > kMaxPoses) {
@@ -26,15 +26,15 @@ bool Trail::add(std::int64_t utime_us, const geometry::SE3& T_frame_base) {
   return true;
 }
 
-bool Trail::is_due(std::int64_t utime_us) {
+bool Trail::is_due(time::Timestamp stamp) {
   // A clock set back must not silence the trail until it has caught up.
   const bool is_time =
-      !published_us_ || utime_us < *published_us_ || utime_us - *published_us_ >= kPeriodUs;
+      !published_at_ || stamp < *published_at_ || stamp - *published_at_ >= kPeriod;
   if (!is_new_ || !is_time) {
     return false;
   }
   is_new_ = false;
-  published_us_ = utime_us;
+  published_at_ = stamp;
   return true;
 }
 
@@ -43,12 +43,11 @@ Json Trail::poses_in_frame() const {
   for (const geometry::SE3& pose : poses_) {
     poses.push_back(pose_json(pose));
   }
-  return {
-      {"timestamp", time_json(utime_us_)}, {"frame_id", frame_id_}, {"poses", std::move(poses)}};
+  return {{"timestamp", time_json(stamp_)}, {"frame_id", frame_id_}, {"poses", std::move(poses)}};
 }
 
-void KeyframePoses::set(std::int64_t utime_us, const geometry::SE3& T_map_base) {
-  poses_[utime_us] = T_map_base;
+void KeyframePoses::set(time::Timestamp stamp, const geometry::SE3& T_map_base) {
+  poses_[stamp] = T_map_base;
   if (poses_.size() > kMaxPoses) {
     poses_.erase(poses_.begin());
   }
@@ -57,11 +56,11 @@ void KeyframePoses::set(std::int64_t utime_us, const geometry::SE3& T_map_base) 
 Json KeyframePoses::poses_in_frame() const {
   Json times = Json::array();
   Json poses = Json::array();
-  for (const auto& [utime_us, T_map_base] : poses_) {
-    times.push_back(time_json(utime_us));
+  for (const auto& [stamp, T_map_base] : poses_) {
+    times.push_back(time_json(stamp));
     poses.push_back(pose_json(T_map_base));
   }
-  return {{"timestamp", time_json(poses_.empty() ? 0 : poses_.rbegin()->first)},
+  return {{"timestamp", time_json(poses_.empty() ? time::Timestamp{} : poses_.rbegin()->first)},
           {"frame_id", frames::kMap6d},
           {"poses", std::move(poses)},
           {"times", std::move(times)}};

@@ -7,12 +7,13 @@
 #include <map>
 #include <optional>
 
+#include "common/geometry/time.hpp"
 #include "modules/viewer/foxglove/foxglove.hpp"
 
 namespace nodmap::foxglove {
 
 /// foxglove.FrameTransform.
-[[nodiscard]] Json frame_transform(std::int64_t utime_us, const char* parent, const char* child,
+[[nodiscard]] Json frame_transform(time::Timestamp stamp, const char* parent, const char* child,
                                    const geometry::SE3& T_parent_child);
 
 /// Where something has been: poses at least `spacing_m` apart, the newest `kMaxPoses` of them.
@@ -20,17 +21,17 @@ class Trail {
  public:
   static constexpr std::size_t kMaxPoses = 2000;
   /// Each message holds the whole trail: no more often than this.
-  static constexpr std::int64_t kPeriodUs = 1'000'000;
+  static constexpr time::Duration kPeriod = 1s;
 
   Trail(const char* frame_id, double spacing_m) : frame_id_(frame_id), spacing_m_(spacing_m) {}
 
   /// Whether the pose was far enough from the last one to be kept.
-  bool add(std::int64_t utime_us, const geometry::SE3& T_frame_base);
+  bool add(time::Timestamp stamp, const geometry::SE3& T_frame_base);
   void clear() { *this = Trail(frame_id_, spacing_m_); }
 
   /// Whether there is something new to publish, and the last time is long enough ago. If so, it
   /// counts as published.
-  [[nodiscard]] bool is_due(std::int64_t utime_us);
+  [[nodiscard]] bool is_due(time::Timestamp stamp);
 
   [[nodiscard]] std::size_t size() const { return poses_.size(); }
 
@@ -40,9 +41,9 @@ class Trail {
  private:
   const char* frame_id_;
   double spacing_m_;
-  std::int64_t utime_us_ = 0;
+  time::Timestamp stamp_{};
   bool is_new_ = false;
-  std::optional<std::int64_t> published_us_;
+  std::optional<time::Timestamp> published_at_;
   std::deque<geometry::SE3> poses_;
 };
 
@@ -53,14 +54,14 @@ class KeyframePoses {
   static constexpr std::size_t kMaxPoses = 2000;
 
   /// The pose of the keyframe of this time, known or new.
-  void set(std::int64_t utime_us, const geometry::SE3& T_map_base);
+  void set(time::Timestamp stamp, const geometry::SE3& T_map_base);
   void clear() { poses_.clear(); }
 
   /// foxglove.PosesInFrame, and besides `times`, by which a page finds the cloud of each pose.
   [[nodiscard]] Json poses_in_frame() const;
 
  private:
-  std::map<std::int64_t, geometry::SE3> poses_;  // by time
+  std::map<time::Timestamp, geometry::SE3> poses_;  // by time
 };
 
 }  // namespace nodmap::foxglove

@@ -83,20 +83,20 @@ ProcessTable::Change ProcessTable::update(const nodmap::status_t& status) {
 }
 
 Json ProcessTable::processes() const {
-  std::int64_t newest_us = 0;
+  time::Timestamp newest{};
   Json list = Json::array();
   for (const auto& [name, status] : processes_) {
-    newest_us = std::max(newest_us, status.utime);
+    newest = std::max(newest, time::from_utime(status.utime));
     list.push_back(JsonMessage<nodmap::status_t>::fields(status));
   }
-  return {{"timestamp", time_json(newest_us)}, {"processes", std::move(list)}};
+  return {{"timestamp", time_json(newest)}, {"processes", std::move(list)}};
 }
 
 Json health_log(const nodmap::status_t& status) {
   const bool ok = status.health == nodmap::status_t::OK;
   const bool degraded = status.health == nodmap::status_t::DEGRADED;
   const std::string state = JsonMessage<nodmap::status_t>::constant_name(status.health);
-  return {{"timestamp", time_json(status.utime)},
+  return {{"timestamp", time_json(time::from_utime(status.utime))},
           {"level", ok         ? kInfo
                     : degraded ? kWarning
                                : kError},
@@ -116,12 +116,12 @@ bool CommandTable::update(const procman_lcm::deputy_info_t& info) {
 }
 
 Json CommandTable::commands() const {
-  std::int64_t newest_us = 0;
+  time::Timestamp newest{};
   Json hosts = Json::array();
   Json commands = Json::array();
   std::set<std::pair<std::string, std::string>> told;
   for (const auto& [host, info] : hosts_) {
-    newest_us = std::max(newest_us, info.utime);
+    newest = std::max(newest, time::from_utime(info.utime));
     hosts.push_back(host_json(info));
     for (const procman_lcm::cmd_status_t& status : info.cmds) {
       told.emplace(host, status.cmd.command_id);
@@ -139,7 +139,7 @@ Json CommandTable::commands() const {
   std::sort(commands.begin(), commands.end(), [](const Json& a, const Json& b) {
     return std::tie(a["group"], a["command"]) < std::tie(b["group"], b["command"]);
   });
-  return {{"timestamp", time_json(newest_us)},
+  return {{"timestamp", time_json(newest)},
           {"hosts", std::move(hosts)},
           {"commands", std::move(commands)}};
 }

@@ -36,8 +36,8 @@ geometry::SE3 at(double x_m, double y_m, double z_m) {
 }
 
 /// An entity with no primitive yet; it stays until it is replaced.
-Json entity(std::int64_t utime_us, const char* frame_id, const std::string& id) {
-  Json json = {{"timestamp", time_json(utime_us)},
+Json entity(time::Timestamp stamp, const char* frame_id, const std::string& id) {
+  Json json = {{"timestamp", time_json(stamp)},
                {"frame_id", frame_id},
                {"id", id},
                {"lifetime", {{"sec", 0}, {"nsec", 0}}},
@@ -57,8 +57,8 @@ Json one(Json single) {
   return update(Json::array({std::move(single)}));
 }
 
-Json deletion(std::int64_t utime_us, const std::string& id) {
-  return {{"timestamp", time_json(utime_us)}, {"type", 0}, {"id", id}};
+Json deletion(time::Timestamp stamp, const std::string& id) {
+  return {{"timestamp", time_json(stamp)}, {"type", 0}, {"id", id}};
 }
 
 Json solid(const geometry::SE3& pose, const Eigen::Vector3d& size_m, const Color& color) {
@@ -129,8 +129,8 @@ Json graph_lines(const std::vector<Eigen::Vector3d>& nodes, const std::vector<st
 
 }  // namespace
 
-Json body_scene(std::int64_t utime_us, const Body& body) {
-  Json robot = entity(utime_us, frames::kBase, "robot");
+Json body_scene(time::Timestamp stamp, const Body& body) {
+  Json robot = entity(stamp, frames::kBase, "robot");
   // The chassis, and on it the scanner, narrower, at the front.
   const double chassis_m = 0.6 * body.height_m;
   const double scanner_m = body.height_m - chassis_m;
@@ -145,7 +145,7 @@ Json corridor_scene(const nodmap::navigation_t& navigation, const Body& body) {
   const double length_m = std::max(navigation.corridor_length_m, 0.0);
   const double front_m = 0.5 * body.length_m;
   const Color color = behaviour_color(navigation.behaviour);
-  Json corridor = entity(navigation.utime, frames::kBase, "corridor");
+  Json corridor = entity(time::from_utime(navigation.utime), frames::kBase, "corridor");
   corridor["cubes"] =
       Json::array({solid(at(front_m + 0.5 * length_m, 0.0, 0.5 * body.height_m),
                          {length_m, navigation.corridor_width_m, body.height_m}, color)});
@@ -176,7 +176,7 @@ Json area_of_interest_scene(const nodmap::pitch_command_t& command,
                           p_base_mount.z() - range_m * down);
     }
   }
-  Json area = entity(command.utime, frames::kBase, "area_of_interest");
+  Json area = entity(time::from_utime(command.utime), frames::kBase, "area_of_interest");
   area["lines"] =
       Json::array({lines(kLineList,
                          {points[0], points[1], points[2], points[3], points[4], points[5],
@@ -187,9 +187,9 @@ Json area_of_interest_scene(const nodmap::pitch_command_t& command,
 
 Json goal_scene(const nodmap::goal_t& goal) {
   if (goal.is_active == 0) {
-    return update(Json::array(), Json::array({deletion(goal.utime, "goal")}));
+    return update(Json::array(), Json::array({deletion(time::from_utime(goal.utime), "goal")}));
   }
-  Json json = entity(goal.utime, frames::kMap, "goal");
+  Json json = entity(time::from_utime(goal.utime), frames::kMap, "goal");
   const geometry::SE3 pose = at(goal.position_m[0], goal.position_m[1], 0.05);
   json["cylinders"] =
       Json::array({cylinder(pose, std::max(goal.tolerance_m, 0.05), 0.1, kGoalColor)});
@@ -206,7 +206,7 @@ Json goal_scene(const nodmap::goal_t& goal) {
 
 Json path_scene(const nodmap::path_t& path) {
   if (path.state == nodmap::path_t::NO_GOAL) {
-    return update(Json::array(), Json::array({deletion(path.utime, "path")}));
+    return update(Json::array(), Json::array({deletion(time::from_utime(path.utime), "path")}));
   }
   static constexpr double kHeightM = 0.04;
   const auto points = [](const std::vector<double>& x_m, const std::vector<double>& y_m) {
@@ -216,7 +216,7 @@ Json path_scene(const nodmap::path_t& path) {
     }
     return all;
   };
-  Json json = entity(path.utime, frames::kOdom, "path");
+  Json json = entity(time::from_utime(path.utime), frames::kOdom, "path");
   json["lines"] = Json::array({lines(kLineStrip, points(path.x_m, path.y_m), kPathColor),
                                lines(kLineStrip, points(path.arc_x_m, path.arc_y_m), kArcColor)});
   return one(std::move(json));
@@ -225,7 +225,8 @@ Json path_scene(const nodmap::path_t& path) {
 Json exploration_scene(const nodmap::exploration_t& exploration) {
   if (exploration.state == nodmap::exploration_t::IDLE ||
       exploration.state == nodmap::exploration_t::HOME) {
-    return update(Json::array(), Json::array({deletion(exploration.utime, "exploration")}));
+    return update(Json::array(),
+                  Json::array({deletion(time::from_utime(exploration.utime), "exploration")}));
   }
   static constexpr double kHeightM = 0.05;
   // A short upright stroke for each frontier cell.
@@ -240,7 +241,7 @@ Json exploration_scene(const nodmap::exploration_t& exploration) {
   for (std::size_t i = 0; i < exploration.x_m.size(); ++i) {
     path.emplace_back(exploration.x_m[i], exploration.y_m[i], kHeightM);
   }
-  Json json = entity(exploration.utime, frames::kMap, "exploration");
+  Json json = entity(time::from_utime(exploration.utime), frames::kMap, "exploration");
   for (std::size_t i = 0; i < exploration.viewpoint_x_m.size(); ++i) {
     const double x_m = exploration.viewpoint_x_m[i];
     const double y_m = exploration.viewpoint_y_m[i];
@@ -261,7 +262,7 @@ Json pose_graph_scene(const nodmap::pose_graph_t& graph) {
   for (std::size_t i = 0; i < graph.x_m.size(); ++i) {
     submaps.emplace_back(graph.x_m[i], graph.y_m[i], kHeightM);
   }
-  Json json = entity(graph.utime, frames::kMap, "pose_graph");
+  Json json = entity(time::from_utime(graph.utime), frames::kMap, "pose_graph");
   json["lines"] = graph_lines(submaps, graph.from_submap, graph.to_submap, graph.loop_state);
   return one(std::move(json));
 }
@@ -277,13 +278,13 @@ Json pose_graph_6d_scene(const nodmap::pose_graph_6d_t& graph) {
   for (const std::vector<double>& p : graph.position_m) {
     keyframes.emplace_back(p[0], p[1], p[2] + 0.03);
   }
-  Json json = entity(graph.utime, frames::kMap6d, "pose_graph_6d");
+  Json json = entity(time::from_utime(graph.utime), frames::kMap6d, "pose_graph_6d");
   json["lines"] = graph_lines(keyframes, graph.from_keyframe, graph.to_keyframe, graph.loop_state);
   return one(std::move(json));
 }
 
 Json people_scene(const nodmap::truth_t& truth) {
-  Json people = entity(truth.utime, frames::kWorld, "people");
+  Json people = entity(time::from_utime(truth.utime), frames::kWorld, "people");
   for (std::size_t i = 0; i < truth.actor_position_m.size(); ++i) {
     const std::vector<double>& p = truth.actor_position_m[i];
     people["cylinders"].push_back(cylinder(at(p[0], p[1], 0.5 * truth.actor_height_m[i]),

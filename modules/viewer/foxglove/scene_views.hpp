@@ -2,6 +2,7 @@
 // What is drawn rather than measured, as Foxglove's SceneUpdate.
 #pragma once
 
+#include "common/geometry/time.hpp"
 #include "modules/viewer/foxglove/foxglove.hpp"
 #include "nodmap/exploration_t.hpp"
 #include "nodmap/goal_t.hpp"
@@ -22,7 +23,7 @@ struct Body {
 };
 
 /// The body, in base.
-[[nodiscard]] Json body_scene(std::int64_t utime_us, const Body& body);
+[[nodiscard]] Json body_scene(time::Timestamp stamp, const Body& body);
 
 /// The virtual corridor ahead of the robot, coloured by the behaviour, with its name; in base.
 [[nodiscard]] Json corridor_scene(const nodmap::navigation_t& navigation, const Body& body);

@@ -87,9 +87,9 @@ Json laser_scan(const scan::Scan& scan) {
     ranges.push_back(scan.is_hit(beam) ? rounded_m(scan.ranges_m[beam]) : 0.0);
   }
   const std::size_t last = scan.ranges_m.empty() ? 0 : scan.ranges_m.size() - 1;
-  return {{"timestamp", time_json(scan.utime_us)}, {"frame_id", frames::kBase},
-          {"pose", pose_json(laser_pose(scan))},   {"start_angle", scan.angle_first_rad},
-          {"end_angle", scan.angle_rad(last)},     {"ranges", std::move(ranges)},
+  return {{"timestamp", time_json(scan.stamp)},  {"frame_id", frames::kBase},
+          {"pose", pose_json(laser_pose(scan))}, {"start_angle", scan.angle_first_rad},
+          {"end_angle", scan.angle_rad(last)},   {"ranges", std::move(ranges)},
           {"intensities", Json::array()}};
 }
 
@@ -103,7 +103,7 @@ Json egomap_cloud(const nodmap::egomap_t& map, const geometry::SE3& T_odom_base)
                     {map.point_x_m[i], map.point_y_m[i], map.point_z_m[i], map.age_s[i]});
     }
   }
-  return {{"timestamp", time_json(map.utime)},
+  return {{"timestamp", time_json(time::from_utime(map.utime))},
           {"frame_id", frames::kOdom},
           {"pose", pose_json(T_odom_base)},
           {"point_stride", 16},
@@ -115,7 +115,7 @@ Json egomap_cloud(const nodmap::egomap_t& map, const geometry::SE3& T_odom_base)
 }
 
 Json point_cloud(const CloudView& cloud) {
-  return {{"timestamp", time_json(cloud.utime_us)},
+  return {{"timestamp", time_json(cloud.stamp)},
           {"frame_id", cloud.frame_id},
           {"pose", pose_json(cloud.T_frame_points)},
           {"point_stride", 12},
@@ -128,7 +128,7 @@ Json point_cloud(const CloudView& cloud) {
 Json grid(const GridView& view) {
   geometry::SE3 T_map_corner = geometry::SE3::Identity();
   T_map_corner.translation() = Eigen::Vector3d(view.origin_x_m, view.origin_y_m, 0.0);
-  return {{"timestamp", time_json(view.utime_us)},
+  return {{"timestamp", time_json(view.stamp)},
           {"frame_id", frames::kMap},
           {"pose", pose_json(T_map_corner)},
           {"column_count", view.width},
@@ -162,10 +162,10 @@ VoxelGrid to_voxel_grid(const OccupiedSpace& space) {
   return grid;
 }
 
-Json voxel_grid(std::int64_t utime_us, const VoxelGrid& grid) {
+Json voxel_grid(time::Timestamp stamp, const VoxelGrid& grid) {
   geometry::SE3 T_map_corner = geometry::SE3::Identity();
   T_map_corner.translation() = grid.p_corner;
-  return {{"timestamp", time_json(utime_us)},
+  return {{"timestamp", time_json(stamp)},
           {"frame_id", frames::kMap6d},
           {"pose", pose_json(T_map_corner)},
           {"row_count", grid.rows},

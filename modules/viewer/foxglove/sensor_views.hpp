@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/formats/octomap_file.hpp"
+#include "common/geometry/time.hpp"
 #include "common/scan/scan.hpp"
 #include "modules/viewer/foxglove/foxglove.hpp"
 #include "nodmap/egomap_t.hpp"
@@ -24,7 +25,7 @@ namespace nodmap::foxglove {
 
 /// Points x, y, z, x, ... (m) in the frame of their pose.
 struct CloudView {
-  std::int64_t utime_us = 0;
+  time::Timestamp stamp{};
   std::string frame_id;
   geometry::SE3 T_frame_points = geometry::SE3::Identity();
   std::vector<float> xyz_m;
@@ -35,7 +36,7 @@ struct CloudView {
 
 /// An occupancy grid: rows along y, x fastest; 0 free .. 100 occupied, -1 unknown.
 struct GridView {
-  std::int64_t utime_us = 0;
+  time::Timestamp stamp{};
   double cell_size_m = 0.0;
   double origin_x_m = 0.0;  ///< outer corner of the first cell
   double origin_y_m = 0.0;
@@ -64,6 +65,6 @@ struct VoxelGrid {
 [[nodiscard]] VoxelGrid to_voxel_grid(const formats::OccupiedSpace& space);
 
 /// foxglove.VoxelGrid in frame map_6d, one field `occupied` (UINT8).
-[[nodiscard]] Json voxel_grid(std::int64_t utime_us, const VoxelGrid& grid);
+[[nodiscard]] Json voxel_grid(time::Timestamp stamp, const VoxelGrid& grid);
 
 }  // namespace nodmap::foxglove

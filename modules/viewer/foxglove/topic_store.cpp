@@ -11,11 +11,11 @@ std::size_t TopicStore::add(Topic topic) {
   return topics_.size() - 1;
 }
 
-void TopicStore::post(std::size_t topic, std::int64_t utime_us, Post::Encode encode,
+void TopicStore::post(std::size_t topic, time::Timestamp stamp, Post::Encode encode,
                       std::size_t weight) {
   Queue& queue = queues_[topic];
   make_room(queue, topics_[topic], weight);
-  auto post = std::make_shared<Post>(utime_us, std::move(encode));
+  auto post = std::make_shared<Post>(stamp, std::move(encode));
   queue.posts.push_back({queue.next_number, weight, post});
   queue.weight += weight;
   ++queue.next_number;

@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "common/geometry/time.hpp"
+
 namespace nodmap::foxglove {
 
 /// One message of a topic; its text is made when the first reader wants it, and only once.
@@ -17,9 +19,9 @@ class Post {
  public:
   using Encode = std::function<std::string()>;
 
-  Post(std::int64_t utime_us, Encode encode) : utime_us_(utime_us), encode_(std::move(encode)) {}
+  Post(time::Timestamp stamp, Encode encode) : stamp_(stamp), encode_(std::move(encode)) {}
 
-  [[nodiscard]] std::int64_t utime_us() const { return utime_us_; }
+  [[nodiscard]] time::Timestamp stamp() const { return stamp_; }
   [[nodiscard]] const std::string& text() {
     if (encode_) {
       text_ = encode_();
@@ -29,7 +31,7 @@ class Post {
   }
 
  private:
-  std::int64_t utime_us_;
+  time::Timestamp stamp_;
   Encode encode_;
   std::string text_;
 };
@@ -56,7 +58,7 @@ class TopicStore {
   /// Returns the topic's number, from 0. Topics are added once, before the first post.
   std::size_t add(Topic topic);
 
-  void post(std::size_t topic, std::int64_t utime_us, Post::Encode encode, std::size_t weight = 1);
+  void post(std::size_t topic, time::Timestamp stamp, Post::Encode encode, std::size_t weight = 1);
 
   /// The first post of the topic that the cursor has not passed; moves the cursor behind it. Empty
   /// when there is nothing new.

@@ -72,7 +72,7 @@ TEST(Playback, EventsAreWhatBegins) {
   const std::vector<std::string> expected = {"1.000 stop by me", "2.000 keyframe 7",
                                              "3.000 fault nodmap-kurt: no answer",
                                              "6.250 fault nodmap-kurt: no answer"};
-  EXPECT_EQ(playback_events({dir.path() / "log"}, 100'000'000), expected);
+  EXPECT_EQ(playback_events({dir.path() / "log"}, time::Timestamp(100s)), expected);
 }
 
 }  // namespace

@@ -30,8 +30,8 @@ class RemoteControlTest : public ::testing::Test {
     return answer.ok;
   }
 
-  void pass(std::int64_t duration_us) {
-    clock_.advance(time::from_us(duration_us));
+  void pass(time::Duration duration) {
+    clock_.advance(duration);
     control_.turn();
     handle();
   }
@@ -91,24 +91,24 @@ TEST_F(RemoteControlTest, AGoalFarAwayIsRefusedAndOneOutsideOfTheMapIsSaidToBe) 
 }
 
 TEST_F(RemoteControlTest, AStopIsSaidAgainUntilGo) {
-  pass(1'000'000);
+  pass(1s);
   EXPECT_EQ(stop_.count(), 0);  // nobody has asked
   EXPECT_TRUE(ask({{"do", "stop"}}));
   ASSERT_TRUE(stop_.get());
   EXPECT_TRUE(stop_.get()->is_stopped);
   EXPECT_EQ(stop_.get()->requested_by, "nodmap-viewer");
-  pass(RemoteControl::kRepeatUs - 1);
+  pass(RemoteControl::kRepeat - 1us);
   EXPECT_EQ(stop_.count(), 1);
-  pass(1);
+  pass(1us);
   EXPECT_EQ(stop_.count(), 2);
   EXPECT_EQ(stop_.get()->stop_seq, 1);
   EXPECT_TRUE(ask({{"do", "goal"}, {"x_m", 1}, {"y_m", 1}}));  // does not let it go
-  pass(RemoteControl::kRepeatUs);
+  pass(RemoteControl::kRepeat);
   EXPECT_TRUE(stop_.get()->is_stopped);
   EXPECT_TRUE(ask({{"do", "go"}}));
   EXPECT_FALSE(stop_.get()->is_stopped);
   const std::int64_t count = stop_.count();
-  pass(10 * RemoteControl::kRepeatUs);
+  pass(10 * RemoteControl::kRepeat);
   EXPECT_EQ(stop_.count(), count);
 }
 
@@ -118,12 +118,12 @@ TEST_F(RemoteControlTest, WhenAnotherLetsTheRobotGoItIsNotContradicted) {
   other.utime = 76;  // from before our stop: late on its way
   bus_.publish("STOP", other);
   handle();
-  pass(RemoteControl::kRepeatUs);
+  pass(RemoteControl::kRepeat);
   EXPECT_TRUE(stop_.get()->is_stopped);
   other.utime = time::to_utime(clock_.now()) + 1;
   bus_.publish("STOP", other);
   handle();
-  pass(10 * RemoteControl::kRepeatUs);
+  pass(10 * RemoteControl::kRepeat);
   EXPECT_FALSE(stop_.get()->is_stopped);
 }
 

@@ -31,8 +31,8 @@ class SessionTest : public ::testing::Test {
     return session;
   }
 
-  void post(std::size_t topic, std::int64_t utime_us, const std::string& text) {
-    store_.post(topic, utime_us, [text] { return text; });
+  void post(std::size_t topic, std::int64_t utime, const std::string& text) {
+    store_.post(topic, time::from_utime(utime), [text] { return text; });
   }
 
   static Json text_frame(Session& session) {
@@ -138,7 +138,7 @@ TEST_F(SessionTest, TheTimeGoesBeforeAHistory) {
   Session session = greeted();
   session.receive_text(R"({"op":"subscribe","subscriptions":[{"id":1,"channelId":2}]})");
   post(cloud_, 1, "cloud");
-  session.send_time(2);
+  session.send_time(time::from_utime(2));
   const auto time = session.next(false);
   ASSERT_TRUE(time);
   EXPECT_FALSE(time->post);
@@ -337,8 +337,8 @@ TEST_F(SessionTest, TellsTheParametersThatAreAskedFor) {
 
 TEST_F(SessionTest, TellsTheNewestTimeOnce) {
   Session session = greeted();
-  session.send_time(1);
-  session.send_time(2);
+  session.send_time(time::from_utime(1));
+  session.send_time(time::from_utime(2));
   const auto frame = session.next();
   ASSERT_TRUE(frame && frame->is_binary);
   EXPECT_EQ(frame->head, std::string("\x02\xD0\x07\x00\x00\x00\x00\x00\x00", 9));

@@ -31,7 +31,7 @@ void expect_same(const geometry::SE2& a, const geometry::SE2& b, double toleranc
 TEST(Carmen, ReadsOdometry) {
   const auto odometry =
       parse<CarmenOdometry>("ODOM 1.5 -2 0.25 0.3 -0.1 0 976052857.337284 nohost 0.000632");
-  EXPECT_EQ(odometry.utime_us, 976052857337284);
+  EXPECT_EQ(odometry.stamp, time::from_utime(976052857337284));
   expect_same(odometry.T_odom_base, {1.5, -2.0, 0.25}, 0.0);
   EXPECT_EQ(odometry.forward_mps, 0.3);
   EXPECT_EQ(odometry.yaw_rate_rad_s, -0.1);
@@ -41,7 +41,7 @@ TEST(Carmen, ReadsFrontAndRearScans) {
   const std::string rest = " 3 1.07 81.83 0.02 1 2 0.5 1.1 2.1 0.6 976052857.337530 nohost 0.1";
   const auto front = parse<CarmenScan>("FLASER" + rest);
   EXPECT_EQ(front.side, LaserSide::kFront);
-  EXPECT_EQ(front.utime_us, 976052857337530);
+  EXPECT_EQ(front.stamp, time::from_utime(976052857337530));
   EXPECT_EQ(front.ranges_m, (std::vector<float>{1.07F, kInfinity, 0.02F}));
   expect_same(front.T_odom_laser, {1.0, 2.0, 0.5}, 0.0);
   expect_same(front.T_odom_base, {1.1, 2.1, 0.6}, 0.0);
@@ -70,7 +70,7 @@ TEST(Carmen, ReadsDescribedScan) {
   EXPECT_EQ(scan.ranges_m, (std::vector<float>{1.0F, kInfinity, 49.9F}));
   EXPECT_EQ(scan.intensities, (std::vector<float>{7.0F, 8.0F}));
   EXPECT_EQ(scan.side, LaserSide::kRear);
-  EXPECT_EQ(scan.utime_us, 12'500'000);
+  EXPECT_EQ(scan.stamp, time::from_utime(12'500'000));
 }
 
 TEST(Carmen, ReadsParametersAndPassesOverTheRest) {
@@ -98,24 +98,25 @@ TEST(Carmen, DamagedLinesAreUnreadable) {
 }
 
 TEST(CarmenWriter, LinesReadBackTheSame) {
-  CarmenOdometry odometry{976052857337284, {1.25, -2.5, 3.0}, 0.5, -0.25};
-  const auto odometry_back = parse<CarmenOdometry>(write_carmen_line(odometry, 976052857000000));
-  EXPECT_EQ(odometry_back.utime_us, odometry.utime_us);
+  CarmenOdometry odometry{time::from_utime(976052857337284), {1.25, -2.5, 3.0}, 0.5, -0.25};
+  const auto odometry_back =
+      parse<CarmenOdometry>(write_carmen_line(odometry, time::from_utime(976052857000000)));
+  EXPECT_EQ(odometry_back.stamp, odometry.stamp);
   expect_same(odometry_back.T_odom_base, odometry.T_odom_base, 1e-6);  // six decimals
   EXPECT_EQ(odometry_back.forward_mps, 0.5);
   EXPECT_EQ(odometry_back.yaw_rate_rad_s, -0.25);
 
   CarmenScan scan;
-  scan.utime_us = 7;
+  scan.stamp = time::from_utime(7);
   scan.angle_first_rad = carmen_fan(3).angle_first_rad;
   scan.angle_step_rad = carmen_fan(3).angle_step_rad;
   scan.ranges_m = {1.0F / 3.0F, kInfinity, 79.99F};
   for (const LaserSide side : {LaserSide::kFront, LaserSide::kRear}) {
     scan.side = side;
-    const std::string line = write_carmen_line(scan, 0);
+    const std::string line = write_carmen_line(scan, {});
     EXPECT_TRUE(line.starts_with(side == LaserSide::kFront ? "FLASER" : "RLASER")) << line;
     const auto back = parse<CarmenScan>(line);
-    EXPECT_EQ(back.utime_us, 7);
+    EXPECT_EQ(back.stamp, time::from_utime(7));
     EXPECT_EQ(back.side, side);
     EXPECT_EQ(back.ranges_m, scan.ranges_m);
   }
@@ -123,13 +124,13 @@ TEST(CarmenWriter, LinesReadBackTheSame) {
 
 TEST(CarmenWriter, OtherFansGoIntoADescribedLine) {
   CarmenScan scan;
-  scan.utime_us = 1'000'000;
+  scan.stamp = time::from_utime(1'000'000);
   scan.angle_first_rad = -2.0;
   scan.angle_step_rad = 0.1;
   scan.range_max_m = 5.6;
   scan.ranges_m = {1.0F, kInfinity, 2.0F};
   scan.intensities = {3.0F};
-  const std::string line = write_carmen_line(scan, 0);
+  const std::string line = write_carmen_line(scan, {});
   EXPECT_TRUE(line.starts_with("ROBOTLASER1 ")) << line;
   const auto back = parse<CarmenScan>(line);
   EXPECT_EQ(back.angle_first_rad, scan.angle_first_rad);

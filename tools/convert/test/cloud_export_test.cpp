@@ -15,19 +15,19 @@
 namespace nodmap::convert {
 namespace {
 
-constexpr std::int64_t kScanUs = 13'320;
+constexpr time::Duration kScanPeriod = 13'320us;
 constexpr double kSpeedMps = 1.5;
 constexpr double kWallM = 6.0;  // x of a wall across the way, in odom
 
 /// A level scan of that wall, taken as one instant, while driving towards it.
-scan::Scan scan_at(std::int64_t utime_us) {
+scan::Scan scan_at(time::Timestamp stamp) {
   scan::Scan scan;
-  scan.utime_us = utime_us;
+  scan.stamp = stamp;
   scan.angle_first_rad = -0.5;
   scan.angle_step_rad = 0.1;
   scan.range_min_m = 0.01;
   scan.range_max_m = 80.0;
-  const double way_m = 1e-6 * kSpeedMps * static_cast<double>(utime_us);
+  const double way_m = kSpeedMps * time::seconds(stamp.time_since_epoch());
   for (std::size_t beam = 0; beam < 11; ++beam) {
     scan.ranges_m.push_back(static_cast<float>((kWallM - way_m) / std::cos(scan.angle_rad(beam))));
   }
@@ -39,10 +39,10 @@ class CloudExport : public testing::Test {
   CloudExport() {
     Recording recording(log());
     for (int i = 0; i < 100; ++i) {
-      const std::int64_t utime_us = i * kScanUs;
-      const double x_m = 1e-6 * kSpeedMps * static_cast<double>(utime_us);
-      recording.add_odometry(node::write_odometry(utime_us, geometry::to_se3({x_m, 0.0, 0.0})));
-      recording.add_scan(node::write_scan(scan_at(utime_us)));
+      const time::Timestamp stamp(i * kScanPeriod);
+      const double x_m = kSpeedMps * time::seconds(stamp.time_since_epoch());
+      recording.add_odometry(node::write_odometry(stamp, geometry::to_se3({x_m, 0.0, 0.0})));
+      recording.add_scan(node::write_scan(scan_at(stamp)));
     }
     recording.commit();
   }
@@ -56,15 +56,15 @@ class CloudExport : public testing::Test {
 TEST_F(CloudExport, PutsTheWallIntoOnePlaneSeenFromTheMiddle) {
   export_cloud(log(), out(), {.start_s = 0.4, .num_scans = 51});
   // The first scan not before 0.4 s is the 31st.
-  const std::int64_t middle_us = 31 * kScanUs + 25 * kScanUs;
+  const time::Timestamp middle(31 * kScanPeriod + 25 * kScanPeriod);
   const auto pose = formats::read_tum(dir_.path() / "cloud.tum");
   ASSERT_EQ(pose.size(), 1U);
-  EXPECT_EQ(pose[0].utime_us, middle_us);
+  EXPECT_EQ(pose[0].stamp, middle);
   const auto points = formats::read_ply(out());
   ASSERT_EQ(points.size(), 51U * 11U);
   for (const Eigen::Vector3f& p : points) {
     // Ranges are floats of some metres: a few 1e-7.
-    EXPECT_NEAR(p.x(), kWallM - 1e-6 * kSpeedMps * static_cast<double>(middle_us), 1e-5);
+    EXPECT_NEAR(p.x(), kWallM - kSpeedMps * time::seconds(middle.time_since_epoch()), 1e-5);
   }
 }
 

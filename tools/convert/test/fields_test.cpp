@@ -15,7 +15,7 @@ TEST(Fields, ReadsWordByWord) {
   EXPECT_EQ(fields.number(), 1.5);
   EXPECT_EQ(fields.finite(), -20.0);
   EXPECT_EQ(fields.count(), 3U);
-  EXPECT_EQ(fields.stamp_us(), 1071078718462310);
+  EXPECT_EQ(fields.stamp(), time::from_utime(1071078718462310));
   EXPECT_EQ(fields.number(), std::numeric_limits<double>::infinity());
   EXPECT_EQ(fields.numbers(3), (std::vector<float>{1.0F, 2.0F, 3.0F}));
   EXPECT_TRUE(fields.at_end());

@@ -61,7 +61,7 @@ TEST_F(LogSummaryTest, CountsByChannel) {
   EXPECT_EQ(odometry.count, 5);
   EXPECT_EQ(odometry.corrupt, 2);  // one cut short, one of another type
   EXPECT_EQ(odometry.steps_back, 1);
-  EXPECT_EQ(odometry.longest_gap_us, 1'500'000);
+  EXPECT_EQ(odometry.longest_gap, 1500ms);
   EXPECT_DOUBLE_EQ(odometry.rate_hz(), 2.0);
   const ChannelSummary& foreign = summary.channels.at("FOREIGN");
   EXPECT_EQ(foreign.type, "? 0000000000000000");

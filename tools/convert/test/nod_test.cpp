@@ -12,7 +12,7 @@ TEST(Nod, TiltCountsDownwardsAndTheMirrorStandsAboveTheAxle) {
   const NodLine line = parse_nod_line("NOD 1436203604.814177 30 3 -1.5 1.5 0.02 5.6 1.0 2.0 inf");
   const auto* nod = std::get_if<NodScan>(&line);
   ASSERT_NE(nod, nullptr);
-  EXPECT_EQ(nod->scan.utime_us, 1436203604814177);
+  EXPECT_EQ(nod->scan.stamp, time::from_utime(1436203604814177));
   EXPECT_TRUE(std::isinf(nod->scan.ranges_m[2]));
   EXPECT_EQ(nod->scan.range_max_m, 5.6);
   // From the axle 1 m above the ground: 8 cm along the tilted upward axis, 2 m along the beam

@@ -27,21 +27,21 @@ class RelocalisationTest : public testing::Test {
     bus::LogWriter log(log_);
     SE2 pose;
     for (std::int64_t i = 0; i < 40; ++i) {
-      const std::int64_t utime_us = 200'000 * i;
-      write(log, utime_us, "ODOMETRY", node::write_odometry(utime_us, geometry::to_se3(pose)));
-      write(log, utime_us, "SCAN", node::write_scan(scanner_.scan(room(), pose, utime_us)));
-      truth_.push_back({utime_us, geometry::to_se3(pose)});
+      const time::Timestamp stamp(200ms * i);
+      write(log, stamp, "ODOMETRY", node::write_odometry(stamp, geometry::to_se3(pose)));
+      write(log, stamp, "SCAN", node::write_scan(scanner_.scan(room(), pose, stamp)));
+      truth_.push_back({stamp, geometry::to_se3(pose)});
       pose = pose * SE2{0.1, 0.0, 0.15};
     }
     EXPECT_TRUE(log.flush());
   }
 
   template <class Message>
-  void write(bus::LogWriter& log, std::int64_t utime_us, const std::string& channel,
+  void write(bus::LogWriter& log, time::Timestamp stamp, const std::string& channel,
              const Message& message) {
     std::vector<std::byte> bytes;
     bus::encode_into(bytes, message);
-    ASSERT_TRUE(log.write(utime_us, channel, bytes));
+    ASSERT_TRUE(log.write(time::to_utime(stamp), channel, bytes));
   }
 
   [[nodiscard]] RelocalisationResult measure(const RelocalisationPlan& plan) const {

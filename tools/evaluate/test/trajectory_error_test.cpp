@@ -11,15 +11,15 @@ namespace {
 using geometry::SE3;
 using geometry::to_se3;
 
-constexpr std::int64_t kSecondUs = 1'000'000;
+constexpr time::Duration kSecond = 1s;
 
 /// A drive along a circle, a pose each second.
 formats::Trajectory circle(int num_poses) {
   formats::Trajectory trajectory;
   for (int i = 0; i < num_poses; ++i) {
     const double angle = 0.1 * i;
-    trajectory.push_back(
-        {i * kSecondUs, to_se3({5.0 * std::sin(angle), 5.0 - 5.0 * std::cos(angle), angle})});
+    trajectory.push_back({time::Timestamp(i * kSecond),
+                          to_se3({5.0 * std::sin(angle), 5.0 - 5.0 * std::cos(angle), angle})});
   }
   return trajectory;
 }
@@ -76,26 +76,27 @@ TEST(TrajectoryError, LeastSquaresIsNeverWorseAndForgivesABadStart) {
 }
 
 TEST(TrajectoryError, InterpolatesTheTruth) {
-  const formats::Trajectory truth = {{0, to_se3({0.0, 0.0, 0.0})},
-                                     {100'000, to_se3({1.0, 0.0, 0.2})}};
-  const auto pairs = associate({{25'000, to_se3({})}}, truth, 50ms);
+  const formats::Trajectory truth = {{time::Timestamp(0s), to_se3({0.0, 0.0, 0.0})},
+                                     {time::Timestamp(100ms), to_se3({1.0, 0.0, 0.2})}};
+  const auto pairs = associate({{time::Timestamp(25ms), to_se3({})}}, truth, 50ms);
   ASSERT_EQ(pairs.size(), 1U);
   EXPECT_TRUE(pairs[0].T_truth_base.isApprox(to_se3({0.25, 0.0, 0.05}), 1e-12));
 }
 
 TEST(TrajectoryError, AssociatesWithinToleranceOnly) {
-  const formats::Trajectory truth = {{2 * kSecondUs, to_se3({2.0, 0.0, 0.0})},
-                                     {1 * kSecondUs, to_se3({1.0, 0.0, 0.0})},
-                                     {1 * kSecondUs, to_se3({9.0, 0.0, 0.0})}};
-  const auto partners = [&](std::int64_t utime_us) {
-    return associate({{utime_us, to_se3({})}}, truth, 50ms);
+  const formats::Trajectory truth = {{time::Timestamp(2 * kSecond), to_se3({2.0, 0.0, 0.0})},
+                                     {time::Timestamp(1 * kSecond), to_se3({1.0, 0.0, 0.0})},
+                                     {time::Timestamp(1 * kSecond), to_se3({9.0, 0.0, 0.0})}};
+  const auto partners = [&](time::Timestamp stamp) {
+    return associate({{stamp, to_se3({})}}, truth, 50ms);
   };
-  EXPECT_EQ(partners(949'999).size(), 0U);
-  EXPECT_EQ(partners(950'000).size(), 1U);  // before the first: the first
-  EXPECT_EQ(partners(1'500'000).size(), 0U);
-  EXPECT_EQ(partners(2'050'000).size(), 1U);
-  EXPECT_EQ(partners(2'050'001).size(), 0U);
-  EXPECT_EQ(partners(1'000'000)[0].T_truth_base.translation().x(), 1.0);  // the first of two
+  EXPECT_EQ(partners(time::from_utime(949'999)).size(), 0U);
+  EXPECT_EQ(partners(time::from_utime(950'000)).size(), 1U);  // before the first: the first
+  EXPECT_EQ(partners(time::from_utime(1'500'000)).size(), 0U);
+  EXPECT_EQ(partners(time::from_utime(2'050'000)).size(), 1U);
+  EXPECT_EQ(partners(time::from_utime(2'050'001)).size(), 0U);
+  EXPECT_EQ(partners(time::from_utime(1'000'000))[0].T_truth_base.translation().x(),
+            1.0);  // the first of two
 }
 
 TEST(TrajectoryError, DegenerateInput) {

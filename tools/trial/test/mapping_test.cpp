@@ -27,7 +27,7 @@ namespace {
 constexpr double kMinPrecision = 0.9;
 constexpr double kMinRecall = 0.8;
 
-constexpr std::int64_t kForever = std::numeric_limits<std::int64_t>::max() / 2;
+constexpr time::Duration kForever = time::kLimit;
 
 TrialSetup setup(const std::string& world, std::uint64_t seed, double duration_s) {
   TrialSetup setup;
@@ -61,7 +61,7 @@ std::vector<scan::Scan> read_scans(const std::filesystem::path& dir) {
 geometry::PoseHistory history_of(const formats::Trajectory& trajectory) {
   geometry::PoseHistory history(kForever);
   for (const formats::StampedPose& pose : trajectory) {
-    history.add(pose.utime_us, pose.pose);
+    history.add(pose.stamp, pose.pose);
   }
   return history;
 }
@@ -135,16 +135,16 @@ TEST_F(MappingTest, R42_FiftyScansOnTheMoveLieOnTheSurfaces) {
       std::ranges::max_element(outcome.record.truth, {}, &TruthSample::forward_mps);
   const std::vector<scan::Scan> scans = read_scans(dir_.path());
   const auto first =
-      std::ranges::lower_bound(scans, utime_at(fastest->instant), {}, &scan::Scan::utime_us);
+      std::ranges::lower_bound(scans, stamp_at(fastest->instant), {}, &scan::Scan::stamp);
   ASSERT_GE(scans.end() - first, 50);
   const auto cloud =
-      slam6d::deskew({first, 50}, [&odometry](auto utime_us) { return odometry.at(utime_us); },
+      slam6d::deskew({first, 50}, [&odometry](auto stamp) { return odometry.at(stamp); },
                      {.min_m = 0.5, .max_m = 30.0});
   ASSERT_TRUE(cloud);
   EXPECT_EQ(cloud->scans_used, 50U);
   EXPECT_NEAR(cloud->motion().translation().norm(), 1.0, 0.1);
   const auto errors =
-      evaluate::measure_cloud(cloud->points, truth.at(cloud->utime_us).value(), trial.world);
+      evaluate::measure_cloud(cloud->points, truth.at(cloud->stamp).value(), trial.world);
   RecordProperty("rms_mm", std::to_string(1e3 * errors.rms_m));
   EXPECT_GT(errors.n, 5000U);
   EXPECT_LE(errors.rms_m, 0.03);  // R42's own bound

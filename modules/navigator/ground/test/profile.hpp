@@ -80,7 +80,7 @@ class NoddingRobot {
  private:
   scan::Scan scan_at(double pitch_rad) {
     scan::Scan scan;
-    scan.duration_us = 6660;
+    scan.duration = 6660us;
     scan.angle_first_rad = -0.5 * geometry::kPi;
     scan.angle_step_rad = geometry::deg_to_rad(1.0);
     scan.pitch_first_rad = scan.pitch_last_rad = pitch_rad;

@@ -128,7 +128,7 @@ class Approach {
     tilt_rad_ = keep * tilt_rad_ + std::sqrt(1.0 - keep * keep) * kTiltRad * normal_(engine_);
     const double up_rad = tilt_rad_ + kTiltPerMps2 * acceleration_mps2_;
     scan::Scan scan;
-    scan.duration_us = 6660;
+    scan.duration = 6660us;
     scan.angle_first_rad = -0.5 * geometry::kPi;
     scan.angle_step_rad = deg_to_rad(1.0);
     scan.pitch_first_rad = scan.pitch_last_rad = deg_to_rad(pitch_deg_);

@@ -55,7 +55,7 @@ struct Ground {
 inline scan::Scan scan_of(const Ground& ground, const geometry::SE2& T_odom_base,
                           double pitch_rad) {
   scan::Scan scan;
-  scan.duration_us = 6660;
+  scan.duration = 6660us;
   scan.angle_first_rad = -0.5 * geometry::kPi;
   scan.angle_step_rad = geometry::deg_to_rad(1.0);
   scan.pitch_first_rad = scan.pitch_last_rad = pitch_rad;

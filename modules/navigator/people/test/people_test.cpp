@@ -18,8 +18,8 @@ using test::WalkingScene;
 
 constexpr double kScanS = 0.01332;
 
-std::int64_t at_us(double time_s) {
-  return std::llround(1e6 * time_s);
+time::Timestamp at(double time_s) {
+  return time::Timestamp(time::from_seconds(time_s));
 }
 
 /// Covariance of positions at two times, and of a later velocity with the position at a time:
@@ -44,9 +44,9 @@ TEST(Track, IsTheGaussianConditionedOnAllDetections) {
   for (const double t : times_s) {
     z.push_back(2.0 - 1.1 * t + noise_m(random));
   }
-  Track track(0, {{z[0], 0.0}, 0.25, 0, 0});
+  Track track(time::Timestamp{}, {{z[0], 0.0}, 0.25, 0, 0});
   for (std::size_t i = 1; i < z.size(); ++i) {
-    track.predict(at_us(times_s[i]));
+    track.predict(at(times_s[i]));
     track.update({{z[i], 0.0}, 0.25, 0, 0});
   }
   const auto n = static_cast<Eigen::Index>(z.size()) - 1;
@@ -73,10 +73,10 @@ TEST(Track, IsTheGaussianConditionedOnAllDetections) {
 }
 
 TEST(Track, BetweenSightingsTheErrorGrows) {
-  Track track(0, {{1.0, 0.0}, 0.25, 0, 0});
+  Track track(time::Timestamp{}, {{1.0, 0.0}, 0.25, 0, 0});
   double last_m = 0.0;
   for (double t = 0.0; t < 1.0; t += 0.1) {
-    track.predict(at_us(t));
+    track.predict(at(t));
     EXPECT_GT(track.person().position_sigma_m, last_m);
     last_m = track.person().position_sigma_m;
   }
@@ -91,7 +91,7 @@ void look(PeopleTracker& tracker, WalkingScene scene, const std::vector<Eigen::V
     for (std::size_t i = 0; i < start.size(); ++i) {
       scene.pillars[i].center = start[i].center + time_s * velocity[i];
     }
-    tracker.add_scan(scene.scan(at_us(time_s), {}, test::nodding_pitch_rad(time_s)), {});
+    tracker.add_scan(scene.scan(at(time_s), {}, test::nodding_pitch_rad(time_s)), {});
     check(time_s);
   }
 }
@@ -112,7 +112,7 @@ TEST(PeopleTracker, FollowsAWalkerFromSweepToSweep) {
         return;
       }
       seen_s += kScanS;
-      const People people = tracker.people_odom(at_us(time_s));
+      const People people = tracker.people_odom(at(time_s));
       if (people.size() == 1) {
         known_s += kScanS;
         EXPECT_LT((people[0].position - p).norm(), 0.25) << time_s;
@@ -135,10 +135,9 @@ void walk_out_of_view(const PeopleTracker::IsBlocked& is_blocked, double duratio
   const double seen_until_s = (start.x() + 0.25 - 0.15) / 1.3;
   for (double time_s = 0.0; time_s < seen_until_s + duration_s; time_s += kScanS) {
     scene.pillars[0].center = start + time_s * velocity;
-    tracker.add_scan(scene.scan(at_us(time_s), {}, test::nodding_pitch_rad(time_s)), {},
-                     is_blocked);
+    tracker.add_scan(scene.scan(at(time_s), {}, test::nodding_pitch_rad(time_s)), {}, is_blocked);
     if (time_s > seen_until_s) {
-      check(time_s - seen_until_s, scene.pillars[0].center, tracker.people_odom(at_us(time_s)));
+      check(time_s - seen_until_s, scene.pillars[0].center, tracker.people_odom(at(time_s)));
     }
   }
 }
@@ -180,9 +179,9 @@ TEST(PeopleTracker, WhatEndsOnAWalkerIsHis) {
   std::size_t num_found = 0;
   for (double time_s = 0.0; time_s < 4.5; time_s += kScanS) {
     scene.pillars[0].center = Eigen::Vector2d(2.0 + 0.1 * time_s, -3.0 + time_s);
-    const scan::Scan scan = scene.scan(at_us(time_s), {}, test::nodding_pitch_rad(time_s));
+    const scan::Scan scan = scene.scan(at(time_s), {}, test::nodding_pitch_rad(time_s));
     tracker.add_scan(scan, {});
-    if (time_s < 3.0 || tracker.people_odom(at_us(time_s)).size() != 1) {
+    if (time_s < 3.0 || tracker.people_odom(at(time_s)).size() != 1) {
       continue;
     }
     for (std::size_t i = 0; i < scan.ranges_m.size(); ++i) {
@@ -207,9 +206,9 @@ TEST(PeopleTracker, WhatStandsIsNobody) {
   WalkingScene scene{{{{2.0, 0.5}, 0.3, 0.27}, {{2.0, -0.8}, 0.15, 1.7}}, 4.0};
   for (double time_s = 0.0; time_s < 5.0; time_s += kScanS) {
     const geometry::SE2 T_odom_base{0.2 * time_s, 0.0, 0.4 * std::sin(time_s)};
-    tracker.add_scan(scene.scan(at_us(time_s), T_odom_base, test::nodding_pitch_rad(time_s)),
+    tracker.add_scan(scene.scan(at(time_s), T_odom_base, test::nodding_pitch_rad(time_s)),
                      T_odom_base);
-    EXPECT_TRUE(tracker.people_odom(at_us(time_s)).empty()) << time_s;
+    EXPECT_TRUE(tracker.people_odom(at(time_s)).empty()) << time_s;
   }
 }
 

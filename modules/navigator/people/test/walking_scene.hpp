@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/geometry/se2.hpp"
+#include "common/geometry/time.hpp"
 #include "common/scan/scan.hpp"
 
 namespace nodmap::navigator::test {
@@ -45,10 +46,10 @@ struct WalkingScene {
     return range;
   }
 
-  [[nodiscard]] scan::Scan scan(std::int64_t utime_us, const geometry::SE2& T_odom_base,
+  [[nodiscard]] scan::Scan scan(time::Timestamp stamp, const geometry::SE2& T_odom_base,
                                 double pitch_rad) const {
     scan::Scan scan;
-    scan.utime_us = utime_us;
+    scan.stamp = stamp;
     scan.angle_first_rad = -0.5 * geometry::kPi;
     scan.angle_step_rad = geometry::deg_to_rad(1.0);
     scan.pitch_first_rad = scan.pitch_last_rad = pitch_rad;

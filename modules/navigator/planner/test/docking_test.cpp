@@ -37,7 +37,7 @@ struct Dock {
     const geometry::SE2 T_base_goal = (T_goal_base * pose_error).inverse();
     GoalInBase goal = goal_in_base(T_base_goal.translation(), kToleranceM);
     goal.heading = {T_base_goal.yaw, kToleranceRad};
-    step = docking.next(goal, std::llround(1e6 * time_s));
+    step = docking.next(goal, time::Timestamp(time::from_seconds(time_s)));
     if (step.kind == Kind::kPlan) {
       ++num_plans;
       const Eigen::Vector2d staging_goal = (T_goal_base * pose_error) * step.staging_base;

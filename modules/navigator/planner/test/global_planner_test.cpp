@@ -33,7 +33,7 @@ LocalMap look(const Ground& ground, const geometry::SE2& T_odom_base) {
 /// Steps until a plan is complete.
 void plan(GlobalPlanner& planner, const LocalMap& map, const Eigen::Vector2d& goal) {
   for (int i = 0; i < 400 && planner.cost_to_go() == nullptr; ++i) {
-    planner.step(13'320 * i, map, {}, {}, goal, kToleranceM);
+    planner.step(time::Timestamp(13'320us * i), map, {}, {}, goal, kToleranceM);
   }
 }
 
@@ -93,7 +93,7 @@ TEST(GlobalPlanner, LeadsAroundAHoleInTheGeofenceAndNowhereOutOfIt) {
   const auto plan_within = [&](const Eigen::Vector2d& goal) {
     planner.reset();
     for (int i = 0; i < 400 && planner.cost_to_go() == nullptr; ++i) {
-      planner.step(13'320 * i, map, {}, {}, goal, kToleranceM, &fence);
+      planner.step(time::Timestamp(13'320us * i), map, {}, {}, goal, kToleranceM, &fence);
     }
     return planner.cost_to_go()->path_from({0.0, 0.0}, 20.0);
   };
@@ -123,7 +123,8 @@ void plan_looking_around(GlobalPlanner& planner, const LocalMap& map, const Eige
                          std::int64_t start_s) {
   for (int i = 0; i < 400; ++i) {
     const geometry::SE2 T_odom_base{0.0, 0.0, 0.5 * geometry::kPi * (i / 100)};
-    planner.step(1'000'000 * start_s + 13'320 * i, map, {}, T_odom_base, goal, kToleranceM);
+    planner.step(time::Timestamp(start_s * 1s + 13'320us * i), map, {}, T_odom_base, goal,
+                 kToleranceM);
   }
 }
 
@@ -172,9 +173,9 @@ TEST(GlobalPlanner, WhatIsBehindTheLaserDoesNotMoveWithOdometry) {
   const geometry::SE2 T_map_odom{0.0, 0.0, geometry::deg_to_rad(20.0)};
   for (const double yaw_rad : {0.0, geometry::kPi}) {
     const geometry::SE2 T_odom_base = T_map_odom.inverse() * geometry::SE2{0.0, 0.0, yaw_rad};
-    const std::int64_t start_us = yaw_rad == 0.0 ? 10'000'000 : 20'000'000;
+    const time::Timestamp start(yaw_rad == 0.0 ? 10s : 20s);
     for (int i = 0; i < 100; ++i) {
-      planner.step(start_us + 13'320 * i, map, T_map_odom, T_odom_base, goal, kToleranceM);
+      planner.step(start + 13'320us * i, map, T_map_odom, T_odom_base, goal, kToleranceM);
     }
     EXPECT_EQ(std::isfinite(planner.cost_to_go()->at(on_wall)), yaw_rad != 0.0);
   }
@@ -211,14 +212,14 @@ TEST(GlobalPlanner, ANarrowGapIsAPathUntilTheRobotCouldNotGoOnThere) {
       const Eigen::Vector2d goal = T_map_odom * Eigen::Vector2d(3.0, 0.0);
       GlobalPlanner planner(kBody, {});
       for (int i = 0; i < 400; ++i) {
-        planner.step(13'320 * i, map, T_map_odom, {}, goal, kToleranceM);
+        planner.step(time::Timestamp(13'320us * i), map, T_map_odom, {}, goal, kToleranceM);
       }
       ASSERT_NE(planner.cost_to_go(), nullptr);
       EXPECT_TRUE(std::isfinite(planner.cost_to_go()->at(T_map_odom.translation()))) << gap_m;
       if (gap_m < 0.4) {
         planner.add_failure(T_map_odom * Eigen::Vector2d(1.05, 0.0));
         for (int i = 0; i < 400; ++i) {
-          planner.step(10'000'000 + 13'320 * i, map, T_map_odom, {}, goal, kToleranceM);
+          planner.step(time::Timestamp(10s + 13'320us * i), map, T_map_odom, {}, goal, kToleranceM);
         }
         EXPECT_FALSE(std::isfinite(planner.cost_to_go()->least_near(T_map_odom.translation())));
       }
@@ -241,7 +242,7 @@ TEST(GlobalPlanner, AFailureMakesItTakeTheOtherSide) {
     planner.add_failure({1.55, y});
   }
   for (int i = 0; i < 400; ++i) {
-    planner.step(10'000'000 + 13'320 * i, map, {}, {}, {3.0, 0.0}, kToleranceM);
+    planner.step(time::Timestamp(10s + 13'320us * i), map, {}, {}, {3.0, 0.0}, kToleranceM);
   }
   EXPECT_GT(lowest(planner.cost_to_go()->path_from({0.0, 0.0}, 20.0)), -0.5);
 }

@@ -38,7 +38,7 @@ TEST(GoalDrive, WithoutAPathItLooksAroundOnceAndThenSaysSoAndStays) {
   double rotated_rad = 0.0;
   Decision decision;
   for (int i = 0; i < 1500; ++i) {  // 20 s
-    now.utime_us = std::llround(1e6 * kStepS * i);
+    now.stamp = time::Timestamp(time::from_seconds(kStepS * i));
     now.goal = goal_in_base(now.T_odom_base.inverse() * Eigen::Vector2d(4.0, 0.0), 0.3);
     now.points_base = map.points_base(now.T_odom_base, 2.5);
     decision = drive.decide(now, seen, map);
@@ -76,7 +76,7 @@ Decision between_rows(double beside_m) {
   GoalDrive drive({});
   Decision decision;
   for (int i = 0; i < 40; ++i) {  // until there is a plan
-    now.utime_us = std::llround(1e6 * kStepS * i);
+    now.stamp = time::Timestamp(time::from_seconds(kStepS * i));
     decision = drive.decide(now, seen, map);
   }
   return decision;

@@ -48,7 +48,7 @@ TEST(Rollouts, ClearanceIsThatOfTheRectangle) {
 GlobalPlanner planner_to_ahead() {
   GlobalPlanner planner(kBody, {});
   for (int i = 0; i < 400 && planner.cost_to_go() == nullptr; ++i) {
-    planner.step(13'320 * i, LocalMap({}, {}), {}, {}, {6.0, 0.0}, 0.2);
+    planner.step(time::Timestamp(13'320us * i), LocalMap({}, {}), {}, {}, {6.0, 0.0}, 0.2);
   }
   return planner;
 }

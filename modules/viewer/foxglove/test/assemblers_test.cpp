@@ -5,6 +5,7 @@
 
 #include <limits>
 
+#include "common/node/messages.hpp"
 #include "modules/viewer/foxglove/test/robot_log.hpp"
 
 namespace nodmap::foxglove {
@@ -40,7 +41,7 @@ TEST(GridAssembler, ARevisionBringsOnlyWhatHasChanged) {
   ASSERT_TRUE(result.whole);
   EXPECT_EQ(result.whole->cells[60], 55);
   EXPECT_EQ(result.whole->cells[20 * 120 + 10], 100);  // of the tile that came before
-  EXPECT_EQ(result.whole->utime_us, changed.utime);
+  EXPECT_EQ(result.whole->stamp, node::stamp_of(changed));
 }
 
 TEST(GridAssembler, WhatIsKnownStaysWhereItIsWhenTheGridGrows) {
@@ -164,7 +165,7 @@ TEST(OctomapAssembler, JoinsThePartsAndReadsThem) {
   }
   ASSERT_TRUE(result.whole);
   EXPECT_EQ(result.whole->space.cubes.size(), 2U * 60U * 20U);
-  EXPECT_EQ(result.whole->utime_us, test::kBeginUs + 2'000'000);
+  EXPECT_EQ(result.whole->stamp, time::from_utime(test::kBeginUs) + 2s);
 }
 
 TEST(OctomapAssembler, GivesUpWhatLostAPart) {

@@ -15,19 +15,19 @@ TEST(TopicStore, AReaderSeesTheNewestOnly) {
   const std::size_t topic = store.add({"POSE", "s"});
   std::uint64_t cursor = 0;
   EXPECT_EQ(store.next(topic, cursor), nullptr);
-  store.post(topic, 1, says("a"));
-  store.post(topic, 2, says("b"));
+  store.post(topic, time::from_utime(1), says("a"));
+  store.post(topic, time::from_utime(2), says("b"));
   EXPECT_EQ(store.next(topic, cursor)->text(), "b");
   EXPECT_EQ(store.next(topic, cursor), nullptr);
-  store.post(topic, 3, says("c"));
+  store.post(topic, time::from_utime(3), says("c"));
   EXPECT_EQ(store.next(topic, cursor)->text(), "c");
 }
 
 TEST(TopicStore, ALateReaderGetsEverythingOfACollection) {
   TopicStore store;
   const std::size_t topic = store.add({"CLOUD", "s", Keep::kAll, 100});
-  store.post(topic, 1, says("a"));
-  store.post(topic, 2, says("b"));
+  store.post(topic, time::from_utime(1), says("a"));
+  store.post(topic, time::from_utime(2), says("b"));
   std::uint64_t cursor = 0;
   EXPECT_EQ(store.next(topic, cursor)->text(), "a");
   EXPECT_EQ(store.next(topic, cursor)->text(), "b");
@@ -38,7 +38,7 @@ TEST(TopicStore, ACollectionStaysWithinItsLimit) {
   TopicStore store;
   const std::size_t topic = store.add({"CLOUD", "s", Keep::kAll, 10});
   for (int i = 0; i < 5; ++i) {
-    store.post(topic, i, says(std::to_string(i)), 4);
+    store.post(topic, time::from_utime(i), says(std::to_string(i)), 4);
   }
   std::uint64_t cursor = 0;
   EXPECT_EQ(store.next(topic, cursor)->text(), "3");
@@ -55,8 +55,8 @@ TEST(TopicStore, TextIsMadeWhenItIsWantedAndOnce) {
     ++made;
     return std::string("x");
   };
-  store.post(topic, 1, make);
-  store.post(topic, 2, make);
+  store.post(topic, time::from_utime(1), make);
+  store.post(topic, time::from_utime(2), make);
   EXPECT_EQ(made, 0);
   std::uint64_t one = 0;
   std::uint64_t other = 0;
@@ -69,11 +69,11 @@ TEST(TopicStore, AfterAClearReadersGoOnWithWhatIsNew) {
   TopicStore store;
   const std::size_t topic = store.add({"SCAN", "s"});
   std::uint64_t cursor = 0;
-  store.post(topic, 1, says("old"));
+  store.post(topic, time::from_utime(1), says("old"));
   (void)store.next(topic, cursor);
   store.clear();
   EXPECT_EQ(store.next(topic, cursor), nullptr);
-  store.post(topic, 1, says("new"));
+  store.post(topic, time::from_utime(1), says("new"));
   EXPECT_EQ(store.next(topic, cursor)->text(), "new");
 }
 
@@ -82,8 +82,8 @@ TEST(TopicStore, AListenerMissesNothing) {
   const std::size_t topic = store.add({"SCAN", "s"});
   std::string heard;
   store.listen([&heard](std::size_t, Post& post) { heard += post.text(); });
-  store.post(topic, 1, says("a"));
-  store.post(topic, 2, says("b"));
+  store.post(topic, time::from_utime(1), says("a"));
+  store.post(topic, time::from_utime(2), says("b"));
   EXPECT_EQ(heard, "ab");
 }
 

@@ -51,8 +51,9 @@ std::vector<float> floats_in(const Json& cloud) {
 }
 
 TEST(Foxglove, TimeIsSecondsAndNanoseconds) {
-  EXPECT_EQ(time_json(1'700'000'000'000'042), Json({{"sec", 1'700'000'000}, {"nsec", 42'000}}));
-  EXPECT_EQ(time_json(-5), Json({{"sec", 0}, {"nsec", 0}}));
+  EXPECT_EQ(time_json(time::from_utime(1'700'000'000'000'042)),
+            Json({{"sec", 1'700'000'000}, {"nsec", 42'000}}));
+  EXPECT_EQ(time_json(time::from_utime(-5)), Json({{"sec", 0}, {"nsec", 0}}));
 }
 
 TEST(Foxglove, BytesThatAreNoTextDoNoHarm) {
@@ -81,7 +82,7 @@ TEST(Base64, TakesEveryByte) {
 
 scan::Scan level_scan() {
   scan::Scan scan;
-  scan.utime_us = 5'000'000;
+  scan.stamp = time::from_utime(5'000'000);
   scan.angle_first_rad = -0.5;
   scan.angle_step_rad = 0.5;
   scan.range_min_m = 0.1;
@@ -96,7 +97,7 @@ TEST(LaserScan, HasTheFanAndZeroWhereThereIsNoReading) {
   EXPECT_EQ(json["ranges"], Json({1.5, 0.0, 0.0}));
   EXPECT_DOUBLE_EQ(json["start_angle"], -0.5);
   EXPECT_DOUBLE_EQ(json["end_angle"], 0.5);
-  EXPECT_EQ(json["timestamp"], time_json(5'000'000));
+  EXPECT_EQ(json["timestamp"], time_json(time::from_utime(5'000'000)));
   EXPECT_EQ(json["frame_id"], "base");
 }
 
@@ -140,13 +141,13 @@ TEST(EgomapCloud, HoldsThePointsThatAreThere) {
 
 TEST(PointCloud, KeepsFloatsBitByBit) {
   const std::vector<float> xyz{1.25F, -2.5e-7F, 3.0e8F};
-  const Json json = point_cloud({7, "map_6d", geometry::SE3::Identity(), xyz});
+  const Json json = point_cloud({time::from_utime(7), "map_6d", geometry::SE3::Identity(), xyz});
   EXPECT_EQ(floats_in(json), xyz);
   EXPECT_EQ(json["fields"][1], Json({{"name", "y"}, {"offset", 4}, {"type", 7}}));
 }
 
 TEST(Grid, KeepsCellsAndCorner) {
-  const Json json = grid({9, 0.05, -1.0, 2.0, 2, 1, {-1, 100}});
+  const Json json = grid({time::from_utime(9), 0.05, -1.0, 2.0, 2, 1, {-1, 100}});
   EXPECT_EQ(decoded(json["data"]), (std::vector<std::uint8_t>{255, 100}));
   EXPECT_EQ(json["column_count"], 2);
   EXPECT_DOUBLE_EQ(json["pose"]["position"]["y"], 2.0);
@@ -156,29 +157,29 @@ TEST(Grid, KeepsCellsAndCorner) {
 TEST(Trail, KeepsPosesThatAreFarEnoughApart) {
   Trail trail("odom", 0.1);
   geometry::SE3 pose = geometry::SE3::Identity();
-  EXPECT_TRUE(trail.add(1, pose));
+  EXPECT_TRUE(trail.add(time::from_utime(1), pose));
   pose.translation().x() = 0.09;
-  EXPECT_FALSE(trail.add(2, pose));
+  EXPECT_FALSE(trail.add(time::from_utime(2), pose));
   pose.translation().x() = 0.11;
-  EXPECT_TRUE(trail.add(3, pose));
+  EXPECT_TRUE(trail.add(time::from_utime(3), pose));
   const Json json = trail.poses_in_frame();
   EXPECT_EQ(json["poses"].size(), 2U);
-  EXPECT_EQ(json["timestamp"], time_json(3));
+  EXPECT_EQ(json["timestamp"], time_json(time::from_utime(3)));
 }
 
 TEST(Trail, IsToldWhenItHasGrownAndNotTooOften) {
   Trail trail("odom", 0.1);
   geometry::SE3 pose = geometry::SE3::Identity();
-  trail.add(0, pose);
-  EXPECT_TRUE(trail.is_due(0));
+  trail.add(time::from_utime(0), pose);
+  EXPECT_TRUE(trail.is_due(time::from_utime(0)));
   pose.translation().x() = 1.0;
-  trail.add(10, pose);
-  EXPECT_FALSE(trail.is_due(Trail::kPeriodUs - 1));
-  EXPECT_TRUE(trail.is_due(Trail::kPeriodUs));
-  EXPECT_FALSE(trail.is_due(5 * Trail::kPeriodUs));
+  trail.add(time::from_utime(10), pose);
+  EXPECT_FALSE(trail.is_due(time::Timestamp(Trail::kPeriod - 1us)));
+  EXPECT_TRUE(trail.is_due(time::Timestamp(Trail::kPeriod)));
+  EXPECT_FALSE(trail.is_due(time::Timestamp(5 * Trail::kPeriod)));
   pose.translation().x() = 2.0;
-  trail.add(20, pose);
-  EXPECT_TRUE(trail.is_due(20));  // the clock was set back
+  trail.add(time::from_utime(20), pose);
+  EXPECT_TRUE(trail.is_due(time::from_utime(20)));  // the clock was set back
 }
 
 TEST(Trail, ForgetsTheOldestWhenItIsFull) {
@@ -186,7 +187,7 @@ TEST(Trail, ForgetsTheOldestWhenItIsFull) {
   geometry::SE3 pose = geometry::SE3::Identity();
   for (std::size_t i = 0; i < Trail::kMaxPoses + 3; ++i) {
     pose.translation().x() = static_cast<double>(i);
-    trail.add(static_cast<std::int64_t>(i), pose);
+    trail.add(time::from_utime(static_cast<std::int64_t>(i)), pose);
   }
   EXPECT_EQ(trail.size(), Trail::kMaxPoses);
   EXPECT_DOUBLE_EQ(trail.poses_in_frame()["poses"][0]["position"]["x"], 3.0);
@@ -352,15 +353,15 @@ TEST(Schemas, DescribeWhatIsSent) {
   namespace robot = foxglove::test;
   const geometry::SE3 pose = geometry::SE3::Identity();
   Trail trail("odom", 0.1);
-  trail.add(0, pose);
+  trail.add(time::from_utime(0), pose);
   ProcessTable table;
   table.update(robot::status_at(0.0));
   fits("foxglove.LaserScan", laser_scan(level_scan()));
   fits("foxglove.PointCloud", egomap_cloud(robot::egomap_at(0.0), pose));
-  fits("foxglove.Grid", grid({0, 0.1, 0.0, 0.0, 1, 1, {0}}));
-  fits("foxglove.FrameTransform", frame_transform(0, "a", "b", pose));
+  fits("foxglove.Grid", grid({{}, 0.1, 0.0, 0.0, 1, 1, {0}}));
+  fits("foxglove.FrameTransform", frame_transform({}, "a", "b", pose));
   fits("foxglove.PosesInFrame", trail.poses_in_frame());
-  fits("foxglove.SceneUpdate", body_scene(0, Body{}));
+  fits("foxglove.SceneUpdate", body_scene({}, Body{}));
   fits("foxglove.SceneUpdate", corridor_scene(robot::navigation_at(0.0), Body{}));
   fits("foxglove.SceneUpdate",
        area_of_interest_scene(robot::pitch_command_at(0.0), {0, 0, 0.4}, Body{}));

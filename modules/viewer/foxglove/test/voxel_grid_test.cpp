@@ -78,7 +78,7 @@ TEST(VoxelGrid, AllOfSpaceIsOneCellAndNothingIsOneFreeCell) {
 }
 
 TEST(VoxelGrid, IsDescribedByItsStrides) {
-  const Json json = voxel_grid(3, grid_of(0.1, {{0, 0, 0}, {4, 2, 1}}));
+  const Json json = voxel_grid(time::from_utime(3), grid_of(0.1, {{0, 0, 0}, {4, 2, 1}}));
   EXPECT_EQ(json["column_count"], 5);
   EXPECT_EQ(json["row_count"], 3);
   EXPECT_EQ(json["row_stride"], 5);
