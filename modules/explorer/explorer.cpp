@@ -17,7 +17,8 @@ constexpr double kSameViewpointM = 0.8;
 constexpr double kProgressM = 0.2;
 /// Time that passes without a decision does not count as time without progress.
 constexpr time::Duration kPause = 2s;
-/// From so far off the frontier is looked at: beyond, the view through a door is a slit.
+/// Greatest distance of a lookout from its frontier: from farther away only a slit is visible
+/// through a door.
 constexpr double kLookoutM = 2.0;
 constexpr double kAtFrontierM = 0.4;
 /// On the way home only a viewpoint that shows so many times the least gain is worth going back.
@@ -25,14 +26,14 @@ constexpr double kWorthGoingBack = 2.0;
 /// A waypoint is kept until the robot is this near, so that it never brakes for one.
 constexpr double kNextWaypointM = 1.0;
 constexpr double kSameWaypointM = 0.5;
-/// Beyond a waypoint's tolerance: nearer, the navigator may have arrived there and would stay.
+/// Added to a waypoint's tolerance. A waypoint nearer than this is replaced before the navigator
+/// has arrived there and stops.
 constexpr double kReachedM = 0.2;
-/// Beyond the tolerance: at a corner the waypoint is at least so far along the path.
+/// Added to the tolerance: a waypoint is at least this far along the path, even round a corner.
 constexpr double kLeastAheadM = 0.5;
-
-/// The robot may be within the clearance of something.
+/// Within this distance cells are not checked: the robot may already stand inside the clearance.
 constexpr double kAroundRobotM = 0.4;
-/// The navigator's pose is newer than the one that a decision is made with.
+/// Allows for the navigator's newer pose.
 constexpr double kArrivalM = 0.1;
 constexpr const char* kAtHome = "All is seen, and the robot is back home.";
 
@@ -65,11 +66,11 @@ Explorer::Explorer(const ExplorerParams& params)
       failures_(params.patience) {}
 
 void Explorer::start() {
-  stop();
+  end();
   state_ = State::kExploring;
 }
 
-void Explorer::stop() {
+void Explorer::end() {
   state_ = State::kIdle;
   home_map_.reset();
   target_map_.reset();

@@ -65,7 +65,7 @@ class Explorer {
 
   /// Home is where the robot is at the next decision.
   void start();
-  void stop();
+  void end();
   [[nodiscard]] State state() const { return state_; }
   /// Places at which it has failed, since its start.
   [[nodiscard]] std::size_t num_failures() const { return failures_.size(); }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "common/node/log.hpp"
 #include "common/node/messages.hpp"
@@ -81,11 +82,12 @@ ExplorerNode::ExplorerNode(node::Context& context, const Params& params)
 
 void ExplorerNode::on_map(const nodmap::grid_chunk_t& message) {
   const auto tile = read_tile(message);
-  // 2D SLAM has begun anew: where home is in its new map is not known.
+  // 2D SLAM has begun anew: home and the goal are positions in a map that is no more.
   if (tile && message.map_revision < map_revision_) {
     explorer_.forget_map();
     if (explorer_.state() != State::kIdle && num_decisions_ > 0) {
       end("The 2D map began anew.");
+      keeps_place_ = true;
     }
   }
   if (!tile || !explorer_.add(*tile)) {
@@ -108,7 +110,10 @@ void ExplorerNode::on_pose(const nodmap::pose_t& message) {
     return;
   }
   T_map_base_ = geometry::to_se2(*T_map_base);
-  const time::Timestamp now = time::from_utime(message.utime);
+  const time::Timestamp now = node::stamp_of(message);
+  if (std::exchange(keeps_place_, false)) {
+    keep_place(now);
+  }
   if (is_due(now, decided_, kDecisionPeriod)) {
     decided_ = now;
     decide(now);
@@ -135,9 +140,7 @@ void ExplorerNode::on_explore(const nodmap::explore_t& message) {
   } else if (message.is_active == 0 && explorer_.state() != State::kIdle) {
     end("Ended by " + message.requested_by + ".");
     if (T_map_base_) {
-      // Without a goal the robot would roam.
-      send_goal({T_map_base_->translation(), params_.goal_tolerance_m},
-                time::from_utime(message.utime));
+      keep_place(node::stamp_of(message));
     }
   }
 }
@@ -145,8 +148,9 @@ void ExplorerNode::on_explore(const nodmap::explore_t& message) {
 /// Whoever else sends a goal, or cancels one, has taken over.
 void ExplorerNode::on_goal(const nodmap::goal_t& message) {
   context_.counts.use();
+  keeps_place_ = keeps_place_ && is_own(message);
   if (explorer_.state() != State::kIdle && !is_own(message)) {
-    end("Yields to a goal of somebody else.");
+    end("Another sender has set a goal.");
   }
 }
 
@@ -165,7 +169,11 @@ void ExplorerNode::start() {
 void ExplorerNode::end(const std::string& reason) {
   log::get().info("the exploration ends: {}", reason);
   idle_reason_ = reason;
-  explorer_.stop();
+  explorer_.end();
+}
+
+void ExplorerNode::keep_place(time::Timestamp now) {
+  send_goal({T_map_base_->translation(), params_.goal_tolerance_m}, now);
 }
 
 void ExplorerNode::decide(time::Timestamp now) {

@@ -21,8 +21,9 @@
 
 namespace nodmap::explorer {
 
-/// MAP_2D, POSE_2D and what the navigator says in, GOAL and EXPLORATION out, twice a second. Begins
-/// and ends at EXPLORE. Yields to a GOAL of anybody else; while the robot is stopped it waits.
+/// Runs the explorer twice a second on MAP_2D, POSE_2D, NAVIGATION and PATH. Publishes EXPLORATION
+/// with each decision, and GOAL when it changes and once a second. EXPLORE starts and ends it, a
+/// GOAL of another sender ends it, and during a STOP it waits.
 class ExplorerNode final : public node::Node {
  public:
   using Params = ExplorerParams;
@@ -44,6 +45,8 @@ class ExplorerNode final : public node::Node {
 
   void start();
   void end(const std::string& reason);
+  /// Sends the robot's present position as the goal: without one it would roam.
+  void keep_place(time::Timestamp now);
   void decide(time::Timestamp now);
   void send_goal(const Goal& goal, time::Timestamp now);
   [[nodiscard]] bool is_own(const nodmap::goal_t& message) const;
@@ -60,6 +63,7 @@ class ExplorerNode final : public node::Node {
   bool has_no_path_ = false;
   bool has_arrived_ = false;
   std::string idle_reason_ = "Waits to be started.";
+  bool keeps_place_ = false;  // with the next pose the robot's place becomes its goal
 
   std::optional<time::Timestamp> decided_;
   nodmap::goal_t goal_{};  // the last one sent

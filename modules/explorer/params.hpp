@@ -28,8 +28,7 @@ struct ViewParams {
     v.number("unknown_depth_m", unknown_depth_m, {0.5, 50.0},
              "A beam counts as passing through unknown ground for this length at most: behind it "
              "a wall is as likely as a room.");
-    v.angle("half_angle_deg", half_angle_rad, {10.0, 180.0},
-            "The laser sees so far to each side of ahead.");
+    v.angle("half_angle_deg", half_angle_rad, {10.0, 180.0}, "Half of the laser's field of view.");
     v.number("min_gain_m2", min_gain_m2, {0.02, 100.0},
              "Viewpoints that would show less are not worth the path.");
   }
@@ -44,15 +43,17 @@ struct TourParams {
   template <class Visitor>
   void describe(Visitor& v) {
     v.integer("max_viewpoints", max_viewpoints, {1, 10},
-              "The tour leads over so many viewpoints; the best are chosen one after the other, "
+              "Greatest number of viewpoints in a tour; the best are chosen one after the other, "
               "each by what the ones before it do not show.");
     v.number("discount_per_m", discount_per_m, {0.0, 5.0},
              "For the choice a viewpoint's gain falls by exp(-this x path length).");
     v.number("home_weight_m2", home_weight_m2, {0.0, 1000.0},
              "Weight of the tour's whole length, with the path back home, beside the unknown area "
              "that still waits while the robot drives.");
-    v.number("hysteresis_ratio", hysteresis_ratio, {0.0, 1.0},
-             "Another viewpoint becomes the next one only when its tour costs less by this ratio.");
+    v.number(
+        "hysteresis_ratio", hysteresis_ratio, {0.0, 1.0},
+        "The present viewpoint is kept while its tour costs at most this fraction more than the "
+        "best one.");
   }
 };
 
@@ -66,16 +67,19 @@ struct PatienceParams {
   template <class Visitor>
   void describe(Visitor& v) {
     v.number("stuck_s", stuck_s, {2.0, 300.0},
-             "A viewpoint has failed when the robot came no nearer to it for so long.");
+             "A viewpoint has failed when the robot has come no nearer to it for this long.");
     v.number("no_path_s", no_path_s, {1.0, 300.0},
-             "The same while the navigator finds no path there.");
-    v.number("look_s", look_s, {0.5, 60.0},
-             "Or when the robot has stayed there for so long, and the map still does not show what "
-             "it should have seen.");
-    v.number("retry_s", retry_s, {1.0, 3600.0},
-             "The surroundings of a viewpoint that has failed are left out for so long, after each "
-             "further failure twice as long, and tried again sooner when nothing else is left.");
-    v.integer("max_failures", max_failures, {1, 10}, "After so many failures they are given up.");
+             "A viewpoint has failed when the navigator has found no path to it for this long.");
+    v.number(
+        "look_s", look_s, {0.5, 60.0},
+        "A viewpoint has failed when the robot has been there for this long and the map still does "
+        "not show what it should have seen.");
+    v.number(
+        "retry_s", retry_s, {1.0, 3600.0},
+        "The surroundings of a failed viewpoint are left out for this long, after each further "
+        "failure for twice as long; they are tried again sooner when nothing else is left.");
+    v.integer("max_failures", max_failures, {1, 10},
+              "After this many failures the surroundings of a viewpoint are given up.");
   }
 };
 

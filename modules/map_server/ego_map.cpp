@@ -5,8 +5,8 @@ namespace nodmap::map_server {
 namespace {
 
 EgoMap make_map(const MapServerParams& params, Relevance relevance, double ceiling_m) {
-  // The limit rises by three sigma of the pitch: at any distance one floor reading in 700 exceeds
-  // it.
+  // The limit rises by three sigma of the pitch, which one floor reading in 700 exceeds at any
+  // distance; the floor tolerance comes on top of it.
   const HeightBand band{params.robot.corridor_bottom_m(),
                         std::tan(3.0 * params.noise.pitch_sigma_rad), ceiling_m};
   return {ExtendedScan(AngleBins(params.bins.aperture_rad, params.bins.resolution_rad), relevance),

@@ -16,8 +16,8 @@ namespace nodmap::map_server {
 /// Which of two points in one direction a map keeps.
 enum class Relevance { kNearest, kFarthest };
 
-/// Records that beams have passed through a point since it was last measured.
-struct Search {
+/// The beams that have passed through a point since it was last measured.
+struct PassedBeams {
   double lowest_m = std::numeric_limits<double>::infinity();  ///< heights at which beams passed
   double highest_m = -std::numeric_limits<double>::infinity();
   std::int64_t last_missed_sweep = -1;
@@ -37,7 +37,7 @@ struct EgoPoint {
   double confirmed_at_s = 0.0;       ///< time of its last measurement, on the map server's clock
   double aged_s = 0.0;               ///< age that counts towards expiry, as the update rule defines
   std::int64_t confirmed_sweep = 0;  ///< sweep in which it was last measured
-  Search search;                     ///< used by the visibility rule only
+  PassedBeams passed;                ///< used by the visibility rule only
   bool valid = false;                ///< false: a dummy
 
   [[nodiscard]] static EgoPoint at(const Eigen::Vector2d& p_base, double height_m) {

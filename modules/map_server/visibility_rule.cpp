@@ -107,12 +107,12 @@ void VisibilityRule::note_passing_beams(EgoPoint& point, const ScanView& view,
   if (!view.line.both_reach_beyond(crossing, crossing.range_m + passing_m_)) {
     return;
   }
-  Search& search = point.search;
-  search.lowest_m = std::min(search.lowest_m, crossing.height_m);
-  search.highest_m = std::max(search.highest_m, crossing.height_m);
-  if (is_at_its_heights(point, crossing) && search.last_missed_sweep != view.sweep) {
-    search.last_missed_sweep = view.sweep;
-    ++search.missed_sweeps;
+  PassedBeams& passed = point.passed;
+  passed.lowest_m = std::min(passed.lowest_m, crossing.height_m);
+  passed.highest_m = std::max(passed.highest_m, crossing.height_m);
+  if (is_at_its_heights(point, crossing) && passed.last_missed_sweep != view.sweep) {
+    passed.last_missed_sweep = view.sweep;
+    ++passed.missed_sweeps;
   }
 }
 
@@ -121,8 +121,8 @@ void VisibilityRule::note_passing_beams(EgoPoint& point, const ScanView& view,
 // do not remove it. And because each sweep counts once: a single lost reading does not remove a
 // point, since the next sweep can measure it again.
 bool VisibilityRule::is_contradicted(const EgoPoint& point) const {
-  return point.search.missed_sweeps >= params_.misses_to_remove &&
-         spans(point, point.search.lowest_m, point.search.highest_m);
+  return point.passed.missed_sweeps >= params_.misses_to_remove &&
+         spans(point, point.passed.lowest_m, point.passed.highest_m);
 }
 
 bool VisibilityRule::has_expired(const EgoPoint& point, const ScanView& view) const {
@@ -136,7 +136,7 @@ void VisibilityRule::confirm(EgoPoint& point, double height_m, const ScanView& v
   point.confirmed_at_s = view.clock_s;
   point.confirmed_sweep = view.sweep;
   point.aged_s = 0.0;
-  point.search = {};
+  point.passed = {};
 }
 
 // In the obstacle map a single nearer reading replaces the point at once, which is the safe choice.

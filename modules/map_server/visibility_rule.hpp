@@ -11,17 +11,16 @@ namespace nodmap::map_server {
 ///
 /// Compares every stored point with the scan line that crosses it. The point is
 /// - confirmed if the measured range ends within max(3 sigma, 5 cm) of it: its age is reset.
-/// - contradicted if the beams on both sides of it, at a height at which it was measured, reach
-/// more
+/// - contradicted if the beams on both sides of it, at a height at which it was measured, end more
 ///   than 3 sigma + 5 cm beyond it. It is removed when this has happened in `misses_to_remove`
-///   sweeps and at all of its heights without a confirmation in between, also while the robot is
+///   sweeps and at all of its heights, without a confirmation in between, also while the robot is
 ///   stationary.
 /// - undecided otherwise, for instance occluded: it ages, by message time, and is removed after
 ///   `expiry_s`, but not before two complete sweeps. (A sweep of 500 scans takes longer than
 ///   `expiry_s` and crosses each point once.)
-/// - out of view if its bearing is outside the field of view, or its heights are outside the
-/// sweeps:
-///   it does not change. A low box right in front of the wheels is therefore remembered.
+/// - out of view if its bearing is outside the field of view, or its heights are outside what the
+///   sweeps cover: it does not change. A low box right in front of the wheels is therefore
+///   remembered.
 class VisibilityRule final : public UpdateRule {
  public:
   VisibilityRule(const UpdateParams& params, double range_sigma_m, const robot::Footprint& body);

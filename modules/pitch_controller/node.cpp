@@ -29,7 +29,7 @@ const char* describe(InhibitReason reason) {
     case InhibitReason::kStalled:
       return "The pitch servo is stalled: driving is inhibited.";
     case InhibitReason::kNotNodding:
-      return "The laser has not completed two sweeps: driving is inhibited.";
+      return "The head is not nodding, or has not completed two sweeps yet: driving is inhibited.";
     case InhibitReason::kNotLevel:
       return "The laser is not level yet: driving is inhibited.";
   }

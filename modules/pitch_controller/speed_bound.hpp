@@ -18,8 +18,8 @@ namespace nodmap::pitch_controller {
 
 /// Limits how fast the speed bound rises; it may fall at once. An obstacle that appeared while the
 /// robot was slower may be at the end of a shorter stopping distance, and the laser may not have
-/// seen it yet. appearing_obstacle_test tries that by brute force with the default rise; which rise
-/// would be too fast it does not show.
+/// seen it yet. appearing_obstacle_test tries that by brute force with the default rise; it does
+/// not show which rise would be too fast.
 class RisingBound {
  public:
   explicit RisingBound(double acceleration_mps2) : acceleration_mps2_(acceleration_mps2) {}

@@ -142,14 +142,23 @@ TEST_F(ExplorerNodeTest, WithoutAPoseToTrustNothingIsDecided) {
   EXPECT_EQ(node_.health().state, node::HealthState::kDegraded);
 }
 
-TEST_F(ExplorerNodeTest, ANewMapEndsIt) {
+TEST_F(ExplorerNodeTest, ANewMapEndsItAndTheRobotStaysWhereItIs) {
   give_map(7);
   ask(true);
   (void)give_pose();
   give_map(8);
   EXPECT_EQ(give_pose().state, nodmap::exploration_t::EXPLORING);
   give_map(0);
+  const std::size_t num_goals = bus_.count("GOAL");
   EXPECT_EQ(give_pose().reason, "The 2D map began anew.");
+  // The old goal is a position in a map that is no more.
+  ASSERT_EQ(bus_.count("GOAL"), num_goals + 1);
+  const auto goal = bus_.last<nodmap::goal_t>("GOAL");
+  EXPECT_TRUE(goal.is_active);
+  EXPECT_EQ(goal.position_m[0], 0.0);
+  EXPECT_EQ(goal.position_m[1], 0.0);
+  (void)give_pose();
+  EXPECT_EQ(bus_.count("GOAL"), num_goals + 1);
 }
 
 TEST_F(ExplorerNodeTest, ImplausibleMessagesAreCounted) {

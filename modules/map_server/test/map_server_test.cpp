@@ -73,7 +73,8 @@ TEST(MapServer, NearestAndFarthestPointsOfARandomCloud) {
   EXPECT_GT(filled, 170U);
 }
 
-// A box 20 degrees to the left, seen at a pitch of -30 degrees: the mirror's angle to it is 17.5.
+// At a pitch of 30 degrees a beam 35 degrees to the left hits a point whose bearing from base is 39
+// degrees: it belongs in that bin, not in the beam's.
 TEST(MapServer, PointsAreBinnedByTheirProjectedAngle) {
   MapServer server({});
   NoddingScanner scanner;
@@ -94,12 +95,7 @@ TEST(MapServer, StructureMapRejectsBeamsThatDidNotReturn) {
   MapServer server({});
   NoddingScanner scanner;
   scan::Scan scan = scanner.scan(test::room(-2, 5, -3, 3), {});
-  const MapServer full = [&] {
-    MapServer s({});
-    scan.pitch_first_rad = scan.pitch_last_rad = 0.0;
-    s.add_scan(scan, SE3::Identity());
-    return s;
-  }();
+  scan.pitch_first_rad = scan.pitch_last_rad = 0.0;
   std::ranges::fill(scan.ranges_m, std::numeric_limits<float>::infinity());
   scan.ranges_m[80] = 81.83F;  // CARMEN's mark
   scan.ranges_m[81] = std::numeric_limits<float>::quiet_NaN();
@@ -175,16 +171,27 @@ TEST(MapServer, ImpossiblePosesLeaveTheMapsAsTheyAre) {
   NoddingScanner scanner;
   const test::World world = test::room(-2, 5, -3, 3);
   server.add_scan(scanner.scan(world, {}), SE3::Identity());
+  const auto distances = [&server] {
+    std::vector<double> found_m;
+    for (const EgoPoint& p : server.obstacle_map().scan().points()) {
+      found_m.push_back(p.valid ? p.distance_m : -1.0);
+    }
+    return found_m;
+  };
+  const std::vector<double> before = distances();
+  ASSERT_GT(std::ranges::count_if(before, [](double m) { return m > 0.0; }), 0);
   for (const double bad : {kNan, test::kInfinity, -test::kInfinity}) {
     SE3 pose = SE3::Identity();
     pose.translation().x() = bad;
     EXPECT_EQ(server.add_scan(scanner.scan(world, {}), pose), ScanStatus::kImplausiblePose);
+    const auto after = distances();
+    EXPECT_EQ(after, before);
   }
   SE3 far_away = SE3::Identity();
   far_away.translation().x() = 1e300;  // finite: everything seen so far is out of sight
   EXPECT_EQ(server.add_scan(scanner.scan(world, {}), far_away), ScanStatus::kUsed);
   for (const EgoPoint& p : server.obstacle_map().scan().points()) {
-    EXPECT_TRUE(!p.valid || p.distance_m < 1e301);
+    EXPECT_FALSE(p.valid && std::isnan(p.distance_m));
   }
 }
 
