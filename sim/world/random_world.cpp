@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <random>
+#include <stdexcept>
+#include <string>
 
 #include "common/geometry/angle.hpp"
 
@@ -18,6 +20,8 @@ constexpr double kWidePassageM = 0.6;
 constexpr double kNarrowPassageM = 0.5;
 /// Around a goal: the robot can rotate there.
 constexpr double kGoalFreeM = 0.4;
+/// So often a place is looked for; where there is one a few hundred tries find it.
+constexpr int kMostTries = 100'000;
 constexpr double kLegRadiusM = 0.015;
 /// Just more than the robot drives over (BodyParams::climb_height_m).
 constexpr double kMinHeightM = 0.031;
@@ -63,6 +67,7 @@ class Maker {
   bool place(const Obstacle& obstacle, World& world);
   [[nodiscard]] Eigen::Vector2d free_place(double free_m);
   [[nodiscard]] bool is_free(const Eigen::Vector2d& p, double free_m) const;
+  [[noreturn]] void fail(const std::string& what) const;
 
   struct Circle {
     Eigen::Vector2d center;
@@ -96,7 +101,7 @@ World Maker::make() {
 World Maker::make_with_goal() {
   constexpr double kFarM = 6.0;
   World world = make();
-  while (true) {
+  for (int i = 0; i < kMostTries; ++i) {
     const Eigen::Vector2d start = free_place(kGoalFreeM);
     const Eigen::Vector2d goal = free_place(kGoalFreeM);
     if ((start - goal).norm() >= kFarM) {
@@ -106,6 +111,7 @@ World Maker::make_with_goal() {
       return world;
     }
   }
+  fail("has no two free places that are far from each other");
 }
 
 World Maker::make_with_dock() {
@@ -113,7 +119,7 @@ World Maker::make_with_dock() {
   const Eigen::Vector3d station_size(0.2, 0.4, 0.3);
   constexpr double kToStationM = 0.35;  // 12 cm before the body: its corners pass when it rotates
   World world = make_with_goal();
-  while (true) {
+  for (int i = 0; i < kMostTries; ++i) {
     const Eigen::Vector2d goal = free_place(kGoalFreeM);
     const double heading_rad = between(-geometry::kPi, geometry::kPi);
     const Eigen::Vector2d ahead(std::cos(heading_rad), std::sin(heading_rad));
@@ -129,6 +135,7 @@ World Maker::make_with_dock() {
       return world;
     }
   }
+  fail("has no place for a dock");
 }
 
 bool Maker::is_free(const Eigen::Vector2d& p, double free_m) const {
@@ -141,12 +148,18 @@ bool Maker::is_free(const Eigen::Vector2d& p, double free_m) const {
 /// Passages between bounding circles connect all that is free.
 Eigen::Vector2d Maker::free_place(double free_m) {
   const double reach_m = kHalfRoomM - free_m;
-  while (true) {
+  for (int i = 0; i < kMostTries; ++i) {
     const Eigen::Vector2d p(between(-reach_m, reach_m), between(-reach_m, reach_m));
     if (is_free(p, free_m)) {
       return p;
     }
   }
+  fail("has no free place");
+}
+
+void Maker::fail(const std::string& what) const {
+  throw std::runtime_error(std::string("world ") + clutter_.name + ": the room of this seed " +
+                           what + "; take another seed");
 }
 
 void Maker::fill(World& world) {

@@ -20,11 +20,12 @@ namespace nodmap::sim {
 [[nodiscard]] World dense_clutter(std::uint64_t seed);
 
 /// Dense clutter with a start anywhere and a goal at least 6 m from it, both in places in which the
-/// robot can turn. A disc of 0.5 m reaches every goal.
+/// robot can turn. A disc of 0.5 m reaches every goal. Throws std::runtime_error where there are no
+/// such places.
 [[nodiscard]] World clutter_with_goal(std::uint64_t seed);
 
 /// Fewer obstacles, and a goal with a heading: a station stands 12 cm ahead of the body there, and
-/// the last 0.8 m to it are free.
+/// the last 0.8 m to it are free. Throws std::runtime_error where the clutter has no place for it.
 [[nodiscard]] World clutter_with_dock(std::uint64_t seed);
 
 }  // namespace nodmap::sim
