@@ -328,6 +328,16 @@ WheelSpeeds RobotModel::wheel_speeds() const {
   return state_->base.wheel_speeds();
 }
 
+std::optional<double> RobotModel::distance_from(const Eigen::Vector3d& p_base, double yaw_rad,
+                                                double max_range_m) const {
+  const State::Moment now = state_->moment(state_->now);
+  const geometry::SE3 T_world_base = interpolate_pose(now.from, now.to, now.fraction);
+  const Eigen::Vector3d ahead(std::cos(yaw_rad), std::sin(yaw_rad), 0.0);
+  const std::optional<Hit> hit = state_->caster.cast(
+      {T_world_base * p_base, T_world_base.linear() * ahead}, max_range_m, now.to.actors);
+  return hit ? std::optional(hit->distance_m) : std::nullopt;
+}
+
 GroundTruth RobotModel::ground_truth() const {
   const State::Moment now = state_->moment(state_->now);
   GroundTruth truth;

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "common/geometry/se3.hpp"
@@ -62,6 +63,11 @@ class RobotModel {
   void brake_wheels();
   [[nodiscard]] const WheelTravel& wheel_travel() const;
   [[nodiscard]] WheelSpeeds wheel_speeds() const;
+
+  /// From a place on the body (in base) along `yaw_rad` to the first surface, now, metres; empty if
+  /// there is nothing up to `max_range_m`.
+  [[nodiscard]] std::optional<double> distance_from(const Eigen::Vector3d& p_base, double yaw_rad,
+                                                    double max_range_m) const;
 
   [[nodiscard]] GroundTruth ground_truth() const;
 

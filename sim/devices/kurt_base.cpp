@@ -38,8 +38,12 @@ constexpr double kTopSpeedMps = 5.2;
 constexpr int kFullPwm = 1023;
 constexpr std::int64_t kMostTicks = std::numeric_limits<std::int16_t>::max();  // in a frame
 
-// Readings of the range finders with nothing in sight: they are not modelled.
+// The infrared range finders (Sharp GP2D12): beams without width or noise. Beyond their range they
+// read kInfraredFar. How high they are mounted is not documented.
 constexpr int kInfraredFar = 60;
+constexpr double kInfraredReachM = 0.8;
+constexpr double kInfraredHeightM = 0.12;
+/// The sonar is not modelled: nothing is in sight.
 constexpr int kSonarFar = 1100;
 
 constexpr double kTiltZero = 32'768.0;
@@ -194,6 +198,13 @@ CanFrame KurtBase::encoder_frame() {
                              delta(ticks(travel.right_m), right_reported_), 0, 0});
 }
 
+/// The inverse of how the base's software reads it: cm = (30000 / (raw - 10))^(1 / 1.4) - 10.
+std::int64_t KurtBase::infrared_at(double x_m, double y_m, double yaw_rad) const {
+  const auto range_m = model_.distance_from({x_m, y_m, kInfraredHeightM}, yaw_rad, kInfraredReachM);
+  return range_m ? std::llround(10.0 + 30'000.0 / std::pow(100.0 * *range_m + 10.0, 1.4))
+                 : kInfraredFar;
+}
+
 CanFrame KurtBase::sensor_frame(std::int64_t period) const {
   constexpr std::array kKinds = {kAdc0To3, kAdc4To7, kAdc8To11, kAdc12To15, kSpeed, kTilt, kGyro};
   const GroundTruth truth = model_.ground_truth();
@@ -201,14 +212,21 @@ CanFrame KurtBase::sensor_frame(std::int64_t period) const {
   // Gravity along the robot's axes: left side up is a roll to the right, front up a pitch.
   const std::int64_t roll = tilt_word(rotation(2, 1));
   const std::int64_t pitch = tilt_word(rotation(2, 0));
+  constexpr double kCornerX = 0.203;
+  constexpr double kCornerY = 0.153;
+  constexpr double kCornerRad = geometry::deg_to_rad(45.0);
   const std::uint16_t kind = kKinds[static_cast<std::size_t>(period) % kKinds.size()];
   switch (kind) {
     case kAdc0To3:
-      return frame_of(kind, {kInfraredFar, kInfraredFar, kInfraredFar, 0});
+      return frame_of(kind, {infrared_at(-0.217, 0.0, geometry::kPi),
+                             infrared_at(-kCornerX, -kCornerY, -3.0 * kCornerRad),
+                             infrared_at(0.0, -0.165, -2.0 * kCornerRad), 0});
     case kAdc4To7:
-      return frame_of(kind, {kInfraredFar, kSonarFar, kInfraredFar, kInfraredFar});
+      return frame_of(kind, {infrared_at(kCornerX, -kCornerY, -kCornerRad), kSonarFar,
+                             infrared_at(kCornerX, kCornerY, kCornerRad),
+                             infrared_at(0.0, 0.165, 2.0 * kCornerRad)});
     case kAdc8To11:
-      return frame_of(kind, {0, kInfraredFar, roll, pitch});
+      return frame_of(kind, {0, infrared_at(-kCornerX, kCornerY, 3.0 * kCornerRad), roll, pitch});
     case kAdc12To15: {
       const WheelSpeeds speeds = model_.wheel_speeds();
       const auto current = [](double speed_mps) {

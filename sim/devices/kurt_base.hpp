@@ -37,6 +37,8 @@ class KurtBase {
   void reset(time::SteadyTime now);
   [[nodiscard]] CanFrame encoder_frame();
   [[nodiscard]] CanFrame sensor_frame(std::int64_t period) const;
+  /// Reading of the infrared range finder at a place on the body, in base.
+  [[nodiscard]] std::int64_t infrared_at(double x_m, double y_m, double yaw_rad) const;
   [[nodiscard]] std::int64_t ticks(double distance_m) const;
 
   KurtBaseParams params_;

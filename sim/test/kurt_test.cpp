@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
 #include <set>
 
 #include "sim/devices/kurt_base.hpp"
@@ -227,6 +228,38 @@ TEST_F(KurtTest, AnotherRateIsNoise) {
   heard_.clear();
   listen(100ms);
   EXPECT_EQ(frames("009").size(), 10U) << "the channel is still open";
+}
+
+// A box behind, one beside and a person behind on the right, read as the base's manual says. A
+// reading is a whole number: 0.25 cm at 45 cm.
+TEST(Kurt, InfraredRangeFindersSeeWhatIsNear) {
+  World world;
+  world.objects.push_back({Box{{-0.217 - 0.4 - 0.5, 0.0, 0.5}, {1.0, 0.2, 1.0}, 0.0}});
+  world.objects.push_back({Box{{0.0, 0.165 + 0.2 + 0.5, 0.5}, {0.2, 1.0, 1.0}, 0.0}});
+  Actor person;
+  person.radius_m = 0.25;
+  const double away_m = std::sqrt(0.5) * (0.3 + person.radius_m);
+  person.path = {{0.0, {-0.203 - away_m, -0.153 - away_m}}};
+  world.actors.push_back(person);
+  RobotModel model(world, {}, 1);
+  KurtBase base({}, model, {});
+  std::map<int, std::array<int, 4>> words;
+  for (int i = 0; i < 14; ++i) {
+    const CanFrame frame = base.next_frame();
+    for (std::size_t word = 0; word < 4; ++word) {
+      words[frame.id][word] = frame.data[2 * word] << 8 | frame.data[2 * word + 1];
+    }
+  }
+  const auto range_m = [](int raw) {
+    return 0.01 * (std::pow(30'000.0 / (raw - 10.0), 1.0 / 1.4) - 10.0);
+  };
+  constexpr double kToleranceM = 0.0025;
+  EXPECT_NEAR(range_m(words[0x005][0]), 0.4, kToleranceM) << "back";
+  EXPECT_NEAR(range_m(words[0x005][1]), 0.3, kToleranceM) << "back on the right";
+  EXPECT_NEAR(range_m(words[0x006][3]), 0.2, kToleranceM) << "left";
+  for (const int far : {words[0x005][2], words[0x006][0], words[0x006][2], words[0x007][1]}) {
+    EXPECT_LT(far, 100) << "below 100: nothing in sight";
+  }
 }
 
 TEST(Kurt, TheSameSaidTwiceGivesTheSameTwice) {
