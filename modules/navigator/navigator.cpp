@@ -137,6 +137,13 @@ void Navigator::add_contact(const geometry::SE2& T_odom_base, bool at_front) {
   }
 }
 
+void Navigator::add_ranges(time::Timestamp stamp, const Proximity::Ranges& ranges_m,
+                           const geometry::SE2& T_odom_base) {
+  if (params_.people.use && params_.local_map.use && local_map_.has_scan()) {
+    proximity_.add(stamp, ranges_m, T_odom_base, local_map_);
+  }
+}
+
 Decision Navigator::decide(Situation now) {
   respect_gap(now);
   respect_slopes(now);
@@ -145,6 +152,11 @@ Decision Navigator::decide(Situation now) {
   join_geofence(now);
   Decision decision = behave(now);
   brake_.keep_to_known_ground(decision, now);
+  // Plans are made for those who walk for certain; nobody who has just come is driven into either.
+  if (params_.people.use) {
+    const People newcomers = people_.newcomers_base(now.stamp, now.T_odom_base);
+    now.people.insert(now.people.end(), newcomers.begin(), newcomers.end());
+  }
   brake_.give_way(decision, now);
   return decision;
 }
@@ -159,7 +171,10 @@ Decision Navigator::behave(const Situation& now) {
     return decision;
   }
   if (approach_.is_detected(now.stamp)) {
-    return wait_for_approaching(now);
+    return wait(now, "Something approaches: waits until it has passed.");
+  }
+  if (proximity_.is_detected(now.stamp)) {
+    return wait(now, "Somebody is close beside or behind: waits until he has passed.");
   }
   if (now.goal && params_.planner.use && local_map_.has_scan()) {
     turn_.end();
@@ -287,8 +302,8 @@ Decision Navigator::brake(const Situation& now, std::string reason) const {
   return decision;
 }
 
-Decision Navigator::wait_for_approaching(const Situation& now) const {
-  Decision decision = brake(now, "Something approaches: waits until it has passed.");
+Decision Navigator::wait(const Situation& now, std::string reason) const {
+  Decision decision = brake(now, std::move(reason));
   decision.behaviour = turn_.is_active() ? Behaviour::kTurn : Behaviour::kBrake;
   return decision;
 }

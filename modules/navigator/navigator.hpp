@@ -12,6 +12,7 @@
 #include "modules/navigator/local_map/local_map.hpp"
 #include "modules/navigator/params.hpp"
 #include "modules/navigator/people/people_tracker.hpp"
+#include "modules/navigator/people/proximity.hpp"
 #include "modules/navigator/planner/goal_drive.hpp"
 #include "modules/navigator/seen_directions.hpp"
 #include "modules/navigator/steering.hpp"
@@ -43,6 +44,10 @@ class Navigator {
   /// The wheels turn and the robot does not move, see LocalMap::add_contact.
   void add_contact(const geometry::SE2& T_odom_base, bool at_front);
 
+  /// What the base's range finders see, with the pose at that time.
+  void add_ranges(time::Timestamp stamp, const Proximity::Ranges& ranges_m,
+                  const geometry::SE2& T_odom_base);
+
   /// `now.points_base` are those of the obstacle map; the local map's are added.
   [[nodiscard]] Decision decide(Situation now);
 
@@ -72,7 +77,7 @@ class Navigator {
   void join_local_map(Situation& now) const;
   void join_geofence(Situation& now) const;
   [[nodiscard]] Decision brake(const Situation& now, std::string reason) const;
-  [[nodiscard]] Decision wait_for_approaching(const Situation& now) const;
+  [[nodiscard]] Decision wait(const Situation& now, std::string reason) const;
   [[nodiscard]] Decision turn(const FreeSpace& space, const Situation& now);
   [[nodiscard]] TurnView view_for_turn(const FreeSpace& space, const Situation& now) const;
   [[nodiscard]] double preferred_side(const Situation& now);
@@ -88,6 +93,7 @@ class Navigator {
   BackUp back_up_;
   LocalMap local_map_;
   PeopleTracker people_;
+  Proximity proximity_;
   GoalDrive goal_drive_;
   bool is_in_gap_ = false;
   std::optional<std::int64_t> gap_ended_at_sweep_;  ///< until the laser has looked again

@@ -80,6 +80,8 @@ NavigatorNode::NavigatorNode(node::Context& context, const Params& params)
   bus.subscribe<nodmap::scan_t>("SCAN", [this](const auto& m) { on_scan(m); });
   bus.subscribe<nodmap::egomap_t>("OBSTACLE_MAP", [this](const auto& m) { on_map(m); });
   bus.subscribe<nodmap::odometry_t>("ODOMETRY", [this](const auto& m) { on_odometry(m); });
+  bus.subscribe<nodmap::base_sensors_t>("BASE_SENSORS",
+                                        [this](const auto& m) { on_base_sensors(m); });
   bus.subscribe<nodmap::pitch_command_t>("PITCH_COMMAND",
                                          [this](const auto& m) { on_pitch_command(m); });
   bus.subscribe<nodmap::pitch_state_t>("PITCH_STATE", [this](const auto& m) { on_pitch_state(m); });
@@ -122,6 +124,19 @@ void NavigatorNode::on_scan(const nodmap::scan_t& message) {
   context_.counts.use();
   stamps_.scan = scan_.mid_stamp();
   navigator_.add_scan(scan_, geometry::to_se2(*T_odom_base));
+}
+
+/// Not every base has range finders: without them who comes from behind is not known.
+void NavigatorNode::on_base_sensors(const nodmap::base_sensors_t& message) {
+  const auto T_odom_base = odometry_history_.at(node::stamp_of(message));
+  if (!T_odom_base) {
+    context_.counts.reject("base_sensors_without_odometry");
+    return;
+  }
+  context_.counts.use();
+  Proximity::Ranges ranges_m;
+  std::ranges::copy(message.infrared_m, ranges_m.begin());
+  navigator_.add_ranges(node::stamp_of(message), ranges_m, geometry::to_se2(*T_odom_base));
 }
 
 void NavigatorNode::on_odometry(const nodmap::odometry_t& message) {

@@ -17,6 +17,7 @@
 #include "modules/navigator/navigator.hpp"
 #include "modules/navigator/slip.hpp"
 #include "modules/navigator/staleness.hpp"
+#include "nodmap/base_sensors_t.hpp"
 #include "nodmap/drive_t.hpp"
 #include "nodmap/egomap_t.hpp"
 #include "nodmap/goal_t.hpp"
@@ -62,6 +63,7 @@ class NavigatorNode final : public node::Node {
 
   void on_map(const nodmap::egomap_t& message);
   void on_scan(const nodmap::scan_t& message);
+  void on_base_sensors(const nodmap::base_sensors_t& message);
   void on_odometry(const nodmap::odometry_t& message);
   void on_pitch_command(const nodmap::pitch_command_t& message);
   void on_pitch_state(const nodmap::pitch_state_t& message);

@@ -3,26 +3,39 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 namespace nodmap::navigator {
 namespace {
 
 /// Nothing farther is looked for: there a person has five beams.
 constexpr double kFarthestM = 5.5;
-/// Nothing nearer to the mirror has been passed, or is anything but the robot.
-constexpr double kNearestM = 0.3;
+/// What is nearer to the mirror is the robot.
+constexpr double kNearestM = 0.1;
+/// So near to the mirror a beam has passed nothing for certain.
+constexpr double kPassedFromM = 0.3;
 /// So near before its end a beam has passed nothing: noise, and the cell itself.
 constexpr double kBeforeEndM = 0.15;
+/// What ends higher belongs to somebody beside whose legs it is measured.
+constexpr double kFloorM = 0.05;
 /// Beams side by side that end farther apart are on different things.
 constexpr double kGapM = 0.25;
 /// Beams that one edge brings into free space, where two surfaces merge, are one or two.
 constexpr std::size_t kFewestBeams = 3;
+/// Who is cut by the edge of the laser's view is elsewhere than what is seen of him.
+constexpr std::size_t kEdgeBeams = 2;
 constexpr double kLeastFree = 0.6;
 constexpr double kWidestM = 0.9;
 constexpr double kLeastRadiusM = 0.15;
 constexpr double kMostRadiusM = 0.35;
 /// Half a beam's distance to each side.
 constexpr double kBesideM = 0.03;
+
+/// Whether two hits, one after the other, are of the same thing.
+constexpr auto is_beside = [](const auto& a, const auto& b) {
+  const std::size_t beams = std::max(a.beam, b.beam) - std::min(a.beam, b.beam);
+  return beams <= 2 && (a.p_odom - b.p_odom).norm() < kGapM;
+};
 
 }  // namespace
 
@@ -36,19 +49,15 @@ std::vector<Detection> MotionDetector::add_scan(const scan::Scan& scan,
   collect_hits(scan, T_odom_base);
   const Eigen::Vector2d sensor_odom =
       T_odom_base * Eigen::Vector2d(scan.T_base_mount.translation().head<2>());
-  std::size_t first = 0;
-  for (std::size_t i = 1; i <= hits_.size(); ++i) {
-    const bool goes_on = i < hits_.size() && hits_[i].beam - hits_[i - 1].beam <= 2 &&
-                         (hits_[i].p_odom - hits_[i - 1].p_odom).norm() < kGapM;
-    if (goes_on) {
-      continue;
-    }
-    if (const auto detection = detect(first, i, sensor_odom)) {
+  for (auto first = leg_hits_.cbegin(); first != leg_hits_.cend();) {
+    const auto last = std::adjacent_find(first, leg_hits_.cend(), std::not_fn(is_beside));
+    const auto end = last == leg_hits_.cend() ? last : last + 1;
+    if (const auto detection = detect(first, end, sensor_odom)) {
       detections.push_back(*detection);
     }
-    first = i;
+    first = end;
   }
-  for (const Hit& hit : hits_) {
+  for (const Hit& hit : leg_hits_) {
     space_.hit(hit.p_odom, hit.height_m);
   }
   add_passes(scan, T_odom_base);
@@ -56,7 +65,9 @@ std::vector<Detection> MotionDetector::add_scan(const scan::Scan& scan,
 }
 
 void MotionDetector::collect_hits(const scan::Scan& scan, const geometry::SE2& T_odom_base) {
+  num_beams_ = scan.ranges_m.size();
   hits_.clear();
+  leg_hits_.clear();
   const Eigen::Matrix2d R = T_odom_base.rotation();
   for (std::size_t beam = 0; beam < scan.ranges_m.size(); ++beam) {
     const auto range_m = static_cast<double>(scan.ranges_m[beam]);
@@ -64,8 +75,12 @@ void MotionDetector::collect_hits(const scan::Scan& scan, const geometry::SE2& T
       continue;
     }
     const Eigen::Vector3d p_base = scan::point_in_base(scan, beam, range_m);
+    if (p_base.z() < kFloorM) {
+      continue;
+    }
+    hits_.push_back({beam, R * p_base.head<2>() + T_odom_base.translation(), p_base.z()});
     if (p_base.z() >= EverFree::kLowestM && p_base.z() < EverFree::kHighestM) {
-      hits_.push_back({beam, R * p_base.head<2>() + T_odom_base.translation(), p_base.z()});
+      leg_hits_.push_back(hits_.back());
     }
   }
 }
@@ -78,38 +93,59 @@ void MotionDetector::add_passes(const scan::Scan& scan, const geometry::SE2& T_o
       continue;
     }
     const double until_m = std::min(range_m - kBeforeEndM, kFarthestM);
-    if (until_m <= kNearestM) {
+    if (until_m <= kPassedFromM) {
       continue;
     }
-    const Eigen::Vector3d from = scan::point_in_base(scan, beam, kNearestM);
+    const Eigen::Vector3d from = scan::point_in_base(scan, beam, kPassedFromM);
     const Eigen::Vector3d to = scan::point_in_base(scan, beam, until_m);
     space_.pass(R * from.head<2>() + T_odom_base.translation(), from.z(),
                 R * to.head<2>() + T_odom_base.translation(), to.z());
   }
 }
 
-std::optional<Detection> MotionDetector::detect(std::size_t first, std::size_t end,
+std::span<const MotionDetector::Hit> MotionDetector::whole_group(const Hit& first,
+                                                                 const Hit& last) const {
+  auto begin = std::ranges::lower_bound(hits_, first.beam, {}, &Hit::beam);
+  auto end = std::ranges::upper_bound(hits_, last.beam, {}, &Hit::beam);
+  const auto fits = [&](const Hit& hit, const Hit& beside, const Hit& farthest) {
+    return is_beside(hit, beside) && (hit.p_odom - farthest.p_odom).norm() < kWidestM;
+  };
+  while (begin != hits_.begin() && fits(*(begin - 1), *begin, *(end - 1))) {
+    --begin;
+  }
+  while (end != hits_.end() && fits(*end, *(end - 1), *begin)) {
+    ++end;
+  }
+  return {begin, end};
+}
+
+std::optional<Detection> MotionDetector::detect(Hits::const_iterator first,
+                                                Hits::const_iterator end,
                                                 const Eigen::Vector2d& sensor_odom) const {
-  const std::size_t num = end - first;
-  const double width_m = num == 0 ? 0.0 : (hits_[end - 1].p_odom - hits_[first].p_odom).norm();
-  if (num < kFewestBeams || width_m > kWidestM) {
+  const auto num = static_cast<std::size_t>(end - first);
+  if (num < kFewestBeams || ((end - 1)->p_odom - first->p_odom).norm() > kWidestM) {
     return std::nullopt;
   }
-  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
-  std::size_t num_free = 0;
-  for (std::size_t i = first; i < end; ++i) {
-    mean += hits_[i].p_odom / static_cast<double>(num);
-    num_free += space_.is_free(hits_[i].p_odom, hits_[i].height_m) ? 1 : 0;
-  }
+  const auto num_free = std::count_if(
+      first, end, [&](const Hit& hit) { return space_.is_free(hit.p_odom, hit.height_m); });
   if (static_cast<double>(num_free) < kLeastFree * static_cast<double>(num)) {
     return std::nullopt;
   }
+  const std::span<const Hit> group = whole_group(*first, *(end - 1));
+  if (group.front().beam < kEdgeBeams || group.back().beam + kEdgeBeams >= num_beams_) {
+    return std::nullopt;
+  }
+  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+  for (const Hit& hit : group) {
+    mean += hit.p_odom / static_cast<double>(group.size());
+  }
+  const double width_m = (group.back().p_odom - group.front().p_odom).norm();
   const double radius_m = std::clamp(0.5 * width_m + kBesideM, kLeastRadiusM, kMostRadiusM);
   // Of a disc's front, seen by beams at equal distances, the mean lies pi/4 radius before the
   // centre.
   const Eigen::Vector2d away = (mean - sensor_odom).normalized();
-  return Detection{mean + 0.25 * geometry::kPi * radius_m * away, radius_m, hits_[first].beam,
-                   hits_[end - 1].beam};
+  return Detection{mean + 0.25 * geometry::kPi * radius_m * away, radius_m, group.front().beam,
+                   group.back().beam};
 }
 
 }  // namespace nodmap::navigator

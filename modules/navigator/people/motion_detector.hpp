@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "common/geometry/se2.hpp"
@@ -19,7 +20,9 @@ struct Detection {
 };
 
 /// Finds what has moved, scan by scan: beams side by side that end together, most of them in
-/// ever-free space, at the heights of legs.
+/// ever-free space, at the heights of legs. The tilted plane of a scan leaves these heights within
+/// a person who is near: his place and his width are those of all beams side by side that end on
+/// him.
 class MotionDetector {
  public:
   /// `T_odom_base` at the middle of the scan.
@@ -35,14 +38,22 @@ class MotionDetector {
     double height_m = 0.0;
   };
 
+  /// Of this scan.
+  using Hits = std::vector<Hit>;
+
   void collect_hits(const scan::Scan& scan, const geometry::SE2& T_odom_base);
   void add_passes(const scan::Scan& scan, const geometry::SE2& T_odom_base);
-  /// Of the hits from `first` until before `end`, which lie side by side.
-  [[nodiscard]] std::optional<Detection> detect(std::size_t first, std::size_t end,
+  /// Of the legs' hits from `first` until before `end`, which lie side by side.
+  [[nodiscard]] std::optional<Detection> detect(Hits::const_iterator first,
+                                                Hits::const_iterator end,
                                                 const Eigen::Vector2d& sensor_odom) const;
+  /// Those of all hits that continue such a group to both sides.
+  [[nodiscard]] std::span<const Hit> whole_group(const Hit& first, const Hit& last) const;
 
   EverFree space_;
-  std::vector<Hit> hits_;  // of this scan, reused
+  std::size_t num_beams_ = 0;
+  Hits hits_;      // above the floor, in the order of the beams
+  Hits leg_hits_;  // of them, those at the heights of legs
 };
 
 }  // namespace nodmap::navigator

@@ -13,6 +13,8 @@ constexpr double kGate = 9.2;
 constexpr double kFarthestM = 1.0;
 /// Evidence for a motion: seen so often, over so long (more than one sweep), and so fast.
 constexpr int kFewestSightings = 4;
+/// Beams of one scan may be a mistake, of so many they are not: about half of a sweep's.
+constexpr int kFewestOfNew = 3;
 constexpr time::Duration kShortest = 150ms;
 constexpr double kLeastMps = 0.25;
 constexpr double kSigmas = 2.0;
@@ -27,7 +29,7 @@ constexpr time::Duration kLost = 1500ms;
 /// room of 8 m at 1 m/s are back by then.
 constexpr time::Duration kUnseen = 12s;
 /// He turns round so far before a wall.
-constexpr double kTurnsBeforeM = 0.5;
+constexpr double kTurnsBeforeM = 0.6;
 /// With a greater error of his place there the robot would not move at all; it is his path that is
 /// known, and about when he comes along it.
 constexpr double kMostUnseenSigmaM = 0.5;
@@ -46,6 +48,16 @@ double worse_sigma(const Eigen::Matrix2d& covariance) {
       0.0, Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(covariance, Eigen::EigenvaluesOnly)
                .eigenvalues()
                .maxCoeff()));
+}
+
+People in_base(People people, const geometry::SE2& T_odom_base) {
+  const geometry::SE2 T_base_odom = T_odom_base.inverse();
+  const Eigen::Matrix2d R_base_odom = T_base_odom.rotation();
+  for (Person& person : people) {
+    person.position = T_base_odom * person.position;
+    person.velocity = R_base_odom * person.velocity;
+  }
+  return people;
 }
 
 }  // namespace
@@ -88,6 +100,10 @@ void Track::update(const Detection& detection) {
   const bool is_known = num_sightings_ >= kFewestSightings && seen_at_ - first_seen_ >= kShortest;
   moves_ = moves_ ? speed_mps > kStandsMps
                   : is_known && speed_mps > std::max(kLeastMps, kSigmas * sigma_mps);
+}
+
+bool Track::is_new() const {
+  return !moves_ && num_sightings_ >= kFewestOfNew && stamp_ - seen_at_ < kInSight;
 }
 
 double Track::distance_squared(const Detection& detection) const {
@@ -168,7 +184,7 @@ void PeopleTracker::mark_walkers(const scan::Scan& scan, const geometry::SE2& T_
 /// Somebody beside or behind the robot cannot be seen.
 void PeopleTracker::follow_unseen(const scan::Scan& scan, const geometry::SE2& T_odom_base,
                                   const IsBlocked& is_blocked) {
-  constexpr double kStepM = 0.1;
+  constexpr double kStepM = 0.05;
   const geometry::SE2 T_base_odom = T_odom_base.inverse();
   const Eigen::Vector2d mount_base = scan.T_base_mount.translation().head<2>();
   for (Track& track : tracks_) {
@@ -178,12 +194,18 @@ void PeopleTracker::follow_unseen(const scan::Scan& scan, const geometry::SE2& T
       continue;
     }
     track.hide(scan.mid_stamp());
-    const Eigen::Vector2d ahead = person.velocity.normalized();
-    for (double d = 0.0; is_blocked && d <= kTurnsBeforeM; d += kStepM) {
-      if (is_blocked(person.position + d * ahead)) {
-        track.turn_round();
-        break;
+    const auto is_stopped = [&](double side) {
+      const Eigen::Vector2d ahead = side * person.velocity.normalized();
+      for (double d = person.radius_m + kHisM; d <= kTurnsBeforeM; d += kStepM) {
+        if (is_blocked(person.position + d * ahead)) {
+          return true;
+        }
       }
+      return false;
+    };
+    // What is nearer may be himself, as he was measured last; who is between two things goes on.
+    if (is_blocked && is_stopped(1.0) && !is_stopped(-1.0)) {
+      track.turn_round();
     }
   }
 }
@@ -201,26 +223,29 @@ void PeopleTracker::drop_lost(time::Timestamp stamp) {
   });
 }
 
-People PeopleTracker::people_odom(time::Timestamp stamp) const {
+template <class Select>
+People PeopleTracker::select(time::Timestamp stamp, const Select& is_wanted) const {
   People people;
   for (Track track : tracks_) {
-    if (track.moves()) {
-      track.predict(stamp);
+    track.predict(stamp);
+    if (is_wanted(track)) {
       people.push_back(track.person());
     }
   }
   return people;
 }
 
+People PeopleTracker::people_odom(time::Timestamp stamp) const {
+  return select(stamp, [](const Track& track) { return track.moves(); });
+}
+
 People PeopleTracker::people_base(time::Timestamp stamp, const geometry::SE2& T_odom_base) const {
-  People people = people_odom(stamp);
-  const geometry::SE2 T_base_odom = T_odom_base.inverse();
-  const Eigen::Matrix2d R_base_odom = T_base_odom.rotation();
-  for (Person& person : people) {
-    person.position = T_base_odom * person.position;
-    person.velocity = R_base_odom * person.velocity;
-  }
-  return people;
+  return in_base(people_odom(stamp), T_odom_base);
+}
+
+People PeopleTracker::newcomers_base(time::Timestamp stamp,
+                                     const geometry::SE2& T_odom_base) const {
+  return in_base(select(stamp, [](const Track& track) { return track.is_new(); }), T_odom_base);
 }
 
 }  // namespace nodmap::navigator

@@ -52,6 +52,8 @@ class Track {
   void hide(time::Timestamp stamp) { hidden_at_ = stamp; }
   /// Seen in two sweeps at least, and its velocity is more than its error.
   [[nodiscard]] bool moves() const { return moves_; }
+  /// Seen in a few scans of the last two sweeps, too few to say that it moves.
+  [[nodiscard]] bool is_new() const;
 
  private:
   Eigen::Vector4d state_;  // position, velocity; odom
@@ -89,7 +91,13 @@ class PeopleTracker {
   /// The same in the axes of base now.
   [[nodiscard]] People people_base(time::Timestamp stamp, const geometry::SE2& T_odom_base) const;
 
+  /// Those who have come into view a moment ago, in base: space was free where they are.
+  [[nodiscard]] People newcomers_base(time::Timestamp stamp,
+                                      const geometry::SE2& T_odom_base) const;
+
  private:
+  template <class Select>
+  [[nodiscard]] People select(time::Timestamp stamp, const Select& is_wanted) const;
   void associate(const std::vector<Detection>& detections, time::Timestamp stamp);
   void mark_walkers(const scan::Scan& scan, const geometry::SE2& T_odom_base);
   void follow_unseen(const scan::Scan& scan, const geometry::SE2& T_odom_base,

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/navigator/people/proximity.hpp"
+
+#include <cmath>
+
+#include "common/geometry/angle.hpp"
+#include "modules/navigator/local_map/local_map.hpp"
+
+namespace nodmap::navigator {
+namespace {
+
+using geometry::deg_to_rad;
+
+/// In base, in the order of base_sensors_t; it looks along x.
+const std::array<geometry::SE2, Proximity::kSensors> kMounts{{{0.203, 0.153, deg_to_rad(45.0)},
+                                                              {0.0, 0.165, deg_to_rad(90.0)},
+                                                              {-0.203, 0.153, deg_to_rad(135.0)},
+                                                              {-0.217, 0.0, deg_to_rad(180.0)},
+                                                              {-0.203, -0.153, deg_to_rad(-135.0)},
+                                                              {0.0, -0.165, deg_to_rad(-90.0)},
+                                                              {0.203, -0.153, deg_to_rad(-45.0)}}};
+/// So near to what the local map has it is the same: the sensor's error, and a map that odometry
+/// has moved.
+constexpr double kSameM = 0.15;
+/// What does not move by more within such a time stands.
+constexpr double kStandsM = 0.05;
+constexpr time::Duration kStands = 2s;
+constexpr time::Duration kHold = 500ms;
+
+/// Floor was seen at a place, and nothing that stands is near it.
+bool is_free(const Eigen::Vector2d& p_odom, const LocalMap& map) {
+  const double cell_m = map.grid().cell_size_m();
+  const int reach = static_cast<int>(kSameM / cell_m);
+  for (int dx = -reach; dx <= reach; ++dx) {
+    for (int dy = -reach; dy <= reach; ++dy) {
+      const Eigen::Vector2d beside = p_odom + cell_m * Eigen::Vector2d(dx, dy);
+      if (dx * dx + dy * dy <= reach * reach && map.is_blocked_at(beside)) {
+        return false;
+      }
+    }
+  }
+  return map.is_free_floor(p_odom);
+}
+
+}  // namespace
+
+void Proximity::add(time::Timestamp stamp, const Ranges& ranges_m, const geometry::SE2& T_odom_base,
+                    const LocalMap& local_map) {
+  for (std::size_t i = 0; i < kSensors; ++i) {
+    std::optional<Stranger>& stranger = strangers_[i];
+    if (!std::isfinite(ranges_m[i])) {
+      stranger.reset();
+      continue;
+    }
+    const Eigen::Vector2d p_odom = T_odom_base * (kMounts[i] * Eigen::Vector2d(ranges_m[i], 0.0));
+    if (!is_free(p_odom, local_map)) {
+      stranger.reset();
+    } else if (!stranger || (stranger->p_odom - p_odom).norm() > kStandsM) {
+      stranger = {p_odom, stamp};
+    }
+    if (stranger && std::chrono::abs(stamp - stranger->since) < kStands) {
+      detected_at_ = stamp;
+    }
+  }
+}
+
+bool Proximity::is_detected(time::Timestamp stamp) const {
+  // A stamp that stepped back must not prolong the wait.
+  return detected_at_ && std::chrono::abs(stamp - *detected_at_) < kHold;
+}
+
+}  // namespace nodmap::navigator
