@@ -259,7 +259,7 @@ TEST(PeopleTracker, WhoIsOutOfViewIsNotStoppedByHimself) {
     const double x = 0.15 - 0.25 - 1.3 * time_s;
     return (p_odom - Eigen::Vector2d(x, 0.9)).norm() < 0.3;
   };
-  double now_s = 0.0;
+  double now_s = -1.0;  // while he is in view: far behind him
   walk_out_of_view([&](const Eigen::Vector2d& p_odom) { return is_on_him(now_s, p_odom); }, 2.0,
                    [&](double time_s, const Eigen::Vector2d& /*p*/, const People& people) {
                      now_s = time_s;
