@@ -17,30 +17,24 @@ bool is_drawable(const Eigen::Vector2d& cells) {
   return cells.allFinite() && cells.cwiseAbs().maxCoeff() < kMaxCoordinateCells;
 }
 
-/// The grid lines that a ray crosses along one axis (Amanatides and Woo 1987). The ray's parameter
-/// runs from 0 at its origin to 1 at its end.
+// Coordinates along a ray are whole numbers, 2^16 to a cell, so that the walk along it is exact and
+// ends where it should. They are odd: no ray lies on a grid line.
+constexpr std::int64_t kCellUnits = 1 << 16;
+
+std::int64_t to_units(double cells) {
+  return 2 * static_cast<std::int64_t>(std::floor(0.5 * kCellUnits * cells)) + 1;
+}
+
+/// The way of a ray along one axis.
 struct Axis {
-  int direction = 0;
-  double next = std::numeric_limits<double>::infinity();  // parameter where it enters the next cell
-  double step = 0.0;                                      // from cell to cell
-  int left = 0;                                           // lines that are not crossed yet
+  int direction;        // of the cells
+  std::int64_t length;  // of the ray, units
+  std::int64_t first;   // from its origin to the first grid line in its direction, units
 
-  Axis(double from, double to, int lines) : left(std::abs(lines)) {
-    if (left == 0) {
-      return;
-    }
-    direction = lines > 0 ? 1 : -1;
-    const double border = std::floor(from) + (direction > 0 ? 1.0 : 0.0);
-    next = (border - from) / (to - from);
-    step = 1.0 / std::abs(to - from);
-  }
-
-  /// Crosses the next line, or does nothing; without a branch, for no processor can guess it.
-  void cross(bool is_crossed) {
-    next += is_crossed ? step : 0.0;
-    left -= is_crossed ? 1 : 0;
-    next = left == 0 ? std::numeric_limits<double>::infinity() : next;
-  }
+  Axis(std::int64_t from, std::int64_t to)
+      : direction(to > from ? 1 : -1),
+        length(std::abs(to - from)),
+        first(direction > 0 ? kCellUnits - (from & (kCellUnits - 1)) : from & (kCellUnits - 1)) {}
 };
 
 // Tiles that go out with each choice, if no more have changed: a small map is whole soon.
@@ -59,11 +53,16 @@ Eigen::Vector2i tile_of(const Eigen::Vector2i& cell) {
 
 /// Whether a map that tells free from occupied from unknown looks the same.
 bool looks_alike(const std::vector<std::int8_t>& a, const std::vector<std::int8_t>& b) {
-  const auto is_alike = [](std::int8_t left, std::int8_t right) {
-    return left == right || (left != OccupancyGrid::kUnknown && right != OccupancyGrid::kUnknown &&
-                             OccupancyGrid::is_occupied(left) == OccupancyGrid::is_occupied(right));
-  };
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), is_alike);
+  if (a.size() != b.size()) {
+    return false;
+  }
+  // All cells, without a branch: many are compared at once.
+  bool differs = false;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    differs |= (a[i] < 0) != (b[i] < 0);
+    differs |= OccupancyGrid::is_occupied(a[i]) != OccupancyGrid::is_occupied(b[i]);
+  }
+  return !differs;
 }
 
 }  // namespace
@@ -101,11 +100,12 @@ bool OccupancyGrid::count_ray(const Eigen::Vector2d& sensor_origin, const Eigen:
   if (!make_room(first.cwiseMin(last), first.cwiseMax(last))) {
     return false;
   }
-  Axis x(from.x(), to.x(), last.x() - first.x());
-  Axis y(from.y(), to.y(), last.y() - first.y());
+  const Axis x(to_units(from.x()), to_units(to.x()));
+  const Axis y(to_units(from.y()), to_units(to.y()));
   Tile* tile = &enter_tile(first);
   // The cell, in the tile; outside of it one is negative or too large.
   Eigen::Vector2i at = first - kTileCells * tile->position;
+  const auto number = [&at] { return static_cast<std::size_t>(at.y() * kTileCells + at.x()); };
   const bool are_all_counted = left_out.empty();  // mostly
   const auto is_counted = [&] {
     return are_all_counted ||
@@ -113,16 +113,18 @@ bool OccupancyGrid::count_ray(const Eigen::Vector2d& sensor_origin, const Eigen:
              return range.has(at + kTileCells * tile->position);
            });
   };
-  // One step for each grid line crossed, so that rounding cannot lead past the end.
-  for (int steps = x.left + y.left; steps > 0; --steps) {
+  // Negative when the next grid line is one across x (Amanatides and Woo 1987): where the ray
+  // crosses those lines, times the lengths along both axes, so that nothing is divided.
+  std::int64_t next = x.first * y.length - y.first * x.length;
+  for (int lines = (last - first).cwiseAbs().sum(); lines > 0; --lines) {
     if (is_counted()) {
-      tile->cells[static_cast<std::size_t>(at.y() * kTileCells + at.x())].passed += counted.passed;
+      tile->passed[number()] += counted.passed;
     }
-    const bool along_x = x.next < y.next;
+    // Without a branch, for no processor can guess it.
+    const bool along_x = next < 0;
     at.x() += along_x ? x.direction : 0;
     at.y() += along_x ? 0 : y.direction;
-    x.cross(along_x);
-    y.cross(!along_x);
+    next += kCellUnits * (along_x ? y.length : -x.length);
     static_assert((kTileCells & (kTileCells - 1)) == 0);
     if (static_cast<unsigned>(at.x() | at.y()) >= unsigned{kTileCells}) {
       const Eigen::Vector2i cell = at + kTileCells * tile->position;
@@ -131,7 +133,7 @@ bool OccupancyGrid::count_ray(const Eigen::Vector2d& sensor_origin, const Eigen:
     }
   }
   if (is_counted()) {
-    tile->cells[static_cast<std::size_t>(at.y() * kTileCells + at.x())].ended += counted.ended;
+    tile->ended[number()] += counted.ended;
   }
   return true;
 }
@@ -151,7 +153,8 @@ void OccupancyGrid::clear(const CellRange& cells) {
     const Eigen::Vector2i high = (cells.high - first).cwiseMin(kTileCells - 1);
     for (int y = low.y(); y <= high.y(); ++y) {
       for (int x = low.x(); x <= high.x(); ++x) {
-        tile.cells[static_cast<std::size_t>(y * kTileCells + x)] = {};
+        tile.passed[static_cast<std::size_t>(y * kTileCells + x)] = 0;
+        tile.ended[static_cast<std::size_t>(y * kTileCells + x)] = 0;
       }
     }
     tile.num_changes += (low.array() <= high.array()).all() ? 1 : 0;
@@ -170,7 +173,9 @@ OccupancyGrid::Tile& OccupancyGrid::enter_tile(const Eigen::Vector2i& cell) {
   std::int32_t& number = tile_at(position);
   if (number == kNoTile) {
     number = static_cast<std::int32_t>(tiles_.size());
-    tiles_.push_back({.position = position, .cells = std::vector<Cell>(kCellsPerTile)});
+    tiles_.push_back({.position = position,
+                      .passed = std::vector<std::uint32_t>(kCellsPerTile),
+                      .ended = std::vector<std::uint32_t>(kCellsPerTile)});
   }
   Tile& tile = tiles_[static_cast<std::size_t>(number)];
   ++tile.num_changes;
@@ -203,12 +208,10 @@ bool OccupancyGrid::make_room(const Eigen::Vector2i& low, const Eigen::Vector2i&
   return true;
 }
 
-std::int8_t OccupancyGrid::occupancy(const Cell& cell) {
-  if (cell.ended == 0) {  // most are free or unknown
-    return cell.passed == 0 ? kUnknown : 0;
-  }
-  const std::uint64_t rays = std::uint64_t{cell.ended} + cell.passed;
-  return static_cast<std::int8_t>((std::uint64_t{200} * cell.ended + rays) / (2 * rays));
+std::int8_t OccupancyGrid::occupancy(const Tile& tile, std::size_t cell) {
+  const std::uint64_t ended = tile.ended[cell];
+  const std::uint64_t rays = ended + tile.passed[cell];
+  return rays == 0 ? kUnknown : static_cast<std::int8_t>((200 * ended + rays) / (2 * rays));
 }
 
 std::int8_t OccupancyGrid::occupancy(int x, int y) const {
@@ -217,17 +220,30 @@ std::int8_t OccupancyGrid::occupancy(int x, int y) const {
                                             static_cast<std::size_t>(x / kTileCells)];
   return number == kNoTile
              ? kUnknown
-             : occupancy(tiles_[static_cast<std::size_t>(number)].cells[static_cast<std::size_t>(
-                   (y % kTileCells) * kTileCells + x % kTileCells)]);
+             : occupancy(tiles_[static_cast<std::size_t>(number)],
+                         static_cast<std::size_t>((y % kTileCells) * kTileCells + x % kTileCells));
 }
 
+// Most cells are free or unknown, which is told of many at once; only the others need a division.
 GridTile OccupancyGrid::cut_tile(std::size_t number) const {
+  constexpr std::size_t kAtOnce = 16;
+  static_assert(kCellsPerTile % kAtOnce == 0);
   const Tile& tile = tiles_[number];
   const Eigen::Vector2i first = kTileCells * (tile.position - first_tile_);
   GridTile cut{.number = number, .x = first.x(), .y = first.y(), .cells = {}};
   cut.cells.resize(kCellsPerTile);
-  std::transform(tile.cells.begin(), tile.cells.end(), cut.cells.begin(),
-                 [](const Cell& cell) { return occupancy(cell); });
+  for (std::size_t i = 0; i < kCellsPerTile; ++i) {
+    cut.cells[i] = tile.passed[i] == 0 ? kUnknown : std::int8_t{0};
+  }
+  for (std::size_t begin = 0; begin < kCellsPerTile; begin += kAtOnce) {
+    std::uint32_t any_ended = 0;
+    for (std::size_t i = begin; i < begin + kAtOnce; ++i) {
+      any_ended |= tile.ended[i];
+    }
+    for (std::size_t i = begin; any_ended != 0 && i < begin + kAtOnce; ++i) {
+      cut.cells[i] = occupancy(tile, i);
+    }
+  }
   return cut;
 }
 

@@ -87,13 +87,10 @@ class OccupancyGrid {
   [[nodiscard]] GridTile cut_tile(std::size_t tile) const;
 
  private:
-  struct Cell {
-    std::uint32_t ended = 0;
-    std::uint32_t passed = 0;
-  };
   struct Tile {
-    Eigen::Vector2i position;  ///< in tiles from the map's origin
-    std::vector<Cell> cells;   ///< row by row, x fastest
+    Eigen::Vector2i position;           ///< in tiles from the map's origin
+    std::vector<std::uint32_t> passed;  ///< rays through each cell, row by row, x fastest
+    std::vector<std::uint32_t> ended;   ///< and those that ended in it
     std::uint64_t num_changes = 0;
   };
   static constexpr std::int32_t kNoTile = -1;
@@ -109,7 +106,7 @@ class OccupancyGrid {
   /// The number of the tile at a position within the grid, or kNoTile.
   [[nodiscard]] std::int32_t& tile_at(const Eigen::Vector2i& position);
   [[nodiscard]] Tile& enter_tile(const Eigen::Vector2i& cell);
-  [[nodiscard]] static std::int8_t occupancy(const Cell& cell);
+  [[nodiscard]] static std::int8_t occupancy(const Tile& tile, std::size_t cell);
 
   double cell_size_m_;
   Eigen::Vector2i first_tile_ = Eigen::Vector2i::Zero();  ///< from the map's origin

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 
 namespace nodmap::slam2d {
 namespace {
@@ -13,6 +14,9 @@ constexpr double kCellSizeM = 0.25;
 constexpr double kMinNormalCosine = 0.5;   // 60 degrees
 constexpr double kMaxLineThickness = 0.3;  // width over length
 constexpr double kMinNeighbours = 3.0;     // of a line, with the point itself
+constexpr double kRememberedM = 0.05;      // a search looks this far beyond the nearest point
+constexpr double kRoundingM = 1e-9;
+constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
 bool have_similar_normals(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   return a.isZero(0.0) || b.isZero(0.0) || a.dot(b) > kMinNormalCosine;
@@ -234,53 +238,86 @@ void PointMap::fit_line(std::uint32_t index) {
   }
 }
 
-void PointMap::search_cell(const Cell& cell, const OrientedPoint& point, Nearest& nearest) const {
+/// The nearest points found so far.
+struct PointMap::Search {
+  double x_m;
+  double y_m;
+  double nearest_m2;              // of the nearest with a similar normal, or of the reach
+  double other_m2;                // of the nearest of all others, or of the reach
+  std::uint32_t nearest = kNone;  // in points_
+
+  /// Nothing needs to be looked at beyond.
+  [[nodiscard]] double radius_m() const {
+    const double nearest_m = std::sqrt(nearest_m2);
+    return nearest == kNone ? nearest_m
+                            : std::clamp(std::sqrt(other_m2), nearest_m, nearest_m + kRememberedM);
+  }
+};
+
+void PointMap::search_cell(const Cell& cell, const Eigen::Vector2d& normal, Search& search) const {
   for (const Entry& entry : cell) {
-    const double dx_m = entry.x_m - point.p.x();
-    const double dy_m = entry.y_m - point.p.y();
+    const double dx_m = entry.x_m - search.x_m;
+    const double dy_m = entry.y_m - search.y_m;
     const double squared_m2 = dx_m * dx_m + dy_m * dy_m;
-    if (squared_m2 <= nearest.squared_m2 &&
-        have_similar_normals(point.normal, points_[entry.index].point.normal)) {
-      nearest = {squared_m2, &points_[entry.index]};
+    if (squared_m2 <= search.nearest_m2 &&
+        have_similar_normals(normal, points_[entry.index].point.normal)) {
+      search.other_m2 = std::min(search.other_m2, search.nearest_m2);
+      search.nearest_m2 = squared_m2;
+      search.nearest = entry.index;
+    } else {
+      search.other_m2 = std::min(search.other_m2, squared_m2);
     }
   }
 }
 
-const MapPoint* PointMap::nearest(const OrientedPoint& point, double max_distance_m,
-                                  const MapPoint* hint) const {
-  Nearest nearest{max_distance_m * max_distance_m, nullptr};
-  if (hint != nullptr) {
-    const double squared_m2 = (hint->point.p - point.p).squaredNorm();
-    if (squared_m2 <= nearest.squared_m2 &&
-        have_similar_normals(point.normal, hint->point.normal)) {
-      nearest = {squared_m2, hint};
-    }
-  }
+Neighbourhood PointMap::search(const OrientedPoint& point, double max_distance_m) const {
+  const double max_m2 = max_distance_m * max_distance_m;
+  Search search{point.p.x(), point.p.y(), max_m2, max_m2};
   // The point's own cell first: what is found there mostly rules the others out.
   const CellIndex home = cell_index(point.p);
   if (const Tile* tile = find_tile(tile_index(home))) {
     const std::size_t place = place_in_tile(home);
     if (((tile->used >> place) & 1U) != 0) {
-      search_cell(cells_[tile->cells[place]], point, nearest);
+      search_cell(cells_[tile->cells[place]], point.normal, search);
     }
   }
-  const double border_m =
-      std::min({point.p.x() - kCellSizeM * home.x, kCellSizeM * (home.x + 1) - point.p.x(),
-                point.p.y() - kCellSizeM * home.y, kCellSizeM * (home.y + 1) - point.p.y()});
-  if (nearest.squared_m2 < border_m * border_m) {
-    return nearest.point;
-  }
-  const double radius_m = std::sqrt(nearest.squared_m2);
+  double radius_m = search.radius_m();
   const CellIndex low = cell_index(point.p.array() - radius_m);
   const CellIndex high = cell_index(point.p.array() + radius_m);
-  for_each_cell(low, high, [&](const Cell& cell, CellIndex index) {
-    const double dx_m = distance_to_cell(point.p.x(), index.x);
-    const double dy_m = distance_to_cell(point.p.y(), index.y);
-    if (index != home && dx_m * dx_m + dy_m * dy_m <= nearest.squared_m2) {
-      search_cell(cell, point, nearest);
+  if (low != home || high != home) {
+    for_each_cell(low, high, [&](const Cell& cell, CellIndex index) {
+      const double dx_m = distance_to_cell(search.x_m, index.x);
+      const double dy_m = distance_to_cell(search.y_m, index.y);
+      if (index != home && dx_m * dx_m + dy_m * dy_m <= radius_m * radius_m) {
+        search_cell(cell, point.normal, search);
+        radius_m = search.radius_m();
+      }
+    });
+  }
+  const MapPoint* nearest = search.nearest == kNone ? nullptr : &points_[search.nearest];
+  return {nearest, point.p, std::min(std::sqrt(search.other_m2), radius_m)};
+}
+
+const MapPoint* PointMap::nearest(const OrientedPoint& point, double max_distance_m) const {
+  return search(point, max_distance_m).nearest;
+}
+
+const MapPoint* PointMap::nearest(const OrientedPoint& point, double max_distance_m,
+                                  Neighbourhood& last) const {
+  const double free_m = last.free_m - (point.p - last.place).norm() - kRoundingM;
+  if (last.nearest == nullptr) {
+    if (free_m >= max_distance_m) {
+      return nullptr;
     }
-  });
-  return nearest.point;
+  } else {
+    const double squared_m2 = (last.nearest->point.p - point.p).squaredNorm();
+    if (free_m > 0.0 && squared_m2 <= free_m * free_m &&
+        have_similar_normals(point.normal, last.nearest->point.normal)) {
+      return squared_m2 <= max_distance_m * max_distance_m ? last.nearest : nullptr;
+    }
+  }
+  last = search(point, max_distance_m);
+  return last.nearest;
 }
 
 }  // namespace nodmap::slam2d

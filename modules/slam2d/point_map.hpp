@@ -27,6 +27,14 @@ struct MapPoint {
   [[nodiscard]] bool has_line() const { return !line_normal.isZero(0.0); }
 };
 
+/// What a search for the nearest map point has found around a place.
+struct Neighbourhood {
+  const MapPoint* nearest = nullptr;  ///< with a similar normal; null if there is none in reach
+  Eigen::Vector2d place = Eigen::Vector2d::Zero();
+  /// No other map point, whatever its normal, is nearer to the place. Negative: not searched yet.
+  double free_m = -1.0;
+};
+
 /// The incrementally built 2D map M of section IV A, in the map frame.
 ///
 /// Each point also knows the line through everything measured around it with a similar normal. The
@@ -49,10 +57,14 @@ class PointMap {
 
   /// The nearest map point within `max_distance_m` whose normal differs by at most 60 degrees, so
   /// that the two sides of a thin wall stay apart; an unknown normal matches all. Null if there is
-  /// none. Valid until the next `add` or `insert`. `hint`: a point of this map that may be near, or
-  /// null; it changes the time that is taken, not what is found.
+  /// none. Valid until the next `add` or `insert`.
+  [[nodiscard]] const MapPoint* nearest(const OrientedPoint& point, double max_distance_m) const;
+
+  /// The same, for a point that is asked for again and again while it moves a little: searches only
+  /// when what was found the last time does not tell the answer. `last`: what it leaves there for
+  /// the next time; of this map as it is now.
   [[nodiscard]] const MapPoint* nearest(const OrientedPoint& point, double max_distance_m,
-                                        const MapPoint* hint = nullptr) const;
+                                        Neighbourhood& last) const;
 
   [[nodiscard]] std::span<const MapPoint> points() const { return points_; }
 
@@ -89,11 +101,7 @@ class PointMap {
     bool has_changed = false;  ///< since the line was fitted
     void add(const Eigen::Vector2d& d);
   };
-  /// The nearest found so far in a search.
-  struct Nearest {
-    double squared_m2 = 0.0;
-    const MapPoint* point = nullptr;
-  };
+  struct Search;
 
   [[nodiscard]] static CellIndex cell_index(const Eigen::Vector2d& p);
   [[nodiscard]] static CellIndex tile_index(CellIndex cell);
@@ -106,7 +114,8 @@ class PointMap {
   /// Calls `visit` with each cell of a rectangle that holds a point, and its index.
   template <typename Visit>
   void for_each_cell(CellIndex low, CellIndex high, Visit visit) const;
-  void search_cell(const Cell& cell, const OrientedPoint& point, Nearest& nearest) const;
+  void search_cell(const Cell& cell, const Eigen::Vector2d& normal, Search& search) const;
+  [[nodiscard]] Neighbourhood search(const OrientedPoint& point, double max_distance_m) const;
   /// Calls `visit` with the index of each map point whose line the point belongs to.
   template <typename Visit>
   void for_each_neighbour(const OrientedPoint& point, Visit visit) const;

@@ -5,10 +5,13 @@
 #include <cmath>
 #include <limits>
 
+#include "modules/slam2d/score_bound.hpp"
+
 namespace nodmap::slam2d {
 namespace {
 
 constexpr double kStepM = 0.25;  // ICP converges from half of it
+constexpr int kStepCells = static_cast<int>(kStepM / ScoreBound::kCellM);
 constexpr double kStepRad = geometry::deg_to_rad(4.0);
 constexpr double kMaxDistanceM = 0.25;  // a point this far from the map scores 0
 constexpr std::size_t kNumPoints = 90;  // enough to rank poses; 45 misplace a rotation of mit-csail
@@ -20,26 +23,32 @@ constexpr double kDistinctRad = 0.1;
 // half of the score at the true pose; with 0.1 it is then found anywhere.
 constexpr double kDeviationCost = 0.25;
 
-struct Candidate {
-  double score = 0.0;
-  geometry::SE2 T_map_base;
-};
+// Rounding of the bounds of scores.
+constexpr double kRounding = 1e-9;
 
-/// Mean over every `stride`-th point: 1 on a map point, 0 from `kMaxDistanceM` on.
-double quick_score(const PointMap& map, std::span<const OrientedPoint> scan, std::size_t stride,
+/// Some of the points, spread over the scan.
+std::vector<OrientedPoint> some_of(std::span<const OrientedPoint> scan) {
+  const std::size_t stride = std::max<std::size_t>(1, scan.size() / kNumPoints);
+  std::vector<OrientedPoint> some;
+  for (std::size_t i = 0; i < scan.size(); i += stride) {
+    some.push_back(scan[i]);
+  }
+  return some;
+}
+
+/// Mean over the points: 1 on a map point, 0 from `kMaxDistanceM` on.
+double quick_score(const PointMap& map, std::span<const OrientedPoint> scan,
                    const geometry::SE2& T_map_base) {
   const Eigen::Matrix2d R = T_map_base.rotation();
   const Eigen::Vector2d t = T_map_base.translation();
   double sum = 0.0;
-  int points = 0;
-  for (std::size_t i = 0; i < scan.size(); i += stride) {
-    const OrientedPoint point{R * scan[i].p + t, R * scan[i].normal};
+  for (const auto& [p, normal] : scan) {
+    const OrientedPoint point{R * p + t, R * normal};
     if (const MapPoint* found = map.nearest(point, kMaxDistanceM)) {
       sum += 1.0 - (found->point.p - point.p).norm() / kMaxDistanceM;
     }
-    ++points;
   }
-  return points > 0 ? sum / points : 0.0;
+  return scan.empty() ? 0.0 : sum / static_cast<double>(scan.size());
 }
 
 bool are_distinct(const geometry::SE2& a, const geometry::SE2& b) {
@@ -78,37 +87,68 @@ double PoseSearch::cost(const geometry::SE2& pose, std::span<const geometry::SE2
   return kDeviationCost * least;
 }
 
-std::vector<geometry::SE2> PoseSearch::candidates(const PointMap& map,
-                                                  std::span<const OrientedPoint> scan,
-                                                  std::span<const geometry::SE2> guesses) const {
-  const geometry::SE2& T_map_base_guess = guesses.front();
-  const std::size_t stride = std::max<std::size_t>(1, scan.size() / kNumPoints);
+std::vector<PoseSearch::Candidate> PoseSearch::poses_around(
+    const PointMap& map, std::span<const OrientedPoint> scan,
+    std::span<const geometry::SE2> guesses) const {
+  const geometry::SE2& guess = guesses.front();
   const int steps = static_cast<int>(params_.distance_m / kStepM);
   const int rotations = static_cast<int>(params_.rotation_rad / kStepRad);
-  std::vector<Candidate> tried;
+  const ScoreBound bound(map, guess.translation(), kMaxDistanceM, kStepCells * steps);
+  std::vector<Candidate> poses;
+  std::vector<Eigen::Vector2d> points;
   for (int iyaw = -rotations; iyaw <= rotations; ++iyaw) {
+    const geometry::SE2 rotated{guess.x, guess.y,
+                                geometry::normalize_angle(guess.yaw + iyaw * kStepRad)};
+    const Eigen::Matrix2d R = rotated.rotation();
+    points.clear();
+    for (const OrientedPoint& point : scan) {
+      points.emplace_back(R * point.p + rotated.translation());
+    }
+    const std::vector<std::size_t> cells = bound.cells_of(points);
     for (int ix = -steps; ix <= steps; ++ix) {
       for (int iy = -steps; iy <= steps; ++iy) {
-        const geometry::SE2 pose{T_map_base_guess.x + ix * kStepM, T_map_base_guess.y + iy * kStepM,
-                                 geometry::normalize_angle(T_map_base_guess.yaw + iyaw * kStepRad)};
-        const double score = quick_score(map, scan, stride, pose);
-        tried.push_back({score - cost(pose, guesses), pose});
+        const geometry::SE2 pose{guess.x + ix * kStepM, guess.y + iy * kStepM, rotated.yaw};
+        const double cost = this->cost(pose, guesses);
+        poses.push_back(
+            {.score = bound.at(cells, kStepCells * ix, kStepCells * iy) + kRounding - cost,
+             .cost = cost,
+             .order = poses.size(),
+             .is_bound = true,
+             .T_map_base = pose});
       }
     }
   }
-  std::stable_sort(tried.begin(), tried.end(),
-                   [](const Candidate& a, const Candidate& b) { return a.score > b.score; });
+  return poses;
+}
+
+// By a queue of all poses, the most promising first. At the beginning each has but an upper bound
+// of its score: it is scored when it comes first, so most never are.
+std::vector<geometry::SE2> PoseSearch::candidates(const PointMap& map,
+                                                  std::span<const OrientedPoint> scan,
+                                                  std::span<const geometry::SE2> guesses) const {
+  const std::vector<OrientedPoint> some = some_of(scan);
+  const auto is_worse = [](const Candidate& a, const Candidate& b) {
+    return a.score != b.score ? a.score < b.score : a.order > b.order;
+  };
+  std::vector<Candidate> queue = poses_around(map, some, guesses);
+  std::make_heap(queue.begin(), queue.end(), is_worse);
   std::vector<geometry::SE2> best;
-  for (const Candidate& candidate : tried) {
+  while (!queue.empty() && best.size() < kMaxCandidates) {
+    std::pop_heap(queue.begin(), queue.end(), is_worse);
+    Candidate& candidate = queue.back();
     const bool is_new = std::all_of(best.begin(), best.end(), [&](const geometry::SE2& other) {
       return are_distinct(candidate.T_map_base, other);
     });
+    if (is_new && candidate.is_bound) {
+      candidate.score = quick_score(map, some, candidate.T_map_base) - candidate.cost;
+      candidate.is_bound = false;
+      std::push_heap(queue.begin(), queue.end(), is_worse);
+      continue;
+    }
     if (is_new) {
       best.push_back(candidate.T_map_base);
     }
-    if (best.size() == kMaxCandidates) {
-      break;
-    }
+    queue.pop_back();
   }
   return best;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <span>
 #include <vector>
@@ -31,6 +32,17 @@ class PoseSearch {
                                                       std::span<const geometry::SE2> guesses) const;
 
  private:
+  struct Candidate {
+    double score = 0.0;  ///< or an upper bound of it
+    double cost = 0.0;   ///< that is part of it
+    std::size_t order = 0;
+    bool is_bound = false;
+    geometry::SE2 T_map_base;
+  };
+  /// All start poses, with upper bounds of their scores.
+  [[nodiscard]] std::vector<Candidate> poses_around(const PointMap& map,
+                                                    std::span<const OrientedPoint> scan,
+                                                    std::span<const geometry::SE2> guesses) const;
   [[nodiscard]] double cost(const geometry::SE2& pose,
                             std::span<const geometry::SE2> guesses) const;
 

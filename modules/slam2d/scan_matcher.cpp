@@ -56,7 +56,7 @@ ScanMatcher::Correspondences ScanMatcher::find_correspondences(const PointMap& m
                                                                std::span<const OrientedPoint> scan,
                                                                const geometry::SE2& T_map_base,
                                                                double max_distance_m,
-                                                               Hints& hints) const {
+                                                               Neighbourhoods& around) const {
   const bool fits_points = !uses_lines(max_distance_m);
   const double scale_m = kKernelScaleRatio * max_distance_m;
   const Eigen::Matrix2d R = T_map_base.rotation();
@@ -65,11 +65,10 @@ ScanMatcher::Correspondences ScanMatcher::find_correspondences(const PointMap& m
   for (std::size_t i = 0; i < scan.size(); ++i) {
     const Eigen::Vector2d moment_arm = R * scan[i].p;
     const OrientedPoint data{moment_arm + t, R * scan[i].normal};
-    const MapPoint* model = map.nearest(data, max_distance_m, hints[i]);
+    const MapPoint* model = map.nearest(data, max_distance_m, around[i]);
     if (model == nullptr) {
       continue;
     }
-    hints[i] = model;
     ++sums.count;
     const Eigen::Vector2d offset = data.p - model->point.p;
     if (model->has_line()) {
@@ -135,12 +134,12 @@ Match ScanMatcher::match(const PointMap& map, std::span<const OrientedPoint> sca
   match.T_map_base = T_map_base_guess;
   const double last_distance_m = this->last_distance_m();
   double max_distance_m = std::max(params_.max_correspondence_distance_m, last_distance_m);
-  Hints hints(scan.size(), nullptr);
+  Neighbourhoods around(scan.size());
   while (match.iterations < params_.max_iterations) {
     ++match.iterations;
     // w_ij of Eq. 3.
     const Correspondences correspondences =
-        find_correspondences(map, scan, match.T_map_base, max_distance_m, hints);
+        find_correspondences(map, scan, match.T_map_base, max_distance_m, around);
     if (correspondences.count < kMinCorrespondences) {
       match.T_map_base = T_map_base_guess;
       match.degenerate_directions = 3;
@@ -163,16 +162,16 @@ Match ScanMatcher::match(const PointMap& map, std::span<const OrientedPoint> sca
       max_distance_m = std::max(last_distance_m, kDistanceDecay * max_distance_m);
     }
   }
-  evaluate(map, scan, hints, match);
+  evaluate(map, scan, around, match);
   return match;
 }
 
 // Within d_max of the points: that of the lines is too narrow to tell a scan that is a little off
 // from one that is lost.
-void ScanMatcher::evaluate(const PointMap& map, std::span<const OrientedPoint> scan, Hints& hints,
-                           Match& match) const {
+void ScanMatcher::evaluate(const PointMap& map, std::span<const OrientedPoint> scan,
+                           Neighbourhoods& around, Match& match) const {
   const Correspondences correspondences = find_correspondences(
-      map, scan, match.T_map_base, params_.min_correspondence_distance_m, hints);
+      map, scan, match.T_map_base, params_.min_correspondence_distance_m, around);
   const auto num_points = static_cast<double>(scan.size());
   match.num_correspondences = correspondences.count;
   match.inlier_ratio = correspondences.count / num_points;

@@ -40,12 +40,13 @@ class ScanMatcher {
 
  private:
   struct Correspondences;
-  /// The points of the map that the scan points had last, or null; changes only the time it takes.
-  using Hints = std::vector<const MapPoint*>;
+  /// Of each scan point; it changes only the time that is taken.
+  using Neighbourhoods = std::vector<Neighbourhood>;
   [[nodiscard]] Correspondences find_correspondences(const PointMap& map,
                                                      std::span<const OrientedPoint> scan,
                                                      const geometry::SE2& T_map_base,
-                                                     double max_distance_m, Hints& hints) const;
+                                                     double max_distance_m,
+                                                     Neighbourhoods& around) const;
   /// Whether distances to lines are minimised, for this maximum correspondence distance.
   [[nodiscard]] bool uses_lines(double max_distance_m) const;
   /// The distance to which the maximum correspondence distance shrinks.
@@ -53,7 +54,7 @@ class ScanMatcher {
   [[nodiscard]] Eigen::Vector3d step(const Correspondences& correspondences,
                                      const registration::NormalEquations::Solution& lines,
                                      const geometry::SE2& T_map_base, double max_distance_m) const;
-  void evaluate(const PointMap& map, std::span<const OrientedPoint> scan, Hints& hints,
+  void evaluate(const PointMap& map, std::span<const OrientedPoint> scan, Neighbourhoods& around,
                 Match& match) const;
 
   MatcherParams params_;

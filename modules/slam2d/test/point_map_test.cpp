@@ -65,18 +65,38 @@ TEST(PointMap, NearestAgreesWithBruteForce) {
   }
 }
 
-TEST(PointMap, AHintDoesNotChangeWhatIsNearest) {
+TEST(PointMap, WhatIsRememberedDoesNotChangeWhatIsNearest) {
   PointMap map(kParams);
   for (const OrientedPoint& point : random_points(3000, 7, 5.0)) {
     map.add(point);
   }
   std::mt19937 random(8);
-  std::uniform_int_distribution<std::size_t> any(0, map.points().size() - 1);
-  for (const double reach : {0.03, 0.25, 0.7, 3.0}) {
-    for (const OrientedPoint& query : random_points(300, 9, 7.0)) {
-      const MapPoint* expected = map.nearest(query, reach);
-      EXPECT_EQ(map.nearest(query, reach, &map.points()[any(random)]), expected);
-      EXPECT_EQ(map.nearest(query, reach, expected), expected);
+  // Steps as those of ICP, some of them longer than what is free around a point; and a rotation.
+  std::normal_distribution<double> step_m(0.0, 0.02);
+  const Eigen::Matrix2d R = geometry::SE2{0.0, 0.0, 0.03}.rotation();
+  for (OrientedPoint query : random_points(300, 9, 7.0)) {
+    Neighbourhood around;
+    for (const double reach : {3.0, 0.7, 0.7, 0.25, 0.25, 0.03, 0.03, 0.25}) {
+      EXPECT_EQ(map.nearest(query, reach, around), map.nearest(query, reach));
+      query.p += Eigen::Vector2d(step_m(random), step_m(random));
+      query.normal = R * query.normal;
+    }
+  }
+}
+
+TEST(PointMap, WhatIsFreeAroundANeighbourHoldsNoOtherPoint) {
+  PointMap map(kParams);
+  const std::vector<OrientedPoint> points = random_points(1000, 11, 5.0);
+  for (const OrientedPoint& point : points) {
+    map.add(point);
+  }
+  for (const OrientedPoint& query : random_points(300, 12, 6.0)) {
+    Neighbourhood around;
+    const MapPoint* nearest = map.nearest(query, 0.7, around);
+    for (const OrientedPoint& point : points) {
+      if (nearest == nullptr || point.p != nearest->point.p) {
+        EXPECT_GE((point.p - query.p).norm(), around.free_m - 1e-12);  // rounding
+      }
     }
   }
 }

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "modules/slam2d/point_map.hpp"
+
+namespace nodmap::slam2d {
+
+/// An upper bound for how well the points of a scan fit the map, for many places of the scan at
+/// once. A point scores 1 on a map point and falls to 0 at a distance from all of them; the normals
+/// are not looked at. Reading the bound of a place costs one byte for each point.
+class ScoreBound {
+ public:
+  /// Edge of a cell: places of the scan differ by whole cells.
+  static constexpr double kCellM = 0.125;
+
+  /// `middle`: of the area that is asked for, in map; `max_distance_m`: a point this far from the
+  /// map scores 0; `max_shift_cells`: the places of a scan differ by at most this from the first.
+  ScoreBound(const PointMap& map, const Eigen::Vector2d& middle, double max_distance_m,
+             int max_shift_cells);
+
+  /// The cells of the points of a scan at a place, in map; at() is given them.
+  [[nodiscard]] std::vector<std::size_t> cells_of(std::span<const Eigen::Vector2d> points) const;
+
+  /// No scan scores more on average once its points have been moved by (x, y) cells; 0 without
+  /// points.
+  [[nodiscard]] double at(std::span<const std::size_t> cells, int x, int y) const;
+
+ private:
+  void stamp(const Eigen::Vector2d& point, double max_distance_m);
+
+  Eigen::Vector2d origin_;  // outer corner of cell (0, 0)
+  int max_shift_;
+  int width_;
+  std::vector<std::uint8_t> scores_;  // row by row, rounded up
+};
+
+}  // namespace nodmap::slam2d
