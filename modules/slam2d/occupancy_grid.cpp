@@ -57,12 +57,15 @@ bool looks_alike(const std::vector<std::int8_t>& a, const std::vector<std::int8_
     return false;
   }
   // All cells, without a branch: many are compared at once.
-  bool differs = false;
+  const auto state = [](std::int8_t cell) {
+    return static_cast<std::int8_t>((cell < 0 ? 1 : 0) |
+                                    (OccupancyGrid::is_occupied(cell) ? 2 : 0));
+  };
+  std::int8_t difference = 0;
   for (std::size_t i = 0; i < a.size(); ++i) {
-    differs |= (a[i] < 0) != (b[i] < 0);
-    differs |= OccupancyGrid::is_occupied(a[i]) != OccupancyGrid::is_occupied(b[i]);
+    difference = static_cast<std::int8_t>(difference | (state(a[i]) ^ state(b[i])));
   }
-  return !differs;
+  return difference == 0;
 }
 
 }  // namespace
@@ -229,12 +232,11 @@ GridTile OccupancyGrid::cut_tile(std::size_t number) const {
   constexpr std::size_t kAtOnce = 16;
   static_assert(kCellsPerTile % kAtOnce == 0);
   const Tile& tile = tiles_[number];
-  const Eigen::Vector2i first = kTileCells * (tile.position - first_tile_);
+  const Eigen::Vector2i first = first_cell(number);
   GridTile cut{.number = number, .x = first.x(), .y = first.y(), .cells = {}};
   cut.cells.resize(kCellsPerTile);
-  for (std::size_t i = 0; i < kCellsPerTile; ++i) {
-    cut.cells[i] = tile.passed[i] == 0 ? kUnknown : std::int8_t{0};
-  }
+  std::transform(tile.passed.begin(), tile.passed.end(), cut.cells.begin(),
+                 [](std::uint32_t passed) { return passed == 0 ? kUnknown : std::int8_t{0}; });
   for (std::size_t begin = 0; begin < kCellsPerTile; begin += kAtOnce) {
     std::uint32_t any_ended = 0;
     for (std::size_t i = begin; i < begin + kAtOnce; ++i) {
@@ -245,6 +247,23 @@ GridTile OccupancyGrid::cut_tile(std::size_t number) const {
     }
   }
   return cut;
+}
+
+void TileSelector::choose_tile(const OccupancyGrid& grid, GridTile tile,
+                               std::vector<GridTile>& chosen) {
+  Sent& sent = sent_[tile.number];
+  sent.num_changes = grid.num_changes(tile.number);
+  sent.cells = tile.cells;
+  chosen.push_back(std::move(tile));
+}
+
+GridTile TileSelector::tile_now(const OccupancyGrid& grid, std::size_t number) const {
+  const Sent& sent = sent_[number];
+  if (sent.cells.empty() || sent.num_changes != grid.num_changes(number)) {
+    return grid.cut_tile(number);
+  }
+  const Eigen::Vector2i first = grid.first_cell(number);
+  return {.number = number, .x = first.x(), .y = first.y(), .cells = sent.cells};
 }
 
 std::vector<GridTile> TileSelector::choose(const OccupancyGrid& grid) {
@@ -258,8 +277,7 @@ std::vector<GridTile> TileSelector::choose(const OccupancyGrid& grid) {
     sent.num_changes_seen = grid.num_changes(number);
     GridTile tile = grid.cut_tile(number);
     if (!looks_alike(tile.cells, sent.cells)) {
-      sent.cells = tile.cells;
-      chosen.push_back(std::move(tile));
+      choose_tile(grid, std::move(tile), chosen);
     }
   }
   add_others_in_turn(grid, chosen);
@@ -277,8 +295,7 @@ void TileSelector::add_others_in_turn(const OccupancyGrid& grid, std::vector<Gri
   for (std::size_t i = 0; i < sent_.size() && chosen.size() < changed + others; ++i) {
     next_repeated_ = (next_repeated_ + 1) % sent_.size();
     if (!is_chosen(next_repeated_)) {
-      chosen.push_back(grid.cut_tile(next_repeated_));
-      sent_[next_repeated_].cells = chosen.back().cells;
+      choose_tile(grid, tile_now(grid, next_repeated_), chosen);
     }
   }
 }
@@ -289,8 +306,7 @@ std::vector<GridTile> TileSelector::choose_rest(const OccupancyGrid& grid) {
   for (std::size_t number = 0; number < sent_.size(); ++number) {
     GridTile tile = grid.cut_tile(number);
     if (tile.cells != sent_[number].cells) {
-      sent_[number].cells = tile.cells;
-      chosen.push_back(std::move(tile));
+      choose_tile(grid, std::move(tile), chosen);
     }
   }
   return chosen;

@@ -85,6 +85,10 @@ class OccupancyGrid {
     return tiles_[tile].num_changes;
   }
   [[nodiscard]] GridTile cut_tile(std::size_t tile) const;
+  /// The first cell of a tile in the grid.
+  [[nodiscard]] Eigen::Vector2i first_cell(std::size_t tile) const {
+    return kTileCells * (tiles_[tile].position - first_tile_);
+  }
 
  private:
   struct Tile {
@@ -130,8 +134,12 @@ class TileSelector {
  private:
   struct Sent {
     std::uint64_t num_changes_seen = 0;
-    std::vector<std::int8_t> cells;  ///< as they were chosen last
+    std::uint64_t num_changes = 0;   ///< when it was chosen last
+    std::vector<std::int8_t> cells;  ///< as they were then
   };
+  void choose_tile(const OccupancyGrid& grid, GridTile tile, std::vector<GridTile>& chosen);
+  /// The tile as it is; only cut when it has changed since it was chosen last.
+  [[nodiscard]] GridTile tile_now(const OccupancyGrid& grid, std::size_t number) const;
   void add_others_in_turn(const OccupancyGrid& grid, std::vector<GridTile>& chosen);
 
   std::vector<Sent> sent_;  ///< of each tile

@@ -15,11 +15,16 @@ constexpr double kMinNormalCosine = 0.5;   // 60 degrees
 constexpr double kMaxLineThickness = 0.3;  // width over length
 constexpr double kMinNeighbours = 3.0;     // of a line, with the point itself
 constexpr double kRememberedM = 0.05;      // a search looks this far beyond the nearest point
+// What a search has found holds for rotations up to 0.1 rad. Normals that differ by more than 60
+// degrees and that are not similar until then.
+constexpr double kMinRememberedCosine = 0.9951;
+constexpr double kMinLaterCosine = 0.41;
 constexpr double kRoundingM = 1e-9;
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
-bool have_similar_normals(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-  return a.isZero(0.0) || b.isZero(0.0) || a.dot(b) > kMinNormalCosine;
+bool have_similar_normals(const Eigen::Vector2d& a, const Eigen::Vector2d& b,
+                          double min_cosine = kMinNormalCosine) {
+  return a.dot(b) > min_cosine || a.isZero(0.0) || b.isZero(0.0);
 }
 
 /// From a coordinate to the nearest one that lies in a cell; 0 inside.
@@ -135,10 +140,8 @@ void PointMap::for_each_neighbour(const OrientedPoint& point, Visit visit) const
   const CellIndex high = cell_index(point.p.array() + radius_m);
   for_each_cell(low, high, [&](const Cell& cell, CellIndex) {
     for (const Entry& entry : cell) {
-      const double dx_m = point.p.x() - entry.x_m;
-      const double dy_m = point.p.y() - entry.y_m;
-      if (dx_m * dx_m + dy_m * dy_m <= radius_m * radius_m &&
-          have_similar_normals(point.normal, points_[entry.index].point.normal)) {
+      if ((point.p - entry.point.p).squaredNorm() <= radius_m * radius_m &&
+          have_similar_normals(point.normal, entry.point.normal)) {
         visit(entry.index);
       }
     }
@@ -185,7 +188,7 @@ void PointMap::add_point(const OrientedPoint& point) {
     measure(neighbour, d);
     moments_[added].add(-d);
   });
-  enter_cell(cell_index(point.p)).push_back({point.p.x(), point.p.y(), added});
+  enter_cell(cell_index(point.p)).push_back({point, added});
 }
 
 void PointMap::refine_neighbours(const OrientedPoint& point) {
@@ -240,10 +243,9 @@ void PointMap::fit_line(std::uint32_t index) {
 
 /// The nearest points found so far.
 struct PointMap::Search {
-  double x_m;
-  double y_m;
+  const OrientedPoint& point;
   double nearest_m2;              // of the nearest with a similar normal, or of the reach
-  double other_m2;                // of the nearest of all others, or of the reach
+  double other_m2;                // of the nearest other one that is or may become it, or the reach
   std::uint32_t nearest = kNone;  // in points_
 
   /// Nothing needs to be looked at beyond.
@@ -254,31 +256,33 @@ struct PointMap::Search {
   }
 };
 
-void PointMap::search_cell(const Cell& cell, const Eigen::Vector2d& normal, Search& search) const {
+void PointMap::search_cell(const Cell& cell, Search& search) const {
+  const auto& [p, normal] = search.point;
   for (const Entry& entry : cell) {
-    const double dx_m = entry.x_m - search.x_m;
-    const double dy_m = entry.y_m - search.y_m;
-    const double squared_m2 = dx_m * dx_m + dy_m * dy_m;
-    if (squared_m2 <= search.nearest_m2 &&
-        have_similar_normals(normal, points_[entry.index].point.normal)) {
+    const double squared_m2 = (entry.point.p - p).squaredNorm();
+    if (squared_m2 > std::max(search.nearest_m2, search.other_m2)) {
+      continue;
+    }
+    if (squared_m2 <= search.nearest_m2 && have_similar_normals(normal, entry.point.normal)) {
       search.other_m2 = std::min(search.other_m2, search.nearest_m2);
       search.nearest_m2 = squared_m2;
       search.nearest = entry.index;
-    } else {
-      search.other_m2 = std::min(search.other_m2, squared_m2);
+    } else if (squared_m2 < search.other_m2 &&
+               have_similar_normals(normal, entry.point.normal, kMinLaterCosine)) {
+      search.other_m2 = squared_m2;
     }
   }
 }
 
 Neighbourhood PointMap::search(const OrientedPoint& point, double max_distance_m) const {
   const double max_m2 = max_distance_m * max_distance_m;
-  Search search{point.p.x(), point.p.y(), max_m2, max_m2};
+  Search search{point, max_m2, max_m2};
   // The point's own cell first: what is found there mostly rules the others out.
   const CellIndex home = cell_index(point.p);
   if (const Tile* tile = find_tile(tile_index(home))) {
     const std::size_t place = place_in_tile(home);
     if (((tile->used >> place) & 1U) != 0) {
-      search_cell(cells_[tile->cells[place]], point.normal, search);
+      search_cell(cells_[tile->cells[place]], search);
     }
   }
   double radius_m = search.radius_m();
@@ -286,16 +290,16 @@ Neighbourhood PointMap::search(const OrientedPoint& point, double max_distance_m
   const CellIndex high = cell_index(point.p.array() + radius_m);
   if (low != home || high != home) {
     for_each_cell(low, high, [&](const Cell& cell, CellIndex index) {
-      const double dx_m = distance_to_cell(search.x_m, index.x);
-      const double dy_m = distance_to_cell(search.y_m, index.y);
+      const double dx_m = distance_to_cell(point.p.x(), index.x);
+      const double dy_m = distance_to_cell(point.p.y(), index.y);
       if (index != home && dx_m * dx_m + dy_m * dy_m <= radius_m * radius_m) {
-        search_cell(cell, point.normal, search);
+        search_cell(cell, search);
         radius_m = search.radius_m();
       }
     });
   }
   const MapPoint* nearest = search.nearest == kNone ? nullptr : &points_[search.nearest];
-  return {nearest, point.p, std::min(std::sqrt(search.other_m2), radius_m)};
+  return {nearest, point, std::min(std::sqrt(search.other_m2), radius_m)};
 }
 
 const MapPoint* PointMap::nearest(const OrientedPoint& point, double max_distance_m) const {
@@ -304,17 +308,18 @@ const MapPoint* PointMap::nearest(const OrientedPoint& point, double max_distanc
 
 const MapPoint* PointMap::nearest(const OrientedPoint& point, double max_distance_m,
                                   Neighbourhood& last) const {
-  const double free_m = last.free_m - (point.p - last.place).norm() - kRoundingM;
-  if (last.nearest == nullptr) {
-    if (free_m >= max_distance_m) {
-      return nullptr;
-    }
-  } else {
-    const double squared_m2 = (last.nearest->point.p - point.p).squaredNorm();
-    if (free_m > 0.0 && squared_m2 <= free_m * free_m &&
-        have_similar_normals(point.normal, last.nearest->point.normal)) {
-      return squared_m2 <= max_distance_m * max_distance_m ? last.nearest : nullptr;
-    }
+  const bool is_known = last.free_m >= 0.0 &&
+                        have_similar_normals(point.normal, last.place.normal, kMinRememberedCosine);
+  const double free_m =
+      is_known ? last.free_m - (point.p - last.place.p).norm() - kRoundingM : -1.0;
+  const double nearest_m2 = last.nearest == nullptr
+                                ? std::numeric_limits<double>::infinity()
+                                : (last.nearest->point.p - point.p).squaredNorm();
+  const bool is_similar =
+      last.nearest != nullptr && have_similar_normals(point.normal, last.nearest->point.normal);
+  // Nothing else is within reach, or nearer.
+  if (free_m >= max_distance_m || (is_similar && free_m > 0.0 && nearest_m2 <= free_m * free_m)) {
+    return is_similar && nearest_m2 <= max_distance_m * max_distance_m ? last.nearest : nullptr;
   }
   last = search(point, max_distance_m);
   return last.nearest;

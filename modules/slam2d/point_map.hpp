@@ -30,8 +30,9 @@ struct MapPoint {
 /// What a search for the nearest map point has found around a place.
 struct Neighbourhood {
   const MapPoint* nearest = nullptr;  ///< with a similar normal; null if there is none in reach
-  Eigen::Vector2d place = Eigen::Vector2d::Zero();
-  /// No other map point, whatever its normal, is nearer to the place. Negative: not searched yet.
+  OrientedPoint place;
+  /// No other map point is nearer to the place, unless its normal is so different that it is not
+  /// similar after a small rotation either. Negative: not searched yet.
   double free_m = -1.0;
 };
 
@@ -71,8 +72,7 @@ class PointMap {
  private:
   /// What a search reads, side by side in memory.
   struct Entry {
-    double x_m = 0.0;
-    double y_m = 0.0;
+    OrientedPoint point;
     std::uint32_t index = 0;  ///< in points_
   };
   using Cell = std::vector<Entry>;
@@ -114,7 +114,7 @@ class PointMap {
   /// Calls `visit` with each cell of a rectangle that holds a point, and its index.
   template <typename Visit>
   void for_each_cell(CellIndex low, CellIndex high, Visit visit) const;
-  void search_cell(const Cell& cell, const Eigen::Vector2d& normal, Search& search) const;
+  void search_cell(const Cell& cell, Search& search) const;
   [[nodiscard]] Neighbourhood search(const OrientedPoint& point, double max_distance_m) const;
   /// Calls `visit` with the index of each map point whose line the point belongs to.
   template <typename Visit>
