@@ -16,6 +16,7 @@
 #include "modules/slam2d/saved_map.hpp"
 #include "modules/slam2d/scan_matcher.hpp"
 #include "modules/slam2d/submap.hpp"
+#include "modules/slam2d/submap_chain.hpp"
 #include "modules/slam2d/submap_graph.hpp"
 
 namespace nodmap::slam2d {
@@ -41,17 +42,8 @@ struct SubmapLoop {
   double score = 0.0;
 };
 
-/// Keyframes in a row that newer ones have replaced.
-struct DroppedKeyframes {
-  std::size_t first = 0;  ///< index before they were dropped; those after them have moved up
-  std::vector<Keyframe> keyframes;
-};
-
 /// Keeps the map consistent: submaps of consecutive keyframes, joined by odometry and by loops in a
 /// pose graph.
-///
-/// Two submaps grow at a time, each begun when the other is half full, so that there is always one
-/// with enough in it to match against (Hess et al. 2016, section IV).
 ///
 /// A robot that drives in the same place day after day does not need more and more of them: old
 /// submaps are dropped, and their keyframes with them, once newer ones show the same.
@@ -69,12 +61,12 @@ class BackEnd {
   /// The next keyframe begins a submap of its own at its T_map_base, which relative to the keyframe
   /// before is known to `sigmas` (x, y in m, yaw in rad): what the robot saw until now and what it
   /// sees from now on move as two rigid pieces, until loops join them.
-  void begin_anew(const Eigen::Vector3d& sigmas);
+  void begin_anew(const Eigen::Vector3d& sigmas) { chain_.begin_anew(sigmas); }
 
   /// Whether there is a submap to match scans against: once a keyframe was added.
-  [[nodiscard]] bool has_local() const { return local_ < submaps_.size(); }
+  [[nodiscard]] bool has_local() const { return chain_.has_local(); }
   /// The submap that scans are matched against. Valid until the next keyframe is added.
-  [[nodiscard]] const Submap& local() const { return submaps_[local_]; }
+  [[nodiscard]] const Submap& local() const { return chain_.local(); }
 
   /// The covariance (x, y in m, yaw in rad, in the axes of map) of the local submap's pose relative
   /// to the first one: the drift since the map began, as far as loops have not taken it back.
@@ -100,26 +92,16 @@ class BackEnd {
   /// Matches every keyframe anew against the submaps around it, and optimises all their poses.
   void polish();
 
-  [[nodiscard]] const std::vector<Keyframe>& keyframes() const { return keyframes_; }
-  [[nodiscard]] std::span<const Submap> submaps() const { return submaps_; }
+  [[nodiscard]] const std::vector<Keyframe>& keyframes() const { return chain_.keyframes(); }
+  [[nodiscard]] std::span<const Submap> submaps() const { return chain_.submaps(); }
   [[nodiscard]] const BackEndMetrics& metrics() const { return metrics_; }
   /// By the submaps they join.
   [[nodiscard]] std::vector<SubmapLoop> loops() const;
   /// Counts the changes of submaps and loops.
   [[nodiscard]] std::int64_t graph_revision() const { return graph_revision_; }
-  [[nodiscard]] std::size_t num_points() const;
+  [[nodiscard]] std::size_t num_points() const { return chain_.num_points(); }
 
  private:
-  [[nodiscard]] bool is_full(const Submap& submap, double ratio) const;
-  void begin_local();
-  [[nodiscard]] Submap build_submap(std::size_t first_keyframe, std::size_t end_keyframe) const;
-  void insert_into_submaps(const geometry::SE2& T_local_keyframe);
-  void add_chain_edge(std::size_t keyframe, const geometry::SE2& T_last_keyframe,
-                      const Eigen::Matrix3d& information);
-  [[nodiscard]] registration::PoseEdge2d chain_of_submaps(std::size_t submap) const;
-
-  /// The submaps before it are finished: loops are closed with them.
-  [[nodiscard]] std::size_t end_finished() const;
   void close_loops();
   void track_loop(std::size_t submap_index, std::span<const OrientedPoint> scan);
   void search_loop(std::size_t submap_index, std::span<const OrientedPoint> scan, double reach_m,
@@ -129,23 +111,12 @@ class BackEnd {
   void record(const Loop& loop, LoopState state);
   void drop_replaced_submap();
   void drop_submap(std::size_t dropped);
-  [[nodiscard]] DroppedKeyframes drop_keyframes(std::size_t first, std::size_t end);
   void drop_from_loops(std::size_t dropped);
   void optimise();
-  void move_keyframes();
-  void rebuild_submaps();
 
   BackEndParams params_;
-  MapParams map_params_;
+  SubmapChain chain_;
   LoopCloser closer_;
-  std::vector<Keyframe> keyframes_;
-  std::vector<std::size_t> submap_of_;  ///< the one each keyframe was matched against
-  std::vector<Submap> submaps_;
-  std::size_t local_ = 0;
-  std::size_t num_separate_ = 0;  ///< submaps before the last begin_anew()
-  /// Of a submap that begins anew relative to the keyframe before: x, y in m, yaw in rad.
-  Eigen::Vector3d begin_sigmas_ = Eigen::Vector3d::Zero();
-  std::vector<registration::PoseEdge2d> chain_;  ///< from keyframe k to k + 1
   SubmapGraph graph_;
   std::optional<DroppedKeyframes> dropped_;
   std::size_t keyframes_since_optimised_ = 0;
