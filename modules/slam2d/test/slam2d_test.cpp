@@ -337,6 +337,45 @@ TEST(Slam2d, APauseInOdometryIsTakenBackByTheScans) {
   EXPECT_LT(worst_m, 0.0043);  // measured 3.5 mm, from scan noise of 1 cm
 }
 
+struct Found {
+  PoseUpdate update;
+  double error_m = 0.0;
+};
+
+/// The first scan after a pause in which the robot has moved 2.8 m, to where somebody has put a
+/// board before it: a good part of its points are of what is in no map.
+Found after_pause_before_a_board(const Slam2dParams& params) {
+  Slam2d slam{params};
+  Scanner scanner;
+  const SE2 step{0.1, 0.0, 0.08};
+  const SE2 start{-1.5, -0.5, 0.0};
+  SE2 truth = start;
+  SE2 odom;
+  time::Timestamp stamp{};
+  for (int i = 0; i < 20; ++i) {
+    EXPECT_TRUE(track(slam, scanner.scan(test::room(), truth, stamp), odom));
+    truth = truth * step;
+    odom = odom * step;
+    stamp += kPeriod;
+  }
+  truth = truth * SE2{-0.9, -2.6, -0.6};
+  test::FloorPlan plan = test::room();
+  plan.push_back({truth * Eigen::Vector2d(0.8, -0.1), truth * Eigen::Vector2d(0.7, 0.9)});
+  const auto update = track(slam, scanner.scan(plan, truth, stamp + 1s), odom);
+  EXPECT_TRUE(update);
+  return {*update, distance_m(update->T_map_base, start.inverse() * truth)};
+}
+
+TEST(Slam2d, ASearchFindsWhatFitsInPartIfMinSearchScoreAllows) {
+  Slam2dParams params;
+  const Found found = after_pause_before_a_board(params);
+  EXPECT_EQ(found.update.quality, PoseQuality::kTracked);
+  EXPECT_LT(found.update.score, params.doubt.certain_score);
+  EXPECT_LT(found.error_m, 0.02);  // two standard deviations of the scan noise
+  params.doubt.min_search_score = 0.9;
+  EXPECT_EQ(after_pause_before_a_board(params).update.quality, PoseQuality::kLost);
+}
+
 TEST(Slam2d, RejectsBadInputWithoutChangingTheMap) {
   Slam2d slam{Slam2dParams{}};
   Scanner scanner;
