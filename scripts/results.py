@@ -28,7 +28,7 @@ def run(*command):
 
 def table_2d(bin_dir, work):
     """Relative pose errors on the public logs, Kuemmerle et al. 2009."""
-    rows = ["| log | translation | rotation | better of the published and measured others |", "|---|---|---|---|"]
+    rows = ["| log | translation | rotation | best other result (published, or measured by us) |", "|---|---|---|---|"]
     for name, peer in PEERS["2d"].items():
         log, out = work / f"{name}.lcmlog", work / name
         run(bin_dir / "nodmap-convert", "carmen", DATA / "slam2d" / f"{name}.clf", log)

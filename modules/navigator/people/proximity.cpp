@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "modules/navigator/people/proximity.hpp"
 
-#include <cmath>
-
 #include "common/geometry/angle.hpp"
 #include "modules/navigator/local_map/local_map.hpp"
 
@@ -19,6 +17,8 @@ const std::array<geometry::SE2, Proximity::kSensors> kMounts{{{0.203, 0.153, deg
                                                               {-0.203, -0.153, deg_to_rad(-135.0)},
                                                               {0.0, -0.165, deg_to_rad(-90.0)},
                                                               {0.203, -0.153, deg_to_rad(-45.0)}}};
+/// No such range finder sees farther; a message may say anything.
+constexpr double kFarthestM = 2.0;
 /// So near to what the local map has it is the same: the sensor's error, and a map that odometry
 /// has moved.
 constexpr double kSameM = 0.15;
@@ -48,7 +48,7 @@ void Proximity::add(time::Timestamp stamp, const Ranges& ranges_m, const geometr
                     const LocalMap& local_map) {
   for (std::size_t i = 0; i < kSensors; ++i) {
     std::optional<Stranger>& stranger = strangers_[i];
-    if (!std::isfinite(ranges_m[i])) {
+    if (!(ranges_m[i] >= 0.0 && ranges_m[i] <= kFarthestM)) {  // NaN, too
       stranger.reset();
       continue;
     }

@@ -554,6 +554,21 @@ TEST_F(NavigatorNodeTest, GoesToAGoalInTheCorrectedMap) {
   EXPECT_TRUE(drives());
 }
 
+TEST_F(NavigatorNodeTest, RangesOfTheBaseNeedOdometryAndMayBeAnything) {
+  nodmap::base_sensors_t message{};
+  message.utime = now_us_;
+  bus_.deliver("BASE_SENSORS", message);
+  EXPECT_EQ(counts_.rejected().at("base_sensors_without_odometry"), 1);
+  give_odometry(now_us_);
+  for (const float range_m : {std::numeric_limits<float>::quiet_NaN(), -1e30F, 1e30F,
+                              std::numeric_limits<float>::infinity(), 0.3F}) {
+    const std::int64_t used = counts_.used();
+    std::ranges::fill(message.infrared_m, range_m);
+    bus_.deliver("BASE_SENSORS", message);
+    EXPECT_EQ(counts_.used(), used + 1) << range_m;
+  }
+}
+
 TEST_F(NavigatorNodeTest, AGoalWithAHeadingNeedsTolerancesAndTheLocalMap) {
   run(1.5);
   nodmap::goal_t goal{};
