@@ -199,6 +199,7 @@ ordered_json run_sequence(const fs::path& dir, const Slam6dParams& params) {
   for (SweepCloud& cloud : clouds) {
     slam.add_cloud(std::move(cloud));
   }
+  slam.polish();
   const std::vector<SE3> trajectory = slam.trajectory();
   const double end_ms = cpu_ms();
   const TrajectoryError error = trajectory_error(truth, trajectory);

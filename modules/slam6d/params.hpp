@@ -7,6 +7,7 @@
 #include "modules/slam6d/odometry_calibration.hpp"
 #include "modules/slam6d/odometry_prior.hpp"
 #include "modules/slam6d/pitch_latency.hpp"
+#include "modules/slam6d/plane_adjustment.hpp"
 #include "modules/slam6d/registration.hpp"
 #include "modules/slam6d/sweep_cloud.hpp"
 #include "modules/slam6d/sweep_segmenter.hpp"
@@ -64,6 +65,7 @@ struct Slam6dParams {
   RegistrationParams registration{};
   KeyframeParams keyframe{};
   LoopParams loop{};
+  AdjustmentParams adjustment{};
   LocaliseParams localise{};
   OccupancyParams occupancy{};
 
@@ -80,6 +82,7 @@ struct Slam6dParams {
     v.section("registration", registration);
     v.section("keyframe", keyframe);
     v.section("loop", loop);
+    v.section("adjustment", adjustment);
     v.section("localise", localise);
     v.section("occupancy", occupancy);
     describe_renamed(v);

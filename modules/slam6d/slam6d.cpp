@@ -367,6 +367,39 @@ void Slam6d::polish() {
   if (back_end_.has_loops()) {
     move_keyframes(back_end_.polish());
   }
+  // Where odometry says nothing of the way from a saved keyframe to a new one, nothing is adjusted.
+  if (params_.adjustment.use && num_restored_ == 0 && !keyframes_.empty()) {
+    std::vector<AdjustedSweep> sweeps;
+    for (std::size_t k = 0; k < keyframes_.size(); ++k) {
+      sweeps.push_back(to_adjust(k));
+    }
+    move_keyframes(adjust_planes(sweeps, params_.voxels, params_.registration, params_.adjustment));
+  }
+}
+
+AdjustedSweep Slam6d::to_adjust(std::size_t k) const {
+  const Keyframe& keyframe = keyframes_[k];
+  AdjustedSweep sweep{.T_map_base = keyframe.T_map_base,
+                      .voxels = voxelize(*keyframe.cloud, params_.voxels)};
+  if (is_planar(keyframe.cloud->T_odom_base)) {
+    sweep.level = {.height_m = 0.0,
+                   .height_sigma_m = params_.odometry.level_height_m,
+                   .tilt_sigma_rad = params_.odometry.level_tilt_rad};
+  }
+  if (k > 0) {
+    const PoseUpdate& last = sweeps_[keyframes_[k - 1].sweep];
+    const PoseUpdate& update = sweeps_[keyframe.sweep];
+    sweep.T_last_this =
+        tracker_.calibration().calibrate((last.T_first_odom * last.T_odom_base).inverse() *
+                                         update.T_first_odom * update.T_odom_base);
+    sweep.covariance =
+        odometry_covariance(keyframes_[k - 1].T_map_base,
+                            {.distance_m = sweep.T_last_this.translation().norm(),
+                             .rotation_rad = geometry::rotation_angle(sweep.T_last_this),
+                             .is_interrupted = update.keyframe == KeyframeReason::kInterruption},
+                            params_.odometry);
+  }
+  return sweep;
 }
 
 void Slam6d::move_keyframes(std::span<const SE3> T_map_keyframes) {

@@ -16,6 +16,7 @@
 #include "modules/slam6d/keyframe.hpp"
 #include "modules/slam6d/localiser.hpp"
 #include "modules/slam6d/params.hpp"
+#include "modules/slam6d/plane_adjustment.hpp"
 #include "modules/slam6d/pose_update.hpp"
 #include "modules/slam6d/saved_map.hpp"
 #include "modules/slam6d/sweep_cloud.hpp"
@@ -103,7 +104,8 @@ class Slam6d {
     return corrected_.trajectory(sweeps_);
   }
 
-  /// Moves the newest poses, too, to where they agree best with all loops: at the end.
+  /// At the end: moves the newest poses, too, to where they agree best with all loops, and then all
+  /// keyframes together to where their planes agree best. The voxels stay.
   void polish();
   [[nodiscard]] const BackEnd& back_end() const { return back_end_; }
 
@@ -124,6 +126,7 @@ class Slam6d {
   void keep(const PoseUpdate& update);
   void keep_keyframe(const VoxelMap& sweep, SweepCloud cloud);
   void close_loops(const VoxelMap& sweep);
+  [[nodiscard]] AdjustedSweep to_adjust(std::size_t k) const;
   void move_keyframes(std::span<const geometry::SE3> T_map_keyframes);
 
   Slam6dParams params_;

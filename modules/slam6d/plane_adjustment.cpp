@@ -1,0 +1,314 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/slam6d/plane_adjustment.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+
+#include "modules/slam6d/corrected_poses.hpp"
+#include "modules/slam6d/pose_equations.hpp"
+
+namespace nodmap::slam6d {
+namespace {
+
+using geometry::SE3;
+using Vector6d = Eigen::Matrix<double, 6, 1>;
+using Matrix63d = Eigen::Matrix<double, 6, 3>;
+
+// Of a voxel mean, in variances of one measured point: however many points, the means of two clouds
+// are not those of the same points.
+constexpr float kRoundingVariance = 0.1F;
+// Of a plane's tilts, so that those of a patch seen in a single line are solvable.
+constexpr double kTiltDamping = 1e-4;
+constexpr int kFitIterations = 4;
+// The first fit of a plane is to see all its points.
+constexpr double kFirstFitScale = 4.5;
+// Scale of the kernel that says how far the ground is believed to be level, in standard deviations.
+constexpr double kLevelKernel = 3.0;
+// Residuals below this are the rounding of voxel means, not knowledge.
+constexpr double kMinResidualM = 2e-3;
+// A point without a plane of its own belongs to a patch that it does not see along.
+constexpr float kMinViewCosine = 0.1F;
+
+double geman_mcclure(double relative) {
+  const double root = 1.0 / (1.0 + relative * relative);
+  return root * root;
+}
+
+/// A voxel mean of a sweep.
+struct Sighting {
+  Eigen::Vector3f p_map = Eigen::Vector3f::Zero();
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();  // axes of map; zero: has no plane of its own
+  std::uint32_t sweep = 0;
+  std::uint32_t patch = 0;
+  float precision = 0.0F;
+};
+
+/// What several sweeps saw of one plane.
+class Patch {
+ public:
+  Patch(const Eigen::Vector3f& p, const Eigen::Vector3f& normal, std::vector<Sighting> sightings)
+      : sightings_(std::move(sightings)) {
+    place(p.cast<double>(), normal.cast<double>());
+  }
+
+  /// Finds the plane of the sightings, iteratively reweighted.
+  void fit(double scale_m) {
+    for (int i = 0; i < kFitIterations; ++i) {
+      weigh(i == 0 ? kFirstFitScale * scale_m : scale_m);
+      const Eigen::Vector3d x = A_.ldlt().solve(b_);
+      place(p_ + x[0] * normal_, normal_ - x[1] * u_ - x[2] * v_);
+    }
+    weigh(scale_m);
+  }
+
+  /// Whether most of the sightings lie on one plane.
+  [[nodiscard]] bool is_plane() const {
+    return kernels_ > 0.5 * static_cast<double>(sightings_.size());
+  }
+  [[nodiscard]] double kernels() const { return kernels_; }
+  [[nodiscard]] double weights() const { return A_(0, 0); }
+  [[nodiscard]] double square_sum_m2() const { return square_sum_m2_; }
+
+  /// Adds what the sightings say of the poses once the plane is eliminated (Schur complement).
+  void add_to(PoseEquations& equations, std::span<const AdjustedSweep> sweeps, double scale) const {
+    struct Part {
+      std::size_t sweep;
+      Matrix63d B;  // poses by plane
+    };
+    std::vector<Part> parts;
+    for (std::size_t i = 0; i < sightings_.size(); ++i) {
+      const std::size_t sweep = sightings_[i].sweep;
+      if (parts.empty() || parts.back().sweep != sweep) {
+        parts.push_back({sweep, Matrix63d::Zero()});
+      }
+      const Eigen::Vector3d p_map = sightings_[i].p_map.cast<double>();
+      Vector6d J;
+      J << normal_, (p_map - sweeps[sweep].T_map_base.translation()).cross(normal_);
+      equations.block(sweep, sweep) += (scale * weights_[i]) * J * J.transpose();
+      equations.gradient(sweep) -= (scale * weights_[i] * height(p_map)) * J;
+      parts.back().B += weights_[i] * J * in_plane(p_map).transpose();
+    }
+    const Eigen::Matrix3d A_inverse = A_.inverse();
+    for (std::size_t a = 0; a < parts.size(); ++a) {
+      const Matrix63d BA = scale * parts[a].B * A_inverse;
+      equations.gradient(parts[a].sweep) += BA * b_;
+      for (std::size_t b = a; b < parts.size(); ++b) {
+        equations.block(parts[a].sweep, parts[b].sweep) -= BA * parts[b].B.transpose();
+      }
+    }
+  }
+
+ private:
+  void place(const Eigen::Vector3d& p, const Eigen::Vector3d& normal) {
+    p_ = p;
+    normal_ = normal.normalized();
+    u_ = normal_.unitOrthogonal();
+    v_ = normal_.cross(u_);
+  }
+  [[nodiscard]] double height(const Eigen::Vector3d& p_map) const {
+    return normal_.dot(p_map - p_);
+  }
+  // How the height of a point follows the plane's offset and tilts.
+  [[nodiscard]] Eigen::Vector3d in_plane(const Eigen::Vector3d& p_map) const {
+    return {1.0, u_.dot(p_map - p_), v_.dot(p_map - p_)};
+  }
+
+  // Weights and normal equations of the plane, at the present one.
+  void weigh(double scale_m) {
+    A_ = Eigen::Vector3d(0.0, kTiltDamping, kTiltDamping).asDiagonal();
+    b_.setZero();
+    weights_.clear();
+    kernels_ = square_sum_m2_ = 0.0;
+    for (const Sighting& sighting : sightings_) {
+      const Eigen::Vector3d p_map = sighting.p_map.cast<double>();
+      const double height_m = height(p_map);
+      const double kernel = geman_mcclure(height_m / scale_m);
+      const double weight = kernel * static_cast<double>(sighting.precision);
+      const Eigen::Vector3d f = in_plane(p_map);
+      A_ += weight * f * f.transpose();
+      b_ += weight * height_m * f;
+      weights_.push_back(weight);
+      kernels_ += kernel;
+      square_sum_m2_ += weight * height_m * height_m;
+    }
+  }
+
+  std::vector<Sighting> sightings_;  // in the order of sweeps
+  std::vector<double> weights_;      // of sightings_
+  Eigen::Vector3d p_, normal_, u_, v_;
+  Eigen::Matrix3d A_ = Eigen::Matrix3d::Identity();  // of the plane: offset, two tilts
+  Eigen::Vector3d b_ = Eigen::Vector3d::Zero();
+  double kernels_ = 0.0;
+  double square_sum_m2_ = 0.0;
+};
+
+/// Sightings in cubes, and which way the surfaces in each of them face.
+class PatchGrid {
+ public:
+  PatchGrid(std::span<const AdjustedSweep> sweeps, const VoxelMapParams& voxels,
+            double patch_size_m)
+      : grid_(patch_size_m),
+        per_trusted_sq_m2_(
+            static_cast<float>(1.0 / (voxels.trusted_range_m * voxels.trusted_range_m))) {
+    for (std::size_t k = 0; k < sweeps.size(); ++k) {
+      add_normals(sweeps[k]);
+      add_sightings(sweeps[k], static_cast<std::uint32_t>(k));
+    }
+  }
+
+  /// The planes that more than one sweep saw.
+  [[nodiscard]] std::vector<Patch> patches(std::span<const AdjustedSweep> sweeps,
+                                           float min_normal_cosine, double scale_m) const {
+    std::vector<std::vector<Sighting>> by_patch(grid_.voxels().size());
+    for (const Sighting& sighting : sightings_) {
+      const Eigen::Vector3f p_base = sweeps[sighting.sweep].T_map_base.translation().cast<float>();
+      if (is_of_patch(sighting, p_base, min_normal_cosine)) {
+        by_patch[sighting.patch].push_back(sighting);
+      }
+    }
+    std::vector<Patch> patches;
+    for (std::size_t i = 0; i < by_patch.size(); ++i) {
+      if (by_patch[i].empty() || by_patch[i].front().sweep == by_patch[i].back().sweep) {
+        continue;
+      }
+      Patch patch(grid_.voxels()[i].mean, grid_.voxels()[i].normal, std::move(by_patch[i]));
+      patch.fit(scale_m);
+      if (patch.is_plane()) {
+        patches.push_back(std::move(patch));
+      }
+    }
+    return patches;
+  }
+
+ private:
+  [[nodiscard]] float trust(const Eigen::Vector3f& p_base) const {
+    return 1.0F / (1.0F + p_base.squaredNorm() * per_trusted_sq_m2_);
+  }
+
+  // Sparse surfaces have planes at coarse voxels only.
+  void add_normals(const AdjustedSweep& sweep) {
+    const Eigen::Isometry3f T_map_base = sweep.T_map_base.cast<float>();
+    constexpr float kHardlyAny = 1e-3F;  // the means are those of the finest voxels
+    for (const OrientedPoint& point : sweep.voxels.select(0).points) {
+      const std::uint32_t patch = grid_.add(T_map_base * point.p, kHardlyAny);
+      if (patch != VoxelGrid::kNone) {
+        grid_.add_normal(patch, T_map_base.linear() * point.normal, trust(point.p));
+      }
+    }
+  }
+
+  void add_sightings(const AdjustedSweep& sweep, std::uint32_t k) {
+    const Eigen::Isometry3f T_map_base = sweep.T_map_base.cast<float>();
+    for (const Voxel& voxel : sweep.voxels.level(0).voxels()) {
+      Sighting sighting{.p_map = T_map_base * voxel.mean,
+                        .normal = T_map_base.linear() * voxel.normal,
+                        .sweep = k,
+                        .precision = trust(voxel.mean) / (1.0F / voxel.weight + kRoundingVariance)};
+      sighting.patch = grid_.add(sighting.p_map, sighting.precision);
+      if (sighting.patch != VoxelGrid::kNone) {
+        sightings_.push_back(sighting);
+      }
+    }
+  }
+
+  [[nodiscard]] bool is_of_patch(const Sighting& sighting, const Eigen::Vector3f& p_base,
+                                 float min_normal_cosine) const {
+    const Eigen::Vector3f& normal = grid_.voxels()[sighting.patch].normal;
+    if (!sighting.normal.isZero(0.0F)) {
+      return sighting.normal.dot(normal) >= min_normal_cosine;
+    }
+    const Eigen::Vector3f view = p_base - sighting.p_map;
+    return normal.dot(view) > kMinViewCosine * view.norm();
+  }
+
+  VoxelGrid grid_;
+  float per_trusted_sq_m2_;
+  std::vector<Sighting> sightings_;
+};
+
+void add_patches(PoseEquations& equations, std::span<const AdjustedSweep> sweeps,
+                 std::span<const Patch> patches, double num_correlated) {
+  double kernels = 0.0;
+  double weights = 0.0;
+  double square_sum_m2 = 0.0;
+  for (const Patch& patch : patches) {
+    kernels += patch.kernels();
+    weights += patch.weights();
+    square_sum_m2 += patch.square_sum_m2();
+  }
+  // The residuals themselves say how large their errors are.
+  const double scale =
+      kernels /
+      (std::max({square_sum_m2, kMinResidualM * kMinResidualM * weights, 1e-12}) * num_correlated);
+  for (const Patch& patch : patches) {
+    patch.add_to(equations, sweeps, scale);
+  }
+}
+
+// From the sweep before sweep `k` to it.
+void add_odometry(PoseEquations& equations, std::span<const AdjustedSweep> sweeps, std::size_t k) {
+  const SE3& T_map_last = sweeps[k - 1].T_map_base;
+  const SE3& T_map_this = sweeps[k].T_map_base;
+  const SE3 T_map_counted = T_map_last * sweeps[k].T_last_this;
+  Vector6d error;
+  error << T_map_this.translation() - T_map_counted.translation(),
+      geometry::rotation_vector(T_map_this.linear() * T_map_counted.linear().transpose());
+  const Matrix6d information = sweeps[k].covariance.inverse();
+  const Matrix6d J_last = -moment_arm_jacobian(T_map_this.translation() - T_map_last.translation());
+  equations.block(k - 1, k - 1) += J_last.transpose() * information * J_last;
+  equations.block(k - 1, k) += J_last.transpose() * information;
+  equations.block(k, k) += information;
+  equations.gradient(k - 1) -= J_last.transpose() * information * error;
+  equations.gradient(k) -= information * error;
+}
+
+void add_level(PoseEquations& equations, const AdjustedSweep& sweep, std::size_t k) {
+  const Eigen::Vector3d tilt = sweep.T_map_base.linear().col(2).cross(Eigen::Vector3d::UnitZ());
+  const auto add = [&](int i, double deviation, double sigma) {
+    const double information = geman_mcclure(deviation / (kLevelKernel * sigma)) / (sigma * sigma);
+    equations.block(k, k)(i, i) += information;
+    equations.gradient(k)(i) += information * deviation;
+  };
+  add(2, sweep.level->height_m - sweep.T_map_base.translation().z(), sweep.level->height_sigma_m);
+  add(3, tilt.x(), sweep.level->tilt_sigma_rad);
+  add(4, tilt.y(), sweep.level->tilt_sigma_rad);
+}
+
+}  // namespace
+
+std::vector<SE3> adjust_planes(std::span<const AdjustedSweep> sweeps, const VoxelMapParams& voxels,
+                               const RegistrationParams& registration,
+                               const AdjustmentParams& params) {
+  std::vector<SE3> poses;
+  for (const AdjustedSweep& sweep : sweeps) {
+    poses.push_back(sweep.T_map_base);
+  }
+  if (sweeps.size() < 2) {
+    return poses;
+  }
+  const std::vector<Patch> patches =
+      PatchGrid(sweeps, voxels, params.patch_size_m)
+          .patches(sweeps, static_cast<float>(registration.min_normal_cosine),
+                   params.residual_scale_m);
+  PoseEquations equations(sweeps.size());
+  add_patches(equations, sweeps, patches, registration.residual_correlation);
+  for (std::size_t k = 1; k < sweeps.size(); ++k) {
+    add_odometry(equations, sweeps, k);
+    if (sweeps[k].level) {
+      add_level(equations, sweeps[k], k);
+    }
+  }
+  const auto motions = equations.solve();
+  for (std::size_t k = 0; motions && k < poses.size(); ++k) {
+    const Vector6d motion = motions->segment<6>(static_cast<Eigen::Index>(6 * k));
+    poses[k].translation() += motion.head<3>();
+    poses[k].linear() = geometry::rotation_of(motion.tail<3>()) * poses[k].linear();
+    poses[k] = normalized(poses[k]);
+  }
+  return poses;
+}
+
+}  // namespace nodmap::slam6d
