@@ -330,6 +330,11 @@ bool LocalMap::is_free_floor(const Eigen::Vector2d& p_odom) const {
   return is_floor;
 }
 
+bool LocalMap::is_seen_floor(const Eigen::Vector2d& p_odom) const {
+  const LocalCell* cell = cell_at(p_odom);
+  return cell != nullptr && !cell->is_assumed && is_free_floor(p_odom);
+}
+
 bool LocalMap::was_floor(const Eigen::Vector2d& p_odom) const {
   return seen_floor().is_around(p_odom);
 }

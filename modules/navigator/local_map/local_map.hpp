@@ -90,6 +90,9 @@ class LocalMap {
   [[nodiscard]] const TrackedGround& ground() const { return ground_; }
   /// Whether floor is all that was seen in a place and in the cells around it.
   [[nodiscard]] bool is_free_floor(const Eigen::Vector2d& p_odom) const;
+  /// The same, of floor that the laser has seen: around the place where the robot was set down
+  /// floor is assumed.
+  [[nodiscard]] bool is_seen_floor(const Eigen::Vector2d& p_odom) const;
 
   /// The odom frame began anew.
   void reset();

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "modules/navigator/people/proximity.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
 #include "common/geometry/angle.hpp"
 #include "modules/navigator/local_map/local_map.hpp"
 
@@ -21,13 +25,19 @@ const std::array<geometry::SE2, Proximity::kSensors> kMounts{{{0.203, 0.153, deg
 constexpr double kFarthestM = 2.0;
 /// So near to what the local map has it is the same: the sensor's error, and a map that odometry
 /// has moved.
-constexpr double kSameM = 0.15;
-/// What does not move by more within such a time stands.
+constexpr double kSameM = 0.2;
+/// What does not move by more within such a time stands. Who comes at 0.1 m/s moves more.
 constexpr double kStandsM = 0.05;
-constexpr time::Duration kStands = 2s;
+constexpr time::Duration kStands = 600ms;
+/// Once the robot has moved, what it sees this near to something stationary is the same: of a wall
+/// that the laser did not see the sensors see one place after the other.
+constexpr double kSameThingM = 0.3;
+constexpr time::Duration kRemembered = 10s;
+constexpr double kMovedM = 0.02;
+constexpr double kMovedRad = 0.05;
 constexpr time::Duration kHold = 500ms;
 
-/// Floor was seen at a place, and nothing that stands is near it.
+/// The laser saw floor at a place, and nothing that stands is near it.
 bool is_free(const Eigen::Vector2d& p_odom, const LocalMap& map) {
   const double cell_m = map.grid().cell_size_m();
   const int reach = static_cast<int>(kSameM / cell_m);
@@ -39,7 +49,7 @@ bool is_free(const Eigen::Vector2d& p_odom, const LocalMap& map) {
       }
     }
   }
-  return map.is_free_floor(p_odom);
+  return map.is_seen_floor(p_odom);
 }
 
 }  // namespace
@@ -53,14 +63,40 @@ void Proximity::add(time::Timestamp stamp, const Ranges& ranges_m, const geometr
       continue;
     }
     const Eigen::Vector2d p_odom = T_odom_base * (kMounts[i] * Eigen::Vector2d(ranges_m[i], 0.0));
-    if (!is_free(p_odom, local_map)) {
+    if (!is_free(p_odom, local_map) || was_stationary_there(stamp, p_odom, T_odom_base)) {
       stranger.reset();
     } else if (!stranger || (stranger->p_odom - p_odom).norm() > kStandsM) {
       stranger = {p_odom, stamp};
     }
     if (stranger && std::chrono::abs(stamp - stranger->since) < kStands) {
       detected_at_ = stamp;
+    } else if (stranger) {
+      remember({stranger->p_odom, T_odom_base, stamp});
     }
+  }
+}
+
+bool Proximity::was_stationary_there(time::Timestamp stamp, const Eigen::Vector2d& p_odom,
+                                     const geometry::SE2& T_odom_base) const {
+  return std::ranges::any_of(standing_, [&](const Standing& standing) {
+    const geometry::SE2 moved = standing.T_odom_base.inverse() * T_odom_base;
+    return std::chrono::abs(stamp - standing.seen) < kRemembered &&
+           (standing.p_odom - p_odom).norm() < kSameThingM &&
+           (moved.translation().norm() > kMovedM || std::abs(moved.yaw) > kMovedRad);
+  });
+}
+
+void Proximity::remember(const Standing& standing) {
+  std::erase_if(standing_, [&](const Standing& other) {
+    return std::chrono::abs(standing.seen - other.seen) >= kRemembered;
+  });
+  const auto same = std::ranges::find_if(standing_, [&](const Standing& other) {
+    return (other.p_odom - standing.p_odom).norm() < kStandsM;
+  });
+  if (same == standing_.end()) {
+    standing_.push_back(standing);
+  } else {
+    same->seen = standing.seen;  // where the robot was when it was found to stand counts
   }
 }
 

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <optional>
+#include <vector>
 
 #include "common/geometry/se2.hpp"
 #include "common/geometry/time.hpp"
@@ -13,7 +14,8 @@ class LocalMap;
 
 /// Somebody beside or behind the robot, where the laser does not look: what the base's infrared
 /// range finders see, up to half a metre from the body, where floor was seen and nothing stands.
-/// What stays where it is was overlooked, and is nobody who comes.
+/// What stays where it is was overlooked, and is nobody who comes: it is waited for briefly, and
+/// once.
 class Proximity {
  public:
   static constexpr std::size_t kSensors = 7;
@@ -34,7 +36,19 @@ class Proximity {
     time::Timestamp since{};
   };
 
+  /// A stranger that did not move, and where the robot was.
+  struct Standing {
+    Eigen::Vector2d p_odom;
+    geometry::SE2 T_odom_base;
+    time::Timestamp seen{};
+  };
+
+  [[nodiscard]] bool was_stationary_there(time::Timestamp stamp, const Eigen::Vector2d& p_odom,
+                                          const geometry::SE2& T_odom_base) const;
+  void remember(const Standing& standing);
+
   std::array<std::optional<Stranger>, kSensors> strangers_;
+  std::vector<Standing> standing_;  // of the last ten seconds
   std::optional<time::Timestamp> detected_at_;
 };
 

@@ -194,16 +194,28 @@ TEST_F(ProximityTest, WhereNoFloorWasSeenSomethingMayStand) {
   EXPECT_FALSE(proximity_.is_detected(at(10.0)));
 }
 
-TEST_F(ProximityTest, WhatStandsIsWaitedForTwoSecondsOnly) {
+TEST_F(ProximityTest, WhatStandsIsWaitedForBrieflyAndOnce) {
   double time_s = 10.0;
-  for (; time_s < 12.0; time_s += 0.05) {
+  for (; time_s < 10.55; time_s += 0.05) {
     EXPECT_TRUE(sees(time_s, only(kBack, 0.4)));
   }
-  for (; time_s < 12.6; time_s += 0.05) {
+  for (; time_s < 11.2; time_s += 0.05) {
     static_cast<void>(sees(time_s, only(kBack, 0.4)));
   }
   EXPECT_FALSE(sees(time_s, only(kBack, 0.4)));
-  EXPECT_TRUE(sees(time_s + 0.05, only(kBack, 0.3))) << "it moves again";
+  // The robot goes on: another place of the same thing.
+  proximity_.add(at(time_s + 0.05), only(kBack, 0.4), {1.6, 0.0, 0.1}, map_);
+  EXPECT_FALSE(proximity_.is_detected(at(time_s + 0.05)));
+  EXPECT_TRUE(sees(time_s + 0.1, only(kBack, 0.3))) << "it comes while the robot stays";
+}
+
+TEST_F(ProximityTest, FloorThatIsAssumedWhereTheRobotWasSetDownIsNotKnownToBeFree) {
+  const WalkingScene scene{{}, 6.0};
+  LocalMap map{{}, {}};
+  map.add_scan(scene.scan(at(0.0), {}, 0.0), {});
+  ASSERT_TRUE(map.is_free_floor({-0.35, 0.0}));
+  proximity_.add(at(10.0), only(kBack, 0.13), {}, map);
+  EXPECT_FALSE(proximity_.is_detected(at(10.0)));
 }
 
 /// A walker passes the robot and goes on behind it, where nobody looks; `check(time_s, p, people)`
