@@ -8,6 +8,7 @@
 #include <optional>
 #include <variant>
 
+#include "common/robot/infrared.hpp"
 #include "drivers/kurt/slcan.hpp"
 
 namespace nodmap::kurt {
@@ -31,17 +32,8 @@ struct EncoderTicks {
   int right = 0;
 };
 
-/// The infrared range finders, in the order of base_sensors_t, counter-clockwise from the front.
-enum class Infrared : std::uint8_t {
-  kLeftFront,
-  kLeft,
-  kLeftBack,
-  kBack,
-  kRightBack,
-  kRight,
-  kRightFront,
-};
-inline constexpr std::size_t kInfraredCount = 7;
+using robot::Infrared;
+using robot::kInfraredCount;
 
 /// Part of the range finders, as one frame brings it: raw readings, empty where not in this frame.
 struct RangeReadings {

@@ -199,8 +199,10 @@ CanFrame KurtBase::encoder_frame() {
 }
 
 /// The inverse of how the base's software reads it: cm = (30000 / (raw - 10))^(1 / 1.4) - 10.
-std::int64_t KurtBase::infrared_at(double x_m, double y_m, double yaw_rad) const {
-  const auto range_m = model_.distance_from({x_m, y_m, kInfraredHeightM}, yaw_rad, kInfraredReachM);
+std::int64_t KurtBase::infrared_reading(robot::Infrared sensor) const {
+  const geometry::SE2& mount = robot::mount_of(sensor);
+  const auto range_m =
+      model_.distance_from({mount.x, mount.y, kInfraredHeightM}, mount.yaw, kInfraredReachM);
   return range_m ? std::llround(10.0 + 30'000.0 / std::pow(100.0 * *range_m + 10.0, 1.4))
                  : kInfraredFar;
 }
@@ -212,21 +214,19 @@ CanFrame KurtBase::sensor_frame(std::int64_t period) const {
   // Gravity along the robot's axes: left side up is a roll to the right, front up a pitch.
   const std::int64_t roll = tilt_word(rotation(2, 1));
   const std::int64_t pitch = tilt_word(rotation(2, 0));
-  constexpr double kCornerX = 0.203;
-  constexpr double kCornerY = 0.153;
-  constexpr double kCornerRad = geometry::deg_to_rad(45.0);
+  using robot::Infrared;
   const std::uint16_t kind = kKinds[static_cast<std::size_t>(period) % kKinds.size()];
   switch (kind) {
     case kAdc0To3:
-      return frame_of(kind, {infrared_at(-0.217, 0.0, geometry::kPi),
-                             infrared_at(-kCornerX, -kCornerY, -3.0 * kCornerRad),
-                             infrared_at(0.0, -0.165, -2.0 * kCornerRad), 0});
+      return frame_of(kind,
+                      {infrared_reading(Infrared::kBack), infrared_reading(Infrared::kRightBack),
+                       infrared_reading(Infrared::kRight), 0});
     case kAdc4To7:
-      return frame_of(kind, {infrared_at(kCornerX, -kCornerY, -kCornerRad), kSonarFar,
-                             infrared_at(kCornerX, kCornerY, kCornerRad),
-                             infrared_at(0.0, 0.165, 2.0 * kCornerRad)});
+      return frame_of(kind,
+                      {infrared_reading(Infrared::kRightFront), kSonarFar,
+                       infrared_reading(Infrared::kLeftFront), infrared_reading(Infrared::kLeft)});
     case kAdc8To11:
-      return frame_of(kind, {0, infrared_at(-kCornerX, kCornerY, 3.0 * kCornerRad), roll, pitch});
+      return frame_of(kind, {0, infrared_reading(Infrared::kLeftBack), roll, pitch});
     case kAdc12To15: {
       const WheelSpeeds speeds = model_.wheel_speeds();
       const auto current = [](double speed_mps) {

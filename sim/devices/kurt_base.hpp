@@ -2,6 +2,7 @@
 #pragma once
 
 #include "common/geometry/time.hpp"
+#include "common/robot/infrared.hpp"
 #include "sim/body/robot_model.hpp"
 #include "sim/devices/serial_device.hpp"
 #include "sim/devices/slcan_adapter.hpp"
@@ -38,7 +39,7 @@ class KurtBase {
   [[nodiscard]] CanFrame encoder_frame();
   [[nodiscard]] CanFrame sensor_frame(std::int64_t period) const;
   /// Reading of the infrared range finder at a place on the body, in base.
-  [[nodiscard]] std::int64_t infrared_at(double x_m, double y_m, double yaw_rad) const;
+  [[nodiscard]] std::int64_t infrared_reading(robot::Infrared sensor) const;
   [[nodiscard]] std::int64_t ticks(double distance_m) const;
 
   KurtBaseParams params_;

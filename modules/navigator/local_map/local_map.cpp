@@ -317,22 +317,25 @@ Points LocalMap::doubtful_points_base(const geometry::SE2& T_odom_base, double r
 }
 
 bool LocalMap::is_free_floor(const Eigen::Vector2d& p_odom) const {
+  return is_floor_around(p_odom, true);
+}
+
+bool LocalMap::is_seen_floor(const Eigen::Vector2d& p_odom) const {
+  return is_floor_around(p_odom, false);
+}
+
+bool LocalMap::is_floor_around(const Eigen::Vector2d& p_odom, bool may_be_assumed) const {
   bool is_floor = false;
   for (int dx = -1; dx <= 1; ++dx) {
     for (int dy = -1; dy <= 1; ++dy) {
       const LocalCell* cell = cell_at(p_odom + grid_.cell_size_m() * Eigen::Vector2d(dx, dy));
-      if (cell == nullptr || is_blocked(*cell)) {
+      if (cell == nullptr || is_blocked(*cell) || (cell->is_assumed && !may_be_assumed)) {
         return false;
       }
       is_floor = is_floor || cell->is_floor;
     }
   }
   return is_floor;
-}
-
-bool LocalMap::is_seen_floor(const Eigen::Vector2d& p_odom) const {
-  const LocalCell* cell = cell_at(p_odom);
-  return cell != nullptr && !cell->is_assumed && is_free_floor(p_odom);
 }
 
 bool LocalMap::was_floor(const Eigen::Vector2d& p_odom) const {

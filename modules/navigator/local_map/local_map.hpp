@@ -109,6 +109,7 @@ class LocalMap {
   void look_again(const TrackedGround::Joined& joined);
   [[nodiscard]] double tolerance_m(double range_m) const;
   [[nodiscard]] bool is_blocked_at(const Eigen::Vector2i& index) const;
+  [[nodiscard]] bool is_floor_around(const Eigen::Vector2d& p_odom, bool may_be_assumed) const;
   /// `visit(index, p_base)` for the cells within `range_m` of base; p_base() is its middle there.
   template <class Visit>
   void visit_cells(const geometry::SE2& T_odom_base, double range_m, const Visit& visit) const;

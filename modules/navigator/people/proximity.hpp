@@ -3,10 +3,10 @@
 
 #include <array>
 #include <optional>
-#include <vector>
 
 #include "common/geometry/se2.hpp"
 #include "common/geometry/time.hpp"
+#include "common/robot/infrared.hpp"
 
 namespace nodmap::navigator {
 
@@ -14,13 +14,11 @@ class LocalMap;
 
 /// Somebody beside or behind the robot, where the laser does not look: what the base's infrared
 /// range finders see, up to half a metre from the body, where floor was seen and nothing stands.
-/// What stays where it is was overlooked, and is nobody who comes: it is waited for briefly, and
-/// once.
+/// What stays where it is was overlooked, and is nobody who comes: it is waited for briefly.
 class Proximity {
  public:
-  static constexpr std::size_t kSensors = 7;
   /// As in nodmap.base_sensors_t, metres; NaN: nothing in the measuring range.
-  using Ranges = std::array<double, kSensors>;
+  using Ranges = std::array<double, robot::kInfraredCount>;
 
   /// `T_odom_base` at `stamp`.
   void add(time::Timestamp stamp, const Ranges& ranges_m, const geometry::SE2& T_odom_base,
@@ -36,19 +34,7 @@ class Proximity {
     time::Timestamp since{};
   };
 
-  /// A stranger that did not move, and where the robot was.
-  struct Standing {
-    Eigen::Vector2d p_odom;
-    geometry::SE2 T_odom_base;
-    time::Timestamp seen{};
-  };
-
-  [[nodiscard]] bool was_stationary_there(time::Timestamp stamp, const Eigen::Vector2d& p_odom,
-                                          const geometry::SE2& T_odom_base) const;
-  void remember(const Standing& standing);
-
-  std::array<std::optional<Stranger>, kSensors> strangers_;
-  std::vector<Standing> standing_;  // of the last ten seconds
+  std::array<std::optional<Stranger>, robot::kInfraredCount> strangers_;
   std::optional<time::Timestamp> detected_at_;
 };
 
