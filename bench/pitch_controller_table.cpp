@@ -19,7 +19,7 @@ void print_plans(const PitchControllerParams& params) {
   const SweepPlanner planner(params.robot, detection, params.speed.fast_mps);
   const VirtualCorridor corridor = VirtualCorridor::of(params.robot);
   std::puts(
-      "| speed m/s | d_min m | area of interest deg | spacing deg | T* s (scans) | T_w s "
+      "| speed m/s | d_min m | area of interest deg | spacing deg | T_sweep s (scans) | T s "
       "| clear view m | bound m/s |\n|---|---|---|---|---|---|---|---|");
   for (const double v : {0.0, 0.5, 1.0, 1.5, 2.0}) {
     const SweepPlan plan = planner.plan(v);
@@ -36,7 +36,7 @@ void print_plans(const PitchControllerParams& params) {
   }
 }
 
-/// T_w of sweeps over a fixed range with the line spacing of the plan.
+/// Reaction time with sweeps over a fixed range with the line spacing of the plan.
 double fixed_reaction_s(const SweepPlan& plan, double range_rad,
                         const PitchControllerParams& params) {
   const robot::HeadLimits& head = params.robot.head;

@@ -24,7 +24,7 @@ struct Body {
     v.number("length_m", length_m, {0.05, 5.0}, "Length of the robot's body.");
     v.number("width_m", width_m, {0.05, 5.0}, "Width of the robot's body.");
     v.number("height_m", height_m, {0.25, 5.0},
-             "Height of the robot with its scanner: the top of the virtual corridor.");
+             "Height of the robot with its scanner above the floor.");
   }
 };
 
@@ -80,35 +80,39 @@ struct HeadLimits {
   }
 };
 
-/// Margins of the virtual corridor below and above the body (paper, II). The permitted ranges keep
-/// the bottom below the top for any configuration.
+/// The heights between which the virtual corridor lies (paper, II): from floor_tolerance_m above
+/// the floor to top_margin_m above the body. The permitted ranges keep the bottom below the top.
 struct CorridorHeights {
   double floor_tolerance_m = 0.05;
-  double head_clearance_m = 0.03;
+  double top_margin_m = 0.03;
 
   template <class Visitor>
   void describe(Visitor& v) {
     v.number("floor_tolerance_m", floor_tolerance_m, {0.0, 0.2},
-             "Bottom of the virtual corridor: what is lower is floor, or can be driven over.");
-    v.number("head_clearance_m", head_clearance_m, {0.0, 1.0},
-             "Clearance above the robot; raises the top of the virtual corridor.");
+             "Bottom of the virtual corridor above the floor: what is lower is floor, or can be "
+             "driven over.");
+    v.number("top_margin_m", top_margin_m, {0.0, 1.0},
+             "Top of the virtual corridor above the robot: what is higher can be driven under.");
   }
 };
 
-/// How the robot stops; see stopping.hpp.
+/// How the robot stops. The stopping distance (stopping.hpp) is how far it moves until it is
+/// stationary; the required distance is the free distance ahead that it needs: the stopping
+/// distance and `stop_margin_m`.
 struct Braking {
   double deceleration_mps2 = 1.5;
   double emergency_deceleration_mps2 = 3.0;
   double stop_margin_m = 0.15;
 
-  /// Distance to an obstacle at which a robot at this speed must begin to react.
-  [[nodiscard]] double stopping_distance_m(double forward_mps, double reaction_s) const {
+  /// The free distance ahead that a robot at this speed needs.
+  [[nodiscard]] double required_distance_m(double forward_mps, double reaction_s) const {
     return stopping_distance(forward_mps, reaction_s, deceleration_mps2) + stop_margin_m;
   }
 
-  /// The inverse: the speed at which an obstacle at this distance is safe; 0 within the margin.
-  [[nodiscard]] double stoppable_mps(double distance_m, double reaction_s) const {
-    return stoppable_speed(distance_m - stop_margin_m, reaction_s, deceleration_mps2);
+  /// The inverse: the greatest speed for which this free distance suffices; 0 where it is no more
+  /// than the margin.
+  [[nodiscard]] double permitted_mps(double free_distance_m, double reaction_s) const {
+    return stoppable_speed(free_distance_m - stop_margin_m, reaction_s, deceleration_mps2);
   }
 
   template <class Visitor>
@@ -136,7 +140,7 @@ struct RobotParams {
   /// Bottom and top of the virtual corridor: the robot needs free space between them, metres above
   /// the floor.
   [[nodiscard]] double corridor_bottom_m() const { return corridor.floor_tolerance_m; }
-  [[nodiscard]] double corridor_top_m() const { return body.height_m + corridor.head_clearance_m; }
+  [[nodiscard]] double corridor_top_m() const { return body.height_m + corridor.top_margin_m; }
 
   template <class Visitor>
   void describe(Visitor& v) {
@@ -161,8 +165,9 @@ struct RobotParams {
          {"pitch_min_deg", "pitch_max_deg", "pitch_rate_rad_s", "pitch_acceleration_rad_s2"}) {
       v.renamed(name, std::string("robot.head.") + name);
     }
-    for (const char* name : {"floor_tolerance_m", "head_clearance_m"}) {
-      v.renamed(name, std::string("robot.corridor.") + name);
+    v.renamed("floor_tolerance_m", "robot.corridor.floor_tolerance_m");
+    for (const char* name : {"head_clearance_m", "robot.corridor.head_clearance_m"}) {
+      v.renamed(name, "robot.corridor.top_margin_m");
     }
     for (const char* name : {"deceleration_mps2", "emergency_deceleration_mps2", "stop_margin_m"}) {
       v.renamed(name, std::string("robot.braking.") + name);

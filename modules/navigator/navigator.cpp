@@ -285,7 +285,7 @@ void Navigator::join_geofence(Situation& now) const {
   }
   // Far enough to stop before it from the fastest speed.
   const double reach_m = body_.turning_radius_m() + params_.local_map.range_m +
-                         params_.robot.braking.stopping_distance_m(params_.drive.max_forward_mps,
+                         params_.robot.braking.required_distance_m(params_.drive.max_forward_mps,
                                                                    params_.drive.reaction_s);
   const geometry::SE2 T_map_base = now.T_map_odom * now.T_odom_base;
   const geometry::SE2 T_base_map = T_map_base.inverse();
@@ -309,7 +309,7 @@ Decision Navigator::wait(const Situation& now, std::string reason) const {
 }
 
 Decision Navigator::turn(const FreeSpace& space, const Situation& now) {
-  const TurnCommand command = turn_.step(view_for_turn(space, now), preferred_side(now));
+  const TurnCommand command = turn_.step(turn_input(space, now), preferred_side(now));
   if (now.goal) {
     steering_.detour().begin(turn_.side(), *now.goal);
   }
@@ -339,27 +339,27 @@ Decision Navigator::turn(const FreeSpace& space, const Situation& now) {
   return decision;
 }
 
-TurnView Navigator::view_for_turn(const FreeSpace& space, const Situation& now) const {
+TurnInput Navigator::turn_input(const FreeSpace& space, const Situation& now) const {
   const double until_free_m = params_.turn.until_free_m;
   const FreeNeighbours seen =
       free_neighbours(steering_.seen_space(space, seen_, now), 0.0, until_free_m);
   const FreeNeighbours without_points = free_neighbours(space, 0.0, until_free_m);
   const double margin_m = params_.turn.margin_m + (turn_.backs_up() ? kRoomToTurnM : 0.0);
-  TurnView view;
-  view.stamp = now.stamp;
-  view.heading_rad = now.T_odom_base.yaw;
-  view.yaw_rate_rad_s = now.yaw_rate_rad_s;
-  view.clear_direction_rad = nearer_direction(seen);
-  view.more_room_side = side_with_more_room(space);
-  view.ahead_is_free =
+  TurnInput input;
+  input.stamp = now.stamp;
+  input.heading_rad = now.T_odom_base.yaw;
+  input.yaw_rate_rad_s = now.yaw_rate_rad_s;
+  input.clear_direction_rad = nearer_direction(seen);
+  input.more_room_side = side_with_more_room(space);
+  input.ahead_is_free =
       space.at(0) >= until_free_m && brake_.measure_arc(0.0, now).free_distance_m >= until_free_m;
-  view.ahead_is_seen = steering_.is_seen(0.0, seen_, now);
-  view.left = {free_rotation(now.points_base, 1.0, body_, margin_m),
-               without_points.left_rad.value_or(kEndless)};
-  view.right = {free_rotation(now.points_base, -1.0, body_, margin_m),
-                without_points.right_rad ? -*without_points.right_rad : kEndless};
-  view.has_path_back = back_up_.has_path(now.T_odom_base);
-  return view;
+  input.ahead_is_seen = steering_.is_seen(0.0, seen_, now);
+  input.left = {free_rotation(now.points_base, 1.0, body_, margin_m),
+                without_points.left_rad.value_or(kEndless)};
+  input.right = {free_rotation(now.points_base, -1.0, body_, margin_m),
+                 without_points.right_rad ? -*without_points.right_rad : kEndless};
+  input.has_path_back = back_up_.has_path(now.T_odom_base);
+  return input;
 }
 
 double Navigator::preferred_side(const Situation& now) {

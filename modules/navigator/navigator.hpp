@@ -79,7 +79,7 @@ class Navigator {
   [[nodiscard]] Decision brake(const Situation& now, std::string reason) const;
   [[nodiscard]] Decision wait(const Situation& now, std::string reason) const;
   [[nodiscard]] Decision turn(const FreeSpace& space, const Situation& now);
-  [[nodiscard]] TurnView view_for_turn(const FreeSpace& space, const Situation& now) const;
+  [[nodiscard]] TurnInput turn_input(const FreeSpace& space, const Situation& now) const;
   [[nodiscard]] double preferred_side(const Situation& now);
   [[nodiscard]] Decision back_up(const Situation& now);
 

@@ -463,7 +463,7 @@ void NavigatorNode::publish(const Decision& decision) {
   navigation_.steering_angle_rad = decision.steering_angle_rad;
   const double v = decision.max_forward_mps;
   navigation_.corridor_length_m =
-      params_.robot.braking.stopping_distance_m(v, params_.drive.reaction_s);
+      params_.robot.braking.required_distance_m(v, params_.drive.reaction_s);
   navigation_.corridor_width_m = params_.robot.body.width_m + 2.0 * params_.drive.side_margin_m;
   navigation_.clear_distance_m = decision.free_distance_m;
   navigation_.max_forward_mps = decision.max_forward_mps;

@@ -24,64 +24,64 @@ constexpr double kStationaryRadS = 0.1;
 constexpr double kBeyondRad = geometry::deg_to_rad(3.0);
 constexpr double kFullRotationRad = 2.0 * geometry::kPi;
 
-bool leads_out(const TurnView::Side& side) {
+bool leads_out(const TurnInput::Side& side) {
   return side.free_rotation_rad >= std::min(side.to_clear_direction_rad, kWorthwhileRotationRad);
 }
 
 }  // namespace
 
-void Turn::begin(const TurnView& view, double preferred_side) {
+void Turn::begin(const TurnInput& input, double preferred_side) {
   active_ = true;
   reversed_ = false;
   backs_up_ = false;
   rotated_rad_ = 0.0;
   least_rotation_rad_ = 0.0;
-  last_heading_rad_ = view.heading_rad;
+  last_heading_rad_ = input.heading_rad;
   waits_since_.reset();
   if (preferred_side != 0.0) {
     side_ = preferred_side;
-  } else if (view.clear_direction_rad) {
-    side_ = *view.clear_direction_rad >= 0.0 ? 1.0 : -1.0;
+  } else if (input.clear_direction_rad) {
+    side_ = *input.clear_direction_rad >= 0.0 ? 1.0 : -1.0;
   } else {
     // The same room on both sides: to the left.
-    side_ = view.more_room_side >= 0.0 ? 1.0 : -1.0;
+    side_ = input.more_room_side >= 0.0 ? 1.0 : -1.0;
   }
-  consider_room(view);
+  consider_room(input);
 }
 
 /// Chooses the other side, or to back up, where obstacles end the rotation before a free direction.
-void Turn::consider_room(const TurnView& view) {
-  const bool here = leads_out(side_ > 0.0 ? view.left : view.right);
-  const bool there = leads_out(side_ > 0.0 ? view.right : view.left);
+void Turn::consider_room(const TurnInput& input) {
+  const bool here = leads_out(side_ > 0.0 ? input.left : input.right);
+  const bool there = leads_out(side_ > 0.0 ? input.right : input.left);
   if (!here && there) {
     side_ = -side_;
     reversed_ = true;
   }
-  backs_up_ = !here && !there && view.has_path_back;
+  backs_up_ = !here && !there && input.has_path_back;
 }
 
-TurnCommand Turn::step(const TurnView& view, double preferred_side) {
+TurnCommand Turn::step(const TurnInput& input, double preferred_side) {
   const bool wants_retry =
-      waits_since_ && time::seconds(view.stamp - *waits_since_) > params_.retry_s;
+      waits_since_ && time::seconds(input.stamp - *waits_since_) > params_.retry_s;
   if (!active_ || wants_retry) {
-    begin(view, preferred_side);
+    begin(input, preferred_side);
   }
-  rotated_rad_ += geometry::angle_difference(view.heading_rad, last_heading_rad_);
-  last_heading_rad_ = view.heading_rad;
-  if (view.ahead_is_free && !backs_up_ && std::abs(rotated_rad_) >= least_rotation_rad_) {
-    const bool is_stationary = std::abs(view.yaw_rate_rad_s) < kStationaryRadS;
-    return {view.ahead_is_seen && is_stationary ? Kind::kFinished : Kind::kLook, 0.0};
+  rotated_rad_ += geometry::angle_difference(input.heading_rad, last_heading_rad_);
+  last_heading_rad_ = input.heading_rad;
+  if (input.ahead_is_free && !backs_up_ && std::abs(rotated_rad_) >= least_rotation_rad_) {
+    const bool is_stationary = std::abs(input.yaw_rate_rad_s) < kStationaryRadS;
+    return {input.ahead_is_seen && is_stationary ? Kind::kFinished : Kind::kLook, 0.0};
   }
   // A stamp that stepped back must not prolong the pause.
   if (waits_since_) {
-    waits_since_ = std::min(*waits_since_, view.stamp);
+    waits_since_ = std::min(*waits_since_, input.stamp);
     return {Kind::kWait, 0.0};
   }
   if (std::abs(rotated_rad_) >= kFullRotationRad) {
-    pause(view.stamp);
+    pause(input.stamp);
     return {Kind::kWait, 0.0};
   }
-  return rotate(view);
+  return rotate(input);
 }
 
 void Turn::pause(time::Timestamp stamp) {
@@ -89,8 +89,10 @@ void Turn::pause(time::Timestamp stamp) {
   backs_up_ = false;
 }
 
-TurnCommand Turn::rotate(const TurnView& view) {
-  const auto here = [&]() -> const TurnView::Side& { return side_ > 0.0 ? view.left : view.right; };
+TurnCommand Turn::rotate(const TurnInput& input) {
+  const auto here = [&]() -> const TurnInput::Side& {
+    return side_ > 0.0 ? input.left : input.right;
+  };
   const double needed_rad = backs_up_ ? kWorthwhileRotationRad : kLeastRotationRad;
   if (here().free_rotation_rad < needed_rad && (!reversed_ || backs_up_)) {
     side_ = -side_;

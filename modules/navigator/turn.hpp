@@ -10,7 +10,7 @@
 namespace nodmap::navigator {
 
 /// What Turn needs to know at one moment.
-struct TurnView {
+struct TurnInput {
   time::Timestamp stamp{};
   double heading_rad = 0.0;  ///< of base in odom
   double yaw_rate_rad_s = 0.0;
@@ -55,7 +55,7 @@ class Turn {
   Turn(const TurnParams& params, double reaction_s) : params_(params), reaction_s_(reaction_s) {}
 
   /// `preferred_side`: +1 or -1 to prefer a side (that of a detour), 0 for none.
-  TurnCommand step(const TurnView& view, double preferred_side);
+  TurnCommand step(const TurnInput& input, double preferred_side);
 
   /// Waits before the next try, as after a full rotation.
   void pause(time::Timestamp stamp);
@@ -66,9 +66,9 @@ class Turn {
   void end() { active_ = false; }
 
  private:
-  void begin(const TurnView& view, double preferred_side);
-  void consider_room(const TurnView& view);
-  [[nodiscard]] TurnCommand rotate(const TurnView& view);
+  void begin(const TurnInput& input, double preferred_side);
+  void consider_room(const TurnInput& input);
+  [[nodiscard]] TurnCommand rotate(const TurnInput& input);
 
   TurnParams params_;
   double reaction_s_;

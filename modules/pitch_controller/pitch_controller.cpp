@@ -139,18 +139,18 @@ InhibitReason PitchController::inhibit_reason(time::Timestamp now) const {
                                                     : InhibitReason::kNotLevel;
   }
   const bool late = meter_.present_sweep_s() > kLateFactor * commanded_s_ + kLateS;
-  return meter_.period() && !late ? InhibitReason::kNone : InhibitReason::kNotNodding;
+  return meter_.last_two_sweeps() && !late ? InhibitReason::kNone : InhibitReason::kNotNodding;
 }
 
 double PitchController::bound_of_measured_sweeps() const {
   const DetectionParams& detection = params_.detection;
-  const MeasuredSweep period = *meter_.period();
+  const MeasuredSweep sweeps = *meter_.last_two_sweeps();
   ClearView view =
-      clear_view(corridor_, period.span, period.peak_rate_rad_s * detection.scan_period_s,
+      clear_view(corridor_, sweeps.span, sweeps.peak_rate_rad_s * detection.scan_period_s,
                  detection.visible_obstacle_m, detection.look_ahead_m);
   // If the nod has narrowed since, the next sweeps no longer see what the last ones saw.
   view.near_m = std::max(view.near_m, corridor_.covered_from_m(plan_.area));
-  return std::min(speed_bound(view, period.duration_s, params_.robot.braking, detection),
+  return std::min(speed_bound(view, sweeps.duration_s, params_.robot.braking, detection),
                   params_.speed.top_mps);
 }
 
@@ -158,7 +158,7 @@ double PitchController::bound_of_measured_sweeps() const {
 double PitchController::bound_of_level_laser() const {
   const DetectionParams& detection = params_.detection;
   const double reaction_s = detection.scan_period_s + detection.processing_s;
-  return std::min(params_.robot.braking.stoppable_mps(detection.look_ahead_m, reaction_s),
+  return std::min(params_.robot.braking.permitted_mps(detection.look_ahead_m, reaction_s),
                   params_.speed.top_mps);
 }
 

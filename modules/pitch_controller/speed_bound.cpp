@@ -16,7 +16,7 @@ double speed_bound(const ClearView& view, double sweep_s, const robot::Braking& 
   if (!(view.far_m > view.near_m) || !(sweep_s > 0.0)) {
     return 0.0;
   }
-  return std::min(braking.stoppable_mps(view.far_m, detection.reaction_s(sweep_s)),
+  return std::min(braking.permitted_mps(view.far_m, detection.reaction_s(sweep_s)),
                   (view.far_m - view.near_m) / (2.0 * sweep_s));
 }
 

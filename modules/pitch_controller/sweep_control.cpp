@@ -40,7 +40,7 @@ std::optional<MeasuredSweep> SweepMeter::add(const PitchReading& reading) {
   return last_;
 }
 
-std::optional<MeasuredSweep> SweepMeter::period() const {
+std::optional<MeasuredSweep> SweepMeter::last_two_sweeps() const {
   if (!last_ || !before_last_ || !last_->is_complete || !before_last_->is_complete) {
     return std::nullopt;
   }

@@ -35,10 +35,10 @@ class SweepMeter {
   /// the driver has restarted, and the measurement starts again.
   std::optional<MeasuredSweep> add(const PitchReading& reading);
 
-  /// The last period of the nod: the pitches that the last two sweeps covered together, and the
-  /// longest duration and highest rate of the last two and the present sweep. Empty before two
-  /// complete sweeps.
-  [[nodiscard]] std::optional<MeasuredSweep> period() const;
+  /// The last two sweeps, one up and one down, as a single one: the pitches that they covered
+  /// together, and the longest duration of a sweep and the highest rate among these two and the
+  /// present one. Empty before two complete sweeps.
+  [[nodiscard]] std::optional<MeasuredSweep> last_two_sweeps() const;
 
   /// Duration of the present sweep so far, seconds.
   [[nodiscard]] double present_sweep_s() const { return present_.duration_s; }

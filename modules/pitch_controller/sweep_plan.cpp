@@ -9,7 +9,7 @@ namespace {
 
 // Number of lines on the smallest obstacle at d_min, where it is hit for the last time.
 constexpr int kLinesOnObstacle = 2;
-// One line hits the smallest obstacle out to this many stopping distances. The speed bound of a
+// One line hits the smallest obstacle out to this many required distances. The speed bound of a
 // sweep is then above the speed that it is planned for; otherwise the robot could never accelerate.
 constexpr double kReserve = 1.3;
 
@@ -35,22 +35,22 @@ SweepPlanner::SweepPlanner(const robot::RobotParams& robot, const DetectionParam
       corridor_(VirtualCorridor::of(robot)) {}
 
 SweepPlan SweepPlanner::plan(double forward_mps) const {
-  // Fixed-point iteration: stopping distance and sweep duration depend on each other.
+  // Fixed-point iteration: required distance and sweep duration depend on each other.
   SweepPlan plan;
   for (int i = 0; i < kIterations; ++i) {
     const double reaction_s = detection_.reaction_s(plan.sweep_s);
-    plan = plan_from(robot_.braking.stopping_distance_m(forward_mps, reaction_s), forward_mps);
+    plan = plan_from(robot_.braking.required_distance_m(forward_mps, reaction_s), forward_mps);
   }
   return plan;
 }
 
-SweepPlan SweepPlanner::plan_from(double stopping_distance_m, double forward_mps) const {
+SweepPlan SweepPlanner::plan_from(double required_distance_m, double forward_mps) const {
   const PitchInterval mechanics = robot_.head.pitch();
   SweepPlan plan;
-  plan.d_min_m = robot_.braking.stopping_distance_m(forward_mps, detection_.processing_s);
+  plan.d_min_m = robot_.braking.required_distance_m(forward_mps, detection_.processing_s);
   plan.area =
       area_of_interest(forward_mps, fast_mps_, corridor_.area_from(plan.d_min_m), mechanics);
-  plan.line_spacing_rad = line_spacing_rad(plan.d_min_m, stopping_distance_m);
+  plan.line_spacing_rad = line_spacing_rad(plan.d_min_m, required_distance_m);
   plan.sweep = {std::max(plan.area.min_rad - plan.line_spacing_rad, mechanics.min_rad),
                 std::min(plan.area.max_rad + plan.line_spacing_rad, mechanics.max_rad)};
 
@@ -68,12 +68,12 @@ SweepPlan SweepPlanner::plan_from(double stopping_distance_m, double forward_mps
   return plan;
 }
 
-double SweepPlanner::line_spacing_rad(double d_min_m, double stopping_distance_m) const {
+double SweepPlanner::line_spacing_rad(double d_min_m, double required_distance_m) const {
   const double resolved_rad = std::min(
       spacing_for(detection_.visible_obstacle_m, kLinesOnObstacle, corridor_.from_axis_m(d_min_m),
                   corridor_.axis_height_m),
       spacing_for(detection_.visible_obstacle_m, 1,
-                  corridor_.from_axis_m(kReserve * stopping_distance_m), corridor_.axis_height_m));
+                  corridor_.from_axis_m(kReserve * required_distance_m), corridor_.axis_height_m));
   const double head_rad = robot_.head.pitch_rate_rad_s * detection_.scan_period_s;
   return std::max(std::min(resolved_rad, head_rad), kFinestSpacingRad);
 }

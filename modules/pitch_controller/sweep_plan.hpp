@@ -16,7 +16,7 @@ struct SweepPlan {
   PitchInterval area;    ///< area of interest
   PitchInterval sweep;   ///< the area and one line more at both ends, within the mechanical range
   double line_spacing_rad = 0.0;  ///< largest permitted angle between neighbouring scans
-  double sweep_s = 0.0;           ///< T*: the shortest duration of `sweep`
+  double sweep_s = 0.0;           ///< T_sweep: the shortest duration of `sweep`
 
   double fastest_s = 0.0;  ///< duration of `sweep` at the head's highest rate
   double slowest_s = 0.0;  ///< duration of `sweep` at 0.25 degrees per scan, at most 500 scans
@@ -28,10 +28,10 @@ struct SweepPlan {
 [[nodiscard]] double spacing_for(double obstacle_m, int lines, double distance_m,
                                  double axis_height_m);
 
-/// Plans sweeps from the stopping distance, at whose end at least one line must hit an obstacle. If
-/// an obstacle appears there just after the laser has passed, the laser hits it one period (2 T)
-/// later, when the robot is nearer by 2 v T. Therefore the sweep covers the corridor from bottom to
-/// top from
+/// Plans sweeps from the required distance, at whose end at least one line must hit an obstacle. If
+/// an obstacle appears there just after the laser has passed, the laser hits it one period (2
+/// T_sweep) later, when the robot is nearer by 2 v T_sweep. Therefore the sweep covers the corridor
+/// from bottom to top from
 ///
 ///     d_min = v T_processing + v^2 / 2a + margin
 ///
@@ -44,8 +44,8 @@ class SweepPlanner {
   [[nodiscard]] SweepPlan plan(double forward_mps) const;
 
  private:
-  [[nodiscard]] SweepPlan plan_from(double stopping_distance_m, double forward_mps) const;
-  [[nodiscard]] double line_spacing_rad(double d_min_m, double stopping_distance_m) const;
+  [[nodiscard]] SweepPlan plan_from(double required_distance_m, double forward_mps) const;
+  [[nodiscard]] double line_spacing_rad(double d_min_m, double required_distance_m) const;
 
   robot::RobotParams robot_;
   DetectionParams detection_;

@@ -144,10 +144,10 @@ void GlobalPlanner::step(time::Timestamp stamp, const LocalMap& local_map,
       update_grid(local_map, T_map_odom, T_odom_base);
       begin_window(p_map, goal_map_);
       is_last_resort_ = false;
-      phase_ = Phase::kMeasureClearance;
+      phase_ = Phase::kMeasureDistances;
       return;
-    case Phase::kMeasureClearance:
-      measure_clearance(geofence);
+    case Phase::kMeasureDistances:
+      measure_obstacle_distances(geofence);
       price_cells();
       seed(goal_map_, tolerance_m_);
       phase_ = Phase::kSpread;
@@ -242,20 +242,20 @@ void GlobalPlanner::begin_window(const Eigen::Vector2d& p_map, const Eigen::Vect
   plan_.height_ = std::max(1, high.y() - low.y() + 1);
 }
 
-void GlobalPlanner::measure_clearance(const Geofence* geofence) {
+void GlobalPlanner::measure_obstacle_distances(const Geofence* geofence) {
   const Eigen::Vector2i low = grid_.index_of(plan_.origin_ + Eigen::Vector2d(0.01, 0.01));
-  clearance_.begin(plan_.origin_, kCellM, plan_.width_, plan_.height_);
+  obstacle_distances_.begin(plan_.origin_, kCellM, plan_.width_, plan_.height_);
   for (int row = 0; row < plan_.height_; ++row) {
     for (int column = 0; column < plan_.width_; ++column) {
       if (grid_.at(low + Eigen::Vector2i(column, row)) == Ground::kBlocked) {
-        clearance_.occupy(column, row);
+        obstacle_distances_.occupy(column, row);
       }
     }
   }
   if (geofence != nullptr) {
     occupy_boundary(*geofence);
   }
-  clearance_.compute();
+  obstacle_distances_.compute();
 }
 
 void GlobalPlanner::occupy_boundary(const Geofence& geofence) {
@@ -267,7 +267,7 @@ void GlobalPlanner::occupy_boundary(const Geofence& geofence) {
     const auto column = static_cast<int>(std::floor(offset.x()));
     const auto row = static_cast<int>(std::floor(offset.y()));
     if (column >= 0 && row >= 0 && column < plan_.width_ && row < plan_.height_) {
-      clearance_.occupy(column, row);
+      obstacle_distances_.occupy(column, row);
     }
   }
 }
@@ -278,14 +278,14 @@ void GlobalPlanner::price_cells() {
   price_.resize(static_cast<std::size_t>(plan_.width_) * static_cast<std::size_t>(plan_.height_));
   for (int row = 0; row < plan_.height_; ++row) {
     for (int column = 0; column < plan_.width_; ++column) {
-      const double clearance_m = clearance_.at(column, row);
-      const double nearness = std::max(0.0, 1.0 - (clearance_m - least_m) / params_.wide_m);
+      const double distance_m = obstacle_distances_.at(column, row);
+      const double nearness = std::max(0.0, 1.0 - (distance_m - least_m) / params_.wide_m);
       const bool is_unknown = grid_.at(low + Eigen::Vector2i(column, row)) == Ground::kUnknown;
       price_[place(column, row)] =
-          clearance_m < (is_last_resort_ ? kOccupiedM : body_.half_width_m)
+          distance_m < (is_last_resort_ ? kOccupiedM : body_.half_width_m)
               ? -1.0F
               : static_cast<float>(1.0 + params_.nearness_price * nearness * nearness +
-                                   (clearance_m < least_m ? kTightPrice : 0.0) +
+                                   (distance_m < least_m ? kTightPrice : 0.0) +
                                    (is_unknown ? params_.unknown_price : 0.0));
     }
   }
@@ -307,7 +307,7 @@ void GlobalPlanner::price_failures() {
             column >= 0 && row >= 0 && column < plan_.width_ && row < plan_.height_;
         if (is_inside && dx * dx + dy * dy <= reach * reach && price_[place(column, row)] > 0.0F) {
           float& price = price_[place(column, row)];
-          price = clearance_.at(column, row) < least_m
+          price = obstacle_distances_.at(column, row) < least_m
                       ? -1.0F
                       : std::min(kHighestPrice, price + static_cast<float>(failure.price));
         }

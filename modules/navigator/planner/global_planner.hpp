@@ -68,7 +68,7 @@ class GlobalPlanner {
   void reset();
 
  private:
-  enum class Phase : std::uint8_t { kIdle, kMeasureClearance, kSpread };
+  enum class Phase : std::uint8_t { kIdle, kMeasureDistances, kSpread };
   enum class Ground : std::uint8_t { kUnknown, kFloor, kBlocked };
   struct Failure {
     Eigen::Vector2d p_map;
@@ -78,7 +78,7 @@ class GlobalPlanner {
   void update_grid(const LocalMap& local_map, const geometry::SE2& T_map_odom,
                    const geometry::SE2& T_odom_base);
   void begin_window(const Eigen::Vector2d& p_map, const Eigen::Vector2d& goal_map);
-  void measure_clearance(const Geofence* geofence);
+  void measure_obstacle_distances(const Geofence* geofence);
   void occupy_boundary(const Geofence& geofence);
   void finish(const Eigen::Vector2d& p_map);
   void price_cells();
@@ -105,8 +105,8 @@ class GlobalPlanner {
   std::optional<time::Timestamp> started_at_;
   Eigen::Vector2d goal_map_ = Eigen::Vector2d::Zero();
   double tolerance_m_ = 0.0;
-  DistanceField clearance_;
-  std::vector<float> price_;  // of a metre, by cell; negative: blocked
+  DistanceField obstacle_distances_;  // of the robot's centre
+  std::vector<float> price_;          // of a metre, by cell; negative: blocked
   CostToGo plan_;
   std::vector<std::vector<std::uint32_t>> buckets_;
   std::size_t bucket_ = 0;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What the speed bound is for, by brute force: a robot in closed loop with the nod drives as fast
-// as it may, and a box of 10 cm appears ahead at every moment, at the stopping distance or farther.
+// as it may, and a box of 10 cm appears ahead at every moment, at the required distance or farther.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -20,7 +20,7 @@ constexpr double kStepS = 0.005;
 constexpr double kGainMps2 = 1.5;
 constexpr double kLossMps2 = 3.0;
 constexpr double kLagS = 0.05;
-/// A robot that sets out meets what appears nearer than the stopping distance of this speed, 0.9 m,
+/// A robot that sets out meets what appears nearer than the required distance of this speed, 0.9 m,
 /// before the laser has looked again.
 constexpr double kLeastProtectedMps = 0.5;
 /// The box rises from the floor; above the floor tolerance it is as high as the smallest obstacle.
@@ -129,7 +129,7 @@ double left_before_box_m(const Drive& drive, const PitchControllerParams& params
   return std::numeric_limits<double>::infinity();
 }
 
-/// The least distance left over all moments of a drive and all distances from the stopping distance
+/// The least distance left over all moments of a drive and all distances from the required distance
 /// on: a reaction time of two sweeps of the nod planned for the speed at that moment.
 double least_left_m(const Drive& drive, const PitchControllerParams& params) {
   const SweepPlanner planner(params.robot, params.detection, params.speed.fast_mps);
@@ -138,7 +138,7 @@ double least_left_m(const Drive& drive, const PitchControllerParams& params) {
        time_s += 2.0 * kStepS) {
     const Drive::Moment& now = drive.at(time_s);
     const double speed_mps = std::max(kLeastProtectedMps, now.speed_mps);
-    const double protected_m = params.robot.braking.stopping_distance_m(
+    const double protected_m = params.robot.braking.required_distance_m(
         speed_mps, params.detection.reaction_s(planner.plan(speed_mps).sweep_s));
     for (double distance_m = protected_m; distance_m < protected_m + 1.5; distance_m += 0.05) {
       least_m =

@@ -275,7 +275,7 @@ TEST(PitchController, AfterBrakingTheRobotMayGoOn) {
   }
 }
 
-// What appeared at the end of the stopping distance of a slow robot must be looked at before the
+// What appeared at the end of the required distance of a slow robot must be looked at before the
 // robot is fast.
 TEST(PitchController, TheBoundRisesNoFasterThanTheNodCanFollow) {
   const PitchControllerParams params;

@@ -14,7 +14,7 @@ const DetectionParams kDetection;
 
 TEST(SpeedBound, IsTheStoppingSpeedWhereTheViewIsLong) {
   EXPECT_DOUBLE_EQ(speed_bound({0.0, 2.0}, 0.35, kBraking, kDetection),
-                   kBraking.stoppable_mps(2.0, 0.75));
+                   kBraking.permitted_mps(2.0, 0.75));
 }
 
 TEST(SpeedBound, NoObstaclePassesThroughAShortViewUnseen) {

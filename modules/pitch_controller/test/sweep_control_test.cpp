@@ -43,18 +43,18 @@ TEST(SweepMeter, MeasuresTimeSpanAndRate) {
   EXPECT_NEAR(sweep->peak_rate_rad_s, 1.0, 1e-9);
 }
 
-TEST(SweepMeter, APeriodIsTwoCompleteSweeps) {
+TEST(SweepMeter, TheLastTwoSweepsAreBothComplete) {
   Feeder feeder;
   feeder.sweep(-0.2, 0.1, 0.3);  // its begin was not seen: not complete
-  EXPECT_FALSE(feeder.dut.period());
+  EXPECT_FALSE(feeder.dut.last_two_sweeps());
   feeder.sweep(0.1, -0.3, 0.5);
-  EXPECT_FALSE(feeder.dut.period());
+  EXPECT_FALSE(feeder.dut.last_two_sweeps());
   feeder.sweep(-0.3, 0.2, 0.4);
-  const auto period = feeder.dut.period();
-  ASSERT_TRUE(period);
-  EXPECT_NEAR(period->duration_s, 0.5, 1e-9);
-  EXPECT_NEAR(period->span.min_rad, -0.3, 1e-12);
-  EXPECT_NEAR(period->span.max_rad, 0.2, 1e-12);
+  const auto sweeps = feeder.dut.last_two_sweeps();
+  ASSERT_TRUE(sweeps);
+  EXPECT_NEAR(sweeps->duration_s, 0.5, 1e-9);
+  EXPECT_NEAR(sweeps->span.min_rad, -0.3, 1e-12);
+  EXPECT_NEAR(sweeps->span.max_rad, 0.2, 1e-12);
 }
 
 TEST(SweepMeter, APresentSweepThatTakesLongerCountsAtOnce) {
@@ -68,8 +68,8 @@ TEST(SweepMeter, APresentSweepThatTakesLongerCountsAtOnce) {
     feeder.stamp += 5ms;
     feeder.dut.add({feeder.stamp, 0.0, 0.0, feeder.number, false});
   }
-  EXPECT_NEAR(feeder.dut.period()->duration_s, 0.555, 1e-9);
-  EXPECT_EQ(feeder.dut.period()->peak_rate_rad_s, 9.0);
+  EXPECT_NEAR(feeder.dut.last_two_sweeps()->duration_s, 0.555, 1e-9);
+  EXPECT_EQ(feeder.dut.last_two_sweeps()->peak_rate_rad_s, 9.0);
 }
 
 TEST(SweepMeter, ASweepWithAGapIsNotComplete) {
@@ -79,7 +79,7 @@ TEST(SweepMeter, ASweepWithAGapIsNotComplete) {
   feeder.stamp += 200ms;
   const auto sweep = feeder.sweep(-0.2, 0.2, 0.3);
   EXPECT_FALSE(sweep->is_complete);
-  EXPECT_FALSE(feeder.dut.period());
+  EXPECT_FALSE(feeder.dut.last_two_sweeps());
   feeder.number += 3;  // reversals that were missed
   EXPECT_FALSE(feeder.sweep(0.2, -0.2, 0.3)->is_complete);
 }
@@ -89,16 +89,16 @@ TEST(SweepMeter, ADriverThatStartedAnewIsMeasuredAnew) {
   for (int i = 0; i < 4; ++i) {
     feeder.sweep(-0.2, 0.2, 0.3);
   }
-  ASSERT_TRUE(feeder.dut.period());
+  ASSERT_TRUE(feeder.dut.last_two_sweeps());
   feeder.number = 0;
   feeder.sweep(-0.2, 0.2, 0.3);
-  EXPECT_FALSE(feeder.dut.period());
+  EXPECT_FALSE(feeder.dut.last_two_sweeps());
   feeder.sweep(-0.2, 0.2, 0.3);
   feeder.sweep(-0.2, 0.2, 0.3);
-  ASSERT_TRUE(feeder.dut.period());
+  ASSERT_TRUE(feeder.dut.last_two_sweeps());
   feeder.stamp = {};
   feeder.sweep(-0.2, 0.2, 0.3);
-  EXPECT_FALSE(feeder.dut.period());
+  EXPECT_FALSE(feeder.dut.last_two_sweeps());
 }
 
 /// The relative error after `sweeps` sweeps of a servo that takes `gain` times what it is told.

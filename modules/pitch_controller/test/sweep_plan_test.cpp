@@ -64,14 +64,14 @@ TEST(SweepPlan, MonotoneInTheSpeed) {
   }
 }
 
-// What appears at the end of the stopping distance just after the laser has passed is looked at
+// What appears at the end of the required distance just after the laser has passed is looked at
 // again at d_min or farther.
-TEST(SweepPlan, WhatAppearsBeyondTheStoppingDistanceIsLookedAtBeforeDMin) {
+TEST(SweepPlan, WhatAppearsBeyondTheRequiredDistanceIsLookedAtBeforeDMin) {
   const SweepPlanner planner = default_planner();
   for (double v = 0.0; v < 4.0; v += kStepMps) {
     const SweepPlan plan = planner.plan(v);
     const double appears_m =
-        kParams.robot.braking.stopping_distance_m(v, kParams.detection.reaction_s(plan.sweep_s));
+        kParams.robot.braking.required_distance_m(v, kParams.detection.reaction_s(plan.sweep_s));
     EXPECT_LE(plan.d_min_m, appears_m - 2.0 * v * plan.sweep_s + 1e-9) << v;
   }
 }
