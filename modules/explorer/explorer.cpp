@@ -31,7 +31,7 @@ constexpr double kSameWaypointM = 0.5;
 constexpr double kReachedM = 0.2;
 /// Added to the tolerance: a waypoint is at least this far along the path, even round a corner.
 constexpr double kLeastAheadM = 0.5;
-/// Within this distance cells are not checked: the robot may already stand inside the clearance.
+/// Within this distance cells are not checked: the robot may already be nearer to something.
 constexpr double kAroundRobotM = 0.4;
 /// Allows for the navigator's newer pose.
 constexpr double kArrivalM = 0.1;
@@ -47,11 +47,11 @@ bool is_ahead(const std::vector<Eigen::Vector2d>& path_map, const Eigen::Vector2
 }
 
 /// Straight lines stand for paths that are not known.
-std::vector<double> lengths_m(const GroundGrid& grid, const Reach& reach,
+std::vector<double> lengths_m(const PlanningGrid& grid, const ShortestPaths& paths,
                               const Eigen::Vector2d& from_map, const std::vector<Cell>& cells) {
   std::vector<double> lengths;
   for (const Cell& cell : cells) {
-    lengths.push_back(reach.is_reached(cell) ? reach.length_m(cell)
+    lengths.push_back(paths.is_reached(cell) ? paths.length_m(cell)
                                              : (grid.center_of(cell) - from_map).norm());
   }
   return lengths;
@@ -61,9 +61,9 @@ std::vector<double> lengths_m(const GroundGrid& grid, const Reach& reach,
 
 Explorer::Explorer(const ExplorerParams& params)
     : params_(params),
-      grid_(0.5 * params.robot.body.width_m + params.clearance_m),
+      grid_(0.5 * params.robot.body.width_m + params.side_margin_m),
       chooser_(params),
-      failures_(params.patience) {}
+      failed_places_(params.patience) {}
 
 void Explorer::start() {
   end();
@@ -75,7 +75,7 @@ void Explorer::end() {
   home_map_.reset();
   target_map_.reset();
   waypoint_map_.reset();
-  failures_.clear();
+  failed_places_.clear();
 }
 
 Decision Explorer::decide(const Situation& now) {
@@ -91,10 +91,10 @@ Decision Explorer::decide(const Situation& now) {
   }
   const Eigen::Vector2d p_map = now.T_map_base.translation();
   home_map_ = home_map_.value_or(p_map);
-  reach_.compute(grid_, p_map);
+  paths_.compute(grid_, p_map);
   watch_target(now);
   std::vector<Viewpoint> tour = find_tour(now);
-  if (tour.empty() && failures_.forgive()) {
+  if (tour.empty() && failed_places_.forgive()) {
     tour = find_tour(now);
   }
   if (tour.empty()) {
@@ -116,7 +116,7 @@ void Explorer::watch_target(const Situation& now) {
     return;
   }
   const Eigen::Vector2d p_map = now.T_map_base.translation();
-  const double length_m = reach_.length_m(grid_.cell_of(*target_map_));
+  const double length_m = paths_.length_m(grid_.cell_of(*target_map_));
   if (has_paused || length_m < least_length_m_ - kProgressM) {
     least_length_m_ = std::min(least_length_m_, length_m);
     progressed_ = now.stamp;
@@ -129,26 +129,26 @@ void Explorer::watch_target(const Situation& now) {
       time::from_seconds(now.has_no_path ? params_.patience.no_path_s : params_.patience.stuck_s);
   if (std::chrono::abs(now.stamp - progressed_) > patience ||
       std::chrono::abs(now.stamp - there_since_) > time::from_seconds(params_.patience.look_s)) {
-    failures_.add(*target_map_, now.stamp);
+    failed_places_.add(*target_map_, now.stamp);
     target_map_.reset();
   }
 }
 
 std::vector<Viewpoint> Explorer::find_tour(const Situation& now) {
-  frontiers_.find(grid_, reach_);
+  frontiers_.find(grid_, paths_);
   const bool by_tour = params_.policy == Policy::kTour;
   std::vector<Cell> lookouts =
-      frontiers_.lookouts(grid_, reach_, by_tour ? kLookoutM : kAtFrontierM);
+      frontiers_.lookouts(grid_, paths_, by_tour ? kLookoutM : kAtFrontierM);
   // What can be seen from here has been seen, unless the robot has just come to look.
   const Eigen::Vector2d p_robot_map = now.T_map_base.translation();
   std::erase_if(lookouts, [&](const Cell& cell) {
     const Eigen::Vector2d p_map = grid_.center_of(cell);
     const bool is_target = target_map_ && (p_map - *target_map_).norm() < params_.goal_tolerance_m;
     return ((p_map - p_robot_map).norm() < params_.goal_tolerance_m && !is_target) ||
-           failures_.is_left_out(p_map, now.stamp);
+           failed_places_.is_left_out(p_map, now.stamp);
   });
   std::vector<Viewpoint> found = by_tour
-                                     ? chooser_.choose(grid_, reach_, lookouts, now.T_map_base.yaw)
+                                     ? chooser_.choose(grid_, paths_, lookouts, now.T_map_base.yaw)
                                      : nearest_frontier(now, lookouts);
   const double least_m2 =
       params_.view.min_gain_m2 * (state_ == State::kReturning ? kWorthGoingBack : 1.0);
@@ -161,12 +161,12 @@ std::vector<Viewpoint> Explorer::nearest_frontier(const Situation& now,
                                                   const std::vector<Cell>& lookouts) {
   const Eigen::Vector2d p_map = now.T_map_base.translation();
   if (target_map_ && (p_map - *target_map_).norm() > params_.goal_tolerance_m &&
-      reach_.is_reached(grid_.cell_of(*target_map_))) {
-    if (const auto same = chooser_.nearest(grid_, reach_, {grid_.cell_of(*target_map_)})) {
+      paths_.is_reached(grid_.cell_of(*target_map_))) {
+    if (const auto same = chooser_.nearest(grid_, paths_, {grid_.cell_of(*target_map_)})) {
       return {*same};
     }
   }
-  const auto nearest = chooser_.nearest(grid_, reach_, lookouts);
+  const auto nearest = chooser_.nearest(grid_, paths_, lookouts);
   return nearest ? std::vector<Viewpoint>{*nearest} : std::vector<Viewpoint>{};
 }
 
@@ -186,11 +186,11 @@ std::vector<Viewpoint> Explorer::in_order(std::vector<Viewpoint> viewpoints) {
     problem.from_start.push_back(viewpoint.length_m);
   }
   for (const Viewpoint& viewpoint : viewpoints) {
-    reach_between_.compute(grid_, viewpoint.p_map, cells);
-    problem.between.push_back(lengths_m(grid_, reach_between_, viewpoint.p_map, cells));
+    paths_between_.compute(grid_, viewpoint.p_map, cells);
+    problem.between.push_back(lengths_m(grid_, paths_between_, viewpoint.p_map, cells));
   }
-  reach_between_.compute(grid_, *home_map_, cells);
-  problem.to_end = lengths_m(grid_, reach_between_, *home_map_, cells);
+  paths_between_.compute(grid_, *home_map_, cells);
+  problem.to_end = lengths_m(grid_, paths_between_, *home_map_, cells);
   Tour tour = shortest_tour(problem);
   if (present && tour.order.front() != *present) {
     const Tour same = shortest_tour(problem, present);
@@ -238,10 +238,10 @@ void Explorer::drive_home(const Situation& now, Decision& decision) {
   target_map_.reset();
   decision.reason = "All is seen: drives home.";
   // Where the robot was when it began was in no beam: its cell may still be unknown.
-  const auto near_home = std::ranges::min_element(reach_.cells(), {}, [&](const Cell& cell) {
+  const auto near_home = std::ranges::min_element(paths_.cells(), {}, [&](const Cell& cell) {
     return (grid_.center_of(cell) - *home_map_).squaredNorm();
   });
-  if (near_home != reach_.cells().end()) {
+  if (near_home != paths_.cells().end()) {
     decision.path_map = path_to(*near_home);
   }
   decision.path_map.push_back(*home_map_);
@@ -250,7 +250,7 @@ void Explorer::drive_home(const Situation& now, Decision& decision) {
 
 std::vector<Eigen::Vector2d> Explorer::path_to(const Cell& cell) const {
   std::vector<Eigen::Vector2d> path_map;
-  for (const Cell& on_path : reach_.path_to(cell)) {
+  for (const Cell& on_path : paths_.path_to(cell)) {
     path_map.push_back(grid_.center_of(on_path));
   }
   return path_map;
@@ -281,7 +281,7 @@ Goal Explorer::next_goal(const std::vector<Eigen::Vector2d>& path_map, const Sit
   return {*waypoint_map_, params_.goal_tolerance_m};
 }
 
-/// Samples a planning cell apart; the robot itself may be within the clearance of something.
+/// Samples a planning cell apart; the robot itself may be nearer to something than a path may.
 bool Explorer::is_line_passable(const Eigen::Vector2d& from_map,
                                 const Eigen::Vector2d& to_map) const {
   const double length_m = (to_map - from_map).norm();

@@ -9,11 +9,11 @@
 
 #include "common/geometry/se2.hpp"
 #include "common/geometry/time.hpp"
-#include "modules/explorer/failures.hpp"
+#include "modules/explorer/failed_places.hpp"
 #include "modules/explorer/frontiers.hpp"
-#include "modules/explorer/ground_grid.hpp"
 #include "modules/explorer/params.hpp"
-#include "modules/explorer/reach.hpp"
+#include "modules/explorer/planning_grid.hpp"
+#include "modules/explorer/shortest_paths.hpp"
 #include "modules/explorer/viewpoints.hpp"
 
 namespace nodmap::explorer {
@@ -68,7 +68,7 @@ class Explorer {
   void end();
   [[nodiscard]] State state() const { return state_; }
   /// Places at which it has failed, since its start.
-  [[nodiscard]] std::size_t num_failures() const { return failures_.size(); }
+  [[nodiscard]] std::size_t num_failures() const { return failed_places_.size(); }
 
   [[nodiscard]] Decision decide(const Situation& now);
 
@@ -88,12 +88,12 @@ class Explorer {
                                       const Eigen::Vector2d& to_map) const;
 
   ExplorerParams params_;
-  GroundGrid grid_;
-  Reach reach_;
-  Reach reach_between_;
+  PlanningGrid grid_;
+  ShortestPaths paths_;
+  ShortestPaths paths_between_;
   Frontiers frontiers_;
   ViewpointChooser chooser_;
-  Failures failures_;
+  FailedPlaces failed_places_;
 
   State state_ = State::kIdle;
   std::optional<Eigen::Vector2d> home_map_;

@@ -13,7 +13,7 @@ constexpr int kBlockCells = 4;
 
 const std::array<Cell, 4> kNeighbours{Cell(1, 0), Cell(-1, 0), Cell(0, 1), Cell(0, -1)};
 
-bool is_at_unknown(const GroundGrid& grid, const Cell& cell) {
+bool is_at_unknown(const PlanningGrid& grid, const Cell& cell) {
   for (const Cell& offset : kNeighbours) {
     if (grid.ground_at(cell + offset) == Ground::kUnknown) {
       return true;
@@ -29,7 +29,7 @@ int block_of(int index) {
 }  // namespace
 
 template <class Visit>
-void Frontiers::spread(const GroundGrid& grid, const std::vector<Cell>& from, int max_steps,
+void Frontiers::spread(const PlanningGrid& grid, const std::vector<Cell>& from, int max_steps,
                        Visit visit) {
   const Raster<Ground>& ground = grid.ground();
   if (visited_.first() != ground.first() || visited_.width() != ground.width() ||
@@ -59,24 +59,25 @@ void Frontiers::spread(const GroundGrid& grid, const std::vector<Cell>& from, in
   }
 }
 
-void Frontiers::find(const GroundGrid& grid, const Reach& reach) {
+void Frontiers::find(const PlanningGrid& grid, const ShortestPaths& paths) {
   cells_.clear();
   const auto beside = static_cast<int>(kBesideReachM / grid.cell_size_m());
-  spread(grid, reach.cells(), beside, [&](const Cell& cell) {
+  spread(grid, paths.cells(), beside, [&](const Cell& cell) {
     if (is_at_unknown(grid, cell)) {
       cells_.push_back(cell);
     }
   });
 }
 
-std::vector<Cell> Frontiers::lookouts(const GroundGrid& grid, const Reach& reach, double max_m) {
+std::vector<Cell> Frontiers::lookouts(const PlanningGrid& grid, const ShortestPaths& paths,
+                                      double max_m) {
   spread(grid, cells_, static_cast<int>(max_m / grid.cell_size_m()), [](const Cell&) {});
   Raster<std::uint8_t> taken;
   const Raster<Ground>& ground = grid.ground();
   taken.reset({block_of(ground.first().x()), block_of(ground.first().y())},
               ground.width() / kBlockCells + 2, ground.height() / kBlockCells + 2, 0);
   std::vector<Cell> lookouts;
-  for (const Cell& cell : reach.cells()) {
+  for (const Cell& cell : paths.cells()) {
     const Cell block(block_of(cell.x()), block_of(cell.y()));
     if (visited_.at(cell) == num_spreads_ && taken.at(block) == 0) {
       taken.at(block) = 1;

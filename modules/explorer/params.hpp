@@ -87,7 +87,7 @@ struct ExplorerParams {
   robot::RobotParams robot;
   Policy policy = Policy::kTour;
   bool start = false;
-  double clearance_m = 0.04;
+  double side_margin_m = 0.04;
   double goal_tolerance_m = 0.3;
   double home_tolerance_m = 0.05;
   ViewParams view;
@@ -101,8 +101,8 @@ struct ExplorerParams {
              {{"tour", Policy::kTour}, {"nearest_frontier", Policy::kNearestFrontier}},
              "How the next viewpoint is chosen; nearest_frontier is there to compare with.");
     v.flag("start", start, "Explore from the first map on, without waiting for EXPLORE.");
-    v.number("clearance_m", clearance_m, {0.0, 1.0},
-             "Clearance on each side of the body's half width that a path of the plan keeps.");
+    v.number("side_margin_m", side_margin_m, {0.0, 1.0},
+             "Margin on each side of the body that the path to a viewpoint keeps.");
     v.number("goal_tolerance_m", goal_tolerance_m, {0.05, 2.0},
              "Tolerance of the goals on the way.");
     v.number("home_tolerance_m", home_tolerance_m, {0.02, 2.0},
@@ -110,6 +110,7 @@ struct ExplorerParams {
     v.section("view", view);
     v.section("tour", tour);
     v.section("patience", patience);
+    v.renamed("clearance_m", "side_margin_m");
   }
 };
 

@@ -16,7 +16,7 @@ ViewParams looking_around(ViewParams params) {
   return params;
 }
 
-double area_m2(const GroundGrid& grid, std::size_t num_cells) {
+double area_m2(const PlanningGrid& grid, std::size_t num_cells) {
   return grid.cell_size_m() * grid.cell_size_m() * static_cast<double>(num_cells);
 }
 
@@ -24,23 +24,25 @@ double area_m2(const GroundGrid& grid, std::size_t num_cells) {
 
 ViewpointChooser::ViewpointChooser(const ExplorerParams& params)
     : params_(params),
-      view_(params.view, params.robot.mount.x_m),
-      view_around_(looking_around(params.view), 0.0) {}
+      ray_caster_(params.view, params.robot.mount.x_m),
+      ray_caster_around_(looking_around(params.view), 0.0) {}
 
-std::optional<Viewpoint> ViewpointChooser::nearest(const GroundGrid& grid, const Reach& reach,
+std::optional<Viewpoint> ViewpointChooser::nearest(const PlanningGrid& grid,
+                                                   const ShortestPaths& paths,
                                                    const std::vector<Cell>& lookouts) {
   for (const Cell& cell : lookouts) {
     const Eigen::Vector2d p_map = grid.center_of(cell);
-    const double gain = area_m2(grid, view_around_.unknown_cells(grid, p_map, 0.0).size());
+    const double gain = area_m2(grid, ray_caster_around_.unknown_cells(grid, p_map, 0.0).size());
     if (gain >= params_.view.min_gain_m2) {
-      return Viewpoint{cell, p_map, gain, reach.length_m(cell)};
+      return Viewpoint{cell, p_map, gain, paths.length_m(cell)};
     }
   }
   return std::nullopt;
 }
 
 std::vector<ViewpointChooser::Candidate> ViewpointChooser::evaluate(
-    const GroundGrid& grid, const Reach& reach, const std::vector<Cell>& lookouts, double yaw_rad) {
+    const PlanningGrid& grid, const ShortestPaths& paths, const std::vector<Cell>& lookouts,
+    double yaw_rad) {
   std::vector<Candidate> candidates;
   for (std::size_t i = 0; i < lookouts.size(); ++i) {
     if (i >= kMostRated && i % kMostRated == 0 && !candidates.empty()) {
@@ -48,18 +50,19 @@ std::vector<ViewpointChooser::Candidate> ViewpointChooser::evaluate(
     }
     const Cell& cell = lookouts[i];
     const Eigen::Vector2d p_map = grid.center_of(cell);
-    const auto& shows = view_.unknown_cells(grid, p_map, reach.heading_rad(cell, yaw_rad));
+    const auto& shows = ray_caster_.unknown_cells(grid, p_map, paths.heading_rad(cell, yaw_rad));
     const double gain = area_m2(grid, shows.size());
     if (gain >= params_.view.min_gain_m2) {
-      candidates.push_back({{cell, p_map, gain, reach.length_m(cell)}, shows});
+      candidates.push_back({{cell, p_map, gain, paths.length_m(cell)}, shows});
     }
   }
   return candidates;
 }
 
-std::vector<Viewpoint> ViewpointChooser::choose(const GroundGrid& grid, const Reach& reach,
+std::vector<Viewpoint> ViewpointChooser::choose(const PlanningGrid& grid,
+                                                const ShortestPaths& paths,
                                                 const std::vector<Cell>& lookouts, double yaw_rad) {
-  std::vector<Candidate> candidates = evaluate(grid, reach, lookouts, yaw_rad);
+  std::vector<Candidate> candidates = evaluate(grid, paths, lookouts, yaw_rad);
   std::vector<bool> is_shown(grid.ground().size(), false);
   std::vector<Viewpoint> chosen;
   const auto value = [&](const Candidate& candidate) {

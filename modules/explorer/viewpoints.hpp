@@ -6,10 +6,10 @@
 #include <optional>
 #include <vector>
 
-#include "modules/explorer/ground_grid.hpp"
 #include "modules/explorer/params.hpp"
-#include "modules/explorer/reach.hpp"
-#include "modules/explorer/view.hpp"
+#include "modules/explorer/planning_grid.hpp"
+#include "modules/explorer/ray_caster.hpp"
+#include "modules/explorer/shortest_paths.hpp"
 
 namespace nodmap::explorer {
 
@@ -29,11 +29,12 @@ class ViewpointChooser {
   /// At most tour.max_viewpoints, the best first: by gain, discounted with the length of the path,
   /// where what a viewpoint shows no longer counts for the next (greedy set cover). `lookouts`:
   /// reached cells, the nearest first. `yaw_rad`: of the robot.
-  [[nodiscard]] std::vector<Viewpoint> choose(const GroundGrid& grid, const Reach& reach,
+  [[nodiscard]] std::vector<Viewpoint> choose(const PlanningGrid& grid, const ShortestPaths& paths,
                                               const std::vector<Cell>& lookouts, double yaw_rad);
 
   /// The first lookout that shows enough, looking in all directions.
-  [[nodiscard]] std::optional<Viewpoint> nearest(const GroundGrid& grid, const Reach& reach,
+  [[nodiscard]] std::optional<Viewpoint> nearest(const PlanningGrid& grid,
+                                                 const ShortestPaths& paths,
                                                  const std::vector<Cell>& lookouts);
 
  private:
@@ -41,12 +42,13 @@ class ViewpointChooser {
     Viewpoint viewpoint;
     std::vector<std::uint32_t> shows;  // unknown cells
   };
-  [[nodiscard]] std::vector<Candidate> evaluate(const GroundGrid& grid, const Reach& reach,
+  [[nodiscard]] std::vector<Candidate> evaluate(const PlanningGrid& grid,
+                                                const ShortestPaths& paths,
                                                 const std::vector<Cell>& lookouts, double yaw_rad);
 
   ExplorerParams params_;
-  View view_;
-  View view_around_;  // in all directions
+  RayCaster ray_caster_;
+  RayCaster ray_caster_around_;  // in all directions
 };
 
 }  // namespace nodmap::explorer

@@ -10,7 +10,7 @@ namespace nodmap::explorer {
 namespace {
 
 /// A room of 4 m x 3 m, its left half free and the rest unknown, closed by walls; map cells.
-GroundGrid half_known_room() {
+PlanningGrid half_known_room() {
   std::vector<std::int8_t> cells(80 * 60, -1);
   for (int y = 0; y < 60; ++y) {
     for (int x = 0; x < 80; ++x) {
@@ -20,37 +20,37 @@ GroundGrid half_known_room() {
                                                                                        : 0);
     }
   }
-  GroundGrid grid(0.2);
+  PlanningGrid grid(0.2);
   EXPECT_TRUE(grid.add({0.05, {0, 0}, 80, 60, cells}));
   return grid;
 }
 
 TEST(Frontiers, AreTheFreeCellsBesideUnknownGround) {
-  const GroundGrid grid = half_known_room();
-  Reach reach;
-  reach.compute(grid, {1.0, 1.5});
+  const PlanningGrid grid = half_known_room();
+  ShortestPaths paths;
+  paths.compute(grid, {1.0, 1.5});
   Frontiers frontiers;
-  frontiers.find(grid, reach);
+  frontiers.find(grid, paths);
   // The whole border at x = 2 m, but for the walls: 28 cells.
   EXPECT_EQ(frontiers.cells().size(), 28U);
   EXPECT_TRUE(std::ranges::all_of(frontiers.cells(), [](const Cell& c) { return c.x() == 19; }));
 }
 
 TEST(Frontiers, LookoutsAreReachedNearAFrontierAndOneForEachBlock) {
-  const GroundGrid grid = half_known_room();
-  Reach reach;
-  reach.compute(grid, {0.5, 1.5});
+  const PlanningGrid grid = half_known_room();
+  ShortestPaths paths;
+  paths.compute(grid, {0.5, 1.5});
   Frontiers frontiers;
-  frontiers.find(grid, reach);
-  const std::vector<Cell> lookouts = frontiers.lookouts(grid, reach, 1.0);
+  frontiers.find(grid, paths);
+  const std::vector<Cell> lookouts = frontiers.lookouts(grid, paths, 1.0);
   ASSERT_FALSE(lookouts.empty());
   std::set<std::pair<int, int>> blocks;
   double last_m = 0.0;
   for (const Cell& cell : lookouts) {
-    EXPECT_TRUE(reach.is_reached(cell));
+    EXPECT_TRUE(paths.is_reached(cell));
     EXPECT_GE(cell.x(), 9) << "more than 1 m off";
-    EXPECT_GE(reach.length_m(cell), last_m);
-    last_m = reach.length_m(cell);
+    EXPECT_GE(paths.length_m(cell), last_m);
+    last_m = paths.length_m(cell);
     EXPECT_TRUE(blocks.emplace(cell.x() / 4, cell.y() / 4).second);
   }
 }
@@ -62,14 +62,14 @@ TEST(Frontiers, AKnownRoomHasNone) {
       cells[static_cast<std::size_t>(at)] = 100;
     }
   }
-  GroundGrid grid(0.2);
+  PlanningGrid grid(0.2);
   ASSERT_TRUE(grid.add({0.05, {0, 0}, 40, 40, cells}));
-  Reach reach;
-  reach.compute(grid, {1.0, 1.0});
+  ShortestPaths paths;
+  paths.compute(grid, {1.0, 1.0});
   Frontiers frontiers;
-  frontiers.find(grid, reach);
+  frontiers.find(grid, paths);
   EXPECT_TRUE(frontiers.cells().empty());
-  EXPECT_TRUE(frontiers.lookouts(grid, reach, 2.0).empty());
+  EXPECT_TRUE(frontiers.lookouts(grid, paths, 2.0).empty());
 }
 
 }  // namespace

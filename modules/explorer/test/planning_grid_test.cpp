@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "modules/explorer/ground_grid.hpp"
+#include "modules/explorer/planning_grid.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 namespace nodmap::explorer {
 namespace {
 
-constexpr double kClearanceM = 0.205;
+constexpr double kInflationRadiusM = 0.205;
 constexpr int kTile = 40;
 
 /// Cells of the map that are all free but for what is written into them.
@@ -26,7 +26,7 @@ struct Map {
   std::vector<std::int8_t> cells;
 };
 
-TEST(GroundGrid, APlanningCellIsOccupiedFreeOrUnknownByItsFour) {
+TEST(PlanningGrid, APlanningCellIsOccupiedFreeOrUnknownByItsFour) {
   Map map;
   for (int x = 0; x < kTile; ++x) {
     for (int y = 20; y < kTile; ++y) {
@@ -34,7 +34,7 @@ TEST(GroundGrid, APlanningCellIsOccupiedFreeOrUnknownByItsFour) {
     }
   }
   map.set(11, 10, 25).set(21, 10, 24).set(31, 30, 0);
-  GroundGrid grid(kClearanceM);
+  PlanningGrid grid(kInflationRadiusM);
   ASSERT_TRUE(grid.add(map.tile()));
   EXPECT_EQ(grid.cell_size_m(), 0.1);
   EXPECT_EQ(grid.ground_at({5, 5}), Ground::kOccupied);
@@ -45,12 +45,12 @@ TEST(GroundGrid, APlanningCellIsOccupiedFreeOrUnknownByItsFour) {
   EXPECT_EQ(grid.num_free(), 20 * 10 - 1 + 1);
 }
 
-TEST(GroundGrid, GapsOfOneCellBelongToWhatIsOnBothSides) {
+TEST(PlanningGrid, GapsOfOneCellBelongToWhatIsOnBothSides) {
   Map map;
   std::fill(map.cells.begin(), map.cells.end(), static_cast<std::int8_t>(-1));
   map.set(10, 10, 0).set(14, 10, 0);      // beams: cells 5 and 7 of row 5
   map.set(10, 20, 100).set(14, 24, 100);  // a wall across
-  GroundGrid grid(kClearanceM);
+  PlanningGrid grid(kInflationRadiusM);
   ASSERT_TRUE(grid.add(map.tile()));
   EXPECT_EQ(grid.ground_at({6, 5}), Ground::kFree);
   EXPECT_EQ(grid.ground_at({6, 11}), Ground::kOccupied);
@@ -58,7 +58,7 @@ TEST(GroundGrid, GapsOfOneCellBelongToWhatIsOnBothSides) {
 }
 
 /// By looking at all cells.
-bool is_passable(const std::vector<Map>& maps, const GroundGrid& grid, const Cell& cell) {
+bool is_passable(const std::vector<Map>& maps, const PlanningGrid& grid, const Cell& cell) {
   bool has_room = false;
   for (int i = 0; i < 4; ++i) {
     const Cell map_cell = 2 * cell + Cell(i % 2, i / 2);
@@ -67,7 +67,7 @@ bool is_passable(const std::vector<Map>& maps, const GroundGrid& grid, const Cel
       for (int at = 0; at < kTile * kTile; ++at) {
         const Cell other = map.first + Cell(at % kTile, at / kTile);
         is_near = is_near || (map.cells[static_cast<std::size_t>(at)] >= 25 &&
-                              0.05 * (other - map_cell).cast<double>().norm() < kClearanceM);
+                              0.05 * (other - map_cell).cast<double>().norm() < kInflationRadiusM);
       }
     }
     has_room = has_room || !is_near;
@@ -76,11 +76,11 @@ bool is_passable(const std::vector<Map>& maps, const GroundGrid& grid, const Cel
 }
 
 // The grid keeps up with a map that changes; an oracle looks at everything anew.
-TEST(GroundGrid, WhatIsPassableIsWhatIsFarEnoughFromAllThatIsOccupied) {
+TEST(PlanningGrid, WhatIsPassableIsWhatIsFarEnoughFromAllThatIsOccupied) {
   std::mt19937_64 engine(1000);
   std::uniform_int_distribution<int> place(0, kTile - 1);
   std::vector<Map> maps{Map(Cell(-kTile, 0)), Map(Cell(0, 0))};
-  GroundGrid grid(kClearanceM);
+  PlanningGrid grid(kInflationRadiusM);
   for (int round = 0; round < 4; ++round) {
     for (Map& map : maps) {
       std::fill(map.cells.begin(), map.cells.end(), static_cast<std::int8_t>(0));
@@ -101,9 +101,9 @@ TEST(GroundGrid, WhatIsPassableIsWhatIsFarEnoughFromAllThatIsOccupied) {
   }
 }
 
-TEST(GroundGrid, TilesThatMakeNoSenseAreRefused) {
+TEST(PlanningGrid, TilesThatMakeNoSenseAreRefused) {
   const Map map;
-  GroundGrid grid(kClearanceM);
+  PlanningGrid grid(kInflationRadiusM);
   MapTile tile = map.tile();
   tile.width = kTile + 1;
   EXPECT_FALSE(grid.add(tile));
@@ -119,10 +119,10 @@ TEST(GroundGrid, TilesThatMakeNoSenseAreRefused) {
   EXPECT_EQ(grid.num_free(), kTile * kTile / 4);
 }
 
-TEST(GroundGrid, OtherCellsBeginANewMap) {
+TEST(PlanningGrid, OtherCellsBeginANewMap) {
   Map map;
   map.set(10, 10, 100);
-  GroundGrid grid(kClearanceM);
+  PlanningGrid grid(kInflationRadiusM);
   ASSERT_TRUE(grid.add(map.tile()));
   MapTile tile = map.tile();
   tile.cell_size_m = 0.1;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "modules/explorer/reach.hpp"
+#include "modules/explorer/shortest_paths.hpp"
 
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@ namespace nodmap::explorer {
 namespace {
 
 /// A hall of 6 m x 4 m with pillars, all of it known.
-GroundGrid hall(std::uint64_t seed) {
+PlanningGrid hall(std::uint64_t seed) {
   std::mt19937_64 engine(seed);
   std::uniform_real_distribution<double> place(0.0, 4.0);
   std::vector<std::int8_t> cells(120 * 80, 0);
@@ -22,13 +22,13 @@ GroundGrid hall(std::uint64_t seed) {
     const auto y = static_cast<std::size_t>(place(engine) * 20.0);
     cells[std::min<std::size_t>(y, 79) * 120 + std::min<std::size_t>(x, 119)] = 100;
   }
-  GroundGrid grid(0.16);
+  PlanningGrid grid(0.16);
   EXPECT_TRUE(grid.add({0.05, {0, 0}, 120, 80, cells}));
   return grid;
 }
 
 /// Bellman and Ford: relaxes all edges until nothing changes. Fifths of a cell.
-std::vector<std::vector<double>> all_lengths(const GroundGrid& grid, const Cell& from) {
+std::vector<std::vector<double>> all_lengths(const PlanningGrid& grid, const Cell& from) {
   constexpr double kNever = std::numeric_limits<double>::infinity();
   std::vector<std::vector<double>> lengths(40, std::vector<double>(60, kNever));
   lengths[static_cast<std::size_t>(from.y())][static_cast<std::size_t>(from.x())] = 0.0;
@@ -54,62 +54,62 @@ std::vector<std::vector<double>> all_lengths(const GroundGrid& grid, const Cell&
   return lengths;
 }
 
-TEST(Reach, LengthsAreTheShortestAndPathsAreAsLong) {
+TEST(ShortestPaths, LengthsAreTheShortestAndPathsAreAsLong) {
   for (std::uint64_t seed = 1000; seed < 1003; ++seed) {
-    const GroundGrid grid = hall(seed);
-    Reach reach;
-    reach.compute(grid, {5.5, 3.5});
-    ASSERT_FALSE(reach.cells().empty());
-    const auto expected = all_lengths(grid, reach.cells().front());
+    const PlanningGrid grid = hall(seed);
+    ShortestPaths paths;
+    paths.compute(grid, {5.5, 3.5});
+    ASSERT_FALSE(paths.cells().empty());
+    const auto expected = all_lengths(grid, paths.cells().front());
     for (int y = 0; y < 40; ++y) {
       for (int x = 0; x < 60; ++x) {
         const double steps = expected[static_cast<std::size_t>(y)][static_cast<std::size_t>(x)];
         // A fifth of a cell is 2 cm.
-        ASSERT_NEAR(std::min(1e6, reach.length_m({x, y})), std::min(1e6, 0.02 * steps), 1e-9);
+        ASSERT_NEAR(std::min(1e6, paths.length_m({x, y})), std::min(1e6, 0.02 * steps), 1e-9);
       }
     }
-    const Cell far = reach.cells().back();
-    const std::vector<Cell> path = reach.path_to(far);
+    const Cell far = paths.cells().back();
+    const std::vector<Cell> path = paths.path_to(far);
     double length_m = 0.0;
     for (std::size_t i = 1; i < path.size(); ++i) {
       ASSERT_TRUE(grid.is_passable(path[i]));
       ASSERT_LE((path[i] - path[i - 1]).cwiseAbs().maxCoeff(), 1);
       length_m += (path[i] - path[i - 1]).cwiseAbs().sum() == 2 ? 0.14 : 0.1;
     }
-    EXPECT_NEAR(length_m, reach.length_m(far), 1e-9);
-    EXPECT_EQ(path.front(), reach.cells().front());
+    EXPECT_NEAR(length_m, paths.length_m(far), 1e-9);
+    EXPECT_EQ(path.front(), paths.cells().front());
   }
 }
 
-TEST(Reach, EndsWithItsTargets) {
-  const GroundGrid grid = hall(1000);
-  Reach all;
+TEST(ShortestPaths, EndsWithItsTargets) {
+  const PlanningGrid grid = hall(1000);
+  ShortestPaths all;
   all.compute(grid, {5.5, 3.5});
   const std::vector<Cell> targets{all.cells()[10], all.cells()[50]};
-  Reach reach;
-  reach.compute(grid, {5.5, 3.5}, targets);
-  EXPECT_LT(reach.cells().size(), 100U);
+  ShortestPaths paths;
+  paths.compute(grid, {5.5, 3.5}, targets);
+  EXPECT_LT(paths.cells().size(), 100U);
   for (const Cell& target : targets) {
-    EXPECT_EQ(reach.length_m(target), all.length_m(target));
+    EXPECT_EQ(paths.length_m(target), all.length_m(target));
   }
 }
 
-TEST(Reach, WithoutRoomAroundTheRobotNothingIsReached) {
-  const GroundGrid grid = hall(1000);
-  Reach reach;
-  reach.compute(grid, {50.0, 50.0});
-  EXPECT_TRUE(reach.cells().empty());
-  EXPECT_FALSE(reach.is_reached({55, 35}));
-  reach.compute(GroundGrid(0.2), {0.0, 0.0});
-  EXPECT_TRUE(reach.cells().empty());
+TEST(ShortestPaths, WithoutRoomAroundTheRobotNothingIsReached) {
+  const PlanningGrid grid = hall(1000);
+  ShortestPaths paths;
+  paths.compute(grid, {50.0, 50.0});
+  EXPECT_TRUE(paths.cells().empty());
+  EXPECT_FALSE(paths.is_reached({55, 35}));
+  paths.compute(PlanningGrid(0.2), {0.0, 0.0});
+  EXPECT_TRUE(paths.cells().empty());
 }
 
-TEST(Reach, TheHeadingIsThatOfThePathsEnd) {
-  const GroundGrid grid = hall(1000);
-  Reach reach;
-  reach.compute(grid, {5.0, 3.5});
-  EXPECT_NEAR(reach.heading_rad(grid.cell_of({5.85, 3.5}), 2.0), 0.0, 1e-9);
-  EXPECT_EQ(reach.heading_rad(reach.cells().front(), 2.0), 2.0);
+TEST(ShortestPaths, TheHeadingIsThatOfThePathsEnd) {
+  const PlanningGrid grid = hall(1000);
+  ShortestPaths paths;
+  paths.compute(grid, {5.0, 3.5});
+  EXPECT_NEAR(paths.heading_rad(grid.cell_of({5.85, 3.5}), 2.0), 0.0, 1e-9);
+  EXPECT_EQ(paths.heading_rad(paths.cells().front(), 2.0), 2.0);
 }
 
 }  // namespace

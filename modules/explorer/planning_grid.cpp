@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "modules/explorer/ground_grid.hpp"
+#include "modules/explorer/planning_grid.hpp"
 
 #include <algorithm>
 #include <array>
@@ -40,11 +40,11 @@ bool is_plausible(const MapTile& tile) {
 
 }  // namespace
 
-void GroundGrid::clear() {
-  *this = GroundGrid(clearance_m_);
+void PlanningGrid::clear() {
+  *this = PlanningGrid(inflation_radius_m_);
 }
 
-bool GroundGrid::add(const MapTile& tile) {
+bool PlanningGrid::add(const MapTile& tile) {
   if (!is_plausible(tile)) {
     return false;
   }
@@ -77,14 +77,14 @@ bool GroundGrid::add(const MapTile& tile) {
     }
   }
   if (low.x() <= high.x()) {
-    // What lies within the clearance, and beside it where gaps are filled.
+    // What lies within the inflation radius, and beside it where gaps are filled.
     const Cell margin = Cell::Constant(near_cells_ + 2);
     summarise(halved(low - margin), halved(high + margin));
   }
   return true;
 }
 
-bool GroundGrid::make_room(const MapTile& tile) {
+bool PlanningGrid::make_room(const MapTile& tile) {
   const Cell margin = Cell::Constant(near_cells_ + 4);
   Cell low = tile.first - margin;
   Cell high = tile.first + Cell(tile.width - 1, tile.height - 1) + margin;
@@ -109,12 +109,12 @@ bool GroundGrid::make_room(const MapTile& tile) {
   return true;
 }
 
-void GroundGrid::find_near_offsets() {
+void PlanningGrid::find_near_offsets() {
   const double map_cell_m = 0.5 * cell_size_m_;
-  near_cells_ = static_cast<int>(clearance_m_ / map_cell_m);
+  near_cells_ = static_cast<int>(inflation_radius_m_ / map_cell_m);
   for (int dy = -near_cells_; dy <= near_cells_; ++dy) {
     for (int dx = -near_cells_; dx <= near_cells_; ++dx) {
-      if (map_cell_m * std::hypot(dx, dy) < clearance_m_) {
+      if (map_cell_m * std::hypot(dx, dy) < inflation_radius_m_) {
         near_offsets_.emplace_back(dx, dy);
       }
     }
@@ -122,7 +122,7 @@ void GroundGrid::find_near_offsets() {
 }
 
 /// `change`: +1 when the cell becomes occupied, -1 when it no longer is.
-void GroundGrid::occupy(const Cell& map_cell, int change) {
+void PlanningGrid::occupy(const Cell& map_cell, int change) {
   for (const Cell& offset : near_offsets_) {
     std::uint16_t& count = num_near_.at(map_cell + offset);
     count = static_cast<std::uint16_t>(count + change);
@@ -130,7 +130,7 @@ void GroundGrid::occupy(const Cell& map_cell, int change) {
 }
 
 /// Works the planning cells out anew from the map's cells.
-void GroundGrid::summarise(const Cell& low, const Cell& high) {
+void PlanningGrid::summarise(const Cell& low, const Cell& high) {
   for (int y = low.y(); y <= high.y(); ++y) {
     for (int x = low.x(); x <= high.x(); ++x) {
       raw_.at({x, y}) = raw_ground({x, y});
@@ -147,7 +147,7 @@ void GroundGrid::summarise(const Cell& low, const Cell& high) {
   }
 }
 
-Ground GroundGrid::raw_ground(const Cell& cell) const {
+Ground PlanningGrid::raw_ground(const Cell& cell) const {
   Ground ground = Ground::kUnknown;
   for (int i = 0; i < 4; ++i) {
     ground = std::max(ground, map_.at(2 * cell + Cell(i % 2, i / 2)));
@@ -155,7 +155,7 @@ Ground GroundGrid::raw_ground(const Cell& cell) const {
   return ground;
 }
 
-Ground GroundGrid::filled_ground(const Cell& cell) const {
+Ground PlanningGrid::filled_ground(const Cell& cell) const {
   const Ground raw = raw_.at(cell);
   if (raw != Ground::kUnknown) {
     return raw;
@@ -175,7 +175,7 @@ Ground GroundGrid::filled_ground(const Cell& cell) const {
 }
 
 /// One of the map's four cells suffices: planning must not close a door that the body fits through.
-bool GroundGrid::has_room(const Cell& cell) const {
+bool PlanningGrid::has_room(const Cell& cell) const {
   for (int i = 0; i < 4; ++i) {
     if (num_near_.at(2 * cell + Cell(i % 2, i / 2)) == 0) {
       return true;

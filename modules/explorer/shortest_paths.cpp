@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "modules/explorer/reach.hpp"
+#include "modules/explorer/shortest_paths.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -21,8 +21,8 @@ const std::array<Cell, 8> kNeighbours{Cell(1, 0), Cell(-1, 0), Cell(0, 1),  Cell
 
 }  // namespace
 
-void Reach::compute(const GroundGrid& grid, const Eigen::Vector2d& from_map,
-                    std::span<const Cell> targets) {
+void ShortestPaths::compute(const PlanningGrid& grid, const Eigen::Vector2d& from_map,
+                            std::span<const Cell> targets) {
   const Raster<Ground>& ground = grid.ground();
   cell_size_m_ = grid.cell_size_m();
   steps_.reset(ground.first(), ground.width(), ground.height(), kNever);
@@ -61,7 +61,7 @@ void Reach::compute(const GroundGrid& grid, const Eigen::Vector2d& from_map,
   }
 }
 
-void Reach::seed(const GroundGrid& grid, const Eigen::Vector2d& from_map) {
+void ShortestPaths::seed(const PlanningGrid& grid, const Eigen::Vector2d& from_map) {
   const Cell middle = grid.cell_of(from_map);
   const auto around = static_cast<int>(kAroundM / cell_size_m_);
   std::optional<Cell> nearest;
@@ -79,7 +79,7 @@ void Reach::seed(const GroundGrid& grid, const Eigen::Vector2d& from_map) {
   }
 }
 
-void Reach::push(const Cell& cell, std::uint32_t length, std::uint8_t from) {
+void ShortestPaths::push(const Cell& cell, std::uint32_t length, std::uint8_t from) {
   std::uint32_t& known = steps_.at(cell);
   if (length < known) {
     known = length;
@@ -89,12 +89,12 @@ void Reach::push(const Cell& cell, std::uint32_t length, std::uint8_t from) {
   }
 }
 
-double Reach::length_m(const Cell& cell) const {
+double ShortestPaths::length_m(const Cell& cell) const {
   return is_reached(cell) ? cell_size_m_ / kStraight * steps_.at(cell)
                           : std::numeric_limits<double>::infinity();
 }
 
-std::vector<Cell> Reach::path_to(const Cell& cell) const {
+std::vector<Cell> ShortestPaths::path_to(const Cell& cell) const {
   std::vector<Cell> path{cell};
   while (from_.at(path.back()) != kBegins) {
     path.push_back(path.back() - kNeighbours.at(from_.at(path.back())));
@@ -103,7 +103,7 @@ std::vector<Cell> Reach::path_to(const Cell& cell) const {
   return path;
 }
 
-double Reach::heading_rad(const Cell& cell, double otherwise_rad) const {
+double ShortestPaths::heading_rad(const Cell& cell, double otherwise_rad) const {
   Cell before = cell;
   for (int i = 0; i < kHeadingCells && from_.at(before) != kBegins; ++i) {
     before -= kNeighbours.at(from_.at(before));

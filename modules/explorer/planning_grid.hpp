@@ -31,13 +31,14 @@ enum class Ground : std::uint8_t { kUnknown, kFree, kOccupied };
 ///
 /// Gaps one planning cell wide count as what lies on both sides of them: the beams of a scan are
 /// 14 cm apart at 8 m, and a wall seen at a flat angle has cells that no beam ended in.
-class GroundGrid {
+class PlanningGrid {
  public:
   /// The largest map, in planning cells: 410 m x 410 m at 10 cm.
   static constexpr std::int64_t kMaxCells = std::int64_t{1} << 24;
 
-  /// `clearance_m`: distance that the robot's centre keeps from the middles of occupied map cells.
-  explicit GroundGrid(double clearance_m) : clearance_m_(clearance_m) {}
+  /// `inflation_radius_m`: distance that the robot's centre keeps from the middles of occupied map
+  /// cells.
+  explicit PlanningGrid(double inflation_radius_m) : inflation_radius_m_(inflation_radius_m) {}
 
   /// Takes over a tile. A tile with other cells than those before begins a new map. False, and
   /// nothing is changed, where the map would become too large or the tile contradicts itself.
@@ -73,12 +74,12 @@ class GroundGrid {
   [[nodiscard]] Ground filled_ground(const Cell& cell) const;
   [[nodiscard]] bool has_room(const Cell& cell) const;
 
-  double clearance_m_;
+  double inflation_radius_m_;
   double cell_size_m_ = 0.0;
-  std::vector<Cell> near_offsets_;  // map cells within the clearance
+  std::vector<Cell> near_offsets_;  // map cells within the inflation radius
   int near_cells_ = 0;              // the farthest of them along an axis
   Raster<Ground> map_;              // the map's own cells
-  Raster<std::uint16_t> num_near_;  // occupied map cells within the clearance, by map cell
+  Raster<std::uint16_t> num_near_;  // occupied map cells within the inflation radius, by map cell
   Raster<Ground> raw_;              // planning cells before gaps are filled
   Raster<Ground> ground_;
   Raster<std::uint8_t> passable_;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "modules/explorer/view.hpp"
+#include "modules/explorer/ray_caster.hpp"
 
 #include <gtest/gtest.h>
 
@@ -22,23 +22,23 @@ struct Scene {
       }
     }
   }
-  [[nodiscard]] GroundGrid grid() const {
-    GroundGrid grid(0.2);
+  [[nodiscard]] PlanningGrid grid() const {
+    PlanningGrid grid(0.2);
     EXPECT_TRUE(grid.add({0.05, Cell(-200, -200), kCells, kCells, cells}));
     return grid;
   }
   std::vector<std::int8_t> cells;
 };
 
-double seen_m2(const GroundGrid& grid, const ViewParams& params, double heading_rad) {
-  View view(params, 0.0);
+double seen_m2(const PlanningGrid& grid, const ViewParams& params, double heading_rad) {
+  RayCaster view(params, 0.0);
   const auto& cells = view.unknown_cells(grid, {0.0, 0.0}, heading_rad);
   EXPECT_EQ(std::set<std::uint32_t>(cells.begin(), cells.end()).size(), cells.size());
   return 0.01 * static_cast<double>(cells.size());
 }
 
 // Nothing is known: a half disc of the depth that a beam may pass through.
-TEST(View, OpenUnknownGroundIsSeenAsFarAsItsDepth) {
+TEST(RayCaster, OpenUnknownGroundIsSeenAsFarAsItsDepth) {
   Scene scene;
   scene.fill(-0.1, -0.1, 0.1, 0.1, 0);
   ViewParams params;
@@ -48,7 +48,7 @@ TEST(View, OpenUnknownGroundIsSeenAsFarAsItsDepth) {
 }
 
 // A wall with a gap of 1 m, a metre ahead: a wedge is seen behind it.
-TEST(View, WhatIsBehindAWallIsHidden) {
+TEST(RayCaster, WhatIsBehindAWallIsHidden) {
   Scene scene;
   scene.fill(-2.0, -3.0, 1.0, 3.0, 0);
   scene.fill(1.0, -9.0, 1.1, 9.0, 100);
@@ -65,7 +65,7 @@ TEST(View, WhatIsBehindAWallIsHidden) {
   EXPECT_NEAR(seen_m2(scene.grid(), params, 0.0) / wedge_m2, 1.0, 0.1);
 }
 
-TEST(View, OnlyWhatIsWithinTheLasersAngleIsSeen) {
+TEST(RayCaster, OnlyWhatIsWithinTheLasersAngleIsSeen) {
   Scene scene;
   scene.fill(-10.0, -10.0, 1.0, 10.0, 0);
   ViewParams params;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "modules/explorer/failures.hpp"
+#include "modules/explorer/failed_places.hpp"
 
 #include <gtest/gtest.h>
 
@@ -14,8 +14,8 @@ constexpr time::Timestamp at_s(int seconds) {
   return time::Timestamp(seconds * 1s);
 }
 
-TEST(Failures, APlaceIsLeftOutForATimeThatDoubles) {
-  Failures failures({.retry_s = 30.0, .max_failures = 3});
+TEST(FailedPlaces, APlaceIsLeftOutForATimeThatDoubles) {
+  FailedPlaces failures({.retry_s = 30.0, .max_failures = 3});
   failures.add(kPlace, at_s(100));
   EXPECT_TRUE(failures.is_left_out(kBeside, at_s(129)));
   EXPECT_FALSE(failures.is_left_out(kElsewhere, at_s(129)));
@@ -28,8 +28,8 @@ TEST(Failures, APlaceIsLeftOutForATimeThatDoubles) {
   EXPECT_TRUE(failures.is_left_out(kPlace, at_s(1'000'000))) << "given up";
 }
 
-TEST(Failures, WhatIsNotGivenUpIsForgivenOnce) {
-  Failures failures({.retry_s = 30.0, .max_failures = 2});
+TEST(FailedPlaces, WhatIsNotGivenUpIsForgivenOnce) {
+  FailedPlaces failures({.retry_s = 30.0, .max_failures = 2});
   EXPECT_FALSE(failures.forgive()) << "there is nothing";
   failures.add(kPlace, at_s(100));
   EXPECT_TRUE(failures.forgive());

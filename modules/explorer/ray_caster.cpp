@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "modules/explorer/view.hpp"
+#include "modules/explorer/ray_caster.hpp"
 
 #include <cmath>
 
@@ -11,15 +11,15 @@ constexpr double kFullDensityM = 4.0;
 
 }  // namespace
 
-const std::vector<std::uint32_t>& View::unknown_cells(const GroundGrid& grid,
-                                                      const Eigen::Vector2d& p_map,
-                                                      double heading_rad) {
+const std::vector<std::uint32_t>& RayCaster::unknown_cells(const PlanningGrid& grid,
+                                                           const Eigen::Vector2d& p_map,
+                                                           double heading_rad) {
   cells_.clear();
   if (counted_in_.size() != grid.ground().size()) {
     counted_in_.assign(grid.ground().size(), 0);
-    num_views_ = 0;
+    num_casts_ = 0;
   }
-  ++num_views_;
+  ++num_casts_;
   const Eigen::Vector2d ahead(std::cos(heading_rad), std::sin(heading_rad));
   Eigen::Vector2d from_map = p_map + sensor_ahead_m_ * ahead;
   if (grid.ground_at(grid.cell_of(from_map)) != Ground::kFree) {
@@ -33,7 +33,7 @@ const std::vector<std::uint32_t>& View::unknown_cells(const GroundGrid& grid,
   return cells_;
 }
 
-void View::cast(const GroundGrid& grid, const Eigen::Vector2d& from_map, double angle_rad) {
+void RayCaster::cast(const PlanningGrid& grid, const Eigen::Vector2d& from_map, double angle_rad) {
   const Raster<Ground>& ground = grid.ground();
   const Eigen::Vector2d step(std::cos(angle_rad), std::sin(angle_rad));
   Eigen::Vector2d p = from_map / grid.cell_size_m();
@@ -51,8 +51,8 @@ void View::cast(const GroundGrid& grid, const Eigen::Vector2d& from_map, double 
     }
     if (ground[index] == Ground::kUnknown) {
       --unknown_left;
-      if (counted_in_[index] != num_views_) {
-        counted_in_[index] = num_views_;
+      if (counted_in_[index] != num_casts_) {
+        counted_in_[index] = num_casts_;
         cells_.push_back(static_cast<std::uint32_t>(index));
       }
     }

@@ -11,9 +11,9 @@ namespace nodmap::explorer {
 
 /// Places that the robot did not get to, or from which it did not see what it should have. Each is
 /// left out for a time that doubles with each failure, until it is given up.
-class Failures {
+class FailedPlaces {
  public:
-  explicit Failures(const PatienceParams& params) : params_(params) {}
+  explicit FailedPlaces(const PatienceParams& params) : params_(params) {}
 
   void add(const Eigen::Vector2d& p_map, time::Timestamp now);
   /// Whether a place near this one has failed lately, or for good.

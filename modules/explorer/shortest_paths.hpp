@@ -7,17 +7,17 @@
 #include <span>
 #include <vector>
 
-#include "modules/explorer/ground_grid.hpp"
+#include "modules/explorer/planning_grid.hpp"
 
 namespace nodmap::explorer {
 
 /// Lengths of the shortest paths from one place to all others over passable cells (Dijkstra with
 /// buckets on the 8-neighbourhood: up to 8 % longer than the straight line). Frame map.
-class Reach {
+class ShortestPaths {
  public:
-  /// Where the robot is may lie within the clearance of an obstacle: paths begin at the nearest
-  /// passable cell within 0.4 m. With `targets` the search ends when all of them have been reached.
-  void compute(const GroundGrid& grid, const Eigen::Vector2d& from_map,
+  /// The robot may be nearer to an obstacle than a path may: paths begin at the nearest passable
+  /// cell within 0.4 m. With `targets` the search ends when all of them have been reached.
+  void compute(const PlanningGrid& grid, const Eigen::Vector2d& from_map,
                std::span<const Cell> targets = {});
 
   /// The passable cells that can be reached, the nearest first.
@@ -39,7 +39,7 @@ class Reach {
   static constexpr int kNumBuckets = 8;
 
   void push(const Cell& cell, std::uint32_t length, std::uint8_t from);
-  void seed(const GroundGrid& grid, const Eigen::Vector2d& from_map);
+  void seed(const PlanningGrid& grid, const Eigen::Vector2d& from_map);
 
   double cell_size_m_ = 0.1;
   Raster<std::uint32_t> steps_;

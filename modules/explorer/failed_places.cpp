@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "modules/explorer/failures.hpp"
+#include "modules/explorer/failed_places.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,7 @@ constexpr double kSamePlaceM = 0.7;
 
 }  // namespace
 
-void Failures::add(const Eigen::Vector2d& p_map, time::Timestamp now) {
+void FailedPlaces::add(const Eigen::Vector2d& p_map, time::Timestamp now) {
   auto place = std::ranges::find_if(
       places_, [&](const Place& known) { return (known.p_map - p_map).norm() < kSamePlaceM; });
   if (place == places_.end()) {
@@ -22,14 +22,14 @@ void Failures::add(const Eigen::Vector2d& p_map, time::Timestamp now) {
   place->until = now + time::from_seconds(pause_s);
 }
 
-bool Failures::is_left_out(const Eigen::Vector2d& p_map, time::Timestamp now) const {
+bool FailedPlaces::is_left_out(const Eigen::Vector2d& p_map, time::Timestamp now) const {
   return std::ranges::any_of(places_, [&](const Place& place) {
     return (place.p_map - p_map).norm() < kSamePlaceM &&
            (now < place.until || place.num_failures >= params_.max_failures);
   });
 }
 
-bool Failures::forgive() {
+bool FailedPlaces::forgive() {
   bool any = false;
   for (Place& place : places_) {
     any = any || (place.num_failures < params_.max_failures && place.until != time::Timestamp{});
