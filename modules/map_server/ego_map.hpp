@@ -20,14 +20,14 @@ class EgoMap {
   /// Runs the three steps of III B, in the paper's order, for one scan. `T_now_last` transforms
   /// points from the base frame of the last update to the present one; empty if the robot has not
   /// moved. Then step 1 is skipped, and step 2 unless the rule also removes while stationary.
-  void update(const std::optional<geometry::SE2>& T_now_last, const ScanView& view) {
+  void update(const std::optional<geometry::SE2>& T_now_last, const NewScan& scan) {
     if (T_now_last) {
       scan_.transform(*T_now_last);  // 1) transformation
     }
     if (T_now_last || rule_->removes_while_stationary()) {
-      removed_ += rule_->remove_obsolete(scan_, band_, view);  // 2) removing obsolete points
+      removed_ += rule_->remove_obsolete(scan_, band_, scan);  // 2) removing obsolete points
     }
-    rule_->replace(scan_, band_, view);  // 3) point replacement
+    rule_->replace(scan_, band_, scan);  // 3) point replacement
   }
 
   void clear() { scan_.clear(); }

@@ -19,9 +19,9 @@ ScanStatus MapServer::add_scan(const scan::Scan& scan, const geometry::SE3& T_od
     return ScanStatus::kImplausiblePose;
   }
   const auto T_now_last = pose_shift(geometry::to_se2(T_odom_base));
-  const ScanView view = view_of(scan, advance_clock(scan.mid_stamp()));
-  obstacle_map_.update(T_now_last, view);
-  structure_map_.update(T_now_last, view);
+  const NewScan new_scan = new_scan_of(scan, advance_clock(scan.mid_stamp()));
+  obstacle_map_.update(T_now_last, new_scan);
+  structure_map_.update(T_now_last, new_scan);
   return ScanStatus::kUsed;
 }
 
@@ -55,21 +55,21 @@ double MapServer::advance_clock(time::Timestamp stamp) {
   return time::seconds(elapsed);
 }
 
-ScanView MapServer::view_of(const scan::Scan& scan, double elapsed_s) {
+NewScan MapServer::new_scan_of(const scan::Scan& scan, double elapsed_s) {
   sweeps_.add(scan.pitch_first_rad, scan.pitch_last_rad);
   project(scan);
-  ScanView view{.hits = hits_,
-                .line = ScanLine(scan),
-                .sweep = sweeps_.sweep(),
-                .lowest_plane = std::nullopt,
-                .highest_plane = std::nullopt,
-                .elapsed_s = elapsed_s,
-                .clock_s = clock_s_};
+  NewScan new_scan{.hits = hits_,
+                   .line = ScanLine(scan),
+                   .sweep = sweeps_.sweep(),
+                   .lowest_plane = std::nullopt,
+                   .highest_plane = std::nullopt,
+                   .elapsed_s = elapsed_s,
+                   .clock_s = clock_s_};
   if (const auto covered = sweeps_.covered()) {
-    view.lowest_plane = laser_plane(scan, covered->min_rad);
-    view.highest_plane = laser_plane(scan, covered->max_rad);
+    new_scan.lowest_plane = laser_plane(scan, covered->min_rad);
+    new_scan.highest_plane = laser_plane(scan, covered->max_rad);
   }
-  return view;
+  return new_scan;
 }
 
 // Computes the point of each beam (Eq. 1) and its bin, by the bearing from the BASE: at a pitch of

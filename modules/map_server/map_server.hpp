@@ -43,7 +43,7 @@ class MapServer {
  private:
   [[nodiscard]] std::optional<geometry::SE2> pose_shift(const geometry::SE2& T_odom_base);
   [[nodiscard]] double advance_clock(time::Timestamp stamp);
-  [[nodiscard]] ScanView view_of(const scan::Scan& scan, double elapsed_s);
+  [[nodiscard]] NewScan new_scan_of(const scan::Scan& scan, double elapsed_s);
   void project(const scan::Scan& scan);
 
   robot::Footprint body_;

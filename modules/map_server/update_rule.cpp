@@ -6,13 +6,13 @@
 namespace nodmap::map_server {
 
 std::size_t PaperRule::remove_obsolete(ExtendedScan& map, const HeightBand& /*band*/,
-                                       const ScanView& view) {
+                                       const NewScan& scan) {
   std::size_t removed = 0;
   for (EgoPoint& point : map.points()) {
     if (!point.valid) {
       continue;
     }
-    point.aged_s += view.elapsed_s;
+    point.aged_s += scan.elapsed_s;
     if (point.aged_s > expiry_s_) {
       point = map.dummy();
       ++removed;
@@ -21,8 +21,8 @@ std::size_t PaperRule::remove_obsolete(ExtendedScan& map, const HeightBand& /*ba
   return removed;
 }
 
-void PaperRule::replace(ExtendedScan& map, const HeightBand& band, const ScanView& view) {
-  for (const Hit& hit : view.hits) {
+void PaperRule::replace(ExtendedScan& map, const HeightBand& band, const NewScan& scan) {
+  for (const Hit& hit : scan.hits) {
     if (band.contains(hit.point.height_m, hit.point.distance_m) &&
         map.prefers(hit.point.distance_m, map[hit.bin].distance_m)) {
       map[hit.bin] = hit.point;

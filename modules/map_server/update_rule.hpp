@@ -34,8 +34,8 @@ struct Hit {
   std::size_t bin = 0;
 };
 
-/// The new scan as an update needs it, shared by both maps.
-struct ScanView {
+/// The newest scan as both maps need it for an update.
+struct NewScan {
   std::span<const Hit> hits;
   ScanLine line;
   std::int64_t sweep = 0;  ///< number of the present sweep
@@ -58,10 +58,10 @@ class UpdateRule : boost::noncopyable {
 
   /// Step 2: replaces obsolete points by dummies; returns their number.
   virtual std::size_t remove_obsolete(ExtendedScan& map, const HeightBand& band,
-                                      const ScanView& view) = 0;
+                                      const NewScan& scan) = 0;
 
   /// Step 3: replaces stored points by more relevant points of the scan.
-  virtual void replace(ExtendedScan& map, const HeightBand& band, const ScanView& view) = 0;
+  virtual void replace(ExtendedScan& map, const HeightBand& band, const NewScan& scan) = 0;
 };
 
 /// Steps 2 and 3 as in the paper: every transformation ages every point, and only a measurement
@@ -77,8 +77,8 @@ class PaperRule final : public UpdateRule {
 
   [[nodiscard]] bool removes_while_stationary() const override { return false; }
   std::size_t remove_obsolete(ExtendedScan& map, const HeightBand& band,
-                              const ScanView& view) override;
-  void replace(ExtendedScan& map, const HeightBand& band, const ScanView& view) override;
+                              const NewScan& scan) override;
+  void replace(ExtendedScan& map, const HeightBand& band, const NewScan& scan) override;
 
  private:
   double expiry_s_;

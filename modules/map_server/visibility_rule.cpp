@@ -24,10 +24,10 @@ VisibilityRule::VisibilityRule(const UpdateParams& params, double range_sigma_m,
       inner_body_(body.grown(-kSkinM, -kSkinM)) {}
 
 std::size_t VisibilityRule::remove_obsolete(ExtendedScan& map, const HeightBand& band,
-                                            const ScanView& view) {
+                                            const NewScan& scan) {
   std::size_t removed = 0;
   for (EgoPoint& point : map.points()) {
-    if (point.valid && is_obsolete(point, map, band, view)) {
+    if (point.valid && is_obsolete(point, map, band, scan)) {
       point = map.dummy();
       ++removed;
     }
@@ -36,33 +36,33 @@ std::size_t VisibilityRule::remove_obsolete(ExtendedScan& map, const HeightBand&
 }
 
 bool VisibilityRule::is_obsolete(EgoPoint& point, const ExtendedScan& map, const HeightBand& band,
-                                 const ScanView& view) const {
+                                 const NewScan& scan) const {
   // No obstacle can be inside the body, and such a point would hide the obstacles behind it.
   if (inner_body_.contains(point.p_base)) {
     return true;
   }
-  const auto crossing = view.line.crossing_at(point.p_base);
+  const auto crossing = scan.line.crossing_at(point.p_base);
   if (!crossing) {
     return false;
   }
-  if (band.contains(crossing->height_m, point.distance_m) && is_measured_again(view, *crossing)) {
-    confirm(point, crossing->height_m, view);
+  if (band.contains(crossing->height_m, point.distance_m) && is_measured_again(scan, *crossing)) {
+    confirm(point, crossing->height_m, scan);
     return false;
   }
-  if (!is_in_view(point, map.relevance(), view)) {
+  if (!is_in_view(point, map.relevance(), scan)) {
     return false;
   }
-  note_passing_beams(point, view, *crossing);
-  point.aged_s += std::min(view.elapsed_s, kLongestLookS);
-  if (is_at_its_heights(point, *crossing) && view.line.ends_on_either_side(*crossing)) {
+  note_passing_beams(point, scan, *crossing);
+  point.aged_s += std::min(scan.elapsed_s, kLongestLookS);
+  if (is_at_its_heights(point, *crossing) && scan.line.ends_on_either_side(*crossing)) {
     point.aged_s = 0.0;  // an edge or corner between the two beams: they prove nothing
   }
-  return is_contradicted(point) || has_expired(point, view);
+  return is_contradicted(point) || has_expired(point, scan);
 }
 
-bool VisibilityRule::is_measured_again(const ScanView& view,
+bool VisibilityRule::is_measured_again(const NewScan& scan,
                                        const ScanLine::Crossing& crossing) const {
-  const auto range_m = view.line.measured_range_m(crossing);
+  const auto range_m = scan.line.measured_range_m(crossing);
   return range_m && std::abs(*range_m - crossing.range_m) <= same_surface_m_;
 }
 
@@ -71,12 +71,12 @@ bool VisibilityRule::is_measured_again(const ScanView& view,
 // the robot the laser looks over a low box and under a table top; neither means that they are gone.
 // In the structure map, which does not control the robot, one height suffices.
 bool VisibilityRule::is_in_view(const EgoPoint& point, Relevance relevance,
-                                const ScanView& view) const {
-  if (!view.lowest_plane || !view.highest_plane) {
+                                const NewScan& scan) const {
+  if (!scan.lowest_plane || !scan.highest_plane) {
     return false;
   }
   const auto [low, high] = std::minmax(
-      {view.lowest_plane->height_m(point.p_base), view.highest_plane->height_m(point.p_base)});
+      {scan.lowest_plane->height_m(point.p_base), scan.highest_plane->height_m(point.p_base)});
   if (relevance == Relevance::kFarthest) {
     return low <= point.highest_m && high >= point.lowest_m;
   }
@@ -102,16 +102,16 @@ bool VisibilityRule::is_at_its_heights(const EgoPoint& point,
 // Records that beams have passed through the point. This is safe because the beams on both sides
 // must pass, so that a wall at a grazing angle or the corner of a cupboard does not count, and
 // because a beam without a reading (dirt, sun) does not count either.
-void VisibilityRule::note_passing_beams(EgoPoint& point, const ScanView& view,
+void VisibilityRule::note_passing_beams(EgoPoint& point, const NewScan& scan,
                                         const ScanLine::Crossing& crossing) const {
-  if (!view.line.both_reach_beyond(crossing, crossing.range_m + passing_m_)) {
+  if (!scan.line.both_reach_beyond(crossing, crossing.range_m + passing_m_)) {
     return;
   }
   PassedBeams& passed = point.passed;
   passed.lowest_m = std::min(passed.lowest_m, crossing.height_m);
   passed.highest_m = std::max(passed.highest_m, crossing.height_m);
-  if (is_at_its_heights(point, crossing) && passed.last_missed_sweep != view.sweep) {
-    passed.last_missed_sweep = view.sweep;
+  if (is_at_its_heights(point, crossing) && passed.last_missed_sweep != scan.sweep) {
+    passed.last_missed_sweep = scan.sweep;
     ++passed.missed_sweeps;
   }
 }
@@ -125,16 +125,16 @@ bool VisibilityRule::is_contradicted(const EgoPoint& point) const {
          spans(point, point.passed.lowest_m, point.passed.highest_m);
 }
 
-bool VisibilityRule::has_expired(const EgoPoint& point, const ScanView& view) const {
+bool VisibilityRule::has_expired(const EgoPoint& point, const NewScan& scan) const {
   // Two complete sweeps: the sweep of its last measurement and the present one are incomplete.
-  return point.aged_s > params_.expiry_s && view.sweep - point.confirmed_sweep > 2;
+  return point.aged_s > params_.expiry_s && scan.sweep - point.confirmed_sweep > 2;
 }
 
-void VisibilityRule::confirm(EgoPoint& point, double height_m, const ScanView& view) {
+void VisibilityRule::confirm(EgoPoint& point, double height_m, const NewScan& scan) {
   point.lowest_m = std::min(point.lowest_m, height_m);
   point.highest_m = std::max(point.highest_m, height_m);
-  point.confirmed_at_s = view.clock_s;
-  point.confirmed_sweep = view.sweep;
+  point.confirmed_at_s = scan.clock_s;
+  point.confirmed_sweep = scan.sweep;
   point.aged_s = 0.0;
   point.passed = {};
 }
@@ -143,8 +143,8 @@ void VisibilityRule::confirm(EgoPoint& point, double height_m, const ScanView& v
 // As in the paper, the stored distance is the extreme of many readings, which noise keeps about two
 // sigma on the safe side. Averaging would not be safe: as the robot approaches a box, the lowest
 // beam moves along its top away from the robot, and would take the averaged point along.
-void VisibilityRule::replace(ExtendedScan& map, const HeightBand& band, const ScanView& view) {
-  for (const Hit& hit : view.hits) {
+void VisibilityRule::replace(ExtendedScan& map, const HeightBand& band, const NewScan& scan) {
+  for (const Hit& hit : scan.hits) {
     if (!band.contains(hit.point.height_m, hit.point.distance_m)) {
       continue;
     }
@@ -154,13 +154,13 @@ void VisibilityRule::replace(ExtendedScan& map, const HeightBand& band, const Sc
     if (map.prefers(hit.point.distance_m, stored.distance_m)) {
       const EgoPoint before = stored;
       stored = hit.point;
-      stored.confirmed_sweep = view.sweep;
+      stored.confirmed_sweep = scan.sweep;
       if (is_same_surface) {  // another reading of the same object: keep its measured heights
         stored.lowest_m = std::min(stored.lowest_m, before.lowest_m);
         stored.highest_m = std::max(stored.highest_m, before.highest_m);
       }
     } else if (is_same_surface) {
-      confirm(stored, hit.point.height_m, view);
+      confirm(stored, hit.point.height_m, scan);
     }
   }
 }

@@ -27,24 +27,24 @@ class VisibilityRule final : public UpdateRule {
 
   [[nodiscard]] bool removes_while_stationary() const override { return true; }
   std::size_t remove_obsolete(ExtendedScan& map, const HeightBand& band,
-                              const ScanView& view) override;
-  void replace(ExtendedScan& map, const HeightBand& band, const ScanView& view) override;
+                              const NewScan& scan) override;
+  void replace(ExtendedScan& map, const HeightBand& band, const NewScan& scan) override;
 
  private:
   [[nodiscard]] bool is_obsolete(EgoPoint& point, const ExtendedScan& map, const HeightBand& band,
-                                 const ScanView& view) const;
-  [[nodiscard]] bool is_measured_again(const ScanView& view,
+                                 const NewScan& scan) const;
+  [[nodiscard]] bool is_measured_again(const NewScan& scan,
                                        const ScanLine::Crossing& crossing) const;
   [[nodiscard]] bool is_in_view(const EgoPoint& point, Relevance relevance,
-                                const ScanView& view) const;
+                                const NewScan& scan) const;
   [[nodiscard]] bool spans(const EgoPoint& point, double lowest_m, double highest_m) const;
   [[nodiscard]] bool is_at_its_heights(const EgoPoint& point,
                                        const ScanLine::Crossing& crossing) const;
-  void note_passing_beams(EgoPoint& point, const ScanView& view,
+  void note_passing_beams(EgoPoint& point, const NewScan& scan,
                           const ScanLine::Crossing& crossing) const;
   [[nodiscard]] bool is_contradicted(const EgoPoint& point) const;
-  [[nodiscard]] bool has_expired(const EgoPoint& point, const ScanView& view) const;
-  static void confirm(EgoPoint& point, double height_m, const ScanView& view);
+  [[nodiscard]] bool has_expired(const EgoPoint& point, const NewScan& scan) const;
+  static void confirm(EgoPoint& point, double height_m, const NewScan& scan);
 
   UpdateParams params_;
   double same_surface_m_;        // readings closer together than this are of the same surface

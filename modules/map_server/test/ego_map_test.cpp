@@ -13,28 +13,28 @@ namespace {
 using geometry::SE2;
 using ::testing::ElementsAre;
 
-/// A view of given hits and no scan line: a rule can only look at the hits.
+/// A new scan with given hits and no scan line: a rule can only look at the hits.
 class HitsOnly {
  public:
   HitsOnly(const EgoMap& map, const std::vector<EgoPoint>& points, double elapsed_s = 0.0) {
     for (const EgoPoint& point : points) {
       hits_.push_back({point, *map.scan().bins().index(point.bearing_rad)});
     }
-    view_.hits = hits_;
-    view_.elapsed_s = elapsed_s;
+    scan_.hits = hits_;
+    scan_.elapsed_s = elapsed_s;
   }
-  [[nodiscard]] const ScanView& view() const { return view_; }
+  [[nodiscard]] const NewScan& scan() const { return scan_; }
 
  private:
   scan::Scan no_scan_;
   std::vector<Hit> hits_;
-  ScanView view_{.hits = {},
-                 .line = ScanLine(no_scan_),
-                 .sweep = 0,
-                 .lowest_plane = std::nullopt,
-                 .highest_plane = std::nullopt,
-                 .elapsed_s = 0.0,
-                 .clock_s = 0.0};
+  NewScan scan_{.hits = {},
+                .line = ScanLine(no_scan_),
+                .sweep = 0,
+                .lowest_plane = std::nullopt,
+                .highest_plane = std::nullopt,
+                .elapsed_s = 0.0,
+                .clock_s = 0.0};
 };
 
 MapServerParams with_rule(RemovalRule rule) {
@@ -53,14 +53,14 @@ class NotingRule final : public UpdateRule {
  public:
   explicit NotingRule(std::vector<std::string>& notes) : notes_(&notes) {}
   [[nodiscard]] bool removes_while_stationary() const override { return false; }
-  std::size_t remove_obsolete(ExtendedScan& map, const HeightBand&, const ScanView&) override {
+  std::size_t remove_obsolete(ExtendedScan& map, const HeightBand&, const NewScan&) override {
     notes_->push_back("remove, finds " + point_ahead(map));
     map[*map.bins().index(0.0)] = map.dummy();
     return 1;
   }
-  void replace(ExtendedScan& map, const HeightBand&, const ScanView& view) override {
+  void replace(ExtendedScan& map, const HeightBand&, const NewScan& scan) override {
     notes_->push_back("replace, finds " + point_ahead(map));
-    map[view.hits[0].bin] = view.hits[0].point;
+    map[scan.hits[0].bin] = scan.hits[0].point;
   }
 
  private:
@@ -82,8 +82,8 @@ TEST(EgoMap, TransformRemoveReplaceInThisOrderForEveryScan) {
   EgoMap map = noting_map(notes);
   const HitsOnly hits(map, {EgoPoint::at({5.0, 0.0}, 0.2)});
   const SE2 one_metre_on{-1.0, 0.0, 0.0};
-  map.update(one_metre_on, hits.view());
-  map.update(one_metre_on, hits.view());
+  map.update(one_metre_on, hits.scan());
+  map.update(one_metre_on, hits.scan());
   EXPECT_THAT(notes, ElementsAre("remove, finds nothing", "replace, finds nothing",
                                  "remove, finds 4 m", "replace, finds nothing"));
 }
@@ -92,8 +92,8 @@ TEST(EgoMap, StandingSkipsTransformationAndRemoval) {
   std::vector<std::string> notes;
   EgoMap map = noting_map(notes);
   const HitsOnly hits(map, {EgoPoint::at({5.0, 0.0}, 0.2)});
-  map.update(std::nullopt, hits.view());
-  map.update(std::nullopt, hits.view());
+  map.update(std::nullopt, hits.scan());
+  map.update(std::nullopt, hits.scan());
   EXPECT_THAT(notes, ElementsAre("replace, finds nothing", "replace, finds 5 m"));
 }
 
@@ -102,8 +102,8 @@ TEST(ObstacleMap, ReplacementTruthTable) {
   for (const RemovalRule rule : {RemovalRule::kPaper, RemovalRule::kVisibility}) {
     for (const auto& [hit_m, expected_m] : {std::pair{1.5, 1.5}, {2.0, 2.0}, {2.5, 2.0}}) {
       EgoMap map = make_obstacle_map(with_rule(rule));
-      map.update(std::nullopt, HitsOnly(map, {EgoPoint::at({2.0, 0.0}, 0.1)}).view());
-      map.update(std::nullopt, HitsOnly(map, {EgoPoint::at({hit_m, 0.0}, 0.3)}).view());
+      map.update(std::nullopt, HitsOnly(map, {EgoPoint::at({2.0, 0.0}, 0.1)}).scan());
+      map.update(std::nullopt, HitsOnly(map, {EgoPoint::at({hit_m, 0.0}, 0.3)}).scan());
       EXPECT_EQ(point_towards(map, 0.0)->distance_m, expected_m);
       // At an equal distance the new point replaces the old one, too.
       EXPECT_EQ(point_towards(map, 0.0)->height_m, hit_m <= 2.0 ? 0.3 : 0.1);
@@ -115,8 +115,8 @@ TEST(StructureMap, ReplacementTruthTable) {
   for (const RemovalRule rule : {RemovalRule::kPaper, RemovalRule::kVisibility}) {
     for (const auto& [hit_m, expected_m] : {std::pair{1.5, 2.0}, {2.0, 2.0}, {2.5, 2.5}}) {
       EgoMap map = make_structure_map(with_rule(rule));
-      map.update(std::nullopt, HitsOnly(map, {EgoPoint::at({2.0, 0.0}, 0.1)}).view());
-      map.update(std::nullopt, HitsOnly(map, {EgoPoint::at({hit_m, 0.0}, 0.3)}).view());
+      map.update(std::nullopt, HitsOnly(map, {EgoPoint::at({2.0, 0.0}, 0.1)}).scan());
+      map.update(std::nullopt, HitsOnly(map, {EgoPoint::at({hit_m, 0.0}, 0.3)}).scan());
       EXPECT_EQ(point_towards(map, 0.0)->distance_m, expected_m);
       EXPECT_EQ(point_towards(map, 0.0)->height_m, hit_m >= 2.0 ? 0.3 : 0.1);
     }
@@ -125,8 +125,8 @@ TEST(StructureMap, ReplacementTruthTable) {
 
 TEST(ObstacleMap, AnotherDirectionDoesNotReplace) {
   EgoMap map = make_obstacle_map({});
-  map.update(std::nullopt, HitsOnly(map, {EgoPoint::at({2.0, 0.0}, 0.1)}).view());
-  map.update(std::nullopt, HitsOnly(map, {EgoPoint::at({1.0, 0.1}, 0.1)}).view());
+  map.update(std::nullopt, HitsOnly(map, {EgoPoint::at({2.0, 0.0}, 0.1)}).scan());
+  map.update(std::nullopt, HitsOnly(map, {EgoPoint::at({1.0, 0.1}, 0.1)}).scan());
   EXPECT_EQ(point_towards(map, 0.0)->distance_m, 2.0);
 }
 
@@ -139,7 +139,7 @@ TEST(ObstacleMap, OnlyHeightsInTheCorridorCount) {
                                          {0.501, false},
                                          {-0.2, false}}) {
     EgoMap map = make_obstacle_map({});
-    map.update(std::nullopt, HitsOnly(map, {EgoPoint::at({1.0, 0.0}, height_m)}).view());
+    map.update(std::nullopt, HitsOnly(map, {EgoPoint::at({1.0, 0.0}, height_m)}).scan());
     EXPECT_EQ(point_towards(map, 0.0) != nullptr, counts) << height_m;
   }
 }
@@ -147,7 +147,7 @@ TEST(ObstacleMap, OnlyHeightsInTheCorridorCount) {
 TEST(StructureMap, DropsTheFloorButHasNoCeiling) {
   for (const auto& [height_m, counts] : {std::pair{0.05, false}, {0.06, true}, {5.0, true}}) {
     EgoMap map = make_structure_map({});
-    map.update(std::nullopt, HitsOnly(map, {EgoPoint::at({1.0, 0.0}, height_m)}).view());
+    map.update(std::nullopt, HitsOnly(map, {EgoPoint::at({1.0, 0.0}, height_m)}).scan());
     EXPECT_EQ(point_towards(map, 0.0) != nullptr, counts) << height_m;
   }
 }
@@ -158,11 +158,11 @@ TEST(ObstacleMap, ANearbyMeasurementRenewsTheAge) {
   const auto aged_after_measurement = [](RemovalRule rule) {
     EgoMap map = make_obstacle_map(with_rule(rule));
     const SE2 a_millimetre_aside{0.0, 1e-3, 0.0};
-    map.update(std::nullopt, HitsOnly(map, {EgoPoint::at({2.0, 0.0}, 0.1)}).view());
+    map.update(std::nullopt, HitsOnly(map, {EgoPoint::at({2.0, 0.0}, 0.1)}).scan());
     for (int i = 0; i < 100; ++i) {
-      map.update(a_millimetre_aside, HitsOnly(map, {}, 0.01).view());
+      map.update(a_millimetre_aside, HitsOnly(map, {}, 0.01).scan());
     }
-    map.update(a_millimetre_aside, HitsOnly(map, {EgoPoint::at({2.02, 0.1}, 0.1)}, 0.01).view());
+    map.update(a_millimetre_aside, HitsOnly(map, {EgoPoint::at({2.02, 0.1}, 0.1)}, 0.01).scan());
     const EgoPoint* p = point_towards(map, 0.1 / 2.0);
     return p == nullptr ? -1.0 : p->aged_s;
   };
@@ -172,10 +172,10 @@ TEST(ObstacleMap, ANearbyMeasurementRenewsTheAge) {
 
 /// How many updates in motion a point lives that is never measured again; -1: for ever.
 int updates_until_gone(EgoMap map, double period_s) {
-  map.update(std::nullopt, HitsOnly(map, {EgoPoint::at({2.0, 0.0}, 0.1)}).view());
+  map.update(std::nullopt, HitsOnly(map, {EgoPoint::at({2.0, 0.0}, 0.1)}).scan());
   const SE2 a_little_forward{-1e-4, 0.0, 0.0};
   for (int updates = 1; updates < 10'000; ++updates) {
-    map.update(a_little_forward, HitsOnly(map, {}, period_s).view());
+    map.update(a_little_forward, HitsOnly(map, {}, period_s).scan());
     if (point_towards(map, 0.0) == nullptr) {
       return updates;
     }
@@ -187,14 +187,14 @@ int updates_until_gone(EgoMap map, double period_s) {
 class CountingRule final : public UpdateRule {
  public:
   [[nodiscard]] bool removes_while_stationary() const override { return false; }
-  std::size_t remove_obsolete(ExtendedScan& map, const HeightBand&, const ScanView&) override {
+  std::size_t remove_obsolete(ExtendedScan& map, const HeightBand&, const NewScan&) override {
     if (++transformations_ > 500) {
       map.clear();
     }
     return 0;
   }
-  void replace(ExtendedScan& map, const HeightBand&, const ScanView& view) override {
-    for (const Hit& hit : view.hits) {
+  void replace(ExtendedScan& map, const HeightBand&, const NewScan& scan) override {
+    for (const Hit& hit : scan.hits) {
       map[hit.bin] = hit.point;
     }
   }
@@ -222,27 +222,12 @@ TEST(PaperRule, ExpiresAfterFiveSecondsOfMotionAtEveryRate) {
 
 TEST(PaperRule, NothingAgesWhileStationary) {
   EgoMap map = make_obstacle_map(with_rule(RemovalRule::kPaper));
-  map.update(std::nullopt, HitsOnly(map, {EgoPoint::at({2.0, 0.0}, 0.1)}).view());
+  map.update(std::nullopt, HitsOnly(map, {EgoPoint::at({2.0, 0.0}, 0.1)}).scan());
   for (int i = 0; i < 10'000; ++i) {
-    map.update(std::nullopt, HitsOnly(map, {}, 0.01332).view());
+    map.update(std::nullopt, HitsOnly(map, {}, 0.01332).scan());
   }
   ASSERT_NE(point_towards(map, 0.0), nullptr);
   EXPECT_EQ(point_towards(map, 0.0)->aged_s, 0.0);
-}
-
-// Where the scanner cannot look a point neither ages nor is removed.
-TEST(VisibilityRule, WhatIsOutOfViewDoesNotAge) {
-  EXPECT_EQ(updates_until_gone(make_obstacle_map({}), 0.01332), -1);
-}
-
-// A point inside the body is wrong; kept, it would hide what is behind.
-TEST(VisibilityRule, TheBodyOfTheRobotRemovesPointsInsideIt) {
-  EgoMap map = make_obstacle_map({});
-  map.update(std::nullopt, HitsOnly(map, {EgoPoint::at({0.5, 0.0}, 0.1)}).view());
-  map.update(SE2{-0.3, 0.0, 0.0}, HitsOnly(map, {}).view());
-  EXPECT_NE(point_towards(map, 0.0), nullptr);  // 0.2 m ahead, within 5 cm of the bumper
-  map.update(SE2{-0.1, 0.0, 0.0}, HitsOnly(map, {}).view());
-  EXPECT_EQ(point_towards(map, 0.0), nullptr);
 }
 
 }  // namespace
