@@ -4,7 +4,6 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <optional>
-#include <utility>
 #include <vector>
 
 #include "common/geometry/se2.hpp"
@@ -13,34 +12,15 @@
 #include "modules/navigator/geofence.hpp"
 #include "modules/navigator/local_map/local_map.hpp"
 #include "modules/navigator/params.hpp"
+#include "modules/navigator/planner/cost_to_go.hpp"
 #include "modules/navigator/planner/distance_field.hpp"
+#include "modules/navigator/planner/known_ground.hpp"
+#include "modules/navigator/planner/plan_window.hpp"
 
 namespace nodmap::navigator {
 
-/// The cost of the best path from each place to the goal, in metres of open floor; frame map.
-class CostToGo {
- public:
-  /// +infinity where there is no path, and outside.
-  [[nodiscard]] double at(const Eigen::Vector2d& p_map) const;
-  /// The least cost within 0.3 m of a place, and the way there: the robot may stand where no path
-  /// leads through.
-  [[nodiscard]] double least_near(const Eigen::Vector2d& p_map) const;
-  /// Downhill from a place to the goal, at most `max_m` long, a point for each cell.
-  [[nodiscard]] std::vector<Eigen::Vector2d> path_from(const Eigen::Vector2d& p_map,
-                                                       double max_m) const;
-
- private:
-  friend class GlobalPlanner;
-  Eigen::Vector2d origin_ = Eigen::Vector2d::Zero();
-  double cell_size_m_ = 0.05;
-  int width_ = 0;
-  int height_ = 0;
-  std::vector<float> cost_;
-};
-
-/// Plans to the goal on all that the local map has shown: a grid in map, 51 m x 51 m of 5 cm cells,
-/// around the robot. Unknown ground can be crossed at a price. Costs are found from the goal
-/// outwards (Dijkstra with buckets), in small portions, so that no decision waits for them.
+/// Plans to the goal on all the ground that the local map has shown. Unknown ground can be crossed
+/// at a price. The work is done in small portions, so that no decision waits for it.
 ///
 /// The robot's centre keeps half its width off what blocks; with less than the least clearance a
 /// cell costs much more, and with little more still a little. Where it cannot turn, or a place is
@@ -68,36 +48,22 @@ class GlobalPlanner {
   void reset();
 
  private:
-  enum class Phase : std::uint8_t { kIdle, kMeasureDistances, kSpread };
-  enum class Ground : std::uint8_t { kUnknown, kFloor, kBlocked };
+  enum class Phase : std::uint8_t { kIdle, kMeasureDistances, kSearch };
   struct Failure {
     Eigen::Vector2d p_map;
     double price = 0.0;
   };
 
-  void update_grid(const LocalMap& local_map, const geometry::SE2& T_map_odom,
-                   const geometry::SE2& T_odom_base);
-  void begin_window(const Eigen::Vector2d& p_map, const Eigen::Vector2d& goal_map);
   void measure_obstacle_distances(const Geofence* geofence);
   void occupy_boundary(const Geofence& geofence);
-  void finish(const Eigen::Vector2d& p_map);
+  void begin_search();
   void price_cells();
   void price_failures();
-  void seed(const Eigen::Vector2d& goal_map, double tolerance_m);
-  void seed_border(const Eigen::Vector2d& goal_map);
-  void take_border_seeds();
-  /// False when all is done.
-  [[nodiscard]] bool spread(int max_cells);
-  void spread_from(int column, int row, float cost);
-  void push(std::size_t cell, float cost);
-  [[nodiscard]] std::size_t place(int column, int row) const;
+  void finish(const Eigen::Vector2d& p_map);
 
   robot::Footprint body_;
   PlannerParams params_;
-  RollingGrid<Ground> grid_;
-  Eigen::Vector2d known_min_ = Eigen::Vector2d::Zero();
-  Eigen::Vector2d known_max_ = Eigen::Vector2d::Zero();
-  bool is_empty_ = true;
+  KnownGround ground_;
   std::vector<Failure> failures_;
 
   Phase phase_ = Phase::kIdle;
@@ -105,14 +71,10 @@ class GlobalPlanner {
   std::optional<time::Timestamp> started_at_;
   Eigen::Vector2d goal_map_ = Eigen::Vector2d::Zero();
   double tolerance_m_ = 0.0;
+  PlanWindow window_;
   DistanceField obstacle_distances_;  // of the robot's centre
   std::vector<float> price_;          // of a metre, by cell; negative: blocked
-  CostToGo plan_;
-  std::vector<std::vector<std::uint32_t>> buckets_;
-  std::size_t bucket_ = 0;
-  std::size_t num_queued_ = 0;
-  /// Cells at the grid's border with their cost to a goal beyond it, the cheapest last.
-  std::vector<std::pair<float, std::size_t>> border_seeds_;
+  CostSearch search_;
   std::optional<CostToGo> complete_;
 };
 

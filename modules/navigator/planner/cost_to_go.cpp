@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/navigator/planner/cost_to_go.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <limits>
+
+namespace nodmap::navigator {
+namespace {
+
+/// Costs are queued by buckets this wide: the error of a path is at most a bucket for each cell.
+/// A diagonal step at the highest price is still shorter than all buckets together.
+constexpr float kBucketM = 0.02F;
+constexpr std::size_t kNumBuckets = 64;
+/// The robot may be where no path leads through: the plan is asked so far around.
+constexpr double kNearM = 0.3;
+constexpr float kNever = std::numeric_limits<float>::infinity();
+
+struct Neighbour {
+  int dx;
+  int dy;
+  float length_m;
+};
+constexpr float kDiagonalM = 0.0707107F;
+constexpr std::array<Neighbour, 8> kNeighbours{{{1, 0, 0.05F},
+                                                {-1, 0, 0.05F},
+                                                {0, 1, 0.05F},
+                                                {0, -1, 0.05F},
+                                                {1, 1, kDiagonalM},
+                                                {1, -1, kDiagonalM},
+                                                {-1, 1, kDiagonalM},
+                                                {-1, -1, kDiagonalM}}};
+
+}  // namespace
+
+double CostToGo::at(const Eigen::Vector2d& p_map) const {
+  const Eigen::Vector2i cell = window_.cell_of(p_map);
+  return window_.contains(cell.x(), cell.y())
+             ? static_cast<double>(cost_[window_.place(cell.x(), cell.y())])
+             : std::numeric_limits<double>::infinity();
+}
+
+double CostToGo::least_near(const Eigen::Vector2d& p_map) const {
+  double least = std::numeric_limits<double>::infinity();
+  for (double dx = -kNearM; dx <= kNearM; dx += window_.cell_size_m) {
+    for (double dy = -kNearM; dy <= kNearM; dy += window_.cell_size_m) {
+      least = std::min(least, at(p_map + Eigen::Vector2d(dx, dy)) + std::hypot(dx, dy));
+    }
+  }
+  return least;
+}
+
+std::vector<Eigen::Vector2d> CostToGo::path_from(const Eigen::Vector2d& p_map, double max_m) const {
+  const double cell_size_m = window_.cell_size_m;
+  // From the middle of a cell to that of the next: on a border rounding would decide which it is.
+  const Eigen::Vector2d cell = ((p_map - window_.origin) / cell_size_m).array().floor();
+  std::vector<Eigen::Vector2d> path{window_.origin +
+                                    cell_size_m * (cell + Eigen::Vector2d(0.5, 0.5))};
+  const auto max_points = static_cast<std::size_t>(max_m / cell_size_m);
+  while (path.size() < max_points) {
+    Eigen::Vector2d next = path.back();
+    double least = at(path.back());
+    for (const Neighbour& n : kNeighbours) {
+      const Eigen::Vector2d p = path.back() + cell_size_m * Eigen::Vector2d(n.dx, n.dy);
+      if (at(p) < least) {
+        least = at(p);
+        next = p;
+      }
+    }
+    if (next == path.back()) {
+      break;
+    }
+    path.push_back(next);
+  }
+  return path;
+}
+
+CostSearch::CostSearch() : buckets_(kNumBuckets) {}
+
+void CostSearch::begin(const PlanWindow& window, std::span<const float> price,
+                       const Eigen::Vector2d& goal_map, double tolerance_m, double outside_price) {
+  found_.window_ = window;
+  found_.cost_.assign(window.num_cells(), kNever);
+  for (auto& bucket : buckets_) {
+    bucket.clear();
+  }
+  bucket_ = 0;
+  num_queued_ = 0;
+  border_seeds_.clear();
+  const Eigen::Vector2d size =
+      window.cell_size_m *
+      Eigen::Vector2d(static_cast<double>(window.width), static_cast<double>(window.height));
+  const Eigen::Array2d from_corner = (goal_map - window.origin).array();
+  if ((from_corner < 0.0).any() || (from_corner >= size.array()).any()) {
+    seed_border(price, goal_map, outside_price);
+  } else {
+    seed_goal(price, goal_map, tolerance_m);
+  }
+}
+
+void CostSearch::seed_goal(std::span<const float> price, const Eigen::Vector2d& goal_map,
+                           double tolerance_m) {
+  const PlanWindow& window = found_.window_;
+  const double cell_size_m = window.cell_size_m;
+  const double radius_m = std::max(cell_size_m, 0.7 * tolerance_m);
+  for (double dy = -radius_m; dy <= radius_m; dy += cell_size_m) {
+    for (double dx = -radius_m; dx <= radius_m; dx += cell_size_m) {
+      const Eigen::Vector2i cell = window.cell_of(goal_map + Eigen::Vector2d(dx, dy));
+      if (dx * dx + dy * dy > radius_m * radius_m || !window.contains(cell.x(), cell.y()) ||
+          price[window.place(cell.x(), cell.y())] < 0.0F) {
+        continue;
+      }
+      push(window.place(cell.x(), cell.y()), static_cast<float>(std::hypot(dx, dy)));
+    }
+  }
+}
+
+void CostSearch::seed_border(std::span<const float> price, const Eigen::Vector2d& goal_map,
+                             double outside_price) {
+  const PlanWindow& window = found_.window_;
+  const auto add = [&](int column, int row) {
+    const std::size_t cell = window.place(column, row);
+    if (price[cell] >= 0.0F) {
+      const Eigen::Vector2d p_map =
+          window.origin + window.cell_size_m * Eigen::Vector2d(column + 0.5, row + 0.5);
+      border_seeds_.emplace_back(static_cast<float>(outside_price * (goal_map - p_map).norm()),
+                                 cell);
+    }
+  };
+  for (int column = 0; column < window.width; ++column) {
+    add(column, 0);
+    add(column, window.height - 1);
+  }
+  for (int row = 1; row < window.height - 1; ++row) {
+    add(0, row);
+    add(window.width - 1, row);
+  }
+  std::ranges::sort(border_seeds_, std::greater());  // the cheapest is taken from the end
+}
+
+/// The buckets hold a short range of costs, so seeds wait until it is their turn.
+void CostSearch::take_border_seeds() {
+  const auto bucket_of = [](float cost) { return static_cast<std::size_t>(cost / kBucketM); };
+  if (num_queued_ == 0 && !border_seeds_.empty()) {
+    bucket_ = std::max(bucket_, bucket_of(border_seeds_.back().first));
+  }
+  while (!border_seeds_.empty() && bucket_of(border_seeds_.back().first) <= bucket_) {
+    const auto [cost, cell] = border_seeds_.back();
+    border_seeds_.pop_back();
+    if (cost < found_.cost_[cell]) {
+      push(cell, cost);
+    }
+  }
+}
+
+void CostSearch::push(std::size_t cell, float cost) {
+  found_.cost_[cell] = cost;
+  buckets_[static_cast<std::size_t>(cost / kBucketM) % kNumBuckets].push_back(
+      static_cast<std::uint32_t>(cell));
+  ++num_queued_;
+}
+
+bool CostSearch::advance(std::span<const float> price, int max_cells) {
+  for (int count = 0; count < max_cells;) {
+    take_border_seeds();
+    if (num_queued_ == 0) {
+      break;
+    }
+    auto& bucket = buckets_[bucket_ % kNumBuckets];
+    if (bucket.empty()) {
+      ++bucket_;
+      continue;
+    }
+    const std::uint32_t cell = bucket.back();
+    bucket.pop_back();
+    --num_queued_;
+    // Queued again since, at a lower cost: then it has been spread from already.
+    const float cost = found_.cost_[cell];
+    if (static_cast<std::size_t>(cost / kBucketM) < bucket_) {
+      continue;
+    }
+    ++count;
+    const auto width = static_cast<std::uint32_t>(found_.window_.width);
+    spread_from(price, static_cast<int>(cell % width), static_cast<int>(cell / width), cost);
+  }
+  return num_queued_ > 0 || !border_seeds_.empty();
+}
+
+void CostSearch::spread_from(std::span<const float> price, int column, int row, float cost) {
+  for (const Neighbour& n : kNeighbours) {
+    const int x = column + n.dx;
+    const int y = row + n.dy;
+    if (!found_.window_.contains(x, y)) {
+      continue;
+    }
+    const std::size_t next = found_.window_.place(x, y);
+    if (price[next] < 0.0F) {
+      continue;
+    }
+    const float total = cost + n.length_m * price[next];
+    if (total < found_.cost_[next] - 1e-4F) {
+      push(next, total);
+    }
+  }
+}
+
+}  // namespace nodmap::navigator

@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "modules/navigator/planner/plan_window.hpp"
+
+namespace nodmap::navigator {
+
+/// The cost of the best path from each place to the goal, in metres of open floor; frame map.
+class CostToGo {
+ public:
+  /// +infinity where there is no path, and outside.
+  [[nodiscard]] double at(const Eigen::Vector2d& p_map) const;
+  /// The least cost within 0.3 m of a place, and the way there: the robot may stand where no path
+  /// leads through.
+  [[nodiscard]] double least_near(const Eigen::Vector2d& p_map) const;
+  /// Downhill from a place to the goal, at most `max_m` long, a point for each cell.
+  [[nodiscard]] std::vector<Eigen::Vector2d> path_from(const Eigen::Vector2d& p_map,
+                                                       double max_m) const;
+
+ private:
+  friend class CostSearch;
+  PlanWindow window_;
+  std::vector<float> cost_;
+};
+
+/// Finds the cost to go from the goal outwards (Dijkstra with buckets), in portions.
+class CostSearch {
+ public:
+  /// The highest price for which the buckets suffice.
+  static constexpr float kHighestPrice = 16.0F;
+
+  CostSearch();
+
+  /// Begins anew. `price`: what a metre costs in each cell of the window, negative where it is
+  /// blocked; the same ones are to be given to advance(). All cells within the goal's tolerance are
+  /// the goal: the robot need not stand in its middle. A goal outside of the window is reached over
+  /// its border; what lies outside costs `outside_price`.
+  void begin(const PlanWindow& window, std::span<const float> price,
+             const Eigen::Vector2d& goal_map, double tolerance_m, double outside_price);
+
+  /// Goes on for so many cells. False when all is done.
+  [[nodiscard]] bool advance(std::span<const float> price, int max_cells);
+
+  /// What has been found so far.
+  [[nodiscard]] const CostToGo& found() const { return found_; }
+
+ private:
+  void seed_goal(std::span<const float> price, const Eigen::Vector2d& goal_map, double tolerance_m);
+  void seed_border(std::span<const float> price, const Eigen::Vector2d& goal_map,
+                   double outside_price);
+  void take_border_seeds();
+  void spread_from(std::span<const float> price, int column, int row, float cost);
+  void push(std::size_t cell, float cost);
+
+  CostToGo found_;
+  std::vector<std::vector<std::uint32_t>> buckets_;
+  std::size_t bucket_ = 0;
+  std::size_t num_queued_ = 0;
+  /// Cells at the window's border with their cost to a goal beyond it, the cheapest last.
+  std::vector<std::pair<float, std::size_t>> border_seeds_;
+};
+
+}  // namespace nodmap::navigator

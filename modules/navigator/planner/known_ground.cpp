@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/navigator/planner/known_ground.hpp"
+
+#include <algorithm>
+
+namespace nodmap::navigator {
+namespace {
+
+/// What the local map knows within this distance of the robot is taken over.
+constexpr double kTakeOverM = 5.5;
+/// Nearer to the robot it also knows what the body has driven over, or has touched.
+constexpr double kBesideM = 0.6;
+/// Around robot, goal and all that is known, for detours over unknown ground.
+constexpr double kAroundM = 3.0;
+
+}  // namespace
+
+void KnownGround::forget() {
+  grid_.center_on({1e6, 1e6});  // far away: every cell begins anew
+  is_empty_ = true;
+}
+
+/// What the local map does not know stays as it was; so does what it knows no better than before:
+/// what is behind the laser, for it keeps that where odometry has drifted since, and obstacles that
+/// it has forgotten for that reason.
+void KnownGround::update(const LocalMap& local_map, const geometry::SE2& T_map_odom,
+                         const geometry::SE2& T_odom_base) {
+  const Eigen::Vector2d p_map = T_map_odom * T_odom_base.translation();
+  grid_.center_on(p_map);
+  if (is_empty_) {
+    known_min_ = known_max_ = p_map;
+    is_empty_ = false;
+  }
+  const geometry::SE2 T_odom_map = T_map_odom.inverse();
+  const geometry::SE2 T_base_map = (T_map_odom * T_odom_base).inverse();
+  const Eigen::Matrix2d R_odom_map = T_odom_map.rotation();
+  const Eigen::Vector2d t_odom_map = T_odom_map.translation();
+  const int reach = static_cast<int>(kTakeOverM / kCellM);
+  const Eigen::Vector2i middle = grid_.index_of(p_map);
+  for (int dy = -reach; dy <= reach; ++dy) {
+    for (int dx = -reach; dx <= reach; ++dx) {
+      const Eigen::Vector2i index = middle + Eigen::Vector2i(dx, dy);
+      if (dx * dx + dy * dy > reach * reach || !grid_.contains(index)) {
+        continue;
+      }
+      const Eigen::Vector2d p_base = T_base_map * grid_.center_of(index);
+      if (grid_.at(index) == Kind::kUnknown || p_base.x() >= 0.0 || p_base.norm() <= kBesideM) {
+        update_cell(index, local_map, R_odom_map, t_odom_map);
+      }
+    }
+  }
+}
+
+/// From the four cells of the local map whose middles lie in it.
+void KnownGround::update_cell(const Eigen::Vector2i& index, const LocalMap& local_map,
+                              const Eigen::Matrix2d& R_odom_map,
+                              const Eigen::Vector2d& t_odom_map) {
+  bool is_floor = false;
+  bool is_blocked = false;
+  bool is_cleared = false;
+  bool is_forgotten = false;
+  for (const double x : {-0.25, 0.25}) {
+    for (const double y : {-0.25, 0.25}) {
+      const Eigen::Vector2d q_map = grid_.center_of(index) + kCellM * Eigen::Vector2d(x, y);
+      const Eigen::Vector2d q_odom = R_odom_map * q_map + t_odom_map;
+      const LocalCell* cell = local_map.cell_at(q_odom);
+      is_blocked = is_blocked || (cell != nullptr && local_map.is_blocked_at(q_odom));
+      is_forgotten =
+          is_forgotten || (cell != nullptr && cell->is_obstacle() && !local_map.is_blocked(*cell));
+      is_floor = is_floor || (cell != nullptr && cell->is_floor);
+      is_cleared = is_cleared || (cell != nullptr && cell->is_cleared());
+    }
+  }
+  if (is_blocked || (is_floor && !is_forgotten)) {
+    const Eigen::Vector2d q_map = grid_.center_of(index);
+    known_min_ = known_min_.cwiseMin(q_map);
+    known_max_ = known_max_.cwiseMax(q_map);
+    grid_.at(index) = is_blocked ? Kind::kBlocked : Kind::kFloor;
+  } else if (is_cleared && grid_.at(index) == Kind::kBlocked) {
+    // A level laser sees no floor, but it does see through where something was.
+    grid_.at(index) = Kind::kUnknown;
+  }
+}
+
+PlanWindow KnownGround::window_around(const Eigen::Vector2d& p_map,
+                                      const Eigen::Vector2d& goal_map) const {
+  const auto around = static_cast<int>(kAroundM / kCellM);
+  const Eigen::Vector2i margin = Eigen::Vector2i::Constant(around);
+  const Eigen::Vector2i last = grid_.first() + Eigen::Vector2i::Constant(grid_.size() - 1);
+  const Eigen::Vector2i low =
+      (grid_.index_of(known_min_.cwiseMin(p_map).cwiseMin(goal_map)) - margin)
+          .cwiseMax(grid_.first());
+  const Eigen::Vector2i high =
+      (grid_.index_of(known_max_.cwiseMax(p_map).cwiseMax(goal_map)) + margin).cwiseMin(last);
+  return {kCellM * low.cast<double>(), kCellM, std::max(1, high.x() - low.x() + 1),
+          std::max(1, high.y() - low.y() + 1)};
+}
+
+}  // namespace nodmap::navigator

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+
+#include "common/geometry/se2.hpp"
+#include "modules/navigator/local_map/local_map.hpp"
+#include "modules/navigator/local_map/rolling_grid.hpp"
+#include "modules/navigator/planner/plan_window.hpp"
+
+namespace nodmap::navigator {
+
+/// All the ground that the local map has shown so far: a grid in map, 51 m x 51 m of 5 cm cells,
+/// around the robot.
+class KnownGround {
+ public:
+  static constexpr double kCellM = 0.05;
+
+  enum class Kind : std::uint8_t { kUnknown, kFloor, kBlocked };
+
+  KnownGround() : grid_(kCellM, kLog2Size) {}
+
+  /// Takes over what the local map knows around the robot.
+  void update(const LocalMap& local_map, const geometry::SE2& T_map_odom,
+              const geometry::SE2& T_odom_base);
+
+  /// Everything is unknown again.
+  void forget();
+
+  /// The cells around the robot, the goal and all that is known, as far as the grid reaches.
+  [[nodiscard]] PlanWindow window_around(const Eigen::Vector2d& p_map,
+                                         const Eigen::Vector2d& goal_map) const;
+
+  /// The grid's index of a window's cell (0, 0).
+  [[nodiscard]] Eigen::Vector2i first_of(const PlanWindow& window) const {
+    return grid_.index_of(window.origin + Eigen::Vector2d(0.01, 0.01));
+  }
+  [[nodiscard]] Kind at(const Eigen::Vector2i& index) const { return grid_.at(index); }
+
+ private:
+  static constexpr int kLog2Size = 10;
+
+  void update_cell(const Eigen::Vector2i& index, const LocalMap& local_map,
+                   const Eigen::Matrix2d& R_odom_map, const Eigen::Vector2d& t_odom_map);
+
+  RollingGrid<Kind> grid_;
+  Eigen::Vector2d known_min_ = Eigen::Vector2d::Zero();
+  Eigen::Vector2d known_max_ = Eigen::Vector2d::Zero();
+  bool is_empty_ = true;
+};
+
+}  // namespace nodmap::navigator

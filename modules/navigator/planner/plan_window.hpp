@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+
+namespace nodmap::navigator {
+
+/// The rectangle of cells that a plan covers; frame map.
+struct PlanWindow {
+  Eigen::Vector2d origin = Eigen::Vector2d::Zero();  ///< outer corner of cell (0, 0)
+  double cell_size_m = 0.05;
+  int width = 0;
+  int height = 0;
+
+  [[nodiscard]] std::size_t num_cells() const {
+    return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  }
+  [[nodiscard]] bool contains(int column, int row) const {
+    return column >= 0 && row >= 0 && column < width && row < height;
+  }
+  /// Row by row; only of cells inside.
+  [[nodiscard]] std::size_t place(int column, int row) const {
+    return static_cast<std::size_t>(row) * static_cast<std::size_t>(width) +
+           static_cast<std::size_t>(column);
+  }
+  /// Column and row in which a place lies, which may be outside.
+  [[nodiscard]] Eigen::Vector2i cell_of(const Eigen::Vector2d& p_map) const {
+    return ((p_map - origin) / cell_size_m).array().floor().cast<int>();
+  }
+};
+
+}  // namespace nodmap::navigator

@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/navigator/planner/cost_to_go.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <random>
+#include <vector>
+
+namespace nodmap::navigator {
+namespace {
+
+constexpr double kNever = std::numeric_limits<double>::infinity();
+constexpr double kToleranceM = 0.2;
+constexpr double kOutsidePrice = 2.0;
+
+/// 3 m x 2 m of random prices up to the highest; a third of the cells is blocked.
+struct Prices {
+  explicit Prices(std::uint64_t seed) {
+    std::mt19937_64 engine(seed);
+    std::uniform_real_distribution<float> any(1.0F, CostSearch::kHighestPrice);
+    std::uniform_int_distribution<int> third(0, 2);
+    window.origin = {-1.0, -0.5};
+    window.width = 60;
+    window.height = 40;
+    for (std::size_t i = 0; i < window.num_cells(); ++i) {
+      price.push_back(third(engine) == 0 ? -1.0F : any(engine));
+    }
+  }
+  [[nodiscard]] double at(int column, int row) const {
+    return static_cast<double>(price[window.place(column, row)]);
+  }
+  [[nodiscard]] Eigen::Vector2d middle(int column, int row) const {
+    return window.origin + window.cell_size_m * Eigen::Vector2d(column + 0.5, row + 0.5);
+  }
+  PlanWindow window;
+  std::vector<float> price;
+};
+
+/// Bellman and Ford: relaxes all edges from these costs until nothing changes.
+std::vector<double> relax(const Prices& prices, std::vector<double> cost) {
+  const PlanWindow& window = prices.window;
+  for (bool has_changed = true; has_changed;) {
+    has_changed = false;
+    for (int row = 0; row < window.height; ++row) {
+      for (int column = 0; column < window.width; ++column) {
+        for (int i = 0; i < 9; ++i) {
+          const int dx = i % 3 - 1;
+          const int dy = i / 3 - 1;
+          if (!window.contains(column + dx, row + dy) || prices.at(column, row) < 0.0) {
+            continue;
+          }
+          const double total = cost[window.place(column + dx, row + dy)] +
+                               0.05 * std::hypot(dx, dy) * prices.at(column, row);
+          double& here = cost[window.place(column, row)];
+          if (total < here - 1e-12) {
+            here = total;
+            has_changed = true;
+          }
+        }
+      }
+    }
+  }
+  return cost;
+}
+
+CostToGo search(const Prices& prices, const Eigen::Vector2d& goal_map, int portion) {
+  CostSearch dut;
+  dut.begin(prices.window, prices.price, goal_map, kToleranceM, kOutsidePrice);
+  while (dut.advance(prices.price, portion)) {
+  }
+  return dut.found();
+}
+
+/// The search keeps a cost that is at most 0.1 mm too high at each step, and rounds to 1e-6 of it.
+void expect_costs(const CostToGo& found, const std::vector<double>& expected,
+                  const Prices& prices) {
+  constexpr double kStepErrorM = 1e-4;
+  constexpr int kMostSteps = 300;
+  int num_reached = 0;
+  for (int row = 0; row < prices.window.height; ++row) {
+    for (int column = 0; column < prices.window.width; ++column) {
+      const double cost = found.at(prices.middle(column, row));
+      const double truth = expected[prices.window.place(column, row)];
+      ASSERT_EQ(std::isfinite(cost), std::isfinite(truth)) << column << " " << row;
+      if (std::isfinite(truth)) {
+        ++num_reached;
+        EXPECT_GE(cost, truth * (1.0 - 1e-5));
+        EXPECT_LE(cost, truth + kStepErrorM * kMostSteps) << column << " " << row;
+      }
+    }
+  }
+  EXPECT_GT(num_reached, 300);
+}
+
+TEST(CostSearch, CostsAreThoseOfBruteForce) {
+  for (std::uint64_t seed = 1000; seed < 1006; ++seed) {
+    const Prices prices(seed);
+    const Eigen::Vector2d goal_map(0.3, 0.4);
+    std::vector<double> seeds(prices.window.num_cells(), kNever);
+    const double radius_m = 0.7 * kToleranceM;
+    for (double dy = -radius_m; dy <= radius_m; dy += 0.05) {
+      for (double dx = -radius_m; dx <= radius_m; dx += 0.05) {
+        const Eigen::Vector2i cell = prices.window.cell_of(goal_map + Eigen::Vector2d(dx, dy));
+        if (dx * dx + dy * dy <= radius_m * radius_m && prices.at(cell.x(), cell.y()) >= 0.0) {
+          // Offsets are not multiples of a cell: the last one of a cell counts.
+          seeds[prices.window.place(cell.x(), cell.y())] = std::hypot(dx, dy);
+        }
+      }
+    }
+    expect_costs(search(prices, goal_map, 1 << 20), relax(prices, seeds), prices);
+  }
+}
+
+// The border's cells cost what the straight line from them to the goal does.
+TEST(CostSearch, AGoalOutsideIsReachedOverTheBorder) {
+  for (std::uint64_t seed = 1000; seed < 1006; ++seed) {
+    const Prices prices(seed);
+    const Eigen::Vector2d goal_map(4.0, 1.0);
+    std::vector<double> seeds(prices.window.num_cells(), kNever);
+    for (int row = 0; row < prices.window.height; ++row) {
+      for (int column = 0; column < prices.window.width; ++column) {
+        const bool is_border = row == 0 || column == 0 || row == prices.window.height - 1 ||
+                               column == prices.window.width - 1;
+        if (is_border && prices.at(column, row) >= 0.0) {
+          seeds[prices.window.place(column, row)] =
+              kOutsidePrice * (goal_map - prices.middle(column, row)).norm();
+        }
+      }
+    }
+    expect_costs(search(prices, goal_map, 1 << 20), relax(prices, seeds), prices);
+  }
+}
+
+TEST(CostSearch, PortionsDoNotMatter) {
+  const Prices prices(1000);
+  const CostToGo at_once = search(prices, {0.3, 0.4}, 1 << 20);
+  const CostToGo bit_by_bit = search(prices, {0.3, 0.4}, 7);
+  for (int row = 0; row < prices.window.height; ++row) {
+    for (int column = 0; column < prices.window.width; ++column) {
+      EXPECT_EQ(at_once.at(prices.middle(column, row)), bit_by_bit.at(prices.middle(column, row)));
+    }
+  }
+}
+
+TEST(CostToGo, ThePathGoesDownhillFromCellToCellAndEndsAtTheGoal) {
+  const Prices prices(1001);
+  const Eigen::Vector2d goal_map(0.3, 0.4);
+  const CostToGo cost_to_go = search(prices, goal_map, 1 << 20);
+  int num_paths = 0;
+  for (int column = 0; column < prices.window.width; column += 5) {
+    const Eigen::Vector2d start = prices.middle(column, 35);
+    if (!std::isfinite(cost_to_go.at(start))) {
+      continue;
+    }
+    const auto path = cost_to_go.path_from(start, 50.0);
+    for (std::size_t i = 1; i < path.size(); ++i) {
+      EXPECT_LT(cost_to_go.at(path[i]), cost_to_go.at(path[i - 1]));
+      // A diagonal step, and rounding.
+      EXPECT_LT((path[i] - path[i - 1]).norm(), 0.0708);
+    }
+    EXPECT_LT((path.back() - goal_map).norm(), kToleranceM);
+    ++num_paths;
+  }
+  EXPECT_GT(num_paths, 3);
+}
+
+TEST(CostToGo, OutsideThereIsNoPathAndNearACellThereIs) {
+  const Prices prices(1000);
+  const CostToGo cost_to_go = search(prices, {0.3, 0.4}, 1 << 20);
+  EXPECT_EQ(cost_to_go.at({-1.01, 0.0}), kNever);
+  EXPECT_EQ(cost_to_go.at({0.0, 1.51}), kNever);
+  EXPECT_EQ(CostToGo().at({0.0, 0.0}), kNever);
+  // 0.2 m outside: 0.3 m around are looked at.
+  EXPECT_TRUE(std::isfinite(cost_to_go.least_near({0.0, 1.7})));
+  EXPECT_FALSE(std::isfinite(cost_to_go.least_near({0.0, 1.9})));
+}
+
+}  // namespace
+}  // namespace nodmap::navigator
