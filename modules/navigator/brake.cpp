@@ -128,7 +128,7 @@ void Brake::give_way(Decision& decision, const Situation& now) const {
   }
   decision.behaviour =
       decision.behaviour == Behaviour::kSteer ? Behaviour::kBrake : decision.behaviour;
-  decision.reason = "Gives way to somebody.";
+  decision.reason = Why::kGivesWay;
   decision.forward_mps *= factor;
   decision.yaw_rate_rad_s *= factor;
   decision.max_forward_mps =

@@ -3,13 +3,13 @@
 
 #include <cstdint>
 #include <optional>
-#include <string>
 
 #include "common/geometry/se2.hpp"
 #include "common/geometry/time.hpp"
 #include "modules/navigator/goal.hpp"
 #include "modules/navigator/obstacle_points.hpp"
 #include "modules/navigator/people/person.hpp"
+#include "modules/navigator/reason.hpp"
 
 namespace nodmap::navigator {
 
@@ -39,7 +39,7 @@ enum class Behaviour : std::uint8_t { kSteer, kBrake, kTurn, kArrived, kHalt };
 /// What the robot is to do, and why.
 struct Decision {
   Behaviour behaviour = Behaviour::kHalt;
-  std::string reason;  ///< one sentence; empty where there is nothing to add
+  Reason reason;
   double forward_mps = 0.0;
   double yaw_rate_rad_s = 0.0;
   double steering_angle_rad = 0.0;

@@ -83,7 +83,7 @@ void Navigator::reset() {
   *this = Navigator(params_);
 }
 
-Decision Navigator::halt(std::string reason) {
+Decision Navigator::halt(Reason reason) {
   seen_.forget();
   is_in_gap_ = false;
   gap_ended_at_sweep_.reset();
@@ -92,7 +92,7 @@ Decision Navigator::halt(std::string reason) {
   return decision;
 }
 
-Decision Navigator::pause(std::string reason) {
+Decision Navigator::pause(Reason reason) {
   if (!is_in_gap_ && gap_ended_at_sweep_) {
     return halt(std::move(reason));
   }
@@ -166,15 +166,15 @@ Decision Navigator::behave(const Situation& now) {
   if (arrived_) {
     turn_.end();
     steering_.detour().end();
-    Decision decision = brake(now, "");
+    Decision decision = brake(now, Why::kNothingToAdd);
     decision.behaviour = Behaviour::kArrived;
     return decision;
   }
   if (approach_.is_detected(now.stamp)) {
-    return wait(now, "Something approaches: waits until it has passed.");
+    return wait(now, Why::kApproach);
   }
   if (proximity_.is_detected(now.stamp)) {
-    return wait(now, "Somebody is close beside or behind: waits until he has passed.");
+    return wait(now, Why::kSomebodyClose);
   }
   if (now.goal && params_.planner.use && local_map_.has_scan()) {
     turn_.end();
@@ -182,20 +182,20 @@ Decision Navigator::behave(const Situation& now) {
     has_looked_ =
         has_looked_ || now.laser_is_held || seen_.is_seen(0.0, params_.steer.sweeps_to_trust);
     if (!has_looked_) {
-      return brake(now, "Waits until the laser has looked.");
+      return brake(now, Why::kFirstLook);
     }
     return goal_drive_.decide(now, seen_, local_map_);
   }
   const FreeSpace space = measure_free_space(now.points_base, body_, params_.drive.side_margin_m);
   if (!turn_.is_active()) {
     if (std::min(now.max_forward_mps, params_.drive.max_forward_mps) < kLeastSpeedMps) {
-      return brake(now, "The pitch controller allows no speed.");
+      return brake(now, Why::kNoSpeed);
     }
     if (const auto steered = steering_.steer(space, seen_, now)) {
       return *steered;
     }
     if (std::abs(now.forward_mps) > kStationaryMps) {
-      return brake(now, "There is an obstacle ahead.");
+      return brake(now, Why::kObstacleAhead);
     }
   }
   return turn(space, now);
@@ -294,7 +294,7 @@ void Navigator::join_geofence(Situation& now) const {
   }
 }
 
-Decision Navigator::brake(const Situation& now, std::string reason) const {
+Decision Navigator::brake(const Situation& now, Reason reason) const {
   Decision decision;
   decision.behaviour = Behaviour::kBrake;
   decision.reason = std::move(reason);
@@ -302,7 +302,7 @@ Decision Navigator::brake(const Situation& now, std::string reason) const {
   return decision;
 }
 
-Decision Navigator::wait(const Situation& now, std::string reason) const {
+Decision Navigator::wait(const Situation& now, Reason reason) const {
   Decision decision = brake(now, std::move(reason));
   decision.behaviour = turn_.is_active() ? Behaviour::kTurn : Behaviour::kBrake;
   return decision;
@@ -317,24 +317,24 @@ Decision Navigator::turn(const FreeSpace& space, const Situation& now) {
     return back_up(now);
   }
   back_up_.end();
-  Decision decision = brake(now, "");
+  Decision decision = brake(now, Why::kNothingToAdd);
   decision.behaviour = Behaviour::kTurn;
   decision.yaw_rate_rad_s = command.yaw_rate_rad_s;
   decision.steering_angle_rad = turn_.side() * 0.5 * geometry::kPi;
   switch (command.kind) {
     case TurnCommand::Kind::kTurn:
-      decision.reason = "Turns to a free direction.";
+      decision.reason = Why::kTurnsToFree;
       break;
     case TurnCommand::Kind::kLook:
-      decision.reason = "Waits until the laser has seen what is ahead.";
+      decision.reason = Why::kLooksAhead;
       break;
     case TurnCommand::Kind::kWait:
-      decision.reason = "No direction is free; will try again.";
+      decision.reason = Why::kNoFreeDirection;
       break;
     default:
       turn_.end();
       turn_ended_at_ = now.T_odom_base;
-      decision.reason = "The direction ahead is free.";
+      decision.reason = Why::kFreeAhead;
   }
   return decision;
 }
@@ -373,11 +373,11 @@ double Navigator::preferred_side(const Situation& now) {
 }
 
 Decision Navigator::back_up(const Situation& now) {
-  Decision decision = brake(now, "Cannot turn: backs up along its trail.");
+  Decision decision = brake(now, Why::kBacksUpTrail);
   decision.behaviour = Behaviour::kTurn;
   if (!back_up_.step(now, decision)) {
     turn_.pause(now.stamp);
-    decision.reason = "Cannot turn, and no path back is known to be free.";
+    decision.reason = Why::kNoWayBack;
   }
   return decision;
 }

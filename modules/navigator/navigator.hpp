@@ -58,11 +58,11 @@ class Navigator {
   }
 
   /// Stops. What was seen so far may have changed when the robot drives again: it is forgotten.
-  [[nodiscard]] Decision halt(std::string reason);
+  [[nodiscard]] Decision halt(Reason reason);
 
   /// Stops in a gap in the scans that is shorter than a sweep; see seen_directions.hpp for what is
   /// still known after it. Where such gaps follow one another it is halt().
-  [[nodiscard]] Decision pause(std::string reason);
+  [[nodiscard]] Decision pause(Reason reason);
 
   /// The odom frame began anew: everything kept in it is forgotten.
   void reset();
@@ -76,8 +76,8 @@ class Navigator {
   [[nodiscard]] Decision behave(const Situation& now);
   void join_local_map(Situation& now) const;
   void join_geofence(Situation& now) const;
-  [[nodiscard]] Decision brake(const Situation& now, std::string reason) const;
-  [[nodiscard]] Decision wait(const Situation& now, std::string reason) const;
+  [[nodiscard]] Decision brake(const Situation& now, Reason reason) const;
+  [[nodiscard]] Decision wait(const Situation& now, Reason reason) const;
   [[nodiscard]] Decision turn(const FreeSpace& space, const Situation& now);
   [[nodiscard]] TurnInput turn_input(const FreeSpace& space, const Situation& now) const;
   [[nodiscard]] double preferred_side(const Situation& now);

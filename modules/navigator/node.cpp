@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -11,6 +10,8 @@
 
 namespace nodmap::navigator {
 namespace {
+
+using Input = InputSenders::Input;
 
 // A microsecond clock gets there in the year 38000; differences of stamps below never overflow.
 constexpr time::Timestamp kLatestStamp(time::kLimit / 2);
@@ -23,17 +24,6 @@ constexpr double kTopSpeedMps = 5.2;
 constexpr double kDegradedSpeedRatio = 0.5;
 constexpr double kGoalSigmas = 3.0;
 
-/// The standard deviation of the position in its worst direction, metres; +infinity where the
-/// covariance is not known.
-double position_sigma_m(const nodmap::pose_t& message) {
-  const double xx = message.covariance[0][0];
-  const double xy = 0.5 * (message.covariance[0][1] + message.covariance[1][0]);
-  const double yy = message.covariance[1][1];
-  const double largest = 0.5 * (xx + yy) + std::hypot(0.5 * (xx - yy), xy);
-  return largest > 0.0 && std::isfinite(largest) ? std::sqrt(largest)
-                                                 : std::numeric_limits<double>::infinity();
-}
-
 /// POSE_2D comes once a sweep, which takes up to 1 s. A pose older than this is stale: by odometry
 /// alone, at 1.5 m/s and with wheels 3 % off, the robot is 9 cm elsewhere by then.
 constexpr time::Duration kFencePose = 2s;
@@ -43,30 +33,6 @@ constexpr double kShortGapS = 0.2;
 
 bool is_time(time::Timestamp stamp) {
   return stamp >= time::Timestamp{} && stamp < kLatestStamp;
-}
-
-std::int8_t code_of(Behaviour behaviour) {
-  switch (behaviour) {
-    case Behaviour::kSteer:
-      return nodmap::navigation_t::STEER;
-    case Behaviour::kBrake:
-      return nodmap::navigation_t::BRAKE;
-    case Behaviour::kTurn:
-      return nodmap::navigation_t::TURN;
-    case Behaviour::kArrived:
-      return nodmap::navigation_t::ARRIVED;
-    case Behaviour::kHalt:
-      break;
-  }
-  return nodmap::navigation_t::HALT;
-}
-
-bool is_plausible(const nodmap::goal_t& goal) {
-  const auto is_tolerance = [](double value) { return std::isfinite(value) && value > 0.0; };
-  const bool is_place = std::isfinite(goal.position_m[0]) && std::isfinite(goal.position_m[1]) &&
-                        is_tolerance(goal.tolerance_m);
-  return is_place && (goal.has_heading == 0 || (std::isfinite(goal.heading_rad) &&
-                                                is_tolerance(goal.heading_tolerance_rad)));
 }
 
 }  // namespace
@@ -117,7 +83,7 @@ void NavigatorNode::on_scan(const nodmap::scan_t& message) {
     context_.counts.reject("scan_without_odometry");
     return;
   }
-  if (!senders_.scan.follow(message.scan_seq, on_odometry_clock(node::stamp_of(message)))) {
+  if (!senders_.follow(Input::kScan, message.scan_seq, node::stamp_of(message), stamps_)) {
     context_.counts.reject("other_sender_of_scan");
     return;
   }
@@ -148,7 +114,7 @@ void NavigatorNode::on_odometry(const nodmap::odometry_t& message) {
     context_.counts.reject("implausible_odometry");
     return;
   }
-  if (!senders_.odometry.follow(message.odometry_seq, on_pitch_clock(node::stamp_of(message)))) {
+  if (!senders_.follow(Input::kOdometry, message.odometry_seq, node::stamp_of(message), stamps_)) {
     context_.counts.reject("other_sender_of_odometry");
     return;
   }
@@ -188,8 +154,8 @@ void NavigatorNode::on_pitch_command(const nodmap::pitch_command_t& message) {
     context_.counts.reject("implausible_pitch_command");
     return;
   }
-  if (!senders_.pitch_command.follow(message.command_seq,
-                                     on_odometry_clock(node::stamp_of(message)))) {
+  if (!senders_.follow(Input::kPitchCommand, message.command_seq, node::stamp_of(message),
+                       stamps_)) {
     context_.counts.reject("other_sender_of_pitch_command");
     return;
   }
@@ -204,7 +170,7 @@ void NavigatorNode::on_pitch_state(const nodmap::pitch_state_t& message) {
     context_.counts.reject("implausible_pitch_state");
     return;
   }
-  if (!senders_.pitch_state.follow(message.state_seq, on_odometry_clock(node::stamp_of(message)))) {
+  if (!senders_.follow(Input::kPitchState, message.state_seq, node::stamp_of(message), stamps_)) {
     context_.counts.reject("other_sender_of_pitch_state");
     return;
   }
@@ -214,19 +180,12 @@ void NavigatorNode::on_pitch_state(const nodmap::pitch_state_t& message) {
 }
 
 void NavigatorNode::on_goal(const nodmap::goal_t& message) {
-  if (message.is_active != 0 && !is_plausible(message)) {
+  if (!is_plausible(message)) {
     context_.counts.reject("implausible_goal");
     return;
   }
   context_.counts.use();
-  goal_.reset();
-  if (message.is_active != 0) {
-    goal_ = {{message.position_m[0], message.position_m[1], 0.0}, message.tolerance_m, {}};
-  }
-  if (goal_ && message.has_heading != 0) {
-    goal_->T_map_goal.yaw = geometry::normalize_angle(message.heading_rad);
-    goal_->heading_tolerance_rad = message.heading_tolerance_rad;
-  }
+  goal_ = read_goal(message);
 }
 
 /// Moves the goal in odom. A stale or missing pose leads the robot to another place, but not into
@@ -271,89 +230,61 @@ void NavigatorNode::on_stop(const nodmap::stop_t& message) {
   }
 }
 
-/// Odometry comes all the time: its stamps are a clock, to which a step back is a new beginning.
-time::SteadyTime NavigatorNode::on_odometry_clock(time::Timestamp stamp) const {
-  return time::SteadyTime(stamps_.odometry.value_or(stamp).time_since_epoch());
-}
-
-/// Of odometry's own senders another clock tells who is alive: the servo's readings.
-time::SteadyTime NavigatorNode::on_pitch_clock(time::Timestamp stamp) const {
-  return time::SteadyTime(stamps_.pitch_state.value_or(stamp).time_since_epoch());
-}
-
-/// Of two senders one is forged, or a process runs twice: which one tells the truth is not known.
-std::optional<std::string> NavigatorNode::contested_input() const {
-  const time::SteadyTime now = on_odometry_clock({});
-  if (senders_.pitch_command.is_contested(now)) {
-    return "PITCH_COMMAND";
-  }
-  if (senders_.pitch_state.is_contested(now)) {
-    return "PITCH_STATE";
-  }
-  if (senders_.scan.is_contested(now)) {
-    return "SCAN";
-  }
-  if (senders_.odometry.is_contested(on_pitch_clock({}))) {
-    return "ODOMETRY";
-  }
-  return std::nullopt;
-}
-
 /// Where nothing but a short gap in the scans is the reason, the navigator keeps what it has seen.
-Decision NavigatorNode::halt(std::string reason) {
+Decision NavigatorNode::halt(Reason reason) {
   StalenessParams limits = params_.staleness;
   limits.map_s = std::max(limits.map_s, kShortGapS);
   return reason_not_to_drive(limits) ? navigator_.halt(std::move(reason))
                                      : navigator_.pause(std::move(reason));
 }
 
-std::optional<std::string> NavigatorNode::reason_not_to_drive(const StalenessParams& limits) const {
+std::optional<Reason> NavigatorNode::reason_not_to_drive(const StalenessParams& limits) const {
   if (stopped_by_) {
-    return "Stopped by " + *stopped_by_ + ".";
+    return Reason(Why::kStopped, *stopped_by_);
   }
   if (goal_ && pose_state_ == nodmap::pose_t::LOST) {
-    return "2D SLAM is lost: where the goal lies is not known.";
+    return Why::kLostPose;
   }
   if (auto stale = reason_to_halt(stamps_, limits, params_.local_map.use)) {
     return stale;
   }
-  if (const auto channel = contested_input()) {
-    return "Two processes send " + *channel + ".";
+  if (auto channel = senders_.contested_channel(stamps_)) {
+    return Reason(Why::kTwoSenders, std::move(*channel));
   }
   if (pitch_state_.is_stalled != 0) {
-    return "The pitch servo is stalled.";
+    return Why::kStalledServo;
   }
   if (auto reason = reason_by_geofence()) {
     return reason;
   }
   if (goal_ && goal_->heading_tolerance_rad && !(params_.planner.use && params_.local_map.use)) {
-    return "Docks only with planner.use_planner and local_map.use_local_map.";
+    return Why::kDocksByPlanOnly;
   }
   const double age_s = time::seconds(std::chrono::abs(*stamps_.odometry - *stamps_.map));
   const double shift_m =
       (odometry_->T_odom_base.translation() - map_->T_odom_map.translation()).norm();
   // 10 cm because the map's pose is interpolated.
   if (shift_m > kTopSpeedMps * age_s + 0.1) {
-    return "Obstacle map and odometry do not fit together.";
+    return Why::kMapMisfit;
   }
   return std::nullopt;
 }
 
 /// With a geofence the robot drives only where it knows to be inside. Who has got outside of it is
 /// not led back: the way there is not known to be allowed.
-std::optional<std::string> NavigatorNode::reason_by_geofence() const {
+std::optional<Reason> NavigatorNode::reason_by_geofence() const {
   if (!geofence_) {
     return std::nullopt;
   }
   if (!pose_stamp_ || pose_state_ == nodmap::pose_t::LOST ||
       std::chrono::abs(*stamps_.odometry - *pose_stamp_) > kFencePose) {
-    return "There is a geofence, and no pose by 2D SLAM.";
+    return Why::kNoPoseInFence;
   }
   if (!geofence_->contains(T_map_odom_ * odometry_->T_odom_base.translation())) {
-    return "The robot is outside of the geofence.";
+    return Why::kOutsideFence;
   }
   if (goal_is_fenced_off()) {
-    return "The goal is outside of the geofence.";
+    return Why::kGoalOutsideFence;
   }
   return std::nullopt;
 }
@@ -401,50 +332,28 @@ double NavigatorNode::max_forward_mps() const {
   return pitch_command_.max_forward_mps;
 }
 
-/// The path to the goal and, from the robot on, the arc that was chosen.
 void NavigatorNode::publish_path(const Decision& decision) {
   constexpr time::Duration kPeriod = 100ms;
-  constexpr double kArcS = 1.6;
-  constexpr int kArcSteps = 8;
   const bool is_old =
       !path_stamp_ || std::chrono::abs(time::from_utime(drive_.utime) - *path_stamp_) >= kPeriod;
   if (!odometry_ || (goal_ ? !is_old : !path_stamp_)) {
     return;
   }
   path_stamp_.reset();
-  path_ = {};
-  path_.utime = drive_.utime;
-  path_.state = nodmap::path_t::NO_GOAL;
-  const geometry::SE2& T_odom_base = odometry_->T_odom_base;
+  nodmap::path_t message{};
+  message.state = nodmap::path_t::NO_GOAL;
   if (goal_) {
+    const geometry::SE2& T_odom_base = odometry_->T_odom_base;
     const auto path_map = goal_is_fenced_off() ? std::vector<Eigen::Vector2d>{}
                                                : navigator_.path_map(T_map_odom_ * T_odom_base);
     if (!path_map) {
       return;  // not yet planned, or not by plan
     }
     path_stamp_ = time::from_utime(drive_.utime);
-    path_.state = path_map->empty() ? nodmap::path_t::NO_PATH : nodmap::path_t::PLANNED;
-    const geometry::SE2 T_odom_map = T_map_odom_.inverse();
-    for (const Eigen::Vector2d& p_map : *path_map) {
-      const Eigen::Vector2d p_odom = T_odom_map * p_map;
-      path_.x_m.push_back(p_odom.x());
-      path_.y_m.push_back(p_odom.y());
-    }
-    geometry::SE2 T_odom_ahead = T_odom_base;
-    for (int step = 0; step <= kArcSteps; ++step) {
-      path_.arc_x_m.push_back(T_odom_ahead.x);
-      path_.arc_y_m.push_back(T_odom_ahead.y);
-      const double dt_s = kArcS / kArcSteps;
-      const double half_rotation_rad = 0.5 * dt_s * decision.yaw_rate_rad_s;
-      const double length_m = dt_s * decision.forward_mps;
-      T_odom_ahead = T_odom_ahead * geometry::SE2{length_m * std::cos(half_rotation_rad),
-                                                  length_m * std::sin(half_rotation_rad),
-                                                  2.0 * half_rotation_rad};
-    }
+    message = path_message(*path_map, T_map_odom_.inverse(), T_odom_base, decision);
   }
-  path_.num_points = static_cast<std::int32_t>(path_.x_m.size());
-  path_.num_arc_points = static_cast<std::int32_t>(path_.arc_x_m.size());
-  context_.bus.publish("PATH", path_);
+  message.utime = drive_.utime;
+  context_.bus.publish("PATH", message);
 }
 
 void NavigatorNode::publish(const Decision& decision) {
@@ -459,7 +368,7 @@ void NavigatorNode::publish(const Decision& decision) {
   navigation_.utime = drive_.utime;
   navigation_.drive_seq = drive_.drive_seq;
   navigation_.behaviour = code_of(decision.behaviour);
-  navigation_.reason = decision.reason;
+  navigation_.reason = to_text(decision.reason);
   navigation_.steering_angle_rad = decision.steering_angle_rad;
   const double v = decision.max_forward_mps;
   navigation_.corridor_length_m =
@@ -471,7 +380,10 @@ void NavigatorNode::publish(const Decision& decision) {
 
   publish_path(decision);
   ++decisions_[static_cast<std::size_t>(decision.behaviour)];
-  halted_because_ = decision.behaviour == Behaviour::kHalt ? decision.reason : "";
+  inhibit_reason_.reset();
+  if (decision.behaviour == Behaviour::kHalt) {
+    inhibit_reason_ = decision.reason;
+  }
 }
 
 nlohmann::json NavigatorNode::metrics() const {
@@ -485,8 +397,8 @@ nlohmann::json NavigatorNode::metrics() const {
 }
 
 node::Health NavigatorNode::health() const {
-  if (!halted_because_.empty()) {
-    return {node::HealthState::kDegraded, "The robot halts: " + halted_because_};
+  if (inhibit_reason_) {
+    return {node::HealthState::kDegraded, "The robot halts: " + to_text(*inhibit_reason_)};
   }
   return {};
 }

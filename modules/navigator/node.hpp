@@ -12,9 +12,10 @@
 #include "common/geometry/time.hpp"
 #include "common/node/message_input.hpp"
 #include "common/node/node.hpp"
-#include "common/node/sender_watch.hpp"
 #include "modules/navigator/geofence.hpp"
+#include "modules/navigator/messages.hpp"
 #include "modules/navigator/navigator.hpp"
+#include "modules/navigator/senders.hpp"
 #include "modules/navigator/slip.hpp"
 #include "modules/navigator/staleness.hpp"
 #include "nodmap/base_sensors_t.hpp"
@@ -23,7 +24,6 @@
 #include "nodmap/goal_t.hpp"
 #include "nodmap/navigation_t.hpp"
 #include "nodmap/odometry_t.hpp"
-#include "nodmap/path_t.hpp"
 #include "nodmap/pitch_command_t.hpp"
 #include "nodmap/pitch_state_t.hpp"
 #include "nodmap/pose_t.hpp"
@@ -55,11 +55,6 @@ class NavigatorNode final : public node::Node {
     geometry::SE2 T_odom_map;  // of base at the map's stamp
     Points points_map;
   };
-  struct Goal {
-    geometry::SE2 T_map_goal;  // its yaw counts with a heading tolerance only
-    double tolerance_m = 0.0;
-    std::optional<double> heading_tolerance_rad;
-  };
 
   void on_map(const nodmap::egomap_t& message);
   void on_scan(const nodmap::scan_t& message);
@@ -76,24 +71,13 @@ class NavigatorNode final : public node::Node {
   /// The fastest speed that the pitch controller and the pose allow.
   [[nodiscard]] double max_forward_mps() const;
   void begin_odometry_frame(time::Timestamp stamp);
-  [[nodiscard]] time::SteadyTime on_odometry_clock(time::Timestamp stamp) const;
-  [[nodiscard]] time::SteadyTime on_pitch_clock(time::Timestamp stamp) const;
-  [[nodiscard]] std::optional<std::string> contested_input() const;
-  [[nodiscard]] Decision halt(std::string reason);
-  [[nodiscard]] std::optional<std::string> reason_not_to_drive(const StalenessParams& limits) const;
-  [[nodiscard]] std::optional<std::string> reason_by_geofence() const;
+  [[nodiscard]] Decision halt(Reason reason);
+  [[nodiscard]] std::optional<Reason> reason_not_to_drive(const StalenessParams& limits) const;
+  [[nodiscard]] std::optional<Reason> reason_by_geofence() const;
   [[nodiscard]] bool goal_is_fenced_off() const;
   [[nodiscard]] Situation situation() const;
   void publish(const Decision& decision);
   void publish_path(const Decision& decision);
-
-  /// The one process from which each input is taken.
-  struct Senders {
-    node::SenderWatch scan;
-    node::SenderWatch odometry;
-    node::SenderWatch pitch_command;
-    node::SenderWatch pitch_state;
-  };
 
   node::Context& context_;
   Params params_;
@@ -104,7 +88,7 @@ class NavigatorNode final : public node::Node {
   std::int64_t num_slips_ = 0;
 
   node::SequenceCounter pitch_commands_watch_;
-  Senders senders_;
+  InputSenders senders_;
   node::SequenceCounter pitch_states_watch_;
   InputStamps stamps_;
   time::Timestamp odometry_frame_began_{};
@@ -114,7 +98,7 @@ class NavigatorNode final : public node::Node {
   scan::Scan scan_;  // reused from message to message
   nodmap::pitch_command_t pitch_command_{};
   nodmap::pitch_state_t pitch_state_{};
-  std::optional<Goal> goal_;
+  std::optional<GoalInMap> goal_;
   std::optional<std::string> stopped_by_;
   geometry::SE2 T_map_odom_;
   std::int8_t pose_state_ = nodmap::pose_t::TRACKING;  // of the last POSE_2D
@@ -123,11 +107,10 @@ class NavigatorNode final : public node::Node {
 
   nodmap::drive_t drive_{};
   nodmap::navigation_t navigation_{};
-  nodmap::path_t path_{};
   std::optional<time::Timestamp> path_stamp_;  // when one with a goal was published last
   std::int64_t next_drive_seq_ = 0;
-  std::array<std::int64_t, 5> decisions_{};  // by behaviour
-  std::string halted_because_ = "There is no odometry.";
+  std::array<std::int64_t, 5> decisions_{};                                   // by behaviour
+  std::optional<Reason> inhibit_reason_ = Reason(Why::kNoInput, "odometry");  // of the last one
 };
 
 }  // namespace nodmap::navigator

@@ -2,10 +2,11 @@
 #include "modules/navigator/staleness.hpp"
 
 namespace nodmap::navigator {
-std::optional<std::string> reason_to_halt(const InputStamps& stamps, const StalenessParams& limits,
-                                          bool needs_scans) {
+
+std::optional<Reason> reason_to_halt(const InputStamps& stamps, const StalenessParams& limits,
+                                     bool needs_scans) {
   if (!stamps.odometry) {
-    return "There is no odometry.";
+    return Reason(Why::kNoInput, "odometry");
   }
   struct Input {
     const char* name = nullptr;
@@ -22,14 +23,14 @@ std::optional<std::string> reason_to_halt(const InputStamps& stamps, const Stale
       continue;
     }
     if (!input.stamp) {
-      return std::string("There is no ") + input.name + ".";
+      return Reason(Why::kNoInput, input.name);
     }
     const double age_s = time::seconds(*stamps.odometry - *input.stamp);
     if (age_s > input.limit_s) {
-      return std::string("The ") + input.name + " is stale.";
+      return Reason(Why::kStaleInput, input.name);
     }
     if (age_s < -limits.odometry_s) {
-      return std::string("Odometry is stale, or the ") + input.name + " is from the future.";
+      return Reason(Why::kFutureInput, input.name);
     }
   }
   return std::nullopt;

@@ -2,10 +2,10 @@
 #pragma once
 
 #include <optional>
-#include <string>
 
 #include "common/geometry/time.hpp"
 #include "modules/navigator/params.hpp"
+#include "modules/navigator/reason.hpp"
 
 namespace nodmap::navigator {
 
@@ -18,7 +18,7 @@ struct InputStamps {
   std::optional<time::Timestamp> pitch_state;
 };
 
-/// Why the robot must halt with inputs of these stamps, in one sentence; empty when it need not.
+/// Why the robot must halt with inputs of these stamps; empty when it need not.
 ///
 /// Odometry is the clock: 100 messages a second from the driver that also stops the wheels. An
 /// input much newer than it means that odometry itself is stale, or that a stamp is wrong: a reason
@@ -33,11 +33,10 @@ struct InputStamps {
 ///     old. Without scans the local map knows no new hole and no new obstacle.
 ///   odometry 100 ms: ten messages. Without any input no DRIVE goes out, and the driver stops the
 ///     wheels when the last one's validity (150 ms) is over.
-///   speed bound of the pitch controller 150 ms: eleven messages.
+///   speed bound of the pitch controller 150 ms: seven messages.
 ///   pitch servo 150 ms: 30 readings.
 /// `needs_scans`: the robot drives by the local map, too.
-[[nodiscard]] std::optional<std::string> reason_to_halt(const InputStamps& stamps,
-                                                        const StalenessParams& limits,
-                                                        bool needs_scans);
+[[nodiscard]] std::optional<Reason> reason_to_halt(const InputStamps& stamps,
+                                                   const StalenessParams& limits, bool needs_scans);
 
 }  // namespace nodmap::navigator

@@ -113,7 +113,7 @@ Decision Steering::drive(double direction_rad, const Arc& arc, const Situation& 
   const bool is_slowed = safe_mps < limit_mps;
   Decision decision;
   decision.behaviour = is_slowed ? Behaviour::kBrake : Behaviour::kSteer;
-  decision.reason = is_slowed ? "Slows down for an obstacle." : "";
+  decision.reason = is_slowed ? Why::kSlowsDown : Why::kNothingToAdd;
   decision.forward_mps = std::min({limit_mps, goal_mps, safe_mps});
   decision.yaw_rate_rad_s = decision.forward_mps * arc.curvature;
   decision.steering_angle_rad = direction_rad;

@@ -116,24 +116,24 @@ DockingStep Docking::step(const GoalInBase& goal) const {
       step.kind = Kind::kMove;
       step.yaw_rate_rad_s = -std::copysign(
           std::clamp(kYawRatePerRad * std::abs(T.yaw), kLeastYawRate, kMostYawRate), T.yaw);
-      step.reason = "Docks: turns to the heading of the goal.";
+      step.reason = Why::kDockTurns;
       return step;
     case Phase::kFollowLine:
       return follow_line(T);
     case Phase::kBackOff:
       step.kind = Kind::kMove;
       step.forward_mps = -kBackOffMps;
-      step.reason = "Docks: backs off for another try.";
+      step.reason = Why::kDockBacksOff;
       return step;
     case Phase::kDocked:
       step.kind = Kind::kDocked;
       return step;
     case Phase::kFailed:
       step.kind = Kind::kFailed;
-      step.reason = "Cannot dock: the last of its tries was not exact enough, or in the way.";
+      step.reason = Why::kDockFailed;
       return step;
     default:
-      step.reason = "Docks: waits until its pose is sure.";
+      step.reason = Why::kDockSettles;
       return step;
   }
 }
@@ -149,7 +149,7 @@ DockingStep Docking::follow_line(const geometry::SE2& T_goal_base) const {
   step.kind = DockingStep::Kind::kMove;
   step.forward_mps = std::clamp(kSpeedPerMetre * -T_goal_base.x, kLeastMps, params_.speed_mps);
   step.yaw_rate_rad_s = curvature * step.forward_mps;
-  step.reason = "Docks.";
+  step.reason = Why::kDocks;
   return step;
 }
 

@@ -3,11 +3,11 @@
 
 #include <Eigen/Core>
 #include <cstdint>
-#include <string>
 
 #include "common/geometry/time.hpp"
 #include "modules/navigator/goal.hpp"
 #include "modules/navigator/params.hpp"
+#include "modules/navigator/reason.hpp"
 
 namespace nodmap::navigator {
 
@@ -24,7 +24,7 @@ struct DockingStep {
   Eigen::Vector2d staging_base = Eigen::Vector2d::Zero();
   double forward_mps = 0.0;
   double yaw_rate_rad_s = 0.0;
-  std::string reason;
+  Reason reason;
 };
 
 /// Brings the robot to a goal with a heading, to centimetres and a degree: by plan to a staging

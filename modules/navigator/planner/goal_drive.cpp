@@ -3,9 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-
-#include "modules/navigator/turn.hpp"
 
 namespace nodmap::navigator {
 namespace {
@@ -20,16 +17,6 @@ constexpr double kDoubtS = 1.0;
 constexpr double kLookAgainS = 30.0;
 /// The path is given up so far ahead of the robot.
 constexpr double kFailureAheadM = 0.4;
-/// Direction of an arc: where it is after so much of it.
-constexpr double kLookM = 0.5;
-/// Of the best rollouts forwards so many are offered to Brake.
-constexpr std::size_t kMostOffered = 40;
-/// Backwards the robot sees nothing but what it remembers.
-constexpr double kBackwardMarginM = 0.03;
-/// Odometry's noise is slower.
-constexpr double kReversingMps = 0.02;
-constexpr double kRotationMarginM = 0.02;
-constexpr double kLeastRotationRad = geometry::deg_to_rad(2.0);
 
 /// Cost of a metre at no clearance, metres: with more it would rather stand than drive on there.
 constexpr double kSqueezingClearanceWeight = 1.0;
@@ -50,11 +37,6 @@ NavigatorParams squeezing(NavigatorParams params) {
   return params;
 }
 
-/// Of a rollout forwards.
-double direction_rad(const Rollout& rollout) {
-  return std::clamp(0.5 * kLookM * rollout.yaw_rate_rad_s / rollout.forward_mps, -1.2, 1.2);
-}
-
 /// Up to rounding: both are poses in the map, whatever the robot's pose is.
 bool is_same(const geometry::SE2& a, const geometry::SE2& b) {
   return (a.translation() - b.translation()).norm() < 1e-3 &&
@@ -69,19 +51,17 @@ double seconds_since(const std::optional<time::Timestamp>& stamp, const Situatio
 
 GoalDrive::GoalDrive(const NavigatorParams& params)
     : params_(params),
-      body_(params.robot.body.footprint()),
       brake_(params, true),
-      global_(body_, params.planner),
-      rollouts_(body_, params),
+      global_(params.robot.body.footprint(), params.planner),
+      rollouts_(params.robot.body.footprint(), params),
       squeezing_brake_(squeezing(params), true),
-      squeezing_rollouts_(body_, squeezing(params)),
+      squeezing_rollouts_(params.robot.body.footprint(), squeezing(params)),
+      motion_(params),
       docking_(params.docking) {}
 
 Decision GoalDrive::decide(const Situation& now, const SeenDirections& seen,
                            const LocalMap& local_map) {
-  if (now.forward_mps > -kReversingMps) {
-    trail_.record(now.T_odom_base);
-  }
+  motion_.record(now);
   if (now.goal->heading) {
     return dock(now, seen, local_map);
   }
@@ -112,14 +92,14 @@ Decision GoalDrive::dock(const Situation& now, const SeenDirections& seen,
       Rollout motion;
       motion.forward_mps = step.forward_mps;
       motion.yaw_rate_rad_s = step.yaw_rate_rad_s;
-      if (auto moved = drive(motion, brake_, now, seen)) {
+      if (auto moved = motion_.drive(motion, brake_, now, seen)) {
         // What slows it down is said instead.
         if (moved->behaviour != Behaviour::kBrake) {
           moved->reason = step.reason;
         }
         return *moved;
       }
-      decision.reason = "Docks: waits until the way is free.";
+      decision.reason = Why::kDockBlocked;
       return decision;
     }
     case DockingStep::Kind::kDocked:
@@ -144,7 +124,7 @@ Decision GoalDrive::drive_by_plan(const Situation& now, const SeenDirections& se
   decision.behaviour = Behaviour::kBrake;
   if (global_.cost_to_go() == nullptr) {
     progress_at_.reset();
-    decision.reason = "Plans the path to the goal.";
+    decision.reason = Why::kPlans;
     return decision;
   }
   const double cost_m = global_.cost_to_go()->least_near(T_map_base.translation());
@@ -156,13 +136,13 @@ Decision GoalDrive::drive_by_plan(const Situation& now, const SeenDirections& se
   watch_progress(now, cost_m);
   const double max_forward_mps = brake_.speed_limit(0.0, now.max_forward_mps);
   const auto& rollouts = rollouts_.plan(now, *global_.cost_to_go(), max_forward_mps);
-  if (const auto best = choose(rollouts, brake_, now, seen)) {
+  if (const auto best = motion_.best_of(rollouts, brake_, now, seen)) {
     return *best;
   }
   if (const auto squeezed = squeeze(now, seen)) {
     return *squeezed;
   }
-  decision.reason = rollouts.empty() ? "No motion is free." : "Waits until the laser has looked.";
+  decision.reason = rollouts.empty() ? Why::kNoMotion : Why::kFirstLook;
   return decision;
 }
 
@@ -200,40 +180,12 @@ std::optional<Decision> GoalDrive::squeeze(const Situation& now, const SeenDirec
     return std::nullopt;
   }
   const double max_forward_mps = squeezing_brake_.speed_limit(0.0, now.max_forward_mps);
-  auto decision = choose(squeezing_rollouts_.plan(now, *global_.cost_to_go(), max_forward_mps),
-                         squeezing_brake_, now, seen);
+  const auto& rollouts = squeezing_rollouts_.plan(now, *global_.cost_to_go(), max_forward_mps);
+  auto decision = motion_.best_of(rollouts, squeezing_brake_, now, seen);
   if (decision) {
-    decision->reason = "Squeezes through a narrow place.";
+    decision->reason = Why::kSqueezes;
   }
   return decision;
-}
-
-/// The best rollout once Brake has slowed it down: what it then falls short counts as cost.
-std::optional<Decision> GoalDrive::choose(const std::vector<Rollout>& rollouts, const Brake& brake,
-                                          const Situation& now, const SeenDirections& seen) const {
-  std::optional<Decision> best;
-  double least_cost_m = std::numeric_limits<double>::infinity();
-  std::size_t num_offered = 0;
-  for (const Rollout& rollout : rollouts) {
-    if (rollout.cost >= least_cost_m) {
-      break;
-    }
-    // Rotations and the path back cost next to nothing to check.
-    if (rollout.forward_mps > 0.0 && ++num_offered > kMostOffered) {
-      continue;
-    }
-    const auto driven = drive(rollout, brake, now, seen);
-    if (!driven) {
-      continue;
-    }
-    const double slower_mps = std::max(0.0, rollout.forward_mps - driven->max_forward_mps);
-    const double cost_m = rollout.cost + Rollouts::kDurationS * slower_mps;
-    if (cost_m < least_cost_m) {
-      least_cost_m = cost_m;
-      best = driven;
-    }
-  }
-  return best;
 }
 
 /// Without a path the robot looks around once more, as far as it can turn, and the plan is made
@@ -251,8 +203,8 @@ Decision GoalDrive::without_path(const Situation& now) {
   if (looked_rad_ < 2.0 * geometry::kPi && seconds_since(no_path_since_, now) > kDoubtS) {
     Rollout around;
     around.yaw_rate_rad_s = 0.5 * params_.planner.rotation_rad_s;
-    if (auto decision = rotate(around, now)) {
-      decision->reason = "There is no path to the goal: looks around.";
+    if (auto decision = motion_.rotate(around, now)) {
+      decision->reason = Why::kNoPathLooks;
       return *decision;
     }
     looked_rad_ = 2.0 * geometry::kPi;
@@ -263,7 +215,7 @@ Decision GoalDrive::without_path(const Situation& now) {
   }
   Decision decision;
   decision.behaviour = Behaviour::kBrake;
-  decision.reason = "There is no path to the goal.";
+  decision.reason = Why::kNoPath;
   return decision;
 }
 
@@ -285,111 +237,6 @@ void GoalDrive::watch_progress(const Situation& now, double cost_m) {
   }
   progress_at_ = now.stamp;
   least_cost_m_ = cost_m;
-}
-
-bool GoalDrive::is_seen(const Rollout& rollout, const Situation& now,
-                        const SeenDirections& seen) const {
-  return seen.is_seen(direction_rad(rollout),
-                      now.laser_is_held ? 0 : params_.steer.sweeps_to_trust);
-}
-
-/// A rollout as Brake allows it; empty where it does not.
-std::optional<Decision> GoalDrive::drive(const Rollout& rollout, const Brake& brake,
-                                         const Situation& now, const SeenDirections& seen) const {
-  if (rollout.forward_mps == 0.0 && rollout.yaw_rate_rad_s == 0.0) {
-    Decision decision;
-    decision.behaviour = Behaviour::kBrake;
-    decision.reason = "Gives way to somebody.";
-    return decision;
-  }
-  std::optional<Decision> decision = move(rollout, brake, now, seen);
-  if (decision) {
-    brake.keep_to_known_ground(*decision, now);
-    brake.give_way(*decision, now);
-    if (decision->forward_mps == 0.0 && decision->yaw_rate_rad_s == 0.0) {
-      return std::nullopt;
-    }
-  }
-  return decision;
-}
-
-std::optional<Decision> GoalDrive::move(const Rollout& rollout, const Brake& brake,
-                                        const Situation& now, const SeenDirections& seen) const {
-  if (rollout.forward_mps > 0.0) {
-    return drive_forwards(rollout, brake, now, seen);
-  }
-  if (rollout.forward_mps < 0.0) {
-    return drive_backwards(rollout, now);
-  }
-  return rotate(rollout, now);
-}
-
-std::optional<Decision> GoalDrive::drive_forwards(const Rollout& rollout, const Brake& brake,
-                                                  const Situation& now,
-                                                  const SeenDirections& seen) const {
-  const double curvature = rollout.yaw_rate_rad_s / rollout.forward_mps;
-  if (!is_seen(rollout, now, seen)) {
-    return std::nullopt;
-  }
-  const Arc arc = brake.measure_arc(curvature, now);
-  const double limit_mps =
-      std::min(brake.speed_limit(curvature, now.max_forward_mps), rollout.forward_mps);
-  const double goal_mps = brake.stoppable_mps(now.goal->distance_m);
-  const double safe_mps = std::min(arc.speed_mps, brake.speed_on_present_arc(now));
-  Decision decision;
-  decision.forward_mps = std::min({limit_mps, goal_mps, safe_mps});
-  // An emergency stop is no reason to try the next one: it is for all of them.
-  if (arc.speed_mps < kLeastSpeedMps) {
-    return std::nullopt;
-  }
-  const bool is_slowed = safe_mps < limit_mps;
-  decision.behaviour = is_slowed ? Behaviour::kBrake : Behaviour::kSteer;
-  decision.reason = is_slowed ? "Slows down for an obstacle." : "";
-  decision.yaw_rate_rad_s = decision.forward_mps * curvature;
-  decision.steering_angle_rad = direction_rad(rollout);
-  decision.free_distance_m = arc.free_distance_m;
-  decision.max_forward_mps = std::min(limit_mps, arc.speed_mps);
-  return decision;
-}
-
-/// Only over floor that was seen and on the strip the body has driven, and slowly: the laser does
-/// not look there.
-std::optional<Decision> GoalDrive::drive_backwards(const Rollout& rollout,
-                                                   const Situation& now) const {
-  const double curvature = rollout.yaw_rate_rad_s / rollout.forward_mps;
-  double distance_m = free_distance_backwards(now.points_base, curvature, body_, kBackwardMarginM) -
-                      kBackwardMarginM;
-  distance_m = std::min(distance_m, trail_.distance_backwards(now.T_odom_base, curvature));
-  if (now.local_map != nullptr) {
-    distance_m = std::min(distance_m, now.local_map->seen_distance_backwards(
-                                          now.T_odom_base, curvature, body_.half_width_m, 0.3));
-  }
-  const double speed_mps = std::min(-rollout.forward_mps, brake_.stoppable_mps(distance_m));
-  if (speed_mps < 0.5 * kLeastSpeedMps || now.forward_mps > kLeastSpeedMps) {
-    return std::nullopt;
-  }
-  Decision decision;
-  decision.behaviour = Behaviour::kTurn;
-  decision.reason = "Backs up.";
-  decision.forward_mps = -speed_mps;
-  decision.yaw_rate_rad_s = -speed_mps * curvature;
-  return decision;
-}
-
-std::optional<Decision> GoalDrive::rotate(const Rollout& rollout, const Situation& now) const {
-  const double side = std::copysign(1.0, rollout.yaw_rate_rad_s);
-  const double free_rad = free_rotation(now.points_base, side, body_, kRotationMarginM);
-  if (free_rad < kLeastRotationRad) {
-    return std::nullopt;
-  }
-  Decision decision;
-  decision.behaviour = Behaviour::kTurn;
-  decision.reason = "Turns towards the path.";
-  decision.yaw_rate_rad_s =
-      side * std::min(std::abs(rollout.yaw_rate_rad_s),
-                      yaw_rate_on_the_spot(free_rad, params_.turn, params_.drive.reaction_s));
-  decision.steering_angle_rad = side * 0.5 * geometry::kPi;
-  return decision;
 }
 
 }  // namespace nodmap::navigator

@@ -6,13 +6,13 @@
 #include <vector>
 
 #include "common/geometry/time.hpp"
-#include "modules/navigator/back_up.hpp"
 #include "modules/navigator/brake.hpp"
 #include "modules/navigator/decision.hpp"
 #include "modules/navigator/params.hpp"
 #include "modules/navigator/planner/docking.hpp"
 #include "modules/navigator/planner/global_planner.hpp"
 #include "modules/navigator/planner/rollouts.hpp"
+#include "modules/navigator/planner/safe_motion.hpp"
 #include "modules/navigator/seen_directions.hpp"
 
 namespace nodmap::navigator {
@@ -39,34 +39,16 @@ class GoalDrive {
   [[nodiscard]] Decision dock(const Situation& now, const SeenDirections& seen,
                               const LocalMap& local_map);
   [[nodiscard]] std::optional<Decision> squeeze(const Situation& now, const SeenDirections& seen);
-  [[nodiscard]] std::optional<Decision> choose(const std::vector<Rollout>& rollouts,
-                                               const Brake& brake, const Situation& now,
-                                               const SeenDirections& seen) const;
-  [[nodiscard]] std::optional<Decision> drive(const Rollout& rollout, const Brake& brake,
-                                              const Situation& now,
-                                              const SeenDirections& seen) const;
-  [[nodiscard]] std::optional<Decision> move(const Rollout& rollout, const Brake& brake,
-                                             const Situation& now,
-                                             const SeenDirections& seen) const;
-  [[nodiscard]] std::optional<Decision> drive_forwards(const Rollout& rollout, const Brake& brake,
-                                                       const Situation& now,
-                                                       const SeenDirections& seen) const;
-  [[nodiscard]] std::optional<Decision> drive_backwards(const Rollout& rollout,
-                                                        const Situation& now) const;
-  [[nodiscard]] std::optional<Decision> rotate(const Rollout& rollout, const Situation& now) const;
-  [[nodiscard]] bool is_seen(const Rollout& rollout, const Situation& now,
-                             const SeenDirections& seen) const;
   [[nodiscard]] Decision without_path(const Situation& now);
   void watch_progress(const Situation& now, double cost_m);
 
   NavigatorParams params_;
-  robot::Footprint body_;
   Brake brake_;
   GlobalPlanner global_;
   Rollouts rollouts_;
   Brake squeezing_brake_;
   Rollouts squeezing_rollouts_;
-  Trail trail_;
+  SafeMotion motion_;
   Docking docking_;
   std::optional<geometry::SE2> dock_map_;
   Eigen::Vector2d goal_map_ = Eigen::Vector2d::Zero();

@@ -362,7 +362,7 @@ TEST(Turn, AfterAFullRotationItWaitsAndTriesAgain) {
     input.heading_rad = geometry::normalize_angle(input.heading_rad + deg_to_rad(1));
     ++steps;
   }
-  EXPECT_NEAR(steps, 360, 1);
+  EXPECT_NEAR(steps, 360, 1);  // a degree each; rounding
   input.stamp = time::from_utime(4'900'000);
   EXPECT_EQ(turn.step(input, 0.0).kind, Kind::kWait);
   input.stamp = time::from_utime(5'100'000);
@@ -468,7 +468,7 @@ TEST(Staleness, WithoutTheLocalMapNoScanIsNeeded) {
   InputStamps stamps{now, now - 10ms, now - 10ms, now - 10ms, now - 10ms};
   stamps.scan.reset();
   EXPECT_FALSE(reason_to_halt(stamps, {}, false));
-  EXPECT_EQ(reason_to_halt(stamps, {}, true), "There is no scan for the local map.");
+  EXPECT_EQ(reason_to_halt(stamps, {}, true), Reason(Why::kNoInput, "scan for the local map"));
 }
 
 TEST(ObstaclePoints, AnInconsistentMapIsRefused) {

@@ -209,7 +209,7 @@ TEST(ClosedLoop, BoxedInItWaitsWithAReasonAndGoesOnWhenThereIsRoom) {
   loop.run(15.0);
   EXPECT_FALSE(loop.collided);
   EXPECT_EQ(loop.decision.behaviour, Behaviour::kTurn);
-  EXPECT_FALSE(loop.decision.reason.empty());
+  EXPECT_NE(loop.decision.reason, Reason(Why::kNothingToAdd));
   loop.world.points_odom.clear();
   loop.run(8.0);
   EXPECT_GT(loop.driven_m, 1.0);

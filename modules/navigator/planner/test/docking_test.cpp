@@ -59,7 +59,7 @@ struct Dock {
   void run_until(Kind kind, double at_most_s) {
     for (cycle(); step.kind != kind && time_s < at_most_s; cycle()) {
     }
-    EXPECT_EQ(step.kind, kind) << "after " << time_s << " s: " << step.reason;
+    EXPECT_EQ(step.kind, kind) << "after " << time_s << " s: " << to_text(step.reason);
   }
 };
 

@@ -47,7 +47,7 @@ TEST(GoalDrive, WithoutAPathItLooksAroundOnceAndThenSaysSoAndStays) {
     now.T_odom_base.yaw += kStepS * decision.yaw_rate_rad_s;
     rotated_rad += kStepS * std::abs(decision.yaw_rate_rad_s);
   }
-  EXPECT_EQ(decision.reason, "There is no path to the goal.");
+  EXPECT_EQ(decision.reason, Reason(Why::kNoPath));
   EXPECT_EQ(decision.yaw_rate_rad_s, 0.0);
   // Once around; it begins after one step more or less, of 0.7 degrees each.
   EXPECT_NEAR(rotated_rad, 2.0 * geometry::kPi, 0.05);

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/navigator/messages.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include "common/geometry/angle.hpp"
+
+namespace nodmap::navigator {
+namespace {
+
+/// How much of the arc is shown.
+constexpr double kArcS = 1.6;
+constexpr int kArcSteps = 8;
+
+void add_arc(nodmap::path_t& message, geometry::SE2 T_odom_ahead, const Decision& decision) {
+  for (int step = 0; step <= kArcSteps; ++step) {
+    message.arc_x_m.push_back(T_odom_ahead.x);
+    message.arc_y_m.push_back(T_odom_ahead.y);
+    const double dt_s = kArcS / kArcSteps;
+    const double half_rotation_rad = 0.5 * dt_s * decision.yaw_rate_rad_s;
+    const double length_m = dt_s * decision.forward_mps;
+    T_odom_ahead = T_odom_ahead * geometry::SE2{length_m * std::cos(half_rotation_rad),
+                                                length_m * std::sin(half_rotation_rad),
+                                                2.0 * half_rotation_rad};
+  }
+}
+
+}  // namespace
+
+bool is_plausible(const nodmap::goal_t& message) {
+  const auto is_tolerance = [](double value) { return std::isfinite(value) && value > 0.0; };
+  const bool is_place = std::isfinite(message.position_m[0]) &&
+                        std::isfinite(message.position_m[1]) && is_tolerance(message.tolerance_m);
+  const bool is_heading = message.has_heading == 0 || (std::isfinite(message.heading_rad) &&
+                                                       is_tolerance(message.heading_tolerance_rad));
+  return message.is_active == 0 || (is_place && is_heading);
+}
+
+std::optional<GoalInMap> read_goal(const nodmap::goal_t& message) {
+  if (message.is_active == 0) {
+    return std::nullopt;
+  }
+  GoalInMap goal{{message.position_m[0], message.position_m[1], 0.0}, message.tolerance_m, {}};
+  if (message.has_heading != 0) {
+    goal.T_map_goal.yaw = geometry::normalize_angle(message.heading_rad);
+    goal.heading_tolerance_rad = message.heading_tolerance_rad;
+  }
+  return goal;
+}
+
+double position_sigma_m(const nodmap::pose_t& message) {
+  const double xx = message.covariance[0][0];
+  const double xy = 0.5 * (message.covariance[0][1] + message.covariance[1][0]);
+  const double yy = message.covariance[1][1];
+  const double largest = 0.5 * (xx + yy) + std::hypot(0.5 * (xx - yy), xy);
+  return largest > 0.0 && std::isfinite(largest) ? std::sqrt(largest)
+                                                 : std::numeric_limits<double>::infinity();
+}
+
+std::int8_t code_of(Behaviour behaviour) {
+  switch (behaviour) {
+    case Behaviour::kSteer:
+      return nodmap::navigation_t::STEER;
+    case Behaviour::kBrake:
+      return nodmap::navigation_t::BRAKE;
+    case Behaviour::kTurn:
+      return nodmap::navigation_t::TURN;
+    case Behaviour::kArrived:
+      return nodmap::navigation_t::ARRIVED;
+    case Behaviour::kHalt:
+      break;
+  }
+  return nodmap::navigation_t::HALT;
+}
+
+nodmap::path_t path_message(const std::vector<Eigen::Vector2d>& path_map,
+                            const geometry::SE2& T_odom_map, const geometry::SE2& T_odom_base,
+                            const Decision& decision) {
+  nodmap::path_t message{};
+  message.state = path_map.empty() ? nodmap::path_t::NO_PATH : nodmap::path_t::PLANNED;
+  for (const Eigen::Vector2d& p_map : path_map) {
+    const Eigen::Vector2d p_odom = T_odom_map * p_map;
+    message.x_m.push_back(p_odom.x());
+    message.y_m.push_back(p_odom.y());
+  }
+  add_arc(message, T_odom_base, decision);
+  message.num_points = static_cast<std::int32_t>(message.x_m.size());
+  message.num_arc_points = static_cast<std::int32_t>(message.arc_x_m.size());
+  return message;
+}
+
+}  // namespace nodmap::navigator

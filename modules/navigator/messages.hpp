@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "common/geometry/se2.hpp"
+#include "modules/navigator/decision.hpp"
+#include "nodmap/goal_t.hpp"
+#include "nodmap/navigation_t.hpp"
+#include "nodmap/path_t.hpp"
+#include "nodmap/pose_t.hpp"
+
+namespace nodmap::navigator {
+
+// The navigator's messages as its values, and back.
+
+/// A goal as GOAL gives it.
+struct GoalInMap {
+  geometry::SE2 T_map_goal;  ///< its yaw counts with a heading tolerance only
+  double tolerance_m = 0.0;
+  std::optional<double> heading_tolerance_rad;
+};
+
+/// Whether a GOAL is one, or a plausible end of one.
+[[nodiscard]] bool is_plausible(const nodmap::goal_t& message);
+
+/// Empty where the message ends the goal. `message` is plausible.
+[[nodiscard]] std::optional<GoalInMap> read_goal(const nodmap::goal_t& message);
+
+/// The standard deviation of the position in its worst direction, metres; +infinity where the
+/// covariance is not known.
+[[nodiscard]] double position_sigma_m(const nodmap::pose_t& message);
+
+/// navigation_t's number of a behaviour.
+[[nodiscard]] std::int8_t code_of(Behaviour behaviour);
+
+/// The path to the goal, and from the robot on the arc that was chosen. `path_map`: without points
+/// where there is no path.
+[[nodiscard]] nodmap::path_t path_message(const std::vector<Eigen::Vector2d>& path_map,
+                                          const geometry::SE2& T_odom_map,
+                                          const geometry::SE2& T_odom_base,
+                                          const Decision& decision);
+
+}  // namespace nodmap::navigator

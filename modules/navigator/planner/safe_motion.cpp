@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/navigator/planner/safe_motion.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "modules/navigator/turn.hpp"
+
+namespace nodmap::navigator {
+namespace {
+
+/// Direction of an arc: where it is after so much of it.
+constexpr double kLookM = 0.5;
+/// Of the best rollouts forwards so many are offered to Brake.
+constexpr std::size_t kMostOffered = 40;
+/// Backwards the robot sees nothing but what it remembers.
+constexpr double kBackwardMarginM = 0.03;
+/// Odometry's noise is slower.
+constexpr double kReversingMps = 0.02;
+constexpr double kRotationMarginM = 0.02;
+constexpr double kLeastRotationRad = geometry::deg_to_rad(2.0);
+
+/// Of a rollout forwards.
+double direction_rad(const Rollout& rollout) {
+  return std::clamp(0.5 * kLookM * rollout.yaw_rate_rad_s / rollout.forward_mps, -1.2, 1.2);
+}
+
+}  // namespace
+
+SafeMotion::SafeMotion(const NavigatorParams& params)
+    : body_(params.robot.body.footprint()),
+      turn_(params.turn),
+      reaction_s_(params.drive.reaction_s),
+      sweeps_to_trust_(params.steer.sweeps_to_trust) {}
+
+void SafeMotion::record(const Situation& now) {
+  if (now.forward_mps > -kReversingMps) {
+    trail_.record(now.T_odom_base);
+  }
+}
+
+/// The best rollout once Brake has slowed it down: what it then falls short counts as cost.
+std::optional<Decision> SafeMotion::best_of(const std::vector<Rollout>& rollouts,
+                                            const Brake& brake, const Situation& now,
+                                            const SeenDirections& seen) const {
+  std::optional<Decision> best;
+  double least_cost_m = std::numeric_limits<double>::infinity();
+  std::size_t num_offered = 0;
+  for (const Rollout& rollout : rollouts) {
+    if (rollout.cost >= least_cost_m) {
+      break;
+    }
+    // Rotations and the path back cost next to nothing to check.
+    if (rollout.forward_mps > 0.0 && ++num_offered > kMostOffered) {
+      continue;
+    }
+    const auto driven = drive(rollout, brake, now, seen);
+    if (!driven) {
+      continue;
+    }
+    const double slower_mps = std::max(0.0, rollout.forward_mps - driven->max_forward_mps);
+    const double cost_m = rollout.cost + Rollouts::kDurationS * slower_mps;
+    if (cost_m < least_cost_m) {
+      least_cost_m = cost_m;
+      best = driven;
+    }
+  }
+  return best;
+}
+
+bool SafeMotion::is_seen(const Rollout& rollout, const Situation& now,
+                         const SeenDirections& seen) const {
+  return seen.is_seen(direction_rad(rollout), now.laser_is_held ? 0 : sweeps_to_trust_);
+}
+
+/// A rollout as Brake allows it; empty where it does not.
+std::optional<Decision> SafeMotion::drive(const Rollout& rollout, const Brake& brake,
+                                          const Situation& now, const SeenDirections& seen) const {
+  if (rollout.forward_mps == 0.0 && rollout.yaw_rate_rad_s == 0.0) {
+    Decision decision;
+    decision.behaviour = Behaviour::kBrake;
+    decision.reason = Why::kGivesWay;
+    return decision;
+  }
+  std::optional<Decision> decision = move(rollout, brake, now, seen);
+  if (decision) {
+    brake.keep_to_known_ground(*decision, now);
+    brake.give_way(*decision, now);
+    if (decision->forward_mps == 0.0 && decision->yaw_rate_rad_s == 0.0) {
+      return std::nullopt;
+    }
+  }
+  return decision;
+}
+
+std::optional<Decision> SafeMotion::move(const Rollout& rollout, const Brake& brake,
+                                         const Situation& now, const SeenDirections& seen) const {
+  if (rollout.forward_mps > 0.0) {
+    return drive_forwards(rollout, brake, now, seen);
+  }
+  if (rollout.forward_mps < 0.0) {
+    return drive_backwards(rollout, brake, now);
+  }
+  return rotate(rollout, now);
+}
+
+std::optional<Decision> SafeMotion::drive_forwards(const Rollout& rollout, const Brake& brake,
+                                                   const Situation& now,
+                                                   const SeenDirections& seen) const {
+  const double curvature = rollout.yaw_rate_rad_s / rollout.forward_mps;
+  if (!is_seen(rollout, now, seen)) {
+    return std::nullopt;
+  }
+  const Arc arc = brake.measure_arc(curvature, now);
+  const double limit_mps =
+      std::min(brake.speed_limit(curvature, now.max_forward_mps), rollout.forward_mps);
+  const double goal_mps = brake.stoppable_mps(now.goal->distance_m);
+  const double safe_mps = std::min(arc.speed_mps, brake.speed_on_present_arc(now));
+  Decision decision;
+  decision.forward_mps = std::min({limit_mps, goal_mps, safe_mps});
+  // An emergency stop is no reason to try the next one: it is for all of them.
+  if (arc.speed_mps < kLeastSpeedMps) {
+    return std::nullopt;
+  }
+  const bool is_slowed = safe_mps < limit_mps;
+  decision.behaviour = is_slowed ? Behaviour::kBrake : Behaviour::kSteer;
+  decision.reason = is_slowed ? Why::kSlowsDown : Why::kNothingToAdd;
+  decision.yaw_rate_rad_s = decision.forward_mps * curvature;
+  decision.steering_angle_rad = direction_rad(rollout);
+  decision.free_distance_m = arc.free_distance_m;
+  decision.max_forward_mps = std::min(limit_mps, arc.speed_mps);
+  return decision;
+}
+
+/// Only over floor that was seen and on the strip the body has driven, and slowly: the laser does
+/// not look there.
+std::optional<Decision> SafeMotion::drive_backwards(const Rollout& rollout, const Brake& brake,
+                                                    const Situation& now) const {
+  const double curvature = rollout.yaw_rate_rad_s / rollout.forward_mps;
+  double distance_m = free_distance_backwards(now.points_base, curvature, body_, kBackwardMarginM) -
+                      kBackwardMarginM;
+  distance_m = std::min(distance_m, trail_.distance_backwards(now.T_odom_base, curvature));
+  if (now.local_map != nullptr) {
+    distance_m = std::min(distance_m, now.local_map->seen_distance_backwards(
+                                          now.T_odom_base, curvature, body_.half_width_m, 0.3));
+  }
+  const double speed_mps = std::min(-rollout.forward_mps, brake.stoppable_mps(distance_m));
+  if (speed_mps < 0.5 * kLeastSpeedMps || now.forward_mps > kLeastSpeedMps) {
+    return std::nullopt;
+  }
+  Decision decision;
+  decision.behaviour = Behaviour::kTurn;
+  decision.reason = Why::kBacksUp;
+  decision.forward_mps = -speed_mps;
+  decision.yaw_rate_rad_s = -speed_mps * curvature;
+  return decision;
+}
+
+std::optional<Decision> SafeMotion::rotate(const Rollout& rollout, const Situation& now) const {
+  const double side = std::copysign(1.0, rollout.yaw_rate_rad_s);
+  const double free_rad = free_rotation(now.points_base, side, body_, kRotationMarginM);
+  if (free_rad < kLeastRotationRad) {
+    return std::nullopt;
+  }
+  Decision decision;
+  decision.behaviour = Behaviour::kTurn;
+  decision.reason = Why::kTurnsToPath;
+  decision.yaw_rate_rad_s = side * std::min(std::abs(rollout.yaw_rate_rad_s),
+                                            yaw_rate_on_the_spot(free_rad, turn_, reaction_s_));
+  decision.steering_angle_rad = side * 0.5 * geometry::kPi;
+  return decision;
+}
+
+}  // namespace nodmap::navigator

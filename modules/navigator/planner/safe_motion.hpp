@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "modules/navigator/back_up.hpp"
+#include "modules/navigator/brake.hpp"
+#include "modules/navigator/decision.hpp"
+#include "modules/navigator/params.hpp"
+#include "modules/navigator/planner/rollouts.hpp"
+#include "modules/navigator/seen_directions.hpp"
+
+namespace nodmap::navigator {
+
+/// Makes a rollout a decision, as slow as it must be to be safe: forwards as Brake allows and only
+/// where the laser has looked, backwards only over floor that was seen and on the strip that the
+/// body has driven, and on the spot as far as there is room.
+class SafeMotion {
+ public:
+  explicit SafeMotion(const NavigatorParams& params);
+
+  /// Where the robot is now; to be called at each decision.
+  void record(const Situation& now);
+
+  /// The best of these, which are sorted by cost; empty where none can be driven.
+  [[nodiscard]] std::optional<Decision> best_of(const std::vector<Rollout>& rollouts,
+                                                const Brake& brake, const Situation& now,
+                                                const SeenDirections& seen) const;
+
+  /// Empty where it cannot be driven.
+  [[nodiscard]] std::optional<Decision> drive(const Rollout& rollout, const Brake& brake,
+                                              const Situation& now,
+                                              const SeenDirections& seen) const;
+
+  /// On the spot; not yet slowed down for doubtful ground and people.
+  [[nodiscard]] std::optional<Decision> rotate(const Rollout& rollout, const Situation& now) const;
+
+ private:
+  [[nodiscard]] std::optional<Decision> move(const Rollout& rollout, const Brake& brake,
+                                             const Situation& now,
+                                             const SeenDirections& seen) const;
+  [[nodiscard]] std::optional<Decision> drive_forwards(const Rollout& rollout, const Brake& brake,
+                                                       const Situation& now,
+                                                       const SeenDirections& seen) const;
+  [[nodiscard]] std::optional<Decision> drive_backwards(const Rollout& rollout, const Brake& brake,
+                                                        const Situation& now) const;
+  [[nodiscard]] bool is_seen(const Rollout& rollout, const Situation& now,
+                             const SeenDirections& seen) const;
+
+  robot::Footprint body_;
+  TurnParams turn_;
+  double reaction_s_;
+  int sweeps_to_trust_;
+  Trail trail_;
+};
+
+}  // namespace nodmap::navigator

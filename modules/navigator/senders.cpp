@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/navigator/senders.hpp"
+
+#include <utility>
+
+namespace nodmap::navigator {
+namespace {
+
+using Input = InputSenders::Input;
+
+/// Odometry comes all the time: its stamps are the clock, to which a step back is a new beginning.
+/// Of odometry's own senders another clock tells who is alive: the servo's readings.
+time::SteadyTime clock_of(Input input, time::Timestamp otherwise, const InputStamps& stamps) {
+  const auto& newest = input == Input::kOdometry ? stamps.pitch_state : stamps.odometry;
+  return time::SteadyTime(newest.value_or(otherwise).time_since_epoch());
+}
+
+}  // namespace
+
+bool InputSenders::follow(Input input, std::int64_t seq, time::Timestamp stamp,
+                          const InputStamps& stamps) {
+  return watches_[static_cast<std::size_t>(input)].follow(seq, clock_of(input, stamp, stamps));
+}
+
+std::optional<std::string> InputSenders::contested_channel(const InputStamps& stamps) const {
+  for (const auto& [input, channel] : {std::pair(Input::kPitchCommand, "PITCH_COMMAND"),
+                                       {Input::kPitchState, "PITCH_STATE"},
+                                       {Input::kScan, "SCAN"},
+                                       {Input::kOdometry, "ODOMETRY"}}) {
+    const node::SenderWatch& watch = watches_[static_cast<std::size_t>(input)];
+    if (watch.is_contested(clock_of(input, {}, stamps))) {
+      return channel;
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace nodmap::navigator

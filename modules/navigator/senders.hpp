@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "common/geometry/time.hpp"
+#include "common/node/sender_watch.hpp"
+#include "modules/navigator/staleness.hpp"
+
+namespace nodmap::navigator {
+
+/// The one process from which each input is taken. Of two senders one is forged, or a process runs
+/// twice: which one tells the truth is not known.
+class InputSenders {
+ public:
+  enum class Input : std::uint8_t { kScan, kOdometry, kPitchCommand, kPitchState };
+
+  /// Adds a message; false: it is from another sender than the one that is followed. `stamps`: of
+  /// the messages used so far.
+  [[nodiscard]] bool follow(Input input, std::int64_t seq, time::Timestamp stamp,
+                            const InputStamps& stamps);
+
+  /// The channel of an input that two processes send; empty: none.
+  [[nodiscard]] std::optional<std::string> contested_channel(const InputStamps& stamps) const;
+
+ private:
+  std::array<node::SenderWatch, 4> watches_;  // by input
+};
+
+}  // namespace nodmap::navigator
