@@ -207,7 +207,8 @@ TEST(Kurt, ASpoiltEncoderFrameIsBridged) {
   EXPECT_EQ(robot.kurt.counts().encoder_implausible, 5);
   EXPECT_EQ(robot.kurt.counts().encoder_lost, 0);
   EXPECT_EQ(robot.samples.size(), samples_before + 50);
-  EXPECT_NEAR(robot.samples.back().state.T_odom_base.x - before_m, 0.5, 0.002);
+  // Encoders count whole ticks of 17 um.
+  EXPECT_NEAR(robot.samples.back().state.T_odom_base.x - before_m, 0.5, 1.7e-5);
 }
 
 // Frames keep coming, and none of them says what the wheels do: the robot is as blind as without.

@@ -92,7 +92,8 @@ TEST(Laser3d, R1_PublishesPitchedScansAt75Hz) {
   rig.run(4.0);
   const std::size_t before = rig.scans.size();
   rig.run(10.0);
-  EXPECT_NEAR(static_cast<double>(rig.scans.size() - before), 750.0, 3.0);
+  // 750.75 revolutions: one more or less at either end.
+  EXPECT_NEAR(static_cast<double>(rig.scans.size() - before), 750.0, 1.0);
   EXPECT_EQ(rig.health().condition, Condition::kOk) << rig.health().reason;
   EXPECT_EQ(rig.dut.counts().scans_without_pitch, 0);
   for (std::size_t i = before; i < rig.scans.size(); ++i) {
@@ -145,9 +146,11 @@ TEST(Laser3d, NodsBetweenTheCommandedBounds) {
     return a.sample.pitch_rad < b.sample.pitch_rad;
   };
   const auto [low, high] = std::minmax_element(rig.pitch.begin(), rig.pitch.end(), by_pitch);
-  EXPECT_NEAR(low->sample.pitch_rad, -0.3, 0.005);
-  EXPECT_NEAR(high->sample.pitch_rad, 0.1, 0.005);
-  EXPECT_NEAR(static_cast<double>(rig.pitch.back().sweep - rig.pitch.front().sweep), 18.0, 2.0);
+  // 1.25 times what is measured at the lower end, 0.66 mrad: half of a servo's step.
+  EXPECT_NEAR(low->sample.pitch_rad, -0.3, 8e-4);
+  EXPECT_NEAR(high->sample.pitch_rad, 0.1, 8e-4);
+  // The first or the last reversal may fall outside of the time.
+  EXPECT_NEAR(static_cast<double>(rig.pitch.back().sweep - rig.pitch.front().sweep), 18.0, 1.0);
 }
 
 TEST(Laser3d, WithoutTheServoThereIsNoScan) {
@@ -243,7 +246,7 @@ TEST(Laser3d, AFastNodMakesBlindnessKnownInASecondASlowOneInItsNod) {
       rig.run(0.1);
       blind_s += 0.1;
     }
-    EXPECT_NEAR(blind_s, known_s, 0.25);
+    EXPECT_NEAR(blind_s, known_s, 0.05);  // it is asked each 0.1 s
   }
 }
 

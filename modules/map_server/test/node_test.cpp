@@ -116,7 +116,7 @@ TEST_F(ScannerAsBaseNodeTest, HeightsAreAboveTheGround) {
   bus_.deliver("SCAN", scan);
   const auto maps = maps_on("OBSTACLE_MAP");
   ASSERT_EQ(maps.size(), 1U);
-  EXPECT_NEAR(maps[0].point_z_m[270], 0.38, 0.01);
+  EXPECT_NEAR(maps[0].point_z_m[270], 0.38, 2e-8);  // a float's rounding
 }
 
 TEST_F(MapServerNodeTest, OdometryThatBeganAnewStartsTheMapsAnew) {

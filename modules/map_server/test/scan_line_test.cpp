@@ -72,18 +72,21 @@ TEST(ScanLine, OutsideTheFanIsNotSeen) {
 }
 
 TEST(ScanLine, FansThatCountToTheRightOrAllAround) {
+  const double tolerance = 2e-6 / deg_to_rad(1);  // angles are to 2e-6 rad
   scan::Scan scan = fan(0, 0, 5.0);
   scan.angle_first_rad = deg_to_rad(90);
   scan.angle_step_rad = deg_to_rad(-1);
   const Eigen::Vector3d p = scan::point_in_base(scan, 30, 2.0);
-  EXPECT_NEAR(static_cast<double>(ScanLine(scan).crossing_at(p.head<2>())->beam), 30, 1);
+  const auto to_the_right = ScanLine(scan).crossing_at(p.head<2>());
+  ASSERT_TRUE(to_the_right);
+  EXPECT_NEAR(static_cast<double>(to_the_right->beam) + to_the_right->between, 30, tolerance);
   scan.angle_first_rad = 0.0;
   scan.angle_step_rad = deg_to_rad(1);
   scan.ranges_m.assign(360, 5.0F);
   const Eigen::Vector3d q = scan::point_in_base(scan, 270, 2.0);
   const auto crossing = ScanLine(scan).crossing_at(q.head<2>());
   ASSERT_TRUE(crossing);
-  EXPECT_NEAR(static_cast<double>(crossing->beam) + crossing->between, 270, 1e-3);
+  EXPECT_NEAR(static_cast<double>(crossing->beam) + crossing->between, 270, tolerance);
 }
 
 TEST(ScanLine, ReachesAsFarAsTheWallBetweenTwoBeams) {

@@ -234,7 +234,7 @@ TEST(PitchController, AFaultOfTheServoLeavesNoError) {
 TEST(PitchController, TheAreaClosesAsTheRobotSpeedsUp) {
   Loop loop;
   loop.run(5.0, 0.0);
-  EXPECT_NEAR(rad_to_deg(loop.decision.sweep.range_rad()), 120.0, 0.25);
+  EXPECT_NEAR(rad_to_deg(loop.decision.sweep.range_rad()), 120.0, 1e-9);  // rounding
   loop.decisions.clear();
   double v = 0.0;
   loop.run(4.0, [&v] { return v = std::min(v + 0.005, 1.8); });

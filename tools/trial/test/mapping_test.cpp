@@ -142,7 +142,7 @@ TEST_F(MappingTest, R42_FiftyScansOnTheMoveLieOnTheSurfaces) {
                      {.min_m = 0.5, .max_m = 30.0});
   ASSERT_TRUE(cloud);
   EXPECT_EQ(cloud->scans_used, 50U);
-  EXPECT_NEAR(cloud->motion().translation().norm(), 1.0, 0.1);
+  EXPECT_NEAR(cloud->motion().translation().norm(), 1.0, 0.1);  // 0.67 s at about 1.5 m/s
   const auto errors =
       evaluate::measure_cloud(cloud->points, truth.at(cloud->stamp).value(), trial.world);
   RecordProperty("rms_mm", std::to_string(1e3 * errors.rms_m));

@@ -143,6 +143,7 @@ TEST(LocalMap, RemembersWhatIsBesideAndBehindTheRobot) {
   }
   const Points points = map.points_base({1.5, 0.0, 0.0}, 2.0);
   ASSERT_FALSE(points.empty());
+  // The block reaches 5 cm to each side of its middle, and its outermost cells 2 cm farther.
   for (const Eigen::Vector2d& p : points) {
     EXPECT_NEAR(p.x(), 0.85 - 1.5, 0.07);
     EXPECT_NEAR(p.y(), 0.3, 0.07);
