@@ -4,7 +4,10 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <string>
+#include <utility>
 
+#include "common/params/params.hpp"
 #include "common/robot/robot_params.hpp"
 #include "common/robot/stopping.hpp"
 
@@ -21,6 +24,38 @@ TEST(Robot, IsKurt3dAsInThePaper) {
   EXPECT_EQ(robot.body.height_m, 0.47);
   EXPECT_EQ(robot.corridor_bottom_m(), 0.05);
   EXPECT_EQ(robot.corridor_top_m(), 0.5);
+}
+
+TEST(Robot, AKeyOfAnOlderFileGetsAnErrorThatNamesTheNewOne) {
+  for (const auto& [old_key, new_key] :
+       {std::pair<std::string, std::string>("robot_height_m", "robot.body.height_m"),
+        {"mount_z_m", "robot.mount.z_m"},
+        {"pitch_rate_rad_s", "robot.head.pitch_rate_rad_s"},
+        {"head_clearance_m", "robot.corridor.top_margin_m"},
+        {"robot.corridor.head_clearance_m", "robot.corridor.top_margin_m"},
+        {"stop_margin_m", "robot.braking.stop_margin_m"}}) {
+    RobotParams robot;
+    params::Table table(robot);
+    EXPECT_NO_THROW(table.set(new_key, "0.4", "test")) << new_key;
+    try {
+      table.set(old_key, "0.4", "test");
+      FAIL() << old_key;
+    } catch (const params::ParamError& error) {
+      EXPECT_EQ(error.what(), "test: key '" + old_key + "' is now called '" + new_key + "'");
+    }
+  }
+}
+
+// A robot that drives as fast as the free distance permits stops with the margin left.
+TEST(Braking, RequiredDistanceAndPermittedSpeedAreInverse) {
+  const Braking braking;
+  for (double speed_mps = 0.1; speed_mps < 3.0; speed_mps += 0.1) {
+    const double distance_m = braking.required_distance_m(speed_mps, 0.7);
+    EXPECT_NEAR(distance_m, stopping_distance(speed_mps, 0.7, braking.deceleration_mps2) + 0.15,
+                1e-12);
+    EXPECT_NEAR(braking.permitted_mps(distance_m, 0.7), speed_mps, 1e-12);  // rounding, both
+  }
+  EXPECT_EQ(braking.permitted_mps(braking.stop_margin_m, 0.7), 0.0);
 }
 
 TEST(Footprint, EndsAtItsBorder) {
