@@ -77,7 +77,12 @@ def moments(lines, kind, generator):
 def damaged(lines, kind, seed):
     """The lines of a log with a pose, damaged."""
     generator = random.Random(f"{kind} {seed}")
-    places = moments(lines, kind, generator)
+    return damaged_at(moments(lines, kind, generator), lines, kind, generator)
+
+
+def damaged_at(places, lines, kind, generator):
+    """`places`: (begin, end) of each damage, seconds."""
+    places = list(places)
     correction, before, out = (0.0, 0.0, 0.0), lines[0].pose, []
     for line in lines:
         if places and line.time_s > places[0][1]:

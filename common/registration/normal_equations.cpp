@@ -31,6 +31,7 @@ NormalEquations::Solution NormalEquations::solve(double min_information_ratio) c
   const Eigensystem system = decompose();
   const Eigen::Vector3d gradient = system.to_metres.cwiseInverse().cwiseProduct(gradient_);
   Solution solution;
+  solution.least_information_ratio = weight_ > 0.0 ? system.values[0] / weight_ : 0.0;
   Eigen::Matrix3d kept = Eigen::Matrix3d::Zero();
   for (int k = 0; k < 3; ++k) {
     const auto direction = system.vectors.col(k);

@@ -17,6 +17,8 @@ class NormalEquations {
     /// Projects such a step onto the determined directions.
     Eigen::Matrix3d projector = Eigen::Matrix3d::Identity();
     int degenerate_directions = 0;
+    /// The least information on any direction, over what the same correspondences could give.
+    double least_information_ratio = 0.0;
   };
 
   /// Adds the correspondence of a point with a line. `normal`: unit normal of the line;

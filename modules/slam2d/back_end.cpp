@@ -61,11 +61,10 @@ void BackEnd::restore(SavedMap map) {
   ++graph_revision_;
 }
 
-std::optional<geometry::SE2> BackEnd::find_in_local(std::span<const OrientedPoint> scan,
-                                                    const SearchWindow& window, double min_score) {
-  const CorrelativeMatch found =
-      closer_.find(chain_.local_index(), local(), scan, window, min_score);
-  return found.is_unique() ? std::optional(found.peaks.front().T_map_base) : std::nullopt;
+CorrelativeMatch BackEnd::find_in_local(std::span<const OrientedPoint> scan,
+                                        const SearchWindow& window, double min_score,
+                                        std::size_t max_places) {
+  return closer_.find(chain_.local_index(), local(), scan, window, min_score, max_places);
 }
 
 void BackEnd::add_keyframe(Keyframe keyframe, const geometry::SE2& T_local_keyframe,

@@ -72,12 +72,12 @@ class BackEnd {
   /// to the first one: the drift since the map began, as far as loops have not taken it back.
   [[nodiscard]] const Eigen::Matrix3d& drift_covariance() const { return drift_covariance_; }
 
-  /// Where a scan lies in the local submap, by a search of all poses within `window`, in the frame
-  /// of the submap, to the cell; nothing where it fits several places, or none with a mean
-  /// likelihood of `min_score`.
-  [[nodiscard]] std::optional<geometry::SE2> find_in_local(std::span<const OrientedPoint> scan,
-                                                           const SearchWindow& window,
-                                                           double min_score);
+  /// Where a scan may lie in the local submap, by a search of all poses within `window`, in the
+  /// frame of the submap, to the cell: at most `max_places`, with a mean likelihood of `min_score`
+  /// or more.
+  [[nodiscard]] CorrelativeMatch find_in_local(std::span<const OrientedPoint> scan,
+                                               const SearchWindow& window, double min_score,
+                                               std::size_t max_places);
 
   /// Adds a keyframe at its place in the local submap, closes loops with older submaps, and moves
   /// all submaps if that changed anything. `information` (x, y, yaw in the frame of the submap): of

@@ -84,16 +84,17 @@ const LikelihoodGrid& LoopCloser::grid_of(std::size_t submap_index, const Submap
 
 CorrelativeMatch LoopCloser::find(std::size_t submap_index, const Submap& submap,
                                   std::span<const OrientedPoint> scan, const SearchWindow& window,
-                                  double min_score) {
+                                  double min_score, std::size_t max_places) {
   LoopSearchParams params = params_.search;
   params.min_score = min_score;
   return CorrelativeMatcher(params).search(grid_of(submap_index, submap), points_to_search(scan),
-                                           window);
+                                           window, max_places);
 }
 
 LoopAttempt LoopCloser::search(std::size_t submap_index, const Submap& submap,
                                std::span<const OrientedPoint> scan, const SearchWindow& window) {
-  const CorrelativeMatch found = find(submap_index, submap, scan, window, params_.search.min_score);
+  const CorrelativeMatch found =
+      find(submap_index, submap, scan, window, params_.search.min_score, 2);
   if (found.complete && found.peaks.empty()) {
     return {};
   }

@@ -49,11 +49,12 @@ class LoopCloser {
   [[nodiscard]] LoopAttempt track(const Submap& submap, std::span<const OrientedPoint> scan,
                                   const geometry::SE2& T_submap_base_guess) const;
 
-  /// The poses within a window at which a scan fits a submap, none with a mean likelihood below
-  /// `min_score`.
+  /// The poses within a window at which a scan fits a submap: at most `max_places`, none with a
+  /// mean likelihood below `min_score`.
   [[nodiscard]] CorrelativeMatch find(std::size_t submap_index, const Submap& submap,
                                       std::span<const OrientedPoint> scan,
-                                      const SearchWindow& window, double min_score);
+                                      const SearchWindow& window, double min_score,
+                                      std::size_t max_places);
 
   /// Finds the best match within a window.
   [[nodiscard]] LoopAttempt search(std::size_t submap_index, const Submap& submap,

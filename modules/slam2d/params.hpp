@@ -87,6 +87,8 @@ struct SearchParams {
 /// What holds while odometry is in doubt: after a while without it, and while the robot is lost.
 struct DoubtParams {
   double certain_score = 0.85;
+  double found_score = 0.6;
+  double min_misfit_ratio = 1.5;
   double min_score = 0.5;
   double search_distance_m = 4.0;
   double search_rotation_rad = geometry::deg_to_rad(120.0);
@@ -95,14 +97,19 @@ struct DoubtParams {
   template <class Visitor>
   void describe(Visitor& v) {
     v.number("certain_score", certain_score, {0.0, 1.0},
-             "A match that scores at least this, with all directions determined, is believed "
+             "A match that scores at least this, with all directions well determined, is believed "
              "without a search.");
+    v.number("found_score", found_score, {0.0, 1.0},
+             "Where it was searched for, the best place is believed when it scores at least this.");
+    v.number("min_misfit_ratio", min_misfit_ratio, {1.0, 100.0},
+             "And when what is missing to a score of 1 at any other place is at least this many "
+             "times what is missing there. Until then the pose is DEGRADED.");
     v.number("min_score", min_score, {0.0, 1.0},
              "The robot is lost when no place scores at least this: a wrong one may fit by half, "
              "for the walls of other rooms do over some of their length.");
     v.number("search_distance_m", search_distance_m, {0.1, 100.0},
              "The scan is searched for in the local submap up to this distance from odometry, in x "
-             "and in y.");
+             "and in y; after a gap in odometry up to 3 m for each second of it, if that is less.");
     v.angle("search_rotation_deg", search_rotation_rad, {0.0, 180.0},
             "And up to this rotation from odometry.");
     v.number("min_search_score", min_search_score, {0.05, 1.0},

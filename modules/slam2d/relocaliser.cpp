@@ -2,8 +2,9 @@
 #include "modules/slam2d/relocaliser.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <vector>
+
+#include "modules/slam2d/best_place.hpp"
 
 namespace nodmap::slam2d {
 namespace {
@@ -11,11 +12,6 @@ namespace {
 constexpr std::size_t kMaxPeaks = 24;                // more places mean that the scan tells nothing
 constexpr double kMaxCorrespondenceDistanceM = 0.4;  // the search is a cell of 10 cm off
 constexpr double kMinCorrespondenceDistanceM = 0.15;  // other places fit only roughly
-constexpr double kMinMargin =
-    0.02;  // of score: where nearly every point fits, one more means little
-// Poses nearer to each other are the same place.
-constexpr double kSamePlaceM = 0.5;
-constexpr double kSamePlaceRad = 0.2;
 
 LoopSearchParams search_params(const RelocaliserParams& params) {
   return {.min_score = params.min_search_score, .max_runner_up_ratio = params.min_peak_ratio};
@@ -27,11 +23,6 @@ MatcherParams matcher_params(MatcherParams params) {
   params.min_correspondence_distance_m =
       std::min(params.min_correspondence_distance_m, kMinCorrespondenceDistanceM);
   return params;
-}
-
-bool is_same_place(const geometry::SE2& a, const geometry::SE2& b) {
-  return (a.translation() - b.translation()).norm() < kSamePlaceM &&
-         std::abs(geometry::angle_difference(a.yaw, b.yaw)) < kSamePlaceRad;
 }
 
 }  // namespace
@@ -70,22 +61,16 @@ Relocalisation Relocaliser::locate(const KnownMap& map, std::span<const Oriented
     places.push_back({match.T_map_base, match.score - fit.through_walls});
   }
   Relocalisation result;
-  const auto best = std::max_element(
-      places.begin(), places.end(), [](const Peak& a, const Peak& b) { return a.score < b.score; });
-  if (best == places.end()) {
+  if (places.empty()) {
     return result;
   }
-  result.T_map_base = best->T_map_base;
-  result.score = best->score;
-  for (const Peak& place : places) {
-    if (!is_same_place(place.T_map_base, best->T_map_base)) {
-      result.runner_up_score = std::max(result.runner_up_score, place.score);
-    }
-  }
-  const double rival_score = 1.0 - params_.min_misfit_ratio * (1.0 - result.score) - kMinMargin;
+  const BestPlace best = best_of(places);
+  result.T_map_base = places[best.index].T_map_base;
+  result.score = best.score;
+  result.runner_up_score = best.runner_up_score;
   if (result.score < params_.min_score) {
     result.status = Relocalisation::Status::kNowhere;
-  } else if (result.runner_up_score > rival_score || search.peaks.size() == kMaxPeaks ||
+  } else if (!best.is_clear(params_.min_misfit_ratio) || search.peaks.size() == kMaxPeaks ||
              !search.complete) {
     result.status = Relocalisation::Status::kAmbiguous;
   } else {

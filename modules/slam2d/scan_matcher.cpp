@@ -178,6 +178,8 @@ void ScanMatcher::evaluate(const PointMap& map, std::span<const OrientedPoint> s
   match.score = correspondences.score_sum / num_points;
   match.information =
       correspondences.lines.information(params_.min_information_ratio) / kPointVarianceM2;
+  match.least_information_ratio =
+      correspondences.lines.solve(params_.min_information_ratio).least_information_ratio;
   match.rms_m = correspondences.weight > 0.0
                     ? std::sqrt(correspondences.squared_m2 / correspondences.weight)
                     : 0.0;

@@ -19,6 +19,8 @@ struct Match {
       0.0;  ///< mean weight w_ij over all scan points, 0 none near the map to 1 all on it
   double rms_m = 0.0;             ///< weighted distance of the correspondences
   int degenerate_directions = 3;  ///< of x, y, yaw, left at the guess; 3: nothing was matched
+  /// The least information on any direction, over what the correspondences could give.
+  double least_information_ratio = 0.0;
   int iterations = 0;
   /// Inverse covariance of (x, y in m, yaw in rad) in the frame of the map; zero along degenerate
   /// directions.

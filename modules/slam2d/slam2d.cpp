@@ -2,11 +2,21 @@
 #include "modules/slam2d/slam2d.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
+#include "modules/slam2d/best_place.hpp"
+
 namespace nodmap::slam2d {
 namespace {
+
+// How fast a robot that odometry does not see may drive.
+constexpr double kMaxSpeedMPerS = 3.0;
+// A little farther along a corridor, in which a niche or two are all that tells the place, a scan
+// fits nearly as well.
+constexpr double kCertainInformationFactor = 2.5;
+constexpr std::size_t kMaxPlaces = 8;  // more mean that the scan tells nothing
 
 double distance_m(const geometry::SE2& a, const geometry::SE2& b) {
   return std::hypot(a.x - b.x, a.y - b.y);
@@ -19,7 +29,8 @@ Slam2d::Slam2d(const Slam2dParams& params)
       input_(params.level_scans),
       matcher_(params.matcher),
       search_(params.search),
-      back_end_(params.back_end, params.map, params.matcher) {}
+      back_end_(params.back_end, params.map, params.matcher),
+      path_(params.path) {}
 
 void Slam2d::change_odometry_frame(const geometry::SE3& T_new_odom_base) {
   const geometry::SE2 T_old_new = input_.change_odometry_frame(T_new_odom_base);
@@ -44,47 +55,39 @@ std::optional<PoseUpdate> Slam2d::add_scan(const scan::Scan& scan) {
   pose_covariance_.move(T_map_odom_.yaw + T_odom_last_.yaw,
                         T_odom_last_.inverse() * all_points->T_odom_base);
   if (all_points->has_odometry_gap()) {
-    odometry_is_in_doubt_ = true;
-    pose_covariance_.lose_track(all_points->odometry_gap_s);
+    begin_doubt(all_points->odometry_gap_s);
   }
   const Start start = choose_start(*all_points);
   LevelScan level_scan = *all_points;
-  if (start.is_by_odometry && !odometry_is_in_doubt_) {
+  if (start.is_by_odometry && !is_in_doubt()) {
     level_scan.points_base = moving_points_.stationary(*all_points);
   }
   // "These can directly be used as data set D and matched against an incrementally built 2D map" M:
   // the transform that minimises Eq. 3, from the pose by odometry.
-  const Match match = match_or_search(level_scan, start.guesses);
+  const Place place = match_or_search(level_scan, start.guesses);
   // The same transform corrects the pose.
-  PoseUpdate update = correct_pose(*all_points, match);
-  update.covariance = estimate_covariance(match, update);
-  odometry_is_in_doubt_ = update.quality == PoseQuality::kLost ||
-                          (odometry_is_in_doubt_ && update.quality == PoseQuality::kOdometry);
-  lost_since_ = update.quality == PoseQuality::kLost
-                    ? std::optional(lost_since_.value_or(update.stamp))
-                    : std::nullopt;
+  PoseUpdate update = correct_pose(*all_points, place);
+  update.covariance = estimate_covariance(place, update);
+  const bool has_moved_unseen =
+      is_in_doubt() && has_moved(T_map_odom_ * all_points->T_odom_base, update.T_map_base);
+  update_doubt(update, place.is_sure);
   pose_guesses_.add_scan(update.stamp, (T_map_odom_ * T_odom_last_).inverse() * update.T_map_base);
-  if (update.quality == PoseQuality::kLost) {
+  if (update.quality == PoseQuality::kLost || has_moved_unseen) {
     pose_guesses_.forget_motion();
+  }
+  if (has_moved_unseen) {
+    moving_points_.change_odometry_frame(T_map_odom_.inverse() * update.T_map_base *
+                                         all_points->T_odom_base.inverse());
   }
   // "New scan points that do not show a correspondence to already existing points in M are added."
   // That may close a loop, which corrects the pose once more.
   if (is_keyframe(update, *all_points)) {
-    add_keyframe(level_scan, match, update);
+    add_keyframe(level_scan, place.match, update);
     moving_points_.add_keyframe(*all_points);
   }
   correct_odometry(level_scan, update);
   record(update);
   return update;
-}
-
-std::vector<geometry::SE2> Slam2d::trajectory() const {
-  std::vector<geometry::SE2> poses;
-  poses.reserve(tracked_scans_.size());
-  for (const TrackedScan& scan : tracked_scans_) {
-    poses.push_back(keyframes()[scan.keyframe].T_map_base * scan.T_keyframe_base);
-  }
-  return poses;
 }
 
 std::optional<PoseUpdate> Slam2d::begin_map(const LevelScan& scan) {
@@ -127,69 +130,104 @@ Slam2d::Start Slam2d::choose_start(const LevelScan& scan) const {
   return start;
 }
 
-Match Slam2d::match_or_search(const LevelScan& scan, std::span<const geometry::SE2> guesses) {
+Slam2d::Place Slam2d::match_or_search(const LevelScan& scan,
+                                      std::span<const geometry::SE2> guesses) {
   const Submap& submap = back_end_.local();
   const Match tracked = matcher_.match(submap.points, scan.points_base, guesses.front());
-  const bool is_good =
-      odometry_is_in_doubt_ ? is_certain(tracked) : tracked.score >= params_.search.score_threshold;
-  if (is_good || !scan.has_enough_to_search()) {
+  if (is_good(tracked)) {
     T_odom_failed_search_.reset();
-    return tracked;
+    return {tracked};
   }
   // A failed search is not repeated before the robot has moved.
-  if (T_odom_failed_search_ && !has_moved(*T_odom_failed_search_, scan.T_odom_base)) {
-    return tracked;
+  const bool has_failed_here =
+      T_odom_failed_search_ && !has_moved(*T_odom_failed_search_, scan.T_odom_base);
+  if (!scan.has_enough_to_search() || has_failed_here) {
+    return {tracked, !is_in_doubt()};
   }
   ++metrics_.searches;
-  const auto found =
-      odometry_is_in_doubt_
-          ? find_anywhere(scan, guesses, tracked)
-          : search_.find_better(matcher_, submap.points, scan.points_base, guesses, tracked);
-  if (!found) {
+  std::optional<Place> found;
+  if (is_in_doubt()) {
+    found = find_anywhere(scan, guesses, tracked);
+  } else if (const auto better =
+                 search_.find_better(matcher_, submap.points, scan.points_base, guesses, tracked)) {
+    found = Place{*better};
+  }
+  if (!found || !found->is_sure) {
     T_odom_failed_search_ = scan.T_odom_base;
-    return tracked;
+    return found.value_or(Place{tracked});
   }
   ++metrics_.searches_successful;
   T_odom_failed_search_.reset();
   return *found;
 }
 
-bool Slam2d::is_certain(const Match& match) const {
-  return match.degenerate_directions == 0 && match.score >= params_.doubt.certain_score;
+// Once a scan was not sure, no match near the guess is: that may be as wrong as the guess.
+bool Slam2d::is_good(const Match& tracked) const {
+  if (!is_in_doubt()) {
+    return tracked.score >= params_.search.score_threshold;
+  }
+  return !in_doubt_since_ && tracked.score >= params_.doubt.certain_score &&
+         tracked.least_information_ratio >=
+             kCertainInformationFactor * params_.matcher.min_information_ratio;
 }
 
-// First by branch and bound in the whole local submap, as loops are searched for. Where that is not
-// certain, the best of what it finds, `tracked` and what is found near the guesses; nothing when
-// none of them fits surely.
-std::optional<Match> Slam2d::find_anywhere(const LevelScan& scan,
-                                           std::span<const geometry::SE2> guesses,
-                                           const Match& tracked) {
+// The best of all places in reach, and of those near the guesses. It is sure where the scan fits
+// clearly better than at any other.
+Slam2d::Place Slam2d::find_anywhere(const LevelScan& scan, std::span<const geometry::SE2> guesses,
+                                    const Match& tracked) {
   const DoubtParams& params = params_.doubt;
   const PointMap& map = back_end_.local().points;
-  std::optional<Match> far;
-  const SearchWindow window{guesses.front(), params.search_distance_m, params.search_rotation_rad};
-  if (const auto place =
-          back_end_.find_in_local(scan.points_base, window, params.min_search_score)) {
-    far = matcher_.match(map, scan.points_base, *place);
-    if (is_certain(*far)) {
-      return far;
-    }
+  std::vector<Match> matches{
+      search_.find_better(matcher_, map, scan.points_base, guesses, tracked).value_or(tracked)};
+  const CorrelativeMatch search = back_end_.find_in_local(
+      scan.points_base, {guesses.front(), doubt_m_, params.search_rotation_rad},
+      params.min_search_score, kMaxPlaces);
+  for (const Peak& peak : search.peaks) {
+    matches.push_back(matcher_.match(map, scan.points_base, peak.T_map_base));
   }
-  Match best =
-      search_.find_better(matcher_, map, scan.points_base, guesses, tracked).value_or(tracked);
-  if (far && far->degenerate_directions == 0 && far->score >= best.score) {
-    best = *far;
+  std::vector<Peak> places;
+  for (const Match& match : matches) {
+    places.push_back({match.T_map_base, match.score});
   }
-  return best.score >= params.min_score ? std::optional(best) : std::nullopt;
+  const BestPlace best = best_of(places);
+  const bool is_complete = search.complete && search.peaks.size() < kMaxPlaces;
+  // Along degenerate directions only the search tells the place.
+  const bool is_determined =
+      matches[best.index].degenerate_directions == 0 ||
+      (search.peaks.size() == 1 &&
+       is_same_place(places[best.index].T_map_base, search.peaks.front().T_map_base));
+  const bool is_sure = is_complete && is_determined && best.score >= params.found_score &&
+                       best.is_clear(params.min_misfit_ratio);
+  // One that is not sure replaces the place near the guess only where it fits clearly better.
+  const BestPlace better = best_of(std::array{places.front(), places[best.index]});
+  return is_sure || better.is_clear(params.min_misfit_ratio) ? Place{matches[best.index], is_sure}
+                                                             : Place{matches.front(), false};
 }
 
-PoseUpdate Slam2d::correct_pose(const LevelScan& scan, const Match& match) const {
+// Until then the robot may have been carried, or have driven on.
+void Slam2d::begin_doubt(double odometry_gap_s) {
+  doubt_m_ = std::min(doubt_m_ + kMaxSpeedMPerS * odometry_gap_s, params_.doubt.search_distance_m);
+  pose_covariance_.lose_track(odometry_gap_s);
+}
+
+void Slam2d::update_doubt(const PoseUpdate& update, bool is_sure) {
+  if (update.quality == PoseQuality::kLost) {
+    doubt_m_ = params_.doubt.search_distance_m;
+  } else if (update.quality <= PoseQuality::kPartly && is_sure) {
+    doubt_m_ = 0.0;
+  }
+  in_doubt_since_ =
+      is_in_doubt() ? std::optional(in_doubt_since_.value_or(update.stamp)) : std::nullopt;
+}
+
+PoseUpdate Slam2d::correct_pose(const LevelScan& scan, const Place& place) const {
+  const Match& match = place.match;
   PoseUpdate update{.stamp = scan.stamp,
                     .T_map_base = T_map_odom_ * scan.T_odom_base,
                     .inlier_ratio = match.inlier_ratio,
                     .score = match.score,
                     .rms_m = match.rms_m,
-                    .quality = classify(scan, match)};
+                    .quality = classify(scan, place)};
   if (update.quality <= PoseQuality::kPartly) {
     update.T_map_base = back_end_.local().T_map_submap * match.T_map_base;
   }
@@ -197,24 +235,25 @@ PoseUpdate Slam2d::correct_pose(const LevelScan& scan, const Match& match) const
 }
 
 // Of the pose in the local submap, and of the submap's own pose at the end of its moment arm.
-Eigen::Matrix3d Slam2d::estimate_covariance(const Match& match, const PoseUpdate& update) {
+Eigen::Matrix3d Slam2d::estimate_covariance(const Place& place, const PoseUpdate& update) {
   if (update.quality == PoseQuality::kLost) {
     return Eigen::Matrix3d::Zero();
   }
   const geometry::SE2& T_map_submap = back_end_.local().T_map_submap;
-  if (update.quality <= PoseQuality::kPartly) {
-    pose_covariance_.match(rotated(match.information, T_map_submap.yaw));
+  if (update.quality <= PoseQuality::kPartly && place.is_sure) {
+    pose_covariance_.match(rotated(place.match.information, T_map_submap.yaw));
   }
   const Eigen::Matrix3d J =
       moment_arm_jacobian(update.T_map_base.translation() - T_map_submap.translation());
   return pose_covariance_.matrix() + J * back_end_.drift_covariance() * J.transpose();
 }
 
-PoseQuality Slam2d::classify(const LevelScan& scan, const Match& match) const {
+PoseQuality Slam2d::classify(const LevelScan& scan, const Place& place) const {
+  const Match& match = place.match;
   if (!scan.has_enough_points()) {
     return PoseQuality::kOdometry;
   }
-  const double min_score = odometry_is_in_doubt_
+  const double min_score = is_in_doubt()
                                ? std::max(params_.doubt.min_score, params_.lost.score_threshold)
                                : params_.lost.score_threshold;
   if (!match.found() || match.score < min_score) {
@@ -223,8 +262,8 @@ PoseQuality Slam2d::classify(const LevelScan& scan, const Match& match) const {
   const Eigen::Matrix3d& drift = back_end_.drift_covariance();
   const double max_sigma_m = params_.lost.max_drift_sigma_m;
   const bool has_drifted = std::max(drift(0, 0), drift(1, 1)) > max_sigma_m * max_sigma_m;
-  return match.degenerate_directions > 0 || has_drifted ? PoseQuality::kPartly
-                                                        : PoseQuality::kTracked;
+  return match.degenerate_directions > 0 || has_drifted || !place.is_sure ? PoseQuality::kPartly
+                                                                          : PoseQuality::kTracked;
 }
 
 // Of a scan that does not fit the map. What was never in view before fits nowhere, and odometry
@@ -232,7 +271,7 @@ PoseQuality Slam2d::classify(const LevelScan& scan, const Match& match) const {
 bool Slam2d::is_lost(const LevelScan& scan) const {
   const Eigen::Matrix3d& covariance = pose_covariance_.matrix();
   const double max_sigma_m = params_.lost.max_sigma_m;
-  return odometry_is_in_doubt_ || moving_points_.contradicts(scan) ||
+  return is_in_doubt() || moving_points_.contradicts(scan) ||
          std::max(covariance(0, 0), covariance(1, 1)) > max_sigma_m * max_sigma_m;
 }
 
@@ -243,17 +282,19 @@ bool Slam2d::has_moved(const geometry::SE2& T_odom_before, const geometry::SE2& 
 }
 
 bool Slam2d::is_keyframe(const PoseUpdate& update, const LevelScan& scan) const {
-  if (update.quality == PoseQuality::kLost) {
-    return continues_lost(update, scan.T_odom_base);
+  if (!scan.has_enough_points()) {
+    return false;
   }
-  return scan.has_enough_points() && has_moved(T_odom_keyframe_, scan.T_odom_base);
+  return is_in_doubt() ? continues_in_doubt(update, scan.T_odom_base)
+                       : has_moved(T_odom_keyframe_, scan.T_odom_base);
 }
 
-// Nothing here is on the map: it is continued from odometry, once that is far enough away, or after
-// a while: a robot that waits until it is found again would wait for ever.
-bool Slam2d::continues_lost(const PoseUpdate& update, const geometry::SE2& T_odom_base) const {
+// Nothing here is on the map, or it is not sure where: the map is continued from odometry, once
+// that is far enough away, or after a while: a robot that waits until it is found again would wait
+// for ever.
+bool Slam2d::continues_in_doubt(const PoseUpdate& update, const geometry::SE2& T_odom_base) const {
   return distance_m(T_odom_keyframe_, T_odom_base) > params_.lost.distance_m ||
-         time::seconds(std::chrono::abs(update.stamp - lost_since_.value_or(update.stamp))) >
+         time::seconds(std::chrono::abs(update.stamp - in_doubt_since_.value_or(update.stamp))) >
              params_.lost.max_s;
 }
 
@@ -268,10 +309,12 @@ void Slam2d::add_keyframe(const LevelScan& scan, const Match& match, PoseUpdate&
     keyframe.points_base.emplace_back(point.p.cast<float>());
     keyframe.normals_base.emplace_back(point.normal.cast<float>());
   }
-  if (update.quality == PoseQuality::kLost) {
+  if (is_in_doubt()) {
     const LostParams& lost = params_.lost;
     back_end_.begin_anew({lost.begin_sigma_m, lost.begin_sigma_m, lost.begin_sigma_rad});
     pose_covariance_ = {};  // the robot is where its submap begins
+    doubt_m_ = 0.0;
+    in_doubt_since_.reset();
   }
   const geometry::SE2 T_submap_base =
       back_end_.has_local() ? back_end_.local().T_map_submap.inverse() * update.T_map_base
@@ -281,7 +324,7 @@ void Slam2d::add_keyframe(const LevelScan& scan, const Match& match, PoseUpdate&
                          is_matched ? match.information : Eigen::Matrix3d::Zero());
   update.T_map_base = keyframes().back().T_map_base;
   if (back_end_.dropped()) {
-    attach_to_others(*back_end_.dropped());
+    path_.attach_to_others(*back_end_.dropped(), keyframes());
   }
   T_odom_keyframe_ = scan.T_odom_base;
   update.is_keyframe = true;
@@ -296,33 +339,8 @@ void Slam2d::correct_odometry(const LevelScan& scan, PoseUpdate& update) {
   }
 }
 
-// Scans of keyframes that are no more follow the keyframe before, or else the one after them.
-void Slam2d::attach_to_others(const DroppedKeyframes& dropped) {
-  const std::size_t end = dropped.first + dropped.keyframes.size();
-  const std::size_t other = std::max<std::size_t>(dropped.first, 1) - 1;
-  for (TrackedScan& scan : tracked_scans_) {
-    if (scan.keyframe >= end) {
-      scan.keyframe -= dropped.keyframes.size();
-    } else if (scan.keyframe >= dropped.first) {
-      const geometry::SE2 T_map_base =
-          dropped.keyframes[scan.keyframe - dropped.first].T_map_base * scan.T_keyframe_base;
-      scan.keyframe = other;
-      scan.T_keyframe_base = keyframes()[other].T_map_base.inverse() * T_map_base;
-    }
-  }
-}
-
 void Slam2d::record(const PoseUpdate& update) {
-  const geometry::SE2 T_keyframe_base = keyframes().back().T_map_base.inverse() * update.T_map_base;
-  if (tracked_scans_.size() == static_cast<std::size_t>(params_.path.max_scans)) {
-    std::size_t index = 0;
-    std::erase_if(tracked_scans_, [&index](const TrackedScan&) { return index++ % 2 == 1; });
-    record_every_ *= 2;
-  }
-  if (metrics_.scans % record_every_ == 0) {
-    tracked_scans_.push_back(
-        {update.stamp, keyframes().size() - 1, T_keyframe_base, update.T_map_base});
-  }
+  path_.add(update, keyframes());
   ++metrics_.scans;
   metrics_.tracked += update.quality == PoseQuality::kTracked ? 1 : 0;
   metrics_.partly += update.quality == PoseQuality::kPartly ? 1 : 0;

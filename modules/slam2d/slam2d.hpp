@@ -18,16 +18,9 @@
 #include "modules/slam2d/pose_guesses.hpp"
 #include "modules/slam2d/pose_search.hpp"
 #include "modules/slam2d/scan_matcher.hpp"
+#include "modules/slam2d/tracked_path.hpp"
 
 namespace nodmap::slam2d {
-
-/// A level scan, relative to a keyframe near it, with which its pose is corrected.
-struct TrackedScan {
-  time::Timestamp stamp{};
-  std::size_t keyframe = 0;  ///< index
-  geometry::SE2 T_keyframe_base;
-  geometry::SE2 T_map_base_online;  ///< as it was known when the scan came
-};
 
 struct Metrics {
   std::int64_t scans = 0;  ///< level scans with a pose: the sum of the next four
@@ -74,7 +67,7 @@ class Slam2d {
   std::optional<PoseUpdate> add_scan(const scan::Scan& scan);
 
   /// The pose of each of tracked_scans(), corrected by all that is known now.
-  [[nodiscard]] std::vector<geometry::SE2> trajectory() const;
+  [[nodiscard]] std::vector<geometry::SE2> trajectory() const { return path_.poses(keyframes()); }
 
   /// Corrects all poses once more by all that is known; to be called after the last scan.
   void polish() { back_end_.polish(); }
@@ -87,8 +80,7 @@ class Slam2d {
   [[nodiscard]] const std::optional<DroppedKeyframes>& dropped_keyframes() const {
     return back_end_.dropped();
   }
-  /// All level scans; of a drive that goes on for hours every second, fourth ... one.
-  [[nodiscard]] std::span<const TrackedScan> tracked_scans() const { return tracked_scans_; }
+  [[nodiscard]] std::span<const TrackedScan> tracked_scans() const { return path_.scans(); }
   [[nodiscard]] const Metrics& metrics() const { return metrics_; }
   [[nodiscard]] const ScanCounts& scan_counts() const { return input_.counts(); }
 
@@ -100,24 +92,30 @@ class Slam2d {
     bool is_by_odometry = true;
   };
   [[nodiscard]] Start choose_start(const LevelScan& scan) const;
-  [[nodiscard]] Match match_or_search(const LevelScan& scan,
+  /// Where a scan fits the local submap, and whether the robot can be nowhere else.
+  struct Place {
+    Match match;
+    bool is_sure = true;
+  };
+  [[nodiscard]] Place match_or_search(const LevelScan& scan,
                                       std::span<const geometry::SE2> guesses);
-  [[nodiscard]] bool is_certain(const Match& match) const;
-  [[nodiscard]] std::optional<Match> find_anywhere(const LevelScan& scan,
-                                                   std::span<const geometry::SE2> guesses,
-                                                   const Match& tracked);
-  [[nodiscard]] PoseUpdate correct_pose(const LevelScan& scan, const Match& match) const;
-  [[nodiscard]] Eigen::Matrix3d estimate_covariance(const Match& match, const PoseUpdate& update);
-  [[nodiscard]] PoseQuality classify(const LevelScan& scan, const Match& match) const;
+  [[nodiscard]] bool is_good(const Match& tracked) const;
+  [[nodiscard]] Place find_anywhere(const LevelScan& scan, std::span<const geometry::SE2> guesses,
+                                    const Match& tracked);
+  [[nodiscard]] bool is_in_doubt() const { return doubt_m_ > 0.0; }
+  void begin_doubt(double odometry_gap_s);
+  void update_doubt(const PoseUpdate& update, bool is_sure);
+  [[nodiscard]] PoseUpdate correct_pose(const LevelScan& scan, const Place& place) const;
+  [[nodiscard]] Eigen::Matrix3d estimate_covariance(const Place& place, const PoseUpdate& update);
+  [[nodiscard]] PoseQuality classify(const LevelScan& scan, const Place& place) const;
   [[nodiscard]] bool is_lost(const LevelScan& scan) const;
   [[nodiscard]] bool is_keyframe(const PoseUpdate& update, const LevelScan& scan) const;
-  [[nodiscard]] bool continues_lost(const PoseUpdate& update,
-                                    const geometry::SE2& T_odom_base) const;
+  [[nodiscard]] bool continues_in_doubt(const PoseUpdate& update,
+                                        const geometry::SE2& T_odom_base) const;
   [[nodiscard]] bool has_moved(const geometry::SE2& T_odom_before,
                                const geometry::SE2& T_odom_now) const;
   void add_keyframe(const LevelScan& scan, const Match& match, PoseUpdate& update);
   void correct_odometry(const LevelScan& scan, PoseUpdate& update);
-  void attach_to_others(const DroppedKeyframes& dropped);
   void record(const PoseUpdate& update);
 
   Slam2dParams params_;
@@ -131,11 +129,12 @@ class Slam2d {
   PoseCovariance pose_covariance_;  // in the local submap, but in the axes of map
   geometry::SE2 T_odom_last_;       // of the last level scan
   geometry::SE2 T_odom_keyframe_;   // the last one, in the present odom frame
-  std::optional<time::Timestamp> lost_since_;
-  bool odometry_is_in_doubt_ = false;  // since a gap, or lost, until a scan fits surely
+  // How far from where odometry says the robot may be, since a gap or while it is lost, until its
+  // place is sure; 0: no doubt.
+  double doubt_m_ = 0.0;
+  std::optional<time::Timestamp> in_doubt_since_;  // the first scan whose place was not sure
   std::optional<geometry::SE2> T_odom_failed_search_;
-  std::vector<TrackedScan> tracked_scans_;
-  std::int64_t record_every_ = 1;  // level scans
+  TrackedPath path_;
   Metrics metrics_;
 };
 

@@ -41,6 +41,7 @@ TEST(NormalEquations, StepLeadsToTheTruePoseWhenAllDirectionsAreDetermined) {
 TEST(NormalEquations, R37_TheAxisOfACorridorIsDegenerate) {
   const NormalEquations equations = correspondences_with_walls(true, false, {0.4, -0.2, 0.05});
   EXPECT_EQ(equations.solve(kMinInformationRatio).degenerate_directions, 1);
+  EXPECT_NEAR(equations.solve(kMinInformationRatio).least_information_ratio, 0.0, kExact);
   const Eigen::Vector3d step = equations.solve(kMinInformationRatio).step;
   EXPECT_NEAR(step.x(), 0.0, kExact);
   EXPECT_NEAR(step.y(), 0.2, kExact);

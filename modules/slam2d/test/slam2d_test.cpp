@@ -376,6 +376,58 @@ TEST(Slam2d, ASearchFindsWhatFitsInPartIfMinSearchScoreAllows) {
   EXPECT_EQ(after_pause_before_a_board(params).update.quality, PoseQuality::kLost);
 }
 
+/// A corridor with a niche on either side every 2 m: each place looks like that 2 m farther on.
+test::FloorPlan corridor_with_equal_niches() {
+  test::FloorPlan plan;
+  for (const double side : {1.0, -1.0}) {
+    for (int i = -15; i < 15; ++i) {
+      const double x = 2.0 * i;
+      plan.push_back({{x, side}, {x + 1.2, side}});
+      plan.push_back({{x + 1.2, side}, {x + 1.2, 1.4 * side}});
+      plan.push_back({{x + 1.2, 1.4 * side}, {x + 2.0, 1.4 * side}});
+      plan.push_back({{x + 2.0, 1.4 * side}, {x + 2.0, side}});
+    }
+  }
+  return plan;
+}
+
+// During a second that is missing the robot has driven on by 2 m, where everything looks as it did,
+// and somebody stands before it. No scan tells where it is, nor does the map that it makes from
+// there on.
+TEST(Slam2d, AnAmbiguousPlaceAfterAPauseIsDegradedUntilALoopJoinsIt) {
+  Slam2d slam{Slam2dParams{}};
+  Scanner scanner;
+  const test::FloorPlan plan = corridor_with_equal_niches();
+  SE2 truth;
+  SE2 odom;
+  time::Timestamp stamp{};
+  const SE2 step{0.1, 0.0, 0.0};
+  std::optional<PoseUpdate> update;
+  for (int i = 0; i < 20; ++i) {
+    update = track(slam, scanner.scan(plan, truth, stamp), odom);
+    truth = truth * step;
+    odom = odom * step;
+    stamp += kPeriod;
+  }
+  ASSERT_TRUE(update);
+  EXPECT_EQ(update->quality, PoseQuality::kTracked);
+  const std::size_t submaps_before = slam.back_end().submaps().size();
+  truth = truth * SE2{2.0, 0.0, 0.0};
+  stamp += 1s;
+  for (int i = 0; i < 25; ++i) {
+    test::FloorPlan with_people = plan;
+    with_people.push_back({truth * Eigen::Vector2d(0.7, -0.5), truth * Eigen::Vector2d(0.6, 0.4)});
+    update = track(slam, scanner.scan(with_people, truth, stamp), odom);
+    ASSERT_TRUE(update);
+    EXPECT_NE(update->quality, PoseQuality::kTracked) << i;
+    truth = truth * step;
+    odom = odom * step;
+    stamp += kPeriod;
+  }
+  EXPECT_GT(slam.back_end().submaps().size(), submaps_before);
+  EXPECT_GT(update->covariance(0, 0), 1.0);
+}
+
 TEST(Slam2d, RejectsBadInputWithoutChangingTheMap) {
   Slam2d slam{Slam2dParams{}};
   Scanner scanner;

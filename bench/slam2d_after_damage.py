@@ -1,0 +1,118 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Whether POSE_2D is right after a recording was damaged, and if not, whether it says so.
+
+bench/slam2d_after_damage.py --data DIR [--bin DIR] [--logs NAME ...] [--kinds KIND ...] [--seeds N ...] [--set KEY=VALUE ...]
+
+Damages a log as bench/slam2d_damage.py does, but each damage alone: in a piece of the log from 40 s before it to 15 s after it. The poses after the
+damage, relative to the last one before it, are held against those of the whole log as it is. A pose is wrong when it is off by more than 25 cm in the
+first 4 s (50 cm afterwards, for short pieces drift), or by 4 degrees. Prints a row for each log and kind:
+  right   no pose is wrong for a second or longer
+  said    some are, and POSE_2D says DEGRADED or LOST
+  silent  some are, and it says TRACKING for a second or longer
+  cost    how many of all poses after a damage are not TRACKING
+"""
+import argparse
+import bisect
+import math
+import pathlib
+import random
+import struct
+import tempfile
+
+import seeds
+from slam2d_damage import KINDS, LOGS, ROOT, Line, compose, damaged_at, inverse, moments, run
+
+BEFORE_S, AFTER_S, DRIFT_S = 40.0, 15.0, 4.0
+WRONG_M, WRONG_WITH_DRIFT_M, WRONG_RAD = 0.25, 0.5, math.radians(4.0)
+LONG_SCANS = 5  # a second of the slowest log
+
+
+def published_poses(log):
+    """(time in s, (x, y, yaw), state) of each POSE_2D in an LCM event log."""
+    data, at, poses = log.read_bytes(), 0, []
+    while at + 28 <= len(data):
+        channel_size, size = struct.unpack(">II", data[at + 20:at + 28])
+        channel, body = data[at + 28:at + 28 + channel_size], data[at + 28 + channel_size:at + 28 + channel_size + size]
+        at += 28 + channel_size + size
+        if channel == b"POSE_2D":
+            utime, x, y, _, w, _, _, z = struct.unpack(">q7d", body[8:72])
+            poses.append((1e-6 * utime, (x, y, 2.0 * math.atan2(z, w)), struct.unpack(">b", body[-1:])[0]))
+    return poses
+
+
+def difference(a, b, c, d):
+    """Between the steps from a to b and from c to d: m, rad."""
+    x, y, yaw = compose(inverse(compose(inverse(a), b)), compose(inverse(c), d))
+    return math.hypot(x, y), abs(math.remainder(yaw, 2.0 * math.pi))
+
+
+class Bench:
+    def __init__(self, programs, data, settings):
+        self.programs, self.data = programs, data
+        self.settings = [word for value in settings for word in ("--set", value)]
+
+    def map(self, text):
+        """The poses that are published, and those corrected at the end: by time."""
+        with tempfile.TemporaryDirectory() as made:
+            folder = pathlib.Path(made)
+            (folder / "log.clf").write_text(text)
+            run(self.programs / "nodmap-convert", "carmen", folder / "log.clf", folder / "log.lcmlog")
+            run(self.programs / "nodmap-slam2d", "--replay", folder / "log.lcmlog", "--out", folder / "out", *self.settings)
+            rows = [list(map(float, line.split())) for line in (folder / "out" / "trajectory.tum").read_text().splitlines() if line[0] != "#"]
+            corrected = {round(1e3 * row[0]): (row[1], row[2], 2.0 * math.atan2(row[6], row[7])) for row in rows}
+            return published_poses(folder / "out" / "out.lcmlog"), corrected
+
+    def outcome(self, published, truth, begin_s, end_s):
+        """right, said or silent, and how many poses after the damage are not TRACKING, of how many."""
+        known = [(time_s, pose, state, truth[round(1e3 * time_s)]) for time_s, pose, state in published if round(1e3 * time_s) in truth]
+        first = bisect.bisect_right([row[0] for row in known], begin_s) - 1
+        after = [row for row in known if row[0] >= end_s]
+        wrong = silent = 0
+        for time_s, pose, state, true_pose in after:
+            off_m, off_rad = difference(known[first][3], true_pose, known[first][1], pose)
+            if off_m > (WRONG_M if time_s < end_s + DRIFT_S else WRONG_WITH_DRIFT_M) or off_rad > WRONG_RAD:
+                wrong += 1
+                silent += state == 0
+        name = "silent" if silent >= LONG_SCANS else "said" if wrong >= LONG_SCANS else "right"
+        return name, sum(row[2] != 0 for row in after), len(after)
+
+    def row(self, name, kind, numbers, truth):
+        every = (self.data / f"{name}.clf").read_text(errors="replace").splitlines(keepends=True)
+        head = "".join(line for line in every if line.startswith("PARAM"))
+        lines = [Line(text) for text in every if text.startswith(("ODOM", "FLASER"))]
+        counts = dict.fromkeys(("right", "said", "silent"), 0)
+        not_tracking = scans = 0
+        for seed in numbers:
+            for begin_s, end_s in moments(lines, kind, random.Random(f"{kind} {seed}")):
+                piece = [line for line in lines if begin_s - BEFORE_S <= line.time_s <= end_s + AFTER_S]
+                text = head + "".join(damaged_at([(begin_s, end_s)], piece, kind, random.Random(f"{kind} {seed} {begin_s}")))
+                result, degraded, total = self.outcome(self.map(text)[0], truth, begin_s, end_s)
+                counts[result] += 1
+                not_tracking += degraded
+                scans += total
+        return [str(counts[key]) for key in counts] + [f"{100.0 * not_tracking / max(1, scans):.1f} %"]
+
+    def truth(self, name):
+        return self.map((self.data / f"{name}.clf").read_text(errors="replace"))[1]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--data", type=pathlib.Path, required=True)
+    parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build" / "release" / "bin")
+    parser.add_argument("--logs", nargs="*", default=LOGS)
+    parser.add_argument("--kinds", nargs="*", default=list(KINDS))
+    parser.add_argument("--seeds", nargs="*", type=int, default=seeds.REPORTING[:3])
+    parser.add_argument("--set", nargs="*", default=[], dest="settings", help="parameters of nodmap-slam2d")
+    options = parser.parse_args()
+    bench = Bench(options.bin, options.data, options.settings)
+    print("| log | damage | right | said | silent | not TRACKING afterwards |\n|---|---|---|---|---|---|")
+    for name in options.logs:
+        truth = bench.truth(name)
+        for kind in options.kinds:
+            print(f"| {name} | {kind} | " + " | ".join(bench.row(name, kind, options.seeds, truth)) + " |", flush=True)
+
+
+if __name__ == "__main__":
+    main()
