@@ -161,8 +161,8 @@ void BackEnd::search_loop(std::size_t submap_index, std::span<const OrientedPoin
   const Submap& submap = submaps()[submap_index];
   const SearchWindow window{
       submap.T_map_submap.inverse() * keyframes().back().T_map_base,
-      std::min(reach_m + kTrackDistanceM, params_.loop.search.max_distance_m),
-      std::min(reach_rad + kTrackRotationRad, params_.loop.search.max_rotation_rad)};
+      std::min(std::max(reach_m, kTrackDistanceM), params_.loop.search.max_distance_m),
+      std::min(std::max(reach_rad, kTrackRotationRad), params_.loop.search.max_rotation_rad)};
   ++metrics_.searches;
   LoopAttempt attempt = closer_.search(submap_index, submap, scan, window);
   attempt.loop.submap = submap_index;

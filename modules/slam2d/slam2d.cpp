@@ -64,7 +64,7 @@ std::optional<PoseUpdate> Slam2d::add_scan(const scan::Scan& scan) {
   }
   // "These can directly be used as data set D and matched against an incrementally built 2D map" M:
   // the transform that minimises Eq. 3, from the pose by odometry.
-  const Place place = match_or_search(level_scan, start.guesses);
+  const Place place = match_or_search(level_scan, *all_points, start.guesses);
   // The same transform corrects the pose.
   PoseUpdate update = correct_pose(*all_points, place);
   update.covariance = estimate_covariance(place, update);
@@ -130,7 +130,7 @@ Slam2d::Start Slam2d::choose_start(const LevelScan& scan) const {
   return start;
 }
 
-Slam2d::Place Slam2d::match_or_search(const LevelScan& scan,
+Slam2d::Place Slam2d::match_or_search(const LevelScan& scan, const LevelScan& all_points,
                                       std::span<const geometry::SE2> guesses) {
   const Submap& submap = back_end_.local();
   const Match tracked = matcher_.match(submap.points, scan.points_base, guesses.front());
@@ -148,9 +148,8 @@ Slam2d::Place Slam2d::match_or_search(const LevelScan& scan,
   std::optional<Place> found;
   if (is_in_doubt()) {
     found = find_anywhere(scan, guesses, tracked);
-  } else if (const auto better =
-                 search_.find_better(matcher_, submap.points, scan.points_base, guesses, tracked)) {
-    found = Place{*better};
+  } else {
+    found = find_near(scan, all_points, guesses, tracked);
   }
   if (!found || !found->is_sure) {
     T_odom_failed_search_ = scan.T_odom_base;
@@ -164,11 +163,30 @@ Slam2d::Place Slam2d::match_or_search(const LevelScan& scan,
 // Once a scan was not sure, no match near the guess is: that may be as wrong as the guess.
 bool Slam2d::is_good(const Match& tracked) const {
   if (!is_in_doubt()) {
-    return tracked.score >= params_.search.score_threshold;
+    // Along a degenerate direction a match that does not fit surely may be off as odometry is.
+    return tracked.score >= (tracked.degenerate_directions > 0 ? params_.doubt.certain_score
+                                                               : params_.search.score_threshold);
   }
   return !in_doubt_since_ && tracked.score >= params_.doubt.certain_score &&
          tracked.least_information_ratio >=
              kCertainInformationFactor * params_.matcher.min_information_ratio;
+}
+
+// One that is another place than odometry says counts only where the scan contradicts what was seen
+// from here: otherwise it shows what is new, and the other place may look like this one.
+std::optional<Slam2d::Place> Slam2d::find_near(const LevelScan& scan, const LevelScan& all_points,
+                                               std::span<const geometry::SE2> guesses,
+                                               const Match& tracked) const {
+  const auto better =
+      search_.find_better(matcher_, back_end_.local().points, scan.points_base, guesses, tracked);
+  if (!better) {
+    return std::nullopt;
+  }
+  const bool is_here = std::any_of(guesses.begin(), guesses.end(), [&](const geometry::SE2& guess) {
+    return is_same_place(better->T_map_base, guess);
+  });
+  return is_here || moving_points_.contradicts(all_points) ? std::optional(Place{*better})
+                                                           : std::nullopt;
 }
 
 // The best of all places in reach, and of those near the guesses. It is sure where the scan fits

@@ -97,8 +97,12 @@ class Slam2d {
     Match match;
     bool is_sure = true;
   };
-  [[nodiscard]] Place match_or_search(const LevelScan& scan,
+  /// `scan`: without the points that have moved.
+  [[nodiscard]] Place match_or_search(const LevelScan& scan, const LevelScan& all_points,
                                       std::span<const geometry::SE2> guesses);
+  [[nodiscard]] std::optional<Place> find_near(const LevelScan& scan, const LevelScan& all_points,
+                                               std::span<const geometry::SE2> guesses,
+                                               const Match& tracked) const;
   [[nodiscard]] bool is_good(const Match& tracked) const;
   [[nodiscard]] Place find_anywhere(const LevelScan& scan, std::span<const geometry::SE2> guesses,
                                     const Match& tracked);

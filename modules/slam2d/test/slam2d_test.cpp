@@ -251,6 +251,25 @@ TEST(Slam2d, FewPointsAreNotLookedForInAWideWindow) {
   EXPECT_EQ(update->T_map_base.x, odom.x);
 }
 
+// Two bays side by side, 1.1 m apart. In the second nearly all is new: it was hidden by the wall
+// between them, and what the robot sees would fit the first.
+TEST(Slam2d, APlaceBesideThatLooksAlikeDoesNotReplaceTheOneByOdometry) {
+  Slam2d slam{Slam2dParams{}};
+  Scanner scanner;
+  const test::FloorPlan bays{{{0.0, -1.5}, {0.0, 1.5}},
+                             {{1.1, -1.5}, {1.1, 1.5}},
+                             {{2.2, -1.5}, {2.2, 1.5}},
+                             {{0.0, -1.5}, {2.2, -1.5}}};
+  const SE2 first{0.55, 0.0, -geometry::kPi / 2};
+  const SE2 second{1.65, 0.0, -geometry::kPi / 2};
+  ASSERT_TRUE(track(slam, scanner.scan(bays, first), first));
+  const auto update = track(slam, scanner.scan(bays, second, time::Timestamp(kPeriod)), second);
+  ASSERT_TRUE(update);
+  EXPECT_EQ(slam.metrics().searches, 1);
+  EXPECT_NE(update->quality, PoseQuality::kTracked);
+  EXPECT_LT(distance_m(update->T_map_base, second), 0.1);  // by odometry, or matched near it
+}
+
 TEST(Slam2d, WhereNothingMatchesItIsLostAndContinuesTheMapFromOdometry) {
   Slam2d slam{Slam2dParams{}};
   Scanner scanner;
