@@ -126,7 +126,8 @@ void BackEnd::add_step(const TrackedKeyframe& keyframe) {
   const SE3 T_last_this = T_map_last.inverse() * keyframe.T_map_base;
   const OdometryMotion motion{.distance_m = T_last_this.translation().norm(),
                               .rotation_rad = geometry::rotation_angle(T_last_this),
-                              .is_interrupted = keyframe.follows_interruption};
+                              .is_interrupted = keyframe.follows_interruption,
+                              .scatter = keyframe.odometry_scatter};
   graph_.add_step(
       {.from = newest() - 1,
        .to = newest(),

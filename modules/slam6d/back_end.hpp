@@ -35,7 +35,8 @@ struct TrackedKeyframe {
   /// Of position (m) and rotation vector (rad), axes of map; zero where nothing was matched.
   Matrix6d information = Matrix6d::Zero();
   bool follows_interruption = false;
-  bool is_level = false;  ///< wheels on level ground, as far as the match shows
+  double odometry_scatter = 1.0;  ///< OdometryScatter's factor
+  bool is_level = false;          ///< wheels on level ground, as far as the match shows
 };
 
 /// A place of before in which a keyframe was looked for without being joined to it.

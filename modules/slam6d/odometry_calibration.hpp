@@ -9,11 +9,12 @@
 namespace nodmap::slam6d {
 
 /// How far the wheels may be off what they count, before anything is learned: one standard
-/// deviation. 0: nothing is learned.
+/// deviation. 0: nothing is learned. And how good they may prove to be.
 struct CalibrationParams {
   double translation_scale = 0.05;
   double rotation_scale = 0.05;
   double yaw_rad_per_m = geometry::deg_to_rad(1.0);
+  double least_scatter = 0.2;
 
   template <class Visitor>
   void describe(Visitor& v) {
@@ -23,6 +24,9 @@ struct CalibrationParams {
              "The same of its rotations: a wrong track.");
     v.angle("yaw_per_m_deg", yaw_rad_per_m, {0.0, 90.0},
             "Constant error of the heading for each metre, learned along: unequal wheels.");
+    v.number("least_scatter", least_scatter, {0.01, 1.0},
+             "Where wheels prove better than odometry.translation_* say, their error is learned "
+             "along, down to this part of it; 1: it is not.");
   }
 };
 

@@ -64,7 +64,8 @@ struct OdometryMotion {
   double distance_m = 0.0;
   double rotation_rad = 0.0;
   bool is_interrupted = false;
-  int lost_sweeps = 0;  ///< refused in a row meanwhile
+  int lost_sweeps = 0;   ///< refused in a row meanwhile
+  double scatter = 1.0;  ///< OdometryScatter's factor
 };
 
 /// The covariance of such a motion, position (m) and rotation vector (rad) in the axes of map, with
@@ -75,10 +76,10 @@ struct OdometryMotion {
                                                   const OdometryMotion& motion,
                                                   const OdometryParams& params) {
   constexpr int kMaxDoublings = 5;
-  const double translation_m = params.translation_m +
-                               params.translation_m_per_m * motion.distance_m +
-                               params.translation_m_per_rad * motion.rotation_rad +
-                               (motion.is_interrupted ? params.interruption_m : 0.0);
+  const double translation_m =
+      motion.scatter * (params.translation_m + params.translation_m_per_m * motion.distance_m +
+                        params.translation_m_per_rad * motion.rotation_rad) +
+      (motion.is_interrupted ? params.interruption_m : 0.0);
   const double rotation_rad =
       params.rotation_rad + (motion.is_interrupted ? params.interruption_rad : 0.0);
   const double tilt_rad = rotation_rad + params.tilt_rad_per_m * motion.distance_m;

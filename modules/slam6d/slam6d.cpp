@@ -351,6 +351,7 @@ void Slam6d::close_loops(const VoxelMap& sweep) {
   PoseUpdate& update = sweeps_.back();
   TrackedKeyframe tracked{.T_map_base = keyframe.T_map_base,
                           .follows_interruption = update.keyframe == KeyframeReason::kInterruption,
+                          .odometry_scatter = tracker_.odometry_scatter(),
                           .is_level = is_planar(keyframe.cloud->T_odom_base) &&
                                       is_level(keyframe.T_map_base, params_.odometry)};
   if (update.registration) {
@@ -396,7 +397,8 @@ AdjustedSweep Slam6d::to_adjust(std::size_t k) const {
         odometry_covariance(keyframes_[k - 1].T_map_base,
                             {.distance_m = sweep.T_last_this.translation().norm(),
                              .rotation_rad = geometry::rotation_angle(sweep.T_last_this),
-                             .is_interrupted = update.keyframe == KeyframeReason::kInterruption},
+                             .is_interrupted = update.keyframe == KeyframeReason::kInterruption,
+                             .scatter = tracker_.odometry_scatter()},
                             params_.odometry);
   }
   return sweep;

@@ -28,6 +28,7 @@ Tracker::Tracker(const Slam6dParams& params)
       registration_(params.registration),
       range_(params.range),
       calibration_(params.calibration),
+      scatter_(params.calibration.least_scatter),
       pitch_latency_(params.pitch_latency) {}
 
 void Tracker::change_odometry_frame(const SE3& T_old_new) {
@@ -72,6 +73,7 @@ OdometryMotion Tracker::motion_since_accepted(const SweepCloud& cloud) const {
       motion_of(counted_since_accepted(cloud.T_odom_base * cloud.T_base_first_counted));
   motion.is_interrupted = is_interrupted_;
   motion.lost_sweeps = lost_sweeps_;
+  motion.scatter = scatter_.factor();
   return motion;
 }
 
@@ -83,12 +85,13 @@ PosePrior Tracker::predict(const SweepCloud& cloud, const PoseUpdate& update) co
              .height_sigma_m = odometry_.level_height_m,
              .tilt_sigma_rad = odometry_.level_tilt_rad};
   }
-  return {
-      .T_map_base = T_map_base,
-      .covariance = end_covariance_ +
-                    odometry_covariance(T_map_base, motion_since_accepted(cloud), odometry_),
-      .motion_covariance = odometry_covariance(T_map_base, motion_of(cloud.motion()), odometry_),
-      .level = level};
+  OdometryMotion within = motion_of(cloud.motion());
+  within.scatter = scatter_.factor();
+  return {.T_map_base = T_map_base,
+          .covariance = end_covariance_ +
+                        odometry_covariance(T_map_base, motion_since_accepted(cloud), odometry_),
+          .motion_covariance = odometry_covariance(T_map_base, within, odometry_),
+          .level = level};
 }
 
 // IV B: "registered into an incrementally built 3D model"; IV: "the same transformation can be
@@ -101,7 +104,10 @@ void Tracker::track(VoxelMap& sweep, const VoxelMap& map, const SweepCloud& clou
   update.covariance = update.registration->covariance;
   calibrate(cloud, predicted, update);
   learn_pitch_latency(cloud, update);
-  lost_sweeps_ += update.registration->is_accepted() ? 0 : 1;
+  if (!update.registration->is_accepted()) {
+    ++lost_sweeps_;
+    scatter_.forget();
+  }
 }
 
 // What the motion since the last sweep says of the wheels.
@@ -130,8 +136,11 @@ void Tracker::calibrate(const SweepCloud& cloud, const PoseUpdate& predicted,
   forward.head<3>() = T_map_end.linear().col(0);
   Vector6d yaw = Vector6d::Zero();
   yaw.tail<3>() = T_map_end.linear().col(2);
-  calibration_.learn(counted_since_accepted(cloud.T_odom_base * cloud.T_base_last_counted),
-                     evidence(deviation.translation().x(), forward),
+  const SE3 counted = counted_since_accepted(cloud.T_odom_base * cloud.T_base_last_counted);
+  const MotionEvidence distance = evidence(deviation.translation().x(), forward);
+  const Matrix6d covariance = odometry_covariance(T_map_end, motion_of(counted), odometry_);
+  scatter_.learn(distance, forward.dot(covariance * forward));
+  calibration_.learn(counted, distance,
                      evidence(geometry::rotation_vector(deviation.linear()).z(), yaw));
 }
 
@@ -183,6 +192,7 @@ bool Tracker::learn_pitch_latency_at_start(VoxelMap& sweep, const VoxelMap& map,
 
 void Tracker::refuse() {
   ++lost_sweeps_;
+  scatter_.forget();
   last_nod_.reset();
 }
 

@@ -6,6 +6,7 @@
 #include "common/geometry/se3.hpp"
 #include "modules/slam6d/odometry_calibration.hpp"
 #include "modules/slam6d/odometry_prior.hpp"
+#include "modules/slam6d/odometry_scatter.hpp"
 #include "modules/slam6d/params.hpp"
 #include "modules/slam6d/pitch_latency.hpp"
 #include "modules/slam6d/pose_update.hpp"
@@ -60,6 +61,8 @@ class Tracker {
                                     const PoseUpdate& update, double first_pitch_rate_rad_s);
 
   [[nodiscard]] const OdometryCalibration& calibration() const { return calibration_; }
+  /// How far the wheels scatter in distance, in parts of what OdometryParams says.
+  [[nodiscard]] double odometry_scatter() const { return scatter_.factor(); }
   [[nodiscard]] double pitch_latency_s() const { return pitch_latency_.seconds(); }
   /// Refused since the last accepted one.
   [[nodiscard]] int lost_sweeps() const { return lost_sweeps_; }
@@ -75,6 +78,7 @@ class Tracker {
   RegistrationParams registration_;
   RangeLimits range_;
   OdometryCalibration calibration_;
+  OdometryScatter scatter_;
   PitchLatency pitch_latency_;
   /// What pitch_latency_ compares the next sweep with: the last accepted one.
   struct NoddingSweep {

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/slam6d/odometry_scatter.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace nodmap::slam6d {
+namespace {
+
+// A prediction that the sweep made hardly better tells nothing.
+constexpr double kMinGain = 0.1;
+// What was learned longer ago counts less: floors and loads change.
+constexpr double kMostMotions = 40.0;
+
+}  // namespace
+
+void OdometryScatter::learn(const MotionEvidence& forward, double variance_m2) {
+  const double gain =
+      (forward.prior_variance - forward.posterior_variance) / forward.prior_variance;
+  if (!(gain > kMinGain)) {
+    return;
+  }
+  // The estimate is a mean of prediction and measurement; this is the measurement. Its own variance
+  // is not taken off: rather too much scatter than too little.
+  const double deviation_m = forward.deviation / gain;
+  const double measured_m2 = forward.posterior_variance / gain;
+  const double weight = variance_m2 / (variance_m2 + measured_m2);
+  square_ =
+      (motions_ * square_ + weight * deviation_m * deviation_m / variance_m2) / (motions_ + weight);
+  motions_ = std::min(motions_ + weight, kMostMotions);
+}
+
+double OdometryScatter::factor() const {
+  return std::clamp(std::sqrt(square_), least_, 1.0);
+}
+
+}  // namespace nodmap::slam6d
