@@ -27,6 +27,8 @@ constexpr double kTrackDistanceM = 0.35;
 constexpr double kTrackRotationRad = 0.1;
 // Of three degrees of freedom, one true loop of a thousand is beyond.
 constexpr double kMaxLoopChiSquared = 16.3;
+// Views from farther apart have less in common, and more that is hidden from one of them.
+constexpr double kViewDistanceM = 2.0;
 
 // A robot that was found in a saved map is known to a cell or two of the map: x, y in m, yaw in
 // rad.
@@ -176,13 +178,31 @@ void BackEnd::search_loop(std::size_t submap_index, std::span<const OrientedPoin
   record(attempt.loop, attempt.state);
 }
 
-void BackEnd::accept_by_consensus(const Loop& loop) {
-  record(loop, LoopState::kInconsistent);  // until others agree
+// Where places look alike, several keyframes find the same wrong one. But there walls are missing,
+// or in the way, and the views of single scans tell.
+void BackEnd::accept_by_consensus(Loop loop) {
+  loop.is_contradicted = contradicts_views(loop);
+  metrics_.refused_by_view += loop.is_contradicted ? 1 : 0;
+  // Until others agree.
+  record(loop, loop.is_contradicted ? LoopState::kLowScore : LoopState::kInconsistent);
   for (const Loop& accepted : closer_.add_pending(loop, submaps(), keyframes())) {
     ++metrics_.loops_searched;
     accept(accepted);
     has_searched_loops_ = true;
   }
+}
+
+bool BackEnd::contradicts_views(const Loop& loop) const {
+  const Submap& submap = submaps()[loop.submap];
+  const View view = view_of(keyframes()[loop.keyframe]);
+  for (std::size_t k = submap.first_keyframe; k < submap.end_keyframe(); ++k) {
+    const geometry::SE2 T_other_this = submap.pose_of(k).inverse() * loop.T_submap_keyframe;
+    if (T_other_this.translation().norm() < kViewDistanceM &&
+        view_of(keyframes()[k]).contradicts(view, T_other_this)) {
+      return true;
+    }
+  }
+  return false;
 }
 
 void BackEnd::accept(const Loop& loop) {

@@ -29,6 +29,7 @@ struct BackEndMetrics {
   std::int64_t refused_ambiguous = 0;
   std::int64_t refused_match = 0;
   std::int64_t refused_by_graph = 0;  ///< contradicts the pose of the graph
+  std::int64_t refused_by_view = 0;   ///< walls where the other saw free space
   std::int64_t optimisations = 0;
   std::int64_t submaps_dropped = 0;  ///< newer ones have replaced them
 };
@@ -106,8 +107,9 @@ class BackEnd {
   void track_loop(std::size_t submap_index, std::span<const OrientedPoint> scan);
   void search_loop(std::size_t submap_index, std::span<const OrientedPoint> scan, double reach_m,
                    double reach_rad);
-  void accept_by_consensus(const Loop& loop);
+  void accept_by_consensus(Loop loop);
   void accept(const Loop& loop);
+  [[nodiscard]] bool contradicts_views(const Loop& loop) const;
   void record(const Loop& loop, LoopState state);
   void drop_replaced_submap();
   void drop_submap(std::size_t dropped);

@@ -127,17 +127,22 @@ std::vector<Loop> LoopCloser::add_pending(const Loop& loop, std::span<const Subm
   };
   std::vector<Loop> consensus;
   std::set<std::size_t> from;
+  std::set<std::size_t> against;
   const geometry::SE2 here = consequence(loop);
   for (const Loop& other : pending_) {
     const double distance_m = distance(keyframes[other.keyframe].T_map_base, T_map_last);
     const geometry::SE2 there = consequence(other);
     if (distance(here, there) < params.max_distance_m + 0.02 * distance_m &&
         rotation_between(here, there) < params.max_rotation_rad) {
+      if (other.is_contradicted) {
+        against.insert(other.keyframe);
+        continue;
+      }
       consensus.push_back(other);
       from.insert(other.keyframe);
     }
   }
-  if (from.size() < static_cast<std::size_t>(params.min_keyframes)) {
+  if (from.size() < static_cast<std::size_t>(params.min_keyframes) * (1 + against.size())) {
     return {};
   }
   pending_.clear();

@@ -22,6 +22,7 @@ struct Loop {
   geometry::SE2 T_submap_keyframe;
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  ///< in the frame of the submap
   double score = 0.0;                                     ///< of the match, 0..1
+  bool is_contradicted = false;  ///< by what was seen: walls where the other saw free space
 };
 
 /// What became of a loop; the values of nodmap.pose_graph_t.
@@ -63,7 +64,8 @@ class LoopCloser {
   /// Keeps a loop that was searched for. Each loop puts the newest keyframe somewhere in the map,
   /// by the present pose of its submap; loops that agree on the place agree on the drift. When
   /// those that agree with this loop come from enough keyframes, returns them and drops all others;
-  /// otherwise returns none.
+  /// otherwise returns none. Each keyframe whose loop is contradicted speaks against the place:
+  /// then so many more are needed.
   [[nodiscard]] std::vector<Loop> add_pending(const Loop& loop, std::span<const Submap> submaps,
                                               std::span<const Keyframe> keyframes);
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <array>
 #include <deque>
 #include <span>
 #include <vector>
 
 #include "modules/slam2d/level_scan.hpp"
+#include "modules/slam2d/view.hpp"
 
 namespace nodmap::slam2d {
 
@@ -34,25 +34,14 @@ class MovingPointFilter {
   void change_odometry_frame(const geometry::SE2& T_old_new);
 
  private:
-  /// How far a keyframe saw free space, by direction.
-  struct View {
-    static constexpr std::size_t kNumBins = 360;
-
-    explicit View(const LevelScan& scan);
-    [[nodiscard]] bool saw_free(const Eigen::Vector2d& p_base) const;
-    /// Whether too many points of another view lie in free space of this one.
-    [[nodiscard]] bool denies(const View& other) const;
-
+  struct KeyframeView {
     geometry::SE2 T_odom_base;
-    Eigen::Vector2d sensor_origin_base;
-    std::vector<Eigen::Vector2d> points_base;
-    std::array<double, kNumBins> free_m{};  ///< from the sensor origin; 0: not known
-    double farthest_free_m = 0.0;
+    View view;
   };
 
-  [[nodiscard]] const View& oldest_near(const geometry::SE2& T_odom_base) const;
+  [[nodiscard]] const KeyframeView& oldest_near(const geometry::SE2& T_odom_base) const;
 
-  std::deque<View> views_;  ///< oldest first
+  std::deque<KeyframeView> views_;  ///< oldest first
   std::vector<OrientedPoint> stationary_;
 };
 

@@ -290,10 +290,10 @@ void Slam2dNode::finish() {
   const BackEndMetrics& loops = slam_.back_end().metrics();
   log::get().info(
       "{} loops closed between {} submaps: {} by a match, {} by {} searches; refused: {} fitted "
-      "poorly, {} fitted several places, {} contradicted the graph",
+      "poorly, {} fitted several places, {} contradicted the graph, {} saw through walls",
       loops.loops_tracked + loops.loops_searched, slam_.back_end().submaps().size(),
       loops.loops_tracked, loops.loops_searched, loops.searches, loops.refused_match,
-      loops.refused_ambiguous, loops.refused_by_graph);
+      loops.refused_ambiguous, loops.refused_by_graph, loops.refused_by_view);
 }
 
 void Slam2dNode::publish_graph(time::Timestamp stamp) {
@@ -366,6 +366,7 @@ nlohmann::json Slam2dNode::metrics() const {
           {"loops_refused_ambiguous", back_end.refused_ambiguous},
           {"loops_refused_match", back_end.refused_match},
           {"loops_refused_by_graph", back_end.refused_by_graph},
+          {"loops_refused_by_view", back_end.refused_by_view},
           {"optimisations", back_end.optimisations},
           {"submaps_dropped", back_end.submaps_dropped},
           {"maps_published", maps_published_}};

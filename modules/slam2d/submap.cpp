@@ -38,6 +38,15 @@ std::vector<OrientedPoint> oriented_points(const Keyframe& keyframe) {
   return points;
 }
 
+View view_of(const Keyframe& keyframe) {
+  std::vector<Eigen::Vector2d> points_base;
+  points_base.reserve(keyframe.points_base.size());
+  for (const Eigen::Vector2f& p : keyframe.points_base) {
+    points_base.emplace_back(p.cast<double>());
+  }
+  return {std::move(points_base), keyframe.sensor_origin_base};
+}
+
 std::vector<OrientedPoint> some_points(const Keyframe& keyframe) {
   constexpr std::size_t kMaxScanPoints = 120;  // enough to match one scan
   const std::vector<OrientedPoint> all = oriented_points(keyframe);

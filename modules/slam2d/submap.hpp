@@ -14,6 +14,7 @@
 #include "modules/slam2d/oriented_points.hpp"
 #include "modules/slam2d/params.hpp"
 #include "modules/slam2d/point_map.hpp"
+#include "modules/slam2d/view.hpp"
 
 namespace nodmap::slam2d {
 
@@ -33,6 +34,8 @@ struct Keyframe {
 
 /// A part of them that is enough to match the scan, spread over it.
 [[nodiscard]] std::vector<OrientedPoint> some_points(const Keyframe& keyframe);
+
+[[nodiscard]] View view_of(const Keyframe& keyframe);
 
 /// The map of some consecutive keyframes, few enough that drift among them does not matter. Its
 /// frame is that of its first keyframe: when the pose graph moves the submap, its points stay.

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <vector>
 
 #include "modules/slam2d/slam2d.hpp"
@@ -171,6 +172,59 @@ TEST(BackEnd, ASymmetricHallIsNotFolded) {
   mapping.drive(drive_along({{-8, -4.5}, {8, -4.5}, {8, 4.5}, {-8, 4.5}, {-8, -4.5}}));
   mapping.slam().polish();
   EXPECT_LT(mapping.worst_error_m(), 0.0124);  // measured: 9.9 mm; folded, it would be 18 m
+}
+
+/// A room of 12 m x 8 m, and one that is the same but for a wall in its middle.
+FloorPlan room(bool has_wall) {
+  FloorPlan plan;
+  add_box(plan, -6.0, -4.0, 12.0, 8.0);
+  add_box(plan, -6.0, 1.0, 0.4, 0.7);
+  add_box(plan, -4.0, -4.0, 0.8, 0.3);
+  add_box(plan, -2.5, 3.6, 0.5, 0.4);
+  if (has_wall) {
+    add_box(plan, 0.0, -1.5, 0.1, 3.0);
+  }
+  return plan;
+}
+
+/// Puts keyframes where they are in their own map.
+void add_all(BackEnd& back_end, std::span<const Keyframe> keyframes) {
+  for (const Keyframe& keyframe : keyframes) {
+    const SE2 T_submap_base = back_end.has_local()
+                                  ? back_end.local().T_map_submap.inverse() * keyframe.T_map_base
+                                  : SE2{};
+    back_end.add_keyframe(keyframe, T_submap_base, 1e4 * Eigen::Matrix3d::Identity());
+  }
+}
+
+/// Sideways through the left half of the room and back, looking to the right.
+std::vector<SE2> path_before_wall() {
+  std::vector<SE2> poses;
+  for (int i = 0; i <= 60; ++i) {
+    poses.push_back({-4.0, -3.0 + 0.1 * i, 0.0});
+  }
+  for (int i = 0; i <= 60; ++i) {
+    poses.push_back({-2.2, 3.0 - 0.1 * i, 0.0});
+  }
+  return poses;
+}
+
+// Lost in between, the robot may be in the same room again. Most of a scan fits both rooms: the
+// wall tells.
+TEST(BackEnd, ARoomThatLooksAlikeButForAWallIsNoLoop) {
+  Mapping with_wall(room(true));
+  with_wall.drive(path_before_wall());
+  Mapping without(room(false));
+  without.drive(path_before_wall());
+  for (Mapping* again : {&with_wall, &without}) {
+    BackEnd back_end({}, {}, {});
+    add_all(back_end, with_wall.slam().keyframes());
+    back_end.begin_anew({1.0, 1.0, 0.2});
+    add_all(back_end, again->slam().keyframes());
+    const BackEndMetrics& metrics = back_end.metrics();
+    EXPECT_EQ(metrics.loops_searched > 0, again == &with_wall) << metrics.loops_searched;
+    EXPECT_EQ(metrics.refused_by_view > 0, again == &without) << metrics.refused_by_view;
+  }
 }
 
 TEST(BackEnd, AFeaturelessCorridorIsNoLoop) {

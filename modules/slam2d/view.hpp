@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+#include "common/geometry/se2.hpp"
+
+namespace nodmap::slam2d {
+
+/// What one level scan shows: points, and by direction from the sensor how far space was free.
+class View {
+ public:
+  View(std::vector<Eigen::Vector2d> points_base, const Eigen::Vector2d& sensor_origin_base);
+
+  /// Whether the view shows free space there, and 0.3 m beyond.
+  [[nodiscard]] bool saw_free(const Eigen::Vector2d& p_base) const;
+
+  /// Whether this view and another, `T_this_other` from base to base, cannot both be right: more
+  /// than a quarter of the points of one of them lie where the other saw free space. Views that
+  /// show nothing in common contradict nothing.
+  [[nodiscard]] bool contradicts(const View& other, const geometry::SE2& T_this_other) const;
+
+ private:
+  static constexpr std::size_t kNumBins = 360;
+
+  [[nodiscard]] bool denies(const View& other, const geometry::SE2& T_this_other) const;
+
+  Eigen::Vector2d sensor_origin_base_;
+  std::vector<Eigen::Vector2d> points_base_;
+  std::array<double, kNumBins> free_m_{};  ///< from the sensor origin; 0: not known
+  double farthest_free_m_ = 0.0;
+};
+
+}  // namespace nodmap::slam2d
