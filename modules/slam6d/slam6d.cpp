@@ -6,28 +6,15 @@
 #include <memory>
 #include <utility>
 
+#include "modules/slam6d/adjusted_sweeps.hpp"
 #include "modules/slam6d/odometry_prior.hpp"
+#include "modules/slam6d/plane_adjustment.hpp"
+#include "modules/slam6d/sweep_voxels.hpp"
 
 namespace nodmap::slam6d {
 namespace {
 
 using geometry::SE3;
-
-PointTimes point_times(const SweepCloud& cloud) {
-  PointTimes times;
-  if (!cloud.is_stationary()) {
-    times.half_path = cloud.half_path().cast<float>();
-    times.times.reserve(cloud.points.size());
-    for (const SweepCloud::Line& line : cloud.lines) {
-      times.times.resize(line.end, static_cast<float>(line.time));
-    }
-  }
-  return times;
-}
-
-VoxelMap voxelize(const SweepCloud& cloud, const VoxelMapParams& params) {
-  return VoxelMap::from_points(cloud.points, cloud.p_base_mirror(), params, point_times(cloud));
-}
 
 std::vector<OrientedPoint> oriented_points(const VoxelGrid& grid) {
   std::vector<OrientedPoint> points;
@@ -370,38 +357,9 @@ void Slam6d::polish() {
   }
   // Where odometry says nothing of the way from a saved keyframe to a new one, nothing is adjusted.
   if (params_.adjustment.use && num_restored_ == 0 && !keyframes_.empty()) {
-    std::vector<AdjustedSweep> sweeps;
-    for (std::size_t k = 0; k < keyframes_.size(); ++k) {
-      sweeps.push_back(to_adjust(k));
-    }
-    move_keyframes(adjust_planes(sweeps, params_.voxels, params_.registration, params_.adjustment));
+    move_keyframes(adjust_planes(adjusted_sweeps(keyframes_, sweeps_, tracker_, params_),
+                                 params_.voxels, params_.registration, params_.adjustment));
   }
-}
-
-AdjustedSweep Slam6d::to_adjust(std::size_t k) const {
-  const Keyframe& keyframe = keyframes_[k];
-  AdjustedSweep sweep{.T_map_base = keyframe.T_map_base,
-                      .voxels = voxelize(*keyframe.cloud, params_.voxels)};
-  if (is_planar(keyframe.cloud->T_odom_base)) {
-    sweep.level = {.height_m = 0.0,
-                   .height_sigma_m = params_.odometry.level_height_m,
-                   .tilt_sigma_rad = params_.odometry.level_tilt_rad};
-  }
-  if (k > 0) {
-    const PoseUpdate& last = sweeps_[keyframes_[k - 1].sweep];
-    const PoseUpdate& update = sweeps_[keyframe.sweep];
-    sweep.T_last_this =
-        tracker_.calibration().calibrate((last.T_first_odom * last.T_odom_base).inverse() *
-                                         update.T_first_odom * update.T_odom_base);
-    sweep.covariance =
-        odometry_covariance(keyframes_[k - 1].T_map_base,
-                            {.distance_m = sweep.T_last_this.translation().norm(),
-                             .rotation_rad = geometry::rotation_angle(sweep.T_last_this),
-                             .is_interrupted = update.keyframe == KeyframeReason::kInterruption,
-                             .scatter = tracker_.odometry_scatter()},
-                            params_.odometry);
-  }
-  return sweep;
 }
 
 void Slam6d::move_keyframes(std::span<const SE3> T_map_keyframes) {

@@ -16,7 +16,6 @@
 #include "modules/slam6d/keyframe.hpp"
 #include "modules/slam6d/localiser.hpp"
 #include "modules/slam6d/params.hpp"
-#include "modules/slam6d/plane_adjustment.hpp"
 #include "modules/slam6d/pose_update.hpp"
 #include "modules/slam6d/saved_map.hpp"
 #include "modules/slam6d/sweep_cloud.hpp"
@@ -126,7 +125,6 @@ class Slam6d {
   void keep(const PoseUpdate& update);
   void keep_keyframe(const VoxelMap& sweep, SweepCloud cloud);
   void close_loops(const VoxelMap& sweep);
-  [[nodiscard]] AdjustedSweep to_adjust(std::size_t k) const;
   void move_keyframes(std::span<const geometry::SE3> T_map_keyframes);
 
   Slam6dParams params_;

@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "modules/slam6d/keyframe.hpp"
+#include "modules/slam6d/params.hpp"
+#include "modules/slam6d/plane_adjustment.hpp"
+#include "modules/slam6d/pose_update.hpp"
+#include "modules/slam6d/tracker.hpp"
+
+namespace nodmap::slam6d {
+
+/// What adjust_planes() needs of each keyframe: its voxels, the calibrated motion by odometry since
+/// the one before and how sure that is, and whether its ground is level. `updates` are those of all
+/// sweeps.
+[[nodiscard]] std::vector<AdjustedSweep> adjusted_sweeps(std::span<const Keyframe> keyframes,
+                                                         std::span<const PoseUpdate> updates,
+                                                         const Tracker& tracker,
+                                                         const Slam6dParams& params);
+
+}  // namespace nodmap::slam6d
