@@ -40,7 +40,7 @@ void drain(Session& session) {
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   foxglove::TopicStore store;
   store.add({"SCAN", "foxglove.LaserScan"});
-  store.post(0, 1, [] { return std::string("{}"); });
+  store.post(0, time::Timestamp(1us), [] { return std::string("{}"); });
   Services services;
   services.parameters = [] { return Json::array(); };
   services.set_parameter = [](const std::string&, const Json&) { return std::string(); };
