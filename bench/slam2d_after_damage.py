@@ -12,7 +12,6 @@ first 4 s (50 cm afterwards, for short pieces drift), or by 4 degrees. Prints a 
   silent  some are, and it says TRACKING for a second or longer
   cost    how many of all poses after a damage are not TRACKING
 """
-import argparse
 import bisect
 import math
 import pathlib
@@ -20,8 +19,7 @@ import random
 import struct
 import tempfile
 
-import seeds
-from slam2d_damage import KINDS, LOGS, ROOT, Line, compose, damaged_at, inverse, moments, run
+from slam2d_damage import KINDS, Line, compose, damaged_at, inverse, moments, parse_arguments, run
 
 BEFORE_S, AFTER_S, DRIFT_S = 40.0, 15.0, 4.0
 WRONG_M, WRONG_WITH_DRIFT_M, WRONG_RAD = 0.25, 0.5, math.radians(4.0)
@@ -98,14 +96,7 @@ class Bench:
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--data", type=pathlib.Path, required=True)
-    parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build" / "release" / "bin")
-    parser.add_argument("--logs", nargs="*", default=LOGS)
-    parser.add_argument("--kinds", nargs="*", default=list(KINDS))
-    parser.add_argument("--seeds", nargs="*", type=int, default=seeds.REPORTING[:3])
-    parser.add_argument("--set", nargs="*", default=[], dest="settings", help="parameters of nodmap-slam2d")
-    options = parser.parse_args()
+    options = parse_arguments(__doc__, list(KINDS))
     bench = Bench(options.bin, options.data, options.settings)
     print("| log | damage | right | said | silent | not TRACKING afterwards |\n|---|---|---|---|---|---|")
     for name in options.logs:

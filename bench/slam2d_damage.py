@@ -126,15 +126,20 @@ class Bench:
         return [self.errors(name, head + "".join(damaged(lines, kind, seed))) for seed in numbers]
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+def parse_arguments(description, kinds):
+    """The options of this bench and of slam2d_after_damage.py; `kinds`: the damages without --kinds."""
+    parser = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--data", type=pathlib.Path, required=True)
     parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build" / "release" / "bin")
     parser.add_argument("--logs", nargs="*", default=LOGS)
-    parser.add_argument("--kinds", nargs="*", default=["as it is", *KINDS])
+    parser.add_argument("--kinds", nargs="*", default=kinds)
     parser.add_argument("--seeds", nargs="*", type=int, default=seeds.REPORTING[:3])
     parser.add_argument("--set", nargs="*", default=[], dest="settings", help="parameters of nodmap-slam2d")
-    options = parser.parse_args()
+    return parser.parse_args()
+
+
+def main():
+    options = parse_arguments(__doc__, ["as it is", *KINDS])
     bench = Bench(options.bin, options.data, options.settings)
     print("| log | damage | error of each seed: translation, rotation |\n|---|---|---|")
     for name in options.logs:

@@ -9,8 +9,8 @@ namespace {
 
 constexpr double kSamePlaceM = 0.5;
 constexpr double kSamePlaceRad = 0.2;
-constexpr double kMinMargin =
-    0.02;  // of score: where nearly every point fits, one more means little
+// Of score: where nearly every point fits, one more means little.
+constexpr double kMinMargin = 0.02;
 
 }  // namespace
 

@@ -29,7 +29,7 @@ struct Loop {
 enum class LoopState : std::uint8_t {
   kAccepted = 0,
   kAmbiguous = 1,     ///< another place fits as well
-  kLowScore = 2,      ///< the scan fits nowhere near
+  kLowScore = 2,      ///< the scan fits nowhere near, or contradicts what was seen there
   kInconsistent = 3,  ///< with the graph, and no other keyframes have said the same yet
   kOutlier = 4,       ///< accepted, but it contradicts the graph and has lost its weight
 };
