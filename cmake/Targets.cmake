@@ -51,13 +51,20 @@ if(NODMAP_TESTS)
   target_compile_options(nodmap_test_pch PRIVATE $<$<CONFIG:Release>:-O1>)
 endif()
 
-# nodmap_add_library(NAME SOURCES a.cpp ... DEPENDS target ...): the library nodmap::NAME.
+# nodmap_add_library(NAME SOURCES a.cpp ... DEPENDS target ... [JOINED]): the library nodmap::NAME. JOINED: up to eight sources
+# are compiled as one, where reading the same large headers (JSON, command lines, logging, sockets) takes longer than the sources
+# themselves; what is unnamed in them must then have names that differ.
 function(nodmap_add_library name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS" ${ARGN})
+  cmake_parse_arguments(ARG "JOINED" "" "SOURCES;DEPENDS" ${ARGN})
   add_library(nodmap_${name} STATIC ${ARG_SOURCES})
   add_library(nodmap::${name} ALIAS nodmap_${name})
   target_link_libraries(nodmap_${name} PUBLIC nodmap_options Eigen3::Eigen ${ARG_DEPENDS})
   target_precompile_headers(nodmap_${name} REUSE_FROM nodmap_pch)
+  if(ARG_JOINED AND NODMAP_JOIN)
+    set_target_properties(nodmap_${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
+    # g++ takes a joined source for a header, in which a class with a member of an unnamed namespace would be a mistake.
+    target_compile_options(nodmap_${name} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
+  endif()
 endfunction()
 
 # nodmap_add_program(nodmap-NAME SOURCES main.cpp DEPENDS target ...): a program in bin/.
@@ -65,6 +72,8 @@ function(nodmap_add_program name)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE nodmap_options ${ARG_DEPENDS})
+  # Its main.cpp reads the command line, once: nothing to optimise.
+  target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
   install(TARGETS ${name} RUNTIME)
   set_property(GLOBAL APPEND PROPERTY NODMAP_PROGRAMS ${name})
 endfunction()

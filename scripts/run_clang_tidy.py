@@ -2,7 +2,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Runs clang-tidy over the sources that the build in the given folder compiles, as many at a time as there are processors.
 
-usage: run_clang_tidy.py BUILD_DIR [--all]     --all: the tests and benchmarks too, by tests/.clang-tidy
+usage: run_clang_tidy.py BUILD_DIR [--all | --changed]
+    --all       the tests and benchmarks too, by tests/.clang-tidy
+    --changed   only sources that changed, or whose header of the same name did, since the branch left origin/main; on main itself in the last
+                10 commits. What is not committed counts.
 
 A file is checked again only when something that it is made of has changed: the key of a good run, a digest of the preprocessed
 text, of the rules and of clang-tidy's version, is kept in the user's cache ($XDG_CACHE_HOME/nodmap/clang-tidy), for every clone.
@@ -38,6 +41,17 @@ def key_of(entry, config):
     return hashlib.sha256(run.stdout + source + config.read_bytes() + VERSION).hexdigest() if run.returncode == 0 else None
 
 
+def git(*arguments):
+    return subprocess.run(["git", *arguments], cwd=ROOT, capture_output=True, text=True).stdout.split()
+
+
+def changed_sources():
+    """Paths in the repository without their extension."""
+    head, base = git("rev-parse", "HEAD"), git("merge-base", "HEAD", "origin/main")
+    since = base if base and base != head else git("rev-list", "--max-count=11", "HEAD")[-1:]
+    return {pathlib.Path(name).with_suffix("") for name in git("diff", "--name-only", *since)}
+
+
 def check(build, entry):
     path = pathlib.Path(entry["file"]).relative_to(ROOT)
     config = ROOT / ("tests/.clang-tidy" if is_test(path) else ".clang-tidy")
@@ -58,6 +72,9 @@ def main():
     entries = [e for e in json.loads((build / "compile_commands.json").read_text()) if str(build) not in e["file"]]
     if "--all" not in sys.argv[2:]:
         entries = [e for e in entries if not is_test(pathlib.Path(e["file"]).relative_to(ROOT))]
+    if "--changed" in sys.argv[2:]:
+        changed = changed_sources()
+        entries = [e for e in entries if pathlib.Path(e["file"]).relative_to(ROOT).with_suffix("") in changed]
     bad = 0
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         for done, (path, good, output) in enumerate(pool.map(lambda e: check(build, e), entries), 1):

@@ -48,6 +48,11 @@ Eigen::Matrix3d rotation_of(const Eigen::Vector3d& rotation_vector) {
              : Eigen::Matrix3d::Identity();
 }
 
+// Here once, for Eigen brings a singular value decomposition into each source that calls it.
+Eigen::Quaterniond rotation_between(const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
+  return Eigen::Quaterniond::FromTwoVectors(from, to);
+}
+
 double rotation_angle(const SE3& pose) {
   return std::abs(Eigen::AngleAxisd(pose.linear()).angle());
 }

@@ -31,6 +31,10 @@ using SE3 = Eigen::Isometry3d;
 [[nodiscard]] Eigen::Vector3d rotation_vector(const Eigen::Matrix3d& rotation);
 [[nodiscard]] Eigen::Matrix3d rotation_of(const Eigen::Vector3d& rotation_vector);
 
+/// The shortest rotation that turns the direction of `from` into that of `to`; neither may be zero.
+[[nodiscard]] Eigen::Quaterniond rotation_between(const Eigen::Vector3d& from,
+                                                  const Eigen::Vector3d& to);
+
 /// The angle of the rotation part, in [0, pi].
 [[nodiscard]] double rotation_angle(const SE3& pose);
 

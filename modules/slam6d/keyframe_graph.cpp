@@ -75,7 +75,7 @@ PoseEdge3d KeyframeGraph::level_edge(std::span<const SE3> T_map_keyframes,
   T_map_level.translation().z() = 0.0;
   const Eigen::Vector3d up = T_map_level.linear().col(2);
   T_map_level.linear() =
-      Eigen::Quaterniond::FromTwoVectors(up, Eigen::Vector3d::UnitZ()).toRotationMatrix() *
+      geometry::rotation_between(up, Eigen::Vector3d::UnitZ()).toRotationMatrix() *
       T_map_level.linear();
   const SE3& T_map_first = T_map_keyframes[0];
   return {.from = 0,

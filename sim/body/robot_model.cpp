@@ -228,8 +228,7 @@ Eigen::Quaterniond RobotModel::State::orientation() const {
   // A positive rotation about x lifts the left side, one about y lowers the front.
   const Eigen::AngleAxisd roll(-base.tilt_left_rad(), Eigen::Vector3d::UnitX());
   const Eigen::AngleAxisd pitch(-base.tilt_up_rad(), Eigen::Vector3d::UnitY());
-  return Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), support.normal) * yaw *
-         pitch * roll;
+  return geometry::rotation_between(Eigen::Vector3d::UnitZ(), support.normal) * yaw * pitch * roll;
 }
 
 void RobotModel::State::save_step() {

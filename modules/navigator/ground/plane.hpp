@@ -2,9 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <Eigen/LU>
 #include <algorithm>
-#include <cmath>
 #include <optional>
 
 namespace nodmap::navigator {
@@ -34,15 +32,7 @@ class PlaneFit {
   }
 
   /// Empty for points on a line.
-  [[nodiscard]] std::optional<Plane> solve() const {
-    const Eigen::FullPivLU<Eigen::Matrix3d> lu(A_);
-    // A square metre of the sums' determinant is n^3: a strip of 40 cm x 20 cm has 1e-5 of it.
-    if (num_points_ < 3 || !(std::abs(lu.determinant()) > 1e-8 * std::pow(num_points_, 3))) {
-      return std::nullopt;
-    }
-    const Eigen::Vector3d x = lu.solve(b_);
-    return Plane{origin_, x.head<2>(), x.z()};
-  }
+  [[nodiscard]] std::optional<Plane> solve() const;
 
   /// The level plane at the points' mean height.
   [[nodiscard]] Plane level() const {

@@ -60,7 +60,7 @@ void TrackedGround::move(const geometry::SE2& T_odom_base) {
   const Eigen::Vector3d up(-rise.x(), -rise.y(), 1.0);
   T_odom_base_ = geometry::make_se3(
       {T_odom_base.x, T_odom_base.y, height_m},
-      Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), up) *
+      geometry::rotation_between(Eigen::Vector3d::UnitZ(), up) *
           Eigen::Quaterniond(Eigen::AngleAxisd(T_odom_base.yaw, Eigen::Vector3d::UnitZ())));
   under_base_ = under_wheel(T_odom_base.translation(), height_m).facet;
   is_level_ = level_around(T_odom_base.translation());
