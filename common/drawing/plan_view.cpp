@@ -79,10 +79,14 @@ PlanView::PlanView(const Extent& extent, double px_per_m, Rgb background)
 void PlanView::draw_grid(const Grid& grid) {
   const double cell_px = px_per_m_ * grid.cell_size_m;
   const Vector2d lower_left = to_px(grid.origin);
+  std::vector<int> columns;  // of the grid, of each column of the image
+  for (int u = 0; u < image_.width(); ++u) {
+    columns.push_back(static_cast<int>(std::floor((u + 0.5 - lower_left.x()) / cell_px)));
+  }
   for (int v = 0; v < image_.height(); ++v) {
     const auto y = static_cast<int>(std::floor((lower_left.y() - v - 0.5) / cell_px));
     for (int u = 0; u < image_.width(); ++u) {
-      const auto x = static_cast<int>(std::floor((u + 0.5 - lower_left.x()) / cell_px));
+      const int x = columns[static_cast<std::size_t>(u)];
       if (x >= 0 && y >= 0 && x < grid.width && y < grid.height) {
         image_.set(u, v, grid.colour(x, y));
       }

@@ -17,6 +17,9 @@ inline constexpr double kPi = std::numbers::pi;
 
 /// The equal angle in (-pi, pi]. The only place in the project that wraps an angle.
 [[nodiscard]] inline double normalize_angle(double angle_rad) {
+  if (std::abs(angle_rad) < kPi) {
+    return angle_rad;  // mostly; a division takes longer
+  }
   const double wrapped = std::remainder(angle_rad, 2.0 * kPi);
   return wrapped <= -kPi ? kPi : wrapped;
 }

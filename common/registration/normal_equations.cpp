@@ -48,9 +48,8 @@ NormalEquations::Solution NormalEquations::solve(double min_information_ratio) c
   return solution;
 }
 
-Eigen::Matrix3d NormalEquations::information(double min_information_ratio) const {
-  const Eigen::Matrix3d projector = solve(min_information_ratio).projector;
-  return projector.transpose() * information_ * projector;
+Eigen::Matrix3d NormalEquations::information(const Solution& solution) const {
+  return solution.projector.transpose() * information_ * solution.projector;
 }
 
 }  // namespace nodmap::registration

@@ -39,9 +39,10 @@ class NormalEquations {
   /// mean square moment arm.
   [[nodiscard]] Solution solve(double min_information_ratio) const;
 
-  /// The information matrix of (x, y in m, yaw in rad): the sum of w J^T J, without degenerate
-  /// directions. Divided by the variance of a distance it is the inverse covariance of the pose.
-  [[nodiscard]] Eigen::Matrix3d information(double min_information_ratio) const;
+  /// The information matrix of (x, y in m, yaw in rad): the sum of w J^T J, without the degenerate
+  /// directions of `solution`, what solve() has returned. Divided by the variance of a distance it
+  /// is the inverse covariance of the pose.
+  [[nodiscard]] Eigen::Matrix3d information(const Solution& solution) const;
 
  private:
   struct Eigensystem;

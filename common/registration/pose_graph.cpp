@@ -124,16 +124,17 @@ double PoseGraph<Pose>::chi_squared(const PoseEdge<Pose>& edge) const {
 
 template <class Pose>
 double PoseGraph<Pose>::weight(const PoseEdge<Pose>& edge) const {
-  return kernel_weight(edge, 1.0);
+  return kernel_weight(edge, chi_squared(edge), 1.0);
 }
 
 template <class Pose>
-double PoseGraph<Pose>::kernel_weight(const PoseEdge<Pose>& edge, double width) const {
+double PoseGraph<Pose>::kernel_weight(const PoseEdge<Pose>& edge, double chi_squared,
+                                      double width) {
   if (!edge.may_be_wrong) {
     return 1.0;
   }
   const double scale = width * PoseSpace<Pose>::kInlierChiSquared;
-  const double root = scale / (scale + chi_squared(edge));
+  const double root = scale / (scale + chi_squared);
   return root * root;
 }
 
@@ -174,7 +175,8 @@ void PoseGraph<Pose>::build_normal_equations(double width) {
     terms_.emplace_back(static_cast<int>(k), static_cast<int>(k), kDamping);
   }
   for (const PoseEdge<Pose>& edge : edges_) {
-    add_edge_terms(edge, kernel_weight(edge, width));
+    const PoseVector<Pose> error = residual(edge, nodes_[edge.from], nodes_[edge.to]);
+    add_edge_terms(edge, error, kernel_weight(edge, error.dot(edge.information * error), width));
   }
   hessian_.resize(unknowns, unknowns);
   hessian_.setFromTriplets(terms_.begin(), terms_.end());
@@ -194,24 +196,25 @@ void PoseGraph<Pose>::add_block(std::size_t row, std::size_t column,
 }
 
 template <class Pose>
-void PoseGraph<Pose>::add_edge_terms(const PoseEdge<Pose>& edge, double weight) {
+void PoseGraph<Pose>::add_edge_terms(const PoseEdge<Pose>& edge, const PoseVector<Pose>& error,
+                                     double weight) {
   constexpr int kDimensions = PoseSpace<Pose>::kDimensions;
   const Pose& from = nodes_[edge.from];
   const Pose& to = nodes_[edge.to];
   const Jacobians<Pose> J = jacobians(edge, from, to);
   const PoseMatrix<Pose> information = weight * edge.information;
-  const PoseVector<Pose> error = information * residual(edge, from, to);
+  const PoseVector<Pose> weighted_error = information * error;
   const std::size_t i = kDimensions * (edge.from - 1);  // the first node is no unknown
   const std::size_t j = kDimensions * (edge.to - 1);
   if (edge.from > 0) {
     add_block(i, i, J.from.transpose() * information * J.from);
     gradient_.template segment<kDimensions>(static_cast<Eigen::Index>(i)) +=
-        J.from.transpose() * error;
+        J.from.transpose() * weighted_error;
   }
   if (edge.to > 0) {
     add_block(j, j, J.to.transpose() * information * J.to);
     gradient_.template segment<kDimensions>(static_cast<Eigen::Index>(j)) +=
-        J.to.transpose() * error;
+        J.to.transpose() * weighted_error;
   }
   if (edge.from > 0 && edge.to > 0) {
     add_block(i, j, J.from.transpose() * information * J.to);

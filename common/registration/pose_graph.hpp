@@ -97,10 +97,13 @@ class PoseGraph {
  private:
   using Solver = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>;
 
-  [[nodiscard]] double kernel_weight(const PoseEdge<Pose>& edge, double width) const;
+  /// `chi_squared`: of the edge.
+  [[nodiscard]] static double kernel_weight(const PoseEdge<Pose>& edge, double chi_squared,
+                                            double width);
   [[nodiscard]] double widest_kernel() const;
   void build_normal_equations(double width);
-  void add_edge_terms(const PoseEdge<Pose>& edge, double weight);
+  /// `error`: the residual of the edge.
+  void add_edge_terms(const PoseEdge<Pose>& edge, const PoseVector<Pose>& error, double weight);
   void add_block(std::size_t row, std::size_t column, const PoseMatrix<Pose>& block);
   /// Performs one Gauss-Newton step; returns the largest change of a pose (m or rad).
   double step(double width);

@@ -38,10 +38,11 @@ constexpr double kBorderM = 1.0;
 constexpr std::int64_t kMaxImageCells = 64'000'000;
 
 std::uint8_t grey(const OccupancyGrid& grid, int x, int y) {
-  if (grid.occupancy(x, y) == OccupancyGrid::kUnknown) {
+  const std::int8_t occupancy = grid.occupancy(x, y);
+  if (occupancy == OccupancyGrid::kUnknown) {
     return kUnknownGrey;
   }
-  return grid.is_occupied(x, y) ? kOccupiedGrey : kFreeGrey;
+  return OccupancyGrid::is_occupied(occupancy) ? kOccupiedGrey : kFreeGrey;
 }
 
 std::string pgm_of(const OccupancyGrid& grid) {

@@ -17,26 +17,6 @@ bool is_drawable(const Eigen::Vector2d& cells) {
   return cells.allFinite() && cells.cwiseAbs().maxCoeff() < kMaxCoordinateCells;
 }
 
-// Coordinates along a ray are whole numbers, 2^16 to a cell, so that the walk along it is exact and
-// ends where it should. They are odd: no ray lies on a grid line.
-constexpr std::int64_t kCellUnits = 1 << 16;
-
-std::int64_t to_units(double cells) {
-  return 2 * static_cast<std::int64_t>(std::floor(0.5 * kCellUnits * cells)) + 1;
-}
-
-/// The way of a ray along one axis.
-struct Axis {
-  int direction;        // of the cells
-  std::int64_t length;  // of the ray, units
-  std::int64_t first;   // from its origin to the first grid line in its direction, units
-
-  Axis(std::int64_t from, std::int64_t to)
-      : direction(to > from ? 1 : -1),
-        length(std::abs(to - from)),
-        first(direction > 0 ? kCellUnits - (from & (kCellUnits - 1)) : from & (kCellUnits - 1)) {}
-};
-
 // Tiles that go out with each choice, if no more have changed: a small map is whole soon.
 constexpr std::size_t kMinChosenTiles = 4;
 
@@ -44,11 +24,25 @@ constexpr int kTileCells = OccupancyGrid::kTileCells;
 constexpr std::size_t kCellsPerTile = std::size_t{kTileCells} * kTileCells;
 constexpr std::uint32_t kOneLess = std::numeric_limits<std::uint32_t>::max();  // modulo 2^32
 
+// A shift rounds down for negative indices, too.
 Eigen::Vector2i tile_of(const Eigen::Vector2i& cell) {
-  const auto floor_divided = [](int index) {
-    return index >= 0 ? index / kTileCells : -1 - (-1 - index) / kTileCells;
-  };
-  return {floor_divided(cell.x()), floor_divided(cell.y())};
+  static_assert(kTileCells == 1 << 7);
+  return {cell.x() >> 7, cell.y() >> 7};
+}
+
+std::size_t place_in_tile(const Eigen::Vector2i& cell) {
+  return static_cast<std::size_t>(cell.y() * kTileCells + cell.x());
+}
+
+/// The grid lines across each axis from a cell of a tile to the borders in a direction.
+Eigen::Vector2i lines_to_border(const Eigen::Vector2i& cell, const Eigen::Vector2i& direction) {
+  return {direction.x() > 0 ? kTileCells - cell.x() : cell.x() + 1,
+          direction.y() > 0 ? kTileCells - cell.y() : cell.y() + 1};
+}
+
+bool is_counted(const Eigen::Vector2i& cell, std::span<const CellRange> left_out) {
+  return std::none_of(left_out.begin(), left_out.end(),
+                      [&](const CellRange& range) { return range.has(cell); });
 }
 
 /// Whether a map that tells free from occupied from unknown looks the same.
@@ -98,47 +92,45 @@ bool OccupancyGrid::count_ray(const Eigen::Vector2d& sensor_origin, const Eigen:
   if (!is_drawable(from) || !is_drawable(to)) {
     return false;
   }
-  const Eigen::Vector2i first = from.array().floor().cast<int>();
-  const Eigen::Vector2i last = to.array().floor().cast<int>();
+  RayWalk ray(from, to);
+  const Eigen::Vector2i first = ray.first_cell();
+  const Eigen::Vector2i last = ray.last_cell();
   if (!make_room(first.cwiseMin(last), first.cwiseMax(last))) {
     return false;
   }
-  const Axis x(to_units(from.x()), to_units(to.x()));
-  const Axis y(to_units(from.y()), to_units(to.y()));
-  Tile* tile = &enter_tile(first);
-  // The cell, in the tile; outside of it one is negative or too large.
-  Eigen::Vector2i at = first - kTileCells * tile->position;
-  const auto number = [&at] { return static_cast<std::size_t>(at.y() * kTileCells + at.x()); };
-  const bool are_all_counted = left_out.empty();  // mostly
-  const auto is_counted = [&] {
-    return are_all_counted ||
-           std::none_of(left_out.begin(), left_out.end(), [&](const CellRange& range) {
-             return range.has(at + kTileCells * tile->position);
-           });
-  };
-  // Negative when the next grid line is one across x (Amanatides and Woo 1987): where the ray
-  // crosses those lines, times the lengths along both axes, so that nothing is divided.
-  std::int64_t next = x.first * y.length - y.first * x.length;
-  for (int lines = (last - first).cwiseAbs().sum(); lines > 0; --lines) {
-    if (is_counted()) {
-      tile->passed[number()] += counted.passed;
-    }
-    // Without a branch, for no processor can guess it.
-    const bool along_x = next < 0;
-    at.x() += along_x ? x.direction : 0;
-    at.y() += along_x ? 0 : y.direction;
-    next += kCellUnits * (along_x ? y.length : -x.length);
-    static_assert((kTileCells & (kTileCells - 1)) == 0);
-    if (static_cast<unsigned>(at.x() | at.y()) >= unsigned{kTileCells}) {
-      const Eigen::Vector2i cell = at + kTileCells * tile->position;
+  Eigen::Vector2i cell = first;
+  Tile* tile = &enter_tile(cell);
+  // Tile by tile: between their borders a step is nothing but additions.
+  for (int left = (last - first).cwiseAbs().sum(); left > 0;) {
+    const Eigen::Vector2i at = cell - kTileCells * tile->position;
+    const Eigen::Vector2i crossed = ray.crossings_until(lines_to_border(at, ray.direction()));
+    const int steps = std::min(left, crossed.sum());
+    pass_through(*tile, at, ray, steps, counted.passed, left_out);
+    left -= steps;
+    if (steps == crossed.sum()) {
+      cell += crossed.cwiseProduct(ray.direction());
       tile = &enter_tile(cell);
-      at = cell - kTileCells * tile->position;
     }
   }
-  if (is_counted()) {
-    tile->ended[number()] += counted.ended;
+  if (is_counted(last, left_out)) {
+    tile->ended[place_in_tile(last - kTileCells * tile->position)] += counted.ended;
   }
   return true;
+}
+
+void OccupancyGrid::pass_through(Tile& tile, const Eigen::Vector2i& at, RayWalk& ray, int steps,
+                                 std::uint32_t passed, std::span<const CellRange> left_out) {
+  const auto place = static_cast<std::ptrdiff_t>(place_in_tile(at));
+  std::uint32_t* const counts = tile.passed.data();
+  if (left_out.empty()) {  // mostly
+    ray.advance(steps, place, kTileCells, [&](std::size_t k) { counts[k] += passed; });
+    return;
+  }
+  ray.advance(steps, place, kTileCells, [&](std::size_t k) {
+    const auto index = static_cast<int>(k);
+    const Eigen::Vector2i cell(index % kTileCells, index / kTileCells);
+    counts[k] += is_counted(cell + kTileCells * tile.position, left_out) ? passed : 0;
+  });
 }
 
 CellRange OccupancyGrid::cells_of(const Region& region) const {
@@ -214,7 +206,10 @@ bool OccupancyGrid::make_room(const Eigen::Vector2i& low, const Eigen::Vector2i&
 std::int8_t OccupancyGrid::occupancy(const Tile& tile, std::size_t cell) {
   const std::uint64_t ended = tile.ended[cell];
   const std::uint64_t rays = ended + tile.passed[cell];
-  return rays == 0 ? kUnknown : static_cast<std::int8_t>((200 * ended + rays) / (2 * rays));
+  if (ended == 0) {  // mostly; a division takes longer than all the rest
+    return rays == 0 ? kUnknown : std::int8_t{0};
+  }
+  return static_cast<std::int8_t>((200 * ended + rays) / (2 * rays));
 }
 
 std::int8_t OccupancyGrid::occupancy(int x, int y) const {
@@ -243,7 +238,9 @@ GridTile OccupancyGrid::cut_tile(std::size_t number) const {
       any_ended |= tile.ended[i];
     }
     for (std::size_t i = begin; any_ended != 0 && i < begin + kAtOnce; ++i) {
-      cut.cells[i] = occupancy(tile, i);
+      if (tile.ended[i] != 0) {
+        cut.cells[i] = occupancy(tile, i);
+      }
     }
   }
   return cut;

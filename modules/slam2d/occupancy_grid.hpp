@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "modules/slam2d/cleared_region.hpp"
+#include "modules/slam2d/ray_walk.hpp"
 
 namespace nodmap::slam2d {
 
@@ -106,6 +107,9 @@ class OccupancyGrid {
   };
   bool count_ray(const Eigen::Vector2d& sensor_origin, const Eigen::Vector2d& end,
                  const Counted& counted, std::span<const CellRange> left_out);
+  /// Counts the next `steps` cells of a ray that comes to the cell `at` of a tile.
+  static void pass_through(Tile& tile, const Eigen::Vector2i& at, RayWalk& ray, int steps,
+                           std::uint32_t passed, std::span<const CellRange> left_out);
   [[nodiscard]] bool make_room(const Eigen::Vector2i& low, const Eigen::Vector2i& high);
   /// The number of the tile at a position within the grid, or kNoTile.
   [[nodiscard]] std::int32_t& tile_at(const Eigen::Vector2i& position);

@@ -20,7 +20,6 @@ constexpr double kRememberedM = 0.05;      // a search looks this far beyond the
 constexpr double kMinRememberedCosine = 0.9951;
 constexpr double kMinLaterCosine = 0.41;
 constexpr double kRoundingM = 1e-9;
-constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
 bool have_similar_normals(const Eigen::Vector2d& a, const Eigen::Vector2d& b,
                           double min_cosine = kMinNormalCosine) {
@@ -114,38 +113,46 @@ std::uint64_t PointMap::mask_in_tile(CellIndex tile, CellIndex low, CellIndex hi
 }
 
 template <typename Visit>
-void PointMap::for_each_cell(CellIndex low, CellIndex high, Visit visit) const {
+void PointMap::for_each_tile(CellIndex low, CellIndex high, Visit visit) {
   const CellIndex first = tile_index(low);
   const CellIndex last = tile_index(high);
   for (std::int32_t y = first.y; y <= last.y; ++y) {
     for (std::int32_t x = first.x; x <= last.x; ++x) {
-      const Tile* tile = find_tile({x, y});
-      if (tile == nullptr) {
-        continue;
-      }
-      for (std::uint64_t left = tile->used & mask_in_tile({x, y}, low, high); left != 0;
-           left &= left - 1) {
-        const int place = std::countr_zero(left);
-        visit(cells_[tile->cells[static_cast<std::size_t>(place)]],
-              CellIndex{kTileCells * x + place % kTileCells, kTileCells * y + place / kTileCells});
-      }
+      visit(CellIndex{x, y});
     }
   }
 }
 
 template <typename Visit>
-void PointMap::for_each_neighbour(const OrientedPoint& point, Visit visit) const {
-  const double radius_m = params_.line_radius_m;
-  const CellIndex low = cell_index(point.p.array() - radius_m);
-  const CellIndex high = cell_index(point.p.array() + radius_m);
-  for_each_cell(low, high, [&](const Cell& cell, CellIndex) {
-    for (const Entry& entry : cell) {
-      if ((point.p - entry.point.p).squaredNorm() <= radius_m * radius_m &&
-          have_similar_normals(point.normal, entry.point.normal)) {
-        visit(entry.index);
+void PointMap::for_each_cell(CellIndex low, CellIndex high, Visit visit) const {
+  for_each_tile(low, high, [&](CellIndex index) {
+    if (const Tile* tile = find_tile(index)) {
+      for (std::uint64_t left = tile->used & mask_in_tile(index, low, high); left != 0;
+           left &= left - 1) {
+        visit(cells_[tile->cells[static_cast<std::size_t>(std::countr_zero(left))]]);
       }
     }
   });
+}
+
+bool PointMap::find_neighbours(const OrientedPoint& point) {
+  const double line_m2 = params_.line_radius_m * params_.line_radius_m;
+  const double new_m2 = params_.new_point_distance_m * params_.new_point_distance_m;
+  const double radius_m = std::max(params_.line_radius_m, params_.new_point_distance_m);
+  const CellIndex low = cell_index(point.p.array() - radius_m);
+  const CellIndex high = cell_index(point.p.array() + radius_m);
+  neighbours_.clear();
+  bool is_known = false;
+  for_each_cell(low, high, [&](const Cell& cell) {
+    for (const Entry& entry : cell) {
+      const double squared_m2 = (point.p - entry.point.p).squaredNorm();
+      is_known = is_known || squared_m2 <= new_m2;
+      if (squared_m2 <= line_m2 && have_similar_normals(point.normal, entry.point.normal)) {
+        neighbours_.push_back(entry.index);
+      }
+    }
+  });
+  return is_known;
 }
 
 // Lines are not read here: they are fitted once, after the last point.
@@ -154,11 +161,10 @@ void PointMap::insert(std::span<const OrientedPoint> points) {
     if (!is_finite(point)) {
       continue;
     }
-    const OrientedPoint any_normal{point.p, Eigen::Vector2d::Zero()};
-    if (nearest(any_normal, params_.new_point_distance_m) == nullptr) {
-      add_point(point);
-    } else {
+    if (find_neighbours(point)) {
       refine_neighbours(point);
+    } else {
+      add_point(point);
     }
   }
   fit_changed_lines();
@@ -166,6 +172,7 @@ void PointMap::insert(std::span<const OrientedPoint> points) {
 
 void PointMap::add(const OrientedPoint& point) {
   if (is_finite(point)) {
+    find_neighbours(point);
     add_point(point);
     fit_changed_lines();
   }
@@ -173,6 +180,7 @@ void PointMap::add(const OrientedPoint& point) {
 
 void PointMap::refine(const OrientedPoint& point) {
   if (is_finite(point)) {
+    find_neighbours(point);
     refine_neighbours(point);
     fit_changed_lines();
   }
@@ -183,18 +191,18 @@ void PointMap::add_point(const OrientedPoint& point) {
   points_.push_back({point, point.p, Eigen::Vector2d::Zero()});
   moments_.emplace_back();
   measure(added, Eigen::Vector2d::Zero());
-  for_each_neighbour(point, [&](std::uint32_t neighbour) {
+  for (const std::uint32_t neighbour : neighbours_) {
     const Eigen::Vector2d d = point.p - points_[neighbour].point.p;
     measure(neighbour, d);
     moments_[added].add(-d);
-  });
+  }
   enter_cell(cell_index(point.p)).push_back({point, added});
 }
 
 void PointMap::refine_neighbours(const OrientedPoint& point) {
-  for_each_neighbour(point, [&](std::uint32_t neighbour) {
+  for (const std::uint32_t neighbour : neighbours_) {
     measure(neighbour, point.p - points_[neighbour].point.p);
-  });
+  }
 }
 
 void PointMap::measure(std::uint32_t index, const Eigen::Vector2d& d) {
@@ -241,18 +249,30 @@ void PointMap::fit_line(std::uint32_t index) {
   }
 }
 
-/// The nearest points found so far.
+/// One search: the nearest points found so far.
 struct PointMap::Search {
   const OrientedPoint& point;
-  double nearest_m2;              // of the nearest with a similar normal, or of the reach
-  double other_m2;                // of the nearest other one that is or may become it, or the reach
-  std::uint32_t nearest = kNone;  // in points_
+  double nearest_m2;  // of the nearest with a similar normal, or of the reach
+  double limit_m2;    // nothing needs to be looked at beyond
+  const MapPoint* nearest = nullptr;
+  Neighbourhood* remembered = nullptr;  // what is to be known the next time, if anything
+  double other_m2 = 0.0;                // of the nearest other one that is or may become it
+  double forgotten_m2 = 0.0;  // of the nearest that there was no room for, or of the reach
 
-  /// Nothing needs to be looked at beyond.
-  [[nodiscard]] double radius_m() const {
-    const double nearest_m = std::sqrt(nearest_m2);
-    return nearest == kNone ? nearest_m
-                            : std::clamp(std::sqrt(other_m2), nearest_m, nearest_m + kRememberedM);
+  void found(const MapPoint& map_point, double squared_m2) {
+    other_m2 = std::min(other_m2, nearest_m2);
+    nearest_m2 = squared_m2;
+    nearest = &map_point;
+    const double limit_m = std::sqrt(squared_m2) + (remembered != nullptr ? kRememberedM : 0.0);
+    limit_m2 = std::min(limit_m2, limit_m * limit_m);
+  }
+
+  void remember(const MapPoint& map_point, double squared_m2) {
+    if (remembered->num_known == Neighbourhood::kMaxKnown) {
+      forgotten_m2 = std::min(forgotten_m2, squared_m2);
+    } else {
+      remembered->known[remembered->num_known++] = &map_point;
+    }
   }
 };
 
@@ -260,68 +280,114 @@ void PointMap::search_cell(const Cell& cell, Search& search) const {
   const auto& [p, normal] = search.point;
   for (const Entry& entry : cell) {
     const double squared_m2 = (entry.point.p - p).squaredNorm();
-    if (squared_m2 > std::max(search.nearest_m2, search.other_m2)) {
+    if (squared_m2 > search.limit_m2) {
       continue;
     }
-    if (squared_m2 <= search.nearest_m2 && have_similar_normals(normal, entry.point.normal)) {
-      search.other_m2 = std::min(search.other_m2, search.nearest_m2);
-      search.nearest_m2 = squared_m2;
-      search.nearest = entry.index;
-    } else if (squared_m2 < search.other_m2 &&
-               have_similar_normals(normal, entry.point.normal, kMinLaterCosine)) {
-      search.other_m2 = squared_m2;
+    const bool is_nearest =
+        squared_m2 <= search.nearest_m2 && have_similar_normals(normal, entry.point.normal);
+    if (search.remembered != nullptr &&
+        (is_nearest || have_similar_normals(normal, entry.point.normal, kMinLaterCosine))) {
+      search.remember(points_[entry.index], squared_m2);
+      search.other_m2 = is_nearest ? search.other_m2 : std::min(search.other_m2, squared_m2);
+    }
+    if (is_nearest) {
+      search.found(points_[entry.index], squared_m2);
     }
   }
 }
 
-Neighbourhood PointMap::search(const OrientedPoint& point, double max_distance_m) const {
-  const double max_m2 = max_distance_m * max_distance_m;
-  Search search{point, max_m2, max_m2};
-  // The point's own cell first: what is found there mostly rules the others out.
-  const CellIndex home = cell_index(point.p);
-  if (const Tile* tile = find_tile(tile_index(home))) {
-    const std::size_t place = place_in_tile(home);
-    if (((tile->used >> place) & 1U) != 0) {
-      search_cell(cells_[tile->cells[place]], search);
+// The point's own cell first: what is found there mostly rules the others out.
+void PointMap::search_around(Search& search) const {
+  const Eigen::Vector2d& p = search.point.p;
+  const CellIndex home = cell_index(p);
+  const CellIndex home_tile = tile_index(home);
+  const std::uint64_t home_bit = std::uint64_t{1} << place_in_tile(home);
+  const Tile* const tile_of_home = find_tile(home_tile);
+  if (tile_of_home != nullptr && (tile_of_home->used & home_bit) != 0) {
+    search_cell(cells_[tile_of_home->cells[place_in_tile(home)]], search);
+  }
+  const double radius_m = std::sqrt(search.limit_m2);
+  const CellIndex low = cell_index(p.array() - radius_m);
+  const CellIndex high = cell_index(p.array() + radius_m);
+  if (low == home && high == home) {
+    return;
+  }
+  for_each_tile(low, high, [&](CellIndex tile_index) {
+    const bool is_home = tile_index == home_tile;
+    const Tile* const tile = is_home ? tile_of_home : find_tile(tile_index);
+    if (tile == nullptr) {
+      return;
     }
-  }
-  double radius_m = search.radius_m();
-  const CellIndex low = cell_index(point.p.array() - radius_m);
-  const CellIndex high = cell_index(point.p.array() + radius_m);
-  if (low != home || high != home) {
-    for_each_cell(low, high, [&](const Cell& cell, CellIndex index) {
-      const double dx_m = distance_to_cell(point.p.x(), index.x);
-      const double dy_m = distance_to_cell(point.p.y(), index.y);
-      if (index != home && dx_m * dx_m + dy_m * dy_m <= radius_m * radius_m) {
-        search_cell(cell, search);
-        radius_m = search.radius_m();
+    const std::uint64_t used = is_home ? tile->used & ~home_bit : tile->used;
+    for (std::uint64_t left = used & mask_in_tile(tile_index, low, high); left != 0;
+         left &= left - 1) {
+      const int place = std::countr_zero(left);
+      const double dx_m = distance_to_cell(p.x(), kTileCells * tile_index.x + place % kTileCells);
+      const double dy_m = distance_to_cell(p.y(), kTileCells * tile_index.y + place / kTileCells);
+      if (dx_m * dx_m + dy_m * dy_m <= search.limit_m2) {
+        search_cell(cells_[tile->cells[static_cast<std::size_t>(place)]], search);
       }
-    });
-  }
-  const MapPoint* nearest = search.nearest == kNone ? nullptr : &points_[search.nearest];
-  return {nearest, point, std::min(std::sqrt(search.other_m2), radius_m)};
+    }
+  });
 }
 
 const MapPoint* PointMap::nearest(const OrientedPoint& point, double max_distance_m) const {
-  return search(point, max_distance_m).nearest;
+  const double max_m2 = max_distance_m * max_distance_m;
+  Search search{.point = point, .nearest_m2 = max_m2, .limit_m2 = max_m2};
+  search_around(search);
+  return search.nearest;
+}
+
+Neighbourhood PointMap::look_around(const OrientedPoint& point, double max_distance_m) const {
+  Neighbourhood around;
+  const double max_m2 = max_distance_m * max_distance_m;
+  Search search{.point = point,
+                .nearest_m2 = max_m2,
+                .limit_m2 = max_m2,
+                .remembered = &around,
+                .other_m2 = max_m2,
+                .forgotten_m2 = max_m2};
+  search_around(search);
+  around.nearest = search.nearest;
+  around.place = point;
+  around.free_m = std::sqrt(std::min(search.other_m2, search.limit_m2));
+  around.known_m = std::sqrt(std::min(search.forgotten_m2, search.limit_m2));
+  return around;
 }
 
 const MapPoint* PointMap::nearest(const OrientedPoint& point, double max_distance_m,
                                   Neighbourhood& last) const {
-  const bool is_known = last.free_m >= 0.0 &&
-                        have_similar_normals(point.normal, last.place.normal, kMinRememberedCosine);
-  const double free_m =
-      is_known ? last.free_m - (point.p - last.place.p).norm() - kRoundingM : -1.0;
-  const double nearest_m2 = last.nearest == nullptr
-                                ? std::numeric_limits<double>::infinity()
-                                : (last.nearest->point.p - point.p).squaredNorm();
-  const bool is_similar =
-      last.nearest != nullptr && have_similar_normals(point.normal, last.nearest->point.normal);
-  // Nothing else is within reach, or nearer.
-  if (free_m >= max_distance_m || (is_similar && free_m > 0.0 && nearest_m2 <= free_m * free_m)) {
-    return is_similar && nearest_m2 <= max_distance_m * max_distance_m ? last.nearest : nullptr;
+  if (last.free_m >= 0.0 &&
+      have_similar_normals(point.normal, last.place.normal, kMinRememberedCosine)) {
+    const double moved_m = (point.p - last.place.p).norm() + kRoundingM;
+    // Nothing else is within reach, or nearer.
+    const double free_m = last.free_m - moved_m;
+    const double max_m2 = max_distance_m * max_distance_m;
+    const double nearest_m2 = last.nearest == nullptr
+                                  ? std::numeric_limits<double>::infinity()
+                                  : (last.nearest->point.p - point.p).squaredNorm();
+    const bool is_similar =
+        last.nearest != nullptr && have_similar_normals(point.normal, last.nearest->point.normal);
+    if (free_m >= max_distance_m || (is_similar && free_m > 0.0 && nearest_m2 <= free_m * free_m)) {
+      return is_similar && nearest_m2 <= max_m2 ? last.nearest : nullptr;
+    }
+    // Nor is any but those that are known.
+    const MapPoint* nearest = nullptr;
+    double known_m2 = max_m2;
+    for (std::size_t i = 0; i < last.num_known; ++i) {
+      const OrientedPoint& other = last.known[i]->point;
+      const double squared_m2 = (other.p - point.p).squaredNorm();
+      if (squared_m2 <= known_m2 && have_similar_normals(point.normal, other.normal)) {
+        known_m2 = squared_m2;
+        nearest = last.known[i];
+      }
+    }
+    const double known_m = last.known_m - moved_m;
+    if (known_m > 0.0 && known_m2 <= known_m * known_m) {
+      return nearest;
+    }
   }
-  last = search(point, max_distance_m);
+  last = look_around(point, max_distance_m);
   return last.nearest;
 }
 

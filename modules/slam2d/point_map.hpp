@@ -29,11 +29,17 @@ struct MapPoint {
 
 /// What a search for the nearest map point has found around a place.
 struct Neighbourhood {
+  static constexpr std::size_t kMaxKnown = 6;
+
   const MapPoint* nearest = nullptr;  ///< with a similar normal; null if there is none in reach
   OrientedPoint place;
   /// No other map point is nearer to the place, unless its normal is so different that it is not
   /// similar after a small rotation either. Negative: not searched yet.
   double free_m = -1.0;
+  /// None but those of `known` is nearer than this, with the same exception.
+  double known_m = -1.0;
+  std::size_t num_known = 0;
+  std::array<const MapPoint*, kMaxKnown> known{};
 };
 
 /// The incrementally built 2D map M of section IV A, in the map frame.
@@ -111,15 +117,20 @@ class PointMap {
   [[nodiscard]] static std::uint64_t mask_in_tile(CellIndex tile, CellIndex low, CellIndex high);
   [[nodiscard]] const Tile* find_tile(CellIndex tile) const;
   [[nodiscard]] Cell& enter_cell(CellIndex index);
-  /// Calls `visit` with each cell of a rectangle that holds a point, and its index.
+  /// Calls `visit` with the index of each tile that a rectangle of cells touches.
+  template <typename Visit>
+  static void for_each_tile(CellIndex low, CellIndex high, Visit visit);
+  /// Calls `visit` with each cell of a rectangle that holds a point.
   template <typename Visit>
   void for_each_cell(CellIndex low, CellIndex high, Visit visit) const;
   void search_cell(const Cell& cell, Search& search) const;
-  [[nodiscard]] Neighbourhood search(const OrientedPoint& point, double max_distance_m) const;
-  /// Calls `visit` with the index of each map point whose line the point belongs to.
-  template <typename Visit>
-  void for_each_neighbour(const OrientedPoint& point, Visit visit) const;
-  /// As add() and refine(), but leave the lines as they were until fit_changed_lines().
+  void search_around(Search& search) const;
+  [[nodiscard]] Neighbourhood look_around(const OrientedPoint& point, double max_distance_m) const;
+  /// Finds the map points whose lines a point belongs to. Returns whether any map point is within
+  /// d_new.
+  bool find_neighbours(const OrientedPoint& point);
+  /// As add() and refine(), but leave the lines as they were until fit_changed_lines(); after
+  /// find_neighbours().
   void add_point(const OrientedPoint& point);
   void refine_neighbours(const OrientedPoint& point);
   void measure(std::uint32_t index, const Eigen::Vector2d& d);
@@ -128,8 +139,9 @@ class PointMap {
 
   MapParams params_;
   std::vector<MapPoint> points_;
-  std::vector<Moments> moments_;        // of each point
-  std::vector<std::uint32_t> changed_;  // points whose moments have changed
+  std::vector<Moments> moments_;           // of each point
+  std::vector<std::uint32_t> changed_;     // points whose moments have changed
+  std::vector<std::uint32_t> neighbours_;  // of the last find_neighbours()
   std::vector<Cell> cells_;
   std::vector<Tile> tiles_;
   // Of each tile by its index; never iterated: its order is arbitrary.

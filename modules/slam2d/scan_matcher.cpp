@@ -176,10 +176,9 @@ void ScanMatcher::evaluate(const PointMap& map, std::span<const OrientedPoint> s
   match.num_correspondences = correspondences.count;
   match.inlier_ratio = correspondences.count / num_points;
   match.score = correspondences.score_sum / num_points;
-  match.information =
-      correspondences.lines.information(params_.min_information_ratio) / kPointVarianceM2;
-  match.least_information_ratio =
-      correspondences.lines.solve(params_.min_information_ratio).least_information_ratio;
+  const auto lines = correspondences.lines.solve(params_.min_information_ratio);
+  match.information = correspondences.lines.information(lines) / kPointVarianceM2;
+  match.least_information_ratio = lines.least_information_ratio;
   match.rms_m = correspondences.weight > 0.0
                     ? std::sqrt(correspondences.squared_m2 / correspondences.weight)
                     : 0.0;

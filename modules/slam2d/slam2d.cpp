@@ -64,7 +64,7 @@ std::optional<PoseUpdate> Slam2d::add_scan(const scan::Scan& scan) {
   }
   // "These can directly be used as data set D and matched against an incrementally built 2D map" M:
   // the transform that minimises Eq. 3, from the pose by odometry.
-  const Place place = match_or_search(level_scan, *all_points, start.guesses);
+  const Place place = match_or_search(level_scan, *all_points, start);
   // The same transform corrects the pose.
   PoseUpdate update = correct_pose(*all_points, place);
   update.covariance = estimate_covariance(place, update);
@@ -123,6 +123,7 @@ Slam2d::Start Slam2d::choose_start(const LevelScan& scan) const {
     if (match.score > best_score + min_gain) {
       best = i;
       best_score = match.score;
+      start.match = match;
     }
   }
   std::swap(start.guesses[0], start.guesses[best]);
@@ -131,9 +132,12 @@ Slam2d::Start Slam2d::choose_start(const LevelScan& scan) const {
 }
 
 Slam2d::Place Slam2d::match_or_search(const LevelScan& scan, const LevelScan& all_points,
-                                      std::span<const geometry::SE2> guesses) {
-  const Submap& submap = back_end_.local();
-  const Match tracked = matcher_.match(submap.points, scan.points_base, guesses.front());
+                                      const Start& start) {
+  const std::vector<geometry::SE2>& guesses = start.guesses;
+  const bool is_matched = start.match && scan.points_base.size() == all_points.points_base.size();
+  const Match tracked =
+      is_matched ? *start.match
+                 : matcher_.match(back_end_.local().points, scan.points_base, guesses.front());
   if (is_good(tracked)) {
     T_odom_failed_search_.reset();
     return {tracked};

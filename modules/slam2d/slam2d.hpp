@@ -90,6 +90,8 @@ class Slam2d {
   struct Start {
     std::vector<geometry::SE2> guesses;  ///< of T_submap_base, in the local submap; the best first
     bool is_by_odometry = true;
+    /// From the first guess, of all points of the scan; if there are several guesses.
+    std::optional<Match> match = std::nullopt;
   };
   [[nodiscard]] Start choose_start(const LevelScan& scan) const;
   /// Where a scan fits the local submap, and whether the robot can be nowhere else.
@@ -99,7 +101,7 @@ class Slam2d {
   };
   /// `scan`: without the points that have moved.
   [[nodiscard]] Place match_or_search(const LevelScan& scan, const LevelScan& all_points,
-                                      std::span<const geometry::SE2> guesses);
+                                      const Start& start);
   [[nodiscard]] std::optional<Place> find_near(const LevelScan& scan, const LevelScan& all_points,
                                                std::span<const geometry::SE2> guesses,
                                                const Match& tracked) const;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
 #include <random>
 
 #include "common/geometry/angle.hpp"
@@ -19,6 +21,18 @@ TEST(Angle, NormalizesIntoHalfOpenInterval) {
   EXPECT_DOUBLE_EQ(normalize_angle(-kPi), kPi);
   EXPECT_NEAR(normalize_angle(3 * kPi / 2), -kPi / 2, kRounding);
   EXPECT_NEAR(normalize_angle(-7.0), -7.0 + 2 * kPi, kRounding);
+}
+
+TEST(Angle, NormalizesToTheIEEERemainder) {
+  for (int i = -4000; i <= 4000; ++i) {
+    const double angle_rad = 0.0031 * i;
+    const double remainder_rad = std::remainder(angle_rad, 2 * kPi);
+    EXPECT_EQ(normalize_angle(angle_rad), remainder_rad);
+  }
+  const double nearly_pi = std::nextafter(kPi, 0.0);
+  EXPECT_EQ(normalize_angle(nearly_pi), nearly_pi);
+  EXPECT_EQ(normalize_angle(-nearly_pi), -nearly_pi);
+  EXPECT_TRUE(std::isnan(normalize_angle(std::numeric_limits<double>::quiet_NaN())));
 }
 
 TEST(Angle, DifferenceIsTheShortestTurn) {

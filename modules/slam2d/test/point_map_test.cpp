@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -101,6 +102,54 @@ TEST(PointMap, WhatIsFreeAroundANeighbourHoldsNoOtherPoint) {
         EXPECT_GE((point.p - query.p).norm(), around.free_m - 1e-12);  // rounding
       }
     }
+  }
+}
+
+// Where there are more points than are remembered, too: forty in a square of 20 cm.
+TEST(PointMap, WhatIsKnownAroundANeighbourHoldsAllPoints) {
+  PointMap map(kParams);
+  std::vector<OrientedPoint> points = random_points(1000, 13, 5.0);
+  const std::vector<OrientedPoint> crowd = random_points(40, 14, 0.1);
+  points.insert(points.end(), crowd.begin(), crowd.end());
+  for (const OrientedPoint& point : points) {
+    map.add(point);
+  }
+  std::vector<OrientedPoint> queries = random_points(300, 15, 6.0);
+  const std::vector<OrientedPoint> in_crowd = random_points(100, 16, 0.2);
+  queries.insert(queries.end(), in_crowd.begin(), in_crowd.end());
+  for (const OrientedPoint& query : queries) {
+    Neighbourhood around;
+    (void)map.nearest(query, 0.7, around);
+    for (const OrientedPoint& point : points) {
+      const bool may_be_similar =
+          !point.has_normal() || !query.has_normal() ||
+          point.normal.dot(query.normal) > std::cos(geometry::deg_to_rad(65.0));
+      const bool is_known =
+          std::any_of(around.known.begin(),
+                      around.known.begin() + static_cast<std::ptrdiff_t>(around.num_known),
+                      [&](const MapPoint* known) { return known->point.p == point.p; });
+      if (may_be_similar && !is_known) {
+        EXPECT_GE((point.p - query.p).norm(), around.known_m - 1e-12);  // rounding
+      }
+    }
+  }
+}
+
+TEST(PointMap, InsertAddsWhatIsFarFromAllPointsOfTheMap) {
+  const std::vector<OrientedPoint> points = random_points(2000, 17, 1.0);
+  PointMap map(kParams);
+  map.insert(points);
+  std::vector<Eigen::Vector2d> expected;
+  for (const OrientedPoint& point : points) {
+    if (std::none_of(expected.begin(), expected.end(), [&](const Eigen::Vector2d& other) {
+          return (other - point.p).norm() <= kParams.new_point_distance_m;
+        })) {
+      expected.push_back(point.p);
+    }
+  }
+  ASSERT_EQ(map.points().size(), expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    EXPECT_EQ(map.points()[i].point.p, expected[i]);
   }
 }
 

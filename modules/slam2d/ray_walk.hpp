@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+
+namespace nodmap::slam2d {
+
+/// The way of a ray from cell to cell of a grid (Amanatides and Woo 1987). Each step crosses one
+/// grid line.
+///
+/// Coordinates along the ray are whole numbers, 2^16 to a cell, so that the walk is exact and ends
+/// where it should. They are odd: no ray lies on a grid line.
+class RayWalk {
+ public:
+  /// Both ends in cells, less than 10^9 from 0.
+  RayWalk(const Eigen::Vector2d& from_cells, const Eigen::Vector2d& to_cells)
+      : RayWalk(Axis(from_cells.x(), to_cells.x()), Axis(from_cells.y(), to_cells.y())) {}
+
+  [[nodiscard]] const Eigen::Vector2i& first_cell() const { return first_cell_; }
+  [[nodiscard]] const Eigen::Vector2i& last_cell() const { return last_cell_; }
+  /// Of the cells along each axis, -1 or 1.
+  [[nodiscard]] const Eigen::Vector2i& direction() const { return direction_; }
+
+  /// The numbers of grid lines across x and across y that the ray crosses until it has crossed
+  /// `lines.x()` of the ones or `lines.y()` of the others, whichever comes first, if it goes on for
+  /// so long. Both at least 1 and, as in any grid of 64 million cells, few enough that products
+  /// with the length of the ray fit into 64 bits.
+  [[nodiscard]] Eigen::Vector2i crossings_until(const Eigen::Vector2i& lines) const {
+    // How many lines across y come before the last of those across x.
+    const std::int64_t before_last_x = next_ + (lines.x() - 1) * per_x_;
+    if (before_last_x < 0) {
+      return {lines.x(), 0};
+    }
+    if (per_y_ > 0 && before_last_x / per_y_ + 1 < lines.y()) {
+      return {lines.x(), static_cast<int>(before_last_x / per_y_) + 1};
+    }
+    // And how many across x before the last of those across y.
+    const std::int64_t before_last_y = (lines.y() - 1) * per_y_ - next_;
+    return {before_last_y <= 0 ? 0 : static_cast<int>((before_last_y - 1) / per_x_) + 1, lines.y()};
+  }
+
+  /// Takes some steps. Calls `visit` with the place in memory of each cell that the ray comes from,
+  /// in a grid whose rows, `row` places long, hold all of them.
+  template <typename Visit>
+  void advance(int steps, std::ptrdiff_t place, std::ptrdiff_t row, Visit visit) {
+    const std::ptrdiff_t step_y = direction_.y() * row;
+    const std::ptrdiff_t x_not_y = direction_.x() - step_y;
+    for (; steps > 0; --steps) {
+      visit(static_cast<std::size_t>(place));
+      // Without a branch, for no processor can guess it: all bits where the next line is one across
+      // x, else none.
+      const std::int64_t along_x = next_ >> 63;
+      place += step_y + (along_x & x_not_y);
+      next_ += (along_x & (per_x_ + per_y_)) - per_y_;
+    }
+  }
+
+ private:
+  static constexpr std::int64_t kCellUnits = 1 << 16;
+
+  static std::int64_t to_units(double cells) {
+    const double pairs = 0.5 * kCellUnits * cells;
+    const auto truncated = static_cast<std::int64_t>(pairs);  // std::floor is a call
+    return 2 * (truncated - (static_cast<double>(truncated) > pairs ? 1 : 0)) + 1;
+  }
+  static int cell_of(std::int64_t units) { return static_cast<int>(units >> 16); }
+
+  struct Axis {
+    int first_cell;
+    int last_cell;
+    int direction;
+    std::int64_t length;  // of the ray, units
+    std::int64_t first;   // from its origin to the first grid line in its direction, units
+
+    Axis(double from_cells, double to_cells) : Axis(to_units(from_cells), to_units(to_cells)) {}
+    Axis(std::int64_t from, std::int64_t to)
+        : first_cell(cell_of(from)),
+          last_cell(cell_of(to)),
+          direction(to > from ? 1 : -1),
+          length(std::abs(to - from)),
+          first(direction > 0 ? kCellUnits - (from & (kCellUnits - 1)) : from & (kCellUnits - 1)) {}
+  };
+
+  RayWalk(const Axis& x, const Axis& y)
+      : first_cell_(x.first_cell, y.first_cell),
+        last_cell_(x.last_cell, y.last_cell),
+        direction_(x.direction, y.direction),
+        per_x_(kCellUnits * y.length),
+        per_y_(kCellUnits * x.length),
+        next_(x.first * y.length - y.first * x.length) {}
+
+  Eigen::Vector2i first_cell_;
+  Eigen::Vector2i last_cell_;
+  Eigen::Vector2i direction_;
+  // Where the ray crosses the next line across x and the next across y, times the lengths along
+  // both axes, so that nothing is divided: how much the one changes with each line, and the other;
+  // and their difference, negative when the line across x comes first.
+  std::int64_t per_x_;
+  std::int64_t per_y_;
+  std::int64_t next_;
+};
+
+}  // namespace nodmap::slam2d
