@@ -47,7 +47,8 @@ std::optional<LevelScan> LevelScanInput::add_scan(const scan::Scan& scan) {
                    .T_odom_base = T_odom_base,
                    .sensor_origin_base = scan::point_in_base(*level, 0, 0.0).head<2>(),
                    .points_base = extractor_.extract(*level, T_first_last),
-                   .odometry_gap_s = std::exchange(odometry_gap_s_, 0.0)};
+                   .odometry_gap_s = std::exchange(odometry_gap_s_, 0.0),
+                   .is_of_nod = !is_stationary(*level)};
 }
 
 }  // namespace nodmap::slam2d

@@ -22,6 +22,7 @@ struct LevelScan {
   std::span<const OrientedPoint> points_base;
   /// The longest time without odometry since the level scan before.
   double odometry_gap_s = 0.0;
+  bool is_of_nod = false;  ///< one of each sweep; otherwise every scan is a level scan
 
   /// Whether the robot may have moved by more than odometry has counted. Half a second is several
   /// periods of any odometry.

@@ -16,6 +16,10 @@ bool looks_up(const scan::Scan& scan) {
 
 }  // namespace
 
+bool is_stationary(const scan::Scan& scan) {
+  return std::abs(scan.pitch_last_rad - scan.pitch_first_rad) <= kStationaryRad;
+}
+
 bool LevelScanSelector::is_level(const scan::Scan& scan) const {
   return std::abs(scan.pitch_mid_rad()) <= params_.max_pitch_rad;
 }
@@ -25,10 +29,9 @@ const scan::Scan* LevelScanSelector::add(const scan::Scan& scan) {
   current_ = scan;
   const bool previous_was_used = std::exchange(current_was_used_, false);
   const double last_pitch = previous_ ? previous_->pitch_mid_rad() : 0.0;
-  const bool is_stationary =
-      std::abs(scan.pitch_last_rad - scan.pitch_first_rad) <= kStationaryRad &&
-      std::abs(scan.pitch_mid_rad() - last_pitch) <= kStationaryRad;
-  return select(is_stationary, previous_was_used);
+  const bool has_stopped =
+      is_stationary(scan) && std::abs(scan.pitch_mid_rad() - last_pitch) <= kStationaryRad;
+  return select(has_stopped, previous_was_used);
 }
 
 const scan::Scan* LevelScanSelector::select(bool is_stationary, bool previous_was_used) {

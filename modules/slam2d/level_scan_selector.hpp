@@ -8,6 +8,9 @@
 
 namespace nodmap::slam2d {
 
+/// Whether the pitch is the same at the first and the last beam, as of a scanner that does not nod.
+[[nodiscard]] bool is_stationary(const scan::Scan& scan);
+
 /// Selects the scans taken in the horizontal position from the stream of a nodding scanner (section
 /// IV A): of each sweep the one with its mean pitch nearest to 0, which is at most half a pitch
 /// step away. Selects every scan of a scanner that is stationary and level.

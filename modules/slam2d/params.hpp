@@ -120,6 +120,7 @@ struct DoubtParams {
 
 struct KeyframeParams {
   double distance_m = 0.3;
+  double nodding_distance_m = 0.2;
   double rotation_rad = geometry::deg_to_rad(15.0);
 
   template <class Visitor>
@@ -127,6 +128,9 @@ struct KeyframeParams {
     v.number("distance_m", distance_m, {0.0, 10.0},
              "A scan becomes a keyframe, and goes into the map, beyond this distance from the last "
              "keyframe by odometry.");
+    v.number("nodding_distance_m", nodding_distance_m, {0.0, 10.0},
+             "The same for the level scans of a nodding scanner: it gives so few that all of them "
+             "are needed where the robot drives.");
     v.angle("rotation_deg", rotation_rad, {0.0, 180.0},
             "Or beyond this rotation from the last keyframe.");
   }

@@ -307,8 +307,13 @@ bool Slam2d::is_keyframe(const PoseUpdate& update, const LevelScan& scan) const 
   if (!scan.has_enough_points()) {
     return false;
   }
-  return is_in_doubt() ? continues_in_doubt(update, scan.T_odom_base)
-                       : has_moved(T_odom_keyframe_, scan.T_odom_base);
+  if (is_in_doubt()) {
+    return continues_in_doubt(update, scan.T_odom_base);
+  }
+  // Of the few level scans of a nod one that falls a little short would leave a gap twice as long.
+  return has_moved(T_odom_keyframe_, scan.T_odom_base) ||
+         (scan.is_of_nod &&
+          distance_m(T_odom_keyframe_, scan.T_odom_base) > params_.keyframe.nodding_distance_m);
 }
 
 // Nothing here is on the map, or it is not sure where: the map is continued from odometry, once

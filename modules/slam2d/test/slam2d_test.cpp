@@ -108,6 +108,37 @@ TEST_P(Slam2dMetric, R36_PointsWithACorrespondenceDoNotGrowTheMap) {
   EXPECT_LE(slam.map().points().size(), first.map().points().size() + 12);
 }
 
+/// How many keyframes a drive with nine level scans makes, 0.25 m one after the other, of a scanner
+/// that is held level or nods by 1 degree in a scan.
+std::size_t num_keyframes(double pitch_step_deg) {
+  Slam2d slam{Slam2dParams{}};
+  Scanner scanner;
+  SE2 truth{-1.5, -0.5, 0.0};
+  const double step_rad = geometry::deg_to_rad(pitch_step_deg);
+  double pitch_rad = 1.2 * step_rad;
+  for (int i = 0; i < 9; ++i) {
+    const double direction = i % 2 == 0 ? -1.0 : 1.0;
+    const int num_scans = pitch_step_deg > 0.0 ? 2 : 1;  // of a sweep: up to the level one
+    for (int k = 0; k < num_scans; ++k) {
+      scan::Scan scan =
+          scanner.scan(test::room(), truth, time::Timestamp(kPeriod * (num_scans * i + k)));
+      scan.pitch_first_rad = pitch_rad;
+      pitch_rad += direction * step_rad;
+      scan.pitch_last_rad = pitch_rad;
+      const auto update = track(slam, scan, truth);
+      EXPECT_EQ(update.has_value(), k + 1 == num_scans);
+    }
+    pitch_rad += direction * 0.4 * step_rad;  // and on to where the next sweep comes from
+    truth = truth * SE2{0.25, 0.0, 0.0};
+  }
+  return slam.keyframes().size();
+}
+
+TEST(Slam2d, EveryLevelScanOfANodBecomesAKeyframeWhereTheRobotDrives) {
+  EXPECT_EQ(num_keyframes(1.0), 9U);
+  EXPECT_EQ(num_keyframes(0.0), 5U);
+}
+
 TEST(Slam2d, R36_NoTwoPointsOfTheMapAreNearerThanDNew) {
   const Slam2dParams params;
   Slam2d slam{params};
