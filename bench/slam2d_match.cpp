@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// nodmap-bench-slam2d-match DIR
+// The time of 2D SLAM's scan matching alone. DIR: what nodmap-slam2d has written with --out. Each
+// keyframe is matched against a submap of the twenty before it, from where odometry says it is.
+#include <algorithm>
+#include <cstdio>
+#include <ctime>
+#include <exception>
+#include <filesystem>
+#include <vector>
+
+#include "modules/slam2d/saved_map_file.hpp"
+#include "modules/slam2d/scan_matcher.hpp"
+#include "modules/slam2d/submap.hpp"
+
+namespace {
+
+using namespace nodmap::slam2d;
+using nodmap::geometry::SE2;
+
+constexpr std::size_t kKeyframes = 20;
+
+/// Time of this process alone: others that share the machine do not count.
+double cpu_ms() {
+  timespec time{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+  return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
+}
+
+double quantile(std::vector<double> values, double part) {
+  std::ranges::sort(values);
+  return values.empty()
+             ? 0.0
+             : values[static_cast<std::size_t>(part * static_cast<double>(values.size() - 1))];
+}
+
+/// Of the keyframes before one.
+Submap submap_before(const std::vector<Keyframe>& keyframes, std::size_t keyframe) {
+  const std::size_t first = keyframe - kKeyframes;
+  Submap submap(first, keyframes[first].T_map_base, {});
+  for (std::size_t k = first; k < keyframe; ++k) {
+    submap.add(submap.T_map_submap.inverse() * keyframes[k].T_map_base,
+               oriented_points(keyframes[k]));
+  }
+  return submap;
+}
+
+void measure(const std::vector<Keyframe>& keyframes) {
+  const ScanMatcher matcher{MatcherParams{}};
+  std::vector<double> times_ms;
+  std::vector<double> num_points;
+  for (std::size_t k = kKeyframes; k < keyframes.size(); ++k) {
+    const Submap submap = submap_before(keyframes, k);
+    const std::vector<OrientedPoint> scan = oriented_points(keyframes[k]);
+    const SE2 step = keyframes[k - 1].T_odom_base.inverse() * keyframes[k].T_odom_base;
+    const SE2 guess = submap.T_map_submap.inverse() * keyframes[k - 1].T_map_base * step;
+    const double begin_ms = cpu_ms();
+    (void)matcher.match(submap.points, scan, guess);
+    times_ms.push_back(cpu_ms() - begin_ms);
+    num_points.push_back(static_cast<double>(scan.size()));
+  }
+  std::printf("%zu matches of %.0f points (median): p50 %.3f ms, p90 %.3f ms, p99 %.3f ms\n",
+              times_ms.size(), quantile(num_points, 0.5), quantile(times_ms, 0.5),
+              quantile(times_ms, 0.9), quantile(times_ms, 0.99));
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 2) {
+    std::fprintf(stderr, "usage: nodmap-bench-slam2d-match DIR\n");
+    return 2;
+  }
+  try {
+    measure(read_saved_map(argv[1]).keyframes);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "nodmap-bench-slam2d-match: %s\n", error.what());
+    return 1;
+  }
+  return 0;
+}
