@@ -59,7 +59,7 @@ inline constexpr Duration kLimit{std::int64_t{1} << 61};
 
 /// To the nearest microsecond and within kLimit; NaN is no time at all.
 [[nodiscard]] inline Duration from_seconds(double duration_s) {
-  constexpr double kLimitUs = kLimit.count();  // a power of two: exact
+  constexpr auto kLimitUs = static_cast<double>(kLimit.count());  // a power of two: exact
   return Duration(
       std::isnan(duration_s) ? 0 : std::llround(std::clamp(1e6 * duration_s, -kLimitUs, kLimitUs)));
 }

@@ -91,11 +91,7 @@ void BackEnd::close_loops() {
   const std::size_t last = keyframes().size() - 1;
   const bool is_search_due = last % kSearchEvery == 0;
   if (is_search_due || uncertainty_.size() != submaps().size()) {
-    uncertainty_ = graph_.uncertainties(submaps(), chain_.local_index());
-    // The same relative pose, seen from its other end.
-    const Eigen::Matrix3d J = moment_arm_jacobian(local().T_map_submap.translation() -
-                                                  submaps()[0].T_map_submap.translation());
-    drift_covariance_ = J * uncertainty_[0] * J.transpose();
+    update_uncertainty();
   }
   const std::size_t end_submap = chain_.end_finished();
   if (end_submap == 0) {
@@ -124,6 +120,18 @@ void BackEnd::close_loops() {
       search_loop(near.submap, scan, reach_m, reach_rad);
     }
   }
+  optimise_if_due();
+}
+
+void BackEnd::update_uncertainty() {
+  uncertainty_ = graph_.uncertainties(submaps(), chain_.local_index());
+  // The same relative pose, seen from its other end.
+  const Eigen::Matrix3d J = moment_arm_jacobian(local().T_map_submap.translation() -
+                                                submaps()[0].T_map_submap.translation());
+  drift_covariance_ = J * uncertainty_[0] * J.transpose();
+}
+
+void BackEnd::optimise_if_due() {
   const std::size_t optimise_every =
       std::max(kMinOptimiseEvery, submaps().size() / kSubmapsPerKeyframe);
   if (has_searched_loops_ || (has_new_loops_ && keyframes_since_optimised_ >= optimise_every)) {

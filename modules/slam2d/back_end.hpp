@@ -104,6 +104,8 @@ class BackEnd {
 
  private:
   void close_loops();
+  void update_uncertainty();
+  void optimise_if_due();
   void track_loop(std::size_t submap_index, std::span<const OrientedPoint> scan);
   void search_loop(std::size_t submap_index, std::span<const OrientedPoint> scan, double reach_m,
                    double reach_rad);

@@ -59,8 +59,9 @@ LikelihoodGrid::LikelihoodGrid(std::span<const Eigen::Vector2d> points, double c
 
 Eigen::Vector2i LikelihoodGrid::cell_of(const Eigen::Vector2d& p) const {
   constexpr double kFar = 1e6;  // cells: no grid reaches there
-  const Eigen::Vector2d cells = (p - origin_) / cell_size_m_;
-  return cells.array().floor().max(-kFar).min(kFar).cast<int>();
+  const Eigen::Array2d cells = ((p - origin_) / cell_size_m_).array().floor();
+  // What is no number is far away, too.
+  return cells.isNaN().select(-kFar, cells.max(-kFar).min(kFar)).cast<int>();
 }
 
 void LikelihoodGrid::stamp(const Eigen::Vector2d& p) {

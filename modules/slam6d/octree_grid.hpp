@@ -55,7 +55,12 @@ class OctreeGrid {
   [[nodiscard]] std::optional<VoxelKey> key_of(const Eigen::Vector3f& p) const {
     VoxelKey key{};
     for (std::size_t axis = 0; axis < key.size(); ++axis) {
-      const int place = place_of(p[static_cast<Eigen::Index>(axis)]);
+      const float coordinate_m = p[static_cast<Eigen::Index>(axis)];
+      // Not even a number, or more voxels than an integer counts.
+      if (!(std::abs(voxels_per_m_ * static_cast<double>(coordinate_m)) <= kOriginKey)) {
+        return std::nullopt;
+      }
+      const int place = place_of(coordinate_m);
       if (place < 0 || place > 0xFFFF) {
         return std::nullopt;
       }

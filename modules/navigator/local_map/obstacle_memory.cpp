@@ -110,6 +110,10 @@ void ObstacleMemory::pass(LocalGrid& grid, const Beam& beam, double until_m, dou
   const double cells_per_m = 1.0 / grid.cell_size_m();
   const Eigen::Vector2d step = step_m * cells_per_m * beam.direction.head<2>();
   Eigen::Vector2d place = cells_per_m * beam.origin.head<2>() - grid.first().cast<double>();
+  // At a pose so far away that its cells cannot be counted, the sensor is outside of the grid.
+  if (!(place.minCoeff() >= 0.0 && place.maxCoeff() < grid.size())) {
+    return;
+  }
   const double rise_cm = 100.0 * step_m * beam.direction.z();
   double height_cm = 100.0 * beam.origin.z();
   const auto steps = static_cast<int>(end_m / step_m);
