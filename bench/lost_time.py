@@ -1,0 +1,152 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""What keeps the robot from its fastest speed in clutter: drives worlds without a goal, and prints the seconds lost by what set the command of each decision.
+
+    bench/lost_time.py [--seeds N] [--first SEED] [--only SCENARIO ...] [--fastest MPS] [--jobs N] [--set KEY=VALUE ...] [--out DIR] [--bin DIR]
+
+A decision that commands v until the next one dt later loses dt (1 - v / fastest): the losses of a run add up to what its mean commanded speed falls short.
+Which rule set v is told by the reason in NAVIGATION, and of a robot that steers by which limit it drives at: the pitch controller's bound in PITCH_COMMAND
+or the fastest speed; if at neither, by a bend (lateral acceleration, yaw rate) or the motion it chose. The last line counts how often the robot came to a
+standstill, from 0.15 m/s or more to less than 0.03.
+"""
+import argparse
+import collections
+import pathlib
+import shutil
+import struct
+import sys
+import tempfile
+
+from seeds import CHOOSING
+from trials import ROOT, Trial, run_all
+
+SYNC = 0xEDA1DA01
+STEER, TURN = 0, 2
+# From here on a rotation on the spot is no creeping: Brake lets it creep at 0.17 rad/s over doubtful ground.
+CREEPING_RAD_S = 0.2
+# The bound of the decision may be one message younger than the one before it in the log: it rises by 1 cm/s in 20 ms.
+SAME_MPS = 0.03
+START = "start: laser and servo"
+# By a part of the reason's sentence (modules/navigator/reason.cpp).
+BY_REASON = [("approaches", '"something approaches", where nothing moves'), ("Somebody is close", "somebody close"), ("Gives way", "giving way"),
+             ("laser has", "waiting until the laser has looked"), ("no speed", "the pitch controller's bound"),
+             ("Slows down", "Brake: obstacles, ground not seen, the arc it is on"), ("obstacle ahead", "Brake: obstacles, ground not seen, the arc it is on"),
+             ("acks up", "backing up"), ("No direction", "no motion is free"), ("No motion", "no motion is free"), ("no path", "no motion is free"),
+             ("direction ahead is free", "waiting until the laser has looked")]
+
+
+def events(path, channels):
+    """(microseconds since the first event of the log, channel, message without its fingerprint) of these channels."""
+    first_us = None
+    with open(path, "rb") as log:
+        while len(head := log.read(28)) == 28:
+            sync, _, stamp_us, channel_size, size = struct.unpack(">IqqII", head)
+            if sync != SYNC:
+                raise ValueError(f"{path}: no event log")
+            channel, message = log.read(channel_size).decode(), log.read(size)
+            first_us = stamp_us if first_us is None else first_us
+            if channel in channels:
+                yield stamp_us - first_us, channel, message[8:]
+
+
+def decisions(path):
+    """Of each DRIVE: when, forward speed, yaw rate, the pitch controller's bound, behaviour and reason. And when the log ends, seconds."""
+    found, motions, bound_mps, now_us = [], {}, 0.0, 0
+    for now_us, channel, message in events(path, ("DRIVE", "NAVIGATION", "PITCH_COMMAND", "ODOMETRY")):
+        if channel == "PITCH_COMMAND":
+            bound_mps = struct.unpack_from(">d", message, 40)[0]
+        elif channel == "DRIVE":
+            _, number, forward_mps, yaw_rate_rad_s, _ = struct.unpack(">qqddq", message)
+            motions[number] = (forward_mps, yaw_rate_rad_s)
+        elif channel == "NAVIGATION":
+            _, number, behaviour, size = struct.unpack_from(">qqbi", message)
+            reason = message[21:21 + size - 1].decode()
+            if number in motions:
+                found.append((now_us / 1e6, *motions.pop(number), bound_mps, behaviour, reason))
+    return found, now_us / 1e6
+
+
+def cause_of(forward_mps, yaw_rate_rad_s, bound_mps, behaviour, reason, fastest_mps):
+    for part, cause in BY_REASON:
+        if part in reason:
+            return cause
+    if behaviour == TURN and forward_mps <= 0.0:
+        return "rotation on the spot" if abs(yaw_rate_rad_s) > CREEPING_RAD_S else "rotation on the spot that creeps over doubtful ground, or stands"
+    if behaviour == STEER:
+        if forward_mps >= min(bound_mps, fastest_mps) - SAME_MPS:
+            return "the pitch controller's bound"
+        return "bends, and slower motions that it chose"
+    return reason or "other"
+
+
+def lost_seconds(path, fastest_mps):
+    """By cause, and the number of standstills."""
+    lost, num_stops, is_moving = collections.Counter(), 0, False
+    found, end_s = decisions(path)
+    lost[START] = found[0][0] if found else end_s
+    has_driven = False
+    for this, following in zip(found, [*found[1:], (end_s,)]):
+        time_s, forward_mps, yaw_rate_rad_s, bound_mps, behaviour, reason = this
+        has_driven = has_driven or forward_mps != 0.0 or yaw_rate_rad_s != 0.0
+        cause = cause_of(forward_mps, yaw_rate_rad_s, bound_mps, behaviour, reason, fastest_mps) if has_driven else START
+        lost[cause] += (following[0] - time_s) * (1.0 - max(0.0, forward_mps) / fastest_mps)
+        num_stops += is_moving and forward_mps < 0.03
+        is_moving = forward_mps >= 0.15 or (is_moving and forward_mps >= 0.03)
+    return lost, num_stops, end_s
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--seeds", type=int, default=4, help="of each scenario")
+    parser.add_argument("--first", type=int, default=CHOOSING[1], help="first seed")
+    parser.add_argument("--only", nargs="+", default=["dense", "random"], help="scenarios without a goal")
+    parser.add_argument("--fastest", type=float, default=1.5, help="speed against which time is lost, m/s")
+    parser.add_argument("--duration", type=float, default=60.0, help="of a run from the first scan on, seconds")
+    parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--set", action="append", default=[], help="a parameter, as nodmap-trial's --set")
+    parser.add_argument("--out", type=pathlib.Path, help="keep results and logs here")
+    parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build" / "release" / "bin")
+    arguments = parser.parse_args()
+    out = arguments.out or pathlib.Path(tempfile.mkdtemp(prefix="nodmap-lost-time-"))
+    out.mkdir(parents=True, exist_ok=True)
+    options = ["--no-slam6d", *(word for setting in arguments.set for word in ("--set", setting))]
+    seeds = range(arguments.first, arguments.first + arguments.seeds)
+    runs = {scenario: [Trial(f"{scenario}-{s}", f"{scenario}:{s}", s, arguments.duration, *options, keep_log=True) for s in seeds] for scenario in arguments.only}
+    columns = {}
+    try:
+        run_all([trial for trials in runs.values() for trial in trials], arguments.bin, out, arguments.jobs)
+        for scenario, trials in runs.items():
+            column = columns[scenario] = collections.Counter()
+            for trial in trials:
+                if not trial.result:
+                    print(f"{trial.name}: {trial.error[-200:]}", file=sys.stderr)
+                    return 1
+                lost, num_stops, end_s = lost_seconds(trial.dir / "trial.lcmlog", arguments.fastest)
+                column.update(lost)
+                column["standstills"] += num_stops
+                column["seconds"] += end_s
+                column["mean_mps"] += trial.result["mean_speed_mps"] / len(trials)
+                column["collisions"] += trial.result["collisions"]
+    finally:
+        if not arguments.out:
+            shutil.rmtree(out)
+    show(columns)
+    return 0
+
+
+def show(columns):
+    """As rows of Markdown; percent of the time, and what they add up to."""
+    totals = ("seconds", "mean_mps", "collisions", "standstills")
+    causes = sorted({cause for column in columns.values() for cause in column if cause not in totals},
+                    key=lambda cause: -sum(column[cause] / column["seconds"] for column in columns.values()))
+    print("| lost to | " + " | ".join(f"{scenario}, s" for scenario in columns) + " |")
+    print("|---|" + "---|" * len(columns))
+    for cause in causes:
+        print(f"| {cause} | " + " | ".join(f"{column[cause]:.1f}" for column in columns.values()) + " |")
+    print("| of | " + " | ".join(f"{column['seconds']:.0f}" for column in columns.values()) + " |")
+    for name, digits in (("mean_mps", 2), ("collisions", 0), ("standstills", 0)):
+        print(f"| {name} | " + " | ".join(f"{column[name]:.{digits}f}" for column in columns.values()) + " |")
+
+
+if __name__ == "__main__":
+    sys.exit(main())
