@@ -66,7 +66,7 @@ struct Submap {
 struct NearbySubmap {
   double distance_m = 0.0;
   std::size_t submap = 0;
-  auto operator<=>(const NearbySubmap&) const = default;
+  auto operator<=>(const NearbySubmap&) const = default;  // NOLINT: clang-tidy 14 sees a null here
 };
 
 /// The submaps before `end_submap` that have a keyframe within `distance_m` of a place, the nearest

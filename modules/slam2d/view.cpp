@@ -31,7 +31,7 @@ std::size_t bin_of(const Eigen::Vector2d& direction, std::size_t num_bins) {
 View::View(std::vector<Eigen::Vector2d> points_base, const Eigen::Vector2d& sensor_origin_base)
     : sensor_origin_base_(sensor_origin_base), points_base_(std::move(points_base)) {
   constexpr double kNothing = std::numeric_limits<double>::infinity();
-  std::array<double, kNumBins> nearest_m;
+  std::array<double, kNumBins> nearest_m{};
   nearest_m.fill(kNothing);
   for (const Eigen::Vector2d& p : points_base_) {
     const Eigen::Vector2d ray = p - sensor_origin_base_;

@@ -246,7 +246,7 @@ void BackEnd::refuse(std::size_t old, LoopRefusal reason) {
 // What was searched for waits until enough keyframes say the same; those that do are returned.
 std::vector<Loop> BackEnd::confirm(const Loop& loop) {
   refused_.push_back({.from = loop.from, .to = loop.to, .reason = LoopRefusal::kUnconfirmed});
-  const std::vector<Loop> believed = closer_.add_pending(loop, T_map_keyframes_);
+  std::vector<Loop> believed = closer_.add_pending(loop, T_map_keyframes_);
   std::erase_if(refused_, [&believed](const RefusedLoop& refused) {
     return refused.reason == LoopRefusal::kUnconfirmed &&
            std::ranges::any_of(believed, [&refused](const Loop& one) {
