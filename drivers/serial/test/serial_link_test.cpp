@@ -94,7 +94,8 @@ TEST(SerialLink, AfterALongLifeTheFirstAttemptIsSoon) {
   EXPECT_EQ(rig.link.reconnects(), 1);
 }
 
-// As udev does it: the link stays, and leads to another device after replugging.
+// As udev does it: the link goes with the device, and leads to another one after replugging.
+// Meanwhile the old name may already be that of somebody else's line.
 TEST(SerialLink, FindsTheDeviceUnderItsNewName) {
   const test::TemporaryDir dir;
   const std::filesystem::path link = dir.path() / "scanner";
@@ -108,12 +109,12 @@ TEST(SerialLink, FindsTheDeviceUnderItsNewName) {
   rig.link.poll(at(1ms));
   EXPECT_EQ(rig.lost, 1);
   EXPECT_EQ(rig.link.error(), "the line is disconnected");
+  std::filesystem::remove(link);
   rig.link.poll(at(101ms));
   EXPECT_FALSE(rig.link.is_open());
   EXPECT_NE(rig.link.error(), "the line is disconnected") << "why it cannot be opened is told";
 
   pty.emplace();
-  std::filesystem::remove(link);
   std::filesystem::create_symlink(pty->name(), link);
   rig.link.poll(at(301ms));
   ASSERT_TRUE(rig.link.is_open()) << rig.link.error();
