@@ -15,6 +15,10 @@ constexpr double kImpossibleMps = 20.0;
 constexpr double kLateFactor = 2.0;
 constexpr double kLateS = 0.2;
 
+// How fast the speed falls by which the area of interest is wider than the virtual corridor: after
+// a stop from 1 m/s it takes ten seconds to open wholly.
+constexpr double kWideningMps2 = 0.1;
+
 // Plans that differ by less count as the same for the regulator.
 constexpr double kSameTime = 0.05;
 constexpr double kSameRad = geometry::deg_to_rad(1.0);
@@ -93,8 +97,12 @@ void PitchController::plan_for_present_speed(time::Timestamp now) {
     const double forward_mps = std::clamp(speed_->forward_mps, 0.0, kImpossibleMps);
     planned_mps_ =
         std::max(forward_mps, planned_mps_ - params_.robot.braking.deceleration_mps2 * dt_s);
+    // What is wider than the corridor is for looking around where the robot stays. In a short stop
+    // it would cost more than it shows: two wide sweeps, and twice as long a reaction time when the
+    // robot goes on.
+    looking_mps_ = std::max(planned_mps_, looking_mps_ - kWideningMps2 * dt_s);
   }
-  plan_ = planner_.plan(planned_mps_);
+  plan_ = planner_.plan(planned_mps_, looking_mps_);
   plan_held_ = plan_held_ && is_same(plan_, plan_at_reversal_);
 }
 

@@ -34,22 +34,24 @@ SweepPlanner::SweepPlanner(const robot::RobotParams& robot, const DetectionParam
       fast_mps_(fast_mps),
       corridor_(VirtualCorridor::of(robot)) {}
 
-SweepPlan SweepPlanner::plan(double forward_mps) const {
+SweepPlan SweepPlanner::plan(double forward_mps, double looking_mps) const {
   // Fixed-point iteration: required distance and sweep duration depend on each other.
   SweepPlan plan;
   for (int i = 0; i < kIterations; ++i) {
     const double reaction_s = detection_.reaction_s(plan.sweep_s);
-    plan = plan_from(robot_.braking.required_distance_m(forward_mps, reaction_s), forward_mps);
+    plan = plan_from(robot_.braking.required_distance_m(forward_mps, reaction_s), forward_mps,
+                     looking_mps);
   }
   return plan;
 }
 
-SweepPlan SweepPlanner::plan_from(double required_distance_m, double forward_mps) const {
+SweepPlan SweepPlanner::plan_from(double required_distance_m, double forward_mps,
+                                  double looking_mps) const {
   const PitchInterval mechanics = robot_.head.pitch();
   SweepPlan plan;
   plan.d_min_m = robot_.braking.required_distance_m(forward_mps, detection_.processing_s);
   plan.area =
-      area_of_interest(forward_mps, fast_mps_, corridor_.area_from(plan.d_min_m), mechanics);
+      area_of_interest(looking_mps, fast_mps_, corridor_.area_from(plan.d_min_m), mechanics);
   plan.line_spacing_rad = line_spacing_rad(plan.d_min_m, required_distance_m);
   plan.sweep = {std::max(plan.area.min_rad - plan.line_spacing_rad, mechanics.min_rad),
                 std::min(plan.area.max_rad + plan.line_spacing_rad, mechanics.max_rad)};

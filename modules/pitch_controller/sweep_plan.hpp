@@ -41,10 +41,15 @@ class SweepPlanner {
   SweepPlanner(const robot::RobotParams& robot, const DetectionParams& detection, double fast_mps);
 
   /// Plans the sweep for a forward speed, metres per second, >= 0.
-  [[nodiscard]] SweepPlan plan(double forward_mps) const;
+  [[nodiscard]] SweepPlan plan(double forward_mps) const { return plan(forward_mps, forward_mps); }
+
+  /// The same with no wider an area of interest around the virtual corridor than at a greater
+  /// speed, `looking_mps`.
+  [[nodiscard]] SweepPlan plan(double forward_mps, double looking_mps) const;
 
  private:
-  [[nodiscard]] SweepPlan plan_from(double required_distance_m, double forward_mps) const;
+  [[nodiscard]] SweepPlan plan_from(double required_distance_m, double forward_mps,
+                                    double looking_mps) const;
   [[nodiscard]] double line_spacing_rad(double d_min_m, double required_distance_m) const;
 
   robot::RobotParams robot_;

@@ -245,6 +245,18 @@ TEST(PitchController, TheAreaClosesAsTheRobotSpeedsUp) {
   EXPECT_LT(rad_to_deg(loop.decision.sweep.range_rad()), 25.0);
 }
 
+// To nod over the whole range takes a second each way: in a short stop that is not begun.
+TEST(PitchController, TheAreaOpensSlowlyInAStop) {
+  Loop loop;
+  loop.run(5.0, 1.2);
+  double v = 1.2;
+  loop.run(2.0, [&v] { return v = std::max(0.0, v - 0.015); });  // 1.5 m/s2, then 1.2 s of a stop
+  EXPECT_LT(rad_to_deg(loop.decision.sweep.range_rad()), 95.0);
+  EXPECT_LT(loop.decision.sweep_s, 0.85);
+  loop.run(13.0, 0.0);
+  EXPECT_NEAR(rad_to_deg(loop.decision.sweep.range_rad()), 120.0, 1e-9);  // rounding
+}
+
 TEST(PitchController, AStationaryRobotMayStartAndReachItsTopSpeed) {
   Loop loop;
   loop.run(5.0, 0.0);

@@ -136,5 +136,28 @@ TEST(SweepPlan, ASweepForASpeedAllowsAGreaterOne) {
   }
 }
 
+// A robot that was faster a moment ago looks less far around: the corridor is covered from d_min on
+// as before, by lines no farther apart, in a shorter time; so it may drive no slower.
+TEST(SweepPlan, LookingLessFarAroundCoversTheCorridorInAShorterTime) {
+  const SweepPlanner planner = default_planner();
+  const VirtualCorridor corridor = VirtualCorridor::of(kParams.robot);
+  const auto bound_of = [&](const SweepPlan& plan) {
+    const ClearView view =
+        clear_view(corridor, plan.sweep, plan.line_spacing_rad,
+                   kParams.detection.visible_obstacle_m, kParams.detection.look_ahead_m);
+    return speed_bound(view, plan.sweep_s, kParams.robot.braking, kParams.detection);
+  };
+  for (double v = 0.0; v < 1.5; v += 0.05) {
+    for (double looking_mps = v; looking_mps < 1.5; looking_mps += 0.1) {
+      const SweepPlan wide = planner.plan(v);
+      const SweepPlan narrow = planner.plan(v, looking_mps);
+      EXPECT_EQ(narrow.d_min_m, wide.d_min_m);
+      EXPECT_LE(corridor.covered_from_m(narrow.area), narrow.d_min_m + 1e-9) << v;
+      EXPECT_LE(narrow.sweep_s, wide.sweep_s + 1e-9) << v;
+      EXPECT_GE(bound_of(narrow), bound_of(wide) - 0.02) << v << " " << looking_mps;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace nodmap::pitch_controller
