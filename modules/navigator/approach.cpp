@@ -17,10 +17,26 @@ constexpr time::Duration kWait = 1s;
 /// From a reference point so far behind the robot everything is still seen from about the same
 /// side.
 constexpr double kReferenceM = 0.3;
+/// What is measured within this distance is one thing.
+constexpr double kOneThingM = 0.1;
+/// Who comes is measured below the first of these heights, and above the second.
+constexpr double kFeetM = 0.2;
+constexpr double kLowThingM = 0.12;
 
 int sector_of(double compass_rad, int sectors) {
   const double sector = compass_rad / (2.0 * geometry::kPi) * sectors;
   return (static_cast<int>(std::floor(sector)) % sectors + sectors) % sectors;
+}
+
+/// Whether something has moved to where floor was seen. Of a low thing the floor may have been seen
+/// all around before a line fell on it, and under a board it still is: neither is somebody. Of who
+/// comes the laser sees legs at all heights within one sweep; Brake stops for whatever it is.
+bool has_come(const Eigen::Vector2d& p_odom, const LocalMap& local_map) {
+  if (!local_map.was_floor(p_odom)) {
+    return false;
+  }
+  const auto span = local_map.obstacle_span(p_odom, kOneThingM);
+  return !span || (span->low_m < kFeetM && span->high_m > kLowThingM);
 }
 
 }  // namespace
@@ -71,7 +87,7 @@ void Approach::compare(const Sectors& now, time::Timestamp stamp, double reach_m
     const bool is_nearer =
         there.distance_m < nearest_known_m - kNearerM && there.p_base.norm() < reach_m;
     if (is_nearer && seen.is_seen(std::atan2(there.p_base.y(), there.p_base.x()), sweeps_) &&
-        (local_map == nullptr || local_map->was_floor(T_odom_base * there.p_base))) {
+        (local_map == nullptr || has_come(T_odom_base * there.p_base, *local_map))) {
       detected_at_ = stamp;
     }
     // The distance of something slow is compared with where it started.

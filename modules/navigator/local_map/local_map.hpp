@@ -11,6 +11,7 @@
 #include "modules/navigator/ground/facet_finder.hpp"
 #include "modules/navigator/ground/tracked_ground.hpp"
 #include "modules/navigator/local_map/floor_evidence.hpp"
+#include "modules/navigator/local_map/line_floor.hpp"
 #include "modules/navigator/local_map/local_cell.hpp"
 #include "modules/navigator/local_map/obstacle_memory.hpp"
 #include "modules/navigator/local_map/seen_floor.hpp"
@@ -77,6 +78,15 @@ class LocalMap {
   /// something that has always been there half of the cells around were never floor.
   [[nodiscard]] bool was_floor(const Eigen::Vector2d& p_odom) const;
 
+  /// Heights above the ground between which obstacles within `radius_m` of a place were measured;
+  /// empty where there is none.
+  struct Span {
+    double low_m = 0.0;
+    double high_m = 0.0;
+  };
+  [[nodiscard]] std::optional<Span> obstacle_span(const Eigen::Vector2d& p_odom,
+                                                  double radius_m) const;
+
   /// Empty outside the grid.
   [[nodiscard]] const LocalCell* cell_at(const Eigen::Vector2d& p_odom) const {
     return grid_.find(p_odom);
@@ -98,11 +108,20 @@ class LocalMap {
   void reset();
 
  private:
+  struct FloorHit {
+    std::size_t beam;
+    Eigen::Vector3d p_odom;
+    double height_m;
+    double sinking;  ///< that the beam loses of height in a metre
+  };
+
   void prepare_fan(const scan::Scan& scan);
   void move(const geometry::SE2& T_odom_base);
   void clear_under_body(const geometry::SE2& T_odom_base);
   void classify(const Beam& beam, std::size_t index);
   void classify_below(const Beam& beam, double range_m, std::size_t facet, bool is_certain);
+  void add_floor_hits();
+  [[nodiscard]] bool is_above_line(const FloorHit& hit) const;
   void add_low_hits();
   void pass(const Beam& beam, double until_m);
   [[nodiscard]] static double range_to(const Plane& plane, const Beam& beam);
@@ -131,6 +150,8 @@ class LocalMap {
     Eigen::Vector3d p_odom;
   };
   std::vector<LowHit> low_hits_;  // of this scan: so little above the floor that it may be noise
+  std::vector<FloorHit> floor_hits_;  // of this scan: on the floor, or within its tolerance
+  LineFloor line_floor_;
   std::uint16_t scan_ = 0;
   std::vector<Eigen::Vector2d> fan_;  // cos and sin of each beam's angle
   double fan_first_rad_ = 0.0;

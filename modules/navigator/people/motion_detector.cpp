@@ -144,8 +144,13 @@ std::optional<Detection> MotionDetector::detect(Hits::const_iterator first,
   // Of a disc's front, seen by beams at equal distances, the mean lies pi/4 radius before the
   // centre.
   const Eigen::Vector2d away = (mean - sensor_odom).normalized();
-  return Detection{mean + 0.25 * geometry::kPi * radius_m * away, radius_m, group.front().beam,
-                   group.back().beam};
+  const auto [lowest, highest] = std::ranges::minmax(group, {}, &Hit::height_m);
+  return Detection{mean + 0.25 * geometry::kPi * radius_m * away,
+                   radius_m,
+                   group.front().beam,
+                   group.back().beam,
+                   lowest.height_m,
+                   highest.height_m};
 }
 
 }  // namespace nodmap::navigator

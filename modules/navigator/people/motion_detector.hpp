@@ -17,6 +17,8 @@ struct Detection {
   double radius_m = 0.0;
   std::size_t first_beam = 0;  ///< of those that have hit it
   std::size_t last_beam = 0;
+  double lowest_m = 0.0;  ///< heights above the floor at which they have
+  double highest_m = 0.0;
 };
 
 /// Finds what has moved, scan by scan: beams side by side that end together, most of them in

@@ -16,6 +16,7 @@ constexpr int kFewestSightings = 4;
 /// Beams of one scan may be a mistake, of so many they are not: about half of a sweep's.
 constexpr int kFewestOfNew = 3;
 constexpr time::Duration kShortest = 150ms;
+constexpr double kLeastHeightM = 0.1;
 constexpr double kLeastMps = 0.25;
 constexpr double kSigmas = 2.0;
 /// Slower than this a walker stands.
@@ -63,7 +64,12 @@ People in_base(People people, const geometry::SE2& T_odom_base) {
 }  // namespace
 
 Track::Track(time::Timestamp stamp, const Detection& detection)
-    : radius_m_(detection.radius_m), stamp_(stamp), first_seen_(stamp), seen_at_(stamp) {
+    : radius_m_(detection.radius_m),
+      stamp_(stamp),
+      first_seen_(stamp),
+      seen_at_(stamp),
+      lowest_m_(detection.lowest_m),
+      highest_m_(detection.highest_m) {
   state_ << detection.p_odom, Eigen::Vector2d::Zero();
   const double p = kPositionSigmaM * kPositionSigmaM;
   const double v = kVelocitySigmaMps * kVelocitySigmaMps;
@@ -93,17 +99,27 @@ void Track::update(const Detection& detection) {
   covariance_ = 0.5 * (covariance_ + covariance_.transpose()).eval();
   radius_m_ = std::max(radius_m_, detection.radius_m);
   seen_at_ = stamp_;
+  lowest_m_ = std::min(lowest_m_, detection.lowest_m);
+  highest_m_ = std::max(highest_m_, detection.highest_m);
   num_contradictions_ = 0;
   ++num_sightings_;
   const double speed_mps = state_.tail<2>().norm();
   const double sigma_mps = worse_sigma(covariance_.bottomRightCorner<2, 2>());
-  const bool is_known = num_sightings_ >= kFewestSightings && seen_at_ - first_seen_ >= kShortest;
+  const bool is_known =
+      num_sightings_ >= kFewestSightings && has_legs() && seen_at_ - first_seen_ >= kShortest;
   moves_ = moves_ ? speed_mps > kStandsMps
                   : is_known && speed_mps > std::max(kLeastMps, kSigmas * sigma_mps);
 }
 
+/// A board or a seat, which lines have passed under and over before one met it, has come from
+/// nowhere, too, and seems to move with the line on it: all of that is at one height. Of a leg the
+/// laser shows so much in three or four lines of a sweep.
+bool Track::has_legs() const {
+  return highest_m_ - lowest_m_ > kLeastHeightM;
+}
+
 bool Track::is_new() const {
-  return !moves_ && num_sightings_ >= kFewestOfNew && stamp_ - seen_at_ < kInSight;
+  return !moves_ && num_sightings_ >= kFewestOfNew && has_legs() && stamp_ - seen_at_ < kInSight;
 }
 
 double Track::distance_squared(const Detection& detection) const {

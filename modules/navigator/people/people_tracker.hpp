@@ -50,12 +50,14 @@ class Track {
   /// When he was seen last, or could not be: beside or behind the robot.
   [[nodiscard]] time::Timestamp missed_since() const { return std::max(seen_at_, hidden_at_); }
   void hide(time::Timestamp stamp) { hidden_at_ = stamp; }
-  /// Seen in two sweeps at least, and its velocity is more than its error.
+  /// Seen in two sweeps at least, at the heights of a leg, and its velocity is more than its error.
   [[nodiscard]] bool moves() const { return moves_; }
   /// Seen in a few scans of the last two sweeps, too few to say that it moves.
   [[nodiscard]] bool is_new() const;
 
  private:
+  [[nodiscard]] bool has_legs() const;
+
   Eigen::Vector4d state_;  // position, velocity; odom
   Eigen::Matrix4d covariance_;
   double radius_m_;
@@ -65,6 +67,8 @@ class Track {
   time::Timestamp hidden_at_{};
   int num_sightings_ = 1;
   int num_contradictions_ = 0;
+  double lowest_m_;  // heights at which he was measured
+  double highest_m_;
   bool moves_ = false;
 };
 

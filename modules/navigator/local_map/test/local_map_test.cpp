@@ -228,6 +228,26 @@ TEST(LocalMap, ASingleBeamAboveTheFloorIsNoObstacle) {
   EXPECT_FALSE(map.points_base({}, 2.0).empty());
 }
 
+// A brick of 2.8 cm at 1.8 m, 8 cm wide, within the tolerance of 3.3 cm there. The floor beside it
+// says how high it is, also where the whole line is measured 1 cm too high or too low.
+TEST(LocalMap, WhatStandsOutOfTheLineIsAnObstacle) {
+  const test::Ground ground{{{{1.8, -0.04}, {1.9, 0.04}, 0.028}}};
+  // The line falls on the brick's top.
+  const double pitch_rad = -std::atan2(0.38 - 0.028, 1.82 - 0.15);
+  for (const double error_deg : {0.0, 0.3, -0.3}) {
+    scan::Scan scan = test::scan_of(ground, {}, pitch_rad);
+    scan.pitch_first_rad = scan.pitch_last_rad = pitch_rad + deg_to_rad(error_deg);
+    LocalMap map({}, {});
+    map.add_scan(scan, {});
+    const Points points = map.points_base({}, 2.5);
+    ASSERT_FALSE(points.empty()) << error_deg;
+    for (const Eigen::Vector2d& p : points) {
+      EXPECT_NEAR(p.x(), 1.82, 0.05) << error_deg;  // a cell, and 1 cm of height on the line
+      EXPECT_NEAR(p.y(), 0.0, 0.06) << error_deg;
+    }
+  }
+}
+
 // A wall that was last seen 40 m of driving ago, twice as far as obstacles are remembered: where it
 // is by odometry says nothing any more, also for a robot that comes near.
 TEST(LocalMap, WhatIsForgottenDoesNotComeBackNearTheRobot) {

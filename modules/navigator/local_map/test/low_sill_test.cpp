@@ -162,17 +162,25 @@ class Approach {
   double tilt_rad_ = 0.0;
 };
 
-// If each cell needed two hits, four of these would be driven into: at these speeds the lines of a
-// sweep are farther apart than cells.
+/// Half widths of what lies in the way, metres.
+struct Widths {
+  double least_m;
+  double most_m;
+};
+
+// If each cell needed two hits, four of these sills would be driven into: at these speeds the lines
+// of a sweep are farther apart than cells. By heights above the ground alone 2 of 400 such sills
+// were, and 14 of 400 such bricks: only beside the floor of the same line they are high enough.
 TEST(LowSill, IsStoppedForAtAnySpeedAndMomentOfTheNod) {
   std::mt19937 engine(1);
   const auto between = [&](double a, double b) {
     return std::uniform_real_distribution(a, b)(engine);
   };
-  for (int run = 0; run < 64; ++run) {
+  for (int run = 0; run < 128; ++run) {
+    const Widths widths = run < 64 ? Widths{0.1, 1.5} : Widths{0.03, 0.1};
     const double speed_mps = between(1.0, 1.5);
     const double yaw_rad = between(-0.5, 0.5);
-    const double half_width_m = between(0.1, 1.5);
+    const double half_width_m = between(widths.least_m, widths.most_m);
     // It is in the way of 8 cm of the body's width or more.
     const double aside_m = between(0.0, half_width_m + 0.085) * (run % 2 == 0 ? 1.0 : -1.0);
     const double x_m = between(2.5, 4.0);

@@ -85,6 +85,24 @@ TEST(Track, BetweenSightingsTheErrorGrows) {
   }
 }
 
+// A board at one height, which a line has met first here and then there, is nobody, however well
+// its places fit a motion; somebody who walks the same way is.
+TEST(Track, WhatIsMeasuredAtOneHeightIsNobody) {
+  for (const double height_m : {0.04, 0.3}) {
+    Track track(time::Timestamp{}, {{2.0, 0.0}, 0.25, 0, 5, 0.44, 0.44});
+    for (int i = 1; i < 60; ++i) {
+      const double time_s = kScanS * i;
+      track.predict(at(time_s));
+      const double low_m = 0.44 - height_m * (i % 6) / 5.0;
+      track.update({{2.0 - 1.0 * time_s, 0.0}, 0.25, 0, 5, low_m, low_m});
+      if (i == 8) {
+        EXPECT_EQ(track.is_new(), height_m > 0.1);
+      }
+    }
+    EXPECT_EQ(track.moves(), height_m > 0.1);
+  }
+}
+
 /// Nods at a scene in which pillars move, for so long; calls `check(time_s)` after each scan.
 template <class Check>
 void look(PeopleTracker& tracker, WalkingScene scene, const std::vector<Eigen::Vector2d>& velocity,

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/navigator/approach.hpp"
+
+#include <gtest/gtest.h>
+
+#include "modules/navigator/local_map/local_map.hpp"
+#include "modules/navigator/local_map/test/scanned_ground.hpp"
+#include "modules/navigator/test/point_world.hpp"
+
+namespace nodmap::navigator {
+namespace {
+
+using geometry::deg_to_rad;
+
+/// All directions up to 70 degrees from ahead are seen.
+SeenDirections seen_ahead() {
+  SeenDirections view(deg_to_rad(70));
+  view.update(0.0, 0);
+  view.update(0.0, 2);
+  return view;
+}
+
+TEST(Approach, DetectsWhatComesNearerAndOnlyWhileItDoes) {
+  Approach approach(2);
+  const SeenDirections view = seen_ahead();
+  time::Timestamp stamp{};
+  for (double x_m = 2.0; x_m > 0.3; x_m -= 0.01, stamp += 10ms) {  // 1 m/s
+    approach.update(stamp, {}, 0.9, {{x_m, 0.1}, {0.0, 0.4}}, view);
+    // Detected 6 cm nearer than before, so up to 6 cm within the reach.
+    if (x_m > 0.91) {
+      EXPECT_FALSE(approach.is_detected(stamp)) << x_m;
+    } else if (x_m < 0.83) {
+      EXPECT_TRUE(approach.is_detected(stamp)) << x_m;
+    }
+  }
+  for (int i = 0; i < 101; ++i, stamp += 10ms) {
+    approach.update(stamp, {}, 0.9, {{0.3, 0.1}, {0.0, 0.4}}, view);
+  }
+  EXPECT_FALSE(approach.is_detected(stamp));  // it stays
+}
+
+TEST(Approach, ARotationOfTheRobotIsNoApproach) {
+  // A wall and a pole at half a metre, seen from headings a degree apart, with 2 cm of noise.
+  Approach approach(2);
+  SeenDirections view(deg_to_rad(70));
+  for (int i = 0; i < 400; ++i) {
+    const double heading_rad = deg_to_rad(i);
+    view.update(geometry::normalize_angle(heading_rad), i / 20);
+    Points points_base;
+    const double noise_m = 0.02 * ((i * 7) % 5 - 2) / 2.0;
+    for (double y = -2.0; y < 2.0; y += 0.02) {
+      points_base.emplace_back(0.5 + noise_m, y);
+    }
+    points_base.emplace_back(-0.5 + noise_m, 0.0);
+    for (Eigen::Vector2d& p : points_base) {
+      p = geometry::SE2{0.0, 0.0, -heading_rad}.rotation() * p;
+    }
+    approach.update(time::Timestamp(i * 10ms), {0.0, 0.0, heading_rad}, 0.9, points_base, view);
+    EXPECT_FALSE(approach.is_detected(time::Timestamp(i * 10ms))) << i;
+  }
+}
+
+TEST(Approach, WhatComesIntoViewIsNoApproach) {
+  Approach approach(2);
+  const SeenDirections view = seen_ahead();
+  approach.update(time::Timestamp(0s), {}, 0.9, {}, view);
+  approach.update(time::Timestamp(10ms), {}, 0.9, {{-0.1, 0.5}},
+                  view);  // beside it, where the laser had not looked
+  EXPECT_FALSE(approach.is_detected(time::Timestamp(10ms)));
+  approach.update(time::Timestamp(20ms), {}, 0.9, {{-0.1, 0.5}, {0.5, 0.0}},
+                  view);  // ahead, where it had
+  EXPECT_TRUE(approach.is_detected(time::Timestamp(20ms)));
+}
+
+// A wall, a pole and a doorway that is looked through, passed at 1 m/s with 1 cm of noise.
+TEST(Approach, DrivingIsNotAnApproach) {
+  Approach approach(2);
+  const SeenDirections view = seen_ahead();
+  test::World world;
+  world.add_wall({-1, 0.6}, {2.0, 0.6});
+  world.add_wall({2.9, 0.6}, {6.0, 0.6});
+  world.add_wall({2.0, 2.0}, {2.9, 2.0});
+  world.add_pillar({2.5, -0.5}, 0.02);
+  for (int i = 0; i < 300; ++i) {
+    const geometry::SE2 T_odom_base{0.01 * i, 0.0, 0.0};
+    Points points_base = test::ideal_map(world, T_odom_base);
+    for (Eigen::Vector2d& p : points_base) {
+      p *= 1.0 + 0.01 * ((i * 7) % 5 - 2) / 2.0 / p.norm();
+    }
+    approach.update(time::Timestamp(i * 10ms), T_odom_base, 1.5, points_base, view);
+    EXPECT_FALSE(approach.is_detected(time::Timestamp(i * 10ms))) << i;
+  }
+}
+
+TEST(Approach, APersonWhoCrossesThePathIsDetected) {
+  Approach approach(2);
+  const SeenDirections view = seen_ahead();
+  for (int i = 0; i < 100; ++i) {
+    const double time_s = 0.01 * i;
+    const geometry::SE2 T_odom_base{0.5 * time_s, 0.0, 0.0};
+    const Eigen::Vector2d walker_odom(1.5, 1.5 - 1.0 * time_s);  // crosses its path
+    const Points points_base{T_odom_base.inverse() * walker_odom};
+    approach.update(time::Timestamp(i * 10ms), T_odom_base, 1.5, points_base, view);
+  }
+  EXPECT_TRUE(approach.is_detected(time::Timestamp(990ms)));
+}
+
+/// Whether something at (1.0, 0) is an approach once the laser has looked at it: first the floor
+/// there is seen, then what has come.
+bool is_approach(const test::Ground& after) {
+  LocalMap map({}, {});
+  const auto look = [&](const test::Ground& ground) {
+    for (double deg = -30.0; deg <= 2.0; deg += 1.0) {
+      map.add_scan(test::scan_of(ground, {}, deg_to_rad(deg)), {});
+    }
+  };
+  look({});
+  Approach approach(2);
+  const SeenDirections view = seen_ahead();
+  approach.update(time::Timestamp(0s), {}, 1.5, {}, view, &map);
+  look(after);
+  approach.update(time::Timestamp(10ms), {}, 1.5, {{1.0, 0.0}}, view, &map);
+  return approach.is_detected(time::Timestamp(10ms));
+}
+
+// Two legs side by side have come. A plank of 6 cm was there before, and no line had fallen on it.
+TEST(Approach, WhatIsLowHasNotCome) {
+  EXPECT_TRUE(is_approach({{{{0.98, -0.1}, {1.15, 0.1}, 1.7}}}));
+  EXPECT_FALSE(is_approach({{{{0.98, -0.1}, {1.15, 0.1}, 0.06}}}));
+}
+
+}  // namespace
+}  // namespace nodmap::navigator
