@@ -77,7 +77,8 @@ Navigator::Navigator(const NavigatorParams& params)
       turn_(params.turn, params.drive.reaction_s),
       back_up_(params),
       local_map_(params.robot, params.local_map),
-      goal_drive_(params) {}
+      goal_drive_(params),
+      roaming_(params) {}
 
 void Navigator::reset() {
   *this = Navigator(params_);
@@ -178,10 +179,7 @@ Decision Navigator::behave(const Situation& now) {
   }
   if (now.goal && params_.planner.use && local_map_.has_scan()) {
     turn_.end();
-    // What the first scans show of a ramp is an obstacle: it must not turn away from that.
-    has_looked_ =
-        has_looked_ || now.laser_is_held || seen_.is_seen(0.0, params_.steer.sweeps_to_trust);
-    if (!has_looked_) {
+    if (!has_looked(now)) {
       return brake(now, Why::kFirstLook);
     }
     return goal_drive_.decide(now, seen_, local_map_);
@@ -191,7 +189,14 @@ Decision Navigator::behave(const Situation& now) {
     if (std::min(now.max_forward_mps, params_.drive.max_forward_mps) < kLeastSpeedMps) {
       return brake(now, Why::kNoSpeed);
     }
-    if (const auto steered = steering_.steer(space, seen_, now)) {
+    if (params_.planner.roams && !now.goal && local_map_.has_scan()) {
+      if (!has_looked(now)) {
+        return brake(now, Why::kFirstLook);
+      }
+      if (const auto roamed = roaming_.decide(now, seen_, local_map_)) {
+        return *roamed;
+      }
+    } else if (const auto steered = steering_.steer(space, seen_, now)) {
       return *steered;
     }
     if (std::abs(now.forward_mps) > kStationaryMps) {
@@ -199,6 +204,13 @@ Decision Navigator::behave(const Situation& now) {
     }
   }
   return turn(space, now);
+}
+
+/// What the first scans show of a ramp is an obstacle: it must not turn away from that.
+bool Navigator::has_looked(const Situation& now) {
+  has_looked_ =
+      has_looked_ || now.laser_is_held || seen_.is_seen(0.0, params_.steer.sweeps_to_trust);
+  return has_looked_;
 }
 
 void Navigator::observe(Situation& now) {

@@ -14,6 +14,7 @@
 #include "modules/navigator/people/people_tracker.hpp"
 #include "modules/navigator/people/proximity.hpp"
 #include "modules/navigator/planner/goal_drive.hpp"
+#include "modules/navigator/planner/roaming.hpp"
 #include "modules/navigator/seen_directions.hpp"
 #include "modules/navigator/steering.hpp"
 #include "modules/navigator/turn.hpp"
@@ -28,8 +29,8 @@ namespace nodmap::navigator {
 ///     free.
 ///
 /// Obstacles and holes of the local map and the boundary of the geofence count like points of the
-/// obstacle map. To a goal it drives
-/// by plan instead (planner/goal_drive.hpp); Brake has the last word there, too.
+/// obstacle map. To a goal it drives by plan instead (planner/goal_drive.hpp), and without one, too
+/// (planner/roaming.hpp); Turn gets it out where no plan does. Brake has the last word there, too.
 ///
 /// It gives way to people who walk: whatever was decided, it is stationary before they touch it. It
 /// waits while something else approaches. Whether the inputs may be used at all is decided before
@@ -73,6 +74,7 @@ class Navigator {
   void erase_free_floor(Situation& now) const;
   void observe(Situation& now);
   void forget_wakes(time::Timestamp stamp);
+  [[nodiscard]] bool has_looked(const Situation& now);
   [[nodiscard]] Decision behave(const Situation& now);
   void join_local_map(Situation& now) const;
   void join_geofence(Situation& now) const;
@@ -95,6 +97,7 @@ class Navigator {
   PeopleTracker people_;
   Proximity proximity_;
   GoalDrive goal_drive_;
+  Roaming roaming_;
   bool is_in_gap_ = false;
   std::optional<std::int64_t> gap_ended_at_sweep_;  ///< until the laser has looked again
   std::optional<time::Timestamp> saw_people_at_;

@@ -182,6 +182,7 @@ struct LocalMapParams {
 /// Driving to a goal by plan.
 struct PlannerParams {
   bool use = true;
+  bool roams = true;
   double replan_s = 0.5;
   double least_clearance_m = 0.06;
   double wide_m = 0.35;
@@ -199,6 +200,8 @@ struct PlannerParams {
   void describe(Visitor& v) {
     v.flag("use_planner", use,
            "Drive to a goal by plan and rollouts; without it by Steer, Brake and Turn.");
+    v.flag("roams", roams,
+           "Drive without a goal by plan and rollouts; without it by Steer, Brake and Turn.");
     v.number("replan_s", replan_s, {0.05, 10.0}, "From one global plan to the next.");
     v.number("least_clearance_m", least_clearance_m, {0.0, 0.5},
              "No path and no rollout brings the body nearer to an obstacle.");

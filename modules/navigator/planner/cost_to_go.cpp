@@ -81,14 +81,7 @@ CostSearch::CostSearch() : buckets_(kNumBuckets) {}
 
 void CostSearch::begin(const PlanWindow& window, std::span<const float> price,
                        const Eigen::Vector2d& goal_map, double tolerance_m, double outside_price) {
-  found_.window_ = window;
-  found_.cost_.assign(window.num_cells(), kNever);
-  for (auto& bucket : buckets_) {
-    bucket.clear();
-  }
-  bucket_ = 0;
-  num_queued_ = 0;
-  border_seeds_.clear();
+  clear(window);
   const Eigen::Vector2d size =
       window.cell_size_m *
       Eigen::Vector2d(static_cast<double>(window.width), static_cast<double>(window.height));
@@ -98,6 +91,35 @@ void CostSearch::begin(const PlanWindow& window, std::span<const float> price,
   } else {
     seed_goal(price, goal_map, tolerance_m);
   }
+}
+
+void CostSearch::clear(const PlanWindow& window) {
+  found_.window_ = window;
+  found_.cost_.assign(window.num_cells(), kNever);
+  for (auto& bucket : buckets_) {
+    bucket.clear();
+  }
+  bucket_ = 0;
+  num_queued_ = 0;
+  seeds_.clear();
+}
+
+void CostSearch::begin_onward(const PlanWindow& window, std::span<const float> price,
+                              const Onward& onward) {
+  clear(window);
+  const geometry::SE2 T_base_map = onward.T_map_base.inverse();
+  for (int row = 0; row < window.height; ++row) {
+    for (int column = 0; column < window.width; ++column) {
+      const Eigen::Vector2d p_base = T_base_map * window.center_of(column, row);
+      const double distance_m = p_base.norm();
+      if (distance_m >= onward.nearest_m && distance_m <= onward.farthest_m) {
+        add_seed(price, {column, row},
+                 onward.short_price * (onward.farthest_m - distance_m) +
+                     onward.aside_m_rad * std::abs(std::atan2(p_base.y(), p_base.x())));
+      }
+    }
+  }
+  std::ranges::sort(seeds_, std::greater());
 }
 
 void CostSearch::seed_goal(std::span<const float> price, const Eigen::Vector2d& goal_map,
@@ -121,13 +143,8 @@ void CostSearch::seed_border(std::span<const float> price, const Eigen::Vector2d
                              double outside_price) {
   const PlanWindow& window = found_.window_;
   const auto add = [&](int column, int row) {
-    const std::size_t cell = window.place(column, row);
-    if (price[cell] >= 0.0F) {
-      const Eigen::Vector2d p_map =
-          window.origin + window.cell_size_m * Eigen::Vector2d(column + 0.5, row + 0.5);
-      border_seeds_.emplace_back(static_cast<float>(outside_price * (goal_map - p_map).norm()),
-                                 cell);
-    }
+    add_seed(price, {column, row},
+             outside_price * (goal_map - window.center_of(column, row)).norm());
   };
   for (int column = 0; column < window.width; ++column) {
     add(column, 0);
@@ -137,18 +154,26 @@ void CostSearch::seed_border(std::span<const float> price, const Eigen::Vector2d
     add(0, row);
     add(window.width - 1, row);
   }
-  std::ranges::sort(border_seeds_, std::greater());  // the cheapest is taken from the end
+  std::ranges::sort(seeds_, std::greater());
+}
+
+void CostSearch::add_seed(std::span<const float> price, const Eigen::Vector2i& cell,
+                          double cost_m) {
+  const std::size_t place = found_.window_.place(cell.x(), cell.y());
+  if (price[place] >= 0.0F) {
+    seeds_.emplace_back(static_cast<float>(cost_m), place);
+  }
 }
 
 /// The buckets hold a short range of costs, so seeds wait until it is their turn.
-void CostSearch::take_border_seeds() {
+void CostSearch::take_seeds() {
   const auto bucket_of = [](float cost) { return static_cast<std::size_t>(cost / kBucketM); };
-  if (num_queued_ == 0 && !border_seeds_.empty()) {
-    bucket_ = std::max(bucket_, bucket_of(border_seeds_.back().first));
+  if (num_queued_ == 0 && !seeds_.empty()) {
+    bucket_ = std::max(bucket_, bucket_of(seeds_.back().first));
   }
-  while (!border_seeds_.empty() && bucket_of(border_seeds_.back().first) <= bucket_) {
-    const auto [cost, cell] = border_seeds_.back();
-    border_seeds_.pop_back();
+  while (!seeds_.empty() && bucket_of(seeds_.back().first) <= bucket_) {
+    const auto [cost, cell] = seeds_.back();
+    seeds_.pop_back();
     if (cost < found_.cost_[cell]) {
       push(cell, cost);
     }
@@ -164,7 +189,7 @@ void CostSearch::push(std::size_t cell, float cost) {
 
 bool CostSearch::advance(std::span<const float> price, int max_cells) {
   for (int count = 0; count < max_cells;) {
-    take_border_seeds();
+    take_seeds();
     if (num_queued_ == 0) {
       break;
     }
@@ -185,7 +210,7 @@ bool CostSearch::advance(std::span<const float> price, int max_cells) {
     const auto width = static_cast<std::uint32_t>(found_.window_.width);
     spread_from(price, static_cast<int>(cell % width), static_cast<int>(cell / width), cost);
   }
-  return num_queued_ > 0 || !border_seeds_.empty();
+  return num_queued_ > 0 || !seeds_.empty();
 }
 
 void CostSearch::spread_from(std::span<const float> price, int column, int row, float cost) {

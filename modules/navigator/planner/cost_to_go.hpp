@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/geometry/se2.hpp"
 #include "modules/navigator/planner/plan_window.hpp"
 
 namespace nodmap::navigator {
@@ -44,6 +45,17 @@ class CostSearch {
   void begin(const PlanWindow& window, std::span<const float> price,
              const Eigen::Vector2d& goal_map, double tolerance_m, double outside_price);
 
+  /// Where a path without a goal may end: between two distances from base, in any direction.
+  struct Onward {
+    geometry::SE2 T_map_base;
+    double nearest_m = 0.0;
+    double farthest_m = 0.0;
+    double short_price = 0.0;  ///< of each metre by which it ends nearer than `farthest_m`
+    double aside_m_rad = 0.0;  ///< cost of each radian that the end is away from ahead
+  };
+  /// Begins anew without a goal. The window reaches beyond the farthest ends.
+  void begin_onward(const PlanWindow& window, std::span<const float> price, const Onward& onward);
+
   /// Goes on for so many cells. False when all is done.
   [[nodiscard]] bool advance(std::span<const float> price, int max_cells);
 
@@ -51,10 +63,12 @@ class CostSearch {
   [[nodiscard]] const CostToGo& found() const { return found_; }
 
  private:
+  void clear(const PlanWindow& window);
   void seed_goal(std::span<const float> price, const Eigen::Vector2d& goal_map, double tolerance_m);
   void seed_border(std::span<const float> price, const Eigen::Vector2d& goal_map,
                    double outside_price);
-  void take_border_seeds();
+  void add_seed(std::span<const float> price, const Eigen::Vector2i& cell, double cost_m);
+  void take_seeds();
   void spread_from(std::span<const float> price, int column, int row, float cost);
   void push(std::size_t cell, float cost);
 
@@ -62,8 +76,9 @@ class CostSearch {
   std::vector<std::vector<std::uint32_t>> buckets_;
   std::size_t bucket_ = 0;
   std::size_t num_queued_ = 0;
-  /// Cells at the window's border with their cost to a goal beyond it, the cheapest last.
-  std::vector<std::pair<float, std::size_t>> border_seeds_;
+  /// Cells whose cost is known beforehand, the cheapest last: those at the window's border for a
+  /// goal beyond it, and the ends where there is no goal.
+  std::vector<std::pair<float, std::size_t>> seeds_;
 };
 
 }  // namespace nodmap::navigator

@@ -16,6 +16,16 @@ constexpr double kFailureM = 0.3;
 /// place that looks too narrow is gone to and looked at when there is no other path. The rollouts
 /// measure what is really free.
 constexpr double kTightPrice = 4.0;
+/// Without a goal the robot plans so far: at its fastest speed that takes more than two seconds,
+/// four plans. An end costs more by the angle that it is away from ahead, so that it turns round
+/// where there is no other way on, or one that is shorter by 2.5 m.
+constexpr double kOnwardM = 3.5;
+constexpr double kRingM = 0.1;
+constexpr double kAsideMPerRad = 0.8;
+/// Where no path leads so far, as in a small room, the farther it leads the better; what ends
+/// nearer than the first of these is no path at all.
+constexpr double kShortestM = 0.6;
+constexpr double kShortPrice = 3.0;
 /// The last resort keeps this off the middle of an occupied cell: enough not to slip through a wall
 /// whose cells touch at their corners only, or miss one or two.
 constexpr double kOccupiedM = 0.1;
@@ -52,36 +62,62 @@ void GlobalPlanner::step(time::Timestamp stamp, const LocalMap& local_map,
     goal_map_ = goal_map;
     tolerance_m_ = tolerance_m;
   }
-  switch (phase_) {
-    case Phase::kIdle:
-      if (started_at_ && time::seconds(std::chrono::abs(stamp - *started_at_)) < params_.replan_s) {
-        return;
-      }
-      started_at_ = stamp;
-      ground_.update(local_map, T_map_odom, T_odom_base);
-      window_ = ground_.window_around(p_map, goal_map_);
-      is_last_resort_ = false;
-      phase_ = Phase::kMeasureDistances;
-      return;
-    case Phase::kMeasureDistances:
-      measure_obstacle_distances(geofence);
-      begin_search();
-      phase_ = Phase::kSearch;
-      return;
-    case Phase::kSearch:
-      if (!search_.advance(price_, kPortion)) {
-        finish(p_map);
-      }
+  if (phase_ != Phase::kIdle) {
+    go_on(p_map, geofence);
+  } else if (is_due(stamp)) {
+    ground_.update(local_map, T_map_odom, T_odom_base);
+    window_ = ground_.window_around(p_map, goal_map_);
+    phase_ = Phase::kMeasureDistances;
+  }
+}
+
+void GlobalPlanner::step_onward(time::Timestamp stamp, const LocalMap& local_map,
+                                const geometry::SE2& T_map_odom, const geometry::SE2& T_odom_base,
+                                const Geofence* geofence) {
+  const geometry::SE2 T_map_base = T_map_odom * T_odom_base;
+  if (phase_ != Phase::kIdle) {
+    go_on(T_map_base.translation(), geofence);
+  } else if (is_due(stamp)) {
+    ground_.update(local_map, T_map_odom, T_odom_base);
+    window_ = ground_.window_within(T_map_base.translation(), kOnwardM + 2.0 * KnownGround::kCellM);
+    onward_from_ = T_map_base;
+    phase_ = Phase::kMeasureDistances;
+  }
+}
+
+bool GlobalPlanner::is_due(time::Timestamp stamp) {
+  if (started_at_ && time::seconds(std::chrono::abs(stamp - *started_at_)) < params_.replan_s) {
+    return false;
+  }
+  started_at_ = stamp;
+  is_last_resort_ = false;
+  return true;
+}
+
+void GlobalPlanner::go_on(const Eigen::Vector2d& p_map, const Geofence* geofence) {
+  if (phase_ == Phase::kMeasureDistances) {
+    measure_obstacle_distances(geofence);
+    begin_search();
+    phase_ = Phase::kSearch;
+  } else if (!search_.advance(price_, kPortion)) {
+    finish(p_map);
   }
 }
 
 void GlobalPlanner::begin_search() {
   price_cells();
   price_failures();
-  search_.begin(window_, price_, goal_map_, tolerance_m_, 1.0 + params_.unknown_price);
+  if (onward_from_) {
+    search_.begin_onward(window_, price_,
+                         {*onward_from_, is_last_resort_ ? kShortestM : kOnwardM - kRingM, kOnwardM,
+                          kShortPrice, kAsideMPerRad});
+  } else {
+    search_.begin(window_, price_, goal_map_, tolerance_m_, 1.0 + params_.unknown_price);
+  }
 }
 
-/// Without a path the plan is made once more, over all that is not next to something occupied.
+/// Without a path the plan is made once more: to a goal over all that is not next to something
+/// occupied, onward to nearer ends.
 void GlobalPlanner::finish(const Eigen::Vector2d& p_map) {
   if (!is_last_resort_ && !std::isfinite(search_.found().least_near(p_map))) {
     is_last_resort_ = true;
@@ -123,6 +159,7 @@ void GlobalPlanner::occupy_boundary(const Geofence& geofence) {
 void GlobalPlanner::price_cells() {
   const Eigen::Vector2i first = ground_.first_of(window_);
   const double least_m = body_.half_width_m + params_.least_clearance_m;
+  const bool crosses_tight = is_last_resort_ && !onward_from_;
   price_.resize(window_.num_cells());
   for (int row = 0; row < window_.height; ++row) {
     for (int column = 0; column < window_.width; ++column) {
@@ -131,7 +168,7 @@ void GlobalPlanner::price_cells() {
       const bool is_unknown =
           ground_.at(first + Eigen::Vector2i(column, row)) == KnownGround::Kind::kUnknown;
       price_[window_.place(column, row)] =
-          distance_m < (is_last_resort_ ? kOccupiedM : body_.half_width_m)
+          distance_m < (crosses_tight ? kOccupiedM : body_.half_width_m)
               ? -1.0F
               : static_cast<float>(1.0 + params_.nearness_price * nearness * nearness +
                                    (distance_m < least_m ? kTightPrice : 0.0) +

@@ -36,11 +36,18 @@ class GlobalPlanner {
             const geometry::SE2& T_odom_base, const Eigen::Vector2d& goal_map, double tolerance_m,
             const Geofence* geofence = nullptr);
 
+  /// One portion of work without a goal: plans to wherever the robot can go on, 3.5 m away in any
+  /// direction, cheapest ahead. A planner plans either so or to goals.
+  void step_onward(time::Timestamp stamp, const LocalMap& local_map,
+                   const geometry::SE2& T_map_odom, const geometry::SE2& T_odom_base,
+                   const Geofence* geofence = nullptr);
+
   /// Null before the first plan to this goal is complete.
   [[nodiscard]] const CostToGo* cost_to_go() const { return complete_ ? &*complete_ : nullptr; }
 
   /// A place where the robot could not go on: paths through it cost more from now on.
   void add_failure(const Eigen::Vector2d& p_map);
+  void forget_failures() { failures_.clear(); }
 
   /// Plans anew from what the local map holds.
   void forget_ground();
@@ -54,6 +61,8 @@ class GlobalPlanner {
     double price = 0.0;
   };
 
+  [[nodiscard]] bool is_due(time::Timestamp stamp);
+  void go_on(const Eigen::Vector2d& p_map, const Geofence* geofence);
   void measure_obstacle_distances(const Geofence* geofence);
   void occupy_boundary(const Geofence& geofence);
   void begin_search();
@@ -71,6 +80,7 @@ class GlobalPlanner {
   std::optional<time::Timestamp> started_at_;
   Eigen::Vector2d goal_map_ = Eigen::Vector2d::Zero();
   double tolerance_m_ = 0.0;
+  std::optional<geometry::SE2> onward_from_;  // T_map_base; empty: to the goal
   PlanWindow window_;
   DistanceField obstacle_distances_;  // of the robot's centre
   std::vector<float> price_;          // of a metre, by cell; negative: blocked

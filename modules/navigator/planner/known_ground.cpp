@@ -86,14 +86,22 @@ PlanWindow KnownGround::window_around(const Eigen::Vector2d& p_map,
                                       const Eigen::Vector2d& goal_map) const {
   const auto around = static_cast<int>(kAroundM / kCellM);
   const Eigen::Vector2i margin = Eigen::Vector2i::Constant(around);
+  return window_between(grid_.index_of(known_min_.cwiseMin(p_map).cwiseMin(goal_map)) - margin,
+                        grid_.index_of(known_max_.cwiseMax(p_map).cwiseMax(goal_map)) + margin);
+}
+
+PlanWindow KnownGround::window_within(const Eigen::Vector2d& p_map, double half_size_m) const {
+  const Eigen::Vector2d half_size = Eigen::Vector2d::Constant(half_size_m);
+  return window_between(grid_.index_of(p_map - half_size), grid_.index_of(p_map + half_size));
+}
+
+/// As far as the grid reaches.
+PlanWindow KnownGround::window_between(const Eigen::Vector2i& low,
+                                       const Eigen::Vector2i& high) const {
   const Eigen::Vector2i last = grid_.first() + Eigen::Vector2i::Constant(grid_.size() - 1);
-  const Eigen::Vector2i low =
-      (grid_.index_of(known_min_.cwiseMin(p_map).cwiseMin(goal_map)) - margin)
-          .cwiseMax(grid_.first());
-  const Eigen::Vector2i high =
-      (grid_.index_of(known_max_.cwiseMax(p_map).cwiseMax(goal_map)) + margin).cwiseMin(last);
-  return {kCellM * low.cast<double>(), kCellM, std::max(1, high.x() - low.x() + 1),
-          std::max(1, high.y() - low.y() + 1)};
+  const Eigen::Vector2i from = low.cwiseMax(grid_.first());
+  const Eigen::Vector2i size = high.cwiseMin(last) - from + Eigen::Vector2i::Ones();
+  return {kCellM * from.cast<double>(), kCellM, std::max(1, size.x()), std::max(1, size.y())};
 }
 
 }  // namespace nodmap::navigator

@@ -32,6 +32,9 @@ class KnownGround {
   [[nodiscard]] PlanWindow window_around(const Eigen::Vector2d& p_map,
                                          const Eigen::Vector2d& goal_map) const;
 
+  /// The cells within a square, `half_size_m` to each side.
+  [[nodiscard]] PlanWindow window_within(const Eigen::Vector2d& p_map, double half_size_m) const;
+
   /// The grid's index of a window's cell (0, 0).
   [[nodiscard]] Eigen::Vector2i first_of(const PlanWindow& window) const {
     return grid_.index_of(window.origin + Eigen::Vector2d(0.01, 0.01));
@@ -41,6 +44,8 @@ class KnownGround {
  private:
   static constexpr int kLog2Size = 10;
 
+  [[nodiscard]] PlanWindow window_between(const Eigen::Vector2i& low,
+                                          const Eigen::Vector2i& high) const;
   void update_cell(const Eigen::Vector2i& index, const LocalMap& local_map,
                    const Eigen::Matrix2d& R_odom_map, const Eigen::Vector2d& t_odom_map);
 

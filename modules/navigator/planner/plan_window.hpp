@@ -24,6 +24,9 @@ struct PlanWindow {
     return static_cast<std::size_t>(row) * static_cast<std::size_t>(width) +
            static_cast<std::size_t>(column);
   }
+  [[nodiscard]] Eigen::Vector2d center_of(int column, int row) const {
+    return origin + cell_size_m * Eigen::Vector2d(column + 0.5, row + 0.5);
+  }
   /// Column and row in which a place lies, which may be outside.
   [[nodiscard]] Eigen::Vector2i cell_of(const Eigen::Vector2d& p_map) const {
     return ((p_map - origin) / cell_size_m).array().floor().cast<int>();

@@ -115,7 +115,8 @@ std::optional<Decision> SafeMotion::drive_forwards(const Rollout& rollout, const
   const Arc arc = brake.measure_arc(curvature, now);
   const double limit_mps =
       std::min(brake.speed_limit(curvature, now.max_forward_mps), rollout.forward_mps);
-  const double goal_mps = brake.stoppable_mps(now.goal->distance_m);
+  const double goal_mps = now.goal ? brake.stoppable_mps(now.goal->distance_m)
+                                   : std::numeric_limits<double>::infinity();
   const double safe_mps = std::min(arc.speed_mps, brake.speed_on_present_arc(now));
   Decision decision;
   decision.forward_mps = std::min({limit_mps, goal_mps, safe_mps});

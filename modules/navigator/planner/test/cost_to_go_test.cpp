@@ -115,6 +115,29 @@ TEST(CostSearch, CostsAreThoseOfBruteForce) {
   }
 }
 
+// Ends cost what their angle from ahead does, and what they are too near.
+TEST(CostSearch, OnwardTheCellsBetweenTwoDistancesAreTheEnds) {
+  for (std::uint64_t seed = 1000; seed < 1006; ++seed) {
+    const Prices prices(seed);
+    const geometry::SE2 T_map_base{prices.middle(15, 15).x(), prices.middle(15, 15).y(), 0.7};
+    std::vector<double> seeds(prices.window.num_cells(), kNever);
+    for (int row = 0; row < prices.window.height; ++row) {
+      for (int column = 0; column < prices.window.width; ++column) {
+        const Eigen::Vector2d p = T_map_base.inverse() * prices.middle(column, row);
+        if (p.norm() >= 0.4 && p.norm() <= 0.6 && prices.at(column, row) >= 0.0) {
+          seeds[prices.window.place(column, row)] =
+              0.8 * std::abs(std::atan2(p.y(), p.x())) + 3.0 * (0.6 - p.norm());
+        }
+      }
+    }
+    CostSearch dut;
+    dut.begin_onward(prices.window, prices.price, {T_map_base, 0.4, 0.6, 3.0, 0.8});
+    while (dut.advance(prices.price, 100)) {
+    }
+    expect_costs(dut.found(), relax(prices, seeds), prices);
+  }
+}
+
 // The border's cells cost what the straight line from them to the goal does.
 TEST(CostSearch, AGoalOutsideIsReachedOverTheBorder) {
   for (std::uint64_t seed = 1000; seed < 1006; ++seed) {

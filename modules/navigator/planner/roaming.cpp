@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/navigator/planner/roaming.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace nodmap::navigator {
+namespace {
+
+/// Without a goal there is nothing behind the robot that it must get to: backing up at 0.15 m/s
+/// takes longer than any rotation.
+constexpr double kReversePriceM = 1.0;
+
+/// Progress, and how long the robot may make none. A rotation by 180 degrees takes three seconds.
+constexpr double kProgressM = 0.2;
+constexpr double kProgressRad = 0.7;
+constexpr time::Duration kPatience = 3s;
+constexpr time::Duration kPause = 200ms;
+/// The path is given up so far ahead of the robot, until it is so far away.
+constexpr double kFailureAheadM = 0.4;
+constexpr double kElsewhereM = 3.0;
+
+NavigatorParams roaming(NavigatorParams params) {
+  params.planner.reverse_price = std::max(params.planner.reverse_price, kReversePriceM);
+  return params;
+}
+
+}  // namespace
+
+Roaming::Roaming(const NavigatorParams& params)
+    : brake_(params),
+      planner_(params.robot.body.footprint(), params.planner),
+      rollouts_(params.robot.body.footprint(), roaming(params)),
+      motion_(params) {}
+
+std::optional<Decision> Roaming::decide(const Situation& now, const SeenDirections& seen,
+                                        const LocalMap& local_map) {
+  motion_.record(now);
+  planner_.step_onward(now.stamp, local_map, now.T_map_odom, now.T_odom_base, now.geofence);
+  const CostToGo* cost_to_go = planner_.cost_to_go();
+  if (cost_to_go == nullptr) {
+    Decision decision;
+    decision.behaviour = Behaviour::kBrake;
+    decision.reason = Why::kPlans;
+    return decision;
+  }
+  const geometry::SE2 T_map_base = now.T_map_odom * now.T_odom_base;
+  if (!std::isfinite(cost_to_go->least_near(T_map_base.translation()))) {
+    return std::nullopt;
+  }
+  if (is_stuck(now)) {
+    give_up_path(T_map_base);
+  } else if (failed_at_ && (T_map_base.translation() - *failed_at_).norm() > kElsewhereM) {
+    planner_.forget_failures();
+    failed_at_.reset();
+  }
+  const double max_forward_mps = brake_.speed_limit(0.0, now.max_forward_mps);
+  return motion_.best_of(rollouts_.plan(now, *cost_to_go, max_forward_mps), brake_, now, seen);
+}
+
+/// Whether it has got no farther, and has not turned round, for a while. Waiting for people is no
+/// failure, nor is what others decided.
+bool Roaming::is_stuck(const Situation& now) {
+  const bool is_first = !decided_at_ || std::chrono::abs(now.stamp - *decided_at_) > kPause;
+  decided_at_ = now.stamp;
+  const geometry::SE2 moved = progress_odom_.inverse() * now.T_odom_base;
+  if (is_first || !now.people.empty() || moved.translation().norm() > kProgressM ||
+      std::abs(moved.yaw) > kProgressRad) {
+    progress_at_ = now.stamp;
+    progress_odom_ = now.T_odom_base;
+    return false;
+  }
+  return now.stamp - progress_at_ > kPatience;
+}
+
+void Roaming::give_up_path(const geometry::SE2& T_map_base) {
+  failed_at_ = T_map_base.translation();
+  planner_.add_failure(planner_.cost_to_go()->path_from(*failed_at_, kFailureAheadM).back());
+  decided_at_.reset();
+}
+
+}  // namespace nodmap::navigator

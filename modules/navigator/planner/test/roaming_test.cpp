@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "modules/navigator/planner/roaming.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "modules/navigator/local_map/test/scanned_ground.hpp"
+
+namespace nodmap::navigator {
+namespace {
+
+/// What the nodding laser sees from one place; `quarters` of a rotation, a look at each.
+LocalMap seen_from_start(const test::Ground& ground, int quarters = 1) {
+  LocalMap map({}, {});
+  for (int quarter = 0; quarter < quarters; ++quarter) {
+    const geometry::SE2 T_odom_base{0.0, 0.0, 0.5 * geometry::kPi * (quarter + 1 - quarters)};
+    for (double deg = -60.0; deg <= 2.0; deg += 1.0) {
+      map.add_scan(test::scan_of(ground, T_odom_base, geometry::deg_to_rad(deg)), T_odom_base);
+    }
+  }
+  return map;
+}
+
+time::Timestamp at_scan(int number) {
+  return time::Timestamp(13'320us * number);
+}
+
+CostToGo onward(const test::Ground& ground, int quarters = 1) {
+  const LocalMap map = seen_from_start(ground, quarters);
+  GlobalPlanner planner(NavigatorParams().robot.body.footprint(), {});
+  for (int i = 0; i < 40 && planner.cost_to_go() == nullptr; ++i) {
+    planner.step_onward(at_scan(i), map, {}, {});
+  }
+  return *planner.cost_to_go();
+}
+
+// The way on is straight ahead, and the floor there is seen: a metre costs a metre, but for the
+// bend of the ring and the grid's metric.
+TEST(PlanOnward, InTheOpenItLeadsAhead) {
+  const CostToGo cost = onward({});
+  EXPECT_NEAR(cost.at({0.5, 0.0}) - cost.at({1.5, 0.0}), 1.0, 0.05);
+  EXPECT_GT(cost.at({0.0, 1.0}), cost.at({1.0, 0.0}));
+  EXPECT_GT(cost.at({-1.0, 0.0}), cost.at({0.0, 1.0}));
+}
+
+// A pocket 1.2 m deep and 0.8 m wide straight ahead.
+TEST(PlanOnward, LeadsPastAPocketAndNotIntoIt) {
+  const CostToGo cost = onward({{{{1.0, 0.4}, {2.3, 0.5}, 0.5},
+                                 {{1.0, -0.5}, {2.3, -0.4}, 0.5},
+                                 {{2.2, -0.5}, {2.3, 0.5}, 0.5}}});
+  const auto path = cost.path_from({0.3, 0.0}, 5.0);
+  EXPECT_NEAR(path.back().norm(), 3.5, 0.1);
+  for (const Eigen::Vector2d& p : path) {
+    EXPECT_FALSE(p.x() > 1.2 && p.x() < 2.2 && std::abs(p.y()) < 0.4) << p.transpose();
+  }
+}
+
+// A closed room of 4 m x 3 m: the path ends before the wall, and is finite.
+TEST(PlanOnward, InASmallRoomItLeadsToItsFarEnd) {
+  const CostToGo cost = onward({{{{-1.0, 1.5}, {3.0, 1.6}, 0.8},
+                                 {{-1.0, -1.6}, {3.0, -1.5}, 0.8},
+                                 {{3.0, -1.6}, {3.1, 1.6}, 0.8},
+                                 {{-1.1, -1.6}, {-1.0, 1.6}, 0.8}}},
+                               4);
+  ASSERT_TRUE(std::isfinite(cost.at({0.0, 0.0})));
+  const auto path = cost.path_from({0.3, 0.0}, 5.0);
+  EXPECT_GT(path.back().x(), 1.5);
+  EXPECT_LT(path.back().x(), 2.9);
+}
+
+struct RoamingTest : testing::Test {
+  /// The last of so many decisions of a robot that stays where it is, though it moves.
+  std::optional<Decision> decide(const test::Ground& ground, double forward_mps,
+                                 int num_decisions) {
+    const LocalMap map = seen_from_start(ground);
+    Situation now;
+    now.local_map = &map;
+    now.max_forward_mps = 1.0;
+    now.points_base = map.points_base({}, 2.5);
+    now.forward_mps = forward_mps;
+    SeenDirections seen(geometry::deg_to_rad(70.0));
+    seen.update(0.0, 0);
+    seen.update(0.0, 2);
+    std::optional<Decision> decision;
+    for (int i = 0; i < num_decisions; ++i) {
+      now.stamp = at_scan(i);
+      decision = roaming.decide(now, seen, map);
+    }
+    return decision;
+  }
+
+  Roaming roaming{{}};
+};
+
+// A wall 1.2 m ahead with its end 0.3 m to the left of the robot's middle: it bends to the left at
+// more than half of its speed, and neither stops nor turns.
+TEST_F(RoamingTest, PassesTheEndOfAWallWithoutAStop) {
+  const auto decision = decide({{{{1.4, -2.5}, {1.5, 0.3}, 0.5}}}, 0.6, 20);
+  ASSERT_TRUE(decision);
+  EXPECT_GT(decision->forward_mps, 0.3);
+  EXPECT_GT(decision->yaw_rate_rad_s, 0.0);
+}
+
+TEST_F(RoamingTest, PlansFirst) {
+  const auto decision = decide({}, 0.0, 1);
+  ASSERT_TRUE(decision);
+  EXPECT_EQ(decision->forward_mps, 0.0);
+  EXPECT_EQ(decision->reason.why, Why::kPlans);
+}
+
+// In the open it drives straight on. After four seconds, longer than it may take without progress,
+// and the time of a plan, the path 0.4 m ahead costs more: it bends around that.
+TEST_F(RoamingTest, WithoutProgressThePathIsGivenUp) {
+  const auto first = decide({}, 0.0, 40);
+  ASSERT_TRUE(first);
+  EXPECT_LT(std::abs(first->yaw_rate_rad_s), 0.1);
+  const auto later = decide({}, 0.0, 40 + 300);
+  ASSERT_TRUE(later);
+  EXPECT_GT(std::abs(later->yaw_rate_rad_s), 0.3);
+}
+
+}  // namespace
+}  // namespace nodmap::navigator
