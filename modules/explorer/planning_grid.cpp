@@ -48,7 +48,7 @@ bool PlanningGrid::add(const MapTile& tile) {
   if (!is_plausible(tile)) {
     return false;
   }
-  if (2.0 * tile.cell_size_m != cell_size_m_) {
+  if (near_offsets_.empty() || 2.0 * tile.cell_size_m != cell_size_m_) {
     clear();
     cell_size_m_ = 2.0 * tile.cell_size_m;
     find_near_offsets();

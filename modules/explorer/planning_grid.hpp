@@ -75,7 +75,7 @@ class PlanningGrid {
   [[nodiscard]] bool has_room(const Cell& cell) const;
 
   double inflation_radius_m_;
-  double cell_size_m_ = 0.0;
+  double cell_size_m_ = 1.0;        // any before the first tile, for each place is in some cell
   std::vector<Cell> near_offsets_;  // map cells within the inflation radius
   int near_cells_ = 0;              // the farthest of them along an axis
   Raster<Ground> map_;              // the map's own cells
