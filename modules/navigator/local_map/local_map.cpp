@@ -188,7 +188,7 @@ void LocalMap::classify(const Beam& beam, std::size_t index) {
     if (is_certain) {
       obstacles_.add_hit(grid_, p_odom, true, scan_);
     } else {
-      low_hits_.push_back({index, p_odom});
+      low_hits_.push_back({index, p_odom, place.height_m, -beam.direction.z()});
     }
   }
 }
@@ -196,9 +196,9 @@ void LocalMap::classify(const Beam& beam, std::size_t index) {
 /// What is within the tolerance is floor, but for what stands out of the line.
 void LocalMap::add_floor_hits() {
   const auto by_beam = [](const LowHit& a, const LowHit& b) { return a.beam < b.beam; };
-  for (const FloorHit& hit : floor_hits_) {
+  for (const LowHit& hit : floor_hits_) {
     if (is_above_line(hit)) {
-      low_hits_.push_back({hit.beam, hit.p_odom});
+      low_hits_.push_back(hit);
     } else {
       floor_.add(grid_, hit.beam, hit.p_odom.head<2>(), hit.p_odom.z() - hit.height_m, scan_);
     }
@@ -207,7 +207,7 @@ void LocalMap::add_floor_hits() {
 }
 
 /// Where the ground is level: a ramp rises out of a line, too.
-bool LocalMap::is_above_line(const FloorHit& hit) const {
+bool LocalMap::is_above_line(const LowHit& hit) const {
   const double least_m = std::max(params_.floor_tolerance_m, kRangeErrorM * hit.sinking);
   if (!ground_.is_level() || hit.height_m < least_m - kLineErrorM) {
     return false;
@@ -219,7 +219,8 @@ bool LocalMap::is_above_line(const FloorHit& hit) const {
 /// Neighbouring beams have the noise of the range each for itself, and what they have in common,
 /// errors of pitch and tilt, is within the tolerance: where two side by side end above the floor,
 /// something is. So a low sill is known from a single line on it: the next one is a cell or more
-/// farther on.
+/// farther on. A brick of 3 cm has one beam on it: that one counts alone where it stands out of its
+/// line by more than the noise of a range.
 void LocalMap::add_low_hits() {
   const auto are_side_by_side = [&](std::size_t a, std::size_t b) {
     return b < low_hits_.size() && low_hits_[a].beam + 1 == low_hits_[b].beam &&
@@ -228,7 +229,8 @@ void LocalMap::add_low_hits() {
   bool is_beside_last = false;
   for (std::size_t i = 0; i < low_hits_.size(); ++i) {
     const bool is_beside_next = are_side_by_side(i, i + 1);
-    obstacles_.add_hit(grid_, low_hits_[i].p_odom, is_beside_last || is_beside_next, scan_);
+    obstacles_.add_hit(grid_, low_hits_[i].p_odom,
+                       is_beside_last || is_beside_next || is_above_line(low_hits_[i]), scan_);
     is_beside_last = is_beside_next;
   }
 }

@@ -108,7 +108,8 @@ class LocalMap {
   void reset();
 
  private:
-  struct FloorHit {
+  /// So little above or below the floor that it may be floor.
+  struct LowHit {
     std::size_t beam;
     Eigen::Vector3d p_odom;
     double height_m;
@@ -121,7 +122,7 @@ class LocalMap {
   void classify(const Beam& beam, std::size_t index);
   void classify_below(const Beam& beam, double range_m, std::size_t facet, bool is_certain);
   void add_floor_hits();
-  [[nodiscard]] bool is_above_line(const FloorHit& hit) const;
+  [[nodiscard]] bool is_above_line(const LowHit& hit) const;
   void add_low_hits();
   void pass(const Beam& beam, double until_m);
   [[nodiscard]] static double range_to(const Plane& plane, const Beam& beam);
@@ -145,12 +146,8 @@ class LocalMap {
   FacetFinder finder_;
   FloorEvidence floor_;
   ObstacleMemory obstacles_;
-  struct LowHit {
-    std::size_t beam;
-    Eigen::Vector3d p_odom;
-  };
-  std::vector<LowHit> low_hits_;  // of this scan: so little above the floor that it may be noise
-  std::vector<FloorHit> floor_hits_;  // of this scan: on the floor, or within its tolerance
+  std::vector<LowHit> low_hits_;    // of this scan: above the floor's tolerance, or out of the line
+  std::vector<LowHit> floor_hits_;  // of this scan: within the floor's tolerance
   LineFloor line_floor_;
   std::uint16_t scan_ = 0;
   std::vector<Eigen::Vector2d> fan_;  // cos and sin of each beam's angle

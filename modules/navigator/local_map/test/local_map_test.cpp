@@ -216,14 +216,24 @@ TEST(LocalMap, ALowSillIsKnownFromOneSweepOfAFastRobot) {
   EXPECT_GE(known, 12);  // of 19 there are 14
 }
 
-// One beam alone that ends a little above the floor is noise until the next scan says the same.
+// One beam alone that ends a little above the floor is noise until the next scan says the same: so
+// steeply five standard deviations of its range are that much height.
 TEST(LocalMap, ASingleBeamAboveTheFloorIsNoObstacle) {
   LocalMap map({}, {});
-  scan::Scan scan = test::scan_of({}, {}, deg_to_rad(-20.0));
-  scan.ranges_m[90] -= 0.1F;  // 3.4 cm above the floor
+  scan::Scan scan = test::scan_of({}, {}, deg_to_rad(-50.0));
+  scan.ranges_m[90] -= 0.05F;  // 3.8 cm above the floor
   map.add_scan(scan, {});
   EXPECT_TRUE(map.points_base({}, 2.0).empty());
-  scan.ranges_m[91] -= 0.1F;
+  scan.ranges_m[91] -= 0.05F;
+  map.add_scan(scan, {});
+  EXPECT_FALSE(map.points_base({}, 2.0).empty());
+}
+
+// A brick of 3 cm has one beam on it. Ten standard deviations of its range are no noise.
+TEST(LocalMap, ASingleBeamFarOutOfTheLineIsAnObstacle) {
+  LocalMap map({}, {});
+  scan::Scan scan = test::scan_of({}, {}, deg_to_rad(-15.0));
+  scan.ranges_m[90] -= 0.1F;  // 2.6 cm above the floor
   map.add_scan(scan, {});
   EXPECT_FALSE(map.points_base({}, 2.0).empty());
 }
