@@ -191,7 +191,10 @@ bool CostSearch::advance(std::span<const float> price, int max_cells) {
   for (int count = 0; count < max_cells;) {
     take_seeds();
     if (num_queued_ == 0) {
-      break;
+      if (seeds_.empty()) {
+        break;
+      }
+      continue;  // those of this bucket were reached at a lower cost
     }
     auto& bucket = buckets_[bucket_ % kNumBuckets];
     if (bucket.empty()) {
