@@ -83,7 +83,7 @@ void LocalMapScan(benchmark::State& state) {
   report(state, std::move(scan_us));
 }
 
-/// `scans`: for the local map; without them the robot drives to a goal by the behaviours.
+/// `scans`: for the local map; without them the robot drives by the behaviours.
 void decide(benchmark::State& state, const Points& points, bool has_goal,
             const std::vector<scan::Scan>& scans = {}) {
   Navigator navigator{{}};
@@ -115,6 +115,9 @@ void decide(benchmark::State& state, const Points& points, bool has_goal,
 void Roaming(benchmark::State& state) {
   decide(state, full_map(1.0, 4.0), false);
 }
+void RoamingByPlan(benchmark::State& state) {
+  decide(state, full_map(1.0, 4.0), false, sweep());
+}
 void ToAGoal(benchmark::State& state) {
   decide(state, full_map(1.0, 4.0), true);
 }
@@ -126,6 +129,7 @@ void ObstaclesAllAround(benchmark::State& state) {
 }
 
 BENCHMARK(Roaming);
+BENCHMARK(RoamingByPlan);
 BENCHMARK(ToAGoal);
 BENCHMARK(ToAGoalByPlan);
 BENCHMARK(LocalMapScan);

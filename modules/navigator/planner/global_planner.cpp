@@ -21,6 +21,8 @@ constexpr double kTightPrice = 4.0;
 /// where there is no other way on, or one that is shorter by 2.5 m.
 constexpr double kOnwardM = 3.5;
 constexpr double kRingM = 0.1;
+/// From one plan to the next the robot drives 0.9 m at 1.5 m/s.
+constexpr double kLeftM = 1.75;
 constexpr double kAsideMPerRad = 0.8;
 /// Where no path leads so far, as in a small room, the farther it leads the better; what ends
 /// nearer than the first of these is no path at all.
@@ -75,6 +77,11 @@ void GlobalPlanner::step_onward(time::Timestamp stamp, const LocalMap& local_map
                                 const geometry::SE2& T_map_odom, const geometry::SE2& T_odom_base,
                                 const Geofence* geofence) {
   const geometry::SE2 T_map_base = T_map_odom * T_odom_base;
+  // After a goal the last plan onward may be one around another place.
+  if (onward_from_ && (T_map_base.translation() - onward_from_->translation()).norm() > kLeftM) {
+    complete_.reset();
+    phase_ = Phase::kIdle;
+  }
   if (phase_ != Phase::kIdle) {
     go_on(T_map_base.translation(), geofence);
   } else if (is_due(stamp)) {

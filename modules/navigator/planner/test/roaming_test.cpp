@@ -70,6 +70,23 @@ TEST(PlanOnward, InASmallRoomItLeadsToItsFarEnd) {
   EXPECT_LT(path.back().x(), 2.9);
 }
 
+// As after a goal that led the robot away: what was planned around the place before says nothing.
+TEST(PlanOnward, APlanAroundAnotherPlaceIsGivenUp) {
+  const LocalMap map = seen_from_start({});
+  GlobalPlanner planner(NavigatorParams().robot.body.footprint(), {});
+  for (int i = 0; i < 40; ++i) {
+    planner.step_onward(at_scan(i), map, {}, {});
+  }
+  ASSERT_NE(planner.cost_to_go(), nullptr);
+  const geometry::SE2 T_odom_base{2.0, 0.0, 0.0};
+  planner.step_onward(at_scan(40), map, {}, T_odom_base);
+  EXPECT_EQ(planner.cost_to_go(), nullptr);
+  for (int i = 41; i < 100; ++i) {
+    planner.step_onward(at_scan(i), map, {}, T_odom_base);
+  }
+  EXPECT_NE(planner.cost_to_go(), nullptr);
+}
+
 struct RoamingTest : testing::Test {
   /// The last of so many decisions of a robot that stays where it is, though it moves.
   std::optional<Decision> decide(const test::Ground& ground, double forward_mps,
