@@ -102,10 +102,11 @@ double straight_distance(const Eigen::Vector2d& p, const Footprint& body) {
 double arc_distance(const Eigen::Vector2d& p, double curvature, const Footprint& body) {
   const double radius_m = std::abs(1.0 / curvature);
   const Rotation rotation{1.0 / curvature, std::copysign(1.0, curvature)};
-  const double p_radius_m = std::hypot(p.x(), p.y() - rotation.center_y);
   // Outside the ring that the rectangle sweeps nothing is touched: most points end here.
-  if (p_radius_m > std::hypot(body.half_length_m, radius_m + body.half_width_m) ||
-      p_radius_m < radius_m - body.half_width_m) {
+  const double squared_radius = Eigen::Vector2d(p.x(), p.y() - rotation.center_y).squaredNorm();
+  const double inner_m = std::max(0.0, radius_m - body.half_width_m);
+  const Eigen::Vector2d outer_corner(body.half_length_m, radius_m + body.half_width_m);
+  if (squared_radius > outer_corner.squaredNorm() || squared_radius < inner_m * inner_m) {
     return kNever;
   }
   const double angle_rad = rotation_until_touched(p, rotation, body);

@@ -47,12 +47,13 @@ bool LocalMap::is_blocked(const LocalCell& cell) const {
 }
 
 bool LocalMap::is_blocked_at(const Eigen::Vector2d& p_odom) const {
-  return is_blocked_at(grid_.index_of(p_odom));
+  const Eigen::Vector2i index = grid_.index_of(p_odom);
+  return grid_.contains(index) && (is_blocked(grid_.at(index)) || is_edge_of_hole(grid_, index));
 }
 
-/// By what is in the cell, or by a hole whose edge it may be.
-bool LocalMap::is_blocked_at(const Eigen::Vector2i& index) const {
-  return grid_.contains(index) && (is_blocked(grid_.at(index)) || is_edge_of_hole(grid_, index));
+LocalView LocalMap::view_around(const Eigen::Vector2d& p_odom, double half_size_m) const {
+  return {grid_, obstacles_, grid_.index_of(p_odom),
+          static_cast<int>(half_size_m / grid_.cell_size_m())};
 }
 
 /// How far from 0 the height of a floor point may be measured: noise of range and pitch, uneven
@@ -350,8 +351,9 @@ void LocalMap::visit_cells(const geometry::SE2& T_odom_base, double range_m,
 
 Points LocalMap::points_base(const geometry::SE2& T_odom_base, double range_m) const {
   Points points;
+  const LocalView view = view_around(T_odom_base.translation(), range_m);
   visit_cells(T_odom_base, range_m, [&](const Eigen::Vector2i& index, const auto& p_base) {
-    if (is_blocked_at(index)) {
+    if ((view.at(index) & LocalView::kBlocked) != 0U) {
       points.push_back(p_base());
     }
   });

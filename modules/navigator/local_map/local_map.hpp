@@ -13,6 +13,7 @@
 #include "modules/navigator/local_map/floor_evidence.hpp"
 #include "modules/navigator/local_map/line_floor.hpp"
 #include "modules/navigator/local_map/local_cell.hpp"
+#include "modules/navigator/local_map/local_view.hpp"
 #include "modules/navigator/local_map/obstacle_memory.hpp"
 #include "modules/navigator/local_map/seen_floor.hpp"
 #include "modules/navigator/obstacle_points.hpp"
@@ -95,6 +96,8 @@ class LocalMap {
   [[nodiscard]] bool is_blocked(const LocalCell& cell) const;
   /// By the same, or because it is the edge of a hole. False outside the grid.
   [[nodiscard]] bool is_blocked_at(const Eigen::Vector2d& p_odom) const;
+  /// All cells within a square, `half_size_m` to each side.
+  [[nodiscard]] LocalView view_around(const Eigen::Vector2d& p_odom, double half_size_m) const;
   [[nodiscard]] const LocalGrid& grid() const { return grid_; }
 
   [[nodiscard]] const TrackedGround& ground() const { return ground_; }
@@ -128,7 +131,6 @@ class LocalMap {
   [[nodiscard]] static double range_to(const Plane& plane, const Beam& beam);
   void look_again(const TrackedGround::Joined& joined);
   [[nodiscard]] double tolerance_m(double range_m) const;
-  [[nodiscard]] bool is_blocked_at(const Eigen::Vector2i& index) const;
   [[nodiscard]] bool is_floor_around(const Eigen::Vector2d& p_odom, bool may_be_assumed) const;
   /// `visit(index, p_base)` for the cells within `range_m` of base; p_base() is its middle there.
   template <class Visit>

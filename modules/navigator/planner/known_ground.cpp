@@ -2,6 +2,7 @@
 #include "modules/navigator/planner/known_ground.hpp"
 
 #include <algorithm>
+#include <array>
 
 namespace nodmap::navigator {
 namespace {
@@ -12,6 +13,15 @@ constexpr double kTakeOverM = 5.5;
 constexpr double kBesideM = 0.6;
 /// Around robot, goal and all that is known, for detours over unknown ground.
 constexpr double kAroundM = 3.0;
+
+/// From the middle of a cell to those of its quarters: each lies in another cell of the local map.
+/// `cells_R`: from metres in map to cells of the local map.
+std::array<Eigen::Vector2d, 4> quarters_of_cell(const Eigen::Matrix2d& cells_R) {
+  constexpr double kAsideM = 0.25 * KnownGround::kCellM;
+  return {
+      cells_R * Eigen::Vector2d(-kAsideM, -kAsideM), cells_R * Eigen::Vector2d(-kAsideM, kAsideM),
+      cells_R * Eigen::Vector2d(kAsideM, -kAsideM), cells_R * Eigen::Vector2d(kAsideM, kAsideM)};
+}
 
 }  // namespace
 
@@ -34,7 +44,10 @@ void KnownGround::update(const LocalMap& local_map, const geometry::SE2& T_map_o
   const geometry::SE2 T_odom_map = T_map_odom.inverse();
   const geometry::SE2 T_base_map = (T_map_odom * T_odom_base).inverse();
   const Eigen::Matrix2d R_odom_map = T_odom_map.rotation();
-  const Eigen::Vector2d t_odom_map = T_odom_map.translation();
+  const Eigen::Matrix2d R_base_map = T_base_map.rotation();
+  const LocalView view =
+      local_map.view_around(T_odom_base.translation(), kTakeOverM + 2.0 * kCellM);
+  const auto quarters = quarters_of_cell(view.cells_per_m() * R_odom_map);
   const int reach = static_cast<int>(kTakeOverM / kCellM);
   const Eigen::Vector2i middle = grid_.index_of(p_map);
   for (int dy = -reach; dy <= reach; ++dy) {
@@ -43,40 +56,30 @@ void KnownGround::update(const LocalMap& local_map, const geometry::SE2& T_map_o
       if (dx * dx + dy * dy > reach * reach || !grid_.contains(index)) {
         continue;
       }
-      const Eigen::Vector2d p_base = T_base_map * grid_.center_of(index);
+      const Eigen::Vector2d q_map = grid_.center_of(index);
+      const Eigen::Vector2d p_base = R_base_map * q_map + T_base_map.translation();
       if (grid_.at(index) == Kind::kUnknown || p_base.x() >= 0.0 || p_base.norm() <= kBesideM) {
-        update_cell(index, local_map, R_odom_map, t_odom_map);
+        const Eigen::Vector2d cells = view.in_cells(R_odom_map * q_map + T_odom_map.translation());
+        unsigned bits = 0;
+        for (const Eigen::Vector2d& quarter : quarters) {
+          bits |= view.at(Eigen::Vector2d(cells + quarter));
+        }
+        update_cell(index, bits);
       }
     }
   }
 }
 
-/// From the four cells of the local map whose middles lie in it.
-void KnownGround::update_cell(const Eigen::Vector2i& index, const LocalMap& local_map,
-                              const Eigen::Matrix2d& R_odom_map,
-                              const Eigen::Vector2d& t_odom_map) {
-  bool is_floor = false;
-  bool is_blocked = false;
-  bool is_cleared = false;
-  bool is_forgotten = false;
-  for (const double x : {-0.25, 0.25}) {
-    for (const double y : {-0.25, 0.25}) {
-      const Eigen::Vector2d q_map = grid_.center_of(index) + kCellM * Eigen::Vector2d(x, y);
-      const Eigen::Vector2d q_odom = R_odom_map * q_map + t_odom_map;
-      const LocalCell* cell = local_map.cell_at(q_odom);
-      is_blocked = is_blocked || (cell != nullptr && local_map.is_blocked_at(q_odom));
-      is_forgotten =
-          is_forgotten || (cell != nullptr && cell->is_obstacle() && !local_map.is_blocked(*cell));
-      is_floor = is_floor || (cell != nullptr && cell->is_floor);
-      is_cleared = is_cleared || (cell != nullptr && cell->is_cleared());
-    }
-  }
-  if (is_blocked || (is_floor && !is_forgotten)) {
+/// `bits`: of all cells of the local map that were found in it.
+void KnownGround::update_cell(const Eigen::Vector2i& index, unsigned bits) {
+  const bool is_blocked = (bits & LocalView::kBlocked) != 0U;
+  const bool is_floor = (bits & LocalView::kFloor) != 0U && (bits & LocalView::kForgotten) == 0U;
+  if (is_blocked || is_floor) {
     const Eigen::Vector2d q_map = grid_.center_of(index);
     known_min_ = known_min_.cwiseMin(q_map);
     known_max_ = known_max_.cwiseMax(q_map);
     grid_.at(index) = is_blocked ? Kind::kBlocked : Kind::kFloor;
-  } else if (is_cleared && grid_.at(index) == Kind::kBlocked) {
+  } else if ((bits & LocalView::kCleared) != 0U && grid_.at(index) == Kind::kBlocked) {
     // A level laser sees no floor, but it does see through where something was.
     grid_.at(index) = Kind::kUnknown;
   }

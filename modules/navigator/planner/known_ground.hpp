@@ -46,8 +46,7 @@ class KnownGround {
 
   [[nodiscard]] PlanWindow window_between(const Eigen::Vector2i& low,
                                           const Eigen::Vector2i& high) const;
-  void update_cell(const Eigen::Vector2i& index, const LocalMap& local_map,
-                   const Eigen::Matrix2d& R_odom_map, const Eigen::Vector2d& t_odom_map);
+  void update_cell(const Eigen::Vector2i& index, unsigned bits);
 
   RollingGrid<Kind> grid_;
   Eigen::Vector2d known_min_ = Eigen::Vector2d::Zero();

@@ -161,19 +161,20 @@ const std::vector<Rollout>& Rollouts::plan(const Situation& now, const CostToGo&
   for (const double yaw_rate : kYawRates) {
     const double yaw_rate_rad_s = yaw_rate * params_.rotation_rad_s;
     if (std::abs(yaw_rate) >= kSlowestRotation) {
-      consider({0.0, yaw_rate_rad_s}, yaw_rate_rad_s, now, cost_to_go);
+      consider({0.0, yaw_rate_rad_s}, now, cost_to_go);
     }
     for (const double speed_mps : kBackwardMps) {
-      consider({speed_mps, yaw_rate_rad_s}, yaw_rate_rad_s, now, cost_to_go);
+      consider({speed_mps, yaw_rate_rad_s}, now, cost_to_go);
     }
   }
   if (!now.people.empty()) {
-    consider({}, 0.0, now, cost_to_go);
+    consider({}, now, cost_to_go);
   }
   std::ranges::sort(rollouts_, {}, &Rollout::cost);
   return rollouts_;
 }
 
+/// Motions that begin alike are rolled out together, as far as they are alike.
 void Rollouts::consider_forwards(double forward_mps, const Situation& now,
                                  const CostToGo& cost_to_go) {
   for (const double yaw_rate : kYawRates) {
@@ -181,38 +182,65 @@ void Rollouts::consider_forwards(double forward_mps, const Situation& now,
     if (motion.forward_mps * std::abs(motion.yaw_rate_rad_s) > drive_.max_lateral_mps2) {
       continue;
     }
+    Progress half = start(now);
+    if (!advance(half, motion, kFirstSteps, now)) {
+      continue;
+    }
     for (const double next : kNextYawRates) {
-      consider(motion, next * drive_.max_yaw_rate_rad_s, now, cost_to_go);
+      const double next_yaw_rate_rad_s = next * drive_.max_yaw_rate_rad_s;
+      Progress end = half;
+      if (advance(end, {forward_mps, next_yaw_rate_rad_s}, kSteps, now)) {
+        add(motion, next_yaw_rate_rad_s, end, now, cost_to_go);
+      }
     }
   }
 }
 
-void Rollouts::consider(const Motion& first, double next_yaw_rate_rad_s, const Situation& now,
-                        const CostToGo& cost_to_go) {
-  geometry::SE2 pose;  // in base, now
-  double v = now.forward_mps;
-  double w = now.yaw_rate_rad_s;
-  double obstruction_s = 0.0;
-  double nearness_m = 0.0;  // metres driven, each the more the nearer it is to obstacles
-  for (int step = 0; step < kSteps; ++step) {
-    const double yaw_rate_rad_s = step < kFirstSteps ? first.yaw_rate_rad_s : next_yaw_rate_rad_s;
-    v = approach(v, first.forward_mps, kStepS * kAccelerationMps2);
-    w = approach(w, yaw_rate_rad_s, kStepS * kYawAccelerationRadS2);
+void Rollouts::consider(const Motion& motion, const Situation& now, const CostToGo& cost_to_go) {
+  Progress end = start(now);
+  if (advance(end, motion, kSteps, now)) {
+    add(motion, motion.yaw_rate_rad_s, end, now, cost_to_go);
+  }
+}
+
+Rollouts::Progress Rollouts::start(const Situation& now) {
+  Progress progress;
+  progress.forward_mps = now.forward_mps;
+  progress.yaw_rate_rad_s = now.yaw_rate_rad_s;
+  return progress;
+}
+
+/// False where it touches something before.
+bool Rollouts::advance(Progress& progress, const Motion& motion, int until_step,
+                       const Situation& now) const {
+  geometry::SE2& pose = progress.pose_base;
+  double& v = progress.forward_mps;
+  double& w = progress.yaw_rate_rad_s;
+  while (progress.steps < until_step) {
+    v = approach(v, motion.forward_mps, kStepS * kAccelerationMps2);
+    w = approach(w, motion.yaw_rate_rad_s, kStepS * kYawAccelerationRadS2);
     const double middle_yaw_rad = pose.yaw + 0.5 * kStepS * w;
     pose = {pose.x + kStepS * v * std::cos(middle_yaw_rad),
             pose.y + kStepS * v * std::sin(middle_yaw_rad), pose.yaw + kStepS * w};
     const double clearance = clearance_m(pose);
-    if (clearance < least_clearance_m(first, v)) {
-      return;
+    if (clearance < least_clearance_m(motion, v)) {
+      return false;
     }
+    ++progress.steps;
     const double ample_m = params_.ample_clearance_m + params_.ample_clearance_s * std::abs(v);
     const double near = std::max(0.0, 1.0 - clearance / ample_m);
-    nearness_m += kStepS * std::hypot(v, kCornerM * w) * near * near;
-    obstruction_s += kStepS * obstruction(pose, kStepS * (step + 1), now.people);
+    progress.nearness_m += kStepS * std::hypot(v, kCornerM * w) * near * near;
+    progress.obstruction_s += kStepS * obstruction(pose, kStepS * progress.steps, now.people);
   }
+  return true;
+}
+
+void Rollouts::add(const Motion& first, double next_yaw_rate_rad_s, const Progress& end,
+                   const Situation& now, const CostToGo& cost_to_go) {
   Rollout rollout{first.forward_mps, first.yaw_rate_rad_s, next_yaw_rate_rad_s, 0.0};
-  rollout.cost = end_cost(now.T_map_odom * now.T_odom_base * pose, cost_to_go) +
-                 params_.clearance_weight * nearness_m + people_.weight_mps * obstruction_s +
+  rollout.cost = end_cost(now.T_map_odom * now.T_odom_base * end.pose_base, cost_to_go) +
+                 params_.clearance_weight * end.nearness_m +
+                 people_.weight_mps * end.obstruction_s +
                  params_.smoothness_weight * (std::abs(first.yaw_rate_rad_s - now.yaw_rate_rad_s) +
                                               std::abs(first.forward_mps - now.forward_mps)) +
                  (first.forward_mps < 0.0 ? reverse_price_m_ : 0.0);

@@ -52,9 +52,23 @@ class Rollouts {
     double yaw_rate_rad_s = 0.0;
   };
 
+  /// What a motion has led to after some steps.
+  struct Progress {
+    int steps = 0;
+    geometry::SE2 pose_base;  // in base, now
+    double forward_mps = 0.0;
+    double yaw_rate_rad_s = 0.0;
+    double obstruction_s = 0.0;
+    double nearness_m = 0.0;  // metres driven, each the more the nearer it is to obstacles
+  };
+
   void consider_forwards(double forward_mps, const Situation& now, const CostToGo& cost_to_go);
-  void consider(const Motion& first, double next_yaw_rate_rad_s, const Situation& now,
-                const CostToGo& cost_to_go);
+  void consider(const Motion& motion, const Situation& now, const CostToGo& cost_to_go);
+  [[nodiscard]] static Progress start(const Situation& now);
+  [[nodiscard]] bool advance(Progress& progress, const Motion& motion, int until_step,
+                             const Situation& now) const;
+  void add(const Motion& first, double next_yaw_rate_rad_s, const Progress& end,
+           const Situation& now, const CostToGo& cost_to_go);
   [[nodiscard]] double clearance_by_cells_m(const geometry::SE2& pose_base) const;
   [[nodiscard]] double least_clearance_m(const Motion& motion, double forward_mps) const;
   /// How much a pose at a time is in the way of people: 1 in the middle of somebody's path.
