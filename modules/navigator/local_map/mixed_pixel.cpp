@@ -11,6 +11,9 @@ namespace {
 /// From surface to surface it is farther than that: six standard deviations of a range, and almost
 /// three of one that is extrapolated from two others.
 constexpr double kJumpM = 0.06;
+/// Two beams on a plane that passes this near the sensor look along it: the spot, 1 to 2 cm wide
+/// where it leaves the sensor, is wider than what is seen of the plane.
+constexpr double kSpotM = 0.04;
 
 /// Of the beam so many places beside another one; empty where there is none, or nothing came back.
 std::optional<double> range_beside(const scan::Scan& scan, std::size_t beam, int places) {
@@ -22,6 +25,13 @@ std::optional<double> range_beside(const scan::Scan& scan, std::size_t beam, int
   return static_cast<double>(scan.ranges_m[static_cast<std::size_t>(index)]);
 }
 
+/// How far from the sensor the plane through the ends of two beams side by side passes: along it
+/// the inverse range is cos(angle) / distance.
+double distance_of_plane_m(const scan::Scan& scan, double next_m, double second_m) {
+  const double slope = (1.0 / next_m - 1.0 / second_m) / scan.angle_step_rad;
+  return 1.0 / std::hypot(1.0 / next_m, slope);
+}
+
 /// Whether a beam ends on the plane through the ends of the two beams beside it on one side: along
 /// a plane the inverse range is linear in the angle, but for 2 % within 10 degrees. It may be off
 /// by as much as noise is, and by half of a step, for beams that graze the plane are far apart on
@@ -29,7 +39,7 @@ std::optional<double> range_beside(const scan::Scan& scan, std::size_t beam, int
 bool continues(const scan::Scan& scan, std::size_t beam, int side) {
   const auto next_m = range_beside(scan, beam, side);
   const auto second_m = range_beside(scan, beam, 2 * side);
-  if (!next_m || !second_m) {
+  if (!next_m || !second_m || distance_of_plane_m(scan, *next_m, *second_m) < kSpotM) {
     return false;
   }
   const auto here_m = static_cast<double>(scan.ranges_m[beam]);

@@ -12,9 +12,12 @@ namespace nodmap::navigator {
 /// neighbouring beams, nearer than the other, and on the surface of neither. From many poses mixed
 /// pixels close the gap between the end of a wall and the next wall.
 ///
-/// A surface has two beams side by side, and a thin post stands nearer than both of its neighbours:
-/// neither is a mixed pixel. What is one beam wide and touches, as seen from here, something
-/// nearer, is taken for one, until the robot has moved on.
+/// Near the sensor the spot is as wide as two beams: two mixed pixels are side by side there, on a
+/// line that leads almost through the sensor.
+///
+/// Any other surface has two beams side by side, and a thin post stands nearer than both of its
+/// neighbours: neither is a mixed pixel. What is one beam wide and touches, as seen from here,
+/// something nearer, is taken for one, until the robot has moved on.
 [[nodiscard]] bool is_mixed_pixel(const scan::Scan& scan, std::size_t beam);
 
 }  // namespace nodmap::navigator

@@ -41,6 +41,26 @@ TEST(MixedPixel, LiesBetweenTwoSurfaces) {
   EXPECT_EQ(mixed_pixels(scan_of({2, 2, 2, 1.1F, 1, 1, 1})), Beams{3});
 }
 
+// As the end of a wall is seen from beside it: the spot is as wide as two beams.
+TEST(MixedPixel, NearTheSensorTwoAreSideBySide) {
+  EXPECT_EQ(mixed_pixels(scan_of({1.45F, 1.43F, 1.45F, 0.78F, 0.43F, 0.29F, 0.29F, 0.28F})),
+            (Beams{3, 4}));
+  EXPECT_EQ(mixed_pixels(scan_of({0.33F, 0.32F, 0.33F, 0.46F, 0.73F, 0.91F, 0.9F, 0.86F})),
+            (Beams{3, 4}));
+}
+
+// A wall 5 cm beside the sensor, farther than the spot is wide, that begins a metre ahead.
+TEST(MixedPixel, AWallAlongTheBeamsIsNone) {
+  std::vector<float> ranges_m(3, 4.0F);
+  for (double degree = 1.0; degree < 3.0; degree += 0.5) {
+    ranges_m.push_back(static_cast<float>(0.05 / std::sin(geometry::deg_to_rad(degree))));
+  }
+  ranges_m.insert(ranges_m.end(), 3, 4.0F);
+  scan::Scan scan = scan_of(ranges_m);
+  scan.angle_step_rad = geometry::deg_to_rad(0.5);
+  EXPECT_EQ(mixed_pixels(scan), Beams{});
+}
+
 TEST(MixedPixel, ASurfaceIsNone) {
   EXPECT_EQ(mixed_pixels(scan_of({1, 1, 1, 2, 2, 2})), Beams{}) << "an edge";
   EXPECT_EQ(mixed_pixels(scan_of({2, 2, 2, 1, 2, 2, 2})), Beams{}) << "a post, one beam wide";
