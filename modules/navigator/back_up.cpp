@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "modules/navigator/travel.hpp"
 #include "modules/navigator/turn.hpp"
 
 namespace nodmap::navigator {
@@ -32,11 +33,19 @@ bool is_near(const geometry::SE2& a, const geometry::SE2& b) {
 
 }  // namespace
 
+void Trail::move(const geometry::SE2& T_odom_base) {
+  travel_m_ += here_ ? travel_m(*here_, T_odom_base) : 0.0;
+  here_ = T_odom_base;
+  while (!poses_.empty() && travel_m_ - poses_.front().travel_m > forget_after_m_) {
+    poses_.pop_front();
+  }
+}
+
 void Trail::record(const geometry::SE2& T_odom_base) {
-  if (!poses_.empty() && is_near(poses_.back(), T_odom_base)) {
+  if (!poses_.empty() && is_near(poses_.back().T_odom_base, T_odom_base)) {
     return;
   }
-  poses_.push_back(T_odom_base);
+  poses_.push_back({T_odom_base, travel_m_});
   if (poses_.size() > kMaxPoses) {
     poses_.pop_front();
   }
@@ -44,16 +53,16 @@ void Trail::record(const geometry::SE2& T_odom_base) {
 
 std::optional<Trail::PathBack> Trail::path_back(const geometry::SE2& T_odom_base) const {
   const geometry::SE2 T_base_odom = T_odom_base.inverse();
-  const auto distance_m = [&T_base_odom](const geometry::SE2& T_odom_past) {
-    return (T_base_odom * T_odom_past).translation().norm();
+  const auto distance_m = [&T_base_odom](const Past& past) {
+    return (T_base_odom * past.T_odom_base).translation().norm();
   };
-  const auto past = std::find_if(
-      poses_.rbegin(), poses_.rend(),
-      [&](const geometry::SE2& T_odom_past) { return distance_m(T_odom_past) >= kLookBackM; });
+  const auto past = std::find_if(poses_.rbegin(), poses_.rend(), [&](const Past& candidate) {
+    return distance_m(candidate) >= kLookBackM;
+  });
   if (past == poses_.rend() || distance_m(*past) > 2.0 * kLookBackM) {
     return std::nullopt;
   }
-  const geometry::SE2 T_base_past = T_base_odom * *past;
+  const geometry::SE2 T_base_past = T_base_odom * past->T_odom_base;
   const double rotation_rad = std::atan2(-T_base_past.y, -T_base_past.x);
   if (std::abs(rotation_rad) > kMaxRotationRad) {
     return PathBack{rotation_rad, 0.0};
@@ -70,9 +79,10 @@ double Trail::distance_backwards(const geometry::SE2& T_odom_base, double curvat
   double distance_m = 0.0;
   while (distance_m < kLongestM) {
     T_odom_back = T_odom_back * geometry::SE2{-kSpacingM, 0.0, -kSpacingM * curvature};
-    const bool was_here = std::ranges::any_of(poses_, [&](const geometry::SE2& past) {
-      return std::hypot(past.x - T_odom_back.x, past.y - T_odom_back.y) < kAsideM &&
-             std::abs(geometry::angle_difference(past.yaw, T_odom_back.yaw)) < kObliqueHereRad;
+    const bool was_here = std::ranges::any_of(poses_, [&](const Past& past) {
+      const geometry::SE2& was = past.T_odom_base;
+      return std::hypot(was.x - T_odom_back.x, was.y - T_odom_back.y) < kAsideM &&
+             std::abs(geometry::angle_difference(was.yaw, T_odom_back.yaw)) < kObliqueHereRad;
     });
     if (!was_here) {
       break;
@@ -83,7 +93,7 @@ double Trail::distance_backwards(const geometry::SE2& T_odom_base, double curvat
 }
 
 void Trail::forget_ahead(const geometry::SE2& T_odom_base) {
-  while (!poses_.empty() && (T_odom_base.inverse() * poses_.back()).x > 0.01) {
+  while (!poses_.empty() && (T_odom_base.inverse() * poses_.back().T_odom_base).x > 0.01) {
     poses_.pop_back();
   }
 }
@@ -93,9 +103,11 @@ BackUp::BackUp(const NavigatorParams& params)
       braking_(params.robot.braking),
       reaction_s_(params.drive.reaction_s),
       turn_(params.turn),
-      params_(params.back_up) {}
+      params_(params.back_up),
+      trail_(params.local_map.forget_after_m) {}
 
 void BackUp::record(const geometry::SE2& T_odom_base) {
+  trail_.move(T_odom_base);
   if (!began_at_) {
     trail_.record(T_odom_base);
   }

@@ -11,9 +11,15 @@
 namespace nodmap::navigator {
 
 /// Where the robot has just been: the only path behind it that is known to be free, for the laser
-/// does not look there.
+/// does not look there. It is forgotten as obstacles are: after `forget_after_m` of travel odometry
+/// has drifted by more than the body keeps clear beside its strip.
 class Trail {
  public:
+  explicit Trail(double forget_after_m) : forget_after_m_(forget_after_m) {}
+
+  /// The robot is here now, however it came.
+  void move(const geometry::SE2& T_odom_base);
+
   /// Keeps a pose every 3 cm or 5 degrees, the last 5 m of them.
   void record(const geometry::SE2& T_odom_base);
 
@@ -35,7 +41,15 @@ class Trail {
   void forget_ahead(const geometry::SE2& T_odom_base);
 
  private:
-  std::deque<geometry::SE2> poses_;  // T_odom_base, oldest first
+  struct Past {
+    geometry::SE2 T_odom_base;
+    double travel_m = 0.0;
+  };
+
+  double forget_after_m_;
+  std::optional<geometry::SE2> here_;
+  double travel_m_ = 0.0;
+  std::deque<Past> poses_;  // oldest first
 };
 
 /// Backs up along the trail where the robot cannot turn, until it can.

@@ -5,14 +5,11 @@
 #include <cmath>
 #include <limits>
 
-#include "common/geometry/angle.hpp"
+#include "modules/navigator/travel.hpp"
 
 namespace nodmap::navigator {
 namespace {
 
-/// A rotation of 1 rad costs the heading as much as 4 m of driving: 2 degrees against 1 degree at
-/// 1 m, both growing with the root.
-constexpr double kMetresPerRad = 4.0;
 /// So near to base an obstacle ages by one decimetre in so many of travel.
 constexpr double kNearM = 0.5;
 constexpr int kNearFactor = 5;
@@ -24,9 +21,7 @@ constexpr double kLongestTravelM = 6553.6;
 }  // namespace
 
 void ObstacleMemory::move(const geometry::SE2& from, const geometry::SE2& to) {
-  travel_m_ += (to.translation() - from.translation()).norm() +
-               kMetresPerRad * std::abs(geometry::angle_difference(to.yaw, from.yaw));
-  travel_m_ = std::fmod(travel_m_, kLongestTravelM);
+  travel_m_ = std::fmod(travel_m_ + travel_m(from, to), kLongestTravelM);
 }
 
 std::uint16_t ObstacleMemory::travel_dm() const {

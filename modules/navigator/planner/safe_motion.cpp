@@ -32,9 +32,11 @@ SafeMotion::SafeMotion(const NavigatorParams& params)
     : body_(params.robot.body.footprint()),
       turn_(params.turn),
       reaction_s_(params.drive.reaction_s),
-      sweeps_to_trust_(params.steer.sweeps_to_trust) {}
+      sweeps_to_trust_(params.steer.sweeps_to_trust),
+      trail_(params.local_map.forget_after_m) {}
 
 void SafeMotion::record(const Situation& now) {
+  trail_.move(now.T_odom_base);
   if (now.forward_mps > -kReversingMps) {
     trail_.record(now.T_odom_base);
   }

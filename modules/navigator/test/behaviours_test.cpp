@@ -161,7 +161,7 @@ TEST(SeenDirections, ARotationBringsNewDirectionsAndForgetsOldOnes) {
 }
 
 TEST(Trail, LeadsBackAlongThePathOfTheRobot) {
-  Trail trail;
+  Trail trail(20.0);
   EXPECT_FALSE(trail.path_back({}));
   geometry::SE2 pose;
   for (int i = 0; i < 50; ++i) {  // half a metre on an arc of 1 m to the left
@@ -175,7 +175,7 @@ TEST(Trail, LeadsBackAlongThePathOfTheRobot) {
 }
 
 TEST(Trail, BackwardsTheBodyStaysOnTheStripItHasDriven) {
-  Trail trail;
+  Trail trail(20.0);
   for (int i = 0; i <= 30; ++i) {
     trail.record({0.01 * i, 0.0, 0.0});  // 0.3 m straight ahead
   }
@@ -188,11 +188,11 @@ TEST(Trail, BackwardsTheBodyStaysOnTheStripItHasDriven) {
     trail.record({0.3, 0.0, geometry::deg_to_rad(5.0 * i)});
   }
   EXPECT_LE(trail.distance_backwards({0.3, 0.0, geometry::deg_to_rad(90.0)}, 0.0), 0.05);
-  EXPECT_EQ(Trail().distance_backwards({}, 0.0), 0.0);
+  EXPECT_EQ(Trail(20.0).distance_backwards({}, 0.0), 0.0);
 }
 
 TEST(Trail, FirstRotatesToTheHeadingAtWhichItCame) {
-  Trail trail;
+  Trail trail(20.0);
   for (int i = 0; i <= 10; ++i) {
     trail.record({0.05 * i, 0, 0});
   }
@@ -202,13 +202,32 @@ TEST(Trail, FirstRotatesToTheHeadingAtWhichItCame) {
 }
 
 TEST(Trail, EndsAndJumpsAreNoPath) {
-  Trail trail;
+  Trail trail(20.0);
   trail.record({0, 0, 0});
   EXPECT_FALSE(trail.path_back({0.02, 0, 0}));
   EXPECT_FALSE(trail.path_back({1.0, 0, 0}));
   trail.record({0.1, 0, 0});
   trail.forget_ahead({0.05, 0, 0});
   EXPECT_FALSE(trail.path_back({0.05, 0, 0}));
+}
+
+// Odometry drifts: what was driven long ago is not where it was, however short the way back is.
+TEST(Trail, IsForgottenAfterMuchTravel) {
+  Trail trail(20.0);
+  const geometry::SE2 end{0.5, 0.0, 0.0};
+  for (int i = 0; i <= 50; ++i) {
+    trail.move({0.01 * i, 0.0, 0.0});
+    trail.record({0.01 * i, 0.0, 0.0});
+  }
+  const double strip_m = trail.distance_backwards(end, 0.0);
+  EXPECT_GT(strip_m, 0.4);
+  // To and fro on the spot: 8 m, and 8 m again.
+  for (int turns = 1; turns <= 3; ++turns) {
+    trail.move({0.5, 0.0, 1.0});
+    trail.move(end);
+    EXPECT_EQ(trail.distance_backwards(end, 0.0), turns < 3 ? strip_m : 0.0) << turns;
+    EXPECT_EQ(trail.path_back(end).has_value(), turns < 3) << turns;
+  }
 }
 
 TurnInput free_to_turn(double heading_rad) {
