@@ -10,16 +10,6 @@
 #include "modules/navigator/local_map/possible_ramp.hpp"
 
 namespace nodmap::navigator {
-namespace {
-
-/// Farther apart two beams have hit two things.
-constexpr double kSideBySideM = 0.1;
-/// No line is measured lower than the floor by more: 0.6 degrees at 1.3 m, when the robot brakes.
-constexpr double kLineErrorM = 0.015;
-/// Six standard deviations of a range.
-constexpr double kRangeErrorM = 0.06;
-
-}  // namespace
 
 LocalMap::LocalMap(const robot::RobotParams& robot, const LocalMapParams& params)
     : body_(robot.body.footprint()),
@@ -32,7 +22,8 @@ LocalMap::LocalMap(const robot::RobotParams& robot, const LocalMapParams& params
       ground_(params.ground),
       finder_(params),
       floor_(params),
-      obstacles_(params.forget_after_m) {}
+      obstacles_(params.forget_after_m),
+      low_hits_(params.floor_tolerance_m) {}
 
 void LocalMap::reset() {
   T_odom_base_.reset();
@@ -71,9 +62,7 @@ void LocalMap::add_scan(const scan::Scan& scan, const geometry::SE2& T_odom_base
   ++scan_;
   const std::size_t n = scan.ranges_m.size();
   floor_.begin_scan(n);
-  low_hits_.clear();
-  floor_hits_.clear();
-  line_floor_.begin_scan(n);
+  low_hits_.begin_scan(n);
   const geometry::SE3 T_odom_mount = ground_.T_odom_base() * scan.T_base_mount;
   const Eigen::Matrix3d R = T_odom_mount.linear();
   for (std::size_t i = 0; i < n; ++i) {
@@ -93,8 +82,7 @@ void LocalMap::add_scan(const scan::Scan& scan, const geometry::SE2& T_odom_base
       classify(beam, i);
     }
   }
-  add_floor_hits();
-  add_low_hits();
+  low_hits_.end_scan(ground_.is_level(), grid_, floor_, obstacles_, scan_);
   finder_.end_scan(ground_, T_odom_base);
   for (const TrackedGround::Joined& joined : ground_.take_joined()) {
     look_again(joined);
@@ -178,8 +166,7 @@ void LocalMap::classify(const Beam& beam, std::size_t index) {
   pass(beam, beam.range_m);
   if (place.kind == Kind::kGround) {
     ground_.grow(p_odom.head<2>(), place.facet);
-    floor_hits_.push_back({index, p_odom, place.height_m, -beam.direction.z()});
-    line_floor_.add(index, place.height_m);
+    low_hits_.add_floor({index, p_odom, place.height_m, -beam.direction.z()});
     return;
   }
   const PossibleRamp ramp(grid_, ground_, params_, T_odom_base_->translation());
@@ -189,50 +176,8 @@ void LocalMap::classify(const Beam& beam, std::size_t index) {
     if (is_certain) {
       obstacles_.add_hit(grid_, p_odom, true, scan_);
     } else {
-      low_hits_.push_back({index, p_odom, place.height_m, -beam.direction.z()});
+      low_hits_.add_low({index, p_odom, place.height_m, -beam.direction.z()});
     }
-  }
-}
-
-/// What is within the tolerance is floor, but for what stands out of the line.
-void LocalMap::add_floor_hits() {
-  const auto by_beam = [](const LowHit& a, const LowHit& b) { return a.beam < b.beam; };
-  for (const LowHit& hit : floor_hits_) {
-    if (is_above_line(hit)) {
-      low_hits_.push_back(hit);
-    } else {
-      floor_.add(grid_, hit.beam, hit.p_odom.head<2>(), hit.p_odom.z() - hit.height_m, scan_);
-    }
-  }
-  std::ranges::sort(low_hits_, by_beam);
-}
-
-/// Where the ground is level: a ramp rises out of a line, too.
-bool LocalMap::is_above_line(const LowHit& hit) const {
-  const double least_m = std::max(params_.floor_tolerance_m, kRangeErrorM * hit.sinking);
-  if (!ground_.is_level() || hit.height_m < least_m - kLineErrorM) {
-    return false;
-  }
-  const auto level_m = line_floor_.level_around(hit.beam);
-  return level_m && hit.height_m - *level_m > least_m;
-}
-
-/// Neighbouring beams have the noise of the range each for itself, and what they have in common,
-/// errors of pitch and tilt, is within the tolerance: where two side by side end above the floor,
-/// something is. So a low sill is known from a single line on it: the next one is a cell or more
-/// farther on. A brick of 3 cm has one beam on it: that one counts alone where it stands out of its
-/// line by more than the noise of a range.
-void LocalMap::add_low_hits() {
-  const auto are_side_by_side = [&](std::size_t a, std::size_t b) {
-    return b < low_hits_.size() && low_hits_[a].beam + 1 == low_hits_[b].beam &&
-           (low_hits_[b].p_odom - low_hits_[a].p_odom).norm() < kSideBySideM;
-  };
-  bool is_beside_last = false;
-  for (std::size_t i = 0; i < low_hits_.size(); ++i) {
-    const bool is_beside_next = are_side_by_side(i, i + 1);
-    obstacles_.add_hit(grid_, low_hits_[i].p_odom,
-                       is_beside_last || is_beside_next || is_above_line(low_hits_[i]), scan_);
-    is_beside_last = is_beside_next;
   }
 }
 

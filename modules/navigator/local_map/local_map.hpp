@@ -11,9 +11,9 @@
 #include "modules/navigator/ground/facet_finder.hpp"
 #include "modules/navigator/ground/tracked_ground.hpp"
 #include "modules/navigator/local_map/floor_evidence.hpp"
-#include "modules/navigator/local_map/line_floor.hpp"
 #include "modules/navigator/local_map/local_cell.hpp"
 #include "modules/navigator/local_map/local_view.hpp"
+#include "modules/navigator/local_map/low_hits.hpp"
 #include "modules/navigator/local_map/obstacle_memory.hpp"
 #include "modules/navigator/local_map/seen_floor.hpp"
 #include "modules/navigator/obstacle_points.hpp"
@@ -111,22 +111,11 @@ class LocalMap {
   void reset();
 
  private:
-  /// So little above or below the floor that it may be floor.
-  struct LowHit {
-    std::size_t beam;
-    Eigen::Vector3d p_odom;
-    double height_m;
-    double sinking;  ///< that the beam loses of height in a metre
-  };
-
   void prepare_fan(const scan::Scan& scan);
   void move(const geometry::SE2& T_odom_base);
   void clear_under_body(const geometry::SE2& T_odom_base);
   void classify(const Beam& beam, std::size_t index);
   void classify_below(const Beam& beam, double range_m, std::size_t facet, bool is_certain);
-  void add_floor_hits();
-  [[nodiscard]] bool is_above_line(const LowHit& hit) const;
-  void add_low_hits();
   void pass(const Beam& beam, double until_m);
   [[nodiscard]] static double range_to(const Plane& plane, const Beam& beam);
   void look_again(const TrackedGround::Joined& joined);
@@ -148,9 +137,7 @@ class LocalMap {
   FacetFinder finder_;
   FloorEvidence floor_;
   ObstacleMemory obstacles_;
-  std::vector<LowHit> low_hits_;    // of this scan: above the floor's tolerance, or out of the line
-  std::vector<LowHit> floor_hits_;  // of this scan: within the floor's tolerance
-  LineFloor line_floor_;
+  LowHits low_hits_;
   std::uint16_t scan_ = 0;
   std::vector<Eigen::Vector2d> fan_;  // cos and sin of each beam's angle
   double fan_first_rad_ = 0.0;
