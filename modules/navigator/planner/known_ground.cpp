@@ -14,13 +14,25 @@ constexpr double kBesideM = 0.6;
 /// Around robot, goal and all that is known, for detours over unknown ground.
 constexpr double kAroundM = 3.0;
 
+using Quarters = std::array<Eigen::Vector2d, 4>;
+
 /// From the middle of a cell to those of its quarters: each lies in another cell of the local map.
 /// `cells_R`: from metres in map to cells of the local map.
-std::array<Eigen::Vector2d, 4> quarters_of_cell(const Eigen::Matrix2d& cells_R) {
+Quarters quarters_of_cell(const Eigen::Matrix2d& cells_R) {
   constexpr double kAsideM = 0.25 * KnownGround::kCellM;
   return {
       cells_R * Eigen::Vector2d(-kAsideM, -kAsideM), cells_R * Eigen::Vector2d(-kAsideM, kAsideM),
       cells_R * Eigen::Vector2d(kAsideM, -kAsideM), cells_R * Eigen::Vector2d(kAsideM, kAsideM)};
+}
+
+/// All that is known of the local map's cells in the quarters of a cell.
+unsigned bits_around(const LocalView& view, const Eigen::Vector2d& middle,
+                     const Quarters& quarters) {
+  unsigned bits = 0;
+  for (const Eigen::Vector2d& quarter : quarters) {
+    bits |= view.at(Eigen::Vector2d(middle + quarter));
+  }
+  return bits;
 }
 
 }  // namespace
@@ -59,12 +71,8 @@ void KnownGround::update(const LocalMap& local_map, const geometry::SE2& T_map_o
       const Eigen::Vector2d q_map = grid_.center_of(index);
       const Eigen::Vector2d p_base = R_base_map * q_map + T_base_map.translation();
       if (grid_.at(index) == Kind::kUnknown || p_base.x() >= 0.0 || p_base.norm() <= kBesideM) {
-        const Eigen::Vector2d cells = view.in_cells(R_odom_map * q_map + T_odom_map.translation());
-        unsigned bits = 0;
-        for (const Eigen::Vector2d& quarter : quarters) {
-          bits |= view.at(Eigen::Vector2d(cells + quarter));
-        }
-        update_cell(index, bits);
+        const Eigen::Vector2d q_odom = R_odom_map * q_map + T_odom_map.translation();
+        update_cell(index, bits_around(view, view.in_cells(q_odom), quarters));
       }
     }
   }
