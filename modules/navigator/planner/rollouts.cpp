@@ -71,6 +71,16 @@ double distance_m(const Eigen::Vector2d& p, const robot::Footprint& body) {
   return dx > 0.0 && dy > 0.0 ? std::hypot(dx, dy) : std::max(dx, dy);
 }
 
+/// What the plan says of where a motion ends, and of the heading there.
+double end_cost(const geometry::SE2& T_map_end, const CostToGo& cost_to_go) {
+  double here = cost_to_go.at(T_map_end.translation());
+  if (!std::isfinite(here)) {
+    here = kOffPathM + cost_to_go.least_near(T_map_end.translation());
+  }
+  const double ahead = cost_to_go.at(T_map_end * Eigen::Vector2d(kAheadM, 0.0));
+  return here + kAheadWeight * std::min(ahead, here + kBlockedAheadM);
+}
+
 }  // namespace
 
 Rollouts::Rollouts(const robot::Footprint& body, const NavigatorParams& params)
@@ -274,15 +284,6 @@ double Rollouts::obstruction(const geometry::SE2& pose_base, double time_s,
     most = std::max(most, near * near);
   }
   return most;
-}
-
-double Rollouts::end_cost(const geometry::SE2& T_map_end, const CostToGo& cost_to_go) const {
-  double here = cost_to_go.at(T_map_end.translation());
-  if (!std::isfinite(here)) {
-    here = kOffPathM + cost_to_go.least_near(T_map_end.translation());
-  }
-  const double ahead = cost_to_go.at(T_map_end * Eigen::Vector2d(kAheadM, 0.0));
-  return here + kAheadWeight * std::min(ahead, here + kBlockedAheadM);
 }
 
 }  // namespace nodmap::navigator

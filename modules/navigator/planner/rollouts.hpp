@@ -74,7 +74,6 @@ class Rollouts {
   /// How much a pose at a time is in the way of people: 1 in the middle of somebody's path.
   [[nodiscard]] double obstruction(const geometry::SE2& pose_base, double time_s,
                                    const People& people) const;
-  [[nodiscard]] double end_cost(const geometry::SE2& T_map_end, const CostToGo& cost_to_go) const;
 
   robot::Footprint body_;
   PlannerParams params_;
