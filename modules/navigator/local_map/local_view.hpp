@@ -29,9 +29,9 @@ class LocalView {
     const Eigen::Vector2i offset = index - first_;
     return is_inside(offset) ? bits_[place(offset)] : 0U;
   }
-  /// The same by a place, in cells from in_cells({0, 0}) on.
+  /// The same by a place, as in_cells() gives it.
   [[nodiscard]] unsigned at(const Eigen::Vector2d& cells) const {
-    // Rounds down from 0 on; from -1 to 0 it would not, but no cell is asked for there.
+    // What is negative is outside: a cast would round it up into the first cell.
     return cells.x() >= 0.0 && cells.y() >= 0.0 ? at_offset(cells) : 0U;
   }
   /// A place in cells from the outer corner of the square.
