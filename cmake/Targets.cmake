@@ -35,8 +35,8 @@ endif()
 find_package(Threads REQUIRED)
 target_link_libraries(nodmap_options INTERFACE Threads::Threads)
 target_compile_options(nodmap_options INTERFACE $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>)
-# LCM's own options say -pthread, and clang takes no precompiled header that was made without it: so every target is told.
-target_compile_options(nodmap_options INTERFACE $<$<CXX_COMPILER_ID:Clang>:-pthread>)
+# LCM's own options say -pthread, and neither compiler takes a precompiled header that was made without it: so every target is told.
+target_compile_options(nodmap_options INTERFACE -pthread)
 file(WRITE ${PROJECT_BINARY_DIR}/pch.cpp "")
 function(nodmap_add_precompiled_headers name)
   add_library(${name} OBJECT ${PROJECT_BINARY_DIR}/pch.cpp)
