@@ -9,6 +9,8 @@ namespace {
 
 constexpr std::size_t kFrameLines = 4;  // title, message, scripts, keys
 constexpr std::size_t kMinPaneLines = 4;
+const std::string kKeysLine =
+    "up/down PgUp/PgDn  s start  t stop  r restart  S T R its group  q quit";
 
 enum class Side : std::uint8_t { kLeft, kRight };
 struct Column {
@@ -186,7 +188,7 @@ std::vector<ViewLine> to_view(const std::vector<ReportRow>& rows, const Console*
   }
   view.push_back({state.message, Tone::kWarning});
   view.push_back({scripts_line(state.scripts)});
-  view.push_back({"up/down PgUp/PgDn  s start  t stop  r restart  S T R its group  q quit"});
+  view.push_back({kKeysLine});
   view.resize(std::min(view.size(), height));
   for (ViewLine& line : view) {
     // The last column stays free: what a terminal does after writing there differs.
