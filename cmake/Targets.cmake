@@ -51,6 +51,15 @@ if(NODMAP_TESTS)
   target_compile_options(nodmap_test_pch PRIVATE $<$<CONFIG:Release>:-O1>)
 endif()
 
+# nodmap_join_sources(TARGET): up to eight of its sources are compiled as one.
+function(nodmap_join_sources name)
+  if(NODMAP_JOIN)
+    set_target_properties(${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
+    # g++ takes a joined source for a header, in which a class with a member of an unnamed namespace would be a mistake.
+    target_compile_options(${name} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
+  endif()
+endfunction()
+
 # nodmap_add_library(NAME SOURCES a.cpp ... DEPENDS target ... [JOINED]): the library nodmap::NAME. JOINED: up to eight sources
 # are compiled as one, where reading the same large headers (JSON, command lines, logging, sockets) takes longer than the sources
 # themselves; what is unnamed in them must then have names that differ.
@@ -60,10 +69,8 @@ function(nodmap_add_library name)
   add_library(nodmap::${name} ALIAS nodmap_${name})
   target_link_libraries(nodmap_${name} PUBLIC nodmap_options Eigen3::Eigen ${ARG_DEPENDS})
   target_precompile_headers(nodmap_${name} REUSE_FROM nodmap_pch)
-  if(ARG_JOINED AND NODMAP_JOIN)
-    set_target_properties(nodmap_${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
-    # g++ takes a joined source for a header, in which a class with a member of an unnamed namespace would be a mistake.
-    target_compile_options(nodmap_${name} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
+  if(ARG_JOINED)
+    nodmap_join_sources(nodmap_${name})
   endif()
 endfunction()
 
@@ -90,6 +97,7 @@ function(nodmap_add_test name)
     return()
   endif()
   add_executable(${name} ${ARG_SOURCES})
+  nodmap_join_sources(${name})
   target_link_libraries(${name} PRIVATE nodmap_options ${ARG_DEPENDS} GTest::gmock GTest::gtest_main)
   target_precompile_headers(${name} REUSE_FROM nodmap_test_pch)
   target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)

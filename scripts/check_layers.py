@@ -10,6 +10,7 @@
    the others may use what turns messages into Foxglove's schemas (modules/viewer/foxglove).
 6. From the process manager the viewer uses protocol and configuration, and nothing of deputy and sheriff.
 7. Time is a type (common/geometry/time.hpp): in the rooms of TYPED_TIME no integer of microseconds is declared, but where INTEGER_TIME says so.
+8. What a test file defines is in a namespace named after the file, as several are compiled as one (nodmap_join_sources).
 Besides: every source file names its licence, and a transform is called T_a_b, never a_to_b or a2b.
 """
 import pathlib
@@ -79,6 +80,8 @@ def main():
                 errors.append(f"{path}:{number}: write T_a_b: {line.strip()}")
             if str(path).startswith(TYPED_TIME) and not str(path).startswith(INTEGER_TIME) and MICROSECONDS.search(line):
                 errors.append(f"{path}:{number}: time is a type, see common/geometry/time.hpp: {line.strip()}")
+            if line == "namespace {" and path.name.endswith("_test.cpp") and "TEST" in "".join(lines):
+                errors.append(f"{path}:{number}: a test's namespace is named after its file: namespace {path.stem} {{")
             match = INCLUDE.match(line)
             if not match:
                 continue

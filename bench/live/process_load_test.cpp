@@ -7,7 +7,7 @@
 #include <sstream>
 
 namespace nodmap::bench {
-namespace {
+namespace process_load_test {
 
 TEST(ProcessLoad, IsReadBehindANameWithBracketsAndBlanks) {
   const std::string stat =
@@ -50,5 +50,5 @@ TEST(UdpQueues, AreAddedUp) {
   EXPECT_EQ(queues.dropped, 7);
 }
 
-}  // namespace
+}  // namespace process_load_test
 }  // namespace nodmap::bench

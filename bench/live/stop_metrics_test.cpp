@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 namespace nodmap::bench {
-namespace {
+namespace stop_metrics_test {
 
 time::Timestamp at(time::Duration since_epoch) {
   return time::Timestamp(since_epoch);
@@ -55,5 +55,5 @@ TEST(StopMetrics, OfAStationaryRobotAreZero) {
   EXPECT_EQ(stop->distance_m, 0.0);
 }
 
-}  // namespace
+}  // namespace stop_metrics_test
 }  // namespace nodmap::bench

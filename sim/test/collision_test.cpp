@@ -8,7 +8,7 @@
 #include <random>
 
 namespace nodmap::sim {
-namespace {
+namespace collision_test {
 
 constexpr double kMm = 1e-3;
 
@@ -184,5 +184,5 @@ TEST(Contacts, CountOnceUntilApart) {
   EXPECT_FALSE(contacts.begin(4));
 }
 
-}  // namespace
+}  // namespace collision_test
 }  // namespace nodmap::sim

@@ -7,7 +7,7 @@
 #include <cmath>
 
 namespace nodmap::sim {
-namespace {
+namespace crowd_test {
 
 /// Far from everything.
 const geometry::SE2 kAway{100.0, 100.0, 0.0};
@@ -107,5 +107,5 @@ TEST(Crowd, RoundsGoOn) {
   EXPECT_GT(most, 1.65);
 }
 
-}  // namespace
+}  // namespace crowd_test
 }  // namespace nodmap::sim

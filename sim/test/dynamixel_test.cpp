@@ -11,7 +11,7 @@
 #include "sim/test/host.hpp"
 
 namespace nodmap::sim {
-namespace {
+namespace dynamixel_test {
 
 using test::hex;
 using test::Host;
@@ -244,5 +244,5 @@ TEST_F(InvertedDynamixelTest, LargerPositionsLookDownAndRequestsComeBack) {
   EXPECT_NEAR(model_.pitch_rad(), -200.0 * 2.0 * geometry::kPi / 4096.0, 1e-9);
 }
 
-}  // namespace
+}  // namespace dynamixel_test
 }  // namespace nodmap::sim

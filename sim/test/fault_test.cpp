@@ -10,7 +10,7 @@
 #include "sim/test/host.hpp"
 
 namespace nodmap::sim {
-namespace {
+namespace fault_test {
 
 using test::at;
 using test::Host;
@@ -184,5 +184,5 @@ TEST(SimulatedRobot, AStalledServoStays) {
   EXPECT_LT(robot.model().pitch_rad(), -0.5);
 }
 
-}  // namespace
+}  // namespace fault_test
 }  // namespace nodmap::sim

@@ -10,7 +10,7 @@
 #include "sim/test/host.hpp"
 
 namespace nodmap::sim {
-namespace {
+namespace kurt_test {
 
 using test::at;
 using test::Host;
@@ -279,5 +279,5 @@ TEST(Kurt, TheSameSaidTwiceGivesTheSameTwice) {
   EXPECT_EQ(run(), run());
 }
 
-}  // namespace
+}  // namespace kurt_test
 }  // namespace nodmap::sim

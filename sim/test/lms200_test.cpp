@@ -13,7 +13,7 @@
 #include "sim/test/host.hpp"
 
 namespace nodmap::sim {
-namespace {
+namespace lms200_test {
 
 using test::hex;
 using test::Host;
@@ -383,5 +383,5 @@ TEST_F(Lms200Test, StatusHasItsFieldsWhereTheyAre) {
   EXPECT_EQ(status[122], 1);
 }
 
-}  // namespace
+}  // namespace lms200_test
 }  // namespace nodmap::sim

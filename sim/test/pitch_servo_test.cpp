@@ -7,7 +7,7 @@
 #include <random>
 
 namespace nodmap::sim {
-namespace {
+namespace pitch_servo_test {
 
 TEST(PitchServo, TrapezoidTakesWayBySpeedPlusSpeedByAcceleration) {
   PitchServo servo({});
@@ -99,5 +99,5 @@ TEST(PitchServo, JammedItStandsAndFreeItGoesOn) {
   EXPECT_EQ(servo.at(4.0).pitch_rad, 0.9);
 }
 
-}  // namespace
+}  // namespace pitch_servo_test
 }  // namespace nodmap::sim

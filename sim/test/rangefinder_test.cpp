@@ -6,7 +6,7 @@
 #include <cmath>
 
 namespace nodmap::sim {
-namespace {
+namespace rangefinder_test {
 
 using geometry::deg_to_rad;
 
@@ -152,5 +152,5 @@ TEST(Rangefinder, BlackGivesNothing) {
   EXPECT_EQ(look({}, params).kind, Echo::Kind::kNothing);
 }
 
-}  // namespace
+}  // namespace rangefinder_test
 }  // namespace nodmap::sim

@@ -8,7 +8,7 @@
 #include <random>
 
 namespace nodmap::sim {
-namespace {
+namespace ray_caster_test {
 
 using Vec2 = Eigen::Vector2d;
 using Vec3 = Eigen::Vector3d;
@@ -238,5 +238,5 @@ TEST(RayCaster, EmptyWorldHasAFloor) {
   EXPECT_FALSE(caster.cast({{0, 0, 1}, Vec3::UnitZ()}, 10).has_value());
 }
 
-}  // namespace
+}  // namespace ray_caster_test
 }  // namespace nodmap::sim

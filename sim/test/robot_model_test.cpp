@@ -10,7 +10,7 @@
 #include "sim/test/host.hpp"
 
 namespace nodmap::sim {
-namespace {
+namespace robot_model_test {
 
 using geometry::deg_to_rad;
 using test::at;
@@ -295,5 +295,5 @@ TEST(RobotModel, NodsBackWhenItGainsSpeed) {
   EXPECT_LT(model.ground_truth().T_world_base.linear()(2, 0), -1e-3);
 }
 
-}  // namespace
+}  // namespace robot_model_test
 }  // namespace nodmap::sim

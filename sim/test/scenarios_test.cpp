@@ -22,7 +22,7 @@
 #include "tests/support/data_dir.hpp"
 
 namespace nodmap::sim {
-namespace {
+namespace scenarios_test {
 
 /// A body as wide as the circle that KURT3D turns in.
 BodyParams turning_circle() {
@@ -264,5 +264,5 @@ TEST_F(BarnFile, RecordedPedestriansAreWhereTheyWere) {
   }
 }
 
-}  // namespace
+}  // namespace scenarios_test
 }  // namespace nodmap::sim

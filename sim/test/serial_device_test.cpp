@@ -7,7 +7,7 @@
 #include "sim/test/host.hpp"
 
 namespace nodmap::sim {
-namespace {
+namespace serial_device_test {
 
 using test::at;
 using test::hex;
@@ -63,5 +63,5 @@ TEST(SerialOutput, BytesLeaveAtTheRateOfTheLine) {
   EXPECT_EQ(output.next_due(), kNever);
 }
 
-}  // namespace
+}  // namespace serial_device_test
 }  // namespace nodmap::sim

@@ -6,7 +6,7 @@
 #include <cmath>
 
 namespace nodmap::sim {
-namespace {
+namespace skid_steer_base_test {
 
 constexpr double kDt = 1e-3;
 
@@ -237,5 +237,5 @@ TEST(SkidSteerBase, StandingWheelsDoNotSlip) {
   EXPECT_EQ(body.T_world_base().yaw, 0.5);
 }
 
-}  // namespace
+}  // namespace skid_steer_base_test
 }  // namespace nodmap::sim

@@ -13,7 +13,7 @@
 #include "common/geometry/angle.hpp"
 
 namespace nodmap::sim {
-namespace {
+namespace world_file_test {
 
 using geometry::deg_to_rad;
 using testing::HasSubstr;
@@ -201,5 +201,5 @@ TEST(Actor, WalksItsWaypointsAndLoops) {
   EXPECT_EQ(actor.position(11.0), Eigen::Vector2d(2.0, 1.0));
 }
 
-}  // namespace
+}  // namespace world_file_test
 }  // namespace nodmap::sim

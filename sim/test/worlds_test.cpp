@@ -14,7 +14,7 @@
 #include "sim/world/world_file.hpp"
 
 namespace nodmap::sim {
-namespace {
+namespace worlds_test {
 
 constexpr double kCellM = 0.1;
 
@@ -175,5 +175,5 @@ TEST(RandomWorld, SameSeedSameWorld) {
   EXPECT_NE(numbers(4), numbers(5));
 }
 
-}  // namespace
+}  // namespace worlds_test
 }  // namespace nodmap::sim

@@ -10,7 +10,7 @@
 #include "common/bus/codec.hpp"
 
 namespace nodmap {
-namespace {
+namespace fingerprints_test {
 
 std::map<std::string, std::int64_t> fingerprints() {
   std::map<std::string, std::int64_t> all;
@@ -35,5 +35,5 @@ TEST(Fingerprints, AreDistinct) {
   }
 }
 
-}  // namespace
+}  // namespace fingerprints_test
 }  // namespace nodmap

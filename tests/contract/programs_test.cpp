@@ -16,7 +16,7 @@
 #include "tests/support/program.hpp"
 
 namespace nodmap {
-namespace {
+namespace programs_test {
 
 using test::run_program;
 using ::testing::HasSubstr;
@@ -322,5 +322,5 @@ TEST(Clear, NeedsTwoCorners) {
   EXPECT_EQ(result.exit_code, 2);
 }
 
-}  // namespace
+}  // namespace programs_test
 }  // namespace nodmap

@@ -15,7 +15,7 @@
 #include "sim/devices/lms200.hpp"
 
 namespace nodmap {
-namespace {
+namespace drivers_on_devices_test {
 
 constexpr time::Duration kPollPeriod =
     2ms;  // how often a driver's process looks after its time-outs
@@ -339,5 +339,5 @@ TEST(BaseOnDevice, OdometryComesEveryTenMillisecondsAndMeasuresTheWay) {
   EXPECT_EQ(run.driver().slcan_counts().malformed, 0);
 }
 
-}  // namespace
+}  // namespace drivers_on_devices_test
 }  // namespace nodmap

@@ -18,7 +18,7 @@
 #include "tests/support/data_dir.hpp"
 
 namespace nodmap {
-namespace {
+namespace hostile_network_test {
 
 using std::chrono::milliseconds;
 
@@ -127,5 +127,5 @@ TEST_F(HostileNetwork, AFullQueueDropsItsOldestMessages) {
   EXPECT_EQ(heard, (std::vector<int>{96, 97, 98, 99}));
 }
 
-}  // namespace
+}  // namespace hostile_network_test
 }  // namespace nodmap

@@ -18,7 +18,7 @@
 #include "tests/support/data_dir.hpp"
 
 namespace nodmap {
-namespace {
+namespace logger_process_test {
 
 using std::chrono::milliseconds;
 using SteadyClock = std::chrono::steady_clock;
@@ -244,5 +244,5 @@ TEST_F(LoggerProcess, RefusesToOverwriteAndToGuess) {
   EXPECT_EQ(unknown.wait_for_end(kPatience), 2);
 }
 
-}  // namespace
+}  // namespace logger_process_test
 }  // namespace nodmap

@@ -21,7 +21,7 @@
 #include "tests/support/data_dir.hpp"
 
 namespace nodmap {
-namespace {
+namespace sim_process_test {
 
 using std::chrono::milliseconds;
 using SteadyClock = std::chrono::steady_clock;
@@ -214,5 +214,5 @@ TEST_F(SimProcess, RefusesWhatItDoesNotUnderstand) {
   EXPECT_EQ(world.wait_for_end(kPatience), 2);
 }
 
-}  // namespace
+}  // namespace sim_process_test
 }  // namespace nodmap

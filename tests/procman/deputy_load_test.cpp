@@ -11,7 +11,7 @@
 #include "tests/procman/deputy_fixture.hpp"
 
 namespace nodmap {
-namespace {
+namespace deputy_load_test {
 
 using procman::CommandOrder;
 using SteadyClock = std::chrono::steady_clock;
@@ -132,5 +132,5 @@ TEST_F(DeputyLoad, AHundredProcessesRunAndEndTogether) {
   end_cleanly();
 }
 
-}  // namespace
+}  // namespace deputy_load_test
 }  // namespace nodmap

@@ -17,7 +17,7 @@
 #include "tests/support/data_dir.hpp"
 
 namespace nodmap {
-namespace {
+namespace deputy_process_test {
 
 using procman::CommandOrder;
 using std::chrono::milliseconds;
@@ -256,5 +256,5 @@ TEST_F(DeputyProcess, SaysWhatCannotBeRun) {
   end_cleanly();
 }
 
-}  // namespace
+}  // namespace deputy_process_test
 }  // namespace nodmap

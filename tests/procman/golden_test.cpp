@@ -15,7 +15,7 @@
 #include "tests/support/data_dir.hpp"
 
 namespace nodmap {
-namespace {
+namespace golden_test {
 
 using procman::CommandStatus;
 using procman::DeputyInfo;
@@ -146,5 +146,5 @@ TEST(Golden, OurDeputyGoesThroughTheRecordedStates) {
   EXPECT_EQ(deputy.wait_for_end(test::kPatience), 0);
 }
 
-}  // namespace
+}  // namespace golden_test
 }  // namespace nodmap

@@ -21,7 +21,7 @@
 #include "tests/support/program.hpp"
 
 namespace nodmap {
-namespace {
+namespace sheriff_process_test {
 
 using test::ChildProcess;
 using test::kPatience;
@@ -390,5 +390,5 @@ TEST(SheriffCheck, PrintsWhatThereIsOrWhatIsWrong) {
   EXPECT_EQ(bad.err, file + ":2:3: unrecognized attribute exe\n");
 }
 
-}  // namespace
+}  // namespace sheriff_process_test
 }  // namespace nodmap

@@ -16,7 +16,7 @@
 #include "tests/support/program.hpp"
 
 namespace nodmap {
-namespace {
+namespace damaged_recordings_test {
 
 constexpr time::Duration kScanPeriod = 13'320us;
 constexpr int kNumScans = 300;
@@ -166,5 +166,5 @@ TEST_P(DamagedRecording, AnEmptyLog) {
 INSTANTIATE_TEST_SUITE_P(EveryModule, DamagedRecording,
                          ::testing::Values("nodmap-map-server", "nodmap-slam2d", "nodmap-slam6d"));
 
-}  // namespace
+}  // namespace damaged_recordings_test
 }  // namespace nodmap

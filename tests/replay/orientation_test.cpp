@@ -15,7 +15,7 @@
 #include "tests/support/program.hpp"
 
 namespace nodmap {
-namespace {
+namespace orientation_test {
 
 struct Wall {
   Eigen::Vector2d from;
@@ -143,5 +143,5 @@ TEST_F(Orientation, R5_CloudReadsAsF) {
   });
 }
 
-}  // namespace
+}  // namespace orientation_test
 }  // namespace nodmap

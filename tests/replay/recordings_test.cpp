@@ -14,7 +14,7 @@
 #include "tests/support/program.hpp"
 
 namespace nodmap {
-namespace {
+namespace recordings_test {
 
 namespace fs = std::filesystem;
 using test::run_program;
@@ -190,5 +190,5 @@ TEST_F(Slam6dOnKurt3d, PosesAreNear3dtks) {
   }
 }
 
-}  // namespace
+}  // namespace recordings_test
 }  // namespace nodmap

@@ -9,7 +9,7 @@
 #include "tests/support/allocations.hpp"
 
 namespace nodmap::bus {
-namespace {
+namespace codec_test {
 
 using Bytes = std::vector<std::byte>;
 
@@ -156,5 +156,5 @@ TEST(Codec, AFlippedBitIsRefusedOrChangesOnlyValues) {
   }
 }
 
-}  // namespace
+}  // namespace codec_test
 }  // namespace nodmap::bus

@@ -13,7 +13,7 @@
 #include "tests/support/data_dir.hpp"
 
 namespace nodmap::bus {
-namespace {
+namespace event_log_test {
 
 std::vector<std::byte> bytes_of(const std::string& text) {
   const auto view = std::as_bytes(std::span(text));
@@ -187,5 +187,5 @@ TEST(EventLog, AFullDiskIsReportedAndKeepsWhatIsWritten) {
   EXPECT_EQ(count_events(reader), 9);  // of 1004 bytes each; the tenth is torn
 }
 
-}  // namespace
+}  // namespace event_log_test
 }  // namespace nodmap::bus

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 namespace nodmap::bus {
-namespace {
+namespace latency_test {
 
 using std::chrono::microseconds;
 using std::chrono::nanoseconds;
@@ -45,5 +45,5 @@ TEST(LatencyMeter, TakeStartsAfresh) {
   EXPECT_EQ(meter.take().count, 0);
 }
 
-}  // namespace
+}  // namespace latency_test
 }  // namespace nodmap::bus

@@ -9,7 +9,7 @@
 #include <stdexcept>
 
 namespace nodmap::bus {
-namespace {
+namespace live_bus_test {
 
 using std::chrono::milliseconds;
 
@@ -176,5 +176,5 @@ TEST(LiveBus, UrlComesFromTheOptionThenTheEnvironment) {
   EXPECT_EQ(resolve_url(""), "memq://");  // CTest sets LCM_DEFAULT_URL
 }
 
-}  // namespace
+}  // namespace live_bus_test
 }  // namespace nodmap::bus

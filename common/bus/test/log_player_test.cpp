@@ -12,7 +12,7 @@
 #include "tests/support/data_dir.hpp"
 
 namespace nodmap::bus {
-namespace {
+namespace log_player_test {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
@@ -116,5 +116,5 @@ TEST_F(LogPlayerTest, AnEmptyLogIsAnError) {
   EXPECT_THROW(LogPlayer({dir_.path() / "missing"}), std::runtime_error);
 }
 
-}  // namespace
+}  // namespace log_player_test
 }  // namespace nodmap::bus

@@ -14,7 +14,7 @@
 #include "tests/support/data_dir.hpp"
 
 namespace nodmap::bus {
-namespace {
+namespace loop_bus_test {
 
 time::Timestamp at(time::Duration since_epoch) {
   return time::Timestamp(since_epoch);
@@ -175,5 +175,5 @@ TEST_F(LoopBusTest, LogsEverythingWhenItWasSent) {
   EXPECT_EQ(reader.next(), nullptr);
 }
 
-}  // namespace
+}  // namespace loop_bus_test
 }  // namespace nodmap::bus

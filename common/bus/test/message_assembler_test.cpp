@@ -7,7 +7,7 @@
 #include <random>
 
 namespace nodmap::bus {
-namespace {
+namespace message_assembler_test {
 
 using Bytes = std::vector<std::byte>;
 
@@ -243,5 +243,5 @@ TEST_F(Assembler, DamagedFragmentsOfRandomKind) {
   }
 }
 
-}  // namespace
+}  // namespace message_assembler_test
 }  // namespace nodmap::bus

@@ -16,7 +16,7 @@
 #include "tests/support/data_dir.hpp"
 
 namespace nodmap::bus {
-namespace {
+namespace message_log_test {
 
 namespace fs = std::filesystem;
 
@@ -103,5 +103,5 @@ TEST_F(MessageLog, AnotherMessageIsNamed) {
   }
 }
 
-}  // namespace
+}  // namespace message_log_test
 }  // namespace nodmap::bus

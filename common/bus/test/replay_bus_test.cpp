@@ -6,7 +6,7 @@
 #include "tests/support/data_dir.hpp"
 
 namespace nodmap::bus {
-namespace {
+namespace replay_bus_test {
 
 void write_odometry_log(const std::filesystem::path& file, int num_messages) {
   LogWriter writer(file);
@@ -63,5 +63,5 @@ TEST(ReplayBus, CountsCorruptMessagesAndPassesOthersBy) {
   EXPECT_EQ(bus.counts().received, 0);
 }
 
-}  // namespace
+}  // namespace replay_bus_test
 }  // namespace nodmap::bus

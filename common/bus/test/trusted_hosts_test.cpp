@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 namespace nodmap::bus {
-namespace {
+namespace trusted_hosts_test {
 
 using std::chrono::milliseconds;
 
@@ -61,5 +61,5 @@ TEST(TrustedHosts, AddressesAsText) {
   EXPECT_EQ(address_text(address(192, 168, 0, 255)), "192.168.0.255");
 }
 
-}  // namespace
+}  // namespace trusted_hosts_test
 }  // namespace nodmap::bus

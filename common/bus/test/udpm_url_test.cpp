@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 namespace nodmap::bus {
-namespace {
+namespace udpm_url_test {
 
 TEST(UdpmUrl, ReadsAllParts) {
   const auto url = parse_udpm_url("udpm://239.1.2.3:7700?recv_buf_size=100&ttl=1");
@@ -35,5 +35,5 @@ TEST(UdpmUrl, OthersAreNone) {
   }
 }
 
-}  // namespace
+}  // namespace udpm_url_test
 }  // namespace nodmap::bus

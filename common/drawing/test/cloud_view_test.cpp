@@ -7,7 +7,7 @@
 #include <vector>
 
 namespace nodmap::drawing {
-namespace {
+namespace cloud_view_test {
 
 // A floor of 8 x 3 m seen from above, and a ceiling over it that faces down.
 std::vector<DrawnPoint> floor_and_ceiling() {
@@ -63,5 +63,5 @@ TEST(CloudPicture, NothingAndOnePoint) {
   EXPECT_GT(draw_path_on_cloud(one, {}).width(), 0);
 }
 
-}  // namespace
+}  // namespace cloud_view_test
 }  // namespace nodmap::drawing

@@ -6,7 +6,7 @@
 #include <cmath>
 
 namespace nodmap::drawing {
-namespace {
+namespace depth_canvas_test {
 
 using Rgb = DepthCanvas::Rgb;
 
@@ -44,5 +44,5 @@ TEST(DepthCanvas, OutsideIsCutOff) {
   EXPECT_EQ(canvas.shaded(3, 3, 0.0), kBlack);
 }
 
-}  // namespace
+}  // namespace depth_canvas_test
 }  // namespace nodmap::drawing

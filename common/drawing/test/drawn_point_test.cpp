@@ -6,7 +6,7 @@
 #include <vector>
 
 namespace nodmap::drawing {
-namespace {
+namespace drawn_point_test {
 
 TEST(DrawnPoint, QuantilesAndHeights) {
   EXPECT_EQ(quantile({}, 0.5), 0.0F);
@@ -24,5 +24,5 @@ TEST(DrawnPoint, QuantilesAndHeights) {
   EXPECT_GT(range.low_m, 0.0F);
 }
 
-}  // namespace
+}  // namespace drawn_point_test
 }  // namespace nodmap::drawing

@@ -9,7 +9,7 @@
 #include "tests/support/data_dir.hpp"
 
 namespace nodmap::drawing {
-namespace {
+namespace image_test {
 
 constexpr Rgb kRed{255, 0, 0};
 
@@ -65,5 +65,5 @@ TEST(ColourScale, EndsAndClamps) {
   EXPECT_EQ(colour_scale(std::numeric_limits<double>::quiet_NaN()), colour_scale(0.0));
 }
 
-}  // namespace
+}  // namespace image_test
 }  // namespace nodmap::drawing

@@ -6,7 +6,7 @@
 #include <array>
 
 namespace nodmap::drawing {
-namespace {
+namespace plan_view_test {
 
 using Eigen::Vector2d;
 
@@ -92,5 +92,5 @@ TEST(Text, IsAsWideAsItsCharactersAndCutOffOutside) {
   EXPECT_EQ(draw_text(image, 30, 8, "far outside", kRed), 88);
 }
 
-}  // namespace
+}  // namespace plan_view_test
 }  // namespace nodmap::drawing

@@ -10,7 +10,7 @@
 #include "tests/support/data_dir.hpp"
 
 namespace nodmap::formats {
-namespace {
+namespace atomic_file_test {
 
 namespace fs = std::filesystem;
 
@@ -62,5 +62,5 @@ TEST(AtomicFile, R46_AFailingFolderKeepsTheOldFile) {
   EXPECT_EQ(files_in(dir.path()), 1U);
 }
 
-}  // namespace
+}  // namespace atomic_file_test
 }  // namespace nodmap::formats

@@ -6,7 +6,7 @@
 #include "tests/support/data_dir.hpp"
 
 namespace nodmap::formats {
-namespace {
+namespace input_file_test {
 
 std::string error_of(const std::filesystem::path& file) {
   try {
@@ -31,5 +31,5 @@ TEST(InputFile, ReadsEveryByte) {
   EXPECT_EQ(read_input(dir.path() / "file"), bytes);
 }
 
-}  // namespace
+}  // namespace input_file_test
 }  // namespace nodmap::formats

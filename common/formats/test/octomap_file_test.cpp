@@ -12,7 +12,7 @@
 #include <tuple>
 
 namespace nodmap::formats {
-namespace {
+namespace octomap_file_test {
 
 using Voxels = std::set<std::tuple<int, int, int>>;
 
@@ -110,5 +110,5 @@ TEST(OctomapFile, NonsenseIsRefused) {
   EXPECT_FALSE(read_octomap(head + "res 0.1\ndata\n" + std::string(100'000, '\xFF')));
 }
 
-}  // namespace
+}  // namespace octomap_file_test
 }  // namespace nodmap::formats

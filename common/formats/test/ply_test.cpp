@@ -9,7 +9,7 @@
 #include "tests/support/data_dir.hpp"
 
 namespace nodmap::formats {
-namespace {
+namespace ply_test {
 
 TEST(Ply, RoundTrip) {
   const test::TemporaryDir dir;
@@ -66,5 +66,5 @@ TEST(Ply, FacesBecomeFansOfTriangles) {
   }
 }
 
-}  // namespace
+}  // namespace ply_test
 }  // namespace nodmap::formats

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 namespace nodmap::formats {
-namespace {
+namespace stamp_test {
 
 TEST(Stamp, IsExactToTheMicrosecond) {
   EXPECT_EQ(parse_stamp("976052857.337284"), time::from_utime(976052857337284));
@@ -23,5 +23,5 @@ TEST(Stamp, RefusesWhatIsNoDecimalNumber) {
   }
 }
 
-}  // namespace
+}  // namespace stamp_test
 }  // namespace nodmap::formats

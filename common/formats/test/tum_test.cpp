@@ -8,7 +8,7 @@
 #include "tests/support/data_dir.hpp"
 
 namespace nodmap::formats {
-namespace {
+namespace tum_test {
 
 TEST(Tum, StampsSurviveToTheMicrosecond) {
   const test::TemporaryDir dir;
@@ -48,5 +48,5 @@ TEST(Tum, ReadsShortAndLongDecimals) {
   EXPECT_EQ(back.at(2).stamp, time::from_utime(1'123'456));
 }
 
-}  // namespace
+}  // namespace tum_test
 }  // namespace nodmap::formats

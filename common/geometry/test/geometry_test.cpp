@@ -10,7 +10,7 @@
 #include "common/geometry/se3.hpp"
 
 namespace nodmap::geometry {
-namespace {
+namespace geometry_test {
 
 // A few roundings of doubles of magnitude 10.
 constexpr double kRounding = 1e-12;
@@ -91,5 +91,5 @@ TEST(Se3, PlanarRoundTrip) {
   EXPECT_NEAR(rotation_angle(to_se3(pose)), 3.0, kRounding);
 }
 
-}  // namespace
+}  // namespace geometry_test
 }  // namespace nodmap::geometry

@@ -6,7 +6,7 @@
 #include <limits>
 
 namespace nodmap::geometry {
-namespace {
+namespace pose_history_test {
 
 SE3 at_x(double x) {
   return to_se3(SE2{x, 0, 0});
@@ -80,5 +80,5 @@ TEST(PoseHistory, KnowsItsNewestAndForgets) {
   EXPECT_FALSE(history.at(at(2s)).has_value());
 }
 
-}  // namespace
+}  // namespace pose_history_test
 }  // namespace nodmap::geometry

@@ -7,7 +7,7 @@
 #include <limits>
 
 namespace nodmap::time {
-namespace {
+namespace time_test {
 
 constexpr std::int64_t kMin = std::numeric_limits<std::int64_t>::min();
 constexpr std::int64_t kMax = std::numeric_limits<std::int64_t>::max();
@@ -84,5 +84,5 @@ TEST(Time, HostileStampsDoNotOverflow) {
   }
 }
 
-}  // namespace
+}  // namespace time_test
 }  // namespace nodmap::time

@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 namespace nodmap::node {
-namespace {
+namespace background_job_test {
 
 TEST(BackgroundJob, GivesItsResultAtTheMessageThatWasFixed) {
   BackgroundJob<int> job;
@@ -51,5 +51,5 @@ TEST(BackgroundJob, WhatTheWorkThrowsComesOutWithTheResult) {
   EXPECT_THROW(static_cast<void>(job.count_message()), std::runtime_error);
 }
 
-}  // namespace
+}  // namespace background_job_test
 }  // namespace nodmap::node

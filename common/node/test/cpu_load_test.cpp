@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 namespace nodmap::node {
-namespace {
+namespace cpu_load_test {
 
 TEST(CpuLoad, ReadsTheFirstFourColumns) {
   const auto ticks = parse_cpu_ticks("cpu  10 20 30 940 5 6 7 8 9 10\ncpu0 1 2 3 4\n");
@@ -37,5 +37,5 @@ TEST(CpuLoad, IsThatBetweenTheLastTwoSamples) {
   EXPECT_EQ(load.elapsed_ticks(), 0U) << "after a sample that could not be read";
 }
 
-}  // namespace
+}  // namespace cpu_load_test
 }  // namespace nodmap::node

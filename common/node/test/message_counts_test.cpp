@@ -7,7 +7,7 @@
 #include <limits>
 
 namespace nodmap::node {
-namespace {
+namespace message_counts_test {
 
 constexpr std::int64_t kLeast = std::numeric_limits<std::int64_t>::min();
 constexpr std::int64_t kGreatest = std::numeric_limits<std::int64_t>::max();
@@ -54,5 +54,5 @@ TEST(SequenceCounter, TakesANegativeNumberForARestart) {
   EXPECT_EQ(watch.lost_before(kGreatest), kGreatest - 1);
 }
 
-}  // namespace
+}  // namespace message_counts_test
 }  // namespace nodmap::node

@@ -8,7 +8,7 @@
 #include "common/node/messages.hpp"
 
 namespace nodmap::node {
-namespace {
+namespace message_input_test {
 
 nodmap::scan_t good_scan(std::int64_t seq) {
   scan::Scan scan;
@@ -91,5 +91,5 @@ TEST_F(SensorInputTest, OdometryThatFallsBackBeganAnew) {
   EXPECT_EQ(counts_.lost(), 3);
 }
 
-}  // namespace
+}  // namespace message_input_test
 }  // namespace nodmap::node

@@ -6,7 +6,7 @@
 #include <limits>
 
 namespace nodmap::node {
-namespace {
+namespace messages_test {
 
 using geometry::SE3;
 
@@ -106,5 +106,5 @@ TEST(Messages, CorrectedPoseCarriesBothFrames) {
       read_pose(message.odom_position_m, message.odom_orientation)->isApprox(T_map_odom, 1e-12));
 }
 
-}  // namespace
+}  // namespace messages_test
 }  // namespace nodmap::node

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 namespace nodmap::node {
-namespace {
+namespace progress_test {
 
 using ::testing::EndsWith;
 using ::testing::HasSubstr;
@@ -29,5 +29,5 @@ TEST(Progress, BarOfFortyWhateverIsGiven) {
   EXPECT_THAT(progress_line(std::string(300, 'x'), 0.0, 0.0), EndsWith("  0 %"));
 }
 
-}  // namespace
+}  // namespace progress_test
 }  // namespace nodmap::node

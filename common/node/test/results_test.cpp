@@ -9,7 +9,7 @@
 #include "tests/support/data_dir.hpp"
 
 namespace nodmap::node {
-namespace {
+namespace results_test {
 
 TEST(ResultDir, IsMadeAndNeverOverwritten) {
   const test::TemporaryDir dir;
@@ -35,5 +35,5 @@ TEST(ResultDir, AProcessStartedAnewTakesTheNext) {
   EXPECT_EQ(make_next_result_dir(out.string() + "/"), dir.path() / "slam2d.3");
 }
 
-}  // namespace
+}  // namespace results_test
 }  // namespace nodmap::node

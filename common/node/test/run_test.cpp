@@ -11,7 +11,7 @@
 #include "tests/support/data_dir.hpp"
 
 namespace nodmap::node {
-namespace {
+namespace run_test {
 
 struct EchoParams {
   double gain = 1.0;
@@ -132,5 +132,5 @@ TEST(Run, ExitCodesTellWhoIsWrong) {
   EXPECT_EQ(run_echo({"--replay", log, "--out", dir.path()}), 1);  // not empty
 }
 
-}  // namespace
+}  // namespace run_test
 }  // namespace nodmap::node

@@ -6,7 +6,7 @@
 #include <limits>
 
 namespace nodmap::node {
-namespace {
+namespace sender_watch_test {
 
 constexpr time::Duration kPeriod = 13'320us;
 
@@ -117,5 +117,5 @@ TEST(SenderWatch, AMessageOvertakenOnTheNetworkIsNoSecondSender) {
   }
 }
 
-}  // namespace
+}  // namespace sender_watch_test
 }  // namespace nodmap::node

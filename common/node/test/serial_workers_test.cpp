@@ -12,7 +12,7 @@
 #include "tests/support/data_dir.hpp"
 
 namespace nodmap::node {
-namespace {
+namespace serial_workers_test {
 
 namespace fs = std::filesystem;
 
@@ -78,5 +78,5 @@ TEST(SerialWorkersTest, AreRaisedAndGivenTheirOrdinaryPriorityBack) {
   expect_unchanged(before);
 }
 
-}  // namespace
+}  // namespace serial_workers_test
 }  // namespace nodmap::node

@@ -9,7 +9,7 @@
 #include "nodmap/status_t.hpp"
 
 namespace nodmap::node {
-namespace {
+namespace status_test {
 
 class FakeNode : public Node {
  public:
@@ -99,5 +99,5 @@ TEST_F(StatusTest, TheNodesOwnWordGoesThrough) {
   EXPECT_EQ(status_.get()->total_lost, 2);
 }
 
-}  // namespace
+}  // namespace status_test
 }  // namespace nodmap::node

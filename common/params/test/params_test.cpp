@@ -11,7 +11,7 @@
 #include "tests/support/data_dir.hpp"
 
 namespace nodmap::params {
-namespace {
+namespace params_test {
 
 using ::testing::AllOf;
 using ::testing::HasSubstr;
@@ -189,5 +189,5 @@ TEST(NestedTable, NamesTheNewKeyOfARenamedOne) {
   }
 }
 
-}  // namespace
+}  // namespace params_test
 }  // namespace nodmap::params

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 namespace nodmap::params {
-namespace {
+namespace suggestion_test {
 
 const std::vector<std::string> kKnown = {"info", "export", "matcher.max_iterations", "max_range_m"};
 
@@ -27,5 +27,5 @@ TEST(DidYouMean, NothingWhereNothingIsNear) {
   EXPECT_EQ(did_you_mean("info", {}), "");
 }
 
-}  // namespace
+}  // namespace suggestion_test
 }  // namespace nodmap::params

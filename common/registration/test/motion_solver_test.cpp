@@ -7,7 +7,7 @@
 #include <random>
 
 namespace nodmap::registration {
-namespace {
+namespace motion_solver_test {
 
 using Vector3 = Eigen::Matrix<double, 3, 1>;
 using Matrix3 = Eigen::Matrix<double, 3, 3>;
@@ -86,5 +86,5 @@ TEST(MotionSolver, RefusesWhatIsNotFiniteOrHasNoPrior) {
   EXPECT_EQ(estimate.x, Vector3::Zero());
 }
 
-}  // namespace
+}  // namespace motion_solver_test
 }  // namespace nodmap::registration

@@ -6,7 +6,7 @@
 #include <cmath>
 
 namespace nodmap::registration {
-namespace {
+namespace normal_equations_test {
 
 constexpr double kMinInformationRatio = 0.02;
 constexpr double kExact = 1e-9;  // rounding of a well scaled 3 x 3 system
@@ -65,5 +65,5 @@ TEST(NormalEquations, WithoutCorrespondencesEveryDirectionIsDegenerate) {
   EXPECT_TRUE(equations.solve(kMinInformationRatio).projector.isZero(0.0));
 }
 
-}  // namespace
+}  // namespace normal_equations_test
 }  // namespace nodmap::registration

@@ -13,7 +13,7 @@
 #include <vector>
 
 namespace nodmap::registration {
-namespace {
+namespace pose_graph_test {
 
 using geometry::SE2;
 using geometry::SE3;
@@ -316,5 +316,5 @@ TEST(PoseGraph, ASquareLoopTakesItsDriftBackEvenly) {
   }
 }
 
-}  // namespace
+}  // namespace pose_graph_test
 }  // namespace nodmap::registration

@@ -10,7 +10,7 @@
 #include <vector>
 
 namespace nodmap::registration {
-namespace {
+namespace rigid_fit_2d_test {
 
 using geometry::SE2;
 
@@ -148,5 +148,5 @@ TEST(RigidFit2d, IgnoresCorrespondencesWithoutWeightOrNotFinite) {
   expect_near(fit.solve().T_model_data, truth, kExact);
 }
 
-}  // namespace
+}  // namespace rigid_fit_2d_test
 }  // namespace nodmap::registration

@@ -8,7 +8,7 @@
 #include <vector>
 
 namespace nodmap::registration {
-namespace {
+namespace rigid_fit_test {
 
 using geometry::SE3;
 
@@ -124,5 +124,5 @@ TEST(RigidFit, R33_DegenerateInputHasAStatus) {
   EXPECT_EQ(fit_rigid(pairs).status, FitStatus::kDegenerate);
 }
 
-}  // namespace
+}  // namespace rigid_fit_test
 }  // namespace nodmap::registration

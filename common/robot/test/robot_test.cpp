@@ -12,7 +12,7 @@
 #include "common/robot/stopping.hpp"
 
 namespace nodmap::robot {
-namespace {
+namespace robot_test {
 
 constexpr double kInf = std::numeric_limits<double>::infinity();
 constexpr double kDeceleration = 1.5;
@@ -143,5 +143,5 @@ TEST(Stopping, WithoutDistanceThereIsNoSpeed) {
   EXPECT_EQ(stoppable_speed(kInf, 0.1, kDeceleration), kInf);
 }
 
-}  // namespace
+}  // namespace robot_test
 }  // namespace nodmap::robot

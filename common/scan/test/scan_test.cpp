@@ -7,7 +7,7 @@
 #include <random>
 
 namespace nodmap::scan {
-namespace {
+namespace scan_test {
 
 using geometry::deg_to_rad;
 
@@ -119,5 +119,5 @@ TEST(Scan, PlausibilityRefusesNonsense) {
   EXPECT_FALSE(is_plausible(scan));
 }
 
-}  // namespace
+}  // namespace scan_test
 }  // namespace nodmap::scan

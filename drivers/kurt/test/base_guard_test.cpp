@@ -6,7 +6,7 @@
 #include <cmath>
 
 namespace nodmap::kurt {
-namespace {
+namespace base_guard_test {
 
 constexpr DriveCommand kFast{1.5, 0.5};
 
@@ -122,5 +122,5 @@ TEST_F(BaseGuardTest, WheelsThatShouldTurnAndDoNotAreStalled) {
   EXPECT_EQ(guard_.take_alarm(), Alarm::kStall);
 }
 
-}  // namespace
+}  // namespace base_guard_test
 }  // namespace nodmap::kurt

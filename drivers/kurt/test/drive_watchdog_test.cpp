@@ -6,7 +6,7 @@
 #include <limits>
 
 namespace nodmap::kurt {
-namespace {
+namespace drive_watchdog_test {
 
 constexpr time::Duration kTimeout = 200ms;
 constexpr time::SteadyTime kSteady{5s};
@@ -161,5 +161,5 @@ TEST(DriveWatchdog, EveryStatusHasItsName) {
   }
 }
 
-}  // namespace
+}  // namespace drive_watchdog_test
 }  // namespace nodmap::kurt

@@ -8,7 +8,7 @@
 #include <random>
 
 namespace nodmap::kurt {
-namespace {
+namespace encoder_clock_test {
 
 constexpr time::SteadyTime kStart{1s};
 
@@ -106,5 +106,5 @@ TEST(EncoderClock, ALongSilenceIsAGap) {
   EXPECT_EQ(clock.take(kStart + 1040ms).gap, 20ms);
 }
 
-}  // namespace
+}  // namespace encoder_clock_test
 }  // namespace nodmap::kurt

@@ -10,7 +10,7 @@
 #include "common/geometry/angle.hpp"
 
 namespace nodmap::kurt {
-namespace {
+namespace kurt_frames_test {
 
 CanFrame frame(std::uint32_t id, std::vector<std::uint8_t> data) {
   CanFrame f;
@@ -132,5 +132,5 @@ TEST(KurtFrames, OtherFramesAndPiecesSayNothing) {
   EXPECT_TRUE(says_nothing(remote));
 }
 
-}  // namespace
+}  // namespace kurt_frames_test
 }  // namespace nodmap::kurt

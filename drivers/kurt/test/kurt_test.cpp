@@ -11,7 +11,7 @@
 #include "drivers/kurt/test/kurt_emulator.hpp"
 
 namespace nodmap::kurt {
-namespace {
+namespace kurt_test {
 
 constexpr time::Timestamp kStart{1'700'000'000s};
 
@@ -294,5 +294,5 @@ TEST(Kurt, R6_TheDefaultsAreTheRobots) {
   EXPECT_EQ(KurtParams{}.limits.max_speed_mps, 5.2);
 }
 
-}  // namespace
+}  // namespace kurt_test
 }  // namespace nodmap::kurt

@@ -19,7 +19,7 @@
 #include "tests/support/data_dir.hpp"
 
 namespace nodmap::kurt {
-namespace {
+namespace network_test {
 
 constexpr std::chrono::milliseconds kNoWait{0};
 
@@ -106,5 +106,5 @@ TEST(KurtNetwork, APulledPlugIsToldAndHealed) {
   EXPECT_TRUE(network.play([&] { return network.has_status(nodmap::status_t::OK); }));
 }
 
-}  // namespace
+}  // namespace network_test
 }  // namespace nodmap::kurt

@@ -24,7 +24,7 @@
 #include "tests/support/pty_pair.hpp"
 
 namespace nodmap::kurt {
-namespace {
+namespace node_test {
 
 constexpr time::Timestamp kStart{1'700'000'000s};
 constexpr std::size_t kCommandBytes = 22;
@@ -389,5 +389,5 @@ TEST(KurtNode, ALineThatTakesNoBytesIsGivenUp) {
   EXPECT_EQ(bench.node->health().reason, "the line takes no bytes");
 }
 
-}  // namespace
+}  // namespace node_test
 }  // namespace nodmap::kurt

@@ -8,7 +8,7 @@
 #include "tests/support/data_dir.hpp"
 
 namespace nodmap::kurt {
-namespace {
+namespace odometry_data_test {
 
 // Two KURTs with their wheels in the air, up to the full duty cycle: what was measured is
 // plausible.
@@ -35,5 +35,5 @@ TEST(OdometryData, MeasuredWheelSpeedsAreTaken) {
   }
 }
 
-}  // namespace
+}  // namespace odometry_data_test
 }  // namespace nodmap::kurt

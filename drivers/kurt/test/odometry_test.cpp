@@ -9,7 +9,7 @@
 #include <vector>
 
 namespace nodmap::kurt {
-namespace {
+namespace odometry_test {
 
 constexpr double kPeriodS = 0.01;
 
@@ -201,5 +201,5 @@ TEST(Odometry, CovarianceIsThatOfRobotsThatSlip) {
             0.0);
 }
 
-}  // namespace
+}  // namespace odometry_test
 }  // namespace nodmap::kurt

@@ -11,7 +11,7 @@
 #include "tests/integration/child_process.hpp"
 
 namespace nodmap::kurt {
-namespace {
+namespace program_test {
 
 constexpr std::chrono::milliseconds kNoWait{0};
 
@@ -58,5 +58,5 @@ TEST(KurtProgram, WrongConfigurationIsExitCodeTwo) {
   }
 }
 
-}  // namespace
+}  // namespace program_test
 }  // namespace nodmap::kurt

@@ -8,7 +8,7 @@
 #include <vector>
 
 namespace nodmap::kurt {
-namespace {
+namespace slcan_session_test {
 
 using Kind = SlcanLine::Kind;
 
@@ -146,5 +146,5 @@ TEST(SlcanSession, AsksForTheFlagsOnceASecond) {
   EXPECT_EQ(bench.session.poll(bench.now), "");
 }
 
-}  // namespace
+}  // namespace slcan_session_test
 }  // namespace nodmap::kurt

@@ -8,7 +8,7 @@
 #include <vector>
 
 namespace nodmap::kurt {
-namespace {
+namespace slcan_test {
 
 CanFrame frame(std::uint32_t id, std::vector<std::uint8_t> data, bool extended = false) {
   CanFrame f;
@@ -185,5 +185,5 @@ TEST(SlcanParser, NoiseIsSurvivedAndCounted) {
   EXPECT_EQ(parse(parser, "\rt1230\r").back().frame, frame(0x123, {}));
 }
 
-}  // namespace
+}  // namespace slcan_test
 }  // namespace nodmap::kurt

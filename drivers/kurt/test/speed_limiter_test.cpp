@@ -9,7 +9,7 @@
 #include "drivers/kurt/odometry.hpp"
 
 namespace nodmap::kurt {
-namespace {
+namespace speed_limiter_test {
 
 constexpr double kPeriodS = 0.01;
 
@@ -118,5 +118,5 @@ TEST(SpeedLimiter, AStopForSafetyIsAtOnce) {
   EXPECT_EQ(limiter.current().right_mps, 0.0);
 }
 
-}  // namespace
+}  // namespace speed_limiter_test
 }  // namespace nodmap::kurt

@@ -9,7 +9,7 @@
 #include "drivers/laser3d/test/fake_servo.hpp"
 
 namespace nodmap::laser3d {
-namespace {
+namespace laser3d_test {
 
 constexpr time::Duration kRevolution = 13'320us;
 
@@ -304,5 +304,5 @@ TEST(Laser3d, LeavesTheLaserAtRest) {
   EXPECT_FALSE(rig.sensor.streaming);
 }
 
-}  // namespace
+}  // namespace laser3d_test
 }  // namespace nodmap::laser3d

@@ -8,7 +8,7 @@
 #include <limits>
 
 namespace nodmap::laser3d {
-namespace {
+namespace nod_test {
 
 time::SteadyTime at(time::Duration since_start) {
   return time::SteadyTime(since_start);
@@ -229,5 +229,5 @@ TEST(Nod, AServoThatStopsShortOfItsGoalStillTurns) {
   EXPECT_FALSE(dut.stalled());
 }
 
-}  // namespace
+}  // namespace nod_test
 }  // namespace nodmap::laser3d

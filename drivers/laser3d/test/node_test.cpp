@@ -14,7 +14,7 @@
 #include "nodmap/scan_t.hpp"
 
 namespace nodmap::laser3d {
-namespace {
+namespace node_test {
 
 using serial::IoStatus;
 
@@ -240,5 +240,5 @@ TEST(Laser3dNode, EndsWithTheLaserAtRest) {
   EXPECT_FALSE(rig.sensor.streaming);
 }
 
-}  // namespace
+}  // namespace node_test
 }  // namespace nodmap::laser3d

@@ -8,7 +8,7 @@
 #include <random>
 
 namespace nodmap::laser3d {
-namespace {
+namespace passive_sync_test {
 
 time::SteadyTime at(time::Duration since_start) {
   return time::SteadyTime(since_start);
@@ -150,5 +150,5 @@ TEST(PassiveSync, ALatencyThatGrewForGoodIsAcceptedAfterASecond) {
   EXPECT_EQ(dut.restarts(), 1);
 }
 
-}  // namespace
+}  // namespace passive_sync_test
 }  // namespace nodmap::laser3d

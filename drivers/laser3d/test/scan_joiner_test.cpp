@@ -6,7 +6,7 @@
 #include <cmath>
 
 namespace nodmap::laser3d {
-namespace {
+namespace scan_joiner_test {
 
 time::SteadyTime at(time::Duration since_start) {
   return time::SteadyTime(since_start);
@@ -120,5 +120,5 @@ TEST(ScanJoiner, SamplesThatStepBackAreDropped) {
   EXPECT_FALSE(dut.pitch_at(at(9ms)));
 }
 
-}  // namespace
+}  // namespace scan_joiner_test
 }  // namespace nodmap::laser3d

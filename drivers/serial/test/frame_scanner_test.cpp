@@ -11,7 +11,7 @@
 #include <string>
 
 namespace nodmap::serial {
-namespace {
+namespace frame_scanner_test {
 
 FrameStart start(ByteView bytes, bool /*in_step*/) {
   using Kind = FrameStart::Kind;
@@ -122,5 +122,5 @@ TEST(FrameScanner, ANewRateForgetsWhatHasCome) {
   EXPECT_EQ(scanner.errors().skipped_bytes, 0);
 }
 
-}  // namespace
+}  // namespace frame_scanner_test
 }  // namespace nodmap::serial

@@ -7,7 +7,7 @@
 #include "tests/support/pty_pair.hpp"
 
 namespace nodmap::serial {
-namespace {
+namespace libserialport_test {
 
 TEST(Libserialport, OpensThePort) {
   const test::PtyPair pty;
@@ -26,5 +26,5 @@ TEST(Libserialport, SetsAnyRate) {
   EXPECT_EQ(pty.baud(), 123456);
 }
 
-}  // namespace
+}  // namespace libserialport_test
 }  // namespace nodmap::serial

@@ -12,7 +12,7 @@
 #include "tests/support/pty_pair.hpp"
 
 namespace nodmap::serial {
-namespace {
+namespace serial_link_test {
 
 constexpr time::Timestamp kStart{1'700'000'000s};
 
@@ -201,5 +201,5 @@ TEST(BackOff, SuccessStartsOver) {
   EXPECT_EQ(back_off.wait(kBegin + 1s), BackOff::kFirst);
 }
 
-}  // namespace
+}  // namespace serial_link_test
 }  // namespace nodmap::serial

@@ -16,7 +16,7 @@
 #include "tests/support/pty_pair.hpp"
 
 namespace nodmap::serial {
-namespace {
+namespace serial_port_test {
 
 using std::chrono::microseconds;
 using std::chrono::steady_clock;
@@ -190,5 +190,5 @@ TEST(StopEvent, StaysRaised) {
   EXPECT_TRUE(stop.raised());
 }
 
-}  // namespace
+}  // namespace serial_port_test
 }  // namespace nodmap::serial

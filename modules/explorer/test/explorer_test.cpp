@@ -6,7 +6,7 @@
 #include "modules/explorer/test/grid_world.hpp"
 
 namespace nodmap::explorer {
-namespace {
+namespace explorer_test {
 
 using test::Exploration;
 using test::explore;
@@ -142,5 +142,5 @@ TEST_F(Stuck, ComesToAnEnd) {
   EXPECT_EQ(explorer_.state(), State::kHome);
 }
 
-}  // namespace
+}  // namespace explorer_test
 }  // namespace nodmap::explorer

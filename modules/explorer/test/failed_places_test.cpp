@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 namespace nodmap::explorer {
-namespace {
+namespace failed_places_test {
 
 const Eigen::Vector2d kPlace(3.0, 1.0);
 const Eigen::Vector2d kBeside(3.5, 1.0);
@@ -40,5 +40,5 @@ TEST(FailedPlaces, WhatIsNotGivenUpIsForgivenOnce) {
   EXPECT_TRUE(failures.is_left_out(kPlace, at_s(103)));
 }
 
-}  // namespace
+}  // namespace failed_places_test
 }  // namespace nodmap::explorer

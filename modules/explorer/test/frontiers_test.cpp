@@ -7,7 +7,7 @@
 #include <set>
 
 namespace nodmap::explorer {
-namespace {
+namespace frontiers_test {
 
 /// A room of 4 m x 3 m, its left half free and the rest unknown, closed by walls; map cells.
 PlanningGrid half_known_room() {
@@ -72,5 +72,5 @@ TEST(Frontiers, AKnownRoomHasNone) {
   EXPECT_TRUE(frontiers.lookouts(grid, paths, 2.0).empty());
 }
 
-}  // namespace
+}  // namespace frontiers_test
 }  // namespace nodmap::explorer

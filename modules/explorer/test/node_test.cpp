@@ -12,7 +12,7 @@
 #include "tests/support/memory_bus.hpp"
 
 namespace nodmap::explorer {
-namespace {
+namespace node_test {
 
 class ExplorerNodeTest : public ::testing::Test {
  protected:
@@ -175,5 +175,5 @@ TEST_F(ExplorerNodeTest, ImplausibleMessagesAreCounted) {
   EXPECT_EQ(counts_.rejected().at("implausible_pose"), 1);
 }
 
-}  // namespace
+}  // namespace node_test
 }  // namespace nodmap::explorer

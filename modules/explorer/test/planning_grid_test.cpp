@@ -6,7 +6,7 @@
 #include <random>
 
 namespace nodmap::explorer {
-namespace {
+namespace planning_grid_test {
 
 constexpr double kInflationRadiusM = 0.205;
 constexpr int kTile = 40;
@@ -133,5 +133,5 @@ TEST(PlanningGrid, OtherCellsBeginANewMap) {
   EXPECT_EQ(grid.cell_size_m(), 0.2);
 }
 
-}  // namespace
+}  // namespace planning_grid_test
 }  // namespace nodmap::explorer

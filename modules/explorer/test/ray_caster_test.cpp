@@ -6,7 +6,7 @@
 #include <set>
 
 namespace nodmap::explorer {
-namespace {
+namespace ray_caster_test {
 
 constexpr int kCells = 400;  // of the map: 20 m x 20 m, the origin in its middle
 
@@ -73,5 +73,5 @@ TEST(RayCaster, OnlyWhatIsWithinTheLasersAngleIsSeen) {
   EXPECT_EQ(seen_m2(scene.grid(), params, geometry::kPi), 0.0);
 }
 
-}  // namespace
+}  // namespace ray_caster_test
 }  // namespace nodmap::explorer

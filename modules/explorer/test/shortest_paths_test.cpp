@@ -10,7 +10,7 @@
 #include "modules/explorer/test/grid_world.hpp"
 
 namespace nodmap::explorer {
-namespace {
+namespace shortest_paths_test {
 
 /// A hall of 6 m x 4 m with pillars, all of it known.
 PlanningGrid hall(std::uint64_t seed) {
@@ -112,5 +112,5 @@ TEST(ShortestPaths, TheHeadingIsThatOfThePathsEnd) {
   EXPECT_EQ(paths.heading_rad(paths.cells().front(), 2.0), 2.0);
 }
 
-}  // namespace
+}  // namespace shortest_paths_test
 }  // namespace nodmap::explorer

@@ -10,7 +10,7 @@
 #include <stdexcept>
 
 namespace nodmap::explorer {
-namespace {
+namespace tour_test {
 
 /// Stops anywhere in a square, straight lines between them, and back to the start.
 TourProblem random_problem(std::size_t num_stops, double length_weight, std::uint64_t seed) {
@@ -78,5 +78,5 @@ TEST(ShortestTourDegenerate, NoStopOneStopAndTooMany) {
   EXPECT_THROW((void)shortest_tour(random_problem(kMaxStops + 1, 1.0, 1)), std::invalid_argument);
 }
 
-}  // namespace
+}  // namespace tour_test
 }  // namespace nodmap::explorer

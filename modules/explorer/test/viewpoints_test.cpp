@@ -12,7 +12,7 @@
 #include "modules/explorer/frontiers.hpp"
 
 namespace nodmap::explorer {
-namespace {
+namespace viewpoints_test {
 
 constexpr int kMapCells = 320;  // 16 m x 16 m, cells of 5 cm
 constexpr double kCellArea = 0.01;
@@ -182,5 +182,5 @@ TEST(ViewpointChooser, WithoutLookoutsOrUnknownGroundThereIsNone) {
   EXPECT_FALSE(dut.nearest(known, room.paths, room.lookouts));
 }
 
-}  // namespace
+}  // namespace viewpoints_test
 }  // namespace nodmap::explorer

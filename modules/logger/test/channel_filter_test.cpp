@@ -8,7 +8,7 @@
 #include "common/node/program.hpp"
 
 namespace nodmap::logger {
-namespace {
+namespace channel_filter_test {
 
 TEST(ChannelFilter, MatchesWholeNames) {
   ChannelFilter filter("SCAN|POSE_.*", "");
@@ -45,5 +45,5 @@ TEST(ChannelFilter, WhatIsNoExpressionIsNamed) {
   }
 }
 
-}  // namespace
+}  // namespace channel_filter_test
 }  // namespace nodmap::logger

@@ -10,7 +10,7 @@
 #include "nodmap/scan_t.hpp"
 
 namespace nodmap::logger {
-namespace {
+namespace loss_watch_test {
 
 std::vector<std::byte> scan(std::int64_t seq) {
   nodmap::scan_t message{};
@@ -54,5 +54,5 @@ TEST(LossWatch, OtherAndDamagedMessagesAreNotLookedInto) {
   EXPECT_EQ(losses.lost_before("SCAN", scan(2)), 0);
 }
 
-}  // namespace
+}  // namespace loss_watch_test
 }  // namespace nodmap::logger

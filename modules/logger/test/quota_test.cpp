@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 namespace nodmap::logger {
-namespace {
+namespace quota_test {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
@@ -43,5 +43,5 @@ TEST(Quota, TheFileBeingWrittenIsNeverDeletedHoweverOldItsName) {
               ElementsAre("lcmlog-2026-11-21.01"));
 }
 
-}  // namespace
+}  // namespace quota_test
 }  // namespace nodmap::logger

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 namespace nodmap::logger {
-namespace {
+namespace receive_buffer_test {
 
 TEST(ReceiveBuffer, IsAskedForOnUdpmOnly) {
   EXPECT_EQ(with_receive_buffer("udpm://239.255.76.67:7667?ttl=0", 4096),
@@ -20,5 +20,5 @@ TEST(ReceiveBuffer, OfTheUrlIsKept) {
   EXPECT_EQ(with_receive_buffer("udpm://239.255.76.67:7667", 0), "udpm://239.255.76.67:7667");
 }
 
-}  // namespace
+}  // namespace receive_buffer_test
 }  // namespace nodmap::logger

@@ -13,7 +13,7 @@
 #include "tests/support/data_dir.hpp"
 
 namespace nodmap::logger {
-namespace {
+namespace recorder_test {
 
 using ::testing::ElementsAre;
 
@@ -297,5 +297,5 @@ TEST_F(RecorderTest, RecordingPausesWhenNothingOfOursFillsTheDisk) {
   EXPECT_EQ(recorder.health().state, node::HealthState::kOk);
 }
 
-}  // namespace
+}  // namespace recorder_test
 }  // namespace nodmap::logger

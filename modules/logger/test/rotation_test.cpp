@@ -7,7 +7,7 @@
 #include <vector>
 
 namespace nodmap::logger {
-namespace {
+namespace rotation_test {
 
 constexpr time::Duration kDay = 24h;
 constexpr time::Timestamp kNoon(1'795'262'400s);  // 2026-11-21 12:00:00 UTC, by date(1)
@@ -84,5 +84,5 @@ TEST(Rotation, SplitsBeforeTheEventThatWouldNotFit) {
   EXPECT_FALSE(must_split(1'000'000, 5000, 0));
 }
 
-}  // namespace
+}  // namespace rotation_test
 }  // namespace nodmap::logger

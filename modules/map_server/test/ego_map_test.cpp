@@ -8,7 +8,7 @@
 #include <vector>
 
 namespace nodmap::map_server {
-namespace {
+namespace ego_map_test {
 
 using geometry::SE2;
 using ::testing::ElementsAre;
@@ -230,5 +230,5 @@ TEST(PaperRule, NothingAgesWhileStationary) {
   EXPECT_EQ(point_towards(map, 0.0)->aged_s, 0.0);
 }
 
-}  // namespace
+}  // namespace ego_map_test
 }  // namespace nodmap::map_server

@@ -7,7 +7,7 @@
 #include <random>
 
 namespace nodmap::map_server {
-namespace {
+namespace extended_scan_test {
 
 using geometry::deg_to_rad;
 using geometry::SE2;
@@ -209,5 +209,5 @@ TEST(ExtendedScan, ANonFiniteShiftLeavesNoPointsBehind) {
   EXPECT_EQ(count_valid(map), 0U);
 }
 
-}  // namespace
+}  // namespace extended_scan_test
 }  // namespace nodmap::map_server

@@ -10,7 +10,7 @@
 #include "tests/support/allocations.hpp"
 
 namespace nodmap::map_server {
-namespace {
+namespace map_server_test {
 
 using geometry::SE3;
 using test::deg_to_rad;
@@ -269,5 +269,5 @@ TEST(MapServer, AllocatesNothingAfterTheFirstScan) {
   EXPECT_EQ(allocations_after_first_scan(RemovalRule::kVisibility), 0U);
 }
 
-}  // namespace
+}  // namespace map_server_test
 }  // namespace nodmap::map_server

@@ -16,7 +16,7 @@
 #include "tests/support/memory_bus.hpp"
 
 namespace nodmap::map_server {
-namespace {
+namespace node_test {
 
 class MapServerNodeTest : public ::testing::Test {
  protected:
@@ -219,5 +219,5 @@ TEST(MapDrawing, EmptyMapsAreDrawnToo) {
   EXPECT_GT(draw_maps(none, none, {}).width(), 0);
 }
 
-}  // namespace
+}  // namespace node_test
 }  // namespace nodmap::map_server

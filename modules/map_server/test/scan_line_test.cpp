@@ -7,7 +7,7 @@
 #include <random>
 
 namespace nodmap::map_server {
-namespace {
+namespace scan_line_test {
 
 using geometry::deg_to_rad;
 
@@ -139,5 +139,5 @@ TEST(ScanLine, DegenerateScansSeeNothing) {
   EXPECT_FALSE(ScanLine(fan(0, 0, 5)).crossing_at({std::nan(""), 0}));
 }
 
-}  // namespace
+}  // namespace scan_line_test
 }  // namespace nodmap::map_server

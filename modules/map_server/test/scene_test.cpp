@@ -8,7 +8,7 @@
 #include "modules/map_server/test/world.hpp"
 
 namespace nodmap::map_server {
-namespace {
+namespace scene_test {
 
 using test::Box;
 using test::deg_to_rad;
@@ -421,5 +421,5 @@ TEST(Scene, LevelScannerClearsWithinTwoScans) {
   EXPECT_FALSE(has_point_near(server.obstacle_map(), {1.6, 0.0}, 0.4));
 }
 
-}  // namespace
+}  // namespace scene_test
 }  // namespace nodmap::map_server

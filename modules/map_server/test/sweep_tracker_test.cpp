@@ -8,7 +8,7 @@
 #include "common/geometry/angle.hpp"
 
 namespace nodmap::map_server {
-namespace {
+namespace sweep_tracker_test {
 
 using geometry::deg_to_rad;
 
@@ -78,5 +78,5 @@ TEST(SweepTracker, AScannerThatHoldsStillMakesEveryScanASweep) {
   EXPECT_EQ(tracker.covered()->max_rad, 0.0);
 }
 
-}  // namespace
+}  // namespace sweep_tracker_test
 }  // namespace nodmap::map_server

@@ -16,7 +16,7 @@
 #include <vector>
 
 namespace nodmap::map_server {
-namespace {
+namespace visibility_rule_test {
 
 using geometry::deg_to_rad;
 
@@ -358,5 +358,5 @@ TEST(VisibilityRule, ReplacesAndConfirmsByDistance) {
   }
 }
 
-}  // namespace
+}  // namespace visibility_rule_test
 }  // namespace nodmap::map_server

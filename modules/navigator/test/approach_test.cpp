@@ -8,7 +8,7 @@
 #include "modules/navigator/test/point_world.hpp"
 
 namespace nodmap::navigator {
-namespace {
+namespace approach_test {
 
 using geometry::deg_to_rad;
 
@@ -129,5 +129,5 @@ TEST(Approach, WhatIsLowHasNotCome) {
   EXPECT_FALSE(is_approach({{{{0.98, -0.1}, {1.15, 0.1}, 0.06}}}));
 }
 
-}  // namespace
+}  // namespace approach_test
 }  // namespace nodmap::navigator

@@ -15,7 +15,7 @@
 #include "modules/navigator/turn.hpp"
 
 namespace nodmap::navigator {
-namespace {
+namespace behaviours_test {
 
 using geometry::deg_to_rad;
 
@@ -418,5 +418,5 @@ TEST(ObstaclePoints, ARobotThatTurnedRightSeesThePointOnItsLeft) {
   EXPECT_NEAR(move_to_base({{2.0, 0.0}}, {1, 1, 0}, {1.5, 1, 0})[0].x(), 1.5, 1e-12);
 }
 
-}  // namespace
+}  // namespace behaviours_test
 }  // namespace nodmap::navigator

@@ -8,7 +8,7 @@
 #include "modules/navigator/test/point_world.hpp"
 
 namespace nodmap::navigator {
-namespace {
+namespace closed_loop_test {
 
 using geometry::rad_to_deg;
 using test::ClosedLoop;
@@ -264,5 +264,5 @@ TEST(ClosedLoop, ABoundOfZeroFromThePitchControllerStopsIt) {
   EXPECT_EQ(loop.decision.behaviour, Behaviour::kBrake);
 }
 
-}  // namespace
+}  // namespace closed_loop_test
 }  // namespace nodmap::navigator

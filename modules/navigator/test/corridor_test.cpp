@@ -11,7 +11,7 @@
 #include "common/geometry/se2.hpp"
 
 namespace nodmap::navigator {
-namespace {
+namespace corridor_test {
 
 constexpr double kInf = std::numeric_limits<double>::infinity();
 const Footprint kBody{0.225, 0.165};
@@ -157,5 +157,5 @@ TEST(FreeRotation, EqualsRotatingTheBodyInSteps) {
   EXPECT_GT(touched, 100);
 }
 
-}  // namespace
+}  // namespace corridor_test
 }  // namespace nodmap::navigator

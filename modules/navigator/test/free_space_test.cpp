@@ -11,7 +11,7 @@
 #include "modules/navigator/test/point_world.hpp"
 
 namespace nodmap::navigator {
-namespace {
+namespace free_space_test {
 
 using geometry::deg_to_rad;
 
@@ -130,5 +130,5 @@ TEST(Steer, BetweenTwoDoorsTheNearestFreeDirectionsAreTheDoors) {
   EXPECT_FALSE(free_neighbours(space, 0.0, 3.5).left_rad);
 }
 
-}  // namespace
+}  // namespace free_space_test
 }  // namespace nodmap::navigator

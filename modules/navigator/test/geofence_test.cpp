@@ -10,7 +10,7 @@
 #include "modules/navigator/test/point_world.hpp"
 
 namespace nodmap::navigator {
-namespace {
+namespace geofence_test {
 
 using test::ClosedLoop;
 
@@ -95,5 +95,5 @@ TEST(Geofence, TheWholeBodyStaysInsideWhileItRoams) {
   }
 }
 
-}  // namespace
+}  // namespace geofence_test
 }  // namespace nodmap::navigator

@@ -14,7 +14,7 @@
 #include "tests/support/memory_bus.hpp"
 
 namespace nodmap::navigator {
-namespace {
+namespace node_test {
 
 enum Input { kOdometry, kMap, kCommand, kState };
 
@@ -635,5 +635,5 @@ TEST_F(NavigatorNodeTest, ToAGoalItSlowsWhenThePoseIsDegradedAndHaltsWhenItIsLos
   EXPECT_EQ(navigation().max_forward_mps, fast_mps);
 }
 
-}  // namespace
+}  // namespace node_test
 }  // namespace nodmap::navigator

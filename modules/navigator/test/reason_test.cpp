@@ -6,7 +6,7 @@
 #include <set>
 
 namespace nodmap::navigator {
-namespace {
+namespace reason_test {
 
 TEST(Reason, EachHasItsOwnSentence) {
   std::set<std::string> texts;
@@ -24,5 +24,5 @@ TEST(Reason, NamesWhatItIsAbout) {
   EXPECT_EQ(to_text(Why::kNothingToAdd), "");
 }
 
-}  // namespace
+}  // namespace reason_test
 }  // namespace nodmap::navigator

@@ -7,7 +7,7 @@
 #include <random>
 
 namespace nodmap::navigator {
-namespace {
+namespace slip_test {
 
 /// Four poses a second at this speed by the wheels, of which a part is driven. Returns when it is
 /// noticed, seconds; negative: never within 10 s.
@@ -47,5 +47,5 @@ TEST(SlipMonitor, AStampThatStepsBackBeginsAnew) {
   EXPECT_TRUE(monitor.update(time::Timestamp(900ms), {0.8, 0.0, 0.0}, {}));
 }
 
-}  // namespace
+}  // namespace slip_test
 }  // namespace nodmap::navigator

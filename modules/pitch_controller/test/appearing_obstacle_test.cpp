@@ -13,7 +13,7 @@
 #include "modules/pitch_controller/test/nodding_head.hpp"
 
 namespace nodmap::pitch_controller {
-namespace {
+namespace appearing_obstacle_test {
 
 constexpr double kStepS = 0.005;
 /// KURT3D: drivers/kurt limits the wheels to a gain of 1.5 and a loss of 3 m/s2; they lag by 50 ms.
@@ -166,5 +166,5 @@ TEST(AppearingObstacle, IsHitByARobotThatTrustsItsBrakesTooMuch) {
   EXPECT_LT(least_left_m(driven, PitchControllerParams{}), 0.0);
 }
 
-}  // namespace
+}  // namespace appearing_obstacle_test
 }  // namespace nodmap::pitch_controller

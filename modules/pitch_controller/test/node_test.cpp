@@ -14,7 +14,7 @@
 #include "tests/support/memory_bus.hpp"
 
 namespace nodmap::pitch_controller {
-namespace {
+namespace node_test {
 
 class PitchControllerNodeTest : public ::testing::Test {
  protected:
@@ -62,7 +62,7 @@ class PitchControllerNodeTest : public ::testing::Test {
     return bus_.sent<nodmap::pitch_command_t>("PITCH_COMMAND");
   }
 
-  test::MemoryBus bus_;
+  nodmap::test::MemoryBus bus_;
   node::MessageCounts counts_;
   node::Context context_{bus_, counts_, {}};
   PitchControllerNode node_;
@@ -167,5 +167,5 @@ TEST_F(FixedNodeTest, SaysThatItIsBlind) {
   EXPECT_EQ(node_.health().state, node::HealthState::kDegraded);
 }
 
-}  // namespace
+}  // namespace node_test
 }  // namespace nodmap::pitch_controller

@@ -11,7 +11,7 @@
 #include "modules/pitch_controller/test/nodding_head.hpp"
 
 namespace nodmap::pitch_controller {
-namespace {
+namespace pitch_controller_test {
 
 using geometry::rad_to_deg;
 
@@ -411,5 +411,5 @@ TEST(PitchController, FixedHoldsTheLaserLevel) {
   EXPECT_EQ(loop.dut.decide(loop.now + 30ms)->inhibited, InhibitReason::kNotLevel);
 }
 
-}  // namespace
+}  // namespace pitch_controller_test
 }  // namespace nodmap::pitch_controller

@@ -7,7 +7,7 @@
 #include <random>
 
 namespace nodmap::pitch_controller {
-namespace {
+namespace speed_bound_test {
 
 const robot::Braking kBraking;
 const DetectionParams kDetection;
@@ -62,5 +62,5 @@ TEST(RisingBound, FallsAtOnceAndRisesSlowly) {
   EXPECT_EQ(rising.limit(0.0, 1.0, 0.1), 0.0);
 }
 
-}  // namespace
+}  // namespace speed_bound_test
 }  // namespace nodmap::pitch_controller

@@ -6,7 +6,7 @@
 #include <cmath>
 
 namespace nodmap::pitch_controller {
-namespace {
+namespace sweep_control_test {
 
 /// Gives the readings of one sweep of constant rate, one each 5 ms; the last of them after the
 /// reversal.
@@ -160,5 +160,5 @@ TEST(SweepRegulator, OneOddSweepIsNoJump) {
   EXPECT_GE(dut.command_s(0.5, 0.01, 5.0), 0.5 * 0.5);
 }
 
-}  // namespace
+}  // namespace sweep_control_test
 }  // namespace nodmap::pitch_controller

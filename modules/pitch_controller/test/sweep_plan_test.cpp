@@ -6,7 +6,7 @@
 #include "modules/pitch_controller/speed_bound.hpp"
 
 namespace nodmap::pitch_controller {
-namespace {
+namespace sweep_plan_test {
 
 using geometry::deg_to_rad;
 using geometry::rad_to_deg;
@@ -159,5 +159,5 @@ TEST(SweepPlan, LookingLessFarAroundCoversTheCorridorInAShorterTime) {
   }
 }
 
-}  // namespace
+}  // namespace sweep_plan_test
 }  // namespace nodmap::pitch_controller

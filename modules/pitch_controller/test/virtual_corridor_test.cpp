@@ -6,7 +6,7 @@
 #include <cmath>
 
 namespace nodmap::pitch_controller {
-namespace {
+namespace virtual_corridor_test {
 
 using geometry::rad_to_deg;
 
@@ -145,5 +145,5 @@ TEST(ClearView, LinesTooFarApartShowNothing) {
   EXPECT_LE(still.far_m, still.near_m);
 }
 
-}  // namespace
+}  // namespace virtual_corridor_test
 }  // namespace nodmap::pitch_controller

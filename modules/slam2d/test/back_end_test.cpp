@@ -12,7 +12,7 @@
 #include "modules/slam2d/test/drawn_world.hpp"
 
 namespace nodmap::slam2d {
-namespace {
+namespace back_end_test {
 
 using geometry::SE2;
 using test::FloorPlan;
@@ -299,5 +299,5 @@ TEST(BackEnd, ThePolishOfNothingIsNothing) {
   EXPECT_TRUE(back_end.keyframes().empty());
 }
 
-}  // namespace
+}  // namespace back_end_test
 }  // namespace nodmap::slam2d

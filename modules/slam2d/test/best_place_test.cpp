@@ -6,7 +6,7 @@
 #include <array>
 
 namespace nodmap::slam2d {
-namespace {
+namespace best_place_test {
 
 const Peak kHere{{0.0, 0.0, 0.0}, 0.8};
 
@@ -31,5 +31,5 @@ TEST(BestPlace, AnotherMustFitClearlyLess) {
   EXPECT_EQ(best_of(std::array{Peak{{3.0, 0.0, 0.0}, 0.67}, kHere}).index, 1U);
 }
 
-}  // namespace
+}  // namespace best_place_test
 }  // namespace nodmap::slam2d

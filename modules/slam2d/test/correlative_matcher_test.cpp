@@ -9,7 +9,7 @@
 #include <random>
 
 namespace nodmap::slam2d {
-namespace {
+namespace correlative_matcher_test {
 
 using geometry::SE2;
 using Points = std::vector<Eigen::Vector2d>;
@@ -207,5 +207,5 @@ TEST(LikelihoodGrid, OnlyAllowedPlacesAreFound) {
   EXPECT_NEAR(match.peaks[0].T_map_base.y, 0.7, kCellM);
 }
 
-}  // namespace
+}  // namespace correlative_matcher_test
 }  // namespace nodmap::slam2d

@@ -8,7 +8,7 @@
 #include <vector>
 
 namespace nodmap::slam2d {
-namespace {
+namespace keyframe_grid_test {
 
 // Rays of a fan at every degree, of these lengths.
 Keyframe fan(const std::vector<double>& lengths_m) {
@@ -165,5 +165,5 @@ TEST(KeyframeGrid, ARegionOutsideOfTheMapChangesNothing) {
   EXPECT_EQ(known_cells(map.grid()), before);
 }
 
-}  // namespace
+}  // namespace keyframe_grid_test
 }  // namespace nodmap::slam2d

@@ -8,7 +8,7 @@
 #include <vector>
 
 namespace nodmap::slam2d {
-namespace {
+namespace level_scan_selector_test {
 
 scan::Scan at_pitch(double first_deg, double last_deg, std::int64_t seq) {
   scan::Scan scan;
@@ -79,5 +79,5 @@ TEST(LevelScanSelector, SelectsNothingWhenTheScansBesideLevelAreFarFromIt) {
   EXPECT_TRUE(selected({-10, -6, 7, 12}).empty());
 }
 
-}  // namespace
+}  // namespace level_scan_selector_test
 }  // namespace nodmap::slam2d

@@ -8,7 +8,7 @@
 #include "modules/slam2d/test/drawn_world.hpp"
 
 namespace nodmap::slam2d {
-namespace {
+namespace localiser_test {
 
 using geometry::SE2;
 
@@ -130,5 +130,5 @@ TEST(Localiser, OdometryThatRestartsLeavesTheRobotWhereItWas) {
   EXPECT_LT(update->T_map_base.translation().norm(), kMaxErrorM);
 }
 
-}  // namespace
+}  // namespace localiser_test
 }  // namespace nodmap::slam2d

@@ -14,7 +14,7 @@
 #include "tests/support/data_dir.hpp"
 
 namespace nodmap::slam2d {
-namespace {
+namespace map_file_test {
 
 std::string slurp(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
@@ -164,5 +164,5 @@ TEST(MapFile, StartEndAndOdometryAreMarked) {
   EXPECT_GT(grey, 500);
 }
 
-}  // namespace
+}  // namespace map_file_test
 }  // namespace nodmap::slam2d

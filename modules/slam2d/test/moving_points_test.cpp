@@ -11,7 +11,7 @@
 #include "modules/slam2d/test/drawn_world.hpp"
 
 namespace nodmap::slam2d {
-namespace {
+namespace moving_points_test {
 
 using geometry::SE2;
 
@@ -159,5 +159,5 @@ TEST(Slam2dAmongPeople, TheyShapeNeitherThePoseNorTheMap) {
   EXPECT_LT(static_cast<double>(inside), 0.1 * static_cast<double>(all));
 }
 
-}  // namespace
+}  // namespace moving_points_test
 }  // namespace nodmap::slam2d

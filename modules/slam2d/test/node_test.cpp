@@ -23,7 +23,7 @@
 #include "tests/support/memory_bus.hpp"
 
 namespace nodmap::slam2d {
-namespace {
+namespace node_test {
 
 class Slam2dNodeTest : public testing::Test {
  protected:
@@ -317,5 +317,5 @@ TEST_F(Slam2dNodeTest, PlacesNoScanBetweenTwoOdometryFrames) {
   EXPECT_EQ(bus_.sent<nodmap::pose_t>("POSE_2D").size(), 1U);
 }
 
-}  // namespace
+}  // namespace node_test
 }  // namespace nodmap::slam2d

@@ -10,7 +10,7 @@
 #include <vector>
 
 namespace nodmap::slam2d {
-namespace {
+namespace occupancy_grid_test {
 
 constexpr double kCell = 0.1;
 
@@ -193,5 +193,5 @@ TEST(TileSelector, AnEmptyGridHasNoTiles) {
   EXPECT_TRUE(selector.choose_rest(OccupancyGrid(kCell)).empty());
 }
 
-}  // namespace
+}  // namespace occupancy_grid_test
 }  // namespace nodmap::slam2d

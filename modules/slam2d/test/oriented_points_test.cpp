@@ -10,7 +10,7 @@
 #include "modules/slam2d/test/drawn_world.hpp"
 
 namespace nodmap::slam2d {
-namespace {
+namespace oriented_points_test {
 
 TEST(OrientedPointExtractor, NormalsOfAWallPointToTheScanner) {
   OrientedPointExtractor extractor;
@@ -76,5 +76,5 @@ TEST(OrientedPointExtractor, ReadingsWithoutAnEchoGiveNoPoint) {
   EXPECT_TRUE(extractor.extract(scan, {}).empty());
 }
 
-}  // namespace
+}  // namespace oriented_points_test
 }  // namespace nodmap::slam2d

@@ -10,7 +10,7 @@
 #include <vector>
 
 namespace nodmap::slam2d {
-namespace {
+namespace point_map_test {
 
 constexpr MapParams kParams{.line_radius_m = 0.25};
 const Eigen::Vector2d kNoNormal = Eigen::Vector2d::Zero();
@@ -268,5 +268,5 @@ TEST(PointMap, IgnoresPointsThatAreNotFinite) {
   EXPECT_EQ(map.points()[0].line_point, Eigen::Vector2d(0, 0));
 }
 
-}  // namespace
+}  // namespace point_map_test
 }  // namespace nodmap::slam2d

@@ -10,7 +10,7 @@
 #include "modules/slam2d/test/drawn_world.hpp"
 
 namespace nodmap::slam2d {
-namespace {
+namespace pose_covariance_test {
 
 using geometry::SE2;
 
@@ -106,5 +106,5 @@ TEST(PoseCovariance, AlongACorridorItGrowsAndHoldsTheError) {
   EXPECT_LT(std::sqrt(far.update.covariance(1, 1)), 0.3);
 }
 
-}  // namespace
+}  // namespace pose_covariance_test
 }  // namespace nodmap::slam2d

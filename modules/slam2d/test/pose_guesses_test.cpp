@@ -6,7 +6,7 @@
 #include <cmath>
 
 namespace nodmap::slam2d {
-namespace {
+namespace pose_guesses_test {
 
 using geometry::SE2;
 
@@ -114,5 +114,5 @@ TEST(PoseGuesses, AMotionLongAgoTellsNothing) {
   EXPECT_EQ(back.guesses({}).size(), 1U);
 }
 
-}  // namespace
+}  // namespace pose_guesses_test
 }  // namespace nodmap::slam2d

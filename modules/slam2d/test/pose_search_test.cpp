@@ -8,7 +8,7 @@
 #include "modules/slam2d/test/drawn_world.hpp"
 
 namespace nodmap::slam2d {
-namespace {
+namespace pose_search_test {
 
 using geometry::SE2;
 
@@ -56,5 +56,5 @@ TEST(PoseSearch, WithoutASearchAreaTheGuessIsTheOnlyCandidate) {
   EXPECT_EQ(PoseSearch(params).candidates(PointMap(MapParams{}), {}, {&guess, 1}).size(), 1U);
 }
 
-}  // namespace
+}  // namespace pose_search_test
 }  // namespace nodmap::slam2d

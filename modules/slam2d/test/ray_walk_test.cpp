@@ -9,7 +9,7 @@
 #include <vector>
 
 namespace nodmap::slam2d {
-namespace {
+namespace ray_walk_test {
 
 constexpr int kSide = 1000;  // cells of a grid
 
@@ -124,5 +124,5 @@ TEST(RayWalk, CountsTheLinesUntilTheBorder) {
   }
 }
 
-}  // namespace
+}  // namespace ray_walk_test
 }  // namespace nodmap::slam2d

@@ -8,7 +8,7 @@
 #include "modules/slam2d/test/drawn_world.hpp"
 
 namespace nodmap::slam2d {
-namespace {
+namespace relocaliser_test {
 
 using geometry::SE2;
 using Status = Relocalisation::Status;
@@ -97,5 +97,5 @@ TEST(KnownMap, TellsPointsOnWallsFromThoseBehindThem) {
   EXPECT_DOUBLE_EQ(fit.through_walls, 0.25);  // the third
 }
 
-}  // namespace
+}  // namespace relocaliser_test
 }  // namespace nodmap::slam2d

@@ -21,7 +21,7 @@
 #include "tests/support/memory_bus.hpp"
 
 namespace nodmap::slam2d {
-namespace {
+namespace saved_map_test {
 
 using geometry::SE2;
 
@@ -267,5 +267,5 @@ TEST(SavedMap, ThatWasCutOffIsRefused) {
   EXPECT_THROW((void)read_saved_map(dir.path() / "nowhere"), formats::InputFileError);
 }
 
-}  // namespace
+}  // namespace saved_map_test
 }  // namespace nodmap::slam2d

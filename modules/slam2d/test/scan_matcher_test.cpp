@@ -6,7 +6,7 @@
 #include "modules/slam2d/test/drawn_world.hpp"
 
 namespace nodmap::slam2d {
-namespace {
+namespace scan_matcher_test {
 
 using geometry::SE2;
 
@@ -78,5 +78,5 @@ TEST(ScanMatcher, WithoutCorrespondencesThePoseStaysAtTheGuess) {
   EXPECT_FALSE(matcher.match(PointMap(MapParams{}), std::vector<OrientedPoint>(20), {}).found());
 }
 
-}  // namespace
+}  // namespace scan_matcher_test
 }  // namespace nodmap::slam2d

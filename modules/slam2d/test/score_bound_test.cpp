@@ -10,7 +10,7 @@
 #include <vector>
 
 namespace nodmap::slam2d {
-namespace {
+namespace score_bound_test {
 
 constexpr double kMaxDistanceM = 0.25;
 
@@ -78,5 +78,5 @@ TEST(ScoreBound, AnEmptyMapAndAnEmptyScanScoreNothing) {
   EXPECT_EQ(bound.at({}, 0, 0), 0.0);
 }
 
-}  // namespace
+}  // namespace score_bound_test
 }  // namespace nodmap::slam2d

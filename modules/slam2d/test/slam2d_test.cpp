@@ -12,7 +12,7 @@
 #include "modules/slam2d/test/drawn_world.hpp"
 
 namespace nodmap::slam2d {
-namespace {
+namespace slam2d_test {
 
 using geometry::SE2;
 using test::Scanner;
@@ -551,5 +551,5 @@ TEST(Slam2d, TheSameScansGiveTheSamePoses) {
   EXPECT_EQ(a.yaw, b.yaw);
 }
 
-}  // namespace
+}  // namespace slam2d_test
 }  // namespace nodmap::slam2d

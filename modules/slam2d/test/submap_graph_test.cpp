@@ -10,7 +10,7 @@
 #include <vector>
 
 namespace nodmap::slam2d {
-namespace {
+namespace submap_graph_test {
 
 using geometry::SE2;
 using registration::PoseEdge2d;
@@ -150,5 +150,5 @@ TEST(SubmapGraph, LoopsThatContradictTheGraphAreNotPassedOn) {
   EXPECT_EQ(row.graph.loops()[0].from, 2U);
 }
 
-}  // namespace
+}  // namespace submap_graph_test
 }  // namespace nodmap::slam2d

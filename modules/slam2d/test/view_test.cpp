@@ -11,7 +11,7 @@
 #include "common/geometry/angle.hpp"
 
 namespace nodmap::slam2d {
-namespace {
+namespace view_test {
 
 struct Box {
   Eigen::Vector2d low;
@@ -97,5 +97,5 @@ TEST(View, NothingContradictsAnEmptyView) {
   EXPECT_FALSE(empty.contradicts(view, {}));
 }
 
-}  // namespace
+}  // namespace view_test
 }  // namespace nodmap::slam2d

@@ -10,7 +10,7 @@
 #include "modules/slam6d/test/hall.hpp"
 
 namespace nodmap::slam6d {
-namespace {
+namespace back_end_test {
 
 using geometry::deg_to_rad;
 using geometry::SE3;
@@ -165,5 +165,5 @@ TEST(BackEnd, ABareCorridorMovesNothingAlongItself) {
   }
 }
 
-}  // namespace
+}  // namespace back_end_test
 }  // namespace nodmap::slam6d

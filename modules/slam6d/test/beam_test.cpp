@@ -10,7 +10,7 @@
 #include <vector>
 
 namespace nodmap::slam6d {
-namespace {
+namespace beam_test {
 
 using Voxels = std::set<VoxelCode>;
 
@@ -179,5 +179,5 @@ TEST(Beam, EndsWhereTheDistanceHasNoSquare) {
   }
 }
 
-}  // namespace
+}  // namespace beam_test
 }  // namespace nodmap::slam6d

@@ -7,7 +7,7 @@
 #include <random>
 
 namespace nodmap::slam6d {
-namespace {
+namespace cloud_voxels_test {
 
 struct Marks {
   bool free = false;
@@ -95,5 +95,5 @@ TEST(CloudVoxels, ClearedHoldsNothingAndKeepsItsMemory) {
   EXPECT_EQ(voxels.memory_bytes(), memory_bytes);
 }
 
-}  // namespace
+}  // namespace cloud_voxels_test
 }  // namespace nodmap::slam6d

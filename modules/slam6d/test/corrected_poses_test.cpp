@@ -6,7 +6,7 @@
 #include <vector>
 
 namespace nodmap::slam6d {
-namespace {
+namespace corrected_poses_test {
 
 using geometry::SE3;
 
@@ -55,5 +55,5 @@ TEST(CorrectedPoses, AMoveAndItsInverseLeaveThePoses) {
   }
 }
 
-}  // namespace
+}  // namespace corrected_poses_test
 }  // namespace nodmap::slam6d

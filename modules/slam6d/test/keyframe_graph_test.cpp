@@ -9,7 +9,7 @@
 #include <vector>
 
 namespace nodmap::slam6d {
-namespace {
+namespace keyframe_graph_test {
 
 using geometry::SE3;
 
@@ -79,5 +79,5 @@ TEST(KeyframeGraph, WrongLoopsDoNotMoveTheMap) {
   EXPECT_LT(worst_m, 0.05);
 }
 
-}  // namespace
+}  // namespace keyframe_graph_test
 }  // namespace nodmap::slam6d

@@ -8,7 +8,7 @@
 #include "modules/slam6d/test/hall.hpp"
 
 namespace nodmap::slam6d {
-namespace {
+namespace localiser_test {
 
 using geometry::SE3;
 
@@ -85,5 +85,5 @@ TEST_F(LocaliserInAHall, ASweepThatTheMapMostlyDoesNotKnowIsDegradedUnlessThePla
   EXPECT_EQ(classify(told, Room::hall(), 1.1, 0.49), RegistrationStatus::kTracking);
 }
 
-}  // namespace
+}  // namespace localiser_test
 }  // namespace nodmap::slam6d

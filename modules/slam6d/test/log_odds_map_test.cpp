@@ -11,7 +11,7 @@
 #include "modules/slam6d/octree_encoder.hpp"
 
 namespace nodmap::slam6d {
-namespace {
+namespace log_odds_map_test {
 
 constexpr double kResolutionM = 0.05;
 constexpr std::uint16_t kFirst =
@@ -124,5 +124,5 @@ TEST(LogOddsMap, EmptyIsAnEmptyTree) {
   EXPECT_EQ(count_nodes(maps.map()), 0U);
 }
 
-}  // namespace
+}  // namespace log_odds_map_test
 }  // namespace nodmap::slam6d

@@ -32,7 +32,7 @@
 #include "tests/support/memory_bus.hpp"
 
 namespace nodmap::slam6d {
-namespace {
+namespace node_test {
 
 namespace fs = std::filesystem;
 
@@ -411,5 +411,5 @@ TEST(Slam6dNode, TriesAgainToSaveAMapThatCouldNotBeSaved) {
   EXPECT_EQ(slam.health().state, node::HealthState::kOk) << slam.health().reason;
 }
 
-}  // namespace
+}  // namespace node_test
 }  // namespace nodmap::slam6d

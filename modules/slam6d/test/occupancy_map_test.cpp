@@ -11,7 +11,7 @@
 #include <sstream>
 
 namespace nodmap::slam6d {
-namespace {
+namespace occupancy_map_test {
 
 using geometry::SE3;
 
@@ -226,5 +226,5 @@ TEST(OccupancyMap, EmptyAndFarAway) {
   EXPECT_EQ(map.num_nodes(), 0U);
 }
 
-}  // namespace
+}  // namespace occupancy_map_test
 }  // namespace nodmap::slam6d

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 namespace nodmap::slam6d {
-namespace {
+namespace octomap_parts_test {
 
 constexpr std::size_t kPart = OctomapParts::kBytesPerPart;
 
@@ -42,5 +42,5 @@ TEST(OctomapParts, AreNoneBeforeAndOfANewRevisionAfterwards) {
   EXPECT_TRUE(parts.is_empty());
 }
 
-}  // namespace
+}  // namespace octomap_parts_test
 }  // namespace nodmap::slam6d

@@ -6,7 +6,7 @@
 #include <random>
 
 namespace nodmap::slam6d {
-namespace {
+namespace odometry_calibration_test {
 
 using geometry::deg_to_rad;
 using geometry::SE3;
@@ -74,5 +74,5 @@ TEST(OdometryCalibration, WhatTellsNothingChangesNothing) {
   EXPECT_TRUE(fixed.errors().isZero(0.0));
 }
 
-}  // namespace
+}  // namespace odometry_calibration_test
 }  // namespace nodmap::slam6d

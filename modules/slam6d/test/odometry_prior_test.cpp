@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 namespace nodmap::slam6d {
-namespace {
+namespace odometry_prior_test {
 
 using geometry::SE3;
 
@@ -46,5 +46,5 @@ TEST(OdometryPrior, IsInTheAxesOfTheMap) {
   EXPECT_NEAR(upended(5, 5), level(3, 3), 1e-12);
 }
 
-}  // namespace
+}  // namespace odometry_prior_test
 }  // namespace nodmap::slam6d

@@ -7,7 +7,7 @@
 #include <random>
 
 namespace nodmap::slam6d {
-namespace {
+namespace odometry_scatter_test {
 
 constexpr double kLeast = 0.1;
 constexpr double kSigmaM = 0.06;  // of a motion, as the parameters have it
@@ -69,5 +69,5 @@ TEST(OdometryScatter, OneLearnsNothing) {
   EXPECT_DOUBLE_EQ(learner.factor(), 1.0);
 }
 
-}  // namespace
+}  // namespace odometry_scatter_test
 }  // namespace nodmap::slam6d

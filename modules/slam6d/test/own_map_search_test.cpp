@@ -8,7 +8,7 @@
 #include "modules/slam6d/test/hall.hpp"
 
 namespace nodmap::slam6d {
-namespace {
+namespace own_map_search_test {
 
 using geometry::SE3;
 
@@ -99,5 +99,5 @@ TEST_F(RobotInAHall, IsRightOrLostAfterAKick) {
   EXPECT_EQ(last.registration->status, RegistrationStatus::kTracking);
 }
 
-}  // namespace
+}  // namespace own_map_search_test
 }  // namespace nodmap::slam6d

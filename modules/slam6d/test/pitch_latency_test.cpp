@@ -6,7 +6,7 @@
 #include <random>
 
 namespace nodmap::slam6d {
-namespace {
+namespace pitch_latency_test {
 
 constexpr double kLatencyS = 0.0015;
 constexpr double kTiltSigmaRad = 0.0025;  // ground that is uneven by 0.14 degrees
@@ -51,5 +51,5 @@ TEST(PitchLatency, AHeadWhosePitchRateStaysTellsNothing) {
   EXPECT_EQ(latency.seconds(), 0.0);
 }
 
-}  // namespace
+}  // namespace pitch_latency_test
 }  // namespace nodmap::slam6d

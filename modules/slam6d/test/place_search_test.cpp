@@ -8,7 +8,7 @@
 #include "modules/slam6d/test/hall.hpp"
 
 namespace nodmap::slam6d {
-namespace {
+namespace place_search_test {
 
 using geometry::SE3;
 
@@ -78,5 +78,5 @@ TEST(PlaceSearch, WithoutWallsNothingIsFound) {
   EXPECT_FALSE(find(map, keyframes, VoxelMap{VoxelMapParams{}}).best);
 }
 
-}  // namespace
+}  // namespace place_search_test
 }  // namespace nodmap::slam6d

@@ -13,7 +13,7 @@
 #include "modules/slam6d/test/room.hpp"
 
 namespace nodmap::slam6d {
-namespace {
+namespace plane_adjustment_test {
 
 using geometry::SE3;
 
@@ -178,5 +178,5 @@ TEST(PoseEquations, EqualDenseOnes) {
   EXPECT_LT((motions->tail(18) - dense).norm(), 1e-9 * dense.norm());
 }
 
-}  // namespace
+}  // namespace plane_adjustment_test
 }  // namespace nodmap::slam6d

@@ -14,7 +14,7 @@
 #include "tests/support/data_dir.hpp"
 
 namespace nodmap::slam6d {
-namespace {
+namespace recordings_test {
 
 namespace fs = std::filesystem;
 using geometry::deg_to_rad;
@@ -164,5 +164,5 @@ TEST(Recordings, R44_SequenceIsTrackedToMillimetres) {
   EXPECT_LT(paper.ate_m, 0.265);  // better than odometry
 }
 
-}  // namespace
+}  // namespace recordings_test
 }  // namespace nodmap::slam6d

@@ -7,7 +7,7 @@
 #include <vector>
 
 namespace nodmap::slam6d {
-namespace {
+namespace registered_cloud_test {
 
 TEST(RegisteredCloud, PointsAndNormalsAreInMap) {
   Keyframe keyframe;
@@ -26,5 +26,5 @@ TEST(RegisteredCloud, PointsAndNormalsAreInMap) {
   EXPECT_TRUE(registered_cloud({}).empty());
 }
 
-}  // namespace
+}  // namespace registered_cloud_test
 }  // namespace nodmap::slam6d

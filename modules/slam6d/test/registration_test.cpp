@@ -10,7 +10,7 @@
 #include "modules/slam6d/test/room.hpp"
 
 namespace nodmap::slam6d {
-namespace {
+namespace registration_test {
 
 using geometry::deg_to_rad;
 using geometry::SE3;
@@ -255,5 +255,5 @@ TEST(Registration, APriorThatIsNoneIsLost) {
   EXPECT_FALSE(registered(see(room, SE3::Identity(), 6), map_of(room), prior, {}).is_accepted());
 }
 
-}  // namespace
+}  // namespace registration_test
 }  // namespace nodmap::slam6d

@@ -13,7 +13,7 @@
 #include "tests/support/data_dir.hpp"
 
 namespace nodmap::slam6d {
-namespace {
+namespace saved_map_file_test {
 
 namespace fs = std::filesystem;
 using geometry::SE3;
@@ -127,5 +127,5 @@ TEST(SavedMapFile, WhatCannotBeWrittenIsSaid) {
   EXPECT_TRUE(write_saved_map("/nowhere/at/all", three_keyframes()));
 }
 
-}  // namespace
+}  // namespace saved_map_file_test
 }  // namespace nodmap::slam6d

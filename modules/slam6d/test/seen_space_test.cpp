@@ -6,7 +6,7 @@
 #include "modules/slam6d/test/hall.hpp"
 
 namespace nodmap::slam6d {
-namespace {
+namespace seen_space_test {
 
 using Content = SeenSpace::Content;
 
@@ -52,5 +52,5 @@ TEST(SeenSpace, WhereTheMapKnowsNothingNothingCounts) {
   EXPECT_EQ(evidence.contradiction_ratio(), 0.0);
 }
 
-}  // namespace
+}  // namespace seen_space_test
 }  // namespace nodmap::slam6d

@@ -12,7 +12,7 @@
 #include "modules/slam6d/voxel_grid.hpp"
 
 namespace nodmap::slam6d {
-namespace {
+namespace slam6d_test {
 
 using geometry::deg_to_rad;
 using geometry::SE3;
@@ -356,5 +356,5 @@ TEST(Slam6d, SameInputGivesTheSameBytes) {
   }
 }
 
-}  // namespace
+}  // namespace slam6d_test
 }  // namespace nodmap::slam6d

@@ -10,7 +10,7 @@
 #include "modules/slam6d/test/room.hpp"
 
 namespace nodmap::slam6d {
-namespace {
+namespace sweep_cloud_test {
 
 using geometry::SE3;
 
@@ -132,5 +132,5 @@ TEST(SweepCloud, BeamsWithoutAMeasurementGiveNoPoint) {
   EXPECT_EQ(cloud->points.size(), 1U);
 }
 
-}  // namespace
+}  // namespace sweep_cloud_test
 }  // namespace nodmap::slam6d

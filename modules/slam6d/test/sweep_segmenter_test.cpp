@@ -8,7 +8,7 @@
 #include <vector>
 
 namespace nodmap::slam6d {
-namespace {
+namespace sweep_segmenter_test {
 
 using geometry::deg_to_rad;
 using End = Sweep::End;
@@ -197,5 +197,5 @@ TEST(SweepSegmenter, NothingAndOneScan) {
   EXPECT_EQ(sweeps[0].scans.size(), 1U);
 }
 
-}  // namespace
+}  // namespace sweep_segmenter_test
 }  // namespace nodmap::slam6d

@@ -10,7 +10,7 @@
 #include <vector>
 
 namespace nodmap::slam6d {
-namespace {
+namespace voxel_grid_test {
 
 using Eigen::Vector3f;
 
@@ -206,5 +206,5 @@ TEST(VoxelGrid, MeansAndNormalsAreWeighted) {
   EXPECT_FALSE(grid.voxels()[place].has_plane());
 }
 
-}  // namespace
+}  // namespace voxel_grid_test
 }  // namespace nodmap::slam6d

@@ -7,7 +7,7 @@
 #include <vector>
 
 namespace nodmap::slam6d {
-namespace {
+namespace voxel_map_test {
 
 using Eigen::Vector3f;
 using geometry::SE3;
@@ -116,5 +116,5 @@ TEST(VoxelMap, NothingIsMadeOfNothing) {
   EXPECT_TRUE(map.level(0).voxels().empty());
 }
 
-}  // namespace
+}  // namespace voxel_map_test
 }  // namespace nodmap::slam6d

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 namespace nodmap::viewer {
-namespace {
+namespace access_test {
 
 constexpr const char* kV1 = "foxglove.websocket.v1";
 
@@ -73,5 +73,5 @@ TEST(Access, TokensAreLongAndDiffer) {
   EXPECT_NE(token, make_token());
 }
 
-}  // namespace
+}  // namespace access_test
 }  // namespace nodmap::viewer

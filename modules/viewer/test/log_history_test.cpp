@@ -15,7 +15,7 @@
 #include "tests/support/data_dir.hpp"
 
 namespace nodmap::viewer {
-namespace {
+namespace log_history_test {
 
 TEST(Series, KeepsTheExtremesOfEachInterval) {
   Series series(10.0, 5.0);
@@ -87,5 +87,5 @@ TEST(LogHistory, GoesThroughAllLogsInTheOrderOfTime) {
             Json::parse("[[101,1500],[101,null],[111,1500]]"));
 }
 
-}  // namespace
+}  // namespace log_history_test
 }  // namespace nodmap::viewer

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 namespace nodmap::viewer {
-namespace {
+namespace pace_test {
 
 constexpr time::SteadyTime kStart{10s};
 
@@ -58,5 +58,5 @@ TEST(Pace, ThatIsSlowAnywayStaysAsItIs) {
   EXPECT_EQ(pace.period(), 1s);
 }
 
-}  // namespace
+}  // namespace pace_test
 }  // namespace nodmap::viewer

@@ -14,7 +14,7 @@
 #include "tests/support/data_dir.hpp"
 
 namespace nodmap::viewer {
-namespace {
+namespace playback_test {
 
 TEST(Playback, ParametersSteerIt) {
   const test::TemporaryDir dir;
@@ -75,5 +75,5 @@ TEST(Playback, EventsAreWhatBegins) {
   EXPECT_EQ(playback_events({dir.path() / "log"}, time::Timestamp(100s)), expected);
 }
 
-}  // namespace
+}  // namespace playback_test
 }  // namespace nodmap::viewer

@@ -12,7 +12,7 @@
 #include "procman/protocol/messages.hpp"
 
 namespace nodmap::viewer {
-namespace {
+namespace process_control_test {
 
 using procman::DeputyInfo;
 using procman::Orders;
@@ -188,5 +188,5 @@ TEST_F(ProcessControlTest, RefusesWhatItCannotDo) {
   EXPECT_TRUE(orders_.empty());
 }
 
-}  // namespace
+}  // namespace process_control_test
 }  // namespace nodmap::viewer

@@ -13,7 +13,7 @@
 #include "procman/config/parser.hpp"
 
 namespace nodmap::viewer {
-namespace {
+namespace remote_control_test {
 
 class RemoteControlTest : public ::testing::Test {
  protected:
@@ -170,5 +170,5 @@ TEST_F(RemoteControlTest, ProcessesAreAskedFor) {
             "The process configuration has no nodmap-logger.");
 }
 
-}  // namespace
+}  // namespace remote_control_test
 }  // namespace nodmap::viewer

@@ -9,7 +9,7 @@
 #include <vector>
 
 namespace nodmap::viewer {
-namespace {
+namespace session_test {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
@@ -345,5 +345,5 @@ TEST_F(SessionTest, TellsTheNewestTimeOnce) {
   EXPECT_FALSE(session.next());
 }
 
-}  // namespace
+}  // namespace session_test
 }  // namespace nodmap::viewer

@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 namespace nodmap::viewer {
-namespace {
+namespace site_test {
 
 TEST(Site, ServesThePageAndWhatItUses) {
   const Site site;
@@ -36,5 +36,5 @@ TEST(Site, AMissingPackageIsNamed) {
   }
 }
 
-}  // namespace
+}  // namespace site_test
 }  // namespace nodmap::viewer

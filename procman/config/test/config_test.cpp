@@ -7,7 +7,7 @@
 #include "procman/config/parser.hpp"
 
 namespace nodmap::procman {
-namespace {
+namespace config_test {
 
 std::vector<std::string> ids(const std::vector<const Command*>& commands) {
   std::vector<std::string> all;
@@ -44,5 +44,5 @@ TEST(ProgramOf, IsTheFirstWordThatSetsNothing) {
   EXPECT_EQ(program_of(""), "");
 }
 
-}  // namespace
+}  // namespace config_test
 }  // namespace nodmap::procman

@@ -8,7 +8,7 @@
 #include "tests/support/data_dir.hpp"
 
 namespace nodmap::procman {
-namespace {
+namespace config_watch_test {
 
 class ConfigWatchTest : public ::testing::Test {
  protected:
@@ -59,5 +59,5 @@ TEST_F(ConfigWatchTest, TellsErrorsAndWaitsForAFileThatIsGone) {
   EXPECT_FALSE(parsed->errors.empty());
 }
 
-}  // namespace
+}  // namespace config_watch_test
 }  // namespace nodmap::procman

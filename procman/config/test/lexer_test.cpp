@@ -8,7 +8,7 @@
 #include <vector>
 
 namespace nodmap::procman {
-namespace {
+namespace lexer_test {
 
 std::vector<Token> tokens(std::string_view text) {
   Lexer lexer(text);
@@ -82,5 +82,5 @@ TEST(Lexer, RefusesAZeroByteInAString) {
   EXPECT_THROW(tokens(std::string_view("\"a\0b\"", 5)), SyntaxError);
 }
 
-}  // namespace
+}  // namespace lexer_test
 }  // namespace nodmap::procman

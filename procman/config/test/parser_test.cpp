@@ -13,7 +13,7 @@
 #include "tests/support/program.hpp"
 
 namespace nodmap::procman {
-namespace {
+namespace parser_test {
 
 using ::testing::HasSubstr;
 
@@ -341,5 +341,5 @@ TEST(Parser, WhatIsOursStandsInAComment) {
   EXPECT_FALSE(parse_config("cmd \"a\" { exec = \"x\"; nice = 5; }").errors.empty());
 }
 
-}  // namespace
+}  // namespace parser_test
 }  // namespace nodmap::procman

@@ -5,7 +5,7 @@
 #include "procman/deputy/child_process.hpp"
 
 namespace nodmap::procman {
-namespace {
+namespace exec_line_test {
 
 using ::testing::ElementsAre;
 using ::testing::Pair;
@@ -47,5 +47,5 @@ TEST(ExecLine, TakesWhatIsNotClosedToTheEnd) {
   EXPECT_THAT(parsed("prog a\\").arguments, ElementsAre("prog", "a\\"));
 }
 
-}  // namespace
+}  // namespace exec_line_test
 }  // namespace nodmap::procman

@@ -8,7 +8,7 @@
 #include <string>
 
 namespace nodmap::procman {
-namespace {
+namespace output_collector_test {
 
 using ::testing::ElementsAre;
 
@@ -214,5 +214,5 @@ TEST(OutputCollector, RepeatsTheNewestLinesOnce) {
   EXPECT_EQ(output.recent("a"), "");
 }
 
-}  // namespace
+}  // namespace output_collector_test
 }  // namespace nodmap::procman

@@ -6,7 +6,7 @@
 #include <unistd.h>
 
 namespace nodmap::procman {
-namespace {
+namespace process_table_test {
 
 constexpr std::string_view kStat =
     "4242 (a (b) c) S 17 4242 99 34816 4242 4194304 100 0 0 0 30 12 0 0 20 0 1 0 123456 4464640 "
@@ -68,5 +68,5 @@ TEST(ProcessTable, ReadsAVariableOfAProcess) {
   EXPECT_FALSE(variable_of(-1, "PATH").has_value());
 }
 
-}  // namespace
+}  // namespace process_table_test
 }  // namespace nodmap::procman

@@ -8,7 +8,7 @@
 #include <limits>
 
 namespace nodmap::procman {
-namespace {
+namespace supervisor_test {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
@@ -255,5 +255,5 @@ TEST_F(SupervisorTest, ASecondShutDownKillsAtOnce) {
   EXPECT_THAT(words(supervisor_.poll(now_)), ElementsAre("signal a 9"));
 }
 
-}  // namespace
+}  // namespace supervisor_test
 }  // namespace nodmap::procman

@@ -5,7 +5,7 @@
 #include <unistd.h>
 
 namespace nodmap::procman {
-namespace {
+namespace system_load_test {
 
 TEST(SystemLoad, ReadsMemoryLines) {
   const char* text = "MemTotal:       24000 kB\nMemFree:  1 kB\nSwapTotal:       0 kB";
@@ -33,5 +33,5 @@ TEST(SystemLoad, KnowsTheMemoryOfThisProcess) {
   EXPECT_LT(info.cpu_load, 0.0F) << "not known from one sample";
 }
 
-}  // namespace
+}  // namespace system_load_test
 }  // namespace nodmap::procman

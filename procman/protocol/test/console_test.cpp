@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 namespace nodmap::procman {
-namespace {
+namespace console_test {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
@@ -59,5 +59,5 @@ TEST(Console, KeepsNoMoreThanItMay) {
   EXPECT_EQ(console.last(), std::to_string(2 * Console::kMaxLines - 1));
 }
 
-}  // namespace
+}  // namespace console_test
 }  // namespace nodmap::procman

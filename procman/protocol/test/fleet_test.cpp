@@ -10,7 +10,7 @@
 #include "procman/config/parser.hpp"
 
 namespace nodmap::procman {
-namespace {
+namespace fleet_test {
 
 class FleetTest : public ::testing::Test {
  protected:
@@ -263,5 +263,5 @@ TEST_F(FleetTest, ARunIsAsOldAsItsDeputySays) {
   EXPECT_EQ(run().num_restarts, 5);
 }
 
-}  // namespace
+}  // namespace fleet_test
 }  // namespace nodmap::procman

@@ -14,7 +14,7 @@
 #include "tests/support/data_dir.hpp"
 
 namespace nodmap::procman {
-namespace {
+namespace messages_test {
 
 /// Whether the bytes decode, and come out the same by way of our values.
 template <class Message>
@@ -77,5 +77,5 @@ TEST(ProcmanMessages, RunsComeBackAndWhatIsNoneIsLeftOut) {
   EXPECT_TRUE(from_message(message).runs.empty());
 }
 
-}  // namespace
+}  // namespace messages_test
 }  // namespace nodmap::procman

@@ -7,7 +7,7 @@
 #include "procman/config/parser.hpp"
 
 namespace nodmap::procman {
-namespace {
+namespace health_watch_test {
 
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
@@ -175,5 +175,5 @@ TEST_F(HealthWatchTest, LeavesAloneWhatDoesNotRun) {
   EXPECT_THAT(watch_.due_restarts(fleet_, now_), IsEmpty());
 }
 
-}  // namespace
+}  // namespace health_watch_test
 }  // namespace nodmap::procman

@@ -9,7 +9,7 @@
 #include "procman/config/parser.hpp"
 
 namespace nodmap::procman {
-namespace {
+namespace report_test {
 
 using ::testing::HasSubstr;
 
@@ -91,5 +91,5 @@ TEST(Printable, LeavesNothingThatSteersATerminal) {
   EXPECT_EQ(printable("\xF4\x8F\xBF\xBF"), "\xF4\x8F\xBF\xBF");
 }
 
-}  // namespace
+}  // namespace report_test
 }  // namespace nodmap::procman

@@ -11,7 +11,7 @@
 #include "procman/config/parser.hpp"
 
 namespace nodmap::procman {
-namespace {
+namespace script_runner_test {
 
 /// A fleet on one host whose deputy does at once what it is told.
 class ScriptRunnerTest : public ::testing::Test {
@@ -202,5 +202,5 @@ TEST_F(ScriptRunnerTest, WaitsUntilWhatRunsIsHealthy) {
   EXPECT_NE(runner.waiting_for(), "cmd \"d\" to be healthy");
 }
 
-}  // namespace
+}  // namespace script_runner_test
 }  // namespace nodmap::procman

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 namespace nodmap::procman {
-namespace {
+namespace terminal_test {
 
 TEST(Keys, AreTakenOneByOne) {
   std::string typed = "x\x1B[A\x1B[BsSqr";
@@ -40,5 +40,5 @@ TEST(Keys, AFunctionKeyIsNotTheDigitsThatItSends) {
   EXPECT_EQ(take_key(typed), Key::kQuit);
 }
 
-}  // namespace
+}  // namespace terminal_test
 }  // namespace nodmap::procman

@@ -7,7 +7,7 @@
 #include <algorithm>
 
 namespace nodmap::procman {
-namespace {
+namespace view_test {
 
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
@@ -158,5 +158,5 @@ TEST(View, NothingIsAViewToo) {
       << "title, columns, message, scripts, keys";
 }
 
-}  // namespace
+}  // namespace view_test
 }  // namespace nodmap::procman

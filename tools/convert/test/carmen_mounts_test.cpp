@@ -6,7 +6,7 @@
 #include <cmath>
 
 namespace nodmap::convert {
-namespace {
+namespace carmen_mounts_test {
 
 constexpr auto kFront = LaserSide::kFront;
 constexpr auto kRear = LaserSide::kRear;
@@ -69,5 +69,5 @@ TEST(CarmenMounts, ParametersThatAreNoNumbersSayNothing) {
   EXPECT_EQ(mounts.mount(kRear).x, -0.3);
 }
 
-}  // namespace
+}  // namespace carmen_mounts_test
 }  // namespace nodmap::convert

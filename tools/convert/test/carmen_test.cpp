@@ -10,7 +10,7 @@
 #include "tools/convert/carmen_writer.hpp"
 
 namespace nodmap::convert {
-namespace {
+namespace carmen_test {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
@@ -140,5 +140,5 @@ TEST(CarmenWriter, OtherFansGoIntoADescribedLine) {
   EXPECT_EQ(back.intensities, scan.intensities);
 }
 
-}  // namespace
+}  // namespace carmen_test
 }  // namespace nodmap::convert

@@ -13,7 +13,7 @@
 #include "tools/convert/recording.hpp"
 
 namespace nodmap::convert {
-namespace {
+namespace cloud_export_test {
 
 constexpr time::Duration kScanPeriod = 13'320us;
 constexpr double kSpeedMps = 1.5;
@@ -74,5 +74,5 @@ TEST_F(CloudExport, TooFewScansAreAnErrorAndLeaveNothing) {
   EXPECT_FALSE(std::filesystem::exists(dir_.path() / "cloud.tum"));
 }
 
-}  // namespace
+}  // namespace cloud_export_test
 }  // namespace nodmap::convert

@@ -7,7 +7,7 @@
 #include <limits>
 
 namespace nodmap::convert {
-namespace {
+namespace fields_test {
 
 TEST(Fields, ReadsWordByWord) {
   Fields fields("  NAME 1.5\t-2e1 3 1071078718.462310 inf 1 2 3\r");
@@ -54,5 +54,5 @@ TEST(Fields, DamagedCountCostsNoMemory) {
   EXPECT_LT(values.capacity(), 100U);
 }
 
-}  // namespace
+}  // namespace fields_test
 }  // namespace nodmap::convert

@@ -17,7 +17,7 @@
 #include "tools/convert/uos_import.hpp"
 
 namespace nodmap::convert {
-namespace {
+namespace import_test {
 
 class Import : public testing::Test {
  protected:
@@ -166,5 +166,5 @@ TEST_F(Import, TablesOfAChannel) {
   EXPECT_THROW(export_tum(file("a.lcmlog"), file("b.tum"), "SCAN"), std::runtime_error);
 }
 
-}  // namespace
+}  // namespace import_test
 }  // namespace nodmap::convert

@@ -13,7 +13,7 @@
 #include "tests/support/data_dir.hpp"
 
 namespace nodmap::convert {
-namespace {
+namespace log_summary_test {
 
 template <class Message>
 std::vector<std::byte> encoded(const Message& message) {
@@ -85,5 +85,5 @@ TEST(LogSummary, MissingLogIsAnError) {
   EXPECT_THROW((void)summarize_log("/no/such.lcmlog"), std::runtime_error);
 }
 
-}  // namespace
+}  // namespace log_summary_test
 }  // namespace nodmap::convert

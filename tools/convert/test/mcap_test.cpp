@@ -17,7 +17,7 @@
 #include "tools/convert/mcap_writer.hpp"
 
 namespace nodmap::convert {
-namespace {
+namespace mcap_test {
 
 using Json = nlohmann::json;
 
@@ -271,5 +271,5 @@ TEST(McapExport, NeverOverwrites) {
                std::runtime_error);
 }
 
-}  // namespace
+}  // namespace mcap_test
 }  // namespace nodmap::convert

@@ -6,7 +6,7 @@
 #include <cmath>
 
 namespace nodmap::convert {
-namespace {
+namespace nod_test {
 
 TEST(Nod, TiltCountsDownwardsAndTheMirrorStandsAboveTheAxle) {
   const NodLine line = parse_nod_line("NOD 1436203604.814177 30 3 -1.5 1.5 0.02 5.6 1.0 2.0 inf");
@@ -45,5 +45,5 @@ TEST(Nod, DamagedLinesAreUnreadable) {
   EXPECT_TRUE(std::holds_alternative<NodOther>(parse_nod_line("  ")));
 }
 
-}  // namespace
+}  // namespace nod_test
 }  // namespace nodmap::convert

@@ -8,7 +8,7 @@
 #include "tests/support/data_dir.hpp"
 
 namespace nodmap::convert {
-namespace {
+namespace recording_test {
 
 nodmap::odometry_t odometry_at(std::int64_t utime_us) {
   nodmap::odometry_t message{};
@@ -67,5 +67,5 @@ TEST(Recording, NeverOverwrites) {
   EXPECT_THROW(Recording{dir.path() / "no" / "such" / "folder.lcmlog"}, std::runtime_error);
 }
 
-}  // namespace
+}  // namespace recording_test
 }  // namespace nodmap::convert

@@ -16,7 +16,7 @@
 #include "tools/evaluate/relations.hpp"
 
 namespace nodmap::convert {
-namespace {
+namespace recordings_test {
 
 struct PublicLog {
   const char* name;
@@ -150,5 +150,5 @@ TEST(NodRecordings, TheFloorIsLevelAtTheGround) {
   EXPECT_LT(num_below, num_floor / 10);
 }
 
-}  // namespace
+}  // namespace recordings_test
 }  // namespace nodmap::convert

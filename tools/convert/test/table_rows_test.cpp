@@ -9,7 +9,7 @@
 #include <string>
 
 namespace nodmap::convert {
-namespace {
+namespace table_rows_test {
 
 template <class Message>
 std::string row_of(const Message& message) {
@@ -93,5 +93,5 @@ TEST(TableRows, MapEndsWithItsPointsBinByBin) {
   EXPECT_EQ(row_of(message), ",0,0,0,1,0,0,0,-0.5,0.25,1,2,0.5,nan,nan,nan");
 }
 
-}  // namespace
+}  // namespace table_rows_test
 }  // namespace nodmap::convert

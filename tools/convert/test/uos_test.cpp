@@ -9,7 +9,7 @@
 #include "common/geometry/angle.hpp"
 
 namespace nodmap::convert {
-namespace {
+namespace uos_test {
 
 using geometry::deg_to_rad;
 
@@ -138,5 +138,5 @@ TEST(Uos, DegenerateInput) {
   EXPECT_TRUE(find_slices(nan).empty());
 }
 
-}  // namespace
+}  // namespace uos_test
 }  // namespace nodmap::convert

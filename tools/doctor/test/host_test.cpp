@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 namespace nodmap::doctor {
-namespace {
+namespace host_test {
 
 TEST(Host, WhatIsMissingComesWithTheCommandThatGetsIt) {
   EXPECT_EQ(check_present("java", "java", true, "x", "get").status, Status::kOk);
@@ -50,5 +50,5 @@ TEST(Host, AnUnsteeredClockIsNoFailure) {
   EXPECT_EQ(check_clock(false).status, Status::kWarn);
 }
 
-}  // namespace
+}  // namespace host_test
 }  // namespace nodmap::doctor

@@ -10,7 +10,7 @@
 #include "tools/doctor/channel_loads.hpp"
 
 namespace nodmap::doctor {
-namespace {
+namespace network_test {
 
 using ::testing::HasSubstr;
 
@@ -164,5 +164,5 @@ TEST(TrustedHosts, AreNamedWhereOthersAreMeant) {
   EXPECT_EQ(check_trusted_hosts("mapper", network).status, Status::kFail);
 }
 
-}  // namespace
+}  // namespace network_test
 }  // namespace nodmap::doctor

@@ -10,7 +10,7 @@
 #include "tests/support/data_dir.hpp"
 
 namespace nodmap::doctor {
-namespace {
+namespace probe_test {
 
 TEST(Probe, ReadsWhatTheSystemShows) {
   EXPECT_FALSE(read_text("/proc/no/such/file"));
@@ -44,5 +44,5 @@ TEST(Probe, RoomIsThatOfTheFolderAboveWhereThereIsNoneYet) {
               static_cast<double>(there), 1e9);
 }
 
-}  // namespace
+}  // namespace probe_test
 }  // namespace nodmap::doctor

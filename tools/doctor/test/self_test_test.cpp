@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 namespace nodmap::doctor {
-namespace {
+namespace self_test_test {
 
 TEST(SelfTest, ComesBackWithoutANetwork) {
   const SelfTest test = run_self_test("memq://");
@@ -17,5 +17,5 @@ TEST(SelfTest, OfNoProviderIsNotOpened) {
   EXPECT_FALSE(run_self_test("nonsense://x").opened);
 }
 
-}  // namespace
+}  // namespace self_test_test
 }  // namespace nodmap::doctor

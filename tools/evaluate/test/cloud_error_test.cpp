@@ -10,7 +10,7 @@
 #include "tools/evaluate/world_surfaces.hpp"
 
 namespace nodmap::evaluate {
-namespace {
+namespace cloud_error_test {
 
 using Eigen::Vector3d;
 
@@ -112,5 +112,5 @@ TEST(CloudError, CompletenessIsTheShareThatWasSeen) {
   EXPECT_NEAR(errors.completeness, (1.0 + 4.0 * 2.0 / 20.0) / 6.0, 1e-9);
 }
 
-}  // namespace
+}  // namespace cloud_error_test
 }  // namespace nodmap::evaluate

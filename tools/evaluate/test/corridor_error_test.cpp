@@ -8,7 +8,7 @@
 #include <vector>
 
 namespace nodmap::evaluate {
-namespace {
+namespace corridor_error_test {
 
 using geometry::SE2;
 using geometry::SE3;
@@ -89,5 +89,5 @@ TEST(CorridorError, WithoutAWayThereIsNoCorridor) {
   EXPECT_FALSE(measure_corridor({standing, standing}));
 }
 
-}  // namespace
+}  // namespace corridor_error_test
 }  // namespace nodmap::evaluate

@@ -10,7 +10,7 @@
 #include "tests/support/data_dir.hpp"
 
 namespace nodmap::evaluate {
-namespace {
+namespace relations_test {
 
 time::Timestamp at(std::int64_t utime) {
   return time::from_utime(utime);
@@ -105,5 +105,5 @@ TEST(Relations, NamesTheLineItCannotRead) {
   EXPECT_THROW((void)read_relations(dir.path() / "none"), std::runtime_error);
 }
 
-}  // namespace
+}  // namespace relations_test
 }  // namespace nodmap::evaluate

@@ -13,7 +13,7 @@
 #include "tests/support/data_dir.hpp"
 
 namespace nodmap::evaluate {
-namespace {
+namespace relocalisation_test {
 
 using geometry::SE2;
 using slam2d::test::room;
@@ -90,5 +90,5 @@ TEST_F(RelocalisationTest, FilesThatAreMissingAreNamed) {
                std::runtime_error);
 }
 
-}  // namespace
+}  // namespace relocalisation_test
 }  // namespace nodmap::evaluate

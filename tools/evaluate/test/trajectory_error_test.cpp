@@ -6,7 +6,7 @@
 #include <random>
 
 namespace nodmap::evaluate {
-namespace {
+namespace trajectory_error_test {
 
 using geometry::SE3;
 using geometry::to_se3;
@@ -110,5 +110,5 @@ TEST(TrajectoryError, DegenerateInput) {
   }
 }
 
-}  // namespace
+}  // namespace trajectory_error_test
 }  // namespace nodmap::evaluate

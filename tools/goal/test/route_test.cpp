@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 namespace nodmap {
-namespace {
+namespace route_test {
 
 using Event = Route::Event;
 
@@ -67,5 +67,5 @@ TEST(Route, APatrolGoesRoundUntilEveryWaypointIsMissedInTurn) {
   EXPECT_EQ(route.num_missed(), 3);
 }
 
-}  // namespace
+}  // namespace route_test
 }  // namespace nodmap

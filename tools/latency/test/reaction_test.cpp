@@ -7,7 +7,7 @@
 #include "common/bus/codec.hpp"
 
 namespace nodmap::latency {
-namespace {
+namespace reaction_test {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
@@ -125,5 +125,5 @@ TEST(P99OverTime, ShowsAQueueThatGrows) {
   EXPECT_THAT(p99_us_over_time(one, 2), ElementsAre(6, 0));
 }
 
-}  // namespace
+}  // namespace reaction_test
 }  // namespace nodmap::latency

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 namespace nodmap::trial {
-namespace {
+namespace brake_latency_test {
 
 // At 1 m/s with sweeps of 0.3 s the zone is 0.65 + 1/3 + 0.15 m from the front.
 constexpr double kEndM = 0.225 + 0.65 + 1.0 / 3.0 + 0.15;
@@ -60,5 +60,5 @@ TEST_F(BrakeLatencyTest, NothingIsMeasuredForASlowRobot) {
   EXPECT_TRUE(monitor_.events().empty());
 }
 
-}  // namespace
+}  // namespace brake_latency_test
 }  // namespace nodmap::trial

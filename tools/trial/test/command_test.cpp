@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 namespace nodmap::trial {
-namespace {
+namespace command_test {
 
 using ::testing::HasSubstr;
 
@@ -64,5 +64,5 @@ TEST(AllParams, NamesWhatIsWrong) {
   EXPECT_THAT(error_of([&] { params.set_assignment("key=1.5"); }), HasSubstr("process"));
 }
 
-}  // namespace
+}  // namespace command_test
 }  // namespace nodmap::trial

@@ -21,7 +21,7 @@
 #include "tools/trial/trial.hpp"
 
 namespace nodmap::trial {
-namespace {
+namespace mapping_test {
 
 // A drive of 60 s has 0.99 and 0.95; this one is shorter.
 constexpr double kMinPrecision = 0.9;
@@ -173,5 +173,5 @@ TEST_F(MappingTest, R45_OnTheMoveTheModelIsOnlySlightlyMoreDistorted) {
   EXPECT_LE(moving_m, 1.5 * standing_m);
 }
 
-}  // namespace
+}  // namespace mapping_test
 }  // namespace nodmap::trial

@@ -6,7 +6,7 @@
 #include <algorithm>
 
 namespace nodmap::trial {
-namespace {
+namespace metrics_test {
 
 time::SteadyTime at(time::Duration since_start) {
   return time::SteadyTime(since_start);
@@ -136,5 +136,5 @@ TEST(TrialMetrics, ARobotThatDrivesOnHasNotStopped) {
   EXPECT_FALSE(stop_metrics(braking_record(), {"test", at(100ms), at(800ms)}, 2.0).stopped_after_s);
 }
 
-}  // namespace
+}  // namespace metrics_test
 }  // namespace nodmap::trial

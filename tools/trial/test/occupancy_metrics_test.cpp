@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 namespace nodmap::trial {
-namespace {
+namespace occupancy_metrics_test {
 
 constexpr double kVoxelM = ObservedVoxels::kVoxelM;
 
@@ -79,5 +79,5 @@ TEST(OccupancyMetrics, NothingIsComparedWithoutAMapOrInOtherVoxels) {
   EXPECT_EQ(compare(map, observed_row(1)).num_occupied, 0U);
 }
 
-}  // namespace
+}  // namespace occupancy_metrics_test
 }  // namespace nodmap::trial

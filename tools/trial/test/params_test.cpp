@@ -6,7 +6,7 @@
 #include "common/robot/robot_params.hpp"
 
 namespace nodmap::trial {
-namespace {
+namespace params_test {
 
 // R6: KURT3D as in the paper, II; and every part of the robot is made for that body.
 TEST(AllParams, R6_EveryPartIsMadeForTheSameRobot) {
@@ -28,5 +28,5 @@ TEST(AllParams, R6_EveryPartIsMadeForTheSameRobot) {
   EXPECT_EQ(robot.mount.z_m, model.servo.mount_z_m);
 }
 
-}  // namespace
+}  // namespace params_test
 }  // namespace nodmap::trial

@@ -13,7 +13,7 @@
 #include "tools/trial/record.hpp"
 
 namespace nodmap::trial {
-namespace {
+namespace robots_test {
 
 // The same body everywhere, as for KURT3D.
 TEST(Robots, EveryPartIsMadeForTheJackal) {
@@ -70,5 +70,5 @@ TEST(Robots, LevelScannerMeasures720BeamsOver270Degrees) {
   }
 }
 
-}  // namespace
+}  // namespace robots_test
 }  // namespace nodmap::trial

@@ -6,7 +6,7 @@
 #include <array>
 
 namespace nodmap::trial {
-namespace {
+namespace simulated_line_test {
 
 using serial::IoStatus;
 using std::chrono::microseconds;
@@ -95,5 +95,5 @@ TEST_F(SimulatedLineTest, NothingComesThroughACutLine) {
   EXPECT_TRUE(device_.heard.empty());
 }
 
-}  // namespace
+}  // namespace simulated_line_test
 }  // namespace nodmap::trial

@@ -13,7 +13,7 @@
 #include "tools/trial/results.hpp"
 
 namespace nodmap::trial {
-namespace {
+namespace trial_test {
 
 class TrialTest : public ::testing::Test {
  protected:
@@ -237,5 +237,5 @@ TEST_F(TrialTest, CorridorIsAsLongAsItIs) {
   EXPECT_GT(result["odometry"]["end_error_m"], 0.6);  // it is not odometry that was so good
 }
 
-}  // namespace
+}  // namespace trial_test
 }  // namespace nodmap::trial

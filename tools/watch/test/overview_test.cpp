@@ -7,7 +7,7 @@
 #include <cmath>
 
 namespace nodmap::watch {
-namespace {
+namespace overview_test {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -108,5 +108,5 @@ TEST(BehaviourName, OfWhatIsNone) {
   EXPECT_EQ(behaviour_name(17), "?");
 }
 
-}  // namespace
+}  // namespace overview_test
 }  // namespace nodmap::watch

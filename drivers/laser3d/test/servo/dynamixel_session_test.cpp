@@ -8,7 +8,7 @@
 #include "drivers/laser3d/test/fake_servo.hpp"
 
 namespace nodmap::laser3d {
-namespace {
+namespace dynamixel_session_test {
 
 using test::FakeServo;
 using test::operator+;  // NOLINT(misc-unused-using-decls): an operator is used
@@ -191,5 +191,5 @@ TEST(DynamixelSession, SamplesAreStampedWithinAMillisecond) {
   EXPECT_NEAR(rate, 1.007, 0.02);  // 1 ms and one step of 0.088 degrees in 0.3 s
 }
 
-}  // namespace
+}  // namespace dynamixel_session_test
 }  // namespace nodmap::laser3d

@@ -9,7 +9,7 @@
 #include "drivers/laser3d/test/golden.hpp"
 
 namespace nodmap::laser3d {
-namespace {
+namespace dynamixel_test {
 
 using test::hex;
 using test::operator+;  // NOLINT(misc-unused-using-decls): an operator is used
@@ -144,5 +144,5 @@ TEST(DynamixelX, ZeroWouldBeWithoutLimitAndIsNeverSent) {
   EXPECT_EQ(boost::endian::load_little_u32(&acceleration[10]), 1U);
 }
 
-}  // namespace
+}  // namespace dynamixel_test
 }  // namespace nodmap::laser3d

@@ -9,7 +9,7 @@
 #include "drivers/laser3d/test/golden.hpp"
 
 namespace nodmap::laser3d {
-namespace {
+namespace maestro_test {
 
 time::SteadyTime at(time::Duration since_start) {
   return time::SteadyTime(since_start);
@@ -98,5 +98,5 @@ TEST(MaestroSession, AnswersThatAreTooLongOrOffAreNoPitch) {
   EXPECT_FALSE(dut.receive(answer(0), at(21ms)).sample);
 }
 
-}  // namespace
+}  // namespace maestro_test
 }  // namespace nodmap::laser3d

@@ -6,7 +6,7 @@
 #include "drivers/laser3d/test/golden.hpp"
 
 namespace nodmap::laser3d {
-namespace {
+namespace command_test {
 
 using test::hex;
 using test::telegram_of;
@@ -103,5 +103,5 @@ TEST(SickConfig, OnlyWhatTheDriverDecidesIsChanged) {
   EXPECT_EQ(with_measuring(after, SickUnit::kMillimetre, {0x06}), after);
 }
 
-}  // namespace
+}  // namespace command_test
 }  // namespace nodmap::laser3d

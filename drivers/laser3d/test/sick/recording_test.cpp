@@ -11,7 +11,7 @@
 #include "tests/support/data_dir.hpp"
 
 namespace nodmap::laser3d {
-namespace {
+namespace recording_test {
 
 Bytes bytes_of(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
@@ -47,5 +47,5 @@ TEST(SickRecording, IsARoom) {
   EXPECT_LT(edges, pairs / 10);  // walls are smooth: read wrongly, most neighbours differ
 }
 
-}  // namespace
+}  // namespace recording_test
 }  // namespace nodmap::laser3d

@@ -9,7 +9,7 @@
 #include "drivers/laser3d/test/golden.hpp"
 
 namespace nodmap::laser3d {
-namespace {
+namespace scan_test {
 
 constexpr time::SteadyTime kSent{1s};
 
@@ -198,5 +198,5 @@ TEST(MirrorRevolutions, AnEmptyScanIsNoCrash) {
   EXPECT_TRUE(mirror_revolutions({}, SickVariant::k180x050, kSent).at(1).ranges_m.empty());
 }
 
-}  // namespace
+}  // namespace scan_test
 }  // namespace nodmap::laser3d

@@ -6,7 +6,7 @@
 #include "drivers/laser3d/test/fake_sensor.hpp"
 
 namespace nodmap::laser3d {
-namespace {
+namespace session_test {
 
 using test::telegram_of;
 
@@ -311,5 +311,5 @@ TEST(SickStep, NothingIsWrittenThatWasNotRead) {
   EXPECT_TRUE(request_of(SickStep::kStream, {}, std::nullopt).empty());
 }
 
-}  // namespace
+}  // namespace session_test
 }  // namespace nodmap::laser3d

@@ -8,7 +8,7 @@
 #include "drivers/laser3d/test/golden.hpp"
 
 namespace nodmap::laser3d {
-namespace {
+namespace telegram_test {
 
 constexpr time::SteadyTime kStart{1s};
 
@@ -221,5 +221,5 @@ TEST(SickCrc, MissesAnErrorFollowedByItsDouble) {
   EXPECT_EQ(computed_crc(frame), crc);
 }
 
-}  // namespace
+}  // namespace telegram_test
 }  // namespace nodmap::laser3d

@@ -11,7 +11,7 @@
 #include "modules/navigator/local_map/local_map.hpp"
 
 namespace nodmap::navigator {
-namespace {
+namespace tracked_ground_test {
 
 using geometry::deg_to_rad;
 using test::NoddingRobot;
@@ -211,5 +211,5 @@ TEST(TrackedGround, SurvivesPosesThatMakeNoSense) {
   EXPECT_EQ(ground.height_m({5.0, 5.0}), 0.0);
 }
 
-}  // namespace
+}  // namespace tracked_ground_test
 }  // namespace nodmap::navigator

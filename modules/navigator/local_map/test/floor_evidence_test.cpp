@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 namespace nodmap::navigator {
-namespace {
+namespace floor_evidence_test {
 
 /// Two scans of two beams each, which meet the floor at the corners of a rectangle.
 LocalGrid floor_between(double length_m, double width_m) {
@@ -70,5 +70,5 @@ TEST(FloorEvidence, SpeaksAgainstObstaclesOnTheFloorAlone) {
   EXPECT_EQ(table.obstacle, evidence::kCertain);
 }
 
-}  // namespace
+}  // namespace floor_evidence_test
 }  // namespace nodmap::navigator

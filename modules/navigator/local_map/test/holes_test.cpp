@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 namespace nodmap::navigator {
-namespace {
+namespace holes_test {
 
 TEST(Holes, OneCertainBeamOrTwoInTwoScansMakeAHole) {
   LocalGrid grid(0.025, 9);
@@ -36,5 +36,5 @@ TEST(Holes, TheEdgeIsTwoCellsWide) {
   }
 }
 
-}  // namespace
+}  // namespace holes_test
 }  // namespace nodmap::navigator

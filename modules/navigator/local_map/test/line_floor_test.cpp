@@ -6,7 +6,7 @@
 #include <random>
 
 namespace nodmap::navigator {
-namespace {
+namespace line_floor_test {
 
 // A line that is measured 1.2 cm too high by a tilt, with a noise of 4 mm, and a brick on it: the
 // lower quartile of a normal distribution is 0.67 standard deviations below its mean, and of 51
@@ -43,5 +43,5 @@ TEST(LineFloor, FewBeamsSayNothing) {
   EXPECT_FALSE(line.level_around(95));
 }
 
-}  // namespace
+}  // namespace line_floor_test
 }  // namespace nodmap::navigator

@@ -10,7 +10,7 @@
 #include "modules/navigator/local_map/test/scanned_ground.hpp"
 
 namespace nodmap::navigator {
-namespace {
+namespace local_map_test {
 
 using geometry::deg_to_rad;
 using test::Block;
@@ -363,5 +363,5 @@ TEST(RollingGrid, CellsKeepTheirPlaceInOdomAndNewOnesBeginAnew) {
   EXPECT_EQ(grid.at(grid.index_of({0.55, -0.35})), 0);
 }
 
-}  // namespace
+}  // namespace local_map_test
 }  // namespace nodmap::navigator

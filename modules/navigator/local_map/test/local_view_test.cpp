@@ -8,7 +8,7 @@
 #include "modules/navigator/local_map/holes.hpp"
 
 namespace nodmap::navigator {
-namespace {
+namespace local_view_test {
 
 /// Obstacles, old and new, and holes here and there, up to the border of the grid.
 LocalGrid cluttered(const ObstacleMemory& memory) {
@@ -79,5 +79,5 @@ TEST(LocalView, ShowsEachCellAsItIsAlone) {
   }
 }
 
-}  // namespace
+}  // namespace local_view_test
 }  // namespace nodmap::navigator

@@ -10,7 +10,7 @@
 #include "modules/navigator/local_map/local_map.hpp"
 
 namespace nodmap::navigator {
-namespace {
+namespace low_sill_test {
 
 using geometry::deg_to_rad;
 
@@ -192,5 +192,5 @@ TEST(LowSill, IsStoppedForAtAnySpeedAndMomentOfTheNod) {
   }
 }
 
-}  // namespace
+}  // namespace low_sill_test
 }  // namespace nodmap::navigator

@@ -13,7 +13,7 @@
 #include "modules/navigator/local_map/test/scanned_ground.hpp"
 
 namespace nodmap::navigator {
-namespace {
+namespace mixed_pixel_test {
 
 scan::Scan scan_of(std::vector<float> ranges_m) {
   scan::Scan scan;
@@ -119,5 +119,5 @@ TEST(MixedPixel, IsNoObstacle) {
   }
 }
 
-}  // namespace
+}  // namespace mixed_pixel_test
 }  // namespace nodmap::navigator

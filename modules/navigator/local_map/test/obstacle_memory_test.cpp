@@ -6,7 +6,7 @@
 #include <limits>
 
 namespace nodmap::navigator {
-namespace {
+namespace obstacle_memory_test {
 
 constexpr double kCellM = 0.025;
 constexpr double kTopM = 0.5;
@@ -98,5 +98,5 @@ TEST(ObstacleMemory, WhatIsNearAgesFiveTimesMoreSlowly) {
   EXPECT_TRUE(memory.is_forgotten(*grid.find({0.4, 0.0})));
 }
 
-}  // namespace
+}  // namespace obstacle_memory_test
 }  // namespace nodmap::navigator

@@ -6,7 +6,7 @@
 #include <cmath>
 
 namespace nodmap::navigator {
-namespace {
+namespace possible_ramp_test {
 
 /// Floor was seen up to x = 1 m.
 class PossibleRampTest : public ::testing::Test {
@@ -47,5 +47,5 @@ TEST_F(PossibleRampTest, LeadsUpNowhereOnLevelGround) {
   EXPECT_FALSE(ramp.leads_up({2.0, 0.0, 0.05}, 0.05, 0.03));
 }
 
-}  // namespace
+}  // namespace possible_ramp_test
 }  // namespace nodmap::navigator

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 namespace nodmap::navigator {
-namespace {
+namespace seen_floor_test {
 
 constexpr double kCellM = 0.025;
 const robot::Footprint kBody{0.225, 0.165};
@@ -98,5 +98,5 @@ TEST(SeenFloor, IsAroundWithinTheFloorAndNearUpToItsBorder) {
   EXPECT_FALSE(floor.is_near(grid.index_of({1.07, 0.0})));
 }
 
-}  // namespace
+}  // namespace seen_floor_test
 }  // namespace nodmap::navigator

@@ -14,7 +14,7 @@
 #include "modules/navigator/people/test/walking_scene.hpp"
 
 namespace nodmap::navigator {
-namespace {
+namespace people_test {
 
 using test::Pillar;
 using test::WalkingScene;
@@ -433,5 +433,5 @@ TEST(PassiveSafety, WhatIsSafeIsSafeMoreSlowlyHeadOn) {
   EXPECT_EQ(last, 1.0);
 }
 
-}  // namespace
+}  // namespace people_test
 }  // namespace nodmap::navigator

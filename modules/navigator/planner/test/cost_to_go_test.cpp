@@ -11,7 +11,7 @@
 #include <vector>
 
 namespace nodmap::navigator {
-namespace {
+namespace cost_to_go_test {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
 constexpr double kToleranceM = 0.2;
@@ -202,5 +202,5 @@ TEST(CostToGo, OutsideThereIsNoPathAndNearACellThereIs) {
   EXPECT_FALSE(std::isfinite(cost_to_go.least_near({0.0, 1.9})));
 }
 
-}  // namespace
+}  // namespace cost_to_go_test
 }  // namespace nodmap::navigator

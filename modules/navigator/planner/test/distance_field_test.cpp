@@ -8,7 +8,7 @@
 #include <vector>
 
 namespace nodmap::navigator {
-namespace {
+namespace distance_field_test {
 
 // Oracle: the least distance to any occupied cell, cell by cell.
 TEST(DistanceField, EqualsTheDistanceToTheNearestOccupiedCell) {
@@ -52,5 +52,5 @@ TEST(DistanceField, WithoutOccupiedCellsAndOutsideItIsFar) {
   EXPECT_EQ(field.at(Eigen::Vector2d(0.55, 0.55)), 0.0);
 }
 
-}  // namespace
+}  // namespace distance_field_test
 }  // namespace nodmap::navigator

@@ -8,7 +8,7 @@
 #include <functional>
 
 namespace nodmap::navigator {
-namespace {
+namespace docking_test {
 
 using geometry::deg_to_rad;
 using Kind = DockingStep::Kind;
@@ -127,5 +127,5 @@ TEST(Docking, GivesUpAfterItsTriesAndBeginsAgainLater) {
   dock.run_until(Kind::kDocked, dock.time_s + 60.0 + 25.0);
 }
 
-}  // namespace
+}  // namespace docking_test
 }  // namespace nodmap::navigator

@@ -10,7 +10,7 @@
 #include "modules/navigator/local_map/test/scanned_ground.hpp"
 
 namespace nodmap::navigator {
-namespace {
+namespace global_planner_test {
 
 using test::Ground;
 
@@ -247,5 +247,5 @@ TEST(GlobalPlanner, AFailureMakesItTakeTheOtherSide) {
   EXPECT_GT(lowest(planner.cost_to_go()->path_from({0.0, 0.0}, 20.0)), -0.5);
 }
 
-}  // namespace
+}  // namespace global_planner_test
 }  // namespace nodmap::navigator

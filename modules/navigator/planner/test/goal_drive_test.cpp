@@ -8,7 +8,7 @@
 #include "modules/navigator/local_map/test/scanned_ground.hpp"
 
 namespace nodmap::navigator {
-namespace {
+namespace goal_drive_test {
 
 constexpr double kStepS = 0.01332;
 
@@ -96,5 +96,5 @@ TEST(GoalDrive, ItDrivesTheMoreSlowlyTheNarrowerAPlaceIs) {
   EXPECT_EQ(between_rows(0.5 * params.squeeze_margin_m).forward_mps, 0.0);
 }
 
-}  // namespace
+}  // namespace goal_drive_test
 }  // namespace nodmap::navigator

@@ -8,7 +8,7 @@
 #include "modules/navigator/local_map/test/scanned_ground.hpp"
 
 namespace nodmap::navigator {
-namespace {
+namespace roaming_test {
 
 /// What the nodding laser sees from one place; `quarters` of a rotation, a look at each.
 LocalMap seen_from_start(const test::Ground& ground, int quarters = 1) {
@@ -141,5 +141,5 @@ TEST_F(RoamingTest, WithoutProgressThePathIsGivenUp) {
       << later->forward_mps << " " << to_text(later->reason);
 }
 
-}  // namespace
+}  // namespace roaming_test
 }  // namespace nodmap::navigator

@@ -8,7 +8,7 @@
 #include <random>
 
 namespace nodmap::navigator {
-namespace {
+namespace rollouts_test {
 
 const robot::Footprint kBody = robot::Body{}.footprint();
 
@@ -111,5 +111,5 @@ TEST(Rollouts, StraightOnAndBackAreLeftBetweenPostsThatItPasses) {
   }
 }
 
-}  // namespace
+}  // namespace rollouts_test
 }  // namespace nodmap::navigator

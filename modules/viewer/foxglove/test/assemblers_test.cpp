@@ -9,7 +9,7 @@
 #include "modules/viewer/foxglove/test/robot_log.hpp"
 
 namespace nodmap::foxglove {
-namespace {
+namespace assemblers_test {
 
 TEST(GridAssembler, PutsTilesInTheirPlaces) {
   GridAssembler assembler;
@@ -192,5 +192,5 @@ TEST(OctomapAssembler, RefusesWhatIsNoMap) {
   EXPECT_TRUE(assembler.add(chunk).refused);
 }
 
-}  // namespace
+}  // namespace assemblers_test
 }  // namespace nodmap::foxglove

@@ -8,7 +8,7 @@
 #include <random>
 
 namespace nodmap::foxglove {
-namespace {
+namespace cloud_downsampler_test {
 
 constexpr double kSpacing = 0.05;
 constexpr float kSpacingF = 0.05F;
@@ -129,5 +129,5 @@ TEST(CloudDownsampler, KeepsWhatIsOutOfReach) {
   }
 }
 
-}  // namespace
+}  // namespace cloud_downsampler_test
 }  // namespace nodmap::foxglove

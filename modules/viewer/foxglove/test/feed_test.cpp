@@ -14,7 +14,7 @@
 #include "modules/viewer/foxglove/test/robot_log.hpp"
 
 namespace nodmap::foxglove {
-namespace {
+namespace feed_test {
 
 namespace robot = test;
 
@@ -213,5 +213,5 @@ TEST_F(FeedTest, AResetForgets) {
   EXPECT_FALSE(newest("scene/robot").is_null());
 }
 
-}  // namespace
+}  // namespace feed_test
 }  // namespace nodmap::foxglove

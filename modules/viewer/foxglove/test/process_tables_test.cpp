@@ -8,7 +8,7 @@
 #include "modules/viewer/foxglove/test/robot_log.hpp"
 
 namespace nodmap::foxglove {
-namespace {
+namespace process_tables_test {
 
 procman_lcm::cmd_status_t command(const std::string& id, std::int32_t pid,
                                   std::int32_t wait_status) {
@@ -107,5 +107,5 @@ TEST(ProcessTable, DoesNotGrowWithMadeUpNames) {
   }
 }
 
-}  // namespace
+}  // namespace process_tables_test
 }  // namespace nodmap::foxglove

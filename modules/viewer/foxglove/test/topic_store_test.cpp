@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 namespace nodmap::foxglove {
-namespace {
+namespace topic_store_test {
 
 Post::Encode says(const std::string& text) {
   return [text] { return text; };
@@ -87,5 +87,5 @@ TEST(TopicStore, AListenerMissesNothing) {
   EXPECT_EQ(heard, "ab");
 }
 
-}  // namespace
+}  // namespace topic_store_test
 }  // namespace nodmap::foxglove

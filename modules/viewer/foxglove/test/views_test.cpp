@@ -21,7 +21,7 @@
 #include "nodmap/json_messages.hpp"
 
 namespace nodmap::foxglove {
-namespace {
+namespace views_test {
 
 /// An independent decoder: by table look-up over 4 characters.
 std::vector<std::uint8_t> decoded(const std::string& text) {
@@ -391,5 +391,5 @@ TEST(Schemas, DescribeWhatIsSent) {
   message_fits(robot::truth_at(0.0));
 }
 
-}  // namespace
+}  // namespace views_test
 }  // namespace nodmap::foxglove

@@ -8,7 +8,7 @@
 #include "modules/viewer/foxglove/test/robot_log.hpp"
 
 namespace nodmap::foxglove {
-namespace {
+namespace voxel_grid_test {
 
 VoxelGrid grid_of(double voxel_m, const std::vector<std::array<int, 3>>& voxels) {
   return to_voxel_grid(formats::read_octomap(test::octomap_bytes(voxel_m, voxels)).value());
@@ -88,5 +88,5 @@ TEST(VoxelGrid, IsDescribedByItsStrides) {
   EXPECT_EQ(json["data"].get<std::string>().size(), 40U);  // 30 bytes
 }
 
-}  // namespace
+}  // namespace voxel_grid_test
 }  // namespace nodmap::foxglove
