@@ -80,7 +80,7 @@ def main():
                 errors.append(f"{path}:{number}: write T_a_b: {line.strip()}")
             if str(path).startswith(TYPED_TIME) and not str(path).startswith(INTEGER_TIME) and MICROSECONDS.search(line):
                 errors.append(f"{path}:{number}: time is a type, see common/geometry/time.hpp: {line.strip()}")
-            if line == "namespace {" and path.name.endswith("_test.cpp") and "TEST" in "".join(lines):
+            if line == "namespace {" and path.name.endswith("_test.cpp") and any(l.startswith("TEST") for l in lines):
                 errors.append(f"{path}:{number}: a test's namespace is named after its file: namespace {path.stem} {{")
             match = INCLUDE.match(line)
             if not match:
