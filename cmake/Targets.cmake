@@ -60,16 +60,15 @@ function(nodmap_join_sources name)
   endif()
 endfunction()
 
-# nodmap_add_library(NAME SOURCES a.cpp ... DEPENDS target ... [JOINED]): the library nodmap::NAME. JOINED: up to eight sources
-# are compiled as one, where reading the same large headers (JSON, command lines, logging, sockets) takes longer than the sources
-# themselves; what is unnamed in them must then have names that differ.
+# nodmap_add_library(NAME SOURCES a.cpp ... DEPENDS target ... [SEPARATE]): the library nodmap::NAME. Its sources are joined, as
+# loading the same headers takes as long as most of them; what is unnamed in them must have names that differ. SEPARATE: not so.
 function(nodmap_add_library name)
-  cmake_parse_arguments(ARG "JOINED" "" "SOURCES;DEPENDS" ${ARGN})
+  cmake_parse_arguments(ARG "SEPARATE" "" "SOURCES;DEPENDS" ${ARGN})
   add_library(nodmap_${name} STATIC ${ARG_SOURCES})
   add_library(nodmap::${name} ALIAS nodmap_${name})
   target_link_libraries(nodmap_${name} PUBLIC nodmap_options Eigen3::Eigen ${ARG_DEPENDS})
   target_precompile_headers(nodmap_${name} REUSE_FROM nodmap_pch)
-  if(ARG_JOINED)
+  if(NOT ARG_SEPARATE)
     nodmap_join_sources(nodmap_${name})
   endif()
 endfunction()

@@ -36,12 +36,12 @@ double building_yaw(std::span<const DrawnPoint> points) {
 }
 
 // Where most values lie.
-struct Extent {
+struct Interval {
   double low = 0.0;
   double high = 0.0;
 };
 
-Extent extent_along(std::span<const DrawnPoint> points, const Eigen::Vector3d& direction) {
+Interval extent_along(std::span<const DrawnPoint> points, const Eigen::Vector3d& direction) {
   std::vector<float> places;
   places.reserve(points.size());
   for (const DrawnPoint& point : points) {
@@ -57,7 +57,7 @@ Scene scene_of(std::span<const DrawnPoint> points) {
     return Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();
   };
   const auto length = [&points](const Eigen::Vector3d& direction) {
-    const Extent extent = extent_along(points, direction);
+    const Interval extent = extent_along(points, direction);
     return extent.high - extent.low;
   };
   Scene scene;
@@ -67,7 +67,7 @@ Scene scene_of(std::span<const DrawnPoint> points) {
   }
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   for (int axis = 0; axis < 3; ++axis) {
-    const Extent extent = extent_along(points, scene.axes.col(axis));
+    const Interval extent = extent_along(points, scene.axes.col(axis));
     middle[axis] = 0.5 * (extent.low + extent.high);
     scene.half_extent[axis] = 0.5 * (extent.high - extent.low);
   }
@@ -96,11 +96,11 @@ Camera fitted(Camera camera, std::span<const DrawnPoint> points, const ImageSize
     }
   }
   const auto ends = [](std::vector<float>& values) {
-    return Extent{static_cast<double>(quantile(values, kStrayShare)),
-                  static_cast<double>(quantile(values, 1.0 - kStrayShare))};
+    return Interval{static_cast<double>(quantile(values, kStrayShare)),
+                    static_cast<double>(quantile(values, 1.0 - kStrayShare))};
   };
-  const Extent x = ends(xs);
-  const Extent y = ends(ys);
+  const Interval x = ends(xs);
+  const Interval y = ends(ys);
   camera.focal_px = kFilled * std::min(size.width / std::max(x.high - x.low, 1e-3),
                                        size.height / std::max(y.high - y.low, 1e-3));
   camera.centre_x = 0.5 * size.width - camera.focal_px * 0.5 * (x.low + x.high);

@@ -26,7 +26,7 @@ constexpr time::Duration kStarting = 100ms;
 constexpr double kMovedRad = geometry::deg_to_rad(0.5);
 // Eight readings at 200 a second. Kept short, because until the stall is known the robot drives
 // towards what the laser does not see.
-constexpr time::Duration kPatience = 40ms;
+constexpr time::Duration kMovePatience = 40ms;
 constexpr time::Duration kSilence = 300ms;
 constexpr double kSlowestRadS = 0.05;
 constexpr double kReversalDelayS = 0.020;  // until the command to reverse has reached the servo
@@ -129,7 +129,7 @@ time::Duration Nod::patience(const PitchSample& where) const {
                         std::abs(aim_.goal_rad - where.pitch_rad) <= braking_rad + kMovedRad;
   const double reversal_s =
       reverses ? 2.0 * speed / robot_.head.pitch_acceleration_rad_s2 + kReversalDelayS : 0.0;
-  return kPatience + time::from_seconds(moving_s + reversal_s);
+  return kMovePatience + time::from_seconds(moving_s + reversal_s);
 }
 
 void Nod::reverse(time::SteadyTime stamp) {

@@ -11,7 +11,7 @@ constexpr time::Duration kHistory = 1s;
 // Between samples farther apart than this nobody knows what the head did.
 constexpr time::Duration kMaxGap = 60ms;
 // How long a revolution waits for a sample after its last beam.
-constexpr time::Duration kPatience = 30ms;
+constexpr time::Duration kPitchPatience = 30ms;
 // More revolutions than can wait for so long at 75 Hz, with room for bursts.
 constexpr std::size_t kMostWaiting = 16;
 
@@ -40,7 +40,7 @@ std::optional<PitchedRevolution> ScanJoiner::next(time::SteadyTime now) {
     const time::SteadyTime first = waiting_.front().first_beam;
     const time::SteadyTime last = waiting_.front().last_beam;
     const bool covered = !samples_.empty() && samples_.back().stamp >= last;
-    if (!covered && now < last + kPatience) {
+    if (!covered && now < last + kPitchPatience) {
       return std::nullopt;
     }
     MirrorRevolution revolution = std::move(waiting_.front());

@@ -13,7 +13,7 @@
 namespace nodmap::procman {
 namespace {
 
-constexpr int kCannotRun = 127 << 8;  // as a shell says it: exit code 127
+constexpr int kCannotRunStatus = 127 << 8;  // as a shell says it: exit code 127
 constexpr double kMaxGraceS = 24.0 * 3600.0;
 
 constexpr double kMaxUntrustedGraceS = 60.0;
@@ -154,7 +154,7 @@ void Supervisor::started(const std::string& id, std::int32_t pid, time::SteadyTi
 SupervisorActions Supervisor::not_started(const std::string& id, const std::string& reason,
                                           time::SteadyTime now) {
   SupervisorActions actions{WriteOutput{id, reason + "\n"}};
-  SupervisorActions end = ended(id, kCannotRun, now);
+  SupervisorActions end = ended(id, kCannotRunStatus, now);
   actions.insert(actions.end(), end.begin(), end.end());
   return actions;
 }

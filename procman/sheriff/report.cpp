@@ -10,7 +10,7 @@
 namespace nodmap::procman {
 namespace {
 
-constexpr time::Duration kMaxStatusAge = 3500ms;  // three STATUS have not come
+constexpr time::Duration kSilentAfter = 3500ms;  // three STATUS have not come
 
 std::string health_text(const ProcessHealth& health) {
   std::string text = name_of(health.state);
@@ -24,14 +24,14 @@ std::string health_text(const ProcessHealth& health) {
 }
 
 /// What a process that runs says; what its predecessor status does not count.
-std::string health_of(const std::optional<HealthWatch::LastStatus>& status, const Fleet::Item& item,
-                      time::SteadyTime now) {
+std::string health_cell(const std::optional<HealthWatch::LastStatus>& status,
+                        const Fleet::Item& item, time::SteadyTime now) {
   if (!status || status->received < item.running_since) {
     return {};
   }
   const time::Duration silent = now - status->received;
-  return silent > kMaxStatusAge ? "SILENT: no STATUS for " + std::to_string(silent / 1s) + " s"
-                                : printable(health_text(status->health));
+  return silent > kSilentAfter ? "SILENT: no STATUS for " + std::to_string(silent / 1s) + " s"
+                               : printable(health_text(status->health));
 }
 
 /// How many bytes the UTF-8 sequence takes that begins with this one; 0: none does.
@@ -65,8 +65,8 @@ std::size_t good_character(std::string_view text) {
   return is_overlong || is_none || steers ? 0 : length;
 }
 
-constexpr std::size_t kColumns = 10;
-using Line = std::array<std::string, kColumns>;
+constexpr std::size_t kReportColumns = 10;
+using Line = std::array<std::string, kReportColumns>;
 
 Line cells(const ReportRow& row) {
   const bool runs = row.pid != 0;
@@ -135,7 +135,7 @@ std::vector<ReportRow> report(const Fleet& fleet, const HealthWatch& health,
       row.memory_mb = static_cast<double>(item.status->rss_bytes) * 1e-6;
       row.uptime_s = row.pid != 0 ? time::seconds(now - run.started) : 0;
     }
-    row.health = row.pid != 0 ? health_of(health.last_status_of(row.id), item, now) : "";
+    row.health = row.pid != 0 ? health_cell(health.last_status_of(row.id), item, now) : "";
     const auto console = consoles.find(row.id);
     row.last_output = console == consoles.end() ? "" : printable(console->second.last());
     rows.push_back(std::move(row));
@@ -149,16 +149,16 @@ std::vector<std::string> to_table(const std::vector<ReportRow>& rows) {
   std::vector<Line> lines{{"COMMAND", "HOST", "STATE", "PID", "CPU %", "MEM MB", "UP", "RESTARTS",
                            "HEALTH", "LAST OUTPUT"}};
   std::transform(rows.begin(), rows.end(), std::back_inserter(lines), cells);
-  std::array<std::size_t, kColumns> widths{};
+  std::array<std::size_t, kReportColumns> widths{};
   for (const Line& line : lines) {
-    for (std::size_t i = 0; i < kColumns; ++i) {
+    for (std::size_t i = 0; i < kReportColumns; ++i) {
       widths.at(i) = std::max(widths.at(i), line.at(i).size());
     }
   }
   std::vector<std::string> table;
   for (const Line& line : lines) {
     std::string text;
-    for (std::size_t i = 0; i < kColumns; ++i) {
+    for (std::size_t i = 0; i < kReportColumns; ++i) {
       text += line.at(i) + std::string(widths.at(i) - line.at(i).size() + 2, ' ');
     }
     text.erase(text.find_last_not_of(' ') + 1);

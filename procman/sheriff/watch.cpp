@@ -14,7 +14,7 @@
 namespace nodmap::procman {
 namespace {
 
-constexpr std::chrono::milliseconds kWait(50);
+constexpr std::chrono::milliseconds kKeyWait(50);
 constexpr std::size_t kScrollLines = 5;
 constexpr std::size_t kMaxScripts = 9;  // as many as there are keys
 constexpr time::Duration kReminderPeriod = 5s;
@@ -57,7 +57,7 @@ class Watch {
 
   int run() {
     while (!exit_code_ && !node::stop_requested()) {
-      sheriff_.work(kWait);
+      sheriff_.work(kKeyWait);
       look_for_other_sheriff();
       step_script();
       reload_config();

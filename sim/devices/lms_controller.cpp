@@ -22,7 +22,7 @@ constexpr std::uint8_t kIndicesBit = 0x02;
 // Within what the listing allows (60 ms; 3 s for a mode; 7 s for the memory).
 constexpr time::Duration kAnswerDelay = 15ms;
 constexpr time::Duration kModeDelay = 50ms;
-constexpr time::Duration kMemory = 1s;
+constexpr time::Duration kConfigDelay = 1s;
 
 Bytes with_text(std::uint8_t code, std::string_view text) {
   Bytes body = {code};
@@ -209,7 +209,7 @@ LmsAnswer LmsController::write_config(ByteView parameters) {
   }
   Bytes body = {0xF7, accepted ? std::uint8_t{1} : std::uint8_t{0}};
   append(body, config_);
-  return answer_with(body, kMemory);
+  return answer_with(body, kConfigDelay);
 }
 
 Bytes LmsController::status() const {

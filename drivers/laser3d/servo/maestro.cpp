@@ -74,8 +74,8 @@ double pulse_us_in(ByteView answer) {
 
 namespace {
 
-constexpr time::Duration kAnswerTimeout = 50ms;
-constexpr int kMissesAllowed = 3;
+constexpr time::Duration kReadingTimeout = 50ms;
+constexpr int kMissedReadingsAllowed = 3;
 constexpr std::size_t kAnswerBytes = 2;
 
 }  // namespace
@@ -112,12 +112,12 @@ void MaestroSession::aim(double goal_rad, double speed_rad_s) {
 }
 
 ServoOutput MaestroSession::poll(time::SteadyTime now) {
-  if (!open_ || (waiting_ && now < asked_ + kAnswerTimeout)) {
+  if (!open_ || (waiting_ && now < asked_ + kReadingTimeout)) {
     return {};
   }
   if (waiting_) {
     waiting_ = false;
-    if (++misses_ > kMissesAllowed) {
+    if (++misses_ > kMissedReadingsAllowed) {
       last_error_ = "the servo controller does not answer";
       last_.reset();
       back_off_.failed(now);

@@ -22,7 +22,7 @@ constexpr std::uint16_t kCountBits = 0x03FF;
 constexpr std::uint16_t kPartialBit = 0x2000;
 constexpr unsigned kQuarterShift = 11;
 constexpr std::uint16_t kMillimetreBit = 0x4000;
-constexpr std::size_t kHeaderBytes = 2;
+constexpr std::size_t kCountBytes = 2;
 
 /// Range words to metres; counts in the scan what was none.
 class RangeReader {
@@ -118,12 +118,12 @@ std::uint16_t SickMeasuringMode::mask() const {
 std::optional<SickScan> read_scan(const SickTelegram& telegram, SickMeasuringMode mode) {
   const std::optional<std::uint16_t> top = mode.top();
   const ByteView data = telegram.data;
-  if (telegram.reply != SickReply::kMeasuredValues || !top || data.size() < kHeaderBytes) {
+  if (telegram.reply != SickReply::kMeasuredValues || !top || data.size() < kCountBytes) {
     return std::nullopt;
   }
   const std::uint16_t header = load_little_u16(data.data());
   const std::size_t count = header & kCountBits;
-  const std::size_t values_end = kHeaderBytes + 2 * count;
+  const std::size_t values_end = kCountBytes + 2 * count;
   if (data.size() != values_end && data.size() != values_end + 2) {
     return std::nullopt;
   }
@@ -141,7 +141,7 @@ std::optional<SickScan> read_scan(const SickTelegram& telegram, SickMeasuringMod
   RangeReader range(mode, *top, unit_m, scan);
   scan.ranges_m.resize(count);
   for (std::size_t i = 0; i < count; ++i) {
-    scan.ranges_m[i] = range(load_little_u16(&data[kHeaderBytes + 2 * i]));
+    scan.ranges_m[i] = range(load_little_u16(&data[kCountBytes + 2 * i]));
   }
   return scan;
 }
