@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "common/registration/pose_graph.hpp"
 #include "modules/slam6d/keyframe.hpp"
 #include "modules/slam6d/params.hpp"
 #include "modules/slam6d/plane_adjustment.hpp"
@@ -12,12 +13,14 @@
 
 namespace nodmap::slam6d {
 
-/// What adjust_planes() needs of each keyframe: its voxels, the calibrated motion by odometry since
-/// the one before and how sure that is, and whether its ground is level. `updates` are those of all
-/// sweeps.
-[[nodiscard]] std::vector<AdjustedSweep> adjusted_sweeps(std::span<const Keyframe> keyframes,
-                                                         std::span<const PoseUpdate> updates,
-                                                         const Tracker& tracker,
-                                                         const Slam6dParams& params);
+/// What adjust_planes() needs of each keyframe: its voxels, the motion since the one before and how
+/// sure that is, and whether its ground is level. The motion is what the matches with the map said
+/// (`steps` of the pose graph) joined with calibrated odometry: where two keyframes see few planes
+/// in common, through a door, odometry alone would pull them apart by centimetres. `updates` are
+/// those of all sweeps.
+[[nodiscard]] std::vector<AdjustedSweep> adjusted_sweeps(
+    std::span<const Keyframe> keyframes, std::span<const PoseUpdate> updates,
+    std::span<const registration::PoseEdge3d> steps, const Tracker& tracker,
+    const Slam6dParams& params);
 
 }  // namespace nodmap::slam6d

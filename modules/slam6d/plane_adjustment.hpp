@@ -32,8 +32,8 @@ struct AdjustmentParams {
 struct AdjustedSweep {
   geometry::SE3 T_map_base = geometry::SE3::Identity();
   VoxelMap voxels;  ///< in base
-  /// The motion from the sweep before to this one by odometry, and its covariance (position in m,
-  /// rotation vector in rad, axes of map); not of the first.
+  /// The motion from the sweep before to this one, as odometry and matches with the map told it,
+  /// and its covariance (position in m, rotation vector in rad, axes of map); not of the first.
   geometry::SE3 T_last_this = geometry::SE3::Identity();
   Matrix6d covariance = Matrix6d::Identity();
   /// Where the ground is level.
@@ -45,7 +45,7 @@ struct AdjustedSweep {
 ///
 /// What all sweeps saw within a cube and facing one way is a patch: one plane, whose offset and
 /// tilts are unknowns as the poses are, and are eliminated (plane adjustment: Ferrer 2019, Liu and
-/// Zhang 2021). Odometry between successive sweeps holds what no plane tells. Where the equations
+/// Zhang 2021). The motion between successive sweeps holds what no plane tells. Where the equations
 /// have no solution the poses are returned as they are.
 [[nodiscard]] std::vector<geometry::SE3> adjust_planes(std::span<const AdjustedSweep> sweeps,
                                                        const VoxelMapParams& voxels,

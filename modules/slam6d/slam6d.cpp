@@ -357,8 +357,9 @@ void Slam6d::polish() {
   }
   // Where odometry says nothing of the way from a saved keyframe to a new one, nothing is adjusted.
   if (params_.adjustment.use && num_restored_ == 0 && !keyframes_.empty()) {
-    move_keyframes(adjust_planes(adjusted_sweeps(keyframes_, sweeps_, tracker_, params_),
-                                 params_.voxels, params_.registration, params_.adjustment));
+    move_keyframes(adjust_planes(
+        adjusted_sweeps(keyframes_, sweeps_, back_end_.graph().steps(), tracker_, params_),
+        params_.voxels, params_.registration, params_.adjustment));
   }
 }
 
