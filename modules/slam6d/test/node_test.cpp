@@ -2,8 +2,11 @@
 #include "modules/slam6d/node.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <cmath>
+#include <csignal>
 #include <fstream>
 #include <iterator>
 #include <map>
@@ -319,6 +322,36 @@ TEST_F(Slam6dNodeInASavedMap, CarriesOnWithIt) {
   ASSERT_TRUE(bus::decode_into(graph, second.published.at("POSE_GRAPH_6D").back()));
   EXPECT_EQ(static_cast<std::size_t>(graph.num_keyframes), after.keyframes.size());
   EXPECT_EQ(graph.first_keyframe_id, 0);
+}
+
+// Killed as soon as a map is on the disk, whatever is being written by then.
+TEST_F(Slam6dNodeInASavedMap, AfterAKillTheLastWholeMapIsCarriedOnWith) {
+  const fs::path killed = dir_.path() / "killed";
+  fs::create_directories(killed);
+  const pid_t child = ::fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    params_.occupancy.save_every_keyframes = 1;
+    node::MessageCounts counts;
+    bus::ReplayBus bus(dir_.path() / "first.lcmlog", killed / "out.lcmlog");
+    node::Context context{bus, counts, killed};
+    const Slam6dNode slam(context, params_);
+    while (bus.step()) {
+      if (fs::exists(killed / "keyframes.lcmlog")) {
+        ::kill(::getpid(), SIGKILL);
+      }
+    }
+    ::_exit(0);
+  }
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  ASSERT_TRUE(WIFSIGNALED(status)) << "nothing was saved on the way";
+  const std::size_t num_saved = read_saved_map(killed).keyframes.size();
+  EXPECT_GT(num_saved, 0U);
+  const Outcome second = replay(dir_.path(), "second", params_,
+                                node::MapOptions{{}, killed, geometry::SE2{0.0, 0.0, 0.0}});
+  expect_at_truth(second);
+  EXPECT_EQ(second.metrics["localisation"]["keyframes_restored"], num_saved);
 }
 
 TEST_F(Slam6dNodeInASavedMap, ARobotThatIsNotFoundChangesNothing) {

@@ -7,6 +7,7 @@
 #include <limits>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "modules/slam6d/slam6d.hpp"
@@ -116,6 +117,70 @@ TEST(Recordings, R44_Kurt3dEqualsThe3dtkResult) {
   }
 }
 
+// The scans of a .nod recording of the tilting device (tools/convert/nod.cpp), from a robot that
+// stands.
+void add_nod(const fs::path& file, Slam6d& slam) {
+  std::ifstream in(file);
+  for (std::string line; std::getline(in, line);) {
+    std::istringstream words(line);
+    std::string key;
+    double stamp_s = 0.0;
+    double pitch_deg = 0.0;
+    std::size_t num_ranges = 0;
+    scan::Scan scan;
+    if (!(words >> key >> stamp_s >> pitch_deg >> num_ranges >> scan.angle_first_rad >>
+          scan.angle_step_rad >> scan.range_min_m >> scan.range_max_m) ||
+        key != "NOD") {
+      continue;
+    }
+    scan.stamp = time::Timestamp(time::from_seconds(stamp_s));
+    scan.pitch_first_rad = scan.pitch_last_rad = -deg_to_rad(pitch_deg);
+    scan.mirror_offset_m.z() = 0.08;
+    for (std::string range_m; words >> range_m;) {
+      scan.ranges_m.push_back(std::stof(range_m));
+    }
+    ASSERT_EQ(scan.ranges_m.size(), num_ranges);
+    static_cast<void>(slam.add_scan(std::move(scan)));
+  }
+  static_cast<void>(slam.flush());
+}
+
+// 432 scans a sweep at 10 Hz: not cut. The poses of a device that stands agree.
+TEST(Recordings, ATiltingDeviceThatStandsStaysWhereItIs) {
+  NODMAP_REQUIRE_DATA(file, "tilting/room_240.nod");
+  Slam6d slam({.assume_stationary = true});
+  add_nod(file, slam);
+  slam.polish();
+  ASSERT_EQ(slam.sweeps().size(), 2U);
+  EXPECT_TRUE(slam.sweeps().back().is_tracked());
+  for (const SE3& pose : slam.trajectory()) {
+    EXPECT_LT(pose.translation().norm(), 0.005);
+    EXPECT_LT(geometry::rotation_angle(pose), deg_to_rad(0.3));
+  }
+}
+
+// Nothing of it is farther than 0.5 m: by default that is the robot itself, and no sweep has a
+// point. What is wanted can be asked for.
+TEST(Recordings, ASceneWithinHalfAMetreIsLeftOutOrMapped) {
+  NODMAP_REQUIRE_DATA(file, "tilting/cardboard_box.nod");
+  Slam6d blind({.assume_stationary = true});
+  add_nod(file, blind);
+  EXPECT_TRUE(blind.keyframes().empty());
+  for (const PoseUpdate& update : blind.sweeps()) {
+    EXPECT_EQ(update.num_points, 0U);
+    EXPECT_FALSE(update.is_tracked());
+  }
+  Slam6d near(
+      {.range = {.min_m = 0.05}, .assume_stationary = true, .voxels = {.voxel_size_m = 0.02}});
+  add_nod(file, near);
+  ASSERT_EQ(near.sweeps().size(), 2U);
+  EXPECT_TRUE(near.sweeps().back().is_tracked());
+  for (const SE3& pose : near.trajectory()) {
+    EXPECT_LT(pose.translation().norm(), 0.005);
+    EXPECT_LT(geometry::rotation_angle(pose), deg_to_rad(0.3));
+  }
+}
+
 SweepCloud read_cloud(const fs::path& file) {
   SweepCloud cloud;
   cloud.points = nodmap::test::read_cloud_file(file);
@@ -151,13 +216,13 @@ SequenceError run_sequence(const fs::path& dir, const Slam6dParams& params) {
   return {std::sqrt(error.ate_m), std::sqrt(error.rotation_rad)};
 }
 
-// Odometry alone: 26.5 cm; 3DTK's best on these clouds: 7.2 cm, 0.55 deg. Measured 4.3 mm and
+// Odometry alone: 26.5 cm; 3DTK's best on these clouds: 7.2 cm, 0.55 deg. Measured 4.4 mm and
 // 0.03 degrees.
 TEST(Recordings, R44_SequenceIsTrackedToMillimetres) {
   NODMAP_REQUIRE_DATA(dir, "nodding_seq");
   const SequenceError error = run_sequence(dir, {});
   RecordProperty("ate_mm", std::to_string(1e3 * error.ate_m));
-  EXPECT_LT(error.ate_m, 1.25 * 0.0043);
+  EXPECT_LT(error.ate_m, 1.25 * 0.0044);
   EXPECT_LT(error.rotation_rad, deg_to_rad(0.05));
   const SequenceError paper = run_sequence(dir, {.registration = {.metric = Metric::kPaper}});
   RecordProperty("paper_ate_mm", std::to_string(1e3 * paper.ate_m));
