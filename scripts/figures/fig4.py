@@ -64,7 +64,7 @@ def make():
                  "farthest: chair, table and person are in the one and vanish from the other.",
         "measured": f"The robot stands and nods; the maps are those at the end of the run. {in_front} of the obstacle map's "
                     f"{len(obstacles)} points belong to chair, table and person rather than to a wall. The table's top (0.74 m) is "
-                    "above the robot and rightly not in it, its legs are. "
+                    "above the robot, so the obstacle map leaves it out; its legs are in the map. "
                     f"{100 * on_walls:.1f} % of the structure map's {len(structure)} points lie within 5 cm of a true wall "
                     "(target 95 %).",
         "holds": [("structure map on the walls", f"{100 * on_walls:.1f} %", "≥ 95 %", on_walls >= 0.95)],

@@ -63,13 +63,13 @@ def make():
                          for trial, n, l in zip(LEVEL, nodding, level))
     return {
         "note": f"Until {BRAKING_S} s before the end the greatest error of the heading in all {len(every)} runs is {early_deg:.2f}°. "
-                "The rest comes in the last stretch before the end wall, where little of the walls is left in sight.",
+                "The rest comes just before the end wall, where little of the side walls is still in view.",
         "title": "2D map of a 30 m corridor",
         "alt": "Occupancy grid of a long corridor with the trajectories of truth, odometry and 2D SLAM",
         "paper": "A 2D map of a 30 m long corridor from the level scans of the nod; \"the resulting map does not rank behind 2D maps\" of "
                  "fixed scanners.",
-        "measured": f"Wheels that count 3 % too much, and a heading that drifts by 1° after 1 m. {shown['length_m']:.1f} m driven along the corridor; "
-                    "`nodmap-evaluate corridor` measures error along the corridor, greatest error across it, greatest error of "
+        "measured": f"Each wheel counts 3 % too much, and the heading drifts by 1° after 1 m. The robot drives {shown['length_m']:.1f} m along the corridor. "
+                    "`nodmap-evaluate corridor` measures the error along the corridor, the greatest error across it and the greatest error of "
                     "the heading:\n\n"
                     f"| | this run | worst of {len(every)} seeds | odometry, this run | target |\n|---|---|---|---|---|\n" + rows +
                     "\nWhat nodding costs: drives in an office, each mapped twice, from the scans of the nodding laser and from those that the same "

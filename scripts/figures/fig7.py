@@ -75,7 +75,8 @@ def make():
         "alt": "Occupancy grid of a ring round a block; the SLAM trajectory lies on the truth, the odometry beside it",
         "paper": "\"Due to the online re-localization the scan matching trajectory is corrected and thus reflects that the robot drove "
                  "back to its starting position.\"",
-        "measured": "The robot drives once round the block, with wheels that count 3 % too much and a heading that drifts by 1° after 1 m. Error of the pose (squares: where each believes to be when the robot has been once round the block):\n\n"
+        "measured": "The robot drives once round the block. Each wheel counts 3 % too much, and the heading drifts by 1° after 1 m. "
+                    "Error of the pose (a square marks where each estimate places the robot when it has gone once round the block):\n\n"
                     "| | 2D SLAM | odometry | target |\n|---|---|---|---|\n" + rows,
         "holds": [(f"end pose, worst of {len(closed)} rounds and {len(ends)} ends", form.format(100 * worst_m, worst_deg), "≤ 10 cm, 1°",
                    worst_m <= 0.10 and worst_deg <= 1.0), ("length of the loop", f"{loop_m:.0f} m", "≥ 40 m", loop_m >= 40)],

@@ -67,9 +67,9 @@ def make():
         "alt": "The scene, the cloud of 50 scans coloured by height, and the same cloud as a depth image",
         "paper": "A point cloud constructed from 50 consecutive scans while moving approximately 1 m forward (0.67 s: 1.5 m/s), and the "
                  "same cloud as a depth image.",
-        "measured": f"{SCANS} scans at {SPEED_MPS} m/s, motion taken out by odometry. Distance of the cloud's {shown['n']} points from the true "
-                    f"surfaces of the world, the cloud laid at the robot's true place: **{1000 * shown['rms_m']:.1f} mm RMS**, 95 % below "
-                    f"{1000 * shown['p95_m']:.0f} mm; worst of {len(clouds)} such clouds on this drive {1000 * worst['rms_m']:.1f} mm "
+        "measured": f"{SCANS} scans at {SPEED_MPS} m/s, deskewed by odometry, with the cloud placed at the robot's true pose. Its {shown['n']} points are "
+                    f"off the true surfaces of the world by **{1000 * shown['rms_m']:.1f} mm RMS**, 95 % of them by less than "
+                    f"{1000 * shown['p95_m']:.0f} mm; the worst of {len(clouds)} such clouds on this drive has {1000 * worst['rms_m']:.1f} mm "
                     "(target 30 mm). The clouds show what the AOI covers at this speed: the virtual corridor.",
         "holds": [(f"residual at {SPEED_MPS} m/s, worst of {len(clouds)} clouds", f"{1000 * worst['rms_m']:.1f} mm", "≤ 30 mm",
                    worst["rms_m"] <= 0.03)],

@@ -9,13 +9,13 @@ HEAD = """# The paper's figures, reproduced
 
 Figures of *Continuous 3D Sensing for Navigation and SLAM in Cluttered and Dynamic Environments* (Holz, Lörken, Surmann 2008), each from a
 run of the whole robot in a simulated world: device emulators, drivers, pitch controller, maps, navigator and SLAM in one closed loop on
-simulated time (`nodmap-trial`). There is no photograph: the scenes are pictures of the simulated worlds.
+simulated time (`nodmap-trial`). The scenes are drawn from the simulated worlds; there are no photographs.
 
     ./nodmap figures          all of them, and this page
     ./nodmap figures 5 8      these only
 
-The runs are deterministic: the same program makes the same pictures and numbers. The paths below are relative to `build/release/bin/` for
-programs; results go to `logs/figures/`.
+The runs are deterministic: the same program makes the same images and numbers. The programs below are in `build/release/bin/`; results go to
+`logs/figures/`.
 """
 
 
