@@ -1,0 +1,121 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: BSD-3-Clause
+# Measures what bench/REPORT.md states, entry by entry. Called by ./nodmap bench, which has built the programs.
+#   scripts/bench.sh [--list] [ENTRY ...]     without ENTRY: all of them, which takes hours
+# A measurement that misses its target does not keep the others from being made; the exit code is 1 then.
+set -euo pipefail
+cd "$(dirname "$(readlink -f "$0")")/.."
+bin=build/release/bin
+data=${NODMAP_DATA:-../shared/data}
+export NODMAP_BENCH_OUT=${NODMAP_BENCH_OUT-logs/bench-$(date +%Y%m%d-%H%M%S)}
+out=$NODMAP_BENCH_OUT
+
+# Each entry with the section of bench/REPORT.md that it measures.
+entries() {
+  cat <<'TEXT'
+maps             Map update
+decision         A decision of the navigator
+slam2d           Whole logs and a match alone (needs the recordings)
+level            What nodding costs the 2D map
+kurt3d           KURT3D (needs the recordings)
+registration     clouds whose poses are known: docs/benchmark-3d.md (needs the recordings)
+slam6d-scan      A scan in 6D SLAM
+octomap          OctoMap (needs the recordings)
+trials           Trials, The simulator
+stops            How the robot stops when a part fails: in trials
+stops-live       How the robot stops when a part fails: live
+live             The robot live
+attacks          The robot live under attack
+busy-page        The page opened while the demo runs
+receive          Receiving over LCM
+serial           Devices on serial lines
+deputy           Deputy
+page             Images per second
+viewer           Beside the whole robot
+navigation       docs/benchmark-navigation.md: generated worlds
+barn             docs/benchmark-navigation.md: BARN (needs its worlds)
+exploration      docs/benchmark-navigation.md: exploration
+TEXT
+}
+
+alone() { tests/support/private_network.sh "$@"; }
+live() { alone $bin/nodmap-bench-live --world "sim/worlds/$1.yaml" --out "$out-$2" "${@:2}"; }
+
+need_data() {
+  [[ -e "$data/$1" ]] && return
+  echo "skipped: $data/$1 is missing; NODMAP_DATA names the folder of recordings"
+  return 1
+}
+
+# slam2d_log NAME: the log's time and errors, and the time of a match alone.
+slam2d_log() {
+  $bin/nodmap-convert carmen "$data/slam2d/$1.clf" "$out/$1.lcmlog"
+  echo "$1"
+  time $bin/nodmap-slam2d --replay "$out/$1.lcmlog" --out "$out/$1"
+  $bin/nodmap-evaluate relations "$out/$1/trajectory.tum" "$data/slam2d/$1.relations"
+  $bin/nodmap-bench-slam2d-match "$out/$1"
+}
+
+measure() {
+  case "$1" in
+    maps) build/release/bench/map_server_bench; build/release/bench/pitch_controller_table ;;
+    decision) build/release/bench/navigator_bench ;;
+    slam2d)
+      need_data slam2d || return 0
+      mkdir -p "$out"
+      for name in intel fr079 mit-csail; do slam2d_log "$name"; done
+      ;;
+    level) python3 bench/trials.py --only level ;;
+    kurt3d)
+      need_data kurt3d || return 0
+      mkdir -p "$out"
+      $bin/nodmap-convert uos "$data/kurt3d" "$out/kurt3d.lcmlog"
+      time $bin/nodmap-slam6d --replay "$out/kurt3d.lcmlog" --out "$out/kurt3d"
+      ;;
+    registration)
+      need_data nodding_pairs || return 0
+      $bin/nodmap-bench-registration pairs "$data/nodding_pairs"
+      $bin/nodmap-bench-registration sequence "$data/nodding_seq"
+      ;;
+    slam6d-scan)
+      mkdir -p "$out"
+      $bin/nodmap-trial --world sim/worlds/office.yaml --seed 1 --duration 100 --no-slam6d --out "$out/office"
+      $bin/nodmap-bench-slam6d "$out/office/trial.lcmlog"
+      ;;
+    octomap)
+      need_data nodding_seq || return 0
+      build/release/bench/octomap_bench
+      $bin/nodmap-bench-octomap "$data/nodding_seq" --resolution 0.05 --max-range 10
+      $bin/nodmap-bench-octomap "$data/nodding_seq" --resolution 0.05 --max-range 10 --discretize
+      ;;
+    trials) build/release/bench/sim_bench; python3 bench/trials.py --only random fig5 crowd appearing speed ;;
+    stops) python3 bench/trials.py --only stops ;;
+    stops-live) live corridor30 faults ;;
+    live) live cellar latency --viewer ;;
+    attacks) live cellar attacks ;;
+    busy-page) python3 bench/page_under_load.py ;;
+    receive) alone $bin/nodmap-bench-receive ;;
+    serial) $bin/nodmap-bench-serial ;;
+    deputy) alone build/release/tests/deputy_load_test ;;
+    page) python3 bench/viewer_frames.py ;;
+    viewer) alone python3 bench/viewer.py --soak 1800 ;;
+    navigation) python3 bench/navigation.py ;;
+    barn) need_data barn || return 0; python3 bench/barn.py "$data/barn/worlds.txt" --every 10 ;;
+    exploration) python3 bench/exploration.py ;;
+  esac
+}
+
+[[ "${1-}" != --list ]] || { entries; exit 0; }
+[[ "${1-}" != --measure ]] || { measure "$2"; exit; }
+mapfile -t names < <(entries | cut -d' ' -f1)
+for name in "$@"; do
+  [[ " ${names[*]} " == *" $name "* ]] || { echo "nodmap bench: there is no entry '$name'; --list names them" >&2; exit 2; }
+done
+[[ $# -eq 0 ]] || names=("$@")
+missed=()
+for name in "${names[@]}"; do
+  printf '==> %s\n' "$(entries | grep "^$name ")"
+  # In a shell of its own: an error ends the entry, and nothing else.
+  scripts/bench.sh --measure "$name" || missed+=("$name")
+done
+[[ ${#missed[@]} -eq 0 ]] || { echo "missed: ${missed[*]}"; exit 1; }
