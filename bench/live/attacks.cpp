@@ -160,17 +160,21 @@ double driven_m(const std::vector<Motion>& motions, time::Timestamp from) {
   return sum_m;
 }
 
-void strike_for(const Attack& attack, GroundTruthMonitor& monitor, double duration_s) {
+/// Strikes for `duration_s`, and on until `is_answered`: what a busy machine does late is not
+/// missed.
+void strike_until(const Attack& attack, GroundTruthMonitor& monitor, double duration_s,
+                  const std::function<bool()>& is_answered) {
   using Clock = std::chrono::steady_clock;
   Forger forger;
   auto next = Clock::now();
+  const auto enough = next + std::chrono::duration<double>(duration_s);
   const auto period = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(
-      attack.rate_hz > 0.0 ? 1.0 / attack.rate_hz : 2.0 * duration_s));
-  monitor.listen(duration_s, [&] {
+      attack.rate_hz > 0.0 ? 1.0 / attack.rate_hz : 2.0 * (duration_s + kPatienceS)));
+  monitor.listen(duration_s + kPatienceS, [&] {
     for (; attack.strike && next <= Clock::now(); next += period) {
       attack.strike(forger);
     }
-    return false;
+    return Clock::now() >= enough && is_answered();
   });
 }
 
@@ -193,7 +197,6 @@ void stop_and_restart_pair(RobotProcesses& robot, GroundTruthMonitor& monitor) {
 Outcome examine(const Attack& attack, const RobotProcesses::Options& options, double duration_s) {
   GroundTruthMonitor monitor;
   RobotProcesses robot(options);
-  monitor.listen(5.0);
   Outcome outcome;
   outcome.drove_before = monitor.listen(kPatienceS, [&] { return monitor.driving(kDrivingMps); });
   static_cast<void>(monitor.take_complaints());  // of the start
@@ -201,7 +204,12 @@ Outcome examine(const Attack& attack, const RobotProcesses::Options& options, do
   if (attack.restarts_stopped_pair) {
     stop_and_restart_pair(robot, monitor);
   }
-  strike_for(attack, monitor, duration_s);
+  strike_until(attack, monitor, duration_s, [&] {
+    const bool is_told = attack.teller.empty() || monitor.complaints().contains(attack.teller);
+    const bool is_kept =
+        attack.promise == Promise::kStationary || driven_m(monitor.motions(), from) >= kStationaryM;
+    return is_told && is_kept;
+  });
   outcome.driven_m = driven_m(monitor.motions(), from);
   outcome.complaints = monitor.take_complaints();
   if (attack.restarts_stopped_pair) {

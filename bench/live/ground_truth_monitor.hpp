@@ -52,7 +52,8 @@ class GroundTruthMonitor {
   }
   [[nodiscard]] const std::vector<Motion>& motions() const { return motions_; }
   [[nodiscard]] std::int64_t collisions() const { return collisions_; }
-  /// By process the first reason for which it was not OK, since the last call.
+  /// By process the first reason for which it was not OK, since they were last taken.
+  [[nodiscard]] const std::map<std::string, std::string>& complaints() const { return complaints_; }
   [[nodiscard]] std::map<std::string, std::string> take_complaints() {
     return std::exchange(complaints_, {});
   }
