@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "common/node/messages.hpp"
+#include "modules/viewer/json.hpp"
 #include "nodmap/explore_t.hpp"
 #include "nodmap/goal_t.hpp"
 #include "nodmap/save_request_t.hpp"
@@ -26,11 +27,6 @@ std::optional<double> number_in(const Json& request, const char* name,
     return fallback;
   }
   return found->is_number() ? std::optional(found->get<double>()) : std::nullopt;
-}
-
-std::string text_in(const Json& request, const char* name) {
-  const auto found = request.find(name);
-  return found != request.end() && found->is_string() ? found->get<std::string>() : std::string();
 }
 
 std::string goal_text(double x_m, double y_m) {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "modules/viewer/foxglove/foxglove.hpp"
+#include "modules/viewer/json.hpp"
 
 namespace nodmap::viewer {
 namespace {
@@ -27,11 +28,6 @@ std::optional<std::uint32_t> id_in(const Json& object, const char* name) {
     return std::nullopt;
   }
   return found->get<std::uint32_t>();
-}
-
-std::string text_in(const Json& object, const char* name) {
-  const auto found = object.find(name);
-  return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
 }
 
 /// The objects in the list of this name; nothing where there is no such list.
