@@ -40,8 +40,8 @@ while [[ $# -gt 0 ]]; do
     --version) print_version; exit 0 ;;
     --speed) need_value "$1" $#; need_number "$1" "$2"; speed=$2; shift 2 ;;
     --out) need_value "$1" $#; out=$2; shift 2 ;;
-    -*) usage_error "$1 is no option" ;;
-    *) [[ -z "$recording" ]] || usage_error "$1 is one argument too many"; recording=$1; shift ;;
+    -*) usage_error "unknown option $1" ;;
+    *) [[ -z "$recording" ]] || usage_error "unexpected argument $1"; recording=$1; shift ;;
   esac
 done
 [[ -n "$recording" ]] || usage_error "no recording is named"

@@ -4,7 +4,7 @@
 # Colours are for terminals: in a file they are noise.
 say() { if [[ -t 1 ]]; then printf '\033[1m==> %s\033[0m\n' "$*"; else printf '==> %s\n' "$*"; fi; }
 die() { printf 'nodmap demo: %s\n' "$*" >&2; exit 1; }
-usage_error() { printf 'nodmap demo: %s (./nodmap demo --help tells more)\n' "$*" >&2; exit 2; }
+usage_error() { printf 'nodmap demo: %s (see ./nodmap demo --help)\n' "$*" >&2; exit 2; }
 
 print_version() { sed -n 's/^project(nodmap VERSION \([^ ]*\).*/\1/p' CMakeLists.txt; }
 

@@ -53,7 +53,7 @@ while [[ $# -gt 0 ]]; do
     --world) need_value "$1" $#; world=$2; shift 2 ;;
     --duration) need_value "$1" $#; need_number "$1" "$2"; duration=$2; shift 2 ;;
     --out) need_value "$1" $#; out=$2; shift 2 ;;
-    *) usage_error "$1 is no option" ;;
+    *) usage_error "unknown option $1" ;;
   esac
 done
 [[ -f "$world" ]] || usage_error "$world: cannot open: No such file or directory"

@@ -93,14 +93,15 @@ LogReader::~LogReader() = default;
 void LogReader::require_event() const {
   LogReader reader(path_);
   if (reader.next() == nullptr) {
-    throw formats::InputFileError(path_.string() + ": holds no event of an LCM event log");
+    throw formats::InputFileError(path_.string() + ": not an LCM event log (no event found)");
   }
 }
 
 std::string LogReader::damage() const {
-  return skipped_bytes_ == 0 ? std::string()
-                             : path_.string() + ": " + std::to_string(skipped_bytes_) +
-                                   " bytes belong to no whole event: damaged or cut off";
+  return skipped_bytes_ == 0
+             ? std::string()
+             : path_.string() + ": " + std::to_string(skipped_bytes_) +
+                   " bytes are not part of a complete event: the file is damaged or truncated";
 }
 
 const LogEvent* LogReader::next() {
@@ -147,7 +148,7 @@ LogWriter::LogWriter(const std::filesystem::path& path)
 }
 
 LogWriter::~LogWriter() {
-  // Nobody is left to be told of a failure here; who must know calls flush() before.
+  // A failure cannot be reported from here. Callers that must know call flush() first.
   [[maybe_unused]] const bool flushed = drain();
   ::close(fd_);
 }
@@ -179,7 +180,8 @@ bool LogWriter::flush() {
 }
 
 bool LogWriter::sync() {
-  if (!failure_ && ::fdatasync(fd_) != 0 && errno != EINVAL) {  // a pipe cannot
+  if (!failure_ && ::fdatasync(fd_) != 0 &&
+      errno != EINVAL) {  // EINVAL: a pipe, which cannot be synced
     failure_.assign(errno, std::system_category());
     size_bytes_ = flushed_bytes_;
   }
@@ -198,7 +200,7 @@ bool LogWriter::drain() {
   }
   flushed_bytes_ += static_cast<std::int64_t>(done);
   if (failure_) {
-    // A torn event at the end is harmless: every reader of the format skips it.
+    // An incomplete event at the end is harmless: every reader of the format skips it.
     size_bytes_ = flushed_bytes_;
   }
   pending_.clear();

@@ -40,7 +40,7 @@ class LogReader : private boost::noncopyable {
 
   /// Number of bytes that belong to no complete event: damage, or a truncated end.
   [[nodiscard]] std::int64_t skipped_bytes() const { return skipped_bytes_; }
-  /// The same as a sentence for the user; empty when there were none.
+  /// The same as a message for the user; empty if no bytes were skipped.
   [[nodiscard]] std::string damage() const;
   [[nodiscard]] std::int64_t size_bytes() const { return size_bytes_; }
   [[nodiscard]] std::int64_t position_bytes() const { return static_cast<std::int64_t>(at_); }
@@ -82,7 +82,7 @@ class LogWriter : private boost::noncopyable {
   [[nodiscard]] static std::int64_t event_bytes(const std::string& channel,
                                                 std::span<const std::byte> data);
 
-  /// Why the last write() or flush() was false.
+  /// Why the last write(), flush() or sync() failed.
   [[nodiscard]] const std::error_code& failure() const { return failure_; }
 
   /// Number of bytes of all complete events, flushed or not; after a failure the number of bytes

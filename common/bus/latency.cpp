@@ -34,7 +34,7 @@ double LatencyMeter::percentile_us(double share) const {
   for (std::size_t bin = 0; bin < kBins; ++bin) {
     seen += static_cast<double>(bins_.at(bin));
     if (seen >= wanted) {
-      // The middle of the bin, but never beyond what was seen.
+      // The middle of the bin, but never more than the maximum.
       const double octave = (static_cast<double>(bin) + 0.5) / static_cast<double>(kBinsPerOctave);
       return std::min(std::exp2(octave), static_cast<double>(max_ns_)) / 1000.0;
     }

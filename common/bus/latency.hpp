@@ -20,7 +20,7 @@ class LatencyMeter {
     std::int64_t count = 0;
   };
 
-  /// Measures from its construction to its end.
+  /// Measures the time from its construction to its destruction.
   class Scope : private boost::noncopyable {
    public:
     explicit Scope(LatencyMeter& meter) : meter_(meter), start_(std::chrono::steady_clock::now()) {}

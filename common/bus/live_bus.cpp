@@ -14,7 +14,7 @@
 namespace nodmap::bus {
 namespace {
 
-// After so many messages in a row handle() returns to its caller even if more are waiting.
+// handle() returns after this many messages even if more are waiting.
 constexpr int kMaxPerHandle = 1000;
 
 std::string from_environment(const char* name) {
@@ -44,18 +44,19 @@ std::string literal_channel(const std::string& channel) {
   return escaped;
 }
 
-// LCM's C interface, because its C++ one casts a pointer to a class of which it made no object, and
-// UBSan rightly stops there.
+// Uses LCM's C interface. Its C++ interface casts a pointer to a class that the object is not an
+// instance of, which UBSan rightly reports.
 struct LiveBus::Impl {
   explicit Impl(const std::string& url) : lcm(::lcm_create(url.c_str())) {
     if (!lcm) {
       throw std::runtime_error("LCM cannot use " + url +
-                               " (is there a multicast route? nodmap-doctor tells)");
+                               " (is there a multicast route? run nodmap-doctor)");
     }
     if (const std::optional<UdpmUrl> udpm = parse_udpm_url(url)) {
       receiver.emplace(*udpm, from_environment("NODMAP_TRUSTED_HOSTS"));
     } else if (url.starts_with("udpm:")) {
-      throw std::runtime_error(url + " cannot be read; like udpm://239.255.76.67:7667?ttl=0");
+      throw std::runtime_error(url +
+                               " is not a valid LCM URL; example: udpm://239.255.76.67:7667?ttl=0");
     }
   }
 
@@ -64,7 +65,7 @@ struct LiveBus::Impl {
     AnyHandler handler;
   };
 
-  /// Called by LCM's C code: nothing may be thrown out of here, or the next handle() aborts.
+  /// Called by LCM's C code. Must not throw: if it did, the next handle() would abort.
   static void receive(const lcm_recv_buf_t* buffer, const char* channel, void* user) noexcept {
     const auto* listener = static_cast<const Listener*>(user);
     try {
@@ -78,7 +79,7 @@ struct LiveBus::Impl {
     }
   }
 
-  /// On this channel; on every one, when it is empty.
+  /// Subscribes to a channel, or to all channels if `channel` is empty.
   void listen(const std::optional<std::string>& channel, AnyHandler handler, int queue_capacity) {
     if (receiver) {
       receiver->subscribe(channel, std::move(handler), queue_capacity);
@@ -88,7 +89,7 @@ struct LiveBus::Impl {
     const std::string regex = channel ? literal_channel(*channel) : ".*";
     lcm_subscription_t* subscription =
         ::lcm_subscribe(lcm.get(), regex.c_str(), &receive, &listeners.back());
-    // 0 would mean without bound.
+    // 0 would mean unlimited.
     ::lcm_subscription_set_queue_capacity(subscription, std::max(1, queue_capacity));
   }
 

@@ -40,7 +40,7 @@ class LogPlayer : public Bus {
   /// clear their state.
   [[nodiscard]] bool seek(time::Duration position);
 
-  /// A sentence for each log that is damaged or cut off.
+  /// A message for each log that is damaged or truncated.
   [[nodiscard]] const std::vector<std::string>& damages() const { return damages_; }
   [[nodiscard]] bool paused() const { return paused_; }
   [[nodiscard]] double speed() const { return speed_; }

@@ -83,7 +83,7 @@ class LoopNetwork {
   time::Timestamp now_{};
   std::int64_t num_deliveries_ = 0;
   std::map<Due, Delivery> deliveries_;
-  // Lists, so that a delivery's handler stays where it is.
+  // Lists, because deliveries point to listeners.
   std::map<std::string, std::list<Listener>, std::less<>> listeners_;
 };
 

@@ -11,7 +11,7 @@ constexpr std::uint32_t kWholeMagic = 0x4C433032;     // "LC02"
 constexpr std::uint32_t kFragmentMagic = 0x4C433033;  // "LC03"
 constexpr std::size_t kWholeHeaderBytes = 8;
 constexpr std::size_t kFragmentHeaderBytes = 20;
-/// No sender makes smaller ones, but for a message's first and last.
+/// No sender makes smaller fragments, except for the first and the last of a message.
 constexpr std::size_t kMinFragmentBytes = 512;
 
 /// A big-endian number; the caller has checked that it lies within `bytes`.
@@ -24,8 +24,8 @@ Number read(std::span<const std::byte> bytes, std::size_t at) {
   return value;
 }
 
-/// Takes the channel and its NUL off the front of `bytes`. Nothing when there is no NUL, or when it
-/// is no name: longer than LCM's longest, or of other than printable ASCII characters.
+/// Removes the channel and its NUL from the front of `bytes`. Empty if there is no NUL, or if the
+/// name is invalid: longer than LCM allows, or with other than printable ASCII characters.
 std::optional<std::string_view> take_channel(std::span<const std::byte>& bytes) {
   const auto head = bytes.first(std::min(bytes.size(), MessageAssembler::kMaxChannelLength + 1));
   const auto end = std::ranges::find(head, std::byte{0});
@@ -79,7 +79,7 @@ std::optional<MessageAssembler::Message> MessageAssembler::take_fragment(const S
                                                                          Fragment fragment) {
   auto pending = pending_.find(sender);
   if (pending != pending_.end() && !pending->second.is_message_of(fragment)) {
-    drop(pending);  // its other fragments were lost: a sender sends one message after the other
+    drop(pending);  // its other fragments were lost: a sender completes one message before the next
     pending = pending_.end();
   }
   if (pending == pending_.end() && fragment.number == 0) {
@@ -92,7 +92,7 @@ std::optional<MessageAssembler::Message> MessageAssembler::take_fragment(const S
   }
   Pending& message = pending->second;
   const std::size_t size = fragment.payload.size();
-  // Compared without a sum that could overflow.
+  // Subtracts instead of adding, because the sum could overflow.
   if (fragment.number >= fragment.count || fragment.offset > message.size ||
       size > message.size - fragment.offset) {
     drop(pending);

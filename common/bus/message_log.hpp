@@ -21,7 +21,7 @@ namespace nodmap::bus {
 class MessageLogWriter : private boost::noncopyable {
  public:
   explicit MessageLogWriter(std::filesystem::path file);
-  /// Without replace() the existing file stays, and nothing is left of the new one.
+  /// Without replace(), the existing file stays and the new one is removed.
   ~MessageLogWriter();
 
   template <class Message>
@@ -30,7 +30,8 @@ class MessageLogWriter : private boost::noncopyable {
     write_bytes(stamp, channel);
   }
 
-  /// Ends the file. Tells the first error of all that was done: the old file is there then.
+  /// Completes the file and puts it in the place of the existing one. Returns the first error of
+  /// any write; the existing file then stays.
   [[nodiscard]] std::error_code replace();
 
  private:
@@ -42,13 +43,13 @@ class MessageLogWriter : private boost::noncopyable {
   std::vector<std::byte> bytes_;
 };
 
-/// Reads such a file, of which no part may be missing. Every error is a formats::InputFileError
-/// that names the file.
+/// Reads such a file; no part of it may be missing. Every error is a formats::InputFileError that
+/// names the file.
 class MessageLogReader : private boost::noncopyable {
  public:
   explicit MessageLogReader(const std::filesystem::path& file) : file_(file), log_(file) {}
 
-  /// The next event, or nothing at the end. Throws there if any part of the file is damaged.
+  /// The next event, or null at the end. At the end, throws if any part of the file is damaged.
   [[nodiscard]] const LogEvent* next();
 
   /// Throws if the event is not a valid message.
@@ -60,7 +61,7 @@ class MessageLogReader : private boost::noncopyable {
     return message;
   }
 
-  /// Throws, naming `problem`, unless `holds`: for what the messages say.
+  /// Throws with `problem` unless `holds`. For checks of the messages' content.
   void require(bool holds, const std::string& problem) const;
 
  private:

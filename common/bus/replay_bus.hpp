@@ -18,7 +18,7 @@ namespace nodmap::bus {
 /// event that caused them.
 class ReplayBus : public Bus {
  public:
-  /// Throws std::runtime_error when the log cannot be read or the output not be made.
+  /// Throws std::runtime_error if the log cannot be read or the output cannot be created.
   ReplayBus(const std::filesystem::path& log, const std::filesystem::path& out_log);
 
   /// Handles the next event; false at the end of the log.

@@ -24,7 +24,7 @@ std::optional<std::uint32_t> parse_address(const std::string& text) {
   return ntohl(address.s_addr);
 }
 
-/// The mask of so many leading bits.
+/// The network mask with this number of leading bits.
 std::optional<std::uint32_t> parse_mask(std::string_view bits_text) {
   unsigned int bits = 0;
   const char* end = bits_text.data() + bits_text.size();
@@ -74,7 +74,7 @@ TrustedHosts::TrustedHosts(const std::string& hosts,
         parse_mask(slash == std::string::npos ? "32" : std::string_view(part).substr(slash + 1));
     if (!address || !mask) {
       throw std::runtime_error("'" + part + "' of the trusted hosts '" + hosts +
-                               "' is no address or network, like 10.0.0.2 or 10.0.0.0/24");
+                               "' is not an address or network (examples: 10.0.0.2, 10.0.0.0/24)");
     }
     networks_.push_back({*address & *mask, *mask});
   }

@@ -58,8 +58,9 @@ class UdpmReceiver {
   void subscribe(std::optional<std::string> channel, RawHandler handler, int queue_capacity);
 
   /// Waits up to `timeout` for a message, then delivers the waiting messages, at most `max`, and
-  /// returns their number; 0 if this host had received none when the wait was over, also none that
-  /// the thread had not read yet. Rethrows the exception of a handler.
+  /// returns their number. At the end of the wait it also reads the socket itself: 0 means that
+  /// this host has received no message, not that the thread was late. Rethrows the exception of a
+  /// handler.
   int handle(std::chrono::milliseconds timeout, int max);
 
   /// A descriptor that is readable while a message waits.

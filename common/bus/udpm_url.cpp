@@ -9,7 +9,7 @@
 namespace nodmap::bus {
 namespace {
 
-/// A whole number up to `max`.
+/// Parses a whole number from 0 to `max`.
 std::optional<int> parse_number(const std::string& text, int max) {
   int value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);

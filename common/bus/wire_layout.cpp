@@ -7,10 +7,10 @@
 namespace nodmap::bus {
 namespace {
 
-// More counts in one struct than any sensible message has; the layout of one with more never fits.
+// More count fields than any struct of ours has; messages of a struct with more are refused.
 constexpr std::size_t kMaxCounts = 16;
 
-/// What is left to read. Every take either succeeds within the bounds or fails for good.
+/// The bytes that are left to read. No call reads beyond the end; it fails instead.
 class Reader {
  public:
   explicit Reader(std::span<const std::byte> bytes) : rest_(bytes) {}
@@ -54,8 +54,9 @@ class Reader {
 
 using Counts = std::array<std::uint64_t, kMaxCounts>;
 
-/// How many elements a member has, or nothing where they could not fit: an element takes at least
-/// one byte, so no count beyond the bytes left is possible (which also keeps products small).
+/// The number of elements of a member; empty if they cannot fit. An element takes at least one
+/// byte, so a count greater than the number of bytes left is wrong (this also keeps products
+/// small).
 std::optional<std::uint64_t> element_count(const WireField& field, const Counts& counts,
                                            std::size_t bytes_left) {
   std::uint64_t count = field.fixed_count;
@@ -92,7 +93,8 @@ bool walk(std::span<const WireField> fields, Reader& reader) {
       if (!value || *value < 0 || static_cast<std::size_t>(field.stores_count) >= kMaxCounts) {
         return false;
       }
-      // A count beyond the bytes left cannot be true; refused here so that products stay small.
+      // A count greater than the number of bytes left is wrong. Refusing it here keeps products
+      // small.
       if (static_cast<std::uint64_t>(*value) > reader.left()) {
         return false;
       }

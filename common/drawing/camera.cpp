@@ -12,19 +12,20 @@
 namespace nodmap::drawing {
 namespace {
 
-// Stray points beyond are drawn, if there is room, but do not make the rest small.
+// The fraction of points, at each end of an axis, that the scale ignores: a few stray points do not
+// make the rest small.
 constexpr double kStrayShare = 0.004;
 constexpr double kFilled = 0.95;  // of the image, between its margins
 
-// The middle of the scene and its size along the building: its long axis, across it, and up.
+// The centre of the scene and its half extents along the building's long axis, across it, and up.
 struct Scene {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();
   Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();  ///< columns, in map
   Eigen::Vector3d half_extent = Eigen::Vector3d::Ones();
 };
 
-// The direction in which the walls run, within a quarter turn: normals of walls at right angles to
-// each other have one angle when it is taken four times.
+// The direction of the walls, rad, modulo a right angle. Normals of perpendicular walls agree when
+// their angles are multiplied by four.
 double building_yaw(std::span<const DrawnPoint> points) {
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
   for (const DrawnPoint& point : points) {
@@ -35,7 +36,7 @@ double building_yaw(std::span<const DrawnPoint> points) {
   return 0.25 * std::atan2(sum.y(), sum.x());
 }
 
-// Where most values lie.
+// The interval that contains most values.
 struct Interval {
   double low = 0.0;
   double high = 0.0;
@@ -82,7 +83,7 @@ Eigen::Matrix3d looking_along(const Eigen::Vector3d& ahead, const Eigen::Vector3
   return R_camera_map;
 }
 
-// Zooms and shifts so that what is seen of the points fills the image.
+// Zooms and shifts the camera so that the visible points fill the image.
 Camera fitted(Camera camera, std::span<const DrawnPoint> points, const ImageSize& size) {
   camera.focal_px = 1.0;
   camera.centre_x = camera.centre_y = 0.0;

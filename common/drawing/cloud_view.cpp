@@ -26,17 +26,17 @@ Rgb lit(Rgb colour, const Eigen::Vector3f& normal) {
   return colour;
 }
 
-// Pixels on each side of a point's middle: as large as `size_m` in the scene.
+// Half the width of a point in pixels, so that it looks `size_m` large in the scene.
 int splat_radius(const Camera& camera, const Pixel& pixel, double size_m) {
   return std::clamp(static_cast<int>(0.5 * size_m * camera.pixels_per_m(pixel.depth)), 1, 4);
 }
 
 void draw_points(DepthCanvas& canvas, const Camera& camera, std::span<const DrawnPoint> points) {
   constexpr double kPointSizeM = 0.05;
-  // The darkest colours of the scale would drown in the background.
+  // The darkest colours of the scale would not stand out from the background.
   constexpr double kDarkest = 0.25;
   const HeightRange heights = height_range(points);
-  // What is no surface and hangs under the ceiling would cover what is below.
+  // Points without a normal near the ceiling would cover what is below.
   const float ceiling_m = heights.high_m - 0.1F * (heights.high_m - heights.low_m);
   for (const DrawnPoint& point : points) {
     const auto pixel = camera.project(point.p_map.cast<double>());
@@ -79,7 +79,7 @@ void draw_keyframes(Image& image, const Camera& camera, int top,
   }
 }
 
-// One metre, so that the image has a scale.
+// Draws a scale bar of one metre.
 void draw_scale(Image& image, const Camera& camera, int bottom, Rgb colour) {
   image.fill_rectangle(20, bottom - 24, static_cast<int>(camera.focal_px), 6, colour);
 }

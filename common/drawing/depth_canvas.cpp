@@ -12,7 +12,7 @@ namespace {
 
 constexpr float kNothing = std::numeric_limits<float>::infinity();
 
-// Pixels whose depth says whether one lies in a hollow.
+// The neighbours whose depths are compared with that of a pixel.
 constexpr std::array<std::pair<int, int>, 8> kSurroundings{
     {{-2, 0}, {2, 0}, {0, -2}, {0, 2}, {-3, -3}, {3, -3}, {-3, 3}, {3, 3}}};
 
@@ -25,7 +25,7 @@ DepthCanvas::DepthCanvas(const ImageSize& size, Rgb background)
       depths_(colours_.size(), kNothing) {}
 
 void DepthCanvas::splat(const Pixel& pixel, int radius_px, Rgb colour) {
-  // What lies outside must not become an integer that no int holds.
+  // A far-away or non-finite position must not be converted to int: that is undefined behaviour.
   if (!(std::abs(pixel.x) < 1e6 && std::abs(pixel.y) < 1e6)) {
     return;
   }
@@ -62,7 +62,7 @@ std::size_t DepthCanvas::index(int x, int y) const {
          static_cast<std::size_t>(x);
 }
 
-// How much nearer the surroundings are, metres, averaged; one far-off edge counts 1 m at most.
+// How much nearer the neighbours are on average, metres; each counts 1 m at most.
 double DepthCanvas::obscurance_m(int x, int y) const {
   const float depth = depths_[index(x, y)];
   if (depth == kNothing) {

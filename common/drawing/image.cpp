@@ -43,7 +43,7 @@ void Image::fill_rectangle(int x, int y, int width, int height, Rgb colour) {
 
 void Image::draw_line(double x0, double y0, double x1, double y1, Rgb colour, double width_px) {
   const double length = std::max(std::abs(x1 - x0), std::abs(y1 - y0));
-  // A line far outside (or not a number) would take for ever and show nothing.
+  // A line to a far-away or non-finite point would take very long and show nothing.
   if (!(length < 1e5)) {
     return;
   }
@@ -85,7 +85,7 @@ void Image::write_png(const std::filesystem::path& file) const {
   header.width = static_cast<png_uint_32>(width_);
   header.height = static_cast<png_uint_32>(height_);
   header.format = PNG_FORMAT_RGB;
-  header.flags = PNG_IMAGE_FLAG_FAST;  // a process that is asked to end has a second to do so
+  header.flags = PNG_IMAGE_FLAG_FAST;  // a process that is told to stop has a second to do so
   if (png_image_write_to_file(&header, file.c_str(), 0, pixels_.data(), 0, nullptr) == 0) {
     throw std::runtime_error(file.string() + ": " + header.message);
   }

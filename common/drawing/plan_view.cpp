@@ -19,7 +19,8 @@ constexpr int kLineHeightPx = 16;
 constexpr int kGlyphWidth = 3;
 constexpr int kGlyphHeight = 5;
 
-/// Five rows of three dots, the highest bit at the left, as octal digits from the top.
+/// A character of five rows by three dots: one octal digit per row from the top, the highest bit at
+/// the left.
 struct Glyph {
   char character;
   std::string_view rows;
@@ -79,7 +80,7 @@ PlanView::PlanView(const Extent& extent, double px_per_m, Rgb background)
 void PlanView::draw_grid(const Grid& grid) {
   const double cell_px = px_per_m_ * grid.cell_size_m;
   const Vector2d lower_left = to_px(grid.origin);
-  std::vector<int> columns;  // of the grid, of each column of the image
+  std::vector<int> columns;  // for each column of the image, the column of the grid
   for (int u = 0; u < image_.width(); ++u) {
     columns.push_back(static_cast<int>(std::floor((u + 0.5 - lower_left.x()) / cell_px)));
   }
@@ -130,7 +131,7 @@ void PlanView::fill_convex(std::span<const Vector2d> corners, Rgb colour) {
       }
     }
   }
-  // Outlines show what is thinner than a pixel.
+  // The outline shows polygons that are thinner than a pixel.
   for (std::size_t i = 0; i < corners.size(); ++i) {
     draw_line(corners[i], corners[(i + 1) % corners.size()], colour, 1.0);
   }

@@ -61,16 +61,16 @@ class PlanView {
   void draw_path(std::span<const Eigen::Vector2d> path, Rgb colour, double width_px);
   /// Corners in order, either way round.
   void fill_convex(std::span<const Eigen::Vector2d> corners, Rgb colour);
-  /// At least 1.5 pixels, so that it is seen.
+  /// Fills a disc of at least 1.5 pixels radius, so that it is visible.
   void fill_disc(const Eigen::Vector2d& center, double radius_m, Rgb colour);
   void draw_circle(const Eigen::Vector2d& center, double radius_m, Rgb colour);
 
-  /// A disc where a path starts, a square where it ends.
+  /// Marks the start of a path with a disc, its end with a square.
   void draw_start(const Eigen::Vector2d& p, Rgb colour);
   void draw_end(const Eigen::Vector2d& p, Rgb colour);
-  /// A bar of 1, 2 or 5 times a power of ten metres with its length, at the lower left.
+  /// Draws a scale bar with its length, at the lower left: 1, 2 or 5 times a power of ten metres.
   void draw_scale_bar(Rgb colour = drawing::kBlack);
-  /// A coloured line and a text for each entry, at the upper left.
+  /// Draws the legend at the upper left: a coloured line and a text for each entry.
   void draw_legend(std::span<const LegendEntry> entries);
 
   [[nodiscard]] Eigen::Vector2d to_px(const Eigen::Vector2d& p) const {
@@ -87,8 +87,8 @@ class PlanView {
 };
 
 /// Writes a text with its upper left corner at (x, y), in capitals of 5 x 3 dots of `dot_px`
-/// pixels; characters that are no letter, digit or one of .,:-+/%() become spaces. Returns the
-/// width in pixels.
+/// pixels; characters other than letters, digits and .,:-+/%() become spaces. Returns the width in
+/// pixels.
 int draw_text(Image& image, int x, int y, const std::string& text, Rgb colour, int dot_px = 2);
 
 }  // namespace nodmap::drawing

@@ -38,7 +38,7 @@ class File {
     return ::fsync(fd_) == 0 ? std::error_code() : last_error();
   }
 
-  // Some file systems tell only now that the disk is full.
+  // Some file systems report a full disk only here.
   [[nodiscard]] std::error_code close() {
     const int fd = std::exchange(fd_, -1);
     return fd < 0 || ::close(fd) == 0 ? std::error_code() : last_error();
@@ -79,7 +79,7 @@ std::error_code replace_file_by(const std::filesystem::path& file,
     std::filesystem::remove(unfinished, ignored);
     return error;
   }
-  // The name is in the folder, which has to reach the disk, too.
+  // The new name is an entry of the folder, so the folder must be synced as well.
   const File folder(file.has_parent_path() ? file.parent_path() : ".",
                     O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   return folder.is_open() ? folder.sync() : last_error();

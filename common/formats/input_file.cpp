@@ -12,9 +12,9 @@ InputFileError cannot_open(const std::filesystem::path& file, int error) {
 }
 
 std::ifstream open_input(const std::filesystem::path& file) {
-  std::error_code unknown;  // then opening it tells
+  std::error_code unknown;  // opening the file will report it
   if (std::filesystem::is_directory(file, unknown)) {
-    throw cannot_open(file, EISDIR);  // a folder opens, but does not read
+    throw cannot_open(file, EISDIR);  // a folder can be opened, but not read
   }
   errno = 0;
   std::ifstream in(file, std::ios::binary);

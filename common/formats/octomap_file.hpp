@@ -12,7 +12,7 @@ namespace nodmap::formats {
 
 /// The occupied leaves of the tree in an OctoMap file (.bt).
 struct OccupiedSpace {
-  /// Levels of an octree below its root, and the key of the voxel whose lower corner is the origin.
+  /// Number of levels below the root; key of the voxel whose lower corner is the origin.
   static constexpr unsigned kLevels = 16;
   static constexpr std::int32_t kOriginKey = 1 << (kLevels - 1);
 

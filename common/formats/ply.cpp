@@ -79,12 +79,12 @@ void read_header_line(const std::string& line, Header& header) {
   } else if (key == "element") {
     Element element;
     if (!(words >> element.name >> element.count)) {
-      throw std::runtime_error("an element without name or count");
+      throw std::runtime_error("element without name or count");
     }
     header.elements.push_back(element);
   } else if (key == "property") {
     if (header.elements.empty()) {
-      throw std::runtime_error("a property before the first element");
+      throw std::runtime_error("property before the first element");
     }
     header.elements.back().properties.push_back(read_property(words));
   }
@@ -94,14 +94,14 @@ Header read_header(std::istream& in) {
   std::string line;
   std::getline(in, line);
   if (line != "ply" && line != "ply\r") {
-    throw std::runtime_error("no PLY file");
+    throw std::runtime_error("not a PLY file");
   }
   Header header;
   while (std::getline(in, line)) {
     if (line.starts_with("end_header")) {
       for (const Element& element : header.elements) {
         if (element.count > 0 && element.properties.empty()) {
-          throw std::runtime_error("an element without properties");  // of any number of items
+          throw std::runtime_error("element without properties");  // its count could be any number
         }
       }
       return header;
@@ -153,12 +153,12 @@ double read_number(std::istream& in, Type type, bool binary) {
     }
   }
   if (!in) {
-    throw std::runtime_error("ends too early, or holds what is no number");
+    throw std::runtime_error("ends too early, or contains something that is not a number");
   }
   return value;
 }
 
-/// The numbers of a property, one or those of a list, into `values`, whose memory is used again.
+/// Reads the values of a property (one, or those of a list) into `values`, reusing its memory.
 void read_values(std::istream& in, const Property& property, bool binary,
                  std::vector<double>& values) {
   constexpr double kMaxListSize =
@@ -259,7 +259,7 @@ TriangleMesh read_mesh(std::istream& in) {
   return mesh;
 }
 
-/// What `read` makes of the file, with its name in front of every error.
+/// Returns the result of `read` for the file; puts the file's name in front of every error.
 template <class Read>
 auto read_file(const std::filesystem::path& file, Read&& read) {
   std::ifstream in = open_input(file);

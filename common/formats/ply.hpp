@@ -14,8 +14,8 @@ struct ColouredPoint {
   std::array<std::uint8_t, 3> rgb{};
 };
 
-/// Vertices in the frame and unit of the file; triangles as indices of vertices, turned as in the
-/// file.
+/// Vertices in the frame and unit of the file; triangles as indices of vertices, in the order of
+/// the file.
 struct TriangleMesh {
   std::vector<Eigen::Vector3d> vertices;
   std::vector<Eigen::Vector3i> triangles;

@@ -52,8 +52,8 @@ SE3 PoseHistory::extrapolate_beyond_newest(time::Timestamp stamp) const {
   }
   const Sample& before = samples_[samples_.size() - 2];
   const time::Duration spacing = newest.stamp - before.stamp;
-  // Two samples with nearly one stamp say nothing of the velocity, two far apart nothing of the
-  // present one: hold the pose.
+  // Hold the pose if the velocity is unknown: two samples with nearly the same stamp give none, two
+  // far apart not the present one.
   if (spacing < 1ms || spacing > 1s) {
     return newest.T_odom_base;
   }

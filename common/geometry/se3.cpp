@@ -23,7 +23,7 @@ SE2 to_se2(const SE3& pose) {
 }
 
 Eigen::Matrix3d pitch_rotation(double pitch_up_rad) {
-  // Right-handed about y, a positive angle turns z towards x, that is, it looks down.
+  // A positive right-handed rotation about y turns x towards -z: it looks down.
   return Eigen::AngleAxisd(-pitch_up_rad, Eigen::Vector3d::UnitY()).toRotationMatrix();
 }
 
@@ -48,7 +48,8 @@ Eigen::Matrix3d rotation_of(const Eigen::Vector3d& rotation_vector) {
              : Eigen::Matrix3d::Identity();
 }
 
-// Here once, for Eigen brings a singular value decomposition into each source that calls it.
+// Not in the header: Eigen would compile a singular value decomposition into each source that calls
+// it.
 Eigen::Quaterniond rotation_between(const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
   return Eigen::Quaterniond::FromTwoVectors(from, to);
 }

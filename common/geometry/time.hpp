@@ -57,14 +57,14 @@ inline constexpr Duration kLimit{std::int64_t{1} << 61};
   return static_cast<double>(part.count()) / static_cast<double>(whole.count());
 }
 
-/// To the nearest microsecond and within kLimit; NaN is no time at all.
+/// Rounds to the nearest microsecond; limited to kLimit. NaN becomes zero.
 [[nodiscard]] inline Duration from_seconds(double duration_s) {
   constexpr auto kLimitUs = static_cast<double>(kLimit.count());  // a power of two: exact
   return Duration(
       std::isnan(duration_s) ? 0 : std::llround(std::clamp(1e6 * duration_s, -kLimitUs, kLimitUs)));
 }
 
-/// To the nearest microsecond.
+/// Rounds to the nearest microsecond.
 [[nodiscard]] inline Duration rounded(FineDuration duration) {
   return Duration(std::llround(duration.count()));
 }

@@ -7,9 +7,10 @@
 
 namespace nodmap::node {
 
-/// Work that runs beside the messages, on a thread of its own, one piece at a time. Its result is
-/// taken at a message that is fixed when it starts, not when it happens to be ready: a replay gives
-/// the same bytes however fast the machine is. What the work uses nobody else may touch until then.
+/// Runs one piece of work at a time on a thread of its own, while messages are handled. The message
+/// at which the result is taken is fixed when the work starts and does not depend on when it is
+/// ready, so that a replay gives the same bytes on any machine. Until then nobody else may use the
+/// data that the work uses.
 template <class Result>
 class BackgroundJob {
  public:
@@ -28,12 +29,13 @@ class BackgroundJob {
     return result_.valid() && --messages_until_due_ <= 0 ? take() : std::nullopt;
   }
 
-  /// The result now, waiting for it; empty when there is no work. Throws what the work threw.
+  /// Waits for the result and returns it; empty if there is no work. Rethrows an exception of the
+  /// work.
   [[nodiscard]] std::optional<Result> take() {
     return result_.valid() ? std::optional(result_.get()) : std::nullopt;
   }
 
-  /// Waits until nothing runs; the result stays.
+  /// Waits until the work has ended; does not take the result.
   void wait() const {
     if (result_.valid()) {
       result_.wait();

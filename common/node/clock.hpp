@@ -25,18 +25,18 @@ class SystemClock : public Clock {
   }
 };
 
-/// For periods and delays: goes on when the wall clock is set.
+/// The present steady time, for periods and delays: not affected when the wall clock is set.
 inline SteadyTime steady_now() {
   return SteadyTime(
       std::chrono::duration_cast<Duration>(std::chrono::steady_clock::now().time_since_epoch()));
 }
 
-/// For a shell whose devices' time must not step with the wall clock.
+/// The present moment, for nodes whose device times must not step with the wall clock.
 inline Moment now_on_both_clocks() {
   return {SystemClock().now(), steady_now()};
 }
 
-/// Stands where a test puts it.
+/// A clock that shows the time that a test sets.
 class ManualClock : public Clock {
  public:
   explicit ManualClock(Timestamp now) : now_(now) {}

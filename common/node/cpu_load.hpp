@@ -7,29 +7,30 @@
 
 namespace nodmap::node {
 
-/// The processors' time so far, in ticks.
+/// Processor time since the machine started, in ticks, of all processors together.
 struct CpuTicks {
   std::uint64_t busy = 0;
   std::uint64_t total = 0;
 };
 
-/// From the text of /proc/stat; nothing where it is not one.
+/// Parses the text of /proc/stat; empty if it is not valid.
 [[nodiscard]] std::optional<CpuTicks> parse_cpu_ticks(const std::string& proc_stat);
 
-/// The share of `total` that `part` is; 0 where that makes no sense.
+/// The ratio of `part` to `total`, 0 to 1; 0 if `part` exceeds `total` or `total` is 0.
 [[nodiscard]] float share_of(std::uint64_t part, std::uint64_t total);
 
-/// How busy this machine's processors are, from one sample to the next.
+/// Measures how busy this machine's processors are between two samples.
 class CpuLoad {
  public:
   /// Takes a sample of /proc/stat.
   void sample() { take(read()); }
   void take(const std::optional<CpuTicks>& ticks);
 
-  /// The share of all processors' time that was used between the last two samples, 0 to 1; negative
-  /// before there are two.
+  /// The fraction of all processors' time that was used between the last two samples, 0 to 1;
+  /// negative before there are two.
   [[nodiscard]] float share() const { return share_; }
-  /// The ticks between them, of all processors together; 0 before there are two.
+  /// Number of ticks between the last two samples, of all processors together; 0 before there are
+  /// two.
   [[nodiscard]] std::uint64_t elapsed_ticks() const { return elapsed_ticks_; }
 
  private:

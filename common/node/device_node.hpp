@@ -14,7 +14,7 @@ namespace nodmap::node {
 /// there is something to do.
 class DeviceNode : public Node {
  public:
-  /// Reads the bytes that the devices have sent, and performs all actions that are due.
+  /// Reads the bytes that the devices have sent and does everything that is due.
   virtual void spin_once() = 0;
 
   /// The descriptors of its devices; -1 for a device that is not open.

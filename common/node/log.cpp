@@ -11,7 +11,7 @@ void start(const std::string& process_name, const std::string& level) {
   const spdlog::level::level_enum parsed = spdlog::level::from_str(level);
   if (parsed == spdlog::level::off && level != "off") {
     throw std::invalid_argument("--log-level: '" + level +
-                                "' is none of trace, debug, info, warn, error, off");
+                                "' is not one of trace, debug, info, warn, error, off");
   }
   spdlog::drop(process_name);
   auto logger = spdlog::stderr_color_mt(process_name);

@@ -11,8 +11,8 @@
 
 namespace nodmap::node {
 
-/// The known map in which a process localises, or with which it carries on; none: it builds a new
-/// one.
+/// The known map in which a process localises, or which it extends. Without one it builds a new
+/// map.
 struct MapOptions {
   std::filesystem::path localise_in;         ///< --localise; empty: none
   std::filesystem::path map_in;              ///< --map-in; empty: none

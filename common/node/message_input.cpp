@@ -12,7 +12,7 @@ namespace {
 
 // The year 38000. Sums and differences of smaller stamps never overflow.
 constexpr time::Timestamp kLatestStamp(time::kLimit / 2);
-// No laser's mirror takes a minute for one revolution.
+// Far above the duration of any laser's mirror revolution.
 constexpr time::Duration kLongestScan = 60s;
 
 bool is_plausible(time::Timestamp stamp) {

@@ -8,9 +8,9 @@
 namespace nodmap::node {
 namespace {
 
-/// No robot drives farther, and maps' cells are counted in 32 bits.
+/// Farther than any robot drives, and small enough for cell indices of 32 bits.
 constexpr double kFarthestM = 1e6;
-/// The finest fan of a planar laser has some thousand beams.
+/// Planar lasers have at most some thousand beams.
 constexpr std::size_t kMaxRanges = 16'384;
 
 }  // namespace
@@ -20,7 +20,7 @@ std::optional<geometry::SE3> read_pose(const double (&position_m)[3],
   const Eigen::Vector3d position(position_m[0], position_m[1], position_m[2]);
   Eigen::Quaterniond rotation(orientation[0], orientation[1], orientation[2], orientation[3]);
   const double length = rotation.norm();
-  // Beyond 1 % it is no rounding but a message that was never filled in.
+  // An error of more than 1 % is not rounding: the message was never filled in.
   if (!(position.cwiseAbs().maxCoeff() <= kFarthestM) || !(std::abs(length - 1.0) < 0.01)) {
     return std::nullopt;
   }

@@ -31,12 +31,12 @@ void write_pose(const geometry::SE3& pose, double (&position_m)[3], double (&ori
 /// Reads the odometry pose T_odom_base at the message's utime.
 [[nodiscard]] std::optional<geometry::SE3> read_odometry(const nodmap::odometry_t& message);
 
-/// Makes an odometry message with unknown covariance; speed and yaw rate are zero.
-/// When it was measured, or sent.
+/// The stamp of a message: when its content was measured, or when it was sent.
 [[nodiscard]] time::Timestamp stamp_of(const auto& message) {
   return time::from_utime(message.utime);
 }
 
+/// Makes an odometry message with unknown covariance; speed and yaw rate are zero.
 [[nodiscard]] nodmap::odometry_t write_odometry(time::Timestamp stamp,
                                                 const geometry::SE3& T_odom_base);
 

@@ -28,8 +28,9 @@ struct CommonOptions {
 };
 
 std::string flag_name(std::string name) {
-  name.erase(0,
-             name.rfind('.') + 1);  // of a nested parameter the last part: map.save_ot, --save-ot
+  name.erase(
+      0,
+      name.rfind('.') + 1);  // only the last part of a nested name: map.save_ot becomes --save-ot
   std::replace(name.begin(), name.end(), '_', '-');
   return "--" + name;
 }
@@ -43,9 +44,9 @@ void add_param_options(CLI::App& app, CommonOptions& options, const params::Tabl
       ->allow_extra_args(false)
       ->take_all();
   app.add_flag("--dump-params", options.dump_params,
-               "Print the effective parameters as YAML, with what they mean, and end");
+               "Print the effective parameters and their meanings as YAML, and exit");
   app.add_flag("--params-markdown", options.params_markdown,
-               "Print the parameters as a Markdown table, and end");
+               "Print the parameters as a Markdown table, and exit");
   for (const params::Entry& entry : table.entries()) {
     if (entry.kind == params::Kind::kFlag) {
       app.add_flag_callback(
@@ -72,10 +73,10 @@ int complain(const std::string& program, const std::string& what) {
   return 2;
 }
 
-/// The subcommand that the user chose, and the one within that; else the program itself.
+/// The innermost subcommand that the user chose; the program itself if there is none.
 const CLI::App& chosen_command(const CLI::App& app) {
   for (const CLI::App* command : app.get_subcommands()) {
-    if (!command->get_name().empty()) {  // else a group of options
+    if (!command->get_name().empty()) {  // without a name it is a group of options
       return chosen_command(*command);
     }
   }
@@ -108,14 +109,14 @@ std::vector<std::string> subcommand_names(const CLI::App& app) {
   return names;
 }
 
-/// What is wrong with the command line, the cause before what follows of it: an option that is
-/// none makes its value an argument too many.
+/// Describes what is wrong with the command line. Unknown options first, because they are the cause
+/// when their values are then left over as unexpected arguments.
 std::string explain(const CLI::App& command, const CLI::ParseError& error) {
   const std::vector<std::string> unused = command.remaining();
   for (const std::string& word : unused) {
     if (word.size() > 1 && word.front() == '-') {
       const std::string name = word.substr(0, word.find('='));
-      return "'" + name + "' is no option" + params::did_you_mean(name, option_names(command));
+      return "unknown option '" + name + "'" + params::did_you_mean(name, option_names(command));
     }
   }
   const std::vector<std::string> subcommands = subcommand_names(command);
@@ -125,23 +126,23 @@ std::string explain(const CLI::App& command, const CLI::ParseError& error) {
       known += (known.empty() ? "" : ", ") + name;
     }
     if (unused.empty()) {
-      return "name a subcommand: " + known;
+      return "a subcommand is required: " + known;
     }
     const std::string suggestion = params::did_you_mean(unused.front(), subcommands);
-    return "'" + unused.front() + "' is no subcommand" +
-           (suggestion.empty() ? "; there are: " + known : suggestion);
+    return "unknown subcommand '" + unused.front() + "'" +
+           (suggestion.empty() ? "; known are: " + known : suggestion);
   }
-  return unused.empty() ? error.what() : "'" + unused.front() + "' is one argument too many";
+  return unused.empty() ? error.what() : "unexpected argument '" + unused.front() + "'";
 }
 
 int complain(const CLI::App& app, const CLI::ParseError& error) {
   const CLI::App& command = chosen_command(app);
   const std::string name =
       app.get_name() + (&command == &app ? std::string() : " " + command.get_name());
-  return complain(name, explain(command, error) + " (" + name + " --help tells more)");
+  return complain(name, explain(command, error) + " (see " + name + " --help)");
 }
 
-/// Everything before the work: an exit code when there is nothing left to do.
+/// Does everything that comes before the work. Returns an exit code if the program is to end now.
 std::optional<int> prepare(CLI::App& app, int argc, char** argv, const Program& program,
                            CommonOptions& options) {
   try {
@@ -211,7 +212,7 @@ void catch_stop_signals() {
   struct sigaction action {};
   action.sa_handler = [](int) { g_stop = 1; };
   ::sigemptyset(&action.sa_mask);
-  // Without SA_RESTART: a wait for messages ends at once.
+  // Without SA_RESTART, so that a wait for messages ends at once.
   ::sigaction(SIGINT, &action, nullptr);
   ::sigaction(SIGTERM, &action, nullptr);
 }

@@ -10,7 +10,7 @@
 namespace nodmap::node {
 namespace {
 
-// Before that the pace says little.
+// Before this time the remaining time cannot be estimated.
 constexpr double kLeastElapsedS = 1.0;
 constexpr double kLeastShare = 0.02;
 
@@ -46,7 +46,7 @@ Progress::~Progress() {
 }
 
 void Progress::show(std::int64_t done) {
-  // The clock is asked every 64th time only: a replay handles some 100 000 messages per second.
+  // Reads the clock only at every 64th call: a replay handles about 100,000 messages per second.
   if (!on_terminal_ || (calls_++ % 64U) != 0) {
     return;
   }

@@ -33,7 +33,7 @@ bool handle_until(bus::LiveBus& bus, double wait_s, const std::function<bool()>&
 
 int report_request(bus::LiveBus& bus, const std::set<std::string>& names, double wait_s) {
   if (bus.counts().not_published > 0) {
-    log::get().error("the request could not be sent on {}", bus.url());
+    log::get().error("cannot send the request on {}", bus.url());
     return 1;
   }
   std::set<std::string> heard;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What programs share that ask a process for something on the command line.
+// Shared by the command-line programs that send a request to a process.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -16,18 +16,18 @@ struct RequestOptions {
   double wait_s = 10.0;  ///< how long to wait for the process that is asked
 };
 
-/// Adds --by and --wait, whose help is `wait_help`.
+/// Adds the options --by and --wait; `wait_help` is the help text of --wait.
 void add_request_options(CLI::App& app, RequestOptions& options, const std::string& wait_help);
 
-/// Handles messages until `is_done()` is true, which is asked after each turn of 100 ms at most.
-/// Whether it became so within `wait_s` seconds, and before this process was to stop.
+/// Handles messages until `is_done()`, which is called at least every 100 ms. Returns false if that
+/// takes more than `wait_s` seconds or this process is told to stop.
 [[nodiscard]] bool handle_until(bus::LiveBus& bus, double wait_s,
                                 const std::function<bool()>& is_done);
 
-/// Ends a program that has published its one request to the processes `names`: tells on stdout
-/// which of them are heard on STATUS within `wait_s` seconds, which comes once a second from each.
-/// LCM gives no receipt: who listens is known by this alone. Returns the exit code: 1, with the
-/// reason in the log, when the request was not sent or none of them was heard.
+/// Reports whether a published request had a recipient: waits up to `wait_s` seconds for the STATUS
+/// of the processes `names` and prints those it received on stdout. (LCM does not acknowledge
+/// messages; each process publishes its STATUS once a second.) Returns the exit code: 1, with the
+/// reason in the log, if the request was not sent or none of them was heard.
 [[nodiscard]] int report_request(bus::LiveBus& bus, const std::set<std::string>& names,
                                  double wait_s);
 

@@ -32,7 +32,8 @@ double seconds_since(SteadyClock::time_point start) {
   return std::chrono::duration<double>(SteadyClock::now() - start).count();
 }
 
-/// What result.json says of every process; the module's own metrics come under "metrics".
+/// The part of result.json that is the same for every process; the module's own metrics are under
+/// "metrics".
 nlohmann::json common_result(const ProgramInfo& info, bus::Bus& bus, const MessageCounts& counts) {
   const bus::LatencyMeter::Summary latency = bus.latency().summary();
   nlohmann::json rejected = nlohmann::json::object();
@@ -56,7 +57,7 @@ nlohmann::json common_result(const ProgramInfo& info, bus::Bus& bus, const Messa
 
 void run_replay(const ProgramInfo& info, const Options& options, const NodeFactory& make_node) {
   const std::filesystem::path dir = options.out;
-  bus::LogReader(options.replay).require_event();  // or no folder is made
+  bus::LogReader(options.replay).require_event();  // before the folder is created
   make_result_dir(dir);
   bus::ReplayBus bus(options.replay, dir / "out.lcmlog");
   MessageCounts counts;
@@ -88,7 +89,7 @@ void run_replay(const ProgramInfo& info, const Options& options, const NodeFacto
   result["metrics"] = node->metrics();
   write_result_json(dir, result);
   if (!bus.flush() || bus.counts().not_published > 0) {
-    throw std::runtime_error((dir / "out.lcmlog").string() + ": the disk takes no more");
+    throw std::runtime_error((dir / "out.lcmlog").string() + ": cannot write; is the disk full?");
   }
   if (bus.reader().skipped_bytes() > 0) {
     log::get().warn("{}", bus.reader().damage());
@@ -110,7 +111,7 @@ void run_live(const ProgramInfo& info, const Options& options, const std::string
 
   const auto start = SteadyClock::now();
   while (!stop_requested()) {
-    // The wait bounds how late a STATUS or the answer to a signal can be.
+    // The timeout limits how late a STATUS or the reaction to a signal can be.
     bus.handle(std::chrono::milliseconds(50));
     status.publish_if_due(*node);
   }
@@ -129,11 +130,11 @@ int run_with(int argc, char** argv, const ProgramInfo& info, params::Table& tabl
              const std::function<void(CLI::App&)>& add_more_options, const NodeFactory& make_node) {
   Options options;
   const auto add_options = [&](CLI::App& app) {
-    auto* out = app.add_option(
-        "--out", options.out,
-        "Folder for the results; made, and never overwritten: live, DIR.2 follows DIR");
+    auto* out = app.add_option("--out", options.out,
+                               "Folder for the results; created, never overwritten. Live, DIR.2 is "
+                               "used if DIR contains results");
     app.add_option("--replay", options.replay,
-                   "Work through this LCM event log instead of the network, as fast as possible")
+                   "Process this LCM event log instead of the network, as fast as possible")
         ->needs(out);
     add_more_options(app);
   };
@@ -164,17 +165,16 @@ int run_map_node(int argc, char** argv, const ProgramInfo& info, params::Table& 
   std::string map_in;
   std::vector<double> start_pose;  // x, y in m, yaw in degrees
   const auto add_options = [&](CLI::App& app) {
-    auto* localise =
-        app.add_option("--localise", localise_in,
-                       "Localise in this map, and leave it as it is: a folder to which "
-                       "--out or a save request has written, or the map in it");
+    auto* localise = app.add_option("--localise", localise_in,
+                                    "Localise in this map without changing it: a folder written by "
+                                    "--out or a save request, or the map file in it");
     app.add_option("--map-in", map_in,
-                   "Carry on with this map, which --out or a save request has written: a folder "
-                   "with keyframes.lcmlog; written anew only where --out says")
+                   "Extend this map: a folder written by --out or a save request, with "
+                   "keyframes.lcmlog. It is not changed; the extended map is written to --out")
         ->excludes(localise);
     app.add_option("--start-pose", start_pose,
-                   "X Y YAW_DEG: where the robot is in the map at the first scan; without, it is "
-                   "searched for in the whole map")
+                   "X Y YAW_DEG: the robot's pose in the map at the first scan, in m and degrees; "
+                   "without it, the whole map is searched")
         ->expected(3);
     app.parse_complete_callback([&] {
       if (!start_pose.empty() && localise_in.empty() && map_in.empty()) {

@@ -8,8 +8,8 @@ namespace {
 
 constexpr time::Duration kWindow = 1s;
 
-/// Whether `seq` may follow `last` when some messages between were lost. Any numbers may come: no
-/// sum or difference is taken that could overflow.
+/// Whether `seq` continues the sequence after `last`, allowing for lost messages. The numbers may
+/// be anything, so no sum or difference that could overflow is computed.
 bool continues(std::int64_t last, std::int64_t seq) {
   constexpr std::int64_t kGreatest = std::numeric_limits<std::int64_t>::max();
   return seq > last &&
@@ -28,7 +28,7 @@ bool SenderWatch::follow(std::int64_t seq, time::SteadyTime now) {
     return false;
   }
   if (!is_alive) {
-    strangers_ = 0;  // they were messages of the sender that is followed from now on
+    strangers_ = 0;  // they were messages of the newly accepted sender
   } else if (now - window_begin_ < kWindow && strangers_ >= kStrangersOfASecondSender) {
     contested_since_ = now;
   }

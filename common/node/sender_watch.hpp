@@ -21,13 +21,13 @@ namespace nodmap::node {
 /// against a sender that is alone, or one that stops the legitimate sender first.
 class SenderWatch {
  public:
-  /// After this much silence the accepted sender is gone, and another one may be accepted.
+  /// After this much silence the accepted sender is considered gone, and another may be accepted.
   static constexpr time::Duration kSilence = 200ms;
   /// Largest gap in the numbers of a living sender: 0.2 s at 500 messages per second.
   static constexpr std::int64_t kLargestStep = 100;
-  /// Number of strangers in a second that the network cannot explain.
+  /// This many strangers in a second cannot be duplicates or reordering by the network.
   static constexpr int kStrangersOfASecondSender = 3;
-  /// For this long after the last conflict there still are two senders.
+  /// How long after the last conflict two senders are still assumed.
   static constexpr time::Duration kContested = 1s;
 
   /// Adds a message; returns whether it is from the accepted sender.

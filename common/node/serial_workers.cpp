@@ -12,8 +12,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The parent of all threads of the kernel. Only its children are looked at: a program may call
-// itself whatever it likes.
+// The parent of all kernel threads (kthreadd). Only its children are examined, because any program
+// may give itself the name of a kernel thread.
 constexpr const char* kParent = "2";
 
 std::string first_line(const fs::path& file) {
@@ -41,7 +41,7 @@ std::vector<pid_t> serial_workers(const fs::path& proc) {
 
 bool may_raise_serial_workers() {
   for (const pid_t pid : serial_workers()) {
-    // To what it is already: that needs the same right.
+    // Sets the priority to its present value, which needs the same privilege.
     sched_param same{};
     const int policy = ::sched_getscheduler(pid);
     if (policy >= 0 && ::sched_getparam(pid, &same) == 0) {
@@ -56,7 +56,7 @@ bool SerialWorkers::raise() {
   const std::vector<pid_t> workers = serial_workers();
   for (const pid_t pid : workers) {
     if (::sched_getscheduler(pid) != SCHED_OTHER) {
-      continue;  // raised already, or gone
+      continue;  // already raised, or ended
     }
     if (::sched_setscheduler(pid, SCHED_FIFO, &lowest) == 0) {
       raised_.insert(pid);

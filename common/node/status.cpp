@@ -7,7 +7,7 @@ namespace nodmap::node {
 namespace {
 
 constexpr time::Duration kPeriod = 1s;
-/// So many corrupt messages in a second are told as a count alone.
+/// Up to this many corrupt messages in a second are counted, but do not degrade the health.
 constexpr std::int64_t kCorruptByAccident = 10;
 
 std::int8_t to_message(HealthState state) {
@@ -46,7 +46,7 @@ void StatusReporter::publish_if_due(const Health& health) {
 
 bool StatusReporter::is_due() const {
   const time::Duration elapsed = clock_.now() - last_;
-  // A clock set back must not silence the process until it has caught up.
+  // After the clock was set back, STATUS continues at once.
   return elapsed < 0s || elapsed >= kPeriod;
 }
 

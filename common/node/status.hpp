@@ -16,7 +16,7 @@ class StatusReporter {
   StatusReporter(std::string process_name, bus::Bus& bus, const MessageCounts& counts,
                  const time::Clock& clock);
 
-  /// Asks for the health only when STATUS is due: it may have to wait for work in the background.
+  /// Calls node.health() only when STATUS is due, because it may have to wait for background work.
   void publish_if_due(const Node& node);
   /// For a process that is not a Node.
   void publish_if_due(const Health& health);

@@ -24,7 +24,7 @@ std::string format(double value) {
   return {buffer.data(), end};
 }
 
-/// A number if the text is that and nothing else.
+/// Parses a number; empty if the text contains anything else.
 template <class Number>
 std::optional<Number> parse(std::string_view text) {
   Number value{};
@@ -44,7 +44,7 @@ std::optional<double> parse_within(std::string_view text, Range range) {
   return value;
 }
 
-/// A text as YAML's double-quoted scalar.
+/// Formats a text as a double-quoted YAML scalar.
 std::string quoted(const std::string& text) {
   YAML::Emitter emitter;
   emitter << YAML::DoubleQuoted << text;
@@ -55,7 +55,7 @@ std::string interval(const char* kind, Range range) {
   return std::string(kind) + " from " + format(range.min) + " to " + format(range.max);
 }
 
-/// "matcher.max_range_m" as {"matcher", "max_range_m"}.
+/// Splits a name at its dots: "matcher.max_range_m" gives {"matcher", "max_range_m"}.
 std::vector<std::string> split(std::string_view name) {
   std::vector<std::string> parts;
   for (std::size_t dot = name.find('.'); dot != std::string_view::npos; dot = name.find('.')) {
@@ -66,7 +66,8 @@ std::vector<std::string> split(std::string_view name) {
   return parts;
 }
 
-/// Sets the values of a YAML map, and of the maps in it, whose keys get its own key as prefix.
+/// Sets the values of a YAML map and of the maps nested in it; `prefix` is the key of this map with
+/// its dot.
 void load_map(const YAML::Node& map, const std::string& prefix, const std::string& file,
               Table& table) {
   for (const auto& item : map) {
@@ -110,7 +111,7 @@ void Table::angle(const std::string& name_deg, double& value_rad, Range range_de
                   std::string help) {
   entries_.push_back(
       {prefix_ + name_deg, std::move(help), interval("a number", range_deg), Kind::kValue,
-       // Rounded, so that a default given in degrees reads as it was written.
+       // Rounded, so that a default given in degrees is printed as it was written.
        [&value_rad] { return format(std::round(value_rad * kDegreesPerRadian * 1e9) / 1e9); },
        [&value_rad, range_deg](std::string_view text) {
          const auto given = parse_within(text, range_deg);
@@ -194,7 +195,7 @@ void Table::load_yaml(const std::filesystem::path& file) {
 
 std::string Table::to_yaml() const {
   std::string yaml;
-  std::vector<std::string> open;  // sections that the line before is in
+  std::vector<std::string> open;  // the sections of the previous line
   for (const Entry& entry : entries_) {
     const std::vector<std::string> path = split(entry.name);
     std::size_t common = 0;
@@ -224,7 +225,7 @@ std::string Table::to_markdown() const {
 }
 
 std::string_view unit_of(std::string_view name) {
-  // Longer suffixes first: "_mps" is no "_s".
+  // Longer suffixes first: "_mps" is not "_s".
   static constexpr std::array<std::pair<std::string_view, std::string_view>, 12> kUnits{{
       {"_deg_per_s", "deg/s"},
       {"_rad_per_s", "rad/s"},

@@ -12,12 +12,14 @@ namespace nodmap::registration {
 class NormalEquations {
  public:
   struct Solution {
-    /// To the minimum: dx, dy in metres, dyaw in radians; zero along degenerate directions.
+    /// The step to the minimum: dx, dy in metres, dyaw in radians; zero along degenerate
+    /// directions.
     Eigen::Vector3d step = Eigen::Vector3d::Zero();
     /// Projects such a step onto the determined directions.
     Eigen::Matrix3d projector = Eigen::Matrix3d::Identity();
     int degenerate_directions = 0;
-    /// The least information on any direction, over what the same correspondences could give.
+    /// The smallest ratio, over all directions, of the information to what the same correspondences
+    /// could give.
     double least_information_ratio = 0.0;
   };
 

@@ -13,7 +13,7 @@ using geometry::SE3;
 
 constexpr double kWidthDecay = 0.4;  // of the kernel, from one stage to the next
 constexpr double kConverged = 1e-5;  // m or rad
-// Keeps the equations solvable where a node hangs on nothing; 1 km as standard deviation.
+// Keeps the equations solvable if a node has no edge; equals a standard deviation of 1 km.
 constexpr double kDamping = 1e-6;
 
 bool is_finite(const SE2& pose) {
@@ -32,7 +32,7 @@ SE2 moved(const SE2& pose, const Eigen::Vector3d& motion) {
 SE3 moved(const SE3& pose, const PoseVector<SE3>& motion) {
   SE3 result = pose;
   result.translation() += motion.head<3>();
-  // Made a rotation again: the rounding of a thousand products adds up.
+  // Renormalised, because rounding errors add up over a thousand products.
   result.linear() = Eigen::Quaterniond(geometry::rotation_of(motion.tail<3>()) * pose.linear())
                         .normalized()
                         .toRotationMatrix();
@@ -45,7 +45,7 @@ Eigen::Matrix3d skew(const Eigen::Vector3d& v) {
   return cross;
 }
 
-// How the residual follows motions of the two nodes.
+// Derivatives of the residual with respect to motions of the two nodes.
 template <class Pose>
 struct Jacobians {
   PoseMatrix<Pose> from;
@@ -67,7 +67,7 @@ Jacobians<SE2> jacobians(const PoseEdge2d&, const SE2& from, const SE2& to) {
 Jacobians<SE3> jacobians(const PoseEdge3d& edge, const SE3& from, const SE3& to) {
   const Eigen::Matrix3d R_from_map = from.linear().transpose();
   const Eigen::Vector3d moment_arm = to.translation() - from.translation();
-  // Inverse of the left Jacobian of SO(3) at the residual, to the second order.
+  // Inverse of the left Jacobian of SO(3) at the residual, to second order.
   const Eigen::Matrix3d turn = skew(residual(edge, from, to).tail<3>());
   const Eigen::Matrix3d R =
       (Eigen::Matrix3d::Identity() - 0.5 * turn + turn * turn / 12.0) * R_from_map;
@@ -144,7 +144,7 @@ double PoseGraph<Pose>::widest_kernel() const {
   for (const PoseEdge<Pose>& edge : edges_) {
     largest = std::max(largest, edge.may_be_wrong ? chi_squared(edge) : 0.0);
   }
-  // Convex for all residuals from twice the largest on.
+  // From twice the largest residual on, the kernel is convex for all residuals.
   return std::max(1.0, 2.0 * largest / PoseSpace<Pose>::kInlierChiSquared);
 }
 
@@ -204,7 +204,7 @@ void PoseGraph<Pose>::add_edge_terms(const PoseEdge<Pose>& edge, const PoseVecto
   const Jacobians<Pose> J = jacobians(edge, from, to);
   const PoseMatrix<Pose> information = weight * edge.information;
   const PoseVector<Pose> weighted_error = information * error;
-  const std::size_t i = kDimensions * (edge.from - 1);  // the first node is no unknown
+  const std::size_t i = kDimensions * (edge.from - 1);  // the first node is fixed
   const std::size_t j = kDimensions * (edge.to - 1);
   if (edge.from > 0) {
     add_block(i, i, J.from.transpose() * information * J.from);

@@ -22,7 +22,7 @@ struct PoseSpace;
 template <>
 struct PoseSpace<geometry::SE2> {
   static constexpr int kDimensions = 3;
-  /// 99 of 100 true residuals are below (chi-squared, three degrees of freedom).
+  /// Below this are 99 % of the residuals of correct edges (chi-squared, three degrees of freedom).
   static constexpr double kInlierChiSquared = 11.345;
   static geometry::SE2 identity() { return {}; }
 };
@@ -30,7 +30,7 @@ struct PoseSpace<geometry::SE2> {
 template <>
 struct PoseSpace<geometry::SE3> {
   static constexpr int kDimensions = 6;
-  static constexpr double kInlierChiSquared = 16.812;  // the same for six
+  static constexpr double kInlierChiSquared = 16.812;  // the same for six degrees of freedom
   static geometry::SE3 identity() { return geometry::SE3::Identity(); }
 };
 

@@ -16,7 +16,7 @@ RigidFit fit_rigid(std::span<const PointPair> pairs) {
   if (pairs.size() < 3) {
     return {};
   }
-  // The translation drops out when both sets are taken from their centroids.
+  // The translation drops out when both sets are relative to their centroids.
   Eigen::Vector3d c_model = Eigen::Vector3d::Zero();
   Eigen::Vector3d c_data = Eigen::Vector3d::Zero();
   for (const PointPair& pair : pairs) {
@@ -40,7 +40,8 @@ RigidFit fit_rigid(std::span<const PointPair> pairs) {
   if (!(s[1] > kLineRatio * s[0])) {
     return fit;
   }
-  // Points in a plane, or noise, let the best orthogonal matrix be a mirror: turn its least axis.
+  // For points in a plane, or noise, the best orthogonal matrix may be a reflection: then flip the
+  // axis of the smallest singular value.
   const Eigen::Matrix3d VU = svd.matrixV() * svd.matrixU().transpose();
   const Eigen::Vector3d no_mirror(1.0, 1.0, VU.determinant() < 0.0 ? -1.0 : 1.0);
   fit.status = FitStatus::kOk;

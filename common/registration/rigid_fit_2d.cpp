@@ -6,7 +6,7 @@
 namespace nodmap::registration {
 namespace {
 
-// Relative to the squared size: a spread below this is rounding, not extent.
+// A spread below this, relative to the squared coordinates, is rounding error.
 constexpr double kRelativeRounding = 1e-12;
 
 double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {

@@ -23,7 +23,7 @@ enum class Infrared : std::uint8_t {
 };
 inline constexpr std::size_t kInfraredCount = 7;
 
-/// Where each of them is in base, metres; it looks along its own x.
+/// The pose of each range finder in base, metres; it measures along its x axis.
 inline constexpr std::array<geometry::SE2, kInfraredCount> kInfraredMounts{{
     {0.203, 0.153, geometry::deg_to_rad(45.0)},
     {0.0, 0.165, geometry::deg_to_rad(90.0)},

@@ -36,9 +36,9 @@ struct Mount {
 
   template <class Visitor>
   void describe(Visitor& v) {
-    v.number("x_m", x_m, {-2.0, 2.0}, "Pitch axis on the base, forward.");
-    v.number("y_m", y_m, {-2.0, 2.0}, "Pitch axis on the base, to the left.");
-    v.number("z_m", z_m, {0.1, 3.0}, "Pitch axis above the floor.");
+    v.number("x_m", x_m, {-2.0, 2.0}, "Position of the pitch axis in base, forward.");
+    v.number("y_m", y_m, {-2.0, 2.0}, "Position of the pitch axis in base, to the left.");
+    v.number("z_m", z_m, {0.1, 3.0}, "Height of the pitch axis above the floor.");
   }
 };
 
@@ -89,10 +89,11 @@ struct CorridorHeights {
   template <class Visitor>
   void describe(Visitor& v) {
     v.number("floor_tolerance_m", floor_tolerance_m, {0.0, 0.2},
-             "Bottom of the virtual corridor above the floor: what is lower is floor, or can be "
-             "driven over.");
+             "Height of the virtual corridor's bottom above the floor: anything lower is floor, or "
+             "can be driven over.");
     v.number("top_margin_m", top_margin_m, {0.0, 1.0},
-             "Top of the virtual corridor above the robot: what is higher can be driven under.");
+             "Height of the virtual corridor's top above the robot's body: the robot can drive "
+             "under anything higher.");
   }
 };
 
@@ -118,10 +119,11 @@ struct Braking {
   template <class Visitor>
   void describe(Visitor& v) {
     v.number("deceleration_mps2", deceleration_mps2, {0.1, 10.0},
-             "Deceleration that stopping distances are computed with; half of what the base does "
-             "on command leaves room for slopes, load and smooth floors.");
+             "Deceleration used to compute stopping distances. Half of what the base reaches on "
+             "command, as a reserve for slopes, load and smooth floors.");
     v.number("emergency_deceleration_mps2", emergency_deceleration_mps2, {0.1, 10.0},
-             "Deceleration the base does on command, used where the other does not suffice.");
+             "Deceleration that the base reaches on command, used where deceleration_mps2 is not "
+             "sufficient.");
     v.number("stop_margin_m", stop_margin_m, {0.02, 2.0},
              "Distance left between the robot and the obstacle when it has stopped.");
   }

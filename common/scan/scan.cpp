@@ -46,8 +46,8 @@ std::span<const ScanProjector::Point> ScanProjector::hits(const Scan& scan) {
   prepare_fan(scan);
   points_.clear();
   const std::size_t n = scan.ranges_m.size();
-  // The pitch moves evenly over the scan: turn the laser plane's forward axis by a constant small
-  // rotation from beam to beam instead of calling cos and sin for each.
+  // The pitch changes at a constant rate during the scan: rotate the laser plane's forward axis by
+  // a constant small angle from beam to beam instead of calling cos and sin for each.
   const double step =
       n < 2 ? 0.0 : (scan.pitch_last_rad - scan.pitch_first_rad) / static_cast<double>(n - 1);
   const double c_step = std::cos(step);

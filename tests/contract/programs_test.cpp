@@ -182,7 +182,7 @@ TEST_P(EveryModule, AFileThatIsNoRecordingIsAnError) {
   std::ofstream(text) << "Nothing that LCM has written.\n";
   const auto result = run_program(GetParam(), {"--replay", text, "--out", dir.path() / "out"});
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_THAT(result.err, HasSubstr("notes.txt: holds no event of an LCM event log"));
+  EXPECT_THAT(result.err, HasSubstr("notes.txt: not an LCM event log (no event found)"));
   EXPECT_FALSE(std::filesystem::exists(dir.path() / "out"));
 }
 
@@ -193,7 +193,9 @@ TEST_P(EveryModule, ACutRecordingIsUsedWithAWarning) {
   std::filesystem::resize_file(log, std::filesystem::file_size(log) - 1);
   const auto result = run_program(GetParam(), {"--replay", log, "--out", dir.path() / "out"});
   EXPECT_EQ(result.exit_code, 0);
-  EXPECT_THAT(result.err, HasSubstr("bytes belong to no whole event: damaged or cut off"));
+  EXPECT_THAT(
+      result.err,
+      HasSubstr("bytes are not part of a complete event: the file is damaged or truncated"));
   EXPECT_THAT(result.err, Not(HasSubstr("\033"))) << "colours, and this is no terminal";
 }
 
@@ -260,7 +262,9 @@ TEST_P(EveryCommandThatReadsLogs, WarnsOfACutOne) {
   const std::filesystem::path log = dir_.path() / "cut.lcmlog";
   write_log(log, 3);
   std::filesystem::resize_file(log, std::filesystem::file_size(log) - 1);
-  EXPECT_THAT(run_on(log).err, HasSubstr("bytes belong to no whole event: damaged or cut off"));
+  EXPECT_THAT(
+      run_on(log).err,
+      HasSubstr("bytes are not part of a complete event: the file is damaged or truncated"));
 }
 
 TEST_P(EveryCommandThatReadsLogs, RefusesATextFileAndLeavesNothing) {
@@ -268,7 +272,7 @@ TEST_P(EveryCommandThatReadsLogs, RefusesATextFileAndLeavesNothing) {
   std::ofstream(text) << "Nothing that LCM has written.\n";
   const auto result = run_on(text);
   EXPECT_EQ(result.exit_code, 2);
-  EXPECT_THAT(result.err, HasSubstr("notes.txt: holds no event of an LCM event log"));
+  EXPECT_THAT(result.err, HasSubstr("notes.txt: not an LCM event log (no event found)"));
   const std::filesystem::directory_iterator files(dir_.path());
   EXPECT_EQ(std::distance(begin(files), end(files)), 1);
 }
@@ -283,17 +287,17 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(CommandLine, NamesTheSubcommandAndTheNearestWord) {
   EXPECT_EQ(run_program("nodmap-convert", {"infoo", "x"}).err,
-            "nodmap-convert: 'infoo' is no subcommand; did you mean 'info'? (nodmap-convert --help "
-            "tells more)\n");
+            "nodmap-convert: unknown subcommand 'infoo'; did you mean 'info'? (see nodmap-convert "
+            "--help)\n");
   EXPECT_THAT(run_program("nodmap-convert", {"info"}).err,
               StartsWith("nodmap-convert info: IN is required"));
-  // The option is wrong, and not the argument that its value has become.
-  EXPECT_THAT(run_program("nodmap-convert", {"export", "--chanel", "X", "in", "out.csv"}).err,
-              StartsWith("nodmap-convert export: '--chanel' is no option; did you mean "
-                         "'--channel'?"));
-  EXPECT_THAT(run_program("nodmap-evaluate", {"trajectory", "--aling", "x", "y"}).err,
-              StartsWith("nodmap-evaluate trajectory: '--aling' is no option; did you mean "
-                         "'--align'?"));
+  // The message names the wrong option, not its value, which has become an argument.
+  EXPECT_THAT(
+      run_program("nodmap-convert", {"export", "--chanel", "X", "in", "out.csv"}).err,
+      StartsWith("nodmap-convert export: unknown option '--chanel'; did you mean '--channel'?"));
+  EXPECT_THAT(
+      run_program("nodmap-evaluate", {"trajectory", "--aling", "x", "y"}).err,
+      StartsWith("nodmap-evaluate trajectory: unknown option '--aling'; did you mean '--align'?"));
   EXPECT_THAT(run_program("nodmap-sheriff", {"--chek", "x"}).err,
               HasSubstr("did you mean '--check'?"));
   EXPECT_THAT(run_program("nodmap-sheriff", {NODMAP_KURT3D "/../../procman/robot.pmd", "--script",

@@ -21,7 +21,7 @@ expect 0 "$(sed -n 's/^project(nodmap VERSION \([^ ]*\).*/\1/p' CMakeLists.txt)"
 expect 2 "--duration: 'abc' is no number above 0" --duration abc
 expect 2 "--duration: '0' is no number above 0" --duration 0
 expect 2 "--duration needs a value" --duration
-expect 2 "--wrold is no option" --wrold x
+expect 2 "unknown option --wrold" --wrold x
 expect 2 "no.yaml: cannot open: No such file or directory" --world no.yaml
 expect 2 "$work exists" --out "$work"
 echo "a,b" >"$work/table.csv"

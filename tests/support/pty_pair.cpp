@@ -35,7 +35,7 @@ PtyPair::~PtyPair() {
 
 void PtyPair::send(std::span<const std::uint8_t> bytes) const {
   if (::write(device_, bytes.data(), bytes.size()) != static_cast<ssize_t>(bytes.size())) {
-    throw std::system_error(errno, std::system_category(), "pseudo-terminal takes no more");
+    throw std::system_error(errno, std::system_category(), "cannot write to the pseudo-terminal");
   }
 }
 

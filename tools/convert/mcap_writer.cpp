@@ -224,7 +224,7 @@ void McapWriter::finish() {
   out_ << kMagic;
   out_.flush();
   if (!out_) {
-    throw std::runtime_error(path_.string() + ": the disk takes no more");
+    throw std::runtime_error(path_.string() + ": cannot write; is the disk full?");
   }
 }
 

@@ -23,7 +23,7 @@ void Recording::commit() {
     throw std::runtime_error("nothing in the input can be used: no log was made");
   }
   if (!writer_.flush()) {
-    throw std::runtime_error(file_.partial_path().string() + ": the disk takes no more");
+    throw std::runtime_error(file_.partial_path().string() + ": cannot write; is the disk full?");
   }
   file_.commit();
 }
@@ -31,7 +31,7 @@ void Recording::commit() {
 void Recording::write(const std::string& channel, std::int64_t utime_us) {
   log_utime_us_ = std::max(log_utime_us_.value_or(utime_us), utime_us);
   if (!writer_.write(*log_utime_us_, channel, buffer_)) {
-    throw std::runtime_error(file_.partial_path().string() + ": the disk takes no more");
+    throw std::runtime_error(file_.partial_path().string() + ": cannot write; is the disk full?");
   }
 }
 

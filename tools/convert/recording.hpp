@@ -24,7 +24,7 @@ class Recording {
   /// Throws std::runtime_error when the file exists or cannot be made.
   explicit Recording(const std::filesystem::path& path);
 
-  /// Numbers the message and adds it. Throws std::runtime_error when the disk takes no more.
+  /// Numbers the message and adds it. Throws std::runtime_error if it cannot be written.
   void add_scan(nodmap::scan_t message);
   void add_odometry(nodmap::odometry_t message);
 

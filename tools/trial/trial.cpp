@@ -178,7 +178,8 @@ TrialOutcome Trial::finish() {
     parts_->level_laser->finish(dir_ / "slam2d-level");
   }
   if (!parts_->network.flush()) {
-    throw std::runtime_error((dir_ / "trial.lcmlog").string() + ": the disk takes no more");
+    throw std::runtime_error((dir_ / "trial.lcmlog").string() +
+                             ": cannot write; is the disk full?");
   }
   return {.record = record(),
           .observed_voxels = parts_->monitor.observed_voxels(),

@@ -30,7 +30,7 @@ Bytes encoded(const Message& message) {
   return bytes;
 }
 
-/// Where in an encoded scan the count of the ranges stands: what follows it has a known size.
+/// Offset of the number of ranges in an encoded scan: everything after it has a known size.
 std::size_t offset_of_num_ranges(const nodmap::scan_t& scan) {
   return encoded(scan).size() - 4 * scan.intensities.size() - 4 - 4 * scan.ranges_m.size() - 4;
 }
@@ -100,7 +100,7 @@ TEST(Codec, RefusesWrongCountsWithoutAllocatingForThem) {
     nodmap::scan_t scan{};
     test::reset_allocations();
     EXPECT_FALSE(decode_into(scan, bytes)) << count;
-    // A claimed count must not be believed, whatever is done with the memory afterwards.
+    // Memory must not be allocated for a claimed count, even if it is never used.
     EXPECT_LE(test::allocations().largest_bytes, bytes.size()) << count;
   }
 }
@@ -132,7 +132,7 @@ TEST(Codec, SurvivesRandomBytes) {
     for (std::byte& b : bytes) {
       b = static_cast<std::byte>(byte(random));
     }
-    // Half of them with the right fingerprint, so that the layout itself is met.
+    // Half of them have the right fingerprint, so that the layout check is reached.
     if (round % 2 == 0 && bytes.size() >= kFingerprintBytes) {
       const Bytes whole = encoded(sample_scan());
       std::copy_n(whole.begin(), kFingerprintBytes, bytes.begin());

@@ -95,8 +95,8 @@ TEST(LiveBus, CorruptMessagesAreCountedAndDropped) {
   EXPECT_EQ(bus.counts().corrupt, 4);
 }
 
-// A SCAN of a million ranges is a valid message; what it would make of each process's memory is
-// not.
+// A SCAN of a million ranges is a valid message, but handling it would take too much memory in each
+// process.
 TEST(LiveBus, MessagesBeyondAnyOfOursAreCorrupt) {
   LiveBus bus("memq://");
   int seen = 0;

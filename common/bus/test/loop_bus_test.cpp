@@ -66,7 +66,8 @@ TEST_F(LoopBusTest, KeepsTheOrderAcrossChannels) {
   EXPECT_EQ(got_, (std::vector<std::int64_t>{1, -2, 3}));
 }
 
-// Without a delay an answer is for the same time, and still comes after its question's handler.
+// Without a delay an answer has the same time as its question, but is delivered after the
+// question's handler has returned.
 TEST_F(LoopBusTest, AnAnswerWaitsUntilTheHandlerHasReturned) {
   LoopNetwork at_once(dir_.path() / "at_once.lcmlog", {});
   LoopBus bus(at_once);
@@ -122,7 +123,7 @@ TEST_F(LoopBusTest, JitterDelaysEachReaderWithoutOvertaking) {
   }
 }
 
-TEST_F(LoopBusTest, WhoHasLeftHearsNothing) {
+TEST_F(LoopBusTest, ADestroyedBusReceivesNothing) {
   auto leaving = std::make_unique<LoopBus>(network_);
   note(*leaving);
   note(receiver_);

@@ -143,7 +143,8 @@ TEST_F(Assembler, AFragmentLiesWithinItsMessage) {
   EXPECT_EQ(assembler_.pending_bytes(), 0U);
 }
 
-// Each within the message, and together as long as it: but bytes 500 to 1000 never came.
+// Each fragment lies within the message, and together they are as long as it, but bytes 500 to 1000
+// were never received.
 TEST_F(Assembler, AMessageWithAGapIsNone) {
   EXPECT_EQ(take(fragment({.message_bytes = 1500, .count = 2},
                           std::string(kChannel) + std::string(1000, 'x'))),
@@ -220,8 +221,8 @@ TEST_F(Assembler, SendersDoNotMix) {
   EXPECT_EQ(take(fragment(second, thousand)), "SCAN=" + thousand + thousand);
 }
 
-// Whatever comes: no crash (under sanitizers: no byte read that did not come), no memory beyond the
-// bound.
+// Whatever is received: no crash (under sanitizers: no read of bytes that were not received), no
+// memory beyond the limit.
 TEST_F(Assembler, DamagedFragmentsOfRandomKind) {
   std::mt19937 random(5);
   const std::string thousand(1000, 'x');

@@ -21,7 +21,7 @@ void write_odometry_log(const std::filesystem::path& file, int num_messages) {
 }
 
 // Trap: LCM's file:// provider gives the wall clock of the replay as receive time, and its writer
-// stamps with it; here the time of the log goes through.
+// stamps with it; ReplayBus uses the time of the log.
 TEST(ReplayBus, AnswersAreStampedWithTheTimeOfTheLog) {
   const test::TemporaryDir dir;
   write_odometry_log(dir.path() / "in", 5);

@@ -36,7 +36,7 @@ TEST_F(SensorInputTest, GoodMessagesPassUncounted) {
   EXPECT_EQ(counts_.used(), 0);
 }
 
-TEST_F(SensorInputTest, CausesAreTallied) {
+TEST_F(SensorInputTest, CausesAreCounted) {
   nodmap::scan_t scan = good_scan(0);
   scan.num_ranges = 0;
   scan.ranges_m.clear();

@@ -59,7 +59,7 @@ TEST(Messages, ScanRefusesWhatIsNoScan) {
   EXPECT_FALSE(read_scan(message, scan));
 }
 
-// What would grow a process, or count cells beyond 32 bits.
+// Such values would need too much memory, or overflow cell indices of 32 bits.
 TEST(Messages, NothingFartherOrLargerThanARobotAndALaser) {
   scan::Scan scan;
   nodmap::scan_t message = write_scan(sample_scan());

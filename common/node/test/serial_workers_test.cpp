@@ -50,14 +50,14 @@ TEST(SerialWorkersTest, AContainerHasNone) {
   EXPECT_TRUE(serial_workers(dir.path() / "nothing").empty());
 }
 
-// The kernel may have made another one since, or ended one.
+// The kernel may have created or ended workers meanwhile.
 void expect_unchanged(const std::map<pid_t, int>& before) {
   for (const auto& [pid, policy] : policies()) {
     EXPECT_TRUE(!before.contains(pid) || policy == before.at(pid) || policy < 0) << pid;
   }
 }
 
-// One test, because the kernel's workers are those of all tests that run at the same time.
+// A single test, because all tests that run at the same time share the kernel's workers.
 TEST(SerialWorkersTest, AreRaisedAndGivenTheirOrdinaryPriorityBack) {
   const std::map<pid_t, int> before = policies();
   const bool may_raise = may_raise_serial_workers();

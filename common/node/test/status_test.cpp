@@ -85,7 +85,7 @@ TEST_F(StatusTest, CorruptMessagesAreTold) {
   }
 }
 
-TEST_F(StatusTest, TheNodesOwnWordGoesThrough) {
+TEST_F(StatusTest, TheNodesOwnHealthTakesPrecedence) {
   StatusReporter reporter("nodmap-test", bus_, counts_, clock_);
   node_.health_ = {HealthState::kFailed, "the disk is full"};
   counts_.reject("x");

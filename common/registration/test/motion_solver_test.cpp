@@ -29,13 +29,14 @@ TEST(MotionSolver, JoinsTwoMeasurementsByInverseVariance) {
   EXPECT_NEAR(estimate.x[1], 2.0 / 5.0, 1e-12);
   EXPECT_NEAR(estimate.x[2], 3.0 / 5.0, 1e-12);
   EXPECT_NEAR(estimate.covariance(1, 1), 1.0 / (1.0 / 0.04 + 1.0 / 0.01), 1e-12);
-  // The second and the third are told better by the prior; the first equally well, which counts as
-  // told by the measurement only beyond rounding.
+  // In the second and third direction the prior gives more information. In the first both give the
+  // same, so rounding decides whether it counts as degenerate.
   EXPECT_GE(estimate.degenerate_directions, 2);
 }
 
-// A measurement that says nothing of a direction leaves the prior there, and nothing elsewhere.
-TEST(MotionSolver, AnOpenDirectionKeepsThePrior) {
+// Along a direction without information the result is the prior's; along the others it is the
+// measurement's.
+TEST(MotionSolver, ADegenerateDirectionKeepsThePrior) {
   std::mt19937 random(3);
   std::normal_distribution<double> normal;
   for (int run = 0; run < 20; ++run) {
@@ -60,7 +61,7 @@ TEST(MotionSolver, AnOpenDirectionKeepsThePrior) {
   }
 }
 
-// What normals make up: information equal to what is imitated is none, half of it is half.
+// Imitated information is subtracted: all of it leaves none, half of it leaves half.
 TEST(MotionSolver, TakesOffWhatIsImitated) {
   const Information<3> measurement = evidence({1.0, 1.0, 1.0}, {0.1, 0.1, 0.1});
   Matrix3 imitated = Matrix3::Zero();

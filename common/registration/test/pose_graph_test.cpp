@@ -18,7 +18,7 @@ namespace pose_graph_test {
 using geometry::SE2;
 using geometry::SE3;
 
-/// A side of the square that is driven round, and all of it, in steps of a metre.
+/// Steps of one metre on each side of the square, and on the whole square.
 constexpr std::size_t kSideSteps = 10;
 constexpr std::size_t kRound = 4 * kSideSteps;
 
@@ -46,7 +46,7 @@ SE3 moved(const SE3& T, const PoseVector<SE3>& motion) {
   return result;
 }
 
-/// Node `k` of a drive round a square of 10 m x 10 m, a metre a step.
+/// Node `k` of a drive around a square of 10 m x 10 m in steps of one metre.
 void on_square(std::size_t k, SE2& T) {
   const Eigen::Vector2d corners[] = {{0, 0}, {10, 0}, {10, 10}, {0, 10}};
   const std::size_t side = k % kRound / kSideSteps;
@@ -54,7 +54,7 @@ void on_square(std::size_t k, SE2& T) {
   const auto along = static_cast<double>(k % kSideSteps);
   T = {corners[side].x() + along * std::cos(yaw), corners[side].y() + along * std::sin(yaw), yaw};
 }
-/// The same on ground that climbs 10 cm a metre on the first side and falls on the third.
+/// The same on ground that climbs 10 cm per metre on the first side and falls on the third.
 void on_square(std::size_t k, SE3& T) {
   SE2 flat;
   on_square(k, flat);
@@ -81,8 +81,8 @@ PoseMatrix<Pose> information(double sigma_m, double sigma_rad) {
   return sigmas<Pose>(sigma_m, sigma_rad).cwiseAbs2().cwiseInverse().asDiagonal();
 }
 
-/// Twice round the square: noisy odometry, and a true loop from each node of the second round to
-/// that of the first.
+/// Twice around the square: noisy odometry, and a correct loop closure from each node of the second
+/// round to that of the first.
 template <class Pose>
 struct Drive {
   std::vector<Pose> truth;
@@ -122,7 +122,7 @@ struct Drive {
   }
 };
 
-/// The same cost without structure: numeric Jacobian, dense equations.
+/// Oracle: the same cost, minimised with a numeric Jacobian and dense equations.
 template <class Pose>
 std::vector<Pose> dense_gauss_newton(const PoseGraph<Pose>& graph) {
   constexpr Eigen::Index kSize = PoseSpace<Pose>::kDimensions;
@@ -179,7 +179,7 @@ TYPED_TEST(PoseGraphTest, EqualsDenseGaussNewton) {
   const std::vector<Pose> expected = dense_gauss_newton(plain);
   EXPECT_TRUE(plain.optimise(false).converged);
   for (std::size_t k = 1; k < plain.nodes().size(); ++k) {
-    // The step at which both stop.
+    // Both stop when their steps are below this.
     EXPECT_LT(distance(plain.nodes()[k], expected[k]), 1e-5) << k;
     EXPECT_LT(angle(plain.nodes()[k], expected[k]), 1e-5) << k;
   }
@@ -189,7 +189,8 @@ TYPED_TEST(PoseGraphTest, LoopsTakeTheDriftOut) {
   for (const unsigned seed : {1U, 2U, 3U}) {
     Drive<TypeParam> drive(seed);
     const double before_m = drive.worst_m();
-    // Reweighting converges linearly: it takes more steps than a map needs.
+    // Reweighting converges linearly, so full convergence needs more iterations than optimise()
+    // uses by default.
     EXPECT_TRUE(drive.graph.optimise(true, 300).converged);
     EXPECT_LT(drive.worst_m(), before_m) << seed;
   }
@@ -251,7 +252,7 @@ TYPED_TEST(PoseGraphTest, ANodeThatHangsOnNothingStays) {
   EXPECT_TRUE(PoseGraph<Pose>().optimise(true).converged);
 }
 
-// On a line all is linear: two measurements of one pose meet at their weighted mean.
+// On a line the problem is linear: two measurements of one pose give their weighted mean.
 TEST(PoseGraph, TwoEdgesMeetAtTheirWeightedMean) {
   PoseGraph2d graph;
   graph.add_node({});
@@ -263,7 +264,7 @@ TEST(PoseGraph, TwoEdgesMeetAtTheirWeightedMean) {
   EXPECT_EQ(graph.nodes()[0].x, 0.0);
 }
 
-// The information is that of the frame of `from`: sure along x there, open across.
+// The information is in the frame of `from`: precise along its x axis, imprecise across it.
 TEST(PoseGraph, InformationTurnsWithTheFirstNode) {
   PoseGraph2d graph;
   graph.add_node({0.0, 0.0, 0.5 * geometry::kPi});
@@ -275,7 +276,8 @@ TEST(PoseGraph, InformationTurnsWithTheFirstNode) {
   EXPECT_NEAR(graph.nodes()[1].x, -3.0, 1e-3);  // its y
 }
 
-// A good loop that closes 3 m of drift looks worse than a wrong one at the first step.
+// At the first step, a correct loop closure that closes 3 m of drift has a larger residual than a
+// wrong one.
 TEST(PoseGraph, AGoodLoopIsKeptThoughItClosesALargeDrift) {
   PoseGraph2d graph;
   graph.add_node({});
@@ -292,7 +294,7 @@ TEST(PoseGraph, AGoodLoopIsKeptThoughItClosesALargeDrift) {
   EXPECT_LT(distance(graph.nodes()[60], graph.nodes()[0]), 0.05);
 }
 
-// Closed form: where rotations are known, a drift of equal steps is taken back evenly.
+// Closed form: with known rotations, a drift that is equal in each step is corrected evenly.
 TEST(PoseGraph, ASquareLoopTakesItsDriftBackEvenly) {
   const Eigen::Vector3d drift_m(0.01, -0.004, 0.006);  // of each step, in map
   const auto place = [](std::size_t k) {
@@ -311,7 +313,7 @@ TEST(PoseGraph, ASquareLoopTakesItsDriftBackEvenly) {
   graph.add_edge({0, kRound, SE3::Identity(), information<SE3>(1e-5, 1e-6), true});
   EXPECT_TRUE(graph.optimise(true, 200).converged);
   for (std::size_t k = 0; k <= kRound; ++k) {
-    // The rotations give way by a millionth of a radian, at up to 10 m.
+    // The rotations change by about a millionth of a radian, at distances of up to 10 m.
     EXPECT_LT((graph.nodes()[k].translation() - place(k)).norm(), 1e-4) << k;
   }
 }

@@ -96,7 +96,7 @@ TEST(RigidFit2d, R33_AgreesWithUmeyamaOnNoisyCorrespondences) {
 
 TEST(RigidFit2d, R33_MirroredPointsStillGiveARotation) {
   // A cross against its mirror image: a reflection would fit exactly, but is no rigid motion. The
-  // rotation that fits best, by hand, is none.
+  // best rotation, by hand, is the identity.
   RigidFit2d fit;
   fit.add({1, 0}, {1, 0});
   fit.add({-1, 0}, {-1, 0});

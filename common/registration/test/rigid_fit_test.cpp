@@ -76,7 +76,7 @@ TEST(RigidFit, R33_PointsInAPlaneAreNotMirrored) {
 }
 
 // The model is the mirror image of the data: the best orthogonal matrix is a reflection, the best
-// rotation is something else and must beat every rotation close to it.
+// rotation is a different matrix and must fit better than every rotation near it.
 TEST(RigidFit, R33_MirroredPointsStillGiveARotation) {
   RandomScene scene(35);
   std::vector<PointPair> pairs(20);

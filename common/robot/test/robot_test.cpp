@@ -81,8 +81,8 @@ struct Row {
   std::array<double, 5> speeds_mps;
 };
 
-// Worked by hand from the formula, rounded to 0.01 m/s: reaction of two sweeps and 0.05 s, of one
-// scan and 0.05 s in the last row; 0.15 m left.
+// Computed by hand from the formula, rounded to 0.01 m/s. Reaction time: two sweeps and 0.05 s; in
+// the last row one scan and 0.05 s. Margin: 0.15 m.
 TEST(Stopping, SpeedsOfTheReferenceTable) {
   const std::array<double, 5> distances_m{1.0, 1.5, 2.0, 3.0, 4.0};
   const std::array<Row, 5> table{{{2 * 0.20 + 0.05, {1.06, 1.45, 1.78, 2.33, 2.79}},
@@ -120,8 +120,8 @@ TEST(Stopping, ARobotDrivenStepByStepCoversTheStoppingDistance) {
   EXPECT_NEAR(distance_m, 1.85, 2.0 * v * kStepS);
 }
 
-// The bound falls while the robot drives towards the obstacle: by less than the deceleration, so
-// that it can always be followed.
+// While the robot drives towards the obstacle, the bound falls by less than the deceleration, so
+// that the robot can always follow it.
 TEST(Stopping, TheSpeedBoundIsFollowedWithNoMoreThanTheDeceleration) {
   constexpr double kStepS = 1e-4;
   double distance_m = 3.0;

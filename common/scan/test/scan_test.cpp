@@ -24,8 +24,8 @@ Scan sick_scan(double pitch_first_deg, double pitch_last_deg) {
   return scan;
 }
 
-// R4: Eq. 1 against an independent computation: the beam's unit vector turned by an axis-angle
-// rotation, over random ranges, yaws and pitches. 1e-9 as the requirement says.
+// R4: compares Eq. 1 with an independent computation, the beam's unit vector rotated by an
+// axis-angle rotation, for random ranges, yaws and pitches. 1e-9 is the requirement's tolerance.
 TEST(Scan, R4_Equation1EqualsAxisAngle) {
   std::mt19937 random(4);
   std::uniform_real_distribution<double> range(0.1, 30.0);
