@@ -11,17 +11,17 @@
 namespace nodmap::kurt {
 namespace {
 
-/// The base sends each sensor 15 times a second: so old a reading is none.
+/// Older readings are ignored. The base sends each sensor 15 times a second.
 constexpr time::Duration kReadingLife = 500ms;
-/// From the measurement to the wheels: one round of the sensors, and a control period.
+/// From the measurement to the wheels: one cycle of the sensors and one control period.
 constexpr double kReactionS = 0.1;
-/// Shaking exceeds any tilt for a moment.
+/// Vibration exceeds any tilt for a moment only.
 constexpr time::Duration kTiltedFor = 500ms;
-/// Slower commands may be too weak to turn a wheel.
+/// At slower commands a wheel may stand still although nothing blocks it.
 constexpr double kSurelyTurningMps = 0.05;
 
-constexpr int kSonarNearest = 100;     // raw; nearer things read less
-constexpr int kInfraredNearest = 800;  // raw; nearer things read more
+constexpr int kSonarNearest = 100;     // raw; a nearer obstacle gives a smaller value
+constexpr int kInfraredNearest = 800;  // raw; a nearer obstacle gives a larger value
 
 }  // namespace
 
@@ -42,7 +42,7 @@ void BaseGuard::add(const RangeReadings& readings, time::SteadyTime now) {
     if (const auto range_m = sonar_range_m(*readings.sonar_raw)) {
       ahead_ = {*range_m, now};
     } else if (*readings.sonar_raw < kSonarNearest && ahead_ && ahead_->range_m < params_.near_m) {
-      ahead_->at = now;  // it has come nearer than can be measured
+      ahead_->at = now;  // the obstacle is now too near to be measured
     } else {
       ahead_.reset();
     }

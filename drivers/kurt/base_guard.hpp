@@ -10,19 +10,20 @@
 
 namespace nodmap::kurt {
 
-/// Why the base's own senses stop the robot until it is told to go.
+/// Why the base's own sensors stop the robot until it is released.
 enum class Alarm { kBumper, kTilt, kStall };
 
-/// In words, for people.
+/// The name of the sensor, for a sentence "stopped by ...".
 [[nodiscard]] const char* name_of(Alarm alarm);
 
-/// What the base senses by itself, without laser, map and network: the last that keeps the robot
-/// from pushing against what the laser does not see, glass for one.
+/// Slows or stops the robot by the base's own sensors, without laser, map or network: the last
+/// protection against obstacles that the laser does not see, such as glass.
 ///
-/// Ranges slow it: it could stop 0.25 m before what is seen, at half the deceleration of which the
-/// wheels are capable, and creeps from there on, so that it gets through where the laser sees a
-/// way. A silent sensor slows nothing: not every KURT2 has them. Bumper, tilt and stalled motors
-/// raise an alarm, once: somebody has to look before it drives on.
+/// Ranges limit the speed: the robot could stop GuardParams::near_m before the obstacle at half the
+/// deceleration that the wheels are capable of. Nearer than that it creeps, so that it can still
+/// pass where the laser sees free space. A silent sensor limits nothing, because not every KURT2
+/// has these sensors. Bumper, tilt and stalled motors raise an alarm once; a person must release
+/// the robot before it drives on.
 class BaseGuard {
  public:
   BaseGuard(const GuardParams& params, const SpeedLimits& limits)
@@ -31,17 +32,17 @@ class BaseGuard {
   void add(const RangeReadings& readings, time::SteadyTime now);
   void add(const Tilt& tilt, time::SteadyTime now);
   void add(const Bumpers& bumpers);
-  /// What the wheels did while they were told to run at `commanded`.
+  /// Adds what the wheels did while the commanded speeds were `commanded`.
   void add(const EncoderTicks& ticks, const WheelSpeeds& commanded, time::SteadyTime now);
 
-  /// No faster towards what is near than is safe; the curvature stays.
+  /// Reduces the speed of a command to what is safe; keeps its curvature.
   [[nodiscard]] DriveCommand limit(const DriveCommand& command, time::SteadyTime now) const;
 
   /// The alarm since the last call, if any.
   [[nodiscard]] std::optional<Alarm> take_alarm();
 
  private:
-  /// What one range finder sees.
+  /// A reading of one range finder.
   struct Seen {
     double range_m = 0.0;
     time::SteadyTime at;

@@ -7,11 +7,11 @@
 namespace nodmap::kurt {
 namespace {
 
-/// DRIVE is stamped with the time of ODOMETRY, which is this driver's own clock: what is ahead of
-/// it was stamped by somebody else. It may have been set back by a little meanwhile.
+/// DRIVE is stamped with the time of ODOMETRY, which is this driver's own clock, so a stamp in the
+/// future is from another sender. The tolerance is for a wall clock that was set back slightly.
 constexpr time::Duration kFutureTolerance = 5ms;
 constexpr double kImplausibleSpeedMps = 2.0 * kTopSpeedMps;
-/// Three revolutions a second.
+/// Three revolutions per second.
 constexpr double kImplausibleYawRateRadS = 6.0 * geometry::kPi;
 
 }  // namespace
@@ -74,7 +74,7 @@ DriveStatus DriveWatchdog::offer(const DriveRequest& request, time::Timestamp wa
   }
   if (status == DriveStatus::kObeyed) {
     const time::Duration age = std::max(wall - request.stamp, time::Duration{});
-    // A stamp ahead of our clock must not make later commands look older.
+    // A stamp ahead of our clock must not make later commands look out of order.
     obeyed_ = {request.command, std::min(request.stamp, wall),
                now + std::min(timeout_, request.validity) - age};
   }

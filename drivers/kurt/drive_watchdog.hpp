@@ -10,56 +10,56 @@
 
 namespace nodmap::kurt {
 
-/// A command as it came in.
+/// A command as received.
 struct DriveRequest {
   DriveCommand command;
   time::Timestamp stamp;      ///< when it was decided
-  time::Duration validity{};  ///< for how long from then
-  std::int64_t seq = 0;       ///< the sender's count
+  time::Duration validity{};  ///< how long it is valid from then on
+  std::int64_t seq = 0;       ///< sequence number of the sender
 };
 
-/// What became of a DRIVE.
+/// Whether a DRIVE is obeyed; if not, why.
 enum class DriveStatus : std::uint8_t {
   kObeyed,
   kNotFinite,    ///< NaN or infinite
-  kImplausible,  ///< faster than the robot could ever go, or valid for no time
+  kImplausible,  ///< faster than the robot can be, or without validity
   kStale,        ///< too old
-  kFromFuture,   ///< newer than now: the clocks of sender and driver differ
-  kOutOfOrder,   ///< older than the one that is being obeyed
-  kOtherSender,  ///< not of the sender that is followed, or two senders are alive
+  kFromFuture,   ///< stamped in the future: the clocks of sender and driver differ
+  kOutOfOrder,   ///< older than the command being obeyed
+  kOtherSender,  ///< not of the accepted sender, or there are two senders
 };
 
-/// The name under which such a DRIVE is counted.
+/// The name under which a refused DRIVE is counted.
 [[nodiscard]] const char* name_of(DriveStatus status);
 
-/// Decides whether the robot may move.
+/// Decides which DRIVE command the robot obeys, and stops it when none is valid.
 ///
-/// Why the robot stops after 200 ms without a DRIVE: the navigator sends one with every scan, 75 a
-/// second. When 15 in a row are missing, something is wrong with the navigator, its machine or the
-/// network. In 200 ms the robot covers 0.3 m at the 1.5 m/s of the paper's runs, and then brakes.
-/// The navigator keeps that distance free anyway, because the laser needs a fraction of a second
-/// for each sweep to see what is ahead. With a longer time-out the robot would drive on although
-/// nobody watches what is ahead; with a shorter one it would stutter whenever the scheduler is
-/// late. The base has a time-out of its own behind this one: it stops when it hears nothing from
-/// the driver for 100 ms, so killing the driver stops the robot, too.
+/// Why the robot stops after 200 ms without a DRIVE: the navigator sends 75 per second, one for
+/// each scan. When 15 in a row are missing, something is wrong with the navigator, its machine or
+/// the network. In 200 ms the robot covers 0.3 m at the 1.5 m/s of the paper's runs, and then
+/// brakes. The navigator keeps that distance free anyway, because the laser needs a fraction of a
+/// second for each sweep. With a longer timeout the robot would drive on although no process
+/// watches what is ahead; with a shorter one it would stutter whenever the scheduler is late. The
+/// base has a timeout of its own: it stops when it has received nothing from the driver for 100 ms,
+/// so killing the driver also stops the robot.
 ///
-/// One sender is followed (SenderWatch). While two are alive the robot is stationary: which of them
-/// means well cannot be known.
+/// Only one sender is accepted (SenderWatch). While there are two, the robot is stationary, because
+/// it is unknown which of them is legitimate.
 class DriveWatchdog {
  public:
   explicit DriveWatchdog(time::Duration timeout) : timeout_(timeout) {}
 
-  /// A DRIVE has come. `wall` and `now` are now on both clocks.
-  /// Nonsense revokes what was obeyed before: who sends nonsense is not to be trusted.
+  /// Offers a DRIVE that has been received; `wall` and `now` are the present time on both clocks. A
+  /// nonsensical one also revokes the command obeyed before, because its sender cannot be trusted.
   DriveStatus offer(const DriveRequest& request, time::Timestamp wall, time::SteadyTime now);
 
-  /// The command to obey; empty: stop.
+  /// The command to obey now; empty: stop.
   [[nodiscard]] std::optional<DriveCommand> command(time::SteadyTime now) const;
 
-  /// Whether two processes send DRIVE, so that none of them is obeyed.
+  /// Whether two processes send DRIVE, so that neither is obeyed.
   [[nodiscard]] bool is_contested(time::SteadyTime now) const { return sender_.is_contested(now); }
 
-  /// Stops until the next command: the link to the base was lost, say.
+  /// Stops until the next command, for example because the link to the base was lost.
   void revoke() { obeyed_.reset(); }
 
  private:

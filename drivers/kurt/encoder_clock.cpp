@@ -6,14 +6,15 @@
 namespace nodmap::kurt {
 namespace {
 
-/// The estimate runs ahead by a thousandth, more than two quartz clocks ever differ, so that it
-/// keeps touching the least delay instead of falling behind a base that runs slow.
+/// The estimate advances by 0.1 % more than the nominal period, which is more than two quartz
+/// clocks differ. So it always catches up with the frames of smallest delay, even if the base's
+/// clock is slow.
 constexpr time::Duration kStep = kEncoderPeriod + kEncoderPeriod / 1000;
 constexpr int kWindowFrames = 50;
-/// Between jitter that happens to last (0) and one lost frame (1 period).
+/// A threshold between persistent jitter (0) and one lost frame (1 period).
 constexpr time::Duration kLost = kEncoderPeriod * 7 / 10;
-/// The base stops when it hears nothing for 100 ms: over a longer silence "drove on as before" is
-/// no good guess.
+/// The base stops after 100 ms without a command, so after a longer silence it cannot be assumed
+/// that the robot drove on as before.
 constexpr time::Duration kGap = 100ms;
 
 }  // namespace

@@ -7,29 +7,29 @@
 
 namespace nodmap::kurt {
 
-/// How often the base sends its encoders.
+/// Period at which the base sends its encoder ticks.
 inline constexpr time::Duration kEncoderPeriod = 10ms;
 
 /// Estimates when an encoder frame was measured, and how many before it were lost, from the times
-/// at which frames arrive; they carry neither number nor time.
+/// at which frames arrive; they contain neither a number nor a time.
 ///
 /// Frames leave the base every 10 ms and arrive with a delay that varies (USB, scheduling) but is
-/// never negative. So the smallest delay seen gives the base's clock (passive synchronization,
-/// Olson 2010). A delay passes, a loss stays: after a late frame the next ones catch up, after a
-/// lost one all of them are late. A frame counts as lost when all frames of half a second are late
-/// by a whole period.
+/// never negative. So the smallest observed delay gives the base's clock (passive synchronization,
+/// Olson 2010). After a late frame the next ones catch up; after a lost one all following frames
+/// are late. A frame counts as lost when all frames of half a second are late by a whole period.
 class EncoderClock {
  public:
   struct Reading {
-    time::SteadyTime measured;  ///< on the clock of the arrivals; goes up with every frame
-    int lost = 0;               ///< frames found to be lost in the last half second, not long ago
-    time::Duration gap{};       ///< > 0: nothing came for so long that what happened is not known
+    time::SteadyTime measured;  ///< on the clock of the arrivals; strictly increasing
+    int lost = 0;  ///< number of frames now known to have been lost, within the last second
+    time::Duration
+        gap{};  ///< if > 0: how long nothing was received; the motion meanwhile is unknown
   };
 
-  /// A frame arrived. `arrival` is on a monotonic clock.
+  /// Adds a frame that arrived at `arrival`.
   Reading take(time::SteadyTime arrival);
 
-  /// The line was lost: the next frame starts anew.
+  /// Starts again with the next frame, after the line was lost.
   void restart() { started_ = false; }
 
  private:
@@ -38,8 +38,8 @@ class EncoderClock {
 
   bool started_ = false;
   bool begun_before_ = false;
-  time::SteadyTime measured_;  // the best estimate, which a less delayed frame sets back
-  time::SteadyTime told_;      // the last one told, which is never taken back
+  time::SteadyTime measured_;  // the best estimate; a frame with less delay moves it back
+  time::SteadyTime told_;      // the last one returned; later ones must not be earlier
   time::Duration least_late_{};
   int in_window_ = 0;
 };

@@ -8,10 +8,10 @@ namespace nodmap::kurt {
 namespace {
 
 constexpr double kControlPeriodS = 0.01;
-/// Without encoders for so long nobody knows what the wheels do, and the robot stops.
+/// After this long without encoder ticks the motion of the wheels is unknown, and the robot stops.
 constexpr time::Duration kBlind = 200ms;
-/// A bit error spoils one frame. So many in a row (100 ms) are bridged like lost ones, which ends
-/// well before the robot stops for lack of encoders.
+/// Number of implausible frames in a row that are bridged like lost ones (100 ms). A bit error
+/// damages one frame only; bridging ends well before kBlind.
 constexpr int kBridgedInARow = 10;
 static_assert(kBridgedInARow * kEncoderPeriod < kBlind);
 
@@ -34,7 +34,7 @@ void Kurt::disconnected() {
   session_.stop();
   encoder_clock_.restart();
   last_encoder_.reset();
-  // After a loss the robot stays stationary until a new DRIVE comes.
+  // After a loss the robot is stationary until a new DRIVE is received.
   watchdog_.revoke();
   limiter_.stop();
 }
@@ -55,7 +55,7 @@ std::span<const OdometrySample> Kurt::receive(std::span<const std::uint8_t> byte
       take_sensor(report, now.steady);
     }
   });
-  // Frames that come in one read were sent a period apart: all but the last have waited.
+  // Frames received in one read were sent one period apart; all but the last have waited.
   std::int64_t waited = std::ssize(ticks_);
   for (const EncoderTicks& ticks : ticks_) {
     take_encoder(ticks, now.steady - --waited * kEncoderPeriod, now);
@@ -79,12 +79,12 @@ void Kurt::take_encoder(const EncoderTicks& ticks, time::SteadyTime arrival,
     counts_.encoder_lost += reading.lost;
     odometry_.bridge(reading.lost);
   }
-  odometry_.add(ticks);  // bridges what is not plausible
+  odometry_.add(ticks);  // bridges implausible ticks
   samples_.push_back({now.wall_at(reading.measured), odometry_.state()});
 }
 
-/// Implausible ticks say nothing about the wheels, so they must not keep the robot driving: when
-/// too many come in a row, they count as none, and the robot stops as if the base were silent.
+/// Implausible ticks say nothing about the wheels, so they must not keep the robot driving. Too
+/// many in a row are ignored, and the robot stops as if the base were silent.
 bool Kurt::is_of_use(const EncoderTicks& ticks, time::SteadyTime arrival) {
   if (odometry_.is_plausible(ticks)) {
     last_encoder_ = arrival;

@@ -26,14 +26,14 @@ struct OdometrySample {
   OdometryState state;
 };
 
-/// The last value of a kind, and when it came (monotonic clock).
+/// The last value of a kind and when it was received.
 template <class Value>
 struct Received {
   Value value{};
   time::SteadyTime at;
 };
 
-/// What the base's other sensors said last.
+/// The last readings of the base's other sensors.
 struct BaseSensors {
   std::array<std::optional<Received<int>>, kInfraredCount> infrared_raw;
   std::optional<Received<int>> sonar_raw;
@@ -49,17 +49,19 @@ struct KurtCounts {
   std::int64_t encoder_gaps = 0;
 };
 
-/// Whether the robot can be driven, and if not, what is missing; in the order of getting there.
+/// Whether the robot can be driven; if not, what is missing. In the order in which the states are
+/// passed at startup.
 enum class KurtState : std::uint8_t {
   kNoLine,   ///< the serial line is not open
   kNoBus,    ///< the adapter has not opened the CAN bus
-  kNoBase,   ///< no encoder frames that wheels can have made: the base is switched off, say
-  kNoDrive,  ///< nobody tells the robot to move: it is stationary
+  kNoBase,   ///< no plausible encoder frames, for example because the base is switched off
+  kNoDrive,  ///< no valid DRIVE: the robot is stationary
   kDriving,
 };
 
-/// Drives the KURT2 base, as bytes and values: what the base says goes in, what to send to it comes
-/// out. No clock, no port, no message; robot, simulator and test differ in who carries the bytes.
+/// Drives the KURT2 base. Takes received bytes and DRIVE requests; returns odometry and the bytes
+/// to send. It has no clock, port or messages: robot, simulator and test differ only in how they
+/// transport the bytes.
 class Kurt {
  public:
   explicit Kurt(const KurtParams& params);
@@ -67,31 +69,33 @@ class Kurt {
   void connected(const time::Moment& now);
   void disconnected();
 
-  /// Bytes from the adapter, as one read gave them. Valid until the next call.
+  /// Takes the bytes of one read from the adapter; returns the new odometry, valid until the next
+  /// call.
   std::span<const OdometrySample> receive(std::span<const std::uint8_t> bytes,
                                           const time::Moment& now);
 
-  /// Somebody wants the robot to move.
+  /// Requests a motion of the robot.
   DriveStatus drive(const DriveRequest& request, const time::Moment& now);
 
-  /// What to send to the adapter now. To be called every 10 ms: there is a command in it each time.
+  /// The text to send to the adapter now, with a command for the base in it each time. To be called
+  /// every 10 ms.
   [[nodiscard]] std::string control(const time::Moment& now);
 
-  /// What to send last: motors off and braked.
+  /// The text to send last: motors off and braked.
   [[nodiscard]] static std::string shutdown_command() { return to_line(hard_stop()); }
 
-  /// The adapter does not answer on this port: it should be opened anew.
+  /// Whether the port should be reopened because the adapter does not answer.
   [[nodiscard]] bool wants_new_port() const { return session_.gave_up(); }
 
   [[nodiscard]] KurtState state(time::SteadyTime steady) const;
 
-  /// Whether two processes send DRIVE, so that none of them is obeyed.
+  /// Whether two processes send DRIVE, so that neither is obeyed.
   [[nodiscard]] bool is_contested(time::SteadyTime steady) const {
     return watchdog_.is_contested(steady);
   }
 
-  /// Why the base's own senses have stopped the robot since the last call, if they have; it stays
-  /// stationary until a new DRIVE comes.
+  /// Why the base's own sensors have stopped the robot since the last call, if they have. It stays
+  /// stationary until a new DRIVE is received.
   [[nodiscard]] std::optional<Alarm> take_alarm();
 
   [[nodiscard]] const BaseSensors& sensors() const { return sensors_; }
@@ -101,7 +105,7 @@ class Kurt {
 
  private:
   void take_encoder(const EncoderTicks& ticks, time::SteadyTime arrival, const time::Moment& now);
-  /// Whether odometry goes on with these ticks, if only by bridging them.
+  /// Whether odometry can use these ticks, or bridge them.
   [[nodiscard]] bool is_of_use(const EncoderTicks& ticks, time::SteadyTime arrival);
   void take_sensor(const Report& report, time::SteadyTime now);
 
@@ -114,7 +118,7 @@ class Kurt {
   BaseGuard guard_;
   BaseSensors sensors_;
   KurtCounts counts_;
-  std::optional<time::SteadyTime> last_encoder_;  ///< of the last ticks that wheels can have made
+  std::optional<time::SteadyTime> last_encoder_;  ///< when the last plausible ticks were received
   int implausible_in_a_row_ = 0;
   bool line_open_ = false;
   std::vector<EncoderTicks> ticks_;

@@ -30,7 +30,7 @@ constexpr std::uint8_t kModeSpeedCm = 2;
 /// Without this bit the base's controller fails on a step from zero to full speed.
 constexpr std::uint8_t kAntiWindup = 1;
 
-/// cm/s; what is no number is no speed.
+/// Speed in cm/s; 0 for NaN.
 std::int16_t to_cm_per_s(double speed_mps) {
   if (!std::isfinite(speed_mps)) {
     return 0;
@@ -66,7 +66,8 @@ RangeReadings decode_adc8_to_11(const CanFrame& frame) {
   return readings;
 }
 
-/// The angle whose sine the sensor measures as acceleration. Shaking gives more than 1 g.
+/// The tilt angle: its sine is the measured acceleration in g, limited to 1 because vibration
+/// exceeds 1 g.
 double tilt_rad(std::uint16_t raw) {
   return std::asin(std::clamp((raw - 32768.0) / 3932.0, -1.0, 1.0));
 }
@@ -77,8 +78,8 @@ Gyro decode_gyro(const CanFrame& frame) {
           load_big_s32(&frame.data[4]) / 10000.0 * to_rad * to_rad};
 }
 
-/// The encoder's two numbers fill half of its frame, the bumpers one byte; every other kind needs
-/// all of it.
+/// The encoders need half of the frame's bytes, the bumpers one; every other kind needs all of
+/// them.
 std::size_t bytes_needed(std::uint32_t id) {
   if (id == kBumperId) {
     return 1;
@@ -119,13 +120,13 @@ CanFrame speed_command(const WheelSpeeds& speeds) {
   frame.data[1] = kModeSpeedCm;
   boost::endian::store_big_s16(&frame.data[2], to_cm_per_s(speeds.left_mps));
   boost::endian::store_big_s16(&frame.data[4], to_cm_per_s(speeds.right_mps));
-  // Byte 6 and the rest of byte 7 hold the turn rate for the base's own gyro control: zero, unused.
+  // Byte 6 and the rest of byte 7 are the yaw rate for the base's own gyro control: zero, unused.
   frame.data[7] = kAntiWindup;
   return frame;
 }
 
 CanFrame hard_stop() {
-  // Per wheel: direction and brake bits, then the duty cycle, inverted: 1023 is none.
+  // Per wheel: direction and brake bits, then the inverted duty cycle: 1023 means motor off.
   constexpr std::uint8_t kForwardBraked = 1;
   CanFrame frame;
   frame.id = kControlId;

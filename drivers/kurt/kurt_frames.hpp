@@ -19,11 +19,11 @@ struct WheelSpeeds {
   double right_mps = 0.0;
 };
 
-/// Speed control in the base's own controller, in steps of 1 cm/s. The base stops by itself when it
-/// hears nothing for 100 ms, so this is sent every 10 ms.
+/// Commands the base's own speed controller, in steps of 1 cm/s. The base stops by itself after 100
+/// ms without a frame, so this is sent every 10 ms.
 [[nodiscard]] CanFrame speed_command(const WheelSpeeds& speeds);
 
-/// Both motors off and braked.
+/// Switches both motors off and brakes them.
 [[nodiscard]] CanFrame hard_stop();
 
 /// Encoder ticks of the last 10 ms, positive forward.
@@ -35,7 +35,7 @@ struct EncoderTicks {
 using robot::Infrared;
 using robot::kInfraredCount;
 
-/// Part of the range finders, as one frame brings it: raw readings, empty where not in this frame.
+/// The range finders' raw readings in one frame; empty for those that are not in this frame.
 struct RangeReadings {
   std::array<std::optional<int>, kInfraredCount> infrared_raw;
   std::optional<int> sonar_raw;
@@ -63,8 +63,8 @@ struct MotorCurrents {
 using Report =
     std::variant<std::monostate, EncoderTicks, RangeReadings, Bumpers, Tilt, Gyro, MotorCurrents>;
 
-/// What a frame from the base says; std::monostate for those that say nothing of use to us, and
-/// for those shorter than their kind.
+/// Decodes a frame from the base; std::monostate for frames that we do not use, and for those that
+/// are too short.
 [[nodiscard]] Report decode(const CanFrame& frame);
 
 /// Range of a Sharp GP2D12, metres; empty for readings outside of what it can measure (100 to 800).

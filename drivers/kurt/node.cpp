@@ -22,10 +22,10 @@ constexpr time::Duration kRepeatStop = 1s;
 constexpr const char* kName = "nodmap-kurt";
 constexpr const char* kItsStart = "its start";
 constexpr std::size_t kMaxNameLength = 100;
-/// A command is 22 bytes: a line that does not take them in this time is stuck.
+/// A command is 22 bytes; a line that does not accept them in this time is stuck.
 constexpr time::Duration kWriteTimeout = 5ms;
 constexpr time::Duration kShutdownTimeout = 50ms;
-/// Variance of what the wheels know nothing of: height (m^2), roll and pitch (rad^2).
+/// Variance of what wheels cannot measure: height (m^2), roll and pitch (rad^2).
 constexpr double kUnknownVariance = 1e6;
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
@@ -35,7 +35,7 @@ std::span<const std::uint8_t> bytes_of(const std::string& text) {
   return {reinterpret_cast<const std::uint8_t*>(text.data()), text.size()};
 }
 
-/// The value, unless it is too old.
+/// The value; null if it is too old.
 template <class Value>
 const Value* fresh(const std::optional<Received<Value>>& received, time::SteadyTime steady) {
   return received && steady - received->at <= kSensorLife ? &received->value : nullptr;
@@ -45,7 +45,7 @@ float range_or_nan(std::optional<double> range_m) {
   return range_m ? static_cast<float>(*range_m) : kNan;
 }
 
-/// Covariance of x, y, yaw into that of x, y, z, roll, pitch, yaw.
+/// Writes the covariance of x, y, yaw as that of x, y, z, roll, pitch, yaw.
 void write_covariance(const Eigen::Matrix3d& covariance, double (&out)[6][6]) {
   constexpr int kAt[3] = {0, 1, 5};
   for (const int unknown : {2, 3, 4}) {
@@ -87,9 +87,9 @@ const char* describe(KurtState state, bool is_contested) {
     case KurtState::kNoLine:
       return "the serial line is not open";
     case KurtState::kNoBus:
-      return "the CAN bus is not open: the adapter does not answer, or not yet";
+      return "the CAN bus is not open: the adapter has not answered";
     case KurtState::kNoBase:
-      return "no encoder frames that wheels can have made: is the base switched on?";
+      return "no plausible encoder frames: is the base switched on?";
     case KurtState::kNoDrive:
       return is_contested ? "two processes send DRIVE: the robot is stationary until one has ended"
                           : "no DRIVE: the robot is stationary";
@@ -123,7 +123,7 @@ KurtNode::~KurtNode() {
 }
 
 void KurtNode::finish() {
-  // Whether it arrives is not in our hands: the base stops by itself when it hears nothing.
+  // Failure is acceptable: the base stops by itself when it receives nothing.
   link_.write(bytes_of(Kurt::shutdown_command()), clock_(), {.timeout = kShutdownTimeout});
   link_.end();
 }
@@ -133,7 +133,7 @@ void KurtNode::spin_once() {
   link_.poll(now);
   stop_on_alarm();
   if (now.steady >= next_control_) {
-    // In step with its own clock, unless it has fallen behind it.
+    // Keeps to the grid of control periods, unless it is more than a period late.
     next_control_ = std::max(next_control_, now.steady - kControlPeriod) + kControlPeriod;
     send(now);
   }
@@ -189,7 +189,7 @@ void KurtNode::on_drive(const nodmap::drive_t& message) {
 void KurtNode::on_stop(const nodmap::stop_t& message) {
   const std::string by = message.requested_by.substr(0, kMaxNameLength);
   if (by.starts_with(kName)) {
-    return;  // its own repetition, which may come after a newer word of somebody else
+    return;  // our own repetition, which may arrive after a newer STOP of another sender
   }
   context_.counts.use();
   const bool was_stopped = stopped_by_.has_value();
@@ -199,7 +199,7 @@ void KurtNode::on_stop(const nodmap::stop_t& message) {
   }
 }
 
-/// As if somebody had sent STOP: it drives on after a "go".
+/// Stops the robot as a STOP message does, until it is released.
 void KurtNode::stop_on_alarm() {
   if (const std::optional<Alarm> alarm = kurt_.take_alarm(); alarm && !stopped_by_) {
     stopped_by_ = name_of(*alarm);
@@ -212,7 +212,7 @@ void KurtNode::repeat_stop(const time::Moment& now) {
     next_stop_.reset();
     return;
   }
-  // First after a period: whoever stopped it has just said so himself.
+  // The first repetition comes after one period, because the sender has just published STOP itself.
   if (!next_stop_ || now.steady < *next_stop_) {
     next_stop_ = next_stop_.value_or(now.steady + kRepeatStop);
     return;
@@ -250,9 +250,10 @@ void KurtNode::log_change(const time::Moment& now) {
   const KurtState state = kurt_.state(now.steady);
   const char* text = describe(state, kurt_.is_contested(now.steady));
   const KurtState before = std::exchange(logged_state_, state);
-  if (state > before) {  // one step nearer to driving
+  if (state > before) {  // closer to driving
     log::get().info("{}", state == KurtState::kDriving ? "obeying DRIVE" : text);
-  } else if (state < before && state != KurtState::kNoLine) {  // that the link has logged
+  } else if (state < before &&
+             state != KurtState::kNoLine) {  // the loss of the line has been logged by the link
     log::get().warn("{}", text);
   }
 }
@@ -293,10 +294,10 @@ node::Health KurtNode::health() const {
   }
   if (stopped_by_) {
     return {node::HealthState::kDegraded,
-            "stopped by " + *stopped_by_ + ": stationary until told to go (nodmap-stop --go)"};
+            "stopped by " + *stopped_by_ + ": stationary until released (nodmap-stop --go)"};
   }
   if ((kurt_.session().flags() & (kErrorPassive | kBusError)) != 0) {
-    return {node::HealthState::kDegraded, "errors on the CAN bus: cable, termination?"};
+    return {node::HealthState::kDegraded, "errors on the CAN bus: check cable and termination"};
   }
   return {};
 }

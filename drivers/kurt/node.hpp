@@ -19,7 +19,7 @@
 
 namespace nodmap::kurt {
 
-/// The shell of the KURT2 driver: carries bytes between the serial line and Kurt, and messages
+/// The node of the KURT2 driver: transports bytes between the serial line and Kurt, and messages
 /// between Kurt and the bus.
 class KurtNode final : public node::DeviceNode {
  public:
@@ -30,14 +30,14 @@ class KurtNode final : public node::DeviceNode {
   /// Stops the robot, however the process ends.
   ~KurtNode() override;
 
-  /// Takes in what has arrived and, when it is time, tells the base what to do. Waits for nothing
-  /// but a port that does not take its bytes, and for that 5 ms.
+  /// Reads what has arrived and, when it is due, sends a command to the base. Blocks only if the
+  /// port does not accept bytes, for at most 5 ms.
   void spin_once() override;
 
   [[nodiscard]] std::array<int, 2> poll_handles() override;
   [[nodiscard]] time::Duration wait() const override;
 
-  /// Motors off, port closed.
+  /// Switches the motors off and closes the port.
   void finish() override;
 
   [[nodiscard]] nlohmann::json metrics() const override;
@@ -50,7 +50,7 @@ class KurtNode final : public node::DeviceNode {
   void on_stop(const nodmap::stop_t& message);
   void publish_odometry(const OdometrySample& sample);
   void publish_sensors(const time::Moment& now);
-  /// Says each second that the robot is stopped, to who has been started since.
+  /// Publishes STOP once a second while the robot is stopped, for processes that start later.
   void stop_on_alarm();
   void repeat_stop(const time::Moment& now);
   void log_change(const time::Moment& now);
@@ -59,7 +59,7 @@ class KurtNode final : public node::DeviceNode {
   Kurt kurt_;
   serial::SerialLink link_;
   std::function<time::Moment()> clock_;
-  /// Who stopped the robot; empty: it may drive. Each start is as after a STOP.
+  /// Who stopped the robot; empty: it may drive. The driver starts in the stopped state.
   std::optional<std::string> stopped_by_;
   std::optional<time::SteadyTime> next_stop_;
   std::int64_t stop_seq_ = 0;

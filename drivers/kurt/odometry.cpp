@@ -10,11 +10,13 @@ namespace nodmap::kurt {
 namespace {
 
 constexpr double kPeriodS = time::seconds(kEncoderPeriod);
-/// A wheel in the air was measured at 7.7 m/s (data/kurt); a bit error makes more.
+/// A wheel in the air was measured at 7.7 m/s (data/kurt); bit errors give more.
 constexpr double kFastestWheelMps = 2.0 * kTopSpeedMps;
-/// In a lost period the robot did what it did before, give or take a half.
+/// During a lost period the robot is assumed to move as before, with a standard deviation of half
+/// of that motion.
 constexpr double kBridgeSigmaRatio = 0.5;
-/// The base stops 100 ms after it hears nothing; then the robot brakes.
+/// How long the robot may roll on after the base has received nothing: 100 ms until it stops the
+/// motors, then braking.
 constexpr double kRollOnS = 0.5;
 
 /// sin(x) / x
@@ -64,7 +66,7 @@ void Odometry::bridge_gap(double gap_s) {
 }
 
 void Odometry::move(double distance_m, double rotation_rad, double sigma_ratio) {
-  // The chord of the arc has the heading at half the rotation.
+  // The chord of the arc points along the heading after half the rotation.
   const double chord_m = distance_m * sinc(0.5 * rotation_rad);
   const double direction_rad = state_.T_odom_base.yaw + 0.5 * rotation_rad;
   const double c = std::cos(direction_rad);
@@ -73,7 +75,8 @@ void Odometry::move(double distance_m, double rotation_rad, double sigma_ratio) 
   state_.T_odom_base.y += chord_m * s;
   state_.T_odom_base.yaw = geometry::normalize_angle(state_.T_odom_base.yaw + rotation_rad);
 
-  // To first order: how the new pose depends on the old one (F), and on distance and rotation (G).
+  // First-order derivatives of the new pose with respect to the old one (F), and to distance and
+  // rotation (G).
   Eigen::Matrix3d F = Eigen::Matrix3d::Identity();
   F(0, 2) = -chord_m * s;
   F(1, 2) = chord_m * c;
@@ -81,7 +84,7 @@ void Odometry::move(double distance_m, double rotation_rad, double sigma_ratio) 
   G << c, -0.5 * chord_m * s,  //
       s, 0.5 * chord_m * c,    //
       0.0, 1.0;
-  // Slips of one period are independent of those of the next: variances grow with the distance.
+  // The slip of one period is independent of that of the next, so variances grow with the distance.
   const double path_m = std::abs(distance_m);
   const Eigen::Vector2d variance(
       square(noise_.distance_sigma_m) * path_m + square(sigma_ratio * distance_m),

@@ -7,16 +7,16 @@
 
 namespace nodmap::kurt {
 
-/// What the KURT2 can do; no configuration goes beyond.
+/// Top speed of the KURT2; no configuration can exceed it.
 inline constexpr double kTopSpeedMps = 5.2;
 
-/// How a turn rate becomes wheel speeds.
+/// How a yaw rate is converted to wheel speeds.
 enum class Steering : std::uint8_t {
-  kCalibrated,  ///< so that odometry measures the turn rate that was asked for
-  kKurtDriver,  ///< v -+ axis * turn rate, as uos/kurt_driver does
+  kCalibrated,  ///< so that odometry measures the commanded yaw rate
+  kKurtDriver,  ///< v -+ axis * yaw rate, as uos/kurt_driver does
 };
 
-/// The wheels and how they move the robot. The defaults are those of the indoor KURT2.
+/// The wheels and how they move the robot. The defaults are for the indoor KURT2.
 struct WheelParams {
   double perimeter_m = 0.379;
   double axis_m = 0.28;
@@ -30,18 +30,18 @@ struct WheelParams {
              "Distance covered by one revolution of a wheel; outdoor KURT2 0.518.");
     v.number("axis_m", axis_m, {0.1, 1.0}, "Distance between left and right wheels; outdoor 0.39.");
     v.number("turning_adaptation", turning_adaptation, {0.1, 2.0},
-             "Ratio of the robot's rotation to the one its wheels would give without skidding; "
-             "outdoor 0.64.");
+             "Ratio of the robot's rotation to the rotation that its wheels would give without "
+             "slip; outdoor 0.64.");
     v.integer("ticks_per_revolution", ticks_per_revolution, {1, 1'000'000},
-              "Encoder ticks of one revolution of a wheel; kurt_fast 5120.");
-    v.choice(
-        "steering", steering,
-        {{"calibrated", Steering::kCalibrated}, {"kurt_driver", Steering::kKurtDriver}},
-        "How a turn rate becomes wheel speeds: so that odometry measures it, or as kurt_driver.");
+              "Encoder ticks per revolution of a wheel; kurt_fast 5120.");
+    v.choice("steering", steering,
+             {{"calibrated", Steering::kCalibrated}, {"kurt_driver", Steering::kKurtDriver}},
+             "Conversion of a yaw rate to wheel speeds: calibrated, so that odometry measures the "
+             "commanded rate, or as kurt_driver does it.");
   }
 };
 
-/// How uncertain odometry is. Variances grow in proportion to distance and rotation.
+/// The uncertainty of odometry. Variances grow in proportion to distance and rotation.
 struct OdometryNoiseParams {
   double distance_sigma_m = 0.02;
   double heading_sigma_rad = geometry::deg_to_rad(1.0);
@@ -59,7 +59,7 @@ struct OdometryNoiseParams {
   }
 };
 
-/// How fast wheels may run, and how fast that may change.
+/// Limits of the wheels' speed and of its change.
 struct SpeedLimits {
   double max_speed_mps = kTopSpeedMps;
   double max_acceleration_mps2 = 1.5;
@@ -68,15 +68,15 @@ struct SpeedLimits {
   template <class Visitor>
   void describe(Visitor& v) {
     v.number("max_speed_mps", max_speed_mps, {0.05, kTopSpeedMps},
-             "Fastest speed of a wheel; faster commands keep their curvature.");
+             "Greatest speed of a wheel; faster commands are scaled and keep their curvature.");
     v.number("max_acceleration_mps2", max_acceleration_mps2, {0.1, 10.0},
-             "Fastest gain of speed of a wheel.");
+             "Greatest acceleration of a wheel.");
     v.number("max_deceleration_mps2", max_deceleration_mps2, {0.1, 20.0},
-             "Fastest loss of speed of a wheel on command; a stop for safety has no limit.");
+             "Greatest deceleration of a wheel on command; a safety stop is not limited.");
   }
 };
 
-/// When the base's own senses slow or stop the robot.
+/// When the base's own sensors slow or stop the robot.
 struct GuardParams {
   bool use_ranges = true;
   double near_m = 0.25;
@@ -88,16 +88,19 @@ struct GuardParams {
   template <class Visitor>
   void describe(Visitor& v) {
     v.flag("use_ranges", use_ranges,
-           "Slow down before what the sonar sees ahead, and the infrared range finder behind.");
+           "Slow down before obstacles that the sonar detects ahead, or the infrared range finder "
+           "behind.");
     v.number("near_m", near_m, {0.1, 1.0},
-             "Nearer than this to what they see the robot only creeps; the sonar measures from "
-             "0.23 m on.");
-    v.number("creep_mps", creep_mps, {0.0, 1.0}, "Speed there.");
+             "Distance to such an obstacle below which the robot creeps; the sonar cannot measure "
+             "less than 0.23 m.");
+    v.number("creep_mps", creep_mps, {0.0, 1.0},
+             "Greatest speed nearer than near_m to such an obstacle.");
     v.flag("use_bumper", use_bumper, "Stop when a bumper is touched.");
     v.angle("max_tilt_deg", max_tilt_rad, {5.0, 90.0},
-            "Stop when the base is tilted by more for half a second: it falls, or is carried.");
+            "Stop when the base is tilted by more than this for half a second: it falls, or is "
+            "carried.");
     v.number("stall_s", stall_s, {0.1, 60.0},
-             "Stop when no wheel turns for so long although both should.");
+             "Stop when both wheels should turn and neither does for this long.");
   }
 };
 
@@ -113,7 +116,7 @@ struct KurtParams {
   template <class Visitor>
   void describe(Visitor& v) {
     v.text("device", device,
-           "Serial port of the CAN adapter, best as /dev/serial/by-id/...; must be given.");
+           "Serial port of the CAN adapter, preferably /dev/serial/by-id/...; required.");
     v.integer("baud", baud, {9600, 3'000'000},
               "Rate of the serial line, bit/s; 1000000 for the Lawicel CANUSB.");
     v.section("wheels", wheels);
@@ -121,7 +124,7 @@ struct KurtParams {
     v.section("limits", limits);
     v.section("guard", guard);
     v.number("drive_timeout_s", drive_timeout_s, {0.02, 0.2},
-             "The robot stops when no DRIVE has come for so long.");
+             "The robot stops when it has received no DRIVE for this long.");
     describe_renamed(v);
   }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// SLCAN: CAN frames as lines of text, as the Lawicel CANUSB and its clones speak it on a serial
+// SLCAN: CAN frames as lines of text, the protocol of the Lawicel CANUSB and its clones on a serial
 // line. A command ends with CR; the adapter answers CR (done) or BEL (refused).
 #pragma once
 
@@ -24,17 +24,17 @@ struct CanFrame {
   [[nodiscard]] bool operator==(const CanFrame&) const = default;
 };
 
-/// The line that sends this frame, with its CR.
+/// The command line that sends this frame, with its CR.
 [[nodiscard]] std::string to_line(const CanFrame& frame);
 
-/// The frame in a line (without its end); empty when it is no complete, valid frame.
+/// Parses the frame in a line (without its end); empty if it is not a complete, valid frame.
 [[nodiscard]] std::optional<CanFrame> parse_frame(std::string_view line);
 
-/// What an adapter says in one line.
+/// One line from the adapter.
 struct SlcanLine {
   enum class Kind : std::uint8_t {
     kFrame,    ///< a frame from the bus
-    kDone,     ///< a command was obeyed
+    kDone,     ///< a command was executed
     kRefused,  ///< a command was refused
     kFlags,    ///< the answer to `F`
   };
@@ -58,13 +58,13 @@ struct SlcanCounts {
   std::int64_t frames = 0;
   std::int64_t done = 0;
   std::int64_t refused = 0;
-  std::int64_t malformed = 0;  ///< looked like a frame, but too short, dlc > 8, not hexadecimal
-  std::int64_t too_long = 0;   ///< longer than any line can be: an end got lost
+  std::int64_t malformed = 0;  ///< like a frame, but too short, dlc > 8, or not hexadecimal
+  std::int64_t too_long = 0;   ///< longer than any line can be: a line end was lost
   std::int64_t unknown = 0;    ///< other letters: states, errors and versions of some adapters
 };
 
-/// Splits bytes into lines. Takes any bytes in any pieces; what makes no sense is counted and
-/// dropped up to the next line end.
+/// Splits received bytes into lines. Accepts any bytes in pieces of any size; invalid ones are
+/// counted and dropped up to the next line end.
 class SlcanParser {
  public:
   /// Calls `sink(const SlcanLine&)` for each line that these bytes complete.
@@ -77,10 +77,10 @@ class SlcanParser {
     }
   }
 
-  /// The line that this byte completes, if it completes one that says something.
+  /// Adds a byte; returns the line that it completes, if that is a valid one.
   std::optional<SlcanLine> take(std::uint8_t byte);
 
-  /// Forgets a line begun: another connection starts.
+  /// Drops an incomplete line, because a new connection starts.
   void restart();
 
   [[nodiscard]] const SlcanCounts& counts() const { return counts_; }

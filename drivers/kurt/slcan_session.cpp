@@ -4,14 +4,14 @@
 namespace nodmap::kurt {
 namespace {
 
-/// What the adapter says in this time after the closing belongs to what was before.
+/// Lines received within this time after closing belong to the previous session and are ignored.
 constexpr time::Duration kSettle = 100ms;
 constexpr time::Duration kAnswerTimeout = 200ms;
-/// The base sends its encoders every 10 ms: 50 of them missing in a row is no accident.
+/// The base sends its encoder ticks every 10 ms; 50 missing in a row are not an accident.
 constexpr time::Duration kMute = 500ms;
 constexpr time::Duration kFlagsPeriod = 1s;
 constexpr int kMaxAttempts = 3;
-/// An adapter that was reset by itself refuses every frame, for its channel is closed.
+/// An adapter that has reset itself refuses every frame, because its channel is closed.
 constexpr int kMaxRefusedInARow = 10;
 
 }  // namespace
@@ -48,7 +48,7 @@ std::string SlcanSession::enter(State state, time::SteadyTime now) {
 
 std::string SlcanSession::close_channel(time::SteadyTime now) {
   greeted_ = true;
-  // Empty lines first: they end whatever a former program left half written.
+  // Empty lines first: they end a command that a previous program left incomplete.
   return enter(State::kClosing, now) + "\r\r\rC\r";
 }
 

@@ -9,32 +9,32 @@
 
 namespace nodmap::kurt {
 
-/// Opens the CAN bus on an SLCAN adapter in any state, and notices when the adapter falls off it.
-/// Pure: lines and times in, text to send out. Times are microseconds of one monotonic clock.
+/// Opens the CAN bus on an SLCAN adapter in any state, and detects when the adapter leaves the bus.
+/// A pure state machine: lines and times in, text to send out.
 class SlcanSession {
  public:
-  /// The port has just been opened.
+  /// To be called when the port has been opened.
   void start(time::SteadyTime now);
 
-  /// The port is gone.
+  /// To be called when the port is gone.
   void stop() { state_ = State::kStopped; }
 
   /// Takes a line from the adapter.
   void take(const SlcanLine& line, time::SteadyTime now);
 
-  /// What to send now; often nothing. To be asked every 10 ms or so.
+  /// The text to send now, often empty. To be called about every 10 ms.
   [[nodiscard]] std::string poll(time::SteadyTime now);
 
-  /// Whether frames pass.
+  /// Whether frames can be sent and received.
   [[nodiscard]] bool is_open() const { return state_ == State::kOpen; }
 
-  /// Opening the bus has failed so often that the port itself should be opened anew.
+  /// Whether opening the bus has failed so often that the port itself should be reopened.
   [[nodiscard]] bool gave_up() const { return state_ == State::kGaveUp; }
 
   /// The adapter's error flags (SlcanFlag) when last asked.
   [[nodiscard]] std::uint8_t flags() const { return flags_; }
 
-  /// How often the bus was opened again because the adapter was mute or refused.
+  /// How often the bus was reopened because the adapter was silent or refused commands.
   [[nodiscard]] std::int64_t restarts() const { return restarts_; }
 
  private:

@@ -19,8 +19,8 @@ double allowed_fraction(double now, double target, double period_s, const SpeedL
 }  // namespace
 
 WheelSpeeds wheel_speeds(const DriveCommand& command, const WheelParams& wheels) {
-  // Odometry turns wheels into a turn rate by (right - left) / axis * turning_adaptation; this is
-  // the inverse. kurt_driver takes the whole axis on each side instead.
+  // Inverse of the odometry's yaw rate, (right - left) / axis * turning_adaptation. kurt_driver
+  // uses the whole axis on each side instead.
   const double moment_arm_m = wheels.steering == Steering::kKurtDriver
                                   ? wheels.axis_m
                                   : 0.5 * wheels.axis_m / wheels.turning_adaptation;
@@ -36,8 +36,8 @@ WheelSpeeds saturate(const WheelSpeeds& speeds, double max_speed_mps) {
 
 WheelSpeeds SpeedLimiter::step(const DriveCommand& target, double period_s) {
   const WheelSpeeds goal = saturate(wheel_speeds(target, wheels_), limits_.max_speed_mps);
-  // The same fraction for both wheels, the smaller one: so the robot keeps to the commanded curve
-  // from standstill and to standstill.
+  // Uses the smaller of the two fractions for both wheels, so that the robot follows the commanded
+  // curve also when it starts and stops.
   const double fraction =
       std::min(allowed_fraction(current_.left_mps, goal.left_mps, period_s, limits_),
                allowed_fraction(current_.right_mps, goal.right_mps, period_s, limits_));

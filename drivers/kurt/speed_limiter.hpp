@@ -14,10 +14,10 @@ struct DriveCommand {
 /// The wheel speeds that drive this command.
 [[nodiscard]] WheelSpeeds wheel_speeds(const DriveCommand& command, const WheelParams& wheels);
 
-/// Slower by the same factor on both sides where one is too fast: the curvature stays.
+/// Scales both speeds by the same factor if one is too fast; this keeps the curvature.
 [[nodiscard]] WheelSpeeds saturate(const WheelSpeeds& speeds, double max_speed_mps);
 
-/// Changes the wheel speeds towards the commanded ones, within the robot's limits.
+/// Moves the wheel speeds towards the commanded ones within the acceleration limits.
 class SpeedLimiter {
  public:
   SpeedLimiter(const WheelParams& wheels, const SpeedLimits& limits)
@@ -26,7 +26,7 @@ class SpeedLimiter {
   /// The wheel speeds for the next `period_s`.
   WheelSpeeds step(const DriveCommand& target, double period_s);
 
-  /// Zero, at once: a stop for safety has no limit.
+  /// Sets both speeds to zero at once: a safety stop is not limited.
   void stop() { current_ = {}; }
 
   [[nodiscard]] const WheelSpeeds& current() const { return current_; }

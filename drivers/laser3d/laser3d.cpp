@@ -11,18 +11,17 @@
 namespace nodmap::laser3d {
 namespace {
 
-// How long a laser may see nothing before it counts as blind: one nod. In every nod a laser meets
-// the floor, or what stands on it; one that meets nothing is blind, and the world it reports only
-// looks free. This is safe because an obstacle just behind the beam may stay unseen for a whole nod
-// anyway, and the robot keeps the distance that needs. Never less than a second, for a fast nod may
-// miss a reading or two.
+// The laser counts as blind after one period of the nod without readings, but not before this time,
+// because a fast nod may miss a reading or two. In every nod the beams hit the floor or something
+// on it; if they hit nothing, the laser is blind and the space only looks free. Waiting this long
+// is safe: an obstacle just behind the beam may stay unseen for a whole nod anyway, and the robot
+// keeps the distance that this requires.
 constexpr time::Duration kShortestBlind = 1s;
-// Two sweeps of 500 scans, the slowest that a pitch controller asks for (6.7 s each), and a
-// reserve. A head that nods even more slowly may look at the open sky for longer: then the robot
-// stops.
+// Two sweeps of 500 scans (6.7 s each), the slowest that the pitch controller commands, and a
+// reserve. If the head nods even more slowly and looks at the open sky for longer, the robot stops.
 constexpr time::Duration kLongestBlind = 15s;
 constexpr double kNodReserve = 1.1;
-// Fewer readings may be specks of dust or the laser's own noise.
+// Fewer readings may be dust or the laser's own noise.
 constexpr int kFewestReadings = 10;
 
 std::unique_ptr<ServoSession> make_servo(const Laser3dParams& params) {
@@ -38,7 +37,8 @@ std::unique_ptr<ServoSession> make_servo(const Laser3dParams& params) {
 Laser3d::Laser3d(const Laser3dParams& params)
     : params_(params),
       sick_(params.laser),
-      // The motor is controlled to 75 Hz, and the manual rounds its period: hence the bound.
+      // The bound on the drift allows for the motor's control to 75 Hz and for the rounded period
+      // in the manual.
       mirror_sync_({.tick = kMirrorPeriod, .wrap_ticks = 256, .max_drift = 0.002}),
       servo_(make_servo(params)),
       nod_(params.nod, params.robot),
@@ -158,7 +158,7 @@ void Laser3d::note_quality(const SickScan& scan) {
 }
 
 bool Laser3d::sees_something(const SickScan& scan) const {
-  // A covered window gives readings, too: of distance zero.
+  // Readings outside the valid range do not count: a covered window gives readings of zero.
   const auto counts = [this](double range_m) {
     return range_m >= params_.laser.range_min_m && range_m <= params_.laser.range_max_m;
   };
@@ -196,7 +196,7 @@ void Laser3d::join(time::SteadyTime now, Laser3dOutput& result) {
     result.scans.push_back(to_scan(std::move(*pitched)));
   }
   if (counts_.scans == 0) {
-    dropped_at_start_ = joiner_.dropped();  // the laser was there before the servo
+    dropped_at_start_ = joiner_.dropped();  // the laser was ready before the servo
   }
   counts_.scans_without_pitch = joiner_.dropped() - dropped_at_start_;
 }
@@ -230,16 +230,16 @@ Health Laser3d::health(time::SteadyTime now) const {
     return {Condition::kFailed, "laser: " + sick_.last_error()};
   }
   if (nod_.stalled()) {
-    return {Condition::kFailed, "servo: it is told to move and does not"};
+    return {Condition::kFailed, "servo: does not move when commanded to"};
   }
   if (is_blind(now)) {
-    return {Condition::kFailed, "laser: it sees nothing"};
+    return {Condition::kFailed, "laser: blind (no readings)"};
   }
   if (now - last_scan_ > kNoScan) {
     return {Condition::kFailed, "no scan could be given a pitch"};
   }
   if (status_.severity() >= kErrorSeverity) {
-    return {Condition::kDegraded, "laser: it reports an error of its own"};
+    return {Condition::kDegraded, "laser: reports an error"};
   }
   if (status_.polluted()) {
     return {Condition::kDegraded, "laser: the front window is dirty"};

@@ -15,13 +15,13 @@
 
 namespace nodmap::laser3d {
 
-/// What to do on a line, in this order.
+/// What to do on a serial line, in this order.
 struct LineAction {
   std::optional<int> baud;
   Bytes send;
 };
 
-/// Where the head is and where it is going, at each reading of the servo.
+/// The state of the head at one reading of the servo.
 struct PitchState {
   PitchSample sample;
   Nod::Aim aim;
@@ -30,7 +30,7 @@ struct PitchState {
   bool stalled = false;
 };
 
-/// A scan whose stamp is yet to be written: that is of the wall clock, which Laser3d does not know.
+/// A scan with a steady time instead of a stamp: Laser3d does not know the wall clock.
 struct SteadyScan {
   time::SteadyTime first_beam;
   scan::Scan scan;
@@ -45,23 +45,22 @@ struct Laser3dOutput {
 
 enum class Condition : std::uint8_t { kOk, kDegraded, kFailed };
 
-/// What is wrong with the scanner, if anything.
+/// The health of the scanner.
 struct Health {
   Condition condition = Condition::kOk;
   std::string reason;  ///< one sentence; empty when OK
 };
 
-/// Runs the nodding 3D scanner: joins laser and servo, each in its own conversation, into scans
-/// that know their pitch. Bytes and times in; bytes, scans and pitch states out. All times
-/// are of the caller's steady clock.
+/// Runs the nodding 3D scanner: a session with the laser and one with the servo, whose data it
+/// joins into pitched scans. Bytes and times in; bytes, scans and pitch states out.
 class Laser3d {
  public:
   struct Counts {
     std::int64_t scans = 0;
-    std::int64_t scans_without_pitch = 0;  ///< since the first one with
-    std::int64_t telegrams_missed = 0;     ///< by the sensor's own count
+    std::int64_t scans_without_pitch = 0;  ///< since the first scan with a pitch
+    std::int64_t telegrams_missed = 0;     ///< by the sensor's own counter
     std::int64_t dazzled_beams = 0;
-    std::int64_t scans_blind = 0;  ///< held back while the laser saw nothing
+    std::int64_t scans_blind = 0;  ///< not published while the laser was blind
   };
 
   explicit Laser3d(const Laser3dParams& params);
@@ -76,10 +75,10 @@ class Laser3d {
   /// To be called at least every few milliseconds.
   [[nodiscard]] Laser3dOutput poll(time::SteadyTime now);
 
-  /// Nods over `area` from now on; false when it is no area (Nod::command).
+  /// Nods over `area` from now on; false if it is invalid (see Nod::command).
   bool command(const AreaOfInterest& area, time::SteadyTime now);
 
-  /// Ends the stream; to be polled on until laser_at_rest().
+  /// Ends the stream. Call poll() until laser_at_rest().
   [[nodiscard]] Laser3dOutput shut_down(time::SteadyTime now);
   [[nodiscard]] bool laser_at_rest() const { return sick_.state() == SickSession::State::kClosed; }
 
@@ -105,7 +104,7 @@ class Laser3d {
   SickParser parser_;
   PassiveSync mirror_sync_;
   std::optional<std::uint8_t> last_telegram_index_;
-  std::int64_t connections_ = 0;  // of the sensor, when that was
+  std::int64_t connections_ = 0;  // number of connections of the sensor at that time
   std::unique_ptr<ServoSession> servo_;
   Nod nod_;
   ScanJoiner joiner_;
@@ -113,10 +112,10 @@ class Laser3d {
   std::int64_t scan_seq_ = 0;
   std::int64_t dropped_at_start_ = 0;
   time::SteadyTime last_scan_;
-  std::optional<time::SteadyTime> last_sight_;  // when a scan last saw something
+  std::optional<time::SteadyTime> last_sight_;  // time of the last scan with readings
   SickStatusByte status_;
   double dazzled_ratio_ = 0.0;
-  double unmeasured_ratio_ = 0.0;  // dazzled beams among them
+  double unmeasured_ratio_ = 0.0;  // including dazzled beams
   Counts counts_;
 };
 

@@ -9,11 +9,11 @@
 namespace nodmap::laser3d {
 namespace {
 
-// Near enough to an end to reverse there: half of the scanner's step of 0.25 degrees (paper, II).
+// The head reverses this near to an end: half of the scanner's step of 0.25 degrees (paper, II).
 constexpr double kArrivedRad = geometry::deg_to_rad(0.125);
-// A servo under load stops short of its goal: a head at rest that is so near has arrived.
+// A servo under load stops short of its goal, so a head at rest this near to the end has arrived.
 constexpr double kNearRad = geometry::deg_to_rad(2.0);
-constexpr double kAtRestRatio = 0.1;  // of the speed asked for
+constexpr double kAtRestRatio = 0.1;  // of the commanded speed
 
 // An area of interest narrower than this is a fixed pitch.
 constexpr double kFixedRad = geometry::deg_to_rad(0.5);
@@ -21,15 +21,15 @@ constexpr double kFixedRad = geometry::deg_to_rad(0.5);
 constexpr double kLongestSweepS = 3600.0;
 
 constexpr time::Duration kStarting = 100ms;
-// A change of pitch by this much is movement: six steps of the servo's encoder, more than it
-// trembles by.
+// A change of pitch by this much is movement: six steps of the servo's encoder, more than its
+// jitter.
 constexpr double kMovedRad = geometry::deg_to_rad(0.5);
-// Eight readings at 200 a second. Kept short, because until the stall is known the robot drives
+// Eight readings at 200 per second. Short, because until a stall is detected the robot drives
 // towards what the laser does not see.
 constexpr time::Duration kMovePatience = 40ms;
 constexpr time::Duration kSilence = 300ms;
 constexpr double kSlowestRadS = 0.05;
-constexpr double kReversalDelayS = 0.020;  // until the command to reverse has reached the servo
+constexpr double kReversalDelayS = 0.020;  // until the servo has received the command to reverse
 
 }  // namespace
 
@@ -85,7 +85,7 @@ AreaOfInterest Nod::within_limits(AreaOfInterest area) const {
 }
 
 double Nod::speed_for(const AreaOfInterest& area) const {
-  // A sweep takes range / v, and v / a for the reversal: solved for v.
+  // A sweep takes range / v, plus v / a for the reversal; solved for v.
   const double range = area.max_rad - area.min_rad;
   const double a = robot_.head.pitch_acceleration_rad_s2;
   const double root = area.sweep_s * area.sweep_s - 4.0 * range / a;
@@ -97,7 +97,8 @@ double Nod::speed_for(const AreaOfInterest& area) const {
 bool Nod::has_arrived(const PitchSample& where, const AreaOfInterest& area) const {
   const double left = upwards_ ? area.max_rad - where.pitch_rad : where.pitch_rad - area.min_rad;
   const double rate = upwards_ ? where.rate_rad_s : -where.rate_rad_s;
-  // Just reversed it is at rest, too: the rate says nothing before it has had time to move.
+  // Just after a reversal the head is also at rest, so the rate is ignored until it has had time to
+  // move.
   const bool at_rest =
       where.stamp - reversed_ > kStarting && rate < kAtRestRatio * aim_.speed_rad_s;
   return left <= kArrivedRad || (left <= kNearRad && at_rest);
@@ -109,7 +110,7 @@ void Nod::watch_for_stall(const PitchSample& where) {
   if (holds || moves) {
     stalled_ = false;
   }
-  // After a silence nobody knows what the head did meanwhile.
+  // After a silence it is unknown whether the head has moved meanwhile.
   if (!moved_ || holds || moves || where.stamp - last_stamp_ > kSilence) {
     moved_ = where;
   }

@@ -11,15 +11,15 @@
 
 namespace nodmap::laser3d {
 
-/// Between which pitches the laser is to nod, and how long from one to the other.
+/// The pitches between which the laser nods, and the duration of a sweep.
 struct AreaOfInterest {
   double min_rad = 0.0;  ///< positive looks up
-  double max_rad = 0.0;  ///< equal to min_rad: the laser is held there
+  double max_rad = 0.0;  ///< if equal to min_rad, the laser is held there
   double sweep_s = 1.0;
 };
 
 struct NodParams {
-  /// Where to nod while nobody commands, or when the last command is too old.
+  /// The area without a command, or when the last command is too old.
   AreaOfInterest fallback{.min_rad = geometry::deg_to_rad(-40.0),
                           .max_rad = geometry::deg_to_rad(15.0),
                           .sweep_s = 0.8};
@@ -28,18 +28,19 @@ struct NodParams {
   template <class Visitor>
   void describe(Visitor& v) {
     v.angle("default_min_deg", fallback.min_rad, {-90.0, 90.0},
-            "Lower end of the sweep while nobody commands.");
+            "Lower end of the sweep without PITCH_COMMAND.");
     v.angle("default_max_deg", fallback.max_rad, {-90.0, 90.0},
-            "Upper end of the sweep while nobody commands; equal to the lower: held there.");
+            "Upper end of the sweep without PITCH_COMMAND; if equal to the lower end, the laser is "
+            "held there.");
     v.number("default_sweep_s", fallback.sweep_s, {0.1, 60.0},
-             "Time from one end to the other while nobody commands.");
+             "Sweep duration without PITCH_COMMAND.");
     v.number("command_timeout_s", command_timeout_s, {0.1, 10.0},
-             "A PITCH_COMMAND older than this counts no more.");
+             "A PITCH_COMMAND older than this is no longer obeyed.");
   }
 };
 
-/// Moves the head to and fro between two pitches at constant speed, without a stop at the ends. It
-/// reverses where the laser is measured to have arrived, not where it should be by now.
+/// Moves the head back and forth between two pitches at constant speed, without stopping at the
+/// ends. It reverses when the measured pitch reaches the end, not at a computed time.
 class Nod {
  public:
   struct Aim {
@@ -47,23 +48,23 @@ class Nod {
     double speed_rad_s = 0.0;
   };
 
-  /// `robot` says what the mechanics can do: pitch limits, rate and acceleration.
+  /// `robot` gives the limits of the mechanics: pitch, rate and acceleration.
   Nod(const NodParams& params, const robot::RobotParams& robot) : params_(params), robot_(robot) {}
 
-  /// Nods over `area` from now on, until another command comes or this one is too old. What the
-  /// mechanics cannot do is cut off. False, and nothing changes, when it is no area: not finite, or
+  /// Nods over `area` from now on, until another command or until this one is too old. Limits it to
+  /// what the mechanics can do. Returns false and changes nothing if it is invalid: not finite, or
   /// min above max.
   bool command(const AreaOfInterest& area, time::SteadyTime now);
 
-  /// Where to go, given where the laser is.
+  /// The goal and speed for the servo, given the measured pitch.
   [[nodiscard]] Aim step(const PitchSample& where, time::SteadyTime now);
 
-  /// Whether the head was told to move and does not. Known within 130 ms at the speeds of a robot
-  /// that drives (up to 1 rad/s), within 220 ms at 3 rad/s.
+  /// Whether the head does not move although commanded to. Detected within 130 ms at the speeds of
+  /// a robot that drives (up to 1 rad/s), within 220 ms at 3 rad/s.
   [[nodiscard]] bool stalled() const { return stalled_; }
-  /// How long a nod takes, to the other end and back; 0 when the laser is held.
+  /// The period of the nod, two sweeps; 0 when the laser is held.
   [[nodiscard]] time::Duration nod_period(time::SteadyTime now) const;
-  /// Counts the sweeps, each from one end to the other: odd ones run against even ones.
+  /// The number of the present sweep; even and odd ones have opposite directions.
   [[nodiscard]] std::int64_t sweep() const { return sweep_; }
   [[nodiscard]] const Aim& aim() const { return aim_; }
 
@@ -73,8 +74,8 @@ class Nod {
   [[nodiscard]] double speed_for(const AreaOfInterest& area) const;
   [[nodiscard]] bool has_arrived(const PitchSample& where, const AreaOfInterest& area) const;
   void watch_for_stall(const PitchSample& where);
-  /// How long the head may stay within half a degree: twice what that takes, the reversal at an
-  /// end, a reserve.
+  /// How long the head may stay within half a degree: twice the time needed for that angle, the
+  /// reversal at an end, and a reserve.
   [[nodiscard]] time::Duration patience(const PitchSample& where) const;
   void reverse(time::SteadyTime stamp);
 
@@ -87,7 +88,7 @@ class Nod {
   std::int64_t sweep_ = 0;
   time::SteadyTime reversed_;
   bool nods_ = false;
-  std::optional<PitchSample> moved_;  // where the head was when it last had moved
+  std::optional<PitchSample> moved_;  // the head's position when it last had moved
   time::SteadyTime last_stamp_;
   bool stalled_ = false;
 };

@@ -12,8 +12,8 @@
 namespace nodmap::laser3d {
 namespace {
 
-// At this rate the sensor takes bytes only with a pause of at least 55 us after each. Requests are
-// short, and rare once the stream runs.
+// At this rate the sensor needs a pause of at least 55 us after each byte. Requests are short, and
+// rare once the stream runs.
 constexpr int kPacedBaud = 500'000;
 constexpr time::Duration kBytePause = 60us;
 
@@ -188,7 +188,7 @@ node::Health Laser3dNode::health() const {
   const time::SteadyTime now = clock_().steady;
   if (sender_.is_contested(now)) {
     return {node::HealthState::kFailed,
-            "two processes send PITCH_COMMAND: none is obeyed until one has ended"};
+            "two processes send PITCH_COMMAND: neither is obeyed until one has ended"};
   }
   const Health health = driver_.health(now);
   switch (health.condition) {

@@ -15,7 +15,7 @@
 
 namespace nodmap::laser3d {
 
-/// The shell of the 3D scanner: carries bytes between two serial lines and Laser3d, and messages
+/// The node of the 3D scanner: transports bytes between two serial lines and Laser3d, and messages
 /// between Laser3d and the bus.
 class Laser3dNode final : public node::DeviceNode {
  public:
@@ -30,15 +30,15 @@ class Laser3dNode final : public node::DeviceNode {
   Laser3dNode(node::Context& context, const Laser3dParams& params, Openers open,
               std::function<time::Moment()> clock);
 
-  /// Takes in what has arrived, sends what is due. Waits for nothing but a port that does not take
-  /// its bytes, and for that 50 ms.
+  /// Reads what has arrived and sends what is due. Blocks only if a port does not accept bytes, for
+  /// at most 50 ms.
   void spin_once() override;
 
   [[nodiscard]] std::array<int, 2> poll_handles() override;
-  /// The conversations with laser and servo look after their time-outs.
+  /// The sessions with laser and servo need regular calls for their timeouts.
   [[nodiscard]] time::Duration wait() const override { return kPollPeriod; }
 
-  /// Ends the laser's stream, so that the next start is quick.
+  /// Ends the laser's stream, which makes the next start quick.
   void shut_down() override;
   [[nodiscard]] bool is_shut_down() const override { return driver_.laser_at_rest(); }
 

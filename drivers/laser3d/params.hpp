@@ -11,7 +11,7 @@
 
 namespace nodmap::laser3d {
 
-/// Where the mirror is, seen from the pitch axis.
+/// The position of the mirror relative to the pitch axis.
 struct MirrorOffsetParams {
   double forward_m = 0.0;
   double up_m = 0.0;
@@ -19,8 +19,9 @@ struct MirrorOffsetParams {
   template <class Visitor>
   void describe(Visitor& v) {
     v.number("forward_m", forward_m, {-0.5, 0.5},
-             "Mirror's centre ahead of the pitch axis, at pitch 0.");
-    v.number("up_m", up_m, {-0.5, 0.5}, "Mirror's centre above the pitch axis, at pitch 0.");
+             "Distance of the mirror's centre ahead of the pitch axis, at pitch 0.");
+    v.number("up_m", up_m, {-0.5, 0.5},
+             "Height of the mirror's centre above the pitch axis, at pitch 0.");
   }
 };
 

@@ -7,9 +7,9 @@
 namespace nodmap::laser3d {
 namespace {
 
-// No latency is as long as this: one of the clocks has been set.
+// No latency is this long: one of the clocks must have been set.
 constexpr time::FineDuration kImpossiblyLate = 250ms;
-// And none is this long for a whole window.
+// No latency stays this long for a whole window.
 constexpr time::FineDuration kSuspiciouslyLate = 5ms;
 constexpr time::Duration kWindow = 1s;
 
@@ -17,7 +17,7 @@ constexpr time::Duration kWindow = 1s;
 
 time::SteadyTime PassiveSync::to_host(std::int64_t ticks, time::SteadyTime stamp) {
   const double silence_ticks = (stamp - last_stamp_) / clock_.tick;
-  // After half a round of the counter nobody knows how often it has wrapped.
+  // After half a period of the counter it is unknown how often it has wrapped.
   if (!started_ || stamp < last_stamp_ ||
       silence_ticks > 0.5 * static_cast<double>(clock_.wrap_ticks)) {
     start(ticks, stamp);

@@ -7,34 +7,34 @@
 
 namespace nodmap::laser3d {
 
-/// What is known of a device's clock.
+/// The properties of a device's clock.
 struct DeviceClock {
   time::FineDuration tick = 1ms;  ///< nominal
-  std::int64_t wrap_ticks = 0;    ///< it counts modulo this
-  double max_drift = 0.001;       ///< how far its rate, compared with the host's, may be off
+  std::int64_t wrap_ticks = 0;    ///< the counter counts modulo this
+  double max_drift = 0.001;       ///< greatest relative error of its rate, compared with the host's
 };
 
-/// When something happened, by the host's clock, from the device's own count and the host's stamps,
-/// which are late by a latency that varies (Olson 2010, "A passive solution to the sensor
-/// synchronization problem").
+/// Computes when an event happened on the host's clock, from the device's own counter and the
+/// host's stamps, which are late by a varying latency (Olson 2010, "A passive solution to the
+/// sensor synchronization problem").
 ///
-/// Two bounds hold for the host time of an event: it is not later than its own stamp, and not later
-/// than that of any earlier event plus the device time between, were the device's clock as slow as
-/// it may be. The estimate is the least of them: it follows the smallest latency seen, is never
+/// The host time of an event has two bounds: it is not later than its own stamp, and not later than
+/// the stamp of any earlier event plus the device time in between, for the slowest permitted device
+/// clock. The estimate is the smallest of these: it follows the smallest latency observed, is never
 /// later than the stamp, and forgets a small latency only at the rate of the drift. The constant
-/// part of the latency cannot be seen from here and is the caller's to subtract.
+/// part of the latency cannot be observed; the caller must subtract it.
 class PassiveSync {
  public:
   explicit PassiveSync(const DeviceClock& clock) : clock_(clock) {}
 
-  /// The estimate for an event the device counted at `ticks` (modulo the wrap) and the host
-  /// stamped at `stamp`. Events in the order they happened.
+  /// The estimate for an event with the device count `ticks` (modulo the wrap) and the host stamp
+  /// `stamp`. Events must be given in their order.
   [[nodiscard]] time::SteadyTime to_host(std::int64_t ticks, time::SteadyTime stamp);
 
-  /// Forgets what was learned: the device has been restarted.
+  /// Starts again, because the device has been restarted.
   void reset() { started_ = false; }
 
-  /// How often it had to start anew because the clocks no longer fitted.
+  /// How often it has started again because the clocks no longer agreed.
   [[nodiscard]] std::int64_t restarts() const { return restarts_; }
 
  private:

@@ -8,11 +8,11 @@ namespace nodmap::laser3d {
 namespace {
 
 constexpr time::Duration kHistory = 1s;
-// Between samples farther apart than this nobody knows what the head did.
+// Between samples farther apart than this the pitch is unknown.
 constexpr time::Duration kMaxGap = 60ms;
-// How long a revolution waits for a sample after its last beam.
+// How long a revolution waits for a pitch sample later than its last beam.
 constexpr time::Duration kPitchPatience = 30ms;
-// More revolutions than can wait for so long at 75 Hz, with room for bursts.
+// More than the revolutions that wait for this long at 75 Hz, with room for bursts.
 constexpr std::size_t kMostWaiting = 16;
 
 }  // namespace

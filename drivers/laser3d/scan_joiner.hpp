@@ -17,7 +17,7 @@ struct JoinerParams {
   template <class Visitor>
   void describe(Visitor& v) {
     v.number("max_extrapolation_s", max_extrapolation_s, {0.0, 0.1},
-             "How far beyond the newest servo reading a pitch is still told.");
+             "How far beyond the newest servo reading the pitch is extrapolated.");
   }
 };
 
@@ -29,8 +29,8 @@ struct PitchedRevolution {
 };
 
 /// Joins the two streams: gives each mirror revolution the pitch at its first and last beam,
-/// interpolated between the servo's samples. A revolution whose pitch is not known is dropped: a
-/// scan at the wrong pitch is worse than none.
+/// interpolated between the servo's samples. A revolution with unknown pitch is dropped, because a
+/// scan with a wrong pitch is worse than none.
 class ScanJoiner {
  public:
   explicit ScanJoiner(const JoinerParams& params = {}) : params_(params) {}
@@ -39,16 +39,16 @@ class ScanJoiner {
   void add(const PitchSample& sample);
   void add(MirrorRevolution revolution);
 
-  /// The next revolution that can be joined, in order. Empty when there is none (yet).
+  /// The next revolution whose pitch is known, in order; empty if there is none yet.
   [[nodiscard]] std::optional<PitchedRevolution> next(time::SteadyTime now);
 
-  /// The pitch at a time; empty when no sample is near enough.
+  /// The pitch at a time, rad; empty if no sample is near enough.
   [[nodiscard]] std::optional<double> pitch_at(time::SteadyTime stamp) const;
 
-  /// Forgets the samples: the servo is gone.
+  /// Forgets all samples, because the servo is gone.
   void forget_pitch() { samples_.clear(); }
 
-  /// Revolutions dropped because their pitch was not known.
+  /// Number of revolutions dropped because their pitch was unknown.
   [[nodiscard]] std::int64_t dropped() const { return dropped_; }
 
  private:

@@ -7,8 +7,8 @@
 
 namespace nodmap::serial {
 
-/// When to try again what failed: soon after the first time, then at growing distances, so that a
-/// device that is gone for the day costs nothing. Pure: the time comes from the caller's clock.
+/// Decides when to retry: soon after the first failure, then after growing pauses, so that a device
+/// that is absent for long costs nothing. It has no clock of its own.
 class BackOff {
  public:
   static constexpr time::Duration kFirst = 100ms;
@@ -22,13 +22,13 @@ class BackOff {
     return std::max(next_ - now, time::Duration{});
   }
 
-  /// An attempt has failed.
+  /// To be called when an attempt has failed.
   void failed(time::SteadyTime now) {
     next_ = now + delay_;
     delay_ = std::min(2 * delay_, kLongest);
   }
 
-  /// What is tried works: the next failure is a first one again.
+  /// To be called when an attempt has succeeded: the next failure counts as the first again.
   void succeeded() {
     delay_ = kFirst;
     next_ = {};

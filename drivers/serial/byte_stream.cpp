@@ -18,7 +18,7 @@ namespace {
 using SteadyClock = std::chrono::steady_clock;
 using std::chrono::nanoseconds;
 
-/// poll() until `deadline`, whatever signals come; 0 on time-out.
+/// Calls poll() until `deadline`, also after interruptions by signals; 0 on timeout.
 int poll_until(std::span<pollfd> entries, SteadyClock::time_point deadline) {
   while (true) {
     const auto left = std::max<nanoseconds>(deadline - SteadyClock::now(), nanoseconds(0));
@@ -44,7 +44,7 @@ StopEvent::~StopEvent() {
 
 void StopEvent::raise() const noexcept {
   const std::uint64_t one = 1;
-  // The only failure is a counter that is full, and then the event is raised already.
+  // It can only fail if the counter is full, and then the event is already raised.
   [[maybe_unused]] const ssize_t written = ::write(fd_, &one, sizeof one);
 }
 
@@ -57,7 +57,7 @@ ReadResult DescriptorStream::read(std::span<std::uint8_t> buffer, time::Duration
   if (!connected_) {
     return {IoStatus::kDisconnected, 0};
   }
-  // A negative descriptor is one that poll() leaves out.
+  // poll() ignores a negative descriptor.
   std::array<pollfd, 2> entries{{{fd_, POLLIN, 0}, {-1, POLLIN, 0}}};
   if (stop_ != nullptr) {
     entries[1].fd = stop_->poll_handle();
@@ -82,7 +82,7 @@ ReadResult DescriptorStream::read_now(std::span<std::uint8_t> buffer) {
   if (count < 0 && (errno == EAGAIN || errno == EINTR)) {
     return {IoStatus::kTimeout, 0};
   }
-  // A terminal that polls readable and has no byte to give has been hung up; so says EIO, too.
+  // A terminal that is readable but returns no byte has been hung up; EIO means the same.
   connected_ = false;
   return {IoStatus::kDisconnected, 0};
 }

@@ -12,9 +12,9 @@ namespace nodmap::serial {
 
 enum class IoStatus : std::uint8_t {
   kOk,
-  kTimeout,       ///< nothing (read) or not everything (write) within the time given
+  kTimeout,       ///< nothing read, or not everything written, within the timeout
   kStopped,       ///< the stop event was raised while waiting to read
-  kDisconnected,  ///< the device is gone; this stream will not come back, open another
+  kDisconnected,  ///< the device is gone; this stream cannot recover, open a new one
 };
 
 struct ReadResult {
@@ -22,35 +22,36 @@ struct ReadResult {
   std::size_t count = 0;  ///< bytes read; more than 0 exactly when the status is kOk
 };
 
-/// Bytes to and from a device. A failure is a value, not an exception: devices do get unplugged.
+/// Bytes to and from a device. Failures are return values, not exceptions, because devices do get
+/// unplugged.
 class ByteStream : private boost::noncopyable {
  public:
   virtual ~ByteStream() = default;
 
-  /// Waits at most `timeout` for bytes (0: does not wait) and takes those that are there. A raised
-  /// stop event ends the wait at once.
+  /// Reads the bytes that are available, waiting for them at most `timeout` (0: does not wait). A
+  /// raised stop event ends the wait at once.
   [[nodiscard]] virtual ReadResult read(std::span<std::uint8_t> buffer, time::Duration timeout) = 0;
 
-  /// Writes all of `bytes`, or as many as the device takes within `timeout`. The stop event does
-  /// not shorten a write: the last thing a driver does is to write "stop".
+  /// Writes all of `bytes`, or as many as the device accepts within `timeout`. The stop event does
+  /// not interrupt a write, because the last thing that a driver writes is the stop command.
   [[nodiscard]] virtual IoStatus write(std::span<const std::uint8_t> bytes,
                                        time::Duration timeout) = 0;
 
   /// Changes the line rate, bit/s; false when the device refuses it.
   [[nodiscard]] virtual bool set_baud(int baud) = 0;
 
-  /// Drops what has arrived but has not been read.
+  /// Drops bytes that have arrived but have not been read.
   virtual void discard_input() = 0;
 
   /// False from the moment a read or write found the device gone.
   [[nodiscard]] virtual bool connected() const = 0;
 
-  /// The descriptor to watch in a poll loop together with others; reading is still through read().
+  /// The descriptor, to be used with others in poll(). Read through read() only.
   [[nodiscard]] virtual int poll_handle() const = 0;
 };
 
-/// Ends a wait from outside: once raised it stays raised. raise() may be called from another thread
-/// and from a signal handler.
+/// Ends a waiting read from outside. Once raised it stays raised. raise() may be called from
+/// another thread or a signal handler.
 class StopEvent : private boost::noncopyable {
  public:
   /// Throws std::system_error when the process has no descriptors left.
@@ -67,8 +68,8 @@ class StopEvent : private boost::noncopyable {
   int fd_;
 };
 
-/// Reads and writes a non-blocking descriptor that the derived class opens, configures and closes:
-/// what serial ports and pseudo-terminals have in common.
+/// Reads and writes a non-blocking descriptor; the derived class opens, configures and closes it.
+/// The common part of serial ports and pseudo-terminals.
 class DescriptorStream : public ByteStream {
  public:
   /// `stop` may be null; otherwise it must outlive the stream.

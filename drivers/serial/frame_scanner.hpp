@@ -28,18 +28,18 @@ void append_little(Bytes& bytes, Integer value) {
       bytes.data() + bytes.size() - sizeof value, value);
 }
 
-/// What a frame format says about the bytes at the front of the line.
+/// A frame format's classification of the bytes at the front.
 struct FrameStart {
   enum class Kind : std::uint8_t {
     kNone,         ///< no frame begins with this byte
-    kImplausible,  ///< it looks like the start of a frame, but its length or structure cannot be
+    kImplausible,  ///< like the start of a frame, but with an impossible length or structure
     kPlausible,
   };
   Kind kind = Kind::kNone;
-  std::size_t size = 0;  ///< of the whole frame; of its header while that has not come completely
+  std::size_t size = 0;  ///< of the whole frame; of its header while that is incomplete
 };
 
-/// How a device packs what it sends: frames with a recognizable start, a length and a checksum.
+/// A device's frame format: a recognizable start, a length and a checksum.
 struct FrameFormat {
   /// `in_step`: no byte was skipped since the last whole frame.
   FrameStart (*start)(ByteView bytes, bool in_step);
@@ -47,50 +47,50 @@ struct FrameFormat {
   bool (*checksum_holds)(ByteView frame);
 };
 
-/// A whole frame whose checksum holds. Its bytes are valid until the scanner is fed again.
+/// A complete frame with a correct checksum. Its bytes are valid until the scanner is fed again.
 struct Frame {
   time::SteadyTime first_byte;  ///< when its first byte arrived
   ByteView bytes;
 };
 
-/// Finds frames in a stream of bytes that may be cut, mixed with noise or damaged.
+/// Finds frames in a stream of bytes that may be truncated, mixed with noise or damaged.
 ///
-/// A frame with an impossible length, structure or checksum was a false start: the search goes on
-/// one byte behind its first one, so that a whole frame inside it is never lost. Keeps less than
+/// A frame with an impossible length, structure or checksum is a false start: the search continues
+/// one byte after its first one, so that a complete frame inside it is never lost. Stores less than
 /// one frame and the bytes of one feed().
 class FrameScanner {
  public:
-  /// What was dropped, by cause.
+  /// Counts of what was dropped, by cause.
   struct Errors {
     std::int64_t checksum = 0;
-    std::int64_t implausible = 0;    ///< false starts by their length or structure
-    std::int64_t expired = 0;        ///< frames that were never finished
-    std::int64_t skipped_bytes = 0;  ///< that belong to no frame
+    std::int64_t implausible = 0;    ///< false starts, recognised by length or structure
+    std::int64_t expired = 0;        ///< frames that were never completed
+    std::int64_t skipped_bytes = 0;  ///< bytes that belong to no frame
   };
 
-  /// A pause within a frame is at most 14 ms (SICK); after this long the rest will not come.
+  /// After this long without a byte a frame is given up. A pause within a frame is at most 14 ms
+  /// (SICK).
   static constexpr time::Duration kExpiry = 250ms;
 
   FrameScanner(const FrameFormat& format, int baud) : format_(format) { reset(baud); }
 
-  /// Forgets all bytes: from now on the line has the rate `baud`, bit/s.
+  /// Forgets all bytes; from now on the line has the rate `baud`, bit/s.
   void reset(int baud);
 
-  /// Takes bytes of which the last was read at `now`.
+  /// Adds bytes, the last of which was read at `now`.
   void feed(ByteView bytes, time::SteadyTime now);
 
-  /// Gives up a frame begun when nothing has come for kExpiry: what is there will not be
-  /// finished.
+  /// Gives up an incomplete frame when nothing has been received for kExpiry.
   void expire(time::SteadyTime now);
 
-  /// The next whole frame in what was fed, or nothing.
+  /// The next complete frame in the bytes fed so far, if any.
   [[nodiscard]] std::optional<Frame> next();
 
   [[nodiscard]] const Errors& errors() const { return errors_; }
 
  private:
   struct Mark {
-    std::int64_t end = 0;  // position in the stream behind the last byte of one feed
+    std::int64_t end = 0;  // position in the stream after the last byte of one feed
     time::SteadyTime stamp;
   };
 

@@ -54,8 +54,8 @@ bool SerialLink::write(std::span<const std::uint8_t> bytes, const time::Moment& 
   }
   const IoStatus status = write_all(bytes, options);
   if (status != IoStatus::kOk) {
-    give_up(now,
-            status == IoStatus::kTimeout ? "the line takes no bytes" : "the line is disconnected");
+    give_up(now, status == IoStatus::kTimeout ? "the line does not accept bytes"
+                                              : "the line is disconnected");
   }
   return status == IoStatus::kOk;
 }
@@ -79,7 +79,7 @@ void SerialLink::set_baud(int baud) {
     return;
   }
   if (!stream_->set_baud(baud)) {
-    log::get().warn("{}: the line does not do {} bit/s", name_, baud);
+    log::get().warn("{}: the line does not support {} bit/s", name_, baud);
   }
   stream_->discard_input();
 }
@@ -89,7 +89,7 @@ void SerialLink::give_up(const time::Moment& now, const std::string& reason) {
     return;
   }
   log::get().warn("{}: {}", name_, reason);
-  // A device that opens and fails at once, again and again, must not escape the growing pauses.
+  // The pauses must also grow for a device that opens and fails at once, again and again.
   if (now.steady - opened_at_ >= BackOff::kLongest) {
     back_off_.succeeded();
   }

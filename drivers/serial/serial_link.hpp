@@ -14,43 +14,43 @@
 
 namespace nodmap::serial {
 
-/// Keeps the line to a device up: opens it, reads it, notices its loss, opens it again with growing
-/// pauses, and logs both. It has no clock of its own: all times are moments of the caller's.
+/// Keeps the line to a device open: opens it, reads it, detects its loss, reopens it with growing
+/// pauses, and logs both. It has no clock of its own; the caller passes the time.
 class SerialLink : private boost::noncopyable {
  public:
   using Opener = std::function<OpenResult()>;
 
-  /// What the driver does when its line comes up, brings bytes, and goes down.
+  /// Called when the line has been opened, has received bytes, and has been lost.
   struct Handlers {
     std::function<void(const time::Moment& now)> opened;
     std::function<void(std::span<const std::uint8_t> bytes, const time::Moment& now)> received;
     std::function<void()> lost;
   };
 
-  /// A line that does not take its bytes within `timeout` is lost. `byte_pause` is left after each
-  /// byte, for devices that need one.
+  /// A line that does not accept its bytes within `timeout` counts as lost. `byte_pause`: pause
+  /// after each byte, for devices that need one.
   struct WriteOptions {
     time::Duration timeout = 50ms;
     time::Duration byte_pause{};
   };
 
-  /// `name` is what the log calls the device.
+  /// `name`: the device's name in the log.
   SerialLink(std::string name, Opener open, Handlers handlers);
 
-  /// Opens the line when an attempt is due; while it is open, hands over what has arrived. Does not
-  /// wait.
+  /// Opens the line when an attempt is due; while it is open, passes received bytes to the handler.
+  /// Does not wait.
   void poll(const time::Moment& now);
 
-  /// Writes all of `bytes`; false, and the line is lost, when that fails. Does nothing while
-  /// closed.
+  /// Writes all of `bytes`. If that fails, returns false and the line counts as lost. Does nothing
+  /// while closed.
   bool write(std::span<const std::uint8_t> bytes, const time::Moment& now,
              const WriteOptions& options);
 
-  /// Changes the line rate, bit/s, and drops what has arrived at the old one.
+  /// Changes the line rate, bit/s, and drops bytes that have arrived at the old one.
   void set_baud(int baud);
 
-  /// Closes the line, to open it again later: the device does not answer, say. `reason` becomes the
-  /// error.
+  /// Closes the line and reopens it later, for example because the device does not answer. `reason`
+  /// becomes the error.
   void give_up(const time::Moment& now, const std::string& reason);
 
   /// Closes the line for good.

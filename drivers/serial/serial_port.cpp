@@ -16,8 +16,8 @@
 namespace nodmap::serial {
 namespace {
 
-/// Takes the lock on an open device that every process of ours asks for; false when another has it.
-/// The kernel gives it back when the holder dies, however that happens.
+/// Takes the lock that all our processes use for a device; false if another process has it. The
+/// kernel releases it when its owner ends in any way.
 bool lock_device(int fd) {
   return ::flock(fd, LOCK_EX | LOCK_NB) == 0;
 }
@@ -31,7 +31,7 @@ struct PortDeleter {
 };
 using PortHandle = std::unique_ptr<sp_port, PortDeleter>;
 
-/// The reason of the libserialport call that has just failed.
+/// The reason why the last libserialport call has failed.
 std::string last_error() {
   char* message = sp_last_error_message();
   std::string text = message != nullptr ? message : "unknown error";
@@ -45,15 +45,15 @@ int descriptor_of(const sp_port* port) {
   return fd;
 }
 
-/// libserialport opens, configures and closes; bytes move through DescriptorStream, because the
-/// library's own waits spin at full CPU on a device that was pulled out, cannot be ended from
-/// outside, and (0.1.1) time out by the wall clock.
+/// libserialport opens, configures and closes the port. Bytes are transferred by DescriptorStream,
+/// because the library's own waits busy-loop on a device that was pulled out, cannot be
+/// interrupted, and (0.1.1) measure timeouts by the wall clock.
 class SerialPort final : public DescriptorStream {
  public:
   SerialPort(PortHandle open_port, const StopEvent* stop)
       : DescriptorStream(descriptor_of(open_port.get()), stop), port_(std::move(open_port)) {}
   ~SerialPort() override {
-    if (exclusive_) {  // not where it is another's, as when the port was refused
+    if (exclusive_) {  // not if another process owns the port
       ::ioctl(poll_handle(), TIOCNXCL);
     }
     sp_close(port_.get());
@@ -64,7 +64,7 @@ class SerialPort final : public DescriptorStream {
   }
   void discard_input() override { sp_flush(port_.get(), SP_BUF_INPUT); }
 
-  /// After sp_open parity and flow control are unknown: everything is set, nothing assumed.
+  /// Sets everything, because parity and flow control are unknown after sp_open.
   [[nodiscard]] bool configure(int baud) {
     return sp_set_baudrate(port_.get(), baud) == SP_OK && sp_set_bits(port_.get(), 8) == SP_OK &&
            sp_set_parity(port_.get(), SP_PARITY_NONE) == SP_OK &&
@@ -72,8 +72,9 @@ class SerialPort final : public DescriptorStream {
            sp_set_flowcontrol(port_.get(), SP_FLOWCONTROL_NONE) == SP_OK;
   }
 
-  /// libserialport 0.1.1 leaves the descriptor open to others and to child processes. TIOCEXCL
-  /// keeps out every program but root's, the lock our own processes even then.
+  /// libserialport 0.1.1 shares the descriptor with other programs and child processes. TIOCEXCL
+  /// excludes all programs except root's; the lock also excludes our own processes that run as
+  /// root.
   [[nodiscard]] bool make_exclusive() {
     exclusive_ = ::fcntl(poll_handle(), F_SETFD, FD_CLOEXEC) == 0 && lock_device(poll_handle()) &&
                  ::ioctl(poll_handle(), TIOCEXCL) == 0;
@@ -107,15 +108,15 @@ OpenResult open_with_libserialport(PortHandle port, const PortSettings& settings
     return in_use(settings.device);
   }
   if (!open_port->configure(settings.baud)) {
-    return {nullptr, settings.device + ": does not do " + std::to_string(settings.baud) +
+    return {nullptr, settings.device + ": does not support " + std::to_string(settings.baud) +
                          " bit/s 8N1: " + last_error()};
   }
   open_port->discard_input();
   return {std::move(open_port), {}};
 }
 
-/// Raw, at any rate. A pseudo-terminal moves bytes at every rate alike; the one set is what a
-/// simulated device can read back to refuse a driver that speaks at the wrong one.
+/// Sets raw mode and any rate. A pseudo-terminal works the same at every rate; a simulated device
+/// can read the rate back and reject a driver that uses the wrong one.
 bool set_raw(int fd, int baud) {
   termios2 attributes{};
   if (baud <= 0 || ::ioctl(fd, TCGETS2, &attributes) != 0) {
@@ -148,7 +149,8 @@ OpenResult open_pty(const PortSettings& settings) {
     return in_use(settings.device);
   }
   if (!port->set_baud(settings.baud)) {
-    return {nullptr, settings.device + ": does not do " + std::to_string(settings.baud) + " bit/s"};
+    return {nullptr,
+            settings.device + ": does not support " + std::to_string(settings.baud) + " bit/s"};
   }
   return {std::move(port), {}};
 }
@@ -156,7 +158,7 @@ OpenResult open_pty(const PortSettings& settings) {
 }  // namespace
 
 OpenResult open_serial_port(const PortSettings& settings) {
-  // libserialport 0.1.1 looks names up in /sys/class/tty, where there are no links.
+  // libserialport 0.1.1 looks up names in /sys/class/tty, which has no entries for links.
   std::error_code error;
   const std::filesystem::path resolved = std::filesystem::canonical(settings.device, error);
   if (error) {

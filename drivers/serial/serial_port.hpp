@@ -8,7 +8,7 @@
 
 namespace nodmap::serial {
 
-/// A line with 8 data bits, no parity, 1 stop bit and no flow control: what all our devices speak.
+/// A line with 8 data bits, no parity, 1 stop bit and no flow control, as all our devices use.
 struct PortSettings {
   std::string device;               ///< /dev/ttyUSB0, or a link such as /dev/serial/by-id/...
   int baud = 115200;                ///< bit/s
@@ -17,15 +17,15 @@ struct PortSettings {
 
 struct OpenResult {
   std::unique_ptr<ByteStream> stream;  ///< null when it could not be opened
-  std::string error;                   ///< then why, with what to try
+  std::string error;                   ///< why it could not be opened, with what to try
 };
 
-/// Opens for this process alone: a second open, from here or elsewhere, is refused. Links are
-/// followed anew each time, so that a device that comes back under another name is found.
+/// Opens a port for exclusive use: a second open, by this or another process, is refused. Links are
+/// resolved at each call, so that a device that comes back under another name is found.
 ///
-/// Serial ports are opened and configured by libserialport. A pseudo-terminal (/dev/pts/N: a
-/// simulated device) has no modem lines and is none of the ports libserialport knows; it is opened
-/// as the plain terminal that it is, and behaves the same from there on.
+/// Serial ports are opened and configured by libserialport. It does not accept a pseudo-terminal
+/// (/dev/pts/N: a simulated device), which has no modem lines; this is opened as a plain terminal
+/// and behaves the same afterwards.
 [[nodiscard]] OpenResult open_serial_port(const PortSettings& settings);
 
 }  // namespace nodmap::serial

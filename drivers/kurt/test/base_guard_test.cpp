@@ -20,7 +20,7 @@ RangeReadings infrared_back(int raw) {
   return readings;
 }
 
-/// The raw reading of the sonar at this range, by the sensor's own formula the other way round.
+/// The sonar's raw reading at this range: the inverse of the sensor's formula.
 int sonar_raw(double range_m) {
   return static_cast<int>(std::lround((100.0 * range_m - 11.9231) / 0.110652));
 }
@@ -39,7 +39,8 @@ TEST_F(BaseGuardTest, WithoutReadingsNothingIsSlowed) {
   EXPECT_EQ(guard_.limit(kFast, now_).forward_mps, kFast.forward_mps);
 }
 
-// The oracle drives: at the limit for one reaction, then braking at half of what the wheels can.
+// Oracle: a drive at the limit for one reaction time, then braking at half of the wheels'
+// deceleration.
 TEST_F(BaseGuardTest, FromTheSpeedItAllowsTheRobotStopsBeforeWhatIsNear) {
   for (const double range_m : {0.3, 0.4, 0.6, 0.9, 1.2}) {
     guard_.add(sonar(sonar_raw(range_m)), now_);
@@ -112,9 +113,9 @@ TEST_F(BaseGuardTest, ShakingIsNoTilt) {
 TEST_F(BaseGuardTest, WheelsThatShouldTurnAndDoNotAreStalled) {
   const WheelSpeeds fast{0.5, 0.5};
   guard_.add(EncoderTicks{0, 0}, fast, now_);
-  guard_.add(EncoderTicks{0, 1}, fast, now_ + 1500ms);  // they turn after all
+  guard_.add(EncoderTicks{0, 1}, fast, now_ + 1500ms);  // one wheel turns
   guard_.add(EncoderTicks{0, 0}, fast, now_ + 1600ms);
-  guard_.add(EncoderTicks{0, 0}, {0.5, 0.0}, now_ + 2s);  // one is not to turn
+  guard_.add(EncoderTicks{0, 0}, {0.5, 0.0}, now_ + 2s);  // one wheel is commanded to stand still
   guard_.add(EncoderTicks{0, 0}, fast, now_ + 2100ms);
   guard_.add(EncoderTicks{0, 0}, fast, now_ + 4s);
   EXPECT_FALSE(guard_.take_alarm());

@@ -18,7 +18,7 @@ DriveRequest request(double forward_mps, time::Timestamp stamp, time::Duration v
   return {{forward_mps, 0.1}, stamp, validity, seq++};
 }
 
-TEST(DriveWatchdog, StandsUntilTheFirstDrive) {
+TEST(DriveWatchdog, IsStationaryUntilTheFirstDrive) {
   const DriveWatchdog watchdog(kTimeout);
   EXPECT_FALSE(watchdog.command(kSteady).has_value());
 }
@@ -70,7 +70,8 @@ TEST(DriveWatchdog, ADriveFromTheFutureIsNotObeyed) {
   EXPECT_FALSE(watchdog.command(kSteady + kTimeout).has_value());
 }
 
-// A sender's clock may be ahead. Were its stamp kept as it is, the next command would look older.
+// A sender's clock may be ahead. If its stamp were kept unchanged, the next command would look
+// older.
 TEST(DriveWatchdog, AStampAheadOfOurClockDoesNotMakeLaterCommandsOlder) {
   DriveWatchdog watchdog(kTimeout);
   ASSERT_EQ(watchdog.offer(request(0.5, kWall + 5ms), kWall, kSteady), DriveStatus::kObeyed);
@@ -79,8 +80,8 @@ TEST(DriveWatchdog, AStampAheadOfOurClockDoesNotMakeLaterCommandsOlder) {
   EXPECT_EQ(watchdog.command(kSteady + 1ms)->forward_mps, 0.7);
 }
 
-// The robot is driven at 0.5 m/s, 75 times a second. Somebody else sends 5 m/s, 100 times a second
-// and stamped 4 ms ahead, so that each of its commands looks newer than the right ones.
+// The robot is driven at 0.5 m/s, 75 times a second. A second sender sends 5 m/s, 100 times a
+// second and stamped 4 ms ahead, so that each of its commands looks newer than those of the first.
 TEST(DriveWatchdog, TwoSendersAreNotObeyedUntilOneHasEnded) {
   DriveWatchdog watchdog(kTimeout);
   auto own = [&watchdog, seq = std::int64_t{5000}](time::SteadyTime now) mutable {
@@ -136,7 +137,7 @@ TEST(DriveWatchdog, AnOlderOneDoesNotReplaceANewerOneThatHolds) {
   EXPECT_EQ(watchdog.offer(request(0.9, kWall - 1ms), kWall, kSteady + 100us),
             DriveStatus::kOutOfOrder);
   EXPECT_EQ(watchdog.command(kSteady + 100us)->forward_mps, 0.5);
-  // The wall clock was set back by an hour: after the time-out the order starts anew.
+  // The wall clock was set back by an hour: after the timeout the order starts again.
   const time::Duration hour = 3600s;
   EXPECT_EQ(watchdog.offer(request(0.7, kWall - hour), kWall - hour, kSteady + kTimeout),
             DriveStatus::kObeyed);

@@ -84,7 +84,7 @@ TEST(EncoderClock, ALostFrameIsFoundWithinHalfASecond) {
   }
 }
 
-// The process was held up for 60 ms; then everything comes at once. Nothing was lost.
+// The process was delayed for 60 ms; then all frames are read at once. Nothing was lost.
 TEST(EncoderClock, ADelayIsNoLoss) {
   EncoderClock clock;
   for (int i = 0; i < 1000; ++i) {

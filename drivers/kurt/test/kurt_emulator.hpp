@@ -9,23 +9,24 @@
 
 namespace nodmap::test {
 
-/// A KURT2 behind an SLCAN adapter, as text in and text out. It shares no code with the driver: a
-/// mistake in the one does not hide in the other. Wheels reach a commanded speed within one period.
+/// A KURT2 behind an SLCAN adapter, as text in and text out. It shares no code with the driver, so
+/// a mistake in one is not hidden by the same mistake in the other. Wheels reach a commanded speed
+/// within one period.
 class KurtEmulator {
  public:
-  /// What the driver sends. Returns what the adapter answers.
+  /// Takes text from the driver; returns the adapter's answer.
   std::string take(const std::string& text);
 
-  /// 10 ms pass in the base. Returns the frames it sends.
+  /// Advances the base by 10 ms; returns the frames it sends.
   std::string tick();
 
   // Faults.
   bool mute_adapter = false;  ///< answers nothing
   bool base_off = false;      ///< sends no frames
-  int drop_encoders = 0;      ///< so many encoder frames get lost
-  int wild_encoders = 0;      ///< so many encoder frames hold ticks that no wheel can make
+  int drop_encoders = 0;      ///< number of encoder frames still to be lost
+  int wild_encoders = 0;      ///< number of encoder frames still to contain implausible ticks
   bool bumper = false;        ///< a bumper is touched
-  bool stalled = false;       ///< no wheel turns, whatever it is told
+  bool stalled = false;       ///< no wheel turns, whatever is commanded
 
   [[nodiscard]] bool channel_open() const { return open_; }
   /// Adapter reset: the channel is closed.
@@ -34,9 +35,9 @@ class KurtEmulator {
   [[nodiscard]] int left_cm_s() const { return left_cm_s_; }
   [[nodiscard]] int right_cm_s() const { return right_cm_s_; }
   [[nodiscard]] bool braked() const { return braked_; }
-  /// CONTROL frames seen.
+  /// Number of CONTROL frames received.
   [[nodiscard]] int commands() const { return commands_; }
-  /// Lines that were none.
+  /// Number of invalid lines received.
   [[nodiscard]] int nonsense() const { return nonsense_; }
 
  private:

@@ -64,7 +64,7 @@ class Robot {
   std::vector<OdometrySample> samples;
 };
 
-TEST(Kurt, OpensTheBusAndStandsUntilDriven) {
+TEST(Kurt, OpensTheBusAndIsStationaryUntilDriven) {
   Robot robot;
   EXPECT_EQ(robot.kurt.state(robot.now), KurtState::kNoBus);
   robot.run_for(500ms);
@@ -168,7 +168,7 @@ TEST(Kurt, AMuteAdapterAsksForAnotherPort) {
   EXPECT_EQ(robot.kurt.state(robot.now), KurtState::kNoDrive);
 }
 
-// What was wanted before the line was lost is not done after it is back.
+// A command from before the loss of the line is not obeyed when the line is back.
 TEST(Kurt, AfterALossTheRobotWaitsForANewDrive) {
   Robot robot;
   robot.run_for(500ms);
@@ -211,7 +211,7 @@ TEST(Kurt, ASpoiltEncoderFrameIsBridged) {
   EXPECT_NEAR(robot.samples.back().state.T_odom_base.x - before_m, 0.5, 1.7e-5);
 }
 
-// Frames keep coming, and none of them says what the wheels do: the robot is as blind as without.
+// Frames keep arriving, but none of them tells what the wheels do: as bad as no frames at all.
 TEST(Kurt, ABaseThatSendsNothingPlausibleIsToldToStop) {
   Robot robot;
   robot.run_for(500ms);
@@ -227,13 +227,13 @@ TEST(Kurt, ABaseThatSendsNothingPlausibleIsToldToStop) {
   EXPECT_EQ(robot.kurt.state(robot.now), KurtState::kNoBase);
   EXPECT_EQ(robot.base.left_cm_s(), 0);
   ASSERT_EQ(robot.base.wild_encoders, 0);
-  // Nothing is told but the ten periods that are bridged.
+  // No odometry is returned except for the ten bridged periods.
   const OdometrySample& last = robot.samples.back();
   EXPECT_EQ(last.stamp - before.stamp, 100ms);
   EXPECT_NEAR(last.state.T_odom_base.x - before.state.T_odom_base.x, 0.1, 0.002);
   EXPECT_EQ(robot.kurt.counts().encoder_implausible, 300);
 
-  // The pose stays, and is unsure by half a second of rolling on.
+  // The pose stays, and its uncertainty grows by half a second of rolling on.
   const OdometryState bridged = last.state;
   const std::size_t samples_before = robot.samples.size();
   robot.drive_for(1.0, 0.0, 1s);
@@ -255,7 +255,7 @@ TEST(Kurt, ABaseThatNeverSentAnythingPlausibleIsNone) {
   EXPECT_EQ(robot.base.left_cm_s(), 0);
 }
 
-// The process was not scheduled for 80 ms: nothing is lost, and no stamp steps back.
+// The process was not scheduled for 80 ms: nothing is lost, and the stamps increase.
 TEST(Kurt, AHeldUpProcessLosesNothing) {
   Robot robot;
   robot.run_for(500ms);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The robot's loop as it runs on the robot: nodmap-kurt as a process, DRIVE and ODOMETRY over LCM's
-// multicast, bytes over a pseudo-terminal. Run by tests/support/private_network.sh.
+// The loop as on the robot: nodmap-kurt as a process, DRIVE and ODOMETRY over LCM's multicast,
+// bytes over a pseudo-terminal. Run by tests/support/private_network.sh.
 #include <gtest/gtest.h>
 
 #include <csignal>
@@ -33,7 +33,7 @@ class Network {
                                              "device=" + device.string(), "--log-level", "off"});
   }
 
-  /// Real time passes until `done`.
+  /// Runs in real time until `done`.
   template <class Condition>
   bool play(Condition done) {
     return test::play(*pty, base, [&] {
@@ -51,7 +51,7 @@ class Network {
     });
   }
 
-  /// Takes in what the driver has sent so far.
+  /// Passes what the driver has sent so far to the base.
   void drain() { pty->send(base.take(pty->receive_text(0, kNoWait))); }
 
   [[nodiscard]] bool has_status(int health) const {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The whole driver in one process: messages over memq://, bytes over a pseudo-terminal, the
-// emulated base behind it. Its time is the test's; only bytes on their way through the terminal are
-// waited for.
+// emulated base behind it. The test sets the time; it waits only for bytes to pass through the
+// terminal.
 #include "drivers/kurt/node.hpp"
 
 #include <gtest/gtest.h>
@@ -178,7 +178,7 @@ TEST(KurtNode, WithoutDriveTheBaseIsTold_ZeroWithinTheTimeoutAndOneFrame) {
   EXPECT_EQ(bench.node->health().state, node::HealthState::kDegraded);
 }
 
-TEST(KurtNode, ATouchedBumperStopsItUntilItIsToldToGo) {
+TEST(KurtNode, ATouchedBumperStopsItUntilReleased) {
   Bench bench;
   ASSERT_TRUE(bench.stands_ready());
   bench.drive_for(1.0, 0.0, 1500ms);
@@ -204,7 +204,7 @@ TEST(KurtNode, StalledMotorsAreNotLeftUnderCurrent) {
   EXPECT_NE(bench.node->health().reason.find("stalled"), std::string::npos);
 }
 
-TEST(KurtNode, StoppedItStandsWhateverDriveAsksForUntilItIsFree) {
+TEST(KurtNode, WhileStoppedItIgnoresDriveUntilReleased) {
   Bench bench;
   ASSERT_TRUE(bench.stands_ready());
   bench.drive_for(1.0, 0.0, 1500ms);
@@ -221,9 +221,9 @@ TEST(KurtNode, StoppedItStandsWhateverDriveAsksForUntilItIsFree) {
   EXPECT_EQ(bench.base.left_cm_s(), 50);
 }
 
-// Base driver and navigator are killed and started anew: whether somebody had stopped the robot
-// before is not known any more, so it is as if.
-TEST(KurtNode, AfterEachStartItStandsUntilItIsToldToGo) {
+// Base driver and navigator were killed and restarted. Whether the robot had been stopped before is
+// unknown, so it starts stopped.
+TEST(KurtNode, AfterEachStartItIsStoppedUntilReleased) {
   Bench bench;
   bench.drive_for(0.5, 0.0, 2s);
   EXPECT_EQ(bench.base.left_cm_s(), 0);
@@ -240,8 +240,8 @@ TEST(KurtNode, AfterEachStartItStandsUntilItIsToldToGo) {
   EXPECT_EQ(bench.base.left_cm_s(), 0);
 }
 
-// A navigator or a viewer that is started later learns it from the base driver.
-TEST(KurtNode, ThatItIsStoppedIsSaidEachSecondUntilItIsToldToGo) {
+// This tells a navigator or viewer that is started later.
+TEST(KurtNode, PublishesStopOnceASecondUntilReleased) {
   Bench bench;
   const bus::Latest<nodmap::stop_t> stop(bench.bus, "STOP");
   bench.drive_for(0.0, 0.0, 3500ms);
@@ -255,7 +255,7 @@ TEST(KurtNode, ThatItIsStoppedIsSaidEachSecondUntilItIsToldToGo) {
   EXPECT_EQ(bench.base.left_cm_s(), 50);
 }
 
-// Somebody else sends DRIVE, too: faster, and stamped ahead of the clock.
+// A second sender of DRIVE: faster, and stamped ahead of the clock.
 TEST(KurtNode, ASecondSenderOfDriveStopsTheRobotAndIsTold) {
   Bench bench;
   ASSERT_TRUE(bench.stands_ready());
@@ -313,7 +313,7 @@ TEST(KurtNode, TheEndIsAHardStop) {
   EXPECT_EQ(bench.node->poll_handles()[0], -1);
 }
 
-// As when an exception takes the process down.
+// As when the process ends by an exception.
 TEST(KurtNode, AnyWayOutIsAHardStop) {
   Bench bench;
   ASSERT_TRUE(bench.stands_ready());
@@ -377,7 +377,7 @@ TEST(KurtNode, AMuteAdapterIsFailedAndThePortIsOpenedAgain) {
 TEST(KurtNode, ALineThatTakesNoBytesIsGivenUp) {
   Bench bench;
   ASSERT_TRUE(bench.stands_ready());
-  // Nobody reads on the device's side: the terminal fills up.
+  // Nothing reads on the device's side, so the terminal fills up.
   for (int i = 0; i < 5000 && bench.node->poll_handles()[0] >= 0; ++i) {
     bench.now += 10ms;
     bench.clock.advance(10ms);
@@ -386,7 +386,7 @@ TEST(KurtNode, ALineThatTakesNoBytesIsGivenUp) {
     bench.node->spin_once();
   }
   EXPECT_EQ(bench.node->health().state, node::HealthState::kFailed);
-  EXPECT_EQ(bench.node->health().reason, "the line takes no bytes");
+  EXPECT_EQ(bench.node->health().reason, "the line does not accept bytes");
 }
 
 }  // namespace node_test

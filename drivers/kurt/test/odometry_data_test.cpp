@@ -10,7 +10,7 @@
 namespace nodmap::kurt {
 namespace odometry_data_test {
 
-// Two KURTs with their wheels in the air, up to the full duty cycle: what was measured is
+// Two KURTs with their wheels in the air, up to the full duty cycle: all measured ticks are
 // plausible.
 TEST(OdometryData, MeasuredWheelSpeedsAreTaken) {
   NODMAP_REQUIRE_DATA(dir, "kurt");

@@ -85,7 +85,7 @@ TEST(Odometry, ACircleIsACircle) {
   }
 }
 
-TEST(Odometry, BackingUpUndoesTheWay) {
+TEST(Odometry, BackingUpReturnsToTheStart) {
   Odometry odometry(millimetre_wheels(), {});
   for (int i = 0; i < 50; ++i) {
     ASSERT_TRUE(odometry.add({12, 7}));
@@ -134,7 +134,7 @@ TEST(Odometry, TicksNoWheelCanMakeAreRefused) {
   EXPECT_FALSE(odometry.is_plausible({10, 105}));
   EXPECT_FALSE(odometry.add({10, 32767}));
   EXPECT_FALSE(odometry.add({-32768, 10}));
-  // The two periods are driven on at 1 m/s.
+  // The two implausible periods are bridged at 1 m/s.
   EXPECT_NEAR(odometry.state().T_odom_base.x, 0.03, 1e-12);
   EXPECT_EQ(odometry.state().T_odom_base.yaw, 0.0);
 }
@@ -158,7 +158,7 @@ TEST(Odometry, UncertaintyAfterOneMetreIsAsConfigured) {
   EXPECT_NEAR(std::sqrt(odometry.state().covariance(2, 2)), noise.heading_sigma_rad, 1e-12);
 }
 
-// Against a thousand robots whose wheels slip at random: the covariance is that of their poses.
+// Oracle: the sampled covariance of the poses of robots whose wheels slip at random.
 TEST(Odometry, CovarianceIsThatOfRobotsThatSlip) {
   const WheelParams wheels = millimetre_wheels();
   const OdometryNoiseParams noise;

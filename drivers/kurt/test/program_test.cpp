@@ -20,7 +20,7 @@ std::vector<std::string> arguments_for(const test::PtyPair& pty) {
           "device=" + pty.name(), "--log-level", "off"};
 }
 
-TEST(KurtProgram, StartsStandsAndEndsWithAHardStop) {
+TEST(KurtProgram, StartsStationaryAndEndsWithAHardStop) {
   test::PtyPair pty;
   test::KurtEmulator base;
   test::ChildProcess process(arguments_for(pty));

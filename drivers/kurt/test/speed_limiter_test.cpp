@@ -13,7 +13,7 @@ namespace speed_limiter_test {
 
 constexpr double kPeriodS = 0.01;
 
-/// Steps until the wheels do what they should, or a minute has passed.
+/// Steps until the wheels have reached the command, or a minute has passed.
 WheelSpeeds settle(SpeedLimiter& limiter, const DriveCommand& command) {
   for (int i = 0; i < 6000; ++i) {
     limiter.step(command, kPeriodS);
@@ -35,7 +35,7 @@ TEST(WheelSpeeds, APositiveTurnRateTurnsLeft) {
   EXPECT_GT(wheels.right_mps, 0.0);
 }
 
-// The default: what odometry measures on the wheels is what DRIVE asked for.
+// The default steering: odometry measures on the wheels what DRIVE commanded.
 TEST(WheelSpeeds, OdometryMeasuresWhatWasAskedFor) {
   const WheelParams params;
   const DriveCommand command{0.8, -0.6};

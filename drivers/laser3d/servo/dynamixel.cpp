@@ -17,7 +17,7 @@ constexpr std::size_t kLengthAt = 5;
 constexpr std::size_t kInstructionAt = 7;
 constexpr std::size_t kCrcBytes = 2;
 constexpr std::size_t kSmallestStatus = kInstructionAt + 2 + kCrcBytes;  // instruction, error
-// The longest answer this driver asks for, and any instruction it sends, with room to spare.
+// More than the longest answer that this driver requests, and than any instruction that it sends.
 constexpr std::size_t kMaxLength = 128;
 
 constexpr std::uint8_t kPing = 0x01;
@@ -26,12 +26,12 @@ constexpr std::uint8_t kWrite = 0x03;
 constexpr std::uint8_t kReboot = 0x08;
 constexpr std::uint8_t kStatus = 0x55;
 
-/// Whether the last three bytes look like the start of a packet.
+/// Whether the last three bytes equal the start of a packet.
 bool ends_like_a_header(const Bytes& bytes) {
   return bytes.size() >= 3 && std::equal(bytes.end() - 3, bytes.end(), kHeader.begin());
 }
 
-/// What looks like a header inside a packet is followed by one more FD on the line.
+/// Byte stuffing: a header inside a packet is followed by an additional FD.
 Bytes stuffed(ByteView content) {
   Bytes bytes;
   for (const std::uint8_t byte : content) {

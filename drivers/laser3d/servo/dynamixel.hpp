@@ -35,12 +35,12 @@ struct DynamixelStatus {
 
   /// 0 none, 1 result, 2 instruction, 3 checksum, 4 range, 5 length, 6 limit, 7 access.
   [[nodiscard]] int error_code() const { return error & 0x7F; }
-  /// The servo has switched itself off, or is about to: register 70 says why.
+  /// Whether the servo has switched itself off or is about to; register 70 contains the reason.
   [[nodiscard]] bool hardware_alert() const { return (error & 0x80) != 0; }
 };
 
-/// Finds answers in the bytes on the line. Both directions share it, and some adapters echo what
-/// the host sends: whole packets that are no answers are passed over and not counted.
+/// Finds answers in the bytes on the line. Both directions share the line, and some adapters echo
+/// what the host sends; complete packets that are not answers are skipped without being counted.
 class DynamixelParser {
  public:
   explicit DynamixelParser(int baud);

@@ -9,16 +9,17 @@
 namespace nodmap::laser3d {
 namespace {
 
-// Twice the latency of a USB adapter that was left as it came (16 ms), and some for the bytes.
+// Twice the default latency of a USB adapter (16 ms), plus the time for the bytes.
 constexpr time::Duration kAnswerTimeout = 40ms;
 constexpr int kMissesAllowed = 3;
 constexpr time::Duration kRebootTime = 1s;
 constexpr int kDamagedRequest = 3;          // error code: the servo's own check of the checksum
 constexpr std::uint8_t kWatchdog20Ms = 10;  // 200 ms
 
-// The servo reads its registers, waits (its return delay as delivered) and sends the first byte.
+// The servo reads its registers, waits for its return delay (factory setting) and sends the first
+// byte.
 constexpr time::Duration kReturnDelay = 500us;
-// It counts whole milliseconds: on average half a one more has passed.
+// The servo counts whole milliseconds; on average half of one more has passed.
 constexpr time::Duration kHalfTick = 500us;
 
 std::string alert_text(std::uint8_t bits) {
@@ -86,7 +87,7 @@ ServoOutput DynamixelSession::poll(time::SteadyTime now) {
   if (step_ == Step::kRun) {
     return run(now);
   }
-  // kReboot and kWait are left when their time is over; every other step waits for an answer.
+  // kReboot and kWait end when their time is over; every other step waits for an answer.
   return now < deadline_ ? ServoOutput{} : enter(Step::kPing, now);
 }
 
@@ -113,7 +114,7 @@ ServoOutput DynamixelSession::run(time::SteadyTime now) {
   if (now < next_reading_) {
     return {};
   }
-  // Keeps its pace, but does not catch up what a busy line lost.
+  // Keeps the period, but does not catch up on readings that a busy line delayed.
   next_reading_ = std::max(next_reading_ + params_.period(), now);
   return ask(dynamixel_x::read_state(id_), now);
 }
@@ -160,7 +161,7 @@ ServoOutput DynamixelSession::ask(Bytes bytes, time::SteadyTime now) {
 
 ServoOutput DynamixelSession::missed(time::SteadyTime now) {
   if (step_ == Step::kReboot) {
-    waiting_ = false;  // its answer may be lost in the restart
+    waiting_ = false;  // its answer may be lost during the restart
     deadline_ = now + kRebootTime;
     return {};
   }
@@ -169,7 +170,7 @@ ServoOutput DynamixelSession::missed(time::SteadyTime now) {
   }
   if (step_ == Step::kRun) {
     waiting_ = false;
-    move_pending_ = true;  // nobody knows whether the lost one was a move
+    move_pending_ = true;  // the lost request may have been a move
     return run(now);
   }
   return ask(request(), now);
@@ -179,7 +180,7 @@ ServoOutput DynamixelSession::take(const DynamixelStatus& answer, time::SteadyTi
   waiting_ = false;
   if (!answer.hardware_alert() && answer.error_code() == kDamagedRequest) {
     ++counts_.damaged;
-    return missed(now);  // it has done nothing: no different from not having heard
+    return missed(now);  // the servo has done nothing, as if it had not received the request
   }
   misses_ = 0;
   if (answer.hardware_alert() && step_ != Step::kReadAlert && step_ != Step::kReboot) {
@@ -245,8 +246,8 @@ ServoOutput DynamixelSession::advance(const DynamixelStatus& answer, time::Stead
 }
 
 bool DynamixelSession::has_restarted(const dynamixel_x::State& state, time::SteadyTime now) {
-  // A servo that lost its supply for a moment answers as before, but has no torque: its clock
-  // tells. Far more than any latency, less than any reset takes to go unnoticed.
+  // A servo whose supply failed for a moment answers as before, but has no torque. The jump of its
+  // clock reveals it. The threshold is far above any latency.
   constexpr time::Duration kJump = 500ms;
   constexpr time::Duration kWrap = dynamixel_x::kTickWrap * 1ms;
   const time::SteadyTime started = now - std::chrono::milliseconds(state.tick_ms);
@@ -257,7 +258,7 @@ bool DynamixelSession::has_restarted(const dynamixel_x::State& state, time::Stea
 
 std::optional<PitchSample> DynamixelSession::sample_of(const dynamixel_x::State& state,
                                                        time::SteadyTime first_byte) {
-  // Any number may come over the line: the difference is taken in one that holds it.
+  // The position may be any number, so the difference is computed in 64 bits.
   const std::int64_t steps = std::int64_t{state.position} - params_.dynamixel.level_position;
   if (std::abs(steps) > dynamixel_x::kStepsPerRevolution) {
     ++counts_.implausible;

@@ -9,18 +9,19 @@
 
 namespace nodmap::laser3d {
 
-/// Dynamixel X series, protocol 2.0. One request is on the way at a time; a reading is of tick,
-/// velocity and position at one moment, and the tick tells when that was.
+/// Dynamixel X series, protocol 2.0. The session with a servo. There is one request at a time. A
+/// reading contains tick, velocity and position of one moment; the tick gives the time of that
+/// moment.
 class DynamixelSession : public ServoSession {
  public:
   struct Counts {
     std::int64_t samples = 0;
     std::int64_t connections = 0;
     std::int64_t unanswered = 0;
-    std::int64_t damaged = 0;  ///< requests that arrived damaged, says the servo
+    std::int64_t damaged = 0;  ///< requests that arrived damaged, according to the servo
     std::int64_t refused = 0;
     std::int64_t implausible = 0;  ///< positions more than a revolution from level
-    std::int64_t alerts = 0;       ///< overload, heat, voltage: the servo had to be restarted
+    std::int64_t alerts = 0;  ///< overload, overheating or voltage; the servo had to be restarted
   };
 
   /// The head accelerates by at most `acceleration_rad_s2`.
@@ -42,8 +43,8 @@ class DynamixelSession : public ServoSession {
   enum class Step : std::uint8_t {
     kClosed,
     kPing,
-    kClearWatchdog,  // it may have fired since we were last here
-    kTorqueOff,      // the mode can be changed only then
+    kClearWatchdog,  // it may have triggered since the last session
+    kTorqueOff,      // the mode can only be changed without torque
     kReadMode,
     kWriteMode,
     kAcceleration,
@@ -64,7 +65,7 @@ class DynamixelSession : public ServoSession {
   [[nodiscard]] ServoOutput advance(const DynamixelStatus& answer, time::SteadyTime now);
   [[nodiscard]] ServoOutput fail(std::string reason, time::SteadyTime now);
   [[nodiscard]] bool has_restarted(const dynamixel_x::State& state, time::SteadyTime now);
-  /// Empty when the head cannot be there.
+  /// Converts a reading; empty if the head cannot be at this position.
   [[nodiscard]] std::optional<PitchSample> sample_of(const dynamixel_x::State& state,
                                                      time::SteadyTime first_byte);
 
@@ -79,7 +80,7 @@ class DynamixelSession : public ServoSession {
   time::SteadyTime deadline_;
   time::SteadyTime next_reading_;
   int misses_ = 0;                           // in a row
-  std::optional<time::SteadyTime> started_;  // when its tick was 0, by the last reading
+  std::optional<time::SteadyTime> started_;  // when the servo's tick was 0, by the last reading
   double goal_rad_ = 0.0;
   double speed_rad_s_ = 0.0;
   bool move_pending_ = false;

@@ -11,10 +11,10 @@ namespace maestro {
 namespace {
 
 constexpr double kPulseUnitUs = 0.25;
-constexpr double kSpeedUnitUsPerS = 25.0;  // a quarter of a microsecond in 10 ms
+constexpr double kSpeedUnitUsPerS = 25.0;  // a quarter of a microsecond per 10 ms
 constexpr double kLargest = 0x3FFF;
 
-/// Values travel in bytes of seven bits.
+/// Values are sent in bytes of seven bits.
 Bytes command(std::uint8_t code, int channel, double value) {
   const auto number = static_cast<unsigned>(std::lround(std::clamp(value, 0.0, kLargest)));
   return {code, static_cast<std::uint8_t>(channel), static_cast<std::uint8_t>(number & 0x7FU),
@@ -154,7 +154,7 @@ ServoOutput MaestroSession::receive(ByteView bytes, time::SteadyTime now) {
     return {};
   }
   waiting_ = false;
-  // Bare bytes have no frame: an answer that is too long is none.
+  // Answers are unframed, so one that is too long is invalid.
   if (answer_.size() > kAnswerBytes) {
     return {};
   }
@@ -162,7 +162,8 @@ ServoOutput MaestroSession::receive(ByteView bytes, time::SteadyTime now) {
 }
 
 std::optional<PitchSample> MaestroSession::sample_in(ByteView answer, time::SteadyTime now) {
-  constexpr double kShortestPulseUs = 64.0;  // of any servo; 0: the channel is off
+  constexpr double kShortestPulseUs =
+      64.0;  // shorter than any servo's; 0 means that the channel is off
   const double pulse_us = maestro::pulse_us_in(answer);
   misses_ = 0;
   if (pulse_us < kShortestPulseUs) {
@@ -172,7 +173,7 @@ std::optional<PitchSample> MaestroSession::sample_in(ByteView answer, time::Stea
   last_error_.clear();
   back_off_.succeeded();
   PitchSample sample;
-  // The pulse was looked up somewhere between question and answer.
+  // The pulse was read at some time between request and answer.
   sample.stamp = asked_ + (now - asked_) / 2;
   sample.pitch_rad = (pulse_us - level_us_) / us_per_rad_;
   if (last_ && sample.stamp > last_->stamp) {

@@ -7,16 +7,17 @@
 
 namespace nodmap::laser3d {
 
-/// Commands to a Pololu Maestro (compact protocol). It sends pulses to a servo and hears nothing
-/// from it: the position it tells is the pulse being sent. Answers are two bare bytes.
+/// Commands to a Pololu Maestro (compact protocol). It sends pulses to a servo and gets no
+/// feedback: the position it reports is the pulse being sent. Answers are two unframed bytes.
 namespace maestro {
 
 [[nodiscard]] Bytes set_target(int channel, double pulse_us);
-/// Speed of the pulse, microseconds per second; at least the smallest, since 0 is "unlimited".
+/// Limits the speed of the pulse, microseconds per second. Sends at least the smallest value,
+/// because 0 means "unlimited".
 [[nodiscard]] Bytes set_speed(int channel, double pulse_us_per_s);
 [[nodiscard]] Bytes set_acceleration(int channel, int value);
 [[nodiscard]] Bytes get_position(int channel);
-/// Reading the errors clears them.
+/// Reads the errors, which also clears them.
 [[nodiscard]] Bytes get_errors();
 [[nodiscard]] Bytes go_home();
 
@@ -30,8 +31,8 @@ namespace maestro {
 
 }  // namespace maestro
 
-/// A hobby servo behind a Pololu Maestro, as on the historic KURT3D. Open loop: the pitch told is
-/// the one being commanded, and the servo may be elsewhere.
+/// The session with a hobby servo behind a Pololu Maestro, as on the historic KURT3D. Open loop:
+/// the reported pitch is the commanded one, and the real pitch may differ.
 class MaestroSession : public ServoSession {
  public:
   explicit MaestroSession(const ServoParams& params);

@@ -25,7 +25,7 @@ struct DynamixelParams {
   void describe(Visitor& v) {
     v.integer("level_position", level_position, {0, 4095},
               "Position at which the laser looks straight ahead.");
-    v.flag("inverted", inverted, "Larger positions look down.");
+    v.flag("inverted", inverted, "Whether larger positions look down.");
   }
 };
 
@@ -38,7 +38,8 @@ struct MaestroParams {
   void describe(Visitor& v) {
     v.number("level_us", level_us, {500.0, 2500.0},
              "Pulse at which the laser looks straight ahead.");
-    v.number("us_per_deg", us_per_deg, {-50.0, 50.0}, "Change of the pulse for a degree up.");
+    v.number("us_per_deg", us_per_deg, {-50.0, 50.0},
+             "Change of the pulse per degree of upward pitch.");
   }
 };
 
@@ -56,18 +57,18 @@ struct ServoParams {
     v.choice("kind", kind, {{"dynamixel", ServoKind::kDynamixel}, {"maestro", ServoKind::kMaestro}},
              "Pitch servo: Dynamixel X (measured pitch) or Pololu Maestro (open loop).");
     v.text("device", device, "Serial line of the servo.");
-    v.integer("baud", baud, {9600, 4'500'000}, "Rate of that line, bit/s.");
+    v.integer("baud", baud, {9600, 4'500'000}, "Rate of the servo's serial line, bit/s.");
     v.integer("id", id, {0, 252}, "Dynamixel id, or Maestro channel.");
     v.number("poll_hz", poll_hz, {20.0, 500.0}, "How often the pitch is read.");
     v.section("dynamixel", dynamixel);
     v.section("maestro", maestro);
   }
 
-  /// From one reading of the pitch to the next.
+  /// Time from one reading of the pitch to the next.
   [[nodiscard]] time::Duration period() const { return time::from_seconds(1.0 / poll_hz); }
 };
 
-/// Where the laser pointed at one moment.
+/// The pitch at one moment.
 struct PitchSample {
   time::SteadyTime stamp;
   double pitch_rad = 0.0;   ///< positive looks up
@@ -79,37 +80,37 @@ struct ServoOutput {
   std::optional<PitchSample> sample;
 };
 
-/// What went wrong on the servo's line.
+/// Counts of errors on the servo's line.
 struct ServoCounts {
   std::int64_t unanswered = 0;       ///< requests
-  std::int64_t damaged = 0;          ///< requests that the servo says arrived damaged
+  std::int64_t damaged = 0;          ///< requests that arrived damaged, according to the servo
   std::int64_t checksum_errors = 0;  ///< of answers
-  std::int64_t implausible = 0;      ///< positions where the head cannot be
+  std::int64_t implausible = 0;      ///< positions that the head cannot have
 };
 
-/// Brings a pitch servo up, moves it, and reads its position again and again, whatever protocol it
-/// speaks. A pure state machine; all times are microseconds of one clock that never steps.
+/// The session with a pitch servo, for any protocol: initialises it, moves it and reads its
+/// position periodically. A pure state machine without clock or port.
 class ServoSession : private boost::noncopyable {
  public:
   virtual ~ServoSession() = default;
 
-  /// The line has been opened.
+  /// To be called when the line has been opened.
   [[nodiscard]] virtual ServoOutput open(time::SteadyTime now) = 0;
-  /// The line is gone.
+  /// To be called when the line is gone.
   virtual void close() = 0;
   /// To be called at least every few milliseconds.
   [[nodiscard]] virtual ServoOutput poll(time::SteadyTime now) = 0;
   [[nodiscard]] virtual ServoOutput receive(ByteView bytes, time::SteadyTime now) = 0;
-  /// Where to go, and how fast: sent with the next poll().
+  /// Sets goal and speed, to be sent by the next poll().
   virtual void aim(double goal_rad, double speed_rad_s) = 0;
 
-  /// Whether the servo moves and its position is known.
+  /// Whether the servo is initialised and its position is known.
   [[nodiscard]] virtual bool running() const = 0;
-  /// Whether the pitch of the samples was measured, or is only what was commanded.
+  /// Whether the pitch of the samples is measured; otherwise it is the commanded one.
   [[nodiscard]] virtual bool measures_pitch() const = 0;
-  /// All zero for a servo that does not answer.
+  /// The error counts; all zero for a protocol without them.
   [[nodiscard]] virtual ServoCounts line_counts() const { return {}; }
-  /// Why it is not running; empty when it is.
+  /// Why the servo is not running; empty while it is.
   [[nodiscard]] virtual const std::string& last_error() const = 0;
 };
 

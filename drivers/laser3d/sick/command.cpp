@@ -7,7 +7,7 @@
 namespace nodmap::laser3d {
 namespace {
 
-// Places in the configuration.
+// Byte positions in the configuration.
 constexpr std::size_t kAvailability = 4;
 constexpr std::size_t kMeasuringMode = 5;
 constexpr std::size_t kUnit = 6;

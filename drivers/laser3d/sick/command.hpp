@@ -7,7 +7,7 @@
 
 namespace nodmap::laser3d {
 
-/// The sensor's permanent configuration. Bytes this driver has no use for are kept as they are.
+/// The sensor's permanent configuration. Bytes that this driver does not use are kept unchanged.
 struct SickConfig {
   Bytes bytes;  ///< 34, or 32 with older firmware
 
@@ -21,7 +21,8 @@ struct SickConfig {
 /// The configuration in an answer to reading (F4) or to writing (F7, when it was accepted).
 [[nodiscard]] std::optional<SickConfig> read_config(const SickTelegram& telegram);
 
-/// The configuration with what this driver decides put in: unit, measuring mode, indices sent.
+/// The configuration with the settings of this driver: unit, measuring mode, transmission of the
+/// indices.
 [[nodiscard]] SickConfig with_measuring(SickConfig config, SickUnit unit, SickMeasuringMode mode);
 
 enum class SickMode : std::uint8_t {
@@ -32,13 +33,14 @@ enum class SickMode : std::uint8_t {
   kStreamInterlaced = 0x2A,
 };
 
-/// Requests to the sensor, as bytes on the line. Addressed to all: one sensor on one line.
+/// Requests to the sensor, as bytes on the line. They use the broadcast address, because there is
+/// one sensor per line.
 namespace sick_command {
 
 [[nodiscard]] Bytes frame(ByteView command_and_parameters);
 [[nodiscard]] Bytes set_mode(SickMode mode);
 [[nodiscard]] Bytes set_sub_range(int first_value, int last_value);
-/// Only 9600, 19200, 38400 and 500000 are possible: anything else asks for 9600.
+/// Only 9600, 19200, 38400 and 500000 are possible; any other value requests 9600.
 [[nodiscard]] Bytes set_baud(int baud);
 /// Whether the sensor uses its present rate after power-on (false: 9600).
 [[nodiscard]] Bytes keep_baud(bool permanent);

@@ -12,11 +12,11 @@ namespace {
 
 using boost::endian::load_little_u16;
 
-// How far below the top of the range the codes lie (telegram listing, 10.1).
+// Positions of the special codes, counted down from the largest value (telegram listing, 10.1).
 constexpr std::uint16_t kDazzled = 1;
 constexpr std::uint16_t kBeyondReach = 8;
 
-constexpr double kReachM = 80.0;  // of the optics, whatever the number could say
+constexpr double kReachM = 80.0;  // limit of the optics; the values could encode more
 
 constexpr std::uint16_t kCountBits = 0x03FF;
 constexpr std::uint16_t kPartialBit = 0x2000;
@@ -24,7 +24,7 @@ constexpr unsigned kQuarterShift = 11;
 constexpr std::uint16_t kMillimetreBit = 0x4000;
 constexpr std::size_t kCountBytes = 2;
 
-/// Range words to metres; counts in the scan what was none.
+/// Converts range words to metres, and counts those that are not ranges.
 class RangeReader {
  public:
   RangeReader(SickMeasuringMode mode, std::uint16_t top, double unit_m, SickScan& scan)
@@ -57,8 +57,9 @@ class RangeReader {
   SickScan& scan_;
 };
 
-/// Every `stride`-th range from `first` on, measured in the half revolution that ended at
-/// `half_end`; `from_right_deg` is the angle of the first of them, 0 to the right.
+/// The mirror revolution with every `stride`-th range from `first` on, measured in the half
+/// revolution that ended at `half_end`. `from_right_deg`: the angle of the first beam, 0 to the
+/// right.
 MirrorRevolution revolution_of(const SickScan& scan, std::size_t first, std::size_t stride,
                                double from_right_deg, time::FineSteadyTime half_end) {
   MirrorRevolution revolution;

@@ -15,23 +15,24 @@ constexpr time::Duration kNakPause = 30ms;
 constexpr time::Duration kAnswerTimeout = 1s;
 constexpr time::Duration kModeChangeTimeout = 3s;
 constexpr time::Duration kConfigWriteTimeout = 15s;
-// At a rate at which nothing has been heard yet it is not worth waiting that long. More than the
-// parser's expiry: what a cut telegram hides has come out by then.
+// Shorter at a rate at which nothing has been received yet. Longer than the parser's expiry, so
+// that a telegram hidden by a truncated one is found.
 constexpr time::Duration kSearchTimeout = 600ms;
-// Both ends need a moment to change their rate.
+// Time for both ends to change their rate.
 constexpr time::Duration kSettle = 250ms;
 
-// The sensor's memory wears. A configuration that is not as wanted after so many writes never will
-// be: some firmware keeps a value of its own.
+// The sensor's memory wears out. If the configuration still differs after this many writes, it
+// never will agree: some firmware keeps a value of its own.
 constexpr int kMostConfigWrites = 2;
 
-// A scan with fewer readings than this may well equal the last one.
+// A scan with fewer readings than this may equal the last one by chance.
 constexpr int kReadingsThatVary = 10;
 
 }  // namespace
 
 SickSession::SickSession(const SickParams& params) : params_(params) {
-  // Where it was left, then where power-on puts it, then where another program may have left it.
+  // First the rate that we set, then the rate after power-on, then rates that another program may
+  // have set.
   for (const int baud : {params.baud, 9600, 500000, 38400, 19200}) {
     if (std::find(candidates_.begin(), candidates_.end(), baud) == candidates_.end()) {
       candidates_.push_back(baud);
@@ -136,7 +137,7 @@ time::Duration SickSession::timeout() const {
 time::Duration SickSession::stream_timeout() const {
   constexpr time::Duration kShortest = 200ms;
   const SickGeometry geometry = geometry_of(params_.variant);
-  // Ten bits for each byte; slow lines skip scans, so the next one may just have begun.
+  // Ten bits per byte. On slow lines the sensor skips scans, so the next one may just have begun.
   const time::FineDuration frame =
       time::FineDuration(10s) * (2.0 * geometry.num_values() + 12.0) / baud_;
   const time::FineDuration period = frame + geometry.revolutions * kMirrorPeriod;
@@ -228,7 +229,7 @@ SickOutput SickSession::after_config(const SickTelegram& telegram, time::SteadyT
         return enter(Step::kSetVariant, now);
       }
       if (writes_since_wanted_ >= kMostConfigWrites) {
-        return fail("the configuration does not stay as written", now);
+        return fail("the sensor does not keep the configuration", now);
       }
       return enter(Step::kInstall, now);
     case Step::kInstall:
@@ -237,7 +238,7 @@ SickOutput SickSession::after_config(const SickTelegram& telegram, time::SteadyT
       return enter(Step::kWriteConfig, now);
     case Step::kWriteConfig:
       if (read_config(telegram) != wanted_config(*config_, params_)) {
-        return fail("the configuration was not taken as sent", now);
+        return fail("the sensor has stored a different configuration than it was sent", now);
       }
       return enter(Step::kLeaveInstall, now);
     default:

@@ -13,19 +13,19 @@
 
 namespace nodmap::laser3d {
 
-/// What the caller is to do, in this order, and the scan that has come.
+/// What the caller must do, in this order, and the scan that was received.
 struct SickOutput {
   std::optional<int> baud;  ///< change the rate of the host's line
   Bytes send;
   std::optional<SickScan> scan;
 };
 
-/// Brings the sensor from an unknown state to a stream of scans, and back there whenever the stream
-/// ends. A pure state machine; all times are microseconds of one clock that never steps.
+/// Brings the sensor from an unknown state to a stream of scans, and again whenever the stream
+/// ends. A pure state machine without clock or port.
 ///
-/// Finds the rate at which the sensor listens (it may be streaming already), changes it, writes the
-/// configuration only if it differs (the sensor's memory wears), sets the variant, starts the
-/// stream.
+/// Finds the rate of the sensor (which may be streaming already), changes it, writes the
+/// configuration only if it differs (the sensor's memory wears out), sets the variant and starts
+/// the stream.
 class SickSession {
  public:
   enum class State : std::uint8_t { kClosed, kConnecting, kStreaming, kWaiting };
@@ -35,32 +35,33 @@ class SickSession {
     std::int64_t connections = 0;
     std::int64_t config_writes = 0;
     std::int64_t retries = 0;
-    std::int64_t unexpected_scans = 0;  ///< of another variant, or while they should not come
+    std::int64_t unexpected_scans = 0;  ///< of another variant, or while none were expected
     std::int64_t stream_stops = 0;
     std::int64_t freezes = 0;
-    std::int64_t power_ons = 0;  ///< the sensor said it has just been switched on
+    std::int64_t power_ons = 0;  ///< telegrams by which the sensor reports that it was switched on
   };
 
   explicit SickSession(const SickParams& params);
 
-  /// The line has been opened.
+  /// To be called when the line has been opened.
   [[nodiscard]] SickOutput open(time::SteadyTime now);
-  /// The line is gone.
+  /// To be called when the line is gone.
   void close();
-  /// Ends the stream and takes the sensor back to 9600, where the next start finds it at once.
+  /// Ends the stream and sets the sensor's rate back to 9600, where the next start finds it at
+  /// once.
   [[nodiscard]] SickOutput shut_down(time::SteadyTime now);
 
-  /// To be called at least every few milliseconds: retries, time-outs, back-off.
+  /// Handles retries, timeouts and back-off; to be called at least every few milliseconds.
   [[nodiscard]] SickOutput poll(time::SteadyTime now);
   [[nodiscard]] SickOutput take(const SickTelegram& telegram, time::SteadyTime now);
-  /// The sensor did not understand: ask again soon.
+  /// The sensor did not understand a request; repeats it soon.
   void take_nak(time::SteadyTime now);
 
   [[nodiscard]] State state() const;
-  /// Why the last attempt or stream ended; empty while scans come.
+  /// Why the last attempt or stream ended; empty while scans are received.
   [[nodiscard]] const std::string& last_error() const { return last_error_; }
   [[nodiscard]] const Counts& counts() const { return counts_; }
-  /// How long a healthy stream pauses at most.
+  /// The longest pause in a healthy stream.
   [[nodiscard]] time::Duration stream_timeout() const;
 
  private:
@@ -80,18 +81,18 @@ class SickSession {
   [[nodiscard]] bool is_frozen(const SickTelegram& telegram, const SickScan& scan);
 
   SickParams params_;
-  std::vector<int> candidates_;  // rates, the likeliest first
+  std::vector<int> candidates_;  // rates to try, the most likely first
   std::size_t candidate_ = 0;
   int baud_ = 9600;
   Step step_ = Step::kClosed;
   int attempts_ = 0;
   bool refused_ = false;
-  bool heard_ = false;  // something whole at this rate
+  bool heard_ = false;  // a complete telegram was received at this rate
   time::SteadyTime deadline_;
   std::optional<SickConfig> config_;
-  int writes_since_wanted_ = 0;  // of the configuration, since it was last read as it should be
+  int writes_since_wanted_ = 0;  // of the configuration, since it was last read as wanted
   serial::BackOff back_off_;
-  std::array<Bytes, 4> last_values_;  // by quarter of a degree; whole scans are all in the first
+  std::array<Bytes, 4> last_values_;  // by quarter of a degree; complete scans use the first
   int equal_scans_ = 0;
   std::string last_error_ = "not connected";
   Counts counts_;

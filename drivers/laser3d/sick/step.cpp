@@ -61,18 +61,18 @@ SickAnswer classify_answer(SickStep step, const SickTelegram& telegram) {
 const char* purpose_of(SickStep step) {
   switch (step) {
     case SickStep::kSearch:
-      return "answer at any rate";
+      return "answer at any baud rate";
     case SickStep::kSetBaud:
     case SickStep::kConfirmBaud:
       return "change the baud rate";
     case SickStep::kReadConfig:
-      return "tell its configuration";
+      return "send its configuration";
     case SickStep::kInstall:
     case SickStep::kWriteConfig:
     case SickStep::kLeaveInstall:
-      return "take a new configuration";
+      return "accept a new configuration";
     case SickStep::kSetVariant:
-      return "take the angle and resolution";
+      return "accept the angle and resolution";
     case SickStep::kStartStream:
       return "stream";
     default:

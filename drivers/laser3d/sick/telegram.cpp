@@ -17,8 +17,8 @@ constexpr std::size_t kCrcBytes = 2;
 constexpr std::size_t kMaxLength = SickParser::kMaxTelegramBytes - kHeaderBytes - kCrcBytes;
 constexpr std::size_t kMaxValues = 401;
 
-/// Whether this many bytes from reply code to status byte make sense. The checksum is weak, so
-/// what is known of a telegram's length is held against it.
+/// Whether a telegram with this reply code can have this number of bytes from reply code to status
+/// byte. Checked because the checksum is weak.
 bool is_length_of(std::uint8_t reply, std::size_t length) {
   switch (static_cast<SickReply>(reply)) {
     case SickReply::kReset:
@@ -48,7 +48,7 @@ bool is_values_header(std::uint16_t word, std::size_t length) {
   return unit_known && count <= kMaxValues && (length == plain || length == plain + 2);
 }
 
-/// Whether what has come of a telegram behind its header fits its length.
+/// Whether the bytes received after a telegram's header are consistent with its length.
 bool is_content_plausible(ByteView content, std::size_t length) {
   if (content.empty()) {
     return true;
@@ -66,7 +66,7 @@ FrameStart start_of_telegram(ByteView bytes, bool in_step) {
     const bool is_answer = in_step && (bytes[0] == kAck || bytes[0] == kNak);
     return is_answer ? FrameStart{Kind::kPlausible, 1} : FrameStart{Kind::kNone};
   }
-  if (bytes.size() > 1 && (bytes[1] & 0x80) == 0) {  // no address of a sensor
+  if (bytes.size() > 1 && (bytes[1] & 0x80) == 0) {  // not the address of a sensor
     return {Kind::kImplausible};
   }
   if (bytes.size() < kHeaderBytes) {

@@ -14,8 +14,8 @@ using serial::Bytes;
 using serial::ByteView;
 
 /// The checksum of SICK LMS2xx telegrams over everything before it, sent low byte first. It shifts
-/// one bit per byte, so it is none of the catalogue's CRC-16. It notices every single wrong byte,
-/// but not an error E in one byte with 2E in the next: a reader needs checks of its own besides.
+/// one bit per byte, so it is not one of the standard CRC-16s. It detects every single wrong byte,
+/// but not an error E in one byte with 2E in the next, so a reader needs further checks.
 [[nodiscard]] std::uint16_t sick_crc(ByteView bytes);
 
 /// Codes of the telegrams a LMS2xx sends: those of the requests plus 80h.
@@ -44,9 +44,9 @@ struct SickStatusByte {
   [[nodiscard]] bool polluted() const { return (value & 0x80) != 0; }
 };
 
-/// A whole telegram whose checksum and structure hold.
+/// A complete telegram with correct checksum and structure.
 struct SickTelegram {
-  time::SteadyTime first_byte;  ///< when its first byte arrived, clock of the caller
+  time::SteadyTime first_byte;  ///< when its first byte arrived
   std::uint8_t address = 0;
   SickReply reply{};
   Bytes data;  ///< between the reply code and the status byte
@@ -57,27 +57,27 @@ struct SickAck {};
 struct SickNak {};
 using SickEvent = std::variant<SickAck, SickNak, SickTelegram>;
 
-/// Finds telegrams in the bytes from the sensor. Times are microseconds of the caller's clock.
+/// Finds telegrams in the bytes from the sensor.
 class SickParser {
  public:
   static constexpr std::size_t kMaxTelegramBytes = 814;
 
   explicit SickParser(int baud = 9600);
 
-  /// Forgets what was received: the line's rate has changed.
+  /// Forgets all bytes received so far, because the rate of the line has changed.
   void reset(int baud) { scanner_.reset(baud); }
 
-  /// Takes bytes of which the last was read at `now`.
+  /// Adds bytes, the last of which was read at `now`.
   void feed(ByteView bytes, time::SteadyTime now) { scanner_.feed(bytes, now); }
 
-  /// Gives up a telegram begun when nothing has come for long (FrameScanner::kExpiryUs).
+  /// Gives up an incomplete telegram when nothing has been received for FrameScanner::kExpiry.
   void expire(time::SteadyTime now) { scanner_.expire(now); }
 
-  /// The next event in what was fed, or nothing. An ACK or NAK is one bare byte, believed only
-  /// where no damage was seen since the last telegram; nobody should wait for one.
+  /// The next event in the bytes fed so far, if any. An ACK or NAK is a single unframed byte,
+  /// accepted only if there was no damage since the last telegram; do not wait for one.
   [[nodiscard]] std::optional<SickEvent> next();
 
-  /// Telegrams found.
+  /// Number of telegrams found.
   [[nodiscard]] std::int64_t telegrams() const { return telegrams_; }
   [[nodiscard]] const serial::FrameScanner::Errors& errors() const { return scanner_.errors(); }
 

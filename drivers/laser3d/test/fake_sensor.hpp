@@ -5,17 +5,17 @@
 
 namespace nodmap::laser3d::test {
 
-/// Just enough of a sensor to talk to, written against the manual: requests are recognised as
-/// bytes, nothing of the driver's encoders is used.
+/// A minimal sensor, written after the manual: it recognises requests as bytes and does not use the
+/// driver's encoders.
 class FakeSensor {
  public:
   int baud = 9600;
   bool powered = true;
   bool streaming = false;
   bool frozen = false;
-  bool blind = false;       // nothing comes back
-  bool too_weak = false;    // too little comes back to be measured
-  bool interlaced = false;  // a quarter of a degree further with each scan
+  bool blind = false;       // no echoes
+  bool too_weak = false;    // echoes are too weak to be measured
+  bool interlaced = false;  // shifted by a quarter of a degree with each scan
   bool deaf_to_variant = false;
   std::uint8_t status = 0x10;
   int ignore_next = 0;  // requests to swallow
@@ -39,7 +39,7 @@ class FakeSensor {
 
   Bytes next_scan() {
     ++scans_;
-    const int quarter = interlaced ? scans_ % 4 : 0;  // sees something else in each
+    const int quarter = interlaced ? scans_ % 4 : 0;  // different readings in each quarter
     const int first = 1000 + (frozen ? quarter : scans_ % 50);
     Bytes data = {0xB0};
     serial::append_little(data, header());

@@ -11,8 +11,8 @@
 
 namespace nodmap::laser3d::test {
 
-/// A servo with its registers, moving at the profile velocity; answers are built here, not with
-/// the driver's encoders.
+/// A servo with its registers, moving at the profile velocity. It builds its answers without the
+/// driver's encoders.
 class FakeServo {
  public:
   std::array<std::uint8_t, 150> registers{};

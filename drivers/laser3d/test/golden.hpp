@@ -12,8 +12,7 @@ namespace nodmap::laser3d::test {
 using nodmap::test::hex;
 using nodmap::test::operator+;
 
-/// A telegram of the sensor around a reply code and data: written here on its own, so that the
-/// parser is not tested by its own sister.
+/// Encodes a telegram of the sensor from reply code and data, independently of the driver's code.
 inline Bytes sick_frame(const Bytes& reply_and_data, std::uint8_t status = 0x10) {
   Bytes bytes = {0x02, 0x80};
   serial::append_little(bytes, static_cast<std::uint16_t>(reply_and_data.size() + 1));
@@ -32,7 +31,7 @@ inline Bytes ramp(int count, int first = 1000, int step = 1) {
   return bytes;
 }
 
-/// The telegram in these bytes; an empty one when there is none.
+/// The telegram in these bytes; an empty one if there is none.
 inline SickTelegram telegram_of(const Bytes& bytes) {
   SickParser parser;
   parser.feed(bytes, {});

@@ -111,7 +111,8 @@ TEST(Laser3d, R2_PitchIsThatOfTheBeamsTime) {
   Rig rig;
   rig.open();
   rig.run(4.0);
-  // The head moves steadily in mid-sweep: a scan's pitches lie on the line of the servo's own.
+  // In mid-sweep the head moves at a constant rate, so a scan's pitches lie on the line through the
+  // servo's readings.
   int compared = 0;
   for (const scan::Scan& scan : rig.scans) {
     const auto after = std::find_if(
@@ -192,7 +193,7 @@ TEST(Laser3d, AFrozenLaserAndAStalledServoAreFailures) {
   rig.run(4.0);
   rig.servo.jammed = true;
   rig.run(0.35);
-  EXPECT_EQ(rig.health().reason, "servo: it is told to move and does not");
+  EXPECT_EQ(rig.health().reason, "servo: does not move when commanded to");
   EXPECT_TRUE(rig.pitch.back().stalled);
   rig.servo.jammed = false;
   rig.run(1.0);
@@ -210,11 +211,11 @@ TEST(Laser3d, ALaserThatSeesNothingIsBlind) {
   rig.open();
   rig.run(4.0);
   rig.sensor.blind = true;
-  rig.run(1.5);  // less than the default nod of 1.6 s: it may look at the sky
+  rig.run(1.5);  // less than the default nod of 1.6 s: the laser may look at the sky
   EXPECT_EQ(rig.health().condition, Condition::kOk) << rig.health().reason;
   rig.run(0.5);
   EXPECT_EQ(rig.health().condition, Condition::kFailed);
-  EXPECT_EQ(rig.health().reason, "laser: it sees nothing");
+  EXPECT_EQ(rig.health().reason, "laser: blind (no readings)");
   const std::size_t scans = rig.scans.size();
   rig.run(10.0);
   EXPECT_EQ(rig.scans.size(), scans);
@@ -231,7 +232,7 @@ TEST(Laser3d, ALaserThatNeverSawAnythingIsBlindAtOnce) {
   rig.open();
   rig.run(4.0);
   EXPECT_TRUE(rig.scans.empty());
-  EXPECT_EQ(rig.health().reason, "laser: it sees nothing");
+  EXPECT_EQ(rig.health().reason, "laser: blind (no readings)");
 }
 
 TEST(Laser3d, AFastNodMakesBlindnessKnownInASecondASlowOneInItsNod) {
@@ -246,7 +247,7 @@ TEST(Laser3d, AFastNodMakesBlindnessKnownInASecondASlowOneInItsNod) {
       rig.run(0.1);
       blind_s += 0.1;
     }
-    EXPECT_NEAR(blind_s, known_s, 0.05);  // it is asked each 0.1 s
+    EXPECT_NEAR(blind_s, known_s, 0.05);  // polled every 0.1 s
   }
 }
 
@@ -259,7 +260,7 @@ TEST(Laser3d, BeamsWithoutAMeasurementDegradeAndAreNoSight) {
   EXPECT_EQ(rig.health().condition, Condition::kDegraded);
   EXPECT_EQ(rig.health().reason, "laser: many beams are not measured");
   rig.run(2.0);
-  EXPECT_EQ(rig.health().reason, "laser: it sees nothing");
+  EXPECT_EQ(rig.health().reason, "laser: blind (no readings)");
 }
 
 TEST(Laser3d, PollutionDegrades) {

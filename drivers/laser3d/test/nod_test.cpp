@@ -160,8 +160,8 @@ TEST(Nod, EqualEndsHoldTheLaser) {
   EXPECT_FALSE(dut.stalled());
 }
 
-// Whenever it jams, at the ends, too. 130 ms is what the navigator has for it; the slow and the
-// very fast sweep have longer by the formula, and the robot drives with neither.
+// At any position, including the ends. The navigator allows 130 ms. For the slow and the very fast
+// sweep the formula allows longer, and the robot does not drive with either.
 TEST(Nod, AJammedHeadIsNoticedInTimeWhereverItIs) {
   struct Case {
     double sweep_s;

@@ -169,7 +169,7 @@ TEST(Laser3dNode, ObeysPitchCommandsAndRefusesOldAndBadOnes) {
   EXPECT_EQ(rig.counts.rejected().at("no_area"), 1);
 }
 
-// Somebody else points the laser at the ceiling, 50 times a second.
+// A second sender points the laser at the ceiling, 50 times a second.
 TEST(Laser3dNode, ASecondSenderOfPitchCommandIsRefusedAndTold) {
   Rig rig;
   rig.run(3.0);

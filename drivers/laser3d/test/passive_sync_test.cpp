@@ -16,8 +16,8 @@ time::SteadyTime at(time::Duration since_start) {
 
 constexpr time::SteadyTime kStart{1'700'000'000s};
 
-/// A USB line with a latency timer of 1 ms on a busy host: up to 1 ms of waiting, a tail of
-/// scheduling, and now and then a stall of up to 30 ms.
+/// A USB line with a latency timer of 1 ms on a busy host: up to 1 ms of waiting, scheduling
+/// delays, and occasional stalls of up to 30 ms.
 class Jitter {
  public:
   explicit Jitter(unsigned seed) : random_(seed) {}
@@ -93,15 +93,16 @@ TEST(PassiveSync, BetterThanAMillisecondWhateverTheDrift) {
 }
 
 TEST(PassiveSync, ADriftBeyondTheBoundIsLateButNeverWild) {
-  // A device that runs slower than allowed: the bound from the past lies before the truth, more
-  // so every second, until the clocks are declared not to fit.
+  // A device that runs slower than allowed: the bound from the past is too early, by more every
+  // second, until the clocks are declared to disagree.
   PassiveSync dut(kServo);
   time::Duration worst{};
   for (int i = 0; i < 60'000; i += 10) {
     const time::SteadyTime stamp = kStart + i * 1010us;
     worst = std::max(worst, std::chrono::abs(dut.to_host(i % 32'768, stamp) - stamp));
   }
-  // 9 ms for each second: 5 ms to be suspicious, two windows to be sure.
+  // The error grows by 9 ms per second: 5 ms until it is suspicious, then two windows until it is
+  // detected.
   EXPECT_LT(worst, 30ms);
   EXPECT_GT(dut.restarts(), 0);
 }
@@ -127,7 +128,8 @@ TEST(PassiveSync, ADeviceThatStartedAgainIsFollowed) {
   PassiveSync dut(kServo);
   EXPECT_EQ(dut.to_host(20'000, at(1s)), at(1s));
   EXPECT_EQ(dut.to_host(20'010, at(1010ms)), at(1010ms));
-  // Its count begins at 0: seen as 12.7 s ahead, more than passed, so the stamp bounds it.
+  // Its counter restarts at 0, which looks like 12.7 s ahead, more than has passed, so the stamp is
+  // the bound.
   EXPECT_EQ(dut.to_host(0, at(1500ms)), at(1500ms));
   EXPECT_EQ(dut.to_host(10, at(1512ms)), at(1'510'010us));
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The scanner with the simplest format there is: '<', the number of bytes of the content as a
-// digit, the content, and its sum modulo 256. What the formats of the devices add is tested beside
-// them.
+// digit, the content, and its sum modulo 256. The formats of the devices are tested with their
+// drivers.
 #include "drivers/serial/frame_scanner.hpp"
 
 #include <gtest/gtest.h>
@@ -52,7 +52,7 @@ Bytes operator+(Bytes a, const Bytes& b) {
   return a;
 }
 
-/// The contents of all frames there are.
+/// The contents of all complete frames.
 std::vector<std::string> drain(FrameScanner& scanner) {
   std::vector<std::string> contents;
   while (const auto frame = scanner.next()) {

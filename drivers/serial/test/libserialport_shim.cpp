@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Makes libserialport take a pseudo-terminal for a serial port, in a test program that links this
+// Makes libserialport accept a pseudo-terminal as a serial port, in a test program that links this
 // file: the dynamic linker finds these functions before those of the C library. libserialport looks
 // the port up in /sys/class/tty and reads its modem lines; a pseudo-terminal has neither.
 #include "drivers/serial/test/libserialport_shim.hpp"

@@ -3,7 +3,7 @@
 
 namespace nodmap::test {
 
-/// How often somebody has asked a pseudo-terminal for its modem lines. Only libserialport does.
+/// How often the modem lines of a pseudo-terminal were read. Only libserialport does that.
 [[nodiscard]] int modem_line_reads();
 
 }  // namespace nodmap::test

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// That this program's other tests do go through libserialport, which is what they are for.
+// Checks that the other tests of this program do go through libserialport.
 #include <gtest/gtest.h>
 
 #include "drivers/serial/serial_port.hpp"

@@ -20,7 +20,7 @@ time::Moment at(time::Duration since_start) {
   return {kStart + since_start, time::SteadyTime(since_start)};
 }
 
-/// A link, and what its driver was told.
+/// A link, and the calls of its driver's handlers.
 struct Rig {
   explicit Rig(SerialLink::Opener open)
       : link("device", std::move(open),
@@ -94,8 +94,8 @@ TEST(SerialLink, AfterALongLifeTheFirstAttemptIsSoon) {
   EXPECT_EQ(rig.link.reconnects(), 1);
 }
 
-// As udev does it: the link goes with the device, and leads to another one after replugging.
-// Meanwhile the old name may already be that of somebody else's line.
+// As with udev: the link disappears with the device, and points to another one after replugging.
+// Meanwhile another device may already have the old name.
 TEST(SerialLink, FindsTheDeviceUnderItsNewName) {
   const test::TemporaryDir dir;
   const std::filesystem::path link = dir.path() / "scanner";
@@ -144,7 +144,7 @@ TEST(SerialLink, ALineThatTakesNoBytesIsLost) {
   const std::vector<std::uint8_t> more_than_fits(1'000'000, 'x');
   EXPECT_FALSE(rig.link.write(more_than_fits, at(0s), {.timeout = 20ms}));
   EXPECT_FALSE(rig.link.is_open());
-  EXPECT_EQ(rig.link.error(), "the line takes no bytes");
+  EXPECT_EQ(rig.link.error(), "the line does not accept bytes");
   EXPECT_EQ(rig.lost, 1);
 }
 

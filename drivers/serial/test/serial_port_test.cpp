@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a port must do, over a pseudo-terminal. Built twice: as it is, where the terminal is opened
-// plainly, and with the shim, where libserialport opens it.
+// Tests of a port, over a pseudo-terminal. Built twice: plain, where the terminal is opened
+// directly, and with the shim, where libserialport opens it.
 #include "drivers/serial/serial_port.hpp"
 
 #include <gtest/gtest.h>
@@ -63,7 +63,7 @@ TEST(SerialPort, TimeOutsAreBounded) {
   const auto start = steady_clock::now();
   EXPECT_EQ(port.stream->read(buffer, kNoWait).status, IoStatus::kTimeout);
   EXPECT_EQ(port.stream->read(buffer, microseconds(20'000)).status, IoStatus::kTimeout);
-  // Not before the time; how much after is the machine's affair.
+  // Not earlier; how much later depends on the machine's load.
   EXPECT_GE(steady_clock::now() - start, microseconds(20'000));
 }
 

@@ -51,7 +51,7 @@ class Rig {
     }
     if (!output.send.empty()) {
       sent.push_back(output.send);
-      // The answer to a change of the rate still comes at the old one.
+      // The answer to a change of the rate is sent at the old one.
       on_the_line_ = on_the_line_ + sensor.answer(output.send, line_baud);
     }
     if (output.scan) {
@@ -119,8 +119,8 @@ TEST(SickSession, AConfigurationThatDoesNotStayIsNotWrittenForEver) {
   rig.run(300.0);
   EXPECT_EQ(rig.sensor.config_writes, 2);
   EXPECT_EQ(rig.scans, 0);
-  EXPECT_EQ(rig.dut.last_error(), "the configuration does not stay as written");
-  rig.sensor.config[6] = 0x01;  // somebody else has set it right
+  EXPECT_EQ(rig.dut.last_error(), "the sensor does not keep the configuration");
+  rig.sensor.config[6] = 0x01;  // another program has corrected it
   rig.run(10.0);
   EXPECT_EQ(rig.dut.state(), State::kStreaming);
 }
@@ -151,7 +151,7 @@ TEST(SickSession, ARefusalIsToldAndTriedAgainLater) {
   rig.open();
   rig.run(6.0);
   EXPECT_NE(rig.dut.state(), State::kStreaming);
-  EXPECT_NE(rig.dut.last_error().find("refused to take the angle"), std::string::npos)
+  EXPECT_NE(rig.dut.last_error().find("refused to accept the angle"), std::string::npos)
       << rig.dut.last_error();
   rig.sensor.deaf_to_variant = false;
   rig.run(10.0);
