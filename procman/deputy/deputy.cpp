@@ -2,15 +2,12 @@
 #include "procman/deputy/deputy.hpp"
 
 #include <poll.h>
-#include <sys/signalfd.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <csignal>
 #include <filesystem>
-#include <set>
 #include <sstream>
 #include <system_error>
 #include <utility>
@@ -24,6 +21,7 @@
 #include "procman/config/config_watch.hpp"
 #include "procman/deputy/children.hpp"
 #include "procman/deputy/output_collector.hpp"
+#include "procman/deputy/signal_reader.hpp"
 #include "procman/deputy/supervisor.hpp"
 #include "procman/deputy/system_load.hpp"
 #include "procman/protocol/messages.hpp"
@@ -37,23 +35,6 @@ constexpr time::Duration kInfoPeriod = 1s;
 constexpr time::Duration kLongestWait = 200ms;
 constexpr time::Duration kConfigSettles = 500ms;
 
-/// Signals as readable events: no handler, hence nothing that a child could inherit between fork
-/// and exec. To be made before any thread.
-Descriptor catch_signals() {
-  sigset_t signals;
-  ::sigemptyset(&signals);
-  for (const int signal : {SIGCHLD, SIGINT, SIGTERM, SIGHUP, SIGQUIT}) {
-    ::sigaddset(&signals, signal);
-  }
-  ::pthread_sigmask(SIG_BLOCK, &signals, nullptr);
-  std::signal(SIGPIPE, SIG_IGN);  // a log that nobody reads any more is no reason to die
-  const int fd = ::signalfd(-1, &signals, SFD_CLOEXEC | SFD_NONBLOCK);
-  if (fd < 0) {
-    throw std::system_error(errno, std::system_category(), "signalfd");
-  }
-  return Descriptor(fd);
-}
-
 std::string own_folder() {
   std::error_code error;
   return std::filesystem::read_symlink("/proc/self/exe", error).parent_path().string();
@@ -63,7 +44,6 @@ class Deputy {
  public:
   explicit Deputy(const DeputySettings& settings)
       : settings_(settings),
-        signals_(catch_signals()),
         bus_(settings.lcm_url),
         children_(settings.id, own_folder()),
         supervisor_(settings.id, settings.trusts_orders),
@@ -82,12 +62,12 @@ class Deputy {
       wait();
       handle_signals();
       reload_config();
-      bus_.handle(0ms);  // bounded: a flood of orders keeps nobody waiting
+      bus_.handle(0ms);  // limited, so that a flood of orders cannot block the loop
       work();
     }
-    Children::kill_everything();  // before the last words, so that they are true
+    Children::kill_everything();  // before the last output is published
     while (const auto due = output_.due()) {
-      publish_output(*due);  // the last words, due or not
+      publish_output(*due);  // publish all remaining output
     }
     return *exit_code_;
   }
@@ -112,7 +92,7 @@ class Deputy {
 
   DeputySettings settings_;
   std::optional<ConfigWatch> config_watch_;
-  Descriptor signals_;
+  SignalReader signals_;
   time::SystemClock clock_;
   node::MessageCounts counts_;
   bus::LiveBus bus_;
@@ -137,7 +117,7 @@ void Deputy::subscribe() {
       kDiscoverChannel, [this](const auto& message) { meet(from_message(message)); });
   bus_.subscribe<procman_lcm::deputy_info_t>(kInfoChannel, [this](const auto& message) {
     if (!serving_ && message.deputy_id == settings_.id) {
-      log::get().error("there is a deputy {} already", settings_.id);
+      log::get().error("a deputy {} is already running", settings_.id);
       exit_code_ = 2;
     }
   });
@@ -156,11 +136,11 @@ void Deputy::subscribe() {
 
 void Deputy::meet(const Discovery& discovery) {
   if (discovery.transmitter_id == settings_.id && discovery.nonce == nonce_) {
-    return;  // our own
+    return;  // our own message
   }
   if (serving_) {
     info_changed_ = true;
-    if (discovery.nonce == 0) {  // a sheriff
+    if (discovery.nonce == 0) {  // sent by a sheriff
       repeat_last_words();
     }
   } else if (discovery.transmitter_id == settings_.id) {
@@ -169,7 +149,7 @@ void Deputy::meet(const Discovery& discovery) {
   }
 }
 
-/// What has ended writes nothing any more: who comes now learns why it did.
+/// Publishes the last output of ended commands again, so that a new sheriff learns why they ended.
 void Deputy::repeat_last_words() {
   for (const CommandStatus& status : supervisor_.statuses()) {
     if (status.pid == 0) {
@@ -180,7 +160,7 @@ void Deputy::repeat_last_words() {
 
 void Deputy::wait() {
   const time::SteadyTime now = time::steady_now();
-  std::vector<pollfd> waiting{{signals_.get(), POLLIN, 0}, {bus_.poll_handle(), POLLIN, 0}};
+  std::vector<pollfd> waiting{{signals_.poll_handle(), POLLIN, 0}, {bus_.poll_handle(), POLLIN, 0}};
   children_.add_to_poll(waiting, now);
   time::SteadyTime next = std::min(now + kLongestWait, serving_ ? info_due_ : discover_due_);
   for (const auto& due : {supervisor_.next_due(), output_.due(), children_.due(now)}) {
@@ -191,30 +171,29 @@ void Deputy::wait() {
 }
 
 void Deputy::handle_signals() {
-  signalfd_siginfo info{};
-  while (::read(signals_.get(), &info, sizeof(info)) == sizeof(info)) {
-    if (info.ssi_signo == SIGCHLD) {
-      continue;  // work() collects in any case
+  while (const std::optional<int> signal = signals_.next()) {
+    if (*signal == SIGCHLD) {
+      continue;  // work() collects ended children in any case
     }
-    log::get().info("signal {}: stopping everything{}", info.ssi_signo,
+    log::get().info("signal {}: stopping everything{}", *signal,
                     supervisor_.is_shutting_down() ? ", at once" : "");
     carry_out(supervisor_.shut_down(time::steady_now()));
   }
 }
 
-/// What runs goes on: the sheriff says what is to become of it.
+/// Running commands continue; the sheriff decides about them.
 void Deputy::reload_config() {
   const auto parsed = config_watch_ ? config_watch_->poll(time::steady_now()) : std::nullopt;
   if (!parsed) {
     return;
   }
   for (const ConfigError& error : parsed->errors) {
-    log::get().error("{} (going on as before)", describe(settings_.config_file, error));
+    log::get().error("{} (configuration unchanged)", describe(settings_.config_file, error));
   }
   if (parsed->errors.empty()) {
     const bool names_any = allow(settings_, parsed->config);
-    log::get().info("{} was edited{}", settings_.config_file,
-                    names_any ? "" : " and names no command for this deputy any more");
+    log::get().info("{} was reloaded{}", settings_.config_file,
+                    names_any ? "" : " but has no command for this deputy any more");
   }
 }
 
@@ -243,14 +222,15 @@ void Deputy::work() {
   }
   publish_output(now);
   node::Health health;
-  health.needs_messages = false;  // a deputy without a sheriff is well
+  health.needs_messages = false;  // a deputy without a sheriff is healthy
   status_.publish_if_due(health);
   if (supervisor_.is_shutting_down() && supervisor_.is_idle()) {
     exit_code_ = exit_code_.value_or(0);
   }
 }
 
-/// Of a command that has failed, its last lines, too: they are in the journal then.
+/// Logs the end of a command; if it has failed also its last lines, so that they are in the
+/// journal.
 void Deputy::log_end(const Children::Ended& end) {
   log::get().info("{} ended (wait status {})", end.id, end.wait_status);
   if (end.wait_status == 0) {
@@ -276,7 +256,7 @@ void Deputy::work_discovery(time::SteadyTime now) {
 void Deputy::begin_service(time::SteadyTime now) {
   const int leftovers = children_.kill_leftovers();
   if (leftovers > 0) {
-    log::get().warn("killed {} processes that a killed deputy had left behind", leftovers);
+    log::get().warn("killed {} processes left behind by a killed deputy", leftovers);
   }
   serving_ = true;
   info_due_ = now;
@@ -344,7 +324,8 @@ void Deputy::publish_info() {
                to_message(Runs{info.stamp, settings_.id, supervisor_.runs(time::steady_now())}));
 }
 
-/// While a command runs in real time: its devices' bytes must not wait either.
+/// Raises the kernel's serial workers while a command with real-time priority runs, so that the
+/// bytes of its devices are not delayed either.
 void Deputy::raise_serial_workers() {
   const std::vector<CommandStatus> statuses = supervisor_.statuses();
   const bool wanted = std::any_of(statuses.begin(), statuses.end(), [this](const auto& status) {
@@ -360,8 +341,8 @@ void Deputy::raise_serial_workers() {
   }
   if (!serial_workers_->raise() && !std::exchange(serial_workers_refused_, true)) {
     log::get().warn(
-        "no right to raise the kernel's serial workers (CAP_SYS_NICE): on a busy machine bytes of "
-        "serial ports come late");
+        "not permitted to raise the priority of the kernel's serial workers (CAP_SYS_NICE): on a "
+        "busy machine bytes of serial ports will be late");
   }
 }
 
@@ -376,24 +357,6 @@ std::vector<pid_t> Deputy::pids() const {
 }
 
 }  // namespace
-
-bool allow(DeputySettings& settings, const Config& config) {
-  std::set<std::string> allowed;
-  for (const Command& command : config.commands) {
-    if (command.deputy == settings.id) {
-      allowed.insert(command.exec);
-    }
-  }
-  const bool is_any = !allowed.empty();
-  settings.may_run = [allowed = std::move(allowed)](const std::string& exec) {
-    return allowed.contains(exec);
-  };
-  settings.resources_of = [config](const std::string& id) {
-    const Command* command = config.find_command(id);
-    return command == nullptr ? Resources{} : command->resources;
-  };
-  return is_any;
-}
 
 int run_deputy(const DeputySettings& settings) {
   return Deputy(settings).run();
