@@ -10,27 +10,27 @@
 
 namespace nodmap::procman {
 
-/// Where in a file, both counted from 1; a column is a byte.
+/// A position in a file: line and column (in bytes), counted from 1.
 struct Place {
   int line = 1;
   int column = 1;
 };
 
-/// When a command that runs is to be restarted for what it says in STATUS. The extension of our
-/// tools: written in comments that begin with `#nodmap:`, which the existing tools skip.
+/// When a running command is restarted because of its STATUS. An extension, written in comments
+/// that begin with `#nodmap:`, which the existing tools skip.
 struct HealthRule {
   std::string status_name;                ///< process_name in STATUS; empty: the exec's program
-  std::optional<int> restart_silent_s;    ///< after so long without a STATUS
-  std::optional<int> restart_failed_s;    ///< after being FAILED for so long
-  std::optional<int> restart_degraded_s;  ///< after being DEGRADED or FAILED for so long
-  std::optional<int> restart_mute_s;      ///< after writing nothing (stdout, stderr) for so long
+  std::optional<int> restart_silent_s;    ///< after this long without a STATUS
+  std::optional<int> restart_failed_s;    ///< after being FAILED for this long
+  std::optional<int> restart_degraded_s;  ///< after being DEGRADED or FAILED for this long
+  std::optional<int> restart_mute_s;      ///< after this long without output (stdout, stderr)
 };
 
-/// What of the host a command may take. An extension of our tools, as the health rules.
+/// The resources of the host that a command may use. An extension, as the health rules.
 struct Resources {
-  int nice = 0;           ///< 1 to 19: gives way to all others
-  int realtime = 0;       ///< 1 to 99: goes before all others (SCHED_RR)
-  int memory_mb = 0;      ///< most that each of its processes may allocate; 0: no limit
+  int nice = 0;           ///< 1 to 19: lower priority than ordinary processes
+  int realtime = 0;       ///< 1 to 99: real-time priority (SCHED_RR)
+  int memory_mb = 0;      ///< limit of the memory of each of its processes; 0: none
   std::vector<int> cpus;  ///< the processors it may run on, from 0; empty: all
 };
 
@@ -53,13 +53,14 @@ struct Command {
 
 enum class TargetKind : std::uint8_t { kEverything, kCommand, kGroup };
 
-/// What an action is about.
+/// The commands to which an action applies.
 struct Target {
   TargetKind kind = TargetKind::kEverything;
-  std::string name;  ///< of the command, or path of the group
+  std::string name;  ///< name of the command, or path of the group
 };
 
-/// Healthy: running, and the newest STATUS of its process is OK. An extension of our tools.
+/// The state that a script waits for. Healthy, an extension: running, and the newest STATUS of its
+/// process is OK.
 enum class Wanted : std::uint8_t { kRunning, kStopped, kHealthy };
 enum class Verb : std::uint8_t { kStart, kStop, kRestart };
 
@@ -93,14 +94,14 @@ struct Script {
 /// A whole configuration, in the order of the file.
 struct Config {
   std::vector<Command> commands;
-  std::vector<std::string> groups;  ///< paths, also of those that hold groups only
+  std::vector<std::string> groups;  ///< paths, including those of groups that contain only groups
   std::vector<Script> scripts;
 
   [[nodiscard]] const Command* find_command(std::string_view id) const;
   [[nodiscard]] const Script* find_script(std::string_view name) const;
   [[nodiscard]] bool has_group(std::string_view path) const;
 
-  /// The commands a target means: of a group those of its subgroups, too.
+  /// The commands of a target; for a group also those of its subgroups.
   [[nodiscard]] std::vector<const Command*> commands_of(const Target& target) const;
 };
 
@@ -110,8 +111,8 @@ struct Config {
 /// Whether `group` is `ancestor` or below it.
 [[nodiscard]] bool is_in_group(std::string_view group, std::string_view ancestor);
 
-/// The name of the program that an exec line runs, without its folder: the first word that sets no
-/// variable. Empty where there is none.
+/// The name of the program that an exec line runs, without its folder: the first word that does not
+/// set a variable. Empty if there is none.
 [[nodiscard]] std::string program_of(std::string_view exec);
 
 /// The name under which a command's process publishes STATUS.
@@ -122,7 +123,8 @@ struct ConfigError {
   std::string text;
 };
 
-/// What the scripts of a configuration name that is not there, and scripts that run themselves.
+/// Checks the scripts of a configuration: returns an error for each name that does not exist, and
+/// for each script that runs itself.
 [[nodiscard]] std::vector<ConfigError> check_scripts(const Config& config);
 
 }  // namespace nodmap::procman

@@ -43,7 +43,7 @@ std::optional<ParsedConfig> ConfigWatch::poll(time::SteadyTime now) {
   try {
     return parse_config(formats::read_input(file_));
   } catch (const formats::InputFileError&) {
-    return std::nullopt;  // gone, or not ours to read, since we looked
+    return std::nullopt;  // it has been removed, or made unreadable, meanwhile
   }
 }
 

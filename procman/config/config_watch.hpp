@@ -10,20 +10,21 @@
 
 namespace nodmap::procman {
 
-/// Notices that a configuration's file was edited while it is in use.
+/// Detects that a configuration file in use was edited.
 class ConfigWatch {
  public:
-  /// A change is told once the file has stayed as it is for `settle`: editors write in pieces.
+  /// A change is reported when the file has been unchanged for `settle`, because editors write in
+  /// pieces.
   ConfigWatch(std::filesystem::path file, time::Duration settle, time::SteadyTime now);
 
-  /// The file as it is now, read anew with its errors, once after each change; nothing otherwise,
-  /// and while there is no such file. Looks at the file a few times a second at most.
+  /// Returns the new content with its errors, once after each change; otherwise, or if the file
+  /// does not exist, nothing. Checks the file a few times a second at most.
   [[nodiscard]] std::optional<ParsedConfig> poll(time::SteadyTime now);
 
   [[nodiscard]] const std::filesystem::path& file() const { return file_; }
 
  private:
-  /// What changes when somebody writes the file.
+  /// What changes when the file is written.
   struct Stamp {
     std::filesystem::file_time_type written;
     std::uintmax_t size = 0;

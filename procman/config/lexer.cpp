@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::string_view kExtension = "#nodmap:";
 
-// Not those of <cctype>: a configuration reads the same in every locale.
+// Not those of <cctype>, so that a configuration means the same in every locale.
 bool is_space(char c) {
   return c == ' ' || (c >= '\t' && c <= '\r');
 }
@@ -137,7 +137,7 @@ std::string Lexer::take_string(Place begin) {
       return text;
     }
     if (c == '\0') {
-      throw SyntaxError(begin, "a string must not hold a zero byte");
+      throw SyntaxError(begin, "a string must not contain a zero byte");
     }
     if (c == '\\') {
       if (at_end() || peek() == '\n') {

@@ -12,7 +12,7 @@
 
 namespace nodmap::procman {
 
-/// What is wrong with a configuration, and where.
+/// An error in a configuration, with its position.
 class SyntaxError : public std::runtime_error {
  public:
   SyntaxError(Place place, const std::string& what) : std::runtime_error(what), place_(place) {}
@@ -35,19 +35,19 @@ enum class TokenKind : std::uint8_t {
 
 struct Token {
   TokenKind kind = TokenKind::kEnd;
-  std::string text;  ///< of a string without quotes and escapes
+  std::string text;  ///< for a string without quotes and escapes
   Place place;
-  bool is_extension = false;  ///< stands in a `#nodmap:` comment
+  bool is_extension = false;  ///< whether it is in a `#nodmap:` comment
 };
 
-/// Cuts the text of a configuration into tokens. Comments go from `#` to the end of the line, but
-/// for those that begin with `#nodmap:`, whose words are tokens marked as ours.
+/// Splits the text of a configuration into tokens. Comments extend from `#` to the end of the line.
+/// The words of a comment that begins with `#nodmap:` are tokens marked as extensions.
 class Lexer {
  public:
   /// `text` must outlive the lexer.
   explicit Lexer(std::string_view text) : text_(text) {}
 
-  /// The next token; kEnd again and again after the last. Throws SyntaxError.
+  /// The next token; kEnd after the last one. Throws SyntaxError.
   [[nodiscard]] Token next();
 
  private:
@@ -66,25 +66,25 @@ class Lexer {
   bool in_extension_ = false;
 };
 
-/// The tokens of a configuration, one after the other, and what a grammar asks of them: a token of
-/// a kind, one of some words, a number within limits. Where the answer is no, it throws a
-/// SyntaxError that says what was expected, what was found, and where.
+/// Reads the tokens of a configuration one by one, checking what the grammar requires: a token of
+/// some kind, one of several words, a number within limits. Otherwise throws a SyntaxError that
+/// says what was expected, what was found, and where.
 class TokenReader {
  public:
   /// `text` must outlive the reader.
   explicit TokenReader(std::string_view text) : lexer_(text) { advance(); }
 
-  /// The token that is not yet taken.
+  /// The next token, not yet taken.
   [[nodiscard]] const Token& token() const { return token_; }
   [[nodiscard]] bool at_end() const { return token_.kind == TokenKind::kEnd; }
-  /// Whether a block ends here. A brace in a `#nodmap:` comment ends none.
+  /// Whether a block ends here. A brace in a `#nodmap:` comment does not end one.
   [[nodiscard]] bool closes() const {
     return token_.kind == TokenKind::kClose && !token_.is_extension;
   }
   void advance() { token_ = lexer_.next(); }
 
-  /// Whether the tokens that follow must be ours, in a `#nodmap:` comment, or must not: what stands
-  /// in a comment may not matter to those who skip it.
+  /// Sets whether the following tokens must be in a `#nodmap:` comment or must not be: a comment
+  /// must not change the meaning of the rest for tools that skip it.
   void expect_extension(bool is_extension) { is_extension_expected_ = is_extension; }
 
   /// Takes a token of this kind, described by `what`.
@@ -94,7 +94,7 @@ class TokenReader {
   /// Takes an integer from `min` to `max`.
   int expect_integer(int min, int max);
 
-  /// Refuses the token that is not yet taken.
+  /// Rejects the next token.
   [[noreturn]] void fail(const std::string& text) const { throw SyntaxError(token_.place, text); }
 
  private:

@@ -12,25 +12,25 @@
 namespace nodmap::procman {
 namespace {
 
-// Deeper than any sensible file; a recursion that input can drive needs an end.
+// Deeper than in any sensible file; limits the recursion.
 constexpr int kMaxGroupDepth = 64;
 constexpr int kMaxSignal = 64;          // SIGRTMAX on Linux
-constexpr int kMaxSeconds = 24 * 3600;  // a longer grace time than a day is a slip of the pen
+constexpr int kMaxSeconds = 24 * 3600;  // more than a day is a mistake
 constexpr int kMaxMegabytes = 1'000'000;
-constexpr int kMaxCpu = 1023;  // what sched_setaffinity's cpu_set_t can name
+constexpr int kMaxCpu = 1023;  // the largest that fits into sched_setaffinity's cpu_set_t
 constexpr int kMaxWaitMs = 24 * 3600 * 1000;
 
-/// Only "true" and "yes" do, in any case.
+/// Whether the word is "true" or "yes", in upper or lower case.
 bool says_yes(std::string word) {
   std::transform(word.begin(), word.end(), word.begin(),
                  [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
   return word == "true" || word == "yes";
 }
 
-/// Processors as `taskset` writes them: "0,2-3".
+/// Parses processors in the notation of `taskset`: "0,2-3".
 std::vector<int> parse_cpus(const std::string& text, Place place) {
   const auto fail = [&] {
-    return SyntaxError(place, "\"" + text + "\" is no list of processors like 0,2-3");
+    return SyntaxError(place, "\"" + text + "\" is not a list of processors (example: 0,2-3)");
   };
   std::vector<int> cpus;
   const char* at = text.data();
@@ -122,13 +122,13 @@ void Parser::parse_group(const std::string& outer, int depth) {
   const std::string name = reader_.expect(TokenKind::kString, "the group's name in quotes");
   if (name.find('/') != std::string::npos ||
       name.find_first_not_of(" \t\n\v\f\r") == std::string::npos) {
-    throw SyntaxError(place, "a group's name must not be blank and not hold '/'");
+    throw SyntaxError(place, "a group's name must not be blank or contain '/'");
   }
   if (depth > kMaxGroupDepth) {
     throw SyntaxError(place, "groups are nested too deeply");
   }
   const std::string path = outer.empty() ? name : outer + "/" + name;
-  if (!config_.has_group(path)) {  // the same name twice is one group
+  if (!config_.has_group(path)) {  // groups with the same name are one group
     config_.groups.push_back(path);
   }
   reader_.expect(TokenKind::kOpen, "'{'");
@@ -142,7 +142,7 @@ void Parser::parse_group(const std::string& outer, int depth) {
   reader_.advance();
 }
 
-/// A name for a command without one, the same in each reading of the same file.
+/// Returns a name for an unnamed command, the same whenever the same file is read.
 std::string Parser::free_id() {
   std::string id;
   int number = 0;
@@ -160,7 +160,7 @@ void Parser::parse_command(const std::string& group) {
     reader_.advance();
   }
   if (command.id.find('/') != std::string::npos) {
-    throw SyntaxError(command.place, "a command's name must not hold '/'");
+    throw SyntaxError(command.place, "a command's name must not contain '/'");
   }
   if (command.id.empty()) {
     command.id = free_id();
@@ -282,7 +282,7 @@ Action Parser::parse_action() {
   return action;
 }
 
-/// What is ours alone: the existing tools do not know STATUS, and skip it.
+/// An extension: the existing tools do not know STATUS, and skip it.
 Action Parser::parse_wait_for_health() {
   reader_.expect_extension(true);
   Action action;

@@ -10,15 +10,15 @@
 
 namespace nodmap::procman {
 
-/// A configuration, and what is wrong with it: it is to be used only when there are no errors.
+/// A configuration and its errors. It must be used only if there are none.
 struct ParsedConfig {
   Config config;
   std::vector<ConfigError> errors;
 };
 
-/// Reads the grammar of the existing procman tools (`host` and `deputy` mean the same), and the
-/// `#nodmap:` comments that are ours. Never throws on text. Syntax ends at its first error; the
-/// references of scripts are all checked.
+/// Parses the grammar of the existing procman tools (`host` and `deputy` mean the same) and our
+/// `#nodmap:` comments. Never throws because of the text. Stops at the first syntax error;
+/// otherwise reports all wrong references of scripts.
 ///
 ///     config  = { command | group | script }
 ///     command = "cmd" [ STRING ] "{" { attribute "=" ( STRING | INTEGER ) ";" } "}"
@@ -32,11 +32,11 @@ struct ParsedConfig {
 ///     target  = "everything" | ("cmd" | "group") STRING
 [[nodiscard]] ParsedConfig parse_config(std::string_view text);
 
-/// The error as people and editors read it: FILE:LINE:COLUMN: text.
+/// Formats an error for people and editors: FILE:LINE:COLUMN: text.
 [[nodiscard]] std::string describe(const std::string& file, const ConfigError& error);
 
-/// Reads a file. Throws formats::InputFileError when it cannot be opened; std::runtime_error with
-/// all errors in it, a line for each.
+/// Reads a file. Throws formats::InputFileError if it cannot be opened; std::runtime_error with all
+/// its errors, one per line.
 [[nodiscard]] Config load_config(const std::filesystem::path& file);
 
 }  // namespace nodmap::procman

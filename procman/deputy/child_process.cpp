@@ -27,7 +27,7 @@ constexpr int kCannotRun = 127;
   throw std::system_error(errno, std::system_category(), what);
 }
 
-/// Pointers as execve() takes them; into `words`, which must live on.
+/// The array of pointers that execve() needs; they point into `words`, which must outlive it.
 std::vector<char*> pointers(std::vector<std::string>& words) {
   std::vector<char*> all;
   all.reserve(words.size() + 1);
@@ -38,7 +38,7 @@ std::vector<char*> pointers(std::vector<std::string>& words) {
   return all;
 }
 
-/// Where a program lies. Looked up before the fork: nothing of that may be done after it.
+/// The path of a program. Looked up before the fork, because that is not permitted after it.
 std::string find_program(const std::string& name, const std::string& search_path) {
   if (name.find('/') != std::string::npos) {
     return name;
@@ -53,7 +53,7 @@ std::string find_program(const std::string& name, const std::string& search_path
     }
     begin = end + 1;
   }
-  return name;  // execve() will say that there is no such file
+  return name;  // execve() will report that it does not exist
 }
 
 bool is_blank(char c) {
@@ -65,7 +65,7 @@ bool is_in_name(char c, bool is_first) {
          (!is_first && c >= '0' && c <= '9');
 }
 
-/// The word that begins at `at`, which moves behind it.
+/// The word that begins at `at`; moves `at` behind it.
 std::string take_word(std::string_view line, std::size_t& at) {
   std::string word;
   char quote = '\0';
@@ -98,8 +98,8 @@ std::vector<std::string> words_of(std::string_view line) {
   }
 }
 
-/// The name of the variable at the beginning of `text` (behind the $), and how long it is with its
-/// braces; an empty name where there is none.
+/// The name of the variable at the start of `text` (after the $), and its length including braces;
+/// an empty name if there is none.
 std::pair<std::string, std::size_t> variable_at(std::string_view text) {
   const bool has_brace = text.starts_with('{');
   std::size_t end = has_brace ? 1 : 0;
@@ -150,7 +150,7 @@ Terminal open_terminal() {
   return terminal;
 }
 
-/// All that the child needs, made before the fork.
+/// Everything that the child needs, prepared before the fork.
 struct Launch {
   const char* terminal_name;
   const char* program;
@@ -162,18 +162,18 @@ struct Launch {
 
 void write_error(const char* text) noexcept {
   if (::write(STDERR_FILENO, text, std::strlen(text)) < 0) {
-    ::_exit(kCannotRun);  // nobody reads it
+    ::_exit(kCannotRun);  // the terminal has been closed
   }
 }
 
-/// Where the system refuses, the program runs as any other and its output says so.
+/// If the system refuses one, the program runs without it, and its output says so.
 void take_resources(const Resources& resources) noexcept {
   if (resources.nice != 0 && ::setpriority(PRIO_PROCESS, 0, resources.nice) != 0) {
-    write_error("nodmap-deputy: cannot be nice\n");
+    write_error("nodmap-deputy: cannot set the nice value\n");
   }
   const sched_param realtime{resources.realtime};
   if (resources.realtime != 0 && ::sched_setscheduler(0, SCHED_RR, &realtime) != 0) {
-    write_error("nodmap-deputy: no right to real-time priority (see RLIMIT_RTPRIO)\n");
+    write_error("nodmap-deputy: real-time priority is not permitted (see RLIMIT_RTPRIO)\n");
   }
   if (resources.memory_mb != 0) {
     const rlim_t bytes = rlim_t{1'000'000} * static_cast<rlim_t>(resources.memory_mb);
@@ -189,17 +189,17 @@ void take_resources(const Resources& resources) noexcept {
       CPU_SET(cpu, &cpus);
     }
     if (::sched_setaffinity(0, sizeof(cpus), &cpus) != 0) {
-      write_error("nodmap-deputy: this host has none of these cpus\n");
+      write_error("nodmap-deputy: this host does not have these cpus\n");
     }
   }
 }
 
-/// In the child. From here to execve() only calls that are safe after a fork of a process with
+/// Runs in the child, up to execve(). Only calls that are safe after the fork of a process with
 /// threads: no allocation, no lock, no stdio.
 [[noreturn]] void become(const Launch& launch) noexcept {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (::getppid() != launch.parent) {
-    ::_exit(kCannotRun);  // the deputy died before we asked for that
+    ::_exit(kCannotRun);  // the deputy died before the prctl()
   }
   ::setsid();
   const int fd = ::open(launch.terminal_name, O_RDWR);
@@ -213,16 +213,16 @@ void take_resources(const Resources& resources) noexcept {
   // LCM opens its sockets without CLOEXEC.
   ::close_range(STDERR_FILENO + 1, UINT_MAX, 0);
   take_resources(launch.resources);
-  // What the service may change of other processes (CAP_SYS_NICE) is no business of its commands.
+  // Commands do not inherit the service's right to change other processes (CAP_SYS_NICE).
   ::prctl(PR_CAP_AMBIENT, PR_CAP_AMBIENT_CLEAR_ALL, 0, 0, 0);
   struct sigaction standard {};
   standard.sa_handler = SIG_DFL;
   for (int signal = 1; signal < NSIG; ++signal) {
-    ::sigaction(signal, &standard, nullptr);  // fails for SIGKILL and SIGSTOP, rightly
+    ::sigaction(signal, &standard, nullptr);  // fails for SIGKILL and SIGSTOP, as it should
   }
   sigset_t none;
   ::sigemptyset(&none);
-  // Last: what was sent meanwhile waits, and now does what it does to any program.
+  // Last: signals sent meanwhile are pending, and now have their default effect.
   ::sigprocmask(SIG_SETMASK, &none, nullptr);
   ::execve(launch.program, launch.arguments, launch.environment);
   const char* reason = ::strerrordesc_np(errno);
@@ -273,7 +273,7 @@ Child start_child(const Program& program) {
   Terminal terminal = open_terminal();
   const Launch launch{terminal.name.data(), file.c_str(), arguments.data(),
                       environment.data(),   ::getpid(),   program.resources};
-  // No signal may reach the child while it still has the deputy's ways to handle it.
+  // No signal may reach the child while it still has the deputy's signal handling.
   sigset_t all;
   sigset_t before;
   ::sigfillset(&all);

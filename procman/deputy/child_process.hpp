@@ -14,7 +14,7 @@
 
 namespace nodmap::procman {
 
-/// A file descriptor that is closed with its owner.
+/// Owns a file descriptor and closes it.
 class Descriptor {
  public:
   explicit Descriptor(int fd = -1) : fd_(fd) {}
@@ -31,24 +31,25 @@ class Descriptor {
   int fd_;
 };
 
-/// What an exec line asks for: `NAME=VALUE ... program arguments ...`.
+/// The parts of an exec line: `NAME=VALUE ... program arguments ...`.
 struct ExecLine {
   std::vector<std::pair<std::string, std::string>> environment;
-  std::vector<std::string> arguments;  ///< the program first; empty when the line names none
+  std::vector<std::string> arguments;  ///< the program first; empty if the line has none
 };
 
-/// Looks up an environment variable; nothing when it is not set.
+/// Looks up an environment variable; empty if it is not set.
 using Lookup = std::function<std::optional<std::string>(const std::string& name)>;
 
-/// Takes an exec line apart as the existing deputy does, without a shell: words between blanks,
-/// '...' and "..." hold blanks, a backslash takes the next character as it is; then $NAME and
-/// ${NAME} in the program's words are replaced by the deputy's variables, and those that are not
-/// set stay as typed.
+/// Parses an exec line as the existing deputy does, without a shell. Words are separated by blanks;
+/// '...' and "..." may contain blanks; a backslash quotes the next character. Then $NAME and
+/// ${NAME} in the program's words are replaced by the deputy's variables; unset ones stay
+/// unchanged.
 [[nodiscard]] ExecLine parse_exec_line(std::string_view line, const Lookup& lookup);
 
-/// What to run: words and environment as the kernel takes them.
+/// A program to run: arguments and environment as the kernel expects them.
 struct Program {
-  std::vector<std::string> arguments;    ///< the program first, looked up in `path` without a slash
+  std::vector<std::string>
+      arguments;  ///< the program first; looked up in `search_path` if it has no slash
   std::vector<std::string> environment;  ///< NAME=VALUE
   std::string search_path;               ///< folders, joined by ':'
   Resources resources;
@@ -56,14 +57,14 @@ struct Program {
 
 struct Child {
   pid_t pid = -1;
-  Descriptor terminal;  ///< its stdin, stdout and stderr, from our side; does not block
+  Descriptor terminal;  ///< our side of its stdin, stdout and stderr; does not block
 };
 
 /// Starts a program without a shell, in a session, a process group and a terminal of its own. It
-/// dies with its parent (SIGKILL), inherits no descriptor, no signal mask and no handler: a signal
-/// that is sent to it at any moment after this returns either kills it or reaches the program's own
-/// handler, never the deputy's. When the program cannot be run, the child says so on its terminal
-/// and exits with 127. Throws std::system_error where not even a process can be had.
+/// dies with its parent (SIGKILL) and inherits no descriptor, signal mask or handler: a signal sent
+/// to it at any moment after this returns either kills it or reaches the program's own handler,
+/// never the deputy's. If the program cannot be run, the child says so on its terminal and exits
+/// with 127. Throws std::system_error if no process can be created.
 [[nodiscard]] Child start_child(const Program& program);
 
 }  // namespace nodmap::procman

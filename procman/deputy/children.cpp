@@ -21,16 +21,18 @@ namespace nodmap::procman {
 namespace {
 
 constexpr const char* kMarkVariable = "NODMAP_DEPUTY_CHILD";
-// A tree that forks while it is killed is looked at again, so often.
+// A tree that forks while it is killed is killed again, at most this often.
 constexpr int kMaxRounds = 10;
 constexpr int kMaxEndRounds = 400;  // of 5 ms
 
 std::optional<std::string> own_variable(const std::string& name) {
-  const char* value = std::getenv(name.c_str());  // NOLINT(concurrency-mt-unsafe): nobody sets any
+  const char* value =
+      std::getenv(name.c_str());  // NOLINT(concurrency-mt-unsafe): the environment is never changed
   return value == nullptr ? std::nullopt : std::optional<std::string>(value);
 }
 
-/// The environment of a command: the deputy's, then the words of its exec line, then the mark.
+/// The environment of a command: the deputy's, then the assignments of its exec line, then the
+/// mark.
 std::vector<std::string> environment_of(const ExecLine& exec, const std::string& search_path,
                                         const std::string& mark) {
   std::map<std::string, std::string> variables;
@@ -75,7 +77,8 @@ Children::Children(const std::string& deputy_id, const std::string& own_folder)
   const std::optional<ProcessRow> self = read_process(::getpid());
   own_mark_ = mark_of_process(mark_prefix_, ::getpid(), self ? self->start_ticks : 0);
   if (::prctl(PR_SET_CHILD_SUBREAPER, 1) != 0) {
-    throw std::runtime_error("this system gives no orphans to us (PR_SET_CHILD_SUBREAPER)");
+    throw std::runtime_error(
+        "this system does not reparent orphans to the deputy (PR_SET_CHILD_SUBREAPER)");
   }
 }
 
@@ -83,7 +86,7 @@ pid_t Children::start(const std::string& id, const std::string& exec_line,
                       const Resources& resources) {
   const ExecLine exec = parse_exec_line(exec_line, own_variable);
   if (exec.arguments.empty()) {
-    throw std::runtime_error("the exec names no program: " + exec_line);
+    throw std::runtime_error("the exec line has no program:  " + exec_line);
   }
   Run run;
   run.mark = own_mark_ + std::to_string(++num_started_);
@@ -109,7 +112,7 @@ std::vector<pid_t> Children::tree(const Run& run, std::span<const ProcessRow> ta
     if (row.pid == run.pid || row.session == run.pid) {
       return true;
     }
-    // An orphan that has left its session still has the environment it was born with.
+    // An orphan that has left its session still has its initial environment.
     return is_orphan(row) && variable_of(row.pid, kMarkVariable) == run.mark;
   });
 }
@@ -123,7 +126,8 @@ void Children::signal(const std::string& id, int signal) {
     kill_tree(found->second);
     return;
   }
-  // The process itself needs no table to be found; no pid is reused before we have waited for it.
+  // The first process is found without the table; its pid is not reused before we have waited for
+  // it.
   const std::vector<ProcessRow> table = read_processes();
   if (!found->second.wait_status) {
     ::kill(found->second.pid, signal);
@@ -160,9 +164,9 @@ void Children::collect_exits(time::SteadyTime now) {
   }
 }
 
-/// Whether nothing of a tree is left. The process table is not read in one moment, so that what
-/// forks and goes meanwhile can be missed once; and what is just being replaced by exec has no
-/// environment for a moment, so that it is not known whose it is.
+/// Whether no process of a tree is left. Checks twice: the process table is not read at one
+/// instant, so a process that forks and exits meanwhile may be missed; and a process in the middle
+/// of exec has no environment for a moment, so its owner is unknown.
 bool Children::is_gone(Run& run) const {
   if (!tree(run, read_processes()).empty()) {
     return false;
@@ -203,7 +207,7 @@ std::vector<Children::Ended> Children::reap(time::SteadyTime now) {
   return ended;
 }
 
-/// Reads up to the limit. Whether there may be more.
+/// Reads up to the limit. Returns whether there may be more.
 bool Children::read_some(const std::string& id, Run& run, const OutputHandler& handler) {
   std::array<char, 4096> buffer{};
   std::size_t total = 0;
@@ -215,7 +219,7 @@ bool Children::read_some(const std::string& id, Run& run, const OutputHandler& h
     } else if (size < 0 && errno == EINTR) {
       continue;
     } else {
-      run.hung_up = size == 0 || errno != EAGAIN;  // EIO: nobody has the terminal open any more
+      run.hung_up = size == 0 || errno != EAGAIN;  // EIO: no process has the terminal open
       return false;
     }
   }
@@ -243,7 +247,7 @@ std::optional<time::SteadyTime> Children::due(time::SteadyTime now) const {
   std::optional<time::SteadyTime> due;
   const auto take = [&due](time::SteadyTime stamp) { due = std::min(due.value_or(stamp), stamp); };
   for (const auto& [id, run] : runs_) {
-    if (!run.hung_up && run.next_read > now) {  // later it is waited for by poll()
+    if (!run.hung_up && run.next_read > now) {  // afterwards poll() waits for it
       take(run.next_read);
     }
     if (run.wait_status) {
@@ -285,7 +289,7 @@ void Children::kill_strays() const {
 
 int Children::kill_leftovers() {
   const std::vector<ProcessRow> table = read_processes();
-  std::set<std::string> living;  // marks of deputies that are there
+  std::set<std::string> living;  // marks of running deputies
   for (const ProcessRow& row : table) {
     living.insert(mark_of_process(mark_prefix_, row.pid, row.start_ticks));
   }
@@ -293,7 +297,7 @@ int Children::kill_leftovers() {
   for (const ProcessRow& row : table) {
     const std::string mark = variable_of(row.pid, kMarkVariable).value_or("");
     const std::string of_deputy = mark.substr(0, mark.rfind(':') + 1);
-    // Another deputy's name may begin like ours: behind the prefix are two numbers and the rest.
+    // Another deputy's name may begin like ours, so two numbers must follow the prefix.
     const bool is_ours = mark.starts_with(mark_prefix_) &&
                          std::count(mark.begin() + static_cast<std::ptrdiff_t>(mark_prefix_.size()),
                                     mark.end(), ':') == 2;

@@ -18,55 +18,55 @@
 
 namespace nodmap::procman {
 
-/// The running commands of a deputy as processes, each with all that descends from it. Makes this
-/// process the one that orphans are given to, so that whatever a command leaves behind is found:
-/// by its parents, by its session, and by a variable in its environment.
+/// The running commands of a deputy, each with its process tree. Makes this process the subreaper,
+/// so that every process that a command leaves behind is found: by its parents, by its session, or
+/// by a variable in its environment.
 class Children : boost::noncopyable {
  public:
-  /// How long a killed tree may take to vanish before its command counts as ended anyway.
+  /// How long a killed tree may take to disappear before its command counts as ended anyway.
   static constexpr time::Duration kMaxSweepTime = 2s;
   static constexpr time::Duration kSweepPeriod = 10ms;
-  /// A terminal is read so often, and so much of it at once: what writes more waits for a moment.
+  /// Limits how much is read from a terminal, and how often: a command that writes more has to
+  /// wait.
   static constexpr time::Duration kReadPeriod = 10ms;
   static constexpr std::size_t kMaxReadBytes = std::size_t{64} * 1024;
 
-  /// Prepends `own_folder` to the PATH of what is started.
+  /// Prepends `own_folder` to the PATH of started programs.
   Children(const std::string& deputy_id, const std::string& own_folder);
-  /// However the deputy ends: nothing stays behind.
+  /// Kills everything, so that no process outlives the deputy.
   ~Children() { kill_everything(); }
 
-  /// Starts an exec line for a command that does not run. Throws std::runtime_error.
+  /// Starts a command that is not running. Throws std::runtime_error.
   [[nodiscard]] pid_t start(const std::string& id, const std::string& exec,
                             const Resources& resources);
 
-  /// Sends a signal to a command and all that descends from it.
+  /// Sends a signal to all processes of a command's tree.
   void signal(const std::string& id, int signal);
 
   struct Ended {
     std::string id;
     int wait_status = 0;
   };
-  /// Collects what has ended. A command is reported when nothing of its tree is left: what outlives
-  /// its first process is killed.
+  /// Returns the commands that have ended. When the first process of a command ends, the rest of
+  /// its tree is killed; the command is reported when no process of it is left.
   [[nodiscard]] std::vector<Ended> reap(time::SteadyTime now);
 
   using OutputHandler = std::function<void(const std::string& id, std::string_view text)>;
-  /// Reads what has been written, within the limits.
+  /// Reads the output of all commands, within the limits.
   void read_output(const OutputHandler& handler, time::SteadyTime now);
 
-  /// What to wait on for output, now.
+  /// Adds the descriptors to wait on for output.
   void add_to_poll(std::vector<pollfd>& waiting, time::SteadyTime now) const;
-  /// When to come back even if nothing is to be read.
+  /// When reap() or read_output() must be called even without new output.
   [[nodiscard]] std::optional<time::SteadyTime> due(time::SteadyTime now) const;
 
-  /// Kills what belongs to a run that is over, should something have slipped away from it. To be
-  /// called once in a while.
+  /// Kills processes of earlier runs that escaped at the time. To be called occasionally.
   void kill_strays() const;
 
-  /// Kills every process below this one, and waits for their end (bounded).
+  /// Kills all descendants of this process and waits for their end, for a limited time.
   static void kill_everything();
 
-  /// Kills what a deputy of this name that was itself killed has left behind. How many.
+  /// Kills the processes that a killed deputy of this name has left behind; returns their number.
   int kill_leftovers();
 
   [[nodiscard]] std::optional<pid_t> pid_of(const std::string& id) const;
@@ -78,10 +78,10 @@ class Children : boost::noncopyable {
     Descriptor terminal;
     bool hung_up = false;
     time::SteadyTime next_read{};
-    std::optional<int> wait_status;  // the first process has ended
+    std::optional<int> wait_status;  // set when the first process has ended
     time::SteadyTime ended{};
-    time::SteadyTime next_sweep{};  // when its tree is looked at again
-    bool looked_at = false;         // and found empty, but for what was not clear
+    time::SteadyTime next_sweep{};  // when its tree is checked again
+    bool looked_at = false;  // checked once and found empty, except for processes of unknown owner
   };
 
   void collect_exits(time::SteadyTime now);
@@ -92,7 +92,7 @@ class Children : boost::noncopyable {
   void kill_tree(const Run& run) const;
   static bool read_some(const std::string& id, Run& run, const OutputHandler& handler);
 
-  std::string mark_prefix_;  // of this name
+  std::string mark_prefix_;  // of all deputies of this name
   std::string own_mark_;     // of this process
   std::string search_path_;
   std::map<std::string, Run> runs_;

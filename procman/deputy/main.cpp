@@ -27,7 +27,7 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("CONFIG", options.config,
                  "Configuration (.pmd) with the commands that this deputy may run");
   app.add_option("-i,--id", options.id,
-                 "Name of this deputy; else the only one in CONFIG, else the host's name");
+                 "Name of this deputy; default: the only one in CONFIG, else the host's name");
   app.add_flag(
       "--trust-network", options.trust_network,
       "Run any command that arrives on the network, as the existing deputy does. LCM does not "
@@ -54,7 +54,7 @@ std::string deputy_id(const Options& options, const Config& config) {
 DeputySettings settings_of(const Options& options) {
   if (options.config.empty() && !options.trust_network) {
     throw node::UsageError(
-        "name the commands that may be run: nodmap-deputy CONFIG.pmd (or --trust-network: see "
+        "the permitted commands are required: nodmap-deputy CONFIG.pmd (or --trust-network; see "
         "--help)");
   }
   const Config config = options.config.empty() ? Config{} : load_config(options.config);
@@ -67,11 +67,11 @@ DeputySettings settings_of(const Options& options) {
   }
   settings.config_file = options.config;
   if (!allow(settings, config)) {
-    throw node::UsageError(options.config + " names no command for the deputy " + settings.id +
+    throw node::UsageError(options.config + "  has no command for the deputy  " + settings.id +
                            " (--id)");
   }
   settings.refusal = "nodmap-deputy: refused: " + options.config +
-                     " names no such exec for the deputy " + settings.id;
+                     "  does not contain this exec line for the deputy  " + settings.id;
   return settings;
 }
 
@@ -81,7 +81,8 @@ int run(int argc, char** argv) {
   return node::run_program(
       argc, argv,
       {.name = kProgram,
-       .summary = "Starts, watches and stops the processes of this host, as a sheriff orders.",
+       .summary =
+           "Starts, watches and stops the processes of this host on the orders of a sheriff.",
        .uses_lcm = true,
        .add_options = [&options](CLI::App& app) { add_options(app, options); },
        .check = [&] { settings = settings_of(options); },

@@ -17,7 +17,7 @@ std::size_t TokenBucket::take(std::size_t wanted, time::SteadyTime now) {
 }
 
 void OutputCollector::add(const std::string& id, std::string_view text, time::SteadyTime now) {
-  // Orders may name commands without end: those over the limit are limited together.
+  // Orders may name any number of commands; those beyond the limit share one rate limit.
   const bool is_too_many = streams_.size() >= kMaxStreams && !streams_.contains(id);
   const std::string& name = is_too_many ? std::string() : id;
   Stream& stream = streams_[name];
@@ -46,7 +46,7 @@ void OutputCollector::pass(const std::string& name, Stream& stream, std::string_
   }
   std::size_t passing = take_tokens(stream, text.size(), now);
   if (passing < text.size()) {
-    // Up to the end of a line; of a line that is longer than that as much as passes.
+    // Up to the end of a line; for a longer line as much as may pass.
     const std::size_t line_end = text.substr(0, passing).rfind('\n');
     const std::size_t whole_lines = line_end == std::string_view::npos ? passing : line_end + 1;
     stream.bucket.give_back(passing - whole_lines);
@@ -68,7 +68,7 @@ std::size_t OutputCollector::take_tokens(Stream& stream, std::size_t wanted, tim
   return passing;
 }
 
-/// Appends to a tail and keeps its newest lines. Returns the bytes dropped before them.
+/// Appends to a tail and keeps its newest lines. Returns the number of bytes dropped before them.
 std::size_t OutputCollector::keep_newest(std::string& tail, std::string_view text) {
   tail += text;
   if (tail.size() <= kTailBytes) {
@@ -76,14 +76,14 @@ std::size_t OutputCollector::keep_newest(std::string& tail, std::string_view tex
   }
   const std::size_t least = tail.size() - kTailBytes;
   const std::size_t line_end = tail.find('\n', least - 1);
-  // The last line, too, where nothing else is left: its end rather than nothing.
+  // If no complete line fits, keeps the end of the last one.
   const bool has_whole_line = line_end != std::string::npos && line_end + 1 < tail.size();
   const std::size_t dropped = has_whole_line ? line_end + 1 : least;
   tail.erase(0, dropped);
   return dropped;
 }
 
-/// Keeps the newest lines, and counts the bytes of the others.
+/// Keeps the newest lines of a held-back stream and counts the dropped bytes.
 void OutputCollector::hold(Stream& stream, std::string_view text) {
   const std::size_t dropped = keep_newest(stream.tail, text);
   stream.dropped_bytes += static_cast<std::int64_t>(dropped);
@@ -99,7 +99,7 @@ void OutputCollector::forget(const std::string& id) {
   }
 }
 
-/// Publishes the newest lines of those that were held back long enough.
+/// Publishes the newest lines of streams that were held back long enough.
 void OutputCollector::release(time::SteadyTime now) {
   for (auto at = streams_.begin(); at != streams_.end();) {
     auto& [id, stream] = *at;
@@ -137,7 +137,7 @@ void OutputCollector::append(const std::string& id, std::string_view text) {
     found = pending_.insert(pending_.end(), {id, {}});
   }
   const std::size_t before = found->text.size();
-  // A zero byte would end the text for whoever receives it.
+  // A zero byte would end the text for its receivers.
   std::copy_if(text.begin(), text.end(), std::back_inserter(found->text),
                [](char c) { return c != '\0'; });
   pending_bytes_ += found->text.size() - before;
@@ -155,7 +155,8 @@ std::vector<CommandOutput> OutputCollector::take(time::SteadyTime now) {
   return message;
 }
 
-/// `room` bytes of what is pending, the short texts first: a flood makes nobody else wait.
+/// Takes up to `room` bytes of the pending output, short texts first, so that a flood does not
+/// delay the others.
 std::vector<CommandOutput> OutputCollector::take_front(std::size_t room) {
   if (pending_bytes_ > room) {
     std::stable_sort(pending_.begin(), pending_.end(),

@@ -13,15 +13,15 @@
 
 namespace nodmap::procman {
 
-/// Bytes that flow at a rate, after a burst at first.
+/// Limits bytes to a rate, with an initial burst.
 class TokenBucket {
  public:
   TokenBucket(double bytes_per_s, double burst_bytes)
       : bytes_per_s_(bytes_per_s), burst_bytes_(burst_bytes), tokens_(burst_bytes) {}
 
-  /// How many of `wanted` may pass now.
+  /// Takes up to `wanted` bytes; returns how many may pass now.
   [[nodiscard]] std::size_t take(std::size_t wanted, time::SteadyTime now);
-  /// Gives back what was taken and not used.
+  /// Returns bytes that were taken but not used.
   void give_back(std::size_t bytes) { tokens_ += static_cast<double>(bytes); }
 
  private:
@@ -31,39 +31,39 @@ class TokenBucket {
   std::optional<time::SteadyTime> filled_;
 };
 
-/// Gathers what commands write into messages: one at most each 10 ms unless more than 4 KiB wait,
-/// as the existing deputy does; and, as it does not, no more than the bus should carry.
+/// Collects the output of commands into messages, at most one every 10 ms unless more than 4 KiB
+/// are waiting, as the existing deputy does; in addition it limits the rate.
 ///
-/// A command that writes more than its rate is held back for a second. Of what it writes in that
-/// second only the newest lines are kept; the rest is dropped, and its output says how much. So
-/// every line arrives whole, and the last line of a command always does.
+/// A command that writes more than its rate is held back for a second. Of its output in that second
+/// only the newest lines are kept; the rest is dropped, and the output says how much. So only
+/// complete lines are published, and the last line of a command always is.
 class OutputCollector {
  public:
   static constexpr time::Duration kPeriod = 10ms;
   static constexpr std::size_t kPromptBytes = 4096;
-  /// A message stays below LCM's 64 KiB for one datagram; the rest of a burst follows it each 10
-  /// ms.
+  /// A message stays below LCM's 64 KiB for one datagram; the rest of a burst follows in messages
+  /// every 10 ms.
   static constexpr std::size_t kMaxMessageBytes = std::size_t{32} * 1024;
-  // Far more than anyone can read, far less than would hurt: all the robot's channels take 1.2
-  // MB/s.
+  // Far more than anyone can read, and little compared with the 1.2 MB/s of all the robot's
+  // channels.
   static constexpr double kCommandBytesPerS = 64.0 * 1024.0;
   static constexpr double kCommandBurstBytes = 128.0 * 1024.0;
   static constexpr double kTotalBytesPerS = 512.0 * 1024.0;
   static constexpr double kTotalBurstBytes = 1024.0 * 1024.0;
   static constexpr std::size_t kMaxStreams = 10'000;
   static constexpr time::Duration kHoldTime = 1s;
-  /// Of a command that is held back, or has ended; some fifty lines.
+  /// Number of bytes kept of a command that is held back or has ended: about fifty lines.
   static constexpr std::size_t kTailBytes = 4096;
 
-  /// What a command wrote; with the empty id what the deputy says.
+  /// Adds output of a command; an empty id means the deputy itself.
   void add(const std::string& id, std::string_view text, time::SteadyTime now);
 
-  /// Publishes the newest lines of a command once more, for who was not there to hear them.
+  /// Publishes the newest lines of a command again, for a sheriff that was started later.
   void repeat(const std::string& id, time::SteadyTime now);
-  /// Those lines; empty where nothing was written.
+  /// The newest lines of a command; empty if it has written nothing.
   [[nodiscard]] std::string_view recent(const std::string& id) const;
 
-  /// What is to be published now, if anything.
+  /// The output to be published now, if any.
   [[nodiscard]] std::vector<CommandOutput> take(time::SteadyTime now);
 
   /// When take() will next have something.
@@ -72,22 +72,22 @@ class OutputCollector {
   /// Bytes dropped so far, of all commands.
   [[nodiscard]] std::int64_t dropped_bytes() const { return dropped_bytes_; }
 
-  /// For a command that is not wanted any more. What is held back of it is still published.
+  /// Forgets a command that was removed. Its held-back output is still published.
   void forget(const std::string& id);
 
  private:
-  /// What one command writes.
+  /// The output of one command.
   struct Stream {
     TokenBucket bucket{kCommandBytesPerS, kCommandBurstBytes};
-    std::optional<time::SteadyTime> release;  // it is held back until then
-    std::string tail;                         // the newest lines since it is held back
-    std::string recent;                       // the newest lines of all
-    std::int64_t dropped_bytes = 0;           // before the tail, and not yet reported
-    bool is_line_open = false;                // what has passed ends within a line
+    std::optional<time::SteadyTime> release;  // held back until then
+    std::string tail;                         // the newest lines since the start of holding back
+    std::string recent;                       // the newest lines of the whole output
+    std::int64_t dropped_bytes = 0;           // dropped before the tail, not yet reported
+    bool is_line_open = false;                // the published output ends within a line
     bool is_forgotten = false;
   };
 
-  /// How many of `wanted` bytes of a stream may pass now, by its own limit and the common one.
+  /// How many of `wanted` bytes of a stream may pass now by its own limit and the common one.
   [[nodiscard]] std::size_t take_tokens(Stream& stream, std::size_t wanted, time::SteadyTime now);
   void pass(const std::string& name, Stream& stream, std::string_view text, time::SteadyTime now);
   static std::size_t keep_newest(std::string& tail, std::string_view text);
@@ -100,7 +100,7 @@ class OutputCollector {
   TokenBucket total_{kTotalBytesPerS, kTotalBurstBytes};
   std::vector<CommandOutput> pending_;
   std::size_t pending_bytes_ = 0;
-  bool is_rest_ = false;  // what is pending did not fit into the message before
+  bool is_rest_ = false;  // the pending output did not fit into the previous message
   std::int64_t dropped_bytes_ = 0;
   time::SteadyTime published_{};
 };

@@ -15,7 +15,7 @@
 namespace nodmap::procman {
 namespace {
 
-// Fields of proc_pid_stat(5), counted from the one behind the name.
+// Fields of proc_pid_stat(5), counted from the one after the name.
 enum Field : std::size_t {
   kState = 0,
   kParent = 1,
@@ -51,7 +51,7 @@ std::string proc_file(pid_t pid, const char* name) {
 }  // namespace
 
 std::optional<ProcessRow> parse_process(std::string_view stat) {
-  // The name stands in parentheses, and may hold blanks and parentheses itself.
+  // The name is in parentheses, and may itself contain blanks and parentheses.
   const std::size_t name_end = stat.rfind(')');
   if (name_end == std::string_view::npos || name_end + 2 > stat.size()) {
     return std::nullopt;
@@ -124,7 +124,7 @@ std::vector<pid_t> tree_of(std::span<const ProcessRow> table,
       members.insert(row.pid);
     }
   }
-  // The table is in no order that would put parents first.
+  // The table does not list parents first, so repeat until nothing is added.
   for (bool grows = !members.empty(); grows;) {
     grows = false;
     for (const ProcessRow& row : table) {

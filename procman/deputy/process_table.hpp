@@ -19,31 +19,31 @@ struct ProcessRow {
   pid_t parent = 0;
   pid_t session = 0;
   char state = '?';
-  std::uint64_t start_ticks = 0;  ///< since the machine started; with the pid it names a process
-  std::uint64_t cpu_ticks = 0;    ///< user and system
+  std::uint64_t start_ticks =
+      0;  ///< since the machine started; together with the pid it identifies a process
+  std::uint64_t cpu_ticks = 0;  ///< user and system time
   std::int64_t vsize_bytes = 0;
   std::int64_t rss_pages = 0;
 
   [[nodiscard]] bool is_dead() const { return state == 'Z' || state == 'X'; }
 };
 
-/// Reads the text of /proc/PID/stat; nothing where it is not one.
+/// Parses the text of /proc/PID/stat; empty if it is invalid.
 [[nodiscard]] std::optional<ProcessRow> parse_process(std::string_view stat);
 
 [[nodiscard]] std::optional<ProcessRow> read_process(pid_t pid);
 
-/// Every process there is.
+/// All processes of the system.
 [[nodiscard]] std::vector<ProcessRow> read_processes();
 
-/// A variable in the environment that a process was started with; nothing where that cannot be
-/// read.
+/// A variable in a process's initial environment; empty if it cannot be read.
 [[nodiscard]] std::optional<std::string> variable_of(pid_t pid, std::string_view name);
 
-/// Whether a process has an environment that can be read: not if it has none, is not ours, or is
-/// just being replaced by exec.
+/// Whether a process's environment can be read: not if it is empty, belongs to another user, or is
+/// being replaced by exec.
 [[nodiscard]] bool has_environment(pid_t pid);
 
-/// The living processes among `table` that are a root, or descend from one.
+/// The living processes in `table` that are a root or descend from one.
 [[nodiscard]] std::vector<pid_t> tree_of(std::span<const ProcessRow> table,
                                          const std::function<bool(const ProcessRow&)>& is_root);
 

@@ -13,12 +13,12 @@
 namespace nodmap::procman {
 namespace {
 
-constexpr int kCannotRunStatus = 127 << 8;  // as a shell says it: exit code 127
+constexpr int kCannotRunStatus = 127 << 8;  // exit code 127, as in a shell
 constexpr double kMaxGraceS = 24.0 * 3600.0;
 
 constexpr double kMaxUntrustedGraceS = 60.0;
 
-/// Signals at which a process ends that does not object.
+/// Whether a process ends at this signal unless it handles it.
 bool is_end(int signal) {
   return signal == SIGINT || signal == SIGTERM || signal == SIGHUP || signal == SIGQUIT ||
          signal == SIGKILL;
@@ -76,13 +76,13 @@ void Supervisor::carry_out(const CommandOrder& order, time::SteadyTime now,
   }
 }
 
-/// What arrives over the network, made safe: no signal that is none, no grace time that is none.
+/// Makes a description from the network safe: a valid signal and grace time.
 CommandSpec Supervisor::checked(CommandSpec spec) const {
   const bool is_signal = spec.stop_signal >= 1 && spec.stop_signal <= SIGRTMAX;
   if (!(trusts_orders_ ? is_signal : is_end(spec.stop_signal))) {
     spec.stop_signal = SIGINT;
   }
-  if (!(spec.stop_time_allowed_s >= 0.0)) {  // also for what is not a number
+  if (!(spec.stop_time_allowed_s >= 0.0)) {  // also for NaN
     spec.stop_time_allowed_s = 0.0;
   }
   spec.stop_time_allowed_s =
@@ -90,8 +90,8 @@ CommandSpec Supervisor::checked(CommandSpec spec) const {
   return spec;
 }
 
-/// Takes the new description over; a process that runs goes on as it was started. Whether anything
-/// that is shown has changed.
+/// Adopts a new description; a running process continues unchanged. Returns whether anything
+/// visible has changed.
 bool Supervisor::update_spec(Entry& entry, const CommandSpec& spec) {
   CommandSpec wanted = checked(spec);
   if (entry.spec == wanted) {
@@ -135,10 +135,11 @@ void Supervisor::start(Entry& entry, std::int32_t run, time::SteadyTime now,
 }
 
 void Supervisor::stop(Entry& entry, time::SteadyTime now, SupervisorActions& actions) {
-  entry.wanted = false;  // until an order says otherwise: what is being stopped does not respawn
+  entry.wanted =
+      false;  // a command that is being stopped does not respawn, until an order wants it again
   entry.respawn_due.reset();
   if (entry.kill_due) {
-    return;  // it stops already, and poll() sees to its end
+    return;  // it is already stopping, and poll() will kill it if necessary
   }
   entry.kill_due = now + time::from_seconds(entry.spec.stop_time_allowed_s);
   actions.emplace_back(SignalCommand{entry.spec.id, entry.spec.stop_signal});
@@ -183,7 +184,8 @@ SupervisorActions Supervisor::ended(const std::string& id, int wait_status, time
   return actions;
 }
 
-/// What lives shorter than a second comes back ever later; each second of life forgives.
+/// The delay doubles for a command that lives for less than a second; each second of life undoes
+/// one doubling.
 void Supervisor::schedule_respawn(Entry& entry, time::SteadyTime now) {
   const time::Duration lived = now - entry.started;
   const auto halvings = std::clamp<std::int64_t>(lived / kMaxRespawnDelay, 0, 30);

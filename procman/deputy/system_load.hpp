@@ -11,18 +11,18 @@
 
 namespace nodmap::procman {
 
-/// The value of a line of /proc/meminfo in bytes; 0 where it is missing.
+/// The value of a line of /proc/meminfo in bytes; 0 if it is missing.
 [[nodiscard]] std::int64_t parse_memory_bytes(std::string_view meminfo, std::string_view name);
 
-/// What the system and the processes use, measured from one sample to the next.
+/// Measures the load of the system and of processes between samples.
 class SystemLoad {
  public:
-  /// Takes a sample; to be called once a second. `pids` are the processes to look at.
+  /// Takes a sample; to be called once a second. `pids`: the processes to measure.
   void sample(const std::vector<pid_t>& pids);
 
-  /// Fills in the host's figures.
+  /// Fills in the host's load and memory.
   void describe_host(DeputyInfo& info) const;
-  /// Fills in a process's figures; zeros where it is not known (yet).
+  /// Fills in a process's load and memory; zeros if they are unknown.
   void describe_process(CommandStatus& status) const;
 
  private:

@@ -24,7 +24,7 @@ bool Console::is_in_sequence(char c) {
   }
   const bool is_parameter = (c >= '0' && c <= '?') || (sequence_ == Sequence::kBegun && c == '[');
   sequence_ = is_parameter ? Sequence::kInside : Sequence::kNone;
-  return c >= ' ';  // a sequence that is broken off takes no line end with it
+  return c >= ' ';  // an incomplete sequence does not swallow the line end
 }
 
 void Console::put(char c) {
@@ -35,7 +35,7 @@ void Console::put(char c) {
   if (line_ended_) {
     lines_.emplace_back();
   } else if (line_returned_ && c != '\n') {
-    lines_.back().clear();  // a progress bar writes its line anew
+    lines_.back().clear();  // a progress bar rewrites its line
   }
   line_returned_ = false;
   line_ended_ = c == '\n';

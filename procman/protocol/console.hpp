@@ -9,7 +9,7 @@
 
 namespace nodmap::procman {
 
-/// The last lines of what a command wrote, without the colours. It comes in pieces that end
+/// The last lines of a command's output, without colours. The output may arrive in pieces that end
 /// anywhere.
 class Console {
  public:
@@ -18,13 +18,13 @@ class Console {
 
   void take(std::string_view text);
 
-  /// The oldest first; the last one may still be written on.
+  /// The lines, oldest first; the last one may be incomplete.
   [[nodiscard]] const std::deque<std::string>& lines() const { return lines_; }
-  /// The newest line that holds anything; empty where there is none.
+  /// The newest line that is not empty; empty if there is none.
   [[nodiscard]] std::string last() const;
 
  private:
-  /// Where in a control sequence (ESC [ ... letter) the text is.
+  /// The position within a control sequence (ESC [ ... letter).
   enum class Sequence : std::uint8_t { kNone, kBegun, kInside };
   [[nodiscard]] bool is_in_sequence(char c);
   void put(char c);

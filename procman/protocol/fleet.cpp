@@ -24,16 +24,18 @@ CommandSpec spec_of(const Command& command) {
           .stop_time_allowed_s = static_cast<double>(command.stop_time_allowed_s)};
 }
 
-// Whoever reaches the network can name hosts and commands without end; no robot has so many.
+// Limits, because any sender on the network can name any number of hosts and commands; no robot has
+// this many.
 constexpr std::size_t kMaxDeputies = 256;
 constexpr std::size_t kMaxItems = 10'000;
 
-/// The number of the run after this one; a deputy may say any, and the sum must not overflow.
+/// The number of the next run. A deputy may report any number, so the sum must not overflow.
 std::int32_t run_after(std::int32_t run) {
   return run == std::numeric_limits<std::int32_t>::max() ? 1 : run + 1;
 }
 
-/// Whether it ended as it should: by itself with 0, or by a signal that it was sent to end it.
+/// Whether a command ended as it should: with exit code 0, or by the signal that was sent to stop
+/// it.
 bool is_good_end(const Fleet::Item& item) {
   const int status = item.status->wait_status;
   if (status == 0) {
@@ -52,8 +54,8 @@ CommandState state_of_running(const Fleet::Item& item) {
   return is_this_run ? CommandState::kRunning : CommandState::kRestarting;
 }
 
-/// When a sheriff began, by the end of its id (host:process:microseconds), as ours and the existing
-/// ones name themselves; the epoch where it does not say.
+/// When a sheriff started, from the end of its id (host:process:microseconds), which is the form of
+/// our and the existing sheriffs' ids; the epoch if the id has another form.
 time::Timestamp beginning_of(const std::string& sheriff_id) {
   const std::size_t colon = sheriff_id.rfind(':');
   std::int64_t number = 0;
@@ -97,7 +99,7 @@ std::string describe_end(int wait_status) {
   return "exit " + std::to_string(WEXITSTATUS(wait_status));
 }
 
-// As the existing sheriff names itself: host, process, time.
+// The same form as the existing sheriff's id: host, process, time.
 std::string sheriff_id_prefix() {
   std::array<char, 256> host{};
   ::gethostname(host.data(), host.size() - 1);
@@ -136,7 +138,7 @@ std::vector<std::string> Fleet::reconfigure(const Config& config) {
   }
   for (Item& item : before) {
     if (item.configured && !item.stop_ordered) {
-      changes.push_back(item.spec.id + " is not named any more: stopping it");
+      changes.push_back(item.spec.id + " is no longer configured: stopping it");
       item.force_quit = item.stop_ordered = true;
     }
     items_.push_back(std::move(item));
@@ -229,7 +231,7 @@ bool Fleet::take_info(const DeputyInfo& info, time::SteadyTime now) {
       item->deputy = info.deputy_id;
     }
     if (item->deputy != info.deputy_id) {
-      continue;  // another host runs one of this name; it is told of by its own deputy
+      continue;  // another host has a command of this name; its own deputy reports it
     }
     take_status(*item, status, now);
     is_urgent |= status.pid == 0 && !item->force_quit && item->desired_run != status.actual_run;
@@ -237,14 +239,15 @@ bool Fleet::take_info(const DeputyInfo& info, time::SteadyTime now) {
   return is_urgent;
 }
 
-/// What ran before us goes on as it is; what was wished meanwhile counts from there.
+/// Adopts a command that ran before this sheriff: it continues, and orders given meanwhile apply
+/// from here.
 void Fleet::adopt(Item& item, const CommandStatus& status) {
   const bool start_wished = item.desired_run != 0 && !item.force_quit;
   const bool is_down = status.pid == 0;
   item.desired_run = start_wished && is_down ? run_after(status.actual_run) : status.actual_run;
   item.force_quit |= !start_wished && is_down;
-  // Who stopped it is not known. A stop signal is no fault then; SIGKILL is: it did not end by its
-  // stop signal, or the system killed it.
+  // Who stopped it is unknown. An end by the stop signal is not an error; SIGKILL is: the stop
+  // signal had no effect, or the system killed it.
   item.stop_ordered |= is_down && status.wait_status != SIGKILL;
   item.adopted = true;
 }
@@ -261,8 +264,8 @@ void Fleet::take_status(Item& item, const CommandStatus& status, time::SteadyTim
     item.num_restarts += item.running_since != time::SteadyTime{} ? 1 : 0;
     item.running_since = now;
   }
-  // So that a deputy that is started anew does not run it a second time. An end so quick that no
-  // INFO told of the process is told by the run.
+  // A restarted deputy must not run it a second time. If it ended so quickly that no INFO reported
+  // the process, the run number reveals it.
   const bool ended_unseen = pid_before == 0 && status.pid == 0 && status.actual_run != 0 &&
                             status.actual_run == item.desired_run && !item.force_quit &&
                             !item.spec.auto_respawn;

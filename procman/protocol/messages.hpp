@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Messages of the package procman_lcm, and our PM_RUNS, to values and back. Every message of
-// procman_lcm that decodes encodes to the same bytes again.
+// Conversion of the messages of package procman_lcm, and of our PM_RUNS, to values and back. Every
+// valid message of procman_lcm is encoded to the same bytes again.
 #pragma once
 
 #include "nodmap/runs_t.hpp"
@@ -16,7 +16,7 @@ namespace nodmap::procman {
 [[nodiscard]] DeputyInfo from_message(const procman_lcm::deputy_info_t& message);
 [[nodiscard]] Orders from_message(const procman_lcm::orders_t& message);
 [[nodiscard]] Output from_message(const procman_lcm::output_t& message);
-/// Runs that cannot be (of no process, or with a negative number) are left out.
+/// Omits invalid runs (without a process, or with a negative number).
 [[nodiscard]] Runs from_message(const nodmap::runs_t& message);
 
 [[nodiscard]] procman_lcm::discovery_t to_message(const Discovery& discovery);

@@ -14,10 +14,10 @@ inline constexpr const char* kDiscoverChannel = "PM_DISCOVER";
 inline constexpr const char* kInfoChannel = "PM_INFO";
 inline constexpr const char* kOrdersChannel = "PM_ORDERS";
 inline constexpr const char* kOutputChannel = "PM_OUTPUT";
-/// Ours: the existing tools do not know it.
+/// An extension that the existing tools do not know.
 inline constexpr const char* kRunsChannel = "PM_RUNS";
 
-/// A command as sheriff and deputy speak of it.
+/// A command as described in the messages of sheriff and deputy.
 struct CommandSpec {
   std::string id;
   std::string exec;
@@ -29,7 +29,7 @@ struct CommandSpec {
   bool operator==(const CommandSpec&) const = default;
 };
 
-/// What is wanted of one command.
+/// The requested state of one command.
 struct CommandOrder {
   CommandSpec spec;
   std::int32_t desired_run = 0;
@@ -38,7 +38,7 @@ struct CommandOrder {
   bool operator==(const CommandOrder&) const = default;
 };
 
-/// All that a sheriff wants of a deputy: a command that is not here is to go.
+/// All orders of a sheriff for a deputy. A command that is missing here is to be removed.
 struct Orders {
   time::Timestamp stamp{};
   std::string deputy_id;
@@ -48,20 +48,20 @@ struct Orders {
   bool operator==(const Orders&) const = default;
 };
 
-/// How one command is.
+/// The state of one command.
 struct CommandStatus {
   CommandSpec spec;
-  std::int32_t pid = 0;          ///< 0: it does not run
-  std::int32_t actual_run = 0;   ///< that runs, or ran last
-  std::int32_t wait_status = 0;  ///< raw, of the last end; 0 while it runs
-  float cpu_share = 0.0F;        ///< of all processors, 0 to 1
+  std::int32_t pid = 0;          ///< 0: not running
+  std::int32_t actual_run = 0;   ///< number of the present or the last run
+  std::int32_t wait_status = 0;  ///< of the last end, as from waitpid(); 0 while it runs
+  float cpu_share = 0.0F;        ///< fraction of all processors, 0 to 1
   std::int64_t vsize_bytes = 0;
   std::int64_t rss_bytes = 0;
 
   bool operator==(const CommandStatus&) const = default;
 };
 
-/// How a deputy and its host are.
+/// The state of a deputy and its host.
 struct DeputyInfo {
   time::Timestamp stamp{};
   std::string deputy_id;
@@ -75,12 +75,12 @@ struct DeputyInfo {
   bool operator==(const DeputyInfo&) const = default;
 };
 
-/// How a command that runs came to run: only its deputy knows.
+/// The history of a running command, which only its deputy knows.
 struct CommandRun {
   std::string command_id;
   std::int32_t pid = 0;
   time::Duration uptime{};
-  std::int64_t num_restarts = 0;  ///< ordered or not, since its deputy knows the command
+  std::int64_t num_restarts = 0;  ///< ordered or not, since its deputy has known the command
 
   bool operator==(const CommandRun&) const = default;
 };
@@ -96,12 +96,12 @@ struct Runs {
 struct Discovery {
   time::Timestamp stamp{};
   std::string transmitter_id;
-  std::int64_t nonce = 0;  ///< a deputy's process id; 0 from a sheriff
+  std::int64_t nonce = 0;  ///< unique for each deputy process; 0 from a sheriff
 
   bool operator==(const Discovery&) const = default;
 };
 
-/// What one command wrote; with an empty id what the deputy itself has to say.
+/// Output of one command; with an empty id, output of the deputy itself.
 struct CommandOutput {
   std::string command_id;
   std::string text;

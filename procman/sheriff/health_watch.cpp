@@ -6,7 +6,7 @@
 namespace nodmap::procman {
 namespace {
 
-/// As a sentence has it.
+/// For a sentence: whole seconds with their unit.
 std::string whole_seconds(time::Duration duration) {
   return std::to_string(duration / 1s) + " s";
 }
@@ -54,7 +54,7 @@ std::optional<HealthWatch::LastStatus> HealthWatch::last_status_of(
   return found == processes_.end() ? std::nullopt : std::optional(found->second.last);
 }
 
-/// Why a command is to be restarted; empty where it is not.
+/// Why a command must be restarted; empty if it must not.
 std::string HealthWatch::restart_reason(const Command& command, Span observed, int factor) const {
   const HealthRule& rule = command.health;
   const auto too_long = [factor](time::Duration duration, std::optional<int> limit_s) {

@@ -13,7 +13,7 @@
 
 namespace nodmap::procman {
 
-/// The health of a process, as in its STATUS.
+/// The health of a process from its STATUS.
 struct ProcessHealth {
   enum class State : std::uint8_t { kOk, kDegraded, kFailed };
   State state = State::kOk;
@@ -27,13 +27,12 @@ struct ProcessHealth {
 
 [[nodiscard]] const char* name_of(ProcessHealth::State state);
 
-/// Joins each STATUS to the command whose process sent it, and finds the commands that are to be
-/// restarted by the health rules of the configuration.
+/// Assigns each STATUS to the command whose process sent it, and finds the commands that must be
+/// restarted according to the health rules of the configuration.
 class HealthWatch {
  public:
-  /// After each restart the limits of the rules double, at most this often, so that a command which
-  /// no restart mends does not keep the robot busy. After a minute without a fault they are as at
-  /// first.
+  /// After each restart the limits of the rules double, at most this often, so that a command that
+  /// restarts cannot fix does not keep the robot busy. A minute without a fault restores them.
   static constexpr int kMaxDoublings = 5;
   static constexpr time::Duration kForgiveTime = 60s;
 
@@ -41,21 +40,22 @@ class HealthWatch {
 
   void take_status(const std::string& process_name, const ProcessHealth& health,
                    time::SteadyTime now);
-  /// A command has written something.
+  /// To be called when a command has written output.
   void take_output(const std::string& command_id, time::SteadyTime now);
 
   struct LastStatus {
     ProcessHealth health;
     time::SteadyTime received{};
   };
-  /// The newest STATUS of a command's process; nothing when none came.
+  /// The newest STATUS of a command's process; empty if none was received.
   [[nodiscard]] std::optional<LastStatus> last_status_of(const std::string& command_id) const;
 
   struct Restart {
     std::string command_id;
     std::string reason;
   };
-  /// What is to be restarted now, of what runs. Counts as done: the next restart is due later.
+  /// The running commands that must be restarted now. Each counts as restarted, so its next restart
+  /// is due later.
   [[nodiscard]] std::vector<Restart> due_restarts(const Fleet& fleet, time::SteadyTime now);
 
  private:
@@ -68,8 +68,8 @@ class HealthWatch {
     int doublings = 0;
     time::SteadyTime restarted{};
   };
-  /// The time over which a rule looks at a command: only while its deputy is received, since a
-  /// broken link is no fault of the process.
+  /// The time over which a rule observes a command: only while its deputy is received, because a
+  /// broken link is not a fault of the process.
   struct Span {
     time::SteadyTime since{};
     time::SteadyTime until{};
@@ -78,7 +78,7 @@ class HealthWatch {
 
   const Config& config_;
   std::map<std::string, Process> processes_;         // by process name
-  std::map<std::string, time::SteadyTime> written_;  // by command: when it last wrote something
+  std::map<std::string, time::SteadyTime> written_;  // by command: when it last wrote output
   std::map<std::string, Patience> patience_;
 };
 

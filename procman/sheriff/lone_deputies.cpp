@@ -30,8 +30,8 @@ pid_t start(std::vector<std::string> words) {
     throw std::system_error(errno, std::system_category(), "fork");
   }
   if (pid == 0) {
-    // A group of its own: the Ctrl-C of the terminal is for the sheriff, which then asks it to end.
-    // A second signal would kill its commands at once.
+    // Its own process group: Ctrl-C on the terminal is for the sheriff, which then stops the
+    // deputy. A second signal would kill its commands at once.
     ::setpgid(0, 0);
     ::prctl(PR_SET_PDEATHSIG, SIGTERM);
     if (::getppid() == parent) {

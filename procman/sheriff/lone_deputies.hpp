@@ -11,16 +11,17 @@
 
 namespace nodmap::procman {
 
-/// All deputies of a configuration as children of this process, on this host, for --lone. They end
-/// with it, however it ends, and with them whatever they run.
+/// For --lone: runs all deputies of a configuration as children of this process, on this host.
+/// However this process ends, they and their commands end with it.
 class LoneDeputies : boost::noncopyable {
  public:
-  /// Starts the nodmap-deputy that lies beside this program, once for each deputy that
-  /// `config` names. Throws std::system_error.
+  /// Starts nodmap-deputy from the folder of this program, once for each deputy in `config`. Throws
+  /// std::system_error.
   LoneDeputies(const std::string& config_file, const Config& config, const std::string& lcm_url);
   ~LoneDeputies() { stop(); }
 
-  /// Ends them, and waits until all that they run has ended. Whether each ended well.
+  /// Stops them and waits until all their commands have ended. Returns whether all ended without
+  /// error.
   bool stop();
 
  private:

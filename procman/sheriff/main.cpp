@@ -45,22 +45,22 @@ void add_options(CLI::App& app, Options& options) {
                  "observe")
       ->check(CLI::IsMember({"exit", "stay", "observe"}))
       ->needs(script);
-  app.add_option("--timeout", options.timeout_s, "End with 1 when the script takes longer (s)")
+  app.add_option("--timeout", options.timeout_s, "Exit with code 1 if the script takes longer (s)")
       ->check(CLI::PositiveNumber)
       ->needs(script);
   auto* what = app.add_option_group("instead");
   what->add_flag("--check", options.check,
                  "Check the configuration: print its contents or its errors");
   auto* status = what->add_flag("--status", options.status, "Print the state of all commands");
-  auto* start = what->add_option("--start", options.start, "Start a command or group, and end");
-  auto* stop = what->add_option("--stop", options.stop, "Stop a command or group, and end");
+  auto* start = what->add_option("--start", options.start, "Start a command or group, and exit");
+  auto* stop = what->add_option("--stop", options.stop, "Stop a command or group, and exit");
   auto* restart =
-      what->add_option("--restart", options.restart, "Restart a command or group, and end");
+      what->add_option("--restart", options.restart, "Restart a command or group, and exit");
   what->add_option("--output", options.output, "Print the output of a command");
   what->require_option(0, 1);
   what->excludes(script);
   app.add_flag("--json", options.json, "Print --status as JSON")->needs(status);
-  app.add_flag("-o,--observe", options.observe, "Only observe, give no orders")
+  app.add_flag("-o,--observe", options.observe, "Only observe; give no orders")
       ->excludes(script)
       ->excludes(start)
       ->excludes(stop)
@@ -76,7 +76,8 @@ void add_options(CLI::App& app, Options& options) {
       "configuration, 3 another sheriff gives orders.");
 }
 
-/// The configuration, or nothing when its errors have been printed. Throws formats::InputFileError.
+/// The configuration; empty if it has errors, which have been printed. Throws
+/// formats::InputFileError.
 std::optional<Config> read_config(const std::string& file) {
   ParsedConfig parsed = parse_config(formats::read_input(file));
   for (const ConfigError& error : parsed.errors) {
@@ -130,7 +131,7 @@ int serve(const Options& options, const Config& config) {
   return watch(sheriff, watching);
 }
 
-/// The same with deputies of its own.
+/// The same with --lone: runs the deputies as well.
 int serve_alone(const Options& options, const Config& config) {
   LoneDeputies deputies(options.config, config, options.lcm_url);
   const int code = serve(options, config);

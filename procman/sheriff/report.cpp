@@ -10,7 +10,7 @@
 namespace nodmap::procman {
 namespace {
 
-constexpr time::Duration kSilentAfter = 3500ms;  // three STATUS have not come
+constexpr time::Duration kSilentAfter = 3500ms;  // three STATUS are missing
 
 std::string health_text(const ProcessHealth& health) {
   std::string text = name_of(health.state);
@@ -23,7 +23,7 @@ std::string health_text(const ProcessHealth& health) {
          std::to_string(health.rejected) + ")";
 }
 
-/// What a process that runs says; what its predecessor status does not count.
+/// The health of the running process; a STATUS of its predecessor does not count.
 std::string health_cell(const std::optional<HealthWatch::LastStatus>& status,
                         const Fleet::Item& item, time::SteadyTime now) {
   if (!status || status->received < item.running_since) {
@@ -34,7 +34,7 @@ std::string health_cell(const std::optional<HealthWatch::LastStatus>& status,
                                : printable(health_text(status->health));
 }
 
-/// How many bytes the UTF-8 sequence takes that begins with this one; 0: none does.
+/// Length of the UTF-8 sequence that begins with this byte; 0 if none does.
 std::size_t sequence_length(unsigned char first) {
   if (first < 0x80) {
     return 1;
@@ -42,8 +42,7 @@ std::size_t sequence_length(unsigned char first) {
   return first >> 5U == 6 ? 2 : first >> 4U == 14 ? 3 : first >> 3U == 30 ? 4 : 0;
 }
 
-/// How many bytes the character takes that `text` begins with; 0: it is none that a terminal may be
-/// given.
+/// Length in bytes of the character at the start of `text`; 0 if it must not be sent to a terminal.
 std::size_t good_character(std::string_view text) {
   const auto byte = [text](std::size_t i) { return static_cast<unsigned char>(text[i]); };
   const std::size_t length = sequence_length(byte(0));
@@ -61,7 +60,7 @@ std::size_t good_character(std::string_view text) {
   }
   const bool is_overlong = code_point < kLeast[length];
   const bool is_none = (code_point >= 0xD800 && code_point < 0xE000) || code_point > 0x10FFFF;
-  const bool steers = code_point >= 0x80 && code_point < 0xA0;  // terminals, too
+  const bool steers = code_point >= 0x80 && code_point < 0xA0;  // these control terminals, too
   return is_overlong || is_none || steers ? 0 : length;
 }
 

@@ -24,7 +24,7 @@ const char* name_of(Wanted wanted) {
                                       : "healthy";
 }
 
-/// The status that an action waits for, if it does.
+/// The status that an action waits for, if any.
 std::optional<WaitStatus> wait_of(const Action& action) {
   if (const auto* wait = std::get_if<WaitStatus>(&action.what)) {
     return *wait;
@@ -130,7 +130,7 @@ bool ScriptRunner::has_arrived(const WaitStatus& wait, const Fleet& fleet,
                      [this](const Command* command) { return is_healthy_(command->id); });
 }
 
-/// The commands that have ended with an error and are not started anew, and how they ended.
+/// The commands that have ended with an error and are not respawned, and how they ended.
 std::string ScriptRunner::dead_commands(const Target& target, const Fleet& fleet,
                                         time::SteadyTime now) const {
   std::string dead;
@@ -142,7 +142,8 @@ std::string ScriptRunner::dead_commands(const Target& target, const Fleet& fleet
   return dead;
 }
 
-/// After the last action: whether all that was started keeps running, or has ended well.
+/// After the last action: checks that all started commands keep running or have ended without
+/// error.
 void ScriptRunner::settle(const Fleet& fleet, time::SteadyTime now) {
   done_ = done_.value_or(now);
   std::string failed;
@@ -169,7 +170,7 @@ std::string ScriptRunner::waiting_for() const {
     return "nothing";
   }
   if (at_ == actions_.size()) {
-    return "what it has started to keep running";
+    return "the started commands to keep running";
   }
   const std::optional<WaitStatus> wait = wait_of(*actions_[at_]);
   return wait ? describe(wait->target) + " to be " + name_of(wait->status) : "a moment";

@@ -14,36 +14,37 @@
 
 namespace nodmap::procman {
 
-/// Starts, stops or restarts all that a target means.
+/// Starts, stops or restarts all commands of a target.
 void give_order(Fleet& fleet, const Config& config, Verb verb, const Target& target);
 
-/// Whether all that a target means has reached a status.
+/// Whether all commands of a target have reached a status.
 [[nodiscard]] bool has_reached(const Fleet& fleet, const Config& config, const Target& target,
                                Wanted wanted, time::SteadyTime now);
 
-/// Runs a script of a configuration, action by action. A wait has no end of its own, as in the
-/// existing tools, but where it has become hopeless; and commands that the script has started must
-/// keep running, or it fails.
+/// Runs a script of a configuration, action by action. A wait has no timeout, as in the existing
+/// tools, but the script fails when the wait has become hopeless, or when a command that it has
+/// started does not keep running.
 class ScriptRunner {
  public:
-  /// A command that has run for so long counts as started.
+  /// A command that has run for this long counts as started.
   static constexpr time::Duration kLastingTime = 1s;
-  /// So long after the last action it is waited for that.
+  /// How long after the last action to wait for that.
   static constexpr time::Duration kSettleTimeout = 4s;
 
   using HealthTest = std::function<bool(const std::string& command)>;
 
-  /// Both must outlive the runner; the script's calls are known to end (check_scripts()).
-  /// `is_healthy` is asked about commands that run, where the script waits for "healthy".
+  /// Configuration and script must outlive the runner. The script must not run itself
+  /// (check_scripts()). `is_healthy` is called for running commands when the script waits for
+  /// "healthy".
   ScriptRunner(const Config& config, const Script& script, HealthTest is_healthy);
 
-  /// Does what can be done by now. To be called again and again until is_over().
+  /// Executes all actions that are possible now. To be called repeatedly until is_over().
   void step(Fleet& fleet, time::SteadyTime now);
   /// Whether the script is done or has failed.
   [[nodiscard]] bool is_over() const { return is_settled_ || !failure_.empty(); }
-  /// Why it has failed: which commands have ended, and how. Empty: it has not.
+  /// Why it has failed: which commands have ended, and how. Empty if it has not failed.
   [[nodiscard]] const std::string& failure() const { return failure_; }
-  /// What it waits for, for people.
+  /// What it is waiting for, as text for people.
   [[nodiscard]] std::string waiting_for() const;
 
  private:
@@ -59,11 +60,11 @@ class ScriptRunner {
 
   const Config& config_;
   HealthTest is_healthy_;
-  std::vector<const Action*> actions_;  // with those of called scripts in their places
+  std::vector<const Action*> actions_;  // including those of called scripts, in order
   std::size_t at_ = 0;
-  bool begun_ = false;  // the action at at_ has been given, and is waited for
+  bool begun_ = false;  // the action at at_ has been executed; its wait is not over
   time::SteadyTime begin_{};
-  std::set<std::string> started_;  // commands that are to run after the script
+  std::set<std::string> started_;  // commands that must run after the script
   std::optional<time::SteadyTime> done_;
   bool is_settled_ = false;
   std::string failure_;

@@ -11,7 +11,7 @@ namespace nodmap::procman {
 namespace {
 
 constexpr time::Duration kOrdersPeriod = 1s;
-constexpr time::Duration kMaxStatusAge = 3s;  // STATUS comes once a second
+constexpr time::Duration kMaxStatusAge = 3s;  // STATUS is published once a second
 
 ProcessHealth health_of(const nodmap::status_t& message) {
   ProcessHealth health;
@@ -64,7 +64,8 @@ void Sheriff::take_output(const Output& output) {
     if (output_handler_) {
       output_handler_(part.command_id, part.text);
     }
-    if (fleet_.find(part.command_id) != nullptr) {  // anyone may say anything of any name
+    if (fleet_.find(part.command_id) !=
+        nullptr) {  // ignores unknown names, which any sender may use
       consoles_[part.command_id].take(part.text);
       health_.take_output(part.command_id, now());
     }

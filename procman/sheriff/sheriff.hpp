@@ -18,31 +18,33 @@
 
 namespace nodmap::procman {
 
-/// A fleet on the network: hears deputies, and gives them orders once a second and when something
-/// changes; an observer gives none.
+/// Connects a fleet to the network: receives the deputies' reports and sends them orders, once a
+/// second and on changes. An observer sends none.
 class Sheriff {
  public:
   using OutputHandler = std::function<void(const std::string& command, const std::string& text)>;
 
-  /// An observer at first: whoever wants to command looks for other sheriffs before.
+  /// Starts as an observer: a sheriff must look for other sheriffs before it gives orders.
   Sheriff(Config config, const std::string& lcm_url);
 
-  /// Listens for a moment, and gives the orders that are due.
+  /// Handles messages for at most `wait`, and sends the orders that are due.
   void work(std::chrono::milliseconds wait);
 
-  /// Orders at once: something is wanted that was not before.
+  /// Sends the orders at once, because the requested states have changed.
   void give_orders();
   void command() { is_observer_ = false; }
   void observe() { is_observer_ = true; }
   [[nodiscard]] bool is_observer() const { return is_observer_; }
 
-  /// Restarts what the configuration's health rules ask for; their reasons.
+  /// Performs the restarts that the configuration's health rules require, and returns them with
+  /// their reasons.
   std::vector<HealthWatch::Restart> apply_health_rules();
 
-  /// The configuration was edited; see Fleet::reconfigure(). Not while a script of the former runs.
+  /// Adopts an edited configuration; see Fleet::reconfigure(). Not while a script of the previous
+  /// one runs.
   std::vector<std::string> reconfigure(Config config);
 
-  /// Whether a command's process has said OK since it runs, and lately.
+  /// Whether the present process of a command has reported OK recently.
   [[nodiscard]] bool is_healthy(const std::string& command) const;
 
   void on_output(OutputHandler handler) { output_handler_ = std::move(handler); }
@@ -50,9 +52,9 @@ class Sheriff {
   [[nodiscard]] Fleet& fleet() { return fleet_; }
   [[nodiscard]] const Config& config() const { return config_; }
   [[nodiscard]] std::vector<ReportRow> report() const;
-  /// What a command wrote since this sheriff listens; null where that is nothing.
+  /// The output of a command since this sheriff was started; null if there is none.
   [[nodiscard]] const Console* console(const std::string& command) const;
-  /// Time as the fleet counts it.
+  /// The time used for the fleet.
   [[nodiscard]] static time::SteadyTime now() { return time::steady_now(); }
 
  private:

@@ -19,10 +19,10 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds kWait(50);
 constexpr double kStartTimeS = 10.0;
-// What ends sooner was not really started.
+// A command that ends sooner does not count as started.
 constexpr milliseconds kSettleTime(500);
 
-/// Listens until all of the deputies have been heard. Those that were not in time.
+/// Waits until INFO of all the deputies was received. Returns those that were not received in time.
 std::vector<std::string> missing_deputies(Sheriff& sheriff, const std::set<std::string>& wanted) {
   const time::SteadyTime deadline = Sheriff::now() + kAnswerTime;
   std::vector<std::string> missing;
@@ -49,7 +49,8 @@ std::set<std::string> deputies_of(const std::vector<const Command*>& commands) {
   return all;
 }
 
-/// Two sheriffs would pull the commands to and fro: whoever comes second leaves.
+/// Whether no other sheriff gives orders. Two sheriffs would give contradictory orders, so the
+/// second one ends.
 bool is_alone(Sheriff& sheriff) {
   const time::SteadyTime deadline = Sheriff::now() + kSheriffTime;
   while (Sheriff::now() < deadline && !node::stop_requested()) {
@@ -63,7 +64,7 @@ bool is_alone(Sheriff& sheriff) {
   return true;
 }
 
-/// How long a change may take: a start some seconds, a stop its grace time, too.
+/// How long a change may take: a start some seconds, a stop also its grace time.
 time::Duration patience(Verb verb, const std::vector<const Command*>& commands) {
   double seconds = kStartTimeS;
   if (verb != Verb::kStart) {
@@ -74,7 +75,8 @@ time::Duration patience(Verb verb, const std::vector<const Command*>& commands) 
   return time::from_seconds(seconds);
 }
 
-/// Whether a command is where the verb sends it. One that has been started and ended well is, too.
+/// Whether a command has reached the state of the verb. A started command that has ended without
+/// error counts as well.
 bool is_settled(const Fleet& fleet, const Command& command, Verb verb) {
   const time::SteadyTime now = Sheriff::now();
   const CommandState state = fleet.state_of(command.id, now);
@@ -126,7 +128,7 @@ std::vector<std::string> command_names(const Config& config) {
 
 int print_status(Sheriff& sheriff, bool as_json) {
   const auto missing = missing_deputies(sheriff, deputies_of(sheriff.config().commands_of({})));
-  // Health comes once a second, and another sheriff's orders too.
+  // STATUS and another sheriff's orders are published once a second.
   const time::SteadyTime deadline = Sheriff::now() + kSheriffTime;
   while (Sheriff::now() < deadline && !node::stop_requested()) {
     sheriff.work(kWait);

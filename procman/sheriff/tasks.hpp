@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What nodmap-sheriff can be asked for, each as a function that returns the exit code.
+// The tasks of nodmap-sheriff, each a function that returns the exit code.
 #pragma once
 
 #include <chrono>
@@ -13,37 +13,38 @@ namespace nodmap::procman {
 
 enum ExitCode : int {
   kDone = 0,
-  kFailed = 1,        ///< not reached, or a host that does not answer
+  kFailed = 1,        ///< not reached, or a host does not answer
   kWrong = 2,         ///< command line or configuration
   kOtherSheriff = 3,  ///< another sheriff gives orders here
 };
 
-/// How long deputies are given to answer: they do so at once, and anyway each second.
+/// How long to wait for the deputies. They answer at once, and publish INFO every second anyway.
 inline constexpr std::chrono::milliseconds kAnswerTime{2500};
 
-/// So long a sheriff listens for another before it commands: longer than its orders are apart.
+/// How long a sheriff looks for another one before it gives orders: longer than the period of
+/// orders.
 inline constexpr std::chrono::milliseconds kSheriffTime{1300};
 
-/// Prints what the configuration holds.
+/// Prints the content of the configuration.
 int print_config(const std::string& file, const Config& config);
 
-/// Prints how everything is, once. kFailed when a host of the configuration does not answer.
+/// Prints the state of everything once. kFailed if a host of the configuration does not answer.
 int print_status(Sheriff& sheriff, bool as_json);
 
-/// Starts, stops or restarts a command or group, and waits until that is so.
+/// Starts, stops or restarts a command or group, and waits until this has happened.
 int change(Sheriff& sheriff, Verb verb, const std::string& name);
 
-/// Prints what a command writes, until interrupted.
+/// Prints the output of a command until interrupted.
 int follow_output(Sheriff& sheriff, const std::string& command);
 
 enum class AfterScript : std::uint8_t { kExit, kStay, kObserve };
 
 struct WatchOptions {
-  const Script* script = nullptr;  ///< none: only watch
+  const Script* script = nullptr;  ///< null: only watch
   AfterScript after_script = AfterScript::kStay;
   std::optional<double> timeout_s;  ///< for the script
-  bool observe = false;             ///< look only, give no orders
-  std::string config_file;          ///< read anew whenever it was edited
+  bool observe = false;             ///< only observe; give no orders
+  std::string config_file;          ///< reloaded when it is edited
 };
 
 /// Runs a script and applies the health rules: in the live view on a terminal, else with a line on

@@ -17,7 +17,7 @@ void put(std::string_view text) {
   while (!text.empty()) {
     const ssize_t size = ::write(STDOUT_FILENO, text.data(), text.size());
     if (size <= 0) {
-      return;  // the next one comes soon
+      return;  // the next frame follows soon
     }
     text.remove_prefix(static_cast<std::size_t>(size));
   }
@@ -59,8 +59,8 @@ constexpr std::array<Binding, 16> kBindings{{{"\x1B[A", Key::kUp},
                                              {"q", Key::kQuit},
                                              {"\x03", Key::kQuit}}};
 
-/// Bytes of the first key, whatever it means: a function key sends several, among which letters and
-/// digits are no keys. 0: it is not whole yet.
+/// Number of bytes of the first key. A function key sends several bytes, and the letters and digits
+/// among them are not keys. 0 if the key is incomplete.
 std::size_t length_of_first(std::string_view typed) {
   if (typed.front() != '\x1B') {
     return 1;
@@ -109,9 +109,9 @@ Terminal::Terminal() {
   raw.c_cc[VMIN] = 0;
   raw.c_cc[VTIME] = 0;
   raw.c_cc[VSUSP] =
-      _POSIX_VDISABLE;  // who comes back would find another screen, and keys that need Enter
+      _POSIX_VDISABLE;  // no suspending: after it the screen and the key mode would be wrong
   ::tcsetattr(STDIN_FILENO, TCSANOW, &raw);
-  put("\x1B[?1049h\x1B[?25l");  // another screen, no cursor
+  put("\x1B[?1049h\x1B[?25l");  // alternate screen, no cursor
 }
 
 Terminal::~Terminal() {

@@ -26,17 +26,17 @@ enum class Key : std::uint8_t {
   kPageUp,
   kPageDown,
   kQuit,
-  kFirstScript,  ///< and eight more
+  kFirstScript,  ///< the first of nine
   kLastScript = kFirstScript + 8
 };
 
-/// The terminal as a full screen, given back as it was at the end.
+/// Uses the terminal as a full screen, and restores it at the end.
 class Terminal : boost::noncopyable {
  public:
   Terminal();
   ~Terminal();
 
-  /// Whether stdin and stdout are one.
+  /// Whether stdin and stdout are a terminal.
   [[nodiscard]] static bool is_there();
 
   struct Size {
@@ -45,9 +45,9 @@ class Terminal : boost::noncopyable {
     bool operator==(const Size&) const = default;
   };
   [[nodiscard]] static Size size();
-  /// Shows the lines; writes nothing when they are there already.
+  /// Shows the lines; writes nothing if they are already shown.
   void draw(const std::vector<ViewLine>& lines, Size size);
-  /// The next key that means something, if one was pressed. Does not wait.
+  /// The next key with a meaning, if one was pressed. Does not wait.
   [[nodiscard]] std::optional<Key> key();
 
  private:
@@ -57,7 +57,7 @@ class Terminal : boost::noncopyable {
   Size drawn_size_;
 };
 
-/// Takes the first key from what was typed; what means nothing is skipped.
+/// Removes the first key from the typed bytes; skips keys without a meaning.
 [[nodiscard]] std::optional<Key> take_key(std::string& typed);
 
 }  // namespace nodmap::procman

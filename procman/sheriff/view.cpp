@@ -31,7 +31,7 @@ using Cells = std::array<std::string, kColumns.size()>;
 
 std::size_t width_of(const std::string& text) {
   return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
-    return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U;  // continues no character
+    return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U;  // not a continuation byte
   }));
 }
 
@@ -64,7 +64,7 @@ Cells cells_of(const ReportRow& row) {
           row.last_output};
 }
 
-/// Cells side by side, each column as wide as its widest.
+/// Joins the cells of each row; each column is as wide as its widest cell.
 std::vector<std::string> aligned(const std::vector<Cells>& table) {
   std::array<std::size_t, kColumns.size()> widths{};
   for (const Cells& cells : table) {
@@ -95,7 +95,8 @@ Tone tone_of(const ReportRow& row) {
   return is_well && says_well ? Tone::kPlain : Tone::kWarning;
 }
 
-/// The commands below the names of their groups. `selected_line` is where the selected one went.
+/// The table of the commands, below the names of their groups. `selected_line` becomes the line of
+/// the selected one.
 std::vector<ViewLine> table_of(const std::vector<ReportRow>& rows, std::size_t selected,
                                std::size_t& selected_line) {
   std::vector<Cells> table{{}};
@@ -120,7 +121,7 @@ std::vector<ViewLine> table_of(const std::vector<ReportRow>& rows, std::size_t s
   return view;
 }
 
-/// `room` lines of a table, its header among them, around the selected one.
+/// `room` lines of a table around the selected one, including the header.
 std::vector<ViewLine> window_of(const std::vector<ViewLine>& table, std::size_t selected_line,
                                 std::size_t room) {
   if (table.size() <= room || room < 2) {
@@ -136,7 +137,7 @@ std::vector<ViewLine> window_of(const std::vector<ViewLine>& table, std::size_t 
   return window;
 }
 
-/// What is known of one command, and its output up to `lines_back` before its end.
+/// The state of one command, and its output up to `lines_back` lines before its end.
 std::vector<ViewLine> pane_of(const ReportRow& row, const Console* console, std::size_t lines_back,
                               std::size_t room) {
   if (room == 0) {
@@ -148,7 +149,7 @@ std::vector<ViewLine> pane_of(const ReportRow& row, const Console* console, std:
   std::vector<ViewLine> pane{{about, Tone::kStrong}};
   if (console != nullptr) {
     const auto& lines = console->lines();
-    const std::size_t first_end = std::min(lines.size(), room - 1);  // scrolled to the beginning
+    const std::size_t first_end = std::min(lines.size(), room - 1);  // scrolled to the start
     const std::size_t end = std::max(first_end, lines.size() - std::min(lines.size(), lines_back));
     for (std::size_t i = end - first_end; i < end; ++i) {
       pane.push_back({printable(lines[i])});
@@ -191,7 +192,7 @@ std::vector<ViewLine> to_view(const std::vector<ReportRow>& rows, const Console*
   view.push_back({kKeysLine});
   view.resize(std::min(view.size(), height));
   for (ViewLine& line : view) {
-    // The last column stays free: what a terminal does after writing there differs.
+    // The last column stays empty, because terminals differ in what they do after writing there.
     line.text = fitted(line.text, width > 0 ? width - 1 : 0);
   }
   return view;

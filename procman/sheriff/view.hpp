@@ -23,13 +23,13 @@ struct ViewState {
   std::size_t selected = 0;
   std::string title;
   std::string message;
-  std::size_t lines_back = 0;             ///< the output is shown up to so far from its end
-  std::vector<std::string> scripts = {};  ///< that the keys 1 to 9 start
+  std::size_t lines_back = 0;             ///< how far the output is scrolled back from its end
+  std::vector<std::string> scripts = {};  ///< the scripts that the keys 1 to 9 start
 };
 
 /// The live view, at most `height` lines of fewer than `width` characters: a title, the commands by
-/// their groups, what is known of the selected one with its output, a message, scripts and keys.
-/// `console` is the selected command's, or null.
+/// group, the state and output of the selected one, a message, scripts and keys. `console`: the
+/// output of the selected command, or null.
 [[nodiscard]] std::vector<ViewLine> to_view(const std::vector<ReportRow>& rows,
                                             const Console* console, const ViewState& state,
                                             std::size_t width, std::size_t height);

@@ -16,12 +16,12 @@ namespace {
 
 constexpr std::chrono::milliseconds kKeyWait(50);
 constexpr std::size_t kScrollLines = 5;
-constexpr std::size_t kMaxScripts = 9;  // as many as there are keys
+constexpr std::size_t kMaxScripts = 9;  // the number of keys
 constexpr time::Duration kReminderPeriod = 5s;
-/// The deputies read the same file, and are to know of a new exec line before it is ordered.
+/// Longer than the deputies wait, so that they know a new exec line before it is ordered.
 constexpr time::Duration kConfigSettles = 2s;
 
-/// What a key orders for the selected command, or for its whole group.
+/// The order of a key, for the selected command or for its whole group.
 struct KeyOrder {
   Key key;
   Verb verb;
@@ -36,7 +36,8 @@ constexpr std::array<KeyOrder, 6> kKeyOrders{
      {Key::kStopGroup, Verb::kStop, "stop ", true},
      {Key::kRestartGroup, Verb::kRestart, "restart ", true}}};
 
-/// The sheriff that stays: script, health rules, the other sheriff; on a terminal or line by line.
+/// A sheriff that keeps running: script, health rules, detection of another sheriff; with a live
+/// view or line by line.
 class Watch {
  public:
   Watch(Sheriff& sheriff, const WatchOptions& options)
@@ -90,22 +91,24 @@ class Watch {
   ConfigWatch config_watch_;
   std::optional<ScriptRunner> runner_;
   std::string script_name_;
-  bool is_script_of_key_ = false;  // whatever becomes of it, the watch goes on
+  bool is_script_of_key_ = false;  // then its end does not end the watch
   std::unique_ptr<Terminal> terminal_;
   ViewState view_;
   std::map<std::string, std::string> printed_;
   std::optional<int> exit_code_;
-  std::optional<time::SteadyTime> command_due_;  // until then it listens for other sheriffs
+  std::optional<time::SteadyTime>
+      command_due_;  // when it may give orders, after looking for other sheriffs
   time::SteadyTime begin_{};
   time::SteadyTime reminded_{};
-  bool has_failed_ = false;  // the script
+  bool has_failed_ = false;  // the script has failed
 };
 
 void Watch::notify(const std::string& text) {
   if (terminal_) {
     view_.message = printable(text);
   } else {
-    std::cout << printable(text) << std::endl;  // NOLINT(performance-avoid-endl): read as it comes
+    std::cout << printable(text)
+              << std::endl;  // NOLINT(performance-avoid-endl): readers get each line at once
   }
 }
 
@@ -170,7 +173,7 @@ void Watch::end_script() {
   }
 }
 
-/// Not under a script that names what was there when it began.
+/// Not while a script runs, because it refers to the previous configuration.
 void Watch::reload_config() {
   if (runner_ && !runner_->is_over()) {
     return;
@@ -180,7 +183,7 @@ void Watch::reload_config() {
     return;
   }
   if (!parsed->errors.empty()) {
-    notify(describe(options_.config_file, parsed->errors.front()) + " (going on as before)");
+    notify(describe(options_.config_file, parsed->errors.front()) + " (configuration unchanged)");
     return;
   }
   notify(options_.config_file + " was edited");
@@ -189,7 +192,7 @@ void Watch::reload_config() {
   }
 }
 
-/// One of two must give way, or they pull the commands to and fro.
+/// One of two sheriffs must stop giving orders, because they would contradict each other.
 void Watch::look_for_other_sheriff() {
   const time::SteadyTime now = Sheriff::now();
   const auto other = sheriff_.fleet().other_sheriff(now);
@@ -258,7 +261,7 @@ void Watch::press(Key key, const std::vector<ReportRow>& rows) {
   }
 }
 
-/// Through what the selected command wrote.
+/// Scrolls through the output of the selected command.
 void Watch::scroll(Key key, const std::vector<ReportRow>& rows) {
   const Console* console = rows.empty() ? nullptr : sheriff_.console(rows[view_.selected].id);
   const std::size_t most = console == nullptr ? 0 : console->lines().size();

@@ -239,7 +239,7 @@ TEST_F(DeputyProcess, RefusesToServeNobodyOrTwice) {
   begin();
   const auto second = launch({"--trust-network"});
   EXPECT_EQ(second->wait_for_end(kPatience), 2) << second->said();
-  EXPECT_THAT(second->said(), HasSubstr("there is a deputy rover already"));
+  EXPECT_THAT(second->said(), HasSubstr("a deputy rover is already running"));
   end_cleanly();
 }
 

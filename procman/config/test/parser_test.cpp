@@ -25,7 +25,7 @@ Config parsed(std::string_view text) {
   return result.config;
 }
 
-/// The only error of a text, as FILE:LINE:COLUMN: text.
+/// The single error of a text, as FILE:LINE:COLUMN: text.
 std::string error_of(std::string_view text) {
   const ParsedConfig result = parse_config(text);
   return result.errors.size() == 1 ? describe("f", result.errors[0])
@@ -177,7 +177,7 @@ TEST(Parser, ReadsHealthRulesFromComments) {
   EXPECT_EQ(config.commands[0].deputy, "h");
 }
 
-// Who skips comments must read the same commands as we do.
+// A tool that skips comments must read the same commands.
 TEST(Parser, OurCommentsHoldNothingButWholeRules) {
   for (const char* rule : {"host = \"h\";", "}", "restart_silent_s =", "restart_silent_s = 5", "{",
                            "restart_soon_s = 5;", "restart_silent_s = 0;"}) {
@@ -191,7 +191,8 @@ TEST(Parser, OurCommentsHoldNothingButWholeRules) {
 TEST(Parser, NamesPlaceAndCauseOfAnError) {
   EXPECT_EQ(error_of("cmd \"a\" {\n  exe = \"x\";\n}"), "f:2:3: unrecognized attribute exe");
   EXPECT_EQ(error_of("cmd \"a\" { }"), "f:1:11: the command \"a\" has no exec");
-  EXPECT_EQ(error_of("cmd \"a/b\" { exec = \"x\"; }"), "f:1:5: a command's name must not hold '/'");
+  EXPECT_EQ(error_of("cmd \"a/b\" { exec = \"x\"; }"),
+            "f:1:5: a command's name must not contain '/'");
   EXPECT_THAT(error_of("group \" \" { }"), HasSubstr("f:1:7: a group's name"));
   EXPECT_THAT(error_of("group \"a/b\" { }"), HasSubstr("f:1:7: a group's name"));
   EXPECT_EQ(error_of("cmd \"a\" { exec = 5; }"), "f:1:18: expected a text in quotes, found '5'");
@@ -331,7 +332,7 @@ TEST(Parser, RefusesWhatIsNoListOfProcessors) {
   }
 }
 
-// The existing tools would not read them.
+// The existing tools could not read them.
 TEST(Parser, WhatIsOursStandsInAComment) {
   const std::string head = "cmd \"a\" { exec = \"x\"; } script \"s\" { ";
   EXPECT_FALSE(parse_config(head + "wait cmd \"a\" status \"healthy\"; }").errors.empty());

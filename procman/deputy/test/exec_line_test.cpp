@@ -34,7 +34,7 @@ TEST(ExecLine, ReplacesVariablesThatAreSet) {
       ElementsAre("prog", "/home/me/x", "/home/mey", "$NONE", "${NONE}", "$", "${HOME", "$1"));
 }
 
-// Both existing deputies fall over these.
+// Both existing deputies crash on these.
 TEST(ExecLine, MayNameNoProgram) {
   for (const char* line : {"", "   ", "A=1", "A= ", "A=1 B=2"}) {
     EXPECT_TRUE(parsed(line).arguments.empty()) << line;

@@ -16,7 +16,7 @@ time::SteadyTime at(time::Duration since_start) {
   return time::SteadyTime(since_start);
 }
 
-/// All that is still to be published, of all commands.
+/// All remaining output of all commands.
 std::string everything_of(OutputCollector& output) {
   std::string text;
   while (const auto due = output.due()) {
@@ -142,7 +142,7 @@ TEST(OutputCollector, AForgottenCommandBeginsAnew) {
   output.forget("a");
   const std::string all = everything_of(output);
   EXPECT_TRUE(all.ends_with("last\n")) << "what was held back is not lost";
-  // Its limit has not filled up again by now: what passes is a new command's burst.
+  // The old limit has not recovered yet, so what passes is the burst of a new command.
   output.add("a", std::string(limit, 'y'), at(2'000'001us));
   EXPECT_EQ(everything_of(output), std::string(limit, 'y'));
 }

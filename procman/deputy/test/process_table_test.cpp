@@ -51,7 +51,7 @@ TEST(ProcessTable, FindsATreeInAnyOrder) {
     made.state = state;
     return made;
   };
-  // 10 -> 20 -> 5 -> 7, and 20 -> 6 (dead); 30 is another's.
+  // 10 -> 20 -> 5 -> 7, and 20 -> 6 (dead); 30 is not in the tree.
   const std::vector<ProcessRow> table{row(7, 5),   row(5, 20),      row(30, 1),
                                       row(20, 10), row(6, 20, 'Z'), row(10, 1)};
   const auto is = [](pid_t pid) {

@@ -203,8 +203,8 @@ TEST_F(SupervisorTest, MakesWildNumbersHarmless) {
   EXPECT_EQ(supervisor_.next_due(), now_) << "no grace time is none";
 }
 
-// Somebody's empty orders, a signal that freezes, a grace time of a day: a running robot's process
-// goes on, and it ends when it is told to.
+// Empty orders of another sender, a signal that freezes, a grace time of a day: the running process
+// continues, and ends when it is stopped by name.
 TEST_F(SupervisorTest, OrdersThatAreNotTrustedDoNotStopByLeavingOut) {
   supervisor_ = Supervisor("rover", false);
   start_a();

@@ -73,7 +73,7 @@ TEST_F(FleetTest, AnEditedConfigurationTouchesOnlyWhatHasChanged) {
                             .config;
   EXPECT_THAT(fleet_.reconfigure(edited),
               ::testing::UnorderedElementsAre("new is new", "r has changed",
-                                              "a is not named any more: stopping it"));
+                                              "a is no longer configured: stopping it"));
   EXPECT_TRUE(order("a").force_quit);
   EXPECT_EQ(order("r").desired_run, 2) << "restarted";
   EXPECT_EQ(order("r").spec.exec, "y --faster");
@@ -83,8 +83,8 @@ TEST_F(FleetTest, AnEditedConfigurationTouchesOnlyWhatHasChanged) {
   EXPECT_EQ(order("r").desired_run, 2);
 }
 
-// What does not run is not started by an edit, and a move to another host stops it on the first.
-TEST_F(FleetTest, AnEditStartsNothing) {
+// An edit does not start a stopped command; moving a command to another host stops it on the first.
+TEST_F(FleetTest, AnEditStartsNoCommand) {
   hear({status("a", 0, 0), status("r", 8, 1)});
   const Config edited = parse_config(R"(
       cmd "a" { exec = "x --new"; host = "h"; }
@@ -255,7 +255,7 @@ TEST_F(FleetTest, ARunIsAsOldAsItsDeputySays) {
   EXPECT_EQ(run().num_restarts, 4);
   fleet_.take_runs({{}, "elsewhere", {{"a", 10, 1s, 9}}}, now_);
   EXPECT_EQ(run().num_restarts, 4) << "what another deputy says of this name";
-  // The next process is another run, until its deputy says more.
+  // The next process is another run, until its deputy reports more.
   now_ += 1s;
   hear({status("a", 11, 1)});
   EXPECT_EQ(run().started, now_);

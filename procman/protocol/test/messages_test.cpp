@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Against a recording of the existing deputy and sheriff at work.
+// Compares with a recording of the existing deputy and sheriff.
 #include "procman/protocol/messages.hpp"
 
 #include <gmock/gmock.h>
@@ -16,7 +16,7 @@
 namespace nodmap::procman {
 namespace messages_test {
 
-/// Whether the bytes decode, and come out the same by way of our values.
+/// Whether the bytes can be decoded to our values and encoded to the same bytes.
 template <class Message>
 bool comes_back(std::span<const std::byte> bytes) {
   Message message{};
@@ -28,7 +28,7 @@ bool comes_back(std::span<const std::byte> bytes) {
   return std::equal(again.begin(), again.end(), bytes.begin(), bytes.end());
 }
 
-/// Whether any cut is refused (and harmless).
+/// Whether the bytes truncated at any position are refused.
 template <class Message>
 void expect_damage_refused(std::span<const std::byte> bytes) {
   Message message{};

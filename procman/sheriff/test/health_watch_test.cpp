@@ -39,7 +39,7 @@ class HealthWatchTest : public ::testing::Test {
     health.reason = "no scans";
     watch_.take_status("nodmap-a", health, now_);
   }
-  /// Seconds up to the restart, of at most `limit`; 0 when there is none.
+  /// Seconds until the restart, at most `limit`; 0 if there is none.
   template <class Each>
   int seconds_to_verdict(int limit, Each each) {
     for (int second = 1; second <= limit; ++second) {
@@ -118,7 +118,7 @@ TEST(HealthWatchMute, RestartsWhatWritesNothing) {
     EXPECT_THAT(verdicts_at(second), IsEmpty());
   }
   for (int second = 21; second <= 25; ++second) {
-    watch.take_output("b", at(second));  // of another, and of nobody we know
+    watch.take_output("b", at(second));  // of another command, and of an unknown one
     EXPECT_THAT(verdicts_at(second), IsEmpty());
   }
   const auto restarts = verdicts_at(26);
@@ -155,7 +155,7 @@ TEST_F(HealthWatchTest, HasMorePatienceEachTimeUpToALimit) {
   EXPECT_EQ(seconds_to_verdict(60, [] {}), 6) << "as at first after a good minute";
 }
 
-// The link to the host, not the process, is what was silent.
+// The link to the host was silent, not the process.
 TEST_F(HealthWatchTest, ABrokenLinkIsNoFaultOfTheProcess) {
   hear_deputy();
   EXPECT_EQ(seconds_to_verdict(10, [this] { speak(ProcessHealth::State::kOk); }), 0);

@@ -83,8 +83,8 @@ TEST(Printable, LeavesNothingThatSteersATerminal) {
   EXPECT_EQ(printable("gr\xC3\xBC\xC3\x9F \xE2\x82\xAC"), "gr\xC3\xBC\xC3\x9F \xE2\x82\xAC");
   EXPECT_EQ(printable("\xC3"), "?");
   EXPECT_EQ(printable("\xFF\xC2\x9B!"), std::string(3, '?') + "!");
-  // A surrogate, a slash in two and in three bytes, what is beyond the last code point; and the
-  // last one.
+  // A surrogate, a slash in two and in three bytes, a code beyond the last code point, and the last
+  // code point.
   EXPECT_EQ(printable("\xED\xA0\x80"), std::string(3, '?'));
   EXPECT_EQ(printable("\xC0\xAF\xE0\x80\xAF"), std::string(5, '?'));
   EXPECT_EQ(printable("\xF4\x90\x80\x80"), std::string(4, '?'));

@@ -13,7 +13,7 @@
 namespace nodmap::procman {
 namespace script_runner_test {
 
-/// A fleet on one host whose deputy does at once what it is told.
+/// A fleet on one host whose deputy executes orders at once.
 class ScriptRunnerTest : public ::testing::Test {
  protected:
   Config config_ = parse_config(R"(
@@ -43,7 +43,7 @@ class ScriptRunnerTest : public ::testing::Test {
     return healthy_.contains(id);
   };
 
-  /// Carries the orders out, for the commands that are named.
+  /// Executes the orders for these commands.
   void obey(const std::vector<std::string>& ids) {
     const Orders orders = fleet_.orders_for("h", {}).value();
     for (const CommandOrder& order : orders.commands) {
@@ -125,7 +125,7 @@ TEST_F(ScriptRunnerTest, IsOverWhenAllThatItStartedKeepsRunning) {
   runner.step(fleet_, now_);
   obey({"a", "b"});
   runner.step(fleet_, now_);
-  EXPECT_EQ(runner.waiting_for(), "what it has started to keep running");
+  EXPECT_EQ(runner.waiting_for(), "the started commands to keep running");
   now_ += ScriptRunner::kLastingTime;
   runner.step(fleet_, now_);
   EXPECT_TRUE(runner.is_over());
@@ -156,7 +156,7 @@ TEST_F(ScriptRunnerTest, DoesNotWaitForWhatHasEndedToRun) {
   EXPECT_EQ(runner.failure(), "a has ended (killed by signal 11 (Segmentation fault))");
 }
 
-// Its deputy starts it anew again and again.
+// Its deputy respawns it again and again.
 TEST_F(ScriptRunnerTest, FailsWhenARespawnedCommandNeverLasts) {
   ScriptRunner runner(config_, *config_.find_script("respawned"), is_healthy_);
   tell();

@@ -26,7 +26,7 @@ TEST(Keys, DigitsAreScriptsAndPagesScroll) {
   EXPECT_FALSE(take_key(typed).has_value());
 }
 
-// Or F5 would start scripts 1 and 5, also when its bytes come one by one.
+// Otherwise F5 would start scripts 1 and 5, also when its bytes arrive one by one.
 TEST(Keys, AFunctionKeyIsNotTheDigitsThatItSends) {
   std::string typed;
   for (const char* key : {"\x1B[15~", "\x1B[1;5A", "\x1BOS", "\x1B[3~"}) {

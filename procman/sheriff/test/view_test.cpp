@@ -33,7 +33,7 @@ std::vector<ReportRow> robot() {
           running("pitch-controller", "10.drivers"), running("navigator", "40.navigation")};
 }
 
-/// The lines that hold a text.
+/// The number of lines that contain a text.
 std::ptrdiff_t count(const std::vector<ViewLine>& view, const std::string& text) {
   return std::count_if(view.begin(), view.end(), [&text](const ViewLine& line) {
     return line.text.find(text) != std::string::npos;
