@@ -18,18 +18,13 @@
 namespace nodmap::foxglove {
 namespace {
 
-/// Messages that may wait for a turn of the viewer: a turn's messages and a burst of parts are far
-/// fewer.
-constexpr int kQueue = 512;
-constexpr std::size_t kLogLines = 500;
-
 constexpr const char* kTransform = "foxglove.FrameTransform";
 constexpr const char* kPoses = "foxglove.PosesInFrame";
 constexpr const char* kPointCloud = "foxglove.PointCloud";
 
 template <class Message, class Handler>
 void subscribe(bus::Bus& bus, const char* channel, Handler handler) {
-  bus.subscribe<Message>(channel, std::move(handler), kQueue);
+  bus.subscribe<Message>(channel, std::move(handler), kFeedQueue);
 }
 
 std::size_t max_cloud_points(const FeedParams& params) {
@@ -73,7 +68,7 @@ Feed::Feed(bus::Bus& bus, TopicStore& store, node::MessageCounts& counts, const 
                               return frame_transform(stamp, frames::kMap, frames::kOdom,
                                                      T_map_odom);
                             }});
-  // The other way round: a frame has one parent, and odom's is map.
+  // Inverted, because a frame has one parent, and that of odom is map.
   subscribe_slam_pose(bus, {.channel = "POSE_6D",
                             .frame_topic = "tf/map_6d",
                             .trail_topic = "trail/6d",
@@ -84,7 +79,7 @@ Feed::Feed(bus::Bus& bus, TopicStore& store, node::MessageCounts& counts, const 
                             }});
   subscribe_maps(bus);
   subscribe_cloud(bus);
-  subscribe_processes(bus);
+  processes_.emplace(bus, store, counts);
   subscribe_truth(bus);
 }
 
@@ -96,15 +91,13 @@ void Feed::reset() {
   grid_ = {};
   cloud_ = {};
   cloud_downsampler_.clear();
-  processes_.clear();
   body_posted_ = false;
   octomap_ = {};
-  commands_.clear();
+  processes_->reset();
 }
 
 void Feed::set_configured_commands(const procman::Config& config) {
-  commands_.set_configured(config);
-  post(commands_topic_, {}, [this] { return commands_.commands(); });
+  processes_->set_configured_commands(config);
 }
 
 template <class Make>
@@ -131,7 +124,7 @@ void Feed::post_trail(std::size_t topic, Trail& trail, time::Timestamp stamp,
                       const geometry::SE3& T_frame_base) {
   trail.add(stamp, T_frame_base);
   if (trail.is_due(stamp)) {
-    // By reference: the trail lives as long as the store's readers, and only grows.
+    // By reference: the trail outlives the readers of the store.
     post(topic, stamp, [&trail] { return trail.poses_in_frame(); });
   }
 }
@@ -314,39 +307,13 @@ void Feed::subscribe_cloud(bus::Bus& bus) {
       });
 }
 
-// A loop that was closed has moved them.
+// Updates the poses of all keyframes, because a loop closure has moved them.
 void Feed::take_keyframe_poses(const nodmap::pose_graph_6d_t& graph) {
   for (std::size_t i = 0; i < graph.keyframe_utime.size(); ++i) {
     if (const auto T_map_base = keyframe_pose(graph, i)) {
       keyframes_.set(time::from_utime(graph.keyframe_utime[i]), *T_map_base);
     }
   }
-}
-
-void Feed::subscribe_processes(bus::Bus& bus) {
-  const std::size_t status = store_.add({"STATUS", "nodmap.processes"});
-  const std::size_t log = store_.add({"log", "foxglove.Log", Keep::kAll, kLogLines});
-  subscribe<nodmap::status_t>(bus, "STATUS", [=, this](const auto& message) {
-    const ProcessTable::Change change = processes_.update(message);
-    if (!change.taken) {
-      counts_.reject("too_many_processes");
-      return;
-    }
-    counts_.use();
-    post(status, node::stamp_of(message), [this] { return processes_.processes(); });
-    if (change.health_changed) {
-      post(log, node::stamp_of(message), [message] { return health_log(message); });
-    }
-  });
-  commands_topic_ = store_.add({"PM_INFO", "nodmap.commands"});
-  subscribe<procman_lcm::deputy_info_t>(bus, "PM_INFO", [this](const auto& message) {
-    if (!commands_.update(message)) {
-      counts_.reject("too_many_commands");
-      return;
-    }
-    counts_.use();
-    post(commands_topic_, node::stamp_of(message), [this] { return commands_.commands(); });
-  });
 }
 
 void Feed::subscribe_truth(bus::Bus& bus) {
