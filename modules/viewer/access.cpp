@@ -22,7 +22,7 @@ std::string_view without_port(std::string_view host) {
   return from == std::string_view::npos ? host : host.substr(0, host.find(':', from));
 }
 
-/// The value of `token` in a query.
+/// The value of the parameter `token` in a query.
 std::string_view token_in(std::string_view target) {
   constexpr std::string_view kKey = "token=";
   std::string_view query = target.substr(std::min(target.find('?'), target.size()));
@@ -37,7 +37,7 @@ std::string_view token_in(std::string_view target) {
   return {};
 }
 
-/// Takes as long for every wrong token of the right length.
+/// Compares in a time that does not depend on where the first difference is.
 bool equal_in_constant_time(std::string_view a, std::string_view b) {
   unsigned difference = a.size() == b.size() ? 0U : 1U;
   for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i) {
@@ -98,7 +98,7 @@ Access decide_access(const Request& request, const AccessPolicy& policy) {
 }
 
 std::string make_token() {
-  std::random_device random;  // the system's random numbers
+  std::random_device random;  // random numbers of the operating system
   constexpr char kDigits[] = "0123456789abcdef";
   std::string token;
   for (int i = 0; i < 32; ++i) {

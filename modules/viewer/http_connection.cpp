@@ -16,13 +16,13 @@ namespace beast = boost::beast;
 namespace http = beast::http;
 
 constexpr std::uint32_t kMaxHeadBytes = 8192;
-/// For a request to come in, or an answer to be taken.
+/// Timeout for receiving a request.
 constexpr std::chrono::seconds kReadTimeout(10);
-// A megabyte of three.js over a slow radio link.
+// Timeout for sending an answer: a megabyte of three.js over a slow radio link.
 constexpr std::chrono::seconds kWriteTimeout(60);
 constexpr const char* kText = "text/plain; charset=utf-8";
 
-/// The page needs nothing from elsewhere, and belongs into nobody's frame.
+/// The page loads nothing from other servers, and must not be embedded in another page.
 constexpr const char* kContentSecurityPolicy =
     "default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; "
     "frame-ancestors 'none'; base-uri 'none'; form-action 'none'";
@@ -70,7 +70,7 @@ void HttpConnection::on_read(ErrorCode error) {
   }
   if (error) {
     hub_.refuse("bad_request");
-    answer(http::status::bad_request, kText, "not a request this server understands\n");
+    answer(http::status::bad_request, kText, "malformed request\n");
     return;
   }
   if (beast::websocket::is_upgrade(parser_->get())) {
@@ -103,7 +103,7 @@ void HttpConnection::serve() {
   const auto& head = parser_->get();
   if (hub_.policy.loopback_only && !is_this_host(to_string(head[http::field::host]))) {
     hub_.refuse("foreign_host");
-    answer(http::status::forbidden, kText, "this server answers for this host only\n");
+    answer(http::status::forbidden, kText, "this server accepts requests for this host only\n");
     return;
   }
   if (head.method() != http::verb::get && head.method() != http::verb::head) {
@@ -134,7 +134,7 @@ void HttpConnection::answer(http::status status, std::string_view content_type,
   response_.keep_alive(status == http::status::ok && parser_->get().keep_alive());
   response_.content_length(content.size());
   if (parser_->get().method() != http::verb::head) {
-    // The site and the texts live as long as the program.
+    // The site and the texts exist until the program ends.
     response_.body() = {content.data(), content.size()};
   }
   stream_.expires_after(kWriteTimeout);

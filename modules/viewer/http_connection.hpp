@@ -13,14 +13,14 @@
 
 namespace nodmap::viewer {
 
-/// A connection while it speaks HTTP: it gets files of the site, or becomes a WebSocketClient.
+/// A connection in its HTTP phase: serves files of the site, or becomes a WebSocketClient.
 class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
  public:
   HttpConnection(boost::beast::tcp_stream stream, Hub& hub);
 
   void start() { read(); }
 
-  /// Ends the connection; what is being read or written comes to nothing.
+  /// Ends the connection and cancels its reads and writes.
   void close() { stream_.close(); }
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What all connections of a server share.
+// The data shared by all connections of a server.
 #pragma once
 
 #include <boost/core/noncopyable.hpp>
@@ -27,12 +27,13 @@ struct Hub {
   AccessPolicy policy;
   int max_connections = 0;
   int idle_timeout_s = 0;
-  bool sends_news = true;  ///< in this turn; see Session::next()
+  bool sends_news = true;  ///< whether news are sent in this turn; see Session::next()
   node::MessageCounts counts{};
   log::Throttle throttle{};
   int connections = 0;
   std::vector<std::weak_ptr<WebSocketClient>> clients{};
-  std::deque<std::weak_ptr<HttpConnection>> requests{};  ///< still speaking HTTP, the oldest first
+  std::deque<std::weak_ptr<HttpConnection>>
+      requests{};  ///< connections in their HTTP phase, the oldest first
 
   /// Counts a refusal, and logs it at most once in five seconds. `cause` is a snake_case word.
   void refuse(const std::string& cause) {
@@ -43,7 +44,7 @@ struct Hub {
   }
 };
 
-/// Counts a connection as long as it lives.
+/// Counts a connection during its lifetime.
 class Ticket : boost::noncopyable {
  public:
   explicit Ticket(Hub& hub) : hub_(hub) { ++hub_.connections; }

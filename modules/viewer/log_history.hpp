@@ -11,14 +11,14 @@ namespace nodmap::viewer {
 
 using foxglove::Json;
 
-/// One quantity over a whole recording, in as few samples as a plot of it shows: of each interval
-/// the least and the greatest value, at their times.
+/// One quantity over a whole recording, with as many samples as a plot can show: the smallest and
+/// the greatest value of each interval, with their times.
 class Series {
  public:
-  /// Two values further apart than `gap_s` have a gap between them.
+  /// `gap_s`: values farther apart have a gap between them.
   Series(double interval_s, double gap_s) : interval_s_(interval_s), gap_s_(gap_s) {}
 
-  /// `time_s` must not decrease. A value that is not finite is none.
+  /// Adds a value; ignores one that is not finite. `time_s` must not decrease.
   void add(double time_s, double value);
 
   /// All samples, [time_s, value]; the value is null where a gap begins.
@@ -34,14 +34,14 @@ class Series {
 
   double interval_s_;
   double gap_s_;
-  std::vector<Sample> samples_;  // of the closed intervals; NaN where a gap begins
-  // Of the open interval; none while it is empty.
-  std::vector<Sample> extremes_;  // least, greatest
+  std::vector<Sample> samples_;  // of the completed intervals; NaN where a gap begins
+  // Of the present interval; empty if it has no values.
+  std::vector<Sample> extremes_;  // smallest, greatest
   double interval_end_s_ = 0.0;
   double last_s_ = 0.0;
 };
 
-/// What the page plots, over whole recordings, by quantity: `forward_mps`, `max_forward_mps`,
+/// The quantities that the page plots, over whole recordings: `forward_mps`, `max_forward_mps`,
 /// `clear_distance_m`, `nearest_m` (the nearest point of OBSTACLE_MAP), `pitch_rad`, `sweep_s`, and
 /// `latency_p99_us PROCESS`. Times are log times in seconds since the epoch. Throws as
 /// bus::LogPlayer does.

@@ -34,7 +34,7 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr const char* kProgram = "nodmap-viewer";
-/// Events handed over in one turn: some ten milliseconds of work.
+/// Number of events delivered in one turn: about ten milliseconds of work.
 constexpr std::int64_t kEventsPerTurn = 5000;
 constexpr time::Duration kLoadPeriod = 1s;
 
@@ -48,21 +48,23 @@ struct Options {
 };
 
 void add_options(CLI::App& app, Options& options) {
-  app.add_option("--bind", options.bind, "Address to listen on; loopback unless asked otherwise")
+  app.add_option("--bind", options.bind, "Address to listen on")->capture_default_str();
+  app.add_option("--port", options.port,
+                 "Port for the page and the WebSocket; 0 selects a free one")
       ->capture_default_str();
-  app.add_option("--port", options.port, "Port of page and WebSocket; 0 takes a free one")
-      ->capture_default_str();
-  auto* control = app.add_flag("--control", options.control,
-                               "Who has the printed token may set goals, stop and save maps");
+  auto* control = app.add_flag(
+      "--control", options.control,
+      "Allow clients with the printed token to set goals, stop the robot and save maps");
   app.add_option("--procman", options.procman,
-                 "Who has it may also start and stop the processes of this configuration (.pmd)")
+                 "Allow them also to start and stop the processes of this configuration (.pmd)")
       ->needs(control);
-  app.add_option("--replay", options.replay,
-                 "Play this LCM event log instead of listening to LCM; several are merged by time")
+  app.add_option(
+         "--replay", options.replay,
+         "Play this LCM event log instead of receiving from LCM; several are merged by time")
       ->excludes(control);
 }
 
-/// Everything but the source of messages.
+/// The viewer without its source of messages.
 struct Viewer : private boost::noncopyable {
   Viewer(const Options& options, const ViewerParams& params, Services the_services)
       : services(std::move(the_services)),
@@ -75,7 +77,7 @@ struct Viewer : private boost::noncopyable {
             .idle_timeout_s = params.idle_timeout_s},
         pace(milliseconds(params.update_ms)) {}
 
-  /// One turn with all clients.
+  /// Serves all clients once.
   void turn() {
     const time::SteadyTime now = time::steady_now();
     if (now >= load_due) {
@@ -84,8 +86,8 @@ struct Viewer : private boost::noncopyable {
       const bool was_slowed = pace.is_slowed();
       pace.note_load(load.share());
       if (pace.is_slowed() != was_slowed) {
-        log::get().info(was_slowed ? "clients get all that is new again"
-                                   : "the machine is busy: clients get what is new less often");
+        log::get().info(was_slowed ? "clients are updated at the full rate again"
+                                   : "the machine is busy: clients are updated less often");
       }
     }
     hub.sends_news = pace.is_due(now);
@@ -99,7 +101,7 @@ struct Viewer : private boost::noncopyable {
     const std::string page = "http://" + host + ":" + std::to_string(server->port()) + "/";
     log::get().info("page on {}; Foxglove and Lichtblick: ws{}", page, page.substr(4));
     if (!hub.policy.token.empty()) {
-      // On stdout, so that it is in no log file.
+      // On stdout, so that the token does not get into a log file.
       std::cout << "control: " << page << "#token=" << hub.policy.token << std::endl;
     }
   }
@@ -245,7 +247,7 @@ int run(int argc, char** argv) {
        .run =
            [&](const std::string& lcm_url) {
              options.lcm_url = lcm_url;
-             // A client that goes away while it is written to is no reason to die.
+             // A client that disconnects while data are sent to it must not end the process.
              std::signal(SIGPIPE, SIG_IGN);
              options.replay.empty() ? run_live(options, params) : run_replay(options, params);
              return 0;

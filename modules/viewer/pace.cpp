@@ -9,7 +9,8 @@ void Pace::note_load(float share) {
   if (share >= kBusyShare) {
     period_ = std::max(fastest_, std::min(2 * period_, kSlowest));
   } else if (share < kRoomShare) {
-    period_ = std::max(fastest_, period_ * 3 / 4);  // slower than it grew: no swinging
+    period_ =
+        std::max(fastest_, period_ * 3 / 4);  // more slowly than it grew, to avoid oscillation
   }
 }
 

@@ -5,23 +5,24 @@
 
 namespace nodmap::viewer {
 
-/// How often clients are sent what is new. While the machine is busy it is ever less often, so that
-/// pages (a browser that draws takes far more than this process does) leave the processors to the
-/// robot; when there is room again, ever more often.
+/// Controls how often clients are updated. While the machine is busy, the period grows step by
+/// step, so that pages leave the processors to the robot (a browser that draws needs far more time
+/// than this process); when the machine is no longer busy, it shrinks again.
 class Pace {
  public:
-  /// From this share of all processors' time on the machine is busy; below the other there is room.
+  /// The machine counts as busy from the first fraction of all processors' time on, and as free
+  /// below the second.
   static constexpr float kBusyShare = 0.9F;
   static constexpr float kRoomShare = 0.75F;
-  /// Twice a second a page still shows where the robot is.
+  /// With two updates a second, a page still shows where the robot is.
   static constexpr time::Duration kSlowest = 500ms;
 
   explicit Pace(time::Duration fastest) : fastest_(fastest), period_(fastest) {}
 
-  /// The share of the processors' time that was used in the last second, 0 to 1.
+  /// Takes the fraction of all processors' time that was used in the last second, 0 to 1.
   void note_load(float share);
 
-  /// Whether clients are to be sent what is new now; then the next time is a period later.
+  /// Whether clients must be updated now; if so, the next update is due one period later.
   [[nodiscard]] bool is_due(time::SteadyTime now);
 
   [[nodiscard]] time::Duration period() const { return period_; }

@@ -14,11 +14,12 @@ struct ViewerParams {
   template <class Visitor>
   void describe(Visitor& v) {
     v.integer("update_ms", update_ms, {5, 1000},
-              "How often messages are taken from LCM and handed to the clients.");
+              "Period at which messages are taken from LCM and sent to the clients.");
     v.integer("max_clients", max_clients, {1, 1000},
-              "Connections at once; a page has up to seven while it loads. More are refused.");
+              "Greatest number of simultaneous connections; a page has up to seven while it loads. "
+              "Further ones are refused.");
     v.integer("idle_timeout_s", idle_timeout_s, {2, 3600},
-              "A client that answers no ping for so long is disconnected.");
+              "A client that has not answered a ping for this long is disconnected.");
     feed.describe(v);
   }
 };

@@ -17,14 +17,14 @@
 namespace nodmap::viewer {
 namespace {
 
-/// Far beyond any recording, and still exact in microseconds.
+/// Longer than any recording, and still exact to the microsecond.
 constexpr double kMaxPositionS = 1e9;
 constexpr std::size_t kMaxEventsOfAKind = 1000;
 
-/// Finds the messages at which something happened: a state that was another one before.
+/// Finds the messages that report an event, which is a change of state.
 class EventFinder {
  public:
-  /// What happened with this event of a log; empty: nothing.
+  /// Describes what happened at this log event; empty if nothing.
   std::string look_at(const bus::LogEvent& event) {
     if (event.channel == "STOP" && bus::decode_into(stop_, event.data)) {
       const bool is_new = stop_.is_stopped && !std::exchange(is_stopped_, stop_.is_stopped);
@@ -72,7 +72,7 @@ Json playback_parameters(const bus::LogPlayer& player) {
 std::vector<std::string> playback_events(const std::vector<std::filesystem::path>& logs,
                                          time::Timestamp begin) {
   std::multimap<time::Duration, std::string> events;
-  std::map<char, std::size_t> counts;  // by the first letter of the kind
+  std::map<char, std::size_t> counts;  // by the first letter of the kind of event
   for (const std::filesystem::path& log : logs) {
     bus::LogReader reader(log);
     EventFinder finder;
@@ -106,7 +106,7 @@ PlaybackChange set_playback_parameter(bus::LogPlayer& player, const std::string&
       std::abs(value.get<double>()) < kMaxPositionS) {
     return {.refusal = {}, .went_back = player.seek(time::from_seconds(value.get<double>()))};
   }
-  return {.refusal = "no such parameter, or not such a value", .went_back = false};
+  return {.refusal = "unknown parameter or invalid value", .went_back = false};
 }
 
 }  // namespace nodmap::viewer

@@ -19,15 +19,15 @@ using foxglove::Json;
 /// `playback.paused`.
 [[nodiscard]] Json playback_parameters(const bus::LogPlayer& player);
 
-/// What happened in recordings, for marks on the time line: "12.345 stop by WHO", "12.345 fault
-/// PROCESS: REASON", "12.345 keyframe NUMBER"; seconds from `begin`, in the order of time,
-/// at most 1000 of each kind.
+/// The events in recordings, for marks on the time line: "12.345 stop by WHO", "12.345 fault
+/// PROCESS: REASON", "12.345 keyframe NUMBER"; seconds from `begin`, in the order of time, at most
+/// 1000 of each kind.
 [[nodiscard]] std::vector<std::string> playback_events(
     const std::vector<std::filesystem::path>& logs, time::Timestamp begin);
 
-/// What setting a parameter did.
+/// The result of setting a parameter.
 struct PlaybackChange {
-  std::string refusal;  ///< why not; empty: done
+  std::string refusal;  ///< why it was refused; empty if it was set
   bool went_back = false;
 };
 [[nodiscard]] PlaybackChange set_playback_parameter(bus::LogPlayer& player, const std::string& name,

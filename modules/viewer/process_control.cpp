@@ -13,7 +13,7 @@ using procman::Fleet;
 using procman::Verb;
 using procman::Wanted;
 
-/// More deputies than any robot of ours has: made-up names take no memory.
+/// More deputies than a robot has; invented names must not use memory.
 constexpr std::size_t kMaxDeputies = 16;
 
 const char* name_of(Verb verb) {
@@ -62,10 +62,10 @@ void ProcessControl::on_orders(const procman::Orders& orders) {
   }
   other_sheriff_ = orders.sheriff_id;
   other_heard_ = clock_().steady;
-  fleet_.reset();  // whoever comes while we are at it knows nothing of us, and stays longer
+  fleet_.reset();  // it started later and will stay longer than we do
 }
 
-/// Of commands that the configuration names: made-up ones take no memory.
+/// Keeps output of commands in the configuration only; invented names must not use memory.
 void ProcessControl::on_output(const procman::Output& output) {
   for (const procman::CommandOutput& piece : output.outputs) {
     const procman::Command* command = config_.find_command(piece.command_id);
@@ -111,7 +111,7 @@ Answer ProcessControl::change(Verb verb, const std::string& command) {
   }
   const time::Moment now = clock_();
   if (!other_sheriff_.empty() && now.steady - other_heard_ <= Fleet::kOtherSheriffTime) {
-    return {.ok = false, .text = "The sheriff " + other_sheriff_ + " is at work: use that one."};
+    return {.ok = false, .text = "The sheriff " + other_sheriff_ + " is running: use that one."};
   }
   if (!is_heard(found->deputy, now.steady)) {
     return {.ok = false, .text = "The deputy " + found->deputy + " does not answer."};

@@ -18,12 +18,12 @@
 namespace nodmap::viewer {
 
 /// Starts and stops commands of the process manager. For each request it becomes a sheriff: it
-/// begins from what the deputies report at that moment, gives orders until the request is
-/// fulfilled, and then gives no more; what runs goes on. It does not stay a sheriff, since two of
-/// them would give contradicting orders. What the commands write is kept, the last lines of each.
+/// starts from what the deputies report at that moment and gives orders until the request is
+/// fulfilled; running commands continue afterwards. It does not remain a sheriff, because two of
+/// them would give contradictory orders. It also keeps the last lines of each command's output.
 class ProcessControl {
  public:
-  /// Longest time as a sheriff for one request, beside the command's own grace time.
+  /// Longest time as a sheriff for one request, in addition to the command's grace time.
   static constexpr time::Duration kPatience = 10s;
   static constexpr time::Duration kOrdersPeriod = 1s;
 
@@ -32,16 +32,18 @@ class ProcessControl {
   /// The bus must outlive this object.
   ProcessControl(bus::Bus& bus, procman::Config config, Clock clock);
 
-  /// Refused: unknown names, a deputy that does not answer, another sheriff at work.
+  /// Starts, stops or restarts a command. Refused: unknown names, a deputy that does not answer,
+  /// another sheriff that is running.
   [[nodiscard]] Answer change(procman::Verb verb, const std::string& command);
   /// The same for the command that runs nodmap-logger.
   [[nodiscard]] Answer change_recording(procman::Verb verb);
 
-  /// The last lines that a command wrote since this object exists. Refused: unknown names.
+  /// The last lines of a command's output since the construction of this object. Refused: unknown
+  /// names.
   [[nodiscard]] Answer output(const std::string& command) const;
 
-  /// To be called often: gives the orders that are due, and ends being a sheriff when nothing is
-  /// open.
+  /// Sends the orders that are due, and stops being a sheriff when no request is open. To be called
+  /// often.
   void turn();
 
   [[nodiscard]] bool is_sheriff() const { return fleet_.has_value(); }
@@ -63,7 +65,7 @@ class ProcessControl {
   bus::Bus& bus_;
   procman::Config config_;
   Clock clock_;
-  std::string id_;  // ours as a sheriff, up to the time at which we begin
+  std::string id_;  // our id as a sheriff, without the start time
   std::map<std::string, Heard> heard_;
   std::map<std::string, procman::Console> consoles_;  // by command, ours only
   std::string other_sheriff_;

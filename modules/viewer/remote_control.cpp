@@ -16,10 +16,10 @@ namespace {
 
 constexpr const char* kName = "nodmap-viewer";
 constexpr double kToleranceM = 0.3;
-/// Farther than any map: a slip, or worse.
+/// Farther than any map: a mistake or an attack.
 constexpr double kMaxCoordinateM = 1e4;
 
-/// A member that is a number; `fallback` where there is none, nothing where it is something else.
+/// A member that is a number; `fallback` if it is missing, empty if it is not a number.
 std::optional<double> number_in(const Json& request, const char* name,
                                 std::optional<double> fallback = {}) {
   const auto found = request.find(name);
@@ -52,7 +52,7 @@ Answer RemoteControl::answer(const Json& request) {
   }
   if (what == "roam") {
     send_goal(false, 0.0, 0.0, kToleranceM);
-    return {.ok = true, .text = "No goal any more: the robot roams."};
+    return {.ok = true, .text = "Goal cancelled: the robot roams."};
   }
   if (what == "explore" || what == "end_exploration") {
     return do_explore(what == "explore");
@@ -96,9 +96,11 @@ Answer RemoteControl::do_explore(bool is_active) {
   message.is_active = static_cast<std::int8_t>(is_active);
   message.requested_by = kName;
   bus_.publish("EXPLORE", message);
-  return {.ok = true,
-          .text = is_active ? "Exploration: it ends when all is seen and the robot is back here."
-                            : "The exploration ends, the robot stays where it is."};
+  return {
+      .ok = true,
+      .text = is_active
+                  ? "Exploring. It ends when everything has been seen and the robot is back here."
+                  : "Exploration ended; the robot stays where it is."};
 }
 
 Answer RemoteControl::do_save_maps() {
@@ -106,7 +108,7 @@ Answer RemoteControl::do_save_maps() {
   message.utime = time::to_utime(clock_.now());
   message.requested_by = kName;
   bus_.publish("SAVE_REQUEST", message);
-  return {.ok = true, .text = "Maps are to be saved."};
+  return {.ok = true, .text = "Maps are being saved."};
 }
 
 Answer RemoteControl::do_process(const std::string& what, const Json& request) {
@@ -126,11 +128,11 @@ Answer RemoteControl::do_process(const std::string& what, const Json& request) {
     return what.ends_with("recording") ? processes_->change_recording(verb)
                                        : processes_->change(verb, command);
   }
-  return {.ok = false, .text = "Nobody here does \"" + what + "\"."};
+  return {.ok = false, .text = "Unknown request \"" + what + "\"."};
 }
 
-/// A message that lets the robot go ends our stop, too; else two viewers would contradict each
-/// other.
+/// A message that releases the robot also ends our stop; otherwise two viewers would contradict
+/// each other.
 void RemoteControl::on_stop(const nodmap::stop_t& message) {
   if (message.is_stopped == 0 && message.utime > stop_.utime) {
     stop_.is_stopped = 0;

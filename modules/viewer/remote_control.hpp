@@ -16,7 +16,7 @@
 
 namespace nodmap::viewer {
 
-/// What a client with control may ask for, by `do`:
+/// Executes the requests of clients with control, by their member `do`:
 ///   goal  x_m, y_m, tolerance_m?    drive there (map)
 ///   roam                            no goal any more
 ///   explore, end_exploration        the explorer drives, until all is seen and it is home
@@ -28,17 +28,17 @@ namespace nodmap::viewer {
 ///   process_output  command: the last lines that it wrote
 class RemoteControl {
  public:
-  /// A STOP is published again so often: base driver and navigator keep it, this is for one that
-  /// has missed it or was started since.
+  /// Period at which STOP is published again. Base driver and navigator remember it; the repetition
+  /// is for a process that has missed it or was started later.
   static constexpr time::Duration kRepeat = 200ms;
 
-  /// `processes` may be null: then there is no control over them. All must outlive this object.
+  /// `processes` may be null: then processes cannot be controlled. All must outlive this object.
   RemoteControl(bus::Bus& bus, const time::Clock& clock, ProcessControl* processes);
 
-  /// Does what the request says, if it can.
+  /// Executes a request if possible.
   [[nodiscard]] Answer answer(const Json& request);
 
-  /// To be called often: publishes STOP again when it is due.
+  /// Publishes STOP again when that is due. To be called often.
   void turn();
 
  private:
@@ -56,7 +56,7 @@ class RemoteControl {
   const time::Clock& clock_;
   ProcessControl* processes_;
   std::int64_t goal_seq_ = 0;
-  nodmap::stop_t stop_{};                     // the newest of ours
+  nodmap::stop_t stop_{};                     // our newest STOP
   std::optional<Eigen::AlignedBox2d> map_m_;  // extent of the newest MAP_2D
 };
 

@@ -17,9 +17,9 @@ namespace asio = boost::asio;
 using asio::ip::tcp;
 using ErrorCode = boost::system::error_code;
 
-/// Little waits in the kernel for a slow client, so that what it gets is not old.
+/// Small, so that a slow client does not receive old data.
 constexpr int kSendBufferBytes = 1 << 17;
-/// Out of descriptors: others have to close first.
+/// Pause when there are no file descriptors left, until other connections close.
 constexpr std::chrono::milliseconds kPause(100);
 
 asio::ip::address parse_address(const std::string& text) {
@@ -27,7 +27,7 @@ asio::ip::address parse_address(const std::string& text) {
   asio::ip::address address =
       asio::ip::make_address(text == "localhost" ? "127.0.0.1" : text, error);
   if (error) {
-    throw node::UsageError("--bind '" + text + "' is no address to listen on");
+    throw node::UsageError("--bind '" + text + "' is not an address");
   }
   return address;
 }
@@ -74,8 +74,8 @@ struct Server::Impl {
     accept();
   }
 
-  /// A browser asks within milliseconds: who has held a place for longest without becoming a client
-  /// gives it to the newcomer. Whether there was one.
+  /// Ends the oldest connection that has not become a client yet, to make room for a new one; a
+  /// browser sends its request within milliseconds. Returns whether there was one.
   bool end_oldest_request() {
     while (!hub.requests.empty()) {
       const auto oldest = hub.requests.front().lock();

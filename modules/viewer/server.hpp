@@ -12,18 +12,18 @@
 
 namespace nodmap::viewer {
 
-/// HTTP and WebSocket on one port, in the thread of its caller.
+/// Serves HTTP and WebSocket on one port, in the thread of its caller.
 class Server : boost::noncopyable {
  public:
-  /// Port 0 takes a free one. Throws std::runtime_error naming address and port when it cannot
-  /// listen there. The hub must outlive this object.
+  /// Port 0 selects a free one. Throws std::runtime_error with address and port if it cannot listen
+  /// there. The hub must outlive this object.
   Server(Hub& hub, const std::string& address, std::uint16_t port);
   ~Server();
 
-  /// Serves for so long.
+  /// Serves for this long.
   void run_for(std::chrono::milliseconds duration);
 
-  /// Sends every client what is new in the topic store.
+  /// Sends every client the news in the topic store.
   void turn();
   void send_time(time::Timestamp stamp);
   void send_changed_parameters();
@@ -35,8 +35,7 @@ class Server : boost::noncopyable {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Whether an address is that of this host alone. Throws node::UsageError for what is no
-/// address.
+/// Whether an address is a loopback address. Throws node::UsageError for an invalid address.
 [[nodiscard]] bool is_loopback(const std::string& address);
 
 }  // namespace nodmap::viewer

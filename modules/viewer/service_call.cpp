@@ -6,10 +6,10 @@ namespace {
 
 constexpr std::byte kRequest{2};
 constexpr char kAnswer = 3;
-/// First byte, service, call, length of the encoding.
+/// Operation, service, call, length of the encoding.
 constexpr std::size_t kHeadBytes = 13;
 
-/// The number at a place; four bytes must be there.
+/// Reads the number at `at`; there must be four bytes.
 std::uint32_t read_number(std::span<const std::byte> bytes, std::size_t at) {
   return boost::endian::load_little_u32(reinterpret_cast<const unsigned char*>(&bytes[at]));
 }
@@ -32,7 +32,7 @@ Json control_service() {
       {{"do", text}, {"x_m", number}, {"y_m", number}, {"tolerance_m", number}, {"command", text}});
   Json response =
       message("nodmap.control_response", {{"ok", {{"type", "boolean"}}}, {"text", text}});
-  // The schemas twice: where the protocol has them now, and where older clients look.
+  // The schemas twice: at their present place in the protocol, and where older clients expect them.
   return {{"id", kControlService},
           {"name", "control"},
           {"type", "nodmap.control"},

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Binary frames of Foxglove's WebSocket protocol: their numbers, service calls, and the one service
-// there is.
+// Binary frames of Foxglove's WebSocket protocol: numbers, service calls, and our only service.
 #pragma once
 
 #include <boost/endian/conversion.hpp>
@@ -17,7 +16,7 @@ namespace nodmap::viewer {
 
 using foxglove::Json;
 
-/// Appends a number as the protocol's binary frames hold it.
+/// Appends a number in the encoding of binary frames.
 template <class Unsigned>
 void append_little_endian(std::string& bytes, Unsigned value) {
   boost::endian::native_to_little_inplace(value);
@@ -27,10 +26,10 @@ void append_little_endian(std::string& bytes, Unsigned value) {
 /// The number of the service `control`.
 inline constexpr std::uint32_t kControlService = 1;
 
-/// How a server describes `control`: JSON in, {"ok", "text"} out.
+/// The description of the service `control`: JSON in, {"ok", "text"} out.
 [[nodiscard]] Json control_service();
 
-/// A call, or its answer: both have the same form, but for the first byte.
+/// A call or its answer; their encodings differ only in the first byte.
 struct ServiceCall {
   std::uint32_t service_id = 0;
   std::uint32_t call_id = 0;
@@ -38,13 +37,13 @@ struct ServiceCall {
   std::string_view payload;
 };
 
-/// Reads what a client sent, if it is a call; the texts are parts of `bytes`.
+/// Reads a frame from a client; empty if it is not a call. The texts are parts of `bytes`.
 [[nodiscard]] std::optional<ServiceCall> read_service_call(std::span<const std::byte> bytes);
 
 /// The frame that answers a call with JSON.
 [[nodiscard]] std::string service_answer(const ServiceCall& call, const Json& payload);
 
-/// The text message for a call that cannot be answered at all.
+/// The text message for a call that cannot be answered.
 [[nodiscard]] Json service_failure(const ServiceCall& call, const std::string& reason);
 
 }  // namespace nodmap::viewer

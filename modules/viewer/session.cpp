@@ -11,7 +11,7 @@
 namespace nodmap::viewer {
 namespace {
 
-// First bytes of binary frames.
+// Operation codes, the first bytes of binary frames.
 constexpr char kMessageData = 1;
 constexpr char kTime = 2;
 constexpr int kStatusError = 2;
@@ -20,7 +20,7 @@ std::uint64_t nanoseconds(time::Timestamp stamp) {
   return 1000U * static_cast<std::uint64_t>(std::max<std::int64_t>(time::to_utime(stamp), 0));
 }
 
-/// A member that is a number of 32 bits without sign.
+/// A member that is an unsigned 32-bit number; empty otherwise.
 std::optional<std::uint32_t> id_in(const Json& object, const char* name) {
   const auto found = object.find(name);
   if (found == object.end() || !found->is_number_unsigned() ||
@@ -30,7 +30,7 @@ std::optional<std::uint32_t> id_in(const Json& object, const char* name) {
   return found->get<std::uint32_t>();
 }
 
-/// The objects in the list of this name; nothing where there is no such list.
+/// The objects in the list of this name; empty if there is no such list.
 std::vector<Json> objects_in(const Json& message, const char* name) {
   std::vector<Json> objects;
   const auto found = message.find(name);
@@ -204,7 +204,7 @@ void Session::fail(const ServiceCall& call, const std::string& reason) {
 
 void Session::send_parameters(const Json& message) {
   Json parameters = services_.parameters ? services_.parameters() : Json::array();
-  // An empty list of names, or none, asks for all.
+  // An empty or missing list of names requests all parameters.
   if (const auto names = message.find("parameterNames");
       names != message.end() && names->is_array() && !names->empty()) {
     std::erase_if(parameters.get_ref<Json::array_t&>(), [&names](const Json& parameter) {
@@ -252,7 +252,8 @@ std::optional<Frame> Session::next(bool with_news) {
     waiting_.pop_front();
     return frame;
   }
-  // Never later than what follows it: a client forgets all of a recording that goes back.
+  // Before the messages that follow it, because a client forgets everything when the time goes
+  // back.
   if (time_) {
     Frame frame{.is_binary = true, .head = {kTime}, .post = nullptr};
     append_little_endian(frame.head, nanoseconds(*time_));

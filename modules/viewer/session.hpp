@@ -20,49 +20,48 @@
 
 namespace nodmap::viewer {
 
-/// The answer to a request, in words for people.
+/// The answer to a request, as text for people.
 struct Answer {
   bool ok = false;
   std::string text;
 };
 
-/// What a viewer offers its clients besides reading.
+/// The functions that a viewer offers its clients besides reading.
 struct Services {
   std::string name;
   std::string session_id;  ///< the same for all sessions of one process
-  /// Whether the viewer is the source of time (it plays a recording).
+  /// Whether the viewer sends the time, because it plays a recording.
   bool sends_time = false;
-  /// The state of the playback: a list of {name, value}; empty where nothing is played.
+  /// The state of the playback: a list of {name, value}; empty without a playback.
   std::function<Json()> parameters;
-  /// Sets one; returns why not, or nothing.
+  /// Sets a parameter; returns why this was refused, or an empty text.
   std::function<std::string(const std::string& name, const Json& value)> set_parameter;
-  /// Does what a client with control asks for, and answers.
+  /// Executes a request of a client with control, and answers it.
   std::function<Answer(const Json& request)> control;
-  /// Whether that goes for processes and recordings, too.
+  /// Whether requests may also control processes and recordings.
   bool controls_processes = false;
 };
 
-/// What one client may do.
+/// The rights of one client.
 struct Rights {
-  bool play = false;     ///< steer the playback
-  bool control = false;  ///< ask for what the robot is to do
+  bool play = false;     ///< control the playback
+  bool control = false;  ///< control the robot
 };
 
-/// One frame for the socket. `head` goes before the payload, which is shared with other sessions.
+/// One frame to send: `head`, then the payload, which is shared with other sessions.
 struct Frame {
   bool is_binary = false;
   std::string head;
   std::shared_ptr<foxglove::Post> post;  ///< its text follows the head; may be null
 };
 
-/// One client of Foxglove's WebSocket protocol (`foxglove.websocket.v1`), without its socket: what
-/// the client sends goes in, frames to send come out. Nothing a client sends makes it throw or grow
-/// without bound.
-/// Source: https://github.com/foxglove/ws-protocol/blob/main/docs/spec.md
+/// One client of Foxglove's WebSocket protocol (`foxglove.websocket.v1`), without its socket:
+/// received messages in, frames to send out. No message from a client makes it throw or grow
+/// without limit. Source: https://github.com/foxglove/ws-protocol/blob/main/docs/spec.md
 class Session {
  public:
   static constexpr std::size_t kMaxSubscriptions = 256;
-  /// Answers that wait for a client that does not read; more are dropped.
+  /// Greatest number of answers that wait for a slow client; further ones are dropped.
   static constexpr std::size_t kMaxWaiting = 64;
 
   /// Both must outlive this object.
@@ -71,16 +70,16 @@ class Session {
   void receive_text(std::string_view text);
   void receive_binary(std::span<const std::byte> bytes);
 
-  /// The next frame to send, if any. Subscribed topics are served one after the other; without
-  /// news only answers go out, the time, and what is sent once: of CLOUD and log all messages.
+  /// The next frame to send, if any. Subscribed topics are served in turn. Without `with_news`,
+  /// only answers, the time and the messages of CLOUD and log are sent, of which every one is sent.
   [[nodiscard]] std::optional<Frame> next(bool with_news = true);
 
-  /// Sends the client the time of the recording, with the next frames.
+  /// Sends the client the time of the recording before the next frames.
   void send_time(time::Timestamp stamp);
   /// Sends the parameters to a client that has subscribed to them.
   void send_changed_parameters();
 
-  /// How many of the client's messages were refused.
+  /// Number of the client's messages that were refused.
   [[nodiscard]] std::int64_t refused() const { return refused_; }
 
  private:

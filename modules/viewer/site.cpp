@@ -11,7 +11,8 @@
 namespace nodmap::viewer {
 namespace {
 
-/// A file of a Debian package, under its own path: the modules name each other by it.
+/// A file of a Debian package, served under its own path, because the modules import each other by
+/// it.
 struct SystemFile {
   const char* path;
   const char* package;

@@ -14,18 +14,19 @@ struct SiteFile {
   std::string content;
 };
 
-/// Everything that is served, by its path. There is no way from a request to the file system: what
-/// is not in this map does not exist.
+/// All files that are served, by path. Requests never reach the file system: only files in this map
+/// exist.
 class Site {
  public:
-  /// The page itself (built into the program), and what it uses of Debian's libjs-three and
-  /// libjs-dygraphs. Throws std::runtime_error naming the package when a file is missing.
+  /// Loads the page itself (built into the program) and the files that it uses from Debian's
+  /// libjs-three and libjs-dygraphs. Throws std::runtime_error with the package's name if a file is
+  /// missing.
   explicit Site(const std::string& javascript_dir = "/usr/share/javascript");
 
-  /// Null when there is no such file. `target` is the target of a request, with or without a query.
+  /// The file for the target of a request, with or without a query; null if there is none.
   [[nodiscard]] const SiteFile* find(std::string_view target) const;
 
-  /// Adds a file that was made up at the start.
+  /// Adds a file that was generated at the start.
   void add(const std::string& path, SiteFile file) { files_[path] = std::move(file); }
 
   [[nodiscard]] std::size_t size() const { return files_.size(); }

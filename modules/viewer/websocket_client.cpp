@@ -12,9 +12,9 @@ namespace {
 namespace beast = boost::beast;
 namespace websocket = beast::websocket;
 
-/// A client sends subscriptions, parameters and goals: far less than this.
+/// Far longer than subscriptions, parameters and goals.
 constexpr std::size_t kMaxMessageBytes = 65536;
-/// Messages taken from one client in one turn, so that a flood does not keep the others waiting.
+/// Number of messages read from one client in one turn, so that a flood does not delay the others.
 constexpr int kReadsPerTurn = 50;
 constexpr std::chrono::seconds kHandshakeTimeout(5);
 
@@ -41,7 +41,7 @@ void WebSocketClient::set_options(const std::string& protocol) {
 }
 
 void WebSocketClient::start(const HttpRequest& request) {
-  // The stream has its own time limits from here on.
+  // From here on the WebSocket stream's own timeouts apply.
   beast::get_lowest_layer(socket_).expires_never();
   socket_.async_accept(request, [self = shared_from_this()](ErrorCode e) { self->on_accept(e); });
 }

@@ -13,8 +13,8 @@
 
 namespace nodmap::viewer {
 
-/// The socket of a Session. At most one frame is under way; while it is, nothing is queued: what
-/// comes next is asked of the session when the socket has taken the last one.
+/// The socket of a Session. Sends one frame at a time and queues none: the next frame is requested
+/// from the session when the last one has been sent.
 class WebSocketClient : public std::enable_shared_from_this<WebSocketClient> {
  public:
   using HttpRequest = boost::beast::http::request<boost::beast::http::empty_body>;
@@ -22,10 +22,10 @@ class WebSocketClient : public std::enable_shared_from_this<WebSocketClient> {
   WebSocketClient(boost::beast::tcp_stream stream, Hub& hub, std::unique_ptr<Ticket> ticket,
                   const Access& access);
 
-  /// Answers the handshake and begins.
+  /// Answers the handshake and starts reading and sending.
   void start(const HttpRequest& request);
 
-  /// Sends what is new. Called once in each turn of the server.
+  /// Sends the news. Called once in each turn of the server.
   void turn();
 
   [[nodiscard]] Session& session() { return session_; }
@@ -46,7 +46,7 @@ class WebSocketClient : public std::enable_shared_from_this<WebSocketClient> {
   std::unique_ptr<Ticket> ticket_;
   Session session_;
   boost::beast::flat_buffer input_;
-  std::optional<Frame> frame_;  // under way
+  std::optional<Frame> frame_;  // being sent
   bool is_open_ = false;
   bool is_reading_ = false;
   int reads_left_ = 0;

@@ -31,7 +31,7 @@ bool is_part(std::int32_t index, std::int32_t count, std::int32_t max_count) {
 }  // namespace
 
 void GridAssembler::begin_revision(const nodmap::grid_chunk_t& tile) {
-  // A mapper that was started again counts from zero: nothing of the old map holds.
+  // The mapper was restarted and counts from zero: the old map is no longer valid.
   if (tile.map_revision < revision_ || tile.cell_size_m != grid_.cell_size_m) {
     grid_ = {};
   }
@@ -41,7 +41,8 @@ void GridAssembler::begin_revision(const nodmap::grid_chunk_t& tile) {
   resize_grid(tile);
 }
 
-/// Makes the grid as large as the tile says, and keeps what both grids hold.
+/// Changes the extent of the grid to that given in the tile; keeps the cells that both extents
+/// contain.
 void GridAssembler::resize_grid(const nodmap::grid_chunk_t& tile) {
   GridView old = std::exchange(grid_, {.stamp = time::from_utime(tile.utime),
                                        .cell_size_m = tile.cell_size_m,

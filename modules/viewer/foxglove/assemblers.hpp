@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Maps and clouds that came in numbered parts, put together again.
+// Assembles maps and clouds from their numbered parts.
 #pragma once
 
 #include <cstdint>
@@ -16,23 +16,23 @@
 
 namespace nodmap::foxglove {
 
-/// What adding a part has led to.
+/// The result of adding a part.
 template <class Whole>
 struct Assembled {
-  std::optional<Whole> whole;  ///< the map or cloud that this part made complete
-  bool refused = false;        ///< the part contradicts itself or its predecessors
-  bool lost = false;           ///< the one before it was given up incomplete
+  std::optional<Whole> whole;  ///< the map or cloud that this part completes
+  bool refused = false;        ///< the part contradicts itself or previous parts
+  bool lost = false;           ///< the previous map or cloud was incomplete and has been dropped
 };
 
-/// Puts MAP_2D together. A revision brings the tiles that have changed and some of the others in
-/// turn, so the grid is whole once each tile was heard; until then what has not come is unknown.
+/// Assembles MAP_2D. A revision contains the tiles that have changed and some of the others in
+/// turn, so the grid is complete after each tile was received once; until then the missing cells
+/// are unknown.
 class GridAssembler {
  public:
-  /// The largest grid taken: 4096 x 4096 cells, 200 m at 5 cm. A part may claim any size.
+  /// The largest grid accepted: 4096 x 4096 cells, 200 m at 5 cm. A part may claim any size.
   static constexpr std::int64_t kMaxCells = std::int64_t{1} << 24U;
 
-  /// Returns the grid as it is known when a revision is complete. A lost tile comes again in its
-  /// turn.
+  /// Returns the present grid when a revision is complete. A lost tile is sent again in its turn.
   [[nodiscard]] Assembled<GridView> add(const nodmap::grid_chunk_t& tile);
 
  private:
@@ -40,32 +40,33 @@ class GridAssembler {
   void resize_grid(const nodmap::grid_chunk_t& tile);
 
   std::int64_t revision_ = -1;
-  std::vector<bool> seen_;  ///< of the revision
+  std::vector<bool> seen_;  ///< tiles of this revision that were received
   std::int32_t missing_ = 0;
   GridView grid_;
 };
 
-/// Follows parts that come in order, each whole under a number of its own.
+/// Follows numbered parts that arrive in order.
 class PartsInOrder {
  public:
   struct Place {
     bool taken = false;  ///< the part is the next one
-    bool lost = false;   ///< a whole was given up before it, or its own beginning has not come
+    bool lost =
+        false;  ///< the previous whole was incomplete, or the first parts of this one are missing
     bool is_first = false;
     bool is_last = false;
   };
 
-  /// The numbers must be plausible: 0 <= index < count.
+  /// `whole`: the number of the map or cloud; 0 <= index < count.
   [[nodiscard]] Place add(std::int64_t whole, std::int32_t index, std::int32_t count);
 
  private:
   std::int64_t whole_ = 0;
-  std::int32_t next_ = 0;  // 0: none begun
+  std::int32_t next_ = 0;  // 0: between two wholes
   std::int32_t count_ = 0;
 };
 
-/// Puts a keyframe of CLOUD together. Parts come in order. When one is lost the keyframe is dropped
-/// and counted: a cloud with holes would look like free space.
+/// Assembles a keyframe of CLOUD from parts that arrive in order. If one is lost the keyframe is
+/// dropped and counted, because a cloud with gaps would look like free space.
 class CloudAssembler {
  public:
   /// 64 KiB each: more than two million points.
@@ -78,16 +79,16 @@ class CloudAssembler {
   CloudView cloud_;
 };
 
-/// An OctoMap as it came.
+/// A received OctoMap.
 struct OctomapView {
   time::Timestamp stamp{};
   formats::OccupiedSpace space;  ///< in frame map_6d
 };
 
-/// Puts a revision of OCTOMAP together and reads it.
+/// Assembles a revision of OCTOMAP and parses it.
 class OctomapAssembler {
  public:
-  /// 64 KiB each: 4 MB, some hundred million voxels of a building.
+  /// 64 KiB each: 4 MB, about a hundred million voxels of a building.
   static constexpr std::int32_t kMaxChunks = 64;
 
   [[nodiscard]] Assembled<OctomapView> add(const nodmap::octomap_chunk_t& chunk);

@@ -6,7 +6,7 @@
 namespace nodmap::foxglove {
 namespace {
 
-// Of cubes along an axis, on either side of the origin: what a block's key has bits for.
+// Number of cubes along an axis on either side of the origin; limited by the bits of a block's key.
 constexpr double kReach = 1 << 22;
 
 std::uint64_t bits_of(std::int32_t block) {
@@ -14,12 +14,12 @@ std::uint64_t bits_of(std::int32_t block) {
   return static_cast<std::uint32_t>(block) & k20Bits;
 }
 
-/// Of the block that a cube is in.
+/// The key of the block that contains a cube.
 std::uint64_t key_of(std::int32_t x, std::int32_t y, std::int32_t z) {
   return bits_of(x >> 3) << 40U | bits_of(y >> 3) << 20U | bits_of(z >> 3);
 }
 
-/// Of a cube within its block.
+/// The index of a cube within its block.
 std::size_t place_of(std::int32_t x, std::int32_t y, std::int32_t z) {
   return static_cast<std::size_t>((x & 7) << 6 | (y & 7) << 3 | (z & 7));
 }
@@ -57,7 +57,7 @@ void CloudDownsampler::clear() {
 
 std::optional<CloudDownsampler::Cube> CloudDownsampler::cube_of(const Eigen::Vector3d& p) const {
   const Eigen::Vector3d place = (p / spacing_m_).array().floor();
-  // Written so that NaN is out of reach, too.
+  // Written so that NaN also counts as out of reach.
   if (!(place.cwiseAbs().maxCoeff() < kReach) || !place.allFinite()) {
     return std::nullopt;
   }

@@ -11,16 +11,16 @@
 
 namespace nodmap::foxglove {
 
-/// Downsamples the clouds of a run over all of them together: a point is left out where one was
-/// kept before, in this cloud or an earlier one. So memory grows with the surfaces seen, not with
-/// the time.
+/// Downsamples all clouds of a run together: omits a point near one that was kept before, in this
+/// or an earlier cloud. So memory grows with the observed surfaces, not with time.
 ///
-/// A point is kept if no kept one is in its cube or one of the 26 around it: kept points are at
-/// least `spacing_m` apart, and what is left out is at most 3.5 times as far from a kept one.
+/// A point is kept if there is no kept point in its cube or the 26 cubes around it. So kept points
+/// are at least `spacing_m` apart, and an omitted point is at most 3.5 times as far from a kept
+/// one.
 class CloudDownsampler {
  public:
-  /// `spacing_m`: 0 keeps every point. `max_points`: this many of the points kept last are
-  /// remembered; a viewer has dropped the others by then, and their places are kept again.
+  /// `spacing_m`: 0 keeps every point. `max_points`: how many of the newest kept points are
+  /// remembered. A viewer has dropped older ones by then, so points there are kept again.
   CloudDownsampler(double spacing_m, std::size_t max_points);
 
   /// Removes the points that are near a kept one. A point that is not finite, or more than 2^22
@@ -30,16 +30,16 @@ class CloudDownsampler {
   void clear();
 
  private:
-  /// The cube at these places along x, y, z, counted in spacings.
+  /// The indices of a cube along x, y, z, in multiples of the spacing.
   struct Cube {
     std::int32_t x = 0;
     std::int32_t y = 0;
     std::int32_t z = 0;
   };
-  /// 8 x 8 x 8 cubes side by side: surfaces fill a small part of space, and there densely.
+  /// 8 x 8 x 8 cubes, because surfaces fill a small part of space densely.
   struct Block {
     std::bitset<512> taken;
-    std::uint64_t touched = 0;  ///< points kept in all when the last one came in here
+    std::uint64_t touched = 0;  ///< total number of kept points when the last one was added here
   };
 
   [[nodiscard]] std::optional<Cube> cube_of(const Eigen::Vector3d& p) const;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What Foxglove's schemas are made of, as JSON, and the schemas themselves.
-// Source: https://docs.foxglove.dev/docs/sdk/schemas
+// Building blocks of Foxglove's schemas as JSON, and the schemas themselves. Source:
+// https://docs.foxglove.dev/docs/sdk/schemas
 #pragma once
 
 #include <cstddef>
@@ -17,8 +17,8 @@ namespace nodmap::foxglove {
 
 using Json = nlohmann::json;
 
-/// Frames of what is sent. `map` is the map of 2D SLAM, `map_6d` that of 6D SLAM: both begin where
-/// the run began, and are corrected each on its own.
+/// Names of the frames. `map` is the map of 2D SLAM, `map_6d` that of 6D SLAM. Both have their
+/// origin where the run started, and each is corrected separately.
 namespace frames {
 inline constexpr const char* kMap = "map";
 inline constexpr const char* kMap6d = "map_6d";
@@ -27,14 +27,14 @@ inline constexpr const char* kBase = "base";
 inline constexpr const char* kWorld = "world";
 }  // namespace frames
 
-/// {sec, nsec} of microseconds since the epoch; times before it are taken as the epoch.
+/// A stamp as {sec, nsec} since the epoch; times before the epoch become the epoch.
 [[nodiscard]] Json time_json(time::Timestamp stamp);
 
 [[nodiscard]] Json vector_json(const Eigen::Vector3d& v);
 [[nodiscard]] Json quaternion_json(const Eigen::Quaterniond& q);
 [[nodiscard]] Json pose_json(const geometry::SE3& T_frame_thing);
 
-/// Each 0..1.
+/// Components from 0 to 1.
 struct Color {
   double r = 0.0;
   double g = 0.0;
@@ -53,17 +53,17 @@ struct PackedField {
 };
 [[nodiscard]] Json packed_fields_json(std::initializer_list<PackedField> fields);
 
-/// RFC 4648, with padding: how bytes are written in JSON.
+/// Encodes bytes for JSON (RFC 4648, with padding).
 [[nodiscard]] std::string base64(std::span<const std::byte> bytes);
 
-/// Little-endian 32 bit floats, base64.
+/// Encodes 32-bit floats, little-endian, in base64.
 [[nodiscard]] std::string packed_floats(std::span<const float> values);
 
-/// A message as text. Bytes that are not UTF-8 (a string can come from anyone) become U+FFFD.
+/// A message as text. Invalid UTF-8 (strings may come from any sender) becomes U+FFFD.
 [[nodiscard]] std::string to_text(const Json& json);
 
-/// The JSON Schema, as text, of a schema by its name: "foxglove.LaserScan", "nodmap.drive_t", ...
-/// Throws std::out_of_range for an unknown name.
+/// The text of the JSON Schema with this name: "foxglove.LaserScan", "nodmap.drive_t", ... Throws
+/// std::out_of_range for an unknown name.
 [[nodiscard]] const std::string& schema_text(const std::string& schema_name);
 
 }  // namespace nodmap::foxglove

@@ -27,7 +27,7 @@ bool Trail::add(time::Timestamp stamp, const geometry::SE3& T_frame_base) {
 }
 
 bool Trail::is_due(time::Timestamp stamp) {
-  // A clock set back must not silence the trail until it has caught up.
+  // After the clock was set back, the trail continues at once.
   const bool is_time =
       !published_at_ || stamp < *published_at_ || stamp - *published_at_ >= kPeriod;
   if (!is_new_ || !is_time) {

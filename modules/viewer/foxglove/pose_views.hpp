@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where things are, as Foxglove's FrameTransform and PosesInFrame.
+// Poses as Foxglove's FrameTransform and PosesInFrame.
 #pragma once
 
 #include <cstdint>
@@ -16,21 +16,21 @@ namespace nodmap::foxglove {
 [[nodiscard]] Json frame_transform(time::Timestamp stamp, const char* parent, const char* child,
                                    const geometry::SE3& T_parent_child);
 
-/// Where something has been: poses at least `spacing_m` apart, the newest `kMaxPoses` of them.
+/// A path: poses at least `spacing_m` apart, the newest `kMaxPoses` of them.
 class Trail {
  public:
   static constexpr std::size_t kMaxPoses = 2000;
-  /// Each message holds the whole trail: no more often than this.
+  /// Shortest time between two messages, because each contains the whole trail.
   static constexpr time::Duration kPeriod = 1s;
 
   Trail(const char* frame_id, double spacing_m) : frame_id_(frame_id), spacing_m_(spacing_m) {}
 
-  /// Whether the pose was far enough from the last one to be kept.
+  /// Adds a pose if it is far enough from the last one; returns whether it was added.
   bool add(time::Timestamp stamp, const geometry::SE3& T_frame_base);
   void clear() { *this = Trail(frame_id_, spacing_m_); }
 
-  /// Whether there is something new to publish, and the last time is long enough ago. If so, it
-  /// counts as published.
+  /// Whether the trail has changed and the last publication is long enough ago. If so, it counts as
+  /// published now.
   [[nodiscard]] bool is_due(time::Timestamp stamp);
 
   [[nodiscard]] std::size_t size() const { return poses_.size(); }
@@ -47,17 +47,17 @@ class Trail {
   std::deque<geometry::SE3> poses_;
 };
 
-/// Where the keyframes of CLOUD are, as far as is known now: they move when a loop is closed. The
-/// newest `kMaxPoses` of them.
+/// The present poses of the newest `kMaxPoses` keyframes of CLOUD; loop closures move them.
 class KeyframePoses {
  public:
   static constexpr std::size_t kMaxPoses = 2000;
 
-  /// The pose of the keyframe of this time, known or new.
+  /// Sets the pose of a keyframe, identified by its stamp.
   void set(time::Timestamp stamp, const geometry::SE3& T_map_base);
   void clear() { poses_.clear(); }
 
-  /// foxglove.PosesInFrame, and besides `times`, by which a page finds the cloud of each pose.
+  /// foxglove.PosesInFrame with an additional field `times`, by which a page finds the cloud of
+  /// each pose.
   [[nodiscard]] Json poses_in_frame() const;
 
  private:

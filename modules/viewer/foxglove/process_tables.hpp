@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The tables of processes: what they say in STATUS, and what the process manager runs.
+// Tables of the processes: their STATUS, and the commands of the process manager.
 #pragma once
 
 #include <cstddef>
@@ -15,11 +15,11 @@
 
 namespace nodmap::foxglove {
 
-/// The newest STATUS of each process, in the order of their names: one message for all, since a
-/// reader may see only the newest message of a topic.
+/// The newest STATUS of each process, in the order of their names. One message contains all,
+/// because a reader may receive only the newest message of a topic.
 class ProcessTable {
  public:
-  /// More processes than any robot of ours has; names beyond are not taken.
+  /// More processes than a robot has; further names are ignored.
   static constexpr std::size_t kMaxProcesses = 64;
 
   struct Change {
@@ -29,32 +29,33 @@ class ProcessTable {
   Change update(const nodmap::status_t& status);
   void clear() { processes_.clear(); }
 
-  /// {timestamp, processes: [the fields of a status_t each]}.
+  /// {timestamp, processes: [{fields of status_t}]}.
   [[nodiscard]] Json processes() const;
 
  private:
   std::map<std::string, nodmap::status_t> processes_;
 };
 
-/// foxglove.Log of what a process says of its health.
+/// foxglove.Log with the health of a process.
 [[nodiscard]] Json health_log(const nodmap::status_t& status);
 
-/// What the process manager runs, by the newest PM_INFO of each host.
+/// The commands of the process manager, from the newest PM_INFO of each host.
 class CommandTable {
  public:
-  /// More than any robot of ours has; what is beyond is not taken.
+  /// More than a robot has; further hosts are ignored.
   static constexpr std::size_t kMaxHosts = 16;
-  static constexpr std::size_t kMaxCommands = 512;  ///< of a host
+  static constexpr std::size_t kMaxCommands = 512;  ///< of one host
 
-  /// Commands of the configuration are listed as stopped until their host tells of them.
+  /// Lists the commands of the configuration as stopped until their host reports them.
   void set_configured(const procman::Config& config) { configured_ = config.commands; }
 
-  /// Whether it was taken.
+  /// Returns false if there are too many hosts or commands.
   bool update(const procman_lcm::deputy_info_t& info);
   void clear() { hosts_.clear(); }
 
   /// {timestamp, hosts: [...], commands: [{command, group, host, process_name, state, pid,
-  /// cpu_share, rss_bytes, end}]}; state is "running", "stopped" or "failed", `end` how it failed.
+  /// cpu_share, rss_bytes, end}]}; state is "running", "stopped" or "failed", `end` says how it
+  /// failed.
   [[nodiscard]] Json commands() const;
 
  private:

@@ -35,7 +35,7 @@ geometry::SE3 at(double x_m, double y_m, double z_m) {
   return pose;
 }
 
-/// An entity with no primitive yet; it stays until it is replaced.
+/// An entity without primitives; it stays until it is replaced.
 Json entity(time::Timestamp stamp, const char* frame_id, const std::string& id) {
   Json json = {{"timestamp", time_json(stamp)},
                {"frame_id", frame_id},
@@ -107,7 +107,7 @@ Color behaviour_color(std::int8_t behaviour) {
   }
 }
 
-// The nodes of a pose graph in their order, loops that were accepted (state 0), and those refused.
+// Lines of a pose graph: the nodes in order, accepted loop closures (state 0), and rejected ones.
 Json graph_lines(const std::vector<Eigen::Vector3d>& nodes, const std::vector<std::int32_t>& from,
                  const std::vector<std::int32_t>& to, const std::vector<std::int8_t>& state) {
   static_assert(nodmap::pose_graph_t::ACCEPTED == 0 && nodmap::pose_graph_6d_t::ACCEPTED == 0);
@@ -117,7 +117,7 @@ Json graph_lines(const std::vector<Eigen::Vector3d>& nodes, const std::vector<st
     const auto a = static_cast<std::size_t>(from[i]);
     const auto b = static_cast<std::size_t>(to[i]);
     if (a >= nodes.size() || b >= nodes.size()) {
-      continue;  // negative ones, too
+      continue;  // also catches negative numbers
     }
     auto& ends = state[i] == nodmap::pose_graph_t::ACCEPTED ? accepted : refused;
     ends.push_back(nodes[a]);
@@ -131,7 +131,7 @@ Json graph_lines(const std::vector<Eigen::Vector3d>& nodes, const std::vector<st
 
 Json body_scene(time::Timestamp stamp, const Body& body) {
   Json robot = entity(stamp, frames::kBase, "robot");
-  // The chassis, and on it the scanner, narrower, at the front.
+  // The chassis, and on it the narrower scanner at the front.
   const double chassis_m = 0.6 * body.height_m;
   const double scanner_m = body.height_m - chassis_m;
   robot["cubes"] = Json::array(
@@ -229,7 +229,7 @@ Json exploration_scene(const nodmap::exploration_t& exploration) {
                   Json::array({deletion(time::from_utime(exploration.utime), "exploration")}));
   }
   static constexpr double kHeightM = 0.05;
-  // A short upright stroke for each frontier cell.
+  // A short vertical line for each frontier cell.
   static constexpr double kStrokeM = 0.15;
   std::vector<Eigen::Vector3d> frontier;
   for (std::size_t i = 0; i < exploration.frontier_x_m.size(); ++i) {

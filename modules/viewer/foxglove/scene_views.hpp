@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is drawn rather than measured, as Foxglove's SceneUpdate.
+// Drawings as Foxglove's SceneUpdate.
 #pragma once
 
 #include "common/geometry/time.hpp"
@@ -15,17 +15,18 @@
 
 namespace nodmap::foxglove {
 
-/// The body of the robot with its scanner, metres; on the ground, its centre above base.
+/// The body of the robot with its scanner, metres. It stands on the ground, centred above base.
 struct Body {
   double length_m = 0.45;
   double width_m = 0.33;
   double height_m = 0.47;
 };
 
-/// The body, in base.
+/// Draws the body, in base.
 [[nodiscard]] Json body_scene(time::Timestamp stamp, const Body& body);
 
-/// The virtual corridor ahead of the robot, coloured by the behaviour, with its name; in base.
+/// Draws the virtual corridor ahead of the robot, coloured by the behaviour, with the behaviour's
+/// name; in base.
 [[nodiscard]] Json corridor_scene(const nodmap::navigation_t& navigation, const Body& body);
 
 /// The area of interest (paper, Fig. 2): the wedge between the ends of the sweep, from the pitch
@@ -33,28 +34,28 @@ struct Body {
 [[nodiscard]] Json area_of_interest_scene(const nodmap::pitch_command_t& command,
                                           const Eigen::Vector3d& p_base_mount, const Body& body);
 
-/// The goal, in map; a deletion where there is none.
+/// Draws the goal, in map; deletes the drawing if there is none.
 [[nodiscard]] Json goal_scene(const nodmap::goal_t& goal);
 
-/// The path to the goal, and the arc that is driven; nothing without a goal.
+/// Draws the path to the goal and the present arc; nothing without a goal.
 [[nodiscard]] Json path_scene(const nodmap::path_t& path);
 
-/// Frontiers, the viewpoints with what each would show, and the tour over them, in map; nothing
-/// while there is no exploration.
+/// Draws the frontiers, the viewpoints with their gains, and the tour, in map; nothing if there is
+/// no exploration.
 [[nodiscard]] Json exploration_scene(const nodmap::exploration_t& exploration);
 
-/// The pose graph of 2D SLAM, in map: submaps joined in their order, and loops between them by what
-/// became of them.
+/// Draws the pose graph of 2D SLAM, in map: the submaps connected in order, and the loop closures
+/// coloured by their state.
 [[nodiscard]] Json pose_graph_scene(const nodmap::pose_graph_t& graph);
 
-/// The same of 6D SLAM, in map_6d: keyframes instead of submaps.
+/// The same for 6D SLAM, in map_6d, with keyframes instead of submaps.
 [[nodiscard]] Json pose_graph_6d_scene(const nodmap::pose_graph_6d_t& graph);
 
-/// Keyframe `i` of the graph in map_6d, if that is a pose.
+/// The pose of keyframe `i` of the graph in map_6d; empty if it is not a valid pose.
 [[nodiscard]] std::optional<geometry::SE3> keyframe_pose(const nodmap::pose_graph_6d_t& graph,
                                                          std::size_t i);
 
-/// The simulated people, in world.
+/// Draws the simulated people, in world.
 [[nodiscard]] Json people_scene(const nodmap::truth_t& truth);
 
 }  // namespace nodmap::foxglove

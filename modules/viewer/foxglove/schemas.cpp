@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Foxglove's own schemas and those of the process tables, written down; those of our messages are
+// Foxglove's own schemas and those of the process tables. The schemas of our messages are
 // generated.
 #include <initializer_list>
 #include <map>
@@ -28,7 +28,7 @@ Json text() {
 Json boolean() {
   return type("boolean");
 }
-/// A number, or null where it is not finite.
+/// Schema of a number; null if it is not finite.
 Json number_or_null() {
   return {{"type", Json::array({"number", "null"})}};
 }
@@ -181,7 +181,7 @@ std::map<std::string, Json> foxglove_schemas() {
                                                {"line", integer()}})}};
 }
 
-/// The tables of processes: those of STATUS, and the commands of the process manager.
+/// Schemas of the process tables: STATUS, and the commands of the process manager.
 std::map<std::string, Json> table_schemas() {
   const Json process = Json::parse(json_message_schemas().at("nodmap.status_t"));
   const Json host = object({{"host", text()},

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What was measured, as Foxglove's LaserScan, PointCloud, Grid and VoxelGrid.
+// Measurements and maps as Foxglove's LaserScan, PointCloud, Grid and VoxelGrid.
 #pragma once
 
 #include <cstdint>
@@ -15,12 +15,12 @@
 
 namespace nodmap::foxglove {
 
-/// foxglove.LaserScan in frame base, its plane at the pitch of the scan's middle. A beam without a
-/// valid reading has range 0, which is below every sensor's minimum: JSON has no infinity.
+/// foxglove.LaserScan in frame base; its plane has the pitch of the scan's middle. A beam without a
+/// valid reading has range 0, which is below every sensor's minimum, because JSON has no infinity.
 [[nodiscard]] Json laser_scan(const scan::Scan& scan);
 
-/// foxglove.PointCloud of the bins that hold a point, fields x, y, z (m), age (s), in frame odom at
-/// the pose to which the map refers. The pose must be valid.
+/// foxglove.PointCloud of the bins that contain a point, with fields x, y, z (m), age (s), in frame
+/// odom at the reference pose of the map, which must be valid.
 [[nodiscard]] Json egomap_cloud(const nodmap::egomap_t& map, const geometry::SE3& T_odom_base);
 
 /// Points x, y, z, x, ... (m) in the frame of their pose.
@@ -48,20 +48,21 @@ struct GridView {
 /// foxglove.Grid in frame map, one field `occupancy` (INT8).
 [[nodiscard]] Json grid(const GridView& view);
 
-/// Occupied space as a dense grid around it: slices along z, in them rows along y, x fastest.
+/// Occupied space as a dense grid: slices along z, rows along y, x fastest.
 struct VoxelGrid {
-  /// A viewer holds and draws so many at once; coarser cells where the space needs more.
+  /// Limit of what a viewer can store and draw; larger spaces get coarser cells.
   static constexpr std::int64_t kMaxCells = std::int64_t{1} << 20U;
 
   Eigen::Vector3d p_corner = Eigen::Vector3d::Zero();  ///< outer corner of the first cell, metres
-  double cell_m = 0.0;  ///< edge: that of a voxel, doubled until the grid has at most kMaxCells
+  double cell_m =
+      0.0;  ///< edge of a cell: that of a voxel, doubled until the grid has at most kMaxCells
   std::int64_t columns = 0;
   std::int64_t rows = 0;
   std::int64_t slices = 0;
-  std::vector<std::uint8_t> cells;  ///< 1: something in it is occupied; 0: free or unknown
+  std::vector<std::uint8_t> cells;  ///< 1: contains an occupied voxel; 0: free or unknown
 };
 
-/// Nothing occupied gives a single free cell.
+/// Converts to a grid; without occupied voxels, to a single free cell.
 [[nodiscard]] VoxelGrid to_voxel_grid(const formats::OccupiedSpace& space);
 
 /// foxglove.VoxelGrid in frame map_6d, one field `occupied` (UINT8).

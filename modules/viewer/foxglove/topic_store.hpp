@@ -14,7 +14,7 @@
 
 namespace nodmap::foxglove {
 
-/// One message of a topic; its text is made when the first reader wants it, and only once.
+/// One message of a topic. Its text is created once, when the first reader wants it.
 class Post {
  public:
   using Encode = std::function<std::string()>;
@@ -25,7 +25,7 @@ class Post {
   [[nodiscard]] const std::string& text() {
     if (encode_) {
       text_ = encode_();
-      encode_ = nullptr;  // and with it the message it holds
+      encode_ = nullptr;  // also frees the captured message
     }
     return text_;
   }
@@ -36,21 +36,22 @@ class Post {
   std::string text_;
 };
 
-/// What a topic keeps for its readers.
+/// Which messages a topic keeps for its readers.
 enum class Keep : std::uint8_t {
-  kNewest,  ///< the newest message: older ones are of no use (a pose, a map)
-  kAll      ///< all, up to a limit: each adds to the others (keyframes, log lines)
+  kNewest,  ///< the newest message: it replaces the older ones (a pose, a map)
+  kAll      ///< all messages, up to a limit: each adds to the others (keyframes, log lines)
 };
 
 struct Topic {
   std::string name;
   std::string schema_name;
   Keep keep = Keep::kNewest;
-  std::size_t max_weight = 0;  ///< of what kAll keeps together; the oldest goes first
+  std::size_t max_weight = 0;  ///< total weight that kAll keeps; the oldest are dropped first
 };
 
-/// The newest of every topic, for any number of readers. A reader holds nothing but a cursor, so a
-/// slow one costs no memory and delays nobody: it misses what has been replaced meanwhile.
+/// Stores the newest messages of every topic for any number of readers. A reader has only a cursor,
+/// so a slow one costs no memory and delays no other; it misses messages that have been replaced
+/// meanwhile.
 class TopicStore {
  public:
   using Listener = std::function<void(std::size_t topic, Post& post)>;
@@ -60,18 +61,18 @@ class TopicStore {
 
   void post(std::size_t topic, time::Timestamp stamp, Post::Encode encode, std::size_t weight = 1);
 
-  /// The first post of the topic that the cursor has not passed; moves the cursor behind it. Empty
-  /// when there is nothing new.
+  /// The next post of the topic after the cursor; advances the cursor. Null if there is nothing
+  /// new.
   [[nodiscard]] std::shared_ptr<Post> next(std::size_t topic, std::uint64_t& cursor) const;
 
-  /// Forgets all posts, as when a recording begins anew. Cursors stay valid.
+  /// Forgets all posts, because a recording starts again. Cursors stay valid.
   void clear();
 
-  /// Called with every post: for who must not miss one.
+  /// Sets a function that is called with every post, for a reader that must not miss any.
   void listen(Listener listener) { listener_ = std::move(listener); }
 
   [[nodiscard]] const std::vector<Topic>& topics() const { return topics_; }
-  /// Posts dropped from kAll topics at their limit.
+  /// Number of posts dropped from kAll topics at their limit.
   [[nodiscard]] std::int64_t dropped() const { return dropped_; }
 
  private:

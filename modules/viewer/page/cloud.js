@@ -6,10 +6,10 @@ import {pointsOf} from "./decode.js";
 import {setPose} from "./frames.js";
 import {SplatQuad} from "./splat.js";
 
-// As many as the server keeps by default: the oldest keyframes go first.
+// The same as the server's default; the oldest keyframes are dropped first.
 const MAX_POINTS = 2e6;
 
-// So wide is a point: those nearby close to surfaces, those far away stay points.
+// The width of a point: near ones close up to surfaces, distant ones stay points.
 const POINT_M = 0.03;
 
 const VERTEX = `${RAMP_GLSL}
@@ -31,7 +31,7 @@ void main() {
   gl_FragColor = vec4(color, 1.0);
 }`;
 
-/** Puts points into an order in which any first part of them is a fair sample of all. */
+/** Shuffles points, so that the first n are a fair sample of all. */
 function shuffle(points) {
   let state = 1;
   for (let i = points.length / 3 - 1; i > 0; --i) {
@@ -48,8 +48,8 @@ function shuffle(points) {
 const keyOf = ({sec, nsec}) => `${sec}.${nsec}`;
 
 /**
- * All keyframes received. Draws as many of their points as `budget` allows, each keyframe its share; by the processor where there
- * is no graphics card (`software`).
+ * All keyframes received. Draws as many of their points as `budget` allows, the same fraction of each keyframe; on the
+ * processor if there is no graphics card (`software`).
  */
 export class Cloud {
   constructor(software) {
@@ -58,13 +58,13 @@ export class Cloud {
     if (software) {
       this.group.add(new SplatQuad(() => this.keyframes.values()));
     }
-    this.keyframes = new Map();  // by time: a keyframe sent again replaces itself
-    this.poses = new Map();  // by time, too: where keyframes are since a loop was closed
+    this.keyframes = new Map();  // by time, so that a keyframe sent again replaces itself
+    this.poses = new Map();  // by time: the poses of keyframes after loop closures
     this.total = 0;
     this.budget = Infinity;
   }
 
-  /** Moves keyframes, also those that have not come yet, to where they are known to be now. */
+  /** Moves keyframes, including those not yet received, to their present poses. */
   move({times, poses}) {
     this.poses = new Map(times.map((time, i) => [keyOf(time), poses[i]]));
     this.keyframes.forEach((object, key) => {
@@ -115,7 +115,7 @@ export class Cloud {
     [...this.keyframes.keys()].forEach((key) => this.remove(key));
   }
 
-  /** How new each keyframe is among those there are: 0 the oldest, 1 the newest. */
+  /** Computes the age of each keyframe: 0 the oldest, 1 the newest. */
   grade() {
     const times = [...this.keyframes.values()].map(({timeS}) => timeS);
     const oldest = Math.min(...times);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The colours of heights and ages: one ramp, for the shaders and for the legend.
+// The colours of heights and ages: one ramp, used by the shaders and the legend.
 
-/** From low or old to high or new; all of them bright enough for the dark ground. */
+/** From low or old to high or new; all bright enough for the dark background. */
 const STOPS = [[72, 118, 255], [38, 190, 205], [120, 210, 95], [252, 216, 72], [255, 106, 74]];
 
-/** The share of the ramp at which each height lies: lowest and highest, metres. */
+/** The heights at the ends of the ramp, metres. */
 export const HEIGHTS_M = [0, 2];
 
 const glslColor = (stop) => `vec3(${stop.map((part) => (part / 255).toFixed(3)).join(", ")})`;
@@ -27,10 +27,10 @@ export function rampCss() {
 }
 
 /**
- * Uniforms that the shaders of the scene share: what is higher than `ceilingM` is cut off, so that one can look into a room;
- * what is `focalPx` metres away has one pixel a metre.
+ * Uniforms that the shaders of the scene share: everything above `ceilingM` is cut off, so that one can look into a room;
+ * at a distance of `focalPx` metres, a metre is one pixel.
  */
 export const shared = {ceilingM: {value: 2}, byAge: {value: false}, focalPx: {value: 600}};
 
-/** In a vertex shader, after gl_Position is set: a place that no image shows. */
+/** For a vertex shader, after gl_Position is set: moves a cut-off vertex out of the image. */
 export const CUT_GLSL = "if (world.z > ceilingM) { gl_Position = vec4(2.0, 2.0, 2.0, 1.0); }";

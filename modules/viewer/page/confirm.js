@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A question before what cannot be taken back from this page. Not modal: STOP can be pressed beside it.
+// Asks before an action that this page cannot undo. Not modal, so that STOP can still be pressed.
 
-/** Asks in `dialog`; a promise of whether the answer is yes. */
+/** Asks in `dialog`; returns a promise of whether the answer is yes. */
 export function confirmed(dialog, question) {
   dialog.querySelector("p").textContent = question;
   dialog.returnValue = "";

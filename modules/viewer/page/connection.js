@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A client of Foxglove's WebSocket protocol: the page is one viewer among others.
+// A client of Foxglove's WebSocket protocol, like any other viewer.
 
 const SUBPROTOCOL = "foxglove.websocket.v1";
 const RETRY_MS = 1000;
-// First byte of a binary frame, from the server and from us.
+// The first byte of a binary frame, from the server and from us.
 const MESSAGE_DATA = 1;
 const TIME = 2;
 const SERVICE_REQUEST = 2;
@@ -12,12 +12,12 @@ const SERVICE_RESPONSE = 3;
 /**
  * Subscribes to every topic of the server that the page came from, and connects again when the connection is lost.
  * handlers: open(serverInfo), close(), tokenRefused(), message(topic, read, timeS), time(timeS), parameters(map).
- * `read()` gives the message: what is never looked at is never decoded.
+ * `read()` returns the message; a message that is never read is never decoded.
  */
 export class Connection {
   constructor(handlers) {
     this.handlers = handlers;
-    // Behind '#', so that it is sent to nobody but the WebSocket.
+    // After '#', so that browsers do not send it; only the WebSocket gets it.
     this.token = new URLSearchParams(location.hash.slice(1)).get("token");
     this.decoder = new TextDecoder();
     this.connect();
@@ -27,7 +27,7 @@ export class Connection {
     const query = this.token ? `?token=${encodeURIComponent(this.token)}` : "";
     this.topics = new Map();    // by subscription id
     this.services = new Map();  // ids by name
-    this.calls = new Map();     // what is done with the answer, by call id
+    this.calls = new Map();     // functions that take the answer, by call id
     this.nextCall = 1;
     const scheme = location.protocol === "https:" ? "wss" : "ws";  // a proxy may do TLS
     this.socket = new WebSocket(`${scheme}://${location.host}/${query}`, [SUBPROTOCOL]);
@@ -51,7 +51,7 @@ export class Connection {
     };
   }
 
-  /** A browser does not say why a WebSocket was refused; where the page itself is served, it was the token. */
+  /** A browser does not say why a WebSocket was refused; if the page itself is still served, it was because of the token. */
   async askWhetherRefused() {
     const served = await fetch(location.pathname, {method: "HEAD", cache: "no-store"}).then(({ok}) => ok, () => false);
     if (served && this.token) {
@@ -109,7 +109,7 @@ export class Connection {
     this.calls.delete(callId);
   }
 
-  /** Calls a service; a promise of its answer, {ok, text}. */
+  /** Calls a service; returns a promise of its answer, {ok, text}. */
   call(service, request) {
     if (this.socket.readyState !== WebSocket.OPEN || !this.services.has(service)) {
       return Promise.resolve({ok: false, text: "Not sent: no connection."});

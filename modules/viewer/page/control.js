@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stop, goals, processes, recordings and saving, for who has the token. Every request is answered by the server in words.
+// Stop, goals, processes, recordings and saving, for users with the token. The server answers every request with a text.
 
 export class Control {
   /** `stopBar` holds STOP and "Go on", `form` everything else. */
@@ -16,7 +16,7 @@ export class Control {
     this.takeGoals();
   }
 
-  /** S stops the robot, whatever has the focus: no field of the page takes letters. Escape ends the choice of a goal. */
+  /** S stops the robot whatever has the focus, because no field of the page takes letters. Escape ends the choice of a goal. */
   onKey(event) {
     if (event.key.toLowerCase() === "s" && !event.ctrlKey && !event.altKey && !event.metaKey && !this.stopBar.hidden) {
       event.preventDefault();
@@ -70,7 +70,7 @@ export class Control {
     this.answer.dataset.ok = ok;
   }
 
-  /** Called for each new connection; whether processes can be started and stopped. */
+  /** To be called for each new connection; returns whether processes can be started and stopped. */
   open({capabilities, metadata}) {
     this.form.hidden = this.stopBar.hidden = !capabilities.includes("services");
     const processes = !this.form.hidden && metadata?.process_control === "true";

@@ -28,7 +28,7 @@ export function pointsOf(cloud) {
   return points;
 }
 
-/** Ends of the beams of a foxglove.LaserScan in its own plane; beams without a reading are left out. */
+/** Ends of the beams of a foxglove.LaserScan in its own plane; omits beams without a reading. */
 export function beamEndsOf(scan) {
   const step = (scan.end_angle - scan.start_angle) / Math.max(scan.ranges.length - 1, 1);
   const ends = [];

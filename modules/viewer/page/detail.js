@@ -1,26 +1,26 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The level of detail: how many points an image may have, so that what moves keeps moving.
+// The level of detail: how many points an image may have, so that motion stays smooth.
 
 const FIRST_BUDGET = 200000;
 const TARGET_FRAME_MS = 40;  // a little under the 50 ms that 20 images a second allow
-// A change is judged by the median of so many images: one late image says nothing.
-const PICTURES_PER_CHANGE = 8;
-// An image that has not changed for so long is drawn finer, step by step, until every point is in it.
+// The frame time is the median over this many images, so that a single late image has no effect.
+const IMAGES_PER_CHANGE = 8;
+// An image that has not changed for this long is refined step by step until it contains all points.
 const STILL_MS = 400;
 
 export class Detail {
-  /** `least`: so many points cost next to nothing here. */
+  /** `least`: a number of points that costs next to nothing here. */
   constructor(least) {
     this.least = least;
     this.moving = FIRST_BUDGET;  // the budget while something moves
-    this.budget = FIRST_BUDGET;  // that of the next image
+    this.budget = FIRST_BUDGET;  // the budget of the next image
     this.frameMs = TARGET_FRAME_MS;
     this.times = [];
-    this.lastMs = null;     // of the image before, if it was drawn while something moved
+    this.lastMs = null;     // time of the previous image if it was drawn while something moved
     this.changedMs = -Infinity;
   }
 
-  /** Before each possible image: whether to draw one. `changed`: it differs from the one before. `total`: points there are. */
+  /** To be called before each possible image; returns whether to draw one. `changed`: it differs from the previous one. `total`: number of points. */
   step(nowMs, changed, total) {
     if (changed) {
       this.changedMs = nowMs;
@@ -28,7 +28,7 @@ export class Detail {
       this.budget = this.moving;
       return true;
     }
-    this.lastMs = null;  // a pause is no slow image
+    this.lastMs = null;  // a pause is not a slow image
     if (nowMs - this.changedMs < STILL_MS || this.budget >= total) {
       return false;
     }
@@ -41,10 +41,10 @@ export class Detail {
       this.times.push(nowMs - this.lastMs);
     }
     this.lastMs = nowMs;
-    if (this.times.length < PICTURES_PER_CHANGE) {
+    if (this.times.length < IMAGES_PER_CHANGE) {
       return;
     }
-    this.frameMs = this.times.sort((a, b) => a - b)[PICTURES_PER_CHANGE / 2];
+    this.frameMs = this.times.sort((a, b) => a - b)[IMAGES_PER_CHANGE / 2];
     this.times = [];
     const wanted = this.moving * Math.min(Math.max(TARGET_FRAME_MS / this.frameMs, 0.5), 1.4);
     this.moving = Math.max(this.least, Math.min(wanted, Math.max(total, FIRST_BUDGET)));

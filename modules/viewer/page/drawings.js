@@ -10,7 +10,7 @@ import {lineMaterial, pointMaterial, solidMaterial, wordsMaterial} from "./mater
 
 const LASER_COLOR = 0xff5252;
 const KEYFRAME_COLOR = 0xffe082;
-// Of the canvas, whatever the distance.
+// Fraction of the canvas, at any distance.
 const WORDS_HEIGHT = 0.05;
 const LINE_LIST = 2;  // of foxglove.LinePrimitive
 
@@ -20,7 +20,7 @@ function geometryOf(points) {
   return geometry;
 }
 
-/** The laser's beams as a fan, faint, and their ends. */
+/** Draws the laser's beams as a faint fan, and their ends. */
 export function drawScan(scan) {
   const ends = beamEndsOf(scan);
   const beams = new Float32Array(2 * ends.length);
@@ -34,7 +34,7 @@ export function drawScan(scan) {
   return objects;
 }
 
-/** A drawing of clouds in one colour, with points of so many pixels. */
+/** Returns a function that draws clouds in one colour, with points of `size` pixels. */
 export function drawPoints(color, size) {
   return (cloud) => {
     const object = new Points(geometryOf(pointsOf(cloud)), pointMaterial(color, size));
@@ -45,7 +45,7 @@ export function drawPoints(color, size) {
 
 const gridMaterial = new MeshBasicMaterial({map: new DataTexture(), transparent: true, depthWrite: false});
 
-/** Free cells light, occupied ones dark red, unknown ones not at all. */
+/** Draws free cells light and occupied ones dark red; omits unknown ones. */
 export function drawGrid(grid) {
   const cells = new Int8Array(bytesOf(grid.data).buffer);
   const width = grid.column_count;
@@ -68,7 +68,7 @@ export function drawGrid(grid) {
   return [object];
 }
 
-/** Positions of a foxglove.PosesInFrame, `liftM` above where they are: not in what lies there. */
+/** Positions of a foxglove.PosesInFrame, raised by `liftM`, so that they are not hidden in other drawings. */
 function positionsOf(poses, liftM) {
   return new Float32Array(poses.poses.flatMap(({position: p}) => [p.x, p.y, p.z + liftM]));
 }
@@ -84,7 +84,7 @@ export function drawKeyframes(poses) {
 function drawSolid(solid, geometry) {
   const mesh = new Mesh(geometry, solidMaterial(solid.color));
   setPose(mesh, solid.pose);
-  // Nothing is flat: a size of 0 has no inverse.
+  // Not flat, because a scale of 0 has no inverse.
   mesh.scale.set(Math.max(solid.size.x, 1e-3), Math.max(solid.size.y, 1e-3), Math.max(solid.size.z, 1e-3));
   return mesh;
 }
@@ -102,7 +102,7 @@ function drawText({text, color, pose}) {
   return sprite;
 }
 
-/** A foxglove.SceneEntity: its cubes, cylinders, lines and texts. */
+/** Draws the cubes, cylinders, lines and texts of a foxglove.SceneEntity. */
 export function drawEntity(entity) {
   const upright = () => new CylinderBufferGeometry(0.5, 0.5, 1, 24).rotateX(Math.PI / 2);
   return [

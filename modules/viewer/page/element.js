@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-/** A new element of the page. */
+/** Creates an element of the page. */
 export function element(tag, text, attributes = {}) {
   const node = document.createElement(tag);
   node.textContent = text;

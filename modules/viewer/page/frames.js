@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The tree of frames, as groups of the scene: what is put into a frame's group is drawn there.
+// The tree of frames, as groups of the scene: objects in a frame's group are drawn in that frame.
 import {Group, Matrix4, Quaternion, Vector3} from "./three/build/three.module.js";
 
-/** Position and orientation of a Foxglove pose, onto an object of the scene. */
+/** Sets position and orientation of an object of the scene from a Foxglove pose. */
 export function setPose(object, pose) {
   object.position.set(pose.position.x, pose.position.y, pose.position.z);
   object.quaternion.set(pose.orientation.x, pose.orientation.y, pose.orientation.z, pose.orientation.w);
 }
 
-/** Keeps each frame's group at its place in the root frame, which is the one without a parent. */
+/** Keeps the pose of each frame's group in the root frame, which is the frame without a parent. */
 export class Frames {
   constructor(scene) {
     this.scene = scene;
@@ -38,7 +38,7 @@ export class Frames {
     this.update();
   }
 
-  /** Where a frame is in the root of its tree. */
+  /** The transform from a frame to the root of its tree. */
   matrixOf(frame) {
     const matrix = new Matrix4();
     for (let link = this.links.get(frame), depth = 0; link && depth < 8; link = this.links.get(link.parent), ++depth) {

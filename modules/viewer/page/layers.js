@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What can be shown and hidden: one layer for each kind of message, drawn in the frame that the message names.
+// Layers, which can be shown and hidden: one for each kind of message, drawn in the frame of the message.
 import {Group} from "./three/build/three.module.js";
 import {Cloud} from "./cloud.js";
 import {drawEntity, drawGrid, drawKeyframes, drawPoints, drawScan, drawTrail} from "./drawings.js";
 import {hiddenMaterial} from "./materials.js";
 import {drawVoxels} from "./voxels.js";
 
-/** Empties a group and gives back what the graphics card held for it; materials are kept. */
+/** Empties a group and frees its memory on the graphics card; materials are kept. */
 function empty(group) {
   for (const child of [...group.children]) {
     group.remove(child);
@@ -17,8 +17,8 @@ function empty(group) {
 }
 
 /**
- * A layer whose newest message replaces the one before. `draw(message)` returns the objects to show; `frame` is where, if
- * not where the message says. What is hidden is not drawn until it is wanted.
+ * A layer whose newest message replaces the previous one. `draw(message)` returns the objects to show; `frame` replaces the
+ * frame of the message. A hidden layer is not drawn until it is shown.
  */
 class Layer {
   constructor(frames, draw, frame) {
@@ -50,7 +50,7 @@ class Layer {
     this.frames.group(this.frame ?? message.frame_id).add(this.group);
   }
 
-  /** What a click can meet: [{object, timeS}]; when it was seen. */
+  /** The objects that a click can hit, with their times: [{object, timeS}]. */
   touchable() {
     return this.group.children.filter((object) => object.isPoints || object.isMesh).map((object) => ({object, timeS: this.timeS}));
   }
@@ -75,7 +75,7 @@ class EntityLayer extends Layer {
   }
 }
 
-/** The robot is seen through what hides it, voxels for example: its largest part is drawn there, too. */
+/** The robot stays visible behind other objects, such as voxels: its largest part is also drawn there. */
 class RobotLayer extends EntityLayer {
   place(update) {
     super.place(update);
@@ -114,7 +114,7 @@ class CloudLayer {
   }
 }
 
-/** The keyframes' places, to which their clouds are moved as well. */
+/** The poses of the keyframes; also moves their clouds. */
 class KeyframeLayer extends Layer {
   constructor(frames, cloud) {
     super(frames, drawKeyframes);
@@ -127,7 +127,7 @@ class KeyframeLayer extends Layer {
   }
 }
 
-/** The layers by topic, with the name people see and the colour they know it by (CSS; "ramp": coloured by height or age). The order is that of the list on the page. `off`: hidden at first. `software`: there is no graphics card. */
+/** The layers by topic, in the order of the list on the page, each with its name and the colour of its swatch (CSS; "ramp": coloured by height or age). `off`: initially hidden. `software`: there is no graphics card. */
 export function makeLayers(frames, software) {
   const entities = () => new EntityLayer(frames);
   const layer = (draw, frame) => new Layer(frames, draw, frame);
@@ -142,7 +142,7 @@ export function makeLayers(frames, software) {
     ["STRUCTURE_MAP", {name: "structure map", swatch: "#4dd0e1", layer: layer(drawPoints(0x4dd0e1, 5))}],
     ["scene/corridor", {name: "virtual corridor", swatch: "#1ab34d", layer: entities()}],
     ["scene/area_of_interest", {name: "area of interest", swatch: "#4db3ff", layer: entities()}],
-    // From the common start, not where odometry is now: so that the trails can be compared.
+    // Drawn from the common start, not in the present odom frame, so that the trails can be compared.
     ["trail/odometry", {name: "odometry trail", swatch: "#ff8fd0", layer: layer(drawTrail(0xff8fd0), "map")}],
     ["trail/2d", {name: "2D SLAM trail", swatch: "#5fb3ff", layer: layer(drawTrail(0x5fb3ff))}],
     ["trail/6d", {name: "6D SLAM trail", swatch: "#ffe082", layer: layer(drawTrail(0xffe082))}],

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A link to what is seen: the camera, and the time of a recording. It stands behind '#', so that it is sent to nobody.
+// A link to the present view: the camera, and the time of a recording. It is after '#', so that browsers do not send it.
 
 const KEYS = ["t", "camera"];
 
-/** {timeS, position, target} of an address; each undefined where it is not in it or is nonsense. */
+/** Reads {timeS, position, target} from an address; each is undefined if it is missing or invalid. */
 export function readLink(hash) {
   const values = new URLSearchParams(hash.replace(/^#/, ""));
   const timeS = Number(values.get("t") ?? NaN);
@@ -16,7 +16,7 @@ export function readLink(hash) {
   };
 }
 
-/** The address of this view. Never the token: a link is for others. */
+/** The address of this view, without the token, because links are passed on. */
 export function makeLink({origin, pathname}, {camera, controls}, timeS) {
   const values = new URLSearchParams();
   if (timeS !== undefined) {
@@ -26,7 +26,7 @@ export function makeLink({origin, pathname}, {camera, controls}, timeS) {
   return `${origin}${pathname}#${values.toString().replaceAll("%2C", ",")}`;
 }
 
-/** Looks as a link says. */
+/** Sets the camera as in a link. */
 export function applyCamera(view, {position, target}) {
   if (position && target) {
     view.setMode("free");
@@ -36,7 +36,7 @@ export function applyCamera(view, {position, target}) {
   }
 }
 
-/** Whether an address holds a link. */
+/** Whether an address contains a link. */
 export function isLink(hash) {
   const values = new URLSearchParams(hash.replace(/^#/, ""));
   return KEYS.some((key) => values.has(key));

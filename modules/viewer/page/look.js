@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is shown and how: layers on and off, colours, the height at which the scene is cut. The choice stays in this browser.
+// Settings of the display: layers on and off, colours, the height at which the scene is cut. They are stored in this browser.
 import {HEIGHTS_M, rampCss, shared} from "./colors.js";
 import {element} from "./element.js";
 
-/** A check box for each layer. `changed()` is called when the image has to be drawn anew. */
+/** Creates a check box for each layer. `changed()` is called when the image must be redrawn. */
 export function makeLayerList(fieldset, layers, changed) {
   for (const [topic, {name, layer, off, swatch}] of layers) {
     const key = `layer:${topic}`;
@@ -23,7 +23,7 @@ export function makeLayerList(fieldset, layers, changed) {
   }
 }
 
-/** Dark or light: the scene with the page. `auto` is what the browser asks for. */
+/** The dark or light theme of scene and page. `auto` follows the browser. */
 export function makeTheme(select, view) {
   const light = window.matchMedia("(prefers-color-scheme: light)");
   const apply = () => {
@@ -41,7 +41,7 @@ export function makeTheme(select, view) {
   apply();
 }
 
-/** The choice of colour and ceiling, and the legend that goes with it. */
+/** The settings of colours and ceiling, and the legend. */
 export function makeLook({color, ceiling, low, high, ramp}, changed) {
   const apply = () => {
     shared.byAge.value = color.value === "age";

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The page: messages in, images and words out.
+// The page: messages in, images and texts out.
 import {Connection} from "./connection.js";
 import {confirmed} from "./confirm.js";
 import {Control} from "./control.js";
@@ -41,10 +41,10 @@ const output = new Output(byId("output"), (command) => connection.call("control"
 const processes = new Processes(byId("processes").tBodies[0], askProcess, (command) => output.show(command));
 new Results(byId("results"), () => state.processes, (command) => connection.call("control", {do: "process_output", command}));
 const pending = new Map();  // the newest message of each topic since the last image
-const keyframes = [];       // each counts
+const keyframes = [];       // all keyframes that wait to be shown
 let connected = false;
 let received = 0;
-let hasHistory = false;     // whether the plots have been given that of the recording
+let hasHistory = false;     // whether the plots show the recording's history
 
 makeLayerList(byId("layers"), layers, () => view.touch());
 makeLook({color: byId("color"), ceiling: byId("ceiling"), low: byId("low"), high: byId("high"), ramp: byId("ramp")}, () => view.touch());
@@ -53,7 +53,7 @@ makeTheme(byId("theme"), view);
 const scaleBar = new ScaleBar(byId("scale-bar"), view);
 const measuring = new Measuring(byId("measure"), view, (text) => { byId("measured").textContent = text; });
 
-/** Starts, stops or restarts a process; asks before this page loses its own. */
+/** Starts, stops or restarts a process; asks first if this page would lose its server. */
 async function askProcess(what, command, program) {
   const isOurs = program === "nodmap-viewer" && what !== "start";
   if (!isOurs || await confirmed(byId("confirm"), `Really ${what} the viewer? This page, and its STOP, come from it; a new viewer prints a new address.`)) {
@@ -91,7 +91,7 @@ function take(topic, read, timeS) {
   }
 }
 
-/** Draws what has come since the last image: what was replaced meanwhile costs nothing. */
+/** Draws a message received since the last image; messages that were replaced meanwhile cost nothing. */
 function show(topic, {read, timeS}) {
   const message = read();
   state.note(topic, message);
@@ -142,7 +142,7 @@ const connection = new Connection({
   },
 });
 
-/** Of a recording the plots show all, from the beginning. */
+/** Lets the plots show a whole recording. */
 async function showHistory() {
   const history = await fetch("history.json").then((answer) => answer.json());
   plots.showHistory(history, playback.beginS, playback.durationS);
@@ -154,7 +154,7 @@ byId("read-only").addEventListener("click", () => {
   connection.token = null;
 });
 
-/** Looks and seeks as the page's address says; also when it is changed by hand. */
+/** Sets camera and time from the page's address, also when it was edited. */
 function followLink() {
   const link = readLink(location.hash);
   applyCamera(view, link);
@@ -171,10 +171,10 @@ if (isLink(location.hash)) {
 byId("link").addEventListener("click", () => {
   const link = makeLink(location, view, playback.positionS);
   history.replaceState(null, "", link);
-  navigator.clipboard?.writeText(link).catch(() => {});  // it also stands in the address
+  navigator.clipboard?.writeText(link).catch(() => {});  // it is also in the address
 });
 
-// Letters by themselves: no field of the page takes any. Dialogs are not modal: STOP can be pressed beside them.
+// Single letters, because no field of the page takes any. Dialogs are not modal, so that STOP can still be pressed.
 const keys = {
   "?": () => byId("help").show(),
   escape: () => document.querySelector("dialog[open]")?.close(),
@@ -200,7 +200,7 @@ function onFrame(nowMs) {
   pending.forEach((value, topic) => show(topic, value));
   pending.clear();
   if (keyframes.length > 0) {
-    layers.get("CLOUD").layer.show(keyframes.shift()());  // one an image: a long history does not stop the view
+    layers.get("CLOUD").layer.show(keyframes.shift()());  // one per image, so that a long history does not block the view
     view.touch();
   }
   if (detail.step(nowMs, view.update(), cloud.total)) {
@@ -220,7 +220,7 @@ setInterval(() => {
   plots.showCursor(playback.beginS + playback.positionS);
 }, PLOT_MS);
 
-// For tests and for images of the documentation: what is on the page, as numbers.
+// The content of the page as numbers, for tests and for the images in the documentation.
 window.nodmap = {
   connection, view, layers, cloud, detail, playback, plots, measuring, received: () => received,
   take: (topic, message, timeS) => take(topic, () => message, timeS),

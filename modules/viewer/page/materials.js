@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What surfaces, lines, points and words are drawn with. Each is made once and kept: a new one may cost a compilation of shaders.
+// Materials of surfaces, lines, points and texts. Each is created once and kept, because a new one may compile shaders.
 import {
   CanvasTexture, Color, GreaterDepth, LineBasicMaterial, MeshLambertMaterial, PointsMaterial, SpriteMaterial,
 } from "./three/build/three.module.js";
 
-// Words change all the time (numbers in them); so many are kept.
+// The number of text materials kept; texts contain numbers that change all the time.
 const MAX_WORDS = 32;
 
 const made = new Map();
@@ -33,7 +33,7 @@ export function solidMaterial({r, g, b, a}) {
     color: new Color(r, g, b), transparent: a < 1, opacity: a, depthWrite: a >= 1}));
 }
 
-/** The same where something stands before it: faint. */
+/** The same material, faint, for parts behind other objects. */
 export function hiddenMaterial(material) {
   return once(`hidden ${material.uuid}`, () => {
     const hidden = material.clone();
@@ -41,7 +41,7 @@ export function hiddenMaterial(material) {
   });
 }
 
-/** Words on a dark plate, in an image eight times as wide as high. */
+/** A text on a dark plate, in an image eight times as wide as high. */
 export function wordsMaterial(text, {r, g, b}) {
   const color = `rgb(${255 * r}, ${255 * g}, ${255 * b})`;
   const key = `${text} ${color}`;

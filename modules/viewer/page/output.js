@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a process wrote, in a dialog that follows it while it is open.
+// The output of a process, in a dialog that is updated while it is open.
 
 const PERIOD_MS = 1000;
 
 export class Output {
-  /** `ask(command)` is a promise of {ok, text}. */
+  /** `ask(command)` returns a promise of {ok, text}. */
   constructor(dialog, ask) {
     this.dialog = dialog;
     this.text = dialog.querySelector("pre");
@@ -27,7 +27,7 @@ export class Output {
     if (words === this.text.textContent) {
       return;
     }
-    // Follows the end, unless the reader has scrolled away from it.
+    // Scrolls to the end unless the user has scrolled away from it.
     const isAtEnd = this.text.scrollTop + this.text.clientHeight >= this.text.scrollHeight - 2;
     this.text.textContent = words;
     if (isAtEnd) {

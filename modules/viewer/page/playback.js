@@ -4,8 +4,8 @@
 import {element} from "./element.js";
 
 const STEP_S = 0.1;
-const LEAD_S = 1;  // before an event, to see how it came
-// After a seek, times of before are still on their way: they are not shown, for at most so long.
+const LEAD_S = 1;  // start this long before an event
+// After a seek, positions from before it may still arrive; they are ignored, for at most this long.
 const SEEK_MS = 2000;
 const SEEK_TOLERANCE_S = 0.5 * STEP_S;
 
@@ -36,7 +36,7 @@ export class Playback {
     document.addEventListener("keydown", (event) => this.onKey(event));
   }
 
-  /** Pauses or goes on; at the end it begins anew. */
+  /** Pauses or resumes; at the end starts again. */
   toggle() {
     if (this.isAtEnd) {
       this.seek(0);
@@ -52,11 +52,11 @@ export class Playback {
     this.sought = {positionS, untilMs: performance.now() + SEEK_MS};
   }
 
-  /** What the server reports, unless it is from before a seek. */
+  /** Shows the position reported by the server, unless it is from before a seek. */
   showReported(positionS) {
     if (this.sought && performance.now() < this.sought.untilMs) {
       const aheadS = positionS - this.sought.positionS;
-      const playedS = this.paused ? 0 : Number(this.speed.value);  // what at most was played since
+      const playedS = this.paused ? 0 : Number(this.speed.value);  // the most that can have been played since
       if (aheadS < -SEEK_TOLERANCE_S || aheadS > SEEK_TOLERANCE_S + playedS) {
         return;
       }
@@ -65,7 +65,7 @@ export class Playback {
     this.show(positionS);
   }
 
-  /** Space pauses and goes on, comma and full stop step: but not while something has the focus to which Space is a press. */
+  /** Space pauses and resumes, comma and full stop step; Space not while an element has the focus that Space would press. */
   onKey(event) {
     if (this.form.hidden || event.ctrlKey || event.altKey || event.metaKey) {
       return;
@@ -81,7 +81,7 @@ export class Playback {
     }
   }
 
-  /** The server's parameters: there is a playback where it has a duration. */
+  /** Takes the server's parameters. There is a playback if they have a duration. */
   set(parameters) {
     if (!parameters.has("playback.duration_s")) {
       return;
@@ -98,7 +98,7 @@ export class Playback {
     this.seekWanted();
   }
 
-  /** A mark for each event, "SECONDS KIND WORDS"; a click on a stop or a fault goes to just before it. */
+  /** Shows a mark for each event, "SECONDS KIND TEXT"; a click on a stop or a fault seeks to just before it. */
   showEvents(events) {
     if (this.marks.childElementCount === events.length) {
       return;
@@ -116,12 +116,12 @@ export class Playback {
     }));
   }
 
-  /** A time of a message in words: of a recording its place on the time line, live the time of day. */
+  /** A message's time as text: its position on the time line of a recording; live, the time of day. */
   timeText(timeS) {
     return this.beginS === undefined ? `at ${new Date(1000 * timeS).toLocaleTimeString()}` : `at ${clockText(timeS - this.beginS)}`;
   }
 
-  /** Goes to the time of a link, once, and pauses there. */
+  /** Seeks to the time of a link, once, and pauses there. */
   seekWanted() {
     if (this.wantedS !== undefined && this.durationS > 0) {
       this.connection().setParameter("playback.paused", true);
@@ -130,7 +130,7 @@ export class Playback {
     }
   }
 
-  /** The time of the recording. True when it has gone back. */
+  /** Takes the time of the recording; returns whether it has gone back. */
   onTime(timeS) {
     const back = this.lastTimeS !== undefined && timeS < this.lastTimeS;
     this.lastTimeS = timeS;
@@ -160,7 +160,7 @@ export class Playback {
     return this.durationS > 0 && this.positionS >= this.durationS - 1e-3;
   }
 
-  /** Whether messages are to come: not while it pauses or at its end. */
+  /** Whether messages are expected: not while paused or at the end. */
   get isRunning() {
     return this.form.hidden || (!this.paused && !this.isAtEnd);
   }

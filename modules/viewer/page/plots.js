@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A strip of plots, by dygraphs (a global: Debian's package has no module of it): live over the last minute, of a recording over
-// all of it, with a cursor at the present time. Where nothing came there is a gap.
+// A row of plots, by dygraphs (a global, because Debian's package has no module): live, the last minute; of a recording, all of it
+// with a cursor at the present time. Missing messages leave a gap.
 
 import {element} from "./element.js";
 
 const WINDOW_S = 60;
 const DEGREES = 180 / Math.PI;
 const SAMPLE_S = 0.1;
-// What comes ten times a second and more is missing after this; STATUS comes once a second.
+// Longest time between messages without a gap. STATUS, once a second, has the longest period.
 const GAP_S = 1;
 const STATUS_GAP_S = 3.5;
 const COLORS = ["#5fb3ff", "#ffb74d", "#8bd17c", "#ff8fd0"];
-// Those whose time the robot's reaction depends on, and the two that take long; with short names.
+// Processes whose latency is plotted: those that determine the robot's reaction time, and the two slow ones; with short names.
 const TIMED = {"nodmap-map-server": "maps", "nodmap-navigator": "navigator", "nodmap-slam2d": "2D", "nodmap-slam6d": "6D"};
 
 /** The plots: a caption, their lines (name, quantity in a recording's history, factor to the plot's unit), and for each topic what it adds to which line. */
@@ -27,13 +27,13 @@ const PLOTS = [
     gapS: STATUS_GAP_S, from: {STATUS: latenciesOf}},
 ];
 
-/** The latencies of a STATUS, by process. A process that has handled nothing has none. */
+/** The latencies in a STATUS, by process. A process that has handled nothing has none. */
 function latenciesOf(status) {
   const timed = status.processes.filter((p) => p.process_name in TIMED && p.latency_p99_us > 0);
   return Object.fromEntries(timed.map((p) => [TIMED[p.process_name], p.latency_p99_us / 1000]));
 }
 
-/** How far up the x axis of an orientation looks, radians. */
+/** The pitch of an orientation, radians; positive looks up. */
 export function pitchOf(q) {
   return Math.asin(Math.min(Math.max(2 * (q.x * q.z - q.w * q.y), -1), 1));
 }
@@ -42,12 +42,12 @@ function shortNumber(value) {
   return String(Number(value.toPrecision(2)));
 }
 
-/** One plot; not on the page before it has something to show. */
+/** One plot; added to the page when it has something to show. */
 class Plot {
   constructor(parent, {caption, lines, from, logscale = false, gapS = GAP_S}) {
     Object.assign(this, {lines, from, logscale, gapS});
-    this.samples = lines.map(() => []);  // of each line [seconds, value]; NaN where a gap begins
-    this.window = null;                  // of a recording, seconds; none: the last minute
+    this.samples = lines.map(() => []);  // for each line [seconds, value]; NaN where a gap begins
+    this.window = null;                  // time window of a recording, seconds; null: the last minute
     this.figure = element("figure", "", {hidden: ""});
     this.box = element("div", "", {class: "plot", role: "img", "aria-label": `plot: ${caption}`});
     this.cursor = element("div", "", {class: "cursor", hidden: ""});
@@ -60,7 +60,7 @@ class Plot {
     parent.append(this.figure);
   }
 
-  /** With the first samples: dygraphs takes its size from its box, which is on the page by now, and a log scale needs values. */
+  /** Called with the first samples: dygraphs takes its size from its element, which must be on the page, and a log scale needs values. */
   open() {
     this.figure.hidden = false;
     this.graph = new Dygraph(this.box, this.rows(), {
@@ -71,7 +71,7 @@ class Plot {
     new ResizeObserver(() => this.graph.resize()).observe(this.box);
   }
 
-  /** A line of dygraphs' table for each sample: null where another line has one, NaN where the line is interrupted. */
+  /** A row of dygraphs' table for each sample: null if another line has a value there, NaN where the line is interrupted. */
   rows() {
     const all = this.samples.flatMap((samples, line) => samples.map(([timeS, value]) => ({timeS, value, line})));
     return all.sort((a, b) => a.timeS - b.timeS).map(({timeS, value, line}) => {
@@ -128,7 +128,7 @@ class Plot {
     }
   }
 
-  /** From now on the last minute of what comes. */
+  /** Shows the last minute from now on. */
   follow() {
     this.window = null;
     this.cursor.hidden = true;
@@ -155,12 +155,12 @@ export class Plots {
     this.next = 0;
   }
 
-  /** `extra` is what has been worked out of the message already: the nearest obstacle. */
+  /** `extra`: a value already computed from the message, the nearest obstacle. */
   add(topic, message, timeS, extra) {
     this.plots.forEach((plot) => plot.add(topic, message, timeS, extra));
   }
 
-  /** Shows all of a recording, whatever of it is being played. */
+  /** Shows a whole recording, independent of the playback. */
   showHistory(history, beginS, durationS) {
     this.plots.forEach((plot) => plot.showHistory(history, beginS, durationS));
   }
@@ -173,7 +173,7 @@ export class Plots {
     this.plots.forEach((plot) => plot.follow());
   }
 
-  /** Draws the next of them: all at once would be felt. */
+  /** Draws the next plot; drawing all at once would be noticeable. */
   draw() {
     this.plots[this.next].draw();
     this.next = (this.next + 1) % this.plots.length;

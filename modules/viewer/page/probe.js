@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is at a place of the scene: a click tells its layer, its coordinates, and when it was seen.
+// Reports what is at the clicked point of the scene: its layer, coordinates, and time.
 import {Raycaster, Vector2, Vector3} from "./three/build/three.module.js";
 import {shared} from "./colors.js";
 
-const REACH_M = 0.06;  // of a point from the line of sight
-// A point that lies in a surface is meant, not the surface.
+const REACH_M = 0.06;  // greatest distance of a point from the line of sight
+// A point this little behind a surface takes precedence over the surface.
 const POINTS_FIRST_M = 0.1;
 
-/** The nearest thing that is shown at a place of the canvas: {name, at, timeS}; null where there is nothing. */
+/** The nearest visible object at a point of the canvas: {name, at, timeS}; null if there is none. */
 export function whatIsAt(event, view, layers) {
   const box = view.canvas.getBoundingClientRect();
   const ray = new Raycaster();
@@ -34,7 +34,7 @@ function placeOf(points, index) {
   return new Vector3().fromBufferAttribute(points.geometry.attributes.position, index).applyMatrix4(points.matrixWorld);
 }
 
-/** Tells it at each click by `say(text)`; `isFree()`: the click is nothing else's. `timeText(seconds)` is a time in words. */
+/** Reports it at each click with `say(text)`. `isFree()`: the click has no other purpose. `timeText(seconds)`: a time as text. */
 export function tellOnClick(view, layers, {isFree, timeText, say}) {
   view.onClick((event) => {
     if (!isFree()) {

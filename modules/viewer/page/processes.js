@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The table of processes: what each says of itself (STATUS), and what the process manager says of it (PM_INFO).
+// The table of processes, from their own STATUS and from the process manager's PM_INFO.
 import {element} from "./element.js";
 
 const HEALTH = ["OK", "DEGRADED", "FAILED"];
 const SILENT_S = 3;
 
 /**
- * Each process as {key, name, command, state, level, reason, status, cpu_share}; level 0 is well, 1 warns, 2 is an error. First what
- * the process manager knows, then who else speaks.
+ * Each process as {key, name, command, state, level, reason, status, cpu_share}; level 0 is OK, 1 a warning, 2 an error. First
+ * the process manager's commands, then all other processes.
  */
 export function processList(statuses, commands) {
   const statusOf = new Map(statuses.map((status) => [status.process_name, status]));
@@ -15,7 +15,7 @@ export function processList(statuses, commands) {
   const managed = commands.map((manager) => {
     const {command, host, cpu_share} = manager;
     const program = programOf(manager);
-    // Several commands may run one program, as loggers on two hosts do: each is a row, by its own name.
+    // Several commands may run the same program, for example loggers on two hosts; each has a row with its own name.
     const isAlone = commands.filter((other) => programOf(other) === program).length === 1;
     return {key: `${host}/${command}`, name: isAlone ? program : `${command} on ${host}`, command, program, manager, cpu_share, status: statusOf.get(program)};
   });
@@ -38,7 +38,7 @@ function stateOf({status, manager}, newestUs) {
   return {state: HEALTH[status.health] ?? "unknown", level: status.health, reason: status.health_reason};
 }
 
-/** What did not arrive or could not be used, besides what was lost on the way. */
+/** The number of messages that were received but not used. */
 function refused({total_corrupt: corrupt, total_rejected: rejected}) {
   return [[corrupt, "corrupt"], [rejected, "rejected"]].filter(([count]) => count > 0).map(([count, what]) => `${count} ${what}`).join(", ");
 }
@@ -57,7 +57,7 @@ export class Processes {
     const keys = new Set(processes.map(({key}) => key));
     [...this.rows.keys()].filter((key) => !keys.has(key)).forEach((key) => this.rows.delete(key));
     const rows = processes.map((process) => this.row(process));
-    // Rows stay the same elements: a button that has the focus keeps it.
+    // Rows are reused, so that a button keeps the focus.
     if (rows.length !== this.body.rows.length || rows.some((row, i) => row !== this.body.rows[i])) {
       this.body.replaceChildren(...rows);
     }
@@ -68,7 +68,7 @@ export class Processes {
       this.rows.set(process.key, this.makeRow(process));
     }
     const row = this.rows.get(process.key);
-    const status = process.manager && process.manager.state !== "running" ? undefined : process.status;  // its last words
+    const status = process.manager && process.manager.state !== "running" ? undefined : process.status;  // otherwise STATUS is from before the end
     const state = element("td", process.state, {"data-level": process.level});
     const notes = [process.reason, status ? refused(status) : ""].filter(Boolean).join("; ");
     if (notes) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What became of recordings and maps: the last that logger and mappers have written of their files.
+// The results of recordings and maps: the last line in which logger and mappers mention their files.
 
 const PERIOD_MS = 1000;
 const TOLD = {
@@ -8,7 +8,7 @@ const TOLD = {
   "nodmap-slam6d": /map (?:not )?saved.*/,
 };
 
-/** The newest of a process's lines that tells of its files; empty without one. */
+/** The newest line of a process about its files; empty if there is none. */
 export function lastTold(program, lines) {
   const told = lines.map((line) => TOLD[program]?.exec(line)?.[0]).filter(Boolean);
   return told[told.length - 1] ?? "";

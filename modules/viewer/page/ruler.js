@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How large things are: a bar of a round length, and the distance between two places on the floor.
+// Sizes in the scene: a scale bar, and the distance between two points on the floor.
 import {BufferAttribute, BufferGeometry, Line, LineBasicMaterial} from "./three/build/three.module.js";
 import {shared} from "./colors.js";
 
@@ -12,12 +12,12 @@ export function roundLength(metres) {
   return [5, 2, 1].find((factor) => factor * power <= metres) * power;
 }
 
-/** A length as people say it. */
+/** Formats a length for people. */
 export function lengthText(metres) {
   return metres < 1 ? `${Math.round(100 * metres)} cm` : `${Number(metres.toFixed(2))} m`;
 }
 
-/** The bar: true where the camera looks at, at its middle. */
+/** The scale bar. It is correct at the distance of the point that the camera looks at. */
 export class ScaleBar {
   constructor(box, view) {
     Object.assign(this, {box, view, text: ""});
@@ -35,7 +35,7 @@ export class ScaleBar {
   }
 }
 
-/** Two clicks on the floor, and how far they are apart. `say(text)` tells it. */
+/** Measures the distance between two clicks on the floor and reports it with `say(text)`. */
 export class Measuring {
   constructor(button, view, say) {
     Object.assign(this, {button, view, say, ends: []});
@@ -70,7 +70,7 @@ export class Measuring {
     }
     this.ends = this.ends.length === 2 ? [at] : [...this.ends, at];
     this.draw();
-    this.say(this.ends.length === 2 ? `${this.ends[0].distanceTo(this.ends[1]).toFixed(2)} m on the floor` : "And the other end.");
+    this.say(this.ends.length === 2 ? `${this.ends[0].distanceTo(this.ends[1]).toFixed(2)} m on the floor` : "Now click the other end.");
   }
 
   draw() {

@@ -8,12 +8,12 @@ import {OrbitControls} from "./three/examples/jsm/controls/OrbitControls.js";
 import {shared} from "./colors.js";
 import {Frames} from "./frames.js";
 
-/** Ground and floor's lines; each tenth line is the stronger one. */
+/** Background and grid lines; every tenth line is stronger. */
 const THEMES = {
   dark: {background: 0x14181d, axis: 0x4a5561, line: 0x242b33},
   light: {background: 0xe4e8ec, axis: 0x98a2ad, line: 0xcdd4da},
 };
-const FLOOR_M = 40;  // with a line each metre
+const FLOOR_M = 40;  // with a line every metre
 const FIELD_OF_VIEW_DEG = 55;
 const FOLLOW_OFFSET = new Vector3(-4, -2.5, 4);
 const TOP_OFFSET = new Vector3(0, -0.01, 14);
@@ -21,7 +21,7 @@ const KEY_TURN_RAD = 0.08;
 const KEY_DISTANCE = 0.9;
 const DRAG_PX = 4;
 
-/** Null where the browser has no WebGL: then there is no scene, and the rest of the page works. */
+/** Null if the browser has no WebGL: then there is no scene, and the rest of the page works. */
 function makeRenderer(canvas) {
   try {
     return new WebGLRenderer({canvas, antialias: false});
@@ -42,19 +42,19 @@ export class View {
     sun.position.set(-2, -3, 6);
     this.scene.add(sun);
     this.frames = new Frames(this.scene);
-    this.scene.add(new AxesHelper(1));  // of the map: x red, y green, z blue, a metre each
+    this.scene.add(new AxesHelper(1));  // axes of the map: x red, y green, z blue, one metre each
     this.setTheme("dark");
     this.camera = new PerspectiveCamera(FIELD_OF_VIEW_DEG, 1, 0.05, 500);
     this.camera.up.set(0, 0, 1);
     this.controls = new OrbitControls(this.camera, canvas);
-    this.controls.enableKeys = false;  // its keys shift; ours turn
+    this.controls.enableKeys = false;  // its keys pan; ours rotate
     this.controls.addEventListener("change", () => this.touch());
     canvas.addEventListener("keydown", (event) => this.onKey(event));
     this.robot = new Vector3();
     this.setMode("follow");
   }
 
-  /** Calls `act(event)` for each click that is no drag. Not "click": the camera's controls keep it from coming on touch screens. */
+  /** Calls `act(event)` for each click that is not a drag. Does not use "click", which the camera's controls suppress on touch screens. */
   onClick(act) {
     let down = null;
     this.canvas.addEventListener("pointerdown", (event) => { down = event; });
@@ -65,7 +65,7 @@ export class View {
     });
   }
 
-  /** Says that the next image differs from the last one. */
+  /** Marks the image as changed. */
   touch() {
     this.isTouched = true;
   }
@@ -78,13 +78,13 @@ export class View {
       this.floor.geometry.dispose();
     }
     this.floor = new GridHelper(FLOOR_M, FLOOR_M, theme.axis, theme.line);
-    this.floor.rotation.x = Math.PI / 2;  // the helper lies in x and z
+    this.floor.rotation.x = Math.PI / 2;  // the helper is in the plane of x and z
     this.floor.position.z = -0.01;
     this.scene.add(this.floor);
     this.touch();
   }
 
-  /** "follow" keeps the camera with the robot, "top" looks straight down on it, "free" stays. */
+  /** "follow" moves the camera with the robot, "top" looks straight down on it, "free" leaves it where it is. */
   setMode(mode) {
     this.mode = mode;
     this.controls.enableRotate = mode !== "top";
@@ -98,7 +98,7 @@ export class View {
     this.touch();
   }
 
-  /** Arrow keys turn the camera around what it looks at, plus and minus change the distance. */
+  /** Arrow keys rotate the camera around the point that it looks at; plus and minus change the distance. */
   onKey(event) {
     const turn = {ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1]}[event.key];
     const distance = {"+": KEY_DISTANCE, "-": 1 / KEY_DISTANCE}[event.key];
@@ -107,7 +107,7 @@ export class View {
     }
     event.preventDefault();
     const offset = this.camera.position.clone().sub(this.controls.target);
-    const at = new Spherical().setFromCartesianCoords(offset.x, offset.z, -offset.y);  // three.js has y upwards
+    const at = new Spherical().setFromCartesianCoords(offset.x, offset.z, -offset.y);  // in three.js y points up
     if (turn && this.mode !== "top") {
       at.theta += KEY_TURN_RAD * turn[0];
       at.phi = Math.min(Math.max(at.phi + KEY_TURN_RAD * turn[1], 0.01), Math.PI - 0.01);
@@ -118,7 +118,7 @@ export class View {
     this.touch();
   }
 
-  /** Moves along with the robot. */
+  /** Moves the camera with the robot. */
   track() {
     const at = new Vector3().setFromMatrixPosition(this.frames.matrixOf("base"));
     if (this.mode !== "free") {
@@ -145,7 +145,7 @@ export class View {
     }
   }
 
-  /** Brings camera and canvas up to now. True when the image has changed since the last call. */
+  /** Updates camera and canvas; returns whether the image has changed since the last call. */
   update() {
     this.resize();
     this.track();
@@ -159,7 +159,7 @@ export class View {
     this.renderer?.render(this.scene, this.camera);
   }
 
-  /** Where on the floor a click points to, in the root frame; null where it points to the sky. */
+  /** The point on the floor under a click, in the root frame; null if the click points to the sky. */
   floorAt(event) {
     const box = this.canvas.getBoundingClientRect();
     const at = new Vector2(2 * (event.clientX - box.left) / box.width - 1, 1 - 2 * (event.clientY - box.top) / box.height);

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Points drawn by the processor, for browsers without a graphics card: there, WebGL takes some microseconds for each point,
-// this some nanoseconds. The points are put into a texture as colour and depth, which one quad lays over the scene.
+// Points drawn by the processor, for browsers without a graphics card: there, WebGL takes some microseconds for each point, this some
+// nanoseconds. The points are put into a texture as colour and depth, which one quad lays over the scene.
 import {DataTexture, Mesh, NearestFilter, PlaneBufferGeometry, RGBAFormat, ShaderMaterial, UnsignedByteType} from "./three/build/three.module.js";
 import {HEIGHTS_M, RAMP_GLSL, shared} from "./colors.js";
 
-// A point is a square of so many pixels of the canvas; what is nearer than NEAR_M, of twice as many.
+// A point is a square with this many pixels along its edge; nearer than NEAR_M, twice as many.
 const PIXELS = 2;
 const NEAR_M = 4;
-// A pixel of the texture: distance in the upper 24 bits, place on the colour ramp in the lower 8. The lesser one is nearer.
+// A pixel of the texture: distance in the upper 24 bits, place on the colour ramp in the lower 8. The smaller value is nearer.
 const EMPTY = 0xffffffff;
 const MAX_DISTANCE = 0xffffff;
 
@@ -81,7 +81,7 @@ export class SplatQuad extends Mesh {
       uniforms: {points: {value: null}, near: {value: 0}, far: {value: 0}},
       vertexShader: VERTEX, fragmentShader: FRAGMENT, extensions: {fragDepth: true}}));
     this.objects = objects;
-    this.frustumCulled = false;  // it is everywhere
+    this.frustumCulled = false;  // it covers the whole image
     this.onBeforeRender = (renderer, scene, camera) => this.paint(renderer.domElement, camera);
   }
 

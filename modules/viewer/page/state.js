@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The state of the robot in words: what is wrong (the banner), and the facts.
+// The state of the robot as text: faults (the banner), and facts.
 import {element} from "./element.js";
 import {processList} from "./processes.js";
 
 const STALE_S = 2;
-// What processes say of themselves, the viewer among them: no sign that the robot is there.
+// Channels about processes, including the viewer; they do not show that the robot is there.
 const NO_DATA = new Set(["STATUS", "PM_INFO", "STOP", "log"]);
 const POSE_STATES = ["tracking", "degraded", "LOST"];
 const LOST = 2;
 const DEGREES = 180 / Math.PI;
 const LEVELS = ["note", "warning", "error"];
 
-/** Keeps what is known of the robot, and says it. */
+/** Keeps the newest data about the robot, and displays them as text. */
 export class State {
   constructor({banner, announcement, facts}) {
     Object.assign(this, {banner, announcement, facts});
@@ -23,7 +23,7 @@ export class State {
     this.lastData = null;
   }
 
-  /** That something has come. */
+  /** Notes that a message has arrived. */
   noteArrival(topic) {
     if (!NO_DATA.has(topic)) {
       this.lastData = Date.now();
@@ -38,16 +38,16 @@ export class State {
     return processList(this.latest.STATUS?.processes ?? [], this.latest.PM_INFO?.commands ?? []);
   }
 
-  /** All that is wrong, the worst first: {level, what, why}. `expectsData`: nothing is paused or at its end. */
+  /** All faults, the worst first: {level, what, why}. `expectsData`: the playback is not paused or at its end. */
   faults(connected, expectsData) {
     if (!connected) {
-      return [{level: 2, what: "No connection to nodmap-viewer", why: "what is shown is old"}];
+      return [{level: 2, what: "No connection to nodmap-viewer", why: "the display is out of date"}];
     }
     const faults = [];
     if (expectsData && this.lastData === null) {
-      faults.push({level: 2, what: "No data", why: "nothing has come yet"});
+      faults.push({level: 2, what: "No data", why: "nothing received yet"});
     } else if (expectsData && Date.now() - this.lastData > 1000 * STALE_S) {
-      faults.push({level: 2, what: "No data", why: `since ${new Date(this.lastData).toLocaleTimeString()}: what is shown is old`});
+      faults.push({level: 2, what: "No data", why: `since ${new Date(this.lastData).toLocaleTimeString()}: the display is out of date`});
     }
     for (const [topic, name] of [["POSE_2D", "2D SLAM"], ["POSE_6D", "6D SLAM"]]) {
       if (this.latest[topic]?.state === LOST) {
@@ -71,7 +71,7 @@ export class State {
     this.say(this.announcement, faults.map(({what}) => what).join(", "));
   }
 
-  /** Only what is new is written: a screen reader speaks at each change. */
+  /** Writes only changed texts, because a screen reader speaks at each change. */
   say(where, text) {
     if (where.textContent !== text) {
       where.textContent = text;

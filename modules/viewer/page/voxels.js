@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// OctoMap's occupied voxels, as cubes: of each the faces that are free, but those underneath. All in one geometry: software
-// WebGL takes each instance of an instanced one for a drawing of its own.
+// OctoMap's occupied voxels as cubes: the free faces of each, without the lower ones. All in one geometry, because software WebGL
+// draws each instance of an instanced geometry separately.
 import {BufferAttribute, BufferGeometry, DoubleSide, Mesh, ShaderMaterial} from "./three/build/three.module.js";
 import {CUT_GLSL, RAMP_GLSL, shared} from "./colors.js";
 import {bytesOf} from "./decode.js";
 import {setPose} from "./frames.js";
 
-/** The faces: the step to the neighbour behind each, and how bright it is. Top, front, back, left, right. */
+/** The faces: the step to the neighbour, and the brightness. Top, front, back, left, right. */
 const FACES = [
   {step: [0, 0, 1], light: 0.95}, {step: [1, 0, 0], light: 0.58}, {step: [-1, 0, 0], light: 0.66},
   {step: [0, 1, 0], light: 0.74}, {step: [0, -1, 0], light: 0.82},
 ];
-/** Two triangles, by the corners of a square from -1 to 1. */
+/** Two triangles: corners of a square from -1 to 1. */
 const SQUARE = [[-1, -1], [1, -1], [1, 1], [-1, -1], [1, 1], [-1, 1]];
 
 const VERTEX = `${RAMP_GLSL}
@@ -32,7 +32,7 @@ void main() {
 const material = new ShaderMaterial({
   uniforms: {ceilingM: shared.ceilingM}, vertexShader: VERTEX, fragmentShader: FRAGMENT, side: DoubleSide});
 
-/** A foxglove.VoxelGrid with a uint8 field `occupied`, as {cells, columns, rows, slices, size}; cells without gaps, x fastest. */
+/** A foxglove.VoxelGrid with a uint8 field `occupied`, as {cells, columns, rows, slices, size}; cells without padding, x fastest. */
 export function occupancyOf(grid) {
   const bytes = bytesOf(grid.data);
   const field = grid.fields.find(({name}) => name === "occupied");
@@ -50,7 +50,7 @@ export function occupancyOf(grid) {
   return {cells, columns, rows, slices, size: {...grid.cell_size}};
 }
 
-/** The same with voxels of twice the edge: occupied where one of its eight parts is. */
+/** The same with voxels of twice the edge, occupied if one of the eight parts is. */
 export function coarser({cells, columns, rows, slices, size}) {
   const half = (count) => Math.ceil(count / 2);
   const coarse = {columns: half(columns), rows: half(rows), slices: half(slices), size: {x: 2 * size.x, y: 2 * size.y, z: 2 * size.z}};
@@ -66,7 +66,7 @@ export function coarser({cells, columns, rows, slices, size}) {
   return coarse;
 }
 
-/** The free faces: [x, y, z of its voxel's centre from the grid's corner, place in FACES] of each. */
+/** The free faces: for each [x, y, z of its voxel's centre relative to the grid's corner, index in FACES]. */
 export function freeFacesOf({cells, columns, rows, slices, size}) {
   const free = [];
   const isOccupied = (x, y, z) => x >= 0 && x < columns && y >= 0 && y < rows && z >= 0 && z < slices && cells[(z * rows + y) * columns + x];
@@ -86,7 +86,7 @@ export function freeFacesOf({cells, columns, rows, slices, size}) {
   return free;
 }
 
-/** Triangles of the faces. Each of their corners knows the centre of its voxel and the light of its face. */
+/** Triangles of the faces. Each corner has the centre of its voxel and the brightness of its face. */
 function geometryOf(free, {size}) {
   const corners = new Float32Array(free.length * SQUARE.length * 3);
   const voxels = new Float32Array(free.length * SQUARE.length * 4);
@@ -106,7 +106,7 @@ function geometryOf(free, {size}) {
   return geometry;
 }
 
-/** A drawing of foxglove.VoxelGrid: with so many faces, or with voxels of twice the edge, as an octree has them. */
+/** Returns a function that draws a foxglove.VoxelGrid with at most `maxFaces` faces; doubles the voxels' edge if necessary, as in an octree. */
 export function drawVoxels(maxFaces) {
   return (grid) => {
     let occupancy = occupancyOf(grid);

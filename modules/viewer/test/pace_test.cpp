@@ -8,7 +8,7 @@ namespace pace_test {
 
 constexpr time::SteadyTime kStart{10s};
 
-/// How many of so many turns, 20 ms apart, send something.
+/// How many of `turns` turns, 20 ms apart, send an update.
 int due_of(Pace& pace, int turns) {
   int due = 0;
   for (int i = 0; i < turns; ++i) {

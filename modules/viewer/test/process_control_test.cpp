@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Against a made-up deputy on a bus in memory.
+// Tests with an emulated deputy on a bus in memory.
 #include "modules/viewer/process_control.hpp"
 
 #include <gtest/gtest.h>
@@ -38,7 +38,7 @@ class ProcessControlTest : public ::testing::Test {
     }
   }
 
-  /// The deputy says that "slam" is in this run, and "other", which no configuration has, in its
+  /// The deputy reports that "slam" is in this run, and "other", which is not configured, in its
   /// third.
   void tell(std::int32_t slam_run, bool slam_runs = true) {
     DeputyInfo info;
@@ -68,7 +68,7 @@ class ProcessControlTest : public ::testing::Test {
     handle();
   }
 
-  /// What is ordered of a command, by the newest orders.
+  /// The newest order for a command.
   procman::CommandOrder ordered(const std::string& id) const {
     const auto& commands = orders_.back().commands;
     const auto found = std::find_if(commands.begin(), commands.end(),
@@ -110,7 +110,7 @@ TEST_F(ProcessControlTest, ARestartIsOrderedUntilItHasHappenedAndTheRestGoesOn) 
   EXPECT_EQ(orders_[0].deputy_id, "robot");
   EXPECT_EQ(ordered("slam").desired_run, 5);
   EXPECT_FALSE(ordered("slam").force_quit);
-  // A command that is not in the orders would be stopped.
+  // A command missing from the orders would be stopped.
   EXPECT_EQ(ordered("other").desired_run, 3);
   EXPECT_FALSE(ordered("other").force_quit);
   pass(1s);
@@ -138,7 +138,8 @@ TEST_F(ProcessControlTest, StopsAndStarts) {
   EXPECT_FALSE(ordered("slam").force_quit);
 }
 
-// What other sheriffs did meanwhile is what counts: orders of long ago would start old runs again.
+// Starts from the present state, which other sheriffs may have changed: old orders would start old
+// runs again.
 TEST_F(ProcessControlTest, BeginsFromWhatTheDeputySays) {
   tell(4);
   EXPECT_TRUE(control_.change(Verb::kRestart, "slam").ok);
@@ -178,7 +179,7 @@ TEST_F(ProcessControlTest, LeavesInTimeWhenNothingHappens) {
 }
 
 TEST_F(ProcessControlTest, RefusesWhatItCannotDo) {
-  EXPECT_FALSE(control_.change(Verb::kStart, "slam").ok);  // its deputy was never heard
+  EXPECT_FALSE(control_.change(Verb::kStart, "slam").ok);  // no INFO of its deputy was received
   tell(4);
   EXPECT_FALSE(control_.change(Verb::kStart, "slam6d").ok);
   EXPECT_FALSE(control_.change(Verb::kStart, "").ok);

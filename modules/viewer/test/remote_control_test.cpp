@@ -115,7 +115,7 @@ TEST_F(RemoteControlTest, AStopIsSaidAgainUntilGo) {
 TEST_F(RemoteControlTest, WhenAnotherLetsTheRobotGoItIsNotContradicted) {
   EXPECT_TRUE(ask({{"do", "stop"}}));
   nodmap::stop_t other{};
-  other.utime = 76;  // from before our stop: late on its way
+  other.utime = 76;  // from before our stop, delayed on the network
   bus_.publish("STOP", other);
   handle();
   pass(RemoteControl::kRepeat);
@@ -159,7 +159,7 @@ TEST_F(RemoteControlTest, ProcessesAreAskedFor) {
       procman::parse_config(R"(cmd "slam2d" { exec = "nodmap-slam2d"; host = "robot"; })").config,
       [] { return time::Moment{}; });
   RemoteControl control(bus_, clock_, &processes);
-  // How it goes on is ProcessControl's test.
+  // The rest is tested with ProcessControl.
   EXPECT_EQ(control.answer({{"do", "restart_process"}, {"command", "slam2d"}}).text,
             "The deputy robot does not answer.");
   EXPECT_EQ(control.answer({{"do", "start_process"}, {"command", "nobody"}}).text,

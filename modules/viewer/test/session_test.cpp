@@ -40,7 +40,7 @@ class SessionTest : public ::testing::Test {
     return frame && !frame->is_binary ? Json::parse(frame->head) : Json();
   }
 
-  /// Call 7 of a service.
+  /// A service call with number 7.
   static std::string call(const std::string& payload, char service = 1,
                           const std::string& encoding = "json") {
     return std::string{2, service, 0, 0, 0, 7, 0, 0, 0, static_cast<char>(encoding.size()),
@@ -113,7 +113,7 @@ TEST_F(SessionTest, TopicsTakeTurns) {
   post(scan_, 0, "scan");
   const std::string first = session.next()->post->text();
   const std::string second = session.next()->post->text();
-  // A long history does not keep the others waiting.
+  // A long history does not delay the other topics.
   EXPECT_NE(first, second);
 }
 
@@ -133,7 +133,8 @@ TEST_F(SessionTest, NewsWaitBetweenTwoSendingsButAnswersDoNot) {
   EXPECT_FALSE(session.next(true)) << "what was replaced meanwhile is not sent";
 }
 
-// A client forgets all when the time goes back: a history that came before it would be lost.
+// A client forgets everything when the time goes back, so a history sent before the time would be
+// lost.
 TEST_F(SessionTest, TheTimeGoesBeforeAHistory) {
   Session session = greeted();
   session.receive_text(R"({"op":"subscribe","subscriptions":[{"id":1,"channelId":2}]})");

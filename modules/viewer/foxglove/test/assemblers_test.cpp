@@ -40,7 +40,7 @@ TEST(GridAssembler, ARevisionBringsOnlyWhatHasChanged) {
   const auto result = assembler.add(changed);
   ASSERT_TRUE(result.whole);
   EXPECT_EQ(result.whole->cells[60], 55);
-  EXPECT_EQ(result.whole->cells[20 * 120 + 10], 100);  // of the tile that came before
+  EXPECT_EQ(result.whole->cells[20 * 120 + 10], 100);  // from the previous tile
   EXPECT_EQ(result.whole->stamp, node::stamp_of(changed));
 }
 
@@ -66,8 +66,8 @@ TEST(GridAssembler, WhatIsKnownStaysWhereItIsWhenTheGridGrows) {
   EXPECT_EQ(result.whole->width, 170);
   EXPECT_EQ(result.whole->cells[10 * 170 + 30], 33);
   EXPECT_EQ(result.whole->cells[0], -1);
-  EXPECT_EQ(result.whole->cells[30 * 170 + 40], 100);   // the wall, in the tile from before
-  EXPECT_EQ(result.whole->cells[30 * 170 + 140], 100);  // and in the one that came now
+  EXPECT_EQ(result.whole->cells[30 * 170 + 40], 100);   // the wall, in the previous tile
+  EXPECT_EQ(result.whole->cells[30 * 170 + 140], 100);  // and in the new one
 }
 
 TEST(GridAssembler, AMapThatBeginsAnewHoldsNothingOfTheOldOne) {

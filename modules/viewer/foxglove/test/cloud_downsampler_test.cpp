@@ -64,7 +64,7 @@ TEST(CloudDownsampler, TheSameCloudAgainIsLeftOutWhereverItsPoseSaysItIs) {
   const CloudView all = random_cloud(1000, 1.0F, 2);
   CloudView first = all;
   downsampler.downsample(first);
-  // The same points, told from another base.
+  // The same points, relative to another base pose.
   CloudView again = all;
   again.T_frame_points.translation() = Eigen::Vector3d(3.0, -2.0, 0.5);
   for (std::size_t i = 0; i < size(again); ++i) {

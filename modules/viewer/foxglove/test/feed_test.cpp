@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Every channel onto the store, by way of a bus in memory.
+// Sends every channel to the store through a bus in memory.
 #include "modules/viewer/foxglove/feed.hpp"
 
 #include <gtest/gtest.h>
@@ -30,7 +30,7 @@ class FeedTest : public ::testing::Test {
     }
   }
 
-  /// Two keyframes, a second apart, that show the same points.
+  /// Two keyframes, one second apart, with the same points.
   void send_keyframe_twice() {
     for (const std::int64_t id : {0, 1}) {
       for (auto chunk : robot::keyframe_at(0.0, id, 1000)) {
@@ -59,7 +59,7 @@ class FeedTest : public ::testing::Test {
     return 0;
   }
 
-  /// The newest message on a topic; null where there is none.
+  /// The newest message on a topic; null if there is none.
   Json newest(const std::string& name) const {
     std::uint64_t cursor = 0;
     const auto post = store_.next(topic(name), cursor);
@@ -123,7 +123,7 @@ TEST_F(FeedTest, MapsAndClouds) {
   EXPECT_EQ(newest("STRUCTURE_MAP"), Json());
 }
 
-// What was shown before a loop was closed moves with it: pages find each cloud by its time.
+// A loop closure also moves keyframes shown before; pages find each cloud by its time.
 TEST_F(FeedTest, AClosedLoopMovesTheKeyframes) {
   for (const auto& chunk : robot::keyframe_at(0.0, 0, 10)) {
     send("CLOUD", chunk);
@@ -133,7 +133,8 @@ TEST_F(FeedTest, AClosedLoopMovesTheKeyframes) {
   EXPECT_EQ(before["times"][0], newest("CLOUD")["timestamp"]);
   send("POSE_GRAPH_6D", robot::pose_graph_6d());
   const Json after = newest("keyframes");
-  ASSERT_EQ(after["poses"].size(), 2U);  // the second, whose cloud has not come yet, as well
+  ASSERT_EQ(after["poses"].size(),
+            2U);  // including the second, whose cloud has not been received yet
   EXPECT_EQ(after["times"][0], before["times"][0]);
   EXPECT_EQ(after["poses"][0]["position"]["x"], 2.0);
   EXPECT_EQ(newest("scene/pose_graph_6d")["entities"].size(), 1U);

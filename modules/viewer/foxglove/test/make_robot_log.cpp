@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// make_robot_log FILE [DURATION_S [POINTS_PER_KEYFRAME]]: a log of a made-up robot for the tests of
-// whole processes.
+// make_robot_log FILE [DURATION_S [POINTS_PER_KEYFRAME]]: writes a log of an invented robot for the
+// process tests.
 #include <cstdio>
 #include <cstdlib>
 #include <exception>

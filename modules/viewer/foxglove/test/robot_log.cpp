@@ -34,13 +34,13 @@ void stand_at(Message& message, double x_m) {
   message.orientation[0] = 1.0;
 }
 
-/// Distance to the nearer wall along a beam; infinity where it is too far.
+/// Distance to the nearer wall along a beam; infinity if it is too far.
 float wall_range(double angle_rad) {
   const double range_m = kHalfWidthM / std::abs(std::sin(angle_rad));
   return range_m < 20.0 ? static_cast<float>(range_m) : kInfinity;
 }
 
-/// Writes one channel's events into the list that is sorted afterwards.
+/// Adds the events of one channel to the list, which is sorted afterwards.
 struct Event {
   std::int64_t utime_us;
   std::string channel;
@@ -114,7 +114,7 @@ void note_slow_channels(std::vector<Event>& events, const RobotLog& settings) {
 
 using VoxelKeys = std::vector<std::array<int, 3>>;
 
-/// The node `level` levels above these voxels, and all below it.
+/// Appends the node `level` levels above these voxels, and everything below it.
 void append_node(std::string& bytes, int level, const VoxelKeys& keys) {
   std::array<VoxelKeys, 8> children;
   for (const auto& key : keys) {
@@ -295,7 +295,7 @@ nodmap::exploration_t exploration() {
   nodmap::exploration_t message{};
   message.utime = kBeginUs;
   message.state = nodmap::exploration_t::EXPLORING;
-  message.reason = "Drives to where it sees more.";
+  message.reason = "Driving to the next viewpoint.";
   message.seen_m2 = 40.0;
   message.waiting_m2 = 13.5;
   message.num_viewpoints = 2;

@@ -31,8 +31,8 @@
 
 namespace nodmap::foxglove::test {
 
-/// A robot that drives along a corridor, 2 m wide to both sides, and nods: every channel's message
-/// at a time (s) since kBeginUs, with numbers that follow from it.
+/// A robot that nods and drives along a corridor with walls 2 m to each side. Each function returns
+/// a channel's message at a time (s) since kBeginUs, with values computed from it.
 inline constexpr std::int64_t kBeginUs = 1'700'000'000'000'000;
 
 [[nodiscard]] nodmap::scan_t scan_at(double time_s);
@@ -48,7 +48,7 @@ inline constexpr std::int64_t kBeginUs = 1'700'000'000'000'000;
 [[nodiscard]] nodmap::path_t path();
 [[nodiscard]] nodmap::exploration_t exploration();
 [[nodiscard]] nodmap::pose_graph_t pose_graph();
-/// Of two keyframes, the first that of keyframe_at(0.0, 0) two metres farther on.
+/// With two keyframes; the first is that of keyframe_at(0.0, 0), moved two metres ahead.
 [[nodiscard]] nodmap::pose_graph_6d_t pose_graph_6d();
 [[nodiscard]] nodmap::stop_t stop();
 [[nodiscard]] nodmap::base_sensors_t base_sensors_at(double time_s);
@@ -62,8 +62,8 @@ inline constexpr std::int64_t kBeginUs = 1'700'000'000'000'000;
 /// The walls from -1 to 5 m and up to 2 m in voxels of 10 cm, in parts of 200 bytes.
 [[nodiscard]] std::vector<nodmap::octomap_chunk_t> octomap_at(double time_s, std::int64_t revision);
 
-/// The bytes of an OctoMap file with these voxels occupied (places counted from the origin, each
-/// once), nothing pruned and nothing free.
+/// The bytes of an OctoMap file in which these voxels are occupied (indices from the origin, each
+/// once), without pruned or free nodes.
 [[nodiscard]] std::string octomap_bytes(double voxel_m,
                                         const std::vector<std::array<int, 3>>& voxels);
 

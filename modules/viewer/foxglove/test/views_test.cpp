@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Messages as Foxglove's schemas: numbers by hand.
+// Messages as Foxglove's schemas, compared with values computed by hand.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -23,7 +23,7 @@
 namespace nodmap::foxglove {
 namespace views_test {
 
-/// An independent decoder: by table look-up over 4 characters.
+/// An independent decoder, by table look-up for 4 characters at a time.
 std::vector<std::uint8_t> decoded(const std::string& text) {
   const std::string digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   std::vector<std::uint8_t> bytes;
@@ -222,7 +222,8 @@ TEST(JsonMessage, LeavesOutLongAndVariableArrays) {
                    .contains("actor_position_m"));
 }
 
-// From 0.4 m above the ground, 30 degrees down: the ray meets it after 0.8 m, 0.8 cos 30 ahead.
+// From 0.4 m above the ground, 30 degrees down: the ray meets the ground after 0.8 m, 0.8 cos 30
+// ahead.
 TEST(Scene, TheAreaOfInterestEndsOnTheGround) {
   nodmap::pitch_command_t command{};
   command.pitch_min_rad = -std::numbers::pi / 6.0;
@@ -308,8 +309,8 @@ TEST(Scene, ThePoseGraphOf6dSlamShowsItsKeyframesInSpace) {
   EXPECT_TRUE(entity["lines"][2]["points"].empty());  // from a keyframe that is not there
 }
 
-/// Checks a value against the part of JSON Schema that our schemas use. Empty: it fits, and nothing
-/// that the schema names is missing.
+/// Checks a value against a schema, for the part of JSON Schema that our schemas use. Empty if it
+/// fits and no described property is missing.
 std::string misfit(const Json& value, const Json& schema, const std::string& path = "$") {
   const Json& type = schema["type"];
   const auto is = [&value](const std::string& name) {
@@ -346,7 +347,7 @@ std::string misfit(const Json& value, const Json& schema, const std::string& pat
 TEST(Schemas, DescribeWhatIsSent) {
   const auto fits = [](const char* name, const Json& value) {
     const Json schema = Json::parse(schema_text(name));
-    // As a reader gets it: what JSON has not has become null.
+    // As a reader receives it: values that JSON cannot express have become null.
     EXPECT_EQ(misfit(Json::parse(to_text(value)), schema), "") << name;
     EXPECT_EQ(schema["title"], name);
   };

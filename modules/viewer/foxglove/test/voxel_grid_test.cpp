@@ -14,7 +14,7 @@ VoxelGrid grid_of(double voxel_m, const std::vector<std::array<int, 3>>& voxels)
   return to_voxel_grid(formats::read_octomap(test::octomap_bytes(voxel_m, voxels)).value());
 }
 
-/// The cell that holds a point, by the numbers that are sent; -1 outside.
+/// The cell that contains a point, computed from the sent values; -1 outside.
 int at(const VoxelGrid& grid, double x_m, double y_m, double z_m) {
   const Eigen::Vector3d cell = (Eigen::Vector3d(x_m, y_m, z_m) - grid.p_corner) / grid.cell_m;
   const auto column = static_cast<std::int64_t>(std::floor(cell.x()));
@@ -39,8 +39,8 @@ TEST(VoxelGrid, EnclosesWhatIsOccupiedAndNothingElse) {
   EXPECT_EQ(std::accumulate(grid.cells.begin(), grid.cells.end(), 0), 2);
 }
 
-// Voxels at random in so much space that cells have to be coarser: each lies in an occupied cell,
-// and no occupied cell is without one.
+// Random voxels in a space so large that cells must be coarser: each is in an occupied cell, and
+// every occupied cell contains one.
 TEST(VoxelGrid, IsCoarserWhereSpaceIsLarge) {
   std::mt19937 random(5);
   std::uniform_int_distribution<int> place(-700, 700);
