@@ -11,33 +11,35 @@
 namespace nodmap::explorer {
 namespace {
 
-/// Viewpoints nearer to each other than this are the same one, found anew.
+/// Viewpoints nearer to each other than this count as the same one.
 constexpr double kSameViewpointM = 0.8;
-/// The robot has come nearer to its target.
+/// Reduction of the path length that counts as progress.
 constexpr double kProgressM = 0.2;
-/// Time that passes without a decision does not count as time without progress.
+/// After a pause without decisions of this length, the time without progress starts again.
 constexpr time::Duration kPause = 2s;
 /// Greatest distance of a lookout from its frontier: from farther away only a slit is visible
 /// through a door.
 constexpr double kLookoutM = 2.0;
 constexpr double kAtFrontierM = 0.4;
-/// On the way home only a viewpoint that shows so many times the least gain is worth going back.
+/// On the way home, a viewpoint must show this multiple of the minimum gain to be worth turning
+/// back.
 constexpr double kWorthGoingBack = 2.0;
-/// A waypoint is kept until the robot is this near, so that it never brakes for one.
+/// A waypoint must be at least this far away to be kept, so that the robot never brakes for one.
 constexpr double kNextWaypointM = 1.0;
 constexpr double kSameWaypointM = 0.5;
 /// Added to a waypoint's tolerance. A waypoint nearer than this is replaced before the navigator
 /// has arrived there and stops.
 constexpr double kReachedM = 0.2;
-/// Added to the tolerance: a waypoint is at least this far along the path, even round a corner.
+/// Added to the tolerance: a waypoint is at least this far away, even around a corner.
 constexpr double kLeastAheadM = 0.5;
-/// Within this distance cells are not checked: the robot may already be nearer to something.
+/// Cells within this distance are not checked, because the robot may already be nearer to an
+/// obstacle than a path may.
 constexpr double kAroundRobotM = 0.4;
-/// Allows for the navigator's newer pose.
+/// Tolerance for the navigator's newer pose.
 constexpr double kArrivalM = 0.1;
-constexpr const char* kAtHome = "All is seen, and the robot is back home.";
+constexpr const char* kAtHome = "Everything has been seen; the robot is back home.";
 
-/// Whether a waypoint is on the path, and so far ahead that the robot need not brake for it yet.
+/// Whether a waypoint is on the path and far enough ahead that the robot does not brake for it.
 bool is_ahead(const std::vector<Eigen::Vector2d>& path_map, const Eigen::Vector2d& waypoint_map,
               const Eigen::Vector2d& p_map) {
   return (waypoint_map - p_map).norm() > kNextWaypointM &&
@@ -46,7 +48,7 @@ bool is_ahead(const std::vector<Eigen::Vector2d>& path_map, const Eigen::Vector2
          });
 }
 
-/// Straight lines stand for paths that are not known.
+/// The lengths of the paths; straight lines replace unknown paths.
 std::vector<double> lengths_m(const PlanningGrid& grid, const ShortestPaths& paths,
                               const Eigen::Vector2d& from_map, const std::vector<Cell>& cells) {
   std::vector<double> lengths;
@@ -84,7 +86,7 @@ Decision Explorer::decide(const Situation& now) {
       grid_.cell_size_m() * grid_.cell_size_m() * static_cast<double>(grid_.num_free());
   if (state_ == State::kIdle || state_ == State::kHome || grid_.is_empty()) {
     decision.state = state_;
-    decision.reason = state_ == State::kIdle   ? "Waits to be started."
+    decision.reason = state_ == State::kIdle   ? "Waiting to be started."
                       : state_ == State::kHome ? kAtHome
                                                : "There is no 2D map yet.";
     return decision;
@@ -109,7 +111,7 @@ Decision Explorer::decide(const Situation& now) {
   return decision;
 }
 
-/// A target that is not reached, or from which nothing new is seen, has failed.
+/// Detects that the target has failed: it is not reached, or nothing new is seen from it.
 void Explorer::watch_target(const Situation& now) {
   const bool has_paused = std::chrono::abs(now.stamp - std::exchange(decided_, now.stamp)) > kPause;
   if (state_ != State::kExploring || !target_map_) {
@@ -139,7 +141,7 @@ std::vector<Viewpoint> Explorer::find_tour(const Situation& now) {
   const bool by_tour = params_.policy == Policy::kTour;
   std::vector<Cell> lookouts =
       frontiers_.lookouts(grid_, paths_, by_tour ? kLookoutM : kAtFrontierM);
-  // What can be seen from here has been seen, unless the robot has just come to look.
+  // The surroundings of the robot have been seen, unless it has just arrived.
   const Eigen::Vector2d p_robot_map = now.T_map_base.translation();
   std::erase_if(lookouts, [&](const Cell& cell) {
     const Eigen::Vector2d p_map = grid_.center_of(cell);
@@ -156,7 +158,8 @@ std::vector<Viewpoint> Explorer::find_tour(const Situation& now) {
   return by_tour && !found.empty() ? in_order(std::move(found)) : found;
 }
 
-/// The nearest one; until the robot is there, or nothing is left to be seen from it, the last one.
+/// The nearest viewpoint; the previous one is kept until the robot is there or nothing is left to
+/// be seen from it.
 std::vector<Viewpoint> Explorer::nearest_frontier(const Situation& now,
                                                   const std::vector<Cell>& lookouts) {
   const Eigen::Vector2d p_map = now.T_map_base.translation();
@@ -170,8 +173,8 @@ std::vector<Viewpoint> Explorer::nearest_frontier(const Situation& now,
   return nearest ? std::vector<Viewpoint>{*nearest} : std::vector<Viewpoint>{};
 }
 
-/// The shortest tour over the viewpoints, which begins with the present target unless another one
-/// is clearly better.
+/// Orders the viewpoints in the best tour; it starts with the present target unless another tour is
+/// clearly better.
 std::vector<Viewpoint> Explorer::in_order(std::vector<Viewpoint> viewpoints) {
   TourProblem problem;
   problem.length_weight = params_.tour.home_weight_m2;
@@ -217,7 +220,7 @@ void Explorer::set_target(const Eigen::Vector2d& p_map, double length_m, const S
 void Explorer::drive_tour(const Situation& now, std::vector<Viewpoint> tour, Decision& decision) {
   state_ = State::kExploring;
   set_target(tour.front().p_map, tour.front().length_m, now);
-  decision.reason = "Drives to where it sees more.";
+  decision.reason = "Driving to the next viewpoint.";
   decision.path_map = path_to(tour.front().cell);
   decision.goal = next_goal(decision.path_map, now, params_.goal_tolerance_m);
   for (const Viewpoint& viewpoint : tour) {
@@ -236,8 +239,8 @@ void Explorer::drive_home(const Situation& now, Decision& decision) {
   }
   state_ = State::kReturning;
   target_map_.reset();
-  decision.reason = "All is seen: drives home.";
-  // Where the robot was when it began was in no beam: its cell may still be unknown.
+  decision.reason = "Everything has been seen: driving home.";
+  // The start position was in no beam, so its cell may still be unknown.
   const auto near_home = std::ranges::min_element(paths_.cells(), {}, [&](const Cell& cell) {
     return (grid_.center_of(cell) - *home_map_).squaredNorm();
   });
@@ -256,9 +259,9 @@ std::vector<Eigen::Vector2d> Explorer::path_to(const Cell& cell) const {
   return path_map;
 }
 
-/// The farthest place of the path to which a straight line is free, or which is some way ahead. The
-/// navigator knows the surroundings of where it has been; led around corners it need not guess what
-/// is behind walls.
+/// The farthest point of the path to which a straight line is free, but at least some distance
+/// ahead. The navigator knows only the surroundings of its path; when it is led around corners it
+/// need not guess what is behind walls.
 Goal Explorer::next_goal(const std::vector<Eigen::Vector2d>& path_map, const Situation& now,
                          double last_tolerance_m) {
   const Eigen::Vector2d p_map = now.T_map_base.translation();
@@ -281,7 +284,7 @@ Goal Explorer::next_goal(const std::vector<Eigen::Vector2d>& path_map, const Sit
   return {*waypoint_map_, params_.goal_tolerance_m};
 }
 
-/// Samples a planning cell apart; the robot itself may be nearer to something than a path may.
+/// Checks the line at intervals of one planning cell, except near the robot.
 bool Explorer::is_line_passable(const Eigen::Vector2d& from_map,
                                 const Eigen::Vector2d& to_map) const {
   const double length_m = (to_map - from_map).norm();

@@ -19,13 +19,13 @@
 namespace nodmap::explorer {
 
 enum class State : std::uint8_t {
-  kIdle,       ///< waits to be started
-  kExploring,  ///< drives from viewpoint to viewpoint
-  kReturning,  ///< all is seen: drives back home
-  kHome,       ///< all is seen, and the robot is back
+  kIdle,       ///< waiting to be started
+  kExploring,  ///< driving from viewpoint to viewpoint
+  kReturning,  ///< everything has been seen: driving home
+  kHome,       ///< everything has been seen, and the robot is back
 };
 
-/// All that a decision needs, at one moment.
+/// The inputs of a decision.
 struct Situation {
   time::Timestamp stamp{};
   geometry::SE2 T_map_base;
@@ -33,7 +33,7 @@ struct Situation {
   bool has_arrived = false;  ///< the navigator is at its goal
 };
 
-/// Where the navigator is to drive; frame map.
+/// A goal for the navigator, in map.
 struct Goal {
   Eigen::Vector2d p_map = Eigen::Vector2d::Zero();
   double tolerance_m = 0.3;
@@ -43,31 +43,31 @@ struct Decision {
   State state = State::kIdle;
   std::optional<Goal> goal;
   std::string reason;                         ///< one sentence
-  std::vector<Viewpoint> tour;                ///< in the order in which they are to be visited
-  std::vector<Eigen::Vector2d> path_map;      ///< from the robot to the first of them, or home
-  std::vector<Eigen::Vector2f> frontier_map;  ///< middles of the frontier cells
+  std::vector<Viewpoint> tour;                ///< in the order of the visits
+  std::vector<Eigen::Vector2d> path_map;      ///< from the robot to the first viewpoint, or home
+  std::vector<Eigen::Vector2f> frontier_map;  ///< centres of the frontier cells
   double seen_m2 = 0.0;                       ///< free ground in the map
   double waiting_m2 = 0.0;                    ///< unknown ground that the tour would show
 };
 
-/// Drives the robot to see a whole building: from the frontiers of the 2D map to viewpoints, each
-/// with the unknown area that it would show, to a short tour over the best of them. The robot
-/// drives to the tour's first viewpoint and decides again whenever the map or its place has
-/// changed. When nothing worth a path is left it returns to where it began.
+/// Explores a whole building. From the frontiers of the 2D map it finds viewpoints, computes the
+/// unknown area that each would show, and plans a short tour over the best of them. The robot
+/// drives to the tour's first viewpoint and decides again whenever the map or its pose has changed.
+/// When no viewpoint is worth the path, it returns to where it started.
 class Explorer {
  public:
   explicit Explorer(const ExplorerParams& params);
 
-  /// A part of the 2D map; false when it is refused.
+  /// Adds a part of the 2D map; returns false if it is refused.
   bool add(const MapTile& tile) { return grid_.add(tile); }
-  /// A new map begins.
+  /// Forgets the map, because 2D SLAM has restarted.
   void forget_map() { grid_.clear(); }
 
-  /// Home is where the robot is at the next decision.
+  /// Starts an exploration. Home is the robot's position at the next decision.
   void start();
   void end();
   [[nodiscard]] State state() const { return state_; }
-  /// Places at which it has failed, since its start.
+  /// Number of places that have failed since the start.
   [[nodiscard]] std::size_t num_failures() const { return failed_places_.size(); }
 
   [[nodiscard]] Decision decide(const Situation& now);
@@ -97,8 +97,8 @@ class Explorer {
 
   State state_ = State::kIdle;
   std::optional<Eigen::Vector2d> home_map_;
-  std::optional<Eigen::Vector2d> target_map_;  ///< the viewpoint
-  double least_length_m_ = 0.0;                ///< of the path to it, at progressed_
+  std::optional<Eigen::Vector2d> target_map_;  ///< the present viewpoint
+  double least_length_m_ = 0.0;                ///< length of the path to it at progressed_
   time::Timestamp progressed_{};
   time::Timestamp there_since_{};
   time::Timestamp decided_{};

@@ -7,7 +7,7 @@
 namespace nodmap::explorer {
 namespace {
 
-/// Places nearer to each other than this are one.
+/// Places nearer to each other than this count as one.
 constexpr double kSamePlaceM = 0.7;
 
 }  // namespace

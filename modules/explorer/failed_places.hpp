@@ -9,16 +9,17 @@
 
 namespace nodmap::explorer {
 
-/// Places that the robot did not get to, or from which it did not see what it should have. Each is
-/// left out for a time that doubles with each failure, until it is given up.
+/// Remembers places that the robot could not reach, or from which it did not see what it should
+/// have. Each is excluded for a time that doubles with each failure, until it is given up.
 class FailedPlaces {
  public:
   explicit FailedPlaces(const PatienceParams& params) : params_(params) {}
 
   void add(const Eigen::Vector2d& p_map, time::Timestamp now);
-  /// Whether a place near this one has failed lately, or for good.
+  /// Whether a place near this one is excluded at present, or given up.
   [[nodiscard]] bool is_left_out(const Eigen::Vector2d& p_map, time::Timestamp now) const;
-  /// Those that are not given up may be tried again at once; false when there are none.
+  /// Permits all excluded places that are not given up to be tried again at once; returns false if
+  /// there are none.
   bool forgive();
   [[nodiscard]] std::size_t size() const { return places_.size(); }
   void clear() { places_.clear(); }

@@ -7,7 +7,8 @@
 namespace nodmap::explorer {
 namespace {
 
-/// The laser looks beyond where the body fits.
+/// How far frontier cells may be beyond the cells that the robot's centre can reach, because the
+/// laser sees farther than the body fits.
 constexpr double kBesideReachM = 0.4;
 constexpr int kBlockCells = 4;
 

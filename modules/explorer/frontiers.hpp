@@ -8,27 +8,27 @@
 
 namespace nodmap::explorer {
 
-/// Where the known free space that the robot can reach ends at unknown ground.
+/// The borders between the free space that the robot can reach and unknown ground.
 class Frontiers {
  public:
-  /// Frontier cells: free, beside unknown ground (4-neighbourhood), and either reached or not
-  /// farther than 0.4 m, over free cells, from a reached cell.
+  /// Finds the frontier cells: free, next to unknown ground (4-neighbourhood), and reached or at
+  /// most 0.4 m, over free cells, from a reached cell.
   void find(const PlanningGrid& grid, const ShortestPaths& paths);
 
   [[nodiscard]] const std::vector<Cell>& cells() const { return cells_; }
 
-  /// A reached cell of each block of 0.4 m x 0.4 m that lies within `max_m`, over free cells, of a
-  /// frontier; the nearest ones by path first. From there the robot may look at it.
+  /// Lookouts, from which the robot could see a frontier: one reached cell of each block of 0.4 m x
+  /// 0.4 m within `max_m`, over free cells, of a frontier; the nearest by path first.
   [[nodiscard]] std::vector<Cell> lookouts(const PlanningGrid& grid, const ShortestPaths& paths,
                                            double max_m);
 
  private:
-  /// Calls `visit` for each free cell within `max_steps` of `from`, over free cells.
+  /// Calls `visit` for each free cell within `max_steps` steps of `from` over free cells.
   template <class Visit>
   void spread(const PlanningGrid& grid, const std::vector<Cell>& from, int max_steps, Visit visit);
 
   std::vector<Cell> cells_;
-  Raster<std::uint32_t> visited_;  // in which spread a cell was visited last
+  Raster<std::uint32_t> visited_;  // number of the spread in which a cell was visited last
   std::uint32_t num_spreads_ = 0;
 };
 

@@ -13,16 +13,16 @@ namespace nodmap::explorer {
 namespace {
 
 constexpr time::Duration kDecisionPeriod = 500ms;
-/// The goal is sent again after so long, for a navigator that has missed it or was started since.
+/// Period at which the goal is sent again, for a navigator that has missed it or was started later.
 constexpr time::Duration kGoalPeriod = 1s;
-/// A goal within this of the last one is the same.
+/// A goal nearer to the last one than this counts as the same.
 constexpr double kSameGoalM = 0.05;
-/// Own goals that are kept to be told from others'.
+/// Number of own goals that are remembered, to distinguish them from those of other senders.
 constexpr std::size_t kOwnGoals = 16;
-/// With these EXPLORATION stays far below 64 KiB.
+/// With this limit EXPLORATION stays far below 64 KiB.
 constexpr std::size_t kMaxPathPoints = 500;
 constexpr std::size_t kMaxFrontierPoints = 2000;
-/// Tiles farther away than this are refused; cell numbers stay exact.
+/// Tiles farther away than this are refused, so that cell indices stay exact.
 constexpr double kFarthestM = 10'000.0;
 
 bool is_due(time::Timestamp now, const std::optional<time::Timestamp>& last,
@@ -44,7 +44,7 @@ std::int8_t code_of(State state) {
   return nodmap::exploration_t::IDLE;
 }
 
-/// Empty where the numbers make no sense.
+/// Converts a tile; empty if its numbers are not plausible.
 std::optional<MapTile> read_tile(const nodmap::grid_chunk_t& message) {
   const Eigen::Vector2d origin_m(message.origin_x_m, message.origin_y_m);
   if (!(message.cell_size_m > 0.001) || !std::isfinite(message.cell_size_m) ||
@@ -58,7 +58,7 @@ std::optional<MapTile> read_tile(const nodmap::grid_chunk_t& message) {
                  message.tile_width, message.tile_height, message.cells};
 }
 
-/// Each n-th of `count`, so that at most `most` are taken.
+/// The step n for which every n-th of `count` items gives at most `most`.
 std::size_t stride(std::size_t count, std::size_t most) {
   return (count + most - 1) / most;
 }
@@ -82,11 +82,11 @@ ExplorerNode::ExplorerNode(node::Context& context, const Params& params)
 
 void ExplorerNode::on_map(const nodmap::grid_chunk_t& message) {
   const auto tile = read_tile(message);
-  // 2D SLAM has begun anew: home and the goal are positions in a map that is no more.
+  // 2D SLAM has restarted: home and goal are positions in a map that no longer exists.
   if (tile && message.map_revision < map_revision_) {
     explorer_.forget_map();
     if (explorer_.state() != State::kIdle && num_decisions_ > 0) {
-      end("The 2D map began anew.");
+      end("The 2D map was restarted.");
       keeps_place_ = true;
     }
   }
@@ -145,7 +145,7 @@ void ExplorerNode::on_explore(const nodmap::explore_t& message) {
   }
 }
 
-/// Whoever else sends a goal, or cancels one, has taken over.
+/// A goal, or its cancellation, of another sender ends the exploration.
 void ExplorerNode::on_goal(const nodmap::goal_t& message) {
   context_.counts.use();
   keeps_place_ = keeps_place_ && is_own(message);
@@ -154,7 +154,7 @@ void ExplorerNode::on_goal(const nodmap::goal_t& message) {
   }
 }
 
-/// The robot stands until it is released, and then goes on: a STOP is not the end of what it does.
+/// During a STOP the exploration waits, and continues when the robot is released.
 void ExplorerNode::on_stop(const nodmap::stop_t& message) {
   context_.counts.use();
   is_stopped_ = message.is_stopped != 0;
@@ -209,7 +209,7 @@ void ExplorerNode::send_goal(const Goal& goal, time::Timestamp now) {
     goal_.position_m[0] = goal.p_map.x();
     goal_.position_m[1] = goal.p_map.y();
     goal_.tolerance_m = goal.tolerance_m;
-    // What the navigator says is about the last one until it has heard of this one.
+    // Until the navigator has received this goal, its reports are about the previous one.
     has_no_path_ = false;
     has_arrived_ = false;
   } else if (!is_due(now, goal_sent_, kGoalPeriod)) {
@@ -271,7 +271,7 @@ nlohmann::json ExplorerNode::metrics() const {
 
 node::Health ExplorerNode::health() const {
   if (is_lost_ && explorer_.state() != State::kIdle) {
-    return {node::HealthState::kDegraded, "2D SLAM is lost: where to go is not known."};
+    return {node::HealthState::kDegraded, "2D SLAM is lost: the exploration waits for a pose."};
   }
   return {};
 }

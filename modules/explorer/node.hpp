@@ -45,7 +45,7 @@ class ExplorerNode final : public node::Node {
 
   void start();
   void end(const std::string& reason);
-  /// Sends the robot's present position as the goal: without one it would roam.
+  /// Sends the robot's present position as the goal, because without a goal the robot would roam.
   void keep_place(time::Timestamp now);
   void decide(time::Timestamp now);
   void send_goal(const Goal& goal, time::Timestamp now);
@@ -62,13 +62,13 @@ class ExplorerNode final : public node::Node {
   bool is_stopped_ = false;
   bool has_no_path_ = false;
   bool has_arrived_ = false;
-  std::string idle_reason_ = "Waits to be started.";
-  bool keeps_place_ = false;  // with the next pose the robot's place becomes its goal
+  std::string idle_reason_ = "Waiting to be started.";
+  bool keeps_place_ = false;  // the robot's next position becomes its goal
 
   std::optional<time::Timestamp> decided_;
   nodmap::goal_t goal_{};  // the last one sent
   std::optional<time::Timestamp> goal_sent_;
-  std::deque<nodmap::goal_t> own_goals_;  // sent lately: they come back
+  std::deque<nodmap::goal_t> own_goals_;  // sent recently; the bus delivers them to us as well
   std::int64_t num_decisions_ = 0;
   double seen_m2_ = 0.0;
 };

@@ -7,11 +7,12 @@
 namespace nodmap::explorer {
 namespace {
 
-/// As the map's own images have it: many rays only graze the cell of a wall.
+/// The same threshold as in the images of the map. It is low because many rays only graze the cell
+/// of a wall.
 constexpr std::int8_t kOccupiedPercent = 25;
-/// The grid grows by blocks of so many map cells, so that it seldom grows.
+/// The grid grows in blocks of this many map cells, so that it seldom grows.
 constexpr int kBlockCells = 256;
-/// Map cells farther from the origin than this are refused: numbers must stay exact.
+/// Map cells farther from the origin than this are refused, so that indices stay exact.
 constexpr int kFarthestCell = 1 << 20;
 
 int round_down(int index, int step) {
@@ -77,7 +78,7 @@ bool PlanningGrid::add(const MapTile& tile) {
     }
   }
   if (low.x() <= high.x()) {
-    // What lies within the inflation radius, and beside it where gaps are filled.
+    // The cells within the inflation radius, and those next to them, where gaps are filled.
     const Cell margin = Cell::Constant(near_cells_ + 2);
     summarise(halved(low - margin), halved(high + margin));
   }
@@ -121,7 +122,8 @@ void PlanningGrid::find_near_offsets() {
   }
 }
 
-/// `change`: +1 when the cell becomes occupied, -1 when it no longer is.
+/// Updates the counts of near occupied cells. `change`: +1 if the map cell becomes occupied, -1 if
+/// it no longer is.
 void PlanningGrid::occupy(const Cell& map_cell, int change) {
   for (const Cell& offset : near_offsets_) {
     std::uint16_t& count = num_near_.at(map_cell + offset);
@@ -129,7 +131,7 @@ void PlanningGrid::occupy(const Cell& map_cell, int change) {
   }
 }
 
-/// Works the planning cells out anew from the map's cells.
+/// Recomputes the planning cells of a rectangle from the map's cells.
 void PlanningGrid::summarise(const Cell& low, const Cell& high) {
   for (int y = low.y(); y <= high.y(); ++y) {
     for (int x = low.x(); x <= high.x(); ++x) {
@@ -174,7 +176,8 @@ Ground PlanningGrid::filled_ground(const Cell& cell) const {
   return filled;
 }
 
-/// One of the map's four cells suffices: planning must not close a door that the body fits through.
+/// One of the four map cells suffices, so that planning does not close a door that the body fits
+/// through.
 bool PlanningGrid::has_room(const Cell& cell) const {
   for (int i = 0; i < 4; ++i) {
     if (num_near_.at(2 * cell + Cell(i % 2, i / 2)) == 0) {

@@ -12,8 +12,8 @@
 
 namespace nodmap::explorer {
 
-/// A rectangle of the 2D map, as MAP_2D brings it. Cells are numbered from the origin of map: cell
-/// (0, 0) lies between 0 and one cell's edge in x and y.
+/// A rectangle of the 2D map, as in MAP_2D. Cells are numbered from the origin of map: cell (0, 0)
+/// extends from 0 to one cell size in x and y.
 struct MapTile {
   double cell_size_m = 0.05;
   Cell first = Cell::Zero();
@@ -25,12 +25,12 @@ struct MapTile {
 
 enum class Ground : std::uint8_t { kUnknown, kFree, kOccupied };
 
-/// The 2D map as exploration looks at it: planning cells of 2 x 2 cells of the map, each unknown,
-/// free or occupied, and whether the robot's centre can be there. Everything is kept up to date
-/// with each tile, at a cost that depends on the tile, not on the building. Frame map.
+/// The 2D map for planning: planning cells of 2 x 2 map cells, each unknown, free or occupied, and
+/// whether the robot's centre can be there. Each tile updates the grid at a cost that depends on
+/// the tile, not on the building. Frame map.
 ///
-/// Gaps one planning cell wide count as what lies on both sides of them: the beams of a scan are
-/// 14 cm apart at 8 m, and a wall seen at a flat angle has cells that no beam ended in.
+/// Gaps of one planning cell get the state of the cells on both sides, because the beams of a scan
+/// are 14 cm apart at 8 m, and a wall seen at a grazing angle has cells in which no beam ended.
 class PlanningGrid {
  public:
   /// The largest map, in planning cells: 410 m x 410 m at 10 cm.
@@ -40,13 +40,13 @@ class PlanningGrid {
   /// cells.
   explicit PlanningGrid(double inflation_radius_m) : inflation_radius_m_(inflation_radius_m) {}
 
-  /// Takes over a tile. A tile with other cells than those before begins a new map. False, and
-  /// nothing is changed, where the map would become too large or the tile contradicts itself.
+  /// Adds a tile. A tile with another cell size starts a new map. Returns false and changes nothing
+  /// if the map would become too large or the tile contradicts itself.
   bool add(const MapTile& tile);
   void clear();
 
   [[nodiscard]] bool is_empty() const { return ground_.is_empty(); }
-  /// Edge of a planning cell.
+  /// Edge of a planning cell, metres.
   [[nodiscard]] double cell_size_m() const { return cell_size_m_; }
   [[nodiscard]] const Raster<Ground>& ground() const { return ground_; }
   [[nodiscard]] Ground ground_at(const Cell& cell) const {
@@ -62,7 +62,7 @@ class PlanningGrid {
   [[nodiscard]] Eigen::Vector2d center_of(const Cell& cell) const {
     return cell_size_m_ * (cell.cast<double>() + Eigen::Vector2d(0.5, 0.5));
   }
-  /// Free planning cells.
+  /// Number of free planning cells.
   [[nodiscard]] std::int64_t num_free() const { return num_free_; }
 
  private:
@@ -75,12 +75,13 @@ class PlanningGrid {
   [[nodiscard]] bool has_room(const Cell& cell) const;
 
   double inflation_radius_m_;
-  double cell_size_m_ = 1.0;        // any before the first tile, for each place is in some cell
+  double cell_size_m_ = 1.0;        // arbitrary before the first tile
   std::vector<Cell> near_offsets_;  // map cells within the inflation radius
-  int near_cells_ = 0;              // the farthest of them along an axis
+  int near_cells_ = 0;              // greatest offset along an axis
   Raster<Ground> map_;              // the map's own cells
-  Raster<std::uint16_t> num_near_;  // occupied map cells within the inflation radius, by map cell
-  Raster<Ground> raw_;              // planning cells before gaps are filled
+  Raster<std::uint16_t>
+      num_near_;        // for each map cell, number of occupied ones within the inflation radius
+  Raster<Ground> raw_;  // planning cells before gaps are filled
   Raster<Ground> ground_;
   Raster<std::uint8_t> passable_;
   std::int64_t num_free_ = 0;

@@ -12,7 +12,7 @@ namespace nodmap::explorer {
 /// Column and row of a cell, numbered from the origin of map; may be negative.
 using Cell = Eigen::Vector2i;
 
-/// A rectangle of cells with a value each.
+/// A rectangle of cells with one value each.
 template <class Value>
 class Raster {
  public:
@@ -25,7 +25,7 @@ class Raster {
     const Cell offset = cell - first_;
     return offset.x() >= 0 && offset.y() >= 0 && offset.x() < width_ && offset.y() < height_;
   }
-  /// The place of a cell that it contains, row by row, x fastest.
+  /// The index of a contained cell: row by row, x fastest.
   [[nodiscard]] std::size_t index_of(const Cell& cell) const {
     const Cell offset = cell - first_;
     return static_cast<std::size_t>(offset.y()) * static_cast<std::size_t>(width_) +
@@ -40,7 +40,7 @@ class Raster {
   [[nodiscard]] Value& operator[](std::size_t index) { return values_[index]; }
   [[nodiscard]] const Value& operator[](std::size_t index) const { return values_[index]; }
 
-  /// Covers these cells, all with one value.
+  /// Covers these cells, all with the same value.
   void reset(const Cell& first, int width, int height, const Value& value) {
     first_ = first;
     width_ = width;
@@ -48,7 +48,7 @@ class Raster {
     values_.assign(static_cast<std::size_t>(width) * static_cast<std::size_t>(height), value);
   }
 
-  /// Covers these cells, among them all that it covered before; new ones get `value`.
+  /// Extends to these cells, which include all present ones; new ones get `value`.
   void grow(const Cell& first, int width, int height, const Value& value) {
     Raster grown;
     grown.reset(first, width, height, value);

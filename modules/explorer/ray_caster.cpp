@@ -6,7 +6,7 @@
 namespace nodmap::explorer {
 namespace {
 
-/// Neighbouring beams are a cell apart at this distance; farther away some cells are missed.
+/// At this distance neighbouring beams are one cell apart; farther away some cells are missed.
 constexpr double kFullDensityM = 4.0;
 
 }  // namespace

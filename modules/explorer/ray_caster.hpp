@@ -10,15 +10,15 @@
 
 namespace nodmap::explorer {
 
-/// What the laser would show from a place that the map does not.
+/// Predicts the unknown cells that the laser would show from a place.
 class RayCaster {
  public:
-  /// `sensor_ahead_m`: the laser in base, forward.
+  /// `sensor_ahead_m`: position of the laser ahead of base.
   RayCaster(const ViewParams& params, double sensor_ahead_m)
       : params_(params), sensor_ahead_m_(sensor_ahead_m) {}
 
-  /// The unknown cells that would be seen by a robot at `p_map` that looks to `heading_rad`, each
-  /// once, by their index in grid.ground(); found by ray casting.
+  /// The unknown cells that a robot at `p_map` with heading `heading_rad` would see, found by ray
+  /// casting; each once, as indices of grid.ground().
   [[nodiscard]] const std::vector<std::uint32_t>& unknown_cells(const PlanningGrid& grid,
                                                                 const Eigen::Vector2d& p_map,
                                                                 double heading_rad);
@@ -29,7 +29,7 @@ class RayCaster {
   ViewParams params_;
   double sensor_ahead_m_;
   std::vector<std::uint32_t> cells_;
-  std::vector<std::uint32_t> counted_in_;  // the view in which a cell was counted last
+  std::vector<std::uint32_t> counted_in_;  // number of the view in which a cell was counted last
   std::uint32_t num_casts_ = 0;
 };
 

@@ -13,7 +13,7 @@ constexpr double kAroundM = 0.4;
 constexpr std::uint8_t kBegins = 8;
 constexpr std::uint32_t kStraight = 5;
 constexpr std::uint32_t kDiagonal = 7;
-/// The heading of a path is that of its last cells.
+/// Number of cells at the end of a path that determine its heading.
 constexpr int kHeadingCells = 4;
 
 const std::array<Cell, 8> kNeighbours{Cell(1, 0), Cell(-1, 0), Cell(0, 1),  Cell(0, -1),
@@ -41,7 +41,7 @@ void ShortestPaths::compute(const PlanningGrid& grid, const Eigen::Vector2d& fro
     num_queued_ -= open.size();
     for (const Cell& cell : open) {
       if (steps_.at(cell) != length) {
-        continue;  // reached by a shorter path since
+        continue;  // meanwhile reached by a shorter path
       }
       cells_.push_back(cell);
       for (std::uint8_t i = 0; i < kNeighbours.size(); ++i) {

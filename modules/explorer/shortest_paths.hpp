@@ -11,12 +11,12 @@
 
 namespace nodmap::explorer {
 
-/// Lengths of the shortest paths from one place to all others over passable cells (Dijkstra with
-/// buckets on the 8-neighbourhood: up to 8 % longer than the straight line). Frame map.
+/// Shortest paths from one place to all others over passable cells (Dijkstra with buckets on the
+/// 8-neighbourhood, up to 8 % longer than the straight line). Frame map.
 class ShortestPaths {
  public:
-  /// The robot may be nearer to an obstacle than a path may: paths begin at the nearest passable
-  /// cell within 0.4 m. With `targets` the search ends when all of them have been reached.
+  /// Paths start at the nearest passable cell within 0.4 m, because the robot may be nearer to an
+  /// obstacle than a path may. With `targets`, the search ends when all of them have been reached.
   void compute(const PlanningGrid& grid, const Eigen::Vector2d& from_map,
                std::span<const Cell> targets = {});
 
@@ -25,17 +25,17 @@ class ShortestPaths {
   [[nodiscard]] bool is_reached(const Cell& cell) const {
     return steps_.contains(cell) && steps_.at(cell) != kNever;
   }
-  /// Metres; +infinity where there is no path.
+  /// Length of the path to a cell, metres; +infinity if there is none.
   [[nodiscard]] double length_m(const Cell& cell) const;
-  /// The cells of the path to a reached cell, the first one near the robot.
+  /// The cells of the path to a reached cell, starting near the robot.
   [[nodiscard]] std::vector<Cell> path_to(const Cell& cell) const;
-  /// Direction in which the path arrives there, radians in map; `otherwise_rad` where it is too
-  /// short to tell.
+  /// Heading in map at the end of the path to a cell, radians; `otherwise_rad` if the path is too
+  /// short.
   [[nodiscard]] double heading_rad(const Cell& cell, double otherwise_rad) const;
 
  private:
   static constexpr std::uint32_t kNever = 0xFFFFFFFFU;
-  /// Lengths are counted in fifths of a cell: 5 along an axis, 7 along a diagonal.
+  /// Lengths are in fifths of a cell: 5 along an axis, 7 along a diagonal.
   static constexpr int kNumBuckets = 8;
 
   void push(const Cell& cell, std::uint32_t length, std::uint8_t from);
@@ -43,7 +43,7 @@ class ShortestPaths {
 
   double cell_size_m_ = 0.1;
   Raster<std::uint32_t> steps_;
-  Raster<std::uint8_t> from_;  // the neighbour that the path comes from; 8: it begins here
+  Raster<std::uint8_t> from_;  // the neighbour from which the path comes; 8: it starts here
   std::array<std::vector<Cell>, kNumBuckets> buckets_;
   std::size_t num_queued_ = 0;
   std::vector<Cell> cells_;

@@ -10,13 +10,13 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// The best way to have visited a set of stops, the last of them given.
+/// The cheapest visit of a set of stops with a given last stop.
 struct Partial {
   double cost = kInfinity;
   std::size_t before = 0;  // the stop before the last
 };
 
-/// What a metre costs while these stops have been visited.
+/// For each set of visited stops, the cost per metre.
 std::vector<double> weights_by_subset(const TourProblem& problem) {
   const std::size_t n = problem.weight.size();
   std::vector<double> weights(std::size_t{1} << n, problem.length_weight);

@@ -11,24 +11,24 @@ namespace nodmap::explorer {
 struct TourProblem {
   std::vector<double> weight;      ///< of each stop
   std::vector<double> from_start;  ///< length from the start to each stop
-  std::vector<double> to_end;      ///< from each stop to where the tour ends
+  std::vector<double> to_end;      ///< length from each stop to the end of the tour
   std::vector<std::vector<double>> between;
-  double length_weight = 0.0;  ///< of the whole length
+  double length_weight = 0.0;  ///< weight of the total length
 };
 
 struct Tour {
-  std::vector<std::size_t> order;  ///< of the stops
+  std::vector<std::size_t> order;  ///< indices of the stops
   double cost = 0.0;
 };
 
-/// More stops than this are refused: the cost doubles with each.
+/// Greatest number of stops, because each one doubles the computing time.
 inline constexpr std::size_t kMaxStops = 12;
 
-/// The tour of least cost over all stops, or of those that begin with the stop `first`. Each metre
-/// costs the length's weight and that of all stops still to come, so that what weighs much is
-/// visited early: a mix of travelling salesman and travelling repairman. Exact, by dynamic
-/// programming over the subsets of stops (Held and Karp 1962). Throws std::invalid_argument beyond
-/// kMaxStops.
+/// The tour of least cost over all stops, or among those that start with the stop `first`. Each
+/// metre costs the weight of the length plus the weights of all stops not yet visited, so that
+/// heavy stops are visited early: a mix of travelling salesman and travelling repairman. Exact, by
+/// dynamic programming over the subsets of stops (Held and Karp 1962). Throws std::invalid_argument
+/// beyond kMaxStops.
 [[nodiscard]] Tour shortest_tour(const TourProblem& problem,
                                  std::optional<std::size_t> first = std::nullopt);
 

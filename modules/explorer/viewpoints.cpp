@@ -8,7 +8,7 @@
 namespace nodmap::explorer {
 namespace {
 
-/// So many lookouts are rated; farther ones only where the nearer ones show nothing.
+/// Number of lookouts rated at a time; farther ones are rated only if the nearer ones show nothing.
 constexpr std::size_t kMostRated = 200;
 
 ViewParams looking_around(ViewParams params) {

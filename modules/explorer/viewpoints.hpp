@@ -17,8 +17,8 @@ namespace nodmap::explorer {
 struct Viewpoint {
   Cell cell = Cell::Zero();
   Eigen::Vector2d p_map = Eigen::Vector2d::Zero();
-  double gain_m2 = 0.0;   ///< that no viewpoint chosen before it shows
-  double length_m = 0.0;  ///< of the path from the robot
+  double gain_m2 = 0.0;   ///< unknown area that no previously chosen viewpoint shows
+  double length_m = 0.0;  ///< length of the path from the robot
 };
 
 /// Chooses viewpoints among lookouts.
@@ -26,13 +26,13 @@ class ViewpointChooser {
  public:
   explicit ViewpointChooser(const ExplorerParams& params);
 
-  /// At most tour.max_viewpoints, the best first: by gain, discounted with the length of the path,
-  /// where what a viewpoint shows no longer counts for the next (greedy set cover). `lookouts`:
-  /// reached cells, the nearest first. `yaw_rad`: of the robot.
+  /// Chooses at most tour.max_viewpoints viewpoints, the best first, by gain discounted with the
+  /// path length; cells that one viewpoint shows no longer count for the next (greedy set cover).
+  /// `lookouts`: reached cells, the nearest first. `yaw_rad`: heading of the robot.
   [[nodiscard]] std::vector<Viewpoint> choose(const PlanningGrid& grid, const ShortestPaths& paths,
                                               const std::vector<Cell>& lookouts, double yaw_rad);
 
-  /// The first lookout that shows enough, looking in all directions.
+  /// The first lookout that shows enough in all directions together.
   [[nodiscard]] std::optional<Viewpoint> nearest(const PlanningGrid& grid,
                                                  const ShortestPaths& paths,
                                                  const std::vector<Cell>& lookouts);
@@ -40,7 +40,7 @@ class ViewpointChooser {
  private:
   struct Candidate {
     Viewpoint viewpoint;
-    std::vector<std::uint32_t> shows;  // unknown cells
+    std::vector<std::uint32_t> shows;  // indices of unknown cells
   };
   [[nodiscard]] std::vector<Candidate> evaluate(const PlanningGrid& grid,
                                                 const ShortestPaths& paths,

@@ -6,14 +6,14 @@
 namespace nodmap::logger {
 namespace {
 
-// More than any robot has channels; names made of noise must not fill the memory.
+// More than a robot has channels; limits the memory used by meaningless names.
 constexpr std::size_t kMaxDecided = 1000;
 
 std::regex compile(const std::string& expression) {
   try {
     return std::regex(expression, std::regex::ECMAScript | std::regex::optimize);
   } catch (const std::regex_error& error) {
-    throw node::UsageError("'" + expression + "' is no regular expression: " + error.what());
+    throw node::UsageError("'" + expression + "' is not a regular expression:  " + error.what());
   }
 }
 

@@ -29,12 +29,13 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr const char* kProgram = "nodmap-logger";
-// Bounds how long an event waits for its flush, together with Recorder::kFlushPeriod.
+// Together with Recorder::kFlushPeriod, limits how long an event waits for its flush.
 constexpr milliseconds kWait(20);
-// A thread of the bus takes messages out of the socket; when none has come from it for so long
-// after the signal, none is on the way any more.
+// A thread of the bus reads messages from the socket. When none has arrived for this long after the
+// signal, no received message is left in it.
 constexpr milliseconds kSilence(100);
-// Others may go on sending: this ends the work within the second that a process has.
+// Other processes may continue to send; this limit ends the work within the second that a process
+// has to stop.
 constexpr time::Duration kDrainLimit = 600ms;
 
 struct Options {
@@ -49,14 +50,15 @@ std::int64_t to_bytes(double megabytes) {
 }
 
 void add_options(CLI::App& app, Options& options) {
-  app.add_option("--out", options.out, "Folder of the logs; made where it is missing");
-  app.add_option("--file", options.file,
-                 "Name of the log (then NAME.01, ...), else lcmlog-YYYY-MM-DD.NN of the UTC day");
+  app.add_option("--out", options.out, "Folder of the logs; created if it is missing");
+  app.add_option(
+      "--file", options.file,
+      "Name of the log (then NAME.01, ...); default: lcmlog-YYYY-MM-DD.NN with the UTC date");
   app.add_option("--channel", options.channel, "Record only channels that match this expression");
   app.add_option("--exclude", options.exclude, "Do not record channels that match this expression");
 }
 
-/// Options that stand for a parameter come after --set.
+/// Options that set a parameter are applied after --set.
 void assign_options(const Options& options, params::Table& table) {
   const auto assign = [&table](const char* option, const char* name, const std::string& value) {
     if (!value.empty()) {
@@ -68,26 +70,27 @@ void assign_options(const Options& options, params::Table& table) {
   assign("--exclude", "exclude_regex", options.exclude);
 }
 
-/// Throws node::UsageError where the parameters and --file do not go together.
+/// Throws node::UsageError if the parameters and --file contradict each other.
 RecorderSettings recorder_settings(const LoggerParams& params, const std::string& file) {
   RecorderSettings settings{.dir = params.out_dir,
                             .split_bytes = to_bytes(params.split_mb),
                             .quota_bytes = to_bytes(params.quota_mb),
                             .reserve_bytes = to_bytes(params.reserve_mb)};
   if (settings.quota_bytes > 0 && settings.split_bytes == 0) {
-    throw node::UsageError("quota_mb needs split_mb: only ended files can be deleted");
+    throw node::UsageError("quota_mb needs split_mb: only completed files can be deleted");
   }
   if (file.empty()) {
     return settings;
   }
   if (std::filesystem::path(file).has_parent_path()) {
-    throw node::UsageError("--file '" + file + "' is to be a name; --out gives the folder");
+    throw node::UsageError("--file '" + file +
+                           "' must be a name without folder; --out gives the folder");
   }
   settings.names = LogNames::fixed(file);
   return settings;
 }
 
-/// With --file the first log bears that very name, or there is none.
+/// With --file the first log must have exactly this name; fails if it already exists.
 void refuse_to_mix(const RecorderSettings& settings, const std::string& file) {
   if (file.empty() || !std::filesystem::is_directory(settings.dir)) {
     return;
@@ -100,7 +103,7 @@ void refuse_to_mix(const RecorderSettings& settings, const std::string& file) {
   }
 }
 
-/// The bus joined to the recorder.
+/// Passes messages from the bus to the recorder.
 class Logger {
  public:
   Logger(const std::string& url, int queue_messages, ChannelFilter filter,
@@ -145,7 +148,7 @@ class Logger {
     }
   }
 
-  /// Takes everything this host received before the signal.
+  /// Records everything that this host received before the signal.
   void drain() {
     const time::Timestamp stop = clock_.now();
     const auto deadline = std::chrono::steady_clock::now() + kDrainLimit;
@@ -173,8 +176,9 @@ int record_until_stopped(const Options& options, const LoggerParams& params,
   Logger logger(url, params.queue_messages, std::move(filter), settings);
   logger.run();
   const RecorderCounts& counts = logger.counts();
-  log::get().info("{} events in {} files; {} dropped for want of room, {} lost on the way",
-                  counts.written, counts.files, counts.dropped, logger.lost());
+  log::get().info(
+      "{} events in {} files; {} dropped for lack of disk space, {} lost before they were received",
+      counts.written, counts.files, counts.dropped, logger.lost());
   return counts.dropped == 0 ? 0 : 1;
 }
 
@@ -194,7 +198,8 @@ int run(int argc, char** argv) {
        .check = [&] { assign_options(options, table); },
        .run =
            [&](const std::string& lcm_url) {
-             // A limit on file sizes is a full disk like any other, not a reason to die.
+             // Exceeding a file size limit is treated like a full disk and must not end the
+             // process.
              std::signal(SIGXFSZ, SIG_IGN);
              return record_until_stopped(options, params, lcm_url);
            }});

@@ -10,7 +10,7 @@
 namespace nodmap::logger {
 namespace {
 
-// Channels of noise that happen to hold a valid message must not fill the memory.
+// Limits the memory used by meaningless channels with messages that happen to be valid.
 constexpr std::size_t kMaxChannels = 100;
 
 std::optional<std::int64_t> sequence_number(std::span<const std::byte> data) {

@@ -11,10 +11,9 @@
 namespace nodmap::logger {
 namespace {
 
-constexpr const char* kReserveReached = "the disk is full but for its reserve";
+constexpr const char* kReserveReached = "the disk is full except for its reserve";
 
-/// Whether a period has passed. A clock that was set back must not stop the work until it has
-/// caught up.
+/// Whether a period has passed, or the clock was set back, so that the work continues then.
 bool has_passed(time::Duration period, time::Timestamp since, time::Timestamp now) {
   const time::Duration elapsed = now - since;
   return elapsed < 0us || elapsed >= period;
@@ -121,7 +120,8 @@ bool Recorder::flush() {
   return true;
 }
 
-/// What is written survives a cut of the power from here on, and the disk keeps its reserve.
+/// Syncs the file, so that the events written so far survive a power cut, and keeps the disk's
+/// reserve free.
 void Recorder::sync() {
   synced_ = clock_.now();
   if (!writer_->sync()) {
@@ -162,12 +162,12 @@ void Recorder::fail(const std::string& cause) {
   }
   failed_ = clock_.now();
   failure_ = "cannot record into " + settings_.dir.string() + ": " + cause;
-  log::get().error("{}; {} events dropped so far, next try in {} s", failure_, counts_.dropped,
+  log::get().error("{}; {} events dropped so far, next attempt in {} s", failure_, counts_.dropped,
                    back_off_ / 1s);
 }
 
-/// Ends the file behind its last whole event, and takes the events that did not reach it for
-/// dropped. A file that holds none is removed: a disk that stays full must not fill with names.
+/// Truncates the file after its last complete event, and counts the events that did not reach it as
+/// dropped. Removes a file without events, so that a full disk does not collect empty files.
 void Recorder::keep_what_is_whole() {
   const auto first_lost = std::upper_bound(unflushed_ends_bytes_.begin(),
                                            unflushed_ends_bytes_.end(), writer_->size_bytes());
@@ -178,7 +178,7 @@ void Recorder::keep_what_is_whole() {
   counts_.written -= num_lost;
   counts_.dropped += num_lost;
   writer_.reset();
-  std::error_code ignored;  // what cannot be tidied up stays; readers skip a torn event
+  std::error_code ignored;  // harmless on failure: readers skip an incomplete event
   if (flushed_bytes_ == 0) {
     std::filesystem::remove(file_, ignored);
     --counts_.files;
@@ -187,7 +187,7 @@ void Recorder::keep_what_is_whole() {
   }
 }
 
-/// Deletes the oldest files beyond the quota, or beyond what the disk's reserve leaves for all.
+/// Deletes the oldest files until the logs comply with the quota and the disk's reserve.
 void Recorder::keep_quota() {
   deletable_bytes_ = 0;
   if (settings_.quota_bytes == 0 && settings_.reserve_bytes == 0) {
@@ -210,7 +210,7 @@ void Recorder::keep_quota() {
   }
 }
 
-/// What the logs of this name may hold together.
+/// The total size that the logs of this name may have.
 std::int64_t Recorder::allowed_bytes() const {
   constexpr auto kGreatest = std::numeric_limits<std::int64_t>::max();
   const std::int64_t quota_bytes = settings_.quota_bytes > 0 ? settings_.quota_bytes : kGreatest;
@@ -226,7 +226,7 @@ std::int64_t Recorder::allowed_bytes() const {
   return std::min(quota_bytes, std::max<std::int64_t>(0, held_bytes - missing_bytes));
 }
 
-/// The regular files; links and folders are not ours, whatever their name.
+/// The regular files; links and folders are never ours.
 std::vector<SizedFile> Recorder::files_in_folder() const {
   std::vector<SizedFile> files;
   std::error_code error;

@@ -37,7 +37,7 @@ struct RecorderCounts {
   std::int64_t written = 0;  ///< events written to a file, or buffered until the next flush
   std::int64_t dropped = 0;  ///< events for which the disk had no room
   std::int64_t files = 0;
-  std::int64_t deleted_files = 0;  ///< to keep quota and reserve
+  std::int64_t deleted_files = 0;  ///< files deleted for quota and reserve
 };
 
 /// Writes events into a sequence of log files. If the disk is full, the complete events written so
@@ -50,8 +50,8 @@ class Recorder : private boost::noncopyable {
   static constexpr time::Duration kFirstBackOff = 1s;
   static constexpr time::Duration kMaxBackOff = 30s;
 
-  /// Begins the first file. Throws std::runtime_error if it cannot, for instance because the
-  /// folder's name is mistyped: otherwise users would believe that they are recording.
+  /// Creates the first file. Throws std::runtime_error if that fails, for example because the
+  /// folder's name is mistyped; otherwise users would believe that they are recording.
   Recorder(RecorderSettings settings, const time::Clock& clock);
   ~Recorder() = default;
 
@@ -84,7 +84,7 @@ class Recorder : private boost::noncopyable {
   RecorderSettings settings_;
   const time::Clock& clock_;
   std::filesystem::path file_;
-  std::unique_ptr<bus::LogWriter> writer_;          // none after a failure
+  std::unique_ptr<bus::LogWriter> writer_;          // null after a failure
   std::vector<std::int64_t> unflushed_ends_bytes_;  // file offsets at which unflushed events end
   std::int64_t flushed_bytes_ = 0;
   std::int64_t deletable_bytes_ = 0;  // size of the family's other files, if there is a quota

@@ -29,15 +29,15 @@ bool is_date(std::string_view text) {
   return true;
 }
 
-// Far beyond any run, and safe to count on from.
+// Far above any number in use, and safe to increment.
 constexpr int kMaxNumber = 999'999'999;
 
 std::string two_digits(int number) {
   return std::string(number < 10 ? 1 : 0, '0') + std::to_string(number);
 }
 
-/// ".NN" as written by two_digits(): nothing for any other text, so that a foreign file that only
-/// looks similar is never taken for one of ours.
+/// Parses ".NN" as written by two_digits(). Empty for any other text, so that a file of another
+/// program with a similar name is never taken for one of ours.
 std::optional<int> parse_suffix(std::string_view text) {
   int number = 0;
   if (text.size() < 3 || text[0] != '.' || !std::all_of(text.begin() + 1, text.end(), is_digit) ||

@@ -37,7 +37,8 @@ class AngleBins {
 
   /// The bin of a bearing in [-pi, pi]; empty outside the aperture and for NaN.
   [[nodiscard]] std::optional<std::size_t> index(double bearing_rad) const {
-    // Adding a half makes truncation round: a bearing between two bins belongs to the left one.
+    // Adding a half makes the truncation round; a bearing halfway between two bins belongs to the
+    // left one.
     const double place = (bearing_rad - first_rad_) * bins_per_rad_ + 0.5;
     if (!(place >= 0.0 && place < static_cast<double>(size_ + 1))) {
       return std::nullopt;

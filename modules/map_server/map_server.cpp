@@ -32,8 +32,8 @@ void MapServer::reset() {
   last_stamp_.reset();
 }
 
-// Returns the motion since the last update, or nothing below 1e-6. Small motions are not lost: the
-// reference pose stays the same until they add up.
+// Returns the motion since the last update; empty if it is below 1e-6. Small motions are not lost,
+// because the reference pose stays the same until they add up.
 std::optional<geometry::SE2> MapServer::pose_shift(const geometry::SE2& T_odom_base) {
   constexpr double kStationary = 1e-6;  // metres, radians
   if (!T_odom_last_) {

@@ -55,7 +55,8 @@ struct UpdateParams {
         "Age at which a point is removed. paper: counts the time in motion; visibility: counts "
         "the time in full view without a new measurement.");
     v.number("height_tolerance_m", height_tolerance_m, {0.0, 0.5},
-             "Heights that differ by less belong to the same part of an object (visibility only).");
+             "Heights that differ by less than this belong to the same part of an object "
+             "(visibility only).");
     v.integer("misses_to_remove", misses_to_remove, {1, 100},
               "A point is removed when beams have passed through it in this many sweeps since its "
               "last measurement (visibility only).");

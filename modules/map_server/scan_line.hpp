@@ -20,8 +20,8 @@ struct SlantedPlane {
 /// The plane of the beams at a pitch, in base; empty if the plane is almost vertical.
 [[nodiscard]] std::optional<SlantedPlane> laser_plane(const scan::Scan& scan, double pitch_rad);
 
-/// The beams of one scan as a line that sweeps over the ground. Tells for a point p_base on the
-/// ground at which height the beams cross it, and whether they end there or reach beyond.
+/// The beams of one scan as a line over the ground. Finds, for a point p_base on the ground, the
+/// height at which the beams cross it, and whether they end there or reach beyond.
 class ScanLine {
  public:
   /// Where the scan crosses a point on the ground: between which beams, and at which height.

@@ -10,7 +10,7 @@
 namespace nodmap::pitch_controller {
 namespace {
 
-// As for the other inputs: sums and differences of stamps never overflow.
+// Limit for stamps, as for other inputs, so that their sums and differences never overflow.
 constexpr std::int64_t kLatestUtimeUs = std::int64_t{1} << 60;
 
 bool is_plausible(const nodmap::pitch_state_t& message) {
@@ -107,7 +107,7 @@ node::Health PitchControllerNode::health() const {
   }
   if (params_.mode == Mode::kFixed) {
     return {HealthState::kDegraded,
-            "The laser is held level: what is above or below its plane is not seen."};
+            "The laser is held level: obstacles above or below its plane are not seen."};
   }
   if (!pitch_is_measured_) {
     return {HealthState::kDegraded,

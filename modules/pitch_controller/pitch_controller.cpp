@@ -15,11 +15,11 @@ constexpr double kImpossibleMps = 20.0;
 constexpr double kLateFactor = 2.0;
 constexpr double kLateS = 0.2;
 
-// How fast the speed falls by which the area of interest is wider than the virtual corridor: after
-// a stop from 1 m/s it takes ten seconds to open wholly.
+// Rate at which the speed that determines the width of the area of interest may fall: after a stop
+// from 1 m/s the area takes ten seconds to open completely.
 constexpr double kWideningMps2 = 0.1;
 
-// Plans that differ by less count as the same for the regulator.
+// Plans whose sweep durations differ by a smaller fraction count as the same for the regulator.
 constexpr double kSameTime = 0.05;
 constexpr double kSameRad = geometry::deg_to_rad(1.0);
 
@@ -97,9 +97,9 @@ void PitchController::plan_for_present_speed(time::Timestamp now) {
     const double forward_mps = std::clamp(speed_->forward_mps, 0.0, kImpossibleMps);
     planned_mps_ =
         std::max(forward_mps, planned_mps_ - params_.robot.braking.deceleration_mps2 * dt_s);
-    // What is wider than the corridor is for looking around where the robot stays. In a short stop
-    // it would cost more than it shows: two wide sweeps, and twice as long a reaction time when the
-    // robot goes on.
+    // The part of the area beyond the corridor is for looking around while the robot stays. In a
+    // short stop it costs more than it is worth: two wide sweeps, and twice the reaction time when
+    // the robot continues.
     looking_mps_ = std::max(planned_mps_, looking_mps_ - kWideningMps2 * dt_s);
   }
   plan_ = planner_.plan(planned_mps_, looking_mps_);

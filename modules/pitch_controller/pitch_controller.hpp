@@ -92,7 +92,7 @@ class PitchController {
   std::optional<PitchReading> pitch_;
   std::optional<time::Timestamp> decided_;
   double planned_mps_ = 0.0;
-  double looking_mps_ = 0.0;  // the area of interest is no wider than at this speed
+  double looking_mps_ = 0.0;  // the area of interest is at most as wide as at this speed
   SweepPlan plan_;
   double commanded_s_ = 0.0;
   SweepPlan plan_at_reversal_;  // the plan at the start of the present sweep

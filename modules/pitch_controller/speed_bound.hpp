@@ -18,7 +18,7 @@ namespace nodmap::pitch_controller {
 
 /// Limits how fast the speed bound rises; it may fall at once. An obstacle that appeared while the
 /// robot was slower may be at the end of a shorter required distance, and the laser may not have
-/// seen it yet. appearing_obstacle_test tries that by brute force with the default rise; it does
+/// seen it yet. appearing_obstacle_test checks this by brute force for the default rise; it does
 /// not show which rise would be too fast.
 class RisingBound {
  public:

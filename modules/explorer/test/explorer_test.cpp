@@ -21,7 +21,7 @@ ExplorerParams with(Policy policy) {
 
 class Offices : public ::testing::TestWithParam<int> {};
 
-// Four rooms on each side of a corridor of 16 m.
+// A corridor of 16 m with four rooms on each side.
 TEST_P(Offices, AreSeenAndTheRobotIsBackHome) {
   GridWorld office = make_office(4, static_cast<std::uint64_t>(GetParam()));
   const Exploration exploration = explore(office, with(Policy::kTour), 900.0);
@@ -31,7 +31,7 @@ TEST_P(Offices, AreSeenAndTheRobotIsBackHome) {
 }
 INSTANTIATE_TEST_SUITE_P(Seeds, Offices, ::testing::Range(1000, 1003));
 
-// What the tour is compared with (bench/exploration.py) must do its work, too.
+// The policy that the tour is compared with (bench/exploration.py) must also work.
 TEST(Explorer, ByTheNearestFrontierAnOfficeIsSeenAsWell) {
   GridWorld office = make_office(4, 1000);
   const Exploration exploration = explore(office, with(Policy::kNearestFrontier), 900.0);
@@ -85,7 +85,7 @@ TEST(Explorer, ReturnsToWhereItBegan) {
             State::kHome);
 }
 
-/// A robot that cannot move, at the beginning of a corridor with much to see at its end.
+/// A robot that cannot move, at the start of a corridor with much unknown ground at its end.
 class Stuck : public ::testing::Test {
  protected:
   Stuck() : world_({-8.0, -8.0}, {8.0, 8.0}) {
@@ -126,7 +126,7 @@ TEST_F(Stuck, WithoutAPathItGivesUpSooner) {
   EXPECT_EQ(explorer_.num_failures(), 1U);
 }
 
-// While the robot is stopped nothing is decided.
+// While the robot is stopped, no decisions are made.
 TEST_F(Stuck, APauseIsNoFailure) {
   const Eigen::Vector2d first = decide(0.0).tour.front().p_map;
   EXPECT_EQ(decide(100.0).tour.front().p_map, first);

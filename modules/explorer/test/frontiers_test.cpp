@@ -31,7 +31,7 @@ TEST(Frontiers, AreTheFreeCellsBesideUnknownGround) {
   paths.compute(grid, {1.0, 1.5});
   Frontiers frontiers;
   frontiers.find(grid, paths);
-  // The whole border at x = 2 m, but for the walls: 28 cells.
+  // The whole border at x = 2 m without the walls: 28 cells.
   EXPECT_EQ(frontiers.cells().size(), 28U);
   EXPECT_TRUE(std::ranges::all_of(frontiers.cells(), [](const Cell& c) { return c.x() == 19; }));
 }

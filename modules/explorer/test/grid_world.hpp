@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// For tests in closed loop: a world of cells, the 2D map that an ideal SLAM would make of it, and a
+// For closed-loop tests: a world of cells, the 2D map that an ideal SLAM would build of it, and a
 // robot that follows the explorer's path.
 #pragma once
 
@@ -13,7 +13,7 @@
 
 namespace nodmap::explorer::test {
 
-/// Walls on a grid of 5 cm, and what of it has been seen. Frame map.
+/// Walls on a grid of 5 cm, and the part of it seen so far. Frame map.
 class GridWorld {
  public:
   static constexpr double kCellM = 0.05;
@@ -25,7 +25,7 @@ class GridWorld {
         is_wall_(static_cast<std::size_t>(width_ * height_), false),
         map_(is_wall_.size(), -1) {}
 
-  /// A rectangle that nothing passes.
+  /// Adds an occupied rectangle.
   void add_box(const Eigen::Vector2d& min, const Eigen::Vector2d& max) {
     for (std::size_t i = 0; i < is_wall_.size(); ++i) {
       const Eigen::Vector2d p = center(i);
@@ -34,7 +34,7 @@ class GridWorld {
       }
     }
   }
-  /// Along x or y, 10 cm thick.
+  /// Adds a wall along x or y, 10 cm thick.
   void add_wall(const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
     const Eigen::Vector2d half = Eigen::Vector2d::Constant(0.05);
     add_box(from.cwiseMin(to) - half, from.cwiseMax(to) + half);
@@ -46,7 +46,7 @@ class GridWorld {
     add_wall(from + (middle_m + 0.5 * width_m) * along, to);
   }
 
-  /// Sees with a beam for each degree ahead, up to 8 m.
+  /// Takes a scan with one beam per degree ahead, up to 8 m.
   void scan(const geometry::SE2& T_map_base) {
     constexpr double kRangeM = 8.0;
     const Eigen::Vector2d mirror = T_map_base * Eigen::Vector2d(0.15, 0.0);
@@ -68,8 +68,8 @@ class GridWorld {
 
   [[nodiscard]] MapTile map() const { return {kCellM, first_, width_, height_, map_}; }
 
-  /// The cells of the floor that is connected with `start`, without those beside walls: whether a
-  /// beam meets them is chance.
+  /// The floor cells connected with `start`, without those next to walls, which beams hit only by
+  /// chance.
   [[nodiscard]] std::vector<std::size_t> floor(const Eigen::Vector2d& start) const {
     std::vector<bool> visited(is_wall_.size(), false);
     std::vector<std::size_t> front{index(start)};
@@ -94,7 +94,7 @@ class GridWorld {
     return cells;
   }
 
-  /// How much of these cells the map shows as free.
+  /// The fraction of these cells that the map shows as free.
   [[nodiscard]] double seen_ratio(const std::vector<std::size_t>& cells) const {
     const auto num_seen =
         std::ranges::count_if(cells, [this](std::size_t cell) { return map_[cell] == 0; });
@@ -124,7 +124,7 @@ class GridWorld {
 };
 
 /// Rooms on both sides of a corridor along x, each with a door and a cupboard in a corner; the
-/// robot starts at the corridor's beginning, 0.6 m from the wall behind it.
+/// robot starts at the start of the corridor, 0.6 m from the wall behind it.
 inline GridWorld make_office(int rooms_on_a_side, std::uint64_t seed) {
   std::mt19937_64 engine(seed);
   const auto between = [&](double least, double most) {
@@ -154,15 +154,16 @@ inline GridWorld make_office(int rooms_on_a_side, std::uint64_t seed) {
   return office;
 }
 
-/// What became of an exploration.
+/// The result of an exploration.
 struct Exploration {
   State state = State::kIdle;
   double seen_ratio = 0.0;
   double from_home_m = 0.0;
 };
 
-/// Explores from the origin until the robot is home, or for so long: 0.5 m/s along the path, 60
-/// degrees a second on the spot. The map comes twice a second, a scan each 0.3 m or 15 degrees.
+/// Explores from the origin until the robot is home, for at most `max_s`. The robot drives at 0.5
+/// m/s along the path and rotates at 60 degrees per second on the spot. The map is updated twice a
+/// second; there is a scan every 0.3 m or 15 degrees.
 inline Exploration explore(GridWorld& world, const ExplorerParams& params, double max_s) {
   constexpr double kStepS = 0.1;
   constexpr double kAheadM = 0.15;
@@ -186,7 +187,7 @@ inline Exploration explore(GridWorld& world, const ExplorerParams& params, doubl
       result.seen_ratio = world.seen_ratio(floor);
     }
     const Eigen::Vector2d p = T_map_base.translation();
-    // As the navigator does: at a goal it stays until there is another one.
+    // As the navigator, the robot stays at a goal until there is another one.
     if (!decision.goal || (decision.goal->p_map - p).norm() <= decision.goal->tolerance_m) {
       continue;
     }

@@ -36,7 +36,7 @@ class ExplorerNodeTest : public ::testing::Test {
     message.cells.assign(tile.cells.begin(), tile.cells.end());
     bus_.deliver("MAP_2D", message);
   }
-  /// Half a second later.
+  /// Advances by half a second and gives a pose.
   nodmap::exploration_t give_pose(std::int8_t state = nodmap::pose_t::TRACKING) {
     utime_us_ += 500'000;
     nodmap::pose_t pose = node::write_corrected_pose(
@@ -150,8 +150,8 @@ TEST_F(ExplorerNodeTest, ANewMapEndsItAndTheRobotStaysWhereItIs) {
   EXPECT_EQ(give_pose().state, nodmap::exploration_t::EXPLORING);
   give_map(0);
   const std::size_t num_goals = bus_.count("GOAL");
-  EXPECT_EQ(give_pose().reason, "The 2D map began anew.");
-  // The old goal is a position in a map that is no more.
+  EXPECT_EQ(give_pose().reason, "The 2D map was restarted.");
+  // The old goal is a position in a map that no longer exists.
   ASSERT_EQ(bus_.count("GOAL"), num_goals + 1);
   const auto goal = bus_.last<nodmap::goal_t>("GOAL");
   EXPECT_TRUE(goal.is_active);

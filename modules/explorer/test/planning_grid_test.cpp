@@ -11,7 +11,7 @@ namespace planning_grid_test {
 constexpr double kInflationRadiusM = 0.205;
 constexpr int kTile = 40;
 
-/// Cells of the map that are all free but for what is written into them.
+/// A map whose cells are free unless set otherwise.
 struct Map {
   explicit Map(Cell first_cell = Cell::Zero())
       : first(std::move(first_cell)), cells(kTile * kTile, 0) {}
@@ -57,7 +57,7 @@ TEST(PlanningGrid, GapsOfOneCellBelongToWhatIsOnBothSides) {
   EXPECT_EQ(grid.ground_at({8, 5}), Ground::kUnknown);
 }
 
-/// By looking at all cells.
+/// Oracle: examines all cells.
 bool is_passable(const std::vector<Map>& maps, const PlanningGrid& grid, const Cell& cell) {
   bool has_room = false;
   for (int i = 0; i < 4; ++i) {
@@ -75,7 +75,7 @@ bool is_passable(const std::vector<Map>& maps, const PlanningGrid& grid, const C
   return has_room && grid.ground_at(cell) == Ground::kFree;
 }
 
-// The grid keeps up with a map that changes; an oracle looks at everything anew.
+// The grid follows a changing map; the oracle recomputes everything.
 TEST(PlanningGrid, WhatIsPassableIsWhatIsFarEnoughFromAllThatIsOccupied) {
   std::mt19937_64 engine(1000);
   std::uniform_int_distribution<int> place(0, kTile - 1);
@@ -114,7 +114,7 @@ TEST(PlanningGrid, TilesThatMakeNoSenseAreRefused) {
   tile.first = Cell(2'000'000, 0);
   EXPECT_FALSE(grid.add(tile));
   ASSERT_TRUE(grid.add(map.tile()));
-  tile.first = Cell(30'000, 30'000);  // alone it would be possible
+  tile.first = Cell(30'000, 30'000);  // possible on its own
   EXPECT_FALSE(grid.add(tile));
   EXPECT_EQ(grid.num_free(), kTile * kTile / 4);
 }

@@ -10,7 +10,7 @@ namespace ray_caster_test {
 
 constexpr int kCells = 400;  // of the map: 20 m x 20 m, the origin in its middle
 
-/// Unknown ground but for a rectangle that is free, and others that are occupied; in map cells.
+/// Unknown ground with a free rectangle and occupied ones, in map cells.
 struct Scene {
   Scene() : cells(kCells * kCells, -1) {}
   void fill(double x_min, double y_min, double x_max, double y_max, std::int8_t occupancy) {
@@ -37,17 +37,19 @@ double seen_m2(const PlanningGrid& grid, const ViewParams& params, double headin
   return 0.01 * static_cast<double>(cells.size());
 }
 
-// Nothing is known: a half disc of the depth that a beam may pass through.
+// Nothing is known: the beams cover a half disc whose radius is the depth that a beam may pass
+// through.
 TEST(RayCaster, OpenUnknownGroundIsSeenAsFarAsItsDepth) {
   Scene scene;
   scene.fill(-0.1, -0.1, 0.1, 0.1, 0);
   ViewParams params;
   params.unknown_depth_m = 3.0;
-  // Cells of 10 cm at the border of the half disc: half its length of 15.4 m, half a cell wide.
+  // Tolerance: cells of 10 cm along the border of the half disc, 15.4 m long; half of them, half a
+  // cell wide.
   EXPECT_NEAR(seen_m2(scene.grid(), params, 0.3), 0.5 * 3.1 * 3.1 * geometry::kPi, 0.4);
 }
 
-// A wall with a gap of 1 m, a metre ahead: a wedge is seen behind it.
+// A wall with a gap of 1 m, one metre ahead: a wedge behind it is visible.
 TEST(RayCaster, WhatIsBehindAWallIsHidden) {
   Scene scene;
   scene.fill(-2.0, -3.0, 1.0, 3.0, 0);
@@ -56,7 +58,8 @@ TEST(RayCaster, WhatIsBehindAWallIsHidden) {
   params.range_m = 5.0;
   params.unknown_depth_m = 50.0;
   params.half_angle_rad = geometry::deg_to_rad(60.0);
-  // 3 m and more to the side the beams leave the free rectangle and reach the wall's unknown foot.
+  // Beyond 3 m to the side the beams leave the free rectangle and reach unknown cells in front of
+  // the wall.
   const double walled = seen_m2(scene.grid(), params, 0.0);
   EXPECT_EQ(walled, 0.0);
   scene.fill(1.0, -0.5, 1.1, 0.5, 0);

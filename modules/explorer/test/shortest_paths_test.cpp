@@ -27,7 +27,7 @@ PlanningGrid hall(std::uint64_t seed) {
   return grid;
 }
 
-/// Bellman and Ford: relaxes all edges until nothing changes. Fifths of a cell.
+/// Oracle: Bellman-Ford, which relaxes all edges until nothing changes. Fifths of a cell.
 std::vector<std::vector<double>> all_lengths(const PlanningGrid& grid, const Cell& from) {
   constexpr double kNever = std::numeric_limits<double>::infinity();
   std::vector<std::vector<double>> lengths(40, std::vector<double>(60, kNever));

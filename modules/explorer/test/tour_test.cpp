@@ -12,7 +12,7 @@
 namespace nodmap::explorer {
 namespace tour_test {
 
-/// Stops anywhere in a square, straight lines between them, and back to the start.
+/// Random stops in a square, with straight lines between them and back to the start.
 TourProblem random_problem(std::size_t num_stops, double length_weight, std::uint64_t seed) {
   std::mt19937_64 engine(seed);
   std::uniform_real_distribution<double> place(0.0, 10.0);
@@ -48,7 +48,7 @@ double cost_of(const TourProblem& problem, const std::vector<std::size_t>& order
 
 class ShortestTour : public ::testing::TestWithParam<int> {};
 
-// Against all orders of seven stops.
+// Oracle: all orders of seven stops.
 TEST_P(ShortestTour, IsTheBestOfAllOrders) {
   const auto seed = static_cast<std::uint64_t>(GetParam());
   const TourProblem problem = random_problem(7, seed % 2 == 0 ? 0.0 : 20.0, seed);
@@ -61,7 +61,7 @@ TEST_P(ShortestTour, IsTheBestOfAllOrders) {
     least_from_3 = order[0] == 3 ? std::min(least_from_3, cost_of(problem, order)) : least_from_3;
   }
   const Tour tour = shortest_tour(problem);
-  // The sums are the same numbers in another order.
+  // The same numbers are added in another order.
   EXPECT_NEAR(tour.cost, least, 1e-9 * least);
   EXPECT_NEAR(cost_of(problem, tour.order), tour.cost, 1e-9 * least);
   const Tour from_3 = shortest_tour(problem, 3);

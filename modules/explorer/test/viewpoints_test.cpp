@@ -17,8 +17,8 @@ namespace viewpoints_test {
 constexpr int kMapCells = 320;  // 16 m x 16 m, cells of 5 cm
 constexpr double kCellArea = 0.01;
 
-/// A free room in the middle of unknown ground, 8 m x 8 m, with pieces of wall on its border: what
-/// is between them is a frontier.
+/// A free room of 8 m x 8 m within unknown ground, with pieces of wall on its border; the gaps
+/// between them are frontiers.
 PlanningGrid half_walled_room(std::uint64_t seed) {
   std::mt19937_64 engine(seed);
   std::uniform_int_distribution<int> length(4, 30);
@@ -50,7 +50,7 @@ PlanningGrid half_walled_room(std::uint64_t seed) {
   return grid;
 }
 
-/// The room with the paths from a place in it, and the lookouts.
+/// The room, the paths from a place in it, and the lookouts.
 struct Room {
   explicit Room(std::uint64_t seed) : grid(half_walled_room(seed)) {
     paths.compute(grid, {7.0, 8.5});
@@ -63,8 +63,8 @@ struct Room {
   std::vector<Cell> lookouts;
 };
 
-// The oracle chooses one after the other, each time over all lookouts, by the cells that none of
-// those before shows.
+// Oracle: chooses viewpoints one by one, each among all lookouts, by the cells that none of the
+// previous ones shows.
 TEST(ViewpointChooser, ChoosesAsBruteForceDoes) {
   constexpr double kYawRad = 0.3;
   std::size_t num_chosen = 0;
@@ -94,7 +94,7 @@ TEST(ViewpointChooser, ChoosesAsBruteForceDoes) {
           const double gain_m2 = kCellArea * static_cast<double>(num_new);
           const double value = gain_m2 * std::exp(-params.tour.discount_per_m *
                                                   room.paths.length_m(room.lookouts[k]));
-          // A rounding of a cell's area at most: gains are whole numbers of cells.
+          // Tolerance: rounding only, because gains are whole numbers of cells.
           if (gain_m2 >= params.view.min_gain_m2 - 1e-9 && value > best_value) {
             best_value = value;
             best_gain_m2 = gain_m2;
@@ -118,7 +118,8 @@ TEST(ViewpointChooser, ChoosesAsBruteForceDoes) {
   EXPECT_GT(num_chosen, 30U);
 }
 
-// With the median of what the lookouts show, all around, as the bound: half of them show enough.
+// The minimum gain is the median of what the lookouts show in all directions, so half of them show
+// enough.
 TEST(ViewpointChooser, TheNearestShowsEnoughAndNoneBeforeItDoes) {
   std::ptrdiff_t num_skipped = 0;
   for (std::uint64_t seed = 1000; seed < 1006; ++seed) {
@@ -147,7 +148,7 @@ TEST(ViewpointChooser, TheNearestShowsEnoughAndNoneBeforeItDoes) {
   EXPECT_GT(num_skipped, 0) << "the first was always enough";
 }
 
-// 200 lookouts are rated, and the next 200 only where these show nothing.
+// 200 lookouts are rated; the next 200 only if these show nothing.
 TEST(ViewpointChooser, FartherLookoutsCountWhereTheNearerShowNothing) {
   const Room room(1000);
   ExplorerParams params;
@@ -174,7 +175,7 @@ TEST(ViewpointChooser, WithoutLookoutsOrUnknownGroundThereIsNone) {
   ViewpointChooser dut({});
   EXPECT_TRUE(dut.choose(room.grid, room.paths, {}, 0.0).empty());
   EXPECT_FALSE(dut.nearest(room.grid, room.paths, {}));
-  constexpr int kKnownCells = kMapCells + 240;  // 6 m more on each side: as far as is looked
+  constexpr int kKnownCells = kMapCells + 240;  // 6 m more on each side: the range of the view
   std::vector<std::int8_t> cells(kKnownCells * kKnownCells, 0);
   PlanningGrid known(0.2);
   ASSERT_TRUE(known.add({0.05, {-120, -120}, kKnownCells, kKnownCells, cells}));

@@ -60,7 +60,7 @@ class RecorderTest : public ::testing::Test {
     return found;
   }
 
-  /// The stamps of the events in a file, which must hold nothing else.
+  /// The stamps of the events in a file, which must contain nothing else.
   [[nodiscard]] std::vector<std::int64_t> stamps(const std::string& name) const {
     bus::LogReader reader(dir_.path() / name);
     std::vector<std::int64_t> found;
@@ -191,7 +191,7 @@ TEST_F(RecorderTest, GoesOnInANewFileWhenThereIsRoomAgain) {
   EXPECT_THAT(stamps("lcmlog-2026-11-21.01"), ElementsAre(4));
 }
 
-// Every try while the disk stays full makes a file, finds no room and removes it.
+// While the disk stays full, every attempt creates a file, finds no space and removes it.
 TEST_F(RecorderTest, BacksOffAndLeavesNoEmptyFilesWhileTheDiskStaysFull) {
   FileSizeLimit full(0);
   Recorder recorder({.dir = dir_.path()}, clock_);
@@ -240,7 +240,7 @@ TEST_F(RecorderTest, AFolderThatVanishedIsMadeAgain) {
   EXPECT_THAT(stamps("logs/lcmlog-2026-11-21.00"), ElementsAre(1));
 }
 
-// The disk has 12 kB, and 5 kB of them are to stay free: the newest logs of 7 kB remain.
+// The disk has 12 kB, of which 5 kB must stay free: the newest logs of 7 kB remain.
 TEST_F(RecorderTest, TheOldestLogsGoForTheReserveOfTheDisk) {
   const auto available = [this](const std::filesystem::path&) {
     std::int64_t used_bytes = 0;
@@ -267,7 +267,7 @@ TEST_F(RecorderTest, TheOldestLogsGoForTheReserveOfTheDisk) {
   EXPECT_EQ(stamps(names().back()).back(), 29) << "the last minutes are always there";
 }
 
-// What fills the disk is not ours: nothing is taken from the reserve, and it is told.
+// Other files fill the disk: the reserve is not used, and this is reported.
 TEST_F(RecorderTest, RecordingPausesWhenNothingOfOursFillsTheDisk) {
   std::int64_t available_bytes = 10'000;
   Recorder recorder(

@@ -55,7 +55,7 @@ TEST(Rotation, AGivenNameIsTheFirst) {
   }
 }
 
-// Whatever is accepted here may be deleted for the quota.
+// Every name accepted here may be deleted for the quota.
 TEST(Rotation, OnlyNamesThatCouldBeOursAreOurs) {
   const LogNames dated = LogNames::dated("lcmlog");
   EXPECT_TRUE(dated.order_of("lcmlog-2026-11-21.00"));

@@ -13,7 +13,7 @@ namespace ego_map_test {
 using geometry::SE2;
 using ::testing::ElementsAre;
 
-/// A new scan with given hits and no scan line: a rule can only look at the hits.
+/// A new scan with given hits but without a scan line, for rules that use only the hits.
 class HitsOnly {
  public:
   HitsOnly(const EgoMap& map, const std::vector<EgoPoint>& points, double elapsed_s = 0.0) {
@@ -48,7 +48,7 @@ const EgoPoint* point_towards(const EgoMap& map, double bearing_rad) {
   return point.valid ? &point : nullptr;
 }
 
-/// Notes what it finds at each step: the distance of the one point ahead.
+/// Records what it finds at each step: the distance of the single point ahead.
 class NotingRule final : public UpdateRule {
  public:
   explicit NotingRule(std::vector<std::string>& notes) : notes_(&notes) {}
@@ -76,7 +76,7 @@ EgoMap noting_map(std::vector<std::string>& notes) {
           std::make_unique<NotingRule>(notes)};
 }
 
-// Each step is told by what it finds: the point moved by step 1, its place emptied by step 2.
+// Each step is recognised by what it finds: the point moved by step 1, its bin emptied by step 2.
 TEST(EgoMap, TransformRemoveReplaceInThisOrderForEveryScan) {
   std::vector<std::string> notes;
   EgoMap map = noting_map(notes);
@@ -97,7 +97,7 @@ TEST(EgoMap, StandingSkipsTransformationAndRemoval) {
   EXPECT_THAT(notes, ElementsAre("replace, finds nothing", "replace, finds 5 m"));
 }
 
-// Half a metre is more than any tolerance.
+// The distances differ by half a metre, more than any tolerance.
 TEST(ObstacleMap, ReplacementTruthTable) {
   for (const RemovalRule rule : {RemovalRule::kPaper, RemovalRule::kVisibility}) {
     for (const auto& [hit_m, expected_m] : {std::pair{1.5, 1.5}, {2.0, 2.0}, {2.5, 2.0}}) {
@@ -105,7 +105,7 @@ TEST(ObstacleMap, ReplacementTruthTable) {
       map.update(std::nullopt, HitsOnly(map, {EgoPoint::at({2.0, 0.0}, 0.1)}).scan());
       map.update(std::nullopt, HitsOnly(map, {EgoPoint::at({hit_m, 0.0}, 0.3)}).scan());
       EXPECT_EQ(point_towards(map, 0.0)->distance_m, expected_m);
-      // At an equal distance the new point replaces the old one, too.
+      // At an equal distance the new point also replaces the old one.
       EXPECT_EQ(point_towards(map, 0.0)->height_m, hit_m <= 2.0 ? 0.3 : 0.1);
     }
   }
@@ -166,11 +166,13 @@ TEST(ObstacleMap, ANearbyMeasurementRenewsTheAge) {
     const EgoPoint* p = point_towards(map, 0.1 / 2.0);
     return p == nullptr ? -1.0 : p->aged_s;
   };
-  EXPECT_NEAR(aged_after_measurement(RemovalRule::kPaper), 1.01, 1e-9);  // the paper lets it age on
+  EXPECT_NEAR(aged_after_measurement(RemovalRule::kPaper), 1.01,
+              1e-9);  // by the paper's rule it continues to age
   EXPECT_EQ(aged_after_measurement(RemovalRule::kVisibility), 0.0);
 }
 
-/// How many updates in motion a point lives that is never measured again; -1: for ever.
+/// The number of updates in motion after which a point that is never measured again is removed; -1:
+/// never.
 int updates_until_gone(EgoMap map, double period_s) {
   map.update(std::nullopt, HitsOnly(map, {EgoPoint::at({2.0, 0.0}, 0.1)}).scan());
   const SE2 a_little_forward{-1e-4, 0.0, 0.0};

@@ -28,7 +28,7 @@ TEST(AngleBins, IndexOfAngleRoundTrip) {
   for (const AngleBins& b : {bins(180, 1), bins(360, 0.5), bins(90, 0.25), bins(360, 7)}) {
     for (std::size_t i = 0; i < b.size(); ++i) {
       EXPECT_EQ(b.index(geometry::normalize_angle(b.angle_rad(i))), i);
-      // Anywhere within the bin but for rounding at its borders.
+      // Anywhere within the bin, except for rounding at its borders.
       EXPECT_EQ(b.index(geometry::normalize_angle(b.angle_rad(i) + 0.499 * b.step_rad())), i);
       EXPECT_EQ(b.index(geometry::normalize_angle(b.angle_rad(i) - 0.499 * b.step_rad())), i);
     }
@@ -82,7 +82,7 @@ TEST(ExtendedScan, CartesianAndPolarAgreeAfterTenThousandUpdates) {
   std::normal_distribution<double> step(0.0, 0.02);
   for (int i = 0; i < 10'000; ++i) {
     map.transform({step(random), step(random), step(random)});
-    if (i < 9'000) {  // collisions thin a map out: feed it, and let the rest grow old
+    if (i < 9'000) {  // collisions reduce the number of points, so add new ones
       put(map, EgoPoint::at({5.0 + 50.0 * step(random), 100.0 * step(random)}, 0.2));
     }
   }
@@ -115,7 +115,7 @@ std::vector<SE2> square_drive() {
 
 TEST(ExtendedScan, SquareDriveBringsPointsBack) {
   ExtendedScan map(AngleBins(deg_to_rad(360), deg_to_rad(1)), Relevance::kNearest);
-  // On the outside of the drive, so far apart that no two share a bin during it.
+  // Outside the rectangle, so far apart that no two of them share a bin during the drive.
   const std::vector<Eigen::Vector2d> walls = {{7, 0.5}, {2, 4}, {-3, 0.5}, {2, -3}};
   for (const auto& p : walls) {
     put(map, EgoPoint::at(p, 0.2));
@@ -140,7 +140,8 @@ TEST(ExtendedScan, SquareDriveBringsPointsBack) {
   }
 }
 
-// Eq. 2 read with the robot's own rotation and displacement moves the map the wrong way.
+// Eq. 2 applied with the robot's own rotation and displacement moves the map in the wrong
+// direction.
 TEST(ExtendedScan, TheNaiveSignOfEquation2IsMetresOff) {
   ExtendedScan map(AngleBins(deg_to_rad(360), deg_to_rad(1)), Relevance::kNearest);
   ExtendedScan naive = map;
@@ -184,7 +185,7 @@ void expect_merge_as_oracle(Relevance relevance) {
       EXPECT_EQ(map[bin].distance_m, map.dummy().distance_m);
     }
   }
-  EXPECT_LT(count_valid(map), map.size());  // there were collisions, and holes
+  EXPECT_LT(count_valid(map), map.size());  // there were collisions and empty bins
 }
 
 TEST(ExtendedScan, CollisionsKeepTheNearestHolesGetDummies) {

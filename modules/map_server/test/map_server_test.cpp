@@ -121,7 +121,7 @@ TEST(MapServer, TheRobotsOwnBodyIsNoObstacle) {
   EXPECT_TRUE(map[*map.bins().index(deg_to_rad(90))].valid);
 }
 
-// A shift below a micrometre counts as none, but many of them add up.
+// A shift below a micrometre counts as none, but many add up.
 TEST(MapServer, TinyShiftsAddUp) {
   MapServer server({});
   NoddingScanner scanner;
@@ -188,14 +188,14 @@ TEST(MapServer, ImpossiblePosesLeaveTheMapsAsTheyAre) {
     EXPECT_EQ(after, before);
   }
   SE3 far_away = SE3::Identity();
-  far_away.translation().x() = 1e300;  // finite: everything seen so far is out of sight
+  far_away.translation().x() = 1e300;  // finite, but all points are out of range
   EXPECT_EQ(server.add_scan(scanner.scan(world, {}), far_away), ScanStatus::kUsed);
   for (const EgoPoint& p : server.obstacle_map().scan().points()) {
     EXPECT_FALSE(p.valid && std::isnan(p.distance_m));
   }
 }
 
-// A stamp that steps back takes nothing from the ages and adds nothing to them.
+// A stamp that steps back leaves the ages unchanged.
 TEST(MapServer, StampsThatStepBack) {
   MapServer server({});
   NoddingScanner scanner;

@@ -122,7 +122,7 @@ TEST_F(ScannerAsBaseNodeTest, HeightsAreAboveTheGround) {
 TEST_F(MapServerNodeTest, OdometryThatBeganAnewStartsTheMapsAnew) {
   give_odometry(1'000'000, 50, 7.0);
   bus_.deliver("SCAN", next_scan());
-  give_odometry(1'015'000, 0, 0.0);  // restarted: the same place has another name
+  give_odometry(1'015'000, 0, 0.0);  // restarted: the same place has another pose
   nodmap::scan_t blind = next_scan();
   blind.ranges_m.assign(blind.ranges_m.size(), std::numeric_limits<float>::quiet_NaN());
   bus_.deliver("SCAN", blind);

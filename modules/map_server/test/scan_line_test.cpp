@@ -27,7 +27,7 @@ scan::Scan fan(double pitch_first_deg, double pitch_last_deg, double range_m) {
   return scan;
 }
 
-// The oracle is Eq. 1 itself: a place under a known point of a known beam is found there again.
+// Oracle: Eq. 1. The place below a known point of a known beam must be found on that beam.
 TEST(ScanLine, FindsTheBeamOverAPlace) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> pitch(-50.0, 50.0);
@@ -51,15 +51,15 @@ TEST(ScanLine, FindsTheBeamOverAPlace) {
   }
 }
 
-// Nodding, the pitch differs from beam to beam.
+// While the head nods, the pitch differs from beam to beam.
 TEST(ScanLine, FollowsThePitchThroughTheScan) {
   const scan::Scan scan = fan(-11, -10, 5.0);
   for (std::size_t beam = 1; beam < 180; ++beam) {
     const Eigen::Vector3d p = scan::point_in_base(scan, beam, 5.0);
     const auto crossing = ScanLine(scan).crossing_at(p.head<2>());
     ASSERT_TRUE(crossing);
-    // A wrong pitch by one degree would be 8.7 cm; left is the curvature of tan, and the shift
-    // of the mirror, over half a degree.
+    // A pitch error of one degree would give 8.7 cm. The remaining error is the curvature of tan
+    // and the shift of the mirror over half a degree.
     EXPECT_NEAR(crossing->height_m, p.z(), 5e-3) << "beam " << beam;
   }
 }
@@ -90,7 +90,7 @@ TEST(ScanLine, FansThatCountToTheRightOrAllAround) {
 }
 
 TEST(ScanLine, ReachesAsFarAsTheWallBetweenTwoBeams) {
-  // A wall at x = 3 m before a scanner on the base: every place on it is on the sight line's end.
+  // A wall at x = 3 m in front of a scanner at the base: every place on it is at the end of a beam.
   scan::Scan scan = fan(0, 0, 0);
   scan.T_base_mount.translation().setZero();
   scan.mirror_offset_m.setZero();
@@ -104,7 +104,7 @@ TEST(ScanLine, ReachesAsFarAsTheWallBetweenTwoBeams) {
     ASSERT_TRUE(crossing);
     const auto reached = ScanLine(scan).measured_range_m(*crossing);
     ASSERT_TRUE(reached);
-    // The straight line between two points, but for sin x = x over one degree.
+    // The straight line between two points; the error is that of sin x = x over one degree.
     EXPECT_NEAR(*reached, crossing->range_m, 1e-3) << "y " << y;
     EXPECT_FALSE(ScanLine(scan).both_reach_beyond(*crossing, crossing->range_m + 0.01));
   }
@@ -119,20 +119,21 @@ TEST(ScanLine, BothBeamsMustGoOn) {
   EXPECT_FALSE(beyond(89));
   EXPECT_FALSE(beyond(90));
   EXPECT_TRUE(beyond(91));
-  scan.ranges_m[90] = std::numeric_limits<float>::quiet_NaN();  // no measurement proves nothing
+  scan.ranges_m[90] =
+      std::numeric_limits<float>::quiet_NaN();  // a missing measurement proves nothing
   EXPECT_FALSE(beyond(89));
   scan.ranges_m[90] = 81.83F;  // CARMEN's mark beyond range_max_m
   EXPECT_FALSE(beyond(89));
-  scan.ranges_m[90] = kInfinity;  // nothing came back: free up to range_max_m
+  scan.ranges_m[90] = kInfinity;  // no echo: free up to range_max_m
   EXPECT_TRUE(beyond(89));
 }
 
 TEST(ScanLine, DegenerateScansSeeNothing) {
-  scan::Scan scan = fan(90, 90, 5.0);  // straight up: no height over the ground
+  scan::Scan scan = fan(90, 90, 5.0);  // straight up: the plane has no height above a point
   EXPECT_FALSE(laser_plane(scan, scan.pitch_first_rad));
   EXPECT_FALSE(ScanLine(scan).crossing_at({1, 0}));
   scan = fan(0, 0, 5.0);
-  scan.ranges_m.resize(1);  // no beams on both sides of anything
+  scan.ranges_m.resize(1);  // one beam cannot have two sides
   EXPECT_FALSE(ScanLine(scan).crossing_at({1, 0}));
   scan.ranges_m.clear();
   EXPECT_FALSE(ScanLine(scan).crossing_at({1, 0}));

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Both update rules in whole scenes: a nodding scanner in a ray-cast world.
+// Tests both update rules in complete scenes: a nodding scanner in a ray-cast world.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -46,7 +46,7 @@ void drive(MapServer& server, NoddingScanner& scanner, const World& world, doubl
   }
 }
 
-/// Distance of a place to the nearest of the four walls of test::room, inside it.
+/// Distance of a place inside test::room to the nearest of its four walls.
 double off_walls_m(const Eigen::Vector2d& p, double x0, double x1, double y0, double y1) {
   return std::min(
       {std::abs(p.x() - x0), std::abs(p.x() - x1), std::abs(p.y() - y0), std::abs(p.y() - y1)});
@@ -98,7 +98,7 @@ World furnished_room() {
 }
 
 /// The sweeps of the pitch controller at 1.5 m/s (bench/pitch_controller_table): the corridor from
-/// d_min on and a line beyond at both ends.
+/// d_min on, and one line more at each end.
 NoddingScanner scanner_at_speed() {
   NoddingScanner scanner;
   scanner.low_rad = deg_to_rad(-18.4);
@@ -108,7 +108,7 @@ NoddingScanner scanner_at_speed() {
   return scanner;
 }
 
-/// Sweeps that reach over a person and under the top of the wall, as at walking pace.
+/// Sweeps that end above a person and below the top of the wall, as at walking pace.
 NoddingScanner scanner_when_slow() {
   NoddingScanner scanner = scanner_at_speed();
   scanner.low_rad = deg_to_rad(-30);
@@ -120,8 +120,8 @@ bool is_on_wall(const EgoPoint& p, double tolerance_m) {
   return p.valid && off_walls_m(p.p_base, -2, 5, -3, 3) < tolerance_m;
 }
 
-// The paper's Fig. 4: what does not extend over all the height vanishes from the structure map and
-// stays in the obstacle map.
+// The paper's Fig. 4: objects that do not extend over the whole height disappear from the structure
+// map and stay in the obstacle map.
 TEST(Scene, FurnitureVanishesFromTheStructureMap) {
   for (const RemovalRule rule : {RemovalRule::kPaper, RemovalRule::kVisibility}) {
     MapServer server(with_rule(rule));
@@ -142,7 +142,7 @@ TEST(Scene, FurnitureVanishesFromTheStructureMap) {
   }
 }
 
-/// Distance of a place to the person and the legs of the table in furnished_room().
+/// Distance of a place to the nearer of person and table legs in furnished_room().
 double off_what_is_tall_m(const Eigen::Vector2d& p) {
   double nearest_m = std::abs((p - Eigen::Vector2d(3.2, -1.5)).norm() - 0.25);
   for (const double x : {2.025, 2.975}) {
@@ -155,7 +155,7 @@ double off_what_is_tall_m(const Eigen::Vector2d& p) {
 
 // At 1.5 m/s the sweeps end at 0.64 m above the floor two metres ahead: the person and the legs of
 // the table reach higher and hide the wall, in 13 of 181 directions. The chair and the table top
-// vanish.
+// disappear.
 TEST(Scene, AtSpeedWhatIsTallerThanTheSweepStaysInTheStructureMap) {
   MapServer server({});
   NoddingScanner scanner = scanner_at_speed();
@@ -174,8 +174,8 @@ TEST(Scene, AtSpeedWhatIsTallerThanTheSweepStaysInTheStructureMap) {
   EXPECT_LE(off_wall, 16);  // 1.25 times as many
 }
 
-/// How much of the time a direction of the structure map shows the wall, while a person crosses
-/// ten times, two metres before it; and of a level scan.
+/// The fraction of time for which a direction of the structure map, and of a level scan, shows the
+/// wall, while a person crosses ten times two metres in front of it.
 struct WallShown {
   double structure_map = 0.0;
   double level_scan = 0.0;
@@ -205,7 +205,7 @@ WallShown wall_shown_behind_a_walker(NoddingScanner scanner) {
   return {static_cast<double>(on_wall) / bins, static_cast<double>(level_on_wall) / bins};
 }
 
-// At 1.5 m/s, too: the wall is remembered while the person hides it.
+// Also at 1.5 m/s: the wall is remembered while the person hides it.
 TEST(Scene, AWalkingPersonDoesNotHideTheWall) {
   for (const NoddingScanner& scanner : {scanner_when_slow(), scanner_at_speed()}) {
     const WallShown shown = wall_shown_behind_a_walker(scanner);
@@ -228,7 +228,7 @@ TEST(Scene, StructureMapTakesAClosedDoorOver) {
   EXPECT_TRUE(has_point_near(server.structure_map(), {3.0, 0.0}, 0.1));
 }
 
-// A person steps before a stationary robot and leaves again.
+// A person steps in front of a stationary robot and leaves again.
 TEST(Scene, APersonWhoLeftIsRemovedWhileTheRobotIsStationary) {
   const World empty = test::room(-2, 5, -3, 3);
   World occupied = empty;
@@ -248,8 +248,8 @@ TEST(Scene, APersonWhoLeftIsRemovedWhileTheRobotIsStationary) {
   EXPECT_FALSE(ghost_after(RemovalRule::kVisibility, 2));
 }
 
-/// Whether the map holds the front of the box at every update, once it has seen it, until the
-/// robot's bumper is there.
+/// Whether the map contains the front of the box at every update from its first measurement until
+/// the robot's bumper reaches it.
 bool holds_until_passed(RemovalRule rule, const Box& box, double speed_mps) {
   World world = test::room(-2, 8, -2, 2);
   world.boxes.push_back(box);
@@ -261,7 +261,7 @@ bool holds_until_passed(RemovalRule rule, const Box& box, double speed_mps) {
   const double way_m = box.low.x() - 0.225;
   drive(server, scanner, world, speed_mps, way_m / speed_mps, [&](const SE2& pose) {
     const Eigen::Vector2d front(box.low.x() - pose.x, 0.0);
-    // Ten centimetres: as wide as the gaps that open between the points nearby.
+    // Ten centimetres: the width of the gaps between neighbouring points at this distance.
     const bool held = has_point_near(server.obstacle_map(), front, 0.10);
     seen = seen || held;
     lost = lost || (seen && front.x() < 1.5 && !held);
@@ -269,8 +269,8 @@ bool holds_until_passed(RemovalRule rule, const Box& box, double speed_mps) {
   return seen && !lost;
 }
 
-// Nearer than d_min a low box is below the sweeps and is only remembered. By the paper it is lost
-// at any speed below d_min / 5 s.
+// Nearer than d_min a low box is below the sweeps and only remembered. By the paper's rule it is
+// lost at any speed below d_min / 5 s.
 TEST(Scene, ALowBoxIsRememberedBelowTheSweeps) {
   const Box low_box{{2.0, -0.2, 0.0}, {2.4, 0.2, 0.10}};
   EXPECT_FALSE(holds_until_passed(RemovalRule::kPaper, low_box, 0.1))
@@ -299,7 +299,8 @@ TEST(Scene, ATableTopIsRememberedAboveTheSweeps) {
 struct CorridorDrive {
   std::size_t obstacles_removed = 0;
   std::size_t structure_removed = 0;
-  int dummies = 0;  ///< of the obstacle map's bins within 85 degrees of ahead, over all updates
+  int dummies =
+      0;  ///< number of dummies within 85 degrees of ahead in the obstacle map, over all updates
 };
 
 CorridorDrive drive_a_minute(const MapServerParams& params) {
@@ -326,13 +327,14 @@ MapServerParams without_removal(RemovalRule rule) {
   return params;
 }
 
-// Driving alone leaves bins empty until the next sweep, for their points move to other bins. The
-// visibility rule leaves not one more of them empty. By the paper a wall expires that is measured
-// again a little farther away only: 1386 more dummies, of which at least 4/5 are required.
+// Driving alone leaves bins empty until the next sweep, because their points move to other bins.
+// The visibility rule adds no empty bins. By the paper's rule a wall expires if it is measured
+// again only slightly farther away: 1386 more dummies, of which at least 4/5 are required.
 TEST(Scene, AStaticWallIsNeverRemoved) {
   const CorridorDrive visibility = drive_a_minute({});
   EXPECT_EQ(visibility.obstacles_removed, 0U);
-  // The far corner of the corridor lies behind the line between the beams beside it: occluded.
+  // The far corner of the corridor is behind the line between the beams beside it, so it counts as
+  // occluded.
   EXPECT_LE(visibility.structure_removed, 1U);
   EXPECT_EQ(visibility.dummies, drive_a_minute(without_removal(RemovalRule::kVisibility)).dummies);
   const CorridorDrive paper = drive_a_minute(with_rule(RemovalRule::kPaper));
@@ -340,7 +342,7 @@ TEST(Scene, AStaticWallIsNeverRemoved) {
   EXPECT_GT(paper.dummies, drive_a_minute(without_removal(RemovalRule::kPaper)).dummies + 1108);
 }
 
-// All of 120 degrees at 0.25 degrees a scan takes 6.4 s, longer than expiry_s. Nothing may be
+// A sweep of 120 degrees at 0.25 degrees per scan takes 6.4 s, longer than expiry_s. Nothing may be
 // removed between two sweeps over it.
 TEST(Scene, StaticWallOutlivesASlowNod) {
   const World world = test::room(-2, 6, -2, 2);
@@ -356,7 +358,7 @@ TEST(Scene, StaticWallOutlivesASlowNod) {
   EXPECT_EQ(server.structure_map().removed(), 0U);
 }
 
-// The wheels slip by 5 degrees of yaw. The walls stand double, for at most five seconds.
+// The wheels slip by 5 degrees of yaw. The walls appear twice, for at most five seconds.
 TEST(Scene, WallsDoubledByASlipBecomeOneAgain) {
   for (const RemovalRule rule : {RemovalRule::kPaper, RemovalRule::kVisibility}) {
     const World world = test::room(-2, 6, -2, 2);
@@ -385,7 +387,8 @@ TEST(Scene, WallsDoubledByASlipBecomeOneAgain) {
   }
 }
 
-// By visibility an object that is taken away is removed within two sweeps, not after five seconds.
+// By the visibility rule an object that is taken away is removed within two sweeps, not after five
+// seconds.
 TEST(Scene, RemovedObjectGoesWithinTwoSweepsWhileDriving) {
   const World empty = test::room(-2, 8, -2, 2);
   World occupied = empty;

@@ -12,10 +12,10 @@ namespace sweep_tracker_test {
 
 using geometry::deg_to_rad;
 
-// A turning scan counts for the new sweep from its middle on: half a step of one degree.
+// A scan at a reversal counts for the new sweep from its middle on: half a step of one degree.
 const double kHalfStep = deg_to_rad(0.5 + 1e-9);
 
-/// Nods between the bounds, a number of sweeps from turning point to turning point.
+/// Nods between the bounds for a number of sweeps from reversal to reversal.
 void nod(SweepTracker& tracker, double low_deg, double high_deg, int sweeps, double step_deg = 1) {
   for (int sweep = 0; sweep < sweeps; ++sweep) {
     for (double p = low_deg; p < high_deg - 1e-9; p += step_deg) {
@@ -26,11 +26,11 @@ void nod(SweepTracker& tracker, double low_deg, double high_deg, int sweeps, dou
   }
 }
 
-TEST(SweepTracker, CountsTurningPoints) {
+TEST(SweepTracker, CountsReversals) {
   for (const double step_deg : {0.25, 1.0, 5.0}) {
     SweepTracker tracker;
     nod(tracker, -20, 10, 7, step_deg);
-    EXPECT_EQ(tracker.sweep(), 6) << "step " << step_deg;  // the seventh is still under way
+    EXPECT_EQ(tracker.sweep(), 6) << "step " << step_deg;  // the seventh is not complete
   }
 }
 
@@ -56,7 +56,7 @@ TEST(SweepTracker, TakesTheNarrowerOfTwoSweeps) {
       << "one wide sweep is not two";
 }
 
-TEST(SweepTracker, NoiseOfThePitchIsNoTurningPoint) {
+TEST(SweepTracker, NoiseOfThePitchIsNoReversal) {
   SweepTracker tracker;
   std::mt19937 random(3);
   std::uniform_real_distribution<double> noise(-0.08, 0.08);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The rule on one stored point, against a table and against a simulation that keeps all that has
-// happened to the point in lists.
+// Tests the rule on one stored point against a table, and against a simulation that keeps the whole
+// history of the point in lists.
 #include "modules/map_server/visibility_rule.hpp"
 
 #include <gtest/gtest.h>
@@ -28,8 +28,8 @@ constexpr std::size_t kBeam = 100;  // the point is between this beam and the ne
 constexpr double kClockS = 77.0;
 constexpr HeightBand kBand{.floor_m = 0.05, .floor_rise = 0.0, .ceiling_m = 0.5};
 
-/// Readings towards the point, as ratios of its distance, far enough from each other that no two of
-/// them belong to one surface. kOnIt: 2 cm behind it, which is within the noise of 5 cm.
+/// Readings in the direction of the point, as ratios of its distance, so different that no two of
+/// them belong to the same surface. kOnIt: 2 cm behind the point, within the tolerance of 5 cm.
 enum class Reading { kBefore, kOnIt, kBeyond, kNothingHit, kInvalid };
 
 float range_of(Reading reading) {
@@ -52,7 +52,7 @@ bool passes(Reading reading) {
   return reading == Reading::kBeyond || reading == Reading::kNothingHit;
 }
 
-/// What one scan of a level laser at a height has measured on both sides of the point.
+/// What one scan of a level laser at this height measures on both sides of the point.
 struct Look {
   double height_m = 0.3;
   Reading right = Reading::kInvalid;  // beam kBeam
@@ -61,10 +61,10 @@ struct Look {
   double elapsed_s = 0.01;
 };
 
-/// One stored point, and the scans that look at it.
+/// One stored point and the scans that cross it.
 class OnePoint {
  public:
-  /// The point lies this fraction of a degree to the left of beam kBeam.
+  /// `between`: the point is this fraction of a degree to the left of beam kBeam.
   OnePoint(const UpdateParams& params, double between, Relevance relevance = Relevance::kNearest)
       : rule_(params, kSigmaM, {0.2, 0.2}),
         map_(AngleBins(2.0 * geometry::kPi, deg_to_rad(1)), relevance) {
@@ -73,7 +73,7 @@ class OnePoint {
     bin_ = *map_.bins().index(bearing_rad);
   }
 
-  /// Stores the point anew, measured at these heights.
+  /// Stores the point as just measured at these heights.
   EgoPoint& store(double lowest_m, double highest_m) {
     map_[bin_] = EgoPoint::at(p_base_, 0.5 * (lowest_m + highest_m));
     map_[bin_].lowest_m = lowest_m;
@@ -81,13 +81,13 @@ class OnePoint {
     return map_[bin_];
   }
 
-  /// The sweeps cover these heights at the point; NaN: not known yet.
+  /// Sets the heights at the point that the sweeps cover; NaN: not known yet.
   void sweeps_cover(double lowest_m, double highest_m) {
     lowest_m_ = lowest_m;
     highest_m_ = highest_m;
   }
 
-  /// Step 2 with this scan: how many points it removes.
+  /// Performs step 2 with this scan; returns the number of removed points.
   std::size_t look(const Look& look) {
     scan::Scan scan;
     scan.angle_first_rad = deg_to_rad(-90);
@@ -104,7 +104,7 @@ class OnePoint {
     return rule_.remove_obsolete(map_, kBand, now);
   }
 
-  /// Step 3 with one hit at this distance in the point's direction.
+  /// Performs step 3 with one hit at this distance in the point's direction.
   void replace(double distance_m, double height_m) {
     const scan::Scan no_scan;
     const Eigen::Vector2d q_base = distance_m / kDistanceM * p_base_;
@@ -144,8 +144,8 @@ class OnePoint {
 constexpr std::array kReadings{Reading::kBefore, Reading::kOnIt, Reading::kBeyond,
                                Reading::kNothingHit, Reading::kInvalid};
 
-// All pairs of readings: what the nearer beam measures on the point confirms it, two beams beyond
-// it remove it, an edge between the beams proves nothing, and with all else it ages.
+// All pairs of readings: a reading of the nearer beam on the point confirms it, two readings beyond
+// it remove it, an edge between the beams proves nothing, and in all other cases it ages.
 TEST(VisibilityRule, OneScanAgainstTheTable) {
   UpdateParams params;
   params.misses_to_remove = 1;
@@ -175,8 +175,8 @@ TEST(VisibilityRule, OneScanAgainstTheTable) {
   }
 }
 
-/// What the point has lived through, in lists: the rule as its docstring states it, for a point
-/// that is in view all the time.
+/// The history of the point in lists: the rule as its docstring states it, for a point that is
+/// always in view.
 struct History {
   double lowest_m = 0.0;
   double highest_m = 0.0;
@@ -197,7 +197,7 @@ struct History {
         missed_sweeps.insert(look.sweep);
       }
     }
-    // Beams passed at both ends of its heights; a flat point has one end, in its middle.
+    // Beams must pass at both ends of its heights; for a flat point both are in its middle.
     const double middle_m = 0.5 * (lowest_m + highest_m);
     const double low_end_m = std::min(lowest_m + tolerance_m, middle_m);
     const double high_end_m = std::max(highest_m - tolerance_m, middle_m);
@@ -251,8 +251,8 @@ TEST(VisibilityRule, RemovesWhenEnoughSweepsHavePassedAtAllItsHeights) {
   EXPECT_GT(num_confirmed, 200);
 }
 
-// A point that is neither measured nor passed: a second of looking counts with at most 0.5 s a
-// scan, and two complete sweeps must have gone by since its last measurement.
+// A point that is neither measured nor passed: each scan adds at most 0.5 s to its age, and two
+// complete sweeps are required since its last measurement.
 TEST(VisibilityRule, ExpiresByTheTimeInViewAndNotBeforeTwoCompleteSweeps) {
   const Look occluded{.right = Reading::kBefore, .left = Reading::kBefore};
   for (const double period_s : {0.01, 0.1, 0.5, 3.0}) {
@@ -278,7 +278,7 @@ TEST(VisibilityRule, ExpiresByTheTimeInViewAndNotBeforeTwoCompleteSweeps) {
   }
 }
 
-// Out of view: before two sweeps are known, and where one of its heights is outside of what the
+// A point is out of view before two sweeps are known, and if one of its heights is outside what the
 // sweeps cover. In the structure map one height in view suffices.
 TEST(VisibilityRule, WhatIsOutOfViewDoesNotChange) {
   UpdateParams params;
@@ -330,7 +330,7 @@ TEST(VisibilityRule, TheBodyOfTheRobotRemovesPointsInsideIt) {
 }
 
 // Step 3 over a range of distances and heights: nearer points replace at once; points within 5 cm
-// are the same surface, whose heights are joined and whose age begins anew.
+// are the same surface, whose heights are merged and whose age is reset.
 TEST(VisibilityRule, ReplacesAndConfirmsByDistance) {
   for (const Relevance relevance : {Relevance::kNearest, Relevance::kFarthest}) {
     for (double offset_m = -0.105; offset_m < 0.11; offset_m += 0.01) {

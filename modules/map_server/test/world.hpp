@@ -11,8 +11,8 @@
 #include "common/geometry/time.hpp"
 #include "common/scan/scan.hpp"
 
-/// A world of boxes, cylinders and a floor with exact ray casting, and a nodding scanner in it:
-/// what the scene tests of the maps look at.
+/// A world of boxes, cylinders and a floor with exact ray casting, and a nodding scanner in it, for
+/// the scene tests of the maps.
 namespace nodmap::map_server::test {
 
 using geometry::deg_to_rad;
@@ -25,7 +25,7 @@ struct Box {
   Eigen::Vector3d low;
   Eigen::Vector3d high;
 
-  /// Range along a ray, infinity where it misses: the slab method.
+  /// Range along a ray by the slab method; infinity if it misses.
   [[nodiscard]] double cast(const Eigen::Vector3d& origin, const Eigen::Vector3d& ray) const {
     double enter = 0.0;
     double leave = kInfinity;
@@ -42,7 +42,7 @@ struct Box {
   }
 };
 
-/// Stands on the floor.
+/// An upright cylinder on the floor.
 struct Cylinder {
   Eigen::Vector2d centre;
   double radius_m = 0.0;
@@ -126,7 +126,7 @@ class NoddingScanner {
     return scan;
   }
 
-  /// Scans in one sweep from turning point to turning point.
+  /// Number of scans in one sweep from reversal to reversal.
   [[nodiscard]] int scans_per_sweep() const {
     return step_rad == 0.0 ? 1 : static_cast<int>(std::ceil((high_rad - low_rad) / step_rad)) + 1;
   }

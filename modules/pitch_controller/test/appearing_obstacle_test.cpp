@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the speed bound is for, by brute force: a robot in closed loop with the nod drives as fast
-// as it may, and a box of 10 cm appears ahead at every moment, at the required distance or farther.
+// Checks the purpose of the speed bound by brute force: a robot in closed loop with the nod drives
+// as fast as permitted, and a box of 10 cm appears ahead at every moment, at the required distance
+// or farther.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -16,18 +17,19 @@ namespace nodmap::pitch_controller {
 namespace appearing_obstacle_test {
 
 constexpr double kStepS = 0.005;
-/// KURT3D: drivers/kurt limits the wheels to a gain of 1.5 and a loss of 3 m/s2; they lag by 50 ms.
+/// KURT3D: drivers/kurt limits acceleration to 1.5 m/s2 and deceleration to 3 m/s2; the wheels lag
+/// by 50 ms.
 constexpr double kGainMps2 = 1.5;
 constexpr double kLossMps2 = 3.0;
 constexpr double kLagS = 0.05;
-/// A robot that sets out meets what appears nearer than the required distance of this speed, 0.9 m,
-/// before the laser has looked again.
+/// A robot that starts may reach an obstacle that appears nearer than the required distance of this
+/// speed, 0.9 m, before the laser has passed there again.
 constexpr double kLeastProtectedMps = 0.5;
 /// The box rises from the floor; above the floor tolerance it is as high as the smallest obstacle.
 constexpr double kBoxBottomM = 0.05;
 constexpr double kBoxTopM = 0.10;
 
-/// What the robot did: its place and speed every 5 ms, and where each scan was taken.
+/// A drive: the robot's position and speed every 5 ms, and the position of each scan.
 struct Drive {
   struct Moment {
     double place_m;
@@ -49,7 +51,7 @@ struct Drive {
   }
 };
 
-/// Drives as fast as it may, but for random stops and slower stretches.
+/// Drives as fast as permitted, except for random stops and slower stretches.
 Drive drive(const PitchControllerParams& params, unsigned seed, double seconds,
             double fastest_mps) {
   std::mt19937 random(seed);
@@ -105,8 +107,8 @@ Drive drive(const PitchControllerParams& params, unsigned seed, double seconds,
   return result;
 }
 
-/// The distance left before a box that appears at a place and moment, once the robot has braked as
-/// hard as it can; negative: it was hit; +infinity: the drive ends before.
+/// The distance left before a box that appears at this place and time, after the robot has braked
+/// as hard as it can; negative: it was hit; +infinity: the drive ends before that.
 double left_before_box_m(const Drive& drive, const PitchControllerParams& params, double time_s,
                          double box_m) {
   const VirtualCorridor corridor = VirtualCorridor::of(params.robot);
@@ -129,8 +131,8 @@ double left_before_box_m(const Drive& drive, const PitchControllerParams& params
   return std::numeric_limits<double>::infinity();
 }
 
-/// The least distance left over all moments of a drive and all distances from the required distance
-/// on: a reaction time of two sweeps of the nod planned for the speed at that moment.
+/// The smallest distance left, over all moments of a drive and all distances from the required
+/// distance on. The reaction time is two sweeps of the nod planned for the speed at that moment.
 double least_left_m(const Drive& drive, const PitchControllerParams& params) {
   const SweepPlanner planner(params.robot, params.detection, params.speed.fast_mps);
   double least_m = std::numeric_limits<double>::infinity();
@@ -153,12 +155,12 @@ TEST(AppearingObstacle, OfTenCentimetresAtAnyMomentIsStoppedFor) {
   for (unsigned seed = 1; seed <= 4; ++seed) {
     const Drive driven = drive(params, seed, 60.0, 1.5);
     EXPECT_GT(least_left_m(driven, params), 0.0) << seed;
-    // It does drive: 0.41 m/s in the slowest of these four drives.
+    // The robot does drive: 0.41 m/s in the slowest of these four drives.
     EXPECT_GT(driven.mean_mps(), 0.33) << seed;
   }
 }
 
-// The same check finds a robot that counts on better brakes than it has.
+// The same check detects a robot that assumes better brakes than it has.
 TEST(AppearingObstacle, IsHitByARobotThatTrustsItsBrakesTooMuch) {
   PitchControllerParams trusting;
   trusting.robot.braking.deceleration_mps2 = 6.0;

@@ -9,7 +9,7 @@
 
 namespace nodmap::pitch_controller::test {
 
-/// A head on a servo with a trapezoidal rate profile, nodded by the laser driver's own code.
+/// A head on a servo with a trapezoidal rate profile, controlled by the laser driver's own code.
 class NoddingHead {
  public:
   double speed_gain = 1.0;  ///< a fault: the servo moves at this multiple of the commanded rate

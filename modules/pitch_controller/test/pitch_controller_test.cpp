@@ -15,7 +15,8 @@ namespace pitch_controller_test {
 
 using geometry::rad_to_deg;
 
-/// Heights of strips at the bottom and the top of the virtual corridor, and half their own.
+/// Heights of the strips at the bottom and top of the virtual corridor, and half of the strips' own
+/// height.
 constexpr double kBottomStripM = 0.06;
 constexpr double kTopStripM = 0.49;
 constexpr double kHalfStripM = 0.01;
@@ -115,7 +116,7 @@ TEST(PitchController, NeverStopsNoddingAndKeepsToTheNumberOfScans) {
     EXPECT_LE(loop.slow_readings, 0.1 * loop.readings) << v;
     ASSERT_GT(loop.sweeps.size(), 10U);
     for (const Loop::Sweep& sweep : loop.sweeps) {
-      EXPECT_GE(sweep.measured_s, 15 * 0.01332 - 0.005) << v;  // a reading's period
+      EXPECT_GE(sweep.measured_s, 15 * 0.01332 - 0.005) << v;  // the period of the readings
       EXPECT_LE(sweep.measured_s, 500 * 0.01332) << v;
     }
     EXPECT_GE(loop.dut.sweep_counts().complete, static_cast<std::int64_t>(loop.sweeps.size()));
@@ -124,7 +125,7 @@ TEST(PitchController, NeverStopsNoddingAndKeepsToTheNumberOfScans) {
   }
 }
 
-// Servos that turn at a multiple of the rate they are told, with the regulator off.
+// Servos that move at a multiple of the commanded rate, with the regulator off.
 TEST(PitchController, SweepsOutsideThatNumberOfScansAreCounted) {
   PitchControllerParams off;
   off.regulator = {0.0, 0.0};
@@ -140,8 +141,8 @@ TEST(PitchController, SweepsOutsideThatNumberOfScansAreCounted) {
   EXPECT_EQ(fast.dut.sweep_counts().too_long, 0);
 }
 
-/// The longest time for which no scan line hits a strip of 2 cm at this height and distance from
-/// the pitch axis, in 20 s at that speed; in sweeps.
+/// The longest time, in sweeps, for which no scan line hits a strip of 2 cm at this height and
+/// distance from the pitch axis, in 20 s at this speed.
 double longest_unseen(Loop& loop, double speed_mps, double height_m, double from_axis_m) {
   constexpr time::Duration kScan = 13'320us;
   const double axis_m = robot::Mount{}.z_m;
@@ -159,9 +160,9 @@ double longest_unseen(Loop& loop, double speed_mps, double height_m, double from
   return time::seconds(longest) / loop.dut.plan().sweep_s;
 }
 
-// Strips at the corridor's very bottom and top are hit whenever the head comes to that end, once in
-// two sweeps; 10 % more for the sweep's time and the spacing of scans. This holds from d_min on,
-// and 5 % nearer, too: the sweep goes a line beyond the area of interest.
+// Strips at the very bottom and top of the corridor are hit whenever the head reaches that end,
+// once in two sweeps; 10 % more for the sweep's duration and the spacing of scans. This holds from
+// d_min on, and also 5 % nearer, because the sweep extends one line beyond the area of interest.
 TEST(PitchController, FromDMinOnTheWholeCorridorIsSeen) {
   const VirtualCorridor corridor = VirtualCorridor::of(robot::RobotParams{});
   for (const double v : {0.6, 1.0, 1.5}) {
@@ -175,8 +176,8 @@ TEST(PitchController, FromDMinOnTheWholeCorridorIsSeen) {
   }
 }
 
-// A strip is lost where the outermost line of the sweep passes beside all of it: a closed form of
-// the plan. From 1 m/s on that is the bottom strip, 12 to 14 % before d_min.
+// A strip is no longer hit where the outermost line of the sweep misses it completely: a closed
+// form of the plan. From 1 m/s on this happens first to the bottom strip, 12 to 14 % before d_min.
 TEST(PitchController, NearerThanItsOutermostLineTheCorridorIsNotSeen) {
   const VirtualCorridor corridor = VirtualCorridor::of(robot::RobotParams{});
   for (const double v : {1.0, 1.5, 2.0}) {
@@ -190,7 +191,7 @@ TEST(PitchController, NearerThanItsOutermostLineTheCorridorIsNotSeen) {
     const double before_d_min = 1.0 - (bottom_lost_m - corridor.axis_behind_front_m) / plan.d_min_m;
     EXPECT_GT(before_d_min, 0.12) << v;
     EXPECT_LT(before_d_min, 0.14) << v;
-    // 2 % for what the servo overshoots.
+    // 2 % for the servo's overshoot.
     EXPECT_GT(longest_unseen(loop, v, kBottomStripM, 0.98 * bottom_lost_m), 10.0) << v;
     EXPECT_GT(longest_unseen(loop, v, kTopStripM, 0.98 * top_lost_m), 10.0) << v;
   }
@@ -202,8 +203,8 @@ TEST(PitchController, AStepOfTheSpeedIsFollowedInTwoSweeps) {
   loop.sweeps.clear();
   loop.run(4.0, 1.5);
   const double wanted_s = loop.dut.plan().sweep_s;
-  // The first one ends the sweep in which the step came; two later it is there. Reversals are seen
-  // every 5 ms: half of that besides the 5 %.
+  // The step comes during the first sweep; two sweeps later the new duration is reached. Reversals
+  // are sampled every 5 ms, so half of that is allowed in addition to 5 %.
   ASSERT_GT(loop.sweeps.size(), 8U);
   for (std::size_t i = 2; i < loop.sweeps.size(); ++i) {
     EXPECT_NEAR(loop.sweeps[i].measured_s, wanted_s, 0.05 * wanted_s + 0.0025) << i;
@@ -217,8 +218,8 @@ TEST(PitchController, AFaultOfTheServoLeavesNoError) {
     Loop loop;
     loop.head.speed_gain = gain;
     loop.run(20.0, 1.0);
-    // The mean of 20 sweeps of 0.3 s, each seen to 5 ms at both ends: 0.2 %; the loop keeps
-    // correcting that noise.
+    // The mean of 20 sweeps of 0.3 s, each measured to 5 ms at both ends: 0.2 %; the controller
+    // keeps correcting this noise.
     EXPECT_NEAR(mean_error(loop.sweeps, 20), 0.0, 0.01) << gain;
 
     PitchControllerParams off;
@@ -226,7 +227,7 @@ TEST(PitchController, AFaultOfTheServoLeavesNoError) {
     Loop open(off);
     open.head.speed_gain = gain;
     open.run(20.0, 1.0);
-    // Reversals take their part of the time whatever the gain: less than 20 % remain.
+    // The reversals take part of the time independently of the gain, so less than 20 % remain.
     EXPECT_GT(std::abs(mean_error(open.sweeps, 20)), 0.08) << gain;
   }
 }
@@ -245,12 +246,12 @@ TEST(PitchController, TheAreaClosesAsTheRobotSpeedsUp) {
   EXPECT_LT(rad_to_deg(loop.decision.sweep.range_rad()), 25.0);
 }
 
-// To nod over the whole range takes a second each way: in a short stop that is not begun.
+// A sweep over the whole range takes a second; in a short stop it is not started.
 TEST(PitchController, TheAreaOpensSlowlyInAStop) {
   Loop loop;
   loop.run(5.0, 1.2);
   double v = 1.2;
-  loop.run(2.0, [&v] { return v = std::max(0.0, v - 0.015); });  // 1.5 m/s2, then 1.2 s of a stop
+  loop.run(2.0, [&v] { return v = std::max(0.0, v - 0.015); });  // 1.5 m/s2, then stopped for 1.2 s
   EXPECT_LT(rad_to_deg(loop.decision.sweep.range_rad()), 95.0);
   EXPECT_LT(loop.decision.sweep_s, 0.85);
   loop.run(13.0, 0.0);
@@ -261,7 +262,7 @@ TEST(PitchController, AStationaryRobotMayStartAndReachItsTopSpeed) {
   Loop loop;
   loop.run(5.0, 0.0);
   EXPECT_GT(loop.decision.max_forward_mps, 0.15);
-  // A robot that drives as fast as allowed, at the base's 1.5 m/s2.
+  // A robot that drives as fast as permitted, with the base's 1.5 m/s2.
   double v = 0.0;
   double most_above_mps = 0.0;
   loop.run(8.0, [&] {
@@ -269,8 +270,8 @@ TEST(PitchController, AStationaryRobotMayStartAndReachItsTopSpeed) {
     return v = std::clamp(loop.decision.max_forward_mps, v - 0.03, v + 0.015);
   });
   EXPECT_GT(v, 1.45);  // the navigator's 1.5 m/s
-  // The bound falls a little as the plan runs ahead of the nod: never by more than two steps of the
-  // robot in the 20 ms between decisions, 3 m/s2 up and down.
+  // The bound falls slightly because the plan is ahead of the nod, but by no more than the robot's
+  // change of speed in 20 ms, twice.
   EXPECT_LT(most_above_mps, 0.1);
 }
 
@@ -281,13 +282,13 @@ TEST(PitchController, AfterBrakingTheRobotMayGoOn) {
     loop.run(5.0, 2.0);
     double v = 2.0;
     loop.run(0.6, [&] { return v = std::max(v - 0.03, end_mps); });  // 3 m/s2
-    // The head has to reach its new ends first; then the robot may go faster again.
+    // The head must reach its new ends first; then the robot may accelerate again.
     loop.run(4.0, end_mps);
     EXPECT_GT(loop.decision.max_forward_mps, end_mps + 0.1) << end_mps;
   }
 }
 
-// What appeared at the end of the required distance of a slow robot must be looked at before the
+// An obstacle that appears at the required distance of a slow robot must be measured before the
 // robot is fast.
 TEST(PitchController, TheBoundRisesNoFasterThanTheNodCanFollow) {
   const PitchControllerParams params;
@@ -301,12 +302,13 @@ TEST(PitchController, TheBoundRisesNoFasterThanTheNodCanFollow) {
     before_mps = std::max(loop.decision.max_forward_mps, v);
     return v = std::clamp(loop.decision.max_forward_mps, v - 0.03, v + 0.015);
   });
-  // Three seconds of 0.5 m/s2 would be 1.5; half of that is left for looking around first.
+  // Three seconds at 0.5 m/s2 would give 1.5 m/s; half of that remains, because the robot first
+  // looks around.
   EXPECT_GT(v, 0.75);
 }
 
 TEST(PitchController, TheBoundFollowsTheMeasuredSweepsNotThePlan) {
-  // A weak servo, not regulated: the plan is the same, the bound is not.
+  // A weak servo without regulation: the plan is the same, but the bound is lower.
   PitchControllerParams off;
   off.regulator = {0.0, 0.0};
   off.speed.top_mps = 5.0;
@@ -371,7 +373,7 @@ TEST(PitchController, AHeadThatMovesButNeverReversesInhibitsDriving) {
   Loop loop;
   loop.run(5.0, 1.0);
   ASSERT_GT(loop.decision.max_forward_mps, 0.0);
-  loop.give_pitch = false;  // from here on by hand, without is_stalled
+  loop.give_pitch = false;  // from here on the test gives the pitch, without is_stalled
   const PitchReading reading = loop.head.advance_to(loop.now);
   for (int i = 1; i <= 200; ++i) {
     const time::Timestamp now = loop.now + i * 5ms;

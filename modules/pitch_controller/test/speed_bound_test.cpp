@@ -18,7 +18,7 @@ TEST(SpeedBound, IsTheStoppingSpeedWhereTheViewIsLong) {
 }
 
 TEST(SpeedBound, NoObstaclePassesThroughAShortViewUnseen) {
-  // 0.2 m of view and 0.8 s from one look to the next.
+  // A clear view of 0.2 m, and 0.8 s from one measurement to the next.
   EXPECT_DOUBLE_EQ(speed_bound({3.8, 4.0}, 0.4, kBraking, kDetection), 0.25);
 }
 
@@ -31,7 +31,8 @@ TEST(SpeedBound, WithoutClearViewThereIsNoSpeed) {
 }
 
 TEST(SpeedBound, ARobotAtTheBoundAlwaysStopsBeforeTheObstacle) {
-  // Drives towards an obstacle that is hit at a random phase of the period once it is in view.
+  // The robot drives towards an obstacle, which the laser hits at a random phase of the period once
+  // it is in view.
   std::mt19937 random(7);
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
   for (int i = 0; i < 20'000; ++i) {
@@ -39,7 +40,7 @@ TEST(SpeedBound, ARobotAtTheBoundAlwaysStopsBeforeTheObstacle) {
     const ClearView view{near, near + 0.05 + 3.0 * uniform(random)};
     const double sweep_s = 0.2 + uniform(random);
     const double v = speed_bound(view, sweep_s, kBraking, kDetection);
-    // Looks come a period apart; the obstacle enters the view somewhere between two.
+    // Measurements are one period apart; the obstacle enters the view between two of them.
     const double hit_after_s = 2.0 * sweep_s * uniform(random);
     const double hit_at_m = view.far_m - v * hit_after_s;
     EXPECT_GE(hit_at_m, view.near_m - 1e-9);  // rounding
@@ -57,7 +58,7 @@ TEST(RisingBound, FallsAtOnceAndRisesSlowly) {
   EXPECT_DOUBLE_EQ(rising.limit(2.0, 0.0, 0.1), 0.10);
   // Never more than 0.2 m/s above the present speed.
   EXPECT_DOUBLE_EQ(rising.limit(2.0, 0.0, 1.0), 0.2);
-  // The robot is faster than the bound was: it rises from there.
+  // The robot is faster than the last bound, so the bound rises from the robot's speed.
   EXPECT_DOUBLE_EQ(rising.limit(2.0, 1.0, 0.1), 1.05);
   EXPECT_EQ(rising.limit(0.0, 1.0, 0.1), 0.0);
 }

@@ -8,7 +8,7 @@
 namespace nodmap::pitch_controller {
 namespace sweep_control_test {
 
-/// Gives the readings of one sweep of constant rate, one each 5 ms; the last of them after the
+/// Gives the readings of one sweep at a constant rate, one every 5 ms; the last one is after the
 /// reversal.
 class Feeder {
  public:
@@ -45,7 +45,7 @@ TEST(SweepMeter, MeasuresTimeSpanAndRate) {
 
 TEST(SweepMeter, TheLastTwoSweepsAreBothComplete) {
   Feeder feeder;
-  feeder.sweep(-0.2, 0.1, 0.3);  // its begin was not seen: not complete
+  feeder.sweep(-0.2, 0.1, 0.3);  // its start was not measured, so it is not complete
   EXPECT_FALSE(feeder.dut.last_two_sweeps());
   feeder.sweep(0.1, -0.3, 0.5);
   EXPECT_FALSE(feeder.dut.last_two_sweeps());
@@ -101,7 +101,8 @@ TEST(SweepMeter, ADriverThatStartedAnewIsMeasuredAnew) {
   EXPECT_FALSE(feeder.dut.last_two_sweeps());
 }
 
-/// The relative error after `sweeps` sweeps of a servo that takes `gain` times what it is told.
+/// The relative error after `sweeps` sweeps of a servo whose sweeps take `gain` times the commanded
+/// duration.
 double error_after(SweepRegulator regulator, double gain, int sweeps) {
   double measured_s = 0.0;
   for (int i = 0; i < sweeps; ++i) {
@@ -113,7 +114,7 @@ double error_after(SweepRegulator regulator, double gain, int sweeps) {
 
 TEST(SweepRegulator, NoSteadyErrorWithAGainFault) {
   for (const double gain : {0.8, 1.2, 1.25, 1.5}) {
-    // 20 sweeps at 0.73 a sweep, its slowest root: 0.2 %.
+    // The error falls by a factor of 0.73 per sweep (the slowest root): 0.2 % after 20 sweeps.
     EXPECT_NEAR(error_after(SweepRegulator({0.1, 0.6}), gain, 20), 0.0, 2e-3) << gain;
   }
 }
@@ -137,7 +138,7 @@ TEST(SweepRegulator, WhatItLearntHoldsForOtherSetPoints) {
   for (int i = 0; i < 30; ++i) {
     dut.add(1.0, 1.25 * dut.command_s(1.0, 0.1, 5.0));
   }
-  // As above, and the step itself brings no new error.
+  // As above; the step itself adds no error.
   EXPECT_NEAR(1.25 * dut.command_s(0.3, 0.1, 5.0), 0.3, 1e-3);
 }
 
@@ -148,8 +149,8 @@ TEST(SweepRegulator, DoesNotWindUpAtTheServosLimit) {
     EXPECT_GE(command_s, 0.3);
     dut.add(0.3, 1.3 * command_s);
   }
-  // The fault is gone, and hardly any of it is left in the integral. One sweep of integration (0.6
-  // of 30 %) may have gone in before the limit was met.
+  // The fault is gone, and the integral hardly contains any of it. One sweep of integration (0.6 of
+  // 30 %) is possible before the limit was reached.
   const double first_s = dut.command_s(0.5, 0.1, 5.0);
   EXPECT_GT(first_s, 0.5 * (1.0 - 0.6 * 0.3 - 0.1 * 0.3) - 1e-9);
 }

@@ -64,8 +64,8 @@ TEST(SweepPlan, MonotoneInTheSpeed) {
   }
 }
 
-// What appears at the end of the required distance just after the laser has passed is looked at
-// again at d_min or farther.
+// An obstacle that appears at the required distance just after the laser has passed is hit again at
+// d_min or farther.
 TEST(SweepPlan, WhatAppearsBeyondTheRequiredDistanceIsLookedAtBeforeDMin) {
   const SweepPlanner planner = default_planner();
   for (double v = 0.0; v < 4.0; v += kStepMps) {
@@ -116,13 +116,13 @@ TEST(SweepPlan, NoShorterSweepKeepsTheSpacingAndTheHead) {
       }
     }
     shortest_s = std::max(shortest_s, 15.0 * kScanS);
-    // The search is 0.001 rad/s coarse: of 1 rad/s, 0.1 %.
+    // The search has steps of 0.001 rad/s, which is 0.1 % of 1 rad/s; twice that.
     EXPECT_NEAR(plan.sweep_s, shortest_s, 2e-3 * shortest_s) << v;
   }
 }
 
 TEST(SweepPlan, ASweepForASpeedAllowsAGreaterOne) {
-  // So speed and nod never lock each other, and there is no hunting at the top speed.
+  // So speed and nod never block each other, and the speed does not oscillate at the top speed.
   const SweepPlanner planner = default_planner();
   const VirtualCorridor corridor = VirtualCorridor::of(kParams.robot);
   for (double v = 0.0; v <= kParams.speed.top_mps; v += kStepMps) {
@@ -136,8 +136,8 @@ TEST(SweepPlan, ASweepForASpeedAllowsAGreaterOne) {
   }
 }
 
-// A robot that was faster a moment ago looks less far around: the corridor is covered from d_min on
-// as before, by lines no farther apart, in a shorter time; so it may drive no slower.
+// A robot that was faster a moment ago looks around less far: the corridor is covered from d_min on
+// as before, by lines no farther apart, in a shorter time, so the permitted speed is not lower.
 TEST(SweepPlan, LookingLessFarAroundCoversTheCorridorInAShorterTime) {
   const SweepPlanner planner = default_planner();
   const VirtualCorridor corridor = VirtualCorridor::of(kParams.robot);
