@@ -9,8 +9,8 @@ void Pace::note_load(float share) {
   if (share >= kBusyShare) {
     period_ = std::max(fastest_, std::min(2 * period_, kSlowest));
   } else if (share < kRoomShare) {
-    period_ =
-        std::max(fastest_, period_ * 3 / 4);  // more slowly than it grew, to avoid oscillation
+    // More slowly than it grew, to avoid oscillation.
+    period_ = std::max(fastest_, period_ * 3 / 4);
   }
 }
 

@@ -26,8 +26,8 @@ constexpr int kMaxRounds = 10;
 constexpr int kMaxEndRounds = 400;  // of 5 ms
 
 std::optional<std::string> own_variable(const std::string& name) {
-  const char* value =
-      std::getenv(name.c_str());  // NOLINT(concurrency-mt-unsafe): the environment is never changed
+  // NOLINTNEXTLINE(concurrency-mt-unsafe): the environment is never changed
+  const char* value = std::getenv(name.c_str());
   return value == nullptr ? std::nullopt : std::optional<std::string>(value);
 }
 

@@ -19,8 +19,8 @@ struct ProcessRow {
   pid_t parent = 0;
   pid_t session = 0;
   char state = '?';
-  std::uint64_t start_ticks =
-      0;  ///< since the machine started; together with the pid it identifies a process
+  /// Since the machine started; together with the pid it identifies a process.
+  std::uint64_t start_ticks = 0;
   std::uint64_t cpu_ticks = 0;  ///< user and system time
   std::int64_t vsize_bytes = 0;
   std::int64_t rss_pages = 0;

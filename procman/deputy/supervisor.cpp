@@ -135,8 +135,8 @@ void Supervisor::start(Entry& entry, std::int32_t run, time::SteadyTime now,
 }
 
 void Supervisor::stop(Entry& entry, time::SteadyTime now, SupervisorActions& actions) {
-  entry.wanted =
-      false;  // a command that is being stopped does not respawn, until an order wants it again
+  // A command that is being stopped does not respawn, until an order wants it again.
+  entry.wanted = false;
   entry.respawn_due.reset();
   if (entry.kill_due) {
     return;  // it is already stopping, and poll() will kill it if necessary

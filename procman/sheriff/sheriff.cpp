@@ -64,8 +64,8 @@ void Sheriff::take_output(const Output& output) {
     if (output_handler_) {
       output_handler_(part.command_id, part.text);
     }
-    if (fleet_.find(part.command_id) !=
-        nullptr) {  // ignores unknown names, which any sender may use
+    // Ignores unknown names, which any sender may use.
+    if (fleet_.find(part.command_id) != nullptr) {
       consoles_[part.command_id].take(part.text);
       health_.take_output(part.command_id, now());
     }

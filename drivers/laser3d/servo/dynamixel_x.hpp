@@ -13,8 +13,8 @@ namespace nodmap::laser3d::dynamixel_x {
 inline constexpr std::uint16_t kOperatingMode = 11;  // in EEPROM: written only if different
 inline constexpr std::uint16_t kTorqueEnable = 64;
 inline constexpr std::uint16_t kHardwareError = 70;
-inline constexpr std::uint16_t kBusWatchdog =
-    98;  // in units of 20 ms; stops the servo if the host is silent
+// In units of 20 ms; stops the servo if the host is silent.
+inline constexpr std::uint16_t kBusWatchdog = 98;
 inline constexpr std::uint16_t kProfileAcceleration = 108;
 inline constexpr std::uint16_t kProfileVelocity = 112;  // followed by the goal position
 inline constexpr std::uint16_t kRealtimeTick = 120;     // start of the state registers

@@ -162,8 +162,8 @@ ServoOutput MaestroSession::receive(ByteView bytes, time::SteadyTime now) {
 }
 
 std::optional<PitchSample> MaestroSession::sample_in(ByteView answer, time::SteadyTime now) {
-  constexpr double kShortestPulseUs =
-      64.0;  // shorter than any servo's; 0 means that the channel is off
+  // Shorter than any servo's; 0 means that the channel is off.
+  constexpr double kShortestPulseUs = 64.0;
   const double pulse_us = maestro::pulse_us_in(answer);
   misses_ = 0;
   if (pulse_us < kShortestPulseUs) {

@@ -119,8 +119,8 @@ TEST(ScanLine, BothBeamsMustGoOn) {
   EXPECT_FALSE(beyond(89));
   EXPECT_FALSE(beyond(90));
   EXPECT_TRUE(beyond(91));
-  scan.ranges_m[90] =
-      std::numeric_limits<float>::quiet_NaN();  // a missing measurement proves nothing
+  // A missing measurement proves nothing.
+  scan.ranges_m[90] = std::numeric_limits<float>::quiet_NaN();
   EXPECT_FALSE(beyond(89));
   scan.ranges_m[90] = 81.83F;  // CARMEN's mark beyond range_max_m
   EXPECT_FALSE(beyond(89));

@@ -299,8 +299,8 @@ TEST(Scene, ATableTopIsRememberedAboveTheSweeps) {
 struct CorridorDrive {
   std::size_t obstacles_removed = 0;
   std::size_t structure_removed = 0;
-  int dummies =
-      0;  ///< number of dummies within 85 degrees of ahead in the obstacle map, over all updates
+  /// Number of dummies within 85 degrees of ahead in the obstacle map, over all updates.
+  int dummies = 0;
 };
 
 CorridorDrive drive_a_minute(const MapServerParams& params) {

@@ -50,8 +50,8 @@ class PartsInOrder {
  public:
   struct Place {
     bool taken = false;  ///< the part is the next one
-    bool lost =
-        false;  ///< the previous whole was incomplete, or the first parts of this one are missing
+    /// The previous whole was incomplete, or the first parts of this one are missing.
+    bool lost = false;
     bool is_first = false;
     bool is_last = false;
   };

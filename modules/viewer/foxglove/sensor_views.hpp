@@ -54,8 +54,8 @@ struct VoxelGrid {
   static constexpr std::int64_t kMaxCells = std::int64_t{1} << 20U;
 
   Eigen::Vector3d p_corner = Eigen::Vector3d::Zero();  ///< outer corner of the first cell, metres
-  double cell_m =
-      0.0;  ///< edge of a cell: that of a voxel, doubled until the grid has at most kMaxCells
+  /// Edge of a cell: that of a voxel, doubled until the grid has at most kMaxCells.
+  double cell_m = 0.0;
   std::int64_t columns = 0;
   std::int64_t rows = 0;
   std::int64_t slices = 0;
