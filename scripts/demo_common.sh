@@ -10,7 +10,7 @@ print_version() { sed -n 's/^project(nodmap VERSION \([^ ]*\).*/\1/p' CMakeLists
 
 # need_number OPTION VALUE: a number above 0.
 need_number() {
-  [[ "$2" =~ ^[0-9]+(\.[0-9]+)?$ && "$2" =~ [1-9] ]] || usage_error "$1: '$2' is no number above 0"
+  [[ "$2" =~ ^[0-9]+(\.[0-9]+)?$ && "$2" =~ [1-9] ]] || usage_error "$1: '$2' is not a number above 0"
 }
 # need_value OPTION ARGUMENTS-LEFT
 need_value() { [[ $2 -ge 2 ]] || usage_error "$1 needs a value"; }

@@ -18,8 +18,8 @@ expect() {
 expect 0 "--duration SECONDS" --help
 expect 0 "--speed FACTOR" some.clf --help
 expect 0 "$(sed -n 's/^project(nodmap VERSION \([^ ]*\).*/\1/p' CMakeLists.txt)" --version
-expect 2 "--duration: 'abc' is no number above 0" --duration abc
-expect 2 "--duration: '0' is no number above 0" --duration 0
+expect 2 "--duration: 'abc' is not a number above 0" --duration abc
+expect 2 "--duration: '0' is not a number above 0" --duration 0
 expect 2 "--duration needs a value" --duration
 expect 2 "unknown option --wrold" --wrold x
 expect 2 "no.yaml: cannot open: No such file or directory" --world no.yaml
@@ -27,7 +27,7 @@ expect 2 "$work exists" --out "$work"
 echo "a,b" >"$work/table.csv"
 expect 2 "table.csv: is neither a folder" "$work/table.csv"
 expect 2 "none.clf: cannot open: No such file or directory" "$work/none.clf"
-expect 2 "--speed: 'fast' is no number above 0" "$work/table.csv" --speed fast
+expect 2 "--speed: 'fast' is not a number above 0" "$work/table.csv" --speed fast
 timeout 10 ./nodmap explore --help | grep -qF "sim/worlds/office.yaml" || fail "explore does not say which world"
 code=0
 timeout 10 ./nodmap explore --duration 0 >"$work/out" 2>&1 || code=$?

@@ -192,7 +192,7 @@ TEST_F(SimProcess, TouchesNothingThatIsNotItsOwn) {
   std::ofstream(links_ / "servo") << "precious";
   ChildProcess sim(sim_command());
   EXPECT_EQ(sim.wait_for_end(kPatience), 1);
-  EXPECT_THAT(sim.said(), HasSubstr("servo: exists and is no link of the simulator"));
+  EXPECT_THAT(sim.said(), HasSubstr("servo: exists and is not a link of the simulator"));
   EXPECT_EQ(std::filesystem::file_size(links_ / "servo"), 8U);
   std::filesystem::remove(links_ / "servo");
   // What a killed simulator leaves is taken over, what a living one has is not.
@@ -208,7 +208,7 @@ TEST_F(SimProcess, TouchesNothingThatIsNotItsOwn) {
 TEST_F(SimProcess, RefusesWhatItDoesNotUnderstand) {
   ChildProcess fault(sim_command({"--fault", "laser:melt@1+1"}));
   EXPECT_EQ(fault.wait_for_end(kPatience), 2);
-  EXPECT_THAT(fault.said(), HasSubstr("'melt' is none of drop"));
+  EXPECT_THAT(fault.said(), HasSubstr("'melt' is not one of drop"));
   std::ofstream(world_) << "objects: 5\n";
   ChildProcess world(sim_command());
   EXPECT_EQ(world.wait_for_end(kPatience), 2);

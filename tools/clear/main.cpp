@@ -47,9 +47,8 @@ int main(int argc, char** argv) {
   return node::run_program(
       argc, argv,
       {.name = "nodmap-clear",
-       .summary =
-           "Asks 2D SLAM to forget what its map shows in a rectangle: its cells become unknown "
-           "until the robot sees again what is there.",
+       .summary = "Asks 2D SLAM to forget what its map shows in a rectangle: the cells become "
+                  "unknown until the robot sees the place again.",
        .uses_lcm = true,
        .add_options =
            [&arguments](CLI::App& app) {

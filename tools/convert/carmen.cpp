@@ -17,8 +17,8 @@ geometry::SE2 read_pose(Fields& fields) {
   return {x, y, geometry::normalize_angle(fields.finite())};
 }
 
-/// `ipc_timestamp host logger_timestamp` and nothing more: a count of readings that is wrong shows
-/// in what is left over.
+/// Reads `ipc_timestamp host logger_timestamp` at the end of the line. A wrong count of readings is
+/// detected by the remaining words.
 time::Timestamp read_trailer(Fields& fields) {
   const time::Timestamp stamp = fields.stamp();
   fields.word();
@@ -27,7 +27,7 @@ time::Timestamp read_trailer(Fields& fields) {
 }
 
 void mark_no_returns(std::vector<float>& ranges_m, double no_return_m) {
-  const auto limit_m = static_cast<float>(no_return_m);  // as the same word reads in a reading
+  const auto limit_m = static_cast<float>(no_return_m);  // converted as the readings are
   for (float& range_m : ranges_m) {
     if (range_m >= limit_m) {
       range_m = std::numeric_limits<float>::infinity();
@@ -41,7 +41,7 @@ CarmenLine finished(const Fields& fields, Value value) {
     return CarmenUnreadable{"a number is missing or damaged"};
   }
   if (!fields.at_end()) {
-    return CarmenUnreadable{"more words than the counts in it tell of"};
+    return CarmenUnreadable{"more words than its counts imply"};
   }
   return value;
 }
@@ -110,8 +110,8 @@ CarmenLine parse_described_scan(Fields fields) {
 }  // namespace
 
 CarmenFan carmen_fan(std::size_t num_beams) {
-  // A SICK's 401 beams are its finest fan: 100 degrees by quarters. Every other count spans 180
-  // degrees, and an even one (180, 360) has lost the last beam.
+  // 401 beams are the finest fan of a SICK: 100 degrees in steps of a quarter. Every other count
+  // spans 180 degrees; with an even count (180, 360) the last beam is missing.
   if (num_beams == 401) {
     return {geometry::deg_to_rad(-50.0), geometry::deg_to_rad(0.25)};
   }

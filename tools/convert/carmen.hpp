@@ -13,7 +13,7 @@
 
 namespace nodmap::convert {
 
-/// CARMEN drives SICK scanners, whose readings from here on say that nothing came back (81.83 and
+/// Readings from here on mean "no echo" with the SICK scanners that CARMEN supports (81.83 and
 /// 81.91 in the public logs).
 inline constexpr double kCarmenNoReturnM = 80.0;
 
@@ -35,7 +35,7 @@ struct CarmenScan {
   double angle_first_rad = 0.0;  ///< 0 ahead, positive to the left
   double angle_step_rad = 0.0;
   double range_max_m = kCarmenNoReturnM;
-  std::vector<float> ranges_m;  ///< +infinity where nothing came back
+  std::vector<float> ranges_m;  ///< +infinity: no echo
   std::vector<float> intensities;
 };
 
@@ -44,7 +44,7 @@ struct CarmenParameter {
   std::string value;
 };
 
-/// A line this program makes nothing of: a comment (without a name), or another kind of message.
+/// A line that this program does not use: a comment (without a name), or another kind of message.
 struct CarmenOther {
   std::string name;
 };
@@ -58,7 +58,7 @@ using CarmenLine =
 
 [[nodiscard]] CarmenLine parse_carmen_line(std::string_view line);
 
-/// The fan of a FLASER line, which tells only how many beams it has.
+/// The fan of a FLASER line, which contains only the number of beams.
 struct CarmenFan {
   double angle_first_rad = 0.0;
   double angle_step_rad = 0.0;

@@ -17,7 +17,7 @@
 namespace nodmap::convert {
 namespace {
 
-// CARMEN's world is flat.
+// Scans with a smaller pitch count as level, because CARMEN's world is flat.
 constexpr double kLevelRad = geometry::deg_to_rad(0.5);
 
 class CarmenExport {
@@ -32,7 +32,7 @@ class CarmenExport {
     }
   }
 
-  /// Writes what is still held back.
+  /// Writes the line that is still held back.
   void finish() { write_held(); }
 
   [[nodiscard]] int num_lines() const { return num_lines_; }
@@ -73,8 +73,8 @@ class CarmenExport {
     write(line);
   }
 
-  /// A scan line holds the odometry of its time: an ODOMETRY right before the scan goes into it and
-  /// makes no line of its own.
+  /// The odometry pose at the time of a scan. An ODOMETRY directly before a scan becomes part of
+  /// the scan line and gets no line of its own.
   geometry::SE2 pose_of(time::Timestamp stamp) {
     if (held_ && held_->stamp == stamp) {
       const geometry::SE2 pose = held_->T_odom_base;
@@ -127,7 +127,7 @@ void export_carmen(const std::filesystem::path& log, const std::filesystem::path
     throw std::runtime_error(log.string() + ": no ODOMETRY, and no SCAN without pitch");
   }
   file.commit();
-  log::get().info("{} lines; {} messages invalid, or scans with a pitch, left out",
+  log::get().info("{} lines; {} messages omitted, which were invalid or scans with a pitch",
                   writer.num_lines(), writer.num_left_out());
 }
 

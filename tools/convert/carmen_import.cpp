@@ -17,10 +17,10 @@
 namespace nodmap::convert {
 namespace {
 
-// CARMEN's world is flat and knows no heights; most of its robots carried the scanner about here.
+// Assumed height of the scanner, which CARMEN's logs do not contain; typical of its robots.
 constexpr double kAssumedHeightM = 0.3;
 
-/// Handles the lines of a log one kind each.
+/// Converts the lines of a log; one operator for each kind.
 class CarmenImport {
  public:
   CarmenImport(const CarmenMounts& mounts, Recording& recording, LineReader& lines)
@@ -51,7 +51,7 @@ class CarmenImport {
     recording_.add_scan(std::move(message));
   }
 
-  void operator()(const CarmenParameter&) {}  // CarmenMounts has seen them all
+  void operator()(const CarmenParameter&) {}  // used by CarmenMounts only
   void operator()(const CarmenUnreadable& line) { lines_.skip_line(line.why); }
   void operator()(const CarmenOther& line) {
     if (!line.name.empty()) {
@@ -65,7 +65,7 @@ class CarmenImport {
  private:
   void add_odometry(time::Timestamp stamp, const geometry::SE2& T_odom_base) {
     nodmap::odometry_t message = node::write_odometry(stamp, geometry::to_se3(T_odom_base));
-    // A scan line has no speed: the last known one stands.
+    // A scan line contains no speed, so the last known one is used.
     message.forward_mps = forward_mps_;
     message.yaw_rate_rad_s = yaw_rate_rad_s_;
     recording_.add_odometry(message);
@@ -79,7 +79,8 @@ class CarmenImport {
   std::map<std::string, int> not_converted_;
 };
 
-/// A first pass: only the whole log tells whether the poses in its scan lines agree.
+/// A first pass over the whole log, because only that shows whether the poses in its scan lines are
+/// consistent.
 CarmenMounts find_mounts(const std::filesystem::path& in) {
   CarmenMounts mounts;
   LineReader lines(in);
@@ -109,7 +110,7 @@ void import_carmen(const std::filesystem::path& in, const std::filesystem::path&
   log::get().info("{} scans, {} odometry messages, {} lines skipped", recording.num_scans(),
                   recording.num_odometry(), lines.num_skipped());
   for (const auto& [name, count] : import.not_converted()) {
-    log::get().info("{} lines {} have no counterpart and were left out", count, name);
+    log::get().info("{} lines {} have no counterpart and were omitted", count, name);
   }
 }
 

@@ -11,7 +11,7 @@ namespace {
 // Logs with three decimals round both poses by half a millimetre in each axis.
 constexpr double kSameOffsetM = 0.002;
 constexpr double kSameOffsetRad = 0.002;
-// A scanner farther from the centre than this is no offset but another frame.
+// A larger offset means that the poses are in different frames.
 constexpr double kLargestOffsetM = 2.0;
 
 double rounded(double value) {

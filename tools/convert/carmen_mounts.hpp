@@ -8,19 +8,19 @@
 
 namespace nodmap::convert {
 
-/// Finds where a CARMEN robot carries its scanners. Each scan line holds both the scanner's and the
-/// robot's pose; where they always differ by the same offset, that is the mount. Where they do not
-/// (some tools wrote a corrected pose into the scanner's), PARAM robot_frontlaser_offset and
-/// robot_rearlaser_offset tell.
+/// Finds the mounts of the scanners of a CARMEN robot. Each scan line contains the poses of scanner
+/// and robot; if they always differ by the same offset, that is the mount. Otherwise (some tools
+/// wrote a corrected pose for the scanner) it is taken from PARAM robot_frontlaser_offset and
+/// robot_rearlaser_offset.
 class CarmenMounts {
  public:
   void add(const CarmenScan& scan);
   void add(const CarmenParameter& parameter);
 
-  /// T_base_laser, to 0.1 mm and 0.1 mrad: a log's decimals hold no more.
+  /// T_base_laser, rounded to 0.1 mm and 0.1 mrad, the resolution of a log's decimals.
   [[nodiscard]] geometry::SE2 mount(LaserSide side) const;
 
-  /// Whether that is from the scan lines themselves.
+  /// Whether the mount was computed from the scan lines themselves.
   [[nodiscard]] bool is_from_scans(LaserSide side) const;
 
  private:

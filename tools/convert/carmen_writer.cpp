@@ -11,15 +11,15 @@
 namespace nodmap::convert {
 namespace {
 
-// What SICK's own readings say in the public logs.
+// The marker for "no echo" in the public logs.
 constexpr float kNoReturnMarkerM = 81.91F;
 
-/// Words of a line, with a blank before each but the first.
+/// Writes the words of a line, separated by blanks.
 class LineWriter {
  public:
   explicit LineWriter(std::string name) : text_(std::move(name)) {}
 
-  /// As many digits as it takes to read the same number again.
+  /// Writes as many digits as are necessary to read the same number again.
   template <class Number>
   void exact(Number value) {
     char digits[40];
@@ -27,7 +27,7 @@ class LineWriter {
     text_.push_back(' ');
     text_.append(std::string_view(digits, end));
   }
-  /// Six decimals, as CARMEN writes.
+  /// Writes six decimals, as CARMEN does.
   void rounded(double value) {
     char digits[400];  // the longest double has 309 digits before the point
     const char* end =

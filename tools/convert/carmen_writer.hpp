@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Values back to the lines of a CARMEN log: parse_carmen_line() reads the same values again (poses
-// and speeds to six decimals).
+// Conversion of values to the lines of a CARMEN log. parse_carmen_line() reads the same values
+// again (poses and speeds to six decimals).
 #pragma once
 
 #include <string>
@@ -10,10 +10,10 @@
 
 namespace nodmap::convert {
 
-/// An ODOM line, without its end. `start`: where the logger's own clock began.
+/// An ODOM line, without its end. `start`: the zero of the logger's own clock.
 [[nodiscard]] std::string write_carmen_line(const CarmenOdometry& odometry, time::Timestamp start);
 
-/// A FLASER or RLASER line where such a line can tell everything, else ROBOTLASER1.
+/// A FLASER or RLASER line if such a line can express everything, otherwise ROBOTLASER1.
 [[nodiscard]] std::string write_carmen_line(const CarmenScan& scan, time::Timestamp start);
 
 }  // namespace nodmap::convert

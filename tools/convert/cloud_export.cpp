@@ -24,7 +24,7 @@ namespace {
 
 struct SensorLog {
   std::vector<scan::Scan> scans;
-  /// Everything is kept: a window may lie anywhere.
+  /// Keeps all odometry, because the window may be anywhere.
   geometry::PoseHistory odometry{time::kLimit};
 };
 
@@ -49,19 +49,20 @@ SensorLog read_sensors(const std::filesystem::path& log) {
 std::span<const scan::Scan> choose(const std::vector<scan::Scan>& scans, const CloudWindow& window,
                                    const std::filesystem::path& log) {
   if (scans.empty()) {
-    throw std::runtime_error(log.string() + ": holds no scan");
+    throw std::runtime_error(log.string() + ": contains no scan");
   }
   const time::Timestamp start = scans.front().stamp + time::from_seconds(window.start_s);
   const auto first = std::find_if(scans.begin(), scans.end(),
                                   [start](const scan::Scan& scan) { return scan.stamp >= start; });
   if (static_cast<std::size_t>(scans.end() - first) < window.num_scans) {
     throw std::runtime_error(log.string() + ": has only " + std::to_string(scans.end() - first) +
-                             " scans after the start that was asked for");
+                             " scans after the requested start");
   }
   return {first, window.num_scans};
 }
 
-/// Each beam placed with the robot's pose at its own time, as seen from the base in the middle.
+/// The points of all beams, each placed with the robot's pose at its own time, relative to the base
+/// pose in the middle of the window.
 std::vector<Eigen::Vector3f> deskew(std::span<const scan::Scan> scans,
                                     const geometry::PoseHistory& odometry,
                                     const geometry::SE3& T_base_odom) {
@@ -113,11 +114,11 @@ void export_cloud(const std::filesystem::path& log, const std::filesystem::path&
   const time::Timestamp middle = begin + (scans.back().last_stamp() - begin) / 2;
   const auto T_odom_base = recording.odometry.at(middle);
   if (!T_odom_base) {
-    throw std::runtime_error(log.string() + ": no odometry where the scans are");
+    throw std::runtime_error(log.string() + ": no odometry at the time of the scans");
   }
   const auto points = deskew(scans, recording.odometry, T_odom_base->inverse());
   if (points.empty()) {
-    throw std::runtime_error(log.string() + ": no point where the scans are");
+    throw std::runtime_error(log.string() + ": no points in the scans");
   }
   formats::write_ply(cloud_file.partial_path(), colour_by_height(points));
   formats::write_tum(pose_file.partial_path(), {{middle, *T_odom_base}});

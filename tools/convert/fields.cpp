@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::string_view kBlanks = " \t\r";
 
-/// The whole word as a number, or nothing at all.
+/// Parses a whole word as a number; empty if that is not possible.
 template <class Number>
 bool parse(std::string_view word, Number& value) {
   const char* end = word.data() + word.size();
@@ -58,7 +58,7 @@ time::Timestamp Fields::stamp() {
 
 std::vector<float> Fields::numbers(std::size_t count) {
   std::vector<float> values;
-  // A damaged count must not cost memory: each number takes at least two characters.
+  // A damaged count must not allocate memory; each number takes at least two characters.
   values.reserve(std::min(count, rest_.size() / 2 + 1));
   for (std::size_t i = 0; i < count && ok_; ++i) {
     float value = 0.0F;

@@ -9,21 +9,21 @@
 
 namespace nodmap::convert {
 
-/// Reads the words of a line one after the other. Like a stream it remembers a failure: what comes
-/// after one is zero, and ok() tells at the end.
+/// Reads the words of a line one by one. Like a stream it remembers a failure: all later values are
+/// zero, and ok() is false at the end.
 class Fields {
  public:
   explicit Fields(std::string_view line) : rest_(line) {}
 
   /// The next word; empty, and failed, at the end.
   std::string_view word();
-  /// The next word if it is a number; infinity and NaN are numbers, too.
+  /// The next word as a number; infinity and NaN are permitted.
   double number();
-  /// The next word if it is a number that is neither.
+  /// The next word as a finite number.
   double finite();
-  /// The next word if it is a whole number >= 0.
+  /// The next word as a whole number >= 0.
   std::size_t count();
-  /// The next word if it is a stamp in seconds, as exact microseconds.
+  /// The next word as a stamp in seconds, exact to the microsecond.
   time::Timestamp stamp();
   /// The next `count` numbers.
   std::vector<float> numbers(std::size_t count);

@@ -14,7 +14,7 @@ namespace {
 constexpr std::int64_t kSkippedInFull = 20;
 
 std::int64_t size_bytes(const std::filesystem::path& path) {
-  std::error_code unknown;  // only the bar needs it
+  std::error_code unknown;  // only the progress bar needs the size
   const auto size = std::filesystem::file_size(path, unknown);
   return unknown ? 0 : static_cast<std::int64_t>(size);
 }

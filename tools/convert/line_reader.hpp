@@ -11,19 +11,20 @@
 
 namespace nodmap::convert {
 
-/// A text file line by line, with a bar on the terminal and a place for complaints.
+/// Reads a text file line by line, with a progress bar on the terminal and warnings about skipped
+/// lines.
 class LineReader {
  public:
-  /// Throws std::runtime_error naming the file when it cannot be opened.
+  /// Throws std::runtime_error with the name of the file if it cannot be opened.
   explicit LineReader(const std::filesystem::path& path);
 
-  /// Goes to the next line; false at the end. Throws std::runtime_error when the user has asked to
-  /// stop, or the disk fails.
+  /// Advances to the next line; false at the end. Throws std::runtime_error if the user has asked
+  /// to stop, or the disk fails.
   [[nodiscard]] bool next();
   [[nodiscard]] std::string_view line() const { return line_; }
 
-  /// Says on stderr where and why this line is skipped. A file that is no recording at all would
-  /// flood the terminal: after the first few, lines are only counted.
+  /// Reports on stderr where and why this line is skipped. After the first few, lines are only
+  /// counted, so that a wrong file does not flood the terminal.
   void skip_line(std::string_view why);
   [[nodiscard]] std::int64_t num_skipped() const { return num_skipped_; }
 

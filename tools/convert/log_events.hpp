@@ -9,9 +9,9 @@
 
 namespace nodmap::convert {
 
-/// Calls `handle` for each event of a log, with a bar on the terminal; returns the bytes that
-/// belonged to no event, after a warning. Throws std::runtime_error when the log cannot be read,
-/// holds no event or the user has asked to stop.
+/// Calls `handle` for each event of a log, with a progress bar on the terminal. Returns the number
+/// of bytes that belong to no event, after a warning. Throws std::runtime_error if the log cannot
+/// be read or contains no event, or if the user has asked to stop.
 std::int64_t for_each_event(const std::filesystem::path& log,
                             const std::function<void(const bus::LogEvent&)>& handle);
 

@@ -33,7 +33,7 @@ std::string type_name(const bus::MessageType* type, std::span<const std::byte> m
   return text;
 }
 
-/// Every message of ours begins with the time of its measurement.
+/// The time of measurement, with which each of our messages begins.
 time::Timestamp measured(std::span<const std::byte> message) {
   return time::from_utime(bus::fingerprint_of(message.subspan(bus::kFingerprintBytes)));
 }
@@ -54,7 +54,7 @@ void LogSummary::add(const bus::LogEvent& event) {
   channel.longest_gap = std::max(channel.longest_gap, logged - channel.last);
   channel.last = logged;
   if (type_name(type, event.data) != channel.type) {
-    ++channel.corrupt;  // a channel carries one type
+    ++channel.corrupt;  // a channel has one type only
     return;
   }
   if (type == nullptr) {

@@ -14,10 +14,11 @@ namespace nodmap::convert {
 
 /// One channel of a log. Times are log times.
 struct ChannelSummary {
-  std::string type;  ///< of the first message; its fingerprint where the type is not known
+  std::string type;  ///< type of the first message; its fingerprint if the type is unknown
   std::int64_t count = 0;
-  std::int64_t corrupt = 0;     ///< damaged, or of another type than the first
-  std::int64_t steps_back = 0;  ///< messages measured before the one that precedes them
+  std::int64_t corrupt = 0;  ///< damaged, or of another type than the first
+  /// Messages with an earlier time of measurement than the previous one.
+  std::int64_t steps_back = 0;
   std::int64_t size_bytes = 0;
   time::Timestamp first{};
   time::Timestamp last{};
@@ -32,7 +33,7 @@ struct ChannelSummary {
   time::Timestamp last_measured{};
 };
 
-/// What is in an event log.
+/// The content of an event log.
 struct LogSummary {
   std::map<std::string, ChannelSummary> channels;
   std::int64_t skipped_bytes = 0;
@@ -42,7 +43,7 @@ struct LogSummary {
 
 [[nodiscard]] LogSummary summarize_log(const std::filesystem::path& log);
 
-/// A table for people.
+/// Prints a table for people.
 void print(std::ostream& out, const LogSummary& summary);
 
 }  // namespace nodmap::convert

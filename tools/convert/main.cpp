@@ -26,18 +26,19 @@ struct Arguments {
   std::string channel;
   convert::UosRange range;
   convert::CloudWindow window;
-  std::function<void()> work;  ///< of the chosen subcommand
+  std::function<void()> work;  ///< the work of the chosen subcommand
 };
 
 CLI::App* add_command(CLI::App& app, Arguments& arguments, const char* name, const char* summary) {
   CLI::App* command = app.add_subcommand(name, summary);
-  command->add_option("IN", arguments.in, "What to read")->required();
+  command->add_option("IN", arguments.in, "File or folder to read")->required();
   return command;
 }
 
 CLI::App* add_import(CLI::App& app, Arguments& arguments, const char* name, const char* summary) {
   CLI::App* command = add_command(app, arguments, name, summary);
-  command->add_option("OUT", arguments.out, "LCM event log to make; never overwritten")->required();
+  command->add_option("OUT", arguments.out, "LCM event log to write; never overwritten")
+      ->required();
   return command;
 }
 
@@ -80,12 +81,11 @@ void export_log(const Arguments& arguments) {
 }
 
 void add_exports(CLI::App& app, Arguments& arguments) {
-  add_command(app, arguments, "info", "What is in an LCM event log")->callback([&arguments] {
-    arguments.work = [&] { print_info(arguments); };
-  });
+  add_command(app, arguments, "info", "Show the content of an LCM event log")
+      ->callback([&arguments] { arguments.work = [&] { print_info(arguments); }; });
   CLI::App* mcap = add_command(app, arguments, "mcap",
                                "LCM event log to MCAP, with the schemas of nodmap-viewer");
-  mcap->add_option("OUT", arguments.out, "File to make; never overwritten")->required();
+  mcap->add_option("OUT", arguments.out, "File to write; never overwritten")->required();
   mcap->callback([&arguments] {
     arguments.work = [&] { convert::export_mcap(arguments.in, arguments.out); };
   });
@@ -93,7 +93,7 @@ void add_exports(CLI::App& app, Arguments& arguments) {
                                   "LCM event log to CARMEN, CSV, a TUM trajectory or a PLY cloud");
   command
       ->add_option("OUT", arguments.out,
-                   "File to make, .clf, .csv, .tum or .ply; never overwritten")
+                   "File to write, .clf, .csv, .tum or .ply; never overwritten")
       ->required()
       ->check([](const std::string& out) {
         const std::string ending = std::filesystem::path(out).extension();
@@ -103,7 +103,7 @@ void add_exports(CLI::App& app, Arguments& arguments) {
       });
   command->add_option(
       "--channel", arguments.channel,
-      "What to export: else SCAN to .csv, ODOMETRY to .tum; .clf and .ply take both");
+      "Channel to export; default: SCAN for .csv, ODOMETRY for .tum; .clf and .ply use both");
   command
       ->add_option("--start-s", arguments.window.start_s,
                    ".ply: seconds from the log's first scan to the cloud's")

@@ -15,8 +15,8 @@
 namespace nodmap::convert {
 namespace {
 
-/// Each message of a trail holds all of it: coarser than on the screen, or they were most of the
-/// file.
+/// Coarser than on the screen: each message contains a whole trail, so trails would otherwise be
+/// most of the file.
 constexpr double kTrailSpacingM = 1.0;
 
 std::uint64_t nanoseconds(time::Timestamp stamp) {
@@ -47,7 +47,7 @@ void export_mcap(const std::filesystem::path& log, const std::filesystem::path& 
   (void)player.seek(player.duration());
   (void)player.catch_up(std::numeric_limits<std::int64_t>::max());
   if (writer.num_messages() == 0) {
-    throw std::runtime_error(log.string() + ": holds no message of ours");
+    throw std::runtime_error(log.string() + ": contains no message of ours");
   }
   writer.finish();
   file.commit();

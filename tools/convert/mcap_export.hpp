@@ -5,8 +5,8 @@
 
 namespace nodmap::convert {
 
-/// Writes what nodmap-viewer shows of a log, every message of it, as MCAP. Throws
-/// std::runtime_error when it holds no event, or none of ours.
+/// Writes everything that nodmap-viewer shows of a log as MCAP. Throws std::runtime_error if the
+/// log contains no event, or none of ours.
 void export_mcap(const std::filesystem::path& log, const std::filesystem::path& out);
 
 }  // namespace nodmap::convert

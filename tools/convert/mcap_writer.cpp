@@ -24,10 +24,10 @@ constexpr std::uint8_t kStatistics = 0x0B;
 constexpr std::uint8_t kSummaryOffset = 0x0E;
 constexpr std::uint8_t kDataEnd = 0x0F;
 
-/// What a reader has to unpack for one message: some seconds of the robot.
+/// How much a reader has to unpack for one message: some seconds of the robot's data.
 constexpr std::size_t kChunkBytes = std::size_t{1} << 20U;
 
-/// The content of a record: little-endian numbers, strings with their length before them.
+/// Builds the content of a record: little-endian numbers, and strings preceded by their length.
 class Content {
  public:
   template <class Unsigned>
@@ -88,7 +88,7 @@ void McapWriter::put_record(std::uint8_t opcode, std::string_view content) {
 std::uint16_t McapWriter::add_channel(const McapChannel& channel) {
   const auto number = static_cast<std::uint16_t>(counts_.size());
   counts_.push_back(0);
-  // A schema for each channel, under the same number; 0 would mean "no schema".
+  // Each channel has a schema with a related number; 0 would mean "no schema".
   const auto schema = static_cast<std::uint16_t>(number + 1);
   const std::string schema_record = record(kSchema, Content()
                                                         .number(schema)
@@ -130,8 +130,8 @@ void McapWriter::write(std::uint16_t channel, std::uint64_t log_time_ns,
   }
 }
 
-/// The chunk, behind it for each channel where its messages are in it, and for the summary where
-/// all of that is in the file.
+/// Writes the chunk, then for each channel the positions of its messages in it, and remembers the
+/// positions of all this for the summary.
 void McapWriter::write_chunk() {
   if (chunk_.records.empty()) {
     return;

@@ -19,33 +19,34 @@ struct McapChannel {
   std::string schema;  ///< JSON Schema
 };
 
-/// Writes MCAP, the container of Foxglove: messages in chunks compressed by zstd, with indexes by
-/// which a reader finds a time or a topic without reading the rest, and statistics.
-/// Source: https://mcap.dev/spec
+/// Writes MCAP, the container of Foxglove: messages in chunks compressed with zstd, indexes with
+/// which a reader finds a time or a topic without reading the rest, and statistics. Source:
+/// https://mcap.dev/spec
 class McapWriter {
  public:
-  /// Throws std::runtime_error when the file cannot be made.
+  /// Throws std::runtime_error if the file cannot be created.
   explicit McapWriter(const std::filesystem::path& path);
 
   /// Adds a channel and its schema; returns its number.
   std::uint16_t add_channel(const McapChannel& channel);
 
-  /// Times in nanoseconds since the epoch.
+  /// Writes a message; times in nanoseconds since the epoch.
   void write(std::uint16_t channel, std::uint64_t log_time_ns, std::uint64_t publish_time_ns,
              std::string_view json);
 
-  /// Writes the end of the file. Throws std::runtime_error when the disk took not everything.
+  /// Writes the end of the file. Throws std::runtime_error if the file could not be written
+  /// completely.
   void finish();
 
   [[nodiscard]] std::uint64_t num_messages() const { return num_messages_; }
 
  private:
-  /// What is being collected before it is compressed and written.
+  /// Messages that are collected before they are compressed and written.
   struct Chunk {
     std::string records;
     std::uint64_t first_ns = 0;
     std::uint64_t last_ns = 0;
-    /// For each channel the time and the place in `records` of its messages.
+    /// For each channel, the times of its messages and their positions in `records`.
     std::map<std::uint16_t, std::vector<std::pair<std::uint64_t, std::uint64_t>>> index;
   };
 
@@ -59,7 +60,7 @@ class McapWriter {
   std::string chunk_indexes_;  // records for the summary
   std::uint32_t num_chunks_ = 0;
   std::vector<std::uint64_t> counts_;  // messages of each channel
-  std::string schemas_;                // records, again in the summary
+  std::string schemas_;                // records, which are repeated in the summary
   std::string channels_;
   std::uint64_t num_messages_ = 0;
   std::uint64_t first_ns_ = 0;

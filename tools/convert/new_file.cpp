@@ -18,7 +18,7 @@ NewFile::NewFile(std::filesystem::path path) : path_(std::move(path)), partial_p
 }
 
 NewFile::~NewFile() {
-  std::error_code ignored;  // after commit() there is nothing to remove
+  std::error_code ignored;  // after commit() there is no file to remove
   std::filesystem::remove(partial_path_, ignored);
 }
 
@@ -29,7 +29,7 @@ void NewFile::commit() {
 
 void NewFile::refuse_to_overwrite() const {
   if (std::filesystem::exists(std::filesystem::symlink_status(path_))) {
-    throw std::runtime_error(path_.string() + ": exists, and is never overwritten");
+    throw std::runtime_error(path_.string() + ": exists and is never overwritten");
   }
 }
 

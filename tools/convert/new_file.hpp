@@ -6,15 +6,15 @@
 
 namespace nodmap::convert {
 
-/// A result that appears under its name only when it is whole: written beside it under another
-/// name, renamed by commit(), removed when that is never reached.
+/// A result file that gets its name only when it is complete: it is written under another name in
+/// the same folder, renamed by commit(), and otherwise removed.
 class NewFile : private boost::noncopyable {
  public:
-  /// Throws std::runtime_error when `path` exists: results are never overwritten.
+  /// Throws std::runtime_error if `path` exists, because results are never overwritten.
   explicit NewFile(std::filesystem::path path);
   ~NewFile();
 
-  /// Where to write.
+  /// The file to write.
   [[nodiscard]] const std::filesystem::path& partial_path() const { return partial_path_; }
 
   void commit();

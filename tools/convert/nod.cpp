@@ -12,8 +12,8 @@ namespace {
 
 using geometry::deg_to_rad;
 
-// The tilting device (its program: TILT_RADIUS), and the height of its axle: there the floor shows
-// in its recordings (1.00 m below it; its program says 1.11 m).
+// The tilting device: TILT_RADIUS of its program, and the height of its axle, determined from the
+// floor in its recordings (1.00 m; its program says 1.11 m).
 constexpr double kMirrorAboveAxleM = 0.08;
 constexpr double kAxleHeightM = 1.0;
 
@@ -23,10 +23,10 @@ NodLine checked(const Fields& fields, scan::Scan scan) {
     return NodUnreadable{"a number is missing or damaged"};
   }
   if (!fields.at_end()) {
-    return NodUnreadable{"more words than the count of readings tells of"};
+    return NodUnreadable{"more words than its count of readings implies"};
   }
   if (!scan::is_plausible(scan)) {
-    return NodUnreadable{"its angles or its range limits make no sense"};
+    return NodUnreadable{"invalid angles or range limits"};
   }
   return Form{std::move(scan)};
 }

@@ -3,11 +3,11 @@
 //
 //   NOD stamp_s tilt_deg n angle_min_rad angle_inc_rad range_min_m range_max_m r0..rn-1
 //     a Hokuyo on a stepper; ranges in metres, inf or nan: no return. The tilt counts downwards,
-//     and the mirror stands above the axle, as in the program that recorded it (liangfok/
-//     tilting_lidar_scanner): only so is its floor level.
+//     and the mirror is above the axle, as in the program that recorded it (liangfok/
+//     tilting_lidar_scanner); only then is its floor level.
 //   SLICE k pitch_deg n first_deg step_deg r0..rn-1
-//     one turn of the pitched SICK of KURT3D; the pitch counts upwards, beam angle 0 is right and
-//     90 ahead, ranges in centimetres.
+//     one mirror revolution of the pitched SICK of KURT3D; the pitch counts upwards, beam angle 0
+//     is right and 90 ahead, ranges in centimetres.
 #pragma once
 
 #include <string>
@@ -23,7 +23,7 @@ struct NodScan {
   scan::Scan scan;
 };
 
-/// A SLICE line; the place in time is the reader's.
+/// A SLICE line; it has no stamp, so the reader assigns the time.
 struct NodSlice {
   scan::Scan scan;
 };

@@ -20,7 +20,7 @@ void Recording::add_odometry(nodmap::odometry_t message) {
 
 void Recording::commit() {
   if (writer_.num_events() == 0) {
-    throw std::runtime_error("nothing in the input can be used: no log was made");
+    throw std::runtime_error("nothing in the input can be used; no log was written");
   }
   if (!writer_.flush()) {
     throw std::runtime_error(file_.partial_path().string() + ": cannot write; is the disk full?");

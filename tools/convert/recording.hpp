@@ -16,19 +16,20 @@
 
 namespace nodmap::convert {
 
-/// An LCM event log in the making. Events keep the order in which they are added; each is logged at
-/// its utime, or at the latest utime before it where stamps step back, so that lcm-logplayer plays
-/// at the speed of the recording and never waits for a past it has left.
+/// Writes an LCM event log. Events keep the order in which they are added. Each is logged at its
+/// utime, or at the latest previous utime if stamps step back, so that lcm-logplayer plays at the
+/// speed of the recording.
 class Recording {
  public:
-  /// Throws std::runtime_error when the file exists or cannot be made.
+  /// Throws std::runtime_error if the file exists or cannot be created.
   explicit Recording(const std::filesystem::path& path);
 
   /// Numbers the message and adds it. Throws std::runtime_error if it cannot be written.
   void add_scan(nodmap::scan_t message);
   void add_odometry(nodmap::odometry_t message);
 
-  /// Makes the file appear. Throws std::runtime_error, and leaves nothing, when it is empty.
+  /// Completes the file and gives it its name. If it is empty, throws std::runtime_error and leaves
+  /// no file.
   void commit();
 
   [[nodiscard]] std::int64_t num_scans() const { return num_scans_; }

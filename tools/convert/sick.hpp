@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What recordings of a SICK LMS leave out.
+// Properties of a SICK LMS that recordings do not contain.
 #pragma once
 
 #include <cstdint>
@@ -8,16 +8,16 @@
 
 namespace nodmap::convert {
 
-/// Readings below are no distances: a SICK sends small numbers for errors.
+/// Smaller readings are not distances: a SICK sends small numbers for errors.
 inline constexpr double kSickRangeMinM = 0.05;
 
-/// From here on nothing came back, in the measuring mode of KURT3D.
+/// Readings from here on mean "no echo" in the measuring mode of KURT3D.
 inline constexpr double kSickIndoorRangeMaxM = 32.76;
 
-/// At half-degree resolution the mirror turns twice at 75 Hz for one scan.
+/// At half-degree resolution a scan takes two mirror revolutions at 75 Hz.
 inline constexpr time::Duration kSickFinePeriod = 26'640us;
 
-/// Recordings without time begin on 2009-01-01: any constant does.
+/// Start of recordings without times: an arbitrary constant, 2009-01-01.
 inline constexpr time::Timestamp kUntimedStart(1'230'768'000s);
 
 }  // namespace nodmap::convert

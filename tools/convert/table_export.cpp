@@ -18,12 +18,12 @@
 namespace nodmap::convert {
 namespace {
 
-/// Rows of one channel, with a header from its first message.
+/// Writes the rows of one channel, with a header from its first message.
 class CsvWriter {
  public:
   explicit CsvWriter(std::ostream& out) : out_(out) {}
 
-  /// False when the message is of no type that makes a row.
+  /// Adds a row; returns false if there is no row for this type of message.
   [[nodiscard]] bool add(std::span<const std::byte> bytes) {
     return std::apply([&](auto&... message) { return (add_as(message, bytes) || ...); }, messages_);
   }
@@ -73,9 +73,10 @@ std::optional<formats::StampedPose> read_stamped_pose(std::span<const std::byte>
 void report(std::int64_t num_used, std::int64_t num_left_out, const std::filesystem::path& log,
             const std::string& channel) {
   if (num_used == 0) {
-    throw std::runtime_error(log.string() + ": channel " + channel + " holds nothing to write");
+    throw std::runtime_error(log.string() + ": channel " + channel + "  contains nothing to write");
   }
-  log::get().info("{} messages, {} left out as invalid or of another type", num_used, num_left_out);
+  log::get().info("{} messages, {} omitted, which were invalid or of another type", num_used,
+                  num_left_out);
 }
 
 }  // namespace

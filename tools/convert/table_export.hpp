@@ -6,14 +6,14 @@
 
 namespace nodmap::convert {
 
-/// Writes one channel of odometry_t or pose_t as a TUM trajectory. Throws std::runtime_error when
-/// it holds none.
+/// Writes one channel of odometry_t or pose_t as a TUM trajectory. Throws std::runtime_error if it
+/// contains none.
 void export_tum(const std::filesystem::path& log, const std::filesystem::path& out,
                 const std::string& channel);
 
 /// Writes one channel as CSV, a row for each message (table_rows.hpp names the types). A row may
-/// end with a list, of which there may be more in one row than in another: a scan's ranges, a map's
-/// points. Throws std::runtime_error when the channel holds nothing that makes a row.
+/// end with a list, whose length may differ from row to row: a scan's ranges, a map's points.
+/// Throws std::runtime_error if the channel contains no such messages.
 void export_csv(const std::filesystem::path& log, const std::filesystem::path& out,
                 const std::string& channel);
 

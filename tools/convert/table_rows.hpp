@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What of each message goes into a row of a table. Columns after the stamp; each begins with a
-// comma.
+// The fields of each type of message in a row of a table: the columns after the stamp, each
+// preceded by a comma.
 #pragma once
 
 #include <ostream>
@@ -25,7 +25,7 @@ namespace nodmap::convert {
 [[nodiscard]] const char* row_header(const nodmap::pitch_command_t& message);
 [[nodiscard]] const char* row_header(const nodmap::navigation_t& message);
 
-/// Numbers are written with as many digits as it takes to read the same number again.
+/// Numbers are written with as many digits as are necessary to read the same number again.
 void put_row(std::ostream& out, const nodmap::scan_t& message);  ///< ends with all ranges
 void put_row(std::ostream& out, const nodmap::odometry_t& message);
 void put_row(std::ostream& out, const nodmap::pose_t& message);

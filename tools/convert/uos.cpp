@@ -14,18 +14,20 @@ namespace {
 
 using geometry::deg_to_rad;
 
-// A pitching SICK moves half a degree from slice to slice; the digits of a file are good for 0.01.
+// Smallest change of pitch between slices. A pitching SICK moves half a degree from slice to slice;
+// the file has a resolution of 0.01.
 constexpr double kSamePlaneRad = deg_to_rad(0.2);
-// Beams close to the axis of the pitch say little about it.
+// Beams closer to the pitch axis than this determine the pitch too poorly.
 constexpr double kLeastSineForPitch = 0.05;
-// The finest step of a SICK is a quarter of a degree; what is closer together is one beam.
+// Points closer together than this are one beam; the finest step of a SICK is a quarter of a
+// degree.
 constexpr double kLeastStepRad = deg_to_rad(0.1);
 
 /// A point as the scanner measured it.
 struct Beam {
   double angle_rad = 0.0;  ///< in the plane; 0 ahead, positive to the left
   double range_m = 0.0;
-  std::optional<double> pitch_rad;  ///< of the plane through the axis, where it is defined
+  std::optional<double> pitch_rad;  ///< pitch of its plane through the axis, if it is defined
 };
 
 Beam to_beam(const Eigen::Vector3d& p_m) {
@@ -39,13 +41,13 @@ Beam to_beam(const Eigen::Vector3d& p_m) {
   return beam;
 }
 
-/// Without the last digits of a file: `unit_deg` is what matters.
+/// Rounds an angle to a multiple of `unit_deg`, which removes the last digits of a file.
 double rounded_rad(double angle_rad, double unit_deg) {
   return deg_to_rad(unit_deg * std::round(geometry::rad_to_deg(angle_rad) / unit_deg));
 }
 
-/// The step between neighbouring beams, negative where the mirror turns to the right; the median is
-/// neither bothered by the jumps between slices nor by beams that are left out.
+/// The step between neighbouring beams, negative if the mirror rotates to the right. The median is
+/// not affected by jumps between slices or missing beams.
 double median_step_rad(std::span<const Beam> beams) {
   std::vector<double> steps;
   for (std::size_t i = 1; i < beams.size(); ++i) {
@@ -59,7 +61,7 @@ double median_step_rad(std::span<const Beam> beams) {
   }
   const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
   std::nth_element(steps.begin(), middle, steps.end());
-  // Scanners step by quarters of a degree; the digits of the file do not matter.
+  // Steps are multiples of a quarter of a degree, so the digits of the file do not matter.
   return rounded_rad(*middle, 0.25);
 }
 
@@ -118,7 +120,7 @@ class SliceBuilder {
     }
   }
 
-  /// What was added, if its pitch is known.
+  /// The completed slice, if its pitch is known.
   [[nodiscard]] std::optional<UosSlice> finish() && {
     if (!pitch_rad_) {
       return std::nullopt;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // 3DTK's uos format: scanNNN.3d (points) and scanNNN.pose. Its frame is left-handed, x right, y up,
-// z ahead, in centimetres; this is the one place where it becomes ours.
+// z ahead, in centimetres; it is converted to our frame here and nowhere else.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,18 +18,18 @@ namespace nodmap::convert {
 [[nodiscard]] geometry::SE3 from_uos_pose(const Eigen::Vector3d& position_cm,
                                           const Eigen::Vector3d& euler_deg);
 
-/// One turn of the mirror: a plane through the scanner's left-right axis.
+/// One mirror revolution: a plane through the scanner's left-right axis.
 struct UosSlice {
   double pitch_rad = 0.0;  ///< positive looks up
   double angle_first_rad = 0.0;
   double angle_step_rad = 0.0;
-  /// +infinity where nothing came back; NaN for beams the file leaves out.
+  /// +infinity: no echo; NaN for beams missing in the file.
   std::vector<float> ranges_m;
 };
 
-/// Cuts the points of a scan, in the order of the file, into slices: a new one begins where the
+/// Splits the points of a scan, in the order of the file, into slices: a new one begins where the
 /// beam angle jumps back or the plane changes. All slices get the same fan, from the smallest to
-/// the largest angle seen. Empty when the points are no such scan.
+/// the largest angle. Empty if the points are not such a scan.
 [[nodiscard]] std::vector<UosSlice> find_slices(std::span<const Eigen::Vector3d> points_m);
 
 }  // namespace nodmap::convert

@@ -26,7 +26,8 @@ constexpr time::Duration kDrivePeriod = 10ms;
 constexpr double kDriveSpeedMps = 0.5;
 constexpr double kDriveTurnRateRadS = 0.5;
 constexpr double kLeastDriveS = 2.0;
-/// Farther apart, two scans are no drive but a slip: the drive between them is written in steps.
+/// Greatest distance between two scans; more is an error, because the drive between them is written
+/// step by step.
 constexpr double kFarthestDriveM = 1000.0;
 
 std::vector<Eigen::Vector3d> read_points(LineReader& lines) {
@@ -39,7 +40,7 @@ std::vector<Eigen::Vector3d> read_points(LineReader& lines) {
     const double x = fields.number();
     const double y = fields.number();
     const double z = fields.number();
-    if (fields.ok()) {  // a fourth word is a reflectance, and of no use here
+    if (fields.ok()) {  // a fourth word, the reflectance, is ignored
       points_m.push_back(from_uos({x, y, z}));
     } else {
       lines.skip_line("expected 'x y z'");
@@ -87,7 +88,7 @@ std::map<int, std::filesystem::path> find_scans(const std::filesystem::path& dir
   return scans;
 }
 
-/// Plays robot and scanner: time goes on with what they do.
+/// Emulates robot and scanner, and advances the time accordingly.
 class StopAndGo {
  public:
   explicit StopAndGo(Recording& recording) : recording_(recording) {}
@@ -120,7 +121,7 @@ class StopAndGo {
     const double distance_m = T_from_to.translation().norm();
     if (!(distance_m <= kFarthestDriveM)) {
       throw std::runtime_error("two scans are " + std::to_string(distance_m) +
-                               " m apart: their poses are to be in centimetres");
+                               " m apart: poses must be in centimetres");
     }
     const double duration_s = std::max({kLeastDriveS, distance_m / kDriveSpeedMps,
                                         geometry::rotation_angle(T_from_to) / kDriveTurnRateRadS});
@@ -156,7 +157,7 @@ void import_uos(const std::filesystem::path& dir, const std::filesystem::path& o
     const std::vector<UosSlice> slices = find_slices(read_points(lines));
     num_skipped += lines.num_skipped();
     if (slices.empty()) {
-      log::get().warn("{}: skipped: its points do not lie in slices", file.string());
+      log::get().warn("{}: skipped: its points do not form slices", file.string());
       continue;
     }
     robot.drive_to(read_pose(std::filesystem::path(file).replace_extension(".pose")));
@@ -166,8 +167,8 @@ void import_uos(const std::filesystem::path& dir, const std::filesystem::path& o
     ++num_used;
   }
   recording.commit();
-  log::get().info("{} scans of {} slices in all, {} odometry messages, {} lines skipped", num_used,
-                  recording.num_scans(), recording.num_odometry(), num_skipped);
+  log::get().info("{} scans with {} slices in total,  {} odometry messages, {} lines skipped",
+                  num_used, recording.num_scans(), recording.num_odometry(), num_skipped);
 }
 
 }  // namespace nodmap::convert

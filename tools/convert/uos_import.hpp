@@ -6,7 +6,7 @@
 
 namespace nodmap::convert {
 
-/// Which scans of a folder: numbers from `first` to `last`, both included.
+/// The numbers of the scans to convert, from `first` to `last`, both included.
 struct UosRange {
   int first = 0;
   int last = std::numeric_limits<int>::max();
@@ -14,8 +14,8 @@ struct UosRange {
 
 /// Converts 3DTK's stop-and-go scans (scanNNN.3d, scanNNN.pose) to an LCM event log: each slice
 /// becomes a pitched SCAN after an ODOMETRY with the scan's pose, at the rate of the scanner;
-/// between two scans stands a drive with ODOMETRY at 100 Hz. The files hold no time: it starts at a
-/// fixed epoch. Throws std::runtime_error when nothing could be made.
+/// between two scans there is a drive with ODOMETRY at 100 Hz. The files contain no times, so the
+/// log starts at a fixed epoch. Throws std::runtime_error if nothing can be converted.
 void import_uos(const std::filesystem::path& dir, const std::filesystem::path& out,
                 const UosRange& range);
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a running robot sends, as the receive buffers of all its processes see it: with multicast,
-// every socket takes every channel, subscribed or not.
+// The traffic of a running robot, which every receive buffer must hold: with multicast, every
+// socket receives every channel, subscribed or not.
 #pragma once
 
 #include <array>
@@ -11,8 +11,8 @@ namespace nodmap::doctor {
 
 struct ChannelLoad {
   std::string_view channel;
-  std::int64_t rate_hz = 0;     ///< 0: comes in bursts
-  std::int64_t size_bytes = 0;  ///< of a message, or of all the chunks of one burst together
+  std::int64_t rate_hz = 0;     ///< 0: sent in bursts
+  std::int64_t size_bytes = 0;  ///< size of a message, or of all chunks of one burst together
 };
 
 inline constexpr std::array<ChannelLoad, 8> kChannelLoads{{
@@ -26,7 +26,7 @@ inline constexpr std::array<ChannelLoad, 8> kChannelLoads{{
     {"MAP_2D", 0, 1'000'000},  // 50 m x 50 m in cells of 5 cm
 }};
 
-/// Bytes per second of the channels that come evenly.
+/// Bytes per second of the channels with a steady rate.
 [[nodiscard]] constexpr std::int64_t steady_bytes_per_s() {
   std::int64_t sum = 0;
   for (const ChannelLoad& load : kChannelLoads) {
@@ -35,7 +35,7 @@ inline constexpr std::array<ChannelLoad, 8> kChannelLoads{{
   return sum;
 }
 
-/// Bytes that may come at once.
+/// Bytes that may arrive at once.
 [[nodiscard]] constexpr std::int64_t burst_bytes() {
   std::int64_t sum = 0;
   for (const ChannelLoad& load : kChannelLoads) {
@@ -44,14 +44,14 @@ inline constexpr std::array<ChannelLoad, 8> kChannelLoads{{
   return sum;
 }
 
-/// How long a busy host may keep a receiving thread waiting.
+/// How long a receiving thread may have to wait on a busy host.
 inline constexpr std::int64_t kStallMs = 100;
 
-/// What a socket must hold of the even channels.
+/// Buffer size that a socket needs for the channels with a steady rate.
 [[nodiscard]] constexpr std::int64_t steady_buffer_bytes() {
   return steady_bytes_per_s() * kStallMs / 1000;
 }
-/// What it must hold when all bursts come within one stall.
+/// Buffer size that it needs if all bursts arrive within one such wait.
 [[nodiscard]] constexpr std::int64_t full_buffer_bytes() {
   return steady_buffer_bytes() + burst_bytes();
 }

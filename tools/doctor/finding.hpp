@@ -8,12 +8,12 @@ namespace nodmap::doctor {
 
 enum class Status : std::uint8_t { kOk, kWarn, kFail };
 
-/// What one check has to say.
+/// The result of one check.
 struct Finding {
   std::string check;  ///< one word or two, the same in every run
   Status status = Status::kOk;
   std::string sentence;
-  std::string command;  ///< fixes it; empty when there is nothing to mend
+  std::string command;  ///< command that fixes it; empty if there is nothing to fix
 };
 
 }  // namespace nodmap::doctor

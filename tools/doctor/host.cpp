@@ -17,15 +17,16 @@ Finding check_present(const std::string& check, const std::string& what, bool is
 
 Finding check_spy_script(const std::optional<std::string>& script) {
   if (!script) {
-    return {"lcm-spy", Status::kWarn, "lcm-spy is missing; it shows what goes over the channels.",
+    return {"lcm-spy", Status::kWarn, "lcm-spy is missing; it shows the messages on the channels.",
             "sudo apt install liblcm-bin"};
   }
   if (script->find("-Xincgc") != std::string::npos) {
-    return {"lcm-spy", Status::kWarn,
-            "The packaged lcm-spy asks for -Xincgc, which Java has given up since version 9.",
-            "./nodmap spy"};
+    return {
+        "lcm-spy", Status::kWarn,
+        "The packaged lcm-spy uses the option -Xincgc, which Java does not have since version 9.",
+        "./nodmap spy"};
   }
-  return {"lcm-spy", Status::kOk, "lcm-spy is there.", ""};
+  return {"lcm-spy", Status::kOk, "lcm-spy is installed.", ""};
 }
 
 Finding check_disk(const std::string& dir, std::int64_t available_bytes) {
@@ -54,29 +55,31 @@ Finding check_realtime(bool is_permitted) {
   }
   return {
       "realtime", Status::kWarn,
-      "Real-time priority is not permitted: on a busy machine the robot halts for want of scans.",
+      "Real-time priority is not permitted: on a busy machine the robot halts for lack of scans.",
       "echo \"$USER - rtprio 50\" | sudo tee /etc/security/limits.d/nodmap.conf  # then log in "
       "anew"};
 }
 
 Finding check_serial_workers(bool may_raise) {
   if (may_raise) {
-    return {"serial workers", Status::kOk,
-            "The kernel's threads that carry the bytes of serial ports may be raised.", ""};
+    return {
+        "serial workers", Status::kOk,
+        "The priority of the kernel threads that transfer the bytes of serial ports may be raised.",
+        ""};
   }
   return {"serial workers", Status::kWarn,
-          "The kernel's threads that carry the bytes of serial ports may not be raised: on a busy "
-          "machine scans come late.",
+          "The priority of the kernel threads that transfer the bytes of serial ports may not be "
+          "raised: on a busy machine scans are late.",
           "sudo systemctl start nodmap-deputy  # or run nodmap-deputy as root, or with "
           "CAP_SYS_NICE"};
 }
 
 Finding check_clock(bool is_synchronized) {
   if (is_synchronized) {
-    return {"clock", Status::kOk, "The clock follows a reference.", ""};
+    return {"clock", Status::kOk, "The clock is synchronised.", ""};
   }
   return {"clock", Status::kWarn,
-          "The clock follows no reference, which matters as soon as there is a second host.",
+          "The clock is not synchronised, which matters as soon as there is a second host.",
           "sudo apt install systemd-timesyncd; sudo timedatectl set-ntp true"};
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Findings about the host, each a function of what was read from the system.
+// Checks of the host, each a function of data read from the system.
 #pragma once
 
 #include <cstdint>
@@ -10,25 +10,28 @@
 
 namespace nodmap::doctor {
 
-/// A file or program that should be there; `command` gets it. Never worse than WARN: the robot runs
-/// without.
+/// Checks for a file or program; `command` installs it. At most WARN, because the robot runs
+/// without it.
 [[nodiscard]] Finding check_present(const std::string& check, const std::string& what,
                                     bool is_present, const std::string& purpose,
                                     const std::string& command);
 
-/// Whether the start script of lcm-spy works with the Java of today. No text: not installed.
+/// Checks whether the start script of lcm-spy works with present versions of Java. Empty: not
+/// installed.
 [[nodiscard]] Finding check_spy_script(const std::optional<std::string>& script);
 
-/// Room for recordings, with how long it lasts at our rates.
+/// Checks the disk space for recordings, and how long it lasts at our rates.
 [[nodiscard]] Finding check_disk(const std::string& dir, std::int64_t available_bytes);
 
-/// Whether programs may go before all others (SCHED_RR), as the drivers and the navigator want to.
+/// Checks whether programs may have real-time priority (SCHED_RR), as the drivers and the navigator
+/// need.
 [[nodiscard]] Finding check_realtime(bool is_permitted);
 
-/// Whether the deputy may raise the kernel's threads that carry the bytes of serial ports.
+/// Checks whether the deputy may raise the priority of the kernel threads that transfer the bytes
+/// of serial ports.
 [[nodiscard]] Finding check_serial_workers(bool may_raise);
 
-/// Whether the clock follows a reference: stamps of several hosts must agree.
+/// Checks whether the clock is synchronised, because the stamps of several hosts must agree.
 [[nodiscard]] Finding check_clock(bool is_synchronized);
 
 }  // namespace nodmap::doctor

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// nodmap-doctor: what on this host would keep nodmap from working, and what fixes it.
+// nodmap-doctor: finds what keeps nodmap from working on this host, and the commands that fix it.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdlib>
@@ -46,7 +46,7 @@ std::vector<Finding> examine_network(const std::string& url) {
                                             udpm.value_or(bus::UdpmUrl{}));
   findings.push_back(trust);
   if (trust.status == Status::kFail) {
-    return findings;  // no process of ours can start
+    return findings;  // no process can start without it
   }
   const SelfTest test = run_self_test(url);
   findings.push_back(check_self_test(test, url));
@@ -62,17 +62,17 @@ std::vector<Finding> examine_host(const std::string& logs) {
   return {
       check_disk(logs, available_bytes(logs)),
       check_present("lcm-logplayer", "lcm-logplayer", find_program("lcm-logplayer").has_value(),
-                    "it plays recordings", "sudo apt install liblcm-bin"),
-      check_present("java", "java", find_program("java").has_value(), "lcm-spy runs on it",
+                    "it plays back recordings", "sudo apt install liblcm-bin"),
+      check_present("java", "java", find_program("java").has_value(), "lcm-spy needs it",
                     "sudo apt install default-jre"),
       check_spy_script(spy ? read_text(*spy) : std::nullopt),
       check_present("lcm.jar", "lcm.jar", file_exists("/usr/share/java/lcm.jar"),
-                    "lcm-spy consists of it", "sudo apt install liblcm-java"),
+                    "it contains lcm-spy", "sudo apt install liblcm-java"),
       check_present("jchart2d.jar", "jchart2d.jar", file_exists("/usr/share/java/jchart2d.jar"),
-                    "lcm-spy draws with it", "sudo apt install libjchart2d-java"),
+                    "lcm-spy needs it for plots", "sudo apt install libjchart2d-java"),
       check_present("types jar", "build/java/lcmtypes_nodmap.jar",
                     file_exists("build/java/lcmtypes_nodmap.jar"),
-                    "with it lcm-spy looks into our messages", "./nodmap spy"),
+                    "it lets lcm-spy decode our messages", "./nodmap spy"),
       check_realtime(realtime_is_permitted()),
       check_serial_workers(node::may_raise_serial_workers()),
       check_clock(clock_is_synchronized()),

@@ -50,12 +50,12 @@ struct Route {
   int prefix_bits = 0;
 };
 
-/// The most special route to the address that is up and no refusal.
+/// The most specific route to the address that is up and not a reject route.
 std::optional<Route> route_to(const std::array<std::uint8_t, 4>& address,
                               const std::string& proc_net_route) {
   constexpr unsigned int kUp = 0x0001;      // RTF_UP and
   constexpr unsigned int kReject = 0x0200;  // RTF_REJECT of linux/route.h
-  // The kernel prints addresses as words of the host's byte order.
+  // The kernel prints addresses as words in the host's byte order.
   const auto wanted = std::bit_cast<std::uint32_t>(address);
   std::optional<Route> best;
   for (const std::vector<std::string>& words : words_by_line(proc_net_route)) {
@@ -95,19 +95,19 @@ Finding check_rmem(const std::string& key, const std::string& text, const std::s
   if (!value) {
     return {key, Status::kWarn, "net.core." + key + " cannot be read.", ""};
   }
-  // Room to spare, in the round figure people know.
+  // The proposed size has a reserve, and is a power of two.
   const auto proposed =
       static_cast<std::int64_t>(std::bit_ceil(static_cast<std::uint64_t>(full_buffer_bytes())));
   const std::string is = "net.core." + key + " is " + megabytes(*value) + ", " + who;
   if (*value < steady_buffer_bytes()) {
     return {key, Status::kFail,
-            is + ": too little for " + std::to_string(kStallMs) + " ms of our channels (" +
+            is + ": too small for " + std::to_string(kStallMs) + " ms of our channels (" +
                 megabytes(steady_buffer_bytes()) + ").",
             set_sysctl(key, proposed)};
   }
   if (*value < full_buffer_bytes()) {
     return {key, Status::kWarn,
-            is + ": too little when a cloud and a map come at once (" +
+            is + ": too small if a cloud and a map arrive at once (" +
                 megabytes(full_buffer_bytes()) + ").",
             set_sysctl(key, proposed)};
   }
@@ -154,24 +154,25 @@ Finding check_multicast_route(const std::string& proc_net_route, const bus::Udpm
     return {check, Status::kFail, way + ", which is down.",
             "sudo ip link set " + route->interface + " up"};
   }
-  // The loopback carries multicast with or without the flag.
+  // The loopback carries multicast even without the flag.
   if ((flags & (IFF_MULTICAST | IFF_LOOPBACK)) == 0) {
     return {check, Status::kFail, way + ", which does not carry multicast.",
             "sudo ip link set " + route->interface + " multicast on"};
   }
   if (route->prefix_bits == 0) {
     return {check, Status::kWarn,
-            way + " by the default route: LCM stops when that network goes away.", kLoopbackRoute};
+            way + " by the default route: LCM stops working when that network is disconnected.",
+            kLoopbackRoute};
   }
   return {check, Status::kOk, way + ".", ""};
 }
 
 Finding check_rmem_default(const std::string& text) {
-  return check_rmem("rmem_default", text, "what a socket has that asks for nothing");
+  return check_rmem("rmem_default", text, "the default size of a socket's buffer");
 }
 
 Finding check_rmem_max(const std::string& text) {
-  return check_rmem("rmem_max", text, "the most that recv_buf_size in the LCM URL gets");
+  return check_rmem("rmem_max", text, "the limit for recv_buf_size in the LCM URL");
 }
 
 std::vector<UdpSocket> parse_udp_sockets(const std::string& proc_net_udp) {
@@ -208,7 +209,7 @@ Finding check_port_users(const std::vector<UdpSocket>& sockets,
             "sudo ss -uanp sport = :" + std::to_string(port)};
   }
   return {"port", Status::kOk,
-          ours.empty() ? "Nobody listens on " + where + " yet."
+          ours.empty() ? "No process listens on " + where + " yet."
                        : "On " + where + ": " + join(ours) + ".",
           ""};
 }
@@ -227,7 +228,8 @@ Finding check_drops(const std::vector<UdpSocket>& sockets,
     return {"drops", Status::kOk, "No socket on the port has lost a datagram.", ""};
   }
   return {"drops", Status::kWarn,
-          std::to_string(total) + " datagrams found the buffer full at " + join(losers) + ".",
+          std::to_string(total) +
+              " datagrams were dropped because the buffer was full: " + join(losers) + ".",
           set_sysctl("rmem_default", static_cast<std::int64_t>(std::bit_ceil(
                                          static_cast<std::uint64_t>(full_buffer_bytes()))))};
 }
@@ -240,12 +242,11 @@ Finding check_self_test(const SelfTest& test, const std::string& url) {
                                      : "export LCM_DEFAULT_URL='udpm://239.255.76.67:7667?ttl=0'"};
   }
   if (!test.latency_ms) {
-    return {check, Status::kFail,
-            "A message sent on " + url + " did not come back within a second.",
+    return {check, Status::kFail, "A message sent on " + url + " was not received within a second.",
             "sudo iptables -L INPUT -n  # a firewall? Let 224.0.0.0/4 pass"};
   }
   std::array<char, 64> text{};
-  std::snprintf(text.data(), text.size(), "came back after %.1f ms.", *test.latency_ms);
+  std::snprintf(text.data(), text.size(), "was received after %.1f ms.", *test.latency_ms);
   return {check, Status::kOk, "A message sent on " + url + " " + text.data(), ""};
 }
 
@@ -264,12 +265,14 @@ Finding check_traffic(const std::vector<HeardChannel>& heard,
   }
   if (num_foreign > 0) {
     return {"traffic", Status::kWarn,
-            std::to_string(num_foreign) + " messages of no nodmap type came within a second on " +
-                join(foreign) + ".",
+            std::to_string(num_foreign) +
+                " messages of foreign types were received within a second on " + join(foreign) +
+                ".",
             use_next_port(url)};
   }
   return {"traffic", Status::kOk,
-          num_ours > 0 ? std::to_string(num_ours) + " messages came within a second, all of ours."
+          num_ours > 0 ? std::to_string(num_ours) +
+                             " messages were received within a second, all of nodmap's types."
                        : "The port is silent.",
           ""};
 }
@@ -280,24 +283,24 @@ Finding check_trusted_hosts(const std::string& trusted_hosts, const bus::UdpmUrl
       "export NODMAP_TRUSTED_HOSTS=10.0.0.2  # the other hosts' addresses";
   try {
     bus::TrustedHosts hosts(trusted_hosts, [] { return std::vector<std::uint32_t>(); });
-    constexpr std::uint32_t kOfNobody = 0xC0000201;  // 192.0.2.1, for documentation alone
+    constexpr std::uint32_t kOfNobody = 0xC0000201;  // 192.0.2.1, reserved for documentation
     if (hosts.contains(kOfNobody, {})) {
-      return {check, Status::kWarn, "Messages of any host are taken.", name_them};
+      return {check, Status::kWarn, "Messages of any host are accepted.", name_them};
     }
   } catch (const std::runtime_error& error) {
     return {check, Status::kFail, error.what(), name_them};
   }
   if (!trusted_hosts.empty()) {
-    return {check, Status::kOk, "Messages of this host and of " + trusted_hosts + " are taken.",
+    return {check, Status::kOk, "Messages of this host and of " + trusted_hosts + " are accepted.",
             ""};
   }
   if (url.ttl > 0) {
     return {check, Status::kWarn,
             "ttl=" + std::to_string(url.ttl) +
-                " sends to other hosts, but messages of this host alone are taken.",
+                " sends to other hosts, but only messages of this host are accepted.",
             name_them};
   }
-  return {check, Status::kOk, "Messages of this host alone are taken.", ""};
+  return {check, Status::kOk, "Only messages of this host are accepted.", ""};
 }
 
 }  // namespace nodmap::doctor

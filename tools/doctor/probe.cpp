@@ -71,7 +71,7 @@ std::map<std::uint64_t, std::string> socket_owners() {
     if (!is_number(pid)) {
       continue;
     }
-    // Processes end while we look, and most belong to others.
+    // Errors are ignored: processes may end meanwhile, and most belong to other users.
     std::error_code not_ours;
     for (fs::directory_iterator fd(process.path() / "fd", not_ours), end; !not_ours && fd != end;
          fd.increment(not_ours)) {
@@ -108,13 +108,13 @@ std::int64_t available_bytes(fs::path dir) {
 
 bool clock_is_synchronized() {
   struct timex state {};
-  const int result = ::adjtimex(&state);  // modes 0: only asks
+  const int result = ::adjtimex(&state);  // modes 0: only queries
   return result != -1 && result != TIME_ERROR && (state.status & STA_UNSYNC) == 0;
 }
 
 bool realtime_is_permitted() {
   bool is_permitted = false;
-  // A thread, which takes the priority with it when it ends.
+  // In a thread of its own, so that the priority ends with it.
   std::thread([&is_permitted] {
     const sched_param highest{30};
     is_permitted = ::pthread_setschedparam(::pthread_self(), SCHED_RR, &highest) == 0;

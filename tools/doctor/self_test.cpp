@@ -22,7 +22,7 @@ using std::chrono::milliseconds;
 using SteadyClock = std::chrono::steady_clock;
 
 constexpr milliseconds kListen(1000);
-// What the other process may take besides: starting, LCM's own set-up, ending.
+// Additional time for the other process: start, LCM's own set-up, end.
 constexpr milliseconds kGrace(500);
 constexpr const char* kChannel = "NODMAP_DOCTOR";
 constexpr const char* kLcmProbe = "LCM_SELF_TEST";  // sent by every process when it subscribes
@@ -71,7 +71,7 @@ std::string to_text(const SelfTest& test) {
   for (const HeardChannel& channel : test.heard) {
     heard.push_back({channel.channel, channel.fingerprint, channel.count});
   }
-  // A negative time stands for none. Channel names are bytes from the network.
+  // A negative time means none. Channel names are bytes from the network and may be invalid UTF-8.
   return nlohmann::json{{"latency_ms", test.latency_ms.value_or(-1.0)}, {"heard", heard}}.dump(
       -1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
@@ -100,7 +100,7 @@ SelfTest from_text(const std::string& text) {
     const ssize_t written = ::write(result_fd, text.data(), text.size());
     ::_exit(written == static_cast<ssize_t>(text.size()) ? 0 : 1);
   } catch (const std::exception&) {
-    ::_exit(1);  // no text: not opened
+    ::_exit(1);  // no output: LCM could not be opened
   }
 }
 

@@ -7,8 +7,9 @@
 
 namespace nodmap::doctor {
 
-/// Sends a message on the URL, listens for a second, and tells what came. Done in a process of its
-/// own, as LCM itself may wait longer or write to stderr when the network is ill.
+/// Sends a message on the URL, listens for a second, and reports what was received. Runs in a
+/// process of its own, because LCM may block for longer or write to stderr if the network is
+/// faulty.
 [[nodiscard]] SelfTest run_self_test(const std::string& url);
 
 }  // namespace nodmap::doctor

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How far a cloud is from the surfaces it is an image of.
+// The errors of a point cloud, compared with the true surfaces.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,21 +11,21 @@
 
 namespace nodmap::evaluate {
 
-/// Farther from every surface a point is an outlier, and farther from every point a surface is
-/// missing.
+/// A point farther than this from every surface is an outlier; a surface farther than this from
+/// every point is missing.
 inline constexpr double kOutlierM = 0.10;
 
 struct CloudErrors {
   std::size_t n = 0;
-  double rms_m = 0.0;  ///< of all points, outliers included
+  double rms_m = 0.0;  ///< of all points, including outliers
   double p95_m = 0.0;
   double outlier_share = 0.0;  ///< of points farther than kOutlierM from the nearest surface
-  /// Share of the objects' surfaces with a point nearer than kOutlierM. Backs and undersides count,
-  /// so that 1 is out of reach; good for comparing runs in one world.
+  /// Fraction of the objects' surfaces with a point nearer than kOutlierM. Backs and undersides
+  /// count, so 1 cannot be reached; use it to compare runs in one world.
   double completeness = 0.0;
 };
 
-/// All zero for an empty cloud.
+/// Measures a cloud, registered in map; all zero for an empty one.
 [[nodiscard]] CloudErrors measure_cloud(const std::vector<Eigen::Vector3f>& cloud_map,
                                         const geometry::SE3& T_world_map, const sim::World& world);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How a map of a corridor is bent, stretched and turned, from the way driven through it.
+// The errors of a map of a corridor (bend, length, rotation), from the trajectory through it.
 #pragma once
 
 #include <optional>
@@ -9,18 +9,18 @@
 
 namespace nodmap::evaluate {
 
-/// All in the ground plane, with the first pose of both trajectories laid on each other.
+/// All in the ground plane, with the first poses of both trajectories aligned.
 struct CorridorErrors {
-  double length_m = 0.0;           ///< true way along the corridor's axis, from first to last pose
-  double length_error_m = 0.0;     ///< of the estimated one, signed: positive is too long
+  double length_m = 0.0;  ///< true distance along the corridor's axis, from first to last pose
+  double length_error_m = 0.0;     ///< error of the estimated length; positive: too long
   double bow_m = 0.0;              ///< largest error across the axis, of all poses
   double heading_error_rad = 0.0;  ///< largest error of the heading, of all poses
 };
 
-/// The axis leads from the first to the last true position. A map is as long, as bent and as
-/// turned as the poses from which its scans were entered, so that these are judged: the bow
-/// includes what a wrong first heading or a slow drift moves the far end aside. Empty without
-/// pairs, or when the true way leads nowhere (shorter than 1 m), for then there is no axis.
+/// The axis leads from the first to the last true position. The errors of a map are those of the
+/// poses at which its scans were entered, so these are measured. The bow includes the sideways
+/// error of the far end caused by a wrong first heading or a slow drift. Empty without pairs, or if
+/// the true path is too short (1 m) to define an axis.
 [[nodiscard]] std::optional<CorridorErrors> measure_corridor(const std::vector<PosePair>& pairs);
 
 }  // namespace nodmap::evaluate

@@ -38,14 +38,15 @@ struct Arguments {
   std::string map;
   std::string log;
   RelocalisationPlan plan = {};
-  std::function<void()> work;  ///< of the chosen subcommand
+  std::function<void()> work;  ///< the work of the chosen subcommand
 };
 
 void print_relations(const Arguments& arguments) {
   const auto errors = evaluate::measure_relations(nodmap::formats::read_tum(arguments.trajectory),
                                                   evaluate::read_relations(arguments.truth));
   if (errors.n == 0) {
-    throw std::runtime_error(arguments.trajectory + ": holds both stamps of none of the " +
+    throw std::runtime_error(arguments.trajectory +
+                             ": does not contain both stamps of any of the " +
                              std::to_string(errors.missing) + " relations");
   }
   const nlohmann::ordered_json result = {{"n", errors.n},
@@ -64,7 +65,8 @@ std::vector<evaluate::PosePair> read_pairs(const Arguments& arguments) {
   auto pairs = evaluate::associate(estimate, nodmap::formats::read_tum(arguments.truth), tolerance);
   if (pairs.empty()) {
     throw std::runtime_error(arguments.trajectory + ": none of its " +
-                             std::to_string(estimate.size()) + " poses has a true one at its time");
+                             std::to_string(estimate.size()) +
+                             " poses has a true pose at its time");
   }
   return pairs;
 }
@@ -73,7 +75,7 @@ void print_corridor(const Arguments& arguments) {
   const auto pairs = read_pairs(arguments);
   const auto errors = evaluate::measure_corridor(pairs);
   if (!errors) {
-    throw std::runtime_error(arguments.truth + ": leads nowhere, so that there is no corridor");
+    throw std::runtime_error(arguments.truth + ": is too short to be the path through a corridor");
   }
   const nlohmann::ordered_json result = {
       {"n", pairs.size()},
@@ -115,7 +117,7 @@ void print_cloud(const Arguments& arguments) {
   const auto errors = evaluate::measure_cloud(nodmap::formats::read_ply(arguments.cloud),
                                               nodmap::geometry::to_se3(T_world_map), world);
   if (errors.n == 0) {
-    throw std::runtime_error(arguments.cloud + ": holds no point");
+    throw std::runtime_error(arguments.cloud + ": contains no points");
   }
   const nlohmann::ordered_json result = {{"n", errors.n},
                                          {"rms_m", errors.rms_m},
@@ -129,7 +131,7 @@ void print_relocalisations(const Arguments& arguments) {
   const auto result = evaluate::measure_relocalisation(
       arguments.map, arguments.log, nodmap::formats::read_tum(arguments.truth), arguments.plan);
   if (result.n == 0) {
-    throw std::runtime_error(arguments.log + ": holds no scan whose pose the truth tells");
+    throw std::runtime_error(arguments.log + ": contains no scan with a known true pose");
   }
   const nlohmann::ordered_json json = {{"n", result.n},           {"right", result.right},
                                        {"wrong", result.wrong},   {"said_lost", result.said_lost},
@@ -165,7 +167,7 @@ void add_commands(CLI::App& app, Arguments& arguments) {
 
   CLI::App* corridor = add_against_truth(
       app, arguments, "corridor",
-      "Length, bow and heading of a corridor's map, from the way driven, as JSON");
+      "Errors of length, bow and heading of a corridor's map, from the trajectory, as JSON");
   corridor->callback([&arguments] { arguments.work = [&] { print_corridor(arguments); }; });
 
   CLI::App* cloud = app.add_subcommand(
@@ -174,12 +176,12 @@ void add_commands(CLI::App& app, Arguments& arguments) {
   cloud->add_option("WORLD", arguments.world, "The world (.yaml)")->required();
   cloud
       ->add_option("--start", arguments.start,
-                   "X Y YAW_DEG: where the map begins in the world; default the robot's start")
+                   "X Y YAW_DEG: the map's origin in the world; default: the robot's start")
       ->expected(3);
   cloud->callback([&arguments] { arguments.work = [&] { print_cloud(arguments); }; });
 
   CLI::App* relocalise =
-      app.add_subcommand("relocalise", "How often a lost robot finds its place in a map, as JSON");
+      app.add_subcommand("relocalise", "How often a lost robot finds its pose in a map, as JSON");
   relocalise->add_option("MAP", arguments.map, "map.yaml, or the folder with it")->required();
   relocalise->add_option("LOG", arguments.log, "LCM event log with SCAN and ODOMETRY")->required();
   relocalise->add_option("TRUTH", arguments.truth, "True poses in the map (.tum)")->required();

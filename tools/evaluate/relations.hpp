@@ -14,30 +14,30 @@
 
 namespace nodmap::evaluate {
 
-/// Where the robot really was at `to_stamp`, seen from where it was at `from_stamp`.
+/// The true pose of the robot at `to_stamp` relative to that at `from_stamp`.
 struct Relation {
   time::Timestamp from_stamp{};
   time::Timestamp to_stamp{};
   geometry::SE3 T_from_to = geometry::SE3::Identity();
 };
 
-/// Reads `t1 t2 x y z roll pitch yaw` lines (s, m, rad). Throws std::runtime_error naming file and
-/// line: an evaluation that leaves out a part of the truth would be worth nothing.
+/// Reads `t1 t2 x y z roll pitch yaw` lines (s, m, rad). Throws std::runtime_error with file and
+/// line, because an evaluation without a part of the truth would be worthless.
 [[nodiscard]] std::vector<Relation> read_relations(const std::filesystem::path& file);
 
 struct RelationErrors {
   std::size_t n = 0;        ///< relations that were measured
-  std::size_t missing = 0;  ///< relations of which the trajectory lacks a stamp
+  std::size_t missing = 0;  ///< relations with a stamp that the trajectory lacks
   double trans_mean_m = 0.0;
-  double trans_std_m = 0.0;  ///< of the population, as in the paper's tables
+  double trans_std_m = 0.0;  ///< standard deviation of the population, as in the paper's tables
   double trans_max_m = 0.0;
   double rot_mean_rad = 0.0;
   double rot_std_rad = 0.0;
 };
 
-/// The error of each relation is inverse(T_from_to) * (inverse(x_from) * x_to): its length, and its
-/// angle. Stamps are looked up exactly; where a trajectory has one more than once, its first pose
-/// counts. All errors are zero when n is.
+/// The error of each relation is the length and the angle of inverse(T_from_to) * (inverse(x_from)
+/// * x_to). Stamps are looked up exactly; if a trajectory contains a stamp more than once, its
+/// first pose counts. All errors are zero if n is.
 [[nodiscard]] RelationErrors measure_relations(const formats::Trajectory& trajectory,
                                                std::span<const Relation> relations);
 

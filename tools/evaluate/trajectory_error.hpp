@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How far a trajectory is from the true one.
+// The errors of a trajectory compared with the true one.
 #pragma once
 
 #include <cstddef>
@@ -13,21 +13,21 @@
 
 namespace nodmap::evaluate {
 
-/// One time at which both trajectories are known.
+/// The estimated and the true pose at one time.
 struct PosePair {
-  geometry::SE3 T_map_base = geometry::SE3::Identity();    ///< estimated, in a frame of its own
+  geometry::SE3 T_map_base = geometry::SE3::Identity();    ///< estimated, in its own frame
   geometry::SE3 T_truth_base = geometry::SE3::Identity();  ///< true
 };
 
-/// Pairs each estimated pose with the true one of its time, interpolated between the two samples
-/// around it. Poses without a true sample within `tolerance` get no partner. The truth may come
-/// in any order; where it has a stamp more than once, the first counts.
+/// Pairs each estimated pose with the true pose at its time, interpolated between the two nearest
+/// samples. Omits poses without a true sample within `tolerance`. The truth may be in any order; if
+/// it contains a stamp more than once, the first counts.
 [[nodiscard]] std::vector<PosePair> associate(const formats::Trajectory& estimate,
                                               formats::Trajectory truth, time::Duration tolerance);
 
 enum class Alignment : std::uint8_t {
-  kFirstPose,     ///< the first pair agrees: what a robot that starts at a known place gets
-  kLeastSquares,  ///< all positions agree as well as they can (Umeyama 1991, no scale)
+  kFirstPose,     ///< the first pair agrees, as for a robot that starts at a known pose
+  kLeastSquares,  ///< all positions agree in the least-squares sense (Umeyama 1991, no scale)
 };
 
 struct TrajectoryErrors {
@@ -35,14 +35,14 @@ struct TrajectoryErrors {
   double ate_rmse_m = 0.0;
   double ate_max_m = 0.0;
   double rot_rmse_rad = 0.0;
-  /// Error of the last pose after alignment by the first, whatever the alignment of the rest.
+  /// Error of the last pose after alignment of the first, independent of the alignment of the rest.
   double end_error_m = 0.0;
   double end_rot_rad = 0.0;
   /// end_error_m in percent of the true path's length. Empty for a path without length.
   std::optional<double> drift_percent;
 };
 
-/// All errors are zero when there are no pairs.
+/// All errors are zero if there are no pairs.
 [[nodiscard]] TrajectoryErrors measure_trajectory(const std::vector<PosePair>& pairs,
                                                   Alignment alignment);
 

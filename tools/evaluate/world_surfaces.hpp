@@ -9,17 +9,17 @@
 
 namespace nodmap::evaluate {
 
-/// Everything in a world that a laser can meet and that stays where it is: objects, floor, pits.
+/// All static surfaces of a world that a laser can hit: objects, floor, pits.
 class WorldSurfaces {
  public:
   explicit WorldSurfaces(const sim::World& world);
 
-  /// From a point to the nearest surface, from whatever side; metres, >= 0. Points inside an object
-  /// have a distance, too.
+  /// Distance from a point to the nearest surface, from either side, also from inside an object;
+  /// metres, >= 0.
   [[nodiscard]] double distance_m(const Eigen::Vector3d& p_world) const;
 
-  /// Points on all surfaces of objects, evenly about `spacing_m` apart; the floor is left out, for
-  /// it has no end.
+  /// Points on all surfaces of objects, about `spacing_m` apart; without the floor, which is
+  /// infinite.
   [[nodiscard]] std::vector<Eigen::Vector3d> samples(double spacing_m) const;
 
  private:

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// nodmap-explore: the robot explores until it has seen all and is back; with --end, it no longer
-// does.
+// nodmap-explore: starts the exploration, which ends when everything has been seen and the robot is
+// back; with --end, ends it.
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <iostream>
@@ -23,8 +23,8 @@ struct Arguments {
   node::RequestOptions request{.by = "nodmap-explore"};
 };
 
-/// Asks until the explorer says that it does what it was asked for: what is said before it listens
-/// is lost, and so may a message be.
+/// Repeats the request until the explorer reports that it follows it, because messages sent before
+/// it listens are lost.
 int run(const Arguments& arguments, const std::string& lcm_url) {
   bus::LiveBus bus(lcm_url);
   const bus::Latest<exploration_t> exploration(bus, "EXPLORATION");
@@ -50,7 +50,8 @@ int run(const Arguments& arguments, const std::string& lcm_url) {
     return 0;
   }
   std::cerr << "nodmap-explore: "
-            << (exploration.get() ? "the explorer does not do it" : "no nodmap-explorer")
+            << (exploration.get() ? "the explorer does not follow the request"
+                                  : "no nodmap-explorer")
             << " within " << arguments.request.wait_s << " s\n";
   return 1;
 }
@@ -64,8 +65,8 @@ int main(int argc, char** argv) {
   return node::run_program(
       argc, argv,
       {.name = "nodmap-explore",
-       .summary = "The robot explores until it has seen all and is back home; with --end, it no "
-                  "longer does.",
+       .summary = "Starts the exploration, which ends when everything has been seen and the robot "
+                  "is back home; with --end, ends it.",
        .uses_lcm = true,
        .add_options =
            [&arguments](CLI::App& app) {

@@ -20,7 +20,7 @@
 namespace nodmap {
 namespace {
 
-/// A goal is said again for a navigator that has missed it, or was started anew.
+/// Period at which the goal is sent again, for a navigator that has missed it or was restarted.
 constexpr std::chrono::seconds kRepeat(1);
 constexpr std::chrono::milliseconds kLongestWait(100);
 constexpr double kToleranceM = 0.2;
@@ -38,20 +38,20 @@ struct Arguments {
 
 std::vector<Eigen::Vector2d> read_waypoints(const std::vector<double>& coordinates_m) {
   if (coordinates_m.size() % 2 != 0) {
-    throw node::UsageError("waypoints: an x and a y for each, not " +
+    throw node::UsageError("waypoints: each needs an x and a y, not " +
                            std::to_string(coordinates_m.size()) + " numbers");
   }
   std::vector<Eigen::Vector2d> waypoints_map;
   for (std::size_t i = 0; i < coordinates_m.size(); i += 2) {
     waypoints_map.emplace_back(coordinates_m[i], coordinates_m[i + 1]);
     if (!waypoints_map.back().allFinite()) {
-      throw node::UsageError("waypoints: a coordinate is no finite number");
+      throw node::UsageError("waypoints: a coordinate is not a finite number");
     }
   }
   return waypoints_map;
 }
 
-/// Sends the robot along a route and tells what becomes of each waypoint.
+/// Sends the robot along a route and reports the result for each waypoint.
 class Guide {
  public:
   Guide(const Arguments& arguments, bus::LiveBus& bus)
@@ -70,7 +70,7 @@ class Guide {
         "GOAL", [this](const goal_t& m) { is_overruled_ |= !own_stamps_.contains(m.utime); });
   }
 
-  /// The exit code.
+  /// Returns the exit code.
   int run() {
     const time::SteadyTime begin = time::steady_now();
     while (!route_.is_over() && !is_overruled_ && !node::stop_requested()) {
@@ -84,7 +84,7 @@ class Guide {
       bus_.handle(kLongestWait);
     }
     if (is_overruled_) {
-      std::cerr << "nodmap-goal: somebody else has sent a goal, which the robot drives to now\n";
+      std::cerr << "nodmap-goal: another process has sent a goal, to which the robot drives now\n";
     }
     return route_.is_over() && route_.num_missed() == 0 ? 0 : 1;
   }
@@ -109,7 +109,7 @@ class Guide {
     bus_.publish("GOAL", goal);
   }
 
-  /// With a heading --tolerance is that of the last waypoint alone.
+  /// With a heading, --tolerance applies to the last waypoint only.
   [[nodiscard]] double tolerance_m(bool docks) const {
     if (docks) {
       return arguments_.tolerance_m.value_or(kDockingToleranceM);
@@ -133,7 +133,7 @@ class Guide {
   bus::LiveBus& bus_;
   Route route_;
   time::SteadyTime goal_due_{};
-  std::set<std::int64_t> own_stamps_;  // of our goals, which we hear as well
+  std::set<std::int64_t> own_stamps_;  // stamps of our goals, which we also receive
   std::int64_t next_seq_ = 0;
   std::size_t told_index_ = 0;
   bool is_heard_ = false;
@@ -154,27 +154,28 @@ int main(int argc, char** argv) {
   return node::run_program(
       argc, argv,
       {.name = "nodmap-goal",
-       .summary = "Sends the robot to one place or through several, one after the other, and ends "
+       .summary = "Sends the robot to one place or through several, one after the other, and exits "
                   "when it is there.",
        .uses_lcm = true,
        .add_options =
            [&arguments](CLI::App& app) {
              app.add_option("waypoints", arguments.coordinates_m,
-                            "X Y of each waypoint in map, metres; 0 0 is where the map began")
+                            "X Y of each waypoint in map, metres; 0 0 is the start of the map")
                  ->required();
              app.add_flag("--patrol", arguments.is_patrol,
-                          "Begin again after the last, until Ctrl-C; the robot then stays at the "
-                          "waypoint it drives to");
+                          "Start again after the last, until Ctrl-C; then the robot stays at the "
+                          "waypoint that it drives to");
              app.add_option("--tolerance", arguments.tolerance_m,
-                            "Distance at which a waypoint is reached, metres; 0.2, with --heading "
-                            "0.02 for the last one")
+                            "Distance at which a waypoint is reached, metres; default 0.2, with "
+                            "--heading 0.02 for the last one")
                  ->check(CLI::Range(0.01, 10.0));
              app.add_option("--heading", arguments.heading_deg,
-                            "Docks at the last waypoint: its heading in map, degrees, 0 along x, "
-                            "90 along y; it needs 0.8 m of free floor straight behind it")
+                            "Dock at the last waypoint with this heading in map, degrees, 0 along "
+                            "x, 90 along y; needs 0.8 m of free floor straight behind it")
                  ->check(CLI::Range(-360.0, 360.0));
-             app.add_option("--heading-tolerance", arguments.heading_tolerance_deg,
-                            "Error of the heading with which the robot has docked, degrees")
+             app.add_option(
+                    "--heading-tolerance", arguments.heading_tolerance_deg,
+                    "Largest error of the heading with which the robot counts as docked, degrees")
                  ->check(CLI::Range(0.1, 90.0));
              app.add_option("--patience", arguments.patience_s,
                             "Seconds without a path after which a waypoint is missed")

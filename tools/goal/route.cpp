@@ -6,7 +6,7 @@
 namespace nodmap {
 namespace {
 
-/// By then the navigator has a goal that was sent, and what it said before has arrived.
+/// After this time the navigator has received the goal, and its earlier reports have arrived.
 constexpr time::Duration kSettled = std::chrono::milliseconds(500);
 
 }  // namespace

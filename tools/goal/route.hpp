@@ -10,28 +10,28 @@
 
 namespace nodmap {
 
-/// Waypoints that the robot drives to one after the other, by what the navigator says of the one it
-/// drives to. A waypoint without a path is missed, and the next one is driven to.
+/// Waypoints that the robot drives to one after the other, following the reports of the navigator.
+/// A waypoint without a path counts as missed, and the robot drives to the next one.
 class Route {
  public:
   enum class Event : std::uint8_t { kNone, kReached, kMissed };
 
   /// `waypoints_map`: at least one, metres in map. With `is_patrol` the first follows after the
-  /// last. A waypoint is missed once there was no path for `patience`: the navigator looks around
-  /// before it gives a path up, and a door may open.
+  /// last. A waypoint is missed when there was no path for `patience`, because the navigator looks
+  /// around before it gives a path up, and a door may open.
   Route(std::vector<Eigen::Vector2d> waypoints_map, bool is_patrol, time::Duration patience,
         time::SteadyTime now);
 
-  /// Whether the navigator is at its goal. What it says within the first half second is of the
-  /// waypoint before.
+  /// Takes the navigator's report whether it is at its goal. Reports within the first half second
+  /// are about the previous waypoint.
   Event hear_arrival(bool has_arrived, time::SteadyTime now);
 
-  /// Whether the navigator knows a path to its goal.
+  /// Takes the navigator's report whether it knows a path to its goal.
   Event hear_path(bool has_path, time::SteadyTime now);
 
-  /// No waypoint is left; or, on patrol, each was missed in turn.
+  /// Whether no waypoint is left; on patrol, whether all were missed in turn.
   [[nodiscard]] bool is_over() const { return is_over_; }
-  /// The one that is driven to, or was last; counted from 0.
+  /// The present or last waypoint, counted from 0.
   [[nodiscard]] std::size_t index() const { return index_; }
   [[nodiscard]] const Eigen::Vector2d& waypoint_map() const { return waypoints_map_[index_]; }
   [[nodiscard]] std::size_t size() const { return waypoints_map_.size(); }

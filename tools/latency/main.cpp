@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// nodmap-latency: how long the robot takes from a scan to the map with it and to the command after
-// it.
+// nodmap-latency: measures the time from a scan to the map that contains it and to the next
+// command.
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <iostream>

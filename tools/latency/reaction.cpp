@@ -9,7 +9,7 @@
 namespace nodmap::latency {
 namespace {
 
-constexpr std::size_t kMaxOpen = 256;  // 3.4 s of scans: whoever is later has lost them
+constexpr std::size_t kMaxOpen = 256;  // 3.4 s of scans; later answers do not count
 
 time::Duration nearest_rank(const std::vector<time::Duration>& sorted, double share) {
   const auto rank = static_cast<std::size_t>(std::ceil(share * static_cast<double>(sorted.size())));
@@ -89,10 +89,10 @@ void Reaction::hear_map(std::span<const std::byte> data, time::Timestamp receive
   const auto scan = std::ranges::find(open_scans_, map_.scan_seq,
                                       &std::pair<std::int64_t, time::Timestamp>::first);
   if (scan == open_scans_.end()) {
-    return;  // its scan was before our time
+    return;  // its scan was sent before we listened
   }
   const time::Timestamp scan_received = scan->second;
-  // A scan that was skipped before it will not be answered either.
+  // Earlier scans that were skipped will not be answered, either.
   open_scans_.erase(open_scans_.begin(), std::next(scan));
   scan_to_map_.push_back({received, received - scan_received});
   push_bounded(open_maps_, {time::from_utime(map_.utime), scan_received});
@@ -123,7 +123,7 @@ void Reaction::count_gap(const std::string& channel, std::int64_t seq) {
   if (!is_first && seq > last->second + 1) {
     lost_[channel] += seq - last->second - 1;
   }
-  last->second = seq;  // a lower number is a publisher that was started anew
+  last->second = seq;  // a lower number means that the publisher was restarted
 }
 
 }  // namespace nodmap::latency

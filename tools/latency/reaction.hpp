@@ -20,7 +20,7 @@
 
 namespace nodmap::latency {
 
-/// A waiting time that was seen, and when in the run.
+/// A measured waiting time, and when it was measured.
 struct Sample {
   time::Timestamp at{};
   time::Duration wait{};
@@ -37,25 +37,25 @@ struct Summary {
 [[nodiscard]] Summary summarize(std::span<const Sample> samples);
 
 /// The 99th percentile, in microseconds, in each of `parts` equal parts of the time from the first
-/// sample to the last. A queue that grows shows as a row that climbs. A part without a sample is 0.
+/// sample to the last. A growing queue appears as increasing values. A part without a sample is 0.
 [[nodiscard]] std::vector<std::int64_t> p99_us_over_time(std::span<const Sample> samples,
                                                          std::size_t parts);
 
-/// How long the robot takes from a scan on the bus to the map with it and to the command that
-/// follows, from the times at which a bystander received the messages. Both ends are received by
-/// the same bystander, so that its own place on the bus cancels out.
+/// Measures the time from a scan on the bus to the map that contains it and to the following
+/// command, from the times at which an observer received these messages. The same observer receives
+/// both, so its own delay cancels out.
 ///
-/// A DRIVE answers the oldest unanswered map that came before it and whose measurement is not newer
-/// than the command.
+/// A DRIVE answers the oldest unanswered map that was received before it and whose measurement is
+/// not newer than the command.
 class Reaction {
  public:
-  /// One message as it came. Channels and types that play no part are ignored.
+  /// Adds a received message; ignores other channels and types.
   void hear(std::string_view channel, std::span<const std::byte> data, time::Timestamp received);
 
   [[nodiscard]] const std::vector<Sample>& scan_to_map() const { return scan_to_map_; }
   [[nodiscard]] const std::vector<Sample>& scan_to_drive() const { return scan_to_drive_; }
 
-  /// Messages that are missing by their sequence numbers, by channel.
+  /// Number of messages missing in the sequence numbers, by channel.
   [[nodiscard]] const std::map<std::string, std::int64_t>& lost() const { return lost_; }
   [[nodiscard]] std::int64_t scans() const { return scans_; }
   [[nodiscard]] std::int64_t corrupt() const { return corrupt_; }
@@ -76,7 +76,7 @@ class Reaction {
   nodmap::egomap_t map_{};
   nodmap::drive_t drive_{};
   nodmap::odometry_t odometry_{};
-  // A map refers to the scan by its number. Older ones than these are never answered any more.
+  // A map refers to the scan by its number. Older scans will not be answered any more.
   std::deque<std::pair<std::int64_t, time::Timestamp>> open_scans_;  // scan_seq, received
   std::deque<Map> open_maps_;
   std::map<std::string, std::int64_t> last_seq_;

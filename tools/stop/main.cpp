@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// nodmap-stop: the robot stands until it is told to go on; with --go, it may drive.
+// nodmap-stop: stops the robot until it is released; with --go, releases it.
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <iostream>
@@ -17,7 +17,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-/// Said again for who misses one, and for a base driver that repeats an older STOP at that moment.
+/// Sent several times, in case one is lost or a base driver repeats an older STOP at that moment.
 constexpr int kTimes = 3;
 constexpr milliseconds kPause(300);
 
@@ -26,7 +26,8 @@ struct Arguments {
   node::RequestOptions request{.by = "nodmap-stop"};
 };
 
-/// Whether nodmap-kurt is heard in time: what is said before it listens is lost.
+/// Waits until nodmap-kurt is received, because messages sent before it listens are lost; false on
+/// timeout.
 bool await_base(bus::LiveBus& bus, double wait_s) {
   bool is_heard = false;
   bus.subscribe<status_t>(

@@ -12,9 +12,9 @@ namespace nodmap::trial {
 /// straight at 0.5 m/s or more. The seed selects a box on the floor of 0.10 m, the leg of a chair,
 /// or a person.
 ///
-/// A trial up to that moment finds out where the robot will be; until something appears, the same
-/// setup gives the same drive. Uses `dir`, and leaves nothing there. Throws std::runtime_error when
-/// the robot never drives like that before the trial ends.
+/// A trial up to that moment determines where the robot will be, because the same setup gives the
+/// same drive until the obstacle appears. Uses `dir`, and leaves nothing there. Throws
+/// std::runtime_error if the robot never drives like that before the trial ends.
 [[nodiscard]] sim::Actor place_appearing_obstacle(const TrialSetup& setup, double from_s,
                                                   const std::filesystem::path& dir);
 

@@ -18,10 +18,10 @@ struct StoppingZone {
   double body_width_m = 0.33;
   double deceleration_mps2 = 1.5;
   double processing_s = 0.05;  ///< in addition to two sweeps
-  double margin_m = 0.15;      ///< left when the robot has stopped
+  double margin_m = 0.15;      ///< distance left when the robot has stopped
 
-  /// Length of the strip: v (2 sweep_s + processing_s) + v^2 / 2a + margin_m, as the laser may need
-  /// two sweeps to see what is new.
+  /// Length of the strip: v (2 sweep_s + processing_s) + v^2 / 2a + margin_m, because the laser may
+  /// need two sweeps to detect a new obstacle.
   [[nodiscard]] double length_m(double forward_mps, double sweep_s) const;
 };
 
@@ -29,18 +29,19 @@ struct StoppingZone {
 struct BrakeEvent {
   time::SteadyTime started{};
   double speed_mps = 0.0;
-  double sweep_s = 0.0;                      ///< duration of the last sweep at that time
-  std::optional<time::SteadyTime> answered;  ///< empty: not before the end of the trial
+  double sweep_s = 0.0;  ///< duration of the last sweep at that time
+  std::optional<time::SteadyTime>
+      answered;  ///< when the robot braked; empty: not before the end of the trial
 };
 
 /// Measures the time from the moment at which an obstacle enters the stopping zone until the robot
 /// brakes.
 ///
-/// It starts when an actor that a beam could meet (it is present, and nothing is between it and the
+/// It starts when an actor that a beam could hit (it is present, and nothing is between it and the
 /// mirror) first touches the stopping zone. It ends with the first DRIVE that is 10 %, and at least
 /// 0.1 m/s, below the robot's speed at the start. An actor that leaves the zone before (because it
 /// moved on, or the robot turned away) counts as evaded. Below 0.3 m/s nothing is measured, because
-/// braking could not be told from noise.
+/// braking could not be distinguished from noise.
 class BrakeLatencyMonitor {
  public:
   static constexpr double kMinSpeedMps = 0.3;
@@ -52,14 +53,14 @@ class BrakeLatencyMonitor {
     geometry::SE2 T_world_base;
     double forward_mps = 0.0;
     double sweep_s = 0.0;  ///< duration of the last sweep
-    /// One for each actor of the world; empty: not present, or hidden.
+    /// One for each actor of the world; empty if it is absent or hidden.
     std::vector<std::optional<sim::ActorState>> visible_actors;
   };
   void update(const State& state);
-  /// A DRIVE arrives at the base.
+  /// Adds a DRIVE received by the base.
   void add_drive_command(time::SteadyTime received, double forward_mps);
 
-  /// In the order of their start, the unanswered ones last.
+  /// All events in the order of their start, unanswered ones last.
   [[nodiscard]] std::vector<BrakeEvent> events() const;
   [[nodiscard]] std::int64_t num_evaded() const { return num_evaded_; }
 

@@ -29,7 +29,7 @@ std::optional<Number> parse(std::string_view text) {
                                                                   : std::nullopt;
 }
 
-/// Whole milliseconds: the loop's step.
+/// Rounds to whole milliseconds, the step of the loop.
 time::Duration whole_steps(double duration_s) {
   return 1ms * std::llround(1e3 * duration_s);
 }
@@ -67,7 +67,7 @@ Kill parse_kill(const std::string& text) {
 
 namespace {
 
-/// What stands between colons.
+/// Splits a text at its colons.
 std::vector<std::string> split(const std::string& text) {
   std::vector<std::string> parts;
   std::istringstream in(text);

@@ -15,24 +15,24 @@
 namespace nodmap::trial {
 
 /// The floor of a world that can be seen from its start: cells of 5 cm, connected with the start,
-/// at least 10 cm from everything that the robot's body would touch. Nearer to walls it is chance
-/// whether a beam meets a cell. Middles of the cells in map, metres.
+/// at least 10 cm from everything that the robot's body would touch. (Nearer to walls, beams hit a
+/// cell only by chance.) Returns the centres of the cells in map, metres.
 [[nodiscard]] std::vector<Eigen::Vector2d> seeable_floor_map(const sim::World& world,
                                                              const sim::BodyParams& body);
 
-/// How much had been seen at a moment.
+/// The fraction seen at one moment.
 struct SeenSample {
   time::SteadyTime instant{};
-  double ratio = 0.0;  ///< of the seeable floor, free in MAP_2D
+  double ratio = 0.0;  ///< fraction of the seeable floor that is free in MAP_2D
 };
 
-/// What became of an exploration.
+/// The record of an exploration.
 struct ExplorationRecord {
   std::vector<SeenSample> seen;          ///< at each revision of MAP_2D
-  std::optional<time::SteadyTime> home;  ///< when the explorer said that it is home
+  std::optional<time::SteadyTime> home;  ///< when the explorer reported that it is home
 };
 
-/// Compares MAP_2D with the true floor, and hears what the explorer says.
+/// Compares MAP_2D with the true floor, and records the explorer's reports.
 class ExplorationMonitor {
  public:
   ExplorationMonitor(const sim::World& world, const sim::RobotModel& model,

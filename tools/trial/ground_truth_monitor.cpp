@@ -91,7 +91,8 @@ void GroundTruthMonitor::update() {
   }
 }
 
-/// The first motion, and the arrival by the rules of a task that does not ask the robot.
+/// Records the first motion, and the arrival by the rules of a task that does not depend on the
+/// robot's report.
 void GroundTruthMonitor::record_progress(const Eigen::Vector2d& position) {
   constexpr double kMovedM = 0.1;
   if (!record_.moved && (position - world_.T_world_start.translation()).norm() >= kMovedM) {
@@ -142,7 +143,7 @@ void GroundTruthMonitor::update_brake_latency(const sim::GroundTruth& truth) {
   brake_latency_.update(state);
 }
 
-// By a ray from the mirror to the actor's axis: it decides for half hidden actors, too.
+// A ray from the mirror to the actor's axis decides, also for partly hidden actors.
 bool GroundTruthMonitor::is_visible(const sim::ActorState& actor,
                                     const sim::GroundTruth& truth) const {
   const Eigen::Vector3d mirror = truth.T_world_base * Eigen::Vector3d(0.15, 0.0, kMirrorHeightM);

@@ -16,7 +16,7 @@
 
 namespace nodmap::trial {
 
-/// Records the true state and the messages that a trial is evaluated by, and publishes TRUTH, to
+/// Records the true state and the messages from which a trial is evaluated, and publishes TRUTH, to
 /// which no part of the robot subscribes.
 class GroundTruthMonitor {
  public:

@@ -14,9 +14,9 @@
 namespace nodmap::trial {
 
 /// A second 2D SLAM on the same drive: the same program with the same parameters and ODOMETRY, but
-/// each SCAN replaced by what the same laser, mounted level, would have measured, beam by beam from
-/// the true poses. It deskews and stamps its scans exactly as the first one does, so that a
-/// comparison shows what nodding costs.
+/// with each SCAN replaced by what the same laser, mounted level, would have measured, beam by beam
+/// from the true poses. It deskews and stamps its scans exactly as the first one does, so a
+/// comparison shows the cost of nodding.
 class LevelLaserSlam : private boost::noncopyable {
  public:
   /// Subscribes on `network`; its own messages go into the event log `log`. `T_world_base`: true

@@ -53,7 +53,7 @@ std::string scenario_names() {
   return names;
 }
 
-/// As given; else what the world's time limit may need when the robot moves late.
+/// The given duration; otherwise enough for the world's time limit if the robot starts late.
 double duration_s(const Arguments& arguments, const sim::World& world) {
   constexpr double kUntilMotionS = 30.0;
   constexpr double kUsualS = 60.0;
@@ -71,7 +71,7 @@ void add_options(CLI::App& app, Arguments& arguments) {
          "--duration", arguments.duration_s,
          "Seconds of simulated time from the first scan; default 60, or the world's time limit")
       ->check(CLI::Range(0.1, 86400.0));
-  app.add_option("--out", arguments.out, "Folder for the results; made, and never overwritten");
+  app.add_option("--out", arguments.out, "Folder for the results; created, never overwritten");
   app.add_option("--robot", arguments.robot, "kurt3d, or jackal: the robot of the BARN challenge")
       ->transform(CLI::CheckedTransformer(
           std::map<std::string, Robot>{{"kurt3d", Robot::kKurt3d}, {"jackal", Robot::kJackal}}));
@@ -80,26 +80,28 @@ void add_options(CLI::App& app, Arguments& arguments) {
   app.add_option("--set", arguments.assignments, "A parameter: process.key=value; repeatable")
       ->allow_extra_args(false);
   app.add_option("--fault", arguments.faults,
-                 "PART:KIND@T+D[=AMOUNT], such as laser:unplug@10+2: T s after power-on, for D s; "
+                 "A fault, PART:KIND@T+D[=AMOUNT], such as laser:unplug@10+2: T s after power-on, "
+                 "for D s;  "
                  "repeatable")
       ->allow_extra_args(false);
   app.add_option("--kill", arguments.kills,
-                 "PROCESS@T+D: kill -9 at T s after power-on, started again D s later; repeatable")
+                 "PROCESS@T+D: kill -9 at T s after power-on, restart D s later; repeatable")
       ->allow_extra_args(false);
-  app.add_option(
-      "--appear", arguments.appear_s,
-      "Let one obstacle appear at the end of the robot's stopping zone, from this second on");
-  app.add_flag("--explore", arguments.explore,
-               "Also run the explorer; the trial ends when all is seen and the robot is home");
+  app.add_option("--appear", arguments.appear_s,
+                 "Let one obstacle appear at the far end of the robot's stopping zone, after this "
+                 "many seconds");
+  app.add_flag(
+      "--explore", arguments.explore,
+      "Also run the explorer; the trial ends when everything has been seen and the robot is home");
   app.add_flag("--level-laser", arguments.level_laser,
                "Also run 2D SLAM on the scans that the laser would measure if held level");
-  app.add_option("--without", arguments.without, "Leave out this process; repeatable")
+  app.add_option("--without", arguments.without, "Omit this process; repeatable")
       ->allow_extra_args(false);
   app.add_flag_callback(
       "--no-slam6d", [&arguments] { arguments.without.emplace_back("slam6d"); },
       "Same as --without slam6d");
-  app.add_flag("--no-actors", arguments.no_actors, "Leave the world's actors out");
-  app.add_flag("--dump-params", arguments.dump_params, "Print the effective parameters and end");
+  app.add_flag("--no-actors", arguments.no_actors, "Omit the world's actors");
+  app.add_flag("--dump-params", arguments.dump_params, "Print the effective parameters and exit");
 }
 
 TrialSetup make_setup(const Arguments& arguments) {
@@ -160,7 +162,7 @@ void run(const Arguments& arguments, TrialSetup setup) {
   write_path_image(setup, outcome, dir);
   formats::write_tum(dir / "truth.tum", true_trajectory(outcome.record, false));
   formats::write_tum(dir / "odometry.tum", outcome.record.odometry);
-  // All that is not the same in the next run.
+  // The values that differ from run to run.
   const double simulated_s = time::seconds(outcome.record.truth.back().instant.time_since_epoch());
   result["realtime_factor"] = simulated_s / wall_s;
   result["wall_s"] = wall_s;

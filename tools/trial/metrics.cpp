@@ -22,7 +22,7 @@ bool is_stationary(const TruthSample& sample) {
   return std::abs(sample.forward_mps) < kStationaryMps;
 }
 
-/// A rotation on the spot is motion, too.
+/// A rotation on the spot also counts as motion.
 bool is_moving(const TruthSample& sample) {
   constexpr double kMinMps = 0.05;
   constexpr double kMinRadS = 0.05;

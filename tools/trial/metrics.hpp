@@ -15,7 +15,7 @@
 
 namespace nodmap::trial {
 
-/// By nearest rank; all zero without values.
+/// Quantiles by nearest rank; all zero without values.
 struct Quantiles {
   double p50 = 0.0;
   double p99 = 0.0;
@@ -25,7 +25,7 @@ struct Quantiles {
 
 [[nodiscard]] Quantiles quantiles(std::vector<double> values);
 
-/// From the first SCAN on.
+/// Metrics of the drive from the first SCAN on.
 struct DriveMetrics {
   std::int64_t collisions = 0;
   std::int64_t bumped = 0;
@@ -34,49 +34,50 @@ struct DriveMetrics {
   std::optional<double> first_collision_s;
   std::optional<double> first_motion_s;
   double duration_s = 0.0;
-  double distance_m = 0.0;  ///< of base's origin, without rotations on the spot
+  double distance_m = 0.0;  ///< path length of base's origin
   double mean_speed_mps = 0.0;
   double max_speed_mps = 0.0;
   double min_clearance_m = 0.0;
   double close_to_person_s = 0.0;  ///< nearer than kPersonalSpaceM to an actor
 };
 
-/// Intimate distance (Hall, The Hidden Dimension, 1966): nearer than that a robot disturbs people.
+/// Intimate distance (Hall, The Hidden Dimension, 1966); a robot nearer than that disturbs people.
 inline constexpr double kPersonalSpaceM = 0.45;
 
-/// All zero when there was no scan.
+/// All zero if there was no scan.
 [[nodiscard]] DriveMetrics drive_metrics(const TrialRecord& record);
 
 /// How the robot drove to the goals of its world.
 struct GoalMetrics {
-  std::optional<time::SteadyTime> reached;  ///< the last one
-  double path_m = 0.0;                      ///< driven from the first scan until then, or the end
-  std::optional<double> time_s;             ///< from the first scan until then
-  std::optional<double> after_motion_s;     ///< from the moment at which it had moved by 0.1 m
-  double start_to_goal_m = 0.0;             ///< in a straight line
-  double remaining_m = 0.0;                 ///< the same at the end
-  std::optional<double> heading_error_rad;  ///< at the end; empty where any heading will do
-  /// Success weighted by path length (Anderson et al., On Evaluation of Embodied Navigation
-  /// Agents, 2018), by the path to where the goal counts as reached. Empty where the shortest path
-  /// is not known.
+  std::optional<time::SteadyTime> reached;  ///< when the last goal was reached
+  double path_m = 0.0;           ///< path length from the first scan until then, or until the end
+  std::optional<double> time_s;  ///< from the first scan until then
+  std::optional<double> after_motion_s;     ///< from when the robot had moved by 0.1 m
+  double start_to_goal_m = 0.0;             ///< straight-line distance
+  double remaining_m = 0.0;                 ///< straight-line distance at the end
+  std::optional<double> heading_error_rad;  ///< at the end; empty if the goal has no heading
+  /// Success weighted by path length (Anderson et al., On Evaluation of Embodied Navigation Agents,
+  /// 2018), for the path to where the goal counts as reached. Empty if the shortest path is
+  /// unknown.
   std::optional<double> spl;
 };
 
 /// How an exploration went. Paths and times count from the first scan.
 struct ExplorationMetrics {
   double seen_ratio = 0.0;        ///< at the end
-  std::optional<double> to_90_m;  ///< driven until 90 % of the floor had been seen
+  std::optional<double> to_90_m;  ///< path length until 90 % of the floor had been seen
   std::optional<double> to_90_s;
-  std::optional<double> home_s;  ///< until the explorer said that it is home
-  double path_m = 0.0;           ///< driven in all
+  std::optional<double> home_s;  ///< until the explorer reported that it is home
+  double path_m = 0.0;           ///< total path length
   double from_start_m = 0.0;     ///< at the end
 };
 
 [[nodiscard]] ExplorationMetrics exploration_metrics(const TrialRecord& record,
                                                      const ExplorationRecord& exploration);
 
-/// The robot is at the last goal when it has reported so for each and is not farther from it than
-/// twice `tolerance_m`; under a Task with an arrival radius, as soon as it is so near.
+/// The robot has reached the last goal when it has reported the arrival at each goal and is not
+/// farther from the last one than twice `tolerance_m`; for a Task with an arrival radius, as soon
+/// as it is within that radius.
 [[nodiscard]] GoalMetrics goal_metrics(const TrialRecord& record, const sim::World& world,
                                        double tolerance_m, std::optional<double> shortest_path_m);
 
@@ -99,7 +100,8 @@ struct StopMetrics {
   std::optional<double> resumed_after_s;  ///< after the end of the disturbance; empty: never
 };
 
-/// Below, the robot is stationary: encoder noise, and the end of a braking curve.
+/// Below this speed the robot counts as stationary; allows for encoder noise and the end of a
+/// braking curve.
 inline constexpr double kStationaryMps = 0.02;
 
 [[nodiscard]] StopMetrics stop_metrics(const TrialRecord& record, const Disturbance& disturbance,

@@ -13,11 +13,11 @@
 
 namespace nodmap::trial {
 
-/// The voxels of the map frame in which the laser has hit something, computed with the robot's true
-/// poses: what a map should hold as occupied.
+/// The voxels of the map frame that the laser has hit, computed with the robot's true poses. A map
+/// should contain them as occupied.
 class ObservedVoxels {
  public:
-  /// As 6D SLAM's OctoMap by default: edge of a voxel, and the range up to which beams are
+  /// The defaults of 6D SLAM's OctoMap: edge of a voxel, and the range up to which beams are
   /// inserted.
   static constexpr double kVoxelM = 0.05;
   static constexpr double kMaxRangeM = 10.0;
@@ -25,7 +25,7 @@ class ObservedVoxels {
   using Voxel = std::array<std::int32_t, 3>;
   [[nodiscard]] static Voxel voxel_at(const Eigen::Vector3d& p_map);
 
-  /// Takes the end points of a scan. `T_map_first`, `T_map_last`: true poses of base at its first
+  /// Adds the end points of a scan. `T_map_first`, `T_map_last`: true poses of base at its first
   /// and last beam.
   void add(const scan::Scan& scan, const geometry::SE3& T_map_first,
            const geometry::SE3& T_map_last);
@@ -44,7 +44,7 @@ struct OccupancyMetrics {
   double recall = 0.0;     ///< fraction of the observed voxels that are occupied
 };
 
-/// All zero for an empty map, or one of another voxel size. `T_world_map`: the robot's start.
+/// All zero for an empty map, or one with another voxel size. `T_world_map`: the robot's start.
 [[nodiscard]] OccupancyMetrics occupancy_metrics(const formats::OccupiedSpace& map,
                                                  const ObservedVoxels& observed,
                                                  const geometry::SE3& T_world_map,

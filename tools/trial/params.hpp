@@ -19,8 +19,8 @@ namespace nodmap::trial {
 
 /// Parameters of the loop itself, not of any of its parts.
 struct LoopParams {
-  /// On two cores a message takes less (bench/REPORT.md): the loop must not be faster than the
-  /// robot.
+  /// Longer than measured on two cores (bench/REPORT.md), because the loop must not be faster than
+  /// the robot.
   double message_delay_s = 0.002;
   double message_jitter_s = 0.001;
   double goal_tolerance_m = 0.3;
@@ -31,21 +31,20 @@ struct LoopParams {
   template <class Visitor>
   void describe(Visitor& v) {
     v.number("message_delay_s", message_delay_s, {0.0, 0.5},
-             "Least time from the publishing of a message to its handling.");
+             "Shortest time from the publishing of a message to its handling.");
     v.number("message_jitter_s", message_jitter_s, {0.0, 0.1},
              "Mean of the exponentially distributed delay that is added for each reader.");
-    v.number("goal_tolerance_m", goal_tolerance_m, {0.05, 5.0},
-             "Distance from the world's goal at which the robot is told to stop.");
+    v.number("goal_tolerance_m", goal_tolerance_m, {0.05, 5.0}, "Tolerance of the world's goals.");
     v.number("docking_tolerance_m", docking_tolerance_m, {0.005, 1.0},
-             "The same of a goal with a heading.");
+             "Tolerance of a goal with a heading.");
     v.angle("docking_tolerance_deg", docking_tolerance_rad, {0.1, 45.0},
-            "Error of the heading with which it has docked there.");
+            "Tolerance of the heading there.");
     v.number("deceleration_mps2", deceleration_mps2, {0.1, 10.0},
              "Deceleration from which the length of the stopping zone is computed.");
   }
 };
 
-/// The parameters of everything that takes part.
+/// The parameters of all parts of a trial.
 struct AllParams {
   LoopParams loop;
   sim::SimulatedRobotParams sim;
@@ -58,10 +57,10 @@ struct AllParams {
   slam2d::Slam2dNode::Params slam2d;
   slam6d::Slam6dNode::Params slam6d;
 
-  /// "process.key=value", as given to --set. Throws params::ParamError.
+  /// Sets "process.key=value", as given to --set. Throws params::ParamError.
   void set_assignment(std::string_view assignment);
 
-  /// Everything as YAML, part by part.
+  /// All parameters as YAML, part by part.
   [[nodiscard]] std::string to_yaml();
 };
 

@@ -16,8 +16,8 @@ struct EstimatedPath {
 };
 
 /// The world from above with the robot's true path (dark blue: slow, yellow: 1.5 m/s), its
-/// collisions (red) and the estimated paths. Obstacles are darker the higher they begin: light grey
-/// stands on the floor.
+/// collisions (red) and the estimated paths. The brightness of obstacles shows the height at which
+/// they begin: light grey ones stand on the floor, darker ones begin higher.
 [[nodiscard]] drawing::Image draw_paths(const sim::World& world, const TrialRecord& record,
                                         const std::vector<EstimatedPath>& estimates);
 

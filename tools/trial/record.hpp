@@ -19,27 +19,27 @@ inline constexpr time::Moment kStart{time::Timestamp(1'214'870'400s), {}};
   return kStart.wall_at(now);
 }
 
-/// The true state at one moment. Times begin at 0 with the simulation.
+/// The true state at one moment. Times start at 0 with the simulation.
 struct TruthSample {
   time::SteadyTime instant{};
   geometry::SE3 T_world_base = geometry::SE3::Identity();
   double forward_mps = 0.0;
   double yaw_rate_rad_s = 0.0;
   double clearance_m = 0.0;
-  double person_clearance_m = 0.0;  ///< to the nearest actor; infinite without
+  double person_clearance_m = 0.0;  ///< distance to the nearest actor; infinite without actors
   std::int64_t collisions = 0;
   std::int64_t bumps = 0;
   std::int64_t contacts_caused = 0;
   std::int64_t falls = 0;
 };
 
-/// What is recorded of a trial to compute its metrics from.
+/// The data of a trial from which its metrics are computed.
 struct TrialRecord {
   std::vector<TruthSample> truth;            ///< every 10 ms from 0 on
   std::vector<time::SteadyTime> sweep_ends;  ///< when the pitch reversed
   formats::Trajectory odometry;              ///< as published
   std::optional<time::SteadyTime> started;   ///< the first SCAN; metrics count from here
-  std::optional<time::SteadyTime> moved;     ///< when it had moved by 0.1 m from its start
+  std::optional<time::SteadyTime> moved;     ///< when the robot had moved by 0.1 m from its start
   std::vector<time::SteadyTime> arrivals;    ///< when the navigator reported its arrival at a goal
   std::optional<time::SteadyTime> reached;   ///< within Task::arrival_radius_m of the last goal
 };

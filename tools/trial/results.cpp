@@ -130,7 +130,7 @@ std::vector<Disturbance> disturbances(const TrialSetup& setup) {
 
 Json stops(const TrialSetup& setup, const TrialRecord& record) {
   Json all = Json::array();
-  // As hard as the base can brake: what comes on top is reaction.
+  // The deceleration of which the base is capable; the remaining time is reaction time.
   const double deceleration_mps2 = setup.params.kurt.limits.max_deceleration_mps2;
   for (const Disturbance& disturbance : disturbances(setup)) {
     all.push_back(write(disturbance, stop_metrics(record, disturbance, deceleration_mps2),
@@ -157,7 +157,7 @@ Json write(const GoalMetrics& goal, const std::optional<double>& shortest_m,
           {"spl", number_or_null(goal.spl)}};
 }
 
-/// Null without the explorer.
+/// Metrics of the exploration; null without the explorer.
 Json exploration(const TrialOutcome& outcome) {
   if (!outcome.exploration) {
     return nullptr;
@@ -171,7 +171,7 @@ Json exploration(const TrialOutcome& outcome) {
           {"from_start_m", metrics.from_start_m}};
 }
 
-/// Null without a map.
+/// Metrics of the occupancy map; null without a map.
 Json occupancy(const TrialSetup& setup, const TrialOutcome& outcome,
                const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);

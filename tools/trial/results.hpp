@@ -8,8 +8,8 @@
 
 namespace nodmap::trial {
 
-/// What result.json says, but for what the wall clock adds. Reads the trajectories that SLAM has
-/// written into `dir`.
+/// The content of result.json without the values that depend on the wall clock. Reads the
+/// trajectories that SLAM has written into `dir`.
 [[nodiscard]] nlohmann::ordered_json summarise(const TrialSetup& setup, const TrialOutcome& outcome,
                                                const std::filesystem::path& dir);
 

@@ -20,7 +20,7 @@
 
 namespace nodmap::trial {
 
-/// One process of the robot: its node and what surrounds it while it runs.
+/// One process of the robot: its node and its environment while it runs.
 class Process {
  public:
   /// Starts it.
@@ -28,17 +28,19 @@ class Process {
 
   [[nodiscard]] const std::string& name() const { return name_; }
   [[nodiscard]] bool is_running() const { return running_ != nullptr; }
-  /// Null while it does not run.
+  /// The node; null while the process is not running.
   [[nodiscard]] node::Node* node() const { return running_ ? running_->node.get() : nullptr; }
 
   /// Lets a driver exchange bytes with its device; does nothing for other processes.
   void spin_once();
 
   void start();
-  /// As kill -9: the state is lost and nothing is written. A driver's lines must be cut before.
+  /// As kill -9: the state is lost and nothing is written. The lines of a driver must be cut
+  /// before.
   void kill() { running_.reset(); }
 
-  /// Message counts and the module's own metrics, without latencies, which are of the wall clock.
+  /// Message counts and the module's own metrics, without latencies, which depend on the wall
+  /// clock.
   [[nodiscard]] nlohmann::json report() const;
 
  private:
@@ -66,13 +68,13 @@ class RobotSoftware : private boost::noncopyable {
   RobotSoftware(sim::SimulatedRobot& hardware, bus::LoopNetwork& network, AllParams params,
                 Robot robot, std::set<std::string> without);
 
-  /// Lines and drivers do what is due at the hardware's time.
+  /// Lets lines and drivers do what is due at the hardware's time.
   void step();
 
   void kill(const std::string& name);
   void start(const std::string& name);
 
-  /// Each process handles the messages that it still holds.
+  /// Lets each process handle its remaining messages.
   void finish();
   /// Writes each module's files into a folder of its own.
   void write_results(const std::filesystem::path& dir) const;
@@ -82,7 +84,7 @@ class RobotSoftware : private boost::noncopyable {
  private:
   void add(const std::string& name, node::NodeFactory make_node);
   void add_scanner(Robot robot, const std::function<time::Moment()>& clock);
-  /// What a person says after each start of the base driver: the robot may drive.
+  /// Releases the robot, as a person does after each start of the base driver.
   void give_go();
   [[nodiscard]] Process& process(const std::string& name);
 

@@ -12,14 +12,14 @@
 namespace nodmap::trial {
 namespace {
 
-/// A Hokuyo UST-10LX: 40 revolutions a second, three quarters of each measure.
+/// A Hokuyo UST-10LX: 40 revolutions per second; it measures during three quarters of each.
 constexpr time::Duration kScanPeriod = 25ms;
 constexpr time::Duration kMeasuringTime = 18'750us;
 constexpr std::size_t kBeams = 720;
 constexpr double kApertureRad = geometry::deg_to_rad(270.0);
 constexpr double kRangeMinM = 0.06;
 constexpr double kRangeMaxM = 30.0;
-/// It answers after the first revolutions.
+/// Time until the first scan.
 constexpr time::Duration kBootTime = 1s;
 
 // Clearpath Robotics' data sheet and its description for Gazebo.

@@ -17,11 +17,11 @@ namespace nodmap::trial {
 /// 270 degrees and 720 beams that is held level.
 enum class Robot : std::uint8_t { kKurt3d, kJackal };
 
-/// Gives simulator and software the robot's values.
+/// Sets the parameters of simulator and software to the robot's values.
 void set_robot(Robot robot, AllParams& params);
 
-/// A laser held level, in the place of the 3D scanner's driver: SCAN, and PITCH_STATE with a pitch
-/// of 0, 40 times a second. The beams of a scan are measured one after the other.
+/// A laser held level, which replaces the 3D scanner's driver: publishes SCAN, and PITCH_STATE with
+/// a pitch of 0, 40 times a second. The beams of a scan are measured one after the other.
 class LevelScannerNode final : public node::DeviceNode {
  public:
   LevelScannerNode(node::Context& context, const robot::Mount& mount, sim::RobotModel& model);

@@ -10,7 +10,7 @@ namespace nodmap::trial {
 using serial::IoStatus;
 using std::chrono::microseconds;
 
-/// The driver's end. Nothing here waits: simulated time does not advance while a driver works.
+/// The driver's end. It never waits, because simulated time does not advance while a driver works.
 class SimulatedLine::Stream final : public serial::ByteStream {
  public:
   explicit Stream(SimulatedLine& line) : line_(&line) { line.stream_ = this; }
@@ -81,7 +81,7 @@ void SimulatedLine::move_bytes(time::SteadyTime now) {
   }
   device_.transmit(now, baud_, inbox_);
   if (stream_ == nullptr) {
-    inbox_.clear();  // nobody listens
+    inbox_.clear();  // no reader, so the bytes are lost
   }
 }
 

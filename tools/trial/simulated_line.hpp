@@ -10,20 +10,22 @@
 
 namespace nodmap::trial {
 
-/// A serial line between a driver and an emulated device, on simulated time: what /dev/ttyUSB0 is
-/// to the robot. Like a USB adapter it hands bytes over once in a while, whenever move_bytes() is
-/// called, and its port disappears with an unplugged device. Outlives the streams it opens.
+/// A serial line between a driver and an emulated device, on simulated time, in the place of the
+/// robot's /dev/ttyUSB0. Like a USB adapter it delivers bytes in portions, at each call of
+/// move_bytes(), and its port disappears when the device is unplugged. Must outlive the streams
+/// that it opens.
 class SimulatedLine {
  public:
   explicit SimulatedLine(sim::SerialDevice& device) : device_(device) {}
 
-  /// Carries what the device has sent up to now.
+  /// Delivers what the device has sent up to now.
   void move_bytes(time::SteadyTime now);
 
   /// Opens the port for the driver; refused while the device is unplugged or the port is open.
   [[nodiscard]] serial::OpenResult open(int baud);
 
-  /// The process that holds the port is gone: nothing it still writes arrives.
+  /// Cuts the line, because the process that has the port open was killed: nothing that it still
+  /// writes arrives.
   void cut();
 
  private:
@@ -33,7 +35,7 @@ class SimulatedLine {
   time::SteadyTime now_{};
   int baud_ = 9600;
   std::vector<std::uint8_t> inbox_;
-  Stream* stream_ = nullptr;  // of the driver, while it is connected
+  Stream* stream_ = nullptr;  // the driver's stream, while it is connected
 };
 
 }  // namespace nodmap::trial

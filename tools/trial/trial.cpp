@@ -13,9 +13,11 @@
 namespace nodmap::trial {
 namespace {
 
-/// Laser and servo are searched at several baud rates, and the laser takes a while to boot.
+/// Latest time of the first scan: the drivers try several baud rates, and the laser takes a while
+/// to boot.
 constexpr time::SteadyTime kLatestStart(60s);
-/// The level laser has the same noise as the nodding one, but not the same numbers.
+/// The level laser's noise has the same distribution as the nodding one's, but other random
+/// numbers.
 constexpr std::uint64_t kLevelLaserSeed = 1'000'000;
 constexpr time::Duration kGoalPeriod = 1s;
 constexpr time::Duration kTimeAfterArrival = 1s;
@@ -38,7 +40,7 @@ class GoalPublisher {
         (!is_next && now.time_since_epoch() % kGoalPeriod != 0s)) {
       return;
     }
-    // The map begins where the robot starts.
+    // The map's origin is the robot's start.
     const Eigen::Vector2d p_map = world_.T_world_start.inverse() * world_.goals[num_reached_];
     message_.position_m[0] = p_map.x();
     message_.position_m[1] = p_map.y();
@@ -61,7 +63,7 @@ class GoalPublisher {
   std::size_t num_reached_ = 0;
 };
 
-/// The explorer runs where it is asked for only, and then begins at once.
+/// The processes to omit. The explorer runs only on request, and then starts at once.
 std::set<std::string> without(const TrialSetup& setup) {
   std::set<std::string> names = setup.without;
   if (!setup.explores) {
@@ -130,7 +132,7 @@ const TrialRecord& Trial::record() const {
 bool Trial::is_over() const {
   if (!record().started) {
     if (now_ >= kLatestStart) {
-      throw std::runtime_error("the scanner gave no scan within a minute");
+      throw std::runtime_error("no scan within a minute");
     }
     return false;
   }
@@ -152,7 +154,7 @@ bool Trial::has_explored() const {
          now_ > *parts_->exploration->record().home + kTimeAfterArrival;
 }
 
-/// By the rules of the world's task.
+/// Whether the trial has failed by the rules of the world's task.
 bool Trial::has_failed() const {
   const sim::Task& task = setup_.world.task;
   const TruthSample& last = record().truth.back();

@@ -22,7 +22,7 @@
 
 namespace nodmap::trial {
 
-/// A process is killed at this time after power-on and started again after a while.
+/// A process that is killed at a time after power-on and restarted later.
 struct Kill {
   std::string process;
   time::SteadyTime begin{};
@@ -31,7 +31,7 @@ struct Kill {
 
 struct TrialSetup {
   sim::World world;
-  Robot robot = Robot::kKurt3d;  ///< whose values `params` hold: set_robot()
+  Robot robot = Robot::kKurt3d;  ///< the robot whose values `params` contains: set_robot()
   AllParams params;
   std::uint64_t seed = 0;
   time::Duration duration{};  ///< from the first SCAN on
@@ -47,26 +47,26 @@ struct TrialOutcome {
   TrialRecord record;
   ObservedVoxels observed_voxels;
   std::vector<BrakeEvent> brake_events;
-  std::optional<ExplorationRecord> exploration;  ///< where the explorer ran
+  std::optional<ExplorationRecord> exploration;  ///< if the explorer ran
   std::int64_t num_evaded = 0;  ///< obstacles that the robot steered past instead of braking
   nlohmann::json processes;     ///< by process: message counts and metrics
 };
 
-/// The whole robot in a world, in one closed loop on simulated time. The same setup gives the same
-/// outcome and files.
+/// Runs the whole robot in a world, in one closed loop on simulated time. The same setup gives the
+/// same outcome and files.
 class Trial {
  public:
-  /// Step of the loop: a USB adapter delivers bytes once a millisecond, and nothing is faster.
+  /// Step of the loop. A USB adapter delivers bytes once a millisecond, and nothing is faster.
   static constexpr time::Duration kStep = 1ms;
 
-  /// Logs into `dir`/trial.lcmlog. Throws std::runtime_error when it cannot be made.
+  /// Logs into `dir`/trial.lcmlog. Throws std::runtime_error if it cannot be created.
   Trial(const TrialSetup& setup, const std::filesystem::path& dir);
   ~Trial();
 
-  /// One step of simulated time; false when the trial is over: after the duration, a second after
-  /// the robot has reported its arrival at the world's last goal, or that it has seen all and is
-  /// home, or as the world's task says.
-  /// Throws std::runtime_error when no scan comes within a minute.
+  /// Simulates one step; returns false when the trial is over: after the duration, a second after
+  /// the robot has reported its arrival at the world's last goal or the end of its exploration, or
+  /// by the rules of the world's task. Throws std::runtime_error when no scan comes within a
+  /// minute.
   bool step();
 
   [[nodiscard]] time::SteadyTime now() const { return now_; }
@@ -90,7 +90,7 @@ class Trial {
   time::SteadyTime now_{};
 };
 
-/// The stopping zone by which the brake latency is measured.
+/// The stopping zone for measuring the brake latency.
 [[nodiscard]] StoppingZone stopping_zone(const TrialSetup& setup);
 
 }  // namespace nodmap::trial

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// nodmap-watch: the robot at a glance, on one line; at the end what was seen, as JSON.
+// nodmap-watch: shows the robot's state on one line; at the end writes a summary as JSON.
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -45,7 +45,7 @@ void listen_to_all(bus::Bus& bus, Overview& overview) {
   listen<nodmap::truth_t>(bus, "TRUTH", overview);
 }
 
-/// Redraws one line on a terminal; elsewhere writes a line now and then.
+/// Redraws one line on a terminal; otherwise writes a line from time to time.
 class Display {
  public:
   void show(const Overview& overview, time::SteadyTime now) {
@@ -67,8 +67,8 @@ class Display {
   time::SteadyTime next_{};
 };
 
-/// True when it has watched for as long as it should; false when no scan came, it was stopped
-/// before, or the robot is not home.
+/// Returns true after the full duration; false if no scan was received, it was stopped before, or
+/// the robot is not home.
 bool watch(const Arguments& arguments, const std::string& lcm_url, Overview& overview) {
   bus::LiveBus bus(lcm_url);
   listen_to_all(bus, overview);
@@ -118,8 +118,9 @@ void add_options(CLI::App& app, Arguments& arguments) {
                  "Seconds from the first scan on; 0: until stopped")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  app.add_flag("--until-home", arguments.until_home,
-               "End when the explorer says that the robot is home; exit code 1 if it never does");
+  app.add_flag(
+      "--until-home", arguments.until_home,
+      "Exit when the explorer reports that the robot is home; exit code 1 if it never does");
   app.add_option("--patience", arguments.patience_s, "Seconds to wait for the first scan")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
@@ -130,7 +131,7 @@ int run(const Arguments& arguments, const std::string& lcm_url) {
   Overview overview;
   const bool done = watch(arguments, lcm_url, overview);
   if (overview.scans().total() == 0) {
-    log::get().error("no SCAN came");
+    log::get().error("no SCAN received");
   }
   if (!arguments.out.empty()) {
     std::ofstream file(arguments.out);

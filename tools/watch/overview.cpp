@@ -12,7 +12,7 @@
 namespace nodmap::watch {
 namespace {
 
-constexpr double kJumpM = 1.0;  // odometry that began anew is no way driven
+constexpr double kJumpM = 1.0;  // a larger step means that odometry was restarted
 constexpr std::size_t kLineLength = 120;
 
 }  // namespace
@@ -95,7 +95,7 @@ std::int64_t Overview::lost() const {
 std::string behaviour_name(std::int8_t behaviour) {
   static constexpr std::array<const char*, 5> kNames = {"STEER", "BRAKE", "TURN", "ARRIVED",
                                                         "HALT"};
-  const auto index = static_cast<std::uint8_t>(behaviour);  // a negative one becomes a large one
+  const auto index = static_cast<std::uint8_t>(behaviour);  // a negative number becomes a large one
   return index < kNames.size() ? kNames.at(index) : "?";
 }
 

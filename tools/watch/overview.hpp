@@ -20,7 +20,7 @@
 
 namespace nodmap::watch {
 
-/// Counts events and how many of them came in the last second.
+/// Counts events, in total and in the last second.
 class Rate {
  public:
   void add(time::SteadyTime now);
@@ -32,7 +32,7 @@ class Rate {
   std::int64_t total_ = 0;
 };
 
-/// What a process last said of itself.
+/// The last STATUS of a process.
 struct ProcessView {
   std::int8_t health = 0;
   std::string reason;
@@ -44,7 +44,7 @@ struct ProcessView {
   time::SteadyTime received{};
 };
 
-/// The robot at a glance, from its messages. Times are those at which they were received.
+/// Summarises the robot's state from its messages. Times are those of their reception.
 class Overview {
  public:
   void hear(const nodmap::scan_t& message, time::SteadyTime now);
@@ -59,24 +59,24 @@ class Overview {
 
   [[nodiscard]] double forward_mps() const { return forward_mps_; }
   [[nodiscard]] double pitch_rad() const { return pitch_rad_; }
-  /// Way driven by odometry, metres.
+  /// Distance driven, by odometry, metres.
   [[nodiscard]] double distance_m() const { return distance_m_; }
   [[nodiscard]] double max_forward_mps() const { return max_forward_mps_; }
-  /// From the base's origin to the nearest point of the obstacle map; +infinity without any.
+  /// Distance from base's origin to the nearest point of the obstacle map; +infinity without any.
   [[nodiscard]] double nearest_m() const { return nearest_m_; }
   [[nodiscard]] std::int8_t behaviour() const { return behaviour_; }
   [[nodiscard]] const std::string& reason() const { return reason_; }
   [[nodiscard]] std::int64_t keyframes() const { return keyframes_; }
-  /// All is seen, and the robot is back where it began to explore.
+  /// Whether everything has been seen and the robot is back at the start of the exploration.
   [[nodiscard]] bool is_home() const { return is_home_; }
-  /// Free ground in the 2D map, m2, as the explorer says.
+  /// Free ground in the 2D map, m2, as reported by the explorer.
   [[nodiscard]] double seen_m2() const { return seen_m2_; }
   [[nodiscard]] const Rate& scans() const { return scans_; }
   [[nodiscard]] const Rate& odometry() const { return odometry_; }
   [[nodiscard]] const std::map<std::string, ProcessView>& processes() const { return processes_; }
-  /// Messages that the processes missed, as they say themselves.
+  /// Number of lost messages, as reported by the processes.
   [[nodiscard]] std::int64_t lost() const;
-  /// In simulation: how often the robot has hit something; -1 where nobody knows.
+  /// Number of collisions in simulation; -1 if unknown.
   [[nodiscard]] std::int64_t collisions() const { return collisions_; }
   [[nodiscard]] std::int64_t bumps() const { return bumps_; }
 
@@ -101,10 +101,10 @@ class Overview {
   std::map<std::string, ProcessView> processes_;
 };
 
-/// One line for people, at most 120 characters.
+/// Formats one line for people, at most 120 characters.
 [[nodiscard]] std::string status_line(const Overview& overview, time::SteadyTime now);
 
-/// STEER, BRAKE, TURN, ARRIVED, HALT; "?" for what is none of them.
+/// STEER, BRAKE, TURN, ARRIVED, HALT; "?" for any other number.
 [[nodiscard]] std::string behaviour_name(std::int8_t behaviour);
 
 }  // namespace nodmap::watch

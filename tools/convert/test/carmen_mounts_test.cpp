@@ -15,7 +15,7 @@ double six_decimals(double value) {
   return std::round(value * 1e6) / 1e6;
 }
 
-/// A scan line as a robot at some place writes it.
+/// A scan line of a robot at this pose.
 CarmenScan scan_at(const geometry::SE2& T_odom_base, const geometry::SE2& T_base_laser,
                    LaserSide side) {
   const geometry::SE2 T_odom_laser = T_odom_base * T_base_laser;
@@ -61,7 +61,7 @@ TEST(CarmenMounts, AnotherFrameIsNoMount) {
   EXPECT_EQ(mounts.mount(kRear).yaw, geometry::kPi);
 }
 
-TEST(CarmenMounts, ParametersThatAreNoNumbersSayNothing) {
+TEST(CarmenMounts, InvalidParametersAreIgnored) {
   CarmenMounts mounts;
   mounts.add(CarmenParameter{"robot_frontlaser_offset", "on"});
   mounts.add(CarmenParameter{"robot_rearlaser_offset", "-0.3"});

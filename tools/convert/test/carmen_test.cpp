@@ -89,7 +89,7 @@ TEST(Carmen, DamagedLinesAreUnreadable) {
         "ODOM 1 2 3 0 0 0 1e9 host 1.0", "ODOM 1 2 3 0 0 0 1.0 host 1.0 more", "FLASER",
         "FLASER -1 1 2 0 0 0 0 0 0 1.0 host 1.0", "FLASER 0 0 0 0 0 0 0 1.0 host 1.0",
         "FLASER 1 1 0 0 0 0 0 0 1.0 host 1.0",
-        // A count that is too large or too small shifts every word behind it.
+        // A count that is too large or too small shifts every word after it.
         "FLASER 4 1 2 3 0 0 0 0 0 0 1.0 host 1.0", "FLASER 2 1 2 3 0 0 0 0 0 0 1.0 host 1.0",
         "FLASER 3 1 2 3 0 0 0 0 0",
         "ROBOTLASER1 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 1.0 h 1.0"}) {

@@ -17,9 +17,9 @@ namespace cloud_export_test {
 
 constexpr time::Duration kScanPeriod = 13'320us;
 constexpr double kSpeedMps = 1.5;
-constexpr double kWallM = 6.0;  // x of a wall across the way, in odom
+constexpr double kWallM = 6.0;  // x of a wall across the path, in odom
 
-/// A level scan of that wall, taken as one instant, while driving towards it.
+/// A level scan of that wall, taken at one instant, while driving towards it.
 scan::Scan scan_at(time::Timestamp stamp) {
   scan::Scan scan;
   scan.stamp = stamp;

@@ -131,7 +131,7 @@ TEST_F(Import, UosStopsAndGoes) {
   EXPECT_EQ(messages.scans[0].num_ranges, 5);
   EXPECT_NEAR(messages.scans[0].ranges_m[2], 0.9, 1e-6);
   EXPECT_EQ(messages.scans[1].utime - messages.scans[0].utime, 26'640);
-  // The drive: 2 m at 0.5 m/s, a message each 10 ms, none stepping back.
+  // The drive: 2 m at 0.5 m/s, a message every 10 ms, with increasing stamps.
   EXPECT_NEAR(1e-6 * static_cast<double>(messages.scans[2].utime - messages.scans[1].utime), 4.0,
               0.05);
   EXPECT_GT(messages.odometry.size(), 400U);

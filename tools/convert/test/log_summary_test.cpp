@@ -65,7 +65,7 @@ TEST_F(LogSummaryTest, CountsByChannel) {
   EXPECT_DOUBLE_EQ(odometry.rate_hz(), 2.0);
   const ChannelSummary& foreign = summary.channels.at("FOREIGN");
   EXPECT_EQ(foreign.type, "? 0000000000000000");
-  EXPECT_EQ(foreign.corrupt, 0);  // not ours to judge
+  EXPECT_EQ(foreign.corrupt, 0);  // unknown types cannot be checked
   EXPECT_EQ(foreign.rate_hz(), 0.0);
   EXPECT_EQ(summary.skipped_bytes, 6);
 }

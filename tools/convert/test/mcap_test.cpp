@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// MCAP files, read again by a reader written from the specification alone.
+// MCAP files, read by a reader written from the specification alone.
 #include <gtest/gtest.h>
 #include <zstd.h>
 
@@ -50,7 +50,7 @@ class Reader {
 struct File {
   std::string bytes;
   std::size_t num_chunks = 0;
-  std::uint64_t num_indexed = 0;  ///< messages found by way of the indexes
+  std::uint64_t num_indexed = 0;  ///< messages found through the indexes
   std::map<std::uint64_t, std::string> schemas;
   std::map<std::uint64_t, std::pair<std::string, std::uint64_t>>
       topics;  // channel -> topic, schema
@@ -66,7 +66,7 @@ std::string unpacked(const std::string& packed, std::uint64_t size) {
   return bytes;
 }
 
-/// The records of a chunk, from its first field on.
+/// The records of a chunk.
 std::string records_of(Reader& chunk) {
   chunk.number(8);
   chunk.number(8);
@@ -76,8 +76,8 @@ std::string records_of(Reader& chunk) {
   return unpacked(chunk.raw(chunk.number(8)), size);
 }
 
-/// What a reader does that looks for a topic: from the index of a chunk to the indexes of its
-/// channels, to the messages. Counts them.
+/// Counts messages as a reader does that searches for a topic: from the index of a chunk to the
+/// indexes of its channels to the messages.
 void follow_index(File& file, Reader index) {
   const std::uint64_t first_ns = index.number(8);
   const std::uint64_t last_ns = index.number(8);
@@ -190,7 +190,7 @@ TEST(McapWriter, WritesWhatAReaderFinds) {
   EXPECT_EQ(file.schemas.at(file.topics.at(0).second), "a.b");
 }
 
-// Times that step back, as in a log merged of several, are found by the index all the same.
+// Times that step back, as in a log merged from several, are also found by the index.
 TEST(McapWriter, ManyChunksAreIndexedWhateverTheOrderOfTimes) {
   const nodmap::test::TemporaryDir dir;
   McapWriter writer(dir.path() / "a.mcap");
@@ -223,7 +223,7 @@ TEST(McapExport, HoldsEveryMessageOfTheLog) {
   EXPECT_EQ(file.messages.at("ODOMETRY")[100].first,
             1000U * (foxglove::test::kBeginUs + 1'000'000));
   EXPECT_EQ(file.messages.at("ODOMETRY")[100].second["position_m"][0], 0.5);
-  // A reader that goes by the summary, as Foxglove does, finds every one of them.
+  // A reader that uses the summary, as Foxglove does, finds all of them.
   std::uint64_t num_messages = 0;
   for (const auto& [topic, messages] : file.messages) {
     num_messages += messages.size();

@@ -57,7 +57,7 @@ TEST(Recording, NeverOverwrites) {
   {
     Recording late(taken);
     late.add_odometry(odometry_at(1));
-    std::ofstream(taken) << "mine";  // somebody was faster
+    std::ofstream(taken) << "mine";  // another process has created it meanwhile
     EXPECT_THROW(late.commit(), std::runtime_error);
   }
   EXPECT_THROW(Recording{taken}, std::runtime_error);

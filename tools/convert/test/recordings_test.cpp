@@ -23,7 +23,7 @@ struct PublicLog {
   std::size_t num_scans;
   std::size_t num_odometry;
   double mount_x_m;
-  double odometry_error_m;  ///< known error of the raw odometry, mean over the relations
+  double odometry_error_m;  ///< known mean error of the raw odometry over the relations
 };
 
 class CarmenRecordings : public testing::TestWithParam<PublicLog> {};
@@ -38,7 +38,7 @@ TEST_P(CarmenRecordings, RawOdometryHasTheKnownError) {
       evaluate::read_relations(std::filesystem::path(clf).replace_extension(".relations"));
   const auto errors =
       evaluate::measure_relations(formats::read_tum(dir.path() / "a.tum"), relations);
-  EXPECT_EQ(errors.missing, 0U);  // every stamp is found exactly, or none would be
+  EXPECT_EQ(errors.missing, 0U);  // every stamp is found exactly
   EXPECT_EQ(errors.n, relations.size());
   EXPECT_NEAR(errors.trans_mean_m, known.odometry_error_m, 0.01);
 }
@@ -67,7 +67,8 @@ TEST_P(CarmenRecordings, NothingIsLostAndScansGoRound) {
   }
 }
 
-// The raw odometry's errors: computed from the .clf by a second program, straight from its lines.
+// The errors of the raw odometry were computed by another program directly from the lines of the
+// .clf.
 INSTANTIATE_TEST_SUITE_P(Public, CarmenRecordings,
                          testing::Values(PublicLog{"intel", 13631, 40546, 0.0, 7.370},
                                          PublicLog{"fr079", 4934, 13885, -0.04, 6.504},

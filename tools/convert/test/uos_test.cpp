@@ -68,8 +68,7 @@ TEST(Uos, FramesByHand) {
   const geometry::SE3 moved = from_uos_pose({100.0, 200.0, 300.0}, {0.0, 0.0, 0.0});
   EXPECT_TRUE(moved.translation().isApprox(Eigen::Vector3d(3.0, -1.0, 2.0)));
   EXPECT_TRUE(moved.linear().isIdentity());
-  // Around the file's y axis, which points up, 3DTK turns z (ahead) towards x (right): to the
-  // right.
+  // 3DTK rotates about the file's y axis, which points up, from z (ahead) towards x (right).
   const geometry::SE3 turned = from_uos_pose({0.0, 0.0, 0.0}, {0.0, 90.0, 0.0});
   EXPECT_TRUE((turned * Eigen::Vector3d::UnitX()).isApprox(-Eigen::Vector3d::UnitY()));
 }
@@ -105,7 +104,8 @@ TEST(Uos, BeamsThatAreLeftOutAreNoMeasurement) {
   std::vector<Eigen::Vector3d> kept;
   for (std::size_t k = 0; k < made.slices.size(); ++k) {
     for (std::size_t i = 0; i < 361; ++i) {
-      // Slice 5 ends early and slice 6 begins late: the angle goes on, only the plane changes.
+      // Slice 5 ends early and slice 6 begins late: the beam angle continues, and only the plane
+      // changes.
       const bool cut = (k == 5 && i > 100) || (k == 6 && i < 250);
       const bool outermost = k == 0 && (i == 0 || i == 360);
       if (!outermost && (cut || leave_out(random))) {

@@ -10,7 +10,7 @@ namespace host_test {
 TEST(Host, WhatIsMissingComesWithTheCommandThatGetsIt) {
   EXPECT_EQ(check_present("java", "java", true, "x", "get").status, Status::kOk);
   EXPECT_TRUE(check_present("java", "java", true, "x", "get").command.empty());
-  const Finding missing = check_present("java", "java", false, "lcm-spy runs on it", "get");
+  const Finding missing = check_present("java", "java", false, "lcm-spy needs it", "get");
   EXPECT_EQ(missing.status, Status::kWarn);
   EXPECT_EQ(missing.command, "get");
 }

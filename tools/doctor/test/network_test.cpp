@@ -92,8 +92,8 @@ TEST(ReceiveBuffer, LinuxDefaultIsTooSmallForBursts) {
   EXPECT_EQ(check_rmem_max("many\n").status, Status::kWarn);
 }
 
-// From a machine with a process on port 7699 (1E13 hex) and its sending socket; the drops are made
-// up.
+// From a machine with a process on port 7699 (1E13 hex) and its sending socket; the drops are
+// invented.
 constexpr const char* kSockets =
     "   sl  local_address rem_address   st tx_queue rx_queue tr tm->when retrnsmt   uid  timeout "
     "inode ref pointer drops            \n"

@@ -39,7 +39,7 @@ TEST(Probe, RoomIsThatOfTheFolderAboveWhereThereIsNoneYet) {
   const test::TemporaryDir dir;
   const std::int64_t there = available_bytes(dir.path());
   EXPECT_GT(there, 0);
-  // Others may write meanwhile, but not more than a gigabyte between two lines.
+  // Other processes may write meanwhile, but not more than a gigabyte between two statements.
   EXPECT_NEAR(static_cast<double>(available_bytes(dir.path() / "a" / "b")),
               static_cast<double>(there), 1e9);
 }

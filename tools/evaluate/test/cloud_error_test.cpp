@@ -25,7 +25,7 @@ sim::Box box_above_the_floor() {
       .center = {1.0, 2.0, 5.0}, .size = {2.0, 4.0, 6.0}, .yaw_rad = geometry::deg_to_rad(90.0)};
 }
 
-// By hand: turned by 90 degrees the box spans x -1..3, y 1..3, z 2..8.
+// By hand: rotated by 90 degrees the box spans x -1..3, y 1..3, z 2..8.
 TEST(WorldSurfaces, DistanceFromABoxOutsideInsideAndAtAnEdge) {
   const WorldSurfaces surfaces(world_of(box_above_the_floor()));
   EXPECT_NEAR(surfaces.distance_m({3.5, 2.0, 5.0}), 0.5, 1e-12);
@@ -62,7 +62,7 @@ TEST(WorldSurfaces, DistanceAgreesWithTheNearestSample) {
   std::mt19937 engine(1);
   std::uniform_real_distribution<double> place(-6.0, 6.0);
   for (int i = 0; i < 30; ++i) {
-    // High above the floor, which is not sampled, and not above the lids of the cylinder.
+    // High above the floor, which is not sampled, and not above the lids of the cylinder, either.
     const Vector3d p(place(engine), place(engine), 4.0);
     double nearest = 1e9;
     for (const Vector3d& q : samples) {
@@ -90,7 +90,7 @@ TEST(CloudError, OfAFloorThatIsTiltedAndAnOutlier) {
   EXPECT_NEAR(errors.rms_m, std::sqrt((99.0 * 0.0004 + 1.0) / 100.0), 1e-6);
 }
 
-// The map begins where the robot starts: what is 1 m ahead of it there is not 1 m along x here.
+// The map's origin is the robot's start: a point 1 m ahead of it is not at x = 1 m in the world.
 TEST(CloudError, IsMeasuredInTheWorld) {
   const sim::World world = world_of(sim::Cylinder{{5.0, 6.0, 1.0}, 0.5, 2.0});
   const geometry::SE3 T_world_map = geometry::to_se3({5.0, 5.0, geometry::deg_to_rad(90.0)});
@@ -107,7 +107,7 @@ TEST(CloudError, CompletenessIsTheShareThatWasSeen) {
                         4.525F + 0.05F * static_cast<float>(j));
     }
   }
-  // The rows of the four faces beside it that are nearer than 0.1 m count, too: 2 of 20.
+  // The rows of the four adjacent faces that are nearer than 0.1 m count as well: 2 of 20.
   const CloudErrors errors = measure_cloud(face, geometry::SE3::Identity(), world);
   EXPECT_NEAR(errors.completeness, (1.0 + 4.0 * 2.0 / 20.0) / 6.0, 1e-9);
 }

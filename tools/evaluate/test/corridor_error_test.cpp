@@ -19,7 +19,7 @@ constexpr double kRounding = 1e-12;
 const SE3 kElsewhere = to_se3({3.0, -7.0, 2.5});
 const SE3 kNorth = to_se3({1.0, 2.0, std::numbers::pi / 2.0});
 
-/// 31 poses, 1 m apart, along the true x axis; `bend` says where the estimate has them.
+/// 31 poses, 1 m apart, along the true x axis; `bend` gives their estimates.
 template <class Bend>
 std::vector<PosePair> drive(const Bend& bend) {
   std::vector<PosePair> pairs;
@@ -48,7 +48,7 @@ TEST(CorridorError, AStretchedMapIsTooLongAndNothingElse) {
 }
 
 TEST(CorridorError, TheBowCountsWhereItIsWidest) {
-  // A parabola that comes back to the axis: 0.2 m aside in the middle.
+  // A parabola that returns to the axis: 0.2 m to the side in the middle.
   const auto errors = measure_corridor(drive([](double x) {
     return SE2{x, 0.2 - 0.2 * std::pow((x - 15.0) / 15.0, 2.0), 0.0};
   }));

@@ -13,7 +13,7 @@ using geometry::to_se3;
 
 constexpr time::Duration kSecond = 1s;
 
-/// A drive along a circle, a pose each second.
+/// A drive along a circle with one pose per second.
 formats::Trajectory circle(int num_poses) {
   formats::Trajectory trajectory;
   for (int i = 0; i < num_poses; ++i) {
@@ -47,7 +47,8 @@ TEST(TrajectoryError, IsZeroForTheTruthInAnotherFrame) {
 }
 
 TEST(TrajectoryError, MeasuresByHand) {
-  // Three poses along x; the estimate is 0.3 m left at the second, 0.4 m at the third and turned.
+  // Three poses along x; the estimate is 0.3 m to the left at the second, and 0.4 m and rotated at
+  // the third.
   const std::vector<PosePair> pairs = {{to_se3({0.0, 0.0, 0.0}), to_se3({0.0, 0.0, 0.0})},
                                        {to_se3({5.0, 0.3, 0.0}), to_se3({5.0, 0.0, 0.0})},
                                        {to_se3({10.0, 0.4, 0.3}), to_se3({10.0, 0.0, 0.0})}};

@@ -29,7 +29,7 @@ TEST(Route, LeadsFromOneWaypointToTheNextAndIsOverAfterTheLast) {
   EXPECT_EQ(route.hear_arrival(true, at(40.0)), Event::kNone) << "once only";
 }
 
-// The navigator still says that it is at the waypoint before.
+// The navigator still reports that it is at the previous waypoint.
 TEST(Route, AnArrivalCountsForTheWaypointItBelongsTo) {
   Route route(kThree, false, time::from_seconds(10), at(0));
   EXPECT_EQ(route.hear_arrival(true, at(0.4)), Event::kNone);

@@ -70,7 +70,7 @@ TEST_F(ReactionTest, ACommandOnOlderDataIsNoAnswer) {
   EXPECT_THAT(waits(reaction_.scan_to_drive()), ElementsAre(1400));
 }
 
-// A navigator that takes two maps at once has let the first one wait.
+// If a navigator uses two maps at once, the first one had to wait.
 TEST_F(ReactionTest, OneCommandAnswersAllMapsBeforeIt) {
   hear_scan(1, 0);
   hear_map(1, 10, 100);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the maps of a driven trial are worth, against the simulated world: short forms of what
-// bench/trials.py shows at length.
+// The quality of the maps of a trial, compared with the simulated world: short versions of the
+// trials in bench/trials.py.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -66,7 +66,7 @@ geometry::PoseHistory history_of(const formats::Trajectory& trajectory) {
   return history;
 }
 
-/// At full speed: without the local map, which allows no more than the floor seen ahead does.
+/// At full speed, without the local map, which limits the speed by the floor seen ahead.
 void drive_as_in_the_paper(TrialSetup& trial) {
   trial.params.set_assignment("navigator.local_map.use_local_map=false");
   trial.params.set_assignment("navigator.planner.use_planner=false");
@@ -83,10 +83,10 @@ class MappingTest : public ::testing::Test {
 };
 
 // R39: "the resulting map does not rank behind" one of a laser that is mounted level. The same
-// drives, mapped by the same program from what the laser would have measured held level; the mean
-// of eight, for each alone is mostly chance: single ratios lie between 0.6 and 3.
-// 3 mm: 1.25 times what was measured (7.0 against 4.5 mm), a sixteenth of a cell of the map. R39's
-// ratio of 1.2 is missed: bench/REPORT.md.
+// drives, mapped by the same program from what the laser would have measured if held level. The
+// mean of eight, because a single ratio is mostly chance: they are between 0.6 and 3. 3 mm: 1.25
+// times what was measured (7.0 against 4.5 mm), a sixteenth of a cell of the map. R39's ratio of
+// 1.2 is missed: bench/REPORT.md.
 TEST_F(MappingTest, R39_NoddingCostsNoQualityOfThe2dMap) {
   double nodding_m = 0.0;
   double level_m = 0.0;
@@ -123,8 +123,8 @@ TEST_F(MappingTest, R46_OccupiedVoxelsAreAtTrueSurfaces) {
   EXPECT_GE(occupancy["recall"], kMinRecall);
 }
 
-// R42, Fig. 8: 50 scans at full speed, about a metre, their motion taken out by odometry; the cloud
-// laid at the robot's true place.
+// R42, Fig. 8: 50 scans at full speed, about a metre, deskewed with odometry; the cloud is placed
+// at the robot's true pose.
 TEST_F(MappingTest, R42_FiftyScansOnTheMoveLieOnTheSurfaces) {
   TrialSetup trial = setup("corridor30", 2, 12.0);
   trial.without = {"slam2d", "slam6d"};
@@ -158,8 +158,8 @@ double model_rms_m(const TrialSetup& trial, const std::filesystem::path& dir) {
       .rms_m;
 }
 
-// R45, Fig. 9: the model of clouds taken on the move is "slightly more distorted" than one taken
-// standing.
+// R45, Fig. 9: the model from clouds taken while driving is "slightly more distorted" than one
+// taken while stationary.
 TEST_F(MappingTest, R45_OnTheMoveTheModelIsOnlySlightlyMoreDistorted) {
   TrialSetup moving = setup("cellar", 2, 15.0);
   moving.without = {"slam2d"};

@@ -12,7 +12,8 @@ time::SteadyTime at(time::Duration since_start) {
   return time::SteadyTime(since_start);
 }
 
-/// 1 m/s for a second, then braking at 2 m/s2, standing from 1.5 s on, and off again at 2.5 s.
+/// 1 m/s for a second, then braking at 2 m/s2, stationary from 1.5 s on, and driving again at 2.5
+/// s.
 TrialRecord braking_record() {
   TrialRecord record;
   record.started = at(0s);
@@ -95,13 +96,13 @@ TEST(TrialMetrics, AHeadingIsComparedWhereTheGoalHasOne) {
   EXPECT_NEAR(*goal_metrics(record, world, 0.3, 1.0).heading_error_rad, 0.1, 1e-12);
 }
 
-TEST(TrialMetrics, WhoReportsHisArrivalElsewhereHasNotArrived) {
+TEST(TrialMetrics, ARobotThatReportsItsArrivalElsewhereHasNotArrived) {
   sim::World world;
   TrialRecord record = arriving_record(world);
   world.goals = {{1.7, 0.0}};
   EXPECT_EQ(goal_metrics(record, world, 0.3, 1.7).spl, 0.0);
   EXPECT_FALSE(goal_metrics(record, world, 0.3, 1.7).reached);
-  // By the rules of a task its word does not count.
+  // By the rules of a task its report does not count.
   world.task.arrival_radius_m = 1.0;
   record.reached = at(700ms);
   EXPECT_EQ(goal_metrics(record, world, 0.3, 1.7).reached, at(700ms));
@@ -122,7 +123,7 @@ TEST(TrialMetrics, WithoutAScanThereIsNoDrive) {
   EXPECT_EQ(drive_metrics(record).duration_s, 0.0);
 }
 
-// By hand: 0.1 s at 1 m/s, then 0.5 s and 0.25 m of brakes.
+// By hand: 0.1 s at 1 m/s, then braking for 0.5 s and 0.25 m.
 TEST(TrialMetrics, StopIsTimedFromTheDisturbance) {
   const StopMetrics stop = stop_metrics(braking_record(), {"test", at(900ms), at(2s)}, 2.0);
   EXPECT_EQ(stop.speed_mps, 1.0);

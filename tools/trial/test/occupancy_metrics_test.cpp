@@ -15,7 +15,7 @@ sim::World wall_world() {
   return world;
 }
 
-/// Voxels at a distance along x, side by side along y, at a height of 0.5 m.
+/// Voxels at this x, side by side along y, at a height of 0.5 m.
 formats::OccupiedSpace row_at(double x_m, int count) {
   formats::OccupiedSpace map;
   map.voxel_m = kVoxelM;
@@ -31,7 +31,7 @@ formats::OccupiedSpace row_at(double x_m, int count) {
   return map;
 }
 
-/// Beams from the origin's mirror straight ahead, `count` side by side.
+/// Beams from the mirror straight ahead, `count` side by side.
 ObservedVoxels observed_row(int count) {
   scan::Scan scan;
   scan.range_max_m = 30.0;

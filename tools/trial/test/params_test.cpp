@@ -8,7 +8,7 @@
 namespace nodmap::trial {
 namespace params_test {
 
-// R6: KURT3D as in the paper, II; and every part of the robot is made for that body.
+// R6: KURT3D as in the paper, II; every part uses the same body.
 TEST(AllParams, R6_EveryPartIsMadeForTheSameRobot) {
   const AllParams params;
   const sim::RobotModelParams& model = params.sim.model;
@@ -19,7 +19,7 @@ TEST(AllParams, R6_EveryPartIsMadeForTheSameRobot) {
   EXPECT_EQ(model.drive.top_speed_mps, 5.2);
   EXPECT_EQ(model.drive.motor_power_w, 90.0);
 
-  // The simulator is its own monitor and has its own figures; all the others share RobotParams.
+  // The simulator has its own values, as an independent check; all other parts share RobotParams.
   const robot::RobotParams robot = params.navigator.robot;
   EXPECT_EQ(robot.body.length_m, model.body.length_m);
   EXPECT_EQ(robot.body.width_m, model.body.width_m);

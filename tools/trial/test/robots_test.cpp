@@ -65,7 +65,7 @@ TEST(Robots, LevelScannerMeasures720BeamsOver270Degrees) {
   EXPECT_NEAR(scan.angle_rad(719), geometry::deg_to_rad(135.0), 1e-12);
   EXPECT_EQ(scan.ranges_m[0], std::numeric_limits<float>::infinity());  // looks back
   for (const std::size_t beam : {300U, 360U, 450U}) {
-    // The mean over a spot of 0.25 degrees that lies aslant.
+    // The mean over an oblique spot of 0.25 degrees.
     EXPECT_NEAR(scan.ranges_m[beam], 2.88 / std::cos(scan.angle_rad(beam)), 1e-3) << beam;
   }
 }

@@ -13,7 +13,7 @@ using std::chrono::microseconds;
 
 constexpr std::array<std::uint8_t, 2> kWord{7, 8};
 
-/// Sends one byte each millisecond: the time.
+/// Sends the time as one byte every millisecond.
 class Ticker : public sim::SerialDevice {
  public:
   void receive(std::span<const std::uint8_t> bytes, int baud, time::SteadyTime now) override {
@@ -60,7 +60,7 @@ TEST_F(SimulatedLineTest, CarriesBytesBothWaysAtTheHostsRate) {
   EXPECT_EQ(read(*stream).status, IoStatus::kTimeout);
 }
 
-TEST_F(SimulatedLineTest, WhatNobodyListensToIsLost) {
+TEST_F(SimulatedLineTest, BytesWithoutAReaderAreLost) {
   line_.move_bytes(time::SteadyTime(5ms));
   const auto stream = line_.open(9600).stream;
   line_.move_bytes(time::SteadyTime(6ms));
@@ -87,7 +87,7 @@ TEST_F(SimulatedLineTest, HasOneHostAtATime) {
   EXPECT_NE(line_.open(9600).stream, nullptr);
 }
 
-// The last thing a driver does is to write "stop"; one that is killed does not.
+// The last thing that a driver writes is the stop command; a killed driver does not write it.
 TEST_F(SimulatedLineTest, NothingComesThroughACutLine) {
   const auto stream = line_.open(9600).stream;
   line_.cut();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Short forms of what bench/trials.py shows at length: the whole robot in a closed loop.
+// Short versions of the trials in bench/trials.py: the whole robot in a closed loop.
 #include "tools/trial/trial.hpp"
 
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ class TrialTest : public ::testing::Test {
  protected:
   test::TemporaryDir dir_;
 
-  /// Without 6D SLAM, which no other part listens to.
+  /// Without 6D SLAM, whose output no other part uses.
   static TrialSetup setup(const std::string& world, std::uint64_t seed, double duration_s) {
     TrialSetup setup;
     setup.world = world.find(':') != std::string::npos
@@ -59,7 +59,7 @@ TEST_F(TrialTest, TheSameSetupGivesTheSameBytes) {
   EXPECT_TRUE(results[0] == results[1]);
 }
 
-// R31, Fig. 5: the laser held level does not see the box that nodding sees.
+// R31, Fig. 5: a laser held level does not see the box that a nodding one sees.
 TEST_F(TrialTest, Fig5FixedCollides) {
   TrialSetup fixed = setup("fig5", 1, 8.0);
   fixed.params.set_assignment("pitch_controller.mode=fixed");
@@ -72,8 +72,8 @@ TEST_F(TrialTest, Fig5NoddingDoesNot) {
   EXPECT_GT(drive.distance_m, 3.0);  // it did drive: the box is 2 m ahead
 }
 
-// Nothing comes back to the laser: that is no free world, and a trial without a scan does not
-// begin.
+// The laser receives no echoes. That does not mean free space, and a trial without a scan does not
+// start.
 TEST_F(TrialTest, ALaserThatSeesNothingLetsNobodyDrive) {
   TrialSetup blind = setup("cellar", 1, 20.0);
   blind.params.set_assignment("sim.min_intensity=1");
@@ -97,11 +97,11 @@ TEST_P(RandomClutter, IsDrivenThroughWithoutACollision) {
 
 INSTANTIATE_TEST_SUITE_P(Worlds, RandomClutter, ::testing::Values(1, 2));
 
-// R29. Worlds whose low objects do not happen to lie on the way before: what is lower than 5 cm is
-// floor to the obstacle map.
+// R29. Worlds in which no low objects are on the path before the obstacle: objects lower than 5 cm
+// are floor for the obstacle map.
 class Appearing : public TrialTest, public ::testing::WithParamInterface<std::uint64_t> {};
 
-TEST_P(Appearing, ObstacleBeyondTheStoppingWayIsNotHit) {
+TEST_P(Appearing, ObstacleBeyondTheStoppingDistanceIsNotHit) {
   TrialSetup trial = setup("random:" + std::to_string(GetParam()), GetParam(), 12.0);
   trial.world.actors.push_back(
       place_appearing_obstacle(trial, 6.0 + static_cast<double>(GetParam() % 5), dir_.path()));
@@ -135,7 +135,7 @@ TEST_P(Losing, APartStopsTheRobotAndItGoesOnAfterwards) {
   const StopMetrics stop = stop_metrics(outcome.record, loss, deceleration_mps2);
   ASSERT_GT(stop.speed_mps, 0.5) << "as fast as the floor seen ahead allows";
   ASSERT_TRUE(stop.stopped_after_s);
-  // The whole robot's limits: 300 ms and 0.3 m beyond braking.
+  // The limits for the whole robot: 300 ms and 0.3 m beyond braking.
   EXPECT_LE(*stop.stopped_after_s - stop.speed_mps / deceleration_mps2, 0.3);
   EXPECT_LE(stop.distance_m - stop.braking_distance_m, 0.3);
   EXPECT_TRUE(stop.resumed_after_s);
@@ -151,14 +151,14 @@ INSTANTIATE_TEST_SUITE_P(
                       Loss{nullptr, "pitch_controller"}, Loss{nullptr, "map_server"},
                       Loss{nullptr, "navigator"}));
 
-// Odometry that begins anew at zero does not take the SLAMs with it.
+// When odometry restarts at zero, the SLAMs keep their poses.
 TEST_F(TrialTest, SlamsKeepTheirPlaceWhenTheBaseDriverIsStartedAnew) {
   TrialSetup trial = setup("corridor30", 1, 16.0);
   trial.without.clear();
   trial.kills.push_back({"kurt", time::SteadyTime(8s), 2s});
   const auto result = summarise(trial, run(trial), dir_.path());
-  // Odometry does not know of the way before; the way on which the robot brakes without it is
-  // unknown to all, and along a corridor nothing tells of it.
+  // Odometry has lost the path before its restart. The distance in which the robot brakes without
+  // odometry is unknown to all, and along a corridor nothing reveals it.
   EXPECT_GT(result["odometry"]["end_error_m"], 2.0);
   EXPECT_LE(result["slam2d"]["end_error_m"], 0.5);
   EXPECT_LE(result["slam6d"]["end_error_m"], 0.5);
@@ -172,7 +172,7 @@ TEST_F(TrialTest, StairsAreDrivenWithoutAFall) {
   EXPECT_GT(drive.distance_m, 3.0);
 }
 
-/// How far the robot's corners have been outside of a square around its start, metres.
+/// The greatest distance of the robot's corners outside a square around its start, metres.
 double farthest_outside_m(const TrialRecord& record, const robot::Footprint& body, double half_m) {
   const geometry::SE2 T_map_world = geometry::to_se2(record.truth.front().T_world_base).inverse();
   double outside_m = -half_m;
@@ -188,7 +188,7 @@ double farthest_outside_m(const TrialRecord& record, const robot::Footprint& bod
   return outside_m;
 }
 
-// In the open, where nothing else keeps it from leaving.
+// In an open world, where nothing else keeps the robot inside.
 TEST_F(TrialTest, TheGeofenceIsNotLeft) {
   TrialSetup trial = setup("random:4", 4, 40.0);
   trial.params.set_assignment("sim.odometry_scale_bias=0.03");
@@ -200,11 +200,11 @@ TEST_F(TrialTest, TheGeofenceIsNotLeft) {
   std::filesystem::create_directory(dir_.path() / "with");
   const TrialRecord record = run(trial, dir_.path() / "with").record;
   EXPECT_GT(drive_metrics(record).distance_m, 2.0);
-  // 2D SLAM's error there.
+  // The error of 2D SLAM there.
   EXPECT_LT(farthest_outside_m(record, body, 1.5), 0.05);
 }
 
-// 12 cm before a box, in clutter.
+// The robot docks 12 cm in front of a box, in clutter.
 TEST_F(TrialTest, DocksWithinTwoCentimetresAndADegree) {
   const TrialSetup trial = setup("dock:1002", 1, 90.0);
   const auto result = summarise(trial, run(trial), dir_.path());
@@ -214,7 +214,7 @@ TEST_F(TrialTest, DocksWithinTwoCentimetresAndADegree) {
   EXPECT_LE(std::abs(result["goal"]["heading_error_deg"].get<double>()), 1.0);
 }
 
-// R38, Fig. 7: once round a block, back to where it began.
+// R38, Fig. 7: a drive around a block, back to the start.
 TEST_F(TrialTest, ALoopRoundABlockCloses) {
   TrialSetup trial = setup("loop", 3, 120.0);
   trial.params.set_assignment("sim.odometry_scale_bias=0.03");
@@ -223,7 +223,7 @@ TEST_F(TrialTest, ALoopRoundABlockCloses) {
   EXPECT_GE(result["distance_m"], 39.0) << "the ring is 42 m long in its middle";
   EXPECT_LE(result["slam2d"]["end_error_m"], 0.10);
   EXPECT_LE(result["slam2d"]["end_error_deg"], 1.0);
-  EXPECT_GT(result["odometry"]["end_error_m"], 0.10);  // it is not odometry that was so good
+  EXPECT_GT(result["odometry"]["end_error_m"], 0.10);  // odometry alone is not good enough
 }
 
 // R37, Fig. 6: 27 m with wheels that count 3 % too much.
@@ -234,7 +234,7 @@ TEST_F(TrialTest, CorridorIsAsLongAsItIs) {
   EXPECT_TRUE(result["goal_reached"]);
   EXPECT_LE(result["slam2d"]["end_error_m"], 0.3);  // 1 % of 30 m
   EXPECT_LE(result["slam2d"]["end_error_deg"], 0.5);
-  EXPECT_GT(result["odometry"]["end_error_m"], 0.6);  // it is not odometry that was so good
+  EXPECT_GT(result["odometry"]["end_error_m"], 0.6);  // odometry alone is not good enough
 }
 
 }  // namespace trial_test

@@ -35,7 +35,7 @@ TEST(Rate, CountsTheLastSecond) {
   EXPECT_DOUBLE_EQ(rate.per_second(at(9s)), 0.0);
 }
 
-TEST(Overview, AddsUpTheWayButNoJump) {
+TEST(Overview, AddsUpTheDistanceWithoutJumps) {
   Overview overview;
   overview.hear(odometry_at(5.0, 5.0, 0.0), at(0s));  // where it starts is no way
   overview.hear(odometry_at(5.3, 5.4, -1.5), at(1us));
