@@ -12,9 +12,9 @@
 
 namespace nodmap::bench {
 
-/// What most robots do instead of the paper's map, written straightforwardly: a square grid of 5 cm
-/// cells that rolls along with the robot in odom; each beam clears the cells it crosses (Bresenham)
-/// and marks the one it ends in when the height is the robot's.
+/// The usual alternative to the paper's map, in a straightforward implementation: a square grid of
+/// 5 cm cells in odom that moves along with the robot; each beam clears the cells it crosses
+/// (Bresenham) and marks the cell of its end point if that is at the robot's height.
 class CostmapBaseline {
  public:
   static constexpr double kCellM = 0.05;

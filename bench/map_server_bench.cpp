@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Time for one scan of 181 beams, motion included: both egocentric maps together, against a grid
-// with ray clearing. Percentiles over single scans as counters, in microseconds.
+// Measures the time for one scan of 181 beams, motion included: both egocentric maps together,
+// compared with a grid with ray clearing. Counters: percentiles over single scans (us).
 #include <benchmark/benchmark.h>
 
 #include <algorithm>

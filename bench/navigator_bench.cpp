@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Time for one decision of the navigator on a full map of 361 points: moving the points, Steer,
-// Brake and Turn, or plan and rollouts; and for one scan in the local map. Percentiles over single
-// decisions as counters, in microseconds of the thread's own processor time: what else the machine
-// does is not in them.
+// Measures the time for one decision of the navigator on a full map of 361 points (moving the
+// points, Steer, Brake and Turn, or plan and rollouts), and for one scan in the local map.
+// Counters: percentiles over single decisions (us), in CPU time of the thread, which other load on
+// the machine does not affect.
 #include <benchmark/benchmark.h>
 #include <time.h>
 
@@ -33,7 +33,7 @@ double cpu_us() {
   return 1e6 * static_cast<double>(now.tv_sec) + 1e-3 * static_cast<double>(now.tv_nsec);
 }
 
-/// Percentiles of single durations, as counters.
+/// Reports percentiles of single durations as counters.
 void report(benchmark::State& state, std::vector<double> durations_us) {
   std::ranges::sort(durations_us);
   const auto percentile = [&](double share) {
@@ -44,7 +44,7 @@ void report(benchmark::State& state, std::vector<double> durations_us) {
   state.counters["p99_us"] = percentile(0.99);
 }
 
-/// A sweep of 40 scans, 181 beams each, on flat floor with a pillar every 20 beams.
+/// A sweep of 40 scans of 181 beams on flat floor with a pillar every 20 beams.
 std::vector<scan::Scan> sweep() {
   std::vector<scan::Scan> scans;
   for (double deg = -40.0; deg < 10.0; deg += 1.25) {
@@ -83,7 +83,7 @@ void LocalMapScan(benchmark::State& state) {
   report(state, std::move(scan_us));
 }
 
-/// `scans`: for the local map; without them the robot drives by the behaviours.
+/// `scans`: input of the local map; if empty, the behaviours drive.
 void decide(benchmark::State& state, const Points& points, bool has_goal,
             const std::vector<scan::Scan>& scans = {}) {
   Navigator navigator{{}};

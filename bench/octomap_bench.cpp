@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Time to insert one sweep of a nodding scanner, 81 lines of 181 beams, into an OctoMap of 5 cm
-// voxels: OctoMap's insertPointCloud() against ours. Maps are filled by a drive of ten sweeps.
+// Measures the time to insert one sweep of a nodding scanner (81 lines of 181 beams) into an
+// OctoMap of 5 cm voxels: OctoMap's insertPointCloud() compared with ours. The maps are filled by a
+// drive of ten sweeps.
 #include <benchmark/benchmark.h>
 #include <octomap/octomap.h>
 
@@ -21,7 +22,7 @@ struct PlacedCloud {
   geometry::SE3 T_map_base;
 };
 
-/// Ten sweeps, 0.5 m apart, through a hall of 10 m x 2 m; the robot stands during each.
+/// Ten sweeps, 0.5 m apart, through a hall of 10 m x 2 m; the robot is stationary during each.
 const std::vector<PlacedCloud>& drive() {
   static const std::vector<PlacedCloud> clouds = [] {
     std::mt19937 random(50);

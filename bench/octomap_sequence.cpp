@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// nodmap-bench-octomap DIR: inserts a sequence of clouds with stock OctoMap and with ours, in one
-// run, and compares time, memory and bytes; what encoding a file costs stands beside. DIR holds
-// NNN.bin (uint64 count, then float32 x y z in the sensor's frame, m) and NNN_gt.txt (4x4
+// nodmap-bench-octomap DIR: inserts a sequence of clouds with stock OctoMap and with our insertion,
+// in one run, and compares time, memory and file size, encoding time included as a separate value.
+// DIR holds NNN.bin (uint64 count, then float32 x y z in the sensor's frame, m) and NNN_gt.txt (4x4
 // T_world_sensor).
 #include <octomap/octomap.h>
 
@@ -75,7 +75,7 @@ void insert_stock(octomap::OcTree& tree, const PlacedCloud& placed,
                         options.max_range_m, false, options.discretize);
 }
 
-/// CPU time of this process alone: others that share the machine do not count.
+/// CPU time of this process, which other load on the machine does not affect.
 double cpu_ms() {
   return 1e3 * static_cast<double>(std::clock()) / static_cast<double>(CLOCKS_PER_SEC);
 }
@@ -96,8 +96,9 @@ OccupancyMap insert_ours(const std::vector<PlacedCloud>& clouds,
   return map;
 }
 
-/// Ours before and after stock, so that a change of the machine's pace meets both; not cloud by
-/// cloud, for a large allocation of one would tidy up the many small ones that the other has freed.
+/// Runs ours both before and after stock, so that a change of the machine's speed affects both. The
+/// two do not alternate cloud by cloud: a large allocation of one would consolidate the many small
+/// blocks that the other has freed.
 nlohmann::ordered_json compare(const std::vector<PlacedCloud>& clouds,
                                const OccupancyMap::Options& options) {
   OccupancyMap ours(options);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Prints the tables of modules/pitch_controller/README.md: what the defaults give.
+// Prints the tables of modules/pitch_controller/README.md from the default parameters.
 #include <algorithm>
 #include <cstdio>
 #include <initializer_list>
@@ -36,7 +36,7 @@ void print_plans(const PitchControllerParams& params) {
   }
 }
 
-/// Reaction time with sweeps over a fixed range with the line spacing of the plan.
+/// Reaction time (s) of sweeps over a fixed range with the line spacing of `plan`.
 double fixed_reaction_s(const SweepPlan& plan, double range_rad,
                         const PitchControllerParams& params) {
   const robot::HeadLimits& head = params.robot.head;

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What it costs to receive over LCM's multicast: UdpmReceiver and stock liblcm in one run, the same
-// messages, in turn. Prints one JSON object; cpu_us is the CPU time of the process for each message
-// that was handled, sending included; send_us that of sending to nobody. Needs a multicast route:
+// Measures the cost of receiving over LCM's multicast: UdpmReceiver and stock liblcm in turn, in
+// one run, with the same messages. Prints one JSON object; cpu_us: CPU time of the process for each
+// handled message, sending included; send_us: CPU time of sending without a receiver. Needs a
+// multicast route:
 //   tests/support/private_network.sh nodmap-bench-receive
 #include <sys/resource.h>
 
@@ -18,7 +19,7 @@ namespace {
 
 constexpr const char* kUrl = "udpm://239.255.76.67:7693?ttl=0&recv_buf_size=4000000";
 constexpr const char* kChannel = "SCAN";
-constexpr int kBurst = 20;  // fits a socket's buffer where rmem_max is not raised
+constexpr int kBurst = 20;  // fits into a socket's buffer with the default rmem_max
 constexpr int kQueue = 1000;
 constexpr int kRounds = 10;
 
@@ -31,7 +32,7 @@ double cpu_us() {
   return us(usage.ru_utime) + us(usage.ru_stime);
 }
 
-/// CPU time for each message, when `handle_burst` is called after each burst.
+/// CPU time for each message if `handle_burst` is called after each burst.
 template <class Handle>
 double measure(lcm::LCM& sender, const std::vector<char>& message, int bursts,
                Handle handle_burst) {

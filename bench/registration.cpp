@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// nodmap-bench-registration pairs DIR | sequence DIR | generate DIR --seed N
-// The core of the 6D registration on clouds whose true poses are known. `pairs` registers each
-// NAME_src.bin on NAME_tgt.bin from NAME_init.txt and NAME_inite.txt; `sequence` tracks NNN.bin
-// with odometry NNN_odo.txt; truth is in *_gt.txt. `generate` makes such folders (DIR/pairs,
-// DIR/seq) in floors of its own.
+// nodmap-bench-registration pairs DIR | sequence DIR | generate DIR --seed N Measures the core of
+// the 6D registration on clouds with known true poses. `pairs` registers each NAME_src.bin on
+// NAME_tgt.bin from NAME_init.txt and NAME_inite.txt; `sequence` tracks NNN.bin with odometry
+// NNN_odo.txt; truth is in *_gt.txt. `generate` makes such folders (DIR/pairs, DIR/seq) in floors
+// of its own.
 #include "modules/slam6d/registration.hpp"
 
 #include <CLI/CLI.hpp>
@@ -38,9 +38,9 @@ using nlohmann::ordered_json;
 using nodmap::test::read_cloud_file;
 using nodmap::test::read_matrix_file;
 
-constexpr int kRepeats = 5;  // of a pair; the median time counts
+constexpr int kRepeats = 5;  // registrations of each pair; the median time is reported
 
-/// Time of this process alone: others that share the machine do not count.
+/// CPU time of this process, which other load on the machine does not affect.
 double cpu_ms() {
   timespec time{};
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
@@ -76,7 +76,7 @@ struct PairResult {
   double r_err_deg = 0.0;
 };
 
-/// Nothing is known of the motion but that the guess may be 0.2 m and 5 degrees off.
+/// The prior of a guess that may be wrong by 0.2 m and 5 degrees.
 PosePrior guess_prior(const SE3& guess) {
   PosePrior prior{guess, Matrix6d::Zero()};
   prior.covariance.diagonal() << Eigen::Vector3d::Constant(0.04),
@@ -166,7 +166,7 @@ struct TrajectoryError {
   double rot_rmse_deg = 0.0;
 };
 
-/// Aligned by the first pose.
+/// Absolute trajectory error after aligning the first poses.
 TrajectoryError trajectory_error(const std::vector<SE3>& truth, const std::vector<SE3>& estimate) {
   double sq_m2 = 0.0;
   double sq_rad2 = 0.0;
@@ -235,7 +235,8 @@ std::string number(std::size_t k) {
   return std::string(3 - std::min<std::size_t>(3, digits.size()), '0') + digits;
 }
 
-/// Two poses 1 m and up to 15 degrees apart; guesses of 5 cm and 1.3 degrees, and of 0.2 m and 5.
+/// Two poses 1 m and up to 15 degrees apart; one guess with an error of 5 cm and 1.3 degrees, one
+/// with 0.2 m and 5 degrees.
 void generate_pair(const fs::path& base, const nodmap::sim::RayCaster& world,
                    const SE3& T_world_target, const nodmap::bench::SweepShape& shape,
                    std::mt19937_64& random) {

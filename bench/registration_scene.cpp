@@ -159,7 +159,7 @@ std::vector<SE3> drive_on_floor(std::size_t num_poses, std::mt19937_64& random) 
       heading_rad += std::copysign(geometry::deg_to_rad(22.5), rest_rad);
       continue;
     }
-    // Back to the middle of the corridor, and a little to and fro.
+    // Back to the middle of the corridor, with a small alternating offset.
     const double sign = goal_rad == 0.0 ? 1.0 : -1.0;
     heading_rad = goal_rad - sign * 0.3 * y + geometry::deg_to_rad(4.0) * any(random);
     x += 0.5 * std::cos(heading_rad);

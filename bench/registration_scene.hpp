@@ -11,7 +11,7 @@
 
 namespace nodmap::bench {
 
-/// A furnished floor of 24 m x 14 m x 2.8 m: a corridor with rooms on both sides, in each tables,
+/// A furnished floor of 24 m x 14 m x 2.8 m: a corridor with rooms on both sides, each with tables,
 /// cabinets, beams and columns. The same seed gives the same floor.
 [[nodiscard]] sim::World furnished_floor(std::uint64_t seed);
 
@@ -23,18 +23,17 @@ struct SweepShape {
   double noise_m = 0.01;  ///< standard deviation along the beam
 };
 
-/// The points that a stationary sensor measures; in its frame, x forward, z up.
+/// The points measured by a stationary sensor, in its frame (x forward, z up; m).
 [[nodiscard]] std::vector<Eigen::Vector3f> nodding_sweep(const sim::RayCaster& world,
                                                          const geometry::SE3& T_world_sensor,
                                                          const SweepShape& shape,
                                                          std::mt19937_64& random);
 
-/// A drive of the sensor along the corridor and into rooms, 0.5 m or 22.5 degrees from pose to
-/// pose.
+/// Poses of the sensor along the corridor and into rooms, each 0.5 m or 22.5 degrees from the last.
 [[nodiscard]] std::vector<geometry::SE3> drive_on_floor(std::size_t num_poses,
                                                         std::mt19937_64& random);
 
-/// A pose with independent normal errors in each direction.
+/// The pose with independent normally distributed errors in each direction.
 [[nodiscard]] geometry::SE3 disturbed(const geometry::SE3& pose, double sigma_m, double sigma_rad,
                                       std::mt19937_64& random);
 

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How late bytes come through a pseudo-terminal, held against a pipe, with the kernel's workers as
-// they are and raised. Prints one JSON object, times in microseconds: `wake_us` is how late the
-// writer was woken, the others are from write to read. What it is about shows on a busy machine:
+// Measures the latency of bytes through a pseudo-terminal compared with a pipe, with the kernel's
+// workers at their normal and at raised priority. Prints one JSON object, times in microseconds:
+// `wake_us` is how late the writer woke up, the others are from write to read. The difference shows
+// on a busy machine:
 //   for i in 1 2 3 4 5 6; do while :; do :; done & done; nodmap-bench-serial 20
 #include <fcntl.h>
 #include <sched.h>
@@ -27,8 +28,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using Latencies = std::vector<double>;  // microseconds
 
-constexpr std::chrono::milliseconds kPeriod{5};  // of the servo's readings
-/// As the simulated device and its driver in procman/sim.pmd: the writer goes first.
+constexpr std::chrono::milliseconds kPeriod{5};  // of the servo's telemetry
+/// Priorities as in procman/sim.pmd: the simulated device (writer) above its driver.
 constexpr int kWriterPriority = 30;
 constexpr int kReaderPriority = 20;
 
@@ -79,7 +80,7 @@ nlohmann::json summary(Latencies latencies_us) {
   return {{"p50", quantile(500)}, {"p99", quantile(990)}, {"worst", latencies_us.back()}};
 }
 
-/// Writes the time each period, so that the reader knows when that was.
+/// Writes the current time once each period, from which the reader computes the latency.
 void write_stamps(int fd, int count, Latencies& late_us) {
   run_in_real_time(kWriterPriority);
   Clock::time_point due = Clock::now();

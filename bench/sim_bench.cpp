@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Time for one simulated scan of 181 beams (nodding, robot in the middle of the world), and for a
-// second of the whole model: 1000 steps and 75 scans.
+// Measures the time for one simulated scan of 181 beams (nodding, robot in the middle of the
+// world), and for one second of the whole model (1000 steps and 75 scans).
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -27,7 +27,7 @@ void scan(RobotModel& model, time::SteadyTime end) {
   }
 }
 
-/// The laser nods through the usual sweep while the robot stands.
+/// The laser nods through the usual sweep while the robot is stationary.
 void Scan(benchmark::State& state, const char* name) {
   RobotModel model(world(name), {}, 1);
   time::SteadyTime now{};

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// nodmap-bench-slam2d-match DIR
-// The time of 2D SLAM's scan matching alone. DIR: what nodmap-slam2d has written with --out. Each
-// keyframe is matched against a submap of the twenty before it, from where odometry says it is.
+// nodmap-bench-slam2d-match DIR Measures the time of 2D SLAM's scan matching alone. DIR: output
+// folder of nodmap-slam2d --out. Each keyframe is matched with a submap of the twenty keyframes
+// before it, starting from its odometry pose.
 #include <algorithm>
 #include <cstdio>
 #include <ctime>
@@ -20,7 +20,7 @@ using nodmap::geometry::SE2;
 
 constexpr std::size_t kKeyframes = 20;
 
-/// Time of this process alone: others that share the machine do not count.
+/// CPU time of this process, which other load on the machine does not affect.
 double cpu_ms() {
   timespec time{};
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
@@ -34,7 +34,7 @@ double quantile(std::vector<double> values, double part) {
              : values[static_cast<std::size_t>(part * static_cast<double>(values.size() - 1))];
 }
 
-/// Of the keyframes before one.
+/// The submap of the keyframes before `keyframe`.
 Submap submap_before(const std::vector<Keyframe>& keyframes, std::size_t keyframe) {
   const std::size_t first = keyframe - kKeyframes;
   Submap submap(first, keyframes[first].T_map_base, {});

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How long 6D SLAM keeps the messages of a recording waiting: processor time of the thread that
-// handles them, for each SCAN. Prints JSON.
+// Measures how long 6D SLAM blocks the handling of messages: CPU time of the handling thread for
+// each SCAN of a recording. Prints JSON.
 #include <time.h>
 #include <unistd.h>
 
@@ -28,7 +28,7 @@ std::vector<double> scan_durations_ms(const std::filesystem::path& log) {
   const std::filesystem::path out_log =
       std::filesystem::temp_directory_path() / ("slam6d_bench." + std::to_string(getpid()));
   bus::ReplayBus bus(log, out_log);
-  std::filesystem::remove(out_log);  // what is published goes nowhere
+  std::filesystem::remove(out_log);  // published messages are discarded
   node::MessageCounts counts;
   node::Context context{bus, counts, {}};
   bool is_scan = false;
@@ -51,7 +51,7 @@ std::vector<double> scan_durations_ms(const std::filesystem::path& log) {
 }  // namespace nodmap::slam6d
 
 int main(int argc, char** argv) {
-  CLI::App app{"Measures how long 6D SLAM takes for each SCAN of a recording."};
+  CLI::App app{"Measures the CPU time of 6D SLAM for each SCAN of a recording."};
   std::string log;
   app.add_option("LOG", log, "LCM event log")->required()->check(CLI::ExistingFile);
   CLI11_PARSE(app, argc, argv);

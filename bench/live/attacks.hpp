@@ -7,10 +7,11 @@
 
 namespace nodmap::bench {
 
-/// Attacks the robot while it drives, each attack for `duration_s` and on a robot that was started
-/// for it, and prints a table: collisions, how it stopped or drove on, who told of it on STATUS.
-/// Only the attacks with `only` in their name. Exit code: 0 all as SAFETY.md promises. To be run
-/// in a network of its own (tests/support/private_network.sh), whose user may forge sources.
+/// Attacks the robot while it drives, each attack for `duration_s` and on a freshly started robot,
+/// and prints a table: collisions, how the robot stopped or drove on, which process reported the
+/// attack on STATUS. Runs only the attacks with `only` in their name. Returns the exit code: 0 if
+/// everything was as SAFETY.md promises. Run it in a private network
+/// (tests/support/private_network.sh), whose user may forge source addresses.
 [[nodiscard]] int run_attacks(RobotProcesses::Options options, const std::string& only,
                               double duration_s);
 

@@ -19,11 +19,11 @@ using Json = nlohmann::ordered_json;
 using latency::Sample;
 
 constexpr std::size_t kParts = 10;
-constexpr int kQueue = 10'000;  // the bystander itself must lose nothing
+constexpr int kQueue = 10'000;  // the measuring process itself must lose nothing
 constexpr std::uint16_t kViewerPort = 8765;
 constexpr std::chrono::seconds kSamplePeriod(1);
-constexpr double kMaxStartS = 60.0;  // until the robot reacts; then it is measured as it is
-// What is asked of the robot.
+constexpr double kMaxStartS = 60.0;  // wait for the first reaction, then measure anyway
+// Requirements on the robot.
 constexpr time::Duration kScanToMap = 2ms;
 constexpr time::Duration kScanToDrive = 10ms;
 
@@ -55,8 +55,8 @@ Json to_json(const std::vector<Sample>& samples) {
           {"max_us", time::to_us(summary.max)}};
 }
 
-/// Every message of ours begins with the time of what it tells: after the eight bytes of its type,
-/// in network order. The epoch where it is too short.
+/// The timestamp of an encoded message: every nodmap_*_t begins with it, in network byte order,
+/// after the eight bytes of the type's fingerprint. The epoch if the message is too short.
 time::Timestamp stamp_of(std::span<const std::byte> data) {
   constexpr std::size_t kBegin = 8;
   constexpr std::size_t kEnd = 16;
@@ -80,8 +80,8 @@ bool Endurance::is_anything_lost() const {
   return !reaction_.lost().empty() || reaction_.corrupt() > 0 ||
          std::ranges::any_of(processes_, [this](const auto& entry) {
            const auto& [name, process] = entry;
-           // What the page has missed, the robot has not. What the laser driver has lost never was
-           // a message: nobody ran it, or the simulated devices, in time.
+           // Messages lost by the viewer do not affect the robot. Scans lost by the laser driver
+           // never became messages: it or the simulated devices were scheduled too late.
            const bool counts_losses =
                name != "nodmap-viewer" && !(name == "nodmap-laser3d" && options_.any_timing);
            return (counts_losses && process.lost() > 0) ||
@@ -103,7 +103,7 @@ bool Endurance::is_sound() const {
 
 void Endurance::on_message(const bus::LiveBus::RawMessage& message) {
   reaction_.hear(message.channel, message.data, message.received);
-  constexpr std::string_view kNotOurs = "LCM_SELF_TEST";  // LCM's, when a process starts
+  constexpr std::string_view kNotOurs = "LCM_SELF_TEST";  // by LCM, at the start of a process
   if (!is_measured(message.received) || message.channel == kNotOurs) {
     return;
   }
@@ -192,7 +192,7 @@ Json Endurance::report_reaction(const std::vector<Sample>& samples, time::Durati
   return json;
 }
 
-/// Percent of one core between two moments; nothing where the process did not run.
+/// CPU time between two moments, percent of one core; null if the process did not run.
 Json Endurance::cpu_percent(const Process& process, time::Timestamp from, time::Timestamp to) {
   const auto is_within = [&](const LoadSample& sample) {
     return sample.at >= from && sample.at < to;

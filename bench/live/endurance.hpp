@@ -20,25 +20,26 @@
 
 namespace nodmap::bench {
 
-/// The whole robot at work for a while: how fast it reacts, what its processes take, and whether
-/// anything grows (R47). Measured from the end of the warm-up on, in two halves; with `viewer`,
-/// nodmap-viewer with one client takes part in the second half only.
+/// Runs the whole robot for a while and measures its reaction times, the CPU time and memory of its
+/// processes, and whether anything grows (R47). The time after the warm-up is measured in two
+/// halves; with `viewer`, nodmap-viewer and one client run in the second half only.
 class Endurance {
  public:
   struct Options {
     double duration_s = 600.0;
-    double warm_up_s = 20.0;  ///< from the first reaction on; the SLAMs make their first map
+    double warm_up_s = 20.0;  ///< after the first reaction; both SLAMs build their first map
     bool viewer = false;
-    bool any_timing = false;  ///< a machine that is busy with something else is late, and no fault
+    bool any_timing = false;  ///< is_sound() ignores the reaction times (for a busy machine)
   };
 
   Endurance(const RobotProcesses::Options& robot, const Options& options);
 
-  /// Runs, and tells. Throws std::runtime_error when a program cannot be started.
+  /// Runs the robot and returns the report. Throws std::runtime_error if a program cannot be
+  /// started.
   [[nodiscard]] nlohmann::ordered_json run();
 
-  /// After run(): every process ended well, nothing was hit, nothing was lost, and the robot was as
-  /// fast as is asked of it.
+  /// After run(): whether every process exited with 0, nothing was hit, no message was lost, and
+  /// the reaction times met the requirements.
   [[nodiscard]] bool is_sound() const;
 
  private:
@@ -48,10 +49,10 @@ class Endurance {
   };
   struct Process {
     std::vector<LoadSample> loads;
-    nodmap::status_t first_status{};  ///< of the time that is measured
+    nodmap::status_t first_status{};  ///< of the measured time
     nodmap::status_t last_status{};
     double slowest_p99_us = 0.0;
-    std::string last_health;  ///< the last one it had about its health
+    std::string last_health;  ///< the newest health other than OK
     [[nodiscard]] std::int64_t lost() const {
       return last_status.total_lost - first_status.total_lost;
     }
@@ -64,7 +65,7 @@ class Endurance {
   void on_status(std::span<const std::byte> data);
   void sample_loads(const RobotProcesses& robot);
   void start_viewer(RobotProcesses& robot);
-  /// A busy machine takes its time to start twelve processes.
+  /// Starting twelve processes takes long on a busy machine.
   void wait_for_first_reaction(bus::LiveBus& bus);
   [[nodiscard]] bool is_measured(time::Timestamp at) const;
   [[nodiscard]] bool is_anything_lost() const;

@@ -15,18 +15,18 @@
 namespace nodmap::bench {
 namespace {
 
-constexpr double kDecelerationMps2 = 3.0;  // of the base driver's ramp on command
-constexpr double kMaxExcessS = 0.3;        // what is promised
+constexpr double kDecelerationMps2 = 3.0;  // of the base driver's ramp when commanded to stop
+constexpr double kMaxExcessS = 0.3;        // promised by SAFETY.md
 constexpr double kMaxExcessM = 0.3;
-constexpr double kFaultAtS = 12.0;  // after the simulator's start: the robot is on its way
+constexpr double kFaultAtS = 12.0;  // after the simulator's start: the robot is driving
 constexpr double kFaultForS = 3.0;
 constexpr double kDrivingMps = 1.2;
 
 struct Case {
   std::string name;
-  std::string process;  ///< to kill, or
-  std::string fault;    ///< to happen to a device
-  bool stops = true;    ///< the robot must stop; else it drives on
+  std::string process;  ///< the process to kill, or
+  std::string fault;    ///< the device fault to cause
+  bool stops = true;    ///< true: the robot must stop; false: it must drive on
 };
 
 const std::vector<Case> kCases = {
@@ -45,7 +45,7 @@ struct Outcome {
   std::int64_t collisions = 0;
 };
 
-/// Kills the process while the robot drives, waits, starts it anew. The moment of the kill.
+/// Kills the process while the robot drives, waits, and restarts it. Returns the time of the kill.
 std::optional<time::Timestamp> kill_and_restart(RobotProcesses& robot, GroundTruthMonitor& monitor,
                                                 const std::string& process) {
   monitor.listen(5.0);

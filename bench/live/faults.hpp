@@ -7,8 +7,9 @@
 
 namespace nodmap::bench {
 
-/// Kills and breaks each part of the robot while it drives, and prints how it stopped and
-/// whether it drove on. Only the cases with `only` in their name. Exit code: 0 all as promised.
+/// Kills or breaks each part of the robot while it drives, and prints how the robot stopped and
+/// whether it drove on. Runs only the cases with `only` in their name. Returns the exit code: 0 if
+/// everything was as SAFETY.md promises.
 [[nodiscard]] int run_faults(RobotProcesses::Options options, const std::string& only);
 
 }  // namespace nodmap::bench

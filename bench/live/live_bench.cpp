@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The whole robot as processes in real time: how fast it reacts over a long run, how it stops when
-// a part of it is killed, unplugged or broken, and what it does when it is attacked. Run by
-// `./nodmap bench`, on a network of its own.
+// nodmap-bench-live: runs the whole robot as processes in real time and measures its reaction times
+// over a long run, how it stops when a part is killed, unplugged or broken, and what it does under
+// attack. Run by `./nodmap bench` in a private network.
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <iostream>
@@ -15,7 +15,7 @@
 namespace nodmap::bench {
 namespace {
 
-/// A line for each channel and process.
+/// One line for each channel and process.
 void print(const nlohmann::ordered_json& report) {
   std::cout << "{\n";
   for (auto entry = report.begin(); entry != report.end(); ++entry) {
@@ -46,33 +46,33 @@ int run(int argc, char** argv) {
   robot.bin = std::filesystem::read_symlink("/proc/self/exe").parent_path();
   std::string only;
   Endurance::Options options;
-  CLI::App app("The whole robot as processes in real time.", "nodmap-bench-live");
+  CLI::App app("Measures the whole robot, run as processes in real time.", "nodmap-bench-live");
   app.require_subcommand(1);
   app.add_option("--world", robot.world, "WORLD.yaml")->required();
-  app.add_option("--out", robot.out, "A new folder for logs")->required();
+  app.add_option("--out", robot.out, "New folder for logs")->required();
   CLI::App* faults =
-      app.add_subcommand("faults", "Kills and breaks each part while the robot drives");
-  faults->add_option("--only", only, "Cases with this in their name");
+      app.add_subcommand("faults", "Kills or breaks each part while the robot drives");
+  faults->add_option("--only", only, "Run only cases with this in their name");
   double attack_s = 60.0;
   CLI::App* attacks = app.add_subcommand(
       "attacks", "Forges messages and datagrams while the robot drives, and prints a table");
-  attacks->add_option("--only", only, "Attacks with this in their name");
-  attacks->add_option("--duration", attack_s, "Seconds of each attack")
+  attacks->add_option("--only", only, "Run only attacks with this in their name");
+  attacks->add_option("--duration", attack_s, "Duration of each attack (s)")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  CLI::App* latency = app.add_subcommand(
-      "latency",
-      "Measures how fast the robot reacts and what it takes, as JSON; 1 when it is too slow, "
-      "or something is lost or hit");
-  latency->add_option("--duration", options.duration_s, "Seconds that are measured")
+  CLI::App* latency =
+      app.add_subcommand("latency",
+                         "Measures reaction times, CPU time and memory, and prints JSON; exits "
+                         "with 1 if the robot is too slow, a message is lost or something is hit");
+  latency->add_option("--duration", options.duration_s, "Measured time (s)")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  latency->add_option("--warm-up", options.warm_up_s, "Seconds before that")
+  latency->add_option("--warm-up", options.warm_up_s, "Time before the measurement (s)")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   latency->add_flag("--viewer", options.viewer,
-                    "nodmap-viewer with one client takes part in the second half");
-  latency->add_flag("--any-timing", options.any_timing, "Does not fail when the robot is slow");
+                    "Run nodmap-viewer with one client in the second half");
+  latency->add_flag("--any-timing", options.any_timing, "Do not fail if the robot is slow");
   CLI11_PARSE(app, argc, argv);
   if (std::filesystem::exists(robot.out)) {
     std::cerr << robot.out << " exists; results are never overwritten\n";

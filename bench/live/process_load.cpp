@@ -22,12 +22,12 @@ std::vector<std::string> words_of(const std::string& text) {
 }  // namespace
 
 std::optional<ProcessLoad> parse_load(const std::string& stat, double tick_s, double page_bytes) {
-  // The second field is the name in parentheses, in which anything may be.
+  // The second field is the name in parentheses; it may contain any character.
   const std::size_t name_end = stat.rfind(')');
   if (name_end == std::string::npos) {
     return std::nullopt;
   }
-  // proc(5) counts from 1; the word after the name is field 3.
+  // proc(5) counts fields from 1; the first word after the name is field 3.
   constexpr std::size_t kUserTime = 14 - 3;
   constexpr std::size_t kSystemTime = 15 - 3;
   constexpr std::size_t kResident = 24 - 3;

@@ -10,27 +10,28 @@
 
 namespace nodmap::bench {
 
-/// What a process takes of the machine, as Linux counts it (proc(5)).
+/// CPU time and memory of a process, as Linux counts them (proc(5)).
 struct ProcessLoad {
   double cpu_s = 0.0;  ///< of all threads, in user and system, since its start
   double resident_mib = 0.0;
 };
 
-/// From a line of /proc/PID/stat; nothing when it is none. `tick_s`: the kernel's unit of time.
+/// Parses a line of /proc/PID/stat; nothing if it is malformed. `tick_s`: the kernel's clock tick
+/// (s).
 [[nodiscard]] std::optional<ProcessLoad> parse_load(const std::string& stat, double tick_s,
                                                     double page_bytes);
 
-/// Nothing when there is no such process.
+/// Nothing if there is no such process.
 [[nodiscard]] std::optional<ProcessLoad> read_load(pid_t pid);
 
-/// What the kernel holds of datagrams that nobody has fetched, and what it threw away because
-/// nobody came: all UDP sockets of the network together.
+/// Datagrams that wait in the kernel's receive queues, and those it dropped because a queue was
+/// full: all UDP sockets of the network together.
 struct UdpQueues {
   std::int64_t waiting_bytes = 0;
   std::int64_t dropped = 0;
 };
 
-/// From /proc/net/udp. Lines that are none are passed over.
+/// Parses /proc/net/udp. Malformed lines are skipped.
 [[nodiscard]] UdpQueues parse_udp_queues(std::istream& table);
 [[nodiscard]] UdpQueues read_udp_queues();
 

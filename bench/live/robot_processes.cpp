@@ -18,7 +18,7 @@ namespace {
 
 using std::chrono::milliseconds;
 constexpr milliseconds kPause(20);
-constexpr int kStartPauses = 500;  // ten seconds
+constexpr int kStartPauses = 500;  // 10 s in total
 constexpr int kEndPauses = 500;
 constexpr std::array<const char*, 8> kRobot = {
     "laser3d", "kurt", "map-server", "pitch-controller", "navigator", "slam2d", "slam6d", "logger"};
@@ -70,7 +70,7 @@ void RobotProcesses::start(const std::string& name) {
   const std::vector<std::string> words = command(name);
   std::vector<char*> argv;
   for (const std::string& word : words) {
-    argv.push_back(const_cast<char*>(word.c_str()));  // NOLINT: as posix_spawn wants it
+    argv.push_back(const_cast<char*>(word.c_str()));  // NOLINT: posix_spawn takes non-const
   }
   argv.push_back(nullptr);
   posix_spawn_file_actions_t actions{};
@@ -89,7 +89,7 @@ void RobotProcesses::start(const std::string& name) {
 }
 
 void RobotProcesses::release() {
-  start("stop");  // ends by itself
+  start("stop");  // exits by itself
 }
 
 std::vector<std::string> RobotProcesses::take_dead() {

@@ -11,31 +11,31 @@
 
 namespace nodmap::bench {
 
-/// The whole robot as processes, on the simulator's devices. Whatever still runs at the end is
-/// killed.
+/// The whole robot as processes, with simulated devices. The destructor kills what still runs.
 class RobotProcesses : private boost::noncopyable {
  public:
   struct Options {
-    std::filesystem::path bin;    ///< where the programs are
+    std::filesystem::path bin;    ///< folder of the programs
     std::filesystem::path world;  ///< WORLD.yaml
-    std::filesystem::path out;    ///< a new folder for logs and links
+    std::filesystem::path out;    ///< new folder for logs and links
     std::vector<std::string> faults;
   };
 
-  /// Starts the simulator and, once its links are there, everything else; releases the robot.
+  /// Starts the simulator, waits for its device links, starts the other processes and releases the
+  /// robot.
   explicit RobotProcesses(Options options);
   ~RobotProcesses();
 
   void start(const std::string& name);
   void kill(const std::string& name);
-  /// Lets the robot drive, which it does not after each start of the base driver ("kurt").
+  /// Releases the robot, which is stopped after each start of the base driver ("kurt").
   void release();
 
-  /// The names of those that have ended by themselves since the last call.
+  /// The names of the processes that have ended by themselves since the last call.
   [[nodiscard]] std::vector<std::string> take_dead();
 
-  /// SIGINT to all, the simulator last. The names of those that did not end with 0 within ten
-  /// seconds.
+  /// Sends SIGINT to all processes, to the simulator last. Returns the names of those that did not
+  /// exit with 0 within ten seconds.
   [[nodiscard]] std::vector<std::string> stop();
 
   [[nodiscard]] const std::map<std::string, pid_t>& pids() const { return pids_; }

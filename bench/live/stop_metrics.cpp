@@ -7,7 +7,7 @@
 namespace nodmap::bench {
 namespace {
 
-constexpr double kStationaryMps = 0.02;  // an encoder's tick in 10 ms is 0.002 m/s
+constexpr double kStationaryMps = 0.02;  // one encoder tick in 10 ms is 0.002 m/s
 constexpr double kStationaryRadS = 0.05;
 
 bool is_stationary(const Motion& motion) {

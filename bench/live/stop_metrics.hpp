@@ -9,7 +9,7 @@
 
 namespace nodmap::bench {
 
-/// The true motion of the robot at one moment.
+/// The robot's true motion at one moment.
 struct Motion {
   time::Timestamp stamp{};
   double x_m = 0.0;
@@ -18,12 +18,12 @@ struct Motion {
   double yaw_rate_rad_s = 0.0;
 };
 
-/// How the robot stopped.
+/// How fast the robot stopped.
 struct StopMetrics {
-  double speed_mps = 0.0;  ///< when it should have begun to brake
-  double time_s = 0.0;     ///< until it is stationary
+  double speed_mps = 0.0;  ///< speed at the moment it should have begun to brake
+  double time_s = 0.0;     ///< from that moment until it is stationary
   double distance_m = 0.0;
-  /// Beyond braking at once with `deceleration`, as the base driver's ramp does.
+  /// Time beyond that of braking immediately with `deceleration`, as the base driver's ramp does.
   [[nodiscard]] double excess_time_s(double deceleration_mps2) const {
     return time_s - speed_mps / deceleration_mps2;
   }
@@ -32,7 +32,7 @@ struct StopMetrics {
   }
 };
 
-/// How the robot stopped after `from`; empty when it did not. `motions` ascend in time.
+/// How the robot stopped after `from`; nothing if it did not. `motions` in ascending order of time.
 [[nodiscard]] std::optional<StopMetrics> stop_metrics(const std::vector<Motion>& motions,
                                                       time::Timestamp from);
 

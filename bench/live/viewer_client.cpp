@@ -19,7 +19,7 @@ namespace beast = boost::beast;
 using boost::asio::ip::tcp;
 
 constexpr std::chrono::milliseconds kPause(100);
-constexpr int kTries = 100;  // ten seconds
+constexpr int kTries = 100;  // 10 s in total
 
 }  // namespace
 
@@ -63,7 +63,7 @@ ViewerClient::ViewerClient(std::uint16_t port) : connection_(std::make_unique<Co
 }
 
 ViewerClient::~ViewerClient() {
-  // Wakes the thread that reads; the viewer sees a client that went without a word.
+  // Wakes the reading thread; the viewer sees a client that disconnected without a close frame.
   ::shutdown(connection_->socket.next_layer().native_handle(), SHUT_RDWR);
   reader_.join();
 }

@@ -9,11 +9,11 @@
 
 namespace nodmap::bench {
 
-/// One client of nodmap-viewer that wants every topic and reads as fast as it is sent
-/// (foxglove.websocket.v1), in a thread of its own. What it reads is counted, not looked at.
+/// A client of nodmap-viewer (foxglove.websocket.v1) that subscribes to every topic and reads as
+/// fast as the viewer sends, in its own thread. It counts messages and ignores their content.
 class ViewerClient : private boost::noncopyable {
  public:
-  /// Connects to this host, trying for ten seconds. Throws std::runtime_error when nobody answers.
+  /// Connects to this host, trying for ten seconds. Throws std::runtime_error if nothing answers.
   explicit ViewerClient(std::uint16_t port);
   ~ViewerClient();
 

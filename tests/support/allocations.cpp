@@ -8,7 +8,7 @@
 namespace nodmap::test {
 namespace {
 
-Allocations g_allocations;  // NOLINT: operator new has nowhere else to write to
+Allocations g_allocations;  // NOLINT: operator new has no other place for its state
 
 }  // namespace
 
@@ -21,7 +21,7 @@ void reset_allocations() {
 
 }  // namespace nodmap::test
 
-// NOLINTBEGIN: the global operators are what is counted
+// NOLINTBEGIN: counting requires replacing the global operators
 void* operator new(std::size_t size) {
   using nodmap::test::g_allocations;
   ++g_allocations.count;

@@ -5,8 +5,8 @@
 
 namespace nodmap::test {
 
-/// What operator new was asked for since the last reset, in a test program that links
-/// nodmap::test_allocations. One thread only.
+/// Counts calls of operator new since the last reset, in a test program that links
+/// nodmap::test_allocations. For one thread only.
 struct Allocations {
   std::size_t count = 0;
   std::size_t largest_bytes = 0;

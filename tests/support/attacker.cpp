@@ -73,7 +73,7 @@ void Attacker::send_as(const char* source, const std::string& datagram) const {
   udp.source = htons(kSourcePort);
   udp.dest = group_.sin_port;
   udp.len = htons(static_cast<std::uint16_t>(sizeof(udp) + datagram.size()));
-  iphdr ip{};  // the kernel fills in length and checksum
+  iphdr ip{};  // the kernel sets length and checksum
   ip.version = 4;
   ip.ihl = 5;
   ip.ttl = 1;

@@ -15,8 +15,8 @@
 
 namespace nodmap::test {
 
-/// The points of a cloud of the nodding sequences: uint64 count, then float32 x y z (m) of each.
-/// Throws std::runtime_error when the file does not hold what it announces.
+/// Reads the points (m) of a cloud file of the nodding sequences: uint64 count, then float32 x y z
+/// of each. Throws std::runtime_error if the size does not match the count.
 inline std::vector<Eigen::Vector3f> read_cloud_file(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
   std::uint64_t count = 0;
@@ -34,7 +34,7 @@ inline std::vector<Eigen::Vector3f> read_cloud_file(const std::filesystem::path&
   return points;
 }
 
-/// A pose written as a 4x4 matrix, row by row. Throws std::runtime_error when there is none.
+/// Reads a pose written as a 4x4 matrix, row by row. Throws std::runtime_error if there is none.
 inline geometry::SE3 read_matrix_file(const std::filesystem::path& file) {
   std::ifstream in(file);
   geometry::SE3 pose = geometry::SE3::Identity();

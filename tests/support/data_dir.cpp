@@ -27,7 +27,7 @@ TemporaryDir::TemporaryDir() {
 }
 
 TemporaryDir::~TemporaryDir() {
-  std::error_code ignored;  // a leftover in /tmp is no reason to fail
+  std::error_code ignored;  // leaving files in /tmp is no failure
   std::filesystem::remove_all(path_, ignored);
 }
 

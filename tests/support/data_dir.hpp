@@ -7,11 +7,12 @@
 
 namespace nodmap::test {
 
-/// The recordings for tests: $NODMAP_DATA, else ../shared/data beside the project; empty where
-/// there is neither. They have licences of their own and are not part of the project.
+/// The folder of the recordings for tests: $NODMAP_DATA, else ../shared/data next to the project;
+/// nothing if neither exists. The recordings have their own licences and are not part of the
+/// project.
 [[nodiscard]] std::optional<std::filesystem::path> data_dir();
 
-/// An empty folder that is removed with everything in it at the end of its life.
+/// An empty folder that the destructor removes with its contents.
 class TemporaryDir : private boost::noncopyable {
  public:
   TemporaryDir();
@@ -25,7 +26,7 @@ class TemporaryDir : private boost::noncopyable {
 
 }  // namespace nodmap::test
 
-/// Ends the test as skipped, in words the summary of ./nodmap test repeats, where data are missing.
+/// Skips the test if data are missing, with a text that the summary of ./nodmap test repeats.
 #define NODMAP_REQUIRE_DATA(variable, relative_path)                                      \
   const auto variable##_root = ::nodmap::test::data_dir();                                \
   if (!variable##_root || !std::filesystem::exists(*variable##_root / (relative_path))) { \

@@ -9,7 +9,7 @@
 
 namespace nodmap::test {
 
-/// Bytes written as in the manuals: "02 80 03", and "00x21" for twenty-one of one byte.
+/// Parses bytes written as in the manuals: "02 80 03"; "00x21" is the byte 00 twenty-one times.
 inline std::vector<std::uint8_t> hex(const std::string& text) {
   std::vector<std::uint8_t> bytes;
   std::istringstream words(text);

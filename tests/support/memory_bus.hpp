@@ -15,11 +15,11 @@
 
 namespace nodmap::test {
 
-/// A bus in memory, for one node: what a test delivers goes to the node's handlers at once, what
-/// the node publishes is kept.
+/// A bus in memory for one node: delivered messages reach the node's handlers immediately, and
+/// published messages are kept.
 class MemoryBus final : public bus::Bus {
  public:
-  /// std::out_of_range when nobody has subscribed to the channel.
+  /// Throws std::out_of_range if the channel has no subscriber.
   template <class Message>
   void deliver(const std::string& channel, const Message& message) {
     std::vector<std::byte> bytes;
@@ -30,12 +30,12 @@ class MemoryBus final : public bus::Bus {
     handlers_.at(channel)(bytes);
   }
 
-  /// How many messages the node has published on this channel.
+  /// The number of messages published on this channel.
   [[nodiscard]] std::size_t count(const std::string& channel) const {
     const auto sent = sent_.find(channel);
     return sent == sent_.end() ? 0 : sent->second.size();
   }
-  /// All of them, oldest first.
+  /// The messages published on this channel, oldest first.
   template <class Message>
   [[nodiscard]] std::vector<Message> sent(const std::string& channel) const {
     std::vector<Message> messages;
@@ -44,7 +44,7 @@ class MemoryBus final : public bus::Bus {
     }
     return messages;
   }
-  /// The newest; std::out_of_range when there is none.
+  /// The newest of them; throws std::out_of_range if there is none.
   template <class Message>
   [[nodiscard]] Message last(const std::string& channel) const {
     Message message{};

@@ -38,7 +38,7 @@ ProgramResult run_program(const std::string& name, const std::vector<std::string
   }
   argv.push_back(nullptr);
 
-  // To files, not pipes: a program that fills a pipe nobody reads would hang.
+  // Output goes to files: a program would block on a full pipe that nobody reads.
   posix_spawn_file_actions_t actions;
   ::posix_spawn_file_actions_init(&actions);
   ::posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A file of its own: the kernel's termios2, with rates as numbers, and <termios.h> do not mix.
+// A separate file, since the kernel's termios2 (rates as numbers) conflicts with <termios.h>.
 #include <asm/termbits.h>
 #include <sys/ioctl.h>
 

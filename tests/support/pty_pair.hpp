@@ -11,8 +11,8 @@
 
 namespace nodmap::test {
 
-/// A pseudo-terminal: the terminal side is opened by name like a serial port, the device side is
-/// here. Throws std::system_error where the machine has none.
+/// A pseudo-terminal: the code under test opens the terminal side by name, like a serial port; this
+/// class is the device side. Throws std::system_error if the system has no pseudo-terminals.
 class PtyPair : private boost::noncopyable {
  public:
   PtyPair();
@@ -21,28 +21,28 @@ class PtyPair : private boost::noncopyable {
   /// /dev/pts/N
   [[nodiscard]] const std::string& name() const { return name_; }
 
-  /// The device sends. Must fit into the terminal's buffer (4 KiB).
+  /// Sends as the device. The bytes must fit into the terminal's buffer (4 KiB).
   void send(std::span<const std::uint8_t> bytes) const;
   void send(const std::string& text) const;
 
-  /// What the device receives: at least `least` bytes unless `timeout` runs out before, and all
-  /// that has come by then.
+  /// Receives as the device: waits for at least `least` bytes or until `timeout`, and returns
+  /// everything that has arrived.
   [[nodiscard]] std::vector<std::uint8_t> receive(
       std::size_t least, std::chrono::milliseconds timeout = std::chrono::seconds(5)) const;
   [[nodiscard]] std::string receive_text(
       std::size_t least, std::chrono::milliseconds timeout = std::chrono::seconds(5)) const;
 
-  /// The rate the other side has set, bit/s.
+  /// The rate set by the terminal side (bit/s).
   [[nodiscard]] int baud() const;
 
-  /// Pulls the plug: the other side is hung up, its name is gone.
+  /// Unplugs the device: the terminal side hangs up and its name disappears.
   void unplug();
 
   [[nodiscard]] int device_handle() const { return device_; }
 
  private:
   int device_ = -1;
-  // Kept open, so that the device can be closed and opened again by the other side at will.
+  // Kept open, so that the code under test can close and reopen the terminal.
   int terminal_ = -1;
   std::string name_;
 };
