@@ -157,9 +157,12 @@ typename PoseGraph<Pose>::Report PoseGraph<Pose>::optimise(bool graduated, int m
   }
   double width = graduated ? widest_kernel() : 1.0;
   while (report.iterations < max_iterations && !report.converged) {
-    const double change = step(width);
+    const std::optional<double> change = step(width);
     ++report.iterations;
-    report.converged = width <= 1.0 && change < kConverged;
+    if (!change && width <= 1.0) {
+      break;  // repeating the step would fail again
+    }
+    report.converged = change && width <= 1.0 && *change < kConverged;
     width = std::max(1.0, kWidthDecay * width);
   }
   return report;
@@ -223,7 +226,7 @@ void PoseGraph<Pose>::add_edge_terms(const PoseEdge<Pose>& edge, const PoseVecto
 }
 
 template <class Pose>
-double PoseGraph<Pose>::step(double width) {
+std::optional<double> PoseGraph<Pose>::step(double width) {
   constexpr int kDimensions = PoseSpace<Pose>::kDimensions;
   build_normal_equations(width);
   if (structure_changed_) {
@@ -233,7 +236,7 @@ double PoseGraph<Pose>::step(double width) {
   solver_.factorize(hessian_);
   const Eigen::VectorXd change = solver_.solve(-gradient_);
   if (solver_.info() != Eigen::Success || !change.allFinite()) {
-    return 0.0;
+    return std::nullopt;
   }
   for (std::size_t k = 1; k < nodes_.size(); ++k) {
     const auto first = static_cast<Eigen::Index>(kDimensions * (k - 1));

@@ -5,6 +5,7 @@
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -105,8 +106,9 @@ class PoseGraph {
   /// `error`: the residual of the edge.
   void add_edge_terms(const PoseEdge<Pose>& edge, const PoseVector<Pose>& error, double weight);
   void add_block(std::size_t row, std::size_t column, const PoseMatrix<Pose>& block);
-  /// Performs one Gauss-Newton step; returns the largest change of a pose (m or rad).
-  double step(double width);
+  /// Performs one Gauss-Newton step; returns the largest change of a pose (m or rad), or nothing if
+  /// the equations have no finite solution.
+  std::optional<double> step(double width);
 
   std::vector<Pose> nodes_;
   std::vector<PoseEdge<Pose>> edges_;

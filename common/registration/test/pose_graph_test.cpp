@@ -240,6 +240,23 @@ TYPED_TEST(PoseGraphTest, BadEdgesAreRefused) {
   EXPECT_TRUE(graph.edges().empty());
 }
 
+TYPED_TEST(PoseGraphTest, EquationsThatOverflowAreNotConverged) {
+  using Pose = TypeParam;
+  Pose T_map_node = PoseSpace<Pose>::identity();
+  on_square(17, T_map_node);
+  PoseGraph<Pose> graph;
+  graph.add_node(PoseSpace<Pose>::identity());
+  graph.add_node(T_map_node);
+  for (int i = 0; i < 2; ++i) {
+    graph.add_edge(
+        {.from = 0,
+         .to = 1,
+         .information = std::numeric_limits<double>::max() * PoseMatrix<Pose>::Identity()});
+  }
+  EXPECT_FALSE(graph.optimise(false).converged);
+  EXPECT_EQ(distance(graph.nodes()[1], T_map_node), 0.0);
+}
+
 TYPED_TEST(PoseGraphTest, ANodeThatHangsOnNothingStays) {
   using Pose = TypeParam;
   Pose loose = PoseSpace<Pose>::identity();
