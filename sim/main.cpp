@@ -37,8 +37,7 @@ struct Options {
 
 void add_options(CLI::App& app, Options& options) {
   app.add_option("--world", options.world, "The world: WORLD.yaml");
-  app.add_option("--seed", options.seed, "Seed of all noise; the same seed gives the same noise")
-      ->capture_default_str();
+  app.add_option("--seed", options.seed, "Seed of all noise")->capture_default_str();
   app.add_option("--links", options.links,
                  "Folder for the links laser, servo and base; default nodmap-sim-PID in "
                  "$XDG_RUNTIME_DIR or /tmp");
@@ -96,7 +95,7 @@ nlohmann::json run_loop(const Options& options, const std::string& lcm_url, Simu
   return simulator.metrics();
 }
 
-/// World and faults as given by --world and --fault.
+/// World and faults, as in --world and --fault.
 struct Scenario {
   World world;
   std::vector<Fault> faults;
@@ -104,7 +103,7 @@ struct Scenario {
 
 Scenario load_scenario(const Options& options) {
   if (options.world.empty()) {
-    throw node::UsageError("--world: is missing; name a WORLD.yaml");
+    throw node::UsageError("--world: a WORLD.yaml is required");
   }
   Scenario scenario{load_world(options.world), {}};
   std::transform(options.faults.begin(), options.faults.end(), std::back_inserter(scenario.faults),

@@ -25,7 +25,7 @@ constexpr const char* kLockName = ".nodmap-sim.lock";
   throw std::system_error(errno, std::system_category(), what);
 }
 
-/// No echo, no lines, no signals: bytes.
+/// Sets raw mode: no echo, line editing or signals.
 void make_raw(int fd) {
   termios2 attributes{};
   if (::ioctl(fd, TCGETS2, &attributes) != 0) {
@@ -67,7 +67,7 @@ void LinkDir::link(const std::string& name, const std::string& terminal) const {
   const fs::file_status status = fs::symlink_status(file);
   if (fs::exists(status)) {
     if (!fs::is_symlink(status) || !fs::read_symlink(file).string().starts_with("/dev/pts/")) {
-      throw std::runtime_error(file.string() + ": exists and is no link of the simulator");
+      throw std::runtime_error(file.string() + ": exists and is not a link of the simulator");
     }
     fs::remove(file);
   }
@@ -121,7 +121,7 @@ Bytes PtyLine::read() const {
 }
 
 void PtyLine::write(ByteView bytes) const {
-  // A full terminal takes what fits; the rest of a portion is of no use without it.
+  // If the terminal is full, the rest of the portion is lost.
   [[maybe_unused]] const ssize_t count = ::write(device_, bytes.data(), bytes.size());
 }
 

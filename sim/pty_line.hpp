@@ -15,7 +15,7 @@ namespace nodmap::sim {
 /// it was created here.
 class LinkDir : private boost::noncopyable {
  public:
-  /// Throws std::runtime_error when the folder cannot be made, or another simulator uses it.
+  /// Throws std::runtime_error if the folder cannot be created or another simulator uses it.
   explicit LinkDir(std::filesystem::path path);
   ~LinkDir();
 
@@ -32,7 +32,7 @@ class LinkDir : private boost::noncopyable {
   int lock_ = -1;
 };
 
-/// A serial line as a pseudo-terminal: the drivers open the link, this class holds the other end.
+/// A serial line as a pseudo-terminal: the drivers open the link; this class has the other end.
 class PtyLine : private boost::noncopyable {
  public:
   PtyLine(const LinkDir& dir, std::string name) : dir_(dir), name_(std::move(name)) {}
@@ -50,14 +50,14 @@ class PtyLine : private boost::noncopyable {
   [[nodiscard]] int host_baud() const;
 
   [[nodiscard]] Bytes read() const;
-  /// Bytes that do not fit are lost, as on a line without a reader.
+  /// Sends bytes to the host; those that do not fit are lost, as on a line without a reader.
   void write(ByteView bytes) const;
 
  private:
   const LinkDir& dir_;
   std::string name_;
   int device_ = -1;
-  // Kept open, so that the drivers can close and open it at will.
+  // Kept open, so that the drivers can close and reopen it.
   int terminal_ = -1;
   bool linked_ = false;
 };

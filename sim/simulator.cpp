@@ -14,7 +14,8 @@ namespace {
 
 constexpr std::array kNames = {"laser", "servo", "base"};
 constexpr time::Duration kTruthPeriod = 20ms;
-/// The robot model keeps 100 ms for the laser to measure; well before, scans are late.
+/// Above this lag the health is degraded, because scans are late. The robot model stores 100 ms for
+/// the laser.
 constexpr time::Duration kMaxLag = 20ms;
 
 nodmap::truth_t to_message(const GroundTruth& truth) {
@@ -72,7 +73,7 @@ time::SteadyTime Simulator::next_due() const {
   return std::max(now_ + 1us, std::min(robot_.next_due(), next_truth_));
 }
 
-/// Everything that is due at one moment.
+/// Does everything that is due at this time.
 void Simulator::update_devices(time::SteadyTime now) {
   now_ = now;
   robot_.advance_to(now);

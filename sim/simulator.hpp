@@ -13,7 +13,7 @@
 namespace nodmap::sim {
 
 /// The simulated robot in real time: its three serial lines on pseudo-terminals, TRUTH on the bus.
-/// Simulated time begins at 0 and goes on with the caller's steady clock.
+/// Simulated time starts at 0 and follows the caller's steady clock.
 class Simulator {
  public:
   /// Creates the links laser, servo and base. `start` is the wall clock at time 0.
@@ -22,7 +22,7 @@ class Simulator {
   /// Simulates up to `now`, and exchanges bytes with the host.
   void spin_once(time::SteadyTime now);
 
-  /// When spin_once() has something to do even without bytes from the host.
+  /// When spin_once() must be called even without bytes from the host.
   [[nodiscard]] time::SteadyTime next_due() const;
   /// File descriptors to poll for input; -1 for unplugged lines.
   [[nodiscard]] std::array<int, 3> poll_handles() const;

@@ -53,7 +53,7 @@ Collision::Collision(const World& world, const BodyParams& params)
     obstacles_.push_back(make_obstacle(object));
   }
   for (const Pit& pit : world.pits) {
-    // A body on the floor falls in; one on a ramp above does not.
+    // A body on the floor falls into the pit; one on a ramp above it does not.
     obstacles_.push_back({0.5 * (pit.min + pit.max), 0.5 * (pit.max - pit.min).norm(), -kInfinity,
                           2.0 * params.climb_height_m, footprint(pit)});
   }
@@ -71,7 +71,7 @@ Collision::Obstacle Collision::make_obstacle(const Object& object) const {
             cylinder->center.z() + 0.5 * cylinder->height_m, Disc{cylinder->radius_m}};
   }
   if (const auto* ramp = std::get_if<Ramp>(&object.shape)) {
-    // A drivable ramp rises under the body by no more than this before base is on it.
+    // The greatest rise of a drivable ramp under the body before base is on the ramp.
     const double rise_m =
         is_drivable(*ramp, params_) ? body_.half.norm() * std::tan(params_.max_slope_rad) : 0.0;
     return make_surface(to_mesh(*ramp), params_.climb_height_m + rise_m);

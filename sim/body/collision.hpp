@@ -18,7 +18,7 @@ namespace nodmap::sim {
 struct BodyPose {
   geometry::SE2 T_world_base;
   double ground_m = 0.0;  ///< height of the ground at base
-  double rise_m = 0.0;    ///< of the ground, from base to a corner of the body
+  double rise_m = 0.0;    ///< rise of the ground from base to a corner of the body
 };
 
 /// Detects contacts of the robot's body with obstacles (objects that reach into its height above
@@ -33,15 +33,15 @@ class Collision {
     return obstacle >= num_objects_ && obstacle < size();
   }
 
-  /// Horizontal distance (m) from the body; 0 where they touch, infinite if the body passes above
-  /// or below.
+  /// Horizontal distance (m) of an obstacle from the body; 0 if they touch, infinite if the body
+  /// passes above or below.
   [[nodiscard]] double distance(std::size_t obstacle, const BodyPose& body) const;
   [[nodiscard]] double distance(const ActorState& actor, const BodyPose& body) const;
 
   /// The obstacles that the body touches.
   [[nodiscard]] std::vector<std::size_t> touched(const BodyPose& body) const;
 
-  /// Distance (m) to the nearest obstacle; infinite where there is none.
+  /// Distance (m) to the nearest obstacle; infinite if there is none.
   [[nodiscard]] double clearance_m(const BodyPose& body) const;
 
  private:
@@ -54,7 +54,7 @@ class Collision {
     double ignored_height_m;
   };
   struct Obstacle {
-    Eigen::Vector2d center;  // of a circle that encloses the obstacle
+    Eigen::Vector2d center;  // centre of a circle that encloses the obstacle
     double bound_m;
     double z_min;
     double z_max;

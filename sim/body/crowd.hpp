@@ -10,16 +10,16 @@
 
 namespace nodmap::sim {
 
-/// Where the actors of a world are. Those that do not react are where their path says. Those that
+/// Moves the actors of a world. Those that do not react follow their paths exactly. Those that
 /// react follow the social force model (Helbing, Farkas and Vicsek, Simulating dynamical features
 /// of escape panic, Nature 2000, without its contact forces; sight limited as in Helbing et al.
-/// 2005): a desired velocity to the next waypoint, repelled by other actors, walls and the robot.
-/// Nothing in it is random.
+/// 2005): a desired velocity towards the next waypoint, and repulsion from other actors, walls and
+/// the robot. It is not random.
 class Crowd {
  public:
   Crowd(const World& world, const BodyParams& robot);
 
-  /// Moves everybody on to `time_s`, at most a few milliseconds after the last call.
+  /// Advances all actors to `time_s`, at most a few milliseconds after the last call.
   void advance(double time_s, const geometry::SE2& T_world_robot);
 
   [[nodiscard]] bool is_present(std::size_t actor) const {
@@ -27,7 +27,7 @@ class Crowd {
   }
   [[nodiscard]] ActorState state(std::size_t actor) const;
   [[nodiscard]] std::size_t size() const { return actors_.size(); }
-  /// The actors that are present.
+  /// Copies the states of the actors that are present.
   void copy_present(std::vector<ActorState>& states) const;
 
  private:
@@ -42,13 +42,13 @@ class Crowd {
   };
 
   void update_velocity(std::size_t actor, double dt_s, const Disc& robot);
-  /// Velocity that an undisturbed walker would have.
+  /// The velocity that an undisturbed walker would have.
   [[nodiscard]] Eigen::Vector2d desired_velocity(std::size_t actor);
-  /// Acceleration by everything that the walker keeps away from.
+  /// The acceleration by everything that the walker keeps away from.
   [[nodiscard]] Eigen::Vector2d repulsion(std::size_t actor, const Disc& robot) const;
 
   std::vector<Actor> actors_;
-  std::vector<Object> walls_;  // what people do not step over
+  std::vector<Object> walls_;  // objects that people do not step over
   double robot_radius_m_;
   double time_s_ = 0.0;
   double updated_s_ = 0.0;

@@ -56,7 +56,7 @@ Ground::Ground(const World& world, const BodyParams& params)
       }
     }
   }
-  // Without a ramp no platform can be reached.
+  // Without ramps no platform can be reached.
   if (ramps_.empty()) {
     platforms_.clear();
   }

@@ -22,17 +22,17 @@ struct Support {
 /// The ground under a wheel.
 struct WheelContact {
   double height_m = 0.0;
-  /// The ramp whose side or end is too high a step; its place in World::objects.
+  /// Index in World::objects of the ramp whose side or end is too high a step, if any.
   std::optional<std::size_t> blocking_object;
 };
 
 /// The ground that wheels roll on: the floor, ramps, and box tops as platforms. Objects lower than
-/// the climb height are ignored. Pits are no ground: the body collides with their edge.
+/// the climb height are ignored. Pits do not count as ground; the body collides with their edges.
 class Ground {
  public:
   Ground(const World& world, const BodyParams& params);
 
-  /// Nothing but the floor.
+  /// Whether there is only the floor.
   [[nodiscard]] bool is_flat() const { return ramps_.empty(); }
 
   /// The ground at `p` (world) for a wheel that was at `height_m` one step before: the highest

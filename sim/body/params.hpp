@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // KURT3D as built: body (paper, section II), drive, pitch servo, laser. The sources and reasons of
-// the values are in sim/README.md. The simulator keeps its own copy of the robot's dimensions, so
-// that a wrong value in the robot's software shows.
+// the values are in sim/README.md. The simulator has its own copy of the robot's dimensions, so
+// that a wrong value in the robot's software is noticed.
 #pragma once
 
 #include "common/geometry/angle.hpp"
 
 namespace nodmap::sim {
 
-/// What collides, and what can be driven over.
+/// The body, and the obstacles that it can drive over.
 struct BodyParams {
   double length_m = 0.45;
   double width_m = 0.33;
@@ -23,10 +23,10 @@ struct BodyParams {
     v.number("body_width_m", width_m, {0.05, 5.0}, "Width of the robot's body.");
     v.number("body_height_m", height_m, {0.05, 5.0}, "Height of the robot with its scanner.");
     v.number("wheelbase_m", wheelbase_m, {0.05, 5.0},
-             "From the front to the rear wheels: where the body rests on the ground.");
+             "Distance from the front to the rear wheels, on which the body rests.");
     v.number("climb_height_m", climb_height_m, {0.0, 0.2},
-             "Lower obstacles are driven over; deeper drops are falls.");
-    v.angle("max_slope_deg", max_slope_rad, {0.0, 45.0}, "Steeper ramps are obstacles.");
+             "Height of obstacles that the robot can drive over; deeper drops are falls.");
+    v.angle("max_slope_deg", max_slope_rad, {0.0, 45.0}, "Steepest ramp that is not an obstacle.");
   }
 };
 
@@ -60,12 +60,12 @@ struct DriveParams {
              "Distance between the left and the right wheels.");
     v.number("turning_adaptation", turning_adaptation, {0.1, 2.0},
              "True rotation divided by the rotation that the wheels' speeds alone would give.");
+    v.number("odometry_scale_bias", odometry_scale_bias, {-0.5, 0.5},
+             "Relative excess of the distance counted by each wheel over the true distance; also "
+             "affects rotations.");
     v.number(
-        "odometry_scale_bias", odometry_scale_bias, {-0.5, 0.5},
-        "Relative excess of the distance that each wheel counts over the true distance; it acts "
-        "on rotations, too.");
-    v.number("odometry_scale_difference", odometry_scale_difference, {-0.1, 0.1},
-             "The left wheels' excess minus the right wheels', as from unequal diameters.");
+        "odometry_scale_difference", odometry_scale_difference, {-0.1, 0.1},
+        "Difference of this excess between left and right wheels, as caused by unequal diameters.");
     v.number("slip_distance_m", slip_distance_m, {0.0, 1.0},
              "Standard deviation of the distance error by slip after 1 m; grows with the root of "
              "the distance.");
@@ -80,7 +80,7 @@ struct DriveParams {
   }
 };
 
-/// The pitch axis on the base, and what moves the laser about it.
+/// The pitch axis on the base, and the servo that moves the laser about it.
 struct ServoParams {
   double mount_x_m = 0.15;
   double mount_z_m = 0.38;
@@ -90,8 +90,9 @@ struct ServoParams {
 
   template <class Visitor>
   void describe(Visitor& v) {
-    v.number("mount_x_m", mount_x_m, {-2.0, 2.0}, "Pitch axis ahead of the base's origin.");
-    v.number("mount_z_m", mount_z_m, {0.0, 3.0}, "Pitch axis above the ground.");
+    v.number("mount_x_m", mount_x_m, {-2.0, 2.0},
+             "Distance of the pitch axis ahead of the base's origin.");
+    v.number("mount_z_m", mount_z_m, {0.0, 3.0}, "Height of the pitch axis above the ground.");
     v.angle("pitch_limit_deg", pitch_limit_rad, {1.0, 90.0},
             "Largest pitch of the laser, up and down.");
     v.number("servo_speed_rad_s", speed_rad_s, {0.01, 100.0},
@@ -118,18 +119,18 @@ struct LaserParams {
              "Diameter of the laser's spot at the mirror.");
     v.angle("divergence_deg", divergence_rad, {0.0, 5.0}, "Full opening angle of the beam.");
     v.number("range_sigma_m", range_sigma_m, {0.0, 1.0}, "Standard deviation of a range.");
-    v.number("range_bias_m", range_bias_m, {-1.0, 1.0}, "Added to each range.");
-    v.number("max_range_m", max_range_m, {0.1, 200.0}, "Nothing beyond is seen.");
+    v.number("range_bias_m", range_bias_m, {-1.0, 1.0}, "Systematic error, added to each range.");
+    v.number("max_range_m", max_range_m, {0.1, 200.0}, "Longest range that the laser measures.");
     v.number("pulse_length_m", pulse_length_m, {0.0, 100.0},
-             "Surfaces in one beam that are closer together give one range in between.");
+             "Distance up to which two surfaces in one beam give a single range between them.");
     v.number("min_intensity", min_intensity, {0.0, 1.0},
-             "Weakest echo that is seen, relative to a white surface at 1 m.");
+             "Weakest echo that is detected, relative to a white surface at 1 m.");
     v.angle("dazzle_angle_deg", dazzle_angle_rad, {0.0, 90.0},
             "Largest angle of incidence at which a reflector (reflectivity > 1) dazzles.");
   }
 };
 
-/// All that can be set about the simulated robot without its devices' electronics.
+/// The parameters of the simulated robot without the electronics of its devices.
 struct RobotModelParams {
   BodyParams body;
   DriveParams drive;

@@ -65,7 +65,7 @@ void PitchServo::plan_goal(double time_s) {
   const double v_max = limited(goal_.speed_rad_s, params_.speed_rad_s);
   PitchState state = at(time_s);
   restart(time_s, state);
-  // First to rest, where it goes the wrong way or cannot stop before the goal.
+  // First stop, if it moves in the wrong direction or cannot stop before the goal.
   const double to_rest_s = std::abs(state.rate_rad_s) / a;
   const double rest_rad = state.pitch_rad + 0.5 * state.rate_rad_s * to_rest_s;
   if ((goal_.pitch_rad - rest_rad) * state.rate_rad_s < 0.0) {
@@ -75,7 +75,7 @@ void PitchServo::plan_goal(double time_s) {
   const double distance = goal_.pitch_rad - state.pitch_rad;
   const double direction = sign(distance);
   const double v0 = std::abs(state.rate_rad_s);
-  // Speed up (or slow down, if the limit has become lower), go on evenly, slow down.
+  // Accelerate (or decelerate, if the limit has been lowered), move at constant rate, decelerate.
   const double v = std::min(v_max, std::sqrt(a * std::abs(distance) + 0.5 * v0 * v0));
   const double ramp_s = std::abs(v - v0) / a;
   const double ramp_rad = 0.5 * (v0 + v) * ramp_s;
@@ -101,7 +101,7 @@ void PitchServo::restart(double time_s, const PitchState& state) {
   pieces_[0] = {time_s, state.pitch_rad, state.rate_rad_s, 0.0};
 }
 
-/// Gives the last piece its acceleration, and starts the next one where it ends.
+/// Sets the acceleration of the last piece, and starts the next one at its end.
 void PitchServo::append(double acceleration_rad_s2, double duration_s) {
   pieces_[num_pieces_ - 1].acceleration_rad_s2 = acceleration_rad_s2;
   const double end_s = pieces_[num_pieces_ - 1].start_s + duration_s;

@@ -21,19 +21,20 @@ struct PitchState {
 };
 
 /// The servo that pitches the scanner. It follows a trapezoidal speed profile exactly, from its
-/// present state: each goal makes a few pieces of constant acceleration. Times are seconds and
-/// never go back.
+/// present state: each goal gives a few pieces of constant acceleration. Times are in seconds and
+/// must not decrease.
 class PitchServo {
  public:
   explicit PitchServo(const ServoParams& params);
 
   [[nodiscard]] PitchState at(double time_s) const;
 
-  /// Ignored while the torque is off, as in the device.
+  /// Sets the goal; ignored while the torque is off, as in the real device.
   void set_goal(const PitchGoal& goal, double time_s);
-  /// Off: the laser, which is balanced, comes to rest and stays. On: it stays until the next goal.
+  /// Switches the torque. Off: the balanced laser comes to rest and stays there. On: it stays until
+  /// the next goal.
   void set_torque(bool on, double time_s);
-  /// Jammed: stops at once. Free again: moves on to its goal.
+  /// Jams the gear, which stops at once, or frees it, after which it continues to its goal.
   void set_jammed(bool jammed, double time_s);
 
  private:
@@ -53,7 +54,7 @@ class PitchServo {
   PitchGoal goal_;
   bool torque_ = true;
   bool jammed_ = false;
-  // Each piece ends where the next begins, the last with rest.
+  // Each piece ends where the next begins; the last one ends at rest.
   std::array<Piece, 6> pieces_{};
   std::size_t num_pieces_ = 1;
 };

@@ -26,7 +26,7 @@ struct Rectangle {
 /// Distance of a point from the rectangle; 0 inside.
 [[nodiscard]] double distance(const Rectangle& rectangle, const Eigen::Vector2d& p);
 
-/// Distance of a polygon from the rectangle; 0 where they overlap or touch, infinite for an empty
+/// Distance of a polygon from the rectangle; 0 if they overlap or touch, infinite for an empty
 /// polygon.
 [[nodiscard]] double distance(const Rectangle& rectangle, const Polygon& polygon);
 

@@ -17,7 +17,7 @@ namespace nodmap::sim {
 struct Echo {
   enum class Kind : std::uint8_t { kRange, kNothing, kDazzled };
   Kind kind = Kind::kNothing;
-  double range_m = 0.0;    ///< with the sensor's noise; only with kRange
+  double range_m = 0.0;    ///< with the sensor's noise; for kRange only
   double intensity = 0.0;  ///< relative to a white surface at 1 m, 0..1
 };
 
@@ -30,12 +30,13 @@ class Rangefinder {
 
   Rangefinder(const LaserParams& params, std::uint64_t seed) : params_(params), engine_(seed) {}
 
-  /// One beam at `angle_rad` in the x-y plane of `T_world_laser` (0 along x, positive left).
+  /// Measures one beam at `angle_rad` in the x-y plane of `T_world_laser` (0 along x, positive
+  /// left).
   [[nodiscard]] Echo measure(const RayCaster& caster, const geometry::SE3& T_world_laser,
                              double angle_rad, std::span<const ActorState> actors);
 
  private:
-  /// The echo of one ray; `light` is a fraction of the beam's.
+  /// The echo of one ray; `light` is a fraction of the beam's light.
   struct Return {
     double range_m = kNoHit;
     double light = 0.0;

@@ -18,14 +18,14 @@ namespace {
 
 constexpr time::Duration kStep = 1ms;
 constexpr double kStepS = time::seconds(kStep);
-/// More than 100 ms, and what a device may lag behind.
+/// More than 100 ms plus the lag of a device.
 constexpr std::size_t kHistory = 128;
-/// Below, the robot is stationary: an actor that touches it has walked into it.
+/// Below this speed the robot counts as stationary: an actor that touches it has walked into it.
 constexpr double kStationaryMps = 0.05;
 /// Makes the wheels' random numbers independent of the laser's.
 constexpr std::uint64_t kSlipStream = 0x9e3779b97f4a7c15;
 
-/// Everything that changes, at the end of one step.
+/// The variable state at the end of one step.
 struct Step {
   time::SteadyTime instant{};
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
@@ -36,7 +36,7 @@ struct Step {
 };
 
 geometry::SE3 interpolate_pose(const Step& from, const Step& to, double fraction) {
-  // Within a millisecond the chord is as good as the arc.
+  // Within a millisecond the chord is as accurate as the arc.
   const Eigen::Vector4d q =
       from.orientation.coeffs() + fraction * (to.orientation.coeffs() - from.orientation.coeffs());
   return geometry::make_se3(from.position + fraction * (to.position - from.position),
@@ -75,7 +75,7 @@ struct RobotModel::State {
   [[nodiscard]] std::size_t edge() const { return collision.size(); }
   [[nodiscard]] double distance(std::size_t contact) const;
   [[nodiscard]] double newest_s() const { return time::seconds(newest.time_since_epoch()); }
-  /// Of the last step that ended by then; the start is number 0.
+  /// The number of the last step that ended by this time; the start is number 0.
   [[nodiscard]] static std::int64_t number(time::SteadyTime instant) {
     return instant.time_since_epoch() / kStep;
   }
@@ -85,7 +85,7 @@ struct RobotModel::State {
   [[nodiscard]] double corner_m() const {
     return 0.5 * std::hypot(params.body.length_m, params.body.width_m);
   }
-  /// Where the outermost wheels touch the ground, in base: front left and right, rear left, right.
+  /// Contact points of the outermost wheels in base: front left and right, rear left and right.
   [[nodiscard]] Eigen::Vector2d wheel(std::size_t i) const {
     return {(i < 2 ? 0.5 : -0.5) * params.body.wheelbase_m,
             (i % 2 == 0 ? 0.5 : -0.5) * params.drive.axis_length_m};
@@ -94,7 +94,7 @@ struct RobotModel::State {
     const double slope = support.normal.head<2>().norm() / support.normal.z();
     return {base.T_world_base(), support.height_m, corner_m() * slope};
   }
-  /// The steps before and after a time, and the fraction of the time between them.
+  /// The steps before and after a time, and the fraction of the step that has passed.
   struct Moment {
     const Step& from;
     const Step& to;
@@ -184,7 +184,7 @@ void RobotModel::State::drive() {
   touch_actors(T_world_before, speed_mps);
 }
 
-/// Lays the body on its wheels: height of base and direction of up, from the wheels' heights.
+/// Computes the height and tilt of the body from the heights of the wheels.
 void RobotModel::State::stand() {
   if (ground.is_flat()) {
     return;
@@ -214,7 +214,7 @@ void RobotModel::State::touch_actors(const geometry::SE2& T_world_before, double
       ++(is_bump ? bumps : collisions);
       contacts_caused += is_bump ? 0 : 1;
     }
-    // The robot may leave an actor, but not drive into it.
+    // The robot may move away from an actor, but not into it.
     const double before_m = (T_world_before.translation() - state.position).norm();
     const double after_m = (base.T_world_base().translation() - state.position).norm();
     if (after_m <= before_m) {
@@ -257,7 +257,7 @@ RobotModel::~RobotModel() = default;
 
 void RobotModel::advance_to(time::SteadyTime now) {
   if (now < state_->now) {
-    throw std::invalid_argument("simulated time does not go back");
+    throw std::invalid_argument("simulated time must not go back");
   }
   state_->now = now;
   while (state_->newest < now) {
@@ -275,9 +275,9 @@ time::SteadyTime RobotModel::now() const {
 Echo RobotModel::measure(double angle_rad, time::SteadyTime fired) {
   constexpr time::Duration kMaxAge = (kHistory - 2) * kStep;
   if (fired > state_->now || fired < state_->newest - kMaxAge) {
-    throw std::out_of_range("a beam is measured up to 100 ms after it was fired");
+    throw std::out_of_range("a beam can be measured only up to 100 ms after it was fired");
   }
-  // Before the start everything was as at the start.
+  // Before the start the state was the same as at the start.
   const State::Moment at = state_->moment(std::max(fired, time::SteadyTime{}));
   const double pitch_rad = interpolate(at.from.pitch.pitch_rad, at.to.pitch.pitch_rad, at.fraction);
   const ServoParams& servo = state_->params.servo;
@@ -285,7 +285,7 @@ Echo RobotModel::measure(double angle_rad, time::SteadyTime fired) {
   T_base_laser.translation() << servo.mount_x_m, 0.0, servo.mount_z_m;
   T_base_laser.linear() = geometry::pitch_rotation(pitch_rad);
   const geometry::SE3 T_world_laser = interpolate_pose(at.from, at.to, at.fraction) * T_base_laser;
-  // In a millisecond nobody walks as far as a range is uncertain.
+  // In a millisecond an actor moves less than the uncertainty of a range.
   return state_->rangefinder.measure(state_->caster, T_world_laser, angle_rad, at.to.actors);
 }
 

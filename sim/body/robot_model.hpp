@@ -32,40 +32,41 @@ struct GroundTruth {
   std::vector<ActorState> actors;
 };
 
-/// The robot in its world without any electronics: what the devices measure or move goes through
-/// here, and no protocol is known here. Time begins at 0 with the simulation;
-/// the same world, parameters, seed and calls give the same numbers.
+/// The robot in its world without electronics or protocols. The devices measure and move through
+/// this class. Time starts at 0 with the simulation; the same world, parameters, seed and calls
+/// give the same numbers.
 class RobotModel {
  public:
   RobotModel(const World& world, const RobotModelParams& params, std::uint64_t seed);
   ~RobotModel();
 
-  /// Moves robot, laser and actors on to `now`, in steps of a millisecond. Throws
-  /// std::invalid_argument when the time goes back.
+  /// Advances robot, laser and actors to `now`, in steps of a millisecond. Throws
+  /// std::invalid_argument if the time goes back.
   void advance_to(time::SteadyTime now);
   [[nodiscard]] time::SteadyTime now() const;
 
-  /// One beam at `angle_rad` in the laser's plane (0 ahead, positive left), at the time at which it
-  /// was fired: up to 100 ms ago, so that a whole revolution of the mirror can be measured beam by
-  /// beam after it. Throws std::out_of_range for other times.
+  /// Measures one beam at `angle_rad` in the laser's plane (0 ahead, positive left), for the time
+  /// at which it was fired, which may be up to 100 ms ago. So a whole mirror revolution can be
+  /// measured beam by beam afterwards. Throws std::out_of_range for other times.
   [[nodiscard]] Echo measure(double angle_rad, time::SteadyTime fired);
 
   void set_pitch_goal(const PitchGoal& goal);
   void set_pitch_torque(bool on);
-  /// A jammed gear does not move whatever its goal is.
+  /// Jams or frees the servo's gear; a jammed one does not move.
   void set_pitch_jammed(bool jammed);
   [[nodiscard]] double pitch_rad() const;
   [[nodiscard]] double pitch_rate_rad_s() const;
 
-  /// The motors follow the speeds as well as lag, power, mass and friction allow.
+  /// Sets the goal of the wheel speeds. The motors follow it within the limits of lag, power, mass
+  /// and friction.
   void set_wheel_speeds(const WheelSpeeds& goal);
-  /// Motors short-circuited: as fast a stop as friction allows.
+  /// Short-circuits the motors: stops as fast as friction allows.
   void brake_wheels();
   [[nodiscard]] const WheelTravel& wheel_travel() const;
   [[nodiscard]] WheelSpeeds wheel_speeds() const;
 
-  /// From a place on the body (in base) along `yaw_rad` to the first surface, now, metres; empty if
-  /// there is nothing up to `max_range_m`.
+  /// The present distance from a point on the body (in base) along `yaw_rad` to the first surface,
+  /// metres; empty if there is none up to `max_range_m`.
   [[nodiscard]] std::optional<double> distance_from(const Eigen::Vector3d& p_base, double yaw_rad,
                                                     double max_range_m) const;
 

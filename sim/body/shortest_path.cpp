@@ -17,7 +17,7 @@ namespace nodmap::sim {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-/// Room for detours around everything.
+/// Margin of the grid for detours around all objects.
 constexpr double kBorderM = 1.0;
 constexpr int kMaxCells = 20'000'000;
 
@@ -28,7 +28,7 @@ BodyParams point_body(BodyParams body) {
   return body;
 }
 
-/// Where the disc has room; looked up when first asked for.
+/// The cells in which the disc fits; computed on demand.
 class FreeCells {
  public:
   FreeCells(const World& world, const BodyParams& body, double cell_m)
@@ -107,7 +107,7 @@ class FreeCells {
   std::vector<Known> cells_;
 };
 
-/// Theta* from one cell to another; the length in cells.
+/// Theta* from one cell to another; returns the length in cells.
 std::optional<double> search(FreeCells& cells, const Cell& start, const Cell& goal) {
   struct Visit {
     double length = kInfinity;

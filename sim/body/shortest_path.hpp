@@ -9,9 +9,9 @@
 namespace nodmap::sim {
 
 /// Length (m) of the shortest path from the world's start over all its goals, on the floor, for a
-/// disc as wide as the body: no robot with this body finds a shorter one, as it passes nowhere
-/// where this disc does not. Actors are ignored. The world's own value (Task), where it has one.
-/// Empty without goals, or where a goal cannot be reached.
+/// disc as wide as the body. A robot with this body cannot have a shorter one, because it cannot
+/// pass where the disc cannot. Ignores actors. Returns the world's own value (Task) if it has one;
+/// empty without goals, or if a goal cannot be reached.
 ///
 /// Theta* (Nash et al., AAAI 2007) on a grid of `cell_m`: an any-angle path, longer than the
 /// shortest one by a cell or two.

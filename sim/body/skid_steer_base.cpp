@@ -10,7 +10,7 @@ namespace {
 constexpr double kGravityMps2 = 9.81;
 /// Slip and tilt change with the ground: about half a rotation of a wheel (perimeter 0.379 m).
 constexpr double kGroundLengthM = 0.2;
-/// The tyres give way and recover within a tenth of a second.
+/// Time constant with which the tyres yield and recover.
 constexpr double kTiltLagS = 0.1;
 
 }  // namespace
@@ -23,12 +23,12 @@ SkidSteerBase::SkidSteerBase(const DriveParams& params, const geometry::SE2& T_w
               1.0 / (1.0 + params.odometry_scale_bias - 0.5 * params.odometry_scale_difference)},
       engine_(seed),
       ground_engine_(seed + 1) {
-  // A relative error of deviation s and correlation length L adds up to s * sqrt(2 L d) over a
-  // distance d that is long beside L.
+  // A relative error with standard deviation s and correlation length L adds up to s * sqrt(2 L d)
+  // over a distance d much longer than L.
   const double root = std::sqrt(2.0 * kGroundLengthM);
   slip_distance_.sigma = params.slip_distance_m / root;
   slip_heading_.sigma = params.slip_heading_rad / root;
-  // A rotation by 1 rad on the spot takes the wheels this far.
+  // The distance that the wheels move in a rotation by 1 rad on the spot.
   const double distance_per_rad_m = 0.5 * params.axis_length_m / params.turning_adaptation;
   slip_turning_.sigma =
       params.slip_turning_rad / std::sqrt(2.0 * kGroundLengthM / distance_per_rad_m);
@@ -36,7 +36,7 @@ SkidSteerBase::SkidSteerBase(const DriveParams& params, const geometry::SE2& T_w
 }
 
 void SkidSteerBase::set_wheel_speeds(const WheelSpeeds& goal) {
-  // No wheel exceeds the top speed: neither as it counts itself, nor over ground.
+  // No wheel exceeds the top speed, neither as counted by itself nor over ground.
   const double left = params_.top_speed_mps * std::min(1.0, 1.0 / scales_.left);
   const double right = params_.top_speed_mps * std::min(1.0, 1.0 / scales_.right);
   goal_ = {std::clamp(goal.left_mps, -left, left), std::clamp(goal.right_mps, -right, right)};
@@ -60,7 +60,7 @@ void SkidSteerBase::step(double dt_s) {
   if (distance_m > 0.0) {
     advance_random_processes(distance_m);
   }
-  // Over ground; the mean speed within the step, so that distances are exact.
+  // Speed over ground; the mean within the step, so that distances are exact.
   const double left_mps = scales_.left * left_m / dt_s;
   const double right_mps = scales_.right * right_m / dt_s;
   const double mean_mps = 0.5 * (left_mps + right_mps);
@@ -115,7 +115,7 @@ void SkidSteerBase::move(double dt_s) {
   T_world_base_.yaw = geometry::normalize_angle(T_world_base_.yaw + yaw_rate_rad_s_ * dt_s);
 }
 
-/// From the wheels' acceleration, as long as no obstacle blocks the robot.
+/// Tilts the body by the wheels' acceleration, unless an obstacle blocks the robot.
 void SkidSteerBase::tilt(double dt_s, const WheelSpeeds& before) {
   const double gain = dt_s / (kTiltLagS + dt_s);
   const double ahead_mps2 =

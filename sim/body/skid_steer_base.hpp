@@ -14,30 +14,32 @@ struct WheelSpeeds {
   double right_mps = 0.0;
 };
 
-/// Distance that the wheels' rims have moved since the start, slip included: what encoders see.
+/// Distance that the wheels' rims have moved since the start, including slip, as measured by
+/// encoders.
 struct WheelTravel {
   double left_m = 0.0;
   double right_m = 0.0;
 };
 
 /// Motion model of the KURT's skid-steered base: the three wheels of a side rotate together and
-/// skid in curves. Obstacles are unknown here; who finds one calls block().
+/// skid in curves. It knows no obstacles; call block() at contact.
 class SkidSteerBase {
  public:
   SkidSteerBase(const DriveParams& params, const geometry::SE2& T_world_start, std::uint64_t seed);
 
-  /// The motors follow as well as lag, power, mass and friction allow.
+  /// Sets the goal of the wheel speeds. The motors follow it within the limits of lag, power, mass
+  /// and friction.
   void set_wheel_speeds(const WheelSpeeds& goal);
   /// Stops as fast as friction allows.
   void brake();
 
-  /// Rise of the ground ahead for a metre over ground: gravity slows the robot or speeds it up, and
-  /// what the wheels roll is longer than its path seen from above.
+  /// Sets the rise of the ground ahead per metre over ground. Gravity then slows or accelerates the
+  /// robot, and the wheels roll farther than the path seen from above.
   void set_slope(double up_ahead) { slope_ = up_ahead; }
 
   void step(double dt_s);
 
-  /// An obstacle keeps the robot at `T_world_base` while its wheels slip.
+  /// Keeps the robot at `T_world_base`, blocked by an obstacle, while its wheels slip.
   void block(const geometry::SE2& T_world_base);
 
   [[nodiscard]] const geometry::SE2& T_world_base() const { return T_world_base_; }
@@ -85,7 +87,7 @@ class SkidSteerBase {
   RandomProcess ground_left_;    // rad
   std::mt19937_64 engine_;
   std::normal_distribution<double> normal_;
-  // Of its own, so that the ground does not change the slip.
+  // A generator of its own, so that the ground does not affect the slip.
   std::mt19937_64 ground_engine_;
   std::normal_distribution<double> ground_normal_;
 };

@@ -36,7 +36,7 @@ inline constexpr std::uint16_t kVoltage = 144;
 inline constexpr std::uint16_t kTemperature = 146;
 }  // namespace dynamixel_register
 
-/// The control table: registers, and what may be written when. Up to address 63 it is EEPROM: it
+/// The control table: registers and their access rights. Addresses up to 63 are EEPROM, which
 /// survives a restart and is locked while the torque is on.
 class DynamixelRegisters {
  public:
@@ -44,7 +44,7 @@ class DynamixelRegisters {
 
   DynamixelRegisters();
 
-  /// A number of two's complement; `address` is the start of a register.
+  /// Reads a register as a two's complement number; `address` is its start.
   [[nodiscard]] std::int32_t get(std::uint16_t address) const;
   void set(std::uint16_t address, std::int32_t value);
 

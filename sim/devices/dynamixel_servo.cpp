@@ -153,7 +153,7 @@ void DynamixelServo::set_torque(bool on) {
     return;
   }
   model_.set_pitch_torque(on);
-  if (on) {  // it holds its present position
+  if (on) {  // the servo holds its present position
     registers_.set(kGoalPosition, position());
     move();
   }

@@ -21,16 +21,16 @@ struct DynamixelParams {
   template <class Visitor>
   void describe(Visitor& v) {
     v.number("servo_clock_ppm", clock_ppm, {-2000.0, 2000.0},
-             "By how many millionths the servo's clock is too fast.");
+             "Error of the servo's clock; positive: too fast.");
     v.integer("servo_level_position", level_position, {0, 4095},
               "Position of the servo at which the laser looks straight ahead.");
-    v.flag("servo_inverted", inverted, "Larger positions of the servo look down.");
-    v.flag("servo_echo", echo, "The servo's adapter returns the host's own bytes.");
+    v.flag("servo_inverted", inverted, "Whether larger positions of the servo look down.");
+    v.flag("servo_echo", echo, "Whether the servo's adapter echoes the host's bytes.");
   }
 };
 
-/// The pitch servo: a Dynamixel of the X series, protocol 2.0. Position control; other operating
-/// modes can be set and do nothing.
+/// The pitch servo: a Dynamixel of the X series, protocol 2.0. Only position control works; other
+/// operating modes can be set but do nothing.
 class DynamixelServo final : public SerialDevice {
  public:
   DynamixelServo(const DynamixelParams& params, RobotModel& model, time::SteadyTime power_on = {});

@@ -38,7 +38,7 @@ auto look_up(const Table& table, std::string_view word, std::string_view text) {
     allowed += allowed.empty() ? "" : ", ";
     allowed += name;
   }
-  fail(text, std::string(word).insert(0, 1, '\'') + "' is none of " + allowed);
+  fail(text, std::string(word).insert(0, 1, '\'') + "' is not one of " + allowed);
 }
 
 /// The text before the mark; `rest` becomes the text after it.
@@ -56,7 +56,7 @@ double number(std::string_view word, double max, const char* what, std::string_v
   double value = 0.0;
   const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
   if (error != std::errc() || end != word.data() + word.size() || !(value >= 0.0 && value <= max)) {
-    fail(text, std::string(what) + " '" + std::string(word) + "' is no number from 0 to " +
+    fail(text, std::string(what) + " '" + std::string(word) + "' is not a number from 0 to " +
                    std::to_string(static_cast<std::int64_t>(max)));
   }
   return value;
@@ -151,7 +151,8 @@ void FaultyDevice::transmit(time::SteadyTime now, int baud, Bytes& line) {
     const Fault* fault = active(FaultKind::kDelay, now);
     const time::SteadyTime due = now + time::from_seconds(fault == nullptr ? 0.0 : fault->amount);
     const time::SteadyTime before = delayed_.empty() ? now : delayed_.back().due;
-    delayed_.push_back({std::max(due, before), damaged(sent, now)});  // none overtakes
+    // In order: no byte overtakes another.
+    delayed_.push_back({std::max(due, before), damaged(sent, now)});
   }
   while (!delayed_.empty() && delayed_.front().due <= now) {
     append(line, delayed_.front().bytes);

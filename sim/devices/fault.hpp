@@ -26,7 +26,8 @@ enum class FaultKind : std::uint8_t {
   kStall,    ///< the servo's gear is blocked
 };
 
-/// A failure of a device or its line for a while. Seconds since the start of the simulation.
+/// A temporary failure of a device or its line. Times are in seconds since the start of the
+/// simulation.
 struct Fault {
   Part part = Part::kLaser;
   FaultKind kind = FaultKind::kDrop;
@@ -39,13 +40,13 @@ struct Fault {
   [[nodiscard]] bool active(time::SteadyTime now) const;
 };
 
-/// A text that describes no fault; what() is one line that says what is allowed.
+/// Thrown for an invalid description of a fault; what() is one line that says what is allowed.
 class FaultError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// "laser:unplug@10+2", "base:corrupt@5+10=0.01": part, kind, from when, how long, how much.
+/// Parses "laser:unplug@10+2", "base:corrupt@5+10=0.01": part, kind, start, duration, amount.
 /// Throws FaultError.
 [[nodiscard]] Fault parse_fault(std::string_view text);
 
@@ -55,8 +56,8 @@ class FaultError : public std::runtime_error {
 /// The faults of one part.
 [[nodiscard]] std::vector<Fault> faults_of(Part part, const std::vector<Fault>& faults);
 
-/// A device whose line has faults: drop, corrupt, delay, unplug, silent. The device itself does not
-/// notice.
+/// A device whose line has faults: drop, corrupt, delay, unplug, silent. The device itself is not
+/// affected.
 class FaultyDevice final : public SerialDevice {
  public:
   /// `device` must outlive this.

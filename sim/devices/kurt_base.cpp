@@ -43,7 +43,7 @@ constexpr std::int64_t kMostTicks = std::numeric_limits<std::int16_t>::max();  /
 constexpr int kInfraredFar = 60;
 constexpr double kInfraredReachM = 0.8;
 constexpr double kInfraredHeightM = 0.12;
-/// The sonar is not modelled: nothing is in sight.
+/// The sonar is not modelled; it always reads "nothing in range".
 constexpr int kSonarFar = 1100;
 
 constexpr double kTiltZero = 32'768.0;
@@ -71,7 +71,7 @@ CanFrame frame_of(std::uint16_t id, const std::array<std::int64_t, 4>& words) {
   return frame;
 }
 
-/// Two numbers of four bytes.
+/// A frame of two 4-byte numbers.
 CanFrame frame_of(std::uint16_t id, std::int64_t first, std::int64_t second) {
   return frame_of(id, {first >> 16, first, second >> 16, second});
 }
@@ -133,7 +133,7 @@ void KurtBase::control(const CanFrame& frame) {
     case kModeRaw:
       control_raw(frame);
       break;
-    case kModeSpeed: {  // ticks in a period
+    case kModeSpeed: {  // ticks per period
       const double mps = params_.wheel_perimeter_m / params_.ticks_per_revolution / kPeriodS;
       model_.set_wheel_speeds({mps * i16(frame, 2), mps * i16(frame, 4)});
       break;
@@ -170,7 +170,7 @@ void KurtBase::control_raw(const CanFrame& frame) {
   }
 }
 
-/// Motors off, and no frames until it has started again.
+/// Switches the motors off; no frames until it has restarted.
 void KurtBase::reset(time::SteadyTime now) {
   model_.set_wheel_speeds({});
   timed_out_ = true;
@@ -198,7 +198,7 @@ CanFrame KurtBase::encoder_frame() {
                              delta(ticks(travel.right_m), right_reported_), 0, 0});
 }
 
-/// The inverse of how the base's software reads it: cm = (30000 / (raw - 10))^(1 / 1.4) - 10.
+/// The inverse of the formula in the base's software: cm = (30000 / (raw - 10))^(1 / 1.4) - 10.
 std::int64_t KurtBase::infrared_reading(robot::Infrared sensor) const {
   const geometry::SE2& mount = robot::mount_of(sensor);
   const auto range_m =

@@ -15,19 +15,19 @@ struct KurtBaseParams {
   double clock_ppm = 20.0;
 };
 
-/// The controller of a KURT2: CAN frames in and out. It sends its encoders every 10 ms and one kind
-/// of its other readings in between, and stops when no command arrives for 100 ms.
+/// The controller of a KURT2: CAN frames in and out. It sends encoder ticks every 10 ms and one
+/// other kind of reading in between, and stops when no command has arrived for 100 ms.
 class KurtBase {
  public:
   KurtBase(const KurtBaseParams& params, RobotModel& model, time::SteadyTime power_on);
 
   void receive(const CanFrame& frame, time::SteadyTime now);
 
-  /// The next frame or command timeout.
+  /// Time of the next frame or command timeout.
   [[nodiscard]] time::SteadyTime next_due() const;
   /// When the next frame is sent.
   [[nodiscard]] time::SteadyTime frame_due() const;
-  /// That frame; to be called with the robot model at that time.
+  /// The next frame; the robot model must be at its time.
   [[nodiscard]] CanFrame next_frame();
   /// Stops the motors when no command has arrived for 100 ms.
   void check_command_timeout(time::SteadyTime now);
@@ -45,7 +45,7 @@ class KurtBase {
   KurtBaseParams params_;
   RobotModel& model_;
   time::SteadyTime start_;
-  std::int64_t slot_ = 1;  // two in each period: encoders, then something else
+  std::int64_t slot_ = 1;  // two in each period: encoders, then another reading
   time::SteadyTime last_command_;
   bool timed_out_ = true;
   std::int64_t left_reported_ = 0;  // ticks since the start
@@ -60,7 +60,7 @@ struct SlcanKurtParams {
   template <class Visitor>
   void describe(Visitor& v) {
     v.number("base_clock_ppm", base.clock_ppm, {-2000.0, 2000.0},
-             "By how many millionths the base's clock is too slow.");
+             "Error of the base's clock; positive: too slow.");
   }
 };
 

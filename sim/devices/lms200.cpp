@@ -15,7 +15,7 @@ constexpr time::FineDuration kNominalRevolution(13'320.0);
 constexpr std::uint8_t kAck = 0x06;
 constexpr std::uint8_t kNak = 0x15;
 constexpr time::Duration kAckDelay = 5ms;
-/// The robot model keeps 100 ms; older revolutions cannot be measured any more.
+/// Older revolutions can no longer be measured, because the robot model stores 100 ms.
 constexpr time::Duration kMemory = 80ms;
 
 time::FineDuration revolution(const Lms200Params& params) {
@@ -71,7 +71,7 @@ time::SteadyTime Lms200::next_due() const {
   return next;
 }
 
-/// Changes the rate and ends the start-up when they are due.
+/// Changes the rate and ends the start-up when due.
 void Lms200::update(time::SteadyTime now) {
   if (now >= baud_due_) {
     baud_ = next_baud_;
@@ -90,7 +90,7 @@ void Lms200::handle(const LmsRequest& request, time::SteadyTime now) {
   if (request.address != 0 && request.address != params_.address) {
     return;
   }
-  output_.clear();  // a request interrupts what is being sent
+  output_.clear();  // a request interrupts the transmission
   const LmsAnswer answer = controller_.answer(request.body);
   phase_ = 0;
   collecting_ = false;
@@ -132,7 +132,7 @@ void Lms200::end_revolution(time::SteadyTime now) {
   }
   const int num_revolutions = controller_.variant().revolutions();
   if (phase_ == 0 || sends_partial_scans()) {
-    // A line that is still busy when the scan is complete drops the whole scan.
+    // If the line is still busy when the scan is complete, the whole scan is dropped.
     const std::int64_t last_revolution =
         sends_partial_scans() ? revolution_ : revolution_ + num_revolutions - 1;
     collecting_ = output_.idle_from() <= half_revolution_end(last_revolution);

@@ -20,26 +20,28 @@ struct Lms200Params {
   double boot_s = 1.0;
   double mirror_ppm = 50.0;
   bool polluted = false;
-  /// The 34 bytes of a robot in service: millimetres, up to 32 m, with real-time indices.
+  /// The 34 bytes as on the robot: millimetres, up to 32 m, with real-time indices.
   Bytes config = {0, 0, 0x70, 0, 0x02, 0x06, 0x01, 0, 0, 2, 2, 0, 0, 0, 0, 0, 0,
                   0, 0, 0,    0, 0,    0,    0,    0, 0, 0, 0, 0, 0, 0, 0, 2, 0};
 
   template <class Visitor>
   void describe(Visitor& v) {
-    v.choice("laser_power_on_baud", baud,
-             {{"9600", 9600}, {"19200", 19200}, {"38400", 38400}, {"500000", 500000}},
-             "Rate of the laser after power-on; another than 9600 was made permanent.");
-    v.number("laser_boot_s", boot_s, {0.0, 60.0}, "From power-on to the laser's first word.");
+    v.choice(
+        "laser_power_on_baud", baud,
+        {{"9600", 9600}, {"19200", 19200}, {"38400", 38400}, {"500000", 500000}},
+        "Rate of the laser after power-on, bit/s; a value other than 9600 was made permanent.");
+    v.number("laser_boot_s", boot_s, {0.0, 60.0},
+             "Time from power-on to the laser's first telegram.");
     v.number("mirror_ppm", mirror_ppm, {-2000.0, 2000.0},
-             "By how many millionths the mirror rotates too slowly.");
-    v.flag("laser_polluted", polluted, "The laser reports that its window is dirty.");
+             "Error of the mirror's speed; positive: too slow.");
+    v.flag("laser_polluted", polluted, "Whether the laser reports that its window is dirty.");
   }
 };
 
 /// A SICK LMS200 at the end of its serial line.
 ///
-/// The mirror rotates at 75 Hz from power-on, whatever is sent. Half a revolution, 6.66 ms,
-/// measures beam by beam from right to left; the telegram's first byte leaves at its end.
+/// The mirror always rotates at 75 Hz from power-on. During half a revolution, 6.66 ms, the laser
+/// measures beam by beam from right to left; at its end the telegram's first byte is sent.
 class Lms200 final : public SerialDevice {
  public:
   Lms200(const Lms200Params& params, Beam beam, time::SteadyTime power_on = {});
@@ -72,11 +74,11 @@ class Lms200 final : public SerialDevice {
   time::SteadyTime power_on_;
   time::SteadyTime booted_;
   bool booting_ = true;
-  int next_baud_;  // after the answer has left
+  int next_baud_;  // after the answer has been sent
   time::SteadyTime baud_due_ = kNever;
 
-  std::int64_t revolution_ = 0;  // the next to end
-  int phase_ = 0;                // within the revolutions that make a scan
+  std::int64_t revolution_ = 0;  // the next one to end
+  int phase_ = 0;                // index among the revolutions of a scan
   bool collecting_ = false;
   std::vector<std::uint16_t> words_;
   std::uint8_t telegram_index_ = 0;

@@ -21,23 +21,23 @@ struct LmsVariant {
   int field_deg = 180;
   int resolution_cdeg = 100;
 
-  /// Revolutions of the mirror that make one scan.
+  /// Mirror revolutions per scan.
   [[nodiscard]] int revolutions() const { return 100 / resolution_cdeg; }
 };
 
 /// The reaction to a request.
 struct LmsAnswer {
-  Bytes body;               ///< reply code and data; empty when the answer is a scan
+  Bytes body;               ///< reply code and data; empty if the answer is a scan
   time::Duration delay{};   ///< from the request to the answer
   std::optional<int> baud;  ///< the rate after the answer
-  bool restart = false;     ///< as after power-on, after the answer
+  bool restart = false;     ///< whether the sensor restarts after the answer
 };
 
 /// State of the sensor (mode, variant, configuration) and its answers to requests.
 class LmsController {
  public:
-  /// `config`: the 34 bytes in its memory. `baud`: the rate after power-on; another than 9600 was
-  /// made permanent.
+  /// `config`: the 34 bytes in its memory. `baud`: the rate after power-on; a value other than 9600
+  /// was made permanent.
   LmsController(Bytes config, int baud);
 
   [[nodiscard]] LmsAnswer answer(ByteView request);

@@ -11,14 +11,14 @@ constexpr std::uint8_t kStx = 0x02;
 constexpr std::size_t kHeaderBytes = 4;
 constexpr std::size_t kChecksumBytes = 2;
 constexpr std::size_t kLongestRequest = 64;  // the configuration has 35 bytes
-/// A longer pause within a request, and the sensor drops it (3.2.2).
+/// The sensor drops a request with a longer pause in it (3.2.2).
 constexpr time::Duration kLongestPause = 6ms;
 
-// How far below the top of the range the codes lie (telegram listing, 10.1).
+// Positions of the special codes, counted down from the largest value (telegram listing, 10.1).
 constexpr int kDazzled = 1;
 constexpr int kBeyondReach = 8;
 
-/// The largest number the mode's bits hold.
+/// The largest number that fits into the bits of the mode.
 int top_of(std::uint8_t mode) {
   if (mode <= 0x02) {
     return 0x1FFF;
@@ -105,7 +105,8 @@ std::uint16_t lms_word(const Echo& echo, const LmsFormat& format) {
       break;
   }
   const double value = std::round(echo.range_m * (format.millimetres ? 1000.0 : 100.0));
-  // From the code on, everything is "beyond"; the optics end at 80 m, whatever the bits hold.
+  // From the code on everything means "out of range"; the optics reach 80 m even if the bits could
+  // encode more.
   return static_cast<std::uint16_t>(
       std::clamp(value, 0.0, static_cast<double>(top - kBeyondReach)));
 }

@@ -54,7 +54,7 @@ inline constexpr std::uint8_t kLmsPartialMode = 0x0F;
 /// The word for one beam: the range, or a code from the top of the range.
 [[nodiscard]] std::uint16_t lms_word(const Echo& echo, const LmsFormat& format);
 
-/// A revolution of the mirror that is sent by itself, shifted by this many quarter degrees.
+/// A single mirror revolution as a partial scan, shifted by this many quarter degrees.
 struct LmsPartial {
   int quarter = 0;
 };

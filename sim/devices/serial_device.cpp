@@ -11,7 +11,7 @@ namespace {
 constexpr time::Duration kPortion = 1ms;
 constexpr std::int64_t kBitsPerByte = 10;  // start, eight, stop
 
-/// The line as the sender drives it; times in bits of the sender.
+/// The signal on the line; times in bits of the sender.
 class Line {
  public:
   explicit Line(ByteView bytes) : bytes_(bytes) {}

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What all emulated devices share: bytes, the device at the far end of a serial line, and the
-// sending half of its port. Time begins at 0 with the simulation.
+// Common parts of all emulated devices: bytes, a device at the far end of a serial line, and the
+// sending half of its port. Time starts at 0 with the simulation.
 #pragma once
 
 #include <boost/core/noncopyable.hpp>
@@ -38,35 +38,34 @@ class SerialDevice : private boost::noncopyable {
   /// the host sent them; at another rate than its own the device receives noise.
   virtual void receive(ByteView bytes, int baud, time::SteadyTime now) = 0;
 
-  /// Does what is due, and appends to `line` the bytes that have left the device up to `now`: a
+  /// Does what is due, and appends to `line` the bytes that the device has sent up to `now`: a
   /// telegram of 372 bytes at 500 kbaud takes 7.4 ms and arrives in portions. `baud` is the rate at
   /// which the host listens; at another rate than the device's it receives noise.
   virtual void transmit(time::SteadyTime now, int baud, Bytes& line) = 0;
 
-  /// The next time at which transmit() has something to do, unless bytes arrive before.
+  /// The time at which transmit() must be called next, unless bytes arrive before.
   [[nodiscard]] virtual time::SteadyTime next_due() const = 0;
 
   /// False while the device is unplugged: its port is gone.
   [[nodiscard]] virtual bool plugged_in(time::SteadyTime /*now*/) const { return true; }
 };
 
-/// The sending half of a device's serial port: bytes leave one after the other at the line's rate,
-/// 8N1.
+/// The sending half of a device's serial port: sends bytes one by one at the line's rate, 8N1.
 class SerialOutput {
  public:
-  /// Sends at `baud` from `from` on, or as soon as all bytes sent before have left.
+  /// Sends at `baud` from `from` on, or when all previous bytes have been sent.
   void send(Bytes bytes, int baud, time::SteadyTime from);
-  /// Discards all bytes that have not left yet.
+  /// Discards all bytes that have not been sent yet.
   void clear() { queue_.clear(); }
 
-  /// Appends to `line` the bytes that have left up to `now`, as a host receives them that
-  /// listens at `host_baud`.
+  /// Appends to `line` the bytes sent up to `now` as received by a host that listens at
+  /// `host_baud`.
   void take(time::SteadyTime now, int host_baud, Bytes& line);
 
-  /// When the next portion will have left: bytes arrive in portions, as from a USB adapter that
+  /// When the next portion has been sent. Bytes arrive in portions, as from a USB adapter that
   /// waits a millisecond for more.
   [[nodiscard]] time::SteadyTime next_due() const;
-  /// When all bytes will have left; the earliest of all times when none wait.
+  /// When all bytes have been sent; the earliest of all times if none wait.
   [[nodiscard]] time::SteadyTime idle_from() const;
 
  private:
@@ -76,16 +75,16 @@ class SerialOutput {
     time::SteadyTime start{};
     std::size_t num_taken = 0;
 
-    /// When the first `count` bytes have left.
+    /// When the first `count` bytes have been sent.
     [[nodiscard]] time::SteadyTime sent(std::size_t count) const;
   };
 
   std::deque<Telegram> queue_;
 };
 
-/// What a receiver at `receiver_baud` makes of bytes sent back to back at `sender_baud`, 8N1: it
-/// waits for a falling edge and then samples in the middle of its own bits. A byte without stop bit
-/// becomes zero, as on Linux. Rates that differ by up to 4 % do no harm.
+/// The bytes that a receiver at `receiver_baud` gets from bytes sent back to back at `sender_baud`,
+/// 8N1: it waits for a falling edge and then samples in the middle of its own bits. A byte without
+/// stop bit becomes zero, as on Linux. Rates that differ by up to 4 % do no harm.
 [[nodiscard]] Bytes received_bytes(int receiver_baud, ByteView bytes, int sender_baud);
 
 }  // namespace nodmap::sim

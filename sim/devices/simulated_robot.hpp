@@ -13,7 +13,7 @@
 
 namespace nodmap::sim {
 
-/// The robot's mechanics and optics, and how its devices differ from ideal ones.
+/// The robot's mechanics and optics, and the imperfections of its devices.
 struct SimulatedRobotParams {
   RobotModelParams model;
   Lms200Params laser;
@@ -29,8 +29,8 @@ struct SimulatedRobotParams {
   }
 };
 
-/// The whole KURT3D: robot model, devices and injected faults. Everything between it and the
-/// drivers are the bytes of its three serial lines.
+/// The whole KURT3D: robot model, devices and injected faults. It communicates with the drivers
+/// only through the bytes of its three serial lines.
 class SimulatedRobot {
  public:
   static constexpr std::array kParts = {Part::kLaser, Part::kServo, Part::kBase};
@@ -42,7 +42,7 @@ class SimulatedRobot {
   [[nodiscard]] RobotModel& model() { return model_; }
   [[nodiscard]] const RobotModel& model() const { return model_; }
 
-  /// Moves the robot model on; to be called before the devices' transmit() at the same time.
+  /// Advances the robot model; to be called before the devices' transmit() for the same time.
   void advance_to(time::SteadyTime now);
   /// The next time at which a device has something to do.
   [[nodiscard]] time::SteadyTime next_due() const;

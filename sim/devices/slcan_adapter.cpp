@@ -142,7 +142,7 @@ std::string SlcanAdapter::handle_open(std::string_view line) {
       channel_ = Channel::kClosed;
       return kDone;
     case 'F':
-      // At another rate than the bus's there are nothing but bus errors.
+      // At a rate other than the bus's there are only bus errors.
       return line.size() != 1 ? kRefused : on_the_bus() ? "F00\r" : "F80\r";
     case 't':
     case 'T':
@@ -162,7 +162,7 @@ std::string SlcanAdapter::send(std::string_view line) {
     return kRefused;
   }
   if (!extended && has_data && on_the_bus()) {
-    to_bus_(*frame);  // nobody on this bus receives the other kinds
+    to_bus_(*frame);  // the base ignores the other kinds
   }
   return !auto_poll_ ? kDone : extended ? "Z\r" : "z\r";
 }

@@ -25,7 +25,7 @@ class SlcanAdapter {
   /// `to_bus` receives the frames that the host sends.
   explicit SlcanAdapter(std::function<void(const CanFrame&)> to_bus);
 
-  /// Takes a character from the host and returns the answer.
+  /// Takes a character from the host; returns the answer.
   [[nodiscard]] std::string take(char c);
   /// The line that reports a frame on the bus to the host; empty while the channel is closed.
   [[nodiscard]] std::string from_bus(const CanFrame& frame, time::SteadyTime now);

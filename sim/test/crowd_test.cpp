@@ -19,14 +19,14 @@ Actor walker(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double spee
   return actor;
 }
 
-/// Moves on in milliseconds, as the robot model does.
+/// Advances in milliseconds, as the robot model does.
 void advance(Crowd& crowd, double from_s, double to_s, const geometry::SE2& robot = kAway) {
   for (int i = 1; i <= std::lround(1e3 * (to_s - from_s)); ++i) {
     crowd.advance(from_s + 1e-3 * i, robot);
   }
 }
 
-TEST(Crowd, WhoDoesNotReactIsWhereHisPathSays) {
+TEST(Crowd, AnActorThatDoesNotReactFollowsItsPath) {
   World world;
   world.actors.push_back(walker({0.0, 0.0}, {8.0, 0.0}, 1.0));
   world.actors[0].reacts = false;
@@ -36,7 +36,7 @@ TEST(Crowd, WhoDoesNotReactIsWhereHisPathSays) {
 }
 
 // v = v0 (1 - exp(-t / tau)), tau = 0.5 s: 1 m/s for 4 s is 3.5 m.
-TEST(Crowd, UndisturbedTheyGainTheSpeedTheyWantAndStopAtTheEnd) {
+TEST(Crowd, AnUndisturbedWalkerReachesItsDesiredSpeedAndStopsAtTheEnd) {
   World world;
   world.actors.push_back(walker({0.0, 0.0}, {8.0, 0.0}, 1.0));
   Crowd crowd(world, {});
@@ -47,7 +47,7 @@ TEST(Crowd, UndisturbedTheyGainTheSpeedTheyWantAndStopAtTheEnd) {
   EXPECT_NEAR(crowd.state(0).position.x(), 8.0, 0.35);  // arrived within 0.3 m, and a step
 }
 
-TEST(Crowd, TheyMakeWayForTheStandingRobot) {
+TEST(Crowd, WalkersMakeWayForTheStationaryRobot) {
   World world;
   world.actors.push_back(walker({0.0, 0.05}, {8.0, 0.0}, 1.3));
   const BodyParams body;

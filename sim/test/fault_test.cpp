@@ -40,12 +40,12 @@ TEST(Fault, WrongTextsSayWhatIsAllowed) {
       {"laser:melt@1+1", "drop, corrupt, delay, unplug, silent, freeze, stall"},
       {"laser:unplug", "'@' is missing"},
       {"laser:unplug@1", "'+' is missing"},
-      {"laser:unplug@x+1", "the begin 'x' is no number"},
-      {"laser:unplug@-1+1", "the begin '-1' is no number"},
-      {"laser:unplug@1+nan", "the duration 'nan' is no number"},
-      {"laser:unplug@1+2=3", "the duration '2=3' is no number"},
+      {"laser:unplug@x+1", "the begin 'x' is not a number"},
+      {"laser:unplug@-1+1", "the begin '-1' is not a number"},
+      {"laser:unplug@1+nan", "the duration 'nan' is not a number"},
+      {"laser:unplug@1+2=3", "the duration '2=3' is not a number"},
       {"base:drop@1+1", "'=' is missing"},
-      {"base:drop@1+1=2", "the amount '2' is no number from 0 to 1"},
+      {"base:drop@1+1=2", "the amount '2' is not a number from 0 to 1"},
       {"base:freeze@1+1", "only the laser freezes"},
       {"laser:stall@1+1", "only the servo stalls"}};
   for (const auto& [text, reason] : wrong) {
@@ -59,7 +59,7 @@ TEST(Fault, WrongTextsSayWhatIsAllowed) {
   }
 }
 
-/// Says one numbered byte each millisecond, and remembers what it hears.
+/// Sends one numbered byte every millisecond, and records the received bytes.
 class Counter : public SerialDevice {
  public:
   Bytes heard;
@@ -132,7 +132,7 @@ TEST_F(FaultyDeviceTest, DelaysWithoutOvertaking) {
   EXPECT_THAT(host.bytes_for(49'999us), ElementsAreArray(numbers(1, 49)));
   EXPECT_THAT(host.bytes_for(20ms), IsEmpty());
   EXPECT_THAT(host.bytes_for(10'001us), ElementsAreArray(numbers(50, 60)));
-  // Those of after the fault wait for the last late one, of 99 ms.
+  // Bytes sent after the fault wait for the last delayed one, of 99 ms.
   EXPECT_THAT(host.bytes_for(38ms), ElementsAreArray(numbers(61, 98)));
   EXPECT_THAT(host.bytes_for(2ms), ElementsAreArray(numbers(99, 120)));
 }

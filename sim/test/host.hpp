@@ -23,14 +23,14 @@ constexpr time::SteadyTime at(time::Duration since_start) {
   return time::SteadyTime(since_start);
 }
 
-/// A burst of bytes that left a device, and when transmit() gave it.
+/// A burst of bytes from a device, and when transmit() returned it.
 struct Portion {
   time::SteadyTime received{};
   Bytes bytes;
 };
 
-/// The host's end of a device's line, on simulated time: transmit() whenever the device asks for
-/// it, and never else.
+/// The host's end of a device's line, on simulated time. Calls transmit() only when the device is
+/// due.
 class Host {
  public:
   Host(SerialDevice& device, int baud) : device_(device), baud_(baud) {}
@@ -41,7 +41,7 @@ class Host {
 
   void send(ByteView bytes) { device_.receive(bytes, baud_, now_); }
 
-  /// What comes up to a time, in portions.
+  /// The bytes received up to a time, in portions.
   std::vector<Portion> portions_until(time::SteadyTime end) {
     std::vector<Portion> portions;
     while (true) {
@@ -69,13 +69,13 @@ class Host {
     return all;
   }
 
-  /// What comes within a time after these bytes.
+  /// Sends bytes; returns those received within `duration`.
   Bytes ask(ByteView bytes, time::Duration duration = 1500ms) {
     send(bytes);
     return bytes_for(duration);
   }
 
-  /// Called before each transmit(), as a simulation moves its world on.
+  /// Sets a function called before each transmit(), which can advance the world.
   void before_each(std::function<void(time::SteadyTime)> before) { before_ = std::move(before); }
 
  private:

@@ -23,7 +23,7 @@ constexpr const char* kZero = "t00180002000000000001\r";
 constexpr const char* kReset = "t0018FFFF000000000000\r";
 constexpr double kMPerTick = 0.379 / 21'950.0;
 
-/// The answers to lines said one after the other.
+/// The answers to lines sent one after the other.
 std::string answers(SlcanAdapter& adapter, const std::string& said) {
   std::string answer;
   for (const char c : said) {
@@ -89,7 +89,7 @@ class KurtTest : public ::testing::Test {
 
   void say(const std::string& text) { host_.send(text_bytes(text)); }
 
-  /// Says a line every 10 ms, as the driver does.
+  /// Sends a line every 10 ms, as the driver does.
   void drive(const std::string& line, time::Duration duration) {
     for (std::int64_t i = 0; i < duration / 10ms; ++i) {
       say(line);
@@ -102,7 +102,7 @@ class KurtTest : public ::testing::Test {
     heard_.append(bytes.begin(), bytes.end());
   }
 
-  /// The data of frames of a kind heard so far, as two-byte words.
+  /// The data of all frames of a kind received so far, as two-byte words.
   std::vector<std::array<int, 4>> frames(const std::string& id) const {
     std::vector<std::array<int, 4>> found;
     const std::string start = "t" + id + "8";
@@ -136,7 +136,7 @@ TEST_F(KurtTest, SendsItsEncodersEveryTenMilliseconds) {
   }
 }
 
-// No tick is lost, none invented: the sum of what was told is the way the wheels went.
+// No tick is lost or invented: the sum of all reported ticks is the distance of the wheels.
 TEST_F(KurtTest, EncodersCarryTheRemainder) {
   drive("t00180002000700030001\r", 5s);  // 7 and 3 cm/s: parts of a tick in each period
   std::int64_t left = 0;
@@ -147,7 +147,7 @@ TEST_F(KurtTest, EncodersCarryTheRemainder) {
     right += i16(words[1]);
     deltas.insert(i16(words[1]));
   }
-  // The last period (at most 7 cm/s * 10 ms = 41 ticks) is not told yet.
+  // The last period (at most 7 cm/s * 10 ms = 41 ticks) has not been reported yet.
   EXPECT_NEAR(static_cast<double>(left), model_.wheel_travel().left_m / kMPerTick, 42.0);
   EXPECT_NEAR(static_cast<double>(right), model_.wheel_travel().right_m / kMPerTick, 42.0);
   EXPECT_GT(left, 10'000);
@@ -163,11 +163,11 @@ TEST_F(KurtTest, GoesAsFastAsItIsTold) {
   EXPECT_NEAR(model_.wheel_speeds().left_mps, -0.2, kRounding);
   EXPECT_NEAR(model_.wheel_speeds().right_mps, 0.2, kRounding);
   drive("t00180001001D001D0000\r", 3s);  // 29 ticks in a period
-  EXPECT_NEAR(model_.wheel_speeds().left_mps, 29 * kMPerTick / 0.01, 0.01);
-  // Duty 103 of 1023 backward on the left, forward on the right: a tenth of 5.2 m/s.
+  EXPECT_NEAR(model_.wheel_speeds().left_mps, 29 * kMPerTick / 0.01, kRounding);
+  // Duty 103 of 1023, backward on the left, forward on the right; full duty is 5.2 m/s.
   drive("t00180000020398000398\r", 3s);
-  EXPECT_NEAR(model_.wheel_speeds().left_mps, -0.52, 0.02);
-  EXPECT_NEAR(model_.wheel_speeds().right_mps, 0.52, 0.02);
+  EXPECT_NEAR(model_.wheel_speeds().left_mps, -5.2 * 103.0 / 1023.0, kRounding);
+  EXPECT_NEAR(model_.wheel_speeds().right_mps, 5.2 * 103.0 / 1023.0, kRounding);
 }
 
 TEST_F(KurtTest, BrakesOnTheHardStop) {
@@ -179,9 +179,9 @@ TEST_F(KurtTest, BrakesOnTheHardStop) {
 TEST_F(KurtTest, DropsOutWhenNobodySteersIt) {
   drive(kHalfMps, 2s);
   listen(80ms);  // 90 ms since the last word
-  EXPECT_NEAR(model_.wheel_speeds().left_mps, 0.5, 0.01);
+  EXPECT_NEAR(model_.wheel_speeds().left_mps, 0.5, 1e-12);
   listen(1500ms);
-  EXPECT_NEAR(model_.wheel_speeds().left_mps, 0.0, 1e-3);
+  EXPECT_NEAR(model_.wheel_speeds().left_mps, 0.0, 1e-13);  // the motors' lag leaves 5e-14
 }
 
 TEST_F(KurtTest, AResetStopsTheMotorsAndSilencesTheBaseForAWhile) {
@@ -192,7 +192,7 @@ TEST_F(KurtTest, AResetStopsTheMotorsAndSilencesTheBaseForAWhile) {
   EXPECT_TRUE(frames("009").empty());
   listen(800ms);
   EXPECT_EQ(frames("009").size(), 79U);
-  // What the motors' lag leaves of 0.5 m/s after a second: 1e-9.
+  // The motors' lag leaves 1e-9 of 0.5 m/s after a second.
   EXPECT_NEAR(model_.wheel_speeds().left_mps, 0.0, 1.3e-9);
 }
 

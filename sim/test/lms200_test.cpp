@@ -41,7 +41,7 @@ Echo flat(double /*angle_rad*/, time::SteadyTime /*fired*/) {
   return {Echo::Kind::kRange, 1.0, 0.5};
 }
 
-/// Millimetres that grow by one with each degree, from 1000 at the right.
+/// Ranges that increase by 1 mm per degree, from 1000 mm at the right.
 Echo ramp(double angle_rad, time::SteadyTime /*fired*/) {
   return {Echo::Kind::kRange, 1.0 + 0.001 * (geometry::rad_to_deg(angle_rad) + 90.0), 0.5};
 }
@@ -54,7 +54,7 @@ Bytes words(int count, int first, int step) {
   return bytes;
 }
 
-/// Started, at 500 kbaud from power-on, with no drift unless said.
+/// A started sensor at 500 kbaud from power-on, without drift by default.
 class Lms200Test : public ::testing::Test {
  protected:
   static Lms200Params params() {
@@ -75,7 +75,7 @@ class Lms200Test : public ::testing::Test {
     return host_->ask(hex(request), duration);
   }
 
-  /// First-byte times of the telegrams that come in a time, from a stream that is going on.
+  /// The times of the first bytes of the telegrams of a running stream within a duration.
   std::vector<time::SteadyTime> telegram_starts(std::size_t size, time::Duration duration) {
     std::vector<time::SteadyTime> starts;
     std::size_t count = 0;
@@ -192,7 +192,7 @@ TEST_F(Lms200Test, ChangesItsRateAfterAnsweringAtTheOldOne) {
   EXPECT_EQ(laser_->baud(), 500'000);
   host_->set_baud(500'000);
   EXPECT_THAT(host_->ask(kStop), ElementsAreArray(kAck + kModeOk));
-  // A restart takes it back to 9600, for nobody made the rate permanent.
+  // A restart sets it back to 9600, because the rate was not made permanent.
   EXPECT_THAT(ask("02 00 01 00 10 34 12", 500ms),
               ElementsAreArray(kAck + hex("02 80 02 00 91 10 79 30")));
   host_->set_baud(9600);
@@ -248,8 +248,9 @@ TEST_F(Lms200Test, CodesWhatIsNoRange) {
   EXPECT_EQ(lms_word(range(0.0006), far), 1);
 }
 
-// R1: 75 turns a second; the first byte leaves when the last beam has been measured.
-TEST_F(Lms200Test, StreamsEachTurnAtTheEndOfItsHalf) {
+// R1: 75 mirror revolutions per second; the first byte is sent when the last beam has been
+// measured.
+TEST_F(Lms200Test, StreamsEachRevolutionAtTheEndOfItsMeasuringHalf) {
   start();
   EXPECT_THAT(host_->ask(kStream, kModeTime), ElementsAreArray(kAck + kModeOk));
   const std::vector<time::SteadyTime> starts = telegram_starts(374, 10s);
@@ -258,14 +259,14 @@ TEST_F(Lms200Test, StreamsEachTurnAtTheEndOfItsHalf) {
                          static_cast<double>(starts.size() - 1);
   EXPECT_NEAR(mean_us, 13'320.0, 1.0);
   for (const time::SteadyTime start : starts) {
-    // Turns begin every 13.32 ms from power-on at 0; their measuring half lasts 6.66 ms. Rounding
-    // to whole microseconds, of the byte's duration and of the turn, costs up to 2.
+    // Revolutions start every 13.32 ms from power-on at 0; their measuring half lasts 6.66 ms.
+    // Rounding the byte's duration and the revolution to microseconds costs up to 2 us.
     EXPECT_NEAR(std::remainder(time::FineDuration(start - test::at(6660us)).count(), 13'320.0), 0.0,
                 2.0);
   }
 }
 
-TEST_F(Lms200Test, HalfDegreesTakeTwoTurns) {
+TEST_F(Lms200Test, HalfDegreesTakeTwoRevolutions) {
   start();
   host_->ask(kVariant180x050);
   host_->ask(kStream, kModeTime);
@@ -292,11 +293,11 @@ TEST_F(Lms200Test, EachBeamIsMeasuredAtItsOwnTime) {
   EXPECT_NEAR(beams[181].first, -89.5, 1e-9);
   EXPECT_NEAR(beams.back().first, 89.5, 1e-9);
   EXPECT_EQ(beams[180].second - beams[0].second, 6660us) << "half a turn";
-  // The second turn begins 13.32 ms after the first, half a degree (18.5 us) into it.
+  // The second revolution starts 13.32 ms after the first, shifted by half a degree (18.5 us).
   EXPECT_NEAR(time::FineDuration(beams[181].second - beams[0].second).count(), 13'338.5, 1.0);
 }
 
-TEST_F(Lms200Test, CountsTurnsAndTelegrams) {
+TEST_F(Lms200Test, CountsRevolutionsAndTelegrams) {
   start();
   host_->ask(kStream, kModeTime);
   const Bytes stream = host_->bytes_for(4s);
@@ -309,7 +310,7 @@ TEST_F(Lms200Test, CountsTurnsAndTelegrams) {
   }
 }
 
-TEST_F(Lms200Test, SlowLinesSkipTurns) {
+TEST_F(Lms200Test, SlowLinesSkipRevolutions) {
   Lms200Params slow = params();
   slow.baud = 38'400;
   start(slow, flat);
@@ -321,11 +322,11 @@ TEST_F(Lms200Test, SlowLinesSkipTurns) {
     steps.insert(
         static_cast<int>(std::lround((starts[i] - starts[i - 1]) / time::FineDuration(13'320.0))));
   }
-  // 374 bytes take 97.4 ms: the line is free again within the eighth turn.
+  // 374 bytes take 97.4 ms: the line is free again within the eighth revolution.
   EXPECT_THAT(steps, ::testing::ElementsAre(8));
 }
 
-TEST_F(Lms200Test, PartialScansComeEveryTurnShiftedInTurn) {
+TEST_F(Lms200Test, PartialScansComeEveryRevolutionShiftedInTurn) {
   start(params(), ramp);
   ask("02 00 05 00 3B 64 00 19 00 E7 72");
   ask("02 00 02 00 20 2A 3A 08", kModeTime);

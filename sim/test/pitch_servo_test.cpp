@@ -9,14 +9,14 @@
 namespace nodmap::sim {
 namespace pitch_servo_test {
 
-TEST(PitchServo, TrapezoidTakesWayBySpeedPlusSpeedByAcceleration) {
+TEST(PitchServo, TrapezoidTakesDistanceBySpeedPlusSpeedByAcceleration) {
   PitchServo servo({});
   servo.set_goal({0.8, 1.0, 20.0}, 0.0);
   const double end_s = 0.8 / 1.0 + 1.0 / 20.0;
   EXPECT_NEAR(servo.at(end_s).pitch_rad, 0.8, 1e-12);
   EXPECT_EQ(servo.at(end_s + 1.0).pitch_rad, 0.8);
   EXPECT_EQ(servo.at(end_s + 1.0).rate_rad_s, 0.0);
-  // The middle of a symmetric movement, at full speed.
+  // In the middle of a symmetric movement, at full speed.
   EXPECT_NEAR(servo.at(0.5 * end_s).pitch_rad, 0.4, 1e-12);
   EXPECT_NEAR(servo.at(0.5 * end_s).rate_rad_s, 1.0, 1e-12);
   // While it gains speed: a t^2 / 2.
@@ -59,7 +59,7 @@ TEST(PitchServo, AnyGoalsAtAnyTimeMoveItSmoothlyAndArrive) {
     servo.set_goal(next, t);
     for (const double end = t + between(0.0, 0.3); t < end; t += kDt) {
       const PitchState now = servo.at(t + kDt);
-      // No jump: neither of the rate nor of the pitch.
+      // Neither rate nor pitch may jump.
       ASSERT_LE(std::abs(now.rate_rad_s - before.rate_rad_s),
                 params.acceleration_rad_s2 * kDt + 1e-9);
       ASSERT_NEAR(now.pitch_rad - before.pitch_rad,

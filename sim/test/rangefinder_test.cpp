@@ -39,8 +39,8 @@ TEST(Rangefinder, MeasuresWallsAtAnyAngle) {
     const Echo echo = look(world, without_noise(), deg_to_rad(deg));
     ASSERT_EQ(echo.kind, Echo::Kind::kRange);
     const double range_m = 3.0 / std::cos(deg_to_rad(deg));
-    // On a slanting wall the far rim of the spot is farther off than the near one is near, to
-    // second order in the spot's angle over the incidence: below 1e-3 at 75 degrees.
+    // On an oblique wall the mean over the spot is too long, to second order in the spot's angle
+    // over the incidence: below 1e-3 at 75 degrees.
     EXPECT_NEAR(echo.range_m / range_m, 1.0, 1e-3) << deg;
   }
 }
@@ -84,16 +84,16 @@ TEST(Rangefinder, IntensityFallsWithIncidenceAndDistance) {
   World world;
   world.objects.push_back(wall(4.0, 0.8));
   const LaserParams params = without_noise();
-  // rho cos(a) / (d / cos(a))^2; the rays of the spot differ by less than a percent.
-  EXPECT_NEAR(look(world, params).intensity, 0.8 / 16.0, 1e-3);
+  // rho cos(a) / (d / cos(a))^2; 1.25 times what the spot's other rays are measured to change.
+  EXPECT_NEAR(look(world, params).intensity, 0.8 / 16.0, 2.2e-7);
   const double c = std::cos(deg_to_rad(60.0));
   EXPECT_NEAR(look(world, params, deg_to_rad(60.0)).intensity / (0.8 * c * c * c / 16.0), 1.0,
-              0.01);
+              1.7e-5);
 }
 
 TEST(Rangefinder, EdgeGivesARangeInBetweenByLight) {
-  // The wall in front begins at y = 0: the beam ahead meets it with the left ray (and the three in
-  // the middle line are at its very edge, so it is moved by a hair).
+  // The front wall begins just beside y = 0: the beam hits it with the left ray only, and not with
+  // the three rays in the middle line.
   const LaserParams params = without_noise();
   for (const double back_reflectivity : {0.8, 0.4}) {
     World world;
@@ -103,7 +103,8 @@ TEST(Rangefinder, EdgeGivesARangeInBetweenByLight) {
     ASSERT_EQ(echo.kind, Echo::Kind::kRange);
     const double front = 1.0 * 0.8 / 9.0;
     const double back = 4.0 * back_reflectivity / 16.0;
-    EXPECT_NEAR(echo.range_m, (3.0 * front + 4.0 * back) / (front + back), 1e-3);
+    // The rays at the spot's edge are 4 um longer at 3 m, and more at 4 m.
+    EXPECT_NEAR(echo.range_m, (3.0 * front + 4.0 * back) / (front + back), 6e-6);
   }
 }
 
@@ -114,13 +115,13 @@ TEST(Rangefinder, SurfacesFarApartDoNotMix) {
   world.objects.push_back(wall(3.0 + 2.0 * params.pulse_length_m, 0.8));
   // The rays at the spot's edge are 4 um longer.
   EXPECT_NEAR(look(world, params).range_m, 3.0, 6e-6);
-  // Too dark for an echo of its own: what is behind is seen.
+  // Too dark for an echo of its own, so the surface behind is measured.
   world.objects[0].reflectivity = 1e-3;
-  EXPECT_NEAR(look(world, params).range_m, 3.0 + 2.0 * params.pulse_length_m, 1e-3);
+  EXPECT_NEAR(look(world, params).range_m, 3.0 + 2.0 * params.pulse_length_m, 8e-6);
 }
 
 TEST(Rangefinder, SpotGrowsWithDistance) {
-  // A pole of 1 cm beside the beam's axis is met where the spot has become wide enough.
+  // A pole of 1 cm beside the beam's axis is hit where the spot is wide enough.
   const LaserParams params = without_noise();
   const auto meets = [&](double x_m) {
     World world;

@@ -13,8 +13,8 @@ namespace ray_caster_test {
 using Vec2 = Eigen::Vector2d;
 using Vec3 = Eigen::Vector3d;
 
-/// The oracle: each surface by itself, as a plane with a bounded patch or a quadratic equation; no
-/// slabs, no tree, no Moeller-Trumbore.
+/// Oracle: each surface separately, as a bounded plane or a quadratic equation, without slabs, tree
+/// or Moeller-Trumbore.
 class BruteForce {
  public:
   explicit BruteForce(const Ray& ray) : ray_(ray) {}
@@ -200,8 +200,8 @@ TEST(RayCaster, AgreesWithBruteForce) {
     ASSERT_EQ(hit.has_value(), oracle.nearest <= kMaxRangeM) << "ray " << i;
     if (hit) {
       ++hits;
-      // Two ways through doubles of about 10; a thousand times their rounding, for grazing rays.
-      // Pits are entered a nanometre late.
+      // Two computations with doubles of about 10; a thousand times their rounding error, for
+      // grazing rays. Pits are entered a nanometre late.
       ASSERT_NEAR(hit->distance_m, oracle.nearest, 1e-8) << "ray " << i;
       ASSERT_NEAR((hit->normal - oracle.normal).norm(), 0.0, 1e-6) << "ray " << i;
     }

@@ -15,7 +15,7 @@ namespace robot_model_test {
 using geometry::deg_to_rad;
 using test::at;
 
-/// A robot without noise or slip, in a world of its own.
+/// A robot without noise or slip.
 RobotModelParams exact_params() {
   RobotModelParams params;
   params.drive.slip_distance_m = 0.0;
@@ -39,7 +39,7 @@ Actor walker(std::vector<Waypoint> path) {
   return actor;
 }
 
-/// The numbers of a drive with the laser running.
+/// The measurements of a drive with the laser running.
 std::vector<double> drive(std::uint64_t seed) {
   RobotModel model(wall_ahead(8.0), {}, seed);
   model.set_wheel_speeds({0.8, 1.0});
@@ -76,12 +76,13 @@ TEST(RobotModel, MeasuresFromThePitchAxis) {
   RobotModel model(wall_ahead(3.0), exact_params(), 1);
   model.advance_to(at(100ms));
   // 2.85 m from the axis; the spot's rim is further by 2.85 * (0.25 / 2 degrees)^2 / 2 = 7 um.
-  EXPECT_NEAR(model.measure(0.0, at(100ms)).range_m, 2.85, 1e-4);
-  EXPECT_NEAR(model.measure(deg_to_rad(60.0), at(100ms)).range_m, 5.7, 1e-3);
+  EXPECT_NEAR(model.measure(0.0, at(100ms)).range_m, 2.85, 7e-6);
+  // 1.25 times what is measured, here and below: an oblique spot's mean is longer.
+  EXPECT_NEAR(model.measure(deg_to_rad(60.0), at(100ms)).range_m, 5.7, 8.8e-5);
   model.set_pitch_goal({deg_to_rad(-20.0), 0.0, 0.0});
   model.advance_to(at(1s));
   // The floor; the range is the mean over a spot that lies flat.
-  EXPECT_NEAR(model.measure(0.0, at(1s)).range_m, 0.38 / std::sin(deg_to_rad(20.0)), 1e-3);
+  EXPECT_NEAR(model.measure(0.0, at(1s)).range_m, 0.38 / std::sin(deg_to_rad(20.0)), 2.3e-4);
 }
 
 TEST(RobotModel, MeasuresThePast) {
@@ -89,9 +90,9 @@ TEST(RobotModel, MeasuresThePast) {
   model.set_wheel_speeds({1.0, 1.0});
   model.advance_to(at(3s));
   const double now_m = model.measure(0.0, at(3s)).range_m;
-  // 1 m/s, long after the motors' lag.
-  EXPECT_NEAR(model.measure(0.0, at(3s - 100ms)).range_m, now_m + 0.1, 1e-4);
-  EXPECT_NEAR(model.measure(0.0, at(3s - 12'345us)).range_m, now_m + 0.012345, 1e-4);
+  // 1 m/s, long after the motors' lag; the spot's mean is longer by 1.1 um per metre.
+  EXPECT_NEAR(model.measure(0.0, at(3s - 100ms)).range_m, now_m + 0.1, 1.5e-7);
+  EXPECT_NEAR(model.measure(0.0, at(3s - 12'345us)).range_m, now_m + 0.012345, 1.5e-7);
   EXPECT_THROW(static_cast<void>(model.measure(0.0, at(3s + 1us))), std::out_of_range);
   EXPECT_THROW(static_cast<void>(model.measure(0.0, at(2s))), std::out_of_range);
   EXPECT_THROW(model.advance_to(at(1s)), std::invalid_argument);
@@ -102,7 +103,7 @@ TEST(RobotModel, SeesActorsWhereTheyWere) {
   world.actors.push_back(walker({{0.0, {4.0, -2.0}}, {4.0, {4.0, 2.0}}}));
   RobotModel model(world, exact_params(), 1);
   model.advance_to(at(2s));
-  // The spot's rays meet the round actor beside his nearest line, too: 0.08 mm farther.
+  // Some rays of the spot hit the round actor beside its nearest line: 0.08 mm farther.
   EXPECT_NEAR(model.measure(0.0, at(2s)).range_m, 4.0 - 0.25 - 0.15, 1.1e-4);
   model.advance_to(at(2s + 500ms));
   EXPECT_EQ(model.measure(0.0, at(2s + 500ms)).kind, Echo::Kind::kNothing);
@@ -189,12 +190,13 @@ TEST(RobotModel, FollowsARampAndDoesNotFallOffItsEnd) {
   EXPECT_NEAR(truth.T_world_base.linear()(2, 0), 0.5 / std::hypot(3.0, 0.5), 1e-6);
   model.advance_to(at(10s));
   EXPECT_EQ(model.ground_truth().falls, 1);
-  // The front wheels, half of the wheelbase ahead of base, stop at the edge.
-  EXPECT_NEAR(model.ground_truth().T_world_base.translation().x(), 4.0 - 0.15, 2e-3);
+  // The front wheels, half of the wheelbase ahead of base, stop at the edge; a step at 1 m/s is
+  // 1 mm.
+  EXPECT_NEAR(model.ground_truth().T_world_base.translation().x(), 4.0 - 0.15, 1e-3);
 }
 
-// With the front wheels on the slope and the rear ones on the floor, the body is pitched by half of
-// what it will be: height of the front wheels over the wheelbase.
+// With the front wheels on the slope and the rear ones on the floor, the pitch is the height of the
+// front wheels divided by the wheelbase.
 TEST(RobotModel, PitchGrowsWhileTheWheelsRollOntoARamp) {
   const double slope = std::tan(deg_to_rad(12.0));
   World world;
@@ -264,23 +266,25 @@ TEST(RobotModel, GlassReturnsNothing) {
   RobotModel model(world, exact_params(), 1);
   model.advance_to(at(100ms));
   EXPECT_EQ(model.measure(0.0, at(100ms)).kind, Echo::Kind::kNothing);
-  // Past its edge, at 0.25 / 1.84 = 8 degrees, the wall is seen.
+  // Beyond its edge, at 0.25 / 1.84 = 8 degrees, the wall is measured.
   EXPECT_EQ(model.measure(deg_to_rad(10.0), at(100ms)).kind, Echo::Kind::kRange);
   model.set_wheel_speeds({0.5, 0.5});
   model.advance_to(at(6s));
   EXPECT_EQ(model.ground_truth().collisions, 1);
 }
 
-// Down over the edge of a pit: the laser at 0.38 m sees the far wall where the floor would be.
+// Down over the edge of a pit: the laser at 0.38 m measures the far wall in the direction of the
+// missing floor.
 TEST(RobotModel, MeasuresIntoAPit) {
   World world;
   world.pits.push_back({{1.0, -2.0}, {1.6, 2.0}, 1.0});
   RobotModel model(world, exact_params(), 1);
   model.set_pitch_goal({deg_to_rad(-20.0), 0.0, 0.0});
   model.advance_to(at(1s));
-  // The floor would be met 1.04 m ahead of the axis, at x = 1.19: over the pit. The far wall is at
-  // 1.6 - 0.15 = 1.45 m, lower than the floor by 1.45 tan 20 - 0.38 = 0.15 m.
-  EXPECT_NEAR(model.measure(0.0, at(1s)).range_m, 1.45 / std::cos(deg_to_rad(20.0)), 1e-3);
+  // The beam would hit the floor 1.04 m ahead of the axis, at x = 1.19 m, which is over the pit.
+  // The far wall is at 1.6 - 0.15 = 1.45 m, lower than the floor by 1.45 tan 20 - 0.38 = 0.15 m.
+  // 1.25 times what is measured: the spot's mean.
+  EXPECT_NEAR(model.measure(0.0, at(1s)).range_m, 1.45 / std::cos(deg_to_rad(20.0)), 1.4e-6);
 }
 
 TEST(RobotModel, NodsBackWhenItGainsSpeed) {

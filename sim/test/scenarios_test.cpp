@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The generated worlds and those of the BARN challenge: what they promise is in them.
+// Checks that the generated worlds and those of the BARN challenge have their stated properties.
 #include "sim/world/scenarios/scenarios.hpp"
 
 #include <gtest/gtest.h>
@@ -24,7 +24,7 @@
 namespace nodmap::sim {
 namespace scenarios_test {
 
-/// A body as wide as the circle that KURT3D turns in.
+/// A body as wide as the circle in which KURT3D rotates.
 BodyParams turning_circle() {
   BodyParams body;
   body.length_m = body.width_m = std::hypot(body.length_m, body.width_m);
@@ -49,7 +49,7 @@ World looking_at_hole(World world) {
 
 class Holes : public ::testing::TestWithParam<std::uint64_t> {};
 
-TEST_P(Holes, WhoDrivesStraightOnFalls) {
+TEST_P(Holes, ARobotThatDrivesStraightOnFalls) {
   RobotModel model(looking_at_hole(make_holes(GetParam())), {}, 1);
   model.set_wheel_speeds({0.5, 0.5});
   model.advance_to(test::at(10s));
@@ -70,8 +70,8 @@ INSTANTIATE_TEST_SUITE_P(Seeds, Holes, ::testing::Range<std::uint64_t>(0, 24));
 
 class Ramps : public ::testing::TestWithParam<std::uint64_t> {};
 
-// Straight on over the ramp: no contact, and pitched as steeply as it is.
-TEST_P(Ramps, WhoDrivesStraightOnArrives) {
+// Straight over the ramp: no contact, and the robot's pitch is that of the ramp.
+TEST_P(Ramps, ARobotThatDrivesStraightOnArrives) {
   const World world = make_ramps(GetParam());
   RobotModelParams params;
   params.drive.slip_heading_rad = params.drive.slip_turning_rad = 0.0;
@@ -105,7 +105,7 @@ TEST_P(Scenarios, StartIsFreeAndGoalsCanBeReached) {
     EXPECT_GT(model.ground_truth().clearance_m, 0.0) << seed;
     BodyParams body;
     body.width_m = 0.45;
-    // A slot is narrower than that.
+    // The slot is narrower than that.
     EXPECT_EQ(shortest_path_m(world, world.name == "slot" ? BodyParams{} : body).has_value(),
               !world.goals.empty())
         << seed;
@@ -206,8 +206,8 @@ TEST_F(BarnFile, ReadsCylindersAndRules) {
   EXPECT_TRUE(world.task.ends_at_contact);
 }
 
-// A Catmull-Rom spline goes through its key frames, and through evenly spaced ones on a line at
-// constant speed.
+// A Catmull-Rom spline passes through its key frames, and has constant speed if they are evenly
+// spaced on a line.
 TEST_F(BarnFile, MovingCylindersFollowASpline) {
   const World world =
       load_barn_world(write("W 300 1\nC 0.5 4 5 name\n0 0 0\n1 1 2\n2 2 4\n3 3 6\n4 3 0\n"), 300);

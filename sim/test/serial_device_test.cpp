@@ -24,7 +24,7 @@ Bytes all_bytes() {
 }
 
 TEST(Uart, SmallDifferencesOfRateDoNoHarm) {
-  // The last sample is 9.5 bits behind the edge and must meet the stop bit: 9 < 9.5 r < 10.
+  // The last sample is 9.5 bits after the edge and must hit the stop bit: 9 < 9.5 r < 10.
   for (const int baud : {96'000, 99'000, 100'000, 101'000, 104'000}) {
     EXPECT_THAT(received_bytes(100'000, all_bytes(), baud), ElementsAreArray(all_bytes())) << baud;
   }
@@ -32,8 +32,8 @@ TEST(Uart, SmallDifferencesOfRateDoNoHarm) {
               ::testing::Not(ElementsAreArray(all_bytes())));
 }
 
-// Worked out by hand: at half the rate a receiver sees start+bit 0, bits 1+2, ... in its samples at
-// 3, 5, 7, ... sender's bits: bits 2, 4, 6 and the stop bit, then the next byte's.
+// Computed by hand: a receiver at half the rate samples at 3, 5, 7, ... of the sender's bit times:
+// bits 2, 4, 6 and the stop bit, then those of the next byte.
 TEST(Uart, AtHalfTheRateEverySecondBitIsSeen) {
   // 0x54 = bits 2, 4, 6 set; sender's line: 0 00101010 1. Samples at 3, 5, 7, 9 give 1 1 1 1, and
   // the idle line ones from there.

@@ -54,13 +54,13 @@ TEST(SkidSteerBase, PowerLimitsTheGainOfSpeed) {
     body.step(kDt);
     t += kDt;
     energy_j = 0.5 * params.mass_kg * body.forward_mps() * body.forward_mps();
-    // What two motors have put in; a step's worth of slack.
+    // The energy supplied by two motors, plus that of one step.
     EXPECT_LE(energy_j, 2.0 * params.motor_power_w * (t + kDt));
   }
   EXPECT_GT(energy_j, 0.5 * 2.0 * params.motor_power_w);  // and they do work
 }
 
-TEST(SkidSteerBase, BrakingWayIsThatOfGrip) {
+TEST(SkidSteerBase, BrakingDistanceIsThatOfGrip) {
   const DriveParams params = without_slip();
   for (const double v : {0.5, 1.5, 4.0}) {
     SkidSteerBase body(params, {}, 1);
@@ -71,7 +71,7 @@ TEST(SkidSteerBase, BrakingWayIsThatOfGrip) {
     body.brake();
     run(body, 5.0);
     EXPECT_EQ(body.forward_mps(), 0.0);
-    // A step of 1 ms at the most, v dt.
+    // The distance of one step of 1 ms, v dt.
     EXPECT_NEAR(body.T_world_base().x - start_m, v * v / (2.0 * params.friction * 9.81), v * kDt);
   }
 }
@@ -93,13 +93,13 @@ TEST(SkidSteerBase, NeverChangesSpeedFasterThanGripAllows) {
 TEST(SkidSteerBase, FollowsWithFirstOrderLag) {
   const DriveParams params = without_slip();
   SkidSteerBase body(params, {}, 1);
-  body.set_wheel_speeds({0.1, 0.1});  // so slow that no limit acts
+  body.set_wheel_speeds({0.1, 0.1});  // so slow that no limit applies
   run(body, params.motor_lag_s);
   // 1 - 1/e; Euler's steps of 1 ms in 50 ms are off by a percent.
   EXPECT_NEAR(body.wheel_speeds().left_mps, 0.1 * (1.0 - std::exp(-1.0)), 0.001);
 }
 
-/// Odometry of the driver's kind: an arc for each step of the encoders.
+/// Odometry as in the driver: an arc for each encoder period.
 geometry::SE2 odometry(SkidSteerBase& body, const DriveParams& params, double duration_s) {
   geometry::SE2 pose;
   WheelTravel before = body.travel();
@@ -138,7 +138,7 @@ TEST(SkidSteerBase, ScaleBiasMakesTheWheelsCountTooMuch) {
   EXPECT_NEAR(body.travel().left_m / body.T_world_base().x, 1.03, 1e-9);
 }
 
-// A wheel that counts too much counts too much in rotations, too.
+// A wheel that counts too much does so in rotations, too.
 TEST(SkidSteerBase, ScaleBiasActsOnRotations) {
   DriveParams params = without_slip();
   params.odometry_scale_bias = 0.03;
@@ -151,8 +151,9 @@ TEST(SkidSteerBase, ScaleBiasActsOnRotations) {
   EXPECT_NEAR(counted_rad / body.T_world_base().yaw, 1.03, 1e-9);
 }
 
-// With left wheels that count 1 % too much and right ones 1 % too little, a drive that counts as
-// straight is an arc to the left: 0.02 m per m of difference over the axis, less by skidding.
+// If the left wheels count 1 % too much and the right ones 1 % too little, a drive that counts as
+// straight is an arc to the left: a difference of 0.02 m per m over the axis length, reduced by
+// skidding.
 TEST(SkidSteerBase, UnequalWheelsDriveAnArc) {
   DriveParams params = without_slip();
   params.odometry_scale_difference = 0.02;
@@ -194,8 +195,8 @@ TEST(SkidSteerBase, SlipIsARandomWalkOfTheStatedSize) {
     body.set_wheel_speeds({1.0, 1.0});
     run(body, 9.0);
     travel_m = body.travel().left_m;
-    // Along the path: headings of a few degrees shorten x by a few tenths of a percent of the way,
-    // and always, which the mean square of the deviations would not show. So from the true way.
+    // Compared with the true path length, not with x: headings of a few degrees always shorten x by
+    // a few tenths of a percent.
     const double way_m = std::hypot(body.T_world_base().x, body.T_world_base().y);
     sum_way_sq += (way_m - travel_m) * (way_m - travel_m);
     sum_yaw_sq += body.T_world_base().yaw * body.T_world_base().yaw;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The worlds that come with the simulator, and those of chance: the robot has room in them.
+// Checks that the robot has room in the simulator's own worlds and in random ones.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -18,7 +18,8 @@ namespace worlds_test {
 
 constexpr double kCellM = 0.1;
 
-/// The places that the robot reaches from its start on flat ground while it could turn everywhere.
+/// The places that the robot can reach from its start on flat ground with room to rotate
+/// everywhere.
 class Reached {
  public:
   explicit Reached(const World& world) : collision_(world, needle()), start_(world.T_world_start) {
@@ -155,7 +156,7 @@ TEST(RandomWorld, HasItsNumberOfObstaclesAndRoomBetweenThem) {
     model.advance_to(test::at(1ms));
     EXPECT_GT(model.ground_truth().clearance_m, 0.6 - 0.28) << seed;
     if (seed < 10) {
-      // Of 100 m^2, the obstacles and a rim of the robot's half width about each are gone.
+      // Of 100 m^2, the obstacles and a border of half the robot's width around each are excluded.
       EXPECT_GT(Reached(world).area_m2(), 30.0) << seed;
     }
   }

@@ -17,9 +17,9 @@ namespace {
 
 constexpr double kCylinderRadiusM = 0.075;
 constexpr double kCylinderHeightM = 0.5;
-/// The moving cylinders reach above every scanner.
+/// Height of the moving cylinders, above every scanner.
 constexpr double kActorHeightM = 1.0;
-/// More than any world has: a larger count is a broken file.
+/// More than any world has; a larger count means a broken file.
 constexpr int kMaxItems = 10'000;
 
 /// The lines of a file that are not comments, with their numbers.
@@ -38,7 +38,7 @@ class Lines {
     }
     return false;
   }
-  /// The next line, which must be there.
+  /// Reads the next line, which must exist.
   void need() {
     if (!next()) {
       fail("the file ends too early");
@@ -70,8 +70,8 @@ class Lines {
   int number_ = 0;
 };
 
-/// Catmull-Rom spline through the key frames, tangents over the neighbouring times, sampled so
-/// densely that straight lines between the samples differ by less than a millimetre.
+/// A Catmull-Rom spline through the key frames, with tangents from the neighbouring times, sampled
+/// so densely that straight lines between the samples deviate by less than a millimetre.
 std::vector<Waypoint> spline(const std::vector<Waypoint>& keys) {
   constexpr double kStepS = 0.05;
   std::vector<Waypoint> path;
@@ -107,7 +107,7 @@ Actor read_actor(Lines& lines) {
   static_cast<void>(lines.read_number("a period"));  // the time of the last key frame
   const int count = lines.read<int>("the number of key frames");
   if (actor.radius_m <= 0.0 || count < 1 || count > kMaxItems) {
-    lines.fail("a radius or number of key frames that cannot be");
+    lines.fail("invalid radius or number of key frames");
   }
   std::vector<Waypoint> keys;
   for (int i = 0; i < count; ++i) {
@@ -142,7 +142,7 @@ void read_objects(Lines& lines, int count, World& world) {
   }
 }
 
-/// Length of the reference path; empty where the file beside the worlds does not tell.
+/// Length of the reference path; empty if the file beside the worlds does not contain it.
 std::optional<double> reference_path_m(const std::filesystem::path& file, int index) {
   if (!std::filesystem::exists(file)) {
     return std::nullopt;
@@ -184,7 +184,7 @@ World load_barn_world(const std::filesystem::path& file, int index) {
     const int found = lines.read<int>("an index");
     const int count = lines.read<int>("the number of objects");
     if (count < 0 || count > kMaxItems) {
-      lines.fail("a number of objects that cannot be");
+      lines.fail("invalid number of objects");
     }
     World world;
     read_objects(lines, count, world);

@@ -14,8 +14,8 @@ namespace nodmap::sim {
 ///     W index n      then, static:  n lines "x y", upright cylinders of 0.075 m radius
 ///                    or, dynamic:   n times "C radius period_s k name" and k lines "t x y"
 ///
-/// with the challenge's start, goal and rules. A file optimal.txt beside it tells the length of the
-/// reference path. Throws std::runtime_error that names file and line.
+/// with the challenge's start, goal and rules. A file optimal.txt beside it contains the lengths of
+/// the reference paths. Throws std::runtime_error that names file and line.
 [[nodiscard]] World load_barn_world(const std::filesystem::path& file, int index);
 
 }  // namespace nodmap::sim

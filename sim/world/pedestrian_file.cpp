@@ -22,7 +22,7 @@ constexpr double kRadiusM = 0.25;
 constexpr double kBorderM = 1.5;
 constexpr double kHalfCrossingM = 5.0;
 
-/// The waypoints of each pedestrian, in the order of their numbers.
+/// The waypoints of each pedestrian, by number.
 using Tracks = std::map<int, std::vector<Waypoint>>;
 
 Tracks read_tracks(const std::filesystem::path& file, double frames_per_s) {
@@ -47,7 +47,7 @@ Tracks read_tracks(const std::filesystem::path& file, double frames_per_s) {
     track.push_back({time_s, p});
   }
   if (tracks.empty()) {
-    throw std::runtime_error(file.string() + ": nobody is in it");
+    throw std::runtime_error(file.string() + ": contains no pedestrians");
   }
   return tracks;
 }

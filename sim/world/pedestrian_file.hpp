@@ -8,13 +8,13 @@
 
 namespace nodmap::sim {
 
-/// A recorded crowd as actors: two minutes of a recording, and a robot that is to cross it; the
-/// seed chooses when and where. The recorded people do not react to the robot. Walls stand around
-/// all of it, so that there is something to map.
+/// Loads a recorded crowd as actors: two minutes of a recording, and a robot that has to cross it;
+/// the seed chooses when and where. The recorded people do not react to the robot. Walls surround
+/// the place, so that there is something to map.
 ///
-/// The file holds lines "frame pedestrian x y" (m), `frames_per_s` frames a second, as those of
-/// Pellegrini et al. (ICCV 2009) and Lerner et al. (2007). Throws std::runtime_error that names
-/// file and line.
+/// The file contains lines "frame pedestrian x y" (m) with `frames_per_s` frames per second, as
+/// those of Pellegrini et al. (ICCV 2009) and Lerner et al. (2007). Throws std::runtime_error that
+/// names file and line.
 [[nodiscard]] World load_pedestrians(const std::filesystem::path& file, double frames_per_s,
                                      std::uint64_t seed);
 

@@ -18,15 +18,15 @@ constexpr double kStartFreeM = 0.6;
 constexpr double kWidePassageM = 0.6;
 /// or just pass, with 8 cm on each side.
 constexpr double kNarrowPassageM = 0.5;
-/// Around a goal: the robot can rotate there.
+/// Free radius around a goal, in which the robot can rotate.
 constexpr double kGoalFreeM = 0.4;
-/// So often a place is looked for; where there is one a few hundred tries find it.
+/// Greatest number of tries to find a place; if there is one, a few hundred suffice.
 constexpr int kMostTries = 100'000;
 constexpr double kLegRadiusM = 0.015;
-/// Just more than the robot drives over (BodyParams::climb_height_m).
+/// Just higher than the robot can drive over (BodyParams::climb_height_m).
 constexpr double kMinHeightM = 0.031;
 
-/// An obstacle before it is placed: objects about the origin, within a circle.
+/// An obstacle before it is placed: objects around the origin, with an enclosing circle.
 struct Obstacle {
   std::vector<Object> objects;
   double radius_m = 0.0;
@@ -45,9 +45,9 @@ class Maker {
   Maker(const Clutter& clutter, std::uint64_t seed) : clutter_(clutter), engine_(seed) {}
 
   World make();
-  /// With the start anywhere, and a goal far from it.
+  /// Makes a world with a random start and a goal far from it.
   World make_with_goal();
-  /// The goal with a heading, and a box of 30 cm before it.
+  /// Makes a world whose goal has a heading, with a box of 30 cm in front of it.
   World make_with_dock();
 
  private:
@@ -117,7 +117,8 @@ World Maker::make_with_goal() {
 World Maker::make_with_dock() {
   constexpr double kRunUpM = 0.8;
   const Eigen::Vector3d station_size(0.2, 0.4, 0.3);
-  constexpr double kToStationM = 0.35;  // 12 cm before the body: its corners pass when it rotates
+  // 12 cm ahead of the body, so that its corners pass when it rotates.
+  constexpr double kToStationM = 0.35;
   World world = make_with_goal();
   for (int i = 0; i < kMostTries; ++i) {
     const Eigen::Vector2d goal = free_place(kGoalFreeM);
@@ -145,7 +146,7 @@ bool Maker::is_free(const Eigen::Vector2d& p, double free_m) const {
          });
 }
 
-/// Passages between bounding circles connect all that is free.
+/// A random free place. All free space is connected by passages between the bounding circles.
 Eigen::Vector2d Maker::free_place(double free_m) {
   const double reach_m = kHalfRoomM - free_m;
   for (int i = 0; i < kMostTries; ++i) {

@@ -10,7 +10,8 @@ namespace nodmap::sim {
 namespace {
 
 constexpr std::size_t kLeafItems = 2;
-constexpr std::size_t kMaxDepth = 64;  // halving: enough for any number of items
+// Each level halves the items, so this is enough for any number.
+constexpr std::size_t kMaxDepth = 64;
 
 Bounds bounds_of(const RayShape& shape) {
   return std::visit([](const auto& s) { return sim::bounds_of(s); }, shape);
@@ -21,8 +22,8 @@ Eigen::Vector3d center_of(const RayShape& shape) {
   return 0.5 * (bounds.min + bounds.max);
 }
 
-/// Where the ray enters the bounds; kNoHit if it does not before `limit`. The inverse of a zero
-/// component is infinite, and min and max are ordered so that 0 * infinity does not decide.
+/// Distance at which the ray enters the bounds; kNoHit if that is not before `limit`. The inverse
+/// of a zero component is infinite; min and max are ordered so that 0 * infinity has no effect.
 double entry(const Bounds& bounds, const Eigen::Vector3d& origin, const Eigen::Vector3d& inverse,
              double limit) {
   double enter = 0.0;
@@ -162,7 +163,8 @@ void RayCaster::find_item(const Ray& ray, Nearest& nearest) const {
     double enter_m;
   };
   const Eigen::Vector3d inverse = ray.direction.cwiseInverse();
-  // Written before it is read; clearing it would cost as much as the walk.
+  // Not initialised, because it is written before it is read, and clearing it would take as long as
+  // the search.
   std::array<Visit, kMaxDepth> stack;  // NOLINT(cppcoreguidelines-pro-type-member-init)
   std::size_t depth = 0;
   stack[depth++] = {0, entry(nodes_[0].bounds, ray.origin, inverse, nearest.distance_m)};
@@ -198,8 +200,8 @@ void RayCaster::test_leaf(const Node& node, const Ray& ray, Nearest& nearest) co
   }
 }
 
-/// The floor, and where it is missing, the walls and bottoms of the pits. Pits that touch are one:
-/// steps are pits of growing depth.
+/// Casts a ray onto the floor and, where it is missing, onto the walls and bottoms of the pits.
+/// Pits that touch are joined: steps are pits of increasing depth.
 std::optional<Hit> RayCaster::cast_ground(const Ray& ray, double max_range_m) const {
   if (ray.direction.z() >= 0.0) {
     return std::nullopt;
@@ -217,7 +219,8 @@ std::optional<Hit> RayCaster::cast_ground(const Ray& ray, double max_range_m) co
       const Eigen::Vector2d center = 0.5 * (pit.min + pit.max);
       const RayBox air(
           Box{{center.x(), center.y(), -0.5 * pit.depth_m}, {size.x(), size.y(), pit.depth_m}});
-      // From just ahead: the distance to leave this pit, if that point is in it.
+      // The distance to the exit from this pit, measured from a point slightly ahead, if that is in
+      // it.
       const Ray onward{ray.origin + (way_m + kTouchM) * ray.direction, ray.direction};
       const Eigen::Vector3d within = (onward.origin - air.center).cwiseAbs() - air.half;
       const double more_m = within.maxCoeff() < 0.0 ? distance_to(air, onward) : 0.0;

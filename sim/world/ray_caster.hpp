@@ -10,20 +10,21 @@
 
 namespace nodmap::sim {
 
-/// The surface that a ray meets.
+/// The surface that a ray hits.
 struct Hit {
   double distance_m = 0.0;
-  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();  ///< looks to where the ray comes from
+  /// Points to the side from which the ray comes.
+  Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
   double reflectivity = kDefaultReflectivity;
 };
 
-/// Finds what a ray meets first: objects (by a tree of bounding boxes), the floor with its pits,
-/// and actors. Surfaces have two sides.
+/// Finds the first surface that a ray hits: of objects (with a tree of bounding boxes), of the
+/// floor with its pits, and of actors. Surfaces have two sides.
 class RayCaster {
  public:
   explicit RayCaster(const World& world);
 
-  /// Empty if there is nothing up to `max_range_m`.
+  /// The first hit; empty if there is none up to `max_range_m`.
   [[nodiscard]] std::optional<Hit> cast(const Ray& ray, double max_range_m,
                                         std::span<const ActorState> actors = {}) const;
 
@@ -32,8 +33,8 @@ class RayCaster {
     RayShape shape;
     double reflectivity = kDefaultReflectivity;
   };
-  /// A leaf holds items [first, first + count); an inner node (count 0) has its children at the
-  /// next place and at `first`.
+  /// A leaf contains items [first, first + count); an inner node (count 0) has its children at the
+  /// next index and at `first`.
   struct Node {
     Bounds bounds;
     std::size_t first = 0;

@@ -8,7 +8,7 @@
 namespace nodmap::sim {
 namespace {
 
-/// Where the ray is between two parallel planes.
+/// The distances for which a ray is between two parallel planes.
 struct Interval {
   double enter = -kNoHit;
   double leave = kNoHit;

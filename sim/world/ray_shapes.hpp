@@ -11,7 +11,7 @@ namespace nodmap::sim {
 
 inline constexpr double kNoHit = std::numeric_limits<double>::infinity();
 
-/// Metres, world frame; `direction` has unit length.
+/// A ray: metres, world frame; `direction` has unit length.
 struct Ray {
   Eigen::Vector3d origin;
   Eigen::Vector3d direction;
@@ -42,13 +42,13 @@ struct RayTriangle {
 
 using RayShape = std::variant<RayBox, RayCylinder, RayTriangle>;
 
-/// Distance along the ray to where it first crosses the surface ahead of its origin, from outside
-/// or from inside; kNoHit without.
+/// Distance along the ray to its first crossing of the surface ahead of its origin, from outside or
+/// from inside; kNoHit if there is none.
 [[nodiscard]] double distance_to(const RayBox& box, const Ray& ray);
 [[nodiscard]] double distance_to(const RayCylinder& cylinder, const Ray& ray);
 [[nodiscard]] double distance_to(const RayTriangle& triangle, const Ray& ray);
 
-/// Unit normal at a point on the surface; which side it looks to is left open.
+/// Unit normal at a point on the surface; it may point to either side.
 [[nodiscard]] Eigen::Vector3d normal_at(const RayBox& box, const Eigen::Vector3d& p);
 [[nodiscard]] Eigen::Vector3d normal_at(const RayCylinder& cylinder, const Eigen::Vector3d& p);
 [[nodiscard]] Eigen::Vector3d normal_at(const RayTriangle& triangle, const Eigen::Vector3d& p);

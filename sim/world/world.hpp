@@ -45,7 +45,7 @@ struct Mesh {
   std::vector<Eigen::Vector3i> triangles;
 };
 
-/// A static object. A wall of the file is a Box here.
+/// A static object. A wall in a file becomes a Box.
 struct Object {
   std::variant<Box, Cylinder, Ramp, Mesh> shape;
   double reflectivity = kDefaultReflectivity;
@@ -64,9 +64,9 @@ struct Waypoint {
 };
 
 /// An upright cylinder on the floor that moves at constant speed from waypoint to waypoint. Before
-/// the first time it is at the first waypoint; after the last it starts again (loop) or stays. One
-/// that reacts walks to the same places as fast, but makes way for the robot, for other actors and
-/// for walls (sim/body/crowd.hpp).
+/// the first time it is at the first waypoint; after the last it starts again (loop) or stays. An
+/// actor that reacts walks to the same places at the same speed, but makes way for the robot, other
+/// actors and walls (sim/body/crowd.hpp).
 struct Actor {
   double radius_m = 0.25;
   double height_m = 1.75;
@@ -78,7 +78,7 @@ struct Actor {
 
   [[nodiscard]] bool is_present(double time_s) const;
   [[nodiscard]] Eigen::Vector2d position(double time_s) const;
-  /// The time at which the first round passes the place of `time_s`.
+  /// The time within the first round that corresponds to `time_s`.
   [[nodiscard]] double time_in_round(double time_s) const;
 };
 
@@ -87,19 +87,20 @@ struct ActorState {
   Eigen::Vector2d position = Eigen::Vector2d::Zero();
   double radius_m = 0.0;
   double height_m = 0.0;
-  std::size_t actor = 0;  ///< its place in World::actors
+  std::size_t actor = 0;  ///< its index in World::actors
 };
 
-/// When a drive to the goals has succeeded or failed, where that is not the robot's word alone.
+/// When a drive to the goals has succeeded or failed, if this is not decided by the robot's own
+/// report alone.
 struct Task {
-  /// The last goal is reached as soon as base's origin is so near, whatever the robot reports.
+  /// The last goal counts as reached when base's origin is this near, whatever the robot reports.
   std::optional<double> arrival_radius_m;
-  /// From the moment on at which the robot has moved 0.1 m.
+  /// Time limit, counted from when the robot has moved 0.1 m.
   std::optional<double> time_limit_s;
-  /// Length of the shortest path from the start over all goals, where no search on flat ground
-  /// finds it.
+  /// Length of the shortest path from the start over all goals, if a search on flat ground cannot
+  /// find it.
   std::optional<double> shortest_path_m;
-  /// Length of the path by whose time a benchmark scores.
+  /// Length of the path from which a benchmark computes its reference time.
   std::optional<double> reference_path_m;
   /// The first contact ends the drive.
   bool ends_at_contact = false;
@@ -112,9 +113,9 @@ struct World {
   std::vector<Pit> pits;
   std::vector<Actor> actors;
   geometry::SE2 T_world_start;
-  double start_height_m = 0.0;             ///< of the ramp or platform on which the robot starts
-  std::vector<Eigen::Vector2d> goals;      ///< to be reached one after the other; may be empty
-  std::optional<double> goal_heading_rad;  ///< of base at the last goal; empty: any
+  double start_height_m = 0.0;         ///< height of the ramp or platform on which the robot starts
+  std::vector<Eigen::Vector2d> goals;  ///< to be reached in this order; may be empty
+  std::optional<double> goal_heading_rad;  ///< heading of base at the last goal; empty: any
   Task task;
 };
 

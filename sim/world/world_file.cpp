@@ -18,7 +18,7 @@ namespace {
 
 using geometry::deg_to_rad;
 
-/// Reads values and knows where they stand.
+/// Reads values, and reports errors with their line.
 class Reader {
  public:
   explicit Reader(std::filesystem::path file) : file_(std::move(file)) {}
@@ -38,7 +38,7 @@ class Reader {
   [[nodiscard]] double number(const YAML::Node& node, const std::string& key) const;
   [[nodiscard]] double number_or(const YAML::Node& map, const std::string& key,
                                  double otherwise) const;
-  /// False where it is missing.
+  /// Reads a flag; false if it is missing.
   [[nodiscard]] bool flag(const YAML::Node& map, const std::string& key) const;
   [[nodiscard]] double positive(const YAML::Node& map, const std::string& key) const;
   template <int n>
@@ -89,7 +89,7 @@ YAML::Node Reader::need(const YAML::Node& map, const std::string& key) const {
   return node;
 }
 
-/// The items under a key; none where it is missing.
+/// The items under a key; none if it is missing.
 YAML::Node Reader::list(const YAML::Node& root, const std::string& key) const {
   const YAML::Node node = root[key];
   if (!node || node.IsNull()) {

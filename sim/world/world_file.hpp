@@ -8,14 +8,14 @@
 
 namespace nodmap::sim {
 
-/// A world that cannot be used; what() is one line, FILE:LINE: what.
+/// Thrown for an invalid world; what() is one line, FILE:LINE: what.
 class WorldFileError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// Reads a WORLD.yaml (sim/README.md) with the meshes it names, which are looked for beside it.
-/// Throws WorldFileError.
+/// Reads a WORLD.yaml (sim/README.md) and its meshes, whose paths are relative to it. Throws
+/// WorldFileError.
 [[nodiscard]] World load_world(const std::filesystem::path& file);
 
 }  // namespace nodmap::sim

@@ -44,7 +44,7 @@ void Builder::wall(const Eigen::Vector2d& from, const Eigen::Vector2d& to, doubl
                    double reflectivity) {
   const Eigen::Vector2d along = to - from;
   const Eigen::Vector2d middle = 0.5 * (from + to);
-  // Down to below the floor, for walls beside a pit.
+  // Extends below the floor, for walls beside a pit.
   box(middle, {along.norm(), thickness_m}, {-1.0, kWallHeightM}, std::atan2(along.y(), along.x()),
       reflectivity);
 }

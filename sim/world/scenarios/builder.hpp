@@ -15,12 +15,12 @@ struct Heights {
   double top_m = 0.0;
 };
 
-/// Puts a world together from parts whose measures are drawn from a seed. Metres, world frame.
+/// Builds a world from parts whose dimensions are drawn from a seed. Metres, world frame.
 class Builder {
  public:
   Builder(std::string name, std::uint64_t seed) : engine_(seed) { world_.name = std::move(name); }
 
-  /// Uniformly distributed; both ends count.
+  /// A uniformly distributed number, including both ends.
   double between(double least, double most) {
     return std::uniform_real_distribution<double>(least, most)(engine_);
   }
@@ -36,13 +36,13 @@ class Builder {
   Task& task() { return world_.task; }
   [[nodiscard]] const World& world() const { return world_; }
 
-  /// An upright plate between two points.
+  /// Adds an upright plate between two points.
   void wall(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double thickness_m = 0.1,
             double reflectivity = kDefaultReflectivity);
-  /// A wall along x or y with an opening of `width_m` about `middle_m`, measured from `from`.
+  /// Adds a wall along x or y with an opening of `width_m` centred at `middle_m` from `from`.
   void wall_with_door(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double middle_m,
                       double width_m);
-  /// Four walls just outside a rectangle.
+  /// Adds four walls just outside a rectangle.
   void walls_around(const Eigen::Vector2d& min, const Eigen::Vector2d& max);
   void box(const Eigen::Vector2d& center, const Eigen::Vector2d& size, const Heights& heights,
            double yaw_rad = 0.0, double reflectivity = kDefaultReflectivity);
@@ -51,7 +51,7 @@ class Builder {
   void ramp(const Eigen::Vector3d& from, const Eigen::Vector3d& to, double width_m);
   void actor(Actor actor) { world_.actors.push_back(std::move(actor)); }
 
-  /// The world; mirrored at the x axis for every other seed, so that no side is preferred.
+  /// Returns the world; mirrored at the x axis for every other seed, so that no side is preferred.
   [[nodiscard]] World finish();
 
  private:
@@ -59,7 +59,7 @@ class Builder {
   std::mt19937_64 engine_;
 };
 
-/// The same world seen in a mirror along the x axis: y and all rotations change their sign.
+/// The world mirrored at the x axis: y and all rotations change their sign.
 [[nodiscard]] World mirrored(World world);
 
 }  // namespace nodmap::sim

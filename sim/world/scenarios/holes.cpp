@@ -6,11 +6,11 @@
 namespace nodmap::sim {
 namespace {
 
-/// The hall: start at the origin, goal some 7 m ahead.
+/// The hall: the start is at the origin, the goal about 7 m ahead.
 constexpr double kBackM = -1.2;
 constexpr double kAheadM = 8.4;
 constexpr double kHalfWidthM = 2.6;
-/// Left free beside a hole: three times what the robot needs.
+/// Free space beside a hole: three times what the robot needs.
 constexpr double kPassageM = 1.0;
 
 void add_hall(Builder& hall) {
@@ -20,7 +20,7 @@ void add_hall(Builder& hall) {
   hall.goal(hall.between(6.8, 7.6), hall.between(-0.8, 0.8));
 }
 
-/// A flight of stairs, straight across the path; one side of it is free.
+/// A flight of stairs down across the path; one side of it is free.
 World stairs_down(std::uint64_t seed) {
   Builder hall("holes-stairs", seed);
   add_hall(hall);
@@ -38,7 +38,7 @@ World stairs_down(std::uint64_t seed) {
   return hall.finish();
 }
 
-/// A hatch that somebody left open; its cover lies beside it.
+/// An open hatch with its cover beside it.
 World shaft(std::uint64_t seed) {
   Builder hall("holes-shaft", seed);
   add_hall(hall);
@@ -50,7 +50,7 @@ World shaft(std::uint64_t seed) {
   return hall.finish();
 }
 
-/// From wall to wall, but for a bridge.
+/// A trench from wall to wall with a bridge.
 World trench(std::uint64_t seed) {
   Builder hall("holes-trench", seed);
   add_hall(hall);
@@ -70,7 +70,7 @@ World pits(std::uint64_t seed) {
   add_hall(hall);
   for (const double x : {1.2, 2.9, 4.6}) {
     for (const double y : {-1.3, 1.3}) {
-      // In its part of 1.7 m by 2.6 m with half a passage to each neighbour.
+      // Within its part of 1.7 m by 2.6 m, with half a passage to each neighbour.
       const Eigen::Vector2d size(hall.between(0.2, 0.7), hall.between(0.2, 1.4));
       const Eigen::Vector2d min(
           x + hall.between(0.0, 0.7 - size.x()),
@@ -81,7 +81,7 @@ World pits(std::uint64_t seed) {
   return hall.finish();
 }
 
-/// The floor ends along a line beside the path, at which the robot looks at the start.
+/// The floor ends along a line beside the path, which the robot faces at the start.
 World edge(std::uint64_t seed, const char* name, double depth_m) {
   Builder hall(name, seed);
   const double y_edge = hall.between(0.5, 1.1);
@@ -91,7 +91,7 @@ World edge(std::uint64_t seed, const char* name, double depth_m) {
   const double y_start = 0.5 * (y_edge + y_wall) + hall.between(-0.2, 0.2);
   hall.start(0.0, y_start, hall.between(0.0, geometry::deg_to_rad(100.0)));
   hall.goal(hall.between(5.0, 7.0), y_start);
-  // Something on the path, so that it has to be passed near the edge.
+  // An obstacle on the path that has to be passed near the edge.
   const double x_box = hall.between(2.5, 3.5);
   hall.box({x_box, y_wall + 0.15}, {hall.between(0.3, 0.8), 0.3}, {0.0, hall.between(0.2, 1.0)});
   return hall.finish();

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kHalfWidthM = 2.5;
 constexpr double kEndM = 8.5;
-/// Left free beside what lies across the path.
+/// Free space beside an obstacle across the path.
 constexpr double kPassageM = 0.9;
 
 void add_hall(Builder& hall) {
@@ -21,7 +21,7 @@ void add_hall(Builder& hall) {
   hall.goal(hall.between(6.9, 7.6), hall.between(-0.8, 0.8));
 }
 
-/// Where something of this width lies across the hall: the middle's y, so that one side is free.
+/// The y of the middle of an obstacle of this width across the hall, so that one side is free.
 double across(Builder& hall, double width_m) {
   const double free_m = 2.0 * kHalfWidthM - width_m;
   return hall.side() * (kHalfWidthM - 0.5 * width_m - hall.between(0.0, free_m - kPassageM) * 0.5);
@@ -66,7 +66,7 @@ World make_glass(std::uint64_t seed) {
 World make_drums(std::uint64_t seed) {
   Builder hall("drums", seed);
   add_hall(hall);
-  // Rows across the hall with gaps that the robot passes closely; every other row is shifted.
+  // Rows across the hall with gaps just wide enough for the robot; every other row is shifted.
   const double gap_m = hall.between(0.55, 0.75);
   double shift = 0.0;
   for (double x = 1.4; x < 6.2; x += hall.between(0.8, 1.2)) {
@@ -111,7 +111,7 @@ World make_ramps(std::uint64_t seed) {
     hall.start(0.0, 0.0, 0.0);
     hall.goal(kind == 1 ? end_m - 1.0 : end_m - 0.5, 0.0);
   }
-  // Straight on; seen from above, as the driven path is measured.
+  // The straight path as seen from above, as the driven path is measured.
   const World& world = hall.world();
   hall.task().shortest_path_m = (world.goals.back() - world.T_world_start.translation()).norm();
   return hall.finish();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Worlds whose paths are narrow, or lead away from the goal at first.
+// Worlds with narrow paths, or paths that at first lead away from the goal.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -22,7 +22,7 @@ class Maze {
         open_right_(static_cast<std::size_t>(columns * rows)),
         open_up_(static_cast<std::size_t>(columns * rows)) {}
 
-  /// A spanning tree by depth-first search, and a few walls more, so that there are loops.
+  /// Opens walls: a spanning tree by depth-first search, and a few more for loops.
   void carve(Builder& chance) {
     std::vector<std::pair<int, int>> path{{0, 0}};
     std::vector<bool> seen(open_right_.size());
@@ -133,7 +133,7 @@ World make_dead_end(std::uint64_t seed) {
     hall.wall({2.0, side * half_m}, {end_m, side * half_m});
   }
   hall.wall({end_m, -half_m - 0.05}, {end_m, half_m + 0.05});
-  // Before it, or in it.
+  // The start is in front of the dead end, or in it.
   const double start_m = seed % 2 == 0 ? hall.between(0.0, 1.0) : end_m - 0.5;
   hall.start(start_m, 0.0, hall.between(-0.1, 0.1));
   hall.goal(end_m + 1.5, hall.between(-1.0, 1.0));
@@ -145,14 +145,14 @@ World make_slot(std::uint64_t seed) {
   hall.walls_around({-1.5, -2.5}, {6.0, 2.5});
   const bool is_corner = seed % 2 == 0;
   if (is_corner) {
-    // As near to both walls as 6 cm, and looking at them.
+    // The start is 6 cm from both walls, facing them.
     hall.start(-1.5 + 0.30, -2.5 + 0.30, hall.between(-0.85, -0.72) * geometry::kPi);
   } else {
     const double half_m = 0.5 * hall.between(0.43, 0.50);  // the body has 0.33
     const double depth_m = hall.between(0.6, 1.2);
     hall.box({-1.5 + 0.5 * depth_m, half_m + 0.2}, {depth_m, 0.4}, {0.0, 1.0});
     hall.box({-1.5 + 0.5 * depth_m, -half_m - 0.2}, {depth_m, 0.4}, {0.0, 1.0});
-    // Looking out, or in.
+    // Facing out or in.
     hall.start(-1.5 + 0.32, 0.0, hall.count(0, 1) == 0 ? 0.0 : geometry::kPi);
   }
   hall.goal(hall.between(4.0, 5.0), hall.between(-1.5, 1.5));
@@ -166,7 +166,7 @@ World make_doors(std::uint64_t seed) {
   constexpr double kHalfWidthM = 3.0;
   double side = rooms.side();
   for (int i = 1; i < num_rooms; ++i) {
-    // Aside of the straight path, and on the other side in the next wall.
+    // Beside the straight path, on the other side in the next wall.
     const double door_y = side * rooms.between(1.6, 2.3);
     rooms.wall_with_door({depth_m * i, -kHalfWidthM}, {depth_m * i, kHalfWidthM},
                          kHalfWidthM + door_y, rooms.between(0.55, 0.60));
@@ -180,7 +180,7 @@ World make_doors(std::uint64_t seed) {
 
 namespace {
 
-/// Rooms on both sides of a corridor; returns the middles of the rooms.
+/// Builds rooms on both sides of a corridor; returns the middles of the rooms.
 std::vector<Eigen::Vector2d> build_office(Builder& office) {
   constexpr int kRoomsOnASide = 5;
   constexpr double kWallM = 0.1;

@@ -20,7 +20,7 @@ Actor person(Builder& chance) {
   return actor;
 }
 
-/// To and fro between two places, beginning anywhere between them.
+/// An actor that walks back and forth between two places, starting anywhere between them.
 Actor walk_to_and_fro(Builder& chance, const Line& line, double speed_mps) {
   Actor actor = person(chance);
   const double walk_s = (line.to - line.from).norm() / speed_mps;
@@ -31,7 +31,7 @@ Actor walk_to_and_fro(Builder& chance, const Line& line, double speed_mps) {
   return actor;
 }
 
-/// One after the other through a corridor towards the robot.
+/// People who walk one after the other through a corridor towards the robot.
 World oncoming_flow(Builder& corridor, double interval_s, bool reacts) {
   constexpr double kFarM = 16.0;
   const double half_m = 0.5 * corridor.between(2.6, 3.4);
@@ -68,7 +68,7 @@ World crossing(Builder& hall, bool reacts) {
     }
     Actor actor = walk_to_and_fro(hall, line, speed_mps);
     if (i % 3 == 2) {
-      // From behind: not before the robot knows what is there.
+      // From behind: not before the robot has seen its surroundings.
       const double later_s = 6.0 - actor.path.front().time_s;
       for (Waypoint& waypoint : actor.path) {
         waypoint.time_s += later_s;

@@ -16,7 +16,7 @@ struct Scenario {
   World (*make)(std::uint64_t seed);
 };
 
-/// All that there are, in the order of their names.
+/// All scenarios, in the order of their names.
 [[nodiscard]] std::span<const Scenario> scenarios();
 
 /// A hall whose floor has stairs down, a shaft, a trench with a bridge, pits, a kerb of 8 cm or the
@@ -25,9 +25,9 @@ struct Scenario {
 
 /// A maze of 4 to 6 by 4 to 5 cells of 1.0 to 1.4 m, with loops; the goal in the opposite corner.
 [[nodiscard]] World make_maze(std::uint64_t seed);
-/// A corridor whose baffles leave 0.6 to 0.9 m, on one side and the other.
+/// A corridor with baffles that leave 0.6 to 0.9 m, alternately on each side.
 [[nodiscard]] World make_zigzag(std::uint64_t seed);
-/// A dead end 0.7 m wide between start and goal; every other robot starts in it.
+/// A dead end 0.7 m wide between start and goal; with every other seed the robot starts in it.
 [[nodiscard]] World make_dead_end(std::uint64_t seed);
 /// The robot starts in a slot 10 to 17 cm wider than its body, or in the corner of a hall.
 [[nodiscard]] World make_slot(std::uint64_t seed);
@@ -36,10 +36,10 @@ struct Scenario {
 /// Ten rooms on a corridor, with a goal in one of them; and the same without, to explore.
 [[nodiscard]] World make_office(std::uint64_t seed);
 [[nodiscard]] World make_building(std::uint64_t seed);
-/// A corridor of 100 m with things along its walls and boxes of 10 cm on its floor.
+/// A corridor of 100 m with objects along its walls and boxes of 10 cm on its floor.
 [[nodiscard]] World make_corridor(std::uint64_t seed);
 
-/// Sills and planks of 3.1 to 6 cm across the path: more than the body clears.
+/// Sills and planks of 3.1 to 6 cm across the path, higher than the robot can drive over.
 [[nodiscard]] World make_sills(std::uint64_t seed);
 /// Panes of glass, which return no light, across the path; only their posts are seen.
 [[nodiscard]] World make_glass(std::uint64_t seed);
