@@ -93,7 +93,7 @@ TEST(Nod, R7_NodsWithoutStoppingAtTheEnds) {
   time::SteadyTime now;
   run(dut, head, 1.0, now);
   const Movement result = run(dut, head, 20.0, now);
-  EXPECT_LT(result.slow_ratio, 0.1);
+  EXPECT_LT(result.slow_ratio, 0.0104);  // 1.25 times what is measured
   EXPECT_FALSE(dut.stalled());
 }
 
@@ -102,8 +102,8 @@ TEST(Nod, R9_ReachesBothEnds) {
   Head head;
   time::SteadyTime now;
   const Movement result = run(dut, head, 10.0, now);
-  EXPECT_NEAR(result.lowest_rad, -0.7, 0.0025);  // 0.125 degrees, R3
-  EXPECT_NEAR(result.highest_rad, 0.3, 0.0025);
+  EXPECT_NEAR(result.lowest_rad, -0.7, 8.2e-4);  // 1.25 times what is measured; R3 demands 2.2e-3
+  EXPECT_NEAR(result.highest_rad, 0.3, 8.2e-4);
 }
 
 TEST(Nod, R11_MeanSweepTimeIsWithinFivePercent) {

@@ -101,9 +101,9 @@ TEST(PassiveSync, ADriftBeyondTheBoundIsLateButNeverWild) {
     const time::SteadyTime stamp = kStart + i * 1010us;
     worst = std::max(worst, std::chrono::abs(dut.to_host(i % 32'768, stamp) - stamp));
   }
-  // The error grows by 9 ms per second: 5 ms until it is suspicious, then two windows until it is
-  // detected.
-  EXPECT_LT(worst, 30ms);
+  // The error grows by 9 ms per second: 5 ms until it is suspicious, then two windows of a second
+  // until it is detected.
+  EXPECT_LT(worst, 23ms);
   EXPECT_GT(dut.restarts(), 0);
 }
 
@@ -148,7 +148,7 @@ TEST(PassiveSync, ALatencyThatGrewForGoodIsAcceptedAfterASecond) {
     const time::Duration latency = i < 500 ? 0ms : 50ms;
     estimate = dut.to_host(i, kStart + i * 1ms + latency);
   }
-  EXPECT_LE(std::chrono::abs(estimate - (kStart + 2990ms + 50ms)), 3ms);
+  EXPECT_EQ(estimate, kStart + 2990ms + 50ms);
   EXPECT_EQ(dut.restarts(), 1);
 }
 

@@ -69,7 +69,7 @@ TEST(DynamixelSession, MovesAtTheSpeedAsked) {
   rig.run(0.5);
   rig.dut.aim(0.5, 1.0);
   rig.run(0.25);
-  EXPECT_NEAR(rig.samples.back().pitch_rad, 0.25, 0.03);  // a few ms of delay at 1 rad/s
+  EXPECT_NEAR(rig.samples.back().pitch_rad, 0.25, 2e-3);  // 2 ms of delay at 1 rad/s
   rig.run(1.0);
   EXPECT_NEAR(rig.samples.back().pitch_rad, 0.5, dynamixel_x::kRadPerStep);
 }
@@ -139,7 +139,7 @@ TEST(DynamixelSession, AfterARestartItGoesOnToItsGoal) {
   rig.servo.booted_ms =
       static_cast<int>(rig.now.time_since_epoch() / 1ms);  // without torque, but answering
   rig.run(2.0);
-  EXPECT_NEAR(rig.samples.back().pitch_rad, 0.4, 0.01);
+  EXPECT_NEAR(rig.samples.back().pitch_rad, 0.4, dynamixel_x::kRadPerStep);
 }
 
 TEST(DynamixelSession, ADamagedRequestIsAskedAgainAndOnlyManyInARowAreALoss) {
@@ -183,12 +183,12 @@ TEST(DynamixelSession, SamplesAreStampedWithinAMillisecond) {
   rig.run(0.2);
   rig.dut.aim(1.0, 1.0);
   rig.run(0.6);
-  // The fake moves at 0.9992 rad/s (42 units of 0.229 rpm would be 1.007) in steps of 1 ms and
-  // answers 1 ms after it was read: pitch and stamp must lie on one line.
+  // The fake moves at 42 units of 0.229 rpm (1.007 rad/s) in steps of 1 ms and answers 1 ms after
+  // it was read: pitch and stamp must lie on one line.
   const PitchSample& a = rig.samples[rig.samples.size() - 60];
   const PitchSample& b = rig.samples.back();
   const double rate = (b.pitch_rad - a.pitch_rad) / time::seconds(b.stamp - a.stamp);
-  EXPECT_NEAR(rate, 1.007, 0.02);  // 1 ms and one step of 0.088 degrees in 0.3 s
+  EXPECT_NEAR(rate, 1.007, 0.0086);  // 1 ms and one step of 0.088 degrees in 0.3 s
 }
 
 }  // namespace dynamixel_session_test
