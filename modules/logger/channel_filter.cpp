@@ -13,7 +13,7 @@ std::regex compile(const std::string& expression) {
   try {
     return std::regex(expression, std::regex::ECMAScript | std::regex::optimize);
   } catch (const std::regex_error& error) {
-    throw node::UsageError("'" + expression + "' is not a regular expression:  " + error.what());
+    throw node::UsageError("'" + expression + "' is not a regular expression: " + error.what());
   }
 }
 

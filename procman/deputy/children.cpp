@@ -86,7 +86,7 @@ pid_t Children::start(const std::string& id, const std::string& exec_line,
                       const Resources& resources) {
   const ExecLine exec = parse_exec_line(exec_line, own_variable);
   if (exec.arguments.empty()) {
-    throw std::runtime_error("the exec line has no program:  " + exec_line);
+    throw std::runtime_error("the exec line has no program: " + exec_line);
   }
   Run run;
   run.mark = own_mark_ + std::to_string(++num_started_);

@@ -67,11 +67,11 @@ DeputySettings settings_of(const Options& options) {
   }
   settings.config_file = options.config;
   if (!allow(settings, config)) {
-    throw node::UsageError(options.config + "  has no command for the deputy  " + settings.id +
+    throw node::UsageError(options.config + " has no command for the deputy " + settings.id +
                            " (--id)");
   }
   settings.refusal = "nodmap-deputy: refused: " + options.config +
-                     "  does not contain this exec line for the deputy  " + settings.id;
+                     " does not contain this exec line for the deputy " + settings.id;
   return settings;
 }
 

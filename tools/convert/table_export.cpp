@@ -73,7 +73,7 @@ std::optional<formats::StampedPose> read_stamped_pose(std::span<const std::byte>
 void report(std::int64_t num_used, std::int64_t num_left_out, const std::filesystem::path& log,
             const std::string& channel) {
   if (num_used == 0) {
-    throw std::runtime_error(log.string() + ": channel " + channel + "  contains nothing to write");
+    throw std::runtime_error(log.string() + ": channel " + channel + " contains nothing to write");
   }
   log::get().info("{} messages, {} omitted, which were invalid or of another type", num_used,
                   num_left_out);

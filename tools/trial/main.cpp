@@ -81,8 +81,7 @@ void add_options(CLI::App& app, Arguments& arguments) {
       ->allow_extra_args(false);
   app.add_option("--fault", arguments.faults,
                  "A fault, PART:KIND@T+D[=AMOUNT], such as laser:unplug@10+2: T s after power-on, "
-                 "for D s;  "
-                 "repeatable")
+                 "for D s; repeatable")
       ->allow_extra_args(false);
   app.add_option("--kill", arguments.kills,
                  "PROCESS@T+D: kill -9 at T s after power-on, restart D s later; repeatable")
