@@ -13,29 +13,39 @@ struct NormalEquations::Eigensystem {
   Eigen::Matrix3d vectors;
 };
 
+Eigen::Matrix3d NormalEquations::information() const {
+  Eigen::Matrix3d information;
+  information << sums_.xx, sums_.yx, sums_.yaw_x,  //
+      sums_.yx, sums_.yy, sums_.yaw_y,             //
+      sums_.yaw_x, sums_.yaw_y, sums_.yaw_yaw;
+  return information;
+}
+
 NormalEquations::Eigensystem NormalEquations::decompose() const {
   constexpr double kMinMomentArmM =
       0.1;  // keeps the scale finite when there is no information on yaw
-  const double translation = information_(0, 0) + information_(1, 1);
+  const Eigen::Matrix3d information = this->information();
+  const double translation = information(0, 0) + information(1, 1);
   const double moment_arm =
-      translation > 0.0 ? std::max(kMinMomentArmM, std::sqrt(information_(2, 2) / translation))
+      translation > 0.0 ? std::max(kMinMomentArmM, std::sqrt(information(2, 2) / translation))
                         : 1.0;
   const Eigen::Vector3d to_metres(1.0, 1.0, moment_arm);
   const Eigen::Vector3d scale = to_metres.cwiseInverse();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(scale.asDiagonal() * information_ *
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(scale.asDiagonal() * information *
                                                               scale.asDiagonal());
   return {to_metres, solver.eigenvalues(), solver.eigenvectors()};
 }
 
 NormalEquations::Solution NormalEquations::solve(double min_information_ratio) const {
   const Eigensystem system = decompose();
-  const Eigen::Vector3d gradient = system.to_metres.cwiseInverse().cwiseProduct(gradient_);
+  const Eigen::Vector3d gradient =
+      system.to_metres.cwiseInverse().cwiseProduct(Eigen::Vector3d(sums_.x, sums_.y, sums_.yaw));
   Solution solution;
-  solution.least_information_ratio = weight_ > 0.0 ? system.values[0] / weight_ : 0.0;
+  solution.least_information_ratio = sums_.weight > 0.0 ? system.values[0] / sums_.weight : 0.0;
   Eigen::Matrix3d kept = Eigen::Matrix3d::Zero();
   for (int k = 0; k < 3; ++k) {
     const auto direction = system.vectors.col(k);
-    if (system.values[k] > min_information_ratio * weight_) {
+    if (system.values[k] > min_information_ratio * sums_.weight) {
       kept += direction * direction.transpose();
       solution.step -= direction.dot(gradient) / system.values[k] * direction;
     } else {
@@ -49,7 +59,7 @@ NormalEquations::Solution NormalEquations::solve(double min_information_ratio) c
 }
 
 Eigen::Matrix3d NormalEquations::information(const Solution& solution) const {
-  return solution.projector.transpose() * information_ * solution.projector;
+  return solution.projector.transpose() * information() * solution.projector;
 }
 
 }  // namespace nodmap::registration

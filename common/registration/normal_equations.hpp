@@ -28,11 +28,19 @@ class NormalEquations {
   /// positive along the normal.
   void add(const Eigen::Vector2d& normal, const Eigen::Vector2d& moment_arm, double distance_m,
            double weight) {
-    const Eigen::Vector3d row(normal.x(), normal.y(),
-                              moment_arm.x() * normal.y() - moment_arm.y() * normal.x());
-    information_ += weight * row * row.transpose();
-    gradient_ += weight * distance_m * row;
-    weight_ += weight;
+    const double x = normal.x();
+    const double y = normal.y();
+    const double yaw = moment_arm.x() * y - moment_arm.y() * x;
+    sums_.xx += weight * x * x;
+    sums_.yx += weight * y * x;
+    sums_.yy += weight * y * y;
+    sums_.yaw_x += weight * yaw * x;
+    sums_.yaw_y += weight * yaw * y;
+    sums_.yaw_yaw += weight * yaw * yaw;
+    sums_.x += weight * distance_m * x;
+    sums_.y += weight * distance_m * y;
+    sums_.yaw += weight * distance_m * yaw;
+    sums_.weight += weight;
   }
 
   /// A direction is degenerate when the information on it is below `min_information_ratio` of what
@@ -50,9 +58,22 @@ class NormalEquations {
   struct Eigensystem;
   [[nodiscard]] Eigensystem decompose() const;
 
-  Eigen::Matrix3d information_ = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d gradient_ = Eigen::Vector3d::Zero();
-  double weight_ = 0.0;
+  [[nodiscard]] Eigen::Matrix3d information() const;
+
+  /// Numbers of their own, which the compiler keeps in registers from one add() to the next.
+  struct Sums {
+    double xx = 0.0;  // of the information matrix
+    double yx = 0.0;
+    double yy = 0.0;
+    double yaw_x = 0.0;
+    double yaw_y = 0.0;
+    double yaw_yaw = 0.0;
+    double x = 0.0;  // of the gradient
+    double y = 0.0;
+    double yaw = 0.0;
+    double weight = 0.0;
+  };
+  Sums sums_;
 };
 
 }  // namespace nodmap::registration

@@ -2,19 +2,20 @@
 #include "modules/slam2d/point_map.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <limits>
 
 namespace nodmap::slam2d {
 namespace {
 
-// Large enough that most searches end in one cell, small enough that it holds a dozen points.
 constexpr double kCellSizeM = 0.25;
+// Where a search begins: mostly there is a point this near. It goes on this many times as far.
+constexpr double kNearM = 0.125;
+constexpr double kReachGrowth = 2.0;
 constexpr double kMinNormalCosine = 0.5;   // 60 degrees
 constexpr double kMaxLineThickness = 0.3;  // width over length
 constexpr double kMinNeighbours = 3.0;     // of a line, with the point itself
-constexpr double kRememberedM = 0.05;      // a search looks this far beyond the nearest point
+constexpr double kRememberedM = 0.08;      // a search looks this far beyond the nearest point
 // What a search has found holds for rotations up to 0.1 rad. Normals that differ by more than 60
 // degrees and that are not similar until then.
 constexpr double kMinRememberedCosine = 0.9951;
@@ -24,12 +25,6 @@ constexpr double kRoundingM = 1e-9;
 bool have_similar_normals(const Eigen::Vector2d& a, const Eigen::Vector2d& b,
                           double min_cosine = kMinNormalCosine) {
   return a.dot(b) > min_cosine || a.isZero(0.0) || b.isZero(0.0);
-}
-
-/// From a coordinate to the nearest one that lies in a cell; 0 inside.
-double distance_to_cell(double coordinate_m, std::int32_t index) {
-  const double from_first_m = coordinate_m - kCellSizeM * index;
-  return std::max({0.0, -from_first_m, from_first_m - kCellSizeM});
 }
 
 /// std::floor is a dozen instructions without SSE4.
@@ -71,85 +66,66 @@ PointMap::CellIndex PointMap::tile_index(CellIndex cell) {
   return {cell.x >> 3, cell.y >> 3};
 }
 
-std::size_t PointMap::place_in_tile(CellIndex cell) {
-  return static_cast<std::size_t>((cell.y & (kTileCells - 1)) * kTileCells +
-                                  (cell.x & (kTileCells - 1)));
-}
-
 const PointMap::Tile* PointMap::find_tile(CellIndex tile) const {
   const auto found = tile_numbers_.find(tile);
   return found == tile_numbers_.end() ? nullptr : &tiles_[found->second];
 }
 
-PointMap::Cell& PointMap::enter_cell(CellIndex index) {
-  const auto [tile, is_new] =
-      tile_numbers_.try_emplace(tile_index(index), static_cast<std::uint32_t>(tiles_.size()));
+void PointMap::enter(const Eigen::Vector2d& p, std::uint32_t index) {
+  const CellIndex cell = cell_index(p);
+  const auto [number, is_new] =
+      tile_numbers_.try_emplace(tile_index(cell), static_cast<std::uint32_t>(tiles_.size()));
   if (is_new) {
     tiles_.emplace_back();
   }
-  Tile& entered = tiles_[tile->second];
-  const std::size_t place = place_in_tile(index);
-  if (((entered.used >> place) & 1U) == 0) {
-    entered.used |= std::uint64_t{1} << place;
-    entered.cells[place] = static_cast<std::uint32_t>(cells_.size());
-    cells_.emplace_back();
-  }
-  return cells_[entered.cells[place]];
-}
-
-std::uint64_t PointMap::mask_in_tile(CellIndex tile, CellIndex low, CellIndex high) {
-  const auto bits = [](std::int32_t first, std::int32_t last) {
-    const auto begin = static_cast<unsigned>(std::max(first, 0));
-    const auto end = static_cast<unsigned>(std::min(last, kTileCells - 1)) + 1;
-    return (std::uint64_t{1} << end) - (std::uint64_t{1} << begin);
-  };
-  constexpr std::uint64_t kFirstColumn = 0x0101010101010101ULL;
-  const std::uint64_t columns = bits(low.x - kTileCells * tile.x, high.x - kTileCells * tile.x);
-  const std::int32_t first_row = std::max(low.y - kTileCells * tile.y, 0);
-  const std::int32_t last_row = std::min(high.y - kTileCells * tile.y, kTileCells - 1);
-  const std::uint64_t rows = (kFirstColumn >> (8 * (kTileCells - 1 - last_row + first_row)))
-                             << (8 * first_row);
-  return columns * rows;
+  Tile& tile = tiles_[number->second];
+  const auto end_of_cell = tile.begins.begin() + kTileCells * (cell.y & (kTileCells - 1)) +
+                           (cell.x & (kTileCells - 1)) + 1;
+  const auto place = static_cast<std::ptrdiff_t>(*end_of_cell);
+  tile.places.insert(tile.places.begin() + place, p);
+  tile.indices.insert(tile.indices.begin() + place, index);
+  std::for_each(end_of_cell, tile.begins.end(), [](std::uint32_t& begin) { ++begin; });
 }
 
 template <typename Visit>
-void PointMap::for_each_tile(CellIndex low, CellIndex high, Visit visit) {
+void PointMap::for_each_around(const Eigen::Vector2d& p, double radius_m, Visit visit) const {
+  const CellIndex low = cell_index(p.array() - radius_m);
+  const CellIndex high = cell_index(p.array() + radius_m);
   const CellIndex first = tile_index(low);
   const CellIndex last = tile_index(high);
-  for (std::int32_t y = first.y; y <= last.y; ++y) {
-    for (std::int32_t x = first.x; x <= last.x; ++x) {
-      visit(CellIndex{x, y});
-    }
-  }
-}
-
-template <typename Visit>
-void PointMap::for_each_cell(CellIndex low, CellIndex high, Visit visit) const {
-  for_each_tile(low, high, [&](CellIndex index) {
-    if (const Tile* tile = find_tile(index)) {
-      for (std::uint64_t left = tile->used & mask_in_tile(index, low, high); left != 0;
-           left &= left - 1) {
-        visit(cells_[tile->cells[static_cast<std::size_t>(std::countr_zero(left))]]);
+  for (CellIndex index = first; index.y <= last.y; ++index.y) {
+    const std::int32_t first_row = std::max(low.y - kTileCells * index.y, 0);
+    const std::int32_t last_row = std::min(high.y - kTileCells * index.y, kTileCells - 1);
+    for (index.x = first.x; index.x <= last.x; ++index.x) {
+      const Tile* const tile = find_tile(index);
+      if (tile == nullptr) {
+        continue;
+      }
+      const std::int32_t first_column = std::max(low.x - kTileCells * index.x, 0);
+      const std::int32_t last_column = std::min(high.x - kTileCells * index.x, kTileCells - 1);
+      for (std::int32_t row = first_row; row <= last_row; ++row) {
+        const std::uint32_t* const begins =
+            &tile->begins[static_cast<std::size_t>(kTileCells * row)];
+        const std::uint32_t end = begins[last_column + 1];
+        for (std::uint32_t i = begins[first_column]; i < end; ++i) {
+          visit(tile->places[i], tile->indices[i]);
+        }
       }
     }
-  });
+  }
 }
 
 bool PointMap::find_neighbours(const OrientedPoint& point) {
   const double line_m2 = params_.line_radius_m * params_.line_radius_m;
   const double new_m2 = params_.new_point_distance_m * params_.new_point_distance_m;
   const double radius_m = std::max(params_.line_radius_m, params_.new_point_distance_m);
-  const CellIndex low = cell_index(point.p.array() - radius_m);
-  const CellIndex high = cell_index(point.p.array() + radius_m);
   neighbours_.clear();
   bool is_known = false;
-  for_each_cell(low, high, [&](const Cell& cell) {
-    for (const Entry& entry : cell) {
-      const double squared_m2 = (point.p - entry.point.p).squaredNorm();
-      is_known = is_known || squared_m2 <= new_m2;
-      if (squared_m2 <= line_m2 && have_similar_normals(point.normal, entry.point.normal)) {
-        neighbours_.push_back(entry.index);
-      }
+  for_each_around(point.p, radius_m, [&](const Eigen::Vector2d& p, std::uint32_t index) {
+    const double squared_m2 = (point.p - p).squaredNorm();
+    is_known = is_known || squared_m2 <= new_m2;
+    if (squared_m2 <= line_m2 && have_similar_normals(point.normal, points_[index].point.normal)) {
+      neighbours_.push_back(index);
     }
   });
   return is_known;
@@ -196,7 +172,7 @@ void PointMap::add_point(const OrientedPoint& point) {
     measure(neighbour, d);
     moments_[added].add(-d);
   }
-  enter_cell(cell_index(point.p)).push_back({point, added});
+  enter(point.p, added);
 }
 
 void PointMap::refine_neighbours(const OrientedPoint& point) {
@@ -276,83 +252,61 @@ struct PointMap::Search {
   }
 };
 
-void PointMap::search_cell(const Cell& cell, Search& search) const {
+void PointMap::search_within(double reach_m, Search& search) const {
   const auto& [p, normal] = search.point;
-  for (const Entry& entry : cell) {
-    const double squared_m2 = (entry.point.p - p).squaredNorm();
+  for_each_around(p, reach_m, [&](const Eigen::Vector2d& place, std::uint32_t index) {
+    const double squared_m2 = (place - p).squaredNorm();
     if (squared_m2 > search.limit_m2) {
-      continue;
+      return;
     }
+    const MapPoint& map_point = points_[index];
+    const Eigen::Vector2d& other_normal = map_point.point.normal;
     const bool is_nearest =
-        squared_m2 <= search.nearest_m2 && have_similar_normals(normal, entry.point.normal);
+        squared_m2 <= search.nearest_m2 && have_similar_normals(normal, other_normal);
     if (search.remembered != nullptr &&
-        (is_nearest || have_similar_normals(normal, entry.point.normal, kMinLaterCosine))) {
-      search.remember(points_[entry.index], squared_m2);
+        (is_nearest || have_similar_normals(normal, other_normal, kMinLaterCosine))) {
+      search.remember(map_point, squared_m2);
       search.other_m2 = is_nearest ? search.other_m2 : std::min(search.other_m2, squared_m2);
     }
     if (is_nearest) {
-      search.found(points_[entry.index], squared_m2);
-    }
-  }
-}
-
-// The point's own cell first: what is found there mostly rules the others out.
-void PointMap::search_around(Search& search) const {
-  const Eigen::Vector2d& p = search.point.p;
-  const CellIndex home = cell_index(p);
-  const CellIndex home_tile = tile_index(home);
-  const std::uint64_t home_bit = std::uint64_t{1} << place_in_tile(home);
-  const Tile* const tile_of_home = find_tile(home_tile);
-  if (tile_of_home != nullptr && (tile_of_home->used & home_bit) != 0) {
-    search_cell(cells_[tile_of_home->cells[place_in_tile(home)]], search);
-  }
-  const double radius_m = std::sqrt(search.limit_m2);
-  const CellIndex low = cell_index(p.array() - radius_m);
-  const CellIndex high = cell_index(p.array() + radius_m);
-  if (low == home && high == home) {
-    return;
-  }
-  for_each_tile(low, high, [&](CellIndex tile_index) {
-    const bool is_home = tile_index == home_tile;
-    const Tile* const tile = is_home ? tile_of_home : find_tile(tile_index);
-    if (tile == nullptr) {
-      return;
-    }
-    const std::uint64_t used = is_home ? tile->used & ~home_bit : tile->used;
-    for (std::uint64_t left = used & mask_in_tile(tile_index, low, high); left != 0;
-         left &= left - 1) {
-      const int place = std::countr_zero(left);
-      const double dx_m = distance_to_cell(p.x(), kTileCells * tile_index.x + place % kTileCells);
-      const double dy_m = distance_to_cell(p.y(), kTileCells * tile_index.y + place / kTileCells);
-      if (dx_m * dx_m + dy_m * dy_m <= search.limit_m2) {
-        search_cell(cells_[tile->cells[static_cast<std::size_t>(place)]], search);
-      }
+      search.found(map_point, squared_m2);
     }
   });
 }
 
 const MapPoint* PointMap::nearest(const OrientedPoint& point, double max_distance_m) const {
-  const double max_m2 = max_distance_m * max_distance_m;
-  Search search{.point = point, .nearest_m2 = max_m2, .limit_m2 = max_m2};
-  search_around(search);
-  return search.nearest;
+  for (double reach_m = std::min(kNearM, max_distance_m);;
+       reach_m = std::min(kReachGrowth * reach_m, max_distance_m)) {
+    const double reach_m2 = reach_m * reach_m;
+    Search search{.point = point, .nearest_m2 = reach_m2, .limit_m2 = reach_m2};
+    search_within(reach_m, search);
+    if (search.nearest != nullptr || reach_m >= max_distance_m) {
+      return search.nearest;
+    }
+  }
 }
 
-Neighbourhood PointMap::look_around(const OrientedPoint& point, double max_distance_m) const {
-  Neighbourhood around;
-  const double max_m2 = max_distance_m * max_distance_m;
-  Search search{.point = point,
-                .nearest_m2 = max_m2,
-                .limit_m2 = max_m2,
-                .remembered = &around,
-                .other_m2 = max_m2,
-                .forgotten_m2 = max_m2};
-  search_around(search);
-  around.nearest = search.nearest;
+void PointMap::look_around(const OrientedPoint& point, double max_distance_m,
+                           Neighbourhood& around) const {
   around.place = point;
-  around.free_m = std::sqrt(std::min(search.other_m2, search.limit_m2));
-  around.known_m = std::sqrt(std::min(search.forgotten_m2, search.limit_m2));
-  return around;
+  for (double reach_m = std::min(kNearM, max_distance_m);;
+       reach_m = std::min(kReachGrowth * reach_m, max_distance_m)) {
+    const double reach_m2 = reach_m * reach_m;
+    around.num_known = 0;
+    Search search{.point = point,
+                  .nearest_m2 = reach_m2,
+                  .limit_m2 = reach_m2,
+                  .remembered = &around,
+                  .other_m2 = reach_m2,
+                  .forgotten_m2 = reach_m2};
+    search_within(reach_m, search);
+    if (search.nearest != nullptr || reach_m >= max_distance_m) {
+      around.nearest = search.nearest;
+      around.free_m = std::sqrt(std::min(search.other_m2, search.limit_m2));
+      around.known_m = std::sqrt(std::min(search.forgotten_m2, search.limit_m2));
+      return;
+    }
+  }
 }
 
 const MapPoint* PointMap::nearest(const OrientedPoint& point, double max_distance_m,
@@ -387,7 +341,7 @@ const MapPoint* PointMap::nearest(const OrientedPoint& point, double max_distanc
       return nearest;
     }
   }
-  last = look_around(point, max_distance_m);
+  look_around(point, max_distance_m, last);
   return last.nearest;
 }
 

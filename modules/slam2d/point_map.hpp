@@ -29,7 +29,7 @@ struct MapPoint {
 
 /// What a search for the nearest map point has found around a place.
 struct Neighbourhood {
-  static constexpr std::size_t kMaxKnown = 6;
+  static constexpr std::size_t kMaxKnown = 12;
 
   const MapPoint* nearest = nullptr;  ///< with a similar normal; null if there is none in reach
   OrientedPoint place;
@@ -76,17 +76,14 @@ class PointMap {
   [[nodiscard]] std::span<const MapPoint> points() const { return points_; }
 
  private:
-  /// What a search reads, side by side in memory.
-  struct Entry {
-    OrientedPoint point;
-    std::uint32_t index = 0;  ///< in points_
-  };
-  using Cell = std::vector<Entry>;
-  /// A square of cells that are looked up together.
+  /// A square of cells. What a search reads lies side by side in memory: the points of a row of
+  /// cells one after the other, and so the rows.
   static constexpr std::int32_t kTileCells = 8;
   struct Tile {
-    std::uint64_t used = 0;  ///< a bit for each cell that holds a point, row by row
-    std::array<std::uint32_t, std::size_t{kTileCells} * kTileCells> cells{};  ///< numbers of those
+    /// Where the points of each cell begin, row by row; at last where those of the last one end.
+    std::array<std::uint32_t, std::size_t{kTileCells} * kTileCells + 1> begins{};
+    std::vector<Eigen::Vector2d> places;
+    std::vector<std::uint32_t> indices;  ///< of the same points in points_
   };
   struct CellIndex {
     std::int32_t x = 0;
@@ -111,21 +108,14 @@ class PointMap {
 
   [[nodiscard]] static CellIndex cell_index(const Eigen::Vector2d& p);
   [[nodiscard]] static CellIndex tile_index(CellIndex cell);
-  /// The place of a cell within its tile.
-  [[nodiscard]] static std::size_t place_in_tile(CellIndex cell);
-  /// The bits of the cells of a rectangle that lie in a tile.
-  [[nodiscard]] static std::uint64_t mask_in_tile(CellIndex tile, CellIndex low, CellIndex high);
   [[nodiscard]] const Tile* find_tile(CellIndex tile) const;
-  [[nodiscard]] Cell& enter_cell(CellIndex index);
-  /// Calls `visit` with the index of each tile that a rectangle of cells touches.
+  void enter(const Eigen::Vector2d& p, std::uint32_t index);
+  /// Calls `visit` with the place and the index of each point within `radius_m` in x and y, and of
+  /// some beyond.
   template <typename Visit>
-  static void for_each_tile(CellIndex low, CellIndex high, Visit visit);
-  /// Calls `visit` with each cell of a rectangle that holds a point.
-  template <typename Visit>
-  void for_each_cell(CellIndex low, CellIndex high, Visit visit) const;
-  void search_cell(const Cell& cell, Search& search) const;
-  void search_around(Search& search) const;
-  [[nodiscard]] Neighbourhood look_around(const OrientedPoint& point, double max_distance_m) const;
+  void for_each_around(const Eigen::Vector2d& p, double radius_m, Visit visit) const;
+  void search_within(double reach_m, Search& search) const;
+  void look_around(const OrientedPoint& point, double max_distance_m, Neighbourhood& around) const;
   /// Finds the map points whose lines a point belongs to. Returns whether any map point is within
   /// d_new.
   bool find_neighbours(const OrientedPoint& point);
@@ -142,7 +132,6 @@ class PointMap {
   std::vector<Moments> moments_;           // of each point
   std::vector<std::uint32_t> changed_;     // points whose moments have changed
   std::vector<std::uint32_t> neighbours_;  // of the last find_neighbours()
-  std::vector<Cell> cells_;
   std::vector<Tile> tiles_;
   // Of each tile by its index; never iterated: its order is arbitrary.
   tsl::robin_map<CellIndex, std::uint32_t, CellHash> tile_numbers_;

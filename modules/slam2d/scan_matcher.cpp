@@ -31,12 +31,18 @@ constexpr double kPointVarianceM2 = 10.0 * 0.02 * 0.02;
 constexpr double kConvergedM = 5e-4;
 constexpr double kConvergedRad = 1e-4;
 
-/// The weight w_ij of a correspondence (Geman and McClure): 1 at distance 0, 1/4 at `scale_m`.
-double kernel(double distance_m, double scale_m) {
-  const double ratio = distance_m / scale_m;
-  const double root = 1.0 / (1.0 + ratio * ratio);
-  return root * root;
-}
+/// The weight w_ij of a correspondence (Geman and McClure): 1 at distance 0, 1/4 at its scale.
+class Kernel {
+ public:
+  explicit Kernel(double scale_m) : per_m2_(1.0 / (scale_m * scale_m)) {}
+  [[nodiscard]] double operator()(double squared_m2) const {
+    const double root = 1.0 / (1.0 + per_m2_ * squared_m2);
+    return root * root;
+  }
+
+ private:
+  double per_m2_;
+};
 
 }  // namespace
 
@@ -58,7 +64,7 @@ ScanMatcher::Correspondences ScanMatcher::find_correspondences(const PointMap& m
                                                                double max_distance_m,
                                                                Neighbourhoods& around) const {
   const bool fits_points = !uses_lines(max_distance_m);
-  const double scale_m = kKernelScaleRatio * max_distance_m;
+  const Kernel kernel(kKernelScaleRatio * max_distance_m);
   const Eigen::Matrix2d R = T_map_base.rotation();
   const Eigen::Vector2d t = T_map_base.translation();
   Correspondences sums(t);
@@ -73,9 +79,9 @@ ScanMatcher::Correspondences ScanMatcher::find_correspondences(const PointMap& m
     const Eigen::Vector2d offset = data.p - model->point.p;
     if (model->has_line()) {
       const double distance_m = model->line_normal.dot(data.p - model->line_point);
-      const double weight = kernel(distance_m, scale_m);
+      const double weight = kernel(distance_m * distance_m);
       if (fits_points) {
-        sums.points.add(model->point.p, data.p, kernel(offset.norm(), scale_m));
+        sums.points.add(model->point.p, data.p, kernel(offset.squaredNorm()));
       }
       sums.lines.add(model->line_normal, moment_arm, distance_m, weight);
       sums.score_sum += weight;
@@ -83,7 +89,7 @@ ScanMatcher::Correspondences ScanMatcher::find_correspondences(const PointMap& m
       sums.squared_m2 += weight * distance_m * distance_m;
       continue;
     }
-    const double point_weight = kernel(offset.norm(), scale_m);
+    const double point_weight = kernel(offset.squaredNorm());
     if (!data.has_normal() || !model->point.has_normal()) {
       // Isolated points count for the score, but not for the pose: the far ends of a corridor's
       // walls are isolated points that move with the robot, and would hold it back.
