@@ -8,7 +8,6 @@
 namespace nodmap::slam2d {
 namespace {
 
-constexpr double kMaxMovingRatio = 0.5;
 // From how far away an older keyframe still shows the same, and odometry still tells from where.
 constexpr double kNearM = 1.0;
 constexpr double kNearRad = 0.6;
@@ -73,15 +72,12 @@ std::span<const OrientedPoint> MovingPointFilter::stationary(const LevelScan& sc
            (&old != &last && old.view.saw_free(R_old_base * p_base + T_old_base.translation()));
   };
   stationary_.clear();
-  std::size_t moving = 0;
   for (std::size_t begin = 0; begin < points.size();) {
     std::size_t end = begin;
     while (end < points.size() && has_moved_there(points[end].p)) {
       ++end;
     }
-    if (end - begin >= kMinPoints) {
-      moving += end - begin;
-    } else {
+    if (end - begin < kMinPoints) {
       stationary_.insert(stationary_.end(), points.begin() + static_cast<std::ptrdiff_t>(begin),
                          points.begin() + static_cast<std::ptrdiff_t>(end));
     }
@@ -90,9 +86,7 @@ std::span<const OrientedPoint> MovingPointFilter::stationary(const LevelScan& sc
     }
     begin = end + 1;
   }
-  const bool is_elsewhere =
-      static_cast<double>(moving) > kMaxMovingRatio * static_cast<double>(points.size());
-  return is_elsewhere ? points : stationary_;
+  return stationary_;
 }
 
 }  // namespace nodmap::slam2d

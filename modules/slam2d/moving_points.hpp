@@ -21,8 +21,8 @@ class MovingPointFilter {
   /// The next keyframe to compare with: all of its points.
   void add_keyframe(const LevelScan& scan);
 
-  /// The points of a scan without those that moved there, valid until the next call. All points
-  /// when more than half of them would be left out: then it is the robot that is elsewhere.
+  /// The points of a scan without those that moved there, valid until the next call. If few are
+  /// left, people stand around the robot, or it is the robot that is elsewhere.
   [[nodiscard]] std::span<const OrientedPoint> stationary(const LevelScan& scan);
 
   /// Whether the last keyframe and a scan, placed by odometry, cannot both be right: more than a

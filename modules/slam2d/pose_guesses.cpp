@@ -12,6 +12,9 @@ namespace {
 constexpr double kMaxStepS = 0.5;
 // Stamps that come in bursts, some close together and then none, tell no speed.
 constexpr double kMaxStepRatio = 2.0;
+// 20 to 200 scans a second. Stamps that are nearer together come in bursts.
+constexpr double kMinFastStepS = 0.005;
+constexpr double kMaxFastStepS = 0.05;
 // From guesses nearer than this ICP finds the same pose. A robot that brakes with 2 m/s^2, or
 // begins to rotate with 3 rad/s^2, is off by as much after a quarter of a second.
 constexpr double kSameM = 0.12;
@@ -34,6 +37,10 @@ double difference(const geometry::SE2& a, const geometry::SE2& b) {
   return distance_m(a, b) / kSameM + rotation_rad(a, b) / kSameRad;
 }
 
+bool is_fast_step(double step_s) {
+  return step_s >= kMinFastStepS && step_s <= kMaxFastStepS;
+}
+
 }  // namespace
 
 void PoseGuesses::add_scan(time::Timestamp stamp, const geometry::SE2& T_last_base) {
@@ -46,6 +53,15 @@ void PoseGuesses::add_scan(time::Timestamp stamp, const geometry::SE2& T_last_ba
 
 void PoseGuesses::change_odometry_frame(const geometry::SE2& T_old_new) {
   T_map_odom_keyframe_ = T_map_odom_keyframe_ * T_old_new;
+}
+
+std::optional<double> PoseGuesses::seconds_since_last(time::Timestamp next_stamp) const {
+  return last_stamp_ ? std::optional(time::seconds(next_stamp - *last_stamp_)) : std::nullopt;
+}
+
+bool PoseGuesses::is_fast(time::Timestamp next_stamp) const {
+  return step_ && is_fast_step(step_->duration_s) &&
+         is_fast_step(seconds_since_last(next_stamp).value_or(0.0));
 }
 
 std::vector<geometry::SE2> PoseGuesses::guesses(const LevelScan& scan,

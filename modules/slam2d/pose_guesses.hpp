@@ -28,6 +28,12 @@ class PoseGuesses {
   /// Odometry continues in another frame; T_old_new is the new one in the old one.
   void change_odometry_frame(const geometry::SE2& T_old_new);
 
+  /// From the last scan to the next one; nothing before the first.
+  [[nodiscard]] std::optional<double> seconds_since_last(time::Timestamp next_stamp) const;
+  /// Whether scans come one after the other in so little time, at the last one and at the next,
+  /// that from one to the next the robot cannot but go on as odometry says.
+  [[nodiscard]] bool is_fast(time::Timestamp next_stamp) const;
+
   /// T_map_base of a scan, the likeliest guess first; only one where all agree to within what
   /// matching takes back. `T_map_odom` and `T_odom_last`: as of the last scan.
   [[nodiscard]] std::vector<geometry::SE2> guesses(const LevelScan& scan,

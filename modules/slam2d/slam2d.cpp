@@ -17,6 +17,13 @@ constexpr double kMaxSpeedMPerS = 3.0;
 // fits nearly as well.
 constexpr double kCertainInformationFactor = 2.5;
 constexpr std::size_t kMaxPlaces = 8;  // more mean that the scan tells nothing
+// People pass. What has changed for longer is the place itself: the robot was carried.
+constexpr time::Duration kMaxHidden = 1s;
+// How fast wheels slip, and by how much single matches scatter.
+constexpr double kMaxSlipMPerS = 1.0;
+constexpr double kMaxSlipRadPerS = 1.0;
+constexpr double kMatchScatterM = 0.03;
+constexpr double kMatchScatterRad = 0.03;
 
 double distance_m(const geometry::SE2& a, const geometry::SE2& b) {
   return std::hypot(a.x - b.x, a.y - b.y);
@@ -59,12 +66,9 @@ std::optional<PoseUpdate> Slam2d::add_scan(const scan::Scan& scan) {
   }
   const Start start = choose_start(*all_points);
   LevelScan level_scan = *all_points;
-  if (start.is_by_odometry && !is_in_doubt()) {
-    level_scan.points_base = moving_points_.stationary(*all_points);
-  }
   // "These can directly be used as data set D and matched against an incrementally built 2D map" M:
   // the transform that minimises Eq. 3, from the pose by odometry.
-  const Place place = match_or_search(level_scan, *all_points, start);
+  const Place place = find_place(level_scan, start);
   // The same transform corrects the pose.
   PoseUpdate update = correct_pose(*all_points, place);
   update.covariance = estimate_covariance(place, update);
@@ -81,7 +85,7 @@ std::optional<PoseUpdate> Slam2d::add_scan(const scan::Scan& scan) {
   }
   // "New scan points that do not show a correspondence to already existing points in M are added."
   // That may close a loop, which corrects the pose once more.
-  if (is_keyframe(update, *all_points)) {
+  if (is_keyframe(update, *all_points, place)) {
     add_keyframe(level_scan, place.match, update);
     moving_points_.add_keyframe(*all_points);
   }
@@ -113,6 +117,7 @@ Slam2d::Start Slam2d::choose_start(const LevelScan& scan) const {
     guess = submap.T_map_submap.inverse() * guess;
   }
   if (start.guesses.size() == 1) {
+    start.is_smooth = pose_guesses_.is_fast(scan.stamp);
     return start;
   }
   const double min_gain = params_.search.min_gain;
@@ -129,6 +134,59 @@ Slam2d::Start Slam2d::choose_start(const LevelScan& scan) const {
   std::swap(start.guesses[0], start.guesses[best]);
   start.is_by_odometry = best == 0;
   return start;
+}
+
+// Where most of what is measured is in free space, people stand around the robot, or the robot is
+// elsewhere. But a robot whose odometry goes on smoothly is not elsewhere.
+Slam2d::Place Slam2d::find_place(LevelScan& scan, const Start& start) {
+  const LevelScan all_points = scan;
+  bool is_elsewhere = false;
+  if (start.is_by_odometry && !is_in_doubt()) {
+    scan.points_base = moving_points_.stationary(all_points);
+    is_elsewhere = 2 * scan.points_base.size() < all_points.points_base.size();
+  }
+  if (start.is_smooth && !is_in_doubt()) {
+    if (const auto place = look_between_people(scan, all_points, start, is_elsewhere)) {
+      hidden_since_.reset();
+      return *place;
+    }
+    hidden_since_ = hidden_since_.value_or(scan.stamp);
+    if (std::chrono::abs(scan.stamp - *hidden_since_) < kMaxHidden) {
+      return {.match = {}, .is_sure = true, .is_hidden = true};
+    }
+  }
+  hidden_since_.reset();
+  if (is_elsewhere) {
+    scan.points_base = all_points.points_base;
+  }
+  return match_or_search(scan, all_points, start);
+}
+
+// Somebody near hides all but a few walls: what is left tells the place if it fits surely. A match
+// of all points would follow the people. `is_mostly_moving`: little is left.
+std::optional<Slam2d::Place> Slam2d::look_between_people(const LevelScan& scan,
+                                                         const LevelScan& all_points,
+                                                         const Start& start,
+                                                         bool is_mostly_moving) {
+  const geometry::SE2& guess = start.guesses.front();
+  Place place;
+  if (!is_mostly_moving) {
+    place = match_or_search(scan, all_points, start);
+  } else if (scan.has_enough_to_search()) {
+    place.match = matcher_.match(back_end_.local().points, scan.points_base, guess);
+    if (place.match.score < params_.doubt.certain_score) {
+      return std::nullopt;
+    }
+  } else {
+    return std::nullopt;
+  }
+  const double step_s = pose_guesses_.seconds_since_last(scan.stamp).value_or(0.0);
+  const geometry::SE2& found = place.match.T_map_base;
+  const bool has_jumped =
+      place.match.found() && (distance_m(found, guess) > kMatchScatterM + kMaxSlipMPerS * step_s ||
+                              std::abs(geometry::angle_difference(found.yaw, guess.yaw)) >
+                                  kMatchScatterRad + kMaxSlipRadPerS * step_s);
+  return has_jumped ? std::nullopt : std::optional(place);
 }
 
 Slam2d::Place Slam2d::match_or_search(const LevelScan& scan, const LevelScan& all_points,
@@ -222,8 +280,9 @@ Slam2d::Place Slam2d::find_anywhere(const LevelScan& scan, std::span<const geome
                        best.is_clear(params.min_misfit_ratio);
   // One that is not sure replaces the place near the guess only where it fits clearly better.
   const BestPlace better = best_of(std::array{places.front(), places[best.index]});
-  return is_sure || better.is_clear(params.min_misfit_ratio) ? Place{matches[best.index], is_sure}
-                                                             : Place{matches.front(), false};
+  return is_sure || (best.score >= params.found_score && better.is_clear(params.min_misfit_ratio))
+             ? Place{matches[best.index], is_sure}
+             : Place{matches.front(), false};
 }
 
 // Until then the robot may have been carried, or have driven on.
@@ -250,7 +309,8 @@ PoseUpdate Slam2d::correct_pose(const LevelScan& scan, const Place& place) const
                     .score = match.score,
                     .rms_m = match.rms_m,
                     .quality = classify(scan, place)};
-  if (update.quality <= PoseQuality::kPartly) {
+  if (update.quality <= PoseQuality::kPartly &&
+      (place.is_sure || match.score >= params_.doubt.certain_score)) {
     update.T_map_base = back_end_.local().T_map_submap * match.T_map_base;
   }
   return update;
@@ -272,7 +332,7 @@ Eigen::Matrix3d Slam2d::estimate_covariance(const Place& place, const PoseUpdate
 
 PoseQuality Slam2d::classify(const LevelScan& scan, const Place& place) const {
   const Match& match = place.match;
-  if (!scan.has_enough_points()) {
+  if (!scan.has_enough_points() || place.is_hidden) {
     return PoseQuality::kOdometry;
   }
   const double min_score = is_in_doubt()
@@ -303,8 +363,9 @@ bool Slam2d::has_moved(const geometry::SE2& T_odom_before, const geometry::SE2& 
              params_.keyframe.rotation_rad;
 }
 
-bool Slam2d::is_keyframe(const PoseUpdate& update, const LevelScan& scan) const {
-  if (!scan.has_enough_points()) {
+bool Slam2d::is_keyframe(const PoseUpdate& update, const LevelScan& scan,
+                         const Place& place) const {
+  if (!scan.has_enough_points() || place.is_hidden) {
     return false;
   }
   if (is_in_doubt()) {

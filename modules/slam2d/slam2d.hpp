@@ -90,6 +90,7 @@ class Slam2d {
   struct Start {
     std::vector<geometry::SE2> guesses;  ///< of T_submap_base, in the local submap; the best first
     bool is_by_odometry = true;
+    bool is_smooth = false;  ///< odometry agrees with the motion of the robot so far
     /// From the first guess, of all points of the scan; if there are several guesses.
     std::optional<Match> match = std::nullopt;
   };
@@ -98,7 +99,13 @@ class Slam2d {
   struct Place {
     Match match;
     bool is_sure = true;
+    bool is_hidden = false;  ///< people stand around the robot: only odometry tells where it is
   };
+  /// Leaves out the points of the scan that have moved.
+  [[nodiscard]] Place find_place(LevelScan& scan, const Start& start);
+  [[nodiscard]] std::optional<Place> look_between_people(const LevelScan& scan,
+                                                         const LevelScan& all_points,
+                                                         const Start& start, bool is_mostly_moving);
   /// `scan`: without the points that have moved.
   [[nodiscard]] Place match_or_search(const LevelScan& scan, const LevelScan& all_points,
                                       const Start& start);
@@ -115,7 +122,8 @@ class Slam2d {
   [[nodiscard]] Eigen::Matrix3d estimate_covariance(const Place& place, const PoseUpdate& update);
   [[nodiscard]] PoseQuality classify(const LevelScan& scan, const Place& place) const;
   [[nodiscard]] bool is_lost(const LevelScan& scan) const;
-  [[nodiscard]] bool is_keyframe(const PoseUpdate& update, const LevelScan& scan) const;
+  [[nodiscard]] bool is_keyframe(const PoseUpdate& update, const LevelScan& scan,
+                                 const Place& place) const;
   [[nodiscard]] bool continues_in_doubt(const PoseUpdate& update,
                                         const geometry::SE2& T_odom_base) const;
   [[nodiscard]] bool has_moved(const geometry::SE2& T_odom_before,
@@ -139,6 +147,7 @@ class Slam2d {
   // place is sure; 0: no doubt.
   double doubt_m_ = 0.0;
   std::optional<time::Timestamp> in_doubt_since_;  // the first scan whose place was not sure
+  std::optional<time::Timestamp> hidden_since_;    // the first scan of which too little was left
   std::optional<geometry::SE2> T_odom_failed_search_;
   TrackedPath path_;
   Metrics metrics_;

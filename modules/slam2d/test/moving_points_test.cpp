@@ -90,11 +90,11 @@ TEST_F(MovingPoints, AThinThingBetweenTwoBeamsStays) {
   EXPECT_EQ(filter_.stationary(later).size(), later.points_base.size());
 }
 
-TEST_F(MovingPoints, WhereMostHasChangedTheRobotIsElsewhere) {
+TEST_F(MovingPoints, OfACarriedRobotLittleIsLeft) {
   filter_.add_keyframe(look({}, {-5.0, 0.0, 0.0}));
   LevelScan later = look({}, {4.0, 0.0, 0.0});
   later.T_odom_base = {-5.0, 0.0, 0.0};  // it was carried
-  EXPECT_EQ(filter_.stationary(later).size(), later.points_base.size());
+  EXPECT_LT(2 * filter_.stationary(later).size(), later.points_base.size());
 }
 
 TEST_F(MovingPoints, ACarriedRobotContradictsWhatItSaw) {

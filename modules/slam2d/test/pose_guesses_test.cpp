@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 
 namespace nodmap::slam2d {
 namespace pose_guesses_test {
@@ -112,6 +113,21 @@ TEST(PoseGuesses, AMotionLongAgoTellsNothing) {
   Drive back;
   back.wait(-1s);  // stamps step back
   EXPECT_EQ(back.guesses({}).size(), 1U);
+}
+
+TEST(PoseGuesses, OnlyScansInQuickSuccessionAreFast) {
+  for (const auto& [period, is_fast] :
+       {std::pair{13ms, true}, {50ms, true}, {60ms, false}, {200ms, false}, {1ms, false}}) {
+    PoseGuesses pose_guesses;
+    EXPECT_FALSE(pose_guesses.is_fast(time::Timestamp{}));
+    pose_guesses.add_scan(time::Timestamp{}, {});
+    EXPECT_FALSE(pose_guesses.is_fast(time::Timestamp(period)));  // how it moves is not known yet
+    pose_guesses.add_scan(time::Timestamp(period), kStep);
+    EXPECT_EQ(pose_guesses.is_fast(time::Timestamp(2 * period)), is_fast);
+    EXPECT_FALSE(pose_guesses.is_fast(time::Timestamp(period + 1s)));
+    pose_guesses.forget_motion();
+    EXPECT_FALSE(pose_guesses.is_fast(time::Timestamp(2 * period)));
+  }
 }
 
 }  // namespace pose_guesses_test

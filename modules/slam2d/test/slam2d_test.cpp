@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include "modules/slam2d/test/drawn_world.hpp"
@@ -319,6 +320,61 @@ TEST(Slam2d, WhereNothingMatchesItIsLostAndContinuesTheMapFromOdometry) {
   // Matched, but degraded: how what it saw before lies to what it sees now is not known.
   EXPECT_EQ(again->quality, PoseQuality::kPartly);
   EXPECT_GT(again->covariance(0, 0), 1.0);
+}
+
+/// Drives for a second among 75 scans a second, and half of that with somebody `ahead` in its way.
+/// Returns the last pose with somebody there, and the last of all.
+std::pair<PoseUpdate, PoseUpdate> drive_towards(Slam2d& slam, const test::FloorPlan& somebody) {
+  constexpr time::Duration kFast = 13ms;
+  Scanner scanner;
+  SE2 truth;
+  std::pair<PoseUpdate, PoseUpdate> last;
+  for (int i = 0; i < 90; ++i) {
+    test::FloorPlan plan = test::room();
+    const bool is_somebody_there = i >= 40 && i < 80;
+    for (const test::Wall& wall : is_somebody_there ? somebody : test::FloorPlan{}) {
+      plan.push_back({truth * wall.from, truth * wall.to});
+    }
+    const auto update = track(slam, scanner.scan(plan, truth, time::Timestamp(kFast * i)), truth);
+    EXPECT_TRUE(update);
+    last.second = update.value_or(PoseUpdate{});
+    last.first = is_somebody_there ? last.second : last.first;
+    EXPECT_LT(distance_m(last.second.T_map_base, truth), 0.02) << i;  // twice R34's
+    truth = truth * SE2{0.004, 0.0, 0.002};
+  }
+  return last;
+}
+
+// The rest of the scan tells the place.
+TEST(Slam2d, SomebodyWhoHidesMostOfTheViewDoesNotMoveThePose) {
+  Slam2d slam{Slam2dParams{}};
+  const auto [hidden, after] = drive_towards(slam, {{{0.5, -1.2}, {0.6, 0.9}}});
+  EXPECT_LE(hidden.quality, PoseQuality::kPartly);
+  EXPECT_EQ(after.quality, PoseQuality::kTracked);
+}
+
+// Nothing but odometry does.
+TEST(Slam2d, SomebodyWhoHidesAllDoesNotMoveThePose) {
+  Slam2d slam{Slam2dParams{}};
+  const auto [hidden, after] = drive_towards(slam, {{{0.4, -9.0}, {0.5, 9.0}}});
+  EXPECT_EQ(hidden.quality, PoseQuality::kOdometry);
+  EXPECT_FALSE(hidden.is_keyframe);
+  EXPECT_EQ(after.quality, PoseQuality::kTracked);
+}
+
+// Its wheels do not tell, and people pass sooner.
+TEST(Slam2d, ACarriedRobotIsLostAfterASecond) {
+  Slam2d slam{Slam2dParams{}};
+  Scanner scanner;
+  const test::FloorPlan elsewhere{{{0.7, -2}, {0.9, 0.5}}, {{0.9, 0.5}, {0.3, 1.5}}};
+  std::optional<PoseUpdate> update;
+  for (int i = 0; i < 200; ++i) {
+    update = track(
+        slam, scanner.scan(i < 40 ? test::room() : elsewhere, {}, time::Timestamp(13ms * i)), {});
+    ASSERT_TRUE(update);
+    EXPECT_TRUE(i < 40 || update->quality != PoseQuality::kTracked) << i;
+  }
+  EXPECT_EQ(update->quality, PoseQuality::kLost);
 }
 
 // Behind an obstacle a robot sees its back, which nothing in the map fits: 1.2 m of it, of another
