@@ -78,7 +78,7 @@ std::vector<geometry::SE2> PoseGuesses::guesses(const LevelScan& scan,
   const geometry::SE2& step = step_->T_last_base;
   const geometry::SE2 by_motion =
       T_map_odom * T_odom_last * geometry::SE2{ratio * step.x, ratio * step.y, ratio * step.yaw};
-  geometry::SE2 since_keyframe = T_map_odom_keyframe_ * scan.T_odom_base;
+  geometry::SE2 since_keyframe = this->since_keyframe(scan);
   if (are_same(by_odometry, by_motion)) {
     return {by_odometry};
   }

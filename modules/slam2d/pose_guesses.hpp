@@ -28,6 +28,10 @@ class PoseGuesses {
   /// Odometry continues in another frame; T_old_new is the new one in the old one.
   void change_odometry_frame(const geometry::SE2& T_old_new);
 
+  /// T_map_base by odometry since the last keyframe, whatever was matched since.
+  [[nodiscard]] geometry::SE2 since_keyframe(const LevelScan& scan) const {
+    return T_map_odom_keyframe_ * scan.T_odom_base;
+  }
   /// From the last scan to the next one; nothing before the first.
   [[nodiscard]] std::optional<double> seconds_since_last(time::Timestamp next_stamp) const;
   /// Whether scans come one after the other in so little time, at the last one and at the next,

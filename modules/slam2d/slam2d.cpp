@@ -22,6 +22,8 @@ constexpr time::Duration kMaxHidden = 1s;
 // How fast wheels slip, and by how much single matches scatter.
 constexpr double kMaxSlipMPerS = 1.0;
 constexpr double kMaxSlipRadPerS = 1.0;
+constexpr double kMaxSlipRatio = 0.5;
+constexpr double kMaxSlipRadPerM = 1.25;  // of one wheel alone, 40 cm from the other
 constexpr double kMatchScatterM = 0.03;
 constexpr double kMatchScatterRad = 0.03;
 
@@ -90,6 +92,9 @@ std::optional<PoseUpdate> Slam2d::add_scan(const scan::Scan& scan) {
     moving_points_.add_keyframe(*all_points);
   }
   correct_odometry(level_scan, update);
+  if (place.has_slipped) {
+    pose_guesses_.add_keyframe(T_map_odom_);
+  }
   record(update);
   return update;
 }
@@ -155,11 +160,13 @@ Slam2d::Place Slam2d::find_place(LevelScan& scan, const Start& start) {
       return {.match = {}, .is_sure = true, .is_hidden = true};
     }
   }
-  hidden_since_.reset();
   if (is_elsewhere) {
     scan.points_base = all_points.points_base;
   }
-  return match_or_search(scan, all_points, start);
+  Place place = match_or_search(scan, all_points, start);
+  place.has_slipped = hidden_since_.has_value();
+  hidden_since_.reset();
+  return place;
 }
 
 // Somebody near hides all but a few walls: what is left tells the place if it fits surely. A match
@@ -180,13 +187,30 @@ std::optional<Slam2d::Place> Slam2d::look_between_people(const LevelScan& scan,
   } else {
     return std::nullopt;
   }
+  return has_jumped(place.match, scan, guess) ? std::nullopt : std::optional(place);
+}
+
+// From one scan to the next wheels slip by so much; and since the last keyframe by no more than
+// half of what they have turned. Who walks ahead of a robot that stands takes it along slowly.
+bool Slam2d::has_jumped(const Match& match, const LevelScan& scan,
+                        const geometry::SE2& guess) const {
+  if (!match.found()) {
+    return false;
+  }
+  const auto is_beyond = [&](const geometry::SE2& expected, double slip_m, double slip_rad) {
+    return distance_m(match.T_map_base, expected) > kMatchScatterM + slip_m ||
+           std::abs(geometry::angle_difference(match.T_map_base.yaw, expected.yaw)) >
+               kMatchScatterRad + slip_rad;
+  };
   const double step_s = pose_guesses_.seconds_since_last(scan.stamp).value_or(0.0);
-  const geometry::SE2& found = place.match.T_map_base;
-  const bool has_jumped =
-      place.match.found() && (distance_m(found, guess) > kMatchScatterM + kMaxSlipMPerS * step_s ||
-                              std::abs(geometry::angle_difference(found.yaw, guess.yaw)) >
-                                  kMatchScatterRad + kMaxSlipRadPerS * step_s);
-  return has_jumped ? std::nullopt : std::optional(place);
+  const double driven_m = distance_m(T_odom_keyframe_, scan.T_odom_base);
+  const double rotated_rad =
+      std::abs(geometry::angle_difference(T_odom_keyframe_.yaw, scan.T_odom_base.yaw));
+  const geometry::SE2 since_keyframe =
+      back_end_.local().T_map_submap.inverse() * pose_guesses_.since_keyframe(scan);
+  return is_beyond(guess, kMaxSlipMPerS * step_s, kMaxSlipRadPerS * step_s) ||
+         is_beyond(since_keyframe, kMaxSlipRatio * driven_m,
+                   kMaxSlipRatio * rotated_rad + kMaxSlipRadPerM * driven_m);
 }
 
 Slam2d::Place Slam2d::match_or_search(const LevelScan& scan, const LevelScan& all_points,
@@ -312,6 +336,9 @@ PoseUpdate Slam2d::correct_pose(const LevelScan& scan, const Place& place) const
   if (update.quality <= PoseQuality::kPartly &&
       (place.is_sure || match.score >= params_.doubt.certain_score)) {
     update.T_map_base = back_end_.local().T_map_submap * match.T_map_base;
+  }
+  if (place.is_hidden) {  // who hides the view may have taken the pose along
+    update.T_map_base = pose_guesses_.since_keyframe(scan);
   }
   return update;
 }

@@ -99,13 +99,16 @@ class Slam2d {
   struct Place {
     Match match;
     bool is_sure = true;
-    bool is_hidden = false;  ///< people stand around the robot: only odometry tells where it is
+    bool has_slipped = false;  ///< not people: for a second odometry has told another place
+    bool is_hidden = false;    ///< people stand around the robot: only odometry tells where it is
   };
   /// Leaves out the points of the scan that have moved.
   [[nodiscard]] Place find_place(LevelScan& scan, const Start& start);
   [[nodiscard]] std::optional<Place> look_between_people(const LevelScan& scan,
                                                          const LevelScan& all_points,
                                                          const Start& start, bool is_mostly_moving);
+  [[nodiscard]] bool has_jumped(const Match& match, const LevelScan& scan,
+                                const geometry::SE2& guess) const;
   /// `scan`: without the points that have moved.
   [[nodiscard]] Place match_or_search(const LevelScan& scan, const LevelScan& all_points,
                                       const Start& start);

@@ -377,6 +377,32 @@ TEST(Slam2d, ACarriedRobotIsLostAfterASecond) {
   EXPECT_EQ(update->quality, PoseQuality::kLost);
 }
 
+// Nobody is there: the walls have moved, and after a second that is believed. Pushed aside by 20 cm
+// in a quarter of a second; or the wheels spin and count half a metre.
+TEST(Slam2d, ARobotThatIsPushedOrSlipsIsFoundAgainAfterASecond) {
+  for (const auto& [pushed, slipped] :
+       {std::pair{SE2{0.0, 0.01, 0.0}, SE2{}}, {SE2{}, SE2{0.025, 0.0, 0.0}}}) {
+    Slam2d slam{Slam2dParams{}};
+    Scanner scanner;
+    SE2 truth;
+    SE2 odom;
+    std::optional<PoseUpdate> update;
+    for (int i = 0; i < 170; ++i) {
+      const bool is_moved = i >= 40 && i < 60;
+      truth = is_moved ? truth * pushed : truth;
+      odom = is_moved ? odom * slipped : odom;
+      update = track(slam, scanner.scan(test::room(), truth, time::Timestamp(13ms * i)), odom);
+      ASSERT_TRUE(update);
+      // Until then it says that it is not sure; what is allowed is 3 cm and half of the slip.
+      EXPECT_TRUE(distance_m(update->T_map_base, truth) < 0.05 ||
+                  update->quality != PoseQuality::kTracked)
+          << i;
+    }
+    EXPECT_EQ(update->quality, PoseQuality::kTracked);
+    EXPECT_LT(distance_m(update->T_map_base, truth), 0.02);  // twice R34's
+  }
+}
+
 // Behind an obstacle a robot sees its back, which nothing in the map fits: 1.2 m of it, of another
 // thing than before. Odometry alone is good for a while.
 TEST(Slam2d, WhatWasNeverInViewIsAddedByOdometry) {
