@@ -21,8 +21,11 @@ class PoseGuesses {
  public:
   /// The pose of a scan has been found: `T_last_base`, relative to the scan before, as measured.
   void add_scan(time::Timestamp stamp, const geometry::SE2& T_last_base);
-  /// The last scan has become a keyframe, and odom lies there in map.
-  void add_keyframe(const geometry::SE2& T_map_odom) { T_map_odom_keyframe_ = T_map_odom; }
+  /// The last scan has become a keyframe at `T_odom_base`, and odom lies there in map.
+  void add_keyframe(const geometry::SE2& T_map_odom, const geometry::SE2& T_odom_base) {
+    T_map_odom_keyframe_ = T_map_odom;
+    T_odom_keyframe_ = T_odom_base;
+  }
   /// The pose of the last scan is not known: nor is the motion up to it.
   void forget_motion() { step_.reset(); }
   /// Odometry continues in another frame; T_old_new is the new one in the old one.
@@ -32,11 +35,13 @@ class PoseGuesses {
   [[nodiscard]] geometry::SE2 since_keyframe(const LevelScan& scan) const {
     return T_map_odom_keyframe_ * scan.T_odom_base;
   }
-  /// From the last scan to the next one; nothing before the first.
-  [[nodiscard]] std::optional<double> seconds_since_last(time::Timestamp next_stamp) const;
   /// Whether scans come one after the other in so little time, at the last one and at the next,
   /// that from one to the next the robot cannot but go on as odometry says.
   [[nodiscard]] bool is_fast(time::Timestamp next_stamp) const;
+  /// Whether a scan, which is fast, was found farther from odometry than wheels slip: from one scan
+  /// to the next, and since the last keyframe. `T_map_guess`: by odometry since the last scan.
+  [[nodiscard]] bool is_beyond_slip(const LevelScan& scan, const geometry::SE2& T_map_guess,
+                                    const geometry::SE2& T_map_found) const;
 
   /// T_map_base of a scan, the likeliest guess first; only one where all agree to within what
   /// matching takes back. `T_map_odom` and `T_odom_last`: as of the last scan.
@@ -52,6 +57,7 @@ class PoseGuesses {
   std::optional<Step> step_;  // between the last two scans
   std::optional<time::Timestamp> last_stamp_;
   geometry::SE2 T_map_odom_keyframe_;
+  geometry::SE2 T_odom_keyframe_;
 };
 
 }  // namespace nodmap::slam2d

@@ -19,13 +19,6 @@ constexpr double kCertainInformationFactor = 2.5;
 constexpr std::size_t kMaxPlaces = 8;  // more mean that the scan tells nothing
 // People pass. What has changed for longer is the place itself: the robot was carried.
 constexpr time::Duration kMaxHidden = 1s;
-// How fast wheels slip, and by how much single matches scatter.
-constexpr double kMaxSlipMPerS = 1.0;
-constexpr double kMaxSlipRadPerS = 1.0;
-constexpr double kMaxSlipRatio = 0.5;
-constexpr double kMaxSlipRadPerM = 1.25;  // of one wheel alone, 40 cm from the other
-constexpr double kMatchScatterM = 0.03;
-constexpr double kMatchScatterRad = 0.03;
 
 double distance_m(const geometry::SE2& a, const geometry::SE2& b) {
   return std::hypot(a.x - b.x, a.y - b.y);
@@ -93,7 +86,7 @@ std::optional<PoseUpdate> Slam2d::add_scan(const scan::Scan& scan) {
   }
   correct_odometry(level_scan, update);
   if (place.has_slipped) {
-    pose_guesses_.add_keyframe(T_map_odom_);
+    pose_guesses_.add_keyframe(T_map_odom_, all_points->T_odom_base);
   }
   record(update);
   return update;
@@ -170,7 +163,8 @@ Slam2d::Place Slam2d::find_place(LevelScan& scan, const Start& start) {
 }
 
 // Somebody near hides all but a few walls: what is left tells the place if it fits surely. A match
-// of all points would follow the people. `is_mostly_moving`: little is left.
+// of all points would follow the people, and who walks ahead of a robot that stands would take it
+// along. `is_mostly_moving`: little is left.
 std::optional<Slam2d::Place> Slam2d::look_between_people(const LevelScan& scan,
                                                          const LevelScan& all_points,
                                                          const Start& start,
@@ -187,30 +181,11 @@ std::optional<Slam2d::Place> Slam2d::look_between_people(const LevelScan& scan,
   } else {
     return std::nullopt;
   }
-  return has_jumped(place.match, scan, guess) ? std::nullopt : std::optional(place);
-}
-
-// From one scan to the next wheels slip by so much; and since the last keyframe by no more than
-// half of what they have turned. Who walks ahead of a robot that stands takes it along slowly.
-bool Slam2d::has_jumped(const Match& match, const LevelScan& scan,
-                        const geometry::SE2& guess) const {
-  if (!match.found()) {
-    return false;
-  }
-  const auto is_beyond = [&](const geometry::SE2& expected, double slip_m, double slip_rad) {
-    return distance_m(match.T_map_base, expected) > kMatchScatterM + slip_m ||
-           std::abs(geometry::angle_difference(match.T_map_base.yaw, expected.yaw)) >
-               kMatchScatterRad + slip_rad;
-  };
-  const double step_s = pose_guesses_.seconds_since_last(scan.stamp).value_or(0.0);
-  const double driven_m = distance_m(T_odom_keyframe_, scan.T_odom_base);
-  const double rotated_rad =
-      std::abs(geometry::angle_difference(T_odom_keyframe_.yaw, scan.T_odom_base.yaw));
-  const geometry::SE2 since_keyframe =
-      back_end_.local().T_map_submap.inverse() * pose_guesses_.since_keyframe(scan);
-  return is_beyond(guess, kMaxSlipMPerS * step_s, kMaxSlipRadPerS * step_s) ||
-         is_beyond(since_keyframe, kMaxSlipRatio * driven_m,
-                   kMaxSlipRatio * rotated_rad + kMaxSlipRadPerM * driven_m);
+  const geometry::SE2& T_map_submap = back_end_.local().T_map_submap;
+  const bool is_odd =
+      place.match.found() && pose_guesses_.is_beyond_slip(scan, T_map_submap * guess,
+                                                          T_map_submap * place.match.T_map_base);
+  return is_odd ? std::nullopt : std::optional(place);
 }
 
 Slam2d::Place Slam2d::match_or_search(const LevelScan& scan, const LevelScan& all_points,
@@ -450,7 +425,7 @@ void Slam2d::correct_odometry(const LevelScan& scan, PoseUpdate& update) {
   T_odom_last_ = scan.T_odom_base;
   update.T_map_odom = T_map_odom_;
   if (update.is_keyframe) {
-    pose_guesses_.add_keyframe(T_map_odom_);
+    pose_guesses_.add_keyframe(T_map_odom_, scan.T_odom_base);
   }
 }
 

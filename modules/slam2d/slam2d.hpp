@@ -107,8 +107,6 @@ class Slam2d {
   [[nodiscard]] std::optional<Place> look_between_people(const LevelScan& scan,
                                                          const LevelScan& all_points,
                                                          const Start& start, bool is_mostly_moving);
-  [[nodiscard]] bool has_jumped(const Match& match, const LevelScan& scan,
-                                const geometry::SE2& guess) const;
   /// `scan`: without the points that have moved.
   [[nodiscard]] Place match_or_search(const LevelScan& scan, const LevelScan& all_points,
                                       const Start& start);

@@ -23,7 +23,7 @@ bool are_near(const SE2& a, const SE2& b) {
 class Drive {
  public:
   Drive() {
-    pose_guesses_.add_keyframe({});
+    pose_guesses_.add_keyframe({}, {});
     pose_guesses_.add_scan(time::Timestamp{}, {});
     go_on(kStep);
   }
@@ -128,6 +128,24 @@ TEST(PoseGuesses, OnlyScansInQuickSuccessionAreFast) {
     pose_guesses.forget_motion();
     EXPECT_FALSE(pose_guesses.is_fast(time::Timestamp(2 * period)));
   }
+}
+
+// A robot that stands: by 3 cm at once, and no more in all; one that drives: half of its way.
+TEST(PoseGuesses, WheelsSlipByPartOfWhatTheyHaveTurned) {
+  PoseGuesses pose_guesses;
+  pose_guesses.add_keyframe({}, {});
+  pose_guesses.add_scan(time::Timestamp{}, {});
+  LevelScan scan;
+  scan.stamp = time::Timestamp(10ms);
+  EXPECT_FALSE(pose_guesses.is_beyond_slip(scan, {}, {0.029, 0.0, 0.029}));
+  EXPECT_TRUE(pose_guesses.is_beyond_slip(scan, {}, {0.041, 0.0, 0.0}));
+  EXPECT_TRUE(pose_guesses.is_beyond_slip(scan, {}, {0.0, 0.0, 0.041}));
+  EXPECT_TRUE(pose_guesses.is_beyond_slip(scan, {0.1, 0.0, 0.0}, {0.1, 0.0, 0.0}));
+  scan.T_odom_base.x = 0.2;
+  EXPECT_FALSE(pose_guesses.is_beyond_slip(scan, {0.3, 0.0, 0.08}, {0.32, 0.0, 0.1}));
+  EXPECT_TRUE(pose_guesses.is_beyond_slip(scan, {0.3, 0.0, 0.08}, {0.335, 0.0, 0.1}));
+  pose_guesses.add_keyframe({0.1, 0.0, 0.0}, scan.T_odom_base);  // it was believed
+  EXPECT_FALSE(pose_guesses.is_beyond_slip(scan, {0.3, 0.0, 0.0}, {0.3, 0.0, 0.0}));
 }
 
 }  // namespace pose_guesses_test
