@@ -16,6 +16,22 @@ namespace {
 
 using geometry::SE3;
 
+// With fewer planes a sweep tells nothing for or against odometry: somebody stands before the
+// laser.
+constexpr std::size_t kMinPlanes = 50;
+// Nearer than this, three standard deviations, no other place is like the right one.
+constexpr double kCertainM = 0.3;
+const double kCertainRad = geometry::deg_to_rad(10.0);
+
+bool is_blind(const VoxelMap& sweep) {
+  return sweep.select(0).points.size() < kMinPlanes;
+}
+
+bool is_certain(const Matrix6d& covariance) {
+  return 3.0 * std::sqrt(covariance.topLeftCorner<3, 3>().trace()) < kCertainM &&
+         3.0 * std::sqrt(covariance.bottomRightCorner<3, 3>().trace()) < kCertainRad;
+}
+
 std::vector<OrientedPoint> oriented_points(const VoxelGrid& grid) {
   std::vector<OrientedPoint> points;
   points.reserve(grid.voxels().size());
@@ -113,6 +129,10 @@ PoseUpdate Slam6d::add_cloud(SweepCloud cloud) {
     return update;
   }
   VoxelMap sweep = voxelize(cloud, params_.voxels);
+  if (is_blind(sweep)) {
+    keep(update);
+    return update;
+  }
   if (is_better_beginning(sweep)) {
     begin_anew();
     update = tracker_.extrapolate(cloud);
@@ -182,8 +202,10 @@ void Slam6d::classify_place(const VoxelMap& sweep, PoseUpdate& update) {
 
 // A robot that was lost while it maps, kicked or carried away. Odometry tells little of where it
 // is, and walls lie on walls in many places: what contradicts the space that was seen is refused.
+// Where odometry leaves no other place open, people who stand about do not contradict it.
 void Slam6d::recover(VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate& update) {
-  if (update.is_tracked() && localiser_->is_contradicted_at(sweep, update.T_map_base)) {
+  if (update.is_tracked() && !is_certain(tracker_.extrapolate(cloud).covariance) &&
+      localiser_->is_contradicted_at(sweep, update.T_map_base)) {
     tracker_.refuse();
     update = tracker_.extrapolate(cloud);
     update.registration = Registration{};
