@@ -80,4 +80,16 @@ CloudErrors measure_cloud(const std::vector<Eigen::Vector3f>& cloud_map,
   return errors;
 }
 
+RemovalErrors measure_removal(const CloudErrors& before, const CloudErrors& after) {
+  const auto moved = [](const CloudErrors& e) {
+    return e.outlier_share * static_cast<double>(e.n);
+  };
+  const auto part = [](double some, double all) { return all > 0.0 ? some / all : 1.0; };
+  const auto stays = [&moved](const CloudErrors& e) { return static_cast<double>(e.n) - moved(e); };
+  RemovalErrors errors{.static_kept = part(stays(after), stays(before)),
+                       .dynamic_removed = part(moved(before) - moved(after), moved(before))};
+  errors.associated = std::sqrt(errors.static_kept * errors.dynamic_removed);
+  return errors;
+}
+
 }  // namespace nodmap::evaluate

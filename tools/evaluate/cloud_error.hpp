@@ -25,6 +25,18 @@ struct CloudErrors {
   double completeness = 0.0;
 };
 
+/// How well what moved was removed from a cloud, without what stays (Zhang et al., A Dynamic Points
+/// Removal Benchmark in Point Cloud Maps, 2023). What is farther than kOutlierM from every surface
+/// of the world counts as moving.
+struct RemovalErrors {
+  double static_kept = 1.0;      ///< share of the points that stay (SA)
+  double dynamic_removed = 1.0;  ///< share of the points that moved (DA)
+  double associated = 1.0;       ///< geometric mean of both (AA)
+};
+
+/// From the errors of the cloud before and after.
+[[nodiscard]] RemovalErrors measure_removal(const CloudErrors& before, const CloudErrors& after);
+
 /// Measures a cloud, registered in map; all zero for an empty one.
 [[nodiscard]] CloudErrors measure_cloud(const std::vector<Eigen::Vector3f>& cloud_map,
                                         const geometry::SE3& T_world_map, const sim::World& world);

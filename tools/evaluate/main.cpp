@@ -34,6 +34,7 @@ struct Arguments {
   double tolerance_s = 0.05;
   std::string cloud;
   std::string world;
+  std::string unfiltered;
   std::vector<double> start;
   std::string map;
   std::string log;
@@ -114,16 +115,25 @@ void print_cloud(const Arguments& arguments) {
     T_world_map = {arguments.start[0], arguments.start[1],
                    nodmap::geometry::deg_to_rad(arguments.start[2])};
   }
-  const auto errors = evaluate::measure_cloud(nodmap::formats::read_ply(arguments.cloud),
-                                              nodmap::geometry::to_se3(T_world_map), world);
+  const auto measure = [&](const std::string& cloud) {
+    return evaluate::measure_cloud(nodmap::formats::read_ply(cloud),
+                                   nodmap::geometry::to_se3(T_world_map), world);
+  };
+  const auto errors = measure(arguments.cloud);
   if (errors.n == 0) {
     throw std::runtime_error(arguments.cloud + ": contains no points");
   }
-  const nlohmann::ordered_json result = {{"n", errors.n},
-                                         {"rms_m", errors.rms_m},
-                                         {"p95_m", errors.p95_m},
-                                         {"outlier_share", errors.outlier_share},
-                                         {"completeness", errors.completeness}};
+  nlohmann::ordered_json result = {{"n", errors.n},
+                                   {"rms_m", errors.rms_m},
+                                   {"p95_m", errors.p95_m},
+                                   {"outlier_share", errors.outlier_share},
+                                   {"completeness", errors.completeness}};
+  if (!arguments.unfiltered.empty()) {
+    const auto removal = evaluate::measure_removal(measure(arguments.unfiltered), errors);
+    result["static_kept"] = removal.static_kept;
+    result["dynamic_removed"] = removal.dynamic_removed;
+    result["associated_accuracy"] = removal.associated;
+  }
   std::cout << result.dump(2) << "\n";
 }
 
@@ -178,6 +188,8 @@ void add_commands(CLI::App& app, Arguments& arguments) {
       ->add_option("--start", arguments.start,
                    "X Y YAW_DEG: the map's origin in the world; default: the robot's start")
       ->expected(3);
+  cloud->add_option("--unfiltered", arguments.unfiltered,
+                    "The same cloud with all that moved: reports also what was kept and removed");
   cloud->callback([&arguments] { arguments.work = [&] { print_cloud(arguments); }; });
 
   CLI::App* relocalise =

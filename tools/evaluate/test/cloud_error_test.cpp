@@ -112,5 +112,20 @@ TEST(CloudError, CompletenessIsTheShareThatWasSeen) {
   EXPECT_NEAR(errors.completeness, (1.0 + 4.0 * 2.0 / 20.0) / 6.0, 1e-9);
 }
 
+// By hand: of 80 points that stay 76 are kept, of 20 that moved 5.
+TEST(RemovalErrors, SharesOfWhatStaysAndOfWhatMoved) {
+  const RemovalErrors errors =
+      measure_removal({.n = 100, .outlier_share = 0.2}, {.n = 81, .outlier_share = 5.0 / 81.0});
+  EXPECT_NEAR(errors.static_kept, 0.95, 1e-12);
+  EXPECT_NEAR(errors.dynamic_removed, 0.75, 1e-12);
+  EXPECT_NEAR(errors.associated, std::sqrt(0.95 * 0.75), 1e-12);
+}
+
+TEST(RemovalErrors, WhereNothingMovedAllOfItIsRemoved) {
+  const RemovalErrors errors = measure_removal({.n = 10}, {.n = 10});
+  EXPECT_EQ(errors.static_kept, 1.0);
+  EXPECT_EQ(errors.dynamic_removed, 1.0);
+}
+
 }  // namespace cloud_error_test
 }  // namespace nodmap::evaluate
