@@ -353,7 +353,7 @@ void Slam6dNode::write_results(const std::filesystem::path& dir) {
     throw std::system_error(error, dir.string());
   }
   ++maps_saved_;
-  write_cloud(slam_, dir);
+  write_cloud(slam_, params_.cloud, dir);
 }
 
 nlohmann::json Slam6dNode::metrics() const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "common/geometry/angle.hpp"
+#include "modules/slam6d/ever_free_space.hpp"
 #include "modules/slam6d/localiser.hpp"
 #include "modules/slam6d/loop_closer.hpp"
 #include "modules/slam6d/odometry_calibration.hpp"
@@ -67,6 +68,7 @@ struct Slam6dParams {
   LoopParams loop{};
   AdjustmentParams adjustment{};
   LocaliseParams localise{};
+  EverFreeParams cloud{};
   OccupancyParams occupancy{};
 
   template <class Visitor>
@@ -84,6 +86,7 @@ struct Slam6dParams {
     v.section("loop", loop);
     v.section("adjustment", adjustment);
     v.section("localise", localise);
+    v.section("cloud", cloud);
     v.section("occupancy", occupancy);
     describe_renamed(v);
   }

@@ -9,8 +9,9 @@
 
 namespace nodmap::slam6d {
 
-/// Every point of every keyframe as it was measured, in map, with the normal of its surface.
-[[nodiscard]] std::vector<drawing::DrawnPoint> registered_cloud(
-    std::span<const Keyframe> keyframes);
+/// The points of all keyframes as they were measured, in map, with the normals of their surfaces;
+/// without those that moved, if they are to be removed.
+[[nodiscard]] std::vector<drawing::DrawnPoint> registered_cloud(std::span<const Keyframe> keyframes,
+                                                                const EverFreeParams& params);
 
 }  // namespace nodmap::slam6d

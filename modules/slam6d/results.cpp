@@ -114,8 +114,9 @@ void write_trajectories(const Slam6d& slam, const std::filesystem::path& dir) {
   formats::write_tum(dir / "online.tum", online);
 }
 
-void write_cloud(const Slam6d& slam, const std::filesystem::path& dir) {
-  const std::vector<drawing::DrawnPoint> points = registered_cloud(slam.keyframes());
+void write_cloud(const Slam6d& slam, const EverFreeParams& params,
+                 const std::filesystem::path& dir) {
+  const std::vector<drawing::DrawnPoint> points = registered_cloud(slam.keyframes(), params);
   const drawing::HeightRange heights = drawing::height_range(points);
   std::vector<formats::ColouredPoint> coloured;
   coloured.reserve(points.size());
