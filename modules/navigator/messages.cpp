@@ -26,6 +26,17 @@ void add_arc(nodmap::path_t& message, geometry::SE2 T_odom_ahead, const Decision
   }
 }
 
+void add_track(nodmap::tracks_t& message, const Person& person, std::int8_t state) {
+  message.track_id.push_back(person.track_id);
+  message.position_m.push_back({person.position.x(), person.position.y()});
+  message.velocity_mps.push_back({person.velocity.x(), person.velocity.y()});
+  message.radius_m.push_back(person.radius_m);
+  message.position_sigma_m.push_back(person.position_sigma_m);
+  message.velocity_sigma_mps.push_back(person.velocity_sigma_mps);
+  message.state.push_back(state);
+  ++message.num_tracks;
+}
+
 }  // namespace
 
 bool is_plausible(const nodmap::goal_t& message) {
@@ -87,6 +98,18 @@ nodmap::path_t path_message(const std::vector<Eigen::Vector2d>& path_map,
   add_arc(message, T_odom_base, decision);
   message.num_points = static_cast<std::int32_t>(message.x_m.size());
   message.num_arc_points = static_cast<std::int32_t>(message.arc_x_m.size());
+  return message;
+}
+
+nodmap::tracks_t tracks_message(const People& people, const People& newcomers) {
+  nodmap::tracks_t message{};
+  for (const Person& person : people) {
+    add_track(message, person,
+              person.is_in_sight ? nodmap::tracks_t::WALKS : nodmap::tracks_t::OUT_OF_SIGHT);
+  }
+  for (const Person& person : newcomers) {
+    add_track(message, person, nodmap::tracks_t::NEW);
+  }
   return message;
 }
 

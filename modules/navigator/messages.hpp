@@ -7,10 +7,12 @@
 
 #include "common/geometry/se2.hpp"
 #include "modules/navigator/decision.hpp"
+#include "modules/navigator/people/person.hpp"
 #include "nodmap/goal_t.hpp"
 #include "nodmap/navigation_t.hpp"
 #include "nodmap/path_t.hpp"
 #include "nodmap/pose_t.hpp"
+#include "nodmap/tracks_t.hpp"
 
 namespace nodmap::navigator {
 
@@ -42,5 +44,8 @@ struct GoalInMap {
                                           const geometry::SE2& T_odom_map,
                                           const geometry::SE2& T_odom_base,
                                           const Decision& decision);
+
+/// Everybody in odom: those who walk, and those who have just come into view.
+[[nodiscard]] nodmap::tracks_t tracks_message(const People& people, const People& newcomers);
 
 }  // namespace nodmap::navigator

@@ -58,6 +58,9 @@ class Navigator {
     return params_.planner.use ? goal_drive_.path_map(T_map_base) : std::nullopt;
   }
 
+  /// Those whom it gives way to, for people to see.
+  [[nodiscard]] const PeopleTracker& people() const { return people_; }
+
   /// Stops. What was seen so far may have changed when the robot drives again: it is forgotten.
   [[nodiscard]] Decision halt(Reason reason);
 

@@ -31,6 +31,9 @@ constexpr time::Duration kFencePose = 2s;
 /// No sweep is shorter: 15 scans. A gap in the scans no longer than this is driven through slowly.
 constexpr double kShortGapS = 0.2;
 
+/// From one PATH to the next, and from one TRACKS to the next.
+constexpr time::Duration kDisplayPeriod = 100ms;
+
 bool is_time(time::Timestamp stamp) {
   return stamp >= time::Timestamp{} && stamp < kLatestStamp;
 }
@@ -333,9 +336,8 @@ double NavigatorNode::max_forward_mps() const {
 }
 
 void NavigatorNode::publish_path(const Decision& decision) {
-  constexpr time::Duration kPeriod = 100ms;
-  const bool is_old =
-      !path_stamp_ || std::chrono::abs(time::from_utime(drive_.utime) - *path_stamp_) >= kPeriod;
+  const bool is_old = !path_stamp_ || std::chrono::abs(time::from_utime(drive_.utime) -
+                                                       *path_stamp_) >= kDisplayPeriod;
   if (!odometry_ || (goal_ ? !is_old : !path_stamp_)) {
     return;
   }
@@ -354,6 +356,26 @@ void NavigatorNode::publish_path(const Decision& decision) {
   }
   message.utime = drive_.utime;
   context_.bus.publish("PATH", message);
+}
+
+/// While there is anybody, and once when there is nobody any more.
+void NavigatorNode::publish_tracks() {
+  const time::Timestamp stamp = time::from_utime(drive_.utime);
+  const bool is_due = !tracks_stamp_ || std::chrono::abs(stamp - *tracks_stamp_) >= kDisplayPeriod;
+  if (!is_due) {
+    return;
+  }
+  nodmap::tracks_t message = tracks_message(navigator_.people().people_odom(stamp),
+                                            navigator_.people().newcomers_odom(stamp));
+  if (message.num_tracks == 0 && !tracks_stamp_) {
+    return;
+  }
+  tracks_stamp_.reset();
+  if (message.num_tracks > 0) {
+    tracks_stamp_ = stamp;
+  }
+  message.utime = drive_.utime;
+  context_.bus.publish("TRACKS", message);
 }
 
 void NavigatorNode::publish(const Decision& decision) {
@@ -379,6 +401,7 @@ void NavigatorNode::publish(const Decision& decision) {
   context_.bus.publish("NAVIGATION", navigation_);
 
   publish_path(decision);
+  publish_tracks();
   ++decisions_[static_cast<std::size_t>(decision.behaviour)];
   inhibit_reason_.reset();
   if (decision.behaviour == Behaviour::kHalt) {

@@ -63,8 +63,9 @@ People in_base(People people, const geometry::SE2& T_odom_base) {
 
 }  // namespace
 
-Track::Track(time::Timestamp stamp, const Detection& detection)
-    : radius_m_(detection.radius_m),
+Track::Track(time::Timestamp stamp, const Detection& detection, std::int64_t id)
+    : id_(id),
+      radius_m_(detection.radius_m),
       stamp_(stamp),
       first_seen_(stamp),
       seen_at_(stamp),
@@ -137,7 +138,8 @@ Person Track::person() const {
           radius_m_,
           hidden_at_ > seen_at_ ? std::min(kMostUnseenSigmaM, sigma_m) : sigma_m,
           worse_sigma(covariance_.bottomRightCorner<2, 2>()),
-          stamp_ - seen_at_ < kInSight};
+          stamp_ - seen_at_ < kInSight,
+          id_};
 }
 
 void Track::turn_round() {
@@ -176,7 +178,7 @@ void PeopleTracker::associate(const std::vector<Detection>& detections, time::Ti
     if (nearest != nullptr) {
       nearest->update(detection);
     } else {
-      tracks_.emplace_back(stamp, detection);
+      tracks_.emplace_back(stamp, detection, next_id_++);
     }
   }
 }
@@ -259,9 +261,13 @@ People PeopleTracker::people_base(time::Timestamp stamp, const geometry::SE2& T_
   return in_base(people_odom(stamp), T_odom_base);
 }
 
+People PeopleTracker::newcomers_odom(time::Timestamp stamp) const {
+  return select(stamp, [](const Track& track) { return track.is_new(); });
+}
+
 People PeopleTracker::newcomers_base(time::Timestamp stamp,
                                      const geometry::SE2& T_odom_base) const {
-  return in_base(select(stamp, [](const Track& track) { return track.is_new(); }), T_odom_base);
+  return in_base(newcomers_odom(stamp), T_odom_base);
 }
 
 }  // namespace nodmap::navigator

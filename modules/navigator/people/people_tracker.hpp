@@ -28,7 +28,7 @@ class Track {
   /// Before it is known: people walk at 1.4 m/s and less, in any direction.
   static constexpr double kVelocitySigmaMps = 1.0;
 
-  Track(time::Timestamp stamp, const Detection& detection);
+  Track(time::Timestamp stamp, const Detection& detection, std::int64_t id = 0);
 
   void predict(time::Timestamp stamp);
   /// After predict() to the time of the detection.
@@ -58,6 +58,7 @@ class Track {
  private:
   [[nodiscard]] bool has_legs() const;
 
+  std::int64_t id_;
   Eigen::Vector4d state_;  // position, velocity; odom
   Eigen::Matrix4d covariance_;
   double radius_m_;
@@ -95,7 +96,10 @@ class PeopleTracker {
   /// The same in the axes of base now.
   [[nodiscard]] People people_base(time::Timestamp stamp, const geometry::SE2& T_odom_base) const;
 
-  /// Those who have come into view a moment ago, in base: space was free where they are.
+  /// Those who have come into view a moment ago: space was free where they are. In odom.
+  [[nodiscard]] People newcomers_odom(time::Timestamp stamp) const;
+
+  /// The same in the axes of base now.
   [[nodiscard]] People newcomers_base(time::Timestamp stamp,
                                       const geometry::SE2& T_odom_base) const;
 
@@ -110,6 +114,7 @@ class PeopleTracker {
 
   MotionDetector detector_;
   std::vector<Track> tracks_;
+  std::int64_t next_id_ = 0;
   std::vector<bool> is_walker_;
 };
 

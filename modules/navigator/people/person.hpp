@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <vector>
 
 namespace nodmap::navigator {
@@ -15,6 +16,7 @@ struct Person {
   double position_sigma_m = 0.0;    ///< standard deviation, of the worse direction
   double velocity_sigma_mps = 0.0;  ///< likewise
   bool is_in_sight = true;          ///< else his place is not measured but guessed
+  std::int64_t track_id = 0;
 
   [[nodiscard]] Eigen::Vector2d position_after(double seconds) const {
     return position + seconds * velocity;

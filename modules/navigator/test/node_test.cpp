@@ -11,6 +11,7 @@
 
 #include "common/node/messages.hpp"
 #include "modules/navigator/local_map/test/scanned_ground.hpp"
+#include "modules/navigator/people/test/walking_scene.hpp"
 #include "tests/support/memory_bus.hpp"
 
 namespace nodmap::navigator {
@@ -193,8 +194,9 @@ class NavigatorNodeScans : public NavigatorNodeTest {
   NavigatorNodeScans() : NavigatorNodeTest(true) {}
 
   /// A scan of flat ground whose middle is at the next tick, then that tick.
-  void tick_with_scan() {
-    auto scan = test::scan_of({}, {}, geometry::deg_to_rad(-20.0));
+  void tick_with_scan() { tick_with(test::scan_of({}, {}, geometry::deg_to_rad(-20.0))); }
+
+  void tick_with(scan::Scan scan) {
     scan.stamp = time::from_utime(now_us_) + 10ms - scan.duration / 2;
     scan.seq = scan_seq_++;
     tick();
@@ -244,6 +246,26 @@ TEST_F(NavigatorNodeScans, ThePathToAGoalIsPublishedUntilThereIsNone) {
   tick_with_scan();
   tick();
   EXPECT_EQ(bus_.last<nodmap::path_t>("PATH").state, nodmap::path_t::NO_GOAL);
+}
+
+// Somebody crosses 2.2 m ahead, out of the room. His track lies on him, to the tolerances of
+// PeopleTracker's own test, and a message without anybody ends it.
+TEST_F(NavigatorNodeScans, TracksArePublishedUntilThereIsNobody) {
+  std::int64_t num_on_him = 0;
+  test::WalkingScene scene{{{}}, 8.0};
+  for (double time_s = 0.0; time_s < 15.0; time_s += 0.01) {
+    scene.pillars[0].center = {2.2, time_s - 4.0};
+    tick_with(scene.scan({}, {}, test::nodding_pitch_rad(time_s)));
+    const bool is_in_view = time_s > 3.3 && time_s < 5.0;
+    const auto tracks = is_in_view ? bus_.last<nodmap::tracks_t>("TRACKS") : nodmap::tracks_t{};
+    if (tracks.num_tracks == 1 && tracks.state[0] == nodmap::tracks_t::WALKS) {
+      ++num_on_him;
+      EXPECT_NEAR(tracks.position_m[0][0], 2.2, 0.25);
+      EXPECT_NEAR(tracks.velocity_mps[0][1], 1.0, 0.5);
+    }
+  }
+  EXPECT_GT(num_on_him, 120);
+  EXPECT_EQ(bus_.last<nodmap::tracks_t>("TRACKS").num_tracks, 0);
 }
 
 /// May not leave a square of 8 m.

@@ -257,6 +257,11 @@ void Feed::subscribe_maps(bus::Bus& bus) {
         counts_.use();
         post(path, node::stamp_of(message), [message] { return path_scene(message); });
       });
+  subscribe<nodmap::tracks_t>(
+      bus, "TRACKS", [this, tracks = add_scene_topic("tracks")](const auto& message) {
+        counts_.use();
+        post(tracks, node::stamp_of(message), [message] { return tracks_scene(message); });
+      });
   subscribe<nodmap::exploration_t>(
       bus, "EXPLORATION",
       [this, post_fields = add_fields_topic<nodmap::exploration_t>("EXPLORATION"),

@@ -21,6 +21,8 @@ constexpr Color kPathColor{0.1, 0.8, 0.3, 0.9};
 constexpr Color kArcColor{1.0, 0.85, 0.2, 1.0};
 constexpr Color kTextColor{1.0, 1.0, 1.0, 1.0};
 constexpr Color kAreaColor{0.3, 0.7, 1.0, 0.8};
+constexpr Color kTrackColor{1.0, 0.55, 0.1, 1.0};
+constexpr Color kGuessedTrackColor{1.0, 0.55, 0.1, 0.45};
 constexpr Color kFrontierColor{1.0, 0.3, 0.9, 0.9};
 constexpr Color kTourColor{0.75, 0.55, 1.0, 0.9};
 constexpr Color kGraphColor{0.37, 0.7, 1.0, 0.8};
@@ -219,6 +221,32 @@ Json path_scene(const nodmap::path_t& path) {
   Json json = entity(time::from_utime(path.utime), frames::kOdom, "path");
   json["lines"] = Json::array({lines(kLineStrip, points(path.x_m, path.y_m), kPathColor),
                                lines(kLineStrip, points(path.arc_x_m, path.arc_y_m), kArcColor)});
+  return one(std::move(json));
+}
+
+Json tracks_scene(const nodmap::tracks_t& tracks) {
+  const time::Timestamp stamp = time::from_utime(tracks.utime);
+  if (tracks.num_tracks == 0) {
+    return update(Json::array(), Json::array({deletion(stamp, "tracks")}));
+  }
+  static constexpr double kHeightM = 0.06;
+  static constexpr double kAheadS = 1.0;
+  static constexpr int kCorners = 16;
+  Json json = entity(stamp, frames::kOdom, "tracks");
+  for (std::size_t i = 0; i < tracks.position_m.size(); ++i) {
+    const Eigen::Vector3d center(tracks.position_m[i][0], tracks.position_m[i][1], kHeightM);
+    const Eigen::Vector3d velocity(tracks.velocity_mps[i][0], tracks.velocity_mps[i][1], 0.0);
+    const Color& color =
+        tracks.state[i] == nodmap::tracks_t::WALKS ? kTrackColor : kGuessedTrackColor;
+    std::vector<Eigen::Vector3d> ring;
+    for (int corner = 0; corner <= kCorners; ++corner) {
+      const double angle_rad = 2.0 * geometry::kPi * corner / kCorners;
+      ring.emplace_back(center + tracks.radius_m[i] * Eigen::Vector3d(std::cos(angle_rad),
+                                                                      std::sin(angle_rad), 0.0));
+    }
+    json["lines"].push_back(lines(kLineStrip, ring, color));
+    json["lines"].push_back(lines(kLineStrip, {center, center + kAheadS * velocity}, color));
+  }
   return one(std::move(json));
 }
 

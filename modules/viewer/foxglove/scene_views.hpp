@@ -11,6 +11,7 @@
 #include "nodmap/pitch_command_t.hpp"
 #include "nodmap/pose_graph_6d_t.hpp"
 #include "nodmap/pose_graph_t.hpp"
+#include "nodmap/tracks_t.hpp"
 #include "nodmap/truth_t.hpp"
 
 namespace nodmap::foxglove {
@@ -39,6 +40,10 @@ struct Body {
 
 /// Draws the path to the goal and the present arc; nothing without a goal.
 [[nodiscard]] Json path_scene(const nodmap::path_t& path);
+
+/// Draws each person whom the navigator tracks, in odom: a ring on the ground and the path of the
+/// next second, paler if out of sight or new. Deletes the drawing if there is nobody.
+[[nodiscard]] Json tracks_scene(const nodmap::tracks_t& tracks);
 
 /// Draws the frontiers, the viewpoints with their gains, and the tour, in map; nothing if there is
 /// no exploration.

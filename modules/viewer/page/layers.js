@@ -148,6 +148,7 @@ export function makeLayers(frames, software) {
     ["trail/6d", {name: "6D SLAM trail", swatch: "#ffe082", layer: layer(drawTrail(0xffe082))}],
     ["keyframes", {name: "keyframes", swatch: "radial-gradient(circle, #ffe082 45%, transparent 50%)", layer: new KeyframeLayer(frames, cloud.cloud)}],
     ["scene/path", {name: "path", swatch: "#1acc4d", layer: entities()}],
+    ["scene/tracks", {name: "tracks of people", swatch: "#ff8c1a", layer: entities()}],
     ["scene/exploration", {name: "exploration", swatch: "linear-gradient(to right, #ff4de6 50%, #bf8cff 50%)", layer: entities()}],
     ["scene/pose_graph", {name: "pose graph", swatch: "linear-gradient(to right, #5fb3ff 50%, #66e680 50%)", layer: entities(), off: true}],
     ["scene/pose_graph_6d", {name: "6D pose graph", swatch: "linear-gradient(to right, #5fb3ff 50%, #66e680 50%)", layer: entities(), off: true}],

@@ -163,6 +163,7 @@ TEST_F(FeedTest, TheRestOfTheChannels) {
   send("NAVIGATION", robot::navigation_at(0.0));
   send("GOAL", robot::goal());
   send("PATH", robot::path());
+  send("TRACKS", robot::tracks());
   send("EXPLORATION", robot::exploration());
   send("POSE_GRAPH", robot::pose_graph());
   send("POSE_GRAPH_6D", robot::pose_graph_6d());
@@ -180,6 +181,7 @@ TEST_F(FeedTest, TheRestOfTheChannels) {
   EXPECT_EQ(newest("scene/area_of_interest")["entities"].size(), 1U);
   EXPECT_EQ(newest("scene/goal")["entities"].size(), 1U);
   EXPECT_EQ(newest("scene/path")["entities"].size(), 1U);
+  EXPECT_EQ(newest("scene/tracks")["entities"].size(), 1U);
   EXPECT_EQ(newest("EXPLORATION")["state_name"], "EXPLORING");
   EXPECT_EQ(newest("scene/exploration")["entities"].size(), 1U);
   EXPECT_EQ(newest("scene/pose_graph")["entities"].size(), 1U);

@@ -81,6 +81,7 @@ void note_scan_channels(std::vector<Event>& events, double duration_s) {
 void note_slow_channels(std::vector<Event>& events, const RobotLog& settings) {
   note(events, "GOAL", goal());
   note(events, "PATH", path());
+  note(events, "TRACKS", tracks());
   note(events, "EXPLORATION", exploration());
   note(events, "POSE_GRAPH", pose_graph());
   nodmap::pose_graph_6d_t graph = pose_graph_6d();
@@ -288,6 +289,20 @@ nodmap::path_t path() {
   message.arc_x_m = {0.0, 0.8};
   message.arc_y_m = {0.0, 0.1};
   message.state = nodmap::path_t::PLANNED;
+  return message;
+}
+
+nodmap::tracks_t tracks() {
+  nodmap::tracks_t message{};
+  message.utime = kBeginUs;
+  message.num_tracks = 2;
+  message.track_id = {3, 1};
+  message.position_m = {{2.0, 1.0}, {-1.0, 0.0}};
+  message.velocity_mps = {{-1.0, 0.0}, {0.0, 0.5}};
+  message.radius_m = {0.25, 0.2};
+  message.position_sigma_m = {0.05, 0.4};
+  message.velocity_sigma_mps = {0.2, 0.5};
+  message.state = {nodmap::tracks_t::WALKS, nodmap::tracks_t::OUT_OF_SIGHT};
   return message;
 }
 

@@ -26,6 +26,7 @@
 #include "nodmap/scan_t.hpp"
 #include "nodmap/status_t.hpp"
 #include "nodmap/stop_t.hpp"
+#include "nodmap/tracks_t.hpp"
 #include "nodmap/truth_t.hpp"
 #include "procman_lcm/deputy_info_t.hpp"
 
@@ -46,6 +47,8 @@ inline constexpr std::int64_t kBeginUs = 1'700'000'000'000'000;
 [[nodiscard]] nodmap::truth_t truth_at(double time_s);
 [[nodiscard]] nodmap::goal_t goal();
 [[nodiscard]] nodmap::path_t path();
+/// Somebody who walks, and somebody out of sight.
+[[nodiscard]] nodmap::tracks_t tracks();
 [[nodiscard]] nodmap::exploration_t exploration();
 [[nodiscard]] nodmap::pose_graph_t pose_graph();
 /// With two keyframes; the first is that of keyframe_at(0.0, 0), moved two metres ahead.

@@ -267,6 +267,22 @@ TEST(Scene, APathGoesWithTheGoal) {
   EXPECT_EQ(path_scene(path)["deletions"][0]["id"], "path");
 }
 
+TEST(Scene, EachTrackIsARingAndTheWayOfItsNextSecond) {
+  nodmap::tracks_t tracks = foxglove::test::tracks();
+  const Json entity = tracks_scene(tracks)["entities"][0];
+  EXPECT_EQ(entity["frame_id"], "odom");
+  ASSERT_EQ(entity["lines"].size(), 4U);
+  for (const Json& p : entity["lines"][0]["points"]) {
+    EXPECT_NEAR(std::hypot(p["x"].get<double>() - 2.0, p["y"].get<double>() - 1.0), 0.25, 1e-12);
+  }
+  EXPECT_EQ(entity["lines"][1]["points"][1]["x"], 1.0);
+  EXPECT_EQ(entity["lines"][3]["points"][1]["y"], 0.5);
+  EXPECT_LT(entity["lines"][2]["color"]["a"], entity["lines"][0]["color"]["a"]);  // out of sight
+  tracks = {};
+  EXPECT_TRUE(tracks_scene(tracks)["entities"].empty());
+  EXPECT_EQ(tracks_scene(tracks)["deletions"][0]["id"], "tracks");
+}
+
 TEST(Scene, AnExplorationShowsFrontiersAndTourUntilItEnds) {
   nodmap::exploration_t exploration = foxglove::test::exploration();
   const Json entity = exploration_scene(exploration)["entities"][0];
@@ -369,6 +385,8 @@ TEST(Schemas, DescribeWhatIsSent) {
   fits("foxglove.SceneUpdate", goal_scene(robot::goal()));
   fits("foxglove.SceneUpdate", goal_scene(nodmap::goal_t{}));
   fits("foxglove.SceneUpdate", path_scene(robot::path()));
+  fits("foxglove.SceneUpdate", tracks_scene(robot::tracks()));
+  fits("foxglove.SceneUpdate", tracks_scene(nodmap::tracks_t{}));
   fits("foxglove.SceneUpdate", exploration_scene(robot::exploration()));
   fits("foxglove.SceneUpdate", pose_graph_scene(robot::pose_graph()));
   fits("foxglove.SceneUpdate", pose_graph_6d_scene(robot::pose_graph_6d()));
