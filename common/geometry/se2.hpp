@@ -41,4 +41,9 @@ struct SE2 {
   return {p.x(), p.y(), normalize_angle(T_a_b.yaw + T_b_c.yaw)};
 }
 
+/// Between the origins of two poses, m.
+[[nodiscard]] inline double distance_m(const SE2& a, const SE2& b) {
+  return std::hypot(a.x - b.x, a.y - b.y);
+}
+
 }  // namespace nodmap::geometry

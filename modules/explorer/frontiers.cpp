@@ -10,12 +10,12 @@ namespace {
 /// How far frontier cells may be beyond the cells that the robot's centre can reach, because the
 /// laser sees farther than the body fits.
 constexpr double kBesideReachM = 0.4;
-constexpr int kBlockCells = 4;
+constexpr int kFrontierBlockCells = 4;
 
-const std::array<Cell, 4> kNeighbours{Cell(1, 0), Cell(-1, 0), Cell(0, 1), Cell(0, -1)};
+const std::array<Cell, 4> kSides{Cell(1, 0), Cell(-1, 0), Cell(0, 1), Cell(0, -1)};
 
 bool is_at_unknown(const PlanningGrid& grid, const Cell& cell) {
-  for (const Cell& offset : kNeighbours) {
+  for (const Cell& offset : kSides) {
     if (grid.ground_at(cell + offset) == Ground::kUnknown) {
       return true;
     }
@@ -24,7 +24,8 @@ bool is_at_unknown(const PlanningGrid& grid, const Cell& cell) {
 }
 
 int block_of(int index) {
-  return index >= 0 ? index / kBlockCells : -((kBlockCells - 1 - index) / kBlockCells);
+  return index >= 0 ? index / kFrontierBlockCells
+                    : -((kFrontierBlockCells - 1 - index) / kFrontierBlockCells);
 }
 
 }  // namespace
@@ -47,7 +48,7 @@ void Frontiers::spread(const PlanningGrid& grid, const std::vector<Cell>& from, 
   std::vector<Cell> next;
   for (int step = 0; step < max_steps && !front.empty(); ++step) {
     for (const Cell& cell : front) {
-      for (const Cell& offset : kNeighbours) {
+      for (const Cell& offset : kSides) {
         const Cell neighbour = cell + offset;
         if (grid.ground_at(neighbour) == Ground::kFree && visited_.at(neighbour) != num_spreads_) {
           visited_.at(neighbour) = num_spreads_;
@@ -76,7 +77,8 @@ std::vector<Cell> Frontiers::lookouts(const PlanningGrid& grid, const ShortestPa
   Raster<std::uint8_t> taken;
   const Raster<Ground>& ground = grid.ground();
   taken.reset({block_of(ground.first().x()), block_of(ground.first().y())},
-              ground.width() / kBlockCells + 2, ground.height() / kBlockCells + 2, 0);
+              ground.width() / kFrontierBlockCells + 2, ground.height() / kFrontierBlockCells + 2,
+              0);
   std::vector<Cell> lookouts;
   for (const Cell& cell : paths.cells()) {
     const Cell block(block_of(cell.x()), block_of(cell.y()));

@@ -12,7 +12,7 @@ namespace nodmap::navigator {
 namespace {
 
 /// Nearer by less is noise of the laser and of odometry in a turn: 1 to 2 cm each.
-constexpr double kNearerM = 0.06;
+constexpr double kApproachM = 0.06;
 constexpr time::Duration kWait = 1s;
 /// From a reference point so far behind the robot everything is still seen from about the same
 /// side.
@@ -85,7 +85,7 @@ void Approach::compare(const Sectors& now, time::Timestamp stamp, double reach_m
     // A pole on the border of two sectors may appear in either.
     const double nearest_known_m = std::min({known_m(-1), known_m(0), known_m(1)});
     const bool is_nearer =
-        there.distance_m < nearest_known_m - kNearerM && there.p_base.norm() < reach_m;
+        there.distance_m < nearest_known_m - kApproachM && there.p_base.norm() < reach_m;
     if (is_nearer && seen.is_seen(std::atan2(there.p_base.y(), there.p_base.x()), sweeps_) &&
         (local_map == nullptr || has_come(T_odom_base * there.p_base, *local_map))) {
       detected_at_ = stamp;

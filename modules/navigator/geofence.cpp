@@ -19,9 +19,9 @@ namespace {
 namespace bg = boost::geometry;
 using Corner = bg::model::d2::point_xy<double>;
 
-constexpr double kSpacingM = 0.02;
+constexpr double kPointSpacingM = 0.02;
 /// Poses farther out are refused as well, see node::read_pose.
-constexpr double kFarthestM = 1e6;
+constexpr double kFarthestCornerM = 1e6;
 
 /// The points of one edge within a circle; its end is the next one's beginning.
 void append_edge(const Eigen::Vector2d& from, const Eigen::Vector2d& to,
@@ -38,9 +38,9 @@ void append_edge(const Eigen::Vector2d& from, const Eigen::Vector2d& to,
   }
   const double half_m = std::sqrt(radius_m * radius_m - aside_m * aside_m);
   // The same places of the edge each time: the boundary does not move with the robot.
-  const double first = std::ceil(std::max(0.0, along_m - half_m) / kSpacingM);
-  for (double i = first; i * kSpacingM < std::min(length_m, along_m + half_m); ++i) {
-    points.emplace_back(from + i * kSpacingM * direction);
+  const double first = std::ceil(std::max(0.0, along_m - half_m) / kPointSpacingM);
+  for (double i = first; i * kPointSpacingM < std::min(length_m, along_m + half_m); ++i) {
+    points.emplace_back(from + i * kPointSpacingM * direction);
   }
 }
 
@@ -59,7 +59,7 @@ Geofence::Geofence(const std::string& wkt) {
   }
   bg::correct(shape);
   bg::for_each_point(shape, [&](const Corner& corner) {
-    if (!(std::hypot(corner.x(), corner.y()) <= kFarthestM)) {
+    if (!(std::hypot(corner.x(), corner.y()) <= kFarthestCornerM)) {
       throw params::ParamError(where + "a corner is farther than 1000 km from the origin");
     }
   });

@@ -14,16 +14,12 @@ namespace {
 constexpr std::size_t kNeighbours = 3;  // submaps that a keyframe is matched against
 constexpr int kIterations = 20;
 
-double distance(const geometry::SE2& a, const geometry::SE2& b) {
-  return std::hypot(a.x - b.x, a.y - b.y);
-}
-
 /// The match as an edge from the nearest keyframe of the submap: what lies between may bend.
 PoseEdge2d edge_to_nearest(const Submap& submap, const Loop& loop, std::size_t keyframe) {
   std::size_t nearest = submap.first_keyframe;
   for (std::size_t k = nearest; k < submap.end_keyframe(); ++k) {
-    if (distance(submap.pose_of(k), loop.T_submap_keyframe) <
-        distance(submap.pose_of(nearest), loop.T_submap_keyframe)) {
+    if (geometry::distance_m(submap.pose_of(k), loop.T_submap_keyframe) <
+        geometry::distance_m(submap.pose_of(nearest), loop.T_submap_keyframe)) {
       nearest = k;
     }
   }

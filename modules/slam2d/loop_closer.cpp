@@ -16,10 +16,6 @@ constexpr double kTrackDistanceM = 0.5;
 constexpr double kTrackRotationRad = 0.15;
 constexpr double kTrackReachM = 0.4;
 
-double distance(const geometry::SE2& a, const geometry::SE2& b) {
-  return std::hypot(a.x - b.x, a.y - b.y);
-}
-
 double rotation_between(const geometry::SE2& a, const geometry::SE2& b) {
   return std::abs(geometry::angle_difference(a.yaw, b.yaw));
 }
@@ -44,7 +40,7 @@ LoopAttempt LoopCloser::attempt(const Match& match, const geometry::SE2& T_subma
   attempt.loop.information = match.information;
   if (match.found() && match.inlier_ratio >= min_inlier_ratio &&
       match.score >= params_.match.min_score * match.inlier_ratio &&
-      distance(match.T_map_base, T_submap_base_start) <= kTrackDistanceM &&
+      geometry::distance_m(match.T_map_base, T_submap_base_start) <= kTrackDistanceM &&
       rotation_between(match.T_map_base, T_submap_base_start) <= kTrackRotationRad) {
     attempt.state = LoopState::kAccepted;
   }
@@ -130,9 +126,10 @@ std::vector<Loop> LoopCloser::add_pending(const Loop& loop, std::span<const Subm
   std::set<std::size_t> against;
   const geometry::SE2 here = consequence(loop);
   for (const Loop& other : pending_) {
-    const double distance_m = distance(keyframes[other.keyframe].T_map_base, T_map_last);
+    const double distance_m =
+        geometry::distance_m(keyframes[other.keyframe].T_map_base, T_map_last);
     const geometry::SE2 there = consequence(other);
-    if (distance(here, there) < params.max_distance_m + 0.02 * distance_m &&
+    if (geometry::distance_m(here, there) < params.max_distance_m + 0.02 * distance_m &&
         rotation_between(here, there) < params.max_rotation_rad) {
       if (other.is_contradicted) {
         against.insert(other.keyframe);

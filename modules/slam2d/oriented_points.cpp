@@ -12,7 +12,7 @@ constexpr double kNeighbourRadiusM = 0.3;
 constexpr std::size_t kMaxNeighbours = 8;
 
 /// Sums over a point and its neighbours, relative to the point.
-struct Neighbourhood {
+struct NeighbourSums {
   double n = 1.0;  // the point itself
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
   Eigen::Matrix2d outer = Eigen::Matrix2d::Zero();
@@ -53,18 +53,18 @@ std::vector<OrientedPoint> transformed(const geometry::SE2& T_a_b,
 Eigen::Vector2d estimate_normal(std::span<const Eigen::Vector2d> points, std::size_t index,
                                 const Eigen::Vector2d& sensor_origin) {
   const Eigen::Vector2d& middle = points[index];
-  Neighbourhood neighbourhood;
+  NeighbourSums sums;
   const std::size_t end = std::min(points.size(), index + 1 + kMaxNeighbours);
-  for (std::size_t i = index + 1; i < end && neighbourhood.add(points[i] - middle); ++i) {
+  for (std::size_t i = index + 1; i < end && sums.add(points[i] - middle); ++i) {
   }
   const std::size_t begin = index > kMaxNeighbours ? index - kMaxNeighbours : 0;
-  for (std::size_t i = index; i > begin && neighbourhood.add(points[i - 1] - middle); --i) {
+  for (std::size_t i = index; i > begin && sums.add(points[i - 1] - middle); --i) {
   }
-  if (neighbourhood.n < 3.0) {
+  if (sums.n < 3.0) {
     return Eigen::Vector2d::Zero();
   }
-  const Eigen::Vector2d mean = neighbourhood.sum / neighbourhood.n;
-  const Eigen::Matrix2d scatter = neighbourhood.outer / neighbourhood.n - mean * mean.transpose();
+  const Eigen::Vector2d mean = sums.sum / sums.n;
+  const Eigen::Matrix2d scatter = sums.outer / sums.n - mean * mean.transpose();
   const double angle = 0.5 * std::atan2(2.0 * scatter(0, 1), scatter(0, 0) - scatter(1, 1));
   const Eigen::Vector2d normal(-std::sin(angle), std::cos(angle));
   return normal.dot(sensor_origin - middle) < 0.0 ? Eigen::Vector2d(-normal) : normal;

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kCellSizeM = 0.25;
 // Where a search begins: mostly there is a point this near. It goes on this many times as far.
-constexpr double kNearM = 0.125;
+constexpr double kFirstReachM = 0.125;
 constexpr double kReachGrowth = 2.0;
 constexpr double kMinNormalCosine = 0.5;   // 60 degrees
 constexpr double kMaxLineThickness = 0.3;  // width over length
@@ -275,7 +275,7 @@ void PointMap::search_within(double reach_m, Search& search) const {
 }
 
 const MapPoint* PointMap::nearest(const OrientedPoint& point, double max_distance_m) const {
-  for (double reach_m = std::min(kNearM, max_distance_m);;
+  for (double reach_m = std::min(kFirstReachM, max_distance_m);;
        reach_m = std::min(kReachGrowth * reach_m, max_distance_m)) {
     const double reach_m2 = reach_m * reach_m;
     Search search{.point = point, .nearest_m2 = reach_m2, .limit_m2 = reach_m2};
@@ -289,7 +289,7 @@ const MapPoint* PointMap::nearest(const OrientedPoint& point, double max_distanc
 void PointMap::look_around(const OrientedPoint& point, double max_distance_m,
                            Neighbourhood& around) const {
   around.place = point;
-  for (double reach_m = std::min(kNearM, max_distance_m);;
+  for (double reach_m = std::min(kFirstReachM, max_distance_m);;
        reach_m = std::min(kReachGrowth * reach_m, max_distance_m)) {
     const double reach_m2 = reach_m * reach_m;
     around.num_known = 0;

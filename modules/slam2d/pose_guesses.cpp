@@ -28,10 +28,6 @@ constexpr double kMaxSlipRadPerM = kMaxSlipRatio / 0.4;
 constexpr double kSameM = 0.12;
 constexpr double kSameRad = 0.12;
 
-double distance_m(const geometry::SE2& a, const geometry::SE2& b) {
-  return std::hypot(a.x - b.x, a.y - b.y);
-}
-
 double rotation_rad(const geometry::SE2& a, const geometry::SE2& b) {
   return std::abs(geometry::angle_difference(a.yaw, b.yaw));
 }

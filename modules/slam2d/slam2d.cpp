@@ -20,10 +20,6 @@ constexpr std::size_t kMaxPlaces = 8;  // more mean that the scan tells nothing
 // People pass. What has changed for longer is the place itself: the robot was carried.
 constexpr time::Duration kMaxHidden = 1s;
 
-double distance_m(const geometry::SE2& a, const geometry::SE2& b) {
-  return std::hypot(a.x - b.x, a.y - b.y);
-}
-
 }  // namespace
 
 Slam2d::Slam2d(const Slam2dParams& params)

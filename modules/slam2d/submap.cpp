@@ -9,12 +9,12 @@ namespace nodmap::slam2d {
 namespace {
 
 // A scan from here shows nearly the same.
-constexpr double kSamePlaceM = 0.75;
-constexpr double kSamePlaceRad = geometry::deg_to_rad(30.0);
+constexpr double kOnePlaceM = 0.75;
+constexpr double kOnePlaceRad = geometry::deg_to_rad(30.0);
 
 bool is_same_place(const geometry::SE2& a, const geometry::SE2& b) {
-  return (a.translation() - b.translation()).squaredNorm() <= kSamePlaceM * kSamePlaceM &&
-         std::abs(geometry::angle_difference(a.yaw, b.yaw)) <= kSamePlaceRad;
+  return (a.translation() - b.translation()).squaredNorm() <= kOnePlaceM * kOnePlaceM &&
+         std::abs(geometry::angle_difference(a.yaw, b.yaw)) <= kOnePlaceRad;
 }
 
 /// Whether a keyframe has at least `num_newer` newer ones at its place.

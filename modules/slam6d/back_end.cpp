@@ -12,7 +12,6 @@ namespace {
 
 using geometry::SE3;
 
-constexpr double kSigmas = 3.0;
 // Voxels are exchanged with the old map when there are so many keyframes to be exchanged, or one
 // that is within reach of the scanner.
 constexpr std::ptrdiff_t kExchangedAtOnce = 10;
@@ -27,8 +26,8 @@ double distance(const SE3& a, const SE3& b) {
 }
 
 bool is_certain(const Matrix6d& covariance, const LoopParams& params) {
-  return kSigmas * std::sqrt(covariance.diagonal().head<3>().maxCoeff()) < params.certain_m &&
-         kSigmas * std::sqrt(covariance.diagonal().tail<3>().maxCoeff()) < params.certain_rad;
+  return kReachSigmas * std::sqrt(covariance.diagonal().head<3>().maxCoeff()) < params.certain_m &&
+         kReachSigmas * std::sqrt(covariance.diagonal().tail<3>().maxCoeff()) < params.certain_rad;
 }
 
 }  // namespace
@@ -179,7 +178,7 @@ std::optional<std::size_t> BackEnd::nearest_keyframe(bool is_old) const {
       continue;
     }
     const auto variance = uncertainty_[k].diagonal();
-    const double drift_m = kSigmas * std::sqrt(std::max(variance[0], variance[1]));
+    const double drift_m = kReachSigmas * std::sqrt(std::max(variance[0], variance[1]));
     if (distance_m < params_.max_distance_m + std::min(drift_m, params_.max_search_m)) {
       nearest = k;
       nearest_m = distance_m;

@@ -13,7 +13,6 @@ namespace {
 
 using geometry::SE3;
 
-constexpr double kSigmas = 3.0;
 // From so far away registration finds its way without a search.
 constexpr double kReachM = 0.3;
 constexpr double kReachRad = geometry::deg_to_rad(6.0);
@@ -34,8 +33,8 @@ struct Reach {
 
 Reach reach_of(const PosePrior& prior) {
   const auto variance = prior.covariance.diagonal();
-  return {kSigmas * std::sqrt(std::max(variance[0], variance[1])),
-          kSigmas * std::sqrt(variance[5])};
+  return {kReachSigmas * std::sqrt(std::max(variance[0], variance[1])),
+          kReachSigmas * std::sqrt(variance[5])};
 }
 
 // What a match says by itself: without its prior, and no better than two maps of one place agree.

@@ -15,6 +15,9 @@
 
 namespace nodmap::slam6d {
 
+/// How far from where it is estimated a keyframe is looked for, in standard deviations.
+inline constexpr double kReachSigmas = 3.0;
+
 /// When a keyframe is recognised in a place of before.
 struct LoopParams {
   bool enabled = true;

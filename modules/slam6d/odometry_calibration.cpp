@@ -8,8 +8,6 @@ using geometry::SE3;
 
 // A deviation beyond this many standard deviations is slip or a wrong match, not calibration.
 constexpr double kMaxDeviations = 3.0;
-// A prediction that the sweep made hardly better tells nothing.
-constexpr double kMinGain = 0.1;
 
 }  // namespace
 

@@ -8,6 +8,9 @@
 
 namespace nodmap::slam6d {
 
+/// A prediction whose variance the sweep made less by no more than this part tells nothing.
+inline constexpr double kMinGain = 0.1;
+
 /// How far the wheels may be off what they count, before anything is learned: one standard
 /// deviation. 0: nothing is learned. And how good they may prove to be.
 struct CalibrationParams {

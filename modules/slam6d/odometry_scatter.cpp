@@ -7,8 +7,6 @@
 namespace nodmap::slam6d {
 namespace {
 
-// A prediction that the sweep made hardly better tells nothing.
-constexpr double kMinGain = 0.1;
 // What was learned longer ago counts less: floors and loads change.
 constexpr double kMostMotions = 40.0;
 

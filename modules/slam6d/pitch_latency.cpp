@@ -5,7 +5,7 @@ namespace nodmap::slam6d {
 namespace {
 
 // A change beyond this many standard deviations is a sill or a wrong match, not latency.
-constexpr double kMaxDeviations = 3.0;
+constexpr double kMaxPitchDeviations = 3.0;
 
 }  // namespace
 
@@ -14,7 +14,7 @@ void PitchLatency::learn(double rate_change_rad_s, double pitch_change_rad,
   const double innovation_variance =
       rate_change_rad_s * rate_change_rad_s * variance_ + pitch_change_variance;
   if (!(pitch_change_rad * pitch_change_rad <
-        kMaxDeviations * kMaxDeviations * innovation_variance)) {
+        kMaxPitchDeviations * kMaxPitchDeviations * innovation_variance)) {
     return;
   }
   const double gain = variance_ * rate_change_rad_s / innovation_variance;

@@ -12,7 +12,6 @@ namespace {
 using geometry::SE3;
 
 constexpr std::size_t kWallLevel = 1;
-constexpr float kMaxUprightNormal = 0.5F;  // height of the normal of a wall
 // So many points of walls are tried; on fewer than the least no place can be told.
 constexpr std::size_t kMaxPoints = 300;
 constexpr std::size_t kMinPoints = 60;

@@ -17,16 +17,11 @@ using geometry::SE3;
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 using Matrix63d = Eigen::Matrix<double, 6, 3>;
 
-// Of a voxel mean, in variances of one measured point: however many points, the means of two clouds
-// are not those of the same points.
-constexpr float kRoundingVariance = 0.1F;
 // Of a plane's tilts, so that those of a patch seen in a single line are solvable.
 constexpr double kTiltDamping = 1e-4;
 constexpr int kFitIterations = 4;
 // The first fit of a plane is to see all its points.
 constexpr double kFirstFitScale = 4.5;
-// Scale of the kernel that says how far the ground is believed to be level, in standard deviations.
-constexpr double kLevelKernel = 3.0;
 // Residuals below this are the rounding of voxel means, not knowledge.
 constexpr double kMinResidualM = 2e-3;
 // A point without a plane of its own belongs to a patch that it does not see along.

@@ -24,11 +24,6 @@ constexpr double kSettledTranslationM = 1e-4;  // a hundredth of the scanner's n
 constexpr double kSettledRotationRad = 1e-5;   // 0.1 mm at 10 m
 // Farthest correspondence, in voxels: half of one is always found, 1.5 is the most that can be.
 constexpr float kMaxCorrespondenceVoxels = 1.5F;
-// Of a voxel mean, in variances of one measured point: however many points, the means of two clouds
-// are not those of the same points.
-constexpr float kRoundingVariance = 0.1F;
-// Scale of the kernel that says how far the ground is believed to be level, in standard deviations.
-constexpr double kLevelKernel = 3.0;
 
 // A small motion about the base's position, axes of map.
 SE3 moved(const SE3& T_map_base, const Vector6d& motion) {

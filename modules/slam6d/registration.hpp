@@ -12,6 +12,13 @@
 
 namespace nodmap::slam6d {
 
+/// Of a voxel mean, in variances of one measured point: however many points, the means of two
+/// clouds are not those of the same points.
+inline constexpr float kRoundingVariance = 0.1F;
+/// Scale of the kernel that says how far the ground is believed to be level, in standard
+/// deviations.
+inline constexpr double kLevelKernel = 3.0;
+
 /// What the registration makes small.
 enum class Metric {
   kPaper,  ///< distances between corresponding points, Eq. 3 in closed form

@@ -4,12 +4,6 @@
 #include <cmath>
 
 namespace nodmap::slam6d {
-namespace {
-
-constexpr float kMaxUprightNormal = 0.5F;  // height of the normal of a wall
-
-}  // namespace
-
 SeenSpace::SeenSpace(const SeenSpaceParams& params, std::span<const Keyframe> keyframes)
     : sq_max_range_m2_(static_cast<float>(params.max_range_m * params.max_range_m)),
       tracer_({.resolution_m = params.voxel_size_m, .max_range_m = params.max_range_m}) {

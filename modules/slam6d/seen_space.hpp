@@ -13,6 +13,9 @@
 
 namespace nodmap::slam6d {
 
+/// A surface whose unit normal rises less than this is upright: a wall.
+inline constexpr float kMaxUprightNormal = 0.5F;
+
 /// How finely and how far it is remembered where a map's beams went through.
 struct SeenSpaceParams {
   double voxel_size_m = 0.1;

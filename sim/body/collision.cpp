@@ -3,15 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "sim/body/ground.hpp"
 #include "sim/world/ray_caster.hpp"
 
 namespace nodmap::sim {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 Polygon footprint(const Box& box) {
   const geometry::SE2 T_world_box{box.center.x(), box.center.y(), box.yaw_rad};

@@ -4,9 +4,13 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstddef>
+#include <limits>
 #include <span>
 
 namespace nodmap::sim {
+
+/// The distance of what is not there.
+inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// A convex polygon in the plane with few corners, in order; also a segment or a point.
 struct Polygon {

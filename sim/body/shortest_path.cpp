@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdint>
 #include <functional>
-#include <limits>
 #include <queue>
 #include <utility>
 #include <vector>
@@ -16,7 +15,6 @@
 namespace nodmap::sim {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// Margin of the grid for detours around all objects.
 constexpr double kBorderM = 1.0;
 constexpr int kMaxCells = 20'000'000;

@@ -9,7 +9,7 @@ namespace nodmap::navigator {
 namespace {
 
 /// Nothing farther is looked for: there a person has five beams.
-constexpr double kFarthestM = 5.5;
+constexpr double kFarthestPersonM = 5.5;
 /// What is nearer to the mirror is the robot.
 constexpr double kNearestM = 0.1;
 /// So near to the mirror a beam has passed nothing for certain.
@@ -17,7 +17,7 @@ constexpr double kPassedFromM = 0.3;
 /// So near before its end a beam has passed nothing: noise, and the cell itself.
 constexpr double kBeforeEndM = 0.15;
 /// What ends higher belongs to somebody beside whose legs it is measured.
-constexpr double kFloorM = 0.05;
+constexpr double kMaxFootM = 0.05;
 /// Beams side by side that end farther apart are on different things.
 constexpr double kGapM = 0.25;
 /// Beams that one edge brings into free space, where two surfaces merge, are one or two.
@@ -29,7 +29,7 @@ constexpr double kWidestM = 0.9;
 constexpr double kLeastRadiusM = 0.15;
 constexpr double kMostRadiusM = 0.35;
 /// Half a beam's distance to each side.
-constexpr double kBesideM = 0.03;
+constexpr double kHalfBeamM = 0.03;
 
 /// Whether two hits, one after the other, are of the same thing.
 constexpr auto is_beside = [](const auto& a, const auto& b) {
@@ -71,11 +71,11 @@ void MotionDetector::collect_hits(const scan::Scan& scan, const geometry::SE2& T
   const Eigen::Matrix2d R = T_odom_base.rotation();
   for (std::size_t beam = 0; beam < scan.ranges_m.size(); ++beam) {
     const auto range_m = static_cast<double>(scan.ranges_m[beam]);
-    if (!scan.is_hit(beam) || range_m < kNearestM || range_m > kFarthestM) {
+    if (!scan.is_hit(beam) || range_m < kNearestM || range_m > kFarthestPersonM) {
       continue;
     }
     const Eigen::Vector3d p_base = scan::point_in_base(scan, beam, range_m);
-    if (p_base.z() < kFloorM) {
+    if (p_base.z() < kMaxFootM) {
       continue;
     }
     hits_.push_back({beam, R * p_base.head<2>() + T_odom_base.translation(), p_base.z()});
@@ -92,7 +92,7 @@ void MotionDetector::add_passes(const scan::Scan& scan, const geometry::SE2& T_o
     if (!scan.is_hit(beam) && range_m != std::numeric_limits<double>::infinity()) {
       continue;
     }
-    const double until_m = std::min(range_m - kBeforeEndM, kFarthestM);
+    const double until_m = std::min(range_m - kBeforeEndM, kFarthestPersonM);
     if (until_m <= kPassedFromM) {
       continue;
     }
@@ -140,7 +140,7 @@ std::optional<Detection> MotionDetector::detect(Hits::const_iterator first,
     mean += hit.p_odom / static_cast<double>(group.size());
   }
   const double width_m = (group.back().p_odom - group.front().p_odom).norm();
-  const double radius_m = std::clamp(0.5 * width_m + kBesideM, kLeastRadiusM, kMostRadiusM);
+  const double radius_m = std::clamp(0.5 * width_m + kHalfBeamM, kLeastRadiusM, kMostRadiusM);
   // Of a disc's front, seen by beams at equal distances, the mean lies pi/4 radius before the
   // centre.
   const Eigen::Vector2d away = (mean - sensor_odom).normalized();

@@ -37,7 +37,7 @@ constexpr double kMostUnseenSigmaM = 0.5;
 /// In sight is who was seen in one of the last two sweeps.
 constexpr time::Duration kInSight = 800ms;
 /// So near to the laser he may be below its beams, or beside them.
-constexpr double kBesideM = 0.5;
+constexpr double kBlindRangeM = 0.5;
 constexpr int kMostContradictions = 4;
 
 double seconds_between(time::Timestamp from, time::Timestamp to) {
@@ -208,7 +208,7 @@ void PeopleTracker::follow_unseen(const scan::Scan& scan, const geometry::SE2& T
   for (Track& track : tracks_) {
     const Person person = track.person();
     const Eigen::Vector2d p = T_base_odom * person.position - mount_base;
-    if (p.x() > 0.0 && p.norm() > kBesideM) {
+    if (p.x() > 0.0 && p.norm() > kBlindRangeM) {
       continue;
     }
     track.hide(scan.mid_stamp());

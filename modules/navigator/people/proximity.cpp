@@ -11,7 +11,7 @@ namespace nodmap::navigator {
 namespace {
 
 /// No such range finder sees farther; a message may say anything.
-constexpr double kFarthestM = 2.0;
+constexpr double kFarthestReadingM = 2.0;
 /// So near to what the local map has it is the same: the sensor's error, and a map that odometry
 /// has moved.
 constexpr double kSameM = 0.2;
@@ -46,7 +46,7 @@ void Proximity::add(time::Timestamp stamp, const Ranges& ranges_m, const geometr
                     const LocalMap& local_map) {
   for (std::size_t i = 0; i < robot::kInfraredCount; ++i) {
     std::optional<Stranger>& stranger = strangers_[i];
-    if (!(ranges_m[i] >= 0.0 && ranges_m[i] <= kFarthestM)) {  // NaN, too
+    if (!(ranges_m[i] >= 0.0 && ranges_m[i] <= kFarthestReadingM)) {  // NaN, too
       stranger.reset();
       continue;
     }

@@ -15,7 +15,7 @@ namespace {
 constexpr float kBucketM = 0.02F;
 constexpr std::size_t kNumBuckets = 64;
 /// The robot may be where no path leads through: the plan is asked so far around.
-constexpr double kNearM = 0.3;
+constexpr double kSearchRadiusM = 0.3;
 constexpr float kNever = std::numeric_limits<float>::infinity();
 
 struct Neighbour {
@@ -44,8 +44,8 @@ double CostToGo::at(const Eigen::Vector2d& p_map) const {
 
 double CostToGo::least_near(const Eigen::Vector2d& p_map) const {
   double least = std::numeric_limits<double>::infinity();
-  for (double dx = -kNearM; dx <= kNearM; dx += window_.cell_size_m) {
-    for (double dy = -kNearM; dy <= kNearM; dy += window_.cell_size_m) {
+  for (double dx = -kSearchRadiusM; dx <= kSearchRadiusM; dx += window_.cell_size_m) {
+    for (double dy = -kSearchRadiusM; dy <= kSearchRadiusM; dy += window_.cell_size_m) {
       least = std::min(least, at(p_map + Eigen::Vector2d(dx, dy)) + std::hypot(dx, dy));
     }
   }

@@ -20,10 +20,6 @@ using test::Scanner;
 
 constexpr time::Duration kPeriod = 200ms;  // of level scans
 
-double distance_m(const SE2& a, const SE2& b) {
-  return std::hypot(a.x - b.x, a.y - b.y);
-}
-
 /// Adds a scan together with the odometry of the same time.
 std::optional<PoseUpdate> track(Slam2d& slam, const scan::Scan& scan, const SE2& T_odom_base) {
   slam.add_odometry(scan.stamp, geometry::to_se3(T_odom_base));

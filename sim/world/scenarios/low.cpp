@@ -10,21 +10,22 @@
 namespace nodmap::sim {
 namespace {
 
-constexpr double kHalfWidthM = 2.5;
+constexpr double kHallHalfWidthM = 2.5;
 constexpr double kEndM = 8.5;
 /// Free space beside an obstacle across the path.
 constexpr double kPassageM = 0.9;
 
 void add_hall(Builder& hall) {
-  hall.walls_around({-1.2, -kHalfWidthM}, {kEndM, kHalfWidthM});
+  hall.walls_around({-1.2, -kHallHalfWidthM}, {kEndM, kHallHalfWidthM});
   hall.start(0.0, hall.between(-0.8, 0.8), hall.between(-0.4, 0.4));
   hall.goal(hall.between(6.9, 7.6), hall.between(-0.8, 0.8));
 }
 
 /// The y of the middle of an obstacle of this width across the hall, so that one side is free.
 double across(Builder& hall, double width_m) {
-  const double free_m = 2.0 * kHalfWidthM - width_m;
-  return hall.side() * (kHalfWidthM - 0.5 * width_m - hall.between(0.0, free_m - kPassageM) * 0.5);
+  const double free_m = 2.0 * kHallHalfWidthM - width_m;
+  return hall.side() *
+         (kHallHalfWidthM - 0.5 * width_m - hall.between(0.0, free_m - kPassageM) * 0.5);
 }
 
 }  // namespace
@@ -72,7 +73,8 @@ World make_drums(std::uint64_t seed) {
   for (double x = 1.4; x < 6.2; x += hall.between(0.8, 1.2)) {
     const double radius_m = hall.count(0, 1) == 0 ? 0.06 : 0.08;
     const double pitch_m = gap_m + 2.0 * radius_m;
-    for (double y = -kHalfWidthM + 0.3 + shift * pitch_m; y < kHalfWidthM - 0.3; y += pitch_m) {
+    for (double y = -kHallHalfWidthM + 0.3 + shift * pitch_m; y < kHallHalfWidthM - 0.3;
+         y += pitch_m) {
       hall.cylinder({x + hall.between(-0.1, 0.1), y}, radius_m, hall.between(0.3, 0.9));
     }
     shift = 0.5 - shift;
