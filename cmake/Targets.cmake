@@ -30,8 +30,8 @@ if(NODMAP_COVERAGE)
 endif()
 
 # Most of a compilation is reading headers, so those that nearly every source includes are read once: the standard library
-# and Eigen for what is shipped, GoogleTest besides for the tests. A source still includes what it uses. Tests are not
-# measured and are compiled with -O1, which takes half the time of -O3.
+# and Eigen for what is shipped, CLI11 besides for programs, GoogleTest for tests. A source still includes what it uses.
+# Tests are not measured and are compiled with -O1, which takes half the time of -O3.
 find_package(Threads REQUIRED)
 target_link_libraries(nodmap_options INTERFACE Threads::Threads)
 target_compile_options(nodmap_options INTERFACE $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>)
@@ -45,6 +45,9 @@ function(nodmap_add_precompiled_headers name)
     <optional> <random> <span> <sstream> <stdexcept> <string> <vector> <Eigen/Core> <Eigen/Geometry> ${ARGN})
 endfunction()
 nodmap_add_precompiled_headers(nodmap_pch)
+nodmap_add_precompiled_headers(nodmap_program_pch <CLI/CLI.hpp> <iostream>)
+target_link_libraries(nodmap_program_pch PRIVATE CLI11::CLI11)
+target_compile_options(nodmap_program_pch PRIVATE $<$<CONFIG:Release>:-O1>)
 if(NODMAP_TESTS)
   nodmap_add_precompiled_headers(nodmap_test_pch <fstream> <gmock/gmock.h> <gtest/gtest.h>)
   target_link_libraries(nodmap_test_pch PRIVATE GTest::gmock GTest::gtest)
@@ -78,6 +81,7 @@ function(nodmap_add_program name)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE nodmap_options ${ARG_DEPENDS})
+  target_precompile_headers(${name} REUSE_FROM nodmap_program_pch)
   # Its main.cpp reads the command line, once: nothing to optimise.
   target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
   install(TARGETS ${name} RUNTIME)
