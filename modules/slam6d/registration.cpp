@@ -24,6 +24,9 @@ constexpr double kSettledTranslationM = 1e-4;  // a hundredth of the scanner's n
 constexpr double kSettledRotationRad = 1e-5;   // 0.1 mm at 10 m
 // Farthest correspondence, in voxels: half of one is always found, 1.5 is the most that can be.
 constexpr float kMaxCorrespondenceVoxels = 1.5F;
+// How far is looked along a normal: as far as the prior may be wrong.
+constexpr double kNormalReachSigmas = 2.0;
+constexpr double kMaxReachVoxels = 6.0;
 
 // A small motion about the base's position, axes of map.
 SE3 moved(const SE3& T_map_base, const Vector6d& motion) {
@@ -95,9 +98,12 @@ class SweepRegistration {
 
   Registration run() {
     for (std::size_t l = VoxelMap::kLevels; l-- > 0;) {
-      run_level(l);
+      run_level(l, kernel_scale(l, params_.coarse_residual_scale_m));
     }
     count_inliers();
+    if (is_left_open() && params_.metric == Metric::kPlanes) {
+      look_along_normals();
+    }
     classify();
     return result_;
   }
@@ -106,13 +112,56 @@ class SweepRegistration {
   using Matrix = Eigen::Matrix<double, N, N>;
   using Vector = Eigen::Matrix<double, N, 1>;
 
-  void run_level(std::size_t l) {
+  // Whether a direction is held by the prior alone, and may be farther off than the finest voxels
+  // find correspondences.
+  [[nodiscard]] bool is_left_open() const {
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(
+        result_.covariance.topLeftCorner<3, 3>(), Eigen::EigenvaluesOnly);
+    const double reach_m =
+        static_cast<double>(kMaxCorrespondenceVoxels) * map_.level(0).voxel_size_m();
+    return result_.degenerate_directions > 0 && eigen.eigenvalues()[2] > reach_m * reach_m;
+  }
+
+  // A strip of floor before a wall is too narrow for planes in coarse voxels, and too far off for
+  // the finest ones: these look for it along their normals. Taken when it holds more directions
+  // and the sweep fits no worse.
+  void look_along_normals() {
+    const Registration before = result_;
+    std::optional<VoxelMap> sweep_before;
+    if constexpr (N == 12) {
+      sweep_before = sweep_;
+    }
+    const double voxel_size_m = map_.level(0).voxel_size_m();
+    const double reach_m =
+        std::min(kNormalReachSigmas * std::sqrt(prior_covariance_.diagonal().head<3>().maxCoeff()),
+                 kMaxReachVoxels * voxel_size_m);
+    steps_along_normal_ = static_cast<int>(std::ceil(reach_m / voxel_size_m));
+    for (std::size_t l = VoxelMap::kLevels; l-- > 0;) {
+      run_level(0, kernel_scale(l, std::max(reach_m, params_.coarse_residual_scale_m)));
+    }
+    steps_along_normal_ = 0;
+    count_inliers();
+    if (!is_valid_ || result_.degenerate_directions >= before.degenerate_directions ||
+        result_.lowest_inlier_ratio() < before.lowest_inlier_ratio()) {
+      result_ = before;
+      is_valid_ = true;
+      if constexpr (N == 12) {
+        sweep_ = std::move(*sweep_before);
+      }
+    }
+  }
+
+  // The kernel narrows evenly from level to level.
+  [[nodiscard]] double kernel_scale(std::size_t l, double coarse_scale_m) const {
+    return params_.fine_residual_scale_m *
+           std::pow(coarse_scale_m / params_.fine_residual_scale_m,
+                    static_cast<double>(l) / static_cast<double>(VoxelMap::kLevels - 1));
+  }
+
+  void run_level(std::size_t l, double scale_m) {
     level_ = l;
     const VoxelMap::Selection selection = select(l);
-    scale_m_ = static_cast<float>(
-        params_.fine_residual_scale_m *
-        std::pow(params_.coarse_residual_scale_m / params_.fine_residual_scale_m,
-                 static_cast<double>(l) / static_cast<double>(VoxelMap::kLevels - 1)));
+    scale_m_ = static_cast<float>(scale_m);
     for (int i = 0; i < params_.iterations_per_level; ++i) {
       ++result_.iterations;
       const Vector motion =
@@ -186,14 +235,29 @@ class SweepRegistration {
 
   // The map's voxel nearest to a point of the selection. From step to step points hardly move, and
   // the nearest stays the same.
-  std::uint32_t match(std::size_t i, const VoxelGrid& grid, const Eigen::Vector3f& p_map) {
+  std::uint32_t match(std::size_t i, const VoxelGrid& grid, const Eigen::Vector3f& p_map,
+                      const Eigen::Vector3f& normal_map) {
     Match& last = matches_[i];
     if (!((p_map - last.p_map).squaredNorm() < last.sq_slack_m2)) {
-      const float max_m = kMaxCorrespondenceVoxels * static_cast<float>(grid.voxel_size_m());
-      const VoxelGrid::Nearest nearest = grid.find_nearest(p_map, max_m);
+      const auto voxel_size_m = static_cast<float>(grid.voxel_size_m());
+      const float max_m = kMaxCorrespondenceVoxels * voxel_size_m;
+      VoxelGrid::Nearest nearest = grid.find_nearest(p_map, max_m);
+      for (int k = 1; k <= 2 * steps_along_normal_ && !corresponds(nearest, grid, normal_map);
+           ++k) {
+        // 1, -1, 2, -2, ...
+        const auto step = static_cast<float>(k % 2 == 1 ? (k + 1) / 2 : -k / 2);
+        nearest = grid.find_nearest(p_map + step * voxel_size_m * normal_map, max_m);
+      }
       last = {p_map, nearest.slack_m * nearest.slack_m, nearest.place};
     }
     return last.place;
+  }
+
+  [[nodiscard]] bool corresponds(const VoxelGrid::Nearest& nearest, const VoxelGrid& grid,
+                                 const Eigen::Vector3f& normal_map) const {
+    return nearest.place != VoxelGrid::kNone &&
+           normal_map.dot(grid.voxels()[nearest.place].normal) >=
+               static_cast<float>(params_.min_normal_cosine);
   }
 
   // w_ij of Eq. 3: calls `use(point, p_map, normal_map, voxel)` for each correspondence.
@@ -213,12 +277,12 @@ class SweepRegistration {
           p_base += point.time * (step + turn.cross(point.p - point.time * sweep_.half_path()));
         }
         const Eigen::Vector3f p_map = R * p_base + t;
-        const std::uint32_t place = match(i, grid, p_map);
+        const Eigen::Vector3f normal_map = R * point.normal;
+        const std::uint32_t place = match(i, grid, p_map, normal_map);
         if (place == VoxelGrid::kNone) {
           continue;
         }
         const Voxel& voxel = grid.voxels()[place];
-        const Eigen::Vector3f normal_map = R * point.normal;
         if (normal_map.dot(voxel.normal) >= min_cosine) {
           use(point, p_map, normal_map, voxel);
         }
@@ -360,6 +424,7 @@ class SweepRegistration {
   std::vector<Match> matches_;     // of the selection's points
   std::size_t level_ = 0;
   float scale_m_ = 0.0F;
+  int steps_along_normal_ = 0;  // voxels to each side, where a point has no correspondence
   bool is_valid_ = false;
 };
 

@@ -123,7 +123,8 @@ struct Registration {
 /// nearest map voxel of its size. With Metric::kPlanes the residual is taken along the mean of both
 /// normals (symmetric objective, Rusinkiewicz 2019), weighted by a Geman-McClure kernel that
 /// narrows from level to level; a Gauss-Newton step joins the residuals with the prior as evidence
-/// (motion_solver).
+/// (motion_solver). Where a direction is left to a prior that may be farther off than the finest
+/// voxels reach, these look for their correspondences along their normals.
 ///
 /// Of a sweep on the move the motion within it is estimated, too, as odometry with a correction
 /// that grows evenly with time (two-pose elastic: Dellenbach 2022), and the sweep is deskewed with

@@ -113,6 +113,23 @@ TEST(Registration, R44_ThePapersMetricComesNear) {
   EXPECT_LT(geometry::rotation_angle(error_of(found, T_truth)), deg_to_rad(1.0));
 }
 
+// Close before a wall the only level surface is a strip of floor, too narrow for planes in coarse
+// voxels and farther off than the finest ones look: it is found along its normals.
+TEST(Registration, R44_AStripOfFloorTellsTheHeight) {
+  const Room room{{{{0, 0, 1}, -0.6}, {{0, 1, 0}, 1.2}, {{0, 1, 0}, -1.2}, {{1, 0, 0}, 1.45}}};
+  const VoxelMap map = map_of(room);
+  const SE3 T_truth = pose(0.02, 0.05, 0.0, 0.0, 0.0, 3.0);
+  const VoxelMap sweep = see(room, T_truth, 2);
+  for (const double off_m : {-0.25, 0.25}) {
+    const SE3 T_guess = T_truth * pose(0.05, 0.0, off_m, 1.0, -1.0, -2.0);
+    const Registration found = registered(sweep, map, loose_prior(T_guess), {});
+    ASSERT_EQ(found.status, RegistrationStatus::kTracking) << off_m;
+    // A few dozen planes with 1 cm of noise.
+    EXPECT_LT(error_of(found, T_truth).translation().norm(), 0.01) << off_m;
+    EXPECT_LT(geometry::rotation_angle(error_of(found, T_truth)), deg_to_rad(0.5)) << off_m;
+  }
+}
+
 // R37, R44: along an endless corridor nothing is to be seen: the guess (odometry) stays; the other
 // five directions are found.
 TEST(Registration, R37_ACorridorKeepsOdometryAlongItsAxis) {
