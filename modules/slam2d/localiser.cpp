@@ -147,7 +147,7 @@ PoseUpdate Localiser::search_whole_map(const LevelScan& scan) {
     return update;
   }
   ++metrics_.relocalisations;
-  const Relocalisation found = relocaliser_.locate(map_, scan.points_base, scan.sensor_origin_base);
+  const Relocalisation found = relocaliser_.locate(map_, scan);
   if (found.status != Relocalisation::Status::kFound) {
     failed_search_ = FailedSearch{scan.stamp, scan.T_odom_base};
     return update;

@@ -2,6 +2,7 @@
 #include "modules/slam2d/relocaliser.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "modules/slam2d/best_place.hpp"
@@ -9,9 +10,21 @@
 namespace nodmap::slam2d {
 namespace {
 
-constexpr std::size_t kMaxPeaks = 24;                // more places mean that the scan tells nothing
-constexpr double kMaxCorrespondenceDistanceM = 0.4;  // the search is a cell of 10 cm off
+// More places mean that the scan tells nothing. To the search, in cells of 10 cm, a bare wall fits
+// most walls of a building nearly as well; only the exact match tells them apart.
+constexpr std::size_t kMaxPeaks = 256;
+constexpr double kMaxCorrespondenceDistanceM = 0.4;   // the search is a cell of 10 cm off
 constexpr double kMinCorrespondenceDistanceM = 0.15;  // other places fit only roughly
+
+// Two scans mean the same place when their matches, moved by odometry, are this near. Odometry may
+// be a quarter of a second late, of a robot with 2 m/s and 1.5 rad/s.
+constexpr double kAgreeM = 0.5;
+constexpr double kAgreeRad = 0.37;
+
+bool agree(const geometry::SE2& a, const geometry::SE2& b) {
+  return (a.translation() - b.translation()).norm() < kAgreeM &&
+         std::abs(geometry::angle_difference(a.yaw, b.yaw)) < kAgreeRad;
+}
 
 LoopSearchParams search_params(const RelocaliserParams& params) {
   return {.min_score = params.min_search_score, .max_runner_up_ratio = params.min_peak_ratio};
@@ -27,39 +40,46 @@ MatcherParams matcher_params(MatcherParams params) {
 
 }  // namespace
 
-void RecentScans::add(const LevelScan& scan) {
-  scans_.push_back({scan.T_odom_base, {scan.points_base.begin(), scan.points_base.end()}});
-  if (scans_.size() > num_scans_) {
-    scans_.pop_front();
-  }
-}
-
-std::vector<OrientedPoint> RecentScans::points_base() const {
-  std::vector<OrientedPoint> points;
-  for (const PlacedScan& scan : scans_) {
-    const geometry::SE2 T_last_base = scans_.back().T_odom_base.inverse() * scan.T_odom_base;
-    const std::vector<OrientedPoint> placed = transformed(T_last_base, scan.points_base);
-    points.insert(points.end(), placed.begin(), placed.end());
-  }
-  return points;
-}
-
 Relocaliser::Relocaliser(const RelocaliserParams& params, const MatcherParams& matcher)
     : params_(params), correlative_(search_params(params)), matcher_(matcher_params(matcher)) {}
 
-Relocalisation Relocaliser::locate(const KnownMap& map, std::span<const OrientedPoint> scan,
-                                   const Eigen::Vector2d& sensor_origin_base) const {
-  const CorrelativeMatch search =
-      correlative_.search(map.likelihood(), points_to_search(scan), map.window(), kMaxPeaks);
-  std::vector<Peak> places;
-  for (const Peak& peak : search.peaks) {
-    const Match match = matcher_.match(map.points(), scan, peak.T_map_base);
-    if (!match.found()) {
-      continue;
-    }
-    const GridFit fit = map.fit(scan, sensor_origin_base, match.T_map_base);
-    places.push_back({match.T_map_base, match.score - fit.through_walls});
+Relocalisation Relocaliser::locate(const KnownMap& map, const LevelScan& scan) const {
+  return locate(map, {&scan, 1});
+}
+
+Relocalisation Relocaliser::locate(const KnownMap& map, std::span<const LevelScan> scans) const {
+  std::vector<Places> found;
+  for (const LevelScan& scan : scans) {
+    found.push_back(find_places(map, scan));
   }
+  return scans.size() == 1 ? found.front().verdict : join(map, scans, found);
+}
+
+Relocaliser::Places Relocaliser::find_places(const KnownMap& map, const LevelScan& scan) const {
+  const CorrelativeMatch search = correlative_.search(
+      map.likelihood(), points_to_search(scan.points_base), map.window(), kMaxPeaks);
+  Places found;
+  for (const Peak& peak : search.peaks) {
+    if (const std::optional<Peak> place = match(map, scan, peak.T_map_base)) {
+      found.peaks.push_back(*place);
+    }
+  }
+  found.is_complete = search.complete && search.peaks.size() < kMaxPeaks;
+  found.verdict = judge(found.peaks, found.is_complete);
+  return found;
+}
+
+std::optional<Peak> Relocaliser::match(const KnownMap& map, const LevelScan& scan,
+                                       const geometry::SE2& T_map_base) const {
+  const Match match = matcher_.match(map.points(), scan.points_base, T_map_base);
+  if (!match.found()) {
+    return std::nullopt;
+  }
+  const GridFit fit = map.fit(scan.points_base, scan.sensor_origin_base, match.T_map_base);
+  return Peak{match.T_map_base, match.score - fit.through_walls};
+}
+
+Relocalisation Relocaliser::judge(std::span<const Peak> places, bool is_complete) const {
   Relocalisation result;
   if (places.empty()) {
     return result;
@@ -70,13 +90,70 @@ Relocalisation Relocaliser::locate(const KnownMap& map, std::span<const Oriented
   result.runner_up_score = best.runner_up_score;
   if (result.score < params_.min_score) {
     result.status = Relocalisation::Status::kNowhere;
-  } else if (!best.is_clear(params_.min_misfit_ratio) || search.peaks.size() == kMaxPeaks ||
-             !search.complete) {
+  } else if (!best.is_clear(params_.min_misfit_ratio) || !is_complete) {
     result.status = Relocalisation::Status::kAmbiguous;
   } else {
     result.status = Relocalisation::Status::kFound;
   }
   return result;
+}
+
+Relocalisation Relocaliser::join(const KnownMap& map, std::span<const LevelScan> scans,
+                                 std::span<const Places> found) const {
+  std::vector<JointFit> fits;
+  std::vector<Peak> places;
+  bool is_complete = false;
+  for (std::size_t i = 0; i < scans.size(); ++i) {
+    const geometry::SE2 T_base_last = scans[i].T_odom_base.inverse() * scans.back().T_odom_base;
+    for (const Peak& peak : found[i].peaks) {
+      fits.push_back(fit(map, scans, found, peak.T_map_base * T_base_last));
+      places.push_back(fits.back().place);
+    }
+    is_complete = is_complete || found[i].is_complete;
+  }
+  Relocalisation result = judge(places, is_complete);
+  if (places.empty()) {
+    return result;
+  }
+  const JointFit& best = fits[best_of(places).index];
+  if (!best.agrees) {
+    result.status = Relocalisation::Status::kNowhere;
+  } else if (best.is_sure) {
+    result.status = Relocalisation::Status::kFound;
+  }
+  return result;
+}
+
+// Each scan by its own place near there, or else as it matches from there.
+Relocaliser::JointFit Relocaliser::fit(const KnownMap& map, std::span<const LevelScan> scans,
+                                       std::span<const Places> found,
+                                       const geometry::SE2& T_map_last) const {
+  const LevelScan& last = scans.back();
+  JointFit joint{.place = {T_map_last}};
+  for (std::size_t i = 0; i < scans.size(); ++i) {
+    const geometry::SE2 T_map_base =
+        T_map_last * (last.T_odom_base.inverse() * scans[i].T_odom_base);
+    std::optional<Peak> place;
+    for (const Peak& peak : found[i].peaks) {
+      if (agree(peak.T_map_base, T_map_base) && (!place || peak.score > place->score)) {
+        place = peak;
+      }
+    }
+    const Relocalisation& alone = found[i].verdict;
+    const bool knows = alone.status == Relocalisation::Status::kFound;
+    const bool is_here = place && is_same_place(place->T_map_base, alone.T_map_base);
+    if (!place) {
+      place = match(map, scans[i], T_map_base);
+    }
+    joint.is_sure = joint.is_sure || (knows && is_here);
+    joint.agrees = joint.agrees && (!knows || is_here) && place &&
+                   place->score >= params_.min_score && agree(place->T_map_base, T_map_base);
+    joint.place.score += (place ? place->score : 0.0) / static_cast<double>(scans.size());
+    if (place && i + 1 == scans.size()) {
+      joint.place.T_map_base = place->T_map_base;
+    }
+  }
+  return joint;
 }
 
 }  // namespace nodmap::slam2d

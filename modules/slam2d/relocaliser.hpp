@@ -2,7 +2,7 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -28,26 +28,6 @@ struct Relocalisation {
   double runner_up_score = 0.0;
 };
 
-/// The points of the last few level scans, placed by odometry: more is seen from several places.
-class RecentScans {
- public:
-  explicit RecentScans(std::size_t num_scans) : num_scans_(num_scans) {}
-
-  void add(const LevelScan& scan);
-  void clear() { scans_.clear(); }
-  [[nodiscard]] std::size_t size() const { return scans_.size(); }
-  /// All points, in base at the last scan.
-  [[nodiscard]] std::vector<OrientedPoint> points_base() const;
-
- private:
-  struct PlacedScan {
-    geometry::SE2 T_odom_base;
-    std::vector<OrientedPoint> points_base;
-  };
-  std::size_t num_scans_;
-  std::deque<PlacedScan> scans_;
-};
-
 /// Finds the robot in a known map from nothing: the best poses of all in the map by branch and
 /// bound, each matched exactly and checked for walls that its rays pass through. The best is
 /// believed only when it fits clearly better than any other place.
@@ -55,11 +35,36 @@ class Relocaliser {
  public:
   Relocaliser(const RelocaliserParams& params, const MatcherParams& matcher);
 
-  /// `scan`: points in base, of one scan or of several successive ones.
-  [[nodiscard]] Relocalisation locate(const KnownMap& map, std::span<const OrientedPoint> scan,
-                                      const Eigen::Vector2d& sensor_origin_base) const;
+  /// Of a single scan.
+  [[nodiscard]] Relocalisation locate(const KnownMap& map, const LevelScan& scan) const;
+
+  /// Of the last of successive scans, one or more. Each is placed on its own; a place of one of
+  /// them, moved by odometry, is one of the others, too. All together tell places apart that look
+  /// alike to one, and a place that one of them contradicts is not believed.
+  [[nodiscard]] Relocalisation locate(const KnownMap& map, std::span<const LevelScan> scans) const;
 
  private:
+  /// Where one scan fits.
+  struct Places {
+    std::vector<Peak> peaks;
+    bool is_complete = true;  ///< false: it may fit elsewhere, too
+    Relocalisation verdict;   ///< of this scan alone
+  };
+  /// How all scans together fit a place of the last.
+  struct JointFit {
+    Peak place;            ///< as the last scan matches there; the mean score of all
+    bool agrees = true;    ///< each scan fits there, by odometry, and none is sure of elsewhere
+    bool is_sure = false;  ///< one scan alone tells that it is the place
+  };
+  [[nodiscard]] Places find_places(const KnownMap& map, const LevelScan& scan) const;
+  [[nodiscard]] std::optional<Peak> match(const KnownMap& map, const LevelScan& scan,
+                                          const geometry::SE2& T_map_base) const;
+  [[nodiscard]] Relocalisation judge(std::span<const Peak> places, bool is_complete) const;
+  [[nodiscard]] Relocalisation join(const KnownMap& map, std::span<const LevelScan> scans,
+                                    std::span<const Places> found) const;
+  [[nodiscard]] JointFit fit(const KnownMap& map, std::span<const LevelScan> scans,
+                             std::span<const Places> found, const geometry::SE2& T_map_last) const;
+
   RelocaliserParams params_;
   CorrelativeMatcher correlative_;
   ScanMatcher matcher_;

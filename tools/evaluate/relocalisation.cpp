@@ -6,6 +6,7 @@
 #include <ctime>
 #include <functional>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "common/bus/codec.hpp"
@@ -51,6 +52,26 @@ void for_each_level_scan(const std::filesystem::path& log,
   }
 }
 
+/// Successive level scans with their points, which each of them holds only until the next.
+class Group {
+ public:
+  void add(const slam2d::LevelScan& scan) {
+    points_.emplace_back(scan.points_base.begin(), scan.points_base.end());
+    scans_.push_back(scan);
+    scans_.back().points_base = points_.back();
+  }
+  void clear() {
+    scans_.clear();
+    points_.clear();
+  }
+  [[nodiscard]] std::size_t size() const { return scans_.size(); }
+  [[nodiscard]] std::span<const slam2d::LevelScan> scans() const { return scans_; }
+
+ private:
+  std::vector<slam2d::LevelScan> scans_;
+  std::vector<std::vector<slam2d::OrientedPoint>> points_;
+};
+
 int default_every(const std::filesystem::path& log, int num_scans) {
   std::size_t scans = 0;
   for_each_level_scan(log, [&scans](const slam2d::LevelScan&) { ++scans; });
@@ -77,18 +98,16 @@ RelocalisationResult measure_relocalisation(const std::filesystem::path& map,
   const slam2d::KnownMap known(slam2d::read_ros_map(map), params.map);
   const slam2d::Relocaliser relocaliser(params.relocalise, params.matcher);
   const int every = plan.every > 0 ? plan.every : default_every(log, plan.num_scans);
-  slam2d::RecentScans group(static_cast<std::size_t>(plan.num_scans));
+  Group group;
   int groups = 0;
-  int scans_in_group = 0;
   std::vector<double> ms;
   RelocalisationResult result;
   for_each_level_scan(log, [&](const slam2d::LevelScan& scan) {
-    if (scans_in_group == 0) {
+    if (group.size() == static_cast<std::size_t>(plan.num_scans)) {
       group.clear();
     }
     group.add(scan);
-    scans_in_group = (scans_in_group + 1) % plan.num_scans;
-    if (scans_in_group != 0 || groups++ % every != 0) {
+    if (group.size() < static_cast<std::size_t>(plan.num_scans) || groups++ % every != 0) {
       return;
     }
     const auto known_pose = associate({{scan.stamp, geometry::SE3::Identity()}}, truth, kTolerance);
@@ -96,8 +115,7 @@ RelocalisationResult measure_relocalisation(const std::filesystem::path& map,
       return;
     }
     const double begin_ms = cpu_ms();
-    const slam2d::Relocalisation found =
-        relocaliser.locate(known, group.points_base(), scan.sensor_origin_base);
+    const slam2d::Relocalisation found = relocaliser.locate(known, group.scans());
     ms.push_back(cpu_ms() - begin_ms);
     ++result.n;
     if (found.status != slam2d::Relocalisation::Status::kFound) {
