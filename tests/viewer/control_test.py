@@ -149,7 +149,7 @@ class Processes(unittest.TestCase):
         self.await_command("sleeper", lambda row: row["state"] == "running")  # so it gives orders
         answer = self.driver.call({"do": "stop_process", "command": "sleeper"})
         self.assertFalse(answer["ok"])
-        self.assertIn("is at work", answer["text"])
+        self.assertIn("is running", answer["text"])
 
 
 if __name__ == "__main__":

@@ -95,7 +95,7 @@ class Control(Page):
 
     def test_an_exploration_is_begun_and_ended(self):
         self.open_with_token()
-        self.assertTrue(self.press("#explore").startswith("Exploration"))
+        self.assertTrue(self.press("#explore").startswith("Exploring"))
         self.assertIn("stays", self.press("#explore-end"))
 
     def test_an_empty_field_is_no_goal(self):
