@@ -52,7 +52,7 @@ Relocalisation Relocaliser::locate(const KnownMap& map, std::span<const LevelSca
   for (const LevelScan& scan : scans) {
     found.push_back(find_places(map, scan));
   }
-  return scans.size() == 1 ? found.front().verdict : join(map, scans, found);
+  return scans.size() == 1 ? found.front().alone : join(map, scans, found);
 }
 
 Relocaliser::Places Relocaliser::find_places(const KnownMap& map, const LevelScan& scan) const {
@@ -65,7 +65,7 @@ Relocaliser::Places Relocaliser::find_places(const KnownMap& map, const LevelSca
     }
   }
   found.is_complete = search.complete && search.peaks.size() < kMaxPeaks;
-  found.verdict = judge(found.peaks, found.is_complete);
+  found.alone = classify(found.peaks, found.is_complete);
   return found;
 }
 
@@ -79,7 +79,7 @@ std::optional<Peak> Relocaliser::match(const KnownMap& map, const LevelScan& sca
   return Peak{match.T_map_base, match.score - fit.through_walls};
 }
 
-Relocalisation Relocaliser::judge(std::span<const Peak> places, bool is_complete) const {
+Relocalisation Relocaliser::classify(std::span<const Peak> places, bool is_complete) const {
   Relocalisation result;
   if (places.empty()) {
     return result;
@@ -111,7 +111,7 @@ Relocalisation Relocaliser::join(const KnownMap& map, std::span<const LevelScan>
     }
     is_complete = is_complete || found[i].is_complete;
   }
-  Relocalisation result = judge(places, is_complete);
+  Relocalisation result = classify(places, is_complete);
   if (places.empty()) {
     return result;
   }
@@ -139,7 +139,7 @@ Relocaliser::JointFit Relocaliser::fit(const KnownMap& map, std::span<const Leve
         place = peak;
       }
     }
-    const Relocalisation& alone = found[i].verdict;
+    const Relocalisation& alone = found[i].alone;
     const bool knows = alone.status == Relocalisation::Status::kFound;
     const bool is_here = place && is_same_place(place->T_map_base, alone.T_map_base);
     if (!place) {

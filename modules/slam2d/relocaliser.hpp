@@ -48,7 +48,7 @@ class Relocaliser {
   struct Places {
     std::vector<Peak> peaks;
     bool is_complete = true;  ///< false: it may fit elsewhere, too
-    Relocalisation verdict;   ///< of this scan alone
+    Relocalisation alone;     ///< by this scan alone
   };
   /// How all scans together fit a place of the last.
   struct JointFit {
@@ -59,7 +59,7 @@ class Relocaliser {
   [[nodiscard]] Places find_places(const KnownMap& map, const LevelScan& scan) const;
   [[nodiscard]] std::optional<Peak> match(const KnownMap& map, const LevelScan& scan,
                                           const geometry::SE2& T_map_base) const;
-  [[nodiscard]] Relocalisation judge(std::span<const Peak> places, bool is_complete) const;
+  [[nodiscard]] Relocalisation classify(std::span<const Peak> places, bool is_complete) const;
   [[nodiscard]] Relocalisation join(const KnownMap& map, std::span<const LevelScan> scans,
                                     std::span<const Places> found) const;
   [[nodiscard]] JointFit fit(const KnownMap& map, std::span<const LevelScan> scans,
