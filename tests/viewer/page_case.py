@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What the tests of the page share: a recording, a viewer, a browser."""
+import functools
 import os
 import sys
 import tempfile
@@ -31,20 +32,24 @@ COUNT_DRAWN = PIXELS + """
 """
 
 
-class PageCase(unittest.TestCase):
-    def setUp(self):
-        self.folder = tempfile.TemporaryDirectory()
-        self.addCleanup(self.folder.cleanup)
+LOGS = tempfile.TemporaryDirectory()
 
+
+@functools.cache
+def kept_log(duration_s, points):
+    """A recording that all tests of this process read."""
+    return make_log(LOGS.name, duration_s, points)
+
+
+class PageCase(unittest.TestCase):
     def play(self, *arguments, duration_s=60, points=12000):
         """A viewer that plays a recording long enough for a slow machine not to be at its end too soon."""
-        viewer = Viewer("--replay", make_log(self.folder.name, duration_s, points), "--set", "cloud_spacing_m=0", *arguments)
+        viewer = Viewer("--replay", kept_log(duration_s, points), "--set", "cloud_spacing_m=0", *arguments)
         self.addCleanup(viewer.stop)
         return viewer
 
     def browse(self, viewer, width=1280, height=800):
-        browser = webdriver.Browser(width, height)
-        self.addCleanup(browser.__exit__)
+        browser = webdriver.shared_browser(width, height)
         browser.open(f"http://127.0.0.1:{viewer.port}/")
         self.assertIsNotNone(browser.wait_for("window.nodmap && nodmap.cloud.total > 30000 && nodmap.received() > 100"))
         return browser

@@ -41,8 +41,7 @@ class Page(unittest.TestCase):
     def setUp(self):
         self.viewer = Viewer("--control")
         self.addCleanup(self.viewer.stop)
-        self.browser = webdriver.Browser()
-        self.addCleanup(self.browser.__exit__)
+        self.browser = webdriver.shared_browser()
 
     def open(self, fragment):
         self.browser.open(f"http://127.0.0.1:{self.viewer.port}/{fragment}")
@@ -250,8 +249,7 @@ class WithoutWebGl(Control):
     def setUp(self):
         self.viewer = Viewer("--control")
         self.addCleanup(self.viewer.stop)
-        self.browser = webdriver.Browser(more_flags=["--disable-3d-apis"])
-        self.addCleanup(self.browser.__exit__)
+        self.browser = webdriver.shared_browser(more_flags=["--disable-3d-apis"])
 
     def test_it_says_so(self):
         self.open_with_token()

@@ -225,7 +225,8 @@ class Page(PageCase):
 
 class LiveWithoutData(unittest.TestCase):
     def test_the_banner_says_so(self):
-        with Viewer() as viewer, webdriver.Browser() as browser:
+        browser = webdriver.shared_browser()
+        with Viewer() as viewer:
             browser.open(f"http://127.0.0.1:{viewer.port}/")
             self.assertIsNotNone(browser.wait_for("document.getElementById('banner').textContent.startsWith('No data')"))
             # The viewer's own STATUS is no sign of a robot.

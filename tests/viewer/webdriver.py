@@ -3,7 +3,9 @@
 
 Source: https://www.w3.org/TR/webdriver2/
 """
+import atexit
 import base64
+import functools
 import json
 import re
 import shutil
@@ -100,3 +102,22 @@ class Browser:
             self.driver.terminate()
             self.driver.wait()
             shutil.rmtree(self.profile.name, ignore_errors=True)
+
+
+@functools.cache
+def _kept_browser(more_flags):
+    browser = Browser(more_flags=more_flags)
+    atexit.register(browser.__exit__)
+    return browser
+
+
+def shared_browser(width=1280, height=720, more_flags=()):
+    """The browser of this process, on an empty page of that size, as if it had just been started, which would take longer than most tests.
+
+    What a page stores stays apart by the port of its viewer.
+    """
+    browser = _kept_browser(tuple(more_flags))
+    browser.open("about:blank")
+    browser.console()
+    browser.resize(width, height)
+    return browser
