@@ -253,7 +253,8 @@ struct PointMap::Search {
 };
 
 void PointMap::search_within(double reach_m, Search& search) const {
-  const auto& [p, normal] = search.point;
+  const Eigen::Vector2d& p = search.point.p;
+  const Eigen::Vector2d& normal = search.point.normal;
   for_each_around(p, reach_m, [&](const Eigen::Vector2d& place, std::uint32_t index) {
     const double squared_m2 = (place - p).squaredNorm();
     if (squared_m2 > search.limit_m2) {
