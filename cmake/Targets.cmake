@@ -91,14 +91,9 @@ endfunction()
 # Test programs of what runs in more than one thread, for ThreadSanitizer.
 add_custom_target(threaded_tests)
 
-# nodmap_add_test(NAME SOURCES x_test.cpp ... DEPENDS target ... [DEFINES NAME="value" ...] [DATA] [THREADS]): a test program.
-# DATA marks tests that read the recordings in NODMAP_DATA; they skip, and say so, where it is missing. THREADS marks those
-# that also run under ThreadSanitizer.
-function(nodmap_add_test name)
-  cmake_parse_arguments(ARG "DATA;THREADS" "" "SOURCES;DEPENDS;DEFINES" ${ARGN})
-  if(NOT NODMAP_TESTS)
-    return()
-  endif()
+# nodmap_add_test_program(NAME SOURCES x_test.cpp ... DEPENDS target ... [DEFINES NAME="value" ...]): a program with GoogleTest's main().
+function(nodmap_add_test_program name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS;DEFINES" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   nodmap_join_sources(${name})
   target_link_libraries(${name} PRIVATE nodmap_options ${ARG_DEPENDS} GTest::gmock GTest::gtest_main)
@@ -106,6 +101,17 @@ function(nodmap_add_test name)
   target_compile_options(${name} PRIVATE $<$<CONFIG:Release>:-O1>)
   target_compile_definitions(${name} PRIVATE ${ARG_DEFINES})
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/tests)
+endfunction()
+
+# nodmap_add_test(NAME SOURCES x_test.cpp ... DEPENDS target ... [DEFINES NAME="value" ...] [DATA] [THREADS]): a test program,
+# each of whose tests is one of CTest's. DATA marks tests that read the recordings in NODMAP_DATA; they skip, and say so, where it is missing. THREADS marks those
+# that also run under ThreadSanitizer.
+function(nodmap_add_test name)
+  cmake_parse_arguments(ARG "DATA;THREADS" "" "SOURCES;DEPENDS;DEFINES" ${ARGN})
+  if(NOT NODMAP_TESTS)
+    return()
+  endif()
+  nodmap_add_test_program(${name} SOURCES ${ARG_SOURCES} DEPENDS ${ARG_DEPENDS} DEFINES ${ARG_DEFINES})
   set(label unit)
   if(ARG_DATA)
     set(label data)
@@ -119,13 +125,23 @@ function(nodmap_add_test name)
     LABELS ${label} TIMEOUT 600 ENVIRONMENT "LCM_DEFAULT_URL=memq://")
 endfunction()
 
-# nodmap_add_benchmark(NAME SOURCES x_bench.cpp DEPENDS target ...): a Google Benchmark program.
-function(nodmap_add_benchmark name)
+# nodmap_add_bench_program(NAME SOURCES x.cpp ... DEPENDS target ...): a program that measures, in bin/ beside the others, but not installed.
+function(nodmap_add_bench_program name)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS" ${ARGN})
   if(NOT NODMAP_BENCH)
     return()
   endif()
   add_executable(${name} ${ARG_SOURCES})
-  target_link_libraries(${name} PRIVATE nodmap_options ${ARG_DEPENDS} benchmark::benchmark_main)
+  target_link_libraries(${name} PRIVATE nodmap_options Eigen3::Eigen ${ARG_DEPENDS})
+  target_precompile_headers(${name} REUSE_FROM nodmap_pch)
+endfunction()
+
+# nodmap_add_benchmark(NAME SOURCES x_bench.cpp DEPENDS target ...): a Google Benchmark program, in bench/.
+function(nodmap_add_benchmark name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS" ${ARGN})
+  if(NOT NODMAP_BENCH)
+    return()
+  endif()
+  nodmap_add_bench_program(${name} SOURCES ${ARG_SOURCES} DEPENDS ${ARG_DEPENDS} benchmark::benchmark_main)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bench)
 endfunction()

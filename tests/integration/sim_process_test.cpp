@@ -17,7 +17,7 @@
 #include "nodmap/scan_t.hpp"
 #include "nodmap/status_t.hpp"
 #include "nodmap/truth_t.hpp"
-#include "tests/integration/child_process.hpp"
+#include "tests/support/child_process.hpp"
 #include "tests/support/data_dir.hpp"
 
 namespace nodmap {

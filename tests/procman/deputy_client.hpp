@@ -10,7 +10,7 @@
 #include "common/bus/live_bus.hpp"
 #include "common/node/clock.hpp"
 #include "procman/protocol/values.hpp"
-#include "tests/integration/child_process.hpp"
+#include "tests/support/child_process.hpp"
 
 namespace nodmap::test {
 

@@ -15,7 +15,7 @@
 #include "nodmap/odometry_t.hpp"
 #include "nodmap/status_t.hpp"
 #include "nodmap/stop_t.hpp"
-#include "tests/integration/child_process.hpp"
+#include "tests/support/child_process.hpp"
 #include "tests/support/data_dir.hpp"
 
 namespace nodmap::kurt {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "drivers/kurt/test/kurt_emulator.hpp"
-#include "tests/integration/child_process.hpp"
+#include "tests/support/child_process.hpp"
 
 namespace nodmap::kurt {
 namespace program_test {
