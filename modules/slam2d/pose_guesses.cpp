@@ -8,23 +8,24 @@
 namespace nodmap::slam2d {
 namespace {
 
-// For so long a robot goes on as it did. The level scans of a nodding laser are farther apart.
+// The motion is extrapolated only over this time. Level scans of a nodding laser are farther apart.
 constexpr double kMaxStepS = 0.5;
-// Stamps that come in bursts, some close together and then none, tell no speed.
+// The ratio of successive intervals must be below this: stamps that come in bursts give no speed.
 constexpr double kMaxStepRatio = 2.0;
-// 20 to 200 scans a second. Stamps that are nearer together come in bursts.
+// 20 to 200 scans a second. Shorter intervals are those of bursts.
 constexpr double kMinFastStepS = 0.005;
 constexpr double kMaxFastStepS = 0.05;
-// Single matches scatter by so much; and wheels slip by so much from one scan to the next, and by
-// half of what they have turned since the last keyframe, one of them alone 40 cm from the other.
+// Scatter of single matches; slip of the wheels per second from one scan to the next, and as a
+// ratio of what they have turned since the last keyframe. The wheels are taken as 40 cm apart, and
+// one of them alone may slip.
 constexpr double kMatchScatterM = 0.03;
 constexpr double kMatchScatterRad = 0.03;
 constexpr double kMaxSlipMPerS = 1.0;
 constexpr double kMaxSlipRadPerS = 1.0;
 constexpr double kMaxSlipRatio = 0.5;
 constexpr double kMaxSlipRadPerM = kMaxSlipRatio / 0.4;
-// From guesses nearer than this ICP finds the same pose. A robot that brakes with 2 m/s^2, or
-// begins to rotate with 3 rad/s^2, is off by as much after a quarter of a second.
+// From guesses nearer than this, ICP finds the same pose. A robot that brakes at 2 m/s^2, or begins
+// to rotate at 3 rad/s^2, is this far off after about a quarter of a second.
 constexpr double kSameM = 0.12;
 constexpr double kSameRad = 0.12;
 
@@ -36,7 +37,7 @@ bool are_same(const geometry::SE2& a, const geometry::SE2& b) {
   return distance_m(a, b) <= kSameM && rotation_rad(a, b) <= kSameRad;
 }
 
-/// How far one pose is from another, in what makes two different.
+/// The distance between two poses, in units of the limits of are_same().
 double difference(const geometry::SE2& a, const geometry::SE2& b) {
   return distance_m(a, b) / kSameM + rotation_rad(a, b) / kSameRad;
 }
@@ -97,7 +98,7 @@ std::vector<geometry::SE2> PoseGuesses::guesses(const LevelScan& scan,
   if (are_same(by_odometry, by_motion)) {
     return {by_odometry};
   }
-  // What odometry has caught up with is in one of its two guesses twice.
+  // When odometry catches up, one of its two guesses contains the same motion twice.
   if (difference(since_keyframe, by_motion) < difference(by_odometry, by_motion)) {
     std::swap(by_odometry, since_keyframe);
   }

@@ -10,14 +10,14 @@
 namespace nodmap::slam2d {
 namespace {
 
-// More places mean that the scan tells nothing. To the search, in cells of 10 cm, a bare wall fits
-// most walls of a building nearly as well; only the exact match tells them apart.
+// If there are more peaks, the scan determines nothing. In the search, with cells of 10 cm, a bare
+// wall fits most walls of a building nearly as well; only the exact match distinguishes them.
 constexpr std::size_t kMaxPeaks = 256;
-constexpr double kMaxCorrespondenceDistanceM = 0.4;   // the search is a cell of 10 cm off
-constexpr double kMinCorrespondenceDistanceM = 0.15;  // other places fit only roughly
+constexpr double kMaxCorrespondenceDistanceM = 0.4;   // the search is off by up to a cell of 10 cm
+constexpr double kMinCorrespondenceDistanceM = 0.15;  // wrong places fit only roughly
 
-// Two scans mean the same place when their matches, moved by odometry, are this near. Odometry may
-// be a quarter of a second late, of a robot with 2 m/s and 1.5 rad/s.
+// The matches of two scans, moved by odometry, agree when they are this near. Odometry may be a
+// quarter of a second late, at 2 m/s and 1.5 rad/s.
 constexpr double kAgreeM = 0.5;
 constexpr double kAgreeRad = 0.37;
 
@@ -124,7 +124,7 @@ Relocalisation Relocaliser::join(const KnownMap& map, std::span<const LevelScan>
   return result;
 }
 
-// Each scan by its own place near there, or else as it matches from there.
+// Each scan counts by its own place near there if it has one, or else by a match from there.
 Relocaliser::JointFit Relocaliser::fit(const KnownMap& map, std::span<const LevelScan> scans,
                                        std::span<const Places> found,
                                        const geometry::SE2& T_map_last) const {
