@@ -383,7 +383,8 @@ node::Health Slam2dNode::health() const {
     return {node::HealthState::kDegraded, "Lost: the scan does not fit the map."};
   }
   if (last_quality_ == PoseQuality::kOdometry) {
-    return {node::HealthState::kDegraded, "Odometry only: the scan has too few points."};
+    return {node::HealthState::kDegraded,
+            "Odometry only: the scan has too few points or does not fit the map."};
   }
   return {};
 }

@@ -18,22 +18,22 @@ struct LevelScanParams {
   }
 };
 
-/// What is kept of the robot's path.
+/// How much of the robot's path is kept.
 struct PathParams {
   int max_scans = 524'288;
 
   template <class Visitor>
   void describe(Visitor& v) {
     v.integer("max_scans", max_scans, {2, 100'000'000},
-              "Level scans whose poses are kept, 64 bytes each. Of more every second one is kept, "
-              "then every fourth.");
+              "Maximum number of level scans whose poses are kept, 64 bytes each. Beyond it every "
+              "second scan is kept, then every fourth.");
   }
 };
 
 /// The distances that the last iterations of ICP minimise.
 enum class Metric : std::uint8_t {
   kPointToPoint,  ///< Eq. 3 as printed in the paper
-  kPointToLine,   ///< only across the lines through the points of the map
+  kPointToLine,   ///< from points to the lines through the points of the map
 };
 
 struct MatcherParams {
@@ -84,7 +84,7 @@ struct SearchParams {
   }
 };
 
-/// What holds while odometry is in doubt: after a while without it, and while the robot is lost.
+/// For the time in which odometry is in doubt: after a gap in it, and while the robot is lost.
 struct DoubtParams {
   double certain_score = 0.85;
   double found_score = 0.6;
@@ -100,21 +100,23 @@ struct DoubtParams {
              "A match that scores at least this, with all directions well determined, is believed "
              "without a search.");
     v.number("found_score", found_score, {0.0, 1.0},
-             "Where it was searched for, the best place is believed when it scores at least this.");
-    v.number("min_misfit_ratio", min_misfit_ratio, {1.0, 100.0},
-             "And when what is missing to a score of 1 at any other place is at least this many "
-             "times what is missing there. Until then the pose is DEGRADED.");
+             "The best place that a search finds is believed only if it scores at least this.");
+    v.number(
+        "min_misfit_ratio", min_misfit_ratio, {1.0, 100.0},
+        "The best place that a search finds is believed only if the misfit (1 - score) of every "
+        "other place is at least this many times its own. Otherwise the pose is DEGRADED.");
     v.number("min_score", min_score, {0.0, 1.0},
-             "The robot is lost when no place scores at least this: a wrong one may fit by half, "
-             "for the walls of other rooms do over some of their length.");
+             "While odometry is in doubt, the robot is lost when no place scores at least this. "
+             "Wrong places score up to about half, because walls of other rooms fit over part of "
+             "their length.");
     v.number("search_distance_m", search_distance_m, {0.1, 100.0},
-             "The scan is searched for in the local submap up to this distance from odometry, in x "
-             "and in y; after a gap in odometry up to 3 m for each second of it, if that is less.");
+             "The local submap is searched up to this distance from odometry, in x and in y; after "
+             "a gap in odometry up to 3 m for each second of the gap, if that is less.");
     v.angle("search_rotation_deg", search_rotation_rad, {0.0, 180.0},
-            "And up to this rotation from odometry.");
+            "The local submap is searched up to this rotation from odometry.");
     v.number("min_search_score", min_search_score, {0.05, 1.0},
-             "The search finds nothing when the best mean likelihood is below this. It may be low: "
-             "much of the scan may show what is not in the local submap yet.");
+             "The search finds nothing when the best mean likelihood is below this. It is low "
+             "because much of the scan may show what is not in the local submap yet.");
   }
 };
 
@@ -132,7 +134,7 @@ struct KeyframeParams {
              "The same for the level scans of a nodding scanner: it gives so few that all of them "
              "are needed where the robot drives.");
     v.angle("rotation_deg", rotation_rad, {0.0, 180.0},
-            "Or beyond this rotation from the last keyframe.");
+            "A scan also becomes a keyframe beyond this rotation from the last keyframe.");
   }
 };
 
@@ -152,13 +154,15 @@ struct LostParams {
     v.number("distance_m", distance_m, {0.0, 100.0},
              "When lost, the map is continued from odometry beyond this distance from the last "
              "keyframe.");
-    v.number("max_s", max_s, {0.0, 3600.0}, "Or after this time.");
+    v.number("max_s", max_s, {0.0, 3600.0},
+             "When lost, the map is also continued from odometry after this time.");
     v.number("max_sigma_m", max_sigma_m, {0.01, 100.0},
              "A scan that fits nothing makes the robot lost where the standard deviation of its "
              "pose by odometry is above this, as after some 10 m.");
     v.number("begin_sigma_m", begin_sigma_m, {0.1, 100.0},
              "Standard deviation of the place at which a lost robot continues the map.");
-    v.angle("begin_sigma_deg", begin_sigma_rad, {1.0, 180.0}, "And of its heading there.");
+    v.angle("begin_sigma_deg", begin_sigma_rad, {1.0, 180.0},
+            "Standard deviation of the heading with which a lost robot continues the map.");
     v.number("max_drift_sigma_m", max_drift_sigma_m, {0.01, 100.0},
              "The pose is DEGRADED as long as the standard deviation of the drift since the map "
              "began is above this: goals in map are off by as much.");
@@ -207,7 +211,8 @@ struct LoopMatchParams {
     v.number("min_inlier_ratio", min_inlier_ratio, {0.0, 1.0},
              "The match closes a loop when at least this part of the scan has correspondences.");
     v.number("min_score", min_score, {0.0, 1.0},
-             "And when the points with correspondences score at least this on average.");
+             "The match closes a loop only if the points with correspondences score at least this "
+             "on average.");
   }
 };
 
@@ -224,7 +229,7 @@ struct LoopSearchParams {
     v.number("max_distance_m", max_distance_m, {0.1, 100.0},
              "A loop is searched for up to this distance from the pose of the graph.");
     v.angle("max_rotation_deg", max_rotation_rad, {0.0, 180.0},
-            "And up to this rotation from the pose of the graph.");
+            "A loop is searched for up to this rotation from the pose of the graph.");
     v.number("min_score", min_score, {0.05, 1.0},
              "A search finds nothing when the best mean likelihood is below this.");
     v.number("max_runner_up_ratio", max_runner_up_ratio, {0.1, 1.0},
@@ -248,8 +253,9 @@ struct LoopConsensusParams {
               "Loops found by a search are accepted when this many keyframes lead to the same pose "
               "of the newest keyframe.");
     v.number("max_distance_m", max_distance_m, {0.01, 10.0},
-             "Poses within this distance are the same.");
-    v.angle("max_rotation_deg", max_rotation_rad, {0.1, 45.0}, "And within this rotation.");
+             "Poses of the newest keyframe within this distance count as the same.");
+    v.angle("max_rotation_deg", max_rotation_rad, {0.1, 45.0},
+            "Poses of the newest keyframe within this rotation count as the same.");
     v.integer("max_age_keyframes", max_age_keyframes, {1, 10000},
               "A loop that has not been accepted is dropped after this many keyframes.");
   }
@@ -316,15 +322,15 @@ struct RelocaliserParams {
   template <class Visitor>
   void describe(Visitor& v) {
     v.number("min_search_score", min_search_score, {0.05, 1.0},
-             "Poses whose mean likelihood is below this are not looked at.");
+             "Poses whose mean likelihood is below this are not considered.");
     v.number("min_peak_ratio", min_peak_ratio, {0.1, 1.0},
-             "Nor those whose mean likelihood is below this ratio of the best.");
+             "Poses whose mean likelihood is below this ratio of the best are not considered.");
     v.number("min_score", min_score, {0.0, 1.0},
              "The robot is lost when no place scores at least this: the score of the match, less "
              "the part of the points that were measured through walls.");
     v.number("min_misfit_ratio", min_misfit_ratio, {1.0, 100.0},
-             "And when what is missing to a score of 1 at another place is not at least this many "
-             "times what is missing at the best.");
+             "The robot also stays lost if the misfit (1 - score) of another place is less than "
+             "this many times that of the best.");
   }
 };
 

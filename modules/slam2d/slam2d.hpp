@@ -43,11 +43,11 @@ class Slam2d {
  public:
   explicit Slam2d(const Slam2dParams& params);
 
-  /// Takes over a saved map; to be called before the first scan, and followed by begin_at(): the
-  /// next level scan is added where that says the robot is.
+  /// Restores a saved map; must be called before the first scan and followed by begin_at(): the
+  /// next level scan is added where that places the robot.
   void restore(SavedMap map) { back_end_.restore(std::move(map)); }
 
-  /// Where odom is in map, as the robot was found in a saved map.
+  /// Sets T_map_odom, as found by a Localiser in the saved map.
   void begin_at(const geometry::SE2& T_map_odom) { T_map_odom_ = T_map_odom; }
 
   /// Takes a pose of base by odometry. Returns false, and ignores it, when it is not finite.
