@@ -39,56 +39,60 @@ class Slam6d {
  public:
   explicit Slam6d(const Slam6dParams& params);
 
-  /// Takes over a saved map, before the first scan. The robot is at `T_map_start` at the first
-  /// sweep, or is searched for. `is_fixed`: it is localised in the map, which is never changed;
-  /// else it is carried on with as soon as the place is confirmed.
+  /// Restores a saved map; must be called before the first scan. `T_map_start`: pose of the robot
+  /// at the first sweep; without it the robot is searched for. `is_fixed`: the robot is localised
+  /// in the map, which is never changed; otherwise the map is continued as soon as the place is
+  /// confirmed.
   void restore(const SavedMap& saved, const std::optional<geometry::SE3>& T_map_start,
                bool is_fixed);
   /// Everything that restore() needs.
   [[nodiscard]] SavedMap save() const;
-  /// Whether nothing is added to the map: the robot has not been found in it, or it is fixed.
+  /// Whether nothing is added to the map, because the robot has not been found in it or the map is
+  /// fixed.
   [[nodiscard]] bool is_map_closed() const { return is_map_closed_; }
-  /// Of a robot in a saved map, or that was lost and is looked for in its own.
+  /// The localiser of a robot in a saved map, or of one that was lost and is searched for in its
+  /// own map.
   [[nodiscard]] const std::optional<Localiser>& localiser() const { return localiser_; }
-  /// Whether the robot may be searched for with the next sweep, which takes longer.
+  /// Whether the next sweep may need a search for the robot, which takes longer.
   [[nodiscard]] bool may_search() const {
     return is_map_closed_ ? !localiser_->has_place() : tracker_.lost_sweeps() > 0;
   }
 
-  /// The robot's pose by odometry; returns whether it was taken (finite).
+  /// Adds a pose of the robot by odometry. Returns false, and ignores it, if it is not finite.
   bool add_odometry(time::Timestamp stamp, const geometry::SE3& T_odom_base) {
     return collector_.add_odometry(stamp, T_odom_base);
   }
 
-  /// Odometry goes on in another frame: its newest pose and `T_new_odom_base` are one place, as far
-  /// as anybody knows, and the robot stays where it was in the map. The running sweep ends, and its
-  /// update is returned; odometry is forgotten, so that no beam is placed between the frames; the
-  /// next sweep is registered as after an interruption.
+  /// Odometry continues in another frame: its newest pose and `T_new_odom_base` are taken as the
+  /// same place, and the robot stays where it was in the map. The running sweep ends, and its
+  /// update is returned. Older odometry is forgotten, so that no beam is placed between the frames.
+  /// The next sweep is registered as after an interruption.
   [[nodiscard]] std::optional<PoseUpdate> change_odometry_frame(
       const geometry::SE3& T_new_odom_base);
 
-  /// The next scan of the stream. Returns the pose of the sweep it completes, if it does, and if
-  /// there was odometry for it. The scan must be plausible (scan::is_plausible).
+  /// Adds the next scan of the stream, which must be plausible (scan::is_plausible()). Returns the
+  /// pose of the sweep that it completes, if any, and if there was odometry for it.
   [[nodiscard]] std::optional<PoseUpdate> add_scan(scan::Scan scan);
 
-  /// The unfinished sweep at the end of the stream.
+  /// Registers the unfinished sweep at the end of the stream.
   [[nodiscard]] std::optional<PoseUpdate> flush();
 
-  /// What add_scan() and flush() do, in two steps: to collect the scans of a sweep, which takes
-  /// microseconds, and to register it. collect(), collect_rest(), add_odometry() and scan_counts()
-  /// share nothing with add_sweep(), add_cloud() and what they change.
+  /// add_scan() and flush() in two steps: collecting the scans of a sweep, which takes
+  /// microseconds, and registering it. The two steps may run on different threads: collect(),
+  /// collect_rest(), add_odometry() and scan_counts() share no data with add_sweep(), add_cloud()
+  /// and what they change.
   [[nodiscard]] std::optional<PlacedSweep> collect(scan::Scan scan) {
     return collector_.add_scan(std::move(scan));
   }
   [[nodiscard]] std::optional<PlacedSweep> collect_rest() { return collector_.flush(); }
   PoseUpdate add_sweep(const PlacedSweep& sweep);
 
-  /// The same for a cloud that is one already: everything after deskewing.
+  /// The same for a cloud that is deskewed already.
   PoseUpdate add_cloud(SweepCloud cloud);
 
   [[nodiscard]] std::span<const PoseUpdate> sweeps() const { return sweeps_; }
   [[nodiscard]] std::span<const Keyframe> keyframes() const { return keyframes_; }
-  /// The first of them, which a saved map has brought.
+  /// Number of keyframes, the first ones, that come from a saved map.
   [[nodiscard]] std::size_t num_restored() const { return num_restored_; }
   [[nodiscard]] const VoxelMap& map() const { return map_; }
   [[nodiscard]] const OdometryCalibration& calibration() const { return tracker_.calibration(); }
@@ -96,9 +100,8 @@ class Slam6d {
   [[nodiscard]] const ScanCounts& scan_counts() const { return collector_.counts(); }
   [[nodiscard]] Metrics metrics() const;
 
-  /// The pose of every sweep, with all that is known now: tracked sweeps as registered and moved
-  /// with their keyframes, those between two of them with a correction that goes over evenly from
-  /// one to the next.
+  /// The pose of every sweep, as known now: tracked sweeps as registered and moved with their
+  /// keyframes, those in between with an interpolated correction.
   [[nodiscard]] std::vector<geometry::SE3> trajectory() const {
     return corrected_.trajectory(sweeps_);
   }
