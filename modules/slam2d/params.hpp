@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 
 #include "common/geometry/angle.hpp"
+#include "common/geometry/se2.hpp"
 
 namespace nodmap::slam2d {
 
@@ -122,6 +124,12 @@ struct KeyframeParams {
   double distance_m = 0.3;
   double nodding_distance_m = 0.2;
   double rotation_rad = geometry::deg_to_rad(15.0);
+
+  /// Whether the robot has moved from `before` to `now` by more than keyframes are apart.
+  [[nodiscard]] bool is_beyond(const geometry::SE2& before, const geometry::SE2& now) const {
+    return geometry::distance_m(before, now) > distance_m ||
+           std::abs(geometry::angle_difference(before.yaw, now.yaw)) > rotation_rad;
+  }
 
   template <class Visitor>
   void describe(Visitor& v) {
