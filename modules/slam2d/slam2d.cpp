@@ -6,16 +6,11 @@
 #include <utility>
 
 namespace nodmap::slam2d {
-namespace {
-
-// People pass. What has changed for longer is the place itself: the robot was carried.
-constexpr time::Duration kMaxHidden = 1s;
-
-}  // namespace
 
 Slam2d::Slam2d(const Slam2dParams& params)
     : params_(params),
       input_(params.level_scans),
+      pose_guesses_(params.people),
       place_search_(params),
       back_end_(params.back_end, params.map, params.matcher),
       doubt_(params.doubt),
@@ -134,7 +129,7 @@ bool Slam2d::is_smooth(const LevelScan& scan, const Start& start) const {
 
 bool Slam2d::is_hidden_for_long(time::Timestamp stamp) {
   hidden_since_ = hidden_since_.value_or(stamp);
-  return std::chrono::abs(stamp - *hidden_since_) >= kMaxHidden;
+  return time::seconds(std::chrono::abs(stamp - *hidden_since_)) >= params_.people.max_hidden_s;
 }
 
 // Somebody near hides all but a few walls: what is left tells the place if it fits surely. A match
