@@ -8,6 +8,7 @@
 #include "common/geometry/se2.hpp"
 #include "common/geometry/time.hpp"
 #include "modules/slam2d/level_scan.hpp"
+#include "modules/slam2d/params.hpp"
 
 namespace nodmap::slam2d {
 
@@ -19,6 +20,8 @@ namespace nodmap::slam2d {
 /// includes the jump.
 class PoseGuesses {
  public:
+  explicit PoseGuesses(const PeopleParams& params) : params_(params) {}
+
   /// Adds a scan whose pose has been found. `T_last_base`: its pose relative to the scan before.
   void add_scan(time::Timestamp stamp, const geometry::SE2& T_last_base);
   /// Adds the last scan, taken at `T_odom_base`, as a keyframe.
@@ -52,10 +55,13 @@ class PoseGuesses {
                                                    const geometry::SE2& T_odom_last) const;
 
  private:
+  [[nodiscard]] bool is_fast_step(double step_s) const;
+
   struct Step {
     geometry::SE2 T_last_base;
     double duration_s = 0.0;
   };
+  PeopleParams params_;
   std::optional<Step> step_;  // between the last two scans
   std::optional<time::Timestamp> last_stamp_;
   geometry::SE2 T_map_odom_keyframe_;

@@ -16,16 +16,6 @@ constexpr std::size_t kMaxPeaks = 256;
 constexpr double kMaxCorrespondenceDistanceM = 0.4;   // the search is off by up to a cell of 10 cm
 constexpr double kMinCorrespondenceDistanceM = 0.15;  // wrong places fit only roughly
 
-// The matches of two scans, moved by odometry, agree when they are this near. Odometry may be a
-// quarter of a second late, at 2 m/s and 1.5 rad/s.
-constexpr double kAgreeM = 0.5;
-constexpr double kAgreeRad = 0.37;
-
-bool agree(const geometry::SE2& a, const geometry::SE2& b) {
-  return (a.translation() - b.translation()).norm() < kAgreeM &&
-         std::abs(geometry::angle_difference(a.yaw, b.yaw)) < kAgreeRad;
-}
-
 LoopSearchParams search_params(const RelocaliserParams& params) {
   return {.min_score = params.min_search_score, .max_runner_up_ratio = params.min_peak_ratio};
 }
@@ -42,6 +32,11 @@ MatcherParams matcher_params(MatcherParams params) {
 
 Relocaliser::Relocaliser(const RelocaliserParams& params, const MatcherParams& matcher)
     : params_(params), correlative_(search_params(params)), matcher_(matcher_params(matcher)) {}
+
+bool Relocaliser::agree(const geometry::SE2& a, const geometry::SE2& b) const {
+  return geometry::distance_m(a, b) < params_.same_place_distance_m &&
+         std::abs(geometry::angle_difference(a.yaw, b.yaw)) < params_.same_place_rotation_rad;
+}
 
 Relocalisation Relocaliser::locate(const KnownMap& map, const LevelScan& scan) const {
   return locate(map, {&scan, 1});

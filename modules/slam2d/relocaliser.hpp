@@ -56,6 +56,8 @@ class Relocaliser {
     bool agrees = true;    ///< each scan fits there, and none is sure of another place
     bool is_sure = false;  ///< one scan alone tells that it is the place
   };
+  /// Whether two places are one, but for errors of odometry.
+  [[nodiscard]] bool agree(const geometry::SE2& a, const geometry::SE2& b) const;
   [[nodiscard]] Places find_places(const KnownMap& map, const LevelScan& scan) const;
   [[nodiscard]] std::optional<Peak> match(const KnownMap& map, const LevelScan& scan,
                                           const geometry::SE2& T_map_base) const;
