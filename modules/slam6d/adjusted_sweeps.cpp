@@ -11,7 +11,6 @@ namespace nodmap::slam6d {
 namespace {
 
 using geometry::SE3;
-using Vector6d = Eigen::Matrix<double, 6, 1>;
 
 // From the last keyframe to this one; the covariance in the axes of map.
 struct Motion {
