@@ -23,6 +23,8 @@ struct LocaliseParams {
   double confirmed_tolerance = 3.0;
   double confirm_distance_m = 3.0;
   int max_lost_sweeps = 5;
+  double certain_m = 0.3;
+  double certain_rad = geometry::deg_to_rad(10.0);
   double search_again_m = 0.1;
   double search_again_rad = geometry::deg_to_rad(11.5);
   double search_again_s = 5.0;
@@ -39,6 +41,11 @@ struct LocaliseParams {
     v.integer("max_lost_sweeps", max_lost_sweeps, {1, 1000},
               "After so many sweeps in a row that do not fit the known map the robot is searched "
               "for in the whole map; so many in a row also while the robot maps.");
+    v.number("certain_m", certain_m, {0.0, 100.0},
+             "A match of a robot that was LOST while it maps is refused where it contradicts the "
+             "map; not where odometry is certain to this, three standard deviations, as no other "
+             "place is so near.");
+    v.angle("certain_deg", certain_rad, {0.0, 180.0}, "And to this in its orientation.");
     v.number("search_again_m", search_again_m, {0.0, 100.0},
              "A search that found nothing is repeated from so far away.");
     v.angle("search_again_deg", search_again_rad, {0.0, 180.0},
