@@ -11,7 +11,6 @@ namespace nodmap::slam6d {
 namespace {
 
 using geometry::SE3;
-using Vector6d = Eigen::Matrix<double, 6, 1>;
 
 // The motion from the last keyframe to this one, with its covariance in the axes of map.
 struct Motion {

@@ -25,19 +25,25 @@ struct TraceOptions {
 
 /// Marks the voxels that the beams of a cloud go through as free, and those in which they end as
 /// occupied; each beam from where the sensor was when it was measured. Where a beam is cut off, at
-/// the range, nothing is occupied. Beams that end outside of the octree (65536 voxels wide) are
-/// left out.
+/// the range, nothing is occupied, nor where what it met has moved since. Beams that end outside of
+/// the octree (65536 voxels wide) are left out.
 class CloudTracer {
  public:
   explicit CloudTracer(const TraceOptions& options);
 
-  void trace(const SweepCloud& cloud, const geometry::SE3& T_map_base, CloudVoxels& voxels);
+  /// `is_moved`: of the cloud's points; none: nothing has moved.
+  void trace(const SweepCloud& cloud, const geometry::SE3& T_map_base, CloudVoxels& voxels,
+             const std::vector<bool>& is_moved = {});
+
+  /// Marks what is free on beams that met nothing.
+  void trace_free(const SweepCloud& cloud, const geometry::SE3& T_map_base, CloudVoxels& voxels);
 
   [[nodiscard]] const OctreeGrid& grid() const { return grid_; }
   [[nodiscard]] std::size_t memory_bytes() const;
 
  private:
-  void add_beam(const Eigen::Vector3f& p_map, CloudVoxels& voxels);
+  void add_beam(const Eigen::Vector3f& p_map, bool is_moved, CloudVoxels& voxels);
+  bool begin_line(const SweepCloud::Line& line, const geometry::SE3& T_map_base);
   void walk_beams(CloudVoxels& voxels);
 
   TraceOptions options_;

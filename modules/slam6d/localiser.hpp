@@ -23,6 +23,8 @@ struct LocaliseParams {
   double confirmed_tolerance = 3.0;
   double confirm_distance_m = 3.0;
   int max_lost_sweeps = 5;
+  double certain_m = 0.3;
+  double certain_rad = geometry::deg_to_rad(10.0);
   double search_again_m = 0.1;
   double search_again_rad = geometry::deg_to_rad(11.5);
   double search_again_s = 5.0;
@@ -40,6 +42,12 @@ struct LocaliseParams {
     v.integer("max_lost_sweeps", max_lost_sweeps, {1, 1000},
               "After this many sweeps in a row that do not fit, the robot is searched for in the "
               "whole map: in the saved one or, while it maps, in its own.");
+    v.number("certain_m", certain_m, {0.0, 100.0},
+             "After the robot was LOST while it maps, a match is refused if it contradicts the "
+             "map. This is not checked while three standard deviations of the position by odometry "
+             "are below this, because then no other place is possible.");
+    v.angle("certain_deg", certain_rad, {0.0, 180.0},
+            "The same limit for the orientation; both must be met.");
     v.number("search_again_m", search_again_m, {0.0, 100.0},
              "A search that found nothing is repeated after the robot has moved by this distance.");
     v.angle("search_again_deg", search_again_rad, {0.0, 180.0},

@@ -14,7 +14,6 @@ namespace nodmap::slam6d {
 namespace {
 
 using geometry::SE3;
-using Vector6d = Eigen::Matrix<double, 6, 1>;
 using Matrix63d = Eigen::Matrix<double, 6, 3>;
 
 // A weak prior of a plane's tilts, so that a patch seen in a single line has a solution.

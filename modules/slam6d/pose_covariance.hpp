@@ -5,6 +5,7 @@
 
 namespace nodmap::slam6d {
 
+using Vector6d = Eigen::Matrix<double, 6, 1>;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
 /// The matrix with skew(v) * w = v x w.

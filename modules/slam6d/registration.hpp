@@ -34,6 +34,7 @@ enum class RegistrationStatus {
 struct RegistrationParams {
   Metric metric = Metric::kPlanes;
   int iterations_per_level = 8;
+  int min_planes = 50;
   double coarse_residual_scale_m = 0.15;
   double fine_residual_scale_m = 0.015;
   double min_normal_cosine = 0.8;
@@ -50,6 +51,10 @@ struct RegistrationParams {
              "planes.");
     v.integer("iterations_per_level", iterations_per_level, {1, 1000},
               "Maximum number of iterations at each of the three voxel sizes.");
+    v.integer(
+        "min_planes", min_planes, {0, 100000},
+        "A sweep with fewer planes, for example because somebody stands in front of the laser, "
+        "neither confirms nor contradicts odometry: it is DEGRADED and follows odometry.");
     v.number("coarse_residual_scale_m", coarse_residual_scale_m, {0.001, 1.0},
              "Scale of the robust kernel at the coarsest voxels; beyond it a point loses weight.");
     v.number("fine_residual_scale_m", fine_residual_scale_m, {0.001, 1.0},

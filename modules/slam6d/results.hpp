@@ -14,8 +14,7 @@ namespace nodmap::slam6d {
 void write_trajectories(const Slam6d& slam, const std::filesystem::path& dir);
 
 /// cloud.ply, map.png and path.png. Throws std::runtime_error.
-void write_cloud(const Slam6d& slam, const EverFreeParams& params,
-                 const std::filesystem::path& dir);
+void write_cloud(const Slam6d& slam, const std::filesystem::path& dir);
 
 /// The loops that were accepted and refused.
 [[nodiscard]] nlohmann::json loop_figures(const BackEnd& back_end);

@@ -13,6 +13,7 @@
 #include "common/scan/scan.hpp"
 #include "modules/slam6d/back_end.hpp"
 #include "modules/slam6d/corrected_poses.hpp"
+#include "modules/slam6d/ever_free_space.hpp"
 #include "modules/slam6d/keyframe.hpp"
 #include "modules/slam6d/localiser.hpp"
 #include "modules/slam6d/params.hpp"
@@ -32,6 +33,12 @@ struct Metrics {
   std::size_t sweeps_lost = 0;
   std::size_t map_voxels = 0;
   std::size_t map_memory_bytes = 0;
+
+  void count(RegistrationStatus status) {
+    sweeps_tracked += status == RegistrationStatus::kTracking ? 1 : 0;
+    sweeps_degraded += status == RegistrationStatus::kDegraded ? 1 : 0;
+    sweeps_lost += status == RegistrationStatus::kLost ? 1 : 0;
+  }
 };
 
 /// 6DOF-SLAM of section IV B: scans and odometry in, poses and registered clouds out.
@@ -107,7 +114,8 @@ class Slam6d {
   }
 
   /// At the end: moves the newest poses, too, to where they agree best with all loops, and then all
-  /// keyframes together to where their planes agree best. The voxels stay.
+  /// keyframes together to where their planes agree best. The voxels stay. Of all keyframes it is
+  /// told anew which of their points moved.
   void polish();
   [[nodiscard]] const BackEnd& back_end() const { return back_end_; }
 
@@ -122,19 +130,20 @@ class Slam6d {
   void recover(VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate& update);
   void search_own_map(VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate& update);
   void take_back_place(const SweepCloud& cloud, PoseUpdate& update);
-  void count(RegistrationStatus status);
   void accept(const VoxelMap& sweep, SweepCloud& cloud, PoseUpdate& update);
   [[nodiscard]] std::optional<KeyframeReason> keyframe_reason(PoseUpdate& update) const;
   void keep(const PoseUpdate& update);
   void keep_keyframe(const VoxelMap& sweep, SweepCloud cloud);
   void close_loops(const VoxelMap& sweep);
   void move_keyframes(std::span<const geometry::SE3> T_map_keyframes);
+  void find_moved_points();
 
   Slam6dParams params_;
   SweepCollector collector_;
   Tracker tracker_;
   std::optional<PlacedSweep> first_sweep_;  // until the second
   VoxelMap map_;
+  EverFreeSpace ever_free_;
   bool keyframe_is_due_ = false;  // there was an interruption since the last keyframe
   std::vector<PoseUpdate> sweeps_;
   CorrectedPoses corrected_;  // of sweeps_

@@ -49,12 +49,15 @@ struct SweepCloud {
   struct Line {
     Eigen::Vector3f p_base_mirror;
     std::size_t end = 0;
-    double time = 0.0;  ///< of the scan: from -1 (the sweep's first beam) to 1 (the last)
+    double time = 0.0;         ///< of the scan: from -1 (the sweep's first beam) to 1 (the last)
+    std::size_t free_end = 0;  ///< its part of `free_points`, likewise
   };
 
   time::Timestamp stamp{};  ///< of the base pose P_b
   geometry::SE3 T_odom_base = geometry::SE3::Identity();
   std::vector<Eigen::Vector3f> points;
+  /// On beams that met nothing: free up to here, as far as beams without an echo are believed.
+  std::vector<Eigen::Vector3f> free_points;
   std::vector<Line> lines;
   std::size_t scans_used = 0;
   std::size_t scans_without_pose = 0;
@@ -80,6 +83,8 @@ struct SweepCloud {
   }
   /// Whether the robot was stationary, as far as odometry tells.
   [[nodiscard]] bool is_stationary() const;
+  /// Where only the points are needed from now on.
+  void drop_free_points();
   /// Deskews again: places each point anew with the motion as it is known now.
   void correct(const MotionCorrection& correction);
 };

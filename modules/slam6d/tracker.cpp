@@ -7,7 +7,6 @@ namespace nodmap::slam6d {
 namespace {
 
 using geometry::SE3;
-using Vector6d = Eigen::Matrix<double, 6, 1>;
 
 OdometryMotion motion_of(const SE3& motion) {
   return {.distance_m = motion.translation().norm(),

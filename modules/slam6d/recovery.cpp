@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What Slam6d does while it is not known where the robot is: in a saved map, or in its own one
+// after LOST.
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "modules/slam6d/slam6d.hpp"
+#include "modules/slam6d/sweep_voxels.hpp"
+
+namespace nodmap::slam6d {
+namespace {
+
+bool is_certain(const Matrix6d& covariance, const LocaliseParams& params) {
+  constexpr double kSigmas = 3.0;
+  return kSigmas * std::sqrt(covariance.topLeftCorner<3, 3>().trace()) < params.certain_m &&
+         kSigmas * std::sqrt(covariance.bottomRightCorner<3, 3>().trace()) < params.certain_rad;
+}
+
+}  // namespace
+
+// A robot that was put into a known map. As long as it is not found there it has no pose.
+void Slam6d::find_place(const VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate& update) {
+  if (auto T_map_base = localiser_->find(sweep, map_, update)) {
+    if (localiser_->is_confirmed()) {
+      // A given start, which needs no confirmation, is that of the sweep's first beam.
+      *T_map_base = *T_map_base * cloud.T_base_first.inverse();
+    }
+    tracker_.begin_at(*T_map_base, cloud);
+    update = tracker_.extrapolate(cloud);
+    return;
+  }
+  tracker_.forget_pose();
+  update.registration = Registration{};
+  counts_.count(update.registration->status);
+}
+
+// A wrong place would be built into the map: it is opened when the place is confirmed.
+void Slam6d::classify_place(const VoxelMap& sweep, PoseUpdate& update) {
+  localiser_->classify(sweep, update, tracker_.lost_sweeps());
+  is_map_closed_ = is_map_fixed_ || !localiser_->is_confirmed() ||
+                   update.registration->status != RegistrationStatus::kTracking;
+  if (!is_map_closed_) {
+    by_odometry_.reset();
+  }
+}
+
+// A robot that was lost while it maps, kicked or carried away. Odometry tells little of where it
+// is, and walls lie on walls in many places: what contradicts the space that was seen is refused.
+// Where odometry leaves no other place open, people who stand about do not contradict it.
+void Slam6d::recover(VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate& update) {
+  if (update.is_tracked() &&
+      !is_certain(tracker_.extrapolate(cloud).covariance, params_.localise) &&
+      localiser_->is_contradicted_at(sweep, update.T_map_base)) {
+    tracker_.refuse();
+    update = tracker_.extrapolate(cloud);
+    update.registration = Registration{};
+  }
+  if (tracker_.lost_sweeps() >= params_.localise.max_lost_sweeps) {
+    search_own_map(sweep, cloud, update);
+  }
+}
+
+// As in a saved map. The own one is closed until the place is confirmed.
+void Slam6d::search_own_map(VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate& update) {
+  VoxelMap as_measured = voxelize(cloud, params_.voxels);
+  const auto T_map_base = localiser_->find(as_measured, map_, update);
+  if (!T_map_base) {
+    return;
+  }
+  by_odometry_ = tracker_;
+  is_map_closed_ = keyframe_is_due_ = true;
+  tracker_.begin_at(*T_map_base, cloud);
+  update = tracker_.extrapolate(cloud);
+  sweep = std::move(as_measured);
+  tracker_.track(sweep, map_, cloud, update);
+}
+
+// The place that was found is wrong: odometry goes on from where the robot was lost, and the
+// search, too.
+void Slam6d::take_back_place(const SweepCloud& cloud, PoseUpdate& update) {
+  tracker_ = *std::exchange(by_odometry_, std::nullopt);
+  tracker_.interrupt();
+  is_map_closed_ = false;
+  update = tracker_.extrapolate(cloud);
+  update.registration = Registration{};
+}
+
+}  // namespace nodmap::slam6d
