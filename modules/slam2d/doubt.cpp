@@ -6,7 +6,7 @@
 namespace nodmap::slam2d {
 namespace {
 
-// How fast a robot that odometry does not see may drive.
+// Greatest speed of a robot without odometry.
 constexpr double kMaxSpeedMPerS = 3.0;
 
 }  // namespace

@@ -9,20 +9,21 @@
 
 namespace nodmap::slam2d {
 
-/// Whether the robot may be elsewhere than odometry says: after a while without odometry, in which
-/// it may have been carried or have driven on, and while it is lost. Ends with a sure place.
+/// Doubt about odometry: whether the robot may be elsewhere than odometry says. Begins after a time
+/// without odometry, in which it may have been carried or have driven on, and when it is lost. Ends
+/// when its place is sure.
 class Doubt {
  public:
   explicit Doubt(const DoubtParams& params) : params_(params) {}
 
-  /// After a time without odometry.
+  /// Begins, or increases, the doubt after a time without odometry.
   void begin(double odometry_gap_s);
-  /// `is_sure`: the robot can be nowhere else than at the pose of the update.
+  /// `is_sure`: every place but the pose of the update is excluded.
   void update(const PoseUpdate& update, bool is_sure);
   void end();
 
   [[nodiscard]] bool is_there() const { return reach_m_ > 0.0; }
-  /// How far from where odometry says the robot may be, in metres; 0: no doubt.
+  /// How far the robot may be from its pose by odometry, metres; 0: no doubt.
   [[nodiscard]] double reach_m() const { return reach_m_; }
   /// The stamp of the first scan whose place was not sure, if there was one.
   [[nodiscard]] const std::optional<time::Timestamp>& since() const { return since_; }

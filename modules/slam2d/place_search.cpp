@@ -10,10 +10,11 @@
 namespace nodmap::slam2d {
 namespace {
 
-// A little farther along a corridor, in which a niche or two are all that tells the place, a scan
-// fits nearly as well.
+// A match is certain only if its least information ratio is this many times the limit: in a
+// corridor where only a niche or two determine the position along it, a scan fits nearly as well a
+// little farther on.
 constexpr double kCertainInformationFactor = 2.5;
-constexpr std::size_t kMaxPlaces = 8;  // more mean that the scan tells nothing
+constexpr std::size_t kMaxPlaces = 8;  // with more places the scan determines nothing
 
 }  // namespace
 
@@ -59,7 +60,7 @@ Place PlaceSearch::find(const Known& known, const LevelScan& scan, const LevelSc
     T_odom_failed_.reset();
     return {tracked};
   }
-  // A failed search is not repeated before the robot has moved.
+  // A failed search is repeated only after the robot has moved.
   const bool has_failed_here =
       T_odom_failed_ && !keyframe_params_.is_beyond(*T_odom_failed_, scan.T_odom_base);
   if (!scan.has_enough_to_search() || has_failed_here) {
@@ -81,10 +82,12 @@ Place PlaceSearch::find(const Known& known, const LevelScan& scan, const LevelSc
   return *found;
 }
 
-// Once a scan was not sure, no match near the guess is: that may be as wrong as the guess.
+// After a scan whose place was not sure, no match near the guess suffices, because the guess may be
+// wrong.
 bool PlaceSearch::is_good(const Match& tracked, const Doubt& doubt) const {
   if (!doubt.is_there()) {
-    // Along a degenerate direction a match that does not fit surely may be off as odometry is.
+    // Along a degenerate direction a match that does not fit surely may be off by the error of
+    // odometry.
     return tracked.score >= (tracked.degenerate_directions > 0 ? doubt_params_.certain_score
                                                                : search_params_.score_threshold);
   }
@@ -93,8 +96,8 @@ bool PlaceSearch::is_good(const Match& tracked, const Doubt& doubt) const {
              kCertainInformationFactor * matcher_params_.min_information_ratio;
 }
 
-// One that is another place than odometry says counts only where the scan contradicts what was seen
-// from here: otherwise it shows what is new, and the other place may look like this one.
+// A place away from odometry counts only if the scan contradicts what was seen from here. Otherwise
+// the scan shows something new, and the other place may merely look alike.
 std::optional<Place> PlaceSearch::find_near(const Known& known, const LevelScan& scan,
                                             const LevelScan& all_points,
                                             std::span<const geometry::SE2> guesses,
@@ -111,8 +114,8 @@ std::optional<Place> PlaceSearch::find_near(const Known& known, const LevelScan&
                                                         : std::nullopt;
 }
 
-// The best of all places in reach, and of those near the guesses. It is sure where the scan fits
-// clearly better than at any other.
+// Returns the best of all places in reach and of those near the guesses. It is sure if the scan
+// fits clearly worse at every other.
 Place PlaceSearch::find_anywhere(const Known& known, const LevelScan& scan,
                                  std::span<const geometry::SE2> guesses,
                                  const Match& tracked) const {
@@ -132,14 +135,15 @@ Place PlaceSearch::find_anywhere(const Known& known, const LevelScan& scan,
   }
   const BestPlace best = best_of(places);
   const bool is_complete = search.complete && search.peaks.size() < kMaxPlaces;
-  // Along degenerate directions only the search tells the place.
+  // Along degenerate directions only the search determines the place.
   const bool is_determined =
       matches[best.index].degenerate_directions == 0 ||
       (search.peaks.size() == 1 &&
        is_same_place(places[best.index].T_map_base, search.peaks.front().T_map_base));
   const bool is_sure = is_complete && is_determined && best.score >= params.found_score &&
                        best.is_clear(params.min_misfit_ratio);
-  // One that is not sure replaces the place near the guess only where it fits clearly better.
+  // A place that is not sure replaces the one near the guess only if the scan fits clearly better
+  // there.
   const BestPlace better = best_of(std::array{places.front(), places[best.index]});
   return is_sure || (best.score >= params.found_score && better.is_clear(params.min_misfit_ratio))
              ? Place{matches[best.index], is_sure}

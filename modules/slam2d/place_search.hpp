@@ -16,29 +16,31 @@
 
 namespace nodmap::slam2d {
 
-/// Where matching begins.
+/// The pose guesses from which matching begins.
 struct Start {
   std::vector<geometry::SE2> guesses;  ///< of T_submap_base, in the local submap; the best first
-  bool is_by_odometry = true;          ///< the best guess is where odometry says
-  /// From the best guess, of all points of the scan; if there are several guesses.
+  bool is_by_odometry = true;          ///< the best guess is the pose by odometry
+  /// The match of all points of the scan from the best guess; only set if there are several
+  /// guesses.
   std::optional<Match> match = std::nullopt;
 };
 
-/// Where a scan fits the local submap, and whether the robot can be nowhere else.
+/// The pose at which a scan fits the local submap, and whether every other place is excluded.
 struct Place {
   Match match;
   bool is_sure = true;
 };
 
-/// Finds the place of a scan in the local submap: by a match from odometry or, where that does not
-/// fit, by a search. Near odometry if odometry can be trusted, otherwise wherever the robot may be.
+/// Finds the place of a scan in the local submap: by a match from odometry or, if that does not
+/// fit, by a search: near odometry while odometry can be trusted, otherwise wherever the robot may
+/// be.
 class PlaceSearch {
  public:
   struct Counts {
     std::int64_t searches = 0;
     std::int64_t successful = 0;
   };
-  /// What is known when a scan comes.
+  /// The state at the time of a scan.
   struct Known {
     BackEnd& back_end;
     const MovingPointFilter& views;  ///< what was seen from here
@@ -47,20 +49,21 @@ class PlaceSearch {
 
   explicit PlaceSearch(const Slam2dParams& params);
 
-  /// Puts that one of some guesses first from which the scan fits clearly better. Where there are
-  /// several, odometry contradicts the robot's motion; all points count, for it is odometry that
-  /// tells which have moved.
+  /// Chooses the guess from which the scan fits clearly best, and puts it first. Several guesses
+  /// mean that odometry contradicts the robot's motion. Then all points are used, because moving
+  /// points are detected by odometry.
   [[nodiscard]] Start choose_start(const Submap& local, const LevelScan& all_points,
                                    std::vector<geometry::SE2> guesses) const;
 
-  /// A match from the best guess, without a search.
+  /// Matches from the best guess, without a search.
   [[nodiscard]] Match match(const Submap& local, const LevelScan& scan, const Start& start) const;
 
-  /// `scan`: those of `all_points` that have not moved.
+  /// Matches or searches. `scan`: the part of `all_points` that has not moved.
   [[nodiscard]] Place find(const Known& known, const LevelScan& scan, const LevelScan& all_points,
                            const Start& start);
 
-  /// A search that failed is worth another one here: the robot may have been carried.
+  /// Allows another search at the same place after one that failed, because the robot may have been
+  /// carried.
   void forget_failure() { T_odom_failed_.reset(); }
 
   [[nodiscard]] const Counts& counts() const { return counts_; }

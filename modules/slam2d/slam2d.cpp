@@ -96,8 +96,8 @@ Start Slam2d::choose_start(const LevelScan& all_points) const {
   return place_search_.choose_start(back_end_.local(), all_points, std::move(guesses));
 }
 
-// Where most of what is measured is in free space, people stand around the robot, or the robot is
-// elsewhere. But a robot whose odometry goes on smoothly is not elsewhere.
+// If most points lie in space that was free before, either people surround the robot or it is
+// elsewhere. While odometry goes on smoothly it cannot be elsewhere.
 Slam2d::FoundPlace Slam2d::find_place(const LevelScan& all_points, const Start& start) {
   LevelScan scan = all_points;
   if (start.is_by_odometry && !doubt_.is_there()) {
@@ -132,9 +132,9 @@ bool Slam2d::is_hidden_for_long(time::Timestamp stamp) {
   return time::seconds(std::chrono::abs(stamp - *hidden_since_)) >= params_.people.max_hidden_s;
 }
 
-// Somebody near hides all but a few walls: what is left tells the place if it fits surely. A match
-// of all points would follow the people, and who walks ahead of a robot that stands would take it
-// along. `is_mostly_moving`: little is left.
+// People nearby may hide all but a few walls: the remaining points determine the pose if they fit
+// surely. A match of all points would follow the people: somebody who walks ahead of a stationary
+// robot would shift its pose. `is_mostly_moving`: few points remain.
 std::optional<Place> Slam2d::find_between_people(const LevelScan& scan, const LevelScan& all_points,
                                                  const Start& start, bool is_mostly_moving) {
   Place place;
@@ -173,7 +173,8 @@ PoseUpdate Slam2d::correct_pose(const LevelScan& scan, const FoundPlace& found) 
   return update;
 }
 
-// Of the pose in the local submap, and of the submap's own pose at the end of its moment arm.
+// Adds the covariance of the pose in the local submap, and that of the submap's own pose at the end
+// of its moment arm.
 Eigen::Matrix3d Slam2d::estimate_covariance(const Place& place, const PoseUpdate& update) {
   if (update.quality == PoseQuality::kLost) {
     return Eigen::Matrix3d::Zero();
@@ -206,8 +207,9 @@ PoseQuality Slam2d::classify(const LevelScan& scan, const FoundPlace& found) con
              : PoseQuality::kTracked;
 }
 
-// Of a scan that does not fit the map. What was never in view before fits nowhere, and odometry
-// alone is good for a while: in the open, behind obstacles, it is all there is.
+// Whether a scan that does not fit the map means that the robot is lost. A scan that shows only
+// what was not in view before fits nowhere. Odometry alone suffices for a while: in the open,
+// behind obstacles, there is nothing else.
 bool Slam2d::is_lost(const LevelScan& scan) const {
   const Eigen::Matrix3d& covariance = pose_covariance_.matrix();
   const double max_sigma_m = params_.lost.max_sigma_m;
@@ -223,15 +225,15 @@ bool Slam2d::is_keyframe(const PoseUpdate& update, const LevelScan& scan,
   if (doubt_.is_there()) {
     return continues_in_doubt(update, scan.T_odom_base);
   }
-  // Of the few level scans of a nod one that falls a little short would leave a gap twice as long.
+  // A nod gives few level scans: one that just misses the distance would leave a gap twice as long.
   return params_.keyframe.is_beyond(T_odom_keyframe_, scan.T_odom_base) ||
          (scan.is_of_nod &&
           distance_m(T_odom_keyframe_, scan.T_odom_base) > params_.keyframe.nodding_distance_m);
 }
 
-// Nothing here is on the map, or it is not sure where: the map is continued from odometry, once
-// that is far enough away, or after a while: a robot that waits until it is found again would wait
-// for ever.
+// The scan fits nowhere in the map, or its place is not sure. The map is continued from odometry
+// once the robot is far enough away, or after a while, because it might otherwise wait for ever to
+// be found.
 bool Slam2d::continues_in_doubt(const PoseUpdate& update, const geometry::SE2& T_odom_base) const {
   return distance_m(T_odom_keyframe_, T_odom_base) > params_.lost.distance_m ||
          time::seconds(std::chrono::abs(update.stamp - doubt_.since().value_or(update.stamp))) >

@@ -86,12 +86,12 @@ class Slam2d {
  private:
   [[nodiscard]] std::optional<PoseUpdate> begin_map(const LevelScan& scan);
   [[nodiscard]] Start choose_start(const LevelScan& all_points) const;
-  /// The place of a scan, and by what it was found.
+  /// The place of a scan, and how it was found.
   struct FoundPlace {
     Place place;
     LevelScan scan;            ///< without the points that have moved
-    bool has_slipped = false;  ///< not people: for a second odometry has told another place
-    bool is_hidden = false;    ///< people stand around the robot: only odometry tells where it is
+    bool has_slipped = false;  ///< not people: odometry has been wrong for a second
+    bool is_hidden = false;    ///< people surround the robot: only odometry gives its pose
   };
   [[nodiscard]] FoundPlace find_place(const LevelScan& all_points, const Start& start);
   [[nodiscard]] std::optional<Place> find_between_people(const LevelScan& scan,
@@ -120,7 +120,7 @@ class Slam2d {
   geometry::SE2 T_map_odom_;
   PoseCovariance pose_covariance_;  // in the local submap, but in the axes of map
   geometry::SE2 T_odom_last_;       // of the last level scan
-  geometry::SE2 T_odom_keyframe_;   // the last one, in the present odom frame
+  geometry::SE2 T_odom_keyframe_;   // of the last keyframe, in the present odom frame
   Doubt doubt_;
   std::optional<time::Timestamp> hidden_since_;  // the first scan of which too little was left
   TrackedPath path_;

@@ -9,7 +9,7 @@ using geometry::SE3;
 // Beyond this, where no octree reaches, OctoMap's integers would overflow.
 constexpr float kFarthestM = 1e6F;
 
-// As many as are near each other in the processor's cache.
+// Number of beams that are walked together, so that they stay in the processor's cache.
 constexpr std::size_t kBeamsAtOnce = 1024;
 
 bool is_near(const Eigen::Vector3f& p) {

@@ -14,19 +14,19 @@
 
 namespace nodmap::slam6d {
 
-/// How clouds become voxels.
+/// How clouds are converted to voxels.
 struct TraceOptions {
   double resolution_m = 0.05;  ///< edge of a voxel
   double max_range_m = 10.0;   ///< beams enter up to this length; longer ones are free up to there
-  /// Of the beams into one voxel only the first is traced, and to its middle: what OctoMap calls
-  /// discretizing. Faster for dense clouds, and less exact.
+  /// Traces only the first beam into each voxel, and to the middle of the voxel, which OctoMap
+  /// calls discretizing. Faster for dense clouds, and less exact.
   bool discretize = false;
 };
 
-/// Marks the voxels that the beams of a cloud go through as free, and those in which they end as
-/// occupied; each beam from where the sensor was when it was measured. Where a beam is cut off, at
-/// the range, nothing is occupied, nor where what it met has moved since. Beams that end outside of
-/// the octree (65536 voxels wide) are left out.
+/// Marks the voxels that the beams of a cloud pass through as free, and those in which they end as
+/// occupied. Each beam starts where the sensor was when it was measured. The end of a beam that is
+/// cut off at the range, or that met something which has moved since, is not occupied. Beams that
+/// end outside of the octree (65536 voxels wide) are left out.
 class CloudTracer {
  public:
   explicit CloudTracer(const TraceOptions& options);
@@ -35,7 +35,7 @@ class CloudTracer {
   void trace(const SweepCloud& cloud, const geometry::SE3& T_map_base, CloudVoxels& voxels,
              const std::vector<bool>& is_moved = {});
 
-  /// Marks what is free on beams that met nothing.
+  /// Marks the free voxels on beams that met nothing.
   void trace_free(const SweepCloud& cloud, const geometry::SE3& T_map_base, CloudVoxels& voxels);
 
   [[nodiscard]] const OctreeGrid& grid() const { return grid_; }

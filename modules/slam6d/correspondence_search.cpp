@@ -10,7 +10,7 @@ namespace {
 
 // Farthest correspondence, in voxels: half of one is always found, 1.5 is the most that can be.
 constexpr double kMaxCorrespondenceVoxels = 1.5;
-// How far is looked along a normal: as far as the prior may be wrong.
+// Search distance along a normal: as far as the prior may be wrong.
 constexpr double kNormalReachSigmas = 2.0;
 constexpr double kMaxReachVoxels = 6.0;
 

@@ -12,31 +12,30 @@
 
 namespace nodmap::slam6d {
 
-/// How far correspondences are looked for along normals where odometry may be wrong by
+/// How far correspondences are searched for along normals, metres, if odometry may be wrong by
 /// `covariance` (of position and rotation): at least as far as that. Empty where voxels of
-/// `voxel_size_m` find theirs anyway. Metres.
+/// `voxel_size_m` find their correspondences without it.
 [[nodiscard]] std::optional<double> normal_reach_m(const Matrix6d& covariance,
                                                    const Matrix6d& prior_covariance,
                                                    double voxel_size_m);
 
-/// Finds the voxels of a map that the points of a sweep correspond to (w_ij of Eq. 3): the nearest
+/// Finds the voxels of a map that correspond to the points of a sweep (w_ij of Eq. 3): the nearest
 /// one of the same size, if its plane faces the same way. From step to step of a registration
-/// points hardly move, and the nearest stays the same: it is looked up again only once another may
-/// be.
+/// points hardly move: the nearest voxel is looked up again only when another one may be nearest.
 class CorrespondenceSearch {
  public:
   CorrespondenceSearch(const VoxelMap& map, double min_normal_cosine)
       : map_(map), min_normal_cosine_(static_cast<float>(min_normal_cosine)) {}
 
-  /// The next points are others, so many.
+  /// Begins with new points, `num_points` of them.
   void begin(std::size_t num_points) { matches_.assign(num_points, {}); }
 
-  /// Points without a correspondence look for one along their normals from now on, this far to
-  /// both sides; 0: no longer.
+  /// From now on points without a correspondence search for one along their normals, up to this
+  /// distance on both sides; 0: no longer.
   void look_along_normals(double reach_m);
 
-  /// The voxel of `level` that corresponds to point `i`, which is at `p_map` now; null where there
-  /// is none.
+  /// The voxel of `level` that corresponds to point `i`, which is now at `p_map`; null if there is
+  /// none.
   [[nodiscard]] const Voxel* find(std::size_t i, std::size_t level, const Eigen::Vector3f& p_map,
                                   const Eigen::Vector3f& normal_map) {
     Match& last = matches_[i];

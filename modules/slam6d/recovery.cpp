@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What Slam6d does while it is not known where the robot is: in a saved map, or in its own one
-// after LOST.
+// The part of Slam6d that finds the robot while its place is unknown: in a saved map, or in its own
+// map after LOST.
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -19,11 +19,11 @@ bool is_certain(const Matrix6d& covariance, const LocaliseParams& params) {
 
 }  // namespace
 
-// A robot that was put into a known map. As long as it is not found there it has no pose.
+// For a robot in a saved map. Until it is found there it has no pose.
 void Slam6d::find_place(const VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate& update) {
   if (auto T_map_base = localiser_->find(sweep, map_, update)) {
     if (localiser_->is_confirmed()) {
-      // A given start, which needs no confirmation, is that of the sweep's first beam.
+      // A given start pose, which needs no confirmation, is the pose at the sweep's first beam.
       *T_map_base = *T_map_base * cloud.T_base_first.inverse();
     }
     tracker_.begin_at(*T_map_base, cloud);
@@ -35,7 +35,7 @@ void Slam6d::find_place(const VoxelMap& sweep, const SweepCloud& cloud, PoseUpda
   counts_.count(update.registration->status);
 }
 
-// A wrong place would be built into the map: it is opened when the place is confirmed.
+// A wrong place would spoil the map, so new keyframes enter it only once the place is confirmed.
 void Slam6d::classify_place(const VoxelMap& sweep, PoseUpdate& update) {
   localiser_->classify(sweep, update, tracker_.lost_sweeps());
   is_map_closed_ = is_map_fixed_ || !localiser_->is_confirmed() ||
@@ -45,9 +45,10 @@ void Slam6d::classify_place(const VoxelMap& sweep, PoseUpdate& update) {
   }
 }
 
-// A robot that was lost while it maps, kicked or carried away. Odometry tells little of where it
-// is, and walls lie on walls in many places: what contradicts the space that was seen is refused.
-// Where odometry leaves no other place open, people who stand about do not contradict it.
+// For a robot that was lost while it maps, because it was kicked or carried away. Odometry says
+// little about its place, and walls fit walls in many places, so a place that contradicts the space
+// that was seen is refused. Where odometry excludes all other places this is not checked, because
+// of people nearby.
 void Slam6d::recover(VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate& update) {
   if (update.is_tracked() &&
       !is_certain(tracker_.extrapolate(cloud).covariance, params_.localise) &&
@@ -61,7 +62,7 @@ void Slam6d::recover(VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate& updat
   }
 }
 
-// As in a saved map. The own one is closed until the place is confirmed.
+// Searches as in a saved map. Nothing enters its own map until the place is confirmed.
 void Slam6d::search_own_map(VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate& update) {
   VoxelMap as_measured = voxelize(cloud, params_.voxels);
   const auto T_map_base = localiser_->find(as_measured, map_, update);
@@ -76,8 +77,8 @@ void Slam6d::search_own_map(VoxelMap& sweep, const SweepCloud& cloud, PoseUpdate
   tracker_.track(sweep, map_, cloud, update);
 }
 
-// The place that was found is wrong: odometry goes on from where the robot was lost, and the
-// search, too.
+// The place that was found is wrong: odometry continues from where the robot was lost, and so does
+// the search.
 void Slam6d::take_back_place(const SweepCloud& cloud, PoseUpdate& update) {
   tracker_ = *std::exchange(by_odometry_, std::nullopt);
   tracker_.interrupt();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The unknowns of a registration: a small motion of the middle of the sweep about the base's
-// position (m, rad; axes of map), and for a sweep on the move (N = 12) what is to be added to it
-// per unit of time.
+// position (m, rad; axes of map) and, if the robot moves during the sweep (N = 12), its change per
+// unit of time.
 #pragma once
 
 #include <Eigen/Core>
@@ -25,8 +25,8 @@ namespace nodmap::slam6d {
   return motion;
 }
 
-/// From the covariances of the pose at the first beam and of the motion to the last one.
-/// `half_path_map`: of the base, from the middle of the sweep to its end.
+/// Computes the prior from the covariances of the pose at the first beam and of the motion to the
+/// last one. `half_path_map`: path of the base from the middle of the sweep to its end.
 template <int N>
 [[nodiscard]] Eigen::Matrix<double, N, N> motion_covariance(const Matrix6d& at_first_beam,
                                                             const Matrix6d& of_motion,
@@ -48,7 +48,7 @@ template <int N>
   }
 }
 
-/// Of the pose at the last beam.
+/// The covariance of the pose at the last beam.
 template <int N>
 [[nodiscard]] Matrix6d end_covariance(const Eigen::Matrix<double, N, N>& covariance) {
   Matrix6d end = covariance.template topLeftCorner<6, 6>();
