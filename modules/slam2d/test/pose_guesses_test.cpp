@@ -46,7 +46,7 @@ class Drive {
   void wait(time::Duration duration) { scan_.stamp += duration; }
 
  private:
-  PoseGuesses pose_guesses_;
+  PoseGuesses pose_guesses_{PeopleParams{}};
   LevelScan scan_;
   SE2 truth_;
   SE2 T_map_odom_;
@@ -118,7 +118,7 @@ TEST(PoseGuesses, AMotionLongAgoTellsNothing) {
 TEST(PoseGuesses, OnlyScansInQuickSuccessionAreFast) {
   for (const auto& [period, is_fast] :
        {std::pair{13ms, true}, {50ms, true}, {60ms, false}, {200ms, false}, {1ms, false}}) {
-    PoseGuesses pose_guesses;
+    PoseGuesses pose_guesses{PeopleParams{}};
     EXPECT_FALSE(pose_guesses.is_fast(time::Timestamp{}));
     pose_guesses.add_scan(time::Timestamp{}, {});
     EXPECT_FALSE(pose_guesses.is_fast(time::Timestamp(period)));  // how it moves is not known yet
@@ -130,9 +130,19 @@ TEST(PoseGuesses, OnlyScansInQuickSuccessionAreFast) {
   }
 }
 
+TEST(PoseGuesses, WhatIsFastIsAParameter) {
+  for (const auto& [max_scan_period_s, is_fast] :
+       {std::pair{0.0, false}, {0.05, false}, {0.25, true}}) {
+    PoseGuesses pose_guesses{PeopleParams{.max_scan_period_s = max_scan_period_s}};
+    pose_guesses.add_scan(time::Timestamp{}, {});
+    pose_guesses.add_scan(time::Timestamp(kPeriod), kStep);
+    EXPECT_EQ(pose_guesses.is_fast(time::Timestamp(2 * kPeriod)), is_fast) << max_scan_period_s;
+  }
+}
+
 // A robot that stands: by 3 cm at once, and no more in all; one that drives: half of its way.
 TEST(PoseGuesses, WheelsSlipByPartOfWhatTheyHaveTurned) {
-  PoseGuesses pose_guesses;
+  PoseGuesses pose_guesses{PeopleParams{}};
   pose_guesses.add_keyframe({}, {});
   pose_guesses.add_scan(time::Timestamp{}, {});
   LevelScan scan;
