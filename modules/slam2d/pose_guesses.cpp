@@ -12,6 +12,9 @@ namespace {
 constexpr double kMaxStepS = 0.5;
 // The ratio of successive intervals must be below this: stamps that come in bursts give no speed.
 constexpr double kMaxStepRatio = 2.0;
+// But the laser has measured at an even rate: a mean over so many scans tells how far the robot
+// goes from one to the next.
+constexpr std::size_t kMeanSteps = 8;
 // From guesses nearer than this, ICP finds the same pose. A robot that brakes at 2 m/s^2, or begins
 // to rotate at 3 rad/s^2, is this far off after about a quarter of a second.
 constexpr double kSameM = 0.12;
@@ -33,9 +36,11 @@ double difference(const geometry::SE2& a, const geometry::SE2& b) {
 }  // namespace
 
 void PoseGuesses::add_scan(time::Timestamp stamp, const geometry::SE2& T_last_base) {
-  step_.reset();
-  if (last_stamp_ && stamp > *last_stamp_) {
-    step_ = Step{T_last_base, time::seconds(stamp - *last_stamp_)};
+  if (last_stamp_) {
+    steps_.push_back({T_last_base, time::seconds(stamp - *last_stamp_)});
+  }
+  if (steps_.size() > kMeanSteps) {
+    steps_.pop_front();
   }
   last_stamp_ = stamp;
 }
@@ -50,7 +55,7 @@ bool PoseGuesses::is_fast_step(double step_s) const {
 }
 
 bool PoseGuesses::is_fast(time::Timestamp next_stamp) const {
-  return step_ && is_fast_step(step_->duration_s) &&
+  return !steps_.empty() && is_fast_step(steps_.back().duration_s) &&
          is_fast_step(time::seconds(next_stamp - *last_stamp_));
 }
 
@@ -69,20 +74,49 @@ bool PoseGuesses::is_beyond_slip(const LevelScan& scan, const geometry::SE2& T_m
          is_beyond(since_keyframe(scan), slipped_m, slipped_rad);
 }
 
+std::optional<geometry::SE2> PoseGuesses::next_step(time::Timestamp next_stamp) const {
+  if (steps_.empty()) {
+    return std::nullopt;
+  }
+  const auto& [T_last_base, duration_s] = steps_.back();
+  const double ratio = time::seconds(next_stamp - *last_stamp_) / duration_s;
+  if (duration_s > 0.0 && duration_s <= kMaxStepS && ratio >= 1.0 / kMaxStepRatio &&
+      ratio <= kMaxStepRatio) {
+    return geometry::SE2{ratio * T_last_base.x, ratio * T_last_base.y, ratio * T_last_base.yaw};
+  }
+  return mean_step_in_bursts();
+}
+
+std::optional<geometry::SE2> PoseGuesses::mean_step_in_bursts() const {
+  if (steps_.size() < kMeanSteps) {
+    return std::nullopt;
+  }
+  double least_s = steps_.front().duration_s;
+  double most_s = least_s;
+  double total_s = 0.0;
+  geometry::SE2 mean;
+  for (const auto& [T_last_base, duration_s] : steps_) {
+    least_s = std::min(least_s, duration_s);
+    most_s = std::max(most_s, duration_s);
+    total_s += duration_s;
+    mean.x += T_last_base.x / kMeanSteps;
+    mean.y += T_last_base.y / kMeanSteps;
+    mean.yaw += T_last_base.yaw / kMeanSteps;
+  }
+  const bool are_bursts = most_s > kMaxStepRatio * least_s;
+  const bool is_even_rate = total_s > 0.0 && total_s <= kMeanSteps * kMaxStepS;
+  return are_bursts && is_even_rate ? std::optional(mean) : std::nullopt;
+}
+
 std::vector<geometry::SE2> PoseGuesses::guesses(const LevelScan& scan,
                                                 const geometry::SE2& T_map_odom,
                                                 const geometry::SE2& T_odom_last) const {
   geometry::SE2 by_odometry = T_map_odom * scan.T_odom_base;
-  if (!step_ || step_->duration_s > kMaxStepS) {
+  const std::optional<geometry::SE2> step = next_step(scan.stamp);
+  if (!step) {
     return {by_odometry};
   }
-  const double ratio = time::seconds(scan.stamp - *last_stamp_) / step_->duration_s;
-  if (!(ratio >= 1.0 / kMaxStepRatio && ratio <= kMaxStepRatio)) {
-    return {by_odometry};
-  }
-  const geometry::SE2& step = step_->T_last_base;
-  const geometry::SE2 by_motion =
-      T_map_odom * T_odom_last * geometry::SE2{ratio * step.x, ratio * step.y, ratio * step.yaw};
+  const geometry::SE2 by_motion = T_map_odom * T_odom_last * *step;
   geometry::SE2 since_keyframe = this->since_keyframe(scan);
   if (are_same(by_odometry, by_motion)) {
     return {by_odometry};

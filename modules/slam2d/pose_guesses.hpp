@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <optional>
 #include <vector>
 
@@ -30,7 +31,7 @@ class PoseGuesses {
     T_odom_keyframe_ = T_odom_base;
   }
   /// Forgets the motion up to the last scan, because its pose is not known.
-  void forget_motion() { step_.reset(); }
+  void forget_motion() { steps_.clear(); }
   /// Odometry continues in another frame; T_old_new is the new one in the old one.
   void change_odometry_frame(const geometry::SE2& T_old_new);
 
@@ -55,14 +56,17 @@ class PoseGuesses {
                                                    const geometry::SE2& T_odom_last) const;
 
  private:
-  [[nodiscard]] bool is_fast_step(double step_s) const;
-
   struct Step {
     geometry::SE2 T_last_base;
     double duration_s = 0.0;
   };
+  [[nodiscard]] bool is_fast_step(double step_s) const;
+  /// The motion from the last scan to the next, if the robot goes on as it did.
+  [[nodiscard]] std::optional<geometry::SE2> next_step(time::Timestamp next_stamp) const;
+  [[nodiscard]] std::optional<geometry::SE2> mean_step_in_bursts() const;
+
   PeopleParams params_;
-  std::optional<Step> step_;  // between the last two scans
+  std::deque<Step> steps_;  // between the last scans, the newest last
   std::optional<time::Timestamp> last_stamp_;
   geometry::SE2 T_map_odom_keyframe_;
   geometry::SE2 T_odom_keyframe_;

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -100,6 +101,22 @@ TEST(PoseGuesses, StampsInBurstsTellNoSpeed) {
   Drive drive;
   drive.wait(-kPeriod * 9 / 10);  // the next scan comes 20 ms after the last
   EXPECT_EQ(drive.guesses({}).size(), 1U);
+}
+
+// But the scans were measured at an even rate: pairs of them have nearly the same stamp.
+TEST(PoseGuesses, InBurstsTheRobotGoesOnByAsMuchAScanAsItDid) {
+  Drive drive;
+  for (int i = 0; i < 8; ++i) {
+    drive.wait(i % 2 == 0 ? -kPeriod * 9 / 10 : kPeriod * 9 / 10);
+    drive.go_on(kStep);
+  }
+  drive.wait(-kPeriod * 9 / 10);
+  Drive slipping = drive;
+  EXPECT_EQ(drive.guesses(kStep).size(), 1U);  // odometry agrees
+  const auto guesses = slipping.guesses(kStep * SE2{0.5, 0.0, 0.0});
+  EXPECT_TRUE(std::any_of(guesses.begin(), guesses.end(), [&](const SE2& guess) {
+    return are_near(guess, slipping.next_truth());
+  }));
 }
 
 // Half a second on, or after a scan that fitted nowhere, nobody knows how the robot moves.
