@@ -16,6 +16,9 @@ namespace {
 
 using geometry::SE3;
 
+// Of fewer sweeps one that is a few centimetres wrong would take floors away.
+constexpr int kMinVotes = 10;
+
 constexpr VoxelCode kInCube = (VoxelCode{1} << 3U * CloudVoxels::kLevels) - 1;
 
 /// One axis of a code, as a number.
@@ -83,6 +86,7 @@ void EverFreeSpace::add_sweep(const SweepCloud& cloud, const SE3& T_map_base, st
   if (keyframe == T_map_keyframes_.size()) {
     T_map_keyframes_.push_back(T_map_base);
   }
+  num_votes_ = std::min(num_votes_ + num_votes, kMinVotes);
   of_sweep_.clear();
   tracer_.trace(cloud, T_map_base, of_sweep_);
   tracer_.trace_free(cloud, T_map_base, of_sweep_);
@@ -164,7 +168,7 @@ void EverFreeSpace::move(const Cube& cube, VoxelCode code, const SE3& T_new_old,
 }
 
 std::vector<bool> EverFreeSpace::moved_points(const SweepCloud& cloud, std::size_t keyframe) const {
-  if (keyframe >= T_map_keyframes_.size()) {
+  if (keyframe >= T_map_keyframes_.size() || num_votes_ < kMinVotes) {
     return {};
   }
   std::vector<std::optional<VoxelKey>> keys;

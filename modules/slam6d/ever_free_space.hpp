@@ -67,7 +67,8 @@ class EverFreeSpace {
   /// out.
   void move_keyframes(std::span<const geometry::SE3> T_map_keyframes);
 
-  /// Which points of a keyframe's cloud moved; empty for a keyframe that did not vote.
+  /// Which points of a keyframe's cloud moved; empty for a keyframe that did not vote, and as long
+  /// as too few sweeps did.
   [[nodiscard]] std::vector<bool> moved_points(const SweepCloud& cloud, std::size_t keyframe) const;
 
   [[nodiscard]] std::size_t memory_bytes() const;
@@ -97,6 +98,7 @@ class EverFreeSpace {
 
   EverFreeParams params_;
   CloudTracer tracer_;
+  int num_votes_ = 0;     // so far, up to as many as are needed
   CloudVoxels of_sweep_;  // kept for its memory
   Cubes cubes_;
   std::vector<geometry::SE3> T_map_keyframes_;  // as they voted
