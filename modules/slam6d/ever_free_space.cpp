@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <bit>
 #include <functional>
+#include <optional>
+#include <unordered_map>
 #include <utility>
 
 #include "common/geometry/angle.hpp"
@@ -13,6 +15,9 @@ namespace nodmap::slam6d {
 namespace {
 
 using geometry::SE3;
+
+// Of fewer sweeps one that is a few centimetres wrong would take floors away.
+constexpr int kMinVotes = 10;
 
 constexpr VoxelCode kInCube = (VoxelCode{1} << 3U * CloudVoxels::kLevels) - 1;
 
@@ -41,6 +46,20 @@ void for_each_key(const VoxelKey& first, const VoxelKey& last, const Use& use) {
   }
 }
 
+/// Whether one of a voxel and the 26 beside it is what is looked for.
+template <class IsLookedFor>
+bool has_beside(const VoxelKey& key, const IsLookedFor& is_looked_for) {
+  for (int i = 0; i < 27; ++i) {
+    const auto beside = [&key](std::size_t axis, int offset) {
+      return static_cast<std::uint16_t>(key[axis] + offset - 1);
+    };
+    if (is_looked_for(code_of({beside(0, i % 3), beside(1, i / 3 % 3), beside(2, i / 9)}))) {
+      return true;
+    }
+  }
+  return false;
+}
+
 }  // namespace
 
 // Long before they overflow both are halved: what counts is how they compare.
@@ -67,6 +86,7 @@ void EverFreeSpace::add_sweep(const SweepCloud& cloud, const SE3& T_map_base, st
   if (keyframe == T_map_keyframes_.size()) {
     T_map_keyframes_.push_back(T_map_base);
   }
+  num_votes_ = std::min(num_votes_ + num_votes, kMinVotes);
   of_sweep_.clear();
   tracer_.trace(cloud, T_map_base, of_sweep_);
   tracer_.trace_free(cloud, T_map_base, of_sweep_);
@@ -148,32 +168,78 @@ void EverFreeSpace::move(const Cube& cube, VoxelCode code, const SE3& T_new_old,
 }
 
 std::vector<bool> EverFreeSpace::moved_points(const SweepCloud& cloud, std::size_t keyframe) const {
-  if (keyframe >= T_map_keyframes_.size()) {
+  if (keyframe >= T_map_keyframes_.size() || num_votes_ < kMinVotes) {
     return {};
   }
-  std::vector<bool> is_moved(cloud.points.size());
-  for (std::size_t i = 0; i < cloud.points.size(); ++i) {
-    const Eigen::Vector3f p_map =
-        (T_map_keyframes_[keyframe] * cloud.points[i].cast<double>()).cast<float>();
-    const auto key = tracer_.grid().key_of(p_map);
-    is_moved[i] = key && is_ever_free(*key);
+  std::vector<std::optional<VoxelKey>> keys;
+  keys.reserve(cloud.points.size());
+  std::vector<bool> is_moved;
+  is_moved.reserve(cloud.points.size());
+  for (const Eigen::Vector3f& p : cloud.points) {
+    keys.push_back(
+        tracer_.grid().key_of((T_map_keyframes_[keyframe] * p.cast<double>()).cast<float>()));
+    is_moved.push_back(keys.back() && is_ever_free(*keys.back()));
+  }
+  if (std::ranges::find(is_moved, true) != is_moved.end()) {
+    add_rest(keys, is_moved);
   }
   return is_moved;
 }
 
-bool EverFreeSpace::is_ever_free(const VoxelKey& key) const {
-  if (!is_empty(code_of(key))) {
-    return false;
-  }
-  for (int i = 0; i < 27; ++i) {
-    const auto beside = [&key](std::size_t axis, int offset) {
-      return static_cast<std::uint16_t>(key[axis] + offset - 1);
-    };
-    if (!is_empty(code_of({beside(0, i % 3), beside(1, i / 3 % 3), beside(2, i / 9)}))) {
-      return false;
+// What is left of somebody whom no beam passed close enough: there is nothing certain beside it,
+// and much of what there is has moved.
+void EverFreeSpace::add_rest(std::span<const std::optional<VoxelKey>> keys,
+                             std::vector<bool>& is_moved) const {
+  constexpr int kSteps = 3;  // from voxel to voxel
+  constexpr int kOneOf = 4;  // points beside it
+  struct Counts {
+    int moved = 0;
+    int all = 0;
+  };
+  std::unordered_map<VoxelCode, Counts> counts;
+  std::vector<std::size_t> uncertain;
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    if (keys[i]) {
+      Counts& here = counts[code_of(*keys[i])];
+      here.moved += is_moved[i] ? 1 : 0;
+      ++here.all;
+      if (!is_moved[i] && is_passing(code_of(*keys[i])) &&
+          !has_beside(*keys[i],
+                      [this](VoxelCode voxel) { return !is_passing(voxel) && !is_empty(voxel); })) {
+        uncertain.push_back(i);
+      }
     }
   }
-  return true;
+  for (int step = 0; step < kSteps; ++step) {
+    std::vector<std::size_t> rest;
+    for (const std::size_t i : uncertain) {
+      Counts beside;
+      (void)has_beside(*keys[i], [&](VoxelCode voxel) {
+        if (const auto found = counts.find(voxel); found != counts.end()) {
+          beside.moved += found->second.moved;
+          beside.all += found->second.all;
+        }
+        return false;
+      });
+      if (!is_moved[i] && beside.moved * kOneOf >= beside.all) {
+        rest.push_back(i);
+      }
+    }
+    for (const std::size_t i : rest) {
+      is_moved[i] = true;
+      ++counts[code_of(*keys[i])].moved;
+    }
+  }
+}
+
+bool EverFreeSpace::is_ever_free(const VoxelKey& key) const {
+  return is_empty(code_of(key)) &&
+         !has_beside(key, [this](VoxelCode voxel) { return !is_empty(voxel); });
+}
+
+bool EverFreeSpace::is_passing(VoxelCode voxel) const {
+  const Votes* votes = find(voxel);
+  return votes == nullptr || votes->hits <= params_.passing_hits;
 }
 
 bool EverFreeSpace::is_empty(VoxelCode voxel) const {

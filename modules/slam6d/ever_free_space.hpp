@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -23,7 +24,7 @@ struct EverFreeParams {
   double voxel_size_m = 0.07;
   double max_range_m = 10.0;
   double through_per_hit = 4.0;
-  int passing_hits = 3;
+  int passing_hits = 2;
 
   template <class Visitor>
   void describe(Visitor& v) {
@@ -48,7 +49,8 @@ struct EverFreeParams {
 /// for the voxels that its beams went through, and for those that they ended in. A voxel is empty
 /// where many more sweeps saw through than saw something, apart from the few that see somebody who
 /// walks by; space is ever-free where a voxel and all 26 beside it are empty: never so in a wall or
-/// on a floor, behind which no beam ever was. What stands still while the robot passes cannot be
+/// on a floor, behind which no beam ever was. What is left of somebody, beside it and beside
+/// nothing that is certain, goes as well. What stands still while the robot passes cannot be
 /// told from furniture. After Duberg et al., DUFOMap, 2024, which takes one look for enough.
 ///
 /// Only sums are kept: memory grows with the space, not with time.
@@ -65,7 +67,8 @@ class EverFreeSpace {
   /// out.
   void move_keyframes(std::span<const geometry::SE3> T_map_keyframes);
 
-  /// Which points of a keyframe's cloud moved; empty for a keyframe that did not vote.
+  /// Which points of a keyframe's cloud moved; empty for a keyframe that did not vote, and as long
+  /// as too few sweeps did.
   [[nodiscard]] std::vector<bool> moved_points(const SweepCloud& cloud, std::size_t keyframe) const;
 
   [[nodiscard]] std::size_t memory_bytes() const;
@@ -87,11 +90,15 @@ class EverFreeSpace {
 
   [[nodiscard]] const Votes* find(VoxelCode voxel) const;
   [[nodiscard]] bool is_empty(VoxelCode voxel) const;
+  /// Whether somebody who walked by may be all that was seen there.
+  [[nodiscard]] bool is_passing(VoxelCode voxel) const;
   [[nodiscard]] bool is_ever_free(const VoxelKey& key) const;
+  void add_rest(std::span<const std::optional<VoxelKey>> keys, std::vector<bool>& is_moved) const;
   void move(const Cube& cube, VoxelCode code, const geometry::SE3& T_new_old, Cubes& moved) const;
 
   EverFreeParams params_;
   CloudTracer tracer_;
+  int num_votes_ = 0;     // so far, up to as many as are needed
   CloudVoxels of_sweep_;  // kept for its memory
   Cubes cubes_;
   std::vector<geometry::SE3> T_map_keyframes_;  // as they voted

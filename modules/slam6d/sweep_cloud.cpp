@@ -33,7 +33,8 @@ constexpr double kFreeWithoutEchoM = 5.0;
 
 void append_scan(const scan::Scan& scan, const ScanMotion& motion, const RangeLimits& range,
                  scan::ScanProjector& projector, SweepCloud& cloud) {
-  const auto& [T_base_first, T_base_last] = motion;
+  const SE3& T_base_first = motion.T_base_first;
+  const SE3& T_base_last = motion.T_base_last;
   const bool is_stationary = T_base_first.isApprox(T_base_last, 1e-12);
   const auto T_base_at = [&](std::size_t beam) {
     return is_stationary ? T_base_first

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <utility>
 #include <vector>
@@ -89,6 +90,39 @@ TEST(EverFreeSpace, HoldsWhoWalkedByAndNoWall) {
   }
 }
 
+// The other sweeps look no higher than 8 degrees, which is lower than a head: it is not seen
+// through, and goes with what is.
+TEST(EverFreeSpace, WhatIsLeftOfSomebodyGoesToo) {
+  EverFreeSpace space{EverFreeParams{}};
+  const SE3 T_map_base = pose(-0.5, 0.0, 0.0);
+  const SweepCloud visited = cloud_at(hall_with_somebody(), T_map_base, 1);
+  space.add_sweep(visited, T_map_base, 0);
+  const float highest = std::tan(static_cast<float>(geometry::deg_to_rad(8.0)));
+  for (unsigned i = 0; i < 10; ++i) {
+    const SE3 T_map_next = pose(-0.4 + 0.08 * i, 0.0, 0.0);
+    SweepCloud low = cloud_at(Room::hall(), T_map_next, 2 + i);
+    std::erase_if(low.points, [highest](const Eigen::Vector3f& p) {
+      return p.z() - 0.4F > highest * p.head<2>().norm();
+    });
+    low.lines.front().end = low.points.size();
+    space.add_sweep(low, T_map_next, 0);
+  }
+  const std::vector<bool> is_moved = space.moved_points(visited, 0);
+  // No beam of the others passes 1.4 m ahead of the last place above this.
+  const float seen_to_m = 0.4F + 2.3F * highest;
+  int heads = 0;
+  int moved = 0;
+  for (std::size_t i = 0; i < is_moved.size(); ++i) {
+    const Eigen::Vector3f p_map = (T_map_base * visited.points[i].cast<double>()).cast<float>();
+    if (is_of_somebody(p_map) && p_map.z() > seen_to_m && p_map.z() < seen_to_m + 0.1F) {
+      ++heads;
+      moved += is_moved[i] ? 1 : 0;
+    }
+  }
+  ASSERT_GT(heads, 3);
+  EXPECT_GT(moved, heads / 2);
+}
+
 TEST(EverFreeSpace, WhatAllSweepsSeeStays) {
   const Drive drive({0, 1000});
   for (std::size_t k = 0; k < drive.keyframes.size(); ++k) {
@@ -143,6 +177,11 @@ TEST(EverFreeSpace, DoesNotGrowWithTime) {
 TEST(EverFreeSpace, WithoutVotesNothingMoved) {
   const SweepCloud cloud = cloud_at(Room::hall(), SE3::Identity(), 1);
   EXPECT_TRUE(EverFreeSpace({}).moved_points(cloud, 0).empty());
+  // One look of two may be the wrong one.
+  EverFreeSpace of_two{EverFreeParams{}};
+  of_two.add_sweep(cloud, SE3::Identity(), 0);
+  of_two.add_sweep(cloud, SE3::Identity(), 1);
+  EXPECT_TRUE(of_two.moved_points(cloud, 0).empty());
   EverFreeSpace off({.remove_moved = false});
   off.add_sweep(cloud, SE3::Identity(), 0);
   EXPECT_TRUE(off.moved_points(cloud, 0).empty());
