@@ -143,7 +143,7 @@ void Navigator::add_contact(const geometry::SE2& T_odom_base, bool at_front) {
 void Navigator::add_ranges(time::Timestamp stamp, const Proximity::Ranges& ranges_m,
                            const geometry::SE2& T_odom_base) {
   if (params_.people.use && params_.local_map.use && local_map_.has_scan()) {
-    proximity_.add(stamp, ranges_m, T_odom_base, local_map_);
+    proximity_.add(stamp, ranges_m, T_odom_base, local_map_, people_.people_odom(stamp));
   }
 }
 

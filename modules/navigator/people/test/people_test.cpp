@@ -265,8 +265,9 @@ class ProximityTest : public ::testing::Test {
     }
   }
 
-  [[nodiscard]] bool sees(double time_s, const Proximity::Ranges& ranges_m) {
-    proximity_.add(at(time_s), ranges_m, {1.5, 0.0, 0.0}, map_);
+  [[nodiscard]] bool sees(double time_s, const Proximity::Ranges& ranges_m,
+                          const People& tracked_odom = {}) {
+    proximity_.add(at(time_s), ranges_m, {1.5, 0.0, 0.0}, map_, tracked_odom);
     return proximity_.is_detected(at(time_s));
   }
 
@@ -288,8 +289,17 @@ TEST_F(ProximityTest, WhatTheMapHasIsNobody) {
   EXPECT_TRUE(sees(10.2, only(kRight, 0.1))) << "before it";
 }
 
+// The reading behind is 0.4 m from the body, whose rear is at 1.5 - 0.225 m.
+TEST_F(ProximityTest, WhoIsTrackedIsNoStranger) {
+  const Person him{{0.7, 0.0}, {0.5, 0.0}, 0.25, 0.1, 0.1};
+  Person elsewhere = him;
+  elsewhere.position.x() = 0.0;
+  EXPECT_FALSE(sees(10.0, only(kBack, 0.4), {him}));
+  EXPECT_TRUE(sees(10.1, only(kBack, 0.4), {elsewhere}));
+}
+
 TEST_F(ProximityTest, WhereNoFloorWasSeenSomethingMayStand) {
-  proximity_.add(at(10.0), only(kBack, 0.4), {-2.0, 0.0, 0.0}, map_);
+  proximity_.add(at(10.0), only(kBack, 0.4), {-2.0, 0.0, 0.0}, map_, {});
   EXPECT_FALSE(proximity_.is_detected(at(10.0)));
 }
 
@@ -325,7 +335,7 @@ TEST_F(ProximityTest, FloorThatIsAssumedWhereTheRobotWasSetDownIsNotKnownToBeFre
   for (std::size_t sensor = 0; sensor < robot::kInfraredCount; ++sensor) {
     for (double range_m = 0.1; range_m <= 0.8; range_m += 0.005) {
       Proximity proximity;
-      proximity.add(at(10.0), only(static_cast<robot::Infrared>(sensor), range_m), {}, map);
+      proximity.add(at(10.0), only(static_cast<robot::Infrared>(sensor), range_m), {}, map, {});
       EXPECT_FALSE(proximity.is_detected(at(10.0))) << sensor << ' ' << range_m;
     }
   }
