@@ -45,7 +45,8 @@ class Brake {
   void keep_to_known_ground(Decision& decision, const Situation& now) const;
 
   /// Slows a motion down, on whatever path, so far that the robot is stationary before anyone who
-  /// walks touches it; to 0 where the motion that it is in is not safe any more.
+  /// walks touches it; to 0 where the motion that it is in is not safe any more. Not where he would
+  /// walk into the standing robot, and the motion gets it out of his way.
   void give_way(Decision& decision, const Situation& now) const;
 
   /// The speed that yaw rate and lateral acceleration allow on an arc, at most `max_forward_mps`:

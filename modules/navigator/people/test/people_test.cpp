@@ -503,6 +503,23 @@ TEST(PassiveSafety, WhoIsOutOfSightMayComeBackFromWhereHeIs) {
   }
 }
 
+// He comes from the side at 1 m/s, 1.2 m away. A robot that drives at 1 m/s is out of his way when
+// he is there, with 1.1 m ahead of his disc of 0.25 m; braking, it would stand in it.
+TEST(PassiveSafety, ItEscapesWhoWouldWalkIntoTheStandingRobot) {
+  const NavigatorParams params;
+  const PassiveSafety safety(params.robot, params.drive, params.people);
+  const People crossing{{{0.3, 1.2}, {0.0, -1.0}, 0.25, 0.0, 0.0}};
+  EXPECT_TRUE(safety.escapes({1.0, 0.0}, {1.0, 0.0}, crossing));
+  EXPECT_FALSE(safety.escapes({1.0, 0.0}, {0.0, 0.0}, crossing)) << "that is standing";
+  // Standing is enough: he passes ahead.
+  const People ahead{{{1.2, 1.2}, {0.0, -1.0}, 0.25, 0.0, 0.0}};
+  EXPECT_FALSE(safety.escapes({0.3, 0.0}, {1.0, 0.0}, ahead));
+  // Nor is there any way out between two.
+  People both = crossing;
+  both.push_back({{2.0, 0.0}, {-1.0, 0.0}, 0.25, 0.0, 0.0});
+  EXPECT_FALSE(safety.escapes({1.0, 0.0}, {1.0, 0.0}, both));
+}
+
 TEST(PassiveSafety, WhereSomebodyWalksTheRobotDoesNotBackUp) {
   const NavigatorParams params;
   const PassiveSafety safety(params.robot, params.drive, params.people);
