@@ -9,14 +9,14 @@ namespace {
 
 constexpr double kCellM = 0.1;
 constexpr double kLayerM = 0.1;
-constexpr int kLog2Size = 8;
 constexpr std::uint8_t kMostFree = 12;
 /// Scans with a pass that make a layer free. At 3 m a sweep has about one line in each layer.
 constexpr std::uint8_t kEnough = 2;
 
 }  // namespace
 
-EverFree::EverFree() : grid_(kCellM, kLog2Size) {}
+EverFree::EverFree(double range_m)
+    : grid_(kCellM, static_cast<int>(std::ceil(std::log2(2.0 * range_m / kCellM + 1.0)))) {}
 
 int EverFree::layer_of(double height_m) {
   return static_cast<int>(std::floor((height_m - kLowestM) / kLayerM)) + 1;

@@ -11,7 +11,7 @@ namespace nodmap::navigator {
 
 /// Which space around the robot beams have passed through, in scan after scan: what is measured
 /// there now has moved there. After the ever-free space of Dynablox (Schmid et al., RA-L 2023),
-/// here in columns of 10 cm x 10 cm with layers of 10 cm, 25.6 m x 25.6 m in odom.
+/// here in columns of 10 cm x 10 cm with layers of 10 cm, in a square in odom that moves along.
 ///
 /// A low box is passed over before it is hit, and a table passed under: so a place is free only
 /// where the layers below and above it are, and the columns around it.
@@ -21,7 +21,9 @@ class EverFree {
   static constexpr double kLowestM = 0.2;
   static constexpr double kHighestM = 0.5;
 
-  EverFree();
+  /// `range_m`: what it is asked about is no farther away. What is left behind is forgotten, before
+  /// odometry has drifted.
+  explicit EverFree(double range_m = 0.0);
 
   /// Begins a scan, made from about `p_odom`.
   void begin_scan(const Eigen::Vector2d& p_odom);

@@ -59,6 +59,10 @@ std::vector<Detection> MotionDetector::add_scan(const scan::Scan& scan,
   if (scan.ranges_m.empty()) {
     return detections;
   }
+  if (farthest_of(scan) != farthest_m_) {
+    farthest_m_ = farthest_of(scan);
+    space_ = EverFree(farthest_m_);
+  }
   space_.begin_scan(T_odom_base.translation());
   collect_hits(scan, T_odom_base);
   const Eigen::Vector2d sensor_odom =
@@ -80,13 +84,12 @@ std::vector<Detection> MotionDetector::add_scan(const scan::Scan& scan,
 
 void MotionDetector::collect_hits(const scan::Scan& scan, const geometry::SE2& T_odom_base) {
   num_beams_ = scan.ranges_m.size();
-  const double farthest_m = farthest_of(scan);
   hits_.clear();
   leg_hits_.clear();
   const Eigen::Matrix2d R = T_odom_base.rotation();
   for (std::size_t beam = 0; beam < scan.ranges_m.size(); ++beam) {
     const auto range_m = static_cast<double>(scan.ranges_m[beam]);
-    if (!scan.is_hit(beam) || range_m < kNearestM || range_m > farthest_m) {
+    if (!scan.is_hit(beam) || range_m < kNearestM || range_m > farthest_m_) {
       continue;
     }
     const Eigen::Vector3d p_base = scan::point_in_base(scan, beam, range_m);
@@ -101,14 +104,13 @@ void MotionDetector::collect_hits(const scan::Scan& scan, const geometry::SE2& T
 }
 
 void MotionDetector::add_passes(const scan::Scan& scan, const geometry::SE2& T_odom_base) {
-  const double farthest_m = farthest_of(scan);
   const Eigen::Matrix2d R = T_odom_base.rotation();
   for (std::size_t beam = 0; beam < scan.ranges_m.size(); ++beam) {
     const auto range_m = static_cast<double>(scan.ranges_m[beam]);
     if (!scan.is_hit(beam) && range_m != std::numeric_limits<double>::infinity()) {
       continue;
     }
-    const double until_m = std::min(range_m - kBeforeEndM, farthest_m);
+    const double until_m = std::min(range_m - kBeforeEndM, farthest_m_);
     if (until_m <= kPassedFromM) {
       continue;
     }

@@ -60,6 +60,7 @@ class MotionDetector {
   [[nodiscard]] std::span<const Hit> whole_group(const Hit& first, const Hit& last) const;
 
   EverFree space_;
+  double farthest_m_ = 0.0;  // so far away people are looked for with this laser
   std::size_t num_beams_ = 0;
   Hits hits_;      // above the floor, in the order of the beams
   Hits leg_hits_;  // of them, those at the heights of legs
