@@ -69,7 +69,18 @@ bool PassiveSafety::keeps_clear(Twist twist, const Twist& command, const People&
 
 bool PassiveSafety::escapes(const Twist& present, const Twist& commanded,
                             const People& people) const {
-  return keeps_clear(present, commanded, people) && !keeps_clear(present, {}, people);
+  if (keeps_clear(present, {}, people)) {
+    return false;
+  }
+  if (is_safe(present, people)) {
+    return keeps_clear(present, commanded, people);
+  }
+  // It is too late to be stationary: what is likely counts, for braking leads to contact as well.
+  People likely = people;
+  for (Person& person : likely) {
+    person.velocity_sigma_mps = 0.0;
+  }
+  return keeps_clear(present, commanded, likely);
 }
 
 bool PassiveSafety::is_safe(const Twist& twist, const People& people) const {

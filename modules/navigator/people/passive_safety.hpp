@@ -24,6 +24,7 @@ class PassiveSafety {
 
   /// Whether standing does not help, but a motion does: within two seconds somebody would touch the
   /// robot that brakes from its present motion, and nobody one that goes over to the commanded one.
+  /// If he would touch it before it is stationary his velocity counts without its error.
   [[nodiscard]] bool escapes(const Twist& present, const Twist& commanded,
                              const People& people) const;
 

@@ -511,6 +511,14 @@ TEST(PassiveSafety, ItEscapesWhoWouldWalkIntoTheStandingRobot) {
   const People crossing{{{0.3, 1.2}, {0.0, -1.0}, 0.25, 0.0, 0.0}};
   EXPECT_TRUE(safety.escapes({1.0, 0.0}, {1.0, 0.0}, crossing));
   EXPECT_FALSE(safety.escapes({1.0, 0.0}, {0.0, 0.0}, crossing)) << "that is standing";
+  // With an error of 0.6 m/s he might be faster. At 1.5 m/s it is too late to be stationary: it
+  // goes on where he most likely is not. At 0.3 m/s it is not.
+  People uncertain = crossing;
+  uncertain[0].velocity_sigma_mps = 0.6;
+  ASSERT_FALSE(safety.is_safe({1.5, 0.0}, uncertain));
+  EXPECT_TRUE(safety.escapes({1.5, 0.0}, {1.5, 0.0}, uncertain));
+  ASSERT_TRUE(safety.is_safe({0.3, 0.0}, uncertain));
+  EXPECT_FALSE(safety.escapes({0.3, 0.0}, {1.5, 0.0}, uncertain));
   // Standing is enough: he passes ahead.
   const People ahead{{{1.2, 1.2}, {0.0, -1.0}, 0.25, 0.0, 0.0}};
   EXPECT_FALSE(safety.escapes({0.3, 0.0}, {1.0, 0.0}, ahead));
