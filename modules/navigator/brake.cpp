@@ -120,10 +120,11 @@ void Brake::keep_to_known_ground(Decision& decision, const Situation& now) const
 }
 
 void Brake::give_way(Decision& decision, const Situation& now) const {
+  const Twist present{now.forward_mps, now.yaw_rate_rad_s};
   const Twist commanded{decision.forward_mps, decision.yaw_rate_rad_s};
-  const bool is_late = !passive_safety_.is_safe({now.forward_mps, now.yaw_rate_rad_s}, now.people);
+  const bool is_late = !passive_safety_.is_safe(present, now.people);
   const double factor = is_late ? 0.0 : passive_safety_.safe_factor(commanded, now.people);
-  if (factor == 1.0) {
+  if (factor == 1.0 || passive_safety_.escapes(present, commanded, now.people)) {
     return;
   }
   decision.behaviour =

@@ -47,7 +47,8 @@ class Brake {
   void keep_to_known_ground(Decision& decision, const Situation& now) const;
 
   /// Slows any motion down so far that the robot is stationary before a walking person touches it;
-  /// to 0 if the present motion is not safe any more.
+  /// to 0 if the present motion is not safe any more. Not if the person would walk into the
+  /// standing robot and the motion takes the robot out of the way.
   void give_way(Decision& decision, const Situation& now) const;
 
   /// The speed that yaw rate and lateral acceleration allow on an arc, at most `max_forward_mps`:
