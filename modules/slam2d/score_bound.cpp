@@ -32,7 +32,8 @@ void ScoreBound::stamp(const Eigen::Vector2d& point, double max_distance_m) {
   };
   const auto to_cell = [](double coordinate_m, int cell) {
     const double from_first_m = coordinate_m - kCellM * cell;
-    return std::max({0.0, -from_first_m - kBoundRoundingM, from_first_m - kCellM - kBoundRoundingM});
+    return std::max(
+        {0.0, -from_first_m - kBoundRoundingM, from_first_m - kCellM - kBoundRoundingM});
   };
   const int first_x = std::max(cell_at(at.x() - max_distance_m), 0);
   const int last_x = std::min(cell_at(at.x() + max_distance_m), width_ - 1);
