@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "modules/explorer/raster.hpp"
@@ -72,6 +73,7 @@ class PlanningGrid {
   void summarise(const Cell& low, const Cell& high);
   [[nodiscard]] Ground raw_ground(const Cell& cell) const;
   [[nodiscard]] Ground filled_ground(const Cell& cell) const;
+  [[nodiscard]] std::pair<Ground, int> next_known(const Cell& cell, const Cell& direction) const;
   [[nodiscard]] bool has_room(const Cell& cell) const;
 
   double inflation_radius_m_;

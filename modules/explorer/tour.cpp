@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 namespace nodmap::explorer {
 namespace {
@@ -30,7 +31,57 @@ std::vector<double> weights_by_subset(const TourProblem& problem) {
   return weights;
 }
 
+/// The length of the path between neighbours in a tour; without a stop: its start or its end.
+double leg_m(const TourProblem& problem, std::optional<std::size_t> from,
+             std::optional<std::size_t> to) {
+  if (from && to) {
+    return problem.between[*from][*to];
+  }
+  return from ? problem.to_end[*from] : to ? problem.from_start[*to] : problem.from_start_to_end;
+}
+
+/// The part of a tour, first and end, that weighs least compared with the length it costs; empty if
+/// every part weighs enough.
+std::pair<std::size_t, std::size_t> worst_detour(const TourProblem& problem,
+                                                 double min_weight_per_m, double always_weight,
+                                                 const std::vector<std::size_t>& order) {
+  std::pair<std::size_t, std::size_t> worst{0, 0};
+  double least_surplus = 0.0;
+  const auto stop = [&](std::size_t i) {
+    return i < order.size() ? std::optional(order[i]) : std::nullopt;
+  };
+  for (std::size_t first = 0; first < order.size(); ++first) {
+    const std::optional<std::size_t> before = first > 0 ? stop(first - 1) : std::nullopt;
+    double weight = 0.0;
+    double length_m = leg_m(problem, before, stop(first));
+    for (std::size_t end = first + 1; end <= order.size(); ++end) {
+      weight += problem.weight[order[end - 1]];
+      const double with_m = length_m + leg_m(problem, stop(end - 1), stop(end));
+      const double saved_m = with_m - leg_m(problem, before, stop(end));
+      const double surplus = weight - min_weight_per_m * saved_m;
+      if (weight < always_weight && surplus < least_surplus) {
+        least_surplus = surplus;
+        worst = {first, end};
+      }
+      length_m = with_m;
+    }
+  }
+  return worst;
+}
+
 }  // namespace
+
+void leave_out_detours(const TourProblem& problem, double min_weight_per_m, double always_weight,
+                       std::vector<std::size_t>& order) {
+  while (true) {
+    const auto [first, end] = worst_detour(problem, min_weight_per_m, always_weight, order);
+    if (first == end) {
+      return;
+    }
+    order.erase(order.begin() + static_cast<std::ptrdiff_t>(first),
+                order.begin() + static_cast<std::ptrdiff_t>(end));
+  }
+}
 
 Tour shortest_tour(const TourProblem& problem, std::optional<std::size_t> first) {
   const std::size_t n = problem.weight.size();
