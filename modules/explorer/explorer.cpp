@@ -52,6 +52,7 @@ std::vector<Eigen::Vector2d> straight_path(const Eigen::Vector2d& from, const Ei
 std::vector<double> lengths_m(const PlanningGrid& grid, const ShortestPaths& paths,
                               const Eigen::Vector2d& from_map, const std::vector<Cell>& cells) {
   std::vector<double> lengths;
+  lengths.reserve(cells.size());
   for (const Cell& cell : cells) {
     lengths.push_back(paths.is_reached(cell) ? paths.length_m(cell)
                                              : (grid.center_of(cell) - from_map).norm());

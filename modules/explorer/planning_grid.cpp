@@ -69,16 +69,10 @@ bool PlanningGrid::add(const MapTile& tile) {
       const Ground now = ground_of(
           tile.cells[static_cast<std::size_t>(row) * static_cast<std::size_t>(tile.width) +
                      static_cast<std::size_t>(column)]);
-      Ground& before = map_.at(cell);
-      if (now == before) {
-        continue;
+      if (set(cell, now)) {
+        low = low.cwiseMin(cell);
+        high = high.cwiseMax(cell);
       }
-      if ((now == Ground::kOccupied) != (before == Ground::kOccupied)) {
-        occupy(cell, now == Ground::kOccupied ? 1 : -1);
-      }
-      before = now;
-      low = low.cwiseMin(cell);
-      high = high.cwiseMax(cell);
     }
   }
   if (low.x() <= high.x()) {
@@ -126,6 +120,17 @@ void PlanningGrid::find_near_offsets() {
   }
 }
 
+/// Returns whether that changes the map cell.
+bool PlanningGrid::set(const Cell& map_cell, Ground now) {
+  const Ground before = std::exchange(map_.at(map_cell), now);
+  if (now == Ground::kOccupied && before != Ground::kOccupied) {
+    occupy(map_cell, 1);
+  } else if (now != Ground::kOccupied && before == Ground::kOccupied) {
+    occupy(map_cell, -1);
+  }
+  return now != before;
+}
+
 /// Updates the counts of near occupied cells. `change`: +1 if the map cell becomes occupied, -1 if
 /// it no longer is.
 void PlanningGrid::occupy(const Cell& map_cell, int change) {
@@ -144,13 +149,16 @@ void PlanningGrid::summarise(const Cell& low, const Cell& high) {
   }
   for (int y = low.y(); y <= high.y(); ++y) {
     for (int x = low.x(); x <= high.x(); ++x) {
-      Ground& ground = ground_.at({x, y});
-      num_free_ -= ground == Ground::kFree ? 1 : 0;
-      ground = filled_ground({x, y});
-      num_free_ += ground == Ground::kFree ? 1 : 0;
-      passable_.at({x, y}) = ground == Ground::kFree && has_room({x, y}) ? 1 : 0;
+      summarise_cell({x, y});
     }
   }
+}
+
+void PlanningGrid::summarise_cell(const Cell& cell) {
+  const Ground now = filled_ground(cell);
+  const Ground before = std::exchange(ground_.at(cell), now);
+  num_free_ += static_cast<int>(now == Ground::kFree) - static_cast<int>(before == Ground::kFree);
+  passable_.at(cell) = static_cast<std::uint8_t>(now == Ground::kFree && has_room(cell));
 }
 
 Ground PlanningGrid::raw_ground(const Cell& cell) const {

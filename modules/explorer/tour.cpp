@@ -11,25 +11,97 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// The cheapest visit of a set of stops with a given last stop.
-struct Partial {
-  double cost = kInfinity;
-  std::size_t before = 0;  // the stop before the last
-};
+/// A stop's bit in a set of stops.
+std::size_t bit(std::size_t stop) {
+  return std::size_t{1} << stop;
+}
 
 /// For each set of visited stops, the cost per metre.
 std::vector<double> weights_by_subset(const TourProblem& problem) {
   const std::size_t n = problem.weight.size();
-  std::vector<double> weights(std::size_t{1} << n, problem.length_weight);
+  std::vector<double> weights(bit(n), problem.length_weight);
   for (std::size_t visited = 0; visited < weights.size(); ++visited) {
     for (std::size_t stop = 0; stop < n; ++stop) {
-      if ((visited >> stop & 1U) == 0) {
+      if ((visited & bit(stop)) == 0) {
         weights[visited] += problem.weight[stop];
       }
     }
   }
   return weights;
 }
+
+/// The dynamic programme: the cheapest visit of every set of stops with every last stop.
+class PartialTours {
+ public:
+  PartialTours(const TourProblem& problem, std::optional<std::size_t> first)
+      : problem_(problem),
+        n_(problem.weight.size()),
+        cost_per_m_(weights_by_subset(problem)),
+        partials_(cost_per_m_.size() * n_) {
+    for (std::size_t stop = 0; stop < n_; ++stop) {
+      if (!first || *first == stop) {
+        at(bit(stop), stop).cost = cost_per_m_[0] * problem.from_start[stop];
+      }
+    }
+    for (std::size_t visited = 1; visited < cost_per_m_.size(); ++visited) {
+      for (std::size_t last = 0; last < n_; ++last) {
+        extend(visited, last);
+      }
+    }
+  }
+
+  /// The cheapest tour over all stops.
+  [[nodiscard]] Tour cheapest() const {
+    std::size_t visited = cost_per_m_.size() - 1;
+    Tour tour{.order = std::vector<std::size_t>(n_), .cost = kInfinity};
+    for (std::size_t last = 0; last < n_; ++last) {
+      const double cost = at(visited, last).cost + cost_per_m_[visited] * problem_.to_end[last];
+      if (cost < tour.cost) {
+        tour.cost = cost;
+        tour.order[n_ - 1] = last;
+      }
+    }
+    for (std::size_t i = n_ - 1; i > 0; --i) {
+      const std::size_t last = tour.order[i];
+      tour.order[i - 1] = at(visited, last).before;
+      visited -= bit(last);
+    }
+    return tour;
+  }
+
+ private:
+  struct Partial {
+    double cost = kInfinity;
+    std::size_t before = 0;  // the stop before the last
+  };
+
+  [[nodiscard]] Partial& at(std::size_t visited, std::size_t last) {
+    return partials_[visited * n_ + last];
+  }
+  [[nodiscard]] const Partial& at(std::size_t visited, std::size_t last) const {
+    return partials_[visited * n_ + last];
+  }
+
+  /// Goes on from a partial tour to each stop that is not in it.
+  void extend(std::size_t visited, std::size_t last) {
+    const double cost = at(visited, last).cost;
+    for (std::size_t next = 0; next < n_ && cost < kInfinity; ++next) {
+      if ((visited & bit(next)) != 0) {
+        continue;
+      }
+      Partial& extended = at(visited | bit(next), next);
+      const double extended_cost = cost + cost_per_m_[visited] * problem_.between[last][next];
+      if (extended_cost < extended.cost) {
+        extended = {extended_cost, last};
+      }
+    }
+  }
+
+  const TourProblem& problem_;
+  std::size_t n_;
+  std::vector<double> cost_per_m_;  // for each set of visited stops
+  std::vector<Partial> partials_;
+};
 
 /// The length of the path between neighbours in a tour; without a stop: its start or its end.
 double leg_m(const TourProblem& problem, std::optional<std::size_t> from,
@@ -84,54 +156,10 @@ void leave_out_detours(const TourProblem& problem, double min_weight_per_m, doub
 }
 
 Tour shortest_tour(const TourProblem& problem, std::optional<std::size_t> first) {
-  const std::size_t n = problem.weight.size();
-  if (n > kMaxStops) {
+  if (problem.weight.size() > kMaxStops) {
     throw std::invalid_argument("too many stops for a tour");
   }
-  if (n == 0) {
-    return {};
-  }
-  const std::vector<double> weight = weights_by_subset(problem);
-  std::vector<Partial> best(weight.size() * n);
-  const auto at = [&](std::size_t visited, std::size_t last) -> Partial& {
-    return best[visited * n + last];
-  };
-  for (std::size_t stop = 0; stop < n; ++stop) {
-    if (!first || *first == stop) {
-      at(std::size_t{1} << stop, stop).cost = weight[0] * problem.from_start[stop];
-    }
-  }
-  for (std::size_t visited = 1; visited < weight.size(); ++visited) {
-    for (std::size_t last = 0; last < n; ++last) {
-      const double cost = at(visited, last).cost;
-      for (std::size_t next = 0; next < n && cost < kInfinity; ++next) {
-        if ((visited >> next & 1U) != 0) {
-          continue;
-        }
-        Partial& extended = at(visited | std::size_t{1} << next, next);
-        const double extended_cost = cost + weight[visited] * problem.between[last][next];
-        if (extended_cost < extended.cost) {
-          extended = {extended_cost, last};
-        }
-      }
-    }
-  }
-  const std::size_t all = weight.size() - 1;
-  Tour tour{.order = std::vector<std::size_t>(n), .cost = kInfinity};
-  for (std::size_t last = 0; last < n; ++last) {
-    const double cost = at(all, last).cost + weight[all] * problem.to_end[last];
-    if (cost < tour.cost) {
-      tour.cost = cost;
-      tour.order[n - 1] = last;
-    }
-  }
-  std::size_t visited = all;
-  for (std::size_t i = n - 1; i > 0; --i) {
-    const std::size_t last = tour.order[i];
-    tour.order[i - 1] = at(visited, last).before;
-    visited ^= std::size_t{1} << last;
-  }
-  return tour;
+  return problem.weight.empty() ? Tour{} : PartialTours(problem, first).cheapest();
 }
 
 }  // namespace nodmap::explorer
