@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "modules/navigator/messages.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 
 #include "common/geometry/angle.hpp"
@@ -35,6 +37,16 @@ void add_track(nodmap::tracks_t& message, const Person& person, std::int8_t stat
   message.velocity_sigma_mps.push_back(person.velocity_sigma_mps);
   message.state.push_back(state);
   ++message.num_tracks;
+}
+
+std::int8_t kind_of(const LocalMap& local_map, const LocalCell& cell) {
+  if (cell.is_hole()) {
+    return nodmap::local_map_t::HOLE;
+  }
+  if (local_map.is_blocked(cell)) {
+    return nodmap::local_map_t::OBSTACLE;
+  }
+  return cell.is_floor ? nodmap::local_map_t::FLOOR : nodmap::local_map_t::NOT_SEEN;
 }
 
 }  // namespace
@@ -109,6 +121,38 @@ nodmap::tracks_t tracks_message(const People& people, const People& newcomers) {
   }
   for (const Person& person : newcomers) {
     add_track(message, person, nodmap::tracks_t::NEW);
+  }
+  return message;
+}
+
+nodmap::local_map_t local_map_message(const LocalMap& local_map, const Eigen::Vector2d& p_odom,
+                                      double half_size_m) {
+  constexpr int kPerCell = 2;
+  const LocalGrid& grid = local_map.grid();
+  const double cell_size_m = kPerCell * grid.cell_size_m();
+  const int size = 2 * static_cast<int>(half_size_m / cell_size_m);
+  // A multiple of kPerCell: a cell of the message is the same ground in the next one.
+  const Eigen::Vector2i middle = grid.index_of(p_odom);
+  const Eigen::Vector2i first = Eigen::Vector2i(middle.x() & -kPerCell, middle.y() & -kPerCell) -
+                                Eigen::Vector2i::Constant(kPerCell * size / 2);
+  const Eigen::Vector2d corner_odom = grid.cell_size_m() * first.cast<double>();
+  nodmap::local_map_t message{};
+  message.cell_size_m = cell_size_m;
+  message.origin_m[0] = corner_odom.x();
+  message.origin_m[1] = corner_odom.y();
+  message.width = size;
+  message.height = size;
+  message.num_cells = size * size;
+  message.cells.assign(static_cast<std::size_t>(message.num_cells), nodmap::local_map_t::NOT_SEEN);
+  const Eigen::Vector2i end = grid.first() + Eigen::Vector2i::Constant(grid.size());
+  const Eigen::Vector2i from = first.cwiseMax(grid.first());
+  const Eigen::Vector2i to = (first + Eigen::Vector2i::Constant(kPerCell * size)).cwiseMin(end);
+  for (int y = from.y(); y < to.y(); ++y) {
+    for (int x = from.x(); x < to.x(); ++x) {
+      const int place = (y - first.y()) / kPerCell * size + (x - first.x()) / kPerCell;
+      std::int8_t& kind = message.cells[static_cast<std::size_t>(place)];
+      kind = std::max(kind, kind_of(local_map, grid.at({x, y})));
+    }
   }
   return message;
 }

@@ -7,8 +7,10 @@
 
 #include "common/geometry/se2.hpp"
 #include "modules/navigator/decision.hpp"
+#include "modules/navigator/local_map/local_map.hpp"
 #include "modules/navigator/people/person.hpp"
 #include "nodmap/goal_t.hpp"
+#include "nodmap/local_map_t.hpp"
 #include "nodmap/navigation_t.hpp"
 #include "nodmap/path_t.hpp"
 #include "nodmap/pose_t.hpp"
@@ -47,5 +49,11 @@ struct GoalInMap {
 
 /// TRACKS: the people who walk, and those who have just come into view, in odom.
 [[nodiscard]] nodmap::tracks_t tracks_message(const People& people, const People& newcomers);
+
+/// The square of `half_size_m` to each side of a place, each cell that of 2 x 2 of the local map;
+/// what lies outside the local map was not seen.
+[[nodiscard]] nodmap::local_map_t local_map_message(const LocalMap& local_map,
+                                                    const Eigen::Vector2d& p_odom,
+                                                    double half_size_m);
 
 }  // namespace nodmap::navigator

@@ -63,6 +63,9 @@ class Navigator {
   /// Those whom it gives way to, for people to see.
   [[nodiscard]] const PeopleTracker& people() const { return people_; }
 
+  /// Without a scan if it does not drive by it.
+  [[nodiscard]] const LocalMap& local_map() const { return local_map_; }
+
   /// Stops. What was seen so far may have changed when the robot drives again: it is forgotten.
   [[nodiscard]] Decision halt(Reason reason);
 

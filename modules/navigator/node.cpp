@@ -34,6 +34,10 @@ constexpr double kShortGapS = 0.2;
 /// From one PATH to the next, and from one TRACKS to the next.
 constexpr time::Duration kDisplayPeriod = 100ms;
 
+/// From one LOCAL_MAP to the next, and how far it reaches to each side: 25 kB.
+constexpr time::Duration kLocalMapPeriod = 500ms;
+constexpr double kLocalMapHalfSizeM = 4.0;
+
 bool is_time(time::Timestamp stamp) {
   return stamp >= time::Timestamp{} && stamp < kLatestStamp;
 }
@@ -383,6 +387,20 @@ void NavigatorNode::publish_tracks() {
   context_.bus.publish("TRACKS", message);
 }
 
+void NavigatorNode::publish_local_map() {
+  const time::Timestamp stamp = time::from_utime(drive_.utime);
+  const bool is_old =
+      !local_map_stamp_ || std::chrono::abs(stamp - *local_map_stamp_) >= kLocalMapPeriod;
+  if (!is_old || !odometry_ || !navigator_.local_map().has_scan()) {
+    return;
+  }
+  local_map_stamp_ = stamp;
+  nodmap::local_map_t message = local_map_message(
+      navigator_.local_map(), odometry_->T_odom_base.translation(), kLocalMapHalfSizeM);
+  message.utime = drive_.utime;
+  context_.bus.publish("LOCAL_MAP", message);
+}
+
 void NavigatorNode::publish(const Decision& decision) {
   // Odometry comes from the host of the base driver: its stamps are the driver's own clock.
   drive_.utime = time::to_utime(stamps_.odometry.value_or(stamps_.map.value_or(time::Timestamp{})));
@@ -407,6 +425,7 @@ void NavigatorNode::publish(const Decision& decision) {
 
   publish_path(decision);
   publish_tracks();
+  publish_local_map();
   ++decisions_[static_cast<std::size_t>(decision.behaviour)];
   inhibit_reason_.reset();
   if (decision.behaviour == Behaviour::kHalt) {

@@ -80,6 +80,7 @@ class NavigatorNode final : public node::Node {
   void publish(const Decision& decision);
   void publish_path(const Decision& decision);
   void publish_tracks();
+  void publish_local_map();
 
   node::Context& context_;
   Params params_;
@@ -109,7 +110,8 @@ class NavigatorNode final : public node::Node {
 
   nodmap::drive_t drive_{};
   nodmap::navigation_t navigation_{};
-  std::optional<time::Timestamp> path_stamp_;    // when one with a goal was published last
+  std::optional<time::Timestamp> path_stamp_;  // when one with a goal was published last
+  std::optional<time::Timestamp> local_map_stamp_;
   std::optional<time::Timestamp> tracks_stamp_;  // when one with anybody was published last
   std::int64_t next_drive_seq_ = 0;
   std::array<std::int64_t, 5> decisions_{};                                   // by behaviour

@@ -252,6 +252,15 @@ void Feed::subscribe_maps(bus::Bus& bus) {
       post(map_2d, node::stamp_of(message), [view = std::move(*view)] { return grid(view); });
     }
   });
+  const std::size_t local_map = store_.add({"LOCAL_MAP", "foxglove.Grid"});
+  subscribe<nodmap::local_map_t>(bus, "LOCAL_MAP", [this, local_map](const auto& message) {
+    if (!is_valid(message)) {
+      counts_.reject("local_map_not_valid");
+      return;
+    }
+    counts_.use();
+    post(local_map, node::stamp_of(message), [message] { return local_map_grid(message); });
+  });
   subscribe<nodmap::path_t>(
       bus, "PATH", [this, path = add_scene_topic("path")](const auto& message) {
         counts_.use();

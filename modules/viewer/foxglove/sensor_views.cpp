@@ -79,6 +79,20 @@ void fill(VoxelGrid& grid, const Box& whole, const Box& part) {
   }
 }
 
+Json grid_json(const char* frame_id, const char* field, const GridView& view) {
+  geometry::SE3 T_frame_corner = geometry::SE3::Identity();
+  T_frame_corner.translation() = Eigen::Vector3d(view.origin_x_m, view.origin_y_m, 0.0);
+  return {{"timestamp", time_json(view.stamp)},
+          {"frame_id", frame_id},
+          {"pose", pose_json(T_frame_corner)},
+          {"column_count", view.width},
+          {"cell_size", {{"x", view.cell_size_m}, {"y", view.cell_size_m}}},
+          {"row_stride", view.width},
+          {"cell_stride", 1},
+          {"fields", packed_fields_json({{field, 0, NumericType::kInt8}})},
+          {"data", base64(std::as_bytes(std::span(view.cells)))}};
+}
+
 }  // namespace
 
 Json laser_scan(const scan::Scan& scan) {
@@ -126,17 +140,21 @@ Json point_cloud(const CloudView& cloud) {
 }
 
 Json grid(const GridView& view) {
-  geometry::SE3 T_map_corner = geometry::SE3::Identity();
-  T_map_corner.translation() = Eigen::Vector3d(view.origin_x_m, view.origin_y_m, 0.0);
-  return {{"timestamp", time_json(view.stamp)},
-          {"frame_id", frames::kMap},
-          {"pose", pose_json(T_map_corner)},
-          {"column_count", view.width},
-          {"cell_size", {{"x", view.cell_size_m}, {"y", view.cell_size_m}}},
-          {"row_stride", view.width},
-          {"cell_stride", 1},
-          {"fields", packed_fields_json({{"occupancy", 0, NumericType::kInt8}})},
-          {"data", base64(std::as_bytes(std::span(view.cells)))}};
+  return grid_json(frames::kMap, "occupancy", view);
+}
+
+bool is_valid(const nodmap::local_map_t& map) {
+  constexpr std::int32_t kMaxSide = 512;  // 12.8 m in cells of the navigator's own size
+  const bool has_size =
+      map.width > 0 && map.height > 0 && map.width <= kMaxSide && map.height <= kMaxSide;
+  return has_size && map.num_cells == map.width * map.height && map.cell_size_m > 0.0 &&
+         std::isfinite(map.cell_size_m + map.origin_m[0] + map.origin_m[1]);
+}
+
+Json local_map_grid(const nodmap::local_map_t& map) {
+  return grid_json(frames::kOdom, "kind",
+                   {time::from_utime(map.utime), map.cell_size_m, map.origin_m[0], map.origin_m[1],
+                    map.width, map.height, map.cells});
 }
 
 VoxelGrid to_voxel_grid(const OccupiedSpace& space) {

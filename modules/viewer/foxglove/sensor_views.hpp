@@ -12,6 +12,7 @@
 #include "common/scan/scan.hpp"
 #include "modules/viewer/foxglove/foxglove.hpp"
 #include "nodmap/egomap_t.hpp"
+#include "nodmap/local_map_t.hpp"
 
 namespace nodmap::foxglove {
 
@@ -47,6 +48,12 @@ struct GridView {
 
 /// foxglove.Grid in frame map, one field `occupancy` (INT8).
 [[nodiscard]] Json grid(const GridView& view);
+
+/// Whether it has as many cells as it says, not too many, and a place.
+[[nodiscard]] bool is_valid(const nodmap::local_map_t& map);
+
+/// foxglove.Grid in frame odom, one field `kind` (INT8): local_map_t's number. The map is valid.
+[[nodiscard]] Json local_map_grid(const nodmap::local_map_t& map);
 
 /// Occupied space as a dense grid: slices along z, rows along y, x fastest.
 struct VoxelGrid {

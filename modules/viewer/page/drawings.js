@@ -43,29 +43,41 @@ export function drawPoints(color, size) {
   };
 }
 
-const gridMaterial = new MeshBasicMaterial({map: new DataTexture(), transparent: true, depthWrite: false});
+/** A function that draws a foxglove.Grid of one byte a cell; `paint(value)`: [red, green, blue, opacity] of 255, or nothing. */
+export function drawGrid(paint, liftM = 0) {
+  const material = new MeshBasicMaterial({map: new DataTexture(), transparent: true, depthWrite: false});
+  return (grid) => {
+    const cells = new Int8Array(bytesOf(grid.data).buffer);
+    const width = grid.column_count;
+    const height = cells.length / grid.row_stride;
+    const pixels = new Uint8Array(4 * cells.length);
+    cells.forEach((value, i) => {
+      const color = paint(value);
+      if (color) {
+        pixels.set(color, 4 * i);
+      }
+    });
+    material.map.dispose();
+    material.map = new DataTexture(pixels, width, height, RGBAFormat);
+    material.map.magFilter = NearestFilter;
+    material.map.needsUpdate = true;
+    const plane = new PlaneBufferGeometry(width * grid.cell_size.x, height * grid.cell_size.y);
+    plane.translate(0.5 * width * grid.cell_size.x, 0.5 * height * grid.cell_size.y, liftM);
+    const object = new Mesh(plane, material);
+    setPose(object, grid.pose);
+    return [object];
+  };
+}
 
-/** Draws free cells light and occupied ones dark red; omits unknown ones. */
-export function drawGrid(grid) {
-  const cells = new Int8Array(bytesOf(grid.data).buffer);
-  const width = grid.column_count;
-  const height = cells.length / grid.row_stride;
-  const pixels = new Uint8Array(4 * cells.length);
-  cells.forEach((occupancy, i) => {
-    if (occupancy >= 0) {
-      const share = occupancy / 100;
-      pixels.set([90 + 140 * share, 105 - 60 * share, 125 - 80 * share, 150 + 90 * share], 4 * i);
-    }
-  });
-  gridMaterial.map.dispose();
-  gridMaterial.map = new DataTexture(pixels, width, height, RGBAFormat);
-  gridMaterial.map.magFilter = NearestFilter;
-  gridMaterial.map.needsUpdate = true;
-  const plane = new PlaneBufferGeometry(width * grid.cell_size.x, height * grid.cell_size.y);
-  plane.translate(0.5 * width * grid.cell_size.x, 0.5 * height * grid.cell_size.y, 0);
-  const object = new Mesh(plane, gridMaterial);
-  setPose(object, grid.pose);
-  return [object];
+/** Free cells light, occupied ones dark red; unknown ones are left out. */
+export function paintOccupancy(occupancy) {
+  const share = occupancy / 100;
+  return occupancy < 0 ? null : [90 + 140 * share, 105 - 60 * share, 125 - 80 * share, 150 + 90 * share];
+}
+
+/** By local_map_t: floor, obstacle, hole; what was not seen is left out. */
+export function paintGround(kind) {
+  return [null, [70, 160, 110, 110], [255, 120, 40, 230], [190, 60, 255, 230]][kind];
 }
 
 /** Positions of a foxglove.PosesInFrame, raised by `liftM`, so that they are not hidden in other drawings. */

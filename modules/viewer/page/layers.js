@@ -2,7 +2,7 @@
 // Layers, which can be shown and hidden: one for each kind of message, drawn in the frame of the message.
 import {Group} from "./three/build/three.module.js";
 import {Cloud} from "./cloud.js";
-import {drawEntity, drawGrid, drawKeyframes, drawPoints, drawScan, drawTrail} from "./drawings.js";
+import {drawEntity, drawGrid, drawKeyframes, drawPoints, drawScan, drawTrail, paintGround, paintOccupancy} from "./drawings.js";
 import {hiddenMaterial} from "./materials.js";
 import {drawVoxels} from "./voxels.js";
 
@@ -137,7 +137,8 @@ export function makeLayers(frames, software) {
     ["SCAN", {name: "laser fan", swatch: "#ff5252", layer: layer(drawScan)}],
     ["CLOUD", {name: "point cloud", swatch: "ramp", layer: cloud}],
     ["OCTOMAP", {name: "voxels", swatch: "ramp", layer: layer(drawVoxels(software ? 12000 : 200000)), off: true}],
-    ["MAP_2D", {name: "2D map", swatch: "linear-gradient(to right, #5a697d 50%, #e62d2d 50%)", layer: layer(drawGrid)}],
+    ["MAP_2D", {name: "2D map", swatch: "linear-gradient(to right, #5a697d 50%, #e62d2d 50%)", layer: layer(drawGrid(paintOccupancy))}],
+    ["LOCAL_MAP", {name: "ground around the robot", swatch: "linear-gradient(to right, #46a06e 50%, #ff7828 50%)", layer: layer(drawGrid(paintGround, 0.005)), off: true}],
     ["OBSTACLE_MAP", {name: "obstacle map", swatch: "#ffb74d", layer: layer(drawPoints(0xffb74d, 5))}],
     ["STRUCTURE_MAP", {name: "structure map", swatch: "#4dd0e1", layer: layer(drawPoints(0x4dd0e1, 5))}],
     ["scene/corridor", {name: "virtual corridor", swatch: "#1ab34d", layer: entities()}],

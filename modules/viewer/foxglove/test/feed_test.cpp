@@ -164,6 +164,7 @@ TEST_F(FeedTest, TheRestOfTheChannels) {
   send("GOAL", robot::goal());
   send("PATH", robot::path());
   send("TRACKS", robot::tracks());
+  send("LOCAL_MAP", robot::local_map());
   send("EXPLORATION", robot::exploration());
   send("POSE_GRAPH", robot::pose_graph());
   send("POSE_GRAPH_6D", robot::pose_graph_6d());
@@ -182,6 +183,7 @@ TEST_F(FeedTest, TheRestOfTheChannels) {
   EXPECT_EQ(newest("scene/goal")["entities"].size(), 1U);
   EXPECT_EQ(newest("scene/path")["entities"].size(), 1U);
   EXPECT_EQ(newest("scene/tracks")["entities"].size(), 1U);
+  EXPECT_EQ(newest("LOCAL_MAP")["column_count"], 80);
   EXPECT_EQ(newest("EXPLORATION")["state_name"], "EXPLORING");
   EXPECT_EQ(newest("scene/exploration")["entities"].size(), 1U);
   EXPECT_EQ(newest("scene/pose_graph")["entities"].size(), 1U);

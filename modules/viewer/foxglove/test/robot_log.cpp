@@ -82,6 +82,7 @@ void note_slow_channels(std::vector<Event>& events, const RobotLog& settings) {
   note(events, "GOAL", goal());
   note(events, "PATH", path());
   note(events, "TRACKS", tracks());
+  note(events, "LOCAL_MAP", local_map());
   note(events, "EXPLORATION", exploration());
   note(events, "POSE_GRAPH", pose_graph());
   nodmap::pose_graph_6d_t graph = pose_graph_6d();
@@ -289,6 +290,25 @@ nodmap::path_t path() {
   message.arc_x_m = {0.0, 0.8};
   message.arc_y_m = {0.0, 0.1};
   message.state = nodmap::path_t::PLANNED;
+  return message;
+}
+
+nodmap::local_map_t local_map() {
+  constexpr std::int32_t kSide = 80;
+  nodmap::local_map_t message{};
+  message.utime = kBeginUs;
+  message.cell_size_m = 0.05;
+  message.origin_m[0] = message.origin_m[1] = -2.0;
+  message.width = message.height = kSide;
+  message.num_cells = kSide * kSide;
+  for (std::int32_t i = 0; i < message.num_cells; ++i) {
+    const std::int32_t column = i % kSide;
+    const std::int8_t behind =
+        i / kSide < kSide / 2 ? nodmap::local_map_t::OBSTACLE : nodmap::local_map_t::HOLE;
+    message.cells.push_back(column < 60   ? nodmap::local_map_t::FLOOR
+                            : column < 64 ? behind
+                                          : nodmap::local_map_t::NOT_SEEN);
+  }
   return message;
 }
 

@@ -14,6 +14,7 @@
 #include "nodmap/exploration_t.hpp"
 #include "nodmap/goal_t.hpp"
 #include "nodmap/grid_chunk_t.hpp"
+#include "nodmap/local_map_t.hpp"
 #include "nodmap/navigation_t.hpp"
 #include "nodmap/octomap_chunk_t.hpp"
 #include "nodmap/odometry_t.hpp"
@@ -47,6 +48,8 @@ inline constexpr std::int64_t kBeginUs = 1'700'000'000'000'000;
 [[nodiscard]] nodmap::truth_t truth_at(double time_s);
 [[nodiscard]] nodmap::goal_t goal();
 [[nodiscard]] nodmap::path_t path();
+/// A square of 4 m with floor, behind it an obstacle and a hole, in cells of 5 cm.
+[[nodiscard]] nodmap::local_map_t local_map();
 /// Somebody who walks, and somebody out of sight.
 [[nodiscard]] nodmap::tracks_t tracks();
 [[nodiscard]] nodmap::exploration_t exploration();

@@ -154,6 +154,35 @@ TEST(Grid, KeepsCellsAndCorner) {
   EXPECT_DOUBLE_EQ(json["cell_size"]["x"], 0.05);
 }
 
+TEST(Grid, OfTheLocalMapIsInOdom) {
+  nodmap::local_map_t map = foxglove::test::local_map();
+  const Json json = local_map_grid(map);
+  EXPECT_EQ(json["frame_id"], "odom");
+  EXPECT_EQ(decoded(json["data"])[79 * 80 + 61], nodmap::local_map_t::HOLE);
+  EXPECT_DOUBLE_EQ(json["pose"]["position"]["x"], -2.0);
+}
+
+TEST(Grid, ALocalMapIsWhatItSays) {
+  const nodmap::local_map_t good = foxglove::test::local_map();
+  EXPECT_TRUE(is_valid(good));
+  nodmap::local_map_t bad = good;
+  bad.width = 81;
+  EXPECT_FALSE(is_valid(bad));
+  bad = good;
+  bad.width = bad.height = -80;  // their product is right
+  EXPECT_FALSE(is_valid(bad));
+  bad = good;
+  bad.width = 1;
+  bad.height = bad.num_cells;  // longer than what is drawn
+  EXPECT_FALSE(is_valid(bad));
+  bad = good;
+  bad.cell_size_m = 0.0;
+  EXPECT_FALSE(is_valid(bad));
+  bad = good;
+  bad.origin_m[1] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(is_valid(bad));
+}
+
 TEST(Trail, KeepsPosesThatAreFarEnoughApart) {
   Trail trail("odom", 0.1);
   geometry::SE3 pose = geometry::SE3::Identity();
@@ -376,6 +405,7 @@ TEST(Schemas, DescribeWhatIsSent) {
   fits("foxglove.LaserScan", laser_scan(level_scan()));
   fits("foxglove.PointCloud", egomap_cloud(robot::egomap_at(0.0), pose));
   fits("foxglove.Grid", grid({{}, 0.1, 0.0, 0.0, 1, 1, {0}}));
+  fits("foxglove.Grid", local_map_grid(robot::local_map()));
   fits("foxglove.FrameTransform", frame_transform({}, "a", "b", pose));
   fits("foxglove.PosesInFrame", trail.poses_in_frame());
   fits("foxglove.SceneUpdate", body_scene({}, Body{}));
